@@ -1,0 +1,173 @@
+"""Mass, moment of inertia and contact geometry of three rods, by integration; note [12]."""
+
+from functools import cache
+
+import sympy as sp
+
+from .proof import Equation
+from .symbols import X, Z, diameter, h_0, k, length, m, phi
+
+Profile = tuple[tuple[sp.Expr, sp.Expr, sp.Expr], ...]  # (radius, from, to) along the axis
+
+_z = sp.Symbol("z", real=True)
+
+
+def mass_and_inertia(profile: Profile, density: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Mass and transverse moment of inertia of a body of revolution, sliced into discs."""
+    mass = inertia = sp.S.Zero
+    for radius, low, high in profile:
+        area = sp.pi * radius**2
+        mass += sp.integrate(sp.expand(density * area), (_z, low, high))
+        disc = sp.expand(density * area * (_z**2 + radius**2 / 4))
+        inertia += sp.integrate(disc, (_z, low, high))
+    return sp.expand(mass), sp.expand(inertia)
+
+
+@cache
+def spherocylinder() -> tuple[sp.Expr, sp.Expr]:
+    """Mass and inertia in units of the virtual sphere: diameter 1, mass 1; length h_0 + 1."""
+    half, density = h_0 / 2, 6 / sp.pi
+    cap = sp.sqrt(sp.Rational(1, 4) - (_z - half) ** 2)
+    mirrored = cap.subs(_z, -_z)
+    return mass_and_inertia(
+        (
+            (mirrored, -half - sp.Rational(1, 2), -half),
+            (sp.Rational(1, 2), -half, half),
+            (cap, half, half + sp.Rational(1, 2)),
+        ),
+        density,
+    )
+
+
+@cache
+def spherocylinder_gyration() -> sp.Expr:
+    """k^2 of a solid spherocylinder of overall length l and diameter d."""
+    mass, inertia = spherocylinder()
+    ratio = sp.cancel(inertia / mass).subs(h_0, (length - diameter) / diameter)
+    return sp.factor(diameter**2 * ratio)
+
+
+@cache
+def cylinder_gyration() -> sp.Expr:
+    """k^2 of a solid flat-ended cylinder of length l and diameter d."""
+    mass, inertia = mass_and_inertia(
+        ((diameter / 2, -length / 2, length / 2),), sp.Symbol("rho", positive=True)
+    )
+    return sp.expand(sp.cancel(inertia / mass))
+
+
+@cache
+def thin_gyration() -> sp.Expr:
+    """k^2 of a thin rod: the cylinder's with d = 0."""
+    return cylinder_gyration().subs(diameter, 0)
+
+
+def _stand(lowest: sp.Matrix) -> tuple[sp.Expr, sp.Expr]:
+    """(X, Z) of the centre of mass over the body's lowest point (x, z from the centre)."""
+    return -lowest[0], -lowest[1]
+
+
+_axis = sp.Matrix([sp.sin(phi), sp.cos(phi)])
+_across = sp.Matrix([sp.cos(phi), -sp.sin(phi)])  # the side that a positive tilt turns down
+_down = sp.Matrix([0, -1])
+
+
+def thin_contact() -> tuple[sp.Expr, sp.Expr]:
+    """(X, Z) of a thin rod that stands on its lower end."""
+    return _stand(-length / 2 * _axis)
+
+
+def round_contact() -> tuple[sp.Expr, sp.Expr]:
+    """(X, Z) of a spherocylinder: straight below the centre of its lower cap."""
+    return _stand(-(length - diameter) / 2 * _axis + diameter / 2 * _down)
+
+
+def flat_contact() -> tuple[sp.Expr, sp.Expr]:
+    """(X, Z) of a flat-ended rod on the lower edge of its end, for positive tilt."""
+    return _stand(-length / 2 * _axis + diameter / 2 * _across)
+
+
+def _virtual_work(contact: tuple[sp.Expr, sp.Expr]) -> sp.Expr:
+    """X + dZ/dphi: zero for a contact that rolls or pivots, whatever the shape."""
+    return contact[0] + contact[1].diff(phi)
+
+
+def _by_parts() -> tuple[sp.Expr, sp.Expr]:
+    """Mass and inertia of the spherocylinder again: cylinder and two half-balls, shifted."""
+    cylinder, cap = 3 * h_0 / 2, sp.Rational(1, 2)
+    own = cap * sp.Rational(2, 5) / 4 - cap * sp.Rational(3, 16) ** 2  # about its own centre
+    shifted = own + cap * (h_0 / 2 + sp.Rational(3, 16)) ** 2
+    return cylinder + 2 * cap, sp.expand(
+        cylinder * (sp.Rational(1, 16) + h_0**2 / 12) + 2 * shifted
+    )
+
+
+_printed_inertia = (
+    sp.Rational(1, 10) + sp.Rational(15, 32) * h_0 + h_0**2 + sp.Rational(1, 8) * h_0**3
+)
+
+EQUATIONS = (
+    Equation(
+        tag="IV: thin rod",
+        what="X, Z, k and I of a thin rod",
+        symbol="(X, Z, k, I)",
+        printed=sp.Matrix(
+            [
+                length * sp.sin(phi) / 2,
+                length * sp.cos(phi) / 2,
+                length / (2 * sp.sqrt(3)),
+                m * length**2 / 12,
+            ]
+        ),
+        derive=lambda: sp.Matrix([*thin_contact(), sp.sqrt(thin_gyration()), m * thin_gyration()]),
+        verdict="agrees",
+    ),
+    Equation(
+        tag="[12]: mass",
+        what="mass of a spherocylinder, in virtual spheres",
+        symbol="M",
+        printed=1 + sp.Rational(3, 2) * h_0,
+        derive=lambda: spherocylinder()[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="[12]: inertia",
+        what="moment of inertia of a spherocylinder",
+        symbol="I",
+        printed=_printed_inertia,
+        derive=lambda: spherocylinder()[1],
+        verdict="erratum",
+        contradicted_by="[12]'s own mass, split into cylinder and caps, with Steiner's theorem,",
+        contradiction=lambda: _by_parts()[1],
+        note="integration gives 9/32 h_0 and h_0^2/4 where 15/32 h_0 and h_0^2 are printed; "
+        "only the first and the last term are right",
+    ),
+    Equation(
+        tag="bodies: gyration radius",
+        what="k^2 of a solid spherocylinder and of a solid cylinder",
+        symbol="(k^2_{round}, k^2_{flat})",
+        derive=lambda: sp.Matrix([spherocylinder_gyration(), cylinder_gyration()]),
+        check=lambda: (
+            # a ball, by its textbook moment of inertia; and the thin limit of both
+            spherocylinder_gyration().subs(length, diameter) - diameter**2 / 10,
+            spherocylinder_gyration().subs(diameter, 0) - length**2 / 12,
+            cylinder_gyration() - length**2 / 12 - diameter**2 / 16,
+            _by_parts()[0] - spherocylinder()[0],
+            _by_parts()[1] - spherocylinder()[1],
+        ),
+        verdict="new",
+    ),
+    Equation(
+        tag="bodies: contact",
+        what="(X, Z) of a spherocylinder and of a flat-ended rod on its edge",
+        symbol="(X, Z)_{round}, (X, Z)_{flat}",
+        derive=lambda: sp.Matrix([*round_contact(), *flat_contact()]),
+        check=lambda: (
+            *(_virtual_work(c) for c in (thin_contact(), round_contact(), flat_contact())),
+            round_contact()[1].subs(length, diameter) - diameter / 2,
+        ),
+        verdict="new",
+    ),
+)
+
+THIN = {X: thin_contact()[0], Z: thin_contact()[1], k: sp.sqrt(thin_gyration())}

@@ -1,0 +1,326 @@
+"""Stationary translation of bouncing rods, Section V, Eqs. (24)-(31)."""
+
+from functools import cache
+
+import sympy as sp
+
+from . import slide, slip_reversal, slip_stick
+from .bodies import THIN, cylinder_gyration, flat_contact
+from .newton import approach
+from .proof import Equation
+from .symbols import (
+    Gamma,
+    V_0,
+    V_z,
+    X,
+    Z,
+    c_x,
+    c_z,
+    diameter,
+    epsilon,
+    k,
+    length,
+    mu,
+    omega,
+    phi,
+    theta,
+    v_0,
+)
+from .thin_rod import critical_friction
+
+CASES = {"stick": slip_stick.impulse, "back": slip_reversal.impulse}
+
+
+def _landing(case: str) -> tuple[sp.Expr, sp.Expr]:
+    """(c_x', c_z') after a landing without spin."""
+    return tuple(c.subs(omega, 0) for c in slide.cm_velocity(*CASES[case]()))
+
+
+@cache
+def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
+    """(c_x', c_z') that repeat themselves: c_x' = c_x, c_z' = -c_z, omega = 0."""
+    after_x, after_z = _landing(case)
+    solution = sp.solve([after_x - c_x, after_z + c_z], [c_x, c_z], dict=True)[0]
+    return sp.factor(solution[c_x]), sp.factor(-solution[c_z])
+
+
+@cache
+def landing_velocity(case: str) -> sp.Expr:
+    """v_0 of the stationary landing; it must be negative for an impact to happen."""
+    return sp.factor((-stationary(case)[1] - V_z))
+
+
+@cache
+def relaxation(case: str) -> sp.Expr:
+    """d c_x'/d c_x: what one landing leaves of a deviation from the stationary drift."""
+    return sp.factor(_landing(case)[0].diff(c_x))
+
+
+@cache
+def slide_loss() -> sp.Expr:
+    """c_x' - c_x of a continuous slide, which stationary translation would need to be zero."""
+    return sp.factor((slide.cm_velocity(*slide.impulse())[0] - c_x).subs(omega, 0))
+
+
+def plate_velocity(density: sp.Expr) -> sp.Expr:
+    """Mean of V_0 cos(theta) over a density of landing phases."""
+    return sp.integrate(V_0 * sp.cos(theta) * density, (theta, 0, 2 * sp.pi))
+
+
+@cache
+def onset_velocity() -> sp.Expr:
+    """Leading V_z/V_0 at the first landing of a perfectly inelastic rod, eta = sqrt(Gamma - 1).
+
+    The rod leaves where Gamma sin(theta) = 1 and lands where height and plate meet again; close
+    to Gamma = 1 both happen near theta = pi/2, where sin is a parabola.
+    """
+    eta, y, x = sp.symbols("eta y x", positive=True)
+    start = -sp.sqrt(2) * eta  # theta - pi/2 at take-off: 1 - x^2/2 = 1/Gamma to leading order
+    falling = eta**2 - x**2 / 2  # Gamma sin(theta) - 1: plate acceleration over gravity
+    speed = sp.integrate(falling, (x, start, x))
+    gap = sp.expand(sp.integrate(speed, (x, start, y)))
+    landings = [root for root in sp.solve(gap, y) if sp.simplify(root - start) != 0]
+    return -landings[0]  # cos(pi/2 + x) = -x
+
+
+_H = (1 + sp.cos(theta)) / (2 * sp.pi)
+_denominator = k**2 * (1 - epsilon) + 2 * X**2
+_thin_denominator = 1 - epsilon + 6 * sp.sin(phi) ** 2
+_sc = sp.sin(phi) * sp.cos(phi)
+_printed_24 = 2 * (1 + epsilon) * X * Z * V_z / _denominator
+_printed_27 = ((1 + epsilon) * mu * (k**2 + Z**2) * V_z + (1 + epsilon) * X * Z * V_z) / (
+    _denominator
+)
+_printed_28 = (1 + epsilon) * k**2 * V_z / _denominator
+
+
+def _thin(form: sp.Expr) -> sp.Expr:
+    return form.subs(THIN)
+
+
+EQUATIONS = (
+    Equation(
+        tag="V: closure",
+        what="stationary translation: omega = 0, c_x = c_x', c_z = -c_z'",
+        symbol="(\\omega, c_x'-c_x, c_z'+c_z)",
+        derive=lambda: sp.Matrix([0, 0, 0]),
+        verdict="assumed",
+        note="the paper's closure for what happens between two landings; V_z is left open by it",
+    ),
+    Equation(
+        tag="V: no slide",
+        what='"the sliding regime cannot be realized": c_x\' - c_x of a slide',
+        symbol="c_x'-c_x",
+        derive=slide_loss,
+        check=lambda: (
+            slide_loss()
+            - (mu * k**2 * (1 + epsilon) * v_0 / (k**2 + X**2 + mu * X * Z))
+            .subs(approach())
+            .subs(omega, 0),
+            slide_loss().subs(mu, 0),
+        ),
+        verdict="new",
+        note="negative for every mu > 0 (v_0 < 0, u_0 > 0), so the closure excludes slide in the "
+        "stationary landing itself; it does not exclude single slides in a scatter of landings, "
+        "and without friction nothing is excluded",
+    ),
+    Equation(
+        tag="24",
+        what="drift in slip-stick",
+        symbol="c_x'",
+        printed=_printed_24,
+        derive=lambda: stationary("stick")[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="25",
+        what="vertical velocity in slip-stick",
+        symbol="c_z'",
+        printed=_printed_28,
+        derive=lambda: stationary("stick")[1],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="26",
+        what="drift of a thin rod in slip-stick",
+        symbol="c_x'",
+        printed=6 * (1 + epsilon) * _sc / _thin_denominator * V_z,
+        derive=lambda: _thin(stationary("stick")[0]),
+        verdict="agrees",
+    ),
+    Equation(
+        tag="27",
+        what="drift in slip reversal",
+        symbol="c_x'",
+        printed=_printed_27,
+        derive=lambda: stationary("back")[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="28",
+        what="vertical velocity in slip reversal",
+        symbol="c_z'",
+        printed=_printed_28,
+        derive=lambda: stationary("back")[1],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="V: continuity",
+        what="(27) minus (24) where XZ = mu (k^2 + Z^2)",
+        symbol="c_x'(27) - c_x'(24)",
+        printed=sp.S.Zero,
+        derive=lambda: sp.cancel(
+            (stationary("back")[0] - stationary("stick")[0]).subs(mu, critical_friction())
+        ),
+        verdict="agrees",
+        note="the drift is continuous at both critical tilts; its slope is not",
+    ),
+    Equation(
+        tag="29",
+        what="drift of a thin rod in slip reversal",
+        symbol="c_x'",
+        printed=(1 + epsilon)
+        * (mu * (1 + 3 * sp.cos(phi) ** 2) + 3 * _sc)
+        / _thin_denominator
+        * V_z,
+        derive=lambda: _thin(stationary("back")[0]),
+        verdict="agrees",
+        note="holds between the two critical tilts only; beyond the upper one (26) holds again",
+    ),
+    Equation(
+        tag="30",
+        what="vertical velocity of a thin rod, both regimes",
+        symbol="c_z'",
+        printed=sp.Matrix([(1 + epsilon) / _thin_denominator * V_z] * 2),
+        derive=lambda: sp.Matrix([_thin(stationary(case)[1]) for case in CASES]),
+        verdict="agrees",
+    ),
+    Equation(
+        tag="V: range of (29)",
+        what='"slip reversal (phi > phi_c)": c_x\'/V_z at 89 degrees, mu = 0.3, epsilon = 0.65',
+        symbol="c_x'/V_z",
+        printed=sp.N(
+            (sp.Rational(33, 20) * (mu * (1 + 3 * sp.cos(phi) ** 2) + 3 * _sc))
+            / (sp.Rational(7, 20) + 6 * sp.sin(phi) ** 2)
+        ).subs({mu: sp.Rational(3, 10), phi: 89 * sp.pi / 180}),
+        derive=lambda: (_thin(stationary("stick")[0]) / V_z).subs(
+            {epsilon: sp.Rational(13, 20), phi: 89 * sp.pi / 180}
+        ),
+        verdict="erratum",
+        contradicted_by="condition (16) at that tilt, where friction holds, with (26)",
+        note="above arctan of the larger root (84.04 degrees here) the contact sticks and (26) "
+        "holds: the drift goes to zero at 90 degrees, where (29) would leave (1+eps) mu/(7-eps)",
+    ),
+    Equation(
+        tag="V: H(theta)",
+        what="the approximate density of landing phases is normalised",
+        symbol="\\int H d\\theta",
+        printed=sp.S.One,
+        derive=lambda: sp.integrate(_H, (theta, 0, 2 * sp.pi)),
+        verdict="agrees",
+    ),
+    Equation(
+        tag="31",
+        what="mean plate velocity at landing",
+        symbol="V_z",
+        printed=V_0 / 2,
+        derive=lambda: plate_velocity(_H),
+        verdict="agrees",
+        note="for the assumed H; the density itself is a fit to simulations",
+    ),
+    Equation(
+        tag="V: V_z at onset",
+        what='"one can expect that V_z is proportional to Gamma - 1 at small Gamma"',
+        symbol="V_z",
+        derive=lambda: V_0 * (Gamma - 1),
+        verdict="assumed",
+        note="an expectation for the crowd, not derived; a single perfectly inelastic rod does "
+        "otherwise, see the next row",
+    ),
+    Equation(
+        tag="V: inelastic onset",
+        what="V_z/V_0 of the first landing of a perfectly inelastic rod, eta = sqrt(Gamma - 1)",
+        symbol="V_z/V_0",
+        derive=onset_velocity,
+        check=lambda: (
+            onset_velocity() + 3 * sp.sqrt(2) * sp.Symbol("eta", positive=True),
+            _onset_flight(),
+        ),
+        verdict="new",
+        note="negative, and a square root, not a line: a landing on the falling plate, "
+        "which the closure below cannot turn into a drift",
+    ),
+    Equation(
+        tag="V: landing",
+        what="v_0 of the stationary landing",
+        symbol="v_0",
+        derive=lambda: landing_velocity("stick"),
+        check=lambda: (
+            landing_velocity("stick") - landing_velocity("back"),
+            landing_velocity("stick") + 2 * (k**2 + X**2) * V_z / _denominator,
+        ),
+        verdict="new",
+        note="negative only for V_z > 0: with V_z <= 0 the closure has no impact at all, so a "
+        "small negative V_z cannot by itself explain the reverse drift (Section VI)",
+    ),
+    Equation(
+        tag="V: relaxation",
+        what="what a landing leaves of a deviation in c_x: slip-stick, slip reversal",
+        symbol="\\partial c_x'/\\partial c_x",
+        derive=lambda: sp.Matrix([relaxation("stick"), relaxation("back")]),
+        check=lambda: (
+            relaxation("stick") - Z**2 / (k**2 + X**2 + Z**2),
+            relaxation("back").subs(mu, 0) - 1,
+            relaxation("back").diff(mu).subs(mu, 0) + 2 * k**2 / (X * Z),
+        ),
+        verdict="new",
+        note="as mu -> 0 the drift (29) tends to half of (26), not to zero, but the number of "
+        "landings needed to reach it grows as XZ/(2 mu k^2)",
+    ),
+    Equation(
+        tag="V: friction to zero",
+        what="(27) at mu -> 0 over (24)",
+        symbol="c_x'(27)/c_x'(24)",
+        derive=lambda: sp.cancel(stationary("back")[0].subs(mu, 0) / stationary("stick")[0]),
+        check=lambda: (
+            stationary("back")[0].subs(mu, 0) / stationary("stick")[0] - sp.Rational(1, 2),
+        ),
+        verdict="new",
+    ),
+    Equation(
+        tag="V: flat end",
+        what="tilt below which a flat-ended rod drifts against its tilt",
+        symbol="\\phi_{flat}",
+        derive=lambda: sp.solve(flat_contact()[0], phi)[0],
+        check=lambda: (flat_contact()[0].subs(phi, sp.atan(diameter / length)),),
+        verdict="new",
+        note="arctan(d/l), from X = 0: 7.1 degrees for the experiment's l = 8 d, which reports "
+        "motion from 8 degrees on",
+    ),
+    Equation(
+        tag="V: flat end at tilt 0",
+        what="drift of a flat-ended rod in slip-stick as its tilt goes to 0 from above",
+        symbol="c_x'",
+        derive=lambda: sp.factor(_flat_start()),
+        check=lambda: (
+            _flat_start()
+            + _flat_start().subs(diameter, -diameter),  # the other edge: tilt 0 from below
+        ),
+        verdict="new",
+        note="finite and backwards; it changes sign as the contact jumps from edge to edge",
+    ),
+)
+
+
+def _flat_start() -> sp.Expr:
+    contact = [part.subs(phi, 0) for part in flat_contact()]
+    flat = {X: contact[0], Z: contact[1], k: sp.sqrt(cylinder_gyration())}
+    return stationary("stick")[0].subs(flat)
+
+
+def _onset_flight() -> sp.Expr:
+    """The gap closes again at x = 3 sqrt(2) eta: integrate it there once more, directly."""
+    eta, x, y = sp.symbols("eta x y", positive=True)
+    start, end = -sp.sqrt(2) * eta, 3 * sp.sqrt(2) * eta
+    weight = (end - x) * (eta**2 - x**2 / 2)  # double integral by parts
+    return sp.integrate(sp.expand(weight), (x, start, end))

@@ -1,0 +1,198 @@
+"""One equation of the paper: as printed, as derived, and the proof of the verdict between them.
+
+Verdicts
+--------
+agrees     the difference of both forms simplifies to zero
+rewritten  both forms are equal to 40 digits at random points (no simplification closes them)
+erratum    the forms differ: a point where they do, and, where the paper contradicts itself, the
+           other equations whose printed forms give the derived one
+assumed    an axiom or closure: nothing to derive it from
+new        not in the paper; proved by a second route (expressions that must vanish)
+"""
+
+import random
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Literal
+
+import sympy as sp
+
+from . import symbols as s
+
+Form = sp.Expr | sp.MatrixBase | sp.core.relational.Relational
+Verdict = Literal["agrees", "rewritten", "erratum", "assumed", "new"]
+
+DIGITS = 40
+POINTS = 5
+
+# Where random points are drawn; what is not named lies in (-2, 2), or in (1/2, 2) if positive.
+DOMAIN = {
+    s.mu: ("1/20", "7/10"),
+    s.epsilon: ("1/10", "9/10"),
+    s.phi: ("1/10", "7/5"),
+    s.h_0: ("1/10", "9"),
+    s.theta: ("0", "6"),
+}
+
+# A plain impact of the kind the paper treats (u_0 > 0, v_0 < 0), for counter-examples.
+EXAMPLE: Mapping[sp.Symbol, sp.Rational] = {
+    s.m: sp.Integer(1),
+    s.k: sp.Integer(1),
+    s.X: sp.Integer(1),
+    s.Z: sp.Rational(3, 2),
+    s.mu: sp.Rational(1, 5),
+    s.epsilon: sp.Rational(1, 2),
+    s.omega: sp.Rational(1, 10),
+    s.c_x: sp.Rational(1),
+    s.c_z: sp.Integer(-2),
+    s.V_z: sp.Rational(1, 2),
+    s.phi: sp.pi / 3,
+    s.h_0: sp.Integer(1),
+    s.u_0: sp.Rational(17, 20),
+    s.v_0: sp.Rational(-12, 5),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Proof:
+    """What was found when a verdict was put to the proof."""
+
+    ok: bool
+    evidence: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Equation:
+    """One equation or number-bearing statement, with the verdict that `prove` tests."""
+
+    tag: str  # the paper's equation number, or the section and a key word
+    what: str
+    symbol: str  # left-hand side, LaTeX
+    verdict: Verdict
+    derive: Callable[[], Form]
+    printed: Form | None = None
+    note: str = ""
+    contradicted_by: str = ""  # tags of the printed equations that give the derived form
+    contradiction: Callable[[], Form] | None = None  # what those printed equations give
+    at: Mapping[sp.Symbol, sp.Expr] | None = None  # replaces values of EXAMPLE
+    check: Callable[[], Iterable[sp.Expr]] | None = None  # second route, verdict "new"
+
+    def prove(self) -> Proof:
+        """Put the verdict to the proof."""
+        return _PROOFS[self.verdict](self)
+
+
+def components(form: Form) -> tuple[sp.Expr, ...]:
+    """The scalar expressions of a form; an inequality a > b counts as a - b."""
+    if isinstance(form, sp.MatrixBase):
+        return tuple(form)
+    if isinstance(form, sp.core.relational.Relational):
+        return (form.gts - form.lts,)
+    return (sp.sympify(form),)
+
+
+@cache
+def vanishes(expr: sp.Expr) -> bool:
+    """Whether `expr` is identically zero: rational in the symbols and in tan(phi/2)."""
+    half = sp.Symbol("tau", positive=True)
+    rational = sp.expand_trig(expr).subs(
+        {
+            sp.sin(s.phi): 2 * half / (1 + half**2),
+            sp.cos(s.phi): (1 - half**2) / (1 + half**2),
+        }
+    )
+    return sp.cancel(sp.together(rational)) == 0
+
+
+def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rational]:
+    """A reproducible random rational point of the domain."""
+    draw = random.Random(seed)
+    point = {}
+    for symbol in sorted(free, key=str):
+        default = ("1/2", "2") if symbol.is_positive else ("-2", "2")
+        low, high = (sp.Rational(end) for end in DOMAIN.get(symbol, default))
+        point[symbol] = low + (high - low) * sp.Rational(draw.randrange(1, 10**6), 10**6)
+    return point
+
+
+def equal_at_random_points(a: sp.Expr, b: sp.Expr) -> bool:
+    """Whether two expressions agree to 40 digits at random rational points."""
+    free = a.free_symbols | b.free_symbols
+    for seed in range(POINTS):
+        point = random_point(free, seed)
+        x, y = (sp.N(form.subs(point), DIGITS + 20) for form in (a, b))
+        if abs(x - y) > sp.Float(10) ** -DIGITS * (1 + abs(y)):
+            return False
+    return True
+
+
+def same(a: Form, b: Form) -> bool:
+    """Whether two forms say the same; inequalities may differ by a positive factor."""
+    pairs = tuple(zip(components(a), components(b), strict=True))
+    if isinstance(a, sp.core.relational.Relational):
+        return all(sp.cancel(x / y).is_positive for x, y in pairs)
+    return all(vanishes(x - y) for x, y in pairs)
+
+
+def _agrees(eq: Equation) -> Proof:
+    return Proof(ok=same(eq.printed, eq.derive()), evidence="difference simplifies to zero")
+
+
+def _rewritten(eq: Equation) -> Proof:
+    pairs = zip(components(eq.printed), components(eq.derive()), strict=True)
+    return Proof(
+        ok=all(equal_at_random_points(x, y) for x, y in pairs),
+        evidence=f"equal to {DIGITS} digits at {POINTS} random rational points",
+    )
+
+
+def _erratum(eq: Equation) -> Proof:
+    point = {**EXAMPLE, **(eq.at or {})}
+    derived = eq.derive()
+    pairs = [
+        (x.subs(point), y.subs(point))
+        for x, y in zip(components(eq.printed), components(derived), strict=True)
+        if x != y
+    ]
+    differs = any(sp.Abs(sp.N(x - y, 30)) > sp.Float("1e-20") for x, y in pairs)
+    evidence = "; ".join(f"printed {_show(x)}, derived {_show(y)}" for x, y in pairs)
+    free = set().union(*(x.free_symbols for x in (*components(eq.printed), *components(derived))))
+    where = ", ".join(f"{x} = {point[x]}" for x in sorted(free, key=str) if x in point)
+    evidence += f" at {where}" if where else ""
+    contradicted = True
+    if eq.contradiction is not None:
+        contradicted = same(eq.contradiction(), derived)
+        evidence += f"; the printed {eq.contradicted_by} gives the derived form"
+    return Proof(ok=differs and contradicted, evidence=evidence)
+
+
+def _assumed(eq: Equation) -> Proof:
+    if eq.printed is None:
+        return Proof(ok=True, evidence="")
+    return Proof(ok=same(eq.printed, eq.derive()), evidence="taken as the starting point")
+
+
+def _new(eq: Equation) -> Proof:
+    if eq.check is None:
+        raise ValueError(f"{eq.tag}: a new result needs a second route (check)")
+    residuals = tuple(eq.check())
+    return Proof(
+        ok=bool(residuals) and all(vanishes(sp.sympify(r)) for r in residuals),
+        evidence=f"{len(residuals)} independent identities simplify to zero",
+    )
+
+
+def _show(value: sp.Expr) -> str:
+    """An exact value if it is short, else twelve digits."""
+    exact = sp.sstr(value)
+    return exact if len(exact) <= 16 else sp.sstr(sp.N(value, 12))
+
+
+_PROOFS = {
+    "agrees": _agrees,
+    "rewritten": _rewritten,
+    "erratum": _erratum,
+    "assumed": _assumed,
+    "new": _new,
+}

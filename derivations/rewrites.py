@@ -1,0 +1,132 @@
+"""Named rules that turn derived expressions into ones that compute well.
+
+A rule maps the body of a function (ordered assignments) to an equal one. `rewrite` proves the
+equality after every rule, with all abbreviations written out again, and records the operation
+count; a rule that changed a value raises `RewriteError`.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from . import slide, slip_reversal
+from .laws import V_1, a_1, a_2
+from .proof import vanishes
+from .symbols import P_1, P_z, k, m, mu, u_0, v_0, v_1
+
+Body = dict[sp.Symbol, sp.Expr]
+
+# Abbreviations of the generated code. N and T are k^2 times what a unit of normal impulse adds to
+# v and takes from u in forward slip; N_back, T_back the same in backward slip.
+N, T, N_back, T_back = sp.symbols("N T N_back T_back", real=True)
+w, r = sp.symbols("w r", real=True)  # a_2 P_1 and a_2/a_1
+
+
+def _responses() -> dict[sp.Symbol, sp.Expr]:
+    """N, T, N_back, T_back in X, Z, k, mu: read off the slip velocities (5), (6)."""
+    scale = m * k**2 / P_z
+    back_x, back_z = slip_reversal.reversed_change(P_z)
+    return {
+        N: sp.expand(scale * (slide.normal_velocity() - v_0)),
+        T: sp.expand(-scale * (slide.slip_velocity() - u_0)),
+        N_back: sp.expand(scale * back_z),
+        T_back: sp.expand(-scale * back_x),
+    }
+
+
+RESPONSES = _responses()
+# v_1 where slopes are general, and where they are those of the contact
+GENERAL: Mapping[sp.Symbol, sp.Expr] = {w: a_2 * P_1, r: a_2 / a_1, v_1: V_1}
+CONTACT: Mapping[sp.Symbol, sp.Expr] = {**RESPONSES, v_1: slide.stop()[2]}
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A named rewriting step and the reason for it."""
+
+    name: str
+    why: str
+    apply: Callable[[Body], Body]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What a rule did: operations left in the body."""
+
+    rule: str
+    operations: int
+
+
+class RewriteError(ArithmeticError):
+    """A rewriting rule changed the value of an expression."""
+
+
+def written_out(body: Body, meaning: Mapping[sp.Symbol, sp.Expr]) -> Body:
+    """The assignments with earlier ones and all abbreviations substituted."""
+    known: Body = {}
+    for symbol, expr in body.items():
+        known[symbol] = expr.subs(known).subs(meaning)
+    return known
+
+
+def operations(body: Body) -> int:
+    """Arithmetic operations of a body."""
+    return int(sum(sp.count_ops(expr) for expr in body.values()))
+
+
+def rewrite(
+    derived: Body, rules: tuple[Rule, ...], meaning: Mapping[sp.Symbol, sp.Expr]
+) -> tuple[Body, tuple[Step, ...]]:
+    """Apply the rules in order; after each, every output must still equal its derived form."""
+    body = dict(derived)
+    steps = [Step("as derived", operations(body))]
+    for rule in rules:
+        body = rule.apply(body)
+        values = written_out(body, meaning)
+        for symbol, expr in derived.items():
+            if not vanishes(values[symbol] - expr.subs(meaning)):
+                raise RewriteError(f"rule {rule.name!r} changed {symbol}: {expr} to {body[symbol]}")
+        steps.append(Step(rule.name, operations(body)))
+    return body, tuple(steps)
+
+
+def single_fraction() -> Rule:
+    """Bring every output to one fraction; what does not matter (mu in sticking) drops out."""
+    return Rule(
+        "single fraction",
+        "one division; quantities that do not matter drop out",
+        lambda body: {symbol: sp.cancel(sp.together(expr)) for symbol, expr in body.items()},
+    )
+
+
+def name_responses() -> Rule:
+    """Write N, T, N_back, T_back where they stand as sums of lengths."""
+
+    def shorten(body: Body) -> Body:
+        short = {meaning: symbol for symbol, meaning in RESPONSES.items()}
+        short |= {-meaning: -symbol for symbol, meaning in RESPONSES.items()}
+        return {symbol: sp.factor(expr).subs(short) for symbol, expr in body.items()}
+
+    return Rule("name responses", "computed once, compensated in one place", shorten)
+
+
+def recast(name: str, why: str, **assignments: sp.Expr) -> Rule:
+    """Replace the body by one chosen for its rounding; locals come before what uses them."""
+
+    def replace(body: Body) -> Body:
+        known = {symbol.name: symbol for symbol in body}
+        return {
+            known.get(key, sp.Symbol(key, real=True)): expr for key, expr in assignments.items()
+        }
+
+    return Rule(name, why, replace)
+
+
+def nested() -> Rule:
+    """Collect the friction: mu (k^2 + Z^2) instead of two products."""
+    return Rule(
+        "collect friction",
+        "one product less, and mu multiplies a sum of squares",
+        lambda body: {symbol: sp.collect(expr, mu) for symbol, expr in body.items()},
+    )

@@ -1,0 +1,136 @@
+"""Slide: the contact point slips forward until it separates, Eqs. (7)-(15)."""
+
+from functools import cache
+
+import sympy as sp
+
+from .newton import approach, contact_change, velocity_change
+from .proof import Equation
+from .symbols import P_x, P_z, V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, u_0, v_0
+
+
+def slip_velocity(p_z: sp.Expr = P_z) -> sp.Expr:
+    """Tangential contact velocity after the normal impulse p_z in forward slip, Eq. (7)."""
+    return u_0 + contact_change(-mu * p_z, p_z)[0]
+
+
+def normal_velocity(p_z: sp.Expr = P_z) -> sp.Expr:
+    """Normal contact velocity after the normal impulse p_z in forward slip."""
+    return v_0 + contact_change(-mu * p_z, p_z)[1]
+
+
+@cache
+def impulse() -> tuple[sp.Expr, sp.Expr]:
+    """Total impulse (P_x, P_z) of a slide under kinematic restitution, Eqs. (9), (8)."""
+    (p_z,) = sp.solve(normal_velocity() + epsilon * v_0, P_z)
+    return -mu * p_z, p_z
+
+
+@cache
+def stop() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    """Impulse (P_x, P_z) at which the slip stops, and v_1 there; (B2), (B1), (15)."""
+    (p_z,) = sp.solve(slip_velocity(), P_z)
+    return -mu * p_z, p_z, sp.factor(normal_velocity(p_z))
+
+
+def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Velocity (c_x', c_z') of the centre of mass after the impulse, Eqs. (10), (11)."""
+    dc = velocity_change(sp.Matrix([p_x, 0, p_z]))
+    return (c_x + dc[0]).subs(approach()), (c_z + dc[2]).subs(approach())
+
+
+@cache
+def slide_excess() -> sp.Expr:
+    """u_* of Eq. (14): what is left of the slip velocity when the contact separates."""
+    return sp.factor(slip_velocity(impulse()[1]))
+
+
+_slope = k**2 + X**2 + mu * X * Z
+_stop = mu * (k**2 + Z**2) + X * Z
+_printed_8 = -v_0 * (1 + epsilon) * m * k**2 / _slope
+_printed_9 = v_0 * (1 + epsilon) * m * mu * k**2 / _slope
+# (13) prints omega_x where omega X is meant; a symbol of its own keeps the misprint visible
+omega_x = sp.Symbol("omega_x", real=True)
+
+EQUATIONS = (
+    Equation(
+        tag="7",
+        what="slip velocity left at separation",
+        symbol="u_*",
+        printed=u_0 - (X * Z + mu * (k**2 + Z**2)) / (m * k**2) * P_z,
+        derive=slip_velocity,
+        verdict="agrees",
+    ),
+    Equation(
+        tag="8",
+        what="normal impulse of a slide",
+        symbol="P_z(t_f)",
+        printed=_printed_8,
+        derive=lambda: impulse()[1],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="9",
+        what="tangential impulse of a slide",
+        symbol="P_x(t_f)",
+        printed=_printed_9,
+        derive=lambda: impulse()[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="10",
+        what="horizontal CM velocity from the impulse",
+        symbol="c_x'",
+        printed=c_x + P_x / m,
+        derive=lambda: cm_velocity(P_x, P_z)[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="11",
+        what="vertical CM velocity from the impulse",
+        symbol="c_z'",
+        printed=c_z + P_z / m,
+        derive=lambda: cm_velocity(P_x, P_z)[1],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="12",
+        what="horizontal CM velocity after a slide",
+        symbol="c_x'",
+        printed=c_x + mu * (1 + epsilon) * k**2 * (c_z - V_z + omega * X) / _stop,
+        derive=lambda: cm_velocity(*impulse())[0],
+        verdict="erratum",
+        contradicted_by="(9) with (10)",
+        contradiction=lambda: (c_x + _printed_9 / m).subs(approach()),
+        note="the denominator belongs to (15); it must be k^2 + X^2 + mu X Z",
+    ),
+    Equation(
+        tag="13",
+        what="vertical CM velocity after a slide",
+        symbol="c_z'",
+        printed=c_z - (c_z + omega_x - V_z) * (1 + epsilon) * k**2 / _stop,
+        derive=lambda: cm_velocity(*impulse())[1],
+        verdict="erratum",
+        contradicted_by="(8) with (11)",
+        contradiction=lambda: (c_z + _printed_8 / m).subs(approach()),
+        at={omega_x: sp.Rational(1, 10)},
+        note="the denominator must be k^2 + X^2 + mu X Z, and omega_x must be omega X "
+        "(a spin cannot be added to a velocity)",
+    ),
+    Equation(
+        tag="14",
+        what="condition of continuous slide",
+        symbol="u_* > 0",
+        printed=u_0 + (X * Z + mu * (k**2 + Z**2)) / _slope * v_0 * (1 + epsilon),
+        derive=slide_excess,
+        verdict="agrees",
+    ),
+    Equation(
+        tag="15",
+        what="normal contact velocity when the slip stops",
+        symbol="v_1",
+        printed=v_0 + _slope / _stop * u_0,
+        derive=lambda: stop()[2],
+        verdict="agrees",
+    ),
+)

@@ -1,0 +1,132 @@
+"""Slip reversal: the slip stops and starts again backwards, Eqs. (20)-(22), (B6)-(B12)."""
+
+from functools import cache
+
+import sympy as sp
+
+from .newton import approach, contact_change
+from .proof import Equation
+from .slide import cm_velocity, stop
+from .slip_stick import stick_margin
+from .symbols import P_1, P_z, V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, u_0, v_0, v_1
+
+
+def reversed_change(p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Change (du, dv) of the contact velocity under p_z in backward slip, F_x = +mu F_z."""
+    return contact_change(mu * p_z, p_z)
+
+
+@cache
+def impulse() -> tuple[sp.Expr, sp.Expr]:
+    """Total impulse (P_x, P_z) under kinematic restitution, Eqs. (B9), (B8)."""
+    p_x, p_z, v = stop()
+    extra = sp.Symbol("Delta P")
+    (extra_z,) = sp.solve(v + reversed_change(extra)[1] + epsilon * v_0, extra)
+    return p_x + mu * extra_z, p_z + extra_z
+
+
+@cache
+def final_slip() -> sp.Expr:
+    """u_f, the backward slip velocity at separation, Eq. (B10)."""
+    return sp.factor(reversed_change(impulse()[1] - stop()[1])[0])
+
+
+_stop = mu * (k**2 + Z**2) + X * Z
+_back = k**2 + X**2 - mu * X * Z
+_bracket = (1 + epsilon) * v_0 + (k**2 + X**2 + mu * X * Z) / _stop * u_0
+_u, _v = c_x - omega * Z, c_z - V_z + omega * X
+_printed_b11 = u_0 * (1 - mu * k**2 / _stop) + omega * Z - mu * k**2 / _back * _bracket
+_printed_b12 = v_0 + u_0 * k**2 / _stop - k**2 / _back * _bracket + V_z - omega * X
+
+EQUATIONS = (
+    Equation(
+        tag="20",
+        what="condition of slip reversal",
+        symbol="XZ - \\mu(k^2+Z^2) > 0",
+        printed=sp.Lt(mu * (k**2 + Z**2), X * Z),
+        derive=lambda: sp.Lt(stick_margin(), 0),
+        verdict="agrees",
+        note="for u_0 > 0; for either sign of the slip XZ becomes |XZ|",
+    ),
+    Equation(
+        tag="B6",
+        what="slip velocity at separation after reversal",
+        symbol="u_f",
+        printed=(mu * (k**2 + Z**2) - X * Z) / (m * k**2) * (P_z - P_1),
+        derive=lambda: reversed_change(P_z - P_1)[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="B7",
+        what="normal contact velocity at separation after reversal",
+        symbol="v_f",
+        printed=v_1 + _back / (m * k**2) * (P_z - P_1),
+        derive=lambda: v_1 + reversed_change(P_z - P_1)[1],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="B8",
+        what="normal impulse of slip reversal",
+        symbol="P_z(t_f)",
+        printed=u_0 * m * k**2 / _stop - m * k**2 / _back * _bracket,
+        derive=lambda: impulse()[1],
+        verdict="agrees",
+        note='the text before it says "the impulse during the reversal phase"; '
+        "it is the impulse of the whole contact",
+    ),
+    Equation(
+        tag="B9",
+        what="tangential impulse of slip reversal",
+        symbol="P_x(t_f)",
+        printed=-u_0 * mu * m * k**2 / _stop - mu * m * k**2 / _back * _bracket,
+        derive=lambda: impulse()[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="B10",
+        what="slip velocity at separation after reversal",
+        symbol="u_f",
+        printed=-(mu * (k**2 + Z**2) - X * Z) / _back * _bracket,
+        derive=final_slip,
+        verdict="agrees",
+    ),
+    Equation(
+        tag="B11",
+        what="horizontal CM velocity after slip reversal",
+        symbol="c_x'",
+        printed=_printed_b11.subs(approach()),
+        derive=lambda: cm_velocity(*impulse())[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="B12",
+        what="vertical CM velocity after slip reversal",
+        symbol="c_z'",
+        printed=_printed_b12.subs(approach()),
+        derive=lambda: cm_velocity(*impulse())[1],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="21",
+        what="horizontal CM velocity after slip reversal",
+        symbol="c_x'",
+        printed=c_x
+        + _u * 2 * mu * k**2 * (k**2 + X**2) / (_stop * _back)
+        - _v * mu * k**2 * (1 + epsilon) / _back,
+        derive=lambda: cm_velocity(*impulse())[0],
+        verdict="erratum",
+        contradicted_by="(B11)",
+        contradiction=lambda: _printed_b11.subs(approach()),
+        note="the second term must carry a minus sign: friction takes the slip away",
+    ),
+    Equation(
+        tag="22",
+        what="vertical CM velocity after slip reversal",
+        symbol="c_z'",
+        printed=c_z
+        - _u * 2 * mu * k**2 * X * Z / (_stop * _back)
+        - _v * k**2 * (1 + epsilon) / _back,
+        derive=lambda: cm_velocity(*impulse())[1],
+        verdict="agrees",
+    ),
+)

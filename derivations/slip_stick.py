@@ -1,0 +1,160 @@
+"""Slip-stick: the slip stops and friction holds the contact, Eqs. (16)-(19), (B1)-(B5)."""
+
+from functools import cache
+
+import sympy as sp
+
+from .newton import contact_change
+from .proof import Equation
+from .slide import cm_velocity, stop
+from .symbols import (
+    F_x,
+    F_z,
+    P_1,
+    P_z,
+    V_z,
+    X,
+    Z,
+    c_x,
+    c_z,
+    epsilon,
+    k,
+    m,
+    mu,
+    omega,
+    u_0,
+    v_0,
+    v_1,
+)
+
+
+@cache
+def sticking_force() -> sp.Expr:
+    """F_x that keeps the contact point at rest, Eq. (17)."""
+    (force,) = sp.solve(contact_change(F_x, F_z)[0], F_x)
+    return force
+
+
+@cache
+def stick_margin() -> sp.Expr:
+    """mu - F_x/F_z while sticking, for XZ > 0: friction holds where this is positive, (16)."""
+    return sp.together(mu - sticking_force() / F_z)
+
+
+def sticking_velocity(p_z: sp.Expr) -> sp.Expr:
+    """Change of the normal contact velocity under the impulse p_z while sticking."""
+    return contact_change(sticking_force().subs(F_z, p_z), p_z)[1]
+
+
+@cache
+def impulse() -> tuple[sp.Expr, sp.Expr]:
+    """Total impulse (P_x, P_z) under kinematic restitution, Eqs. (B5), (B4)."""
+    p_x, p_z, v = stop()
+    extra = sp.Symbol("Delta P")
+    (extra_z,) = sp.solve(v + sticking_velocity(extra) + epsilon * v_0, extra)
+    return p_x + sticking_force().subs(F_z, extra_z), p_z + extra_z
+
+
+_stop = mu * (k**2 + Z**2) + X * Z
+_all = k**2 + X**2 + Z**2
+_bracket = v_0 * (1 + epsilon) + (k**2 + X**2 + mu * X * Z) / _stop * u_0
+_u, _v = c_x - omega * Z, c_z - V_z + omega * X
+_slip = _all / (k**2 + Z**2)
+_printed_b3 = v_0 + (k**2 + X**2 + mu * X * Z) / _stop * u_0 + _slip / m * (P_z - P_1)
+
+EQUATIONS = (
+    Equation(
+        tag="16",
+        what="condition of sticking",
+        symbol="\\mu(k^2+Z^2) - XZ > 0",
+        printed=sp.Gt(mu * (k**2 + Z**2), X * Z),
+        derive=lambda: sp.Gt(stick_margin(), 0),
+        verdict="agrees",
+        note="for u_0 > 0; for either sign of the slip XZ becomes |XZ|",
+    ),
+    Equation(
+        tag="17",
+        what="friction force while sticking",
+        symbol="F_x",
+        printed=X * Z / (k**2 + Z**2) * F_z,
+        derive=sticking_force,
+        verdict="agrees",
+    ),
+    Equation(
+        tag="B1",
+        what="normal impulse until the slip stops",
+        symbol="P_z(t_1)",
+        printed=u_0 * m * k**2 / _stop,
+        derive=lambda: stop()[1],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="B2",
+        what="tangential impulse until the slip stops",
+        symbol="P_x(t_1)",
+        printed=-u_0 * m * mu * k**2 / _stop,
+        derive=lambda: stop()[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="B3",
+        what="normal contact velocity at separation, first line",
+        symbol="v_f",
+        printed=v_1 + _slip * (P_z - P_1),
+        derive=lambda: v_1 + sticking_velocity(P_z - P_1),
+        verdict="erratum",
+        at={m: sp.Integer(2), v_1: sp.Integer(0), P_1: sp.Integer(0), P_z: sp.Integer(1)},
+        contradicted_by="second line of (B3)",
+        contradiction=lambda: v_1 + _printed_b3 - _printed_b3.subs(P_z, P_1),
+        note="the integral of F_z lacks the factor 1/m (and its dt) that the second line has",
+    ),
+    Equation(
+        tag="B3: second line",
+        what="normal contact velocity at separation, second line",
+        symbol="v_f",
+        printed=_printed_b3,
+        derive=lambda: stop()[2] + sticking_velocity(P_z - P_1),
+        verdict="agrees",
+    ),
+    Equation(
+        tag="B4",
+        what="normal impulse of slip-stick",
+        symbol="P_z(t_f)",
+        printed=u_0 * m * k**2 / _stop - _bracket * m * (k**2 + Z**2) / _all,
+        derive=lambda: impulse()[1],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="B5",
+        what="tangential impulse of slip-stick",
+        symbol="P_x(t_f)",
+        printed=-u_0 * m * mu * k**2 / _stop - _bracket * m * X * Z / _all,
+        derive=lambda: impulse()[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="18",
+        what="horizontal CM velocity after slip-stick",
+        symbol="c_x'",
+        printed=(_u * Z**2 - _v * (1 + epsilon) * X * Z) / _all + omega * Z,
+        derive=lambda: cm_velocity(*impulse())[0],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="19",
+        what="vertical CM velocity after slip-stick",
+        symbol="c_z'",
+        printed=(_v * (X**2 - (k**2 + Z**2) * epsilon) - _u * X * Z) / _all + V_z - omega * X,
+        derive=lambda: cm_velocity(*impulse())[1],
+        verdict="agrees",
+    ),
+    Equation(
+        tag="IV: stick without mu",
+        what="d/dmu of the velocities (18), (19) after slip-stick",
+        symbol="\\partial(c_x', c_z')/\\partial\\mu",
+        printed=sp.Matrix([0, 0]),
+        derive=lambda: sp.Matrix([sp.cancel(c.diff(mu)) for c in cm_velocity(*impulse())]),
+        verdict="agrees",
+        note='"the post-collisional velocities are independent of the friction coefficient"',
+    ),
+)

@@ -1,0 +1,24 @@
+"""The paper's letters, each with what is known of its sign.
+
+Lengths and speeds stay general reals, so that whatever is proved holds for both signs; only what
+is positive by its meaning (mass, gyration radius, length, time scales) is declared positive.
+"""
+
+import sympy as sp
+
+m, moment, k, length, diameter = sp.symbols("m I k l d", positive=True)
+h_0 = sp.Symbol("h_0", nonnegative=True)
+mu, epsilon = sp.symbols("mu epsilon", nonnegative=True)
+
+X, Z = sp.symbols("X Z", real=True)
+phi = sp.Symbol("phi", real=True)
+c_x, c_z, omega, V_z = sp.symbols("c_x c_z omega V_z", real=True)
+u_0, v_0 = sp.symbols("u_0 v_0", real=True)
+v_1, v_f = sp.symbols("v_1 v_f", real=True)
+
+P_x, P_z, P_1 = sp.symbols("P_x P_z P_1", real=True)
+F_x, F_z = sp.symbols("F_x F_z", real=True)
+
+t, theta = sp.symbols("t theta", real=True)
+V_0 = sp.Symbol("V_0", positive=True)
+Gamma = sp.Symbol("Gamma", positive=True)

@@ -1,0 +1,35 @@
+"""The theory of a rod's frictional impact with a plate, as numbers.
+
+>>> from math import radians
+>>> import impact
+>>> rod = impact.thin_rod(tilt=radians(30))
+>>> hit = impact.collide(1.0, -2.0, geometry=rod, friction=0.3, restitution=0.65)
+>>> hit.regime.name
+'SLIP_REVERSAL'
+
+Closed forms derived from Newton's laws by `derivations`; needs NumPy alone.
+"""
+
+from .boundaries import critical_friction, critical_tilts, energy_restitution, slide_friction
+from .collision import Collision, Regime, classify, collide
+from .translation import Drift, drift, landing_density, mean_plate_velocity
+from .geometry import ContactGeometry, flat_ended_rod, spherocylinder, thin_rod
+
+__all__ = [
+    "Collision",
+    "ContactGeometry",
+    "Drift",
+    "Regime",
+    "classify",
+    "collide",
+    "critical_friction",
+    "critical_tilts",
+    "drift",
+    "energy_restitution",
+    "flat_ended_rod",
+    "landing_density",
+    "mean_plate_velocity",
+    "slide_friction",
+    "spherocylinder",
+    "thin_rod",
+]

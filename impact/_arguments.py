@@ -1,0 +1,81 @@
+"""What every public function does with its arguments: domains, dtypes, blocks.
+
+A scalar outside its domain raises; inside an array such an element becomes nan. A nan, or an
+infinity where none is allowed, gives nan everywhere and never raises.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+BLOCK = 4096  # elements in flight; a block's temporaries stay in the second-level cache
+
+
+class Domain(NamedTuple):
+    """Closed interval (half-open below if `above` says so) with its text for messages."""
+
+    low: float
+    high: float
+    text: str
+    open_low: bool = False
+    infinite: bool = False
+
+    def holds(self, value: np.ndarray) -> np.ndarray:
+        """Where finite values (or a permitted infinity) lie in the domain."""
+        above = value > self.low if self.open_low else value >= self.low
+        inside = above & (value <= self.high)
+        return inside if self.infinite else inside & np.isfinite(value)
+
+
+ANY = Domain(-np.inf, np.inf, "any finite number")
+POSITIVE = Domain(0.0, np.inf, "> 0", open_low=True)
+FRICTION = Domain(0.0, np.inf, ">= 0", infinite=True)
+RESTITUTION = Domain(0.0, 1.0, "between 0 and 1")
+
+
+def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
+    """`value` as a real array; a scalar outside the domain raises `ValueError`.
+
+    Masked elements count as nan. What is not a real number raises `TypeError`.
+    """
+    if isinstance(value, np.ma.MaskedArray):
+        value = value.astype(np.result_type(value.dtype, np.float32)).filled(np.nan)
+    array = np.asarray(value)
+    if array.dtype.kind not in "biuf":
+        raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
+    if array.ndim == 0 and np.isfinite(array) and not domain.holds(array):
+        raise ValueError(f"{name} must be {domain.text}, got {value!r}")
+    return array
+
+
+def result_dtype(values: Sequence[Any]) -> np.dtype:
+    """float32 if the arguments are, else float64; Python numbers do not decide."""
+    weak = [v if type(v) in (int, float, bool) else np.asarray(v).dtype for v in values]
+    return np.dtype(np.float32 if np.result_type(*weak) == np.float32 else np.float64)
+
+
+def in_blocks(
+    function: Callable[..., tuple[np.ndarray, ...]],
+    inputs: Sequence[np.ndarray],
+    dtypes: Sequence[np.dtype],
+) -> tuple[Any, ...]:
+    """Broadcast `inputs` and apply `function` block by block, in float64, without warnings.
+
+    `dtypes` are those of the results; memory in flight beside them is a few blocks. Scalars in
+    give scalars out.
+    """
+    read, write = len(inputs), len(dtypes)
+    blocks = np.nditer(
+        [*inputs, *[None] * write],
+        flags=["external_loop", "buffered", "zerosize_ok"],
+        op_flags=[["readonly"]] * read + [["writeonly", "allocate"]] * write,
+        op_dtypes=[np.dtype(np.float64)] * read + list(dtypes),
+        casting="unsafe",
+        buffersize=BLOCK,
+    )
+    with np.errstate(all="ignore"), blocks:
+        for chunk in blocks:
+            for target, values in zip(chunk[read:], function(*chunk[:read]), strict=True):
+                target[...] = values
+        return tuple(out[()] for out in blocks.operands[read:])

@@ -1,0 +1,161 @@
+"""Boundaries between the regimes, over tilt and friction."""
+
+from typing import Any
+
+import numpy as np
+
+from . import _generated as closed
+from ._arguments import (
+    FRICTION,
+    POSITIVE,
+    RESTITUTION,
+    in_blocks,
+    real_array,
+    result_dtype,
+)
+from .geometry import ContactGeometry
+
+
+def geometry_arrays(geometry: ContactGeometry) -> list[np.ndarray]:
+    """X, Z, k of a contact geometry as arrays; raises for a scalar k <= 0."""
+    X, Z, k = ContactGeometry(*geometry)
+    return [
+        real_array("geometry.X", X),
+        real_array("geometry.Z", Z),
+        real_array("geometry.k", k, POSITIVE),
+    ]
+
+
+def unit_lengths(X, Z, k):
+    """X, Z, k scaled by the power of two next to the largest, so that squares stay in range."""
+    _, exponent = np.frexp(np.maximum(np.maximum(np.abs(X), np.abs(Z)), k))
+    return tuple(np.ldexp(length, -exponent) for length in (X, Z, k))
+
+
+def valid_lengths(X, Z, k):
+    """Where a geometry is finite and its k positive."""
+    return np.isfinite(X) & np.isfinite(Z) & POSITIVE.holds(k)
+
+
+def critical_tilts(friction: Any) -> tuple[Any, Any]:
+    """Both critical tilts of a thin rod, Eq. (23): between them a stopped contact slips back.
+
+    Parameters
+    ----------
+    friction : Coulomb coefficient, >= 0
+
+    Returns
+    -------
+    (lower, upper) : tilts in rad, both roots of mu (k^2 + Z^2) = X Z; tan(lower) tan(upper) = 4.
+        nan for friction > 3/4, where the contact sticks at every tilt; at 3/4 both are arctan 2.
+
+    Raises
+    ------
+    ValueError
+        If a scalar friction is negative.
+    """
+
+    def block(mu):
+        valid = FRICTION.holds(mu)
+        mu = np.where(valid, mu, np.nan)
+        root = np.sqrt((3 - 4 * mu) * (3 + 4 * mu))  # nan beyond the end, mu = 3/4
+        a, b, c = closed.critical_tangents(mu, root)
+        return np.arctan2(a, b), np.arctan2(b, c)
+
+    dtype = result_dtype([friction])
+    return in_blocks(block, [real_array("friction", friction, FRICTION)], [dtype] * 2)
+
+
+def critical_friction(geometry: ContactGeometry) -> Any:
+    """Friction below which a stopped contact slips back, |X Z|/(k^2 + Z^2); Eqs. (16), (20).
+
+    Parameters
+    ----------
+    geometry : any X, Z, and k > 0
+
+    Returns
+    -------
+    Dimensionless; nan for array elements out of their domain.
+
+    Raises
+    ------
+    ValueError
+        If k is a scalar <= 0.
+    """
+
+    def block(X, Z, k):
+        value = np.abs(closed.critical_friction(*unit_lengths(X, Z, k)))
+        return (np.where(valid_lengths(X, Z, k), value, np.nan),)
+
+    return in_blocks(block, geometry_arrays(geometry), [result_dtype(list(geometry))])[0]
+
+
+def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitution: Any) -> Any:
+    """Largest friction at which the contact slides until it separates: u_* = 0 in Eq. (14).
+
+    Parameters
+    ----------
+    geometry : any X, Z, and k > 0
+    approach_ratio : -c_z/c_x > 0 of a rod without spin (omega = 0, c_x > 0) on a plate at rest
+    restitution : between 0 and 1; the three laws agree about a slide
+
+    Returns
+    -------
+    Dimensionless; 0 where the slip stops at every friction, inf where it never does.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain.
+    """
+    extra = [
+        real_array("approach_ratio", approach_ratio, POSITIVE),
+        real_array("restitution", restitution, RESTITUTION),
+    ]
+
+    def block(X, Z, k, ratio, epsilon):
+        valid = valid_lengths(X, Z, k) & POSITIVE.holds(ratio) & RESTITUTION.holds(epsilon)
+        above, below = closed.slide_friction(*unit_lengths(X, Z, k), (1 + epsilon) * ratio)
+        value = np.where(below > 0, np.maximum(above, 0.0) / below, np.inf)
+        return (np.where(valid, value, np.nan),)
+
+    dtype = result_dtype([*geometry, approach_ratio, restitution])
+    return in_blocks(block, [*geometry_arrays(geometry), *extra], [dtype])[0]
+
+
+def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
+    """Restitution above which Newton's kinematic law can create energy.
+
+    Above it there is an approach (u_0, v_0) after which the rod has more energy than before;
+    at or below it there is none. Not in the paper; derived in `derivations.laws`.
+
+    Parameters
+    ----------
+    geometry : any X, Z, and k > 0
+    friction : Coulomb coefficient, >= 0
+
+    Returns
+    -------
+    Dimensionless, at most 1; 1 where even full restitution creates none (no friction, or XZ = 0).
+        For a thin rod it is 4/sqrt(16 + 9 sin(2 tilt)^2) where the contact sticks: never below
+        4/5.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain.
+    """
+
+    def block(X, Z, k, mu):
+        valid = valid_lengths(X, Z, k) & FRICTION.holds(mu)
+        x, z = np.abs(X) / k, np.abs(Z) / k
+        A, B, C, D = 1 + x * x, x * z, 1 + z * z, 1 + x * x + z * z
+        reverses = mu * C < B
+        mu = np.where(reverses, mu, 0.0)
+        sticking = np.sqrt(D) / (np.sqrt(A) * np.sqrt(C))
+        kappa = closed.energy_threshold_back(B, C, mu, np.sqrt(A), np.sqrt(A - mu * mu * C))
+        value = np.where(reverses, (1 - kappa) / (1 + kappa), sticking)
+        return (np.where(valid, value, np.nan),)
+
+    arrays = [*geometry_arrays(geometry), real_array("friction", friction, FRICTION)]
+    return in_blocks(block, arrays, [result_dtype([*geometry, friction])])[0]

@@ -1,0 +1,142 @@
+"""Where the centre of mass stands over the contact point, for three kinds of rod."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _generated as closed
+from ._arguments import POSITIVE, Domain, in_blocks, real_array, result_dtype
+
+
+class ContactGeometry(NamedTuple):
+    """Contact geometry: centre of mass (X, Z) over the contact point, gyration radius k.
+
+    Three lengths in one unit (numbers or arrays that broadcast). X is positive for a rod that
+    tilts towards +x; any signs are legal, k must be positive.
+    """
+
+    X: Any
+    Z: Any
+    k: Any
+
+
+def _tilts(tilt: Any) -> np.ndarray:
+    """Tilt as an array; the domain ends at 90 degrees in the tilt's own precision."""
+    right = float(np.float32(np.pi / 2)) if result_dtype([tilt]) == np.float32 else np.pi / 2
+    domain = Domain(-right, right, "between -pi/2 and pi/2")
+    tilt = real_array("tilt", tilt, domain)
+    return np.where(domain.holds(tilt), tilt, np.nan)
+
+
+def _rod(contact, tilt: Any, **sizes: Any) -> ContactGeometry:
+    """Evaluate `contact(sin, cos, *sizes)` -> (X, Z, k) with the domains of all arguments."""
+    dtype = result_dtype([tilt, *sizes.values()])
+    arrays = [real_array(name, value, POSITIVE) for name, value in sizes.items()]
+
+    def block(phi, *lengths):
+        valid = np.isfinite(phi)
+        for length in lengths:
+            valid &= POSITIVE.holds(length)
+        X, Z, k = contact(np.sin(phi), np.cos(phi), *lengths)
+        return tuple(np.where(valid, part, np.nan) for part in (X, Z, k))
+
+    return ContactGeometry(*in_blocks(block, [_tilts(tilt), *arrays], [dtype] * 3))
+
+
+def thin_rod(tilt: Any, length: Any = 1.0) -> ContactGeometry:
+    """Thin rod on its lower end: X = l sin(phi)/2, Z = l cos(phi)/2, k = l/sqrt(12).
+
+    Parameters
+    ----------
+    tilt : angle from the vertical, rad, between -pi/2 and pi/2; any shape
+    length : length of the rod, > 0; broadcasts with `tilt`
+
+    Returns
+    -------
+    ContactGeometry
+        In the unit of `length`; nan where an array element is out of its domain.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain.
+
+    Notes
+    -----
+    Section IV of the paper. Mirror-symmetric bit for bit: `tilt -> -tilt` turns X to -X.
+    """
+
+    def contact(sin, cos, length):
+        return length * sin / 2, length * cos / 2, length / np.sqrt(12.0)
+
+    return _rod(contact, tilt, length=length)
+
+
+def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeometry:
+    """Solid spherocylinder on its round tip, straight below the centre of its lower cap.
+
+    Parameters
+    ----------
+    tilt : angle from the vertical, rad, between -pi/2 and pi/2; any shape
+    length : overall length, caps included (the paper's l = h_0 + d), >= `diameter`
+    diameter : > 0
+
+    Returns
+    -------
+    ContactGeometry
+        In the unit of the lengths; nan where an array element is out of its domain.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain.
+
+    Notes
+    -----
+    Exact moment of inertia of the uniform solid, by integration; the one printed in note [12] of
+    our copy of the paper is wrong in two of its four terms.
+    """
+    whole = real_array("length", length, POSITIVE)
+    thick = real_array("diameter", diameter, POSITIVE)
+    if whole.ndim == thick.ndim == 0 and whole < thick:
+        raise ValueError(f"length must be >= diameter ({diameter!r}), got {length!r}")
+
+    def contact(sin, cos, length, diameter):
+        X, Z, gyration = closed.round_rod(length, diameter, diameter / length, sin, cos)
+        k = length * np.sqrt(np.where(diameter <= length, gyration, np.nan))
+        return np.where(np.isnan(k), k, X), np.where(np.isnan(k), k, Z), k
+
+    return _rod(contact, tilt, length=length, diameter=diameter)
+
+
+def flat_ended_rod(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeometry:
+    """Solid flat-ended cylinder that lands on the lower edge of its end.
+
+    Parameters
+    ----------
+    tilt : angle from the vertical, rad, between -pi/2 and pi/2; any shape
+    length : > 0
+    diameter : > 0
+
+    Returns
+    -------
+    ContactGeometry
+        In the unit of the lengths; nan where an array element is out of its domain.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain.
+
+    Notes
+    -----
+    Below a tilt of arctan(diameter/length) the centre of mass stands on the other side of the
+    edge and X has the sign opposite to the tilt's. At tilt 0 the contact jumps from edge to edge;
+    the sign of the zero chooses the edge (+0.0: the limit from positive tilts).
+    """
+
+    def contact(sin, cos, length, diameter):
+        X, Z, gyration = closed.flat_rod(length, diameter, diameter / length, np.abs(sin), cos)
+        return np.copysign(1.0, sin) * X, Z, length * np.sqrt(gyration)
+
+    return _rod(contact, tilt, length=length, diameter=diameter)

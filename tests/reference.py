@@ -1,0 +1,246 @@
+"""Independent multiple-precision reference for the planar frictional impact on a plate.
+
+The impulse equations are integrated phase by phase over the normal impulse ``p``.  Every slope
+comes from applying an impulse to the body at rest through Newton's and Euler's laws
+(`apply_impulse`), so nothing here shares an algebraically reduced coefficient with the closed
+forms under test.  Impulses and energies are per unit mass; the contact point is the origin, the
+centre of mass lies at ``(X, Z)``, and positive ``omega`` turns +z towards +x.
+"""
+
+from collections import namedtuple
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from mpmath import frexp, inf, isinf, isnan, ldexp, mpf, sign, sqrt, workdps
+
+NO_IMPACT, SLIDE, SLIP_STICK, SLIP_REVERSAL = range(4)
+
+# Stand-in for infinite friction.  Float inputs can produce ratios as extreme as 10**-1900, so
+# 10**400 could be too small; mpmath exponents are unbounded.  No extra digits are needed: what
+# is absorbed next to a term in this number would vanish in the limit anyway.
+_HUGE_FRICTION_EXPONENT = 4000
+
+# Velocity of a body in the frame of the plate, with the geometry needed to change it.
+State = namedtuple("State", "c_x c_z omega X Z k")
+# Stretch begin <= p <= end of constant ratio dP_x/dp and slope dv/dp; v is taken at its begin.
+Phase = namedtuple("Phase", "ratio begin end v slope")
+# Relative distances to the regime boundaries, inf where there is no such boundary.
+Margins = namedtuple("Margins", "slide stick")
+
+
+class Reference(NamedTuple):
+    """Outcome of an impact, with guard digits; `energy_change` is in the frame of the plate."""
+
+    c_x: mpf
+    c_z: mpf
+    omega: mpf
+    regime: int
+    P_x: mpf
+    P_z: mpf
+    slip_velocity: mpf
+    normal_velocity: mpf
+    energy_change: mpf
+    margins: Margins
+
+
+def apply_impulse(state, P_x, P_z):
+    """Return `state` after an impulse per unit mass at the contact point."""
+    r_x, r_z = -state.X, -state.Z  # lever arm, centre of mass to contact
+    torque = r_z * P_x - r_x * P_z
+    return state._replace(
+        c_x=state.c_x + P_x, c_z=state.c_z + P_z, omega=state.omega + torque / (state.k * state.k)
+    )
+
+
+def contact_velocity(state):
+    """Return the tangential and normal velocity of the contact point relative to the plate."""
+    return state.c_x - state.omega * state.Z, state.c_z + state.omega * state.X
+
+
+def kinetic_energy(state):
+    """Return the kinetic energy per unit mass in the frame of the plate."""
+    return (state.c_x**2 + state.c_z**2 + (state.k * state.omega) ** 2) / 2
+
+
+def _friction_phases(state, mu):
+    """Return the phases, whether sticking is possible, and the stick ratio."""
+    rest = state._replace(c_x=mpf(0), c_z=mpf(0), omega=mpf(0))
+
+    def slopes(ratio):
+        return contact_velocity(apply_impulse(rest, ratio, 1))
+
+    # The ratio at which a tangential impulse cancels the slip caused by a unit normal impulse.
+    u_tangential, u_normal = contact_velocity(apply_impulse(rest, 1, 0))[0], slopes(0)[0]
+    stick_ratio = -u_normal / u_tangential
+
+    u, v = contact_velocity(state)
+    phases, p_stop = [], mpf(0)
+    if u != 0:
+        ratio = -sign(u) * mu
+        du, dv = slopes(ratio)
+        p_stop = -u / du if u * du < 0 else inf
+        phases.append(Phase(ratio, mpf(0), p_stop, v, dv))
+    sticks = abs(stick_ratio) <= mu
+    if not isinf(p_stop):
+        if phases:
+            v = contact_velocity(apply_impulse(state, phases[0].ratio * p_stop, p_stop))[1]
+        # Slip resumes in the direction that friction is too weak to prevent.  The fallback is
+        # for |stick_ratio| = mu within rounding, where sticking and slipping coincide.
+        slipping = (-s * mu for s in (1, -1) if s * slopes(-s * mu)[0] > 0)
+        ratio = stick_ratio if sticks else next(slipping, stick_ratio)
+        phases.append(Phase(ratio, p_stop, inf, v, slopes(ratio)[1]))
+    return phases, sticks, stick_ratio
+
+
+def _rise_to(phases, target):
+    """Return the first ``p`` at which the normal velocity rises to `target`, or inf."""
+    for phase in phases:
+        if phase.slope > 0:
+            p = phase.begin + (target - phase.v) / phase.slope
+            if p <= phase.end:
+                return p
+    return inf
+
+
+def _work(phases, begin, end):
+    """Return the integral of the normal velocity from `begin` to `end`."""
+    total = mpf(0)
+    for phase in phases:
+        a, b = max(begin, phase.begin), min(end, phase.end)
+        if a < b:
+            total += (b - a) * (phase.v + phase.slope * ((a - phase.begin) + (b - a) / 2))
+    return total
+
+
+def _end_of_impact(phases, v, e, law):
+    """Return the total normal impulse."""
+    if law == "newton":
+        return _rise_to(phases, -e * v)
+    p_c = _rise_to(phases, mpf(0))
+    if law == "poisson" or e == 0:
+        return (1 + e) * p_c
+    wanted, begin = -e * e * _work(phases, mpf(0), p_c), p_c
+    for phase in phases:
+        if not isinf(phase.end):
+            gain = _work(phases, begin, phase.end)  # 0 if the phase lies in the compression
+            if gain < wanted:
+                wanted, begin = wanted - gain, max(begin, phase.end)
+                continue
+        v = phase.v + phase.slope * (begin - phase.begin)
+        # Root of v d + slope d^2 / 2 = wanted in the form free of cancellation.
+        return begin + 2 * wanted / (v + sqrt(v * v + 2 * phase.slope * wanted))
+    raise AssertionError("the last phase is unbounded")
+
+
+def _relative_distance(a, b):
+    """Return |a - b| / max(a, b) for non-negative numbers; inf if either is infinite."""
+    if isinf(a) or isinf(b):
+        return inf
+    return abs(a - b) / max(a, b) if a != b else mpf(0)
+
+
+def reference_collide(
+    c_x, c_z, omega, *, X, Z, k, friction, restitution, plate_velocity=0, law="newton", dps=60
+):
+    """Return the outcome of an impact.
+
+    Parameters
+    ----------
+    c_x, c_z, omega : float or mpf
+        Velocities before the impact; like all numbers here, taken exactly.
+    X, Z, k : float or mpf
+        Position of the centre of mass relative to the contact point and gyration radius.
+    friction, restitution : float or mpf
+        Coulomb's coefficient (may be infinite) and the restitution coefficient in [0, 1].
+    plate_velocity : float or mpf
+        Velocity of the infinitely heavy plate along its normal.
+    law : {"newton", "poisson", "stronge"}
+        Meaning of the restitution coefficient.
+    dps : int
+        Decimal digits to which the result holds.
+
+    Returns
+    -------
+    Reference
+        `margins.slide` compares the normal impulses at which slip stops and at which the impact
+        would end under perpetual slip (where the laws agree), `margins.stick` the friction with
+        that needed to stick.  The label may also flip where the initial slip changes sign.
+    """
+    if law not in ("newton", "poisson", "stronge"):
+        raise ValueError(f"unknown law {law!r}")
+    # Twice the digits make products of inputs, hence an initial slip of exactly zero, exact.
+    with workdps(2 * dps + 20):
+        c_x, c_z, omega, V_z, e = map(mpf, (c_x, c_z, omega, plate_velocity, restitution))
+        mu = mpf(10) ** _HUGE_FRICTION_EXPONENT if isinf(friction) else mpf(friction)
+        before = State(c_x, c_z - V_z, omega, mpf(X), mpf(Z), mpf(k))
+        u, v = contact_velocity(before)
+        zero = mpf(0)
+        if v >= 0:
+            margins = Margins(inf, inf)
+            return Reference(c_x, c_z, omega, NO_IMPACT, zero, zero, u, v, zero, margins)
+
+        phases, sticks, stick_ratio = _friction_phases(before, mu)
+        P_z = _end_of_impact(phases, v, e, law)
+        P_x = sum((q.ratio * (min(q.end, P_z) - q.begin) for q in phases if q.begin < P_z), zero)
+        after = apply_impulse(before, P_x, P_z)
+        slip, normal = contact_velocity(after)
+
+        margin = inf
+        regime = SLIP_STICK if sticks else SLIP_REVERSAL
+        if u != 0:
+            perpetual_slip = phases[0]._replace(end=inf)
+            margin = _relative_distance(phases[0].end, _rise_to([perpetual_slip], -e * v))
+            if phases[0].end >= P_z:
+                regime = SLIDE
+        if regime == SLIP_STICK:
+            slip = zero  # by definition of the phase; the sum leaves rounding
+        margins = Margins(margin, _relative_distance(mu, abs(stick_ratio)))
+        energy_change = kinetic_energy(after) - kinetic_energy(before)
+        velocities = (c_x + P_x, after.c_z + V_z, after.omega)
+        return Reference(*velocities, regime, P_x, P_z, slip, normal, energy_change, margins)
+
+
+def _ulp_error(got, ref, scale, digits):
+    """Return |got - ref| in units in the last place of `scale`."""
+    error = abs(mpf(got) - ref)
+    if isnan(error):
+        return inf  # a NaN would slip through max() and <=
+    if scale == 0:
+        return error if error == 0 else inf
+    return error / ldexp(1, frexp(scale)[1] - digits)
+
+
+def error_in_ulp(got, ref, c_x, c_z, omega, *, X, Z, k, plate_velocity=0, digits=53):
+    """Return the errors of `got` in units in the last place of the natural scale of each field.
+
+    Parameters
+    ----------
+    got : mapping or object
+        Numbers named like the fields of `Reference`; absent ones are not judged.
+    ref : Reference
+        The outcome to compare with.
+    c_x, c_z, omega, X, Z, k, plate_velocity : float or mpf
+        The inputs of the impact, which set the scales together with the impulses of `ref`.
+    digits : int
+        Bits of the significand: 53 for float64, 24 for float32.
+
+    Returns
+    -------
+    dict
+        Error by field, and under "maximum" the largest of all but "energy_change", whose scale
+        is the square of the velocity scale.
+    """
+    with workdps(80):
+        c_x, c_z, omega, X, Z, k, V_z = map(mpf, (c_x, c_z, omega, X, Z, k, plate_velocity))
+        scale = max(map(abs, (c_x, c_z - V_z, omega * X, omega * Z, ref.P_x, ref.P_z)))
+        turning = max(abs(omega), (abs(X * ref.P_z) + abs(Z * ref.P_x)) / (k * k))
+        linear = ("c_x", "c_z", "P_x", "P_z", "slip_velocity", "normal_velocity")
+        scales = dict.fromkeys(linear, scale) | {"omega": turning, "energy_change": scale**2}
+        values = got if isinstance(got, Mapping) else {f: getattr(got, f, None) for f in scales}
+        errors = {
+            field: _ulp_error(values[field], getattr(ref, field), field_scale, digits)
+            for field, field_scale in scales.items()
+            if values.get(field) is not None
+        }
+        judged = [error for field, error in errors.items() if field != "energy_change"]
+        return errors | {"maximum": max(judged, default=mpf(0))}
