@@ -1,0 +1,1 @@
+"""The paper, derived from Newton's laws with SymPy and compared with what is printed."""

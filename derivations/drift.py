@@ -9,8 +9,8 @@ from .bodies import THIN, cylinder_gyration, flat_contact
 from .newton import approach
 from .proof import Equation
 from .symbols import (
-    Gamma,
     V_0,
+    Gamma,
     V_z,
     X,
     Z,
@@ -47,7 +47,7 @@ def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
 @cache
 def landing_velocity(case: str) -> sp.Expr:
     """v_0 of the stationary landing; it must be negative for an impact to happen."""
-    return sp.factor((-stationary(case)[1] - V_z))
+    return sp.factor(-stationary(case)[1] - V_z)
 
 
 @cache

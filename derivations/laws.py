@@ -19,7 +19,7 @@ from .newton import approach, contact_change, spin_jump
 from .proof import Equation
 from .slip_reversal import reversed_change
 from .slip_stick import sticking_velocity
-from .symbols import P_1, P_x, P_z, V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, phi, u_0, v_0
+from .symbols import P_1, P_x, P_z, V_z, c_x, c_z, epsilon, k, m, mu, omega, phi, u_0, v_0
 
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point, per unit mass: du = C P_x - B P_z, dv = A P_z - B P_x.

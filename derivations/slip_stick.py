@@ -8,9 +8,9 @@ from .newton import contact_change
 from .proof import Equation
 from .slide import cm_velocity, stop
 from .symbols import (
+    P_1,
     F_x,
     F_z,
-    P_1,
     P_z,
     V_z,
     X,

@@ -9,7 +9,7 @@ from .newton import approach
 from .proof import Equation
 from .slide import slide_excess
 from .slip_stick import stick_margin
-from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, phi, u_0, v_0
+from .symbols import V_z, X, c_x, c_z, epsilon, k, mu, omega, phi, u_0, v_0
 
 ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 and V_z = 0
 

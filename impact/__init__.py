@@ -12,8 +12,8 @@ Closed forms derived from Newton's laws by `derivations`; needs NumPy alone.
 
 from .boundaries import critical_friction, critical_tilts, energy_restitution, slide_friction
 from .collision import Collision, Regime, classify, collide
-from .translation import Drift, drift, landing_density, mean_plate_velocity
 from .geometry import ContactGeometry, flat_ended_rod, spherocylinder, thin_rod
+from .translation import Drift, drift, landing_density, mean_plate_velocity
 
 __all__ = [
     "Collision",

@@ -84,7 +84,7 @@ def _approach(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon) -> _Approach:
     mu = np.minimum(mu, _HUGE_FRICTION)
     N, T = closed.slip_response(X, Z, k, mu)
     _, T_back = closed.slip_response(X, Z, k, -mu)
-    adverse = np.flatnonzero(N < 0.5 * k * k)  # only where XZ < 0: friction presses the rod down
+    adverse = np.flatnonzero(0.5 * k * k > N)  # only where XZ < 0: friction presses the rod down
     if adverse.size:
         N[adverse] = normal_response(X[adverse], Z[adverse], k[adverse], mu[adverse])
     hits = v_0 < 0
