@@ -320,7 +320,7 @@ def _flat_start() -> sp.Expr:
 
 def _onset_flight() -> sp.Expr:
     """The gap closes again at x = 3 sqrt(2) eta: integrate it there once more, directly."""
-    eta, x, y = sp.symbols("eta x y", positive=True)
+    eta, x = sp.symbols("eta x", positive=True)
     start, end = -sp.sqrt(2) * eta, 3 * sp.sqrt(2) * eta
     weight = (end - x) * (eta**2 - x**2 / 2)  # double integral by parts
     return sp.integrate(sp.expand(weight), (x, start, end))

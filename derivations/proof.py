@@ -148,17 +148,20 @@ def _rewritten(eq: Equation) -> Proof:
 
 
 def _erratum(eq: Equation) -> Proof:
-    point = {**EXAMPLE, **(eq.at or {})}
     derived = eq.derive()
+    forms = (*components(eq.printed), *components(derived))
+    free = set().union(*(form.free_symbols for form in forms))
+    point = {**random_point(free, seed=0), **EXAMPLE, **(eq.at or {})}
     pairs = [
         (x.subs(point), y.subs(point))
         for x, y in zip(components(eq.printed), components(derived), strict=True)
         if x != y
     ]
-    differs = any(sp.Abs(sp.N(x - y, 30)) > sp.Float("1e-20") for x, y in pairs)
+    # Of an inequality only the sign counts.
+    value = sp.sign if isinstance(derived, sp.core.relational.Relational) else sp.sympify
+    differs = any(sp.Abs(sp.N(value(x) - value(y), 30)) > sp.Float("1e-20") for x, y in pairs)
     evidence = "; ".join(f"printed {_show(x)}, derived {_show(y)}" for x, y in pairs)
-    free = set().union(*(x.free_symbols for x in (*components(eq.printed), *components(derived))))
-    where = ", ".join(f"{x} = {point[x]}" for x in sorted(free, key=str) if x in point)
+    where = ", ".join(f"{x} = {point[x]}" for x in sorted(free, key=str))
     evidence += f" at {where}" if where else ""
     contradicted = True
     if eq.contradiction is not None:

@@ -1,4 +1,4 @@
-"""Cross references: does a cited figure, panel or equation show what the text says it shows?
+"""Cross references: what cited figures, panels and equations show by their captions.
 
 `SHOWN` holds what the captions say; every citation in `CITATIONS` is looked up there.
 """

@@ -9,9 +9,8 @@ centre of mass lies at ``(X, Z)``, and positive ``omega`` turns +z towards +x.
 
 from collections import namedtuple
 from collections.abc import Mapping
-from typing import NamedTuple
 
-from mpmath import frexp, inf, isinf, isnan, ldexp, mpf, sign, sqrt, workdps
+from mpmath import frexp, inf, isinf, isnan, ldexp, mpf, mpmathify, sign, sqrt, workdps
 
 NO_IMPACT, SLIDE, SLIP_STICK, SLIP_REVERSAL = range(4)
 
@@ -26,21 +25,11 @@ State = namedtuple("State", "c_x c_z omega X Z k")
 Phase = namedtuple("Phase", "ratio begin end v slope")
 # Relative distances to the regime boundaries, inf where there is no such boundary.
 Margins = namedtuple("Margins", "slide stick")
-
-
-class Reference(NamedTuple):
-    """Outcome of an impact, with guard digits; `energy_change` is in the frame of the plate."""
-
-    c_x: mpf
-    c_z: mpf
-    omega: mpf
-    regime: int
-    P_x: mpf
-    P_z: mpf
-    slip_velocity: mpf
-    normal_velocity: mpf
-    energy_change: mpf
-    margins: Margins
+# Outcome of an impact, with guard digits; energy_change is taken in the frame of the plate.
+Reference = namedtuple(
+    "Reference",
+    "c_x c_z omega regime P_x P_z slip_velocity normal_velocity energy_change margins",
+)
 
 
 def apply_impulse(state, P_x, P_z):
@@ -132,6 +121,12 @@ def _end_of_impact(phases, v, e, law):
     raise AssertionError("the last phase is unbounded")
 
 
+def _spread(numbers):
+    """Return the range of the binary exponents of the non-zero finite `numbers`."""
+    exponents = [frexp(x)[1] for x in numbers if x != 0 and not isinf(x)] or [0]
+    return max(exponents) - min(exponents)
+
+
 def _relative_distance(a, b):
     """Return |a - b| / max(a, b) for non-negative numbers; inf if either is infinite."""
     if isinf(a) or isinf(b):
@@ -168,13 +163,16 @@ def reference_collide(
     """
     if law not in ("newton", "poisson", "stronge"):
         raise ValueError(f"unknown law {law!r}")
-    # Twice the digits make products of inputs, hence an initial slip of exactly zero, exact.
-    with workdps(2 * dps + 20):
-        c_x, c_z, omega, V_z, e = map(mpf, (c_x, c_z, omega, plate_velocity, restitution))
-        mu = mpf(10) ** _HUGE_FRICTION_EXPONENT if isinf(friction) else mpf(friction)
-        before = State(c_x, c_z - V_z, omega, mpf(X), mpf(Z), mpf(k))
+    c_x, c_z, omega, V_z, e = map(mpmathify, (c_x, c_z, omega, plate_velocity, restitution))
+    X, Z, k, mu = map(mpmathify, (X, Z, k, friction))
+    # Twice the digits make products of inputs, hence an initial slip of exactly zero, exact.  The
+    # spread covers what cancels when lengths, velocities or friction are of disparate magnitude.
+    spread = 2 * _spread((c_x, c_z, V_z, omega * X, omega * Z, omega * k))
+    spread += 4 * _spread((X, Z, k)) + 2 * _spread((1, mu))
+    with workdps(2 * dps + 20 + spread // 3):
+        mu = mpf(10) ** _HUGE_FRICTION_EXPONENT if isinf(mu) else mu
+        before, zero = State(c_x, c_z - V_z, omega, X, Z, k), mpf(0)
         u, v = contact_velocity(before)
-        zero = mpf(0)
         if v >= 0:
             margins = Margins(inf, inf)
             return Reference(c_x, c_z, omega, NO_IMPACT, zero, zero, u, v, zero, margins)
@@ -202,7 +200,7 @@ def reference_collide(
 
 def _ulp_error(got, ref, scale, digits):
     """Return |got - ref| in units in the last place of `scale`."""
-    error = abs(mpf(got) - ref)
+    error = abs(mpmathify(got) - ref)
     if isnan(error):
         return inf  # a NaN would slip through max() and <=
     if scale == 0:
@@ -231,7 +229,7 @@ def error_in_ulp(got, ref, c_x, c_z, omega, *, X, Z, k, plate_velocity=0, digits
         is the square of the velocity scale.
     """
     with workdps(80):
-        c_x, c_z, omega, X, Z, k, V_z = map(mpf, (c_x, c_z, omega, X, Z, k, plate_velocity))
+        c_x, c_z, omega, X, Z, k, V_z = map(mpmathify, (c_x, c_z, omega, X, Z, k, plate_velocity))
         scale = max(map(abs, (c_x, c_z - V_z, omega * X, omega * Z, ref.P_x, ref.P_z)))
         turning = max(abs(omega), (abs(X * ref.P_z) + abs(Z * ref.P_x)) / (k * k))
         linear = ("c_x", "c_z", "P_x", "P_z", "slip_velocity", "normal_velocity")

@@ -1,0 +1,30 @@
+# make figures   set up, derive, prove, generate, report, draw the quick figures into out/
+# make test      set up and run the tests
+# make clean     remove what the two built
+
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: figures test clean
+
+figures: .venv/ready
+	$(BIN)/python -m derivations report
+	$(BIN)/python -m derivations generate
+	$(BIN)/python -m figures draw
+
+test: .venv/ready
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/python -m pytest
+
+# The environment is built once and again whenever the dependencies change.
+.venv/ready: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+		|| { echo "Python 3.11 or newer is needed: make PYTHON=python3.12 ..."; exit 1; }
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	touch $@
+
+clean:
+	rm -rf .venv out build *.egg-info .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,93 @@
+"""Command line: prove every equation, generate the functions, write the report.
+
+python -m derivations [check [--json] | generate | report [--out DIR]]
+"""
+
+import argparse
+import json
+import shutil
+import sys
+import textwrap
+from collections import Counter
+from functools import partial
+from pathlib import Path
+
+from tqdm import tqdm
+
+from . import codegen, registry
+
+
+def _bar(what: str):
+    """A progress bar on a terminal, nothing in a pipe."""
+    return partial(tqdm, desc=what, disable=None, leave=False)
+
+
+def table(rows: list[registry.Row]) -> str:
+    """The proofs as text: tag, what, verdict, note."""
+    tag = max(len(row.tag) for row in rows)
+    indent = " " * (tag + 2)
+    width = max(60, min(shutil.get_terminal_size((100, 24)).columns, 120))
+    lines = []
+    for row in rows:
+        verdict = row.verdict if row.proved else f"{row.verdict}: NOT PROVED"
+        lines.append(f"{row.tag:<{tag}}  {verdict:<9}  {row.what}")
+        remarks = [row.note]
+        if row.verdict == "erratum" or not row.proved:
+            remarks.append(row.evidence)
+        for remark in filter(None, remarks):
+            lines += textwrap.wrap(remark, width, initial_indent=indent, subsequent_indent=indent)
+    counts = Counter(row.verdict for row in rows)
+    total = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+    failed = sum(not row.proved for row in rows)
+    return "\n".join([*lines, "", f"{len(rows)} entries: {total}; {failed} not proved"])
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    rows = registry.check(_bar("proving"))
+    if arguments.json:
+        print(json.dumps([row.as_dict() for row in rows], indent=1))
+    else:
+        print(table(rows))
+    return 0 if all(row.proved for row in rows) else 1
+
+
+def _generate(_: argparse.Namespace) -> int:
+    changed = codegen.write(codegen.source(_bar("generating")))
+    print(f"{codegen.TARGET.name}: {'written' if changed else 'unchanged'}")
+    return 0
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from . import report
+
+    rows = registry.check(_bar("proving"))
+    for path in report.write(arguments.out, rows):
+        print(path)
+    return 0 if all(row.proved for row in rows) else 1
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    parser = argparse.ArgumentParser(prog="python -m derivations", description=__doc__)
+    commands = parser.add_subparsers(dest="command")
+    check = commands.add_parser("check", help="prove every verdict (the default)")
+    check.add_argument("--json", action="store_true", help="a list of objects instead of a table")
+    check.set_defaults(run=_check)
+    generate = commands.add_parser("generate", help="write impact/_generated.py")
+    generate.set_defaults(run=_generate)
+    report = commands.add_parser("report", help="write the derivation as HTML and LaTeX")
+    report.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
+    report.set_defaults(run=_report)
+    arguments = parser.parse_args(argv or ["check"])
+    try:
+        return arguments.run(arguments)
+    except KeyboardInterrupt:
+        print("interrupted; nothing half-written was left", file=sys.stderr)
+        return 130
+    except OSError as error:
+        print(f"cannot write: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,247 @@
+"""The registry: every verdict is proved, and a wrong one is caught."""
+
+import json
+import random
+from dataclasses import replace
+
+import pytest
+import sympy as sp
+from mpmath import mpf, workdps
+
+from derivations import __main__ as cli
+from derivations import (
+    codegen,
+    laws,
+    newton,
+    proof,
+    registry,
+    rewrites,
+    slide,
+    slip_reversal,
+    slip_stick,
+)
+from derivations import symbols as s
+from derivations.references import Citation
+
+from .reference import SLIDE, SLIP_REVERSAL, SLIP_STICK, reference_collide
+
+BY_TAG = {entry.tag: entry for entry in registry.ENTRIES}
+NUMBERED = [str(n) for n in range(1, 32)] + [f"B{n}" for n in range(1, 13)]
+ERRATA = {
+    "12",
+    "13",
+    "21",
+    "B3",
+    "[12]: inertia",
+    "IV: slide only below mu_c",
+    "IV: phi_c at mu = 3/5",
+    "IV: no reversal above 3/5",
+    "IV: reversal at larger angles",
+    "V: range of (29)",
+    "A: unit of k_n",
+    "A: k_t = 95 k_n",
+    "A: unit of gamma",
+    "A: v_n",
+}
+
+
+@pytest.mark.parametrize("entry", registry.ENTRIES, ids=lambda entry: entry.tag)
+def test_every_verdict_is_proved(entry):
+    proof_found = entry.prove()
+    assert proof_found.ok, proof_found.evidence
+
+
+def test_every_numbered_equation_is_there_once():
+    assert len(BY_TAG) == len(registry.ENTRIES)
+    assert set(NUMBERED) <= set(BY_TAG)
+    assert all(BY_TAG[tag].printed is not None for tag in NUMBERED)
+
+
+def test_known_mistakes_are_reported_with_what_contradicts_them():
+    found = {entry.tag for entry in registry.mistakes() if not isinstance(entry, Citation)}
+    assert found == ERRATA
+    assert all(entry.note and entry.contradicted_by for entry in registry.mistakes())
+
+
+@pytest.mark.parametrize("tag", [tag for tag in NUMBERED if BY_TAG[tag].verdict == "agrees"])
+def test_agreeing_equation_cannot_pass_as_erratum(tag):
+    assert not replace(BY_TAG[tag], verdict="erratum").prove().ok
+
+
+@pytest.mark.parametrize("tag", sorted(ERRATA))
+def test_erratum_cannot_pass_as_agreeing(tag):
+    assert not replace(BY_TAG[tag], verdict="agrees").prove().ok
+    assert not replace(BY_TAG[tag], verdict="rewritten", at=None).prove().ok or tag.startswith("V")
+
+
+def test_contradiction_that_does_not_give_the_derived_form_is_caught():
+    wrong = replace(BY_TAG["12"], contradiction=lambda: BY_TAG["12"].printed)
+    assert not wrong.prove().ok
+
+
+def test_new_result_without_second_route_is_refused():
+    with pytest.raises(ValueError, match="second route"):
+        replace(BY_TAG["laws: energy"], check=None).prove()
+    assert not replace(BY_TAG["laws: energy"], check=lambda: (s.mu,)).prove().ok
+
+
+def test_random_points_tell_equal_from_unequal():
+    root = sp.sqrt(s.mu**2 + 2 * s.mu + 1)
+    assert proof.equal_at_random_points(root, s.mu + 1)
+    assert not proof.equal_at_random_points(root, s.mu + 1 + sp.Rational(1, 10**39))
+
+
+def test_inequality_must_keep_its_sense():
+    entry = BY_TAG["16"]
+    turned = replace(entry, printed=sp.Lt(entry.printed.gts, entry.printed.lts))
+    assert not turned.prove().ok
+
+
+def test_missing_panel_and_wrong_subject_are_needed_for_a_citation_to_fail():
+    entry = BY_TAG["III: Fig. 6(a)"]
+    assert not replace(entry, panel="c").prove().ok
+
+
+def _random_impacts(count):
+    """Rational impacts with u_0 > 0, v_0 < 0, as the paper has them."""
+    draw = random.Random(7)
+    made = 0
+    while made < count:
+        point = {
+            symbol: sp.Rational(draw.randrange(-300, 300), 100)
+            for symbol in (s.X, s.Z, s.c_x, s.c_z, s.omega, s.V_z)
+        }
+        point |= {
+            s.k: sp.Rational(draw.randrange(20, 200), 100),
+            s.mu: sp.Rational(draw.randrange(1, 200), 100),
+            s.epsilon: sp.Rational(draw.randrange(0, 101), 100),
+            s.m: sp.Integer(1),
+        }
+        start = {symbol: value.subs(point) for symbol, value in newton.approach().items()}
+        if start[s.u_0] > 0 > start[s.v_0]:
+            made += 1
+            yield {**point, **start}
+
+
+def test_derived_impulses_agree_with_an_independent_integration():
+    """The symbolic results against phase-by-phase integration at 50 digits, regime by regime."""
+    derived = {SLIDE: slide, SLIP_STICK: slip_stick, SLIP_REVERSAL: slip_reversal}
+    seen = dict.fromkeys(derived, 0)
+    for point in _random_impacts(150):
+        with workdps(60):
+            number = {symbol: mpf(value.p) / value.q for symbol, value in point.items()}
+            reference = reference_collide(
+                number[s.c_x],
+                number[s.c_z],
+                number[s.omega],
+                X=number[s.X],
+                Z=number[s.Z],
+                k=number[s.k],
+                friction=number[s.mu],
+                restitution=number[s.epsilon],
+                plate_velocity=number[s.V_z],
+            )
+            for got, want in zip(
+                derived[reference.regime].impulse(), (reference.P_x, reference.P_z), strict=True
+            ):
+                value = got.subs(point)
+                assert abs(mpf(value.p) / value.q - want) < mpf(10) ** -45
+        seen[reference.regime] += 1
+    assert min(seen.values()) >= 5, seen
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "stronge"])
+def test_derived_laws_agree_with_an_independent_integration(law):
+    """v_f of all laws and orders, from the slopes, against the integration."""
+    slopes = laws.slopes()
+    orders = set()
+    for point in _random_impacts(150):
+        with workdps(60):
+            number = {symbol: mpf(value.p) / value.q for symbol, value in point.items()}
+            reference = reference_collide(
+                number[s.c_x],
+                number[s.c_z],
+                number[s.omega],
+                X=number[s.X],
+                Z=number[s.Z],
+                k=number[s.k],
+                friction=number[s.mu],
+                restitution=number[s.epsilon],
+                plate_velocity=number[s.V_z],
+                law=law,
+            )
+            if reference.regime == SLIDE:
+                continue
+            after = slopes["stick" if reference.regime == SLIP_STICK else "back"]
+            _, p_1, v_1 = (part.subs(point) for part in slide.stop())
+            order = "early" if v_1 < 0 else "late"
+            orders.add((reference.regime, order))
+            known = {
+                laws.a_1: slopes["slip"].subs(point),
+                laws.a_2: after.subs(point),
+                s.P_1: p_1,
+                **point,
+            }
+            value = sp.N(laws.final_velocity(law, order).subs(known), 50)
+            assert abs(mpf(str(value)) - reference.normal_velocity) < mpf(10) ** -40
+    assert len(orders) == 4, orders
+
+
+def test_rewriting_that_changes_a_value_is_refused():
+    wrong = rewrites.recast("wrong", "a slip of the pen", v_1=s.v_0 - rewrites.N * s.u_0)
+    with pytest.raises(rewrites.RewriteError, match="wrong"):
+        rewrites.rewrite({s.v_1: slide.stop()[2]}, (wrong,), rewrites.RESPONSES)
+
+
+def test_generated_file_is_what_the_derivations_give():
+    assert codegen.TARGET.read_text(encoding="utf-8") == codegen.source()
+
+
+def test_generating_again_leaves_the_file_alone(tmp_path):
+    target = tmp_path / "generated.py"
+    assert codegen.write("a = 1\n", target)
+    before = target.stat().st_mtime_ns
+    assert not codegen.write("a = 1\n", target)
+    assert target.stat().st_mtime_ns == before
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_unplain_arithmetic_is_not_generated():
+    with pytest.raises(ValueError, match="plain"):
+        codegen.text_of(sp.sqrt(s.X))
+
+
+@pytest.fixture
+def few_entries(monkeypatch):
+    entries = (BY_TAG["8"], BY_TAG["12"])
+    monkeypatch.setattr(registry, "ENTRIES", entries)
+    return entries
+
+
+def test_check_prints_a_table(few_entries, capsys):
+    assert cli.main(["check"]) == 0
+    text = capsys.readouterr().out
+    assert "erratum" in text
+    assert "2 entries: 1 agrees, 1 erratum; 0 not proved" in text
+
+
+def test_check_prints_json_for_machines(few_entries, capsys):
+    assert cli.main(["check", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert [(row["tag"], row["verdict"]) for row in rows] == [("8", "agrees"), ("12", "erratum")]
+    assert all(row["proved"] and "note" in row for row in rows)
+
+
+def test_a_false_verdict_gives_exit_code_one(monkeypatch, capsys):
+    false = replace(BY_TAG["12"], verdict="agrees")
+    monkeypatch.setattr(registry, "ENTRIES", (false,))
+    assert cli.main(["check"]) == 1
+    assert "NOT PROVED" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("words", [["prove"], ["check", "--fast"]])
+def test_nonsense_on_the_command_line_gives_exit_code_two(words, capsys):
+    with pytest.raises(SystemExit) as stop:
+        cli.main(words)
+    assert stop.value.code == 2
+    assert "usage" in capsys.readouterr().err
