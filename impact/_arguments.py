@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-BLOCK = 4096  # elements in flight; a block's temporaries stay in the second-level cache
+BLOCK = 8192  # elements in flight; a block's temporaries stay in the second-level cache
 
 
 class Domain(NamedTuple):
@@ -41,8 +41,11 @@ def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
     """
     if isinstance(value, np.ma.MaskedArray):
         value = value.astype(np.result_type(value.dtype, np.float32)).filled(np.nan)
-    array = np.asarray(value)
-    if array.dtype.kind not in "biuf":
+    try:
+        array = np.asarray(value)
+    except ValueError:  # ragged
+        array = None
+    if array is None or array.dtype.kind not in "biuf":
         raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
     if array.ndim == 0 and np.isfinite(array) and not domain.holds(array):
         raise ValueError(f"{name} must be {domain.text}, got {value!r}")

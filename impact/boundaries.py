@@ -13,28 +13,7 @@ from ._arguments import (
     real_array,
     result_dtype,
 )
-from .geometry import ContactGeometry
-
-
-def geometry_arrays(geometry: ContactGeometry) -> list[np.ndarray]:
-    """X, Z, k of a contact geometry as arrays; raises for a scalar k <= 0."""
-    X, Z, k = ContactGeometry(*geometry)
-    return [
-        real_array("geometry.X", X),
-        real_array("geometry.Z", Z),
-        real_array("geometry.k", k, POSITIVE),
-    ]
-
-
-def unit_lengths(X, Z, k):
-    """X, Z, k scaled by the power of two next to the largest, so that squares stay in range."""
-    _, exponent = np.frexp(np.maximum(np.maximum(np.abs(X), np.abs(Z)), k))
-    return tuple(np.ldexp(length, -exponent) for length in (X, Z, k))
-
-
-def valid_lengths(X, Z, k):
-    """Where a geometry is finite and its k positive."""
-    return np.isfinite(X) & np.isfinite(Z) & POSITIVE.holds(k)
+from .geometry import ContactGeometry, geometry_arrays, unit_lengths, valid_lengths
 
 
 def critical_tilts(friction: Any) -> tuple[Any, Any]:

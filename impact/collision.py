@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import FRICTION, POSITIVE, RESTITUTION, in_blocks, real_array, result_dtype
+from ._arguments import FRICTION, RESTITUTION, in_blocks, real_array, result_dtype
 from ._compensated import normal_response
-from .geometry import ContactGeometry
+from .geometry import ContactGeometry, geometry_arrays
 
 LAWS = ("newton", "poisson", "stronge")
 
@@ -209,22 +209,17 @@ def _guarded(function, *arguments):
 
 def _prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity):
     """Arguments as arrays in the kernels' order, and the dtype of the results."""
-    X, Z, k = ContactGeometry(*geometry)
-    values = {
-        "c_x": c_x,
-        "c_z": c_z,
-        "omega": omega,
-        "plate_velocity": plate_velocity,
-        "geometry.X": X,
-        "geometry.Z": Z,
-        "geometry.k": k,
-        "friction": friction,
-        "restitution": restitution,
-    }
-    domains = {"geometry.k": POSITIVE, "friction": FRICTION, "restitution": RESTITUTION}
-    known = {name: {"domain": domains[name]} if name in domains else {} for name in values}
-    arrays = [real_array(name, value, **known[name]) for name, value in values.items()]
-    return arrays, result_dtype(list(values.values()))
+    arrays = [
+        real_array("c_x", c_x),
+        real_array("c_z", c_z),
+        real_array("omega", omega),
+        real_array("plate_velocity", plate_velocity),
+        *geometry_arrays(geometry),
+        real_array("friction", friction, FRICTION),
+        real_array("restitution", restitution, RESTITUTION),
+    ]
+    values = (c_x, c_z, omega, plate_velocity, *geometry, friction, restitution)
+    return arrays, result_dtype(values)
 
 
 def collide(

@@ -20,6 +20,30 @@ class ContactGeometry(NamedTuple):
     k: Any
 
 
+def geometry_arrays(geometry: ContactGeometry) -> list[np.ndarray]:
+    """X, Z, k of a contact geometry as arrays; raises for a scalar k <= 0."""
+    try:
+        X, Z, k = geometry
+    except (TypeError, ValueError):
+        raise TypeError(f"geometry must hold X, Z and k, got {geometry!r}") from None
+    return [
+        real_array("geometry.X", X),
+        real_array("geometry.Z", Z),
+        real_array("geometry.k", k, POSITIVE),
+    ]
+
+
+def unit_lengths(X, Z, k):
+    """X, Z, k scaled by the power of two next to the largest, so that squares stay in range."""
+    _, exponent = np.frexp(np.maximum(np.maximum(np.abs(X), np.abs(Z)), k))
+    return tuple(np.ldexp(length, -exponent) for length in (X, Z, k))
+
+
+def valid_lengths(X, Z, k):
+    """Where a geometry is finite and its k positive."""
+    return np.isfinite(X) & np.isfinite(Z) & POSITIVE.holds(k)
+
+
 def _tilts(tilt: Any) -> np.ndarray:
     """Tilt as an array; the domain ends at 90 degrees in the tilt's own precision."""
     right = float(np.float32(np.pi / 2)) if result_dtype([tilt]) == np.float32 else np.pi / 2

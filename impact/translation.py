@@ -15,9 +15,8 @@ from ._arguments import (
     real_array,
     result_dtype,
 )
-from .boundaries import geometry_arrays, valid_lengths
 from .collision import Regime
-from .geometry import ContactGeometry
+from .geometry import ContactGeometry, geometry_arrays, valid_lengths
 
 
 class Drift(NamedTuple):

@@ -1,0 +1,33 @@
+"""Pictures of the theory: one module a figure, `data()` computes and `draw()` draws.
+
+>>> import figures
+>>> fig11 = figures.load("fig11")
+>>> picture = fig11.draw(fig11.data(quick=True))
+
+From a shell: `python -m figures list`, `python -m figures draw fig11 --out DIR`.
+"""
+
+from dataclasses import dataclass
+from importlib import import_module
+from types import ModuleType
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """What is known of a figure before its module is imported."""
+
+    title: str
+    quick: bool = True  # part of the set that is drawn when no name is given
+
+
+FIGURES = {
+    "fig10": Entry("Fig. 10: regimes of an impact over tilt and friction"),
+    "fig11": Entry("Fig. 11: stationary drift over tilt, with its unphysical branches"),
+    "restitution_laws": Entry("Where Newton's law creates energy; how far three laws differ"),
+    "tip_shape": Entry("Drift of round and flat-ended rods over tilt and over length"),
+}
+
+
+def load(name: str) -> ModuleType:
+    """Module of the figure `name`, with its `data` and `draw`."""
+    return import_module(f".{name}", __name__)

@@ -1,0 +1,125 @@
+"""Command line: list the figures, or draw them with the numbers they show beside them.
+
+python -m figures [list | draw [NAME ...] [--all] [--quick] [--out DIR]]
+"""
+
+import argparse
+import json
+import os
+import platform
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from . import FIGURES, load
+
+
+class _Parser(argparse.ArgumentParser):
+    """Bad arguments cost one line on stderr and exit code 2."""
+
+    def error(self, message: str):
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[Path]:
+    """A file to write beside `path`, which takes its place once it is whole."""
+    part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        yield part
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _provenance() -> dict[str, str]:
+    import matplotlib
+    import numpy as np
+
+    from impact._generated import DIGEST
+
+    return {
+        "impact": DIGEST,  # of the generated closed forms
+        "numpy": np.__version__,
+        "matplotlib": matplotlib.__version__,
+        "python": platform.python_version(),
+    }
+
+
+def _produce(name: str, out: Path, quick: bool) -> list[Path]:
+    """Write NAME.npz, NAME.png and NAME.pdf."""
+    import matplotlib.pyplot as plt
+    import numpy as np
+
+    module, made = load(name), _provenance()
+    data = module.data(quick=quick)
+    picture = module.draw(data)
+    stamp = {"Title": f"{FIGURES[name].title} (impact {made['impact']})"}
+    npz, png, pdf = paths = [out / f"{name}.{kind}" for kind in ("npz", "png", "pdf")]
+    try:
+        with _replacing(npz) as part:
+            np.savez_compressed(part, **data, provenance=json.dumps({**made, "quick": quick}))
+        with _replacing(png) as part:
+            picture.savefig(part, dpi=200, metadata=stamp)
+        with _replacing(pdf) as part:
+            picture.savefig(part, dpi=200, metadata=stamp)
+    finally:
+        plt.close(picture)
+    return paths
+
+
+def _draw(arguments: argparse.Namespace) -> int:
+    known = ", ".join(FIGURES)
+    for name in arguments.names:
+        if name not in FIGURES:
+            print(f"figures: there is no figure {name!r}; known: {known}", file=sys.stderr)
+            return 2
+    quick_set = [name for name, entry in FIGURES.items() if entry.quick]
+    names = list(FIGURES) if arguments.all else list(dict.fromkeys(arguments.names)) or quick_set
+    arguments.out.mkdir(parents=True, exist_ok=True)
+
+    import matplotlib as mpl
+    from tqdm import tqdm
+
+    mpl.use("Agg")
+    bar = tqdm(names, desc="drawing", unit="figure", disable=None, leave=False, delay=2)
+    for name in bar:
+        bar.set_postfix_str(name)
+        npz, png, pdf = _produce(name, arguments.out, arguments.quick)
+        bar.write(f"{png}  {pdf.name}  {npz.name}")
+    return 0
+
+
+def _list(_: argparse.Namespace) -> int:
+    width = max(map(len, FIGURES))
+    for name, entry in FIGURES.items():
+        print(f"{name:<{width}}  {'quick' if entry.quick else '     '}  {entry.title}")
+    return 0
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    parser = _Parser(prog="python -m figures", description=__doc__.splitlines()[0])
+    commands = parser.add_subparsers(dest="command", required=True, metavar="list | draw")
+    listing = commands.add_parser("list", help="names and titles")
+    listing.set_defaults(run=_list)
+    draw = commands.add_parser("draw", help="compute and draw; without names: the quick set")
+    draw.add_argument("names", nargs="*", metavar="NAME", help="figures to draw")
+    draw.add_argument("--all", action="store_true", help="every figure")
+    draw.add_argument("--quick", action="store_true", help="coarser grids, for a first look")
+    draw.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
+    draw.set_defaults(run=_draw)
+    arguments = parser.parse_args(argv)
+    try:
+        return arguments.run(arguments)
+    except KeyboardInterrupt:
+        print("interrupted; what was finished is kept", file=sys.stderr)
+        return 130
+    except OSError as error:
+        print(f"figures: cannot write: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

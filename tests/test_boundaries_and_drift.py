@@ -1,0 +1,222 @@
+"""Regime boundaries and stationary drift against the impact map and 50-digit arithmetic."""
+
+import mpmath
+import numpy as np
+import pytest
+from mpmath import mpf
+
+import impact
+from impact import ContactGeometry, Regime
+
+from . import sampling
+
+EPS = np.finfo(float).eps
+
+
+def ulps(got, want) -> float:
+    """Distance in units in the last place of the exact value."""
+    return float(abs(mpf(float(got)) - want) / mpf(np.spacing(abs(float(want)))))
+
+
+def exact_tilts(mu):
+    """Both roots of mu (1 + 3 cos^2) = 3 sin cos by bisection-free Newton at 50 digits."""
+
+    def excess(tilt):
+        return mu * (1 + 3 * mpmath.cos(tilt) ** 2) - 3 * mpmath.sin(tilt) * mpmath.cos(tilt)
+
+    top = mpmath.atan(2)  # friction that reverses is largest there
+    return [
+        mpmath.findroot(excess, ends, solver="anderson")
+        for ends in ((0, top), (top, mpmath.pi / 2))
+    ]
+
+
+@pytest.mark.parametrize("mu", [1e-12, 1e-4, 0.01, 0.3, 0.6, 0.74, 0.7499])
+def test_critical_tilts_solve_the_condition(mu):
+    with mpmath.workdps(50):
+        exact = exact_tilts(mpf(mu))
+        got = impact.critical_tilts(mu)
+        assert all(ulps(a, b) <= 2 for a, b in zip(got, exact, strict=True))
+
+
+def exact_tangents(mu):
+    """The same roots through the quadratic in the tangent, for friction of any size."""
+    root = mpmath.sqrt(9 - 16 * mu**2)
+    return mpmath.atan((3 - root) / (2 * mu)), mpmath.atan((3 + root) / (2 * mu))
+
+
+def test_critical_tilts_to_2_ulp_for_every_friction():
+    rng = np.random.default_rng(1)
+    friction = np.concatenate(
+        [
+            10 ** rng.uniform(-300, np.log10(0.75), 1000),
+            0.75 - 10 ** rng.uniform(-16, -1, 1000),
+            0.75 * rng.uniform(size=1000),
+            [0.75, np.nextafter(0.75, 0), 1e-300, 0.6],
+        ]
+    )
+    lower, upper = impact.critical_tilts(friction)
+    with mpmath.workdps(700):
+        for mu, *got in zip(friction, lower, upper, strict=True):
+            assert max(map(ulps, got, exact_tangents(mpf(float(mu))))) <= 2, mu
+
+
+def test_critical_tilts_at_the_ends():
+    assert impact.critical_tilts(0.0) == (0.0, np.pi / 2)
+    lower, upper = impact.critical_tilts(0.75)
+    assert lower == upper == np.arctan(2)
+    assert np.isnan(impact.critical_tilts(np.nextafter(0.75, 1))).all()
+    assert impact.critical_tilts(0.6)[0] == pytest.approx(np.pi / 4, rel=4 * EPS)
+
+
+def test_critical_friction_separates_stick_from_reversal():
+    rng = np.random.default_rng(2)
+    X, Z, k = sampling.geometries(rng, 5000)
+    geometry = ContactGeometry(X, Z, k)
+    critical = impact.critical_friction(geometry)
+    for factor, regime in ((1 + 1e-12, Regime.SLIP_STICK), (1 - 1e-12, Regime.SLIP_REVERSAL)):
+        # no slip at first, so the contact has to decide at once
+        got = impact.classify(
+            0.0, -1.0, geometry=geometry, friction=factor * critical, restitution=0.5
+        )
+        assert (got[critical > 1e-12] == regime).all()
+
+
+def test_slide_friction_is_where_the_slide_ends():
+    rng = np.random.default_rng(3)
+    n = 5000
+    X, Z, k = sampling.geometries(rng, n)
+    geometry = ContactGeometry(X, Z, k)
+    ratio, restitution = 10 ** rng.uniform(-2, 2, n), rng.uniform(0, 1, n)
+    edge = impact.slide_friction(geometry, approach_ratio=ratio, restitution=restitution)
+
+    def regime(friction):
+        return impact.classify(
+            1.0, -ratio, geometry=geometry, friction=friction, restitution=restitution
+        )
+
+    inside = (edge > 1e-9) & np.isfinite(edge)
+    assert inside.sum() > 1000
+    assert (regime(edge * (1 - 1e-9))[inside] == Regime.SLIDE).all()
+    assert (regime(edge * (1 + 1e-9))[inside] != Regime.SLIDE).all()
+    always = np.isinf(edge)
+    assert always.sum() > 20
+    assert (regime(1e6)[always] == Regime.SLIDE).all()
+    assert (regime(np.inf)[always] == Regime.SLIDE).all()
+    never = edge == 0
+    assert never.sum() > 20
+    assert (regime(1e-12)[never] != Regime.SLIDE).all()
+
+
+def test_slide_friction_of_the_paper_at_small_and_large_tilt():
+    """mu_c = -c_x/(4 c_z (1 + epsilon)) at tilt 0, and sixteen times that at 90 degrees."""
+    mu_c = 1 / (4 * 10 * 1.8)
+    for tilt, factor in ((0.0, 1), (np.pi / 2, 16)):
+        got = impact.slide_friction(impact.thin_rod(tilt), approach_ratio=10, restitution=0.8)
+        assert got == pytest.approx(factor * mu_c, rel=1e-14)
+
+
+@pytest.mark.parametrize("shape", [impact.thin_rod, impact.spherocylinder, impact.flat_ended_rod])
+def test_drift_repeats_itself(shape):
+    """One landing gives back c_x and turns c_z round: the definition, through `collide`."""
+    rng = np.random.default_rng(4)
+    n = 2000
+    geometry = shape(rng.uniform(-1.5, 1.5, n), 1 + 10 ** rng.uniform(-1, 1, n))
+    settings = {"friction": rng.uniform(0.01, 2, n), "restitution": rng.uniform(0, 0.99, n)}
+    found = impact.drift(geometry, plate_velocity=0.7, **settings)
+    hit = impact.collide(found.c_x, -found.c_z, geometry=geometry, plate_velocity=0.7, **settings)
+    scale = np.abs(found.c_x) + found.c_z + 0.7
+    assert (np.abs(hit.c_x - found.c_x) <= 64 * EPS * scale).all()
+    assert (np.abs(hit.c_z - found.c_z) <= 64 * EPS * scale).all()
+    sticks = settings["friction"] >= impact.critical_friction(geometry)
+    np.testing.assert_array_equal(found.regime == Regime.SLIP_STICK, sticks)
+    assert not (hit.regime == Regime.SLIDE).any()
+
+
+def test_drift_of_the_paper_thin_rod():
+    """Eqs. (26), (29), (30) typed from the paper."""
+    e, mu = 0.65, 0.3
+    tilt = np.radians([0.0, 10.0, 22.0, 23.0, 45.0, 84.0, 85.0, 89.0])
+    s, c = np.sin(tilt), np.cos(tilt)
+    stick = 6 * (1 + e) * s * c / (1 - e + 6 * s**2)
+    back = (1 + e) * (mu * (1 + 3 * c**2) + 3 * s * c) / (1 - e + 6 * s**2)
+    lower, upper = np.degrees(impact.critical_tilts(mu))
+    reverses = (np.degrees(tilt) > lower) & (np.degrees(tilt) < upper)
+    found = impact.drift(impact.thin_rod(tilt), friction=mu, restitution=e)
+    np.testing.assert_allclose(found.c_x, np.where(reverses, back, stick), rtol=1e-14, atol=1e-16)
+    np.testing.assert_allclose(found.c_z, (1 + e) / (1 - e + 6 * s**2), rtol=1e-14)
+    np.testing.assert_array_equal(found.regime == Regime.SLIP_REVERSAL, reverses)
+
+
+def test_drift_without_friction_is_undetermined():
+    found = impact.drift(impact.thin_rod(0.4), friction=0.0, restitution=0.65)
+    assert np.isnan(found.c_x)
+    assert np.isfinite(found.c_z)
+    assert found.regime == Regime.INVALID
+    little = impact.drift(impact.thin_rod(0.4), friction=1e-12, restitution=0.65).c_x
+    sticking = impact.drift(impact.thin_rod(0.4), friction=10.0, restitution=0.65).c_x
+    assert little == pytest.approx(sticking / 2, rel=1e-11)
+
+
+@pytest.mark.parametrize("tilt", [0.0, -0.0])
+def test_drift_of_a_vertical_rod_that_loses_nothing_is_a_signed_infinity(tilt):
+    found = impact.drift(impact.thin_rod(tilt), friction=0.3, restitution=1.0)
+    assert found.c_x == np.copysign(np.inf, tilt)
+    assert found.c_z == np.inf
+    near = impact.drift(impact.thin_rod(np.copysign(1e-170, tilt)), friction=0.3, restitution=1.0)
+    assert near.c_x == pytest.approx(np.copysign(2e170, tilt), rel=1e-14)
+    lossy = impact.drift(impact.thin_rod(tilt), friction=0.3, restitution=0.9)
+    assert lossy.c_x == 0
+
+
+def test_sphere_does_not_drift():
+    found = impact.drift(impact.spherocylinder(0.3, 1.0), friction=0.3, restitution=0.65)
+    assert found.c_x == 0
+
+
+def test_flat_end_drifts_backwards_below_its_threshold():
+    """The sign turns at arctan(d/l): 7.125 degrees for l = 8 d."""
+    threshold = np.arctan(1 / 8)
+    tilt = threshold * np.array([1e-6, 0.5, 1 - 1e-9, 1 + 1e-9, 2.0])
+    found = impact.drift(impact.flat_ended_rod(tilt, 8.0), friction=0.3, restitution=0.65)
+    assert (np.sign(found.c_x) == [-1, -1, -1, 1, 1]).all()
+    mirrored = impact.drift(impact.flat_ended_rod(-tilt, 8.0), friction=0.3, restitution=0.65)
+    np.testing.assert_array_equal(mirrored.c_x, -found.c_x)
+    edges = [impact.flat_ended_rod(zero, 8.0).X for zero in (0.0, -0.0)]
+    assert edges == [-0.5, 0.5]
+
+
+@pytest.mark.parametrize(
+    ("shape", "inertia"),
+    [
+        (impact.spherocylinder, lambda h: mpf(1) / 10 + 9 * h / 32 + h**2 / 4 + h**3 / 8),
+        (impact.flat_ended_rod, None),
+    ],
+)
+def test_gyration_radius(shape, inertia):
+    """Against numerical integration over the solid, at 30 digits."""
+    length = 5.5
+    with mpmath.workdps(30):
+        half = mpf(length) / 2
+
+        def radius(z):
+            if inertia is None:
+                return mpf(1) / 2
+            past = max(abs(z) - (half - mpf(1) / 2), 0)
+            return mpmath.sqrt(mpf(1) / 4 - past**2)
+
+        nodes = [-half, -half + 0.5, 0, half - 0.5, half]
+        mass = mpmath.quad(lambda z: radius(z) ** 2, nodes)
+        moment = mpmath.quad(lambda z: radius(z) ** 2 * z**2 + radius(z) ** 4 / 4, nodes)
+        assert ulps(shape(0.3, length).k, mpmath.sqrt(moment / mass)) <= 4
+        if inertia is not None:
+            h = mpf(length) - 1
+            assert abs(inertia(h) / (1 + 3 * h / 2) - moment / mass) < mpf(10) ** -12
+
+
+def test_mean_plate_velocity():
+    assert impact.mean_plate_velocity() == pytest.approx(0.5, rel=1e-14)
+    assert impact.mean_plate_velocity(plate_speed=np.array([2.0, -4.0])) == pytest.approx([1, -2])
+    assert impact.mean_plate_velocity(np.ones_like) == pytest.approx(0, abs=1e-15)
+    upstroke = impact.mean_plate_velocity(lambda phase: (np.cos(phase) > 0).astype(float))
+    assert upstroke == pytest.approx(2 / np.pi, abs=1e-6)

@@ -1,0 +1,200 @@
+"""The impact map against the independent integration, and the laws that it must obey."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import impact
+from impact import Regime
+
+from . import sampling
+
+LAWS = ("newton", "poisson", "stronge")
+
+
+@pytest.mark.parametrize(
+    ("law", "count"), [("newton", 10_000), ("poisson", 4_000), ("stronge", 4_000)]
+)
+def test_everyday_impacts_to_16_ulp(law, count):
+    """All signs, friction 0 to 10, every geometry: value and regime."""
+    errors, wrong = sampling.compare(sampling.everyday(count, seed=11), law)
+    assert not wrong
+    assert errors.max() <= 16
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_wide_impacts_to_16_ulp(law):
+    """Velocities and friction over six decades."""
+    errors, wrong = sampling.compare(sampling.wide(4_000, seed=12), law)
+    assert not wrong
+    assert errors.max() <= 16
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_samples_reach_every_regime_and_the_painleve_region(law):
+    impacts = sampling.wide(4_000, seed=12)
+    regimes = np.bincount(impacts.collide(law).regime, minlength=4)
+    assert regimes.min() > 100
+    slip = impacts.c_x - impacts.omega * impacts.Z
+    squares = impacts.k**2 + impacts.X**2
+    inside = squares + np.sign(slip) * impacts.friction * impacts.X * impacts.Z <= 0
+    assert inside.sum() > 200
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_impulse_is_compressive_and_in_the_friction_cone(law):
+    impacts = sampling.wide(200_000, seed=13)
+    hit = impacts.collide(law)
+    happens = hit.regime > Regime.NO_IMPACT
+    assert (hit.P_z[happens] > 0).all()
+    slack = 16 * np.finfo(float).eps * (np.abs(hit.P_x) + np.abs(impacts.c_x) + np.abs(impacts.c_z))
+    assert (np.abs(hit.P_x) <= impacts.friction * hit.P_z + slack + 1e-12 * hit.P_z).all()
+
+
+@pytest.mark.parametrize("law", ["poisson", "stronge"])
+def test_these_laws_never_create_energy(law):
+    impacts = sampling.wide(200_000, seed=14)
+    hit = impacts.collide(law)
+    scale = sum(np.square(v) for v in (hit.P_x, hit.P_z, impacts.c_x, impacts.c_z))
+    scale += np.square(impacts.plate_velocity) + np.square(impacts.omega * impacts.k)
+    assert (hit.energy_change <= 64 * np.finfo(float).eps * scale).all()
+
+
+@pytest.mark.parametrize(("side", "creates"), [(+1, True), (-1, False)])
+def test_newton_creates_energy_where_the_closed_form_says(side, creates):
+    """One percent above the threshold some approach gains energy, one percent below none does."""
+    rng = np.random.default_rng(15)
+    n, ratios = 300, np.geomspace(1e-2, 1e2, 8001)
+    tilt, friction = rng.uniform(0.05, 1.5, (n, 1)), rng.uniform(0.05, 1.5, (n, 1))
+    rod = impact.thin_rod(tilt)
+    threshold = impact.energy_restitution(rod, friction)
+    hit = impact.collide(
+        ratios,
+        -1.0,
+        geometry=rod,
+        friction=friction,
+        restitution=threshold + side * 0.01 * (1 - threshold),
+    )
+    gain = (hit.energy_change / (1 + ratios**2)).max(axis=1)
+    assert ((gain > 1e-14) == creates).all()
+
+
+def test_thin_rod_creates_energy_only_above_four_fifths():
+    rod = impact.thin_rod(np.linspace(0, np.pi / 2, 2001)[:, None])
+    threshold = impact.energy_restitution(rod, np.linspace(0, 2, 401))
+    assert threshold.min() == pytest.approx(0.8, abs=1e-12)
+    assert (threshold <= 1).all()
+    sticks = np.linspace(0, 2, 401) >= impact.critical_friction(rod)
+    closed = 4 / np.sqrt(16 + 9 * np.sin(2 * np.linspace(0, np.pi / 2, 2001)) ** 2)
+    expected = np.broadcast_to(closed[:, None], threshold.shape)[sticks]
+    np.testing.assert_allclose(threshold[sticks], expected, rtol=1e-14)
+
+
+finite = st.floats(-1e6, 1e6, allow_subnormal=False)
+positive = st.floats(1e-3, 1e3)
+unit = st.floats(0, 1)
+impacts = st.fixed_dictionaries(
+    {
+        "c_x": finite,
+        "c_z": finite,
+        "omega": finite,
+        "X": st.floats(-2, 2),
+        "Z": st.floats(-2, 2),
+        "k": st.floats(0.5, 2),
+        "friction": st.floats(0, 1e3),
+        "restitution": unit,
+        "plate_velocity": finite,
+        "law": st.sampled_from(LAWS),
+    }
+)
+
+
+def _hit(row, **changed):
+    row = {**row, **changed}
+    geometry = impact.ContactGeometry(row.pop("X"), row.pop("Z"), row.pop("k"))
+    return impact.collide(
+        row.pop("c_x"), row.pop("c_z"), row.pop("omega"), geometry=geometry, **row
+    )
+
+
+@given(impacts)
+@settings(max_examples=300, deadline=None)
+def test_mirror_symmetry_bit_for_bit(row):
+    hit = _hit(row)
+    mirrored = _hit(row, X=-row["X"], c_x=-row["c_x"], omega=-row["omega"])
+    odd = ("c_x", "omega", "P_x", "slip_velocity")
+    for name in hit._fields:
+        value = getattr(mirrored, name)
+        assert getattr(hit, name) == (-value if name in odd else value)
+
+
+@given(impacts, st.integers(-40, 40), st.integers(-40, 40))
+@settings(max_examples=200, deadline=None)
+def test_units_of_length_and_time_do_not_matter(row, length, speed):
+    """Powers of two change nothing but exponents."""
+    a, b = 2.0**length, 2.0**speed
+    hit = _hit(row)
+    other = _hit(
+        row,
+        X=a * row["X"],
+        Z=a * row["Z"],
+        k=a * row["k"],
+        c_x=b * row["c_x"],
+        c_z=b * row["c_z"],
+        omega=b / a * row["omega"],
+        plate_velocity=b * row["plate_velocity"],
+    )
+    assert other.regime == hit.regime
+    assert (other.c_x, other.c_z) == (b * hit.c_x, b * hit.c_z)
+    assert other.omega == b / a * hit.omega
+    assert other.energy_change == b * b * hit.energy_change
+
+
+@given(impacts)
+@settings(max_examples=300, deadline=None)
+def test_energy_change_is_the_change_of_kinetic_energy(row):
+    hit = _hit(row)
+    k2, plate = row["k"] ** 2, row["plate_velocity"]
+    before = row["c_x"] ** 2 + (row["c_z"] - plate) ** 2 + k2 * row["omega"] ** 2
+    after = hit.c_x**2 + (hit.c_z - plate) ** 2 + k2 * hit.omega**2
+    size = before + after + row["c_z"] ** 2 + plate**2
+    assert abs((after - before) / 2 - hit.energy_change) <= 1e-13 * size
+
+
+@given(impacts, st.floats(-1e-9, 1e-9))
+@settings(max_examples=300, deadline=None)
+def test_map_is_continuous_in_friction(row, step):
+    """Across all regime boundaries; a bounded slope times the step."""
+    friction = row["friction"] * (1 + step)
+    here, there = _hit(row), _hit(row, friction=friction)
+    size = max(1e-300, *(abs(row[n]) for n in ("c_x", "c_z", "omega", "plate_velocity")))
+    size = max(size, 2 * abs(row["omega"]), abs(here.P_z), abs(here.P_x))
+    assert abs(here.c_x - there.c_x) <= 1e-4 * size
+    assert abs(here.c_z - there.c_z) <= 1e-4 * size
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_classify_agrees_with_collide(law):
+    i = sampling.wide(20_000, seed=16)
+    geometry = impact.ContactGeometry(i.X, i.Z, i.k)
+    regime = impact.classify(
+        i.c_x,
+        i.c_z,
+        i.omega,
+        geometry=geometry,
+        friction=i.friction,
+        restitution=i.restitution,
+        plate_velocity=i.plate_velocity,
+    )
+    assert regime.dtype == np.int8
+    np.testing.assert_array_equal(regime, i.collide(law).regime)
+
+
+def test_the_laws_agree_about_a_slide_and_without_a_corner():
+    i = sampling.wide(20_000, seed=17)
+    hits = [i.collide(law) for law in LAWS]
+    slide = hits[0].regime == Regime.SLIDE
+    for hit in hits[1:]:
+        np.testing.assert_array_equal(hit.regime, hits[0].regime)
+        np.testing.assert_array_equal(hit.P_z[slide], hits[0].P_z[slide])

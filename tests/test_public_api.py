@@ -1,0 +1,294 @@
+"""Domains, dtypes, shapes and errors of every public function of `impact`."""
+
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+import impact
+from impact import ContactGeometry, Regime
+
+ROD = impact.thin_rod(0.4)
+HIT = {"geometry": ROD, "friction": 0.3, "restitution": 0.65}
+
+
+def call(function, /, **changed):
+    """`function` with sensible arguments, some of them changed."""
+    defaults = {
+        "collide": {"c_x": 1.0, "c_z": -2.0, **HIT},
+        "classify": {"c_x": 1.0, "c_z": -2.0, **HIT},
+        "thin_rod": {"tilt": 0.4},
+        "spherocylinder": {"tilt": 0.4, "length": 8.0},
+        "flat_ended_rod": {"tilt": 0.4, "length": 8.0},
+        "critical_tilts": {"friction": 0.3},
+        "critical_friction": {"geometry": ROD},
+        "slide_friction": {"geometry": ROD, "approach_ratio": 2.0, "restitution": 0.8},
+        "energy_restitution": {"geometry": ROD, "friction": 0.3},
+        "drift": HIT,
+        "mean_plate_velocity": {},
+    }
+    return getattr(impact, function)(**{**defaults[function], **changed})
+
+
+OUT_OF_DOMAIN = [
+    ("collide", "friction", -0.1),
+    ("collide", "restitution", -0.1),
+    ("collide", "restitution", 1.5),
+    ("collide", "geometry", ContactGeometry(0.1, 0.2, 0.0)),
+    ("collide", "geometry", ContactGeometry(0.1, 0.2, -1.0)),
+    ("classify", "friction", -1),
+    ("classify", "restitution", 2),
+    ("thin_rod", "tilt", 1.6),
+    ("thin_rod", "tilt", -2),
+    ("thin_rod", "length", 0.0),
+    ("thin_rod", "length", -1.0),
+    ("spherocylinder", "tilt", 3.0),
+    ("spherocylinder", "length", 0.5),
+    ("spherocylinder", "diameter", -1.0),
+    ("flat_ended_rod", "tilt", 2.0),
+    ("flat_ended_rod", "length", 0.0),
+    ("flat_ended_rod", "diameter", 0.0),
+    ("critical_tilts", "friction", -0.1),
+    ("critical_friction", "geometry", ContactGeometry(0.1, 0.2, -1.0)),
+    ("slide_friction", "approach_ratio", 0.0),
+    ("slide_friction", "approach_ratio", -2.0),
+    ("slide_friction", "restitution", 1.1),
+    ("slide_friction", "geometry", ContactGeometry(0.1, 0.2, 0.0)),
+    ("energy_restitution", "friction", -1.0),
+    ("energy_restitution", "geometry", ContactGeometry(0.1, 0.2, 0.0)),
+    ("drift", "friction", -0.3),
+    ("drift", "restitution", 1.01),
+    ("drift", "plate_velocity", 0.0),
+    ("drift", "plate_velocity", -1.0),
+    ("drift", "geometry", ContactGeometry(0.1, 0.2, 0.0)),
+    ("mean_plate_velocity", "points", 0),
+]
+
+
+@pytest.mark.parametrize(("function", "name", "value"), OUT_OF_DOMAIN)
+def test_scalar_out_of_domain_is_named(function, name, value):
+    with pytest.raises(ValueError, match=name) as error:
+        call(function, **{name: value})
+    wrong = value.k if isinstance(value, ContactGeometry) else value
+    assert repr(wrong) in str(error.value)
+
+
+ARRAY_ARGUMENTS = [
+    (function, name, value) for function, name, value in OUT_OF_DOMAIN if name != "points"
+]
+
+
+@pytest.mark.parametrize(("function", "name", "value"), ARRAY_ARGUMENTS)
+def test_array_element_out_of_domain_is_nan(function, name, value):
+    good = call(function)
+    if isinstance(value, ContactGeometry):
+        array = ContactGeometry(*(np.array([a, b]) for a, b in zip(value, ROD, strict=True)))
+    else:
+        sensible = {"tilt": 0.4, "length": 8.0, "diameter": 1.0, "approach_ratio": 2.0}
+        fine = {**sensible, "friction": 0.3, "restitution": 0.8 if "slide" in function else 0.65}
+        if function == "thin_rod":
+            fine["length"] = 1.0
+        array = np.array([value, fine.get(name, 1.0)], dtype=float)
+    result = call(function, **{name: array})
+    parts = result if isinstance(result, tuple) else (result,)
+    wanted = good if isinstance(good, tuple) else (good,)
+    for part, want in zip(parts, wanted, strict=True):
+        part = np.broadcast_to(part, (2,))
+        if part.dtype.kind == "f":
+            assert np.isnan(part[0]) or (function == "thin_rod" and part is parts[-1])
+        else:
+            assert part[0] == Regime.INVALID
+        assert part[1] == want
+
+
+MOVING = [("c_x",), ("c_z",), ("omega",), ("plate_velocity",), ("restitution",)]
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("name", [*(n for (n,) in MOVING), "X", "Z", "k"])
+def test_nan_and_infinity_give_nan_scalar_or_array(name, value):
+    if name in ROD._fields:
+        scalar, array = ROD._replace(**{name: value}), ROD._replace(**{name: np.array([value])})
+        name = "geometry"
+    else:
+        scalar, array = value, np.array([value])
+    for argument in (scalar, array):
+        hit = call("collide", **{name: argument})
+        assert np.all(hit.regime == Regime.INVALID)
+        assert all(np.isnan(part).all() for part in hit if part is not hit.regime)
+
+
+def test_nan_friction_is_invalid_and_infinite_friction_is_not():
+    assert call("collide", friction=np.nan).regime == Regime.INVALID
+    assert call("collide", friction=-np.inf).regime == Regime.INVALID
+    assert call("collide", friction=np.inf).regime == Regime.SLIP_STICK
+    assert np.isnan(call("critical_tilts", friction=np.nan)).all()
+    assert np.isnan(call("critical_tilts", friction=np.inf)).all()
+    assert np.isnan(call("drift", friction=np.nan).c_x)
+
+
+@pytest.mark.parametrize("value", ["fast", None, 1j, [[1], [2, 3]], object()])
+@pytest.mark.parametrize("name", ["c_x", "friction"])
+def test_what_is_no_number_is_named(name, value):
+    with pytest.raises((TypeError, ValueError)) as error:
+        call("collide", **{name: value})
+    assert name in str(error.value)
+
+
+@pytest.mark.parametrize("value", [None, 3.0, (1.0, 2.0), "rod"])
+def test_what_is_no_geometry_is_named(value):
+    with pytest.raises(TypeError, match="geometry"):
+        call("collide", geometry=value)
+
+
+def test_unknown_law_is_named():
+    with pytest.raises(
+        ValueError, match="law must be one of newton, poisson, stronge, got 'hooke'"
+    ):
+        call("collide", law="hooke")
+
+
+def test_density_must_be_one():
+    for density in (lambda t: np.cos(t), lambda t: 0 * t, lambda t: t * np.nan):
+        with pytest.raises(ValueError, match="density"):
+            impact.mean_plate_velocity(density)
+
+
+def test_no_warning_ever():
+    """Everything that floats can hold, in all arguments at once."""
+    rng = np.random.default_rng(1)
+    odd = np.array([0.0, -0.0, 5e-324, -1e-310, 1e-300, 1.0, -1.0, 1e300, -1.7e308, np.inf, np.nan])
+    arguments = rng.choice(odd, (9, 20_000))
+    c_x, c_z, omega, X, Z, k, friction, restitution, plate = arguments
+    geometry = ContactGeometry(X, Z, k)
+    with warnings.catch_warnings(), np.errstate(all="raise"):
+        warnings.simplefilter("error")
+        for law in ("newton", "poisson", "stronge"):
+            impact.collide(
+                c_x,
+                c_z,
+                omega,
+                geometry=geometry,
+                friction=friction,
+                restitution=restitution,
+                plate_velocity=plate,
+                law=law,
+            )
+        impact.drift(geometry, friction=friction, restitution=restitution, plate_velocity=plate)
+        impact.critical_tilts(friction)
+        impact.critical_friction(geometry)
+        impact.slide_friction(geometry, approach_ratio=c_x, restitution=restitution)
+        impact.energy_restitution(geometry, friction)
+        for shape in (impact.thin_rod, impact.spherocylinder, impact.flat_ended_rod):
+            shape(c_x, np.abs(X))
+
+
+def test_shapes_broadcast_and_scalars_stay_scalars():
+    hit = impact.collide(
+        np.ones((3, 1)),
+        -1.0,
+        geometry=impact.thin_rod(np.linspace(0, 1, 4)),
+        friction=0.3,
+        restitution=0.5,
+    )
+    assert {part.shape for part in hit} == {(3, 4)}
+    assert isinstance(call("collide").regime, Regime)
+    assert np.ndim(call("collide").c_x) == 0
+    assert isinstance(call("classify"), Regime)
+    assert isinstance(call("drift").regime, Regime)
+    assert call("collide", c_x=np.array(1.0)) == call("collide")
+    empty = call("collide", c_x=np.empty((0, 3)))
+    assert {part.shape for part in empty} == {(0, 3)}
+    with pytest.raises(ValueError, match="broadcast"):
+        call("collide", c_x=np.ones(3), c_z=np.ones(4))
+
+
+def test_non_contiguous_arrays_give_the_same():
+    rng = np.random.default_rng(2)
+    c = rng.normal(size=(2, 500, 7))
+    whole = call("collide", c_x=c[0], c_z=c[1])
+    parts = call("collide", c_x=c[0, ::-1, ::2], c_z=c[1, ::-1, ::2])
+    for a, b in zip(whole, parts, strict=True):
+        np.testing.assert_array_equal(a[::-1, ::2], b)
+
+
+def test_dtypes():
+    single = np.float32(1.0)
+    hit = impact.collide(
+        np.ones(3, np.float32),
+        -2.0,
+        geometry=impact.thin_rod(np.float32(0.4)),
+        friction=0.3,
+        restitution=0.65,
+    )
+    assert {part.dtype for part in hit if part is not hit.regime} == {np.dtype(np.float32)}
+    assert hit.regime.dtype == np.int8
+    assert {part.dtype for part in impact.thin_rod(np.float32(0.4))} == {np.dtype(np.float32)}
+    assert impact.critical_tilts(np.float32(0.3))[0].dtype == np.float32
+    assert (
+        impact.drift(impact.thin_rod(single), friction=0.3, restitution=single).c_x.dtype
+        == np.float32
+    )
+    assert call("collide", c_x=1).c_x.dtype == np.float64
+    assert call("collide", c_x=np.array([1, 2])).c_x.dtype == np.float64
+    assert call("collide", c_x=np.ones(2, np.float32)).c_x.dtype == np.float64  # ROD is float64
+    assert call("collide", c_x=np.ones(2, np.longdouble)).c_x.dtype == np.float64
+    assert call("thin_rod", tilt=np.float32(np.pi / 2)).X.dtype == np.float32
+
+
+def test_masked_elements_are_invalid():
+    hit = call("collide", c_x=np.ma.masked_array([1.0, 2.0], mask=[True, False]))
+    assert hit.regime.tolist() == [Regime.INVALID, Regime.SLIP_REVERSAL]
+    assert np.isnan(hit.c_x[0])
+    assert np.isfinite(hit.c_x[1])
+
+
+def test_arguments_are_not_changed():
+    c_x, friction = np.array([1.0, np.nan, 3.0]), np.array([0.3, 0.3, -1.0])
+    call("collide", c_x=c_x, friction=friction)
+    np.testing.assert_array_equal(c_x, [1.0, np.nan, 3.0])
+    np.testing.assert_array_equal(friction, [0.3, 0.3, -1.0])
+
+
+def test_blocks_do_not_show():
+    """A result does not depend on where the element stands, or on its neighbours' scales."""
+    rng = np.random.default_rng(3)
+    c_x, c_z = rng.normal(size=(2, 30_000))
+    one = call("collide", c_x=c_x, c_z=c_z)
+    c_x[::1000] = 1e200
+    other = call("collide", c_x=c_x, c_z=c_z)
+    for a, b in zip(one, other, strict=True):
+        np.testing.assert_array_equal(np.delete(a, np.s_[::1000]), np.delete(b, np.s_[::1000]))
+    for index in rng.integers(0, 30_000, 50):
+        scalar = call("collide", c_x=c_x[index], c_z=c_z[index])
+        assert all(part == whole[index] for part, whole in zip(scalar, other, strict=True))
+
+
+def test_memory_in_flight_is_bounded():
+    import tracemalloc
+
+    n = 10**6
+    arguments = np.random.default_rng(4).normal(size=(2, n))
+    tracemalloc.start()
+    call("collide", c_x=arguments[0], c_z=arguments[1])
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak <= 40 * 8 * n
+
+
+BORDERS = {
+    "impact": {"sympy", "derivations", "md", "scipy", "matplotlib", "numba", "figures"},
+    "derivations": {"impact", "md", "figures", "matplotlib", "numba"},
+}
+
+
+@pytest.mark.parametrize("package", BORDERS)
+def test_import_borders(package):
+    """In a fresh interpreter, nothing across the border is loaded."""
+    code = f"import sys, {package}; print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert not BORDERS[package] & {name.partition(".")[0] for name in loaded}
