@@ -14,7 +14,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from . import codegen, registry
+from . import registry
 
 
 def _bar(what: str):
@@ -52,8 +52,12 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def _generate(_: argparse.Namespace) -> int:
+    from . import codegen, readme
+
     changed = codegen.write(codegen.source(_bar("generating")))
     print(f"{codegen.TARGET.name}: {'written' if changed else 'unchanged'}")
+    changed = readme.refresh()
+    print(f"{readme.TARGET.name}: {'written' if changed else 'unchanged'}")
     return 0
 
 

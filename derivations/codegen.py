@@ -1,6 +1,6 @@
 """From rewritten expressions to `impact/_generated.py`: plain, readable, stamped arithmetic.
 
-The bodies use + - * / and whole powers only, so the same text runs on floats, arrays, mpmath
+The bodies use + - * / only, so the same text runs on floats, arrays, mpmath
 numbers and under Numba. The file is committed; a test generates it again and compares bytes.
 """
 
@@ -13,9 +13,10 @@ from pathlib import Path
 
 import sympy as sp
 
-from .functions import FUNCTIONS, Function
-from .rewrites import Body, Step
+from . import map_functions, rod_functions
+from .rewrites import Body, Function, Step
 
+FUNCTIONS = (*map_functions.FUNCTIONS, *rod_functions.FUNCTIONS)
 TARGET = Path(__file__).resolve().parent.parent / "impact" / "_generated.py"
 
 _HEAD = '''"""Closed forms of the frictional impact of a rod on a plate.
@@ -45,9 +46,9 @@ def text_of(expr: sp.Expr) -> str:
             minus = term.could_extract_minus_sign()
             text += f" - {_factor(-term)}" if minus else f" + {text_of(term)}"
         return text
-    if expr.is_Pow and expr.exp.is_Integer and expr.exp > 0:
-        return f"{_factor(expr.base)}**{expr.exp}"
-    if expr.is_Mul or (expr.is_Pow and expr.exp.is_Integer):
+    if expr.is_Pow and expr.exp.is_Integer and expr.exp > 0 and expr.base.is_Symbol:
+        return " * ".join([str(expr.base)] * expr.exp)  # a product rounds alike everywhere
+    if expr.is_Mul or (expr.is_Pow and expr.exp.is_Integer and expr.exp < 0):
         if expr.could_extract_minus_sign():
             return f"-{_factor(-expr)}"
         above, below = sp.fraction(expr)
@@ -62,7 +63,7 @@ def text_of(expr: sp.Expr) -> str:
 def _factor(expr: sp.Expr) -> str:
     """`expr` inside a product or power."""
     text = text_of(expr)
-    closed = not expr.is_Add and not (expr.is_Rational and "/" in text)
+    closed = not expr.is_Add and "/" not in text
     return text if closed else f"({text})"
 
 

@@ -6,7 +6,7 @@ count; a rule that changed a value raises `RewriteError`.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import sympy as sp
 
@@ -130,3 +130,22 @@ def nested() -> Rule:
         "one product less, and mu multiplies a sum of squares",
         lambda body: {symbol: sp.collect(expr, mu) for symbol, expr in body.items()},
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Function:
+    """One generated function."""
+
+    name: str
+    summary: str  # what and which equation
+    detail: str  # units, domain
+    arguments: tuple[sp.Symbol, ...]
+    outputs: Body
+    rules: tuple[Rule, ...]
+    meaning: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
+    returned: tuple[str, ...] = ()  # if not the outputs
+    unused: tuple[str, ...] = ()  # assignments that only the proof needs
+
+    def body(self) -> tuple[Body, tuple[Step, ...]]:
+        """Rewritten assignments and the history of operation counts."""
+        return rewrite(self.outputs, self.rules, self.meaning)

@@ -5,28 +5,22 @@ one) and proves that it still has the same value. Order and signs of terms are t
 """
 
 import html
-import re
-from collections.abc import Iterator
-from difflib import SequenceMatcher
+from functools import cache
 
 import sympy as sp
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.mathml import MathMLPresentationPrinter
-from sympy.printing.precedence import PRECEDENCE
 
-from . import symbols as s
-from .proof import Form, components, equal_at_random_points
+from .proof import Form
 
 # Letters in the order in which they stand in a product; what is not named comes last.
 _LETTERS = (
     "pi epsilon m M mu I l d gain bounce k omega theta eta A B C a a_1 a_2 q X Z x z h h_0 r j "
     "c_x c_z u_0 u_f v_0 v_1 v_f V_z V_0 P_x P_z P_1 F_x F_z"
-).split()
-_RANK = {name: rank for rank, name in enumerate(_LETTERS)}
+)
+_RANK = {name: rank for rank, name in enumerate(_LETTERS.split())}
 
-
-class PresentationError(ArithmeticError):
-    """A form chosen for its looks has another value than the derived one."""
+Parts = tuple[bool, tuple[sp.Expr, ...], tuple[sp.Expr, ...]]
 
 
 # ---- order and signs --------------------------------------------------------------------------
@@ -43,26 +37,38 @@ def _factor_key(factor: sp.Expr) -> tuple:
     return kind, len(base.free_symbols), -isinstance(base, sp.sin), _ranks(base), str(factor)
 
 
+@cache
 def _term_key(term: sp.Expr) -> tuple:
     """Numbers first, then what has few letters, low powers first."""
     powers = sp.total_degree(term, *term.free_symbols) if term.is_polynomial() else 99
     return len(term.free_symbols), _ranks(term), powers, str(term)
 
 
-def _parts(expr: sp.Expr) -> tuple[bool, list[sp.Expr], list[sp.Expr]]:
+def _scaled(total: sp.Expr, by: sp.Expr) -> sp.Expr:
+    return sp.Add(*(by * term for term in total.args))
+
+
+@cache
+def _signs(total: sp.Expr) -> tuple[bool, ...]:
+    return tuple(_parts(term)[0] for term in sorted(total.args, key=_term_key))
+
+
+@cache
+def _parts(expr: sp.Expr) -> Parts:
     """Whether a product is negative, and its factors above and below the fraction bar."""
-    number, above, below = sp.S.One, [], []
+    number, above, below, turned = sp.S.One, [], [], set()
     for factor in sp.Mul.make_args(expr):
         base, exponent = factor.as_base_exp()
         if factor.is_Rational:
             number *= factor
             continue
-        if base.is_Add and exponent.is_Integer:
-            content = base.primitive()[0]
-            content = content if content.is_Integer else sp.S.One
-            minus = sum(_parts(term)[0] for term in base.args)
-            content *= -1 if 2 * minus > len(base.args) else 1
-            base, number = sp.expand(base / content, deep=False), number * content**exponent
+        if base.is_Add and exponent.is_Integer:  # a sum starts with plus, and without a number
+            signs, content = _signs(base), base.primitive()[0]
+            if 2 * sum(signs) > len(signs) or (2 * sum(signs) == len(signs) and signs[0]):
+                content = -content
+            base, number = _scaled(base, 1 / content), number * content**exponent
+            if content.is_negative and not all(signs):
+                turned.add(base)
         down = exponent.is_number and exponent.is_negative
         (below if down else above).append(base ** (-exponent if down else exponent))
     for root in [f for f in above if f.is_Pow and f.exp == sp.S.Half and f.base.is_Integer]:
@@ -70,11 +76,17 @@ def _parts(expr: sp.Expr) -> tuple[bool, list[sp.Expr], list[sp.Expr]]:
             above.remove(root)
             below.append(root)
             number *= root.base
-    above, below = sorted(above, key=_factor_key), sorted(below, key=_factor_key)
+    for part in (above, below):
+        for i, total in enumerate(part):  # -(a - b) is b - a, but 1 - epsilon stays
+            even = part is below and 2 * sum(_signs(total)) == len(total.args)
+            mixed = total.is_Add and not any(x.is_number for x in total.args)
+            if number.is_negative and mixed and (even or total in turned):
+                part[i], number = _scaled(total, sp.S.NegativeOne), -number
+        part.sort(key=_factor_key)
     if number.is_Rational:
         above = [sp.Integer(abs(number.p))] * (abs(number.p) != 1) + above
         below = [sp.Integer(number.q)] * (number.q != 1) + below
-    return bool(number.is_negative), above or [sp.S.One], below
+    return bool(number.is_negative), tuple(above) or (sp.S.One,), tuple(below)
 
 
 def signed_terms(expr: sp.Expr) -> list[tuple[bool, sp.Expr]]:
@@ -220,88 +232,3 @@ def mathml(form: Form) -> str:
 def latex(form: Form) -> str:
     """LaTeX of the same."""
     return _latex.doprint(form)
-
-
-# ---- a derived form that reads well -----------------------------------------------------------
-
-# What stands together in print: (letter that hides it, the letter it replaces, what that is)
-_u, _v, _p = sp.symbols("u v p", real=True)
-_PAIRS = (
-    (_u, s.c_x, _u + s.omega * s.Z, s.c_x - s.omega * s.Z),
-    (_v, s.c_z, _v + s.V_z - s.omega * s.X, s.c_z - s.V_z + s.omega * s.X),
-    (_p, s.P_z, _p + s.P_1, s.P_z - s.P_1),
-)
-_LINEAR = (_u, _v, _p, s.u_0, s.v_0, s.F_x, s.F_z)
-_BASES = (sp.S.Zero, sp.S.One, s.c_x, s.c_z)
-
-
-def _tidy(expr: sp.Expr) -> sp.Expr:
-    """One fraction of factors, each collected in the letter that makes it shortest."""
-    expr = expr.replace(
-        lambda e: e.is_Pow and not e.exp.is_Integer and e.base.is_Add,
-        lambda e: _tidy(e.base) ** e.exp,
-    )
-    above, below = sp.fraction(sp.factor(expr))
-    factors = [
-        _collected(f.as_base_exp()[0]) ** (sign * f.as_base_exp()[1])
-        for part, sign in ((above, 1), (below, -1))
-        for f in sp.Mul.make_args(part)
-    ]
-    return sp.Mul(*factors)
-
-
-def _collected(total: sp.Expr) -> sp.Expr:
-    if not total.is_Add:
-        return total
-    letters = sorted(total.free_symbols, key=str)
-    groups = [*letters, [x for x in _LINEAR if x in letters]]
-    return min((total, *(sp.collect(total, g, _tidy) for g in groups if g)), key=sp.count_ops)
-
-
-def _by_letter(expr: sp.Expr, base: sp.Expr) -> sp.Expr | None:
-    """`base` plus a sum of velocities or forces with one factored coefficient each."""
-    back = {}
-    for hidden, letter, meaning, shown in _PAIRS:
-        if letter in expr.free_symbols and shown.free_symbols <= expr.free_symbols:
-            expr, base = expr.subs(letter, meaning), base.subs(letter, meaning)
-            back[hidden] = shown
-    above, below = sp.fraction(sp.cancel(sp.together(expr - base)))
-    letters = [x for x in _LINEAR if x in above.free_symbols]
-    parts = sp.collect(sp.expand(above), letters, evaluate=False)
-    rest = parts.pop(sp.S.One, sp.S.Zero)
-    if not set(parts) <= set(letters) or rest.has(*letters) or below.has(*letters):
-        return None
-    terms = [_tidy(factor / below) * back.get(x, x) for x, factor in parts.items()]
-    return base.subs(back) + sp.Add(*terms) + _tidy(rest / below)
-
-
-def _candidates(expr: sp.Expr) -> Iterator[sp.Expr]:
-    yield expr
-    yield _tidy(expr)
-    if expr.free_symbols == {s.phi}:
-        yield sp.simplify(expr)
-    for base in _BASES:
-        form = _by_letter(expr, base)
-        if form is not None:
-            yield form
-
-
-def _tokens(expr: sp.Expr) -> list[str]:
-    return re.findall(r"\\[a-z]+|\w|\S", latex(expr))
-
-
-def _best(expr: sp.Expr, like: sp.Expr | None) -> sp.Expr:
-    """The candidate that is most like `like` and short."""
-    forms = {form: _tokens(form) for form in _candidates(expr)}
-    target = _tokens(like) if like is not None else None
-    shortest = min(map(len, forms.values()))
-
-    def strangeness(form: sp.Expr) -> float:
-        text = forms[form]
-        unlike = 1 - SequenceMatcher(None, target, text, False).ratio() if target else 0
-        return unlike + len(text) / shortest / 4
-
-    best = min(forms, key=strangeness)
-    if not equal_at_random_points(best, expr):
-        raise PresentationError(f"{expr} became {best}")
-    return best

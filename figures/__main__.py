@@ -83,7 +83,7 @@ def _draw(arguments: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     mpl.use("Agg")
-    bar = tqdm(names, desc="drawing", unit="figure", disable=None, leave=False, delay=2)
+    bar = tqdm(names, desc="drawing", unit="figure", disable=None, leave=False)
     for name in bar:
         bar.set_postfix_str(name)
         npz, png, pdf = _produce(name, arguments.out, arguments.quick)

@@ -11,13 +11,21 @@ import numpy as np
 
 from impact import classify, critical_tilts, slide_friction, thin_rod
 
-from .shared import REGIME_MAP, REGIME_NORM, name_panel, reversal_boundary, style, tilt_axis
+from .shared import (
+    REGIME_MAP,
+    REGIME_NORM,
+    name_panel,
+    reversal_boundary,
+    style,
+    tilt_axis,
+    where_it_stops,
+)
 
 APPROACH_RATIOS = (1.0, 2.0, 10.0)  # -c_z/c_x of panels (a), (b), (c)
 _LABELS = (  # regime names at (tilt in degrees, friction), one row a panel
-    (("slide", 63, 0.5), ("slip-stick", 22, 0.75), ("slip\nreversal", 38, 0.36)),
-    (("slide", 77, 0.25), ("slip-stick", 22, 0.75), ("slip reversal", 50, 0.36)),
-    (("slide", 83, 0.03), ("slip-stick", 22, 0.75), ("slip reversal", 50, 0.30)),
+    (("slide", 77, 0.5), ("slip-stick", 22, 0.75), ("slip\nreversal", 38, 0.36)),
+    (("slide", 81.5, 0.08), ("slip-stick", 22, 0.75), ("slip reversal", 50, 0.36)),
+    (("slip-stick", 22, 0.75), ("slip reversal", 50, 0.30)),
 )
 
 
@@ -33,14 +41,8 @@ def data(quick: bool = False, restitution: float = 0.8) -> dict[str, np.ndarray]
         friction=friction[:, None],
         restitution=restitution,
     )
-
-    def slide(tilt):
-        return slide_friction(thin_rod(tilt), approach_ratio=ratio, restitution=restitution)
-
-    reversal = reversal_boundary(points)
-    # Only a contact that stops can stick or slip back.
-    stops = reversal["critical_friction"] >= slide(reversal["critical_tilt"])
-    line = np.linspace(0, np.pi / 2, points)
+    setting = {"approach_ratio": ratio, "restitution": restitution}
+    reversal, line = reversal_boundary(points), np.linspace(0, np.pi / 2, points)
     return {
         "approach_ratio": ratio.ravel(),
         "restitution": np.float64(restitution),
@@ -48,8 +50,8 @@ def data(quick: bool = False, restitution: float = 0.8) -> dict[str, np.ndarray]
         "friction": friction,
         "regime": regime,
         "slide_tilt": line,
-        "slide_friction": slide(line),
-        "critical_tilt": np.where(stops, reversal["critical_tilt"], np.nan),
+        "slide_friction": slide_friction(thin_rod(line), **setting),
+        "critical_tilt": where_it_stops(reversal, **setting),
         "critical_friction": reversal["critical_friction"],
         "reversal_end": np.array([critical_tilts(0.75)[0], 0.75]),
     }
@@ -75,11 +77,13 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         critical_deg = np.degrees(d["critical_tilt"][i])
         ax.plot(critical_deg, d["critical_friction"], "k--", label="both roots of Eq. (23)")
         ax.plot(end_deg, end_friction, "ko", label=r"$\mu=3/4$, $\phi=\arctan 2$")
-        ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90$^\circ$")
+        ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90°")
         for word, x, y in labels:
             ax.text(x, y, word, ha="center", va="center")
         tilt_axis(ax)
         name_panel(ax, "abc"[i], rf"$-c_z/c_x={d['approach_ratio'][i]:g}$")
+    arrow = {"arrowstyle": "->", "lw": 0.6}
+    axes[2].annotate("slide", (88.5, 0.07), (70, 0.07), va="center", arrowprops=arrow)
     axes[0].set(ylabel=r"friction $\mu$", ylim=(0, 1))
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure

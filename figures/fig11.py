@@ -12,7 +12,7 @@ import sympy as sp
 
 from derivations.bodies import THIN
 from derivations.drift import stationary
-from derivations.symbols import V_z, epsilon, mu, phi
+from derivations.symbols import V_z, epsilon, length, mu, phi
 from impact import critical_tilts, drift, thin_rod
 
 from .shared import BLACK, BLUE, GREEN, RED, style, tilt_axis
@@ -29,7 +29,8 @@ def data(
     moves = drift(rod, friction=friction, restitution=restitution)
     sticking = drift(rod, friction=np.inf, restitution=restitution)
     # `drift` never leaves the branch that holds; this one is followed beyond its range.
-    back = sp.lambdify((phi, mu, epsilon), (stationary("back")[0] / V_z).subs(THIN))
+    form = (stationary("back")[0] / V_z).subs(THIN).subs(length, 1)  # any length: it cancels
+    back = sp.lambdify((phi, mu, epsilon), form)
     return {
         "friction": np.float64(friction),
         "restitution": np.float64(restitution),
@@ -47,7 +48,7 @@ def _curves(ax: plt.Axes, d: dict[str, np.ndarray]) -> None:
     tilt_deg = np.degrees(d["tilt"])
     ax.plot(tilt_deg, d["c_z"], "-.", color=GREEN, label=r"$c_z'/V_z$")
     for name, equation, colour in (("stick", 26, RED), ("reversal", 29, BLUE)):
-        label = f"({equation}) beyond its range"
+        label = f"({equation}) where it does not hold"
         ax.plot(tilt_deg, d[f"{name}_c_x"], "--", color=colour, lw=1, label=label)
     ax.plot(tilt_deg, d["c_x"], color=BLACK, label=r"$c_x'/V_z$")
     for edge in np.degrees(d["critical_tilt"]):
@@ -59,22 +60,24 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     figure, ax = plt.subplots(figsize=(3.4, 3.0))
     _curves(ax, d)
     tilt_axis(ax)
-    ax.set(ylabel=r"velocity / $V_z$", ylim=(0, 6))
+    ax.set(ylabel=r"velocity / $V_z$", ylim=(0, 6.6))
     lower, upper = np.degrees(d["critical_tilt"])
-    ax.text(lower + 1, 5.9, rf"${lower:.2f}^\circ$", va="top")
-    ax.text(upper - 1, 5.9, rf"${upper:.2f}^\circ$", va="top", ha="right")
+    ax.text(lower + 1, 6.5, rf"$\phi_c$: {lower:.2f}°", va="top")
+    ax.text(upper - 1, 6.5, f"second root: {upper:.2f}°", va="top", ha="right")
     setting = rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$"
-    ax.legend(loc="upper right", bbox_to_anchor=(0.93, 0.96), title=setting)
+    legend = {"loc": "upper right", "bbox_to_anchor": (0.93, 0.95), "title": setting}
+    ax.legend(*(items[-1:] + items[:-1] for items in ax.get_legend_handles_labels()), **legend)
 
-    inset = ax.inset_axes((0.53, 0.2, 0.44, 0.34))
+    inset = ax.inset_axes((0.52, 0.34, 0.4, 0.26))
     _curves(inset, d)
     inset.set(xlim=(78, 90), ylim=(0, 0.4), xticks=(80, 85, 90), yticks=(0, 0.2, 0.4))
     inset.tick_params(labelsize=6)
     inset.annotate(
         "sticks\nagain",
-        (87, np.interp(87, np.degrees(d["tilt"]), d["c_x"])),
-        (88.2, 0.2),
+        (86.5, np.interp(86.5, np.degrees(d["tilt"]), d["c_x"])),
+        (82, 0.07),
         ha="center",
+        va="center",
         fontsize=6,
         arrowprops={"arrowstyle": "->", "lw": 0.6},
     )

@@ -14,10 +14,21 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
 
 from impact import collide, critical_friction, energy_restitution, slide_friction, thin_rod
 
-from .shared import BLACK, BLUE, RED, name_panel, reversal_boundary, style, tilt_axis
+from .shared import (
+    BLACK,
+    BLUE,
+    RED,
+    WARM,
+    name_panel,
+    reversal_boundary,
+    style,
+    tilt_axis,
+    where_it_stops,
+)
 
 LAWS = ("newton", "poisson", "stronge")
 RESTITUTIONS = (0.8, 0.85, 0.9, 0.95, 0.99)
@@ -47,6 +58,7 @@ def _creation(n: int, dots: tuple[int, int]) -> dict[str, np.ndarray]:
     dot_tilt, dot_friction = ((np.arange(m) + 0.5) / m for m in dots)
     dot_tilt *= np.pi / 2
     levels = np.array(RESTITUTIONS)
+    # Beyond what rounding can feign, in units of v_0^2.
     creates = largest_gain(dot_tilt, dot_friction[:, None], levels[:, None, None]) > 1e-12
     floor = thin_rod(np.pi / 4)
     return {
@@ -62,11 +74,11 @@ def _creation(n: int, dots: tuple[int, int]) -> dict[str, np.ndarray]:
     }
 
 
-def _after(tilt, friction, restitution, ratio) -> np.ndarray:
+def _after(tilt, friction, restitution, approach_ratio) -> np.ndarray:
     """(c_x', c_z') after an impact with c_z = -1 under each law: shape (2, 3, ...)."""
     hits = [
         collide(
-            1 / ratio,
+            1 / approach_ratio,
             -1.0,
             geometry=thin_rod(tilt),
             friction=friction,
@@ -87,9 +99,10 @@ def data(
     """Thresholds and what the search found; outcomes of three laws in units of |c_z|."""
     n, dots = (46, (15, 10)) if quick else (361, (45, 30))
     d = _creation(n, dots)
-    setting = (restitution, approach_ratio)
-    d["c_x"], d["c_z"] = _after(d["tilt"], friction, *setting)
-    everywhere = _after(d["tilt"], d["friction"][:, None], *setting)
+    setting = {"approach_ratio": approach_ratio, "restitution": restitution}
+    reversal = reversal_boundary(4 * n)
+    d["c_x"], d["c_z"] = _after(d["tilt"], friction, **setting)
+    everywhere = _after(d["tilt"], d["friction"][:, None], **setting)
     pairs = [everywhere[:, i] - everywhere[:, j] for i, j in combinations(range(len(LAWS)), 2)]
     return {
         **d,
@@ -97,10 +110,9 @@ def data(
         "line_restitution": np.float64(restitution),
         "approach_ratio": np.float64(approach_ratio),
         "difference": np.max([np.hypot(*pair) for pair in pairs], axis=0),
-        "slide_friction": slide_friction(
-            thin_rod(d["tilt"]), approach_ratio=approach_ratio, restitution=restitution
-        ),
-        **reversal_boundary(4 * n),
+        "slide_friction": slide_friction(thin_rod(d["tilt"]), **setting),
+        **reversal,
+        "stopping_tilt": where_it_stops(reversal, **setting),
     }
 
 
@@ -121,42 +133,43 @@ def _draw_creation(ax: Axes, d: dict[str, np.ndarray]) -> None:
         np.degrees(d["tilt"]),
         d["friction"],
         d["threshold"],
-        cmap="cividis_r",
+        cmap=WARM.reversed(),
         vmin=d["floor_threshold"],
         vmax=1,
         shading="gouraud",
         rasterized=True,
     )
-    lines = _threshold(ax, d, colors="w")
-    ax.clabel(lines, fontsize=6, fmt="%.2f")
+    lines = _threshold(ax, d, colors="k")
+    ax.clabel(lines, fontsize=6, fmt="%.2f", manual=[(28, 0.7), (20, 0.6), (13, 0.5), (6, 0.4)])
     ax.plot(np.degrees(d["critical_tilt"]), d["critical_friction"], "k--")
     ax.text(47, 0.97, f"{d['floor_threshold']:.2f}", va="top", fontsize=6)
     ax.figure.colorbar(fill, ax=ax, label=r"$\epsilon_c$")
 
 
 def _draw_search(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    name_panel(ax, "b", "found by search (dots)")
-    colours = plt.get_cmap("viridis")(np.linspace(0.95, 0.1, len(d["restitutions"]) - 1))
-    _threshold(ax, d, colors=colours)
+    floor, *levels = d["restitutions"]
+    found = np.count_nonzero(d["dot_created"] == floor)
+    name_panel(ax, "b", rf"found by search ({found or 'none'} at $\epsilon={floor:.2f}$)")
+    colours = ListedColormap(plt.get_cmap("plasma")(np.linspace(0.75, 0, len(levels))))
+    steps = BoundaryNorm(np.arange(len(levels) + 1), len(levels))
+    _threshold(ax, d, colors=colours.colors)
     tilt_deg, friction = np.meshgrid(np.degrees(d["dot_tilt"]), d["dot_friction"])
-    for level, colour in zip(d["restitutions"], [RED, *colours], strict=True):
-        here = d["dot_created"] == level
-        ax.plot(
-            tilt_deg[here],
-            friction[here],
-            "o",
-            color=colour,
-            ms=2,
-            mew=0,
-            label=rf"$\epsilon={level:.2f}$" + ("" if here.any() else ": none"),
-        )
-    none = np.isnan(d["dot_created"])
-    ax.plot(tilt_deg[none], friction[none], "o", color="0.8", ms=1, mew=0, label="no gain")
-    ax.legend(loc="upper left", bbox_to_anchor=(1, 1), handletextpad=0, markerscale=2)
+    step = np.searchsorted(levels, d["dot_created"])
+    some = np.isfinite(d["dot_created"])
+    ax.scatter(tilt_deg[~some], friction[~some], s=1, color="0.8", linewidths=0)
+    dots = ax.scatter(
+        tilt_deg[some], friction[some], s=5, c=step[some], cmap=colours, norm=steps, linewidths=0
+    )
+    bar = ax.figure.colorbar(dots, ax=ax, label=r"least $\epsilon$ found to create energy")
+    bar.set_ticks(np.arange(len(levels)) + 0.5, labels=[f"{level:.2f}" for level in levels])
+
+
+def _setting(d: dict[str, np.ndarray]) -> str:
+    return rf"$\epsilon={d['line_restitution']:g}$, $-c_z/c_x={d['approach_ratio']:g}$"
 
 
 def _draw_outcomes(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    name_panel(ax, "c", rf"after one impact, $\mu={d['line_friction']:g}$")
+    name_panel(ax, "c", rf"one impact, {_setting(d)}, $\mu={d['line_friction']:g}$")
     tilt_deg = np.degrees(d["tilt"])
     for i, (law, colour) in enumerate(zip(LAWS, (BLACK, RED, BLUE), strict=True)):
         ax.plot(tilt_deg, d["c_x"][i], color=colour, label=law.title())
@@ -169,21 +182,21 @@ def _draw_outcomes(ax: Axes, d: dict[str, np.ndarray]) -> None:
 
 
 def _draw_difference(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    name_panel(
-        ax, "d", rf"$\epsilon={d['line_restitution']:g}$, $-c_z/c_x={d['approach_ratio']:g}$"
-    )
+    name_panel(ax, "d", _setting(d))
     tilt_deg = np.degrees(d["tilt"])
     fill = ax.pcolormesh(
         tilt_deg,
         d["friction"],
         d["difference"],
-        cmap="cividis_r",
+        cmap=WARM,
         vmin=0,
         shading="gouraud",
         rasterized=True,
     )
     ax.plot(tilt_deg, d["slide_friction"], "k-")
-    ax.plot(np.degrees(d["critical_tilt"]), d["critical_friction"], "k--")
+    ax.plot(np.degrees(d["stopping_tilt"]), d["critical_friction"], "k--")
+    for word, x, y in (("slide", 76, 0.75), ("stick", 8, 0.75), ("reversal", 36, 0.2)):
+        ax.text(x, y, word, ha="center", va="center")
     ax.axhline(d["line_friction"], color="0.4", lw=0.8, ls=":")
     ax.set(ylabel=r"friction $\mu$", ylim=(0, 1))
     tilt_axis(ax)

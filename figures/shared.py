@@ -5,16 +5,15 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap, ListedColormap
 
-from impact import Regime, critical_tilts
+from impact import Regime, critical_tilts, slide_friction, thin_rod
 
 style = plt.style.context(Path(__file__).with_name("style.mplstyle"))  # decorates each `draw`
 
-BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
-YELLOW, BLUE, RED, PINK = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+BLACK, ORANGE, GREEN, BLUE, RED = "#000000", "#E69F00", "#009E73", "#0072B2", "#D55E00"
 
-# Pale, so that boundary lines and words stand out; in this order also grey by grey.
+# Pale, so that boundary lines and words stand out.
 _REGIME_COLOURS = {
     Regime.SLIDE: "#A9D8F5",
     Regime.SLIP_STICK: "#FBF5BE",
@@ -22,6 +21,9 @@ _REGIME_COLOURS = {
 }
 REGIME_MAP = ListedColormap(list(_REGIME_COLOURS.values()))
 REGIME_NORM = BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3)
+
+# White to vermilion: light enough for black lines everywhere.
+WARM = LinearSegmentedColormap.from_list("warm", ["#FFFFFF", ORANGE, RED])
 
 
 def reversal_boundary(points: int) -> dict[str, np.ndarray]:
@@ -31,6 +33,12 @@ def reversal_boundary(points: int) -> dict[str, np.ndarray]:
         "critical_tilt": np.concatenate([lower, upper[::-1]]),
         "critical_friction": np.concatenate([friction, friction[::-1]]),
     }
+
+
+def where_it_stops(boundary: dict[str, np.ndarray], **setting) -> np.ndarray:
+    """The boundary's tilts, nan where the contact slides through and can neither stick nor turn."""
+    slide = slide_friction(thin_rod(boundary["critical_tilt"]), **setting)
+    return np.where(boundary["critical_friction"] >= slide, boundary["critical_tilt"], np.nan)
 
 
 def tilt_axis(ax: Axes, low: float = 0, high: float = 90, step: float = 15) -> None:

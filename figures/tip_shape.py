@@ -4,9 +4,9 @@ The paper's closed forms hold for any contact geometry, its curves are those of 
 flat-ended rod stands on the lower edge of its end: below arctan(d/l), 7.125 degrees for the
 experiment's l = 8 d, its centre of mass is on the other side of that edge and it drifts against
 its tilt; at tilt 0 the contact jumps from edge to edge and the drift from one sign to the other.
-Look at 8 degrees, where flat-ended rods began to move in the experiment. (b) Over rod length at 15
-degrees, the tilt arccos(N d/L) of the paper's Fig. 13(c): a sphere does not drift; look whether the
-drift saturates near l = 3 d, as it did there.
+Look at 8 degrees, where flat-ended rods began to move in the experiment; at the kinks slip-stick
+turns into slip reversal. (b) Over rod length at 15 degrees, the tilt arccos(N d/L) of the paper's
+Fig. 13(c): a sphere does not drift; look whether the drift saturates near l = 3 d, as it did there.
 """
 
 import matplotlib.pyplot as plt
@@ -68,17 +68,19 @@ def _over_tilt(ax: Axes, d: dict[str, np.ndarray]) -> None:
         va="center",
         arrowprops={"arrowstyle": "->", "lw": 0.6},
     )
+    ax.axvspan(-threshold_deg, threshold_deg, color=RED, alpha=0.1, lw=0)
+    ax.text(0, -4.6, "flat ends\nbackwards", color=RED, ha="center", fontsize=7)
     ax.plot(threshold_deg, 0, "o", color=RED, ms=4)
     ax.annotate(
-        rf"$\arctan(d/l)={threshold_deg:.2f}^\circ$",
+        rf"$\arctan(d/l)$ = {threshold_deg:.3f}°",
         (threshold_deg, 0),
-        (16, -1.2),
+        (16, -1.6),
         va="center",
         color=RED,
         arrowprops={"arrowstyle": "->", "lw": 0.6, "color": RED},
     )
     ax.axvline(OBSERVED_DEG, color=GREEN, lw=0.8)
-    ax.text(OBSERVED_DEG + 8, -2.4, "experiment: flat ends\ndrift above $8^\\circ$", color=GREEN)
+    ax.text(OBSERVED_DEG + 1, -4.6, "experiment: flat\nends drift above 8°", color=GREEN)
     ax.set_ylabel(r"drift $c_x/V_z$")
     tilt_axis(ax, -20, 60, 10)
     name_panel(ax, "a", rf"$l={d['length']:g}\,d$")
@@ -100,7 +102,7 @@ def _over_length(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.text(3.2, 4.2, "Fig. 13(c):\nsaturates", color="0.3", va="center")
     ax.set(xlabel="length $l/d$", xlim=(0, 20), xticks=(1, 3, 5, 10, 15, 20))
     ax.legend(loc="lower right")
-    name_panel(ax, "b", rf"$\phi={np.degrees(d['fixed_tilt']):g}^\circ$")
+    name_panel(ax, "b", rf"$\phi$ = {np.degrees(d['fixed_tilt']):g}°")
 
 
 @style

@@ -65,20 +65,28 @@ def in_blocks(
 ) -> tuple[Any, ...]:
     """Broadcast `inputs` and apply `function` block by block, in float64, without warnings.
 
-    `dtypes` are those of the results; memory in flight beside them is a few blocks. Scalars in
-    give scalars out.
+    `dtypes` are those of the results; memory in flight beside them is a few blocks. Scalars stay
+    scalars, so that what is common to all elements is computed once a block; scalars alone give
+    scalars.
     """
-    read, write = len(inputs), len(dtypes)
-    blocks = np.nditer(
-        [*inputs, *[None] * write],
-        flags=["external_loop", "buffered", "zerosize_ok"],
-        op_flags=[["readonly"]] * read + [["writeonly", "allocate"]] * write,
-        op_dtypes=[np.dtype(np.float64)] * read + list(dtypes),
-        casting="unsafe",
-        buffersize=BLOCK,
-    )
-    with np.errstate(all="ignore"), blocks:
-        for chunk in blocks:
-            for target, values in zip(chunk[read:], function(*chunk[:read]), strict=True):
-                target[...] = values
-        return tuple(out[()] for out in blocks.operands[read:])
+    numbers = [value.astype(np.float64)[()] if value.ndim == 0 else None for value in inputs]
+    arrays = [value for value in inputs if value.ndim > 0]
+    with np.errstate(all="ignore"):
+        if not arrays:
+            results = zip(function(*numbers), dtypes, strict=True)
+            return tuple(np.asarray(value).astype(dtype)[()] for value, dtype in results)
+        blocks = np.nditer(
+            [*arrays, *[None] * len(dtypes)],
+            flags=["external_loop", "buffered", "zerosize_ok"],
+            op_flags=[["readonly"]] * len(arrays) + [["writeonly", "allocate"]] * len(dtypes),
+            op_dtypes=[np.dtype(np.float64)] * len(arrays) + list(dtypes),
+            casting="unsafe",
+            buffersize=BLOCK,
+        )
+        with blocks:
+            for chunk in blocks:
+                read = iter(chunk[: len(arrays)])
+                block = [next(read) if number is None else number for number in numbers]
+                for target, values in zip(chunk[len(arrays) :], function(*block), strict=True):
+                    target[...] = values
+            return tuple(blocks.operands[len(arrays) :])

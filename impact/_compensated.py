@@ -1,38 +1,70 @@
-"""k^2 + X^2 + mu X Z without losing digits where the friction term cancels the squares.
+"""The sums of an impact that may cancel, as if computed in twice the digits.
 
-There, at the edge of the Painleve region, the impulse of a slide is a quotient by this sum, and
-every digit lost in it is lost in the answer. Error-free products (Veltkamp, Dekker) and sums
-(Knuth) carry the rounding errors along; plain arithmetic, so it runs on floats and arrays.
+The contact velocity is the difference of what the centre of mass does and what the spin does. And
+at the edge of the Painleve region, where friction cancels the squares in k^2 + X^2 + mu X Z, the
+impulse of a slide is a quotient by that sum: every digit lost in it is lost in the answer.
+Error-free products (Veltkamp, Dekker) and sums (Knuth) carry the rounding errors along; plain
+arithmetic, so it runs on floats and arrays. Numbers must stay within about 1e+-140.
 """
 
 _SPLIT = 134217729.0  # 2^27 + 1
 
 
-def _two_sum(a, b):
-    """s + e = a + b exactly, s the rounded sum."""
+def _halves(a):
+    """Number a with its upper and lower half: (a, high, low), a = high + low exactly."""
+    t = _SPLIT * a
+    high = t - (t - a)
+    return a, high, a - high
+
+
+def _product(a, b):
+    """Rounded product and its error, exact together; a and b come from `_halves`."""
+    (a, a_high, a_low), (b, b_high, b_low) = a, b
+    p = a * b
+    return p, ((a_high * b_high - p) + a_high * b_low + a_low * b_high) + a_low * b_low
+
+
+def _sum(a, b):
+    """Rounded sum and its error, exact together."""
     s = a + b
     part = s - a
     return s, (a - (s - part)) + (b - part)
 
 
-def _two_product(a, b):
-    """p + e = a b exactly (no under- or overflow), p the rounded product."""
-    p = a * b
-    t = _SPLIT * a
-    a_high = t - (t - a)
-    a_low = a - a_high
-    t = _SPLIT * b
-    b_high = t - (t - b)
-    b_low = b - b_high
-    return p, ((a_high * b_high - p) + a_high * b_low + a_low * b_high) + a_low * b_low
+def approach(c_x, c_z, omega, V_z, X, Z):
+    """(u_0, v_0) of `_generated.approach`, each rounded about once."""
+    omega = _halves(omega)
+    turn, turn_error = _product(omega, _halves(Z))
+    lift, lift_error = _product(omega, _halves(X))
+    u, u_error = _sum(c_x, -turn)
+    fall, fall_error = _sum(c_z, -V_z)
+    v, v_error = _sum(fall, lift)
+    return u + (u_error - turn_error), v + (v_error + fall_error + lift_error)
 
 
-def normal_response(X, Z, k, mu):
-    """N = k^2 + X^2 + mu X Z to nearly full precision, as if computed in twice the digits."""
-    kk, kk_error = _two_product(k, k)
-    xx, xx_error = _two_product(X, X)
-    xz, xz_error = _two_product(X, Z)
-    friction, friction_error = _two_product(mu, xz)
-    total, error = _two_sum(kk, xx)
-    total, more = _two_sum(total, friction)
-    return total + (more + error + kk_error + xx_error + friction_error + mu * xz_error)
+def responses(X, Z, k, mu):
+    """N, T, N_back, T_back: `_generated.slip_response` for +mu and -mu, each rounded about once."""
+    X, Z, k, mu = _halves(X), _halves(Z), _halves(k), _halves(mu)
+    kk, kk_error = _product(k, k)
+    xx, xx_error = _product(X, X)
+    zz, zz_error = _product(Z, Z)
+    xz, xz_error = _product(X, Z)
+    across, error = _sum(kk, xx)
+    across_error = error + (kk_error + xx_error)
+    along, error = _sum(kk, zz)
+    along_error = error + (kk_error + zz_error)
+    press, error = _product(mu, _halves(xz))
+    press_error = error + mu[0] * xz_error
+    hold, error = _product(mu, _halves(along))
+    hold_error = error + mu[0] * along_error
+
+    N, N_error = _sum(across, press)
+    T, T_error = _sum(xz, hold)
+    N_back, N_back_error = _sum(across, -press)
+    T_back, T_back_error = _sum(xz, -hold)
+    return (
+        N + (N_error + (across_error + press_error)),
+        T + (T_error + (xz_error + hold_error)),
+        N_back + (N_back_error + (across_error - press_error)),
+        T_back + (T_back_error + (xz_error - hold_error)),
+    )

@@ -8,7 +8,7 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "2e442b28795d11a1"  # sha256 of the expressions below, first 16 digits
+DIGEST = "5b86a7c2c6502c84"  # sha256 of the expressions below, first 16 digits
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
@@ -28,8 +28,8 @@ def slip_response(X, Z, k, mu):
     Lengths in m; N, T in m^2. Backward slip: the same with -mu. Operations: as derived 13,
     collect friction 12.
     """
-    N = X**2 + k**2 + X * Z * mu
-    T = X * Z + mu * (Z**2 + k**2)
+    N = X * X + k * k + X * Z * mu
+    T = X * Z + mu * (Z * Z + k * k)
     return N, T
 
 
@@ -40,8 +40,8 @@ def slide(X, Z, k, mu, epsilon, u_0, v_0, N, T):
     name responses 54, one quotient 13.
     """
     bounce = 1 + epsilon
-    j = -bounce * v_0 / N
-    P_z = j * k**2
+    j = -(bounce * v_0 / N)
+    P_z = j * k * k
     P_x = -P_z * mu
     spin = j * (X + Z * mu)
     u_f = u_0 - T * j
@@ -63,9 +63,9 @@ def stick(X, Z, k, u_0, v_0, v_f):
     derived 495, single fraction 48, gain of normal velocity 26.
     """
     gain = v_f - v_0
-    inertia = X**2 + Z**2 + k**2
-    P_x = (X * Z * gain - u_0 * (X**2 + k**2)) / inertia
-    P_z = (gain * (Z**2 + k**2) - X * Z * u_0) / inertia
+    inertia = X * X + Z * Z + k * k
+    P_x = (X * Z * gain - u_0 * (X * X + k * k)) / inertia
+    P_z = (gain * (Z * Z + k * k) - X * Z * u_0) / inertia
     spin = (X * gain + Z * u_0) / inertia
     return P_x, P_z, spin
 
@@ -78,8 +78,8 @@ def reverse(X, Z, k, mu, u_0, v_1, v_f, T, N_back, T_back):
     """
     j_1 = u_0 / T
     j_2 = (v_f - v_1) / N_back
-    P_x = mu * k**2 * (j_2 - j_1)
-    P_z = k**2 * (j_1 + j_2)
+    P_x = mu * k * k * (j_2 - j_1)
+    P_z = k * k * (j_1 + j_2)
     spin = j_1 * (X + Z * mu) + j_2 * (X - Z * mu)
     u_f = -T_back * j_2
     return P_x, P_z, spin, u_f
@@ -90,7 +90,7 @@ def stick_slopes(X, Z, k, u_0, N, T):
 
     w in m/s. Needs T > 0; r only where N > 0. Operations: as derived 38, shared slope 14.
     """
-    q = k**2 * (X**2 + Z**2 + k**2) / (Z**2 + k**2)
+    q = k * k * (X * X + Z * Z + k * k) / (Z * Z + k * k)
     w = q * u_0 / T
     r = q / N
     return w, r
@@ -128,8 +128,8 @@ def stronge_early(X, Z, k, epsilon, u_0, v_0, v_1, w):
     v_0 < 0, v_1 <= 0, w >= 0. Two equal forms: for XZ u_0 >= 0 and for XZ u_0 < 0. Operations:
     as derived 186, sums of positive terms 18.
     """
-    square = epsilon**2 * (v_1**2 - w * (v_0 + v_1))
-    adverse = epsilon**2 * (v_0**2 + X * Z * u_0 * (v_0 + v_1) / (Z**2 + k**2))
+    square = epsilon * epsilon * (v_1 * v_1 - w * (v_0 + v_1))
+    adverse = epsilon * epsilon * (v_0 * v_0 + X * Z * u_0 * (v_0 + v_1) / (Z * Z + k * k))
     return square, adverse
 
 
@@ -138,7 +138,7 @@ def stronge_late(epsilon, v_0, v_1, r):
 
     0 <= v_1 <= -epsilon v_0, r > 0. Operations: as derived 30, sum of positive terms 8.
     """
-    return v_1**2 - r * (v_1 + v_0 * epsilon) * (v_1 - v_0 * epsilon)
+    return v_1 * v_1 - r * (v_1 + v_0 * epsilon) * (v_1 - v_0 * epsilon)
 
 
 def energy_change(P_x, P_z, u_0, v_0, u_f, v_f):
@@ -156,7 +156,7 @@ def critical_friction(X, Z, k):
     For XZ >= 0; the sign of XZ is the side to which it slips. Operations: as derived 5,
     positive denominator 5.
     """
-    return X * Z / (Z**2 + k**2)
+    return X * Z / (Z * Z + k * k)
 
 
 def critical_tangents(mu, root):
@@ -176,8 +176,8 @@ def slide_friction(X, Z, k, g):
     g = (1 + epsilon)(-c_z/c_x), omega = 0, c_x > 0. Operations: as derived 39, single fraction
     14, two signs 13.
     """
-    above = X**2 + k**2 - X * Z * g
-    below = g * (Z**2 + k**2) - X * Z
+    above = X * X + k * k - X * Z * g
+    below = g * (Z * Z + k * k) - X * Z
     return above, below
 
 
@@ -188,7 +188,7 @@ def drift_grips(x, z, mu):
     as derived 4, positive 4.
     """
     stick = z
-    back = mu * (1 + z**2) / x
+    back = mu * (1 + z * z) / x
     return stick, back
 
 
@@ -200,7 +200,7 @@ def drift(x, z, epsilon, grip):
     """
     lost = 1 - epsilon
     along = (1 + epsilon) * (grip + z) / (2 * x + lost / x)
-    up = (1 + epsilon) / (lost + 2 * x**2)
+    up = (1 + epsilon) / (lost + 2 * x * x)
     return along, up
 
 
@@ -210,7 +210,8 @@ def energy_threshold_stick(B, root_ac, root_d):
     Mobilities A, B, C; root_ac = sqrt(A C), root_d = sqrt(A C - B^2). Operations: as derived
     19, difference of roots 4.
     """
-    return B**2 / (root_ac + root_d)**2
+    roots = root_ac + root_d
+    return B * B / roots * roots
 
 
 def energy_threshold_back(B, C, mu, root_a, root_b):
@@ -219,7 +220,8 @@ def energy_threshold_back(B, C, mu, root_a, root_b):
     Mobilities A, B, C; root_a = sqrt(A), root_b = sqrt(A - mu^2 C). Operations: as derived 16,
     difference of roots 7.
     """
-    return mu**3 * C**2 / (B * (root_a + root_b)**2)
+    roots = root_a + root_b
+    return mu * mu * mu * C * C / (B * roots * roots)
 
 
 def round_rod(l, d, s, sin, cos):
@@ -232,7 +234,7 @@ def round_rod(l, d, s, sin, cos):
     X = 0.5 * axis * sin
     Z = 0.5 * d + 0.5 * axis * cos
     h = 1 - s
-    gyration = (s**3 / 10 + h * (0.28125 * s**2 + h * (0.25 * s + 0.125 * h))) / (s + 1.5 * h)
+    gyration = (s * s * s / 10 + h * (0.28125 * s * s + h * (0.25 * s + 0.125 * h))) / (s + 1.5 * h)
     return X, Z, gyration
 
 
@@ -244,6 +246,6 @@ def flat_rod(l, d, s, sin, cos):
     """
     X = 0.5 * l * sin - 0.5 * cos * d
     Z = 0.5 * cos * l + 0.5 * d * sin
-    weight = 4 + 3 * s**2
+    weight = 4 + 3 * s * s
     gyration = weight / 48
     return X, Z, gyration

@@ -12,13 +12,14 @@ holds. Where u_0 = 0 the mirror is chosen such that X Z >= 0.
 """
 
 from enum import IntEnum
+from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import _generated as closed
 from ._arguments import FRICTION, RESTITUTION, in_blocks, real_array, result_dtype
-from ._compensated import normal_response
+from ._compensated import approach, responses
 from .geometry import ContactGeometry, geometry_arrays
 
 LAWS = ("newton", "poisson", "stronge")
@@ -70,6 +71,7 @@ class _Approach(NamedTuple):
     mu: Any
     N: Any
     T: Any
+    N_back: Any
     T_back: Any
     hits: Any
     slides: Any
@@ -78,18 +80,14 @@ class _Approach(NamedTuple):
 
 def _approach(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon) -> _Approach:
     """Mirror the impact to u_0 >= 0 and apply the branch rule."""
-    u_0, v_0 = closed.approach(c_x, c_z, omega, V_z, X, Z)
+    u_0, v_0 = approach(c_x, c_z, omega, V_z, X, Z)
     side = np.copysign(1.0, np.where(u_0 == 0, X * Z, u_0))
     X, u_0 = side * X, np.abs(u_0)
     mu = np.minimum(mu, _HUGE_FRICTION)
-    N, T = closed.slip_response(X, Z, k, mu)
-    _, T_back = closed.slip_response(X, Z, k, -mu)
-    adverse = np.flatnonzero(0.5 * k * k > N)  # only where XZ < 0: friction presses the rod down
-    if adverse.size:
-        N[adverse] = normal_response(X[adverse], Z[adverse], k[adverse], mu[adverse])
+    N, T, N_back, T_back = responses(X, Z, k, mu)
     hits = v_0 < 0
     slides = (u_0 * N + (1 + epsilon) * v_0 * T >= 0) & (u_0 > 0) & (N > 0)
-    return _Approach(side, X, u_0, v_0, mu, N, T, T_back, hits, slides, T_back <= 0)
+    return _Approach(side, X, u_0, v_0, mu, N, T, N_back, T_back, hits, slides, T_back <= 0)
 
 
 def _regime(a: _Approach) -> np.ndarray:
@@ -97,12 +95,12 @@ def _regime(a: _Approach) -> np.ndarray:
     return np.where(a.hits, np.where(a.slides, Regime.SLIDE, stopped), Regime.NO_IMPACT)
 
 
-def _final_velocity(law, a: _Approach, Z, k, epsilon, v_1, N_back):
+def _final_velocity(law, a: _Approach, Z, k, epsilon, v_1):
     """Normal velocity at separation of an impact in which the slip stops."""
     if law == "newton":
         return -epsilon * a.v_0
     w_stick, r_stick = closed.stick_slopes(a.X, Z, k, a.u_0, a.N, a.T)
-    w_back, r_back = closed.reverse_slopes(a.u_0, a.N, a.T, N_back)
+    w_back, r_back = closed.reverse_slopes(a.u_0, a.N, a.T, a.N_back)
     w = np.where(a.u_0 > 0, np.where(a.sticks, w_stick, w_back), 0.0)
     r = np.where(a.sticks, r_stick, r_back)
     late = np.minimum(np.maximum(v_1, 0.0), -epsilon * a.v_0)  # rounding at the slide's edge
@@ -118,14 +116,13 @@ def _impact(law, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
     """All regimes of a block of valid impacts, then the right one of each."""
     a = _approach(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon)
     X, u_0, v_0, mu = a.X, a.u_0, a.v_0, a.mu
-    N_back, _ = closed.slip_response(X, Z, k, -mu)
     slips = u_0 > 0
     v_1 = np.where(slips, closed.stop_velocity(u_0, v_0, a.N, a.T), v_0)
     T = np.where(slips, a.T, 1.0)  # without slip nothing is divided by T, which may be 0
-    v_stop = _final_velocity(law, a, Z, k, epsilon, v_1, N_back)
+    v_stop = _final_velocity(law, a, Z, k, epsilon, v_1)
 
     slide = closed.slide(X, Z, k, mu, epsilon, u_0, v_0, a.N, a.T)
-    back = closed.reverse(X, Z, k, mu, u_0, v_1, v_stop, T, N_back, a.T_back)
+    back = closed.reverse(X, Z, k, mu, u_0, v_1, v_stop, T, a.N_back, a.T_back)
     P_x, P_z, spin = closed.stick(X, Z, k, u_0, v_0, v_stop)
     # The contact cannot end with less impulse than it took to stop; keeps P_z > 0 in rounding.
     P_z = np.where(X * Z > 0, np.maximum(P_z, k * k * u_0 / T), P_z)
@@ -156,7 +153,7 @@ def _impact(law, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
 
 def _exponent(*values):
     """Power of two just above the largest magnitude."""
-    return np.frexp(np.max(np.abs(values), axis=0))[1]
+    return np.frexp(reduce(np.maximum, map(np.abs, values)))[1]
 
 
 def _scaled(function, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
@@ -178,32 +175,34 @@ def _scaled(function, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
 
 def _guarded(function, *arguments):
     """`function` on the valid elements of a block; nan and INVALID for the others."""
+    if _ordinary(*arguments):
+        return function(*arguments)
     *moving, mu, epsilon = arguments
-    k = moving[-1]
-    valid = (k > 0) & FRICTION.holds(mu) & RESTITUTION.holds(epsilon)
+    valid = (moving[-1] > 0) & FRICTION.holds(mu) & RESTITUTION.holds(epsilon)
     for value in moving:
         valid &= np.isfinite(value)
-    whole = valid.all()
-    if not whole:
-        moving = [np.where(valid, value, 1.0) for value in moving]
-        mu, epsilon = (np.where(valid, value, 0.5) for value in (mu, epsilon))
-    c_x, c_z, omega, V_z, X, Z, k = moving
+    moving = [np.where(valid, value, 1.0) for value in moving]
+    mu, epsilon = (np.where(valid, value, 0.5) for value in (mu, epsilon))
+    return tuple(
+        np.where(valid, part, np.nan if part.dtype.kind == "f" else Regime.INVALID)
+        for part in _scaled(function, *moving, mu, epsilon)
+    )
+
+
+def _ordinary(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon) -> bool:
+    """Whether a whole block is valid and far from over- and underflow; false if there is a nan."""
     size = np.maximum(np.maximum(np.abs(X), np.abs(Z)), k)
     speed = np.maximum(np.abs(c_x), np.abs(c_z)) + np.abs(V_z) + np.abs(omega) * size
-    ordinary = (
-        size.min() > _SMALL
+    return (
+        k.min() > 0
+        and size.min() > _SMALL
         and size.max() < _LARGE
         and speed.min() > _SMALL
         and speed.max() < _LARGE
+        and mu.min() >= 0
         and mu.max() < _LARGE_FRICTION
-    )
-    run = function if ordinary else lambda *block: _scaled(function, *block)
-    results = run(*moving, mu, epsilon)
-    if whole:
-        return results
-    return tuple(
-        np.where(valid, part, np.nan if part.dtype.kind == "f" else Regime.INVALID)
-        for part in results
+        and epsilon.min() >= 0
+        and epsilon.max() <= 1
     )
 
 

@@ -91,7 +91,8 @@ def test_thin_rod_creates_energy_only_above_four_fifths():
     np.testing.assert_allclose(threshold[sticks], expected, rtol=1e-14)
 
 
-finite = st.floats(-1e6, 1e6, allow_subnormal=False)
+# far from underflow, where halving and doubling is exact
+finite = st.floats(-1e6, 1e6).filter(lambda number: number == 0 or abs(number) > 1e-100)
 positive = st.floats(1e-3, 1e3)
 unit = st.floats(0, 1)
 impacts = st.fixed_dictionaries(

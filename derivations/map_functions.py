@@ -1,0 +1,271 @@
+"""The impact map as it is generated: derived outputs, and the rules that make them compute well."""
+
+import sympy as sp
+
+from . import laws, slip_reversal, slip_stick
+from .newton import approach, spin_jump
+from .rewrites import (
+    CONTACT,
+    GENERAL,
+    RESPONSES,
+    Body,
+    Function,
+    N,
+    N_back,
+    T,
+    T_back,
+    name_responses,
+    nested,
+    r,
+    recast,
+    single_fraction,
+    w,
+)
+from .slide import impulse as slide_impulse
+from .slide import slide_excess, stop
+from .symbols import (
+    P_1,
+    P_x,
+    P_z,
+    V_z,
+    X,
+    Z,
+    c_x,
+    c_z,
+    epsilon,
+    k,
+    m,
+    mu,
+    omega,
+    u_0,
+    v_0,
+    v_1,
+    v_f,
+)
+
+_one = {m: sp.Integer(1)}  # impulses per unit mass
+_u_f, _spin, _gain, _all = sp.symbols("u_f spin gain inertia", real=True)
+_j, _j_1, _j_2, _q, _fall, _bounce = sp.symbols("j j_1 j_2 q fall bounce", real=True)
+_square, _adverse, _energy, _twice = sp.symbols("square adverse energy twice", real=True)
+
+
+def _impulse_outputs(impulse: tuple[sp.Expr, sp.Expr]) -> Body:
+    """P_x, P_z per unit mass and the spin that they give."""
+    p_x, p_z = (part.subs(_one) for part in impulse)
+    return {P_x: p_x, P_z: p_z, _spin: spin_jump(p_x, p_z).subs(_one)}
+
+
+def _until(v_final: sp.Symbol, impulse: tuple[sp.Expr, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
+    """An impulse under kinematic restitution, for any final normal velocity instead."""
+    return tuple(part.subs(epsilon, -v_final / v_0) for part in impulse)
+
+
+def _stronge_stick() -> sp.Expr:
+    """v_f^2 of an early stop with the slopes of slipping and sticking put in."""
+    slope = laws.slopes()
+    known = {P_1: stop()[1].subs(_one), laws.a_1: slope["slip"], laws.a_2: slope["stick"]}
+    return (laws.final_velocity("stronge", "early") ** 2).subs(known)
+
+
+FUNCTIONS: tuple[Function, ...] = (
+    Function(
+        name="approach",
+        summary="Contact-point velocity (u_0, v_0) before the impact, Eq. (3).",
+        detail="c, V_z in m/s, omega in 1/s, X, Z in m.",
+        arguments=(c_x, c_z, omega, V_z, X, Z),
+        outputs=dict(approach()),
+        rules=(
+            recast(
+                "plate first",
+                "c_z - V_z is exact where both are close",
+                u_0=c_x - omega * Z,
+                fall=c_z - V_z,
+                v_0=_fall + omega * X,
+            ),
+        ),
+    ),
+    Function(
+        name="slip_response",
+        summary="(N, T): k^2 times dv/dP_z and -du/dP_z in forward slip, Eqs. (5), (6).",
+        detail="Lengths in m; N, T in m^2. Backward slip: the same with -mu.",
+        arguments=(X, Z, k, mu),
+        outputs={N: RESPONSES[N], T: RESPONSES[T]},
+        rules=(nested(),),
+    ),
+    Function(
+        name="slide",
+        summary="Impulse, spin and slip velocity after a slide, Eqs. (7)-(9), (14).",
+        detail="Per unit mass. Needs N > 0 and u_0 N + (1 + epsilon) v_0 T >= 0.",
+        arguments=(X, Z, k, mu, epsilon, u_0, v_0, N, T),
+        outputs={
+            **_impulse_outputs(slide_impulse()),
+            _u_f: slide_excess().subs(_one),
+        },
+        rules=(
+            name_responses(),
+            recast(
+                "one quotient",
+                "impulse over k^2 is shared; no k^2 in a denominator",
+                bounce=1 + epsilon,
+                j=-_bounce * v_0 / N,
+                P_z=k**2 * _j,
+                P_x=-mu * P_z,
+                spin=(X + mu * Z) * _j,
+                u_f=u_0 - T * _j,
+            ),
+        ),
+        returned=("P_x", "P_z", "spin", "u_f"),
+        meaning=CONTACT,
+    ),
+    Function(
+        name="stop_velocity",
+        summary="v_1, normal contact velocity when the slip stops, Eq. (15).",
+        detail="Needs T > 0.",
+        arguments=(u_0, v_0, N, T),
+        outputs={v_1: stop()[2]},
+        rules=(recast("sum", "v_0 is not multiplied and divided by T", v_1=v_0 + N * u_0 / T),),
+        meaning=RESPONSES,
+    ),
+    Function(
+        name="stick",
+        summary="Impulse and spin after slip-stick that ends at v_f, Eqs. (B4), (B5).",
+        detail="Per unit mass; v_f = -epsilon v_0 for Newton's law. Independent of friction.",
+        arguments=(X, Z, k, u_0, v_0, v_f),
+        outputs=_impulse_outputs(_until(v_f, slip_stick.impulse())),
+        rules=(
+            single_fraction(),
+            recast(
+                "gain of normal velocity",
+                "v_f - v_0 is a sum of positive terms; P_z and P_x share one denominator",
+                gain=v_f - v_0,
+                inertia=k**2 + X**2 + Z**2,
+                P_x=(X * Z * _gain - (k**2 + X**2) * u_0) / _all,
+                P_z=((k**2 + Z**2) * _gain - X * Z * u_0) / _all,
+                spin=(Z * u_0 + X * _gain) / _all,
+            ),
+        ),
+    ),
+    Function(
+        name="reverse",
+        summary="Impulse, spin and slip velocity after slip reversal to v_f, Eqs. (B8)-(B10).",
+        detail="Per unit mass. Needs T > 0, T_back > 0, and so N_back > 0.",
+        arguments=(X, Z, k, mu, u_0, v_1, v_f, T, N_back, T_back),
+        outputs={
+            **_impulse_outputs(_until(v_f, slip_reversal.impulse())),
+            _u_f: _until(v_f, (slip_reversal.final_slip(),))[0].subs(_one),
+        },
+        rules=(
+            recast(
+                "two phases",
+                "forward and backward impulse over k^2, both positive, added last",
+                j_1=u_0 / T,
+                j_2=(v_f - v_1) / N_back,
+                P_x=mu * k**2 * (_j_2 - _j_1),
+                P_z=k**2 * (_j_1 + _j_2),
+                spin=(X + mu * Z) * _j_1 + (X - mu * Z) * _j_2,
+                u_f=-T_back * _j_2,
+            ),
+        ),
+        meaning=CONTACT,
+    ),
+    Function(
+        name="stick_slopes",
+        summary="w = a_2 P_1 and r = a_2/a_1 when the contact sticks after slipping.",
+        detail="w in m/s. Needs T > 0; r only where N > 0.",
+        arguments=(X, Z, k, u_0, N, T),
+        outputs={
+            w: laws.slopes()["stick"] * stop()[1].subs(_one),
+            r: laws.slopes()["stick"] / laws.slopes()["slip"],
+        },
+        rules=(
+            recast(
+                "shared slope",
+                "sums of squares",
+                q=k**2 * ((k**2 + X**2 + Z**2) / (k**2 + Z**2)),
+                w=_q * u_0 / T,
+                r=_q / N,
+            ),
+        ),
+        meaning=RESPONSES,
+    ),
+    Function(
+        name="reverse_slopes",
+        summary="w = a_2 P_1 and r = a_2/a_1 when the contact slips back.",
+        detail="w in m/s. Needs T > 0 and N > 0.",
+        arguments=(u_0, N, T, N_back),
+        outputs={
+            w: laws.slopes()["back"] * stop()[1].subs(_one),
+            r: laws.slopes()["back"] / laws.slopes()["slip"],
+        },
+        rules=(recast("name responses", "computed once", w=N_back * u_0 / T, r=N_back / N),),
+        meaning=RESPONSES,
+    ),
+    Function(
+        name="poisson_early",
+        summary="v_f under Poisson's restitution; the slip stopped before compression ended.",
+        detail="v_1 <= 0, w >= 0.",
+        arguments=(epsilon, v_1, w),
+        outputs={v_f: laws.final_velocity("poisson", "early")},
+        rules=(recast("name v_1", "a sum of positive terms", v_f=epsilon * (w - v_1)),),
+        meaning=GENERAL,
+    ),
+    Function(
+        name="poisson_late",
+        summary="v_f under Poisson's restitution; the slip stopped after compression ended.",
+        detail="0 <= v_1 <= -epsilon v_0, r > 0.",
+        arguments=(epsilon, v_0, v_1, r),
+        outputs={v_f: laws.final_velocity("poisson", "late")},
+        rules=(
+            recast(
+                "name v_1", "what is left to gain, stretched", v_f=v_1 - r * (v_1 + epsilon * v_0)
+            ),
+        ),
+        meaning=GENERAL,
+    ),
+    Function(
+        name="stronge_early",
+        summary="v_f^2 under Stronge's restitution; the slip stopped before compression ended.",
+        detail="v_0 < 0, v_1 <= 0, w >= 0. Two equal forms: for XZ u_0 >= 0 and for XZ u_0 < 0.",
+        arguments=(X, Z, k, epsilon, u_0, v_0, v_1, w),
+        outputs=dict.fromkeys((_square, _adverse), _stronge_stick()),
+        rules=(
+            recast(
+                "sums of positive terms",
+                "each form is one where its sign of XZ u_0 holds; the second does not feel T -> 0",
+                square=epsilon**2 * (v_1**2 - w * (v_0 + v_1)),
+                adverse=epsilon**2 * (v_0**2 + X * Z * u_0 / (k**2 + Z**2) * (v_0 + v_1)),
+            ),
+        ),
+        meaning={**CONTACT, w: laws.slopes()["stick"] * stop()[1].subs(_one)},
+    ),
+    Function(
+        name="stronge_late",
+        summary="v_f^2 under Stronge's restitution; the slip stopped after compression ended.",
+        detail="0 <= v_1 <= -epsilon v_0, r > 0.",
+        arguments=(epsilon, v_0, v_1, r),
+        outputs={_square: laws.final_velocity("stronge", "late") ** 2},
+        rules=(
+            recast(
+                "sum of positive terms",
+                "a difference of squares is a product",
+                square=v_1**2 - r * (v_1 - epsilon * v_0) * (v_1 + epsilon * v_0),
+            ),
+        ),
+        meaning=GENERAL,
+    ),
+    Function(
+        name="energy_change",
+        summary="Kinetic energy after minus before, in the frame of the plate.",
+        detail="Per unit mass: impulse times mean contact velocity.",
+        arguments=(P_x, P_z, u_0, v_0, _u_f, v_f),
+        outputs={_energy: P_x * (u_0 + _u_f) / 2 + P_z * (v_0 + v_f) / 2},
+        rules=(
+            recast(
+                "half last",
+                "one product less",
+                twice=P_x * (u_0 + _u_f) + P_z * (v_0 + v_f),
+                energy=_twice / 2,
+            ),
+        ),
+    ),
+)

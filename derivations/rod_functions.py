@@ -1,0 +1,205 @@
+"""Rods, regime boundaries and drift as they are generated: outputs and rewriting rules."""
+
+import sympy as sp
+
+from . import bodies, drift, laws, thin_rod
+from .rewrites import Function, recast, single_fraction
+from .symbols import V_z, X, Z, diameter, epsilon, k, length, mu, phi
+
+_x, _z, _s, _g = sp.symbols("x z s g", positive=True)  # |X|/k, |Z|/k, d/l, (1 + epsilon) r
+_grip, _sin, _cos, _root = sp.symbols("grip sin cos root", positive=True)
+_root_a, _root_b, _root_ac, _root_d = sp.symbols("root_a root_b root_ac root_d", positive=True)
+
+
+def _name(name: str) -> sp.Symbol:
+    return sp.Symbol(name, real=True)
+
+
+_h = _name("h")
+
+
+def _thin(expr: sp.Expr) -> sp.Expr:
+    """Per length k, for positive X and Z."""
+    return sp.simplify(expr.subs({X: _x * k, Z: _z * k}))
+
+
+def _of_tilt(expr: sp.Expr) -> sp.Expr:
+    return expr.subs({sp.sin(phi): _sin, sp.cos(phi): _cos})
+
+
+def _grip_of(case: str) -> sp.Expr:
+    """c_x/(x c_z') - z."""
+    along, up = drift.stationary(case)
+    return sp.simplify(_thin(along / up) / _x - _z)
+
+
+FUNCTIONS: tuple[Function, ...] = (
+    Function(
+        name="critical_friction",
+        summary="Friction below which a stopped contact slips back, Eqs. (16), (20).",
+        detail="For XZ >= 0; the sign of XZ is the side to which it slips.",
+        arguments=(X, Z, k),
+        outputs={mu: thin_rod.critical_friction()},
+        rules=(recast("positive denominator", "no sign to lose", mu=X * Z / (k**2 + Z**2)),),
+    ),
+    Function(
+        name="critical_tangents",
+        summary="Critical tilts of a thin rod: tan(lower) = a/b and tan(upper) = b/c; Eq. (23).",
+        detail="root = sqrt((3 - 4 mu)(3 + 4 mu)), mu <= 3/4.",
+        arguments=(mu, _root),
+        outputs={
+            _name("lower"): thin_rod.critical_tangents()[0].subs(sp.sqrt(9 - 16 * mu**2), _root),
+            _name("upper"): thin_rod.critical_tangents()[1].subs(sp.sqrt(9 - 16 * mu**2), _root),
+        },
+        rules=(
+            recast(
+                "conjugate root",
+                "3 - root cancels for small mu; the product of both roots is 4",
+                a=8 * mu,
+                b=3 + _root,
+                c=2 * mu,
+                lower=_name("a") / _name("b"),
+                upper=_name("b") / _name("c"),
+            ),
+        ),
+        returned=("a", "b", "c"),
+        unused=("lower", "upper"),
+        meaning={mu: sp.sqrt(9 - _root**2) / 4},
+    ),
+    Function(
+        name="slide_friction",
+        summary="Numerator and denominator of the friction at which u_* = 0, Eq. (14).",
+        detail="g = (1 + epsilon)(-c_z/c_x), omega = 0, c_x > 0.",
+        arguments=(X, Z, k, _g),
+        outputs={
+            _name("quotient"): thin_rod.slide_friction().subs(thin_rod.ratio, _g / (1 + epsilon))
+        },
+        rules=(
+            single_fraction(),
+            recast(
+                "two signs",
+                "numerator and denominator decide between 0, a number and infinity",
+                above=k**2 + X**2 - _g * X * Z,
+                below=_g * (k**2 + Z**2) - X * Z,
+                quotient=_name("above") / _name("below"),
+            ),
+        ),
+        returned=("above", "below"),
+        unused=("quotient",),
+    ),
+    Function(
+        name="drift_grips",
+        summary="What friction adds to z in the drift: while sticking, and in slip reversal.",
+        detail="Lengths in units of k: x = |X|/k, z = |Z|/k. The smaller one is the right one.",
+        arguments=(_x, _z, mu),
+        outputs={
+            _name("stick"): _grip_of("stick"),
+            _name("back"): _grip_of("back"),
+        },
+        rules=(recast("positive", "no difference", stick=_z, back=mu * (1 + _z**2) / _x),),
+    ),
+    Function(
+        name="drift",
+        summary="Stationary (c_x, c_z')/V_z, Eqs. (24)-(30), with the grip of `drift_grips`.",
+        detail="Lengths in units of k; signs of XZ and V_z are put on afterwards.",
+        arguments=(_x, _z, epsilon, _grip),
+        outputs={
+            _name("along"): _thin(drift.stationary("back")[0] / V_z).subs(
+                mu, _grip * _x / (1 + _z**2)
+            ),
+            _name("up"): _thin(drift.stationary("back")[1] / V_z),
+        },
+        rules=(
+            recast(
+                "divide by x",
+                "x^2 cannot underflow; tilt 0 and full restitution give a signed infinity",
+                lost=1 - epsilon,
+                along=(1 + epsilon) * (_z + _grip) / (_name("lost") / _x + 2 * _x),
+                up=(1 + epsilon) / (_name("lost") + 2 * _x**2),
+            ),
+        ),
+    ),
+    Function(
+        name="energy_threshold_stick",
+        summary="(1-epsilon)/(1+epsilon) below which Newton's law can create energy, slip-stick.",
+        detail="Mobilities A, B, C; root_ac = sqrt(A C), root_d = sqrt(A C - B^2).",
+        arguments=(laws.B, _root_ac, _root_d),
+        outputs={_name("kappa"): laws.energy_threshold("stick")},
+        rules=(
+            recast(
+                "difference of roots",
+                "(a - b)^2 = B^4/(a + b)^2",
+                roots=_root_ac + _root_d,
+                kappa=laws.B**2 / _name("roots") ** 2,
+            ),
+        ),
+        meaning={
+            laws.A: _root_ac**2 / laws.C,
+            laws.B: sp.sqrt(_root_ac**2 - _root_d**2),
+        },
+    ),
+    Function(
+        name="energy_threshold_back",
+        summary="(1-epsilon)/(1+epsilon) below which Newton's law can create energy, reversal.",
+        detail="Mobilities A, B, C; root_a = sqrt(A), root_b = sqrt(A - mu^2 C).",
+        arguments=(laws.B, laws.C, mu, _root_a, _root_b),
+        outputs={_name("kappa"): laws.energy_threshold("back")},
+        rules=(
+            recast(
+                "difference of roots",
+                "(a - b)^2 = mu^4 C^2/(a + b)^2",
+                roots=_root_a + _root_b,
+                kappa=mu**3 * laws.C**2 / (laws.B * _name("roots") ** 2),
+            ),
+        ),
+        meaning={laws.A: _root_a**2, laws.C: (_root_a**2 - _root_b**2) / mu**2},
+    ),
+    Function(
+        name="round_rod",
+        summary="(X, Z) and k^2/l^2 of a solid spherocylinder.",
+        detail="l overall length, d diameter, s = d/l <= 1, of a tilt given by sin and cos.",
+        arguments=(length, diameter, _s, _sin, _cos),
+        outputs={
+            X: _of_tilt(bodies.round_contact()[0]),
+            Z: _of_tilt(bodies.round_contact()[1]),
+            _name("gyration"): sp.factor(
+                bodies.spherocylinder_gyration().subs(diameter, _s * length) / length**2
+            ),
+        },
+        rules=(
+            recast(
+                "sums of positive terms",
+                "h = (l - d)/l instead of powers of d with both signs",
+                axis=length - diameter,
+                X=_name("axis") / 2 * _sin,
+                Z=_name("axis") / 2 * _cos + diameter / 2,
+                h=1 - _s,
+                gyration=(_s**3 / 10 + _h * (sp.Rational(9, 32) * _s**2 + _h * (_s / 4 + _h / 8)))
+                / (_s + 3 * _h / 2),
+            ),
+        ),
+    ),
+    Function(
+        name="flat_rod",
+        summary="(X, Z) and k^2/l^2 of a solid flat-ended cylinder on its lower edge.",
+        detail="l length, d diameter, s = d/l, of a tilt >= 0 given by sin and cos.",
+        arguments=(length, diameter, _s, _sin, _cos),
+        outputs={
+            X: _of_tilt(bodies.flat_contact()[0]),
+            Z: _of_tilt(bodies.flat_contact()[1]),
+            _name("gyration"): sp.expand(
+                bodies.cylinder_gyration().subs(diameter, _s * length) / length**2
+            ),
+        },
+        rules=(
+            recast(
+                "half last",
+                "halving is exact",
+                X=(length * _sin - diameter * _cos) / 2,
+                Z=(length * _cos + diameter * _sin) / 2,
+                weight=4 + 3 * _s**2,
+                gyration=_name("weight") / 48,
+            ),
+        ),
+    ),
+)

@@ -1,0 +1,212 @@
+"""The figures' numbers and the command that draws them; never pixels."""
+
+import json
+import subprocess
+import sys
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import figures
+from figures.__main__ import main
+from figures.restitution_laws import largest_gain
+from impact import Regime, critical_friction, energy_restitution, slide_friction, thin_rod
+from impact._generated import DIGEST
+
+mpl.use("Agg")
+
+
+@pytest.fixture(scope="module")
+def data():
+    """`data(quick=True)` of every figure."""
+    return {name: figures.load(name).data(quick=True) for name in figures.FIGURES}
+
+
+def test_fig10_colours_meet_its_lines(data):
+    """Regimes on the map against the closed forms, everywhere but on a line itself."""
+    d = data["fig10"]
+    rod, friction = thin_rod(d["tilt"]), d["friction"][:, None]
+    holds = critical_friction(rod)
+    for ratio, regime in zip(d["approach_ratio"], d["regime"], strict=True):
+        slide = slide_friction(rod, approach_ratio=ratio, restitution=d["restitution"])
+        expected = np.where(friction >= holds, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
+        expected = np.where(friction < slide, Regime.SLIDE, expected)
+        off_line = (np.abs(friction - slide) > 1e-9) & (np.abs(friction - holds) > 1e-9)
+        np.testing.assert_array_equal(regime[off_line], expected[off_line])
+        assert off_line.mean() > 0.9
+        assert set(np.unique(regime)) == {1, 2, 3}
+
+
+def test_fig10_lines(data):
+    """The dashed line ends on the solid one; the last reversal is at 3/4, arctan 2."""
+    d = data["fig10"]
+    np.testing.assert_allclose(d["reversal_end"], [np.arctan(2), 0.75], rtol=1e-15)
+    for tilt, ratio in zip(d["critical_tilt"], d["approach_ratio"], strict=True):
+        drawn = np.isfinite(tilt)
+        assert 0 < drawn.sum() < drawn.size
+        friction, rod = d["critical_friction"][drawn], thin_rod(tilt[drawn])
+        np.testing.assert_allclose(critical_friction(rod), friction, atol=1e-14)
+        slide = slide_friction(rod, approach_ratio=ratio, restitution=d["restitution"])
+        assert np.all(friction >= slide)
+        assert friction[-1] - slide[-1] < 0.02
+    assert np.degrees(tilt[drawn][-1]) > 85  # the second root, in the last panel
+
+
+def test_fig11_true_curve(data):
+    """Ends and corners: (26) outside the two critical tilts, (29) between them."""
+    d = data["fig11"]
+    np.testing.assert_allclose(np.degrees(d["critical_tilt"]), [22.6568, 84.0424], atol=1e-4)
+    lower, upper = d["critical_tilt"]
+    between = (d["tilt"] > lower) & (d["tilt"] < upper)
+    branch = np.where(between, d["reversal_c_x"], d["stick_c_x"])
+    np.testing.assert_allclose(d["c_x"], branch, rtol=1e-12, atol=1e-15)
+    for edge in (lower, upper):  # both branches meet there
+        here = d["tilt"] == edge
+        np.testing.assert_allclose(d["reversal_c_x"][here], d["stick_c_x"][here], rtol=1e-12)
+    np.testing.assert_allclose([d["c_z"][0], d["c_z"][-1]], [1.65 / 0.35, 1.65 / 6.35])
+    np.testing.assert_allclose([d["c_x"][0], d["c_x"][-1]], 0, atol=1e-15)
+    np.testing.assert_allclose(
+        [d["reversal_c_x"][0], d["reversal_c_x"][-1]], [1.65 * 1.2 / 0.35, 1.65 * 0.3 / 6.35]
+    )
+
+
+@pytest.mark.parametrize("offset", [-1e-3, 1e-3])
+def test_search_finds_the_energy_threshold(offset):
+    """Energy is gained just above the closed form's restitution, and not just below it."""
+    tilt, friction = np.random.default_rng(1).uniform((0.1, 0.1), (1.5, 1), (300, 2)).T
+    restitution = energy_restitution(thin_rod(tilt), friction) + offset
+    inside = restitution <= 1
+    gain = largest_gain(tilt[inside], friction[inside], restitution[inside])
+    assert np.all(gain * offset > 0)
+    assert inside.sum() > 200
+
+
+def test_dots_fill_the_contours(data):
+    """The restitution found at each dot is the first of the list above (not at) its threshold."""
+    d = data["restitution_laws"]
+    threshold = energy_restitution(thin_rod(d["dot_tilt"]), d["dot_friction"][:, None])
+    levels = np.append(d["restitutions"], np.nan)
+    expected = levels[np.searchsorted(d["restitutions"], threshold + 1e-9)]
+    np.testing.assert_array_equal(d["dot_created"], expected)
+    assert not np.any(d["dot_created"] == 0.8)
+    assert np.unique(d["dot_created"][np.isfinite(d["dot_created"])]).size == 4
+    assert d["threshold"].min() >= d["floor_threshold"] == pytest.approx(0.8)
+    np.testing.assert_allclose(d["floor"], [np.pi / 4, 0.6])
+
+
+def test_laws_differ_only_where_the_slip_stops(data):
+    d = data["restitution_laws"]
+    slides = d["friction"][:, None] < d["slide_friction"] - 1e-9
+    assert np.all(d["difference"][slides] < 1e-12)
+    assert 0.3 < d["difference"].max() < 0.4
+    row = np.abs(d["friction"] - d["line_friction"]).argmin()
+    newton_to_poisson = np.hypot(d["c_x"][0] - d["c_x"][1], d["c_z"][0] - d["c_z"][1])
+    assert newton_to_poisson.max() == pytest.approx(d["difference"][row].max(), rel=0.05)
+
+
+def test_flat_end_turns_at_arctan_d_over_l(data):
+    d = data["tip_shape"]
+    tilt, flat = d["tilt"], d["flat"]
+    assert np.degrees(d["flat_threshold"]) == pytest.approx(7.125, abs=1e-3)
+    positive = ~np.signbit(tilt)
+    np.testing.assert_array_equal(flat[positive] > 0, tilt[positive] > d["flat_threshold"])
+    before, after = flat[tilt == 0]
+    assert before == -after > 2
+    assert np.sum(np.sign(d["round"]) != np.sign(tilt)) == 0
+
+
+def test_drift_over_length(data):
+    """Nothing for a sphere, a thin rod's for a long rod, saturated at three diameters."""
+    d = data["tip_shape"]
+    thin = d["thin_by_length"][0]
+    assert d["round_by_length"][0] == pytest.approx(0, abs=1e-15)
+    np.testing.assert_allclose([d["round_by_length"][-1], d["flat_by_length"][-1]], thin, rtol=0.03)
+    assert np.all(np.abs(d["round_by_length"][d["lengths"] > 3] / thin - 1) < 0.06)
+    np.testing.assert_array_equal(d["flat_by_length"] > 0, d["lengths"] > d["flat_length"])
+
+
+@pytest.mark.parametrize("name", figures.FIGURES)
+def test_data_are_plain_numbers(name, data):
+    """Nothing that a .npz file would have to pickle, and not everything nan."""
+    for key, value in data[name].items():
+        assert np.asarray(value).dtype.kind in "fi", key
+        assert np.any(np.isfinite(value)), key
+
+
+@pytest.mark.parametrize("name", figures.FIGURES)
+def test_draw(name, data):
+    """Every figure draws, every panel has its axes named, and the numbers stay as they were."""
+    before = {key: np.copy(value) for key, value in data[name].items()}
+    picture = figures.load(name).draw(data[name])
+    try:
+        assert all(ax.get_xlabel() or ax.get_ylabel() for ax in picture.axes)
+        picture.canvas.draw()
+    finally:
+        plt.close(picture)
+    for key, value in data[name].items():
+        np.testing.assert_array_equal(value, before[key])
+
+
+def test_command_writes_three_files(tmp_path, capsys):
+    out = tmp_path / "new" / "folder"
+    assert main(["draw", "tip_shape", "--quick", "--out", str(out)]) == 0
+    assert {path.name for path in out.iterdir()} == {
+        f"tip_shape.{k}" for k in ("npz", "png", "pdf")
+    }
+    printed = capsys.readouterr()
+    assert printed.out.count("\n") == 1
+    assert "tip_shape.png" in printed.out
+    assert printed.err == ""  # no progress bar in a pipe
+    assert (out / "tip_shape.png").read_bytes().startswith(b"\x89PNG")
+    assert (out / "tip_shape.pdf").read_bytes().startswith(b"%PDF")
+    with np.load(out / "tip_shape.npz") as stored:
+        made = json.loads(str(stored["provenance"]))
+        assert stored["flat"].shape == stored["tilt"].shape
+    assert made["impact"] == DIGEST
+    assert made["numpy"] == np.__version__
+    assert set(made) == {"impact", "numpy", "matplotlib", "python", "quick"}
+
+
+def test_list_names_every_figure():
+    command = [sys.executable, "-m", "figures", "list"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert [line.split()[0] for line in done.stdout.splitlines()] == list(figures.FIGURES)
+    assert not done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["draw", "fig99"], "fig99"),
+        (["draw", "fig10", "--size", "3"], "--size"),
+        (["paint"], "paint"),
+        ([], "draw"),
+        (["draw", "fig10", "--quick", "--out", "FILE"], "FILE"),
+    ],
+)
+def test_nonsense_costs_one_line(arguments, word, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "FILE").touch()
+    try:
+        code = main(arguments)
+    except SystemExit as stop:
+        code = stop.code
+    assert code == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.count("\n") == 1
+    assert word in printed.err
+    assert [path.name for path in tmp_path.iterdir()] == ["FILE"]
+
+
+def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
+    def interrupted(self, path, **_):
+        path.write_bytes(b"half a picture")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(mpl.figure.Figure, "savefig", interrupted)
+    assert main(["draw", "tip_shape", "--quick", "--out", str(tmp_path)]) == 130
+    assert [path.name for path in tmp_path.iterdir()] == ["tip_shape.npz"]
+    assert capsys.readouterr().err.count("\n") == 1
