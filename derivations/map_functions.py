@@ -46,6 +46,7 @@ from .symbols import (
 _one = {m: sp.Integer(1)}  # impulses per unit mass
 _u_f, _spin, _gain, _all = sp.symbols("u_f spin gain inertia", real=True)
 _j, _j_1, _j_2, _q, _fall, _bounce = sp.symbols("j j_1 j_2 q fall bounce", real=True)
+_N_stick, _N_after = sp.symbols("N_stick N_after", real=True)
 _square, _adverse, _energy, _twice = sp.symbols("square adverse energy twice", real=True)
 
 
@@ -123,7 +124,9 @@ FUNCTIONS: tuple[Function, ...] = (
         detail="Needs T > 0.",
         arguments=(u_0, v_0, N, T),
         outputs={v_1: stop()[2]},
-        rules=(recast("sum", "v_0 is not multiplied and divided by T", v_1=v_0 + N * u_0 / T),),
+        rules=(
+            recast("sum", "v_0 is not multiplied and divided by T", j=u_0 / T, v_1=v_0 + N * _j),
+        ),
         meaning=RESPONSES,
     ),
     Function(
@@ -169,36 +172,39 @@ FUNCTIONS: tuple[Function, ...] = (
         meaning=CONTACT,
     ),
     Function(
-        name="stick_slopes",
-        summary="w = a_2 P_1 and r = a_2/a_1 when the contact sticks after slipping.",
+        name="stick_response",
+        summary="N_stick: k^2 times dv/dP_z while sticking; what N is while slipping forward.",
+        detail="Lengths in m; N_stick in m^2.",
+        arguments=(X, Z, k),
+        outputs={_N_stick: k**2 * laws.slopes()["stick"]},
+        rules=(
+            recast(
+                "divide first",
+                "a quotient of sums of squares, of order one",
+                q=(k**2 + X**2 + Z**2) / (k**2 + Z**2),
+                N_stick=k**2 * _q,
+            ),
+        ),
+    ),
+    Function(
+        name="slopes",
+        summary="w = a_2 P_1 and r = a_2/a_1, with N_after = k^2 a_2 of the phase after the stop.",
         detail="w in m/s. Needs T > 0; r only where N > 0.",
-        arguments=(X, Z, k, u_0, N, T),
+        arguments=(u_0, N, T, _N_after),
         outputs={
-            w: laws.slopes()["stick"] * stop()[1].subs(_one),
-            r: laws.slopes()["stick"] / laws.slopes()["slip"],
+            w: laws.a_2 * stop()[1].subs(_one),
+            r: laws.a_2 / laws.slopes()["slip"],
         },
         rules=(
             recast(
-                "shared slope",
-                "sums of squares",
-                q=k**2 * ((k**2 + X**2 + Z**2) / (k**2 + Z**2)),
-                w=_q * u_0 / T,
-                r=_q / N,
+                "name responses",
+                "shares the quotient with stop_velocity",
+                j=u_0 / T,
+                w=_N_after * _j,
+                r=_N_after / N,
             ),
         ),
-        meaning=RESPONSES,
-    ),
-    Function(
-        name="reverse_slopes",
-        summary="w = a_2 P_1 and r = a_2/a_1 when the contact slips back.",
-        detail="w in m/s. Needs T > 0 and N > 0.",
-        arguments=(u_0, N, T, N_back),
-        outputs={
-            w: laws.slopes()["back"] * stop()[1].subs(_one),
-            r: laws.slopes()["back"] / laws.slopes()["slip"],
-        },
-        rules=(recast("name responses", "computed once", w=N_back * u_0 / T, r=N_back / N),),
-        meaning=RESPONSES,
+        meaning={**RESPONSES, _N_after: k**2 * laws.a_2},
     ),
     Function(
         name="poisson_early",

@@ -97,6 +97,11 @@ def _by_letter(above: sp.Expr, below: sp.Expr, base: sp.Expr) -> sp.Expr | None:
     return base + sp.Add(rest, *(_tidy(part / below) * x for x, part in parts.items()))
 
 
+@cache
+def _short(expr: sp.Expr) -> sp.Expr:
+    return sp.cancel(sp.together(expr))
+
+
 def _forms(expr: sp.Expr) -> Iterator[sp.Expr]:
     """Equal forms of an expression."""
     free = expr.free_symbols
@@ -109,9 +114,10 @@ def _forms(expr: sp.Expr) -> Iterator[sp.Expr]:
             yield sp.simplify(expr)
     meanings = {letter: meaning for _, letter, meaning, _ in pairs}
     back = {hidden: shown for hidden, _, _, shown in pairs}
-    short = sp.cancel(sp.together(expr.xreplace(meanings)))
+    short = _short(expr.xreplace(meanings))
     if not {_u, _v} & set(back):
         yield _tidy(short).xreplace(back)
+    yield from (base + _tidy(short - base) for base in (s.F_x, s.F_z) if base in free)
     plain = [] if free & set(_LINEAR) or pairs else [sp.S.One]
     for base in (sp.S.Zero, *plain, s.c_x, s.c_z):
         if base.is_number or base in free:
@@ -131,14 +137,14 @@ def _equal(a: sp.Expr, b: sp.Expr) -> bool:
 
 
 @cache
-def _candidates(expr: sp.Expr) -> tuple[sp.Expr, ...]:
-    return tuple(dict.fromkeys(_forms(expr)))
-
-
-@cache
 def _best(expr: sp.Expr, like: sp.Expr | None) -> sp.Expr:
     """The candidate that is most like `like`, and short."""
-    forms = _candidates(expr)
+    forms = []
+    for form in _forms(expr):
+        if like is not None and _tokens(form) == _tokens(like):
+            forms = [form]
+            break
+        forms.append(form)
     shortest = min(map(_size, forms))
 
     def strangeness(form: sp.Expr) -> float:

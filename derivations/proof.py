@@ -78,6 +78,9 @@ class Equation:
     at: Mapping[sp.Symbol, sp.Expr] | None = None  # replaces values of EXAMPLE
     check: Callable[[], Iterable[sp.Expr]] | None = None  # second route, verdict "new"
 
+    def __post_init__(self):
+        object.__setattr__(self, "derive", cache(self.derive))  # proofs and report share it
+
     def prove(self) -> Proof:
         """Put the verdict to the proof."""
         return _PROOFS[self.verdict](self)

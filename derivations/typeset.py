@@ -1,10 +1,11 @@
-"""How one form looks: terms in the paper's order, as MathML and as LaTeX, and formulas in prose.
+"""How one form looks: terms in the paper's order, as MathML and as LaTeX.
 
-`presented` looks for the form of a derived expression that reads best (or most like the printed
-one) and proves that it still has the same value. Order and signs of terms are the printers' work.
+These are SymPy's printers with terms and factors in the paper's order, signs and whole numbers
+taken out of brackets, sin^2 phi for sin(phi)^2 and columns in round brackets.
 """
 
 import html
+import re
 from functools import cache
 
 import sympy as sp
@@ -12,6 +13,7 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.mathml import MathMLPresentationPrinter
 
 from .proof import Form
+from .symbols import Gamma
 
 # Letters in the order in which they stand in a product; what is not named comes last.
 _LETTERS = (
@@ -20,7 +22,7 @@ _LETTERS = (
 )
 _RANK = {name: rank for rank, name in enumerate(_LETTERS.split())}
 
-Parts = tuple[bool, tuple[sp.Expr, ...], tuple[sp.Expr, ...]]
+Factors = tuple[sp.Expr, ...]
 
 
 # ---- order and signs --------------------------------------------------------------------------
@@ -54,7 +56,7 @@ def _signs(total: sp.Expr) -> tuple[bool, ...]:
 
 
 @cache
-def _parts(expr: sp.Expr) -> Parts:
+def _parts(expr: sp.Expr) -> tuple[bool, Factors, Factors]:
     """Whether a product is negative, and its factors above and below the fraction bar."""
     number, above, below, turned = sp.S.One, [], [], set()
     for factor in sp.Mul.make_args(expr):
@@ -64,7 +66,8 @@ def _parts(expr: sp.Expr) -> Parts:
             continue
         if base.is_Add and exponent.is_Integer:  # a sum starts with plus, and without a number
             signs, content = _signs(base), base.primitive()[0]
-            if 2 * sum(signs) > len(signs) or (2 * sum(signs) == len(signs) and signs[0]):
+            first = signs[0] and base.free_symbols != {Gamma}  # Gamma - 1, but 1 - epsilon
+            if 2 * sum(signs) > len(signs) or (2 * sum(signs) == len(signs) and first):
                 content = -content
             base, number = _scaled(base, 1 / content), number * content**exponent
             if content.is_negative and not all(signs):
@@ -78,9 +81,9 @@ def _parts(expr: sp.Expr) -> Parts:
             number *= root.base
     for part in (above, below):
         for i, total in enumerate(part):  # -(a - b) is b - a, but 1 - epsilon stays
-            even = part is below and 2 * sum(_signs(total)) == len(total.args)
+            even = 2 * sum(_signs(total)) == len(total.args)
             mixed = total.is_Add and not any(x.is_number for x in total.args)
-            if number.is_negative and mixed and (even or total in turned):
+            if number.is_negative and mixed and (even if part is below else total in turned):
                 part[i], number = _scaled(total, sp.S.NegativeOne), -number
         part.sort(key=_factor_key)
     if number.is_Rational:
@@ -100,6 +103,15 @@ def signed_terms(expr: sp.Expr) -> list[tuple[bool, sp.Expr]]:
     return [terms[first], *terms[:first], *terms[first + 1 :]]
 
 
+def _in_front(above: Factors, below: Factors) -> tuple[sp.Rational, Factors, Factors]:
+    """A fraction to print before a function of something tall: 1/2 arccos(...)."""
+    tall = any(f.is_Function and not f.args[0].is_Symbol and not f.args[0].is_number for f in above)
+    if not (tall and len(below) == 1 and below[0].is_Integer):
+        return sp.S.One, above, below
+    whole = above[0] if above[0].is_Integer else sp.S.One
+    return whole / below[0], above[1:] if above[0].is_Integer else above, ()
+
+
 def _shared(expr: sp.Expr) -> bool:
     """Whether a sum has a whole number to put in front of a bracket."""
     return expr.is_Add and expr.primitive()[0].is_Integer and expr.primitive()[0] != 1
@@ -117,19 +129,19 @@ class _MathML(MathMLPresentationPrinter):
         return element
 
     def _bracketed(self, inner):
-        return self._element("mrow", self._l_paren(), inner, self._r_paren())
+        tall = any(inner.getElementsByTagName(tag) for tag in ("mfrac", "msqrt", "mtr"))
+        signs = [self._element("mo", c, **({} if tall else {"stretchy": "false"})) for c in "()"]
+        return self._element("mrow", signs[0], inner, signs[1])
 
-    def _product(self, factors: list[sp.Expr], alone: bool):
+    def _space(self):
+        return self._element("mspace", width="0.17em")
+
+    def _product(self, factors: Factors, alone: bool):
         row = self._element("mrow")
         for i, factor in enumerate(factors):
-            base = factor.as_base_exp()[0]
-            if i:  # U+2062 is the invisible times
-                wide = isinstance(base, sp.Function) or isinstance(
-                    factors[i - 1].as_base_exp()[0], sp.Function
-                )
-                row.appendChild(
-                    self._element("mspace", width="0.17em") if wide else self._element("mo", "⁢")
-                )
+            if i:
+                wide = any(f.as_base_exp()[0].is_Function for f in factors[i - 1 : i + 1])
+                row.appendChild(self._space() if wide else self._element("mo", "\u2062"))  # times
             printed = self._print(factor)
             bare = not factor.is_Add or (alone and len(factors) == 1)
             row.appendChild(printed if bare else self._bracketed(printed))
@@ -137,7 +149,10 @@ class _MathML(MathMLPresentationPrinter):
 
     def _print_Mul(self, expr):
         minus, above, below = _parts(expr)
+        number, above, below = _in_front(above, below)
         body = self._product(above, alone=bool(below) or not minus)
+        if number != 1:
+            body = self._element("mrow", self._print(number), self._space(), body)
         if below:
             body = self._element("mfrac", body, self._product(below, alone=True))
         return self._element("mrow", self._element("mo", "−"), body) if minus else body
@@ -157,6 +172,9 @@ class _MathML(MathMLPresentationPrinter):
             return self._print_Mul(expr)
         if isinstance(expr.base, sp.Function) and expr.exp.is_Integer:
             return self._applied(expr.base, self._print(expr.exp))
+        base = self._print(expr.base)
+        if base.tagName == "msub" and expr.exp.is_Integer:
+            return self._element("msubsup", *list(base.childNodes), self._print(expr.exp))
         return super()._print_Pow(expr)
 
     def _applied(self, expr, power=None):
@@ -165,7 +183,7 @@ class _MathML(MathMLPresentationPrinter):
         (argument,) = expr.args
         inner = self._print(argument)
         if argument.is_Symbol:
-            return self._element("mrow", name, self._element("mspace", width="0.17em"), inner)
+            return self._element("mrow", name, self._space(), inner)
         return self._element("mrow", name, self._element("mo", "\u2061"), self._bracketed(inner))
 
     def _print_Function(self, expr):
@@ -196,7 +214,7 @@ class _LaTeX(LatexPrinter):
     def _bracketed(self, text: str) -> str:
         return rf"\left({text}\right)"
 
-    def _product(self, factors: list[sp.Expr], alone: bool) -> str:
+    def _product(self, factors: Factors, alone: bool) -> str:
         bare = alone and len(factors) == 1
         texts = (
             self._bracketed(self._print(f)) if f.is_Add and not bare else self._print(f)
@@ -206,7 +224,10 @@ class _LaTeX(LatexPrinter):
 
     def _print_Mul(self, expr):
         minus, above, below = _parts(expr)
+        number, above, below = _in_front(above, below)
         body = self._product(above, alone=bool(below) or not minus)
+        if number != 1:
+            body = f"{self._print(number)} {body}"
         if below:
             body = rf"\frac{{{body}}}{{{self._product(below, alone=True)}}}"
         return f"-{body}" if minus else body
@@ -232,3 +253,43 @@ def mathml(form: Form) -> str:
 def latex(form: Form) -> str:
     """LaTeX of the same."""
     return _latex.doprint(form)
+
+
+def _width(text: str) -> int:
+    return len(re.sub(r"\\[a-z]+|[{}_^ ]", "", text))
+
+
+def _terms(form: Form) -> list[tuple[bool, Form]]:
+    whole = not getattr(form, "is_Add", False) or _shared(form)
+    return [(False, form)] if whole else signed_terms(form)
+
+
+_INFIX = '<mo form="infix" lspace="0.22em" rspace="0.22em">{}</mo>'
+
+
+def mathml_terms(form: Form) -> list[str]:
+    """A long sum term by term, so that a line can break between them; else the whole form."""
+    if len(latex(form)) < 80:
+        return [mathml(form)]
+    return [
+        (_INFIX.format("−" if minus else "+") if i else "<mo>−</mo>" * minus) + mathml(term)
+        for i, (minus, term) in enumerate(_terms(form))
+    ]
+
+
+def is_wide(form: Form) -> bool:
+    """Whether a term of the form needs more than half a page."""
+    return any(_width(latex(term)) > 60 for _, term in _terms(form))
+
+
+def latex_lines(form: Form, width: int = 70) -> list[str]:
+    """A long sum in lines of about `width` visible characters."""
+    lines, used = [""], 0
+    for i, (minus, term) in enumerate(_terms(form)):
+        text = latex(term)
+        if used and used + _width(text) > width:
+            lines.append("")
+            used = 0
+        lines[-1] += (" - " if minus else " + " if i else "") + text
+        used += _width(text)
+    return lines

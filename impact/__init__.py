@@ -10,8 +10,9 @@
 Closed forms derived from Newton's laws by `derivations`; needs NumPy alone.
 """
 
+from ._kernel import Regime
 from .boundaries import critical_friction, critical_tilts, energy_restitution, slide_friction
-from .collision import Collision, Regime, classify, collide
+from .collision import Collision, classify, collide
 from .geometry import ContactGeometry, flat_ended_rod, spherocylinder, thin_rod
 from .translation import Drift, drift, landing_density, mean_plate_velocity
 

@@ -44,7 +44,7 @@ def approach(c_x, c_z, omega, V_z, X, Z):
 
 def responses(X, Z, k, mu):
     """N, T, N_back, T_back: `_generated.slip_response` for +mu and -mu, each rounded about once."""
-    X, Z, k, mu = _halves(X), _halves(Z), _halves(k), _halves(mu)
+    X, Z, k, mu_halves = _halves(X), _halves(Z), _halves(k), _halves(mu)
     kk, kk_error = _product(k, k)
     xx, xx_error = _product(X, X)
     zz, zz_error = _product(Z, Z)
@@ -53,10 +53,10 @@ def responses(X, Z, k, mu):
     across_error = error + (kk_error + xx_error)
     along, error = _sum(kk, zz)
     along_error = error + (kk_error + zz_error)
-    press, error = _product(mu, _halves(xz))
-    press_error = error + mu[0] * xz_error
-    hold, error = _product(mu, _halves(along))
-    hold_error = error + mu[0] * along_error
+    press, error = _product(mu_halves, _halves(xz))
+    press_error = error + mu * xz_error
+    hold, error = _product(mu_halves, _halves(along))
+    hold_error = error + mu * along_error
 
     N, N_error = _sum(across, press)
     T, T_error = _sum(xz, hold)

@@ -8,7 +8,7 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "5b86a7c2c6502c84"  # sha256 of the expressions below, first 16 digits
+DIGEST = "6eb6569f94543c5d"  # sha256 of the expressions below, first 16 digits
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
@@ -53,7 +53,8 @@ def stop_velocity(u_0, v_0, N, T):
 
     Needs T > 0. Operations: as derived 28, sum 3.
     """
-    return v_0 + N * u_0 / T
+    j = u_0 / T
+    return v_0 + N * j
 
 
 def stick(X, Z, k, u_0, v_0, v_f):
@@ -85,24 +86,23 @@ def reverse(X, Z, k, mu, u_0, v_1, v_f, T, N_back, T_back):
     return P_x, P_z, spin, u_f
 
 
-def stick_slopes(X, Z, k, u_0, N, T):
-    """w = a_2 P_1 and r = a_2/a_1 when the contact sticks after slipping.
+def stick_response(X, Z, k):
+    """N_stick: k^2 times dv/dP_z while sticking; what N is while slipping forward.
 
-    w in m/s. Needs T > 0; r only where N > 0. Operations: as derived 38, shared slope 14.
+    Lengths in m; N_stick in m^2. Operations: as derived 11, divide first 11.
     """
-    q = k * k * (X * X + Z * Z + k * k) / (Z * Z + k * k)
-    w = q * u_0 / T
-    r = q / N
-    return w, r
+    q = (X * X + Z * Z + k * k) / (Z * Z + k * k)
+    return q * k * k
 
 
-def reverse_slopes(u_0, N, T, N_back):
-    """w = a_2 P_1 and r = a_2/a_1 when the contact slips back.
+def slopes(u_0, N, T, N_after):
+    """w = a_2 P_1 and r = a_2/a_1, with N_after = k^2 a_2 of the phase after the stop.
 
-    w in m/s. Needs T > 0 and N > 0. Operations: as derived 28, name responses 3.
+    w in m/s. Needs T > 0; r only where N > 0. Operations: as derived 20, name responses 3.
     """
-    w = N_back * u_0 / T
-    r = N_back / N
+    j = u_0 / T
+    w = N_after * j
+    r = N_after / N
     return w, r
 
 

@@ -1,45 +1,20 @@
-"""The impact map: one frictional impact of a rigid body with a heavy plate, three laws.
+"""The impact map: one frictional impact of a rigid body with a heavy plate, three laws."""
 
-The branch rule, free of divisions and good for every sign, friction and geometry: in the mirror
-frame in which the contact point slips forward (u_0 >= 0), with N and T of `slip_response`,
-
-    slide          N > 0, u_0 > 0 and u_0 N + (1 + restitution) v_0 T >= 0
-    slip-stick     else, where X Z <= mu (k^2 + Z^2)
-    slip reversal  else
-
-It holds inside the Painleve region (N <= 0) too, where slip always stops and friction always
-holds. Where u_0 = 0 the mirror is chosen such that X Z >= 0.
-"""
-
-from enum import IntEnum
 from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import _generated as closed
+from . import _kernel as kernel
 from ._arguments import FRICTION, RESTITUTION, in_blocks, real_array, result_dtype
-from ._compensated import approach, responses
+from ._kernel import Regime
 from .geometry import ContactGeometry, geometry_arrays
 
-LAWS = ("newton", "poisson", "stronge")
+LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.stronge}
 
-# Friction beyond this gives the same impact to the last digit; it stands in for infinity, which
-# is thereby the limit of large friction.
-_HUGE_FRICTION = 2.0**960
 # Plain arithmetic neither over- nor underflows while lengths and speeds lie between these and
 # friction is below the last; a block that leaves them is scaled by powers of two, exactly.
 _SMALL, _LARGE, _LARGE_FRICTION = 1e-70, 1e70, 1e60
-
-
-class Regime(IntEnum):
-    """What the contact point does during an impact."""
-
-    INVALID = -1  # an argument is nan or out of its domain
-    NO_IMPACT = 0  # the contact point does not approach the plate
-    SLIDE = 1  # slips until it separates
-    SLIP_STICK = 2  # stops and is held by friction
-    SLIP_REVERSAL = 3  # stops and slips back
 
 
 class Collision(NamedTuple):
@@ -61,96 +36,6 @@ class Collision(NamedTuple):
     energy_change: Any
 
 
-class _Approach(NamedTuple):
-    """What decides the regime, in the mirror frame (side = +-1 leads back)."""
-
-    side: Any
-    X: Any
-    u_0: Any
-    v_0: Any
-    mu: Any
-    N: Any
-    T: Any
-    N_back: Any
-    T_back: Any
-    hits: Any
-    slides: Any
-    sticks: Any
-
-
-def _approach(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon) -> _Approach:
-    """Mirror the impact to u_0 >= 0 and apply the branch rule."""
-    u_0, v_0 = approach(c_x, c_z, omega, V_z, X, Z)
-    side = np.copysign(1.0, np.where(u_0 == 0, X * Z, u_0))
-    X, u_0 = side * X, np.abs(u_0)
-    mu = np.minimum(mu, _HUGE_FRICTION)
-    N, T, N_back, T_back = responses(X, Z, k, mu)
-    hits = v_0 < 0
-    slides = (u_0 * N + (1 + epsilon) * v_0 * T >= 0) & (u_0 > 0) & (N > 0)
-    return _Approach(side, X, u_0, v_0, mu, N, T, N_back, T_back, hits, slides, T_back <= 0)
-
-
-def _regime(a: _Approach) -> np.ndarray:
-    stopped = np.where(a.sticks, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
-    return np.where(a.hits, np.where(a.slides, Regime.SLIDE, stopped), Regime.NO_IMPACT)
-
-
-def _final_velocity(law, a: _Approach, Z, k, epsilon, v_1):
-    """Normal velocity at separation of an impact in which the slip stops."""
-    if law == "newton":
-        return -epsilon * a.v_0
-    w_stick, r_stick = closed.stick_slopes(a.X, Z, k, a.u_0, a.N, a.T)
-    w_back, r_back = closed.reverse_slopes(a.u_0, a.N, a.T, a.N_back)
-    w = np.where(a.u_0 > 0, np.where(a.sticks, w_stick, w_back), 0.0)
-    r = np.where(a.sticks, r_stick, r_back)
-    late = np.minimum(np.maximum(v_1, 0.0), -epsilon * a.v_0)  # rounding at the slide's edge
-    if law == "poisson":
-        early = closed.poisson_early(epsilon, v_1, w)
-        return np.where(v_1 < 0, early, closed.poisson_late(epsilon, a.v_0, late, r))
-    favourable, adverse = closed.stronge_early(a.X, Z, k, epsilon, a.u_0, a.v_0, v_1, w)
-    early = np.where(a.X * Z < 0, adverse, favourable)
-    return np.sqrt(np.where(v_1 < 0, early, closed.stronge_late(epsilon, a.v_0, late, r)))
-
-
-def _impact(law, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
-    """All regimes of a block of valid impacts, then the right one of each."""
-    a = _approach(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon)
-    X, u_0, v_0, mu = a.X, a.u_0, a.v_0, a.mu
-    slips = u_0 > 0
-    v_1 = np.where(slips, closed.stop_velocity(u_0, v_0, a.N, a.T), v_0)
-    T = np.where(slips, a.T, 1.0)  # without slip nothing is divided by T, which may be 0
-    v_stop = _final_velocity(law, a, Z, k, epsilon, v_1)
-
-    slide = closed.slide(X, Z, k, mu, epsilon, u_0, v_0, a.N, a.T)
-    back = closed.reverse(X, Z, k, mu, u_0, v_1, v_stop, T, a.N_back, a.T_back)
-    P_x, P_z, spin = closed.stick(X, Z, k, u_0, v_0, v_stop)
-    # The contact cannot end with less impulse than it took to stop; keeps P_z > 0 in rounding.
-    P_z = np.where(X * Z > 0, np.maximum(P_z, k * k * u_0 / T), P_z)
-
-    def select(when_sliding, when_sticking, when_reversing):
-        stopped = np.where(a.sticks, when_sticking, when_reversing)
-        return np.where(a.slides, when_sliding, stopped)
-
-    P_x = select(slide[0], P_x, back[0])
-    P_z = select(slide[1], P_z, back[1])
-    spin = select(slide[2], spin, back[2])
-    u_f = select(np.maximum(slide[3], 0.0), 0.0, np.minimum(back[3], 0.0))
-    v_f = np.where(a.slides, -epsilon * v_0, v_stop)
-    energy = closed.energy_change(P_x, P_z, u_0, v_0, u_f, v_f)
-    P_x, P_z, spin, energy = (np.where(a.hits, part, 0.0) for part in (P_x, P_z, spin, energy))
-    return (
-        c_x + a.side * P_x,
-        c_z + P_z,
-        omega + a.side * spin,
-        _regime(a),
-        a.side * P_x,
-        P_z,
-        a.side * np.where(a.hits, u_f, u_0),
-        np.where(a.hits, v_f, v_0),
-        energy,
-    )
-
-
 def _exponent(*values):
     """Power of two just above the largest magnitude."""
     return np.frexp(reduce(np.maximum, map(np.abs, values)))[1]
@@ -166,10 +51,13 @@ def _scaled(function, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
     turn = np.ldexp(spin, spin_exponent + length - speed)
     sizes = [np.ldexp(value, -length) for value in (X, Z, k)]
     results = list(function(*c, turn, plate, *sizes, mu, epsilon))
+    if len(results) == 1:  # the regime alone
+        return tuple(results)
     powers = {0: speed, 1: speed, 2: speed - length, 4: speed, 5: speed, 6: speed, 7: speed}
-    if len(results) > 1:
-        for index, power in {**powers, 8: 2 * speed}.items():
-            results[index] = np.ldexp(results[index], power)
+    for index, power in {**powers, 8: 2 * speed}.items():
+        results[index] = np.ldexp(results[index], power)
+    for index, before in enumerate((c_x, c_z, omega)):  # scaled, a small number may be lost
+        results[index] = np.where(results[3] == Regime.NO_IMPACT, before, results[index])
     return tuple(results)
 
 
@@ -279,11 +167,13 @@ def collide(
         raise ValueError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
     arrays, dtype = _prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity)
 
-    def kernel(*block):
-        return _impact(law, *block)
+    final_velocity = LAWS[law]
+
+    def one_law(*block):
+        return kernel.impact(final_velocity, *block)
 
     def blocks(*block):
-        return _guarded(kernel, *block)
+        return _guarded(one_law, *block)
 
     dtypes = [dtype] * 3 + [np.dtype(np.int8)] + [dtype] * 5
     results = list(in_blocks(blocks, arrays, dtypes))
@@ -312,11 +202,11 @@ def classify(
     """
     arrays, _ = _prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity)
 
-    def kernel(*block):
-        return (_regime(_approach(*block)),)
+    def regime_alone(*block):
+        return (kernel.regime_of(kernel.mirrored(*block)),)
 
     def blocks(*block):
-        return _guarded(kernel, *block)
+        return _guarded(regime_alone, *block)
 
     (regime,) = in_blocks(blocks, arrays, [np.dtype(np.int8)])
     return Regime(int(regime)) if np.ndim(regime) == 0 else regime

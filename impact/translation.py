@@ -15,7 +15,7 @@ from ._arguments import (
     real_array,
     result_dtype,
 )
-from .collision import Regime
+from ._kernel import Regime
 from .geometry import ContactGeometry, geometry_arrays, valid_lengths
 
 

@@ -1,0 +1,153 @@
+"""The branch rule and the three laws of one impact, as one body for arrays and compiled scalars.
+
+In the mirror frame in which the contact point slips forward (u_0 >= 0), with N and T of
+`slip_response`, and without a division:
+
+    slide          N > 0, u_0 > 0 and u_0 N + (1 + restitution) v_0 T >= 0
+    slip-stick     else, where X Z <= mu (k^2 + Z^2)
+    slip reversal  else
+
+It holds inside the Painleve region (N <= 0) too, where slip always stops and friction always
+holds. Where u_0 = 0 the mirror is chosen such that X Z >= 0. Every regime is computed for every
+impact and the right one selected: no branch to mispredict, and the same text for NumPy and Numba.
+"""
+
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ._compensated import approach, responses
+from ._generated import (
+    energy_change,
+    poisson_early,
+    poisson_late,
+    reverse,
+    slide,
+    slopes,
+    stick,
+    stick_response,
+    stop_velocity,
+    stronge_early,
+    stronge_late,
+)
+
+# Friction beyond this gives the same impact to the last digit; it stands in for infinity, which
+# is thereby the limit of large friction.
+HUGE_FRICTION = 2.0**960
+
+select, larger, smaller = np.where, np.maximum, np.minimum
+
+
+class Regime(IntEnum):
+    """What the contact point does during an impact."""
+
+    INVALID = -1  # an argument is nan or out of its domain
+    NO_IMPACT = 0  # the contact point does not approach the plate
+    SLIDE = 1  # slips until it separates
+    SLIP_STICK = 2  # stops and is held by friction
+    SLIP_REVERSAL = 3  # stops and slips back
+
+
+class Approach(NamedTuple):
+    """What decides the regime, in the mirror frame (side = +-1 leads back)."""
+
+    side: Any
+    X: Any
+    u_0: Any
+    v_0: Any
+    mu: Any
+    N: Any
+    T: Any
+    N_back: Any
+    T_back: Any
+    hits: Any
+    slides: Any
+    sticks: Any
+
+
+def mirrored(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
+    """Mirror the impact to u_0 >= 0 and apply the branch rule."""
+    u_0, v_0 = approach(c_x, c_z, omega, V_z, X, Z)
+    side = np.copysign(1.0, select(u_0 == 0, X * Z, u_0))
+    X, u_0 = side * X, np.abs(u_0)
+    mu = smaller(mu, HUGE_FRICTION)
+    N, T, N_back, T_back = responses(X, Z, k, mu)
+    hits = v_0 < 0
+    slides = (u_0 * N + (1 + epsilon) * v_0 * T >= 0) & (u_0 > 0) & (N > 0)
+    return Approach(side, X, u_0, v_0, mu, N, T, N_back, T_back, hits, slides, T_back <= 0)
+
+
+def regime_of(a):
+    """Codes of `Regime`."""
+    stopped = select(a.sticks, 2, 3)
+    return select(a.hits, select(a.slides, 1, stopped), 0)
+
+
+def newton(a, Z, k, epsilon, v_1):
+    """v_f of an impact in which the slip stops: kinematic restitution."""
+    return -epsilon * a.v_0
+
+
+def _slopes(a, Z, k, epsilon, v_1):
+    """w, r of the phase after the stop, and v_1 as far as a late stop allows."""
+    w, r = slopes(a.u_0, a.N, a.T, select(a.sticks, stick_response(a.X, Z, k), a.N_back))
+    w = select(a.u_0 > 0, w, 0.0)
+    late = smaller(larger(v_1, 0.0), -epsilon * a.v_0)  # rounding at the slide's edge
+    return w, r, late
+
+
+def poisson(a, Z, k, epsilon, v_1):
+    """v_f of an impact in which the slip stops: kinetic restitution."""
+    w, r, late = _slopes(a, Z, k, epsilon, v_1)
+    early = poisson_early(epsilon, v_1, w)
+    return select(v_1 < 0, early, poisson_late(epsilon, a.v_0, late, r))
+
+
+def stronge(a, Z, k, epsilon, v_1):
+    """v_f of an impact in which the slip stops: energetic restitution."""
+    w, r, late = _slopes(a, Z, k, epsilon, v_1)
+    favourable, adverse = stronge_early(a.X, Z, k, epsilon, a.u_0, a.v_0, v_1, w)
+    early = select(a.X * Z < 0, adverse, favourable)
+    return np.sqrt(select(v_1 < 0, early, stronge_late(epsilon, a.v_0, late, r)))
+
+
+def _of_regime(a, when_sliding, when_sticking, when_reversing):
+    return select(a.slides, when_sliding, select(a.sticks, when_sticking, when_reversing))
+
+
+def impact(final_velocity, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
+    """State after an impact under the law `final_velocity`; the fields of `Collision`."""
+    a = mirrored(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon)
+    X, u_0, v_0, mu = a.X, a.u_0, a.v_0, a.mu
+    T = select(u_0 > 0, a.T, 1.0)  # without slip nothing is divided by T, which may be 0
+    v_1 = stop_velocity(u_0, v_0, a.N, T)
+    v_stop = final_velocity(a, Z, k, epsilon, v_1)
+
+    slide_x, slide_z, slide_spin, slide_u = slide(X, Z, k, mu, epsilon, u_0, v_0, a.N, a.T)
+    back_x, back_z, back_spin, back_u = reverse(
+        X, Z, k, mu, u_0, v_1, v_stop, T, a.N_back, a.T_back
+    )
+    stick_x, stick_z, stick_spin = stick(X, Z, k, u_0, v_0, v_stop)
+    # The contact cannot end with less impulse than it took to stop; keeps P_z > 0 in rounding.
+    stick_z = select(X * Z > 0, larger(stick_z, k * k * (u_0 / T)), stick_z)
+
+    P_x = _of_regime(a, slide_x, stick_x, back_x)
+    P_z = _of_regime(a, slide_z, stick_z, back_z)
+    spin = _of_regime(a, slide_spin, stick_spin, back_spin)
+    u_f = _of_regime(a, larger(slide_u, 0.0), 0.0, smaller(back_u, 0.0))
+    v_f = select(a.slides, -epsilon * v_0, v_stop)
+    energy = select(a.hits, energy_change(P_x, P_z, u_0, v_0, u_f, v_f), 0.0)
+    P_x = select(a.hits, a.side * P_x, 0.0)
+    P_z = select(a.hits, P_z, 0.0)
+    return (
+        c_x + P_x,
+        c_z + P_z,
+        omega + select(a.hits, a.side * spin, 0.0),
+        regime_of(a),
+        P_x,
+        P_z,
+        a.side * select(a.hits, u_f, u_0),
+        select(a.hits, v_f, v_0),
+        energy,
+    )
