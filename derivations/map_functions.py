@@ -45,7 +45,7 @@ from .symbols import (
 
 _one = {m: sp.Integer(1)}  # impulses per unit mass
 _u_f, _spin, _gain, _all = sp.symbols("u_f spin gain inertia", real=True)
-_j, _j_1, _j_2, _q, _fall, _bounce = sp.symbols("j j_1 j_2 q fall bounce", real=True)
+_j_1, _j_2, _q, _kk, _fall, _bounce = sp.symbols("j_1 j_2 q kk fall bounce", real=True)
 _N_stick, _N_after = sp.symbols("N_stick N_after", real=True)
 _square, _adverse, _energy, _twice = sp.symbols("square adverse energy twice", real=True)
 
@@ -95,39 +95,73 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="slide",
-        summary="Impulse, spin and slip velocity after a slide, Eqs. (7)-(9), (14).",
+        summary="Impulse over k^2 and slip velocity left after a slide, Eqs. (8), (14).",
         detail="Per unit mass. Needs N > 0 and u_0 N + (1 + epsilon) v_0 T >= 0.",
-        arguments=(X, Z, k, mu, epsilon, u_0, v_0, N, T),
+        arguments=(epsilon, u_0, v_0, N, T),
         outputs={
-            **_impulse_outputs(slide_impulse()),
+            _j_1: slide_impulse()[1].subs(_one) / k**2,
             _u_f: slide_excess().subs(_one),
         },
         rules=(
             name_responses(),
             recast(
                 "one quotient",
-                "impulse over k^2 is shared; no k^2 in a denominator",
+                "both outputs share it; no k^2 in a denominator",
                 bounce=1 + epsilon,
-                j=-_bounce * v_0 / N,
-                P_z=k**2 * _j,
-                P_x=-mu * P_z,
-                spin=(X + mu * Z) * _j,
-                u_f=u_0 - T * _j,
+                j_1=-_bounce * v_0 / N,
+                u_f=u_0 - T * _j_1,
             ),
         ),
-        returned=("P_x", "P_z", "spin", "u_f"),
         meaning=CONTACT,
     ),
     Function(
-        name="stop_velocity",
-        summary="v_1, normal contact velocity when the slip stops, Eq. (15).",
-        detail="Needs T > 0.",
+        name="stop",
+        summary="Impulse over k^2 and normal velocity v_1 when the slip stops, Eqs. (B1), (15).",
+        detail="Per unit mass. Needs T > 0.",
         arguments=(u_0, v_0, N, T),
-        outputs={v_1: stop()[2]},
+        outputs={_j_1: stop()[1].subs(_one) / k**2, v_1: stop()[2]},
         rules=(
-            recast("sum", "v_0 is not multiplied and divided by T", j=u_0 / T, v_1=v_0 + N * _j),
+            recast(
+                "sum", "v_0 is not multiplied and divided by T", j_1=u_0 / T, v_1=v_0 + N * _j_1
+            ),
         ),
         meaning=RESPONSES,
+    ),
+    Function(
+        name="reverse",
+        summary="Impulse over k^2 and slip velocity of the way back, Eqs. (B8), (B10).",
+        detail="Per unit mass, without what `stop` gave. Needs T_back > 0, and so N_back > 0.",
+        arguments=(v_1, v_f, N_back, T_back),
+        outputs={
+            _j_2: (_until(v_f, slip_reversal.impulse())[1] - stop()[1]).subs(_one) / k**2,
+            _u_f: _until(v_f, (slip_reversal.final_slip(),))[0].subs(_one),
+        },
+        rules=(
+            recast(
+                "name v_1",
+                "a difference of velocities instead of three fractions",
+                j_2=(v_f - v_1) / N_back,
+                u_f=-T_back * _j_2,
+            ),
+        ),
+        meaning=CONTACT,
+    ),
+    Function(
+        name="slip",
+        summary="Impulse and spin of slipping forward (j_1) and back (j_2), Eqs. (1), (2).",
+        detail="Per unit mass; j_1, j_2 >= 0 are normal impulses over k^2.",
+        arguments=(X, Z, k, mu, _j_1, _j_2),
+        outputs=_impulse_outputs((mu * k**2 * (_j_2 - _j_1), k**2 * (_j_1 + _j_2))),
+        rules=(
+            recast(
+                "two phases",
+                "no k^2 in a denominator",
+                kk=k**2,
+                P_x=mu * (_kk * (_j_2 - _j_1)),
+                P_z=_kk * (_j_1 + _j_2),
+                spin=(X + mu * Z) * _j_1 + (X - mu * Z) * _j_2,
+            ),
+        ),
     ),
     Function(
         name="stick",
@@ -147,29 +181,6 @@ FUNCTIONS: tuple[Function, ...] = (
                 spin=(Z * u_0 + X * _gain) / _all,
             ),
         ),
-    ),
-    Function(
-        name="reverse",
-        summary="Impulse, spin and slip velocity after slip reversal to v_f, Eqs. (B8)-(B10).",
-        detail="Per unit mass. Needs T > 0, T_back > 0, and so N_back > 0.",
-        arguments=(X, Z, k, mu, u_0, v_1, v_f, T, N_back, T_back),
-        outputs={
-            **_impulse_outputs(_until(v_f, slip_reversal.impulse())),
-            _u_f: _until(v_f, (slip_reversal.final_slip(),))[0].subs(_one),
-        },
-        rules=(
-            recast(
-                "two phases",
-                "forward and backward impulse over k^2, both positive, added last",
-                j_1=u_0 / T,
-                j_2=(v_f - v_1) / N_back,
-                P_x=mu * k**2 * (_j_2 - _j_1),
-                P_z=k**2 * (_j_1 + _j_2),
-                spin=(X + mu * Z) * _j_1 + (X - mu * Z) * _j_2,
-                u_f=-T_back * _j_2,
-            ),
-        ),
-        meaning=CONTACT,
     ),
     Function(
         name="stick_response",
@@ -198,9 +209,9 @@ FUNCTIONS: tuple[Function, ...] = (
         rules=(
             recast(
                 "name responses",
-                "shares the quotient with stop_velocity",
-                j=u_0 / T,
-                w=_N_after * _j,
+                "shares the quotient with stop",
+                j_1=u_0 / T,
+                w=_N_after * _j_1,
                 r=_N_after / N,
             ),
         ),

@@ -160,19 +160,21 @@ def to_html(text: str, link: Callable[[str], str] = "".format) -> str:
     return _set(text, plain, token)
 
 
+def tex_escape(text: str) -> str:
+    """Plain text, character by character, as LaTeX."""
+    return "".join(_TEX.get(letter, letter) for letter in text)
+
+
 def to_latex(text: str) -> str:
     """A sentence as LaTeX."""
 
-    def plain(part: str) -> str:
-        return "".join(_TEX.get(letter, letter) for letter in part)
-
     def token(match: re.Match) -> str:
         if match["code"]:
-            return rf"\texttt{{{plain(match[0][1:-1])}}}"
+            return rf"\texttt{{{tex_escape(match[0][1:-1])}}}"
         if match["power"]:
             return f"$^{{{match[0][1:].strip('()')}}}$"
         if match["ref"] or match.lastgroup == "plain":
-            return plain(match[0])
+            return tex_escape(match[0])
         name = "epsilon" if match["name"] == "eps" else match["name"]
         name = f"\\{name}" if name in _GREEK else name
         sub = match["sub"] or ""
@@ -183,4 +185,4 @@ def to_latex(text: str) -> str:
             + ("'$" if match["prime"] else "$")
         )
 
-    return _set(text, plain, token).replace("$$", "")
+    return _set(text, tex_escape, token).replace("$$", "")

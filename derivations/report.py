@@ -16,7 +16,7 @@ import sympy as sp
 from . import codegen
 from .presentation import presented
 from .proof import Form
-from .prose import left_hand_side, to_html, to_latex
+from .prose import left_hand_side, tex_escape, to_html, to_latex
 from .references import Citation
 from .registry import ENTRIES, SECTIONS, Row
 from .typeset import is_wide, latex_lines, mathml, mathml_terms
@@ -27,12 +27,12 @@ Progress = Callable[[Iterable], Iterable]
 TITLE = "Rods on a vibrated plate: the theory, derived again"
 ABOUT = (
     "Every equation of Sections IV and V and of Appendices A and B of D. Volfson, A. Kudrolli and "
-    'L. S. Tsimring, "Anisotropy driven dynamics in vibrated granular rods", is derived here from '
-    "Newton's and Euler's laws by computation, and so is what the text says in numbers.",
+    "L. S. Tsimring, “Anisotropy driven dynamics in vibrated granular rods”, is derived here from "
+    "Newton’s and Euler’s laws by computation, and so is what the text says in numbers. "
     "Each stands as printed in our copy and as derived, with a verdict that a proof has tested; "
-    "our copy is a transcription, so a mistake in it need not be in the paper.",
+    "our copy is a transcription, so a mistake in it need not be in the paper. "
     "Terms and factors are put in one order, and derived forms are rearranged to read like the "
-    "printed ones; every rearrangement is checked to change no value.",
+    "printed ones; every rearrangement is checked to change no value."
 )
 VERDICTS = {  # sign, and what the word means
     "agrees": ("✓", "the difference of both forms simplifies to zero"),
@@ -103,12 +103,10 @@ def _equation(symbol: str | sp.Symbol, form: Form) -> str:
     return f'<div class="eq">{"<wbr>".join(_math(piece) for piece in (first, *more))}</div>'
 
 
-def _badge(row: Row) -> str:
-    sign, _ = VERDICTS[row.verdict]
-    failed = "" if row.proved else " <strong>not proved</strong>"
+def _badge(verdict: str, proved: bool = True) -> str:
     return (
-        f'<span class="badge {row.verdict}"><span aria-hidden="true">{sign}</span> '
-        f"{row.verdict}</span>{failed}"
+        f'<span class="badge {verdict}"><span aria-hidden="true">{VERDICTS[verdict][0]}</span> '
+        f"{verdict}</span>{'' if proved else ' <strong>not proved</strong>'}"
     )
 
 
@@ -137,7 +135,8 @@ def _remarks(row: Row) -> list[tuple[str, str]]:
 
 def _entry(row: Row) -> str:
     """One entry of the page."""
-    parts = [f"<h3>{_name(row.tag, _text)} <span>{_text(row.what)}</span> {_badge(row)}</h3>"]
+    badge = _badge(row.verdict, row.proved)
+    parts = [f"<h3>{_name(row.tag, _text)} <span>{_text(row.what)}</span> {badge}</h3>"]
     if not isinstance(_BY_TAG[row.tag], Citation):
         printed, derived = forms(row.tag)
         symbol = _BY_TAG[row.tag].symbol
@@ -176,13 +175,12 @@ def _function(function: codegen.Function) -> str:
 def _summary(rows: Sequence[Row]) -> str:
     counts = Counter(row.verdict for row in rows)
     lines = "".join(
-        f"<tr><td>{_badge(row)}</td><td>{meaning}</td><td>{counts[verdict]}</td></tr>"
+        f"<tr><td>{_badge(verdict)}</td><td>{meaning}</td><td>{counts[verdict]}</td></tr>"
         for verdict, (_, meaning) in VERDICTS.items()
-        for row in [next((r for r in rows if r.verdict == verdict and r.proved), None)]
-        if row
+        if counts[verdict]
     )
     failed = sum(not row.proved for row in rows)
-    outcome = f"{failed} are not proved." if failed else "All of them are proved."
+    outcome = f"{failed} of them not proved." if failed else "All of them are proved."
     mistakes = "".join(
         f'<li><a href="#{anchor(row.tag)}">{_name(row.tag, to_html)}</a> {_text(row.what)}'
         f" <small>{_text(row.note)}</small></li>"
@@ -202,7 +200,7 @@ def _contents(rows: Mapping[str, Row]) -> str:
         f'<li><a href="#section-{n}">{_text(title)}</a><ul>'
         + "".join(
             f'<li><a href="#{anchor(e.tag)}">{_name(e.tag, to_html)}</a> {to_html(e.what)} '
-            f"{_badge(rows[e.tag])}</li>"
+            f"{_badge(e.verdict, rows[e.tag].proved)}</li>"
             for e in entries
         )
         + "</ul></li>"
@@ -305,12 +303,12 @@ code { font-size: .95em; }
 def _tex_equation(symbol: str, form: Form, tag: str) -> str:
     """A displayed equation with its tag."""
     name, positive = _split(re.sub(r"_\{([a-z]{2,})\}", r"_{\\mathrm{\1}}", symbol))
-    first, *more = latex_lines(form)
+    lines = latex_lines(form)
     if not isinstance(form, sp.core.relational.Relational):
-        first = f"{name} = {first}"
-    first = first.replace(" = ", " &= ", 1)
-    body = " \\\\\n  &\\quad ".join((first, *more)) + (" > 0" if positive else "")
-    body = f"\\begin{{split}}\n  {body}\n\\end{{split}}" if "&" in body else body
+        lines[0] = f"{name} &= {lines[0]}"
+        lines[-1] += " > 0" * positive
+    body = " \\\\\n  &\\quad ".join(lines)
+    body = f"\\begin{{split}}\n  {body}\n\\end{{split}}"
     return f"\\begin{{equation}}\n{body}\n{tag}\n\\end{{equation}}\n"
 
 
@@ -324,7 +322,7 @@ def _tex_entry(tag: str, row: Row | None) -> str:
         label = f"\\tag{{{tag}}}" if found and not found[2] else f"\\tag*{{{name}}}"
         if printed is not None:
             text += "As printed in our copy\n" + _tex_equation(entry.symbol, printed, label)
-            label = f"\\tag*{{{name}, derived}}"
+            label = "\\tag*{derived}"
         if printed is None or entry.verdict != "assumed":
             text += "As derived\n" * (printed is not None)
             text += _tex_equation(entry.symbol, derived, label)
@@ -340,7 +338,7 @@ def _tex_function(function: codegen.Function) -> str:
         for symbol, (first, *more) in ((x, latex_lines(expr)) for x, expr in body.items())
     )
     return (
-        f"\\paragraph{{\\texttt{{{to_latex(f'`{function.name}`')}}}}} "
+        f"\\paragraph{{{to_latex(f'`{function.name}`')}}} "
         f"{to_latex(function.summary)} {to_latex(function.detail)} Operations: {history}.\n"
         f"\\begin{{align*}}\n{lines}\n\\end{{align*}}\n"
     )
@@ -360,8 +358,8 @@ def latex(rows: Iterable[Row] = ()) -> dict[str, str]:
     files["all.tex"] = (
         "\\documentclass[a4paper]{article}\n\\usepackage{amsmath}\n"
         "\\usepackage[margin=20mm]{geometry}\n\\setlength{\\parindent}{0pt}\n"
-        f"\\allowdisplaybreaks\n\\title{{{to_latex(TITLE)}}}\n\\author{{}}\n\\date{{}}\n"
-        f"\\begin{{document}}\n\\maketitle\n{to_latex(' '.join(ABOUT))}\n\n{inputs}\n"
+        f"\\allowdisplaybreaks\n\\title{{{tex_escape(TITLE)}}}\n\\author{{}}\n\\date{{}}\n"
+        f"\\begin{{document}}\n\\maketitle\n{tex_escape(ABOUT)}\n\n{inputs}\n"
         "\\end{document}\n"
     )
     return files

@@ -11,6 +11,7 @@ from functools import cache
 import sympy as sp
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.mathml import MathMLPresentationPrinter
+from sympy.printing.pretty.pretty_symbology import greek_unicode
 
 from .proof import Form
 from .symbols import Gamma
@@ -66,6 +67,8 @@ def _parts(expr: sp.Expr) -> tuple[bool, Factors, Factors]:
             continue
         if base.is_Add and exponent.is_Integer:  # a sum starts with plus, and without a number
             signs, content = _signs(base), base.primitive()[0]
+            if len({abs(term.as_coeff_Mul()[0]) for term in base.args}) > 1:
+                content = content if content.is_Integer else sp.S.One
             first = signs[0] and base.free_symbols != {Gamma}  # Gamma - 1, but 1 - epsilon
             if 2 * sum(signs) > len(signs) or (2 * sum(signs) == len(signs) and first):
                 content = -content
@@ -117,6 +120,13 @@ def _shared(expr: sp.Expr) -> bool:
     return expr.is_Add and expr.primitive()[0].is_Integer and expr.primitive()[0] != 1
 
 
+def _is_word(factor: sp.Expr) -> bool:
+    """Whether a factor needs a little space: sin phi, or a name of several letters."""
+    base = factor.as_base_exp()[0]
+    word = base.name.split("_")[0] if base.is_Symbol else ""
+    return base.is_Function or (len(word) > 1 and word not in greek_unicode)
+
+
 class _MathML(MathMLPresentationPrinter):
     """SymPy's printer with the order above, sin^2 phi, bracketed columns, and no raw entities."""
 
@@ -140,7 +150,7 @@ class _MathML(MathMLPresentationPrinter):
         row = self._element("mrow")
         for i, factor in enumerate(factors):
             if i:
-                wide = any(f.as_base_exp()[0].is_Function for f in factors[i - 1 : i + 1])
+                wide = any(map(_is_word, factors[i - 1 : i + 1]))
                 row.appendChild(self._space() if wide else self._element("mo", "\u2062"))  # times
             printed = self._print(factor)
             bare = not factor.is_Add or (alone and len(factors) == 1)
@@ -220,7 +230,11 @@ class _LaTeX(LatexPrinter):
             self._bracketed(self._print(f)) if f.is_Add and not bare else self._print(f)
             for f in factors
         )
-        return " ".join(texts)
+        return (r" \, " if any(map(_is_word, factors)) else " ").join(texts)
+
+    def _print_Symbol(self, expr):
+        text = re.sub(r"_\{([a-z]{2,})\}", r"_{\\mathrm{\1}}", super()._print_Symbol(expr))
+        return re.sub(r"^([a-z]{2,})", r"\\mathit{\1}", text)
 
     def _print_Mul(self, expr):
         minus, above, below = _parts(expr)

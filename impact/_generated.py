@@ -8,7 +8,7 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "6eb6569f94543c5d"  # sha256 of the expressions below, first 16 digits
+DIGEST = "8cbb7f66d81b9c23"  # sha256 of the expressions below, first 16 digits
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
@@ -33,28 +33,50 @@ def slip_response(X, Z, k, mu):
     return N, T
 
 
-def slide(X, Z, k, mu, epsilon, u_0, v_0, N, T):
-    """Impulse, spin and slip velocity after a slide, Eqs. (7)-(9), (14).
+def slide(epsilon, u_0, v_0, N, T):
+    """Impulse over k^2 and slip velocity left after a slide, Eqs. (8), (14).
 
-    Per unit mass. Needs N > 0 and u_0 N + (1 + epsilon) v_0 T >= 0. Operations: as derived 97,
-    name responses 54, one quotient 13.
+    Per unit mass. Needs N > 0 and u_0 N + (1 + epsilon) v_0 T >= 0. Operations: as derived 51,
+    name responses 39, one quotient 6.
     """
     bounce = 1 + epsilon
-    j = -(bounce * v_0 / N)
-    P_z = j * k * k
-    P_x = -P_z * mu
-    spin = j * (X + Z * mu)
-    u_f = u_0 - T * j
-    return P_x, P_z, spin, u_f
+    j_1 = -(bounce * v_0 / N)
+    u_f = u_0 - T * j_1
+    return j_1, u_f
 
 
-def stop_velocity(u_0, v_0, N, T):
-    """v_1, normal contact velocity when the slip stops, Eq. (15).
+def stop(u_0, v_0, N, T):
+    """Impulse over k^2 and normal velocity v_1 when the slip stops, Eqs. (B1), (15).
 
-    Needs T > 0. Operations: as derived 28, sum 3.
+    Per unit mass. Needs T > 0. Operations: as derived 36, sum 3.
     """
-    j = u_0 / T
-    return v_0 + N * j
+    j_1 = u_0 / T
+    v_1 = v_0 + N * j_1
+    return j_1, v_1
+
+
+def reverse(v_1, v_f, N_back, T_back):
+    """Impulse over k^2 and slip velocity of the way back, Eqs. (B8), (B10).
+
+    Per unit mass, without what `stop` gave. Needs T_back > 0, and so N_back > 0. Operations: as
+    derived 117, name v_1 4.
+    """
+    j_2 = (v_f - v_1) / N_back
+    u_f = -T_back * j_2
+    return j_2, u_f
+
+
+def slip(X, Z, k, mu, j_1, j_2):
+    """Impulse and spin of slipping forward (j_1) and back (j_2), Eqs. (1), (2).
+
+    Per unit mass; j_1, j_2 >= 0 are normal impulses over k^2. Operations: as derived 19, two
+    phases 13.
+    """
+    kk = k * k
+    P_x = kk * mu * (j_2 - j_1)
+    P_z = kk * (j_1 + j_2)
+    spin = j_1 * (X + Z * mu) + j_2 * (X - Z * mu)
+    return P_x, P_z, spin
 
 
 def stick(X, Z, k, u_0, v_0, v_f):
@@ -71,21 +93,6 @@ def stick(X, Z, k, u_0, v_0, v_f):
     return P_x, P_z, spin
 
 
-def reverse(X, Z, k, mu, u_0, v_1, v_f, T, N_back, T_back):
-    """Impulse, spin and slip velocity after slip reversal to v_f, Eqs. (B8)-(B10).
-
-    Per unit mass. Needs T > 0, T_back > 0, and so N_back > 0. Operations: as derived 364, two
-    phases 19.
-    """
-    j_1 = u_0 / T
-    j_2 = (v_f - v_1) / N_back
-    P_x = mu * k * k * (j_2 - j_1)
-    P_z = k * k * (j_1 + j_2)
-    spin = j_1 * (X + Z * mu) + j_2 * (X - Z * mu)
-    u_f = -T_back * j_2
-    return P_x, P_z, spin, u_f
-
-
 def stick_response(X, Z, k):
     """N_stick: k^2 times dv/dP_z while sticking; what N is while slipping forward.
 
@@ -100,8 +107,8 @@ def slopes(u_0, N, T, N_after):
 
     w in m/s. Needs T > 0; r only where N > 0. Operations: as derived 20, name responses 3.
     """
-    j = u_0 / T
-    w = N_after * j
+    j_1 = u_0 / T
+    w = N_after * j_1
     r = N_after / N
     return w, r
 

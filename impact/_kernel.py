@@ -24,10 +24,11 @@ from ._generated import (
     poisson_late,
     reverse,
     slide,
+    slip,
     slopes,
     stick,
     stick_response,
-    stop_velocity,
+    stop,
     stronge_early,
     stronge_late,
 )
@@ -112,30 +113,28 @@ def stronge(a, Z, k, epsilon, v_1):
     return np.sqrt(select(v_1 < 0, early, stronge_late(epsilon, a.v_0, late, r)))
 
 
-def _of_regime(a, when_sliding, when_sticking, when_reversing):
-    return select(a.slides, when_sliding, select(a.sticks, when_sticking, when_reversing))
-
-
 def impact(final_velocity, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
     """State after an impact under the law `final_velocity`; the fields of `Collision`."""
     a = mirrored(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon)
-    X, u_0, v_0, mu = a.X, a.u_0, a.v_0, a.mu
+    X, u_0, v_0 = a.X, a.u_0, a.v_0
+    held = a.sticks & ~a.slides
     T = select(u_0 > 0, a.T, 1.0)  # without slip nothing is divided by T, which may be 0
-    v_1 = stop_velocity(u_0, v_0, a.N, T)
-    v_stop = final_velocity(a, Z, k, epsilon, v_1)
 
-    slide_x, slide_z, slide_spin, slide_u = slide(X, Z, k, mu, epsilon, u_0, v_0, a.N, a.T)
-    back_x, back_z, back_spin, back_u = reverse(
-        X, Z, k, mu, u_0, v_1, v_stop, T, a.N_back, a.T_back
+    j_slide, u_slide = slide(epsilon, u_0, v_0, a.N, a.T)
+    j_stop, v_1 = stop(u_0, v_0, a.N, T)
+    v_stop = final_velocity(a, Z, k, epsilon, v_1)
+    j_back, u_back = reverse(v_1, v_stop, a.N_back, a.T_back)
+    slip_x, slip_z, slip_spin = slip(
+        X, Z, k, a.mu, select(a.slides, j_slide, j_stop), select(a.slides, 0.0, j_back)
     )
     stick_x, stick_z, stick_spin = stick(X, Z, k, u_0, v_0, v_stop)
     # The contact cannot end with less impulse than it took to stop; keeps P_z > 0 in rounding.
-    stick_z = select(X * Z > 0, larger(stick_z, k * k * (u_0 / T)), stick_z)
+    stick_z = select(X * Z > 0, larger(stick_z, k * k * j_stop), stick_z)
 
-    P_x = _of_regime(a, slide_x, stick_x, back_x)
-    P_z = _of_regime(a, slide_z, stick_z, back_z)
-    spin = _of_regime(a, slide_spin, stick_spin, back_spin)
-    u_f = _of_regime(a, larger(slide_u, 0.0), 0.0, smaller(back_u, 0.0))
+    P_x = select(held, stick_x, slip_x)
+    P_z = select(held, stick_z, slip_z)
+    spin = select(held, stick_spin, slip_spin)
+    u_f = select(held, 0.0, select(a.slides, larger(u_slide, 0.0), smaller(u_back, 0.0)))
     v_f = select(a.slides, -epsilon * v_0, v_stop)
     energy = select(a.hits, energy_change(P_x, P_z, u_0, v_0, u_f, v_f), 0.0)
     P_x = select(a.hits, a.side * P_x, 0.0)

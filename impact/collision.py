@@ -14,7 +14,7 @@ LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.st
 
 # Plain arithmetic neither over- nor underflows while lengths and speeds lie between these and
 # friction is below the last; a block that leaves them is scaled by powers of two, exactly.
-_SMALL, _LARGE, _LARGE_FRICTION = 1e-70, 1e70, 1e60
+SMALL, LARGE, LARGE_FRICTION = 1e-70, 1e70, 1e60
 
 
 class Collision(NamedTuple):
@@ -83,19 +83,21 @@ def _ordinary(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon) -> bool:
     speed = np.maximum(np.abs(c_x), np.abs(c_z)) + np.abs(V_z) + np.abs(omega) * size
     return (
         k.min() > 0
-        and size.min() > _SMALL
-        and size.max() < _LARGE
-        and speed.min() > _SMALL
-        and speed.max() < _LARGE
+        and size.min() > SMALL
+        and size.max() < LARGE
+        and speed.min() > SMALL
+        and speed.max() < LARGE
         and mu.min() >= 0
-        and mu.max() < _LARGE_FRICTION
+        and mu.max() < LARGE_FRICTION
         and epsilon.min() >= 0
         and epsilon.max() <= 1
     )
 
 
-def _prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity):
-    """Arguments as arrays in the kernels' order, and the dtype of the results."""
+def prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law):
+    """Arguments of `collide` as arrays in the kernel's order, and the dtype of the results."""
+    if law not in LAWS:
+        raise ValueError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
     arrays = [
         real_array("c_x", c_x),
         real_array("c_z", c_z),
@@ -107,6 +109,25 @@ def _prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity):
     ]
     values = (c_x, c_z, omega, plate_velocity, *geometry, friction, restitution)
     return arrays, result_dtype(values)
+
+
+def from_arrays(arrays, law, dtype=np.float64):
+    """Results of `collide` for arguments that `prepare` has seen."""
+    final_velocity = LAWS[law]
+
+    def one_law(*block):
+        return kernel.impact(final_velocity, *block)
+
+    dtypes = [np.dtype(dtype)] * 3 + [np.dtype(np.int8)] + [np.dtype(dtype)] * 5
+    return in_blocks(lambda *block: _guarded(one_law, *block), arrays, dtypes)
+
+
+def collision(results, dtype) -> Collision:
+    """Record of the results, scalars as scalars."""
+    regime = results[3][()]
+    fields = [result.astype(dtype, copy=False)[()] for result in results]
+    fields[3] = Regime(int(regime)) if np.ndim(regime) == 0 else regime
+    return Collision(*fields)
 
 
 def collide(
@@ -163,23 +184,8 @@ def collide(
     >>> hit.regime.name
     'SLIP_STICK'
     """
-    if law not in LAWS:
-        raise ValueError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
-    arrays, dtype = _prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity)
-
-    final_velocity = LAWS[law]
-
-    def one_law(*block):
-        return kernel.impact(final_velocity, *block)
-
-    def blocks(*block):
-        return _guarded(one_law, *block)
-
-    dtypes = [dtype] * 3 + [np.dtype(np.int8)] + [dtype] * 5
-    results = list(in_blocks(blocks, arrays, dtypes))
-    if np.ndim(results[3]) == 0:
-        results[3] = Regime(int(results[3]))
-    return Collision(*results)
+    arrays, dtype = prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law)
+    return collision(from_arrays(arrays, law, dtype), dtype)
 
 
 def classify(
@@ -200,13 +206,14 @@ def classify(
     -------
     Regime, or an int8 array of its values
     """
-    arrays, _ = _prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity)
+    arrays, _ = prepare(
+        c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law="newton"
+    )
 
     def regime_alone(*block):
         return (kernel.regime_of(kernel.mirrored(*block)),)
 
-    def blocks(*block):
-        return _guarded(regime_alone, *block)
-
-    (regime,) = in_blocks(blocks, arrays, [np.dtype(np.int8)])
+    (regime,) = in_blocks(
+        lambda *block: _guarded(regime_alone, *block), arrays, [np.dtype(np.int8)]
+    )
     return Regime(int(regime)) if np.ndim(regime) == 0 else regime

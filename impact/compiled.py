@@ -7,13 +7,17 @@ ordinary size (lengths and speeds between 1e-70 and 1e70). `collide` has the con
 `impact.collide`. All of them give its numbers bit for bit, as they are made from the same text.
 """
 
+from functools import cache
 from types import FunctionType
 from typing import Any
 
+import numpy as np
 from numba import njit, types
 from numba.extending import intrinsic
 
 from . import _compensated, _generated, _kernel
+from . import collision as plain
+from .geometry import ContactGeometry
 
 
 @intrinsic
@@ -77,12 +81,11 @@ def _compile(module, *names: str) -> None:
 _compile(_compensated, "_sum", "approach", "responses")
 _compile(
     _generated,
-    *("stop_velocity", "slide", "stick", "reverse", "energy_change"),
+    *("slide", "stop", "reverse", "slip", "stick", "energy_change"),
     *("stick_response", "slopes"),
     *("poisson_early", "poisson_late", "stronge_early", "stronge_late"),
 )
-_compile(_kernel, "mirrored", "regime_of", "newton", "_slopes", "poisson", "stronge")
-_compile(_kernel, "_of_regime", "impact")
+_compile(_kernel, "mirrored", "regime_of", "newton", "_slopes", "poisson", "stronge", "impact")
 _impact = _known["impact"]
 
 
@@ -102,3 +105,72 @@ def _scalar_kernel(law: str):
 collide_newton = _scalar_kernel("newton")
 collide_poisson = _scalar_kernel("poisson")
 collide_stronge = _scalar_kernel("stronge")
+
+_KERNELS = {"newton": collide_newton, "poisson": collide_poisson, "stronge": collide_stronge}
+_SMALL, _LARGE, _LARGE_FRICTION = plain.SMALL, plain.LARGE, plain.LARGE_FRICTION
+_LEFT = -2  # regime code of an impact that is left to plain NumPy: invalid, or of unusual size
+
+
+@njit(error_model="numpy")
+def _ordinary(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
+    """Whether an impact is valid and far from over- and underflow; false if there is a nan."""
+    size = max(abs(X), abs(Z), k)
+    speed = max(abs(c_x), abs(c_z)) + abs(V_z) + abs(omega) * size
+    sized = (k > 0) & (size > _SMALL) & (size < _LARGE) & (speed > _SMALL) & (speed < _LARGE)
+    return sized & (mu >= 0) & (mu < _LARGE_FRICTION) & (epsilon >= 0) & (epsilon <= 1)
+
+
+@cache
+def _loop(law: str):
+    """All impacts of one law, one after the other; returns how many were left out."""
+    kernel = _KERNELS[law]
+
+    # fmt: off
+    def impacts(
+        c_x, c_z, omega, V_z, X, Z, k, mu, epsilon,
+        c_x_, c_z_, omega_, regime, P_x, P_z, slip, normal, energy,
+    ):
+        left = 0
+        for i in range(regime.size):
+            if _ordinary(c_x[i], c_z[i], omega[i], V_z[i], X[i], Z[i], k[i], mu[i], epsilon[i]):
+                (
+                    c_x_[i], c_z_[i], omega_[i], regime[i], P_x[i], P_z[i],
+                    slip[i], normal[i], energy[i],
+                ) = kernel(c_x[i], c_z[i], omega[i], V_z[i], X[i], Z[i], k[i], mu[i], epsilon[i])
+            else:
+                regime[i] = _LEFT
+                left += 1
+        return left
+    # fmt: on
+
+    return njit(error_model="numpy")(impacts)
+
+
+def collide(
+    c_x: Any,
+    c_z: Any,
+    omega: Any = 0.0,
+    *,
+    geometry: ContactGeometry,
+    friction: Any,
+    restitution: Any,
+    plate_velocity: Any = 0.0,
+    law: str = "newton",
+) -> plain.Collision:
+    """`impact.collide`, compiled: the same arguments, the same numbers, the same errors."""
+    arrays, dtype = plain.prepare(
+        c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law
+    )
+    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    columns = [np.broadcast_to(array, shape).astype(np.float64, copy=False) for array in arrays]
+    columns = [
+        np.broadcast_to(array, column.size) if array.ndim == 0 else column.reshape(-1)
+        for array, column in zip(arrays, columns, strict=True)
+    ]
+    results = [np.empty(columns[0].size, np.int8 if i == 3 else np.float64) for i in range(9)]
+    if _loop(law)(*columns, *results):
+        left = results[3] == _LEFT
+        parts = plain.from_arrays([column[left] for column in columns], law)
+        for result, part in zip(results, parts, strict=True):
+            result[left] = part
+    return plain.collision([result.reshape(shape) for result in results], dtype)

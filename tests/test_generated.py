@@ -1,0 +1,183 @@
+"""The generated text itself, run on SymPy symbols, mpmath numbers and compiled."""
+
+import ast
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import impact
+from derivations import codegen, drift, laws, newton, slide, slip_reversal, slip_stick, thin_rod
+from derivations import symbols as s
+from derivations.proof import vanishes
+from impact import _generated, compiled
+
+from . import sampling
+from .reference import reference_collide
+
+MASSLESS = {s.m: sp.Integer(1)}
+LENGTHS = (s.X, s.Z, s.k)
+
+
+def _forward_and_back():
+    forward = _generated.slip_response(*LENGTHS, s.mu)
+    back = _generated.slip_response(*LENGTHS, -s.mu)
+    return *forward, *back
+
+
+def _slide():
+    N, T, _, _ = _forward_and_back()
+    j_1, u_f = _generated.slide(s.epsilon, s.u_0, s.v_0, N, T)
+    return *_generated.slip(*LENGTHS, s.mu, j_1, 0), u_f, -s.epsilon * s.v_0
+
+
+def _stick():
+    v_f = -s.epsilon * s.v_0
+    return *_generated.stick(*LENGTHS, s.u_0, s.v_0, v_f), 0, v_f
+
+
+def _reverse():
+    N, T, N_back, T_back = _forward_and_back()
+    v_f = -s.epsilon * s.v_0
+    j_1, v_1 = _generated.stop(s.u_0, s.v_0, N, T)
+    j_2, u_f = _generated.reverse(v_1, v_f, N_back, T_back)
+    return *_generated.slip(*LENGTHS, s.mu, j_1, j_2), u_f, v_f
+
+
+@pytest.mark.parametrize(
+    ("generated", "derived"), [(_slide, slide), (_stick, slip_stick), (_reverse, slip_reversal)]
+)
+def test_generated_text_on_symbols_is_the_derivation(generated, derived):
+    """The committed Python, called with symbols, gives the impulses derived from Newton's laws."""
+    P_x, P_z, spin, u_f, v_f = generated()
+    want_x, want_z = (part.subs(MASSLESS) for part in derived.impulse())
+    assert vanishes(P_x - want_x)
+    assert vanishes(P_z - want_z)
+    assert vanishes(spin - newton.spin_jump(want_x, want_z).subs(MASSLESS))
+    du, dv = (part.subs(MASSLESS) for part in newton.contact_change(want_x, want_z))
+    assert vanishes(s.u_0 + du - u_f)
+    assert vanishes(s.v_0 + dv - v_f)
+
+
+def test_generated_boundaries_on_symbols_are_the_derivation():
+    assert vanishes(_generated.critical_friction(*LENGTHS) - thin_rod.critical_friction())
+    above, below = _generated.slide_friction(*LENGTHS, (1 + s.epsilon) * thin_rod.ratio)
+    assert vanishes(above / below - thin_rod.slide_friction())
+
+
+def test_generated_drift_on_symbols_is_the_derivation():
+    x, z = sp.symbols("x z", positive=True)
+    lengths = {s.X: x * s.k, s.Z: z * s.k}
+    for case, grip in zip(("stick", "back"), _generated.drift_grips(x, z, s.mu), strict=True):
+        along, up = _generated.drift(x, z, s.epsilon, grip)
+        want_along, want_up = (part.subs(lengths) / s.V_z for part in drift.stationary(case))
+        assert vanishes(along - want_along)
+        assert vanishes(up - want_up)
+
+
+def test_generated_laws_on_symbols_are_the_derivation():
+    general = {laws.a_1: sp.Integer(3), laws.a_2: sp.Integer(2)}  # any two slopes
+    w, r = 2 * s.P_1, sp.Rational(2, 3)
+    v_1 = s.v_0 + 3 * s.P_1
+    pairs = [
+        (_generated.poisson_early(s.epsilon, v_1, w), laws.final_velocity("poisson", "early")),
+        (_generated.poisson_late(s.epsilon, s.v_0, v_1, r), laws.final_velocity("poisson", "late")),
+        (
+            _generated.stronge_late(s.epsilon, s.v_0, v_1, r),
+            laws.final_velocity("stronge", "late") ** 2,
+        ),
+    ]
+    for generated, derived in pairs:
+        assert vanishes(sp.expand(generated) - derived.subs(general))
+
+
+def test_generated_text_runs_on_multiple_precision_numbers():
+    """50 digits in, 45 out: the same text, against the integration."""
+    with mpmath.workdps(50):
+        X, Z, k, mu, e = (mpmath.mpf(n) / 7 for n in (2, 3, 2, 2, 5))
+        c_x, c_z = mpmath.mpf(1), mpmath.mpf(-2)
+        P_x, P_z, _ = _generated.stick(X, Z, k, c_x, c_z, -e * c_z)
+        want = reference_collide(
+            c_x, c_z, mpmath.mpf(0), X=X, Z=Z, k=k, friction=mu * 5, restitution=e, dps=50
+        )
+        assert want.regime == impact.Regime.SLIP_STICK
+        assert abs(P_x - want.P_x) < mpmath.mpf(10) ** -45
+        assert abs(P_z - want.P_z) < mpmath.mpf(10) ** -45
+
+
+def test_generated_text_is_plain_arithmetic():
+    """Names, numbers, + - * / and nothing else: no call, no branch, no power."""
+    allowed = (
+        ast.Module, ast.FunctionDef, ast.arguments, ast.arg, ast.Assign, ast.Return, ast.Tuple,
+        ast.Name, ast.Load, ast.Store, ast.Constant, ast.Expr, ast.BinOp, ast.UnaryOp,
+        ast.Add, ast.Sub, ast.Mult, ast.Div, ast.USub,
+    )  # fmt: skip
+    tree = ast.parse(codegen.TARGET.read_text(encoding="utf-8"))
+    assert not [node for node in ast.walk(tree) if not isinstance(node, allowed)]
+
+
+LAWS = ("newton", "poisson", "stronge")
+
+
+def _same_bits(a, b):
+    for left, right in zip(a, b, strict=True):
+        left, right = np.asarray(left), np.asarray(right)
+        assert left.dtype == right.dtype
+        np.testing.assert_array_equal(left, right)
+
+
+def _arguments(i):
+    return (i.c_x, i.c_z, i.omega), {
+        "geometry": impact.ContactGeometry(i.X, i.Z, i.k),
+        "friction": i.friction,
+        "restitution": i.restitution,
+        "plate_velocity": i.plate_velocity,
+    }
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_compiled_map_gives_the_same_bits(law):
+    i = sampling.wide(100_000, seed=21)
+    _same_bits(compiled.collide(*_arguments(i)[0], law=law, **_arguments(i)[1]), i.collide(law))
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_scalar_kernel_gives_the_same_bits(law):
+    i = sampling.everyday(200, seed=22)
+    want = i.collide(law)
+    kernel = getattr(compiled, f"collide_{law}")
+    for n in range(200):
+        row = (
+            i.c_x, i.c_z, i.omega, i.plate_velocity, i.X, i.Z, i.k, i.friction, i.restitution,
+        )  # fmt: skip
+        got = kernel(*(float(column[n]) for column in row))
+        assert got == tuple(part[n] for part in want)
+
+
+def test_compiled_map_keeps_the_contract_on_odd_arguments():
+    """Scalars, broadcasting, float32, empty arrays, nan, infinities, huge and tiny numbers."""
+    rod = impact.thin_rod(0.4)
+    usual = {"geometry": rod, "friction": 0.3, "restitution": 0.65}
+    odd = np.array([0.0, -0.0, 5e-324, 1e-300, 1.0, -1.0, 1e300, np.inf, -np.inf, np.nan])
+    single = {"geometry": impact.thin_rod(np.float32(0.4)), "friction": 0.3, "restitution": 0.65}
+    for args, kwargs in (
+        ((1.0, -2.0), usual),
+        ((np.ones((3, 1)), -np.ones(4)), usual),
+        ((np.ones(3, np.float32), -2.0), single),
+        ((np.empty((0, 3)), -1.0), usual),
+        ((odd[:, None], odd), usual),
+        ((1.0, -1.0, odd), {**usual, "friction": np.abs(odd)}),
+        ((1.0, -1.0), {**usual, "restitution": odd}),
+        ((1.0, -1.0), {**usual, "geometry": impact.ContactGeometry(odd, odd[:, None], 1.0)}),
+    ):
+        _same_bits(compiled.collide(*args, **kwargs), impact.collide(*args, **kwargs))
+    with pytest.raises(ValueError, match="friction must be >= 0, got -1"):
+        compiled.collide(1.0, -1.0, geometry=rod, friction=-1, restitution=0.5)
+
+
+def test_no_kernel_is_compiled_with_fast_math():
+    compiled.collide_newton(1.0, -2.0, 0.0, 0.0, 0.2, 0.4, 0.3, 0.3, 0.5)
+    (text,) = compiled.collide_newton.inspect_llvm().values()
+    assert " fast " not in text
+    assert "contract" not in text
