@@ -161,13 +161,13 @@ def collide(
     arrays, dtype = plain.prepare(
         c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law
     )
+    arrays = [array.astype(np.float64, copy=False) for array in arrays]
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
-    columns = [np.broadcast_to(array, shape).astype(np.float64, copy=False) for array in arrays]
+    size = int(np.prod(shape))
     columns = [
-        np.broadcast_to(array, column.size) if array.ndim == 0 else column.reshape(-1)
-        for array, column in zip(arrays, columns, strict=True)
+        np.broadcast_to(array, size if array.ndim == 0 else shape).reshape(size) for array in arrays
     ]
-    results = [np.empty(columns[0].size, np.int8 if i == 3 else np.float64) for i in range(9)]
+    results = [np.empty(size, np.int8 if i == 3 else np.float64) for i in range(9)]
     if _loop(law)(*columns, *results):
         left = results[3] == _LEFT
         parts = plain.from_arrays([column[left] for column in columns], law)
