@@ -37,6 +37,10 @@ from ._generated import (
 # is thereby the limit of large friction.
 HUGE_FRICTION = 2.0**960
 
+# Plain arithmetic neither over- nor underflows while lengths and speeds lie between these and
+# friction is below the last.
+SMALL, LARGE, LARGE_FRICTION = 1e-70, 1e70, 1e60
+
 select, larger, smaller = np.where, np.maximum, np.minimum
 
 
@@ -65,6 +69,14 @@ class Approach(NamedTuple):
     hits: Any
     slides: Any
     sticks: Any
+
+
+def ordinary(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
+    """Whether an impact is valid and far from over- and underflow; false if there is a nan."""
+    size = np.abs(X) + np.abs(Z) + k
+    speed = np.abs(c_x) + np.abs(c_z) + np.abs(V_z) + np.abs(omega) * size
+    sized = (k > 0) & (size > SMALL) & (size < LARGE) & (speed > SMALL) & (speed < LARGE)
+    return sized & (mu >= 0) & (mu < LARGE_FRICTION) & (epsilon >= 0) & (epsilon <= 1)
 
 
 def mirrored(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):

@@ -12,10 +12,6 @@ from .geometry import ContactGeometry, geometry_arrays
 
 LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.stronge}
 
-# Plain arithmetic neither over- nor underflows while lengths and speeds lie between these and
-# friction is below the last; a block that leaves them is scaled by powers of two, exactly.
-SMALL, LARGE, LARGE_FRICTION = 1e-70, 1e70, 1e60
-
 
 class Collision(NamedTuple):
     """State after an impact; every field has the broadcast shape of the arguments.
@@ -61,37 +57,26 @@ def _scaled(function, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
     return tuple(results)
 
 
-def _guarded(function, *arguments):
-    """`function` on the valid elements of a block; nan and INVALID for the others."""
-    if _ordinary(*arguments):
-        return function(*arguments)
-    *moving, mu, epsilon = arguments
+def _guarded(function, *block):
+    """`function` on a block; unusual elements are scaled, invalid ones become nan and INVALID."""
+    usual = kernel.ordinary(*block)
+    if np.all(usual):
+        return function(*block)
+    block = np.broadcast_arrays(*block)
+    *moving, mu, epsilon = block
     valid = (moving[-1] > 0) & FRICTION.holds(mu) & RESTITUTION.holds(epsilon)
     for value in moving:
-        valid &= np.isfinite(value)
-    moving = [np.where(valid, value, 1.0) for value in moving]
-    mu, epsilon = (np.where(valid, value, 0.5) for value in (mu, epsilon))
-    return tuple(
-        np.where(valid, part, np.nan if part.dtype.kind == "f" else Regime.INVALID)
-        for part in _scaled(function, *moving, mu, epsilon)
-    )
-
-
-def _ordinary(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon) -> bool:
-    """Whether a whole block is valid and far from over- and underflow; false if there is a nan."""
-    size = np.maximum(np.maximum(np.abs(X), np.abs(Z)), k)
-    speed = np.maximum(np.abs(c_x), np.abs(c_z)) + np.abs(V_z) + np.abs(omega) * size
-    return (
-        k.min() > 0
-        and size.min() > SMALL
-        and size.max() < LARGE
-        and speed.min() > SMALL
-        and speed.max() < LARGE
-        and mu.min() >= 0
-        and mu.max() < LARGE_FRICTION
-        and epsilon.min() >= 0
-        and epsilon.max() <= 1
-    )
+        valid = valid & np.isfinite(value)
+    unusual = valid & ~usual
+    parts = function(*(value[usual] for value in block))
+    others = _scaled(function, *(value[unusual] for value in block))
+    results = []
+    for part, other in zip(parts, others, strict=True):
+        floating = part.dtype.kind == "f"
+        whole = np.full(valid.shape, np.nan if floating else Regime.INVALID, part.dtype)
+        whole[usual], whole[unusual] = part, other
+        results.append(whole)
+    return tuple(results)
 
 
 def prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law):

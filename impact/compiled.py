@@ -85,8 +85,18 @@ _compile(
     *("stick_response", "slopes"),
     *("poisson_early", "poisson_late", "stronge_early", "stronge_late"),
 )
-_compile(_kernel, "mirrored", "regime_of", "newton", "_slopes", "poisson", "stronge", "impact")
-_impact = _known["impact"]
+_compile(
+    _kernel,
+    "ordinary",
+    "mirrored",
+    "regime_of",
+    "newton",
+    "_slopes",
+    "poisson",
+    "stronge",
+    "impact",
+)
+_impact, _ordinary = _known["impact"], _known["ordinary"]
 
 
 def _scalar_kernel(law: str):
@@ -107,17 +117,7 @@ collide_poisson = _scalar_kernel("poisson")
 collide_stronge = _scalar_kernel("stronge")
 
 _KERNELS = {"newton": collide_newton, "poisson": collide_poisson, "stronge": collide_stronge}
-_SMALL, _LARGE, _LARGE_FRICTION = plain.SMALL, plain.LARGE, plain.LARGE_FRICTION
 _LEFT = -2  # regime code of an impact that is left to plain NumPy: invalid, or of unusual size
-
-
-@njit(error_model="numpy")
-def _ordinary(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
-    """Whether an impact is valid and far from over- and underflow; false if there is a nan."""
-    size = max(abs(X), abs(Z), k)
-    speed = max(abs(c_x), abs(c_z)) + abs(V_z) + abs(omega) * size
-    sized = (k > 0) & (size > _SMALL) & (size < _LARGE) & (speed > _SMALL) & (speed < _LARGE)
-    return sized & (mu >= 0) & (mu < _LARGE_FRICTION) & (epsilon >= 0) & (epsilon <= 1)
 
 
 @cache

@@ -12,10 +12,11 @@ import sympy as sp
 from derivations import codegen, presentation, prose, registry, report, typeset
 from derivations.proof import components, equal_at_random_points, same
 from derivations.references import Citation
-from derivations.symbols import X, Z, c_x, k, mu, omega, v_0
+from derivations.symbols import X, Z, c_x, mu, omega, v_0
 
 VOID = {"meta", "wbr", "br"}
 CHILDREN = {"mfrac": 2, "msub": 2, "msup": 2, "msubsup": 3, "mover": 2}
+KNOWN = {"math", "mrow", "mi", "mn", "mo", "mspace", "msqrt", "mtable", "mtr", "mtd", *CHILDREN}
 EQUATIONS = [e for e in registry.ENTRIES if not isinstance(e, Citation)]
 ERRATA = registry.mistakes()
 
@@ -156,11 +157,9 @@ def test_every_erratum_shows_its_evidence(page, rows, entry):
 
 
 def test_mathml_is_what_browsers_know(maths):
-    known = set("math mrow mi mn mo mspace mfrac msqrt msub msup msubsup mover".split(" "))
-    known |= {"mtable", "mtr", "mtd"}
     for math in maths:
         for element in math.iter():
-            assert element.tag in known, element.tag
+            assert element.tag in KNOWN, element.tag
             assert len(element) == CHILDREN.get(element.tag, len(element))
             text = element.text or ""
             assert not set(text) & set("\\_^&{}'"), text
@@ -172,9 +171,7 @@ def test_letters_come_with_their_indices():
     assert typeset.mathml(c_x) == "<msub><mi>c</mi><mi>x</mi></msub>"
     assert typeset.mathml(mu) == "<mi>μ</mi>"
     assert typeset.mathml(sp.Symbol("N_back")) == "<msub><mi>N</mi><mi>back</mi></msub>"
-    assert typeset.mathml(v_0**2) == "<msubsup><mi>v</mi><mn>0</mn><mn>2</mn></msubsup>".replace(
-        "<mn>0</mn>", "<mi>0</mi>"
-    )
+    assert typeset.mathml(v_0**2) == "<msubsup><mi>v</mi><mi>0</mi><mn>2</mn></msubsup>"
     assert prose.left_hand_side("c_x'") == (
         "<mrow><msubsup><mi>c</mi><mi>x</mi><mo>′</mo></msubsup></mrow>"
     )
@@ -225,12 +222,9 @@ def test_a_changed_value_is_refused(monkeypatch):
         presentation.presented(sp.sqrt(X**2 + 7) + omega, None)
 
 
-@pytest.mark.parametrize("tag", ["7", "8", "14", "15", "B6", "22", "24", "26", "27", "29", "16"])
+@pytest.mark.parametrize("tag", ["7", "8", "14", "15", "B6", "16", "22", "24", "26", "29", "23"])
 def test_forms_that_agree_look_alike(tag):
     printed, shown = report.forms(tag)
-    if tag == "27":  # printed as two terms
-        printed = sp.factor(printed.subs(Z, 0)).subs(k**2, k**2)
-        shown = shown.subs(Z, 0)
     assert typeset.mathml(shown) == typeset.mathml(printed)
 
 
