@@ -205,7 +205,7 @@ def _ulp_error(got, ref, scale, digits):
         return inf  # a NaN would slip through max() and <=
     if scale == 0:
         return error if error == 0 else inf
-    return error / ldexp(1, frexp(scale)[1] - digits)
+    return error / max(ldexp(1, frexp(scale)[1] - digits), ldexp(1, -1074))
 
 
 def error_in_ulp(got, ref, c_x, c_z, omega, *, X, Z, k, plate_velocity=0, digits=53):
