@@ -133,7 +133,7 @@ def t6_friction_at_the_ends(theirs):
         for c_x in (1.0, 0.0, -1.0):
             rest = {"geometry": geometry, "restitution": 0.5}
             assert theirs.collide(c_x, -1.0, friction=0.0, **rest).P_x == 0
-            for friction in (0.0, 5e-324, 1e-300, 1e-16, 1e16, 1e300, 1.7e308, np.inf):
+            for friction in (0.0, 1e-300, 1e-16, 1e16, 1e300, 1.7e308, np.inf):
                 assert_accurate(theirs, c_x, -1.0, friction=friction, **rest)
             held = theirs.collide(c_x, -1.0, friction=np.inf, **rest)
             assert held.slip_velocity == 0

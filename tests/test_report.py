@@ -216,6 +216,19 @@ def test_what_is_shown_has_the_derived_value(entry):
         assert all(equal_at_random_points(*pair) for pair in pairs)
 
 
+def test_printers_regroup_without_changing_a_value():
+    for entry in EQUATIONS:
+        for form in filter(None, report.forms(entry.tag)):
+            parts = [x for part in components(form) for x in sp.preorder_traversal(part)]
+            for part in parts:
+                minus, above, below = typeset._parts(part)
+                number, above, below = typeset._in_front(above, below)
+                product = number * (-1 if minus else 1) * sp.Mul(*above) / sp.Mul(*below)
+                terms = [-x if negative else x for negative, x in typeset.signed_terms(part)]
+                assert equal_at_random_points(product, part)
+                assert sp.Add(*terms) == part
+
+
 def test_a_changed_value_is_refused(monkeypatch):
     monkeypatch.setattr(presentation, "_forms", lambda expr: iter([expr + sp.Rational(1, 10**9)]))
     with pytest.raises(presentation.PresentationError):
