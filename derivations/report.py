@@ -228,7 +228,7 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{escape(TITLE)}</title><style>{STYLE}</style></head><body>"
-        f"<header><h1>{escape(TITLE)}</h1><p>{_text(' '.join(ABOUT))}</p></header><main>"
+        f"<header><h1>{escape(TITLE)}</h1><p>{escape(ABOUT)}</p></header><main>"
         f"{_summary(rows)}{_contents(by_tag)}{sections}"
         '<section id="functions"><h2>Generated functions</h2><p>What is computed comes from the '
         "derived forms by named rules; each rule is proved to change no value.</p>"

@@ -43,7 +43,10 @@ def approach(c_x, c_z, omega, V_z, X, Z):
 
 
 def responses(X, Z, k, mu):
-    """N, T, N_back, T_back: `_generated.slip_response` for +mu and -mu, each rounded about once."""
+    """N, T, N_back, T_back, k^2 + X^2 and k^2 + Z^2, each rounded about once.
+
+    The first four are `_generated.slip_response` for +mu and for -mu.
+    """
     X, Z, k, mu_halves = _halves(X), _halves(Z), _halves(k), _halves(mu)
     kk, kk_error = _product(k, k)
     xx, xx_error = _product(X, X)
@@ -67,4 +70,6 @@ def responses(X, Z, k, mu):
         T + (T_error + (xz_error + hold_error)),
         N_back + (N_back_error + (across_error - press_error)),
         T_back + (T_back_error + (xz_error - hold_error)),
+        across + across_error,
+        along + along_error,
     )

@@ -66,6 +66,8 @@ class Approach(NamedTuple):
     T: Any
     N_back: Any
     T_back: Any
+    K_x: Any
+    K_z: Any
     hits: Any
     slides: Any
     sticks: Any
@@ -85,10 +87,11 @@ def mirrored(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
     side = np.copysign(1.0, select(u_0 == 0, X * Z, u_0))
     X, u_0 = side * X, np.abs(u_0)
     mu = smaller(mu, HUGE_FRICTION)
-    N, T, N_back, T_back = responses(X, Z, k, mu)
+    N, T, N_back, T_back, K_x, K_z = responses(X, Z, k, mu)
     hits = v_0 < 0
     slides = (u_0 * N + (1 + epsilon) * v_0 * T >= 0) & (u_0 > 0) & (N > 0)
-    return Approach(side, X, u_0, v_0, mu, N, T, N_back, T_back, hits, slides, T_back <= 0)
+    sticks = T_back <= 0
+    return Approach(side, X, u_0, v_0, mu, N, T, N_back, T_back, K_x, K_z, hits, slides, sticks)
 
 
 def regime_of(a):
@@ -104,7 +107,7 @@ def newton(a, Z, k, epsilon, v_1):
 
 def _slopes(a, Z, k, epsilon, v_1):
     """w, r of the phase after the stop, and v_1 as far as a late stop allows."""
-    w, r = slopes(a.u_0, a.N, a.T, select(a.sticks, stick_response(a.X, Z, k), a.N_back))
+    w, r = slopes(a.u_0, a.N, a.T, select(a.sticks, stick_response(Z, k, a.K_x, a.K_z), a.N_back))
     w = select(a.u_0 > 0, w, 0.0)
     late = smaller(larger(v_1, 0.0), -epsilon * a.v_0)  # rounding at the slide's edge
     return w, r, late
@@ -139,7 +142,7 @@ def impact(final_velocity, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
     slip_x, slip_z, slip_spin = slip(
         X, Z, k, a.mu, select(a.slides, j_slide, j_stop), select(a.slides, 0.0, j_back)
     )
-    stick_x, stick_z, stick_spin = stick(X, Z, k, u_0, v_0, v_stop)
+    stick_x, stick_z, stick_spin = stick(X, Z, a.K_x, a.K_z, u_0, v_0, v_stop)
     # The contact cannot end with less impulse than it took to stop; keeps P_z > 0 in rounding.
     stick_z = select(X * Z > 0, larger(stick_z, k * k * j_stop), stick_z)
 

@@ -34,7 +34,7 @@ def _slide():
 
 def _stick():
     v_f = -s.epsilon * s.v_0
-    return *_generated.stick(*LENGTHS, s.u_0, s.v_0, v_f), 0, v_f
+    return *_generated.stick(s.X, s.Z, s.k**2 + s.X**2, s.k**2 + s.Z**2, s.u_0, s.v_0, v_f), 0, v_f
 
 
 def _reverse():
@@ -97,7 +97,7 @@ def test_generated_text_runs_on_multiple_precision_numbers():
     with mpmath.workdps(50):
         X, Z, k, mu, e = (mpmath.mpf(n) / 7 for n in (2, 3, 2, 2, 5))
         c_x, c_z = mpmath.mpf(1), mpmath.mpf(-2)
-        P_x, P_z, _ = _generated.stick(X, Z, k, c_x, c_z, -e * c_z)
+        P_x, P_z, _ = _generated.stick(X, Z, k * k + X * X, k * k + Z * Z, c_x, c_z, -e * c_z)
         want = reference_collide(
             c_x, c_z, mpmath.mpf(0), X=X, Z=Z, k=k, friction=mu * 5, restitution=e, dps=50
         )
