@@ -65,7 +65,7 @@ def _report(arguments: argparse.Namespace) -> int:
     from . import report
 
     rows = registry.check(_bar("proving"))
-    for path in report.write(arguments.out, rows):
+    for path in report.write(arguments.out, rows, _bar("writing")):
         print(path)
     return 0 if all(row.proved for row in rows) else 1
 

@@ -185,7 +185,13 @@ def _new(eq: Equation) -> Proof:
     residuals = tuple(eq.check())
     return Proof(
         ok=bool(residuals) and all(vanishes(sp.sympify(r)) for r in residuals),
-        evidence=f"{len(residuals)} independent identities simplify to zero",
+        evidence="a second route: "
+        + (
+            "one identity simplifies"
+            if len(residuals) == 1
+            else f"{len(residuals)} identities simplify"
+        )
+        + " to zero",
     )
 
 

@@ -26,9 +26,10 @@ Progress = Callable[[Iterable], Iterable]
 
 TITLE = "Rods on a vibrated plate: the theory, derived again"
 ABOUT = (
-    "Every equation of Sections IV and V and of Appendices A and B of D. Volfson, A. Kudrolli and "
+    "Every equation of Sections IV and V and of Appendix B of D. Volfson, A. Kudrolli and "
     "L. S. Tsimring, “Anisotropy driven dynamics in vibrated granular rods”, is derived here from "
-    "Newton’s and Euler’s laws by computation, and so is what the text says in numbers. "
+    "Newton’s and Euler’s laws by computation, and so is what the text says there in numbers; "
+    "of Appendix A the dimensions are checked. "
     "Each stands as printed in our copy and as derived, with a verdict that a proof has tested; "
     "our copy is a transcription, so a mistake in it need not be in the paper. "
     "Terms and factors are put in one order, and derived forms are rearranged to read like the "

@@ -1,0 +1,290 @@
+"""The bouncing rod against exact results, the NumPy map and the closed forms."""
+
+from math import asin, cos, degrees, pi, radians, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import impact
+import impact.bouncing as bouncing
+from impact import ContactGeometry, collide, drift, thin_rod
+from impact.bouncing import TURN, bounce, hit_again_tilt, record
+from impact.flight import landing, lift_off
+
+SPHERE = ContactGeometry(0.0, 0.5, sqrt(0.1))
+INELASTIC = {"friction": 0.3, "restitution": 0.0}
+PAPER = {"friction": 0.3, "restitution": 0.65}
+
+
+# Phase after many periods (M11)
+
+
+def test_phase_after_a_million_periods():
+    """A stable orbit of one period: cos(theta) = pi (1 - e)/((1 + e) gamma), and no period lost."""
+    gamma, restitution = 1.3, 0.5
+    setting = {"gamma": gamma, "friction": 0.3, "restitution": restitution, "rods": 2, "seed": 4}
+    early, late = (
+        record(SPHERE, **setting, landings=10, transient=transient)
+        for transient in (1000, 1_001_000)
+    )
+    bounces = early.rest.sum(1) == 0
+    assert bounces.any()
+    exact = np.arccos(pi * (1 - restitution) / ((1 + restitution) * gamma))
+    assert np.abs(late.phase[bounces] - exact).max() < 1e-14 * TURN
+    np.testing.assert_array_equal((late.period - early.period)[bounces], 1_000_000)
+
+
+def test_rests_take_off_at_the_same_phase_for_ever():
+    """Gamma 1.5, no restitution: one landing a period, bit for bit the same after 10^6."""
+    run = record(SPHERE, gamma=1.5, **INELASTIC, landings=1_000_000, transient=10)
+    assert np.all(run.phase == run.phase[0, 0])
+    np.testing.assert_array_equal(np.diff(run.period[0]), 1)
+    assert run.flight[0, 0] + run.rest[0, 1] == pytest.approx(1, abs=1e-15)
+
+
+# Perfectly inelastic rod: exact results
+
+
+def _inelastic_flight(gamma):
+    """From asin(1/gamma) with the plate's velocity to the first zero of the gap, by bisection."""
+    lift = asin(1 / gamma)
+
+    def height(t):
+        return 1 + gamma * cos(lift) * t - t * t / 2 - gamma * sin(lift + t)
+
+    grid = np.linspace(pi - 2 * lift, 40, 100_000)  # opens up to its start
+    first = np.argmax([height(t) <= 0 for t in grid])
+    return lift, brentq(height, grid[first - 1], grid[first], xtol=1e-15)
+
+
+@pytest.mark.parametrize("gamma", [1.05, 1.5, 2.0, 3.0, 3.29])
+@pytest.mark.parametrize("geometry", [SPHERE, thin_rod(0.0)])
+def test_inelastic_rod(gamma, geometry):
+    run = record(geometry, gamma=gamma, **INELASTIC, landings=20, rods=3)
+    lift, flight = _inelastic_flight(gamma)
+    np.testing.assert_allclose(run.flight * TURN, flight, rtol=1e-12)
+    np.testing.assert_allclose(run.phase, (lift + flight) % TURN, rtol=1e-12)
+    np.testing.assert_allclose(run.c_z_after, np.cos(run.phase), atol=1e-15)
+    np.testing.assert_allclose(run.c_z, cos(lift) - flight / gamma, rtol=1e-12)
+
+
+def test_flight_of_exactly_one_period():
+    """Gamma = sqrt(1 + pi^2); its flight changes by gamma/(2 pi^2) periods per unit of gamma."""
+    gamma = sqrt(1 + pi**2)
+
+    def flight(gamma):
+        lift, free = lift_off(gamma)
+        return landing(free, lift, gamma)[0] / TURN
+
+    assert flight(gamma) == pytest.approx(1, abs=1e-15)
+    run = record(SPHERE, gamma=gamma, **INELASTIC, landings=1000, rods=5)
+    np.testing.assert_allclose(run.flight, 1, rtol=1e-14)
+    np.testing.assert_allclose(run.phase, asin(1 / gamma), rtol=1e-14)
+    slope = (flight(gamma + 1e-5) - flight(gamma - 1e-5)) / 2e-5
+    assert slope == pytest.approx(gamma / (2 * pi**2), rel=1e-6)
+
+
+def test_plate_velocity_at_landing_changes_sign():
+    """The landing at the plate's lowest place, where theta = 3 pi/2."""
+
+    def landing_at_the_bottom(gamma):
+        t = 1.5 * pi - asin(1 / gamma)
+        return sqrt(gamma**2 - 1) * t - t * t / 2 + 1 + gamma
+
+    exact = brentq(landing_at_the_bottom, 1.1, 3, xtol=1e-15)
+    below, at, above = (
+        bounce(SPHERE, gamma=exact + step, **INELASTIC, landings=3).alpha.mean
+        for step in (-1e-6, 0, 1e-6)
+    )
+    assert below < 0 < above
+    assert abs(at) < 1e-13
+    assert exact == pytest.approx(1.7048, abs=1e-4)
+
+
+def test_onset():
+    """V_z/V_0 = -sin(x) with x -> 3 sqrt(2 (gamma - 1)): -x^2/6 alone is 3 (gamma - 1) of it."""
+    for excess in (1e-3, 1e-5, 1e-7):
+        alpha = bounce(SPHERE, gamma=1 + excess, **INELASTIC, landings=2).alpha.mean
+        excess = (1 + excess) - 1  # as represented
+        assert abs(alpha / (-3 * sqrt(2 * excess)) - 1) < 4 * excess + 1e-8
+    bounce(SPHERE, gamma=1 + 2**-52, **INELASTIC, landings=2)  # ends
+
+
+# Hit again at once; rest (M12)
+
+
+def test_tilt_above_which_it_is_hit_again():
+    """Stationary landings of Eqs. (24)-(30) leave c_z' - V_z of the sign of the closed form."""
+    for restitution in (0.2, 0.65, 0.9):
+        limit = hit_again_tilt(restitution)
+        for friction in (0.1, 0.3, 2.0):
+            for tilt, sign in ((limit - 1e-6, 1), (limit + 1e-6, -1)):
+                rod = thin_rod(tilt)
+                setting = {"friction": friction, "restitution": restitution}
+                steady = drift(rod, plate_velocity=1.0, **setting)
+                hit = collide(steady.c_x, -steady.c_z, geometry=rod, plate_velocity=1.0, **setting)
+                assert (hit.c_z - 1) * sign > 0
+    assert degrees(hit_again_tilt(0.65)) == pytest.approx(27.74, abs=0.01)
+    assert np.isnan(hit_again_tilt(np.array([0.5, 2.0]))[1])
+
+
+@pytest.mark.parametrize(
+    ("tilt_deg", "gamma"), [(5, 3.3), (20, 3.3), (25, 2.2), (34, 3.3), (70, 4)]
+)
+def test_landings_follow_from_one_another(tilt_deg, gamma):
+    """Every landing again from `impact.collide`, every flight from the parabola."""
+    rod = thin_rod(radians(tilt_deg))
+    run = record(rod, gamma=gamma, **PAPER, landings=300, rods=4, transient=0)
+    plate = np.cos(run.phase)
+    c_x, v, hits = run.c_x, run.c_z - plate, np.zeros(run.hits.shape, int)
+    again = np.full(hits.shape, True)
+    first = impact.classify(c_x, v, geometry=rod, **PAPER)
+    while again.any():
+        hit = collide(c_x, v, geometry=rod, **PAPER)
+        c_x, v = np.where(again, hit.c_x, c_x), np.where(again, hit.c_z, v)
+        hits += again
+        again &= v < -1e-12
+    np.testing.assert_allclose(run.c_x_after, c_x, atol=1e-11)
+    np.testing.assert_allclose(run.c_z_after - plate, np.maximum(v, 0), atol=1e-11)
+    np.testing.assert_array_equal(run.hits > 1, hits > 1)
+    np.testing.assert_array_equal(run.regime, first)
+    assert np.all(run.c_z_after - plate > -1e-15)
+    assert run.hits.max() < 1000
+
+    flown = run.rest[:, 1:] == 0
+    t, start = TURN * run.flight[:, 1:], run.phase[:, :-1]
+    rise = np.where(flown, gamma * run.c_z_after[:, :-1], sqrt(gamma**2 - 1))
+    start = np.where(flown, start, asin(1 / gamma))
+    np.testing.assert_allclose(gamma * run.c_z[:, 1:], rise - t, atol=1e-12)
+    fallen = gamma * np.sin(start) + rise * t - t * t / 2
+    np.testing.assert_allclose(gamma * np.sin(run.phase[:, 1:]), fallen, atol=1e-12)
+    clock = run.period + run.phase / TURN
+    np.testing.assert_allclose(np.diff(clock), run.flight[:, 1:] + run.rest[:, 1:], atol=1e-11)
+
+
+@pytest.mark.parametrize(("gamma", "restitution"), [(1.02, 0.65), (1.05, 0.9), (1.2, 0.5)])
+def test_chattering_ends_in_rest(gamma, restitution):
+    """Hops shrink to rest in finitely many landings; take-off at asin(1/gamma), every period.
+
+    Where it all happens while the plate presses, each hop is at most e times its predecessor's
+    velocity; gaps between rests are then bounded by log(shortest/longest)/log(e) landings.
+    """
+    setting = {"friction": 0.3, "restitution": restitution}
+    run = record(SPHERE, gamma=gamma, **setting, landings=2000, rods=5, transient=2000)
+    rested = run.rest > 0
+    after = np.roll(rested, -1, axis=1)[:, :-1]  # the landing before a rest
+    lift = asin(1 / gamma)
+    left = (run.phase[:, :-1] + TURN * run.rest[:, 1:])[after]
+    np.testing.assert_allclose(np.minimum(left % TURN, left), lift, rtol=1e-13)
+    longest = max(np.diff(np.flatnonzero(row)).max() for row in rested if row.any())
+    assert longest <= 2 + np.log(1e-6 * 1e-3) / np.log(restitution)
+    assert rested.any()
+
+
+def test_landing_on_the_falling_plate_goes_on_at_once():
+    """Without restitution above sqrt(1 + pi^2): no rest between landings where the plate drops."""
+    run = record(SPHERE, gamma=3.5, **INELASTIC, landings=200, rods=3)
+    drops = 3.5 * np.sin(run.phase[:, :-1]) > 1
+    assert drops.any()
+    np.testing.assert_array_equal(run.rest[:, 1:] == 0, drops)
+
+
+# The interface
+
+
+@pytest.mark.parametrize("gamma", [1.0, 0.5, 1e-300])
+def test_no_flight_no_drift(gamma):
+    run = bounce(thin_rod(0.3), gamma=gamma, **PAPER, landings=10**9, rods=10**6)
+    assert run.drift == (0, 0)
+    assert run.rest == (1, 0)
+    assert np.isnan(run.alpha.mean)
+    assert np.all(np.isnan(run.phases.mean))
+    assert record(thin_rod(0.3), gamma=gamma, **PAPER, landings=5, rods=3).phase.shape == (3, 0)
+
+
+def test_rods_do_not_depend_on_their_number(monkeypatch):
+    setting = {**PAPER, "gamma": 2.7, "landings": 50, "seed": 11}
+    few, many = (record(thin_rod(0.2), rods=rods, **setting) for rods in (2, 7))
+    monkeypatch.setattr(bouncing, "_BLOCK", 100)
+    blocks = record(thin_rod(0.2), rods=7, **setting)
+    other = record(thin_rod(0.2), rods=2, **{**setting, "seed": 12})
+    later = record(thin_rod(0.2), rods=2, transient=130, **{**setting, "landings": 20})
+    for name in few._fields:
+        np.testing.assert_array_equal(getattr(few, name), getattr(many, name)[:2])
+        np.testing.assert_array_equal(getattr(many, name), getattr(blocks, name))
+        np.testing.assert_array_equal(getattr(few, name)[:, 30:], getattr(later, name))
+    assert not np.any(few.phase == other.phase)
+
+
+def test_means_are_those_of_the_landings():
+    setting = {**PAPER, "gamma": 3.3, "landings": 200, "rods": 30}
+    run, raw = bounce(thin_rod(0.3), **setting), record(thin_rod(0.3), **setting)
+    alpha = np.cos(raw.phase).mean(1)
+    assert run.alpha.mean == pytest.approx(alpha.mean(), rel=1e-14)
+    assert run.alpha.error == pytest.approx(alpha.std(ddof=1) / sqrt(30), rel=1e-12)
+    assert run.phases.mean.sum() * TURN / 36 == pytest.approx(1, rel=1e-14)
+    assert run.flights.mean.sum() / 16 == pytest.approx((raw.flight < 4).mean(), rel=1e-12)
+    counts, _ = np.histogram(raw.phase, 36, (0, TURN))
+    np.testing.assert_allclose(run.phases.mean, counts * 36 / (TURN * raw.phase.size))
+    assert run.regimes.mean.sum() == pytest.approx(1, rel=1e-14)
+    moved = raw.travel.sum(1) / (raw.flight + raw.rest).sum(1)
+    assert run.drift.mean == pytest.approx(moved.mean(), rel=1e-12)
+    one = bounce(thin_rod(0.3), **{**setting, "rods": 1})
+    assert np.isnan(one.alpha.error)
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "stronge"])
+def test_scale_of_lengths_cancels(law):
+    setting = {**PAPER, "gamma": 2.5, "landings": 20, "law": law}
+    runs = [record(thin_rod(0.4, length), **setting) for length in (1.0, 2.0**300, 2.0**-900)]
+    for run in runs[1:]:
+        np.testing.assert_array_equal(run.c_x_after, runs[0].c_x_after)
+
+
+def test_locked_to_one_period_at_large_tilt():
+    """Hit again to rest, it leaves with the plate: c_z' = V_z = pi/gamma, flights of one period."""
+    run = bounce(thin_rod(radians(45)), gamma=3.3, **PAPER, landings=50, rods=20, transient=300)
+    assert run.alpha.mean == pytest.approx(pi / 3.3, rel=1e-9)
+    assert run.flight.mean == pytest.approx(1, rel=1e-9)
+    assert run.again.mean == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "word"),
+    [
+        ({"gamma": 0.0}, ValueError, "gamma must be > 0"),
+        ({"gamma": np.nan}, ValueError, "gamma"),
+        ({"gamma": np.inf}, ValueError, "gamma"),
+        ({"gamma": np.array([2.0, 3.0])}, TypeError, "gamma"),
+        ({"gamma": "high"}, TypeError, "gamma"),
+        ({"friction": -0.1}, ValueError, "friction"),
+        ({"restitution": 1.1}, ValueError, "restitution"),
+        ({"restitution": np.nan}, ValueError, "restitution"),
+        ({"landings": 0}, ValueError, "landings must be at least 1"),
+        ({"landings": 2.5}, TypeError, "landings"),
+        ({"rods": 0}, ValueError, "rods"),
+        ({"seed": -1}, ValueError, "seed"),
+        ({"transient": -1}, ValueError, "transient"),
+        ({"shortest_flight": 0.0}, ValueError, "shortest_flight"),
+        ({"bins": 0}, ValueError, "bins"),
+        ({"law": "hooke"}, ValueError, "law must be one of newton"),
+        ({"geometry": ContactGeometry(0.1, 0.4, 0.0)}, ValueError, "k"),
+        ({"geometry": ContactGeometry(np.nan, 0.4, 0.3)}, ValueError, "geometry.X"),
+        ({"geometry": thin_rod(np.array([0.1, 0.2]))}, TypeError, "geometry.X"),
+        ({"geometry": 3.0}, TypeError, "geometry"),
+    ],
+)
+def test_bad_input(change, error, word):
+    setting = {"geometry": thin_rod(0.3), "gamma": 2.0, **PAPER, "landings": 5}
+    with pytest.raises(error, match=word):
+        bounce(**{**setting, **change})
+
+
+def test_friction_has_its_limits():
+    """Infinite friction is the limit of large friction; without any, c_x is kept for ever."""
+    setting = {"gamma": 2.5, "restitution": 0.6, "landings": 30}
+    runs = [record(thin_rod(0.4), friction=mu, **setting) for mu in (np.inf, 1e30)]
+    np.testing.assert_allclose(runs[0].c_x_after, runs[1].c_x_after, rtol=1e-12)
+    free = record(thin_rod(0.4), friction=0.0, **setting)
+    assert np.ptp(np.concatenate([free.c_x, free.c_x_after])) == 0

@@ -1,0 +1,194 @@
+"""Flights over the plate: the first contact, never the take-off, never one missed; phase; rest."""
+
+from math import asin, cos, pi, sin, sqrt
+
+import mpmath
+import numpy as np
+import pytest
+from numba import njit
+from scipy.integrate import quad
+
+from impact.flight import TURN, Departure, advance, departure, gap, landing, slide_to_lift
+
+
+# Flights (M13)
+
+
+@njit(error_model="numpy")
+def _plain_gap(speed, phase, gamma, t):
+    """Gap and slope as one would write them, in the frame of the laboratory."""
+    rise = speed + gamma * np.cos(phase)
+    height = gamma * np.sin(phase) + rise * t - t * t / 2
+    return height - gamma * np.sin(phase + t), rise - t - gamma * np.cos(phase + t)
+
+
+@njit(error_model="numpy")
+def _certify(speed, phase, gamma):
+    """Worst residual of landings, and how many are not the first contact.
+
+    h'' >= -(1 + gamma) everywhere, so that from a gap h with slope h' the contact cannot come
+    sooner than the parabola of that curvature falls to zero: steps of that length miss nothing.
+    """
+    worst, missed = 0.0, 0
+    for i in range(speed.size):
+        r, theta, fall = speed[i], phase[i], 1 + gamma[i]
+        end, v = landing(departure(r, theta, gamma[i]), theta, gamma[i])
+        h, slope = _plain_gap(r, theta, gamma[i], end)
+        size = gamma[i] + (r + gamma[i]) * end + end * end
+        worst = max(worst, abs(h) / size, abs(v - slope) / (fall + r + end))
+        last = end - abs(v) / fall  # from here on the gap closes, by the same argument
+        t = r / fall  # up to twice this time it opens
+        missed += not (end > t and v <= 0)
+        while t < last:
+            h, slope = _plain_gap(r, theta, gamma[i], t)
+            step = (slope + np.sqrt(slope * slope + 2 * fall * h)) / fall
+            if not (h > 0 and step > 0):
+                missed += 1
+                break
+            t += step
+    return worst, missed
+
+
+def _flights(number, seed):
+    """Random departures, log-uniform in velocity and in gamma - 1."""
+    random = np.random.default_rng(seed)
+    gamma = 1 + 10 ** random.uniform(-3, 1.5, number)
+    speed = gamma * 10 ** random.uniform(-4, 1, number)
+    return speed, random.uniform(0, TURN, number), gamma
+
+
+def _check_flights(number, seed):
+    worst, missed = _certify(*_flights(number, seed))
+    assert missed == 0
+    assert worst < 16 * np.finfo(float).eps  # a few roundings of the plain formula's terms
+
+
+def test_no_landing_is_missed():
+    _check_flights(20_000, 1)
+
+
+@pytest.mark.slow
+def test_no_landing_is_missed_in_a_million():
+    _check_flights(1_000_000, 2)
+
+
+def _exact_gap(t, speed, lift, phase, gamma):
+    """The gap from the phase and gamma as given, at the working precision of mpmath."""
+    t, speed, phase, gamma = map(mpmath.mpf, (t, speed, phase, gamma))
+    climb = gamma * mpmath.cos(phase)
+    return (speed + climb) * t - t * t / 2 + gamma * (mpmath.sin(phase) - mpmath.sin(phase + t))
+
+
+@pytest.mark.parametrize("speed", [1e-2, 1e-5, 1e-8, 1e-12])
+@pytest.mark.parametrize("phase", [3.3, 4.7, 6.1])
+def test_small_hop_is_not_the_take_off(speed, phase):
+    """The hop 2 r/|h''(0)| to its last digits, where the plain gap is nothing but rounding."""
+    gamma = 2.5
+    t, v = landing(departure(speed, phase, gamma), phase, gamma)
+    guess = -2 * speed / (gamma * sin(phase) - 1)
+    with mpmath.workdps(60):
+        exact = mpmath.findroot(lambda x: _exact_gap(x, speed, 0, phase, gamma) / x, guess)
+    # h''(0) = gamma sin(theta) - 1 and its slope are the data; two roundings of size (1 + gamma)
+    assert abs(t - exact) < 4 * np.finfo(float).eps * (1 + gamma) * exact
+    assert v == pytest.approx(-speed, rel=6 * speed + 1e-14)
+
+
+@pytest.mark.parametrize("speed", [1e2, 1e4, 1e6])
+def test_long_flight(speed):
+    """Periods above the plate's highest place are skipped, and the landing is still the first."""
+    gamma, phase = 3.0, 1.0
+    t, v = landing(departure(speed, phase, gamma), phase, gamma)
+    with mpmath.workdps(60):
+        exact = mpmath.findroot(lambda x: _exact_gap(x, speed, 0, phase, gamma), t)
+    # Rounding of t^2/2 and of t times the speed, over the slope of about that speed.
+    assert abs(t - exact) < 4 * np.finfo(float).eps * t
+    assert v < -0.9 * speed
+    if speed == 1e2:
+        assert _certify(*map(np.atleast_1d, (speed, phase, gamma)))[1] == 0
+
+
+def test_grazing():
+    """Across the take-off velocity at which the rod just misses the plate, time jumps, state not.
+
+    A touch costs nothing, so that the flight that continues from it ends where the other one ends;
+    velocities there differ by the square root of the gap of one rounding.
+    """
+    gamma, phase = 3.0, 3.8
+
+    def lands(speed):
+        return landing(departure(speed, phase, gamma), phase, gamma)
+
+    speeds = np.linspace(0.5, 6, 400)
+    times = np.array([lands(speed)[0] for speed in speeds])
+    jump = np.argmax(np.diff(times))
+    low, high = speeds[jump], speeds[jump + 1]
+    early = times[jump]
+    assert times[jump + 1] - early > 0.5
+    while np.nextafter(low, high) < high:
+        middle = (low + high) / 2
+        t, _ = lands(middle)
+        low, high = (middle, high) if t < (early + times[jump + 1]) / 2 else (low, middle)
+    touch, v = lands(low)
+    miss, _ = lands(high)
+    limit = 10 * sqrt(np.finfo(float).eps * gamma * touch * 2 * (1 + gamma))
+    assert -limit < v <= 0
+    assert abs(_plain_gap(high, phase, gamma, touch)[0]) < 1e-14
+    _, there = advance(phase, touch)
+    rest_of_it, _ = landing(departure(0.0, there, gamma), there, gamma)
+    # a change v of velocity, over rest_of_it, displaces by v rest_of_it; slope at the end is O(1)
+    assert abs(touch + rest_of_it - miss) < limit * rest_of_it
+    assert _certify(*map(np.array, ([low, high], [phase] * 2, [gamma] * 2)))[0] < 1e-14
+
+
+@pytest.mark.parametrize("t", [1e-9, 0.3, 0.999999, 1.0, 2.0, 50.0])
+def test_gap(t):
+    """Both forms of the gap, below and above t = 1, against 60 digits."""
+    speed, phase, gamma = 0.7, 2.3, 3.3
+    with mpmath.workdps(60):
+        exact = float(_exact_gap(t, speed, 0, phase, gamma))
+    size = speed * t + (1 + gamma) * t * t / 2
+    assert abs(gap(departure(speed, phase, gamma), t)[0] - exact) < 4 * 2.2e-16 * size
+
+
+# Phase (M11)
+
+
+@pytest.mark.parametrize("t", [0.1, 7.0, 2 * pi * 1e3, 1e6, 2 * pi * 1e6, 9e7])
+@pytest.mark.parametrize("phase", [0.0, 1e-9, 1.0, 6.283185307179586])
+def test_phase_of_a_long_step(t, phase):
+    """Against exact arithmetic: no multiple of the rounding error of 2 pi."""
+    periods, there = advance(phase, t)
+    with mpmath.workdps(60):
+        exact = mpmath.mpf(t) + mpmath.mpf(phase) - 2 * mpmath.pi * int(periods)
+        assert abs(there - exact) < 1e-15 * TURN
+    assert 0 <= there < TURN
+
+
+# Rest
+
+
+def test_friction_while_resting():
+    """c_x and the distance against direct integration, whether the slip stops on the way or not."""
+    gamma, friction = 1.8, 0.3
+    for phase, c_x in ((2.8, 0.2), (2.8, -0.9), (4.0, 5.0), (0.1, 1e-3), (5.5, -0.3)):
+        wait, end, distance = slide_to_lift(c_x, phase, gamma, friction)
+        assert (phase + wait - asin(1 / gamma)) % TURN == pytest.approx(0, abs=1e-14) or (
+            phase + wait - asin(1 / gamma)
+        ) % TURN == pytest.approx(TURN, abs=1e-14)
+
+        def speed(t, phase=phase, c_x=c_x):
+            pressed = quad(lambda s: 1 - gamma * sin(phase + s), 0, t)[0]
+            return max(abs(c_x) - friction * pressed, 0.0)
+
+        assert abs(end) == pytest.approx(speed(wait), abs=1e-13)
+        covered = quad(speed, 0, wait, limit=200, epsabs=1e-11)[0]
+        assert distance == pytest.approx(np.copysign(covered, c_x), abs=1e-7)
+        assert end * c_x >= 0
+    assert slide_to_lift(0.4, 4.0, gamma, 0.0)[1] == 0.4  # without friction it slides on
+    assert slide_to_lift(0.4, 4.0, gamma, 1e60)[1:] == (0.0, pytest.approx(0, abs=1e-50))
+
+
+def test_departure_is_what_it_says():
+    d = departure(0.5, 0.4, 2.0)
+    assert isinstance(d, Departure)
+    np.testing.assert_allclose(d, (0.5, 2 * sin(0.4) - 1, 2 * sin(0.4), 2 * cos(0.4)), rtol=1e-15)
