@@ -32,20 +32,20 @@ def _sum(a, b):
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
-    """(u_0, v_0) of `_generated.approach`, each rounded about once."""
+    """(u_0, v_0) of `_generated.approach`, from products and differences without their rounding."""
     omega = _halves(omega)
     turn, turn_error = _product(omega, _halves(Z))
     lift, lift_error = _product(omega, _halves(X))
-    u, u_error = _sum(c_x, -turn)
     fall, fall_error = _sum(c_z, -V_z)
-    v, v_error = _sum(fall, lift)
-    return u + (u_error - turn_error), v + (v_error + fall_error + lift_error)
+    return (c_x - turn) - turn_error, (fall + lift) + (fall_error + lift_error)
 
 
 def responses(X, Z, k, mu):
-    """N, T, N_back, T_back, k^2 + X^2 and k^2 + Z^2, each rounded about once.
+    """N, T, N_back, T_back, k^2 + X^2 and k^2 + Z^2, relatively accurate where terms cancel.
 
-    The first four are `_generated.slip_response` for +mu and for -mu.
+    The first four are `_generated.slip_response` for +mu and for -mu. Their last sum needs no
+    compensation: a difference of two floats is rounded by its own size, however much cancels;
+    what it inherits from its terms is what counts.
     """
     X, Z, k, mu_halves = _halves(X), _halves(Z), _halves(k), _halves(mu)
     kk, kk_error = _product(k, k)
@@ -60,16 +60,11 @@ def responses(X, Z, k, mu):
     press_error = error + mu * xz_error
     hold, error = _product(mu_halves, _halves(along))
     hold_error = error + mu * along_error
-
-    N, N_error = _sum(across, press)
-    T, T_error = _sum(xz, hold)
-    N_back, N_back_error = _sum(across, -press)
-    T_back, T_back_error = _sum(xz, -hold)
     return (
-        N + (N_error + (across_error + press_error)),
-        T + (T_error + (xz_error + hold_error)),
-        N_back + (N_back_error + (across_error - press_error)),
-        T_back + (T_back_error + (xz_error - hold_error)),
+        (across + press) + (across_error + press_error),
+        (xz + hold) + (xz_error + hold_error),
+        (across - press) + (across_error - press_error),
+        (xz - hold) + (xz_error - hold_error),
         across + across_error,
         along + along_error,
     )
