@@ -21,10 +21,14 @@ class Entry:
 
 
 FIGURES = {
+    "alpha": Entry("Mean plate velocity at landing, flights and drift, computed rod by rod"),
+    "fig08_theory": Entry("Fig. 8: landing phases of bouncing rods, computed"),
     "fig10": Entry("Fig. 10: regimes of an impact over tilt and friction"),
     "fig11": Entry("Fig. 11: stationary drift over tilt, with its unphysical branches"),
     "restitution_laws": Entry("Where Newton's law creates energy; how far three laws differ"),
     "tip_shape": Entry("Drift of round and flat-ended rods over tilt and over length"),
+    "accuracy_map": Entry("Error of an impact in ulp: ours, and the paper's formulas literally"),
+    "accuracy_cost_theory": Entry("Error of an impact against the time it takes, for nine ways"),
 }
 
 

@@ -47,8 +47,8 @@ def _provenance() -> dict[str, str]:
     }
 
 
-def _produce(name: str, out: Path, quick: bool) -> list[Path]:
-    """Write NAME.npz, NAME.png and NAME.pdf."""
+def _produce(name: str, out: Path, quick: bool) -> tuple[list[Path], str]:
+    """Write NAME.npz, NAME.png and NAME.pdf; returns them, and the module's `summary` if any."""
     import matplotlib.pyplot as plt
     import numpy as np
 
@@ -66,7 +66,7 @@ def _produce(name: str, out: Path, quick: bool) -> list[Path]:
             picture.savefig(part, dpi=200, metadata=stamp)
     finally:
         plt.close(picture)
-    return paths
+    return paths, module.summary(data) if hasattr(module, "summary") else ""
 
 
 def _draw(arguments: argparse.Namespace) -> int:
@@ -86,8 +86,10 @@ def _draw(arguments: argparse.Namespace) -> int:
     bar = tqdm(names, desc="drawing", unit="figure", disable=None, leave=False)
     for name in bar:
         bar.set_postfix_str(name)
-        npz, png, pdf = _produce(name, arguments.out, arguments.quick)
+        (npz, png, pdf), summary = _produce(name, arguments.out, arguments.quick)
         bar.write(f"{png}  {pdf.name}  {npz.name}")
+        if summary:
+            bar.write(summary)
     return 0
 
 

@@ -10,7 +10,6 @@ from scipy.integrate import quad
 
 from impact.flight import TURN, Departure, advance, departure, gap, landing, slide_to_lift
 
-
 # Flights (M13)
 
 
@@ -42,7 +41,7 @@ def _certify(speed, phase, gamma):
         while t < last:
             h, slope = _plain_gap(r, theta, gamma[i], t)
             step = (slope + np.sqrt(slope * slope + 2 * fall * h)) / fall
-            if not (h > 0 and step > 0):
+            if not (h > 0 and t + step > t):  # stalls before a contact
                 missed += 1
                 break
             t += step

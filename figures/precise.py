@@ -1,0 +1,194 @@
+"""What figures measure errors against: impacts in many digits, and the paper's formulas as printed.
+
+`exact` runs the generated closed forms on mpmath numbers, one impact at a time and only the regime
+that holds. `literal` evaluates the formulas of the paper's Sec. IV in the structure in which they
+are printed, with their mistakes corrected but nothing rewritten.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+import mpmath
+import numpy as np
+
+from impact import ContactGeometry, Regime
+from impact import _generated as closed
+
+LAWS = ("newton", "poisson", "stronge")
+REGIMES = (Regime.SLIDE, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
+FIELDS = ("c_x", "c_z", "P_x", "P_z", "omega")
+
+
+class Impacts(NamedTuple):
+    """Arguments of many impacts, one array each."""
+
+    c_x: np.ndarray
+    c_z: np.ndarray
+    omega: np.ndarray
+    plate_velocity: np.ndarray
+    X: np.ndarray
+    Z: np.ndarray
+    k: np.ndarray
+    friction: np.ndarray
+    restitution: np.ndarray
+
+    def collide(self, function: Callable, law: str = "newton") -> Any:
+        """What `function`, with the signature of `impact.collide`, makes of them."""
+        return function(
+            self.c_x,
+            self.c_z,
+            self.omega,
+            geometry=ContactGeometry(self.X, self.Z, self.k),
+            friction=self.friction,
+            restitution=self.restitution,
+            plate_velocity=self.plate_velocity,
+            law=law,
+        )
+
+
+def _final_velocity(law, X, Z, k, mu, epsilon, u_0, v_0, v_1, N, T, N_back, sticks):
+    """v_f of an impact in which the slip stops."""
+    if law == "newton":
+        return -epsilon * v_0
+    if u_0:
+        N_after = closed.stick_response(Z, k, k * k + X * X, k * k + Z * Z) if sticks else N_back
+        w, r = closed.slopes(u_0, N, T, N_after) if N else (N_after * u_0 / T, None)
+    else:
+        w, r = mpmath.mpf(0), None
+    if law == "poisson":
+        early = v_1 < 0
+        return (
+            closed.poisson_early(epsilon, v_1, w)
+            if early
+            else (closed.poisson_late(epsilon, v_0, v_1, r))
+        )
+    if v_1 < 0:
+        square = closed.stronge_early(X, Z, k, epsilon, u_0, v_0, v_1, w)[0]
+    else:
+        square = closed.stronge_late(epsilon, v_0, v_1, r)
+    return mpmath.sqrt(square)
+
+
+def exact(row: Any, law: str = "newton") -> tuple[Regime, tuple]:
+    """Regime and the `FIELDS` of one impact that approaches, in the digits of `row`'s numbers."""
+    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = row
+    u_0, v_0 = closed.approach(c_x, c_z, omega, V_z, X, Z)
+    side = 1 if (u_0 or X * Z) >= 0 else -1
+    X, u_0 = side * X, abs(u_0)
+    N, T = closed.slip_response(X, Z, k, mu)
+    N_back, T_back = closed.slip_response(X, Z, k, -mu)
+    if u_0 > 0 and N > 0 and u_0 * N + (1 + epsilon) * v_0 * T >= 0:
+        regime, j_2 = Regime.SLIDE, 0
+        j_1, _ = closed.slide(epsilon, u_0, v_0, N, T)
+    else:
+        regime = Regime.SLIP_STICK if T_back <= 0 else Regime.SLIP_REVERSAL
+        sticks = regime == Regime.SLIP_STICK
+        j_1, v_1 = closed.stop(u_0, v_0, N, T) if u_0 else (0, v_0)
+        v_f = _final_velocity(law, X, Z, k, mu, epsilon, u_0, v_0, v_1, N, T, N_back, sticks)
+        if not sticks:
+            j_2, _ = closed.reverse(v_1, v_f, N_back, T_back)
+    if regime == Regime.SLIP_STICK:
+        P_x, P_z, spin = closed.stick(X, Z, k * k + X * X, k * k + Z * Z, u_0, v_0, v_f)
+    else:
+        P_x, P_z, spin = closed.slip(X, Z, k, mu, j_1, j_2)
+    return regime, (c_x + side * P_x, c_z + P_z, side * P_x, P_z, omega + side * spin)
+
+
+class Reference(NamedTuple):
+    """Exact results as sums of two floats (high + low), and the size to which errors relate."""
+
+    regime: np.ndarray
+    high: np.ndarray  # (fields, impacts)
+    low: np.ndarray
+    scale: np.ndarray
+
+    def error(self, got: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
+        """Largest error of the named fields of `got`, relative to the scale."""
+        return self._worst(got, fields, self.scale)
+
+    def ulp(self, got: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
+        """The same in units in the last place of the scale."""
+        return self._worst(got, fields, np.spacing(self.scale))
+
+    def _worst(self, got, fields, unit):
+        rows = [FIELDS.index(field) for field in fields]
+        values = np.stack([np.asarray(getattr(got, field), float) for field in fields])
+        error = np.abs((values - self.high[rows]) - self.low[rows]) / unit[rows]
+        return np.where(np.isnan(error), np.inf, error).max(0)
+
+
+def reference(impacts: Impacts, law: str = "newton", digits: int = 50) -> Reference:
+    """Exact results of many impacts.
+
+    Errors of velocities and impulses relate to the largest of |c_x|, |c_z - V_z|, |omega X|,
+    |omega Z|, |P_x|, |P_z| and the result itself; errors of omega to the largest of |omega| and
+    (|X P_z| + |Z P_x|)/k^2.
+    """
+    n = impacts.c_x.size
+    regime, high, low = np.empty(n, np.int8), np.empty((5, n)), np.empty((5, n))
+    with mpmath.workdps(digits):
+        for i, row in enumerate(zip(*(column.tolist() for column in impacts), strict=True)):
+            regime[i], values = exact([mpmath.mpf(value) for value in row], law)
+            high[:, i] = [float(value) for value in values]
+            low[:, i] = [float(value - float(value)) for value in values]
+    c_x, c_z, omega, V_z, X, Z, k = impacts[:7]
+    P_x, P_z = np.abs(high[2:4])
+    sizes = [c_x, c_z - V_z, omega * X, omega * Z, P_x, P_z]
+    size = np.max(np.abs(sizes), axis=0)
+    turn = np.maximum(np.abs(omega), (np.abs(X) * P_z + np.abs(Z) * P_x) / (k * k))
+    scale = np.concatenate([np.maximum(size, np.abs(high[:4])), [turn]])
+    return Reference(regime, high, low, scale)
+
+
+def painleve_sum(impacts: Impacts) -> np.ndarray:
+    """k^2 + X^2 + mu X Z for the side to which the contact slips: <= 0 in the Painleve region."""
+    slip = np.sign(impacts.c_x - impacts.omega * impacts.Z)
+    return closed.slip_response(slip * impacts.X, impacts.Z, impacts.k, impacts.friction)[0]
+
+
+class Literal(NamedTuple):
+    """What the paper's formulas give: it prints no formula for the rest."""
+
+    c_x: Any
+    c_z: Any
+
+
+@cache
+def _printed(module: str) -> dict[str, Callable]:
+    """Equations (12)-(14), (16), (18), (19), (21), (22) as functions on floats or mpmath numbers.
+
+    (12) and (13) get the denominator of (8), (21) gets its minus sign; nothing else is touched.
+    """
+    import sympy as sp
+
+    from derivations import slide, slip_reversal, slip_stick
+    from derivations import symbols as s
+    from derivations.newton import approach
+
+    equations = (*slide.EQUATIONS, *slip_stick.EQUATIONS, *slip_reversal.EQUATIONS)
+    by_tag = {equation.tag: equation for equation in equations}
+    forms = {tag: by_tag[tag].printed for tag in ("14", "16", "18", "19", "21", "22")}
+    forms |= {tag: by_tag[tag].contradiction() for tag in ("12", "13")}
+    (wrong,) = (term for term in forms["21"].args if term.has(s.c_x) and term != s.c_x)
+    forms["21"] -= 2 * wrong
+    arguments = (s.c_x, s.c_z, s.omega, s.V_z, s.X, s.Z, s.k, s.mu, s.epsilon)
+    return {
+        tag: sp.lambdify(arguments, form.subs(approach()), modules=module)
+        for tag, form in forms.items()
+    }
+
+
+def literal(impacts: Impacts) -> Literal:
+    """c_x', c_z' from the printed formulas in float64, mirrored to the paper's u_0 > 0."""
+    formula = _printed("numpy")
+    c_x, c_z, omega, V_z, X, *rest = impacts
+    side = np.where(c_x - omega * rest[0] < 0, -1.0, 1.0)
+    row = (side * c_x, c_z, side * omega, V_z, side * X, *rest)
+    with np.errstate(all="ignore"):
+        conditions = [formula["14"](*row) > 0, formula["16"](*row)]
+        x, z = (
+            np.select(conditions, [formula[tag](*row) for tag in tags[:2]], formula[tags[2]](*row))
+            for tags in (("12", "18", "21"), ("13", "19", "22"))
+        )
+    return Literal(side * x, z)

@@ -1,0 +1,382 @@
+"""One rod that bounces on the plate z = A sin(Omega t) at fixed tilt: exact flights, exact impacts.
+
+The paper leaves the mean plate velocity at landing open, V_z = alpha V_0 with a fitted alpha; here
+it is computed, and with it landing phases, flight lengths and drift.
+
+>>> from math import radians
+>>> import impact
+>>> from impact.bouncing import bounce
+>>> rod = impact.thin_rod(radians(20))
+>>> run = bounce(rod, gamma=3.3, friction=0.3, restitution=0.65, landings=500, rods=20)
+>>> bool(run.drift.mean > 10 * run.drift.error)
+True
+
+What is assumed:
+
+- The paper's closure for the flights: neighbours take all spin and hold the tilt, so that every
+  impact finds omega = 0, and c_x as the impact before has left it.
+- Where an impact leaves the centre slower than the plate moves (c_z' < V_z: the contact point
+  separates only because the rod spins), the rod is hit again at once, with omega = 0, at the same
+  phase, until it leaves or has come to rest on the plate. In the stationary translation of
+  Eqs. (25), (28) this begins at X^2 = restitution k^2 (`hit_again_tilt`).
+- Hops shorter than `shortest_flight` are no flights: the rod rests. At rest the tilt is held, the
+  plate presses with g - A Omega^2 sin(theta) per unit mass and Coulomb friction slows c_x down,
+  which is what infinitely many small impacts do too. It takes off where Gamma sin(theta) = 1.
+
+It needs Numba, and seconds to compile: import it on request. Units of results: velocities V_0 =
+A Omega, times periods of the plate, phases rad with theta = 0 where the plate rises fastest.
+"""
+
+from collections.abc import Iterator
+from functools import cache
+from operator import index
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from . import compiled
+from ._arguments import ANY, FRICTION, POSITIVE, RESTITUTION, Domain, real_array
+from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
+from .geometry import ContactGeometry, geometry_arrays, unit_lengths
+
+_KERNELS = {
+    "newton": compiled.collide_newton,
+    "poisson": compiled.collide_poisson,
+    "stronge": compiled.collide_stronge,
+}
+_GAMMA = Domain(0.0, 1e6, "> 0 and at most 1e6", open_low=True)
+_SHORTEST = Domain(1e-12, 0.1, "between 1e-12 and 0.1 (periods)")
+_FRICTION_LIMIT = 1e60  # beyond it friction changes no digit any more
+_AT_ONCE = 1000  # impacts on the spot at most; what approach is left then, the plate absorbs
+_STILL = 2.0**-44  # of the approach: slower, an impact on the spot has come to rest
+_BLOCK = 1 << 18  # landings in memory at once
+
+
+class Landings(NamedTuple):
+    """Single landings, arrays of shape (rods, landings); several impacts on the spot are one.
+
+    Velocities in V_0 = A Omega and in the frame of the laboratory, times in periods.
+    """
+
+    period: np.ndarray  # whole periods since the start, exact
+    phase: np.ndarray  # of the plate, theta in [0, 2 pi); its velocity is V_0 cos(theta)
+    c_x: np.ndarray  # before the landing
+    c_z: np.ndarray
+    c_x_after: np.ndarray
+    c_z_after: np.ndarray
+    flight: np.ndarray  # from take-off to this landing
+    rest: np.ndarray  # on the plate before that take-off
+    travel: np.ndarray  # distance in x since the landing before, in V_0 times a period
+    hits: np.ndarray  # impacts on the spot
+    regime: np.ndarray  # of the first of them
+
+
+class Estimate(NamedTuple):
+    """Mean over independent rods and its standard error (nan for one rod)."""
+
+    mean: Any
+    error: Any
+
+
+class Bouncing(NamedTuple):
+    """What the landings of many independent rods have in common; every field an `Estimate`.
+
+    Without landings (gamma <= 1: the plate never falls away from a rod at rest) drift is 0, rest
+    is 1 and all else nan.
+    """
+
+    alpha: Estimate  # mean plate velocity at landing over V_0; every landing counts alike
+    alpha_impulse: Estimate  # the same, landings weighted by their vertical impulse
+    falling: Estimate  # part of the landings that find the plate on its way down
+    drift: Estimate  # distance over time, in V_0
+    c_x: Estimate  # mean after a landing, in V_0
+    c_z: Estimate  # mean after a landing, in V_0
+    ratio: Estimate  # -c_z/c_z': mean before over mean after a landing
+    flight: Estimate  # mean length in periods
+    rest: Estimate  # part of the time that is spent at rest
+    again: Estimate  # part of the landings that are hit again at once
+    regimes: Estimate  # parts of the landings, index `impact.Regime`, shape (4,)
+    phases: Estimate  # density of landing phases per rad, equal bins over [0, 2 pi)
+    flights: Estimate  # density of flight lengths per period, bins around i/16, i < 64
+
+
+FLIGHT_BINS = 64  # of 1/16 period; locked flights of whole periods lie in the middle of one
+
+
+def hit_again_tilt(restitution: Any) -> Any:
+    """Tilt above which a thin rod in stationary translation is hit again at once, rad.
+
+    Eq. (30) gives c_z' >= V_z only up to sin^2(phi) = restitution/3, whatever the friction; for any
+    geometry the limit of Eqs. (25), (28) is X^2 = restitution k^2. At 0.65: 27.7 degrees. A rod
+    with c_x = 0 is hit again where X^2 > restitution (k^2 + Z^2) if friction holds the contact.
+    """
+    restitution = real_array("restitution", restitution, RESTITUTION)
+    valid = np.where(RESTITUTION.holds(restitution), restitution, np.nan)
+    return np.arcsin(np.sqrt(valid / 3))[()]
+
+
+@cache
+def _loop(law: str):
+    """One rod from landing to landing under one law; Omega = g = 1."""
+    collide = _KERNELS[law]
+
+    @njit(error_model="numpy")
+    def meet(c_x, v_0, X, Z, k, friction, restitution):
+        """Impacts on the spot, in the frame of the plate, until the rod leaves or rests."""
+        c_x, v, _, regime, _, _, _, _, _ = collide(
+            c_x, v_0, 0.0, 0.0, X, Z, k, friction, restitution
+        )
+        hits = 1
+        while v < _STILL * v_0 and hits < _AT_ONCE:
+            c_x, v, _, _, _, _, _, _, _ = collide(c_x, v, 0.0, 0.0, X, Z, k, friction, restitution)
+            hits += 1
+        return c_x, max(v, 0.0), hits, regime
+
+    @njit(error_model="numpy")
+    def rod(start, gamma, X, Z, k, friction, restitution, shortest, transient, out):
+        """Fill `out`, shape (landings, fields of `Landings`), after `transient` more landings."""
+        phase, speed, c_x = start
+        lift, free = lift_off(gamma)
+        period = 0.0
+        for j in range(-transient, out.shape[0]):
+            rest = slid = t = v_0 = 0.0
+            d = departure(speed, phase, gamma)
+            if 2 * speed > -shortest * d.lift:  # else the hop is shorter, or there is none
+                t, v_0 = landing(d, phase, gamma)
+            if t < shortest:
+                rest, c_x, slid = slide_to_lift(c_x, phase, gamma, friction)
+                period += phase >= np.pi / 2
+                phase = lift
+                t, v_0 = landing(free, phase, gamma)
+            turns, phase = advance(phase, t)
+            period += turns
+            before = c_x
+            c_x, speed, hits, regime = meet(before, v_0, X, Z, k, friction, restitution)
+            if j >= 0:
+                plate = gamma * np.cos(phase)
+                out[j, 0], out[j, 1] = period, phase
+                out[j, 2], out[j, 3] = before / gamma, (v_0 + plate) / gamma
+                out[j, 4], out[j, 5] = c_x / gamma, (speed + plate) / gamma
+                out[j, 6], out[j, 7] = t / TURN, rest / TURN
+                out[j, 8] = (slid + before * t) / (gamma * TURN)
+                out[j, 9], out[j, 10] = hits, regime
+
+    return rod
+
+
+class _Problem(NamedTuple):
+    """Arguments of `bounce`, checked; geometry in units near one."""
+
+    physics: tuple[float, ...]  # gamma, X, Z, k, friction, restitution, shortest [rad]
+    landings: int
+    rods: int
+    seed: int
+    law: str
+    transient: int
+
+
+def _number(name: str, value: Any, domain: Domain) -> float:
+    """One number in its domain; nan is in none."""
+    array = real_array(name, value, domain)
+    if array.ndim:
+        raise TypeError(f"{name} must be a single number, got {value!r}")
+    if not domain.holds(array):
+        raise ValueError(f"{name} must be {domain.text}, got {value!r}")
+    return float(array)
+
+
+def _count(name: str, value: Any, least: int) -> int:
+    """One whole number, at least `least`."""
+    try:
+        count = index(value)
+    except TypeError:
+        raise TypeError(f"{name} must be a whole number, got {value!r}") from None
+    if count < least:
+        raise ValueError(f"{name} must be at least {least}, got {value!r}")
+    return count
+
+
+def _checked(
+    geometry, gamma, friction, restitution, landings, rods, seed, law, transient, shortest_flight
+) -> _Problem:
+    if law not in _KERNELS:
+        raise ValueError(f"law must be one of {', '.join(_KERNELS)}, got {law!r}")
+    geometry_arrays(geometry)  # its errors
+    names, domains = ("geometry.X", "geometry.Z", "geometry.k"), (ANY, ANY, POSITIVE)
+    lengths = map(_number, names, geometry, domains)
+    physics = (
+        _number("gamma", gamma, _GAMMA),
+        *map(float, unit_lengths(*lengths)),
+        min(_number("friction", friction, FRICTION), _FRICTION_LIMIT),
+        _number("restitution", restitution, RESTITUTION),
+        _number("shortest_flight", shortest_flight, _SHORTEST) * TURN,
+    )
+    counts = _count("landings", landings, 1), _count("rods", rods, 1), _count("seed", seed, 0)
+    return _Problem(physics, *counts, law, _count("transient", transient, 0))
+
+
+def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
+    """Phase, take-off velocity over the plate's, and c_x of one rod, from a stream of its own."""
+    stream = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(rod,)))
+    phase, speed, c_x = stream.random(3)
+    return TURN * phase, 2 * gamma * speed, gamma * (2 * c_x - 1)
+
+
+def _blocks(problem: _Problem) -> Iterator[Landings]:
+    """Landings of a few rods at a time."""
+    gamma, landings = problem.physics[0], problem.landings if problem.physics[0] > 1 else 0
+    together = max(1, _BLOCK // problem.landings)
+    for first in range(0, problem.rods, together):
+        rods = range(first, min(first + together, problem.rods))
+        out = np.empty((len(rods), landings, len(Landings._fields)))
+        if landings:
+            for row, rod in zip(out, rods, strict=True):
+                start = _start(problem.seed, rod, gamma)
+                _loop(problem.law)(start, *problem.physics, problem.transient, row)
+        columns = list(np.moveaxis(out, -1, 0))
+        for column, kind in ((0, np.int64), (9, np.int64), (10, np.int8)):
+            columns[column] = columns[column].astype(kind)
+        yield Landings(*columns)
+
+
+def _density(values: np.ndarray, bins: int, high: float) -> np.ndarray:
+    """Histogram of every row over [0, high), per unit; what lies above is counted nowhere."""
+    rods, landings = values.shape
+    column = np.floor(values * (bins / high)).astype(np.int64)
+    cell = np.where(column < bins, column + bins * np.arange(rods)[:, None], rods * bins)
+    counts = np.bincount(cell.ravel(), minlength=rods * bins + 1)[:-1]
+    return counts.reshape(rods, bins) * (bins / (high * landings))
+
+
+def _summary(runs: Landings, bins: int) -> dict[str, np.ndarray]:
+    """Means of every rod, rods along the first axis; names as in `Bouncing`."""
+    plate, impulse = np.cos(runs.phase), runs.c_z_after - runs.c_z
+    time = runs.flight.sum(1) + runs.rest.sum(1)
+    c_z = runs.c_z_after.mean(1)
+    return {
+        "alpha": plate.mean(1),
+        "alpha_impulse": (plate * impulse).sum(1) / impulse.sum(1),
+        "falling": (plate < 0).mean(1),
+        "drift": runs.travel.sum(1) / time,
+        "c_x": runs.c_x_after.mean(1),
+        "c_z": c_z,
+        "ratio": -runs.c_z.mean(1) / c_z,
+        "flight": runs.flight.mean(1),
+        "rest": runs.rest.sum(1) / time,
+        "again": (runs.hits > 1).mean(1),
+        "regimes": np.stack([(runs.regime == code).mean(1) for code in range(4)], axis=1),
+        "phases": _density(runs.phase, bins, TURN),
+        "flights": _density(runs.flight + 1 / 32, FLIGHT_BINS, FLIGHT_BINS / 16),
+    }
+
+
+def _estimate(values: np.ndarray) -> Estimate:
+    """Mean over the first axis and its standard error."""
+    rods = values.shape[0]
+    error = values.std(0, ddof=1) / np.sqrt(rods) if rods > 1 else np.full(values.shape[1:], np.nan)
+    return Estimate(values.mean(0)[()], error[()])
+
+
+def _no_flight(bins: int) -> Bouncing:
+    """The plate never falls away from the rod."""
+    empty = {name: Estimate(np.nan, np.nan) for name in Bouncing._fields}
+    for name, size in (("regimes", 4), ("phases", bins), ("flights", FLIGHT_BINS)):
+        empty[name] = Estimate(*np.full((2, size), np.nan))
+    return Bouncing(**{**empty, "drift": Estimate(0.0, 0.0), "rest": Estimate(1.0, 0.0)})
+
+
+def record(
+    geometry: ContactGeometry,
+    *,
+    gamma: float,
+    friction: float,
+    restitution: float,
+    landings: int,
+    rods: int = 1,
+    seed: int = 0,
+    law: str = "newton",
+    transient: int = 100,
+    shortest_flight: float = 1e-6,
+) -> Landings:
+    """Every single landing of many rods; arguments and errors as in `bounce`, which sums it up.
+
+    Returns
+    -------
+    Landings
+        Arrays of shape (rods, landings), (rods, 0) where gamma <= 1.
+    """
+    problem = _checked(
+        *(geometry, gamma, friction, restitution, landings, rods, seed, law, transient),
+        shortest_flight,
+    )
+    return Landings(*map(np.concatenate, zip(*_blocks(problem), strict=True)))
+
+
+def bounce(
+    geometry: ContactGeometry,
+    *,
+    gamma: float,
+    friction: float,
+    restitution: float,
+    landings: int,
+    rods: int = 1,
+    seed: int = 0,
+    law: str = "newton",
+    transient: int = 100,
+    shortest_flight: float = 1e-6,
+    bins: int = 36,
+) -> Bouncing:
+    """Landing phases, plate velocity at landing, flight lengths and drift of bouncing rods.
+
+    Parameters
+    ----------
+    geometry : X, Z, k in any unit of length (it cancels); k > 0
+    gamma : A Omega^2/g, > 0 and at most 1e6; no rod leaves the plate up to 1
+    friction : Coulomb coefficient, >= 0, inf allowed
+    restitution : between 0 and 1, in the sense of `law`
+    landings : landings of each rod that count, >= 1
+    rods : independent rods, >= 1. Each starts from the plate at a random phase, with 0 to 2 V_0
+        upwards relative to the plate and -V_0 to V_0 along it
+    seed : >= 0; a rod is given by `seed` and its number, whatever `rods` is
+    law : "newton", "poisson" or "stronge", as in `impact.collide`
+    transient : landings of each rod before the first that counts, >= 0. Without rest c_x forgets
+        its start over some XZ/(2 friction k^2) landings
+    shortest_flight : 1e-12 to 0.1 periods. A hop that is shorter counts as rest: it ends a sequence
+        of ever smaller hops. `alpha`, in which every small hop counts, depends on it, as does
+        `flight`; `alpha_impulse` and `drift` hardly do
+    bins : of the landing phases, >= 1
+
+    Returns
+    -------
+    Bouncing
+        Means over rods with standard errors; where rods settle on different orbits, the error
+        says how well their mix is known. For gamma <= 1 no drift, said at once.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of its domain, nan included, or `law` is unknown.
+    TypeError
+        If an argument is not a single real number.
+
+    Notes
+    -----
+    Section V closes Eqs. (24)-(30) by c_z' = -c_z and V_z = alpha V_0; here only omega = 0 is kept
+    of the closure. At restitution 1 a vertical rod has no stationary state: it gains height for
+    ever, as in Fermi's accelerator. For gamma <= 1 a rod at rest stays there, and that is what is
+    returned; a rod that is thrown could still bounce for ever, once a period, a vertical one from
+    gamma = pi (1 - restitution)/(1 + restitution) on. Such orbits coexist with rest a little above
+    gamma = 1 too, where some of the rods, thrown at the start, find them.
+    """
+    bins = _count("bins", bins, 1)
+    problem = _checked(
+        *(geometry, gamma, friction, restitution, landings, rods, seed, law, transient),
+        shortest_flight,
+    )
+    if problem.physics[0] <= 1:
+        return _no_flight(bins)
+    parts = [_summary(block, bins) for block in _blocks(problem)]
+    return Bouncing(
+        **{name: _estimate(np.concatenate([part[name] for part in parts])) for name in parts[0]}
+    )

@@ -1,0 +1,229 @@
+"""Figures of accuracy and cost, their many digits, and the benchmark; no test asserts a time."""
+
+import json
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import mpmath
+import numpy as np
+import pytest
+
+from figures import accuracy_cost_theory, accuracy_map, precise
+from figures.__main__ import main as draw
+from impact import Regime, collide
+from impact.__main__ import LAWS, main, random_impacts
+
+from .reference import reference_collide
+
+mpl.use("Agg")
+
+
+@pytest.fixture(scope="module")
+def on_map():
+    return accuracy_map.data(cells=(16, 12), samples=2, impacts=300)
+
+
+@pytest.fixture(scope="module")
+def cost():
+    return accuracy_cost_theory.data(impacts=500, slow_impacts=8)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_exact_values_are_those_of_the_integration(law):
+    """The figures' many digits against an integration that shares no formula with them."""
+    impacts = precise.Impacts(*random_impacts(60, seed=2))
+    true = precise.reference(impacts, law)
+    assert set(true.regime) == {1, 2, 3}
+    for i, row in enumerate(zip(*(column.tolist() for column in impacts), strict=True)):
+        names = ("plate_velocity", "X", "Z", "k", "friction", "restitution")
+        with mpmath.workdps(50):
+            regime, values = precise.exact([mpmath.mpf(x) for x in row], law)
+            expected = reference_collide(
+                *row[:3], **dict(zip(names, row[3:], strict=True)), law=law, dps=50
+            )
+            assert regime == true.regime[i] == expected.regime
+            for value, field, scale in zip(values, precise.FIELDS, true.scale[:, i], strict=True):
+                assert abs(value - getattr(expected, field)) < mpmath.mpf(10) ** -40 * scale
+
+
+def test_printed_formulas_are_only_repaired():
+    """In 50 digits they agree with the exact values, regime by regime."""
+    formula = precise._printed("mpmath")
+    rows = zip(*(column.tolist() for column in random_impacts(80, seed=4)), strict=True)
+    tags = {Regime.SLIDE: "12 13", Regime.SLIP_STICK: "18 19", Regime.SLIP_REVERSAL: "21 22"}
+    seen = set()
+    with mpmath.workdps(50):
+        for c_x, c_z, omega, V_z, X, *rest in rows:
+            side = -1 if c_x - omega * rest[0] < 0 else 1
+            row = [*map(mpmath.mpf, (side * c_x, c_z, side * omega, V_z, side * X, *rest))]
+            regime, values = precise.exact(row)
+            seen.add(regime)
+            for tag, value in zip(tags[regime].split(), values[:2], strict=True):
+                scale = max(map(abs, (*row[:2], row[3], *values[:4])))
+                assert abs(formula[tag](*row) - value) < mpmath.mpf(10) ** -40 * scale, tag
+    assert len(seen) == 3
+
+
+def test_error_is_counted_in_units_in_the_last_place():
+    """Results moved by three units of the scale come out as 3, nan as infinitely wrong."""
+    impacts = precise.Impacts(*random_impacts(50, seed=8))
+    true = precise.reference(impacts)
+    moved = true.high + 3 * np.spacing(true.scale)
+    for j, field in enumerate(precise.FIELDS):
+        got = dict(zip(precise.FIELDS, true.high.copy(), strict=True)) | {field: moved[j]}
+        error = true.ulp(accuracy_cost_theory.Outcome(**got))
+        rounding = 2 if field == "omega" else 0.51  # omega' may be larger than its scale
+        np.testing.assert_allclose(error, 3, atol=rounding)
+    got["c_z"] = np.full(50, np.nan)
+    assert np.all(np.isinf(true.ulp(accuracy_cost_theory.Outcome(**got), ("c_z",))))
+
+
+def test_map_is_right_everywhere_and_printed_formulas_are_not(on_map):
+    d = on_map
+    assert d["ours"].shape == d["literal"].shape == (12, 16)
+    assert d["ours"].max() <= d["ours_all_fields"].max() <= 16
+    tilt = (d["tilt"][1:] + d["tilt"][:-1]) / 2
+    wrong = d["literal"] > 1e8
+    assert 0.1 < wrong.mean() < 0.4
+    assert not np.any(wrong[:, tilt > 0])  # only where the rod leans against its slip
+    limit = np.interp(tilt, d["line_tilt"], np.nan_to_num(d["painleve_friction"], nan=1e9))
+    row, column = np.nonzero(wrong)
+    assert np.all(d["friction"][row + 1] > limit[column])
+
+
+def test_table(on_map):
+    d = on_map
+    assert d["count"].sum() == 300
+    assert np.all(d["count"] > 5)
+    assert np.all((d["table_mean"] > 0) & (d["table_mean"] < d["table_max"]))
+    assert d["table_max"].max() <= 16
+    ours, printed, regular = d["compared"][:, 0]
+    assert np.all(ours <= d["table_max"][0])
+    assert printed[1] > 1e8  # sticking in the Painleve region, taken for a slide
+    assert regular.max() < 1e3
+    text = accuracy_map.summary(d)
+    assert text.count("\n") == 7
+    assert f"{d['table_max'][2, 1]:.2f}" in text
+
+
+def test_boundaries_on_the_map_part_the_regimes(on_map):
+    """The label changes across the slide line, and across the stick line."""
+    d = on_map
+    for line, below, above in (("slide_friction", 1, (2, 3)), ("critical_friction", 3, (2,))):
+        drawn = np.isfinite(d[line]) & (d[line] < 1e3)
+        assert drawn.sum() > 100
+        for factor, labels in ((1 - 1e-6, (below,)), (1 + 1e-6, above)):
+            regime = collide(
+                1.0,
+                -1.0,
+                0.7,
+                geometry=accuracy_map.thin_rod(d["line_tilt"][drawn]),
+                friction=d[line][drawn] * factor,
+                restitution=0.8,
+            ).regime
+            assert np.mean(np.isin(regime, labels)) > 0.98
+
+
+def test_cost(cost):
+    """Errors are where each way's digits end; the ODE gets better with its tolerance."""
+    d = cost
+    errors = dict(zip(accuracy_cost_theory.ARRAYS, d["array_error"][0], strict=True))
+    for name, error in errors.items():
+        if "float64" in name and "printed" not in name:
+            assert error < 16 * 2.0**-52
+        elif "float32" in name:
+            assert 1e-9 < error < 16 * 2.0**-23
+    assert errors["as printed, float64"] > 1e-3
+    for digits, error in zip(accuracy_cost_theory.DIGITS, d["mpmath_error"][0], strict=True):
+        assert 10.0 ** (-digits - 4) < error < 10.0 ** (3 - digits)
+    worst, middle = d["smooth_error"]
+    assert np.all(np.diff(np.log10(worst)) < -0.3)
+    assert worst[0] > 1e3 * worst[-1]
+    assert np.all(middle <= worst)
+    assert np.all(d["events_error"][0] < 1e-12)
+    times = [value for key, value in d.items() if key.endswith("seconds")]
+    assert all(np.all(np.asarray(value) > 0) for value in times)
+
+
+@pytest.mark.parametrize("module", [accuracy_map, accuracy_cost_theory])
+def test_draw(module, on_map, cost):
+    d = on_map if module is accuracy_map else cost
+    before = {key: np.copy(value) for key, value in d.items()}
+    picture = module.draw(d)
+    try:
+        assert all(ax.get_xlabel() or ax.get_ylabel() for ax in picture.axes)
+        picture.canvas.draw()
+    finally:
+        plt.close(picture)
+    for key, value in d.items():
+        np.testing.assert_array_equal(value, before[key])
+
+
+def test_command_prints_the_table(tmp_path, capsys, monkeypatch, on_map):
+    monkeypatch.setattr(accuracy_map, "data", lambda quick: on_map)
+    assert draw(["draw", "accuracy_map", "--quick", "--out", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[0].endswith("accuracy_map.npz")
+    assert printed[1:] == accuracy_map.summary(on_map).splitlines()
+
+
+def test_benchmark(capsys):
+    """Every number is there and positive; the hand-written kernel is the same map."""
+    assert main(["benchmark", "--impacts", "300", "--json"]) == 0
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    result = json.loads(printed.out)
+    ways = {f"{way} {law}" for way in ("numpy", "compiled", "loop", "scalar") for law in LAWS}
+    ways |= {"scalar handwritten", "scalar uncompensated", "copy"}
+    assert set(result["ns_per_impact"]) == set(result["million_per_second"]) == ways
+    for name, ns in result["ns_per_impact"].items():
+        assert ns > 0
+        assert result["million_per_second"][name] == pytest.approx(1e3 / ns)
+    assert set(result["compile_seconds"]) == set(LAWS)
+    assert all(seconds > 0 for seconds in result["compile_seconds"].values())
+    assert result["same_bits"] is True
+    assert result["generated_over_handwritten"] > 0
+    assert result["loop_over_floor"] > 0
+    assert (result["impacts"], result["bytes_per_impact"]) == (300, 137)
+    assert result["runs"] >= 7
+    keys = {"processor", "cores", "threads", "python", "numpy", "numba"}
+    assert set(result["machine"]) == keys
+    from impact.__main__ import _table
+
+    text = _table(result)
+    assert all(name in text for name in ways)
+
+
+def test_handwritten_kernel_bit_for_bit():
+    """In every field of many impacts, grazing and separating ones among them."""
+    from impact import _handwritten, compiled
+
+    columns = random_impacts(3000, seed=11)
+    columns[1][::7] *= -1  # some pairs separate
+    columns[0][::11], columns[2][::11] = 0, 0  # no slip
+    changed = 0
+    for row in zip(*(column.tolist() for column in columns), strict=True):
+        ours = np.array(compiled.collide_newton(*row), float)
+        assert ours.tobytes() == np.array(_handwritten.collide(*row), float).tobytes()
+        changed += ours.tobytes() != np.array(_handwritten.collide_plain(*row), float).tobytes()
+    assert changed > 1000  # without the compensated sums the last digits differ
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["benchmark", "--impacts", "0"], "'0'"),
+        (["benchmark", "--impacts", "1e3"], "'1e3'"),
+        (["benchmark", "--threads", "3"], "--threads"),
+        (["bounce"], "bounce"),
+        ([], "benchmark"),
+    ],
+)
+def test_nonsense_costs_one_line(arguments, word, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.count("\n") == 1
+    assert word in printed.err
