@@ -5,6 +5,7 @@ python -m derivations [check [--json] | generate | report [--out DIR]]
 
 import argparse
 import json
+import os
 import shutil
 import sys
 import textwrap
@@ -15,6 +16,13 @@ from pathlib import Path
 from tqdm import tqdm
 
 from . import registry
+
+
+class _Parser(argparse.ArgumentParser):
+    """Bad arguments cost one line on stderr and exit code 2."""
+
+    def error(self, message: str):
+        self.exit(2, f"{self.prog}: {message}\n")
 
 
 def _bar(what: str):
@@ -72,7 +80,7 @@ def _report(arguments: argparse.Namespace) -> int:
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit code."""
-    parser = argparse.ArgumentParser(prog="python -m derivations", description=__doc__)
+    parser = _Parser(prog="python -m derivations", description=__doc__)
     commands = parser.add_subparsers(dest="command")
     check = commands.add_parser("check", help="prove every verdict (the default)")
     check.add_argument("--json", action="store_true", help="a list of objects instead of a table")
@@ -88,10 +96,24 @@ def main(argv: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("interrupted; nothing half-written was left", file=sys.stderr)
         return 130
+    except BrokenPipeError:  # the reader has seen enough
+        return 0
     except OSError as error:
-        print(f"cannot write: {error}", file=sys.stderr)
+        print(f"derivations: cannot write: {error}", file=sys.stderr)
         return 2
 
 
+def leave(code: int) -> None:
+    """End the process; output that nobody takes any more is dropped without a traceback."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            print(f"cannot write: {error}", file=sys.stderr)
+            code = code or 2
+    sys.exit(code)
+
+
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    leave(main(sys.argv[1:]))

@@ -264,6 +264,20 @@ EQUATIONS = (
         "small negative V_z cannot by itself explain the reverse drift (Section VI)",
     ),
     Equation(
+        tag="V: hit again at once",
+        what="c_z' - V_z of the stationary landing: does the centre leave faster than the plate?",
+        symbol="c_z'-V_z",
+        derive=lambda: sp.factor(stationary("stick")[1] - V_z),
+        check=lambda: (
+            stationary("stick")[1] - V_z - 2 * (epsilon * k**2 - X**2) * V_z / _denominator,
+            _thin(epsilon * k**2 - X**2) / (length**2 / 12) - epsilon + 3 * sp.sin(phi) ** 2,
+        ),
+        verdict="new",
+        note="negative from X^2 = epsilon k^2 on (27.7 degrees for a thin rod at epsilon = 0.65): "
+        "there the rod separates only because it spins, and without spin it is hit again at once; "
+        "beyond it (24)-(30) hold formally, not as one isolated landing a flight",
+    ),
+    Equation(
         tag="V: relaxation",
         what="what a landing leaves of a deviation in c_x: slip-stick, slip reversal",
         symbol="\\partial c_x'/\\partial c_x",

@@ -252,7 +252,7 @@ EQUATIONS = (
     ),
     Equation(
         tag="laws: impact without collision",
-        what="v_f as v_0 -> 0- in the Painlevé region, a = -a_1: Newton, Poisson, Stronge",
+        what="v_f as v_0 -> 0- in the Painleve region, a = -a_1: Newton, Poisson, Stronge",
         symbol="v_f",
         derive=lambda: sp.Matrix(list(_limits().values())),
         check=_limit_checks,

@@ -96,7 +96,15 @@ FUNCTIONS: tuple[Function, ...] = (
             _name("stick"): _grip_of("stick"),
             _name("back"): _grip_of("back"),
         },
-        rules=(recast("positive", "no difference", stick=_z, back=mu * (1 + _z**2) / _x),),
+        rules=(
+            recast(
+                "no square",
+                "z^2 cannot overflow",
+                stick=_z,
+                slant=_z / _x,
+                back=mu / _x + mu * _name("slant") * _z,
+            ),
+        ),
     ),
     Function(
         name="drift",
@@ -147,9 +155,9 @@ FUNCTIONS: tuple[Function, ...] = (
         rules=(
             recast(
                 "difference of roots",
-                "(a - b)^2 = mu^4 C^2/(a + b)^2",
-                roots=_root_a + _root_b,
-                kappa=mu**3 * laws.C**2 / (laws.B * _name("roots") ** 2),
+                "(a - b)^2 = (mu^2 C/(a + b))^2; no power that overflows",
+                q=mu * laws.C / (_root_a + _root_b),
+                kappa=mu * _name("q") ** 2 / laws.B,
             ),
         ),
         meaning={laws.A: _root_a**2, laws.C: (_root_a**2 - _root_b**2) / mu**2},

@@ -1,6 +1,7 @@
 """Command line: list the figures, or draw them with the numbers they show beside them.
 
-python -m figures [list | draw [NAME ...] [--all] [--quick] [--out DIR]]
+python -m figures list
+python -m figures draw [NAME ...] [--all] [--quick] [--out DIR]
 """
 
 import argparse
@@ -12,14 +13,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from impact._command import Parser, guarded, leave
+
 from . import FIGURES, load
-
-
-class _Parser(argparse.ArgumentParser):
-    """Bad arguments cost one line on stderr and exit code 2."""
-
-    def error(self, message: str):
-        self.exit(2, f"{self.prog}: {message}\n")
 
 
 @contextmanager
@@ -102,7 +98,7 @@ def _list(_: argparse.Namespace) -> int:
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit code."""
-    parser = _Parser(prog="python -m figures", description=__doc__.splitlines()[0])
+    parser = Parser(prog="python -m figures", description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(dest="command", required=True, metavar="list | draw")
     listing = commands.add_parser("list", help="names and titles")
     listing.set_defaults(run=_list)
@@ -113,15 +109,8 @@ def main(argv: list[str] | None = None) -> int:
     draw.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     draw.set_defaults(run=_draw)
     arguments = parser.parse_args(argv)
-    try:
-        return arguments.run(arguments)
-    except KeyboardInterrupt:
-        print("interrupted; what was finished is kept", file=sys.stderr)
-        return 130
-    except OSError as error:
-        print(f"figures: cannot write: {error}", file=sys.stderr)
-        return 2
+    return guarded("figures", lambda: arguments.run(arguments))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

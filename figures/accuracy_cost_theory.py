@@ -232,8 +232,9 @@ def _panel(ax: Axes, d: dict[str, np.ndarray], without: tuple[str, ...] = ()) ->
         worst, middle = (np.atleast_1d(row[part]) for row in d[f"{group}_error"])
         ax.vlines(time, middle, worst, color=colour, lw=0.5)
         chain = "-" if time.size > 1 else ""
-        ax.plot(time, worst, marker + chain, color=colour, lw=0.6, ms=4.5, label=label)
-        ax.plot(time, middle, marker, color=colour, mfc="white", ms=4.5)
+        size = 7 if label == "compiled, float64" else 4.5  # may lie under the loop's diamond
+        ax.plot(time, worst, marker + chain, color=colour, lw=0.6, ms=size, label=label)
+        ax.plot(time, middle, marker, color=colour, mfc="white", ms=size)
     for kind in (np.float32, np.float64):
         ax.axhline(np.finfo(kind).eps / 2, color="0.55", lw=0.8, ls=":")
     ax.axvline(1e9 * d["memory_seconds"], color="0.55", lw=0.8, ls="--")
@@ -259,7 +260,12 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         1.2e9 * d["memory_seconds"], 1e-3, "one pass through memory", fontsize=6,
         rotation=90, ha="left", va="center",
     )  # fmt: skip
+    right.text(
+        0.98, 0.98, "filled: largest, open: median", fontsize=6, ha="right", va="top",
+        transform=right.transAxes,
+    )  # fmt: skip
     for ax in (left, right):
         ax.set_xticks([1, 1e2, 1e4, 1e6])
+    left.set_yticks([1e-100, 1e-75, 1e-50, 1e-25, 1])
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

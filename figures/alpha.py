@@ -5,8 +5,8 @@ omega = 0 before each impact; a hop below 0.01 periods is no landing. Bars: one 
 independent rods; where it is large, rods have settled on different orbits. (a)-(c) over tilt at
 Gamma = 3.3, (b) with the density of flights in grey; (d)-(f) over Gamma.
 
-Look at (b): flights change from longer and shorter ones to exactly one period near the tilt
-X^2 = epsilon k^2 above which a stationary rod is hit again at once and comes to rest on the plate.
+Look at (b): flights change from longer and shorter ones to exactly one period at 34 to 35 degrees,
+some degrees above the tilt X^2 = epsilon k^2 from which a stationary rod is hit again at once.
 And at (d), (e): up to a gamma of about 1.6 alpha is negative and the drift at 20 and 40 degrees all
 but gone, yet forward: a negative alpha alone does not make a rod go backwards. (At 9 degrees some
 of the rods, thrown at the start, find orbits that never rest.) Dotted in (d): the perfectly

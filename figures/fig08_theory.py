@@ -2,10 +2,11 @@
 
 Spherocylinder l = 9.5 d, Gamma = 3.3, epsilon = 0.65, mu = 0.3, fixed tilt, omega = 0 before each
 impact. Bars: one standard error over independent rods. Line: the paper's H = (1 + cos(theta))/2 pi.
-Look how landings while the plate falls (shaded) die out with tilt: from the tilt at which the rod
-is hit again at once, X^2 = epsilon k^2, it ends most landings at rest on the plate and leaves with
-it, one flight a period. Hops below 0.01 periods (about the duration of a soft contact in the
-paper's simulations) count as part of the landing before them.
+Look how landings while the plate falls (shaded) come and go with the orbit that a tilt selects, and
+end for good some degrees above X^2 = epsilon k^2, where the rod is hit again at once, comes to rest
+on the plate after every flight and leaves with it, one flight a period. Hops below 0.01 periods
+(about the duration of a soft contact in the paper's simulations) count as part of the landing
+before them.
 """
 
 import matplotlib.pyplot as plt

@@ -17,23 +17,17 @@ from typing import Any
 import numpy as np
 
 from . import ContactGeometry, collide, spherocylinder
+from ._command import Parser, guarded, leave
 
 LAWS = ("newton", "poisson", "stronge")
 RUNS = 9  # of each; the median counts
 BYTES = 9 * 8 + 8 * 8 + 1  # nine numbers in; eight and a regime code out
 
 
-class _Parser(argparse.ArgumentParser):
-    """Bad arguments cost one line on stderr and exit code 2."""
-
-    def error(self, message: str):
-        self.exit(2, f"{self.prog}: {message}\n")
-
-
 def _whole(text: str) -> int:
     """A number of impacts."""
-    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= 10**8:
-        raise argparse.ArgumentTypeError(f"need a whole number from 1 to 1e8, got {text!r}")
+    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= 10**7:
+        raise argparse.ArgumentTypeError(f"need a whole number from 1 to 1e7, got {text!r}")
     return int(text)
 
 
@@ -183,25 +177,26 @@ def _table(result: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Run one command; returns the exit code."""
-    parser = _Parser(prog="python -m impact", description=__doc__.splitlines()[0])
-    commands = parser.add_subparsers(dest="command", required=True, metavar="benchmark")
-    timing = commands.add_parser("benchmark", help="time per impact, and one pass through memory")
-    timing.add_argument("--impacts", type=_whole, default=1_000_000, metavar="N")
-    timing.add_argument("--json", action="store_true", help="print numbers for other programs")
-    arguments = parser.parse_args(argv)
+def _benchmark(arguments: argparse.Namespace) -> int:
     try:
         result = benchmark(arguments.impacts)
     except ImportError as missing:
         print(f"impact: the benchmark needs {missing.name}, which is not here", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return 130
     print(json.dumps(result) if arguments.json else _table(result))
     return 0
 
 
+def main(argv: list[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    parser = Parser(prog="python -m impact", description=__doc__.splitlines()[0])
+    commands = parser.add_subparsers(dest="command", required=True, metavar="benchmark")
+    timing = commands.add_parser("benchmark", help="time per impact, and one pass through memory")
+    timing.add_argument("--impacts", type=_whole, default=1_000_000, metavar="N")
+    timing.add_argument("--json", action="store_true", help="print numbers for other programs")
+    arguments = parser.parse_args(argv)
+    return guarded("impact", lambda: _benchmark(arguments))
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

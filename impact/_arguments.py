@@ -42,8 +42,8 @@ def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
     if isinstance(value, np.ma.MaskedArray):
         value = value.astype(np.result_type(value.dtype, np.float32)).filled(np.nan)
     try:
-        array = np.asarray(value)
-    except ValueError:  # ragged
+        array = np.asarray(float(value) if type(value) is int else value)
+    except (ValueError, OverflowError):  # ragged, or an integer beyond all floats
         array = None
     if array is None or array.dtype.kind not in "biuf":
         raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")

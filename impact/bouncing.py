@@ -38,7 +38,7 @@ from numba import njit
 from . import compiled
 from ._arguments import ANY, FRICTION, POSITIVE, RESTITUTION, Domain, real_array
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
-from .geometry import ContactGeometry, geometry_arrays, unit_lengths
+from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 _KERNELS = {
     "newton": compiled.collide_newton,
@@ -202,9 +202,8 @@ def _checked(
 ) -> _Problem:
     if law not in _KERNELS:
         raise ValueError(f"law must be one of {', '.join(_KERNELS)}, got {law!r}")
-    geometry_arrays(geometry)  # its errors
     names, domains = ("geometry.X", "geometry.Z", "geometry.k"), (ANY, ANY, POSITIVE)
-    lengths = map(_number, names, geometry, domains)
+    lengths = map(_number, names, lengths_of(geometry), domains)
     physics = (
         _number("gamma", gamma, _GAMMA),
         *map(float, unit_lengths(*lengths)),

@@ -13,7 +13,13 @@ from ._arguments import (
     real_array,
     result_dtype,
 )
-from .geometry import ContactGeometry, geometry_arrays, unit_lengths, valid_lengths
+from .geometry import (
+    ContactGeometry,
+    geometry_arrays,
+    lengths_of,
+    unit_lengths,
+    valid_lengths,
+)
 
 
 def critical_tilts(friction: Any) -> tuple[Any, Any]:
@@ -63,10 +69,12 @@ def critical_friction(geometry: ContactGeometry) -> Any:
     """
 
     def block(X, Z, k):
-        value = np.abs(closed.critical_friction(*unit_lengths(X, Z, k)))
-        return (np.where(valid_lengths(X, Z, k), value, np.nan),)
+        _, exponent = np.frexp(np.maximum(np.abs(Z), k))  # X may be larger by any factor
+        value = closed.critical_friction(*(np.ldexp(length, -exponent) for length in (X, Z, k)))
+        return (np.where(valid_lengths(X, Z, k), np.abs(value), np.nan),)
 
-    return in_blocks(block, geometry_arrays(geometry), [result_dtype(list(geometry))])[0]
+    lengths = lengths_of(geometry)
+    return in_blocks(block, geometry_arrays(*lengths), [result_dtype(lengths)])[0]
 
 
 def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitution: Any) -> Any:
@@ -98,8 +106,9 @@ def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitutio
         value = np.where(below > 0, np.maximum(above, 0.0) / below, np.inf)
         return (np.where(valid, value, np.nan),)
 
-    dtype = result_dtype([*geometry, approach_ratio, restitution])
-    return in_blocks(block, [*geometry_arrays(geometry), *extra], [dtype])[0]
+    lengths = lengths_of(geometry)
+    dtype = result_dtype([*lengths, approach_ratio, restitution])
+    return in_blocks(block, [*geometry_arrays(*lengths), *extra], [dtype])[0]
 
 
 def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
@@ -136,5 +145,6 @@ def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
         value = np.where(reverses, (1 - kappa) / (1 + kappa), sticking)
         return (np.where(valid, value, np.nan),)
 
-    arrays = [*geometry_arrays(geometry), real_array("friction", friction, FRICTION)]
-    return in_blocks(block, arrays, [result_dtype([*geometry, friction])])[0]
+    lengths = lengths_of(geometry)
+    arrays = [*geometry_arrays(*lengths), real_array("friction", friction, FRICTION)]
+    return in_blocks(block, arrays, [result_dtype([*lengths, friction])])[0]

@@ -8,7 +8,7 @@ import numpy as np
 from . import _kernel as kernel
 from ._arguments import FRICTION, RESTITUTION, in_blocks, real_array, result_dtype
 from ._kernel import Regime
-from .geometry import ContactGeometry, geometry_arrays
+from .geometry import ContactGeometry, geometry_arrays, lengths_of
 
 LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.stronge}
 
@@ -81,18 +81,19 @@ def _guarded(function, *block):
 
 def prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law):
     """Arguments of `collide` as arrays in the kernel's order, and the dtype of the results."""
-    if law not in LAWS:
+    if not isinstance(law, str) or law not in LAWS:
         raise ValueError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
+    lengths = lengths_of(geometry)
     arrays = [
         real_array("c_x", c_x),
         real_array("c_z", c_z),
         real_array("omega", omega),
         real_array("plate_velocity", plate_velocity),
-        *geometry_arrays(geometry),
+        *geometry_arrays(*lengths),
         real_array("friction", friction, FRICTION),
         real_array("restitution", restitution, RESTITUTION),
     ]
-    values = (c_x, c_z, omega, plate_velocity, *geometry, friction, restitution)
+    values = (c_x, c_z, omega, plate_velocity, *lengths, friction, restitution)
     return arrays, result_dtype(values)
 
 

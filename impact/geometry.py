@@ -20,12 +20,17 @@ class ContactGeometry(NamedTuple):
     k: Any
 
 
-def geometry_arrays(geometry: ContactGeometry) -> list[np.ndarray]:
-    """X, Z, k of a contact geometry as arrays; raises for a scalar k <= 0."""
+def lengths_of(geometry: ContactGeometry) -> tuple[Any, Any, Any]:
+    """X, Z and k of a contact geometry; raises `TypeError` for what is none."""
     try:
-        X, Z, k = geometry
+        X, Z, k = () if isinstance(geometry, str) else geometry
     except (TypeError, ValueError):
         raise TypeError(f"geometry must hold X, Z and k, got {geometry!r}") from None
+    return X, Z, k
+
+
+def geometry_arrays(X: Any, Z: Any, k: Any) -> list[np.ndarray]:
+    """X, Z, k as arrays; raises for a scalar k <= 0."""
     return [
         real_array("geometry.X", X),
         real_array("geometry.Z", Z),

@@ -7,7 +7,6 @@ import numpy as np
 
 from . import _generated as closed
 from ._arguments import (
-    ANY,
     FRICTION,
     POSITIVE,
     RESTITUTION,
@@ -16,7 +15,7 @@ from ._arguments import (
     result_dtype,
 )
 from ._kernel import Regime
-from .geometry import ContactGeometry, geometry_arrays, valid_lengths
+from .geometry import ContactGeometry, geometry_arrays, lengths_of, valid_lengths
 
 
 class Drift(NamedTuple):
@@ -81,9 +80,10 @@ def drift(
             np.where(determined, regime, Regime.INVALID),
         )
 
-    dtype = result_dtype([*geometry, *values])
+    lengths = lengths_of(geometry)
+    dtype = result_dtype([*lengths, *values])
     dtypes = [dtype, dtype, np.dtype(np.int8)]
-    c_x, c_z, regime = in_blocks(block, [*geometry_arrays(geometry), *extra], dtypes)
+    c_x, c_z, regime = in_blocks(block, [*geometry_arrays(*lengths), *extra], dtypes)
     return Drift(c_x, c_z, Regime(int(regime)) if np.ndim(regime) == 0 else regime)
 
 
@@ -117,12 +117,14 @@ def mean_plate_velocity(
     ValueError
         If the density is negative, not finite, or zero everywhere, or `points` < 1.
     """
-    speed = real_array("plate_speed", plate_speed, ANY)
-    if points < 1:
-        raise ValueError(f"points must be at least 1, got {points!r}")
+    speed = real_array("plate_speed", plate_speed)
+    if not isinstance(points, int | np.integer) or points < 1:
+        raise ValueError(f"points must be a whole number >= 1, got {points!r}")
     phase = 2 * np.pi * (np.arange(points) + 0.5) / points
-    weight = np.broadcast_to(np.asarray(density(phase), dtype=float), phase.shape)
-    if not np.all(np.isfinite(weight)) or weight.min() < 0 or weight.sum() == 0:
+    weight = np.broadcast_to(real_array("density", density(phase)), phase.shape)
+    if not np.all(np.isfinite(weight)) or weight.min() < 0 or weight.max() == 0:
         raise ValueError("density must be finite, not negative, and not zero everywhere")
+    weight = weight / weight.max()
     mean = np.sum(weight * np.cos(phase)) / weight.sum()
-    return (speed * mean).astype(result_dtype([plate_speed]))[()]
+    known = np.where(np.isfinite(speed), speed, np.nan)
+    return (known * mean).astype(result_dtype([plate_speed]))[()]

@@ -169,6 +169,19 @@ def test_drift_of_a_vertical_rod_that_loses_nothing_is_a_signed_infinity(tilt):
     assert lossy.c_x == 0
 
 
+def test_levers_of_any_length():
+    """Squares of lengths far beyond k neither over- nor underflow."""
+    small = impact.drift((1e100, 1e100, 1.0), friction=0.3, restitution=0.5)
+    for length in (1e155, 1e200):
+        huge = impact.drift((length, length, 1.0), friction=0.3, restitution=0.5)
+        assert huge.c_x == pytest.approx(small.c_x, rel=1e-14)
+        assert huge.regime == small.regime == Regime.SLIP_REVERSAL
+    assert impact.critical_friction((1e300, 1.0, 1.0)) == pytest.approx(5e299, rel=1e-14)
+    assert impact.critical_friction((1.0, 1e-200, 1e-200)) == pytest.approx(5e199, rel=1e-14)
+    far, near = (impact.energy_restitution((1.0, 1.0, k), 0.1) for k in (1e-100, 1e-70))
+    assert far == pytest.approx(near, rel=1e-14)
+
+
 def test_sphere_does_not_drift():
     found = impact.drift(impact.spherocylinder(0.3, 1.0), friction=0.3, restitution=0.65)
     assert found.c_x == 0

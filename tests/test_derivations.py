@@ -2,7 +2,10 @@
 
 import json
 import random
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 import sympy as sp
@@ -239,9 +242,30 @@ def test_a_false_verdict_gives_exit_code_one(monkeypatch, capsys):
     assert "NOT PROVED" in capsys.readouterr().out
 
 
+FULL = Path("/dev/full")
+
+
+@pytest.mark.skipif(not FULL.exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize("package", ["derivations check", "figures list"])
+def test_output_that_nobody_takes_ends_without_a_traceback(package):
+    """A pipe closed early is no error; a full disk is one line and exit code 2."""
+    command = [sys.executable, "-m", *package.split()]
+    with FULL.open("w") as full:
+        for code, target in ((0, subprocess.PIPE), (2, full)):
+            process = subprocess.Popen(command, stdout=target, stderr=subprocess.PIPE, text=True)
+            if process.stdout:
+                process.stdout.close()
+            errors = process.stderr.read()
+            process.stderr.close()
+            assert process.wait() == code, errors
+            assert "Traceback" not in errors
+            assert "Exception ignored" not in errors
+
+
 @pytest.mark.parametrize("words", [["prove"], ["check", "--fast"]])
 def test_nonsense_on_the_command_line_gives_exit_code_two(words, capsys):
     with pytest.raises(SystemExit) as stop:
         cli.main(words)
     assert stop.value.code == 2
-    assert "usage" in capsys.readouterr().err
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("python -m derivations")

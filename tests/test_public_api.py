@@ -64,6 +64,7 @@ OUT_OF_DOMAIN = [
     ("drift", "plate_velocity", -1.0),
     ("drift", "geometry", ContactGeometry(0.1, 0.2, 0.0)),
     ("mean_plate_velocity", "points", 0),
+    ("mean_plate_velocity", "points", 1.5),
 ]
 
 
@@ -137,10 +138,13 @@ def test_what_is_no_number_is_named(name, value):
     assert name in str(error.value)
 
 
+@pytest.mark.parametrize(
+    "function", ["collide", "classify", "critical_friction", "slide_friction", "drift"]
+)
 @pytest.mark.parametrize("value", [None, 3.0, (1.0, 2.0), "rod"])
-def test_what_is_no_geometry_is_named(value):
+def test_what_is_no_geometry_is_named(value, function):
     with pytest.raises(TypeError, match="geometry"):
-        call("collide", geometry=value)
+        call(function, geometry=value)
 
 
 def test_unknown_law_is_named():
