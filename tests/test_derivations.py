@@ -126,24 +126,30 @@ def _random_impacts(count):
             yield {**point, **start}
 
 
+def _integrated(point, law="newton"):
+    """The independent integration of one rational impact, at the working precision."""
+    number = {symbol: mpf(value.p) / value.q for symbol, value in point.items()}
+    return reference_collide(
+        number[s.c_x],
+        number[s.c_z],
+        number[s.omega],
+        X=number[s.X],
+        Z=number[s.Z],
+        k=number[s.k],
+        friction=number[s.mu],
+        restitution=number[s.epsilon],
+        plate_velocity=number[s.V_z],
+        law=law,
+    )
+
+
 def test_derived_impulses_agree_with_an_independent_integration():
     """The symbolic results against phase-by-phase integration at 50 digits, regime by regime."""
     derived = {SLIDE: slide, SLIP_STICK: slip_stick, SLIP_REVERSAL: slip_reversal}
     seen = dict.fromkeys(derived, 0)
     for point in _random_impacts(150):
         with workdps(60):
-            number = {symbol: mpf(value.p) / value.q for symbol, value in point.items()}
-            reference = reference_collide(
-                number[s.c_x],
-                number[s.c_z],
-                number[s.omega],
-                X=number[s.X],
-                Z=number[s.Z],
-                k=number[s.k],
-                friction=number[s.mu],
-                restitution=number[s.epsilon],
-                plate_velocity=number[s.V_z],
-            )
+            reference = _integrated(point)
             for got, want in zip(
                 derived[reference.regime].impulse(), (reference.P_x, reference.P_z), strict=True
             ):
@@ -160,19 +166,7 @@ def test_derived_laws_agree_with_an_independent_integration(law):
     orders = set()
     for point in _random_impacts(150):
         with workdps(60):
-            number = {symbol: mpf(value.p) / value.q for symbol, value in point.items()}
-            reference = reference_collide(
-                number[s.c_x],
-                number[s.c_z],
-                number[s.omega],
-                X=number[s.X],
-                Z=number[s.Z],
-                k=number[s.k],
-                friction=number[s.mu],
-                restitution=number[s.epsilon],
-                plate_velocity=number[s.V_z],
-                law=law,
-            )
+            reference = _integrated(point, law)
             if reference.regime == SLIDE:
                 continue
             after = slopes["stick" if reference.regime == SLIP_STICK else "back"]
