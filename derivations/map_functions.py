@@ -27,7 +27,6 @@ from .rewrites import (
 from .slide import impulse as slide_impulse
 from .slide import slide_excess, stop
 from .symbols import (
-    P_1,
     P_x,
     P_z,
     V_z,
@@ -50,7 +49,7 @@ _one = {m: sp.Integer(1)}  # impulses per unit mass
 _u_f, _spin, _gain, _all = sp.symbols("u_f spin gain inertia", real=True)
 _j_1, _j_2, _q, _kk, _fall, _bounce = sp.symbols("j_1 j_2 q kk fall bounce", real=True)
 _N_stick, _N_after = sp.symbols("N_stick N_after", real=True)
-_square, _adverse, _energy, _twice = sp.symbols("square adverse energy twice", real=True)
+_square, _energy, _twice = sp.symbols("square energy twice", real=True)
 
 
 def _impulse_outputs(impulse: tuple[sp.Expr, sp.Expr]) -> Body:
@@ -62,13 +61,6 @@ def _impulse_outputs(impulse: tuple[sp.Expr, sp.Expr]) -> Body:
 def _until(v_final: sp.Symbol, impulse: tuple[sp.Expr, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
     """An impulse under kinematic restitution, for any final normal velocity instead."""
     return tuple(part.subs(epsilon, -v_final / v_0) for part in impulse)
-
-
-def _stronge_stick() -> sp.Expr:
-    """v_f^2 of an early stop with the slopes of slipping and sticking put in."""
-    slope = laws.slopes()
-    known = {P_1: stop()[1].subs(_one), laws.a_1: slope["slip"], laws.a_2: slope["stick"]}
-    return (laws.final_velocity("stronge", "early") ** 2).subs(known)
 
 
 FUNCTIONS: tuple[Function, ...] = (
@@ -248,18 +240,17 @@ FUNCTIONS: tuple[Function, ...] = (
     Function(
         name="stronge_early",
         summary="v_f^2 under Stronge's restitution; the slip stopped before compression ended.",
-        detail="v_0 < 0, v_1 <= 0, w >= 0. Two equal forms: for XZ u_0 >= 0 and for XZ u_0 < 0.",
-        arguments=(X, Z, k, epsilon, u_0, v_0, v_1, w),
-        outputs=dict.fromkeys((_square, _adverse), _stronge_stick()),
+        detail="v_0 < 0, v_1 <= 0, w >= 0.",
+        arguments=(epsilon, v_0, v_1, w),
+        outputs={_square: laws.final_velocity("stronge", "early") ** 2},
         rules=(
             recast(
-                "sums of positive terms",
-                "each form is one where its sign of XZ u_0 holds; the second does not feel T -> 0",
+                "sum of positive terms",
+                "v_1 and w share the quotient u_0/T, so that T -> 0 hurts neither",
                 square=epsilon**2 * (v_1**2 - w * (v_0 + v_1)),
-                adverse=epsilon**2 * (v_0**2 + X * Z * u_0 / (k**2 + Z**2) * (v_0 + v_1)),
             ),
         ),
-        meaning={**CONTACT, w: laws.slopes()["stick"] * stop()[1].subs(_one)},
+        meaning=GENERAL,
     ),
     Function(
         name="stronge_late",

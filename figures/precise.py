@@ -64,7 +64,7 @@ def _final_velocity(law, X, Z, k, mu, epsilon, u_0, v_0, v_1, N, T, N_back, stic
             else (closed.poisson_late(epsilon, v_0, v_1, r))
         )
     if v_1 < 0:
-        square = closed.stronge_early(X, Z, k, epsilon, u_0, v_0, v_1, w)[0]
+        square = closed.stronge_early(epsilon, v_0, v_1, w)
     else:
         square = closed.stronge_late(epsilon, v_0, v_1, r)
     return mpmath.sqrt(square)

@@ -123,8 +123,7 @@ def poisson(a, Z, k, epsilon, v_1):
 def stronge(a, Z, k, epsilon, v_1):
     """v_f of an impact in which the slip stops: energetic restitution."""
     w, r, late = _slopes(a, Z, k, epsilon, v_1)
-    favourable, adverse = stronge_early(a.X, Z, k, epsilon, a.u_0, a.v_0, v_1, w)
-    early = select(a.X * Z < 0, adverse, favourable)
+    early = stronge_early(epsilon, a.v_0, v_1, w)
     return np.sqrt(select(v_1 < 0, early, stronge_late(epsilon, a.v_0, late, r)))
 
 

@@ -84,6 +84,10 @@ def test_generated_laws_on_symbols_are_the_derivation():
         (_generated.poisson_early(s.epsilon, v_1, w), laws.final_velocity("poisson", "early")),
         (_generated.poisson_late(s.epsilon, s.v_0, v_1, r), laws.final_velocity("poisson", "late")),
         (
+            _generated.stronge_early(s.epsilon, s.v_0, v_1, w),
+            laws.final_velocity("stronge", "early") ** 2,
+        ),
+        (
             _generated.stronge_late(s.epsilon, s.v_0, v_1, r),
             laws.final_velocity("stronge", "late") ** 2,
         ),

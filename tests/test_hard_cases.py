@@ -1,4 +1,4 @@
-"""Where a straightforward implementation breaks (T1-T15), and that ours does not.
+"""Where a straightforward implementation breaks (T1-T15 and more), and that ours does not.
 
 A case is a function of an implementation (a module with `collide`, `critical_tilts`, `drift`).
 Every case passes on `impact` and, where its name is in BREAKS, is seen to fail on the
@@ -274,8 +274,46 @@ def t15_edges_inside_arrays(theirs):
             assert all(np.isfinite(part).all() for part in hit)
 
 
+def t16_nothing_moves_nothing_holds(theirs):
+    """No slip, no friction, no lever: nothing to divide by, and the contact simply stays."""
+    hit = theirs.collide(0.0, -1.0, geometry=impact.thin_rod(0.0), friction=0.0, restitution=0.5)
+    assert hit.regime == Regime.SLIP_STICK
+    assert hit.P_x == 0
+    assert hit.P_z == pytest.approx(1.5, rel=4 * EPS)
+
+
+def t17_friction_that_hardly_stops_the_slip(theirs):
+    """T -> 0: the slip stops after an impulse that is a quotient of vanishing numbers."""
+    adverse = impact.thin_rod(-0.6)
+    edge = float(impact.critical_friction(adverse))
+    for step in 10.0 ** np.arange(-15, -1):
+        for law in LAWS if theirs is impact else ("newton",):
+            for c_z in (-1.0, -3.0, -0.3 / step, -0.5 / step):
+                rest = {"geometry": adverse, "friction": edge * (1 + step), "restitution": 0.7}
+                assert_accurate(theirs, 1.0, c_z, law=law, **rest)
+
+
+def t18_rounding_at_the_edge_of_a_slide(theirs):
+    """Just beyond u_* = 0 the impulse stays positive, just inside the slip keeps its sense."""
+    rng = np.random.default_rng(33)
+    n = 20_000
+    X, Z, k = rng.uniform(0.1, 2, (3, n))
+    restitution, friction = rng.uniform(0, 1, n), 10 ** rng.uniform(-2, 18, n)
+    N, T = k**2 + X**2 + friction * X * Z, friction * (k**2 + Z**2) + X * Z
+    c_x = (1 + restitution) * T / N * (1 + rng.integers(-4, 5, n) * EPS)  # u_* = 0 for c_z = -1
+    hit = theirs.collide(
+        c_x, -1.0, geometry=ContactGeometry(X, Z, k), friction=friction, restitution=restitution
+    )
+    slides = hit.regime == Regime.SLIDE
+    assert 0.2 < slides.mean() < 0.8
+    assert (hit.slip_velocity[slides] >= 0).all()
+    assert (hit.P_z > 0).all()
+    assert (hit.P_z >= 0.99 * k**2 * c_x / T).all()
+
+
 CASES = [value for name, value in list(globals().items()) if name[0] == "t" and name[1].isdigit()]
-PASSES = {"t14_long_levers"}  # where the straightforward formulas are good enough
+# where the straightforward formulas are good enough, or (t17) Newton's law is not the hard one
+PASSES = {"t14_long_levers", "t17_friction_that_hardly_stops_the_slip"}
 
 
 def _name(case) -> str:
