@@ -1,7 +1,7 @@
 """Newton's and Euler's laws for a rod that is struck at its contact point, Eqs. (1)-(6).
 
 The contact point is the origin, the centre of mass stands at (X, 0, Z), and a positive omega
-turns +z towards +x. Every later equation is computed from the four functions below.
+turns +z towards +x. Every later equation is computed from the functions below.
 """
 
 from functools import cache
@@ -26,6 +26,8 @@ from .symbols import (
     omega,
     phi,
     t,
+    u_0,
+    v_0,
 )
 
 AXIS = sp.Matrix([sp.sin(phi), 0, sp.cos(phi)])  # u: from the contact point up the rod
@@ -65,8 +67,6 @@ def spin_jump(p_x: sp.Expr, p_z: sp.Expr) -> sp.Expr:
 @cache
 def approach() -> dict[sp.Symbol, sp.Expr]:
     """u_0 and v_0, the contact point's velocity before the impact, by Eq. (3)."""
-    from .symbols import u_0, v_0
-
     v = contact_velocity(
         sp.Matrix([c_x, 0, c_z]), sp.Matrix([0, omega, 0]), TO_CONTACT, sp.Matrix([0, 0, V_z])
     )

@@ -14,7 +14,7 @@ from functools import cache
 import sympy as sp
 
 from . import symbols as s
-from .proof import DIGITS, Form, components, random_point
+from .proof import Form, components, equal_at_random_points
 from .typeset import latex
 
 # What stands together: (letter that hides it, the letter it replaces, what that is, as shown)
@@ -126,16 +126,6 @@ def _forms(expr: sp.Expr) -> Iterator[sp.Expr]:
                 yield form.xreplace(back)
 
 
-def _equal(a: sp.Expr, b: sp.Expr) -> bool:
-    """Whether two expressions agree at random rational points."""
-    for seed in range(_POINTS):
-        point = random_point(a.free_symbols | b.free_symbols, seed)
-        x, y = (sp.N(form.xreplace(point), DIGITS + 20) for form in (a, b))
-        if abs(x - y) > sp.Float(10) ** -DIGITS * (1 + abs(y)):
-            return False
-    return True
-
-
 @cache
 def _best(expr: sp.Expr, like: sp.Expr | None) -> sp.Expr:
     """The candidate that is most like `like`, and short."""
@@ -154,7 +144,7 @@ def _best(expr: sp.Expr, like: sp.Expr | None) -> sp.Expr:
         return unlike + _size(form) / shortest / 4
 
     best = min(forms, key=strangeness)
-    if not _equal(best, expr):
+    if not equal_at_random_points(best, expr, _POINTS):
         raise PresentationError(f"{expr} became {best}")
     return best
 

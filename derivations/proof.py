@@ -119,10 +119,10 @@ def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rat
     return point
 
 
-def equal_at_random_points(a: sp.Expr, b: sp.Expr) -> bool:
+def equal_at_random_points(a: sp.Expr, b: sp.Expr, points: int = POINTS) -> bool:
     """Whether two expressions agree to 40 digits at random rational points."""
     free = a.free_symbols | b.free_symbols
-    for seed in range(POINTS):
+    for seed in range(points):
         point = random_point(free, seed)
         x, y = (sp.N(form.subs(point), DIGITS + 20) for form in (a, b))
         if abs(x - y) > sp.Float(10) ** -DIGITS * (1 + abs(y)):

@@ -35,16 +35,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from . import compiled
 from ._arguments import ANY, FRICTION, POSITIVE, RESTITUTION, Domain, real_array
+from .compiled import KERNELS
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
-_KERNELS = {
-    "newton": compiled.collide_newton,
-    "poisson": compiled.collide_poisson,
-    "stronge": compiled.collide_stronge,
-}
 _GAMMA = Domain(0.0, 1e6, "> 0 and at most 1e6", open_low=True)
 _SHORTEST = Domain(1e-12, 0.1, "between 1e-12 and 0.1 (periods)")
 _FRICTION_LIMIT = 1e60  # beyond it friction changes no digit any more
@@ -119,7 +114,7 @@ def hit_again_tilt(restitution: Any) -> Any:
 @cache
 def _loop(law: str):
     """One rod from landing to landing under one law; Omega = g = 1."""
-    collide = _KERNELS[law]
+    collide = KERNELS[law]
 
     @njit(error_model="numpy")
     def meet(c_x, v_0, X, Z, k, friction, restitution):
@@ -200,8 +195,8 @@ def _count(name: str, value: Any, least: int) -> int:
 def _checked(
     geometry, gamma, friction, restitution, landings, rods, seed, law, transient, shortest_flight
 ) -> _Problem:
-    if law not in _KERNELS:
-        raise ValueError(f"law must be one of {', '.join(_KERNELS)}, got {law!r}")
+    if law not in KERNELS:
+        raise ValueError(f"law must be one of {', '.join(KERNELS)}, got {law!r}")
     names, domains = ("geometry.X", "geometry.Z", "geometry.k"), (ANY, ANY, POSITIVE)
     lengths = map(_number, names, lengths_of(geometry), domains)
     physics = (

@@ -120,14 +120,14 @@ collide_newton = _scalar_kernel("newton")
 collide_poisson = _scalar_kernel("poisson")
 collide_stronge = _scalar_kernel("stronge")
 
-_KERNELS = {"newton": collide_newton, "poisson": collide_poisson, "stronge": collide_stronge}
+KERNELS = {"newton": collide_newton, "poisson": collide_poisson, "stronge": collide_stronge}
 _LEFT = -2  # regime code of an impact that is left to plain NumPy: invalid, or of unusual size
 
 
 @cache
 def _loop(law: str):
     """All impacts of one law, one after the other; returns how many were left out."""
-    kernel = _KERNELS[law]
+    kernel = KERNELS[law]
 
     # fmt: off
     def impacts(
