@@ -1,0 +1,56 @@
+"""Compile once, and never run a stale kernel.
+
+Numba's disk cache looks at the file of a function, not at the files of what it calls. Here the
+cache lives in a folder named after a digest of all sources of this package, outside the checkout;
+an edit anywhere in it compiles anew.
+"""
+
+import hashlib
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numba
+
+_KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
+
+
+def digest() -> str:
+    """Twelve hexadecimal digits that stand for the sources of this package."""
+    folder = Path(__file__).parent
+    content = hashlib.sha256()
+    for path in sorted(folder.glob("*.py")):
+        content.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return content.hexdigest()[:12]
+
+
+@cache
+def directory() -> Path:
+    """Folder of the compiled kernels; a temporary one where the user's cannot be written."""
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    home = Path(base) / "rod-impact"
+    folder = home / digest()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        folder.touch()
+        for other in home.iterdir():
+            if other != folder and time.time() - other.stat().st_mtime > _KEPT:
+                shutil.rmtree(other, ignore_errors=True)
+    except OSError:
+        folder = Path(tempfile.gettempdir()) / f"rod-impact-{os.getuid()}" / digest()
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def kernel(function: Callable) -> Callable:
+    """Compile on first call and keep the result; IEEE arithmetic, no exception on a division."""
+    usual = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(directory())  # read when caching is enabled, not later
+    try:
+        return numba.njit(cache=True, error_model="numpy", forceinline=function.__name__!="run")(function)
+    finally:
+        numba.config.CACHE_DIR = usual

@@ -1,0 +1,200 @@
+"""Contact laws of the soft plate and what follows from their parameters before any run.
+
+=====================  ==========================================  ===============================
+law                    normal force                                tangential force
+=====================  ==========================================  ===============================
+appendix_a             k_n d^(3/2) - gamma M_e d v_n               spring k_t d, dashpot gamma M_e d
+constant_restitution   k_n d^(3/2) - c sqrt(M k_n) d^(1/4) v_n     spring and dashpot, both stiff
+coulomb                the same                                    constraint: no slip up to mu F_n
+=====================  ==========================================  ===============================
+
+d is the overlap, M the mass that a contact shows to a normal force, 1/M = 1/m + X^2/I (to a
+tangential one, 1/M = 1/m + Z^2/I). F_n is cut at zero: the plate never pulls, and the contact's
+force ends before its overlap does. |F_t| never exceeds mu F_n. Reduced units: the rod's diameter
+and mass and gravity are 1.
+"""
+
+from math import acos, acosh, exp, inf, sqrt
+from typing import NamedTuple
+
+from scipy.optimize import brentq
+
+from .contact import Friction, Normal, Spring
+
+STIFFNESS = 5e6  # k_n of Appendix A in m g/d
+
+
+class Law(NamedTuple):
+    """Normal contact and tangential element; the coefficient of friction belongs to the scene."""
+
+    name: str
+    normal: Normal
+    spring: Spring | None  # None: friction is a constraint
+
+
+def number(name: str, value: object, low: float, high: float, domain: str) -> float:
+    """`value` as a float in [low, high]."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be a number, got {value!r}") from None
+    if not low <= number <= high:
+        raise ValueError(f"{name} must be {domain}, got {value!r}")
+    return number
+
+
+def positive(name: str, value: object) -> float:
+    """`value` as a float, > 0 and finite."""
+    return number(name, value, 5e-324, 1.7e308, "> 0 and finite")
+
+
+def not_negative(name: str, value: object) -> float:
+    """`value` as a float, >= 0 and finite."""
+    return number(name, value, 0.0, 1.7e308, ">= 0 and finite")
+
+
+def head_on_restitution(damping_ratio: float) -> float:
+    """Restitution of a head-on impact with the dashpot 2 zeta sqrt(5/4) sqrt(m k_n) d^(1/4).
+
+    In w = d^(5/4) and the time s with ds = d^(1/4) dt the contact is a linear oscillator of
+    frequency sqrt(5/4) and damping ratio zeta, whatever the speed. It ends where the force does,
+    at the first turn of the velocity:
+
+        e = exp(-2 zeta arccos(zeta) / sqrt(1 - zeta^2)),  arccosh and zeta^2 - 1 beyond 1.
+    """
+    zeta = not_negative("damping_ratio", damping_ratio)
+    if abs(zeta - 1) < 1e-8:
+        return exp(-2 - 4 / 3 * (zeta - 1))
+    if zeta < 1:
+        return exp(-2 * zeta * acos(zeta) / sqrt((1 - zeta) * (1 + zeta)))
+    return exp(-2 * zeta * acosh(zeta) / sqrt((zeta - 1) * (zeta + 1)))
+
+
+def damping_ratio(restitution: float) -> float:
+    """Damping ratio zeta that gives a head-on restitution, 0 < restitution <= 1."""
+    e = number("restitution", restitution, 1e-6, 1.0, "between 1e-6 and 1")
+    if e == 1:
+        return 0.0
+    return brentq(lambda zeta: head_on_restitution(zeta) - e, 0.0, 1 / sqrt(e), xtol=1e-15)
+
+
+def appendix_a(
+    stiffness: float = STIFFNESS,
+    *,
+    tangential_ratio: float = 95.0,
+    damping: float = 400.0,
+    reduced_mass: float = 0.5,
+    overlap_factor: bool = True,
+) -> Law:
+    """Appendix A taken at its word.
+
+    Parameters
+    ----------
+    stiffness : k_n, in m g/d
+    tangential_ratio : k_t/k_n; the spring's stiffness is k_t times the overlap
+    damping : gamma_n = gamma_t, in sqrt(g/d)
+    reduced_mass : M_e in masses of the rod; 1/2 is printed (for two rods), 1 suits a plate
+    overlap_factor : whether the dashpots carry the factor of the overlap that is printed
+    """
+    k = positive("stiffness", stiffness)
+    drag = not_negative("damping", damping) * positive("reduced_mass", reduced_mass) or None
+    spring = positive("tangential_ratio", tangential_ratio) * k
+    if overlap_factor:
+        return Law(
+            "appendix_a", Normal(k, proportional=drag), Spring(proportional=spring, drag=drag)
+        )
+    return Law("appendix_a", Normal(k, constant=drag), Spring(spring, constant_drag=drag))
+
+
+def _normal(restitution: float, stiffness: float) -> Normal:
+    """Hertz with the dashpot that gives this head-on restitution at every speed; 0: plastic."""
+    k = positive("stiffness", stiffness)
+    if number("restitution", restitution, 0.0, 1.0, "between 0 and 1") == 0:
+        return Normal(k, plastic=True)
+    dashpot = sqrt(5 * k) * damping_ratio(restitution)
+    return Normal(k, quarter=dashpot or None)
+
+
+def constant_restitution(
+    restitution: float = 0.65,
+    stiffness: float = STIFFNESS,
+    *,
+    tangential_ratio: float = 30.0,
+    tangential_damping: float = 1.0,
+) -> Law:
+    """Hertz with a dashpot of constant head-on restitution; tangential spring and dashpot.
+
+    Parameters
+    ----------
+    restitution : of a head-on impact at any speed, 0 or 1e-6 to 1. No dashpot gives 0: there the
+        contact is plastic, without force while it opens
+    stiffness : k_n, in m g/d
+    tangential_ratio : tangential stiffness over k_n sqrt(overlap), > 0
+    tangential_damping : ratio to the critical one of the contact's tangential mass, >= 0
+    """
+    normal = _normal(restitution, stiffness)
+    ratio = positive("tangential_ratio", tangential_ratio)
+    damping = not_negative("tangential_damping", tangential_damping)
+    spring = Spring(root=ratio * normal.stiffness, ratio=damping or None)
+    return Law("constant_restitution", normal, spring)
+
+
+def coulomb(restitution: float = 0.65, stiffness: float = STIFFNESS) -> Law:
+    """Hertz as in `constant_restitution`; friction as a constraint: no slip up to mu F_n.
+
+    The law under which the rod meets the theory of rigid impacts as the plate grows stiff.
+    """
+    return Law("coulomb", _normal(restitution, stiffness), None)
+
+
+LAWS = {
+    "appendix_a": appendix_a,
+    "constant_restitution": constant_restitution,
+    "coulomb": coulomb,
+}
+
+
+def friction_of(law: Law, coefficient: float) -> Friction | None:
+    """Coulomb friction under this law; none at all where the coefficient is zero."""
+    mu = number("friction", coefficient, 0.0, inf, ">= 0")
+    if mu == 0:
+        return None
+    return Friction(min(mu, 1e60), law.spring)  # 1e60 stands in for infinity: no slip
+
+
+def deepest_overlap(law: Law, speed: float) -> float:
+    """Largest overlap of a head-on impact at this speed without dashpot, in d."""
+    return (1.25 * speed * speed / law.normal.stiffness) ** 0.4
+
+
+def contact_time(law: Law, speed: float) -> float:
+    """Duration of a head-on impact at this speed without dashpot (Hertz), in sqrt(d/g)."""
+    return 2.943275 * deepest_overlap(law, speed) / speed
+
+
+def largest_step(law: Law, friction: bool, speed: float, along: float, across: float) -> float:
+    """Largest stable step of leapfrog for an impact at this speed, in sqrt(d/g).
+
+    With stiffness K and dashpot C of the contact per mass, at the deepest overlap, a step is stable
+    up to K dt^2 + 2 C dt = 4. Normal and tangential parts are added, which is exact without a
+    tangential spring and on the safe side with one.
+
+    Parameters
+    ----------
+    law : contact law
+    friction : whether there is any
+    speed : of the approach, > 0
+    along, across : largest Z^2/k^2 and X^2/k^2 of a contact
+    """
+    normal, d = law.normal, deepest_overlap(law, speed)
+    light = 1 + across
+    stiff = 1.5 * normal.stiffness * sqrt(d) * light
+    dash = (normal.quarter or 0.0) * sqrt(sqrt(d) * light)
+    dash += ((normal.proportional or 0.0) * d + (normal.constant or 0.0)) * light
+    if friction and law.spring is not None:
+        spring, light = law.spring, 1 + along
+        k = (spring.proportional or 0.0) * d + (spring.root or 0.0) * sqrt(d)
+        stiff += k * light
+        dash += ((spring.drag or 0.0) * d + (spring.constant_drag or 0.0)) * light
+        dash += 2 * (spring.ratio or 0.0) * sqrt(k * light)
+    return 4 / (dash + sqrt(dash * dash + 4 * stiff))

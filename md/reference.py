@@ -1,0 +1,236 @@
+"""One contact to the last digits: adaptive DOP853 with every switch located as an event.
+
+Between switches (touch, slip, stick, slip back, end of the force) the equations are smooth and the
+method has its full eighth order; each switch is found by integrating up to it. What is integrated
+are displacements since the touch, so that the overlap keeps its digits. The velocities in all
+forces are those of the moment itself.
+"""
+
+from math import cos, pi, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
+
+from .cache import kernel
+from .contact import dashpot, gives_back, tangential_constants
+
+FORWARD, STICK, BACK, FREE = 1, 0, -1, 2  # what the contact point does; FREE: no friction
+
+
+class Vibration(NamedTuple):
+    """Plate at amplitude sin(2 pi frequency t + phase)."""
+
+    amplitude: float
+    frequency: float
+    phase: float
+
+
+class Contact(NamedTuple):
+    """What one contact did."""
+
+    position: np.ndarray  # x, z, tilt at the end
+    velocity: np.ndarray  # c_x, c_z, omega
+    phases: list[tuple[int, float, float]]  # (kind, duration, normal impulse)
+    deepest: float
+    evaluations: int
+    end: float  # time since the touch
+
+
+@kernel
+def plate_after(vibration, t):
+    """Displacement of the plate since t = 0, and its velocity."""
+    if vibration is None:
+        return 0.0, 0.0
+    amplitude, frequency, phase = vibration
+    half = pi * frequency * t  # sin(a + 2 b) - sin(a) = 2 cos(a + b) sin(b)
+    velocity = 2 * pi * frequency * amplitude * cos(phase + 2 * half)
+    return 2 * amplitude * cos(phase + half) * sin(half), velocity
+
+
+@kernel
+def held(spring, coefficient, mode, overlap, force, length, slip, drive, mass):
+    """F_t, the spring's rate and what is left of the friction before the mode changes."""
+    limit = coefficient * force
+    if spring is None:
+        stick = -drive * mass
+        if mode == STICK:
+            return stick, 0.0, limit - abs(stick)
+        return -mode * limit, 0.0, mode * slip
+    k, g = tangential_constants(spring, overlap, mass)
+    free = -(k * length + g * slip)
+    if mode == STICK:
+        return free, slip, limit - abs(free)
+    return -mode * limit, (mode * limit - k * length) / g, -mode * free - limit
+
+
+@kernel
+def rubbing(friction, mode, overlap, force, length, slip, drive, mass):
+    """The same, with or without friction."""
+    if friction is None:
+        return 0.0, 0.0, 1.0
+    return held(
+        friction.spring,
+        friction.coefficient,
+        *(mode, overlap, force, length, slip, drive, mass),
+    )
+
+
+@kernel
+def gravity_of(gravity):
+    """Acceleration by gravity."""
+    if gravity is None:
+        return 0.0, 0.0
+    return gravity
+
+
+@kernel
+def rates(scene, vibration, start, mode, t, y, out):
+    """Derivatives of y = (x, z and tilt since the touch, c_x, c_z, omega, spring, P_z).
+
+    Returns what signals the end of the force, what is left before the mode changes, the overlap
+    and the slip. `start`: sin and cos of the tilt and height over the contact point at the touch.
+    """
+    sine, cosine, height = start
+    g_x, g_z = gravity_of(scene.gravity)
+    rise, plate = plate_after(vibration, t)
+    bend, lag = sin(y[2] / 2), cos(y[2] / 2)
+    lean = sine * lag + cosine * bend  # sin(tilt_0 + turn/2)
+    overlap = rise - y[1] - 2 * scene.half_length * lean * bend
+    a_x = -scene.half_length * (sine * cos(y[2]) + cosine * sin(y[2]))
+    a_z = rise - y[1] - height
+    rate = y[4] - y[5] * a_x - plate
+    slip = y[3] + y[5] * a_z
+    force, left, drag, stretch, spare = 0.0, overlap, 0.0, 0.0, 1.0
+    if overlap > 0:
+        root, normal = sqrt(overlap), scene.normal
+        c = dashpot(
+            normal.quarter,
+            normal.proportional,
+            normal.constant,
+            *(overlap, root, 1 + a_x * a_x * scene.lightness),
+        )
+        left = overlap - c * rate / (normal.stiffness * root)
+        force = max(normal.stiffness * root * left, 0.0)
+        if not gives_back(normal.plastic, 1.0):
+            left = -rate
+        spin = -a_x * force * scene.lightness
+        drive = g_x + spin * a_z + y[5] * (plate - y[4])
+        mass = 1 / (1 + a_z * a_z * scene.lightness)
+        drag, stretch, spare = rubbing(
+            scene.friction, mode, overlap, force, y[6], slip, drive, mass
+        )
+    out[:3] = y[3:6]
+    out[3], out[4] = g_x + drag, g_z + force
+    out[5] = (a_z * drag - a_x * force) * scene.lightness
+    out[6], out[7] = stretch, force
+    return left, spare, overlap, slip
+
+
+class _Contact:
+    """The equations of one contact in one mode after the other, with a count of evaluations.
+
+    They are integrated over s with t = s^4: the overlap starts as t, so that its roots in the
+    force, delta^(3/2) and delta^(1/4), are smooth functions of s where they are not of t.
+    """
+
+    def __init__(self, scene, vibration, tilt, speed, tolerance):
+        height = scene.half_length * cos(tilt) + 0.5
+        self.setting = scene, vibration, (sin(tilt), cos(tilt), height)
+        self.friction, self.gravity = scene.friction, scene.gravity
+        self.mode, self.evaluations = FREE, 0
+        deep = (1.25 * speed * speed / scene.normal.stiffness) ** 0.4
+        sizes = np.array([deep, deep, deep, speed, speed, speed, deep, speed])
+        self.accuracy = {"rtol": max(tolerance, 3e-14), "atol": tolerance * sizes}
+        self.early = (1e-7 * deep / speed) ** 0.25
+
+    def derivative(self, s, y):
+        self.evaluations += 1
+        out = np.empty(8)
+        rates(*self.setting, self.mode, s**4, y, out)
+        return 4 * s**3 * out
+
+    def signals(self, s, y):
+        """What crosses zero at the force's end and at the mode's; overlap and slip."""
+        return rates(*self.setting, self.mode, s**4, y, np.empty(8))
+
+    def choose(self, s, y) -> None:
+        """The mode that follows: stick where friction can hold, else the way that it gives."""
+        if self.friction is None:
+            return
+        before, self.mode = self.mode, STICK
+        out = np.empty(8)
+        _, spare, _, slip = rates(*self.setting, STICK, s**4, y, out)
+        if self.friction.spring is None and before == FREE and slip != 0:
+            self.mode = FORWARD if slip > 0 else BACK
+        elif before == STICK or spare < 0:
+            pull = out[3] - (self.gravity[0] if self.gravity else 0.0)
+            self.mode = BACK if pull > 0 else FORWARD
+
+    def solver(self, s, y, end=np.inf, **steps):
+        return DOP853(self.derivative, s, y, end, **steps, **self.accuracy)
+
+    def stepped(self, s, y, end):
+        """State at `end`, at most a step away."""
+        if not end > s:
+            return y
+        solver = self.solver(s, y, end, first_step=end - s)
+        while solver.status == "running":
+            solver.step()
+        return solver.y
+
+    def located(self, solver, which: int):
+        """Place and state at which signal `which` crosses zero within the step just made."""
+        s, y, dense = solver.t_old, solver.y_old, solver.dense_output()
+
+        def signal(x):
+            return self.signals(x, dense(x))[which]
+
+        if signal(s) <= 0:
+            return s, y
+        root = brentq(signal, s, solver.t, xtol=1e-18, rtol=1e-15)
+        width = 1e-3 * (solver.t - s)
+        for _ in range(2):  # the interpolant is of lower order than the step
+            slope = (signal(root) - signal(root - width)) / width
+            error = self.signals(root, self.stepped(s, y, root))[which] / slope
+            root = min(max(root - error, s), solver.t)
+        return root, self.stepped(s, y, root)
+
+
+def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Contact:
+    """Integrate one contact of the lower cap from its touch to the end of its force.
+
+    Parameters
+    ----------
+    scene : `contact.Scene`; its plate table is not used
+    vibration : `Vibration`, or None for a plate at rest
+    tilt : at the touch, rad
+    velocity : (c_x, c_z, omega) at the touch
+    tolerance : relative, of each step; 1e-13 is where rounding begins
+    longest : time after which a contact that has not ended is an error, sqrt(d/g)
+    """
+    a_x = -scene.half_length * sin(tilt)
+    speed = abs(velocity[1] - velocity[2] * a_x - plate_after(vibration, 0.0)[1])
+    contact = _Contact(scene, vibration, tilt, speed, tolerance)
+    s, y = 0.0, np.array([0.0, 0.0, 0.0, *velocity, 0.0, 0.0])
+    contact.choose(contact.early, contact.stepped(s, y, contact.early))
+    phases, deepest, which = [], 0.0, 1
+    while which == 1:
+        begin, pushed, solver = s, y[7], contact.solver(s, y)
+        left = spare = 1.0
+        while left >= 0 and spare >= 0:
+            if solver.t**4 > longest:
+                raise RuntimeError(f"the contact has not ended after {longest:g} sqrt(d/g)")
+            solver.step()
+            left, spare, overlap, _ = contact.signals(solver.t, solver.y)
+            deepest = max(deepest, overlap)
+        crossed = [i for i, signal in enumerate((left, spare)) if signal < 0]
+        (s, y), which = min(
+            ((contact.located(solver, i), i) for i in crossed), key=lambda found: found[0][0]
+        )
+        phases.append((contact.mode, s**4 - begin**4, y[7] - pushed))
+        if which == 1:
+            contact.choose(s, y)
+    position = np.array([y[0], contact.setting[2][2] + y[1], tilt + y[2]])
+    return Contact(position, y[3:6].copy(), phases, deepest, contact.evaluations, s**4)
