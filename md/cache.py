@@ -51,6 +51,8 @@ def kernel(function: Callable) -> Callable:
     usual = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(directory())  # read when caching is enabled, not later
     try:
-        return numba.njit(cache=True, error_model="numpy", forceinline=function.__name__!="run")(function)
+        return numba.njit(cache=True, error_model="numpy", forceinline=function.__name__ != "run")(
+            function
+        )
     finally:
         numba.config.CACHE_DIR = usual

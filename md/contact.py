@@ -10,7 +10,7 @@ force, from which a step leads to half a step behind it, and `now`, that of the 
 as good as the integrator knows it.
 """
 
-from math import copysign, sqrt
+from math import copysign, inf, sqrt
 from typing import Any, NamedTuple
 
 from .cache import kernel
@@ -88,18 +88,20 @@ def dashpot(quarter, proportional, constant, overlap, root, response):
 
 
 @kernel
-def gives_back(plastic, rate):
-    """Whether the contact still pushes; a plastic one does not while it opens."""
-    return True if plastic is None else rate < 0
+def largest(plastic, rate, response, dt):
+    """Largest F_n of a step; a plastic contact does no more than stop."""
+    if plastic is None:
+        return inf
+    return -rate / (response * dt)
 
 
 @kernel
-def push(normal, overlap, rate, response):
+def push(normal, overlap, rate, response, dt):
     """F_n >= 0 of a contact with overlap > 0 that opens with the velocity `rate`."""
     root = sqrt(overlap)
     c = dashpot(normal.quarter, normal.proportional, normal.constant, overlap, root, response)
     force = normal.stiffness * overlap * root - c * rate
-    return force if force > 0 and gives_back(normal.plastic, rate) else 0.0
+    return max(min(force, largest(normal.plastic, rate, response, dt)), 0.0)
 
 
 @kernel
@@ -177,7 +179,7 @@ def resist(spring, coefficient, overlap, force, length, half, now, drive, mass, 
 
 
 @kernel
-def pressed(scene, cap, height, velocity, z, sine, cosine, motion):
+def pressed(scene, cap, height, velocity, z, sine, cosine, motion, dt):
     """Overlap, arm (a_x, a_z), F_n and opening rate at the cap `cap` = -1 or 1 along the axis."""
     a_x, a_z = cap * scene.half_length * sine, height - z
     overlap = height + 0.5 - (z + cap * scene.half_length * cosine)
@@ -185,7 +187,7 @@ def pressed(scene, cap, height, velocity, z, sine, cosine, motion):
     rate = c_z - omega * a_x - velocity
     force = 0.0
     if overlap > 0:
-        force = push(scene.normal, overlap, rate, 1 + a_x * a_x * scene.lightness)
+        force = push(scene.normal, overlap, rate, 1 + a_x * a_x * scene.lightness, dt)
     return overlap, a_x, a_z, force, rate
 
 
@@ -236,7 +238,7 @@ def accelerations(scene, z, direction, half, now, springs, step, dt):
     height, velocity = plate_at(scene.plate, step)
     sine, cosine = direction
     overlap, arm, a_z, force, rate = pressed(
-        scene, -1.0, height, velocity, z, sine, cosine, now
+        scene, -1.0, height, velocity, z, sine, cosine, now, dt
     )
     overlap_2, arm_2, _, force_2, rate_2 = pressed(
         scene, 1.0, height, velocity, z, sine, cosine, now

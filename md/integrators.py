@@ -31,8 +31,9 @@ _C0, _C1, _C3, _C4, _C5 = 3 / 16, 251 / 360, 11 / 18, 1 / 6, 1 / 60
 
 ZERO = (0.0, 0.0, 0.0)
 
-# Rows of `watch`: what a contact did before its slip first stopped, while it stuck, and else.
-SLIDE, STICK, BACK = 0, 1, 2
+# `watch`: durations, then normal impulses, of a contact before its slip first stopped, while it
+# stuck, and while it slipped after the stop; then the rows named here.
+SLIDE, STUCK, TURNED = 0, 1, 2
 WATCHED = 10
 DEEPEST, SIDE, STOPPED, TOUCHED = 6, 7, 8, 9
 
@@ -142,7 +143,7 @@ def watched(watch, scene, lower, upper, dt):
         watch[STOPPED] = 1
     phase = SLIDE
     if watch[STOPPED] > 0:
-        phase = BACK if at_limit(scene.friction, touch) else STICK
+        phase = TURNED if at_limit(scene.friction, touch) else STUCK
     watch[phase] += dt
     watch[3 + phase] += touch.normal * dt
     return False
@@ -166,7 +167,8 @@ def run(scene, state, first, steps, dt, watch, ledger, samples, every):
     """Up to `steps` steps from step number `first`; returns state, steps made, why it ended.
 
     `watch`, `ledger` and `samples` are arrays to fill or `None`. A sample is (x, z, tilt, c_x,
-    c_z, omega) at the beginning of every `every`-th step.
+    c_z, omega) at the beginning of every `every`-th step; the ledger runs from the first step's
+    beginning to the last one's.
     """
     for n in range(steps):
         step = first + n
@@ -176,16 +178,15 @@ def run(scene, state, first, steps, dt, watch, ledger, samples, every):
             return good, n, NOT_FINITE
         if max(lower.overlap, upper.overlap) > DEEP:
             return good, n, TOO_DEEP
-        if samples is not None:
-            if n % every == 0:
-                for i in range(3):
-                    samples[n // every, i] = position[i]
-                    samples[n // every, 3 + i] = velocity[i]
+        if samples is not None and n % every == 0:
+            for i in range(3):
+                samples[n // every, i] = position[i]
+                samples[n // every, 3 + i] = velocity[i]
         if ledger is not None:
-            accounted(ledger, scene, lower, upper, velocity, step, dt)
-        if watch is not None:
-            if watched(watch, scene, lower, upper, dt):
-                return good, n, OPENED
+            share = dt if 0 < n < steps - 1 else dt / 2
+            accounted(ledger, scene, lower, upper, velocity, step, share)
+        if watch is not None and watched(watch, scene, lower, upper, dt):
+            return good, n, OPENED
     return state, steps, DONE
 
 

@@ -14,9 +14,10 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from .cache import kernel
-from .contact import dashpot, gives_back, tangential_constants
+from .contact import dashpot, tangential_constants
 
-FORWARD, STICK, BACK, FREE = 1, 0, -1, 2  # what the contact point does; FREE: no friction
+FORWARD, STICK, BACK, FREE = 1, 0, -1, 2  # how friction acts now; FREE: there is none
+SLIDE, STUCK, TURNED = 0, 1, 2  # what a contact does before its slip stops, and after
 
 
 class Vibration(NamedTuple):
@@ -28,11 +29,13 @@ class Vibration(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """What one contact did."""
+    """What one contact did; impulses and durations of SLIDE, STICK and BACK (see `one_rod`)."""
 
     position: np.ndarray  # x, z, tilt at the end
     velocity: np.ndarray  # c_x, c_z, omega
-    phases: list[tuple[int, float, float]]  # (kind, duration, normal impulse)
+    durations: tuple[float, float, float]  # before the slip's stop, then stuck, then slipping
+    impulses: tuple[float, float, float]  # normal, of the same
+    stopped: bool  # whether the slip stopped at all
     deepest: float
     evaluations: int
     end: float  # time since the touch
@@ -86,6 +89,12 @@ def gravity_of(gravity):
 
 
 @kernel
+def end_of(plastic, left, rate):
+    """What crosses zero where the force ends; a plastic contact ends with the approach."""
+    return left if plastic is None else -rate
+
+
+@kernel
 def rates(scene, vibration, start, mode, t, y, out):
     """Derivatives of y = (x, z and tilt since the touch, c_x, c_z, omega, spring, P_z).
 
@@ -113,8 +122,7 @@ def rates(scene, vibration, start, mode, t, y, out):
         )
         left = overlap - c * rate / (normal.stiffness * root)
         force = max(normal.stiffness * root * left, 0.0)
-        if not gives_back(normal.plastic, 1.0):
-            left = -rate
+        left = end_of(normal.plastic, left, rate)
         spin = -a_x * force * scene.lightness
         drive = g_x + spin * a_z + y[5] * (plate - y[4])
         mass = 1 / (1 + a_z * a_z * scene.lightness)
@@ -139,6 +147,7 @@ class _Contact:
         height = scene.half_length * cos(tilt) + 0.5
         self.setting = scene, vibration, (sin(tilt), cos(tilt), height)
         self.friction, self.gravity = scene.friction, scene.gravity
+        self.rigid = scene.friction is not None and scene.friction.spring is None
         self.mode, self.evaluations = FREE, 0
         deep = (1.25 * speed * speed / scene.normal.stiffness) ** 0.4
         sizes = np.array([deep, deep, deep, speed, speed, speed, deep, speed])
@@ -162,8 +171,10 @@ class _Contact:
         before, self.mode = self.mode, STICK
         out = np.empty(8)
         _, spare, _, slip = rates(*self.setting, STICK, s**4, y, out)
-        if self.friction.spring is None and before == FREE and slip != 0:
+        if before == FREE and slip != 0 and self.friction.spring is None:
             self.mode = FORWARD if slip > 0 else BACK
+        elif before in (FORWARD, BACK) and self.friction.spring is not None:
+            pass  # the force came down from its limit
         elif before == STICK or spare < 0:
             pull = out[3] - (self.gravity[0] if self.gravity else 0.0)
             self.mode = BACK if pull > 0 else FORWARD
@@ -180,12 +191,16 @@ class _Contact:
             solver.step()
         return solver.y
 
-    def located(self, solver, which: int):
+    def located(self, solver, which: int, side: float):
         """Place and state at which signal `which` crosses zero within the step just made."""
         s, y, dense = solver.t_old, solver.y_old, solver.dense_output()
 
+        def value(x, state):
+            found = self.signals(x, state)[which]
+            return side * found if which == 3 else found
+
         def signal(x):
-            return self.signals(x, dense(x))[which]
+            return value(x, dense(x))
 
         if signal(s) <= 0:
             return s, y
@@ -193,7 +208,7 @@ class _Contact:
         width = 1e-3 * (solver.t - s)
         for _ in range(2):  # the interpolant is of lower order than the step
             slope = (signal(root) - signal(root - width)) / width
-            error = self.signals(root, self.stepped(s, y, root))[which] / slope
+            error = value(root, self.stepped(s, y, root)) / slope
             root = min(max(root - error, s), solver.t)
         return root, self.stepped(s, y, root)
 
@@ -215,22 +230,33 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
     contact = _Contact(scene, vibration, tilt, speed, tolerance)
     s, y = 0.0, np.array([0.0, 0.0, 0.0, *velocity, 0.0, 0.0])
     contact.choose(contact.early, contact.stepped(s, y, contact.early))
-    phases, deepest, which = [], 0.0, 1
-    while which == 1:
+    side = np.sign(contact.signals(s, y)[3])
+    stopped, which, deepest = side == 0, 1, 0.0
+    durations, impulses = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+    while which != 0:
         begin, pushed, solver = s, y[7], contact.solver(s, y)
-        left = spare = 1.0
-        while left >= 0 and spare >= 0:
+        signals = (1.0, 1.0)
+        while min(signals) >= 0:
             if solver.t**4 > longest:
                 raise RuntimeError(f"the contact has not ended after {longest:g} sqrt(d/g)")
             solver.step()
-            left, spare, overlap, _ = contact.signals(solver.t, solver.y)
+            left, spare, overlap, slip = contact.signals(solver.t, solver.y)
             deepest = max(deepest, overlap)
-        crossed = [i for i, signal in enumerate((left, spare)) if signal < 0]
+            signals = (left, spare, 1.0, 1.0 if stopped or contact.rigid else side * slip)
+        crossed = [i for i, signal in enumerate(signals) if signal < 0]
+        if left < 0 and solver.t - begin < 1e-5 * solver.t:
+            crossed = [0]  # the spring rattles as the force ends: a last 1e-10 of its impulse
         (s, y), which = min(
-            ((contact.located(solver, i), i) for i in crossed), key=lambda found: found[0][0]
+            ((contact.located(solver, i, side), i) for i in crossed), key=lambda found: found[0][0]
         )
-        phases.append((contact.mode, s**4 - begin**4, y[7] - pushed))
+        phase = SLIDE if not stopped else STUCK if contact.mode == STICK else TURNED
+        durations[phase] += s**4 - begin**4
+        impulses[phase] += y[7] - pushed
         if which == 1:
             contact.choose(s, y)
+        stopped = stopped or which == 3 or (which == 1 and contact.rigid)
     position = np.array([y[0], contact.setting[2][2] + y[1], tilt + y[2]])
-    return Contact(position, y[3:6].copy(), phases, deepest, contact.evaluations, s**4)
+    return Contact(
+        *(position, y[3:6].copy(), tuple(durations), tuple(impulses), stopped, deepest),
+        *(contact.evaluations, s**4),
+    )

@@ -1,0 +1,30 @@
+"""Molecular dynamics of rods on a plate: soft contacts with friction, only the effects asked for.
+
+>>> from math import radians
+>>> import md
+>>> hit = md.impact(radians(20), 0.5, -1.0, friction=0.4, law=md.coulomb(restitution=0.65))
+>>> hit.regime
+'slip-stick'
+
+Reduced units throughout: rod diameter d, mass of a rod and gravity are 1. Nothing here is taken
+from the theory of rigid impacts in `impact`, which it is there to test.
+"""
+
+from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
+from .one_rod import INTEGRATORS, Impact, Rod, Run, RunError, Vibration, impact, run
+
+__all__ = [
+    "INTEGRATORS",
+    "LAWS",
+    "Impact",
+    "Law",
+    "Rod",
+    "Run",
+    "RunError",
+    "Vibration",
+    "appendix_a",
+    "constant_restitution",
+    "coulomb",
+    "impact",
+    "run",
+]
