@@ -232,7 +232,8 @@ def plate_at(plate, step):
 def accelerations(scene, z, direction, half, now, springs, step, dt):
     """(a_x, a_z, angular), and what acts at the lower (-) and at the upper (+) cap.
 
-    `direction` is the rod's, (sin, cos) of the tilt, `half` and `now` are (c_x, c_z, omega); forget a spring as its contact opens.
+    `direction` is (sin, cos) of the tilt, `half` and `now` are (c_x, c_z, omega). A spring is
+    forgotten as its contact opens.
     """
     g_x, g_z = weight(scene.gravity)
     height, velocity = plate_at(scene.plate, step)
@@ -241,7 +242,7 @@ def accelerations(scene, z, direction, half, now, springs, step, dt):
         scene, -1.0, height, velocity, z, sine, cosine, now, dt
     )
     overlap_2, arm_2, _, force_2, rate_2 = pressed(
-        scene, 1.0, height, velocity, z, sine, cosine, now
+        scene, 1.0, height, velocity, z, sine, cosine, now, dt
     )
     spin = -(arm * force + arm_2 * force_2) * scene.lightness
     climb = velocity - half[1]
