@@ -17,7 +17,7 @@ What is assumed:
   where one of its two tips meets the plate, and the impact is the exact map with the spin it has.
 - It has fallen when its other end touches the plate. A rod that is long against its hops then lies
   flat; a short one that is thrown high may instead have turned over (`fall` gives the last tilt).
-  Beyond this the record does not go: a rod that lies on the plate bounces on both ends for ever.
+  There the record ends: what follows is a clatter of both ends, with no tilt left to keep.
 - A tilted rod on one tip has no rest: it topples while the tip presses, slips or sticks. A hop that
   may be shorter than `shortest_flight` is not followed; for that time the tip keeps to the plate,
   and one impact without restitution gives the impulse of normal and friction force. The error
