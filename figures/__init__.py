@@ -25,6 +25,7 @@ FIGURES = {
     "fig08_theory": Entry("Fig. 8: landing phases of bouncing rods, computed"),
     "fig10": Entry("Fig. 10: regimes of an impact over tilt and friction"),
     "fig11": Entry("Fig. 11: stationary drift over tilt, with its unphysical branches"),
+    "free_rod": Entry("A rod that is let go: how soon it falls, and its drift until then"),
     "restitution_laws": Entry("Where Newton's law creates energy; how far three laws differ"),
     "tip_shape": Entry("Drift of round and flat-ended rods over tilt and over length"),
     "accuracy_map": Entry("Error of an impact in ulp: ours, and the paper's formulas literally"),

@@ -5,6 +5,7 @@ infinity where none is allowed, gives nan everywhere and never raises.
 """
 
 from collections.abc import Callable, Sequence
+from operator import index
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -50,6 +51,27 @@ def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
     if array.ndim == 0 and np.isfinite(array) and not domain.holds(array):
         raise ValueError(f"{name} must be {domain.text}, got {value!r}")
     return array
+
+
+def number(name: str, value: Any, domain: Domain) -> float:
+    """One number in its domain; nan is in none."""
+    array = real_array(name, value, domain)
+    if array.ndim:
+        raise TypeError(f"{name} must be a single number, got {value!r}")
+    if not domain.holds(array):
+        raise ValueError(f"{name} must be {domain.text}, got {value!r}")
+    return float(array)
+
+
+def count(name: str, value: Any, least: int) -> int:
+    """One whole number, at least `least`."""
+    try:
+        whole = index(value)
+    except TypeError:
+        raise TypeError(f"{name} must be a whole number, got {value!r}") from None
+    if whole < least:
+        raise ValueError(f"{name} must be at least {least}, got {value!r}")
+    return whole
 
 
 def result_dtype(values: Sequence[Any]) -> np.dtype:

@@ -29,13 +29,12 @@ A Omega, times periods of the plate, phases rad with theta = 0 where the plate r
 
 from collections.abc import Iterator
 from functools import cache
-from operator import index
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
-from ._arguments import ANY, FRICTION, POSITIVE, RESTITUTION, Domain, real_array
+from ._arguments import ANY, FRICTION, POSITIVE, RESTITUTION, Domain, count, number, real_array
 from .compiled import KERNELS
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
 from .geometry import ContactGeometry, lengths_of, unit_lengths
@@ -171,43 +170,22 @@ class _Problem(NamedTuple):
     transient: int
 
 
-def _number(name: str, value: Any, domain: Domain) -> float:
-    """One number in its domain; nan is in none."""
-    array = real_array(name, value, domain)
-    if array.ndim:
-        raise TypeError(f"{name} must be a single number, got {value!r}")
-    if not domain.holds(array):
-        raise ValueError(f"{name} must be {domain.text}, got {value!r}")
-    return float(array)
-
-
-def _count(name: str, value: Any, least: int) -> int:
-    """One whole number, at least `least`."""
-    try:
-        count = index(value)
-    except TypeError:
-        raise TypeError(f"{name} must be a whole number, got {value!r}") from None
-    if count < least:
-        raise ValueError(f"{name} must be at least {least}, got {value!r}")
-    return count
-
-
 def _checked(
     geometry, gamma, friction, restitution, landings, rods, seed, law, transient, shortest_flight
 ) -> _Problem:
     if law not in KERNELS:
         raise ValueError(f"law must be one of {', '.join(KERNELS)}, got {law!r}")
     names, domains = ("geometry.X", "geometry.Z", "geometry.k"), (ANY, ANY, POSITIVE)
-    lengths = map(_number, names, lengths_of(geometry), domains)
+    lengths = map(number, names, lengths_of(geometry), domains)
     physics = (
-        _number("gamma", gamma, _GAMMA),
+        number("gamma", gamma, _GAMMA),
         *map(float, unit_lengths(*lengths)),
-        min(_number("friction", friction, FRICTION), _FRICTION_LIMIT),
-        _number("restitution", restitution, RESTITUTION),
-        _number("shortest_flight", shortest_flight, _SHORTEST) * TURN,
+        min(number("friction", friction, FRICTION), _FRICTION_LIMIT),
+        number("restitution", restitution, RESTITUTION),
+        number("shortest_flight", shortest_flight, _SHORTEST) * TURN,
     )
-    counts = _count("landings", landings, 1), _count("rods", rods, 1), _count("seed", seed, 0)
-    return _Problem(physics, *counts, law, _count("transient", transient, 0))
+    counts = count("landings", landings, 1), count("rods", rods, 1), count("seed", seed, 0)
+    return _Problem(physics, *counts, law, count("transient", transient, 0))
 
 
 def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
@@ -363,7 +341,7 @@ def bounce(
     gamma = pi (1 - restitution)/(1 + restitution) on. Such orbits coexist with rest a little above
     gamma = 1 too, where some of the rods, thrown at the start, find them.
     """
-    bins = _count("bins", bins, 1)
+    bins = count("bins", bins, 1)
     problem = _checked(
         *(geometry, gamma, friction, restitution, landings, rods, seed, law, transient),
         shortest_flight,

@@ -210,3 +210,20 @@ def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
     assert main(["draw", "tip_shape", "--quick", "--out", str(tmp_path)]) == 130
     assert [path.name for path in tmp_path.iterdir()] == ["tip_shape.npz"]
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_free_rods_fall_much_as_on_a_plate_at_rest(data):
+    """And their tips drift less than under the closure."""
+    d = data["free_rod"]
+    assert np.all(d["fallen"] == 1)
+    assert np.all(d["landings"] >= 1)
+    ratio = d["time"][..., 1] / d["still_time"]
+    assert np.all((ratio > 0.75) & (ratio < 1.3))
+    leans = (d["tilt"] > 0.1) & (d["tilt"] < 1.3)
+    assert np.all(d["drift"][leans, 0] > 0)
+    assert np.all(d["drift"][leans, 0] < d["held_drift"][leans, 0])
+    for deg in (20, 40):
+        tilt, share = d[f"second_{deg}"]
+        assert np.degrees(tilt) > 1.2 * deg
+        assert 0.2 < share < 0.8
+    assert "40 deg: second landing at 61 deg" in figures.load("free_rod").summary(d)
