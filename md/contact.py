@@ -75,11 +75,11 @@ class Touch(NamedTuple):
 
 
 @kernel
-def dashpot(quarter, proportional, constant, overlap, root, response):
-    """Normal force per velocity; `root` is sqrt(overlap), `response` 1/M."""
+def dashpot(quarter, proportional, constant, overlap, root, mass):
+    """Normal force per velocity; `root` is sqrt(overlap)."""
     c = 0.0
     if quarter is not None:
-        c += quarter * sqrt(root / response)
+        c += quarter * sqrt(mass * root)
     if proportional is not None:
         c += proportional * overlap
     if constant is not None:
@@ -88,20 +88,20 @@ def dashpot(quarter, proportional, constant, overlap, root, response):
 
 
 @kernel
-def largest(plastic, rate, response, dt):
+def largest(plastic, rate, mass, dt):
     """Largest F_n of a step; a plastic contact does no more than stop."""
     if plastic is None:
         return inf
-    return -rate / (response * dt)
+    return -rate * mass / dt
 
 
 @kernel
-def push(normal, overlap, rate, response, dt):
+def push(normal, overlap, rate, mass, dt):
     """F_n >= 0 of a contact with overlap > 0 that opens with the velocity `rate`."""
     root = sqrt(overlap)
-    c = dashpot(normal.quarter, normal.proportional, normal.constant, overlap, root, response)
+    c = dashpot(normal.quarter, normal.proportional, normal.constant, overlap, root, mass)
     force = normal.stiffness * overlap * root - c * rate
-    return max(min(force, largest(normal.plastic, rate, response, dt)), 0.0)
+    return max(min(force, largest(normal.plastic, rate, mass, dt)), 0.0)
 
 
 @kernel
@@ -158,14 +158,14 @@ def hold(slip, drive, mass, limit, dt):
     Without friction the slip of the contact's mass would gain `drive` per time.
     """
     side = 1.0 if slip > 0 else -1.0
-    slip, drive = side * slip, side * drive
-    slip, drive = mass * slip, mass * drive
-    slowing = limit - drive
-    if slip >= slowing * dt:
+    slip, drive = side * mass * slip / dt, side * mass * drive
+    stop = -slip - drive  # leaves no slip at the end of the step
+    if stop <= -limit:
         return -side * limit
-    slides = slip / (slowing * dt)
-    rest = min(max(-drive, -limit), limit)
-    return side * (rest * (1 - slides) - limit * slides)
+    if -drive <= limit:
+        return side * stop
+    slides = slip / (limit - drive)  # part of the step
+    return side * limit * (1 - 2 * slides)
 
 
 @kernel
@@ -187,7 +187,8 @@ def pressed(scene, cap, height, velocity, z, sine, cosine, motion, dt):
     rate = c_z - omega * a_x - velocity
     force = 0.0
     if overlap > 0:
-        force = push(scene.normal, overlap, rate, 1 + a_x * a_x * scene.lightness, dt)
+        mass = 1 / (1 + a_x * a_x * scene.lightness)
+        force = push(scene.normal, overlap, rate, mass, dt)
     return overlap, a_x, a_z, force, rate
 
 

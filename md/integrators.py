@@ -67,11 +67,11 @@ def plus(a, b, factor):
 def turned(direction, angle):
     """The direction after a small turn (error below angle^7/5000), kept at length one."""
     sine, cosine = direction
-    q = angle * angle
-    c, s = 1 - q / 2 * (1 - q / 12 * (1 - q / 30)), angle * (1 - q / 6 * (1 - q / 20))
-    sine, cosine = c * sine + s * cosine, c * cosine - s * sine
     length = 1.5 - 0.5 * (sine * sine + cosine * cosine)
-    return sine * length, cosine * length
+    q = angle * angle
+    c = length * (1 + q * (-1 / 2 + q * (1 / 24 - 1 / 720 * q)))
+    s = length * angle * (1 + q * (-1 / 6 + 1 / 120 * q))
+    return c * sine + s * cosine, c * cosine - s * sine
 
 
 @kernel

@@ -118,7 +118,7 @@ def rates(scene, vibration, start, mode, t, y, out):
             normal.quarter,
             normal.proportional,
             normal.constant,
-            *(overlap, root, 1 + a_x * a_x * scene.lightness),
+            *(overlap, root, 1 / (1 + a_x * a_x * scene.lightness)),
         )
         left = overlap - c * rate / (normal.stiffness * root)
         force = max(normal.stiffness * root * left, 0.0)
@@ -224,7 +224,17 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
     velocity : (c_x, c_z, omega) at the touch
     tolerance : relative, of each step; 1e-13 is where rounding begins
     longest : time after which a contact that has not ended is an error, sqrt(d/g)
+
+    Raises
+    ------
+    ValueError
+        If the upper cap touches too, or a tangential spring has no dashpot beside it.
+    RuntimeError
+        If the contact does not end.
     """
+    spring = scene.friction.spring if scene.friction else None
+    if spring and not (spring.drag or spring.constant_drag or spring.ratio):
+        raise ValueError("dop853 needs a dashpot beside the tangential spring")
     a_x = -scene.half_length * sin(tilt)
     speed = abs(velocity[1] - velocity[2] * a_x - plate_after(vibration, 0.0)[1])
     contact = _Contact(scene, vibration, tilt, speed, tolerance)
@@ -242,6 +252,8 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
             solver.step()
             left, spare, overlap, slip = contact.signals(solver.t, solver.y)
             deepest = max(deepest, overlap)
+            if overlap > 2 * scene.half_length * cos(tilt + solver.y[2]):
+                raise ValueError("dop853 follows one cap, and here the second touches the plate")
             signals = (left, spare, 1.0, 1.0 if stopped or contact.rigid else side * slip)
         crossed = [i for i, signal in enumerate(signals) if signal < 0]
         if left < 0 and solver.t - begin < 1e-5 * solver.t:
