@@ -59,6 +59,7 @@ class Scene(NamedTuple):
     friction: Friction | None
     gravity: tuple[float, float] | None
     plate: Plate | None  # at rest at z = 0
+    upper: bool | None = True  # None: a sphere, which has no second cap
 
 
 class Touch(NamedTuple):
@@ -193,6 +194,14 @@ def pressed(scene, cap, height, velocity, z, sine, cosine, motion, dt):
 
 
 @kernel
+def pressed_above(upper, scene, height, velocity, z, sine, cosine, motion, dt):
+    """The same at the upper cap, which stays open if there is none."""
+    if upper is None:
+        return -1.0, 0.0, 0.0, 0.0, 0.0
+    return pressed(scene, 1.0, height, velocity, z, sine, cosine, motion, dt)
+
+
+@kernel
 def rubbed(friction, lightness, overlap, a_z, force, climb, length, half, now, pushes, dt):
     """F_t at one cap, its spring and its slip; `pushes`: all other accelerations so far."""
     a_x, spin = pushes
@@ -242,8 +251,8 @@ def accelerations(scene, z, direction, half, now, springs, step, dt):
     overlap, arm, a_z, force, rate = pressed(
         scene, -1.0, height, velocity, z, sine, cosine, now, dt
     )
-    overlap_2, arm_2, _, force_2, rate_2 = pressed(
-        scene, 1.0, height, velocity, z, sine, cosine, now, dt
+    overlap_2, arm_2, _, force_2, rate_2 = pressed_above(
+        scene.upper, scene, height, velocity, z, sine, cosine, now, dt
     )
     spin = -(arm * force + arm_2 * force_2) * scene.lightness
     climb = velocity - half[1]

@@ -168,12 +168,20 @@ def _plate_table(vibration: Vibration | None, dt: float) -> Plate | None:
     return Plate(vibration.amplitude * np.sin(angle), speed * np.cos(angle))
 
 
+def _scene(rod: Rod, law: Law, friction, gravity, plate) -> Scene:
+    upper = True if rod.half_length > 0 else None
+    return Scene(
+        *(rod.half_length, 1 / rod.gyration_squared, law.normal, friction, gravity, plate, upper)
+    )
+
+
 def _energy(scene: Scene, sample: np.ndarray, step: int) -> float:
     """Kinetic and potential energy per mass, with that of the overlaps."""
     x, z, tilt, c_x, c_z, omega = sample
     g_x, g_z = scene.gravity or (0.0, 0.0)
     height = scene.plate.height[step % scene.plate.height.size] if scene.plate else 0.0
-    tips = z + np.array([-1, 1]) * scene.half_length * cos(tilt)
+    caps = np.array([-1, 1] if scene.upper else [-1])
+    tips = z + caps * scene.half_length * cos(tilt)
     pressed = np.maximum(height + 0.5 - tips, 0.0)
     stored = 0.4 * scene.normal.stiffness * (pressed**2.5).sum()
     kinetic = (c_x**2 + c_z**2 + omega**2 / scene.lightness) / 2
@@ -260,7 +268,7 @@ def impact(
             phase=vibration.phase - 2 * pi * vibration.frequency * offset * step
         )
     plate = _plate_table(early, step)
-    scene = Scene(rod.half_length, light, law.normal, rubbing, gravity, plate)
+    scene = _scene(rod, law, rubbing, gravity, plate)
     if integrator == "dop853":
         return _to_the_digits(scene, vibration, rod, tilt, velocity, speed, law, tolerance)
     return _by_steps(scene, vibration, integrator, height, tilt, velocity, speed, law, step, offset)
@@ -392,9 +400,7 @@ def run(
         dt = 1 / (vibration.frequency * per_period)
     whole = round(duration * per_period) if per_period else int(np.ceil(duration / dt))
     samples = np.empty((-(-whole // every) + 1, 6))
-    scene = Scene(
-        *(rod.half_length, light, law.normal, rubbing, gravity, _plate_table(vibration, dt))
-    )
+    scene = _scene(rod, law, rubbing, gravity, _plate_table(vibration, dt))
     account = np.zeros(3) if ledger else None
 
     def go(steps):

@@ -252,7 +252,7 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
             solver.step()
             left, spare, overlap, slip = contact.signals(solver.t, solver.y)
             deepest = max(deepest, overlap)
-            if overlap > 2 * scene.half_length * cos(tilt + solver.y[2]):
+            if scene.upper and overlap > 2 * scene.half_length * cos(tilt + solver.y[2]):
                 raise ValueError("dop853 follows one cap, and here the second touches the plate")
             signals = (left, spare, 1.0, 1.0 if stopped or contact.rigid else side * slip)
         crossed = [i for i, signal in enumerate(signals) if signal < 0]
