@@ -130,6 +130,14 @@ def at_limit(friction, touch):
 
 
 @kernel
+def stops(friction, touch):
+    """Whether a constraint ends the slip in this step: it needs less than all of the friction."""
+    if friction is None:
+        return False
+    return friction.spring is None and not at_limit(friction, touch)
+
+
+@kernel
 def watched(watch, scene, lower, upper, dt):
     """Add a step to the record of a contact; whether the contact is over."""
     touch = lower if lower.normal >= upper.normal else upper
@@ -146,6 +154,8 @@ def watched(watch, scene, lower, upper, dt):
         phase = TURNED if at_limit(scene.friction, touch) else STUCK
     watch[phase] += dt
     watch[3 + phase] += touch.normal * dt
+    if stops(scene.friction, touch):  # the little slip that is left has any sign
+        watch[STOPPED] = 1
     return False
 
 
