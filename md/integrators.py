@@ -138,12 +138,23 @@ def stops(friction, touch):
 
 
 @kernel
+def spent(plastic, touch, dt):
+    """Whether a cap is no longer pressed; a plastic contact is over as it rests, to rounding."""
+    if touch.overlap <= 0:
+        return True
+    if plastic is not None:
+        return touch.rate * dt >= -1e-12 * touch.overlap
+    return touch.normal <= 0 and touch.rate > 0
+
+
+@kernel
 def watched(watch, scene, lower, upper, dt):
     """Add a step to the record of a contact; whether the contact is over."""
     touch = lower if lower.normal >= upper.normal else upper
+    if spent(scene.normal.plastic, lower, dt) and spent(scene.normal.plastic, upper, dt):
+        return watch[TOUCHED] > 0
     if touch.normal <= 0:
-        open_ = (lower.overlap <= 0 or lower.rate > 0) and (upper.overlap <= 0 or upper.rate > 0)
-        return watch[TOUCHED] > 0 and open_
+        return False
     if watch[TOUCHED] == 0:
         watch[TOUCHED], watch[SIDE] = 1, np.sign(touch.slip)
     watch[DEEPEST] = max(watch[DEEPEST], touch.overlap)
