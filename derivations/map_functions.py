@@ -2,16 +2,15 @@
 
 import sympy as sp
 
-from . import laws, slip_reversal, slip_stick
+from . import laws, slip_reversal
 from .newton import approach, spin_jump
 from .rewrites import (
     CONTACT,
     GENERAL,
     RESPONSES,
     SQUARES,
-    Body,
     Function,
-    K_x,
+    K,
     K_z,
     N,
     N_back,
@@ -21,12 +20,13 @@ from .rewrites import (
     nested,
     r,
     recast,
-    single_fraction,
     w,
 )
 from .slide import impulse as slide_impulse
 from .slide import slide_excess, stop
+from .slip_stick import sticking_force
 from .symbols import (
+    F_z,
     P_x,
     P_z,
     V_z,
@@ -46,16 +46,11 @@ from .symbols import (
 )
 
 _one = {m: sp.Integer(1)}  # impulses per unit mass
-_u_f, _spin, _gain, _all = sp.symbols("u_f spin gain inertia", real=True)
-_j_1, _j_2, _q, _kk, _fall, _bounce = sp.symbols("j_1 j_2 q kk fall bounce", real=True)
+_u_f, _gain, _rise, _rest = sp.symbols("u_f gain rise rest", real=True)
+_j_1, _j_2, _q, _fall = sp.symbols("j_1 j_2 q fall", real=True)
+_push, _lift, _turn, _back = sp.symbols("push lift turn back", real=True)
 _N_stick, _N_after = sp.symbols("N_stick N_after", real=True)
 _square, _energy, _twice = sp.symbols("square energy twice", real=True)
-
-
-def _impulse_outputs(impulse: tuple[sp.Expr, sp.Expr]) -> Body:
-    """P_x, P_z per unit mass and the spin that they give."""
-    p_x, p_z = (part.subs(_one) for part in impulse)
-    return {P_x: p_x, P_z: p_z, _spin: spin_jump(p_x, p_z).subs(_one)}
 
 
 def _until(v_final: sp.Symbol, impulse: tuple[sp.Expr, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
@@ -91,8 +86,8 @@ FUNCTIONS: tuple[Function, ...] = (
     Function(
         name="slide",
         summary="Impulse over k^2 and slip velocity left after a slide, Eqs. (8), (14).",
-        detail="Per unit mass. Needs N > 0 and u_0 N + (1 + epsilon) v_0 T >= 0.",
-        arguments=(epsilon, u_0, v_0, N, T),
+        detail="Per unit mass; gain = -(1 + epsilon) v_0. Needs N > 0 and u_f >= 0.",
+        arguments=(_gain, u_0, N, T),
         outputs={
             _j_1: slide_impulse()[1].subs(_one) / k**2,
             _u_f: slide_excess().subs(_one),
@@ -102,94 +97,92 @@ FUNCTIONS: tuple[Function, ...] = (
             recast(
                 "one quotient",
                 "both outputs share it; no k^2 in a denominator",
-                bounce=1 + epsilon,
-                j_1=-_bounce * v_0 / N,
+                j_1=_gain / N,
                 u_f=u_0 - T * _j_1,
             ),
         ),
-        meaning=CONTACT,
+        meaning={**CONTACT, _gain: -(1 + epsilon) * v_0},
     ),
     Function(
         name="stop",
-        summary="Impulse over k^2 and normal velocity v_1 when the slip stops, Eqs. (B1), (15).",
+        summary="Impulse over k^2 when the slip stops, and v_1 - v_0 there, Eqs. (B1), (15).",
         detail="Per unit mass. Needs T > 0.",
-        arguments=(u_0, v_0, N, T),
-        outputs={_j_1: stop()[1].subs(_one) / k**2, v_1: stop()[2]},
-        rules=(
-            recast(
-                "sum", "v_0 is not multiplied and divided by T", j_1=u_0 / T, v_1=v_0 + N * _j_1
-            ),
-        ),
+        arguments=(u_0, N, T),
+        outputs={_j_1: stop()[1].subs(_one) / k**2, _rise: stop()[2] - v_0},
+        rules=(recast("shared quotient", "no k^2 in a denominator", j_1=u_0 / T, rise=N * _j_1),),
         meaning=RESPONSES,
     ),
     Function(
         name="reverse",
         summary="Impulse over k^2 and slip velocity of the way back, Eqs. (B8), (B10).",
-        detail="Per unit mass, without what `stop` gave. Needs T_back > 0, and so N_back > 0.",
-        arguments=(v_1, v_f, N_back, T_back),
+        detail="Per unit mass, after the stop; rest = v_f - v_1. Needs T_back > 0, and so "
+        "N_back > 0.",
+        arguments=(_rest, N_back, T_back),
         outputs={
             _j_2: (_until(v_f, slip_reversal.impulse())[1] - stop()[1]).subs(_one) / k**2,
             _u_f: _until(v_f, (slip_reversal.final_slip(),))[0].subs(_one),
         },
         rules=(
             recast(
-                "name v_1",
+                "name the rest",
                 "a difference of velocities instead of three fractions",
-                j_2=(v_f - v_1) / N_back,
+                j_2=_rest / N_back,
                 u_f=-T_back * _j_2,
             ),
         ),
-        meaning=CONTACT,
+        meaning={**CONTACT, _rest: v_f - stop()[2]},
     ),
     Function(
         name="slip",
-        summary="Impulse and spin of slipping forward (j_1) and back (j_2), Eqs. (1), (2).",
-        detail="Per unit mass; j_1, j_2 >= 0 are normal impulses over k^2.",
-        arguments=(X, Z, k, mu, _j_1, _j_2),
-        outputs=_impulse_outputs((mu * k**2 * (_j_2 - _j_1), k**2 * (_j_1 + _j_2))),
+        summary="Impulse and spin of j = 1 while slipping, Eqs. (1), (2).",
+        detail="(-push, lift, turn) forward, (push, lift, back) backward, per unit mass; j is the "
+        "normal impulse over k^2.",
+        arguments=(X, Z, k, mu),
+        outputs={
+            _push: mu * k**2,
+            _lift: k**2,
+            _turn: spin_jump(-mu * k**2, k**2).subs(_one),
+            _back: spin_jump(mu * k**2, k**2).subs(_one),
+        },
         rules=(
             recast(
-                "two phases",
-                "no k^2 in a denominator",
-                kk=k**2,
-                P_x=mu * (_kk * (_j_2 - _j_1)),
-                P_z=_kk * (_j_1 + _j_2),
-                spin=(X + mu * Z) * _j_1 + (X - mu * Z) * _j_2,
+                "no quotient",
+                "k^2 cancels in the spin",
+                lift=k**2,
+                push=_lift * mu,
+                turn=X + mu * Z,
+                back=X - mu * Z,
             ),
         ),
+        returned=("push", "lift", "turn", "back"),
     ),
     Function(
         name="stick",
-        summary="Impulse and spin after slip-stick that ends at v_f, Eqs. (B4), (B5).",
-        detail="Per unit mass; v_f = -epsilon v_0 for Newton's law. Independent of friction. "
-        "K_x = k^2 + X^2, K_z = k^2 + Z^2.",
-        arguments=(X, Z, K_x, K_z, u_0, v_0, v_f),
-        outputs=_impulse_outputs(_until(v_f, slip_stick.impulse())),
-        rules=(
-            single_fraction(),
-            recast(
-                "gain of normal velocity",
-                "v_f - v_0 is a sum of positive terms; the outputs share one denominator",
-                gain=v_f - v_0,
-                inertia=K_x + Z**2,
-                P_x=(X * Z * _gain - K_x * u_0) / _all,
-                P_z=(K_z * _gain - X * Z * u_0) / _all,
-                spin=(Z * u_0 + X * _gain) / _all,
-            ),
-        ),
+        summary="Impulse and spin of j = 1 while sticking, Eqs. (17), (B3).",
+        detail="(push, lift, turn) per unit mass; j = (v_f - v_1)/(k^2 + X^2 + Z^2). "
+        "K_z = k^2 + Z^2.",
+        arguments=(X, Z, K_z),
+        outputs={
+            _push: sticking_force().subs(F_z, SQUARES[K_z]),
+            _lift: SQUARES[K_z],
+            _turn: spin_jump(sticking_force().subs(F_z, SQUARES[K_z]), SQUARES[K_z]).subs(_one),
+        },
+        rules=(recast("no quotient", "the denominator is in j", push=X * Z, lift=K_z, turn=X),),
         meaning=SQUARES,
+        returned=("push", "K_z", "X"),
+        unused=("lift", "turn"),
     ),
     Function(
         name="stick_response",
         summary="N_stick: k^2 times dv/dP_z while sticking; what N is while slipping forward.",
-        detail="Lengths in m, N_stick in m^2. K_x = k^2 + X^2, K_z = k^2 + Z^2.",
-        arguments=(Z, k, K_x, K_z),
+        detail="Lengths in m, N_stick in m^2. K = k^2 + X^2 + Z^2, K_z = k^2 + Z^2.",
+        arguments=(k, K, K_z),
         outputs={_N_stick: k**2 * laws.slopes()["stick"]},
         rules=(
             recast(
                 "divide first",
                 "a quotient of sums of squares, of order one",
-                q=(K_x + Z**2) / K_z,
+                q=K / K_z,
                 N_stick=k**2 * _q,
             ),
         ),
@@ -198,8 +191,8 @@ FUNCTIONS: tuple[Function, ...] = (
     Function(
         name="slopes",
         summary="w = a_2 P_1 and r = a_2/a_1, with N_after = k^2 a_2 of the phase after the stop.",
-        detail="w in m/s. Needs T > 0; r only where N > 0.",
-        arguments=(u_0, N, T, _N_after),
+        detail="w in m/s; j_1 = P_1/k^2. r only where N > 0.",
+        arguments=(_j_1, N, _N_after),
         outputs={
             w: laws.a_2 * stop()[1].subs(_one),
             r: laws.a_2 / laws.slopes()["slip"],
@@ -208,12 +201,11 @@ FUNCTIONS: tuple[Function, ...] = (
             recast(
                 "name responses",
                 "shares the quotient with stop",
-                j_1=u_0 / T,
                 w=_N_after * _j_1,
                 r=_N_after / N,
             ),
         ),
-        meaning={**RESPONSES, _N_after: k**2 * laws.a_2},
+        meaning={**RESPONSES, _N_after: k**2 * laws.a_2, _j_1: stop()[1].subs(_one) / k**2},
     ),
     Function(
         name="poisson_early",

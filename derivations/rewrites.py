@@ -20,7 +20,7 @@ Body = dict[sp.Symbol, sp.Expr]
 # Abbreviations of the generated code. N and T are k^2 times what a unit of normal impulse adds to
 # v and takes from u in forward slip; N_back, T_back the same in backward slip.
 N, T, N_back, T_back = sp.symbols("N T N_back T_back", real=True)
-K_x, K_z = sp.symbols("K_x K_z", positive=True)  # k^2 + X^2 and k^2 + Z^2
+K, K_z = sp.symbols("K K_z", positive=True)  # k^2 + X^2 + Z^2 and k^2 + Z^2
 w, r = sp.symbols("w r", real=True)  # a_2 P_1 and a_2/a_1
 
 
@@ -37,7 +37,7 @@ def _responses() -> dict[sp.Symbol, sp.Expr]:
 
 
 RESPONSES = _responses()
-SQUARES: Mapping[sp.Symbol, sp.Expr] = {K_x: k**2 + X**2, K_z: k**2 + Z**2}
+SQUARES: Mapping[sp.Symbol, sp.Expr] = {K: k**2 + X**2 + Z**2, K_z: k**2 + Z**2}
 # v_1 where slopes are general, and where they are those of the contact
 GENERAL: Mapping[sp.Symbol, sp.Expr] = {w: a_2 * P_1, r: a_2 / a_1, v_1: V_1}
 CONTACT: Mapping[sp.Symbol, sp.Expr] = {**RESPONSES, v_1: slide.stop()[2]}

@@ -47,27 +47,19 @@ class Impacts(NamedTuple):
         )
 
 
-def _final_velocity(law, X, Z, k, mu, epsilon, u_0, v_0, v_1, N, T, N_back, sticks):
-    """v_f of an impact in which the slip stops."""
+def _final_velocity(law, epsilon, v_0, v_1, j_1, N, N_after):
+    """v_f of an impact in which the slip stops after an impulse j_1 over k^2."""
     if law == "newton":
         return -epsilon * v_0
-    if u_0:
-        N_after = closed.stick_response(Z, k, k * k + X * X, k * k + Z * Z) if sticks else N_back
-        w, r = closed.slopes(u_0, N, T, N_after) if N else (N_after * u_0 / T, None)
-    else:
-        w, r = mpmath.mpf(0), None
+    # a late stop needs N > 0
+    w, r = closed.slopes(j_1, N, N_after) if N else (N_after * j_1, None)
     if law == "poisson":
-        early = v_1 < 0
-        return (
-            closed.poisson_early(epsilon, v_1, w)
-            if early
-            else (closed.poisson_late(epsilon, v_0, v_1, r))
-        )
+        if v_1 < 0:
+            return closed.poisson_early(epsilon, v_1, w)
+        return closed.poisson_late(epsilon, v_0, v_1, r)
     if v_1 < 0:
-        square = closed.stronge_early(epsilon, v_0, v_1, w)
-    else:
-        square = closed.stronge_late(epsilon, v_0, v_1, r)
-    return mpmath.sqrt(square)
+        return mpmath.sqrt(closed.stronge_early(epsilon, v_0, v_1, w))
+    return mpmath.sqrt(closed.stronge_late(epsilon, v_0, v_1, r))
 
 
 def exact(row: Any, law: str = "newton") -> tuple[Regime, tuple]:
@@ -78,20 +70,25 @@ def exact(row: Any, law: str = "newton") -> tuple[Regime, tuple]:
     X, u_0 = side * X, abs(u_0)
     N, T = closed.slip_response(X, Z, k, mu)
     N_back, T_back = closed.slip_response(X, Z, k, -mu)
-    if u_0 > 0 and N > 0 and u_0 * N + (1 + epsilon) * v_0 * T >= 0:
+    push, lift, turn, back = closed.slip(X, Z, k, mu)
+    gain = -(1 + epsilon) * v_0
+    if u_0 > 0 and N > 0 and u_0 * N >= gain * T:
         regime, j_2 = Regime.SLIDE, 0
-        j_1, _ = closed.slide(epsilon, u_0, v_0, N, T)
+        j_1, _ = closed.slide(gain, u_0, N, T)
+        after = (push, lift, back)
     else:
         regime = Regime.SLIP_STICK if T_back <= 0 else Regime.SLIP_REVERSAL
+        K_z = k * k + Z * Z
+        K = K_z + X * X
         sticks = regime == Regime.SLIP_STICK
-        j_1, v_1 = closed.stop(u_0, v_0, N, T) if u_0 else (0, v_0)
-        v_f = _final_velocity(law, X, Z, k, mu, epsilon, u_0, v_0, v_1, N, T, N_back, sticks)
-        if not sticks:
-            j_2, _ = closed.reverse(v_1, v_f, N_back, T_back)
-    if regime == Regime.SLIP_STICK:
-        P_x, P_z, spin = closed.stick(X, Z, k * k + X * X, k * k + Z * Z, u_0, v_0, v_f)
-    else:
-        P_x, P_z, spin = closed.slip(X, Z, k, mu, j_1, j_2)
+        j_1, rise = closed.stop(u_0, N, T) if u_0 else (mpmath.mpf(0), 0)
+        v_1 = v_0 + rise
+        N_after = closed.stick_response(k, K, K_z) if sticks else N_back
+        v_f = _final_velocity(law, epsilon, v_0, v_1, j_1, N, N_after)
+        j_2, _ = closed.reverse(v_f - v_1, K if sticks else N_back, T_back)
+        after = closed.stick(X, Z, K_z) if sticks else (push, lift, back)
+    first = (-push, lift, turn)
+    P_x, P_z, spin = (a * j_1 + b * j_2 for a, b in zip(first, after, strict=True))
     return regime, (c_x + side * P_x, c_z + P_z, side * P_x, P_z, omega + side * spin)
 
 

@@ -8,7 +8,7 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "118a243f3ffa3bdf"  # sha256 of the expressions below, first 16 digits
+DIGEST = "c53a48428d4993bc"  # sha256 of the expressions below, first 16 digits
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
@@ -33,83 +33,76 @@ def slip_response(X, Z, k, mu):
     return N, T
 
 
-def slide(epsilon, u_0, v_0, N, T):
+def slide(gain, u_0, N, T):
     """Impulse over k^2 and slip velocity left after a slide, Eqs. (8), (14).
 
-    Per unit mass. Needs N > 0 and u_0 N + (1 + epsilon) v_0 T >= 0. Operations: as derived 51,
-    name responses 39, one quotient 6.
+    Per unit mass; gain = -(1 + epsilon) v_0. Needs N > 0 and u_f >= 0. Operations: as derived
+    51, name responses 39, one quotient 3.
     """
-    bounce = 1 + epsilon
-    j_1 = -(bounce * v_0 / N)
+    j_1 = gain / N
     u_f = u_0 - T * j_1
     return j_1, u_f
 
 
-def stop(u_0, v_0, N, T):
-    """Impulse over k^2 and normal velocity v_1 when the slip stops, Eqs. (B1), (15).
+def stop(u_0, N, T):
+    """Impulse over k^2 when the slip stops, and v_1 - v_0 there, Eqs. (B1), (15).
 
-    Per unit mass. Needs T > 0. Operations: as derived 36, sum 3.
+    Per unit mass. Needs T > 0. Operations: as derived 37, shared quotient 2.
     """
     j_1 = u_0 / T
-    v_1 = v_0 + N * j_1
-    return j_1, v_1
+    rise = N * j_1
+    return j_1, rise
 
 
-def reverse(v_1, v_f, N_back, T_back):
+def reverse(rest, N_back, T_back):
     """Impulse over k^2 and slip velocity of the way back, Eqs. (B8), (B10).
 
-    Per unit mass, without what `stop` gave. Needs T_back > 0, and so N_back > 0. Operations: as
-    derived 117, name v_1 4.
+    Per unit mass, after the stop; rest = v_f - v_1. Needs T_back > 0, and so N_back > 0.
+    Operations: as derived 117, name the rest 3.
     """
-    j_2 = (v_f - v_1) / N_back
+    j_2 = rest / N_back
     u_f = -T_back * j_2
     return j_2, u_f
 
 
-def slip(X, Z, k, mu, j_1, j_2):
-    """Impulse and spin of slipping forward (j_1) and back (j_2), Eqs. (1), (2).
+def slip(X, Z, k, mu):
+    """Impulse and spin of j = 1 while slipping, Eqs. (1), (2).
 
-    Per unit mass; j_1, j_2 >= 0 are normal impulses over k^2. Operations: as derived 19, two
-    phases 13.
+    (-push, lift, turn) forward, (push, lift, back) backward, per unit mass; j is the normal
+    impulse over k^2. Operations: as derived 19, no quotient 6.
     """
-    kk = k * k
-    P_x = kk * mu * (j_2 - j_1)
-    P_z = kk * (j_1 + j_2)
-    spin = j_1 * (X + Z * mu) + j_2 * (X - Z * mu)
-    return P_x, P_z, spin
+    lift = k * k
+    push = lift * mu
+    turn = X + Z * mu
+    back = X - Z * mu
+    return push, lift, turn, back
 
 
-def stick(X, Z, K_x, K_z, u_0, v_0, v_f):
-    """Impulse and spin after slip-stick that ends at v_f, Eqs. (B4), (B5).
+def stick(X, Z, K_z):
+    """Impulse and spin of j = 1 while sticking, Eqs. (17), (B3).
 
-    Per unit mass; v_f = -epsilon v_0 for Newton's law. Independent of friction. K_x = k^2 +
-    X^2, K_z = k^2 + Z^2. Operations: as derived 495, single fraction 48, gain of normal
-    velocity 17.
+    (push, lift, turn) per unit mass; j = (v_f - v_1)/(k^2 + X^2 + Z^2). K_z = k^2 + Z^2.
+    Operations: as derived 13, no quotient 1.
     """
-    gain = v_f - v_0
-    inertia = K_x + Z * Z
-    P_x = (X * Z * gain - u_0 * K_x) / inertia
-    P_z = (gain * K_z - X * Z * u_0) / inertia
-    spin = (X * gain + Z * u_0) / inertia
-    return P_x, P_z, spin
+    push = X * Z
+    return push, K_z, X
 
 
-def stick_response(Z, k, K_x, K_z):
+def stick_response(k, K, K_z):
     """N_stick: k^2 times dv/dP_z while sticking; what N is while slipping forward.
 
-    Lengths in m, N_stick in m^2. K_x = k^2 + X^2, K_z = k^2 + Z^2. Operations: as derived 11,
-    divide first 5.
+    Lengths in m, N_stick in m^2. K = k^2 + X^2 + Z^2, K_z = k^2 + Z^2. Operations: as derived
+    11, divide first 3.
     """
-    q = (K_x + Z * Z) / K_z
+    q = K / K_z
     return q * k * k
 
 
-def slopes(u_0, N, T, N_after):
+def slopes(j_1, N, N_after):
     """w = a_2 P_1 and r = a_2/a_1, with N_after = k^2 a_2 of the phase after the stop.
 
-    w in m/s. Needs T > 0; r only where N > 0. Operations: as derived 20, name responses 3.
+    w in m/s; j_1 = P_1/k^2. r only where N > 0. Operations: as derived 20, name responses 2.
     """
-    j_1 = u_0 / T
     w = N_after * j_1
     r = N_after / N
     return w, r

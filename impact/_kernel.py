@@ -1,15 +1,19 @@
 """The branch rule and the three laws of one impact, as one body for arrays and compiled scalars.
 
 In the mirror frame in which the contact point slips forward (u_0 >= 0), with N and T of
-`slip_response`, and without a division:
+`slip_response`, and u_f what a slide would leave of the slip:
 
-    slide          N > 0, u_0 > 0 and u_0 N + (1 + restitution) v_0 T >= 0
+    slide          N > 0, u_0 > 0 and u_f = u_0 + (1 + restitution) v_0 T/N >= 0
     slip-stick     else, where X Z <= mu (k^2 + Z^2)
     slip reversal  else
 
 It holds inside the Painleve region (N <= 0) too, where slip always stops and friction always
-holds. Where u_0 = 0 the mirror is chosen such that X Z >= 0. Every regime is computed for every
-impact and the right one selected: no branch to mispredict, and the same text for NumPy and Numba.
+holds. Where u_0 = 0 the mirror is chosen such that X Z >= 0. An impact is the impulse of one phase
+of forward slip and of what follows its stop, if it does: sticking or backward slip. All phases are
+computed for every impact and the right ones selected: no branch to mispredict, and the same text
+for NumPy and Numba.
+
+A name with `_low` is what the rounded number of that name lacks; it enters to first order.
 """
 
 from enum import IntEnum
@@ -17,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._compensated import approach, responses
+from ._compensated import approach, lacking, responses
 from ._generated import (
     energy_change,
     poisson_early,
@@ -66,8 +70,17 @@ class Approach(NamedTuple):
     T: Any
     N_back: Any
     T_back: Any
-    K_x: Any
+    K: Any
     K_z: Any
+    u_low: Any
+    v_low: Any
+    N_low: Any
+    T_low: Any
+    v_f: Any  # of a slide, and of Newton's law; gain = v_f - v_0
+    gain: Any
+    gain_low: Any
+    j_slide: Any
+    u_slide: Any
     hits: Any
     slides: Any
     sticks: Any
@@ -83,84 +96,101 @@ def ordinary(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
 
 def mirrored(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
     """Mirror the impact to u_0 >= 0 and apply the branch rule."""
-    u_0, v_0 = approach(c_x, c_z, omega, V_z, X, Z)
+    u_0, v_0, u_low, v_low = approach(c_x, c_z, omega, V_z, X, Z)
     side = np.copysign(1.0, select(u_0 == 0, X * Z, u_0))
-    X, u_0 = side * X, np.abs(u_0)
+    X, u_0, u_low = side * X, np.abs(u_0), side * u_low
     mu = smaller(mu, HUGE_FRICTION)
-    N, T, N_back, T_back, K_x, K_z = responses(X, Z, k, mu)
+    N, T, N_back, T_back, K, K_z, N_low, T_low = responses(X, Z, k, mu)
+    v_f = -epsilon * v_0
+    gain = v_f - v_0
+    gain_low = (v_f - (gain + v_0)) - (1 + epsilon) * v_low
+    j_slide, u_slide = slide(gain, u_0, N, T)
+    j_low = lacking(j_slide, gain_low, N, N_low)
+    u_slide = u_slide + ((u_low - T_low * j_slide) - T * j_low)
+    j_slide = j_slide + j_low
     hits = v_0 < 0
-    slides = (u_0 * N + (1 + epsilon) * v_0 * T >= 0) & (u_0 > 0) & (N > 0)
+    slides = (u_slide >= 0) & (u_0 > 0) & (N > 0)
     sticks = T_back <= 0
-    return Approach(side, X, u_0, v_0, mu, N, T, N_back, T_back, K_x, K_z, hits, slides, sticks)
+    # fmt: off
+    return Approach(
+        side, X, u_0, v_0, mu, N, T, N_back, T_back, K, K_z,
+        u_low, v_low, N_low, T_low,
+        v_f, gain, gain_low, j_slide, u_slide, hits, slides, sticks,
+    )
+    # fmt: on
 
 
 def regime_of(a):
     """Codes of `Regime`."""
-    stopped = select(a.sticks, 2, 3)
-    return select(a.hits, select(a.slides, 1, stopped), 0)
+    return select(a.hits, select(a.slides, 1, 3 - a.sticks), 0)
 
 
-def newton(a, Z, k, epsilon, v_1):
-    """v_f of an impact in which the slip stops: kinematic restitution."""
-    return -epsilon * a.v_0
+def newton(a, k, epsilon, j_1, rise, rise_low):
+    """v_f, v_f - v_0 and its low part under kinematic restitution."""
+    return a.v_f, a.gain, a.gain_low
 
 
-def _slopes(a, Z, k, epsilon, v_1):
-    """w, r of the phase after the stop, and v_1 as far as a late stop allows."""
-    w, r = slopes(a.u_0, a.N, a.T, select(a.sticks, stick_response(Z, k, a.K_x, a.K_z), a.N_back))
-    w = select(a.u_0 > 0, w, 0.0)
-    late = smaller(larger(v_1, 0.0), -epsilon * a.v_0)  # rounding at the slide's edge
-    return w, r, late
+def _gain(a, v_f):
+    """The same under a law that gives `v_f` where the slip stops."""
+    v_f = select(a.slides, a.v_f, v_f)
+    gain = v_f - a.v_0
+    return v_f, gain, (v_f - (gain + a.v_0)) - a.v_low
 
 
-def poisson(a, Z, k, epsilon, v_1):
-    """v_f of an impact in which the slip stops: kinetic restitution."""
-    w, r, late = _slopes(a, Z, k, epsilon, v_1)
+def _slopes(a, k, j_1, rise, rise_low):
+    """w, r of the phase after the stop; v_1, and v_1 as far as a late stop allows."""
+    after = select(a.sticks, stick_response(k, a.K, a.K_z), a.N_back)
+    w, r = slopes(j_1, a.N, after)
+    v_1 = (a.v_0 + rise) + (a.v_low + rise_low)
+    return w, r, v_1, smaller(larger(v_1, 0.0), a.v_f)  # rounding at the slide's edge
+
+
+def poisson(a, k, epsilon, j_1, rise, rise_low):
+    """The same for kinetic restitution."""
+    w, r, v_1, late = _slopes(a, k, j_1, rise, rise_low)
     early = poisson_early(epsilon, v_1, w)
-    return select(v_1 < 0, early, poisson_late(epsilon, a.v_0, late, r))
+    return _gain(a, select(v_1 < 0, early, poisson_late(epsilon, a.v_0, late, r)))
 
 
-def stronge(a, Z, k, epsilon, v_1):
-    """v_f of an impact in which the slip stops: energetic restitution."""
-    w, r, late = _slopes(a, Z, k, epsilon, v_1)
+def stronge(a, k, epsilon, j_1, rise, rise_low):
+    """The same for energetic restitution."""
+    w, r, v_1, late = _slopes(a, k, j_1, rise, rise_low)
     early = stronge_early(epsilon, a.v_0, v_1, w)
-    return np.sqrt(select(v_1 < 0, early, stronge_late(epsilon, a.v_0, late, r)))
+    return _gain(a, np.sqrt(select(v_1 < 0, early, stronge_late(epsilon, a.v_0, late, r))))
 
 
 def impact(final_velocity, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
     """State after an impact under the law `final_velocity`; the fields of `Collision`."""
     a = mirrored(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon)
     X, u_0, v_0 = a.X, a.u_0, a.v_0
-    held = a.sticks & ~a.slides
     T = select(u_0 > 0, a.T, 1.0)  # without slip nothing is divided by T, which may be 0
 
-    j_slide, u_slide = slide(epsilon, u_0, v_0, a.N, a.T)
-    j_stop, v_1 = stop(u_0, v_0, a.N, T)
-    v_stop = final_velocity(a, Z, k, epsilon, v_1)
-    j_back, u_back = reverse(v_1, v_stop, a.N_back, a.T_back)
-    slip_x, slip_z, slip_spin = slip(
-        X, Z, k, a.mu, select(a.slides, j_slide, j_stop), select(a.slides, 0.0, j_back)
-    )
-    stick_x, stick_z, stick_spin = stick(X, Z, a.K_x, a.K_z, u_0, v_0, v_stop)
-    # The contact cannot end with less impulse than it took to stop; keeps P_z > 0 in rounding.
-    stick_z = select(X * Z > 0, larger(stick_z, k * k * j_stop), stick_z)
+    j_stop, rise = stop(u_0, a.N, T)
+    j_low = lacking(j_stop, a.u_low, T, a.T_low)
+    rise_low = a.N_low * j_stop + a.N * j_low
+    j_stop = j_stop + j_low
+    v_f, gain, gain_low = final_velocity(a, k, epsilon, j_stop, rise, rise_low)
+    # v_f - v_1: nothing pulls, though rounding may; so P_z > 0, and the way back is backward
+    rest = larger((gain - rise) + (gain_low - rise_low), 0.0)
 
-    P_x = select(held, stick_x, slip_x)
-    P_z = select(held, stick_z, slip_z)
-    spin = select(held, stick_spin, slip_spin)
-    u_f = select(held, 0.0, select(a.slides, larger(u_slide, 0.0), smaller(u_back, 0.0)))
-    v_f = select(a.slides, -epsilon * v_0, v_stop)
-    energy = select(a.hits, energy_change(P_x, P_z, u_0, v_0, u_f, v_f), 0.0)
-    P_x = select(a.hits, a.side * P_x, 0.0)
-    P_z = select(a.hits, P_z, 0.0)
+    push, lift, turn, back = slip(X, Z, k, a.mu)
+    push_held, lift_held, turn_held = stick(X, Z, a.K_z)
+    j_2, u_back = reverse(rest, select(a.sticks, a.K, a.N_back), larger(a.T_back, 0.0))
+    j_1, j_2 = select(a.slides, a.j_slide, j_stop), select(a.slides, 0.0, j_2)
+
+    P_x = select(a.hits, select(a.sticks, push_held, push) * j_2 - push * j_1, 0.0)
+    P_z = select(a.hits, select(a.sticks, lift_held, lift) * j_2 + lift * j_1, 0.0)
+    spin = select(a.hits, select(a.sticks, turn_held, back) * j_2 + turn * j_1, 0.0)
+    u_f = select(a.hits, select(a.slides, a.u_slide, u_back), u_0)
+    v_f = select(a.hits, v_f, v_0)
     return (
-        c_x + P_x,
+        c_x + a.side * P_x,
         c_z + P_z,
-        omega + select(a.hits, a.side * spin, 0.0),
+        omega + a.side * spin,
         regime_of(a),
-        P_x,
+        a.side * P_x,
         P_z,
-        a.side * select(a.hits, u_f, u_0),
-        select(a.hits, v_f, v_0),
-        energy,
+        a.side * u_f,
+        v_f,
+        energy_change(P_x, P_z, u_0, v_0, u_f, v_f),
     )

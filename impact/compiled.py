@@ -82,7 +82,7 @@ def _compile(module, *names: str) -> None:
         _known[name] = njit(error_model="numpy", forceinline=True)(renamed)
 
 
-_compile(_compensated, "_sum", "approach", "responses")
+_compile(_compensated, "_sum", "_total", "lacking", "approach", "responses")
 _compile(
     _generated,
     *("slide", "stop", "reverse", "slip", "stick", "energy_change"),
@@ -96,6 +96,7 @@ _compile(
     "regime_of",
     "newton",
     "_slopes",
+    "_gain",
     "poisson",
     "stronge",
     "impact",

@@ -1,8 +1,8 @@
 """How many units in the last place the impact map loses, over random impacts.
 
-Counting roundings bounds a result of one regime by about 8 of its own units in the last place:
-the contact velocities, their factors and the final quotient round once each. Random impacts
-stay near 5 at most; four is exceeded by about one impact in ten thousand.
+Low parts carry what the contact velocities, their factors and the quotients would round away;
+what is left are products and sums of the last lines, each good for one unit at most. Six samples
+of 170,000 stay below four; over other samples about one impact in a million exceeds it a little.
 """
 
 from pathlib import Path
@@ -13,7 +13,7 @@ import pytest
 from . import sampling
 
 LAWS = ("newton", "poisson", "stronge")
-BOUND = 8
+BOUND = 4
 WORST = Path(__file__).parent / "worst_cases.csv"
 
 
@@ -31,8 +31,7 @@ def _measure(impacts, law):
     print(_report(errors, impacts, law))
     assert not wrong
     assert errors.max() <= BOUND
-    assert (errors > 4).mean() <= 1e-3
-    assert errors.mean() <= 1
+    assert errors.mean() <= 0.75
 
 
 def test_everyday_impacts():
