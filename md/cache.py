@@ -11,7 +11,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numba
@@ -46,13 +46,16 @@ def directory() -> Path:
     return folder
 
 
-def kernel(function: Callable) -> Callable:
-    """Compile on first call and keep the result; IEEE arithmetic, no exception on a division."""
+def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable:
+    """Compile on first call and keep the result; IEEE arithmetic, no exception on a division.
+
+    What is small goes into its caller: a call would return its tuple through memory.
+    """
+    if function is None:
+        return partial(kernel, inline=inline)
     usual = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(directory())  # read when caching is enabled, not later
     try:
-        return numba.njit(cache=True, error_model="numpy", forceinline=function.__name__ != "run")(
-            function
-        )
+        return numba.njit(cache=True, error_model="numpy", forceinline=inline)(function)
     finally:
         numba.config.CACHE_DIR = usual

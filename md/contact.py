@@ -223,10 +223,10 @@ def rubbed(friction, lightness, overlap, a_z, force, climb, length, half, now, p
 
 @kernel
 def weight(gravity):
-    """Acceleration by gravity."""
+    """Accelerations by gravity."""
     if gravity is None:
-        return 0.0, 0.0
-    return gravity
+        return 0.0, 0.0, 0.0
+    return gravity[0], gravity[1], 0.0
 
 
 @kernel
@@ -239,35 +239,36 @@ def plate_at(plate, step):
 
 
 @kernel
-def accelerations(scene, z, direction, half, now, springs, step, dt):
+def accelerations(scene, others, plate, z, direction, half, now, springs, dt):
     """(a_x, a_z, angular), and what acts at the lower (-) and at the upper (+) cap.
 
-    `direction` is (sin, cos) of the tilt, `half` and `now` are (c_x, c_z, omega). A spring is
-    forgotten as its contact opens.
+    `others` are the accelerations by all but the plate, `plate` its height and velocity,
+    `direction` (sin, cos) of the tilt, `half` and `now` (c_x, c_z, omega). A spring is forgotten
+    as its contact opens.
     """
-    g_x, g_z = weight(scene.gravity)
-    height, velocity = plate_at(scene.plate, step)
+    a_x, a_z, spin = others
+    height, velocity = plate
     sine, cosine = direction
-    overlap, arm, a_z, force, rate = pressed(
+    overlap, arm, rise, force, rate = pressed(
         scene, -1.0, height, velocity, z, sine, cosine, now, dt
     )
     overlap_2, arm_2, _, force_2, rate_2 = pressed_above(
         scene.upper, scene, height, velocity, z, sine, cosine, now, dt
     )
-    spin = -(arm * force + arm_2 * force_2) * scene.lightness
+    spin -= (arm * force + arm_2 * force_2) * scene.lightness
     climb = velocity - half[1]
     drag, spring, slip = rubbed(
-        *(scene.friction, scene.lightness, overlap, a_z, force, climb),
-        *(springs[0], half, now, (g_x, spin), dt),
+        *(scene.friction, scene.lightness, overlap, rise, force, climb),
+        *(springs[0], half, now, (a_x, spin), dt),
     )
-    g_x, spin = g_x + drag, spin + a_z * drag * scene.lightness
+    a_x, spin = a_x + drag, spin + rise * drag * scene.lightness
     drag_2, spring_2, slip_2 = rubbed(
-        *(scene.friction, scene.lightness, overlap_2, a_z, force_2, climb),
-        *(springs[1], half, now, (g_x, spin), dt),
+        *(scene.friction, scene.lightness, overlap_2, rise, force_2, climb),
+        *(springs[1], half, now, (a_x, spin), dt),
     )
-    g_x, spin = g_x + drag_2, spin + a_z * drag_2 * scene.lightness
+    a_x, spin = a_x + drag_2, spin + rise * drag_2 * scene.lightness
     return (
-        (g_x, g_z + force + force_2, spin),
-        Touch(overlap, force, drag, spring, slip, rate, arm, a_z),
-        Touch(overlap_2, force_2, drag_2, spring_2, slip_2, rate_2, arm_2, a_z),
+        (a_x, a_z + force + force_2, spin),
+        Touch(overlap, force, drag, spring, slip, rate, arm, rise),
+        Touch(overlap_2, force_2, drag_2, spring_2, slip_2, rate_2, arm_2, rise),
     )

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .cache import kernel
-from .contact import accelerations, plate_at
+from .contact import accelerations, plate_at, weight
 
 METHODS = ("leapfrog", "verlet", "gear")
 
@@ -79,7 +79,10 @@ def leap(scene, state, step, dt):
     """Step n: forces, kick, drift; returns position and velocity at n as well."""
     position, direction, half, before, springs, higher, extrapolate = state
     now = half if extrapolate is None else plus(half, before, dt / 2)
-    a, lower, upper = accelerations(scene, position[1], direction, half, now, springs, step, dt)
+    others, plate = weight(scene.gravity), plate_at(scene.plate, step)
+    a, lower, upper = accelerations(
+        scene, others, plate, position[1], direction, half, now, springs, dt
+    )
     velocity = plus(half, a, dt)
     springs = (lower.spring, upper.spring)
     direction = turned(direction, velocity[2] * dt)
@@ -103,7 +106,8 @@ def gear(scene, state, higher, step, dt):
     r4 = plus(r4, r5, 5)
     now = plus(ZERO, r1, 1 / dt)
     half = plus(plus(now, r2, -1 / dt), r3, 0.75 / dt)
-    a, lower, upper = accelerations(scene, r0[1], direction, half, now, springs, step, dt)
+    others, plate = weight(scene.gravity), plate_at(scene.plate, step)
+    a, lower, upper = accelerations(scene, others, plate, r0[1], direction, half, now, springs, dt)
     change = plus(plus(ZERO, a, dt * dt / 2), r2, -1)
     r0, velocity = plus(r0, change, _C0), plus(now, change, _C1 / dt)
     r3, r4, r5 = plus(r3, change, _C3), plus(r4, change, _C4), plus(r5, change, _C5)
@@ -183,7 +187,7 @@ def accounted(ledger, scene, lower, upper, velocity, step, dt):
             ledger[2] -= touch.tangential * (velocity[0] + velocity[2] * touch.a_z) * dt
 
 
-@kernel
+@kernel(inline=False)
 def run(scene, state, first, steps, dt, watch, ledger, samples, every):
     """Up to `steps` steps from step number `first`; returns state, steps made, why it ended.
 

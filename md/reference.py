@@ -14,7 +14,7 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from .cache import kernel
-from .contact import dashpot, tangential_constants
+from .contact import dashpot, tangential_constants, weight
 
 FORWARD, STICK, BACK, FREE = 1, 0, -1, 2  # how friction acts now; FREE: there is none
 SLIDE, STUCK, TURNED = 0, 1, 2  # what a contact does before its slip stops, and after
@@ -81,14 +81,6 @@ def rubbing(friction, mode, overlap, force, length, slip, drive, mass):
 
 
 @kernel
-def gravity_of(gravity):
-    """Acceleration by gravity."""
-    if gravity is None:
-        return 0.0, 0.0
-    return gravity
-
-
-@kernel
 def end_of(plastic, left, rate):
     """What crosses zero where the force ends; a plastic contact ends with the approach."""
     return left if plastic is None else -rate
@@ -102,7 +94,7 @@ def rates(scene, vibration, start, mode, t, y, out):
     and the slip. `start`: sin and cos of the tilt and height over the contact point at the touch.
     """
     sine, cosine, height = start
-    g_x, g_z = gravity_of(scene.gravity)
+    g_x, g_z, _ = weight(scene.gravity)
     rise, plate = plate_after(vibration, t)
     bend, lag = sin(y[2] / 2), cos(y[2] / 2)
     lean = sine * lag + cosine * bend  # sin(tilt_0 + turn/2)

@@ -1,0 +1,182 @@
+"""Which rods may touch: a list that misses none, built in time linear in their number.
+
+The list holds every pair whose axes come closer than 1 + skin; it is built anew before the centres
+and ends can have moved by half the skin. A periodic box repeats the closest points, not the
+centres: an entry is a pair with the image of its second rod, so that two rods of a short box may
+stand in the list several times, and a rod beside its own image.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .cache import kernel
+
+X, Z, SINE, COSINE = 0, 1, 2, 3  # columns of the rods' state; velocities follow
+
+
+class Listed(NamedTuple):
+    """The list in use stands at `turn[0]` along the first axis, the one before it at the other.
+
+    Entries are sorted by first rod; those of rod i stand in `start[i]:start[i + 1]`.
+    """
+
+    turn: np.ndarray  # (1,): 0 or 1
+    start: np.ndarray  # (2, rods + 1)
+    index: np.ndarray  # (2, capacity, 3): first rod, second >= first, image of the second: its x
+    # plus so many periods
+    springs: np.ndarray  # (2, capacity, 4): first rod's lower and upper end, second rod's
+    built: np.ndarray  # (rods, 4): place and direction of the rods when the list was built
+    order: np.ndarray  # (rods,): by place in the box
+
+
+def nothing_listed(rods: int, capacity: int) -> Listed:
+    """A list that is out of date."""
+    return Listed(
+        np.zeros(1, np.int64),
+        np.zeros((2, rods + 1), np.int64),
+        np.zeros((2, capacity, 3), np.int64),
+        np.zeros((2, capacity, 4)),
+        np.full((rods, 4), np.inf),
+        np.arange(rods),
+    )
+
+
+@kernel
+def span(period):
+    """Length after which the box repeats."""
+    if period is None:
+        return np.inf
+    return period
+
+
+@kernel
+def places(dx, dz, a, b, half, end):
+    """Places s, t along both axes of the contact at one of four ends, 0 and 1 the first rod's.
+
+    `dx`, `dz` lead from the second centre to the first; `a`, `b` are the rods' directions.
+    """
+    across = a[0] * b[0] + a[1] * b[1]
+    side = half if end & 1 else -half
+    if end < 2:
+        return side, min(max(dx * b[0] + dz * b[1] + side * across, -half), half)
+    return min(max(side * across - (dx * a[0] + dz * a[1]), -half), half), side
+
+
+@kernel
+def apart(dx, dz, a, b, s, t):
+    """Vector from a place on the second axis to one on the first."""
+    return dx + s * a[0] - t * b[0], dz + s * a[1] - t * b[1]
+
+
+@kernel
+def nearest_squared(dx, dz, a, b, half):
+    """Squared distance of two axes that do not cross."""
+    least = np.inf
+    for end in range(4):
+        s, t = places(dx, dz, a, b, half, end)
+        r_x, r_z = apart(dx, dz, a, b, s, t)
+        least = min(least, r_x * r_x + r_z * r_z)
+    return least
+
+
+@kernel(inline=False)
+def sort_along(order, place):
+    """Sort by place; linear where little has changed since the last time."""
+    for p in range(1, order.size):
+        i = order[p]
+        key, q = place[i], p - 1
+        while q >= 0 and place[order[q]] > key:
+            order[q + 1] = order[q]
+            q -= 1
+        order[q + 1] = i
+
+
+@kernel
+def wrapped(x, period):
+    """Place in the box."""
+    return x if period is None else x - np.floor(x / period) * period
+
+
+@kernel
+def image(distance, period):
+    """How many periods a distance between a rod and an image holds beyond that of the rods."""
+    return 0 if period is None else int(np.round(distance / period))
+
+
+@kernel(inline=False)
+def pair_up(rods, half, period, skin, order, place, found):
+    """All pairs of axes closer than 1 + skin, into `found`; their number, -1 if there are more."""
+    n, count, box = rods.shape[0], 0, span(period)
+    for p in range(n):
+        i = order[p]
+        q, ahead = p, 0.0
+        while True:
+            q += 1
+            if q == n:
+                q, ahead = 0, ahead + box
+            j = order[q]
+            gap = place[j] - place[i] + ahead
+            if not gap <= 2 * half + 1 + skin:
+                break
+            dz = rods[i, Z] - rods[j, Z]
+            a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
+            if nearest_squared(-gap, dz, a, b, half) >= (1 + skin) ** 2:
+                continue
+            if count == found.shape[0]:
+                return -1
+            shift = image(gap - rods[j, X] + rods[i, X], period)
+            found[count, 0], found[count, 1] = min(i, j), max(i, j)
+            found[count, 2] = shift if i <= j else -shift
+            count += 1
+    return count
+
+
+@kernel(inline=False)
+def build(rods, half, period, skin, listed, place, found):
+    """Renew the list, springs carried along; number of entries, -1 if they are too many.
+
+    `place`, (rods,), and `found`, (capacity, 3), are scratch.
+    """
+    n, old = rods.shape[0], listed.turn[0]
+    new, start, index, springs = 1 - old, listed.start, listed.index, listed.springs
+    for i in range(n):
+        place[i] = wrapped(rods[i, X], period)
+        for c in range(4):
+            listed.built[i, c] = rods[i, c]
+        start[new, i] = 0
+    start[new, n] = 0
+    sort_along(listed.order, place)
+    count = pair_up(rods, half, period, skin, listed.order, place, found)
+    for m in range(count):
+        start[new, found[m, 0]] += 1
+    total = 0
+    for i in range(n + 1):  # where the entries of rod i end, counted down below to where they begin
+        total += start[new, i]
+        start[new, i] = total
+    for m in range(count - 1, -1, -1):
+        i = found[m, 0]
+        start[new, i] -= 1
+        k = start[new, i]
+        for c in range(3):
+            index[new, k, c] = found[m, c]
+        for c in range(4):
+            springs[new, k, c] = 0.0
+        for o in range(start[old, i], start[old, i + 1]):
+            if index[old, o, 1] == found[m, 1] and index[old, o, 2] == found[m, 2]:
+                for c in range(4):
+                    springs[new, k, c] = springs[old, o, c]
+    listed.turn[0] = new
+    return count
+
+
+@kernel(inline=False)
+def strayed(rods, built, half, skin):
+    """Whether any rod has moved so far since the list was built that it may miss a pair."""
+    for i in range(rods.shape[0]):
+        dx, dz = rods[i, X] - built[i, X], rods[i, Z] - built[i, Z]
+        turn = abs(rods[i, SINE] - built[i, SINE]) + abs(rods[i, COSINE] - built[i, COSINE])
+        free = 0.5 * skin - half * turn
+        if not (free > 0 and dx * dx + dz * dz < free * free):
+            return True
+    return False
