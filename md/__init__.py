@@ -11,7 +11,7 @@ from the theory of rigid impacts in `impact`, which it is there to test.
 """
 
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
-from .one_rod import INTEGRATORS, Impact, Rod, Run, RunError, Vibration, impact, run
+from .one_rod import INTEGRATORS, Impact, Rod, RunError, Track, Vibration, follow, impact
 
 __all__ = [
     "INTEGRATORS",
@@ -19,12 +19,12 @@ __all__ = [
     "Impact",
     "Law",
     "Rod",
-    "Run",
     "RunError",
+    "Track",
     "Vibration",
     "appendix_a",
     "constant_restitution",
     "coulomb",
+    "follow",
     "impact",
-    "run",
 ]

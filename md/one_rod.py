@@ -84,8 +84,8 @@ class Impact(NamedTuple):
     seconds: float  # run time, without compilation
 
 
-class Run(NamedTuple):
-    """A run over many steps; `samples` has the columns x, z, tilt, c_x, c_z, omega."""
+class Track(NamedTuple):
+    """Where one rod went; `samples` has the columns x, z, tilt, c_x, c_z, omega."""
 
     time: np.ndarray  # of each sample, in periods of the plate, or, where it rests, in sqrt(d/g)
     samples: np.ndarray
@@ -343,7 +343,7 @@ def _to_the_digits(scene, vibration, rod, tilt, velocity, speed, law, tolerance)
     )
 
 
-def run(
+def follow(
     position: tuple[float, float, float],
     velocity: tuple[float, float, float],
     *,
@@ -358,7 +358,7 @@ def run(
     gravity: tuple[float, float] | None = (0.0, -1.0),
     every: int = 1,
     ledger: bool = False,
-) -> Run:
+) -> Track:
     """One rod over the plate for a long time: flights, impacts, rest.
 
     Parameters
@@ -418,4 +418,4 @@ def run(
         change = _energy(scene, samples[-1], last) - _energy(scene, samples[0], 0)
         losses = (*map(float, account), change)
     time = np.arange(len(samples)) * every * (1 / per_period if per_period else dt)
-    return Run(time, samples, dt, per_period, *losses, seconds)
+    return Track(time, samples, dt, per_period, *losses, seconds)

@@ -10,8 +10,6 @@ distance of its end, so that without dashpots energy is kept.
 from math import sqrt
 from typing import NamedTuple
 
-import numpy as np
-
 from .cache import kernel
 from .contact import (
     Friction,
@@ -19,9 +17,9 @@ from .contact import (
     Scene,
     accelerations,
     plate_at,
+    pull,
     push,
     tangential_constants,
-    pull,
     weight,
 )
 from .integrators import DEEP, DONE, NOT_FINITE, TOO_DEEP, turned
@@ -117,7 +115,7 @@ def pair_forces(crowd, between, rods, listed, total, dt):
 
 @kernel
 def crowded(between, crowd, rods, listed, scratch, total, dt):
-    """Pair forces from a list that is renewed where a rod has strayed; why it cannot go on, where."""
+    """Pair forces from a list kept up to date; why the run cannot go on, and where."""
     if between is None:
         return DONE, 0
     half = crowd.alone.half_length
