@@ -56,6 +56,6 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
     usual = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(directory())  # read when caching is enabled, not later
     try:
-        return numba.njit(cache=True, error_model="numpy", forceinline=inline)(function)
+        return numba.njit(cache=True, error_model="numpy", forceinline=inline, _nrt=False)(function)
     finally:
         numba.config.CACHE_DIR = usual

@@ -43,14 +43,14 @@ class Friction(NamedTuple):
     spring: Spring | None
 
 
-class Plate(NamedTuple):
+class Motion(NamedTuple):
     """One period of the plate's height and velocity, step by step."""
 
     height: Any
     velocity: Any
 
 
-class Scene(NamedTuple):
+class Effects(NamedTuple):
     """All that acts on the rod; `None`: absent."""
 
     half_length: float  # centre to centre of a cap, (l - 1)/2
@@ -58,7 +58,7 @@ class Scene(NamedTuple):
     normal: Normal
     friction: Friction | None
     gravity: tuple[float, float] | None
-    plate: Plate | None  # at rest at z = 0
+    plate: Motion | None  # at rest at z = 0
     upper: bool | None = True  # None: a sphere, which has no second cap
 
 

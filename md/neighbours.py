@@ -25,18 +25,20 @@ class Listed(NamedTuple):
     start: np.ndarray  # (2, rods + 1)
     index: np.ndarray  # (2, capacity, 3): first rod, second >= first, image of the second: its x
     # plus so many periods
-    springs: np.ndarray  # (2, capacity, 4): first rod's lower and upper end, second rod's
+    springs: np.ndarray | None  # (2, capacity, 4): first rod's lower and upper end, second rod's
+    losses: np.ndarray | None  # (2, capacity, 8): lost normal force and friction, end by end
     built: np.ndarray  # (rods, 4): place and direction of the rods when the list was built
     order: np.ndarray  # (rods,): by place in the box
 
 
-def nothing_listed(rods: int, capacity: int) -> Listed:
+def nothing_listed(rods: int, capacity: int, springs: bool, losses: bool) -> Listed:
     """A list that is out of date."""
     return Listed(
         np.zeros(1, np.int64),
         np.zeros((2, rods + 1), np.int64),
         np.zeros((2, capacity, 3), np.int64),
-        np.zeros((2, capacity, 4)),
+        np.zeros((2, capacity, 4)) if springs else None,
+        np.zeros((2, capacity, 8)) if losses else None,
         np.full((rods, 4), np.inf),
         np.arange(rods),
     )
@@ -132,18 +134,24 @@ def pair_up(rods, half, period, skin, order, place, found):
     return count
 
 
+@kernel
+def carry(kept, old, before, new, k):
+    """Take over what an entry kept; nothing if there was none."""
+    if kept is not None:
+        for c in range(kept.shape[2]):
+            kept[new, k, c] = kept[old, before, c] if before >= 0 else 0.0
+
+
 @kernel(inline=False)
 def build(rods, half, period, skin, listed, place, found):
-    """Renew the list, springs carried along; number of entries, -1 if they are too many.
+    """Renew the list, with what its entries keep; number of entries, -1 if they are too many.
 
     `place`, (rods,), and `found`, (capacity, 3), are scratch.
     """
     n, old = rods.shape[0], listed.turn[0]
-    new, start, index, springs = 1 - old, listed.start, listed.index, listed.springs
+    new, start, index = 1 - old, listed.start, listed.index
     for i in range(n):
         place[i] = wrapped(rods[i, X], period)
-        for c in range(4):
-            listed.built[i, c] = rods[i, c]
         start[new, i] = 0
     start[new, n] = 0
     sort_along(listed.order, place)
@@ -160,13 +168,17 @@ def build(rods, half, period, skin, listed, place, found):
         k = start[new, i]
         for c in range(3):
             index[new, k, c] = found[m, c]
-        for c in range(4):
-            springs[new, k, c] = 0.0
+        before = -1
         for o in range(start[old, i], start[old, i + 1]):
             if index[old, o, 1] == found[m, 1] and index[old, o, 2] == found[m, 2]:
-                for c in range(4):
-                    springs[new, k, c] = springs[old, o, c]
-    listed.turn[0] = new
+                before = o
+        carry(listed.springs, old, before, new, k)
+        carry(listed.losses, old, before, new, k)
+    listed.turn[0] = new if count >= 0 else old
+    if count >= 0:
+        for i in range(n):
+            for c in range(4):
+                listed.built[i, c] = rods[i, c]
     return count
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import integrators, reference
-from .contact import Plate, Scene
+from .contact import Effects, Motion
 from .integrators import METHODS, STUCK, TURNED
 from .laws import (
     Law,
@@ -158,24 +158,24 @@ def _steps_per_period(vibration: Vibration, dt: float) -> int:
     return int(np.ceil(1 / (vibration.frequency * dt) - 1e-9))
 
 
-def _plate_table(vibration: Vibration | None, dt: float) -> Plate | None:
+def _plate_table(vibration: Vibration | None, dt: float) -> Motion | None:
     """One period of the plate, step by step; `dt` divides it."""
     if vibration is None:
         return None
     steps = _steps_per_period(vibration, dt)
     angle = 2 * pi * np.arange(steps) / steps + vibration.phase
     speed = 2 * pi * vibration.frequency * vibration.amplitude
-    return Plate(vibration.amplitude * np.sin(angle), speed * np.cos(angle))
+    return Motion(vibration.amplitude * np.sin(angle), speed * np.cos(angle))
 
 
-def _scene(rod: Rod, law: Law, friction, gravity, plate) -> Scene:
+def _scene(rod: Rod, law: Law, friction, gravity, plate) -> Effects:
     upper = True if rod.half_length > 0 else None
-    return Scene(
+    return Effects(
         *(rod.half_length, 1 / rod.gyration_squared, law.normal, friction, gravity, plate, upper)
     )
 
 
-def _energy(scene: Scene, sample: np.ndarray, step: int) -> float:
+def _energy(scene: Effects, sample: np.ndarray, step: int) -> float:
     """Kinetic and potential energy per mass, with that of the overlaps."""
     x, z, tilt, c_x, c_z, omega = sample
     g_x, g_z = scene.gravity or (0.0, 0.0)

@@ -210,7 +210,7 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
 
     Parameters
     ----------
-    scene : `contact.Scene`; its plate table is not used
+    scene : `contact.Effects`; its plate table is not used
     vibration : `Vibration`, or None for a plate at rest
     tilt : at the touch, rad
     velocity : (c_x, c_z, omega) at the touch

@@ -5,16 +5,21 @@ a pair is a contact of its own, with its own spring: two parallel rods that lie 
 touch at two places, and as they turn the force passes from one place to the other without a jump,
 which the single closest point of two segments could not do. Each contact force derives from the
 distance of its end, so that without dashpots energy is kept.
+
+An effect is an argument that may be `None`; each has one function that does nothing then, and that
+Numba compiles to nothing. A new effect is one more such function, called in `march`.
 """
 
-from math import sqrt
+from math import atan, sqrt
 from typing import NamedTuple
+
+import numpy as np
 
 from .cache import kernel
 from .contact import (
+    Effects,
     Friction,
     Normal,
-    Scene,
     accelerations,
     plate_at,
     pull,
@@ -23,12 +28,14 @@ from .contact import (
     weight,
 )
 from .integrators import DEEP, DONE, NOT_FINITE, TOO_DEEP, turned
+from .landings import landed, watched_landing
 from .neighbours import COSINE, SINE, X, Z, apart, build, nearest_squared, places, strayed
 
 C_X, C_Z, OMEGA = 4, 5, 6  # columns of the rods' state after place and direction
 COLUMNS = 7
-FULL = 4  # why a run ended: the list of pairs is full
-PAIR_TOO_DEEP = 5
+FULL_LIST, PAIR_TOO_DEEP, FULL_RECORD = 4, 5, 6  # why a run ended, beyond `integrators`
+PLATE_WORK, PLATE_NORMAL, PLATE_FRICTION, PAIR_NORMAL, PAIR_FRICTION = range(5)  # of the ledger
+MEAN_X, TILTS, SAMPLES, FELL, UPRIGHT = range(5)  # columns of the series
 
 
 class Between(NamedTuple):
@@ -41,10 +48,20 @@ class Between(NamedTuple):
 class Crowd(NamedTuple):
     """All that acts on many rods; `None`: absent."""
 
-    alone: Scene  # one rod, plate and gravity
+    alone: Effects  # one rod, plate and gravity; its `normal` is None without a plate
     between: Between | None
     period: float | None  # of the box along x; None: open
-    skin: float
+    skin: float | None
+
+
+class Series(NamedTuple):
+    """What is sampled, a row a period."""
+
+    rows: np.ndarray  # (periods + 1, 5): mean x at the start, sum of mean tilts, their number,
+    # rods that passed the horizontal, rods that passed the vertical
+    sides: np.ndarray  # (N, 2): sin and cos of the tilts at the last sample
+    per: int  # steps of a row
+    every: int  # steps between two samples
 
 
 @kernel
@@ -56,34 +73,54 @@ def beyond(period, image):
 
 
 @kernel
-def pair_friction(friction, overlap, force, length, slip, mass, dt):
-    """F_t between two rods and the spring's new length."""
+def pair_friction(friction, springs, place, overlap, force, slip, mass, dt):
+    """F_t between two rods; its spring is kept."""
     if friction is None:
-        return 0.0, 0.0
+        return 0.0
     k, g = tangential_constants(friction.spring, overlap, mass)
-    return pull(k, g, length, slip, slip, friction.coefficient * force, dt)
+    limit = friction.coefficient * force
+    drag, springs[place] = pull(k, g, springs[place], slip, slip, limit, dt)
+    return drag
+
+
+@kernel
+def forgotten(kept, now, k, first, last):
+    """What is kept of a contact that has opened."""
+    if kept is not None:
+        for c in range(first, last):
+            kept[now, k, c] = 0.0
+
+
+@kernel
+def pair_accounted(ledger, kept, now, k, end, lost, drag, rate, slip, dt):
+    """Add half of this step's losses and half of the last one's, with the velocity between them."""
+    if ledger is not None:
+        ledger[PAIR_NORMAL] += 0.5 * dt * rate * (lost + kept[now, k, 2 * end])
+        ledger[PAIR_FRICTION] -= 0.5 * dt * slip * (drag + kept[now, k, 2 * end + 1])
+        kept[now, k, 2 * end], kept[now, k, 2 * end + 1] = lost, drag
 
 
 @kernel(inline=False)
-def pair_forces(crowd, between, rods, listed, total, dt):
+def pair_forces(crowd, between, rods, listed, total, ledger, dt):
     """Add the accelerations by all touching pairs to `total`; number of a pair that is too deep."""
     half, light = crowd.alone.half_length, crowd.alone.lightness
-    now, index, springs = listed.turn[0], listed.index, listed.springs
+    now, index, springs, kept = listed.turn[0], listed.index, listed.springs, listed.losses
     for k in range(listed.start[now, rods.shape[0]]):
         i, j = index[now, k, 0], index[now, k, 1]
         dx = rods[i, X] - rods[j, X] - beyond(crowd.period, index[now, k, 2])
         dz = rods[i, Z] - rods[j, Z]
         a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
         if nearest_squared(dx, dz, a, b, half) >= 1.0:
-            for end in range(4):
-                springs[now, k, end] = 0.0
+            forgotten(springs, now, k, 0, 4)
+            forgotten(kept, now, k, 0, 8)
             continue
         for end in range(4):
             s, t = places(dx, dz, a, b, half, end)
             r_x, r_z = apart(dx, dz, a, b, s, t)
             square = r_x * r_x + r_z * r_z
             if square >= 1.0:
-                springs[now, k, end] = 0.0
+                forgotten(springs, now, k, end, end + 1)
+                forgotten(kept, now, k, 2 * end, 2 * end + 2)
                 continue
             if square < (1 - DEEP) ** 2:
                 return k
@@ -95,14 +132,15 @@ def pair_forces(crowd, between, rods, listed, total, dt):
             v_z = rods[i, C_Z] - rods[i, OMEGA] * p_x - rods[j, C_Z] + rods[j, OMEGA] * q_x
             lever_i, lever_j = p_z * n_x - p_x * n_z, q_z * n_x - q_x * n_z
             mass = 1 / (2 + (lever_i * lever_i + lever_j * lever_j) * light)
-            force = push(between.normal, overlap, v_x * n_x + v_z * n_z, mass, dt)
-            # Tangent (n_z, -n_x); its levers are p.n and q.n.
+            rate, slip = v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x  # tangent (n_z, -n_x)
+            force = push(between.normal, overlap, rate, mass, dt)
             across_i, across_j = p_z * n_z + p_x * n_x, q_z * n_z + q_x * n_x
             mass = 1 / (2 + (across_i * across_i + across_j * across_j) * light)
-            drag, springs[now, k, end] = pair_friction(
-                between.friction,
-                *(overlap, force, springs[now, k, end], v_x * n_z - v_z * n_x, mass, dt),
+            drag = pair_friction(
+                *(between.friction, springs, (now, k, end), overlap, force, slip, mass, dt)
             )
+            lost = between.normal.stiffness * overlap * sqrt(overlap) - force
+            pair_accounted(ledger, kept, now, k, end, lost, drag, rate, slip, dt)
             f_x, f_z = force * n_x + drag * n_z, force * n_z - drag * n_x
             total[i, 0] += f_x
             total[i, 1] += f_z
@@ -114,7 +152,7 @@ def pair_forces(crowd, between, rods, listed, total, dt):
 
 
 @kernel
-def crowded(between, crowd, rods, listed, scratch, total, dt):
+def crowded(between, crowd, rods, listed, scratch, total, ledger, dt):
     """Pair forces from a list kept up to date; why the run cannot go on, and where."""
     if between is None:
         return DONE, 0
@@ -122,48 +160,134 @@ def crowded(between, crowd, rods, listed, scratch, total, dt):
     if strayed(rods, listed.built, half, crowd.skin):
         place, found = scratch
         if build(rods, half, crowd.period, crowd.skin, listed, place, found) < 0:
-            return FULL, 0
-    deep = pair_forces(crowd, between, rods, listed, total, dt)
+            return FULL_LIST, 0
+    deep = pair_forces(crowd, between, rods, listed, total, ledger, dt)
     return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
 
 
-@kernel(inline=False)
-def march(crowd, rods, springs, listed, scratch, total, first, steps, dt):
-    """`steps` steps of all rods from step number `first`; steps made, why it ended, which rod.
+@kernel
+def plate_accounted(ledger, effects, touch, plate, velocity, dt):
+    """Plate work and losses at one cap, with the velocity of the moment of its force."""
+    if ledger is not None and touch.overlap > 0:
+        opens = velocity[1] - velocity[2] * touch.a_x - plate[1]
+        spring = effects.normal.stiffness * touch.overlap * sqrt(touch.overlap)
+        slip = velocity[0] + velocity[2] * touch.a_z
+        ledger[PLATE_WORK] += touch.normal * plate[1] * dt
+        ledger[PLATE_NORMAL] += (spring - touch.normal) * opens * dt
+        ledger[PLATE_FRICTION] -= touch.tangential * slip * dt
 
-    `rods`, shape (N, 7): x, z, sin and cos of the tilt at a step; c_x, c_z, omega half a step
-    before. `springs`, (N, 2): of the plate's contacts. `total`, (N, 3), is scratch.
+
+@kernel
+def kept_springs(springs, i):
+    """Springs of the plate's contacts of rod i."""
+    if springs is None:
+        return 0.0, 0.0
+    return springs[i, 0], springs[i, 1]
+
+
+@kernel
+def keep_springs(springs, i, lower, upper):
+    """Keep them for the next step."""
+    if springs is not None:
+        springs[i, 0], springs[i, 1] = lower, upper
+
+
+@kernel
+def on_plate(normal, effects, rods, i, others, springs, plate, ledger, record, step, dt):
+    """Accelerations of rod i with those by the plate; whether it is too deep."""
+    if normal is None:
+        return others, False
+    direction = (rods[i, SINE], rods[i, COSINE])
+    if rods[i, Z] - abs(direction[1]) * effects.half_length - 0.5 >= plate[0]:
+        keep_springs(springs, i, 0.0, 0.0)
+        landed(record, effects, rods, i, plate, step)
+        return others, False
+    half = (rods[i, C_X], rods[i, C_Z], rods[i, OMEGA])
+    a, lower, upper = accelerations(
+        effects, others, plate, rods[i, Z], direction, half, half, kept_springs(springs, i), dt
+    )
+    keep_springs(springs, i, lower.spring, upper.spring)
+    now = (half[0] + a[0] * dt / 2, half[1] + a[1] * dt / 2, half[2] + a[2] * dt / 2)
+    plate_accounted(ledger, effects, lower, plate, now, dt)
+    plate_accounted(ledger, effects, upper, plate, now, dt)
+    watched_landing(record, effects, rods, i, others, lower, upper, plate, step, dt)
+    return a, not max(lower.overlap, upper.overlap) <= DEEP
+
+
+@kernel
+def sampled(series, rods, step):
+    """Add to the series at a sampling step."""
+    if series is None:
+        return
+    row, part = divmod(step, series.per)
+    if part % series.every != 0:
+        return
+    n, x, tilt, rows, sides = rods.shape[0], 0.0, 0.0, series.rows, series.sides
+    for i in range(n):
+        sine, cosine = rods[i, SINE], rods[i, COSINE]
+        x += rods[i, X]
+        tilt += atan(sine / cosine) if cosine != 0.0 else np.pi / 2  # a rod has no head
+        if cosine * sides[i, 1] < 0:
+            rows[row, FELL] += 1
+        elif sine * sides[i, 0] < 0:
+            rows[row, UPRIGHT] += 1
+        sides[i, 0], sides[i, 1] = sine, cosine
+    if part == 0:
+        rows[row, MEAN_X] = x / n
+    rows[row, TILTS] += tilt / n
+    rows[row, SAMPLES] += 1
+
+
+@kernel
+def full(record):
+    """Whether the record might not hold another step."""
+    if record is None:
+        return False
+    return record.count[0] + record.open.shape[0] > record.rows.shape[0]
+
+
+@kernel(inline=False)
+def march(crowd, rods, springs, listed, scratch, total, ledger, record, series, first, steps, dt):
+    """`steps` steps of all rods from step number `first`; steps made, why it ended, where.
+
+    Parameters
+    ----------
+    crowd : Crowd
+    rods : (N, 7): x, z, sin and cos of the tilt at a step; c_x, c_z, omega half a step before
+    springs : (N, 2) of the plate's contacts, or None
+    listed, scratch : the list of pairs, and arrays for its making, or None
+    total : (N, 3), scratch
+    ledger : (5,) to add to, or None
+    record : `landings.Record`, or None
+    series : Series, or None
     """
-    scene = crowd.alone
-    g = weight(scene.gravity)
+    effects = crowd.alone
+    g = weight(effects.gravity)
     for n in range(steps):
-        plate = plate_at(scene.plate, first + n)
-        total[:, 0], total[:, 1], total[:, 2] = g
-        why, where = crowded(crowd.between, crowd, rods, listed, scratch, total, dt)
+        if full(record):
+            return n, FULL_RECORD, 0
+        plate = plate_at(effects.plate, first + n)
+        for i in range(rods.shape[0]):
+            total[i, 0], total[i, 1], total[i, 2] = g
+        why, where = crowded(crowd.between, crowd, rods, listed, scratch, total, ledger, dt)
         if why != DONE:
             return n, why, where
+        sampled(series, rods, first + n)
         for i in range(rods.shape[0]):
-            half = (rods[i, C_X], rods[i, C_Z], rods[i, OMEGA])
-            direction = (rods[i, SINE], rods[i, COSINE])
             others = (total[i, 0], total[i, 1], total[i, 2])
-            lowest = rods[i, Z] - abs(direction[1]) * scene.half_length - 0.5
-            if lowest < plate[0]:
-                a, lower, upper = accelerations(
-                    scene,
-                    *(others, plate, rods[i, Z], direction, half, half),
-                    *((springs[i, 0], springs[i, 1]), dt),
-                )
-                springs[i, 0], springs[i, 1] = lower.spring, upper.spring
-                if not max(lower.overlap, upper.overlap) <= DEEP:
-                    return n, TOO_DEEP, i
-            else:
-                a = others
-                springs[i, 0], springs[i, 1] = 0.0, 0.0
-            c_x, c_z, omega = half[0] + dt * a[0], half[1] + dt * a[1], half[2] + dt * a[2]
+            a, deep = on_plate(
+                *(effects.normal, effects, rods, i, others, springs, plate),
+                *(ledger, record, first + n, dt),
+            )
+            if deep:
+                return n, TOO_DEEP, i
+            c_x = rods[i, C_X] + dt * a[0]
+            c_z = rods[i, C_Z] + dt * a[1]
+            omega = rods[i, OMEGA] + dt * a[2]
             if not abs(c_x + c_z + omega) < 1e100:
                 return n, NOT_FINITE, i
             rods[i, X] += dt * c_x
             rods[i, Z] += dt * c_z
-            rods[i, SINE], rods[i, COSINE] = turned(direction, omega * dt)
+            rods[i, SINE], rods[i, COSINE] = turned((rods[i, SINE], rods[i, COSINE]), omega * dt)
             rods[i, C_X], rods[i, C_Z], rods[i, OMEGA] = c_x, c_z, omega
     return steps, DONE, 0

@@ -1,0 +1,353 @@
+"""Run a scene: period by period, with landings, energy, standard errors, checkpoint and resume."""
+
+import json
+import os
+import signal
+import tempfile
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from typing import Any, TextIO
+
+import numba
+import numpy as np
+from tqdm import tqdm
+
+from . import landings, row
+from .cache import digest
+from .engine import SAMPLES, Engine, prepare
+from .laws import number
+from .scene import Scene, as_dict
+from .statistics import ratio, standard_error, transient
+from .trajectory import write_frame
+
+_CHUNK = 0.25  # seconds of a call of the kernel: how long Ctrl-C may wait
+_SAVED = 60.0  # seconds from one checkpoint to the next
+
+# What is summed over the landings of each period.
+SUMS = (
+    *("landings", "plate", "c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before"),
+    *("restitution", "flight", "flights", "duration", "slide", "stick", "reversal", "shared"),
+)
+MEANS = {  # what follows: its unit is the plate's peak velocity where it says so
+    "plate_velocity": ("plate", "landings"),
+    "c_x_before": ("c_x_before", "landings"),
+    "c_x_after": ("c_x_after", "landings"),
+    "c_z_before": ("c_z_before", "landings"),
+    "c_z_after": ("c_z_after", "landings"),
+    "omega_before": ("omega_before", "landings"),
+    "restitution": ("restitution", "landings"),
+    "flight_periods": ("flight", "flights"),
+    "contact_periods": ("duration", "landings"),
+    "slide": ("slide", "landings"),
+    "slip_stick": ("stick", "landings"),
+    "slip_reversal": ("reversal", "landings"),
+    "not_isolated": ("shared", "landings"),
+}
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run measured; velocities in sqrt(g d) unless the name says cm/s.
+
+    c_x, tilt_deg : means over rods and over the periods behind the transient, with standard errors
+    discarded : periods of the transient (MSER-5 on the drift, at most half of the run)
+    energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
+    landings : mean and standard error of each quantity of `runner.MEANS`, and landings per rod and
+        period; None without a plate
+    turned : times that a rod fell past the horizontal, and passed the vertical
+    c_x_series, tilt_series : period by period, transient included
+    rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
+    """
+
+    scene: Scene
+    c_x: float
+    c_x_stderr: float
+    tilt_deg: float
+    tilt_stderr_deg: float
+    periods: int
+    discarded: int
+    steps_per_period: int
+    dt: float
+    run_seconds: float
+    compile_seconds: float
+    energy: dict[str, float] | None
+    landings: dict[str, Any] | None
+    turned: dict[str, int]
+    c_x_series: np.ndarray
+    tilt_series: np.ndarray
+    rods: np.ndarray
+    finished: bool
+
+    @property
+    def rod_steps(self) -> int:
+        """Steps times rods."""
+        return self.periods * self.steps_per_period * self.scene.rods.count
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""
+        contact = self.scene.contacts.plate or self.scene.contacts.rods
+        skip = ("scene", "c_x_series", "tilt_series", "rods")
+        plain = {key: value for key, value in vars(self).items() if key not in skip}
+        return _finite(
+            {
+                **plain,
+                "c_x_cm_s": self.c_x * self.scene.cm_per_s,
+                "rod_steps": self.rod_steps,
+                "scene": as_dict(self.scene),
+                "scene_digest": self.scene.digest(),
+                "law": contact.law.name if contact else None,
+                "seed": self.scene.start.seed,
+                "versions": {"md": digest(), "numpy": np.__version__, "numba": numba.__version__},
+            }
+        )
+
+
+def _finite(value: Any) -> Any:
+    """JSON has neither nan nor inf."""
+    if isinstance(value, dict):
+        return {key: _finite(inner) for key, inner in value.items()}
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+class _Tables:
+    """What a run adds up, a row a period."""
+
+    def __init__(self, engine: Engine, periods: int):
+        self.per, self.speed = engine.per, engine.scene.plate_speed or 1.0
+        self.series = np.zeros((periods + 1, 5))
+        self.sides = engine.rods[:, 2:4].copy()
+        self.sums = np.zeros((periods + 1, len(SUMS)))
+
+    def add(self, rows: np.ndarray) -> None:
+        """Landings."""
+        period = (rows[:, landings.STEP] // self.per).astype(int)
+        flight = rows[:, landings.FLIGHT]
+        regime = rows[:, landings.REGIME]
+        before, after = landings.BEFORE, landings.AFTER
+        columns = (
+            *(np.ones(len(rows)), rows[:, landings.PLATE] / self.speed),
+            *(rows[:, before], rows[:, after], rows[:, before + 1], rows[:, after + 1]),
+            rows[:, before + 2],
+            -rows[:, landings.LEAVING] / rows[:, landings.APPROACH],
+            *(np.nan_to_num(flight) / self.per, np.isfinite(flight)),
+            rows[:, landings.DURATION] / self.per,
+            *(regime == 1, regime == 2, regime == 3, rows[:, landings.SHARED] > 0),
+        )
+        np.add.at(self.sums, period, np.array(columns, float).T)
+
+    def means(self, first: int, last: int, rods: int) -> dict[str, Any]:
+        """Of the landings of some periods."""
+        part = dict(zip(SUMS, self.sums[first:last].T, strict=True))
+        found = {name: ratio(part[top], part[base]) for name, (top, base) in MEANS.items()}
+        found["per_rod_and_period"] = ratio(part["landings"], np.full(last - first, rods))
+        return {name: {"mean": m, "stderr": e} for name, (m, e) in found.items()}
+
+
+def _result(engine: Engine, tables: _Tables, began: dict, periods: int, finished: bool) -> Result:
+    n, dt, per = engine.scene.rods.count, engine.dt, engine.per
+    places = tables.series[: periods + 1, row.MEAN_X].copy()
+    if engine.step == periods * per:  # the sample that begins the next period is not yet made
+        places[-1] = engine.rods[:, 0].mean()
+    c_x = np.diff(places) / (dt * per)
+    tilt = np.degrees(tables.series[:periods, row.TILTS] / tables.series[:periods, row.SAMPLES])
+    cut = transient(c_x)
+    energy = None
+    if engine.ledger is not None:
+        change = engine.energy() - began["energy"]
+        work, *losses = map(float, engine.ledger)
+        names = ("plate_normal", "plate_friction", "rods_normal", "rods_friction")
+        energy = {"plate_work": work, **dict(zip(names, losses, strict=True)), "change": change}
+        energy["residual"] = work - sum(losses) - change
+    return Result(
+        scene=engine.scene,
+        c_x=float(c_x[cut:].mean()) if periods else float("nan"),
+        c_x_stderr=standard_error(c_x[cut:]),
+        tilt_deg=float(tilt[cut:].mean()) if periods else float("nan"),
+        tilt_stderr_deg=standard_error(tilt[cut:]),
+        periods=periods,
+        discarded=cut,
+        steps_per_period=per,
+        dt=dt,
+        run_seconds=began["seconds"],
+        compile_seconds=began["compile"],
+        energy=energy,
+        landings=tables.means(cut, periods, n) if engine.record and periods else None,
+        turned={
+            "fell": int(tables.series[:, row.FELL].sum()),
+            "passed_upright": int(tables.series[:, row.UPRIGHT].sum()),
+        },
+        c_x_series=c_x,
+        tilt_series=tilt,
+        rods=engine.rods.copy(),
+        finished=finished,
+    )
+
+
+def _write(file: TextIO, engine: Engine) -> None:
+    """Append a frame of the trajectory."""
+    plate = engine.crowd.alone.plate
+    height = float(plate.height[engine.step % engine.per]) if plate else 0.0
+    write_frame(file, engine.scene, engine.rods, engine.step / engine.per, height)
+
+
+@contextmanager
+def _interruptible():
+    """A function that says whether Ctrl-C was pressed; it is not raised in the middle of a step."""
+    pressed = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield pressed.is_set
+        return
+    usual = signal.signal(signal.SIGINT, lambda *_: pressed.set())
+    try:
+        yield pressed.is_set
+    finally:
+        signal.signal(signal.SIGINT, usual)
+
+
+def _save(path: Path, engine: Engine, tables: _Tables, began: dict) -> None:
+    """Checkpoint, beside the old one first."""
+    about = {"scene": engine.scene.digest(), "code": digest(), "step": engine.step, **began}
+    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
+        try:
+            used = engine.step // engine.per + 1
+            np.savez(
+                file,
+                about=json.dumps(about),
+                series=tables.series[:used],
+                sums=tables.sums[:used],
+                sides=tables.sides,
+                **engine.arrays(),
+            )
+        except BaseException:
+            Path(file.name).unlink(missing_ok=True)
+            raise
+    os.replace(file.name, path)  # noqa: PTH105
+
+
+def _resume(path: Path, engine: Engine, tables: _Tables) -> dict:
+    """Go on from a checkpoint."""
+    try:
+        with np.load(path) as saved:
+            arrays = dict(saved)
+        about = json.loads(str(arrays.pop("about")))
+    except (OSError, ValueError, KeyError) as error:
+        raise ValueError(f"checkpoint {path} cannot be read: {error}") from None
+    for key, mine in (("scene", engine.scene.digest()), ("code", digest())):
+        if about.pop(key) != mine:
+            raise ValueError(f"checkpoint {path} belongs to another {key}; remove it to start anew")
+    step = about.pop("step")
+    if step > (len(tables.series) - 1) * engine.per:
+        raise ValueError(f"checkpoint {path} is {step // engine.per} periods long already")
+    for name in ("series", "sums", "sides"):
+        part = arrays.pop(name)
+        getattr(tables, name)[: len(part)] = part
+    engine.restore(arrays, step)
+    return about
+
+
+def _loop(engine, tables, series, began, goal, observe, frame, save, bar, pressed) -> None:
+    """March to the step `goal` in calls of about `_CHUNK` seconds.
+
+    `frame` is (steps between two frames, function that writes one) or None, `save` a function.
+    """
+    chunk, saved = max(engine.per // 64, 1), perf_counter()
+    while engine.step < goal and not pressed():
+        steps = min(chunk, goal - engine.step)
+        if frame is not None:
+            gap, write = frame
+            if engine.step % gap == 0:
+                write()
+            steps = min(steps, gap - engine.step % gap)
+        begin, first = perf_counter(), engine.step
+        engine.go(steps, series)
+        seconds = perf_counter() - begin
+        began["seconds"] += seconds
+        chunk = int(np.clip(chunk * _CHUNK / max(seconds, 1e-9), chunk / 4 + 1, chunk * 4))
+        if engine.record is not None and engine.record.count[0]:
+            rows = engine.record.rows[: engine.record.count[0]]
+            tables.add(rows)
+            if observe is not None:
+                observe(rows.copy())
+            engine.record.count[0] = 0
+        bar.update(engine.step // engine.per - first // engine.per)
+        if perf_counter() - saved > _SAVED:
+            save()
+            saved = perf_counter()
+
+
+def run(
+    scene: Scene,
+    *,
+    periods: int = 200,
+    ledger: bool = True,
+    observe: Callable[[np.ndarray], None] | None = None,
+    trajectory: str | Path | None = None,
+    frames: int = 1,
+    checkpoint: str | Path | None = None,
+    progress: bool = False,
+) -> Result:
+    """Run a scene and measure it.
+
+    Parameters
+    ----------
+    scene : Scene
+    periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
+    ledger : whether to account for the energy
+    observe : called now and then with new landings, (n, landings.WIDTH); they are not kept
+    trajectory : file for extended XYZ, appended to when a checkpoint is resumed
+    frames : of the trajectory, per period
+    checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
+        it and gives bit for bit the numbers of a run that never stopped
+    progress : whether to show a progress bar, on a terminal, after two seconds
+
+    Ctrl-C ends the run: the result has `finished` False and covers the whole periods made.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of its domain, the step is not stable, or the checkpoint is of
+        another scene or of other sources.
+    RunError
+        If a state stops being finite, or a contact is deeper than d/2.
+    """
+    periods = int(number("periods", periods, 1, 1e9, "a whole number >= 1"))
+    frames = int(number("frames", frames, 1, 1e6, "a whole number >= 1"))
+    engine = prepare(scene, ledger=ledger)
+    tables = _Tables(engine, periods)
+    every = max(engine.per // SAMPLES, 1)
+    series = row.Series(tables.series, tables.sides, engine.per, every)
+    begin = perf_counter()
+    engine.go(0, series)  # compiles
+    began = {"compile": perf_counter() - begin, "seconds": 0.0}
+    began["energy"] = engine.energy() if ledger else 0.0
+    if checkpoint is not None and (checkpoint := Path(checkpoint)).exists():
+        began |= _resume(checkpoint, engine, tables) | {"compile": began["compile"]}
+
+    def save() -> None:
+        if checkpoint is not None:
+            _save(checkpoint, engine, tables, began)
+
+    with ExitStack() as stack:
+        pressed = stack.enter_context(_interruptible())
+        frame = None
+        if trajectory is not None:
+            file = stack.enter_context(Path(trajectory).open("a" if engine.step else "w"))
+            frame = max(engine.per // frames, 1), partial(_write, file, engine)
+        bar = stack.enter_context(
+            tqdm(total=periods, unit=" periods", delay=2, disable=None if progress else True)
+        )
+        bar.update(engine.step // engine.per)
+        _loop(
+            *(engine, tables, series, began, periods * engine.per),
+            *(observe, frame, save, bar, pressed),
+        )
+        save()
+    made = engine.step // engine.per
+    return _result(engine, tables, began, made, engine.step >= periods * engine.per)

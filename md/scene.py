@@ -1,0 +1,356 @@
+"""Scenes: what is there, as frozen dataclasses or TOML. What a scene does not name is not there.
+
+Lengths are in rod diameters, times in sqrt(d/g), velocities in sqrt(g d); only `diameter_cm` and
+`frequency_hz` are not, and turn into these at once. `md/scenes/` holds examples.
+"""
+
+import hashlib
+import inspect
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
+from pathlib import Path
+from typing import Any, get_args, get_type_hints
+
+from .laws import LAWS, Law, number
+
+GRAVITY_CM = 981.0  # cm/s^2
+SCENES = Path(__file__).parent / "scenes"
+
+
+def _whole(name: str, value: object, low: int, high: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise TypeError(f"{name} must be a whole number, got {value!r}")
+    return int(number(name, value, low, high, f"between {low} and {high}"))
+
+
+def _check(part: str, **limits: tuple[float, float, str]):
+    """A `__post_init__` that holds the named numbers within their limits, as floats."""
+
+    def check(self) -> None:
+        for name, (low, high, domain) in limits.items():
+            value = getattr(self, name)
+            if value is None:
+                continue
+            if isinstance(value, bool):
+                raise TypeError(f"{part}.{name} must be a number, got {value!r}")
+            object.__setattr__(self, name, number(f"{part}.{name}", value, low, high, domain))
+
+    return check
+
+
+@dataclass(frozen=True)
+class Rods:
+    """Spherocylinders of one kind."""
+
+    count: int = 1
+    length: float = 9.5  # overall, caps included
+    inertia: str = "solid"  # of the uniform body, or "thin", the paper's length^2/12
+    diameter_cm: float = 0.6
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "count", _whole("rods.count", self.count, 1, 10**6))
+        if self.inertia not in ("solid", "thin"):
+            raise ValueError(f"rods.inertia must be solid or thin, got {self.inertia!r}")
+        _check(
+            "rods",
+            length=(1.0, 1e3, "between 1 and 1000"),
+            diameter_cm=(1e-6, 1e6, "between 1e-6 and 1e6"),
+        )(self)
+
+
+@dataclass(frozen=True)
+class Plate:
+    """Horizontal plate at A sin(2 pi f t); without acceleration it is at rest."""
+
+    acceleration: float = 0.0  # peak, in g: the paper's Gamma
+    frequency_hz: float = 60.0
+
+    __post_init__ = _check(
+        "plate",
+        acceleration=(0.0, 1e3, "between 0 and 1000"),
+        frequency_hz=(1e-3, 1e6, "between 1e-3 and 1e6"),
+    )
+
+
+@dataclass(frozen=True)
+class Box:
+    """Length after which everything repeats along x."""
+
+    length: float
+
+    __post_init__ = _check("box", length=(1.0, 1e7, "between 1 and 1e7"))
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """In g; a plate inclined by a has x = sin a, z = -cos a."""
+
+    x: float = 0.0
+    z: float = -1.0
+
+    __post_init__ = _check(
+        "gravity", x=(-1e3, 1e3, "up to 1000 in size"), z=(-1e3, 1e3, "up to 1000 in size")
+    )
+
+
+@dataclass(frozen=True)
+class Contact:
+    """How a pair of surfaces touches; a coefficient of friction of 0 is no friction at all."""
+
+    law: Law
+    friction: float = 0.0
+
+    __post_init__ = _check("contact", friction=(0.0, inf, ">= 0"))
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Materials, one for each pair of surfaces that may touch; an absent pair does not."""
+
+    plate: Contact | None = None
+    rods: Contact | None = None
+
+
+@dataclass(frozen=True)
+class Start:
+    """Rods in a row, alike in tilt, the lower caps on the plate, with small random velocities."""
+
+    tilt_deg: float | None = None  # None: acos(count/length of the box), side by side
+    seed: int = 0
+    speed: float = 1e-3  # largest of each component
+    drop: float = 0.0  # height of the caps over the plate
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "seed", _whole("start.seed", self.seed, 0, 2**63 - 1))
+        _check(
+            "start",
+            tilt_deg=(-90.0, 90.0, "between -90 and 90"),
+            speed=(0.0, 1e3, "between 0 and 1000"),
+            drop=(0.0, 1e3, "between 0 and 1000"),
+        )(self)
+
+
+@dataclass(frozen=True)
+class Step:
+    """Time step; None: a fiftieth of a contact at twice the plate's peak velocity."""
+
+    size: float | None = None
+
+    __post_init__ = _check("step", size=(1e-12, 1e3, "between 1e-12 and 1000"))
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Rods and what acts on them.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of its domain or the parts do not fit together: the rods into the box at
+        the tilt, a plate without its contact, friction as a constraint between rods.
+    TypeError
+        If a value is of the wrong type.
+    """
+
+    rods: Rods = field(default_factory=Rods)
+    plate: Plate | None = None
+    box: Box | None = None
+    gravity: Gravity | None = None
+    contacts: Contacts = field(default_factory=Contacts)
+    start: Start = field(default_factory=Start)
+    step: Step = field(default_factory=Step)
+
+    def __post_init__(self) -> None:
+        plate, between = self.contacts.plate, self.contacts.rods
+        if (plate is None) != (self.plate is None):
+            there, missing = ("contacts.plate", "plate")[:: 1 if plate else -1]
+            raise ValueError(f"{missing} is missing: the scene names {there}, and needs both")
+        if between is not None and between.friction > 0 and between.law.spring is None:
+            raise ValueError(
+                f"contacts.rods.law must have a tangential spring, got {between.law.name!r}: "
+                "friction as a constraint is for the plate"
+            )
+        if self.start.tilt_deg is None and self.box is None:
+            raise ValueError("start.tilt_deg is missing: without a box it has no default")
+        self._fit()
+
+    def _fit(self) -> None:
+        """Refuse rods that would overlap at the start."""
+        rods, box = self.rods, self.box
+        if box is None or self.contacts.rods is None:
+            return
+        if box.length < rods.count:
+            raise ValueError(
+                f"box.length must be at least {rods.count} for {rods.count} rods, got "
+                f"{box.length:g}"
+            )
+        steepest = degrees(acos(rods.count / box.length))
+        spacing, tilt = box.length / rods.count, self.tilt
+        beyond = max(spacing * abs(sin(tilt)) - (rods.length - 1), 0.0)  # along the axes
+        if hypot(beyond, spacing * cos(tilt)) < 1 - 1e-12:
+            raise ValueError(
+                f"start.tilt_deg must be at most {steepest:.6g} for {rods.count} rods in a box of "
+                f"{box.length:g}, got {degrees(tilt):.6g}"
+            )
+
+    @property
+    def tilt(self) -> float:
+        """Tilt at the start, rad."""
+        if self.start.tilt_deg is not None:
+            return radians(self.start.tilt_deg)
+        return acos(min(self.rods.count / self.box.length, 1.0))
+
+    @property
+    def vibrates(self) -> bool:
+        """Whether the plate moves."""
+        return self.plate is not None and self.plate.acceleration > 0
+
+    @property
+    def frequency(self) -> float:
+        """Of the plate, in sqrt(g/d); 1 where nothing vibrates, so that a period is sqrt(d/g)."""
+        if not self.vibrates:
+            return 1.0
+        return self.plate.frequency_hz * sqrt(self.rods.diameter_cm / GRAVITY_CM)
+
+    @property
+    def plate_speed(self) -> float:
+        """Peak velocity of the plate, V_0, in sqrt(g d)."""
+        return self.plate.acceleration / (2 * pi * self.frequency) if self.vibrates else 0.0
+
+    @property
+    def cm_per_s(self) -> float:
+        """Unit of velocity, sqrt(g d)."""
+        return sqrt(GRAVITY_CM * self.rods.diameter_cm)
+
+    @property
+    def impact_speed(self) -> float:
+        """Speed of the impacts to expect: of the plate and of the fall at the start."""
+        pull = hypot(self.gravity.x, self.gravity.z) if self.gravity else 0.0
+        fall = sqrt(2 * pull * self.start.drop)
+        return max(2 * self.plate_speed + fall + self.start.speed, 0.1)
+
+    def digest(self) -> str:
+        """Twelve hexadecimal digits that stand for the scene."""
+        return hashlib.sha256(repr(self).encode()).hexdigest()[:12]
+
+
+def as_dict(part: Any) -> Any:
+    """The scene, or a part, as plain dictionaries without what is absent."""
+    if is_dataclass(part):
+        part = {f.name: getattr(part, f.name) for f in fields(part)}
+    elif isinstance(part, tuple):
+        part = part._asdict()
+    else:
+        return part
+    return {name: as_dict(value) for name, value in part.items() if value is not None}
+
+
+def _contact(name: str, table: Mapping) -> Contact:
+    """A contact from its table: law, friction, and the options of the law."""
+    options = dict(table)
+    law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
+    if law not in LAWS:
+        raise ValueError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
+    known = inspect.signature(LAWS[law]).parameters
+    for key, value in options.items():
+        if key not in known:
+            raise ValueError(_unknown(f"{name}.{key}", ("law", "friction", *known)))
+        if isinstance(value, bool) != isinstance(known[key].default, bool):
+            wanted = "true or false" if isinstance(known[key].default, bool) else "a number"
+            raise TypeError(f"{name}.{key} must be {wanted}, got {value!r}")
+    try:
+        return Contact(LAWS[law](**options), friction)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{name}.{str(error).removeprefix('contact.')}") from None
+
+
+def _unknown(key: str, known) -> str:
+    return f"{key} is not a key of a scene; known there: {', '.join(known)}"
+
+
+def _build(kind: type, name: str, table: object):
+    """A part of a scene from its table."""
+    if not isinstance(table, Mapping):
+        raise TypeError(f"{name} must be a table, got {table!r}")
+    if kind is Contact:
+        return _contact(name, table)
+    hints, parts = get_type_hints(kind), {}
+    for key, value in table.items():
+        if key not in hints:
+            raise ValueError(_unknown(f"{name}.{key}" if name else key, hints))
+        inner = next((t for t in (hints[key], *get_args(hints[key])) if is_dataclass(t)), None)
+        path = f"{name}.{key}" if name else key
+        parts[key] = _build(inner, path, value) if inner else value
+    missing = [key for key in inspect.signature(kind).parameters if key not in parts]
+    required = [
+        k for k in missing if inspect.signature(kind).parameters[k].default is inspect._empty
+    ]
+    if required:
+        raise ValueError(f"{name}.{required[0]} is missing")
+    return kind(**parts)
+
+
+def _set(table: dict, assignment: str) -> None:
+    """Put KEY=VALUE, the value as in TOML or a bare word, into nested tables."""
+    key, equals, text = assignment.partition("=")
+    if not equals:
+        raise ValueError(f"--set needs KEY=VALUE, got {assignment!r}")
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text.strip()
+    *path, last = key.strip().split(".")
+    for part in path:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise ValueError(f"--set {key}: {part} is a value, not a table")
+    if value == "none":
+        table.pop(last, None)
+    else:
+        table[last] = value
+
+
+def load(source: str | Path, assignments: list[str] = ()) -> Scene:
+    """A scene from a TOML file, or the example of that name, with some keys set anew.
+
+    Parameters
+    ----------
+    source : path of a file, or the name of a file in `md/scenes/` without its ending
+    assignments : "rods.count=20", ...; "box=none" takes a part out of the scene
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the file cannot be read or holds what is not a scene.
+    """
+    path = Path(source)
+    if not path.exists() and (SCENES / f"{source}.toml").exists():
+        path = SCENES / f"{source}.toml"
+    try:
+        table = tomllib.loads(path.read_text())
+    except (OSError, UnicodeDecodeError) as error:
+        names = ", ".join(sorted(p.stem for p in SCENES.glob("*.toml")))
+        raise ValueError(f"{source}: no such scene ({error}); examples: {names}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{source}: {error}") from None
+    for assignment in assignments:
+        _set(table, assignment)
+    return _build(Scene, "", table)
+
+
+__all__ = [
+    "Box",
+    "Contact",
+    "Contacts",
+    "Gravity",
+    "Plate",
+    "Rods",
+    "Scene",
+    "Start",
+    "Step",
+    "as_dict",
+    "load",
+    "replace",
+]
