@@ -176,7 +176,7 @@ class Engine:
             deep = height + 0.5 - z + self.crowd.alone.half_length * abs(cosine)
             raise RunError(f"rod {where}: overlap {deep:.3g} d with the plate {at}", state)
         now = self.listed.turn[0]
-        i, j, image = self.listed.index[now, where]
+        i, j, image, _ = self.listed.index[now, where]
         deep = max(self.overlaps(state, i, j, image))
         raise RunError(f"rods {i} and {j}: overlap {deep:.3g} d with each other {at}", state)
 
@@ -210,7 +210,7 @@ class Engine:
                 total += 0.4 * effects.normal.stiffness * (np.maximum(deep, 0) ** 2.5).sum()
         if self.listed:
             now, stiffness = self.listed.turn[0], self.crowd.between.normal.stiffness
-            for i, j, image in self.listed.index[now, : self.listed.start[now, -1]]:
+            for i, j, image, _ in self.listed.index[now, : self.listed.start[now, -1]]:
                 deep = np.maximum(self.overlaps(rods, i, j, image), 0)
                 total += 0.4 * stiffness * (deep**2.5).sum()
         return float(total)

@@ -1,7 +1,8 @@
 """Which rods may touch: a list that misses none, built in time linear in their number.
 
-The list holds every pair whose axes come closer than 1 + skin; it is built anew before the centres
-and ends can have moved by half the skin. A periodic box repeats the closest points, not the
+The list holds every pair whose axes come closer than 1 + skin; it is built anew before any point of
+an axis has moved by half the skin. A bound on that, the sum of the largest speeds, saves looking at
+every rod in every step. A periodic box repeats the closest points, not the
 centres: an entry is a pair with the image of its second rod, so that two rods of a short box may
 stand in the list several times, and a rod beside its own image.
 """
@@ -22,9 +23,10 @@ class Listed(NamedTuple):
     """
 
     turn: np.ndarray  # (1,): 0 or 1
+    travelled: np.ndarray  # (1,): how far any rod may have moved since the list was built
     start: np.ndarray  # (2, rods + 1)
-    index: np.ndarray  # (2, capacity, 3): first rod, second >= first, image of the second: its x
-    # plus so many periods
+    index: np.ndarray  # (2, capacity, 4): first rod, second >= first, image of the second: its x
+    # plus so many periods, whether they touch
     springs: np.ndarray | None  # (2, capacity, 4): first rod's lower and upper end, second rod's
     losses: np.ndarray | None  # (2, capacity, 8): lost normal force and friction, end by end
     built: np.ndarray  # (rods, 4): place and direction of the rods when the list was built
@@ -35,8 +37,9 @@ def nothing_listed(rods: int, capacity: int, springs: bool, losses: bool) -> Lis
     """A list that is out of date."""
     return Listed(
         np.zeros(1, np.int64),
+        np.full(1, np.inf),
         np.zeros((2, rods + 1), np.int64),
-        np.zeros((2, capacity, 3), np.int64),
+        np.zeros((2, capacity, 4), np.int64),
         np.zeros((2, capacity, 4)) if springs else None,
         np.zeros((2, capacity, 8)) if losses else None,
         np.full((rods, 4), np.inf),
@@ -69,6 +72,13 @@ def places(dx, dz, a, b, half, end):
 def apart(dx, dz, a, b, s, t):
     """Vector from a place on the second axis to one on the first."""
     return dx + s * a[0] - t * b[0], dz + s * a[1] - t * b[1]
+
+
+@kernel
+def clear(dx, dz, a, b, half):
+    """Whether all of the second axis is 1 or more off the first one's line: a quick way out."""
+    off = abs(dx * a[1] - dz * a[0])
+    return off - half * abs(a[0] * b[1] - a[1] * b[0]) >= 1.0
 
 
 @kernel
@@ -168,14 +178,15 @@ def build(rods, half, period, skin, listed, place, found):
         k = start[new, i]
         for c in range(3):
             index[new, k, c] = found[m, c]
-        before = -1
+        before, index[new, k, 3] = -1, 0
         for o in range(start[old, i], start[old, i + 1]):
             if index[old, o, 1] == found[m, 1] and index[old, o, 2] == found[m, 2]:
-                before = o
+                before, index[new, k, 3] = o, index[old, o, 3]
         carry(listed.springs, old, before, new, k)
         carry(listed.losses, old, before, new, k)
     listed.turn[0] = new if count >= 0 else old
     if count >= 0:
+        listed.travelled[0] = 0.0
         for i in range(n):
             for c in range(4):
                 listed.built[i, c] = rods[i, c]
@@ -183,12 +194,22 @@ def build(rods, half, period, skin, listed, place, found):
 
 
 @kernel(inline=False)
-def strayed(rods, built, half, skin):
-    """Whether any rod has moved so far since the list was built that it may miss a pair."""
+def farthest(rods, built, half):
+    """How far any point of an axis has moved since the list was built, or somewhat more."""
+    far = 0.0
     for i in range(rods.shape[0]):
         dx, dz = rods[i, X] - built[i, X], rods[i, Z] - built[i, Z]
         turn = abs(rods[i, SINE] - built[i, SINE]) + abs(rods[i, COSINE] - built[i, COSINE])
-        free = 0.5 * skin - half * turn
-        if not (free > 0 and dx * dx + dz * dz < free * free):
-            return True
-    return False
+        far = max(far, abs(dx) + abs(dz) + half * turn)
+    return far
+
+
+@kernel
+def current(rods, half, period, skin, listed, place, found):
+    """Renew the list if it may miss a pair; whether it holds all."""
+    if listed.travelled[0] < 0.5 * skin:
+        return True
+    listed.travelled[0] = farthest(rods, listed.built, half)
+    if listed.travelled[0] < 0.5 * skin:
+        return True
+    return build(rods, half, period, skin, listed, place, found) >= 0

@@ -29,7 +29,7 @@ from .contact import (
 )
 from .integrators import DEEP, DONE, NOT_FINITE, TOO_DEEP, turned
 from .landings import landed, watched_landing
-from .neighbours import COSINE, SINE, X, Z, apart, build, nearest_squared, places, strayed
+from .neighbours import COSINE, SINE, X, Z, apart, clear, current, places
 
 C_X, C_Z, OMEGA = 4, 5, 6  # columns of the rods' state after place and direction
 COLUMNS = 7
@@ -110,10 +110,9 @@ def pair_forces(crowd, between, rods, listed, total, ledger, dt):
         dx = rods[i, X] - rods[j, X] - beyond(crowd.period, index[now, k, 2])
         dz = rods[i, Z] - rods[j, Z]
         a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
-        if nearest_squared(dx, dz, a, b, half) >= 1.0:
-            forgotten(springs, now, k, 0, 4)
-            forgotten(kept, now, k, 0, 8)
+        if index[now, k, 3] == 0 and clear(dx, dz, a, b, half):
             continue
+        index[now, k, 3] = 0
         for end in range(4):
             s, t = places(dx, dz, a, b, half, end)
             r_x, r_z = apart(dx, dz, a, b, s, t)
@@ -124,6 +123,7 @@ def pair_forces(crowd, between, rods, listed, total, ledger, dt):
                 continue
             if square < (1 - DEEP) ** 2:
                 return k
+            index[now, k, 3] = 1
             r = sqrt(square)
             n_x, n_z, overlap = r_x / r, r_z / r, 1.0 - r
             p_x, p_z = s * a[0] - 0.5 * r_x, s * a[1] - 0.5 * r_z  # arms to the contact point
@@ -157,12 +157,18 @@ def crowded(between, crowd, rods, listed, scratch, total, ledger, dt):
     if between is None:
         return DONE, 0
     half = crowd.alone.half_length
-    if strayed(rods, listed.built, half, crowd.skin):
-        place, found = scratch
-        if build(rods, half, crowd.period, crowd.skin, listed, place, found) < 0:
-            return FULL_LIST, 0
+    place, found = scratch
+    if not current(rods, half, crowd.period, crowd.skin, listed, place, found):
+        return FULL_LIST, 0
     deep = pair_forces(crowd, between, rods, listed, total, ledger, dt)
     return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
+
+
+@kernel
+def travelled(between, listed, distance):
+    """Note how far a rod may have moved."""
+    if between is not None:
+        listed.travelled[0] += distance
 
 
 @kernel
@@ -273,6 +279,7 @@ def march(crowd, rods, springs, listed, scratch, total, ledger, record, series, 
         if why != DONE:
             return n, why, where
         sampled(series, rods, first + n)
+        fastest = 0.0
         for i in range(rods.shape[0]):
             others = (total[i, 0], total[i, 1], total[i, 2])
             a, deep = on_plate(
@@ -284,10 +291,13 @@ def march(crowd, rods, springs, listed, scratch, total, ledger, record, series, 
             c_x = rods[i, C_X] + dt * a[0]
             c_z = rods[i, C_Z] + dt * a[1]
             omega = rods[i, OMEGA] + dt * a[2]
-            if not abs(c_x + c_z + omega) < 1e100:
+            speed = abs(c_x) + abs(c_z) + effects.half_length * abs(omega)
+            if not speed < 1e100:
                 return n, NOT_FINITE, i
+            fastest = max(fastest, speed)
             rods[i, X] += dt * c_x
             rods[i, Z] += dt * c_z
             rods[i, SINE], rods[i, COSINE] = turned((rods[i, SINE], rods[i, COSINE]), omega * dt)
             rods[i, C_X], rods[i, C_Z], rods[i, OMEGA] = c_x, c_z, omega
+        travelled(crowd.between, listed, fastest * dt)
     return steps, DONE, 0
