@@ -6,20 +6,37 @@
 >>> hit.regime
 'slip-stick'
 
+>>> scene = md.load("quasi2d", ["rods.count=10", "box.length=10.75", "step.size=4e-4"])
+>>> result = md.run(scene, periods=20)
+>>> result.c_x > 0  # rods drift the way they lean
+True
+
 Reduced units throughout: rod diameter d, mass of a rod and gravity are 1. Nothing here is taken
 from the theory of rigid impacts in `impact`, which it is there to test.
 """
 
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .one_rod import INTEGRATORS, Impact, Rod, RunError, Track, Vibration, follow, impact
+from .runner import Result, run
+from .scene import Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 
 __all__ = [
     "INTEGRATORS",
     "LAWS",
+    "Box",
+    "Contact",
+    "Contacts",
+    "Gravity",
     "Impact",
     "Law",
+    "Plate",
+    "Result",
     "Rod",
+    "Rods",
     "RunError",
+    "Scene",
+    "Start",
+    "Step",
     "Track",
     "Vibration",
     "appendix_a",
@@ -27,4 +44,6 @@ __all__ = [
     "coulomb",
     "follow",
     "impact",
+    "load",
+    "run",
 ]

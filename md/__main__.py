@@ -1,6 +1,7 @@
 """Command line of the molecular dynamics.
 
 python -m md impact --tilt-deg 20 --friction 0.4 --restitution 0.65 --c-x 0.5 --c-z -1
+python -m md run quasi2d --set rods.count=20 --set box.length=21.5 --periods 100
 """
 
 import argparse
@@ -15,6 +16,16 @@ diameter, rod mass and gravity are 1, velocities are in sqrt(g d), times in sqrt
 
   python -m md impact --tilt-deg 20 --friction 0.4 --restitution 0.65 --c-x 0.5 --c-z -1
   python -m md impact --tilt-deg 60 --c-x 0.5 --c-z -1 --law appendix_a --integrator gear --json
+"""
+
+
+RUN_EXAMPLE = """\
+Run a scene: a TOML file, or an example of md/scenes (quasi2d, single_rod).
+
+  python -m md run quasi2d --periods 200
+  python -m md run quasi2d --set plate.acceleration=2 --set contacts.plate.law=coulomb --json
+  python -m md run mine.toml --periods 10000 --checkpoint mine.npz      # Ctrl-C, and go on later
+  python -m md run quasi2d --periods 5 --trajectory row.xyz --frames 24 # for OVITO
 """
 
 
@@ -77,6 +88,58 @@ def _impact(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _run(arguments: argparse.Namespace) -> int:
+    from .runner import run
+    from .scene import load
+
+    result = run(
+        load(arguments.scene, arguments.set),
+        periods=arguments.periods,
+        trajectory=arguments.trajectory,
+        frames=arguments.frames,
+        checkpoint=arguments.checkpoint,
+        progress=not arguments.json,
+    )
+    if arguments.json:
+        print(json.dumps(result.as_dict()))
+    else:
+        _print_result(result)
+    return 0 if result.finished else 130
+
+
+def _print_result(r) -> None:
+    """What a run measured, for people."""
+    unit, n = r.scene.cm_per_s, r.scene.rods.count
+    print(f"drift        c_x = {r.c_x:.4g} +- {r.c_x_stderr:.2g} sqrt(g d)", end="")
+    print(f" = {r.c_x * unit:.4g} +- {r.c_x_stderr * unit:.2g} cm/s")
+    print(f"tilt         {r.tilt_deg:.4g} +- {r.tilt_stderr_deg:.2g} degrees", end="")
+    print("".join(f", {name.replace('_', ' ')} {k} times" for name, k in r.turned.items() if k))
+    if r.landings and r.landings["per_rod_and_period"]["mean"] > 0:
+        mean = {name: pair["mean"] for name, pair in r.landings.items()}
+        print(f"landings     {mean['per_rod_and_period']:.3g} per rod and period:", end="")
+        print(f" slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%},", end="")
+        print(
+            f" slip reversal {mean['slip_reversal']:.0%}; not isolated {mean['not_isolated']:.0%}"
+        )
+        print(f"at landing   V_z/V_0 = {mean['plate_velocity']:.3g},", end="")
+        print(
+            f" restitution {mean['restitution']:.3g}, flight {mean['flight_periods']:.3g}", end=""
+        )
+        print(f" and contact {mean['contact_periods']:.2g} periods")
+    if r.energy:
+        lost = sum(v for k, v in r.energy.items() if k not in ("plate_work", "change", "residual"))
+        print(f"energy       plate {r.energy['plate_work']:.4g}, lost {lost:.4g},", end="")
+        print(f" gained {r.energy['change']:.3g}, residual {r.energy['residual']:.1e} m g d")
+    print(
+        f"periods      {r.periods}, of which the first {r.discarded} are not in the means", end=""
+    )
+    print("" if r.finished else "; interrupted")
+    print(f"cost         {r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} ({n} rods,", end="")
+    print(f" {r.steps_per_period} steps a period) in {r.run_seconds:.3g} s,", end="")
+    print(f" {r.run_seconds / max(r.rod_steps, 1) * 1e9:.3g} ns each; compiled in", end="")
+    print(f" {r.compile_seconds:.2g} s")
+
+
 _NOT_GIVEN = ("run", "json", "command")
 
 
@@ -85,7 +148,7 @@ def _parser() -> Parser:
     from .one_rod import INTEGRATORS
 
     parser = Parser(prog="python -m md", description=__doc__.splitlines()[0])
-    commands = parser.add_subparsers(dest="command", required=True, metavar="impact")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="impact | run")
     one = commands.add_parser(
         "impact",
         help="one soft impact: velocities, phases, regime, price",
@@ -114,6 +177,27 @@ def _parser() -> Parser:
     add("--tolerance", type=float, default=1e-13, help="of dop853 (default 1e-13)")
     add("--json", action="store_true", help="one JSON object on standard output")
     one.set_defaults(run=_impact)
+    many = commands.add_parser(
+        "run",
+        help="run a scene: drift, tilt, landings, energy",
+        description=RUN_EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add = many.add_argument
+    add("scene", help="TOML file, or the name of an example")
+    add(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="change a key of the scene; VALUE none takes it out",
+    )
+    add("--periods", type=int, default=200, help="of the plate (default 200)")
+    add("--trajectory", metavar="FILE", help="write extended XYZ, for OVITO")
+    add("--frames", type=int, default=1, help="of the trajectory, per period (default 1)")
+    add("--checkpoint", metavar="FILE", help="save here; go on from it if it is there")
+    add("--json", action="store_true", help="one JSON object on standard output")
+    many.set_defaults(run=_run)
     return parser
 
 

@@ -31,16 +31,17 @@ _SAVED = 60.0  # seconds from one checkpoint to the next
 # What is summed over the landings of each period.
 SUMS = (
     *("landings", "plate", "c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before"),
-    *("restitution", "flight", "flights", "duration", "slide", "stick", "reversal", "shared"),
+    *("approach", "leaving", "flight", "flights", "duration", "slide", "stick", "reversal"),
+    "shared",
 )
-MEANS = {  # what follows: its unit is the plate's peak velocity where it says so
+MEANS = {  # what follows from them; plate_velocity over the plate's peak velocity, V_z/V_0
     "plate_velocity": ("plate", "landings"),
     "c_x_before": ("c_x_before", "landings"),
     "c_x_after": ("c_x_after", "landings"),
     "c_z_before": ("c_z_before", "landings"),
     "c_z_after": ("c_z_after", "landings"),
     "omega_before": ("omega_before", "landings"),
-    "restitution": ("restitution", "landings"),
+    "restitution": ("leaving", "approach"),  # of all landings together
     "flight_periods": ("flight", "flights"),
     "contact_periods": ("duration", "landings"),
     "slide": ("slide", "landings"),
@@ -135,7 +136,7 @@ class _Tables:
             *(np.ones(len(rows)), rows[:, landings.PLATE] / self.speed),
             *(rows[:, before], rows[:, after], rows[:, before + 1], rows[:, after + 1]),
             rows[:, before + 2],
-            -rows[:, landings.LEAVING] / rows[:, landings.APPROACH],
+            *(-rows[:, landings.APPROACH], rows[:, landings.LEAVING]),
             *(np.nan_to_num(flight) / self.per, np.isfinite(flight)),
             rows[:, landings.DURATION] / self.per,
             *(regime == 1, regime == 2, regime == 3, rows[:, landings.SHARED] > 0),
