@@ -29,6 +29,15 @@ Run a scene: a TOML file, or an example of md/scenes (quasi2d, single_rod).
 """
 
 
+SWEEP_EXAMPLE = """\
+Run a scene along axes, on all cores, into a store; the same command goes on where it stopped.
+
+  python -m md sweep md/scenes/drift.toml --store drift.db
+  python -m md sweep mine.toml --store mine.db --scheduler tcp://host:8786   # a Dask cluster
+  python -m md results drift.db --csv drift.csv
+"""
+
+
 class Parser(argparse.ArgumentParser):
     """Bad arguments cost one line on stderr and exit code 2."""
 
@@ -140,6 +149,55 @@ def _print_result(r) -> None:
     print(f" {r.compile_seconds:.2g} s")
 
 
+def _sweep(arguments: argparse.Namespace) -> int:
+    from .sweep import execute, load_sweep
+
+    tally = execute(
+        load_sweep(arguments.sweep),
+        arguments.store,
+        workers=arguments.workers,
+        scheduler=arguments.scheduler,
+        retry=arguments.retry,
+        progress=not arguments.json,
+    )
+    if arguments.json:
+        print(json.dumps(vars(tally)))
+        return 0
+    same = "" if tally.distinct == tally.points else f", {tally.distinct} of them different"
+    print(f"points    {tally.points}{same}; {tally.there} in the store before")
+    print(f"computed  {tally.computed}, failed {tally.failed}", end="")
+    print(f", in {tally.seconds:.3g} s ({tally.run_seconds:.3g} s of runs)")
+    return 0
+
+
+def _results(arguments: argparse.Namespace) -> int:
+    from .store import table, write_csv
+
+    columns, rows = table(arguments.store)
+    if arguments.csv:
+        write_csv(arguments.csv, columns, rows)
+        print(f"{len(rows)} runs written to {arguments.csv}")
+        return 0
+    brief = [
+        *(c for c in columns if _of_scene(c) and len({row.get(c) for row in rows}) > 1),
+        *("c_x", "c_x_stderr", "tilt_deg", "periods", "seconds", "error"),
+    ]
+    brief = [c for c in brief if any(row.get(c) is not None for row in rows)]
+    cells = [brief, *([_cell(row.get(c)) for c in brief] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    for line in cells:
+        print("  ".join(cell.rjust(w) for cell, w in zip(line, widths, strict=True)))
+    return 0
+
+
+def _of_scene(column: str) -> bool:
+    return "." in column and not column.startswith(("energy.", "landings.", "turned.", "versions."))
+
+
+def _cell(value: object) -> str:
+    return "" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
 _NOT_GIVEN = ("run", "json", "command")
 
 
@@ -148,7 +206,9 @@ def _parser() -> Parser:
     from .one_rod import INTEGRATORS
 
     parser = Parser(prog="python -m md", description=__doc__.splitlines()[0])
-    commands = parser.add_subparsers(dest="command", required=True, metavar="impact | run")
+    commands = parser.add_subparsers(
+        dest="command", required=True, metavar="impact | run | sweep | results"
+    )
     one = commands.add_parser(
         "impact",
         help="one soft impact: velocities, phases, regime, price",
@@ -198,6 +258,24 @@ def _parser() -> Parser:
     add("--checkpoint", metavar="FILE", help="save here; go on from it if it is there")
     add("--json", action="store_true", help="one JSON object on standard output")
     many.set_defaults(run=_run)
+    grid = commands.add_parser(
+        "sweep",
+        help="many runs along axes, into a store",
+        description=SWEEP_EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add = grid.add_argument
+    add("sweep", help="TOML file: scene, periods, [set], [[axes]]")
+    add("--store", required=True, metavar="FILE", help="SQLite file, made if it is not there")
+    add("--workers", type=int, default=-1, help="processes (default: one a core)")
+    add("--scheduler", metavar="ADDRESS", help="of a Dask cluster, which then runs the points")
+    add("--retry", action="store_true", help="run again what failed before")
+    add("--json", action="store_true", help="one JSON object on standard output")
+    grid.set_defaults(run=_sweep)
+    found = commands.add_parser("results", help="table of a store")
+    found.add_argument("store", help="SQLite file of a sweep")
+    found.add_argument("--csv", metavar="OUT", help="write all columns to a file")
+    found.set_defaults(run=_results)
     return parser
 
 
@@ -212,8 +290,8 @@ def main(argv: list[str] | None = None) -> int:
     except RuntimeError as error:
         print(f"md: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
+    except KeyboardInterrupt as stop:
+        print(f"interrupted: {stop}" if str(stop) else "interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

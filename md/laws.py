@@ -30,6 +30,7 @@ class Law(NamedTuple):
     name: str
     normal: Normal
     spring: Spring | None  # None: friction is a constraint
+    restitution: float | None = None  # head on, where the law has a constant one
 
 
 def number(name: str, value: object, low: float, high: float, domain: str) -> float:
@@ -136,7 +137,7 @@ def constant_restitution(
     ratio = positive("tangential_ratio", tangential_ratio)
     damping = not_negative("tangential_damping", tangential_damping)
     spring = Spring(root=ratio * normal.stiffness, ratio=damping or None)
-    return Law("constant_restitution", normal, spring)
+    return Law("constant_restitution", normal, spring, float(restitution))
 
 
 def coulomb(restitution: float = 0.65, stiffness: float = STIFFNESS) -> Law:
@@ -144,7 +145,7 @@ def coulomb(restitution: float = 0.65, stiffness: float = STIFFNESS) -> Law:
 
     The law under which the rod meets the theory of rigid impacts as the plate grows stiff.
     """
-    return Law("coulomb", _normal(restitution, stiffness), None)
+    return Law("coulomb", _normal(restitution, stiffness), None, float(restitution))
 
 
 LAWS = {

@@ -26,6 +26,7 @@ from .statistics import ratio, standard_error, transient
 from .trajectory import write_frame
 
 _CHUNK = 0.25  # seconds of a call of the kernel: how long Ctrl-C may wait
+_PHASES = 64  # parts of a period
 _SAVED = 60.0  # seconds from one checkpoint to the next
 
 # What is summed over the landings of each period.
@@ -61,6 +62,8 @@ class Result:
     landings : mean and standard error of each quantity of `runner.MEANS`, and landings per rod and
         period; None without a plate
     turned : times that a rod fell past the horizontal, and passed the vertical
+    phases : landings behind the transient in each of 64 equal parts of the plate's cycle, which
+        begins where it rises through its mean height; empty without a plate
     c_x_series, tilt_series : period by period, transient included
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
     """
@@ -79,6 +82,7 @@ class Result:
     energy: dict[str, float] | None
     landings: dict[str, Any] | None
     turned: dict[str, int]
+    phases: list[int]
     c_x_series: np.ndarray
     tilt_series: np.ndarray
     rods: np.ndarray
@@ -92,7 +96,7 @@ class Result:
     def as_dict(self) -> dict[str, Any]:
         """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""
         contact = self.scene.contacts.plate or self.scene.contacts.rods
-        skip = ("scene", "c_x_series", "tilt_series", "rods")
+        skip = ("scene", "phases", "c_x_series", "tilt_series", "rods")
         plain = {key: value for key, value in vars(self).items() if key not in skip}
         return _finite(
             {
@@ -125,6 +129,7 @@ class _Tables:
         self.series = np.zeros((periods + 1, 5))
         self.sides = engine.rods[:, 2:4].copy()
         self.sums = np.zeros((periods + 1, len(SUMS)))
+        self.phases = np.zeros((periods + 1, _PHASES), np.uint16)
 
     def add(self, rows: np.ndarray) -> None:
         """Landings."""
@@ -141,6 +146,8 @@ class _Tables:
             rows[:, landings.DURATION] / self.per,
             *(regime == 1, regime == 2, regime == 3, rows[:, landings.SHARED] > 0),
         )
+        part = (rows[:, landings.STEP] % self.per * _PHASES // self.per).astype(int)
+        np.add.at(self.phases, (period, part), 1)
         np.add.at(self.sums, period, np.array(columns, float).T)
 
     def means(self, first: int, last: int, rods: int) -> dict[str, Any]:
@@ -149,6 +156,11 @@ class _Tables:
         found = {name: ratio(part[top], part[base]) for name, (top, base) in MEANS.items()}
         found["per_rod_and_period"] = ratio(part["landings"], np.full(last - first, rods))
         return {name: {"mean": m, "stderr": e} for name, (m, e) in found.items()}
+
+    def cycle(self, first: int, last: int) -> list[int]:
+        """Landings over the plate's cycle; a run begins at its lowest place, a quarter before."""
+        counts = self.phases[first:last].sum(axis=0, dtype=np.int64)
+        return np.roll(counts, -(_PHASES // 4)).tolist()
 
 
 def _result(engine: Engine, tables: _Tables, began: dict, periods: int, finished: bool) -> Result:
@@ -184,6 +196,7 @@ def _result(engine: Engine, tables: _Tables, began: dict, periods: int, finished
             "fell": int(tables.series[:, row.FELL].sum()),
             "passed_upright": int(tables.series[:, row.UPRIGHT].sum()),
         },
+        phases=tables.cycle(cut, periods) if engine.record else [],
         c_x_series=c_x,
         tilt_series=tilt,
         rods=engine.rods.copy(),
@@ -223,6 +236,7 @@ def _save(path: Path, engine: Engine, tables: _Tables, began: dict) -> None:
                 about=json.dumps(about),
                 series=tables.series[:used],
                 sums=tables.sums[:used],
+                phases=tables.phases[:used],
                 sides=tables.sides,
                 **engine.arrays(),
             )
@@ -246,7 +260,7 @@ def _resume(path: Path, engine: Engine, tables: _Tables) -> dict:
     step = about.pop("step")
     if step > (len(tables.series) - 1) * engine.per:
         raise ValueError(f"checkpoint {path} is {step // engine.per} periods long already")
-    for name in ("series", "sums", "sides"):
+    for name in ("series", "sums", "phases", "sides"):
         part = arrays.pop(name)
         getattr(tables, name)[: len(part)] = part
     engine.restore(arrays, step)

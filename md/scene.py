@@ -7,8 +7,9 @@ Lengths are in rod diameters, times in sqrt(d/g), velocities in sqrt(g d); only 
 import hashlib
 import inspect
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass, field, fields, is_dataclass
 from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
@@ -292,27 +293,67 @@ def _build(kind: type, name: str, table: object):
     return kind(**parts)
 
 
-def _set(table: dict, assignment: str) -> None:
-    """Put KEY=VALUE, the value as in TOML or a bare word, into nested tables."""
+def _parsed(assignment: str) -> tuple[str, Any]:
+    """Key and value of KEY=VALUE, the value as in TOML or a bare word."""
     key, equals, text = assignment.partition("=")
-    if not equals:
+    if not equals or not key.strip():
         raise ValueError(f"--set needs KEY=VALUE, got {assignment!r}")
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
+        return key.strip(), tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
-        value = text.strip()
-    *path, last = key.strip().split(".")
-    for part in path:
-        table = table.setdefault(part, {})
-        if not isinstance(table, dict):
-            raise ValueError(f"--set {key}: {part} is a value, not a table")
-    if value == "none":
-        table.pop(last, None)
-    else:
-        table[last] = value
+        return key.strip(), text.strip()
 
 
-def load(source: str | Path, assignments: list[str] = ()) -> Scene:
+def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
+    """A copy of a scene's tables with the values of some dotted keys changed; "none" removes."""
+    changed = deepcopy(dict(tables))
+    for key, value in changes.items():
+        table = changed
+        *path, last = key.split(".")
+        for part in path:
+            table = table.setdefault(part, {})
+            if not isinstance(table, dict):
+                raise ValueError(f"{key} cannot be set: {part} is a value, not a table")
+        if value == "none":
+            table.pop(last, None)
+        else:
+            table[last] = value
+    return changed
+
+
+def read_tables(source: str | Path) -> dict:
+    """Tables of a TOML file, or of the example scene of that name.
+
+    Raises
+    ------
+    ValueError
+        If there is no such file, or it is not TOML.
+    """
+    path = Path(source)
+    if not path.exists() and (SCENES / f"{source}.toml").exists():
+        path = SCENES / f"{source}.toml"
+    try:
+        return tomllib.loads(path.read_text())
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{source}: {error}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        names = ", ".join(sorted(p.stem for p in SCENES.glob("*.toml")))
+        reason = getattr(error, "strerror", None) or error
+        raise ValueError(f"{source} cannot be read: {reason}; examples: {names}") from None
+
+
+def from_tables(tables: Mapping) -> Scene:
+    """A scene from nested tables.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If they hold what is not a scene.
+    """
+    return _build(Scene, "", tables)
+
+
+def load(source: str | Path, assignments: Sequence[str] = ()) -> Scene:
     """A scene from a TOML file, or the example of that name, with some keys set anew.
 
     Parameters
@@ -325,32 +366,4 @@ def load(source: str | Path, assignments: list[str] = ()) -> Scene:
     ValueError, TypeError
         If the file cannot be read or holds what is not a scene.
     """
-    path = Path(source)
-    if not path.exists() and (SCENES / f"{source}.toml").exists():
-        path = SCENES / f"{source}.toml"
-    try:
-        table = tomllib.loads(path.read_text())
-    except (OSError, UnicodeDecodeError) as error:
-        names = ", ".join(sorted(p.stem for p in SCENES.glob("*.toml")))
-        raise ValueError(f"{source}: no such scene ({error}); examples: {names}") from None
-    except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"{source}: {error}") from None
-    for assignment in assignments:
-        _set(table, assignment)
-    return _build(Scene, "", table)
-
-
-__all__ = [
-    "Box",
-    "Contact",
-    "Contacts",
-    "Gravity",
-    "Plate",
-    "Rods",
-    "Scene",
-    "Start",
-    "Step",
-    "as_dict",
-    "load",
-    "replace",
-]
+    return from_tables(put(read_tables(source), dict(map(_parsed, assignments))))
