@@ -21,15 +21,17 @@ The axes multiply. joblib runs the points; this process alone writes the store.
 
 import hashlib
 import itertools
+import logging
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed, parallel_config
+from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
@@ -133,7 +135,9 @@ def _values(name: str, given: object) -> list:
             if not (low > 0 and high > 0):
                 raise ValueError(f"{name} must have both ends > 0 in log, got {low!r} and {high!r}")
             return np.geomspace(low, high, count).tolist()
-        return np.linspace(low, high, count).tolist()
+        values = np.linspace(low, high, count).tolist()
+        whole = isinstance(low, int) and all(value == round(value) for value in values)
+        return [round(value) for value in values] if whole else values
     if not isinstance(given, list) or not given:
         raise ValueError(
             f"{name} must be a list of values or a range, and not empty, got {given!r}"
@@ -289,6 +293,8 @@ def execute(
     Interrupted
         On Ctrl-C; what was finished is in the store.
     """
+    if workers == 0 or workers < -1:
+        raise ValueError(f"workers must be at least 1, or -1 for one a core, got {workers}")
     points = {point.key: point for point in sweep.points}
     begin = perf_counter()
     with Store(store) as database:
@@ -316,23 +322,26 @@ def execute(
 
 def _cores(workers: int, tasks: int) -> int:
     """Processes to use, no more than there is work for."""
-    from joblib import cpu_count
-
     return max(min(cpu_count() if workers == -1 else workers, tasks), 1)
 
 
-def _backend(scheduler: str | None):
+@contextmanager
+def _backend(scheduler: str | None) -> Iterator[None]:
     """Where joblib sends the runs."""
     if scheduler is None:
-        return parallel_config("loky")
+        with parallel_config("loky"):
+            yield
+        return
     try:
         from distributed import Client
     except ImportError:
-        raise ValueError("a scheduler needs dask.distributed: pip install '.[cluster]'") from None
+        raise ValueError("scheduler needs dask.distributed: pip install '.[cluster]'") from None
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs what it raises
     try:
         client = Client(scheduler, timeout=10)
     except (OSError, ValueError) as error:
         raise ValueError(
             f"scheduler must be the address of a Dask cluster, got {scheduler!r}: {error}"
         ) from None
-    return parallel_config("dask", client=client)
+    with client, parallel_config("dask", client=client):
+        yield

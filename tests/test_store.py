@@ -1,0 +1,117 @@
+"""The store: what was written stays, what is not a store is left alone."""
+
+import sqlite3
+
+import pytest
+
+from md.store import Store, StoreError, table, write_csv
+
+ABOUT = {"scene": {"rods": {"count": 2}}, "periods": 3, "seed": 1, "code": "abc", "seconds": 0.1}
+
+
+def test_a_result_is_written_once_and_a_failure_gives_way(tmp_path):
+    with Store(tmp_path / "a.db") as store:
+        store.put("k", ABOUT, None, "it broke")
+        assert store.has("k")
+        assert not store.has("k", failed=False)
+        store.put("k", ABOUT, {"c_x": 0.1}, None)
+        store.put("k", ABOUT, {"c_x": 0.2}, None)
+        store.put("k", ABOUT, None, "it broke again")
+        assert store.result("k") == {"c_x": 0.1}
+        (row,) = store.rows()
+        assert row["error"] is None
+    assert table(tmp_path / "a.db")[1][0]["rods.count"] == 2
+
+
+def test_floats_come_back_to_the_bit(tmp_path):
+    value = 0.1 + 2**-54
+    with Store(tmp_path / "a.db") as store:
+        store.put("k", ABOUT, {"c_x": value}, None)
+    with Store(tmp_path / "a.db", write=False) as store:
+        assert store.result("k")["c_x"] == value
+
+
+def test_two_writers_share_a_store(tmp_path):
+    with Store(tmp_path / "a.db") as one, Store(tmp_path / "a.db") as other:
+        for i in range(10):
+            (one if i % 2 else other).put(f"k{i}", ABOUT, {"i": i}, None)
+            (other if i % 2 else one).put(f"k{i}", ABOUT, {"i": -1}, None)
+        assert [row["result"]["i"] for row in one.rows()] == list(range(10))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [(b"hello, I am a text file" * 50, "is not a store"), (None, "not one of runs")],
+)
+def test_a_file_that_is_not_a_store_is_left_alone(tmp_path, content, message):
+    path = tmp_path / "a.db"
+    if content is None:
+        with sqlite3.connect(path) as other:
+            other.execute("CREATE TABLE mine (x)")
+        other.close()
+    else:
+        path.write_bytes(content)
+    before = path.read_bytes()
+    for write in (True, False):
+        with pytest.raises(StoreError, match=message):
+            Store(path, write)
+    assert path.read_bytes() == before
+
+
+def test_another_version_is_refused_and_untouched(tmp_path):
+    path = tmp_path / "a.db"
+    Store(path).database.close()
+    with sqlite3.connect(path) as other:
+        other.execute("PRAGMA user_version=99")
+    other.close()
+    before = path.read_bytes()
+    with pytest.raises(StoreError, match="version 99, this is 1"):
+        Store(path)
+    assert path.read_bytes() == before
+
+
+def test_a_folder_that_is_missing_or_a_file_to_read_that_is(tmp_path):
+    with pytest.raises(StoreError, match="no such folder"):
+        Store(tmp_path / "nowhere" / "a.db")
+    with pytest.raises(StoreError, match="no such file"):
+        Store(tmp_path / "a.db", write=False)
+    with pytest.raises(StoreError, match="is not a store"):
+        Store(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_store_opened_for_reading_cannot_be_written(tmp_path):
+    Store(tmp_path / "a.db").database.close()
+    with (
+        Store(tmp_path / "a.db", write=False) as store,
+        pytest.raises(StoreError, match="cannot be written"),
+    ):
+        store.put("k", ABOUT, {}, None)
+
+
+def test_a_full_disk_loses_nothing_that_was_written(tmp_path):
+    """SQLite's own limit of pages stands in for the disk's end."""
+    with Store(tmp_path / "a.db") as store:
+        store.put("first", ABOUT, {"c_x": 1.0}, None)
+        (pages,) = store.database.execute("PRAGMA page_count").fetchone()
+        store.database.execute(f"PRAGMA max_page_count={pages}")
+        with pytest.raises(StoreError, match="full"):
+            for i in range(1000):
+                store.put(f"k{i}", ABOUT, {"text": "x" * 5000}, None)
+        assert store.result("first") == {"c_x": 1.0}
+    with Store(tmp_path / "a.db") as store:  # there is room again
+        store.put("last", ABOUT, {"c_x": 2.0}, None)
+        assert store.result("first") == {"c_x": 1.0}
+        assert store.database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+
+
+def test_a_table_is_written_beside_and_renamed(tmp_path):
+    with Store(tmp_path / "a.db") as store:
+        store.put("k", ABOUT, {"c_x": 0.5, "landings": {"slide": {"mean": 0.1}}}, None)
+        store.put("l", ABOUT, None, "it broke, badly")
+    write_csv(tmp_path / "a.csv", *table(tmp_path / "a.db"))
+    lines = (tmp_path / "a.csv").read_text().splitlines()
+    assert lines[0].split(",")[:3] == ["rods.count", "c_x", "landings.slide.mean"]
+    assert lines[1].startswith("2,0.5,0.1,")
+    assert '"it broke, badly"' in lines[2]
+    assert not list(tmp_path.glob("*.part"))

@@ -1,0 +1,337 @@
+"""Sweeps: axes become points, points are computed once, and nothing that was finished is lost."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import psutil
+import pytest
+from joblib.externals.loky import get_reusable_executor
+
+from md.__main__ import main
+from md.one_rod import RunError
+from md.scene import read_tables
+from md.store import Store
+from md.sweep import execute, expand, load_sweep
+
+BASE = {  # one rod, coarse and short: a run takes a few milliseconds
+    "rods": {"length": 3.0},
+    "plate": {"acceleration": 2.0},
+    "gravity": {},
+    "contacts": {"plate": {"law": "coulomb", "friction": 0.3}},
+    "start": {"tilt_deg": 10},
+}
+SWEEP = """
+scene = "base.toml"
+periods = 20
+[[axes]]
+"plate.acceleration" = [1.5, 2.0, 2.5]
+[[axes]]
+"start.seed" = [1, 2]
+"""
+SCENE = """
+[rods]
+length = 3.0
+[plate]
+acceleration = 2.0
+[gravity]
+[contacts.plate]
+law = "coulomb"
+friction = 0.3
+[start]
+tilt_deg = 10
+"""
+
+
+@pytest.fixture
+def sweep_file(tmp_path):
+    (tmp_path / "base.toml").write_text(SCENE)
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    return tmp_path / "sweep.toml"
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory):
+    """The sweep of `SWEEP`, computed in this process."""
+    folder = tmp_path_factory.mktemp("sweep")
+    (folder / "base.toml").write_text(SCENE)
+    (folder / "sweep.toml").write_text(SWEEP)
+    sweep = load_sweep(folder / "sweep.toml")
+    execute(sweep, folder / "a.db", workers=1)
+    return sweep, sweep.gather(folder / "a.db", "c_x", "landings.flight_periods.mean", "phases")
+
+
+def same(sweep, store, reference):
+    return all(
+        np.array_equal(a, b, equal_nan=True)
+        for a, b in zip(
+            sweep.gather(store, "c_x", "landings.flight_periods.mean", "phases"),
+            reference,
+            strict=True,
+        )
+    )
+
+
+# Axes
+
+
+def axes(*tables):
+    return expand({"axes": list(tables)}, BASE)
+
+
+def test_axes_multiply_and_keys_of_one_axis_go_together():
+    sweep = axes(
+        {"rods.length": [2.0, 3.0], "start.tilt_deg": [10, 20]},
+        {"plate.acceleration": {"from": 1, "to": 4, "count": 3, "log": True}},
+    )
+    assert sweep.shape == (2, 3)
+    found = [
+        (p.scene.rods.length, p.scene.start.tilt_deg, p.scene.plate.acceleration)
+        for p in sweep.points
+    ]
+    assert found == [(x, y, z) for x, y in ((2, 10), (3, 20)) for z in (1, 2, pytest.approx(4))]
+    assert sweep.values("plate.acceleration") == pytest.approx([1, 2, 4])
+
+
+def test_no_axes_is_one_point():
+    assert axes().shape == ()
+    assert len(axes().points) == 1
+
+
+@pytest.mark.parametrize(
+    ("axis", "message"),
+    [
+        ({"start.seed": []}, r"axes\[0\].start.seed must be a list of values or a range, and not"),
+        ({}, r"axes\[0\] must be a table with at least one key"),
+        ({"plate.acceleration": [1.5, float("nan")]}, "must hold finite values"),
+        ({"plate.acceleration": {"from": 1, "to": float("nan"), "count": 3}}, "finite numbers"),
+        ({"plate.acceleration": {"from": 0, "to": 3, "count": 3, "log": True}}, "both ends > 0"),
+        ({"plate.acceleration": {"from": 1, "count": 3}}, "must have from, to, count"),
+        ({"plate.acceleration": {"from": 1, "to": 2, "count": 0}}, "from 1 to"),
+        ({"plate.acceleration": [1, 2], "start.seed": [1, 2, 3]}, "equally long"),
+        ({"plate.acceleration": [2, -1]}, r"plate.acceleration must be .*, got -1 \(at plate"),
+        ({"plate.accelaration": [2]}, r"plate.accelaration is not a key .*\(at plate.accel"),
+        ({"step.size": [1e-4, 0.3]}, r"step.size must be at most .*\(at step.size = 0.3\)"),
+        ({"start.seed": {"from": 0, "to": 1, "count": 10**6 + 1}}, "from 1 to 1000000"),
+    ],
+)
+def test_bad_axes_are_refused_before_anything_runs(axis, message):
+    with pytest.raises((ValueError, TypeError), match=message):
+        axes(axis)
+
+
+def test_a_key_on_two_axes_is_refused():
+    with pytest.raises(ValueError, match="one axis alone"):
+        axes({"start.seed": [1]}, {"start.seed": [2]})
+
+
+def test_unknown_keys_of_a_sweep():
+    with pytest.raises(ValueError, match="axis is not a key of a sweep"):
+        expand({"axis": []}, BASE)
+    with pytest.raises(ValueError, match="periods must be a whole number"):
+        expand({"periods": 0}, BASE)
+
+
+def test_the_example_sweep_can_run():
+    sweep = load_sweep("drift")
+    assert len(sweep.points) == np.prod(sweep.shape) > 1
+
+
+# Runs
+
+
+def test_a_thousand_identical_points_are_one_run(tmp_path):
+    sweep = expand({"periods": 5, "axes": [{"start.tilt_deg": [10] * 1000}]}, BASE)
+    tally = execute(sweep, tmp_path / "a.db", workers=1)
+    assert (tally.points, tally.distinct, tally.computed) == (1000, 1, 1)
+    (c_x,) = sweep.gather(tmp_path / "a.db", "c_x")
+    assert c_x.shape == (1000,)
+    assert np.all(c_x == c_x[0])
+
+
+def test_what_is_there_is_not_computed_again(sweep_file, tmp_path):
+    sweep = load_sweep(sweep_file)
+    assert execute(sweep, tmp_path / "a.db", workers=1).computed == 6
+    tally = execute(sweep, tmp_path / "a.db", workers=1)
+    assert (tally.there, tally.computed) == (6, 0)
+    longer = expand({**read_tables(sweep_file), "periods": 21}, BASE)
+    assert execute(longer, tmp_path / "a.db", workers=1).computed == 6
+
+
+def test_two_workers_give_the_same_bits(tmp_path, reference):
+    sweep, wanted = reference
+    execute(sweep, tmp_path / "a.db", workers=2)
+    assert same(sweep, tmp_path / "a.db", wanted)
+
+
+def test_a_dask_cluster_gives_the_same_bits(tmp_path, reference):
+    distributed = pytest.importorskip("distributed")
+    sweep, wanted = reference
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:
+        tally = execute(sweep, tmp_path / "a.db", scheduler=cluster.scheduler_address)
+    assert tally.computed == 6
+    assert same(sweep, tmp_path / "a.db", wanted)
+
+
+def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path):
+    """A plate that is stiff enough for the impacts to expect, and too soft for thirty times g."""
+    soft = {"plate": {"law": "coulomb", "friction": 0.3, "stiffness": 20.0}}
+    sweep = expand({"periods": 10, "axes": [{"gravity.z": [-30, -1]}]}, BASE | {"contacts": soft})
+    tally = execute(sweep, tmp_path / "a.db", workers=1)
+    assert (tally.computed, tally.failed) == (1, 1)
+    with Store(tmp_path / "a.db", write=False) as store:
+        errors = [row["error"] for row in store.rows() if row["error"]]
+    assert all("overlap" in error for error in errors)
+    assert execute(sweep, tmp_path / "a.db", workers=1).computed == 0
+    assert execute(sweep, tmp_path / "a.db", workers=1, retry=True).failed == 1
+    (c_x,) = sweep.gather(tmp_path / "a.db", "c_x")
+    assert list(np.isnan(c_x)) == [True, False]
+
+
+def test_a_dead_worker_costs_nothing_but_time(tmp_path, reference):
+    sweep, wanted = reference
+    get_reusable_executor().shutdown(wait=True)
+
+    def kill():
+        """Kill the first worker process that appears."""
+        me = psutil.Process()
+        while True:
+            for child in me.children(recursive=True):
+                if "popen_loky" in " ".join(child.cmdline()):
+                    time.sleep(0.3)
+                    child.kill()
+                    return
+            time.sleep(0.02)
+
+    killer = threading.Thread(target=kill, daemon=True)
+    killer.start()
+    execute(sweep, tmp_path / "a.db", workers=2)
+    killer.join()
+    assert same(sweep, tmp_path / "a.db", wanted)
+
+
+def test_a_worker_that_always_dies_is_an_error(tmp_path, monkeypatch):
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+    def dead(points, workers):
+        raise TerminatedWorkerError("gone")
+        yield
+
+    monkeypatch.setattr("md.sweep._finished", dead)
+    with pytest.raises(RunError, match="died 3 times"):
+        execute(axes(), tmp_path / "a.db")
+
+
+# The command
+
+
+def sweep_command(folder, *more):
+    return [sys.executable, "-m", "md", "sweep", str(folder / "sweep.toml"), *more]
+
+
+def killed(folder, how, seconds):
+    """Start the sweep, end it after a while; its exit code and the rows in the store."""
+    command = sweep_command(folder, "--store", str(folder / "a.db"), "--workers", "2")
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+    )
+    time.sleep(seconds)
+    os.killpg(process.pid, how) if how == signal.SIGKILL else process.send_signal(how)
+    _, error = process.communicate(timeout=60)
+    rows = 0
+    if (folder / "a.db").exists() and (folder / "a.db").stat().st_size:
+        with Store(folder / "a.db", write=False) as store:
+            assert store.database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+            rows = len(list(store.rows()))
+    return process.returncode, rows, error.decode()
+
+
+LONG = SWEEP.replace("periods = 20", "periods = 400").replace(
+    '"start.seed" = [1, 2]', '"start.seed" = { from = 1, to = 40, count = 40 }'
+)
+
+
+def many_kills(folder, kills, seconds):
+    (folder / "base.toml").write_text(SCENE)
+    (folder / "sweep.toml").write_text(LONG)
+    before = 0
+    for _ in range(kills):
+        _, rows, _ = killed(folder, signal.SIGKILL, seconds())
+        assert rows >= before
+        before = rows
+    sweep = load_sweep(folder / "sweep.toml")
+    tally = execute(sweep, folder / "a.db", workers=2)
+    assert tally.there == before
+    execute(sweep, folder / "b.db", workers=2)
+    assert np.array_equal(*(sweep.gather(folder / name, "c_x")[0] for name in ("a.db", "b.db")))
+
+
+def test_kill_9_loses_nothing(tmp_path):
+    many_kills(tmp_path, 1, lambda: 2.5)
+
+
+@pytest.mark.slow
+def test_ten_random_kills_lose_nothing(tmp_path):
+    random = np.random.default_rng(7)
+    many_kills(tmp_path, 10, lambda: random.uniform(0.2, 4.0))
+
+
+def test_ctrl_c_ends_in_order(tmp_path):
+    (tmp_path / "base.toml").write_text(SCENE)
+    (tmp_path / "sweep.toml").write_text(LONG.replace("400", "4000"))
+    code, _, error = killed(tmp_path, signal.SIGINT, 3.0)
+    assert code == 130
+    assert "runs done and stored" in error
+    assert "Traceback" not in error
+
+
+def test_the_command_and_its_table(sweep_file, tmp_path, capsys):
+    store = str(tmp_path / "a.db")
+    assert main(["sweep", str(sweep_file), "--store", store, "--workers", "1", "--json"]) == 0
+    tally = json.loads(capsys.readouterr().out)
+    assert (tally["points"], tally["computed"]) == (6, 6)
+    assert main(["results", store]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split()[:3] == ["plate.acceleration", "start.seed", "c_x"]
+    assert len(lines) == 7
+    assert main(["results", store, "--csv", str(tmp_path / "a.csv")]) == 0
+    assert len((tmp_path / "a.csv").read_text().splitlines()) == 7
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("scene = 3", "scene must be the name"),
+        ('scene = "nowhere"', "nowhere cannot be read"),
+        ("scene = ", "sweep.toml: Invalid value"),
+        ('scene = "quasi2d"\n[[axes]]\n"start.seed" = []', "axes[0].start.seed must be a list"),
+    ],
+)
+def test_bad_sweeps_cost_one_line(tmp_path, capsys, content, message):
+    (tmp_path / "sweep.toml").write_text(content)
+    store = tmp_path / "a.db"
+    assert main(["sweep", str(tmp_path / "sweep.toml"), "--store", str(store)]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert not store.exists()
+
+
+def test_bad_stores_and_schedulers_cost_one_line(sweep_file, tmp_path, capsys):
+    (tmp_path / "text.db").write_text("not a database, but long enough to be looked at" * 20)
+    command = ["sweep", str(sweep_file), "--store"]
+    for more in (
+        [str(tmp_path / "text.db")],
+        [str(tmp_path / "nowhere" / "a.db")],
+        [str(tmp_path / "a.db"), "--workers", "0"],
+        [str(tmp_path / "b.db"), "--scheduler", "nonsense"],
+    ):
+        assert main([*command, *more]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
