@@ -1,4 +1,4 @@
-"""Pictures of the theory: one module a figure, `data()` computes and `draw()` draws.
+"""Pictures of theory and simulation: one module a figure, `data()` computes and `draw()` draws.
 
 >>> import figures
 >>> fig11 = figures.load("fig11")
