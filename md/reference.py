@@ -17,6 +17,7 @@ from .cache import kernel
 from .contact import dashpot, tangential_constants, weight
 
 FORWARD, STICK, BACK, FREE = 1, 0, -1, 2  # how friction acts now; FREE: there is none
+_SWITCHES = 10_000  # of one contact; a soft spring that rattles at the force's end makes hundreds
 SLIDE, STUCK, TURNED = 0, 1, 2  # what a contact does before its slip stops, and after
 
 
@@ -202,7 +203,11 @@ class _Contact:
             slope = (signal(root) - signal(root - width)) / width
             error = value(root, self.stepped(s, y, root)) / slope
             root = min(max(root - error, s), solver.t)
-        return root, self.stepped(s, y, root)
+        state, nudge = self.stepped(s, y, root), 1e-15 * root
+        while value(root, state) > 0 and root < solver.t:  # the next mode begins where this ends
+            root, nudge = min(root + nudge, solver.t), 4 * nudge
+            state = self.stepped(s, y, root) if root < solver.t else solver.y
+        return root, state
 
 
 def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Contact:
@@ -222,7 +227,7 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
     ValueError
         If the upper cap touches too, or a tangential spring has no dashpot beside it.
     RuntimeError
-        If the contact does not end.
+        If the contact does not end, or friction switches without an end.
     """
     spring = scene.friction.spring if scene.friction else None
     if spring and not (spring.drag or spring.constant_drag or spring.ratio):
@@ -234,8 +239,11 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
     contact.choose(contact.early, contact.stepped(s, y, contact.early))
     side = np.sign(contact.signals(s, y)[3])
     stopped, which, deepest = side == 0, 1, 0.0
-    durations, impulses = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+    durations, impulses, switches = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], 0
     while which != 0:
+        if switches == _SWITCHES:
+            raise RuntimeError(f"the contact has switched {switches} times without an end")
+        switches += 1
         begin, pushed, solver = s, y[7], contact.solver(s, y)
         signals = (1.0, 1.0)
         while min(signals) >= 0:
