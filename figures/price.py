@@ -26,7 +26,8 @@ def repeated(scene, state, dt, times, watch):
     """The same impact `times` times over; velocity after the last one, and its steps."""
     steps, after = 0, state
     for _ in range(times):
-        watch[:] = 0
+        for i in range(WATCHED):
+            watch[i] = 0.0
         after, steps, _ = run(scene, state, 0, MOST, dt, watch, None, None, 1)
     return after.velocity, steps
 
