@@ -1,7 +1,8 @@
-"""Command line: list the figures, or draw them with the numbers they show beside them.
+"""Command line: list the figures, draw them with the numbers they show, or animate a scene.
 
 python -m figures list
 python -m figures draw [NAME ...] [--all] [--quick] [--out DIR]
+python -m figures movie SCENE [--set KEY=VALUE ...] [--periods N] [--frames F] [--out DIR|FILE.gif]
 """
 
 import argparse
@@ -89,6 +90,33 @@ def _draw(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _movie(arguments: argparse.Namespace) -> int:
+    import matplotlib as mpl
+    from matplotlib.animation import FFMpegWriter
+
+    import md
+
+    from . import movie
+
+    mpl.use("Agg")
+    out, kinds = arguments.out, ("gif", "mp4") if FFMpegWriter.isAvailable() else ("gif",)
+    paths = [out / f"{Path(arguments.scene).stem}.{kind}" for kind in kinds]
+    if out.suffix == ".gif":
+        paths, out = [out], out.parent
+    try:
+        scene = md.load(arguments.scene, arguments.set)
+        film = movie.record(scene, arguments.periods, arguments.frames, progress=True)
+    except (TypeError, ValueError, md.RunError) as error:
+        print(f"figures: {error}", file=sys.stderr)
+        return 1 if isinstance(error, md.RunError) else 2
+    out.mkdir(parents=True, exist_ok=True)
+    for path in paths:
+        with _replacing(path) as part:
+            movie.write(film, part, progress=True)
+        print(f"{path}  {film.pictures} frames")
+    return 0
+
+
 def _list(_: argparse.Namespace) -> int:
     width = max(map(len, FIGURES))
     for name, entry in FIGURES.items():
@@ -99,7 +127,7 @@ def _list(_: argparse.Namespace) -> int:
 def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     parser = Parser(prog="python -m figures", description=__doc__.splitlines()[0])
-    commands = parser.add_subparsers(dest="command", required=True, metavar="list | draw")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="list | draw | movie")
     listing = commands.add_parser("list", help="names and titles")
     listing.set_defaults(run=_list)
     draw = commands.add_parser("draw", help="compute and draw; without names: the quick set")
@@ -108,6 +136,17 @@ def main(argv: list[str] | None = None) -> int:
     draw.add_argument("--quick", action="store_true", help="coarser grids, for a first look")
     draw.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     draw.set_defaults(run=_draw)
+    film = commands.add_parser("movie", help="animate a scene: GIF, and MP4 where FFmpeg is there")
+    film.add_argument("scene", help="TOML file, or the name of an example")
+    film.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="change a key"
+    )
+    film.add_argument("--periods", type=int, default=20, help="of the plate (default 20)")
+    film.add_argument("--frames", type=int, default=8, help="a period (default 8)")
+    film.add_argument(
+        "--out", type=Path, default=Path("out"), help="folder (default: out), or FILE.gif"
+    )
+    film.set_defaults(run=_movie)
     arguments = parser.parse_args(argv)
     return guarded("figures", lambda: arguments.run(arguments))
 

@@ -122,7 +122,7 @@ def rates(scene, vibration, start, mode, t, y, out):
         drag, stretch, spare = rubbing(
             scene.friction, mode, overlap, force, y[6], slip, drive, mass
         )
-    out[:3] = y[3:6]
+    out[0], out[1], out[2] = y[3], y[4], y[5]
     out[3], out[4] = g_x + drag, g_z + force
     out[5] = (a_z * drag - a_x * force) * scene.lightness
     out[6], out[7] = stretch, force
