@@ -21,6 +21,7 @@ class Entry:
 
 
 FIGURES = {
+    "fig13": Entry("Fig. 13: drift of a simulated row over tilt, acceleration and length"),
     "alpha": Entry("Mean plate velocity at landing, flights and drift, computed rod by rod"),
     "fig08_theory": Entry("Fig. 8: landing phases of bouncing rods, computed"),
     "fig10": Entry("Fig. 10: regimes of an impact over tilt and friction"),

@@ -33,10 +33,11 @@ _SAVED = 60.0  # seconds from one checkpoint to the next
 SUMS = (
     *("landings", "plate", "c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before"),
     *("approach", "leaving", "flight", "flights", "duration", "slide", "stick", "reversal"),
-    "shared",
+    *("shared", "pushing"),
 )
 MEANS = {  # what follows from them; plate_velocity over the plate's peak velocity, V_z/V_0
     "plate_velocity": ("plate", "landings"),
+    "plate_velocity_by_speed": ("pushing", "approach"),  # each landing counts as its v_0
     "c_x_before": ("c_x_before", "landings"),
     "c_x_after": ("c_x_after", "landings"),
     "c_z_before": ("c_z_before", "landings"),
@@ -145,6 +146,7 @@ class _Tables:
             *(np.nan_to_num(flight) / self.per, np.isfinite(flight)),
             rows[:, landings.DURATION] / self.per,
             *(regime == 1, regime == 2, regime == 3, rows[:, landings.SHARED] > 0),
+            -rows[:, landings.APPROACH] * rows[:, landings.PLATE] / self.speed,
         )
         part = (rows[:, landings.STEP] % self.per * _PHASES // self.per).astype(int)
         np.add.at(self.phases, (period, part), 1)

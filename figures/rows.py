@@ -1,0 +1,74 @@
+"""Rows of rods for several figures: the paper's plane scenes, along axes, from one store.
+
+What is in the store is not computed again, whichever figure asked for it first; an interrupted
+figure goes on where it stopped. Tilts are set by the length of the box, L = N d/cos(tilt).
+"""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from md.scene import from_tables, put, read_tables
+from md.sweep import Sweep, execute, expand
+
+COUNT, LENGTH, GAMMA, FRICTION, RESTITUTION = 40, 9.5, 3.3, 0.3, 0.65  # of Figs. 6-8 and 13
+ROW = put(
+    read_tables("quasi2d"),
+    {
+        "rods.inertia": "solid",
+        "step": "none",
+        "contacts.plate.tangential_ratio": 3,
+        "contacts.rods.tangential_ratio": 3,
+    },
+)
+LAW_NAME = "constant_restitution 0.65, tangential ratio 3"
+NAMES = {  # short for results
+    "c_x": "c_x_cm_s",
+    "tilt_deg": "tilt_deg",
+    "V_z": "landings.plate_velocity.mean",
+    "flight": "landings.flight_periods.mean",
+    **{
+        name: f"landings.{name}.mean"
+        for name in ("c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before")
+    },
+    "slide": "landings.slide.mean",
+}
+
+
+def store() -> Path:
+    """The store of all rows; `ROWS_STORE` names another."""
+    path = Path(os.environ.get("ROWS_STORE", "out/rows.db"))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+def boxes(tilt_deg: np.ndarray, count: int = COUNT) -> list[float]:
+    """Lengths of the box that give these tilts."""
+    return (count / np.cos(np.radians(tilt_deg))).tolist()
+
+
+def swept(
+    axes: list[dict[str, list]], periods: int, changes: Mapping[str, Any] | None = None
+) -> Sweep:
+    """The row along axes, seeds last, computed as far as the store does not hold it."""
+    sweep = expand({"periods": periods, "axes": axes, "set": dict(changes or {})}, ROW)
+    execute(sweep, store(), progress=True)
+    return sweep
+
+
+def over_seeds(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and standard error over the seeds, the last axis; nan where runs are missing."""
+    found = np.isfinite(values).sum(axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.nansum(values, axis=-1) / found
+        off = np.nansum((values - mean[..., None]) ** 2, axis=-1)
+        return mean, np.sqrt(off / (found - 1) / found)
+
+
+def plate_speed_cm_s(gamma: float | np.ndarray = GAMMA) -> float | np.ndarray:
+    """V_0 of the paper's plate."""
+    scene = from_tables(ROW)
+    return scene.plate_speed * scene.cm_per_s * np.asarray(gamma) / scene.plate.acceleration
