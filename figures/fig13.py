@@ -2,7 +2,9 @@
 
 Symbols: simulated rows, mean and standard error over independent starts. Lines: the theory's drift
 (24)-(29) for the thin rod and for the spherocylinder, with the assumed V_z = V_0/2 and with the V_z
-that the same runs have at their landings.
+that the same runs have at their landings, where it is positive (else the closure has no impact).
+Green in (b): fitted line from 2 on; inset: tilt. Open in (c): started side by side almost at rest,
+rods of 2 to 5 d bounce as one block, which hardly drifts; those thrown at the start do not.
 """
 
 import matplotlib.pyplot as plt
@@ -10,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from impact import drift, spherocylinder, thin_rod
+from md.sweep import Sweep
 
 from .rows import (
     COUNT,
@@ -18,40 +21,45 @@ from .rows import (
     LAW_NAME,
     LENGTH,
     RESTITUTION,
-    boxes,
+    SEEDS,
     over_seeds,
+    periods_of,
     plate_speed_cm_s,
     store,
     swept,
+    tilt_scan,
 )
 from .shared import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
 
 BOX, BOX_OF_LENGTHS, GAMMA_OF_LENGTHS = 43.0, 41.4, 2.5  # panels (b) and (c)
+GAMMAS = (1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.3, 4, 5)
+LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
 
 
-def _measured(sweep, prefix: str) -> dict[str, np.ndarray]:
+def _measured(sweep: Sweep, prefix: str) -> dict[str, np.ndarray]:
     """Drift [cm/s], tilt [deg] and V_z/V_0 with their errors."""
-    names = ("c_x_cm_s", "tilt_deg", "landings.plate_velocity_by_speed.mean")
+    by = "landings.plate_velocity"
+    names = ("c_x_cm_s", "tilt_deg", f"{by}_by_speed.mean", f"{by}.mean")
     found = {}
-    for name, values in zip(("c_x", "tilt", "V_z"), sweep.gather(store(), *names), strict=True):
-        found[f"{prefix}_{name}"], found[f"{prefix}_{name}_error"] = over_seeds(values)
+    values = sweep.gather(store(), *names)
+    for name, one in zip(("c_x", "tilt", "V_z", "V_z_alike"), values, strict=True):
+        found[f"{prefix}_{name}"], found[f"{prefix}_{name}_error"] = over_seeds(one)
     return found
 
 
 def data(quick: bool = False) -> dict[str, np.ndarray]:
     """Measured rows and the theory beside them; velocities in cm/s."""
-    tilt_deg = np.linspace(6, 75, 8) if quick else np.linspace(3, 78, 26)
-    gamma = np.array([1.2, 1.6, 2, 3, 4, 5]) if quick else np.append(1.05, np.arange(1.2, 5.1, 0.2))
-    length = np.array([1, 1.5, 2, 3, 5, 9.5]) if quick else np.array(
-        [1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12]
-    )  # fmt: skip
-    seeds = {"start.seed": [1, 2] if quick else [1, 2, 3, 4]}
-    periods = 80 if quick else 600
-    over_tilt = swept([{"box.length": boxes(tilt_deg)}, seeds], periods)
+    gamma = np.array([1.05, 1.2, 1.6, 2, 3, 4] if quick else GAMMAS)
+    length = np.array([1.25, 1.5, 2, 3, 9.5] if quick else LENGTHS)
+    jammed = np.array([2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5])
+    periods, seeds = periods_of(quick), {"start.seed": [1, 2]} if quick else SEEDS
+    tilt_deg, over_tilt = tilt_scan(quick)
     over_gamma = swept([{"plate.acceleration": gamma.tolist()}, seeds], periods)
-    over_length = swept(
-        [{"rods.length": length.tolist()}, seeds],
-        *(periods, {"box.length": BOX_OF_LENGTHS, "plate.acceleration": GAMMA_OF_LENGTHS}),
+    setting = {"box.length": BOX_OF_LENGTHS, "plate.acceleration": GAMMA_OF_LENGTHS}
+    over_length = swept([{"rods.length": length.tolist()}, seeds], periods, setting)
+    at_rest = swept(
+        [{"rods.length": jammed.tolist()}, {"start.seed": [1, 2]}],
+        *(periods, {**setting, "start.speed": 1e-3}),
     )
     fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, length[-1], 200)
     setting = {"friction": FRICTION, "restitution": RESTITUTION}
@@ -66,6 +74,8 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         **_measured(over_tilt, "a"),
         **_measured(over_gamma, "b"),
         **_measured(over_length, "c"),
+        "jammed_length": jammed,
+        **_measured(at_rest, "jammed"),
         "fine": fine,
         "thin": drift(thin_rod(fine), **setting).c_x,  # over V_z
         "thick": drift(spherocylinder(fine, LENGTH), **setting).c_x,
@@ -79,45 +89,138 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
 
 
 def _bars(ax: Axes, x: np.ndarray, d: dict, name: str, **look) -> None:
-    ax.errorbar(x, d[name], d[f"{name}_error"], fmt="o", ms=3, elinewidth=0.7, **look)
+    bars = {"fmt": "o", "ms": 3, "elinewidth": 0.7, **look}
+    ax.errorbar(x, d[name], d[f"{name}_error"], **bars)
+
+
+def _over_gamma(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    _bars(ax, d["gamma"], d, "b_c_x", color=BLACK)
+    ax.plot(d["gamma"], d["thin_at_box"] * d["speed_b"] / 2, color=RED)
+    ax.plot(d["gamma"], d["thick_at_box"] * d["speed_b"] / 2, "--", color=ORANGE)
+    rising = np.where(d["b_V_z"] > 0, d["b_V_z"], np.nan)  # else the closure has no impact
+    ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], color=BLUE, **THIN)
+    fit = fits(d)
+    x = np.array([fit["line_start"], d["gamma"][-1]])
+    ax.plot(x, fit["line_slope"] * (x - fit["line_from"]), color=GREEN, lw=0.8)
+    ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
+    ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
+    inset = ax.inset_axes([0.16, 0.62, 0.36, 0.27])
+    _bars(inset, d["gamma"], d, "b_tilt", color=GREEN, ms=2)
+    nominal = np.degrees(np.arccos(COUNT / BOX))
+    inset.axhline(nominal, color="0.5", lw=0.6)
+    inset.set(ylim=(nominal - 3, nominal + 3), xlim=(1, None))
+    inset.set_title(r"tilt (deg)", fontsize=6, pad=2)
+    inset.tick_params(labelsize=5.5)
+
+
+def _over_length(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    _bars(ax, d["length"], d, "c_c_x", color=BLACK)
+    _bars(ax, d["jammed_length"], d, "jammed_c_x", color=BLACK, mfc="white", label="from rest")
+    ax.plot(d["fine_length"], d["thick_of_length"] * d["speed_c"] / 2, "--", color=ORANGE)
+    measured = d["thick_at_lengths"] * d["c_V_z"] * d["speed_c"]
+    ax.plot(d["length"], measured, color=BLUE, **THIN)
+    ax.set(xlabel=r"length $l/d$", ylim=(-0.4, 1.4 * measured.max()), xlim=(0.5, None))
+    ax.legend(loc="upper right", fontsize=6)
+
+
+THIN = {"marker": "s", "ms": 2.5, "lw": 0.8}
 
 
 @style
 def draw(d: dict[str, np.ndarray]) -> plt.Figure:
-    figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 2.9))
-    half = d["speed"] / 2
+    figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 3.0))
+    fine_deg, half = np.degrees(d["fine"]), d["speed"] / 2
     _bars(a, d["a_tilt"], d, "a_c_x", color=BLACK, label="simulated")
-    a.plot(np.degrees(d["fine"]), half * d["thin"], color=RED, label=r"thin, $V_z=V_0/2$")
-    a.plot(np.degrees(d["fine"]), half * d["thick"], "--", color=ORANGE, label=r"$l=9.5d$, $V_0/2$")
+    a.plot(fine_deg, half * d["thin"], color=RED, label=r"theory, thin, $V_0/2$")
+    a.plot(fine_deg, half * d["thick"], "--", color=ORANGE, label=r"theory, $l$, $V_0/2$")
     measured = d["thick_at_tilts"] * d["a_V_z"] * d["speed"]
-    a.plot(
-        d["tilt_deg"], measured, "s-", color=BLUE, ms=2.5, lw=0.8, label=r"$l=9.5d$, measured $V_z$"
-    )
-    a.axhline(0, color="0.7", lw=0.6)
+    a.plot(d["tilt_deg"], measured, color=BLUE, label=r"theory, $l$, measured $V_z$", **THIN)
     tilt_axis(a, 0, 90, 30)
-    a.set_ylabel(r"drift $c_x$ (cm/s)")
-    a.legend(fontsize=5.5, loc="upper right")
-    name_panel(a, "a", rf"$\Gamma={GAMMA}$")
-    _bars(b, d["gamma"], d, "b_c_x", color=BLACK)
-    b.plot(d["gamma"], d["thin_at_box"] * d["speed_b"] / 2, color=RED)
-    b.plot(d["gamma"], d["thick_at_box"] * d["speed_b"] / 2, "--", color=ORANGE)
-    b.plot(
-        d["gamma"], d["thick_at_box"] * d["b_V_z"] * d["speed_b"], "s-", color=BLUE, ms=2.5, lw=0.8
+    a.set(ylabel=r"drift $c_x$ (cm/s)", ylim=(-0.5, 1.25 * max(measured.max(), 15)))
+    _over_gamma(b, d)
+    _over_length(c, d)
+    titles = (rf"$\Gamma={GAMMA}$", rf"$L={BOX:g}\,d$")
+    titles += (rf"$L={BOX_OF_LENGTHS}\,d$, $\Gamma={GAMMA_OF_LENGTHS}$",)
+    for ax, letter, title in zip((a, b, c), "abc", titles, strict=True):
+        ax.axhline(0, color="0.7", lw=0.6)
+        name_panel(ax, letter, title)
+    figure.legend(*a.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=6.5)
+    figure.supxlabel(
+        rf"$N={COUNT}$, (a, b) $l={LENGTH}\,d$, $d=0.6$ cm, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}",
+        fontsize=7,
     )
-    b.axhline(0, color="0.7", lw=0.6)
-    b.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
-    inset = b.inset_axes([0.2, 0.68, 0.36, 0.28])
-    _bars(inset, d["gamma"], d, "b_tilt", color=GREEN)
-    inset.axhline(np.degrees(np.arccos(COUNT / BOX)), color="0.5", lw=0.6)
-    inset.set_ylabel(r"$\phi$ (deg)", fontsize=6)
-    inset.tick_params(labelsize=5.5)
-    name_panel(b, "b", rf"$L={BOX:g}\,d$")
-    _bars(c, d["length"], d, "c_c_x", color=BLACK)
-    c.plot(d["fine_length"], d["thick_of_length"] * d["speed_c"] / 2, "--", color=ORANGE)
-    measured = d["thick_at_lengths"] * d["c_V_z"] * d["speed_c"]
-    c.plot(d["length"], measured, "s-", color=BLUE, ms=2.5, lw=0.8)
-    c.axhline(0, color="0.7", lw=0.6)
-    c.set(xlabel=r"length $l/d$")
-    name_panel(c, "c", rf"$L={BOX_OF_LENGTHS}\,d$, $\Gamma={GAMMA_OF_LENGTHS}$")
-    figure.supxlabel(rf"$N={COUNT}$, $d=0.6$ cm, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}", fontsize=7)
     return figure
+
+
+def _slope(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> tuple[float, float, float]:
+    """Slope, its standard error, and where the line meets zero; weights of the errors."""
+    weight = 1 / np.fmax(error, 0.01 * np.abs(y).max())
+    (slope, at), cover = np.polyfit(x, y, 1, w=weight, cov="unscaled")
+    residual = (weight * (slope * x + at - y)) ** 2
+    scale = max(residual.sum() / max(len(x) - 2, 1), 1.0)  # where the line does not fit
+    return float(slope), float(np.sqrt(cover[0, 0] * scale)), float(-at / slope)
+
+
+def fits(d: dict[str, np.ndarray]) -> dict[str, float]:
+    """What the paper says of the three curves, as numbers.
+
+    power : exponent of c_x over Gamma - 1 below 1.5; line_ : c_x(Gamma) from 2 on
+    growth_ : c_x(l) below 2, from where it grows; bump : largest excess over a smooth curve, 20 to
+    40 degrees
+    """
+    gamma, c_x = d["gamma"], d["b_c_x"]
+    near = (gamma < 1.5) & (c_x > 3 * d["b_c_x_error"]) & (c_x > 0.02)
+    far = gamma >= 2
+    found = dict.fromkeys(("power", "power_error"), np.nan)
+    if near.sum() >= 3:
+        relative = np.fmax(d["b_c_x_error"] / np.abs(c_x), 0.02)[near]
+        x, y = np.log(gamma[near] - 1), np.log(c_x[near])
+        found["power"], found["power_error"], _ = _slope(x, y, relative)
+    found["line_start"] = float(gamma[far][0])
+    line = _slope(gamma[far], c_x[far], d["b_c_x_error"][far])
+    found |= dict(zip(("line_slope", "line_slope_error", "line_from"), line, strict=True))
+    grows = (d["length"] > 1.25) & (d["length"] <= 2)
+    growth = _slope(d["length"][grows], d["c_c_x"][grows], d["c_c_x_error"][grows])
+    found |= dict(zip(("growth", "growth_error", "growth_from"), growth, strict=True))
+    long = d["length"] >= 2.5
+    found["long_mean"], found["long_spread"] = d["c_c_x"][long].mean(), np.ptp(d["c_c_x"][long])
+    inner = (d["a_tilt"] > 20) & (d["a_tilt"] < 40)
+    around = ((d["a_tilt"] > 14) & (d["a_tilt"] < 60)) & ~inner
+    found |= {"bump": np.nan, "bump_error": np.nan, "bump_tilt": np.nan}
+    if around.sum() >= 5 and inner.sum() >= 3:
+        smooth = np.polynomial.Polynomial.fit(d["a_tilt"][around], d["a_c_x"][around], 3)
+        excess = d["a_c_x"][inner] - smooth(d["a_tilt"][inner])
+        i = int(np.abs(excess).argmax())
+        found["bump"], found["bump_tilt"] = float(excess[i]), float(d["a_tilt"][inner][i])
+        found["bump_error"] = float(d["a_c_x_error"][inner][i])
+    return found
+
+
+def summary(d: dict[str, np.ndarray]) -> str:
+    """Fits, and the three curves."""
+    f = fits(d)
+    half = d["speed"] / 2
+    off = d["a_c_x"] - half * np.interp(d["a_tilt"], np.degrees(d["fine"]), d["thin"])
+    nominal = np.degrees(np.arccos(COUNT / BOX))
+    lines = [
+        f"Fig. 13. (a) rms distance from the theory, V_0/2: {np.sqrt(np.mean(off**2)):.2f} cm/s; "
+        f"bump {f['bump']:+.2f} +- {f['bump_error']:.2f} cm/s at {f['bump_tilt']:.0f} deg",
+        f"(b) c_x ~ (Gamma - 1)^{f['power']:.2f} +- {f['power_error']:.2f} below 1.5; from "
+        f"{f['line_start']:g} on slope {f['line_slope']:.2f} +- {f['line_slope_error']:.2f} cm/s, "
+        f"zero at {f['line_from']:.2f}; tilt {d['b_tilt'].min():.1f} to {d['b_tilt'].max():.1f}, "
+        f"acos dN/L {nominal:.1f} deg",
+        f"(c) slope {f['growth']:.2f} +- {f['growth_error']:.2f} cm/s a d up to l = 2, zero "
+        f"at {f['growth_from']:.2f}; from 2.5 on {f['long_mean']:.2f}, spread "
+        f"{f['long_spread']:.2f} cm/s",
+    ]
+    for x, names in (
+        ("a_tilt", "a_c_x a_V_z"),
+        ("gamma", "b_c_x b_V_z b_V_z_alike b_tilt"),
+        ("length", "c_c_x c_V_z c_tilt"),
+        ("jammed_length", "jammed_c_x jammed_tilt"),
+    ):
+        lines.append(f"{x}: {names.replace(' ', ', ')}")
+        for i, value in enumerate(d[x]):
+            cells = (f"{d[n][i]:8.3f} +- {d[f'{n}_error'][i]:.3f}" for n in names.split())
+            lines.append(f"  {value:6.2f} " + " ".join(cells))
+    return "\n".join(lines)

@@ -2,6 +2,9 @@
 
 What is in the store is not computed again, whichever figure asked for it first; an interrupted
 figure goes on where it stopped. Tilts are set by the length of the box, L = N d/cos(tilt).
+
+The rods start with random velocities up to about V_0. Side by side and at rest, they may go on as
+one block, whose rods cannot turn and hardly drift (Fig. 13(c)).
 """
 
 import os
@@ -20,6 +23,7 @@ ROW = put(
     {
         "rods.inertia": "solid",
         "step": "none",
+        "start.speed": 0.3,
         "contacts.plate.tangential_ratio": 3,
         "contacts.rods.tangential_ratio": 3,
     },
@@ -57,6 +61,21 @@ def swept(
     sweep = expand({"periods": periods, "axes": axes, "set": dict(changes or {})}, ROW)
     execute(sweep, store(), progress=True)
     return sweep
+
+
+SEEDS = {"start.seed": [1, 2, 3, 4]}
+SHOWN_DEG = (9, 18, 27, 34, 45)  # tilts of Fig. 8; of any scan
+
+
+def periods_of(quick: bool) -> int:
+    """Length of the runs of one figure."""
+    return 60 if quick else 300
+
+
+def tilt_scan(quick: bool) -> tuple[np.ndarray, Sweep]:
+    """Figs. 6, 8 and 13(a): nominal tilts [deg], and the row at Gamma = 3.3 along them."""
+    tilt_deg = np.array([*SHOWN_DEG, 60, 75] if quick else sorted({*range(3, 79, 3), *SHOWN_DEG}))
+    return tilt_deg, swept([{"box.length": boxes(tilt_deg)}, SEEDS], periods_of(quick))
 
 
 def over_seeds(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,215 @@
+"""Figures of the row of rods: tiny sweeps in a store of their own, and made-up numbers."""
+
+from types import SimpleNamespace
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from figures import fig02, fig06, fig07, fig08, fig13, hops, law_claims, rows
+from impact import drift, landing_density, spherocylinder
+from md import landings as columns
+from md.sweep import execute
+
+mpl.use("Agg")
+
+
+@pytest.fixture(scope="module")
+def tallies(tmp_path_factory):
+    """A store for these tests, short runs; what each sweep did."""
+    done = []
+
+    def watched(*args, **options):
+        done.append(execute(*args, **options))
+
+    def lone(_):
+        estimate = SimpleNamespace(mean=1.0, error=0.0)
+        return np.array([0.0]), [SimpleNamespace(flight=estimate, falling=estimate)]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROWS_STORE", str(tmp_path_factory.mktemp("rows") / "rows.db"))
+        patch.setattr(rows, "execute", watched)
+        patch.setattr(rows, "periods_of", lambda quick: 8)
+        patch.setattr(fig13, "periods_of", lambda quick: 8)
+        patch.setattr(rows, "SEEDS", {"start.seed": [1, 2]})
+        patch.setattr(hops, "periods_watched", lambda quick: 8)
+        patch.setattr(hops, "SKIPPED", 2)
+        for module in (fig07, fig08):
+            patch.setattr(module, "lone", lone)
+        patch.setattr(fig07, "TRANSIENT", 2)
+        yield done
+        hops._touches.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def thirteen(tallies):
+    return fig13.data(quick=True)
+
+
+def test_what_the_store_holds_is_not_computed_again(tallies, thirteen):
+    assert sum(tally.computed for tally in tallies) == sum(tally.distinct for tally in tallies)
+    assert not sum(tally.failed for tally in tallies)
+    before = len(tallies)
+    again = fig13.data(quick=True)
+    fig06.data(quick=True)  # the same scan over tilt
+    assert len(tallies) > before + 4
+    assert sum(tally.computed for tally in tallies[before:]) == 0
+    for name, values in thirteen.items():
+        np.testing.assert_array_equal(again[name], values)
+
+
+def test_theory_lines_are_those_of_the_closed_forms(thirteen):
+    """(26), (29) of the thin rod by hand; the others from `drift`."""
+    d = thirteen
+    phi, e, mu = d["fine"], 0.65, 0.3
+    below = 1 - e + 6 * np.sin(phi) ** 2
+    stick = 6 * (1 + e) * np.sin(phi) * np.cos(phi) / below
+    back = (1 + e) * (mu * (1 + 3 * np.cos(phi) ** 2) + 3 * np.sin(phi) * np.cos(phi)) / below
+    np.testing.assert_allclose(d["thin"], np.minimum(stick, back), rtol=1e-12)
+    setting = {"friction": mu, "restitution": e}
+    rod = spherocylinder(np.radians(d["tilt_deg"]), 9.5)
+    np.testing.assert_array_equal(d["thick_at_tilts"], drift(rod, **setting).c_x)
+    rod = spherocylinder(np.arccos(40 / 41.4), d["fine_length"])
+    np.testing.assert_array_equal(d["thick_of_length"], drift(rod, **setting).c_x)
+    np.testing.assert_allclose(d["speed"], 3.3 * 981 / (2 * np.pi * 60))
+    np.testing.assert_allclose(d["speed_b"], d["gamma"] * 981 / (2 * np.pi * 60))
+    six = fig06.data(quick=True)
+    rod = spherocylinder(np.radians(six["fine_deg"]), 9.5)
+    line = drift(rod, **setting, plate_velocity=six["speed"] / 2)
+    np.testing.assert_allclose(six["line_c_x"], line.c_x, rtol=1e-12)
+    np.testing.assert_allclose(six["line_c_z"], line.c_z, rtol=1e-12)
+
+
+def test_pictures_and_words_are_made(tallies, thirteen):
+    for module in (fig06, fig07, fig08, fig13):
+        d = module.data(quick=True)
+        plt.close(module.draw(d))
+        assert module.summary(d).count("\n") >= 7
+    with pytest.raises(KeyError):
+        fig13.summary({})
+
+
+def test_units_are_those_of_the_axes(tallies):
+    """cm/s and rad/s: the store's means times sqrt(g d) and over sqrt(d/g)."""
+    d, (_, sweep) = fig06.data(quick=True), rows.tilt_scan(True)
+    names = ("landings.c_x_after.mean", "landings.omega_before.mean")
+    c_x, omega = (rows.over_seeds(v)[0] for v in sweep.gather(rows.store(), *names))
+    np.testing.assert_allclose(d["c_x_after"], c_x * np.sqrt(981 * 0.6))
+    np.testing.assert_allclose(d["omega_before"], omega * np.sqrt(981 / 0.6))
+
+
+def test_parts_of_the_landings_sum_to_one(tallies):
+    _, sweep = rows.tilt_scan(True)
+    names = [f"landings.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")]
+    parts = sweep.gather(rows.store(), *names)
+    np.testing.assert_allclose(sum(parts), 1, rtol=1e-12)
+    assert all(np.nanmin(part) >= 0 for part in parts)
+
+
+def test_phase_densities_integrate_to_one(tallies):
+    d = fig08.data(quick=True)
+    np.testing.assert_allclose(d["density"].sum(axis=1) * 2 * np.pi / fig08.BINS, 1)
+    _, sweep = rows.tilt_scan(True)
+    (counts,) = sweep.gather(rows.store(), "phases")
+    rising = np.concatenate([counts[..., :16], counts[..., 48:]], axis=-1).sum(axis=-1)
+    np.testing.assert_allclose(fig08.falling(counts) + rising / counts.sum(axis=-1), 1)
+
+
+def test_the_papers_density_is_found_again():
+    edges = np.linspace(0, 2 * np.pi, 65)
+    counts = 1e6 * np.diff(edges + np.sin(edges)) / (2 * np.pi)
+    middle = 2 * np.pi * (np.arange(fig08.BINS) + 0.5) / fig08.BINS
+    np.testing.assert_allclose(fig08.densities(counts), landing_density(middle), atol=1e-3)
+    assert fig08.falling(counts) == pytest.approx(fig08.EXPECTED, rel=1e-12)
+
+
+def test_tips_stay_above_the_plate_and_meet_it(tallies):
+    d = fig07.data(quick=True)
+    gap = d["tips"] - d["plate"][:, None]
+    assert -0.01 < gap.min() < 0.001  # cm
+    assert gap.max() > 0.02
+    assert d["plate"].max() == pytest.approx(3.3 * 981 / (2 * np.pi * 60) ** 2, rel=1e-3)
+    assert d["time"][0] == 0
+    assert d["time"][-1] == pytest.approx(fig07.SHOWN, abs=0.05)
+
+
+def test_drift_is_told_from_none():
+    mean = np.array([1.0, 1.0, -1.0, -1.0, 0.01, -0.01, 0.0, 0.03, np.nan])
+    error = np.array([0.1, 0.4, 0.1, 0.4, 1e-4, 1e-4, 0.0, 0.009, 0.1])
+    np.testing.assert_array_equal(fig02.classify(mean, error), [1, 0, -1, 0, 0, 0, 0, 1, 0])
+
+
+def test_the_larger_error_counts():
+    """Between the runs where they differ, within them where they agree by chance."""
+    _, error = fig02.measured_error(np.array([[1.0, 3.0], [2.0, 2.0]]), np.full((2, 2), 0.5))
+    np.testing.assert_allclose(error, [1.0, 0.5 / np.sqrt(2)])
+
+
+def touches(rod, steps, flights):
+    """Rows of a record with what `grouped` reads."""
+    table = np.zeros((len(steps), columns.WIDTH))
+    table[:, columns.ROD], table[:, columns.STEP] = rod, steps
+    table[:, columns.FLIGHT] = flights
+    table[:, columns.PLATE] = np.arange(len(steps))
+    for i in range(3):
+        table[:, columns.BEFORE + i] = 10 * i + np.arange(len(steps))
+        table[:, columns.AFTER + i] = 100 + 10 * i + np.arange(len(steps))
+    return table
+
+
+def test_short_hops_belong_to_the_landing_before():
+    """Period of 100 steps: hops of 5 and 10 steps are no flights, the first landing is cut."""
+    one = touches(0, [50, 150, 160, 175, 400], [np.nan, 95, 5, 10, 220])
+    two = touches(1, [60, 70, 300], [80, 5, 150])
+    found = hops.grouped(np.concatenate([two, one]), 100, 2.0)
+    np.testing.assert_array_equal(found.period, [1, 4, 3])
+    np.testing.assert_allclose(found.flight, [0.95, 2.2, 1.5])
+    np.testing.assert_array_equal(found.touches, [3, 1, 1])
+    np.testing.assert_array_equal(found.before[:, 0], [1, 4, 2])  # of the first touch
+    np.testing.assert_array_equal(found.after[:, 0], [103, 104, 102])  # of the last
+    np.testing.assert_allclose(found.plate, [0.5, 2.0, 1.0])
+    np.testing.assert_allclose(found.impulse, [113 - 11, 100, 100])
+    every = hops.grouped(np.concatenate([two, one]), 100, 2.0, shortest=0.0)
+    assert len(every.flight) == 6
+
+
+def test_means_of_landings():
+    values, period = np.array([1.0, 2.0, 3.0, 4.0] * 8), np.arange(32) // 2
+    mean, error = hops.mean_of(values, period)
+    assert mean == pytest.approx(2.5)
+    assert 0 < error < 1
+    weight = np.array([0.0, 0.0, 1.0, 3.0] * 8)
+    assert hops.mean_of(values, period, weight)[0] == pytest.approx(3.75)
+
+
+def test_fits_find_what_was_put_in():
+    gamma, tilt = np.array([1.05, 1.1, 1.2, 1.4, 2, 3, 4, 5.0]), np.arange(6.0, 75, 3)
+    length = np.array([1.0, 1.25, 1.5, 1.75, 2, 3, 5, 9])
+    curves = {
+        "b": np.where(gamma < 1.5, 3 * (gamma - 1) ** 1.5, 2.5 * (gamma - 1.3)),
+        "a": 10 - 0.1 * tilt + 0.7 * np.exp(-(((tilt - 30) / 3) ** 2)),
+        "c": np.where(length <= 2, 6 * (length - 1.1), 5.0),
+    }
+    d = {"gamma": gamma, "a_tilt": tilt, "length": length}
+    for name, curve in curves.items():
+        d[f"{name}_c_x"], d[f"{name}_c_x_error"] = curve, np.full(len(curve), 1e-3)
+    f = fig13.fits(d)
+    assert f["power"] == pytest.approx(1.5, abs=1e-6)
+    assert (f["line_slope"], f["line_from"]) == pytest.approx((2.5, 1.3))
+    assert (f["growth"], f["growth_from"]) == pytest.approx((6, 1.1))
+    assert f["bump"] == pytest.approx(0.7, abs=0.05)
+    assert f["bump_tilt"] == 30
+    assert (f["long_mean"], f["long_spread"]) == (5, 0)
+
+
+def test_verdicts():
+    claim = law_claims.Claim("", "", lambda d: 0.0, (0.4, 0.6), (0.2, 0.8))
+    assert [claim.verdict(x) for x in (0.5, 0.4, 0.3, 0.7, 0.1, np.nan, np.inf)] == [
+        *(2, 2, 1, 1, 0, 0, 0)
+    ]
+    nominal = np.array([9, 20, 30, 45])
+    table = {"nominal": nominal, "flight": np.array([2.0, 2.0, 1.0, 1.0])}
+    assert law_claims.change_tilt(table) == pytest.approx(25)
+    assert np.isnan(law_claims.change_tilt({**table, "flight": np.full(4, 0.9)}))
+    assert all(c.good[0] >= c.fair[0] and c.good[1] <= c.fair[1] for c in law_claims.CLAIMS)
