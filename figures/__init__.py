@@ -21,11 +21,11 @@ class Entry:
 
 
 FIGURES = {
-    "fig02": Entry("Fig. 2: forward and reverse drift over acceleration and tilt, simulated"),
+    "fig02": Entry("Fig. 2: forward and reverse drift over acceleration and tilt", quick=False),
     "fig06": Entry("Fig. 6: velocities of a simulated row before and after a landing, over tilt"),
     "fig07": Entry("Fig. 7: tips of rods over the plate; lengths of flights over tilt"),
     "fig08": Entry("Fig. 8: landing phases of a simulated row"),
-    "phase_friction": Entry("Drift of a simulated row over friction and restitution"),
+    "phase_friction": Entry("Drift of a simulated row over friction and restitution", quick=False),
     "contact_laws": Entry("Which contact law obeys which of the paper's claims", quick=False),
     "fig13": Entry("Fig. 13: drift of a simulated row over tilt, acceleration and length"),
     "alpha": Entry("Mean plate velocity at landing, flights and drift, computed rod by rod"),

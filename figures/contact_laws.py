@@ -67,6 +67,10 @@ STORED = {
 }
 
 
+def _names(d: dict[str, np.ndarray]) -> list[str]:
+    return [list(LAWS)[i] for i in d["law"]]
+
+
 def data(quick: bool = False) -> dict[str, np.ndarray]:
     """Of each law: the tables over tilt, and a number for each claim."""
     nominal = np.array(QUICK_DEG if quick else TILTS_DEG)
@@ -95,8 +99,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     value = np.array([[claim.number(table) for claim in CLAIMS] for table in tables])
     verdict = [[c.verdict(v) for c, v in zip(CLAIMS, row, strict=True)] for row in value]
     return {
-        "laws": np.array(names),
-        "claims": np.array([claim.name for claim in CLAIMS]),
+        "law": np.array([list(LAWS).index(name) for name in names]),
         "value": value,
         "verdict": np.array(verdict),
         **{key: np.array([table[key] for table in tables]) for key in tables[0]},
@@ -113,7 +116,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     for (i, j), value in np.ndenumerate(d["value"]):
         text = "-" if np.isnan(value) else f"{value:.{CLAIMS[j].digits}f}"
         ax.text(j, i, text, ha="center", va="center", fontsize=5.5)
-    ax.set_yticks(range(n), d["laws"], fontsize=6.5)
+    ax.set_yticks(range(n), _names(d), fontsize=6.5)
     heads = [f"{claim.name}\n[{claim.paper}]" for claim in CLAIMS]
     ax.set_xticks(range(m), heads, fontsize=5.5, rotation=60, ha="left", rotation_mode="anchor")
     ax.tick_params(length=0, labelbottom=False, labeltop=True)
@@ -138,7 +141,7 @@ def summary(d: dict[str, np.ndarray]) -> str:
             for v, k in zip(d["value"][:, j], d["verdict"][:, j], strict=True)
         )
         lines.append(f"{claim.name.replace(chr(10), ' '):<36} [{claim.paper:>5}]" + "".join(cells))
-    for i, name in enumerate(d["laws"]):
+    for i, name in enumerate(_names(d)):
         good, fair, bad = ((d["verdict"][i] == k).sum() for k in (2, 1, 0))
         lines.append(f"{name}: holds {good}, in part {fair}, not {bad}")
         lines.append("  nominal  tilt    c_x  (theory)    V_z/V_0  e    flight  falling  c_z ratio")

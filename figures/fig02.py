@@ -117,7 +117,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     )
     figure.legend(*a.get_legend_handles_labels(), loc="outside upper left", ncols=3)
     name_panel(a, "a")
-    inset = b.inset_axes([0.1, 0.55, 0.45, 0.4])
+    inset = b.inset_axes([0.12, 0.56, 0.42, 0.38])
     for i, colour, line in zip(d["chosen"], (GREEN, BLUE, RED), d["closure"], strict=True):
         for ax in (b, inset):
             ax.errorbar(
@@ -131,7 +131,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         ax.axvline(ONSET, color=BLACK, lw=0.8, ls=":")
     early = d["gamma"] <= ONSET
     seen = d["c_x"][early][:, d["chosen"]]
-    inset.set(xlim=(1, ONSET + 0.05), ylim=(min(-0.2, 1.2 * seen.min()), 1.1 * seen.max() + 0.1))
+    inset.set(xlim=(1, ONSET + 0.05), ylim=(min(-0.05, 1.2 * seen.min()), 0.6 * seen.max() + 0.1))
     inset.tick_params(labelsize=5.5)
     b.set(xlabel=r"acceleration $\Gamma$", ylabel=r"drift $c_x$ (cm/s)", xlim=(1, None))
     b.set_ylim(None, 1.15 * max(np.nanmax(d["c_x"]), 1))

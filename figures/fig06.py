@@ -4,8 +4,9 @@ Dots: every touch of the plate, mean and standard error over independent starts.
 less than 0.2 periods apart taken as one landing, in one run. Lines: the theory's closure at
 V_z = V_0/2 (c_x' = c_x, c_z' = -c_z, no spin) for the spherocylinder.
 
-Look at (a), which the touches alone decide: before a landing there is hardly any spin. In (b) the
-two kinds of mean part company: a rod that is hit again at once does not fall in between.
+Look at (a): before a landing there is hardly any spin. Below some 13 degrees there is none after it
+either: the row bounces as one block. In (b) and (c) the two kinds of mean part company: a rod that
+is hit again at once does not fall in between.
 """
 
 import matplotlib.pyplot as plt
@@ -112,7 +113,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     ):
         e.errorbar(d["tilt_deg"], d[key], d[f"{key}_error"], ms=2.6, lw=0.5, elinewidth=0.6, **look)
     e.axhline(0.5, color=BLUE, label="(31): 1/2")
-    e.set(ylabel=r"plate at landing, $V_z/V_0$", ylim=(min(0, d["merged_plate"].min() - 0.1), 1))
+    e.set(ylabel=r"plate at landing, $V_z/V_0$", ylim=(min(0, d["plate"].min() - 0.05), 1))
     for letter, ax in zip("abcd", axes.flat, strict=True):
         tilt_axis(ax)
         ax.axhline(0, color="0.7", lw=0.6)

@@ -1,9 +1,9 @@
 """Fig. 8: phases of the plate at which rods of the row land, at five tilts.
 
 The phase theta is that of the plate's velocity V_0 cos(theta). Steps: every touch, mean and
-standard error over independent starts; thin blue: touches less than 0.2 periods apart taken as one
-landing, at the first of them. Line: the paper's H = (1 + cos(theta))/2 pi. Shaded: the plate falls.
-(f): part of the landings there; one rigid rod at fixed tilt for comparison.
+standard error over independent starts. Line: the paper's H = (1 + cos(theta))/2 pi. Shaded: the
+plate falls. (f): part of the landings there; squares: touches less than 0.2 periods apart taken as
+one landing, at the first of them; orange: one rigid rod at fixed tilt, exact flights and impacts.
 """
 
 import matplotlib.pyplot as plt
