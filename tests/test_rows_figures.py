@@ -188,7 +188,7 @@ def test_fits_find_what_was_put_in():
     length = np.array([1.0, 1.25, 1.5, 1.75, 2, 3, 5, 9])
     curves = {
         "b": np.where(gamma < 1.5, 3 * (gamma - 1) ** 1.5, 2.5 * (gamma - 1.3)),
-        "a": 10 - 0.1 * tilt + 0.7 * np.exp(-(((tilt - 30) / 3) ** 2)),
+        "a": 10 - 0.1 * tilt + 2 * np.exp(-(((tilt - 30) / 3) ** 2)),
         "c": np.where(length <= 2, 6 * (length - 1.1), 5.0),
     }
     d = {"gamma": gamma, "a_tilt": tilt, "length": length}
@@ -198,8 +198,9 @@ def test_fits_find_what_was_put_in():
     assert f["power"] == pytest.approx(1.5, abs=1e-6)
     assert (f["line_slope"], f["line_from"]) == pytest.approx((2.5, 1.3))
     assert (f["growth"], f["growth_from"]) == pytest.approx((6, 1.1))
-    assert f["bump"] == pytest.approx(0.7, abs=0.05)
+    assert f["bump"] == pytest.approx(2 - 0.6 - 2 * np.exp(-4), abs=1e-9)  # from 24 degrees on
     assert f["bump_tilt"] == 30
+    assert fig13.fits({**d, "a_c_x": 10 - 0.1 * tilt})["bump"] == pytest.approx(-0.3)
     assert (f["long_mean"], f["long_spread"]) == (5, 0)
 
 
