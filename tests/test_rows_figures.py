@@ -135,8 +135,8 @@ def test_tips_stay_above_the_plate_and_meet_it(tallies):
 
 
 def test_drift_is_told_from_none():
-    mean = np.array([1.0, 1.0, -1.0, -1.0, 0.01, -0.01, 0.0, 0.03, np.nan])
-    error = np.array([0.1, 0.4, 0.1, 0.4, 1e-4, 1e-4, 0.0, 0.009, 0.1])
+    mean = np.array([1.0, 1.0, -1.0, -1.0, 0.001, -0.001, 0.0, 0.03, np.nan])
+    error = np.array([0.1, 0.4, 0.1, 0.4, 1e-5, 1e-5, 0.0, 0.009, 0.1])
     np.testing.assert_array_equal(fig02.classify(mean, error), [1, 0, -1, 0, 0, 0, 0, 1, 0])
 
 
