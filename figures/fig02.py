@@ -1,7 +1,7 @@
 """Fig. 2, simulated: forward, no and reverse drift of the plane row, over acceleration and tilt.
 
 (a): forward (full red), reverse (full blue) where the drift is beyond 3 standard errors and beyond
-0.003 cm/s, else none (open). Colours behind: drift of one rigid rod at fixed tilt, exact flights and
+0.003 cm/s, else none (open). Colours: drift of one rigid rod at fixed tilt, exact flights and
 impacts, with the theory's closure omega = 0; dashed: there the mean plate velocity at landing, V_z
 weighted by impulse, is zero, and negative to the left. (b): the drift over Gamma at three tilts;
 lines: the theory at V_z = V_0/2. Inset: near Gamma = 1. Dotted: where the paper's annulus begins
@@ -27,7 +27,7 @@ from .rows import (
 )
 from .shared import BLACK, BLUE, GREEN, RED, name_panel, style
 
-FLOOR_CM_S = 0.003  # a half a hundredth of a diameter a second
+FLOOR_CM_S = 0.003  # half a hundredth of a diameter a second
 SIGNIFICANT = 3.0  # standard errors
 ONSET = 1.6  # Gamma, Fig. 2(b, c)
 
