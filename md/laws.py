@@ -35,6 +35,8 @@ class Law(NamedTuple):
 def number(name: str, value: object, low: float, high: float, domain: str) -> float:
     """`value` as a float in [low, high]."""
     try:
+        if isinstance(value, str):
+            raise TypeError
         number = float(value)
     except (TypeError, ValueError):
         raise TypeError(f"{name} must be a number, got {value!r}") from None

@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any, TextIO
+from zipfile import BadZipFile
 
 import numba
 import numpy as np
@@ -235,10 +236,10 @@ def _save(path: Path, engine: Engine, tables: _Tables, began: dict) -> None:
 def _resume(path: Path, engine: Engine, tables: _Tables) -> dict:
     """Go on from a checkpoint."""
     try:
-        with np.load(path) as saved:
+        with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
         about = json.loads(str(arrays.pop("about")))
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
         raise ValueError(f"checkpoint {path} cannot be read: {error}") from None
     for key, mine in (("scene", engine.scene.digest()), ("code", digest())):
         if about.pop(key) != mine:
@@ -320,6 +321,11 @@ def run(
     """
     periods = int(number("periods", periods, 1, 1e9, "a whole number >= 1"))
     frames = int(number("frames", frames, 1, 1e6, "a whole number >= 1"))
+    for name, path in (("trajectory", trajectory), ("checkpoint", checkpoint)):
+        if path is not None and not Path(path).parent.is_dir():
+            raise ValueError(f"{name} must be in a folder that exists, got {str(path)!r}")
+        if path is not None and Path(path).is_dir():
+            raise ValueError(f"{name} must be a file, got the folder {str(path)!r}")
     engine = prepare(scene, ledger=ledger)
     tables = _Tables(engine, periods)
     every = max(engine.per // SAMPLES, 1)

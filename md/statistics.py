@@ -13,6 +13,7 @@ def transient(series: np.ndarray, batch: int = 5) -> int:
     means = series[: len(series) // batch * batch].reshape(-1, batch).mean(axis=1)
     if len(means) < 4:
         return 0
+    means -= means.mean()  # or the squares cancel where the mean is large
     left = np.arange(len(means), 0, -1)
     sums, squares = np.cumsum(means[::-1])[::-1], np.cumsum(means[::-1] ** 2)[::-1]
     marginal = (squares - sums**2 / left) / left**2
