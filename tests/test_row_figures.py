@@ -200,6 +200,9 @@ def test_film_is_the_run(film):
     at = np.flatnonzero(film.time == 29)[0]
     np.testing.assert_array_equal(film.x[at], result.rods[:, 0])
     np.testing.assert_array_equal(film.z[at], result.rods[:, 1])
+    np.testing.assert_allclose(np.tan(film.tilt[at]), result.rods[:, 2] / result.rods[:, 3])
+    assert film.time[0] == 0
+    assert np.all(film.x[0] == (np.arange(5) + 0.5) * 1.4)
     assert film.pictures == 90
     assert np.all(film.tips.min(axis=1) > film.plate - 0.02)
     assert np.ptp(film.plate) == pytest.approx(
@@ -260,6 +263,7 @@ def test_movie_of_what_has_no_plate():
     picture = movie.Picture(movie.record(scene, periods=1, frames=1))
     picture.show(0)
     plt.close(picture.figure)
+    assert picture.plate is picture.trace is None
 
 
 @pytest.mark.parametrize(
