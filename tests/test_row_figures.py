@@ -186,6 +186,25 @@ def test_reversal_begins_at_the_line_drawn():
         assert classify(0.1, -1.0, geometry=rod, friction=0.3, restitution=0.65) == regime
 
 
+def test_summary_says_what_the_data_hold(monkeypatch):
+    """One line a run in each table; where nothing was isolated, a dash."""
+    few = {"BOXES": (0, 40.15), "GAMMAS": (2.0,), "STIFFNESS": (5e5,), "RESTITUTIONS": (0.5,)}
+    for name, values in {**few, "LONE_STIFFNESS": (5e5,)}.items():
+        monkeypatch.setattr(landing_census, name, values)
+    d = landing_census.data(quick=True)
+    text = landing_census.summary(d)
+    lines = [line.split() for line in text.splitlines()]
+    for sweep in (*landing_census.LAWS, "gamma", "stiff", "lossy"):
+        assert sum(line[0] == sweep for line in lines) == 3
+    slide, error = 100 * d["gamma_slide"][0]
+    row = next(line for line in lines if line[0] == "gamma")
+    assert float(row[3]) == pytest.approx(slide, abs=error)
+    assert "nan" not in text
+    upright = next(line for line in lines if line[0] == "constraint")
+    assert "-" in upright
+    assert d["constraint_shared"][0, 0] == 1
+
+
 @pytest.fixture(scope="module")
 def film():
     """Fast rods in a short box: each of them passes its end."""
