@@ -265,14 +265,14 @@ def summary(d: dict[str, np.ndarray]) -> str:
     lines = ["percent; #: each landing alike, else weighted by its change of (c_x, c_z, k omega)"]
     for title, columns in TABLES.items():
         lines.append(f"{title}\n{'sweep':10}{'':>6}{'tilt':>6}")
-        lines[-1] += "".join(f"{head:>15}" for head in columns.values())
+        lines[-1] += "".join(f"{head:>16}" for head in columns.values())
         for sweep in (*LAWS, "gamma", "stiff", "lossy"):
             for i, x in enumerate(d[sweep]):
-                cells = "".join(f"{_text(d[f'{sweep}_{name}'][i]):>15}" for name in columns)
+                cells = "".join(f"{_text(d[f'{sweep}_{name}'][i]):>16}" for name in columns)
                 lines.append(f"{sweep:10}{x:6.4g}{d[f'{sweep}_tilt'][i, 0]:6.1f}{cells}")
     lines.append("lone rods: contact, error, allowed for, agreement #, allowed for #")
     wanted = ("duration", "residual", "allowed", "agree_number", "agree_allowed_number")
     for i, stiffness in enumerate(d["lone"]):
-        cells = "".join(f"{_text(d[f'lone_{name}'][i]):>15}" for name in wanted)
+        cells = "".join(f"{_text(d[f'lone_{name}'][i]):>16}" for name in wanted)
         lines.append(f"k_n ={stiffness:6.0e}{'':9}{cells}")
     return "\n".join(lines)
