@@ -271,7 +271,7 @@ def _loop(engine, tables, series, began, goal, observe, frame, save, bar, presse
         engine.go(steps, series)
         seconds = perf_counter() - begin
         began["seconds"] += seconds
-        chunk = int(np.clip(chunk * _CHUNK / max(seconds, 1e-9), chunk / 4 + 1, chunk * 4))
+        chunk = int(np.clip(steps * _CHUNK / max(seconds, 1e-9), steps / 4 + 1, steps * 4))
         if engine.record is not None and engine.record.count[0]:
             rows = engine.record.rows[: engine.record.count[0]]
             tables.add(rows)
