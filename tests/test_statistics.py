@@ -33,9 +33,8 @@ def test_standard_error_of_autoregressive_series(memory, n):
     memory < 0, at most 25 % for memory = -0.5.
     """
     random = np.random.default_rng(n)
-    used = 2 ** int(np.log2(n))
     found = [standard_error(autoregressive(random, n, memory)) for _ in range(100)]
-    bias = np.mean(found) / exact_error(used, memory) - 1
+    bias = np.mean(found) / exact_error(n, memory) - 1
     tau = memory / (1 - memory)
     if tau >= 0:
         assert -((3 * tau / n) ** (1 / 3)) - 0.01 < bias < 0.01
