@@ -1,4 +1,4 @@
-"""Pictures of the theory: one module a figure, `data()` computes and `draw()` draws.
+"""Pictures of theory and simulation: one module a figure, `data()` computes and `draw()` draws.
 
 >>> import figures
 >>> fig11 = figures.load("fig11")
@@ -31,6 +31,10 @@ FIGURES = {
     "tip_shape": Entry("Drift of round and flat-ended rods over tilt and over length"),
     "accuracy_map": Entry("Error of an impact in ulp: ours, and the paper's formulas literally"),
     "accuracy_cost_theory": Entry("Error of an impact against the time it takes, for nine ways"),
+    "fig12": Entry("Fig. 12: one soft impact over tilt against the closed forms; its restitution"),
+    "appendix_a": Entry("Readings of Appendix A against what the paper says of them"),
+    "rigid_limit": Entry("How the soft impact comes to the rigid one, law by law"),
+    "accuracy_cost_impact": Entry("Error of a soft impact against its price: integration, model"),
 }
 
 

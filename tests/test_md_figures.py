@@ -1,0 +1,316 @@
+"""Figures of the soft impact: what they show, against the theory and against plain integrations."""
+
+from functools import cache
+from itertools import pairwise
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import figures
+import md
+from figures import accuracy_cost_impact, appendix_a, fig12, impact_errors, price, rigid_limit, soft
+from impact import ContactGeometry, collide
+
+mpl.use("Agg")
+
+NAMES = ("fig12", "appendix_a", "rigid_limit", "accuracy_cost_impact")
+
+
+@cache
+def data(name):
+    return figures.load(name).data(quick=True)
+
+
+def theory(tilt, restitution, law="newton"):
+    """The scene of Fig. 12 without the figures' own helper: l = 9.5, thin, mu = 0.4."""
+    arms = ContactGeometry(4.25 * np.sin(tilt), 4.25 * np.cos(tilt) + 0.5, 9.5 / np.sqrt(12))
+    return collide(0.5, -1.0, geometry=arms, friction=0.4, restitution=restitution, law=law)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_summary_is_made_of_the_numbers(name):
+    """It is text, and other numbers make another text."""
+    d, module = data(name), figures.load(name)
+    text = module.summary(d)
+    assert text.count("\n") >= 10
+    assert "nan" not in text.replace("constant_restitution", "").split("order; ns")[0]
+    changed = {key: value * 1.5 if value.dtype.kind == "f" else value for key, value in d.items()}
+    assert module.summary(changed) != text
+
+
+# Fig. 12
+
+
+def test_fig12_regimes_are_those_of_the_theory():
+    d = data("fig12")
+    tilt, regime = d["tilt"], d["regime"][0]
+    np.testing.assert_array_equal(regime, theory(tilt, d["restitution"][0]).regime)
+    assert set(regime) == {1, 2, 3}
+    assert np.all(np.diff(tilt) > 0)
+    changes = [(int(a), int(b)) for a, b in pairwise(regime) if a != b]
+    assert changes == [(2, 3), (3, 1)]  # stick, reversal, slide
+    np.testing.assert_array_equal(d["regimes_right"][:2], 17)
+    assert d["regimes_right"][2] < 12  # as printed
+
+
+def test_fig12_symbols_lie_on_the_theory_at_measured_restitution():
+    d = data("fig12")
+    rigid = theory(d["tilt"], d["restitution"][0])
+    off = np.hypot(d["c_x"][0] - rigid.c_x, d["c_z"][0] - rigid.c_z)
+    assert off.max() < 1.2e-3
+    np.testing.assert_allclose(d["measured_c_x"][0], rigid.c_x, rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(d["measured_c_z"][0], rigid.c_z, rtol=1e-12, atol=1e-14)
+    line = theory(d["line_tilt"], 0.65)
+    np.testing.assert_allclose(d["line_c_x"], line.c_x, rtol=1e-12, atol=1e-14)
+    np.testing.assert_array_equal(d["line_regime"], line.regime)
+    for law, e in zip(("newton", "poisson", "stronge"), d["line_restitution"], strict=True):
+        np.testing.assert_allclose(e, theory(d["line_tilt"], 0.65, law).normal_velocity, rtol=1e-12)
+    assert 0.03 < d["rms_constant"][0] < 0.07  # the constant 0.65 is right to 5 % of |c_z|
+    assert d["rms_measured"][0] < 6e-4 < 1e-2 < d["rms_measured"][1] < 0.1 < d["rms_measured"][2]
+    assert d["step_error"].max() < 1e-4
+
+
+def test_one_constant_is_best_in_the_energetic_law():
+    """Head on 0.65 and never more: the loss by the dashpot is shared out by compression's work."""
+    d = data("fig12")
+    for column in (1, 2, 4, 5):
+        assert d["table"][0, :, column].argmin() == fig12.LAWS.index("stronge")
+    assert d["restitution"][0, 0] == pytest.approx(0.65, abs=1e-3)
+    assert 0.53 < d["restitution"][0].min() < 0.56
+    fitted = d["table"][:, :, 3]
+    assert np.all((fitted > 0.5) & (fitted < 1))
+
+
+# Appendix A
+
+
+def head_on(normal_force, speed=1.0):
+    """Restitution of m d'' = -F(d, d'), m = 1, by a general-purpose solver."""
+
+    def ends(t, y):
+        return min(normal_force(*y), y[0]) if t > 1e-6 else 1.0
+
+    ends.terminal = True
+    how = {"rtol": 1e-10, "atol": 1e-13, "events": ends, "max_step": 1e-5}
+    done = solve_ivp(lambda t, y: (y[1], -normal_force(*y)), (0, 0.1), (0.0, speed), **how)
+    return -done.y[1, -1] / speed
+
+
+def test_restitution_of_readings_head_on():
+    """Of the printed law and of the one without the overlap's factor, for the rod and M/2.
+
+    The figure's impacts have friction, which turns the rod a little even at tilt 0.
+    """
+    d = data("appendix_a")
+    one = list(d["speed"]).index(1.0)
+    printed = head_on(lambda x, v: 5e6 * abs(x) ** 1.5 + 200 * x * v)
+    plain = head_on(lambda x, v: 5e6 * abs(x) ** 1.5 + 200 * v)
+    assert d["restitution"][0, 0, 0, one, 0] == pytest.approx(printed, abs=3e-4)
+    for where in (1, 2):
+        assert d["restitution"][where, 0, 0, one, 0] == pytest.approx(plain, abs=3e-4)
+    assert printed > 0.999
+    assert 0.5 < plain < 0.55
+
+
+def test_no_reading_does_what_the_paper_says():
+    d = data("appendix_a")
+    shape = len(appendix_a.WHERE), len(appendix_a.MASSES), len(appendix_a.INERTIAS)
+    assert d["restitution"].shape == (*shape, d["speed"].size, 18)
+    assert d["compared"].shape == (*shape, 4)
+    one = list(d["speed"]).index(1.0)
+    e = d["restitution"][..., one, :]
+    assert not np.any(np.all((e > 0.65 - 0.02) & (e < 0.7 + 0.02), axis=-1))
+    assert np.all(d["compared"][0, ..., 2] > 0.1)  # as printed
+    assert np.all(d["compared"][2, ..., 2] < 0.03)  # the units' reading: near the rigid theory
+    best = appendix_a.best(d)
+    assert best["theory at 0.65"] == (2, list(appendix_a.MASSES).index("sphere, m"))
+    assert best["both, added in squares"][0] == 2
+    assert "factor in neither; sphere, m" in appendix_a.summary(d)
+
+
+def test_why_the_printed_law_fails():
+    """Its spring is soft and undamped: stiffness and damping each bring it nearer, throughout."""
+    d = data("appendix_a")
+    assert d["printed_ratio"] == pytest.approx(4.5, abs=0.1)
+    assert np.all(np.diff(d["why"], axis=1) < 0)
+    assert np.all(np.diff(d["why"], axis=0) < 0)
+    stiff = d["why"][0, -3:]
+    np.testing.assert_allclose(stiff[1:] / stiff[:-1], 10**-0.5, rtol=0.25)
+
+
+def test_gamma_that_would_do():
+    d = data("appendix_a")
+    np.testing.assert_allclose(d["mended_head_on"][:, 1], 0.65, atol=1e-3)
+    assert np.all(np.diff(d["mended_head_on"][0]) < -0.05)  # with the overlap's factor
+    assert np.all(np.diff(d["mended_head_on"][1]) > 0.02)
+    assert d["mended_gamma"][0] > 100 * d["mended_gamma"][1]
+    low, high = np.moveaxis(d["needed"], 1, 0)
+    assert np.all(low > high)
+    assert np.all(low > 5e3)  # 400 is printed
+
+
+# Rigid limit
+
+
+def test_coulomb_goes_to_the_rigid_theory_as_predicted():
+    d = data("rigid_limit")
+    slope, error = d["slope"]
+    assert abs(slope + 0.4) < max(3 * error, 1e-3)
+    np.testing.assert_array_equal(d["right"][0], 17)
+    np.testing.assert_allclose(d["located"], d["error"][0, ::3], rtol=2e-3)
+    assert d["error"][0, -1] < 1e-6
+    assert np.all(d["half_step"] < 2e-2)
+    assert "k_n = 1.0e+07 on" in rigid_limit.summary(d)
+
+
+def test_springs_stop_at_floors_that_fall_as_the_root_of_their_stiffness():
+    d = data("rigid_limit")
+    names = list(rigid_limit.LAWS)
+    floors = d["error"][[i for i, name in enumerate(names) if "constant" in name], -1]
+    assert np.all(np.diff(floors) < 0)
+    springs = [i for i, name in enumerate(names) if "constant" in name]
+    np.testing.assert_allclose(d["error"][springs, -2], floors, rtol=0.02)
+    for slope, error in d["slope_by_ratio"][1:]:
+        assert abs(slope + 0.5) < max(3 * error, 2e-3)
+    printed = d["error"][names.index("appendix_a")]
+    assert printed.min() > 0.1  # stiffness alone does not help
+    assert printed[-1] > printed[0]
+    undamped, damped = d["error_by_ratio"][2], d["error_by_ratio"][1]
+    assert np.all(undamped > 2.5 * damped)
+
+
+# Accuracy and cost
+
+
+@pytest.mark.parametrize("integrator", impact_errors.METHODS)
+def test_timed_impact_is_the_impact(integrator):
+    """The bits of `md.impact`, once or many times over."""
+    tilt, law, dt = 0.7, md.coulomb(), 7e-5
+    hit = impact_errors.one_impact(tilt, law, integrator=integrator, dt=dt)
+    call = price.impact_call(tilt, law, integrator, dt)
+    for times in (1, 3):
+        velocity, steps = call(times)
+        assert velocity == (hit.c_x, hit.c_z, hit.omega)
+        assert steps == hit.steps
+
+
+def test_price_is_of_one_call_of_many(monkeypatch):
+    """Seconds of a sample over its repetitions; a clock that counts repetitions gives one."""
+    clock, asked = [0.0], []
+
+    def call(times=1):
+        clock[0] += 1e-5 * times
+        asked.append(times)
+        return None, 8
+
+    monkeypatch.setattr(price, "perf_counter", lambda: clock[0])
+    seconds, steps = price.price([call], 3)
+    np.testing.assert_allclose(seconds, 1e-5, rtol=1e-9)
+    assert steps == [8]
+    assert asked == [1, 1, 100, 100, 100]
+
+
+def test_orders_and_steps_to_a_target():
+    parts = 10.0 * 2.0 ** np.arange(8)
+    assert impact_errors.order(parts, 3 * parts**-1.25) == pytest.approx(1.25)
+    assert np.isnan(impact_errors.order(parts, np.full(8, np.nan)))
+    assert impact_errors.reached(parts, parts**-1.0, 1 / 300) == pytest.approx(300)
+    assert np.isnan(impact_errors.reached(parts, parts**-1.0, 1e-9))
+    assert impact_errors.reached(parts, parts**-1.0, 0.5) == parts[0]
+
+
+def test_integration_errors_fall_with_the_step():
+    d = data("accuracy_cost_impact")
+    assert d["offsets"].size >= 24
+    worst, middle = d["fixed_error"]
+    assert worst.shape == (3, d["parts"].size) == d["fixed_seconds"].shape
+    assert np.all(np.diff(np.log10(worst)) < -0.5)
+    assert np.all(middle <= worst)
+    for found, (low, high) in zip(d["order"], ((1.0, 1.2), (1.15, 1.3), (0.95, 1.2)), strict=True):
+        assert low < found < high
+    np.testing.assert_allclose(d["fixed_steps"][:, -1] / d["fixed_steps"][:, -2], 4, rtol=1e-2)
+    assert worst[1, list(d["parts"]).index(160)] < 1e-3
+
+
+def test_errors_are_over_all_tilts_and_offsets():
+    """One step of one method, impact by impact, against a reference of its own."""
+    d = data("accuracy_cost_impact")
+    scene = {"friction": 0.4, "rod": md.Rod(9.5, "thin"), "law": md.coulomb()}
+    dt, errors = 2.943275 * (1.25 / 5e6) ** 0.4 / 40, []
+    for tilt in np.radians([10, 25, 40, 65, 83, 87]):
+        true = md.impact(tilt, 0.5, -1.0, integrator="dop853", tolerance=1e-13, **scene)
+        for offset in d["offsets"]:
+            hit = md.impact(tilt, 0.5, -1.0, integrator="verlet", dt=dt, offset=offset, **scene)
+            errors.append(np.hypot(hit.c_x - true.c_x, hit.c_z - true.c_z))
+    worst, middle = d["fixed_error"][:, 1, 1]
+    assert worst == pytest.approx(max(errors), rel=1e-6)
+    assert middle == pytest.approx(np.median(errors), rel=1e-6)
+
+
+def test_located_switches_reach_what_no_step_does():
+    d = data("accuracy_cost_impact")
+    worst, middle = d["adaptive_error"]
+    assert np.all(middle <= worst)
+    assert worst[-1] < 1e-12
+    assert np.all(np.diff(worst) < 0)
+    assert d["evaluations"][-1] <= 3000
+    assert d["floor"] < 1e-12
+    assert d["fixed_error"][0].min() > 1e3 * worst[-1]
+
+
+def test_gear_is_leapfrog_at_the_papers_step():
+    d = data("accuracy_cost_impact")
+    assert d["gear_from_leapfrog"].shape == (3, 2)
+    assert 1e-8 < d["gear_from_leapfrog"][2].max() < 1e-5  # Appendix A
+    assert d["gear_from_leapfrog"].max() < 3e-3
+
+
+def test_prices_are_positive():
+    d = data("accuracy_cost_impact")
+    prices = {key: value for key, value in d.items() if key.endswith("seconds")}
+    assert len(prices) == 7
+    for key, value in prices.items():
+        assert np.all(np.asarray(value) > 0), key
+        assert np.all(np.isfinite(value)), key
+
+
+def test_model_errors_along_the_ladders():
+    d = data("accuracy_cost_impact")
+    assert np.all(np.diff(d["coulomb_error"]) < 0)
+    assert np.all(np.diff(d["constant_restitution_error"]) < 0)
+    np.testing.assert_array_equal(d["coulomb_right"], 17)
+    assert d["appendix_a_error"].min() > 0.1
+    assert d["coulomb_parts"].max() < 10
+    for name, (make, _, _) in impact_errors.LADDERS.items():  # at the steps that are priced
+        for value, error, dt in zip(
+            *(d[f"{name}_{key}"] for key in ("value", "error", "dt")), strict=True
+        ):
+            law = make(value)
+            longest = min(impact_errors.one_impact(tilt, law).dt for tilt in soft.TILTS[::3])
+            run = soft.simulate(soft.TILTS, law, refine=longest / dt)
+            again = soft.distance(run, soft.rigid(soft.TILTS, run.restitution))
+            assert again == pytest.approx(error, rel=0.1)
+
+
+def test_advice_names_the_cheapest_and_what_fails():
+    d = data("accuracy_cost_impact")
+    found = accuracy_cost_impact.choices(d, 1e-10)
+    assert {m for m, (seconds, _) in found.items() if np.isinf(seconds)} == {
+        "leapfrog", "verlet", "gear",
+    }  # fmt: skip
+    text = accuracy_cost_impact.summary(d)
+    assert "1e-10: dop853" in text
+    assert "too coarse: leapfrog (" in text
+    coarse = accuracy_cost_impact.choices(d, 1e-2)
+    assert all(np.isfinite(seconds) for seconds, _ in coarse.values())
+    assert min(coarse, key=lambda method: coarse[method][0]) != "dop853"
+
+
+def test_a_tolerance_that_happens_to_do_is_not_advised():
+    d = dict(data("accuracy_cost_impact"))
+    d["adaptive_error"] = np.array([[1e-12, 1e-3, 1e-9, 1e-11, 1e-11, 1e-13]] * 2)
+    assert "tolerance 1e-09" in accuracy_cost_impact.choices(d, 1e-10)["dop853"][1]
+    d["adaptive_error"] = d["adaptive_error"] + 1e-5
+    assert accuracy_cost_impact.choices(d, 1e-10)["dop853"] == (np.inf, "at every tolerance")
