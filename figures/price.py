@@ -11,7 +11,7 @@ import md
 from impact import ContactGeometry, compiled
 from md import integrators
 from md.cache import kernel
-from md.contact import Scene
+from md.contact import Effects
 from md.integrators import WATCHED, run
 from md.laws import friction_of
 
@@ -26,7 +26,8 @@ def repeated(scene, state, dt, times, watch):
     """The same impact `times` times over; velocity after the last one, and its steps."""
     steps, after = 0, state
     for _ in range(times):
-        watch[:] = 0
+        for i in range(WATCHED):
+            watch[i] = 0.0
         after, steps, _ = run(scene, state, 0, MOST, dt, watch, None, None, 1)
     return after.velocity, steps
 
@@ -35,7 +36,7 @@ def impact_call(tilt: float, law: md.Law, integrator: str, dt: float, speed: flo
     """The impact of `soft.simulate` as a function of how often; touch in the middle of a step."""
     friction = friction_of(law, FRICTION)
     lightness = 1 / ROD.gyration_squared
-    scene = Scene(ROD.half_length, lightness, law.normal, friction, None, None, True)
+    scene = Effects(ROD.half_length, lightness, law.normal, friction, None, None, True)
     position = np.array([0.0, ROD.half_length * cos(tilt) + 0.5, tilt])
     velocity = np.array([speed / APPROACH_RATIO, -speed, 0.0])
     start = position - dt / 2 * velocity

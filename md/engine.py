@@ -19,15 +19,15 @@ SKIN = 0.4  # of the list of pairs, in d
 SAMPLES = 32  # of the tilt, in a period
 
 
-def _law_step(name: str, contact: Contact, speed: float, along: float, across: float):
-    """Largest stable step and contact time of a contact at this speed."""
+def _law_step(name: str, contact: Contact, speed: float, along: float, across: float, caps: int):
+    """Largest stable step and contact time of a contact at this speed; see `laws.largest_step`."""
     deepest = deepest_overlap(contact.law, speed)
     if not deepest < DEEP / 2:
         raise ValueError(
             f"{name}.stiffness {contact.law.normal.stiffness:g} is too soft for impacts at "
             f"{speed:.3g}: overlap {deepest:.2g} d"
         )
-    largest = largest_step(contact.law, contact.friction > 0, speed, along, across)
+    largest = largest_step(contact.law, contact.friction > 0, speed, along, across, caps=caps)
     return largest, contact_time(contact.law, speed)
 
 
@@ -46,7 +46,7 @@ def step_of(scene: Scene) -> tuple[float, int]:
         found.append(
             _law_step(
                 *("contacts.plate", scene.contacts.plate, speed),
-                *((half + 0.5) ** 2 * light, half**2 * light),
+                *((half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1),
             )
         )
     if scene.contacts.rods:
@@ -55,7 +55,7 @@ def step_of(scene: Scene) -> tuple[float, int]:
             _law_step(
                 *("contacts.rods", scene.contacts.rods, speed),
                 1 + 2 * (half + 0.5) ** 2 * light,
-                (8 if half > 0 else 4) * max(1.0, half**2 * light) - 1,
+                *((8 if half > 0 else 4) * max(1.0, half**2 * light) - 1, 1),
             )
         )
     largest = min((limit for limit, _ in found), default=np.inf)

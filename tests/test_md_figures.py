@@ -262,8 +262,8 @@ def test_located_switches_reach_what_no_step_does():
 
 def test_gear_is_leapfrog_at_the_papers_step():
     d = data("accuracy_cost_impact")
-    assert d["gear_from_leapfrog"].shape == (3, 2)
-    assert 1e-8 < d["gear_from_leapfrog"][2].max() < 1e-5  # Appendix A
+    assert d["gear_from_leapfrog"].shape == (2, 2)
+    assert 1e-8 < d["gear_from_leapfrog"][1].max() < 1e-5  # Appendix A
     assert d["gear_from_leapfrog"].max() < 3e-3
 
 

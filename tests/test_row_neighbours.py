@@ -203,13 +203,16 @@ def test_springs_and_losses_survive_a_rebuild():
 
 
 def test_a_list_that_is_full_grows():
-    """From one entry on; to the same bits."""
+    """From one entry on, and once more while contacts are open; to the same bits."""
     usual, small = lively(), lively()
     n = len(small.rods)
     small.listed = neighbours.nothing_listed(n, 1, True, True)
     small.scratch = np.zeros(n), np.zeros((1, 3), np.int64)
     usual.go(800)
-    small.go(800)
+    small.go(400)
+    assert np.any(small.listed.springs)
+    small._grow()
+    small.go(400)
     assert small.listed.index.shape[1] > 4
     np.testing.assert_array_equal(small.rods, usual.rods)
     np.testing.assert_array_equal(small.ledger, usual.ledger)
