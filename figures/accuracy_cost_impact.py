@@ -136,7 +136,9 @@ def choices(d: dict[str, np.ndarray], target: float) -> dict[str, tuple[float, s
             j = np.nanargmin(error)
             found[method] = np.inf, f"{error[j]:.0e} at t_c/{d['parts'][j]:.0f}"
         else:
-            cost = np.exp(np.interp(np.log(enough), np.log(d["parts"]), np.log(seconds)))
+            known = np.isfinite(seconds)
+            axes = np.log(enough), np.log(d["parts"][known]), np.log(seconds[known])
+            cost = np.exp(np.interp(*axes))
             found[method] = float(cost), f"t_c/{enough:.0f}"
     # Not for a tolerance that only happens to do: all smaller ones have to as well.
     enough = np.logical_and.accumulate((d["adaptive_error"][0] <= target)[::-1])[::-1]
