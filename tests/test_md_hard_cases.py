@@ -7,7 +7,7 @@ import pytest
 
 import md
 from md import integrators
-from md.contact import Scene
+from md.contact import Effects
 from md.laws import contact_time, deepest_overlap, friction_of, largest_step
 
 ROD = md.Rod()
@@ -201,7 +201,7 @@ def rests(law, integrator, part, tilt, friction, steps=20_000):
     dt = part * largest_step(law, friction > 0, 1.0, *arms, integrator, caps)
     gravity = 0.0, -law.normal.stiffness * deep**1.5 * caps
     rubbing = friction_of(law, friction)
-    scene = Scene(
+    scene = Effects(
         *(ROD.half_length, 1 / ROD.gyration_squared, law.normal, rubbing, gravity, None, True)
     )
     start = 0.0, ROD.half_length * cos(tilt) + 0.5 - deep, tilt
