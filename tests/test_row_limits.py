@@ -79,6 +79,8 @@ def test_a_step_that_is_not_stable_is_refused_with_the_largest_that_is():
     largest = float(str(caught.value).split("at most ")[1].split()[0])
     engine = prepare(row(f"step.size={largest}"))
     assert engine.dt <= largest
+    with pytest.raises(ValueError, match="at most"):
+        prepare(row(f"step.size={1.02 * largest}"))
     with pytest.raises(ValueError, match="stiffness 1 is too soft"):
         prepare(row("contacts.plate.stiffness=1"))
 

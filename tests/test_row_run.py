@@ -43,7 +43,7 @@ def test_the_ledger_closes_as_the_step_shrinks():
     contacts, which scatters single halvings; over three of them the order holds to a quarter.
     """
     found = []
-    for step in (4.8e-4, 2.4e-4, 1.2e-4, 6e-5):
+    for step in (3.6e-4, 1.8e-4, 9e-5, 4.5e-5):
         result = md.run(row(f"step.size={step}", "start.speed=0.5"), periods=2)
         found.append(abs(result.energy["residual"]) / turnover(result))
     assert np.log2(found[0] / found[-1]) / 3 > 1.75, found
