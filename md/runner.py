@@ -192,6 +192,14 @@ def _result(engine: Engine, tables: _Tables, began: dict, periods: int, finished
     )
 
 
+def _opened(path: Path, written: int) -> TextIO:
+    """The trajectory, cut off behind what a checkpoint knows of."""
+    path.touch()
+    file = path.open("r+")
+    file.truncate(file.seek(min(written, file.seek(0, os.SEEK_END))))
+    return file
+
+
 def _write(file: TextIO, engine: Engine) -> None:
     """Append a frame of the trajectory."""
     plate = engine.crowd.alone.plate
@@ -303,7 +311,8 @@ def run(
     periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
     ledger : whether to account for the energy
     observe : called now and then with new landings, (n, landings.WIDTH); they are not kept
-    trajectory : file for extended XYZ, appended to when a checkpoint is resumed
+    trajectory : file for extended XYZ; when a checkpoint is resumed, it goes on from the frames that
+        were written before the checkpoint
     frames : of the trajectory, per period
     checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
         it and gives bit for bit the numbers of a run that never stopped
@@ -332,12 +341,17 @@ def run(
     series = row.Series(tables.series, tables.sides, engine.per, every)
     begin = perf_counter()
     engine.go(0, series)  # compiles
-    began = {"compile": perf_counter() - begin, "seconds": 0.0}
+    began = {"compile": perf_counter() - begin, "seconds": 0.0, "written": 0}
     began["energy"] = engine.energy() if ledger else 0.0
     if checkpoint is not None and (checkpoint := Path(checkpoint)).exists():
         began |= _resume(checkpoint, engine, tables) | {"compile": began["compile"]}
 
+    file = None
+
     def save() -> None:
+        if file is not None:
+            file.flush()
+            began["written"] = file.tell()
         if checkpoint is not None:
             _save(checkpoint, engine, tables, began)
 
@@ -345,7 +359,7 @@ def run(
         pressed = stack.enter_context(_interruptible())
         frame = None
         if trajectory is not None:
-            file = stack.enter_context(Path(trajectory).open("a" if engine.step else "w"))
+            file = stack.enter_context(_opened(Path(trajectory), began["written"]))
             frame = max(engine.per // frames, 1), partial(_write, file, engine)
         bar = stack.enter_context(
             tqdm(total=periods, unit=" periods", delay=2, disable=None if progress else True)

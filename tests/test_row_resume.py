@@ -121,6 +121,18 @@ def test_a_trajectory_goes_on_where_it_stopped(tmp_path):
     assert often.read_text() == once.read_text()
 
 
+def test_frames_written_after_the_checkpoint_are_written_anew(tmp_path):
+    """As after a kill: the file is cut off behind the frames that the checkpoint knows of."""
+    once, often = tmp_path / "once.xyz", tmp_path / "often.xyz"
+    md.run(row(*SCENE), periods=4, trajectory=once, frames=6)
+    how = {"checkpoint": tmp_path / "row.npz", "trajectory": often, "frames": 6}
+    md.run(row(*SCENE), periods=2, **how)
+    with often.open("a") as file:
+        file.write("frames that no checkpoint knows of")
+    md.run(row(*SCENE), periods=4, **how)
+    assert often.read_text() == once.read_text()
+
+
 def command(path, *options):
     """The run at the prompt."""
     changes = [part for change in (*ROW, *SCENE) for part in ("--set", change)]
