@@ -165,7 +165,7 @@ def test_a_rod_rests_on_a_vibrating_plate_below_its_gravity(law):
     track = md.follow(
         *((0.0, 0.5, pi / 2), (0.0, 2 * pi * vibration.amplitude, 0.0)),
         **{"friction": 0.3, "law": LAWS[law], "duration": 100, "vibration": vibration},
-        **{"speed": 0.1, "every": 7},
+        **{"speed": 0.1, "every": 7, "dt": 6e-5},
     )
     late = track.time > 10
     plate = vibration.amplitude * np.sin(2 * pi * track.time[late])
