@@ -311,8 +311,8 @@ def run(
     periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
     ledger : whether to account for the energy
     observe : called now and then with new landings, (n, landings.WIDTH); they are not kept
-    trajectory : file for extended XYZ; when a checkpoint is resumed, it goes on from the frames that
-        were written before the checkpoint
+    trajectory : file for extended XYZ; when a checkpoint is resumed, it goes on behind the frames
+        that were written before the checkpoint
     frames : of the trajectory, per period
     checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
         it and gives bit for bit the numbers of a run that never stopped
