@@ -193,14 +193,22 @@ def test_a_run_that_fails_is_code_1(capsys, monkeypatch):
     assert run(capsys) == (1, "", "md: the contact has not ended\n")
 
 
-def test_as_a_program_and_into_a_pipe_that_closes():
-    """A reader that has gone is no error; before, the same output as in process."""
+def test_as_a_program():
     command = [sys.executable, "-m", "md", *arguments("--json")]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert json.loads(done.stdout)["regime"] == "slip-stick"
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_has_gone_is_no_error(unbuffered):
+    """Whether the pipe breaks as a line is printed or, buffered, as the program ends."""
     reader, writer = os.pipe()
     os.close(reader)
-    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-m", "md", *arguments()],
+        **{"stdout": writer, "stderr": subprocess.PIPE, "text": True, "check": False},
+        env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+    )
     os.close(writer)
     assert (done.returncode, done.stderr) == (0, "")

@@ -101,6 +101,9 @@ def test_a_spring_is_there_only_if_the_law_has_one():
     assert constraint.signs_copied == 0
     assert spring.signs_copied > 0
     assert spring.numbers == constraint.numbers + 2  # its stiffness and its damping
+    undamped = compiled(law=md.constant_restitution(1.0, tangential_damping=0.0), friction=0.3)
+    assert undamped.numbers == spring.numbers - 1
+    assert undamped.roots < spring.roots  # of k M
 
 
 def test_a_plate_that_vibrates_is_read_from_its_table(bare):
@@ -120,6 +123,18 @@ def test_gravity_is_two_numbers(bare):
 def test_what_is_not_asked_for_is_not_recorded(bare):
     assert compiled(ledger=np.zeros(3)).arguments > bare.arguments
     assert compiled(watch=np.zeros(integrators.WATCHED)).arguments > bare.arguments
+
+
+def test_nobody_hands_over_what_was_not_asked_for(monkeypatch):
+    given, run = [], integrators.run
+    monkeypatch.setattr(integrators, "run", lambda *all: (given.append(all), run(*all))[1])
+    md.follow((0, 9, 0), (0, 0, 0), friction=0.0, duration=0.01)
+    _, _, _, _, _, watch, ledger, _, _ = given[-1]
+    assert watch is ledger is None
+    md.impact(0.3, 0.5, -1.0, friction=0.0)
+    _, _, _, _, _, watch, ledger, samples, _ = given[-1]
+    assert watch.shape == (integrators.WATCHED,)
+    assert ledger is samples is None
 
 
 def test_gear_alone_carries_derivatives(bare):

@@ -81,6 +81,15 @@ def test_m1_order_over_the_worst_offset_of_the_touch(case, law, integrator, step
     assert least <= order(worst, number) <= most
 
 
+def test_m1_offset_is_the_part_of_a_step_before_the_touch():
+    """A whole step more is the same touch, but for rounding; half a step is another one."""
+    late, half, early = (
+        velocities(SLIP_STICK, md.coulomb(), "verlet", 100, o) for o in (0, 0.5, 1)
+    )
+    assert late == pytest.approx(early, rel=1e-9)
+    assert abs(half - late).max() > 1e-6
+
+
 # M2: the end of a contact with a dashpot
 
 
