@@ -10,7 +10,7 @@ is marked, and what it passed is drawn behind it: there the drift shows. Below, 
 (red) and the plate (grey), of which the large picture shows too little: both move by a small part
 of a rod's width. The picture of the README, 1.4 MB:
 
-    python -m figures movie quasi2d --set rods.count=20 --set box.length=24 --set step.size=1e-4 \
+    python -m figures movie quasi2d --set rods.count=20 --set box.length=24 --set step.size=5e-5 \
         --periods 24 --frames 4 --out figures/gallery/row.gif
 """
 

@@ -260,7 +260,7 @@ def test_picture_shows_each_rod_where_it_is(film):
 
 def test_command_writes_a_gif_that_loops(tmp_path, capsys):
     out = tmp_path / "row.gif"
-    settings = ["--set", "rods.count=4", "--set", "box.length=5", "--set", "step.size=1e-4"]
+    settings = ["--set", "rods.count=4", "--set", "box.length=5", "--set", "step.size=5e-5"]
     command = ["movie", "quasi2d", *settings, "--periods", "3", "--frames", "4"]
     assert main([*command, "--out", str(out)]) == 0
     printed = capsys.readouterr()
