@@ -34,7 +34,7 @@ FIGURES = {
     "fig11": Entry("Fig. 11: stationary drift over tilt, with its unphysical branches"),
     "free_rod": Entry("A rod that is let go: how soon it falls, and its drift until then"),
     "restitution_laws": Entry("Where Newton's law creates energy; how far three laws differ"),
-    "landing_census": Entry("Every landing in the row against the impact map, landing by landing"),
+    "landing_census": Entry("Landings in the row against the impact map, one by one"),
     "tip_shape": Entry("Drift of round and flat-ended rods over tilt and over length"),
     "accuracy_map": Entry("Error of an impact in ulp: ours, and the paper's formulas literally"),
     "accuracy_cost_theory": Entry("Error of an impact against the time it takes, for nine ways"),

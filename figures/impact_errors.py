@@ -82,6 +82,8 @@ def adaptive(
 
 def reached(parts: np.ndarray, error: np.ndarray, target: float) -> float:
     """Steps per contact time at which the error comes down to `target`; nan if it never does."""
+    known = np.isfinite(error)
+    parts, error = parts[known], error[known]
     below = np.flatnonzero(error <= target)
     if not below.size or below[0] == 0:
         return parts[0] if below.size else np.nan

@@ -2,15 +2,17 @@
 
 The map is fed what was measured at each touch (velocities, arms, plate velocity) and the measured
 restitution -v_f/v_0, cut to [0, 1]. 40 rods, l = 9.5 d, epsilon = 0.65 head on, mu = 0.3; friction
-of the plate as a constraint, unless the law is named. Full symbols: each landing weighs what it
-changes, (c_x, c_z, k omega); open ones: each alike, grazing touches and rests included.
+of the plate as a constraint, unless the law is named. Each landing weighs what it changes of
+(c_x, c_z, k omega), or, by number, as much as any other, grazing touches and rests included.
+"Pushed": another rod pushes at some time during the contact; isolated: none does.
 
 Look at (c) and (e): if no other rod pushes meanwhile the map is right; it errs by what gravity and
-the plate's acceleration do during the contact (open symbols: that allowed for). (b): such landings
-are the fewer the more upright the row. (f): below the dotted line no point can lie; on it, the
-whole error is a turn about the contact point, which other rods can give and the plate cannot.
-(a), (d): landings that slide through are there at each tilt beyond some 12 degrees and each Gamma
-beyond 1.5; most of them are light ones.
+the plate's acceleration do during the contact (open symbols: that allowed for), but for Appendix
+A's spring, which gives its energy back. (b): such landings are the fewer the more upright the row,
+and (f) the more the rods lose when they meet, whatever (e) the stiffness. (a), (d), (f): landings
+that slide through are there at each tilt beyond some 12 degrees and each Gamma from 1.5 on; most of
+them are light ones. "Kicked": other rods gave more than a tenth of the change as a turn about the
+contact point, which the plate cannot give.
 """
 
 import math
@@ -26,22 +28,28 @@ from impact import ContactGeometry, critical_friction
 from .landings import DISTURBED, Census, census, measures
 from .shared import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
 
-GAMMA, LENGTH = 3.3, 43.0  # where not swept
+GAMMA = 3.3  # where not swept; the box is 43 d long there
 BOXES = (40.15, 40.6, 41.4, 43, 45.5, 48, 52, 57, 63, 70, 80)
 GAMMAS = (1.2, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5)
 STIFFNESS = (5e5, 5e6, 5e7)
 LONE_STIFFNESS = (5e4, 5e5, 5e6, 5e7, 5e8)
-LAWS = {"coulomb": ["contacts.plate.law=coulomb"], "constant": []}
-SWEEPS = ("tilt", "constant", "gamma", "stiff")
+RESTITUTIONS = (0.3, 0.5, 0.65, 0.8, 0.9, 0.97)  # between rods
+LAWS = {  # a softer tangential spring between rods allows a larger step
+    "constraint": ["contacts.plate.law=coulomb", "contacts.rods.tangential_ratio=5"],
+    "spring": ["contacts.rods.tangential_ratio=5"],
+    "appendix_a": [
+        f"contacts.{pair}.{key}"
+        for pair in ("plate", "rods")
+        for key in ("law=appendix_a", "restitution=none")
+    ],
+}
 FEW = 30  # isolated landings, below which their mean is not drawn
-DOTS = 1500  # landings drawn one by one
 
 
-def _row(periods: int, law: str = "coulomb", **changes: float) -> tuple[Census, md.Result]:
-    """A row of 40; a softer tangential spring between rods allows a larger step."""
+def _row(periods: int, law: str = "constraint", **changes: float) -> tuple[Census, md.Result]:
+    """A row of 40; `changes` are keys of the scene with __ for the dot."""
     settings = [f"{key.replace('__', '.')}={value}" for key, value in changes.items()]
-    common = ["step.size=none", "contacts.rods.tangential_ratio=5"]
-    return census(md.load("quasi2d", common + LAWS[law] + settings), periods)
+    return census(md.load("quasi2d", ["step.size=none", *LAWS[law], *settings]), periods)
 
 
 def _table(runs: list[tuple[Census, md.Result]]) -> dict[str, np.ndarray]:
@@ -79,37 +87,26 @@ def reversal_tilt(friction: float = 0.3, length: float = 9.5) -> float:
 
 
 def data(quick: bool = False) -> dict[str, np.ndarray]:
-    """Measures over tilt, Gamma and stiffness, each with its standard error; landings for dots."""
+    """Measures over tilt for each law, over Gamma, stiffness and restitution, with their errors."""
     periods = 40 if quick else 400
-    boxes, gammas, stiffness = (BOXES, GAMMAS, STIFFNESS)
-    if quick:
-        boxes, gammas, stiffness = boxes[1::2], gammas[::2], stiffness[:2]
-    by_tilt = [_row(periods, box__length=box) for box in boxes]
-    tables = {
-        "tilt": _table(by_tilt),
-        "constant": _table([_row(periods, "constant", box__length=box) for box in boxes]),
-        "gamma": _table([_row(periods, plate__acceleration=gamma) for gamma in gammas]),
-        "stiff": _table(
-            [
-                _row(periods, contacts__plate__stiffness=k, contacts__rods__stiffness=k)
-                for k in stiffness
-            ]
-        ),
-        "lone": _lone(quick),
+    sweeps = {
+        **dict.fromkeys(LAWS, ("box__length", BOXES[1::2] if quick else BOXES)),
+        "gamma": ("plate__acceleration", GAMMAS[::2] if quick else GAMMAS),
+        "stiff": ("contacts__plate__stiffness", STIFFNESS[:2] if quick else STIFFNESS),
+        "lossy": ("contacts__rods__restitution", RESTITUTIONS[::2] if quick else RESTITUTIONS),
     }
-    some = by_tilt[boxes.index(LENGTH)][0]
-    chosen = np.random.default_rng(1).permutation(len(some.jump))[:DOTS]
-    dots = {f"dot_{name}": getattr(some, name)[chosen] for name in ("jump", "residual", "kick")}
-    return {
-        "box": np.array(boxes),
-        "gamma": np.array(gammas),
-        "stiffness": np.array(stiffness),
-        "lone_stiffness": np.array(LONE_STIFFNESS),
-        "reversal_tilt_deg": np.float64(reversal_tilt()),
-        **{f"{sweep}_{name}": v for sweep, table in tables.items() for name, v in table.items()},
-        **dots,
-        "dot_isolated": some.isolated[chosen].astype(float),
-    }
+    found = {"reversal_tilt_deg": np.float64(reversal_tilt())}
+    for sweep, (key, values) in sweeps.items():
+        runs = []
+        for value in values:
+            changes = {key: value}
+            if sweep == "stiff":
+                changes["contacts__rods__stiffness"] = value
+            runs.append(_row(periods, sweep if sweep in LAWS else "constraint", **changes))
+        found[sweep] = np.array(values)
+        found |= {f"{sweep}_{name}": pairs for name, pairs in _table(runs).items()}
+    found["lone"] = np.array(LONE_STIFFNESS)
+    return found | {f"lone_{name}": pairs for name, pairs in _lone(quick).items()}
 
 
 def _curve(ax, x, pairs, colour, label=None, **kwargs) -> None:
@@ -121,50 +118,52 @@ def _curve(ax, x, pairs, colour, label=None, **kwargs) -> None:
 
 
 SHARE = {"ylabel": "share of landings", "ylim": (0, 1.5), "yticks": np.arange(0, 1.1, 0.25)}
-ABOVE = {"loc": "upper center", "ncols": 2, "columnspacing": 1, "handlelength": 1.4, "fontsize": 6}
+ABOVE = {"loc": "upper center", "ncols": 2, "fontsize": 6, "columnspacing": 0.8}
+ABOVE |= {"handlelength": 1.4, "handletextpad": 0.5, "borderaxespad": 0.2}
+OPEN = ("allowed for", "o", "white")
 
 
 def _draw_regimes(ax, d) -> None:
-    x = d["tilt_tilt"][:, 0]
-    _curve(ax, x, d["tilt_stick"], BLACK, "slip-stick", marker="s")
-    _curve(ax, x, d["tilt_reversal"], RED, "slip reversal", marker="^")
-    _curve(ax, x, d["tilt_slide"], BLUE, "slide")
-    _curve(ax, x, d["tilt_slide_number"], BLUE, "slide, by number", open=True)
+    x = d["constraint_tilt"][:, 0]
+    _curve(ax, x, d["constraint_stick"], BLACK, "slip-stick", marker="s")
+    _curve(ax, x, d["constraint_reversal"], RED, "slip reversal", marker="^")
+    _curve(ax, x, d["constraint_slide"], BLUE, "slide")
+    _curve(ax, x, d["constraint_slide_number"], BLUE, "slide, by number", open=True)
     ax.set(**SHARE)
     ax.legend(**ABOVE)
 
 
 def _draw_company(ax, d) -> None:
-    x = d["tilt_tilt"][:, 0]
-    _curve(ax, x, d["tilt_shared"], GREEN, "another rod pushes")
-    _curve(ax, x, d["tilt_shared_number"], GREEN, "the same, by number", open=True)
-    _curve(ax, x, d["tilt_disturbed"], ORANGE, f"and kicks: > {DISTURBED:.0%}", marker="s")
+    x = d["constraint_tilt"][:, 0]
+    _curve(ax, x, d["constraint_shared"], BLACK, "pushed")
+    _curve(ax, x, d["constraint_shared_number"], BLACK, "by number", open=True)
+    _curve(ax, x, d["constraint_disturbed"], BLUE, f"kicked > {DISTURBED:.0%}", marker="s")
+    x = d["appendix_a_tilt"][:, 0]
+    _curve(ax, x, d["appendix_a_shared"], ORANGE, "Appendix A", marker="^")
     ax.set(**SHARE)
-    ax.legend(loc="upper left")
+    ax.legend(**ABOVE)
 
 
 def _draw_residual(ax, d) -> None:
-    for sweep, colour, law in (("tilt", BLACK, "constraint"), ("constant", ORANGE, "spring")):
-        x = d[f"{sweep}_tilt"][:, 0]
-        for part, marker in (("pushed_residual", "s"), ("isolated_residual", "o")):
-            some = d[f"{sweep}_isolated_count"] >= FEW if marker == "o" else slice(None)
-            _curve(ax, x[some], d[f"{sweep}_{part}"][some], colour, marker=marker)
-        allowed = d[f"{sweep}_isolated_allowed"][some]
-        _curve(ax, x[some], allowed, colour, open=True)
-        ax.plot([], [], color=colour, label=law)
-    ax.set(ylabel="error / change", yscale="log", ylim=(3e-6, 3))
-    for text, y in (("pushed", 0.8), ("isolated", 0.07), ("isolated, allowed for", 6e-4)):
-        ax.text(63, y, text, ha="right", va="center", fontsize=7)
-    ax.legend(loc="lower left", ncols=2, columnspacing=1, handlelength=1.4)
+    for law, colour in zip(LAWS, (BLACK, GREEN, ORANGE), strict=True):
+        tilt, some = d[f"{law}_tilt"][:, 0], d[f"{law}_isolated_count"] >= FEW
+        _curve(ax, tilt, d[f"{law}_pushed_residual"], colour, marker="s")
+        _curve(ax, tilt[some], d[f"{law}_isolated_residual"][some], colour)
+        _curve(ax, tilt[some], d[f"{law}_isolated_allowed"][some], colour, open=True)
+        ax.plot([], [], color=colour, label=law.replace("_a", " A").replace("app", "App"))
+    for label, marker, fill in (("pushed", "s", "0.4"), ("isolated", "o", "0.4"), OPEN):
+        ax.plot([], [], ls="", marker=marker, ms=3, mec="0.4", mfc=fill, label=label)
+    ax.set(ylabel="error / change", yscale="log", ylim=(1e-6, 100))
+    ax.legend(**ABOVE)
 
 
 def _draw_gamma(ax, d) -> None:
     x = d["gamma"]
-    _curve(ax, x, d["gamma_shared"], GREEN, "another pushes")
+    _curve(ax, x, d["gamma_shared"], GREEN, "pushed", marker="^")
     _curve(ax, x, d["gamma_slide"], BLUE, "slide")
-    _curve(ax, x, d["gamma_slide_number"], BLUE, "by number", open=True)
+    _curve(ax, x, d["gamma_slide_number"], BLUE, "slide, by number", open=True)
     _curve(ax, x, d["gamma_pushed_residual"], BLACK, "error, pushed", marker="s")
-    _curve(ax, x, d["gamma_isolated_residual"], BLACK, "isolated")
+    _curve(ax, x, d["gamma_isolated_residual"], BLACK, "error, isolated")
     ax.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6), **SHARE)
     ax.set(ylabel="share; error / change", ylim=(0, 1.75))
     ax.legend(**ABOVE)
@@ -185,26 +184,32 @@ def _draw_duration(ax, d) -> None:
     ax.legend(loc="lower right")
 
 
-def _draw_kick(ax, d) -> None:
-    kick, miss = d["dot_kick"] / d["dot_jump"], d["dot_residual"] / d["dot_jump"]
-    for alone, colour, label in ((0, BLACK, "pushed"), (1, ORANGE, "isolated")):
-        some = d["dot_isolated"] == alone
-        size = 6 * np.sqrt(d["dot_jump"][some])
-        ax.scatter(kick[some], miss[some], s=size, c=colour, lw=0, alpha=0.5, label=label)
-    ends = np.array([1e-5, 1])
-    ax.plot(ends, ends, color=BLUE, lw=0.8, ls=":")
-    ax.set(xlabel="kick by other rods / change", ylabel="error / change")
-    ax.set(xscale="log", yscale="log", xlim=(3e-6, 3), ylim=(3e-4, 20))
-    ax.legend(loc="upper left", markerscale=2)
+def _draw_lossy(ax, d) -> None:
+    x = d["lossy"]
+    _curve(ax, x, d["lossy_shared"], GREEN, "pushed", marker="^")
+    _curve(ax, x, d["lossy_slide"], BLUE, "slide")
+    _curve(ax, x, d["lossy_slide_number"], BLUE, "slide, by number", open=True)
+    _curve(ax, x, d["lossy_pushed_residual"], BLACK, "error, pushed", marker="s")
+    _curve(ax, x, d["lossy_isolated_residual"], BLACK, "error, isolated")
+    ax.set(xlabel="restitution between rods", xlim=(0.2, 1.05), **SHARE)
+    ax.set(ylabel="share; error / change", ylim=(0, 1.75))
+    ax.legend(**ABOVE)
 
 
 @style
 def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.6))
-    panels = (_draw_regimes, _draw_company, _draw_residual, _draw_gamma, _draw_duration, _draw_kick)
+    panels = (
+        _draw_regimes,
+        _draw_company,
+        _draw_residual,
+        _draw_gamma,
+        _draw_duration,
+        _draw_lossy,
+    )
     titles = (
         *(rf"regimes, $\Gamma={GAMMA:g}$", "not alone", "error of the map"),
-        *(f"L = {LENGTH:g} d", "soft to stiff", f"each landing, L = {LENGTH:g} d"),
+        *("driving", "soft to stiff", "losses between rods"),
     )
     for ax, panel, letter, title in zip(axes.flat, panels, "abcdef", titles, strict=True):
         panel(ax, d)
@@ -259,15 +264,15 @@ def summary(d: dict[str, np.ndarray]) -> str:
     """Tables in percent, with standard errors."""
     lines = ["percent; #: each landing alike, else weighted by its change of (c_x, c_z, k omega)"]
     for title, columns in TABLES.items():
-        lines.append(f"{title}\n{'sweep':9}{'':>6}{'tilt':>6}")
-        lines[-1] += "".join(f"{head:>15}" for head in columns.values())
-        for sweep, axis in zip(SWEEPS, ("box", "box", "gamma", "stiffness"), strict=True):
-            for i, x in enumerate(d[axis]):
-                cells = "".join(f"{_text(d[f'{sweep}_{name}'][i]):>15}" for name in columns)
-                lines.append(f"{sweep:9}{x:6.4g}{d[f'{sweep}_tilt'][i, 0]:6.1f}{cells}")
+        lines.append(f"{title}\n{'sweep':10}{'':>6}{'tilt':>6}")
+        lines[-1] += "".join(f"{head:>16}" for head in columns.values())
+        for sweep in (*LAWS, "gamma", "stiff", "lossy"):
+            for i, x in enumerate(d[sweep]):
+                cells = "".join(f"{_text(d[f'{sweep}_{name}'][i]):>16}" for name in columns)
+                lines.append(f"{sweep:10}{x:6.4g}{d[f'{sweep}_tilt'][i, 0]:6.1f}{cells}")
     lines.append("lone rods: contact, error, allowed for, agreement #, allowed for #")
     wanted = ("duration", "residual", "allowed", "agree_number", "agree_allowed_number")
-    for i, stiffness in enumerate(d["lone_stiffness"]):
-        cells = "".join(f"{_text(d[f'lone_{name}'][i]):>15}" for name in wanted)
+    for i, stiffness in enumerate(d["lone"]):
+        cells = "".join(f"{_text(d[f'lone_{name}'][i]):>16}" for name in wanted)
         lines.append(f"k_n ={stiffness:6.0e}{'':9}{cells}")
     return "\n".join(lines)

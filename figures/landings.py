@@ -79,6 +79,7 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
     last = scene.plate_speed * np.sin(2 * np.pi * end / per)  # velocity of the plate
     fall = time * (scene.gravity.z if scene.gravity else 0.0)
 
+    # At its word the map knows one velocity of the plate, that at the touch, and no gravity.
     residual, mapped, restitution = _mapped(
         *(rows, (-a_x, -a_z), k, friction, (plate, plate), rows[:, landings.LEAVING], 0.0)
     )

@@ -10,7 +10,7 @@ is marked, and what it passed is drawn behind it: there the drift shows. Below, 
 (red) and the plate (grey), of which the large picture shows too little: both move by a small part
 of a rod's width. The picture of the README, 1.4 MB:
 
-    python -m figures movie quasi2d --set rods.count=20 --set box.length=24 --set step.size=1e-4 \
+    python -m figures movie quasi2d --set rods.count=20 --set box.length=24 --set step.size=5e-5 \
         --periods 24 --frames 4 --out figures/gallery/row.gif
 """
 
@@ -22,6 +22,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FFMpegWriter
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
 from PIL import Image
 from tqdm import tqdm
 
@@ -36,7 +37,7 @@ TRACE = 32  # points a period of the lower panel, at least
 WINDOW = 4.0  # periods in the lower panel
 INCHES, DPI = 6.0, 100
 OUTLINE = 0.06  # d
-COLOURS = 10
+DARK, PALE, GREY = "0.25", "#BFD7EA", "0.6"
 
 
 class Film(NamedTuple):
@@ -133,20 +134,21 @@ class Picture:
         self.row = self.figure.add_axes((0, below / whole, 1, tall / whole))
         self.row.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xticks=[], yticks=[])
         self.row.axis("off")
+        self.row.apply_aspect()  # a high picture does not fill the width
         self.words = self.figure.text(0.01, 1 - 0.06 / whole, "", va="top", fontsize=10)
         unit = self.figure.dpi_scale_trans.inverted().transform(
             self.row.transData.transform([(0, 0), (1, 0)])
         )
         points = 72 * np.diff(unit[:, 0])[0]  # of a length of 1
         width = {"capstyle": "round", "zorder": 3}
-        self.outline = LineCollection([], colors="0.25", linewidths=points, **width)
+        self.outline = LineCollection([], colors=DARK, linewidths=points, **width)
         self.rods = LineCollection([], linewidths=points * (1 - 2 * OUTLINE), **width)
         self.trail = LineCollection([], colors=RED, linewidths=1.2, zorder=4, alpha=0.8)
         for artist in (self.outline, self.rods, self.trail):
             self.row.add_collection(artist, autolim=False)
         self.plate = self.trace = None
         if film.scene.plate:
-            self.plate = self.row.axhspan(bottom - 1, 0, color="0.6", lw=0, zorder=2)
+            self.plate = self.row.axhspan(bottom - 1, 0, color=GREY, lw=0, zorder=2)
             self._lower(below / whole)
 
     def _lower(self, share: float) -> None:
@@ -167,7 +169,7 @@ class Picture:
         axes, number = segments(film, i)
         self.outline.set_segments(axes)
         self.rods.set_segments(axes)
-        self.rods.set_color(np.where(number == self.marked, RED, "#BFD7EA"))
+        self.rods.set_color(np.where(number == self.marked, RED, PALE))
         self.trail.set_segments(self._path(i))
         words = [f"t = {film.time[i]:5.1f}", f"tilt {np.degrees(film.tilt[i].mean()):.1f}°"]
         if i:
@@ -205,15 +207,24 @@ def _pictures(film: Film, picture: Picture, progress: bool) -> Iterator[None]:
         yield
 
 
+def _palette() -> Image.Image:
+    """All colours, and what lies halfway between those that meet."""
+    colours = [to_rgb(c) for c in ("white", "black", "0.5", GREY, DARK, PALE, RED)]
+    white, _, _, _, dark, pale, red = colours
+    for a, b in ((white, dark), (dark, pale), (dark, red), (white, red), (pale, red)):
+        colours.append(tuple(np.add(a, b) / 2))
+    image = Image.new("P", (1, 1))
+    image.putpalette([round(255 * value) for colour in colours for value in colour])
+    return image
+
+
 def _gif(film: Film, path: Path, picture: Picture, progress: bool) -> None:
     """Few colours, the same for all pictures: a fifth of the size of a palette for each."""
 
     def shot() -> Image.Image:
         return Image.fromarray(np.asarray(picture.figure.canvas.buffer_rgba())).convert("RGB")
 
-    picture.show(film.pictures - 1)  # which has all colours
-    picture.figure.canvas.draw()
-    palette = shot().quantize(COLOURS)
+    palette = _palette()
     first, *others = (
         shot().quantize(palette=palette, dither=Image.Dither.NONE)
         for _ in _pictures(film, picture, progress)

@@ -284,7 +284,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         arguments = _parser().parse_args(argv)
         return arguments.run(arguments)
-    except ValueError as error:
+    except (ValueError, TypeError) as error:
         print(f"md: {error}", file=sys.stderr)
         return 2
     except RuntimeError as error:

@@ -52,7 +52,9 @@ def directory() -> Path:
 def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable:
     """Compile on first call and keep the result; IEEE arithmetic, no exception on a division.
 
-    What is small goes into its caller: a call would return its tuple through memory.
+    What is small goes into its caller: a call would return its tuple through memory. No kernel
+    counts references to arrays (`_nrt`): in inlined functions that took three quarters of the time
+    of a step. In return a kernel cannot allocate, and Numba refuses one that would.
     """
     if function is None:
         return partial(kernel, inline=inline)

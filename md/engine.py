@@ -11,7 +11,7 @@ from .contact import Effects, Motion
 from .integrators import DEEP, DONE, NOT_FINITE, TOO_DEEP
 from .landings import Record, new_record
 from .laws import Law, contact_time, deepest_overlap, friction_of, largest_step
-from .neighbours import Listed, apart, nothing_listed, places
+from .neighbours import Listed, apart, meetings, nothing_listed, places
 from .one_rod import Rod, RunError
 from .scene import Contact, Scene
 
@@ -19,15 +19,15 @@ SKIN = 0.4  # of the list of pairs, in d
 SAMPLES = 32  # of the tilt, in a period
 
 
-def _law_step(name: str, contact: Contact, speed: float, along: float, across: float):
-    """Largest stable step and contact time of a contact at this speed."""
+def _law_step(name: str, contact: Contact, speed: float, along: float, across: float, caps: int):
+    """Largest stable step and contact time of a contact at this speed; see `laws.largest_step`."""
     deepest = deepest_overlap(contact.law, speed)
     if not deepest < DEEP / 2:
         raise ValueError(
             f"{name}.stiffness {contact.law.normal.stiffness:g} is too soft for impacts at "
             f"{speed:.3g}: overlap {deepest:.2g} d"
         )
-    largest = largest_step(contact.law, contact.friction > 0, speed, along, across)
+    largest = largest_step(contact.law, contact.friction > 0, speed, along, across, caps=caps)
     return largest, contact_time(contact.law, speed)
 
 
@@ -46,14 +46,16 @@ def step_of(scene: Scene) -> tuple[float, int]:
         found.append(
             _law_step(
                 *("contacts.plate", scene.contacts.plate, speed),
-                *((half + 0.5) ** 2 * light, half**2 * light),
+                *((half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1),
             )
         )
     if scene.contacts.rods:
+        # Across, a rod of a row turns or shifts against both neighbours, each at one end or two.
         found.append(
             _law_step(
                 *("contacts.rods", scene.contacts.rods, speed),
-                *(1 + 2 * (half + 0.5) ** 2 * light, 1 + 2 * half**2 * light),
+                1 + 2 * (half + 0.5) ** 2 * light,
+                *((8 if half > 0 else 4) * max(1.0, half**2 * light) - 1, 1),
             )
         )
     largest = min((limit for limit, _ in found), default=np.inf)
@@ -61,8 +63,8 @@ def step_of(scene: Scene) -> tuple[float, int]:
     dt = scene.step.size or min(whole / 50, largest / 2)
     if dt > largest:
         raise ValueError(
-            f"step.size must be at most {largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} of the "
-            f"contact time {whole:.3g}, to be stable; got {dt!r}"
+            f"step.size must be at most {0.995 * largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} "
+            f"of the contact time {whole:.3g}, to be stable; got {dt!r}"
         )
     per = ceil(1 / (scene.frequency * dt) - 1e-9)
     return 1 / (scene.frequency * per), per
@@ -133,6 +135,9 @@ class Engine:
         RunError
             If the state stops being finite or a contact is deeper than d/2.
         """
+        finite = np.isfinite(self.rods).all(axis=1)
+        if not finite.all():
+            self._stop(NOT_FINITE, int(np.argmin(finite)))
         done, why, where = row.march(
             *(self.crowd, self.rods, self.springs, self.listed, self.scratch, self.total),
             *(self.ledger, self.record, series, self.step, steps, self.dt),
@@ -168,6 +173,10 @@ class Engine:
         state = self.rods.copy()
         if why == NOT_FINITE:
             raise RunError(f"rod {where}: its state is not finite {at}", state)
+        if why == row.TOO_FAST:
+            half, speed = self.crowd.alone.half_length, np.abs(state[:, 4:])
+            where = np.argmax(speed @ (1, 1, half))
+            raise RunError(f"rod {where}: moved more than {DEEP / 2} d in a step {at}", state)
         if why == TOO_DEEP:
             height = (
                 self.crowd.alone.plate.height[self.step % self.per] if self.scene.vibrates else 0
@@ -181,11 +190,11 @@ class Engine:
         raise RunError(f"rods {i} and {j}: overlap {deep:.3g} d with each other {at}", state)
 
     def overlaps(self, rods: np.ndarray, i: int, j: int, image: int) -> list[float]:
-        """Of the four ends of a pair."""
+        """Of the ends of a pair."""
         dx = rods[i, 0] - rods[j, 0] - image * (self.crowd.period or 0.0)
         dz, half = rods[i, 1] - rods[j, 1], self.crowd.alone.half_length
         a, b = tuple(rods[i, 2:4]), tuple(rods[j, 2:4])
-        ends = (places(dx, dz, a, b, half, end) for end in range(4))
+        ends = (places(dx, dz, a, b, half, end) for end in range(meetings(self.crowd.alone.upper)))
         return [1 - hypot(*apart(dx, dz, a, b, s, t)) for s, t in ends]
 
     def energy(self) -> float:

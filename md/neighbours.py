@@ -42,7 +42,7 @@ def nothing_listed(rods: int, capacity: int, springs: bool, losses: bool) -> Lis
         np.zeros((2, capacity, 4), np.int64),
         np.zeros((2, capacity, 4)) if springs else None,
         np.zeros((2, capacity, 8)) if losses else None,
-        np.full((rods, 4), np.inf),
+        np.full((rods, 4), 1e300),  # far away; inf times no length would be nan
         np.arange(rods),
     )
 
@@ -53,6 +53,14 @@ def span(period):
     if period is None:
         return np.inf
     return period
+
+
+@kernel
+def meetings(upper):
+    """Contacts that two rods may have: one at each of their ends; two spheres have one."""
+    if upper is None:
+        return 1
+    return 4
 
 
 @kernel

@@ -18,6 +18,7 @@ from .contact import dashpot, tangential_constants, weight
 
 FORWARD, STICK, BACK, FREE = 1, 0, -1, 2  # how friction acts now; FREE: there is none
 _SWITCHES = 10_000  # of one contact; a soft spring that rattles at the force's end makes hundreds
+LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed
 SLIDE, STUCK, TURNED = 0, 1, 2  # what a contact does before its slip stops, and after
 
 
@@ -129,6 +130,11 @@ def rates(scene, vibration, start, mode, t, y, out):
     return left, spare, overlap, slip
 
 
+def compiled(scene, vibration) -> None:
+    """Compile the equations of a scene, so that `follow` need not."""
+    rates(scene, vibration, (0.0, 1.0, 1.0), FREE, 0.0, np.zeros(8), np.empty(8))
+
+
 class _Contact:
     """The equations of one contact in one mode after the other, with a count of evaluations.
 
@@ -141,7 +147,7 @@ class _Contact:
         self.setting = scene, vibration, (sin(tilt), cos(tilt), height)
         self.friction, self.gravity = scene.friction, scene.gravity
         self.rigid = scene.friction is not None and scene.friction.spring is None
-        self.mode, self.evaluations = FREE, 0
+        self.mode, self.evaluations, self.rest = FREE, 0, 0.0
         deep = (1.25 * speed * speed / scene.normal.stiffness) ** 0.4
         sizes = np.array([deep, deep, deep, speed, speed, speed, deep, speed])
         self.accuracy = {"rtol": max(tolerance, 3e-14), "atol": tolerance * sizes}
@@ -155,7 +161,8 @@ class _Contact:
 
     def signals(self, s, y):
         """What crosses zero at the force's end and at the mode's; overlap and slip."""
-        return rates(*self.setting, self.mode, s**4, y, np.empty(8))
+        left, spare, overlap, slip = rates(*self.setting, self.mode, s**4, y, np.empty(8))
+        return left, spare - self.rest, overlap, slip
 
     def choose(self, s, y) -> None:
         """The mode that follows: stick where friction can hold, else the way that it gives."""
@@ -171,6 +178,8 @@ class _Contact:
         elif before == STICK or spare < 0:
             pull = out[3] - (self.gravity[0] if self.gravity else 0.0)
             self.mode = BACK if pull > 0 else FORWARD
+        self.rest = 0.0
+        self.rest = min(self.signals(s, y)[1], 0.0)  # a mode begins at zero, but for its location
 
     def solver(self, s, y, end=np.inf, **steps):
         return DOP853(self.derivative, s, y, end, **steps, **self.accuracy)
@@ -184,8 +193,11 @@ class _Contact:
             solver.step()
         return solver.y
 
-    def located(self, solver, which: int, side: float):
-        """Place and state at which signal `which` crosses zero within the step just made."""
+    def located(self, solver, which: int, side: float, end: float):
+        """Place and state at which signal `which` falls to zero in the step just made.
+
+        A mode may begin where its signal is zero: the zero wanted is a later one.
+        """
         s, y, dense = solver.t_old, solver.y_old, solver.dense_output()
 
         def value(x, state):
@@ -195,19 +207,32 @@ class _Contact:
         def signal(x):
             return value(x, dense(x))
 
-        if signal(s) <= 0:
+        starts = (s, *(s + (end - s) / 2**k for k in range(1, 30)))
+        start = next((x for x in starts if signal(x) > 0), None)
+        if start is None:
             return s, y
-        root = brentq(signal, s, solver.t, xtol=1e-18, rtol=1e-15)
-        width = 1e-3 * (solver.t - s)
+        if signal(end) > 0:
+            return end, self.stepped(s, y, end)
+        root, width = brentq(signal, start, end, xtol=1e-18, rtol=1e-15), 1e-3 * (end - s)
         for _ in range(2):  # the interpolant is of lower order than the step
             slope = (signal(root) - signal(root - width)) / width
             error = value(root, self.stepped(s, y, root)) / slope
-            root = min(max(root - error, s), solver.t)
-        state, nudge = self.stepped(s, y, root), 1e-15 * root
-        while value(root, state) > 0 and root < solver.t:  # the next mode begins where this ends
-            root, nudge = min(root + nudge, solver.t), 4 * nudge
-            state = self.stepped(s, y, root) if root < solver.t else solver.y
-        return root, state
+            root = min(max(root - error, s), end)
+        return root, self.stepped(s, y, root)
+
+    def first(self, solver, signals, side: float, others):
+        """Place, state and number of the signal that is the first to fall to zero in a step.
+
+        Beyond the end of the force the other signals say nothing.
+        """
+        end, places = solver.t, []
+        if signals[0] < 0:
+            end, y = self.located(solver, 0, side, end)
+            signals, places = self.signals(end, y), [(end, y, 0)]
+        for i in others:
+            if (side * signals[3] if i == 3 else signals[i]) < 0:
+                places.append((*self.located(solver, i, side, end), i))
+        return min(places, key=lambda place: place[0])
 
 
 def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Contact:
@@ -225,13 +250,16 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
     Raises
     ------
     ValueError
-        If the upper cap touches too, or a tangential spring has no dashpot beside it.
+        If the upper cap touches too, a tangential spring has no dashpot beside it, or the
+        coefficient of friction is beyond LARGE.
     RuntimeError
         If the contact does not end, or friction switches without an end.
     """
     spring = scene.friction.spring if scene.friction else None
     if spring and not (spring.drag or spring.constant_drag or spring.ratio):
         raise ValueError("dop853 needs a dashpot beside the tangential spring")
+    if scene.friction and scene.friction.coefficient > LARGE:
+        raise ValueError(f"dop853 needs a friction of at most {LARGE:g}")
     a_x = -scene.half_length * sin(tilt)
     speed = abs(velocity[1] - velocity[2] * a_x - plate_after(vibration, 0.0)[1])
     contact = _Contact(scene, vibration, tilt, speed, tolerance)
@@ -245,22 +273,20 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
             raise RuntimeError(f"the contact has switched {switches} times without an end")
         switches += 1
         begin, pushed, solver = s, y[7], contact.solver(s, y)
-        signals = (1.0, 1.0)
-        while min(signals) >= 0:
+        others = (1,) if stopped or contact.rigid else (1, 3)
+        going = True
+        while going:
             if solver.t**4 > longest:
                 raise RuntimeError(f"the contact has not ended after {longest:g} sqrt(d/g)")
             solver.step()
-            left, spare, overlap, slip = contact.signals(solver.t, solver.y)
+            signals = left, spare, overlap, slip = contact.signals(solver.t, solver.y)
             deepest = max(deepest, overlap)
             if scene.upper and overlap > 2 * scene.half_length * cos(tilt + solver.y[2]):
                 raise ValueError("dop853 follows one cap, and here the second touches the plate")
-            signals = (left, spare, 1.0, 1.0 if stopped or contact.rigid else side * slip)
-        crossed = [i for i, signal in enumerate(signals) if signal < 0]
+            going = left >= 0 and spare >= 0 and not (3 in others and side * slip < 0)
         if left < 0 and solver.t - begin < 1e-5 * solver.t:
-            crossed = [0]  # the spring rattles as the force ends: a last 1e-10 of its impulse
-        (s, y), which = min(
-            ((contact.located(solver, i, side), i) for i in crossed), key=lambda found: found[0][0]
-        )
+            others = ()  # the spring rattles as the force ends: a last 1e-10 of its impulse
+        s, y, which = contact.first(solver, signals, side, others)
         phase = SLIDE if not stopped else STUCK if contact.mode == STICK else TURNED
         durations[phase] += s**4 - begin**4
         impulses[phase] += y[7] - pushed

@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any, TextIO
+from zipfile import BadZipFile
 
 import numba
 import numpy as np
@@ -206,6 +207,14 @@ def _result(engine: Engine, tables: _Tables, began: dict, periods: int, finished
     )
 
 
+def _opened(path: Path, written: int) -> TextIO:
+    """The trajectory, cut off behind what a checkpoint knows of."""
+    path.touch()
+    file = path.open("r+")
+    file.truncate(file.seek(min(written, file.seek(0, os.SEEK_END))))
+    return file
+
+
 def _write(file: TextIO, engine: Engine) -> None:
     """Append a frame of the trajectory."""
     plate = engine.crowd.alone.plate
@@ -251,10 +260,10 @@ def _save(path: Path, engine: Engine, tables: _Tables, began: dict) -> None:
 def _resume(path: Path, engine: Engine, tables: _Tables) -> dict:
     """Go on from a checkpoint."""
     try:
-        with np.load(path) as saved:
+        with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
         about = json.loads(str(arrays.pop("about")))
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
         raise ValueError(f"checkpoint {path} cannot be read: {error}") from None
     for key, mine in (("scene", engine.scene.digest()), ("code", digest())):
         if about.pop(key) != mine:
@@ -286,7 +295,7 @@ def _loop(engine, tables, series, began, goal, observe, frame, save, bar, presse
         engine.go(steps, series)
         seconds = perf_counter() - begin
         began["seconds"] += seconds
-        chunk = int(np.clip(chunk * _CHUNK / max(seconds, 1e-9), chunk / 4 + 1, chunk * 4))
+        chunk = int(np.clip(steps * _CHUNK / max(seconds, 1e-9), steps / 4 + 1, steps * 4))
         if engine.record is not None and engine.record.count[0]:
             rows = engine.record.rows[: engine.record.count[0]]
             tables.add(rows)
@@ -318,7 +327,8 @@ def run(
     periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
     ledger : whether to account for the energy
     observe : called now and then with new landings, (n, landings.WIDTH); they are not kept
-    trajectory : file for extended XYZ, appended to when a checkpoint is resumed
+    trajectory : file for extended XYZ; when a checkpoint is resumed, it goes on behind the frames
+        that were written before the checkpoint
     frames : of the trajectory, per period
     checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
         it and gives bit for bit the numbers of a run that never stopped
@@ -336,18 +346,28 @@ def run(
     """
     periods = int(number("periods", periods, 1, 1e9, "a whole number >= 1"))
     frames = int(number("frames", frames, 1, 1e6, "a whole number >= 1"))
+    for name, path in (("trajectory", trajectory), ("checkpoint", checkpoint)):
+        if path is not None and not Path(path).parent.is_dir():
+            raise ValueError(f"{name} must be in a folder that exists, got {str(path)!r}")
+        if path is not None and Path(path).is_dir():
+            raise ValueError(f"{name} must be a file, got the folder {str(path)!r}")
     engine = prepare(scene, ledger=ledger)
     tables = _Tables(engine, periods)
     every = max(engine.per // SAMPLES, 1)
     series = row.Series(tables.series, tables.sides, engine.per, every)
     begin = perf_counter()
     engine.go(0, series)  # compiles
-    began = {"compile": perf_counter() - begin, "seconds": 0.0}
+    began = {"compile": perf_counter() - begin, "seconds": 0.0, "written": 0}
     began["energy"] = engine.energy() if ledger else 0.0
     if checkpoint is not None and (checkpoint := Path(checkpoint)).exists():
         began |= _resume(checkpoint, engine, tables) | {"compile": began["compile"]}
 
+    file = None
+
     def save() -> None:
+        if file is not None:
+            file.flush()
+            began["written"] = file.tell()
         if checkpoint is not None:
             _save(checkpoint, engine, tables, began)
 
@@ -355,7 +375,7 @@ def run(
         pressed = stack.enter_context(_interruptible())
         frame = None
         if trajectory is not None:
-            file = stack.enter_context(Path(trajectory).open("a" if engine.step else "w"))
+            file = stack.enter_context(_opened(Path(trajectory), began["written"]))
             frame = max(engine.per // frames, 1), partial(_write, file, engine)
         bar = stack.enter_context(
             tqdm(total=periods, unit=" periods", delay=2, disable=None if progress else True)

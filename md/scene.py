@@ -12,6 +12,7 @@ from copy import deepcopy
 from dataclasses import dataclass, field, fields, is_dataclass
 from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
 from pathlib import Path
+from types import NoneType
 from typing import Any, get_args, get_type_hints
 
 from .laws import LAWS, Law, number
@@ -39,6 +40,15 @@ def _check(part: str, **limits: tuple[float, float, str]):
             object.__setattr__(self, name, number(f"{part}.{name}", value, low, high, domain))
 
     return check
+
+
+def _parts(part: object, name: str = "") -> None:
+    """Refuse what is no part of a scene where there should be one."""
+    for key, kind in get_type_hints(type(part)).items():
+        value = getattr(part, key)
+        if kind is not float and not isinstance(value, kind):
+            wanted = " or ".join(k.__name__ for k in get_args(kind) or (kind,) if k is not NoneType)
+            raise TypeError(f"{name}{key} must be of the type {wanted}, got {value!r}")
 
 
 @dataclass(frozen=True)
@@ -103,7 +113,9 @@ class Contact:
     law: Law
     friction: float = 0.0
 
-    __post_init__ = _check("contact", friction=(0.0, inf, ">= 0"))
+    def __post_init__(self) -> None:
+        _parts(self, "contact.")
+        _check("contact", friction=(0.0, inf, ">= 0"))(self)
 
 
 @dataclass(frozen=True)
@@ -112,6 +124,9 @@ class Contacts:
 
     plate: Contact | None = None
     rods: Contact | None = None
+
+    def __post_init__(self) -> None:
+        _parts(self, "contacts.")
 
 
 @dataclass(frozen=True)
@@ -164,6 +179,7 @@ class Scene:
     step: Step = field(default_factory=Step)
 
     def __post_init__(self) -> None:
+        _parts(self)
         plate, between = self.contacts.plate, self.contacts.rods
         if (plate is None) != (self.plate is None):
             there, missing = ("contacts.plate", "plate")[:: 1 if plate else -1]
@@ -252,7 +268,7 @@ def _contact(name: str, table: Mapping) -> Contact:
     """A contact from its table: law, friction, and the options of the law."""
     options = dict(table)
     law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
-    if law not in LAWS:
+    if not isinstance(law, str) or law not in LAWS:
         raise ValueError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
     known = inspect.signature(LAWS[law]).parameters
     for key, value in options.items():

@@ -13,6 +13,7 @@ def transient(series: np.ndarray, batch: int = 5) -> int:
     means = series[: len(series) // batch * batch].reshape(-1, batch).mean(axis=1)
     if len(means) < 4:
         return 0
+    means -= means.mean()  # or the squares cancel where the mean is large
     left = np.arange(len(means), 0, -1)
     sums, squares = np.cumsum(means[::-1])[::-1], np.cumsum(means[::-1] ** 2)[::-1]
     marginal = (squares - sums**2 / left) / left**2
@@ -25,26 +26,24 @@ def standard_error(series: np.ndarray) -> float:
     Values are averaged in pairs again and again (Flyvbjerg and Petersen, 1989). The plateau is
     found by Jonsson's test (Phys. Rev. E 98, 043304, 2018): from there on, the covariances of
     neighbours, squared and summed over the levels left, are no larger than those of independent
-    values, at 99 % of chi^2. What exceeds a power of two is cut from the beginning of the series.
-    nan below 4 values.
+    values, at 99 % of chi^2. An odd value out is the first one. nan below 4 values.
     """
     series = np.asarray(series, float)
     if not len(series) >= 4 or not np.isfinite(series).all():
         return float("nan")
-    levels = int(np.log2(len(series)))
-    x = series[len(series) - 2**levels :]
-    variances, terms, sizes = [], [], []
-    for _ in range(levels):
+    x, variances, terms, sizes = series, [], [], []
+    while len(x) > 1:
         n, off = len(x), x - x.mean()
         variance, covariance = np.mean(off**2), np.sum(off[1:] * off[:-1]) / n
         lag = (n - 1) * variance / n**2 + covariance if variance > 0 else 0.0
         terms.append(n * (lag / variance) ** 2 if variance > 0 else 0.0)
         variances.append(variance)
         sizes.append(n)
+        x = x[n % 2 :]
         x = (x[0::2] + x[1::2]) / 2
     left = np.cumsum(terms[::-1])[::-1]
-    quantiles = chi2.ppf(0.99, np.arange(levels, 0, -1))
-    plateau = int(np.argmax(left < quantiles)) if (left < quantiles).any() else levels - 1
+    quantiles = chi2.ppf(0.99, np.arange(len(sizes), 0, -1))
+    plateau = int(np.argmax(left < quantiles)) if (left < quantiles).any() else -1
     return float(np.sqrt(variances[plateau] / (sizes[plateau] - 1)))
 
 

@@ -226,8 +226,11 @@ def test_integration_errors_fall_with_the_step():
     assert d["offsets"].size >= 24
     worst, middle = d["fixed_error"]
     assert worst.shape == (3, d["parts"].size) == d["fixed_seconds"].shape
-    assert np.all(np.diff(np.log10(worst)) < -0.5)
-    assert np.all(middle <= worst)
+    assert np.isnan(worst).sum() <= 1  # Gear's coarsest step is refused
+    assert np.isfinite(worst[:2]).all()
+    falls = np.diff(np.log10(worst))
+    assert np.all(falls[np.isfinite(falls)] < -0.5)
+    assert np.all((middle <= worst) | np.isnan(worst))
     for found, (low, high) in zip(d["order"], ((1.0, 1.2), (1.15, 1.3), (0.95, 1.2)), strict=True):
         assert low < found < high
     np.testing.assert_allclose(d["fixed_steps"][:, -1] / d["fixed_steps"][:, -2], 4, rtol=1e-2)
@@ -257,13 +260,13 @@ def test_located_switches_reach_what_no_step_does():
     assert np.all(np.diff(worst) < 0)
     assert d["evaluations"][-1] <= 3000
     assert d["floor"] < 1e-12
-    assert d["fixed_error"][0].min() > 1e3 * worst[-1]
+    assert np.nanmin(d["fixed_error"][0]) > 1e3 * worst[-1]
 
 
 def test_gear_is_leapfrog_at_the_papers_step():
     d = data("accuracy_cost_impact")
-    assert d["gear_from_leapfrog"].shape == (3, 2)
-    assert 1e-8 < d["gear_from_leapfrog"][2].max() < 1e-5  # Appendix A
+    assert d["gear_from_leapfrog"].shape == (2, 2)
+    assert 1e-8 < d["gear_from_leapfrog"][1].max() < 1e-5  # Appendix A
     assert d["gear_from_leapfrog"].max() < 3e-3
 
 

@@ -1,13 +1,17 @@
-"""Domains, dtypes, shapes and errors of every public function of `impact`."""
+"""Domains, dtypes, shapes and errors of the public functions; what packages may import."""
 
+import ast
+import importlib
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import impact
+import md
 from impact import ContactGeometry, Regime
 
 ROD = impact.thin_rod(0.4)
@@ -285,6 +289,7 @@ def test_memory_in_flight_is_bounded():
 BORDERS = {
     "impact": {"sympy", "derivations", "md", "scipy", "matplotlib", "numba", "figures"},
     "derivations": {"impact", "md", "figures", "matplotlib", "numba"},
+    "md": {"impact", "derivations", "sympy", "matplotlib", "figures"},
 }
 
 
@@ -296,3 +301,25 @@ def test_import_borders(package):
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     ).stdout.split()
     assert not BORDERS[package] & {name.partition(".")[0] for name in loaded}
+
+
+@pytest.mark.parametrize("package", ["derivations", "md"])
+def test_imports_written_anywhere_in_a_package_keep_its_border(package):
+    """Those inside functions too, which a mere import of the package does not run."""
+    folder = Path(importlib.import_module(package).__file__).parent
+    for path in folder.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and not node.level:
+                names = [node.module]
+            assert not BORDERS[package] & {name.partition(".")[0] for name in names}, path
+
+
+@pytest.mark.parametrize("module", [impact, md])
+def test_every_public_name_has_a_docstring(module):
+    assert module.__doc__
+    for name in module.__all__:
+        thing = getattr(module, name)
+        if callable(thing):
+            assert thing.__doc__, name
+            assert not thing.__doc__.startswith(f"{name}("), name  # a NamedTuple's own

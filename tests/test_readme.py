@@ -4,6 +4,8 @@ import re
 import tomllib
 from pathlib import Path
 
+import numba
+
 from derivations import readme, registry
 
 ROOT = Path(__file__).parent.parent
@@ -21,11 +23,29 @@ def test_every_numbered_equation_and_every_mistake_is_listed():
         assert f"| {entry.tag} |" in TEXT
 
 
-def test_example_runs(capsys):
-    (example,) = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
-    assert len([line for line in example.splitlines() if line]) <= 8
-    exec(compile(example, "README.md", "exec"), {})
+EXAMPLES = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+
+
+def test_example_of_one_impact(capsys):
+    assert len([line for line in EXAMPLES[0].splitlines() if line]) <= 8
+    exec(compile(EXAMPLES[0], "README.md", "exec"), {})
     assert "SLIP_STICK" in capsys.readouterr().out
+
+
+def test_example_of_a_row(capsys):
+    exec(compile(EXAMPLES[1], "README.md", "exec"), {})
+    c_x, error, _ = capsys.readouterr().out.split(maxsplit=2)
+    assert float(c_x) > 3 * float(error) > 0
+
+
+def test_example_of_an_effect():
+    """It acts, and without it there is nothing of it."""
+    scope = {"kernel": numba.njit}
+    exec(compile(EXAMPLES[2], "README.md", "exec"), scope)
+    dragged, a = scope["dragged"], (1.0, 2.0, 3.0)
+    assert dragged(0.5, a, 2.0, 4.0) == (0.0, 0.0, 3.0)
+    assert dragged(None, a, 2.0, 4.0) == a
+    assert len(EXAMPLES) == 3
 
 
 def test_pictures_and_files_exist():

@@ -1,0 +1,214 @@
+"""`python -m md impact`: what it prints, and what it says to nonsense."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+import md
+from md.__main__ import main
+
+GIVEN = {"tilt-deg": "20", "friction": "0.4", "restitution": "0.65", "c-x": "0.5", "c-z": "-1"}
+
+STIFF = "appendix_a", "dop853"  # takes seconds
+
+
+def arguments(*flags, **changed):
+    """Those of an impact, some of them changed; None leaves one out."""
+    given = {**GIVEN, **{name.replace("_", "-"): value for name, value in changed.items()}}
+    options = [f"--{name}={value}" for name, value in given.items() if value is not None]
+    return ["impact", *options, *flags]
+
+
+def run(capsys, *flags, **changed):
+    """Exit code, standard output and standard error."""
+    try:
+        code = main(arguments(*flags, **changed))
+    except SystemExit as end:
+        code = end.code
+    return code, *capsys.readouterr()
+
+
+def test_json_holds_all_that_happened(capsys):
+    code, out, err = run(capsys, "--json")
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    law = md.coulomb(0.65)
+    hit = md.impact(md.__main__.radians(20), 0.5, -1.0, friction=0.4, law=law)
+    assert out.count("\n") == 1
+    assert set(found) == {*md.Impact._fields, "stiffness", "arguments"}
+    for key in ("c_x", "c_z", "omega", "restitution", "regime", "phases", "max_overlap"):
+        assert found[key] == getattr(hit, key)
+    assert (found["contact_time"], found["steps"]) == (hit.contact_time, hit.steps)
+    assert found["seconds"] > 0
+    assert found["regime"] == "slip-stick"
+    assert set(found["phases"]) == {"slide", "stick", "reversal"}
+    assert sum(found["phases"].values()) == pytest.approx(found["contact_time"], rel=1e-12)
+    assert found["arguments"]["tilt_deg"] == 20
+
+
+def test_text_says_the_same(capsys):
+    code, out, err = run(capsys)
+    assert (code, err) == (0, "")
+    found = json.loads(run(capsys, "--json")[1])
+    lines = dict(line.split(maxsplit=1) for line in out.splitlines())
+    assert lines["regime"] == "slip-stick"
+    assert lines["omega"].split()[0] == f"{found['omega']:.6g}"
+    assert lines["restitution"].split()[0] == f"{found['restitution']:.6g}"
+    for value in (found["c_x"], found["c_z"], found["omega"], found["restitution"]):
+        assert f"{value:.6g}" in out
+    assert f"{found['max_overlap']:.4g} d" in out
+    assert f"{found['steps']} steps" in out
+
+
+@pytest.mark.parametrize(
+    ("law", "integrator"),
+    [(law, name) for law in md.LAWS for name in md.INTEGRATORS if (law, name) != STIFF],
+)
+def test_every_law_and_integrator(capsys, law, integrator):
+    """The undamped spring of Appendix A gives its energy back, and the rod slips back with it."""
+    restitution = None if law == "appendix_a" else "0.65"
+    code, out, err = run(capsys, "--json", law=law, integrator=integrator, restitution=restitution)
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    assert found["regime"] == ("slip-reversal" if law == "appendix_a" else "slip-stick")
+    assert (found["dt"] is None) == (integrator == "dop853")
+
+
+def test_all_options_at_once(capsys):
+    options = {"omega": "0.1", "length": "8", "inertia": "thin", "stiffness": "1e7", "dt": "1e-5"}
+    code, out, _ = run(
+        capsys, "--json", law="constant_restitution", tangential_ratio="100", **options
+    )
+    assert code == 0
+    law = md.constant_restitution(0.65, 1e7, tangential_ratio=100.0)
+    hit = md.impact(
+        *(md.__main__.radians(20), 0.5, -1.0, 0.1),
+        **{"friction": 0.4, "law": law, "rod": md.Rod(8.0, "thin"), "dt": 1e-5},
+    )
+    found = json.loads(out)
+    assert [found[key] for key in ("c_x", "c_z", "omega")] == list(hit[:3])
+    assert (found["dt"], found["stiffness"]) == (1e-5, 1e7)
+
+
+@pytest.mark.parametrize("tilt_deg", ["90", "-90", "0", "-20"])
+def test_the_ends_of_the_tilt(capsys, tilt_deg):
+    assert run(capsys, tilt_deg=tilt_deg)[0] == 0
+
+
+BAD = [  # option, value, words of the complaint
+    ("tilt_deg", "91", "tilt-deg must be between -90 and 90, got 91"),
+    ("tilt_deg", "nan", "tilt-deg must be between -90 and 90, got nan"),
+    ("tilt_deg", "steep", "argument --tilt-deg: invalid float value: 'steep'"),
+    ("tilt_deg", None, "required: --tilt-deg"),
+    ("c_x", None, "required: --c-x"),
+    ("c_x", "nan", "c_x must be a number up to 1e6, got nan"),
+    ("c_z", "-inf", "c_z must be a number up to 1e6, got -inf"),
+    ("c_z", "1", "c_z must bring the contact point towards the plate: it moves away at 1"),
+    ("c_z", "0", "c_z must bring the contact point towards the plate"),
+    ("omega", "inf", "omega must be a number up to 1e6, got inf"),
+    ("friction", "-0.1", "friction must be >= 0, got -0.1"),
+    ("friction", "nan", "friction must be >= 0, got nan"),
+    ("restitution", "1.1", "restitution must be between 0 and 1, got 1.1"),
+    ("restitution", "1e-9", "restitution must be between 1e-6 and 1, got 1e-09"),
+    ("restitution", "nan", "restitution must be between 0 and 1, got nan"),
+    ("length", "0.9", "length must be between 1 and 1e6, got 0.9"),
+    ("length", "inf", "length must be between 1 and 1e6, got inf"),
+    ("inertia", "heavy", "--inertia: invalid choice: 'heavy'"),
+    ("law", "hooke", "--law: invalid choice: 'hooke'"),
+    ("integrator", "euler", "--integrator: invalid choice: 'euler'"),
+    ("stiffness", "0", "stiffness must be > 0 and finite, got 0.0"),
+    ("stiffness", "1", "the plate is too soft for an impact at 1"),
+    ("dt", "0", "dt must be > 0 and finite, got 0.0"),
+    ("dt", "-1e-5", "dt must be > 0 and finite, got -1e-05"),
+    ("dt", "nan", "dt must be > 0 and finite, got nan"),
+    ("dt", "1", "dt must be at most 0.00"),
+    ("tangential_ratio", "3", "tangential_ratio has no meaning under coulomb"),
+    ("spin", "1", "unrecognized arguments: --spin=1"),
+]
+
+
+@pytest.mark.parametrize(("option", "value", "words"), BAD)
+def test_nonsense_costs_one_line_and_code_2(capsys, option, value, words):
+    """It names the argument, its value and its domain, and there is no traceback."""
+    code, out, err = run(capsys, **{option: value})
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert words in err
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"law": "appendix_a"}, "restitution cannot be chosen under appendix_a"),
+        ({"integrator": "dop853", "tolerance": "1"}, "tolerance must be between 1e-14 and 1e-3"),
+        ({"integrator": "dop853", "friction": "inf"}, "dop853 needs a friction of at most"),
+        ({"integrator": "dop853", "tilt_deg": "90"}, "dop853 follows one cap"),
+        (
+            {"law": "constant_restitution", "tangential_ratio": "0"},
+            "tangential_ratio must be > 0 and finite, got 0.0",
+        ),
+    ],
+)
+def test_what_does_not_go_together(capsys, changed, words):
+    code, out, err = run(capsys, **changed)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert words in err
+
+
+@pytest.mark.parametrize("argv", [[], ["collide"], ["impact", "20"]])
+def test_what_is_no_command(capsys, argv):
+    with pytest.raises(SystemExit) as end:
+        main(argv)
+    assert end.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_help_shows_units_and_an_example(capsys):
+    for argv in (["--help"], ["impact", "--help"]):
+        with pytest.raises(SystemExit) as end:
+            main(argv)
+        assert end.value.code == 0
+        shown = capsys.readouterr().out
+    assert "sqrt(g d)" in shown
+    example = next(line for line in shown.splitlines() if line.startswith("  python"))
+    assert main(example.split()[3:]) == 0
+
+
+def test_interrupted_run_ends_cleanly(capsys, monkeypatch):
+    def interrupted(*_args, **_options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("md.one_rod.impact", interrupted)
+    assert run(capsys) == (130, "", "interrupted\n")
+
+
+def test_a_run_that_fails_is_code_1(capsys, monkeypatch):
+    def stopped(*_args, **_options):
+        raise md.RunError("the contact has not ended", (0.0,) * 6)
+
+    monkeypatch.setattr("md.one_rod.impact", stopped)
+    assert run(capsys) == (1, "", "md: the contact has not ended\n")
+
+
+def test_as_a_program():
+    command = [sys.executable, "-m", "md", *arguments("--json")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout)["regime"] == "slip-stick"
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_has_gone_is_no_error(unbuffered):
+    """Whether the pipe breaks as a line is printed or, buffered, as the program ends."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [sys.executable, "-m", "md", *arguments()],
+        **{"stdout": writer, "stderr": subprocess.PIPE, "text": True, "check": False},
+        env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+    )
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (0, "")

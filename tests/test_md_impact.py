@@ -1,0 +1,268 @@
+"""One soft impact against the theory of rigid ones, and the laws against their closed forms."""
+
+from math import cos, degrees, hypot, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import impact
+import md
+from impact import ContactGeometry
+from md.laws import damping_ratio, head_on_restitution
+
+TILTS = np.radians(np.arange(5, 90, 5))
+STIFF = 1e9  # k_n in m g/d
+ROD = md.Rod()
+REGIMES = {"slide": 1, "slip-stick": 2, "slip-reversal": 3}
+
+
+def geometry(rod, tilt):
+    return ContactGeometry(
+        rod.half_length * sin(tilt),
+        rod.half_length * cos(tilt) + 0.5,
+        sqrt(rod.gyration_squared),
+    )
+
+
+def against_theory(
+    velocity, tilts=TILTS, rod=ROD, friction=0.4, stiffness=STIFF, restitution=0.65, **how
+):
+    """RMS length of the error of (c_x', c_z') in |c_z|, and the tilts of wrong regimes.
+
+    The restitution of a soft contact depends on its tilt; the theory is asked at the measured one.
+    """
+    law, errors, wrong = md.coulomb(restitution, stiffness), [], []
+    for tilt in tilts:
+        soft = md.impact(tilt, *velocity, friction=friction, rod=rod, law=law, **how)
+        rigid = impact.collide(
+            *velocity,
+            geometry=geometry(rod, tilt),
+            friction=friction,
+            restitution=np.clip(soft.restitution, 0, 1),  # a step's error may be beyond
+        )
+        errors.append(hypot(soft.c_x - rigid.c_x, soft.c_z - rigid.c_z) / abs(velocity[1]))
+        if REGIMES[soft.regime] != rigid.regime:
+            wrong.append(degrees(tilt))
+    return sqrt(np.mean(np.square(errors))), wrong
+
+
+# Against the theory, without gravity
+
+APPROACHES = [  # c_x, c_z, omega: slip of both signs, fast, slow and none to speak of, with a spin
+    (1.0, -0.5, 0.0),
+    (0.5, -1.0, 0.0),
+    (1 / 3, -1.0, 0.0),
+    (0.05, -1.0, 0.0),
+    (-0.5, -1.0, 0.0),
+    (0.5, -1.0, 0.1),
+    (-0.2, -1.0, -0.1),
+]
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("velocity", APPROACHES)
+@pytest.mark.parametrize("friction", [0.3, 0.4])
+def test_rigid_limit(friction, velocity, side):
+    """At k_n = 1e9 the contact is 5e-4 d deep, and the arms change by as much: 4e-4 is a bound."""
+    error, wrong = against_theory(velocity, side * TILTS, friction=friction)
+    assert error <= 4e-4
+    assert not wrong
+
+
+def test_all_three_regimes_are_met():
+    """At the paper's -c_z/c_x = 2 and friction 0.4; there is no vacuous agreement."""
+    regimes = {md.impact(tilt, 0.5, -1.0, friction=0.4).regime for tilt in TILTS}
+    assert regimes == set(REGIMES)
+
+
+@pytest.mark.parametrize("velocity", [(0.5, -1.0, 0.0), (0.5, -1.0, 0.1)])
+def test_error_falls_as_overlap(velocity):
+    """As k_n^(-2/5), the overlap by which the arms of the forces change.
+
+    The next term is smaller by another overlap, 2e-3 d at k_n = 1e7, and bends the slope over six
+    decades by no more than a few of these.
+    """
+    powers = np.arange(7, 14)
+    errors = [against_theory(velocity, stiffness=10.0**power)[0] for power in powers]
+    slope, _ = np.polyfit(powers, np.log10(errors), 1)
+    assert slope == pytest.approx(-0.4, abs=0.005)
+    assert errors[-1] < 3e-6
+
+
+@pytest.mark.parametrize(("integrator", "per_contact"), [("verlet", 100), ("gear", 800)])
+def test_every_integrator_meets_the_theory(integrator, per_contact):
+    """Gear's method, whose stored derivatives know nothing of jumps, needs a finer step."""
+    dt = md.laws.contact_time(md.coulomb(stiffness=STIFF), 1.0) / per_contact
+    error, wrong = against_theory((0.5, -1.0, 0.0), integrator=integrator, dt=dt)
+    assert error <= 4e-4
+    assert not wrong
+
+
+def test_reference_meets_the_theory():
+    error, wrong = against_theory((0.5, -1.0, 0.0), TILTS[::4], integrator="dop853")
+    assert error <= 4e-4
+    assert not wrong
+
+
+@pytest.mark.parametrize("rod", [md.Rod(1.0), md.Rod(1.5), md.Rod(40.0), md.Rod(9.5, "thin")])
+def test_short_and_long_rods(rod):
+    """A sphere, nearly one, and a long rod, whose arms are longer and whose errors are not."""
+    error, wrong = against_theory((0.5, -1.0, 0.0), TILTS[::2], rod)
+    assert error <= 4e-4
+    assert not wrong
+
+
+def test_sphere_forgets_its_tilt():
+    """To the rounding of sin and cos in every step, about sqrt(steps) ulp."""
+    hits = [md.impact(t, 0.5, -1.0, friction=0.05, rod=md.Rod(1.0)) for t in (0.0, 0.7, -1.5)]
+    for hit in hits:
+        assert hit[:4] == pytest.approx(hits[0][:4], rel=1e-13)
+        assert hit.regime == "slide"
+
+
+def test_mirror_symmetry():
+    """Bit for bit: no sign of tilt, slip or spin is preferred."""
+    for tilt in TILTS:
+        hit = md.impact(tilt, 0.5, -1.0, 0.1, friction=0.3)
+        other = md.impact(-tilt, -0.5, -1.0, -0.1, friction=0.3)
+        assert (other.c_x, other.c_z, other.omega) == (-hit.c_x, hit.c_z, -hit.omega)
+        assert other[3:8] == hit[3:8]
+
+
+# Friction zero and infinite, restitution zero and one
+
+
+def test_without_friction_no_tangential_impulse():
+    for tilt in TILTS:
+        hit = md.impact(tilt, 0.3, -1.0, 0.2, friction=0.0)
+        assert hit.c_x == 0.3
+    error, wrong = against_theory((0.3, -1.0, 0.2), friction=0.0)
+    assert error <= 4e-4
+    assert not wrong
+
+
+def test_infinite_friction_never_slips():
+    error, wrong = against_theory((0.5, -1.0, 0.1), friction=np.inf)
+    assert error <= 4e-4
+    assert not wrong
+    hit = md.impact(TILTS[8], 0.5, -1.0, friction=np.inf)
+    assert hit.phases["reversal"] == 0
+    assert hit.phases["slide"] <= hit.dt * (1 + 1e-12)  # the step in which the slip is stopped
+
+
+@pytest.mark.parametrize("tilt", [0.0, pi / 2])
+def test_plastic(tilt):
+    """Over once a step brings it no more than 1e-12 of the overlap closer, on one cap or two."""
+    hit = md.impact(tilt, 0.0, -1.0, friction=0.3, law=md.coulomb(0.0))
+    assert abs(hit.restitution) <= 1e-12 * hit.max_overlap / hit.dt
+
+
+@pytest.mark.parametrize("tilt", [0.0, pi / 2])
+def test_elastic(tilt):
+    """The touch falls inside a step, in which the force, as time^(3/2), gains what its end loses.
+
+    In units of the step over the contact time, 1/100: its power 5/2.
+    """
+    hit = md.impact(tilt, 0.0, -1.0, friction=0.3, law=md.coulomb(1.0))
+    assert hit.restitution == pytest.approx(1.0, abs=10 * 100**-2.5)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 1.0])
+def test_plastic_and_elastic_meet_the_theory(restitution):
+    error, wrong = against_theory((0.5, -1.0, 0.0), restitution=restitution)
+    assert error <= 4e-4
+    assert not wrong
+
+
+# Restitution head on
+
+
+@pytest.mark.parametrize("restitution", [0.05, 0.3, 0.65, 0.9, 1.0])
+def test_restitution_is_what_was_asked(restitution):
+    """At speeds over four decades, to the tolerance of the integration.
+
+    At 1 the end of the force is that of the overlap, where the signal is flat: less is located.
+    """
+    for law in (md.constant_restitution, md.coulomb):
+        for speed in (1e-3, 0.1, 10.0):
+            hit = md.impact(
+                *(0.0, 0.0, -speed), friction=0.3, law=law(restitution), integrator="dop853"
+            )
+            assert hit.restitution == pytest.approx(restitution, abs=1e-9)
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.65, 0.9])
+def test_restitution_with_a_fixed_step(restitution):
+    """Four digits at a thousand steps a contact with Verlet, speed by speed the same."""
+    law, found = md.constant_restitution(restitution), []
+    for speed in (1e-3, 0.03, 1.0, 10.0):
+        dt = md.laws.contact_time(law, speed) / 1000
+        hit = md.impact(0.0, 0.0, -speed, friction=0.3, law=law, integrator="verlet", dt=dt)
+        found.append(hit.restitution)
+    assert found == pytest.approx([restitution] * 4, abs=1e-4)
+    assert np.ptp(found) < 1e-4
+
+
+@pytest.mark.parametrize("zeta", [0.05, 0.5, 1 - 1e-9, 1.0, 1.5, 4.0])
+def test_closed_form_of_restitution(zeta):
+    """Against d'' = -d^(3/2) - 2 zeta sqrt(5/4) d^(1/4) d', integrated over t = s^4."""
+
+    def derivative(s, y):
+        depth, velocity = max(y[0], 0.0), y[1]
+        force = -(depth**1.5) - zeta * sqrt(5) * depth**0.25 * velocity
+        return 4 * s**3 * velocity, 4 * s**3 * force
+
+    def force_ends(s, y):
+        return y[0] ** 1.25 + zeta * sqrt(5) * y[1] if s > 0.1 else 1.0
+
+    force_ends.terminal = True
+    done = solve_ivp(
+        *(derivative, (0, 20), (0.0, 1.0), "DOP853"), events=force_ends, rtol=1e-12, atol=1e-14
+    )
+    assert head_on_restitution(zeta) == pytest.approx(-done.y[1, -1], rel=1e-9)
+
+
+def test_damping_ratio_inverts_restitution():
+    for restitution in (1e-6, 0.05, 0.25, np.exp(-2), 0.65, 1 - 1e-9, 1.0):
+        assert head_on_restitution(damping_ratio(restitution)) == pytest.approx(
+            restitution, rel=1e-12
+        )
+
+
+@pytest.mark.parametrize("length", [1.0, 1.001, 2.0, 8.0, 9.5, 100.0])
+def test_moment_of_inertia(length):
+    """The gyration radius of the solid and of the thin rod, each found here a second time."""
+    solid = impact.spherocylinder(0.0, length).k
+    assert sqrt(md.Rod(length).gyration_squared) == pytest.approx(solid, rel=1e-14)
+    thin = impact.thin_rod(0.0, length).k
+    assert sqrt(md.Rod(length, "thin").gyration_squared) == pytest.approx(thin, rel=1e-15)
+
+
+# Both caps, grazing
+
+
+def test_both_caps_at_once():
+    """Lying flat: no turn, twice the stiffness, so less overlap by 2^(2/5), friction at the ends.
+
+    The rod that comes down flat shows its whole mass to both contacts together; friction below
+    acts at half a diameter and turns it only as far as the plate lets it.
+    """
+    law = md.coulomb(1.0)
+    flat = md.impact(pi / 2, 0.0, -1.0, friction=0.3, law=law)
+    alone = md.impact(0.0, 0.0, -1.0, friction=0.3, law=law)
+    assert flat.omega == pytest.approx(0.0, abs=1e-12)
+    assert flat.c_x == pytest.approx(0.0, abs=1e-12)
+    assert flat.restitution == pytest.approx(1.0, abs=1e-3)
+    assert flat.max_overlap == pytest.approx(alone.max_overlap * 0.5**0.4, rel=1e-3)
+    assert flat.contact_time == pytest.approx(alone.contact_time * 0.5**0.4, rel=2e-2)
+
+
+@pytest.mark.parametrize("law", md.LAWS)
+@pytest.mark.parametrize("speed", [1e-3, 1e-6, 1e-9])
+def test_grazing(law, speed):
+    """Slowly down, quickly along: the impact fades with its speed, and friction with it."""
+    hit = md.impact(0.3, 1.0, -speed, friction=0.3, law=md.LAWS[law]())
+    assert 0 <= hit.restitution <= 1 + 1e-3
+    assert abs(hit.c_x - 1.0) <= 0.3 * (1 + hit.restitution) * speed
+    assert hit.regime == "slide"

@@ -1,0 +1,138 @@
+"""Rest, clock and step of a run, and that states which are none stop it."""
+
+from dataclasses import replace
+from math import pi
+
+import mpmath
+import numpy as np
+import pytest
+
+import md
+from md import landings
+from md.engine import plate_motion, prepare
+from md.scene import Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step
+
+from .rows import EPS, SOFT, free, row
+
+# Rest
+
+
+@pytest.mark.parametrize(
+    "law",
+    [md.coulomb(0.5, 1e3), md.constant_restitution(0.5, 1e3, tangential_ratio=2.0)],
+    ids=["constraint", "spring"],
+)
+def test_a_rod_that_lies_and_is_pushed_does_not_creep(law):
+    """Pushed with 0.9 mu m g for 1000 sqrt(d/g): below 1e-10 d once the spring is stretched."""
+    mu = 0.3
+    scene = Scene(
+        rods=Rods(1, 4.0),
+        plate=Plate(),
+        contacts=Contacts(plate=Contact(law, mu)),
+        gravity=Gravity(x=0.9 * mu),
+        start=Start(tilt_deg=90.0, speed=0.0),
+        step=Step(1e-2),
+    )
+    engine = prepare(scene)
+    engine.rods[0, 1] -= (1 / (2 * law.normal.stiffness)) ** (2 / 3)
+    engine.go(100 * engine.per)  # settles
+    place = engine.rods[0, 0]
+    engine.go(1000 * engine.per)
+    assert abs(engine.rods[0, 0] - place) < 1e-10
+    assert abs(place - 2.0) < 0.1
+    # pushed with more than that it goes
+    engine.crowd = engine.crowd._replace(
+        alone=engine.crowd.alone._replace(gravity=(1.1 * mu, -1.0))
+    )
+    engine.go(10 * engine.per)
+    assert engine.rods[0, 0] - place == pytest.approx(0.1 * mu * 10**2 / 2, rel=0.1)
+
+
+# Clock and step
+
+
+def test_the_phase_is_exact_for_ever():
+    """A period is a whole number of steps; after a million of them the plate is where it was."""
+    scene = row("step.size=3e-4")
+    late, early = prepare(scene), prepare(scene)
+    per = early.per
+    motion = plate_motion(scene, per)
+    assert early.dt * scene.frequency * per == pytest.approx(1, abs=2 * EPS)
+    amplitude = scene.plate_speed / (2 * pi * scene.frequency)
+    with mpmath.workdps(40):
+        for i in range(0, per, per // 50):
+            exact = -mpmath.mpf(amplitude) * mpmath.cos(2 * mpmath.pi * i / per)
+            assert abs(motion.height[i] - exact) < 4 * pi * EPS * amplitude
+    late.step = 10**6 * per
+    for engine in (early, late):
+        engine.go(per + 17)
+    np.testing.assert_array_equal(early.rods, late.rods)
+    assert late.record.rows[0, landings.STEP] == 10**6 * per + early.record.rows[0, landings.STEP]
+
+
+def test_a_step_that_is_not_stable_is_refused_with_the_largest_that_is():
+    """And the one it names is taken."""
+    with pytest.raises(
+        ValueError, match=r"step.size must be at most [\d.e-]+ .* got 0.5"
+    ) as caught:
+        prepare(row("step.size=0.5"))
+    largest = float(str(caught.value).split("at most ")[1].split()[0])
+    engine = prepare(row(f"step.size={largest}"))
+    assert engine.dt <= largest
+    with pytest.raises(ValueError, match="at most"):
+        prepare(row(f"step.size={1.02 * largest}"))
+    with pytest.raises(ValueError, match="stiffness 1 is too soft"):
+        prepare(row("contacts.plate.stiffness=1"))
+
+
+def test_the_largest_step_is_stable_for_a_row_pressed_together():
+    """Rods side by side, elastic, touching both neighbours at both ends: the stiffest they get.
+
+    Pressed by as much as the impacts that the step is made for. No energy from nothing: by 5 %
+    in 200 steps at most, which at the border only bounded oscillations of the ledger's energy take.
+    """
+    n, length = 6, 9.5
+    law = md.coulomb(1.0, SOFT)
+    scene = Scene(
+        rods=Rods(n, length),
+        contacts=Contacts(rods=Contact(law)),
+        start=Start(tilt_deg=0.0, speed=0.5),
+    )
+    with pytest.raises(ValueError, match="at most") as caught:
+        prepare(replace(scene, step=Step(1.0)))
+    largest = float(str(caught.value).split("at most ")[1].split()[0]) * 0.999
+    deep = (1.25 * 0.5**2 / SOFT) ** 0.4
+    random = np.random.default_rng(3)
+    states = [(k * (1 - deep / 2), 0.0, 0.0, *(0.01 * random.uniform(-1, 1, 3))) for k in range(n)]
+    engine = free(law, states, length=length, dt=largest)
+    engine.go(1)
+    before = engine.energy()
+    engine.go(200)
+    assert engine.energy() < 1.2 * before
+
+
+# States that are none
+
+
+@pytest.mark.parametrize("column", range(7))
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_state_that_is_not_finite_stops_the_run_at_once(column, value):
+    """In any number of any rod; what is given back is what there was."""
+    engine = prepare(row())
+    engine.go(50)
+    engine.rods[2, column] = value
+    with pytest.raises(md.RunError, match=r"rod"), np.errstate(invalid="ignore"):
+        engine.go(2)
+    assert engine.step <= 51
+
+
+def test_the_last_good_state_is_given_back():
+    """All rods of one moment."""
+    engine, other = prepare(row()), prepare(row())
+    for one in (engine, other):
+        one.go(50)
+    engine.rods[3, 6] = np.nan
+    with pytest.raises(md.RunError) as caught:
+        engine.go(5)
+    rest = [0, 1, 2, 4]
+    np.testing.assert_array_equal(np.array(caught.value.state)[rest], other.rods[rest])

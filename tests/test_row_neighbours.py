@@ -1,0 +1,266 @@
+"""The list of pairs misses none, keeps what its entries keep, and takes linear time to build."""
+
+from math import ceil
+
+import numpy as np
+import pytest
+
+from md import neighbours
+from md.engine import SKIN, prepare
+
+from .rows import ELASTIC, EPS, HALF, LIGHT, SOFT, elastic, ends, forces, free, images, row
+
+
+def build(rods, half, period, listed=None):
+    """Entries (first, second, image) of the list of these rods."""
+    n = len(rods)
+    capacity = 60 * n
+    listed = listed or neighbours.nothing_listed(n, capacity, False, False)
+    scratch = np.zeros(n), np.zeros((capacity, 3), np.int64)
+    count = neighbours.build(rods, half, period, SKIN, listed, *scratch)
+    assert count >= 0
+    return listed, entries(listed)
+
+
+def entries(listed):
+    """Of a list in use, each once."""
+    now = listed.turn[0]
+    found = listed.index[now, : listed.start[now, -1]]
+    assert np.all(np.diff(found[:, 0]) >= 0)
+    for i, first in enumerate(listed.start[now, :-1]):
+        assert np.all(found[first : listed.start[now, i + 1], 0] == i)
+    unique = {tuple(map(int, entry[:3])) for entry in found}
+    assert len(unique) == len(found)
+    return unique
+
+
+def close(rods, half, period, reach):
+    """All pairs with an end nearer than `reach` to the other's axis, by brute force."""
+    return {
+        (i, j, n)
+        for i, j, n in images(rods, half, period)
+        if max(end[0] for end in ends(rods, half, i, j, n * (period or 0.0))) > 1 - reach
+    }
+
+
+def crowd(random, n, length, width):
+    """Rods anywhere within a width, all tilts, and far outside of the box as well."""
+    rods = np.zeros((n, 7))
+    rods[:, 0] = random.uniform(-2 * width, 2 * width, n)
+    rods[:, 1] = random.uniform(0, length / 2, n)
+    tilt = random.choice([0.3, 1.5, 3.0]) * random.uniform(-1, 1, n)
+    rods[:, 2], rods[:, 3] = np.sin(tilt), np.cos(tilt)
+    return rods
+
+
+# Against all pairs
+
+
+@pytest.mark.parametrize(
+    ("n", "length", "period"),
+    [
+        (12, 9.5, 60.0),
+        (12, 9.5, None),
+        (8, 9.5, 12.0),  # shorter than two rods
+        (3, 9.5, 1.3),  # a rod beside many of its own images
+        (1, 9.5, 1.1),
+        (1, 9.5, None),
+        (2, 1.0, 2.5),
+        (20, 40.0, 45.0),
+    ],
+)
+def test_the_list_holds_exactly_the_close_pairs(n, length, period):
+    """30 random states each, the list renewed from one to the next and so sorted from any order.
+
+    Equality within the rounding of places up to 2 `period`: none lies that near the skin's edge.
+    """
+    random = np.random.default_rng(n)
+    half, listed, most = (length - 1) / 2, None, 0
+    for _ in range(30):
+        rods = crowd(random, n, length, period or 3 * length)
+        listed, found = build(rods, half, period, listed)
+        assert found == close(rods, half, period, 1 + SKIN)
+        most = max(most, len(found))
+    assert most > 0 or (n, period) == (1, None)
+
+
+@pytest.mark.parametrize("period", [11.5, 26.0])
+def test_forces_are_those_of_all_pairs(period):
+    """Every image of every pair once, by brute force; sums of some ten forces round by EPS each."""
+    random = np.random.default_rng(1)
+    n = 10 if period < 20 else 20
+    rods = np.zeros((n, 7))
+    for k in range(n):
+        rods[k, 0] = (k + random.uniform(-0.05, 0.05)) * period / n + random.integers(
+            -3, 4
+        ) * period
+        rods[k, 1] = 5 + random.uniform(-0.1, 0.1)
+        tilt = np.arccos(n / period) + 0.005 * random.uniform(-1, 1)
+        rods[k, 2:4] = np.sin(tilt), np.cos(tilt)
+    states = [(x, z, np.arctan2(s, c)) for x, z, s, c, *_ in rods]
+    engine = free(ELASTIC, states, period=period, dt=1e-6)
+    got = forces(engine, states)
+    want, _ = elastic(rods, HALF, LIGHT, SOFT, period)
+    assert np.abs(want).max() > 1000
+    # rounding places of up to 4 periods changes an overlap by 4 EPS period
+    steep = 1.5 * SOFT * 0.5 * 10
+    np.testing.assert_allclose(got, want, rtol=1e-12, atol=steep * 16 * EPS * period)
+
+
+def test_a_rod_touches_its_own_image():
+    """One rod in a box of 1.005: leaning, the images on both sides turn it upright.
+
+    Their forces cancel, their torques do not.
+    """
+    engine = free(ELASTIC, [(0.3, 5, 0)], period=1.005)
+    tilted = forces(engine, [(0.3, 5, 0.2)])
+    rods = np.array([(0.3, 5, np.sin(0.2), np.cos(0.2), 0, 0, 0)])
+    want, _ = elastic(rods, HALF, LIGHT, SOFT, 1.005)
+    assert tilted[0, 2] < -1
+    np.testing.assert_allclose(tilted, want, atol=1e-8)
+    assert np.abs(tilted[0, :2]).max() < 1e-9
+
+
+# Periods added
+
+
+def test_a_period_added_to_any_rod_changes_no_force():
+    """M9: beyond what rounding its place does, 4 ulp of the place times the steepest slope."""
+    random = np.random.default_rng(3)
+    n, period = 6, 6.3
+    tilt = np.arccos(n / period)
+    states = [(k * period / n + 0.01 * random.normal(), 5.0, tilt) for k in range(n)]
+    engine = free(ELASTIC, states, period=period, dt=1e-6)
+    usual = forces(engine, states)
+    assert np.abs(usual).max() > 100
+    for _ in range(20):
+        far = random.integers(-5, 6, n) * period
+        moved = [(x + a, z, t) for (x, z, t), a in zip(states, far, strict=True)]
+        ulp = np.spacing(np.abs(far).max() + period)
+        steep = 1.5 * SOFT * 0.5 * 8 * 5  # eight ends of overlap below 1/4, arms of 5
+        assert np.abs(forces(engine, moved) - usual).max() <= 4 * ulp * steep
+
+
+def test_entries_follow_their_images():
+    """The list of rods moved by periods is the list of the rods, with the images counted anew."""
+    random = np.random.default_rng(4)
+    period = 13.0
+    rods = crowd(random, 8, 9.5, period)
+    _, usual = build(rods, HALF, period)
+    far = random.integers(-4, 5, 8)
+    moved = rods.copy()
+    moved[:, 0] += far * period
+    _, found = build(moved, HALF, period)
+    assert found == {(i, j, n + int(far[i] - far[j])) for i, j, n in usual}
+
+
+# While rods move
+
+
+def lively(n=5, **changes):
+    """A row on a plate that throws it about; no memory of springs beyond the list's."""
+    return prepare(row("plate.acceleration=10", *changes.get("more", ())))
+
+
+def test_no_touching_pair_is_missed_while_rods_move():
+    """Every 20 steps of two periods, all pairs with all images against the list."""
+    engine, touching, lists = lively(), 0, set()
+    period, half = engine.crowd.period, engine.crowd.alone.half_length
+    for _ in range(2 * engine.per // 20):
+        engine.go(20)
+        # the list was brought up to date before the last step, of at most 1e-3 d
+        touch = close(engine.rods, half, period, 1 - 1e-3)
+        assert touch <= entries(engine.listed)
+        touching = max(touching, len(touch))
+        lists.add(engine.listed.built.tobytes())
+        engine.record.count[0] = 0
+    assert touching >= 3
+    assert len(lists) >= 4
+
+
+def moved(engine, steps, each_step):
+    """Rods, springs and ledger after some steps, with something done before each."""
+    for _ in range(steps):
+        each_step(engine)
+        engine.go(1)
+    return engine.rods.copy(), engine.springs.copy(), engine.ledger.copy()
+
+
+def test_springs_and_losses_survive_a_rebuild():
+    """A list renewed before every step gives the same bits as one renewed when it must be."""
+
+    def renew(engine):
+        engine.listed.travelled[:] = np.inf
+        engine.listed.built[:, :2] = 1e300
+
+    steps = 1500
+    usual, often = lively(), lively()
+    want = moved(usual, steps, lambda engine: None)
+    got = moved(often, steps, renew)
+    assert usual.ledger[4] != 0  # springs of rods on rods have worked
+    for a, b in zip(got, want, strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_a_list_that_is_full_grows():
+    """From one entry on, and once more while contacts are open; to the same bits."""
+    usual, small = lively(), lively()
+    n = len(small.rods)
+    small.listed = neighbours.nothing_listed(n, 1, True, True)
+    small.scratch = np.zeros(n), np.zeros((1, 3), np.int64)
+    usual.go(800)
+    small.go(400)
+    assert np.any(small.listed.springs)
+    small._grow()
+    small.go(400)
+    assert small.listed.index.shape[1] > 4
+    np.testing.assert_array_equal(small.rods, usual.rods)
+    np.testing.assert_array_equal(small.ledger, usual.ledger)
+
+
+# Time
+
+
+class Counted(np.ndarray):
+    """Counts how often an element is read."""
+
+    reads = 0
+
+    def __getitem__(self, key):
+        Counted.reads += 1
+        return super().__getitem__(key)
+
+
+def reads(n):
+    """Reads of places that it takes to build the list of n rods in a row, all drawn together."""
+    random = np.random.default_rng(0)
+    rods, spacing = np.zeros((n, 7)), 43 / 40
+    rods[:, 0] = (np.arange(n) + random.uniform(-0.3, 0.3, n)) * spacing
+    rods[:, 1], rods[:, 2], rods[:, 3] = 4.5, np.sin(0.37), np.cos(0.37)
+    place = neighbours.wrapped.py_func(rods[:, 0], None).view(Counted)
+    order, found = np.arange(n), np.zeros((20 * n, 3), np.int64)
+    Counted.reads = 0
+    neighbours.sort_along.py_func(order, place)
+    neighbours.pair_up.py_func(rods, HALF, n * spacing, SKIN, order, place, found)
+    return Counted.reads
+
+
+def test_a_list_takes_time_linear_in_the_number_of_rods():
+    """Counted, not timed: each rod looks at the rods within its length, however many there are."""
+    few, many = reads(100), reads(400)
+    within = ceil((2 * HALF + 1 + SKIN) / (43 / 40)) + 2
+    assert few <= 100 * (2 * within + 10)
+    assert many == pytest.approx(4 * few, rel=0.02)
+
+
+@pytest.mark.slow
+def test_no_touching_pair_is_missed_in_a_long_run():
+    """200 periods of ten rods that are thrown about, all pairs every 97 steps."""
+    engine = prepare(
+        row("rods.count=10", "rods.length=9.5", "box.length=11.5", "plate.acceleration=8")
+    )
+    period, half = engine.crowd.period, engine.crowd.alone.half_length
+    for _ in range(200 * engine.per // 97):
+        engine.go(97)
+        assert close(engine.rods, half, period, 1 - 1e-3) <= entries(engine.listed)
+        engine.record.count[0] = 0

@@ -1,0 +1,244 @@
+"""Stop and go on: bit for bit the numbers of a run that never stopped."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import md
+from md import runner
+from md.trajectory import read_frames
+
+from .rows import ROW, row
+
+ROOT = Path(__file__).parents[1]
+PERIODS = 4
+SCENE = ("step.size=3e-4", "plate.acceleration=5")
+
+
+def bits(result):
+    """All that a run measured but the time it took."""
+    numbers = result.as_dict()
+    for key in ("run_seconds", "compile_seconds"):
+        del numbers[key]
+    arrays = (result.rods, result.c_x_series, result.tilt_series)
+    return json.dumps(numbers, sort_keys=True), *(array.tobytes() for array in arrays)
+
+
+@pytest.fixture(scope="module")
+def whole():
+    """A run in one go, with its landings."""
+    rows = []
+    result = md.run(row(*SCENE), periods=PERIODS, observe=rows.append)
+    assert result.finished
+    assert len(np.concatenate(rows)) > 3
+    return bits(result), np.concatenate(rows)
+
+
+def test_the_same_seed_gives_the_same_bits(whole):
+    """And another seed others."""
+    assert bits(md.run(row(*SCENE), periods=PERIODS)) == whole[0]
+    other = md.run(row(*SCENE, "start.seed=2"), periods=PERIODS)
+    assert all(a != b for a, b in zip(bits(other), whole[0], strict=True))
+
+
+@pytest.mark.parametrize("seconds", [1e-4, 10.0])
+def test_how_a_run_is_cut_into_calls_does_not_matter(whole, monkeypatch, seconds):
+    """Landings included; the calls' lengths follow the clock, which no two runs share."""
+    monkeypatch.setattr(runner, "_CHUNK", seconds)
+    rows = []
+    result = md.run(row(*SCENE), periods=PERIODS, observe=rows.append)
+    assert bits(result) == whole[0]
+    np.testing.assert_array_equal(np.concatenate(rows), whole[1])
+
+
+@pytest.fixture
+def impatient(monkeypatch):
+    """Short calls of the kernel, so that a run can be stopped many times."""
+    monkeypatch.setattr(runner, "_CHUNK", 1e-4)
+
+
+def interrupted(path, **options):
+    """The run, stopped as by Ctrl-C at its first landings."""
+    return md.run(
+        row(*SCENE),
+        periods=PERIODS,
+        checkpoint=path,
+        observe=lambda _: signal.raise_signal(signal.SIGINT),
+        **options,
+    )
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_run_that_was_stopped_goes_on(whole, tmp_path):
+    """Stopped in the middle of a period, again and again."""
+    path, steps = tmp_path / "row.npz", []
+    while not (result := interrupted(path)).finished:
+        assert result.periods < PERIODS
+        with np.load(path) as saved:
+            steps.append(json.loads(str(saved["about"]))["step"])
+    assert any(step % result.steps_per_period for step in steps)
+    assert len(set(steps)) > 1
+    assert bits(result) == whole[0]
+
+
+@pytest.mark.usefixtures("impatient")
+def test_what_an_interrupted_run_tells_covers_its_whole_periods(whole, tmp_path):
+    """Period by period what the whole run has."""
+    result = interrupted(tmp_path / "row.npz")
+    while not result.finished:
+        assert not np.isnan(result.c_x_series).any()
+        assert len(result.c_x_series) == len(result.tilt_series) == result.periods
+        head = result.c_x_series.tobytes()
+        assert whole[0][2][: len(head)] == head
+        result = interrupted(tmp_path / "row.npz")
+
+
+def test_a_longer_run_begins_with_a_shorter_one(whole, tmp_path):
+    """Two periods, kept, and then two more."""
+    path = tmp_path / "row.npz"
+    md.run(row(*SCENE), periods=2, checkpoint=path)
+    assert bits(md.run(row(*SCENE), periods=PERIODS, checkpoint=path)) == whole[0]
+    with pytest.raises(ValueError, match="is 4 periods long already"):
+        md.run(row(*SCENE), periods=3, checkpoint=path)
+    with pytest.raises(ValueError, match="belongs to another scene"):
+        md.run(row("start.seed=5"), periods=PERIODS, checkpoint=path)
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_trajectory_goes_on_where_it_stopped(tmp_path):
+    """The same file as of a run in one go, frame by frame."""
+    once, often = tmp_path / "once.xyz", tmp_path / "often.xyz"
+    md.run(row(*SCENE), periods=PERIODS, trajectory=once, frames=6)
+    while not interrupted(tmp_path / "row.npz", trajectory=often, frames=6).finished:
+        pass
+    assert often.read_text() == once.read_text()
+
+
+def test_frames_written_after_the_checkpoint_are_written_anew(tmp_path):
+    """As after a kill: the file is cut off behind the frames that the checkpoint knows of."""
+    once, often = tmp_path / "once.xyz", tmp_path / "often.xyz"
+    md.run(row(*SCENE), periods=4, trajectory=once, frames=6)
+    how = {"checkpoint": tmp_path / "row.npz", "trajectory": often, "frames": 6}
+    md.run(row(*SCENE), periods=2, **how)
+    with often.open("a") as file:
+        file.write("frames that no checkpoint knows of")
+    md.run(row(*SCENE), periods=4, **how)
+    assert often.read_text() == once.read_text()
+
+
+def command(path, *options):
+    """The run at the prompt."""
+    changes = [part for change in (*ROW, *SCENE) for part in ("--set", change)]
+    return [
+        *(sys.executable, "-m", "md", "run", "quasi2d", *changes),
+        *("--checkpoint", str(path), "--json", *options),
+    ]
+
+
+def test_ctrl_c_at_the_prompt(tmp_path):
+    """Exit code 130, a result of what was done, and a checkpoint from which the run goes on."""
+    path = tmp_path / "row.npz"
+    long = subprocess.Popen(
+        command(path, "--periods", "100000", "--trajectory", str(tmp_path / "row.xyz")),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=ROOT,
+    )
+    trajectory = tmp_path / "row.xyz"
+    while not (trajectory.exists() and trajectory.stat().st_size > 0):  # it has begun
+        assert long.poll() is None, long.stderr.read()
+        time.sleep(0.05)
+    long.send_signal(signal.SIGINT)
+    out, err = long.communicate(timeout=60)
+    assert (long.returncode, err) == (130, "")
+    found = json.loads(out)
+    assert found["finished"] is False
+    more = found["periods"] + 2
+    went_on = md.run(row(*SCENE), periods=more, checkpoint=path)
+    assert bits(went_on) == bits(md.run(row(*SCENE), periods=more))
+
+
+KILLED = """
+import os, signal, sys
+import numpy as np
+import md
+from md import runner
+from tests.rows import row
+
+def half(file, **arrays):
+    file.write(b"PK half a checkpoint")
+    file.flush()
+    os.kill(os.getpid(), signal.SIGKILL)
+
+runner.np = type(sys)("np")
+runner.np.__dict__.update(np.__dict__)
+runner.np.savez = half
+md.run(row(*sys.argv[2:]), periods=3, checkpoint=sys.argv[1])
+"""
+
+
+def test_killed_while_it_saves(whole, tmp_path):
+    """The old checkpoint stands, and the run goes on from it."""
+    path = tmp_path / "row.npz"
+    md.run(row(*SCENE), periods=1, checkpoint=path)
+    old = path.read_bytes()
+    killed = subprocess.run(
+        [sys.executable, "-c", KILLED, str(path), *SCENE],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert killed.returncode == -signal.SIGKILL, killed.stderr
+    assert path.read_bytes() == old
+    assert len(list(tmp_path.iterdir())) == 2  # and what was half written
+    assert bits(md.run(row(*SCENE), periods=PERIODS, checkpoint=path)) == whole[0]
+
+
+# Trajectories
+
+
+def test_frames_hold_the_rods(tmp_path):
+    """Extended XYZ: count, comment with cell, columns and time, a line a rod with its shape."""
+    path = tmp_path / "row.xyz"
+    scene = row(*SCENE)
+    result = md.run(scene, periods=2, trajectory=path, frames=1)
+    lines = path.read_text().splitlines()
+    n = scene.rods.count
+    assert len(lines) == 2 * (n + 2)
+    for frame in (0, 1):
+        count, comment, *rods = lines[frame * (n + 2) : (frame + 1) * (n + 2)]
+        assert int(count) == n
+        assert f'Lattice="{scene.box.length!r} 0 0 ' in comment
+        assert f"Time={float(frame)}" in comment
+        columns = comment.split("Properties=")[1].split()[0].split(":")
+        widths = dict(zip(columns[::3], map(int, columns[2::3]), strict=True))
+        table = np.array([line.split() for line in rods], float)
+        assert table.shape == (n, sum(widths.values()))
+        at, part = 0, {}
+        for name, width in widths.items():
+            part[name] = table[:, at : at + width]
+            at += width
+        np.testing.assert_array_equal(part["id"][:, 0], np.arange(n))
+        np.testing.assert_array_equal(
+            part["aspherical_shape"], np.tile([0.5, 0.5, scene.rods.length - 1], (n, 1))
+        )
+        x, y, z, w = part["orientation"].T
+        np.testing.assert_allclose(x * x + y * y + z * z + w * w, 1, rtol=1e-8)
+        # the z axis turned by the quaternion: the rod's, in the plane x, z
+        axis = 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)
+        tilt = np.radians(part["tilt"][:, 0])
+        np.testing.assert_allclose(axis, (np.sin(tilt), 0 * tilt, np.cos(tilt)), atol=1e-8)
+    read = read_frames(path)
+    assert [frame["time"] for frame in read] == [0.0, 1.0]
+    assert read[0]["tilt"] == pytest.approx(scene.tilt, abs=1e-9)
+    assert np.abs(read[1]["x"] - result.rods[:, 0]).max() < 2

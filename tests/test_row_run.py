@@ -1,0 +1,238 @@
+"""Whole runs of rods: energy, momentum, extremes, turns and landings."""
+
+from dataclasses import replace
+from math import pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+import md
+from md import landings
+from md import row as kernels
+from md.engine import prepare
+from md.scene import Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step
+
+from .rows import EPS, SOFT, row
+
+
+def turnover(result):
+    """All the energy that went in, out and over."""
+    return sum(abs(value) for kind, value in result.energy.items() if kind != "residual")
+
+
+def closed(result, part=2e-3):
+    """All is finite, and the energy accounts for itself to a part of its turnover.
+
+    The ledger is of second order in the step, a fiftieth of a contact: 50^-2 = 4e-4, a few times.
+    """
+    assert np.isfinite(result.rods).all()
+    assert np.isfinite(result.c_x_series).all()
+    assert abs(result.energy["residual"]) <= part * turnover(result) + 1e-9, result.energy
+    for kind in ("plate_normal", "rods_normal"):
+        assert result.energy[kind] >= -part * turnover(result)
+    return result
+
+
+# Energy and momentum
+
+
+def test_the_ledger_closes_as_the_step_shrinks():
+    """Residual over turnover, five rods for two periods: second order, as is leapfrog.
+
+    Halves of a step's losses go with the velocity between two forces. The runs part ways at
+    contacts, which scatters single halvings; over three of them the order holds to a quarter.
+    """
+    found = []
+    for step in (3.6e-4, 1.8e-4, 9e-5, 4.5e-5):
+        result = md.run(row(f"step.size={step}", "start.speed=0.5"), periods=2)
+        found.append(abs(result.energy["residual"]) / turnover(result))
+    assert np.log2(found[0] / found[-1]) / 3 > 1.75, found
+    assert found[0] < 1e-3, found
+
+
+def test_each_part_of_the_ledger_is_what_the_closed_form_says():
+    """A rod that bounces upright loses (1 - e^2) v^2/2; one that slides flat, all its c_x^2/2.
+
+    First order: steps of 1e-4, contacts of about 0.03.
+    """
+    e, v = 0.65, 1.0
+    law = md.coulomb(restitution=e, stiffness=SOFT)
+    upright = Scene(
+        rods=Rods(1, 4.0),
+        plate=Plate(),
+        contacts=Contacts(plate=Contact(law, 0.3)),
+        gravity=Gravity(),
+        start=Start(tilt_deg=0.0, drop=1e-6),
+        step=Step(1e-4),
+    )
+    engine = prepare(replace(upright, gravity=Gravity(z=0.0)))
+    engine.rods[0, 4:] = 0.0, -v, 0.0
+    engine.go(1000)
+    assert engine.ledger[1] == pytest.approx((1 - e * e) * v * v / 2, rel=3e-3)
+    assert engine.ledger[0] == 0
+    assert abs(engine.ledger[2]) < 1e-12
+
+    engine = prepare(replace(upright, start=Start(tilt_deg=90.0, speed=0.0)))
+    deep = (1 / (2 * SOFT)) ** (2 / 3)  # two caps carry the weight
+    engine.rods[0, 1] -= deep
+    engine.rods[0, 4] = 0.1
+    engine.go(10_000)
+    assert abs(engine.rods[0, 4]) < 1e-6  # it rocks a little still
+    assert engine.ledger[2] == pytest.approx(0.1**2 / 2, rel=3e-3)
+    stopped_after = 0.1**2 / (2 * 0.3)
+    assert engine.rods[0, 0] - 0.5 * 4 == pytest.approx(stopped_after, abs=0.1 * 1e-4 * 2)
+
+
+def test_plate_work_of_an_elastic_bounce():
+    """On a plate that rises with u a rod that falls with v leaves with v + 2 u."""
+    scene = Scene(
+        rods=Rods(1, 4.0),
+        plate=Plate(acceleration=3.0),
+        contacts=Contacts(plate=Contact(md.coulomb(1.0, 1e7), 0.3)),
+        gravity=Gravity(z=0.0),
+        start=Start(tilt_deg=0.0, drop=1e-9, speed=0.0),
+        step=Step(1e-5),
+    )
+    engine = prepare(scene)
+    engine.step = engine.per // 6  # it rises
+    motion = engine.crowd.alone.plate
+    engine.rods[0, 1] = motion.height[engine.step] + 2.0 + 1e-9
+    engine.rods[0, 5] = -0.5
+    before = engine.energy()
+    engine.go(engine.per // 6)
+    change = engine.energy() - before
+    assert engine.rods[0, 5] == pytest.approx(0.5 + 2 * motion.velocity[engine.per // 6], rel=0.05)
+    assert change > 0.1
+    assert engine.ledger[0] == pytest.approx(change, rel=1e-3)
+    assert abs(engine.ledger[1:]).max() == 0
+
+
+def test_nothing_pushes_the_row_along_a_smooth_plate():
+    """Friction between rods only: horizontal momentum to 1e-12 over 2000 steps of five rods.
+
+    EPS a rod and step on velocities of order one, 2000 * 5 * EPS = 2e-12 at most, in m sqrt(g d).
+    """
+    scene = row("contacts.plate.friction=0", "plate.acceleration=6", "start.speed=0.3")
+    engine = prepare(scene)
+    before = engine.rods[:, 4].sum()
+    engine.go(2000)
+    assert engine.ledger[0] != 0
+    assert abs(engine.ledger[4]) > 1e-4
+    assert engine.rods[:, 4].sum() == pytest.approx(before, abs=1e-12)
+
+
+# Extremes
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ["plate.acceleration=10"],
+        ["plate.acceleration=0"],
+        ["box.length=57.4"],  # 85 degrees
+        ["box.length=5"],  # upright
+        ["rods.count=1", "box.length=1.05"],
+        ["rods.count=2", "box.length=2.2"],
+        ["rods.length=1"],
+        ["rods.length=40", "rods.count=3", "box.length=3.2"],
+        ["contacts.plate.friction=5", "contacts.rods.friction=5"],
+        ["contacts.plate.friction=0"],
+        ["box=none", "start.tilt_deg=30"],
+    ],
+    ids=lambda changes: " ".join(changes),
+)
+def test_extremes_run_and_account_for_their_energy(changes):
+    """Two periods of the row; all stays finite and the ledger closes."""
+    result = closed(md.run(row(*changes), periods=2))
+    assert result.finished
+
+
+@pytest.mark.parametrize("tilt_deg", [0.0, 45.0, 85.0])
+def test_one_rod_at_any_tilt(tilt_deg):
+    """Alone on the plate, from 4 periods of free fall and bounces."""
+    scene = md.load("single_rod", [f"start.tilt_deg={tilt_deg}", "contacts.plate.stiffness=1e5"])
+    closed(md.run(scene, periods=4))
+
+
+def test_falls_and_passes_through_the_vertical_are_counted():
+    """A rod that spins freely once around passes upright twice and the horizontal twice."""
+    scene = Scene(rods=Rods(1, 4.0), start=Start(tilt_deg=10.0, speed=0.0))
+    engine = prepare(replace(scene, step=Step(1e-3)))
+    series = kernels.Series(np.zeros((8, 5)), engine.rods[:, 2:4].copy(), engine.per, 10)
+    engine.rods[0, 6] = 2 * pi / 4  # once in four periods
+    engine.go(4 * engine.per, series)
+    assert series.rows[:, kernels.FELL].sum() == 2
+    assert series.rows[:, kernels.UPRIGHT].sum() == 2
+    assert engine.rods[0, 2] == pytest.approx(sin(np.radians(10)), abs=1e-9)
+    assert sqrt(engine.rods[0, 2] ** 2 + engine.rods[0, 3] ** 2) == pytest.approx(1, abs=4 * EPS)
+
+
+# Landings
+
+
+def test_landings_are_those_that_every_step_shows():
+    """One rod, step by step: the plate pushes where the velocity gains on free fall.
+
+    Touch, duration, cap, velocities before and after, approach and departure, from the states.
+    """
+    scene = md.load("single_rod", ["contacts.plate.stiffness=1e5", "start.tilt_deg=35"])
+    engine = prepare(scene)
+    half, dt, per = engine.crowd.alone.half_length, engine.dt, engine.per
+    plate = engine.crowd.alone.plate
+    states = [engine.rods[0].copy()]
+    for _ in range(8 * per):
+        engine.go(1)
+        states.append(engine.rods[0].copy())
+    states = np.array(states)
+    pushed = np.abs(np.diff(states[:, 5]) + dt) > 1e-12 * dt * SOFT
+    begins = np.flatnonzero(pushed & ~np.append(False, pushed[:-1]))
+    stops = np.flatnonzero(~pushed & np.append(False, pushed[:-1]))
+    begins = begins[: len(stops)]
+    rows = engine.record.rows[: engine.record.count[0]]
+    assert len(rows) >= 3
+    np.testing.assert_array_equal(rows[:, landings.STEP], begins)
+    np.testing.assert_array_equal(rows[:, landings.DURATION], stops - begins)
+    np.testing.assert_array_equal(rows[1:, landings.FLIGHT], begins[1:] - stops[:-1])
+    assert np.isnan(rows[0, landings.FLIGHT])
+    for columns, at in ((landings.BEFORE, begins), (landings.AFTER, stops)):
+        np.testing.assert_array_equal(rows[:, columns : columns + 3], states[at, 4:])
+    height, velocity = plate.height[begins % per], plate.velocity[begins % per]
+    first, last = states[begins], states[stops]
+    cap = np.where(first[:, 3] > 0, -1, 1)
+    np.testing.assert_array_equal(rows[:, landings.CAP], cap)
+    a_x, a_z = cap * half * first[:, 2], height - first[:, 1]
+    np.testing.assert_allclose(rows[:, [landings.A_X, landings.A_Z]], np.array([a_x, a_z]).T)
+    np.testing.assert_array_equal(rows[:, landings.PLATE], velocity)
+    np.testing.assert_allclose(
+        rows[:, landings.APPROACH], first[:, 5] - first[:, 6] * a_x - velocity, atol=1e-13
+    )
+    leaves = last[:, 5] - last[:, 6] * cap * half * last[:, 2] - plate.velocity[stops % per]
+    np.testing.assert_allclose(rows[:, landings.LEAVING], leaves, atol=1e-13)
+    assert np.all(rows[:, landings.SHARED] == 0)
+
+
+@pytest.mark.slow
+def test_ten_thousand_periods_drift_neither_in_energy_nor_in_phase():
+    """Ten rods: the residual stays the same part of the turnover, landings know their phase.
+
+    The residual is the sum of what each contact leaves, 3 contacts a rod and period of nearly the
+    same size: from 1000 periods to 10,000 its part of the turnover scatters by 1/sqrt(3e4).
+    """
+    scene = row("rods.count=10", "rods.length=9.5", "box.length=10.75")
+    short = md.run(scene, periods=1000)
+    last = []
+
+    def observe(rows):
+        last[:] = [rows]
+
+    result = closed(md.run(scene, periods=10_000, observe=observe), part=2e-4)
+    parts = [r.energy["residual"] / turnover(r) for r in (short, result)]
+    assert parts[1] == pytest.approx(parts[0], rel=0.1)
+    steps = last[0][:, landings.STEP].astype(int)
+    per = result.steps_per_period
+    assert steps.max() // per >= 9998
+    exact = scene.plate_speed * np.sin(2 * np.pi * (steps % per) / per)
+    np.testing.assert_allclose(
+        last[0][:, landings.PLATE], exact, rtol=0, atol=8 * EPS * scene.plate_speed
+    )
+    assert abs(short.c_x - result.c_x) < 4 * np.hypot(short.c_x_stderr, result.c_x_stderr)

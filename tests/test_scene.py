@@ -1,0 +1,237 @@
+"""Scenes: examples load, and what is no scene is refused with its key, value and domain."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from math import acos, degrees, pi
+
+import pytest
+
+import md
+from md.__main__ import main
+from md.engine import prepare
+from md.scene import SCENES, as_dict, load
+
+EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))
+
+BAD = {  # KEY=VALUE for the row: what the error says
+    "rodz.count=3": "rodz is not a key of a scene; known there: rods, plate",
+    "rods.number=3": "rods.number is not a key of a scene; known there: count, length",
+    "plate.gamma=3": "plate.gamma is not a key",
+    "box.width=3": "box.width is not a key",
+    "start.tilt=3": "start.tilt is not a key",
+    "step.dt=3": "step.dt is not a key",
+    "gravity.y=3": "gravity.y is not a key",
+    "contacts.walls.friction=1": "contacts.walls is not a key",
+    "contacts.plate.mu=1": "contacts.plate.mu is not a key",
+    "contacts.plate.stiffness.x=1": "contacts.plate.stiffness must be a number, got {'x': 1}",
+    "rods=3": "rods must be a table, got 3",
+    "box=[1]": "box must be a table, got [1]",
+    "contacts.rods=1": "contacts.rods must be a table, got 1",
+    "rods.count=2.5": "rods.count must be a whole number, got 2.5",
+    "rods.count=true": "rods.count must be a whole number, got True",
+    "rods.count=many": "rods.count must be a whole number, got 'many'",
+    "rods.count=0": "rods.count must be between 1 and 1000000, got 0",
+    "rods.count=-3": "rods.count must be between 1 and 1000000, got -3",
+    "rods.length=0.5": "rods.length must be between 1 and 1000, got 0.5",
+    "rods.length=true": "rods.length must be a number, got True",
+    "rods.length=[1]": "rods.length must be a number, got [1]",
+    'rods.length="9.5"': "rods.length must be a number, got '9.5'",
+    "rods.length=nan": "rods.length must be between 1 and 1000, got nan",
+    "rods.length=inf": "rods.length must be between 1 and 1000, got inf",
+    "rods.inertia=heavy": "rods.inertia must be solid or thin, got 'heavy'",
+    "rods.inertia=[1]": "rods.inertia must be solid or thin, got [1]",
+    "rods.diameter_cm=0": "rods.diameter_cm must be between 1e-6 and 1e6, got 0",
+    "plate.acceleration=-1": "plate.acceleration must be between 0 and 1000, got -1",
+    "plate.acceleration=nan": "plate.acceleration must be between 0 and 1000, got nan",
+    "plate.frequency_hz=0": "plate.frequency_hz must be between 1e-3 and 1e6, got 0",
+    "box.length=inf": "box.length must be between 1 and 1e7, got inf",
+    "box.length=39.9": "box.length must be at least 40 for 40 rods, got 39.9",
+    "start.tilt_deg=80": "start.tilt_deg must be at most 21.5",
+    "start.tilt_deg=91": "start.tilt_deg must be between -90 and 90, got 91",
+    "start.tilt_deg=nan": "start.tilt_deg must be between -90 and 90, got nan",
+    "start.seed=-1": "start.seed must be between 0 and",
+    "start.seed=1.5": "start.seed must be a whole number, got 1.5",
+    "start.speed=-1": "start.speed must be between 0 and 1000, got -1",
+    "start.drop=inf": "start.drop must be between 0 and 1000, got inf",
+    "step.size=0": "step.size must be between 1e-12 and 1000, got 0",
+    "step.size=0.1": "step.size must be at most",
+    "gravity.z=-inf": "gravity.z must be up to 1000 in size, got -inf",
+    "contacts.plate.law=hertz": "contacts.plate.law must be one of appendix_a, constant_rest",
+    "contacts.plate.law=[1]": "contacts.plate.law must be one of appendix_a, constant_rest",
+    "contacts.plate.friction=-0.1": "contacts.plate.friction must be >= 0, got -0.1",
+    "contacts.plate.friction=nan": "contacts.plate.friction must be >= 0, got nan",
+    "contacts.plate.friction=rough": "contacts.plate.friction must be a number, got 'rough'",
+    "contacts.rods.restitution=1.5": "contacts.rods.restitution must be between 0 and 1, got 1.5",
+    "contacts.rods.restitution=true": "contacts.rods.restitution must be a number, got True",
+    "contacts.rods.stiffness=0": "contacts.rods.stiffness must be > 0 and finite, got 0",
+    "contacts.rods.stiffness=1": "contacts.rods.stiffness 1 is too soft",
+    "contacts.rods.damping=1": "contacts.rods.damping is not a key",
+    "plate=none": "plate is missing: the scene names contacts.plate, and needs both",
+    "contacts.plate=none": "contacts.plate is missing: the scene names plate, and needs both",
+    "box=none": "start.tilt_deg is missing: without a box it has no default",
+    "box.length=none": "box.length is missing",
+    "rods.count": "--set needs KEY=VALUE, got 'rods.count'",
+    "rods.count.x=1": "--set rods.count.x: count is a value, not a table",
+}
+
+
+def refused(capsys, *arguments):
+    """The one line that a command prints as it refuses."""
+    assert main(["run", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1, err
+    return err
+
+
+@pytest.mark.parametrize(("assignment", "message"), BAD.items(), ids=BAD)
+def test_what_is_no_scene_is_refused(assignment, message, capsys):
+    """Key, value and domain, before anything runs: in Python an error, at the prompt a line."""
+    with pytest.raises((ValueError, TypeError)) as caught:
+        prepare(load("quasi2d", [assignment]))
+    assert message in str(caught.value)
+    assert message in refused(capsys, "quasi2d", "--set", assignment)
+
+
+def test_friction_between_rods_needs_a_spring(capsys):
+    """The constraint is for the plate."""
+    line = refused(capsys, "quasi2d", "--set", "contacts.rods.law=coulomb")
+    assert "contacts.rods." in line
+
+
+def test_files_that_are_none(tmp_path, capsys):
+    """Missing, a directory, not text, not TOML."""
+    assert "no such scene" in refused(capsys, str(tmp_path / "missing.toml"))
+    assert "quasi2d" in refused(capsys, "quasi3d")
+    assert str(tmp_path) in refused(capsys, str(tmp_path))
+    broken = tmp_path / "broken.toml"
+    broken.write_text("[rods\ncount = 3\n")
+    assert "broken.toml" in refused(capsys, str(broken))
+    broken.write_bytes(b"\xff\xfe\x00")
+    assert "broken.toml" in refused(capsys, str(broken))
+    broken.write_text("[rods]\ncount = 3\ncount = 4\n")
+    assert "broken.toml" in refused(capsys, str(broken))
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--periods", "0"],
+        ["--periods", "-3"],
+        ["--periods", "2.5"],
+        ["--frames", "0"],
+        ["--no-such-option"],
+        ["--checkpoint", "no/such/folder/a.npz"],
+        ["--trajectory", "no/such/folder/a.xyz"],
+    ],
+)
+def test_bad_options_are_refused_before_anything_runs(arguments, capsys):
+    """One line and exit code 2, whether the parser finds out or the run."""
+    try:
+        code = main(["run", "single_rod", *arguments])
+    except SystemExit as stop:
+        code = stop.code
+    out, err = capsys.readouterr()
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+
+
+def test_a_checkpoint_that_cannot_be_read_is_refused(tmp_path, capsys):
+    """Cut short, empty, or no checkpoint at all."""
+    path = tmp_path / "a.npz"
+    for content in (b"", b"PK\x03\x04 cut short", b"nonsense"):
+        path.write_bytes(content)
+        line = refused(capsys, "single_rod", "--periods", "1", "--checkpoint", str(path))
+        assert "cannot be read" in line
+        assert path.read_bytes() == content
+
+
+def test_no_traceback_at_the_prompt():
+    """The same through a real process."""
+    bad = subprocess.run(
+        [sys.executable, "-m", "md", "run", "quasi2d", "--set", "rods.count=2.5"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (bad.returncode, bad.stdout, bad.stderr.count("\n")) == (2, "", 1)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: md.Rods(count="3"),
+        lambda: md.Rods(length="long"),
+        lambda: md.Contacts(rods=1.0),
+        lambda: md.Scene(rods=5, start=md.Start(tilt_deg=0.0)),
+        lambda: md.Scene(plate=3.3, start=md.Start(tilt_deg=0.0)),
+        lambda: md.Contact("coulomb", 0.3),
+    ],
+)
+def test_wrong_types_in_python(make):
+    """Parts that are no parts."""
+    with pytest.raises(TypeError):
+        make()
+
+
+# What is a scene
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_examples_load(name):
+    """And make an engine."""
+    scene = load(name)
+    assert prepare(scene).dt > 0
+    assert load(SCENES / f"{name}.toml") == scene
+    assert load(name, ["start.seed=7"]) == replace(scene, start=replace(scene.start, seed=7))
+
+
+def test_the_paper_s_row():
+    """Fig. 3(b): 40 rods in 43, acos(40/43); Gamma 3.3 at 60 Hz; units of cm and s."""
+    scene = load("quasi2d")
+    assert degrees(scene.tilt) == pytest.approx(degrees(acos(40 / 43)))
+    assert scene.frequency == pytest.approx(60 * (0.6 / 981) ** 0.5)
+    assert scene.cm_per_s == pytest.approx((981 * 0.6) ** 0.5)
+    assert scene.plate_speed * scene.cm_per_s == pytest.approx(3.3 * 981 / (120 * pi))
+
+
+def test_a_scene_is_what_its_parts_say():
+    """The table of a scene builds the scene again; laws by their constants."""
+    scene = load("quasi2d")
+    table = as_dict(scene)
+    assert table["rods"] == {"count": 40, "length": 9.5, "inertia": "thin", "diameter_cm": 0.6}
+    assert table["contacts"]["plate"]["law"]["name"] == "constant_restitution"
+    assert "plate" in table
+    assert "plate" not in as_dict(load("quasi2d", ["plate=none", "contacts.plate=none"]))
+    json.dumps(table)
+    assert scene.digest() == load("quasi2d").digest()
+    assert scene.digest() != load("quasi2d", ["start.seed=2"]).digest()
+
+
+def test_what_a_run_prints(capsys):
+    """The keys of --json, numbers that hang together, and nothing that is not JSON."""
+    soft = ["--set", "contacts.plate.stiffness=1e5", "--set", "start.seed=3"]
+    assert main(["run", "single_rod", *soft, "--periods", "3", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    for key in (
+        *("c_x", "c_x_stderr", "c_x_cm_s", "tilt_deg", "tilt_stderr_deg", "periods"),
+        *("steps_per_period", "rod_steps", "run_seconds", "compile_seconds", "energy", "scene"),
+        *("law", "seed", "versions"),
+    ):
+        assert key in found
+    assert found["rod_steps"] == found["periods"] * found["steps_per_period"]
+    assert found["c_x_cm_s"] == pytest.approx(found["c_x"] * (981 * 0.6) ** 0.5)
+    assert (found["seed"], found["law"]) == (3, "coulomb")
+    assert set(found["versions"]) >= {"md", "numpy", "numba"}
+    assert set(found["energy"]) >= {"plate_work", "plate_friction", "change", "residual"}
+    assert main(["run", "single_rod", *soft, "--periods", "3"]) == 0
+    assert "drift" in capsys.readouterr().out
+
+
+def test_the_example_of_the_package_runs():
+    """As its docstring has it."""
+    import doctest
+
+    assert doctest.testmod(md).failed == 0
