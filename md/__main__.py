@@ -7,6 +7,7 @@ python -m md run quasi2d --set rods.count=20 --set box.length=21.5 --periods 100
 import argparse
 import json
 import os
+import re
 import sys
 from math import pi, radians
 
@@ -24,6 +25,7 @@ Run a scene: a TOML file, or an example of md/scenes (quasi2d, single_rod).
 
   python -m md run quasi2d --periods 200
   python -m md run quasi2d --set plate.acceleration=2 --set contacts.plate.law=coulomb --json
+  python -m md run quasi2d --set contacts.plate.law=appendix_a --set contacts.plate.restitution=none
   python -m md run mine.toml --periods 10000 --checkpoint mine.npz      # Ctrl-C, and go on later
   python -m md run quasi2d --periods 5 --trajectory row.xyz --frames 24 # for OVITO
 """
@@ -32,7 +34,7 @@ Run a scene: a TOML file, or an example of md/scenes (quasi2d, single_rod).
 SWEEP_EXAMPLE = """\
 Run a scene along axes, on all cores, into a store; the same command goes on where it stopped.
 
-  python -m md sweep md/scenes/drift.toml --store drift.db
+  python -m md sweep drift --store drift.db
   python -m md sweep mine.toml --store mine.db --scheduler tcp://host:8786   # a Dask cluster
   python -m md results drift.db --csv drift.csv
 """
@@ -40,6 +42,10 @@ Run a scene along axes, on all cores, into a store; the same command goes on whe
 
 class Parser(argparse.ArgumentParser):
     """Bad arguments cost one line on stderr and exit code 2."""
+
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        self._negative_number_matcher = re.compile(r"-(\d|\.\d|inf|nan)")  # -1e-3 is no option
 
     def error(self, message: str):
         """Print one line and leave."""
@@ -55,6 +61,10 @@ def _law(arguments: argparse.Namespace):
         raise ValueError("restitution cannot be chosen under appendix_a, whose damping is fixed")
     if arguments.law == "coulomb" and arguments.tangential_ratio is not None:
         raise ValueError("tangential_ratio has no meaning under coulomb, which has no spring")
+    if arguments.integrator == "dop853" and arguments.dt is not None:
+        raise ValueError("dt has no meaning under dop853, which chooses its steps: use tolerance")
+    if arguments.integrator != "dop853" and arguments.tolerance is not None:
+        raise ValueError(f"tolerance has no meaning under {arguments.integrator}: use dt")
     chosen = {name: value for name, value in options.items() if value is not None}
     return LAWS[arguments.law](**chosen)
 
@@ -76,13 +86,15 @@ def _impact(arguments: argparse.Namespace) -> int:
         law=law,
         integrator=arguments.integrator,
         dt=arguments.dt,
-        tolerance=arguments.tolerance,
+        tolerance=arguments.tolerance or 1e-13,
     )
     result = hit._asdict()
     if arguments.json:
+        from .runner import finite
+
         given = {key: value for key, value in vars(arguments).items() if key not in _NOT_GIVEN}
-        result["dt"] = hit.dt if hit.dt == hit.dt else None
-        print(json.dumps({**result, "stiffness": law.normal.stiffness, "arguments": given}))
+        result |= {"stiffness": law.normal.stiffness, "arguments": given}
+        print(json.dumps(finite(result)))
         return 0
     print(f"regime       {hit.regime}")
     print(f"c_x  c_z     {hit.c_x:.6g}  {hit.c_z:.6g}   sqrt(g d)")
@@ -101,11 +113,13 @@ def _run(arguments: argparse.Namespace) -> int:
     from .runner import run
     from .scene import load
 
+    if arguments.frames is not None and arguments.trajectory is None:
+        raise ValueError("frames has no meaning without trajectory")
     result = run(
         load(arguments.scene, arguments.set),
         periods=arguments.periods,
         trajectory=arguments.trajectory,
-        frames=arguments.frames,
+        frames=arguments.frames or 1,
         checkpoint=arguments.checkpoint,
         progress=not arguments.json,
     )
@@ -119,9 +133,9 @@ def _run(arguments: argparse.Namespace) -> int:
 def _print_result(r) -> None:
     """What a run measured, for people."""
     unit, n = r.scene.cm_per_s, r.scene.rods.count
-    print(f"drift        c_x = {r.c_x:.4g} +- {r.c_x_stderr:.2g} sqrt(g d)", end="")
-    print(f" = {r.c_x * unit:.4g} +- {r.c_x_stderr * unit:.2g} cm/s")
-    print(f"tilt         {r.tilt_deg:.4g} +- {r.tilt_stderr_deg:.2g} degrees", end="")
+    print(f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d)", end="")
+    print(f" = {_with_error(r.c_x * unit, r.c_x_stderr * unit)} cm/s")
+    print(f"tilt         {_with_error(r.tilt_deg, r.tilt_stderr_deg)} degrees", end="")
     print("".join(f", {name.replace('_', ' ')} {k} times" for name, k in r.turned.items() if k))
     if r.landings and r.landings["per_rod_and_period"]["mean"] > 0:
         mean = {name: pair["mean"] for name, pair in r.landings.items()}
@@ -139,14 +153,20 @@ def _print_result(r) -> None:
         lost = sum(v for k, v in r.energy.items() if k not in ("plate_work", "change", "residual"))
         print(f"energy       plate {r.energy['plate_work']:.4g}, lost {lost:.4g},", end="")
         print(f" gained {r.energy['change']:.3g}, residual {r.energy['residual']:.1e} m g d")
-    print(
-        f"periods      {r.periods}, of which the first {r.discarded} are not in the means", end=""
-    )
+    unit = "periods" if r.scene.vibrates else "sqrt(d/g)"  # where nothing moves
+    print(f"{unit:12} {r.periods}, of which the first {r.discarded} are not in the means", end="")
     print("" if r.finished else "; interrupted")
-    print(f"cost         {r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} ({n} rods,", end="")
-    print(f" {r.steps_per_period} steps a period) in {r.run_seconds:.3g} s,", end="")
+    print(
+        f"cost         {r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} ({n} rod{'s' * (n > 1)},",
+        end="",
+    )
+    print(f" {r.steps_per_period} steps each) in {r.run_seconds:.3g} s,", end="")
     print(f" {r.run_seconds / max(r.rod_steps, 1) * 1e9:.3g} ns each; compiled in", end="")
     print(f" {r.compile_seconds:.2g} s")
+
+
+def _with_error(value: float, error: float) -> str:
+    return f"{value:.4g} +- {error:.2g}" if error == error else f"{value:.4g} (error unknown)"
 
 
 def _sweep(arguments: argparse.Namespace) -> int:
@@ -226,7 +246,11 @@ def _parser() -> Parser:
         default=0.3,
         help="Coulomb coefficient (default 0.3; inf: no slip)",
     )
-    add("--restitution", type=float, help="of a head-on impact (default 0.65)")
+    add(
+        "--restitution",
+        type=float,
+        help="of a head-on impact, 0 or 1e-6 to 1 (default 0.65); appendix_a has its own",
+    )
     add("--length", type=float, default=9.5, help="rod length, caps included (default 9.5)")
     add("--inertia", choices=("solid", "thin"), default="solid", help="default: solid")
     add("--law", choices=tuple(LAWS), default="coulomb", help="default: coulomb")
@@ -234,7 +258,7 @@ def _parser() -> Parser:
     add("--tangential-ratio", type=float, help="stiffness of the tangential spring")
     add("--integrator", choices=INTEGRATORS, default="leapfrog", help="default: leapfrog")
     add("--dt", type=float, help="step (default: a hundredth of the contact time)")
-    add("--tolerance", type=float, default=1e-13, help="of dop853 (default 1e-13)")
+    add("--tolerance", type=float, help="of dop853 (default 1e-13)")
     add("--json", action="store_true", help="one JSON object on standard output")
     one.set_defaults(run=_impact)
     many = commands.add_parser(
@@ -254,7 +278,7 @@ def _parser() -> Parser:
     )
     add("--periods", type=int, default=200, help="of the plate (default 200)")
     add("--trajectory", metavar="FILE", help="write extended XYZ, for OVITO")
-    add("--frames", type=int, default=1, help="of the trajectory, per period (default 1)")
+    add("--frames", type=int, help="of the trajectory, per period (default 1)")
     add("--checkpoint", metavar="FILE", help="save here; go on from it if it is there")
     add("--json", action="store_true", help="one JSON object on standard output")
     many.set_defaults(run=_run)
@@ -290,12 +314,18 @@ def main(argv: list[str] | None = None) -> int:
     except RuntimeError as error:
         print(f"md: {error}", file=sys.stderr)
         return 1
+    except MemoryError as error:
+        print(f"md: not enough memory: {error}", file=sys.stderr)
+        return 1
     except KeyboardInterrupt as stop:
         print(f"interrupted: {stop}" if str(stop) else "interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        print(f"md: {error}", file=sys.stderr)
+        return 1
 
 
 if __name__ == "__main__":

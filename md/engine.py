@@ -16,6 +16,7 @@ from .one_rod import Rod, RunError
 from .scene import Contact, Scene
 
 SKIN = 0.4  # of the list of pairs, in d
+_MOST = 10**7  # steps of a period
 SAMPLES = 32  # of the tilt, in a period
 
 
@@ -67,6 +68,10 @@ def step_of(scene: Scene) -> tuple[float, int]:
             f"of the contact time {whole:.3g}, to be stable; got {dt!r}"
         )
     per = ceil(1 / (scene.frequency * dt) - 1e-9)
+    if per > _MOST:
+        raise ValueError(
+            f"step.size must be at least {1 / (scene.frequency * _MOST):.2g} sqrt(d/g), got {dt!r}"
+        )
     return 1 / (scene.frequency * per), per
 
 

@@ -4,6 +4,7 @@ Reduced units: lengths in rod diameters d, masses in the rod's, accelerations in
 are in sqrt(g d) and times in sqrt(d/g).
 """
 
+from collections.abc import Sequence
 from math import cos, pi, sin
 from operator import index
 from time import perf_counter
@@ -31,6 +32,9 @@ INTEGRATORS = (*METHODS, "dop853")
 REGIMES = ("slide", "slip-stick", "slip-reversal")
 PHASES = ("slide", "stick", "reversal")
 _FINE = 100  # default steps per head-on contact time
+_FINEST = 1e7  # steps of a contact that are as many as anybody waits for
+_SLOWEST = 1e-30  # speed of an impact below which numbers run out
+_MOST = 10**8  # samples
 _LONGEST = 1e5  # contact times after which a contact that goes on is an error
 
 
@@ -74,7 +78,7 @@ class Impact(NamedTuple):
     c_x: float
     c_z: float
     omega: float
-    restitution: float  # -v_f/v_0 of the contact point against the plate
+    restitution: float  # -v_f/v_0 of the contact point of the lower cap against the plate
     regime: str  # one of REGIMES
     phases: dict[str, float]  # durations, names in PHASES
     max_overlap: float  # in d
@@ -85,7 +89,7 @@ class Impact(NamedTuple):
 
 
 class Track(NamedTuple):
-    """Where one rod went; `samples` has the columns x, z, tilt, c_x, c_z, omega."""
+    """Where one rod went; `samples` has the columns x, z [d], tilt [rad], c_x, c_z, omega."""
 
     time: np.ndarray  # of each sample, in periods of the plate, or, where it rests, in sqrt(d/g)
     samples: np.ndarray
@@ -104,15 +108,31 @@ class Track(NamedTuple):
 
 
 def _checked_rod(rod: Rod) -> Rod:
-    length = number("length", rod.length, 1.0, 1e6, "between 1 and 1e6")
+    if not isinstance(rod, Rod):
+        raise TypeError(f"rod must be a md.Rod, got {rod!r}")
+    length = number("length", rod.length, 1.0, 1e3, "between 1 and 1000")
     if rod.inertia not in ("solid", "thin"):
         raise ValueError(f"inertia must be solid or thin, got {rod.inertia!r}")
     return Rod(length, rod.inertia)
 
 
+def _checked_law(law: Law | None) -> Law:
+    if law is not None and not isinstance(law, Law):
+        raise TypeError(f"law must be made by a function of md.LAWS, as md.coulomb(), got {law!r}")
+    return law or coulomb()
+
+
+def _numbers(name: str, values: object, count: int) -> tuple:
+    """A sequence of so many values."""
+    if not isinstance(values, Sequence | np.ndarray) or len(values) != count:
+        raise TypeError(f"{name} must be {count} numbers, got {values!r}")
+    return tuple(values)
+
+
 def _checked_gravity(gravity) -> tuple[float, float] | None:
     if gravity is None:
         return None
+    gravity = _numbers("gravity", gravity, 2)
     g_x, g_z = (number("gravity", g, -1e6, 1e6, "two numbers up to 1e6") for g in gravity)
     return g_x, g_z
 
@@ -120,7 +140,7 @@ def _checked_gravity(gravity) -> tuple[float, float] | None:
 def _checked_vibration(vibration) -> Vibration | None:
     if vibration is None:
         return None
-    amplitude, frequency, phase = vibration
+    amplitude, frequency, phase = _numbers("vibration", vibration, 3)
     return Vibration(
         not_negative("amplitude", amplitude),
         positive("frequency", frequency),
@@ -136,6 +156,8 @@ def _speed(rod: Rod, tilt, velocity, vibration) -> float:
 
 def _step(law: Law, friction, speed, arms, dt, method, caps) -> float:
     """The step asked for, or a good one; one that is not stable is refused."""
+    if speed < _SLOWEST:
+        raise ValueError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
     deepest = deepest_overlap(law, speed)
     if not deepest < integrators.DEEP / 2:
         raise ValueError(
@@ -151,6 +173,8 @@ def _step(law: Law, friction, speed, arms, dt, method, caps) -> float:
             f"dt must be at most {largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} of the contact "
             f"time {whole:.3g}, to be stable; got {dt!r}"
         )
+    if dt < whole / _FINEST:
+        raise ValueError(f"dt must be at least {whole / _FINEST:.3g} sqrt(d/g), got {dt!r}")
     return dt
 
 
@@ -240,7 +264,7 @@ def impact(
     RunError
         If the contact does not end, or the state stops being finite.
     """
-    rod, law = _checked_rod(rod), law or coulomb()
+    rod, law = _checked_rod(rod), _checked_law(law)
     tilt = number("tilt", tilt, -pi / 2, pi / 2, "between -pi/2 and pi/2")
     names = ("c_x", "c_z", "omega")
     velocity = tuple(
@@ -298,7 +322,10 @@ def _by_steps(scene, vibration, method, height, tilt, velocity, speed, law, dt, 
         velocity - early * fall,
         *(scene.gravity, dt),
     )
-    watch, most = np.zeros(integrators.WATCHED), int(_LONGEST * contact_time(law, speed) / dt)
+    watch, most = (
+        np.zeros(integrators.WATCHED),
+        int(min(_LONGEST * contact_time(law, speed) / dt, 1e9)),
+    )
 
     def go(steps):
         return integrators.run(scene, state, 0, steps, dt, watch, None, None, 1)
@@ -381,7 +408,8 @@ def follow(
     RunError
         If the state stops being finite, or a cap is deeper than d/2 in the plate.
     """
-    rod, law = _checked_rod(rod), law or coulomb()
+    rod, law = _checked_rod(rod), _checked_law(law)
+    position, velocity = _numbers("position", position, 3), _numbers("velocity", velocity, 3)
     names = ("x", "z", "tilt", "c_x", "c_z", "omega")
     start = [
         number(name, value, -1e9, 1e9, "a number up to 1e9")
@@ -401,6 +429,10 @@ def follow(
         per_period = _steps_per_period(vibration, dt)
         dt = 1 / (vibration.frequency * per_period)
     whole = round(duration * per_period) if per_period else int(np.ceil(duration / dt))
+    if whole / every > _MOST:
+        raise ValueError(
+            f"every must be at least {whole / _MOST:.0f} for {whole} steps, got {every}"
+        )
     samples = np.empty((-(-whole // every) + 1, 6))
     scene = _scene(rod, law, rubbing, gravity, _plate_table(vibration, dt))
     account = np.zeros(3) if ledger else None

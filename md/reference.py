@@ -23,7 +23,7 @@ SLIDE, STUCK, TURNED = 0, 1, 2  # what a contact does before its slip stops, and
 
 
 class Vibration(NamedTuple):
-    """Plate at amplitude sin(2 pi frequency t + phase)."""
+    """Plate at amplitude sin(2 pi frequency t + phase): in d, sqrt(g/d) and rad."""
 
     amplitude: float
     frequency: float

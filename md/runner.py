@@ -21,8 +21,7 @@ from tqdm import tqdm
 from . import landings, row
 from .cache import digest
 from .engine import SAMPLES, Engine, prepare
-from .laws import number
-from .scene import Scene, as_dict
+from .scene import Scene, as_dict, whole
 from .statistics import ratio, standard_error, transient
 from .trajectory import write_frame
 
@@ -34,7 +33,7 @@ _SAVED = 60.0  # seconds from one checkpoint to the next
 SUMS = (
     *("landings", "plate", "c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before"),
     *("approach", "leaving", "flight", "flights", "duration", "slide", "stick", "reversal"),
-    *("shared", "pushing"),
+    *("shared", "pushing", "omega_after", "flight_squared"),
 )
 MEANS = {  # what follows from them; plate_velocity over the plate's peak velocity, V_z/V_0
     "plate_velocity": ("plate", "landings"),
@@ -44,8 +43,10 @@ MEANS = {  # what follows from them; plate_velocity over the plate's peak veloci
     "c_z_before": ("c_z_before", "landings"),
     "c_z_after": ("c_z_after", "landings"),
     "omega_before": ("omega_before", "landings"),
+    "omega_after": ("omega_after", "landings"),
     "restitution": ("leaving", "approach"),  # of all landings together
     "flight_periods": ("flight", "flights"),
+    "flight_seen_periods": ("flight_squared", "flight"),  # mean of the flights met at a random time
     "contact_periods": ("duration", "landings"),
     "slide": ("slide", "landings"),
     "slip_stick": ("stick", "landings"),
@@ -100,7 +101,7 @@ class Result:
         contact = self.scene.contacts.plate or self.scene.contacts.rods
         skip = ("scene", "phases", "c_x_series", "tilt_series", "rods")
         plain = {key: value for key, value in vars(self).items() if key not in skip}
-        return _finite(
+        return finite(
             {
                 **plain,
                 "c_x_cm_s": self.c_x * self.scene.cm_per_s,
@@ -114,10 +115,10 @@ class Result:
         )
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """JSON has neither nan nor inf."""
     if isinstance(value, dict):
-        return {key: _finite(inner) for key, inner in value.items()}
+        return {key: finite(inner) for key, inner in value.items()}
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value
@@ -134,7 +135,8 @@ class _Tables:
         self.phases = np.zeros((periods + 1, _PHASES), np.uint16)
 
     def add(self, rows: np.ndarray) -> None:
-        """Landings."""
+        """Landings; a rod's first is not one if it began on the plate."""
+        rows = rows[np.isfinite(rows[:, landings.FLIGHT])]
         period = (rows[:, landings.STEP] // self.per).astype(int)
         flight = rows[:, landings.FLIGHT]
         regime = rows[:, landings.REGIME]
@@ -144,10 +146,11 @@ class _Tables:
             *(rows[:, before], rows[:, after], rows[:, before + 1], rows[:, after + 1]),
             rows[:, before + 2],
             *(-rows[:, landings.APPROACH], rows[:, landings.LEAVING]),
-            *(np.nan_to_num(flight) / self.per, np.isfinite(flight)),
+            *(flight / self.per, np.ones(len(rows))),
             rows[:, landings.DURATION] / self.per,
             *(regime == 1, regime == 2, regime == 3, rows[:, landings.SHARED] > 0),
             -rows[:, landings.APPROACH] * rows[:, landings.PLATE] / self.speed,
+            *(rows[:, after + 2], (flight / self.per) ** 2),
         )
         part = (rows[:, landings.STEP] % self.per * _PHASES // self.per).astype(int)
         np.add.at(self.phases, (period, part), 1)
@@ -207,6 +210,28 @@ def _result(engine: Engine, tables: _Tables, began: dict, periods: int, finished
     )
 
 
+def _writable(name: str, path: Path) -> None:
+    """Refuse a file that could not be written in the end."""
+    try:
+        with (
+            tempfile.TemporaryFile(dir=path.parent),
+            path.open("a") if path.exists() else ExitStack(),
+        ):
+            pass
+    except OSError as error:
+        raise ValueError(f"{name} must be a file that can be written: {error}") from None
+
+
+def _only_frames(path: Path) -> None:
+    """Refuse to write over what is no trajectory."""
+    if not path.exists() or path.stat().st_size == 0:
+        return
+    with path.open("rb") as file:
+        file.readline(100)
+        if not file.readline(100).startswith(b"Lattice="):
+            raise ValueError(f"trajectory must be a new file or one of frames, got {str(path)!r}")
+
+
 def _opened(path: Path, written: int) -> TextIO:
     """The trajectory, cut off behind what a checkpoint knows of."""
     path.touch()
@@ -263,14 +288,19 @@ def _resume(path: Path, engine: Engine, tables: _Tables) -> dict:
         with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
         about = json.loads(str(arrays.pop("about")))
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+    except OSError as error:
         raise ValueError(f"checkpoint {path} cannot be read: {error}") from None
+    except (ValueError, KeyError, EOFError, BadZipFile):
+        raise ValueError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     for key, mine in (("scene", engine.scene.digest()), ("code", digest())):
         if about.pop(key) != mine:
             raise ValueError(f"checkpoint {path} belongs to another {key}; remove it to start anew")
     step = about.pop("step")
     if step > (len(tables.series) - 1) * engine.per:
-        raise ValueError(f"checkpoint {path} is {step // engine.per} periods long already")
+        raise ValueError(
+            f"checkpoint {path} is {step // engine.per} periods long already: ask for more, or "
+            "remove it"
+        )
     for name in ("series", "sums", "phases", "sides"):
         part = arrays.pop(name)
         getattr(tables, name)[: len(part)] = part
@@ -344,13 +374,21 @@ def run(
     RunError
         If a state stops being finite, or a contact is deeper than d/2.
     """
-    periods = int(number("periods", periods, 1, 1e9, "a whole number >= 1"))
-    frames = int(number("frames", frames, 1, 1e6, "a whole number >= 1"))
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
+    periods = whole("periods", periods, 1, 10**7)
+    frames = whole("frames", frames, 1, 10**6)
     for name, path in (("trajectory", trajectory), ("checkpoint", checkpoint)):
         if path is not None and not Path(path).parent.is_dir():
             raise ValueError(f"{name} must be in a folder that exists, got {str(path)!r}")
         if path is not None and Path(path).is_dir():
             raise ValueError(f"{name} must be a file, got the folder {str(path)!r}")
+        if path is not None:
+            _writable(name, Path(path))
+    if trajectory is not None:
+        if checkpoint is not None and Path(trajectory).resolve() == Path(checkpoint).resolve():
+            raise ValueError(f"checkpoint must be another file than trajectory, got {trajectory!r}")
+        _only_frames(Path(trajectory))
     engine = prepare(scene, ledger=ledger)
     tables = _Tables(engine, periods)
     every = max(engine.per // SAMPLES, 1)

@@ -21,7 +21,8 @@ GRAVITY_CM = 981.0  # cm/s^2
 SCENES = Path(__file__).parent / "scenes"
 
 
-def _whole(name: str, value: object, low: int, high: int) -> int:
+def whole(name: str, value: object, low: int, high: int) -> int:
+    """`value` if it is a whole number in [low, high]."""
     if isinstance(value, bool) or not isinstance(value, int):
         raise TypeError(f"{name} must be a whole number, got {value!r}")
     return int(number(name, value, low, high, f"between {low} and {high}"))
@@ -61,7 +62,7 @@ class Rods:
     diameter_cm: float = 0.6
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "count", _whole("rods.count", self.count, 1, 10**6))
+        object.__setattr__(self, "count", whole("rods.count", self.count, 1, 10**6))
         if self.inertia not in ("solid", "thin"):
             raise ValueError(f"rods.inertia must be solid or thin, got {self.inertia!r}")
         _check(
@@ -139,7 +140,7 @@ class Start:
     drop: float = 0.0  # height of the caps over the plate
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "seed", _whole("start.seed", self.seed, 0, 2**63 - 1))
+        object.__setattr__(self, "seed", whole("start.seed", self.seed, 0, 2**63 - 1))
         _check(
             "start",
             tilt_deg=(-90.0, 90.0, "between -90 and 90"),
@@ -272,6 +273,11 @@ def _contact(name: str, table: Mapping) -> Contact:
         raise ValueError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
     known = inspect.signature(LAWS[law]).parameters
     for key, value in options.items():
+        if key == "restitution" and key not in known:
+            raise ValueError(
+                f"{name}.restitution is not for the law {law}, whose damping is given: "
+                f"take it out (--set {name}.restitution=none)"
+            )
         if key not in known:
             raise ValueError(_unknown(f"{name}.{key}", ("law", "friction", *known)))
         if isinstance(value, bool) != isinstance(known[key].default, bool):
@@ -329,7 +335,7 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
         for part in path:
             table = table.setdefault(part, {})
             if not isinstance(table, dict):
-                raise ValueError(f"{key} cannot be set: {part} is a value, not a table")
+                raise ValueError(f"--set {key}: {part} is a value, not a table")
         if value == "none":
             table.pop(last, None)
         else:
@@ -337,8 +343,8 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
     return changed
 
 
-def read_tables(source: str | Path) -> dict:
-    """Tables of a TOML file, or of the example scene of that name.
+def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
+    """Tables of a TOML file, or of the example of that name.
 
     Raises
     ------
@@ -346,16 +352,16 @@ def read_tables(source: str | Path) -> dict:
         If there is no such file, or it is not TOML.
     """
     path = Path(source)
-    if not path.exists() and (SCENES / f"{source}.toml").exists():
-        path = SCENES / f"{source}.toml"
+    if not path.exists() and (examples / f"{source}.toml").exists():
+        path = examples / f"{source}.toml"
     try:
         return tomllib.loads(path.read_text())
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"{source}: {error}") from None
     except (OSError, UnicodeDecodeError) as error:
-        names = ", ".join(sorted(p.stem for p in SCENES.glob("*.toml")))
+        names = ", ".join(sorted(p.stem for p in examples.glob("*.toml")))
         reason = getattr(error, "strerror", None) or error
-        raise ValueError(f"{source} cannot be read: {reason}; examples: {names}") from None
+        raise ValueError(f"{source}: no such scene ({reason}); examples: {names}") from None
 
 
 def from_tables(tables: Mapping) -> Scene:
@@ -382,4 +388,6 @@ def load(source: str | Path, assignments: Sequence[str] = ()) -> Scene:
     ValueError, TypeError
         If the file cannot be read or holds what is not a scene.
     """
+    if isinstance(assignments, str):
+        assignments = [assignments]
     return from_tables(put(read_tables(source), dict(map(_parsed, assignments))))

@@ -42,6 +42,7 @@ from .runner import run
 from .scene import Scene, as_dict, from_tables, put, read_tables
 from .store import Store
 
+SWEEPS = Path(__file__).parent / "sweeps"
 _MOST = 10**6  # points of a sweep
 _CRASHES = 3  # deaths of a worker in a row before the sweep gives up
 
@@ -203,7 +204,7 @@ def load_sweep(path: str | Path) -> Sweep:
     ValueError, TypeError
         As `expand`, and if a file cannot be read.
     """
-    tables = read_tables(path)
+    tables = read_tables(path, SWEEPS)
     name = tables.get("scene")
     if not isinstance(name, str):
         raise ValueError(f"scene must be the name of a file or of an example, got {name!r}")
@@ -218,8 +219,7 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
         done = run(point.scene, periods=point.periods)
         if not done.finished:
             raise KeyboardInterrupt
-        result = done.as_dict()
-        result["phases"] = done.phases
+        result = {**done.as_dict(), "phases": done.phases}
         del result["scene"]
     except RunError as failure:
         error = str(failure)

@@ -89,6 +89,11 @@ def test_a_store_opened_for_reading_cannot_be_written(tmp_path):
         store.put("k", ABOUT, {}, None)
 
 
+def fill(store):
+    for i in range(1000):
+        store.put(f"k{i}", ABOUT, {"text": "x" * 5000}, None)
+
+
 def test_a_full_disk_loses_nothing_that_was_written(tmp_path):
     """SQLite's own limit of pages stands in for the disk's end."""
     with Store(tmp_path / "a.db") as store:
@@ -96,8 +101,7 @@ def test_a_full_disk_loses_nothing_that_was_written(tmp_path):
         (pages,) = store.database.execute("PRAGMA page_count").fetchone()
         store.database.execute(f"PRAGMA max_page_count={pages}")
         with pytest.raises(StoreError, match="full"):
-            for i in range(1000):
-                store.put(f"k{i}", ABOUT, {"text": "x" * 5000}, None)
+            fill(store)
         assert store.result("first") == {"c_x": 1.0}
     with Store(tmp_path / "a.db") as store:  # there is room again
         store.put("last", ABOUT, {"c_x": 2.0}, None)

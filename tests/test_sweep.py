@@ -309,7 +309,7 @@ def test_the_command_and_its_table(sweep_file, tmp_path, capsys):
     ("content", "message"),
     [
         ("scene = 3", "scene must be the name"),
-        ('scene = "nowhere"', "nowhere cannot be read"),
+        ('scene = "nowhere"', "nowhere: no such scene"),
         ("scene = ", "sweep.toml: Invalid value"),
         ('scene = "quasi2d"\n[[axes]]\n"start.seed" = []', "axes[0].start.seed must be a list"),
     ],
