@@ -1,6 +1,15 @@
-"""Property tests draw the same examples every time, so that a red run can be repeated."""
+"""Property tests draw the same examples every time; rows of rods are stored for one session."""
 
+import pytest
 from hypothesis import settings
 
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def rows_store(tmp_path_factory):
+    """Figures compute their rows anew, and leave nothing behind."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROWS_STORE", str(tmp_path_factory.mktemp("rows") / "rows.db"))
+        yield

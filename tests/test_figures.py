@@ -18,10 +18,13 @@ from impact._generated import DIGEST
 mpl.use("Agg")
 
 
+QUICK = [name for name, entry in figures.FIGURES.items() if entry.quick]
+
+
 @pytest.fixture(scope="module")
 def data():
-    """`data(quick=True)` of every figure."""
-    return {name: figures.load(name).data(quick=True) for name in figures.FIGURES}
+    """`data(quick=True)` of every figure of the quick set."""
+    return {name: figures.load(name).data(quick=True) for name in QUICK}
 
 
 def test_fig10_colours_meet_its_lines(data):
@@ -127,7 +130,7 @@ def test_drift_over_length(data):
     np.testing.assert_array_equal(d["flat_by_length"] > 0, d["lengths"] > d["flat_length"])
 
 
-@pytest.mark.parametrize("name", figures.FIGURES)
+@pytest.mark.parametrize("name", QUICK)
 def test_data_are_plain_numbers(name, data):
     """Nothing that a .npz file would have to pickle, and not everything nan."""
     for key, value in data[name].items():
@@ -135,7 +138,7 @@ def test_data_are_plain_numbers(name, data):
         assert np.any(np.isfinite(value)), key
 
 
-@pytest.mark.parametrize("name", figures.FIGURES)
+@pytest.mark.parametrize("name", QUICK)
 def test_draw(name, data):
     """Every figure draws, every panel has its axes named, and the numbers stay as they were."""
     before = {key: np.copy(value) for key, value in data[name].items()}

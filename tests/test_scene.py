@@ -148,6 +148,35 @@ def test_a_checkpoint_that_cannot_be_read_is_refused(tmp_path, capsys):
         assert path.read_bytes() == content
 
 
+def test_files_that_cannot_be_written_are_refused_before_the_run(tmp_path, capsys):
+    """So are those that hold something else, or are wanted twice."""
+    scene, both = tmp_path / "mine.toml", str(tmp_path / "both")
+    scene.write_text((SCENES / "single_rod.toml").read_text())
+    for more, words in (
+        (["--checkpoint", "/proc/a.npz"], "checkpoint must be a file that can be written"),
+        (["--trajectory", "/proc/a.xyz"], "trajectory must be a file that can be written"),
+        (["--trajectory", str(scene)], "trajectory must be a new file or one of frames"),
+        (["--trajectory", both, "--checkpoint", both], "checkpoint must be another file"),
+        (["--frames", "2"], "frames has no meaning without trajectory"),
+        (["--set", "step.size=1e-12"], "step.size must be at least"),
+    ):
+        assert words in refused(capsys, str(scene), "--periods", "1", *more)
+    assert "periods must be between 1 and" in refused(capsys, str(scene), "--periods", "1000000000")
+
+
+def test_the_law_that_has_its_own_restitution_says_so(capsys):
+    line = refused(capsys, "quasi2d", "--set", "contacts.plate.law=appendix_a")
+    assert "--set contacts.plate.restitution=none" in line
+
+
+def test_arguments_of_a_run_of_a_wrong_type_are_named():
+    with pytest.raises(TypeError, match="scene must be a"):
+        md.run("quasi2d")
+    with pytest.raises(TypeError, match="periods must be a whole number"):
+        md.run(load("single_rod"), periods=2.7)
+    assert load("quasi2d", "rods.count=10").rods.count == 10
+
+
 def test_no_traceback_at_the_prompt():
     """The same through a real process."""
     bad = subprocess.run(
