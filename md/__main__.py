@@ -21,7 +21,9 @@ diameter, rod mass and gravity are 1, velocities are in sqrt(g d), times in sqrt
 
 
 RUN_EXAMPLE = """\
-Run a scene: a TOML file, or an example of md/scenes (quasi2d, single_rod).
+Run a scene: a TOML file, or an example of md/scenes (quasi2d, single_rod). Lengths are in rod
+diameters, times in sqrt(d/g), velocities in sqrt(g d), accelerations in g; only rods.diameter_cm
+and plate.frequency_hz are not. Your rods in cm: length = overall length / diameter.
 
   python -m md run quasi2d --periods 200
   python -m md run quasi2d --set plate.acceleration=2 --set contacts.plate.law=coulomb --json
@@ -224,6 +226,7 @@ _NOT_GIVEN = ("run", "json", "command")
 def _parser() -> Parser:
     from .laws import LAWS
     from .one_rod import INTEGRATORS
+    from .scene import keys
 
     parser = Parser(prog="python -m md", description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(
@@ -261,10 +264,13 @@ def _parser() -> Parser:
     add("--tolerance", type=float, help="of dop853 (default 1e-13)")
     add("--json", action="store_true", help="one JSON object on standard output")
     one.set_defaults(run=_impact)
+    width = max(len(key) for key, _ in keys())
+    table = "\n".join(f"  {key:{width}}  {default}" for key, default in keys())
     many = commands.add_parser(
         "run",
         help="run a scene: drift, tilt, landings, energy",
         description=RUN_EXAMPLE,
+        epilog=f"keys and their defaults; a part of a scene that is not named is not there:\n{table}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = many.add_argument

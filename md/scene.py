@@ -9,7 +9,7 @@ import inspect
 import tomllib
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
 from pathlib import Path
 from types import NoneType
@@ -313,6 +313,22 @@ def _build(kind: type, name: str, table: object):
     if required:
         raise ValueError(f"{name}.{required[0]} is missing")
     return kind(**parts)
+
+
+def keys() -> list[tuple[str, str]]:
+    """Keys of a scene and their defaults, contacts with the options of their laws."""
+    found = []
+    for name, hint in get_type_hints(Scene).items():
+        kind = next(t for t in (hint, *get_args(hint)) if is_dataclass(t))
+        for part in fields(kind) if kind is not Contacts else ():
+            default = "required" if part.default is MISSING else part.default
+            found.append((f"{name}.{part.name}", "-" if default is None else str(default)))
+    laws = {law: inspect.signature(make).parameters.values() for law, make in LAWS.items()}
+    found += [("contacts.plate.law, contacts.rods.law", "constant_restitution")]
+    found += [("contacts.plate.friction, contacts.rods.friction", "0.0")]
+    for law, options in laws.items():
+        found += [(f"  under {law}: {option.name}", f"{option.default}") for option in options]
+    return found
 
 
 def _parsed(assignment: str) -> tuple[str, Any]:
