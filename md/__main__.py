@@ -270,7 +270,7 @@ def _parser() -> Parser:
         "run",
         help="run a scene: drift, tilt, landings, energy",
         description=RUN_EXAMPLE,
-        epilog=f"keys and their defaults; a part of a scene that is not named is not there:\n{table}",
+        epilog=f"keys and defaults; a part of a scene that is not named is not there:\n{table}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = many.add_argument
