@@ -103,6 +103,11 @@ def _movie(arguments: argparse.Namespace) -> int:
     paths = [out / f"{Path(arguments.scene).stem}.{kind}" for kind in kinds]
     if out.suffix == ".gif":
         paths, out = [out], out.parent
+    elif out.suffix and not out.is_dir():
+        print(
+            f"figures: out must be a folder or a file that ends in .gif, got {out}", file=sys.stderr
+        )
+        return 2
     try:
         scene = md.load(arguments.scene, arguments.set)
         film = movie.record(scene, arguments.periods, arguments.frames, progress=True)

@@ -258,6 +258,12 @@ def test_picture_shows_each_rod_where_it_is(film):
     assert f"tilt {np.degrees(film.tilt[80 * film.every].mean()):.1f}°" in words
 
 
+def test_command_refuses_a_file_of_another_kind(tmp_path, capsys):
+    assert main(["movie", "quasi2d", "--out", str(tmp_path / "row.png")]) == 2
+    assert "must be a folder or a file that ends in .gif" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_command_writes_a_gif_that_loops(tmp_path, capsys):
     out = tmp_path / "row.gif"
     settings = ["--set", "rods.count=4", "--set", "box.length=5", "--set", "step.size=5e-5"]
