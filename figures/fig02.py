@@ -4,8 +4,9 @@
 0.003 cm/s, else none (open). Colours: drift of one rigid rod at fixed tilt, exact flights and
 impacts, with the theory's closure omega = 0; dashed: there the mean plate velocity at landing, V_z
 weighted by impulse, is zero, and negative to the left. (b): the drift over Gamma at three tilts;
-lines: the theory at V_z = V_0/2. Inset: near Gamma = 1. Dotted: where the paper's annulus begins
-to move. No walls, no curvature: the experiment's threshold need not be here.
+lines: the theory at V_z = V_0/2. (c): near Gamma = 1, linear within the floor (grey), logarithmic
+beyond. Dotted: where the paper's annulus begins to move. No walls, no curvature: the experiment's
+threshold need not be here.
 """
 
 import matplotlib.pyplot as plt
@@ -25,7 +26,7 @@ from .rows import (
     store,
     swept,
 )
-from .shared import BLACK, BLUE, GREEN, RED, name_panel, style
+from .shared import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
 
 FLOOR_CM_S = 0.003  # half a hundredth of a diameter a second
 SIGNIFICANT = 3.0  # standard errors
@@ -94,7 +95,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
 
 @style
 def draw(d: dict[str, np.ndarray]) -> plt.Figure:
-    figure, (a, b) = plt.subplots(1, 2, figsize=(7.0, 3.1), width_ratios=(1.2, 1))
+    figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 3.0), width_ratios=(1.35, 1, 1))
     top = np.nanmax(np.abs(d["lone_c_x"]))
     norm = TwoSlopeNorm(0, -top / 4, top)
     shading = {"cmap": "RdBu_r", "norm": norm, "shading": "nearest", "alpha": 0.55}
@@ -117,25 +118,29 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     )
     figure.legend(*a.get_legend_handles_labels(), loc="outside upper left", ncols=3)
     name_panel(a, "a")
-    inset = b.inset_axes([0.12, 0.56, 0.42, 0.38])
+    bars = {"fmt": "o-", "ms": 2.6, "lw": 0.6, "elinewidth": 0.7}
     for i, colour, line in zip(d["chosen"], (GREEN, BLUE, RED), d["closure"], strict=True):
-        for ax in (b, inset):
-            ax.errorbar(
-                *(d["gamma"], d["c_x"][:, i], d["c_x_error"][:, i]),
-                **{"fmt": "o-", "ms": 2.6, "lw": 0.6, "elinewidth": 0.7, "color": colour},
-                label=rf"$\phi={d['nominal_deg'][i]:.0f}$°",
-            )
+        name = rf"$\phi={d['nominal_deg'][i]:.0f}$°"
+        shown = d["gamma"], d["c_x"][:, i], d["c_x_error"][:, i]
+        b.errorbar(*shown, **bars, color=colour, label=name)
         b.plot(d["fine_gamma"], line, color=colour, lw=0.8, ls="--")
-    for ax in (b, inset):
+    early = d["gamma"] <= ONSET
+    steep = np.flatnonzero(d["nominal_deg"] >= 20)
+    for i, colour in zip(steep, (BLUE, BLACK, RED, ORANGE), strict=False):
+        shown = d["gamma"][early], d["c_x"][early, i], d["c_x_error"][early, i]
+        c.errorbar(*shown, **bars, color=colour, label=rf"$\phi={d['nominal_deg'][i]:.0f}$°")
+    c.set_yscale("symlog", linthresh=FLOOR_CM_S)
+    c.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
+    c.set(xlabel=r"acceleration $\Gamma$", xlim=(1, ONSET + 0.05))
+    c.set_ylim(-0.03, 60)
+    c.legend(loc="upper left", fontsize=6, ncols=2, columnspacing=1, handlelength=1.2)
+    name_panel(c, "c", "near onset")
+    for ax in (b, c):
         ax.axhline(0, color="0.6", lw=0.6)
         ax.axvline(ONSET, color=BLACK, lw=0.8, ls=":")
-    early = d["gamma"] <= ONSET
-    seen = d["c_x"][early][:, d["chosen"]]
-    inset.set(xlim=(1, ONSET + 0.05), ylim=(min(-0.05, 1.2 * seen.min()), 0.6 * seen.max() + 0.1))
-    inset.tick_params(labelsize=5.5)
     b.set(xlabel=r"acceleration $\Gamma$", ylabel=r"drift $c_x$ (cm/s)", xlim=(1, None))
     b.set_ylim(None, 1.15 * max(np.nanmax(d["c_x"]), 1))
-    b.legend(loc="lower right")
+    b.legend(loc="lower right", fontsize=6)
     name_panel(b, "b")
     figure.supxlabel(
         rf"$l={LENGTH}\,d$, $d=0.6$ cm, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}", fontsize=7
