@@ -11,6 +11,7 @@ figures: .venv/ready
 	$(BIN)/python -m derivations report
 	$(BIN)/python -m derivations generate
 	$(BIN)/python -m figures draw
+	$(BIN)/python -m figures draw --quick landing_census fig06 fig07 fig08 fig13
 
 test: .venv/ready
 	$(BIN)/ruff check .

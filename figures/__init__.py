@@ -22,19 +22,25 @@ class Entry:
 
 FIGURES = {
     "fig02": Entry("Fig. 2: forward and reverse drift over acceleration and tilt", quick=False),
-    "fig06": Entry("Fig. 6: velocities of a simulated row before and after a landing, over tilt"),
-    "fig07": Entry("Fig. 7: tips of rods over the plate; lengths of flights over tilt"),
-    "fig08": Entry("Fig. 8: landing phases of a simulated row"),
+    "fig06": Entry(
+        "Fig. 6: velocities of a simulated row before and after a landing, over tilt", quick=False
+    ),
+    "fig07": Entry(
+        "Fig. 7: tips of rods over the plate; lengths of flights over tilt", quick=False
+    ),
+    "fig08": Entry("Fig. 8: landing phases of a simulated row", quick=False),
     "phase_friction": Entry("Drift of a simulated row over friction and restitution", quick=False),
     "contact_laws": Entry("Which contact law obeys which of the paper's claims", quick=False),
-    "fig13": Entry("Fig. 13: drift of a simulated row over tilt, acceleration and length"),
+    "fig13": Entry(
+        "Fig. 13: drift of a simulated row over tilt, acceleration and length", quick=False
+    ),
     "alpha": Entry("Mean plate velocity at landing, flights and drift, computed rod by rod"),
     "fig08_theory": Entry("Fig. 8: landing phases of bouncing rods, computed"),
     "fig10": Entry("Fig. 10: regimes of an impact over tilt and friction"),
     "fig11": Entry("Fig. 11: stationary drift over tilt, with its unphysical branches"),
     "free_rod": Entry("A rod that is let go: how soon it falls, and its drift until then"),
     "restitution_laws": Entry("Where Newton's law creates energy; how far three laws differ"),
-    "landing_census": Entry("Landings in the row against the impact map, one by one"),
+    "landing_census": Entry("Landings in the row against the impact map, one by one", quick=False),
     "tip_shape": Entry("Drift of round and flat-ended rods over tilt and over length"),
     "accuracy_map": Entry("Error of an impact in ulp: ours, and the paper's formulas literally"),
     "accuracy_cost_theory": Entry("Error of an impact against the time it takes, for nine ways"),
