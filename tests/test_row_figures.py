@@ -186,12 +186,15 @@ def test_reversal_begins_at_the_line_drawn():
         assert classify(0.1, -1.0, geometry=rod, friction=0.3, restitution=0.65) == regime
 
 
-def test_summary_says_what_the_data_hold(monkeypatch):
+def test_picture_and_summary_say_what_the_data_hold(monkeypatch):
     """One line a run in each table; where nothing was isolated, a dash."""
     few = {"BOXES": (0, 40.15), "GAMMAS": (2.0,), "STIFFNESS": (5e5,), "RESTITUTIONS": (0.5,)}
     for name, values in {**few, "LONE_STIFFNESS": (5e5,)}.items():
         monkeypatch.setattr(landing_census, name, values)
     d = landing_census.data(quick=True)
+    picture = landing_census.draw(d)
+    assert all(ax.get_xlabel() and ax.get_ylabel() for ax in picture.axes)
+    plt.close(picture)
     text = landing_census.summary(d)
     lines = [line.split() for line in text.splitlines()]
     for sweep in (*landing_census.LAWS, "gamma", "stiff", "lossy"):
