@@ -18,41 +18,16 @@ import numba
 import numpy as np
 from tqdm import tqdm
 
-from . import landings, row
+from . import row
 from .cache import digest
 from .engine import SAMPLES, Engine, prepare
+from .measures import Tables
 from .scene import Scene, as_dict, whole
-from .statistics import ratio, standard_error, transient
+from .statistics import standard_error, transient
 from .trajectory import write_frame
 
 _CHUNK = 0.25  # seconds of a call of the kernel: how long Ctrl-C may wait
-_PHASES = 64  # parts of a period
 _SAVED = 60.0  # seconds from one checkpoint to the next
-
-# What is summed over the landings of each period.
-SUMS = (
-    *("landings", "plate", "c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before"),
-    *("approach", "leaving", "flight", "flights", "duration", "slide", "stick", "reversal"),
-    *("shared", "pushing", "omega_after", "flight_squared"),
-)
-MEANS = {  # what follows from them; plate_velocity over the plate's peak velocity, V_z/V_0
-    "plate_velocity": ("plate", "landings"),
-    "plate_velocity_by_speed": ("pushing", "approach"),  # each landing counts as its v_0
-    "c_x_before": ("c_x_before", "landings"),
-    "c_x_after": ("c_x_after", "landings"),
-    "c_z_before": ("c_z_before", "landings"),
-    "c_z_after": ("c_z_after", "landings"),
-    "omega_before": ("omega_before", "landings"),
-    "omega_after": ("omega_after", "landings"),
-    "restitution": ("leaving", "approach"),  # of all landings together
-    "flight_periods": ("flight", "flights"),
-    "flight_seen_periods": ("flight_squared", "flight"),  # mean of the flights met at a random time
-    "contact_periods": ("duration", "landings"),
-    "slide": ("slide", "landings"),
-    "slip_stick": ("stick", "landings"),
-    "slip_reversal": ("reversal", "landings"),
-    "not_isolated": ("shared", "landings"),
-}
 
 
 @dataclass(frozen=True)
@@ -62,8 +37,8 @@ class Result:
     c_x, tilt_deg : means over rods and over the periods behind the transient, with standard errors
     discarded : periods of the transient (MSER-5 on the drift, at most half of the run)
     energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
-    landings : mean and standard error of each quantity of `runner.MEANS`, and landings per rod and
-        period; None without a plate
+    landings : mean and standard error of each quantity of `measures.MEANS`, and landings per rod
+        and period; None without a plate
     turned : times that a rod fell past the horizontal, and passed the vertical
     phases : landings behind the transient in each of 64 equal parts of the plate's cycle, which
         begins where it rises through its mean height; empty without a plate
@@ -124,52 +99,7 @@ def finite(value: Any) -> Any:
     return value
 
 
-class _Tables:
-    """What a run adds up, a row a period."""
-
-    def __init__(self, engine: Engine, periods: int):
-        self.per, self.speed = engine.per, engine.scene.plate_speed or 1.0
-        self.series = np.zeros((periods + 1, 5))
-        self.sides = engine.rods[:, 2:4].copy()
-        self.sums = np.zeros((periods + 1, len(SUMS)))
-        self.phases = np.zeros((periods + 1, _PHASES), np.uint16)
-
-    def add(self, rows: np.ndarray) -> None:
-        """Landings; a rod's first is not one if it began on the plate."""
-        rows = rows[np.isfinite(rows[:, landings.FLIGHT])]
-        period = (rows[:, landings.STEP] // self.per).astype(int)
-        flight = rows[:, landings.FLIGHT]
-        regime = rows[:, landings.REGIME]
-        before, after = landings.BEFORE, landings.AFTER
-        columns = (
-            *(np.ones(len(rows)), rows[:, landings.PLATE] / self.speed),
-            *(rows[:, before], rows[:, after], rows[:, before + 1], rows[:, after + 1]),
-            rows[:, before + 2],
-            *(-rows[:, landings.APPROACH], rows[:, landings.LEAVING]),
-            *(flight / self.per, np.ones(len(rows))),
-            rows[:, landings.DURATION] / self.per,
-            *(regime == 1, regime == 2, regime == 3, rows[:, landings.SHARED] > 0),
-            -rows[:, landings.APPROACH] * rows[:, landings.PLATE] / self.speed,
-            *(rows[:, after + 2], (flight / self.per) ** 2),
-        )
-        part = (rows[:, landings.STEP] % self.per * _PHASES // self.per).astype(int)
-        np.add.at(self.phases, (period, part), 1)
-        np.add.at(self.sums, period, np.array(columns, float).T)
-
-    def means(self, first: int, last: int, rods: int) -> dict[str, Any]:
-        """Of the landings of some periods."""
-        part = dict(zip(SUMS, self.sums[first:last].T, strict=True))
-        found = {name: ratio(part[top], part[base]) for name, (top, base) in MEANS.items()}
-        found["per_rod_and_period"] = ratio(part["landings"], np.full(last - first, rods))
-        return {name: {"mean": m, "stderr": e} for name, (m, e) in found.items()}
-
-    def cycle(self, first: int, last: int) -> list[int]:
-        """Landings over the plate's cycle; a run begins at its lowest place, a quarter before."""
-        counts = self.phases[first:last].sum(axis=0, dtype=np.int64)
-        return np.roll(counts, -(_PHASES // 4)).tolist()
-
-
-def _result(engine: Engine, tables: _Tables, began: dict, periods: int, finished: bool) -> Result:
+def _result(engine: Engine, tables: Tables, began: dict, periods: int, finished: bool) -> Result:
     n, dt, per = engine.scene.rods.count, engine.dt, engine.per
     places = tables.series[: periods + 1, row.MEAN_X].copy()
     if engine.step == periods * per:  # the sample that begins the next period is not yet made
@@ -261,7 +191,7 @@ def _interruptible():
         signal.signal(signal.SIGINT, usual)
 
 
-def _save(path: Path, engine: Engine, tables: _Tables, began: dict) -> None:
+def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
     """Checkpoint, beside the old one first."""
     about = {"scene": engine.scene.digest(), "code": digest(), "step": engine.step, **began}
     with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
@@ -282,7 +212,7 @@ def _save(path: Path, engine: Engine, tables: _Tables, began: dict) -> None:
     os.replace(file.name, path)  # noqa: PTH105
 
 
-def _resume(path: Path, engine: Engine, tables: _Tables) -> dict:
+def _resume(path: Path, engine: Engine, tables: Tables) -> dict:
     """Go on from a checkpoint."""
     try:
         with path.open("rb") as file, np.load(file) as saved:
@@ -390,7 +320,7 @@ def run(
             raise ValueError(f"checkpoint must be another file than trajectory, got {trajectory!r}")
         _only_frames(Path(trajectory))
     engine = prepare(scene, ledger=ledger)
-    tables = _Tables(engine, periods)
+    tables = Tables(engine, periods)
     every = max(engine.per // SAMPLES, 1)
     series = row.Series(tables.series, tables.sides, engine.per, every)
     begin = perf_counter()

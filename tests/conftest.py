@@ -1,4 +1,4 @@
-"""Property tests draw the same examples every time; rows of rods are stored for one session."""
+"""Property tests draw the same examples every time; rows of rods have a store of their own."""
 
 import pytest
 from hypothesis import settings
