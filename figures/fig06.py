@@ -17,9 +17,8 @@ from impact import drift, spherocylinder
 from .hops import averages
 from .rows import (
     FRICTION,
-    GAMMA,
-    LAW_NAME,
     LENGTH,
+    OF_TILT_SCAN,
     RESTITUTION,
     ROW,
     over_seeds,
@@ -119,9 +118,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         ax.axhline(0, color="0.7", lw=0.6)
         ax.legend(fontsize=5.5)
         name_panel(ax, letter)
-    figure.supxlabel(
-        rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}", fontsize=7
-    )
+    figure.supxlabel(OF_TILT_SCAN, fontsize=7)
     return figure
 
 

@@ -17,10 +17,7 @@ from md.scene import from_tables, put
 from . import movie
 from .hops import averages, lone
 from .rows import (
-    FRICTION,
-    GAMMA,
-    LAW_NAME,
-    LENGTH,
+    OF_TILT_SCAN,
     ROW,
     boxes,
     over_seeds,
@@ -98,9 +95,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     c.set(ylabel="mean flight (periods)", ylim=(0, None))
     c.legend(loc="upper right")
     name_panel(c, "c", "length of flights")
-    figure.supxlabel(
-        rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}", fontsize=7
-    )
+    figure.supxlabel(OF_TILT_SCAN, fontsize=7)
     return figure
 
 

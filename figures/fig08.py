@@ -13,10 +13,7 @@ from impact import landing_density
 
 from .hops import averages, lone
 from .rows import (
-    FRICTION,
-    GAMMA,
-    LAW_NAME,
-    LENGTH,
+    OF_TILT_SCAN,
     SHOWN_DEG,
     over_seeds,
     store,
@@ -107,9 +104,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     last.set(ylabel="landings while the plate falls", ylim=(-0.02, None))
     last.legend(loc="upper right")
     name_panel(last, "f", "share on the way down")
-    figure.supxlabel(
-        rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}", fontsize=7
-    )
+    figure.supxlabel(OF_TILT_SCAN, fontsize=7)
     return figure
 
 

@@ -157,16 +157,22 @@ def _draw_residual(ax, d) -> None:
     ax.legend(**ABOVE)
 
 
-def _draw_gamma(ax, d) -> None:
-    x = d["gamma"]
-    _curve(ax, x, d["gamma_shared"], GREEN, "pushed", marker="^")
-    _curve(ax, x, d["gamma_slide"], BLUE, "slide")
-    _curve(ax, x, d["gamma_slide_number"], BLUE, "slide, by number", open=True)
-    _curve(ax, x, d["gamma_pushed_residual"], BLACK, "error, pushed", marker="s")
-    _curve(ax, x, d["gamma_isolated_residual"], BLACK, "error, isolated")
-    ax.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6), **SHARE)
+def _draw_shares(ax, d, sweep: str) -> None:
+    """Shares of landings and errors over what a sweep changes."""
+    x = d[sweep]
+    _curve(ax, x, d[f"{sweep}_shared"], GREEN, "pushed", marker="^")
+    _curve(ax, x, d[f"{sweep}_slide"], BLUE, "slide")
+    _curve(ax, x, d[f"{sweep}_slide_number"], BLUE, "slide, by number", open=True)
+    _curve(ax, x, d[f"{sweep}_pushed_residual"], BLACK, "error, pushed", marker="s")
+    _curve(ax, x, d[f"{sweep}_isolated_residual"], BLACK, "error, isolated")
+    ax.set(**SHARE)
     ax.set(ylabel="share; error / change", ylim=(0, 1.75))
     ax.legend(**ABOVE)
+
+
+def _draw_gamma(ax, d) -> None:
+    _draw_shares(ax, d, "gamma")
+    ax.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6))
 
 
 def _draw_duration(ax, d) -> None:
@@ -185,15 +191,8 @@ def _draw_duration(ax, d) -> None:
 
 
 def _draw_lossy(ax, d) -> None:
-    x = d["lossy"]
-    _curve(ax, x, d["lossy_shared"], GREEN, "pushed", marker="^")
-    _curve(ax, x, d["lossy_slide"], BLUE, "slide")
-    _curve(ax, x, d["lossy_slide_number"], BLUE, "slide, by number", open=True)
-    _curve(ax, x, d["lossy_pushed_residual"], BLACK, "error, pushed", marker="s")
-    _curve(ax, x, d["lossy_isolated_residual"], BLACK, "error, isolated")
-    ax.set(xlabel="restitution between rods", xlim=(0.2, 1.05), **SHARE)
-    ax.set(ylabel="share; error / change", ylim=(0, 1.75))
-    ax.legend(**ABOVE)
+    _draw_shares(ax, d, "lossy")
+    ax.set(xlabel="restitution between rods", xlim=(0.2, 1.05))
 
 
 @style

@@ -29,17 +29,7 @@ ROW = put(
     },
 )
 LAW_NAME = "constant_restitution 0.65, tangential ratio 3"
-NAMES = {  # short for results
-    "c_x": "c_x_cm_s",
-    "tilt_deg": "tilt_deg",
-    "V_z": "landings.plate_velocity.mean",
-    "flight": "landings.flight_periods.mean",
-    **{
-        name: f"landings.{name}.mean"
-        for name in ("c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before")
-    },
-    "slide": "landings.slide.mean",
-}
+OF_TILT_SCAN = rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}"
 
 
 def store() -> Path:

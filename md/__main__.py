@@ -264,8 +264,9 @@ def _parser() -> Parser:
     add("--tolerance", type=float, help="of dop853 (default 1e-13)")
     add("--json", action="store_true", help="one JSON object on standard output")
     one.set_defaults(run=_impact)
-    width = max(len(key) for key, _ in keys())
-    table = "\n".join(f"  {key:{width}}  {default}" for key, default in keys())
+    known = keys()
+    width = max(len(key) for key, _ in known)
+    table = "\n".join(f"  {key:{width}}  {default}" for key, default in known)
     many = commands.add_parser(
         "run",
         help="run a scene: drift, tilt, landings, energy",

@@ -26,6 +26,7 @@ import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -43,6 +44,7 @@ from .scene import Scene, as_dict, from_tables, put, read_tables
 from .store import Store
 
 SWEEPS = Path(__file__).parent / "sweeps"
+_CODE = digest()  # of the sources that this process runs; reading them takes a millisecond
 _MOST = 10**6  # points of a sweep
 _CRASHES = 3  # deaths of a worker in a row before the sweep gives up
 
@@ -58,10 +60,10 @@ class Point:
     scene: Scene
     periods: int
 
-    @property
+    @cached_property  # which goes along to the worker
     def key(self) -> str:
         """Digest of the scene, the length of the run and the sources."""
-        return hashlib.sha256(f"{self.scene!r} {self.periods} {digest()}".encode()).hexdigest()[:24]
+        return hashlib.sha256(f"{self.scene!r} {self.periods} {_CODE}".encode()).hexdigest()[:24]
 
 
 @dataclass(frozen=True)
@@ -305,7 +307,7 @@ def execute(
             count = 0 if scheduler else _cores(workers, len(wanted))
             try:
                 for key, result, error, seconds in _survived(wanted, count or -1):
-                    about = {"code": digest(), "seconds": seconds, "periods": points[key].periods}
+                    about = {"code": _CODE, "seconds": seconds, "periods": points[key].periods}
                     scene = points[key].scene
                     about |= {"scene": as_dict(scene), "seed": scene.start.seed}
                     database.put(key, about, result, error)
