@@ -12,16 +12,14 @@ from matplotlib.colors import ListedColormap
 
 from impact import drift, thin_rod
 
-from .hops import averages
 from .law_claims import CLAIMS
 from .rows import (
     FRICTION,
     GAMMA,
     RESTITUTION,
     boxes,
-    over_seeds,
+    means,
     plate_speed_cm_s,
-    store,
     swept,
 )
 from .shared import style
@@ -64,6 +62,11 @@ STORED = {
     "slide": "landings.slide.mean",
     "shared": "landings.not_isolated.mean",
     "contact": "landings.contact_periods.mean",
+    "flight": "merged.flight_periods.mean",
+    "falling": "merged.falling.mean",
+    "c_z_before": "merged.c_z_before.mean",
+    "c_z_after": "merged.c_z_after.mean",
+    "touches": "merged.touches.mean",
 }
 
 
@@ -84,16 +87,10 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     ).c_x
     tables = []
     for name in names:
-        changes = {**LAWS[name], "rods.inertia": "thin"}
-        sweep = swept([{"box.length": boxes(nominal)}, seeds], periods, changes)
+        sweep = swept([{"box.length": boxes(nominal)}, seeds], periods, LAWS[name])
         scene = sweep.points[0].scene
-        table = {"nominal": nominal, "theory": theory}
-        for key, values in zip(STORED, sweep.gather(store(), *STORED.values()), strict=True):
-            table[key], table[f"{key}_error"] = over_seeds(values)
-        merged = averages(nominal, quick, tuple(changes.items()))
-        table |= {key: merged[key] for key in ("flight", "falling", "touches")}
-        table |= {f"{key}_error": merged[f"{key}_error"] for key in ("flight", "falling")}
-        table["ratio"] = -merged["c_z_before"] / merged["c_z_after"]
+        table = {"nominal": nominal, "theory": theory, **means(sweep, STORED)}
+        table["ratio"] = -table["c_z_before"] / table["c_z_after"]
         table |= {"half_length": scene.rods.length / 2, "speed": scene.plate_speed}
         tables.append(table)
     value = np.array([[claim.number(table) for claim in CLAIMS] for table in tables])

@@ -58,7 +58,8 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         gamma = [1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5]
         nominal, chosen, seeds = [5, 12, 20, 30, 45, 60], [1, 2, 4], [1, 2, 3]
     axes = [{"plate.acceleration": gamma}, {"box.length": boxes(np.array(nominal))}]
-    sweep = swept([*axes, {"start.seed": seeds}], 50 if quick else 150)
+    axes.append({"start.seed": seeds})
+    sweep = swept(axes, 50 if quick else 150, {"rods.inertia": "solid"})
     drifts, stderr, tilt = sweep.gather(store(), "c_x_cm_s", "c_x_stderr", "tilt_deg")
     mean, error = measured_error(drifts, stderr * sweep.points[0].scene.cm_per_s)
     count = {"rods": 20, "landings": 60, "transient": 100} if quick else {

@@ -1,8 +1,8 @@
 """Fig. 6: velocities of the row's rods before and after a landing, and of the plate, over tilt.
 
 Dots: every touch of the plate, mean and standard error over independent starts. Squares: touches
-less than 0.2 periods apart taken as one landing, in one run. Lines: the theory's closure at
-V_z = V_0/2 (c_x' = c_x, c_z' = -c_z, no spin) for the spherocylinder.
+less than 0.2 periods apart taken as one landing. Lines: the theory's closure at V_z = V_0/2
+(c_x' = c_x, c_z' = -c_z, no spin) for the same rod.
 
 Look at (a): before a landing there is hardly any spin. Below some 13 degrees there is none after it
 either: the row bounces as one block. In (b) and (c) the two kinds of mean part company: a rod that
@@ -12,27 +12,27 @@ is hit again at once does not fall in between.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from impact import drift, spherocylinder
+from impact import drift
 
-from .hops import averages
 from .rows import (
     FRICTION,
-    LENGTH,
     OF_TILT_SCAN,
     RESTITUTION,
     ROW,
-    over_seeds,
+    means,
+    paper_rod,
     plate_speed_cm_s,
-    store,
     tilt_scan,
 )
 from .shared import BLACK, BLUE, RED, name_panel, style, tilt_axis
 
-TOUCHES = {  # name here: name in the store
-    **{name: f"landings.{name}.mean" for name in ("c_x_before", "c_x_after")},
-    **{name: f"landings.{name}.mean" for name in ("c_z_before", "c_z_after", "omega_before")},
+VELOCITIES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
+MEANS = {  # name here: name in the store
+    **{name: f"landings.{name}.mean" for name in VELOCITIES},
+    **{f"merged_{name}": f"merged.{name}.mean" for name in VELOCITIES},
     "plate": "landings.plate_velocity.mean",
     "plate_by_speed": "landings.plate_velocity_by_speed.mean",
+    "merged_plate": "merged.plate_velocity.mean",
     "tilt_deg": "tilt_deg",
 }
 
@@ -43,13 +43,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
 
     scene = from_tables(ROW)
     nominal, sweep = tilt_scan(quick)
-    found = {"nominal_deg": nominal}
-    for name, values in zip(TOUCHES, sweep.gather(store(), *TOUCHES.values()), strict=True):
-        found[name], found[f"{name}_error"] = over_seeds(values)
-    each = averages(nominal, quick, shortest=0.0)
-    found |= {name: each[name] for name in ("omega_after", "omega_after_error")}  # not stored
-    merged = averages(nominal, quick)
-    found |= {f"merged_{name}": values for name, values in merged.items()}
+    found = {"nominal_deg": nominal, **means(sweep, MEANS)}
     per_second = scene.frequency  # in reduced units: sqrt(d/g) lasts frequency/60 s
     for name, values in found.items():
         if "c_x" in name or "c_z" in name:
@@ -58,7 +52,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
             found[name] = values * scene.plate.frequency_hz / per_second
     fine = np.radians(np.linspace(1, 89, 177))
     line = drift(
-        spherocylinder(fine, LENGTH),
+        paper_rod(fine),
         friction=FRICTION,
         restitution=RESTITUTION,
         plate_velocity=plate_speed_cm_s() / 2,

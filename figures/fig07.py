@@ -1,7 +1,7 @@
 """Fig. 7: tips of rods over the plate at two tilts, and how long flights last.
 
 (a), (b): lowest points of three rods of the row (coloured) and the plate (grey, filled), in cm.
-(c): flights over tilt. Dots: from touch to touch, over independent starts; squares: touches less
+(c): flights over tilt, over independent starts. Dots: from touch to touch; squares: touches less
 than 0.2 periods apart taken as one landing; line: one rigid rod at fixed tilt, exact flights and
 impacts. Dotted: where the paper sees flights change from several periods to one.
 
@@ -15,20 +15,18 @@ import numpy as np
 from md.scene import from_tables, put
 
 from . import movie
-from .hops import averages, lone
-from .rows import (
-    OF_TILT_SCAN,
-    ROW,
-    boxes,
-    over_seeds,
-    store,
-    tilt_scan,
-)
+from .rows import OF_TILT_SCAN, ROW, boxes, lone, means, tilt_scan
 from .shared import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
 
 TILTS_DEG, SHOWN, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
 RODS = (5, 18, 31)
 CHANGE_DEG = 30.0  # the paper's
+MEANS = {
+    "tilt_deg": "tilt_deg",
+    "flight": "landings.flight_periods.mean",
+    "merged_flight": "merged.flight_periods.mean",
+    "touches": "merged.touches.mean",
+}
 
 
 def data(quick: bool = False) -> dict[str, np.ndarray]:
@@ -40,21 +38,13 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         late = film.time >= TRANSIENT
         heights.append(scene.rods.diameter_cm * film.tips[late][:, RODS])
         time, plate = film.time[late] - TRANSIENT, scene.rods.diameter_cm * film.plate[late]
-    nominal, sweep = tilt_scan(quick)
-    names = ("tilt_deg", "landings.flight_periods.mean")
-    tilt, flight = (over_seeds(values) for values in sweep.gather(store(), *names))
-    merged = averages(nominal, quick)
+    _, sweep = tilt_scan(quick)
     lone_deg, bounces = lone(quick)
     return {
         "time": time,
         "plate": plate,
         "tips": np.array(heights),  # (tilts, times, rods)
-        "tilt_deg": tilt[0],
-        "flight": flight[0],
-        "flight_error": flight[1],
-        "merged_flight": merged["flight"],
-        "merged_flight_error": merged["flight_error"],
-        "touches": merged["touches"],
+        **means(sweep, MEANS),
         "lone_deg": lone_deg,
         "lone_flight": np.array([each.flight.mean for each in bounces]),
         "lone_flight_error": np.array([each.flight.error for each in bounces]),

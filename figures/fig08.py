@@ -11,14 +11,7 @@ import numpy as np
 
 from impact import landing_density
 
-from .hops import averages, lone
-from .rows import (
-    OF_TILT_SCAN,
-    SHOWN_DEG,
-    over_seeds,
-    store,
-    tilt_scan,
-)
+from .rows import OF_TILT_SCAN, SHOWN_DEG, lone, means, over_seeds, store, tilt_scan
 from .shared import BLACK, ORANGE, RED, name_panel, style, tilt_axis
 
 BINS = 32  # drawn; the store has 64
@@ -40,22 +33,19 @@ def falling(counts: np.ndarray) -> np.ndarray:
 def data(quick: bool = False) -> dict[str, np.ndarray]:
     """Densities [per rad] and the part on the way down."""
     nominal, sweep = tilt_scan(quick)
-    counts, tilt = sweep.gather(store(), "phases", "tilt_deg")  # (tilts, seeds, 64)
+    (counts,) = sweep.gather(store(), "phases")  # (tilts, seeds, 64)
     shown = np.searchsorted(nominal, SHOWN_DEG)
     density, error = over_seeds(np.moveaxis(densities(counts[shown]), 1, -1))
     down, down_error = over_seeds(falling(counts))
-    merged = averages(nominal, quick)
     lone_deg, bounces = lone(quick)
     return {
         "shown_deg": np.array(SHOWN_DEG),
         "phase": 2 * np.pi * (np.arange(BINS) + 0.5) / BINS,
         "density": density,
         "density_error": error,
-        "tilt_deg": over_seeds(tilt)[0],
         "falling": down,
         "falling_error": down_error,
-        "merged_falling": merged["falling"],
-        "merged_falling_error": merged["falling_error"],
+        **means(sweep, {"tilt_deg": "tilt_deg", "merged_falling": "merged.falling.mean"}),
         "lone_deg": lone_deg,
         "lone_falling": np.array([each.falling.mean for each in bounces]),
     }

@@ -41,7 +41,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         {"contacts.plate.restitution": restitution, "contacts.rods.restitution": restitution},
         {"start.seed": seeds},
     ]
-    sweep = swept(axes, 50 if quick else 150, {"box.length": BOX})
+    sweep = swept(axes, 50 if quick else 150, {"box.length": BOX, "rods.inertia": "solid"})
     names = ("c_x_cm_s", "tilt_deg", "landings.plate_velocity_by_speed.mean")
     (c_x, error), (tilt, tilt_error), (V_z, _) = map(over_seeds, sweep.gather(store(), *names))
     rod, speed = spherocylinder(np.arccos(COUNT / BOX), LENGTH), plate_speed_cm_s()

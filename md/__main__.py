@@ -213,7 +213,7 @@ def _results(arguments: argparse.Namespace) -> int:
 
 
 def _of_scene(column: str) -> bool:
-    return "." in column and not column.startswith(("energy.", "landings.", "turned.", "versions."))
+    return "." in column and not column.startswith(_OF_RESULT)
 
 
 def _cell(value: object) -> str:
@@ -221,6 +221,7 @@ def _cell(value: object) -> str:
 
 
 _NOT_GIVEN = ("run", "json", "command")
+_OF_RESULT = "energy.", "landings.", "merged.", "turned.", "versions."
 
 
 def _parser() -> Parser:

@@ -20,7 +20,9 @@ _MOST = 10**7  # steps of a period
 SAMPLES = 32  # of the tilt, in a period
 
 
-def _law_step(name: str, contact: Contact, speed: float, along: float, across: float, caps: int):
+def _law_step(
+    name: str, contact: Contact, speed: float, along: float, across: float, caps: int, coarse: bool
+) -> tuple[float, float]:
     """Largest stable step and contact time of a contact at this speed; see `laws.largest_step`."""
     deepest = deepest_overlap(contact.law, speed)
     if not deepest < DEEP / 2:
@@ -28,7 +30,8 @@ def _law_step(name: str, contact: Contact, speed: float, along: float, across: f
             f"{name}.stiffness {contact.law.normal.stiffness:g} is too soft for impacts at "
             f"{speed:.3g}: overlap {deepest:.2g} d"
         )
-    largest = largest_step(contact.law, contact.friction > 0, speed, along, across, caps=caps)
+    friction = contact.friction > 0 and not coarse
+    largest = largest_step(contact.law, friction, speed, along, across, caps=caps)
     return largest, contact_time(contact.law, speed)
 
 
@@ -42,12 +45,12 @@ def step_of(scene: Scene) -> tuple[float, int]:
     """
     rod = Rod(scene.rods.length, scene.rods.inertia)
     light, half, speed = 1 / rod.gyration_squared, rod.half_length, scene.impact_speed
-    found = []
+    coarse, found = scene.step.coarse, []
     if scene.contacts.plate:
         found.append(
             _law_step(
                 *("contacts.plate", scene.contacts.plate, speed),
-                *((half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1),
+                *((half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1, coarse),
             )
         )
     if scene.contacts.rods:
@@ -56,7 +59,7 @@ def step_of(scene: Scene) -> tuple[float, int]:
             _law_step(
                 *("contacts.rods", scene.contacts.rods, speed),
                 1 + 2 * (half + 0.5) ** 2 * light,
-                *((8 if half > 0 else 4) * max(1.0, half**2 * light) - 1, 1),
+                *((8 if half > 0 else 4) * max(1.0, half**2 * light) - 1, 1, coarse),
             )
         )
     largest = min((limit for limit, _ in found), default=np.inf)
@@ -66,6 +69,7 @@ def step_of(scene: Scene) -> tuple[float, int]:
         raise ValueError(
             f"step.size must be at most {0.995 * largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} "
             f"of the contact time {whole:.3g}, to be stable; got {dt!r}"
+            + ("" if coarse else " (step.coarse allows more)")
         )
     per = ceil(1 / (scene.frequency * dt) - 1e-9)
     if per > _MOST:

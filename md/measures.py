@@ -1,4 +1,9 @@
-"""What a run adds up over its landings and samples, a row a period, and means of it."""
+"""What a run adds up over its landings and samples, a row a period, and means of it.
+
+A rod that leaves the plate slower than the plate rises is hit again at once. Flight lengths fall
+into two groups, below 0.1 and above 0.4 periods, so there are two kinds of mean: over every touch
+of the plate, and over touches merged into one landing where less than `HOP` lies between them.
+"""
 
 from typing import Any
 
@@ -9,12 +14,14 @@ from .engine import Engine
 from .statistics import ratio
 
 _PHASES = 64  # parts of a period
+HOP = 0.2  # periods; a shorter flight does not part two landings
+_TOUCHES = landings.WIDTH  # column behind those of a landing: touches merged into it
 
 # What is summed over the landings of each period.
 SUMS = (
     *("landings", "plate", "c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before"),
     *("approach", "leaving", "flight", "flights", "duration", "slide", "stick", "reversal"),
-    *("shared", "pushing", "omega_after", "flight_squared"),
+    *("shared", "pushing", "omega_after", "flight_squared", "falling", "touches"),
 )
 MEANS = {  # what follows from them; plate_velocity over the plate's peak velocity, V_z/V_0
     "plate_velocity": ("plate", "landings"),
@@ -33,7 +40,38 @@ MEANS = {  # what follows from them; plate_velocity over the plate's peak veloci
     "slip_stick": ("stick", "landings"),
     "slip_reversal": ("reversal", "landings"),
     "not_isolated": ("shared", "landings"),
+    "falling": ("falling", "landings"),  # while the plate falls
 }
+OF_MERGED = {
+    **{name: of for name, of in MEANS.items() if name.startswith(("c_", "omega", "flight"))},
+    **{name: MEANS[name] for name in ("plate_velocity", "falling")},
+    "touches": ("touches", "landings"),
+}
+
+
+def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
+    """Landings from touches: those that are over, in the order in which that was seen, and others.
+
+    Their rows are those of the first touch, with the velocities after the last one.
+
+    Parameters
+    ----------
+    rows : (n, WIDTH + 1) as they came; of each rod in the order of time
+    shortest : steps; what follows so soon belongs to the landing before
+    """
+    if not len(rows):
+        return rows, rows
+    order = np.lexsort((rows[:, landings.STEP], rows[:, landings.ROD]))
+    rows = rows[order]
+    of_rod = np.diff(rows[:, landings.ROD], prepend=-1) != 0
+    first = np.flatnonzero(of_rod | ~(rows[:, landings.FLIGHT] <= shortest))
+    last = np.append(first[1:], len(rows)) - 1
+    found = rows[first]
+    found[:, landings.AFTER : landings.AFTER + 3] = rows[last, landings.AFTER : landings.AFTER + 3]
+    found[:, _TOUCHES] = np.add.reduceat(rows[:, _TOUCHES], first)
+    over = np.append(~of_rod[first[1:]], False)  # the same rod has begun another one
+    seen = np.argsort(order[first[1:]][over[:-1]])
+    return found[over][seen], found[~over]
 
 
 class Tables:
@@ -43,35 +81,50 @@ class Tables:
         self.per, self.speed = engine.per, engine.scene.plate_speed or 1.0
         self.series = np.zeros((periods + 1, 5))
         self.sides = engine.rods[:, 2:4].copy()
-        self.sums = np.zeros((periods + 1, len(SUMS)))
+        self.sums = np.zeros((periods + 1, 2, len(SUMS)))  # over touches, over merged landings
         self.phases = np.zeros((periods + 1, _PHASES), np.uint16)
+        self.under_way = np.zeros((0, _TOUCHES + 1))  # merged landings that may not be over
 
     def add(self, rows: np.ndarray) -> None:
-        """Landings; a rod's first is not one if it began on the plate."""
+        """Touches as they end."""
+        rows = np.column_stack([rows, np.ones(len(rows))])
+        over, self.under_way = merged(np.concatenate([self.under_way, rows]), HOP * self.per)
+        self._sum(1, over)
+        period, part = np.divmod(self._sum(0, rows), self.per)
+        np.add.at(self.phases, (period, part * _PHASES // self.per), 1)
+
+    def _sum(self, kind: int, rows: np.ndarray) -> np.ndarray:
+        """Add landings, but those with which a rod may have begun on the plate; their steps."""
         rows = rows[np.isfinite(rows[:, landings.FLIGHT])]
-        period = (rows[:, landings.STEP] // self.per).astype(int)
-        flight = rows[:, landings.FLIGHT]
+        step = rows[:, landings.STEP].astype(int)
+        flight, plate = rows[:, landings.FLIGHT] / self.per, rows[:, landings.PLATE] / self.speed
         regime = rows[:, landings.REGIME]
         before, after = landings.BEFORE, landings.AFTER
         columns = (
-            *(np.ones(len(rows)), rows[:, landings.PLATE] / self.speed),
+            *(np.ones(len(rows)), plate),
             *(rows[:, before], rows[:, after], rows[:, before + 1], rows[:, after + 1]),
             rows[:, before + 2],
             *(-rows[:, landings.APPROACH], rows[:, landings.LEAVING]),
-            *(flight / self.per, np.ones(len(rows))),
+            *(flight, np.ones(len(rows))),
             rows[:, landings.DURATION] / self.per,
             *(regime == 1, regime == 2, regime == 3, rows[:, landings.SHARED] > 0),
-            -rows[:, landings.APPROACH] * rows[:, landings.PLATE] / self.speed,
-            *(rows[:, after + 2], (flight / self.per) ** 2),
+            -rows[:, landings.APPROACH] * plate,
+            *(rows[:, after + 2], flight**2, plate < 0, rows[:, _TOUCHES]),
         )
-        part = (rows[:, landings.STEP] % self.per * _PHASES // self.per).astype(int)
-        np.add.at(self.phases, (period, part), 1)
-        np.add.at(self.sums, period, np.array(columns, float).T)
+        np.add.at(self.sums[:, kind], step // self.per, np.array(columns, float).T)
+        return step
 
     def means(self, first: int, last: int, rods: int) -> dict[str, Any]:
-        """Of the landings of some periods."""
-        part = dict(zip(SUMS, self.sums[first:last].T, strict=True))
-        found = {name: ratio(part[top], part[base]) for name, (top, base) in MEANS.items()}
+        """Of the touches of some periods."""
+        return self._means(0, MEANS, first, last, rods)
+
+    def merged_means(self, first: int, last: int, rods: int) -> dict[str, Any]:
+        """Of their merged landings."""
+        return self._means(1, OF_MERGED, first, last, rods)
+
+    def _means(self, kind: int, names: dict, first: int, last: int, rods: int) -> dict[str, Any]:
+        part = dict(zip(SUMS, self.sums[first:last, kind].T, strict=True))
+        found = {name: ratio(part[top], part[base]) for name, (top, base) in names.items()}
         found["per_rod_and_period"] = ratio(part["landings"], np.full(last - first, rods))
         return {name: {"mean": m, "stderr": e} for name, (m, e) in found.items()}
 

@@ -37,8 +37,10 @@ class Result:
     c_x, tilt_deg : means over rods and over the periods behind the transient, with standard errors
     discarded : periods of the transient (MSER-5 on the drift, at most half of the run)
     energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
-    landings : mean and standard error of each quantity of `measures.MEANS`, and landings per rod
-        and period; None without a plate
+    landings : mean and standard error over all touches of the plate of each quantity of
+        `measures.MEANS`, and touches per rod and period; None without a plate
+    merged : the same of `measures.OF_MERGED`, touches less than `measures.HOP` periods apart taken
+        as one landing
     turned : times that a rod fell past the horizontal, and passed the vertical
     phases : landings behind the transient in each of 64 equal parts of the plate's cycle, which
         begins where it rises through its mean height; empty without a plate
@@ -59,6 +61,7 @@ class Result:
     compile_seconds: float
     energy: dict[str, float] | None
     landings: dict[str, Any] | None
+    merged: dict[str, Any] | None
     turned: dict[str, int]
     phases: list[int]
     c_x_series: np.ndarray
@@ -99,12 +102,17 @@ def finite(value: Any) -> Any:
     return value
 
 
+def _drift(engine: Engine, tables: Tables, periods: int) -> np.ndarray:
+    """Mean drift of each period made."""
+    places = tables.series[: periods + 1, row.MEAN_X].copy()
+    if engine.step == periods * engine.per:  # the next period's first sample is not yet made
+        places[-1] = engine.rods[:, 0].mean()
+    return np.diff(places) / (engine.dt * engine.per)
+
+
 def _result(engine: Engine, tables: Tables, began: dict, periods: int, finished: bool) -> Result:
     n, dt, per = engine.scene.rods.count, engine.dt, engine.per
-    places = tables.series[: periods + 1, row.MEAN_X].copy()
-    if engine.step == periods * per:  # the sample that begins the next period is not yet made
-        places[-1] = engine.rods[:, 0].mean()
-    c_x = np.diff(places) / (dt * per)
+    c_x = _drift(engine, tables, periods)
     tilt = np.degrees(tables.series[:periods, row.TILTS] / tables.series[:periods, row.SAMPLES])
     cut = transient(c_x)
     energy = None
@@ -128,6 +136,7 @@ def _result(engine: Engine, tables: Tables, began: dict, periods: int, finished:
         compile_seconds=began["compile"],
         energy=energy,
         landings=tables.means(cut, periods, n) if engine.record and periods else None,
+        merged=tables.merged_means(cut, periods, n) if engine.record and periods else None,
         turned={
             "fell": int(tables.series[:, row.FELL].sum()),
             "passed_upright": int(tables.series[:, row.UPRIGHT].sum()),
@@ -204,6 +213,7 @@ def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
                 sums=tables.sums[:used],
                 phases=tables.phases[:used],
                 sides=tables.sides,
+                under_way=tables.under_way,
                 **engine.arrays(),
             )
         except BaseException:
@@ -231,6 +241,7 @@ def _resume(path: Path, engine: Engine, tables: Tables) -> dict:
             f"checkpoint {path} is {step // engine.per} periods long already: ask for more, or "
             "remove it"
         )
+    tables.under_way = arrays.pop("under_way")
     for name in ("series", "sums", "phases", "sides"):
         part = arrays.pop(name)
         getattr(tables, name)[: len(part)] = part
@@ -278,6 +289,7 @@ def run(
     frames: int = 1,
     checkpoint: str | Path | None = None,
     progress: bool = False,
+    goal: Callable[[np.ndarray], int] | None = None,
 ) -> Result:
     """Run a scene and measure it.
 
@@ -293,6 +305,8 @@ def run(
     checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
         it and gives bit for bit the numbers of a run that never stopped
     progress : whether to show a progress bar, on a terminal, after two seconds
+    goal : says how many periods to make in all, given the drift of each one made so far; asked
+        again when they are made, until that is enough; `periods` is then the most
 
     Ctrl-C ends the run: the result has `finished` False and covers the whole periods made.
 
@@ -348,11 +362,19 @@ def run(
         bar = stack.enter_context(
             tqdm(total=periods, unit=" periods", delay=2, disable=None if progress else True)
         )
-        bar.update(engine.step // engine.per)
-        _loop(
-            *(engine, tables, series, began, periods * engine.per),
-            *(observe, frame, save, bar, pressed),
-        )
+        made = engine.step // engine.per
+        bar.update(made)
+        aim = periods if goal is None else 0
+        while True:
+            if goal is not None:
+                aim = min(goal(_drift(engine, tables, made)), periods)
+                bar.total = aim
+            _loop(
+                *(engine, tables, series, began, aim * engine.per),
+                *(observe, frame, save, bar, pressed),
+            )
+            enough, made = made >= aim, engine.step // engine.per
+            if goal is None or enough or made < aim:
+                break
         save()
-    made = engine.step // engine.per
-    return _result(engine, tables, began, made, engine.step >= periods * engine.per)
+    return _result(engine, tables, began, made, engine.step >= aim * engine.per)

@@ -151,9 +151,15 @@ class Start:
 
 @dataclass(frozen=True)
 class Step:
-    """Time step; None: a fiftieth of a contact at twice the plate's peak velocity."""
+    """Time step; None: a fiftieth of a contact at twice the plate's peak velocity.
+
+    coarse : allow steps too long for the tangential springs, whose force then chatters within
+        mu F_n, up to the limit of the normal force; what it does to the drift is measured
+        (`md.dial`)
+    """
 
     size: float | None = None
+    coarse: bool = False
 
     __post_init__ = _check("step", size=(1e-12, 1e3, "between 1e-12 and 1000"))
 

@@ -162,7 +162,7 @@ def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:
 def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
     """All runs of a store, flat: names of columns, and a dictionary a run.
 
-    Columns with a dot are keys of the scene, or, behind `landings.` and `energy.`, results.
+    Columns with a dot are keys of the scene or parts of the results, such as `landings.`.
 
     Raises
     ------

@@ -7,9 +7,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from figures import fig02, fig06, fig07, fig08, fig13, hops, law_claims, rows
-from impact import drift, landing_density, spherocylinder
-from md import landings as columns
+from figures import fig02, fig06, fig07, fig08, fig13, law_claims, rows
+from impact import ContactGeometry, drift, landing_density, spherocylinder
 from md.sweep import execute
 
 mpl.use("Agg")
@@ -33,13 +32,10 @@ def tallies(tmp_path_factory):
         patch.setattr(rows, "periods_of", lambda quick: 8)
         patch.setattr(fig13, "periods_of", lambda quick: 8)
         patch.setattr(rows, "SEEDS", {"start.seed": [1, 2]})
-        patch.setattr(hops, "periods_watched", lambda quick: 8)
-        patch.setattr(hops, "SKIPPED", 2)
         for module in (fig07, fig08):
             patch.setattr(module, "lone", lone)
         patch.setattr(fig07, "TRANSIENT", 2)
         yield done
-        hops._touches.cache_clear()
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +55,11 @@ def test_what_the_store_holds_is_not_computed_again(tallies, thirteen):
         np.testing.assert_array_equal(again[name], values)
 
 
+def thick(tilt):
+    """Round tip, inertia l^2/12."""
+    return ContactGeometry(4.25 * np.sin(tilt), 4.25 * np.cos(tilt) + 0.5, 9.5 / 12**0.5)
+
+
 def test_theory_lines_are_those_of_the_closed_forms(thirteen):
     """(26), (29) of the thin rod by hand; the others from `drift`."""
     d = thirteen
@@ -68,14 +69,14 @@ def test_theory_lines_are_those_of_the_closed_forms(thirteen):
     back = (1 + e) * (mu * (1 + 3 * np.cos(phi) ** 2) + 3 * np.sin(phi) * np.cos(phi)) / below
     np.testing.assert_allclose(d["thin"], np.minimum(stick, back), rtol=1e-12)
     setting = {"friction": mu, "restitution": e}
-    rod = spherocylinder(np.radians(d["tilt_deg"]), 9.5)
+    rod = thick(np.radians(d["tilt_deg"]))
     np.testing.assert_array_equal(d["thick_at_tilts"], drift(rod, **setting).c_x)
     rod = spherocylinder(np.arccos(40 / 41.4), d["fine_length"])
     np.testing.assert_array_equal(d["thick_of_length"], drift(rod, **setting).c_x)
     np.testing.assert_allclose(d["speed"], 3.3 * 981 / (2 * np.pi * 60))
     np.testing.assert_allclose(d["speed_b"], d["gamma"] * 981 / (2 * np.pi * 60))
     six = fig06.data(quick=True)
-    rod = spherocylinder(np.radians(six["fine_deg"]), 9.5)
+    rod = thick(np.radians(six["fine_deg"]))
     line = drift(rod, **setting, plate_velocity=six["speed"] / 2)
     np.testing.assert_allclose(six["line_c_x"], line.c_x, rtol=1e-12)
     np.testing.assert_allclose(six["line_c_z"], line.c_z, rtol=1e-12)
@@ -144,43 +145,6 @@ def test_the_larger_error_counts():
     """Between the runs where they differ, within them where they agree by chance."""
     _, error = fig02.measured_error(np.array([[1.0, 3.0], [2.0, 2.0]]), np.full((2, 2), 0.5))
     np.testing.assert_allclose(error, [1.0, 0.5 / np.sqrt(2)])
-
-
-def touches(rod, steps, flights):
-    """Rows of a record with what `grouped` reads."""
-    table = np.zeros((len(steps), columns.WIDTH))
-    table[:, columns.ROD], table[:, columns.STEP] = rod, steps
-    table[:, columns.FLIGHT] = flights
-    table[:, columns.PLATE] = np.arange(len(steps))
-    for i in range(3):
-        table[:, columns.BEFORE + i] = 10 * i + np.arange(len(steps))
-        table[:, columns.AFTER + i] = 100 + 10 * i + np.arange(len(steps))
-    return table
-
-
-def test_short_hops_belong_to_the_landing_before():
-    """Period of 100 steps: hops of 5 and 10 steps are no flights, the first landing is cut."""
-    one = touches(0, [50, 150, 160, 175, 400], [np.nan, 95, 5, 10, 220])
-    two = touches(1, [60, 70, 300], [80, 5, 150])
-    found = hops.grouped(np.concatenate([two, one]), 100, 2.0)
-    np.testing.assert_array_equal(found.period, [1, 4, 3])
-    np.testing.assert_allclose(found.flight, [0.95, 2.2, 1.5])
-    np.testing.assert_array_equal(found.touches, [3, 1, 1])
-    np.testing.assert_array_equal(found.before[:, 0], [1, 4, 2])  # of the first touch
-    np.testing.assert_array_equal(found.after[:, 0], [103, 104, 102])  # of the last
-    np.testing.assert_allclose(found.plate, [0.5, 2.0, 1.0])
-    np.testing.assert_allclose(found.impulse, [113 - 11, 100, 100])
-    every = hops.grouped(np.concatenate([two, one]), 100, 2.0, shortest=0.0)
-    assert len(every.flight) == 6
-
-
-def test_means_of_landings():
-    values, period = np.array([1.0, 2.0, 3.0, 4.0] * 8), np.arange(32) // 2
-    mean, error = hops.mean_of(values, period)
-    assert mean == pytest.approx(2.5)
-    assert 0 < error < 1
-    weight = np.array([0.0, 0.0, 1.0, 3.0] * 8)
-    assert hops.mean_of(values, period, weight)[0] == pytest.approx(3.75)
 
 
 def test_fits_find_what_was_put_in():
