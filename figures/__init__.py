@@ -48,6 +48,10 @@ FIGURES = {
     "appendix_a": Entry("Readings of Appendix A against what the paper says of them"),
     "rigid_limit": Entry("How the soft impact comes to the rigid one, law by law"),
     "accuracy_cost_impact": Entry("Error of a soft impact against its price: integration, model"),
+    "accuracy_cost_drift": Entry("Error of the row's drift against time; the dial", quick=False),
+    "accuracy_cost_ladder": Entry(
+        "One question, every way to answer it: deviation against time", quick=False
+    ),
 }
 
 

@@ -104,7 +104,7 @@ def _over_gamma(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.plot(x, fit["line_slope"] * (x - fit["line_from"]), color=GREEN, lw=0.8)
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
-    inset = ax.inset_axes([0.16, 0.62, 0.36, 0.27])
+    inset = ax.inset_axes([0.1, 0.64, 0.25, 0.24])
     _bars(inset, d["gamma"], d, "b_tilt", color=GREEN, ms=2)
     nominal = np.degrees(np.arccos(COUNT / BOX))
     inset.axhline(nominal, color="0.5", lw=0.6)

@@ -6,7 +6,7 @@
 >>> hit.regime
 'slip-stick'
 
->>> scene = md.load("quasi2d", ["rods.count=10", "box.length=10.75", "step.size=5e-5"])
+>>> scene = md.load("quasi2d", ["rods.count=10", "box.length=10.75", "step.size=4e-5"])
 >>> result = md.run(scene, periods=20)
 >>> result.c_x > 0  # rods drift the way they lean
 True
@@ -15,14 +15,16 @@ Reduced units throughout: rod diameter d, mass of a rod and gravity are 1. Nothi
 from the theory of rigid impacts in `impact`, which it is there to test.
 """
 
+from .dial import Accuracy, Tuned, run
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .one_rod import INTEGRATORS, Impact, Rod, RunError, Track, Vibration, follow, impact
-from .runner import Result, run
+from .runner import Result
 from .scene import Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 
 __all__ = [
     "INTEGRATORS",
     "LAWS",
+    "Accuracy",
     "Box",
     "Contact",
     "Contacts",
@@ -38,6 +40,7 @@ __all__ = [
     "Start",
     "Step",
     "Track",
+    "Tuned",
     "Vibration",
     "appendix_a",
     "constant_restitution",

@@ -10,6 +10,7 @@ import os
 import re
 import sys
 from math import pi, radians
+from pathlib import Path
 
 EXAMPLE = """\
 One soft impact of a rod's lower cap on a plate at rest, without gravity, in reduced units: rod
@@ -26,6 +27,7 @@ diameters, times in sqrt(d/g), velocities in sqrt(g d), accelerations in g; only
 and plate.frequency_hz are not. Your rods in cm: length = overall length / diameter.
 
   python -m md run quasi2d --periods 200
+  python -m md run quasi2d --tolerance 0.01            # until the drift is within 1 % of its value
   python -m md run quasi2d --set plate.acceleration=2 --set contacts.plate.law=coulomb --json
   python -m md run quasi2d --set contacts.plate.law=appendix_a --set contacts.plate.restitution=none
   python -m md run mine.toml --periods 10000 --checkpoint mine.npz      # Ctrl-C, and go on later
@@ -112,24 +114,33 @@ def _impact(arguments: argparse.Namespace) -> int:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from .runner import run
+    from .dial import run
     from .scene import load
 
     if arguments.frames is not None and arguments.trajectory is None:
         raise ValueError("frames has no meaning without trajectory")
+    dial = {name: getattr(arguments, name) for name in ("confidence", "floor", "max_seconds")}
+    dial = {name: value for name, value in dial.items() if value is not None}
+    if arguments.tolerance is None:
+        if dial:
+            raise ValueError(f"{next(iter(dial))} has no meaning without tolerance")
+        dial["periods"] = 200 if arguments.periods is None else arguments.periods
     result = run(
         load(arguments.scene, arguments.set),
-        periods=arguments.periods,
+        tolerance=arguments.tolerance,
         trajectory=arguments.trajectory,
         frames=arguments.frames or 1,
         checkpoint=arguments.checkpoint,
         progress=not arguments.json,
+        **dial,
     )
     if arguments.json:
         print(json.dumps(result.as_dict()))
     else:
         _print_result(result)
-    return 0 if result.finished else 130
+    if not result.finished:
+        return 130
+    return 0 if arguments.tolerance is None or result.accuracy.reached else 1
 
 
 def _print_result(r) -> None:
@@ -165,6 +176,10 @@ def _print_result(r) -> None:
     print(f" {r.steps_per_period} steps each) in {r.run_seconds:.3g} s,", end="")
     print(f" {r.run_seconds / max(r.rod_steps, 1) * 1e9:.3g} ns each; compiled in", end="")
     print(f" {r.compile_seconds:.2g} s")
+    if hasattr(r, "accuracy"):
+        from .dial import in_words
+
+        print("\n".join(in_words(r)))
 
 
 def _with_error(value: float, error: float) -> str:
@@ -189,6 +204,27 @@ def _sweep(arguments: argparse.Namespace) -> int:
     print(f"points    {tally.points}{same}; {tally.there} in the store before")
     print(f"computed  {tally.computed}, failed {tally.failed}", end="")
     print(f", in {tally.seconds:.3g} s ({tally.run_seconds:.3g} s of runs)")
+    return 0
+
+
+def _calibrate(arguments: argparse.Namespace) -> int:
+    from .dial import CALIBRATION
+    from .dial.calibration import calibrate
+
+    found = calibrate(arguments.store, progress=True)
+    path = Path(arguments.out or CALIBRATION)
+    part = path.with_name(f"{path.name}.part")
+    part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    part.replace(path)
+    print(
+        f"order     {found['order']:.3g} +- {found['order_error']:.2g}, chi^2 a degree of freedom",
+        end="",
+    )
+    print(f" {found['chi_squared']:.3g}")
+    print(f"scale     {found['scale']:.3g}, bias at ten steps a contact; largest of the scenes:")
+    for name, s, error in zip(found["scenes"], found["scales"], found["scale_errors"], strict=True):
+        print(f"  {name:22} {s:+.4f} +- {error:.4f}")
+    print(f"written   {path}")
     return 0
 
 
@@ -231,7 +267,7 @@ def _parser() -> Parser:
 
     parser = Parser(prog="python -m md", description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(
-        dest="command", required=True, metavar="impact | run | sweep | results"
+        dest="command", required=True, metavar="impact | run | sweep | calibrate | results"
     )
     one = commands.add_parser(
         "impact",
@@ -284,7 +320,17 @@ def _parser() -> Parser:
         metavar="KEY=VALUE",
         help="change a key of the scene; VALUE none takes it out",
     )
-    add("--periods", type=int, default=200, help="of the plate (default 200)")
+    length = many.add_mutually_exclusive_group()
+    length.add_argument("--periods", type=int, help="of the plate (default 200)")
+    length.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="R",
+        help="choose step and length so that the drift is within R of its value: 0.01 for 1 %%",
+    )
+    add("--confidence", type=float, help="of the interval that --tolerance asks for (0.95)")
+    add("--floor", type=float, help="drifts below it count as this fast (a twentieth of V_0)")
+    add("--max-seconds", type=float, help="most that --tolerance may take (600)")
     add("--trajectory", metavar="FILE", help="write extended XYZ, for OVITO")
     add("--frames", type=int, help="of the trajectory, per period (default 1)")
     add("--checkpoint", metavar="FILE", help="save here; go on from it if it is there")
@@ -304,6 +350,14 @@ def _parser() -> Parser:
     add("--retry", action="store_true", help="run again what failed before")
     add("--json", action="store_true", help="one JSON object on standard output")
     grid.set_defaults(run=_sweep)
+    steps = commands.add_parser(
+        "calibrate", help="measure anew what --tolerance knows of the step's bias (20 min)"
+    )
+    steps.add_argument(
+        "--store", required=True, metavar="FILE", help="SQLite file, goes on from it"
+    )
+    steps.add_argument("--out", metavar="FILE", help="default: the one that --tolerance reads")
+    steps.set_defaults(run=_calibrate)
     found = commands.add_parser("results", help="table of a store")
     found.add_argument("store", help="SQLite file of a sweep")
     found.add_argument("--csv", metavar="OUT", help="write all columns to a file")

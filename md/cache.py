@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numba
 
-_APART = "__init__.py", "__main__.py", "dial.py", "store.py", "sweep.py", "trajectory.py"
+_APART = "__init__.py", "__main__.py", "store.py", "sweep.py", "trajectory.py"  # and subpackages
 _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
 
 

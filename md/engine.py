@@ -31,7 +31,7 @@ def _law_step(
             f"{speed:.3g}: overlap {deepest:.2g} d"
         )
     friction = contact.friction > 0 and not coarse
-    largest = largest_step(contact.law, friction, speed, along, across, caps=caps)
+    largest = largest_step(contact.law, friction, speed, along, across, "verlet", caps)
     return largest, contact_time(contact.law, speed)
 
 
@@ -126,6 +126,7 @@ class Engine:
     scene: Scene
     crowd: row.Crowd
     rods: np.ndarray
+    before: np.ndarray  # accelerations of the last step
     springs: np.ndarray | None
     listed: Listed | None
     scratch: tuple[np.ndarray, np.ndarray] | None
@@ -148,7 +149,8 @@ class Engine:
         if not finite.all():
             self._stop(NOT_FINITE, int(np.argmin(finite)))
         done, why, where = row.march(
-            *(self.crowd, self.rods, self.springs, self.listed, self.scratch, self.total),
+            *(self.crowd, self.rods, self.before, self.springs, self.listed, self.scratch),
+            self.total,
             *(self.ledger, self.record, series, self.step, steps, self.dt),
         )
         self.step += done
@@ -235,7 +237,8 @@ class Engine:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All that changes as the run goes on, by name."""
-        found: dict[str, Any] = {"rods": self.rods, "springs": self.springs, "ledger": self.ledger}
+        names = "rods", "before", "springs", "ledger"
+        found: dict[str, Any] = {name: getattr(self, name) for name in names}
         for name, group in (("listed", self.listed), ("record", self.record)):
             if group is not None:
                 found |= {f"{name}.{key}": value for key, value in group._asdict().items()}
@@ -274,6 +277,7 @@ def prepare(scene: Scene, *, ledger: bool = True, landings: bool = True) -> Engi
         scene,
         row.Crowd(effects, between, box, SKIN if pair is not None else None),
         _row_of_rods(scene, lowest),
+        np.zeros((n, 3)),
         np.zeros((n, 2)) if plate and _springs(plate.law, plate.friction) else None,
         *(listed, scratch, np.zeros((n, 3))),
         np.zeros(5) if ledger else None,

@@ -1,7 +1,7 @@
 """Sweeps: one scene along axes, every point a run of its own, on all cores or on a cluster.
 
     scene = "quasi2d"                 # a file beside this one, or an example
-    periods = 300
+    periods = 300                     # or: tolerance = 0.01, of each drift, and max_seconds = 60
 
     [set]                             # for all points
     "step.size" = 1e-4
@@ -37,9 +37,9 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from .cache import digest
+from .dial import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
 from .engine import step_of
 from .one_rod import RunError
-from .runner import run
 from .scene import Scene, as_dict, from_tables, put, read_tables
 from .store import Store
 
@@ -58,12 +58,18 @@ class Point:
     """One run of a sweep."""
 
     scene: Scene
-    periods: int
+    periods: int  # 0 where a tolerance says how long
+    tolerance: float | None = None
+    max_seconds: float = MAX_SECONDS
 
     @cached_property  # which goes along to the worker
     def key(self) -> str:
         """Digest of the scene, the length of the run and the sources."""
-        return hashlib.sha256(f"{self.scene!r} {self.periods} {_CODE}".encode()).hexdigest()[:24]
+        length = str(self.periods)
+        if self.tolerance is not None:
+            known = hashlib.sha256(CALIBRATION.read_bytes()).hexdigest()
+            length = f"within {self.tolerance!r} in {self.max_seconds!r}, {known}"
+        return hashlib.sha256(f"{self.scene!r} {length} {_CODE}".encode()).hexdigest()[:24]
 
 
 @dataclass(frozen=True)
@@ -170,13 +176,21 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
         If an axis is empty or holds nan, or a point is not a scene that can run; the message names
         the point.
     """
-    known = {"scene", "periods", "set", "axes"}
+    known = {"scene", "periods", "tolerance", "max_seconds", "set", "axes"}
     for key in tables:
         if key not in known:
             raise ValueError(f"{key} is not a key of a sweep; known: {', '.join(sorted(known))}")
     periods = tables.get("periods", 200)
     if isinstance(periods, bool) or not isinstance(periods, int) or periods < 1:
         raise ValueError(f"periods must be a whole number >= 1, got {periods!r}")
+    dial = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
+    if "tolerance" in dial and "periods" in tables:
+        raise ValueError("periods has no meaning with tolerance, which chooses the length")
+    if "max_seconds" in dial and "tolerance" not in dial:
+        raise ValueError("max_seconds has no meaning without tolerance")
+    if dial:
+        checked(**dial)
+        periods = 0
     axes = tuple(_axis(i, table) for i, table in enumerate(tables.get("axes", [])))
     keys = [key for axis in axes for key in axis]
     if len(set(keys)) < len(keys):
@@ -190,11 +204,11 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
         changes = {key: value for part in place for key, value in part.items()}
         try:
             scene = from_tables(put(base, {**common, **changes}))
-            step_of(scene)
+            step_of(chosen_step(scene, dial["tolerance"])[0] if dial else scene)
         except (ValueError, TypeError) as error:
             at = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
             raise type(error)(f"{error} (at {at})" if at else str(error)) from None
-        points.append(Point(scene, periods))
+        points.append(Point(scene, periods, **dial))
     return Sweep(axes, tuple(points))
 
 
@@ -218,11 +232,17 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
     """Run a point: its key, what it measured, or why it failed, and how long it took."""
     begin, result, error = perf_counter(), None, None
     try:
-        done = run(point.scene, periods=point.periods)
+        if point.tolerance is None:
+            done = run(point.scene, periods=point.periods)
+        else:
+            dial = {"tolerance": point.tolerance, "max_seconds": point.max_seconds}
+            done = run(point.scene, **dial)
         if not done.finished:
             raise KeyboardInterrupt
         result = {**done.as_dict(), "phases": done.phases}
         del result["scene"]
+        if point.tolerance is not None and not done.accuracy.reached:
+            result, error = None, " ".join(" ".join(in_words(done)).split())
     except RunError as failure:
         error = str(failure)
     return point.key, result, error, perf_counter() - begin
@@ -308,6 +328,7 @@ def execute(
             try:
                 for key, result, error, seconds in _survived(wanted, count or -1):
                     about = {"code": _CODE, "seconds": seconds, "periods": points[key].periods}
+                    about |= {"periods": result["periods"]} if result else {}
                     scene = points[key].scene
                     about |= {"scene": as_dict(scene), "seed": scene.start.seed}
                     database.put(key, about, result, error)

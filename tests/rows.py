@@ -16,6 +16,7 @@ HALF = 4.25  # of the paper's rods
 LIGHT = 1 / Rod(9.5).gyration_squared
 ROW = (  # rods of the paper's row, few and soft
     *("rods.count=5", "rods.length=5", "box.length=5.5", "step.size=none", "start.speed=0.1"),
+    "step.coarse=true",
     *(f"contacts.{part}.stiffness={SOFT}" for part in ("plate", "rods")),
 )
 
@@ -43,6 +44,7 @@ def put(engine: Engine, states) -> None:
     """Place the rods anew; nothing is kept of what they touched."""
     for rod, (x, z, tilt, *velocity) in zip(engine.rods, states, strict=True):
         rod[:] = x, z, sin(tilt), cos(tilt), *(velocity or (0.0, 0.0, 0.0))
+    engine.before[:] = 0
     engine.listed.travelled[:] = np.inf
 
 

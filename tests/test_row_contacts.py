@@ -118,8 +118,8 @@ def test_stiff_contacts_collide_as_rigid_rods(restitution):
         states = tip_on_side(0.7, 2.0)
         states = [(*states[0], 0.3, -1.0, 0.1), (*states[1], 0.0, 0.2, 0.05)]
         law = md.coulomb(restitution=restitution, stiffness=stiffness)
-        engine = free(law, states, dt=contact / 300)
-        engine.go(700)
+        engine = free(law, states, dt=contact / 2400)
+        engine.go(5600)
         errors.append(np.abs(engine.rods[:, 4:] - rigid(states, restitution)).max())
     slope = np.polyfit(np.log(stiffnesses), np.log(errors), 1)[0]
     assert errors[-1] < 1e-4

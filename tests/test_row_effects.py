@@ -102,7 +102,7 @@ def compiled(march, parts):
     [mine] = [
         s
         for s in march.signatures
-        if s[0] == signature and [s[k] for k in (2, 3, 6, 7, 8)] == kinds
+        if s[0] == signature and [s[k] for k in (3, 4, 7, 8, 9)] == kinds
     ]
     text = march.inspect_llvm(mine)
     functions = re.findall(r"^define[^\n]*\n.*?^}", text, re.M | re.S)
@@ -157,7 +157,7 @@ def test_what_is_absent_everywhere_needs_next_to_nothing():
     engine, _ = started({})
     held = [engine.springs, engine.listed, engine.scratch, engine.ledger, engine.record]
     assert held == [None] * 5
-    assert list(engine.arrays()) == ["rods"]
+    assert list(engine.arrays()) == ["rods", "before"]
     assert (engine.crowd.between, engine.crowd.period, engine.crowd.skin) == (None, None, None)
 
 

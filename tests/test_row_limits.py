@@ -31,7 +31,7 @@ def test_a_rod_that_lies_and_is_pushed_does_not_creep(law):
         contacts=Contacts(plate=Contact(law, mu)),
         gravity=Gravity(x=0.9 * mu),
         start=Start(tilt_deg=90.0, speed=0.0),
-        step=Step(1e-2),
+        step=Step(5e-3),
     )
     engine = prepare(scene)
     engine.rods[0, 1] -= (1 / (2 * law.normal.stiffness)) ** (2 / 3)

@@ -1,0 +1,237 @@
+"""One question, the drift of the row, and every way to answer it: deviation against time.
+
+N = 40 thin rods of 9.5 d at 21.5 degrees, Gamma = 3.3, mu = 0.3, restitution 0.65 head on. From
+left to right: the closed form (24) with the assumed V_z = V_0/2, in an array and by itself; one
+rigid rod that bounces at fixed tilt, 30 to 100,000 landings; rows of rods over several lengths of
+time (in periods), steps (in parts of a contact), stiffnesses, contact laws and numbers of rods.
+Height: deviation from the most trusted answer, a long run with friction as a constraint on the
+plate, contacts ten times as stiff as the paper's and a step of t_c/36. Bars: one standard error, of
+both; where it exceeds the deviation the symbol is open.
+"""
+
+import os
+from statistics import median
+from time import perf_counter
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.text import Annotation
+from matplotlib.transforms import Bbox
+
+import md
+from impact import drift
+from impact.__main__ import _machine as machine
+from md.dial import steps_per_contact
+from md.scene import Scene
+
+from .rows import COUNT, FRICTION, GAMMA, RESTITUTION, paper_rod
+from .shared import BLACK, BLUE, GREEN, ORANGE, RED, style
+
+BOX = 43.0
+TILT = np.arccos(COUNT / BOX)
+USUAL = 36  # steps a contact
+
+
+def _both(**options: object) -> list[str]:
+    return [f"contacts.{at}.{k}={v}" for at in ("plate", "rods") for k, v in options.items()]
+
+
+PRINTED = _both(law="appendix_a", restitution="none")
+CONSTRAINT = ["contacts.plate.law=coulomb"]
+ROWS = {  # group: label: (steps a contact, what the scene changes)
+    "step": {rf"$t_c/{n}$": (n, []) for n in (13, 18, 25, USUAL, 72)},
+    "stiffness": {
+        rf"$k_n=5\cdot10^{n}$": (USUAL, _both(stiffness=5.0 * 10**n)) for n in (3, 4, 5, 7)
+    },
+    "contact law": {
+        "App. A": (USUAL, PRINTED),
+        "springs 3": (USUAL, _both(tangential_ratio=3)),
+        "Coulomb": (USUAL, CONSTRAINT),
+        r"$\epsilon=0.8$": (USUAL, _both(restitution=0.8)),
+    },
+    "rods": {
+        rf"$N={n}$": (USUAL, [f"rods.count={n}", f"box.length={n * BOX / COUNT}"])
+        for n in (5, 10, 160)
+    },
+}
+LENGTHS = (3, 30)  # periods, at the usual step
+PERIODS = {True: 400, False: 2000}  # quick or not; six times as many for the trusted answer
+TRUSTED = (USUAL, [*CONSTRAINT, *_both(stiffness=5e7)])
+LANDINGS = (30, 300, 3000, 100_000)  # of one rigid rod
+
+
+def scene(per_contact: float, changes: list[str], seed: int = 1) -> Scene:
+    """The row at a step that is a part of its contact time."""
+    how = [*changes, "step=none", "start.speed=0.3", f"start.seed={seed}"]
+    dt = steps_per_contact(md.load("quasi2d", how), 1.0) / per_contact
+    return md.load("quasi2d", [*how, f"step.size={dt}", "step.coarse=true"])
+
+
+def _row(per_contact: float, changes: list[str], periods: int) -> tuple[float, ...]:
+    """Drift [sqrt(g d)], standard error, seconds of a run."""
+    run = md.run(scene(per_contact, changes), periods=periods, ledger=False)
+    return run.c_x, run.c_x_stderr if periods > 50 else np.nan, run.run_seconds
+
+
+def _closed(speed: float, calls: int) -> tuple[float, ...]:
+    """Closed form with the assumed V_z, and the seconds of each of `calls` in one array."""
+    rod, seconds = paper_rod(np.full(calls, TILT)) if calls > 1 else paper_rod(TILT), []
+    for _ in range(21):
+        begin = perf_counter()
+        found = drift(rod, friction=FRICTION, restitution=RESTITUTION, plate_velocity=speed / 2)
+        seconds.append((perf_counter() - begin) / calls)
+    return float(np.ravel(found.c_x)[0]), 0.0, median(seconds)
+
+
+def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
+    """One rigid rod, exact flights and impacts."""
+    from impact.bouncing import bounce  # compiles
+
+    setting = {"gamma": GAMMA, "friction": FRICTION, "restitution": RESTITUTION}
+    rods = 10 if landings < 1000 else 50
+    how = {"rods": rods, "landings": max(landings // rods, 3), "transient": 20}
+    bounce(paper_rod(TILT), **setting, shortest_flight=0.1, **how)
+    begin = perf_counter()
+    found = bounce(paper_rod(TILT), **setting, shortest_flight=0.1, **how)
+    seconds = perf_counter() - begin
+    return speed * found.drift.mean, speed * found.drift.error, seconds
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Answers [sqrt(g d)] with errors, seconds, group and label of each."""
+    load, speed = os.getloadavg()[0], md.load("quasi2d").plate_speed
+    periods = PERIODS[quick]
+    entries = [("theory", "(24), $V_0/2$", *_closed(speed, 1))]
+    entries.append(("theory", "in an array", *_closed(speed, 100_000)))
+    for n in LANDINGS:
+        entries.append(("one rigid rod", f"{n} landings", *_bouncing(n, speed)))
+    _row(USUAL, [], 1)  # compiles
+    for n in LENGTHS:
+        entries.append(("length", f"{n} periods", *_row(USUAL, [], n)))
+    for group, rungs in ROWS.items():
+        for label, (per_contact, changes) in rungs.items():
+            _row(per_contact, changes, 1)  # compiles
+            entries.append((group, label, *_row(per_contact, changes, periods)))
+    trusted = _row(*TRUSTED, 6 * periods)
+    group, label, answer, error, seconds = zip(*entries, strict=True)
+    return {
+        "load": np.float64(load),
+        "group": np.array(group),
+        "label": np.array(label),
+        "answer": np.array(answer),
+        "error": np.array(error),
+        "seconds": np.array(seconds),
+        "trusted": np.array(trusted),
+    }
+
+
+LOOKS = {
+    "theory": (BLACK, "*"),
+    "one rigid rod": (ORANGE, "D"),
+    "length": ("#CC79A7", "P"),
+    "step": (BLUE, "o"),
+    "stiffness": (GREEN, "s"),
+    "contact law": (RED, "^"),
+    "rods": ("0.45", "v"),
+}
+
+
+def deviations(d: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Relative deviation from the trusted answer, and its standard error."""
+    truth, spread, _ = d["trusted"]
+    return d["answer"] / truth - 1, np.hypot(d["error"], spread) / truth
+
+
+def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    """Deviation against time, a colour a group."""
+    off, error = deviations(d)
+    size = np.fmax(np.abs(off), 3e-4)
+    for group, (colour, marker) in LOOKS.items():
+        here = np.flatnonzero(d["group"] == group)
+        for i in here:
+            bar = np.nan_to_num(error[i])
+            fill = colour if np.abs(off[i]) > bar else "white"
+            ax.errorbar(
+                *(d["seconds"][i], size[i], [[min(bar, 0.9 * size[i])], [bar]]),
+                fmt=marker, color=colour, mfc=fill, ms=4, elinewidth=0.6,
+                label=group if i == here[0] else None,
+            )  # fmt: skip
+    ax.set(xscale="log", yscale="log", ylim=(2e-4, 3), xlabel="time (s)")
+    _name_points(ax, d["seconds"], size, d)
+    ax.set_ylabel(r"deviation of $c_x$ from the trusted answer")
+    handles, labels = ax.get_legend_handles_labels()
+    ax.legend(handles, labels, fontsize=6, loc="lower left", title="varied", title_fontsize=6)
+
+
+def _name_points(ax: Axes, x: np.ndarray, y: np.ndarray, d: dict[str, np.ndarray]) -> None:
+    """Names beside the points, each where it hides least of points and other names."""
+    draws = ax.figure.canvas.get_renderer()
+    points = ax.transData.transform(np.column_stack([x, y]))
+    taken = [Bbox.from_bounds(*(point - 4), 8, 8) for point in points]
+    sides = [
+        (5, 0),
+        (-5, 0),
+        (5, 6),
+        (-5, 6),
+        (5, -6),
+        (-5, -6),
+        (0, 9),
+        (0, -9),
+        (5, 13),
+        (-5, 13),
+    ]
+    for at, label, group in zip(zip(x, y, strict=True), d["label"], d["group"], strict=True):
+        name = ax.annotate(
+            label, at, textcoords="offset points", va="center", fontsize=5, xytext=(0, 0),
+            color=LOOKS[str(group)][0],
+        )  # fmt: skip
+        hidden = []
+        for side in sides:
+            _put(name, side)
+            box = name.get_window_extent(draws)
+            hidden.append(sum(box.overlaps(other) for other in taken))
+        _put(name, sides[int(np.argmin(hidden))])
+        taken.append(name.get_window_extent(draws))
+
+
+def _put(name: Annotation, side: tuple[int, int]) -> None:
+    """Move a name to one side of its point."""
+    name.set_position(side)
+    name.set_ha("left" if side[0] > 0 else "right" if side[0] < 0 else "center")
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, ax = plt.subplots(figsize=(7.0, 4.2))
+    panel(ax, d)
+    truth, spread, seconds = d["trusted"]
+    ax.axvline(seconds, color="0.6", lw=0.8, ls=":")
+    figure.supxlabel(
+        rf"trusted: $c_x={truth:.4f}\pm{spread:.4f}\,\sqrt{{gd}}$, {seconds:.0f} s (dotted); "
+        rf"$L={BOX:g}\,d$, $N={COUNT}$, $\Gamma={GAMMA}$, $\mu={FRICTION}$, "
+        rf"$\epsilon={RESTITUTION}$",
+        fontsize=6.5,
+    )
+    return figure
+
+
+def summary(d: dict[str, np.ndarray]) -> str:
+    """A line a rung."""
+    this, (off, error) = machine(), deviations(d)
+    truth, spread, seconds = d["trusted"]
+    lines = [
+        f"{this['processor']}, {this['cores']} cores, 1 used, load {d['load']:.1f} at the start;"
+        f" python {this['python']}, numpy {this['numpy']}, numba {this['numba']}",
+        f"trusted: {truth:.5f} +- {spread:.5f} sqrt(g d) in {seconds:.1f} s",
+    ]
+    for i, label in enumerate(d["label"]):
+        plain = str(label).replace("$", "").replace("\\epsilon", "restitution ")
+        known = np.isfinite(error[i])
+        lines.append(
+            f"{d['group'][i]:14} {plain:16} {d['seconds'][i]:9.2e} s  {d['answer'][i]:.4f}"
+            + (f" +- {d['error'][i]:.4f}" if known else 10 * " ")
+            + f"  {off[i]:+8.1%}"
+            + (f" +- {error[i]:.1%}" if known else "")
+        )
+    return "\n".join(lines)

@@ -1,0 +1,100 @@
+"""What the drift's accuracy costs: parts of long runs, prices, the ladder; tiny sizes."""
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from figures import accuracy_cost_drift as drift_figure
+from figures import accuracy_cost_ladder as ladder
+from md.dial import steps_per_contact
+
+mpl.use("Agg")
+
+
+def test_errors_of_parts():
+    """Of independent values: sigma/sqrt(n) and the distance of the truth, squares added."""
+    series = 2 + np.random.default_rng(1).normal(size=200_000)
+    n = np.array([1, 10, 100])
+    found = drift_figure.rms_of_parts(series, n, 2.0)
+    np.testing.assert_allclose(found, n**-0.5, rtol=4 / np.sqrt(2 * 2000))
+    shifted = drift_figure.rms_of_parts(series, n, 2.5)
+    np.testing.assert_allclose(shifted, np.hypot(n**-0.5, 0.5), rtol=0.03)
+
+
+def test_time_to_reach_an_error():
+    """Bias and noise add; a bias that is lost in its error counts as none."""
+    d = {
+        "bias": np.array([0.02, 0.006, 0.006]),
+        "bias_error": np.array([0.001, 0.001, 0.004]),
+        "noise": np.array([0.2, 0.2, 0.2]),
+        "seconds": np.array([1e-3, 2e-3, 4e-3]),
+    }
+    found = drift_figure.to_reach(d, 0.01)
+    assert found[0] == np.inf
+    assert found[1] == pytest.approx(0.04 / (1e-4 - 3.6e-5) * 2e-3)
+    assert found[2] == pytest.approx(0.04 / 1e-4 * 4e-3)
+
+
+@pytest.fixture
+def tiny(monkeypatch):
+    monkeypatch.setattr(drift_figure, "PERIODS", {True: 64})
+    monkeypatch.setattr(drift_figure, "CUT", 2)
+    monkeypatch.setattr(drift_figure, "PER_CONTACT", (13, 18, 25, 36, 40))
+    monkeypatch.setattr(drift_figure, "PAPER_STEP", 1e-4)
+    monkeypatch.setattr(drift_figure, "TOLERANCES", (0.4,))
+    monkeypatch.setattr(
+        drift_figure, "seconds_per_period", lambda steps: np.full(len(steps), 1e-3) / steps
+    )
+
+
+def test_accuracy_against_time(tiny):
+    d = drift_figure.data(quick=True)
+    assert (np.diff(d["per_contact"]) > 0).all()
+    assert d["dt"] * d["per_contact"] == pytest.approx(d["dt"][0] * d["per_contact"][0])
+    assert 0.2 < d["truth"] < 0.4
+    assert np.nanmin(d["rms"]) > 0
+    assert d["dial_seconds"][0] > 0
+    plt.close(drift_figure.draw(d))
+    text = drift_figure.summary(d)
+    assert text.count("\n") >= 8
+
+
+def test_prices_of_a_period():
+    """Positive, and one per step; how they compare is the machine's business."""
+    found = drift_figure.seconds_per_period([4e-4, 5e-4], rounds=1, periods=1)
+    assert found.shape == (2,)
+    assert (found > 0).all()
+
+
+def test_the_ladder(monkeypatch):
+    monkeypatch.setattr(ladder, "PERIODS", {True: 4})
+    monkeypatch.setattr(ladder, "LANDINGS", (30,))
+    rungs = {
+        "step": {"t_c/13": (13, [])},
+        "rods": {"N=5": (13, ["rods.count=5", "box.length=5.375"])},
+    }
+    monkeypatch.setattr(ladder, "ROWS", rungs)
+    monkeypatch.setattr(ladder, "USUAL", 13)
+    monkeypatch.setattr(ladder, "TRUSTED", (13, []))
+    d = ladder.data(quick=True)
+    assert list(d["group"]) == [
+        "theory",
+        "theory",
+        "one rigid rod",
+        *["length"] * 2,
+        "step",
+        "rods",
+    ]
+    assert d["answer"][0] == d["answer"][1]
+    assert (d["seconds"] > 0).all()
+    off, _ = ladder.deviations(d)
+    np.testing.assert_allclose((off + 1) * d["trusted"][0], d["answer"])
+    plt.close(ladder.draw(d))
+    assert ladder.summary(d).count("\n") == len(d["group"]) + 1
+
+
+@pytest.mark.parametrize("changes", [[], ladder.PRINTED, ladder.TRUSTED[1]])
+def test_steps_of_the_ladder_are_parts_of_a_contact(changes):
+    scene = ladder.scene(20, changes)
+    assert steps_per_contact(scene, scene.step.size) == pytest.approx(20)
