@@ -18,7 +18,6 @@ class Entry:
 
     title: str
     quick: bool = True  # part of the set that is drawn when no name is given
-    seconds: float = 5.0  # in full, runs of the store apart; on two shared cores (AMD EPYC)
 
 
 FIGURES = {

@@ -145,7 +145,7 @@ def _claims(arguments: argparse.Namespace) -> int:
     if _no_store():
         return 2
     report = claims.judge(arguments.quick, progress=True)
-    text = json.dumps(claims.plain(report), indent=1, ensure_ascii=False) + "\n"
+    text = json.dumps(claims.plain(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     for name, content in (("claims.json", text), ("claims.md", claims.page(report))):
         with _replacing(arguments.out / name) as part:
             part.write_text(content, encoding="utf-8")

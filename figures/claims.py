@@ -15,8 +15,6 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from impact._generated import DIGEST
 from md.cache import digest
 from md.runner import finite
@@ -125,9 +123,9 @@ def shown(row: dict[str, Any]) -> str:
         return "no data" if math.isnan(value) else "never"
     if not error > 0:
         return f"{value:.4g}{unit}"
-    if error < 1e-3 * abs(value):
+    digits = max(1 - math.floor(math.log10(error)), 0)
+    if digits > 6:
         return f"{value:.4g} ± {error:.0e}{unit}"
-    digits = int(np.clip(1 - math.floor(math.log10(error)), 0, 9))
     return f"{value:.{digits}f} ± {error:.{digits}f}{unit}"
 
 
@@ -163,7 +161,7 @@ def brief(report: dict[str, Any]) -> str:
 def _section(claim: dict[str, Any]) -> list[str]:
     """What is said of one claim."""
     lines = [f"### {claim['id']}: {claim['verdict']}", ""]
-    lines += [f"The paper (Section {claim['section']}): {claim['says']}", ""]
+    lines += [f"The paper, {claim['section']}: {claim['says']}", ""]
     lines += [f"Measured: {claim['scene']}.", ""]
     if claim["trouble"]:
         lines += [f"No verdict: {claim['trouble']}.", ""]
@@ -177,7 +175,7 @@ def _section(claim: dict[str, Any]) -> list[str]:
             lines.append(f"| {' | '.join(cells)} |")
         lines.append("")
     lines += [f"Limits: {claim['why']}", ""]
-    lines += [claim["remark"], ""] if claim["remark"] else []
+    lines += [f"What we make of it: {claim['remark']}", ""] if claim["remark"] else []
     picture = f"`python -m figures draw {claim['figure']}`" if claim["figure"] else "none"
     return [*lines, f"Picture: {picture}.", ""]
 
@@ -194,9 +192,9 @@ def page(report: dict[str, Any]) -> str:
         "`figures/claims.toml`. A claim holds if every number with limits lies within them, does",
         "not hold if none lies even within the wider ones, else it holds in part. A close call has",
         "a border within two standard errors, or within the error if that is the change when the",
-        f"step is halved or half an interval of the grid. Rows: law {LAW_NAME},",
-        "friction 0.3, 60 Hz, rods of 9.5 d with the inertia of a thin rod, unless said; errors",
-        "are over independent starts. Touches less than 0.2 periods apart make one landing.",
+        "step is halved or half an interval of the grid. Rows, unless said: contact law",
+        f"{LAW_NAME}, friction 0.3, 60 Hz, rods of",
+        "9.5 d with the inertia of a thin rod; errors are standard errors over independent starts.",
         "",
         f"{made['processor']}, {made['cores']} cores; Python {made['python']}, NumPy "
         f"{made['numpy']}, Numba {made['numba']}; sources md {made['md']}, impact "
