@@ -138,10 +138,11 @@ def _limits(limits: list[float] | None) -> str:
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
-def _counts(report: dict[str, Any]) -> str:
-    count = Counter(claim["verdict"] for claim in report["claims"])
+def counts(report: dict[str, Any]) -> str:
+    """How many claims hold, and how many do not."""
+    found = Counter(claim["verdict"] for claim in report["claims"])
     kinds = (*reversed(GRADES), MISSING, UNBUILT)
-    return ", ".join(f"{kind}: {count[kind]}" for kind in kinds if count[kind])
+    return ", ".join(f"{kind}: {found[kind]}" for kind in kinds if found[kind])
 
 
 def _rows_of(claim: dict[str, Any]) -> list[dict[str, Any]]:
@@ -155,7 +156,7 @@ def brief(report: dict[str, Any]) -> str:
     for claim in report["claims"]:
         cells = (f"{row['key']} {shown(row)} {MARKS[row['grade']]}" for row in _rows_of(claim))
         lines.append(f"{claim['id']:4}{claim['verdict']:20}{', '.join(cells)}{claim['trouble']}")
-    return "\n".join([*(line.rstrip() for line in lines), _counts(report)])
+    return "\n".join([*(line.rstrip() for line in lines), counts(report)])
 
 
 def _section(claim: dict[str, Any]) -> list[str]:
@@ -187,7 +188,7 @@ def page(report: dict[str, Any]) -> str:
     made, claims = report["provenance"], report["claims"]
     of = "short and coarse runs (`--quick`)" if made["quick"] else "full runs"
     lines = [
-        *("# The paper's claims, judged", "", f"**{_counts(report)}**", ""),
+        *("# The paper's claims, judged", "", f"**{counts(report)}**", ""),
         f"Made by `python -m figures claims` from {of}; limits and words are in",
         "`figures/claims.toml`. A claim holds if every number with limits lies within them, does",
         "not hold if none lies even within the wider ones, else it holds in part. A close call has",

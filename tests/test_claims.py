@@ -245,22 +245,20 @@ def test_the_command_judges_all_claims(tiny, capsys):
 
 
 def test_the_committed_page_is_of_these_claims():
-    folder = ROOT / "figures" / "gallery"
-    page = (folder / "claims.md").read_text(encoding="utf-8")
-    report = json.loads((folder / "claims.json").read_text(encoding="utf-8"))
-    assert report["provenance"]["quick"] is False
-    assert [claim["id"] for claim in report["claims"]] == IDS
+    page = (ROOT / "figures" / "gallery" / "claims.md").read_text(encoding="utf-8")
+    assert "from full runs" in page
+    lines = [line for line in page.splitlines() if line.startswith(("| S", "| E", "| [S", "| [E"))]
+    assert [line.split("]")[0].strip("|[ ").split()[0] for line in lines] == IDS
     for claim in CLAIMS:
         for part in ("says", "why", "remark", "scene"):
             assert claim[part] in page, f"{claim['id']}: make the page anew"
         for row in claim["numbers"]:
             assert row["name"] in page
-    counts = claims._counts(report)
-    assert f"**{counts}**" in page
-    assert f"**{counts}**" in (ROOT / "README.md").read_text(encoding="utf-8")
-    for claim in report["claims"]:
-        assert f"| {claim['verdict']} |" in page
-        assert claim["verdict"] != "not measured"
+    verdicts = [line.split(" | ")[-1].strip(" |") for line in lines]
+    assert "not measured" not in verdicts
+    counted = f"**{claims.counts({'claims': [{'verdict': of} for of in verdicts]})}**"
+    assert counted in page
+    assert counted in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 # Commands
