@@ -1,17 +1,21 @@
 # make figures   set up, derive, prove, generate, report, draw the quick figures into out/
+# make paper     set up, then every figure in full, movie and claims; says first how long; goes on
 # make test      set up and run the tests
 # make clean     remove what the two built
 
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: figures test clean
+.PHONY: figures paper test clean
 
 figures: .venv/ready
 	$(BIN)/python -m derivations report
 	$(BIN)/python -m derivations generate
 	$(BIN)/python -m figures draw
 	$(BIN)/python -m figures draw --quick landing_census fig06 fig07 fig08 fig13
+
+paper: .venv/ready
+	$(BIN)/python -m figures paper
 
 test: .venv/ready
 	$(BIN)/ruff check .

@@ -1,8 +1,10 @@
-"""Command line: list the figures, draw them with the numbers they show, or animate a scene.
+"""Command line: list the figures, draw them, animate a scene, judge the claims, or all of it.
 
 python -m figures list
 python -m figures draw [NAME ...] [--all] [--quick] [--out DIR]
 python -m figures movie SCENE [--set KEY=VALUE ...] [--periods N] [--frames F] [--out DIR|FILE.gif]
+python -m figures claims [--quick] [--out DIR]
+python -m figures paper [--estimate] [--out DIR]
 """
 
 import argparse
@@ -122,6 +124,51 @@ def _movie(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _no_store() -> bool:
+    """Whether the store of rows cannot be used; says why."""
+    from md.store import Store, StoreError
+
+    from .rows import store
+
+    try:
+        Store(store()).database.close()
+    except StoreError as error:
+        print(f"figures: {error}", file=sys.stderr)
+        return True
+    return False
+
+
+def _claims(arguments: argparse.Namespace) -> int:
+    from . import claims
+
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    if _no_store():
+        return 2
+    report = claims.judge(arguments.quick, progress=True)
+    text = json.dumps(claims.plain(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    for name, content in (("claims.json", text), ("claims.md", claims.page(report))):
+        with _replacing(arguments.out / name) as part:
+            part.write_text(content, encoding="utf-8")
+    print(claims.brief(report))
+    return 0
+
+
+def _paper(arguments: argparse.Namespace) -> int:
+    from . import paper
+
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    if _no_store():
+        return 2
+    print(paper.estimate(arguments.out), flush=True)
+    if arguments.estimate:
+        return 0
+    names = paper.left(arguments.out)
+    commands = [["draw", *names]] if names else []
+    commands += [["movie", "quasi2d", "--periods", "4"], ["claims"]]
+    codes = (main([*command, "--out", str(arguments.out)]) for command in commands)
+    return next((code for code in codes if code), 0)
+
+
 def _list(_: argparse.Namespace) -> int:
     width = max(map(len, FIGURES))
     for name, entry in FIGURES.items():
@@ -132,7 +179,9 @@ def _list(_: argparse.Namespace) -> int:
 def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     parser = Parser(prog="python -m figures", description=__doc__.splitlines()[0])
-    commands = parser.add_subparsers(dest="command", required=True, metavar="list | draw | movie")
+    commands = parser.add_subparsers(
+        dest="command", required=True, metavar="list | draw | movie | claims | paper"
+    )
     listing = commands.add_parser("list", help="names and titles")
     listing.set_defaults(run=_list)
     draw = commands.add_parser("draw", help="compute and draw; without names: the quick set")
@@ -152,6 +201,14 @@ def main(argv: list[str] | None = None) -> int:
         "--out", type=Path, default=Path("out"), help="folder (default: out), or FILE.gif"
     )
     film.set_defaults(run=_movie)
+    judging = commands.add_parser("claims", help="judge what the paper claims: claims.json, .md")
+    judging.add_argument("--quick", action="store_true", help="short runs, for a first look")
+    judging.set_defaults(run=_claims)
+    paper = commands.add_parser("paper", help="every figure in full, the movie and the claims")
+    paper.add_argument("--estimate", action="store_true", help="say how long it takes, no more")
+    paper.set_defaults(run=_paper)
+    for command in (judging, paper):
+        command.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     arguments = parser.parse_args(argv)
     return guarded("figures", lambda: arguments.run(arguments))
 

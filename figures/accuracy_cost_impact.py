@@ -57,7 +57,7 @@ def _other_laws(parts: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
-def _gear_from_leapfrog() -> np.ndarray:
+def gear_from_leapfrog() -> np.ndarray:
     """Difference at the paper's step: root mean square and largest over 17 tilts.
 
     Under `constant_restitution` that step is too long for Gear's method.
@@ -114,7 +114,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         **adaptive(LAW, tolerances, true, runs),
         **_other_laws(parts[parts < 3e3]),
         "step_seconds": _step_seconds(runs),
-        "gear_from_leapfrog": _gear_from_leapfrog(),
+        "gear_from_leapfrog": gear_from_leapfrog(),
         **models(3 if quick else 1, runs),
         "rigid_seconds": np.float64(rigid_seconds(runs)),
         "offsets": OFFSETS,

@@ -142,7 +142,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     }
 
 
-def _miss(restitution: np.ndarray, axes) -> np.ndarray:
+def miss(restitution: np.ndarray, axes) -> np.ndarray:
     """Root-mean-square distance from the claimed range."""
     low, high = CLAIMED
     off = np.maximum(np.maximum(low - restitution, restitution - high), 0)
@@ -152,12 +152,12 @@ def _miss(restitution: np.ndarray, axes) -> np.ndarray:
 def best(d: dict[str, np.ndarray]) -> dict[str, tuple[int, int]]:
     """(where, mass) of thin inertia that come nearest to each claim."""
     one = int(np.argmin(abs(d["speed"] - 1)))
-    miss, theory = _miss(d["restitution"][:, :, 0, one], -1), d["compared"][:, :, 0, 0]
+    off, theory = miss(d["restitution"][:, :, 0, one], -1), d["compared"][:, :, 0, 0]
     scores = {
-        "restitution, |c_z| = 1": miss,
-        "restitution, all speeds": _miss(d["restitution"][:, :, 0], (-2, -1)),
+        "restitution, |c_z| = 1": off,
+        "restitution, all speeds": miss(d["restitution"][:, :, 0], (-2, -1)),
         "theory at 0.65": theory,
-        "both, added in squares": np.hypot(miss, theory),
+        "both, added in squares": np.hypot(off, theory),
         "theory at measured": d["compared"][:, :, 0, 2],
     }
     return {name: np.unravel_index(score.argmin(), score.shape) for name, score in scores.items()}
@@ -182,7 +182,7 @@ def summary(d: dict[str, np.ndarray]) -> str:
         for j, mass in enumerate(MASSES):
             e, (thin, solid) = d["restitution"][i, j, 0], d["compared"][i, j]
             lines.append(
-                f"{where:20}{mass:12}{e[one, 0]:6.3f}  {span(e[one])} {_miss(e[one], -1):6.3f}"
+                f"{where:20}{mass:12}{e[one, 0]:6.3f}  {span(e[one])} {miss(e[one], -1):6.3f}"
                 f"  {span(e[:, 0])}  {span(e)}  {thin[0]:6.3f} {thin[2]:6.4f}"
                 f" {thin[1]:3.0f} {thin[3]:2.0f}  {solid[0]:6.3f} {solid[2]:6.4f}"
             )

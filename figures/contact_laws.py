@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 
 from impact import drift, thin_rod
+from md.sweep import Sweep
 
 from .law_claims import CLAIMS
 from .rows import (
@@ -18,9 +19,10 @@ from .rows import (
     GAMMA,
     RESTITUTION,
     boxes,
+    computed,
     means,
+    planned,
     plate_speed_cm_s,
-    swept,
 )
 from .shared import style
 
@@ -74,11 +76,17 @@ def _names(d: dict[str, np.ndarray]) -> list[str]:
     return [list(LAWS)[i] for i in d["law"]]
 
 
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Of each law: over tilt."""
+    names, periods = QUICK if quick else tuple(LAWS), 60 if quick else 150
+    axes = [{"box.length": boxes(np.array(QUICK_DEG if quick else TILTS_DEG))}]
+    axes.append({"start.seed": [1, 2]})
+    return {name: planned(axes, periods, LAWS[name]) for name in names}
+
+
 def data(quick: bool = False) -> dict[str, np.ndarray]:
     """Of each law: the tables over tilt, and a number for each claim."""
-    nominal = np.array(QUICK_DEG if quick else TILTS_DEG)
-    names, periods = QUICK if quick else tuple(LAWS), 60 if quick else 150
-    seeds = {"start.seed": [1, 2]}
+    nominal, runs = np.array(QUICK_DEG if quick else TILTS_DEG), sweeps(quick)
     theory = drift(
         thin_rod(np.radians(nominal)),
         friction=FRICTION,
@@ -86,17 +94,16 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         plate_velocity=plate_speed_cm_s() / 2,
     ).c_x
     tables = []
-    for name in names:
-        sweep = swept([{"box.length": boxes(nominal)}, seeds], periods, LAWS[name])
+    for sweep in runs.values():
         scene = sweep.points[0].scene
-        table = {"nominal": nominal, "theory": theory, **means(sweep, STORED)}
+        table = {"nominal": nominal, "theory": theory, **means(computed(sweep), STORED)}
         table["ratio"] = -table["c_z_before"] / table["c_z_after"]
         table |= {"half_length": scene.rods.length / 2, "speed": scene.plate_speed}
         tables.append(table)
     value = np.array([[claim.number(table) for claim in CLAIMS] for table in tables])
     verdict = [[c.verdict(v) for c, v in zip(CLAIMS, row, strict=True)] for row in value]
     return {
-        "law": np.array([list(LAWS).index(name) for name in names]),
+        "law": np.array([list(LAWS).index(name) for name in runs]),
         "value": value,
         "verdict": np.array(verdict),
         **{key: np.array([table[key] for table in tables]) for key in tables[0]},

@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.colors import TwoSlopeNorm
 
 from impact import drift, spherocylinder
+from md.sweep import Sweep
 
 from .rows import (
     FRICTION,
@@ -21,10 +22,11 @@ from .rows import (
     LENGTH,
     RESTITUTION,
     boxes,
+    computed,
     over_seeds,
+    planned,
     plate_speed_cm_s,
     store,
-    swept,
 )
 from .shared import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
 
@@ -46,21 +48,28 @@ def measured_error(drifts: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, 
     return mean, np.fmax(between, within)
 
 
+QUICK = (1.2, 1.8, 3.3), (9, 20, 45), (0, 1, 2)
+FULL = (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5), (5, 12, 20, 30, 45, 60), (1, 2, 4)
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Over Gamma and tilt."""
+    gamma, nominal, _ = QUICK if quick else FULL
+    axes = [{"plate.acceleration": [*gamma]}, {"box.length": boxes(np.array(nominal))}]
+    axes.append({"start.seed": [1, 2, 3]})
+    return {"grid": planned(axes, 50 if quick else 150, {"rods.inertia": "solid"})}
+
+
 def data(quick: bool = False) -> dict[str, np.ndarray]:
     """Drifts [cm/s] on the grid (Gamma, tilt), those of one rigid rod, and the closure's lines."""
     from impact.bouncing import bounce  # compiles
 
     fine_gamma = np.linspace(1.02, 4, 12 if quick else 40)
     fine_deg = np.linspace(2, 65, 10 if quick else 22)
-    if quick:
-        gamma, nominal, chosen, seeds = [1.2, 1.8, 3.3], [9, 20, 45], [0, 1, 2], [1, 2, 3]
-    else:
-        gamma = [1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5]
-        nominal, chosen, seeds = [5, 12, 20, 30, 45, 60], [1, 2, 4], [1, 2, 3]
-    axes = [{"plate.acceleration": gamma}, {"box.length": boxes(np.array(nominal))}]
-    axes.append({"start.seed": seeds})
-    sweep = swept(axes, 50 if quick else 150, {"rods.inertia": "solid"})
-    drifts, stderr, tilt = sweep.gather(store(), "c_x_cm_s", "c_x_stderr", "tilt_deg")
+    gamma, nominal, chosen = QUICK if quick else FULL
+    sweep = computed(sweeps(quick)["grid"])
+    names = ("c_x_cm_s", "c_x_stderr", "tilt_deg", "landings.plate_velocity_by_speed.mean")
+    drifts, stderr, tilt, plate = sweep.gather(store(), *names)
     mean, error = measured_error(drifts, stderr * sweep.points[0].scene.cm_per_s)
     count = {"rods": 20, "landings": 60, "transient": 100} if quick else {
         **{"rods": 60, "landings": 300, "transient": 150}
@@ -77,7 +86,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         for one in fine_gamma
     ]
     speed = plate_speed_cm_s(fine_gamma)
-    lines = drift(spherocylinder(np.radians(np.array(nominal)[chosen]), LENGTH), **setting).c_x
+    lines = drift(spherocylinder(np.radians(np.array(nominal)[[*chosen]]), LENGTH), **setting).c_x
     return {
         "gamma": np.array(gamma),
         "nominal_deg": np.array(nominal),
@@ -85,6 +94,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         "c_x": mean,
         "c_x_error": error,
         "kind": classify(mean, error),
+        "V_z": over_seeds(plate)[0],
         "chosen": np.array(chosen),
         "fine_gamma": fine_gamma,
         "fine_deg": fine_deg,

@@ -24,12 +24,14 @@ from .rows import (
     LENGTH,
     RESTITUTION,
     SEEDS,
+    computed,
     means,
     paper_rod,
     periods_of,
+    planned,
     plate_speed_cm_s,
-    swept,
-    tilt_scan,
+    tilt_plan,
+    tilts,
 )
 from .shared import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
 
@@ -46,21 +48,29 @@ def _measured(sweep: Sweep, prefix: str) -> dict[str, np.ndarray]:
     return means(sweep, {f"{prefix}_{name}": result for name, result in names.items()})
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
-    """Measured rows and the theory beside them; velocities in cm/s."""
-    gamma = np.array([1.05, 1.2, 1.6, 2, 3, 4] if quick else GAMMAS)
-    length = np.array([1.25, 1.5, 2, 3, 9.5] if quick else LENGTHS)
-    jammed = np.array([2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5])
-    periods, seeds = periods_of(quick), {"start.seed": [1, 2]} if quick else SEEDS
-    tilt_deg, over_tilt = tilt_scan(quick)
-    over_gamma = swept([{"plate.acceleration": gamma.tolist()}, seeds], periods)
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Over tilt, over Gamma, over length, and over length from rest."""
+    gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else [*GAMMAS]
+    length = [1.25, 1.5, 2, 3, 9.5] if quick else [*LENGTHS]
+    jammed = [2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5]
+    periods, two = periods_of(quick), {"start.seed": [1, 2]}
+    seeds = two if quick else SEEDS
     setting = {"box.length": BOX_OF_LENGTHS, "plate.acceleration": GAMMA_OF_LENGTHS}
     setting["rods.inertia"] = "solid"
-    over_length = swept([{"rods.length": length.tolist()}, seeds], periods, setting)
-    at_rest = swept(
-        [{"rods.length": jammed.tolist()}, {"start.seed": [1, 2]}],
-        *(periods, {**setting, "start.speed": 1e-3}),
-    )
+    at_rest = {**setting, "start.speed": 1e-3}
+    return {
+        "tilt": tilt_plan(quick),
+        "gamma": planned([{"plate.acceleration": gamma}, seeds], periods),
+        "length": planned([{"rods.length": length}, seeds], periods, setting),
+        "jammed": planned([{"rods.length": jammed}, two], periods, at_rest),
+    }
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Measured rows and the theory beside them; velocities in cm/s."""
+    runs = {name: computed(sweep) for name, sweep in sweeps(quick).items()}
+    tilt_deg, gamma = tilts(quick), runs["gamma"].values("plate.acceleration")
+    length, jammed = (runs[name].values("rods.length") for name in ("length", "jammed"))
     fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, length[-1], 200)
     setting = {"friction": FRICTION, "restitution": RESTITUTION}
     fixed_tilt = np.arccos(COUNT / BOX_OF_LENGTHS)
@@ -71,11 +81,11 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         "speed": plate_speed_cm_s(),
         "speed_b": plate_speed_cm_s(gamma),
         "speed_c": plate_speed_cm_s(GAMMA_OF_LENGTHS),
-        **_measured(over_tilt, "a"),
-        **_measured(over_gamma, "b"),
-        **_measured(over_length, "c"),
+        **_measured(runs["tilt"], "a"),
+        **_measured(runs["gamma"], "b"),
+        **_measured(runs["length"], "c"),
         "jammed_length": jammed,
-        **_measured(at_rest, "jammed"),
+        **_measured(runs["jammed"], "jammed"),
         "fine": fine,
         "thin": drift(thin_rod(fine), **setting).c_x,  # over V_z
         "thick": drift(paper_rod(fine), **setting).c_x,

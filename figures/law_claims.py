@@ -38,12 +38,13 @@ def _large(d: dict, name: str) -> float:
     return d[name][d["nominal"] > LARGE_DEG].mean()
 
 
-def _rms(values: np.ndarray) -> float:
+def rms(values: np.ndarray) -> float:
+    """Root mean square."""
     return float(np.sqrt(np.mean(values**2)))
 
 
 def _sinking(d: dict) -> float:
-    return _rms(d["tilt"] - d["nominal"])
+    return rms(d["tilt"] - d["nominal"])
 
 
 def _forward(d: dict) -> float:
@@ -51,12 +52,12 @@ def _forward(d: dict) -> float:
 
 
 def _change_of_c_x(d: dict) -> float:
-    return _rms(1 - d["c_x_before"] / d["c_x_after"])
+    return rms(1 - d["c_x_before"] / d["c_x_after"])
 
 
 def _spin(d: dict) -> float:
     """Spin before a landing, as the speed of the tip over V_0."""
-    return _rms(d["omega_before"] * d["half_length"]) / float(d["speed"])
+    return rms(d["omega_before"] * d["half_length"]) / float(d["speed"])
 
 
 def change_tilt(d: dict) -> float:
@@ -76,7 +77,7 @@ def _less_falling(d: dict) -> float:
 
 
 def _distance(d: dict) -> float:
-    return _rms(d["c_x"] - d["theory"]) / _rms(d["theory"])
+    return rms(d["c_x"] - d["theory"]) / rms(d["theory"])
 
 
 CLAIMS = (

@@ -13,43 +13,52 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import critical_friction, drift, spherocylinder
+from md.sweep import Sweep
 
 from .rows import (
     COUNT,
     GAMMA,
     LENGTH,
     RESTITUTION,
+    computed,
     over_seeds,
+    planned,
     plate_speed_cm_s,
     store,
-    swept,
 )
 from .shared import BLACK, BLUE, ORANGE, WARM, name_panel, style
 
 BOX = 43.0
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
-    """Drift [cm/s] on the grid (friction, restitution), measured and by the theory."""
-    if quick:
-        friction, restitution, seeds = [0.01, 0.1, 0.3, 1.0], [0.4, RESTITUTION, 0.9], [1, 2]
-    else:
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Over friction and restitution."""
+    friction, restitution = [0.01, 0.1, 0.3, 1.0], [0.4, RESTITUTION, 0.9]
+    if not quick:
         friction = [0.001, 0.004, 0.02, 0.06, 0.12, 0.2, 0.3, 0.6, 2.0]
-        restitution, seeds = [0.3, 0.5, RESTITUTION, 0.8, 0.95], [1, 2]
+        restitution = [0.3, 0.5, RESTITUTION, 0.8, 0.95]
     axes = [
         {"contacts.plate.friction": friction},
         {"contacts.plate.restitution": restitution, "contacts.rods.restitution": restitution},
-        {"start.seed": seeds},
+        {"start.seed": [1, 2]},
     ]
-    sweep = swept(axes, 50 if quick else 150, {"box.length": BOX, "rods.inertia": "solid"})
+    changes = {"box.length": BOX, "rods.inertia": "solid"}
+    return {"grid": planned(axes, 50 if quick else 150, changes)}
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Drift [cm/s] on the grid (friction, restitution), measured and by the theory."""
+    sweep = computed(sweeps(quick)["grid"])
+    friction = sweep.values("contacts.plate.friction")
+    epsilon = sweep.values("contacts.plate.restitution")
     names = ("c_x_cm_s", "tilt_deg", "landings.plate_velocity_by_speed.mean")
     (c_x, error), (tilt, tilt_error), (V_z, _) = map(over_seeds, sweep.gather(store(), *names))
     rod, speed = spherocylinder(np.arccos(COUNT / BOX), LENGTH), plate_speed_cm_s()
-    mu, epsilon = np.array(friction)[:, None], np.array(restitution)
+    mu = friction[:, None]
     fine = np.geomspace(friction[0], friction[-1], 200)
     setting = {"plate_velocity": speed / 2}
     return {
-        "friction": np.array(friction),
+        "friction": friction,
         "restitution": epsilon,
         "c_x": c_x,
         "c_x_error": error,

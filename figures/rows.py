@@ -50,11 +50,15 @@ def boxes(tilt_deg: np.ndarray, count: int = COUNT) -> list[float]:
     return (count / np.cos(np.radians(tilt_deg))).tolist()
 
 
-def swept(
+def planned(
     axes: list[dict[str, list]], periods: int, changes: Mapping[str, Any] | None = None
 ) -> Sweep:
-    """The row along axes, seeds last, computed as far as the store does not hold it."""
-    sweep = expand({"periods": periods, "axes": axes, "set": dict(changes or {})}, ROW)
+    """The row along axes, seeds last; nothing is run."""
+    return expand({"periods": periods, "axes": axes, "set": dict(changes or {})}, ROW)
+
+
+def computed(sweep: Sweep) -> Sweep:
+    """The same sweep, run as far as the store does not hold it."""
     execute(sweep, store(), progress=True)
     return sweep
 
@@ -68,10 +72,19 @@ def periods_of(quick: bool) -> int:
     return 60 if quick else 300
 
 
+def tilts(quick: bool) -> np.ndarray:
+    """Nominal tilts [deg] of Figs. 6 to 8 and 13(a)."""
+    return np.array([*SHOWN_DEG, 60, 75] if quick else sorted({*range(3, 79, 3), *SHOWN_DEG}))
+
+
+def tilt_plan(quick: bool) -> Sweep:
+    """The row at Gamma = 3.3 along these tilts."""
+    return planned([{"box.length": boxes(tilts(quick))}, SEEDS], periods_of(quick))
+
+
 def tilt_scan(quick: bool) -> tuple[np.ndarray, Sweep]:
-    """Figs. 6, 8 and 13(a): nominal tilts [deg], and the row at Gamma = 3.3 along them."""
-    tilt_deg = np.array([*SHOWN_DEG, 60, 75] if quick else sorted({*range(3, 79, 3), *SHOWN_DEG}))
-    return tilt_deg, swept([{"box.length": boxes(tilt_deg)}, SEEDS], periods_of(quick))
+    """Both, computed."""
+    return tilts(quick), computed(tilt_plan(quick))
 
 
 def paper_rod(tilt: float | np.ndarray) -> ContactGeometry:
@@ -84,11 +97,11 @@ def lone(quick: bool):
     """Tilts [deg], and `bounce` there: one rigid rod at fixed tilt, the theory without closure."""
     from impact.bouncing import bounce  # compiles
 
-    tilts = np.arange(0, 76, 5 if quick else 2.5)
+    tilt_deg = np.arange(0, 76, 5 if quick else 2.5)
     setting = {"friction": FRICTION, "restitution": RESTITUTION, "shortest_flight": 0.1}
     count = {"rods": 20 if quick else 100, "landings": 150 if quick else 600, "transient": 150}
-    return tilts, [
-        bounce(paper_rod(np.radians(tilt)), gamma=GAMMA, **setting, **count) for tilt in tilts
+    return tilt_deg, [
+        bounce(paper_rod(np.radians(deg)), gamma=GAMMA, **setting, **count) for deg in tilt_deg
     ]
 
 
