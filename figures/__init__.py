@@ -48,6 +48,10 @@ FIGURES = {
     "appendix_a": Entry("Readings of Appendix A against what the paper says of them"),
     "rigid_limit": Entry("How the soft impact comes to the rigid one, law by law"),
     "accuracy_cost_impact": Entry("Error of a soft impact against its price: integration, model"),
+    "effect_prices": Entry(
+        "Price of each effect of a scene, alone and in the full scene", quick=False
+    ),
+    "scaling": Entry("Time over the number of rods, work over the number of cores", quick=False),
 }
 
 

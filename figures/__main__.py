@@ -3,6 +3,7 @@
 python -m figures list
 python -m figures draw [NAME ...] [--all] [--quick] [--out DIR]
 python -m figures movie SCENE [--set KEY=VALUE ...] [--periods N] [--frames F] [--out DIR|FILE.gif]
+python -m figures prices [--out DIR]
 """
 
 import argparse
@@ -10,6 +11,7 @@ import json
 import os
 import platform
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -90,6 +92,38 @@ def _draw(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _prices(arguments: argparse.Namespace) -> int:
+    out = arguments.out
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=out):  # or it could not be written in the end
+        pass
+
+    import matplotlib as mpl
+    import matplotlib.pyplot as plt
+    import numpy as np
+    from tqdm import tqdm
+
+    from . import price_list
+
+    mpl.use("Agg")
+    found = {}
+    bar = tqdm(price_list.known(), desc="prices", unit="figure", disable=None, leave=False)
+    for name in bar:
+        bar.set_postfix_str(name)
+        (npz, png, pdf), _ = _produce(name, out, quick=True)
+        bar.write(f"{png}  {pdf.name}  {npz.name}")
+        with np.load(npz) as stored:
+            found[name] = {key: stored[key] for key in stored if key != "provenance"}
+    words, picture = price_list.summary(found), price_list.draw(found)
+    with _replacing(out / "prices.txt") as part:
+        part.write_text(words + "\n", encoding="utf-8")
+    with _replacing(out / "prices.png") as part:
+        picture.savefig(part, dpi=200)
+    plt.close(picture)
+    print(f"{words}\n\n{out / 'prices.txt'}  prices.png")
+    return 0
+
+
 def _movie(arguments: argparse.Namespace) -> int:
     import matplotlib as mpl
     from matplotlib.animation import FFMpegWriter
@@ -132,7 +166,9 @@ def _list(_: argparse.Namespace) -> int:
 def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     parser = Parser(prog="python -m figures", description=__doc__.splitlines()[0])
-    commands = parser.add_subparsers(dest="command", required=True, metavar="list | draw | movie")
+    commands = parser.add_subparsers(
+        dest="command", required=True, metavar="list | draw | movie | prices"
+    )
     listing = commands.add_parser("list", help="names and titles")
     listing.set_defaults(run=_list)
     draw = commands.add_parser("draw", help="compute and draw; without names: the quick set")
@@ -152,6 +188,9 @@ def main(argv: list[str] | None = None) -> int:
         "--out", type=Path, default=Path("out"), help="folder (default: out), or FILE.gif"
     )
     film.set_defaults(run=_movie)
+    prices = commands.add_parser("prices", help="measure all prices anew: ten minutes at most")
+    prices.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
+    prices.set_defaults(run=_prices)
     arguments = parser.parse_args(argv)
     return guarded("figures", lambda: arguments.run(arguments))
 
