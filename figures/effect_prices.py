@@ -216,8 +216,9 @@ def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
     """Bars of both prices with their errors, and what becomes of the drift at the right."""
     sizes = [len(group) for group in GROUPS.values()]
     y = np.arange(sum(sizes)) + 0.6 * np.repeat(range(len(sizes)), sizes)  # groups apart
-    longest = max(d["alone"][:, 0].max(), d["within"][:, 0].max(), 0.1)
-    lowest = min(d["alone"][:, 0].min(), d["within"][:, 0].min(), -0.05 * longest)
+    prices = np.concatenate([d["alone"], d["within"]])
+    longest = max((prices[:, 0] + prices[:, 1]).max(), 0.1)
+    lowest = min((prices[:, 0] - prices[:, 1]).min(), -0.05 * longest)
     for side, (key, colour, label) in zip((-0.2, 0.2), _LOOKS, strict=True):
         value, error, _ = d[key].T
         ax.barh(y + side, value, 0.38, color=colour, label=label)

@@ -129,7 +129,7 @@ EFFECTS = {
         *(RODS | {"box": ROW["box"]}, RODS, {"box": "none", "start.tilt_deg": TILT}),
         drifts=False,  # a row that is open falls over
     ),
-    "energy ledger": _watcher("ledger", PLATE),
+    "energy ledger": _watcher("ledger", RODS),
     "record of landings": _watcher("landings", PLATE),
     "series of means": _watcher("series", NOTHING),
 }

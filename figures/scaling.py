@@ -30,7 +30,10 @@ from .rows import ROW
 from .shared import BLACK, BLUE, name_panel, style
 from .timing import estimate, interleaved, machine_line, onward, reloading, steady
 
-COUNTS = (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000)
+COUNTS = {
+    True: (10, 40, 160, 640, 2500, 5000),
+    False: (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000),
+}
 LEAST = 320  # rods a sample is about, with one period each
 SPACING = ROW["box"]["length"] / ROW["rods"]["count"]
 RUNS, PERIODS = 4, 40  # of each core, and of each run
@@ -97,7 +100,7 @@ def _estimates(samples: np.ndarray) -> np.ndarray:
 def data(quick: bool = False) -> dict[str, np.ndarray]:
     """Times in ns per step of a rod, (value, error, interquartile range)."""
     load = os.getloadavg()[0]
-    counts = COUNTS[::2] + COUNTS[-1:] if quick else COUNTS
+    counts = COUNTS[quick]
     bar = tqdm(counts, desc="settling", unit="row", disable=None, leave=False, delay=2)
     rows = [_periods(count, SETTLE[quick]) for count in bar]
 
