@@ -3,7 +3,8 @@
 A variant is a change of the full scene, the row of the other figures with all that a scene can
 have. An effect *alone* stands on the barest scene in which it makes sense; *within*, the full scene
 is compared with itself without the effect and without what needs it (no plate: no vibration,
-friction or landings either; no contacts of rods: no box).
+friction or landings either; no contacts of rods: no box; and in an open box no contact of the last
+rod with the first).
 """
 
 from collections.abc import Iterable, Mapping
@@ -147,9 +148,9 @@ INSTEAD = {
     "inertia: solid": _instead(PLATE | {"rods.inertia": "solid"}, PLATE, {"rods.inertia": "solid"}),
 }
 OFF = {
-    "friction of the plate: 0": _zero("contacts.plate.friction", PLATE),
-    "friction of rods: 0": _zero("contacts.rods.friction", RODS),
-    "acceleration of the plate: 0": _zero("plate.acceleration", PLATE),
+    "off: friction of the plate": _zero("contacts.plate.friction", PLATE),
+    "off: friction of rods": _zero("contacts.rods.friction", RODS),
+    "off: acceleration of the plate": _zero("plate.acceleration", PLATE),
 }
 GROUPS = {"effect": EFFECTS, "instead": INSTEAD, "off": OFF}
 

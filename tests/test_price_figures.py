@@ -21,7 +21,7 @@ mpl.use("Agg")
 FEW = {
     "effect": ("gravity", "series of means"),
     "instead": ("inertia: solid",),
-    "off": ("acceleration of the plate: 0",),
+    "off": ("off: acceleration of the plate",),
 }
 TINY = {
     effect_prices: {
@@ -212,7 +212,7 @@ def test_prices_belong_to_what_they_say(out):
     assert d["samples"].shape == (3, 2, 2, number)
     assert d["same_rods"][rows["series of means"]] == 1
     assert d["same_rods"][rows["gravity"]] == 0
-    assert d["same_kernel"][rows["acceleration of the plate: 0"]] == 1
+    assert d["same_kernel"][rows["off: acceleration of the plate"]] == 1
     assert d["same_kernel"][rows["series of means"]] == 0
     np.testing.assert_array_equal(np.isfinite(d["drift"][0]), [1, 0, 0, 1, 0])
     changes = effect_prices._changes(d)
