@@ -52,6 +52,10 @@ FIGURES = {
     "accuracy_cost_ladder": Entry(
         "One question, every way to answer it: deviation against time", quick=False
     ),
+    "effect_prices": Entry(
+        "Price of each effect of a scene, alone and in the full scene", quick=False
+    ),
+    "scaling": Entry("Time over the number of rods, work over the number of cores", quick=False),
 }
 
 

@@ -5,6 +5,7 @@ python -m figures draw [NAME ...] [--all] [--quick] [--out DIR]
 python -m figures movie SCENE [--set KEY=VALUE ...] [--periods N] [--frames F] [--out DIR|FILE.gif]
 python -m figures claims [--quick] [--out DIR]
 python -m figures paper [--estimate] [--out DIR]
+python -m figures prices [--out DIR]
 """
 
 import argparse
@@ -12,6 +13,7 @@ import json
 import os
 import platform
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -89,6 +91,38 @@ def _draw(arguments: argparse.Namespace) -> int:
         bar.write(f"{png}  {pdf.name}  {npz.name}")
         if summary:
             bar.write(summary)
+    return 0
+
+
+def _prices(arguments: argparse.Namespace) -> int:
+    out = arguments.out
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=out):  # or it could not be written in the end
+        pass
+
+    import matplotlib as mpl
+    import matplotlib.pyplot as plt
+    import numpy as np
+    from tqdm import tqdm
+
+    from . import price_list
+
+    mpl.use("Agg")
+    found = {}
+    bar = tqdm(price_list.known(), desc="prices", unit="figure", disable=None, leave=False)
+    for name in bar:
+        bar.set_postfix_str(name)
+        (npz, png, pdf), _ = _produce(name, out, quick=True)
+        bar.write(f"{png}  {pdf.name}  {npz.name}")
+        with np.load(npz) as stored:
+            found[name] = {key: stored[key] for key in stored if key != "provenance"}
+    words, picture = price_list.summary(found), price_list.draw(found)
+    with _replacing(out / "prices.txt") as part:
+        part.write_text(words + "\n", encoding="utf-8")
+    with _replacing(out / "prices.png") as part:
+        picture.savefig(part, dpi=200)
+    plt.close(picture)
+    print(f"{words}\n\n{out / 'prices.txt'}  prices.png")
     return 0
 
 
@@ -180,7 +214,9 @@ def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     parser = Parser(prog="python -m figures", description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(
-        dest="command", required=True, metavar="list | draw | movie | claims | paper"
+        dest="command",
+        required=True,
+        metavar="list | draw | movie | claims | prices | paper",
     )
     listing = commands.add_parser("list", help="names and titles")
     listing.set_defaults(run=_list)
@@ -207,7 +243,9 @@ def main(argv: list[str] | None = None) -> int:
     paper = commands.add_parser("paper", help="every figure in full, the movie and the claims")
     paper.add_argument("--estimate", action="store_true", help="say how long it takes, no more")
     paper.set_defaults(run=_paper)
-    for command in (judging, paper):
+    prices = commands.add_parser("prices", help="measure all prices anew: ten minutes at most")
+    prices.set_defaults(run=_prices)
+    for command in (judging, paper, prices):
         command.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     arguments = parser.parse_args(argv)
     return guarded("figures", lambda: arguments.run(arguments))
