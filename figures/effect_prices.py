@@ -26,7 +26,7 @@ from md.engine import SAMPLES, Engine
 from md.row import Series
 
 from .effects import FULL, GROUPS, NOTHING, STEP, Effect, Variant, variants
-from .rows import means, swept
+from .rows import computed, means, planned
 from .shared import BLUE, ORANGE, style
 from .timing import estimate, interleaved, machine_line, onward, reloading, steady
 
@@ -117,7 +117,7 @@ def _drifts(quick: bool) -> np.ndarray:
     wanted += [(i, effect.changed) for i, effect in enumerate(rows().values(), 1) if effect.drifts]
     for i, variant in tqdm(wanted, desc="drift", unit="scene", disable=None, leave=False, delay=2):
         changes = {"step.size": STEP, **variant.changes}
-        sweep = swept([{"start.seed": seeds}], PERIODS[quick], changes)
+        sweep = computed(planned([{"start.seed": seeds}], PERIODS[quick], changes))
         mean = means(sweep, {"drift": "c_x"})
         found[:, i] = np.array([mean["drift"], mean["drift_error"]]) * variant.scene.cm_per_s
     return found

@@ -19,7 +19,11 @@ from .rows import planned, store
 # Seconds in full, runs of the store apart, as measured on two cores of a busy AMD EPYC; of figures
 # not named here, `USUAL`.
 SECONDS = {
+    "effect_prices": 420,
+    "accuracy_cost_drift": 400,
     "landing_census": 250,
+    "accuracy_cost_ladder": 150,
+    "scaling": 120,
     "accuracy_map": 65,
     "alpha": 50,
     "fig08_theory": 40,
