@@ -269,7 +269,7 @@ def test_command_refuses_a_file_of_another_kind(tmp_path, capsys):
 
 def test_command_writes_a_gif_that_loops(tmp_path, capsys):
     out = tmp_path / "row.gif"
-    settings = ["--set", "rods.count=4", "--set", "box.length=5", "--set", "step.size=5e-5"]
+    settings = ["--set", "rods.count=4", "--set", "box.length=5", "--set", "step.size=4e-5"]
     command = ["movie", "quasi2d", *settings, "--periods", "3", "--frames", "4"]
     assert main([*command, "--out", str(out)]) == 0
     printed = capsys.readouterr()

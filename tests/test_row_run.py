@@ -37,7 +37,7 @@ def closed(result, part=2e-3):
 
 
 def test_the_ledger_closes_as_the_step_shrinks():
-    """Residual over turnover, five rods for two periods: second order, as is leapfrog.
+    """Residual over turnover, five rods for two periods: second order.
 
     Halves of a step's losses go with the velocity between two forces. The runs part ways at
     contacts, which scatters single halvings; over three of them the order holds to a quarter.
