@@ -28,7 +28,7 @@ from md.statistics import standard_error
 from .shared import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
 
 PAPER_STEP = 2e-5  # sqrt(d/g)
-PER_CONTACT = (13, 18, 25, 36, 72)  # and the paper's
+PER_CONTACT = (16, 20, 26, 40, 80)  # and the paper's
 FINE = 30  # steps a contact from which on runs are taken as the truth
 CUT = 100  # periods at the start
 PERIODS = {True: 2500, False: 20000}  # quick or not; an eighth of it at the paper's step

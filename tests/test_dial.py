@@ -265,7 +265,7 @@ def test_the_calibration_is_a_command(tmp_path, monkeypatch, capsys):
     few = {name: calibration.SCENES[name] for name in list(calibration.SCENES)[:2]}
     small = {"rods.count": 3, "box.length": 3.225}
     monkeypatch.setattr(calibration, "SCENES", {name: few[name] | small for name in few})
-    monkeypatch.setattr(calibration, "STEPS", (13, 16, 20, 26))
+    monkeypatch.setattr(calibration, "STEPS", (16, 20, 26, 40))
     monkeypatch.setattr(calibration.calibrate, "__kwdefaults__", {"periods": 8, "progress": False})
     out = tmp_path / "calibration.json"
     how = ["calibrate", "--store", str(tmp_path / "a.db"), "--out", str(out)]

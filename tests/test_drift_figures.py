@@ -40,7 +40,7 @@ def test_time_to_reach_an_error():
 def tiny(monkeypatch):
     monkeypatch.setattr(drift_figure, "PERIODS", {True: 64})
     monkeypatch.setattr(drift_figure, "CUT", 2)
-    monkeypatch.setattr(drift_figure, "PER_CONTACT", (13, 18, 25, 36, 40))
+    monkeypatch.setattr(drift_figure, "PER_CONTACT", (16, 18, 25, 36, 40))
     monkeypatch.setattr(drift_figure, "PAPER_STEP", 1e-4)
     monkeypatch.setattr(drift_figure, "TOLERANCES", (0.4,))
     monkeypatch.setattr(
