@@ -1,0 +1,187 @@
+"""Scenes in an annulus: what they may hold, runs, resume, trajectories."""
+
+import json
+
+import numpy as np
+import pytest
+
+import md
+from md import runner
+from md.__main__ import main
+from md.engine import prepare
+from md.space import crowd
+from md.space.engine import axial_gyration_squared
+from md.sweep import execute, expand
+from md.trajectory import read_frames
+
+SMALL = (
+    *("rods.count=6", "rods.length=4", "annulus.inner=1", "annulus.outer=2.8", "step.size=none"),
+    *(f"contacts.{part}.stiffness=1e5" for part in ("plate", "rods", "wall")),
+)
+
+
+def ring(*assignments):
+    """A few short soft rods in a narrow gap."""
+    return md.load("annulus", [*SMALL, *assignments])
+
+
+@pytest.mark.parametrize(
+    ("assignments", "words"),
+    [
+        (["contacts.wall=none"], "contacts.wall is missing: the scene names annulus"),
+        (["annulus=none"], "annulus is missing: the scene has a contact with walls"),
+        (["box.length=9"], "box must be absent from an annulus"),
+        (["annulus.outer=1.9"], "annulus.outer must be at least a diameter beyond annulus.inner"),
+        (["annulus.inner=-1"], "annulus.inner must be between"),
+        (["gravity.x=0.1"], "gravity.x must be 0 in an annulus"),
+        (["contacts.wall.friction=-1"], "contacts.wall.friction must be >= 0"),
+    ],
+)
+def test_what_is_no_annulus_is_refused(assignments, words):
+    with pytest.raises(ValueError, match=words):
+        ring(*assignments)
+
+
+def test_other_refusals():
+    with pytest.raises(TypeError, match=r"rods.spin must be true or false, got 1"):
+        ring("rods.spin=1")
+    with pytest.raises(ValueError, match="annulus is missing"):
+        md.load("quasi2d", ["rods.spin=true"])
+    law = ["contacts.wall.law=coulomb", "contacts.wall.tangential_ratio=none"]
+    with pytest.raises(ValueError, match=r"contacts.wall.law must have a tangential spring"):
+        ring(*law)
+    with pytest.raises(ValueError, match=r"rods.count 60 do not fit"):
+        prepare(ring("rods.count=60"))
+
+
+def bits(result):
+    """All that a run measured but the time it took."""
+    numbers = result.as_dict()
+    for key in ("run_seconds", "compile_seconds"):
+        del numbers[key]
+    return json.dumps(numbers, sort_keys=True), result.rods.tobytes(), result.c_x_series.tobytes()
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return md.run(ring("plate.acceleration=5"), periods=6)
+
+
+def test_rods_bounce_and_keep_to_the_gap(whole):
+    rods, scene = whole.rods, whole.scene
+    assert whole.landings["per_rod_and_period"]["mean"] > 0.1
+    ends = [rods[:, :2] + s * rods[:, 3:5] * (scene.rods.length - 1) / 2 for s in (-1, 0, 1)]
+    rho = np.hypot(*np.concatenate(ends).T)
+    assert rho.min() > scene.annulus.inner + 0.5 - 0.05
+    assert rho.max() < scene.annulus.outer - 0.5 + 0.05
+    np.testing.assert_allclose(np.linalg.norm(rods[:, 3:6], axis=1), 1, atol=1e-12)
+
+
+@pytest.mark.parametrize("seconds", [1e-4, 10.0])
+def test_how_a_run_is_cut_into_calls_does_not_matter(whole, monkeypatch, seconds):
+    monkeypatch.setattr(runner, "_CHUNK", seconds)
+    assert bits(md.run(whole.scene, periods=6)) == bits(whole)
+
+
+def test_a_run_goes_on_from_its_checkpoint(whole, tmp_path):
+    path = tmp_path / "ring.npz"
+    md.run(whole.scene, periods=2, checkpoint=path)
+    assert bits(md.run(whole.scene, periods=6, checkpoint=path)) == bits(whole)
+
+
+def test_rods_that_lean_the_other_way_drift_the_other_way():
+    """The drift follows the sign of the lean; errors are small against it."""
+    found = []
+    for tilt in (35, -35):
+        result = md.run(ring("plate.acceleration=5", f"start.tilt_deg={tilt}"), periods=40)
+        lean = result.landings["lean_deg"]["mean"]
+        assert np.sign(lean) == np.sign(tilt)
+        found.append(result.c_x)
+    assert found[0] > 0 > found[1]
+
+
+def test_axial_spin_is_an_effect():
+    """Absent, it is `None`; present, rods that rub on walls begin to spin."""
+    assert prepare(ring()).world.spin is None
+    engine = prepare(ring("rods.spin=true", "plate.acceleration=5"))
+    assert engine.world.spin > 0
+    engine.go(20_000)
+    axial = (engine.rods[:, 3:6] * engine.rods[:, 9:12]).sum(axis=1)
+    assert np.abs(axial).max() > 1e-6
+    still = prepare(ring("plate.acceleration=5"))
+    still.go(20_000)
+    assert np.abs((still.rods[:, 3:6] * still.rods[:, 9:12]).sum(axis=1)).max() < 1e-12
+
+
+def test_axial_inertia():
+    """A sphere has 1/10, a long cylinder 1/8."""
+    assert axial_gyration_squared(1.0) == pytest.approx(0.1)
+    assert axial_gyration_squared(1e6) == pytest.approx(0.125, rel=1e-5)
+
+
+def test_what_no_effect_needs_is_not_there():
+    smooth = [f"contacts.{part}.friction=0" for part in ("plate", "rods", "wall")]
+    engine = prepare(ring(*smooth))
+    assert engine.springs is None
+    assert engine.pair_springs is None
+    alone = prepare(ring("contacts.rods=none", "rods.count=1", "start.tilt_deg=10"))
+    assert alone.pairs is None
+    assert alone.world.between is None
+
+
+def test_the_plate_counts_its_touches():
+    """A single upright rod let fall on a plate at rest touches it, with V_z = 0."""
+    result = md.run(
+        ring("rods.count=1", "plate.acceleration=0", "start.drop=0.1", "start.tilt_deg=0"),
+        periods=5,
+    )
+    assert result.landings["per_rod_and_period"]["mean"] > 0.2
+    assert result.landings["plate_velocity"]["mean"] == 0
+
+
+def test_frames_hold_place_and_direction(whole, tmp_path):
+    """The quaternion turns the z axis into the rod's."""
+    path = tmp_path / "ring.xyz"
+    result = md.run(whole.scene, periods=2, trajectory=path)
+    frames = read_frames(path)
+    assert len(frames) == 2
+    table = np.loadtxt(path.read_text().splitlines()[2:8])
+    x, y, z, w = table[:, 4:8].T
+    turned = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]).T
+    tilt = np.degrees(np.arccos(turned[:, 2]))
+    np.testing.assert_allclose(tilt, table[:, -1], atol=1e-5)
+    engine = prepare(result.scene)
+    np.testing.assert_allclose(table[:, 1:4], engine.rods[:, :3], atol=1e-8)
+    np.testing.assert_allclose(turned, engine.rods[:, 3:6], atol=1e-6)
+
+
+def test_a_sweep_takes_an_annulus(tmp_path):
+    from md.scene import _parsed, put, read_tables
+
+    base = put(read_tables("annulus"), dict(map(_parsed, SMALL)))
+    sweep = expand({"periods": 3, "axes": [{"start.seed": [1, 2]}]}, base)
+    assert execute(sweep, tmp_path / "a.db", workers=1).computed == 2
+    (c_x,) = sweep.gather(tmp_path / "a.db", "c_x")
+    assert np.isfinite(c_x).all()
+
+
+def test_the_command(capsys):
+    sets = [part for change in SMALL for part in ("--set", change)]
+    assert main(["run", "annulus", *sets, "--periods", "8"]) == 0
+    out = capsys.readouterr().out
+    assert "V_z/V_0" in out
+    assert "slide" not in out
+    assert main(["run", "annulus", *sets, "--periods", "3", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["landings"]["lean_deg"]["mean"] is not None
+    assert main(["run", "annulus", "--set", "contacts.wall=none"]) == 2
+
+
+def test_too_deep_in_a_wall_is_an_error():
+    engine = prepare(ring())
+    engine.rods[0, :2] *= 0.05
+    with pytest.raises(md.RunError, match=r"too deep in (a wall|each other)"):
+        engine.go(10)
+    engine = prepare(ring())
+    engine.rods[2, crowd.COLUMNS - 1] = np.nan
+    with pytest.raises(md.RunError, match="rod 2: its state is not finite"):
+        engine.go(10)
