@@ -5,12 +5,13 @@ r"""A scene as an animation: rods of true width, the plate, and what the tip of 
 >>> film = movie.record(md.load("quasi2d"), periods=20, frames=8)
 >>> movie.write(film, "row.gif")
 
-Seen from the box, whose ends meet; a rod that leaves on the right comes back on the left. One rod
+An annulus is shown rolled out: rods at their place around it and as they lean along it. Seen from
+the box, whose ends meet; a rod that leaves on the right comes back on the left. One rod
 is marked, and what it passed is drawn behind it: there the drift shows. Below, its lowest point
 (red) and the plate (grey), of which the large picture shows too little: both move by a small part
 of a rod's width. The picture of the README, 1.4 MB:
 
-    python -m figures movie quasi2d --set rods.count=20 --set box.length=24 --set step.size=5e-5 \
+    python -m figures movie quasi2d --set rods.count=20 --set box.length=24 --set step.size=4e-5 \
         --periods 24 --frames 4 --out figures/gallery/row.gif
 """
 
@@ -52,6 +53,13 @@ class Film(NamedTuple):
     every: int  # from picture to picture
 
     @property
+    def length(self) -> float | None:
+        """After which the picture repeats: of the box, or around the annulus at its middle."""
+        if self.scene.annulus:
+            return 2 * np.pi * self.scene.annulus.middle
+        return self.scene.box.length if self.scene.box else None
+
+    @property
     def pictures(self) -> int:
         """Number of pictures."""
         return len(self.time) // self.every
@@ -85,18 +93,33 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
         while engine.step < goal:
             engine.go(goal - engine.step)
         time[i] = engine.step / engine.per
-        columns["x"][i], columns["z"][i] = engine.rods[:, 0], engine.rods[:, 1]
-        columns["tilt"][i] = np.arctan2(engine.rods[:, 2], engine.rods[:, 3])
+        seen = _rolled_out(scene, engine.rods) if scene.annulus else _in_plane(engine.rods)
+        for column, values in zip(columns.values(), seen, strict=True):
+            column[i] = values
         if scene.vibrates:
-            plate[i] = engine.crowd.alone.plate.height[engine.step % engine.per]
+            plate[i] = engine.plate.height[engine.step % engine.per]
+    if scene.annulus:  # azimuths jump once around
+        columns["x"] = np.unwrap(columns["x"], axis=0, period=2 * np.pi * scene.annulus.middle)
     return Film(scene, time, plate, **columns, every=every)
+
+
+def _in_plane(rods: np.ndarray) -> tuple[np.ndarray, ...]:
+    """x, z and tilt."""
+    return rods[:, 0], rods[:, 1], np.arctan2(rods[:, 2], rods[:, 3])
+
+
+def _rolled_out(scene: md.Scene, rods: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Place along the middle of the annulus, height, and lean along it."""
+    azimuth = np.arctan2(rods[:, 1], rods[:, 0])
+    lean = np.cos(azimuth) * rods[:, 4] - np.sin(azimuth) * rods[:, 3]
+    return scene.annulus.middle * azimuth, rods[:, 2], np.arctan2(lean, rods[:, 5])
 
 
 def _window(film: Film) -> tuple[float, float, float, float]:
     """Left, right, bottom, top of what is shown."""
     half = film.scene.rods.length / 2
-    left, right = 0.0, film.scene.box.length if film.scene.box else 0.0
-    if film.scene.box is None:
+    left, right = 0.0, film.length or 0.0
+    if film.length is None:
         left, right = film.x.min() - half - 0.5, film.x.max() + half + 0.5
     bottom = min(film.plate.min(), film.tips.min()) - 0.8
     return left, right, bottom, (2 * film.z - film.tips).max() + 0.3
@@ -107,8 +130,8 @@ def segments(film: Film, i: int) -> tuple[np.ndarray, np.ndarray]:
     half, n = (film.scene.rods.length - 1) / 2, film.x.shape[1]
     number, x = np.arange(n), film.x[i]
     reach = half * np.sin(film.tilt[i])
-    if film.scene.box:
-        length = film.scene.box.length
+    if film.length:
+        length = film.length
         number, x = (
             np.tile(number, 3),
             np.concatenate([x % length + s * length for s in (-1, 0, 1)]),
@@ -188,9 +211,9 @@ class Picture:
     def _path(self, i: int) -> list[np.ndarray]:
         """Where the centre of the marked rod has been, cut where the box ends."""
         x, z = self.film.x[: i + 1, self.marked], self.film.z[: i + 1, self.marked]
-        if self.film.scene.box is None:
+        if self.film.length is None:
             return [np.stack([x, z], -1)]
-        length = self.film.scene.box.length
+        length = self.film.length
         cuts = np.flatnonzero(np.diff(x // length)) + 1
         return [
             np.stack(part, -1)

@@ -185,3 +185,15 @@ def test_too_deep_in_a_wall_is_an_error():
     engine.rods[2, crowd.COLUMNS - 1] = np.nan
     with pytest.raises(md.RunError, match="rod 2: its state is not finite"):
         engine.go(10)
+
+
+def test_a_film_rolls_it_out():
+    """Places along the middle circle, without jumps, and the lean along it."""
+    from figures import movie
+
+    scene = ring("plate.acceleration=5", "start.tilt_deg=30")
+    film = movie.record(scene, 3, 4)
+    assert film.length == pytest.approx(2 * np.pi * scene.annulus.middle)
+    assert np.abs(np.diff(film.x, axis=0)).max() < 0.5
+    assert np.degrees(film.tilt[0]).mean() == pytest.approx(30, abs=2)
+    assert movie.segments(film, 0)[0].shape[1:] == (2, 2)
