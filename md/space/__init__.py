@@ -1,0 +1,1 @@
+"""Rods in space: on a plate, between cylindrical walls."""

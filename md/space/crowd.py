@@ -1,0 +1,583 @@
+"""Many rods in space, compiled: on a plate, between cylindrical walls; leapfrog.
+
+The state of a rod is its centre, its director, its velocity and the vector w = (angular momentum)/I
+about which the director turns. Without axial spin w is across the director and is the angular
+velocity itself; with it, a free rod is a symmetric top, whose director turns about w all the same,
+while its surface also spins by `spin` (w . director).
+
+As in the plane (`md.row`), an effect is an argument that may be `None`, and is then compiled to
+nothing; forces of the contacts are those of `md.contact`. A tangential spring is a vector that
+stays in the tangent plane of its contact.
+"""
+
+from math import acos, atan2, cos, pi, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from ..cache import kernel
+from ..contact import Friction, Motion, Normal, plate_at, push, tangential_constants
+from ..integrators import DEEP, DONE, NOT_FINITE, TOO_DEEP
+from ..row import PAIR_TOO_DEEP, TOO_FAST, Between
+from .geometry import (
+    CROSSING,
+    NEARER,
+    along,
+    at_end,
+    between_ends,
+    cross,
+    dot,
+    from_axis,
+    gap_vector,
+    rise,
+    to_inner,
+)
+
+PLACE, DIRECTOR, VELOCITY, TURN = 0, 3, 6, 9  # first columns of the rods' state
+COLUMNS = 12
+WALL_TOO_DEEP = 8  # why a run ended, beyond those of the plane
+PLATE_CAPS, INNER, OUTER = 0, 2, 5  # places of a rod's springs: two caps, two ends and between, two
+SINGLE = 7
+WORK, LOSS = 0, 1  # of the ledger: of the plate, in all contacts
+# Columns of the series, a row a period.
+ADVANCE, TILTS, LEANS, SAMPLES, TOUCHES, PLATE_SUM, PUSHING, APPROACH = range(8)
+SERIES = 8
+ZERO, UP = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+
+
+class Wall(NamedTuple):
+    """A vertical cylinder about the axis x = y = 0."""
+
+    radius: float
+    normal: Normal
+    friction: Friction | None
+
+
+class Space(NamedTuple):
+    """All that acts; `None`: absent."""
+
+    half_length: float
+    lightness: float  # 1/k^2
+    spin: float | None  # I/I_axial - 1; None: no spin about the axis
+    gravity: float | None  # along z
+    plate: Motion | None  # at rest at z = 0
+    normal: Normal | None  # of the plate; None: no plate
+    friction: Friction | None
+    inner: Wall | None
+    outer: Wall | None
+    between: Between | None
+
+
+class Samples(NamedTuple):
+    """What is sampled, a row a period, and the touches of the plate."""
+
+    rows: np.ndarray  # (periods + 1, SERIES): sums over samples of the mean advance about the axis
+    # [rad], mean tilt and mean lean along the annulus, number of samples; touches of the plate, its
+    # velocity at them, the same weighted by the speed of approach, and that speed
+    azimuth: np.ndarray  # (N,) at the last sample
+    resting: np.ndarray  # (N,): whether the plate pushed in the last step
+    per: int  # steps of a row
+    every: int  # steps between two samples
+
+
+class Pairs(NamedTuple):
+    """Pairs of axes closer than 1 + skin, and of every two rods whether they touch."""
+
+    count: np.ndarray  # (1,)
+    index: np.ndarray  # (N (N - 1)/2, 3): first rod, second, number of the pair
+    touched: np.ndarray  # (N (N - 1)/2,)
+    travelled: np.ndarray  # (1,): how far any point of an axis may have moved since the list is made
+
+
+def no_pairs(rods: int) -> Pairs:
+    """A list that is out of date."""
+    most = max(rods * (rods - 1) // 2, 1)
+    return Pairs(
+        np.zeros(1, np.int64), np.zeros((most, 3), np.int64), np.zeros(most, np.int8),
+        np.full(1, np.inf),
+    )  # fmt: skip
+
+
+@kernel
+def vector(array, i, first):
+    return array[i, first], array[i, first + 1], array[i, first + 2]
+
+
+@kernel
+def add(array, i, first, v):
+    array[i, first] += v[0]
+    array[i, first + 1] += v[1]
+    array[i, first + 2] += v[2]
+
+
+@kernel
+def put(array, i, first, v):
+    array[i, first], array[i, first + 1], array[i, first + 2] = v
+
+
+@kernel
+def turning(spin, w, director):
+    """Angular velocity."""
+    if spin is None:
+        return w
+    return along(w, spin * dot(w, director), director)
+
+
+@kernel
+def inverse(spin, lightness, lever, director):
+    """What a torque per force adds to the inverse of a contact's mass."""
+    if spin is None:
+        return lightness * (dot(lever, lever) - dot(lever, director) ** 2)
+    return lightness * (dot(lever, lever) + spin * dot(lever, director) ** 2)
+
+
+@kernel
+def drag(friction, spin, lightness, others, arm, director, spring, normal, overlap, force, slip, dt):
+    """Tangential force and the new spring, as `contact.pull` does it, for vectors.
+
+    The spring is first turned into the tangent plane. `others`: inverse mass but for the rotation
+    of this rod, whose lever is that about its stretch.
+    """
+    old = along(spring, -dot(spring, normal), normal)
+    stretched = along(old, dt, slip)
+    size = sqrt(dot(stretched, stretched))
+    mass = 1.0 / others
+    if size > 0.0:
+        lever = cross(arm, stretched)
+        mass = 1.0 / (others + inverse(spin, lightness, lever, director) / (size * size))
+    k, g = tangential_constants(friction.spring, overlap, mass)
+    f = -k * stretched[0] - g * slip[0], -k * stretched[1] - g * slip[1], (
+        -k * stretched[2] - g * slip[2]
+    )
+    limit, size = friction.coefficient * force, sqrt(dot(f, f))
+    if size <= limit:
+        return f, stretched
+    f = along(ZERO, limit / size, f)
+    return f, along(along(ZERO, g / (g + k * dt), old), -dt / (g + k * dt), f)
+
+
+@kernel
+def rubbed(friction, spin, lightness, others, arm, director, springs, at, normal, overlap, force, slip, dt):
+    """Tangential force of a contact whose spring is kept in `springs[at]`."""
+    if friction is None:
+        return ZERO
+    row, k = at
+    kept = springs[row, k, 0], springs[row, k, 1], springs[row, k, 2]
+    f, new = drag(
+        *(friction, spin, lightness, others, arm, director, kept),
+        *(normal, overlap, force, slip, dt),
+    )
+    springs[row, k, 0], springs[row, k, 1], springs[row, k, 2] = new
+    return f
+
+
+@kernel
+def forget(springs, at):
+    """Of a contact that is open."""
+    if springs is not None:
+        row, k = at
+        springs[row, k, 0], springs[row, k, 1], springs[row, k, 2] = ZERO
+
+
+@kernel
+def surface(law, friction, world, rods, i, s, reach, normal, weight, climb, springs, place, total, dt):
+    """Add what a fixed surface does to rod i where it touches place s of the axis; its normal force.
+
+    `reach` is the distance of that place from the surface, `climb` the surface's velocity along z.
+    """
+    overlap = 0.5 - reach
+    director = vector(rods, i, DIRECTOR)
+    omega = turning(world.spin, vector(rods, i, TURN), director)
+    arm = along(along(ZERO, s, director), -reach, normal)
+    v = along(vector(rods, i, VELOCITY), 1.0, cross(omega, arm))
+    v = v[0], v[1], v[2] - climb
+    rate = dot(v, normal)
+    lever = cross(arm, normal)
+    mass = 1.0 / (1.0 + inverse(world.spin, world.lightness, lever, director))
+    force = weight * push(law, overlap, rate, mass, dt)
+    f = rubbed(
+        *(friction, world.spin, world.lightness, 1.0, arm, director, springs, (i, place)),
+        *(normal, overlap, force, along(v, -rate, normal), dt),
+    )
+    f = along(f, force, normal)
+    add(total, i, 0, f)
+    add(total, i, 3, cross(arm, f))
+    return force
+
+
+@kernel
+def on_plate(law, world, rods, i, plate, springs, total, dt):
+    """Plate forces at both caps; the deepest overlap."""
+    if law is None:
+        return 0.0
+    deepest = 0.0
+    for cap in range(2):
+        s = world.half_length if cap else -world.half_length
+        reach = rods[i, PLACE + 2] + s * rods[i, DIRECTOR + 2] - plate[0]
+        if reach >= 0.5:
+            forget(springs, (i, PLATE_CAPS + cap))
+            continue
+        surface(
+            *(law, world.friction, world, rods, i, s, reach, UP, 1.0, plate[1]),
+            *(springs, PLATE_CAPS + cap, total, dt),
+        )
+        deepest = max(deepest, 0.5 - reach)
+    return deepest
+
+
+@kernel
+def at_outer(wall, world, rods, i, springs, total, dt):
+    """Forces of the concave wall, which only caps can touch; the deepest overlap."""
+    if wall is None:
+        return 0.0
+    deepest = 0.0
+    for cap in range(2):
+        s = world.half_length if cap else -world.half_length
+        rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
+        reach = wall.radius - rho
+        if reach >= 0.5:
+            forget(springs, (i, OUTER + cap))
+            continue
+        inwards = -out[0], -out[1], 0.0
+        surface(
+            *(wall.normal, wall.friction, world, rods, i, s, reach, inwards, 1.0, 0.0),
+            *(springs, OUTER + cap, total, dt),
+        )
+        deepest = max(deepest, 0.5 - reach)
+    return deepest
+
+
+@kernel
+def at_inner(wall, world, rods, i, springs, total, dt):
+    """Forces of the convex wall, on the ends and between them; the deepest overlap."""
+    if wall is None:
+        return 0.0
+    place, director, half = vector(rods, i, PLACE), vector(rods, i, DIRECTOR), world.half_length
+    deepest = 0.0
+    for cap in range(2):
+        s = half if cap else -half
+        rho, out = from_axis(along(place, s, director))
+        reach = rho - wall.radius
+        if reach >= 0.5:
+            forget(springs, (i, INNER + cap))
+            continue
+        surface(
+            *(wall.normal, wall.friction, world, rods, i, s, reach, out, 1.0, 0.0),
+            *(springs, INNER + cap, total, dt),
+        )
+        deepest = max(deepest, 0.5 - reach)
+    s, inside = to_inner(place, director, half)
+    rho, out = from_axis(along(place, s, director))
+    reach = rho - wall.radius
+    if not inside or reach >= 0.5:
+        forget(springs, (i, INNER + 2))
+        return deepest
+    lower, out_l = from_axis(along(place, -half, director))
+    upper, out_u = from_axis(along(place, half, director))
+    w_l, slope_l = rise((lower - rho) / NEARER)
+    w_u, slope_u = rise((upper - rho) / NEARER)
+    surface(
+        *(wall.normal, wall.friction, world, rods, i, s, reach, out, w_l * w_u, 0.0),
+        *(springs, INNER + 2, total, dt),
+    )
+    overlap = 0.5 - reach
+    energy = 0.4 * wall.normal.stiffness * overlap * overlap * sqrt(overlap) / NEARER
+    pulled(rods, i, s, out, energy * (slope_l * w_u + w_l * slope_u), total)
+    pulled(rods, i, -half, out_l, -energy * slope_l * w_u, total)
+    pulled(rods, i, half, out_u, -energy * w_l * slope_u, total)
+    return max(deepest, overlap)
+
+
+@kernel
+def pulled(rods, i, s, normal, force, total):
+    """Add a force along a normal at place s of the axis of rod i."""
+    f = along(ZERO, force, normal)
+    add(total, i, 0, f)
+    add(total, i, 3, cross(along(ZERO, s, vector(rods, i, DIRECTOR)), f))
+
+
+@kernel
+def met(law, friction, world, rods, i, j, s, t, r, weight, springs, at, total, dt):
+    """Add what two rods do to each other where places s and t of their axes are closest."""
+    a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
+    distance = sqrt(dot(r, r))
+    normal, overlap = along(ZERO, 1.0 / distance, r), 1.0 - distance
+    p, q = along(along(ZERO, s, a), -0.5, r), along(along(ZERO, t, b), 0.5, r)
+    omega_i = turning(world.spin, vector(rods, i, TURN), a)
+    omega_j = turning(world.spin, vector(rods, j, TURN), b)
+    v = along(vector(rods, i, VELOCITY), 1.0, cross(omega_i, p))
+    v = along(along(v, -1.0, vector(rods, j, VELOCITY)), -1.0, cross(omega_j, q))
+    rate = dot(v, normal)
+    slip = along(v, -rate, normal)
+    light_i = inverse(world.spin, world.lightness, cross(p, normal), a)
+    light_j = inverse(world.spin, world.lightness, cross(q, normal), b)
+    force = weight * push(law, overlap, rate, 1.0 / (2.0 + light_i + light_j), dt)
+    f = ZERO
+    if friction is not None:
+        size = dot(slip, slip)
+        others = 2.0
+        if size > 0.0:
+            others += inverse(world.spin, world.lightness, cross(q, slip), b) / size
+        f = rubbed(
+            *(friction, world.spin, world.lightness, others, p, a, springs, at),
+            *(normal, overlap, force, slip, dt),
+        )
+    f = along(f, force, normal)
+    add(total, i, 0, f)
+    add(total, i, 3, cross(p, f))
+    f = along(ZERO, -1.0, f)
+    add(total, j, 0, f)
+    add(total, j, 3, cross(q, f))
+
+
+@kernel(inline=False)
+def crossed(law, friction, world, rods, i, j, apart, s, t, springs, at, total, dt):
+    """Contact of two rods between their ends, and what keeps it continuous; whether too deep."""
+    a, b, half = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR), world.half_length
+    r = gap_vector(apart, a, b, s, t)
+    distance = sqrt(dot(r, r))
+    if distance < 1.0 - DEEP:
+        return True
+    weight = 1.0
+    for end in range(4):
+        x, y = at_end(apart, a, b, half, end)
+        e = gap_vector(apart, a, b, x, y)
+        weight *= rise((sqrt(dot(e, e)) - distance) / NEARER)[0]
+    met(law, friction, world, rods, i, j, s, t, r, weight, springs, at, total, dt)
+    overlap = 1.0 - distance
+    energy = 0.4 * law.stiffness * overlap * overlap * sqrt(overlap) / NEARER
+    towards = 0.0
+    for end in range(4):
+        x, y = at_end(apart, a, b, half, end)
+        e = gap_vector(apart, a, b, x, y)
+        far = sqrt(dot(e, e))
+        w, slope = rise((far - distance) / NEARER)
+        if slope > 0.0:
+            pull = energy * slope * weight / w
+            towards += pull
+            normal = along(ZERO, 1.0 / far, e)
+            pulled(rods, i, x, normal, -pull, total)
+            pulled(rods, j, y, normal, pull, total)
+    normal = along(ZERO, 1.0 / distance, r)
+    pulled(rods, i, s, normal, towards, total)
+    pulled(rods, j, t, normal, -towards, total)
+    return False
+
+
+@kernel(inline=False)
+def pair_forces(between, world, rods, pairs, springs, total, dt):
+    """Forces of all listed pairs; number of a pair that is too deep, or -1."""
+    half = world.half_length
+    for k in range(pairs.count[0]):
+        i, j, number = pairs.index[k, 0], pairs.index[k, 1], pairs.index[k, 2]
+        apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
+        a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
+        touched = 0
+        for end in range(4):
+            s, t = at_end(apart, a, b, half, end)
+            r = gap_vector(apart, a, b, s, t)
+            square = dot(r, r)
+            if square >= 1.0:
+                if pairs.touched[number]:
+                    forget(springs, (number, end))
+                continue
+            if square < (1.0 - DEEP) ** 2:
+                return k
+            touched = 1
+            met(
+                *(between.normal, between.friction, world, rods, i, j, s, t, r, 1.0),
+                *(springs, (number, end), total, dt),
+            )
+        s, t, inside = between_ends(apart, a, b, half)
+        if inside:
+            r = gap_vector(apart, a, b, s, t)
+            inside = dot(r, r) < 1.0
+        if inside:
+            touched = 1
+            if crossed(
+                *(between.normal, between.friction, world, rods, i, j, apart, s, t),
+                *(springs, (number, CROSSING), total, dt),
+            ):
+                return k
+        elif pairs.touched[number]:
+            forget(springs, (number, CROSSING))
+        pairs.touched[number] = touched
+    return -1
+
+
+@kernel
+def nearest(apart, a, b, half):
+    """Distance of two axes."""
+    least = np.inf
+    for end in range(4):
+        s, t = at_end(apart, a, b, half, end)
+        r = gap_vector(apart, a, b, s, t)
+        least = min(least, dot(r, r))
+    s, t, inside = between_ends(apart, a, b, half)
+    if inside:
+        r = gap_vector(apart, a, b, s, t)
+        least = min(least, dot(r, r))
+    return sqrt(least)
+
+
+@kernel(inline=False)
+def list_pairs(rods, half, skin, pairs):
+    """Make the list anew; every pair is looked at."""
+    n, count, number = rods.shape[0], 0, 0
+    for i in range(n):
+        for j in range(i + 1, n):
+            apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
+            if dot(apart, apart) < (2.0 * half + 1.0 + skin) ** 2:
+                a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
+                if nearest(apart, a, b, half) < 1.0 + skin:
+                    pairs.index[count, 0], pairs.index[count, 1] = i, j
+                    pairs.index[count, 2] = number
+                    count += 1
+            number += 1
+    pairs.count[0] = count
+    pairs.travelled[0] = 0.0
+
+
+@kernel
+def crowded(between, world, rods, pairs, springs, skin, total, dt):
+    """Pair forces from a list kept up to date; why the run cannot go on, and where."""
+    if between is None:
+        return DONE, 0
+    if pairs.travelled[0] >= 0.5 * skin:
+        list_pairs(rods, world.half_length, skin, pairs)
+    deep = pair_forces(between, world, rods, pairs, springs, total, dt)
+    return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
+
+
+@kernel
+def moved(between, pairs, distance):
+    """Note how far rods may have moved; whether one may have passed through another unseen."""
+    if between is None:
+        return False
+    pairs.travelled[0] += distance
+    return distance > 0.5 * DEEP
+
+
+@kernel
+def rotated(v, w, dt):
+    """A director after it has turned about w for a time dt, kept at length one."""
+    square = dot(w, w) * dt * dt
+    one, two = dt, 0.5 * dt * dt
+    if square > 1e-4:
+        angle = sqrt(square)
+        one, two = dt * sin(angle) / angle, dt * dt * (1.0 - cos(angle)) / square
+    else:
+        one *= 1.0 - square / 6.0 * (1.0 - square / 20.0)
+        two *= 1.0 - square / 12.0 * (1.0 - square / 30.0)
+    first = cross(w, v)
+    v = along(along(v, one, first), two, cross(w, first))
+    return along(v, 0.5 * (1.0 - dot(v, v)), v)
+
+
+@kernel
+def across(spin, w, director):
+    """Without axial spin w stays across the director."""
+    if spin is None:
+        return along(w, -dot(w, director), director)
+    return w
+
+
+@kernel
+def sample(samples, rods, step):
+    """Add to the series at a sampling step."""
+    if samples is None:
+        return
+    row, part = divmod(step, samples.per)
+    if part % samples.every != 0:
+        return
+    n, advance, tilt, lean = rods.shape[0], 0.0, 0.0, 0.0
+    for i in range(n):
+        x, y = rods[i, PLACE], rods[i, PLACE + 1]
+        azimuth = atan2(y, x)
+        step_on = azimuth - samples.azimuth[i]
+        advance += step_on - 2.0 * pi * np.round(step_on / (2.0 * pi))
+        samples.azimuth[i] = azimuth
+        a = vector(rods, i, DIRECTOR)
+        side = 1.0 if a[2] >= 0.0 else -1.0  # a rod has no head
+        along_ring = side * (x * a[1] - y * a[0]) / sqrt(x * x + y * y)
+        tilt += acos(min(abs(a[2]), 1.0))
+        lean += atan2(along_ring, abs(a[2]))
+    rows = samples.rows
+    rows[row, ADVANCE] += advance / n
+    rows[row, TILTS] += tilt / n
+    rows[row, LEANS] += lean / n
+    rows[row, SAMPLES] += 1.0
+
+
+@kernel
+def touched(samples, world, rods, i, deepest, plate, step):
+    """Note a new touch of the plate."""
+    if samples is None:
+        return
+    if deepest > 0.0 and samples.resting[i] == 0:
+        director = vector(rods, i, DIRECTOR)
+        s = -world.half_length if director[2] > 0.0 else world.half_length
+        arm = along(along(ZERO, s, director), -0.5, UP)
+        spin = cross(turning(world.spin, vector(rods, i, TURN), director), arm)
+        approach = plate[1] - rods[i, VELOCITY + 2] - spin[2]
+        row, rows = step // samples.per, samples.rows
+        rows[row, TOUCHES] += 1.0
+        rows[row, PLATE_SUM] += plate[1]
+        rows[row, PUSHING] += approach * plate[1]
+        rows[row, APPROACH] += approach
+    samples.resting[i] = deepest > 0.0
+
+
+@kernel
+def down(gravity):
+    return 0.0 if gravity is None else gravity
+
+
+@kernel(inline=False)
+def march(world, rods, springs, pair_springs, pairs, skin, total, sampled, first, steps, dt):
+    """`steps` steps of all rods from step number `first`; steps made, why it ended, where.
+
+    Parameters
+    ----------
+    world : Space
+    rods : (N, 12): centre and director at a step; velocity and w half a step before
+    springs : (N, 7, 3) of plate and walls, or None; pair_springs : (pairs, 5, 3), or None
+    pairs : Pairs, or None
+    total : (N, 6), scratch
+    sampled : Samples, or None
+    """
+    g = down(world.gravity)
+    for n in range(steps):
+        plate = plate_at(world.plate, first + n)
+        for i in range(rods.shape[0]):
+            put(total, i, 0, (0.0, 0.0, g))
+            put(total, i, 3, ZERO)
+        why, where = crowded(world.between, world, rods, pairs, pair_springs, skin, total, dt)
+        if why != DONE:
+            return n, why, where
+        sample(sampled, rods, first + n)
+        fastest = 0.0
+        for i in range(rods.shape[0]):
+            deepest = on_plate(world.normal, world, rods, i, plate, springs, total, dt)
+            if not deepest <= DEEP:
+                return n, TOO_DEEP, i
+            touched(sampled, world, rods, i, deepest, plate, first + n)
+            deepest = at_inner(world.inner, world, rods, i, springs, total, dt)
+            deepest = max(deepest, at_outer(world.outer, world, rods, i, springs, total, dt))
+            if not deepest <= DEEP:
+                return n, WALL_TOO_DEEP, i
+            c = along(vector(rods, i, VELOCITY), dt, vector(total, i, 0))
+            w = along(vector(rods, i, TURN), dt * world.lightness, vector(total, i, 3))
+            director = vector(rods, i, DIRECTOR)
+            w = across(world.spin, w, director)
+            speed = sqrt(dot(c, c)) + world.half_length * sqrt(dot(w, w))
+            if not speed < 1e100:
+                return n, NOT_FINITE, i
+            fastest = max(fastest, speed)
+            put(rods, i, PLACE, along(vector(rods, i, PLACE), dt, c))
+            put(rods, i, DIRECTOR, rotated(director, w, dt))
+            put(rods, i, VELOCITY, c)
+            put(rods, i, TURN, w)
+        if moved(world.between, pairs, fastest * dt):
+            return n + 1, TOO_FAST, 0
+    return steps, DONE, 0
