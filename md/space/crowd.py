@@ -1,4 +1,4 @@
-"""Many rods in space, compiled: on a plate, between cylindrical walls; leapfrog.
+"""Many rods in space, compiled: on a plate, between cylindrical walls; Verlet's method.
 
 The state of a rod is its centre, its director, its velocity and the vector w = (angular momentum)/I
 about which the director turns. Without axial spin w is across the director and is the angular
@@ -86,7 +86,9 @@ class Pairs(NamedTuple):
     count: np.ndarray  # (1,)
     index: np.ndarray  # (N (N - 1)/2, 3): first rod, second, number of the pair
     touched: np.ndarray  # (N (N - 1)/2,)
-    travelled: np.ndarray  # (1,): how far any point of an axis may have moved since the list is made
+    travelled: (
+        np.ndarray
+    )  # (1,): how far any point of an axis may have moved since the list is made
 
 
 def no_pairs(rods: int) -> Pairs:
@@ -132,22 +134,26 @@ def inverse(spin, lightness, lever, director):
 
 
 @kernel
-def drag(friction, spin, lightness, others, arm, director, spring, normal, overlap, force, slip, dt):
+def drag(friction, spin, lightness, others, arm, director, spring, normal, overlap, force, v, dt):
     """Tangential force and the new spring, as `contact.pull` does it, for vectors.
 
     The spring is first turned into the tangent plane. `others`: inverse mass but for the rotation
-    of this rod, whose lever is that about its stretch.
+    of this rod, whose lever is that about its stretch; `v`: velocities of the contact point half a
+    step before and now.
     """
     old = along(spring, -dot(spring, normal), normal)
-    stretched = along(old, dt, slip)
+    stretched = along(old, dt, along(v[0], -dot(v[0], normal), normal))
+    slip = along(v[1], -dot(v[1], normal), normal)
     size = sqrt(dot(stretched, stretched))
     mass = 1.0 / others
     if size > 0.0:
         lever = cross(arm, stretched)
         mass = 1.0 / (others + inverse(spin, lightness, lever, director) / (size * size))
     k, g = tangential_constants(friction.spring, overlap, mass)
-    f = -k * stretched[0] - g * slip[0], -k * stretched[1] - g * slip[1], (
-        -k * stretched[2] - g * slip[2]
+    f = (
+        -k * stretched[0] - g * slip[0],
+        -k * stretched[1] - g * slip[1],
+        (-k * stretched[2] - g * slip[2]),
     )
     limit, size = friction.coefficient * force, sqrt(dot(f, f))
     if size <= limit:
@@ -157,7 +163,9 @@ def drag(friction, spin, lightness, others, arm, director, spring, normal, overl
 
 
 @kernel
-def rubbed(friction, spin, lightness, others, arm, director, springs, at, normal, overlap, force, slip, dt):
+def rubbed(
+    friction, spin, lightness, others, arm, director, springs, at, normal, overlap, force, v, dt
+):
     """Tangential force of a contact whose spring is kept in `springs[at]`."""
     if friction is None:
         return ZERO
@@ -165,7 +173,7 @@ def rubbed(friction, spin, lightness, others, arm, director, springs, at, normal
     kept = springs[row, k, 0], springs[row, k, 1], springs[row, k, 2]
     f, new = drag(
         *(friction, spin, lightness, others, arm, director, kept),
-        *(normal, overlap, force, slip, dt),
+        *(normal, overlap, force, v, dt),
     )
     springs[row, k, 0], springs[row, k, 1], springs[row, k, 2] = new
     return f
@@ -180,24 +188,52 @@ def forget(springs, at):
 
 
 @kernel
-def surface(law, friction, world, rods, i, s, reach, normal, weight, climb, springs, place, total, dt):
+def moving(world, rods, i, director, arm):
+    """Velocity of a point of the rod half a step before."""
+    omega = turning(world.spin, vector(rods, i, TURN), director)
+    return along(vector(rods, i, VELOCITY), 1.0, cross(omega, arm))
+
+
+@kernel
+def gaining(world, before, i, director, arm):
+    """Its acceleration in the last step, but for that towards the centre."""
+    alpha = turning(world.spin, vector(before, i, 3), director)
+    return along(vector(before, i, 0), 1.0, cross(alpha, arm))
+
+
+@kernel
+def surface(
+    law,
+    friction,
+    world,
+    rods,
+    before,
+    i,
+    s,
+    reach,
+    normal,
+    weight,
+    climb,
+    springs,
+    place,
+    total,
+    dt,
+):
     """Add what a fixed surface does to rod i where it touches place s of the axis; its normal force.
 
     `reach` is the distance of that place from the surface, `climb` the surface's velocity along z.
     """
     overlap = 0.5 - reach
     director = vector(rods, i, DIRECTOR)
-    omega = turning(world.spin, vector(rods, i, TURN), director)
     arm = along(along(ZERO, s, director), -reach, normal)
-    v = along(vector(rods, i, VELOCITY), 1.0, cross(omega, arm))
-    v = v[0], v[1], v[2] - climb
-    rate = dot(v, normal)
+    v = along(moving(world, rods, i, director, arm), -climb, UP)
+    now = along(v, dt / 2, gaining(world, before, i, director, arm))
     lever = cross(arm, normal)
     mass = 1.0 / (1.0 + inverse(world.spin, world.lightness, lever, director))
-    force = weight * push(law, overlap, rate, mass, dt)
+    force = weight * push(law, overlap, dot(now, normal), mass, dt)
     f = rubbed(
         *(friction, world.spin, world.lightness, 1.0, arm, director, springs, (i, place)),
-        *(normal, overlap, force, along(v, -rate, normal), dt),
+        *(normal, overlap, force, (v, now), dt),
     )
     f = along(f, force, normal)
     add(total, i, 0, f)
@@ -206,7 +242,7 @@ def surface(law, friction, world, rods, i, s, reach, normal, weight, climb, spri
 
 
 @kernel
-def on_plate(law, world, rods, i, plate, springs, total, dt):
+def on_plate(law, world, rods, before, i, plate, springs, total, dt):
     """Plate forces at both caps; the deepest overlap."""
     if law is None:
         return 0.0
@@ -218,7 +254,7 @@ def on_plate(law, world, rods, i, plate, springs, total, dt):
             forget(springs, (i, PLATE_CAPS + cap))
             continue
         surface(
-            *(law, world.friction, world, rods, i, s, reach, UP, 1.0, plate[1]),
+            *(law, world.friction, world, rods, before, i, s, reach, UP, 1.0, plate[1]),
             *(springs, PLATE_CAPS + cap, total, dt),
         )
         deepest = max(deepest, 0.5 - reach)
@@ -226,7 +262,7 @@ def on_plate(law, world, rods, i, plate, springs, total, dt):
 
 
 @kernel
-def at_outer(wall, world, rods, i, springs, total, dt):
+def at_outer(wall, world, rods, before, i, springs, total, dt):
     """Forces of the concave wall, which only caps can touch; the deepest overlap."""
     if wall is None:
         return 0.0
@@ -240,7 +276,7 @@ def at_outer(wall, world, rods, i, springs, total, dt):
             continue
         inwards = -out[0], -out[1], 0.0
         surface(
-            *(wall.normal, wall.friction, world, rods, i, s, reach, inwards, 1.0, 0.0),
+            *(wall.normal, wall.friction, world, rods, before, i, s, reach, inwards, 1.0, 0.0),
             *(springs, OUTER + cap, total, dt),
         )
         deepest = max(deepest, 0.5 - reach)
@@ -248,7 +284,7 @@ def at_outer(wall, world, rods, i, springs, total, dt):
 
 
 @kernel
-def at_inner(wall, world, rods, i, springs, total, dt):
+def at_inner(wall, world, rods, before, i, springs, total, dt):
     """Forces of the convex wall, on the ends and between them; the deepest overlap."""
     if wall is None:
         return 0.0
@@ -262,7 +298,7 @@ def at_inner(wall, world, rods, i, springs, total, dt):
             forget(springs, (i, INNER + cap))
             continue
         surface(
-            *(wall.normal, wall.friction, world, rods, i, s, reach, out, 1.0, 0.0),
+            *(wall.normal, wall.friction, world, rods, before, i, s, reach, out, 1.0, 0.0),
             *(springs, INNER + cap, total, dt),
         )
         deepest = max(deepest, 0.5 - reach)
@@ -277,7 +313,7 @@ def at_inner(wall, world, rods, i, springs, total, dt):
     w_l, slope_l = rise((lower - rho) / NEARER)
     w_u, slope_u = rise((upper - rho) / NEARER)
     surface(
-        *(wall.normal, wall.friction, world, rods, i, s, reach, out, w_l * w_u, 0.0),
+        *(wall.normal, wall.friction, world, rods, before, i, s, reach, out, w_l * w_u, 0.0),
         *(springs, INNER + 2, total, dt),
     )
     overlap = 0.5 - reach
@@ -297,21 +333,20 @@ def pulled(rods, i, s, normal, force, total):
 
 
 @kernel
-def met(law, friction, world, rods, i, j, s, t, r, weight, springs, at, total, dt):
+def met(law, friction, world, rods, before, i, j, s, t, r, weight, springs, at, total, dt):
     """Add what two rods do to each other where places s and t of their axes are closest."""
     a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
     distance = sqrt(dot(r, r))
     normal, overlap = along(ZERO, 1.0 / distance, r), 1.0 - distance
     p, q = along(along(ZERO, s, a), -0.5, r), along(along(ZERO, t, b), 0.5, r)
-    omega_i = turning(world.spin, vector(rods, i, TURN), a)
-    omega_j = turning(world.spin, vector(rods, j, TURN), b)
-    v = along(vector(rods, i, VELOCITY), 1.0, cross(omega_i, p))
-    v = along(along(v, -1.0, vector(rods, j, VELOCITY)), -1.0, cross(omega_j, q))
-    rate = dot(v, normal)
-    slip = along(v, -rate, normal)
+    v = along(moving(world, rods, i, a, p), -1.0, moving(world, rods, j, b, q))
+    gain = along(gaining(world, before, i, a, p), -1.0, gaining(world, before, j, b, q))
+    now = along(v, dt / 2, gain)
+    slip = along(v, -dot(v, normal), normal)
     light_i = inverse(world.spin, world.lightness, cross(p, normal), a)
     light_j = inverse(world.spin, world.lightness, cross(q, normal), b)
-    force = weight * push(law, overlap, rate, 1.0 / (2.0 + light_i + light_j), dt)
+    mass = 1.0 / (2.0 + light_i + light_j)
+    force = weight * push(law, overlap, dot(now, normal), mass, dt)
     f = ZERO
     if friction is not None:
         size = dot(slip, slip)
@@ -320,7 +355,7 @@ def met(law, friction, world, rods, i, j, s, t, r, weight, springs, at, total, d
             others += inverse(world.spin, world.lightness, cross(q, slip), b) / size
         f = rubbed(
             *(friction, world.spin, world.lightness, others, p, a, springs, at),
-            *(normal, overlap, force, slip, dt),
+            *(normal, overlap, force, (v, now), dt),
         )
     f = along(f, force, normal)
     add(total, i, 0, f)
@@ -331,7 +366,7 @@ def met(law, friction, world, rods, i, j, s, t, r, weight, springs, at, total, d
 
 
 @kernel(inline=False)
-def crossed(law, friction, world, rods, i, j, apart, s, t, springs, at, total, dt):
+def crossed(law, friction, world, rods, before, i, j, apart, s, t, springs, at, total, dt):
     """Contact of two rods between their ends, and what keeps it continuous; whether too deep."""
     a, b, half = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR), world.half_length
     r = gap_vector(apart, a, b, s, t)
@@ -343,7 +378,7 @@ def crossed(law, friction, world, rods, i, j, apart, s, t, springs, at, total, d
         x, y = at_end(apart, a, b, half, end)
         e = gap_vector(apart, a, b, x, y)
         weight *= rise((sqrt(dot(e, e)) - distance) / NEARER)[0]
-    met(law, friction, world, rods, i, j, s, t, r, weight, springs, at, total, dt)
+    met(law, friction, world, rods, before, i, j, s, t, r, weight, springs, at, total, dt)
     overlap = 1.0 - distance
     energy = 0.4 * law.stiffness * overlap * overlap * sqrt(overlap) / NEARER
     towards = 0.0
@@ -365,7 +400,7 @@ def crossed(law, friction, world, rods, i, j, apart, s, t, springs, at, total, d
 
 
 @kernel(inline=False)
-def pair_forces(between, world, rods, pairs, springs, total, dt):
+def pair_forces(between, world, rods, before, pairs, springs, total, dt):
     """Forces of all listed pairs; number of a pair that is too deep, or -1."""
     half = world.half_length
     for k in range(pairs.count[0]):
@@ -385,7 +420,7 @@ def pair_forces(between, world, rods, pairs, springs, total, dt):
                 return k
             touched = 1
             met(
-                *(between.normal, between.friction, world, rods, i, j, s, t, r, 1.0),
+                *(between.normal, between.friction, world, rods, before, i, j, s, t, r, 1.0),
                 *(springs, (number, end), total, dt),
             )
         s, t, inside = between_ends(apart, a, b, half)
@@ -395,7 +430,7 @@ def pair_forces(between, world, rods, pairs, springs, total, dt):
         if inside:
             touched = 1
             if crossed(
-                *(between.normal, between.friction, world, rods, i, j, apart, s, t),
+                *(between.normal, between.friction, world, rods, before, i, j, apart, s, t),
                 *(springs, (number, CROSSING), total, dt),
             ):
                 return k
@@ -439,13 +474,13 @@ def list_pairs(rods, half, skin, pairs):
 
 
 @kernel
-def crowded(between, world, rods, pairs, springs, skin, total, dt):
+def crowded(between, world, rods, before, pairs, springs, skin, total, dt):
     """Pair forces from a list kept up to date; why the run cannot go on, and where."""
     if between is None:
         return DONE, 0
     if pairs.travelled[0] >= 0.5 * skin:
         list_pairs(rods, world.half_length, skin, pairs)
-    deep = pair_forces(between, world, rods, pairs, springs, total, dt)
+    deep = pair_forces(between, world, rods, before, pairs, springs, total, dt)
     return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
 
 
@@ -534,13 +569,16 @@ def down(gravity):
 
 
 @kernel(inline=False)
-def march(world, rods, springs, pair_springs, pairs, skin, total, sampled, first, steps, dt):
+def march(
+    world, rods, before, springs, pair_springs, pairs, skin, total, sampled, first, steps, dt
+):
     """`steps` steps of all rods from step number `first`; steps made, why it ended, where.
 
     Parameters
     ----------
     world : Space
     rods : (N, 12): centre and director at a step; velocity and w half a step before
+    before : (N, 6): accelerations of the step before, of the centre and of w
     springs : (N, 7, 3) of plate and walls, or None; pair_springs : (pairs, 5, 3), or None
     pairs : Pairs, or None
     total : (N, 6), scratch
@@ -552,24 +590,29 @@ def march(world, rods, springs, pair_springs, pairs, skin, total, sampled, first
         for i in range(rods.shape[0]):
             put(total, i, 0, (0.0, 0.0, g))
             put(total, i, 3, ZERO)
-        why, where = crowded(world.between, world, rods, pairs, pair_springs, skin, total, dt)
+        why, where = crowded(
+            world.between, world, rods, before, pairs, pair_springs, skin, total, dt
+        )
         if why != DONE:
             return n, why, where
         sample(sampled, rods, first + n)
         fastest = 0.0
         for i in range(rods.shape[0]):
-            deepest = on_plate(world.normal, world, rods, i, plate, springs, total, dt)
+            deepest = on_plate(world.normal, world, rods, before, i, plate, springs, total, dt)
             if not deepest <= DEEP:
                 return n, TOO_DEEP, i
             touched(sampled, world, rods, i, deepest, plate, first + n)
-            deepest = at_inner(world.inner, world, rods, i, springs, total, dt)
-            deepest = max(deepest, at_outer(world.outer, world, rods, i, springs, total, dt))
+            deepest = at_inner(world.inner, world, rods, before, i, springs, total, dt)
+            deepest = max(
+                deepest, at_outer(world.outer, world, rods, before, i, springs, total, dt)
+            )
             if not deepest <= DEEP:
                 return n, WALL_TOO_DEEP, i
-            c = along(vector(rods, i, VELOCITY), dt, vector(total, i, 0))
-            w = along(vector(rods, i, TURN), dt * world.lightness, vector(total, i, 3))
             director = vector(rods, i, DIRECTOR)
-            w = across(world.spin, w, director)
+            push_c = vector(total, i, 0)
+            push_w = across(world.spin, along(ZERO, world.lightness, vector(total, i, 3)), director)
+            c = along(vector(rods, i, VELOCITY), dt, push_c)
+            w = across(world.spin, along(vector(rods, i, TURN), dt, push_w), director)
             speed = sqrt(dot(c, c)) + world.half_length * sqrt(dot(w, w))
             if not speed < 1e100:
                 return n, NOT_FINITE, i
@@ -578,6 +621,8 @@ def march(world, rods, springs, pair_springs, pairs, skin, total, sampled, first
             put(rods, i, DIRECTOR, rotated(director, w, dt))
             put(rods, i, VELOCITY, c)
             put(rods, i, TURN, w)
+            put(before, i, 0, push_c)
+            put(before, i, 3, push_w)
         if moved(world.between, pairs, fastest * dt):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

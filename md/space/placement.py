@@ -144,12 +144,13 @@ def _relax(gap: Gap, rods: np.ndarray, half: float) -> None:
     light = 1 / (0.1 + (2 * half + 1) ** 2 / 12)
     world = crowd.Space(half, light, None, None, None, None, None, *wall, Between(soft, None))
     n = len(rods)
-    pairs, total, left = crowd.no_pairs(n), np.zeros((n, 6)), np.inf
+    pairs, total, before = crowd.no_pairs(n), np.zeros((n, 6)), np.zeros((n, 6))
+    left = np.inf
     for step in range(40_000):
         rods[:, 2] = 0.5 + half * np.abs(rods[:, 5])
         rods[:, 8] = 0
         _, why, _ = crowd.march(
-            *(world, rods, None, None, pairs, 0.4, total, None, step, 1, 0.02),
+            *(world, rods, before, None, None, pairs, 0.4, total, None, step, 1, 0.02),
         )
         if why not in (crowd.DONE, crowd.TOO_FAST):
             break
