@@ -102,11 +102,13 @@ def no_pairs(rods: int) -> Pairs:
 
 @kernel
 def vector(array, i, first):
+    """Three numbers of row i."""
     return array[i, first], array[i, first + 1], array[i, first + 2]
 
 
 @kernel
 def add(array, i, first, v):
+    """Add a vector to row i."""
     array[i, first] += v[0]
     array[i, first + 1] += v[1]
     array[i, first + 2] += v[2]
@@ -114,6 +116,7 @@ def add(array, i, first, v):
 
 @kernel
 def put(array, i, first, v):
+    """Put a vector into row i."""
     array[i, first], array[i, first + 1], array[i, first + 2] = v
 
 
@@ -219,9 +222,9 @@ def surface(
     total,
     dt,
 ):
-    """Add what a fixed surface does to rod i where it touches place s of the axis; its normal force.
+    """Add what a fixed surface does to rod i at place s of the axis, at a distance `reach` from it.
 
-    `reach` is the distance of that place from the surface, `climb` the surface's velocity along z.
+    `climb`: the surface's velocity along z.
     """
     overlap = 0.5 - reach
     director = vector(rods, i, DIRECTOR)
@@ -238,7 +241,6 @@ def surface(
     f = along(f, force, normal)
     add(total, i, 0, f)
     add(total, i, 3, cross(arm, f))
-    return force
 
 
 @kernel
@@ -565,6 +567,7 @@ def touched(samples, world, rods, i, deepest, plate, step):
 
 @kernel
 def down(gravity):
+    """Acceleration along z."""
     return 0.0 if gravity is None else gravity
 
 

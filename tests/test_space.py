@@ -1,0 +1,315 @@
+"""Rods in space: closest points, conserved quantities, the plane found again, placement."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+import md
+from md.contact import Friction
+from md.engine import prepare
+from md.row import Between
+from md.space import crowd, geometry, placement
+
+HALF, LIGHT = 4.25, 12 / 9.5**2
+GAP = placement.Gap(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
+ELASTIC = md.coulomb(1.0, 1e5).normal
+LOSSY = md.constant_restitution(0.65, 1e5, tangential_ratio=3)
+ROUGH = Friction(0.3, LOSSY.spring)
+
+
+def world(**parts):
+    """A scene with nothing but what is named."""
+    nothing = dict.fromkeys(crowd.Space._fields)
+    return crowd.Space(**{**nothing, "half_length": HALF, "lightness": LIGHT, **parts})
+
+
+class Scene:
+    """Rods under way."""
+
+    def __init__(self, scene, rods, dt=1e-4):
+        n = len(rods)
+        self.scene, self.rods, self.dt, self.step = scene, rods, dt, 0
+        self.scratch = np.zeros((n, 6)), crowd.no_pairs(n), np.zeros((n, 6))
+        self.springs = np.zeros((n, crowd.SINGLE, 3)), np.zeros((max(n * (n - 1) // 2, 1), 5, 3))
+
+    def go(self, steps):
+        before, pairs, total = self.scratch
+        done, why, where = crowd.march(
+            *(self.scene, self.rods, before, *self.springs, pairs, 0.4, total, None),
+            *(self.step, steps, self.dt),
+        )
+        assert (done, why) == (steps, 0), (done, why, where)
+        self.step += steps
+        return self
+
+    def moments(self):
+        """Momentum, and angular momentum about the origin, half a step ago."""
+        place = self.rods[:, :3] - self.dt / 2 * self.rods[:, 6:9]
+        spin = self.rods[:, 9:12] / LIGHT
+        return self.rods[:, 6:9].sum(0), (np.cross(place, self.rods[:, 6:9]) + spin).sum(0)
+
+    def kinetic(self):
+        return ((self.rods[:, 6:9] ** 2).sum() + (self.rods[:, 9:12] ** 2).sum() / LIGHT) / 2
+
+
+def unit(v):
+    return np.asarray(v, float) / np.linalg.norm(v)
+
+
+def two(seed, speed=0.4):
+    """Rods that will meet, crossing or nearly parallel."""
+    random = np.random.default_rng(seed)
+    rods = np.zeros((2, crowd.COLUMNS))
+    rods[1, :3] = random.uniform(-2, 2), 1.6, random.uniform(-2, 2)
+    for i in range(2):
+        rods[i, 3:6] = unit([random.uniform(-0.5, 0.5), random.uniform(-0.05, 0.05), 1])
+    rods[0, 7], rods[1, 6:9] = speed, (0.05, -speed, 0.02)
+    return rods
+
+
+def tuples(*vectors):
+    return [tuple(map(float, v)) for v in vectors]
+
+
+# Closest points
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_two_axes_are_as_far_apart_as_brute_force_says(seed):
+    random = np.random.default_rng(seed)
+    apart, a, b = random.uniform(-3, 3, 3), unit(random.normal(size=3)), unit(random.normal(size=3))
+    if seed % 5 == 0:
+        b = a if seed % 2 else unit(a + 1e-9 * random.normal(size=3))
+    found = crowd.nearest(*tuples(apart, a, b), HALF)
+
+    def distance(places):
+        return np.linalg.norm(apart + places[0] * a - places[1] * b)
+
+    starts = [(s, t) for s in (-HALF, 0, HALF) for t in (-HALF, 0, HALF)]
+    best = min(minimize(distance, s, bounds=[(-HALF, HALF)] * 2, tol=1e-12).fun for s in starts)
+    assert found == pytest.approx(best, abs=1e-6)
+    assert found <= best + 1e-12
+
+
+def test_the_inner_wall_is_as_near_as_brute_force_says():
+    random = np.random.default_rng(3)
+    for _ in range(50):
+        place, a = random.uniform(-8, 8, 3), unit(random.normal(size=3))
+        s, inside = geometry.to_inner(*tuples(place, a), HALF)
+        along = np.linspace(-HALF, HALF, 20001)[:, None]
+        rho = np.hypot(*(place + along * a).T[:2])
+        ends = [np.hypot(*(place + side * HALF * a)[:2]) for side in (-1, 1)]
+        mine = min(np.hypot(*(place + s * a)[:2]), *ends) if inside else min(ends)
+        assert rho.min() - 3e-4 < mine < rho.min() + 1e-12  # the grid is 4e-4 wide
+
+
+def total_force(scene, rods):
+    """On the first rod: force and torque."""
+    one = Scene(scene, rods.copy(), dt=1e-9)
+    one.go(1)
+    return np.concatenate([one.scratch[2][0]])
+
+
+@pytest.mark.parametrize("path", ["through parallel", "off the end", "past the inner wall"])
+def test_no_force_jumps(path):
+    """Ten times finer steps along the path: changes from place to place ten times smaller."""
+    biggest = []
+    for points in (2001, 20001):
+        forces = []
+        for x in np.linspace(-0.3, 0.3, points):
+            rods, scene = np.zeros((2, crowd.COLUMNS)), world(between=Between(ELASTIC, None))
+            rods[:, 5] = 1
+            if path == "through parallel":
+                rods[1, 1], rods[0, 3:6] = -0.98, unit([x, 0.001, 1])
+            elif path == "off the end":
+                rods[1, 1], rods[0, 3:6] = -0.98, unit([0.7, 0, 1])
+                rods[1, 3:6], rods[1, 2] = unit([-0.7, 0, 1]), 5.6 + 2 * x
+            else:
+                wall = crowd.Wall(5.0, ELASTIC, None)
+                rods, scene = rods[:1], world(inner=wall)
+                rods[0, :2], rods[0, 3:6] = (5.49, 0), unit([0.001, x, 1])
+            forces.append(total_force(scene, rods))
+        forces = np.array(forces)
+        assert np.ptp(forces, axis=0).max() > 1
+        biggest.append(np.abs(np.diff(forces, axis=0)).max())
+    assert biggest[1] < 0.15 * biggest[0]
+
+
+# What is conserved
+
+
+@pytest.mark.parametrize("spin", [None, 15.0])
+@pytest.mark.parametrize("seed", range(4))
+def test_momentum_and_angular_momentum_are_kept(seed, spin):
+    """With losses and friction; and the rods did meet."""
+    scene = Scene(world(between=Between(LOSSY.normal, ROUGH), spin=spin), two(seed))
+    momentum, turning = scene.moments()
+    energy = scene.kinetic()
+    scene.go(40_000)
+    assert abs(scene.kinetic() / energy - 1) > 1e-3
+    np.testing.assert_allclose(scene.moments()[0], momentum, rtol=0, atol=1e-12)
+    if spin is None:  # the axial part is what the scene leaves out
+        return
+    np.testing.assert_allclose(scene.moments()[1], turning, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_elastic_rods_keep_their_energy(seed):
+    """Better than 2e-6 of it at this step, whether they cross or touch at their ends."""
+    scene = Scene(world(between=Between(ELASTIC, None)), two(seed), dt=2e-4)
+    energy = scene.kinetic()
+    scene.go(20_000)
+    assert np.abs(scene.rods[:, 9:12]).max() > 1e-3
+    assert scene.kinetic() == pytest.approx(energy, rel=1e-5)
+    scene = Scene(world(between=Between(ELASTIC, None)), two(seed), dt=5e-5)
+    scene.go(80_000)
+    assert scene.kinetic() == pytest.approx(energy, rel=1e-6)
+
+
+def test_a_free_top_precesses_as_it_should():
+    """w is conserved, and the director turns about it at |w|."""
+    rods = np.zeros((1, crowd.COLUMNS))
+    w = np.array([0.3, -0.2, 0.5])
+    rods[0, 3:6], rods[0, 9:12] = unit([1, 2, 3]), w
+    first = rods[0, 3:6].copy()
+    scene = Scene(world(spin=15.0), rods, dt=1e-3).go(5000)
+    np.testing.assert_array_equal(scene.rods[0, 9:12], w)
+    angle, axis = np.linalg.norm(w) * 5.0, unit(w)
+    expected = (
+        first * np.cos(angle)
+        + np.cross(axis, first) * np.sin(angle)
+        + axis * (axis @ first) * (1 - np.cos(angle))
+    )
+    np.testing.assert_allclose(scene.rods[0, 3:6], expected, atol=1e-10)
+
+
+def annulus(count=44, friction=None, seed=1):
+    """Rods in the gap, thrown about, without a plate."""
+    walls = [crowd.Wall(radius, LOSSY.normal, friction) for radius in (GAP.inner, GAP.outer)]
+    rods = np.zeros((count, crowd.COLUMNS))
+    rods[:, :6] = placement.placed(GAP, count, 2 * HALF + 1, tilt=0.3)
+    rods[:, 6:9] = np.random.default_rng(seed).uniform(-0.5, 0.5, (count, 3))
+    return world(inner=walls[0], outer=walls[1], between=Between(LOSSY.normal, friction)), rods
+
+
+def test_smooth_walls_keep_the_angular_momentum_about_the_axis():
+    scene = Scene(*annulus())
+    before = scene.moments()
+    scene.go(5000)
+    momentum, turning = scene.moments()
+    assert np.abs(momentum - before[0]).max() > 0.1
+    assert turning[2] == pytest.approx(before[1][2], abs=1e-12 * 44 * 7)
+
+
+def test_turning_the_whole_scene_changes_nothing():
+    """By a quarter of a circle and some: all vectors turn along, to what rounding grows into."""
+    angle = 1.9
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    scene, rods = annulus(friction=ROUGH)
+    turned = rods.reshape(-1, 4, 3) @ turn.T
+    one = Scene(scene, rods.copy()).go(300)
+    other = Scene(scene, turned.reshape(rods.shape).copy()).go(300)
+    assert np.abs(one.rods - rods).max() > 1e-3
+    expected = (one.rods.reshape(-1, 4, 3) @ turn.T).reshape(rods.shape)
+    np.testing.assert_allclose(other.rods, expected, atol=1e-7)
+
+
+def test_rods_in_a_plane_do_what_the_plane_kernel_says():
+    """A row that falls onto the vibrated plate, with friction and losses; y stays zero."""
+    flat = md.load(
+        "quasi2d",
+        [
+            *(
+                "rods.count=6",
+                "box=none",
+                "start.tilt_deg=20",
+                "start.speed=0.3",
+                "start.drop=0.01",
+            ),
+            *("step.size=1e-4", "step.coarse=true", "plate.acceleration=5"),
+            *(f"contacts.{part}.stiffness=1e5" for part in ("plate", "rods")),
+        ],
+    )
+    engine = prepare(flat)
+    engine.rods[:, 0] *= 1.001  # else some touch just so, and rounding decides
+    alone, plane = engine.crowd.alone, engine.rods
+    rods = np.zeros((6, crowd.COLUMNS))
+    places = [0, 2, 3, 5, 6, 8, 10]
+    rods[:, places] = plane
+    scene = Scene(
+        world(
+            gravity=alone.gravity[1], plate=alone.plate, normal=alone.normal,
+            friction=alone.friction, between=engine.crowd.between,
+        ),
+        rods, engine.dt,
+    )  # fmt: skip
+    for _ in range(30):
+        engine.go(100)
+        scene.go(100)
+    assert engine.ledger[3] > 1e-4  # they met
+    assert engine.ledger[1] > 1e-4
+    np.testing.assert_allclose(rods[:, places], plane, rtol=0, atol=1e-9)
+    assert np.abs(rods[:, [1, 4, 7, 9, 11]]).max() < 1e-12
+
+
+# Placement
+
+
+def test_the_largest_tilt_of_one_rod():
+    """Round ends: sin = sqrt((R_o - 1/2)^2 - (R_i + 1/2)^2)/(l/2 - 1/2); a flat end leaves less."""
+    reach = np.sqrt((GAP.outer - 0.5) ** 2 - (GAP.inner + 0.5) ** 2)
+    round_ends = placement.largest_tilt(GAP, 8.0)
+    assert np.sin(round_ends) == pytest.approx(reach / 3.5)
+    flat = placement.largest_tilt(GAP, 8.0, flat=True)
+    assert np.radians(53) < flat < round_ends
+    assert placement.largest_tilt(GAP, 3.0) == np.pi / 2
+    assert placement.largest_tilt(GAP, 3.0, flat=True) == np.pi / 2
+
+
+@pytest.mark.parametrize("count", [1, 2, 23, 44])
+def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
+    """Beyond 1e-4 d; they stand on the plate and lean one way along the annulus."""
+    rods = placement.placed(GAP, count, 8.0)
+    half, least = 3.5, np.inf
+    for i in range(count):
+        for j in range(i):
+            parts = tuples(rods[i, :3] - rods[j, :3], rods[i, 3:], rods[j, 3:])
+            least = min(least, crowd.nearest(*parts, half))
+    assert least > 1 - 1e-4
+    along = np.linspace(-half, half, 201)[:, None]
+    for place, director in zip(rods[:, :3], rods[:, 3:], strict=True):
+        rho = np.hypot(*(place + along * director).T[:2])
+        assert rho.min() > GAP.inner + 0.5 - 1e-4
+        assert rho.max() < GAP.outer - 0.5 + 1e-4
+    np.testing.assert_allclose(rods[:, 2] - half * np.abs(rods[:, 5]), 0.5, atol=1e-3)
+    lean = rods[:, 0] * rods[:, 4] - rods[:, 1] * rods[:, 3]
+    assert (lean > 0).all() or (lean < 0).all()
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: placement.Gap(3.0, 3.9), "at least a diameter wide"),
+        (lambda: placement.Gap(-1.0, 3.0), "0 < inner < outer"),
+        (lambda: placement.placed(GAP, 70, 8.0), "do not fit into the annulus"),
+        (lambda: placement.largest_tilt(GAP, 0.5), "length must be at least 1"),
+    ],
+)
+def test_what_does_not_fit_is_refused(call, words):
+    with pytest.raises(ValueError, match=words):
+        call()
+
+
+@pytest.mark.parametrize("director", [(0, 0, 1), (0, 1, 0), (0, 0, -1), (1e-13, 0, 1)])
+def test_upright_and_lying_rods_are_ordinary(director):
+    """A rod alone in the gap, on the plate: all stays finite."""
+    walls = {n: crowd.Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 5.0), ("outer", 8.0))}
+    rods = np.zeros((1, crowd.COLUMNS))
+    rods[0, :3], rods[0, 3:6] = (5.6, 0, 0.6 + HALF * abs(director[2])), director
+    if director[1]:
+        walls["outer"] = walls["outer"]._replace(radius=9.0)
+    scene = Scene(world(**walls, normal=LOSSY.normal, friction=ROUGH, gravity=-1.0), rods)
+    scene.go(20_000)
+    assert np.isfinite(scene.rods).all()
+    assert np.linalg.norm(scene.rods[0, 3:6]) == pytest.approx(1, abs=1e-12)
