@@ -8,7 +8,7 @@ import md
 from md.contact import Friction
 from md.engine import prepare
 from md.row import Between
-from md.space import crowd, geometry, placement
+from md.space import crowd, forces, geometry, placement
 
 HALF, LIGHT = 4.25, 12 / 9.5**2
 GAP = placement.Gap(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
@@ -19,8 +19,8 @@ ROUGH = Friction(0.3, LOSSY.spring)
 
 def world(**parts):
     """A scene with nothing but what is named."""
-    nothing = dict.fromkeys(crowd.Space._fields)
-    return crowd.Space(**{**nothing, "half_length": HALF, "lightness": LIGHT, **parts})
+    nothing = dict.fromkeys(forces.Space._fields)
+    return forces.Space(**{**nothing, "half_length": HALF, "lightness": LIGHT, **parts})
 
 
 class Scene:
@@ -30,7 +30,7 @@ class Scene:
         n = len(rods)
         self.scene, self.rods, self.dt, self.step = scene, rods, dt, 0
         self.scratch = np.zeros((n, 6)), crowd.no_pairs(n), np.zeros((n, 6))
-        self.springs = np.zeros((n, crowd.SINGLE, 3)), np.zeros((max(n * (n - 1) // 2, 1), 5, 3))
+        self.springs = np.zeros((n, forces.SINGLE, 3)), np.zeros((max(n * (n - 1) // 2, 1), 5, 3))
 
     def go(self, steps):
         before, pairs, total = self.scratch
@@ -115,7 +115,7 @@ def test_no_force_jumps(path):
     """Ten times finer steps along the path: changes from place to place ten times smaller."""
     biggest = []
     for points in (2001, 20001):
-        forces = []
+        found = []
         for x in np.linspace(-0.3, 0.3, points):
             rods, scene = np.zeros((2, crowd.COLUMNS)), world(between=Between(ELASTIC, None))
             rods[:, 5] = 1
@@ -125,13 +125,13 @@ def test_no_force_jumps(path):
                 rods[1, 1], rods[0, 3:6] = -0.98, unit([0.7, 0, 1])
                 rods[1, 3:6], rods[1, 2] = unit([-0.7, 0, 1]), 5.6 + 2 * x
             else:
-                wall = crowd.Wall(5.0, ELASTIC, None)
+                wall = forces.Wall(5.0, ELASTIC, None)
                 rods, scene = rods[:1], world(inner=wall)
                 rods[0, :2], rods[0, 3:6] = (5.49, 0), unit([0.001, x, 1])
-            forces.append(total_force(scene, rods))
-        forces = np.array(forces)
-        assert np.ptp(forces, axis=0).max() > 1
-        biggest.append(np.abs(np.diff(forces, axis=0)).max())
+            found.append(total_force(scene, rods))
+        found = np.array(found)
+        assert np.ptp(found, axis=0).max() > 1
+        biggest.append(np.abs(np.diff(found, axis=0)).max())
     assert biggest[1] < 0.15 * biggest[0]
 
 
@@ -185,7 +185,7 @@ def test_a_free_top_precesses_as_it_should():
 
 def annulus(count=44, friction=None, seed=1):
     """Rods in the gap, thrown about, without a plate."""
-    walls = [crowd.Wall(radius, LOSSY.normal, friction) for radius in (GAP.inner, GAP.outer)]
+    walls = [forces.Wall(radius, LOSSY.normal, friction) for radius in (GAP.inner, GAP.outer)]
     rods = np.zeros((count, crowd.COLUMNS))
     rods[:, :6] = placement.placed(GAP, count, 2 * HALF + 1, tilt=0.3)
     rods[:, 6:9] = np.random.default_rng(seed).uniform(-0.5, 0.5, (count, 3))
@@ -304,7 +304,7 @@ def test_what_does_not_fit_is_refused(call, words):
 @pytest.mark.parametrize("director", [(0, 0, 1), (0, 1, 0), (0, 0, -1), (1e-13, 0, 1)])
 def test_upright_and_lying_rods_are_ordinary(director):
     """A rod alone in the gap, on the plate: all stays finite."""
-    walls = {n: crowd.Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 5.0), ("outer", 8.0))}
+    walls = {n: forces.Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 5.0), ("outer", 8.0))}
     rods = np.zeros((1, crowd.COLUMNS))
     rods[0, :3], rods[0, 3:6] = (5.6, 0, 0.6 + HALF * abs(director[2])), director
     if director[1]:

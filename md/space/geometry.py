@@ -12,7 +12,8 @@ from math import sqrt
 from ..cache import kernel
 
 NEARER = 0.1  # d; by so much nearer than all ends, a contact between them counts in full
-ENDS, CROSSING = 4, 4  # contacts of two rods: four ends, then the one between them
+CROSSING = 4  # contacts of two rods: four ends, then the one between them
+ZERO, UP = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 
 @kernel

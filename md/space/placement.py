@@ -8,7 +8,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from ..contact import Normal
 from ..row import Between
-from . import crowd
+from . import crowd, forces
 from .geometry import along, from_axis, to_inner
 
 _TOUCHING = 1e-4  # d; so deep, a rod of the paper's stiffness is pushed by five times its weight
@@ -160,9 +160,9 @@ def _relax(gap: Gap, rods: np.ndarray, half: float) -> float:
     Velocities are dropped whenever they lead up.
     """
     soft = Normal(100.0)
-    wall = [crowd.Wall(radius, soft, None) for radius in (gap.inner, gap.outer)]
+    wall = [forces.Wall(radius, soft, None) for radius in (gap.inner, gap.outer)]
     light = 1 / (0.1 + (2 * half + 1) ** 2 / 12)
-    world = crowd.Space(half, light, None, None, None, None, None, *wall, Between(soft, None))
+    world = forces.Space(half, light, None, None, None, None, None, *wall, Between(soft, None))
     n = len(rods)
     pairs, total, before = crowd.no_pairs(n), np.zeros((n, 6)), np.zeros((n, 6))
     for step in range(_STEPS):
