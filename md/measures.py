@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from . import landings
-from .engine import Engine
+from . import landings, row
+from .engine import SAMPLES, Engine
 from .statistics import ratio
 
 _PHASES = 64  # parts of a period
 HOP = 0.2  # periods; a shorter flight does not part two landings
+_OF_PERIOD = "series", "sums", "phases"  # arrays with a row a period
 _TOUCHES = landings.WIDTH  # column behind those of a landing: touches merged into it
 
 # What is summed over the landings of each period.
@@ -78,12 +79,52 @@ class Tables:
     """Samples of each period and sums over its landings."""
 
     def __init__(self, engine: Engine, periods: int):
-        self.per, self.speed = engine.per, engine.scene.plate_speed or 1.0
+        self.periods, self.per, self.speed = periods, engine.per, engine.scene.plate_speed or 1.0
         self.series = np.zeros((periods + 1, 5))
         self.sides = engine.rods[:, 2:4].copy()
         self.sums = np.zeros((periods + 1, 2, len(SUMS)))  # over touches, over merged landings
         self.phases = np.zeros((periods + 1, _PHASES), np.uint16)
         self.under_way = np.zeros((0, _TOUCHES + 1))  # merged landings that may not be over
+
+    def sampled(self, engine: Engine) -> row.Series:
+        """What the kernel adds to."""
+        return row.Series(self.series, self.sides, self.per, max(self.per // SAMPLES, 1))
+
+    def arrays(self, periods: int) -> dict[str, np.ndarray]:
+        """All that a checkpoint needs, by name."""
+        of_period = {name: getattr(self, name)[: periods + 1] for name in _OF_PERIOD}
+        return {**of_period, "sides": self.sides, "under_way": self.under_way}
+
+    def restore(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take them out again."""
+        self.under_way = arrays.pop("under_way")
+        for name in (*_OF_PERIOD, "sides"):
+            part = arrays.pop(name)
+            getattr(self, name)[: len(part)] = part
+
+    def drift(self, engine: Engine, periods: int) -> np.ndarray:
+        """Mean drift of each period made."""
+        places = self.series[: periods + 1, row.MEAN_X].copy()
+        if engine.step == periods * engine.per:  # the next period's first sample is not yet made
+            places[-1] = engine.rods[:, 0].mean()
+        return np.diff(places) / (engine.dt * engine.per)
+
+    def tilt_deg(self, periods: int) -> np.ndarray:
+        """Mean tilt of each period made."""
+        return np.degrees(self.series[:periods, row.TILTS] / self.series[:periods, row.SAMPLES])
+
+    def results(self, engine: Engine, first: int, periods: int) -> dict[str, Any]:
+        """What a `Result` tells of the periods behind the transient but for drift and tilt."""
+        seen, n = engine.record is not None and periods > 0, engine.scene.rods.count
+        return {
+            "landings": self._means(0, MEANS, first, periods, n) if seen else None,
+            "merged": self._means(1, OF_MERGED, first, periods, n) if seen else None,
+            "turned": {
+                "fell": int(self.series[:, row.FELL].sum()),
+                "passed_upright": int(self.series[:, row.UPRIGHT].sum()),
+            },
+            "phases": self.cycle(first, periods) if engine.record is not None else [],
+        }
 
     def add(self, rows: np.ndarray) -> None:
         """Touches as they end."""
@@ -113,14 +154,6 @@ class Tables:
         )
         np.add.at(self.sums[:, kind], step // self.per, np.array(columns, float).T)
         return step
-
-    def means(self, first: int, last: int, rods: int) -> dict[str, Any]:
-        """Of the touches of some periods."""
-        return self._means(0, MEANS, first, last, rods)
-
-    def merged_means(self, first: int, last: int, rods: int) -> dict[str, Any]:
-        """Of their merged landings."""
-        return self._means(1, OF_MERGED, first, last, rods)
 
     def _means(self, kind: int, names: dict, first: int, last: int, rods: int) -> dict[str, Any]:
         part = dict(zip(SUMS, self.sums[first:last, kind].T, strict=True))

@@ -18,9 +18,8 @@ import numba
 import numpy as np
 from tqdm import tqdm
 
-from . import row
 from .cache import digest
-from .engine import SAMPLES, Engine, prepare
+from .engine import Engine, prepare
 from .measures import Tables
 from .scene import Scene, as_dict, whole
 from .statistics import standard_error, transient
@@ -102,18 +101,8 @@ def finite(value: Any) -> Any:
     return value
 
 
-def _drift(engine: Engine, tables: Tables, periods: int) -> np.ndarray:
-    """Mean drift of each period made."""
-    places = tables.series[: periods + 1, row.MEAN_X].copy()
-    if engine.step == periods * engine.per:  # the next period's first sample is not yet made
-        places[-1] = engine.rods[:, 0].mean()
-    return np.diff(places) / (engine.dt * engine.per)
-
-
 def _result(engine: Engine, tables: Tables, began: dict, periods: int, finished: bool) -> Result:
-    n, dt, per = engine.scene.rods.count, engine.dt, engine.per
-    c_x = _drift(engine, tables, periods)
-    tilt = np.degrees(tables.series[:periods, row.TILTS] / tables.series[:periods, row.SAMPLES])
+    c_x, tilt = tables.drift(engine, periods), tables.tilt_deg(periods)
     cut = transient(c_x)
     energy = None
     if engine.ledger is not None:
@@ -130,18 +119,12 @@ def _result(engine: Engine, tables: Tables, began: dict, periods: int, finished:
         tilt_stderr_deg=standard_error(tilt[cut:]),
         periods=periods,
         discarded=cut,
-        steps_per_period=per,
-        dt=dt,
+        steps_per_period=engine.per,
+        dt=engine.dt,
         run_seconds=began["seconds"],
         compile_seconds=began["compile"],
         energy=energy,
-        landings=tables.means(cut, periods, n) if engine.record and periods else None,
-        merged=tables.merged_means(cut, periods, n) if engine.record and periods else None,
-        turned={
-            "fell": int(tables.series[:, row.FELL].sum()),
-            "passed_upright": int(tables.series[:, row.UPRIGHT].sum()),
-        },
-        phases=tables.cycle(cut, periods) if engine.record else [],
+        **tables.results(engine, cut, periods),
         c_x_series=c_x,
         tilt_series=tilt,
         rods=engine.rods.copy(),
@@ -205,15 +188,10 @@ def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
     about = {"scene": engine.scene.digest(), "code": digest(), "step": engine.step, **began}
     with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
         try:
-            used = engine.step // engine.per + 1
             np.savez(
                 file,
                 about=json.dumps(about),
-                series=tables.series[:used],
-                sums=tables.sums[:used],
-                phases=tables.phases[:used],
-                sides=tables.sides,
-                under_way=tables.under_way,
+                **tables.arrays(engine.step // engine.per),
                 **engine.arrays(),
             )
         except BaseException:
@@ -236,15 +214,12 @@ def _resume(path: Path, engine: Engine, tables: Tables) -> dict:
         if about.pop(key) != mine:
             raise ValueError(f"checkpoint {path} belongs to another {key}; remove it to start anew")
     step = about.pop("step")
-    if step > (len(tables.series) - 1) * engine.per:
+    if step > tables.periods * engine.per:
         raise ValueError(
             f"checkpoint {path} is {step // engine.per} periods long already: ask for more, or "
             "remove it"
         )
-    tables.under_way = arrays.pop("under_way")
-    for name in ("series", "sums", "phases", "sides"):
-        part = arrays.pop(name)
-        getattr(tables, name)[: len(part)] = part
+    tables.restore(arrays)
     engine.restore(arrays, step)
     return about
 
@@ -335,8 +310,7 @@ def run(
         _only_frames(Path(trajectory))
     engine = prepare(scene, ledger=ledger)
     tables = Tables(engine, periods)
-    every = max(engine.per // SAMPLES, 1)
-    series = row.Series(tables.series, tables.sides, engine.per, every)
+    series = tables.sampled(engine)
     begin = perf_counter()
     engine.go(0, series)  # compiles
     began = {"compile": perf_counter() - begin, "seconds": 0.0, "written": 0}
@@ -367,7 +341,7 @@ def run(
         aim = periods if goal is None else 0
         while True:
             if goal is not None:
-                aim = min(goal(_drift(engine, tables, made)), periods)
+                aim = min(goal(tables.drift(engine, made)), periods)
                 bar.total = aim
             _loop(
                 *(engine, tables, series, began, aim * engine.per),

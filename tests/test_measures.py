@@ -90,7 +90,8 @@ def test_means_of_a_run_are_those_of_its_record():
     tables = Tables(md.engine.prepare(result.scene), 30)
     tables.add(rows)
     found = by_hand(rows, result.steps_per_period, speed)
-    means = tables.merged_means(0, 30, result.scene.rods.count)
+    found_means = tables.results(md.engine.prepare(result.scene), 0, 30)
+    means, each = found_means["merged"], found_means["landings"]
     assert any(one["touches"] > 1 for one in found)
     expected = {
         "flight_periods": [one["flight"] for one in found],
@@ -104,7 +105,6 @@ def test_means_of_a_run_are_those_of_its_record():
     for name, values in expected.items():
         assert means[name]["mean"] == pytest.approx(np.mean(values), rel=1e-12)
     whole = rows[np.isfinite(rows[:, columns.FLIGHT])]
-    each = tables.means(0, 30, result.scene.rods.count)
     assert each["falling"]["mean"] == pytest.approx((whole[:, columns.PLATE] < 0).mean())
     assert each["omega_after"]["mean"] == pytest.approx(whole[:, columns.AFTER + 2].mean())
 
