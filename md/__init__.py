@@ -19,12 +19,13 @@ from .dial import Accuracy, Tuned, run
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .one_rod import INTEGRATORS, Impact, Rod, RunError, Track, Vibration, follow, impact
 from .runner import Result
-from .scene import Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
+from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 
 __all__ = [
     "INTEGRATORS",
     "LAWS",
     "Accuracy",
+    "Annulus",
     "Box",
     "Contact",
     "Contacts",

@@ -22,7 +22,7 @@ diameter, rod mass and gravity are 1, velocities are in sqrt(g d), times in sqrt
 
 
 RUN_EXAMPLE = """\
-Run a scene: a TOML file, or an example of md/scenes (quasi2d, single_rod). Lengths are in rod
+Run a scene: a TOML file, or an example of md/scenes (quasi2d, annulus, single_rod). Lengths are in rod
 diameters, times in sqrt(d/g), velocities in sqrt(g d), accelerations in g; only rods.diameter_cm
 and plate.frequency_hz are not. Your rods in cm: length = overall length / diameter.
 
@@ -152,16 +152,17 @@ def _print_result(r) -> None:
     print("".join(f", {name.replace('_', ' ')} {k} times" for name, k in r.turned.items() if k))
     if r.landings and r.landings["per_rod_and_period"]["mean"] > 0:
         mean = {name: pair["mean"] for name, pair in r.landings.items()}
-        print(f"landings     {mean['per_rod_and_period']:.3g} per rod and period:", end="")
-        print(f" slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%},", end="")
-        print(
-            f" slip reversal {mean['slip_reversal']:.0%}; not isolated {mean['not_isolated']:.0%}"
-        )
-        print(f"at landing   V_z/V_0 = {mean['plate_velocity']:.3g},", end="")
-        print(
-            f" restitution {mean['restitution']:.3g}, flight {mean['flight_periods']:.3g}", end=""
-        )
-        print(f" and contact {mean['contact_periods']:.2g} periods")
+        print(f"landings     {mean['per_rod_and_period']:.3g} per rod and period", end="")
+        if "slide" in mean:  # landings are told one by one in the plane alone
+            print(f": slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%},", end="")
+            print(f" slip reversal {mean['slip_reversal']:.0%};", end="")
+            print(f" not isolated {mean['not_isolated']:.0%}", end="")
+        print(f"\nat landing   V_z/V_0 = {mean['plate_velocity']:.3g}", end="")
+        if "slide" in mean:
+            print(f", restitution {mean['restitution']:.3g},", end="")
+            print(f" flight {mean['flight_periods']:.3g}", end="")
+            print(f" and contact {mean['contact_periods']:.2g} periods", end="")
+        print()
     if r.energy:
         lost = sum(v for k, v in r.energy.items() if k not in ("plate_work", "change", "residual"))
         print(f"energy       plate {r.energy['plate_work']:.4g}, lost {lost:.4g},", end="")

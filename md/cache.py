@@ -16,7 +16,8 @@ from pathlib import Path
 
 import numba
 
-_APART = "__init__.py", "__main__.py", "store.py", "sweep.py", "trajectory.py"  # and subpackages
+_APART = {"__main__.py", "store.py", "sweep.py", "trajectory.py", "dial/__init__.py"}
+_APART |= {"__init__.py", "dial/calibration.py"}
 _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
 
 
@@ -24,10 +25,11 @@ def digest() -> str:
     """Twelve hexadecimal digits that stand for the sources that decide what a run gives."""
     folder = Path(__file__).parent
     content = hashlib.sha256()
-    for path in sorted(folder.glob("*.py")):
-        if path.name in _APART:
+    for path in sorted(folder.rglob("*.py")):
+        name = path.relative_to(folder).as_posix()
+        if name in _APART:
             continue
-        content.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+        content.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
     return content.hexdigest()[:12]
 
 

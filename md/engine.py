@@ -53,6 +53,13 @@ def step_of(scene: Scene) -> tuple[float, int]:
                 *((half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1, coarse),
             )
         )
+    if scene.contacts.wall:
+        found.append(
+            _law_step(
+                *("contacts.wall", scene.contacts.wall, speed),
+                *((half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1, coarse),
+            )
+        )
     if scene.contacts.rods:
         # Across, a rod of a row turns or shifts against both neighbours, each at one end or two.
         found.append(
@@ -136,6 +143,17 @@ class Engine:
     dt: float
     per: int
     step: int = 0
+
+    @property
+    def plate(self) -> Motion | None:
+        """One period of the plate; None at rest."""
+        return self.crowd.alone.plate
+
+    def tables(self, periods: int):
+        """For what is measured."""
+        from .measures import Tables  # which needs this module
+
+        return Tables(self, periods)
 
     def go(self, steps: int, series: row.Series | None = None) -> int:
         """Up to `steps` steps, fewer if the record is full; steps made.
@@ -254,7 +272,7 @@ class Engine:
 
 
 def prepare(scene: Scene, *, ledger: bool = True, landings: bool = True) -> Engine:
-    """All that a run of the scene needs, at its start.
+    """All that a run of the scene needs, at its start; a `space.engine.Ring` in an annulus.
 
     Parameters
     ----------
@@ -262,6 +280,10 @@ def prepare(scene: Scene, *, ledger: bool = True, landings: bool = True) -> Engi
     ledger : whether to account for the energy
     landings : whether to record the landings
     """
+    if scene.annulus is not None:
+        from .space import engine as space  # which takes parts of this module
+
+        return space.prepare(scene)
     dt, per = step_of(scene)
     effects, n, between = _effects(scene, per), scene.rods.count, None
     lowest = effects.plate.height[0] if effects.plate else 0.0

@@ -164,8 +164,7 @@ def _opened(path: Path, written: int) -> TextIO:
 
 def _write(file: TextIO, engine: Engine) -> None:
     """Append a frame of the trajectory."""
-    plate = engine.crowd.alone.plate
-    height = float(plate.height[engine.step % engine.per]) if plate else 0.0
+    height = float(engine.plate.height[engine.step % engine.per]) if engine.plate else 0.0
     write_frame(file, engine.scene, engine.rods, engine.step / engine.per, height)
 
 
@@ -309,7 +308,7 @@ def run(
             raise ValueError(f"checkpoint must be another file than trajectory, got {trajectory!r}")
         _only_frames(Path(trajectory))
     engine = prepare(scene, ledger=ledger)
-    tables = Tables(engine, periods)
+    tables = engine.tables(periods)
     series = tables.sampled(engine)
     begin = perf_counter()
     engine.go(0, series)  # compiles

@@ -60,9 +60,12 @@ class Rods:
     length: float = 9.5  # overall, caps included
     inertia: str = "solid"  # of the uniform body, or "thin", the paper's length^2/12
     diameter_cm: float = 0.6
+    spin: bool = False  # about their own axes, in the annulus
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "count", whole("rods.count", self.count, 1, 10**6))
+        if not isinstance(self.spin, bool):
+            raise TypeError(f"rods.spin must be true or false, got {self.spin!r}")
         if self.inertia not in ("solid", "thin"):
             raise ValueError(f"rods.inertia must be solid or thin, got {self.inertia!r}")
         _check(
@@ -96,6 +99,28 @@ class Box:
 
 
 @dataclass(frozen=True)
+class Annulus:
+    """Gap between two vertical cylinders; radii of their surfaces. With it, rods move in space."""
+
+    inner: float
+    outer: float
+
+    def __post_init__(self) -> None:
+        domain = 1e-3, 1e6, "between 1e-3 and 1e6"
+        _check("annulus", inner=domain, outer=domain)(self)
+        if not self.outer - self.inner >= 1:
+            raise ValueError(
+                f"annulus.outer must be at least a diameter beyond annulus.inner, "
+                f"{self.inner + 1:.6g}, got {self.outer:.6g}"
+            )
+
+    @property
+    def middle(self) -> float:
+        """Radius half way."""
+        return (self.inner + self.outer) / 2
+
+
+@dataclass(frozen=True)
 class Gravity:
     """In g; a plate inclined by a has x = sin a, z = -cos a."""
 
@@ -125,6 +150,7 @@ class Contacts:
 
     plate: Contact | None = None
     rods: Contact | None = None
+    wall: Contact | None = None
 
     def __post_init__(self) -> None:
         _parts(self, "contacts.")
@@ -180,6 +206,7 @@ class Scene:
     rods: Rods = field(default_factory=Rods)
     plate: Plate | None = None
     box: Box | None = None
+    annulus: Annulus | None = None
     gravity: Gravity | None = None
     contacts: Contacts = field(default_factory=Contacts)
     start: Start = field(default_factory=Start)
@@ -196,9 +223,29 @@ class Scene:
                 f"contacts.rods.law must have a tangential spring, got {between.law.name!r}: "
                 "friction as a constraint is for the plate"
             )
-        if self.start.tilt_deg is None and self.box is None:
+        if self.annulus is not None or self.contacts.wall is not None or self.rods.spin:
+            self._in_space()
+        elif self.start.tilt_deg is None and self.box is None:
             raise ValueError("start.tilt_deg is missing: without a box it has no default")
         self._fit()
+
+    def _in_space(self) -> None:
+        """Refuse what is not for the annulus."""
+        if self.annulus is None:
+            raise ValueError("annulus is missing: the scene has a contact with walls, or spin")
+        if self.contacts.wall is None:
+            raise ValueError("contacts.wall is missing: the scene names annulus, and needs both")
+        if self.box is not None:
+            raise ValueError("box must be absent from an annulus, which closes on itself")
+        if self.gravity is not None and self.gravity.x != 0:
+            raise ValueError(f"gravity.x must be 0 in an annulus, got {self.gravity.x:g}")
+        for name in ("plate", "wall"):
+            contact = getattr(self.contacts, name)
+            if contact is not None and contact.friction > 0 and contact.law.spring is None:
+                raise ValueError(
+                    f"contacts.{name}.law must have a tangential spring in an annulus, got "
+                    f"{contact.law.name!r}"
+                )
 
     def _fit(self) -> None:
         """Refuse rods that would overlap at the start."""
@@ -224,6 +271,8 @@ class Scene:
         """Tilt at the start, rad."""
         if self.start.tilt_deg is not None:
             return radians(self.start.tilt_deg)
+        if self.box is None:
+            return 0.0
         return acos(min(self.rods.count / self.box.length, 1.0))
 
     @property
@@ -330,8 +379,8 @@ def keys() -> list[tuple[str, str]]:
             default = "required" if part.default is MISSING else part.default
             found.append((f"{name}.{part.name}", "-" if default is None else str(default)))
     laws = {law: inspect.signature(make).parameters.values() for law, make in LAWS.items()}
-    found += [("contacts.plate.law, contacts.rods.law", "constant_restitution")]
-    found += [("contacts.plate.friction, contacts.rods.friction", "0.0")]
+    found += [("contacts.plate.law (.rods, .wall)", "constant_restitution")]
+    found += [("contacts.plate.friction (.rods, .wall)", "0.0")]
     for law, options in laws.items():
         found += [(f"  under {law}: {option.name}", f"{option.default}") for option in options]
     return found

@@ -1,5 +1,7 @@
 """Trajectories as extended XYZ, with shape and orientation: OVITO draws spherocylinders from it."""
 
+from collections.abc import Iterator
+from math import acos, atan2, cos, degrees, hypot, sin, sqrt
 from pathlib import Path
 from typing import TextIO
 
@@ -17,7 +19,7 @@ def write_frame(file: TextIO, scene: Scene, rods: np.ndarray, time: float, heigh
     ----------
     file : open for writing
     scene : of the run
-    rods : (N, 7), as in `row.march`
+    rods : (N, 7), as in `row.march`, or (N, 12), as in `space.crowd.march`
     time : periods since the start
     height : of the plate, in d
 
@@ -26,19 +28,31 @@ def write_frame(file: TextIO, scene: Scene, rods: np.ndarray, time: float, heigh
     shape spherocylinder); velocity; angular velocity; tilt in degrees.
     """
     period = f"{scene.box.length!r}" if scene.box else repr(1e3)
-    tilt = np.arctan2(rods[:, 2], rods[:, 3])
     reach = repr(scene.rods.length + 10)
     file.write(
         f'{len(rods)}\nLattice="{period} 0 0 0 1 0 0 0 {reach}" Properties={_COLUMNS} '
         f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} plate={height!r}\n'
     )
-    for i, (row, phi) in enumerate(zip(rods, tilt, strict=True)):
-        x, z, _, _, c_x, c_z, omega = row
-        file.write(
-            f"{i} {x:.9g} 0 {z:.9g} 0 {np.sin(phi / 2):.9g} 0 {np.cos(phi / 2):.9g} "
-            f"0.5 0.5 {scene.rods.length - 1:.9g} {c_x:.9g} 0 {c_z:.9g} {omega:.9g} "
-            f"{np.degrees(phi):.9g}\n"
-        )
+    for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
+        numbers = [*place, *turn, 0.5, 0.5, scene.rods.length - 1, *velocity, omega, tilt]
+        file.write(f"{i} {' '.join(f'{number:.9g}' for number in numbers)}\n")
+
+
+def _in_space(rods: np.ndarray) -> Iterator[tuple]:
+    """Of each rod place, quaternion, velocity, angular velocity and tilt [deg]."""
+    for row in rods.tolist():
+        if len(row) == 7:
+            x, z, sine, cosine, c_x, c_z, omega = row
+            phi = atan2(sine, cosine)
+            turn = 0.0, sin(phi / 2), 0.0, cos(phi / 2)
+            yield (x, 0.0, z), turn, (c_x, 0.0, c_z), omega, degrees(phi)
+            continue
+        x, y, z, a, b, c, c_x, c_y, c_z, w_x, w_y, w_z = row
+        phi, across = acos(min(max(c, -1.0), 1.0)), hypot(a, b) or 1.0
+        part = sin(phi / 2) / across
+        turn = -b * part, a * part, 0.0, cos(phi / 2)
+        size = sqrt(w_x * w_x + w_y * w_y + w_z * w_z)
+        yield (x, y, z), turn, (c_x, c_y, c_z), size, degrees(phi)
 
 
 def read_frames(path: str | Path) -> list[dict]:

@@ -11,7 +11,7 @@ from md.row import Between
 from md.space import crowd, forces, geometry, placement
 
 HALF, LIGHT = 4.25, 12 / 9.5**2
-GAP = placement.Gap(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
+GAP = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
 ELASTIC = md.coulomb(1.0, 1e5).normal
 LOSSY = md.constant_restitution(0.65, 1e5, tangential_ratio=3)
 ROUGH = Friction(0.3, LOSSY.spring)
@@ -290,8 +290,8 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: placement.Gap(3.0, 3.9), "at least a diameter wide"),
-        (lambda: placement.Gap(-1.0, 3.0), "0 < inner < outer"),
+        (lambda: md.Annulus(3.0, 3.9), "at least a diameter wide"),
+        (lambda: md.Annulus(-1.0, 3.0), "annulus.inner must be between 1e-3"),
         (lambda: placement.placed(GAP, 70, 8.0), "do not fit into the annulus"),
         (lambda: placement.largest_tilt(GAP, 0.5), "length must be at least 1"),
     ],

@@ -1,6 +1,5 @@
 """Where rods can be in the gap of an annulus: the largest tilt of one, and a start for many."""
 
-from dataclasses import dataclass
 from math import asin, cos, hypot, pi, sin, sqrt
 
 import numpy as np
@@ -8,6 +7,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from ..contact import Normal
 from ..row import Between
+from ..scene import Annulus
 from . import crowd, forces
 from .geometry import along, from_axis, to_inner
 
@@ -15,35 +15,14 @@ _TOUCHING = 1e-4  # d; so deep, a rod of the paper's stiffness is pushed by five
 _STEPS = 8_000
 
 
-@dataclass(frozen=True)
-class Gap:
-    """Between two cylinders about the same vertical axis; radii in rod diameters."""
-
-    inner: float
-    outer: float
-
-    def __post_init__(self) -> None:
-        if not 0 < self.inner < self.outer < 1e6:
-            raise ValueError(f"annulus must have 0 < inner < outer, got {self.inner}, {self.outer}")
-        if not self.outer - self.inner >= 1:
-            raise ValueError(
-                f"annulus must be at least a diameter wide, got {self.outer - self.inner:.6g}"
-            )
-
-    @property
-    def middle(self) -> float:
-        """Radius half way."""
-        return (self.inner + self.outer) / 2
-
-
-def largest_tilt(gap: Gap, length: float, *, flat: bool = False) -> float:
+def largest_tilt(gap: Annulus, length: float, *, flat: bool = False) -> float:
     """Largest tilt of a single rod along the gap, in radians; pi/2 if it can lie down.
 
     The rod touches the inner wall at its middle and the outer wall at its ends.
 
     Parameters
     ----------
-    gap : Gap
+    gap : Annulus
     length : overall, in diameters
     flat : whether one end is flat, and the other round, as those of the experiment; else both are
         round
@@ -60,7 +39,7 @@ def largest_tilt(gap: Gap, length: float, *, flat: bool = False) -> float:
     return pi / 2 if half <= reach else asin(reach / half)
 
 
-def _largest_flat(gap: Gap, length: float) -> float:
+def _largest_flat(gap: Annulus, length: float) -> float:
     """One end a disc across the axis, the other a cap; its middle on the inner wall."""
     off, turn = gap.inner + 0.5, np.linspace(0, 2 * pi, 721)
 
@@ -79,7 +58,7 @@ def _largest_flat(gap: Gap, length: float) -> float:
 
 
 def placed(
-    gap: Gap, count: int, length: float, *, tilt: float | None = None, seed: int = 0
+    gap: Annulus, count: int, length: float, *, tilt: float | None = None, seed: int = 0
 ) -> np.ndarray:
     """Centres and directors of `count` rods around the gap, none in another or in a wall.
 
@@ -117,7 +96,7 @@ def placed(
 
 
 def _zigzag(
-    gap: Gap, count: int, half: float, lean: float, random: np.random.Generator
+    gap: Annulus, count: int, half: float, lean: float, random: np.random.Generator
 ) -> np.ndarray:
     """Rods evenly around the gap, by turns as near to either wall as their tilt allows."""
     low, high = _swing(gap, half, lean)
@@ -132,14 +111,14 @@ def _zigzag(
     return rods
 
 
-def _swing(gap: Gap, half: float, tilt: float) -> tuple[float, float]:
+def _swing(gap: Annulus, half: float, tilt: float) -> tuple[float, float]:
     """Smallest and largest radius of the middle of a rod that leans along the annulus."""
     reach = half * sin(tilt)
     low, high = gap.inner + 0.5, sqrt(max((gap.outer - 0.5) ** 2 - reach**2, 0.0))
     return low, max(low, high)
 
 
-def _filling(gap: Gap, count: int, half: float, most: float) -> float:
+def _filling(gap: Annulus, count: int, half: float, most: float) -> float:
     """Tilt at which neighbours of a zig-zag touch all around the circle."""
 
     def excess(tilt: float) -> float:
@@ -154,7 +133,7 @@ def _filling(gap: Gap, count: int, half: float, most: float) -> float:
     return float(brentq(excess, 0.0, 0.999 * most))
 
 
-def _relax(gap: Gap, rods: np.ndarray, half: float) -> float:
+def _relax(gap: Annulus, rods: np.ndarray, half: float) -> float:
     """Push overlapping rods apart, downhill; the largest overlap left.
 
     Velocities are dropped whenever they lead up.
@@ -182,7 +161,7 @@ def _relax(gap: Gap, rods: np.ndarray, half: float) -> float:
     return left
 
 
-def overlap(gap: Gap, rods: np.ndarray, half: float) -> float:
+def overlap(gap: Annulus, rods: np.ndarray, half: float) -> float:
     """Largest overlap of rods with each other and with the walls, in diameters."""
     parts = [(tuple(rod[:3]), tuple(rod[3:6])) for rod in rods.tolist()]
     deepest = -np.inf

@@ -1,0 +1,220 @@
+"""From a scene in an annulus to what the kernels take, and what is measured there."""
+
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from ..contact import Friction, Motion
+from ..engine import SAMPLES, plate_motion, step_of
+from ..integrators import DONE, NOT_FINITE, TOO_DEEP
+from ..laws import friction_of
+from ..one_rod import Rod, RunError
+from ..row import PAIR_TOO_DEEP, Between
+from ..scene import Contact, Scene
+from ..statistics import ratio
+from . import crowd
+from .forces import DIRECTOR, SINGLE, VELOCITY, Space, Wall
+from .placement import placed
+
+SKIN = 0.4  # of the list of pairs, in d
+_MOST = 2000  # rods: every two have springs of their own
+
+
+def axial_gyration_squared(length: float) -> float:
+    """Moment of inertia of a uniform spherocylinder about its axis, over its mass.
+
+    Cylinder of length h = l - 1 and two half spheres, diameter 1: volumes pi h/4 and pi/6, moments
+    of 1/8 and 1/10 of their masses.
+    """
+    cylinder, caps = (length - 1) / 4, 1 / 6
+    return (cylinder / 8 + caps / 10) / (cylinder + caps)
+
+
+def _rubbing(contact: Contact | None) -> Friction | None:
+    return friction_of(contact.law, contact.friction) if contact else None
+
+
+def space_of(scene: Scene, per: int) -> Space:
+    """All that acts."""
+    rod, plate = Rod(scene.rods.length, scene.rods.inertia), scene.contacts.plate
+    lightness, pair = 1 / rod.gyration_squared, scene.contacts.rods
+    spin = None
+    if scene.rods.spin:
+        spin = rod.gyration_squared / axial_gyration_squared(scene.rods.length) - 1
+    wall = scene.contacts.wall
+    walls = [
+        Wall(radius, wall.law.normal, _rubbing(wall))
+        for radius in (scene.annulus.inner, scene.annulus.outer)
+    ]
+    return Space(
+        *(rod.half_length, lightness, spin, scene.gravity.z if scene.gravity else None),
+        *(plate_motion(scene, per), plate.law.normal if plate else None, _rubbing(plate), *walls),
+        Between(pair.law.normal, _rubbing(pair)) if pair else None,
+    )
+
+
+@dataclass
+class Ring:
+    """A scene in an annulus under way; as `md.engine.Engine`."""
+
+    scene: Scene
+    world: Space
+    rods: np.ndarray
+    before: np.ndarray
+    springs: np.ndarray | None
+    pair_springs: np.ndarray | None
+    pairs: crowd.Pairs | None
+    total: np.ndarray
+    dt: float
+    per: int
+    step: int = 0
+    ledger: None = None  # energy is not accounted for
+    record: None = None  # touches of the plate are counted, not kept one by one
+
+    @property
+    def plate(self) -> Motion | None:
+        """One period of the plate; None at rest."""
+        return self.world.plate
+
+    def go(self, steps: int, samples: crowd.Samples | None = None) -> int:
+        """Up to `steps` steps; steps made.
+
+        Raises
+        ------
+        RunError
+            If the state stops being finite or a contact is deeper than d/2.
+        """
+        done, why, where = crowd.march(
+            *(self.world, self.rods, self.before, self.springs, self.pair_springs, self.pairs),
+            *(SKIN, self.total, samples, self.step, steps, self.dt),
+        )
+        self.step += done
+        if why != DONE:
+            self._stop(why, where)
+        return done
+
+    def _stop(self, why: int, where: int) -> None:
+        """Raise what ended the run before its time."""
+        at = f"at t = {self.step / self.per:.6g} periods (step {self.step} of {self.dt:g})"
+        what = {
+            NOT_FINITE: f"rod {where}: its state is not finite",
+            TOO_DEEP: f"rod {where}: too deep in the plate",
+            crowd.WALL_TOO_DEEP: f"rod {where}: too deep in a wall",
+            PAIR_TOO_DEEP: "two rods: too deep in each other",
+        }
+        raise RunError(f"{what.get(why, 'a rod moved too far in a step')} {at}", self.rods.copy())
+
+    def energy(self) -> float:
+        """Kinetic energy half a step ago, in m g d."""
+        velocity, turn = self.rods[:, VELOCITY : VELOCITY + 3], self.rods[:, 9:12]
+        return float((velocity**2).sum() / 2 + (turn**2).sum() / self.world.lightness / 2)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All that changes as the run goes on, by name."""
+        names = "rods", "before", "springs", "pair_springs"
+        found: dict[str, Any] = {name: getattr(self, name) for name in names}
+        if self.pairs is not None:
+            found |= {f"pairs.{key}": value for key, value in self.pairs._asdict().items()}
+        return {name: value for name, value in found.items() if value is not None}
+
+    def restore(self, arrays: dict[str, np.ndarray], step: int) -> None:
+        """Go on from the arrays of another run of the same scene."""
+        self.step = step
+        for name, value in self.arrays().items():
+            value[...] = arrays[name]
+
+    def tables(self, periods: int) -> "RingTables":
+        """For what is measured."""
+        return RingTables(self, periods)
+
+
+class RingTables:
+    """Samples of each period; as `md.measures.Tables`."""
+
+    def __init__(self, engine: Ring, periods: int):
+        self.periods, self.per, self.speed = periods, engine.per, engine.scene.plate_speed or 1.0
+        self.middle = engine.scene.annulus.middle
+        self.series = np.zeros((periods + 1, crowd.SERIES))
+        self.azimuth = np.arctan2(engine.rods[:, 1], engine.rods[:, 0])
+        self.resting = np.zeros(len(engine.rods), np.int8)
+
+    def sampled(self, engine: Ring) -> crowd.Samples:
+        """What the kernel adds to."""
+        every = max(engine.per // SAMPLES, 1)
+        return crowd.Samples(self.series, self.azimuth, self.resting, engine.per, every)
+
+    def arrays(self, periods: int) -> dict[str, np.ndarray]:
+        """All that a checkpoint needs, by name."""
+        parts = {"azimuth": self.azimuth, "resting": self.resting}
+        return {"series": self.series[: periods + 1], **parts}
+
+    def restore(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take them out again."""
+        for name in ("series", "azimuth", "resting"):
+            part = arrays.pop(name)
+            getattr(self, name)[: len(part)] = part
+
+    def drift(self, engine: Ring, periods: int) -> np.ndarray:
+        """Mean velocity around the annulus, at its middle radius, of each period made."""
+        return self.series[:periods, crowd.ADVANCE] * self.middle / (engine.dt * engine.per)
+
+    def tilt_deg(self, periods: int) -> np.ndarray:
+        """Mean tilt of each period made."""
+        part = self.series[:periods]
+        return np.degrees(part[:, crowd.TILTS] / part[:, crowd.SAMPLES])
+
+    def results(self, engine: Ring, first: int, periods: int) -> dict[str, Any]:
+        """What a `Result` tells of the periods behind the transient but for drift and tilt."""
+        part, n = self.series[first:periods], engine.scene.rods.count
+        pairs = {
+            "plate_velocity": (crowd.PLATE_SUM, crowd.TOUCHES, self.speed),
+            "plate_velocity_by_speed": (crowd.PUSHING, crowd.APPROACH, self.speed),
+            "lean_deg": (crowd.LEANS, crowd.SAMPLES, pi / 180),
+        }
+        found = {
+            name: ratio(part[:, top] / unit, part[:, base])
+            for name, (top, base, unit) in pairs.items()
+        }
+        found["per_rod_and_period"] = ratio(part[:, crowd.TOUCHES], np.full(len(part), n))
+        seen = {name: {"mean": m, "stderr": e} for name, (m, e) in found.items()}
+        return {
+            "landings": seen if periods else None,
+            "merged": None,
+            "turned": {},
+            "phases": [],
+        }
+
+
+def prepare(scene: Scene) -> Ring:
+    """All that a run of the scene needs, at its start.
+
+    Raises
+    ------
+    ValueError
+        If the rods do not fit into the annulus, or the step is not stable.
+    """
+    n = scene.rods.count
+    if n > _MOST:
+        raise ValueError(f"rods.count must be at most {_MOST} in an annulus, got {n}")
+    dt, per = step_of(scene)
+    world = space_of(scene, per)
+    tilt = None if scene.start.tilt_deg is None else abs(scene.tilt)
+    rods = np.zeros((n, crowd.COLUMNS))
+    rods[:, :6] = placed(scene.annulus, n, scene.rods.length, tilt=tilt, seed=scene.start.seed)
+    if scene.start.tilt_deg is not None and scene.tilt < 0:
+        rods[:, DIRECTOR : DIRECTOR + 2] *= -1
+    lowest = world.plate.height[0] if world.plate else 0.0
+    rods[:, 2] += lowest + scene.start.drop
+    random = np.random.default_rng(scene.start.seed)
+    rods[:, VELOCITY : VELOCITY + 3] = scene.start.speed * random.uniform(-1, 1, (n, 3))
+    rubs = world.friction or world.inner.friction
+    pairs = world.between is not None
+    return Ring(
+        *(scene, world, rods, np.zeros((n, 6))),
+        np.zeros((n, SINGLE, 3)) if rubs else None,
+        np.zeros((n * (n - 1) // 2, 5, 3)) if pairs and world.between.friction else None,
+        crowd.no_pairs(n) if pairs else None,
+        *(np.zeros((n, 6)), dt, per),
+    )
