@@ -22,9 +22,10 @@ diameter, rod mass and gravity are 1, velocities are in sqrt(g d), times in sqrt
 
 
 RUN_EXAMPLE = """\
-Run a scene: a TOML file, or an example of md/scenes (quasi2d, annulus, single_rod). Lengths are in rod
-diameters, times in sqrt(d/g), velocities in sqrt(g d), accelerations in g; only rods.diameter_cm
-and plate.frequency_hz are not. Your rods in cm: length = overall length / diameter.
+Run a scene: a TOML file, or an example of md/scenes (quasi2d, annulus, single_rod). Lengths are in
+rod diameters, times in sqrt(d/g), velocities in sqrt(g d), accelerations in g; only
+rods.diameter_cm and plate.frequency_hz are not. Your rods in cm: length = overall length over
+diameter.
 
   python -m md run quasi2d --periods 200
   python -m md run quasi2d --tolerance 0.01            # until the drift is within 1 % of its value

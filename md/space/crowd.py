@@ -57,6 +57,7 @@ class Pairs(NamedTuple):
 
     count: np.ndarray  # (1,)
     index: np.ndarray  # (N (N - 1)/2, 3): first rod, second, number of the pair
+    asleep: np.ndarray  # (N (N - 1)/2,): until so much was travelled, the entry cannot touch
     touched: np.ndarray  # (N (N - 1)/2,)
     travelled: (
         np.ndarray
@@ -67,8 +68,8 @@ def no_pairs(rods: int) -> Pairs:
     """A list that is out of date."""
     most = max(rods * (rods - 1) // 2, 1)
     return Pairs(
-        np.zeros(1, np.int64), np.zeros((most, 3), np.int64), np.zeros(most, np.int8),
-        np.full(1, np.inf),
+        np.zeros(1, np.int64), np.zeros((most, 3), np.int64), np.zeros(most),
+        np.zeros(most, np.int8), np.full(1, np.inf),
     )  # fmt: skip
 
 
@@ -80,7 +81,7 @@ def nearest(apart, a, b, half):
         s, t = at_end(apart, a, b, half, end)
         r = gap_vector(apart, a, b, s, t)
         least = min(least, dot(r, r))
-    s, t, inside = between_ends(apart, a, b, half)
+    s, t, _, inside = between_ends(apart, a, b, half)
     if inside:
         r = gap_vector(apart, a, b, s, t)
         least = min(least, dot(r, r))
@@ -98,7 +99,7 @@ def list_pairs(rods, half, skin, pairs):
                 a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
                 if nearest(apart, a, b, half) < 1.0 + skin:
                     pairs.index[count, 0], pairs.index[count, 1] = i, j
-                    pairs.index[count, 2] = number
+                    pairs.index[count, 2], pairs.asleep[count] = number, 0.0
                     count += 1
             number += 1
     pairs.count[0] = count

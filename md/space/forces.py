@@ -7,6 +7,8 @@ its contact. Every function adds force and torque to `total`.
 from math import sqrt
 from typing import NamedTuple
 
+import numpy as np
+
 from ..cache import kernel
 from ..contact import Friction, Motion, Normal, push, tangential_constants
 from ..integrators import DEEP
@@ -30,6 +32,8 @@ from .geometry import (
 PLACE, DIRECTOR, VELOCITY, TURN = 0, 3, 6, 9  # first columns of the rods' state
 PLATE_CAPS, INNER, OUTER = 0, 2, 5  # places of a rod's springs: two caps, two ends and between, two
 SINGLE = 7
+ENDS, BETWEEN_ENDS = 1, 2  # bits: what of two rods touches
+SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a contact between ends
 
 
 class Wall(NamedTuple):
@@ -219,6 +223,12 @@ def on_plate(law, world, rods, before, i, plate, springs, total, dt):
 
 
 @kernel
+def beyond(point):
+    """Squared distance of a point from the axis of the annulus."""
+    return point[0] * point[0] + point[1] * point[1]
+
+
+@kernel
 def at_outer(wall, world, rods, before, i, springs, total, dt):
     """Forces of the concave wall, which only caps can touch; the deepest overlap."""
     if wall is None:
@@ -226,11 +236,12 @@ def at_outer(wall, world, rods, before, i, springs, total, dt):
     deepest = 0.0
     for cap in range(2):
         s = world.half_length if cap else -world.half_length
-        rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
-        reach = wall.radius - rho
-        if reach >= 0.5:
+        point = along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR))
+        if beyond(point) <= (wall.radius - 0.5) ** 2:
             forget(springs, (i, OUTER + cap))
             continue
+        rho, out = from_axis(point)
+        reach = wall.radius - rho
         inwards = -out[0], -out[1], 0.0
         surface(
             *(wall.normal, wall.friction, world, rods, before, i, s, reach, inwards, 1.0, 0.0),
@@ -249,22 +260,24 @@ def at_inner(wall, world, rods, before, i, springs, total, dt):
     deepest = 0.0
     for cap in range(2):
         s = half if cap else -half
-        rho, out = from_axis(along(place, s, director))
-        reach = rho - wall.radius
-        if reach >= 0.5:
+        point = along(place, s, director)
+        if beyond(point) >= (wall.radius + 0.5) ** 2:
             forget(springs, (i, INNER + cap))
             continue
+        rho, out = from_axis(point)
+        reach = rho - wall.radius
         surface(
             *(wall.normal, wall.friction, world, rods, before, i, s, reach, out, 1.0, 0.0),
             *(springs, INNER + cap, total, dt),
         )
         deepest = max(deepest, 0.5 - reach)
     s, inside = to_inner(place, director, half)
-    rho, out = from_axis(along(place, s, director))
-    reach = rho - wall.radius
-    if not inside or reach >= 0.5:
+    point = along(place, s, director)
+    if not inside or beyond(point) >= (wall.radius + 0.5) ** 2:
         forget(springs, (i, INNER + 2))
         return deepest
+    rho, out = from_axis(point)
+    reach = rho - wall.radius
     lower, out_l = from_axis(along(place, -half, director))
     upper, out_u = from_axis(along(place, half, director))
     w_l, slope_l = rise((lower - rho) / NEARER)
@@ -323,22 +336,16 @@ def met(law, friction, world, rods, before, i, j, s, t, r, weight, springs, at, 
 
 
 @kernel(inline=False)
-def crossed(law, friction, world, rods, before, i, j, apart, s, t, springs, at, total, dt):
-    """Contact of two rods between their ends, and what keeps it continuous; whether too deep."""
-    a, b, half = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR), world.half_length
-    r = gap_vector(apart, a, b, s, t)
-    distance = sqrt(dot(r, r))
-    if distance < 1.0 - DEEP:
-        return True
+def shared(law, rods, i, j, apart, s, t, distance, half, total):
+    """Weight of a contact near an end, or of nearly parallel rods; adds what keeps energy."""
+    a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
     weight = 1.0
     for end in range(4):
         x, y = at_end(apart, a, b, half, end)
         e = gap_vector(apart, a, b, x, y)
         weight *= rise((sqrt(dot(e, e)) - distance) / NEARER)[0]
-    met(law, friction, world, rods, before, i, j, s, t, r, weight, springs, at, total, dt)
-    overlap = 1.0 - distance
+    overlap, towards = 1.0 - distance, 0.0
     energy = 0.4 * law.stiffness * overlap * overlap * sqrt(overlap) / NEARER
-    towards = 0.0
     for end in range(4):
         x, y = at_end(apart, a, b, half, end)
         e = gap_vector(apart, a, b, x, y)
@@ -350,48 +357,81 @@ def crossed(law, friction, world, rods, before, i, j, apart, s, t, springs, at, 
             normal = along(ZERO, 1.0 / far, e)
             pulled(rods, i, x, normal, -pull, total)
             pulled(rods, j, y, normal, pull, total)
-    normal = along(ZERO, 1.0 / distance, r)
+    normal = along(ZERO, 1.0 / distance, gap_vector(apart, a, b, s, t))
     pulled(rods, i, s, normal, towards, total)
     pulled(rods, j, t, normal, -towards, total)
-    return False
+    return weight
+
+
+@kernel
+def ends_met(between, world, rods, before, i, j, apart, a, b, springs, number, was, total, dt):
+    """Contacts of four ends: what touches, nearest squared distance, whether too deep."""
+    touched, nearest = 0, np.inf
+    for end in range(4):
+        s, t = at_end(apart, a, b, world.half_length, end)
+        r = gap_vector(apart, a, b, s, t)
+        square = dot(r, r)
+        nearest = min(nearest, square)
+        if square >= 1.0:
+            if was & ENDS:
+                forget(springs, (number, end))
+            continue
+        if square < (1.0 - DEEP) ** 2:
+            return touched, nearest, True
+        touched = ENDS
+        met(
+            *(between.normal, between.friction, world, rods, before, i, j, s, t, r, 1.0),
+            *(springs, (number, end), total, dt),
+        )
+    return touched, nearest, False
 
 
 @kernel(inline=False)
 def pair_forces(between, world, rods, before, pairs, springs, total, dt):
-    """Forces of all listed pairs; number of a pair that is too deep, or -1."""
-    half = world.half_length
+    """Forces of all listed pairs; number of a pair that is too deep, or -1.
+
+    Where two axes are closest between their ends, by so much that no end can touch or share the
+    contact, the ends need no look.
+    """
+    half, travelled = world.half_length, pairs.travelled[0]
     for k in range(pairs.count[0]):
+        if travelled < pairs.asleep[k]:
+            continue
         i, j, number = pairs.index[k, 0], pairs.index[k, 1], pairs.index[k, 2]
         apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
         a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
-        touched = 0
-        for end in range(4):
-            s, t = at_end(apart, a, b, half, end)
-            r = gap_vector(apart, a, b, s, t)
-            square = dot(r, r)
-            if square >= 1.0:
-                if pairs.touched[number]:
-                    forget(springs, (number, end))
-                continue
-            if square < (1.0 - DEEP) ** 2:
+        was, now = pairs.touched[number], 0
+        s, t, skew, inside = between_ends(apart, a, b, half)
+        r = gap_vector(apart, a, b, s, t)
+        nearest, clear = dot(r, r), False
+        if inside:
+            margin = half - max(abs(s), abs(t))
+            clear = nearest >= 1.0 or margin * margin * skew >= max(SHARED, 1.0 - nearest)
+        if inside and nearest < 1.0:
+            if nearest < (1.0 - DEEP) ** 2:
                 return k
-            touched = 1
+            now, weight = BETWEEN_ENDS, 1.0
+            if not clear:
+                distance = sqrt(nearest)
+                weight = shared(between.normal, rods, i, j, apart, s, t, distance, half, total)
             met(
-                *(between.normal, between.friction, world, rods, before, i, j, s, t, r, 1.0),
-                *(springs, (number, end), total, dt),
-            )
-        s, t, inside = between_ends(apart, a, b, half)
-        if inside:
-            r = gap_vector(apart, a, b, s, t)
-            inside = dot(r, r) < 1.0
-        if inside:
-            touched = 1
-            if crossed(
-                *(between.normal, between.friction, world, rods, before, i, j, apart, s, t),
+                *(between.normal, between.friction, world, rods, before, i, j, s, t, r, weight),
                 *(springs, (number, CROSSING), total, dt),
-            ):
-                return k
-        elif pairs.touched[number]:
+            )
+        elif was & BETWEEN_ENDS:
             forget(springs, (number, CROSSING))
-        pairs.touched[number] = touched
+        if not clear:
+            touched, other, deep = ends_met(
+                *(between, world, rods, before, i, j, apart, a, b, springs, number, was, total, dt),
+            )
+            if deep:
+                return k
+            now |= touched
+            nearest = min(nearest, other) if inside else other
+        elif was & ENDS:
+            for end in range(4):
+                forget(springs, (number, end))
+        pairs.touched[number] = now
+        if nearest > 1.0:  # each of the two may come half of the gap closer
+            pairs.asleep[k] = travelled + 0.5 * (sqrt(nearest) - 1.0)
     return -1

@@ -48,14 +48,17 @@ def at_end(apart, a, b, half, end):
 
 @kernel
 def between_ends(apart, a, b, half):
-    """Places of the closest points of both lines, and whether they lie inside of both rods."""
+    """Places of the closest points of both lines, and whether they lie inside of both rods.
+
+    Third, the squared sine between the lines.
+    """
     across = dot(a, b)
     skew = 1.0 - across * across
     if skew < 1e-12:
-        return 0.0, 0.0, False
+        return 0.0, 0.0, 0.0, False
     p, q = dot(apart, a), dot(apart, b)
     s, t = (across * q - p) / skew, (q - across * p) / skew
-    return s, t, abs(s) < half and abs(t) < half
+    return s, t, skew, abs(s) < half and abs(t) < half
 
 
 @kernel
