@@ -5,7 +5,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+import md
 from figures import claims, fig04, fig05, measured, measured_ring, measuring, ring, rows
+from md.engine import prepare
 from md.sweep import execute
 
 mpl.use("Agg")
@@ -136,6 +138,9 @@ def test_spin_and_friction_are_varied_and_nothing_else():
 
 
 def test_the_arrangement_is_followed_in_time(five):
+    engine = prepare(md.load("annulus", ["rods.count=32"]))
+    engine.go(20 * engine.per)
+    np.testing.assert_array_equal(five["rods_32"], engine.rods[:, :6])
     assert five["series"].shape == (2, 2, 4, len(fig05.MEASURED))
     assert five["time"].tolist() == [5, 10, 15, 20]
     np.testing.assert_allclose(five["mean"], five["series"][:, :, 2:, 0].mean(axis=(1, 2)))
