@@ -29,7 +29,7 @@ FULL = {
     "plane": [*PLANE_DEG],
     "seeds": [1, 2, 3],
     "few_seeds": [1, 2],
-    "periods": 150,
+    "periods": 100,
 }
 QUICK = {
     "count": [23, 30, 36, 40, 44, 50, 54, 56],
