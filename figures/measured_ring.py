@@ -10,6 +10,7 @@ from .number import Number, count, off_line, onset, resampled, standard
 
 VISIBLE = 0.02  # of the drift at the largest Gamma: what can be seen to move in a figure
 UPRIGHT_DEG, HALF_ORDER = 11.0, 0.5  # the small tilt of Fig. 5(a), generously; a broken zig-zag
+REGION_DEG = 5.0  # contrast of tilts that makes a region
 
 
 def _over_tilt(quick: bool, name: str = "still") -> dict[str, Number]:
@@ -67,7 +68,7 @@ def _walls(quick):
     yield resampled(d, lambda d: _at(d, "wall", 0) / _at(d, "wall", 0.3), "wall_c_x")
 
 
-@measures("S8", "order", "tilt", "broken", "leaning", "share", "contrast", "spread")
+@measures("S8", "order", "tilt", "broken", "appears", "leaning", "share", "contrast", "spread")
 def _zigzag(quick):
     d = table("fig05", quick)
     low, order = d["mean"] <= UPRIGHT_DEG, d["zigzag"]
@@ -75,18 +76,18 @@ def _zigzag(quick):
     yield standard(order[best], d["zigzag_error"][best])
     yield standard(d["mean"][best], d["mean_error"][best])
 
-    def broken(d):
-        """Tilt at which the order first falls below a half, between two numbers of rods."""
+    def first(d, values):
+        """Tilt at which the values first become negative, between two numbers of rods."""
         rank = np.argsort(d["mean"])
-        tilt, order = d["mean"][rank], d["zigzag"][rank]
-        j = int(np.argmax(order < HALF_ORDER))
-        if order[j] >= HALF_ORDER:
+        tilt, values = d["mean"][rank], values[rank]
+        j = int(np.argmax(values < 0))
+        if values[j] >= 0:
             return np.inf
-        if j == 0:
-            return float(tilt[0])
-        return float(np.interp(HALF_ORDER, order[[j, j - 1]], tilt[[j, j - 1]]))
+        i = max(j - 1, 0)
+        return float(np.interp(0, values[[j, i]], tilt[[j, i]]) if i < j else tilt[0])
 
-    yield resampled(d, broken, "mean", "zigzag")
+    yield resampled(d, lambda d: first(d, d["zigzag"] - HALF_ORDER), "mean", "zigzag")
+    yield resampled(d, lambda d: first(d, REGION_DEG - d["contrast"]), "mean", "contrast")
     at = int(np.argmin(np.abs(d["count"] - ring.COUNT)))
     for name in ("mean", "share", "contrast", "spread"):
         yield standard(d[name][at], d[f"{name}_error"][at])

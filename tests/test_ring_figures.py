@@ -188,3 +188,17 @@ def test_numbers_find_what_was_put_in(monkeypatch):
     assert (onset.value, onset.error) == pytest.approx((1.4, 0.2))
     assert (first.value, last.value) == pytest.approx((onset.value, onset.value))
     assert (bend.value, slope.value, zero.value) == pytest.approx((0, 2, 1.5), abs=1e-9)
+
+
+def test_a_region_is_said_to_appear_where_its_contrast_does(monkeypatch):
+    d = {"count": np.array([56, 50, 44]), "mean": np.array([10.0, 16, 24])}
+    d |= {"zigzag": np.array([1, 0.8, 0.2]), "contrast": np.array([1.0, 3, 9])}
+    d |= {"share": np.array([0, 0.1, 0.5]), "spread": np.array([1.0, 2, 6])}
+    d |= {f"{name}_error": np.full(3, 1e-6) for name in fig05.MEASURED}
+    monkeypatch.setattr(measured_ring, "table", lambda name, quick: d)
+    keys, measure = measured.MEASURES["S8"]
+    found = {key: number.value for key, number in zip(keys, measure(True), strict=True)}
+    assert (found["order"], found["tilt"], found["leaning"]) == (1, 10, 24)
+    assert found["broken"] == pytest.approx(20)
+    assert found["appears"] == pytest.approx(16 + 8 / 3)
+    assert (found["share"], found["contrast"], found["spread"]) == (0.5, 9, 6)
