@@ -22,6 +22,10 @@ class Entry:
 
 FIGURES = {
     "fig02": Entry("Fig. 2: forward and reverse drift over acceleration and tilt", quick=False),
+    "fig04": Entry(
+        "Fig. 4: drift in the annulus over tilt, acceleration and friction", quick=False
+    ),
+    "fig05": Entry("Fig. 5: rods in the annulus from above; the zig-zag", quick=False),
     "fig06": Entry(
         "Fig. 6: velocities of a simulated row before and after a landing, over tilt", quick=False
     ),

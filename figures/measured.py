@@ -1,6 +1,5 @@
 """The measured numbers that `claims.toml` names, with their errors, from the figures' own data."""
 
-from collections.abc import Callable, Iterator
 from functools import cache
 
 import numpy as np
@@ -17,40 +16,17 @@ from . import (
     landing_census,
     landings,
     law_claims,
-    load,
+    measured_ring,
     phase_friction,
     rows,
     soft,
 )
 from .accuracy_cost_impact import gear_from_leapfrog
 from .law_claims import rms
+from .measuring import CLEAR, MEASURES, measures, over, table
 from .number import Number, count, off_line, onset, resampled, standard
 
-CLEAR = 3.0  # standard errors
-
-
-MEASURES: dict[str, tuple[tuple[str, ...], Callable[[bool], Iterator[Number]]]] = {}
-
-
-def measures(claim: str, *keys: str):
-    """Register a function that yields the numbers of a claim in the order of its keys."""
-
-    def register(function):
-        MEASURES[claim] = keys, function
-        return function
-
-    return register
-
-
-@cache
-def table(figure: str, quick: bool) -> dict[str, np.ndarray]:
-    """Data of a figure."""
-    return load(figure).data(quick=quick)
-
-
-def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
-    """Means over the seeds of the results of that name."""
-    return rows.means(rows.computed(sweep), names)
+__all__ = ["MEASURES", "measured_ring", "sweeps", "table"]  # the annulus registers itself
 
 
 @measures("S1", "mean", "spread", "head_on", "nearest")
@@ -369,21 +345,6 @@ def _without_friction(quick):
     yield Number(_landings_of_closure(rod, SLIPPERY, needed) / needed)
     yield Number(low / high)
     yield count(long["often"] * sweep.points[0].periods / needed)
-
-
-@measures("E2", "onset", "early", "points", "slower", "end")
-def _map_of_drift(quick):
-    d = table("fig02", quick)
-    kind, c_x = d["kind"], d["c_x"]
-    yield onset(d["gamma"], (kind == 1).all(axis=1))
-    yield count(np.mean(kind[d["gamma"] < 1.5] == 1))
-    back = kind == -1
-    yield count(back.sum())
-    at = np.unravel_index(np.where(back, -c_x, -np.inf).argmax(), c_x.shape)
-    forward = np.median(c_x[-1])
-    speed, error = (-c_x[at] / forward, d["c_x_error"][at] / forward) if back.any() else (0, np.nan)
-    yield standard(speed, error)
-    yield onset(d["gamma"], ~back.any(axis=1)) if back.any() else count(np.inf)
 
 
 @measures("E3", "threshold", "slower", "always", "below")

@@ -1,0 +1,204 @@
+"""Figures of the annulus: tiny runs in a store of their own, and made-up arrangements."""
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import md
+from figures import claims, fig04, fig05, measured, measured_ring, measuring, ring, rows
+from md.engine import prepare
+from md.sweep import execute
+
+mpl.use("Agg")
+
+TINY = {
+    **{"count": [24, 34, 40], "gamma": [1.3, 2.2, 3.3], "wall": [0.1, 0.3], "plate": [0.1, 0.3]},
+    **{"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2], "periods": 6},
+}
+
+
+@pytest.fixture(scope="module")
+def tallies(tmp_path_factory):
+    """A store for these tests, short runs of few rods; what each sweep did."""
+    done = []
+
+    def watched(*args, **options):
+        done.append(execute(*args, **options))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROWS_STORE", str(tmp_path_factory.mktemp("rows") / "rows.db"))
+        patch.setattr(rows, "execute", watched)
+        patch.setattr(fig04, "QUICK", TINY)
+        patch.setattr(fig04, "FEW", (40, 34, 24))
+        patch.setattr(ring, "COUNT", 32)
+        patch.setattr(fig05, "SHOWN", (32, 24))
+        patch.setattr(fig05, "QUICK", ((32, 24), 20, (1, 2)))
+        measuring.table.cache_clear()
+        yield done
+    measuring.table.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def four(tallies):
+    return measuring.table("fig04", True)
+
+
+@pytest.fixture(scope="module")
+def five(tallies):
+    return measuring.table("fig05", True)
+
+
+def arrangement(radii, tilts=None):
+    """Rods in any order around a ring, leaning along it."""
+    azimuth = 2 * np.pi * np.arange(len(radii)) / len(radii)
+    lean = np.radians(np.full(len(radii), 20.0) if tilts is None else tilts)
+    found = np.zeros((len(radii), 6))
+    found[:, 0], found[:, 1] = radii * np.cos(azimuth), radii * np.sin(azimuth)
+    found[:, 3], found[:, 4] = -np.sin(lean) * np.sin(azimuth), np.sin(lean) * np.cos(azimuth)
+    found[:, 5] = np.cos(lean)
+    return np.random.default_rng(1).permutation(found)
+
+
+# Order
+
+
+def test_a_perfect_zigzag_has_order_one():
+    assert ring.zigzag(arrangement(np.tile([6.2, 6.9], 20))) == pytest.approx(1)
+
+
+def test_rods_at_random_have_no_order():
+    random = np.random.default_rng(3)
+    orders = [ring.zigzag(arrangement(random.uniform(6.2, 6.9, 40))) for _ in range(200)]
+    assert np.mean(orders) == pytest.approx(1 / 40, abs=0.03)  # offsets of 40 sum to zero
+    assert np.std(orders) == pytest.approx(1 / np.sqrt(40), rel=0.2)
+
+
+def test_one_defect_lowers_the_order_little():
+    radii = np.tile([6.2, 6.9], 20)
+    radii[20:] = radii[20:][::-1]
+    assert 0.85 < ring.zigzag(arrangement(radii)) < 0.95
+
+
+def test_a_region_of_larger_tilt_is_told_from_scattered_tilts():
+    tilts = np.repeat([15.0, 35.0], 20)
+    mean, spread, _, contrast, share = fig05.looked_at(arrangement(np.full(40, 6.5), tilts))
+    assert (mean, spread, contrast, share) == pytest.approx((25, 10, 20, 0.5))
+    by_turns = fig05.looked_at(arrangement(np.full(40, 6.5), np.tile([15.0, 35.0], 20)))
+    assert by_turns[3] == pytest.approx(0, abs=1e-9)
+    even = fig05.looked_at(arrangement(np.full(40, 6.5)))
+    assert (even[1], even[4]) == pytest.approx((0, 0), abs=1e-6)
+
+
+# Shape of the drift over tilt
+
+
+def test_two_maxima_and_a_slowdown_are_found():
+    tilt = np.array([50, 3, 6, 9, 12, 15, 18, 22, 26, 30, 35, 40, 45.0])
+    c_x = np.array([0.2, 1, 2, 3, 4, 5, 6, 5, 3, 4, 5, 3, 1])
+    found = fig04.shape(tilt, c_x)
+    assert (found["early"], found["late"]) == (18, 35)
+    assert found["dip"] == pytest.approx(0.4)
+    assert found["bend"] == pytest.approx(0, abs=1e-12)
+    assert found["slope"] == pytest.approx(1 / 3)
+    assert found["end"] == pytest.approx(0.2 / 6)
+
+
+def test_one_maximum_has_no_slowdown():
+    tilt = np.linspace(3, 50, 20)
+    found = fig04.shape(tilt, 30 - np.abs(tilt - 25))
+    assert found["dip"] == pytest.approx(0, abs=1e-12)
+    assert found["bend"] < 1e-12 < found["slope"]
+
+
+# Runs
+
+
+def test_the_drift_is_that_of_the_store_in_cm_s(tallies, four):
+    sweep = fig04.sweeps(True)["still"]
+    (drift,) = sweep.gather(rows.store(), "c_x")
+    np.testing.assert_allclose(four["still_c_x"], drift.mean(axis=-1) * np.sqrt(981 * 0.635))
+    assert (four["still_c_x_error"] > 0).all()
+    assert (np.diff(four["still_tilt"]) < 0).all()  # more rods lean less
+    assert not sum(tally.failed for tally in tallies)
+
+
+def test_spin_and_friction_are_varied_and_nothing_else():
+    runs = fig04.sweeps(True)
+    still, spin = (runs[name].points[0].scene for name in ("still", "spin"))
+    assert (still.rods.spin, spin.rods.spin) == (False, True)
+    assert still.contacts == spin.contacts
+    wall = [point.scene.contacts for point in runs["wall"].points]
+    assert [c.wall.friction for c in wall] == [0.1, 0.1, 0.3, 0.3]
+    assert {c.plate.friction for c in wall} == {c.rods.friction for c in wall} == {0.3}
+    plane = runs["plane"].points[0].scene
+    assert plane.rods.length == still.rods.length
+    assert plane.rods.diameter_cm == still.rods.diameter_cm
+    assert plane.rods.inertia == still.rods.inertia == "solid"
+
+
+def test_the_arrangement_is_followed_in_time(five):
+    engine = prepare(md.load("annulus", ["rods.count=32"]))
+    engine.go(20 * engine.per)
+    np.testing.assert_array_equal(five["rods_32"], engine.rods[:, :6])
+    assert five["series"].shape == (2, 2, 4, len(fig05.MEASURED))
+    assert five["time"].tolist() == [5, 10, 15, 20]
+    np.testing.assert_allclose(five["mean"], five["series"][:, :, 2:, 0].mean(axis=(1, 2)))
+    radius = np.hypot(*five["rods_32"][:, :2].T)
+    gap = ring.SCENE.annulus
+    assert gap.inner + 0.45 < radius.min()
+    assert radius.max() < gap.outer - 0.45
+
+
+def test_pictures_and_words_are_made(four, five):
+    for module, d in ((fig04, four), (fig05, five)):
+        plt.close(module.draw(d))
+        assert module.summary(d).count("\n") >= 3
+
+
+# Claims
+
+
+def test_all_numbers_of_the_annulus_are_measured(four, five):
+    named = {c["id"]: [row["key"] for row in c["numbers"]] for c in claims.read()}
+    for claim in ("S4", "S5", "S6", "S8", "S18", "S20", "E1"):
+        keys, measure = measured.MEASURES[claim]
+        assert list(keys) == named[claim]
+        assert len(list(measure(True))) == len(keys)
+
+
+def test_the_geometry_needs_no_run(four):
+    flat, round_ends = list(measured.MEASURES["E1"][1](True))[:2]
+    gap, half = ring.SCENE.annulus, (ring.SCENE.rods.length - 1) / 2
+    reach = np.sqrt((gap.outer - 0.5) ** 2 - (gap.inner + 0.5) ** 2)
+    assert round_ends.value == pytest.approx(np.degrees(np.arcsin(reach / half)))
+    assert 45 < flat.value < round_ends.value
+
+
+def test_numbers_find_what_was_put_in(monkeypatch):
+    mu, gamma = np.array([0, 0.3, 1.0]), np.array([1.2, 1.6, 2.0, 3.0, 4.0])
+    moving = 2 * np.clip(gamma - 1.5, 0, None)
+    d = {"wall": mu, "wall_c_x": np.array([10, 4, 0.5]), "wall_c_x_error": np.full(3, 1e-3)}
+    d |= {"gamma": gamma, "gamma_c_x": np.stack([moving] * 3, axis=1)}
+    d["gamma_c_x_error"] = np.full((5, 3), 1e-3)
+    monkeypatch.setattr(measured_ring, "table", lambda name, quick: d)
+    values = [number.value for number in measured.MEASURES["S6"][1](True)]
+    assert values == pytest.approx([-0.35, 20, 2.5])
+    onset, first, last, bend, slope, zero = measured.MEASURES["S5"][1](True)
+    assert (onset.value, onset.error) == pytest.approx((1.4, 0.2))
+    assert (first.value, last.value) == pytest.approx((onset.value, onset.value))
+    assert (bend.value, slope.value, zero.value) == pytest.approx((0, 2, 1.5), abs=1e-9)
+
+
+def test_a_region_is_said_to_appear_where_its_contrast_does(monkeypatch):
+    d = {"count": np.array([56, 50, 44]), "mean": np.array([10.0, 16, 24])}
+    d |= {"zigzag": np.array([1, 0.8, 0.2]), "contrast": np.array([1.0, 3, 9])}
+    d |= {"share": np.array([0, 0.1, 0.5]), "spread": np.array([1.0, 2, 6])}
+    d |= {f"{name}_error": np.full(3, 1e-6) for name in fig05.MEASURED}
+    monkeypatch.setattr(measured_ring, "table", lambda name, quick: d)
+    keys, measure = measured.MEASURES["S8"]
+    found = {key: number.value for key, number in zip(keys, measure(True), strict=True)}
+    assert (found["order"], found["tilt"], found["leaning"]) == (1, 10, 24)
+    assert found["broken"] == pytest.approx(20)
+    assert found["appears"] == pytest.approx(16 + 8 / 3)
+    assert (found["share"], found["contrast"], found["spread"]) == (0.5, 9, 6)
