@@ -230,7 +230,8 @@ def test_a_scene_is_what_its_parts_say():
     """The table of a scene builds the scene again; laws by their constants."""
     scene = load("quasi2d")
     table = as_dict(scene)
-    assert table["rods"] == {"count": 40, "length": 9.5, "inertia": "thin", "diameter_cm": 0.6}
+    rods = {"count": 40, "length": 9.5, "inertia": "thin", "diameter_cm": 0.6, "spin": False}
+    assert table["rods"] == rods
     assert table["contacts"]["plate"]["law"]["name"] == "constant_restitution"
     assert "plate" in table
     assert "plate" not in as_dict(load("quasi2d", ["plate=none", "contacts.plate=none"]))
