@@ -3,14 +3,14 @@
 The paper's row, N = 40, L = 43 d, Gamma = 3.3, tangential springs 30 times as stiff as the contact.
 (a) Error of a run's drift against its time, a curve per step: root mean square over disjoint parts
 of one long run, against the mean of the fine steps. The curves fall as time^(-1/2) (guide), until
-they come to the bias of their step (short lines at the right; dotted where it is less than three times its
-own error, which is then what the line shows). Diamond: the paper's own step at the length that
-gives 1 %. (b) Bias over the steps a contact lasts, against the shortest step there, all scenes
-of the dial's calibration, in grey, with the bound that the dial takes from them; coloured, the row
-of (a). The line that stays high is a rough plate (friction 0.6), where rows have two states, and
-one start at the finest step found the other. (c) The dial: tolerance asked for, 95 % confidence,
-against the time it took; dots: the error that the run then had. The broken lines are what the dial
-would take at fixed steps; times are of this machine, without compiling.
+they come to the bias of their step (short lines at the right; dotted where it is less than three
+times its own error, which is then what the line shows). Diamond: the paper's own step at the
+length that gives 1 %. (b) Bias over the steps a contact lasts, against the shortest step there, all
+scenes of the dial's calibration, in grey, with the bound that the dial takes from them; coloured,
+the row of (a). The line that stays high is a rough plate (friction 0.6), where rows have two
+states, and one start at the finest step found the other. (c) The dial: tolerance asked for, 95 %
+confidence, against the time it took; dots: the error that the run then had. The broken lines are
+what the dial would take at fixed steps; times are of this machine, without compiling.
 """
 
 import os

@@ -9,8 +9,13 @@ from . import FIGURES, load
 from .shared import name_panel, style
 from .timing import machine_line
 
-PRICES = ("accuracy_cost_drift", "accuracy_cost_ladder", "effect_prices", "scaling")
-WIDE = {"effect_prices"}  # across the page; the others two abreast
+PRICES = {  # and what the panel of the page is called
+    "accuracy_cost_drift": "error of the drift against time",
+    "accuracy_cost_ladder": "one question, every way to answer it",
+    "effect_prices": "price of each effect",
+    "scaling": "time of a period",
+}
+WIDE = {"accuracy_cost_ladder", "effect_prices"}  # across the page; the others two abreast
 
 
 def known() -> list[str]:
@@ -29,7 +34,7 @@ def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
     figure, axes = plt.subplot_mosaic(layout, figsize=size, height_ratios=heights)
     for letter, (name, ax) in zip("abcd", axes.items(), strict=False):
         load(name).panel(ax, found[name])
-        name_panel(ax, letter, FIGURES[name].title)
+        name_panel(ax, letter, PRICES[name])
     load_then = next((float(d["load"]) for d in found.values() if "load" in d), np.nan)
     figure.supxlabel(machine_line(load_then), fontsize=6)
     return figure
