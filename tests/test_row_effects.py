@@ -75,7 +75,7 @@ def started(parts):
     asked = {name: parts.pop(name, False) for name in ("ledger", "landings", SERIES)}
     series = asked.pop(SERIES)
     scene = Scene(
-        **{"rods": Rods(4, 4.0), "start": Start(tilt_deg=10.0), "step": Step(5e-4)} | parts
+        **{"rods": Rods(4, 4.0), "start": Start(tilt_deg=10.0), "step": Step(5e-4, True)} | parts
     )
     engine = prepare(scene, **asked)
     engine.dt, engine.per = 5e-4, 2000
