@@ -95,6 +95,12 @@ def test_what_lies_outside_of_the_calibration_is_said(changes, words):
     assert tuned.step == md.Step()
 
 
+def test_the_annulus_lies_outside_even_at_a_tilt_that_was_calibrated():
+    scene = md.load("annulus", ["start.tilt_deg=25", "rods.count=40"])
+    assert "rods in an annulus were not calibrated" in dial.outside(scene)
+    assert np.isnan(dial.chosen_step(scene, 0.01)[1])
+
+
 def test_the_papers_row_lies_inside():
     assert dial.outside(md.load("quasi2d")) == ()
 

@@ -112,6 +112,8 @@ def _rooted(contact: Contact) -> bool:
 def outside(scene: Scene) -> tuple[str, ...]:
     """What of a scene lies outside of the calibration, in words; nothing where it applies."""
     known, found = calibrated(), []
+    if scene.annulus is not None:
+        found.append("rods in an annulus were not calibrated")
     if scene.gravity is None or (scene.gravity.x, scene.gravity.z) != (0.0, -1.0):
         found.append("gravity is not 1, downwards")
     for name, value in described(scene).items():
