@@ -22,12 +22,12 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import md
-from impact.__main__ import _machine as machine
 from md.dial import calibrated, steps_per_contact
 from md.engine import Engine, prepare
 from md.statistics import standard_error
 
 from .shared import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
+from .timing import machine_line
 
 PAPER_STEP = 2e-5  # sqrt(d/g)
 PER_CONTACT = (16, 20, 26, 40, 80)  # and the paper's
@@ -221,10 +221,8 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
 
 def summary(d: dict[str, np.ndarray]) -> str:
     """Prices, biases, what 1 % and 0.3 % take, what the dial did."""
-    this = machine()
     lines = [
-        f"{this['processor']}, {this['cores']} cores, 1 used, load {d['load']:.1f} at the start;"
-        f" python {this['python']}, numpy {this['numpy']}, numba {this['numba']}",
+        f"{machine_line(float(d['load']))}; 1 core used",
         f"c_x = {d['truth']:.5f} +- {d['truth_error']:.5f} sqrt(g d)",
         " step       a contact  ms/period  noise of a period  bias              1 % takes  0.3 %",
     ]

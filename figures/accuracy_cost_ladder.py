@@ -21,54 +21,50 @@ from matplotlib.transforms import Bbox
 
 import md
 from impact import drift
-from impact.__main__ import _machine as machine
 from md.dial import steps_per_contact
-from md.scene import Scene
+from md.scene import Scene, both, from_tables, put, read_tables
 
 from .rows import COUNT, FRICTION, GAMMA, RESTITUTION, paper_rod
 from .shared import BLACK, BLUE, GREEN, ORANGE, RED, style
+from .timing import machine_line
 
 BOX = 43.0
 TILT = np.arccos(COUNT / BOX)
 USUAL = 36  # steps a contact
 
 
-def _both(**options: object) -> list[str]:
-    return [f"contacts.{at}.{k}={v}" for at in ("plate", "rods") for k, v in options.items()]
-
-
-PRINTED = _both(law="appendix_a", restitution="none")
-CONSTRAINT = ["contacts.plate.law=coulomb"]
+PRINTED = both(law="appendix_a", restitution="none")
+CONSTRAINT = {"contacts.plate.law": "coulomb"}
 ROWS = {  # group: label: (steps a contact, what the scene changes)
-    "step": {rf"$t_c/{n}$": (n, []) for n in (13, 18, 25, USUAL, 72)},
+    "step": {rf"$t_c/{n}$": (n, {}) for n in (13, 18, 25, USUAL, 72)},
     "stiffness": {
-        rf"$k_n=5\cdot10^{n}$": (USUAL, _both(stiffness=5.0 * 10**n)) for n in (3, 4, 5, 7)
+        rf"$k_n=5\cdot10^{n}$": (USUAL, both(stiffness=5.0 * 10**n)) for n in (3, 4, 5, 7)
     },
     "contact law": {
         "App. A": (USUAL, PRINTED),
-        "springs 3": (USUAL, _both(tangential_ratio=3)),
+        "springs 3": (USUAL, both(tangential_ratio=3)),
         "Coulomb": (USUAL, CONSTRAINT),
-        r"$\epsilon=0.8$": (USUAL, _both(restitution=0.8)),
+        r"$\epsilon=0.8$": (USUAL, both(restitution=0.8)),
     },
     "rods": {
-        rf"$N={n}$": (USUAL, [f"rods.count={n}", f"box.length={n * BOX / COUNT}"])
-        for n in (5, 10, 160)
+        rf"$N={n}$": (USUAL, {"rods.count": n, "box.length": n * BOX / COUNT}) for n in (5, 10, 160)
     },
 }
 LENGTHS = (3, 30)  # periods, at the usual step
 PERIODS = {True: 400, False: 2000}  # quick or not; six times as many for the trusted answer
-TRUSTED = (USUAL, [*CONSTRAINT, *_both(stiffness=5e7)])
+TRUSTED = (USUAL, {**both(stiffness=5e7), **CONSTRAINT})
 LANDINGS = (30, 300, 3000, 100_000)  # of one rigid rod
 
 
-def scene(per_contact: float, changes: list[str], seed: int = 1) -> Scene:
+def scene(per_contact: float, changes: dict, seed: int = 1) -> Scene:
     """The row at a step that is a part of its contact time."""
-    how = [*changes, "step=none", "start.speed=0.3", f"start.seed={seed}"]
-    dt = steps_per_contact(md.load("quasi2d", how), 1.0) / per_contact
-    return md.load("quasi2d", [*how, f"step.size={dt}", "step.coarse=true"])
+    how = {**changes, "step": "none", "start.speed": 0.3, "start.seed": seed}
+    row = put(read_tables("quasi2d"), how)
+    dt = steps_per_contact(from_tables(row), 1.0) / per_contact
+    return from_tables(put(row, {"step.size": dt, "step.coarse": True}))
 
 
-def _row(per_contact: float, changes: list[str], periods: int) -> tuple[float, ...]:
+def _row(per_contact: float, changes: dict, periods: int) -> tuple[float, ...]:
     """Drift [sqrt(g d)], standard error, seconds of a run."""
     run = md.run(scene(per_contact, changes), periods=periods, ledger=False)
     return run.c_x, run.c_x_stderr if periods > 50 else np.nan, run.run_seconds
@@ -106,9 +102,9 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     entries.append(("theory", "in an array", *_closed(speed, 100_000)))
     for n in LANDINGS:
         entries.append(("one rigid rod", f"{n} landings", *_bouncing(n, speed)))
-    _row(USUAL, [], 1)  # compiles
+    _row(USUAL, {}, 1)  # compiles
     for n in LENGTHS:
-        entries.append(("length", f"{n} periods", *_row(USUAL, [], n)))
+        entries.append(("length", f"{n} periods", *_row(USUAL, {}, n)))
     for group, rungs in ROWS.items():
         for label, (per_contact, changes) in rungs.items():
             _row(per_contact, changes, 1)  # compiles
@@ -218,11 +214,10 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
 
 def summary(d: dict[str, np.ndarray]) -> str:
     """A line a rung."""
-    this, (off, error) = machine(), deviations(d)
+    off, error = deviations(d)
     truth, spread, seconds = d["trusted"]
     lines = [
-        f"{this['processor']}, {this['cores']} cores, 1 used, load {d['load']:.1f} at the start;"
-        f" python {this['python']}, numpy {this['numpy']}, numba {this['numba']}",
+        f"{machine_line(float(d['load']))}; 1 core used",
         f"trusted: {truth:.5f} +- {spread:.5f} sqrt(g d) in {seconds:.1f} s",
     ]
     for i, label in enumerate(d["label"]):

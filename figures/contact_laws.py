@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 
 from impact import drift, thin_rod
+from md.scene import both
 from md.sweep import Sweep
 
 from .law_claims import CLAIMS
@@ -29,26 +30,21 @@ from .shared import style
 TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
 
 
-def _both(**options: object) -> dict:
-    """The same material for plate and rods."""
-    return {f"contacts.{at}.{key}": v for at in ("plate", "rods") for key, v in options.items()}
-
-
 def _printed(**options: object) -> dict:
-    return _both(law="appendix_a", restitution="none", tangential_ratio="none", **options)
+    return both(law="appendix_a", restitution="none", tangential_ratio="none", **options)
 
 
 LAWS = {  # what a law changes in `rows.ROW`
     "App. A as printed": _printed(),
     "A, no overlap factor": _printed(overlap_factor=False),
     "A, damping 1.9e5": _printed(damping=1.9e5),
-    "0.65, spring 3": _both(),
-    "0.65, spring 3, undamped": _both(tangential_damping=0),
-    "0.65, spring 30": _both(tangential_ratio=30),
-    "0.65, spring 30, undamped": _both(tangential_ratio=30, tangential_damping=0),
-    "0.8, spring 3": _both(restitution=0.8),
-    "0.9, spring 3": _both(restitution=0.9),
-    "0.9, spring 3, undamped": _both(restitution=0.9, tangential_damping=0),
+    "0.65, spring 3": both(),
+    "0.65, spring 3, undamped": both(tangential_damping=0),
+    "0.65, spring 30": both(tangential_ratio=30),
+    "0.65, spring 30, undamped": both(tangential_ratio=30, tangential_damping=0),
+    "0.8, spring 3": both(restitution=0.8),
+    "0.9, spring 3": both(restitution=0.9),
+    "0.9, spring 3, undamped": both(restitution=0.9, tangential_damping=0),
     "0.65, Coulomb on plate": {
         "contacts.plate.law": "coulomb",
         "contacts.plate.tangential_ratio": "none",

@@ -23,6 +23,7 @@ from .rows import (
     RESTITUTION,
     boxes,
     computed,
+    measured_error,
     over_seeds,
     planned,
     plate_speed_cm_s,
@@ -39,13 +40,6 @@ def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:
     """1 forward, -1 reverse, 0 none: drifts [cm/s] with their standard errors."""
     clear = (np.abs(mean) > SIGNIFICANT * error) & (np.abs(mean) > FLOOR_CM_S)
     return np.where(clear, np.sign(mean), 0).astype(int)
-
-
-def measured_error(drifts: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean over seeds; the larger of the errors between the runs and within them."""
-    mean, between = over_seeds(drifts)
-    within = np.sqrt(np.nanmean(errors**2, axis=-1) / drifts.shape[-1])
-    return mean, np.fmax(between, within)
 
 
 QUICK = (1.2, 1.8, 3.3), (9, 20, 45), (0, 1, 2)

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from md.scene import from_tables, read_tables
-from md.sweep import Sweep, expand
+from md.sweep import Sweep
 
 from . import rows
-from .fig02 import measured_error
 
 BASE = read_tables("annulus")
 SCENE = from_tables(BASE)
@@ -31,7 +30,7 @@ def planned(
     axes: list[dict[str, list]], periods: int, changes: Mapping[str, Any] | None = None
 ) -> Sweep:
     """The annulus along axes, seeds last; nothing is run."""
-    return expand({"periods": periods, "axes": axes, "set": dict(changes or {})}, BASE)
+    return rows.planned(axes, periods, changes, BASE)
 
 
 def plane(tilt_deg: list[float], periods: int, seeds: dict[str, list]) -> Sweep:
@@ -46,7 +45,9 @@ def measured(sweep: Sweep, prefix: str) -> dict[str, np.ndarray]:
     c_x, c_x_in, tilt, tilt_in = rows.computed(sweep).gather(rows.store(), *names)
     found, per = {}, sweep.points[0].scene.cm_per_s
     for name, values, inside in (("c_x", c_x, c_x_in * per), ("tilt", tilt, tilt_in)):
-        found[f"{prefix}_{name}"], found[f"{prefix}_{name}_error"] = measured_error(values, inside)
+        found[f"{prefix}_{name}"], found[f"{prefix}_{name}_error"] = rows.measured_error(
+            values, inside
+        )
     return found
 
 

@@ -51,10 +51,13 @@ def boxes(tilt_deg: np.ndarray, count: int = COUNT) -> list[float]:
 
 
 def planned(
-    axes: list[dict[str, list]], periods: int, changes: Mapping[str, Any] | None = None
+    axes: list[dict[str, list]],
+    periods: int,
+    changes: Mapping[str, Any] | None = None,
+    base: Mapping[str, Any] = ROW,
 ) -> Sweep:
-    """The row along axes, seeds last; nothing is run."""
-    return expand({"periods": periods, "axes": axes, "set": dict(changes or {})}, ROW)
+    """The row, or another scene, along axes, seeds last; nothing is run."""
+    return expand({"periods": periods, "axes": axes, "set": dict(changes or {})}, base)
 
 
 def computed(sweep: Sweep) -> Sweep:
@@ -120,6 +123,13 @@ def over_seeds(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         mean = np.nansum(values, axis=-1) / found
         off = np.nansum((values - mean[..., None]) ** 2, axis=-1)
         return mean, np.sqrt(off / (found - 1) / found)
+
+
+def measured_error(drifts: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean over seeds; the larger of the errors between the runs and within them."""
+    mean, between = over_seeds(drifts)
+    within = np.sqrt(np.nanmean(errors**2, axis=-1) / drifts.shape[-1])
+    return mean, np.fmax(between, within)
 
 
 def plate_speed_cm_s(gamma: float | np.ndarray = GAMMA) -> float | np.ndarray:

@@ -16,8 +16,10 @@ from pathlib import Path
 
 import numba
 
-_APART = {"__main__.py", "store.py", "sweep.py", "trajectory.py", "dial/__init__.py"}
-_APART |= {"__init__.py", "dial/calibration.py"}
+_APART = {
+    *("__init__.py", "__main__.py", "store.py", "sweep.py", "trajectory.py"),
+    *("dial/__init__.py", "dial/calibration.py"),
+}
 _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
 
 

@@ -46,20 +46,14 @@ def step_of(scene: Scene) -> tuple[float, int]:
     rod = Rod(scene.rods.length, scene.rods.inertia)
     light, half, speed = 1 / rod.gyration_squared, rod.half_length, scene.impact_speed
     coarse, found = scene.step.coarse, []
-    if scene.contacts.plate:
-        found.append(
-            _law_step(
-                *("contacts.plate", scene.contacts.plate, speed),
-                *((half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1, coarse),
+    for name in ("plate", "wall"):
+        if contact := getattr(scene.contacts, name):
+            found.append(
+                _law_step(
+                    *(f"contacts.{name}", contact, speed),
+                    *((half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1, coarse),
+                )
             )
-        )
-    if scene.contacts.wall:
-        found.append(
-            _law_step(
-                *("contacts.wall", scene.contacts.wall, speed),
-                *((half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1, coarse),
-            )
-        )
     if scene.contacts.rods:
         # Across, a rod of a row turns or shifts against both neighbours, each at one end or two.
         found.append(

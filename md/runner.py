@@ -313,7 +313,7 @@ def run(
     begin = perf_counter()
     engine.go(0, series)  # compiles
     began = {"compile": perf_counter() - begin, "seconds": 0.0, "written": 0}
-    began["energy"] = engine.energy() if ledger else 0.0
+    began["energy"] = engine.energy() if engine.ledger is not None else 0.0
     if checkpoint is not None and (checkpoint := Path(checkpoint)).exists():
         began |= _resume(checkpoint, engine, tables) | {"compile": began["compile"]}
 

@@ -26,7 +26,7 @@ import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -53,6 +53,12 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a sweep; what was finished is in the store."""
 
 
+@cache
+def _known() -> str:
+    """Digest of what the dial knows."""
+    return hashlib.sha256(CALIBRATION.read_bytes()).hexdigest()
+
+
 @dataclass(frozen=True)
 class Point:
     """One run of a sweep."""
@@ -67,8 +73,7 @@ class Point:
         """Digest of the scene, the length of the run and the sources."""
         length = str(self.periods)
         if self.tolerance is not None:
-            known = hashlib.sha256(CALIBRATION.read_bytes()).hexdigest()
-            length = f"within {self.tolerance!r} in {self.max_seconds!r}, {known}"
+            length = f"within {self.tolerance!r} in {self.max_seconds!r}, {_known()}"
         return hashlib.sha256(f"{self.scene!r} {length} {_CODE}".encode()).hexdigest()[:24]
 
 

@@ -14,6 +14,8 @@ from md.space.engine import axial_gyration_squared
 from md.sweep import execute, expand
 from md.trajectory import read_frames
 
+from .test_row_resume import bits
+
 SMALL = (
     *("rods.count=6", "rods.length=4", "annulus.inner=1", "annulus.outer=2.8", "step.size=none"),
     *(f"contacts.{part}.stiffness=1e5" for part in ("plate", "rods", "wall")),
@@ -52,14 +54,6 @@ def test_other_refusals():
         ring(*law)
     with pytest.raises(ValueError, match=r"rods.count 60 do not fit"):
         prepare(ring("rods.count=60"))
-
-
-def bits(result):
-    """All that a run measured but the time it took."""
-    numbers = result.as_dict()
-    for key in ("run_seconds", "compile_seconds"):
-        del numbers[key]
-    return json.dumps(numbers, sort_keys=True), result.rods.tobytes(), result.c_x_series.tobytes()
 
 
 @pytest.fixture(scope="module")

@@ -27,6 +27,8 @@ from figures import (
 from figures.__main__ import main
 from figures.number import Number, onset, resampled
 
+from .command_line import refused
+
 mpl.use("Agg")
 
 ROOT = Path(__file__).parent.parent
@@ -199,8 +201,8 @@ def tiny(tmp_path, monkeypatch):
     plan, estimate = rows.planned, SimpleNamespace(mean=1.0, error=0.0)
     lone = SimpleNamespace(flight=estimate, falling=estimate)
 
-    def short(axes, periods, changes=None):
-        return plan(axes, 6, changes)
+    def short(axes, periods, *scene):
+        return plan(axes, 6, *scene)
 
     monkeypatch.setenv("ROWS_STORE", str(tmp_path / "rows.db"))
     for module in (rows, fig02, fig13, phase_friction):
@@ -285,15 +287,7 @@ def test_nonsense_costs_one_line(arguments, store, word, tmp_path, monkeypatch, 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("ROWS_STORE", store)
     (tmp_path / "FILE").write_text("no store")
-    try:
-        code = main(arguments)
-    except SystemExit as stop:
-        code = stop.code
-    assert code == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    assert word in printed.err
+    refused(lambda: main(arguments), word, capsys)
 
 
 def test_a_figure_is_drawn_again_if_a_source_is_newer(tmp_path):

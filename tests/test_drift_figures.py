@@ -71,12 +71,12 @@ def test_the_ladder(monkeypatch):
     monkeypatch.setattr(ladder, "PERIODS", {True: 4})
     monkeypatch.setattr(ladder, "LANDINGS", (30,))
     rungs = {
-        "step": {"t_c/13": (13, [])},
-        "rods": {"N=5": (13, ["rods.count=5", "box.length=5.375"])},
+        "step": {"t_c/13": (13, {})},
+        "rods": {"N=5": (13, {"rods.count": 5, "box.length": 5.375})},
     }
     monkeypatch.setattr(ladder, "ROWS", rungs)
     monkeypatch.setattr(ladder, "USUAL", 13)
-    monkeypatch.setattr(ladder, "TRUSTED", (13, []))
+    monkeypatch.setattr(ladder, "TRUSTED", (13, {}))
     d = ladder.data(quick=True)
     assert list(d["group"]) == [
         "theory",
@@ -94,7 +94,7 @@ def test_the_ladder(monkeypatch):
     assert ladder.summary(d).count("\n") == len(d["group"]) + 1
 
 
-@pytest.mark.parametrize("changes", [[], ladder.PRINTED, ladder.TRUSTED[1]])
+@pytest.mark.parametrize("changes", [{}, ladder.PRINTED, ladder.TRUSTED[1]])
 def test_steps_of_the_ladder_are_parts_of_a_contact(changes):
     scene = ladder.scene(20, changes)
     assert steps_per_contact(scene, scene.step.size) == pytest.approx(20)

@@ -15,6 +15,8 @@ from figures.restitution_laws import largest_gain
 from impact import Regime, critical_friction, energy_restitution, slide_friction, thin_rod
 from impact._generated import DIGEST
 
+from .command_line import refused
+
 mpl.use("Agg")
 
 
@@ -192,15 +194,7 @@ def test_list_names_every_figure():
 def test_nonsense_costs_one_line(arguments, word, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "FILE").touch()
-    try:
-        code = main(arguments)
-    except SystemExit as stop:
-        code = stop.code
-    assert code == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    assert word in printed.err
+    refused(lambda: main(arguments), word, capsys)
     assert [path.name for path in tmp_path.iterdir()] == ["FILE"]
 
 

@@ -16,6 +16,8 @@ from impact import ContactGeometry, Regime, classify, collide
 from md import landings
 from md.one_rod import Rod
 
+from .command_line import refused
+
 mpl.use("Agg")
 
 
@@ -310,13 +312,6 @@ def test_movie_of_what_has_no_plate():
     ],
 )
 def test_nonsense_costs_one_line(arguments, word, tmp_path, capsys):
-    try:
-        code = main(["movie", *arguments, "--out", str(tmp_path / "none")])
-    except SystemExit as stop:
-        code = stop.code
-    assert code == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    assert word in printed.err
+    command = ["movie", *arguments, "--out", str(tmp_path / "none")]
+    refused(lambda: main(command), word, capsys)
     assert not list(tmp_path.iterdir())

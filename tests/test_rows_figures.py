@@ -143,7 +143,7 @@ def test_drift_is_told_from_none():
 
 def test_the_larger_error_counts():
     """Between the runs where they differ, within them where they agree by chance."""
-    _, error = fig02.measured_error(np.array([[1.0, 3.0], [2.0, 2.0]]), np.full((2, 2), 0.5))
+    _, error = rows.measured_error(np.array([[1.0, 3.0], [2.0, 2.0]]), np.full((2, 2), 0.5))
     np.testing.assert_allclose(error, [1.0, 0.5 / np.sqrt(2)])
 
 

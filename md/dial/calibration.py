@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ..cache import digest
-from ..scene import Scene, Step, from_tables, put, read_tables
+from ..scene import Scene, Step, both, from_tables, put, read_tables
 from ..sweep import Point, Sweep, execute
 from . import described, steps_per_contact
 
@@ -17,27 +17,22 @@ STEPS = 16, 20, 26, 40, 80  # a contact; the last one is next to free of bias
 _SEEDS, _PERIODS = (1, 2, 3, 4), 1500
 
 
-def _both(**options: Any) -> dict[str, Any]:
-    """The same for the contacts of plate and rods."""
-    return {f"contacts.{part}.{key}": v for part in ("plate", "rods") for key, v in options.items()}
-
-
 SCENES: dict[str, dict[str, Any]] = {  # what each changes in the row
     "tangential ratio 30": {},
-    "tangential ratio 3": _both(tangential_ratio=3),
+    "tangential ratio 3": both(tangential_ratio=3),
     "Gamma 1.8": {"plate.acceleration": 1.8},
     "Gamma 5": {"plate.acceleration": 5},
     "tilt 17": {"box.length": 41.8},
     "tilt 30": {"box.length": 46.2},
     "tilt 40": {"box.length": 52.2},
     "tilt 48": {"box.length": 60},
-    "restitution 0.5": _both(restitution=0.5),
-    "restitution 0.9": _both(restitution=0.9),
-    "friction 0.1": _both(friction=0.1),
-    "friction 0.6": _both(friction=0.6),
+    "restitution 0.5": both(restitution=0.5),
+    "restitution 0.9": both(restitution=0.9),
+    "friction 0.1": both(friction=0.1),
+    "friction 0.6": both(friction=0.6),
     "length 5": {"rods.length": 5},
     "length 10": {"rods.length": 10},
-    "stiffness 5e5": _both(stiffness=5e5),
+    "stiffness 5e5": both(stiffness=5e5),
     "Coulomb on the plate": {"contacts.plate.law": "coulomb"},
 }
 

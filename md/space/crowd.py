@@ -17,7 +17,7 @@ import numpy as np
 from ..cache import kernel
 from ..contact import plate_at
 from ..integrators import DEEP, DONE, NOT_FINITE, TOO_DEEP
-from ..row import PAIR_TOO_DEEP, TOO_FAST
+from ..row import PAIR_TOO_DEEP, TOO_FAST, fast, travelled
 from .forces import (
     DIRECTOR,
     PLACE,
@@ -59,9 +59,7 @@ class Pairs(NamedTuple):
     index: np.ndarray  # (N (N - 1)/2, 3): first rod, second, number of the pair
     asleep: np.ndarray  # (N (N - 1)/2,): until so much was travelled, the entry cannot touch
     touched: np.ndarray  # (N (N - 1)/2,)
-    travelled: (
-        np.ndarray
-    )  # (1,): how far any point of an axis may have moved since the list is made
+    travelled: np.ndarray  # (1,): how far any rod may have moved since the list was made
 
 
 def no_pairs(rods: int) -> Pairs:
@@ -115,15 +113,6 @@ def crowded(between, world, rods, before, pairs, springs, skin, total, dt):
         list_pairs(rods, world.half_length, skin, pairs)
     deep = pair_forces(between, world, rods, before, pairs, springs, total, dt)
     return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
-
-
-@kernel
-def moved(between, pairs, distance):
-    """Note how far rods may have moved; whether one may have passed through another unseen."""
-    if between is None:
-        return False
-    pairs.travelled[0] += distance
-    return distance > 0.5 * DEEP
 
 
 @kernel
@@ -257,6 +246,7 @@ def march(
             put(rods, i, TURN, w)
             put(before, i, 0, push_c)
             put(before, i, 3, push_w)
-        if moved(world.between, pairs, fastest * dt):
+        travelled(world.between, pairs, fastest * dt)
+        if fast(world.between, fastest * dt):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

@@ -106,11 +106,6 @@ class Ring:
         }
         raise RunError(f"{what.get(why, 'a rod moved too far in a step')} {at}", self.rods.copy())
 
-    def energy(self) -> float:
-        """Kinetic energy half a step ago, in m g d."""
-        velocity, turn = self.rods[:, VELOCITY : VELOCITY + 3], self.rods[:, 9:12]
-        return float((velocity**2).sum() / 2 + (turn**2).sum() / self.world.lightness / 2)
-
     def arrays(self) -> dict[str, np.ndarray]:
         """All that changes as the run goes on, by name."""
         names = "rods", "before", "springs", "pair_springs"
