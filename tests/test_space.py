@@ -9,6 +9,7 @@ from md.contact import Friction
 from md.engine import prepare
 from md.row import Between
 from md.space import crowd, forces, geometry, placement
+from md.space.pairs import nearest, no_pairs
 
 HALF, LIGHT = 4.25, 12 / 9.5**2
 GAP = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
@@ -29,7 +30,7 @@ class Scene:
     def __init__(self, scene, rods, dt=1e-4):
         n = len(rods)
         self.scene, self.rods, self.dt, self.step = scene, rods, dt, 0
-        self.scratch = np.zeros((n, 6)), crowd.no_pairs(n), np.zeros((n, 6))
+        self.scratch = np.zeros((n, 6)), no_pairs(n), np.zeros((n, 6))
         self.springs = np.zeros((n, forces.SINGLE, 3)), np.zeros((max(n * (n - 1) // 2, 1), 5, 3))
 
     def go(self, steps):
@@ -80,7 +81,7 @@ def test_two_axes_are_as_far_apart_as_brute_force_says(seed):
     apart, a, b = random.uniform(-3, 3, 3), unit(random.normal(size=3)), unit(random.normal(size=3))
     if seed % 5 == 0:
         b = a if seed % 2 else unit(a + 1e-9 * random.normal(size=3))
-    found = crowd.nearest(*tuples(apart, a, b), HALF)
+    found = nearest(*tuples(apart, a, b), HALF)
 
     def distance(places):
         return np.linalg.norm(apart + places[0] * a - places[1] * b)
@@ -92,15 +93,23 @@ def test_two_axes_are_as_far_apart_as_brute_force_says(seed):
 
 
 def test_the_inner_wall_is_as_near_as_brute_force_says():
-    random = np.random.default_rng(3)
+    random, between = np.random.default_rng(3), 0
     for _ in range(50):
         place, a = random.uniform(-8, 8, 3), unit(random.normal(size=3))
-        s, inside = geometry.to_inner(*tuples(place, a), HALF)
+        seen = geometry.from_above(*tuples(place, a))
         along = np.linspace(-HALF, HALF, 20001)[:, None]
         rho = np.hypot(*(place + along * a).T[:2])
-        ends = [np.hypot(*(place + side * HALF * a)[:2]) for side in (-1, 1)]
-        mine = min(np.hypot(*(place + s * a)[:2]), *ends) if inside else min(ends)
-        assert rho.min() - 3e-4 < mine < rho.min() + 1e-12  # the grid is 4e-4 wide
+        ends = [np.sqrt(geometry.beyond(seen, s)) for s in (-HALF, HALF)]
+        np.testing.assert_allclose(ends, rho[[0, -1]], rtol=1e-12)
+        least = rho.min()  # the grid is 4e-4 wide
+        if least < min(ends) - 1e-9:
+            between += 1
+            assert geometry.passes(seen, HALF, least + 1e-12)
+            assert not geometry.passes(seen, HALF, least - 3e-4)
+            assert geometry.beyond(seen, -seen[1] / seen[2]) == pytest.approx(least**2, abs=2e-3)
+        else:
+            assert not geometry.passes(seen, HALF, 1e3)
+    assert 10 < between < 40
 
 
 def total_force(scene, rods):
@@ -275,7 +284,7 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     for i in range(count):
         for j in range(i):
             parts = tuples(rods[i, :3] - rods[j, :3], rods[i, 3:], rods[j, 3:])
-            least = min(least, crowd.nearest(*parts, half))
+            least = min(least, nearest(*parts, half))
     assert least > 1 - 1e-4
     along = np.linspace(-half, half, 201)[:, None]
     for place, director in zip(rods[:, :3], rods[:, 3:], strict=True):

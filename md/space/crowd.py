@@ -1,4 +1,4 @@
-"""Many rods in space, compiled: the list of pairs, samples, Verlet's method.
+"""Many rods in space, compiled: samples, Verlet's method.
 
 The state of a rod is its centre, its director, its velocity and the vector w = (angular momentum)/I
 about which the director turns. Without axial spin w is across the director and is the angular
@@ -17,7 +17,7 @@ import numpy as np
 from ..cache import kernel
 from ..contact import plate_at
 from ..integrators import DEEP, DONE, NOT_FINITE, TOO_DEEP
-from ..row import PAIR_TOO_DEEP, TOO_FAST, fast, travelled
+from ..row import TOO_FAST, fast, travelled
 from .forces import (
     DIRECTOR,
     PLACE,
@@ -26,12 +26,12 @@ from .forces import (
     at_inner,
     at_outer,
     on_plate,
-    pair_forces,
     put,
     turning,
     vector,
 )
-from .geometry import UP, ZERO, along, at_end, between_ends, cross, dot, gap_vector
+from .geometry import UP, ZERO, along, cross, dot, from_above
+from .pairs import crowded
 
 COLUMNS = 12  # of the rods' state
 WALL_TOO_DEEP = 8  # why a run ended, beyond those of the plane
@@ -52,69 +52,6 @@ class Samples(NamedTuple):
     every: int  # steps between two samples
 
 
-class Pairs(NamedTuple):
-    """Pairs of axes closer than 1 + skin, and of every two rods whether they touch."""
-
-    count: np.ndarray  # (1,)
-    index: np.ndarray  # (N (N - 1)/2, 3): first rod, second, number of the pair
-    asleep: np.ndarray  # (N (N - 1)/2,): until so much was travelled, the entry cannot touch
-    touched: np.ndarray  # (N (N - 1)/2,)
-    travelled: np.ndarray  # (1,): how far any rod may have moved since the list was made
-
-
-def no_pairs(rods: int) -> Pairs:
-    """A list that is out of date."""
-    most = max(rods * (rods - 1) // 2, 1)
-    return Pairs(
-        np.zeros(1, np.int64), np.zeros((most, 3), np.int64), np.zeros(most),
-        np.zeros(most, np.int8), np.full(1, np.inf),
-    )  # fmt: skip
-
-
-@kernel
-def nearest(apart, a, b, half):
-    """Distance of two axes."""
-    least = np.inf
-    for end in range(4):
-        s, t = at_end(apart, a, b, half, end)
-        r = gap_vector(apart, a, b, s, t)
-        least = min(least, dot(r, r))
-    s, t, _, inside = between_ends(apart, a, b, half)
-    if inside:
-        r = gap_vector(apart, a, b, s, t)
-        least = min(least, dot(r, r))
-    return sqrt(least)
-
-
-@kernel(inline=False)
-def list_pairs(rods, half, skin, pairs):
-    """Make the list anew; every pair is looked at."""
-    n, count, number = rods.shape[0], 0, 0
-    for i in range(n):
-        for j in range(i + 1, n):
-            apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
-            if dot(apart, apart) < (2.0 * half + 1.0 + skin) ** 2:
-                a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
-                if nearest(apart, a, b, half) < 1.0 + skin:
-                    pairs.index[count, 0], pairs.index[count, 1] = i, j
-                    pairs.index[count, 2], pairs.asleep[count] = number, 0.0
-                    count += 1
-            number += 1
-    pairs.count[0] = count
-    pairs.travelled[0] = 0.0
-
-
-@kernel
-def crowded(between, world, rods, before, pairs, springs, skin, total, dt):
-    """Pair forces from a list kept up to date; why the run cannot go on, and where."""
-    if between is None:
-        return DONE, 0
-    if pairs.travelled[0] >= 0.5 * skin:
-        list_pairs(rods, world.half_length, skin, pairs)
-    deep = pair_forces(between, world, rods, before, pairs, springs, total, dt)
-    return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
-
-
 @kernel
 def rotated(v, w, dt):
     """A director after it has turned about w for a time dt, kept at length one."""
@@ -124,8 +61,8 @@ def rotated(v, w, dt):
         angle = sqrt(square)
         one, two = dt * sin(angle) / angle, dt * dt * (1.0 - cos(angle)) / square
     else:
-        one *= 1.0 - square / 6.0 * (1.0 - square / 20.0)
-        two *= 1.0 - square / 12.0 * (1.0 - square / 30.0)
+        one *= 1.0 - square * (1 / 6 - square * (1 / 120))
+        two *= 1.0 - square * (1 / 12 - square * (1 / 360))
     first = cross(w, v)
     v = along(along(v, one, first), two, cross(w, first))
     return along(v, 0.5 * (1.0 - dot(v, v)), v)
@@ -219,15 +156,16 @@ def march(
         if why != DONE:
             return n, why, where
         sample(sampled, rods, first + n)
-        fastest = 0.0
+        fastest, quickest = 0.0, 0.0  # squared
         for i in range(rods.shape[0]):
             deepest = on_plate(world.normal, world, rods, before, i, plate, springs, total, dt)
             if not deepest <= DEEP:
                 return n, TOO_DEEP, i
             touched(sampled, world, rods, i, deepest, plate, first + n)
-            deepest = at_inner(world.inner, world, rods, before, i, springs, total, dt)
+            seen = from_above(vector(rods, i, PLACE), vector(rods, i, DIRECTOR))
             deepest = max(
-                deepest, at_outer(world.outer, world, rods, before, i, springs, total, dt)
+                at_inner(world.inner, world, rods, before, i, seen, springs, total, dt),
+                at_outer(world.outer, world, rods, before, i, seen, springs, total, dt),
             )
             if not deepest <= DEEP:
                 return n, WALL_TOO_DEEP, i
@@ -236,17 +174,18 @@ def march(
             push_w = across(world.spin, along(ZERO, world.lightness, vector(total, i, 3)), director)
             c = along(vector(rods, i, VELOCITY), dt, push_c)
             w = across(world.spin, along(vector(rods, i, TURN), dt, push_w), director)
-            speed = sqrt(dot(c, c)) + world.half_length * sqrt(dot(w, w))
-            if not speed < 1e100:
+            travel, turn = dot(c, c), dot(w, w)
+            if not travel + turn < 1e200:
                 return n, NOT_FINITE, i
-            fastest = max(fastest, speed)
+            fastest, quickest = max(fastest, travel), max(quickest, turn)
             put(rods, i, PLACE, along(vector(rods, i, PLACE), dt, c))
             put(rods, i, DIRECTOR, rotated(director, w, dt))
             put(rods, i, VELOCITY, c)
             put(rods, i, TURN, w)
             put(before, i, 0, push_c)
             put(before, i, 3, push_w)
-        travelled(world.between, pairs, fastest * dt)
-        if fast(world.between, fastest * dt):
+        way = (sqrt(fastest) + world.half_length * sqrt(quickest)) * dt
+        travelled(world.between, pairs, way)
+        if fast(world.between, way):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

@@ -16,6 +16,7 @@ from ..scene import Contact, Scene
 from ..statistics import ratio
 from . import crowd
 from .forces import DIRECTOR, SINGLE, VELOCITY, Space, Wall
+from .pairs import Pairs, no_pairs
 from .placement import placed
 
 SKIN = 0.4  # of the list of pairs, in d
@@ -65,7 +66,7 @@ class Ring:
     before: np.ndarray
     springs: np.ndarray | None
     pair_springs: np.ndarray | None
-    pairs: crowd.Pairs | None
+    pairs: Pairs | None
     total: np.ndarray
     dt: float
     per: int
@@ -210,6 +211,6 @@ def prepare(scene: Scene) -> Ring:
         *(scene, world, rods, np.zeros((n, 6))),
         np.zeros((n, SINGLE, 3)) if rubs else None,
         np.zeros((n * (n - 1) // 2, 5, 3)) if pairs and world.between.friction else None,
-        crowd.no_pairs(n) if pairs else None,
+        no_pairs(n) if pairs else None,
         *(np.zeros((n, 6)), dt, per),
     )

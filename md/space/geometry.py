@@ -78,13 +78,28 @@ def rise(x):
 
 
 @kernel
-def to_inner(place, director, half):
-    """Place along a rod that is closest to the axis of the cylinder, and whether it is inside."""
-    q = director[0] * director[0] + director[1] * director[1]
-    if q < 1e-12:
-        return 0.0, False
-    s = -(place[0] * director[0] + place[1] * director[1]) / q
-    return s, abs(s) < half
+def from_above(place, director):
+    """Of a rod seen from above: x.x, x.u and u.u of its centre x and its director u."""
+    x, y, u, v = place[0], place[1], director[0], director[1]
+    return x * x + y * y, x * u + y * v, u * u + v * v
+
+
+@kernel
+def beyond(seen, s):
+    """Squared distance of a place of the rod from the axis of the annulus."""
+    return seen[0] + s * (2.0 * seen[1] + s * seen[2])
+
+
+@kernel
+def passes(seen, half, distance):
+    """Whether the rod comes closer than that to the axis of the annulus between its ends.
+
+    It is closest at s = -x.u/u.u.
+    """
+    square, slope, flat = seen
+    if abs(slope) >= half * flat or flat < 1e-12:
+        return False
+    return (square - distance * distance) * flat < slope * slope
 
 
 @kernel

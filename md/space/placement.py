@@ -9,7 +9,8 @@ from ..contact import Normal
 from ..row import Between
 from ..scene import Annulus
 from . import crowd, forces
-from .geometry import along, from_axis, to_inner
+from .geometry import beyond, from_above, passes
+from .pairs import nearest, no_pairs
 
 _TOUCHING = 1e-4  # d; so deep, a rod of the paper's stiffness is pushed by five times its weight
 _STEPS = 8_000
@@ -143,7 +144,7 @@ def _relax(gap: Annulus, rods: np.ndarray, half: float) -> float:
     light = 1 / (0.1 + (2 * half + 1) ** 2 / 12)
     world = forces.Space(half, light, None, None, None, None, None, *wall, Between(soft, None))
     n = len(rods)
-    pairs, total, before = crowd.no_pairs(n), np.zeros((n, 6)), np.zeros((n, 6))
+    pairs, total, before = no_pairs(n), np.zeros((n, 6)), np.zeros((n, 6))
     for step in range(_STEPS):
         rods[:, 2] = 0.5 + half * np.abs(rods[:, 5])
         rods[:, 8] = 0
@@ -166,12 +167,15 @@ def overlap(gap: Annulus, rods: np.ndarray, half: float) -> float:
     parts = [(tuple(rod[:3]), tuple(rod[3:6])) for rod in rods.tolist()]
     deepest = -np.inf
     for i, (x, a) in enumerate(parts):
-        ends = [from_axis(along(x, side * half, a))[0] for side in (-1, 1)]
-        s, inside = to_inner(x, a, half)
-        nearest = min([*ends, from_axis(along(x, s, a))[0]] if inside else ends)
-        deepest = max(deepest, gap.inner + 0.5 - nearest, max(ends) - gap.outer + 0.5)
+        seen = from_above(x, a)
+        squares = [beyond(seen, side * half) for side in (-1, 1)]
+        outermost = np.sqrt(max(squares))
+        if passes(seen, half, np.sqrt(min(squares))):
+            squares.append(max(beyond(seen, -seen[1] / seen[2]), 0.0))
+        innermost = np.sqrt(min(squares))
+        deepest = max(deepest, gap.inner + 0.5 - innermost, outermost - gap.outer + 0.5)
         for y, b in parts[:i]:
             apart = x[0] - y[0], x[1] - y[1], x[2] - y[2]
             if apart[0] ** 2 + apart[1] ** 2 + apart[2] ** 2 < (2 * half + 1) ** 2:
-                deepest = max(deepest, 1 - crowd.nearest(apart, a, b, half))
+                deepest = max(deepest, 1 - nearest(apart, a, b, half))
     return deepest
