@@ -173,7 +173,7 @@ def test_the_command(capsys):
 def test_too_deep_in_a_wall_is_an_error():
     engine = prepare(ring())
     engine.rods[0, :2] *= 0.05
-    with pytest.raises(md.RunError, match=r"too deep in (a wall|each other)"):
+    with pytest.raises(md.RunError, match=r"deep in a wall|with each other"):
         engine.go(10)
     engine = prepare(ring())
     engine.rods[2, crowd.COLUMNS - 1] = np.nan

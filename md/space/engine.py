@@ -8,15 +8,15 @@ import numpy as np
 
 from ..contact import Friction, Motion
 from ..engine import SAMPLES, plate_motion, step_of
-from ..integrators import DONE, NOT_FINITE, TOO_DEEP
+from ..integrators import DEEP, DONE, NOT_FINITE, TOO_DEEP
 from ..laws import friction_of
 from ..one_rod import Rod, RunError
-from ..row import PAIR_TOO_DEEP, Between
+from ..row import PAIR_TOO_DEEP, TOO_FAST, Between
 from ..scene import Contact, Scene
 from ..statistics import ratio
 from . import crowd
-from .forces import DIRECTOR, SINGLE, VELOCITY, Space, Wall
-from .pairs import Pairs, no_pairs
+from .forces import DIRECTOR, SINGLE, TURN, VELOCITY, Space, Wall
+from .pairs import Pairs, nearest, no_pairs
 from .placement import placed
 
 SKIN = 0.4  # of the list of pairs, in d
@@ -99,13 +99,22 @@ class Ring:
     def _stop(self, why: int, where: int) -> None:
         """Raise what ended the run before its time."""
         at = f"at t = {self.step / self.per:.6g} periods (step {self.step} of {self.dt:g})"
+        state, half = self.rods.copy(), self.world.half_length
+        if why == TOO_FAST:
+            speed = np.linalg.norm(state[:, VELOCITY:TURN], axis=1)
+            where = np.argmax(speed + half * np.linalg.norm(state[:, TURN:], axis=1))
+            raise RunError(f"rod {where}: moved more than {DEEP / 2} d in a step {at}", state)
+        if why == PAIR_TOO_DEEP:
+            i, j, _ = self.pairs.index[where]
+            x, a, b = state[i, :3] - state[j, :3], state[i, 3:6], state[j, 3:6]
+            deep = 1 - nearest(*(tuple(v.tolist()) for v in (x, a, b)), half)
+            raise RunError(f"rods {i} and {j}: overlap {deep:.3g} d with each other {at}", state)
         what = {
-            NOT_FINITE: f"rod {where}: its state is not finite",
-            TOO_DEEP: f"rod {where}: too deep in the plate",
-            crowd.WALL_TOO_DEEP: f"rod {where}: too deep in a wall",
-            PAIR_TOO_DEEP: "two rods: too deep in each other",
+            NOT_FINITE: "its state is not finite",
+            TOO_DEEP: f"more than {DEEP} d deep in the plate",
+            crowd.WALL_TOO_DEEP: f"more than {DEEP} d deep in a wall",
         }
-        raise RunError(f"{what.get(why, 'a rod moved too far in a step')} {at}", self.rods.copy())
+        raise RunError(f"rod {where}: {what[why]} {at}", state)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All that changes as the run goes on, by name."""

@@ -195,7 +195,7 @@ def surface(
 
     `climb`: the surface's velocity along z.
     """
-    overlap = 0.5 - reach
+    overlap = max(0.5 - reach, 0.0)  # a rounding may have told a touch
     director = vector(rods, i, DIRECTOR)
     arm = along(along(ZERO, s, director), -reach, normal)
     v = along(moving(world, rods, i, director, arm), -climb, UP)
@@ -290,7 +290,7 @@ def beside(wall, world, rods, before, i, s, springs, total, dt):
         *(wall.normal, wall.friction, world, rods, before, i, s, reach, out, w_l * w_u, 0.0),
         *(springs, INNER + 2, total, dt),
     )
-    overlap = 0.5 - reach
+    overlap = max(0.5 - reach, 0.0)
     if slope_l + slope_u == 0.0:
         return overlap
     energy = 0.4 * wall.normal.stiffness * overlap * overlap * sqrt(overlap) * (1 / NEARER)

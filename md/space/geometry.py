@@ -50,14 +50,16 @@ def at_end(apart, a, b, half, end):
 def between_ends(apart, a, b, half):
     """Places of the closest points of both lines, and whether they lie inside of both rods.
 
-    Third, the squared sine between the lines.
+    Third, the squared sine between the lines. The first place is the nearest to the second, however
+    far that is off where lines are nearly parallel: their distance is hardly wrong.
     """
     across = dot(a, b)
     skew = 1.0 - across * across
     if skew < 1e-12:
         return 0.0, 0.0, 0.0, False
     p, q = dot(apart, a), dot(apart, b)
-    s, t = (across * q - p) / skew, (q - across * p) / skew
+    t = (q - across * p) / skew
+    s = across * t - p
     return s, t, skew, abs(s) < half and abs(t) < half
 
 

@@ -1,0 +1,156 @@
+"""Hard cases in space: nothing passes through anything, nonsense ends a run, narrow gaps work."""
+
+import numpy as np
+import pytest
+
+import md
+from md.engine import prepare
+from md.integrators import DEEP
+from md.laws import deepest_overlap
+from md.space import crowd, forces, geometry
+
+from .test_annulus import ring
+from .test_space import HALF, LOSSY, ROUGH, Scene, tuples, unit, world
+
+STIFFNESS = LOSSY.normal.stiffness
+INNER, OUTER = 5.0, 40.0  # radii of walls
+LYING, UPRIGHT, SLANTED = (0, 1, 0), (0, 0, 1), (0.2, 0.9, 0.5)
+
+
+def one(place, director, velocity):
+    """A single rod."""
+    rods = np.zeros((1, crowd.COLUMNS))
+    rods[0, :3], rods[0, 3:6], rods[0, 6:9] = place, unit(director), velocity
+    return rods
+
+
+def reach(rods):
+    """Least and largest distance of the first rod from the axis of the walls."""
+    seen = geometry.from_above(*tuples(rods[0, :3], rods[0, 3:6]))
+    ends = [geometry.beyond(seen, s) for s in (-HALF, HALF)]
+    least = min(ends)
+    if geometry.passes(seen, HALF, np.sqrt(least)):
+        least = geometry.beyond(seen, -seen[1] / seen[2])
+    return np.sqrt(least), np.sqrt(max(ends))
+
+
+@pytest.mark.parametrize("speed", [0.1, 3.0])
+@pytest.mark.parametrize("friction", [None, ROUGH])
+@pytest.mark.parametrize("director", [LYING, UPRIGHT, SLANTED, (1, 0.3, 0.1), (1, 0, 0)])
+@pytest.mark.parametrize("wall", ["inner", "outer"])
+def test_m10_no_wall_is_entered_beyond_the_soft_overlap(wall, director, friction, speed):
+    """Side or cap, thrown at it squarely or not; the rod comes back, slower than it came."""
+    half = HALF * unit(director)
+    radius = INNER if wall == "inner" else OUTER
+    room = 0.52 + abs(half[0]) + (0 if wall == "inner" else 0.5)
+    place = (radius + room, 0, 0) if wall == "inner" else (radius - room - 0.5, 0, 0)
+    velocity = (-speed if wall == "inner" else speed, 0.2 * speed, 0.1 * speed)
+    scene = world(**{wall: forces.Wall(radius, LOSSY.normal, friction)})
+    flying = Scene(scene, one(place, director, velocity), dt=2e-5)
+    deepest, energy = -np.inf, flying.kinetic()
+    for _ in range(int(2.5 / speed / 2e-5 / 20)):
+        flying.go(20)
+        least, largest = reach(flying.rods)
+        deepest = max(deepest, INNER + 0.5 - least if wall == "inner" else largest + 0.5 - OUTER)
+    assert 0 < deepest < 1.05 * deepest_overlap(LOSSY, 1.05 * speed)
+    assert flying.kinetic() < energy
+    out = flying.rods[0, 6]
+    assert out > 0 if wall == "inner" else out < 0.3 * speed
+
+
+def test_m7_the_distance_of_nearly_parallel_rods_is_exact():
+    """To 4 units in the last place of their lengths, down to the angle from which ends alone count.
+
+    Where they are closest is known to a rounding over the squared angle, no better.
+    """
+    random = np.random.default_rng(8)
+    for angle in 10.0 ** np.random.default_rng(1).uniform(-9, 0, 200):
+        a, b = np.array([1.0, 0, 0]), np.array([np.cos(angle), 0, np.sin(angle)])
+        s, t = random.uniform(-1, 1, 2)
+        apart = np.array([0, 0.97, 0]) - s * a + t * b
+        x, y, skew, inside = geometry.between_ends(*tuples(apart, a, b), HALF)
+        if angle < 0.9e-6:
+            assert not inside
+        elif angle > 1.1e-6:
+            assert inside
+            gap = np.linalg.norm(geometry.gap_vector(*tuples(apart, a, b), x, y))
+            assert abs(gap - 0.97) <= 4 * np.spacing(HALF)
+            assert abs(x - s) < 4e-15 / skew
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_m8_crossing_rods_do_not_pass_through_each_other(seed):
+    """However fast: stopped before half a diameter, or turned back.
+
+    An axis that has come to the other side of the other one has gone through it.
+    """
+    random = np.random.default_rng(seed)
+    soft = md.constant_restitution(0.65, 2e3, tangential_ratio=3)
+    scene = world(between=forces.Between(soft.normal, None))
+    rods = np.zeros((2, crowd.COLUMNS))
+    rods[0, 3:6], rods[1, 3:6] = unit([1, 0.05, 0.1]), unit([random.uniform(-1, 1), 0, 1])
+    rods[0, :3], rods[1, 1] = (random.uniform(-2, 2), 1.2, random.uniform(-2, 2)), 0
+    for speed in (1, 5, 60):
+        rods[0, 7] = -speed
+        flying = Scene(scene, rods.copy(), dt=2e-4)
+        why = crowd.DONE
+        for _ in range(int(2 / speed / 2e-4 / 10)):
+            before, pairs, total = flying.scratch
+            _, why, _ = crowd.march(
+                *(scene, flying.rods, before, *flying.springs, pairs, 0.4, total, None),
+                *(0, 10, 2e-4),
+            )
+            if why != crowd.DONE:
+                break
+            assert flying.rods[0, 1] > flying.rods[1, 1] + 1 - DEEP - 0.3
+        assert (why == crowd.DONE) == (speed < 60)
+
+
+def test_m8_what_is_too_deep_is_named():
+    engine = prepare(ring())
+    engine.rods[3, :6] = engine.rods[1, :6] + 1e-3
+    with pytest.raises(md.RunError, match=r"rods 1 and 3: overlap 0\.99\d d with each other"):
+        engine.go(10)
+    engine = prepare(ring())
+    engine.rods[4, 6:9] = 0, 0, 3e3
+    with pytest.raises(md.RunError, match=r"rod 4: moved more than 0.25 d in a step at t = "):
+        engine.go(10)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e200])
+def test_m16_nonsense_ends_the_run_in_the_step_in_which_it_appears(bad):
+    engine = prepare(ring("rods.count=2"))
+    engine.go(5)
+    engine.rods[1, 7] = bad
+    with pytest.raises(md.RunError, match="rod 1: its state is not finite") as error:
+        engine.go(1000)
+    assert engine.step == 5
+    assert np.isfinite(error.value.state[0]).all()
+
+
+def test_a_gap_barely_wider_than_a_rod():
+    """Rods stay in it, upright and along it; a gap narrower than a rod is refused."""
+    narrow = ("annulus.outer=3.0", "annulus.inner=1.99", "rods.count=4", "plate.acceleration=4")
+    result = md.run(ring(*narrow), periods=5)
+    rho = np.hypot(*result.rods[:, :2].T)
+    assert np.abs(rho - 2.495).max() < 0.02
+    assert result.tilt_deg < 10
+    with pytest.raises(ValueError, match=r"annulus.outer must be at least a diameter beyond"):
+        ring("annulus.outer=2.98", "annulus.inner=1.99")
+
+
+def test_rods_that_lie_down_and_rods_that_cross_go_on():
+    """One on the plate, one dropped across it in a wide gap: finite, and at rest in the end."""
+    wide = {n: forces.Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 1.0), ("outer", 20.0))}
+    rods = np.zeros((2, crowd.COLUMNS))
+    rods[0, :3], rods[0, 3:6] = (9, 0, 0.51), unit([0, 1, 0])
+    rods[1, :3], rods[1, 3:6] = (9, 0, 1.55), unit([1, 0, 0])
+    rods[1, 6:9] = 0, 0, -0.5
+    scene = world(
+        **wide, normal=LOSSY.normal, friction=ROUGH, gravity=-1.0,
+        between=forces.Between(LOSSY.normal, ROUGH),
+    )  # fmt: skip
+    lying = Scene(scene, rods).go(100_000)
+    assert np.isfinite(lying.rods).all()
+    assert lying.kinetic() < 1e-3
+    assert (lying.rods[:, 2] - HALF * np.abs(lying.rods[:, 5]) > 0.49).all()
