@@ -29,7 +29,7 @@ FULL = {
     "plane": [*PLANE_DEG],
     "seeds": [1, 2, 3],
     "few_seeds": [1, 2],
-    "periods": 150,  # a region of larger tilt (Fig. 5) takes a hundred to grow
+    "periods": 400,  # a region of larger tilt (Fig. 5) takes hundreds to grow
 }
 QUICK = {
     "count": [23, 30, 36, 40, 44, 50, 54, 56],

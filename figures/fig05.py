@@ -23,7 +23,7 @@ from .shared import BLACK, BLUE, GREEN, RED, name_panel, style
 
 SHOWN = (56, 44)  # numbers of rods of (a) and (b)
 MORE_DEG = 3.0
-FULL = (56, 54, 52, 50, 48, 46, 44, 42, 40, 36, 32), 150, (1, 2)
+FULL = (56, 54, 52, 50, 48, 46, 44, 42, 40, 36, 32), 400, (1, 2)
 QUICK = (56, 54, 50, 44, 40), 40, (1, 2)
 EVERY = 5  # periods from one look to the next
 MEASURED = ("mean", "spread", "zigzag", "contrast", "share")

@@ -146,8 +146,8 @@ def _geometry(quick):
 
 
 @measures(
-    *("E2", "onset", "early", "points", "slower", "end"),
-    *("ring_onset", "ring_back", "ring_slower"),
+    *("E2", "onset", "early", "points", "slower", "end", "follows"),
+    *("ring_onset", "ring_back", "ring_slower", "ring_follows"),
 )
 def _map_of_drift(quick):
     d = table("fig02", quick)
@@ -157,12 +157,19 @@ def _map_of_drift(quick):
     yield count(back.sum())
     yield slower
     yield onset(d["gamma"], ~back.any(axis=1)) if back.any() else count(np.inf)
-    d = table("fig04", quick)
-    kind = fig02.classify(d["gamma_c_x"], d["gamma_c_x_error"])
-    yield onset(d["gamma"], (kind == 1).all(axis=1))
-    back, slower = _reverse(d["gamma_c_x"], d["gamma_c_x_error"], kind)
+    yield _follows(d, "kind", "V_z")
+    yield onset(d["gamma"], (d["ring_kind"] == 1).all(axis=1))
+    back, slower = _reverse(d["ring_c_x"], d["ring_c_x_error"], d["ring_kind"])
     yield count(back.sum())
     yield slower
+    yield _follows(d, "ring_kind", "ring_V_z")
+
+
+def _follows(d: dict, kind: str, plate: str) -> Number:
+    """Share of the drifts up to Gamma = 1.6 that have the sign of the plate's mean velocity."""
+    early = d["gamma"] <= fig02.ONSET
+    kind, sign = d[kind][early], np.sign(d[plate][early])
+    return count(np.mean((kind == sign)[kind != 0]))
 
 
 def _reverse(c_x: np.ndarray, error: np.ndarray, kind: np.ndarray) -> tuple[np.ndarray, Number]:

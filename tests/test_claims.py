@@ -212,6 +212,7 @@ def tiny(tmp_path, monkeypatch):
     monkeypatch.setattr(fig07, "TRANSIENT", 2)
     monkeypatch.setattr(rows, "SEEDS", {"start.seed": [1, 2]})
     monkeypatch.setattr(fig02, "QUICK", ((1.2, 2.0, 3.3), (9, 20, 45), (0, 1, 2)))
+    monkeypatch.setattr(fig02, "ANNULUS", {True: ((34, 24), [1, 2], 6)})
     monkeypatch.setattr(measured, "FREQUENCY_TILTS_DEG", (21, 40))
     small = {"count": [24, 34, 40], "gamma": [1.6, 2, 3.3], "wall": [0.1, 0.3], "plate": [0.3]}
     small |= {"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2], "periods": 6}
