@@ -88,9 +88,9 @@ _LETTER = (
 _TOKEN = re.compile(
     rf"""
     (?P<code>`[^`]+`)
-    | (?P<plain>\d?\([a-e](?:,[a-e])*\)            # panels
-        | (?<=\bin\ )(?:m\^2|m/s|1/s|m)(?=[,.;])    # units
-        | Appendix\ A)
+    | (?P<plain>\d?\([a-f](?:,\ ?[a-f])*\)         # panels
+        | (?<=\bin\ )(?:m\^2|m/s|1/s|m)(?=[,.;]) | \bcm/s\b   # units
+        | Appendix\ A | Sections\ \w+\ and\ \w+)
     | (?P<ref>\(B?\d+\))
     | (?P<power>\^(?:\([^()]*\)|\d+))
     | (?<![A-Za-z0-9_’])(?P<d>d(?=(?:mu|u|v|c|P)\b|P_))?

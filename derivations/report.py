@@ -173,13 +173,21 @@ def _function(function: codegen.Function) -> str:
     )
 
 
-def _summary(rows: Sequence[Row]) -> str:
-    counts = Counter(row.verdict for row in rows)
+def counted(verdicts: Iterable[str]) -> str:
+    """How often each verdict is given, and what it means, as a table."""
+    counts = Counter(verdicts)
     lines = "".join(
         f"<tr><td>{_badge(verdict)}</td><td>{meaning}</td><td>{counts[verdict]}</td></tr>"
         for verdict, (_, meaning) in VERDICTS.items()
         if counts[verdict]
     )
+    return (
+        "<table><thead><tr><th>Verdict</th><th>Meaning</th><th>Entries</th></tr></thead>"
+        f"<tbody>{lines}</tbody></table>"
+    )
+
+
+def _summary(rows: Sequence[Row]) -> str:
     failed = sum(not row.proved for row in rows)
     outcome = f"{failed} of them not proved." if failed else "All of them are proved."
     mistakes = "".join(
@@ -190,8 +198,7 @@ def _summary(rows: Sequence[Row]) -> str:
     )
     return (
         f'<section id="verdicts"><h2>Verdicts</h2><p>{len(rows)} entries. {outcome}</p>'
-        f"<table><thead><tr><th>Verdict</th><th>Meaning</th><th>Entries</th></tr></thead><tbody>"
-        f"{lines}</tbody></table>"
+        f"{counted(row.verdict for row in rows)}"
         f'<h3 id="mistakes">Mistakes as printed in our copy</h3><ol>{mistakes}</ol></section>'
     )
 
@@ -213,6 +220,17 @@ def _contents(rows: Mapping[str, Row]) -> str:
     )
 
 
+def document(title: str, about: str, main: str, style: str = "") -> str:
+    """A whole page in the style of this one, with more `style` if given."""
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{escape(title)}</title><style>{STYLE}{style}</style></head><body>"
+        f"<header><h1>{escape(title)}</h1><p>{escape(about)}</p></header>"
+        f"<main>{main}</main></body></html>\n"
+    )
+
+
 def html(rows: Sequence[Row], progress: Progress = iter) -> str:
     """The page; `progress` may wrap the iteration over entries and functions."""
     by_tag = {row.tag: row for row in rows}
@@ -225,16 +243,13 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
         f"{''.join(made[entry.tag] for entry in entries)}</section>"
         for n, (title, entries) in enumerate(SECTIONS, 1)
     )
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(TITLE)}</title><style>{STYLE}</style></head><body>"
-        f"<header><h1>{escape(TITLE)}</h1><p>{escape(ABOUT)}</p></header><main>"
+    main = (
         f"{_summary(rows)}{_contents(by_tag)}{sections}"
         '<section id="functions"><h2>Generated functions</h2><p>What is computed comes from the '
         "derived forms by named rules; each rule is proved to change no value.</p>"
-        f"{''.join(made[name] for name in _FUNCTIONS)}</section></main></body></html>\n"
+        f"{''.join(made[name] for name in _FUNCTIONS)}</section>"
     )
+    return document(TITLE, ABOUT, main)
 
 
 STYLE = """

@@ -1,4 +1,4 @@
-"""Command line: list the figures, draw them, animate a scene, judge the claims, or all of it.
+"""Command line: list and draw the figures, animate a scene, judge the claims, show all of it.
 
 python -m figures list
 python -m figures draw [NAME ...] [--all] [--quick] [--out DIR]
@@ -6,6 +6,7 @@ python -m figures movie SCENE [--set KEY=VALUE ...] [--periods N] [--frames F] [
 python -m figures claims [--quick] [--out DIR]
 python -m figures paper [--estimate] [--out DIR]
 python -m figures prices [--out DIR]
+python -m figures index [--out DIR]
 """
 
 import argparse
@@ -198,9 +199,23 @@ def _paper(arguments: argparse.Namespace) -> int:
         return 0
     names = paper.left(arguments.out)
     commands = [["draw", *names]] if names else []
-    commands += [["movie", "quasi2d", "--periods", "4"], ["claims"]]
+    commands += [["movie", "quasi2d", "--periods", "4"], ["claims"], ["index"]]
     codes = (main([*command, "--out", str(arguments.out)]) for command in commands)
     return next((code for code in codes if code), 0)
+
+
+def _index(arguments: argparse.Namespace) -> int:
+    out = arguments.out
+    out.mkdir(parents=True, exist_ok=True)
+
+    from . import index
+
+    for name, content in index.files(out).items():
+        (out / name).parent.mkdir(exist_ok=True)
+        with _replacing(out / name) as part:
+            part.write_bytes(content)
+    print(out / "index.html")
+    return 0
 
 
 def _list(_: argparse.Namespace) -> int:
@@ -216,7 +231,7 @@ def main(argv: list[str] | None = None) -> int:
     commands = parser.add_subparsers(
         dest="command",
         required=True,
-        metavar="list | draw | movie | claims | prices | paper",
+        metavar="list | draw | movie | claims | prices | paper | index",
     )
     listing = commands.add_parser("list", help="names and titles")
     listing.set_defaults(run=_list)
@@ -245,7 +260,9 @@ def main(argv: list[str] | None = None) -> int:
     paper.set_defaults(run=_paper)
     prices = commands.add_parser("prices", help="measure all prices anew: ten minutes at most")
     prices.set_defaults(run=_prices)
-    for command in (judging, paper, prices):
+    index = commands.add_parser("index", help="one page of all that the folder holds: index.html")
+    index.set_defaults(run=_index)
+    for command in (judging, paper, prices, index):
         command.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     arguments = parser.parse_args(argv)
     return guarded("figures", lambda: arguments.run(arguments))

@@ -116,6 +116,19 @@ def plain(report: dict[str, Any]) -> dict[str, Any]:
     return cleaned(report)
 
 
+def restored(report: dict[str, Any]) -> dict[str, Any]:
+    """What `plain` was given, but for limits: of a judged number that has no value, nan or inf."""
+
+    def number(row):
+        nothing = math.nan if row.get("grade") is None else math.inf
+        value, error = (row.get(key) for key in ("value", "error"))
+        value, error = nothing if value is None else value, math.nan if error is None else error
+        return {**row, "value": value, "error": error} if "value" in row else row
+
+    judged = [{**c, "numbers": [number(row) for row in c["numbers"]]} for c in report["claims"]]
+    return {**report, "claims": judged}
+
+
 def shown(row: dict[str, Any]) -> str:
     """A number with its error and unit, to two digits of the error."""
     value, error, unit = row["value"], row["error"], f" {row['unit']}" if "unit" in row else ""

@@ -2,8 +2,8 @@
 
 All variants of `effects` go on from the same places of one settled run, a short way from each, at
 one step, so that who touches whom is nearly the same. Where the plate is at rest the places are
-taken in its frame; without a plate the rods fall freely. *Alone*: an effect on top of the barest
-scene in which it makes sense. *Within*: the full scene less the full scene without the effect and
+taken in its frame; without a plate the rods fall freely. Alone: an effect on top of the barest
+scene in which it makes sense. Within: the full scene less the full scene without the effect and
 what needs it. Below them one thing in the place of another, then effects of the size zero against a
 scene that does not name them: the same compiled kernel, so that these bars show the error of all.
 

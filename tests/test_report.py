@@ -2,8 +2,6 @@
 
 import re
 from dataclasses import replace
-from html import unescape
-from html.parser import HTMLParser
 from xml.etree import ElementTree
 
 import pytest
@@ -14,53 +12,12 @@ from derivations.proof import components, equal_at_random_points, same
 from derivations.references import Citation
 from derivations.symbols import X, Z, c_x, mu, omega, v_0
 
-VOID = {"meta", "wbr", "br"}
+from .page import Page, plain
+
 CHILDREN = {"mfrac": 2, "msub": 2, "msup": 2, "msubsup": 3, "mover": 2}
 KNOWN = {"math", "mrow", "mi", "mn", "mo", "mspace", "msqrt", "mtable", "mtr", "mtd", *CHILDREN}
 EQUATIONS = [e for e in registry.ENTRIES if not isinstance(e, Citation)]
 ERRATA = registry.mistakes()
-
-
-class Page(HTMLParser):
-    """Ids, addresses, headings and the text of every article; fails on wrong nesting."""
-
-    def __init__(self, source: str):
-        super().__init__()
-        self.open, self.ids, self.links, self.headings = [], [], [], []
-        self.text: dict[str, str] = {}
-        self.article = ""
-        self.feed(source)
-        self.close()
-        assert not self.open, f"left open: {self.open}"
-
-    def handle_starttag(self, tag, attrs):
-        attributes = dict(attrs)
-        if tag not in VOID:
-            self.open.append(tag)
-        self.ids += [attributes["id"]] if "id" in attributes else []
-        self.links += [attributes[key] for key in ("href", "src") if key in attributes]
-        if re.fullmatch("h[1-6]", tag):
-            self.headings.append(int(tag[1]))
-        if tag == "article":
-            self.article = attributes["id"]
-            self.text[self.article] = ""
-
-    def handle_startendtag(self, tag, attrs):
-        pass  # MathML's empty elements
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-        if tag == "article":
-            self.article = ""
-
-    def handle_data(self, data):
-        if self.article:
-            self.text[self.article] += data
-
-
-def plain(sentence: str) -> str:
-    """A sentence as it can be read on the page."""
-    return unescape(re.sub(r"<[^>]+>", "", prose.to_html(sentence)))
 
 
 @pytest.fixture(scope="module")
@@ -203,6 +160,7 @@ def test_unknown_latex_is_not_let_through():
         ("Newton's mu_rw", "Newton’s <var>μ</var><sub>rw</sub>"),
         ('"a" < 1 & (12)', '“a” &lt; 1 &amp; <a href="#12">(12)</a>'),
         ("Fig. 6(b), slip-stick", "Fig. 6(b), slip-stick"),
+        ("(a, b), (f): 3 cm/s, Sections IV and V", "(a, b), (f): 3 cm/s, Sections IV and V"),
         ("w in m/s, N in m^2.", "<var>w</var> in m/s, <var>N</var> in m<sup>2</sup>."),
     ],
 )

@@ -1,0 +1,54 @@
+"""A page as the tests read it."""
+
+import re
+from html import unescape
+from html.parser import HTMLParser
+
+from derivations import prose
+
+VOID = {"meta", "wbr", "br", "img"}
+
+
+class Page(HTMLParser):
+    """Ids, addresses, headings, images and the text below each id; fails on wrong nesting."""
+
+    def __init__(self, source: str):
+        super().__init__()
+        self.open: list[tuple[str, str]] = []
+        self.ids, self.links, self.headings, self.images, self.tags = [], [], [], [], set()
+        self.text: dict[str, str] = {}
+        self.feed(source)
+        self.close()
+        assert not self.open, f"left open: {self.open}"
+
+    def handle_starttag(self, tag, attrs):
+        attributes = dict(attrs)
+        assert len(attributes) == len(attrs), attrs
+        self.tags.add(tag)
+        name = attributes.get("id", "")
+        if tag not in VOID:
+            self.open.append((tag, name))
+        if name:
+            self.ids.append(name)
+            self.text[name] = ""
+        self.links += [attributes[key] for key in ("href", "src") if key in attributes]
+        if tag == "img":
+            self.images.append(attributes)
+        if re.fullmatch("h[1-6]", tag):
+            self.headings.append(int(tag[1]))
+
+    def handle_startendtag(self, tag, attrs):
+        pass  # MathML's empty elements
+
+    def handle_endtag(self, tag):
+        assert self.open.pop()[0] == tag
+
+    def handle_data(self, data):
+        for _, name in self.open:
+            if name:
+                self.text[name] += data
+
+
+def plain(sentence: str) -> str:
+    """A sentence as it can be read on the page."""
+    return unescape(re.sub(r"<[^>]+>", "", prose.to_html(sentence)))

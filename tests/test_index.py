@@ -1,0 +1,332 @@
+"""The front page of a folder: all it names is there, whatever else the folder holds."""
+
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+from html import escape
+from pathlib import Path
+from urllib.parse import unquote, unquote_to_bytes
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from derivations import report
+from derivations.registry import ENTRIES
+from figures import FIGURES, claims, index, paper
+from figures import __main__ as command
+from figures.__main__ import main
+from figures.price_list import PRICES
+
+from .command_line import refused
+from .page import Page, plain
+
+WIDTHS = 320, 390, 1280
+LENT = [name for name in FIGURES if (index.GALLERY / f"{name}.png").is_file()]
+STRANGE = (
+    "a <b>&\"' %23?#.png",
+    "javascript:alert(1).png",
+    "mu_0^2.png",
+    "Größe \u202e.png",
+    f"{'x' * 200}.png",
+)
+
+
+def picture(path: Path, size=(30, 20)) -> None:
+    Image.new("RGB", size, "white").save(path)
+
+
+def made(out: Path) -> tuple[str, Page]:
+    """The page of `out` and what is read in it; all that it names lies in the folder."""
+    assert main(["index", "--out", str(out)]) == 0
+    source = (out / "index.html").read_text(encoding="utf-8")
+    page = Page(source)
+    for link in page.links:
+        assert not re.match(r"[a-z]+:|/", link), link
+        path, _, label = link.partition("#")
+        if path:
+            assert (out / os.fsdecode(unquote_to_bytes(path))).is_file(), link
+            # a link into another page leads somewhere there
+            assert not label or f'id="{label}"' in (out / path).read_text(encoding="utf-8")
+        else:
+            assert label in page.ids
+    return source, page
+
+
+@pytest.fixture(scope="module")
+def half(tmp_path_factory):
+    """Half of the pictures, one of them at first look; a report, prices, a movie; oddities."""
+    out = tmp_path_factory.mktemp("half")
+    for name in list(FIGURES)[::2]:
+        picture(out / f"{name}.png")
+        (out / f"{name}.pdf").touch()
+    np.savez(out / "fig02.npz", provenance=json.dumps({"quick": True}))
+    np.savez(out / "fig05.npz", provenance=json.dumps({"quick": False}))
+    (out / "fig08_theory.npz").write_bytes(b"PK\x03\x04 no archive")
+    for name in (*STRANGE, ".fig04.123.png", "prices.png"):
+        picture(out / name)
+    (out / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    (out / "cut.png").write_bytes((out / "fig02.png").read_bytes()[:60])
+    (out / "folder.png").mkdir()
+    picture(out / "quasi2d.gif")
+    (out / "broken.gif").touch()
+    (out / "quasi2d.mp4").touch()
+    (out / "prices.txt").write_text(f"effect <b> & more{' far' * 99}", encoding="utf-8")
+    ids = "".join(f'<i id="{report.anchor(entry.tag)}"></i>' for entry in ENTRIES)
+    summary = "<h2>Verdicts</h2><p>96 entries. 2 of them not proved.</p>"
+    (out / "report.html").write_text(f"{summary}{ids}", encoding="utf-8")
+    return out, *made(out)
+
+
+def test_an_empty_folder_gets_a_page(tmp_path):
+    out = tmp_path / "new" / "out"
+    source, page = made(out)
+    assert "python -m derivations report" in page.text["derivations"]
+    assert "report.html" not in source
+    lent = {f"gallery/{path.name}" for path in (out / "gallery").iterdir()}
+    assert lent == {link for link in page.links if not link.startswith("#")}
+    assert {"gallery/row.gif", "gallery/claims.md", "gallery/claims.json"} < lent
+    assert {f"gallery/{name}.png" for name in LENT} < lent
+    assert "others" not in page.ids
+    assert [path.name for path in out.iterdir() if path.name != "gallery"] == ["index.html"]
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_every_figure_is_there_with_its_command(name, half, tmp_path_factory):
+    _, _, page = half
+    text = page.text[name]
+    assert f"python -m figures draw {name}" in text
+    assert re.search(r"\((seconds|about a minute|minutes)\)", text)
+    assert (f"{name}.png" in page.links) == (name in list(FIGURES)[::2])
+    assert ("From the project’s gallery." in text) == (
+        name in LENT and name not in list(FIGURES)[::2]
+    )
+    section = "prices" if name in PRICES else "pictures"
+    assert text in page.text[section]
+
+
+def test_what_is_not_drawn_is_no_broken_picture(half):
+    out, _, page = half
+    missing = [n for n in list(FIGURES)[1::2] if n not in LENT]
+    sources = [image["src"] for image in page.images]
+    assert not {f"{name}.png" for name in missing} & set(sources)
+    assert len(sources) == len(set(sources))
+    for image in page.images:
+        with Image.open(out / unquote(image["src"])) as opened:
+            assert opened.size == (int(image["width"]), int(image["height"]))
+        assert image["alt"]
+        assert image["loading"] == "lazy"
+        assert image["src"] in page.links
+
+
+def test_a_first_look_is_said_to_be_one(half):
+    _, _, page = half
+    assert [n for n in FIGURES if "A first look" in page.text[n]] == ["fig02"]
+
+
+def test_strange_names_are_shown_and_do_no_harm(half):
+    _, source, page = half
+    for name in STRANGE:
+        assert name in [unquote(image["src"]) for image in page.images]
+        assert name in [image["alt"] for image in page.images]
+        assert name in page.text["others"]
+    assert "<b>&" not in source
+    for name in ("broken.png", "cut.png", "folder.png", ".123"):
+        assert name not in source
+
+
+def test_a_name_that_is_no_text(tmp_path):
+    try:
+        picture(tmp_path / os.fsdecode(b"\xff.png"))
+    except OSError as error:
+        pytest.skip(f"no such names on this file system: {error}")
+    source, _ = made(tmp_path)
+    assert '<img src="%FF.png" alt="?.png"' in source
+
+
+def test_derivations_prices_and_movie(half):
+    _, source, page = half
+    assert "96 entries. 2 of them not proved." in page.text["derivations"]
+    for verdict in {entry.verdict for entry in ENTRIES}:
+        count = sum(entry.verdict == verdict for entry in ENTRIES)
+        assert re.search(rf"{verdict}</span></td><td>[^<]+</td><td>{count}</td>", source)
+    assert "report.html#eq-26" in page.links  # named in the caption of Fig. 11
+    assert "effect <b> & more" in page.text["prices"]
+    assert {"prices.png", "quasi2d.gif", "quasi2d.mp4"} <= set(page.links)
+    assert "gallery/row.gif" not in page.links
+
+
+def test_needs_nothing_from_outside(half):
+    _, source, page = half
+    assert source.startswith('<!DOCTYPE html>\n<html lang="en">')
+    assert '<meta name="viewport"' in source
+    assert not page.tags & {"script", "link", "iframe", "object", "base", "style"} - {"style"}
+    assert not re.search(r"https?:|url\(|@import|<[^>]*\son\w+=", source)
+    assert len(page.ids) == len(set(page.ids))
+    assert page.headings[0] == 1
+    pairs = zip(page.headings, page.headings[1:], strict=False)
+    assert all(after <= before + 1 for before, after in pairs)
+    assert report.STYLE in source
+
+
+def test_the_folder_may_be_moved(half, tmp_path):
+    """All images lie in the folder itself; so do copies of the gallery's, bit for bit."""
+    out, _, page = half
+    moved = shutil.copytree(out, tmp_path / "elsewhere")
+    assert all((moved / unquote(image["src"])).is_file() for image in page.images)
+    for path in (moved / "gallery").iterdir():
+        assert path.read_bytes() == (index.GALLERY / path.name).read_bytes()
+        assert f"gallery/{path.name}" in page.links
+
+
+def test_without_a_gallery_the_page_does_without(tmp_path, monkeypatch):
+    """As an installed package may be."""
+    monkeypatch.setattr(index, "GALLERY", tmp_path / "nowhere")
+    _, page = made(tmp_path / "out")
+    assert page.images == []
+    assert "python -m figures claims" in page.text["claims"]
+    assert all(f"python -m figures draw {name}" in page.text[name] for name in FIGURES)
+
+
+def test_nothing_sticks_out_on_a_phone_or_a_desk(half, tmp_path):
+    """Everything unfolded, in a browser of this machine if there is one."""
+    names = ("chromium", "chromium-browser", "google-chrome", "chrome")
+    browser = next(filter(None, map(shutil.which, names)), None)
+    if not browser:
+        pytest.skip(f"no browser to look at the page with: none of {', '.join(names)}")
+    _, source, _ = half
+    frames = (f'<iframe width="{w}" height="900" srcdoc="{escape(source)}">' for w in WIDTHS)
+    look = """<script>onload = () => {
+        const excess = [...document.querySelectorAll("iframe")].map(frame => {
+            const page = frame.contentDocument;
+            for (const folded of page.querySelectorAll("details")) folded.open = true;
+            return page.documentElement.scrollWidth - page.documentElement.clientWidth; });
+        document.body.id = "excess " + excess; }</script>"""
+    page = tmp_path / "page.html"
+    page.write_text(f"<body>{'</iframe>'.join(frames)}</iframe>{look}", encoding="utf-8")
+    folder = f"--user-data-dir={tmp_path / 'user'}"
+    options = ("--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", folder, page.as_uri())
+    done = subprocess.run((browser, *options), capture_output=True, timeout=60, check=False)
+    excess = re.search(rb'id="excess ([^"]+)"', done.stdout)
+    if not excess:
+        pytest.skip(f"{browser} cannot be used here: {done.stderr[-200:]}")
+    assert excess[1] == b",".join([b"0"] * len(WIDTHS))
+
+
+# Claims
+
+
+def told(numbers, **changes) -> str:
+    claim = {"id": "S<1>", "verdict": "holds in part", "says": "V_z < 0 & more.", "figure": ""}
+    report = {
+        "provenance": {"quick": True},
+        "claims": [{**claim, "numbers": numbers, "trouble": "", **changes}],
+    }
+    return json.dumps(claims.plain(report), allow_nan=False)
+
+
+def test_claims_of_the_folder_come_first(tmp_path):
+    row = {"key": "a", "name": "drift", "unit": "cm/s", "holds": [0, 1], "partly": [-1, 2]}
+    numbers = [
+        {**row, "value": 1.234, "error": 0.1, "grade": 1, "close": True},
+        {**row, "name": "onset", "value": math.inf, "error": math.inf, "grade": 0, "close": False},
+        {**row, "name": "rate", "value": math.nan, "error": 0.0, "grade": None, "close": False},
+        {"key": "b", "name": "aside", "value": 2.0, "error": 0.0, "grade": None, "close": False},
+    ]
+    (tmp_path / "claims.json").write_text(told(numbers), encoding="utf-8")
+    source, page = made(tmp_path)
+    text = page.text["claims"]
+    assert "holds in part: 1, of short and coarse runs." in text
+    assert "S<1>" in text
+    assert "~ drift: 1.23 ± 0.10 cm/s (close call)" in text
+    assert "✗ onset: never" in text
+    assert "? rate: no data" in text
+    assert "aside" not in text
+    assert "<sub><var>z</var></sub> &lt; 0 &amp; more." in source
+    assert "claims.json" in page.links
+    assert not any("claims" in link for link in page.links if link.startswith("gallery"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *(
+            "",
+            "{",
+            "[]",
+            '{"claims": 3}',
+            '{"claims": [{}]}',
+            '{"claims": []}',
+            '{"claims": ["a"]}',
+        ),
+        told([], says=5),
+        told([{"name": "n", "holds": [0, 1], "value": "x<y>", "grade": 9, "close": 0}]),
+        told([], verdict=None),
+    ],
+)
+def test_claims_that_cannot_be_read_cost_a_line(text, tmp_path):
+    (tmp_path / "claims.json").write_text(text, encoding="utf-8")
+    _, page = made(tmp_path)
+    assert page.text["claims"].startswith("Claimsclaims.json cannot be read (")
+    assert page.text["claims"].endswith("To make it anew: python -m figures claims")
+    assert "\n" not in page.text["claims"]
+    assert all(name in page.ids for name in FIGURES)
+
+
+def test_the_committed_numbers_are_those_of_the_committed_page(tmp_path):
+    found = json.loads((index.GALLERY / "claims.json").read_text(encoding="utf-8"))
+    words = (index.GALLERY / "claims.md").read_text(encoding="utf-8")
+    assert [claim["id"] for claim in found["claims"]] == [claim["id"] for claim in claims.read()]
+    _, page = made(tmp_path)
+    for claim in claims.restored(found)["claims"]:
+        assert claim["says"] in words
+        assert claim["id"] in page.text["claims"]
+        for row in claim["numbers"]:
+            if "holds" in row:
+                assert f"| {row['name']} | {claims.shown(row)} |" in words
+                said = f"{plain(row['name'])}: {plain(claims.shown(row))}"
+                assert said in page.text["claims"]
+    assert f"**{claims.counts(found)}**" in words
+
+
+# The command
+
+
+def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
+    done = []
+    for name in ("_draw", "_movie", "_claims"):
+        monkeypatch.setattr(command, name, lambda _, name=name: done.append(name) or 0)
+    monkeypatch.setattr(command, "_no_store", lambda: False)
+    monkeypatch.setattr(paper, "left", lambda out: done.clear() or ["fig10"])
+    monkeypatch.setattr(paper, "estimate", lambda out: "")
+    monkeypatch.setattr(index, "files", lambda out: done.append("index") or {})
+    assert main(["paper", "--out", str(tmp_path)]) == 0
+    assert done == ["_draw", "_movie", "_claims", "index"]
+    rule = (Path(__file__).parent.parent / "Makefile").read_text().split("\nfigures:")[1]
+    assert rule.split("\n\n")[0].endswith("-m figures index")
+
+
+def test_the_old_page_stays_until_the_new_one_is_whole(tmp_path, monkeypatch, capsys):
+    (tmp_path / "index.html").write_text("old")
+
+    def full(path, content):
+        with path.open("wb") as file:
+            file.write(content[: len(content) // 2])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(index, "GALLERY", tmp_path / "nowhere")
+    monkeypatch.setattr(Path, "write_bytes", full)
+    refused(lambda: main(["index", "--out", str(tmp_path)]), "No space left", capsys)
+    assert (tmp_path / "index.html").read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["index.html"]
+
+
+@pytest.mark.parametrize("arguments", [["--out", "FILE"], ["--out", "FILE/deeper"], ["FILE"]])
+def test_nonsense_costs_one_line(arguments, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "FILE").touch()
+    refused(lambda: main(["index", *arguments]), "FILE", capsys)
+    assert [path.name for path in tmp_path.iterdir()] == ["FILE"]
