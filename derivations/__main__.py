@@ -62,6 +62,13 @@ def _check(arguments: argparse.Namespace) -> int:
 def _generate(_: argparse.Namespace) -> int:
     from . import codegen, readme
 
+    if not readme.TARGET.is_file():
+        print(
+            f"derivations: generate is for a checkout, and {readme.TARGET.parent} is none: "
+            f"there is no {readme.TARGET.name}",
+            file=sys.stderr,
+        )
+        return 2
     changed = codegen.write(codegen.source(_bar("generating")))
     print(f"{codegen.TARGET.name}: {'written' if changed else 'unchanged'}")
     changed = readme.refresh()

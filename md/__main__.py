@@ -212,9 +212,11 @@ def _sweep(arguments: argparse.Namespace) -> int:
 def _calibrate(arguments: argparse.Namespace) -> int:
     from .dial import CALIBRATION
     from .dial.calibration import calibrate
+    from .runner import _writable
 
-    found = calibrate(arguments.store, progress=True)
     path = Path(arguments.out or CALIBRATION)
+    _writable("out", path)  # the default is beside the sources, which may be read-only
+    found = calibrate(arguments.store, progress=True)
     part = path.with_name(f"{path.name}.part")
     part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     part.replace(path)
