@@ -58,8 +58,8 @@ EXAMPLE: Mapping[sp.Symbol, sp.Rational] = {
 class Proof:
     """What was found when a verdict was put to the proof."""
 
-    ok: bool
-    evidence: str
+    ok: bool  # whether the verdict stood
+    evidence: str  # in words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,12 +67,12 @@ class Equation:
     """One equation or number-bearing statement, with the verdict that `prove` tests."""
 
     tag: str  # the paper's equation number, or the section and a key word
-    what: str
+    what: str  # it is about
     symbol: str  # left-hand side, LaTeX
-    verdict: Verdict
-    derive: Callable[[], Form]
-    printed: Form | None = None
-    note: str = ""
+    verdict: Verdict  # on the printed form
+    derive: Callable[[], Form]  # from Newton's laws
+    printed: Form | None = None  # in our copy of the paper
+    note: str = ""  # what is right, where the paper is not
     contradicted_by: str = ""  # tags of the printed equations that give the derived form
     contradiction: Callable[[], Form] | None = None  # what those printed equations give
     at: Mapping[sp.Symbol, sp.Expr] | None = None  # replaces values of EXAMPLE

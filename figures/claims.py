@@ -1,11 +1,14 @@
 """The paper's claims, judged: `claims.toml` holds them and their limits, `measured` the numbers.
 
 >>> from figures import claims
->>> report = claims.judge(quick=True)
->>> print(claims.page(report))
+>>> len(claims.read())
+29
+>>> claims.verdict([2, 1, 2])  # of a claim, from the grades of its numbers
+'holds in part'
 
-A claim holds if all its judged numbers lie within `holds`, does not hold if none lies even within
-`partly`, else it holds in part. A number that cannot be had leaves its claim, and no other, open.
+`judge()` runs what it needs, for minutes; `page` and `brief` show what it found. A claim holds if
+all its judged numbers lie within `holds`, does not hold if none lies even within `partly`, else it
+holds in part. A number that cannot be had leaves its claim, and no other, open.
 """
 
 import math

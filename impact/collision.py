@@ -16,9 +16,14 @@ LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.st
 class Collision(NamedTuple):
     """State after an impact; every field has the broadcast shape of the arguments.
 
-    Impulses and energy are per unit mass. `slip_velocity` and `normal_velocity` are those of the
-    contact point, relative to the plate; `energy_change` is kinetic energy after minus before in
-    the frame of the plate.
+    Attributes
+    ----------
+    c_x, c_z : velocity of the centre of mass along and across the plate
+    omega : angular velocity
+    regime : `Regime`, or an int8 array of its values
+    P_x, P_z : impulse of the plate on the rod, per unit mass
+    slip_velocity, normal_velocity : of the contact point along and across, relative to the plate
+    energy_change : kinetic energy after minus before in the frame of the plate, per unit mass
     """
 
     c_x: Any
@@ -166,6 +171,7 @@ def collide(
     Examples
     --------
     >>> from math import radians
+    >>> from impact import thin_rod
     >>> hit = collide(1.0, -2.0, geometry=thin_rod(radians(20)), friction=0.4, restitution=0.65)
     >>> hit.regime.name
     'SLIP_STICK'
@@ -186,11 +192,18 @@ def classify(
 ) -> Any:
     """Regime of an impact without computing its outcome; the same for all three laws.
 
-    Parameters and errors as in `collide`.
+    Parameters
+    ----------
+    c_x, c_z, omega, geometry, friction, restitution, plate_velocity : as in `collide`
 
     Returns
     -------
     Regime, or an int8 array of its values
+
+    Raises
+    ------
+    ValueError, TypeError
+        As `collide`.
     """
     arrays, _ = prepare(
         c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law="newton"

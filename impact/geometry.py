@@ -9,10 +9,13 @@ from ._arguments import POSITIVE, Domain, in_blocks, real_array, result_dtype
 
 
 class ContactGeometry(NamedTuple):
-    """Contact geometry: centre of mass (X, Z) over the contact point, gyration radius k.
+    """Contact geometry: three lengths in one unit, numbers or arrays that broadcast.
 
-    Three lengths in one unit (numbers or arrays that broadcast). X is positive for a rod that
-    tilts towards +x; any signs are legal, k must be positive.
+    Attributes
+    ----------
+    X, Z : centre of mass over the contact point, any finite numbers; X is positive for a rod that
+        tilts towards +x
+    k : gyration radius, > 0
     """
 
     X: Any

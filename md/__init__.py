@@ -11,6 +11,9 @@
 >>> result.c_x > 0  # rods drift the way they lean
 True
 
+`LAWS` holds the contact laws and `INTEGRATORS` the names of the methods, both for one impact. Many
+runs along axes are `md.sweep`, their results `md.store`, the frames of a run `md.trajectory`.
+
 Reduced units throughout: rod diameter d, mass of a rod and gravity are 1. Nothing here is taken
 from the theory of rigid impacts in `impact`, which it is there to test.
 """

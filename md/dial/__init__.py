@@ -41,6 +41,8 @@ class Accuracy:
     """How far a drift may be off, and what it cost; velocities in sqrt(g d), absolute.
 
     tolerance : asked for, of |c_x| or of the floor, whichever is larger
+    confidence : of the interval
+    floor : drifts below it are judged as if they were this fast
     error : bound of the bias and half of the interval, together
     statistical : half of the interval that holds the long-run mean with this confidence
     bias : bound of what the step does; nan where the scene is outside of the calibration
@@ -69,7 +71,7 @@ class Accuracy:
 class Tuned(Result):
     """A result, and how accurate its drift is."""
 
-    accuracy: Accuracy
+    accuracy: Accuracy  # of c_x
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON, as that of a result."""
