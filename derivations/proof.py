@@ -14,13 +14,13 @@ import random
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import sympy as sp
 
 from . import symbols as s
 
-Form = sp.Expr | sp.MatrixBase | sp.core.relational.Relational
+Form: TypeAlias = sp.Expr | sp.MatrixBase | sp.core.relational.Relational
 Verdict = Literal["agrees", "rewritten", "erratum", "assumed", "new"]
 
 DIGITS = 40
@@ -78,7 +78,7 @@ class Equation:
     at: Mapping[sp.Symbol, sp.Expr] | None = None  # replaces values of EXAMPLE
     check: Callable[[], Iterable[sp.Expr]] | None = None  # second route, verdict "new"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "derive", cache(self.derive))  # proofs and report share it
 
     def prove(self) -> Proof:

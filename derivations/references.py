@@ -64,7 +64,14 @@ class Citation:
         return Proof(ok=wrong and right, evidence=f"{name}{where}: {found}")
 
 
-def _cites(tag, what, cited, subject, meant, note) -> Citation:
+def _cites(
+    tag: str,
+    what: str,
+    cited: tuple[str, str],
+    subject: set[str],
+    meant: tuple[str, str],
+    note: str,
+) -> Citation:
     return Citation(
         tag=tag,
         what=what,

@@ -10,7 +10,7 @@
 P_x/m + c_x
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 
 from . import (
@@ -64,7 +64,7 @@ class Row:
         return asdict(self)
 
 
-def check(progress: Callable[[Iterator], Iterator] = iter) -> list[Row]:
+def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
     """Prove every entry.
 
     Parameters

@@ -56,9 +56,10 @@ def close(number: Number, limits: dict[str, Any]) -> bool:
 
 def verdict(grades: list[int | None]) -> str:
     """Of a claim, from the grades of its judged numbers."""
-    if not grades or None in grades:
+    known = [grade for grade in grades if grade is not None]
+    if not grades or len(known) < len(grades):
         return MISSING
-    return GRADES[2 if min(grades) == 2 else 0 if max(grades) == 0 else 1]
+    return GRADES[2 if min(known) == 2 else 0 if max(known) == 0 else 1]
 
 
 def _judged(claim: dict[str, Any], quick: bool) -> dict[str, Any]:
@@ -71,9 +72,9 @@ def _judged(claim: dict[str, Any], quick: bool) -> dict[str, Any]:
     keys, measure = MEASURES[claim["id"]]
     try:
         measured = dict(zip(keys, measure(quick), strict=True))
-    except Exception as error:
-        reason = " ".join(str(error).split())
-        return {**found, "verdict": MISSING, "trouble": f"{type(error).__name__}: {reason}"}
+    except Exception as failure:
+        reason = " ".join(str(failure).split())
+        return {**found, "verdict": MISSING, "trouble": f"{type(failure).__name__}: {reason}"}
     rows = []
     for limits in claim["numbers"]:
         number = Number(*measured[limits["key"]])
@@ -111,7 +112,7 @@ def judge(quick: bool = False, progress: bool = False) -> dict[str, Any]:
 def plain(report: dict[str, Any]) -> dict[str, Any]:
     """For JSON, which has neither nan nor inf."""
 
-    def cleaned(value):
+    def cleaned(value: Any) -> Any:
         if isinstance(value, dict):
             return {key: cleaned(inner) for key, inner in value.items()}
         return [cleaned(inner) for inner in value] if isinstance(value, list) else finite(value)

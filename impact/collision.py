@@ -1,9 +1,11 @@
 """The impact map: one frictional impact of a rigid body with a heavy plate, three laws."""
 
+from collections.abc import Callable, Sequence
 from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from . import _kernel as kernel
 from ._arguments import FRICTION, RESTITUTION, in_blocks, real_array, result_dtype
@@ -37,13 +39,14 @@ class Collision(NamedTuple):
     energy_change: Any
 
 
-def _exponent(*values):
+def _exponent(*values: Any) -> Any:
     """Power of two just above the largest magnitude."""
     return np.frexp(reduce(np.maximum, map(np.abs, values)))[1]
 
 
-def _scaled(function, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
+def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     """`function` with lengths and speeds scaled by powers of two: exact, and in range."""
+    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = block
     length = _exponent(X, Z, k)
     spin, spin_exponent = np.frexp(omega)
     speed = np.maximum(_exponent(c_x, c_z, V_z), np.where(spin == 0, -5000, spin_exponent + length))
@@ -62,7 +65,7 @@ def _scaled(function, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
     return tuple(results)
 
 
-def _guarded(function, *block):
+def _guarded(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     """`function` on a block; unusual elements are scaled, invalid ones become nan and INVALID."""
     usual = kernel.ordinary(*block)
     if np.all(usual):
@@ -84,7 +87,16 @@ def _guarded(function, *block):
     return tuple(results)
 
 
-def prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law):
+def prepare(
+    c_x: Any,
+    c_z: Any,
+    omega: Any,
+    geometry: ContactGeometry,
+    friction: Any,
+    restitution: Any,
+    plate_velocity: Any,
+    law: str,
+) -> tuple[list[np.ndarray], np.dtype]:
     """Arguments of `collide` as arrays in the kernel's order, and the dtype of the results."""
     if not isinstance(law, str) or law not in LAWS:
         raise ValueError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
@@ -102,18 +114,20 @@ def prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity, la
     return arrays, result_dtype(values)
 
 
-def from_arrays(arrays, law, dtype=np.float64):
+def from_arrays(
+    arrays: Sequence[np.ndarray], law: str, dtype: DTypeLike = np.float64
+) -> tuple[Any, ...]:
     """Results of `collide` for arguments that `prepare` has seen."""
     final_velocity = LAWS[law]
 
-    def one_law(*block):
+    def one_law(*block: Any) -> tuple[Any, ...]:
         return kernel.impact(final_velocity, *block)
 
     dtypes = [np.dtype(dtype)] * 3 + [np.dtype(np.int8)] + [np.dtype(dtype)] * 5
     return in_blocks(lambda *block: _guarded(one_law, *block), arrays, dtypes)
 
 
-def collision(results, dtype) -> Collision:
+def collision(results: Sequence[Any], dtype: DTypeLike) -> Collision:
     """Record of the results, scalars as scalars."""
     regime = results[3][()]
     fields = [result.astype(dtype, copy=False)[()] for result in results]
@@ -209,7 +223,7 @@ def classify(
         c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law="newton"
     )
 
-    def regime_alone(*block):
+    def regime_alone(*block: Any) -> tuple[Any, ...]:
         return (kernel.regime_of(kernel.mirrored(*block)),)
 
     (regime,) = in_blocks(

@@ -7,7 +7,6 @@ arguments of ordinary size (lengths and speeds between 1e-70 and 1e70). `collide
 of `impact.collide`. All of them give its numbers bit for bit, as they are made from the same text.
 """
 
-from collections.abc import Callable
 from functools import cache
 from types import FunctionType
 from typing import Any
@@ -107,7 +106,7 @@ _compile(
 _impact, _ordinary = _known["impact"], _known["ordinary"]
 
 
-def _scalar_kernel(law: str) -> Callable[..., tuple]:
+def _scalar_kernel(law: str) -> Any:
     """The impact under one law, nine floats in, nine numbers out."""
     final_velocity = _known[law]
 

@@ -27,7 +27,7 @@ It needs Numba, and seconds to compile: import it on request. Units inside: Omeg
 """
 
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -37,7 +37,7 @@ from ._kernel import LARGE_FRICTION, Regime
 from .bouncing import record
 from .compiled import KERNELS
 from .flight import TURN, advance, departure, gap
-from .geometry import spherocylinder, thin_rod
+from .geometry import ContactGeometry, spherocylinder, thin_rod
 
 __all__ = ["Falls", "fall"]
 
@@ -168,7 +168,9 @@ def _loop(law: str):
     return rod
 
 
-def _released(geometry, gamma: float, rods: int, transient: int, **setting) -> np.ndarray:
+def _released(
+    geometry: ContactGeometry, gamma: float, rods: int, transient: int, **setting: Any
+) -> np.ndarray:
     """Phase, velocity over the plate's and c_x of every rod after `transient` held landings."""
     held = record(geometry, gamma=gamma, rods=rods, landings=1, transient=transient - 1, **setting)
     if not held.phase.size:
@@ -254,4 +256,4 @@ def fall(
     fallen, landed, time, travel, tilt_end = map(np.array, zip(*ends, strict=True))
     *columns, regime = np.moveaxis(out, -1, 0)
     regime = np.where(np.isnan(regime), Regime.INVALID, regime).astype(np.int8)
-    return Falls(fallen, landed, time, travel / gamma, tilt_end, *columns, regime)
+    return Falls._make([fallen, landed, time, travel / gamma, tilt_end, *columns, regime])

@@ -62,7 +62,7 @@ def drift(
         for (name, domain), value in zip(names.items(), values, strict=True)
     ]
 
-    def block(X, Z, k, mu, epsilon, V_z):
+    def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any, V_z: Any) -> tuple[Any, ...]:
         valid = valid_lengths(X, Z, k) & FRICTION.holds(mu)
         valid &= RESTITUTION.holds(epsilon) & POSITIVE.holds(V_z)
         x, z = np.abs(X) / k, np.abs(Z) / k

@@ -20,7 +20,8 @@ from the theory of rigid impacts in `impact`, which it is there to test.
 
 from .dial import Accuracy, Tuned, run
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
-from .one_rod import INTEGRATORS, Impact, Rod, RunError, Track, Vibration, follow, impact
+from .one_rod import INTEGRATORS, Impact, Rod, RunError, Track, follow, impact
+from .reference import Vibration
 from .runner import Result
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 

@@ -163,7 +163,7 @@ class Store:
 
 def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:
     """Nested tables with dotted names."""
-    found = {}
+    found: dict[str, Any] = {}
     for key, value in tables.items():
         if isinstance(value, dict):
             found |= _flat(value, f"{prefix}{key}.")

@@ -37,7 +37,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from .cache import digest
-from .dial import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
+from .dial import CALIBRATION, MAX_SECONDS, Tuned, checked, chosen_step, in_words, run
 from .engine import step_of
 from .one_rod import RunError
 from .scene import Scene, as_dict, from_tables, put, read_tables
@@ -256,13 +256,12 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
         if point.tolerance is None:
             done = run(point.scene, periods=point.periods)
         else:
-            dial = {"tolerance": point.tolerance, "max_seconds": point.max_seconds}
-            done = run(point.scene, **dial)
+            done = run(point.scene, tolerance=point.tolerance, max_seconds=point.max_seconds)
         if not done.finished:
             raise KeyboardInterrupt
         result = {**done.as_dict(), "phases": done.phases}
         del result["scene"]
-        if point.tolerance is not None and not done.accuracy.reached:
+        if isinstance(done, Tuned) and not done.accuracy.reached:
             result, error = None, " ".join(" ".join(in_words(done)).split())
     except RunError as failure:
         error = str(failure)
