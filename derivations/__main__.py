@@ -10,8 +10,10 @@ import shutil
 import sys
 import textwrap
 from collections import Counter
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import NoReturn
 
 from tqdm import tqdm
 
@@ -21,11 +23,11 @@ from . import registry
 class _Parser(argparse.ArgumentParser):
     """Bad arguments cost one line on stderr and exit code 2."""
 
-    def error(self, message: str):
+    def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message}\n")
 
 
-def _bar(what: str):
+def _bar(what: str) -> Callable[..., tqdm]:
     """A progress bar on a terminal, nothing in a pipe."""
     return partial(tqdm, desc=what, disable=None, leave=False)
 
@@ -62,6 +64,13 @@ def _check(arguments: argparse.Namespace) -> int:
 def _generate(_: argparse.Namespace) -> int:
     from . import codegen, readme
 
+    if not readme.TARGET.is_file():
+        print(
+            f"derivations: generate is for a checkout, and {readme.TARGET.parent} is none: "
+            f"there is no {readme.TARGET.name}",
+            file=sys.stderr,
+        )
+        return 2
     changed = codegen.write(codegen.source(_bar("generating")))
     print(f"{codegen.TARGET.name}: {'written' if changed else 'unchanged'}")
     changed = readme.refresh()

@@ -53,7 +53,7 @@ _N_stick, _N_after = sp.symbols("N_stick N_after", real=True)
 _square, _energy, _twice = sp.symbols("square energy twice", real=True)
 
 
-def _until(v_final: sp.Symbol, impulse: tuple[sp.Expr, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
+def _until(v_final: sp.Symbol, impulse: tuple[sp.Expr, ...]) -> tuple[sp.Expr, ...]:
     """An impulse under kinematic restitution, for any final normal velocity instead."""
     return tuple(part.subs(epsilon, -v_final / v_0) for part in impulse)
 

@@ -44,7 +44,9 @@ def spin_change(impulse: sp.Matrix, lever: sp.Matrix, inertia: sp.Expr) -> sp.Ma
     return lever.cross(impulse) / inertia
 
 
-def contact_velocity(c: sp.Matrix, spin: sp.Matrix, lever: sp.Matrix, plate: sp.Matrix):
+def contact_velocity(
+    c: sp.Matrix, spin: sp.Matrix, lever: sp.Matrix, plate: sp.Matrix
+) -> sp.Matrix:
     """Velocity of the body's contact point relative to the plate, Eq. (3)."""
     return c + spin.cross(lever) - plate
 

@@ -121,7 +121,8 @@ def _forms(expr: sp.Expr) -> Iterator[sp.Expr]:
     plain = [] if free & set(_LINEAR) or pairs else [sp.S.One]
     for base in (sp.S.Zero, *plain, s.c_x, s.c_z):
         if base.is_number or base in free:
-            form = _by_letter(*sp.fraction(short), base.xreplace(meanings))
+            above, below = sp.fraction(short)
+            form = _by_letter(above, below, base.xreplace(meanings))
             if form is not None:
                 yield form.xreplace(back)
 

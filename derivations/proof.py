@@ -14,13 +14,13 @@ import random
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import sympy as sp
 
 from . import symbols as s
 
-Form = sp.Expr | sp.MatrixBase | sp.core.relational.Relational
+Form: TypeAlias = sp.Expr | sp.MatrixBase | sp.core.relational.Relational
 Verdict = Literal["agrees", "rewritten", "erratum", "assumed", "new"]
 
 DIGITS = 40
@@ -58,8 +58,8 @@ EXAMPLE: Mapping[sp.Symbol, sp.Rational] = {
 class Proof:
     """What was found when a verdict was put to the proof."""
 
-    ok: bool
-    evidence: str
+    ok: bool  # whether the verdict stood
+    evidence: str  # in words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,18 +67,18 @@ class Equation:
     """One equation or number-bearing statement, with the verdict that `prove` tests."""
 
     tag: str  # the paper's equation number, or the section and a key word
-    what: str
+    what: str  # it is about
     symbol: str  # left-hand side, LaTeX
-    verdict: Verdict
-    derive: Callable[[], Form]
-    printed: Form | None = None
-    note: str = ""
+    verdict: Verdict  # on the printed form
+    derive: Callable[[], Form]  # from Newton's laws
+    printed: Form | None = None  # in our copy of the paper
+    note: str = ""  # what is right, where the paper is not
     contradicted_by: str = ""  # tags of the printed equations that give the derived form
     contradiction: Callable[[], Form] | None = None  # what those printed equations give
     at: Mapping[sp.Symbol, sp.Expr] | None = None  # replaces values of EXAMPLE
     check: Callable[[], Iterable[sp.Expr]] | None = None  # second route, verdict "new"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "derive", cache(self.derive))  # proofs and report share it
 
     def prove(self) -> Proof:

@@ -1,5 +1,6 @@
 """The tables of the README, generated from the registry between two markers."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from . import codegen, registry
@@ -8,7 +9,7 @@ TARGET = Path(__file__).resolve().parent.parent / "README.md"
 BEGIN, END = "<!-- registry: begin -->", "<!-- registry: end -->"
 
 
-def _table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def _table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     lines = [header, tuple("---" for _ in header), *rows]
     return "\n".join(
         "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines

@@ -39,17 +39,17 @@ SHOWN: dict[str, dict[str, set[str]]] = {
 class Citation:
     """A place in the text that cites `figure`(`panel`) for `subject`."""
 
-    tag: str
-    what: str
-    figure: str
-    panel: str
-    subject: frozenset[str]
+    tag: str  # section and key word
+    what: str  # is said
+    figure: str  # that is cited: a number, or "eq. 24"
+    panel: str  # of it; "" for all
+    subject: frozenset[str]  # what it should show
     meant: tuple[str, str]  # figure and panel that do show it; ("", "") if none does
-    note: str
-    verdict: Verdict = "erratum"
-    symbol: str = ""
-    printed: None = None
-    contradicted_by: str = "the captions"
+    note: str  # what is right
+    verdict: Verdict = "erratum"  # of all
+    symbol: str = ""  # none
+    printed: None = None  # no equation
+    contradicted_by: str = "the captions"  # always
 
     def prove(self) -> Proof:
         """The cited panel is missing or shows something else; the one that is meant shows it."""
@@ -64,7 +64,14 @@ class Citation:
         return Proof(ok=wrong and right, evidence=f"{name}{where}: {found}")
 
 
-def _cites(tag, what, cited, subject, meant, note) -> Citation:
+def _cites(
+    tag: str,
+    what: str,
+    cited: tuple[str, str],
+    subject: set[str],
+    meant: tuple[str, str],
+    note: str,
+) -> Citation:
     return Citation(
         tag=tag,
         what=what,

@@ -1,6 +1,16 @@
-"""Every equation and every checked statement, in the order in which the paper brings them."""
+"""Every equation and every checked statement, in the order in which the paper brings them.
 
-from collections.abc import Callable, Iterator
+`ENTRIES` holds them all, `SECTIONS` the same under titles.
+
+>>> from derivations import registry
+>>> (entry,) = (entry for entry in registry.ENTRIES if entry.tag == "10")
+>>> entry.verdict, entry.prove().ok
+('agrees', True)
+>>> entry.derive()
+P_x/m + c_x
+"""
+
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 
 from . import (
@@ -15,8 +25,10 @@ from . import (
     slip_stick,
     thin_rod,
 )
-from .proof import Equation
+from .proof import Equation, Verdict
 from .references import Citation
+
+__all__ = ["ENTRIES", "SECTIONS", "Citation", "Equation", "Row", "check", "mistakes"]
 
 # section title, entries
 SECTIONS: tuple[tuple[str, tuple[Equation | Citation, ...]], ...] = (
@@ -39,19 +51,30 @@ ENTRIES: tuple[Equation | Citation, ...] = tuple(e for _, group in SECTIONS for 
 class Row:
     """One line of the table that `check` prints."""
 
-    tag: str
-    what: str
-    verdict: str
-    proved: bool
-    note: str
-    evidence: str
-    contradicted_by: str
+    tag: str  # the paper's equation number, or the section and a key word
+    what: str  # is stated
+    verdict: Verdict  # on the printed form
+    proved: bool  # whether the verdict stood
+    note: str  # what is right, where the paper is not
+    evidence: str  # what the proof found
+    contradicted_by: str  # tags of printed equations that give the derived form
 
-    as_dict = asdict
+    def as_dict(self) -> dict[str, str | bool]:
+        """For JSON."""
+        return asdict(self)
 
 
-def check(progress: Callable[[Iterator], Iterator] = iter) -> list[Row]:
-    """Prove every entry; `progress` may wrap the iteration in a progress bar."""
+def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
+    """Prove every entry.
+
+    Parameters
+    ----------
+    progress : may wrap the iteration in a progress bar
+
+    Returns
+    -------
+    A row for each of `ENTRIES`, in their order.
+    """
     rows = []
     for entry in progress(ENTRIES):
         proof = entry.prove()

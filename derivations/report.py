@@ -15,10 +15,11 @@ import sympy as sp
 
 from . import codegen
 from .presentation import presented
-from .proof import Form
+from .proof import Equation, Form
 from .prose import left_hand_side, tex_escape, to_html, to_latex
 from .references import Citation
 from .registry import ENTRIES, SECTIONS, Row
+from .rewrites import Body, Function, Step
 from .typeset import is_wide, latex_lines, mathml, mathml_terms
 from .typeset import latex as tex
 
@@ -51,11 +52,12 @@ _FUNCTIONS = {function.name: function for function in codegen.FUNCTIONS}
 def forms(tag: str) -> tuple[Form | None, Form]:
     """Printed and derived form of an equation, the latter rearranged."""
     entry = _BY_TAG[tag]
+    assert isinstance(entry, Equation)
     return entry.printed, presented(entry.derive(), entry.printed)
 
 
 @cache
-def _body(name: str):
+def _body(name: str) -> tuple[Body, tuple[Step, ...]]:
     return _FUNCTIONS[name].body()
 
 
@@ -142,13 +144,13 @@ def _entry(row: Row) -> str:
         printed, derived = forms(row.tag)
         symbol = _BY_TAG[row.tag].symbol
         how = "Assumed" if row.verdict == "assumed" else "As derived"
-        shown = {"As printed in our copy": printed, how: derived}
+        two = {"As printed in our copy": printed, how: derived}
         if row.verdict == "assumed" and printed is not None:
-            del shown[how]
+            del two[how]
         wide = any(is_wide(form) for form in (printed, derived) if form is not None)
         shown = "".join(
             f'<div><p class="how">{label}</p>{_equation(symbol, form)}</div>'
-            for label, form in shown.items()
+            for label, form in two.items()
             if form is not None
         )
         parts.append(f'<div class="forms{" wide" * wide}">{shown}</div>')
@@ -156,7 +158,7 @@ def _entry(row: Row) -> str:
     return f'<article id="{anchor(row.tag)}" class="{row.verdict}">{"".join(parts)}</article>'
 
 
-def _function(function: codegen.Function) -> str:
+def _function(function: Function) -> str:
     """A generated function: its assignments, and the rules with the operations they left."""
     body, steps = _body(function.name)
     why = ["", *(_text(rule.why) for rule in function.rules)]
@@ -175,7 +177,7 @@ def _function(function: codegen.Function) -> str:
 
 def counted(verdicts: Iterable[str]) -> str:
     """How often each verdict is given, and what it means, as a table."""
-    counts = Counter(verdicts)
+    counts = Counter[str](verdicts)
     lines = "".join(
         f"<tr><td>{_badge(verdict)}</td><td>{meaning}</td><td>{counts[verdict]}</td></tr>"
         for verdict, (_, meaning) in VERDICTS.items()
@@ -346,7 +348,7 @@ def _tex_entry(tag: str, row: Row | None) -> str:
     return text + "".join(f"{label}: {to_latex(said)}.\n\n" for label, said in remarks)
 
 
-def _tex_function(function: codegen.Function) -> str:
+def _tex_function(function: Function) -> str:
     body, steps = _body(function.name)
     history = ", ".join(f"{to_latex(step.rule)} {step.operations}" for step in steps)
     lines = " \\\\\n".join(

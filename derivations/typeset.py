@@ -59,7 +59,9 @@ def _signs(total: sp.Expr) -> tuple[bool, ...]:
 @cache
 def _parts(expr: sp.Expr) -> tuple[bool, Factors, Factors]:
     """Whether a product is negative, and its factors above and below the fraction bar."""
-    number, above, below, turned = sp.S.One, [], [], set()
+    number, turned = sp.S.One, set()
+    above: list[sp.Expr] = []
+    below: list[sp.Expr] = []
     for factor in sp.Mul.make_args(expr):
         base, exponent = factor.as_base_exp()
         if factor.is_Rational:

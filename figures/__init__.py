@@ -4,19 +4,22 @@
 >>> fig11 = figures.load("fig11")
 >>> picture = fig11.draw(fig11.data(quick=True))
 
-From a shell: `python -m figures list`, `python -m figures draw fig11 --out DIR`.
+`FIGURES` holds an `Entry` for each name. From a shell: `python -m figures list`,
+`python -m figures draw fig11 --out DIR`.
 """
 
 from dataclasses import dataclass
 from importlib import import_module
 from types import ModuleType
 
+__all__ = ["FIGURES", "Entry", "load"]
+
 
 @dataclass(frozen=True, slots=True)
 class Entry:
     """What is known of a figure before its module is imported."""
 
-    title: str
+    title: str  # what it shows, with the paper's number
     quick: bool = True  # part of the set that is drawn when no name is given
 
 
@@ -64,5 +67,10 @@ FIGURES = {
 
 
 def load(name: str) -> ModuleType:
-    """Module of the figure `name`, with its `data` and `draw`."""
+    """Module of a figure, with its `data(quick)` and `draw(data)`.
+
+    Parameters
+    ----------
+    name : one of `FIGURES`
+    """
     return import_module(f".{name}", __name__)

@@ -1,11 +1,14 @@
 """The paper's claims, judged: `claims.toml` holds them and their limits, `measured` the numbers.
 
 >>> from figures import claims
->>> report = claims.judge(quick=True)
->>> print(claims.page(report))
+>>> len(claims.read())
+29
+>>> claims.verdict([2, 1, 2])  # of a claim, from the grades of its numbers
+'holds in part'
 
-A claim holds if all its judged numbers lie within `holds`, does not hold if none lies even within
-`partly`, else it holds in part. A number that cannot be had leaves its claim, and no other, open.
+`judge()` runs what it needs, for minutes; `page` and `brief` show what it found. A claim holds if
+all its judged numbers lie within `holds`, does not hold if none lies even within `partly`, else it
+holds in part. A number that cannot be had leaves its claim, and no other, open.
 """
 
 import math
@@ -53,9 +56,10 @@ def close(number: Number, limits: dict[str, Any]) -> bool:
 
 def verdict(grades: list[int | None]) -> str:
     """Of a claim, from the grades of its judged numbers."""
-    if not grades or None in grades:
+    known = [grade for grade in grades if grade is not None]
+    if not grades or len(known) < len(grades):
         return MISSING
-    return GRADES[2 if min(grades) == 2 else 0 if max(grades) == 0 else 1]
+    return GRADES[2 if min(known) == 2 else 0 if max(known) == 0 else 1]
 
 
 def _judged(claim: dict[str, Any], quick: bool) -> dict[str, Any]:
@@ -68,9 +72,9 @@ def _judged(claim: dict[str, Any], quick: bool) -> dict[str, Any]:
     keys, measure = MEASURES[claim["id"]]
     try:
         measured = dict(zip(keys, measure(quick), strict=True))
-    except Exception as error:
-        reason = " ".join(str(error).split())
-        return {**found, "verdict": MISSING, "trouble": f"{type(error).__name__}: {reason}"}
+    except Exception as failure:
+        reason = " ".join(str(failure).split())
+        return {**found, "verdict": MISSING, "trouble": f"{type(failure).__name__}: {reason}"}
     rows = []
     for limits in claim["numbers"]:
         number = Number(*measured[limits["key"]])
@@ -108,7 +112,7 @@ def judge(quick: bool = False, progress: bool = False) -> dict[str, Any]:
 def plain(report: dict[str, Any]) -> dict[str, Any]:
     """For JSON, which has neither nan nor inf."""
 
-    def cleaned(value):
+    def cleaned(value: Any) -> Any:
         if isinstance(value, dict):
             return {key: cleaned(inner) for key, inner in value.items()}
         return [cleaned(inner) for inner in value] if isinstance(value, list) else finite(value)
@@ -119,7 +123,7 @@ def plain(report: dict[str, Any]) -> dict[str, Any]:
 def restored(report: dict[str, Any]) -> dict[str, Any]:
     """What `plain` was given, but for limits: of a judged number that has no value, nan or inf."""
 
-    def number(row):
+    def number(row: dict[str, Any]) -> dict[str, Any]:
         nothing = math.nan if row.get("grade") is None else math.inf
         value, error = (row.get(key) for key in ("value", "error"))
         value, error = nothing if value is None else value, math.nan if error is None else error

@@ -2,7 +2,7 @@ r"""A scene as an animation: rods of true width, the plate, and what the tip of 
 
 >>> import md
 >>> from figures import movie
->>> film = movie.record(md.load("quasi2d"), periods=20, frames=8)
+>>> film = movie.record(md.load("quasi2d"), periods=2, frames=8)
 >>> movie.write(film, "row.gif")
 
 An annulus is shown rolled out: rods at their place around it and as they lean along it. Seen from

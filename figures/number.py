@@ -36,7 +36,7 @@ def resampled(d: dict, function: Callable[[dict], float], *names: str) -> Number
         return {n: random.normal(d[n], np.nan_to_num(d[f"{n}_error"])) for n in names}
 
     found = [function({**d, **varied()}) for _ in range(200)]
-    return standard(function(d), np.std(found) if np.isfinite(found).all() else np.nan)
+    return standard(function(d), float(np.std(found)) if np.isfinite(found).all() else np.nan)
 
 
 def onset(x: np.ndarray, begun: np.ndarray) -> Number:

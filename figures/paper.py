@@ -39,7 +39,7 @@ USUAL, MOVIE, CLAIMS = 5, 5, 120
 
 def left(out: Path) -> list[str]:
     """Figures whose files in `out` are not there, not in full, or older than a source."""
-    folders = (Path(package.__file__).parent for package in (md, impact, measured))
+    folders = (Path(str(package.__file__)).parent for package in (md, impact, measured))
     files = (path for folder in folders for path in folder.rglob("*"))
     newest = max(p.stat().st_mtime for p in files if p.suffix in (".py", ".toml", ".mplstyle"))
     return [name for name in FIGURES if not _done(name, out, newest)]

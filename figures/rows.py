@@ -13,13 +13,16 @@ import os
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from impact import ContactGeometry, spherocylinder
 from md.scene import from_tables, put, read_tables
 from md.sweep import Sweep, execute, expand
+
+if TYPE_CHECKING:
+    from impact.bouncing import Bouncing
 
 COUNT, LENGTH, GAMMA, FRICTION, RESTITUTION = 40, 9.5, 3.3, 0.3, 0.65  # of Figs. 6-8 and 13
 ROW = put(
@@ -96,15 +99,24 @@ def paper_rod(tilt: float | np.ndarray) -> ContactGeometry:
 
 
 @cache
-def lone(quick: bool):
+def lone(quick: bool) -> tuple[np.ndarray, list["Bouncing"]]:
     """Tilts [deg], and `bounce` there: one rigid rod at fixed tilt, the theory without closure."""
     from impact.bouncing import bounce  # compiles
 
     tilt_deg = np.arange(0, 76, 5 if quick else 2.5)
-    setting = {"friction": FRICTION, "restitution": RESTITUTION, "shortest_flight": 0.1}
-    count = {"rods": 20 if quick else 100, "landings": 150 if quick else 600, "transient": 150}
+    rods, landings = (20, 150) if quick else (100, 600)
     return tilt_deg, [
-        bounce(paper_rod(np.radians(deg)), gamma=GAMMA, **setting, **count) for deg in tilt_deg
+        bounce(
+            paper_rod(np.radians(deg)),
+            gamma=GAMMA,
+            friction=FRICTION,
+            restitution=RESTITUTION,
+            landings=landings,
+            rods=rods,
+            transient=150,
+            shortest_flight=0.1,
+        )
+        for deg in tilt_deg
     ]
 
 
@@ -135,4 +147,4 @@ def measured_error(drifts: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, 
 def plate_speed_cm_s(gamma: float | np.ndarray = GAMMA) -> float | np.ndarray:
     """V_0 of the paper's plate."""
     scene = from_tables(ROW)
-    return scene.plate_speed * scene.cm_per_s * np.asarray(gamma) / scene.plate.acceleration
+    return scene.plate_speed * scene.cm_per_s * np.asarray(gamma) / ROW["plate"]["acceleration"]

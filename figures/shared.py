@@ -35,7 +35,7 @@ def reversal_boundary(points: int) -> dict[str, np.ndarray]:
     }
 
 
-def where_it_stops(boundary: dict[str, np.ndarray], **setting) -> np.ndarray:
+def where_it_stops(boundary: dict[str, np.ndarray], **setting: float) -> np.ndarray:
     """The boundary's tilts, nan where the contact slides through and can neither stick nor turn."""
     slide = slide_friction(thin_rod(boundary["critical_tilt"]), **setting)
     return np.where(boundary["critical_friction"] >= slide, boundary["critical_tilt"], np.nan)

@@ -7,7 +7,9 @@
 >>> hit.regime.name
 'SLIP_REVERSAL'
 
-Closed forms derived from Newton's laws by `derivations`; needs NumPy alone.
+Closed forms derived from Newton's laws by `derivations`; needs NumPy alone. On request, with Numba:
+`impact.compiled` (the map as kernels), `impact.bouncing` (a rod at fixed tilt), `impact.falling` (a
+rod that is let go).
 """
 
 from ._kernel import Regime

@@ -9,6 +9,7 @@ import os
 import platform
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from statistics import median
 from time import perf_counter
@@ -122,10 +123,10 @@ def _tasks(columns: list[np.ndarray]) -> dict[str, Callable[[], Any]]:
         tasks[f"numpy {law}"] = _collider(collide, columns, law)
         tasks[f"compiled {law}"] = _collider(compiled.collide, columns, law)
         loop = compiled._loop(law)
-        tasks[f"loop {law}"] = lambda loop=loop: loop(*columns, *results)
+        tasks[f"loop {law}"] = partial(loop, *columns, *results)
     for name, kernel in kernels.items():
         run = _summing(kernel)
-        tasks[f"scalar {name}"] = lambda run=run: run(*columns)
+        tasks[f"scalar {name}"] = partial(run, *columns)
     any_order = _summing(compiled.collide_newton, fastmath={"reassoc"})
     tasks["scalar newton, any order"] = lambda: any_order(*columns)
     tasks["copy"] = lambda: np.copyto(other, half)

@@ -41,7 +41,7 @@ def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
     Masked elements count as nan. What is not a real number raises `TypeError`.
     """
     if isinstance(value, np.ma.MaskedArray):
-        value = value.astype(np.result_type(value.dtype, np.float32)).filled(np.nan)
+        value = np.ma.filled(value.astype(np.result_type(value.dtype, np.float32)), np.nan)
     try:
         array = np.asarray(float(value) if type(value) is int else value)
     except (ValueError, OverflowError):  # ragged, or an integer beyond all floats
@@ -93,6 +93,8 @@ def in_blocks(
     """
     numbers = [value.astype(np.float64)[()] if value.ndim == 0 else None for value in inputs]
     arrays = [value for value in inputs if value.ndim > 0]
+    read_only: list[Any] = [["readonly"]] * len(arrays)
+    made: list[Any] = [["writeonly", "allocate"]] * len(dtypes)
     with np.errstate(all="ignore"):
         if not arrays:
             results = zip(function(*numbers), dtypes, strict=True)
@@ -100,7 +102,7 @@ def in_blocks(
         blocks = np.nditer(
             [*arrays, *[None] * len(dtypes)],
             flags=["external_loop", "buffered", "zerosize_ok"],
-            op_flags=[["readonly"]] * len(arrays) + [["writeonly", "allocate"]] * len(dtypes),
+            op_flags=read_only + made,
             op_dtypes=[np.dtype(np.float64)] * len(arrays) + list(dtypes),
             casting="unsafe",
             buffersize=BLOCK,

@@ -4,12 +4,13 @@ import argparse
 import os
 import sys
 from collections.abc import Callable
+from typing import NoReturn
 
 
 class Parser(argparse.ArgumentParser):
     """Bad arguments cost one line on stderr and exit code 2."""
 
-    def error(self, message: str):
+    def error(self, message: str) -> NoReturn:
         """Print one line and leave."""
         self.exit(2, f"{self.prog}: {message}\n")
 

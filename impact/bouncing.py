@@ -39,12 +39,15 @@ from .compiled import KERNELS
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
+__all__ = ["Bouncing", "Estimate", "Landings", "bounce", "hit_again_tilt", "record"]
+
 _GAMMA = Domain(0.0, 1e6, "> 0 and at most 1e6", open_low=True)
 _SHORTEST = Domain(1e-12, 0.1, "between 1e-12 and 0.1 (periods)")
 _FRICTION_LIMIT = 1e60  # beyond it friction changes no digit any more
 _AT_ONCE = 1000  # impacts on the spot at most; what approach is left then, the plate absorbs
 _STILL = 2.0**-44  # of the approach: slower, an impact on the spot has come to rest
 _BLOCK = 1 << 18  # landings in memory at once
+_FLIGHT_BINS = 64  # of 1/16 period; locked flights of whole periods lie in the middle of one
 
 
 class Landings(NamedTuple):
@@ -55,22 +58,22 @@ class Landings(NamedTuple):
 
     period: np.ndarray  # whole periods since the start, exact
     phase: np.ndarray  # of the plate, theta in [0, 2 pi); its velocity is V_0 cos(theta)
-    c_x: np.ndarray  # before the landing
-    c_z: np.ndarray
-    c_x_after: np.ndarray
-    c_z_after: np.ndarray
+    c_x: np.ndarray  # along the plate, before the landing
+    c_z: np.ndarray  # across, before
+    c_x_after: np.ndarray  # after it
+    c_z_after: np.ndarray  # after it
     flight: np.ndarray  # from take-off to this landing
     rest: np.ndarray  # on the plate before that take-off
     travel: np.ndarray  # distance in x since the landing before, in V_0 times a period
     hits: np.ndarray  # impacts on the spot
-    regime: np.ndarray  # of the first of them
+    regime: np.ndarray  # of the first of them, codes of `impact.Regime`
 
 
 class Estimate(NamedTuple):
     """Mean over independent rods and its standard error (nan for one rod)."""
 
-    mean: Any
-    error: Any
+    mean: Any  # in the unit of what is estimated
+    error: Any  # standard error, in the same
 
 
 class Bouncing(NamedTuple):
@@ -95,15 +98,25 @@ class Bouncing(NamedTuple):
     flights: Estimate  # density of flight lengths per period, bins around i/16, i < 64
 
 
-FLIGHT_BINS = 64  # of 1/16 period; locked flights of whole periods lie in the middle of one
-
-
 def hit_again_tilt(restitution: Any) -> Any:
     """Tilt above which a thin rod in stationary translation is hit again at once, rad.
 
     Eq. (30) gives c_z' >= V_z only up to sin^2(phi) = restitution/3, whatever the friction; for any
     geometry the limit of Eqs. (25), (28) is X^2 = restitution k^2. At 0.65: 27.7 degrees. A rod
     with c_x = 0 is hit again where X^2 > restitution (k^2 + Z^2) if friction holds the contact.
+
+    Parameters
+    ----------
+    restitution : between 0 and 1; any shape
+
+    Returns
+    -------
+    Tilt in rad, of the shape of `restitution`; nan for array elements out of the domain.
+
+    Raises
+    ------
+    ValueError
+        If a scalar restitution is out of its domain.
     """
     restitution = real_array("restitution", restitution, RESTITUTION)
     valid = np.where(RESTITUTION.holds(restitution), restitution, np.nan)
@@ -239,7 +252,7 @@ def _summary(runs: Landings, bins: int) -> dict[str, np.ndarray]:
         "again": (runs.hits > 1).mean(1),
         "regimes": np.stack([(runs.regime == code).mean(1) for code in range(4)], axis=1),
         "phases": _density(runs.phase, bins, TURN),
-        "flights": _density(runs.flight + 1 / 32, FLIGHT_BINS, FLIGHT_BINS / 16),
+        "flights": _density(runs.flight + 1 / 32, _FLIGHT_BINS, _FLIGHT_BINS / 16),
     }
 
 
@@ -253,7 +266,7 @@ def _estimate(values: np.ndarray) -> Estimate:
 def _no_flight(bins: int) -> Bouncing:
     """The plate never falls away from the rod."""
     empty = {name: Estimate(np.nan, np.nan) for name in Bouncing._fields}
-    for name, size in (("regimes", 4), ("phases", bins), ("flights", FLIGHT_BINS)):
+    for name, size in (("regimes", 4), ("phases", bins), ("flights", _FLIGHT_BINS)):
         empty[name] = Estimate(*np.full((2, size), np.nan))
     return Bouncing(**{**empty, "drift": Estimate(0.0, 0.0), "rest": Estimate(1.0, 0.0)})
 
@@ -271,12 +284,22 @@ def record(
     transient: int = 100,
     shortest_flight: float = 1e-6,
 ) -> Landings:
-    """Every single landing of many rods; arguments and errors as in `bounce`, which sums it up.
+    """Every single landing of many rods; `bounce` sums it up.
+
+    Parameters
+    ----------
+    geometry, gamma, friction, restitution, landings, rods : as in `bounce`
+    seed, law, transient, shortest_flight : as in `bounce`
 
     Returns
     -------
     Landings
         Arrays of shape (rods, landings), (rods, 0) where gamma <= 1.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As `bounce`.
     """
     problem = _checked(
         *(geometry, gamma, friction, restitution, landings, rods, seed, law, transient),

@@ -40,7 +40,7 @@ def critical_tilts(friction: Any) -> tuple[Any, Any]:
         If a scalar friction is negative.
     """
 
-    def block(mu):
+    def block(mu: Any) -> tuple[Any, ...]:
         valid = FRICTION.holds(mu)
         mu = np.where(valid, mu, np.nan)
         root = np.sqrt((3 - 4 * mu) * (3 + 4 * mu))  # nan beyond the end, mu = 3/4
@@ -68,7 +68,7 @@ def critical_friction(geometry: ContactGeometry) -> Any:
         If k is a scalar <= 0.
     """
 
-    def block(X, Z, k):
+    def block(X: Any, Z: Any, k: Any) -> tuple[Any, ...]:
         _, exponent = np.frexp(np.maximum(np.abs(Z), k))  # X may be larger by any factor
         value = closed.critical_friction(*(np.ldexp(length, -exponent) for length in (X, Z, k)))
         return (np.where(valid_lengths(X, Z, k), np.abs(value), np.nan),)
@@ -100,7 +100,7 @@ def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitutio
         real_array("restitution", restitution, RESTITUTION),
     ]
 
-    def block(X, Z, k, ratio, epsilon):
+    def block(X: Any, Z: Any, k: Any, ratio: Any, epsilon: Any) -> tuple[Any, ...]:
         valid = valid_lengths(X, Z, k) & POSITIVE.holds(ratio) & RESTITUTION.holds(epsilon)
         above, below = closed.slide_friction(*unit_lengths(X, Z, k), (1 + epsilon) * ratio)
         value = np.where(below > 0, np.maximum(above, 0.0) / below, np.inf)
@@ -134,7 +134,7 @@ def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
         If a scalar argument is out of its domain.
     """
 
-    def block(X, Z, k, mu):
+    def block(X: Any, Z: Any, k: Any, mu: Any) -> tuple[Any, ...]:
         valid = valid_lengths(X, Z, k) & FRICTION.holds(mu)
         x, z = np.abs(X) / k, np.abs(Z) / k
         A, B, C, D = 1 + x * x, x * z, 1 + z * z, 1 + x * x + z * z

@@ -1,9 +1,11 @@
 """The impact map: one frictional impact of a rigid body with a heavy plate, three laws."""
 
+from collections.abc import Callable, Sequence
 from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from . import _kernel as kernel
 from ._arguments import FRICTION, RESTITUTION, in_blocks, real_array, result_dtype
@@ -16,9 +18,14 @@ LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.st
 class Collision(NamedTuple):
     """State after an impact; every field has the broadcast shape of the arguments.
 
-    Impulses and energy are per unit mass. `slip_velocity` and `normal_velocity` are those of the
-    contact point, relative to the plate; `energy_change` is kinetic energy after minus before in
-    the frame of the plate.
+    Attributes
+    ----------
+    c_x, c_z : velocity of the centre of mass along and across the plate
+    omega : angular velocity
+    regime : `Regime`, or an int8 array of its values
+    P_x, P_z : impulse of the plate on the rod, per unit mass
+    slip_velocity, normal_velocity : of the contact point along and across, relative to the plate
+    energy_change : kinetic energy after minus before in the frame of the plate, per unit mass
     """
 
     c_x: Any
@@ -32,13 +39,14 @@ class Collision(NamedTuple):
     energy_change: Any
 
 
-def _exponent(*values):
+def _exponent(*values: Any) -> Any:
     """Power of two just above the largest magnitude."""
     return np.frexp(reduce(np.maximum, map(np.abs, values)))[1]
 
 
-def _scaled(function, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
+def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     """`function` with lengths and speeds scaled by powers of two: exact, and in range."""
+    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = block
     length = _exponent(X, Z, k)
     spin, spin_exponent = np.frexp(omega)
     speed = np.maximum(_exponent(c_x, c_z, V_z), np.where(spin == 0, -5000, spin_exponent + length))
@@ -57,7 +65,7 @@ def _scaled(function, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
     return tuple(results)
 
 
-def _guarded(function, *block):
+def _guarded(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     """`function` on a block; unusual elements are scaled, invalid ones become nan and INVALID."""
     usual = kernel.ordinary(*block)
     if np.all(usual):
@@ -79,7 +87,16 @@ def _guarded(function, *block):
     return tuple(results)
 
 
-def prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law):
+def prepare(
+    c_x: Any,
+    c_z: Any,
+    omega: Any,
+    geometry: ContactGeometry,
+    friction: Any,
+    restitution: Any,
+    plate_velocity: Any,
+    law: str,
+) -> tuple[list[np.ndarray], np.dtype]:
     """Arguments of `collide` as arrays in the kernel's order, and the dtype of the results."""
     if not isinstance(law, str) or law not in LAWS:
         raise ValueError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
@@ -97,18 +114,20 @@ def prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity, la
     return arrays, result_dtype(values)
 
 
-def from_arrays(arrays, law, dtype=np.float64):
+def from_arrays(
+    arrays: Sequence[np.ndarray], law: str, dtype: DTypeLike = np.float64
+) -> tuple[Any, ...]:
     """Results of `collide` for arguments that `prepare` has seen."""
     final_velocity = LAWS[law]
 
-    def one_law(*block):
+    def one_law(*block: Any) -> tuple[Any, ...]:
         return kernel.impact(final_velocity, *block)
 
     dtypes = [np.dtype(dtype)] * 3 + [np.dtype(np.int8)] + [np.dtype(dtype)] * 5
     return in_blocks(lambda *block: _guarded(one_law, *block), arrays, dtypes)
 
 
-def collision(results, dtype) -> Collision:
+def collision(results: Sequence[Any], dtype: DTypeLike) -> Collision:
     """Record of the results, scalars as scalars."""
     regime = results[3][()]
     fields = [result.astype(dtype, copy=False)[()] for result in results]
@@ -166,6 +185,7 @@ def collide(
     Examples
     --------
     >>> from math import radians
+    >>> from impact import thin_rod
     >>> hit = collide(1.0, -2.0, geometry=thin_rod(radians(20)), friction=0.4, restitution=0.65)
     >>> hit.regime.name
     'SLIP_STICK'
@@ -186,17 +206,24 @@ def classify(
 ) -> Any:
     """Regime of an impact without computing its outcome; the same for all three laws.
 
-    Parameters and errors as in `collide`.
+    Parameters
+    ----------
+    c_x, c_z, omega, geometry, friction, restitution, plate_velocity : as in `collide`
 
     Returns
     -------
     Regime, or an int8 array of its values
+
+    Raises
+    ------
+    ValueError, TypeError
+        As `collide`.
     """
     arrays, _ = prepare(
         c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law="newton"
     )
 
-    def regime_alone(*block):
+    def regime_alone(*block: Any) -> tuple[Any, ...]:
         return (kernel.regime_of(kernel.mirrored(*block)),)
 
     (regime,) = in_blocks(

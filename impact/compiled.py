@@ -1,10 +1,10 @@
 """The impact map compiled by Numba; import it on request (it needs Numba, and seconds to compile).
 
-`collide_newton`, `collide_poisson` and `collide_stronge` are scalar kernels for other compiled
-code: nine floats (c_x, c_z, omega, plate_velocity, X, Z, k, friction, restitution) in, the nine
-fields of `impact.Collision` out as a tuple, the regime as its code. They expect valid arguments of
-ordinary size (lengths and speeds between 1e-70 and 1e70). `collide` has the contract of
-`impact.collide`. All of them give its numbers bit for bit, as they are made from the same text.
+`collide_newton`, `collide_poisson` and `collide_stronge` (`KERNELS`, by law) are scalar kernels for
+other compiled code: nine floats (c_x, c_z, omega, plate_velocity, X, Z, k, friction, restitution)
+in, the nine fields of `impact.Collision` out as a tuple, the regime as its code. They expect valid
+arguments of ordinary size (lengths and speeds between 1e-70 and 1e70). `collide` has the contract
+of `impact.collide`. All of them give its numbers bit for bit, as they are made from the same text.
 """
 
 from functools import cache
@@ -18,6 +18,8 @@ from numba.extending import intrinsic
 from . import _compensated, _generated, _kernel
 from . import collision as plain
 from .geometry import ContactGeometry
+
+__all__ = ["KERNELS", "collide", "collide_newton", "collide_poisson", "collide_stronge"]
 
 
 @intrinsic
@@ -104,11 +106,28 @@ _compile(
 _impact, _ordinary = _known["impact"], _known["ordinary"]
 
 
-def _scalar_kernel(law: str):
+def _scalar_kernel(law: str) -> Any:
     """The impact under one law, nine floats in, nine numbers out."""
     final_velocity = _known[law]
 
-    def collide(c_x, c_z, omega, plate_velocity, X, Z, k, friction, restitution):
+    def collide(
+        c_x: float,
+        c_z: float,
+        omega: float,
+        plate_velocity: float,
+        X: float,
+        Z: float,
+        k: float,
+        friction: float,
+        restitution: float,
+    ) -> tuple:
+        """One impact, for compiled code; the fields of `impact.Collision` as nine numbers.
+
+        Parameters
+        ----------
+        c_x, c_z, omega, plate_velocity, friction, restitution : as in `impact.collide`, floats
+        X, Z, k : of the contact geometry; lengths and speeds are between 1e-70 and 1e70
+        """
         return _impact(
             final_velocity, c_x, c_z, omega, plate_velocity, X, Z, k, friction, restitution
         )
@@ -162,7 +181,21 @@ def collide(
     plate_velocity: Any = 0.0,
     law: str = "newton",
 ) -> plain.Collision:
-    """`impact.collide`, compiled: the same arguments, the same numbers, the same errors."""
+    """`impact.collide`, compiled: the same arguments, the same numbers, the same errors.
+
+    Parameters
+    ----------
+    c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law : as in `impact.collide`
+
+    Returns
+    -------
+    Collision
+
+    Raises
+    ------
+    ValueError, TypeError
+        As `impact.collide`.
+    """
     arrays, dtype = plain.prepare(
         c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law
     )

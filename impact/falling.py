@@ -27,7 +27,7 @@ It needs Numba, and seconds to compile: import it on request. Units inside: Omeg
 """
 
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -37,7 +37,9 @@ from ._kernel import LARGE_FRICTION, Regime
 from .bouncing import record
 from .compiled import KERNELS
 from .flight import TURN, advance, departure, gap
-from .geometry import spherocylinder, thin_rod
+from .geometry import ContactGeometry, spherocylinder, thin_rod
+
+__all__ = ["Falls", "fall"]
 
 _TILT = Domain(-np.pi / 2, np.pi / 2, "between -pi/2 and pi/2")
 _LENGTH = Domain(1e-3, 1e9, "between 1e-3 and 1e9 (g/Omega^2)")
@@ -59,19 +61,19 @@ class Falls(NamedTuple):
     tilt_end: np.ndarray  # then
     period: np.ndarray  # whole periods since the release's, exact
     phase: np.ndarray  # of the plate, theta in [0, 2 pi); its velocity is V_0 cos(theta)
-    tilt: np.ndarray
-    c_x: np.ndarray  # before the landing
-    c_z: np.ndarray
-    omega: np.ndarray
-    c_x_after: np.ndarray
-    c_z_after: np.ndarray
-    omega_after: np.ndarray
+    tilt: np.ndarray  # at the landing
+    c_x: np.ndarray  # along the plate, before the landing
+    c_z: np.ndarray  # across, before
+    omega: np.ndarray  # before
+    c_x_after: np.ndarray  # after it
+    c_z_after: np.ndarray  # after it
+    omega_after: np.ndarray  # after it
     flight: np.ndarray  # from take-off to this landing, in periods
     rest: np.ndarray  # with the tip on the plate before that take-off, in periods
-    regime: np.ndarray
+    regime: np.ndarray  # codes of `impact.Regime`
 
 
-class Swing(NamedTuple):
+class _Swing(NamedTuple):
     """How a rod turns from a take-off on: its half axis, centre to centre of the tip's cap."""
 
     across: float  # reach sin(tilt)
@@ -80,7 +82,7 @@ class Swing(NamedTuple):
 
 
 @njit(error_model="numpy")
-def gaps(d, swing, t):
+def _gaps(d, swing, t):
     """Gap and slope of the tip that left the plate, then of the other, a time t after departure.
 
     `d.speed` is the tip's velocity over the plate's, turning included. To the gap of a point comes
@@ -105,14 +107,14 @@ def _sure(h, slope, bend):
 
 
 @njit(error_model="numpy")
-def touch(d, swing, bend, t):
+def _touch(d, swing, bend, t):
     """First contact of either tip after t, where both are off the plate; |h''| <= bend.
 
     Steps of the time for which both gaps surely stay open miss nothing; towards a contact they
     converge as Newton's method does. Returns the time, h' of the tip and whether the other touches.
     """
     while True:
-        h, slope, h_other, slope_other = gaps(d, swing, t)
+        h, slope, h_other, slope_other = _gaps(d, swing, t)
         step = min(_sure(h, slope, bend), _sure(h_other, slope_other, bend))
         if not t + step > t:  # a nan ends here too
             return t, slope, h_other < h
@@ -131,14 +133,14 @@ def _loop(law: str):
         phase, period, omega, travel, rest, n = first, 0.0, 0.0, 0.0, 0.0, 0
         fallen = False
         while n < out.shape[0] and period < periods:
-            swing = Swing(reach * np.sin(tilt), reach * np.cos(tilt), omega)
+            swing = _Swing(reach * np.sin(tilt), reach * np.cos(tilt), omega)
             d = departure(speed, phase, gamma)
             lift = d.lift + swing.up * omega * omega  # h''(0); |h'''| <= change
             change = gamma + reach * np.abs(omega) ** 3
             flies = speed + shortest * (lift / 2 - shortest * change / 6) > 0
             if flies:
                 bend = 1 + gamma + reach * omega * omega
-                t, v, fallen = touch(d, swing, bend, shortest)
+                t, v, fallen = _touch(d, swing, bend, shortest)
             else:
                 t, v = shortest, speed + shortest * lift
                 rest += t
@@ -166,7 +168,9 @@ def _loop(law: str):
     return rod
 
 
-def _released(geometry, gamma: float, rods: int, transient: int, **setting) -> np.ndarray:
+def _released(
+    geometry: ContactGeometry, gamma: float, rods: int, transient: int, **setting: Any
+) -> np.ndarray:
     """Phase, velocity over the plate's and c_x of every rod after `transient` held landings."""
     held = record(geometry, gamma=gamma, rods=rods, landings=1, transient=transient - 1, **setting)
     if not held.phase.size:
@@ -252,4 +256,4 @@ def fall(
     fallen, landed, time, travel, tilt_end = map(np.array, zip(*ends, strict=True))
     *columns, regime = np.moveaxis(out, -1, 0)
     regime = np.where(np.isnan(regime), Regime.INVALID, regime).astype(np.int8)
-    return Falls(fallen, landed, time, travel / gamma, tilt_end, *columns, regime)
+    return Falls._make([fallen, landed, time, travel / gamma, tilt_end, *columns, regime])

@@ -1,5 +1,6 @@
 """Where the centre of mass stands over the contact point, for three kinds of rod."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,10 +10,13 @@ from ._arguments import POSITIVE, Domain, in_blocks, real_array, result_dtype
 
 
 class ContactGeometry(NamedTuple):
-    """Contact geometry: centre of mass (X, Z) over the contact point, gyration radius k.
+    """Contact geometry: three lengths in one unit, numbers or arrays that broadcast.
 
-    Three lengths in one unit (numbers or arrays that broadcast). X is positive for a rod that
-    tilts towards +x; any signs are legal, k must be positive.
+    Attributes
+    ----------
+    X, Z : centre of mass over the contact point, any finite numbers; X is positive for a rod that
+        tilts towards +x
+    k : gyration radius, > 0
     """
 
     X: Any
@@ -38,13 +42,13 @@ def geometry_arrays(X: Any, Z: Any, k: Any) -> list[np.ndarray]:
     ]
 
 
-def unit_lengths(X, Z, k):
+def unit_lengths(X: Any, Z: Any, k: Any) -> tuple[Any, Any, Any]:
     """X, Z, k scaled by the power of two next to the largest, so that squares stay in range."""
     _, exponent = np.frexp(np.maximum(np.maximum(np.abs(X), np.abs(Z)), k))
-    return tuple(np.ldexp(length, -exponent) for length in (X, Z, k))
+    return np.ldexp(X, -exponent), np.ldexp(Z, -exponent), np.ldexp(k, -exponent)
 
 
-def valid_lengths(X, Z, k):
+def valid_lengths(X: Any, Z: Any, k: Any) -> Any:
     """Where a geometry is finite and its k positive."""
     return np.isfinite(X) & np.isfinite(Z) & POSITIVE.holds(k)
 
@@ -57,12 +61,12 @@ def _tilts(tilt: Any) -> np.ndarray:
     return np.where(domain.holds(tilt), tilt, np.nan)
 
 
-def _rod(contact, tilt: Any, **sizes: Any) -> ContactGeometry:
+def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
     """Evaluate `contact(sin, cos, *sizes)` -> (X, Z, k) with the domains of all arguments."""
     dtype = result_dtype([tilt, *sizes.values()])
     arrays = [real_array(name, value, POSITIVE) for name, value in sizes.items()]
 
-    def block(phi, *lengths):
+    def block(phi: Any, *lengths: Any) -> tuple[Any, ...]:
         valid = np.isfinite(phi)
         for length in lengths:
             valid &= POSITIVE.holds(length)
@@ -95,7 +99,7 @@ def thin_rod(tilt: Any, length: Any = 1.0) -> ContactGeometry:
     Section IV of the paper. Mirror-symmetric bit for bit: `tilt -> -tilt` turns X to -X.
     """
 
-    def contact(sin, cos, length):
+    def contact(sin: Any, cos: Any, length: Any) -> tuple[Any, ...]:
         return length * sin / 2, length * cos / 2, length / np.sqrt(12.0)
 
     return _rod(contact, tilt, length=length)
@@ -130,7 +134,7 @@ def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     if whole.ndim == thick.ndim == 0 and whole < thick:
         raise ValueError(f"length must be >= diameter ({diameter!r}), got {length!r}")
 
-    def contact(sin, cos, length, diameter):
+    def contact(sin: Any, cos: Any, length: Any, diameter: Any) -> tuple[Any, ...]:
         X, Z, gyration = closed.round_rod(length, diameter, diameter / length, sin, cos)
         k = length * np.sqrt(np.where(diameter <= length, gyration, np.nan))
         return np.where(np.isnan(k), k, X), np.where(np.isnan(k), k, Z), k
@@ -164,7 +168,7 @@ def flat_ended_rod(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     the sign of the zero chooses the edge (+0.0: the limit from positive tilts).
     """
 
-    def contact(sin, cos, length, diameter):
+    def contact(sin: Any, cos: Any, length: Any, diameter: Any) -> tuple[Any, ...]:
         X, Z, gyration = closed.flat_rod(length, diameter, diameter / length, np.abs(sin), cos)
         return np.copysign(1.0, sin) * X, Z, length * np.sqrt(gyration)
 

@@ -21,9 +21,9 @@ from .geometry import ContactGeometry, geometry_arrays, lengths_of, valid_length
 class Drift(NamedTuple):
     """Velocity of the centre of mass that repeats itself from landing to landing."""
 
-    c_x: Any
+    c_x: Any  # along the plate, in the unit of its velocity
     c_z: Any  # after a landing, upwards; before it -c_z
-    regime: Any
+    regime: Any  # `Regime`, or an int8 array of its values
 
 
 def drift(
@@ -62,7 +62,7 @@ def drift(
         for (name, domain), value in zip(names.items(), values, strict=True)
     ]
 
-    def block(X, Z, k, mu, epsilon, V_z):
+    def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any, V_z: Any) -> tuple[Any, ...]:
         valid = valid_lengths(X, Z, k) & FRICTION.holds(mu)
         valid &= RESTITUTION.holds(epsilon) & POSITIVE.holds(V_z)
         x, z = np.abs(X) / k, np.abs(Z) / k
@@ -88,7 +88,16 @@ def drift(
 
 
 def landing_density(phase: Any) -> Any:
-    """The paper's density of landing phases, H = (1 + cos(theta))/(2 pi), Fig. 8; per rad."""
+    """The paper's density of landing phases, H = (1 + cos(theta))/(2 pi), Fig. 8.
+
+    Parameters
+    ----------
+    phase : theta, rad, any real numbers; the plate rises fastest at 0
+
+    Returns
+    -------
+    Density per rad, of the shape of `phase`.
+    """
     return (1 + np.cos(phase)) / (2 * np.pi)
 
 

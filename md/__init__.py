@@ -11,13 +11,17 @@
 >>> result.c_x > 0  # rods drift the way they lean
 True
 
+`LAWS` holds the contact laws and `INTEGRATORS` the names of the methods, both for one impact. Many
+runs along axes are `md.sweep`, their results `md.store`, the frames of a run `md.trajectory`.
+
 Reduced units throughout: rod diameter d, mass of a rod and gravity are 1. Nothing here is taken
 from the theory of rigid impacts in `impact`, which it is there to test.
 """
 
 from .dial import Accuracy, Tuned, run
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
-from .one_rod import INTEGRATORS, Impact, Rod, RunError, Track, Vibration, follow, impact
+from .one_rod import INTEGRATORS, Impact, Rod, RunError, Track, follow, impact
+from .reference import Vibration
 from .runner import Result
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 

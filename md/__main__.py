@@ -11,6 +11,11 @@ import re
 import sys
 from math import pi, radians
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+if TYPE_CHECKING:  # a refused argument shall cost no import
+    from .laws import Law
+    from .runner import Result
 
 EXAMPLE = """\
 One soft impact of a rod's lower cap on a plate at rest, without gravity, in reduced units: rod
@@ -48,16 +53,16 @@ Run a scene along axes, on all cores, into a store; the same command goes on whe
 class Parser(argparse.ArgumentParser):
     """Bad arguments cost one line on stderr and exit code 2."""
 
-    def __init__(self, *args, **kwargs):
+    def __init__(self, *args: Any, **kwargs: Any):
         super().__init__(*args, **kwargs)
         self._negative_number_matcher = re.compile(r"-(\d|\.\d|inf|nan)")  # -1e-3 is no option
 
-    def error(self, message: str):
+    def error(self, message: str) -> NoReturn:
         """Print one line and leave."""
         self.exit(2, f"{self.prog}: {message}\n")
 
 
-def _law(arguments: argparse.Namespace):
+def _law(arguments: argparse.Namespace) -> "Law":
     from .laws import LAWS
 
     options = {"stiffness": arguments.stiffness}
@@ -71,7 +76,8 @@ def _law(arguments: argparse.Namespace):
     if arguments.integrator != "dop853" and arguments.tolerance is not None:
         raise ValueError(f"tolerance has no meaning under {arguments.integrator}: use dt")
     chosen = {name: value for name, value in options.items() if value is not None}
-    return LAWS[arguments.law](**chosen)
+    make: Any = LAWS[arguments.law]  # each law has options of its own
+    return make(**chosen)
 
 
 def _impact(arguments: argparse.Namespace) -> int:
@@ -115,7 +121,7 @@ def _impact(arguments: argparse.Namespace) -> int:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from .dial import run
+    from .dial import Tuned, run
     from .scene import load
 
     if arguments.frames is not None and arguments.trajectory is None:
@@ -141,11 +147,13 @@ def _run(arguments: argparse.Namespace) -> int:
         _print_result(result)
     if not result.finished:
         return 130
-    return 0 if arguments.tolerance is None or result.accuracy.reached else 1
+    return 0 if not isinstance(result, Tuned) or result.accuracy.reached else 1
 
 
-def _print_result(r) -> None:
+def _print_result(r: "Result") -> None:
     """What a run measured, for people."""
+    from .dial import Tuned, in_words
+
     unit, n = r.scene.cm_per_s, r.scene.rods.count
     print(f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d)", end="")
     print(f" = {_with_error(r.c_x * unit, r.c_x_stderr * unit)} cm/s")
@@ -168,8 +176,8 @@ def _print_result(r) -> None:
         lost = sum(v for k, v in r.energy.items() if k not in ("plate_work", "change", "residual"))
         print(f"energy       plate {r.energy['plate_work']:.4g}, lost {lost:.4g},", end="")
         print(f" gained {r.energy['change']:.3g}, residual {r.energy['residual']:.1e} m g d")
-    unit = "periods" if r.scene.vibrates else "sqrt(d/g)"  # where nothing moves
-    print(f"{unit:12} {r.periods}, of which the first {r.discarded} are not in the means", end="")
+    span = "periods" if r.scene.vibrates else "sqrt(d/g)"  # where nothing moves
+    print(f"{span:12} {r.periods}, of which the first {r.discarded} are not in the means", end="")
     print("" if r.finished else "; interrupted")
     print(
         f"cost         {r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} ({n} rod{'s' * (n > 1)},",
@@ -178,9 +186,7 @@ def _print_result(r) -> None:
     print(f" {r.steps_per_period} steps each) in {r.run_seconds:.3g} s,", end="")
     print(f" {r.run_seconds / max(r.rod_steps, 1) * 1e9:.3g} ns each; compiled in", end="")
     print(f" {r.compile_seconds:.2g} s")
-    if hasattr(r, "accuracy"):
-        from .dial import in_words
-
+    if isinstance(r, Tuned):
         print("\n".join(in_words(r)))
 
 
@@ -212,9 +218,11 @@ def _sweep(arguments: argparse.Namespace) -> int:
 def _calibrate(arguments: argparse.Namespace) -> int:
     from .dial import CALIBRATION
     from .dial.calibration import calibrate
+    from .runner import _writable
 
-    found = calibrate(arguments.store, progress=True)
     path = Path(arguments.out or CALIBRATION)
+    _writable("out", path)  # the default is beside the sources, which may be read-only
+    found = calibrate(arguments.store, progress=True)
     part = path.with_name(f"{path.name}.part")
     part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     part.replace(path)

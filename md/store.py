@@ -13,7 +13,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-VERSION = 1
+__all__ = ["Store", "StoreError", "table", "write_csv"]
+
+_VERSION = 1
 _APPLICATION = 0x726F6473  # "rods"
 _WAIT = 60.0  # seconds for another writer
 
@@ -77,8 +79,8 @@ class Store:
                 (version,) = look.execute("PRAGMA user_version").fetchone()
         if mark != _APPLICATION:
             raise StoreError(f"store {self.path} is a database, but not one of runs")
-        if version != VERSION:
-            raise StoreError(f"store {self.path} is of version {version}, this is {VERSION}")
+        if version != _VERSION:
+            raise StoreError(f"store {self.path} is of version {version}, this is {_VERSION}")
 
     def _begin(self) -> None:
         self.database.execute("PRAGMA journal_mode=WAL")
@@ -86,7 +88,7 @@ class Store:
         with self.database:
             self.database.execute("BEGIN IMMEDIATE")
             self.database.execute(f"PRAGMA application_id={_APPLICATION}")
-            self.database.execute(f"PRAGMA user_version={VERSION}")
+            self.database.execute(f"PRAGMA user_version={_VERSION}")
             self.database.execute(_TABLE)
 
     @contextlib.contextmanager
@@ -103,7 +105,13 @@ class Store:
         self.database.close()
 
     def has(self, key: str, failed: bool = True) -> bool:
-        """Whether the run is there; `failed`: a run that failed counts as well."""
+        """Whether the run is there.
+
+        Parameters
+        ----------
+        key : of the run, as `md.sweep.Point.key`
+        failed : whether a run that failed counts as well
+        """
         query = "SELECT result IS NOT NULL FROM runs WHERE key = ?"
         with self._named("cannot be read"):
             found = self.database.execute(query, (key,)).fetchone()
@@ -130,7 +138,12 @@ class Store:
             self.database.execute(f"INSERT OR IGNORE INTO runs VALUES ({marks})", row)
 
     def result(self, key: str) -> dict | None:
-        """What a run measured; None if it is not there or failed."""
+        """What a run measured; None if it is not there or failed.
+
+        Parameters
+        ----------
+        key : of the run, as `md.sweep.Point.key`
+        """
         with self._named("cannot be read"):
             found = self.database.execute(
                 "SELECT result FROM runs WHERE key = ?", (key,)
@@ -150,7 +163,7 @@ class Store:
 
 def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:
     """Nested tables with dotted names."""
-    found = {}
+    found: dict[str, Any] = {}
     for key, value in tables.items():
         if isinstance(value, dict):
             found |= _flat(value, f"{prefix}{key}.")
@@ -163,6 +176,10 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
     """All runs of a store, flat: names of columns, and a dictionary a run.
 
     Columns with a dot are keys of the scene or parts of the results, such as `landings.`.
+
+    Parameters
+    ----------
+    path : of the store
 
     Raises
     ------
@@ -179,7 +196,13 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
 
 
 def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) -> None:
-    """Write rows to a file, beside it first."""
+    """Write rows to a file, beside it first.
+
+    Parameters
+    ----------
+    path : of the file; what is there is replaced
+    columns, rows : as `table` gives them
+    """
     part = Path(f"{path}.part")
     with part.open("w", newline="") as file:
         writer = csv.DictWriter(file, columns)

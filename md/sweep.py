@@ -37,13 +37,15 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from .cache import digest
-from .dial import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
+from .dial import CALIBRATION, MAX_SECONDS, Tuned, checked, chosen_step, in_words, run
 from .engine import step_of
 from .one_rod import RunError
 from .scene import Scene, as_dict, from_tables, put, read_tables
 from .store import Store
 
-SWEEPS = Path(__file__).parent / "sweeps"
+__all__ = ["Interrupted", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
+
+_SWEEPS = Path(__file__).parent / "sweeps"
 _CODE = digest()  # of the sources that this process runs; reading them takes a millisecond
 _MOST = 10**6  # points of a sweep
 _CRASHES = 3  # deaths of a worker in a row before the sweep gives up
@@ -63,10 +65,10 @@ def _known() -> str:
 class Point:
     """One run of a sweep."""
 
-    scene: Scene
+    scene: Scene  # what runs
     periods: int  # 0 where a tolerance says how long
-    tolerance: float | None = None
-    max_seconds: float = MAX_SECONDS
+    tolerance: float | None = None  # of the drift, as in `md.run`
+    max_seconds: float = MAX_SECONDS  # for it
 
     @cached_property  # which goes along to the worker
     def key(self) -> str:
@@ -94,7 +96,12 @@ class Sweep:
         return tuple(len(next(iter(axis.values()))) for axis in self.axes)
 
     def values(self, key: str) -> np.ndarray:
-        """Values of a key along its axis."""
+        """Values of a key along its axis.
+
+        Parameters
+        ----------
+        key : of the scene, as "plate.acceleration"; KeyError if no axis has it
+        """
         for axis in self.axes:
             if key in axis:
                 return np.array(axis[key])
@@ -175,6 +182,11 @@ def _axis(number: int, table: object) -> dict[str, list]:
 def expand(tables: Mapping, base: Mapping) -> Sweep:
     """A sweep from its tables and those of its scene.
 
+    Parameters
+    ----------
+    tables : of the sweep: periods, or tolerance and max_seconds; set; axes
+    base : tables of the scene, as `md.scene.read_tables` gives them
+
     Raises
     ------
     ValueError, TypeError
@@ -220,12 +232,16 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
 def load_sweep(path: str | Path) -> Sweep:
     """A sweep from a TOML file; its scene is a file beside it or an example.
 
+    Parameters
+    ----------
+    path : of the file, or the name of a file in `md/sweeps/` without its ending
+
     Raises
     ------
     ValueError, TypeError
         As `expand`, and if a file cannot be read.
     """
-    tables = read_tables(path, SWEEPS)
+    tables = read_tables(path, _SWEEPS)
     name = tables.get("scene")
     if not isinstance(name, str):
         raise ValueError(f"scene must be the name of a file or of an example, got {name!r}")
@@ -240,13 +256,12 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
         if point.tolerance is None:
             done = run(point.scene, periods=point.periods)
         else:
-            dial = {"tolerance": point.tolerance, "max_seconds": point.max_seconds}
-            done = run(point.scene, **dial)
+            done = run(point.scene, tolerance=point.tolerance, max_seconds=point.max_seconds)
         if not done.finished:
             raise KeyboardInterrupt
         result = {**done.as_dict(), "phases": done.phases}
         del result["scene"]
-        if point.tolerance is not None and not done.accuracy.reached:
+        if isinstance(done, Tuned) and not done.accuracy.reached:
             result, error = None, " ".join(" ".join(in_words(done)).split())
     except RunError as failure:
         error = str(failure)
@@ -282,11 +297,11 @@ def _survived(points: list[Point], workers: int) -> Iterator[tuple]:
 class Tally:
     """What a sweep did."""
 
-    points: int
-    distinct: int
+    points: int  # of the sweep
+    distinct: int  # of them
     there: int  # in the store before
-    computed: int = 0
-    failed: int = 0
+    computed: int = 0  # now
+    failed: int = 0  # now
     seconds: float = 0.0  # of the clock
     run_seconds: float = 0.0  # of all runs
 
@@ -363,7 +378,7 @@ def _backend(scheduler: str | None) -> Iterator[None]:
     try:
         from distributed import Client
     except ImportError:
-        raise ValueError("scheduler needs dask.distributed: pip install '.[cluster]'") from None
+        raise ValueError("scheduler needs dask.distributed: pip install distributed") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs what it raises
     try:
         client = Client(scheduler, timeout=10)

@@ -9,6 +9,8 @@ import numpy as np
 
 from .scene import Scene
 
+__all__ = ["read_frames", "write_frame"]
+
 _COLUMNS = "id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3:velo:R:3:omega:R:1:tilt:R:1"
 
 
@@ -56,7 +58,16 @@ def _in_space(rods: np.ndarray) -> Iterator[tuple]:
 
 
 def read_frames(path: str | Path) -> list[dict]:
-    """Frames of a trajectory: `time`, `plate`, and arrays x, z, tilt [rad]."""
+    """Frames of a trajectory: `time`, `plate`, and arrays x, z, tilt [rad].
+
+    Parameters
+    ----------
+    path : of a file that `write_frame` wrote
+
+    Returns
+    -------
+    A dictionary for each frame: time in periods, lengths in d.
+    """
     frames = []
     with Path(path).open() as file:
         while line := file.readline():

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import impact
-import md
 from impact import ContactGeometry, Regime
 
 ROD = impact.thin_rod(0.4)
@@ -313,13 +312,3 @@ def test_imports_written_anywhere_in_a_package_keep_its_border(package):
             if isinstance(node, ast.ImportFrom) and not node.level:
                 names = [node.module]
             assert not BORDERS[package] & {name.partition(".")[0] for name in names}, path
-
-
-@pytest.mark.parametrize("module", [impact, md])
-def test_every_public_name_has_a_docstring(module):
-    assert module.__doc__
-    for name in module.__all__:
-        thing = getattr(module, name)
-        if callable(thing):
-            assert thing.__doc__, name
-            assert not thing.__doc__.startswith(f"{name}("), name  # a NamedTuple's own

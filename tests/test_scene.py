@@ -258,10 +258,3 @@ def test_what_a_run_prints(capsys):
     assert set(found["energy"]) >= {"plate_work", "plate_friction", "change", "residual"}
     assert main(["run", "single_rod", *soft, "--periods", "3"]) == 0
     assert "drift" in capsys.readouterr().out
-
-
-def test_the_example_of_the_package_runs():
-    """As its docstring has it."""
-    import doctest
-
-    assert doctest.testmod(md).failed == 0

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from impact.falling import Swing, gaps, touch
+from impact.falling import _gaps, _Swing, _touch
 from impact.flight import TURN, departure
 
 
@@ -29,10 +29,10 @@ def _scan(speed, phase, gamma, reach, tilt, omega, samples):
         take_off = speed[i], phase[i], gamma[i]
         turn = reach[i], tilt[i], omega[i]
         d = departure(*take_off)
-        swing = Swing(reach[i] * np.sin(tilt[i]), reach[i] * np.cos(tilt[i]), omega[i])
+        swing = _Swing(reach[i] * np.sin(tilt[i]), reach[i] * np.cos(tilt[i]), omega[i])
         bend = 1 + gamma[i] + reach[i] * omega[i] ** 2
         start = 1e-4 * speed[i] / bend  # certainly in the air: the hop lasts at least 2 speed/bend
-        end, _, other = touch(d, swing, bend, start)
+        end, _, other = _touch(d, swing, bend, start)
         size = (speed[i] + gamma[i] + reach[i] * abs(omega[i])) * end + end * end
         size += 2 * (reach[i] + gamma[i])
         left = _plain_gaps(*take_off, *turn, end)
@@ -85,16 +85,16 @@ def _exact_gaps(t, speed, phase, gamma, reach, tilt, omega):
 def test_contacts_against_many_digits():
     for take_off in np.transpose(_flights(40, 5)).tolist():
         speed, phase, gamma, reach, tilt, omega = take_off
-        swing = Swing(reach * sin(tilt), reach * cos(tilt), omega)
+        swing = _Swing(reach * sin(tilt), reach * cos(tilt), omega)
         bend = 1 + gamma + reach * omega**2
         d = departure(speed, phase, gamma)
-        t, slope, other = touch(d, swing, bend, 1e-4 * speed / bend)
+        t, slope, other = _touch(d, swing, bend, 1e-4 * speed / bend)
         with mpmath.workdps(40):
             exact = mpmath.findroot(lambda x: _exact_gaps(x, *take_off)[int(other)], t)  # noqa: B023
             steep = mpmath.diff(lambda x: _exact_gaps(x, *take_off)[0], exact)  # noqa: B023
         # the data are rounded, reach cos(tilt) among them; divided by the slope of the gap
         size = (speed + gamma + reach * abs(omega)) * t + t * t + 2 * (reach + gamma)
-        steepness = abs(gaps(d, swing, t)[3 if other else 1])
+        steepness = abs(_gaps(d, swing, t)[3 if other else 1])
         assert abs(t - exact) < 8 * np.finfo(float).eps * size / steepness
         assert slope == pytest.approx(float(steep), rel=1e-9, abs=1e-9)
 
@@ -103,10 +103,10 @@ def test_contacts_against_many_digits():
 def test_small_hop_is_not_the_take_off(speed):
     """The hop 2 r/|h''(0)| of a turning rod."""
     gamma, phase, reach, tilt, omega = 2.5, 4.7, 300.0, 0.5, 0.03
-    swing = Swing(reach * sin(tilt), reach * cos(tilt), omega)
+    swing = _Swing(reach * sin(tilt), reach * cos(tilt), omega)
     curvature = 1 - gamma * sin(phase) - reach * cos(tilt) * omega**2
     bend = 1 + gamma + reach * omega**2
-    t, slope, other = touch(departure(speed, phase, gamma), swing, bend, speed / bend)
+    t, slope, other = _touch(departure(speed, phase, gamma), swing, bend, speed / bend)
     assert not other
     assert t == pytest.approx(2 * speed / curvature, rel=10 * speed + 1e-6)
     assert slope == pytest.approx(-speed, rel=10 * speed + 1e-6)
@@ -115,11 +115,11 @@ def test_small_hop_is_not_the_take_off(speed):
 def test_grazing():
     """Across the take-off at which the tip just misses the plate: touched there without a speed."""
     gamma, phase, reach, tilt, omega = 3.0, 3.8, 50.0, 0.4, 0.02
-    swing = Swing(reach * sin(tilt), reach * cos(tilt), omega)
+    swing = _Swing(reach * sin(tilt), reach * cos(tilt), omega)
     bend = 1 + gamma + reach * omega**2
 
     def lands(speed):
-        return touch(departure(speed, phase, gamma), swing, bend, 1e-3)
+        return _touch(departure(speed, phase, gamma), swing, bend, 1e-3)
 
     speeds = np.linspace(0.5, 6, 400)
     times = np.array([lands(speed)[0] for speed in speeds])

@@ -24,7 +24,7 @@ from scipy.stats import t as student
 from .. import runner
 from ..laws import contact_time, number
 from ..runner import Result, finite
-from ..scene import Contact, Scene, Step
+from ..scene import Scene, Step
 from ..statistics import transient
 
 CALIBRATION = Path(__file__).with_name("calibration.json")
@@ -41,6 +41,8 @@ class Accuracy:
     """How far a drift may be off, and what it cost; velocities in sqrt(g d), absolute.
 
     tolerance : asked for, of |c_x| or of the floor, whichever is larger
+    confidence : of the interval
+    floor : drifts below it are judged as if they were this fast
     error : bound of the bias and half of the interval, together
     statistical : half of the interval that holds the long-run mean with this confidence
     bias : bound of what the step does; nan where the scene is outside of the calibration
@@ -69,7 +71,7 @@ class Accuracy:
 class Tuned(Result):
     """A result, and how accurate its drift is."""
 
-    accuracy: Accuracy
+    accuracy: Accuracy  # of c_x
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON, as that of a result."""
@@ -92,7 +94,8 @@ def described(scene: Scene) -> dict[str, Any]:
     """Of a scene, what the bias of a step may depend on."""
     plate, rods = scene.contacts.plate, scene.contacts.rods
     both = [contact for contact in (plate, rods) if contact is not None]
-    ratios = [c.law.spring.root / c.law.normal.stiffness for c in both if _rooted(c)]
+    springs = [(c.law.spring, c.law.normal.stiffness) for c in both]
+    ratios = [s.root / k for s, k in springs if s is not None and s.root is not None]
     return {
         "plate.acceleration": scene.plate.acceleration if scene.plate else 0.0,
         "tilt_deg": abs(float(np.degrees(scene.tilt))),
@@ -103,10 +106,6 @@ def described(scene: Scene) -> dict[str, Any]:
         "contact time in periods": steps_per_contact(scene, 1 / scene.frequency),
         "laws": "/".join(contact.law.name if contact else "none" for contact in (plate, rods)),
     }
-
-
-def _rooted(contact: Contact) -> bool:
-    return contact.law.spring is not None and contact.law.spring.root is not None
 
 
 def outside(scene: Scene) -> tuple[str, ...]:
@@ -273,16 +272,23 @@ def checked(
 
 
 def _accuracy(chase: _Chase, scene: Scene, result: Result, bias: float) -> Accuracy:
-    finer = chosen_step(scene, chase.tolerance / 10)
-    known = isfinite(bias)
-    room = chase.tolerance / 10 - (finer[1] if known else 0.0)
-    dearer = result.dt / finer[0].step.size if known else 1.0
+    finer, rest = chosen_step(scene, chase.tolerance / 10)
+    room = chase.tolerance / 10 - (rest if isfinite(bias) else 0.0)
+    dearer = result.dt / (finer.step.size or result.dt)  # outside of the calibration, no dearer
     length = (chase.half / (room * chase.size)) ** 2
     return Accuracy(
-        *(chase.tolerance, chase.confidence, chase.floor),
-        chase.half + chase.bias * chase.size,
-        *(chase.half, bias * chase.size, steps_per_contact(scene, result.dt), outside(scene)),
-        *(chase.reached, result.run_seconds, chase.needed, result.run_seconds * length * dearer),
+        tolerance=chase.tolerance,
+        confidence=chase.confidence,
+        floor=chase.floor,
+        error=chase.half + chase.bias * chase.size,
+        statistical=chase.half,
+        bias=bias * chase.size,
+        per_contact=steps_per_contact(scene, result.dt),
+        outside=outside(scene),
+        reached=chase.reached,
+        seconds=result.run_seconds,
+        needed_seconds=chase.needed,
+        next_digit_seconds=result.run_seconds * length * dearer,
     )
 
 

@@ -1,0 +1,150 @@
+"""What is public is listed, documented in NumPy style and typed; examples in docstrings run."""
+
+import ast
+import doctest
+import importlib
+import inspect
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+import matplotlib.pyplot as plt
+import pytest
+
+import impact
+
+PACKAGES = ("derivations", "figures", "impact", "md")
+# The public modules; of each, what `__all__` holds is public, and nothing else is.
+PUBLIC = [
+    *("derivations.registry", "figures"),
+    *("impact", "impact.bouncing", "impact.compiled", "impact.falling"),
+    *("md", "md.store", "md.sweep", "md.trajectory"),
+]
+# Lack a field or a parameter. Their sources decide what a run gives: editing them costs all runs.
+LACKING = {
+    *("md.Annulus", "md.Box", "md.Contact", "md.Contacts", "md.Gravity", "md.Impact"),
+    *("md.Law", "md.Plate", "md.Result", "md.Rods", "md.Scene", "md.Start", "md.Step"),
+    *("md.Track", "md.Tuned", "md.Vibration", "md.coulomb"),
+}
+
+
+def public(module: str) -> dict[str, Any]:
+    """Public names with their module, and what they are; kernels as the function they compile."""
+    loaded = importlib.import_module(module)
+    things = {name: getattr(loaded, name) for name in loaded.__all__}
+    return {f"{module}.{name}": getattr(x, "py_func", x) for name, x in things.items()}
+
+
+NAMES = {name: thing for module in PUBLIC for name, thing in public(module).items()}
+
+
+def defined(module: ModuleType) -> Iterator[str]:
+    """Names that a module gives to what is its own."""
+    for node in ast.parse(Path(module.__file__).read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.Assign):
+            yield from (x.id for t in node.targets for x in ast.walk(t) if isinstance(x, ast.Name))
+        elif isinstance(node, ast.AnnAssign):
+            yield node.target.id
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_modules_list_what_is_public(name):
+    module = importlib.import_module(name)
+    own = {found for found in defined(module) if not found.startswith("_")}
+    assert own <= set(module.__all__)
+    package = importlib.import_module(name.partition(".")[0])
+    assert package is module or name in package.__doc__
+
+
+def described(doc: str) -> set[str]:
+    """Names that a docstring explains, in lines such as `c_x, c_z : velocity ...`."""
+    lines = re.findall(r"^(\w+(?:, \w+)*) : \S", inspect.cleandoc(doc), re.M)
+    return {name for line in lines for name in line.split(", ")}
+
+
+def commented(kind: type) -> set[str]:
+    """Fields that a comment explains, in the line that declares them."""
+    return set(re.findall(r"^    (\w+): [^#\n]+  # \S", inspect.getsource(kind), re.M))
+
+
+def undescribed(function: FunctionType) -> set[str]:
+    """Parameters that are not explained under that title."""
+    doc = inspect.getdoc(function) or ""
+    _, _, part = doc.partition("Parameters\n----------\n")
+    part = re.split(r"\n\w+\n-+\n", part)[0]
+    return set(inspect.signature(function).parameters) - {"self"} - described(part)
+
+
+def fields(kind: type) -> set[str]:
+    """Of a dataclass or a named tuple, and of what it extends."""
+    if not hasattr(kind, "_fields") and not hasattr(kind, "__dataclass_fields__"):
+        return set()
+    return set(inspect.signature(kind).parameters)
+
+
+def methods(kind: type) -> dict[str, FunctionType]:
+    """Public ones, and how an object is made where that is not by its fields."""
+    made = set() if fields(kind) or issubclass(kind, Exception) else {"__init__"}
+    own = {n: m for n, m in vars(kind).items() if not n.startswith("_") or n in made}
+    return {n: m for n, m in own.items() if isinstance(m, FunctionType)}
+
+
+def lacks(name: str) -> set[str]:
+    """What has no explanation: fields, parameters, methods, or the thing itself."""
+    thing = NAMES[name]
+    if inspect.isfunction(thing):
+        return undescribed(thing) if thing.__doc__ else {name}
+    if not inspect.isclass(thing):  # a constant
+        module, _, constant = name.rpartition(".")
+        return {constant} - set(re.findall(r"`(\w+)`", importlib.import_module(module).__doc__))
+    doc = thing.__doc__ or ""
+    if not doc or doc.startswith(f"{thing.__name__}("):  # that a named tuple has by itself
+        return {name}
+    kinds = [kind for kind in thing.__mro__ if kind.__module__ == thing.__module__]
+    kinds += [kind for kind in thing.__mro__ if "__dataclass_fields__" in vars(kind)]
+    found = fields(thing).difference(*(commented(k) | described(k.__doc__ or "") for k in kinds))
+    for inner, method in methods(thing).items():
+        explained = doc if inner == "__init__" else method.__doc__ or ""
+        found |= set() if explained else {inner}
+        found |= undescribed(method) - (described(doc) if inner == "__init__" else set())
+    properties = [n for n, p in vars(thing).items() if isinstance(p, property) and not p.__doc__]
+    return found.union(properties)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_public_names_are_documented(name):
+    """With every parameter, field, method and property; constants in the module's docstring."""
+    assert bool(lacks(name)) == (name in LACKING), lacks(name)
+
+
+@pytest.mark.parametrize("name", [n for n, thing in NAMES.items() if callable(thing)])
+def test_public_names_are_typed(name):
+    """Functions, and methods of classes: each parameter, and what is returned."""
+    thing = NAMES[name]
+    for function in methods(thing).values() if inspect.isclass(thing) else (thing,):
+        known, given = function.__annotations__, inspect.signature(function).parameters
+        assert set(given) - {"self"} <= set(known), function
+        assert "return" in known or function.__name__ == "__init__", function
+
+
+def with_examples() -> list[str]:
+    """Modules whose text holds an example."""
+    root = Path(impact.__file__).parents[1]
+    files = (file for package in PACKAGES for file in sorted((root / package).rglob("*.py")))
+    found = (file for file in files if ">>> " in file.read_text(encoding="utf-8"))
+    names = (".".join(file.relative_to(root).with_suffix("").parts) for file in found)
+    return [name.removesuffix(".__init__") for name in names]
+
+
+@pytest.mark.parametrize("name", with_examples())
+def test_examples_run(name, tmp_path, monkeypatch):
+    """As they stand, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    found = doctest.testmod(importlib.import_module(name))
+    plt.close("all")
+    assert found.attempted > 0
+    assert found.failed == 0

@@ -1,0 +1,131 @@
+"""The wheel: what is in it, and every command from it, in an empty folder, without a checkout."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+import venv
+import zipfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("derivations", "figures", "impact", "md")
+VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+WHERE = f"""
+import {", ".join(PACKAGES)}
+from importlib.metadata import version
+from figures import claims
+assert len(claims.read()) == 29
+assert md.dial.calibrated()["scale"] > 0
+print(*(package.__file__ for package in ({", ".join(PACKAGES)})), version("rod-impact"))
+"""
+# What comes after `python`, and of each its exit code and what it prints, on stderr if it fails.
+COMMANDS: dict[str, tuple[list[str], int, str]] = {
+    "import": (["-c", WHERE], 0, VERSION),
+    "check": (["-m", "derivations", "check"], 0, "0 not proved"),
+    "generate": (["-m", "derivations", "generate"], 2, "generate is for a checkout"),
+    "impact": (
+        ["-m", "md", "impact", "--tilt-deg", "20", "--c-x", "0.5", "--c-z", "-1"],
+        *(0, "slip-stick"),
+    ),
+    "run": (["-m", "md", "run", "single_rod", "--periods", "2"], 0, "drift"),
+    "sweep": (["-m", "md", "sweep", "drift", "--store", "no/folder.db"], 2, "no such folder"),
+    "list": (["-m", "figures", "list"], 0, "fig11"),
+    "draw": (["-m", "figures", "draw", "fig10", "--quick"], 0, "fig10.png"),
+}
+
+
+def test_the_version_stands_in_one_place_and_others_agree():
+    """In `pyproject.toml`; the citation and the newest heading of the change log repeat it."""
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.findall(r"^version: (.+)$", citation, re.M) == [VERSION]
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert re.search(r"^## ([\d.]+)", changes, re.M)[1] == VERSION
+
+
+def _called(*command: object, **options) -> subprocess.CompletedProcess:
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True, **options)
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory) -> Path:
+    """Built from a copy of the checkout, without network."""
+    source = tmp_path_factory.mktemp("source")
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, source)
+    for package in PACKAGES:
+        shutil.copytree(ROOT / package, source / package)
+    pip = (sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel")
+    how = ("--no-index", "--no-deps", "--no-build-isolation", "--wheel-dir", source / "dist")
+    built = _called(*pip, *how, source)
+    assert built.returncode == 0, built.stderr
+    (path,) = (source / "dist").iterdir()
+    return path
+
+
+def test_the_wheel_holds_all_sources_and_data_and_nothing_else(wheel):
+    kept = (".py", ".toml", ".json", ".mplstyle", ".typed")
+    wanted = {
+        path.relative_to(ROOT).as_posix()
+        for package in PACKAGES
+        for path in (ROOT / package).rglob("*")
+        if path.suffix in kept and path.relative_to(ROOT).parts[:2] != ("figures", "gallery")
+    }
+    with zipfile.ZipFile(wheel) as archive:
+        names = set(archive.namelist())
+    about = {name for name in names if name.startswith(f"rod_impact-{VERSION}.dist-info/")}
+    assert names - about == wanted
+    assert any(name.endswith("LICENSE") for name in about)
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory) -> Path:
+    """An environment with the wheel alone, that finds what it needs in this one."""
+    home = tmp_path_factory.mktemp("installed")
+    venv.create(home, with_pip=False)
+    python = home / "bin" / "python"
+    pip = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", python)
+    done = _called(*pip, "install", "--no-index", "--no-deps", wheel)
+    assert done.returncode == 0, done.stderr
+    (packages,) = (home / "lib").glob("python*/site-packages")
+    here = [path for path in sys.path if path.endswith("-packages")]
+    (packages / "needs.pth").write_text("\n".join(here))  # the .pth files there do not count
+    return home
+
+
+@pytest.fixture(scope="module")
+def outcomes(installed, tmp_path_factory) -> dict[str, subprocess.CompletedProcess]:
+    """What every command did, side by side, in an empty folder, with an empty cache."""
+    empty, cache = tmp_path_factory.mktemp("empty"), installed / "cache"
+    told = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    told["XDG_CACHE_HOME"] = str(cache)
+    python, before = installed / "bin" / "python", set((installed / "lib").rglob("*"))
+
+    def outcome(name: str) -> subprocess.CompletedProcess:
+        return _called(python, *COMMANDS[name][0], cwd=empty, env=told)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = dict(zip(COMMANDS, pool.map(outcome, COMMANDS), strict=True))
+    assert set((installed / "lib").rglob("*")) == before  # kernels are cached elsewhere
+    assert list(cache.rglob("*.nbc"))
+    assert {path.name for path in empty.iterdir()} == {"out"}
+    return found
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_commands_run_without_a_checkout(outcomes, name):
+    done, (_, code, word) = outcomes[name], COMMANDS[name]
+    assert done.returncode == code, done.stderr
+    assert word in (done.stderr if code else done.stdout)
+    assert not code or done.stderr.count("\n") == 1
+
+
+def test_the_packages_that_ran_came_from_the_wheel(outcomes, installed):
+    *files, _ = outcomes["import"].stdout.split()
+    assert len(files) == len(PACKAGES)
+    assert all(Path(file).is_relative_to(installed) for file in files)
