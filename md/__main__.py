@@ -76,8 +76,7 @@ def _law(arguments: argparse.Namespace) -> "Law":
     if arguments.integrator != "dop853" and arguments.tolerance is not None:
         raise ValueError(f"tolerance has no meaning under {arguments.integrator}: use dt")
     chosen = {name: value for name, value in options.items() if value is not None}
-    make: Any = LAWS[arguments.law]  # each law has options of its own
-    return make(**chosen)
+    return LAWS[arguments.law](**chosen)
 
 
 def _impact(arguments: argparse.Namespace) -> int:

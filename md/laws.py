@@ -14,8 +14,9 @@ force ends before its overlap does. |F_t| never exceeds mu F_n. Reduced units: t
 and mass and gravity are 1.
 """
 
+from collections.abc import Callable
 from math import acos, acosh, exp, inf, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from scipy.optimize import brentq
 
@@ -27,13 +28,13 @@ STIFFNESS = 5e6  # k_n of Appendix A in m g/d
 class Law(NamedTuple):
     """Normal contact and tangential element; the coefficient of friction belongs to the scene."""
 
-    name: str
-    normal: Normal
+    name: str  # key of `LAWS`
+    normal: Normal  # force across
     spring: Spring | None  # None: friction is a constraint
     restitution: float | None = None  # head on, where the law has a constant one
 
 
-def number(name: str, value: object, low: float, high: float, domain: str) -> float:
+def number(name: str, value: Any, low: float, high: float, domain: str) -> float:
     """`value` as a float in [low, high]."""
     try:
         if isinstance(value, str):
@@ -146,11 +147,15 @@ def coulomb(restitution: float = 0.65, stiffness: float = STIFFNESS) -> Law:
     """Hertz as in `constant_restitution`; friction as a constraint: no slip up to mu F_n.
 
     The law under which the rod meets the theory of rigid impacts as the plate grows stiff.
+
+    Parameters
+    ----------
+    restitution, stiffness : as in `constant_restitution`
     """
     return Law("coulomb", _normal(restitution, stiffness), None, float(restitution))
 
 
-LAWS = {
+LAWS: dict[str, Callable[..., Law]] = {
     "appendix_a": appendix_a,
     "constant_restitution": constant_restitution,
     "coulomb": coulomb,

@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from math import cos, pi, sin
 from operator import index
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import integrators, reference
-from .contact import Effects, Motion
+from .contact import Effects, Friction, Motion
 from .integrators import METHODS, STUCK, TURNED
 from .laws import (
     Law,
@@ -75,9 +75,9 @@ class Rod(NamedTuple):
 class Impact(NamedTuple):
     """What one impact did; velocities after it, in the frame of the laboratory."""
 
-    c_x: float
-    c_z: float
-    omega: float
+    c_x: float  # along the plate, sqrt(g d)
+    c_z: float  # across, sqrt(g d)
+    omega: float  # sqrt(g/d)
     restitution: float  # -v_f/v_0 of the contact point of the lower cap against the plate
     regime: str  # one of REGIMES
     phases: dict[str, float]  # durations, names in PHASES
@@ -89,17 +89,17 @@ class Impact(NamedTuple):
 
 
 class Track(NamedTuple):
-    """Where one rod went; `samples` has the columns x, z [d], tilt [rad], c_x, c_z, omega."""
+    """Where one rod went."""
 
     time: np.ndarray  # of each sample, in periods of the plate, or, where it rests, in sqrt(d/g)
-    samples: np.ndarray
-    dt: float
-    steps_per_period: int
-    plate_work: float
-    normal_loss: float
-    friction_loss: float
+    samples: np.ndarray  # columns x, z [d], tilt [rad], c_x, c_z, omega
+    dt: float  # step, sqrt(d/g)
+    steps_per_period: int  # 0 where the plate rests
+    plate_work: float  # m g d, as what follows
+    normal_loss: float  # in dashpots
+    friction_loss: float  # at the plate
     energy_change: float  # kinetic and potential, overlap of the plate included
-    seconds: float
+    seconds: float  # run time, without compilation
 
     @property
     def residual(self) -> float:
@@ -129,7 +129,7 @@ def _numbers(name: str, values: object, count: int) -> tuple:
     return tuple(values)
 
 
-def _checked_gravity(gravity) -> tuple[float, float] | None:
+def _checked_gravity(gravity: Any) -> tuple[float, float] | None:
     if gravity is None:
         return None
     gravity = _numbers("gravity", gravity, 2)
@@ -137,7 +137,7 @@ def _checked_gravity(gravity) -> tuple[float, float] | None:
     return g_x, g_z
 
 
-def _checked_vibration(vibration) -> Vibration | None:
+def _checked_vibration(vibration: Any) -> Vibration | None:
     if vibration is None:
         return None
     amplitude, frequency, phase = _numbers("vibration", vibration, 3)
@@ -148,13 +148,21 @@ def _checked_vibration(vibration) -> Vibration | None:
     )
 
 
-def _speed(rod: Rod, tilt, velocity, vibration) -> float:
+def _speed(rod: Rod, tilt: float, velocity: Sequence[float], vibration: Vibration | None) -> float:
     """Velocity with which the lower cap approaches the plate."""
     plate = reference.plate_after(vibration, 0.0)[1]
     return -(velocity[1] + velocity[2] * rod.half_length * sin(tilt) - plate)
 
 
-def _step(law: Law, friction, speed, arms, dt, method, caps) -> float:
+def _step(
+    law: Law,
+    friction: Friction | None,
+    speed: float,
+    arms: np.ndarray,
+    dt: float | None,
+    method: str,
+    caps: int,
+) -> float:
     """The step asked for, or a good one; one that is not stable is refused."""
     if speed < _SLOWEST:
         raise ValueError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
@@ -163,7 +171,8 @@ def _step(law: Law, friction, speed, arms, dt, method, caps) -> float:
         raise ValueError(
             f"the plate is too soft for an impact at {speed:g}: overlap {deepest:.2g} d"
         )
-    largest = largest_step(law, friction is not None, speed, *arms, method, caps)
+    along, across = arms
+    largest = largest_step(law, friction is not None, speed, along, across, method, caps)
     whole = contact_time(law, speed)
     if dt is None:
         return float(min(whole / _FINE, largest / 4))
@@ -192,7 +201,13 @@ def _plate_table(vibration: Vibration | None, dt: float) -> Motion | None:
     return Motion(vibration.amplitude * np.sin(angle), speed * np.cos(angle))
 
 
-def _scene(rod: Rod, law: Law, friction, gravity, plate) -> Effects:
+def _scene(
+    rod: Rod,
+    law: Law,
+    friction: Friction | None,
+    gravity: tuple[float, float] | None,
+    plate: Motion | None,
+) -> Effects:
     upper = True if rod.half_length > 0 else None
     return Effects(
         *(rod.half_length, 1 / rod.gyration_squared, law.normal, friction, gravity, plate, upper)
@@ -212,7 +227,7 @@ def _energy(scene: Effects, sample: np.ndarray, step: int) -> float:
     return float(kinetic - g_x * x - g_z * z + stored)
 
 
-def _stopped_run(why: int, state, n: int, dt: float, cap: str = "rod 0") -> None:
+def _stopped_run(why: int, state: Any, n: int, dt: float, cap: str = "rod 0") -> None:
     """Raise what ended a run before its time."""
     if why == integrators.NOT_FINITE:
         text = f"{cap}: state is not finite after t = {n * dt:g} sqrt(d/g)"
@@ -300,10 +315,21 @@ def impact(
     return _by_steps(scene, vibration, integrator, height, tilt, velocity, speed, law, step, offset)
 
 
-def _result(durations, impulses, stopped, v_f, speed, velocity, **rest) -> Impact:
+def _result(
+    durations: Any,
+    impulses: Any,
+    stopped: bool,
+    v_f: float,
+    speed: float,
+    velocity: Any,
+    **rest: Any,
+) -> Impact:
     regime = 0 if not stopped else 1 if impulses[STUCK] >= impulses[TURNED] else 2
+    c_x, c_z, omega = map(float, velocity)
     return Impact(
-        *map(float, velocity),
+        c_x=c_x,
+        c_z=c_z,
+        omega=omega,
         restitution=float(v_f / speed),
         regime=REGIMES[regime],
         phases=dict(zip(PHASES, map(float, durations), strict=True)),
@@ -312,9 +338,20 @@ def _result(durations, impulses, stopped, v_f, speed, velocity, **rest) -> Impac
     )
 
 
-def _by_steps(scene, vibration, method, height, tilt, velocity, speed, law, dt, offset) -> Impact:
+def _by_steps(
+    scene: Effects,
+    vibration: Vibration | None,
+    method: str,
+    height: float,
+    tilt: float,
+    before: Sequence[float],
+    speed: float,
+    law: Law,
+    dt: float,
+    offset: float,
+) -> Impact:
     """One impact with a fixed step, whose first begins `offset` steps before the touch."""
-    position, velocity = np.array([0.0, height, tilt]), np.array(velocity)
+    position, velocity = np.array([0.0, height, tilt]), np.array(before)
     fall, early = np.array([*(scene.gravity or (0, 0)), 0.0]), offset * dt
     state = integrators.started(
         method,
@@ -327,7 +364,7 @@ def _by_steps(scene, vibration, method, height, tilt, velocity, speed, law, dt, 
         int(min(_LONGEST * contact_time(law, speed) / dt, 1e9)),
     )
 
-    def go(steps):
+    def go(steps: int) -> Any:
         return integrators.run(scene, state, 0, steps, dt, watch, None, None, 1)
 
     go(0)  # compiles
@@ -352,7 +389,16 @@ def _by_steps(scene, vibration, method, height, tilt, velocity, speed, law, dt, 
     )
 
 
-def _to_the_digits(scene, vibration, rod, tilt, velocity, speed, law, tolerance) -> Impact:
+def _to_the_digits(
+    scene: Effects,
+    vibration: Vibration | None,
+    rod: Rod,
+    tilt: float,
+    velocity: Sequence[float],
+    speed: float,
+    law: Law,
+    tolerance: float,
+) -> Impact:
     """One impact with every switch located."""
     tolerance = number("tolerance", tolerance, 1e-14, 1e-3, "between 1e-14 and 1e-3")
     longest = _LONGEST * contact_time(law, speed)
@@ -437,7 +483,7 @@ def follow(
     scene = _scene(rod, law, rubbing, gravity, _plate_table(vibration, dt))
     account = np.zeros(3) if ledger else None
 
-    def go(steps):
+    def go(steps: int) -> Any:
         state = integrators.started(integrator, start[:3], start[3:], gravity, dt)
         return integrators.run(scene, state, 0, steps, dt, None, account, samples, every)
 
@@ -448,8 +494,8 @@ def follow(
     seconds = perf_counter() - begin
     _stopped_run(why, state, done, dt)
     losses = (np.nan,) * 4
-    if ledger:
+    if account is not None:
         change = _energy(scene, samples[-1], last) - _energy(scene, samples[0], 0)
-        losses = (*map(float, account), change)
+        losses = (float(account[0]), float(account[1]), float(account[2]), change)
     time = np.arange(len(samples)) * every * (1 / per_period if per_period else dt)
     return Track(time, samples, dt, per_period, *losses, seconds)

@@ -23,11 +23,11 @@ SLIDE, STUCK, TURNED = 0, 1, 2  # what a contact does before its slip stops, and
 
 
 class Vibration(NamedTuple):
-    """Plate at amplitude sin(2 pi frequency t + phase): in d, sqrt(g/d) and rad."""
+    """Plate at amplitude sin(2 pi frequency t + phase)."""
 
-    amplitude: float
-    frequency: float
-    phase: float
+    amplitude: float  # d
+    frequency: float  # sqrt(g/d)
+    phase: float  # rad
 
 
 class Contact(NamedTuple):

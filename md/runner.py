@@ -5,7 +5,7 @@ import os
 import signal
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -33,8 +33,13 @@ _SAVED = 60.0  # seconds from one checkpoint to the next
 class Result:
     """What a run measured; velocities in sqrt(g d) unless the name says cm/s.
 
-    c_x, tilt_deg : means over rods and over the periods behind the transient, with standard errors
+    scene : that ran
+    c_x, tilt_deg : means over rods and over the periods behind the transient
+    c_x_stderr, tilt_stderr_deg : their standard errors
+    periods : that were made
     discarded : periods of the transient (MSER-5 on the drift, at most half of the run)
+    steps_per_period, dt : the step, in sqrt(d/g)
+    run_seconds, compile_seconds : of the clock
     energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
     landings : mean and standard error over all touches of the plate of each quantity of
         `measures.MEANS`, and touches per rod and period; None without a plate
@@ -45,6 +50,7 @@ class Result:
         begins where it rises through its mean height; empty without a plate
     c_x_series, tilt_series : period by period, transient included
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
+    finished : whether nobody ended the run before its time
     """
 
     scene: Scene
@@ -169,7 +175,7 @@ def _write(file: TextIO, engine: Engine) -> None:
 
 
 @contextmanager
-def _interruptible():
+def _interruptible() -> Iterator[Callable[[], bool]]:
     """A function that says whether Ctrl-C was pressed; it is not raised in the middle of a step."""
     pressed = threading.Event()
     if threading.current_thread() is not threading.main_thread():
@@ -185,14 +191,10 @@ def _interruptible():
 def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
     """Checkpoint, beside the old one first."""
     about = {"scene": engine.scene.digest(), "code": digest(), "step": engine.step, **began}
+    arrays: dict[str, Any] = tables.arrays(engine.step // engine.per) | engine.arrays()
     with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
         try:
-            np.savez(
-                file,
-                about=json.dumps(about),
-                **tables.arrays(engine.step // engine.per),
-                **engine.arrays(),
-            )
+            np.savez(file, about=json.dumps(about), **arrays)
         except BaseException:
             Path(file.name).unlink(missing_ok=True)
             raise
@@ -223,7 +225,18 @@ def _resume(path: Path, engine: Engine, tables: Tables) -> dict:
     return about
 
 
-def _loop(engine, tables, series, began, goal, observe, frame, save, bar, pressed) -> None:
+def _loop(
+    engine: Engine,
+    tables: Tables,
+    series: Any,
+    began: dict,
+    goal: int,
+    observe: Callable[[np.ndarray], None] | None,
+    frame: tuple[int, Callable[[], None]] | None,
+    save: Callable[[], None],
+    bar: tqdm,
+    pressed: Callable[[], bool],
+) -> None:
     """March to the step `goal` in calls of about `_CHUNK` seconds.
 
     `frame` is (steps between two frames, function that writes one) or None, `save` a function.
@@ -312,10 +325,11 @@ def run(
     series = tables.sampled(engine)
     begin = perf_counter()
     engine.go(0, series)  # compiles
-    began = {"compile": perf_counter() - begin, "seconds": 0.0, "written": 0}
+    began: dict[str, Any] = {"compile": perf_counter() - begin, "seconds": 0.0, "written": 0}
     began["energy"] = engine.energy() if engine.ledger is not None else 0.0
-    if checkpoint is not None and (checkpoint := Path(checkpoint)).exists():
-        began |= _resume(checkpoint, engine, tables) | {"compile": began["compile"]}
+    kept = None if checkpoint is None else Path(checkpoint)
+    if kept is not None and kept.exists():
+        began |= _resume(kept, engine, tables) | {"compile": began["compile"]}
 
     file = None
 
@@ -323,8 +337,8 @@ def run(
         if file is not None:
             file.flush()
             began["written"] = file.tell()
-        if checkpoint is not None:
-            _save(checkpoint, engine, tables, began)
+        if kept is not None:
+            _save(kept, engine, tables, began)
 
     with ExitStack() as stack:
         pressed = stack.enter_context(_interruptible())

@@ -7,7 +7,7 @@ Lengths are in rod diameters, times in sqrt(d/g), velocities in sqrt(g d); only 
 import hashlib
 import inspect
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
@@ -28,19 +28,15 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     return int(number(name, value, low, high, f"between {low} and {high}"))
 
 
-def _check(part: str, **limits: tuple[float, float, str]):
-    """A `__post_init__` that holds the named numbers within their limits, as floats."""
-
-    def check(self) -> None:
-        for name, (low, high, domain) in limits.items():
-            value = getattr(self, name)
-            if value is None:
-                continue
-            if isinstance(value, bool):
-                raise TypeError(f"{part}.{name} must be a number, got {value!r}")
-            object.__setattr__(self, name, number(f"{part}.{name}", value, low, high, domain))
-
-    return check
+def _hold(part: object, title: str, **limits: tuple[float, float, str]) -> None:
+    """Hold the named numbers of a part within their limits, as floats."""
+    for name, (low, high, domain) in limits.items():
+        value = getattr(part, name)
+        if value is None:
+            continue
+        if isinstance(value, bool):
+            raise TypeError(f"{title}.{name} must be a number, got {value!r}")
+        object.__setattr__(part, name, number(f"{title}.{name}", value, low, high, domain))
 
 
 def _parts(part: object, name: str = "") -> None:
@@ -56,10 +52,10 @@ def _parts(part: object, name: str = "") -> None:
 class Rods:
     """Spherocylinders of one kind."""
 
-    count: int = 1
+    count: int = 1  # up to a million
     length: float = 9.5  # overall, caps included
     inertia: str = "solid"  # of the uniform body, or "thin", the paper's length^2/12
-    diameter_cm: float = 0.6
+    diameter_cm: float = 0.6  # the unit of length
     spin: bool = False  # about their own axes, in the annulus
 
     def __post_init__(self) -> None:
@@ -68,11 +64,12 @@ class Rods:
             raise TypeError(f"rods.spin must be true or false, got {self.spin!r}")
         if self.inertia not in ("solid", "thin"):
             raise ValueError(f"rods.inertia must be solid or thin, got {self.inertia!r}")
-        _check(
+        _hold(
+            self,
             "rods",
             length=(1.0, 1e3, "between 1 and 1000"),
             diameter_cm=(1e-6, 1e6, "between 1e-6 and 1e6"),
-        )(self)
+        )
 
 
 @dataclass(frozen=True)
@@ -80,34 +77,37 @@ class Plate:
     """Horizontal plate at A sin(2 pi f t); without acceleration it is at rest."""
 
     acceleration: float = 0.0  # peak, in g: the paper's Gamma
-    frequency_hz: float = 60.0
+    frequency_hz: float = 60.0  # > 0
 
-    __post_init__ = _check(
-        "plate",
-        acceleration=(0.0, 1e3, "between 0 and 1000"),
-        frequency_hz=(1e-3, 1e6, "between 1e-3 and 1e6"),
-    )
+    def __post_init__(self) -> None:
+        _hold(
+            self,
+            "plate",
+            acceleration=(0.0, 1e3, "between 0 and 1000"),
+            frequency_hz=(1e-3, 1e6, "between 1e-3 and 1e6"),
+        )
 
 
 @dataclass(frozen=True)
 class Box:
-    """Length after which everything repeats along x."""
+    """Everything repeats along x."""
 
-    length: float
+    length: float  # after which it does, in d
 
-    __post_init__ = _check("box", length=(1.0, 1e7, "between 1 and 1e7"))
+    def __post_init__(self) -> None:
+        _hold(self, "box", length=(1.0, 1e7, "between 1 and 1e7"))
 
 
 @dataclass(frozen=True)
 class Annulus:
-    """Gap between two vertical cylinders; radii of their surfaces. With it, rods move in space."""
+    """Gap between two vertical cylinders. With it, rods move in space."""
 
-    inner: float
-    outer: float
+    inner: float  # radius of its surface, in d
+    outer: float  # at least a diameter more
 
     def __post_init__(self) -> None:
         domain = 1e-3, 1e6, "between 1e-3 and 1e6"
-        _check("annulus", inner=domain, outer=domain)(self)
+        _hold(self, "annulus", inner=domain, outer=domain)
         if not self.outer - self.inner >= 1:
             raise ValueError(
                 f"annulus.outer must be at least a diameter beyond annulus.inner, "
@@ -124,33 +124,33 @@ class Annulus:
 class Gravity:
     """In g; a plate inclined by a has x = sin a, z = -cos a."""
 
-    x: float = 0.0
-    z: float = -1.0
+    x: float = 0.0  # along the plate
+    z: float = -1.0  # upwards
 
-    __post_init__ = _check(
-        "gravity", x=(-1e3, 1e3, "up to 1000 in size"), z=(-1e3, 1e3, "up to 1000 in size")
-    )
+    def __post_init__(self) -> None:
+        domain = -1e3, 1e3, "up to 1000 in size"
+        _hold(self, "gravity", x=domain, z=domain)
 
 
 @dataclass(frozen=True)
 class Contact:
     """How a pair of surfaces touches; a coefficient of friction of 0 is no friction at all."""
 
-    law: Law
-    friction: float = 0.0
+    law: Law  # made by a function of `md.LAWS`
+    friction: float = 0.0  # Coulomb coefficient, >= 0
 
     def __post_init__(self) -> None:
         _parts(self, "contact.")
-        _check("contact", friction=(0.0, inf, ">= 0"))(self)
+        _hold(self, "contact", friction=(0.0, inf, ">= 0"))
 
 
 @dataclass(frozen=True)
 class Contacts:
     """Materials, one for each pair of surfaces that may touch; an absent pair does not."""
 
-    plate: Contact | None = None
-    rods: Contact | None = None
-    wall: Contact | None = None
+    plate: Contact | None = None  # of a rod with the plate
+    rods: Contact | None = None  # of two rods
+    wall: Contact | None = None  # of a rod with the cylinders of the annulus
 
     def __post_init__(self) -> None:
         _parts(self, "contacts.")
@@ -161,24 +161,26 @@ class Start:
     """Rods in a row, alike in tilt, the lower caps on the plate, with small random velocities."""
 
     tilt_deg: float | None = None  # None: acos(count/length of the box), side by side
-    seed: int = 0
+    seed: int = 0  # of the velocities
     speed: float = 1e-3  # largest of each component
     drop: float = 0.0  # height of the caps over the plate
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seed", whole("start.seed", self.seed, 0, 2**63 - 1))
-        _check(
+        _hold(
+            self,
             "start",
             tilt_deg=(-90.0, 90.0, "between -90 and 90"),
             speed=(0.0, 1e3, "between 0 and 1000"),
             drop=(0.0, 1e3, "between 0 and 1000"),
-        )(self)
+        )
 
 
 @dataclass(frozen=True)
 class Step:
-    """Time step; None: a fiftieth of a contact at twice the plate's peak velocity.
+    """Time step.
 
+    size : in sqrt(d/g); None: a fiftieth of a contact at twice the plate's peak velocity
     coarse : allow steps too long for the tangential springs, whose force then chatters within
         mu F_n, up to the limit of the normal force; what it does to the drift is measured
         (`md.dial`)
@@ -187,12 +189,16 @@ class Step:
     size: float | None = None
     coarse: bool = False
 
-    __post_init__ = _check("step", size=(1e-12, 1e3, "between 1e-12 and 1000"))
+    def __post_init__(self) -> None:
+        _hold(self, "step", size=(1e-12, 1e3, "between 1e-12 and 1000"))
 
 
 @dataclass(frozen=True)
 class Scene:
     """Rods and what acts on them.
+
+    rods, plate, box, annulus, gravity : what is there; None is not
+    contacts, start, step : how surfaces touch, how rods start, the time step
 
     Raises
     ------
@@ -283,14 +289,14 @@ class Scene:
     @property
     def frequency(self) -> float:
         """Of the plate, in sqrt(g/d); 1 where nothing vibrates, so that a period is sqrt(d/g)."""
-        if not self.vibrates:
+        if self.plate is None or not self.vibrates:
             return 1.0
         return self.plate.frequency_hz * sqrt(self.rods.diameter_cm / GRAVITY_CM)
 
     @property
     def plate_speed(self) -> float:
         """Peak velocity of the plate, V_0, in sqrt(g d)."""
-        return self.plate.acceleration / (2 * pi * self.frequency) if self.vibrates else 0.0
+        return self.plate.acceleration / (2 * pi * self.frequency) if self.plate else 0.0
 
     @property
     def cm_per_s(self) -> float:
@@ -313,7 +319,7 @@ def as_dict(part: Any) -> Any:
     """The scene, or a part, as plain dictionaries without what is absent."""
     if is_dataclass(part):
         part = {f.name: getattr(part, f.name) for f in fields(part)}
-    elif isinstance(part, tuple):
+    elif hasattr(part, "_asdict"):
         part = part._asdict()
     else:
         return part
@@ -344,11 +350,11 @@ def _contact(name: str, table: Mapping) -> Contact:
         raise type(error)(f"{name}.{str(error).removeprefix('contact.')}") from None
 
 
-def _unknown(key: str, known) -> str:
+def _unknown(key: str, known: Iterable[str]) -> str:
     return f"{key} is not a key of a scene; known there: {', '.join(known)}"
 
 
-def _build(kind: type, name: str, table: object):
+def _build(kind: type, name: str, table: object) -> Any:
     """A part of a scene from its table."""
     if not isinstance(table, Mapping):
         raise TypeError(f"{name} must be a table, got {table!r}")
@@ -358,7 +364,8 @@ def _build(kind: type, name: str, table: object):
     for key, value in table.items():
         if key not in hints:
             raise ValueError(_unknown(f"{name}.{key}" if name else key, hints))
-        inner = next((t for t in (hints[key], *get_args(hints[key])) if is_dataclass(t)), None)
+        kinds: tuple[Any, ...] = hints[key], *get_args(hints[key])
+        inner: Any = next((kind for kind in kinds if is_dataclass(kind)), None)
         path = f"{name}.{key}" if name else key
         parts[key] = _build(inner, path, value) if inner else value
     missing = [key for key in inspect.signature(kind).parameters if key not in parts]

@@ -22,12 +22,6 @@ PUBLIC = [
     *("impact", "impact.bouncing", "impact.compiled", "impact.falling"),
     *("md", "md.store", "md.sweep", "md.trajectory"),
 ]
-# Lack a field or a parameter. Their sources decide what a run gives: editing them costs all runs.
-LACKING = {
-    *("md.Annulus", "md.Box", "md.Contact", "md.Contacts", "md.Gravity", "md.Impact"),
-    *("md.Law", "md.Plate", "md.Result", "md.Rods", "md.Scene", "md.Start", "md.Step"),
-    *("md.Track", "md.Tuned", "md.Vibration", "md.coulomb"),
-}
 
 
 def public(module: str) -> dict[str, Any]:
@@ -118,7 +112,7 @@ def lacks(name: str) -> set[str]:
 @pytest.mark.parametrize("name", NAMES)
 def test_public_names_are_documented(name):
     """With every parameter, field, method and property; constants in the module's docstring."""
-    assert bool(lacks(name)) == (name in LACKING), lacks(name)
+    assert lacks(name) == set()
 
 
 @pytest.mark.parametrize("name", [n for n, thing in NAMES.items() if callable(thing)])
