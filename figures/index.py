@@ -1,7 +1,8 @@
 """The front page of a folder: derivations, pictures, prices, claims and movies, one HTML file.
 
 >>> from figures import index
->>> index.files(Path("out"))["index.html"]  # and what else the folder needs, by name
+>>> "index.html" in index.files(Path("out"))  # and what else the folder needs, by name
+True
 
 What the folder holds is shown, what it lacks is listed with its command. What comes with the
 project stands in for what was not made here, and is said to: copies go to `gallery/` beside the
