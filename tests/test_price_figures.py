@@ -10,7 +10,7 @@ import pytest
 
 import figures
 import md
-from figures import effect_prices, price_list, scaling, timing
+from figures import effect_prices, in_space, price_list, scaling, timing
 from figures.__main__ import main
 from figures.effects import EFFECTS, FULL, GROUPS, NOTHING, OFF, Variant, variants
 from md import row
@@ -33,6 +33,7 @@ TINY = {
         **{"COUNTS": {True: (4, 8)}, "LEAST": 8, "RUNS": 1, "PERIODS": 1},
         **{"BLOCKS": {True: 3}, "SETTLE": {True: 1}, "REPEATS": {True: 2}},
     },
+    in_space: {"STEPS": 20, "AROUND": 0.01},
 }
 
 
@@ -274,6 +275,17 @@ def test_pictures_say_what_they_show(out):
     page = price_list.draw(found)
     assert [bool(ax.get_xlabel()) for ax in page.axes] == [True, True]
     plt.close(page)
+
+
+def test_rods_lifted_into_space_do_the_same(monkeypatch):
+    """But for the springs between rods, which they left behind."""
+    monkeypatch.setattr(in_space, "STEPS", 200)
+    engine = in_space._settled()
+    before = engine.rods.copy()
+    rods = in_space.lifted(engine)(0)[1][:, in_space.PLACES]
+    engine.go(201)
+    assert np.abs(engine.rods - before).max() > 0.05
+    assert np.abs(rods - engine.rods).max() < 5e-3
 
 
 def test_scaling_is_of_whole_rows(out):
