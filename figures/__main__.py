@@ -7,6 +7,7 @@ python -m figures claims [--quick] [--out DIR]
 python -m figures paper [--estimate] [--out DIR]
 python -m figures prices [--out DIR]
 python -m figures index [--out DIR]
+python -m figures explore [--tilt-deg PHI] [--friction MU] ... [--out FILE.png]
 """
 
 import argparse
@@ -218,6 +219,34 @@ def _index(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _explore(arguments: argparse.Namespace) -> int:
+    given, out = dict(vars(arguments)), arguments.out
+    for other in ("command", "run", "out"):
+        del given[other]
+    if out:
+        import matplotlib as mpl
+
+        mpl.use("Agg")
+    from . import explore
+
+    try:
+        start = explore.Setting(**given)
+        if out and out.suffix != ".png":
+            raise ValueError(f"out must be a file that ends in .png, got {out}")
+    except ValueError as error:
+        print(f"figures: {error}", file=sys.stderr)
+        return 2
+    if out:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with _replacing(out) as part:
+            explore.write(start, part)
+        print(out)
+    elif not explore.run(start):
+        print("figures: no display to open a window on; --out FILE.png draws it", file=sys.stderr)
+        return 2
+    return 0
+
+
 def _list(_: argparse.Namespace) -> int:
     width = max(map(len, FIGURES))
     for name, entry in FIGURES.items():
@@ -231,7 +260,7 @@ def main(argv: list[str] | None = None) -> int:
     commands = parser.add_subparsers(
         dest="command",
         required=True,
-        metavar="list | draw | movie | claims | prices | paper | index",
+        metavar="list | draw | movie | claims | prices | paper | index | explore",
     )
     listing = commands.add_parser("list", help="names and titles")
     listing.set_defaults(run=_list)
@@ -264,6 +293,20 @@ def main(argv: list[str] | None = None) -> int:
     index.set_defaults(run=_index)
     for command in (judging, paper, prices, index):
         command.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
+    window = commands.add_parser(
+        "explore",
+        help="a window of sliders: one impact and the drift",
+        argument_default=argparse.SUPPRESS,
+    )
+    window.add_argument("--tilt-deg", type=float, metavar="PHI", help="0 to 90 (default 30)")
+    window.add_argument("--friction", type=float, metavar="MU", help="0 to 1 (default 0.3)")
+    window.add_argument("--restitution", type=float, metavar="E", help="0 to 1 (default 0.65)")
+    window.add_argument("--ratio", type=float, help="-c_z/c_x before, 0.1 to 10 (default 2)")
+    window.add_argument("--length", type=float, help="in diameters, 1 to 20 (default 8)")
+    window.add_argument("--shape", help="thin, round (default) or flat")
+    window.add_argument("--law", help="newton (default), poisson or stronge")
+    window.add_argument("--out", type=Path, default=None, metavar="FILE.png", help="no window")
+    window.set_defaults(run=_explore)
     arguments = parser.parse_args(argv)
     return guarded("figures", lambda: arguments.run(arguments))
 
