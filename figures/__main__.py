@@ -119,8 +119,10 @@ def _prices(arguments: argparse.Namespace) -> int:
         with np.load(npz) as stored:
             found[name] = {key: stored[key] for key in stored if key != "provenance"}
     words, picture = price_list.summary(found), price_list.draw(found)
-    with _replacing(out / "prices.txt") as part:
-        part.write_text(words + "\n", encoding="utf-8")
+    plain = json.dumps(price_list.numbers(found), indent=1, ensure_ascii=False, allow_nan=False)
+    for name, content in (("prices.txt", words), ("prices.json", plain)):
+        with _replacing(out / name) as part:
+            part.write_text(content + "\n", encoding="utf-8")
     with _replacing(out / "prices.png") as part:
         picture.savefig(part, dpi=200)
     plt.close(picture)
@@ -228,9 +230,10 @@ def _explore(arguments: argparse.Namespace) -> int:
 
         mpl.use("Agg")
     from . import explore
+    from .setting import Setting
 
     try:
-        start = explore.Setting(**given)
+        start = Setting(**given)
         if out and out.suffix != ".png":
             raise ValueError(f"out must be a file that ends in .png, got {out}")
     except ValueError as error:

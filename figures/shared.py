@@ -1,6 +1,7 @@
 """What several figures share: style, colours of regimes, names, the stick/reversal boundary."""
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -22,7 +23,12 @@ _REGIME_COLOURS = {
 }
 REGIME_MAP = ListedColormap(list(_REGIME_COLOURS.values()))
 REGIME_NORM = BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3)
-_REGIMES = {"cmap": REGIME_MAP, "norm": REGIME_NORM, "rasterized": True, "zorder": 0}
+_REGIMES: dict[str, Any] = {
+    "cmap": REGIME_MAP,
+    "norm": REGIME_NORM,
+    "rasterized": True,
+    "zorder": 0,
+}
 
 LAWS = ("newton", "poisson", "stronge")
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
@@ -46,7 +52,9 @@ def where_it_stops(boundary: dict[str, np.ndarray], **setting: float) -> np.ndar
     return np.where(boundary["critical_friction"] >= slide, boundary["critical_tilt"], np.nan)
 
 
-def map_regimes(ax: Axes, tilt_deg: np.ndarray, friction: np.ndarray, regime) -> QuadMesh:
+def map_regimes(
+    ax: Axes, tilt_deg: np.ndarray, friction: np.ndarray, regime: np.ndarray
+) -> QuadMesh:
     """Colour the panel by regime over tilt and friction."""
     return ax.pcolormesh(tilt_deg, friction, regime, shading="nearest", **_REGIMES)
 

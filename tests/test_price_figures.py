@@ -1,6 +1,7 @@
 """Prices of effects and of rods, on one page; no test asserts a time."""
 
 import dataclasses
+import json
 import tempfile
 
 import matplotlib as mpl
@@ -34,6 +35,7 @@ TINY = {
         **{"BLOCKS": {True: 3}, "SETTLE": {True: 1}, "REPEATS": {True: 2}},
     },
     in_space: {"STEPS": 20, "AROUND": 0.01},
+    price_list: {"IMPACTS": 1000, "CHECKED": 200},
 }
 
 
@@ -191,7 +193,7 @@ def test_code_comes_back_after_reloading():
 def test_command_writes_the_page_and_the_figures(out):
     folder, _ = out
     names = {f"{name}.{kind}" for name in ("effect_prices", "scaling") for kind in ("npz", "png")}
-    names |= {"effect_prices.pdf", "scaling.pdf", "prices.txt", "prices.png"}
+    names |= {"effect_prices.pdf", "scaling.pdf", "prices.txt", "prices.json", "prices.png"}
     assert {path.name for path in folder.iterdir()} == names
     assert (folder / "prices.png").read_bytes().startswith(b"\x89PNG")
     words = (folder / "prices.txt").read_text(encoding="utf-8")
@@ -200,6 +202,20 @@ def test_command_writes_the_page_and_the_figures(out):
     for word in ("numba", "gravity", "inertia: solid", "same kernel", "times one core"):
         assert word in words
     assert "nan" not in words
+
+
+def test_numbers_for_other_programs(out):
+    """Those of the figures; and what one impact costs, in time and in digits."""
+    folder, found = out
+    made = json.loads((folder / "prices.json").read_text(encoding="utf-8"))
+    alone = found["effect_prices"]["alone"][:, :2].tolist()
+    assert [effect["alone"] for effect in made["effects"]] == alone
+    assert [kernel["name"] for kernel in made["kernels"]] == list(in_space.NAMES)
+    assert made["cores"][0] == {"count": 1, "gain": 1.0}
+    assert made["impact_ns"]["numpy newton"] > made["impact_ns"]["loop newton"] > 0
+    assert [law["law"] for law in made["impact_ulp"]] == ["newton", "poisson", "stronge"]
+    assert all(0 < ulp < 6 for law in made["impact_ulp"] for ulp in law["largest"])
+    assert "numba" in made["machine"]
 
 
 def test_prices_belong_to_what_they_say(out):
