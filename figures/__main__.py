@@ -7,6 +7,7 @@ python -m figures claims [--quick] [--out DIR]
 python -m figures paper [--estimate] [--out DIR]
 python -m figures prices [--out DIR]
 python -m figures index [--out DIR]
+python -m figures readme
 python -m figures explore [--tilt-deg PHI] [--friction MU] ... [--out FILE.png]
 """
 
@@ -250,6 +251,22 @@ def _explore(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _readme(_: argparse.Namespace) -> int:
+    from . import readme
+
+    try:
+        text = readme.TARGET.read_text(encoding="utf-8")
+        new = readme.refreshed(text)
+    except (OSError, ValueError) as error:
+        print(f"figures: {error}", file=sys.stderr)
+        return 2
+    if new != text:
+        with _replacing(readme.TARGET) as part:
+            part.write_text(new, encoding="utf-8")
+    print(f"{readme.TARGET}  {'as it was' if new == text else 'written anew'}")
+    return 0
+
+
 def _list(_: argparse.Namespace) -> int:
     width = max(map(len, FIGURES))
     for name, entry in FIGURES.items():
@@ -263,7 +280,7 @@ def main(argv: list[str] | None = None) -> int:
     commands = parser.add_subparsers(
         dest="command",
         required=True,
-        metavar="list | draw | movie | claims | prices | paper | index | explore",
+        metavar="list | draw | movie | claims | prices | paper | index | explore | readme",
     )
     listing = commands.add_parser("list", help="names and titles")
     listing.set_defaults(run=_list)
@@ -294,6 +311,8 @@ def main(argv: list[str] | None = None) -> int:
     prices.set_defaults(run=_prices)
     index = commands.add_parser("index", help="one page of all that the folder holds: index.html")
     index.set_defaults(run=_index)
+    words = commands.add_parser("readme", help="measured parts of the README, from the gallery")
+    words.set_defaults(run=_readme)
     for command in (judging, paper, prices, index):
         command.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     window = commands.add_parser(
