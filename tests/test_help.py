@@ -52,8 +52,9 @@ def exit_code(name, arguments):
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_help_is_complete(name, capsys):
+def test_help_is_complete(name, capsys, monkeypatch):
     """Each option and command in words, lines that fit, an example of that very command."""
+    monkeypatch.setenv("COLUMNS", "80")  # however wide the terminal
     package, *command = name.split()
     assert exit_code(package, [*command, "--help"]) == 0
     printed, err = capsys.readouterr()
