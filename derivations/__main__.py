@@ -79,7 +79,9 @@ def table(rows: list[registry.Row]) -> str:
         verdict = row.verdict if row.proved else f"{row.verdict}: NOT PROVED"
         lines.append(f"{row.tag:<{tag}}  {verdict:<9}  {row.what}")
         remarks = [row.note]
-        if row.verdict == "erratum" or not row.proved:
+        if not row.proved:
+            remarks.append(f"this failed: {row.evidence}")
+        elif row.verdict == "erratum":
             remarks.append(row.evidence)
         for remark in filter(None, remarks):
             lines += textwrap.wrap(remark, width, initial_indent=indent, subsequent_indent=indent)

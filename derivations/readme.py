@@ -17,23 +17,28 @@ def _table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
 
 
 def tables() -> str:
-    """Verdicts of the numbered equations in one table, every mistake in a second."""
+    """Every mistake, what is new, and the verdicts of the numbered equations."""
     numbered = [
         (f"({entry.tag})", entry.what, entry.verdict)
         for entry in registry.ENTRIES
         if entry.tag.removeprefix("B").isdigit()
     ]
     mistakes = [(entry.tag, entry.what, entry.note) for entry in registry.mistakes()]
-    total = len(registry.ENTRIES)
+    new = [e for e in registry.ENTRIES if e.verdict == "new"]
+    told = [(entry.tag, entry.what, entry.note) for entry in new if entry.note]
     return "\n\n".join(
         [
-            f"{total} entries in all, {len(mistakes)} of them mistakes as printed in our copy:",
-            _table(("where", "as printed", "what is right"), mistakes),
-            "<details><summary>The numbered equations and their verdicts</summary>",
-            _table(("equation", "what", "verdict"), numbered),
-            "</details>",
+            f"{len(registry.ENTRIES)} entries in all, {len(mistakes)} of them mistakes as printed"
+            f" in our copy, {len(new)} not in the paper.",
+            *_folded("The mistakes", ("where", "as printed", "what is right"), mistakes),
+            *_folded("What follows that the paper does not say", ("where", "what", "note"), told),
+            *_folded("The numbered equations", ("equation", "what", "verdict"), numbered),
         ]
     )
+
+
+def _folded(title: str, header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
+    return [f"<details><summary>{title}</summary>", _table(header, rows), "</details>"]
 
 
 def refreshed(text: str) -> str:

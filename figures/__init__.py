@@ -1,4 +1,4 @@
-"""Pictures of theory and simulation: one module a figure, `data()` computes and `draw()` draws.
+'''Pictures of theory and simulation: one module a figure, `data()` computes and `draw()` draws.
 
 >>> import figures
 >>> fig11 = figures.load("fig11")
@@ -6,7 +6,64 @@
 
 `FIGURES` holds an `Entry` for each name. From a shell: `python -m figures list`,
 `python -m figures draw fig11 --out DIR`.
-"""
+
+Files, as one reads them
+------------------------
+shared, style.mplstyle              colours, axes and style of all figures
+one for each of `FIGURES`           `data`, `draw`; perhaps `summary` in words, `sweeps` of runs
+rows, ring                          runs of rows and of the annulus, from one store
+soft, landings, effects, in_space   soft impacts, landings, effects, motion in space: to compare
+impact_errors, precise              what is off, and many digits to say by how much
+price, timing, price_list           what it costs, on a machine that is not quiet
+claims, claims.toml, law_claims     the paper's claims and their limits, judged
+measured, measured_ring, measuring, number    the numbers behind them, with errors
+movie, explore, setting             animation; one window of sliders
+paper, index, readme, __main__      everything; one page of it; parts of the README; the commands
+
+Only `__main__` writes files: what `data` returns as .npz, what `draw` returns as .png and .pdf.
+
+To add a figure: the critical tilts
+-----------------------------------
+1. figures/critical.py, a new file: its docstring goes with the picture on the page of `index`
+    """Critical tilts of a thin rod over friction, both roots of Eq. (23).
+
+    Between the lines a stopped contact slips back. Look whether they meet at 3/4 and arctan 2.
+    """
+
+    import matplotlib.pyplot as plt
+    import numpy as np
+
+    from impact import critical_tilts
+
+    from .shared import style
+
+
+    def data(quick: bool = False) -> dict[str, np.ndarray]:
+        """Both tilts [rad] over friction."""
+        friction = np.linspace(0, 0.75, 31 if quick else 301)
+        lower, upper = critical_tilts(friction)
+        return {"friction": friction, "lower": lower, "upper": upper}
+
+
+    @style
+    def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+        figure, ax = plt.subplots(figsize=(3.4, 2.6))
+        for name, line in (("lower", "k-"), ("upper", "k--")):
+            ax.plot(d["friction"], np.degrees(d[name]), line, label=name)
+        ax.set(xlabel="friction", ylabel="critical tilt [deg]")
+        ax.legend()
+        return figure
+
+2. figures/__init__.py, last in `FIGURES`
+    "critical": Entry("Critical tilts of a thin rod over friction"),
+
+Try it:
+
+    python -m figures draw critical --quick
+
+The suite draws all of the quick set; a figure with `quick=False` needs a test of its own. One that
+takes more than 5 s in full says so in `paper.SECONDS`.
+'''
 
 from dataclasses import dataclass
 from importlib import import_module

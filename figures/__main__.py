@@ -7,6 +7,8 @@ python -m figures claims [--quick] [--out DIR]
 python -m figures paper [--estimate] [--out DIR]
 python -m figures prices [--out DIR]
 python -m figures index [--out DIR]
+python -m figures readme
+python -m figures explore [--tilt-deg PHI] [--friction MU] ... [--out FILE.png]
 """
 
 import argparse
@@ -71,6 +73,17 @@ Write one page of all that the folder holds: index.html.
 
   python -m figures index
   python -m figures index --out pictures
+""",
+    "explore": """\
+Open a window of sliders: one impact and the drift.
+
+  python -m figures explore
+  python -m figures explore --tilt-deg 40 --friction 0.5 --out setting.png     # no window
+""",
+    "readme": """\
+Write the measured parts of the README from the gallery, in a checkout.
+
+  python -m figures readme
 """,
 }
 
@@ -168,8 +181,10 @@ def _prices(arguments: argparse.Namespace) -> int:
         with np.load(npz) as stored:
             found[name] = {key: stored[key] for key in stored if key != "provenance"}
     words, picture = price_list.summary(found), price_list.draw(found)
-    with _replacing(out / "prices.txt") as part:
-        part.write_text(words + "\n", encoding="utf-8")
+    plain = json.dumps(price_list.numbers(found), indent=1, ensure_ascii=False, allow_nan=False)
+    for name, content in (("prices.txt", words), ("prices.json", plain)):
+        with _replacing(out / name) as part:
+            part.write_text(content + "\n", encoding="utf-8")
     with _replacing(out / "prices.png") as part:
         picture.savefig(part, dpi=200)
     plt.close(picture)
@@ -260,6 +275,48 @@ def _index(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _explore(arguments: argparse.Namespace) -> int:
+    given, out = dict(vars(arguments)), arguments.out
+    for other in ("command", "run", "out"):
+        del given[other]
+    if out:
+        import matplotlib as mpl
+
+        mpl.use("Agg")
+    from . import explore
+    from .setting import Setting
+
+    try:
+        start = Setting(**given)
+        if out and out.suffix != ".png":
+            raise ValueError(f"out must be a file that ends in .png, got {out}")
+    except ValueError as error:
+        raise CommandError(error) from None
+    if out:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with _replacing(out) as part:
+            explore.write(start, part)
+        print(out)
+    elif not explore.run(start):
+        raise CommandError("no display to open a window on; --out FILE.png draws it")
+    return 0
+
+
+def _readme(_: argparse.Namespace) -> int:
+    from . import readme
+
+    try:
+        text = readme.TARGET.read_text(encoding="utf-8")
+        new = readme.refreshed(text)
+    except (OSError, ValueError) as error:
+        raise CommandError(error) from None
+    if new != text:
+        with _replacing(readme.TARGET) as part:
+            part.write_text(new, encoding="utf-8")
+    print(f"{readme.TARGET}  {'as it was' if new == text else 'written anew'}")
+    return 0
+
+
 def _list(_: argparse.Namespace) -> int:
     width = max(map(len, FIGURES))
     for name, entry in FIGURES.items():
@@ -299,8 +356,24 @@ def _parser() -> Parser:
     prices.set_defaults(run=_prices)
     index = commands.add_parser("index", **told(TOLD["index"]))
     index.set_defaults(run=_index)
+    words = commands.add_parser("readme", **told(TOLD["readme"]))
+    words.set_defaults(run=_readme)
     for command in (judging, paper, prices, index):
         command.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
+    window = commands.add_parser(
+        "explore",
+        **told(TOLD["explore"]),
+        argument_default=argparse.SUPPRESS,
+    )
+    window.add_argument("--tilt-deg", type=float, metavar="PHI", help="0 to 90 (default 30)")
+    window.add_argument("--friction", type=float, metavar="MU", help="0 to 1 (default 0.3)")
+    window.add_argument("--restitution", type=float, metavar="E", help="0 to 1 (default 0.65)")
+    window.add_argument("--ratio", type=float, help="-c_z/c_x before, 0.1 to 10 (default 2)")
+    window.add_argument("--length", type=float, help="in diameters, 1 to 20 (default 8)")
+    window.add_argument("--shape", help="thin, round (default) or flat")
+    window.add_argument("--law", help="newton (default), poisson or stronge")
+    window.add_argument("--out", type=Path, default=None, metavar="FILE.png", help="no window")
+    window.set_defaults(run=_explore)
     commands.metavar = " | ".join(commands.choices)
     return parser
 

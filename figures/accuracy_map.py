@@ -75,7 +75,7 @@ def _lines(points: int) -> dict[str, np.ndarray]:
     }
 
 
-def _table(n: int) -> dict[str, np.ndarray]:
+def table(n: int) -> dict[str, np.ndarray]:
     """Largest and mean error over random impacts, shape (laws, regimes)."""
     impacts = Impacts(*random_impacts(n, seed=3))
     count = np.zeros(len(REGIMES), int)
@@ -107,7 +107,7 @@ def data(
     return {
         **_map(cells, samples or (2 if quick else 5)),
         **_lines(201 if quick else 1001),
-        **_table(impacts or (2_000 if quick else 100_000)),
+        **table(impacts or (2_000 if quick else 100_000)),
     }
 
 

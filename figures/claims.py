@@ -162,7 +162,7 @@ def counts(report: dict[str, Any]) -> str:
     return ", ".join(f"{kind}: {found[kind]}" for kind in kinds if found[kind])
 
 
-def _rows_of(claim: dict[str, Any]) -> list[dict[str, Any]]:
+def judged_rows(claim: dict[str, Any]) -> list[dict[str, Any]]:
     """Its judged numbers, if they are there."""
     return [row for row in claim["numbers"] if "holds" in row and "value" in row]
 
@@ -171,7 +171,7 @@ def brief(report: dict[str, Any]) -> str:
     """A line a claim: verdict, and each judged number with + holds, ~ in part, - does not."""
     lines = []
     for claim in report["claims"]:
-        cells = (f"{row['key']} {shown(row)} {MARKS[row['grade']]}" for row in _rows_of(claim))
+        cells = (f"{row['key']} {shown(row)} {MARKS[row['grade']]}" for row in judged_rows(claim))
         lines.append(f"{claim['id']:4}{claim['verdict']:20}{', '.join(cells)}{claim['trouble']}")
     return "\n".join([*(line.rstrip() for line in lines), counts(report)])
 
@@ -222,7 +222,7 @@ def page(report: dict[str, Any]) -> str:
     for claim in claims:
         found = "<br>".join(
             f"{row['name']}: {shown(row)}{' (close call)' if row['close'] else ''}"
-            for row in _rows_of(claim)
+            for row in judged_rows(claim)
         )
         name = f"[{claim['id']}](#{_anchor(claim)})" if claim["numbers"] else claim["id"]
         lines.append(f"| {name} | {claim['says']} | {found} | {claim['verdict']} |")

@@ -12,8 +12,7 @@ import numpy as np
 from impact import classify, critical_tilts, slide_friction, thin_rod
 
 from .shared import (
-    REGIME_MAP,
-    REGIME_NORM,
+    map_regimes,
     name_panel,
     reversal_boundary,
     style,
@@ -63,15 +62,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     tilt_deg = np.degrees(d["tilt"])
     end_deg, end_friction = np.degrees(d["reversal_end"][0]), d["reversal_end"][1]
     for i, (ax, labels) in enumerate(zip(axes, _LABELS, strict=True)):
-        ax.pcolormesh(
-            tilt_deg,
-            d["friction"],
-            d["regime"][i],
-            cmap=REGIME_MAP,
-            norm=REGIME_NORM,
-            shading="nearest",
-            rasterized=True,
-        )
+        map_regimes(ax, tilt_deg, d["friction"], d["regime"][i])
         slide = np.where(np.isfinite(d["slide_friction"][i]), d["slide_friction"][i], np.nan)
         ax.plot(np.degrees(d["slide_tilt"]), slide, "k-", label=r"$u_*=0$, Eq. (14)")
         critical_deg = np.degrees(d["critical_tilt"][i])

@@ -15,8 +15,8 @@ from scipy.optimize import minimize_scalar
 
 import md
 
-from .shared import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
-from .soft import TILTS, Soft, distance, right, rigid, shade, simulate
+from .shared import BLACK, BLUE, GREEN, LAWS, ORANGE, RED, name_panel, shade, style, tilt_axis
+from .soft import TILTS, Soft, distance, right, rigid, simulate
 
 EPSILON = 0.65
 SOFT = {  # all with k_n = 5e6
@@ -24,7 +24,6 @@ SOFT = {  # all with k_n = 5e6
     "constant_restitution": md.constant_restitution(EPSILON),
     "appendix_a": md.appendix_a(),
 }
-LAWS = ("newton", "poisson", "stronge")
 _DASHES = {1: "--", 2: "-", 3: "-."}  # the paper's: slide, slip-stick, slip reversal
 _COLOURS = {"coulomb": BLACK, "constant_restitution": BLUE, "appendix_a": RED}
 

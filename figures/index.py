@@ -214,11 +214,10 @@ def _prices(folder: Folder) -> str:
 
 def _claim(folder: Folder, claim: dict[str, Any]) -> str:
     """A line of the table: claim, verdict, the numbers that were judged."""
-    rows = [row for row in claim["numbers"] if "holds" in row and "value" in row]
     numbers = "".join(
         f"<li>{'?' if row['grade'] is None else SIGNS[row['grade']]} {to_html(row['name'])}: "
         f"<b>{to_html(claims.shown(row))}</b>{' (close call)' if row['close'] else ''}</li>"
-        for row in rows
+        for row in claims.judged_rows(claim)
     )
     see = f' <a href="#{claim["figure"]}">picture</a>' if claim["figure"] in FIGURES else ""
     return (

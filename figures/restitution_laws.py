@@ -21,6 +21,7 @@ from impact import collide, critical_friction, energy_restitution, slide_frictio
 from .shared import (
     BLACK,
     BLUE,
+    LAWS,
     RED,
     WARM,
     name_panel,
@@ -30,7 +31,6 @@ from .shared import (
     where_it_stops,
 )
 
-LAWS = ("newton", "poisson", "stronge")
 RESTITUTIONS = (0.8, 0.85, 0.9, 0.95, 0.99)
 
 

@@ -1,11 +1,12 @@
 """Time of a period over the number of rods, and work done at once over the number of cores.
 
 (a), (b) The row of the other figures with all that a run measures, settled, at the same tilt and
-density: the length of the box grows with the number of rods. (c) Independent runs of a sweep, four
-for each core, from the call to the last result in the store, processes already there; the broken
-line is the first point times the number of cores. Medians of samples taken in turn. (a) and (b) are
-times of the processor; (c) is by the clock: a machine that does other work meanwhile has less to
-give.
+density: the length of the box grows with the number of rods. Lines in (b): the row without box or
+measurement, the same rods by the kernel of motion in space, and rods in the annulus. (c)
+Independent runs of a sweep, four for each core, from the call to the last result in the store,
+processes already there; the broken line is the first point times the number of cores. Medians of
+samples taken in turn. (a) and (b) are times of the processor; (c) is by the clock: a machine that
+does other work meanwhile has less to give.
 """
 
 import os
@@ -26,8 +27,9 @@ from md.row import Series
 from md.scene import from_tables, put
 from md.sweep import execute, expand
 
+from . import in_space
 from .rows import ROW
-from .shared import BLACK, BLUE, name_panel, style
+from .shared import BLACK, BLUE, ORANGE, RED, name_panel, style
 from .timing import estimate, interleaved, machine_line, onward, reloading, steady
 
 COUNTS = {
@@ -110,6 +112,8 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
 
     with reloading() as again:
         by_count = interleaved(anew, BLOCKS[quick])
+    kernels = in_space.calls()
+    by_kernel = interleaved(lambda _: kernels, 3 * BLOCKS[quick])
     cores = cpu_count()
     workers = np.unique(np.geomspace(1, cores, min(cores, LEVELS)).round().astype(int))
     sweeps = [_sweeping(int(count)) for count in workers]
@@ -120,6 +124,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         "steps_per_period": np.int64(prepare(_row(40)).per),
         "workers": workers,
         "sweep": _estimates(by_workers),
+        "kernels": _estimates(by_kernel),
         "row_samples": by_count,
         "sweep_samples": by_workers,
         "load": np.float64(load),
@@ -148,6 +153,8 @@ def summary(d: dict[str, np.ndarray]) -> str:
     ]
     for count, ms, (ns, error, spread) in zip(d["counts"], _ms(d)[0], d["row"], strict=True):
         lines.append(f"{count:8d}{ms:14.2f}{f'{ns:.2f} ± {error:.2f}':>24}{spread:8.2f}")
+    for name, (ns, error, spread) in zip(in_space.NAMES, d["kernels"], strict=True):
+        lines.append(f"{name:>30}{f'{ns:.2f} ± {error:.2f}':>24}{spread:8.2f}")
     lines.append(f"{'cores':>8}{'million steps of a rod/s':>26}{'times one core':>16}")
     for count, rate, error in zip(d["workers"], *_throughput(d), strict=True):
         times = rate / _throughput(d)[0][0]
@@ -175,9 +182,12 @@ def _draw_steps(ax: Axes, d: dict[str, np.ndarray]) -> None:
     value, error, spread = d["row"].T
     ax.errorbar(d["counts"], value, spread / 2, fmt="none", color="0.6", lw=2, label="middle half")
     ax.errorbar(d["counts"], value, error, fmt="o", color=BLUE, ms=3, lw=0.8, label="median, error")
-    ax.set(xscale="log", xlabel="number of rods $N$", ylim=(0, 1.3 * value.max()))
+    looks = zip(in_space.NAMES, d["kernels"][:, 0], (BLACK, ORANGE, RED), strict=True)
+    for name, ns, colour in looks:
+        ax.axhline(ns, color=colour, lw=0.8, ls="--", label=f"{name}: {ns:.0f}")
+    ax.set(xscale="log", xlabel="number of rods $N$", ylim=(0, 1.8 * d["kernels"].max()))
     ax.set_ylabel("time (ns per step of a rod)")
-    ax.legend(loc="lower right")
+    ax.legend(loc="upper left", fontsize=6)
 
 
 def _draw_cores(ax: Axes, d: dict[str, np.ndarray]) -> None:

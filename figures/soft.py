@@ -8,12 +8,9 @@ velocities are in units of |c_z|.
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
 
 import md
 from impact import Collision, ContactGeometry, Regime, collide
-
-from .shared import REGIME_MAP, REGIME_NORM
 
 ROD = md.Rod(9.5, "thin")
 FRICTION, APPROACH_RATIO = 0.4, 2.0
@@ -84,17 +81,3 @@ def distance(a: Soft | Collision, b: Soft | Collision) -> np.ndarray:
 def right(a: Soft, b: Collision) -> int:
     """How many regimes agree."""
     return int(np.sum(a.regime == b.regime))
-
-
-def shade(ax: Axes, edges_deg: np.ndarray, regime: np.ndarray) -> None:
-    """Colour the panel by regime; `regime` holds between the edges."""
-    ax.pcolormesh(
-        edges_deg,
-        [0, 1],
-        regime[None],
-        cmap=REGIME_MAP,
-        norm=REGIME_NORM,
-        transform=ax.get_xaxis_transform(),
-        rasterized=True,
-        zorder=0,
-    )

@@ -15,11 +15,10 @@ from matplotlib.axes import Axes
 
 from impact import drift, flat_ended_rod, spherocylinder, thin_rod
 
-from .shared import BLACK, BLUE, GREEN, RED, name_panel, style, tilt_axis
+from .shared import BLACK, BLUE, GREEN, RED, SHAPES, name_panel, style, tilt_axis
 
 OBSERVED_DEG = 8.0  # experiment: flat-ended rods drift only above this tilt
 _KINDS = (("thin", BLACK, "-."), ("round", BLUE, "-"), ("flat", RED, "-"))
-_NAMES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
 
 
 def data(
@@ -88,7 +87,7 @@ def _over_tilt(ax: Axes, d: dict[str, np.ndarray]) -> None:
 
 def _over_length(ax: Axes, d: dict[str, np.ndarray]) -> None:
     for kind, colour, line in _KINDS:
-        ax.plot(d["lengths"], d[f"{kind}_by_length"], line, color=colour, label=_NAMES[kind])
+        ax.plot(d["lengths"], d[f"{kind}_by_length"], line, color=colour, label=SHAPES[kind])
     ax.plot(d["flat_length"], 0, "o", color=RED, ms=4)
     ax.annotate(
         rf"$l=d/\tan\phi={d['flat_length']:.2f}\,d$",

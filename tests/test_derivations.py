@@ -233,7 +233,9 @@ def test_a_false_verdict_gives_exit_code_one(monkeypatch, capsys):
     false = replace(BY_TAG["12"], verdict="agrees")
     monkeypatch.setattr(registry, "ENTRIES", (false,))
     assert cli.main(["check"]) == 1
-    assert "NOT PROVED" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "NOT PROVED" in printed
+    assert "this failed: difference" in printed
 
 
 FULL = Path("/dev/full")

@@ -1,6 +1,7 @@
 """Prices of effects and of rods, on one page; no test asserts a time."""
 
 import dataclasses
+import json
 import tempfile
 
 import matplotlib as mpl
@@ -10,7 +11,7 @@ import pytest
 
 import figures
 import md
-from figures import effect_prices, price_list, scaling, timing
+from figures import effect_prices, in_space, price_list, scaling, timing
 from figures.__main__ import main
 from figures.effects import EFFECTS, FULL, GROUPS, NOTHING, OFF, Variant, variants
 from md import row
@@ -33,6 +34,8 @@ TINY = {
         **{"COUNTS": {True: (4, 8)}, "LEAST": 8, "RUNS": 1, "PERIODS": 1},
         **{"BLOCKS": {True: 3}, "SETTLE": {True: 1}, "REPEATS": {True: 2}},
     },
+    in_space: {"STEPS": 20, "AROUND": 0.01},
+    price_list: {"IMPACTS": 1000, "CHECKED": 200},
 }
 
 
@@ -190,7 +193,7 @@ def test_code_comes_back_after_reloading():
 def test_command_writes_the_page_and_the_figures(out):
     folder, _ = out
     names = {f"{name}.{kind}" for name in ("effect_prices", "scaling") for kind in ("npz", "png")}
-    names |= {"effect_prices.pdf", "scaling.pdf", "prices.txt", "prices.png"}
+    names |= {"effect_prices.pdf", "scaling.pdf", "prices.txt", "prices.json", "prices.png"}
     assert {path.name for path in folder.iterdir()} == names
     assert (folder / "prices.png").read_bytes().startswith(b"\x89PNG")
     words = (folder / "prices.txt").read_text(encoding="utf-8")
@@ -199,6 +202,20 @@ def test_command_writes_the_page_and_the_figures(out):
     for word in ("numba", "gravity", "inertia: solid", "same kernel", "times one core"):
         assert word in words
     assert "nan" not in words
+
+
+def test_numbers_for_other_programs(out):
+    """Those of the figures; and what one impact costs, in time and in digits."""
+    folder, found = out
+    made = json.loads((folder / "prices.json").read_text(encoding="utf-8"))
+    alone = found["effect_prices"]["alone"][:, :2].tolist()
+    assert [effect["alone"] for effect in made["effects"]] == alone
+    assert [kernel["name"] for kernel in made["kernels"]] == list(in_space.NAMES)
+    assert made["cores"][0] == {"count": 1, "gain": 1.0}
+    assert made["impact_ns"]["numpy newton"] > made["impact_ns"]["loop newton"] > 0
+    assert [law["law"] for law in made["impact_ulp"]] == ["newton", "poisson", "stronge"]
+    assert all(0 < ulp < 6 for law in made["impact_ulp"] for ulp in law["largest"])
+    assert "numba" in made["machine"]
 
 
 def test_prices_belong_to_what_they_say(out):
@@ -274,6 +291,17 @@ def test_pictures_say_what_they_show(out):
     page = price_list.draw(found)
     assert [bool(ax.get_xlabel()) for ax in page.axes] == [True, True]
     plt.close(page)
+
+
+def test_rods_lifted_into_space_do_the_same(monkeypatch):
+    """But for the springs between rods, which they left behind."""
+    monkeypatch.setattr(in_space, "STEPS", 200)
+    engine = in_space._settled()
+    before = engine.rods.copy()
+    rods = in_space.lifted(engine)(0)[1][:, in_space.PLACES]
+    engine.go(201)
+    assert np.abs(engine.rods - before).max() > 0.05
+    assert np.abs(rods - engine.rods).max() < 5e-3
 
 
 def test_scaling_is_of_whole_rows(out):
