@@ -13,15 +13,52 @@ from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from tqdm import tqdm
 
 from . import registry
 
+DERIVATIONS = """\
+Prove every equation, generate the functions, write the report.
+
+  python -m derivations check        # so does python -m derivations alone
+  python -m derivations report
+"""
+
+CHECK = """\
+Prove every verdict; exit code 1 if a proof fails (10 s).
+
+  python -m derivations check
+  python -m derivations check --json
+"""
+
+GENERATE = """\
+Write impact/_generated.py and the tables of the README, in a checkout (5 s).
+
+  python -m derivations generate
+"""
+
+REPORT = """\
+Write the derivation as HTML and LaTeX; exit code 1 if a proof fails (15 s).
+
+  python -m derivations report
+  python -m derivations report --out pages
+"""
+
+
+def _told(text: str) -> dict[str, Any]:
+    """What a command says of itself: one line in the list of commands, all of it in its help."""
+    line = text.partition("\n")[0].rstrip(".")
+    return {"help": line[0].lower() + line[1:], "description": text}
+
 
 class _Parser(argparse.ArgumentParser):
-    """Bad arguments cost one line on stderr and exit code 2."""
+    """Help as it is written, never in colours; bad arguments cost one line and exit code 2."""
+
+    def __init__(self, **options: Any):
+        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **options)
+        self.color = False  # Python 3.14 would colour a pipe where FORCE_COLOR is set
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message}\n")
@@ -68,8 +105,8 @@ def _generate(_: argparse.Namespace) -> int:
 
     if not readme.TARGET.is_file():
         print(
-            f"derivations: generate is for a checkout, and {readme.TARGET.parent} is none: "
-            f"there is no {readme.TARGET.name}",
+            f"python -m derivations generate: generate is for a checkout, and "
+            f"{readme.TARGET.parent} is none: there is no {readme.TARGET.name}",
             file=sys.stderr,
         )
         return 2
@@ -81,6 +118,7 @@ def _generate(_: argparse.Namespace) -> int:
 
 
 def _report(arguments: argparse.Namespace) -> int:
+    arguments.out.mkdir(parents=True, exist_ok=True)  # or it would all be proved for nothing
     from . import report
 
     rows = registry.check(_bar("proving"))
@@ -89,42 +127,54 @@ def _report(arguments: argparse.Namespace) -> int:
     return 0 if all(row.proved for row in rows) else 1
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Run one command; returns the exit code."""
-    parser = _Parser(prog="python -m derivations", description=__doc__)
+def _parser() -> _Parser:
+    parser = _Parser(prog="python -m derivations", description=DERIVATIONS)
     commands = parser.add_subparsers(dest="command")
-    check = commands.add_parser("check", help="prove every verdict (the default)")
+    check = commands.add_parser("check", **_told(CHECK))
     check.add_argument("--json", action="store_true", help="a list of objects instead of a table")
     check.set_defaults(run=_check)
-    generate = commands.add_parser("generate", help="write impact/_generated.py")
+    generate = commands.add_parser("generate", **_told(GENERATE))
     generate.set_defaults(run=_generate)
-    report = commands.add_parser("report", help="write the derivation as HTML and LaTeX")
+    report = commands.add_parser("report", **_told(REPORT))
     report.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     report.set_defaults(run=_report)
-    arguments = parser.parse_args(argv or ["check"])
+    commands.metavar = " | ".join(commands.choices)
+    return parser
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    words = sys.argv[1:] if argv is None else argv
+    arguments = _parser().parse_args(words or ["check"])
     try:
         return arguments.run(arguments)
     except KeyboardInterrupt:
-        print("interrupted; nothing half-written was left", file=sys.stderr)
-        return 130
+        said, code = "interrupted; nothing half-written was left", 130
     except BrokenPipeError:  # the reader has seen enough
         return 0
+    except MemoryError as error:
+        said, code = f"not enough memory: {error}", 1
     except OSError as error:
-        print(f"derivations: cannot write: {error}", file=sys.stderr)
-        return 2
+        said, code = f"cannot write: {error}", 2
+    print(f"python -m derivations {arguments.command}: {said}", file=sys.stderr)
+    return code
 
 
-def leave(code: int) -> None:
+def leave(main: Callable[[], int]) -> NoReturn:
     """End the process; output that nobody takes any more is dropped without a traceback."""
+    try:
+        code = main()
+    except SystemExit as end:  # after help, or bad arguments
+        code = int(end.code or 0)
     try:
         sys.stdout.flush()
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
-            print(f"cannot write: {error}", file=sys.stderr)
+            print(f"python -m derivations: cannot write: {error}", file=sys.stderr)
             code = code or 2
     sys.exit(code)
 
 
 if __name__ == "__main__":
-    leave(main(sys.argv[1:]))
+    leave(main)

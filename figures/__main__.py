@@ -15,15 +15,77 @@ import argparse
 import json
 import os
 import platform
-import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from impact._command import Parser, guarded, leave
+from impact._command import CommandError, Parser, guarded, leave, told
 
 from . import FIGURES, load
+
+# What all of it and each command says of itself, with examples.
+TOLD = {
+    "figures": """\
+List and draw the figures, animate a scene, judge the claims, show all of it.
+
+  python -m figures draw fig11
+  python -m figures movie quasi2d --periods 4
+""",
+    "list": """\
+List the figures: names and titles; which ones are in the quick set.
+
+  python -m figures list
+""",
+    "draw": """\
+Compute and draw figures; without names: the quick set.
+
+  python -m figures draw fig10 fig11 --out pictures
+  python -m figures draw --all --quick            # every figure, on coarse grids
+""",
+    "movie": """\
+Animate a scene: GIF, and MP4 where FFmpeg is there.
+
+  python -m figures movie quasi2d --periods 4
+  python -m figures movie my_rods --set plate.amplitude_cm=0.03 --out row.gif
+""",
+    "claims": """\
+Judge what the paper claims: claims.json, claims.md.
+
+  python -m figures claims --quick                # short runs, for a first look
+  python -m figures claims
+""",
+    "paper": """\
+Make everything in full: the figures, the movie, the claims, the page.
+
+The same command goes on where it stopped.
+
+  python -m figures paper --estimate              # how long it takes, no more
+  python -m figures paper
+""",
+    "prices": """\
+Measure all prices anew, on this machine: ten minutes at most.
+
+  python -m figures prices
+""",
+    "index": """\
+Write one page of all that the folder holds: index.html.
+
+  python -m figures index
+  python -m figures index --out pictures
+""",
+    "explore": """\
+Open a window of sliders: one impact and the drift.
+
+  python -m figures explore
+  python -m figures explore --tilt-deg 40 --friction 0.5 --out setting.png     # no window
+""",
+    "readme": """\
+Write the measured parts of the README from the gallery, in a checkout.
+
+  python -m figures readme
+""",
+}
 
 
 @contextmanager
@@ -77,8 +139,7 @@ def _draw(arguments: argparse.Namespace) -> int:
     known = ", ".join(FIGURES)
     for name in arguments.names:
         if name not in FIGURES:
-            print(f"figures: there is no figure {name!r}; known: {known}", file=sys.stderr)
-            return 2
+            raise CommandError(f"there is no figure {name!r}; known: {known}")
     quick_set = [name for name, entry in FIGURES.items() if entry.quick]
     names = list(FIGURES) if arguments.all else list(dict.fromkeys(arguments.names)) or quick_set
     arguments.out.mkdir(parents=True, exist_ok=True)
@@ -145,16 +206,12 @@ def _movie(arguments: argparse.Namespace) -> int:
     if out.suffix == ".gif":
         paths, out = [out], out.parent
     elif out.suffix and not out.is_dir():
-        print(
-            f"figures: out must be a folder or a file that ends in .gif, got {out}", file=sys.stderr
-        )
-        return 2
+        raise CommandError(f"out must be a folder or a file that ends in .gif, got {out}")
     try:
         scene = md.load(arguments.scene, arguments.set)
         film = movie.record(scene, arguments.periods, arguments.frames, progress=True)
     except (TypeError, ValueError, md.RunError) as error:
-        print(f"figures: {error}", file=sys.stderr)
-        return 1 if isinstance(error, md.RunError) else 2
+        raise CommandError(error, 1 if isinstance(error, md.RunError) else 2) from None
     out.mkdir(parents=True, exist_ok=True)
     for path in paths:
         with _replacing(path) as part:
@@ -163,8 +220,8 @@ def _movie(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _no_store() -> bool:
-    """Whether the store of rows cannot be used; says why."""
+def _check_store() -> None:
+    """Refuse to begin where the store of rows cannot be used."""
     from md.store import Store, StoreError
 
     from .rows import store
@@ -172,17 +229,14 @@ def _no_store() -> bool:
     try:
         Store(store()).database.close()
     except StoreError as error:
-        print(f"figures: {error}", file=sys.stderr)
-        return True
-    return False
+        raise CommandError(error) from None
 
 
 def _claims(arguments: argparse.Namespace) -> int:
     from . import claims
 
     arguments.out.mkdir(parents=True, exist_ok=True)
-    if _no_store():
-        return 2
+    _check_store()
     report = claims.judge(arguments.quick, progress=True)
     text = json.dumps(claims.plain(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     for name, content in (("claims.json", text), ("claims.md", claims.page(report))):
@@ -196,8 +250,7 @@ def _paper(arguments: argparse.Namespace) -> int:
     from . import paper
 
     arguments.out.mkdir(parents=True, exist_ok=True)
-    if _no_store():
-        return 2
+    _check_store()
     print(paper.estimate(arguments.out), flush=True)
     if arguments.estimate:
         return 0
@@ -238,16 +291,14 @@ def _explore(arguments: argparse.Namespace) -> int:
         if out and out.suffix != ".png":
             raise ValueError(f"out must be a file that ends in .png, got {out}")
     except ValueError as error:
-        print(f"figures: {error}", file=sys.stderr)
-        return 2
+        raise CommandError(error) from None
     if out:
         out.parent.mkdir(parents=True, exist_ok=True)
         with _replacing(out) as part:
             explore.write(start, part)
         print(out)
     elif not explore.run(start):
-        print("figures: no display to open a window on; --out FILE.png draws it", file=sys.stderr)
-        return 2
+        raise CommandError("no display to open a window on; --out FILE.png draws it")
     return 0
 
 
@@ -258,8 +309,7 @@ def _readme(_: argparse.Namespace) -> int:
         text = readme.TARGET.read_text(encoding="utf-8")
         new = readme.refreshed(text)
     except (OSError, ValueError) as error:
-        print(f"figures: {error}", file=sys.stderr)
-        return 2
+        raise CommandError(error) from None
     if new != text:
         with _replacing(readme.TARGET) as part:
             part.write_text(new, encoding="utf-8")
@@ -274,23 +324,18 @@ def _list(_: argparse.Namespace) -> int:
     return 0
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Run one command; returns the exit code."""
-    parser = Parser(prog="python -m figures", description=__doc__.splitlines()[0])
-    commands = parser.add_subparsers(
-        dest="command",
-        required=True,
-        metavar="list | draw | movie | claims | prices | paper | index | explore | readme",
-    )
-    listing = commands.add_parser("list", help="names and titles")
+def _parser() -> Parser:
+    parser = Parser(prog="python -m figures", description=TOLD["figures"])
+    commands = parser.add_subparsers(dest="command", required=True)
+    listing = commands.add_parser("list", **told(TOLD["list"]))
     listing.set_defaults(run=_list)
-    draw = commands.add_parser("draw", help="compute and draw; without names: the quick set")
+    draw = commands.add_parser("draw", **told(TOLD["draw"]))
     draw.add_argument("names", nargs="*", metavar="NAME", help="figures to draw")
     draw.add_argument("--all", action="store_true", help="every figure")
     draw.add_argument("--quick", action="store_true", help="coarser grids, for a first look")
     draw.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     draw.set_defaults(run=_draw)
-    film = commands.add_parser("movie", help="animate a scene: GIF, and MP4 where FFmpeg is there")
+    film = commands.add_parser("movie", **told(TOLD["movie"]))
     film.add_argument("scene", help="TOML file, or the name of an example")
     film.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="change a key"
@@ -301,23 +346,23 @@ def main(argv: list[str] | None = None) -> int:
         "--out", type=Path, default=Path("out"), help="folder (default: out), or FILE.gif"
     )
     film.set_defaults(run=_movie)
-    judging = commands.add_parser("claims", help="judge what the paper claims: claims.json, .md")
+    judging = commands.add_parser("claims", **told(TOLD["claims"]))
     judging.add_argument("--quick", action="store_true", help="short runs, for a first look")
     judging.set_defaults(run=_claims)
-    paper = commands.add_parser("paper", help="every figure in full, the movie and the claims")
+    paper = commands.add_parser("paper", **told(TOLD["paper"]))
     paper.add_argument("--estimate", action="store_true", help="say how long it takes, no more")
     paper.set_defaults(run=_paper)
-    prices = commands.add_parser("prices", help="measure all prices anew: ten minutes at most")
+    prices = commands.add_parser("prices", **told(TOLD["prices"]))
     prices.set_defaults(run=_prices)
-    index = commands.add_parser("index", help="one page of all that the folder holds: index.html")
+    index = commands.add_parser("index", **told(TOLD["index"]))
     index.set_defaults(run=_index)
-    words = commands.add_parser("readme", help="measured parts of the README, from the gallery")
+    words = commands.add_parser("readme", **told(TOLD["readme"]))
     words.set_defaults(run=_readme)
     for command in (judging, paper, prices, index):
         command.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     window = commands.add_parser(
         "explore",
-        help="a window of sliders: one impact and the drift",
+        **told(TOLD["explore"]),
         argument_default=argparse.SUPPRESS,
     )
     window.add_argument("--tilt-deg", type=float, metavar="PHI", help="0 to 90 (default 30)")
@@ -329,9 +374,15 @@ def main(argv: list[str] | None = None) -> int:
     window.add_argument("--law", help="newton (default), poisson or stronge")
     window.add_argument("--out", type=Path, default=None, metavar="FILE.png", help="no window")
     window.set_defaults(run=_explore)
-    arguments = parser.parse_args(argv)
-    return guarded("figures", lambda: arguments.run(arguments))
+    commands.metavar = " | ".join(commands.choices)
+    return parser
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    arguments = _parser().parse_args(argv)
+    return guarded(f"python -m figures {arguments.command}", lambda: arguments.run(arguments))
 
 
 if __name__ == "__main__":
-    leave(main())
+    leave("python -m figures", main)

@@ -7,7 +7,6 @@ import argparse
 import json
 import os
 import platform
-import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -18,7 +17,23 @@ from typing import Any
 import numpy as np
 
 from . import ContactGeometry, collide, spherocylinder
-from ._command import Parser, guarded, leave
+from ._command import CommandError, Parser, guarded, leave, told
+
+IMPACT = """\
+The theory of rigid impacts: what one impact costs on this machine.
+
+Its functions are for Python (import impact). They take velocities in any unit and give them back in
+it; of the lengths of a rod, their ratios alone matter.
+
+  python -m impact benchmark
+"""
+
+BENCHMARK = """\
+Time per impact, compiled and not, and one pass through memory as the floor.
+
+  python -m impact benchmark
+  python -m impact benchmark --impacts 100000 --json
+"""
 
 LAWS = ("newton", "poisson", "stronge")
 RUNS = 9  # of each; the median counts
@@ -189,22 +204,29 @@ def _benchmark(arguments: argparse.Namespace) -> int:
     try:
         result = benchmark(arguments.impacts)
     except ImportError as missing:
-        print(f"impact: the benchmark needs {missing.name}, which is not here", file=sys.stderr)
-        return 2
+        raise CommandError(f"it needs {missing.name}, which is not here") from None
     print(json.dumps(result) if arguments.json else _table(result))
     return 0
 
 
+def _parser() -> Parser:
+    parser = Parser(prog="python -m impact", description=IMPACT)
+    commands = parser.add_subparsers(dest="command", required=True)
+    timing = commands.add_parser("benchmark", **told(BENCHMARK))
+    timing.add_argument(
+        "--impacts", type=_whole, default=1_000_000, metavar="N", help="at random (default 1000000)"
+    )
+    timing.add_argument("--json", action="store_true", help="one JSON object on standard output")
+    timing.set_defaults(run=_benchmark)
+    commands.metavar = " | ".join(commands.choices)
+    return parser
+
+
 def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit code."""
-    parser = Parser(prog="python -m impact", description=__doc__.splitlines()[0])
-    commands = parser.add_subparsers(dest="command", required=True, metavar="benchmark")
-    timing = commands.add_parser("benchmark", help="time per impact, and one pass through memory")
-    timing.add_argument("--impacts", type=_whole, default=1_000_000, metavar="N")
-    timing.add_argument("--json", action="store_true", help="print numbers for other programs")
-    arguments = parser.parse_args(argv)
-    return guarded("impact", lambda: _benchmark(arguments))
+    arguments = _parser().parse_args(argv)
+    return guarded(f"python -m impact {arguments.command}", lambda: arguments.run(arguments))
 
 
 if __name__ == "__main__":
-    leave(main())
+    leave("python -m impact", main)

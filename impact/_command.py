@@ -1,44 +1,67 @@
-"""What the command lines of `impact` and `figures` share: one-line errors and clean exits."""
+"""What the command lines of `impact` and `figures` share: help, one-line errors, clean exits."""
 
 import argparse
 import os
 import sys
 from collections.abc import Callable
-from typing import NoReturn
+from typing import Any, NoReturn
 
 
 class Parser(argparse.ArgumentParser):
-    """Bad arguments cost one line on stderr and exit code 2."""
+    """Help as it is written, never in colours; bad arguments cost one line and exit code 2."""
+
+    def __init__(self, **options: Any):
+        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **options)
+        self.color = False  # Python 3.14 would colour a pipe where FORCE_COLOR is set
 
     def error(self, message: str) -> NoReturn:
         """Print one line and leave."""
         self.exit(2, f"{self.prog}: {message}\n")
 
 
+def told(text: str) -> dict[str, Any]:
+    """What a command says of itself: one line in the list of commands, all of it in its help."""
+    line = text.partition("\n")[0].rstrip(".")
+    return {"help": line[0].lower() + line[1:], "description": text}
+
+
+class CommandError(Exception):
+    """Why a command does not go on, in one line; with its exit code."""
+
+    def __init__(self, why: object, code: int = 2):
+        super().__init__(why)
+        self.code = code
+
+
 def guarded(program: str, command: Callable[[], int]) -> int:
-    """Exit code of `command`; an interrupt or a full disk costs one line, a closed pipe none."""
+    """Exit code of `command`; what ends it before its time costs one line, a closed pipe none."""
     try:
         return command()
+    except CommandError as error:
+        said, code = str(error), error.code
     except KeyboardInterrupt:
-        print("interrupted; what was finished is kept", file=sys.stderr)
-        return 130
+        said, code = "interrupted; what was finished is kept", 130
     except BrokenPipeError:  # the reader has seen enough
         return 0
     except MemoryError as error:
-        print(f"{program}: not enough memory: {error}", file=sys.stderr)
-        return 2
+        said, code = f"not enough memory: {error}", 1
     except OSError as error:
-        print(f"{program}: cannot write: {error}", file=sys.stderr)
-        return 2
+        said, code = f"cannot write: {error}", 2
+    print(f"{program}: {said}", file=sys.stderr)
+    return code
 
 
-def leave(code: int) -> None:
+def leave(program: str, main: Callable[[], int]) -> NoReturn:
     """End the process; output that nobody takes any more is dropped without a traceback."""
+    try:
+        code = main()
+    except SystemExit as end:  # after help, or bad arguments
+        code = int(end.code or 0)
     try:
         sys.stdout.flush()
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
-            print(f"cannot write: {error}", file=sys.stderr)
+            print(f"{program}: cannot write: {error}", file=sys.stderr)
             code = code or 2
     sys.exit(code)

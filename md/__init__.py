@@ -11,10 +11,19 @@
 >>> result.c_x > 0  # rods drift the way they lean
 True
 
+One's own rods, in cm and Hz (`md/scenes/my_rods.toml`: copy it, change its numbers):
+
+>>> mine = md.load("my_rods", ["plate.acceleration=3"])
+>>> result = md.run(mine, periods=100)
+>>> drift, error = (mine.cm_per_s * value for value in (result.c_x, result.c_x_stderr))
+>>> print(f"{drift:.2f} +- {error:.2f} cm/s")  # doctest: +ELLIPSIS
+5... +- 0... cm/s
+
 `LAWS` holds the contact laws and `INTEGRATORS` the names of the methods, both for one impact. Many
 runs along axes are `md.sweep`, their results `md.store`, the frames of a run `md.trajectory`.
 
-Reduced units throughout: rod diameter d, mass of a rod and gravity are 1. Nothing here is taken
+Reduced units throughout: rod diameter d, mass of a rod and gravity are 1; scenes take cm, cm/s and
+Hz as well, and `Scene.cm_per_s` is one unit of velocity. Nothing here is taken
 from the theory of rigid impacts in `impact`, which it is there to test.
 
 Files, as one reads them

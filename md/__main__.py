@@ -1,7 +1,7 @@
 """Command line of the molecular dynamics.
 
 python -m md impact --tilt-deg 20 --friction 0.4 --restitution 0.65 --c-x 0.5 --c-z -1
-python -m md run quasi2d --set rods.count=20 --set box.length=21.5 --periods 100
+python -m md run my_rods --set rods.count=20 --set box.length_cm=15
 """
 
 import argparse
@@ -9,6 +9,7 @@ import json
 import os
 import re
 import sys
+from collections.abc import Callable
 from math import pi, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -16,45 +17,84 @@ from typing import TYPE_CHECKING, Any, NoReturn
 if TYPE_CHECKING:  # a refused argument shall cost no import
     from .laws import Law
     from .runner import Result
+    from .scene import Scene
 
-EXAMPLE = """\
-One soft impact of a rod's lower cap on a plate at rest, without gravity, in reduced units: rod
-diameter, rod mass and gravity are 1, velocities are in sqrt(g d), times in sqrt(d/g).
+MD = """\
+Molecular dynamics of rods on a plate: one impact, a scene, a sweep of scenes.
+
+  python -m md impact --tilt-deg 20 --c-x 0.5 --c-z -1
+  python -m md run my_rods --periods 100
+"""
+
+IMPACT = """\
+One soft impact of a rod's lower cap.
+
+The plate is at rest, gravity is left out. Units are reduced: rod diameter d, rod mass and gravity g
+are 1, velocities are in sqrt(g d), times in sqrt(d/g); sqrt(g d) is 25 cm/s for rods of 0.635 cm.
 
   python -m md impact --tilt-deg 20 --friction 0.4 --restitution 0.65 --c-x 0.5 --c-z -1
   python -m md impact --tilt-deg 60 --c-x 0.5 --c-z -1 --law appendix_a --integrator gear --json
 """
 
+RUN = """\
+Run a scene: drift, tilt, landings, energy.
 
-RUN_EXAMPLE = """\
-Run a scene: a TOML file, or an example of md/scenes (quasi2d, annulus, single_rod). Lengths are in
-rod diameters, times in sqrt(d/g), velocities in sqrt(g d), accelerations in g; only
-rods.diameter_cm and plate.frequency_hz are not. Your rods in cm: length = overall length over
-diameter.
+A scene is a TOML file, or an example of md/scenes (quasi2d, annulus, single_rod, my_rods). Lengths
+are in rod diameters, times in sqrt(d/g), velocities in sqrt(g d), accelerations in g, or in cm,
+cm/s and Hz, by keys that say so: my_rods shows how.
 
   python -m md run quasi2d --periods 200
   python -m md run quasi2d --tolerance 0.01            # until the drift is within 1 % of its value
+  python -m md run my_rods --set rods.length_cm=4 --set plate.amplitude_cm=0.03
   python -m md run quasi2d --set plate.acceleration=2 --set contacts.plate.law=coulomb --json
   python -m md run quasi2d --set contacts.plate.law=appendix_a --set contacts.plate.restitution=none
   python -m md run mine.toml --periods 10000 --checkpoint mine.npz      # Ctrl-C, and go on later
   python -m md run quasi2d --periods 5 --trajectory row.xyz --frames 24 # for OVITO
 """
 
+KEYS = """\
+keys and defaults; a part of a scene that is not named is not there. A key in cm or cm/s stands
+instead of the one above it, whose place it takes under --set, and needs rods.diameter_cm beside it,
+in the plate's part plate.frequency_hz:
+"""
 
-SWEEP_EXAMPLE = """\
-Run a scene along axes, on all cores, into a store; the same command goes on where it stopped.
+SWEEP = """\
+Run a scene along axes, on all cores, into a store.
+
+The same command goes on where it stopped. Keys of axes are those of a scene (md run --help).
 
   python -m md sweep drift --store drift.db
   python -m md sweep mine.toml --store mine.db --scheduler tcp://host:8786   # a Dask cluster
-  python -m md results drift.db --csv drift.csv
+"""
+
+CALIBRATE = """\
+Measure anew what --tolerance knows of the step's bias (20 min).
+
+  python -m md calibrate --store calibration.db
+  python -m md calibrate --store calibration.db --out mine.json     # leave the one in use alone
+"""
+
+RESULTS = """\
+Table of a store: a line a run, with the keys that differ between them.
+
+  python -m md results drift.db
+  python -m md results drift.db --cm                   # lengths in cm, velocities in cm/s
+  python -m md results drift.db --csv drift.csv        # all columns
 """
 
 
-class Parser(argparse.ArgumentParser):
-    """Bad arguments cost one line on stderr and exit code 2."""
+def _told(text: str) -> dict[str, Any]:
+    """What a command says of itself: one line in the list of commands, all of it in its help."""
+    line = text.partition("\n")[0].rstrip(".")
+    return {"help": line[0].lower() + line[1:], "description": text}
 
-    def __init__(self, *args: Any, **kwargs: Any):
-        super().__init__(*args, **kwargs)
+
+class Parser(argparse.ArgumentParser):
+    """Help as it is written, never in colours; bad arguments cost one line and exit code 2."""
+
+    def __init__(self, **options: Any):
+        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **options)
+        self.color = False  # Python 3.14 would colour a pipe where FORCE_COLOR is set
         self._negative_number_matcher = re.compile(r"-(\d|\.\d|inf|nan)")  # -1e-3 is no option
 
     def error(self, message: str) -> NoReturn:
@@ -141,12 +181,46 @@ def _run(arguments: argparse.Namespace) -> int:
         **dial,
     )
     if arguments.json:
-        print(json.dumps(result.as_dict()))
+        print(json.dumps(result.as_dict() | _in_cm(result)))
     else:
+        _print_scene(result.scene)
         _print_result(result)
     if not result.finished:
         return 130
     return 0 if not isinstance(result, Tuned) or result.accuracy.reached else 1
+
+
+def _in_cm(result: "Result") -> dict[str, Any]:
+    """For JSON, what a result in its own units is in cm and s."""
+    from .runner import finite
+    from .scene import as_dict
+    from .units import in_cm
+
+    cm, speed = result.scene.rods.diameter_cm, result.scene.cm_per_s
+    period = cm / speed / result.scene.frequency
+    units = {"length_cm": cm, "velocity_cm_s": speed, "time_s": cm / speed, "period_s": period}
+    error = {"c_x_stderr_cm_s": result.c_x_stderr * speed}
+    return finite(error) | {"units": units, "scene_in_cm": in_cm(as_dict(result.scene))}
+
+
+def _print_scene(scene: "Scene") -> None:
+    """What was there, in cm and Hz."""
+    from .scene import as_dict
+    from .units import in_cm
+
+    cm = {key: f"{value:.4g}" for key, value in in_cm(as_dict(scene)).items()}
+    print(f"rods         {scene.rods.count} of {cm['rods.length_cm']}", end="")
+    print(f" by {scene.rods.diameter_cm:.4g} cm", end="")
+    if scene.box is not None:
+        print(f", in a box of {cm['box.length_cm']} cm that repeats", end="")
+    if scene.annulus is not None:
+        radii = f"{cm['annulus.inner_cm']} and {cm['annulus.outer_cm']}"
+        print(f", between cylinders with radii of {radii} cm", end="")
+    print()
+    if scene.plate is not None and scene.vibrates:
+        print(f"plate        {scene.plate.frequency_hz:g} Hz, Gamma = ", end="")
+        print(f"{scene.plate.acceleration:.4g}, amplitude {cm['plate.amplitude_cm']} cm,", end="")
+        print(f" V_0 = {cm['plate.velocity_cm_s']} cm/s")
 
 
 def _print_result(r: "Result") -> None:
@@ -176,12 +250,12 @@ def _print_result(r: "Result") -> None:
         print(f"energy       plate {r.energy['plate_work']:.4g}, lost {lost:.4g},", end="")
         print(f" gained {r.energy['change']:.3g}, residual {r.energy['residual']:.1e} m g d")
     span = "periods" if r.scene.vibrates else "sqrt(d/g)"  # where nothing moves
-    print(f"{span:12} {r.periods}, of which the first {r.discarded} are not in the means", end="")
+    seconds = r.periods / r.scene.frequency * r.scene.rods.diameter_cm / unit
+    print(f"{span:12} {r.periods} = {seconds:.4g} s, of which the first {r.discarded}", end="")
+    print(" are not in the means", end="")
     print("" if r.finished else "; interrupted")
-    print(
-        f"cost         {r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} ({n} rod{'s' * (n > 1)},",
-        end="",
-    )
+    print(f"cost         {r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g)", end="")
+    print(f" ({n} rod{'s' * (n > 1)},", end="")
     print(f" {r.steps_per_period} steps each) in {r.run_seconds:.3g} s,", end="")
     print(f" {r.run_seconds / max(r.rod_steps, 1) * 1e9:.3g} ns each; compiled in", end="")
     print(f" {r.compile_seconds:.2g} s")
@@ -239,15 +313,20 @@ def _calibrate(arguments: argparse.Namespace) -> int:
 
 def _results(arguments: argparse.Namespace) -> int:
     from .store import table, write_csv
+    from .units import TWINS
 
     columns, rows = table(arguments.store)
     if arguments.csv:
         write_csv(arguments.csv, columns, rows)
         print(f"{len(rows)} runs written to {arguments.csv}")
         return 0
+    drift, other = ["c_x", "c_x_stderr"], set(TWINS)
+    if arguments.cm:
+        drift, other = [f"{name}_cm_s" for name in drift], {twin.key for twin in TWINS.values()}
+    of_scene = (c for c in columns if _of_scene(c) and c not in other)
     brief = [
-        *(c for c in columns if _of_scene(c) and len({row.get(c) for row in rows}) > 1),
-        *("c_x", "c_x_stderr", "tilt_deg", "periods", "seconds", "error"),
+        *(c for c in of_scene if len({row.get(c) for row in rows}) > 1),
+        *(*drift, "tilt_deg", "periods", "seconds", "error"),
     ]
     brief = [c for c in brief if any(row.get(c) is not None for row in rows)]
     cells = [brief, *([_cell(row.get(c)) for c in brief] for row in rows)]
@@ -274,16 +353,9 @@ def _parser() -> Parser:
     from .one_rod import INTEGRATORS
     from .scene import keys
 
-    parser = Parser(prog="python -m md", description=__doc__.splitlines()[0])
-    commands = parser.add_subparsers(
-        dest="command", required=True, metavar="impact | run | sweep | calibrate | results"
-    )
-    one = commands.add_parser(
-        "impact",
-        help="one soft impact: velocities, phases, regime, price",
-        description=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = Parser(prog="python -m md", description=MD)
+    commands = parser.add_subparsers(dest="command", required=True)
+    one = commands.add_parser("impact", **_told(IMPACT))
     add = one.add_argument
     add("--tilt-deg", type=float, required=True, help="from the vertical, -90 to 90")
     add("--c-x", type=float, required=True, help="horizontal velocity of the centre before")
@@ -313,13 +385,7 @@ def _parser() -> Parser:
     known = keys()
     width = max(len(key) for key, _ in known)
     table = "\n".join(f"  {key:{width}}  {default}" for key, default in known)
-    many = commands.add_parser(
-        "run",
-        help="run a scene: drift, tilt, landings, energy",
-        description=RUN_EXAMPLE,
-        epilog=f"keys and defaults; a part of a scene that is not named is not there:\n{table}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    many = commands.add_parser("run", **_told(RUN), epilog=f"{KEYS}{table}")
     add = many.add_argument
     add("scene", help="TOML file, or the name of an example")
     add(
@@ -345,64 +411,70 @@ def _parser() -> Parser:
     add("--checkpoint", metavar="FILE", help="save here; go on from it if it is there")
     add("--json", action="store_true", help="one JSON object on standard output")
     many.set_defaults(run=_run)
-    grid = commands.add_parser(
-        "sweep",
-        help="many runs along axes, into a store",
-        description=SWEEP_EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    grid = commands.add_parser("sweep", **_told(SWEEP))
     add = grid.add_argument
-    add("sweep", help="TOML file: scene, periods, [set], [[axes]]")
+    add(
+        "sweep",
+        help="TOML file, or the name of an example (drift): scene, periods, [set], [[axes]]",
+    )
     add("--store", required=True, metavar="FILE", help="SQLite file, made if it is not there")
     add("--workers", type=int, default=-1, help="processes (default: one a core)")
     add("--scheduler", metavar="ADDRESS", help="of a Dask cluster, which then runs the points")
     add("--retry", action="store_true", help="run again what failed before")
     add("--json", action="store_true", help="one JSON object on standard output")
     grid.set_defaults(run=_sweep)
-    steps = commands.add_parser(
-        "calibrate", help="measure anew what --tolerance knows of the step's bias (20 min)"
-    )
-    steps.add_argument(
-        "--store", required=True, metavar="FILE", help="SQLite file, goes on from it"
-    )
-    steps.add_argument("--out", metavar="FILE", help="default: the one that --tolerance reads")
+    steps = commands.add_parser("calibrate", **_told(CALIBRATE))
+    add = steps.add_argument
+    add("--store", required=True, metavar="FILE", help="SQLite file, goes on from it")
+    add("--out", metavar="FILE", help="default: the one that --tolerance reads")
     steps.set_defaults(run=_calibrate)
-    found = commands.add_parser("results", help="table of a store")
+    found = commands.add_parser("results", **_told(RESULTS))
     found.add_argument("store", help="SQLite file of a sweep")
-    found.add_argument("--csv", metavar="OUT", help="write all columns to a file")
+    found.add_argument("--cm", action="store_true", help="in cm and cm/s")
+    found.add_argument("--csv", metavar="OUT", help="write all columns to a file, in both units")
     found.set_defaults(run=_results)
+    commands.metavar = " | ".join(commands.choices)
     return parser
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit code."""
+    program = "python -m md"
     try:
         arguments = _parser().parse_args(argv)
+        program += f" {arguments.command}"
         return arguments.run(arguments)
     except (ValueError, TypeError) as error:
-        print(f"md: {error}", file=sys.stderr)
-        return 2
+        said, code = str(error), 2
     except RuntimeError as error:
-        print(f"md: {error}", file=sys.stderr)
-        return 1
+        said, code = str(error), 1
     except MemoryError as error:
-        print(f"md: not enough memory: {error}", file=sys.stderr)
-        return 1
+        said, code = f"not enough memory: {error}", 1
     except KeyboardInterrupt as stop:
-        print(f"interrupted: {stop}" if str(stop) else "interrupted", file=sys.stderr)
-        return 130
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        said, code = f"interrupted: {stop}" if str(stop) else "interrupted", 130
+    except BrokenPipeError:  # the reader has seen enough
         return 0
     except OSError as error:
-        print(f"md: {error}", file=sys.stderr)
-        return 1
+        said, code = f"cannot write: {error}", 2
+    print(f"{program}: {said}", file=sys.stderr)
+    return code
+
+
+def leave(main: Callable[[], int]) -> NoReturn:
+    """End the process; output that nobody takes any more is dropped without a traceback."""
+    try:
+        code = main()
+    except SystemExit as end:  # after help, or bad arguments
+        code = int(end.code or 0)
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            print(f"python -m md: cannot write: {error}", file=sys.stderr)
+            code = code or 2
+    sys.exit(code)
 
 
 if __name__ == "__main__":
-    code = main()
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    sys.exit(code)
+    leave(main)

@@ -1,7 +1,8 @@
 """Scenes: what is there, as frozen dataclasses or TOML. What a scene does not name is not there.
 
 Lengths are in rod diameters, times in sqrt(d/g), velocities in sqrt(g d); only `diameter_cm` and
-`frequency_hz` are not, and turn into these at once. `md/scenes/` holds examples.
+`frequency_hz` are not, and turn into these at once, as do the keys in cm and cm/s that a table may
+hold instead of others (`md.units`). `md/scenes/` holds examples.
 """
 
 import hashlib
@@ -16,8 +17,8 @@ from types import NoneType
 from typing import Any, get_args, get_type_hints
 
 from .laws import LAWS, Law, number
+from .units import GRAVITY_CM, SCALES, TWINS, cm_per_s, reduced, rivals, twins
 
-GRAVITY_CM = 981.0  # cm/s^2
 SCENES = Path(__file__).parent / "scenes"
 
 
@@ -68,7 +69,7 @@ class Rods:
             self,
             "rods",
             length=(1.0, 1e3, "between 1 and 1000"),
-            diameter_cm=(1e-6, 1e6, "between 1e-6 and 1e6"),
+            diameter_cm=SCALES["rods.diameter_cm"],
         )
 
 
@@ -84,7 +85,7 @@ class Plate:
             self,
             "plate",
             acceleration=(0.0, 1e3, "between 0 and 1000"),
-            frequency_hz=(1e-3, 1e6, "between 1e-3 and 1e6"),
+            frequency_hz=SCALES["plate.frequency_hz"],
         )
 
 
@@ -301,7 +302,7 @@ class Scene:
     @property
     def cm_per_s(self) -> float:
         """Unit of velocity, sqrt(g d)."""
-        return sqrt(GRAVITY_CM * self.rods.diameter_cm)
+        return cm_per_s(self.rods.diameter_cm)
 
     @property
     def impact_speed(self) -> float:
@@ -363,7 +364,8 @@ def _build(kind: type, name: str, table: object) -> Any:
     hints, parts = get_type_hints(kind), {}
     for key, value in table.items():
         if key not in hints:
-            raise ValueError(_unknown(f"{name}.{key}" if name else key, hints))
+            also = (twin.partition(".")[2] for twin in TWINS if twin.startswith(f"{name}."))
+            raise ValueError(_unknown(f"{name}.{key}" if name else key, (*hints, *also)))
         kinds: tuple[Any, ...] = hints[key], *get_args(hints[key])
         inner: Any = next((kind for kind in kinds if is_dataclass(kind)), None)
         path = f"{name}.{key}" if name else key
@@ -384,7 +386,9 @@ def keys() -> list[tuple[str, str]]:
         kind = next(t for t in (hint, *get_args(hint)) if is_dataclass(t))
         for part in fields(kind) if kind is not Contacts else ():
             default = "required" if part.default is MISSING else part.default
-            found.append((f"{name}.{part.name}", "-" if default is None else str(default)))
+            key = f"{name}.{part.name}"
+            found.append((key, "-" if default is None else str(default)))
+            found += [(twin, f"instead of {key}") for twin in twins(key)]
     laws = {law: inspect.signature(make).parameters.values() for law, make in LAWS.items()}
     found += [("contacts.plate.law (.rods, .wall)", "constant_restitution")]
     found += [("contacts.plate.friction (.rods, .wall)", "0.0")]
@@ -405,7 +409,11 @@ def _parsed(assignment: str) -> tuple[str, Any]:
 
 
 def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
-    """A copy of a scene's tables with the values of some dotted keys changed; "none" removes."""
+    """A copy of a scene's tables with the values of some dotted keys changed; "none" removes.
+
+    What is changed takes the place of what said the same before: an amplitude that of an
+    acceleration, say.
+    """
     changed = deepcopy(dict(tables))
     for key, value in changes.items():
         table = changed
@@ -417,6 +425,9 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
         if value == "none":
             table.pop(last, None)
         else:
+            for other in rivals(key):
+                if other not in changes:
+                    table.pop(other.partition(".")[2], None)
             table[last] = value
     return changed
 
@@ -455,7 +466,12 @@ def from_tables(tables: Mapping) -> Scene:
     ValueError, TypeError
         If they hold what is not a scene.
     """
-    return _build(Scene, "", tables)
+    tables, said = reduced(tables)
+    try:
+        return _build(Scene, "", tables)
+    except (TypeError, ValueError) as error:
+        given = [words for key, words in said.items() if key in str(error)]
+        raise type(error)(f"{error} ({'; '.join(given)})" if given else str(error)) from None
 
 
 def load(source: str | Path, assignments: Sequence[str] = ()) -> Scene:

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from .units import cm_per_s, in_cm
+
 __all__ = ["Store", "StoreError", "table", "write_csv"]
 
 _VERSION = 1
@@ -175,7 +177,8 @@ def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:
 def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
     """All runs of a store, flat: names of columns, and a dictionary a run.
 
-    Columns with a dot are keys of the scene or parts of the results, such as `landings.`.
+    Columns with a dot are keys of the scene, in its own units and in cm and cm/s, or parts of the
+    results, such as `landings.`.
 
     Parameters
     ----------
@@ -191,7 +194,10 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
     rows = []
     for found in runs:
         scene, result = found.pop("scene"), found.pop("result") or {}
-        rows.append(_flat(scene) | _flat(result) | found)
+        if result.get("c_x_stderr") is not None:
+            unit = cm_per_s(scene["rods"]["diameter_cm"])
+            result["c_x_stderr_cm_s"] = result["c_x_stderr"] * unit
+        rows.append(_flat(scene) | in_cm(scene) | _flat(result) | found)
     return list(dict.fromkeys(name for row in rows for name in row)), rows
 
 

@@ -25,6 +25,7 @@ def write_frame(file: TextIO, scene: Scene, rods: np.ndarray, time: float, heigh
     time : periods since the start
     height : of the plate, in d
 
+    Lengths are in d, velocities in sqrt(g d); beside the time stand d in cm and sqrt(g d) in cm/s.
     Columns: number; place x, y, z; orientation as a quaternion x, y, z, w that turns the z axis
     into the rod's; radius, radius and length of the cylinder between the caps (OVITO: particle
     shape spherocylinder); velocity; angular velocity; tilt in degrees.
@@ -33,7 +34,8 @@ def write_frame(file: TextIO, scene: Scene, rods: np.ndarray, time: float, heigh
     reach = repr(scene.rods.length + 10)
     file.write(
         f'{len(rods)}\nLattice="{period} 0 0 0 1 0 0 0 {reach}" Properties={_COLUMNS} '
-        f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} plate={height!r}\n'
+        f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} '
+        f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
     )
     for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
         numbers = [*place, *turn, 0.5, 0.5, scene.rods.length - 1, *velocity, omega, tilt]

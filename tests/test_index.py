@@ -299,7 +299,7 @@ def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
     done = []
     for name in ("_draw", "_movie", "_claims"):
         monkeypatch.setattr(command, name, lambda _, name=name: done.append(name) or 0)
-    monkeypatch.setattr(command, "_no_store", lambda: False)
+    monkeypatch.setattr(command, "_check_store", lambda: None)
     monkeypatch.setattr(paper, "left", lambda out: done.clear() or ["fig10"])
     monkeypatch.setattr(paper, "estimate", lambda out: "")
     monkeypatch.setattr(index, "files", lambda out: done.append("index") or {})

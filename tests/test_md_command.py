@@ -209,7 +209,7 @@ def test_interrupted_run_ends_cleanly(capsys, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("md.one_rod.impact", interrupted)
-    assert run(capsys) == (130, "", "interrupted\n")
+    assert run(capsys) == (130, "", "python -m md impact: interrupted\n")
 
 
 def test_a_run_that_fails_is_code_1(capsys, monkeypatch):
@@ -217,7 +217,7 @@ def test_a_run_that_fails_is_code_1(capsys, monkeypatch):
         raise md.RunError("the contact has not ended", (0.0,) * 6)
 
     monkeypatch.setattr("md.one_rod.impact", stopped)
-    assert run(capsys) == (1, "", "md: the contact has not ended\n")
+    assert run(capsys) == (1, "", "python -m md impact: the contact has not ended\n")
 
 
 def test_as_a_program():

@@ -1,0 +1,124 @@
+"""One's own rods: keys of a scene in cm and cm/s, each instead of one in the scene's own units.
+
+Lengths and speeds are measured by the rods' diameter, and need `rods.diameter_cm` beside them; an
+amplitude or a peak velocity of the plate says its acceleration, and needs `plate.frequency_hz`.
+All are converted once, as the tables of a scene are read.
+
+>>> import md
+>>> md.load("my_rods").rods.length == 5.08 / 0.635  # length_cm = 5.08, diameter_cm = 0.635
+True
+>>> round(md.load("my_rods", ["plate.amplitude_cm=0.05"]).plate.acceleration, 3)  # (2 pi f)^2 A/g
+7.244
+"""
+
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from math import pi, sqrt
+from typing import Any, NamedTuple
+
+from .laws import not_negative, number
+
+GRAVITY_CM = 981.0  # cm/s^2
+SCALES = {  # what measures the others, and their domains
+    "rods.diameter_cm": (1e-6, 1e6, "between 1e-6 and 1e6"),
+    "plate.frequency_hz": (1e-3, 1e6, "between 1e-3 and 1e6"),
+}
+
+
+class Twin(NamedTuple):
+    """A key that stands instead of another one."""
+
+    key: str  # that it stands for
+    scale: str  # key that it needs beside it
+    unit: Callable[[float], float]  # of `key` in that of the twin, given the scale
+
+
+def cm_per_s(diameter: float) -> float:
+    """Unit of velocity, sqrt(g d), given the diameter in cm."""
+    return sqrt(GRAVITY_CM * diameter)
+
+
+def _length(diameter: float) -> float:
+    return diameter
+
+
+def _amplitude(frequency: float) -> float:
+    return GRAVITY_CM / (2 * pi * frequency) ** 2
+
+
+def _peak(frequency: float) -> float:
+    return GRAVITY_CM / (2 * pi * frequency)
+
+
+TWINS = {
+    "rods.length_cm": Twin("rods.length", "rods.diameter_cm", _length),
+    "plate.amplitude_cm": Twin("plate.acceleration", "plate.frequency_hz", _amplitude),
+    "plate.velocity_cm_s": Twin("plate.acceleration", "plate.frequency_hz", _peak),
+    "box.length_cm": Twin("box.length", "rods.diameter_cm", _length),
+    "annulus.inner_cm": Twin("annulus.inner", "rods.diameter_cm", _length),
+    "annulus.outer_cm": Twin("annulus.outer", "rods.diameter_cm", _length),
+    "start.speed_cm_s": Twin("start.speed", "rods.diameter_cm", cm_per_s),
+    "start.drop_cm": Twin("start.drop", "rods.diameter_cm", _length),
+}
+
+
+def twins(key: str) -> list[str]:
+    """Keys that stand instead of this one."""
+    return [name for name, twin in TWINS.items() if twin.key == key]
+
+
+def rivals(key: str) -> list[str]:
+    """Keys that cannot stand beside this one, as they say the same."""
+    own = TWINS[key].key if key in TWINS else key
+    return [name for name in (own, *twins(own)) if name != key]
+
+
+def _value(tables: Mapping, key: str) -> Any:
+    """Value of a dotted key; None if it is not there."""
+    part, _, name = key.partition(".")
+    table = tables.get(part)
+    return table.get(name) if isinstance(table, Mapping) else None
+
+
+def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
+    """A scene's tables in its own units.
+
+    Returns
+    -------
+    The tables, and for each key that was not given in its own units the words that say how it was.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a key stands beside one that says the same or without the one that it needs, or a value
+        is out of its domain.
+    """
+    changed, said = deepcopy(dict(tables)), {}
+    for name, (key, scale, unit) in TWINS.items():
+        value = _value(tables, name)
+        if value is None:
+            continue
+        for other in rivals(name):
+            if _value(tables, other) is not None:
+                raise ValueError(f"{name} and {other} say the same: give one of them, not both")
+        by = _value(tables, scale)
+        if by is None:
+            raise ValueError(f"{scale} is missing: {name} needs it")
+        if isinstance(value, bool):
+            raise TypeError(f"{name} must be a number, got {value!r}")
+        one = unit(number(scale, by, *SCALES[scale]))
+        part, _, last = name.partition(".")
+        del changed[part][last]
+        changed[part][key.partition(".")[2]] = not_negative(name, value) / one
+        said[key] = f"{name} = {value!r}, in units of {one:.6g}"
+    return changed, said
+
+
+def in_cm(tables: Mapping) -> dict[str, float]:
+    """What a scene's tables in its own units (`scene.as_dict`) are by the keys in cm and cm/s."""
+    pairs = ((name, twin, _value(tables, twin.key)) for name, twin in TWINS.items())
+    return {
+        name: value * twin.unit(_value(tables, twin.scale))
+        for name, twin, value in pairs
+        if value is not None
+    }
