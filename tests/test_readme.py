@@ -79,7 +79,7 @@ def quick(command):
     return command not in ELSEWHERE and not set(SLOW) & set(command.split())
 
 
-@pytest.mark.parametrize("command", filter(quick, COMMANDS))
+@pytest.mark.parametrize("command", list(filter(quick, COMMANDS)))
 def test_commands_run(command, tmp_path):
     done = run(command, tmp_path)
     if command == "python -m figures explore":  # there is no display
