@@ -23,12 +23,12 @@ One's own rods, in cm and Hz (`md/scenes/my_rods.toml`: copy it, change its numb
 runs along axes are `md.sweep`, their results `md.store`, the frames of a run `md.trajectory`.
 
 Reduced units throughout: rod diameter d, mass of a rod and gravity are 1; scenes take cm, cm/s and
-Hz as well, and `Scene.cm_per_s` is one unit of velocity. Nothing here is taken
-from the theory of rigid impacts in `impact`, which it is there to test.
+Hz as well, and `Scene.cm_per_s` is one unit of velocity. Nothing here is taken from the theory of
+rigid impacts in `impact`, which it is there to test.
 
 Files, as one reads them
 ------------------------
-scene                               what is there: `Scene` and its parts; examples in scenes/
+scene, units                        what is there: `Scene`, also in cm and Hz; examples in scenes/
 contact, laws                       forces of one contact, compiled; what sets their constants
 integrators, reference, one_rod     `impact`, `follow`: fixed steps, or every switch located
 neighbours, row, landings           rods in a plane, compiled: pairs, forces and steps, landings
