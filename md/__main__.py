@@ -5,6 +5,7 @@ python -m md run my_rods --set rods.count=20 --set box.length_cm=15
 """
 
 import argparse
+import inspect
 import json
 import os
 import re
@@ -109,14 +110,16 @@ def _law(arguments: argparse.Namespace) -> "Law":
     options |= {name: getattr(arguments, name) for name in ("tangential_ratio", "restitution")}
     if arguments.law == "appendix_a" and arguments.restitution is not None:
         raise ValueError("restitution cannot be chosen under appendix_a, whose damping is fixed")
-    if arguments.law == "coulomb" and arguments.tangential_ratio is not None:
-        raise ValueError("tangential_ratio has no meaning under coulomb, which has no spring")
     if arguments.integrator == "dop853" and arguments.dt is not None:
         raise ValueError("dt has no meaning under dop853, which chooses its steps: use tolerance")
     if arguments.integrator != "dop853" and arguments.tolerance is not None:
         raise ValueError(f"tolerance has no meaning under {arguments.integrator}: use dt")
     chosen = {name: value for name, value in options.items() if value is not None}
-    return LAWS[arguments.law](**chosen)
+    make = LAWS[arguments.law]
+    for name in chosen:
+        if name not in inspect.signature(make).parameters:
+            raise ValueError(f"{name} has no meaning under {arguments.law}")
+    return make(**chosen)
 
 
 def _impact(arguments: argparse.Namespace) -> int:
