@@ -64,7 +64,7 @@ def _walls(quick):
         return np.diff(d["wall_c_x"]).max() / d["wall_c_x"].max()
 
     yield resampled(d, rise, "wall_c_x")
-    yield resampled(d, lambda d: d["wall_c_x"][0] / d["wall_c_x"][-1], "wall_c_x")
+    yield resampled(d, lambda d: d["wall_c_x"][-1] / d["wall_c_x"][0], "wall_c_x")
     yield resampled(d, lambda d: _at(d, "wall", 0) / _at(d, "wall", 0.3), "wall_c_x")
 
 

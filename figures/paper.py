@@ -22,7 +22,7 @@ SECONDS = {
     "effect_prices": 420,
     "accuracy_cost_drift": 400,
     "landing_census": 250,
-    "fig05": 225,
+    "fig05": 300,
     "accuracy_cost_ladder": 150,
     "scaling": 120,
     "accuracy_map": 65,

@@ -1,4 +1,4 @@
-"""Stop and go on: bit for bit the numbers of a run that never stopped."""
+"""M17: Stop and go on: bit for bit the numbers of a run that never stopped."""
 
 import json
 import os
