@@ -38,10 +38,10 @@ def _table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
 
 def _time(seconds: float) -> str:
     """With two digits, in a unit that suits."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("microseconds", 1e-6)):
-        if seconds >= size:
-            return f"{seconds / size:.2g} {unit}" if seconds < 100 * size else f"{seconds:.0f} s"
-    return f"{seconds / 1e-9:.2g} ns"
+    units = (("s", 1.0), ("ms", 1e-3), ("microseconds", 1e-6), ("ns", 1e-9))
+    unit, size = next((one for one in units if seconds >= one[1]), units[-1])
+    value = seconds / size
+    return f"{value:.{1 if value < 10 else 0}f} {unit}"
 
 
 def _within(pair: list[float | None]) -> str:
@@ -125,8 +125,8 @@ FINDINGS = """\
 - **Flights shorten at {S13.change}**, half of the tilt claimed, and {S13.sharp} of the change
   happens between 25 and 35 degrees.
 - **Reverse drift near Gamma = 1 is there**, without walls at {E2.points} points of the map of
-  Fig. 2, up to Gamma = {E2.end}, at most {E2.slower} of the forward drift; in the annulus at
-  {E2.ring_back}. Its sign is not that of the plate's mean velocity at landing: {E2.follows} of the
+  Fig. 2, up to Gamma = {E2.end}, at most {E2.slower} of the forward drift; in the annulus
+  at {E2.ring_back} point. Its sign is not that of the plate's mean velocity at landing: {E2.follows} of the
   drifts up to 1.6 have that sign without walls, {E2.ring_follows} in the annulus.
 - **Rolling does ease the slowdown** that the paper sees between 18 and 35 degrees in the annulus
   and puts down to the rotation it left out: rods that roll are {S20.faster} times as fast there.
