@@ -166,7 +166,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     }
 
 
-def _plus_minus(value: float, error: float) -> str:
+def plus_minus(value: float, error: float) -> str:
     """Both in hundredths, the error rounded up."""
     return f"{round(value, 2) + 0.0:.2f} ± {ceil(100 * error) / 100:.2f}"
 
@@ -204,7 +204,7 @@ def summary(d: dict[str, np.ndarray]) -> str:
         )
         for _ in effects:
             name, *pair, change = next(prices)
-            cells = "".join(f"{f'{_plus_minus(v, e)} ({s:.2f})':>21}" for v, e, s in pair)
+            cells = "".join(f"{f'{plus_minus(v, e)} ({s:.2f})':>21}" for v, e, s in pair)
             lines.append(f"{name:34}{cells}{round(pair[1][0] / full, 3) + 0.0:8.1%}{change:>16}")
     return "\n".join(lines)
 
@@ -225,7 +225,7 @@ def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
         ax.errorbar(value, y + side, xerr=error, fmt="none", ecolor="black", elinewidth=0.7)
         for at, one, off in zip(y + side, value, error, strict=True):
             start = max(one, 0) + off + 0.01 * longest
-            words = _plus_minus(one, off).replace("-", "−")
+            words = plus_minus(one, off).replace("-", "−")
             ax.text(start, at, words, va="center", fontsize=5.5, color="0.25")
     beside = {"va": "center", "fontsize": 6, "transform": ax.get_yaxis_transform()}
     for at, words in zip(y, _changes(d), strict=True):

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from .claims import GRADES, counts, judged_rows, restored, shown
+from .effect_prices import plus_minus
 
 GALLERY = Path(__file__).resolve().parent / "gallery"
 TARGET = GALLERY.parent.parent / "README.md"
@@ -42,11 +43,6 @@ def _time(seconds: float) -> str:
     unit, size = next((one for one in units if seconds >= one[1]), units[-1])
     value = seconds / size
     return f"{value:.{1 if value < 10 else 0}f} {unit}"
-
-
-def _within(pair: list[float | None]) -> str:
-    value, error = pair
-    return f"{value:.2f} ± {max(error or 0.0, 0.01):.2f}"
 
 
 def costs(prices: dict[str, Any], _: dict[str, Any]) -> str:
@@ -78,7 +74,7 @@ def costs(prices: dict[str, Any], _: dict[str, Any]) -> str:
 def effects(prices: dict[str, Any], _: dict[str, Any]) -> str:
     """What each effect costs, and what leaving it out does."""
     rows = [
-        (row["name"], _within(row["alone"]), _within(row["within"]), row["drift"])
+        (row["name"], plus_minus(*row["alone"]), plus_minus(*row["within"]), row["drift"])
         for row in prices["effects"]
     ]
     plane, lifted, around = (kernel["ns"][0] for kernel in prices["kernels"])
@@ -86,8 +82,8 @@ def effects(prices: dict[str, Any], _: dict[str, Any]) -> str:
     cores = prices["cores"][-1]
     return "\n".join(
         [
-            f"Nanoseconds a step of a rod; all together {_within(prices['full'])}, a rod that only "
-            f"flies {_within(prices['bare'])}, drift {_within(prices['drift_cm_s'])} cm/s.",
+            f"Nanoseconds a step of a rod; all together {plus_minus(*prices['full'])}, a rod that only "
+            f"flies {plus_minus(*prices['bare'])}, drift {plus_minus(*prices['drift_cm_s'])} cm/s.",
             "",
             _table(header, rows),
             "",
@@ -126,8 +122,8 @@ FINDINGS = """\
   happens between 25 and 35 degrees.
 - **Reverse drift near Gamma = 1 is there**, without walls at {E2.points} points of the map of
   Fig. 2, up to Gamma = {E2.end}, at most {E2.slower} of the forward drift; in the annulus
-  at {E2.ring_back} point. Its sign is not that of the plate's mean velocity at landing: {E2.follows} of the
-  drifts up to 1.6 have that sign without walls, {E2.ring_follows} in the annulus.
+  at {E2.ring_back} point. Its sign is not that of the plate's mean velocity at landing:
+  {E2.follows} of the drifts up to 1.6 have that sign without walls, {E2.ring_follows} in the annulus.
 - **Rolling does ease the slowdown** that the paper sees between 18 and 35 degrees in the annulus
   and puts down to the rotation it left out: rods that roll are {S20.faster} times as fast there.
   Without rolling the dip is {S20.still_dip} of the maxima, with it {S20.dip}.
