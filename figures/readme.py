@@ -82,8 +82,9 @@ def effects(prices: dict[str, Any], _: dict[str, Any]) -> str:
     cores = prices["cores"][-1]
     return "\n".join(
         [
-            f"Nanoseconds a step of a rod; all together {plus_minus(*prices['full'])}, a rod that only "
-            f"flies {plus_minus(*prices['bare'])}, drift {plus_minus(*prices['drift_cm_s'])} cm/s.",
+            f"Nanoseconds a step of a rod; all together {plus_minus(*prices['full'])}, a rod that"
+            f" only flies {plus_minus(*prices['bare'])}; drift {plus_minus(*prices['drift_cm_s'])}"
+            " cm/s.",
             "",
             _table(header, rows),
             "",
@@ -123,7 +124,8 @@ FINDINGS = """\
 - **Reverse drift near Gamma = 1 is there**, without walls at {E2.points} points of the map of
   Fig. 2, up to Gamma = {E2.end}, at most {E2.slower} of the forward drift; in the annulus
   at {E2.ring_back} point. Its sign is not that of the plate's mean velocity at landing:
-  {E2.follows} of the drifts up to 1.6 have that sign without walls, {E2.ring_follows} in the annulus.
+  {E2.follows} of the drifts up to 1.6 have that sign without walls, {E2.ring_follows} in the
+  annulus.
 - **Rolling does ease the slowdown** that the paper sees between 18 and 35 degrees in the annulus
   and puts down to the rotation it left out: rods that roll are {S20.faster} times as fast there.
   Without rolling the dip is {S20.still_dip} of the maxima, with it {S20.dip}.
