@@ -12,7 +12,7 @@ figures: .venv/ready
 	$(BIN)/python -m derivations report
 	$(BIN)/python -m derivations generate
 	$(BIN)/python -m figures draw
-	$(BIN)/python -m figures draw --quick landing_census fig06 fig07 fig08 fig13
+	$(BIN)/python -m figures draw --quick landing_census fig02 fig04 fig05 fig06 fig07 fig08 fig13
 	$(BIN)/python -m figures index
 
 paper: .venv/ready
