@@ -183,7 +183,7 @@ def test_numbers_find_what_was_put_in(monkeypatch):
     d["gamma_c_x_error"] = np.full((5, 3), 1e-3)
     monkeypatch.setattr(measured_ring, "table", lambda name, quick: d)
     values = [number.value for number in measured.MEASURES["S6"][1](True)]
-    assert values == pytest.approx([-0.35, 20, 2.5])
+    assert values == pytest.approx([-0.35, 0.05, 2.5])
     onset, first, last, bend, slope, zero = measured.MEASURES["S5"][1](True)
     assert (onset.value, onset.error) == pytest.approx((1.4, 0.2))
     assert (first.value, last.value) == pytest.approx((onset.value, onset.value))

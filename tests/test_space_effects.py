@@ -21,7 +21,7 @@ EFFECTS = {
     "inner wall": ({"inner": INNER}, {}, "world.7", "sqrt"),
     "outer wall": ({"outer": OUTER}, {}, "world.8", "sqrt"),
     "wall friction": (
-        {"inner": INNER._replace(friction=ROUGH)}, {"inner": INNER}, "world.7.2", "sqrt",
+        {"inner": INNER._replace(friction=ROUGH)}, {"inner": INNER}, "world.7.2", "fdiv",
     ),
     "plate": (PLATE, {}, "world.5", "fdiv"),
     "plate friction": (PLATE | {"friction": ROUGH}, PLATE, "world.6", "fdiv"),
