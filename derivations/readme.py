@@ -25,7 +25,7 @@ def tables() -> str:
     ]
     mistakes = [(entry.tag, entry.what, entry.note) for entry in registry.mistakes()]
     new = [e for e in registry.ENTRIES if e.verdict == "new"]
-    told = [(entry.tag, entry.what, entry.note) for entry in new if entry.note]
+    told = [(entry.tag, entry.what, entry.note) for entry in new]
     return "\n\n".join(
         [
             f"{len(registry.ENTRIES)} entries in all, {len(mistakes)} of them mistakes as printed"

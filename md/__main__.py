@@ -168,6 +168,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
     if arguments.frames is not None and arguments.trajectory is None:
         raise ValueError("frames has no meaning without trajectory")
+    frames = 1 if arguments.frames is None else arguments.frames
     dial = {name: getattr(arguments, name) for name in ("confidence", "floor", "max_seconds")}
     dial = {name: value for name, value in dial.items() if value is not None}
     if arguments.tolerance is None:
@@ -178,7 +179,7 @@ def _run(arguments: argparse.Namespace) -> int:
         load(arguments.scene, arguments.set),
         tolerance=arguments.tolerance,
         trajectory=arguments.trajectory,
-        frames=arguments.frames or 1,
+        frames=frames,
         checkpoint=arguments.checkpoint,
         progress=not arguments.json,
         **dial,
@@ -228,7 +229,7 @@ def _print_scene(scene: "Scene") -> None:
 
 def _print_result(r: "Result") -> None:
     """What a run measured, for people."""
-    from .dial import Tuned, in_words
+    from .dial import SETTLING, Tuned, in_words
 
     unit, n = r.scene.cm_per_s, r.scene.rods.count
     print(f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d)", end="")
@@ -257,6 +258,10 @@ def _print_result(r: "Result") -> None:
     print(f"{span:12} {r.periods} = {seconds:.4g} s, of which the first {r.discarded}", end="")
     print(" are not in the means", end="")
     print("" if r.finished else "; interrupted")
+    if r.scene.annulus is not None and r.periods < SETTLING:
+        print(
+            f"not settled  rods in an annulus may rearrange for long: {SETTLING} periods tell more"
+        )
     print(f"cost         {r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g)", end="")
     print(f" ({n} rod{'s' * (n > 1)},", end="")
     print(f" {r.steps_per_period} steps each) in {r.run_seconds:.3g} s,", end="")

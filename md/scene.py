@@ -335,10 +335,9 @@ def _contact(name: str, table: Mapping) -> Contact:
         raise ValueError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
     known = inspect.signature(LAWS[law]).parameters
     for key, value in options.items():
-        if key == "restitution" and key not in known:
+        if key not in known and any(key in inspect.signature(m).parameters for m in LAWS.values()):
             raise ValueError(
-                f"{name}.restitution is not for the law {law}, whose damping is given: "
-                f"take it out (--set {name}.restitution=none)"
+                f"{name}.{key} is not for the law {law}: take it out (--set {name}.{key}=none)"
             )
         if key not in known:
             raise ValueError(_unknown(f"{name}.{key}", ("law", "friction", *known)))
@@ -455,7 +454,8 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     except (OSError, UnicodeDecodeError) as error:
         names = ", ".join(sorted(p.stem for p in examples.glob("*.toml")))
         reason = getattr(error, "strerror", None) or error
-        raise ValueError(f"{source}: no such scene ({reason}); examples: {names}") from None
+        what = "cannot be read" if path.exists() else "no such scene"
+        raise ValueError(f"{source}: {what} ({reason}); examples: {names}") from None
 
 
 def from_tables(tables: Mapping) -> Scene:

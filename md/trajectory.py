@@ -30,10 +30,12 @@ def write_frame(file: TextIO, scene: Scene, rods: np.ndarray, time: float, heigh
     into the rod's; radius, radius and length of the cylinder between the caps (OVITO: particle
     shape spherocylinder); velocity; angular velocity; tilt in degrees.
     """
-    period = f"{scene.box.length!r}" if scene.box else repr(1e3)
-    reach = repr(scene.rods.length + 10)
+    wide, deep = scene.box.length if scene.box else 1e3, 1.0
+    if scene.annulus is not None:
+        wide = deep = 2 * scene.annulus.outer
+    cell = f"{wide!r} 0 0 0 {deep!r} 0 0 0 {scene.rods.length + 10!r}"
     file.write(
-        f'{len(rods)}\nLattice="{period} 0 0 0 1 0 0 0 {reach}" Properties={_COLUMNS} '
+        f'{len(rods)}\nLattice="{cell}" Properties={_COLUMNS} '
         f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} '
         f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
     )

@@ -101,7 +101,9 @@ def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
         for other in rivals(name):
             if _value(tables, other) is not None:
                 raise ValueError(f"{name} and {other} say the same: give one of them, not both")
-        by = _value(tables, scale)
+        by, measuring = _value(tables, scale), tables.get(scale.partition(".")[0], {})
+        if not isinstance(measuring, Mapping):
+            continue  # which is refused as no table
         if by is None:
             raise ValueError(f"{scale} is missing: {name} needs it")
         if isinstance(value, bool):

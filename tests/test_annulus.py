@@ -37,6 +37,7 @@ def ring(*assignments):
         (["annulus.inner=-1"], "annulus.inner must be between"),
         (["gravity.x=0.1"], "gravity.x must be 0 in an annulus"),
         (["contacts.wall.friction=-1"], "contacts.wall.friction must be >= 0"),
+        (["contacts.wall.law=coulomb"], r"wall.tangential_ratio is not for the law coulomb: take"),
     ],
 )
 def test_what_is_no_annulus_is_refused(assignments, words):
@@ -139,6 +140,8 @@ def test_frames_hold_place_and_direction(whole, tmp_path):
     result = md.run(whole.scene, periods=2, trajectory=path)
     frames = read_frames(path)
     assert len(frames) == 2
+    wide = repr(2 * result.scene.annulus.outer)
+    assert f'Lattice="{wide} 0 0 0 {wide} 0 0 0 ' in path.read_text()
     table = np.loadtxt(path.read_text().splitlines()[2:8])
     x, y, z, w = table[:, 4:8].T
     turned = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]).T
@@ -165,6 +168,7 @@ def test_the_command(capsys):
     out = capsys.readouterr().out
     assert "V_z/V_0" in out
     assert "slide" not in out
+    assert "not settled" in out
     assert main(["run", "annulus", *sets, "--periods", "3", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["landings"]["lean_deg"]["mean"] is not None
     assert main(["run", "annulus", "--set", "contacts.wall=none"]) == 2

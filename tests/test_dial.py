@@ -98,8 +98,17 @@ def test_what_lies_outside_of_the_calibration_is_said(changes, words):
 
 def test_the_annulus_lies_outside_even_at_a_tilt_that_was_calibrated():
     scene = md.load("annulus", ["start.tilt_deg=25", "rods.count=40"])
-    assert "rods in an annulus were not calibrated" in dial.outside(scene)
+    assert dial.outside(scene) == ("rods in an annulus were not calibrated",)
     assert np.isnan(dial.chosen_step(scene, 0.01)[1])
+
+
+def test_the_annulus_is_given_the_time_to_settle(monkeypatch):
+    """However little is asked for."""
+    monkeypatch.setattr(dial, "SETTLING", 140)
+    parts = [f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods", "wall")]
+    small = ["rods.count=2", "rods.length=4", "annulus.inner=1", "annulus.outer=2.8", *parts]
+    result = md.run(md.load("annulus", [*small, "step.size=none"]), tolerance=0.5)
+    assert result.periods >= 140
 
 
 def test_the_papers_row_lies_inside():

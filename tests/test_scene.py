@@ -67,7 +67,7 @@ BAD = {  # KEY=VALUE for the row: what the error says
     "contacts.rods.restitution=true": "contacts.rods.restitution must be a number, got True",
     "contacts.rods.stiffness=0": "contacts.rods.stiffness must be > 0 and finite, got 0",
     "contacts.rods.stiffness=1": "contacts.rods.stiffness 1 is too soft",
-    "contacts.rods.damping=1": "contacts.rods.damping is not a key",
+    "contacts.rods.damping=1": "contacts.rods.damping is not for the law constant_restitution",
     "plate=none": "plate is missing: the scene names contacts.plate, and needs both",
     "contacts.plate=none": "contacts.plate is missing: the scene names plate, and needs both",
     "box=none": "start.tilt_deg is missing: without a box it has no default",

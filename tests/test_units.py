@@ -121,6 +121,7 @@ BAD = {  # what is set in the paper's row, its diameter 0.5 cm: what the error s
     "plate.amplitude_cm=1 plate.velocity_cm_s=1": "plate.amplitude_cm and plate.velocity_cm_s say",
     "box.length_cm=30 rods.diameter_cm=none": "rods.diameter_cm is missing: box.length_cm needs it",
     "plate.amplitude_cm=1 plate.frequency_hz=none": "plate.frequency_hz is missing: plate.ampl",
+    "rods=3 box.length_cm=30": "rods must be a table",
     "rods.length_cm=0.2": "rods.length must be between 1 and 1000, got 0.4 (rods.length_cm = 0.2,",
     "box.length_cm=1": "for 40 rods, got 2 (box.length_cm = 1, in units of 0.5)",
     "rods.length_cm=-1": "rods.length_cm must be >= 0 and finite, got -1",

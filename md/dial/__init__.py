@@ -32,6 +32,7 @@ CONFIDENCE = 0.95
 FLOOR = 0.05  # of the plate's peak velocity: slower drifts are judged as if they were this fast
 MAX_SECONDS = 600.0
 _MOST = 10**6  # periods
+SETTLING = 400  # periods at least in an annulus, where rods rearrange for two hundred (Fig. 5)
 _FIRST, _LEAST, _LARGEST = 128, 1.1, 2.0  # periods before the first look; growth between looks
 _PARTS = 8, 16, 32  # of the run: the widest of three intervals counts
 
@@ -116,6 +117,8 @@ def outside(scene: Scene) -> tuple[str, ...]:
     if scene.gravity is None or (scene.gravity.x, scene.gravity.z) != (0.0, -1.0):
         found.append("gravity is not 1, downwards")
     for name, value in described(scene).items():
+        if name == "tilt_deg" and scene.annulus is not None:
+            continue  # it follows from the number of rods
         if name == "laws":
             if value not in known["laws"]:
                 found.append(f"laws {value} were not calibrated ({', '.join(known['laws'])})")
@@ -176,6 +179,7 @@ class _Chase:
     floor: float
     bias: float  # relative; 0 where it is unknown
     max_seconds: float
+    first: int  # periods before the first look
     began: float = nan
     mean: float = nan
     half: float = inf
@@ -192,7 +196,7 @@ class _Chase:
         made = len(drift)
         if not made:
             self.began = perf_counter()
-            return _FIRST
+            return self.first
         self.seconds = perf_counter() - self.began
         self.mean, self.half, cut = interval(drift, self.confidence)
         room = (self.tolerance - self.bias) * self.size
@@ -202,7 +206,7 @@ class _Chase:
         if self.reached:
             return made
         affordable = made * self.max_seconds / self.seconds
-        hopeless = self.needed > 2 * self.max_seconds and made >= 2 * _FIRST
+        hopeless = self.needed > 2 * self.max_seconds and made >= 2 * self.first
         if hopeless or affordable < _LEAST * made:
             return made
         return int(min(np.clip(wanted, _LEAST * made, _LARGEST * made) + 1, affordable, _MOST))
@@ -223,7 +227,8 @@ def run(
     ----------
     scene : Scene
     tolerance : total error of the drift over its size, 1e-5 to 0.5; the step and the length of the
-        run follow, the scene's own step is not used. None: `periods` are made, at the scene's step
+        run follow (128 periods at least, `SETTLING` in an annulus), the scene's own step is not
+        used. None: `periods` are made, at the scene's step
     confidence : with which the interval holds the long-run drift, 0.5 to 0.999
     floor : drifts below it, in sqrt(g d), are judged as if they were this fast (default: a
         twentieth of the plate's peak velocity)
@@ -252,7 +257,9 @@ def run(
     checked(tolerance, confidence, 1.0 if floor is None else floor, max_seconds)
     tuned, bias = chosen_step(scene, tolerance)
     floor = FLOOR * scene.plate_speed if floor is None else floor
-    chase = _Chase(tolerance, confidence, floor, bias if isfinite(bias) else 0.0, max_seconds)
+    first = _FIRST if scene.annulus is None else SETTLING
+    bias_or_none = bias if isfinite(bias) else 0.0
+    chase = _Chase(tolerance, confidence, floor, bias_or_none, max_seconds, first)
     result = runner.run(tuned, **{**options, "periods": _MOST}, goal=chase)
     chase(result.c_x_series)  # where Ctrl-C ended it
     return Tuned(**vars(result), accuracy=_accuracy(chase, scene, result, bias))
@@ -314,7 +321,8 @@ def in_words(result: Tuned) -> list[str]:
         )
     if not a.reached:
         lines.append(f"             this would take about {a.needed_seconds:.3g} s of run")
-    lines.append(
-        f"next digit   {a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
-    )
+    if a.error / size > a.tolerance / 10:
+        lines.append(
+            f"next digit   {a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
+        )
     return lines

@@ -90,10 +90,9 @@ def placed(
         left = _relax(gap, rods, half)
         if left < _TOUCHING:
             return rods[:, :6]
-    raise ValueError(
-        f"rods.count {count} do not fit into the annulus of radii {gap.inner:g} and {gap.outer:g}: "
-        f"overlaps of {left:.2g} d are left after relaxation"
-    )
+    radii = f"{gap.inner:g} and {gap.outer:g}"
+    why = f": overlaps of {left:.2g} d are left after relaxation" if np.isfinite(left) else ""
+    raise ValueError(f"rods.count {count} do not fit into the annulus of radii {radii}{why}")
 
 
 def _zigzag(
