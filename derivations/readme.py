@@ -6,10 +6,10 @@ from pathlib import Path
 from . import codegen, registry
 
 TARGET = Path(__file__).resolve().parent.parent / "README.md"
-BEGIN, END = "<!-- registry: begin -->", "<!-- registry: end -->"
 
 
-def _table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+def table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+    """In Markdown."""
     lines = [header, tuple("---" for _ in header), *rows]
     return "\n".join(
         "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines
@@ -38,16 +38,28 @@ def tables() -> str:
 
 
 def _folded(title: str, header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
-    return [f"<details><summary>{title}</summary>", _table(header, rows), "</details>"]
+    return [f"<details><summary>{title}</summary>", table(header, rows), "</details>"]
+
+
+def filled(text: str, name: str, content: str) -> str:
+    """`text` with `content` between the markers of that name.
+
+    Raises
+    ------
+    ValueError
+        If it does not hold both.
+    """
+    begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+    before, _, rest = text.partition(begin)
+    _, found, after = rest.partition(end)
+    if not found:
+        raise ValueError(f"{TARGET.name} must hold {begin} and {end}")
+    return f"{before}{begin}\n{content}\n{end}{after}"
 
 
 def refreshed(text: str) -> str:
     """`text` with the tables between the markers."""
-    before, _, rest = text.partition(BEGIN)
-    _, found, after = rest.partition(END)
-    if not found:
-        raise ValueError(f"{TARGET.name} must hold {BEGIN} and {END}")
-    return f"{before}{BEGIN}\n{tables()}\n{END}{after}"
+    return filled(text, "registry", tables())
 
 
 def refresh() -> bool:

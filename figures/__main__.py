@@ -303,17 +303,19 @@ def _explore(arguments: argparse.Namespace) -> int:
 
 
 def _readme(_: argparse.Namespace) -> int:
+    from derivations.readme import TARGET
+
     from . import readme
 
     try:
-        text = readme.TARGET.read_text(encoding="utf-8")
+        text = TARGET.read_text(encoding="utf-8")
         new = readme.refreshed(text)
     except (OSError, ValueError) as error:
         raise CommandError(error) from None
     if new != text:
-        with _replacing(readme.TARGET) as part:
+        with _replacing(TARGET) as part:
             part.write_text(new, encoding="utf-8")
-    print(f"{readme.TARGET}  {'as it was' if new == text else 'written anew'}")
+    print(f"{TARGET}  {'as it was' if new == text else 'written anew'}")
     return 0
 
 

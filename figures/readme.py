@@ -1,7 +1,9 @@
 """Parts of the README that are measured, made of `gallery/claims.json` and `gallery/prices.json`.
 
+>>> from derivations.readme import TARGET
 >>> from figures import readme
->>> readme.refreshed(readme.TARGET.read_text(encoding="utf-8")) != ""
+>>> text = TARGET.read_text(encoding="utf-8")
+>>> readme.refreshed(text) == text
 True
 
 A part stands between `<!-- name: begin -->` and `<!-- name: end -->`; `python -m figures readme`
@@ -13,12 +15,13 @@ import re
 from pathlib import Path
 from typing import Any
 
+from derivations.readme import filled, table
+
 from .claims import GRADES, counts, judged_rows, restored, shown
 from .effect_prices import plus_minus
 from .price_list import CHECKED
 
 GALLERY = Path(__file__).resolve().parent / "gallery"
-TARGET = GALLERY.parent.parent / "README.md"
 RUNGS = {  # of the ladder, and what they are called here
     "(24), $V_0/2$": "closed form (24), plate velocity at landing taken as V_0/2",
     "3000 landings": "one rigid rod that bounces at fixed tilt, 3000 landings",
@@ -31,11 +34,6 @@ RUNGS = {  # of the ladder, and what they are called here
     "$N=10$": "10 rods instead of 40",
     "App. A": "Appendix A as printed instead of a restitution of 0.65",
 }
-
-
-def _table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    lines = [header, tuple("---" for _ in header), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def _time(seconds: float) -> str:
@@ -59,7 +57,7 @@ def costs(prices: dict[str, Any], _: dict[str, Any]) -> str:
     worst = max(max(law["largest"]) for law in prices["impact_ulp"])
     return "\n".join(
         [
-            _table(("drift of the paper's row, Fig. 3(b)", "takes", "off by"), rows),
+            table(("drift of the paper's row, Fig. 3(b)", "takes", "off by"), rows),
             "",
             f"`--tolerance {dial['tolerance']:g}` chose {dial['per_contact']:.0f} steps a contact "
             f"and {dial['periods']:.0f} periods, and took {_time(dial['seconds'])}; it was off by "
@@ -87,7 +85,7 @@ def effects(prices: dict[str, Any], _: dict[str, Any]) -> str:
             f" only flies {plus_minus(*prices['bare'])}; drift {value:.2f} ± {error:.2f}"
             " cm/s.",
             "",
-            _table(header, rows),
+            table(header, rows),
             "",
             f"Motion in space takes {lifted / plane:.1f} times as long for the same rods "
             f"({plane:.0f} and {lifted:.0f} ns), each of 44 rods in the annulus {around:.0f} ns. "
@@ -104,9 +102,9 @@ def claims(_: dict[str, Any], report: dict[str, Any]) -> str:
             if claim["verdict"] == verdict:
                 found = (f"{row['name']}: {shown(row)}" for row in judged_rows(claim))
                 rows.append((f"{claim['id']} {verdict}", claim["says"], "; ".join(found)))
-    table = _table(("claim", "the paper says", "measured"), rows)
+    judged = table(("claim", "the paper says", "measured"), rows)
     rest = "Those that hold in part are on the page."
-    return f"**{counts(report)}**\n\n{table}\n\n{rest}"
+    return f"**{counts(report)}**\n\n{judged}\n\n{rest}"
 
 
 FINDINGS = """\
@@ -156,10 +154,5 @@ def refreshed(text: str) -> str:
     prices = json.loads((GALLERY / "prices.json").read_text(encoding="utf-8"))
     report = restored(json.loads((GALLERY / "claims.json").read_text(encoding="utf-8")))
     for name, part in PARTS.items():
-        begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
-        before, _, rest = text.partition(begin)
-        _, found, after = rest.partition(end)
-        if not found:
-            raise ValueError(f"{TARGET.name} must hold {begin} and {end}")
-        text = f"{before}{begin}\n{part(prices, report)}\n{end}{after}"
+        text = filled(text, name, part(prices, report))
     return text

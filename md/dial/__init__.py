@@ -258,8 +258,8 @@ def run(
     tuned, bias = chosen_step(scene, tolerance)
     floor = FLOOR * scene.plate_speed if floor is None else floor
     first = _FIRST if scene.annulus is None else SETTLING
-    bias_or_none = bias if isfinite(bias) else 0.0
-    chase = _Chase(tolerance, confidence, floor, bias_or_none, max_seconds, first)
+    known = bias if isfinite(bias) else 0.0
+    chase = _Chase(tolerance, confidence, floor, known, max_seconds, first)
     result = runner.run(tuned, **{**options, "periods": _MOST}, goal=chase)
     chase(result.c_x_series)  # where Ctrl-C ended it
     return Tuned(**vars(result), accuracy=_accuracy(chase, scene, result, bias))
