@@ -51,6 +51,9 @@ cm/s and Hz, by keys that say so: my_rods shows how.
   python -m md run quasi2d --set contacts.plate.law=appendix_a --set contacts.plate.restitution=none
   python -m md run mine.toml --periods 10000 --checkpoint mine.npz      # Ctrl-C, and go on later
   python -m md run quasi2d --periods 5 --trajectory row.xyz --frames 24 # for OVITO
+
+Exit codes of --tolerance: 0 reached; 3 statistically reached, bias of the step unknown; 4 not
+reached. In JSON: accuracy.state, which is "reached", "bias unknown" or "not reached".
 """
 
 KEYS = """\
@@ -191,7 +194,7 @@ def _run(arguments: argparse.Namespace) -> int:
         _print_result(result)
     if not result.finished:
         return 130
-    return 0 if not isinstance(result, Tuned) or result.accuracy.reached else 1
+    return _ENDS[result.accuracy.state] if isinstance(result, Tuned) else 0
 
 
 def _in_cm(result: "Result") -> dict[str, Any]:
@@ -334,7 +337,7 @@ def _results(arguments: argparse.Namespace) -> int:
     of_scene = (c for c in columns if _of_scene(c) and c not in other)
     brief = [
         *(c for c in of_scene if len({row.get(c) for row in rows}) > 1),
-        *(*drift, "tilt_deg", "periods", "seconds", "error"),
+        *(*drift, "tilt_deg", "periods", "seconds", "accuracy.state", "error"),
     ]
     brief = [c for c in brief if any(row.get(c) is not None for row in rows)]
     cells = [brief, *([_cell(row.get(c)) for c in brief] for row in rows)]
@@ -352,8 +355,9 @@ def _cell(value: object) -> str:
     return "" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
+_ENDS = {"reached": 0, "bias unknown": 3, "not reached": 4}  # exit codes of --tolerance
 _NOT_GIVEN = ("run", "json", "command")
-_OF_RESULT = "energy.", "landings.", "merged.", "turned.", "versions."
+_OF_RESULT = "accuracy.", "energy.", "landings.", "merged.", "turned.", "versions."
 
 
 def _parser() -> Parser:

@@ -261,7 +261,7 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
             raise KeyboardInterrupt
         result = {**done.as_dict(), "phases": done.phases}
         del result["scene"]
-        if isinstance(done, Tuned) and not done.accuracy.reached:
+        if isinstance(done, Tuned) and done.accuracy.state == "not reached":
             result, error = None, " ".join(" ".join(in_words(done)).split())
     except RunError as failure:
         error = str(failure)

@@ -12,7 +12,7 @@ from md import dial
 from md.__main__ import main
 from md.dial import calibration
 from md.scene import _parsed, from_tables, put, read_tables
-from md.store import Store
+from md.store import Store, table
 from md.sweep import execute, expand
 
 from .command_line import refused
@@ -126,9 +126,10 @@ def reached():
 def test_a_run_ends_as_soon_as_it_is_accurate(reached):
     """And is the run of that step and that many periods."""
     a = reached.accuracy
-    assert a.reached
+    assert a.state == "bias unknown"  # five rods of this length were not calibrated
+    assert np.isnan(a.error)
     assert reached.finished
-    assert a.error <= 0.2 * max(abs(reached.c_x), 0.05) * (1 + 1e-12)
+    assert a.statistical <= 0.2 * max(abs(reached.c_x), 0.05) * (1 + 1e-12)
     mean, half, cut = dial.interval(reached.c_x_series)
     assert (a.statistical, cut) == (half, reached.discarded)
     plain = md.run(reached.scene, periods=reached.periods)
@@ -146,6 +147,7 @@ def test_error_and_price_add_up(monkeypatch):
     a, size = result.accuracy, max(abs(result.c_x), 0.05)
     _, bias = dial.chosen_step(row("plate.acceleration=5"), 0.3)
     assert a.bias == pytest.approx(bias * size)
+    assert a.state == "reached"
     assert a.error == pytest.approx(a.bias + a.statistical)
     assert a.next_digit_seconds > 50 * (a.statistical / (0.3 * size)) ** 2 * a.seconds
     assert "by calibration" in " ".join(dial.in_words(result))
@@ -154,7 +156,7 @@ def test_error_and_price_add_up(monkeypatch):
 def test_what_cannot_be_reached_is_refused_with_what_there_is():
     """A thousandth in a second: known after the second look."""
     result = md.run(row("plate.acceleration=5"), tolerance=1e-4, max_seconds=0.05)
-    assert not result.accuracy.reached
+    assert result.accuracy.state == "not reached"
     assert result.finished
     assert result.periods < 5000
     assert result.accuracy.needed_seconds > 0.05
@@ -166,9 +168,9 @@ def test_what_cannot_be_reached_is_refused_with_what_there_is():
 def test_slow_drifts_are_judged_by_the_floor():
     """No friction, no drift: its error is one of the floor."""
     result = md.run(row("contacts.plate.friction=0"), tolerance=0.5, floor=0.2)
-    assert result.accuracy.reached
+    assert result.accuracy.state == "bias unknown"
     assert abs(result.c_x) < 0.2
-    assert result.accuracy.error <= 0.5 * 0.2
+    assert result.accuracy.statistical <= 0.5 * 0.2
     assert "of the floor 0.2" in dial.in_words(result)[0]
 
 
@@ -198,17 +200,24 @@ def test_a_plate_that_vibrates_is_needed():
 SMALL = [part for change in (*ROW, "plate.acceleration=5") for part in ("--set", change)]
 
 
-def test_the_command(capsys):
+def test_the_command_has_three_ends(capsys, monkeypatch):
+    """Reached: 0; as far as statistics go: 3; not at all: 4. An unknown bias is no number."""
     how = ["--tolerance", "0.3", "--floor", "0.05"]
-    assert main(["run", "quasi2d", *SMALL, *how, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["accuracy"]["reached"]
-    assert found["accuracy"]["bias"] is None
-    assert main(["run", "quasi2d", *SMALL, *how]) == 0
-    assert "accuracy     reached" in capsys.readouterr().out
+    assert main(["run", "quasi2d", *SMALL, *how, "--json"]) == 3
+    found = json.loads(capsys.readouterr().out)["accuracy"]
+    assert found["state"] == "bias unknown"
+    assert found["bias"] is found["error"] is None
+    assert main(["run", "quasi2d", *SMALL, *how]) == 3
+    assert "accuracy     statistically reached, bias unknown" in capsys.readouterr().out
+    still = ["--set", "plate.acceleration=0.5"]  # nothing moves
+    assert main(["run", "quasi2d", *SMALL, *still, *how, "--json"]) == 3
+    assert json.loads(capsys.readouterr().out)["accuracy"]["state"] == "bias unknown"
     hard = ["--tolerance", "1e-4", "--max-seconds", "0.05"]
-    assert main(["run", "quasi2d", *SMALL, *hard]) == 1
+    assert main(["run", "quasi2d", *SMALL, *hard]) == 4
     assert "NOT REACHED" in capsys.readouterr().out
+    monkeypatch.setattr(dial, "outside", lambda scene: ())
+    assert main(["run", "quasi2d", *SMALL, *how, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["accuracy"]["state"] == "reached"
     assert main(["run", "quasi2d", "--max-seconds", "3"]) == 2
     assert "max_seconds has no meaning without tolerance" in capsys.readouterr().err
 
@@ -222,9 +231,10 @@ def test_a_sweep_takes_a_tolerance(tmp_path):
     tally = execute(expand(tables, base), store, workers=1)
     assert (tally.computed, tally.failed) == (2, 0)
     assert execute(expand(tables, base), store, workers=1).there == 2
-    (periods, reached) = expand(tables, base).gather(store, "periods", "accuracy.reached")
+    (periods,) = expand(tables, base).gather(store, "periods")
     assert (periods >= 128).all()
-    assert reached.all()
+    _, rows = table(store)
+    assert {row["accuracy.state"] for row in rows} == {"bias unknown"}
     hard = {**tables, "tolerance": 1e-4, "max_seconds": 0.05}
     assert execute(expand(hard, base), store, workers=1).failed == 2
     with Store(store, write=False) as database:
@@ -325,6 +335,6 @@ def test_the_error_is_as_large_as_it_says():
     for seed in range(100, 220):
         start = dial.replace(scene.start, seed=seed)
         found = md.run(dial.replace(scene, start=start), tolerance=0.05, ledger=False)
-        assert found.accuracy.reached
+        assert found.accuracy.state == "reached"
         hits += abs(found.c_x - long.c_x) <= found.accuracy.statistical + long.c_x_stderr
     assert hits >= binom.ppf(1e-3, 120, 0.95)

@@ -34,6 +34,11 @@ MAX_SECONDS = 600.0
 _MOST = 10**6  # periods
 SETTLING = 400  # periods at least in an annulus, where rods rearrange for two hundred (Fig. 5)
 _FIRST, _LEAST, _LARGEST = 128, 1.1, 2.0  # periods before the first look; growth between looks
+_VERDICTS = {
+    "reached": "reached",
+    "bias unknown": "statistically reached, bias unknown",
+    "not reached": "NOT REACHED",
+}
 _PARTS = 8, 16, 32  # of the run: the widest of three intervals counts
 
 
@@ -44,12 +49,13 @@ class Accuracy:
     tolerance : asked for, of |c_x| or of the floor, whichever is larger
     confidence : of the interval
     floor : drifts below it are judged as if they were this fast
-    error : bound of the bias and half of the interval, together
+    error : bound of the bias and half of the interval, together; nan where the bias is unknown
     statistical : half of the interval that holds the long-run mean with this confidence
     bias : bound of what the step does; nan where the scene is outside of the calibration
     per_contact : steps a contact
     outside : what lies outside of the calibration, in words
-    reached : whether error <= tolerance max(|c_x|, floor)
+    state : "reached" if error <= tolerance max(|c_x|, floor); "bias unknown" if the statistical
+        error alone is that small and the scene is outside of the calibration; else "not reached"
     seconds : of the run, without compiling
     needed_seconds, next_digit_seconds : estimated for this tolerance, and for a tenth of it
     """
@@ -62,7 +68,7 @@ class Accuracy:
     bias: float
     per_contact: float
     outside: tuple[str, ...]
-    reached: bool
+    state: str
     seconds: float
     needed_seconds: float
     next_digit_seconds: float
@@ -233,7 +239,7 @@ def run(
     floor : drifts below it, in sqrt(g d), are judged as if they were this fast (default: a
         twentieth of the plate's peak velocity)
     max_seconds : of the run, without compiling; where it will take more than twice as long, it
-        ends early, with `accuracy.reached` False
+        ends early, with `accuracy.state` "not reached"
     options : as of `runner.run`: `periods` (200; without tolerance alone), `ledger`, `observe`,
         `trajectory`, `frames`, `checkpoint`, `progress`
 
@@ -283,16 +289,17 @@ def _accuracy(chase: _Chase, scene: Scene, result: Result, bias: float) -> Accur
     room = chase.tolerance / 10 - (rest if isfinite(bias) else 0.0)
     dearer = result.dt / (finer.step.size or result.dt)  # outside of the calibration, no dearer
     length = (chase.half / (room * chase.size)) ** 2
+    beyond = outside(scene)
     return Accuracy(
         tolerance=chase.tolerance,
         confidence=chase.confidence,
         floor=chase.floor,
-        error=chase.half + chase.bias * chase.size,
+        error=chase.half + bias * chase.size,
         statistical=chase.half,
         bias=bias * chase.size,
         per_contact=steps_per_contact(scene, result.dt),
-        outside=outside(scene),
-        reached=chase.reached,
+        outside=beyond,
+        state="not reached" if not chase.reached else "bias unknown" if beyond else "reached",
         seconds=result.run_seconds,
         needed_seconds=chase.needed,
         next_digit_seconds=result.run_seconds * length * dearer,
@@ -304,12 +311,11 @@ def in_words(result: Tuned) -> list[str]:
     a, unit = result.accuracy, result.scene.cm_per_s
     size = max(abs(result.c_x), a.floor)
     of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
-    verdict = "reached" if a.reached else "NOT REACHED"
+    error = a.statistical if a.outside else a.error
     lines = [
-        f"accuracy     {verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within "
-        f"{a.error:.2g} sqrt(g d) = {a.error * unit:.2g} cm/s, {a.error / size:.2g} of it, "
-        f"at {a.confidence:.4g} confidence"
-        + (", not counting what the step does" if a.outside else "")
+        f"accuracy     {_VERDICTS[a.state]}: {a.tolerance:.3g} of {of} asked for; c_x is within "
+        f"{error:.2g} sqrt(g d) = {error * unit:.2g} cm/s, {error / size:.2g} of it, "
+        f"at {a.confidence:.4g} confidence" + (", bias of the step apart" if a.outside else "")
     ]
     step = f"dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact"
     if a.outside:
@@ -319,9 +325,9 @@ def in_words(result: Tuned) -> list[str]:
             f"step         {step}: bias at most {a.bias / size:.2g}, by calibration; the other "
             f"{a.statistical / size:.2g} of the error are statistical"
         )
-    if not a.reached:
+    if a.state == "not reached":
         lines.append(f"             this would take about {a.needed_seconds:.3g} s of run")
-    if a.error / size > a.tolerance / 10:
+    if error / size > a.tolerance / 10:
         lines.append(
             f"next digit   {a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
         )
