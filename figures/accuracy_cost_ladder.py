@@ -4,9 +4,10 @@ N = 40 thin rods of 9.5 d at 21.5 degrees, Gamma = 3.3, mu = 0.3, restitution 0.
 left to right: the closed form (24) with the assumed V_z = V_0/2, in an array and by itself; one
 rigid rod that bounces at fixed tilt, 30 to 100,000 landings; rows of rods over several lengths of
 time (in periods), steps (in parts of a contact), stiffnesses, contact laws and numbers of rods.
-Height: deviation from the most trusted answer, a long run with friction as a constraint on the
-plate, contacts ten times as stiff as the paper's and a step of t_c/36. Bars: one standard error, of
-both; where it exceeds the deviation the symbol is open.
+Height: deviation of the mean over independent starts from the most trusted answer, long runs with
+friction as a constraint on the plate, contacts ten times as stiff as the paper's and a step of
+t_c/36. Bars: one standard error, of both, from the scatter between starts; where it exceeds the
+deviation the symbol is open. The time is that of one start.
 """
 
 import os
@@ -23,8 +24,9 @@ import md
 from impact import drift
 from md.dial import steps_per_contact
 from md.scene import Scene, both, from_tables, put, read_tables
+from md.sweep import Point, Sweep
 
-from .rows import COUNT, FRICTION, GAMMA, RESTITUTION, paper_rod
+from .rows import COUNT, FRICTION, GAMMA, RESTITUTION, computed, over_seeds, paper_rod, store
 from .shared import BLACK, BLUE, GREEN, ORANGE, RED, style
 from .timing import machine_line
 
@@ -51,7 +53,8 @@ ROWS = {  # group: label: (steps a contact, what the scene changes)
     },
 }
 LENGTHS = (3, 30)  # periods, at the usual step
-PERIODS = {True: 400, False: 2000}  # quick or not; six times as many for the trusted answer
+STARTS = 8  # of each row: its error is known to a quarter
+PERIODS = {True: 400, False: 2000}  # quick or not; also of each start of the trusted answer
 TRUSTED = (USUAL, {**both(stiffness=5e7), **CONSTRAINT})
 LANDINGS = (30, 300, 3000, 100_000)  # of one rigid rod
 
@@ -64,10 +67,23 @@ def scene(per_contact: float, changes: dict, seed: int = 1) -> Scene:
     return from_tables(put(row, {"step.size": dt, "step.coarse": True}))
 
 
-def _row(per_contact: float, changes: dict, periods: int) -> tuple[float, ...]:
-    """Drift [sqrt(g d)], standard error, seconds of a run."""
-    run = md.run(scene(per_contact, changes), periods=periods, ledger=False)
-    return run.c_x, run.c_x_stderr if periods > 50 else np.nan, run.run_seconds
+def _runs(how: list[tuple[float, dict, int]]) -> tuple[np.ndarray, np.ndarray]:
+    """Drift [sqrt(g d)] of every start of rows (steps a contact, changes, periods); seconds."""
+    seeds = list(range(1, STARTS + 1))
+    points = [Point(scene(n, to, seed), periods) for n, to, periods in how for seed in seeds]
+    sweep = computed(Sweep(({"row": how}, {"start.seed": seeds}), tuple(points)))
+    return sweep.gather(store(), "c_x", "run_seconds")
+
+
+def _rows(how: list[tuple[float, dict, int]]) -> list[tuple[float, ...]]:
+    """Mean drift, its standard error, scatter of a start; seconds of one, nothing beside it."""
+    seconds = []
+    for per_contact, changes, periods in how:
+        one = scene(per_contact, changes)
+        md.run(one, periods=1, ledger=False)  # compiles
+        seconds.append(md.run(one, periods=periods, ledger=False).run_seconds)
+    mean, error = over_seeds(_runs(how)[0])
+    return list(zip(mean, error, error * np.sqrt(STARTS), seconds, strict=True))
 
 
 def _closed(speed: float, calls: int) -> tuple[float, ...]:
@@ -77,7 +93,7 @@ def _closed(speed: float, calls: int) -> tuple[float, ...]:
         begin = perf_counter()
         found = drift(rod, friction=FRICTION, restitution=RESTITUTION, plate_velocity=speed / 2)
         seconds.append((perf_counter() - begin) / calls)
-    return float(np.ravel(found.c_x)[0]), 0.0, median(seconds)
+    return float(np.ravel(found.c_x)[0]), 0.0, 0.0, median(seconds)
 
 
 def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
@@ -91,34 +107,36 @@ def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
     begin = perf_counter()
     found = bounce(paper_rod(TILT), **setting, shortest_flight=0.1, **how)
     seconds = perf_counter() - begin
-    return speed * found.drift.mean, speed * found.drift.error, seconds
+    error = speed * found.drift.error
+    return speed * found.drift.mean, error, error, seconds
 
 
 def data(quick: bool = False) -> dict[str, np.ndarray]:
-    """Answers [sqrt(g d)] with errors, seconds, group and label of each."""
+    """Answers [sqrt(g d)] with errors and the scatter of one start, seconds, group and label."""
     load, speed = os.getloadavg()[0], md.load("quasi2d").plate_speed
     periods = PERIODS[quick]
     entries = [("theory", "(24), $V_0/2$", *_closed(speed, 1))]
     entries.append(("theory", "in an array", *_closed(speed, 100_000)))
     for n in LANDINGS:
         entries.append(("one rigid rod", f"{n} landings", *_bouncing(n, speed)))
-    _row(USUAL, {}, 1)  # compiles
-    for n in LENGTHS:
-        entries.append(("length", f"{n} periods", *_row(USUAL, {}, n)))
-    for group, rungs in ROWS.items():
-        for label, (per_contact, changes) in rungs.items():
-            _row(per_contact, changes, 1)  # compiles
-            entries.append((group, label, *_row(per_contact, changes, periods)))
-    trusted = _row(*TRUSTED, 6 * periods)
-    group, label, answer, error, seconds = zip(*entries, strict=True)
+    wanted = [("length", f"{n} periods", (USUAL, {}, n)) for n in LENGTHS]
+    wanted += [
+        (g, label, (*how, periods)) for g, rungs in ROWS.items() for label, how in rungs.items()
+    ]
+    found = _rows([how for _, _, how in wanted])
+    entries += [(group, label, *row) for (group, label, _), row in zip(wanted, found, strict=True)]
+    drifts, spent = _runs([(*TRUSTED, periods)])
+    (truth,), (spread,) = over_seeds(drifts)
+    group, label, answer, error, scatter, seconds = zip(*entries, strict=True)
     return {
         "load": np.float64(load),
         "group": np.array(group),
         "label": np.array(label),
         "answer": np.array(answer),
         "error": np.array(error),
+        "scatter": np.array(scatter),
         "seconds": np.array(seconds),
-        "trusted": np.array(trusted),
+        "trusted": np.array([truth, spread, spent.sum()]),
     }
 
 
@@ -133,20 +151,20 @@ LOOKS = {
 }
 
 
-def deviations(d: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Relative deviation from the trusted answer, and its standard error."""
+def deviations(d: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Relative deviation from the trusted answer, its standard error, scatter of one start."""
     truth, spread, _ = d["trusted"]
-    return d["answer"] / truth - 1, np.hypot(d["error"], spread) / truth
+    return d["answer"] / truth - 1, np.hypot(d["error"], spread) / truth, d["scatter"] / truth
 
 
 def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
     """Deviation against time, a colour a group."""
-    off, error = deviations(d)
+    off, error, _ = deviations(d)
     size = np.fmax(np.abs(off), 3e-4)
     for group, (colour, marker) in LOOKS.items():
         here = np.flatnonzero(d["group"] == group)
         for i in here:
-            bar = np.nan_to_num(error[i])
+            bar = error[i]
             fill = colour if np.abs(off[i]) > bar else "white"
             ax.errorbar(
                 *(d["seconds"][i], size[i], [[min(bar, 0.9 * size[i])], [bar]]),
@@ -214,19 +232,16 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
 
 def summary(d: dict[str, np.ndarray]) -> str:
     """A line a rung."""
-    off, error = deviations(d)
+    off, error, scatter = deviations(d)
     truth, spread, seconds = d["trusted"]
     lines = [
         f"{machine_line(float(d['load']))}; 1 core used",
-        f"trusted: {truth:.5f} +- {spread:.5f} sqrt(g d) in {seconds:.1f} s",
+        f"trusted: {truth:.5f} +- {spread:.5f} sqrt(g d) in {seconds:.1f} s; scatter: of one start",
     ]
     for i, label in enumerate(d["label"]):
         plain = str(label).replace("$", "").replace("\\epsilon", "restitution ")
-        known = np.isfinite(error[i])
         lines.append(
             f"{d['group'][i]:14} {plain:16} {d['seconds'][i]:9.2e} s  {d['answer'][i]:.4f}"
-            + (f" +- {d['error'][i]:.4f}" if known else 10 * " ")
-            + f"  {off[i]:+8.1%}"
-            + (f" +- {error[i]:.1%}" if known else "")
+            f" +- {d['error'][i]:.4f}  {off[i]:+8.1%} +- {error[i]:.1%}, scatter {scatter[i]:.1%}"
         )
     return "\n".join(lines)

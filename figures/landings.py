@@ -32,6 +32,7 @@ class Census(NamedTuple):
 
     block: np.ndarray  # period of the touch, or rod
     blocks: int
+    independent: bool  # whether the blocks are rods, each by itself
     isolated: np.ndarray  # no other rod pushes meanwhile
     jump: np.ndarray
     residual: np.ndarray
@@ -115,13 +116,14 @@ def census(scene: md.Scene, periods: int, *, by_rod: bool = False) -> tuple[Cens
     rows = rows[rows[:, landings.STEP] >= first * per]
     blocks = scene.rods.count if by_rod else periods - first
     block = rows[:, landings.ROD] if by_rod else rows[:, landings.STEP] // per - first
-    return Census(block.astype(int), blocks, **compared(rows, scene, result.dt, per)), result
+    found = compared(rows, scene, result.dt, per)
+    return Census(block.astype(int), blocks, by_rod, **found), result
 
 
 def _share(c: Census, what: np.ndarray, of: np.ndarray) -> tuple[float, float]:
     """Mean of `what` with the weights `of`, and its standard error over blocks."""
     top, base = (np.bincount(c.block, weights, c.blocks) for weights in (what * of, 1.0 * of))
-    return ratio(top, base)
+    return ratio(top, base, independent=c.independent)
 
 
 def measures(c: Census) -> dict[str, tuple[float, float]]:

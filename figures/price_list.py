@@ -61,7 +61,7 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
     """
     made: dict[str, Any] = {"machine": machine_line(max(float(d["load"]) for d in found.values()))}
     if d := found.get("accuracy_cost_ladder"):
-        keys = "group", "label", "seconds", "deviation", "error"
+        keys = "group", "label", "seconds", "deviation", "error", "scatter"
         off = accuracy_cost_ladder.deviations(d)
         made["ladder"] = _rows(keys, d["group"], d["label"], d["seconds"], *off)
     if d := found.get("accuracy_cost_drift"):

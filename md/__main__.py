@@ -11,7 +11,7 @@ import os
 import re
 import sys
 from collections.abc import Callable
-from math import pi, radians
+from math import isnan, pi, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -237,6 +237,11 @@ def _print_result(r: "Result") -> None:
     unit, n = r.scene.cm_per_s, r.scene.rods.count
     print(f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d)", end="")
     print(f" = {_with_error(r.c_x * unit, r.c_x_stderr * unit)} cm/s")
+    if isnan(r.c_x_stderr):
+        why = "from 125 periods on one run can tell it"
+        if r.scene.annulus is not None:
+            why = "rods keep their arrangement: only other starts tell it (start.seed)"
+        print(f"             error unknown: {why}")
     print(f"tilt         {_with_error(r.tilt_deg, r.tilt_stderr_deg)} degrees", end="")
     print("".join(f", {name.replace('_', ' ')} {k} times" for name, k in r.turned.items() if k))
     if r.landings and r.landings["per_rod_and_period"]["mean"] > 0:
@@ -275,7 +280,7 @@ def _print_result(r: "Result") -> None:
 
 
 def _with_error(value: float, error: float) -> str:
-    return f"{value:.4g} +- {error:.2g}" if error == error else f"{value:.4g} (error unknown)"
+    return f"{value:.4g}" if isnan(error) else f"{value:.4g} +- {error:.2g}"
 
 
 def _sweep(arguments: argparse.Namespace) -> int:

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import landings, row
 from .engine import SAMPLES, Engine
-from .statistics import ratio
+from .statistics import ratio, standard_error
 
 _PHASES = 64  # parts of a period
 HOP = 0.2  # periods; a shorter flight does not part two landings
@@ -112,6 +112,11 @@ class Tables:
     def tilt_deg(self, periods: int) -> np.ndarray:
         """Mean tilt of each period made."""
         return np.degrees(self.series[:periods, row.TILTS] / self.series[:periods, row.SAMPLES])
+
+    @staticmethod
+    def error(series: np.ndarray) -> float:
+        """Standard error of the mean of one value a period."""
+        return standard_error(series)
 
     def results(self, engine: Engine, first: int, periods: int) -> dict[str, Any]:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""

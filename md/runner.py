@@ -22,7 +22,7 @@ from .cache import digest
 from .engine import Engine, prepare
 from .measures import Tables
 from .scene import Scene, as_dict, whole
-from .statistics import standard_error, transient
+from .statistics import transient
 from .trajectory import write_frame
 
 _CHUNK = 0.25  # seconds of a call of the kernel: how long Ctrl-C may wait
@@ -35,9 +35,10 @@ class Result:
 
     scene : that ran
     c_x, tilt_deg : means over rods and over the periods behind the transient
-    c_x_stderr, tilt_stderr_deg : their standard errors
+    c_x_stderr, tilt_stderr_deg : their standard errors, as `statistics.standard_error`; nan where
+        one run cannot tell: below 125 periods, and in an annulus, where starts differ
     periods : that were made
-    discarded : periods of the transient (MSER-5 on the drift, at most half of the run)
+    discarded : periods of the transient, a fifth of the run
     steps_per_period, dt : the step, in sqrt(d/g)
     run_seconds, compile_seconds : of the clock
     energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
@@ -109,7 +110,7 @@ def finite(value: Any) -> Any:
 
 def _result(engine: Engine, tables: Tables, began: dict, periods: int, finished: bool) -> Result:
     c_x, tilt = tables.drift(engine, periods), tables.tilt_deg(periods)
-    cut = transient(c_x)
+    cut = transient(periods)
     energy = None
     if engine.ledger is not None:
         change = engine.energy() - began["energy"]
@@ -120,9 +121,9 @@ def _result(engine: Engine, tables: Tables, began: dict, periods: int, finished:
     return Result(
         scene=engine.scene,
         c_x=float(c_x[cut:].mean()) if periods else float("nan"),
-        c_x_stderr=standard_error(c_x[cut:]),
+        c_x_stderr=tables.error(c_x[cut:]),
         tilt_deg=float(tilt[cut:].mean()) if periods else float("nan"),
-        tilt_stderr_deg=standard_error(tilt[cut:]),
+        tilt_stderr_deg=tables.error(tilt[cut:]),
         periods=periods,
         discarded=cut,
         steps_per_period=engine.per,

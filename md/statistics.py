@@ -1,55 +1,66 @@
-"""Means of correlated series: where the transient ends, and the standard error of what follows."""
+"""Means of correlated series: what is left out at the start, and the standard error of the rest."""
+
+from math import inf, log, nan, sqrt
 
 import numpy as np
-from scipy.stats import chi2
+
+FEWEST = 100  # values from which the error of a mean can be told
 
 
-def transient(series: np.ndarray, batch: int = 5) -> int:
-    """Number of leading values to discard: MSER-5 (White, Cobb and Spratt, 2000).
+def transient(periods: int) -> int:
+    """Periods left out at the start of a run: a fifth.
 
-    The cut that makes the marginal standard error of the rest, from means of `batch` values, the
-    smallest; at most half of the series.
+    A cut that is sought in the series (MSER-5, for one) keeps what looks constant, and so makes the
+    errors of what is left too small.
     """
-    means = series[: len(series) // batch * batch].reshape(-1, batch).mean(axis=1)
-    if len(means) < 4:
-        return 0
-    means -= means.mean()  # or the squares cancel where the mean is large
-    left = np.arange(len(means), 0, -1)
-    sums, squares = np.cumsum(means[::-1])[::-1], np.cumsum(means[::-1] ** 2)[::-1]
-    marginal = (squares - sums**2 / left) / left**2
-    return int(np.argmin(marginal[: len(means) // 2 + 1])) * batch
+    return periods // 5
 
 
 def standard_error(series: np.ndarray) -> float:
-    """Standard error of the mean of a correlated, stationary series, by automated blocking.
+    """Standard error of the mean of a correlated, stationary series; nan below `FEWEST` values.
 
-    Values are averaged in pairs again and again (Flyvbjerg and Petersen, 1989). The plateau is
-    found by Jonsson's test (Phys. Rev. E 98, 043304, 2018): from there on, the covariances of
-    neighbours, squared and summed over the levels left, are no larger than those of independent
-    values, at 99 % of chi^2. An odd value out is the first one. nan below 4 values.
+    The spectral density at frequency zero of an autoregressive model over the number of values
+    (Heidelberger and Welch, 1981). The model is fitted by Yule and Walker's equations up to the
+    order 10 log10(n), and the order with the smallest Akaike criterion is taken. A change of state
+    that is rarer than once in the series goes unseen: only independent starts show it.
     """
     series = np.asarray(series, float)
-    if not len(series) >= 4 or not np.isfinite(series).all():
-        return float("nan")
-    x, variances, terms, sizes = series, [], [], []
-    while len(x) > 1:
-        n, off = len(x), x - x.mean()
-        variance, covariance = np.mean(off**2), np.sum(off[1:] * off[:-1]) / n
-        lag = (n - 1) * variance / n**2 + covariance if variance > 0 else 0.0
-        terms.append(n * (lag / variance) ** 2 if variance > 0 else 0.0)
-        variances.append(variance)
-        sizes.append(n)
-        x = x[n % 2 :]
-        x = (x[0::2] + x[1::2]) / 2
-    left = np.cumsum(terms[::-1])[::-1]
-    quantiles = chi2.ppf(0.99, np.arange(len(sizes), 0, -1))
-    plateau = int(np.argmax(left < quantiles)) if (left < quantiles).any() else -1
-    return float(np.sqrt(variances[plateau] / (sizes[plateau] - 1)))
+    n = len(series)
+    if n < FEWEST or not np.isfinite(series).all():
+        return nan
+    off = series - series.mean()
+    most = int(10 * np.log10(n))
+    covariance = np.array([off[: n - lag] @ off[lag:] for lag in range(most + 1)]) / n
+    noise, weights, found, least = covariance[0], np.zeros(0), 0.0, inf
+    for order in range(most + 1):  # Levinson and Durbin's recursion
+        if order:
+            lagged = covariance[order - 1 : 0 : -1]
+            reflected = (covariance[order] - weights @ lagged) / noise
+            weights = np.append(weights - reflected * weights[::-1], reflected)
+            noise *= 1 - reflected**2
+        if not noise > 1e-15 * covariance[0]:  # nothing is left to explain
+            break
+        criterion = n * log(noise) + 2 * order
+        if criterion < least:
+            density = noise * n / (n - order - 1) / (1 - weights.sum()) ** 2
+            found, least = sqrt(density / n), criterion
+    return found
 
 
-def ratio(sums: np.ndarray, counts: np.ndarray) -> tuple[float, float]:
-    """Mean of a quantity from its sums and counts in a row of blocks, and its standard error."""
+def ratio(
+    sums: np.ndarray, counts: np.ndarray, *, independent: bool = False
+) -> tuple[float, float]:
+    """Mean of a quantity from its sums and counts in blocks, and its standard error.
+
+    Parameters
+    ----------
+    sums, counts : of each block, in the order of time
+    independent : whether the blocks are, else they are a correlated series
+    """
     if not counts.sum() > 0:
-        return float("nan"), float("nan")
+        return nan, nan
     mean = sums.sum() / counts.sum()
-    return float(mean), standard_error((sums - mean * counts) / counts.mean())
+    off = (sums - mean * counts) / counts.mean()
+    if independent:
+        return float(mean), float(off.std(ddof=1) / sqrt(len(off)))
+    return float(mean), standard_error(off)

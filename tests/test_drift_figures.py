@@ -5,6 +5,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+import md
 from figures import accuracy_cost_drift as drift_figure
 from figures import accuracy_cost_ladder as ladder
 from md.dial import steps_per_contact
@@ -88,8 +89,14 @@ def test_the_ladder(monkeypatch):
     ]
     assert d["answer"][0] == d["answer"][1]
     assert (d["seconds"] > 0).all()
-    off, _ = ladder.deviations(d)
+    off, *_ = ladder.deviations(d)
     np.testing.assert_allclose((off + 1) * d["trusted"][0], d["answer"])
+    starts = [
+        md.run(ladder.scene(*rungs["rods"]["N=5"], seed), periods=4).c_x for seed in range(1, 9)
+    ]
+    assert d["answer"][-1] == pytest.approx(np.mean(starts))  # bars: scatter of independent starts
+    assert d["scatter"][-1] == pytest.approx(np.std(starts, ddof=1))
+    assert d["error"][-1] == pytest.approx(np.std(starts, ddof=1) / np.sqrt(8))
     plt.close(ladder.draw(d))
     assert ladder.summary(d).count("\n") == len(d["group"]) + 1
 

@@ -162,10 +162,10 @@ def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:
 def interval(drift: np.ndarray, confidence: float = CONFIDENCE) -> tuple[float, float, int]:
     """Mean of a stationary series behind its transient, half of its interval, the transient.
 
-    The rest is cut into 8, 16 and 32 parts, whose means give three intervals by Student's t; the
-    widest one counts: few parts are too scattered to be sure of, and many are correlated.
+    It is looked at again and again as the run goes on, so it is a wide one: the rest is cut into 8,
+    16 and 32 parts, whose means give three intervals by Student's t, and the widest one counts.
     """
-    cut = transient(drift)
+    cut = transient(len(drift))
     rest, half = drift[cut:], 0.0
     for parts in _PARTS:
         if len(rest) < parts:

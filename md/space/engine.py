@@ -1,7 +1,7 @@
 """From a scene in an annulus to what the kernels take, and what is measured there."""
 
 from dataclasses import dataclass
-from math import pi
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from ..laws import friction_of
 from ..one_rod import Rod, RunError
 from ..row import PAIR_TOO_DEEP, TOO_FAST, Between
 from ..scene import Contact, Scene
-from ..statistics import ratio
 from . import crowd
 from .forces import DIRECTOR, SINGLE, TURN, VELOCITY, Space, Wall
 from .pairs import Pairs, nearest, no_pairs
@@ -170,20 +169,25 @@ class RingTables:
         part = self.series[:periods]
         return np.degrees(part[:, crowd.TILTS] / part[:, crowd.SAMPLES])
 
+    @staticmethod
+    def error(series: np.ndarray) -> float:
+        """Unknown from one run: the rods keep their arrangement, another one at each start."""
+        return nan
+
     def results(self, engine: Ring, first: int, periods: int) -> dict[str, Any]:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""
-        part, n = self.series[first:periods], engine.scene.rods.count
-        pairs = {
-            "plate_velocity": (crowd.PLATE_SUM, crowd.TOUCHES, self.speed),
-            "plate_velocity_by_speed": (crowd.PUSHING, crowd.APPROACH, self.speed),
-            "lean_deg": (crowd.LEANS, crowd.SAMPLES, pi / 180),
-        }
+        part = self.series[first:periods].sum(axis=0)
+        touches, n = part[crowd.TOUCHES], engine.scene.rods.count * (periods - first)
         found = {
-            name: ratio(part[:, top] / unit, part[:, base])
-            for name, (top, base, unit) in pairs.items()
+            "plate_velocity": (part[crowd.PLATE_SUM] / self.speed, touches),
+            "plate_velocity_by_speed": (part[crowd.PUSHING] / self.speed, part[crowd.APPROACH]),
+            "lean_deg": (np.degrees(part[crowd.LEANS]), part[crowd.SAMPLES]),
+            "per_rod_and_period": (touches, n),
         }
-        found["per_rod_and_period"] = ratio(part[:, crowd.TOUCHES], np.full(len(part), n))
-        seen = {name: {"mean": m, "stderr": e} for name, (m, e) in found.items()}
+        seen = {
+            name: {"mean": float(top / base) if base > 0 else nan, "stderr": nan}
+            for name, (top, base) in found.items()
+        }
         return {
             "landings": seen if periods else None,
             "merged": None,
