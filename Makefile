@@ -1,12 +1,13 @@
 # make figures   set up, derive, prove, generate, report, draw the quick figures: out/index.html
 # make paper     set up, then every figure in full, movie and claims; says first how long; goes on
 # make test      set up and run the tests
+# make slow      set up and run the longer studies; tests/SLOW.md says when they passed last
 # make clean     remove what the two built
 
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: figures paper test clean
+.PHONY: figures paper test slow clean
 
 figures: .venv/ready
 	$(BIN)/python -m derivations report
@@ -23,6 +24,9 @@ test: .venv/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest
+
+slow: .venv/ready
+	$(BIN)/python -m pytest -m slow --record tests/SLOW.md
 
 # The environment is built once and again whenever the dependencies change.
 .venv/ready: pyproject.toml

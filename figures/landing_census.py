@@ -253,8 +253,8 @@ TABLES = {
 
 def _text(pair: np.ndarray) -> str:
     value, error = 100 * pair
-    if not np.isfinite(error):
-        return "-"
+    if not np.isfinite(error):  # a run too short to tell it, or nothing to tell of
+        return f"{value:.3g}" if np.isfinite(value) else "-"
     digits = min(max(-math.floor(math.log10(error)), 0), 4) if error > 0 else 0
     return f"{value:.{digits}f} ±{error:.{digits}f}"
 

@@ -138,10 +138,10 @@ def over_seeds(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def measured_error(drifts: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean over seeds; the larger of the errors between the runs and within them."""
+    """Mean over seeds; the larger of the errors between the runs and, where known, within them."""
     mean, between = over_seeds(drifts)
-    within = np.sqrt(np.nanmean(errors**2, axis=-1) / drifts.shape[-1])
-    return mean, np.fmax(between, within)
+    squares, _ = over_seeds(errors**2)
+    return mean, np.fmax(between, np.sqrt(squares / drifts.shape[-1]))
 
 
 def plate_speed_cm_s(gamma: float | np.ndarray = GAMMA) -> float | np.ndarray:

@@ -238,7 +238,7 @@ def _print_result(r: "Result") -> None:
     print(f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d)", end="")
     print(f" = {_with_error(r.c_x * unit, r.c_x_stderr * unit)} cm/s")
     if isnan(r.c_x_stderr):
-        why = "from 125 periods on one run can tell it"
+        why = "from 124 periods on one run can tell it"
         if r.scene.annulus is not None:
             why = "rods keep their arrangement: only other starts tell it (start.seed)"
         print(f"             error unknown: {why}")

@@ -36,7 +36,7 @@ class Result:
     scene : that ran
     c_x, tilt_deg : means over rods and over the periods behind the transient
     c_x_stderr, tilt_stderr_deg : their standard errors, as `statistics.standard_error`; nan where
-        one run cannot tell: below 125 periods, and in an annulus, where starts differ
+        one run cannot tell: below 124 periods, and in an annulus, where starts differ
     periods : that were made
     discarded : periods of the transient, a fifth of the run
     steps_per_period, dt : the step, in sqrt(d/g)

@@ -1,7 +1,13 @@
 """Property tests draw the same examples every time; rows of rods have a store of their own."""
 
+import time
+from pathlib import Path
+
 import pytest
 from hypothesis import settings
+
+from impact._generated import DIGEST
+from md.cache import digest
 
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
@@ -13,3 +19,20 @@ def rows_store(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROWS_STORE", str(tmp_path_factory.mktemp("rows") / "rows.db"))
         yield
+
+
+def pytest_addoption(parser):
+    parser.addoption("--record", metavar="FILE", help="write date, sources, counts of a pass")
+
+
+def pytest_terminal_summary(terminalreporter, exitstatus, config):
+    """Record a run of which all tests have passed."""
+    if config.getoption("record") is None or exitstatus != 0:
+        return
+    passed, skipped = (len(terminalreporter.stats.get(kind, ())) for kind in ("passed", "skipped"))
+    lines = [
+        *("# The longer studies", "", "Written by `make slow` when all of them pass.", ""),
+        f"{time.strftime('%Y-%m-%d', time.gmtime())}: {passed} passed, {skipped} skipped;"
+        f" sources md {digest()}, impact {DIGEST}.",
+    ]
+    Path(config.getoption("record")).write_text("\n".join(lines) + "\n", encoding="utf-8")
