@@ -49,8 +49,6 @@ class Labelled(np.ndarray):
 
 def labels_of(value: Any) -> Labels:
     """Labels of what looks like pandas or xarray, neither of which is imported; else empty."""
-    if type(value) in _PLAIN:
-        return ()
     if isinstance(value, Labelled):
         return value.labels
     if hasattr(value, "dims"):
@@ -105,10 +103,11 @@ def real_arrays(arguments: Mapping[str, Argument]) -> tuple[list[np.ndarray], np
 
     Labelled arguments whose labels differ raise `ValueError`.
     """
-    values = {name: value for name, (value, _) in arguments.items()}
-    _refuse_unlike(values)
-    arrays = [real_array(name, *argument) for name, argument in arguments.items()]
-    return arrays, result_dtype(list(values.values()))
+    values = [value for value, _ in arguments.values()]
+    if not _PLAIN.issuperset(map(type, values)):
+        _refuse_unlike(dict(zip(arguments, values, strict=True)))
+    arrays = [real_array(name, value, domain) for name, (value, domain) in arguments.items()]
+    return arrays, result_dtype(values)
 
 
 def number(name: str, value: Any, domain: Domain) -> float:
@@ -134,8 +133,9 @@ def count(name: str, value: Any, least: int) -> int:
 
 def result_dtype(values: Sequence[Any]) -> np.dtype:
     """float32 if the arguments are, else float64; Python numbers do not decide."""
-    weak = [v if type(v) in (int, float, bool) else np.asarray(v).dtype for v in values]
-    return np.dtype(np.float32 if np.result_type(*weak) == np.float32 else np.float64)
+    kinds = {np.asarray(v).dtype for v in values if type(v) not in (int, float, bool)}
+    single = kinds and np.result_type(*kinds) == np.float32
+    return np.dtype(np.float32 if single else np.float64)
 
 
 def in_blocks(

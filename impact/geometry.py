@@ -16,7 +16,6 @@ from ._arguments import (
     labels_of,
     real_array,
     real_arrays,
-    result_dtype,
 )
 
 
@@ -43,9 +42,9 @@ class ContactGeometry(NamedTuple):
 def lengths_of(geometry: ContactGeometry) -> dict[str, Argument]:
     """X, Z and k of a contact geometry, with domains; raises `TypeError` for what is none."""
     try:
-        X, Z, k = () if isinstance(geometry, str) else geometry
-    except (TypeError, ValueError):
-        raise TypeError(f"geometry must hold X, Z and k, got {geometry!r}") from None
+        X, Z, k = geometry if isinstance(geometry, tuple | list | np.ndarray) else ()
+    except ValueError:
+        raise TypeError(f"geometry must be (X, Z, k), got {geometry!r}") from None
     return {"geometry.X": (X, ANY), "geometry.Z": (Z, ANY), "geometry.k": (k, POSITIVE)}
 
 
@@ -63,7 +62,8 @@ def valid_lengths(X: Any, Z: Any, k: Any) -> Any:
 def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
     """Evaluate `contact(sin, cos, *sizes)` -> (X, Z, k) with the domains of all arguments."""
     # 90 degrees in the tilt's own precision
-    right = float(np.float32(np.pi / 2)) if result_dtype([tilt]) == np.float32 else np.pi / 2
+    single = real_array("tilt", tilt).dtype == np.float32
+    right = float(np.float32(np.pi / 2)) if single else np.pi / 2
     tilts = Domain(-right, right, "between -pi/2 and pi/2")
     lengths = {name: (value, POSITIVE) for name, value in sizes.items()}
     arrays, dtype = real_arrays({"tilt": (tilt, tilts), **lengths})

@@ -74,6 +74,8 @@ def test_labels_of_pandas():
         call("collide", c_x=c_x, friction=friction)
     with pytest.raises(ValueError, match=r"c_x and geometry\.X must have equal labels"):
         call("collide", c_x=c_x, geometry=impact.thin_rod(friction))
+    with pytest.raises(TypeError, match=r"geometry must be \(X, Z, k\)"):  # in this order
+        call("collide", geometry=pandas.Series({"Z": 0.4, "X": 0.2, "k": 0.3}))
     plain = call("collide", c_x=c_x.to_numpy(), friction=friction.to_numpy())
     np.testing.assert_equal(call("collide", c_x=c_x.set_axis([1, 0]), friction=friction), plain)
 
