@@ -1,5 +1,17 @@
 '''The paper, derived from Newton's laws with SymPy and compared with what is printed.
 
+`equation` gives any of them as an expression, `function` as a NumPy function; `symbols` holds the
+letters, which know their signs:
+
+>>> import derivations
+>>> from derivations import symbols
+>>> derivations.equation("16")
+mu*(Z**2 + k**2) > X*Z
+>>> derivations.equation("24").subs(symbols.epsilon, 1)
+2*V_z*Z/X
+>>> derivations.function("23")(mu=[0.25, 0.5, 0.75]).round(3)  # tilts in rad
+array([0.331, 0.652, 1.107])
+
 `derivations.registry` holds every equation as printed and as derived, with a verdict and its proof.
 From a shell: `python -m derivations check`, `report`, `generate`.
 
@@ -15,6 +27,7 @@ rewrites                            rules that make a form compute well, each on
 map_functions, rod_functions        which functions are generated, by which rules
 codegen, readme                     impact/_generated.py; the tables of the README
 presentation, typeset, prose        forms, formulas and sentences to be read
+lookup                              `equation`, `function`: one entry by its tag
 report, __main__                    the report; the command line
 
 To add an equation: how a falling rod rebounds
@@ -68,3 +81,8 @@ Try it: all proofs, impact/_generated.py and the README's tables anew, the repor
 
 How it becomes public stands in `help(impact)`.
 '''
+
+from . import symbols
+from .lookup import equation, function
+
+__all__ = ["equation", "function", "symbols"]

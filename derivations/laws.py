@@ -19,7 +19,7 @@ from .newton import approach, contact_change, spin_jump
 from .proof import Equation
 from .slip_reversal import reversed_change
 from .slip_stick import sticking_velocity
-from .symbols import P_1, P_x, P_z, V_z, c_x, c_z, epsilon, k, m, mu, omega, phi, u_0, v_0
+from .symbols import P_1, P_x, P_z, V_z, c_x, c_z, epsilon, k, m, mu, omega, phi, u_0, u_f, v_0, v_f
 
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point, per unit mass: du = C P_x - B P_z, dv = A P_z - B P_x.
@@ -220,7 +220,7 @@ EQUATIONS = (
         tag="laws: energy",
         what="energy change of any impact from the impulse and the contact velocities",
         symbol="\\Delta E",
-        derive=lambda: P_x * (u_0 + sp.Symbol("u_f")) / 2 + P_z * (v_0 + sp.Symbol("v_f")) / 2,
+        derive=lambda: P_x * (u_0 + u_f) / 2 + P_z * (v_0 + v_f) / 2,
         check=lambda: (_kinetic_energy_identity(),),
         verdict="new",
         note="the mean contact velocity times the impulse; equal to the change of kinetic energy",

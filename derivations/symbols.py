@@ -2,6 +2,7 @@
 
 Lengths and speeds stay general reals, so that whatever is proved holds for both signs; only what
 is positive by its meaning (mass, gyration radius, length, time scales) is declared positive.
+`NAMED` holds them by the names that they bear in print: "l" is `length`, "I" is `moment`.
 """
 
 import sympy as sp
@@ -13,8 +14,8 @@ mu, epsilon = sp.symbols("mu epsilon", nonnegative=True)
 X, Z = sp.symbols("X Z", real=True)
 phi = sp.Symbol("phi", real=True)
 c_x, c_z, omega, V_z = sp.symbols("c_x c_z omega V_z", real=True)
-u_0, v_0 = sp.symbols("u_0 v_0", real=True)
-v_1, v_f = sp.symbols("v_1 v_f", real=True)
+u_0, v_0, u_f, v_f = sp.symbols("u_0 v_0 u_f v_f", real=True)
+v_1 = sp.Symbol("v_1", real=True)
 
 P_x, P_z, P_1 = sp.symbols("P_x P_z P_1", real=True)
 F_x, F_z = sp.symbols("F_x F_z", real=True)
@@ -22,3 +23,5 @@ F_x, F_z = sp.symbols("F_x F_z", real=True)
 t, theta = sp.symbols("t theta", real=True)
 V_0 = sp.Symbol("V_0", positive=True)
 Gamma = sp.Symbol("Gamma", positive=True)
+
+NAMED = {letter.name: letter for letter in list(vars().values()) if isinstance(letter, sp.Symbol)}

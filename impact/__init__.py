@@ -7,6 +7,11 @@
 >>> hit.regime.name
 'SLIP_REVERSAL'
 
+Lengths are in one unit of your choice, velocities in that unit per time; spins are in rad per that
+time, those given and those that come out. Nothing can check it: with lengths in mm and velocities
+in m/s spins are in rad per millisecond. Arrays are paired by position; labelled ones (pandas,
+xarray) are refused where their labels differ, and results are plain arrays.
+
 Closed forms derived from Newton's laws by `derivations`; needs NumPy alone. On request, with Numba:
 `impact.compiled` (the map as kernels), `impact.bouncing` (a rod at fixed tilt), `impact.falling` (a
 rod that is let go).
@@ -44,9 +49,9 @@ To add a function: the rebound of `help(derivations)`
             valid = valid_lengths(X, Z, k) & RESTITUTION.holds(epsilon)
             return (np.where(valid, closed.rebound(np.abs(X) / k, epsilon), np.nan),)
 
-        lengths = lengths_of(geometry)
-        arrays = [*geometry_arrays(*lengths), real_array("restitution", restitution, RESTITUTION)]
-        return in_blocks(block, arrays, [result_dtype([*lengths, restitution])])[0]
+        arguments = {**lengths_of(geometry), "restitution": (restitution, RESTITUTION)}
+        arrays, dtype = real_arrays(arguments)
+        return in_blocks(block, arrays, [dtype])[0]
 
 2. impact/__init__.py, for the line that begins `from .translation import`
     from .translation import Drift, drift, landing_density, mean_plate_velocity, rebound

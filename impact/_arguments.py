@@ -1,12 +1,14 @@
-"""What every public function does with its arguments: domains, dtypes, blocks.
+"""What every public function does with its arguments: domains, labels, dtypes, blocks.
 
 A scalar outside its domain raises; inside an array such an element becomes nan. A nan, or an
-infinity where none is allowed, gives nan everywhere and never raises.
+infinity where none is allowed, gives nan everywhere and never raises. Arrays are paired by
+position: labels (pandas, xarray) that say otherwise raise, equal ones are dropped.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations, zip_longest
 from operator import index
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -34,6 +36,49 @@ POSITIVE = Domain(0.0, np.inf, "> 0", open_low=True)
 FRICTION = Domain(0.0, np.inf, ">= 0", infinite=True)
 RESTITUTION = Domain(0.0, 1.0, "between 0 and 1")
 
+Argument: TypeAlias = tuple[Any, Domain]  # a value as it came, and its domain
+Labels: TypeAlias = Sequence[tuple[Any, Any]]  # dimension and index of each axis, or None
+_PLAIN = {float, int, np.float64, np.ndarray}
+
+
+class Labelled(np.ndarray):
+    """Array that remembers the labels of the arguments it was computed from."""
+
+    labels: Labels = ()
+
+
+def labels_of(value: Any) -> Labels:
+    """Labels of what looks like pandas or xarray, neither of which is imported; else empty."""
+    if isinstance(value, Labelled):
+        return value.labels
+    if hasattr(value, "dims"):
+        indexes = getattr(value, "indexes", {})
+        return [(dimension, indexes.get(dimension)) for dimension in value.dims]
+    return [(None, index) for index in getattr(value, "axes", ())]
+
+
+def _difference(one: Labels, other: Labels) -> tuple[Any, Any] | None:
+    """First labels that differ between axes paired as NumPy pairs them, from the last; or None."""
+    for pair in zip(one[::-1], other[::-1], strict=False):
+        (name, name_), (labels, labels_) = zip(*pair, strict=True)
+        if None not in (name, name_) and name != name_:
+            return name, name_
+        if labels is not None and labels_ is not None and not labels.equals(labels_):
+            pairs = zip_longest(labels, labels_)
+            return next((pair for pair in pairs if pair[0] != pair[1]), (labels, labels_))
+    return None
+
+
+def _refuse_unlike(values: Mapping[str, Any]) -> None:
+    """Raise `ValueError` if two labelled arguments would be paired against their labels."""
+    labelled = [(name, labels) for name, v in values.items() if (labels := labels_of(v))]
+    for (one, labels), (other, others) in combinations(labelled, 2):
+        if found := _difference(labels, others):
+            raise ValueError(
+                f"{one} and {other} must have equal labels, got {found[0]!r} where the other has "
+                f"{found[1]!r}; align them, or pass plain arrays"
+            )
+
 
 def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
     """`value` as a real array; a scalar outside the domain raises `ValueError`.
@@ -51,6 +96,18 @@ def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
     if array.ndim == 0 and np.isfinite(array) and not domain.holds(array):
         raise ValueError(f"{name} must be {domain.text}, got {value!r}")
     return array
+
+
+def real_arrays(arguments: Mapping[str, Argument]) -> tuple[list[np.ndarray], np.dtype]:
+    """All arguments of a call as real arrays, and the dtype of its results.
+
+    Labelled arguments whose labels differ raise `ValueError`.
+    """
+    values = [value for value, _ in arguments.values()]
+    if not _PLAIN.issuperset(map(type, values)):
+        _refuse_unlike(dict(zip(arguments, values, strict=True)))
+    arrays = [real_array(name, value, domain) for name, (value, domain) in arguments.items()]
+    return arrays, result_dtype(values)
 
 
 def number(name: str, value: Any, domain: Domain) -> float:
@@ -76,8 +133,9 @@ def count(name: str, value: Any, least: int) -> int:
 
 def result_dtype(values: Sequence[Any]) -> np.dtype:
     """float32 if the arguments are, else float64; Python numbers do not decide."""
-    weak = [v if type(v) in (int, float, bool) else np.asarray(v).dtype for v in values]
-    return np.dtype(np.float32 if np.result_type(*weak) == np.float32 else np.float64)
+    kinds = {np.asarray(v).dtype for v in values if type(v) not in (int, float, bool)}
+    single = kinds and np.result_type(*kinds) == np.float32
+    return np.dtype(np.float32 if single else np.float64)
 
 
 def in_blocks(

@@ -34,7 +34,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from ._arguments import ANY, FRICTION, POSITIVE, RESTITUTION, Domain, count, number, real_array
+from ._arguments import FRICTION, RESTITUTION, Domain, count, number, real_array
 from .compiled import KERNELS
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
 from .geometry import ContactGeometry, lengths_of, unit_lengths
@@ -188,8 +188,7 @@ def _checked(
 ) -> _Problem:
     if law not in KERNELS:
         raise ValueError(f"law must be one of {', '.join(KERNELS)}, got {law!r}")
-    names, domains = ("geometry.X", "geometry.Z", "geometry.k"), (ANY, ANY, POSITIVE)
-    lengths = map(number, names, lengths_of(geometry), domains)
+    lengths = (number(name, *length) for name, length in lengths_of(geometry).items())
     physics = (
         number("gamma", gamma, _GAMMA),
         *map(float, unit_lengths(*lengths)),

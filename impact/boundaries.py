@@ -5,21 +5,8 @@ from typing import Any
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import (
-    FRICTION,
-    POSITIVE,
-    RESTITUTION,
-    in_blocks,
-    real_array,
-    result_dtype,
-)
-from .geometry import (
-    ContactGeometry,
-    geometry_arrays,
-    lengths_of,
-    unit_lengths,
-    valid_lengths,
-)
+from ._arguments import FRICTION, POSITIVE, RESTITUTION, in_blocks, real_arrays
+from .geometry import ContactGeometry, lengths_of, unit_lengths, valid_lengths
 
 
 def critical_tilts(friction: Any) -> tuple[Any, Any]:
@@ -47,8 +34,8 @@ def critical_tilts(friction: Any) -> tuple[Any, Any]:
         a, b, c = closed.critical_tangents(mu, root)
         return np.arctan2(a, b), np.arctan2(b, c)
 
-    dtype = result_dtype([friction])
-    return in_blocks(block, [real_array("friction", friction, FRICTION)], [dtype] * 2)
+    arrays, dtype = real_arrays({"friction": (friction, FRICTION)})
+    return in_blocks(block, arrays, [dtype] * 2)
 
 
 def critical_friction(geometry: ContactGeometry) -> Any:
@@ -73,8 +60,8 @@ def critical_friction(geometry: ContactGeometry) -> Any:
         value = closed.critical_friction(*(np.ldexp(length, -exponent) for length in (X, Z, k)))
         return (np.where(valid_lengths(X, Z, k), np.abs(value), np.nan),)
 
-    lengths = lengths_of(geometry)
-    return in_blocks(block, geometry_arrays(*lengths), [result_dtype(lengths)])[0]
+    arrays, dtype = real_arrays(lengths_of(geometry))
+    return in_blocks(block, arrays, [dtype])[0]
 
 
 def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitution: Any) -> Any:
@@ -95,10 +82,6 @@ def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitutio
     ValueError
         If a scalar argument is out of its domain.
     """
-    extra = [
-        real_array("approach_ratio", approach_ratio, POSITIVE),
-        real_array("restitution", restitution, RESTITUTION),
-    ]
 
     def block(X: Any, Z: Any, k: Any, ratio: Any, epsilon: Any) -> tuple[Any, ...]:
         valid = valid_lengths(X, Z, k) & POSITIVE.holds(ratio) & RESTITUTION.holds(epsilon)
@@ -106,9 +89,11 @@ def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitutio
         value = np.where(below > 0, np.maximum(above, 0.0) / below, np.inf)
         return (np.where(valid, value, np.nan),)
 
-    lengths = lengths_of(geometry)
-    dtype = result_dtype([*lengths, approach_ratio, restitution])
-    return in_blocks(block, [*geometry_arrays(*lengths), *extra], [dtype])[0]
+    ratio, epsilon = (approach_ratio, POSITIVE), (restitution, RESTITUTION)
+    arrays, dtype = real_arrays(
+        {**lengths_of(geometry), "approach_ratio": ratio, "restitution": epsilon}
+    )
+    return in_blocks(block, arrays, [dtype])[0]
 
 
 def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
@@ -145,6 +130,5 @@ def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
         value = np.where(reverses, (1 - kappa) / (1 + kappa), sticking)
         return (np.where(valid, value, np.nan),)
 
-    lengths = lengths_of(geometry)
-    arrays = [*geometry_arrays(*lengths), real_array("friction", friction, FRICTION)]
-    return in_blocks(block, arrays, [result_dtype([*lengths, friction])])[0]
+    arrays, dtype = real_arrays({**lengths_of(geometry), "friction": (friction, FRICTION)})
+    return in_blocks(block, arrays, [dtype])[0]

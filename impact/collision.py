@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import _kernel as kernel
-from ._arguments import FRICTION, RESTITUTION, in_blocks, real_array, result_dtype
+from ._arguments import ANY, FRICTION, RESTITUTION, in_blocks, real_arrays
 from ._kernel import Regime
-from .geometry import ContactGeometry, geometry_arrays, lengths_of
+from .geometry import ContactGeometry, lengths_of
 
 LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.stronge}
 
@@ -100,18 +100,17 @@ def prepare(
     """Arguments of `collide` as arrays in the kernel's order, and the dtype of the results."""
     if not isinstance(law, str) or law not in LAWS:
         raise ValueError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
-    lengths = lengths_of(geometry)
-    arrays = [
-        real_array("c_x", c_x),
-        real_array("c_z", c_z),
-        real_array("omega", omega),
-        real_array("plate_velocity", plate_velocity),
-        *geometry_arrays(*lengths),
-        real_array("friction", friction, FRICTION),
-        real_array("restitution", restitution, RESTITUTION),
-    ]
-    values = (c_x, c_z, omega, plate_velocity, *lengths, friction, restitution)
-    return arrays, result_dtype(values)
+    return real_arrays(
+        {
+            "c_x": (c_x, ANY),
+            "c_z": (c_z, ANY),
+            "omega": (omega, ANY),
+            "plate_velocity": (plate_velocity, ANY),
+            **lengths_of(geometry),
+            "friction": (friction, FRICTION),
+            "restitution": (restitution, RESTITUTION),
+        }
+    )
 
 
 def from_arrays(
@@ -148,13 +147,14 @@ def collide(
 ) -> Collision:
     """State of a rod after one frictional impact with the plate, Eqs. (7)-(22), (B1)-(B12).
 
-    All arguments broadcast; float32 in gives float32 out (computed in float64).
+    All arguments broadcast; float32 in gives float32 out (computed in float64). With lengths in
+    one unit, velocities in that unit per time, omega is in rad per that time, in and out.
 
     Parameters
     ----------
     c_x, c_z : velocity of the centre of mass along and across the plate, any finite number
     omega : angular velocity, positive turns the rod's top towards +x
-    geometry : X, Z, k; units of length that make omega X a velocity; k > 0
+    geometry : X, Z, k, in the unit of length of the velocities (cm for cm/s); k > 0
     friction : Coulomb coefficient, >= 0; inf is the limit of large friction
     restitution : between 0 and 1, in the sense of `law`
     plate_velocity : V_z of the plate, across itself
@@ -172,7 +172,8 @@ def collide(
     Raises
     ------
     ValueError
-        If a scalar argument is out of its domain, or `law` is unknown.
+        If a scalar argument is out of its domain, `law` is unknown, or two labelled arguments
+        (pandas, xarray) differ in their labels.
     TypeError
         If an argument is not a real number.
 

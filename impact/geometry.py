@@ -6,7 +6,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import POSITIVE, Domain, in_blocks, real_array, result_dtype
+from ._arguments import (
+    ANY,
+    POSITIVE,
+    Argument,
+    Domain,
+    Labelled,
+    in_blocks,
+    labels_of,
+    real_array,
+    real_arrays,
+)
 
 
 class ContactGeometry(NamedTuple):
@@ -17,6 +27,11 @@ class ContactGeometry(NamedTuple):
     X, Z : centre of mass over the contact point, any finite numbers; X is positive for a rod that
         tilts towards +x
     k : gyration radius, > 0
+
+    Notes
+    -----
+    What `thin_rod` and its like make of labelled arguments (pandas, xarray) are arrays without
+    labels, which remember them: a call that pairs them with other labels is refused.
     """
 
     X: Any
@@ -24,22 +39,13 @@ class ContactGeometry(NamedTuple):
     k: Any
 
 
-def lengths_of(geometry: ContactGeometry) -> tuple[Any, Any, Any]:
-    """X, Z and k of a contact geometry; raises `TypeError` for what is none."""
+def lengths_of(geometry: ContactGeometry) -> dict[str, Argument]:
+    """X, Z and k of a contact geometry, with domains; raises `TypeError` for what is none."""
     try:
-        X, Z, k = () if isinstance(geometry, str) else geometry
-    except (TypeError, ValueError):
-        raise TypeError(f"geometry must hold X, Z and k, got {geometry!r}") from None
-    return X, Z, k
-
-
-def geometry_arrays(X: Any, Z: Any, k: Any) -> list[np.ndarray]:
-    """X, Z, k as arrays; raises for a scalar k <= 0."""
-    return [
-        real_array("geometry.X", X),
-        real_array("geometry.Z", Z),
-        real_array("geometry.k", k, POSITIVE),
-    ]
+        X, Z, k = geometry if isinstance(geometry, tuple | list | np.ndarray) else ()
+    except ValueError:
+        raise TypeError(f"geometry must be (X, Z, k), got {geometry!r}") from None
+    return {"geometry.X": (X, ANY), "geometry.Z": (Z, ANY), "geometry.k": (k, POSITIVE)}
 
 
 def unit_lengths(X: Any, Z: Any, k: Any) -> tuple[Any, Any, Any]:
@@ -53,27 +59,29 @@ def valid_lengths(X: Any, Z: Any, k: Any) -> Any:
     return np.isfinite(X) & np.isfinite(Z) & POSITIVE.holds(k)
 
 
-def _tilts(tilt: Any) -> np.ndarray:
-    """Tilt as an array; the domain ends at 90 degrees in the tilt's own precision."""
-    right = float(np.float32(np.pi / 2)) if result_dtype([tilt]) == np.float32 else np.pi / 2
-    domain = Domain(-right, right, "between -pi/2 and pi/2")
-    tilt = real_array("tilt", tilt, domain)
-    return np.where(domain.holds(tilt), tilt, np.nan)
-
-
 def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
     """Evaluate `contact(sin, cos, *sizes)` -> (X, Z, k) with the domains of all arguments."""
-    dtype = result_dtype([tilt, *sizes.values()])
-    arrays = [real_array(name, value, POSITIVE) for name, value in sizes.items()]
+    # 90 degrees in the tilt's own precision
+    single = real_array("tilt", tilt).dtype == np.float32
+    right = float(np.float32(np.pi / 2)) if single else np.pi / 2
+    tilts = Domain(-right, right, "between -pi/2 and pi/2")
+    lengths = {name: (value, POSITIVE) for name, value in sizes.items()}
+    arrays, dtype = real_arrays({"tilt": (tilt, tilts), **lengths})
 
     def block(phi: Any, *lengths: Any) -> tuple[Any, ...]:
-        valid = np.isfinite(phi)
+        valid = tilts.holds(phi)
         for length in lengths:
             valid &= POSITIVE.holds(length)
         X, Z, k = contact(np.sin(phi), np.cos(phi), *lengths)
         return tuple(np.where(valid, part, np.nan) for part in (X, Z, k))
 
-    return ContactGeometry(*in_blocks(block, [_tilts(tilt), *arrays], [dtype] * 3))
+    parts = in_blocks(block, arrays, [dtype] * 3)
+    labels = max(map(labels_of, (tilt, *sizes.values())), key=len)
+    if labels:  # what is made with this geometry must agree with them
+        parts = tuple(part.view(Labelled) for part in parts)
+        for part in parts:
+            part.labels = labels
+    return ContactGeometry(*parts)
 
 
 def thin_rod(tilt: Any, length: Any = 1.0) -> ContactGeometry:

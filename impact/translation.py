@@ -12,10 +12,11 @@ from ._arguments import (
     RESTITUTION,
     in_blocks,
     real_array,
+    real_arrays,
     result_dtype,
 )
 from ._kernel import Regime
-from .geometry import ContactGeometry, geometry_arrays, lengths_of, valid_lengths
+from .geometry import ContactGeometry, lengths_of, valid_lengths
 
 
 class Drift(NamedTuple):
@@ -55,12 +56,6 @@ def drift(
         If a scalar argument is out of its domain; in particular a plate velocity <= 0, with
         which the closure has no impact at all, so that it cannot explain a reverse drift.
     """
-    names = {"friction": FRICTION, "restitution": RESTITUTION, "plate_velocity": POSITIVE}
-    values = (friction, restitution, plate_velocity)
-    extra = [
-        real_array(name, value, domain)
-        for (name, domain), value in zip(names.items(), values, strict=True)
-    ]
 
     def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any, V_z: Any) -> tuple[Any, ...]:
         valid = valid_lengths(X, Z, k) & FRICTION.holds(mu)
@@ -80,10 +75,15 @@ def drift(
             np.where(determined, regime, Regime.INVALID),
         )
 
-    lengths = lengths_of(geometry)
-    dtype = result_dtype([*lengths, *values])
-    dtypes = [dtype, dtype, np.dtype(np.int8)]
-    c_x, c_z, regime = in_blocks(block, [*geometry_arrays(*lengths), *extra], dtypes)
+    arrays, dtype = real_arrays(
+        {
+            **lengths_of(geometry),
+            "friction": (friction, FRICTION),
+            "restitution": (restitution, RESTITUTION),
+            "plate_velocity": (plate_velocity, POSITIVE),
+        }
+    )
+    c_x, c_z, regime = in_blocks(block, arrays, [dtype, dtype, np.dtype(np.int8)])
     return Drift(c_x, c_z, Regime(int(regime)) if np.ndim(regime) == 0 else regime)
 
 

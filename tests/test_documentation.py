@@ -18,6 +18,7 @@ import impact
 PACKAGES = ("derivations", "figures", "impact", "md")
 # The public modules; of each, what `__all__` holds is public, and nothing else is.
 PUBLIC = [
+    "derivations",
     *("derivations.registry", "figures"),
     *("impact", "impact.bouncing", "impact.compiled", "impact.falling"),
     *("md", "md.store", "md.sweep", "md.trajectory"),
@@ -123,6 +124,14 @@ def test_public_names_are_typed(name):
         known, given = function.__annotations__, inspect.signature(function).parameters
         assert set(given) - {"self"} <= set(known), function
         assert "return" in known or function.__name__ == "__init__", function
+
+
+def test_units_are_said_where_impact_is_introduced():
+    """A rod in mm at a speed in m/s has a wrong spin, which no function can notice."""
+    readme = (Path(impact.__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    for text in (readme, impact.__doc__, impact.collide.__doc__):
+        said = " ".join(text.split())
+        assert re.search("in one unit.{0,20} velocities in that unit per time.* rad per that", said)
 
 
 def with_examples() -> list[str]:

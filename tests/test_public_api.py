@@ -134,17 +134,19 @@ def test_nan_friction_is_invalid_and_infinite_friction_is_not():
 
 
 @pytest.mark.parametrize("value", ["fast", None, 1j, [[1], [2, 3]], object()])
-@pytest.mark.parametrize("name", ["c_x", "friction"])
+@pytest.mark.parametrize("name", ["c_x", "friction", "tilt"])
 def test_what_is_no_number_is_named(name, value):
     with pytest.raises((TypeError, ValueError)) as error:
-        call("collide", **{name: value})
+        call("thin_rod" if name == "tilt" else "collide", **{name: value})
     assert name in str(error.value)
 
 
 @pytest.mark.parametrize(
     "function", ["collide", "classify", "critical_friction", "slide_friction", "drift"]
 )
-@pytest.mark.parametrize("value", [None, 3.0, (1.0, 2.0), "rod"])
+@pytest.mark.parametrize(
+    "value", [None, 3.0, (1.0, 2.0), "rod", {"Z": 0.4, "X": 0.2, "k": 0.3}, {0.4, 0.2, 0.3}]
+)
 def test_what_is_no_geometry_is_named(value, function):
     with pytest.raises(TypeError, match="geometry"):
         call(function, geometry=value)

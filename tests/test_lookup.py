@@ -1,0 +1,119 @@
+"""Equations by their tags, as expressions and as functions."""
+
+import inspect
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import derivations
+import impact
+from derivations import symbols
+from derivations.proof import components, random_point
+from derivations.references import Citation
+from derivations.registry import ENTRIES
+
+EQUATIONS = [entry for entry in ENTRIES if not isinstance(entry, Citation)]
+
+
+@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+def test_a_function_has_the_values_of_what_was_derived(entry):
+    """At a random point, by position and by name; what it is not given cancels."""
+    derived = entry.derive()
+    point = random_point(derived.free_symbols, seed=1)
+    function = derivations.function(entry.tag)
+    names = list(inspect.signature(function).parameters)
+    named = {str(letter): float(value) for letter, value in point.items() if str(letter) in names}
+    assert set(named) == set(names)
+    with np.errstate(invalid="ignore"):
+        value = function(**named)
+        assert str(function(*(named[name] for name in names))) == str(value)
+    if isinstance(derived, sp.core.relational.Relational):
+        assert bool(value) == bool(derived.subs(point))
+        return
+    found = value if isinstance(value, tuple) else (value,)
+    for part, form in zip(found, components(derived), strict=True):
+        wanted = complex(form.subs(point).evalf(25))
+        assert part == pytest.approx(np.nan if wanted.imag else wanted.real, 1e-10, nan_ok=True)
+
+
+@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+def test_letters_are_those_of_symbols_and_can_be_put_in(entry):
+    forms = [derivations.equation(entry.tag)]
+    if entry.printed is None:
+        with pytest.raises(ValueError, match="does not print it"):
+            derivations.equation(entry.tag, printed=True)
+    else:
+        forms.append(derivations.equation(entry.tag, printed=True))
+        assert components(forms[1]) == components(entry.printed)
+    for form in forms:
+        hash(form)  # nobody can change what the registry holds
+        for letter in form.free_symbols:
+            assert symbols.NAMED.get(letter.name, letter) == letter
+            assert letter not in form.subs(symbols.NAMED.get(letter.name, letter), 0.3).free_symbols
+
+
+def test_symbols_are_there_with_the_package():
+    assert derivations.symbols.mu is symbols.NAMED["mu"]
+    assert [symbols.NAMED[name] for name in "Ild"] == [
+        *(symbols.moment, symbols.length, symbols.diameter)
+    ]
+
+
+def test_own_rods():
+    """(21) and (22) against the impact map, for X(phi), Z(phi) of one's own."""
+    phi = np.radians([25.0, 40.0, 60.0])
+    rod = {"X": np.sin(phi), "Z": np.cos(phi) + 0.05 * phi, "k": 0.6}
+    speed = {"c_x": np.array([[1.0], [2.0]]), "c_z": -2.0, "omega": 0.1}
+    geometry = impact.ContactGeometry(**rod)
+    hit = impact.collide(
+        **speed, geometry=geometry, friction=0.1, restitution=0.65, plate_velocity=0.2
+    )
+    reverses = hit.regime == impact.Regime.SLIP_REVERSAL
+    assert reverses.sum() > 3
+    for tag, want in (("21", hit.c_x), ("22", hit.c_z)):
+        found = derivations.function(tag)(**rod, **speed, mu=0.1, epsilon=0.65, V_z=0.2)
+        np.testing.assert_allclose(found[reverses], want[reverses], rtol=1e-12)
+    drift = derivations.function("27")(**rod, mu=0.1, epsilon=0.65, V_z=1)
+    np.testing.assert_allclose(drift, impact.drift(geometry, friction=0.1, restitution=0.65).c_x)
+
+
+def test_whole_numbers_and_single_precision():
+    """Lists of integers count as real numbers; float32 stays."""
+    drift = derivations.function("24")
+    assert drift([1, 2], 0, 1, 1, 2).tolist() == drift([1.0, 2.0], 0.0, 1.0, 1.0, 2.0).tolist()
+    assert drift(*np.ones((5, 3), np.float32)).dtype == np.float32
+
+
+WRONG = [
+    ("210", "tag must be .* got '210'; near it: '21', '20', .* lists all"),
+    (21, "tag must be .* got 21; near it: '21'"),
+    (["21"], r"tag must be .* got \['21'\]"),
+    ("III: Fig. 3(c)", r"'III: Fig. 3\(c\)' is a cross reference"),
+]
+
+
+@pytest.mark.parametrize(("tag", "message"), WRONG)
+@pytest.mark.parametrize("find", [derivations.equation, derivations.function])
+def test_what_is_no_equation_is_named(find, tag, message):
+    with pytest.raises(ValueError, match=message):
+        find(tag)
+
+
+def test_wrong_arguments_are_named():
+    drift = derivations.function("26")
+    with pytest.raises(TypeError, match=r"26 takes \(epsilon, phi, V_z\): .* 'mu'"):
+        drift(epsilon=0.5, phi=0.4, V_z=1.0, mu=0.3)
+    with pytest.raises(TypeError, match=r"26 takes \(epsilon, phi, V_z\): missing .* 'V_z'"):
+        drift(0.5, 0.4)
+    for value in ("fast", 1j, None):
+        with pytest.raises(TypeError, match="phi must be a real number"):
+            drift(0.5, value, 1.0)
+
+
+def test_labels_stay():
+    pandas = pytest.importorskip("pandas")
+    one, other = pandas.Series([0.3, 0.4], list("ab")), pandas.Series([1.0, 2.0], list("bc"))
+    drift = derivations.function("26")(0.65, one, other)
+    assert drift.index.tolist() == ["a", "b", "c"]
+    assert drift["b"] == derivations.function("26")(0.65, 0.4, 1.0)
