@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import socket
 from pathlib import Path
 
 import numpy as np
@@ -41,12 +42,15 @@ def folder(tmp_path, monkeypatch):
     np.savez("arrays.npz", about="{}")
     Path("link").symlink_to("a.db")
     Path("hard").hardlink_to("a.db")
+    with socket.socket(socket.AF_UNIX) as device:  # as /dev/null, without the harm
+        device.bind("socket")
     return tmp_path
 
 
 def contents(folder):
     """Of all files but those that SQLite reads with."""
-    return {path.name: path.read_bytes() for path in folder.glob("*") if "db-" not in path.name}
+    mine = (path for path in folder.glob("*") if "db-" not in path.name)
+    return {path.name: path.read_bytes() if path.is_file() else None for path in mine}
 
 
 @pytest.mark.parametrize(
@@ -58,7 +62,7 @@ def contents(folder):
         ("results link --csv hard", "csv must be another file than store"),
         ("results a.db --csv notes.csv", "csv must be a new file or one of runs, got 'notes.csv'"),
         ("results a.db --csv array.npy", "csv must be a new file or one of runs"),
-        ("results a.db --csv /dev/null", "csv must be a plain file, got '/dev/null'"),
+        ("results a.db --csv socket", "csv must be a plain file, got 'socket'"),
         ("results a.db --csv nowhere/a.csv", "csv must be in a folder that exists"),
         ("calibrate --store a.db --out a.db", "out must be another file than store"),
         ("calibrate --store a.db --out other.json", "out must be a new file or one of a calib"),
