@@ -307,13 +307,13 @@ def _sweep(arguments: argparse.Namespace) -> int:
 
 def _calibrate(arguments: argparse.Namespace) -> int:
     from .dial import CALIBRATION
-    from .dial.calibration import calibrate, of_calibration
+    from .dial.calibration import calibrate, is_calibration
     from .files import distinct, replacing, writable
 
     path = Path(arguments.out or CALIBRATION)
     distinct(store=arguments.store, out=path)
     writable(
-        "out", path, of_calibration, "one of a calibration"
+        "out", path, is_calibration, "one of a calibration"
     )  # the default one may be read-only
     found = calibrate(arguments.store, progress=True)
     print(
@@ -324,8 +324,8 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     print(f"scale     {found['scale']:.3g}, bias at ten steps a contact; largest of the scenes:")
     for name, s, error in zip(found["scenes"], found["scales"], found["scale_errors"], strict=True):
         print(f"  {name:22} {s:+.4f} +- {error:.4f}")
-    with replacing(path) as file:
-        file.write(json.dumps(found, indent=1) + "\n")
+    with replacing(path) as part:
+        part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     print(f"written   {path}")
     return 0
 

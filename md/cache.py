@@ -45,23 +45,23 @@ def directory() -> Path | None:
     """Folder of the compiled kernels; a temporary one where the user's takes no files, or None."""
     try:
         home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "rod-impact"
-        folder = _made(home)
+        folder = _usable(home)
         for other in home.iterdir():
             if other != folder and time.time() - other.stat().st_mtime > _KEPT:
                 shutil.rmtree(other, ignore_errors=True)
         return folder
     except (OSError, RuntimeError) as error:  # RuntimeError: a user without a home
-        refused = f"no kernels can be kept in the user's cache ({error})"
+        refused = f"compiled kernels cannot be kept in the user's cache ({error})"
     try:
-        folder = _made(Path(tempfile.gettempdir()) / f"rod-impact-{os.getuid()}")
+        folder = _usable(Path(tempfile.gettempdir()) / f"rod-impact-{os.getuid()}")
     except OSError:
-        _told(f"{refused} nor in a temporary one: they are compiled each time")
+        _warn_once(f"{refused} nor in a temporary folder: they are compiled each time")
         return None
-    _told(f"{refused}: they are in {folder}")
+    _warn_once(f"{refused}: they are in {folder}")
     return folder
 
 
-def _made(home: Path) -> Path:
+def _usable(home: Path) -> Path:
     """The folder of these sources, which takes files."""
     folder = home / digest()
     folder.mkdir(parents=True, exist_ok=True)
@@ -71,8 +71,8 @@ def _made(home: Path) -> Path:
 
 
 @cache
-def _told(message: str) -> None:
-    """Say it once, and not in each worker as well."""
+def _warn_once(message: str) -> None:
+    """Warn once, and not in each worker as well."""
     if multiprocessing.current_process().name == "MainProcess":
         warn(message)
 
@@ -91,7 +91,7 @@ class _Cache(FunctionCache):
         try:
             yield
         except OSError as error:
-            _told(f"kernels cannot be kept in {directory()}: {error.strerror}")
+            _warn_once(f"compiled kernels cannot be kept in {directory()}: {error.strerror}")
 
 
 def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable:
@@ -110,7 +110,7 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
         if folder is not None:
             found._cache = _Cache(function)  # as `enable_caching` does with its own
     except (OSError, RuntimeError):  # RuntimeError: no locator
-        _told(f"kernels cannot be kept in {folder}")
+        _warn_once(f"compiled kernels cannot be kept in {folder}")
     finally:
         numba.config.CACHE_DIR = usual
     return found

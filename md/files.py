@@ -2,13 +2,11 @@
 
 import itertools
 import os
-import secrets
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import IO, Any
 
 __all__ = ["NotWritten", "distinct", "empty", "replacing", "same", "warn", "writable"]
 
@@ -18,7 +16,7 @@ class NotWritten(RuntimeWarning):
 
 
 def warn(message: str) -> None:
-    """Say something on one line of standard error, as a warning."""
+    """Warn on one line of standard error, without a place in the sources."""
     warnings.warn_explicit(message, RuntimeWarning, "md", 0)
 
 
@@ -89,18 +87,19 @@ def writable(
 
 
 @contextmanager
-def replacing(path: str | Path, mode: str = "") -> Iterator[IO]:
-    """A file to write, of text or, with the mode "b", bytes; it takes its place when it is whole.
+def replacing(path: str | Path) -> Iterator[Path]:
+    """A file to write beside `path`, which takes its place once it is whole; links are followed.
 
-    It is written beside, under a name of its own, which goes if something fails.
+    Its name is always the same: what a killed process leaves, the next one replaces.
+
+    Parameters
+    ----------
+    path : of the file in the end; its ending is that of the one beside it
     """
     whole = Path(os.path.realpath(path))
-    part = whole.with_name(f"{whole.name[:60]}.{secrets.token_hex(4)}.part")
-    text: dict[str, Any] = {} if mode else {"encoding": "utf-8", "newline": ""}
+    part = whole.with_name(f".{whole.stem}.part{whole.suffix}")
     try:
-        with part.open(f"x{mode}", **text) as file:
-            yield file
+        yield part
         part.replace(whole)
-    except BaseException:
+    finally:
         part.unlink(missing_ok=True)
-        raise

@@ -22,7 +22,7 @@ from .files import NotWritten, distinct, replacing, warn, writable
 from .measures import Tables
 from .scene import Scene, as_dict, whole
 from .statistics import standard_error, transient
-from .trajectory import Trajectory, agreed, of_frames
+from .trajectory import Trajectory, check_continues, is_trajectory
 
 _CHUNK = 0.25  # seconds of a call of the kernel: how long Ctrl-C may wait
 _SAVED = 60.0  # seconds from one checkpoint to the next
@@ -160,7 +160,7 @@ def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
     """Checkpoint, beside the old one first."""
     about = {"scene": engine.scene.digest(), "code": digest(), "step": engine.step, **began}
     arrays: dict[str, Any] = tables.arrays(engine.step // engine.per) | engine.arrays()
-    with replacing(path, "b") as file:
+    with replacing(path) as part, part.open("wb") as file:
         np.savez(file, about=json.dumps(about), **arrays)
 
 
@@ -178,7 +178,7 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
         raise ValueError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
         raise ValueError(
-            f"checkpoint {path} belongs to another {other[0]}; remove it to start anew"
+            f"checkpoint {path} belongs to another {other[0]}; remove it to start again"
         )
     return about, arrays
 
@@ -196,7 +196,7 @@ class _Files:
         self.lost: dict[str, str] = {}  # why a file is not whole
 
     @contextmanager
-    def _held(self, name: str, path: Path, quiet: bool = False) -> Iterator[None]:
+    def _noting_failure(self, name: str, path: Path, quiet: bool = False) -> Iterator[None]:
         """Note why a file could not be written."""
         try:
             yield
@@ -212,20 +212,20 @@ class _Files:
         if engine.plate:
             height = float(engine.plate.height[engine.step % engine.per])
         if self.trajectory is not None and "trajectory" not in self.lost:
-            with self._held("trajectory", self.trajectory.path):
+            with self._noting_failure("trajectory", self.trajectory.path):
                 self.trajectory.write(engine.scene, engine.rods, engine.step / engine.per, height)
 
     def save(self, last: bool = False) -> None:
         """Bring the frames and, with what they are, a checkpoint on the disk."""
         if self.trajectory is not None and "trajectory" not in self.lost:
-            with self._held("trajectory", self.trajectory.path, last):
-                self.began["trajectory"] = self.trajectory.noted()
+            with self._noting_failure("trajectory", self.trajectory.path, last):
+                self.began["trajectory"] = self.trajectory.state()
         if self.checkpoint is None:
             return
         if "trajectory" in self.lost:
             self.lost["checkpoint"] = f"checkpoint {self.checkpoint}: behind, as the trajectory is"
             return
-        with self._held("checkpoint", self.checkpoint, last):
+        with self._noting_failure("checkpoint", self.checkpoint, last):
             _save(self.checkpoint, self.engine, self.tables, self.began)
             self.lost.pop("checkpoint", None)
 
@@ -324,14 +324,14 @@ def run(
         )
     distinct(trajectory=trajectory, checkpoint=checkpoint)
     if trajectory is not None:
-        writable("trajectory", trajectory, of_frames, "one of frames")
+        writable("trajectory", trajectory, is_trajectory, "one of frames")
     about: dict[str, Any] = {}
     arrays, kept = None, None if checkpoint is None else Path(checkpoint)
     if kept is not None:
         writable("checkpoint", kept)
         if kept.exists():
             about, arrays = _read(kept, scene)
-            agreed(trajectory, frames, about["trajectory"], kept)
+            check_continues(trajectory, frames, about["trajectory"], kept)
     engine = prepare(scene, ledger=ledger)
     tables = engine.tables(periods)
     series = tables.sampled(engine)

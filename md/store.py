@@ -23,7 +23,7 @@ _VERSION = 1
 _APPLICATION = 0x726F6473  # "rods"
 _WAIT = 60.0  # seconds for another writer
 _NOTHING_BESIDE = sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY
-_OWN = "periods", "seed", "code", "error", "seconds", "written"  # columns of all tables
+_OF_RUN = "periods", "seed", "code", "error", "seconds", "written"  # columns of all tables
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS runs (
@@ -85,7 +85,7 @@ class Store:
         with self._named("is not a store"):
             how = "mode=ro"
             try:
-                mark, version = self._mark(how)
+                mark, version = self._identity(how)
             except sqlite3.OperationalError as error:
                 if error.sqlite_errorcode & 0xFF not in _NOTHING_BESIDE:
                     raise
@@ -96,14 +96,14 @@ class Store:
                         f"rows are still in {log}; copy both files to another folder"
                     ) from None
                 how = "immutable=1"
-                mark, version = self._mark(how)
+                mark, version = self._identity(how)
         if mark != _APPLICATION:
             raise StoreError(f"store {self.path} is a database, but not one of runs")
         if version != _VERSION:
             raise StoreError(f"store {self.path} is of version {version}, this is {_VERSION}")
         return how
 
-    def _mark(self, how: str) -> list[int]:
+    def _identity(self, how: str) -> list[int]:
         """Whose database it is, and of which version."""
         names = "application_id", "user_version"
         with contextlib.closing(self._connected(how)) as look:
@@ -223,7 +223,7 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
             unit = cm_per_s(scene["rods"]["diameter_cm"])
             result["c_x_stderr_cm_s"] = result["c_x_stderr"] * unit
         rows.append(_flat(scene) | in_cm(scene) | _flat(result) | found)
-    return list(dict.fromkeys([*(name for row in rows for name in row), *_OWN])), rows
+    return list(dict.fromkeys([*(name for row in rows for name in row), *_OF_RUN])), rows
 
 
 def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) -> None:
@@ -240,13 +240,13 @@ def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) 
         If the file is another one, or cannot be written.
     """
 
-    def of_runs(there: Path) -> bool:
+    def is_table(there: Path) -> bool:
         with there.open(encoding="utf-8", errors="replace", newline="") as file:
             header = file.readline(2**20).rstrip("\r\n").split(",")
-        return header == columns or set(_OWN) <= set(header)
+        return header == columns or set(_OF_RUN) <= set(header)
 
-    writable("csv", path, of_runs, "one of runs")
-    with replacing(path) as file:
+    writable("csv", path, is_table, "one of runs")
+    with replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, columns)
         writer.writeheader()
         writer.writerows(rows)

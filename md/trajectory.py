@@ -13,7 +13,7 @@ import numpy as np
 from .files import empty, same
 from .scene import Scene
 
-__all__ = ["Trajectory", "agreed", "of_frames", "read_frames", "write_frame"]
+__all__ = ["Trajectory", "check_continues", "is_trajectory", "read_frames", "write_frame"]
 
 _COLUMNS = "id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3:velo:R:3:omega:R:1:tilt:R:1"
 _TAIL = 2**16  # bytes before its end by which a file is known again
@@ -26,7 +26,7 @@ class Trajectory:
     ----------
     path : of the file; what it holds behind what a checkpoint keeps is cut off
     per_period : frames of a period
-    kept : what `noted` gave to the checkpoint; None: the file begins anew
+    kept : what `state` gave to the checkpoint; None: the file begins anew
     """
 
     def __init__(self, path: str | Path, per_period: int, kept: dict[str, Any] | None = None):
@@ -46,7 +46,7 @@ class Trajectory:
         write_frame(self.file, scene, rods, time, height)
         self.count += 1
 
-    def noted(self) -> dict[str, Any]:
+    def state(self) -> dict[str, Any]:
         """What tells later whether a file is this one, as it is now."""
         self.file.flush()
         size = os.fstat(self.file.fileno()).st_size
@@ -66,7 +66,7 @@ def _tail(path: Path, size: int) -> str:
         return hashlib.sha256(file.read(min(size, _TAIL))).hexdigest()
 
 
-def agreed(
+def check_continues(
     path: str | Path | None, per_period: int, kept: dict[str, Any] | None, checkpoint: str | Path
 ) -> None:
     """Refuse a trajectory on which a checkpoint cannot go on; nothing is changed.
@@ -86,10 +86,10 @@ def agreed(
         if path is not None and not empty(path):
             raise ValueError(
                 f"trajectory must be a new file, got {str(path)!r}: checkpoint {checkpoint} was "
-                "saved without one; name another file, or remove the checkpoint to start anew"
+                "saved without one; name another file, or remove the checkpoint to start again"
             )
         return
-    theirs, anew = kept["path"], f"or remove checkpoint {checkpoint} to start anew"
+    theirs, anew = kept["path"], f"or remove checkpoint {checkpoint} to start again"
     if path is None:
         raise ValueError(f"trajectory is missing: name {theirs!r}, which belongs to it, {anew}")
     if not same(path, theirs):
@@ -103,11 +103,11 @@ def agreed(
         raise ValueError(
             f"trajectory {str(path)!r} was changed: its first {kept['frames']} frames "
             f"({kept['size']} bytes) are not as checkpoint {checkpoint} knows them; bring them "
-            "back, or remove the checkpoint to start anew"
+            "back, or remove the checkpoint to start again"
         )
 
 
-def of_frames(path: Path) -> bool:
+def is_trajectory(path: Path) -> bool:
     """Whether a file begins as one of `write_frame`.
 
     Parameters

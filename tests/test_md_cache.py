@@ -98,7 +98,7 @@ def test_a_home_that_cannot_be_written_costs_no_more_than_compiling(tmp_path, mo
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     with pytest.warns(
-        RuntimeWarning, match=r"no kernels can be kept .*file.*: they are in"
+        RuntimeWarning, match=r"kernels cannot be kept .*file.*: they are in"
     ) as told:
         folder = cache.directory.__wrapped__()
     assert "\n" not in str(told[0].message)
@@ -111,7 +111,7 @@ def test_without_any_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "file"))
-    with pytest.warns(RuntimeWarning, match="nor in a temporary one: they are compiled each time"):
+    with pytest.warns(RuntimeWarning, match="nor in a temporary folder: they are compiled"):
         folder = cache.directory.__wrapped__()
     assert folder is None
     monkeypatch.setattr(cache, "directory", lambda: None)
@@ -122,7 +122,7 @@ def test_a_kernel_is_never_kept_beside_the_sources(tmp_path, monkeypatch):
     """Where Numba would look for it whatever else has changed: the folder has become a file."""
     (tmp_path / "file").touch()
     monkeypatch.setattr(cache, "directory", lambda: tmp_path / "file")
-    cache._told.cache_clear()
+    cache._warn_once.cache_clear()
     with pytest.warns(RuntimeWarning, match="kernels cannot be kept in .*file"):
         double = cache.kernel(lambda x: 2 * x)
     assert double(2.0) == 4.0
@@ -137,7 +137,7 @@ def test_a_disk_that_fills_up_costs_no_more_than_compiling(monkeypatch):
 
     monkeypatch.setattr(IndexDataCacheFile, "_save_index", full)
     double = cache.kernel(lambda x: 2 * x)
-    cache._told.cache_clear()
+    cache._warn_once.cache_clear()
     with pytest.warns(RuntimeWarning, match="kernels cannot be kept in .*: No space left") as told:
         assert (double(2.0), double(2)) == (4.0, 4)
     assert len(told) == 1
@@ -151,7 +151,7 @@ def test_the_command_says_it_in_one_line(tmp_path):
         **{"env": environment, "capture_output": True, "text": True, "check": True},
     )
     assert done.stderr.count("\n") == 1
-    assert "no kernels can be kept in the user's cache" in done.stderr
+    assert "kernels cannot be kept in the user's cache" in done.stderr
 
 
 def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch):

@@ -81,7 +81,7 @@ def fitted(drift: np.ndarray, error: np.ndarray) -> dict[str, Any]:
     }
 
 
-def of_calibration(path: Path) -> bool:
+def is_calibration(path: Path) -> bool:
     """Whether a file holds what `calibrate` gives."""
     try:
         return {"order", "scale", "scenes"} <= set(json.loads(path.read_text(encoding="utf-8")))
