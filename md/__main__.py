@@ -180,7 +180,7 @@ def _run(arguments: argparse.Namespace) -> int:
             raise ValueError(f"{next(iter(dial))} has no meaning without tolerance")
         dial["periods"] = 200 if arguments.periods is None else arguments.periods
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", NotWritten)  # told behind the result
+        warnings.simplefilter("ignore", NotWritten)  # said after the result
         result = run(
             load(arguments.scene, arguments.set),
             tolerance=arguments.tolerance,
@@ -310,11 +310,9 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     from .dial.calibration import calibrate, is_calibration
     from .files import distinct, replacing, writable
 
-    path = Path(arguments.out or CALIBRATION)
+    path = Path(arguments.out or CALIBRATION)  # beside the sources, perhaps read-only
     distinct(store=arguments.store, out=path)
-    writable(
-        "out", path, is_calibration, "one of a calibration"
-    )  # the default one may be read-only
+    writable("out", path, is_calibration, "one of a calibration")
     found = calibrate(arguments.store, progress=True)
     print(
         f"order     {found['order']:.3g} +- {found['order_error']:.2g}, chi^2 a degree of freedom",
