@@ -33,7 +33,7 @@ contact, laws                       forces of one contact, compiled; what sets t
 integrators, reference, one_rod     `impact`, `follow`: fixed steps, or every switch located
 neighbours, row, landings           rods in a plane, compiled: pairs, forces and steps, landings
 engine, measures, statistics        a scene under way; what is measured of it, with errors
-runner, trajectory                  a run: periods, checkpoints, frames
+runner, trajectory, files           a run: periods, checkpoints, frames; what may be replaced
 space/geometry, pairs, forces, crowd, placement, engine    the same in an annulus
 dial, dial/calibration              `run`: step and length from a tolerance
 sweep, store, cache, __main__       many runs, their results, compiled kernels, the command line

@@ -10,6 +10,7 @@ import json
 import os
 import re
 import sys
+import warnings
 from collections.abc import Callable
 from math import isnan, pi, radians
 from pathlib import Path
@@ -167,8 +168,11 @@ def _impact(arguments: argparse.Namespace) -> int:
 
 def _run(arguments: argparse.Namespace) -> int:
     from .dial import Tuned, run
+    from .files import NotWritten, distinct
     from .scene import load
 
+    written = {name: getattr(arguments, name) for name in ("trajectory", "checkpoint")}
+    distinct(scene=arguments.scene, **written)
     if arguments.frames is not None and arguments.trajectory is None:
         raise ValueError("frames has no meaning without trajectory")
     frames = 1 if arguments.frames is None else arguments.frames
@@ -178,20 +182,23 @@ def _run(arguments: argparse.Namespace) -> int:
         if dial:
             raise ValueError(f"{next(iter(dial))} has no meaning without tolerance")
         dial["periods"] = 200 if arguments.periods is None else arguments.periods
-    result = run(
-        load(arguments.scene, arguments.set),
-        tolerance=arguments.tolerance,
-        trajectory=arguments.trajectory,
-        frames=frames,
-        checkpoint=arguments.checkpoint,
-        progress=not arguments.json,
-        **dial,
-    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NotWritten)  # said after the result
+        result = run(
+            load(arguments.scene, arguments.set),
+            tolerance=arguments.tolerance,
+            frames=frames,
+            progress=not arguments.json,
+            **written,
+            **dial,
+        )
     if arguments.json:
         print(json.dumps(result.as_dict() | _in_cm(result)))
     else:
         _print_scene(result.scene)
         _print_result(result)
+    if result.unwritten:
+        raise OSError("; ".join(result.unwritten))
     if not result.finished:
         return 130
     return _ENDS[result.accuracy.state] if isinstance(result, Tuned) else 0
@@ -284,8 +291,10 @@ def _with_error(value: float, error: float) -> str:
 
 
 def _sweep(arguments: argparse.Namespace) -> int:
+    from .files import distinct
     from .sweep import execute, load_sweep
 
+    distinct(sweep=arguments.sweep, store=arguments.store)
     tally = execute(
         load_sweep(arguments.sweep),
         arguments.store,
@@ -306,15 +315,13 @@ def _sweep(arguments: argparse.Namespace) -> int:
 
 def _calibrate(arguments: argparse.Namespace) -> int:
     from .dial import CALIBRATION
-    from .dial.calibration import calibrate
-    from .runner import _writable
+    from .dial.calibration import calibrate, is_calibration
+    from .files import distinct, replacing, writable
 
-    path = Path(arguments.out or CALIBRATION)
-    _writable("out", path)  # the default is beside the sources, which may be read-only
+    path = Path(arguments.out or CALIBRATION)  # beside the sources, perhaps read-only
+    distinct(store=arguments.store, out=path)
+    writable("out", path, is_calibration, "one of a calibration")
     found = calibrate(arguments.store, progress=True)
-    part = path.with_name(f"{path.name}.part")
-    part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    part.replace(path)
     print(
         f"order     {found['order']:.3g} +- {found['order_error']:.2g}, chi^2 a degree of freedom",
         end="",
@@ -323,16 +330,20 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     print(f"scale     {found['scale']:.3g}, bias at ten steps a contact; largest of the scenes:")
     for name, s, error in zip(found["scenes"], found["scales"], found["scale_errors"], strict=True):
         print(f"  {name:22} {s:+.4f} +- {error:.4f}")
+    with replacing(path) as part:
+        part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     print(f"written   {path}")
     return 0
 
 
 def _results(arguments: argparse.Namespace) -> int:
+    from .files import distinct
     from .store import table, write_csv
     from .units import TWINS
 
+    distinct(store=arguments.store, csv=arguments.csv)
     columns, rows = table(arguments.store)
-    if arguments.csv:
+    if arguments.csv is not None:
         write_csv(arguments.csv, columns, rows)
         print(f"{len(rows)} runs written to {arguments.csv}")
         return 0

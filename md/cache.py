@@ -6,18 +6,23 @@ an edit anywhere in it compiles anew.
 """
 
 import hashlib
+import multiprocessing
 import os
 import shutil
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache, partial
 from pathlib import Path
 
 import numba
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
+
+from .files import warn
 
 _APART = {
-    *("__init__.py", "__main__.py", "store.py", "sweep.py", "trajectory.py"),
+    *("__init__.py", "__main__.py", "files.py", "store.py", "sweep.py", "trajectory.py"),
     *("dial/__init__.py", "dial/calibration.py"),
 }
 _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
@@ -36,21 +41,57 @@ def digest() -> str:
 
 
 @cache
-def directory() -> Path:
-    """Folder of the compiled kernels; a temporary one where the user's cannot be written."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    home = Path(base) / "rod-impact"
-    folder = home / digest()
+def directory() -> Path | None:
+    """Folder of the compiled kernels; a temporary one where the user's takes no files, or None."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        folder.touch()
+        home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "rod-impact"
+        folder = _usable(home)
         for other in home.iterdir():
             if other != folder and time.time() - other.stat().st_mtime > _KEPT:
                 shutil.rmtree(other, ignore_errors=True)
+        return folder
+    except (OSError, RuntimeError) as error:  # RuntimeError: a user without a home
+        refused = f"compiled kernels cannot be kept in the user's cache ({error})"
+    try:
+        folder = _usable(Path(tempfile.gettempdir()) / f"rod-impact-{os.getuid()}")
     except OSError:
-        folder = Path(tempfile.gettempdir()) / f"rod-impact-{os.getuid()}" / digest()
-        folder.mkdir(parents=True, exist_ok=True)
+        _warn_once(f"{refused} nor in a temporary folder: they are compiled each time")
+        return None
+    _warn_once(f"{refused}: they are in {folder}")
     return folder
+
+
+def _usable(home: Path) -> Path:
+    """The folder of these sources, which takes files."""
+    folder = home / digest()
+    folder.mkdir(parents=True, exist_ok=True)
+    folder.touch()
+    with tempfile.TemporaryFile(dir=folder):
+        return folder
+
+
+@cache
+def _warn_once(message: str) -> None:
+    """Warn once, and not in each worker as well."""
+    if multiprocessing.current_process().name == "MainProcess":
+        warn(message)
+
+
+class _Kernels(CompileResultCacheImpl):
+    _locator_classes = (UserProvidedCacheLocator,)  # never beside the sources, where it goes stale
+
+
+class _Cache(FunctionCache):
+    """Numba's cache of one function; what cannot be read or kept is compiled each time."""
+
+    _impl_class = _Kernels
+
+    @contextmanager
+    def _guard_against_spurious_io_errors(self) -> Iterator[None]:  # Numba's own is for Windows
+        try:
+            yield
+        except OSError as error:
+            _warn_once(f"compiled kernels cannot be kept in {directory()}: {error.strerror}")
 
 
 def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable:
@@ -62,9 +103,14 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
     """
     if function is None:
         return partial(kernel, inline=inline)
-    usual = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(directory())  # read when caching is enabled, not later
+    found = numba.njit(error_model="numpy", forceinline=inline, _nrt=False)(function)
+    usual, folder = numba.config.CACHE_DIR, directory()
+    numba.config.CACHE_DIR = str(folder or "")  # read when a cache is made, not later
     try:
-        return numba.njit(cache=True, error_model="numpy", forceinline=inline, _nrt=False)(function)
+        if folder is not None:
+            found._cache = _Cache(function)  # as `enable_caching` does with its own
+    except (OSError, RuntimeError):  # RuntimeError: no locator
+        _warn_once(f"compiled kernels cannot be kept in {folder}")
     finally:
         numba.config.CACHE_DIR = usual
+    return found

@@ -1,17 +1,15 @@
 """Run a scene: period by period, with landings, energy, standard errors, checkpoint and resume."""
 
 import json
-import os
 import signal
-import tempfile
 import threading
-from collections.abc import Callable, Iterator
+import warnings
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Any, TextIO
+from typing import Any
 from zipfile import BadZipFile
 
 import numba
@@ -20,10 +18,11 @@ from tqdm import tqdm
 
 from .cache import digest
 from .engine import Engine, prepare
+from .files import NotWritten, distinct, replacing, warn, writable
 from .measures import Tables
 from .scene import Scene, as_dict, whole
 from .statistics import transient
-from .trajectory import write_frame
+from .trajectory import Trajectory, check_continues, is_trajectory
 
 _CHUNK = 0.25  # seconds of a call of the kernel: how long Ctrl-C may wait
 _SAVED = 60.0  # seconds from one checkpoint to the next
@@ -52,6 +51,7 @@ class Result:
     c_x_series, tilt_series : period by period, transient included
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
     finished : whether nobody ended the run before its time
+    unwritten : files asked for that are not whole, and why; empty if all is written
     """
 
     scene: Scene
@@ -74,6 +74,7 @@ class Result:
     tilt_series: np.ndarray
     rods: np.ndarray
     finished: bool
+    unwritten: tuple[str, ...]
 
     @property
     def rod_steps(self) -> int:
@@ -108,7 +109,9 @@ def finite(value: Any) -> Any:
     return value
 
 
-def _result(engine: Engine, tables: Tables, began: dict, periods: int, finished: bool) -> Result:
+def _result(
+    engine: Engine, tables: Tables, began: dict, periods: int, finished: bool, lost: Iterable[str]
+) -> Result:
     c_x, tilt = tables.drift(engine, periods), tables.tilt_deg(periods)
     cut = transient(periods)
     energy = None
@@ -136,43 +139,8 @@ def _result(engine: Engine, tables: Tables, began: dict, periods: int, finished:
         tilt_series=tilt,
         rods=engine.rods.copy(),
         finished=finished,
+        unwritten=tuple(lost),
     )
-
-
-def _writable(name: str, path: Path) -> None:
-    """Refuse a file that could not be written in the end."""
-    try:
-        with (
-            tempfile.TemporaryFile(dir=path.parent),
-            path.open("a") if path.exists() else ExitStack(),
-        ):
-            pass
-    except OSError as error:
-        raise ValueError(f"{name} must be a file that can be written: {error}") from None
-
-
-def _only_frames(path: Path) -> None:
-    """Refuse to write over what is no trajectory."""
-    if not path.exists() or path.stat().st_size == 0:
-        return
-    with path.open("rb") as file:
-        file.readline(100)
-        if not file.readline(100).startswith(b"Lattice="):
-            raise ValueError(f"trajectory must be a new file or one of frames, got {str(path)!r}")
-
-
-def _opened(path: Path, written: int) -> TextIO:
-    """The trajectory, cut off behind what a checkpoint knows of."""
-    path.touch()
-    file = path.open("r+")
-    file.truncate(file.seek(min(written, file.seek(0, os.SEEK_END))))
-    return file
-
-
-def _write(file: TextIO, engine: Engine) -> None:
-    """Append a frame of the trajectory."""
-    height = float(engine.plate.height[engine.step % engine.per]) if engine.plate else 0.0
-    write_frame(file, engine.scene, engine.rods, engine.step / engine.per, height)
 
 
 @contextmanager
@@ -193,37 +161,74 @@ def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
     """Checkpoint, beside the old one first."""
     about = {"scene": engine.scene.digest(), "code": digest(), "step": engine.step, **began}
     arrays: dict[str, Any] = tables.arrays(engine.step // engine.per) | engine.arrays()
-    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
-        try:
-            np.savez(file, about=json.dumps(about), **arrays)
-        except BaseException:
-            Path(file.name).unlink(missing_ok=True)
-            raise
-    os.replace(file.name, path)  # noqa: PTH105
+    with replacing(path) as part, part.open("wb") as file:
+        np.savez(file, about=json.dumps(about), **arrays)
 
 
-def _resume(path: Path, engine: Engine, tables: Tables) -> dict:
-    """Go on from a checkpoint."""
+def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
+    """A checkpoint of this scene: what it tells, and its arrays."""
+    mine = {"scene": scene.digest(), "code": digest()}
     try:
         with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
         about = json.loads(str(arrays.pop("about")))
+        other = [key for key, value in mine.items() if about.pop(key) != value]
     except OSError as error:
         raise ValueError(f"checkpoint {path} cannot be read: {error}") from None
-    except (ValueError, KeyError, EOFError, BadZipFile):
+    except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
         raise ValueError(f"checkpoint {path} cannot be read: not one, or cut short") from None
-    for key, mine in (("scene", engine.scene.digest()), ("code", digest())):
-        if about.pop(key) != mine:
-            raise ValueError(f"checkpoint {path} belongs to another {key}; remove it to start anew")
-    step = about.pop("step")
-    if step > tables.periods * engine.per:
+    if other:
         raise ValueError(
-            f"checkpoint {path} is {step // engine.per} periods long already: ask for more, or "
-            "remove it"
+            f"checkpoint {path} belongs to another {other[0]}; remove it to start again"
         )
-    tables.restore(arrays)
-    engine.restore(arrays, step)
-    return about
+    return about, arrays
+
+
+class _Files:
+    """What a run writes as it goes on; a file that takes no more does not end the run.
+
+    Where the trajectory ends early, the checkpoint stays behind, so that a resumed run fills it.
+    """
+
+    def __init__(self, engine: Engine, tables: Tables, began: dict, checkpoint: Path | None):
+        self.engine, self.tables, self.began = engine, tables, began
+        self.checkpoint = checkpoint
+        self.trajectory: Trajectory | None = None
+        self.lost: dict[str, str] = {}  # why a file is not whole
+
+    @contextmanager
+    def _noting_failure(self, name: str, path: Path, quiet: bool = False) -> Iterator[None]:
+        """Note why a file could not be written."""
+        try:
+            yield
+        except OSError as error:
+            why = f"{name} {path}: {error.strerror or error}"
+            if name not in self.lost and not quiet:
+                warn(f"cannot write {why}; the run goes on")
+            self.lost[name] = why
+
+    def frame(self) -> None:
+        """Append a frame to the trajectory."""
+        engine, height = self.engine, 0.0
+        if engine.plate:
+            height = float(engine.plate.height[engine.step % engine.per])
+        if self.trajectory is not None and "trajectory" not in self.lost:
+            with self._noting_failure("trajectory", self.trajectory.path):
+                self.trajectory.write(engine.scene, engine.rods, engine.step / engine.per, height)
+
+    def save(self, last: bool = False) -> None:
+        """Bring the frames and, with what they are, a checkpoint on the disk."""
+        if self.trajectory is not None and "trajectory" not in self.lost:
+            with self._noting_failure("trajectory", self.trajectory.path, last):
+                self.began["trajectory"] = self.trajectory.state()
+        if self.checkpoint is None:
+            return
+        if "trajectory" in self.lost:
+            self.lost["checkpoint"] = f"checkpoint {self.checkpoint}: behind, as the trajectory is"
+            return
+        with self._noting_failure("checkpoint", self.checkpoint, last):
+            _save(self.checkpoint, self.engine, self.tables, self.began)
+            self.lost.pop("checkpoint", None)
 
 
 def _loop(
@@ -286,9 +291,11 @@ def run(
     scene : Scene
     periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
     ledger : whether to account for the energy
-    observe : called now and then with new landings, (n, landings.WIDTH); they are not kept
-    trajectory : file for extended XYZ; when a checkpoint is resumed, it goes on behind the frames
-        that were written before the checkpoint
+    observe : called now and then with new landings, (n, landings.WIDTH); they are not kept; not in
+        an annulus
+    trajectory : file for extended XYZ, a new one or one of frames, which are replaced; when a
+        checkpoint is resumed, the file that was written with it, which goes on behind the frames
+        that the checkpoint knows of
     frames : of the trajectory, per period
     checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
         it and gives bit for bit the numbers of a run that never stopped
@@ -296,13 +303,15 @@ def run(
     goal : says how many periods to make in all, given the drift of each one made so far; asked
         again when they are made, until that is enough; `periods` is then the most
 
-    Ctrl-C ends the run: the result has `finished` False and covers the whole periods made.
+    Ctrl-C ends the run: the result has `finished` False and covers the whole periods made. A file
+    that takes no more, on a full disk, does not: it is told by a warning, and in `unwritten`.
 
     Raises
     ------
     ValueError
-        If an argument is out of its domain, the step is not stable, or the checkpoint is of
-        another scene or of other sources.
+        If an argument is out of its domain, the step is not stable, the checkpoint is of another
+        scene or of other sources, or the trajectory or its frames a period are not the ones it was
+        saved with. No file is changed.
     RunError
         If a state stops being finite, or a contact is deeper than d/2.
     """
@@ -310,43 +319,46 @@ def run(
         raise TypeError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
     periods = whole("periods", periods, 1, 10**7)
     frames = whole("frames", frames, 1, 10**6)
-    for name, path in (("trajectory", trajectory), ("checkpoint", checkpoint)):
-        if path is not None and not Path(path).parent.is_dir():
-            raise ValueError(f"{name} must be in a folder that exists, got {str(path)!r}")
-        if path is not None and Path(path).is_dir():
-            raise ValueError(f"{name} must be a file, got the folder {str(path)!r}")
-        if path is not None:
-            _writable(name, Path(path))
+    if observe is not None and scene.annulus is not None:
+        raise ValueError(
+            "observe must be None in an annulus: touches of the plate are counted, not kept"
+        )
+    distinct(trajectory=trajectory, checkpoint=checkpoint)
     if trajectory is not None:
-        if checkpoint is not None and Path(trajectory).resolve() == Path(checkpoint).resolve():
-            raise ValueError(f"checkpoint must be another file than trajectory, got {trajectory!r}")
-        _only_frames(Path(trajectory))
+        writable("trajectory", trajectory, is_trajectory, "one of frames")
+    about: dict[str, Any] = {}
+    arrays, kept = None, None if checkpoint is None else Path(checkpoint)
+    if kept is not None:
+        writable("checkpoint", kept)
+        if kept.exists():
+            about, arrays = _read(kept, scene)
+            check_continues(trajectory, frames, about["trajectory"], kept)
     engine = prepare(scene, ledger=ledger)
     tables = engine.tables(periods)
     series = tables.sampled(engine)
     begin = perf_counter()
     engine.go(0, series)  # compiles
-    began: dict[str, Any] = {"compile": perf_counter() - begin, "seconds": 0.0, "written": 0}
+    began: dict[str, Any] = {"compile": perf_counter() - begin, "seconds": 0.0, "trajectory": None}
     began["energy"] = engine.energy() if engine.ledger is not None else 0.0
-    kept = None if checkpoint is None else Path(checkpoint)
-    if kept is not None and kept.exists():
-        began |= _resume(kept, engine, tables) | {"compile": began["compile"]}
-
-    file = None
-
-    def save() -> None:
-        if file is not None:
-            file.flush()
-            began["written"] = file.tell()
-        if kept is not None:
-            _save(kept, engine, tables, began)
+    if arrays is not None:
+        step = about.pop("step")
+        if step > periods * engine.per:
+            raise ValueError(
+                f"checkpoint {kept} is {step // engine.per} periods long already: ask for more, or "
+                "remove it"
+            )
+        tables.restore(arrays)
+        engine.restore(arrays, step)
+        began |= about | {"compile": began["compile"]}
+    written = _Files(engine, tables, began, kept)
 
     with ExitStack() as stack:
         pressed = stack.enter_context(_interruptible())
         frame = None
         if trajectory is not None:
-            file = stack.enter_context(_opened(Path(trajectory), began["written"]))
-            frame = max(engine.per // frames, 1), partial(_write, file, engine)
+            written.trajectory = Trajectory(trajectory, frames, began["trajectory"])
+            stack.callback(written.trajectory.close)
+            frame = max(engine.per // frames, 1), written.frame
         bar = stack.enter_context(
             tqdm(total=periods, unit=" periods", delay=2, disable=None if progress else True)
         )
@@ -359,10 +371,13 @@ def run(
                 bar.total = aim
             _loop(
                 *(engine, tables, series, began, aim * engine.per),
-                *(observe, frame, save, bar, pressed),
+                *(observe, frame, written.save, bar, pressed),
             )
             enough, made = made >= aim, engine.step // engine.per
             if goal is None or enough or made < aim:
                 break
-        save()
-    return _result(engine, tables, began, made, engine.step >= aim * engine.per)
+        written.save(last=True)
+    lost = written.lost.values()
+    if lost:
+        warnings.warn(f"not written: {'; '.join(lost)}", NotWritten, stacklevel=2)
+    return _result(engine, tables, began, made, engine.step >= aim * engine.per, lost)

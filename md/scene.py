@@ -398,6 +398,8 @@ def keys() -> list[tuple[str, str]]:
 
 def _parsed(assignment: str) -> tuple[str, Any]:
     """Key and value of KEY=VALUE, the value as in TOML or a bare word."""
+    if not isinstance(assignment, str):
+        raise TypeError(f"assignments must be texts KEY=VALUE, got {assignment!r}")
     key, equals, text = assignment.partition("=")
     if not equals or not key.strip():
         raise ValueError(f"--set needs KEY=VALUE, got {assignment!r}")
@@ -448,7 +450,7 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     if not path.exists() and (examples / f"{source}.toml").exists():
         path = examples / f"{source}.toml"
     try:
-        return tomllib.loads(path.read_text())
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"{source}: {error}") from None
     except (OSError, UnicodeDecodeError) as error:

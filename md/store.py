@@ -7,12 +7,14 @@ that were written stay, and two sweeps may write to one file.
 import contextlib
 import csv
 import json
+import os
 import sqlite3
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from .files import empty, replacing, writable
 from .units import cm_per_s, in_cm
 
 __all__ = ["Store", "StoreError", "table", "write_csv"]
@@ -20,6 +22,8 @@ __all__ = ["Store", "StoreError", "table", "write_csv"]
 _VERSION = 1
 _APPLICATION = 0x726F6473  # "rods"
 _WAIT = 60.0  # seconds for another writer
+_NOTHING_BESIDE = sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY
+_OF_RUN = "periods", "seed", "code", "error", "seconds", "written"  # columns of all tables
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS runs (
@@ -61,28 +65,49 @@ class Store:
             raise StoreError(f"store {path}: no such file")
         if fresh and not self.path.parent.is_dir():
             raise StoreError(f"store {path}: no such folder")
-        if not fresh:
-            self._check()
+        how = "mode=rwc" if fresh else self._readable()
         with self._named("cannot be opened"):
-            mode = "rwc" if write else "ro"
-            self.database = sqlite3.connect(
-                f"{self.path.absolute().as_uri()}?mode={mode}", uri=True, timeout=_WAIT
-            )
+            self.database = self._connected("mode=rwc" if write else how)
         if write:
             with self._named("cannot be written"):
                 self._begin()
 
-    def _check(self) -> None:
-        """Refuse what is not a store of this version, without a change to it."""
+    def _connected(self, how: str) -> sqlite3.Connection:
+        uri = f"{self.path.absolute().as_uri()}?{how}"
+        return sqlite3.connect(uri, uri=True, timeout=_WAIT)
+
+    def _readable(self) -> str:
+        """How a store can be read; what is not one of this version is refused, without a change.
+
+        In WAL mode SQLite reads with the help of files beside the store. Where it cannot make them,
+        the store can be read as a file that does not change, if no rows are left in its log.
+        """
         with self._named("is not a store"):
-            look = sqlite3.connect(f"{self.path.absolute().as_uri()}?mode=ro", uri=True)
-            with contextlib.closing(look):
-                (mark,) = look.execute("PRAGMA application_id").fetchone()
-                (version,) = look.execute("PRAGMA user_version").fetchone()
+            how = "mode=ro"
+            try:
+                mark, version = self._identity(how)
+            except sqlite3.OperationalError as error:
+                if error.sqlite_errorcode & 0xFF not in _NOTHING_BESIDE:
+                    raise
+                log = f"{os.path.realpath(self.path)}-wal"
+                if not empty(log):
+                    raise StoreError(
+                        f"store {self.path} cannot be read in a folder that cannot be written: "
+                        f"rows are still in {log}; copy both files to another folder"
+                    ) from None
+                how = "immutable=1"
+                mark, version = self._identity(how)
         if mark != _APPLICATION:
             raise StoreError(f"store {self.path} is a database, but not one of runs")
         if version != _VERSION:
             raise StoreError(f"store {self.path} is of version {version}, this is {_VERSION}")
+        return how
+
+    def _identity(self, how: str) -> list[int]:
+        """Whose database it is, and of which version."""
+        names = "application_id", "user_version"
+        with contextlib.closing(self._connected(how)) as look:
+            return [look.execute(f"PRAGMA {name}").fetchone()[0] for name in names]
 
     def _begin(self) -> None:
         self.database.execute("PRAGMA journal_mode=WAL")
@@ -198,7 +223,7 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
             unit = cm_per_s(scene["rods"]["diameter_cm"])
             result["c_x_stderr_cm_s"] = result["c_x_stderr"] * unit
         rows.append(_flat(scene) | in_cm(scene) | _flat(result) | found)
-    return list(dict.fromkeys(name for row in rows for name in row)), rows
+    return list(dict.fromkeys([*(name for row in rows for name in row), *_OF_RUN])), rows
 
 
 def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) -> None:
@@ -206,12 +231,22 @@ def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) 
 
     Parameters
     ----------
-    path : of the file; what is there is replaced
+    path : of a new file, or of such a table, which is replaced
     columns, rows : as `table` gives them
+
+    Raises
+    ------
+    ValueError
+        If the file is another one, or cannot be written.
     """
-    part = Path(f"{path}.part")
-    with part.open("w", newline="") as file:
+
+    def is_table(there: Path) -> bool:
+        with there.open(encoding="utf-8", errors="replace", newline="") as file:
+            header = file.readline(2**20).rstrip("\r\n").split(",")
+        return header == columns or set(_OF_RUN) <= set(header)
+
+    writable("csv", path, is_table, "one of runs")
+    with replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, columns)
         writer.writeheader()
         writer.writerows(rows)
-    part.replace(path)

@@ -1,17 +1,122 @@
 """Trajectories as extended XYZ, with shape and orientation: OVITO draws spherocylinders from it."""
 
+import hashlib
+import os
 from collections.abc import Iterator
+from contextlib import suppress
 from math import acos, atan2, cos, degrees, hypot, sin, sqrt
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import numpy as np
 
+from .files import empty, same
 from .scene import Scene
 
-__all__ = ["read_frames", "write_frame"]
+__all__ = ["Trajectory", "check_continues", "is_trajectory", "read_frames", "write_frame"]
 
 _COLUMNS = "id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3:velo:R:3:omega:R:1:tilt:R:1"
+_TAIL = 2**16  # bytes before its end by which a file is known again
+
+
+class Trajectory:
+    """A file of frames under way, and what a checkpoint keeps of it.
+
+    Parameters
+    ----------
+    path : of the file; what it holds behind what a checkpoint keeps is cut off
+    per_period : frames of a period
+    kept : what `state` gave to the checkpoint; None: the file begins anew
+    """
+
+    def __init__(self, path: str | Path, per_period: int, kept: dict[str, Any] | None = None):
+        self.path, self.per_period = Path(os.path.realpath(path)), per_period
+        self.count = kept["frames"] if kept else 0
+        self.path.touch()
+        self.file = self.path.open("r+", encoding="utf-8")
+        self.file.truncate(self.file.seek(kept["size"] if kept else 0))
+
+    def write(self, scene: Scene, rods: np.ndarray, time: float, height: float) -> None:
+        """Append a frame.
+
+        Parameters
+        ----------
+        scene, rods, time, height : as of `write_frame`
+        """
+        write_frame(self.file, scene, rods, time, height)
+        self.count += 1
+
+    def state(self) -> dict[str, Any]:
+        """What tells later whether a file is this one, as it is now."""
+        self.file.flush()
+        size = os.fstat(self.file.fileno()).st_size
+        found = {"path": str(self.path), "size": size, "frames": self.count}
+        return {**found, "per_period": self.per_period, "tail": _tail(self.path, size)}
+
+    def close(self) -> None:
+        """Leave the file; what a full disk did not take before is lost."""
+        with suppress(OSError):
+            self.file.close()
+
+
+def _tail(path: Path, size: int) -> str:
+    """Digest of the last bytes before a place in a file."""
+    with path.open("rb") as file:
+        file.seek(max(size - _TAIL, 0))
+        return hashlib.sha256(file.read(min(size, _TAIL))).hexdigest()
+
+
+def check_continues(
+    path: str | Path | None, per_period: int, kept: dict[str, Any] | None, checkpoint: str | Path
+) -> None:
+    """Refuse a trajectory on which a checkpoint cannot go on; nothing is changed.
+
+    Parameters
+    ----------
+    path, per_period : of the trajectory asked for; None: of none
+    kept : what the checkpoint keeps of the one it was saved with; None: there was none
+    checkpoint : its path, for the message
+
+    Raises
+    ------
+    ValueError
+        If they are not of one trajectory, or its frames are no longer what they were.
+    """
+    if kept is None:
+        if path is not None and not empty(path):
+            raise ValueError(
+                f"trajectory must be a new file, got {str(path)!r}: checkpoint {checkpoint} was "
+                "saved without one; name another file, or remove the checkpoint to start again"
+            )
+        return
+    theirs, anew = kept["path"], f"or remove checkpoint {checkpoint} to start again"
+    if path is None:
+        raise ValueError(f"trajectory is missing: name {theirs!r}, which belongs to it, {anew}")
+    if not same(path, theirs):
+        raise ValueError(f"trajectory must be {theirs!r}, got {str(path)!r}: name that one, {anew}")
+    if per_period != kept["per_period"]:
+        raise ValueError(
+            f"frames must be {kept['per_period']} as before, got {per_period}: ask for that, {anew}"
+        )
+    size = 0 if empty(path) else Path(path).stat().st_size
+    if size < kept["size"] or (size and _tail(Path(path), kept["size"]) != kept["tail"]):
+        raise ValueError(
+            f"trajectory {str(path)!r} was changed: its first {kept['frames']} frames "
+            f"({kept['size']} bytes) are not as checkpoint {checkpoint} knows them; bring them "
+            "back, or remove the checkpoint to start again"
+        )
+
+
+def is_trajectory(path: Path) -> bool:
+    """Whether a file begins as one of `write_frame`.
+
+    Parameters
+    ----------
+    path : of the file
+    """
+    with path.open("rb") as file:
+        file.readline(100)
+        return f" Properties={_COLUMNS} ".encode() in file.readline(1000)
 
 
 def write_frame(file: TextIO, scene: Scene, rods: np.ndarray, time: float, height: float) -> None:
@@ -71,20 +176,35 @@ def read_frames(path: str | Path) -> list[dict]:
     Returns
     -------
     A dictionary for each frame: time in periods, lengths in d.
+
+    Raises
+    ------
+    ValueError
+        If the file is another one, or ends in the middle of a frame.
     """
-    frames = []
-    with Path(path).open() as file:
-        while line := file.readline():
-            count, comment = int(line), file.readline()
-            after = comment.split("Time=")[1]
-            table = np.loadtxt(file, max_rows=count, ndmin=2)
-            frames.append(
-                {
-                    "time": float(after.split()[0]),
-                    "plate": float(after.split("plate=")[1]),
-                    "x": table[:, 1],
-                    "z": table[:, 3],
-                    "tilt": np.radians(table[:, -1]),
-                }
-            )
+    frames: list[dict] = []
+    try:
+        with Path(path).open(encoding="utf-8") as file:
+            while line := file.readline():
+                frames.append(_frame(int(line), file))
+    except (ValueError, IndexError):
+        raise ValueError(
+            f"{path} is not a trajectory of md, or cut short: frame {len(frames)} cannot be read"
+        ) from None
     return frames
+
+
+def _frame(count: int, file: TextIO) -> dict:
+    """The next frame, of so many rods."""
+    after = file.readline().split("Time=")[1]
+    lines = [file.readline() for _ in range(count)]
+    if not lines[-1].endswith("\n"):
+        raise ValueError("cut short")
+    table = np.loadtxt(lines, ndmin=2)
+    return {
+        "time": float(after.split()[0]),
+        "plate": float(after.split("plate=")[1]),
+        "x": table[:, 1],
+        "z": table[:, 3],
+        "tilt": np.radians(table[:, -1]),
+    }

@@ -95,6 +95,11 @@ def test_rods_that_lean_the_other_way_drift_the_other_way():
     assert found[0] > 0 > found[1]
 
 
+def test_touches_that_nobody_records_cannot_be_observed():
+    with pytest.raises(ValueError, match="observe must be None in an annulus"):
+        md.run(ring(), periods=1, observe=print)
+
+
 def test_axial_spin_is_an_effect():
     """Absent, it is `None`; present, rods that rub on walls begin to spin."""
     assert prepare(ring()).world.spin is None

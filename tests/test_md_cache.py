@@ -1,5 +1,6 @@
 """Compiled kernels are kept from one process to the next, and never outlive their sources."""
 
+import errno
 import json
 import os
 import shutil
@@ -9,6 +10,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
+from numba.core.caching import IndexDataCacheFile
 
 import md
 from md import cache
@@ -91,14 +93,65 @@ def test_digest_is_of_the_sources_that_decide_and_of_nothing_else(copy, monkeypa
 
 
 def test_a_home_that_cannot_be_written_costs_no_more_than_compiling(tmp_path, monkeypatch):
-    """Below a file there can be no folder, whoever asks."""
+    """Below a file there can be no folder, whoever asks; one line names what takes its place."""
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    folder = cache.directory.__wrapped__()
+    with pytest.warns(
+        RuntimeWarning, match=r"kernels cannot be kept .*file.*: they are in"
+    ) as told:
+        folder = cache.directory.__wrapped__()
+    assert "\n" not in str(told[0].message)
     assert folder.is_dir()
     assert folder.is_relative_to(tmp_path)
     assert folder.name == cache.digest()
+
+
+def test_without_any_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "file"))
+    with pytest.warns(RuntimeWarning, match="nor in a temporary folder: they are compiled"):
+        folder = cache.directory.__wrapped__()
+    assert folder is None
+    monkeypatch.setattr(cache, "directory", lambda: None)
+    assert cache.kernel(lambda x: 2 * x)(2.0) == 4.0
+
+
+def test_a_kernel_is_never_kept_beside_the_sources(tmp_path, monkeypatch):
+    """Where Numba would look for it whatever else has changed: the folder has become a file."""
+    (tmp_path / "file").touch()
+    monkeypatch.setattr(cache, "directory", lambda: tmp_path / "file")
+    cache._warn_once.cache_clear()
+    with pytest.warns(RuntimeWarning, match="kernels cannot be kept in .*file"):
+        double = cache.kernel(lambda x: 2 * x)
+    assert double(2.0) == 4.0
+    assert not any("test_md_cache" in path.name for path in Path(__file__).parent.rglob("*.nb?"))
+
+
+def test_a_disk_that_fills_up_costs_no_more_than_compiling(monkeypatch):
+    """Told once, whatever else is compiled."""
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(IndexDataCacheFile, "_save_index", full)
+    double = cache.kernel(lambda x: 2 * x)
+    cache._warn_once.cache_clear()
+    with pytest.warns(RuntimeWarning, match="kernels cannot be kept in .*: No space left") as told:
+        assert (double(2.0), double(2)) == (4.0, 4)
+    assert len(told) == 1
+
+
+def test_the_command_says_it_in_one_line(tmp_path):
+    (tmp_path / "file").touch()
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "file"), "TMPDIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-m", "md", "--help"],
+        **{"env": environment, "capture_output": True, "text": True, "check": True},
+    )
+    assert done.stderr.count("\n") == 1
+    assert "kernels cannot be kept in the user's cache" in done.stderr
 
 
 def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch):

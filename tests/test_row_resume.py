@@ -13,8 +13,10 @@ import pytest
 
 import md
 from md import runner
+from md.__main__ import main
 from md.trajectory import read_frames
 
+from .command_line import refused
 from .rows import ROW, row
 
 ROOT = Path(__file__).parents[1]
@@ -133,6 +135,95 @@ def test_frames_written_after_the_checkpoint_are_written_anew(tmp_path):
     assert often.read_text() == once.read_text()
 
 
+@pytest.fixture
+def begun(tmp_path, monkeypatch):
+    """Checkpoints of four of one's own rods after 20 periods, with a trajectory and without."""
+    monkeypatch.chdir(tmp_path)
+    md.run(own(), periods=20, checkpoint="w.npz", trajectory="a.xyz")
+    md.run(own(), periods=20, checkpoint="alone.npz")
+    return tmp_path
+
+
+def own():
+    return md.load("my_rods", ["rods.count=4", "box.length_cm=3.2"])
+
+
+def contents(folder):
+    """Of all files, with the time of the last change."""
+    return {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.iterdir()}
+
+
+def test_a_checkpoint_goes_on_in_its_own_trajectory(tmp_path, monkeypatch, capsys):
+    """20 periods, 30 into another file, 40 into the first again: no frame is lost or cut."""
+    monkeypatch.chdir(tmp_path)
+
+    def go(periods, trajectory):
+        sets = "--set", "rods.count=4", "--set", "box.length_cm=3.2", "--checkpoint", "w.npz"
+        return main(
+            ["run", "my_rods", *sets, "--periods", str(periods), "--trajectory", trajectory]
+        )
+
+    assert go(20, "a.xyz") == 0
+    before = contents(tmp_path)
+    capsys.readouterr()
+    refused(lambda: go(30, "bb.xyz"), str(tmp_path / "a.xyz"), capsys)
+    assert contents(tmp_path) == before
+    assert go(40, "a.xyz") == 0
+    md.run(own(), periods=40, trajectory="once.xyz")
+    assert Path("a.xyz").read_bytes() == Path("once.xyz").read_bytes()
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def spoilt(path):
+    path.write_bytes(path.read_bytes()[:-3] + b"77\n")
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "words"),
+    [
+        (cut, {"trajectory": "a.xyz"}, "'a.xyz' was changed: its first 20 frames"),
+        (spoilt, {"trajectory": "a.xyz"}, "'a.xyz' was changed: its first 20 frames"),
+        (Path.unlink, {"trajectory": "a.xyz"}, "'a.xyz' was changed: its first 20 frames"),
+        (None, {"trajectory": "a.xyz", "frames": 2}, "frames must be 1 as before, got 2"),
+        (None, {}, "trajectory is missing: name '.*a.xyz', which belongs to it"),
+        (None, {"trajectory": "b.xyz"}, "trajectory must be '.*a.xyz', got 'b.xyz'"),
+        (None, {"trajectory": "a.xyz", "checkpoint": "alone.npz"}, "trajectory must be a new file"),
+    ],
+)
+def test_another_trajectory_is_refused_and_nothing_changes(begun, change, options, words):
+    """The message says the way out: the right file or number, or to begin anew."""
+    if change:
+        change(begun / "a.xyz")
+    before = contents(begun)
+    with pytest.raises(ValueError, match=f"{words}.* remove (the )?checkpoint"):
+        md.run(own(), periods=30, **{"checkpoint": "w.npz", **options})
+    assert contents(begun) == before
+
+
+@pytest.mark.usefixtures("begun")
+def test_a_trajectory_may_begin_with_a_resumed_run():
+    md.run(own(), periods=23, checkpoint="alone.npz", trajectory="new.xyz")
+    assert [frame["time"] for frame in read_frames("new.xyz")] == [20, 21, 22]
+    md.run(own(), periods=24, checkpoint="alone.npz", trajectory="./new.xyz")
+    assert [frame["time"] for frame in read_frames("new.xyz")] == [20, 21, 22, 23]
+
+
+def test_a_file_that_is_not_a_trajectory_has_no_frames(begun):
+    """Another file, or one that ends within its last frame, is named in one line."""
+    whole = (begun / "a.xyz").read_bytes()
+    for content in (
+        *(b"rods\n", b"\0", bytes(range(128, 256)), b"0\nTime=0 plate=0\n", b"-1\n"),
+        *(whole.replace(b"Time=", b""), whole[:-1], whole[:-3], whole[:-200]),
+    ):
+        (begun / "b.xyz").write_bytes(content)
+        with pytest.raises(ValueError, match=r"b.xyz is not a trajectory of md, or cut short: fra"):
+            read_frames(begun / "b.xyz")
+    assert len(read_frames(begun / "a.xyz")) == 20
+
+
 def command(path, *options):
     """The run at the prompt."""
     changes = [part for change in (*ROW, *SCENE) for part in ("--set", change)]
@@ -162,7 +253,7 @@ def test_ctrl_c_at_the_prompt(tmp_path):
     found = json.loads(out)
     assert found["finished"] is False
     more = found["periods"] + 2
-    went_on = md.run(row(*SCENE), periods=more, checkpoint=path)
+    went_on = md.run(row(*SCENE), periods=more, checkpoint=path, trajectory=trajectory)
     assert bits(went_on) == bits(md.run(row(*SCENE), periods=more))
 
 

@@ -150,12 +150,14 @@ def test_a_checkpoint_that_cannot_be_read_is_refused(tmp_path, capsys):
 
 def test_files_that_cannot_be_written_are_refused_before_the_run(tmp_path, capsys):
     """So are those that hold something else, or are wanted twice."""
-    scene, both = tmp_path / "mine.toml", str(tmp_path / "both")
+    scene, both, text = tmp_path / "mine.toml", str(tmp_path / "both"), tmp_path / "notes.txt"
     scene.write_text((SCENES / "single_rod.toml").read_text())
+    text.write_text("something else\n" * 10)
     for more, words in (
         (["--checkpoint", "/proc/a.npz"], "checkpoint must be a file that can be written"),
         (["--trajectory", "/proc/a.xyz"], "trajectory must be a file that can be written"),
-        (["--trajectory", str(scene)], "trajectory must be a new file or one of frames"),
+        (["--trajectory", str(text)], "trajectory must be a new file or one of frames"),
+        (["--trajectory", str(scene)], "trajectory must be another file than scene"),
         (["--trajectory", both, "--checkpoint", both], "checkpoint must be another file"),
         (["--frames", "2"], "frames has no meaning without trajectory"),
         (["--set", "step.size=1e-12"], "step.size must be at least"),
@@ -174,7 +176,16 @@ def test_arguments_of_a_run_of_a_wrong_type_are_named():
         md.run("quasi2d")
     with pytest.raises(TypeError, match="periods must be a whole number"):
         md.run(load("single_rod"), periods=2.7)
+    with pytest.raises(TypeError, match="assignments must be texts KEY=VALUE, got None"):
+        load("quasi2d", [None])
     assert load("quasi2d", "rods.count=10").rods.count == 10
+
+
+def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
+    """As editors on Windows write it."""
+    path = tmp_path / "mine.toml"
+    path.write_text((SCENES / "my_rods.toml").read_text(), encoding="utf-8-sig")
+    assert load(path) == load("my_rods")
 
 
 def test_no_traceback_at_the_prompt():

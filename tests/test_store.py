@@ -1,10 +1,18 @@
 """The store: what was written stays, what is not a store is left alone."""
 
+import contextlib
+import os
+import shutil
 import sqlite3
+import tempfile
+from pathlib import Path
 
 import pytest
 
+from md.__main__ import main
 from md.store import Store, StoreError, table, write_csv
+
+from .command_line import refused
 
 ABOUT = {"scene": {"rods": {"count": 2}}, "periods": 3, "seed": 1, "code": "abc", "seconds": 0.1}
 
@@ -89,6 +97,52 @@ def test_a_store_opened_for_reading_cannot_be_written(tmp_path):
         store.put("k", ABOUT, {}, None)
 
 
+@contextlib.contextmanager
+def read_only():
+    """A folder with a store that nobody may write, not even who runs the tests."""
+    user, folder = os.geteuid(), Path(tempfile.mkdtemp())
+    try:
+        with Store(folder / "a.db") as store:
+            store.put("k", ABOUT, {"c_x": 0.5}, None)
+            shutil.copy(folder / "a.db-wal", folder / "kept")  # what a kill would leave
+        (folder / "a.db").chmod(0o444)
+        folder.chmod(0o555)
+        if user == 0:  # whom no permissions hold back
+            os.seteuid(65534)
+        yield folder
+    finally:
+        if user == 0:
+            os.seteuid(0)
+        folder.chmod(0o755)
+        shutil.rmtree(folder)
+
+
+def test_a_store_in_a_read_only_folder_is_read(capsys):
+    """And not written, which is said in one line."""
+    with read_only() as folder:
+        with pytest.raises(PermissionError):
+            (folder / "new").touch()
+        with Store(folder / "a.db", write=False) as store:
+            assert store.result("k") == {"c_x": 0.5}
+        assert main(["results", str(folder / "a.db")]) == 0
+        assert "0.5" in capsys.readouterr().out
+        command = ["sweep", "drift", "--store", str(folder / "a.db")]
+        refused(lambda: main(command), "a.db cannot be written", capsys)
+        assert {path.name for path in folder.iterdir()} == {"a.db", "kept"}
+
+
+def test_rows_that_a_read_only_folder_hides_are_not_left_out(capsys):
+    """They are in the log, which SQLite cannot take up there."""
+    with read_only() as folder:
+        user = os.geteuid()
+        os.seteuid(os.getuid())
+        folder.chmod(0o755)
+        (folder / "kept").rename(folder / "a.db-wal")
+        folder.chmod(0o555)
+        os.seteuid(user)
+        refused(lambda: main(["results", str(folder / "a.db")]), "rows are still in", capsys)
+
+
 def fill(store):
     for i in range(1000):
         store.put(f"k{i}", ABOUT, {"text": "x" * 5000}, None)
@@ -118,4 +172,4 @@ def test_a_table_is_written_beside_and_renamed(tmp_path):
     assert lines[0].split(",")[:3] == ["rods.count", "c_x", "landings.slide.mean"]
     assert lines[1].startswith("2,0.5,0.1,")
     assert '"it broke, badly"' in lines[2]
-    assert not list(tmp_path.glob("*.part"))
+    assert not list(tmp_path.glob("*.part*"))

@@ -1,5 +1,6 @@
 """What the step does to the drift: measured, fitted, and kept in `calibration.json`."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -78,6 +79,14 @@ def fitted(drift: np.ndarray, error: np.ndarray) -> dict[str, Any]:
         "scale": float(np.max(np.abs(scale) + 2 * scale_error)),
         "chi_squared": float(np.sum(fit.fun**2) / (fit.fun.size - fit.x.size)),
     }
+
+
+def is_calibration(path: Path) -> bool:
+    """Whether a file holds what `calibrate` gives."""
+    try:
+        return {"order", "scale", "scenes"} <= set(json.loads(path.read_text(encoding="utf-8")))
+    except (TypeError, ValueError):
+        return False
 
 
 def calibrate(store: str | Path, *, periods: int = _PERIODS, progress: bool = False) -> dict:
