@@ -9,6 +9,7 @@ import inspect
 import json
 import os
 import re
+import signal
 import sys
 from collections.abc import Callable
 from math import pi, radians
@@ -300,13 +301,13 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     from .dial import CALIBRATION
     from .dial.calibration import calibrate
     from .runner import _writable
+    from .writing import replacing
 
     path = Path(arguments.out or CALIBRATION)
     _writable("out", path)  # the default is beside the sources, which may be read-only
     found = calibrate(arguments.store, progress=True)
-    part = path.with_name(f"{path.name}.part")
-    part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    part.replace(path)
+    with replacing(path) as part:
+        part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     print(
         f"order     {found['order']:.3g} +- {found['order_error']:.2g}, chi^2 a degree of freedom",
         end="",
@@ -470,6 +471,10 @@ def main(argv: list[str] | None = None) -> int:
 
 def leave(main: Callable[[], int]) -> NoReturn:
     """End the process; output that nobody takes any more is dropped without a traceback."""
+    if sys.stdout is None:
+        print("python -m md: cannot write: standard output is closed", file=sys.stderr)
+        sys.exit(2)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # it is Ctrl-C
     try:
         code = main()
     except SystemExit as end:  # after help, or bad arguments

@@ -16,8 +16,11 @@ from pathlib import Path
 
 import numba
 
+from .interrupt import deferred
+
 _APART = {
-    *("__init__.py", "__main__.py", "store.py", "sweep.py", "trajectory.py"),
+    *("__init__.py", "__main__.py", "interrupt.py", "store.py", "sweep.py", "trajectory.py"),
+    "writing.py",
     *("dial/__init__.py", "dial/calibration.py"),
 }
 _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
@@ -65,6 +68,10 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
     usual = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(directory())  # read when caching is enabled, not later
     try:
-        return numba.njit(cache=True, error_model="numpy", forceinline=inline, _nrt=False)(function)
+        options = {"cache": True, "error_model": "numpy", "forceinline": inline, "_nrt": False}
+        made = numba.njit(**options)(function)
     finally:
         numba.config.CACHE_DIR = usual
+    if not numba.config.DISABLE_JIT:
+        made.compile = deferred()(made.compile)
+    return made

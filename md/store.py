@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from .units import cm_per_s, in_cm
+from .writing import replacing
 
 __all__ = ["Store", "StoreError", "table", "write_csv"]
 
@@ -202,16 +203,14 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
 
 
 def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) -> None:
-    """Write rows to a file, beside it first.
+    """Write rows to a file, whole or not at all.
 
     Parameters
     ----------
     path : of the file; what is there is replaced
     columns, rows : as `table` gives them
     """
-    part = Path(f"{path}.part")
-    with part.open("w", newline="") as file:
+    with replacing(Path(path)) as part, part.open("w", newline="") as file:
         writer = csv.DictWriter(file, columns)
         writer.writeheader()
         writer.writerows(rows)
-    part.replace(path)
