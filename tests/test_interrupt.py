@@ -196,6 +196,16 @@ def test_what_lasts_for_hours_can_be_stopped(last, alarm):
         last(10**12)
 
 
+def test_a_long_contact_is_made_in_calls(monkeypatch):
+    """With the numbers of one call."""
+    given, calls, run = {"friction": 0.4, "dt": 1e-5}, [], integrators.run
+    whole = md.impact(0.3, 0.5, -1.0, **given)
+    monkeypatch.setattr(integrators, "run", lambda *all: (calls.append(all[3]), run(*all))[1])
+    monkeypatch.setattr(md.one_rod, "_STEPS_A_CALL", 100)
+    assert md.impact(0.3, 0.5, -1.0, **given)[:-1] == whole[:-1]
+    assert calls == [0, *[100] * (whole.steps // 100 + 1)]
+
+
 def test_a_march_is_made_in_calls_that_grow(monkeypatch):
     """Each up to four times as long, but none beyond its time."""
     calls, engine = [], prepare(row("start.drop=0.1"))
