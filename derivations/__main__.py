@@ -7,6 +7,7 @@ import argparse
 import json
 import os
 import shutil
+import signal
 import sys
 import textwrap
 from collections import Counter
@@ -162,6 +163,10 @@ def main(argv: list[str] | None = None) -> int:
 
 def leave(main: Callable[[], int]) -> NoReturn:
     """End the process; output that nobody takes any more is dropped without a traceback."""
+    if sys.stdout is None:
+        print("python -m derivations: cannot write: standard output is closed", file=sys.stderr)
+        sys.exit(2)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # it is Ctrl-C
     try:
         code = main()
     except SystemExit as end:  # after help, or bad arguments

@@ -13,11 +13,9 @@ python -m figures explore [--tilt-deg PHI] [--friction MU] ... [--out FILE.png]
 
 import argparse
 import json
-import os
 import platform
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from impact._command import CommandError, Parser, guarded, leave, told
@@ -88,15 +86,11 @@ Write the measured parts of the README from the gallery, in a checkout.
 }
 
 
-@contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
+def _replacing(path: Path) -> AbstractContextManager[Path]:
     """A file to write beside `path`, which takes its place once it is whole."""
-    part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    try:
-        yield part
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    from md.files import replacing  # late: the list of figures needs no Numba
+
+    return replacing(path)
 
 
 def _provenance() -> dict[str, str]:

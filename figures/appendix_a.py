@@ -12,6 +12,7 @@ the printed law fails because its spring is soft and almost undamped: at this sp
 would stick or have turned, and what it stores it gives back.
 """
 
+from dataclasses import replace
 from math import sqrt
 
 import matplotlib.pyplot as plt
@@ -57,7 +58,7 @@ def reading(where: str, mass: str, speed: float = 1.0, damping: float = 400.0) -
     if where != WHERE[2]:
         return law
     root = RATIO * STIFFNESS * light / sqrt(deepest_overlap(law, speed))
-    return law._replace(spring=law.spring._replace(proportional=None, root=root))
+    return replace(law, spring=law.spring._replace(proportional=None, root=root))
 
 
 def _head_on(law: md.Law, speed: float) -> float:

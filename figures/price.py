@@ -24,12 +24,13 @@ MOST = 10**9  # steps: the contact ends long before
 @kernel(inline=False)
 def repeated(scene, state, dt, times, watch):
     """The same impact `times` times over; velocity after the last one, and its steps."""
-    steps, after = 0, state
+    velocity, steps = state.velocity, 0
     for _ in range(times):
         for i in range(WATCHED):
             watch[i] = 0.0
-        after, steps, _ = run(scene, state, 0, MOST, dt, watch, None, None, 1)
-    return after.velocity, steps
+        after, steps, _ = run(scene, state, 0, MOST, dt, watch)
+        velocity = after[2]
+    return velocity, steps
 
 
 def impact_call(tilt: float, law: md.Law, integrator: str, dt: float, speed: float = 1.0):

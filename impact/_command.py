@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import signal
 import sys
 from collections.abc import Callable
 from typing import Any, NoReturn
@@ -45,14 +46,32 @@ def guarded(program: str, command: Callable[[], int]) -> int:
         return 0
     except MemoryError as error:
         said, code = f"not enough memory: {error}", 1
+    except ModuleNotFoundError as missing:
+        said, code = f"it needs {missing.name}, which is not here", 2
+    except ImportError as error:
+        said, code = str(error), 2
     except OSError as error:
         said, code = f"cannot write: {error}", 2
     print(f"{program}: {said}", file=sys.stderr)
     return code
 
 
+def _stop(*_: object) -> NoReturn:
+    """Handle SIGINT and SIGTERM as Python handles SIGINT.
+
+    But `md.run` takes over Python's own handler, and would return to a figure what it has.
+    """
+    raise KeyboardInterrupt
+
+
 def leave(program: str, main: Callable[[], int]) -> NoReturn:
     """End the process; output that nobody takes any more is dropped without a traceback."""
+    if sys.stdout is None:
+        print(f"{program}: cannot write: standard output is closed", file=sys.stderr)
+        sys.exit(2)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, _stop)
     try:
         code = main()
     except SystemExit as end:  # after help, or bad arguments

@@ -8,14 +8,11 @@ generated kernel.
 
 from math import copysign
 
-from numba import njit
-
+from ._jit import kernel
 from ._kernel import HUGE_FRICTION
 from .compiled import _fused as fma
-from .compiled import collide_newton
 
-_options = {key: on for key, on in collide_newton.targetoptions.items() if key != "nopython"}
-_compiled = njit(**_options)
+_compiled = kernel(forceinline=True)
 
 
 @_compiled

@@ -32,9 +32,9 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ._arguments import FRICTION, RESTITUTION, Domain, count, number, real_array
+from ._jit import kernel
 from .compiled import KERNELS
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
 from .geometry import ContactGeometry, lengths_of, unit_lengths
@@ -47,6 +47,7 @@ _FRICTION_LIMIT = 1e60  # beyond it friction changes no digit any more
 _AT_ONCE = 1000  # impacts on the spot at most; what approach is left then, the plate absorbs
 _STILL = 2.0**-44  # of the approach: slower, an impact on the spot has come to rest
 _BLOCK = 1 << 18  # landings in memory at once
+_LANDINGS_A_CALL = 1000  # 0.1 s at most: signals are seen between calls
 _FLIGHT_BINS = 64  # of 1/16 period; locked flights of whole periods lie in the middle of one
 
 
@@ -128,7 +129,7 @@ def _loop(law: str):
     """One rod from landing to landing under one law; Omega = g = 1."""
     collide = KERNELS[law]
 
-    @njit(error_model="numpy")
+    @kernel
     def meet(c_x, v_0, X, Z, k, friction, restitution):
         """Impacts on the spot, in the frame of the plate, until the rod leaves or rests."""
         c_x, v, _, regime, _, _, _, _, _ = collide(
@@ -140,12 +141,14 @@ def _loop(law: str):
             hits += 1
         return c_x, max(v, 0.0), hits, regime
 
-    @njit(error_model="numpy")
-    def rod(start, gamma, X, Z, k, friction, restitution, shortest, transient, out):
-        """Fill `out`, shape (landings, fields of `Landings`), after `transient` more landings."""
-        phase, speed, c_x = start
+    @kernel
+    def rod(state, gamma, X, Z, k, friction, restitution, shortest, transient, out):
+        """Fill `out`, shape (landings, fields of `Landings`), after `transient` more landings.
+
+        Returns the `state` for the next call.
+        """
+        phase, speed, c_x, period = state
         lift, free = lift_off(gamma)
-        period = 0.0
         for j in range(-transient, out.shape[0]):
             rest = slid = t = v_0 = 0.0
             d = departure(speed, phase, gamma)
@@ -168,8 +171,18 @@ def _loop(law: str):
                 out[j, 6], out[j, 7] = t / TURN, rest / TURN
                 out[j, 8] = (slid + before * t) / (gamma * TURN)
                 out[j, 9], out[j, 10] = hits, regime
+        return phase, speed, c_x, period
 
-    return rod
+    def whole(start, *setting):
+        """From the start on."""
+        *physics, transient, out = setting
+        state = *start, 0.0
+        for first in range(-transient, len(out), _LANDINGS_A_CALL):
+            last = min(first + _LANDINGS_A_CALL, len(out))
+            ahead = min(max(-first, 0), last - first)
+            state = rod(state, *physics, ahead, out[max(first, 0) : max(last, 0)])
+
+    return whole
 
 
 class _Problem(NamedTuple):

@@ -12,11 +12,12 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 
 from . import _compensated, _generated, _kernel
 from . import collision as plain
+from ._jit import kernel
 from .geometry import ContactGeometry
 
 __all__ = ["KERNELS", "collide", "collide_newton", "collide_poisson", "collide_stronge"]
@@ -32,32 +33,32 @@ def _fused(typing_context, a, b, c):
     return types.float64(types.float64, types.float64, types.float64), build
 
 
-@njit(forceinline=True)
+@kernel(forceinline=True)
 def _halves(a):
     """Leave `a` whole: `_product` needs no halves here."""
     return a
 
 
-@njit(forceinline=True)
+@kernel(forceinline=True)
 def _product(a, b):
     """Rounded product and its error, the same as `_compensated._product` finds."""
     p = a * b
     return p, _fused(a, b, -p)
 
 
-@njit(forceinline=True)
+@kernel(forceinline=True)
 def _select(condition, a, b):
     """One of two numbers that are both there."""
     return a if condition else b
 
 
-@njit(forceinline=True)
+@kernel(forceinline=True)
 def _larger(a, b):
     """Maximum without a case for nan."""
     return a if a > b else b
 
 
-@njit(forceinline=True)
+@kernel(forceinline=True)
 def _smaller(a, b):
     """Minimum without a case for nan."""
     return a if a < b else b
@@ -81,7 +82,7 @@ def _compile(module, *names: str) -> None:
     for name in names:
         function = getattr(module, name)
         renamed = FunctionType(function.__code__, {**function.__globals__, **_known}, name)
-        _known[name] = njit(error_model="numpy", forceinline=True)(renamed)
+        _known[name] = kernel(renamed, forceinline=True)
 
 
 _compile(_compensated, "_sum", "_total", "lacking", "approach", "responses")
@@ -133,7 +134,7 @@ def _scalar_kernel(law: str) -> Any:
         )
 
     collide.__name__ = collide.__qualname__ = f"collide_{law}"
-    return njit(error_model="numpy", forceinline=True)(collide)
+    return kernel(collide, forceinline=True)
 
 
 collide_newton = _scalar_kernel("newton")
@@ -141,13 +142,14 @@ collide_poisson = _scalar_kernel("poisson")
 collide_stronge = _scalar_kernel("stronge")
 
 KERNELS = {"newton": collide_newton, "poisson": collide_poisson, "stronge": collide_stronge}
+_IMPACTS_A_CALL = 1 << 18  # some 20 ms: signals are seen between calls
 _LEFT = -2  # regime code of an impact that is left to plain NumPy: invalid, or of unusual size
 
 
 @cache
 def _loop(law: str):
     """All impacts of one law, one after the other; returns how many were left out."""
-    kernel = KERNELS[law]
+    impact = KERNELS[law]
 
     # fmt: off
     def impacts(
@@ -160,14 +162,14 @@ def _loop(law: str):
                 (
                     c_x_[i], c_z_[i], omega_[i], regime[i], P_x[i], P_z[i],
                     slip[i], normal[i], energy[i],
-                ) = kernel(c_x[i], c_z[i], omega[i], V_z[i], X[i], Z[i], k[i], mu[i], epsilon[i])
+                ) = impact(c_x[i], c_z[i], omega[i], V_z[i], X[i], Z[i], k[i], mu[i], epsilon[i])
             else:
                 regime[i] = _LEFT
                 left += 1
         return left
     # fmt: on
 
-    return njit(error_model="numpy")(impacts)
+    return kernel(impacts)
 
 
 def collide(
@@ -206,9 +208,11 @@ def collide(
         np.broadcast_to(array, size if array.ndim == 0 else shape).reshape(size) for array in arrays
     ]
     results = [np.empty(size, np.int8 if i == 3 else np.float64) for i in range(9)]
-    if _loop(law)(*columns, *results):
+    parts = [slice(first, first + _IMPACTS_A_CALL) for first in range(0, size, _IMPACTS_A_CALL)]
+    loop = _loop(law)
+    if sum(loop(*(array[part] for array in (*columns, *results))) for part in parts):
         left = results[3] == _LEFT
-        parts = plain.from_arrays([column[left] for column in columns], law)
-        for result, part in zip(results, parts, strict=True):
+        rest = plain.from_arrays([column[left] for column in columns], law)
+        for result, part in zip(results, rest, strict=True):
             result[left] = part
     return plain.collision([result.reshape(shape) for result in results], dtype)

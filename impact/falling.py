@@ -30,9 +30,9 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ._arguments import POSITIVE, Domain, count, number
+from ._jit import kernel
 from ._kernel import LARGE_FRICTION, Regime
 from .bouncing import record
 from .compiled import KERNELS
@@ -44,6 +44,7 @@ __all__ = ["Falls", "fall"]
 _TILT = Domain(-np.pi / 2, np.pi / 2, "between -pi/2 and pi/2")
 _LENGTH = Domain(1e-3, 1e9, "between 1e-3 and 1e9 (g/Omega^2)")
 _DIAMETER = Domain(0.0, 1e9, ">= 0 and at most length")
+_FLIGHTS_A_CALL = 20_000  # some 40 ms: signals are seen between calls
 _SHORTEST = Domain(1e-5, 0.1, "between 1e-5 and 0.1 (periods)")
 
 
@@ -81,7 +82,7 @@ class _Swing(NamedTuple):
     omega: float
 
 
-@njit(error_model="numpy")
+@kernel
 def _gaps(d, swing, t):
     """Gap and slope of the tip that left the plate, then of the other, a time t after departure.
 
@@ -99,14 +100,14 @@ def _gaps(d, swing, t):
     return h, slope, h + 2 * axis, slope - 2 * fall
 
 
-@njit(error_model="numpy")
+@kernel
 def _sure(h, slope, bend):
     """Time for which a gap stays open, its second derivative being at least -bend."""
     root = np.sqrt(slope * slope + 2 * bend * max(h, 0.0))
     return (slope + root) / bend if slope > 0 else 2 * h / (root - slope)
 
 
-@njit(error_model="numpy")
+@kernel
 def _touch(d, swing, bend, t):
     """First contact of either tip after t, where both are off the plate; |h''| <= bend.
 
@@ -126,13 +127,15 @@ def _loop(law: str):
     """One rod under one law from its release to its fall; Omega = g = 1."""
     collide = KERNELS[law]
 
-    @njit(error_model="numpy")
-    def rod(start, gamma, reach, cap, k, friction, restitution, shortest, periods, out):
-        """Fill a row of `out` a landing, from `Falls.period` on; return the fields before it."""
-        first, speed, c_x, tilt = start
-        phase, period, omega, travel, rest, n = first, 0.0, 0.0, 0.0, 0.0, 0
-        fallen = False
-        while n < out.shape[0] and period < periods:
+    @kernel
+    def rod(state, gamma, reach, cap, k, friction, restitution, shortest, periods, out):
+        """Fill a row of `out` a landing, from `Falls.period` on.
+
+        Returns the `state` for the next call, whether the rod has fallen, whether it goes on.
+        """
+        phase, speed, c_x, tilt, period, omega, travel, rest, n = state
+        fallen, going = False, True
+        for _ in range(_FLIGHTS_A_CALL):
             swing = _Swing(reach * np.sin(tilt), reach * np.cos(tilt), omega)
             d = departure(speed, phase, gamma)
             lift = d.lift + swing.up * omega * omega  # h''(0); |h'''| <= change
@@ -151,6 +154,7 @@ def _loop(law: str):
             X, Z = reach * np.sin(tilt), reach * np.cos(tilt)
             fallen |= not flies and Z < 0  # lain down with the tip on the plate
             if fallen:
+                going = False
                 break
             before, spin, v = c_x, omega, v - omega * X
             c_x, c_z, omega, regime, _, _, _, speed, _ = collide(
@@ -163,9 +167,20 @@ def _loop(law: str):
                 out[n, 6], out[n, 7], out[n, 8] = c_x, c_z + plate, omega
                 out[n, 9], out[n, 10], out[n, 11] = t / TURN, rest / TURN, regime
                 n, rest = n + 1, 0.0
-        return fallen, n, period + (phase - first) / TURN, travel / TURN, tilt
+            going = n < out.shape[0] and period < periods
+            if not going:
+                break
+        return (phase, speed, c_x, tilt, period, omega, travel, rest, n), fallen, going
 
-    return rod
+    def whole(start, *setting):
+        """From the release on; returns the fields of `Falls` before `period`."""
+        state, going = (*map(float, start), 0.0, 0.0, 0.0, 0.0, 0), True
+        while going:
+            state, fallen, going = rod(state, *setting)
+        phase, _, _, tilt, period, _, travel, _, n = state
+        return fallen, n, period + (phase - start[0]) / TURN, travel / TURN, tilt
+
+    return whole
 
 
 def _released(

@@ -17,7 +17,8 @@ is never returned. It needs Numba: import it on request.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ._jit import kernel
 
 TURN = 2 * np.pi
 # 2 pi in two parts, of which multiples below 2^24 of the first are exact.
@@ -39,21 +40,21 @@ class Departure(NamedTuple):
     climb: float  # Gamma cos(theta), the plate's velocity
 
 
-@njit(error_model="numpy")
+@kernel
 def departure(speed, phase, gamma):
     """Start of a flight at a phase."""
     height = gamma * np.sin(phase)
     return Departure(speed, height - 1, height, gamma * np.cos(phase))
 
 
-@njit(error_model="numpy")
+@kernel
 def lift_off(gamma):
     """Phase asin(1/gamma) at which a resting rod takes off, and that flight's start; gamma >= 1."""
     climb = np.sqrt((gamma - 1) * (gamma + 1))
     return np.arctan2(1.0, climb), Departure(0.0, 0.0, 1.0, climb)
 
 
-@njit(error_model="numpy")
+@kernel
 def gap(d, t):
     """Gap h and its slope h' a time t >= 0 after the departure d; to the last digits of small t."""
     if t >= 1:
@@ -69,7 +70,7 @@ def gap(d, t):
     return h, d.speed + d.lift * t + d.climb * (q / 2 - f4) - d.height * f3
 
 
-@njit(error_model="numpy")
+@kernel
 def _concave_root(d, guess, end):
     """Root in a concave interval with h(end) <= 0, other than the one at its start.
 
@@ -93,7 +94,7 @@ def _concave_root(d, guess, end):
     return t, slope
 
 
-@njit(error_model="numpy")
+@kernel
 def _convex_root(d, t, end):
     """First root in a convex interval with h > 0 at its start t; nan if there is none.
 
@@ -116,7 +117,7 @@ def _convex_root(d, t, end):
     return np.nan, np.nan
 
 
-@njit(error_model="numpy")
+@kernel
 def landing(d, phase, gamma):
     """Time from the departure d, at `phase`, to the next contact, and h' <= 0 there.
 
@@ -153,7 +154,7 @@ def landing(d, phase, gamma):
         end += TURN
 
 
-@njit(error_model="numpy")
+@kernel
 def advance(phase, t):
     """Whole periods passed and phase in [0, 2 pi) after a time t, rounded once: not 2 pi n."""
     total = phase + t
@@ -167,7 +168,7 @@ def advance(phase, t):
     return periods, phase
 
 
-@njit(error_model="numpy")
+@kernel
 def slide_to_lift(c_x, phase, gamma, friction):
     """Rest on the plate until it falls away: waiting time, c_x at its end, distance slid.
 

@@ -30,13 +30,14 @@ Files, as one reads them
 ------------------------
 scene, units                        what is there: `Scene`, also in cm and Hz; examples in scenes/
 contact, laws                       forces of one contact, compiled; what sets their constants
-integrators, reference, one_rod     `impact`, `follow`: fixed steps, or every switch located
+integrators, reference, one_rod     `impact`: fixed steps, or every switch located
 neighbours, row, landings           rods in a plane, compiled: pairs, forces and steps, landings
 engine, measures, statistics        a scene under way; what is measured of it, with errors
 runner, trajectory, files           a run: periods, checkpoints, frames; what may be replaced
 space/geometry, pairs, forces, crowd, placement, engine    the same in an annulus
 dial, dial/calibration              `run`: step and length from a tolerance
 sweep, store, cache, __main__       many runs, their results, compiled kernels, the command line
+interrupt                           signals that wait until a call is over
 
 Edits make stored runs stale (`cache.digest`), but for those of the files in `cache._APART`.
 
@@ -119,12 +120,12 @@ Try it: a little loss is as the contact's duration, which goes as speed^(-1/5).
 
 A term that `contact.Normal` lacks is a field there, a line in `contact.dashpot` and in its calls by
 `push` and `reference.rates`, and its part of `laws.largest_step`. That springs are Hertz's is known
-to `deepest_overlap`, `contact_time`, `one_rod._energy`, `Engine.energy` and the ledgers in `row`.
+to `deepest_overlap`, `contact_time`, `Engine.energy` and the ledger in `row`.
 '''
 
 from .dial import Accuracy, Tuned, run
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
-from .one_rod import INTEGRATORS, Impact, Rod, RunError, Track, follow, impact
+from .one_rod import INTEGRATORS, Impact, Rod, RunError, impact
 from .reference import Vibration
 from .runner import Result
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
@@ -148,13 +149,11 @@ __all__ = [
     "Scene",
     "Start",
     "Step",
-    "Track",
     "Tuned",
     "Vibration",
     "appendix_a",
     "constant_restitution",
     "coulomb",
-    "follow",
     "impact",
     "load",
     "run",

@@ -9,6 +9,7 @@ import inspect
 import json
 import os
 import re
+import signal
 import sys
 import warnings
 from collections.abc import Callable
@@ -322,6 +323,8 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     distinct(store=arguments.store, out=path)
     writable("out", path, is_calibration, "one of a calibration")
     found = calibrate(arguments.store, progress=True)
+    with replacing(path) as part:
+        part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     print(
         f"order     {found['order']:.3g} +- {found['order_error']:.2g}, chi^2 a degree of freedom",
         end="",
@@ -330,8 +333,6 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     print(f"scale     {found['scale']:.3g}, bias at ten steps a contact; largest of the scenes:")
     for name, s, error in zip(found["scenes"], found["scales"], found["scale_errors"], strict=True):
         print(f"  {name:22} {s:+.4f} +- {error:.4f}")
-    with replacing(path) as part:
-        part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     print(f"written   {path}")
     return 0
 
@@ -490,6 +491,10 @@ def main(argv: list[str] | None = None) -> int:
 
 def leave(main: Callable[[], int]) -> NoReturn:
     """End the process; output that nobody takes any more is dropped without a traceback."""
+    if sys.stdout is None:
+        print("python -m md: cannot write: standard output is closed", file=sys.stderr)
+        sys.exit(2)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # it is Ctrl-C
     try:
         code = main()
     except SystemExit as end:  # after help, or bad arguments

@@ -20,9 +20,11 @@ import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
 
 from .files import warn
+from .interrupt import deferred
 
 _APART = {
-    *("__init__.py", "__main__.py", "files.py", "store.py", "sweep.py", "trajectory.py"),
+    *("__init__.py", "__main__.py", "files.py", "interrupt.py", "store.py", "sweep.py"),
+    "trajectory.py",
     *("dial/__init__.py", "dial/calibration.py"),
 }
 _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
@@ -113,4 +115,6 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
         _warn_once(f"compiled kernels cannot be kept in {folder}")
     finally:
         numba.config.CACHE_DIR = usual
+    if not numba.config.DISABLE_JIT:
+        found.compile = deferred()(found.compile)
     return found

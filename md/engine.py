@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import ceil, cos, hypot, pi, sin
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from .scene import Contact, Scene
 SKIN = 0.4  # of the list of pairs, in d
 _MOST = 10**7  # steps of a period
 SAMPLES = 32  # of the tilt, in a period
+CALL_SECONDS = 0.02  # of a call of the kernel: so long may a signal wait
+_MOST_A_CALL = 500_000  # steps times rods; a flight says little about the contact behind it
 
 
 def _law_step(
@@ -120,8 +123,39 @@ def _springs(law: Law | None, friction: float) -> bool:
     return law is not None and law.spring is not None and friction > 0
 
 
+class Marching:
+    """Steps in calls of the kernel of about `CALL_SECONDS`; signals are seen between calls."""
+
+    pace = 1  # steps of a call
+
+    def go(self, steps: int, series: Any = None) -> int:
+        """Up to `steps` steps, fewer if the record is full; steps made.
+
+        Raises
+        ------
+        RunError
+            If the state stops being finite or a contact is deeper than d/2.
+        """
+        made = 0
+        while True:
+            begin = perf_counter()
+            done, why, where = self._march(min(self.pace, steps - made), series)
+            seconds = perf_counter() - begin
+            if done:
+                most = min(4 * self.pace, _MOST_A_CALL // len(self.rods))
+                self.pace = max(min(int(done * CALL_SECONDS / max(seconds, 1e-9)), most), 1)
+            self.step += done
+            made += done
+            if why == row.FULL_LIST:
+                self._grow()
+            elif why not in (DONE, row.FULL_RECORD):
+                self._stop(why, where)
+            elif why == row.FULL_RECORD or made == steps:
+                return made
+
+
 @dataclass
-class Engine:
+class Engine(Marching):
     """A scene under way; `None` for what it does without."""
 
     scene: Scene
@@ -149,29 +183,16 @@ class Engine:
 
         return Tables(self, periods)
 
-    def go(self, steps: int, series: row.Series | None = None) -> int:
-        """Up to `steps` steps, fewer if the record is full; steps made.
-
-        Raises
-        ------
-        RunError
-            If the state stops being finite or a contact is deeper than d/2.
-        """
+    def _march(self, steps: int, series: row.Series | None) -> tuple[int, int, int]:
+        """One call of the kernel: steps made, why it ended, where."""
         finite = np.isfinite(self.rods).all(axis=1)
         if not finite.all():
-            self._stop(NOT_FINITE, int(np.argmin(finite)))
-        done, why, where = row.march(
+            return 0, NOT_FINITE, int(np.argmin(finite))
+        return row.march(
             *(self.crowd, self.rods, self.before, self.springs, self.listed, self.scratch),
             self.total,
             *(self.ledger, self.record, series, self.step, steps, self.dt),
         )
-        self.step += done
-        if why == row.FULL_LIST:
-            self._grow()
-            return done + self.go(steps - done, series)
-        if why not in (DONE, row.FULL_RECORD):
-            self._stop(why, where)
-        return done
 
     def _grow(self) -> None:
         """A list of pairs twice as long."""

@@ -76,7 +76,7 @@ def turned(direction, angle):
 
 @kernel
 def leap(scene, state, step, dt):
-    """Step n: forces, kick, drift; returns position and velocity at n as well."""
+    """Step n: forces, kick, drift; returns the velocity at n as well."""
     position, direction, half, before, springs, higher, extrapolate = state
     now = half if extrapolate is None else plus(half, before, dt / 2)
     others, plate = weight(scene.gravity), plate_at(scene.plate, step)
@@ -88,12 +88,12 @@ def leap(scene, state, step, dt):
     direction = turned(direction, velocity[2] * dt)
     following = plus(position, velocity, dt)
     after = State(following, direction, velocity, a, springs, higher, extrapolate)
-    return after, position, plus(half, a, dt / 2), lower, upper
+    return after, plus(half, a, dt / 2), lower, upper
 
 
 @kernel
 def gear(scene, state, higher, step, dt):
-    """Predict to step n, evaluate, correct; returns position and velocity at n as well."""
+    """Predict to step n, evaluate, correct; returns the velocity at n as well."""
     r0, direction, r1, r2, springs, _, extrapolate = state
     tilt = r0[2]
     r1, r2 = plus(ZERO, r1, dt), plus(ZERO, r2, dt * dt / 2)
@@ -114,7 +114,7 @@ def gear(scene, state, higher, step, dt):
     springs = (lower.spring, upper.spring)
     direction = turned(direction, change[2] * _C0)
     state = State(r0, direction, velocity, a, springs, (r3, r4, r5), extrapolate)
-    return state, r0, velocity, lower, upper
+    return state, velocity, lower, upper
 
 
 @kernel
@@ -175,44 +175,30 @@ def watched(watch, scene, lower, upper, dt):
 
 
 @kernel
-def accounted(ledger, scene, lower, upper, velocity, step, dt):
-    """Add a step's plate work, loss in the normal direction, and loss by friction."""
-    _, plate = plate_at(scene.plate, step)
-    for touch in (lower, upper):
-        if touch.overlap > 0:
-            opens = velocity[1] - velocity[2] * touch.a_x - plate
-            spring = scene.normal.stiffness * touch.overlap * np.sqrt(touch.overlap)
-            ledger[0] += touch.normal * plate * dt
-            ledger[1] += (spring - touch.normal) * opens * dt
-            ledger[2] -= touch.tangential * (velocity[0] + velocity[2] * touch.a_z) * dt
+def plain(state):
+    """The fields of a state; Numba would make a `State` by calling Python, with its handlers."""
+    position, direction, velocity, acceleration, springs, higher, extrapolate = state
+    return position, direction, velocity, acceleration, springs, higher, extrapolate
 
 
 @kernel(inline=False)
-def run(scene, state, first, steps, dt, watch, ledger, samples, every):
+def run(scene, state, first, steps, dt, watch):
     """Up to `steps` steps from step number `first`; returns state, steps made, why it ended.
 
-    `watch`, `ledger` and `samples` are arrays to fill or `None`. A sample is (x, z, tilt, c_x,
-    c_z, omega) at the beginning of every `every`-th step; the ledger runs from the first step's
-    beginning to the last one's.
+    The state is a plain tuple of the fields of `State`. `watch` is an array to fill or `None`,
+    without which the end of a contact does not end the run.
     """
     for n in range(steps):
         step = first + n
         good = state
-        state, position, velocity, lower, upper = advance(scene, state, state.higher, step, dt)
+        state, velocity, lower, upper = advance(scene, state, state.higher, step, dt)
         if not abs(velocity[0] + velocity[1] + velocity[2]) < 1e100:
-            return good, n, NOT_FINITE
+            return plain(good), n, NOT_FINITE
         if max(lower.overlap, upper.overlap) > DEEP:
-            return good, n, TOO_DEEP
-        if samples is not None and n % every == 0:
-            for i in range(3):
-                samples[n // every, i] = position[i]
-                samples[n // every, 3 + i] = velocity[i]
-        if ledger is not None:
-            share = dt if 0 < n < steps - 1 else dt / 2
-            accounted(ledger, scene, lower, upper, velocity, step, share)
+            return plain(good), n, TOO_DEEP
         if watch is not None and watched(watch, scene, lower, upper, dt):
-            return good, n, OPENED
-    return state, steps, DONE
+            return plain(good), n, OPENED
+    return plain(state), steps, DONE
 
 
 def started(method: str, position, velocity, gravity, dt: float) -> State:

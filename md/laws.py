@@ -15,23 +15,16 @@ and mass and gravity are 1.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import acos, acosh, exp, inf, sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 from scipy.optimize import brentq
 
 from .contact import Friction, Normal, Spring
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d
-
-
-class Law(NamedTuple):
-    """Normal contact and tangential element; the coefficient of friction belongs to the scene."""
-
-    name: str  # key of `LAWS`
-    normal: Normal  # force across
-    spring: Spring | None  # None: friction is a constraint
-    restitution: float | None = None  # head on, where the law has a constant one
+_STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more than zero
 
 
 def number(name: str, value: Any, low: float, high: float, domain: str) -> float:
@@ -55,6 +48,41 @@ def positive(name: str, value: object) -> float:
 def not_negative(name: str, value: object) -> float:
     """`value` as a float, >= 0 and finite."""
     return number(name, value, 0.0, 1.7e308, ">= 0 and finite")
+
+
+@dataclass(frozen=True)
+class Law:
+    """Normal contact and tangential element; the coefficient of friction belongs to the scene.
+
+    Raises
+    ------
+    ValueError
+        If a stiffness is not > 0 and finite, a dashpot not >= 0 and finite, the restitution not
+        between 0 and 1, or a spring without stiffness.
+    TypeError
+        If a part is of the wrong type.
+    """
+
+    name: str  # key of `LAWS`
+    normal: Normal  # force across
+    spring: Spring | None  # None: friction is a constraint
+    restitution: float | None = None  # head on, where the law has a constant one
+
+    def __post_init__(self) -> None:
+        normal, spring = self.normal, self.spring
+        if not isinstance(normal, Normal) or not isinstance(spring, Spring | None):
+            raise TypeError(f"law must have a Normal, and a Spring or None, got {self!r}")
+        if normal.plastic not in (True, None):
+            raise ValueError(f"normal.plastic must be True or None, got {normal.plastic!r}")
+        if spring is not None and spring.proportional is spring.root is None:
+            raise ValueError("spring must have a stiffness, proportional or root")
+        numbers = {f"normal.{k}": v for k, v in normal._asdict().items() if k != "plastic"}
+        numbers |= {f"spring.{k}": v for k, v in spring._asdict().items()} if spring else {}
+        for name, value in numbers.items():
+            if value is not None or name == "normal.stiffness":
+                (positive if name in _STIFFNESSES else not_negative)(name, value)
+        if self.restitution is not None:
+            number("restitution", self.restitution, 0.0, 1.0, "between 0 and 1")
 
 
 def head_on_restitution(damping_ratio: float) -> float:

@@ -1,4 +1,4 @@
-"""One rod and the plate: a single impact, or a run over many periods.
+"""One rod and the plate: a single impact.
 
 Reduced units: lengths in rod diameters d, masses in the rod's, accelerations in g; so velocities
 are in sqrt(g d) and times in sqrt(d/g).
@@ -6,7 +6,6 @@ are in sqrt(g d) and times in sqrt(d/g).
 
 from collections.abc import Sequence
 from math import cos, pi, sin
-from operator import index
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from . import integrators, reference
 from .contact import Effects, Friction, Motion
-from .integrators import METHODS, STUCK, TURNED
+from .integrators import DONE, METHODS, STUCK, TURNED, State
 from .laws import (
     Law,
     contact_time,
@@ -34,7 +33,7 @@ PHASES = ("slide", "stick", "reversal")
 _FINE = 100  # default steps per head-on contact time
 _FINEST = 1e8  # steps of a contact that are as many as anybody waits for
 _SLOWEST = 1e-30  # speed of an impact below which numbers run out
-_MOST = 10**8  # samples
+_STEPS_A_CALL = 10**6  # some 50 ms: signals are seen between calls
 _LONGEST = 1e5  # contact times after which a contact that goes on is an error
 
 
@@ -86,25 +85,6 @@ class Impact(NamedTuple):
     dt: float  # step; nan for the adaptive method
     steps: int  # force evaluations
     seconds: float  # run time, without compilation
-
-
-class Track(NamedTuple):
-    """Where one rod went."""
-
-    time: np.ndarray  # of each sample, in periods of the plate, or, where it rests, in sqrt(d/g)
-    samples: np.ndarray  # columns x, z [d], tilt [rad], c_x, c_z, omega
-    dt: float  # step, sqrt(d/g)
-    steps_per_period: int  # 0 where the plate rests
-    plate_work: float  # m g d, as what follows
-    normal_loss: float  # in dashpots
-    friction_loss: float  # at the plate
-    energy_change: float  # kinetic and potential, overlap of the plate included
-    seconds: float  # run time, without compilation
-
-    @property
-    def residual(self) -> float:
-        """Plate work less losses less the change of energy: zero to the scheme's order."""
-        return self.plate_work - self.normal_loss - self.friction_loss - self.energy_change
 
 
 def _checked_rod(rod: Rod) -> Rod:
@@ -212,19 +192,6 @@ def _scene(
     return Effects(
         *(rod.half_length, 1 / rod.gyration_squared, law.normal, friction, gravity, plate, upper)
     )
-
-
-def _energy(scene: Effects, sample: np.ndarray, step: int) -> float:
-    """Kinetic and potential energy per mass, with that of the overlaps."""
-    x, z, tilt, c_x, c_z, omega = sample
-    g_x, g_z = scene.gravity or (0.0, 0.0)
-    height = scene.plate.height[step % scene.plate.height.size] if scene.plate else 0.0
-    caps = np.array([-1, 1] if scene.upper else [-1])
-    tips = z + caps * scene.half_length * cos(tilt)
-    pressed = np.maximum(height + 0.5 - tips, 0.0)
-    stored = 0.4 * scene.normal.stiffness * (pressed**2.5).sum()
-    kinetic = (c_x**2 + c_z**2 + omega**2 / scene.lightness) / 2
-    return float(kinetic - g_x * x - g_z * z + stored)
 
 
 def _stopped_run(why: int, state: Any, n: int, dt: float, cap: str = "rod 0") -> None:
@@ -364,15 +331,16 @@ def _by_steps(
         int(min(_LONGEST * contact_time(law, speed) / dt, 1e9)),
     )
 
-    def go(steps: int) -> Any:
-        return integrators.run(scene, state, 0, steps, dt, watch, None, None, 1)
-
-    go(0)  # compiles
+    integrators.run(scene, state, 0, 0, dt, watch)  # compiles
     begin = perf_counter()
-    state, steps, why = go(most)
+    steps, why = 0, DONE
+    while why == DONE and steps < most:
+        part = min(most - steps, _STEPS_A_CALL)
+        now, made, why = integrators.run(scene, state, steps, part, dt, watch)
+        state, steps = State(*now), steps + made
     seconds = perf_counter() - begin
     _stopped_run(why, state, steps, dt)
-    if why == integrators.DONE:
+    if why == DONE:
         raise RunError(
             f"the contact has not ended after {steps * dt:g} sqrt(d/g)",
             (*state.position, *state.velocity),
@@ -416,86 +384,3 @@ def _to_the_digits(
         steps=done.evaluations,
         seconds=seconds,
     )
-
-
-def follow(
-    position: tuple[float, float, float],
-    velocity: tuple[float, float, float],
-    *,
-    friction: float,
-    duration: float,
-    rod: Rod = Rod(),  # noqa: B008  (immutable)
-    law: Law | None = None,
-    integrator: str = "leapfrog",
-    dt: float | None = None,
-    speed: float = 1.0,
-    vibration: Vibration | None = None,
-    gravity: tuple[float, float] | None = (0.0, -1.0),
-    every: int = 1,
-    ledger: bool = False,
-) -> Track:
-    """One rod over the plate for a long time: flights, impacts, rest.
-
-    Parameters
-    ----------
-    position : x, z, tilt at the start, clear of the plate or just touching it; any tilt
-    velocity : c_x, c_z, omega at the start
-    duration : whole periods of the plate, or, with the plate at rest, a time in sqrt(d/g)
-    speed : largest speed of an impact to expect, for the stable step, sqrt(g d)
-    every : steps from one sample to the next, the first at the start
-    ledger : whether to account for the energy
-    friction, rod, law, integrator, dt, vibration, gravity : as in `impact`; the phase of
-        `vibration` is that of the start, and dt is shortened to a whole part of the period
-
-    Raises
-    ------
-    ValueError
-        If an argument is out of its domain, or the step is not stable at `speed`.
-    RunError
-        If the state stops being finite, or a cap is deeper than d/2 in the plate.
-    """
-    rod, law = _checked_rod(rod), _checked_law(law)
-    position, velocity = _numbers("position", position, 3), _numbers("velocity", velocity, 3)
-    names = ("x", "z", "tilt", "c_x", "c_z", "omega")
-    start = [
-        number(name, value, -1e9, 1e9, "a number up to 1e9")
-        for name, value in zip(names, (*position, *velocity), strict=True)
-    ]
-    vibration, gravity = _checked_vibration(vibration), _checked_gravity(gravity)
-    if integrator not in METHODS:
-        raise ValueError(f"integrator must be one of {', '.join(METHODS)}, got {integrator!r}")
-    rubbing, light = friction_of(law, friction), 1 / rod.gyration_squared
-    arms = np.array([rod.half_length + 0.5, rod.half_length]) ** 2 * light
-    dt = _step(law, rubbing, positive("speed", speed), arms, dt, integrator, 2)
-    duration, every = positive("duration", duration), index(every)
-    if every < 1:
-        raise ValueError(f"every must be at least 1, got {every}")
-    per_period = 0
-    if vibration is not None:
-        per_period = _steps_per_period(vibration, dt)
-        dt = 1 / (vibration.frequency * per_period)
-    whole = round(duration * per_period) if per_period else int(np.ceil(duration / dt))
-    if whole / every > _MOST:
-        raise ValueError(
-            f"every must be at least {whole / _MOST:.0f} for {whole} steps, got {every}"
-        )
-    samples = np.empty((-(-whole // every) + 1, 6))
-    scene = _scene(rod, law, rubbing, gravity, _plate_table(vibration, dt))
-    account = np.zeros(3) if ledger else None
-
-    def go(steps: int) -> Any:
-        state = integrators.started(integrator, start[:3], start[3:], gravity, dt)
-        return integrators.run(scene, state, 0, steps, dt, None, account, samples, every)
-
-    go(0)  # compiles
-    begin = perf_counter()
-    last = (len(samples) - 1) * every
-    state, done, why = go(last + 1)
-    seconds = perf_counter() - begin
-    _stopped_run(why, state, done, dt)
-    losses = (np.nan,) * 4
-    if account is not None:
-        change = _energy(scene, samples[-1], last) - _energy(scene, samples[0], 0)
-        losses = (float(account[0]), float(account[1]), float(account[2]), change)
-    time = np.arange(len(samples)) * every * (1 / per_period if per_period else dt)
-    return Track(time, samples, dt, per_period, *losses, seconds)

@@ -19,12 +19,12 @@ from tqdm import tqdm
 from .cache import digest
 from .engine import Engine, prepare
 from .files import NotWritten, distinct, replacing, warn, writable
+from .interrupt import SIGNALS
 from .measures import Tables
 from .scene import Scene, as_dict, whole
 from .statistics import transient
 from .trajectory import Trajectory, check_continues, is_trajectory
 
-_CHUNK = 0.25  # seconds of a call of the kernel: how long Ctrl-C may wait
 _SAVED = 60.0  # seconds from one checkpoint to the next
 
 
@@ -145,16 +145,22 @@ def _result(
 
 @contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
-    """A function that says whether Ctrl-C was pressed; it is not raised in the middle of a step."""
-    pressed = threading.Event()
+    """A function that says whether Ctrl-C was pressed; it is not raised in the middle of a step.
+
+    So is every signal that is Ctrl-C to Python, as SIGTERM is to the command; a handler of
+    somebody's own is left to raise what it does.
+    """
+    pressed, usual = threading.Event(), signal.default_int_handler
+    taken = [n for n in SIGNALS if signal.getsignal(n) is usual]
     if threading.current_thread() is not threading.main_thread():
-        yield pressed.is_set
-        return
-    usual = signal.signal(signal.SIGINT, lambda *_: pressed.set())
+        taken = []
     try:
+        for number in taken:
+            signal.signal(number, lambda *_: pressed.set())
         yield pressed.is_set
     finally:
-        signal.signal(signal.SIGINT, usual)
+        for number in taken:
+            signal.signal(number, usual)
 
 
 def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
@@ -243,13 +249,13 @@ def _loop(
     bar: tqdm,
     pressed: Callable[[], bool],
 ) -> None:
-    """March to the step `goal` in calls of about `_CHUNK` seconds.
+    """March to the step `goal`, call by call of the kernel.
 
     `frame` is (steps between two frames, function that writes one) or None, `save` a function.
     """
-    chunk, saved = max(engine.per // 64, 1), perf_counter()
+    saved = perf_counter()
     while engine.step < goal and not pressed():
-        steps = min(chunk, goal - engine.step)
+        steps = min(engine.pace, goal - engine.step)
         if frame is not None:
             gap, write = frame
             if engine.step % gap == 0:
@@ -257,9 +263,7 @@ def _loop(
             steps = min(steps, gap - engine.step % gap)
         begin, first = perf_counter(), engine.step
         engine.go(steps, series)
-        seconds = perf_counter() - begin
-        began["seconds"] += seconds
-        chunk = int(np.clip(steps * _CHUNK / max(seconds, 1e-9), steps / 4 + 1, steps * 4))
+        began["seconds"] += perf_counter() - begin
         if engine.record is not None and engine.record.count[0]:
             rows = engine.record.rows[: engine.record.count[0]]
             tables.add(rows)

@@ -227,7 +227,7 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
 
 
 def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) -> None:
-    """Write rows to a file, beside it first.
+    """Write rows to a file, whole or not at all.
 
     Parameters
     ----------

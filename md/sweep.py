@@ -40,7 +40,7 @@ from .cache import digest
 from .dial import CALIBRATION, MAX_SECONDS, Tuned, checked, chosen_step, in_words, run
 from .engine import step_of
 from .one_rod import RunError
-from .scene import Scene, as_dict, from_tables, put, read_tables
+from .scene import Scene, as_dict, from_tables, put, read_tables, whole
 from .store import Store
 
 __all__ = ["Interrupted", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
@@ -322,7 +322,7 @@ def execute(
     sweep : Sweep
     store : path of the store; each result is written as it arrives
     workers : processes on this machine; -1: one for each core
-    scheduler : address of a Dask cluster that takes their place
+    scheduler : address of a Dask cluster, which has workers of its own
     retry : whether to run again what has failed before
     progress : whether to show a progress bar, on a terminal
 
@@ -330,13 +330,19 @@ def execute(
     ------
     StoreError
         If the store cannot be used.
+    ValueError, TypeError
+        If `workers` is no number of processes, or `scheduler` no cluster, or both are given.
     RunError
         If a worker dies again and again.
     Interrupted
         On Ctrl-C; what was finished is in the store.
     """
-    if workers == 0 or workers < -1:
-        raise ValueError(f"workers must be at least 1, or -1 for one a core, got {workers}")
+    if whole("workers", workers, -1, 10**4) == 0:
+        raise ValueError("workers must be at least 1, or -1 for one a core, got 0")
+    if scheduler is not None and not isinstance(scheduler, str):
+        raise TypeError(f"scheduler must be the address of a Dask cluster, got {scheduler!r}")
+    if scheduler is not None and workers != -1:
+        raise ValueError(f"workers has no meaning with scheduler, got {workers} and {scheduler!r}")
     points = {point.key: point for point in sweep.points}
     begin = perf_counter()
     with Store(store) as database:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import md
-from md import runner
 from md.__main__ import main
 from md.engine import prepare
 from md.space import crowd
@@ -74,7 +73,7 @@ def test_rods_bounce_and_keep_to_the_gap(whole):
 
 @pytest.mark.parametrize("seconds", [1e-4, 10.0])
 def test_how_a_run_is_cut_into_calls_does_not_matter(whole, monkeypatch, seconds):
-    monkeypatch.setattr(runner, "_CHUNK", seconds)
+    monkeypatch.setattr(md.engine, "CALL_SECONDS", seconds)
     assert bits(md.run(whole.scene, periods=6)) == bits(whole)
 
 

@@ -1,6 +1,7 @@
 """`python -m md impact`: what it prints, and what it says to nonsense."""
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import pytest
 
 import md
 from md.__main__ import main
+from md.contact import Normal, Spring
 
 GIVEN = {"tilt-deg": "20", "friction": "0.4", "restitution": "0.65", "c-x": "0.5", "c-z": "-1"}
 
@@ -94,10 +96,35 @@ def test_arguments_of_a_wrong_type_are_named():
         md.impact(0.1, 0.0, -1.0, friction=0.3, rod=5.0)
     with pytest.raises(TypeError, match="gravity must be 2 numbers, got -1"):
         md.impact(0.1, 0.0, -1.0, friction=0.3, gravity=-1)
-    with pytest.raises(TypeError, match="position must be 3 numbers"):
-        md.follow((0, 5), (0, 0, 0), friction=0.3, duration=1)
-    with pytest.raises(ValueError, match="every must be at least"):
-        md.follow((0, 9, 0), (0, 0, 0), friction=0.3, duration=1e9)
+
+
+@pytest.mark.parametrize(
+    ("normal", "spring", "message"),
+    [
+        ({"stiffness": -5e6}, None, "normal.stiffness must be > 0 and finite, got -"),
+        ({"stiffness": 0.0}, None, "normal.stiffness must be > 0 and finite, got 0"),
+        ({"stiffness": math.inf}, None, "normal.stiffness must be > 0 and finite, got inf"),
+        ({"stiffness": math.nan}, None, "normal.stiffness must be > 0 and finite, got nan"),
+        ({"stiffness": "5e6"}, None, "normal.stiffness must be a number, got '5e6'"),
+        ({"stiffness": 5e6, "quarter": -1.0}, None, "normal.quarter must be >= 0"),
+        ({"stiffness": 5e6, "constant": math.inf}, None, "normal.constant must be >= 0"),
+        ({"stiffness": 5e6, "plastic": False}, None, "normal.plastic must be True or None"),
+        ({"stiffness": 5e6}, {"root": 0.0}, "spring.root must be > 0 and finite"),
+        ({"stiffness": 5e6}, {"root": 1.0, "ratio": -1.0}, "spring.ratio must be >= 0"),
+        ({"stiffness": 5e6}, {"drag": 1.0}, "spring must have a stiffness"),
+    ],
+)
+def test_a_law_of_ones_own_is_checked(normal, spring, message):
+    with pytest.raises((ValueError, TypeError), match=message):
+        md.Law("mine", Normal(**normal), None if spring is None else Spring(**spring))
+
+
+def test_a_law_needs_its_parts():
+    with pytest.raises(TypeError, match="law must have a Normal, and a Spring or None"):
+        md.Law("mine", 5e6, None)
+    with pytest.raises(ValueError, match="restitution must be between 0 and 1"):
+        md.Law("mine", Normal(5e6), None, 1.5)
+    assert md.impact(0.1, 0.0, -1.0, friction=0.0, law=md.Law("mine", Normal(5e6), None)).c_z > 0
 
 
 def test_all_options_at_once(capsys):

@@ -12,15 +12,17 @@ import md
 from md import integrators, one_rod
 from md.laws import friction_of
 
+from .track import track
+
 ROD = md.Rod()
 GRAVITY = (0.0, -1.0)
 VIBRATION = md.Vibration(0.05, 1.0, 0.0)
 
 
-def scene_of(law=None, friction=0.0, gravity=None, vibration=None, rod=ROD):
+def scene_of(law=None, friction=0.0, gravity=None, vibration=None, rod=ROD, dt=1e-3):
     """By default nothing but Hertz's force."""
     law = law or md.coulomb(1.0)
-    plate = one_rod._plate_table(vibration, 1e-3)
+    plate = one_rod._plate_table(vibration, dt)
     return one_rod._scene(rod, law, friction_of(law, friction), gravity, plate)
 
 
@@ -41,7 +43,7 @@ def operations(text: str, pattern: str) -> int:
     return sum(int(width) if width else 1 for width in found)
 
 
-def compiled(method="leapfrog", watch=None, ledger=None, **scene) -> Code:
+def compiled(method="leapfrog", watch=None, **scene) -> Code:
     """The loop over steps for one scene, without the wrapper that Python calls.
 
     Compiled afresh: of code from the disk cache there is no text.
@@ -49,7 +51,7 @@ def compiled(method="leapfrog", watch=None, ledger=None, **scene) -> Code:
     loop = numba.njit(error_model="numpy")(integrators.run.py_func)
     made = scene_of(**scene)
     state = integrators.started(method, (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
-    loop(made, state, 0, 0, 1e-3, watch, ledger, None, 1)
+    loop(made, state, 0, 0, 1e-3, watch)
     text = loop.inspect_llvm(loop.signatures[0])
     body = next(
         part for part in re.split(r"\n(?=define )", text) if re.match(r"define .*@_ZN.*run", part)
@@ -121,20 +123,7 @@ def test_gravity_is_two_numbers(bare):
 
 
 def test_what_is_not_asked_for_is_not_recorded(bare):
-    assert compiled(ledger=np.zeros(3)).arguments > bare.arguments
     assert compiled(watch=np.zeros(integrators.WATCHED)).arguments > bare.arguments
-
-
-def test_nobody_hands_over_what_was_not_asked_for(monkeypatch):
-    given, run = [], integrators.run
-    monkeypatch.setattr(integrators, "run", lambda *all: (given.append(all), run(*all))[1])
-    md.follow((0, 9, 0), (0, 0, 0), friction=0.0, duration=0.01)
-    _, _, _, _, _, watch, ledger, _, _ = given[-1]
-    assert watch is ledger is None
-    md.impact(0.3, 0.5, -1.0, friction=0.0)
-    _, _, _, _, _, watch, ledger, samples, _ = given[-1]
-    assert watch.shape == (integrators.WATCHED,)
-    assert ledger is samples is None
 
 
 def test_gear_alone_carries_derivatives(bare):
@@ -149,22 +138,20 @@ def test_absent_effects_have_no_memory():
     assert scene_of(rod=md.Rod(1.0)).upper is None
     plate = scene_of(vibration=VIBRATION).plate
     assert plate.height.size == plate.velocity.size == 1000
-    track = md.follow((0, 9, 0), (0, 0, 0), friction=0.0, duration=0.01, gravity=None)
-    assert np.isnan(track[4:8]).all()  # no ledger
 
 
-def track(**how):
+def thrown(method="leapfrog", law=None, friction=0.3, **how):
     """Every step of a rod that is thrown at the plate."""
-    options = {"friction": 0.3, "duration": 0.05, "gravity": None, "dt": 1e-5, **how}
-    start = (0.0, ROD.half_length * cos(0.3) + 0.5 + 1e-3, 0.3), (0.5, -1.0, 0.1)
-    return md.follow(*start, **options).samples
+    scene = scene_of(law or md.coulomb(), friction, dt=1e-5, **how)
+    start = 0.0, ROD.half_length * cos(0.3) + 0.5 + 1e-3, 0.3, 0.5, -1.0, 0.1
+    return track(scene, start, 1e-5, 5000, method=method)
 
 
 @pytest.mark.parametrize(
     ("absent", "naught"),
     [
         ({"gravity": None}, {"gravity": (0.0, 0.0)}),
-        ({"vibration": None}, {"vibration": md.Vibration(0.0, 20.0, 0.0), "duration": 1}),
+        ({"vibration": None}, {"vibration": md.Vibration(0.0, 20.0, 0.0)}),
         ({"friction": 0.0}, {"friction": 1e-300}),
         ({"law": md.coulomb(1.0)}, {"law": md.coulomb(1 - 1e-16)}),
         (
@@ -176,7 +163,7 @@ def track(**how):
 )
 def test_what_is_absent_does_as_what_is_naught(absent, naught):
     """All other forces are the same; a product with zero, and no more, is left out."""
-    without, with_naught = track(**absent), track(**naught)
+    without, with_naught = thrown(**absent), thrown(**naught)
     np.testing.assert_allclose(without, with_naught, rtol=0, atol=1e-13)
     assert without[-1, 4] > 0  # it has met the plate
 
@@ -185,7 +172,7 @@ def test_what_is_absent_does_as_what_is_naught(absent, naught):
 @pytest.mark.parametrize("integrator", integrators.METHODS)
 def test_no_friction_no_tangential_impulse(integrator, law):
     """Not a bit of c_x changes; Gear's method multiplies and divides it by dt in every step."""
-    samples = track(friction=0.0, law=law, integrator=integrator)
+    samples = thrown(integrator, law, friction=0.0)
     rounding = 5000 * 2**-53 if integrator == "gear" else 0.0
     assert np.abs(samples[:, 3] - 0.5).max() <= rounding
     assert samples[-1, 4] > 0

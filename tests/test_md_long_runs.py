@@ -9,7 +9,11 @@ import pytest
 import md
 from md import integrators, one_rod
 from md.contact import plate_at
+from md.engine import prepare
+from md.integrators import State
 from md.laws import contact_time, friction_of
+
+from .track import track
 
 ROD = md.Rod()
 LAWS = {
@@ -19,7 +23,14 @@ LAWS = {
     "appendix_a": md.appendix_a(),
 }
 CONTACT = contact_time(md.coulomb(), 1.0)
-FLAT = (0.0, 0.5, pi / 2), (0.0, 0.0, 0.0)  # just touching, at rest
+FLAT = 0.0, 0.5, pi / 2, 0.0, 0.0, 0.0  # just touching, at rest
+
+
+def effects(law=None, friction=0.0, vibration=None, dt=None):
+    """What acts on a rod with weight."""
+    law = law or md.coulomb()
+    plate = one_rod._plate_table(vibration, dt)
+    return one_rod._scene(ROD, law, friction_of(law, friction), (0.0, -1.0), plate)
 
 
 # M11: phase after a million periods
@@ -46,13 +57,11 @@ def test_m11_a_run_a_million_periods_later_is_the_same():
     """The same rod let go at step 0 and at step 1e6 periods: bit for bit."""
     vibration, law = md.Vibration(0.05, 0.5, 0.0), md.coulomb()
     dt = 1 / (0.5 * 20_000)
-    plate = one_rod._plate_table(vibration, dt)
-    rubbing = friction_of(law, 0.3)
-    scene = one_rod._scene(ROD, law, rubbing, (0.0, -1.0), plate)
+    scene = effects(law, 0.3, vibration, dt)
     state = integrators.started("leapfrog", (0, 4.9, 0.2), (0.3, 0, 0), (0, -1), dt)
     ends = [
-        integrators.run(scene, state, first, 60_000, dt, None, None, None, 1)[0]
-        for first in (0, 10**6 * plate.height.size)
+        State(*integrators.run(scene, state, first, 60_000, dt, None)[0])
+        for first in (0, 10**6 * scene.plate.height.size)
     ]
     assert ends[0] == ends[1]
     assert ends[0].velocity[0] != 0.3  # it met the plate
@@ -61,20 +70,26 @@ def test_m11_a_run_a_million_periods_later_is_the_same():
 # M15: energy and momentum
 
 
-def residual(law, integrator, steps, part, friction, contacts):
+def residual(law, steps, part, friction, contacts):
     """Of one impact at a tilt of 20 degrees, whose touch falls on some part of a step."""
-    dt = CONTACT / steps
-    return md.follow(
-        *((0.0, ROD.half_length * cos(0.35) + 0.5 + part * dt, 0.35), (0.5, -1.0, 0.0)),
-        **{"friction": friction, "law": law, "integrator": integrator, "dt": dt, "gravity": None},
-        **{"duration": contacts * CONTACT, "ledger": True},
-    ).residual
+    scene = md.Scene(
+        plate=md.Plate(),
+        contacts=md.Contacts(plate=md.Contact(law, friction)),
+        start=md.Start(tilt_deg=20, speed=0),
+        step=md.Step(CONTACT / steps),
+    )
+    engine = prepare(scene)
+    engine.rods[0, 1] += part * engine.dt
+    engine.rods[0, 4:6] = 0.5, -1.0
+    before = engine.energy()
+    engine.go(round(contacts * CONTACT / engine.dt))
+    work, *losses = engine.ledger
+    return work - sum(losses) - (engine.energy() - before)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("integrator", ["leapfrog", "verlet"])
 @pytest.mark.parametrize("law", LAWS)
-def test_m15_energy_ledger_closes_to_second_order(law, integrator, friction):
+def test_m15_energy_ledger_closes_to_second_order(law, friction):
     """Against the energy before, (1 + 0.5^2)/2, at the worst of 16 places of the touch.
 
     After the contact and in the midst of it, where the overlap holds energy.
@@ -82,10 +97,7 @@ def test_m15_energy_ledger_closes_to_second_order(law, integrator, friction):
     number = 200 * 2 ** np.arange(5)
     for contacts in (0.4, 2.0):
         worst = [
-            max(
-                abs(residual(LAWS[law], integrator, n, part / 16, friction, contacts))
-                for part in range(16)
-            )
+            max(abs(residual(LAWS[law], n, part / 16, friction, contacts)) for part in range(16))
             for n in number
         ]
         assert worst[-1] < 1e-6
@@ -94,29 +106,28 @@ def test_m15_energy_ledger_closes_to_second_order(law, integrator, friction):
 
 def test_m15_ledger_over_many_impacts_on_a_vibrating_plate():
     """What the plate put in is what was lost and what the rod has more, to 1e-4 of it."""
-    track = md.follow(
-        *((0.0, 1.2, pi / 2 - 0.05), (0.2, 0.0, 0.0)),
-        **{"friction": 0.3, "duration": 20, "vibration": md.Vibration(0.03, 1.0, 0.0)},
-        **{"dt": 1e-5, "ledger": True, "integrator": "verlet", "every": 1000},
+    scene = md.load(
+        "single_rod",
+        ["plate.acceleration=2", "plate.frequency_hz=40", "start.tilt_deg=60", "step.size=1e-5"],
     )
-    assert track.plate_work > 0.1
-    assert track.normal_loss > 0
-    assert track.friction_loss > 0
-    assert abs(track.residual) < 1e-4 * track.plate_work
+    energy = md.run(scene, periods=20).energy
+    assert energy["plate_work"] > 0.1
+    assert energy["plate_normal"] > 0
+    assert energy["plate_friction"] > 0
+    assert abs(energy["residual"]) < 1e-4 * energy["plate_work"]
 
 
 @pytest.mark.parametrize("integrator", integrators.METHODS)
 def test_m15_horizontal_momentum_where_nothing_acts(integrator):
     """Without friction no bit of it changes, however many impacts there are."""
-    track = md.follow(
-        *((0.0, 5.0, 0.1), (0.3, 0.0, 0.0)),
-        **{"friction": 0.0, "duration": 20, "vibration": md.Vibration(0.05, 0.5, 0.0)},
-        **{"integrator": integrator, "every": 1000},
-    )
-    assert np.abs(track.samples[:, 5]).max() > 0.1  # it was hit
-    assert np.abs(track.samples[:, 3] - 0.3).max() <= 1e-12
-    flown = 0.3 * track.time[-1] / 0.5
-    assert track.samples[-1, 0] == pytest.approx(flown, rel=1e-10)  # the sum of a million parts
+    dt, steps = 4e-5, 1_000_000
+    scene = effects(vibration=md.Vibration(0.05, 0.5, 0.0), dt=dt)
+    start = 0.0, 5.0, 0.1, 0.3, 0.0, 0.0
+    samples = track(scene, start, dt, steps, every=1000, method=integrator)
+    assert np.abs(samples[:, 5]).max() > 0.1  # it was hit
+    assert np.abs(samples[:, 3] - 0.3).max() <= 1e-12
+    flown = samples[-1, 0] - samples[0, 0]
+    assert flown == pytest.approx(0.3 * dt * steps, rel=1e-10)  # the sum of a million parts
 
 
 # M16: a state that is no longer one
@@ -124,9 +135,9 @@ def test_m15_horizontal_momentum_where_nothing_acts(integrator):
 
 def test_m16_too_deep_stops_with_the_last_good_state():
     """A rod at 900 sqrt(g d) comes 0.53 d deep, and is stopped before it is."""
-    how = {"friction": 0.3, "duration": 1.0, "dt": 1e-6, "law": md.coulomb(1.0)}
+    start = 0.0, 5.0, 0.0, 0.0, -900.0, 0.0
     with pytest.raises(md.RunError, match="sinks deeper than d/2 into the plate") as error:
-        md.follow((0.0, 5.0, 0.0), (0.0, -900.0, 0.0), **how)
+        track(effects(md.coulomb(1.0), 0.3), start, 1e-6, 10**6, every=100)
     _, z, tilt, c_x, c_z, _ = error.value.state
     assert abs(z - ROD.half_length * cos(tilt)) < 1000 * 1e-6  # the limit, to the way of a step
     assert -900 < c_z < 0
@@ -137,26 +148,25 @@ def test_m16_too_deep_stops_with_the_last_good_state():
 @pytest.mark.parametrize("integrator", integrators.METHODS)
 def test_m16_not_finite_stops_at_once(integrator, bad):
     """In the step in which it appears, with the state that it found."""
-    scene = one_rod._scene(ROD, md.coulomb(), None, (0.0, -1.0), None)
+    scene = effects()
     state = integrators.started(integrator, (0, 9, 0), (0, 0, 0), (0, -1), 1e-4)
-    state, steps, why = integrators.run(scene, state, 0, 10, 1e-4, None, None, None, 1)
+    now, steps, why = integrators.run(scene, state, 0, 10, 1e-4, None)
     assert (steps, why) == (10, integrators.DONE)
+    state = State(*now)
     sick = state._replace(velocity=(bad, 0.0, 0.0))
-    after, steps, why = integrators.run(scene, sick, 10, 1000, 1e-4, None, None, None, 1)
+    after, steps, why = integrators.run(scene, sick, 10, 1000, 1e-4, None)
     assert (steps, why) == (0, integrators.NOT_FINITE)
     with pytest.raises(md.RunError, match="not finite") as error:
-        one_rod._stopped_run(why, after, steps, 1e-4)
+        one_rod._stopped_run(why, State(*after), steps, 1e-4)
     assert error.value.state[:3] == state.position
 
 
 @pytest.mark.parametrize("bad", [nan, inf, -inf])
-@pytest.mark.parametrize("place", range(6))
-def test_m16_no_run_starts_from_nonsense(place, bad):
-    start = [0.0, 5.0, 0.1, 0.0, 0.0, 0.0]
-    start[place] = bad
-    name = ("x", "z", "tilt", "c_x", "c_z", "omega")[place]
-    with pytest.raises(ValueError, match=f"^{name} must be a number"):
-        md.follow(start[:3], start[3:], friction=0.3, duration=1.0)
+@pytest.mark.parametrize("name", ["tilt", "c_x", "c_z", "omega"])
+def test_m16_no_impact_starts_from_nonsense(name, bad):
+    start = {"tilt": 0.1, "c_x": 0.0, "c_z": -1.0, "omega": 0.0}
+    with pytest.raises(ValueError, match=f"^{name} must be (a number|between)"):
+        md.impact(**{**start, name: bad}, friction=0.3)
 
 
 # A contact that lasts
@@ -169,27 +179,29 @@ def test_a_rod_rests_on_a_vibrating_plate_below_its_gravity(law):
     F_n = 1 + 0.5 sin up to the rod's own oscillation on the contact, a thousand times faster.
     """
     vibration = md.Vibration(0.5 / (2 * pi) ** 2, 1.0, 0.0)
-    track = md.follow(
-        *((0.0, 0.5, pi / 2), (0.0, 2 * pi * vibration.amplitude, 0.0)),
-        **{"friction": 0.3, "law": LAWS[law], "duration": 100, "vibration": vibration},
-        **{"speed": 0.1, "every": 7, "dt": 6e-5},
-    )
-    late = track.time > 10
-    plate = vibration.amplitude * np.sin(2 * pi * track.time[late])
-    overlap = 0.5 + plate - track.samples[late, 1]
+    dt, every = 1 / 17_000, 77
+    start = 0.0, 0.5, pi / 2, 0.0, 2 * pi * vibration.amplitude, 0.0
+    scene = effects(LAWS[law], 0.3, vibration, dt)
+    samples = track(scene, start, dt, 1_700_000, every=every)
+    time = every * dt * np.arange(len(samples))
+    late = time > 10
+    plate = vibration.amplitude * np.sin(2 * pi * time[late])
+    overlap = 0.5 + plate - samples[late, 1]
     load = 2 * LAWS[law].normal.stiffness * np.maximum(overlap, 0) ** 1.5
     assert overlap.min() > 0
-    assert load == pytest.approx(1 - 0.5 * np.sin(2 * pi * track.time[late]), abs=0.02)
-    assert np.ptp(track.samples[late, 0]) < 1e-10
+    assert load == pytest.approx(1 - 0.5 * np.sin(2 * pi * time[late]), abs=0.02)
+    assert np.ptp(samples[late, 0]) < 1e-10
 
 
 def test_a_rod_leaves_a_plate_above_its_gravity():
     """Gamma = 1.5: there is a flight in every period."""
     vibration = md.Vibration(1.5 / (2 * pi) ** 2, 1.0, 0.0)
-    track = md.follow(*FLAT, friction=0.3, duration=20, vibration=vibration, speed=0.5, every=7)
-    gap = track.samples[:, 1] - 0.5 - vibration.amplitude * np.sin(2 * pi * track.time)
+    scene = effects(md.coulomb(), 0.3, vibration, 1e-4)
+    samples = track(scene, FLAT, 1e-4, 200_000, every=100)
+    time = 1e-2 * np.arange(len(samples))
+    gap = samples[:, 1] - 0.5 - vibration.amplitude * np.sin(2 * pi * time)
     for period in range(1, 20):
-        assert gap[(track.time >= period) & (track.time < period + 1)].max() > 1e-3
+        assert gap[(time >= period) & (time < period + 1)].max() > 1e-3
 
 
 def test_a_contact_without_an_end_is_an_error_that_says_so():

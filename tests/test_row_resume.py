@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import md
-from md import runner
 from md.__main__ import main
 from md.trajectory import read_frames
 
@@ -53,7 +52,7 @@ def test_the_same_seed_gives_the_same_bits(whole):
 @pytest.mark.parametrize("seconds", [1e-4, 10.0])
 def test_how_a_run_is_cut_into_calls_does_not_matter(whole, monkeypatch, seconds):
     """Landings included; the calls' lengths follow the clock, which no two runs share."""
-    monkeypatch.setattr(runner, "_CHUNK", seconds)
+    monkeypatch.setattr(md.engine, "CALL_SECONDS", seconds)
     rows = []
     result = md.run(row(*SCENE), periods=PERIODS, observe=rows.append)
     assert bits(result) == whole[0]
@@ -63,7 +62,7 @@ def test_how_a_run_is_cut_into_calls_does_not_matter(whole, monkeypatch, seconds
 @pytest.fixture
 def impatient(monkeypatch):
     """Short calls of the kernel, so that a run can be stopped many times."""
-    monkeypatch.setattr(runner, "_CHUNK", 1e-4)
+    monkeypatch.setattr(md.engine, "CALL_SECONDS", 1e-4)
 
 
 def interrupted(path, **options):
@@ -233,8 +232,12 @@ def command(path, *options):
     ]
 
 
-def test_ctrl_c_at_the_prompt(tmp_path):
-    """Exit code 130, a result of what was done, and a checkpoint from which the run goes on."""
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_at_the_prompt(tmp_path, number):
+    """Exit code 130, a result of what was done, and a checkpoint from which the run goes on.
+
+    SIGTERM is the same.
+    """
     path = tmp_path / "row.npz"
     long = subprocess.Popen(
         command(path, "--periods", "100000", "--trajectory", str(tmp_path / "row.xyz")),
@@ -247,7 +250,7 @@ def test_ctrl_c_at_the_prompt(tmp_path):
     while not (trajectory.exists() and trajectory.stat().st_size > 0):  # it has begun
         assert long.poll() is None, long.stderr.read()
         time.sleep(0.05)
-    long.send_signal(signal.SIGINT)
+    long.send_signal(number)
     out, err = long.communicate(timeout=60)
     assert (long.returncode, err) == (130, "")
     found = json.loads(out)
@@ -293,6 +296,7 @@ def test_killed_while_it_saves(whole, tmp_path):
     assert path.read_bytes() == old
     assert len(list(tmp_path.iterdir())) == 2  # and what was half written
     assert bits(md.run(row(*SCENE), periods=PERIODS, checkpoint=path)) == whole[0]
+    assert list(tmp_path.iterdir()) == [path]  # the next checkpoint was written over that
 
 
 # Trajectories

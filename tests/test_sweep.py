@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import psutil
@@ -19,6 +20,7 @@ from md.scene import read_tables
 from md.store import Store
 from md.sweep import execute, expand, load_sweep
 
+ROOT = Path(__file__).parents[1]
 BASE = {  # one rod, coarse and short: a run takes a few milliseconds
     "rods": {"length": 3.0},
     "plate": {"acceleration": 2.0},
@@ -229,6 +231,23 @@ def test_a_worker_that_always_dies_is_an_error(tmp_path, monkeypatch):
         execute(axes(), tmp_path / "a.db")
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"workers": None}, "workers must be a whole number, got None"),
+        ({"workers": 1.5}, "workers must be a whole number, got 1.5"),
+        ({"workers": -2}, "workers must be between -1 and"),
+        ({"workers": 0}, "workers must be at least 1"),
+        ({"scheduler": "nope"}, "scheduler must be the address of a Dask cluster, got 'nope'"),
+        ({"scheduler": 8786}, "scheduler must be the address of a Dask cluster, got 8786"),
+        ({"scheduler": "tcp://localhost:1", "workers": 2}, "workers has no meaning with scheduler"),
+    ],
+)
+def test_bad_workers_are_named(tmp_path, options, message):
+    with pytest.raises((ValueError, TypeError), match=message):
+        execute(axes(), tmp_path / "a.db", **options)
+
+
 # The command
 
 
@@ -240,7 +259,9 @@ def killed(folder, how, seconds):
     """Start the sweep, end it after a while; its exit code and the rows in the store."""
     command = sweep_command(folder, "--store", str(folder / "a.db"), "--workers", "2")
     process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+        command,
+        **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True},
+        **{"cwd": folder, "env": {**os.environ, "PYTHONPATH": str(ROOT)}},
     )
     time.sleep(seconds)
     os.killpg(process.pid, how) if how == signal.SIGKILL else process.send_signal(how)
@@ -258,12 +279,12 @@ LONG = SWEEP.replace("periods = 20", "periods = 400").replace(
 )
 
 
-def many_kills(folder, kills, seconds):
+def many_kills(folder, kills, seconds, hows=(signal.SIGKILL,)):
     (folder / "base.toml").write_text(SCENE)
     (folder / "sweep.toml").write_text(LONG)
     before = 0
-    for _ in range(kills):
-        _, rows, _ = killed(folder, signal.SIGKILL, seconds())
+    for kill in range(kills):
+        _, rows, _ = killed(folder, hows[kill % len(hows)], seconds())
         assert rows >= before
         before = rows
     sweep = load_sweep(folder / "sweep.toml")
@@ -278,18 +299,23 @@ def test_kill_9_loses_nothing(tmp_path):
 
 
 @pytest.mark.slow
-def test_ten_random_kills_lose_nothing(tmp_path):
+def test_twenty_random_kills_lose_nothing(tmp_path):
     random = np.random.default_rng(7)
-    many_kills(tmp_path, 10, lambda: random.uniform(0.2, 4.0))
+    hows = signal.SIGKILL, signal.SIGTERM, signal.SIGINT
+    many_kills(tmp_path, 20, lambda: random.uniform(0.2, 4.0), hows)
 
 
-def test_ctrl_c_ends_in_order(tmp_path):
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_ends_in_order(tmp_path, how):
+    """And so does SIGTERM: one line, and no worker is left."""
     (tmp_path / "base.toml").write_text(SCENE)
     (tmp_path / "sweep.toml").write_text(LONG.replace("400", "4000"))
-    code, _, error = killed(tmp_path, signal.SIGINT, 3.0)
+    code, _, error = killed(tmp_path, how, 3.0)
     assert code == 130
     assert "runs done and stored" in error
     assert "Traceback" not in error
+    mine = [p for p in psutil.process_iter(["cwd"]) if p.info["cwd"] == str(tmp_path)]
+    assert not psutil.wait_procs(mine, timeout=10)[1]
 
 
 def test_the_command_and_its_table(sweep_file, tmp_path, capsys):
@@ -332,6 +358,7 @@ def test_bad_stores_and_schedulers_cost_one_line(sweep_file, tmp_path, capsys):
         [str(tmp_path / "nowhere" / "a.db")],
         [str(tmp_path / "a.db"), "--workers", "0"],
         [str(tmp_path / "b.db"), "--scheduler", "nonsense"],
+        [str(tmp_path / "b.db"), "--scheduler", "tcp://localhost:1", "--workers", "2"],
     ):
         assert main([*command, *more]) == 2
         assert capsys.readouterr().err.count("\n") == 1

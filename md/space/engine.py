@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..contact import Friction, Motion
-from ..engine import SAMPLES, plate_motion, step_of
-from ..integrators import DEEP, DONE, NOT_FINITE, TOO_DEEP
+from ..engine import SAMPLES, Marching, plate_motion, step_of
+from ..integrators import DEEP, NOT_FINITE, TOO_DEEP
 from ..laws import friction_of
 from ..one_rod import Rod, RunError
 from ..row import PAIR_TOO_DEEP, TOO_FAST, Between
@@ -56,7 +56,7 @@ def space_of(scene: Scene, per: int) -> Space:
 
 
 @dataclass
-class Ring:
+class Ring(Marching):
     """A scene in an annulus under way; as `md.engine.Engine`."""
 
     scene: Scene
@@ -78,22 +78,12 @@ class Ring:
         """One period of the plate; None at rest."""
         return self.world.plate
 
-    def go(self, steps: int, samples: crowd.Samples | None = None) -> int:
-        """Up to `steps` steps; steps made.
-
-        Raises
-        ------
-        RunError
-            If the state stops being finite or a contact is deeper than d/2.
-        """
-        done, why, where = crowd.march(
+    def _march(self, steps: int, samples: crowd.Samples | None) -> tuple[int, int, int]:
+        """One call of the kernel: steps made, why it ended, where."""
+        return crowd.march(
             *(self.world, self.rods, self.before, self.springs, self.pair_springs, self.pairs),
             *(SKIN, self.total, samples, self.step, steps, self.dt),
         )
-        self.step += done
-        if why != DONE:
-            self._stop(why, where)
-        return done
 
     def _stop(self, why: int, where: int) -> None:
         """Raise what ended the run before its time."""

@@ -1,0 +1,421 @@
+"""Signals: none comes in the midst of compiled code, a compilation or a file that is written."""
+
+import inspect
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+from numba.extending import overload
+
+import derivations.__main__
+import figures.__main__
+import impact.__main__
+import md.__main__
+from derivations import codegen
+from impact import _interrupt, _jit, bouncing, compiled, falling
+from md import cache, integrators, interrupt
+from md.engine import prepare
+from md.files import replacing
+from md.store import write_csv
+
+from .rows import row
+
+ROOT = Path(__file__).parents[1]
+COMMANDS = {"md": md, "figures": figures, "impact": impact, "derivations": derivations}
+
+
+class RungError(Exception):
+    """What the handler raises."""
+
+
+@pytest.fixture
+def alarm():
+    """A handler that raises; a function that lets it run after a while."""
+
+    def ring(*_):
+        raise RungError
+
+    usual = signal.signal(signal.SIGALRM, ring)
+    yield lambda seconds: signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    signal.signal(signal.SIGALRM, usual)
+
+
+@pytest.fixture
+def handlers():
+    """Whatever is done to them is undone; none of them ends the tests."""
+    usual = {n: signal.getsignal(n) for n in interrupt.SIGNALS}
+    signal.signal(signal.SIGTERM, lambda *_: pytest.fail("SIGTERM"))
+    yield
+    for number, handler in usual.items():
+        signal.signal(number, handler)
+
+
+# Signals that wait
+
+
+def test_both_packages_do_the_same():
+    """Neither imports the other."""
+    assert inspect.getsource(_interrupt.deferred) == inspect.getsource(interrupt.deferred)
+
+
+@pytest.mark.usefixtures("alarm")
+def test_a_handler_runs_at_the_end_of_the_outermost():
+    done = []
+
+    @interrupt.deferred()
+    def inner():
+        signal.raise_signal(signal.SIGALRM)
+        done.append("inner")
+
+    @interrupt.deferred()
+    def outer():
+        inner()
+        done.append("outer")
+
+    with pytest.raises(RungError):
+        outer()
+    assert done == ["inner", "outer"]
+    with pytest.raises(RungError):
+        signal.raise_signal(signal.SIGALRM)  # it is in its place again
+
+
+def test_one_that_raises_keeps_no_other_from_running(handlers):
+    ran = []
+
+    def handle(number, _):
+        ran.append(number)
+        raise RungError
+
+    @interrupt.deferred()
+    def work():
+        for number in interrupt.SIGNALS:
+            signal.raise_signal(number)
+
+    for number in interrupt.SIGNALS:
+        signal.signal(number, handle)
+    with pytest.raises(RungError):
+        work()
+    assert sorted(ran) == sorted(interrupt.SIGNALS)
+
+
+def test_what_python_does_not_handle_is_left_alone(handlers):
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with interrupt.deferred():
+        assert signal.getsignal(signal.SIGINT) == signal.SIG_IGN
+        signal.raise_signal(signal.SIGINT)
+
+
+def test_other_threads_have_no_signals():
+    """Where Python would refuse a handler."""
+    done = []
+
+    def work():
+        with interrupt.deferred():
+            done.append(True)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert done
+
+
+@pytest.mark.usefixtures("alarm")
+@pytest.mark.parametrize("kernel", [cache.kernel, _jit.kernel], ids=["md", "impact"])
+def test_a_compilation_ends_before_a_handler_runs(kernel, monkeypatch, tmp_path):
+    """The innermost of two is where the signal comes, and both are compiled."""
+    monkeypatch.setattr(cache, "directory", lambda: tmp_path)
+
+    def one():
+        return 1.0
+
+    @overload(one)
+    def _typed():
+        signal.raise_signal(signal.SIGALRM)
+        return lambda: 1.0
+
+    @kernel
+    def inner(x):
+        return x + one()
+
+    @kernel
+    def outer(x):
+        return 2 * inner(x)
+
+    with pytest.raises(RungError):
+        outer(1.0)
+    assert outer.signatures
+    assert inner.signatures
+    assert outer(1.0) == 4.0
+
+
+# Calls that return to Python
+
+
+def test_no_kernel_builds_its_result_by_calling_python():
+    """As Numba does for a named tuple, and dies if a handler raises there."""
+    scene = md.one_rod._scene(md.Rod(), md.coulomb(), None, None, None)
+    state = integrators.started("leapfrog", (0, 9, 0), (0, 0, 0), None, 1e-4)
+    assert type(integrators.run(scene, state, 0, 1, 1e-4, None)[0]) is tuple
+
+
+HELD = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65}
+FREE = {"length": 30.0, "diameter": 3.0, "gamma": 0.5, "friction": 0.3, "restitution": 0.5}
+
+
+def resting(n):
+    """An upright rod that leaves the plate, or one that never does."""
+    md.impact(0.0, 0.0, -1.0 if n == 1 else -1e-3, friction=0.3, gravity=(0.0, -1.0))
+
+
+def bouncing_long(n):
+    bouncing.bounce(impact.thin_rod(0.3), **HELD, landings=1, rods=1, transient=n)
+
+
+def lying_long(n):
+    falling.fall(0.0, **FREE, periods=n, shortest_flight=1e-5)
+
+
+def marching(n):
+    prepare(row(), landings=False).go(n)
+
+
+@pytest.mark.parametrize("last", [resting, bouncing_long, lying_long, marching])
+def test_what_lasts_for_hours_can_be_stopped(last, alarm):
+    last(1)  # compiles
+    alarm(0.1)
+    with pytest.raises(RungError):
+        last(10**12)
+
+
+def test_a_long_contact_is_made_in_calls(monkeypatch):
+    """With the numbers of one call."""
+    given, calls, run = {"friction": 0.4, "dt": 1e-5}, [], integrators.run
+    whole = md.impact(0.3, 0.5, -1.0, **given)
+    monkeypatch.setattr(integrators, "run", lambda *all: (calls.append(all[3]), run(*all))[1])
+    monkeypatch.setattr(md.one_rod, "_STEPS_A_CALL", 100)
+    assert md.impact(0.3, 0.5, -1.0, **given)[:-1] == whole[:-1]
+    assert calls == [0, *[100] * (whole.steps // 100 + 1)]
+
+
+def test_a_march_is_made_in_calls_that_grow(monkeypatch):
+    """Each up to four times as long, but none beyond its time."""
+    calls, engine = [], prepare(row("start.drop=0.1"))
+    march = engine._march
+    monkeypatch.setattr(engine, "_march", lambda n, series: (calls.append(n), march(n, series))[1])
+    monkeypatch.setattr(md.engine, "CALL_SECONDS", 1e9)
+    for _ in range(6):
+        engine.go(engine.pace)
+    assert calls == [4**i for i in range(6)]
+    monkeypatch.setattr(md.engine, "CALL_SECONDS", 0.0)
+    calls.clear()
+    engine.go(5000)
+    assert calls[1:] == [1] * (5000 - calls[0])
+
+
+def test_parts_give_the_bits_of_the_whole(monkeypatch):
+    """Landings, transient ones included, and impacts, those included that are left to NumPy."""
+
+    def found():
+        held = bouncing.record(impact.thin_rod(0.3), **HELD, landings=60, transient=25)
+        columns = impact.__main__.random_impacts(50)
+        columns[8][::7] = np.nan
+        hit = impact.__main__._collider(compiled.collide, columns, "newton")()
+        return [array.tobytes() for array in (*held, *hit)]
+
+    whole = found()
+    monkeypatch.setattr(bouncing, "_LANDINGS_A_CALL", 10)
+    monkeypatch.setattr(compiled, "_IMPACTS_A_CALL", 9)
+    assert found() == whole
+
+
+# SIGTERM is Ctrl-C
+
+
+LEAVES = {
+    "md": md.__main__.leave,
+    "figures": partial(impact._command.leave, "python -m figures"),
+    "impact": partial(impact._command.leave, "python -m impact"),
+    "derivations": derivations.__main__.leave,
+}
+
+
+def left(name, main):
+    """Exit code of a program whose main function this is."""
+    with pytest.raises(SystemExit) as end:
+        LEAVES[name](main)
+    return end.value.code
+
+
+BODIES = {
+    "md": ("_impact", ["impact", "--tilt-deg", "1", "--c-x", "0", "--c-z", "-1"]),
+    "figures": ("_list", ["list"]),
+    "impact": ("_benchmark", ["benchmark"]),
+    "derivations": ("_check", ["check"]),
+}
+
+
+@pytest.mark.usefixtures("handlers")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("name", COMMANDS)
+def test_commands_end_with_130_and_one_line(name, number, monkeypatch, capsys):
+    module, (body, argv) = COMMANDS[name].__main__, BODIES[name]
+    monkeypatch.setattr(module, body, lambda _: signal.raise_signal(number))
+    assert left(name, lambda: module.main(argv)) == 130
+    printed = capsys.readouterr()
+    assert printed.err.startswith(f"python -m {name} {argv[0]}: interrupted")
+    assert printed.err.count("\n") == 1
+
+
+@pytest.mark.usefixtures("handlers")
+@pytest.mark.parametrize("name", COMMANDS)
+def test_standard_output_that_is_closed_costs_one_line(name, monkeypatch, capsys):
+    """Python has none then; nothing is begun that could not be told."""
+    monkeypatch.setattr(sys, "stdout", None)
+    assert left(name, pytest.fail) == 2
+    assert capsys.readouterr().err == f"python -m {name}: cannot write: standard output is closed\n"
+
+
+@pytest.mark.usefixtures("handlers")
+def test_a_run_that_is_terminated_saves_a_checkpoint(tmp_path):
+    """Where the signal is Ctrl-C to Python, as under the commands."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    path = tmp_path / "row.npz"
+    result = md.run(
+        row("step.size=3e-4", "plate.acceleration=5"),
+        **{"periods": 100_000, "checkpoint": path},
+        observe=lambda _: signal.raise_signal(signal.SIGTERM),
+    )
+    assert not result.finished
+    assert [file.name for file in tmp_path.iterdir()] == ["row.npz"]
+
+
+def test_a_handler_of_ones_own_ends_a_run(tmp_path, alarm):
+    """And leaves no half-written file."""
+    alarm(0.3)
+    with pytest.raises(RungError):
+        md.run(row(), periods=10**6, checkpoint=tmp_path / "row.npz")
+    assert not list(tmp_path.iterdir())
+
+
+# Files
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
+def test_a_file_that_is_not_finished_is_not_there(tmp_path, error):
+    """The old one is, and nothing beside it."""
+    path = tmp_path / "picture.png"
+    path.write_text("old")
+
+    def write():
+        with replacing(path) as part:
+            part.write_text("half")
+            raise error
+
+    with pytest.raises(error):
+        write()
+    assert [file.read_text() for file in tmp_path.iterdir()] == ["old"]
+
+
+def test_what_a_killed_process_left_is_replaced(tmp_path):
+    path, kept = tmp_path / "picture.png", []
+    with replacing(path) as part:
+        part.write_text("half")
+        kept.append(part)
+    kept[0].write_text("left by a kill")
+    with replacing(path) as part:
+        part.write_text("whole")
+    assert [file.read_text() for file in tmp_path.iterdir()] == ["whole"]
+
+
+def test_no_table_and_no_report_are_half_written(tmp_path, monkeypatch):
+    with pytest.raises(ValueError, match="not in fieldnames"):
+        write_csv(tmp_path / "a.csv", ["a"], [{"a": 1}, {"b": 2}])
+    monkeypatch.setattr(Path, "replace", lambda *_: pytest.fail("full"))
+    with pytest.raises(pytest.fail.Exception):
+        codegen.write("text", tmp_path / "report.html")
+    assert not list(tmp_path.iterdir())
+
+
+# Numba without its compiler
+
+
+@pytest.mark.parametrize(
+    ("command", "works"),
+    [
+        ("impact benchmark", False),
+        ("figures draw alpha", False),
+        ("md impact --tilt-deg 20 --c-x 0.5 --c-z -1", True),
+    ],
+)
+def test_without_the_compiler(command, works, tmp_path):
+    """What Python can do it does, slowly; what it cannot costs one line."""
+    done = subprocess.run(
+        [sys.executable, "-m", *command.split()],
+        **{"capture_output": True, "text": True, "check": False, "cwd": tmp_path},
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT)},
+    )
+    assert done.returncode == (0 if works else 2)
+    assert ("regime" in done.stdout) == works
+    assert done.stderr.count("\n") == (0 if works else 1)
+    assert ("NUMBA_DISABLE_JIT" in done.stderr) != works
+
+
+# Any time
+
+
+FALL = """
+import sys
+from math import radians
+from impact.falling import fall
+try:
+    while True:
+        fall(radians(20), length=30, diameter=3, gamma=3.3, friction=0.3, restitution=0.65, rods=50)
+except KeyboardInterrupt:
+    sys.exit(130)
+"""
+LONG = {
+    "run": ["-m", "md", "run", "quasi2d", "--periods", "1000000", "--checkpoint", "a.npz"],
+    "claims": ["-m", "figures", "claims", "--quick"],
+    "fall": ["-c", FALL],
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("name", LONG)
+def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
+    """While it compiles, half of the times, or runs; nothing is left beside the results.
+
+    In its first seconds, in which Python is still importing, the signal itself may end it.
+    """
+    if (name, number) == ("fall", signal.SIGTERM):
+        return  # no command of ours
+    random = np.random.default_rng(number)
+    for cold in (True, False) * 5:
+        folder = tmp_path / str(random.integers(10**9))
+        folder.mkdir()
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "ROWS_STORE": str(folder / "rows.db")}
+        if cold:
+            environment["XDG_CACHE_HOME"] = str(tmp_path / folder.name / "cache")
+        process = subprocess.Popen(
+            [sys.executable, *LONG[name]],
+            **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True},
+            **{"cwd": folder, "env": environment, "start_new_session": True},
+        )
+        time.sleep(random.uniform(0.3, 15))
+        process.send_signal(number)
+        _, error = process.communicate(timeout=120)
+        assert process.returncode in (130, -number), error
+        assert process.returncode == 130 or not list(folder.iterdir())
+        assert not [file for file in folder.iterdir() if ".part" in file.name]
+        mine = [p for p in psutil.process_iter(["cwd"]) if p.info["cwd"] == str(folder)]
+        assert not psutil.wait_procs(mine, timeout=10)[1]
