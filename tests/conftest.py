@@ -3,6 +3,8 @@
 import pytest
 from hypothesis import settings
 
+from figures import rows
+
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
 
@@ -11,5 +13,5 @@ settings.load_profile("steady")
 def rows_store(tmp_path_factory):
     """Figures compute their rows anew, and leave nothing behind."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROWS_STORE", str(tmp_path_factory.mktemp("rows") / "rows.db"))
+        patch.setattr(rows, "STORE", tmp_path_factory.mktemp("rows") / "rows.db")
         yield

@@ -1,0 +1,56 @@
+"""Files of the commands: what could not be written in the end is refused before the work."""
+
+import tempfile
+from pathlib import Path
+
+from impact._command import CommandError
+
+MARKS = {  # what a file of each kind has near its beginning
+    ".npz": b"PK",
+    ".png": b"\x89PNG",
+    ".pdf": b"%PDF",
+    ".gif": b"GIF8",
+    ".mp4": b"ftyp",
+    ".json": b"{",
+    ".md": b"# The paper's claims",
+    ".html": b"<title>Rods on a vibrated plate",
+}
+NEAR = 300  # bytes
+
+
+def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
+    """Paths of the files `names` in the folder `out`, which is made.
+
+    Parameters
+    ----------
+    out : folder
+    names : of the files that a command is about to write there
+    store : that the command uses; it must be none of them
+
+    Raises
+    ------
+    CommandError
+        If the folder takes no file, or something of another kind stands where a file would go.
+    """
+    paths = [out / name for name in names]
+    if store and store.resolve() in [path.resolve() for path in (out, *paths)]:
+        raise CommandError(f"store must be another file than --out and what is put there: {store}")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
+        kept = [path for path in paths if path.exists() and not _replaceable(path)]
+    except OSError as error:
+        raise CommandError(f"out must be a folder that takes files: {error}") from None
+    if kept:
+        raise CommandError(f"{kept[0]} is not a {kept[0].suffix} file made here: not replaced")
+    return paths
+
+
+def _replaceable(path: Path) -> bool:
+    """Whether what is there is empty, or of the kind that its name says."""
+    if path.is_dir():
+        return False
+    with path.open("rb") as file:
+        head = file.read(NEAR)
+    return not head or MARKS.get(path.suffix, b"") in head
