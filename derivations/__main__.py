@@ -9,6 +9,7 @@ import os
 import shutil
 import signal
 import sys
+import tempfile
 import textwrap
 from collections import Counter
 from collections.abc import Callable
@@ -119,7 +120,9 @@ def _generate(_: argparse.Namespace) -> int:
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    arguments.out.mkdir(parents=True, exist_ok=True)  # or it would all be proved for nothing
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=arguments.out):  # or it would all be proved for nothing
+        pass
     from . import report
 
     rows = registry.check(_bar("proving"))

@@ -1,11 +1,11 @@
 """Command line: list and draw the figures, animate a scene, judge the claims, show all of it.
 
 python -m figures list
-python -m figures draw [NAME ...] [--all] [--quick] [--out DIR]
+python -m figures draw [NAME ... | --all] [--quick] [--out DIR] [--store FILE]
 python -m figures movie SCENE [--set KEY=VALUE ...] [--periods N] [--frames F] [--out DIR|FILE.gif]
-python -m figures claims [--quick] [--out DIR]
-python -m figures paper [--estimate] [--out DIR]
-python -m figures prices [--out DIR]
+python -m figures claims [--quick] [--out DIR] [--store FILE]
+python -m figures paper [--estimate] [--out DIR] [--store FILE]
+python -m figures prices [--out DIR] [--store FILE]
 python -m figures index [--out DIR]
 python -m figures readme
 python -m figures explore [--tilt-deg PHI] [--friction MU] ... [--out FILE.png]
@@ -14,13 +14,14 @@ python -m figures explore [--tilt-deg PHI] [--friction MU] ... [--out FILE.png]
 import argparse
 import json
 import platform
-import tempfile
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 from impact._command import CommandError, Parser, guarded, leave, told
 
 from . import FIGURES, load
+from .files import ready
 
 # What all of it and each command says of itself, with examples.
 TOLD = {
@@ -58,7 +59,7 @@ Make everything in full: the figures, the movie, the claims, the page.
 
 The same command goes on where it stopped.
 
-  python -m figures paper --estimate              # how long it takes, no more
+  python -m figures paper --estimate              # how long it takes, no more (20 s)
   python -m figures paper
 """,
     "prices": """\
@@ -85,6 +86,9 @@ Write the measured parts of the README from the gallery, in a checkout.
 """,
 }
 
+PRICES = "prices.txt", "prices.json", "prices.png"
+CLAIMS, PAGE = ("claims.json", "claims.md"), "index.html"
+
 
 def _replacing(path: Path) -> AbstractContextManager[Path]:
     """A file to write beside `path`, which takes its place once it is whole."""
@@ -107,6 +111,34 @@ def _provenance() -> dict[str, str]:
     }
 
 
+def _files(*names: str) -> list[str]:
+    """Files of these figures."""
+    return [f"{name}.{kind}" for name in names for kind in ("npz", "png", "pdf")]
+
+
+@contextmanager
+def _storing(arguments: argparse.Namespace, *names: str) -> Iterator[Path]:
+    """The folder for the files `names`; runs of rows and of the annulus go to the store asked for.
+
+    Where one of them could not be written in the end, nothing is begun.
+    """
+    from md.store import Store, StoreError
+
+    from . import rows
+
+    out, usual = arguments.out, rows.STORE
+    rows.STORE = arguments.store or out / "rows.db"
+    try:
+        ready(out, *names, store=rows.STORE)
+        if arguments.store or rows.STORE.exists():
+            Store(rows.STORE).database.close()
+        yield out
+    except StoreError as error:
+        raise CommandError(error) from None
+    finally:
+        rows.STORE = usual
+
+
 def _produce(name: str, out: Path, quick: bool) -> tuple[list[Path], str]:
     """Write NAME.npz, NAME.png and NAME.pdf; returns them, and the module's `summary` if any."""
     import matplotlib.pyplot as plt
@@ -116,7 +148,7 @@ def _produce(name: str, out: Path, quick: bool) -> tuple[list[Path], str]:
     data = module.data(quick=quick)
     picture = module.draw(data)
     stamp = {"Title": f"{FIGURES[name].title} (impact {made['impact']})"}
-    npz, png, pdf = paths = [out / f"{name}.{kind}" for kind in ("npz", "png", "pdf")]
+    npz, png, pdf = paths = [out / file for file in _files(name)]
     try:
         with _replacing(npz) as part:
             np.savez_compressed(part, **data, provenance=json.dumps({**made, "quick": quick}))
@@ -134,30 +166,27 @@ def _draw(arguments: argparse.Namespace) -> int:
     for name in arguments.names:
         if name not in FIGURES:
             raise CommandError(f"there is no figure {name!r}; known: {known}")
+    if arguments.all and arguments.names:
+        raise CommandError(f"--all draws every figure and takes no names, got {arguments.names[0]}")
     quick_set = [name for name, entry in FIGURES.items() if entry.quick]
     names = list(FIGURES) if arguments.all else list(dict.fromkeys(arguments.names)) or quick_set
-    arguments.out.mkdir(parents=True, exist_ok=True)
 
     import matplotlib as mpl
     from tqdm import tqdm
 
     mpl.use("Agg")
     bar = tqdm(names, desc="drawing", unit="figure", disable=None, leave=False)
-    for name in bar:
-        bar.set_postfix_str(name)
-        (npz, png, pdf), summary = _produce(name, arguments.out, arguments.quick)
-        bar.write(f"{png}  {pdf.name}  {npz.name}")
-        if summary:
-            bar.write(summary)
+    with _storing(arguments, *_files(*names)) as out:
+        for name in bar:
+            bar.set_postfix_str(name)
+            (npz, png, pdf), summary = _produce(name, out, arguments.quick)
+            bar.write(f"{png}  {pdf.name}  {npz.name}")
+            if summary:
+                bar.write(summary)
     return 0
 
 
 def _prices(arguments: argparse.Namespace) -> int:
-    out = arguments.out
-    out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryFile(dir=out):  # or it could not be written in the end
-        pass
-
     import matplotlib as mpl
     import matplotlib.pyplot as plt
     import numpy as np
@@ -166,23 +195,25 @@ def _prices(arguments: argparse.Namespace) -> int:
     from . import price_list
 
     mpl.use("Agg")
-    found = {}
-    bar = tqdm(price_list.known(), desc="prices", unit="figure", disable=None, leave=False)
-    for name in bar:
-        bar.set_postfix_str(name)
-        (npz, png, pdf), _ = _produce(name, out, quick=True)
-        bar.write(f"{png}  {pdf.name}  {npz.name}")
-        with np.load(npz) as stored:
-            found[name] = {key: stored[key] for key in stored if key != "provenance"}
+    found, names = {}, price_list.known()
+    bar = tqdm(names, desc="prices", unit="figure", disable=None, leave=False)
+    with _storing(arguments, *_files(*names), *PRICES) as out:
+        for name in bar:
+            bar.set_postfix_str(name)
+            (npz, png, pdf), _ = _produce(name, out, quick=True)
+            bar.write(f"{png}  {pdf.name}  {npz.name}")
+            with np.load(npz) as stored:
+                found[name] = {key: stored[key] for key in stored if key != "provenance"}
     words, picture = price_list.summary(found), price_list.draw(found)
     plain = json.dumps(price_list.numbers(found), indent=1, ensure_ascii=False, allow_nan=False)
-    for name, content in (("prices.txt", words), ("prices.json", plain)):
-        with _replacing(out / name) as part:
+    *texts, png = [out / name for name in PRICES]
+    for path, content in zip(texts, (words, plain), strict=True):
+        with _replacing(path) as part:
             part.write_text(content + "\n", encoding="utf-8")
-    with _replacing(out / "prices.png") as part:
+    with _replacing(png) as part:
         picture.savefig(part, dpi=200)
     plt.close(picture)
-    print(f"{words}\n\n{out / 'prices.txt'}  prices.png")
+    print(f"{words}\n\n{texts[0]}  {png.name}")
     return 0
 
 
@@ -196,17 +227,17 @@ def _movie(arguments: argparse.Namespace) -> int:
 
     mpl.use("Agg")
     out, kinds = arguments.out, ("gif", "mp4") if FFMpegWriter.isAvailable() else ("gif",)
-    paths = [out / f"{Path(arguments.scene).stem}.{kind}" for kind in kinds]
+    names = [f"{Path(arguments.scene).stem}.{kind}" for kind in kinds]
     if out.suffix == ".gif":
-        paths, out = [out], out.parent
+        names, out = [out.name], out.parent
     elif out.suffix and not out.is_dir():
         raise CommandError(f"out must be a folder or a file that ends in .gif, got {out}")
     try:
         scene = md.load(arguments.scene, arguments.set)
+        paths = ready(out, *names)
         film = movie.record(scene, arguments.periods, arguments.frames, progress=True)
     except (TypeError, ValueError, md.RunError) as error:
         raise CommandError(error, 1 if isinstance(error, md.RunError) else 2) from None
-    out.mkdir(parents=True, exist_ok=True)
     for path in paths:
         with _replacing(path) as part:
             movie.write(film, part, progress=True)
@@ -214,27 +245,14 @@ def _movie(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _check_store() -> None:
-    """Refuse to begin where the store of rows cannot be used."""
-    from md.store import Store, StoreError
-
-    from .rows import store
-
-    try:
-        Store(store()).database.close()
-    except StoreError as error:
-        raise CommandError(error) from None
-
-
 def _claims(arguments: argparse.Namespace) -> int:
     from . import claims
 
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    _check_store()
-    report = claims.judge(arguments.quick, progress=True)
+    with _storing(arguments, *CLAIMS) as out:
+        report = claims.judge(arguments.quick, progress=True)
     text = json.dumps(claims.plain(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    for name, content in (("claims.json", text), ("claims.md", claims.page(report))):
-        with _replacing(arguments.out / name) as part:
+    for name, content in zip(CLAIMS, (text, claims.page(report)), strict=True):
+        with _replacing(out / name) as part:
             part.write_text(content, encoding="utf-8")
     print(claims.brief(report))
     return 0
@@ -243,29 +261,34 @@ def _claims(arguments: argparse.Namespace) -> int:
 def _paper(arguments: argparse.Namespace) -> int:
     from . import paper
 
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    _check_store()
-    print(paper.estimate(arguments.out), flush=True)
+    made = *_files(*FIGURES), "quasi2d.gif", "quasi2d.mp4", *CLAIMS, PAGE
+    with _storing(arguments, *made) as out:
+        print(paper.estimate(out), flush=True)
+        names = paper.left(out)
     if arguments.estimate:
         return 0
-    names = paper.left(arguments.out)
-    commands = [["draw", *names]] if names else []
-    commands += [["movie", "quasi2d", "--periods", "4"], ["claims"], ["index"]]
-    codes = (main([*command, "--out", str(arguments.out)]) for command in commands)
+    where, store = ["--out", str(out)], ["--store", str(arguments.store or out / "rows.db")]
+    commands = [["draw", *names, *store]] if names else []
+    commands += [["movie", "quasi2d", "--periods", "4"], ["claims", *store], ["index"]]
+    codes = (main([*command, *where]) for command in commands)
     return next((code for code in codes if code), 0)
 
 
 def _index(arguments: argparse.Namespace) -> int:
     out = arguments.out
-    out.mkdir(parents=True, exist_ok=True)
 
     from . import index
 
-    for name, content in index.files(out).items():
+    try:
+        files = index.files(out)
+    except ValueError as error:
+        raise CommandError(error) from None
+    ready(out, *files)
+    for name, content in files.items():
         (out / name).parent.mkdir(exist_ok=True)
         with _replacing(out / name) as part:
             part.write_bytes(content)
-    print(out / "index.html")
+    print(out / PAGE)
     return 0
 
 
@@ -284,10 +307,11 @@ def _explore(arguments: argparse.Namespace) -> int:
         start = Setting(**given)
         if out and out.suffix != ".png":
             raise ValueError(f"out must be a file that ends in .png, got {out}")
+        if out:
+            ready(out.parent, out.name)
     except ValueError as error:
         raise CommandError(error) from None
     if out:
-        out.parent.mkdir(parents=True, exist_ok=True)
         with _replacing(out) as part:
             explore.write(start, part)
         print(out)
@@ -301,6 +325,8 @@ def _readme(_: argparse.Namespace) -> int:
 
     from . import readme
 
+    if not TARGET.is_file():
+        raise CommandError(f"it needs a source checkout; {TARGET.parent} has no {TARGET.name}")
     try:
         text = TARGET.read_text(encoding="utf-8")
         new = readme.refreshed(text)
@@ -329,7 +355,6 @@ def _parser() -> Parser:
     draw.add_argument("names", nargs="*", metavar="NAME", help="figures to draw")
     draw.add_argument("--all", action="store_true", help="every figure")
     draw.add_argument("--quick", action="store_true", help="coarser grids, for a first look")
-    draw.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     draw.set_defaults(run=_draw)
     film = commands.add_parser("movie", **told(TOLD["movie"]))
     film.add_argument("scene", help="TOML file, or the name of an example")
@@ -354,8 +379,12 @@ def _parser() -> Parser:
     index.set_defaults(run=_index)
     words = commands.add_parser("readme", **told(TOLD["readme"]))
     words.set_defaults(run=_readme)
-    for command in (judging, paper, prices, index):
+    for command in (draw, judging, paper, prices, index):
         command.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
+    for command in (draw, judging, paper, prices):
+        command.add_argument(
+            "--store", type=Path, metavar="FILE", help="of the runs (default: rows.db in --out)"
+        )
     window = commands.add_parser(
         "explore",
         **told(TOLD["explore"]),

@@ -24,6 +24,7 @@ from tqdm import tqdm
 
 from md.engine import SAMPLES, Engine
 from md.row import Series
+from md.sweep import Sweep
 
 from .effects import FULL, GROUPS, NOTHING, STEP, Effect, Variant, variants
 from .rows import computed, means, planned
@@ -110,16 +111,27 @@ def _kernel(engine: Engine, variant: Variant) -> tuple:
     return tuple(map(numba.typeof, (*given, _series(engine, variant))))
 
 
+def sweeps(quick: bool = False) -> dict[int, Sweep]:
+    """Over seeds: of the full scene, 0, then of each scene whose drift is asked for, by its row."""
+    wanted = {0: FULL}
+    wanted |= {i: effect.changed for i, effect in enumerate(rows().values(), 1) if effect.drifts}
+    seeds = [{"start.seed": list(range(1, SEEDS[quick] + 1))}]
+    return {
+        i: planned(seeds, PERIODS[quick], {"step.size": STEP, **variant.changes})
+        for i, variant in wanted.items()
+    }
+
+
 def _drifts(quick: bool) -> np.ndarray:
     """Drift and its standard error in cm/s: of the full scene, then of each changed one."""
-    seeds, found = list(range(1, SEEDS[quick] + 1)), np.full((2, 1 + len(rows())), np.nan)
-    wanted = [(0, FULL)]
-    wanted += [(i, effect.changed) for i, effect in enumerate(rows().values(), 1) if effect.drifts]
-    for i, variant in tqdm(wanted, desc="drift", unit="scene", disable=None, leave=False, delay=2):
-        changes = {"step.size": STEP, **variant.changes}
-        sweep = computed(planned([{"start.seed": seeds}], PERIODS[quick], changes))
-        mean = means(sweep, {"drift": "c_x"})
-        found[:, i] = np.array([mean["drift"], mean["drift_error"]]) * variant.scene.cm_per_s
+    found = np.full((2, 1 + len(rows())), np.nan)
+    bar = tqdm(
+        sweeps(quick).items(), desc="drift", unit="scene", disable=None, leave=False, delay=2
+    )
+    for i, sweep in bar:
+        mean = means(computed(sweep), {"drift": "c_x"})
+        unit = sweep.points[0].scene.cm_per_s
+        found[:, i] = np.array([mean["drift"], mean["drift_error"]]) * unit
     return found
 
 

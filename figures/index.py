@@ -36,7 +36,7 @@ ABOUT = (
     "What is derived, simulated and measured here to test D. Volfson, A. Kudrolli and "
     "L. S. Tsimring, “Anisotropy driven dynamics in vibrated granular rods”."
 )
-GALLERY = Path(__file__).with_name("gallery")
+GALLERY = Path(__file__).resolve().with_name("gallery")
 LENT = "From the project’s gallery."
 BADGES = {"holds": "agrees", "holds in part": "rewritten", "does not hold": "erratum"}
 SIGNS = "✗", "~", "✓"  # of a number, by its grade
@@ -62,6 +62,7 @@ class Folder:
 
     path: Path
     borrowed: set[str] = field(default_factory=set)
+    own: set[str] = field(default_factory=set)  # shown from here
 
     def find(self, name: str, picture: bool = False) -> Item | None:
         """The folder's own file, else the gallery's; a picture only if it can be read."""
@@ -73,6 +74,7 @@ class Folder:
     def address(self, path: Path) -> str:
         """Of its own file, or of the copy of one of the gallery."""
         if path.parent == self.path:
+            self.own.add(path.name)
             return _quoted(path.name)
         self.borrowed.add(path.name)
         return f"gallery/{_quoted(path.name)}"
@@ -282,9 +284,19 @@ SECTIONS = {
 
 
 def files(out: Path) -> dict[str, bytes]:
-    """What is to be written into the folder `out`, by name; the page comes last."""
+    """What is to be written into the folder `out`, by name; the page comes last.
+
+    Raises
+    ------
+    ValueError
+        If the folder is not there or holds nothing to show, or holds the project's gallery itself.
+    """
     folder = Folder(out)
     made = {title: section(folder) for title, section in SECTIONS.items()}
+    if not folder.own:
+        raise ValueError(f"out must be a folder that holds something to show, got {out}")
+    if (out / "gallery").resolve() == GALLERY:
+        raise ValueError(f"out must not be the folder of the project's gallery, got {out}")
     made = {title: inner for title, inner in made.items() if inner}
     links = ", ".join(f'<a href="#{title.lower()}">{title}</a>' for title in made)
     main = "".join(

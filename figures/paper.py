@@ -1,23 +1,29 @@
 """All figures and claims at full quality: what is left to do, and about how long that takes."""
 
 import json
+from collections.abc import Iterable
+from dataclasses import fields, is_dataclass
+from heapq import heapreplace
+from itertools import pairwise
 from pathlib import Path
+from time import thread_time
+from typing import Any
 
 import numpy as np
-from joblib import cpu_count
+from joblib import Parallel, cpu_count, delayed
 
 import impact
 import md
-from md.cache import digest
 from md.engine import step_of
+from md.scene import Scene, from_tables
 from md.store import Store
 from md.sweep import Point
 
 from . import FIGURES, load, measured
-from .rows import planned, store
+from .rows import ROW, store
 
-# Seconds in full, runs of the store apart, as measured on two cores of a busy AMD EPYC; of figures
-# not named here, `USUAL`.
+# Seconds of the processor in full, runs of the store apart, where a step of a rod of `ROW` takes
+# `STEP`; of figures not named here, `USUAL`. A list: of those that take all cores, one core's.
 SECONDS = {
     "effect_prices": 420,
     "accuracy_cost_drift": 400,
@@ -34,7 +40,11 @@ SECONDS = {
     "accuracy_cost_theory": 20,
     "rigid_limit": 12,
 }
-USUAL, MOVIE, CLAIMS = 5, 5, 120
+USUAL, MOVIE, CLAIMS, STEP = 2, 5, 120, 24e-9
+ON_ALL_CORES = ("fig05",)
+AGAIN = "fig02", "fig05", "alpha"  # whose data the claims compute once more
+SAMPLES, RARE = 48, 0.05  # runs that are timed; share of the work of a kind that is not
+SETTLE, TIMED = 3, 12  # periods of each
 
 
 def left(out: Path) -> list[str]:
@@ -53,37 +63,118 @@ def _done(name: str, out: Path, newest: float) -> bool:
         return not json.loads(str(stored["provenance"]))["quick"]
 
 
-def missing() -> list[Point]:
-    """Runs of the figures' and the claims' sweeps that the store does not hold."""
+def missing() -> list[list[Point]]:
+    """Runs that the store does not hold, of each sweep of the figures and claims; none twice."""
     modules = [load(name) for name in FIGURES] + [measured]
-    sweeps = [s for m in modules if hasattr(m, "sweeps") for s in m.sweeps().values()]
-    points = {point.key: point for sweep in sweeps for point in sweep.points}
+    known: set[str] = set()
+    plan = []
     with Store(store()) as database:
-        return [point for key, point in points.items() if not database.has(key)]
+        for sweep in (s for m in modules if hasattr(m, "sweeps") for s in m.sweeps().values()):
+            new = {p.key: p for p in sweep.points if p.key not in known and not database.has(p.key)}
+            known |= new.keys()
+            plan.append(list(new.values()))
+    return plan
 
 
-def rod_step_seconds() -> float:
-    """Of all runs of the store together; if there is none, of a short run made now."""
-    with Store(store()) as database:
-        runs = [run for run in database.rows() if run["result"] and run["code"] == digest()]
-    if runs:
-        return sum(r["seconds"] for r in runs) / sum(r["result"]["rod_steps"] for r in runs)
-    scene = planned([{"start.seed": [1]}], 1).points[0].scene
-    md.run(scene, periods=1)  # compiles
-    result = md.run(scene, periods=20)
-    return result.run_seconds / result.rod_steps
+def rod_steps(point: Point) -> int:
+    """Steps times rods of a run; 0 where a tolerance says how long it is."""
+    return point.periods * step_of(point.scene)[1] * point.scene.rods.count
+
+
+def _kind(part: Any) -> Any:
+    """What tells one kernel from another: all of a scene but the sizes of its numbers."""
+    if is_dataclass(part):
+        return tuple(_kind(getattr(part, field.name)) for field in fields(part))
+    if isinstance(part, tuple):
+        return tuple(map(_kind, part))
+    return part is None if isinstance(part, str | None) else bool(part)
+
+
+def _crowding(point: Point) -> tuple[float, float]:
+    """Speed of the plate and density: what decides how many rods touch."""
+    scene = point.scene
+    return scene.plate_speed, scene.rods.count / (scene.box.length if scene.box else 1)
+
+
+def _strata(points: list[Point]) -> list[list[Point]]:
+    """Runs much alike, each list about as much work; kinds that are rare stay out."""
+    kinds: dict[Any, list[Point]] = {}
+    for point in sorted(points, key=_crowding):
+        kinds.setdefault(_kind(point.scene), []).append(point)
+    work = {kind: sum(map(rod_steps, alike)) for kind, alike in kinds.items()}
+    rank = sorted(kinds, key=lambda kind: work[kind])
+    most = {kinds[kind][0].scene.annulus is None: kind for kind in rank}
+    strata = []
+    for kind, alike in kinds.items():
+        share = work[kind] / max(sum(work.values()), 1)
+        if share >= RARE or kind in most.values():
+            count = min(max(round(SAMPLES * share), 1), len(alike))
+            edges = np.linspace(0, len(alike), count + 1).astype(int).tolist()
+            strata += [alike[i:j] for i, j in pairwise(edges)]
+    return strata
+
+
+def timed(scene: Scene) -> tuple[float, float]:
+    """Seconds until its kernel is there, and processor seconds of a period of a run under way."""
+    seconds = []
+    try:
+        ready = md.run(scene, periods=1).compile_seconds
+        for periods in (SETTLE, SETTLE + TIMED):
+            begin = thread_time()
+            md.run(scene, periods=periods)
+            seconds.append(thread_time() - begin)
+    except md.RunError:  # will fail as soon in the sweep
+        return 0.0, 0.0
+    return ready, max(seconds[1] - seconds[0], 0.0) / TIMED
+
+
+def run_seconds(points: list[Point]) -> tuple[dict[str, float], float]:
+    """Processor seconds of each run, by its key, and of compiling what is not compiled yet.
+
+    One run of each stratum, drawn at random, is timed for a few periods, on all cores at once; its
+    step of a rod stands for the others'. A rare kind takes the mean of its arrangement.
+    """
+    strata, random = _strata(points), np.random.default_rng(1)
+    drawn = [alike[random.integers(len(alike))].scene for alike in strata]
+    kinds = [_kind(scene) for scene in drawn]
+    order = sorted(range(len(drawn)), key=lambda i: kinds.index(kinds[i]) < i)  # kernels first
+    found = Parallel(n_jobs=-1, batch_size=1)(delayed(timed)(drawn[i]) for i in order)
+    step, ready = dict[str, Any](), dict[Any, float]()  # by key, by kind
+    for i, (compiled, period) in zip(order, found, strict=True):
+        of_rod = period / (step_of(drawn[i])[1] * drawn[i].rods.count)
+        step |= {point.key: of_rod for point in strata[i]}
+        ready[kinds[i]] = max(ready.get(kinds[i], 0.0), compiled)
+    for plane in (True, False):
+        alike = [p for p in points if (p.scene.annulus is None) is plane]
+        usual = np.mean([step[p.key] for p in alike if p.key in step] or [0.0])
+        step = {p.key: usual for p in alike} | step
+    rare = {_kind(point.scene) for point in points} - ready.keys()
+    seconds = {point.key: rod_steps(point) * step[point.key] for point in points}
+    return seconds, len(rare) * min(ready.values(), default=0.0)
+
+
+def _span(seconds: Iterable[float], cores: int) -> float:
+    """From the first to the last of runs that begin in this order, each where a core is free."""
+    free = [0.0] * cores
+    for run in seconds:
+        heapreplace(free, free[0] + run)
+    return max(free)
 
 
 def estimate(out: Path) -> str:
     """What is left, in words."""
-    points, names = missing(), left(out)
-    steps = sum(p.periods * step_of(p.scene)[1] * p.scene.rods.count for p in points)
-    rows = steps * rod_step_seconds() / cpu_count() if points else 0.0
-    others = sum(SECONDS.get(name, USUAL) for name in names) + CLAIMS + MOVIE
+    plan, names, cores = missing(), left(out), cpu_count()
+    seconds, compiling = run_seconds([point for points in plan for point in points])
+    runs = compiling + sum(_span((seconds[p.key] for p in points), cores) for points in plan)
+    shares = {name: cores if name in ON_ALL_CORES else 1 for name in FIGURES}
+    others = sum(SECONDS.get(name, USUAL) / shares[name] for name in (*names, *AGAIN))
+    here = from_tables(ROW)
+    period = np.median([timed(here)[1] for _ in range(5)])
+    others = (others + MOVIE + CLAIMS) * period / (step_of(here)[1] * here.rods.count) / STEP
     return (
-        f"{len(points)} runs that the store lacks: {_minutes(rows)} on {cpu_count()} cores; "
+        f"{len(seconds)} runs that the store lacks: {_minutes(runs)} on {cores} cores; "
         f"{len(names)} figures of {len(FIGURES)}, movie and claims: {_minutes(others)}; "
-        f"in all about {_minutes(rows + others)}"
+        f"in all about {_minutes(runs + others)}, if nothing else runs"
     )
 
 

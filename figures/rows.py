@@ -9,7 +9,6 @@ The rods start with random velocities up to about V_0. Side by side and at rest,
 one block, whose rods cannot turn and hardly drift (Fig. 13(c)).
 """
 
-import os
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -41,11 +40,13 @@ OF_TILT_SCAN = (
 )
 
 
+STORE = Path("out/rows.db")  # of all runs; what `--store` of the commands sets
+
+
 def store() -> Path:
-    """The store of all rows; `ROWS_STORE` names another."""
-    path = Path(os.environ.get("ROWS_STORE", "out/rows.db"))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    return path
+    """Path of the store of all runs; its folder is made."""
+    STORE.parent.mkdir(parents=True, exist_ok=True)
+    return STORE
 
 
 def boxes(tilt_deg: np.ndarray, count: int = COUNT) -> list[float]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from figures import rows
 from impact._generated import DIGEST
 from md.cache import digest
 
@@ -17,7 +18,7 @@ settings.load_profile("steady")
 def rows_store(tmp_path_factory):
     """Figures compute their rows anew, and leave nothing behind."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROWS_STORE", str(tmp_path_factory.mktemp("rows") / "rows.db"))
+        patch.setattr(rows, "STORE", tmp_path_factory.mktemp("rows") / "rows.db")
         yield
 
 

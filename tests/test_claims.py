@@ -1,5 +1,6 @@
 """The judge of the paper's claims: limits, verdicts, the page; on made-up numbers and tiny runs."""
 
+import dataclasses
 import json
 import os
 from pathlib import Path
@@ -7,8 +8,10 @@ from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
+import psutil
 import pytest
 
+import md
 from figures import (
     FIGURES,
     claims,
@@ -26,6 +29,9 @@ from figures import (
 )
 from figures.__main__ import main
 from figures.number import Number, onset, resampled
+from md.engine import step_of
+from md.store import Store
+from md.sweep import Sweep, execute
 
 from .command_line import refused
 
@@ -204,7 +210,7 @@ def tiny(tmp_path, monkeypatch):
     def short(axes, periods, *scene):
         return plan(axes, 6, *scene)
 
-    monkeypatch.setenv("ROWS_STORE", str(tmp_path / "rows.db"))
+    monkeypatch.setattr(rows, "STORE", tmp_path / "rows.db")
     for module in (rows, fig02, fig13, phase_friction):
         monkeypatch.setattr(module, "planned", short)
     for module in (fig07, fig08):
@@ -231,7 +237,8 @@ def tiny(tmp_path, monkeypatch):
 def test_the_command_judges_all_claims(tiny, capsys):
     out = tiny / "out"
     assert main(["claims", "--quick", "--out", str(out)]) == 0
-    assert sorted(path.name for path in out.iterdir()) == ["claims.json", "claims.md"]
+    assert sorted(path.name for path in out.iterdir()) == ["claims.json", "claims.md", "rows.db"]
+    assert not (tiny / "rows.db").exists()
     report = json.loads((out / "claims.json").read_text(encoding="utf-8"))
     found = {claim["id"]: claim for claim in report["claims"]}
     assert list(found) == IDS
@@ -252,6 +259,22 @@ def test_the_command_judges_all_claims(tiny, capsys):
         assert claim["says"] in page
     printed = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in printed[:-1]] == IDS
+
+
+def test_runs_go_to_the_store_asked_for(tiny):
+    """And come from it the next time."""
+    out, path = tiny / "out", tiny / "runs.db"
+    command = ["draw", "phase_friction", "--quick", "--out", str(out), "--store", str(path)]
+    runs, written = phase_friction.sweeps(quick=True)["grid"].points, []
+    for _ in range(2):
+        assert main(command) == 0
+        with Store(path, write=False) as database:
+            assert all(database.has(point.key) for point in runs)
+            written.append([row["written"] for row in database.rows()])
+    assert written[0] == written[1]
+    kinds = {path.suffix for path in out.iterdir()}
+    assert kinds == {".npz", ".png", ".pdf"}
+    assert not (tiny / "rows.db").exists()
 
 
 def test_the_committed_page_is_of_these_claims():
@@ -275,20 +298,27 @@ def test_the_committed_page_is_of_these_claims():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "store", "word"),
+    ("arguments", "word"),
     [
-        (["claims", "--out", "FILE"], "rows.db", "FILE"),
-        (["claims"], "FILE", "FILE"),
-        (["claims", "--fast"], "rows.db", "--fast"),
-        (["paper", "--out", "FILE"], "rows.db", "FILE"),
-        (["paper"], "FILE", "FILE"),
+        (["claims", "--out", "FILE"], "FILE"),
+        (["claims", "--store", "FILE"], "FILE"),
+        (["claims", "--fast"], "--fast"),
+        (["paper", "--out", "FILE"], "FILE"),
+        (["paper", "--store", "FILE"], "FILE"),
+        (["draw", "fig10", "--store", "FILE"], "FILE"),
+        (["prices", "--store", "FILE"], "FILE"),
+        (["prices", "--store", "no/folder.db"], "no such folder"),
+        (["claims", "--store", "out/claims.json"], "store must be another file"),
+        (["paper", "--store", "out/fig13.npz"], "store must be another file"),
+        (["draw", "fig10", "--out", "new.db", "--store", "./new.db"], "store must be another file"),
     ],
 )
-def test_nonsense_costs_one_line(arguments, store, word, tmp_path, monkeypatch, capsys):
+def test_nonsense_costs_one_line(arguments, word, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("ROWS_STORE", store)
     (tmp_path / "FILE").write_text("no store")
     refused(lambda: main(arguments), word, capsys)
+    assert (tmp_path / "FILE").read_text() == "no store"
+    assert not [path for path in tmp_path.rglob("*") if path.is_file() and path.name != "FILE"]
 
 
 def test_a_figure_is_drawn_again_if_a_source_is_newer(tmp_path):
@@ -309,9 +339,69 @@ def test_estimate_counts_what_the_store_lacks(tiny, monkeypatch):
     monkeypatch.setattr(paper, "measured", SimpleNamespace(__file__=measured.__file__))
     some = phase_friction.sweeps(quick=True)
     monkeypatch.setattr(phase_friction, "sweeps", lambda: some)
-    assert len(paper.missing()) == len(some["grid"].points)
+    assert list(map(len, paper.missing())) == [len(some["grid"].points)]
     assert paper.estimate(tiny).startswith(f"{len(some['grid'].points)} runs")
     rows.computed(some["grid"])
-    assert paper.missing() == []
+    assert paper.missing() == [[]]
     assert paper.estimate(tiny).startswith("0 runs that the store lacks: 0 s")
-    assert 5e-9 < paper.rod_step_seconds() < 1e-5
+
+
+def test_rows_and_annulus_are_estimated_each_at_its_rate(monkeypatch):
+    """And a rare kernel, of which no run is timed, is still to be compiled."""
+
+    def rate(scene):
+        return 130e-9 if scene.annulus else 30e-9
+
+    def timed(scene):
+        return 7.0, rate(scene) * step_of(scene)[1] * scene.rods.count
+
+    def serial(**_):
+        return lambda tasks: [function(*given) for function, given, _ in tasks]
+
+    monkeypatch.setattr(paper, "timed", timed)
+    monkeypatch.setattr(paper, "Parallel", serial)
+    seeds = [{"start.seed": list(range(60))}]
+    slippery = {"contacts.plate.friction": 0}
+    sweeps = (
+        *(rows.planned(seeds, 300), ring.planned(seeds, 400)),
+        rows.planned([{"start.seed": [1]}], 300, slippery),
+    )
+    points = [point for sweep in sweeps for point in sweep.points]
+    seconds, compiling = paper.run_seconds(points)
+    assert compiling == 7.0
+    expected = {p.key: p.periods * timed(p.scene)[1] for p in points}
+    assert seconds == pytest.approx(expected)
+    assert paper.run_seconds([]) == ({}, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "cores", "whole"),
+    [([], 2, 0), ([3], 4, 3), ([1, 1, 1], 2, 2), ([4, 1, 1, 1], 2, 4), ([1, 1, 4], 2, 5)],
+)
+def test_runs_share_the_cores(seconds, cores, whole):
+    assert paper._span(seconds, cores) == whole
+
+
+@pytest.mark.slow
+def test_runs_take_the_time_that_was_estimated(tmp_path):
+    """Of the processor, for a part of the plan, rows and annulus, none of it in the store."""
+    me = psutil.Process()
+
+    def spent():
+        workers = me.children(recursive=True)
+        return sum(os.times()[:4]) + sum(sum(worker.cpu_times()[:2]) for worker in workers)
+
+    points, random = [p for part in paper.missing() for p in part], np.random.default_rng(1)
+    chosen = []
+    for plane, count in ((True, 30), (False, 10)):
+        alike = [point for point in points if (point.scene.annulus is None) is plane]
+        places = random.choice(len(alike), count, replace=False)
+        chosen += [dataclasses.replace(alike[place], periods=80) for place in places]
+    for point in chosen:
+        md.run(point.scene, periods=1)  # compiles
+    seconds, compiling = paper.run_seconds(chosen)
+    assert compiling < 5
+    before = spent()
+    tally = execute(Sweep(({"": chosen},), tuple(chosen)), tmp_path / "rows.db")
+    assert tally.computed == len(chosen)
+    assert sum(seconds.values()) == pytest.approx(spent() - before, rel=0.3)

@@ -109,7 +109,7 @@ REFUSED = {  # what is refused not by the parser: what the one line begins with
     "figures draw nothing": "python -m figures draw: there is no figure 'nothing'",
     "figures movie nowhere": "python -m figures movie: nowhere: no such scene",
     "figures movie quasi2d --out a.png": "python -m figures movie: out must be a folder",
-    "figures index --out FILE": "python -m figures index: cannot write: ",
+    "figures index --out FILE": "python -m figures index: out must be a folder that holds",
     "derivations report --out FILE": "python -m derivations report: cannot write: ",
 }
 

@@ -81,8 +81,10 @@ def half(tmp_path_factory):
     return out, *made(out)
 
 
-def test_an_empty_folder_gets_a_page(tmp_path):
-    out = tmp_path / "new" / "out"
+def test_what_a_folder_lacks_is_lent(tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "prices.txt").touch()
     source, page = made(out)
     assert "python -m derivations report" in page.text["derivations"]
     assert "report.html" not in source
@@ -91,7 +93,7 @@ def test_an_empty_folder_gets_a_page(tmp_path):
     assert {"gallery/row.gif", "gallery/claims.md", "gallery/claims.json"} < lent
     assert {f"gallery/{name}.png" for name in LENT} < lent
     assert "others" not in page.ids
-    assert [path.name for path in out.iterdir() if path.name != "gallery"] == ["index.html"]
+    assert {path.name for path in out.iterdir()} == {"gallery", "index.html", "prices.txt"}
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -185,7 +187,8 @@ def test_the_folder_may_be_moved(half, tmp_path):
 def test_without_a_gallery_the_page_does_without(tmp_path, monkeypatch):
     """As an installed package may be."""
     monkeypatch.setattr(index, "GALLERY", tmp_path / "nowhere")
-    _, page = made(tmp_path / "out")
+    (tmp_path / "prices.txt").touch()
+    _, page = made(tmp_path)
     assert page.images == []
     assert "python -m figures claims" in page.text["claims"]
     assert all(f"python -m figures draw {name}" in page.text[name] for name in FIGURES)
@@ -280,6 +283,7 @@ def test_the_committed_numbers_are_those_of_the_committed_page(tmp_path):
     found = json.loads((index.GALLERY / "claims.json").read_text(encoding="utf-8"))
     words = (index.GALLERY / "claims.md").read_text(encoding="utf-8")
     assert [claim["id"] for claim in found["claims"]] == [claim["id"] for claim in claims.read()]
+    (tmp_path / "prices.txt").touch()
     _, page = made(tmp_path)
     for claim in claims.restored(found)["claims"]:
         assert claim["says"] in words
@@ -299,7 +303,6 @@ def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
     done = []
     for name in ("_draw", "_movie", "_claims"):
         monkeypatch.setattr(command, name, lambda _, name=name: done.append(name) or 0)
-    monkeypatch.setattr(command, "_check_store", lambda: None)
     monkeypatch.setattr(paper, "left", lambda out: done.clear() or ["fig10"])
     monkeypatch.setattr(paper, "estimate", lambda out: "")
     monkeypatch.setattr(index, "files", lambda out: done.append("index") or {})
@@ -310,7 +313,9 @@ def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
 
 
 def test_the_old_page_stays_until_the_new_one_is_whole(tmp_path, monkeypatch, capsys):
-    (tmp_path / "index.html").write_text("old")
+    (tmp_path / "prices.txt").touch()
+    old = f"<title>{index.TITLE}</title>old"
+    (tmp_path / "index.html").write_text(old)
 
     def full(path, content):
         with path.open("wb") as file:
@@ -320,8 +325,8 @@ def test_the_old_page_stays_until_the_new_one_is_whole(tmp_path, monkeypatch, ca
     monkeypatch.setattr(index, "GALLERY", tmp_path / "nowhere")
     monkeypatch.setattr(Path, "write_bytes", full)
     refused(lambda: main(["index", "--out", str(tmp_path)]), "No space left", capsys)
-    assert (tmp_path / "index.html").read_text() == "old"
-    assert [path.name for path in tmp_path.iterdir()] == ["index.html"]
+    assert (tmp_path / "index.html").read_text() == old
+    assert {path.name for path in tmp_path.iterdir()} == {"index.html", "prices.txt"}
 
 
 @pytest.mark.parametrize("arguments", [["--out", "FILE"], ["--out", "FILE/deeper"], ["FILE"]])
@@ -330,3 +335,18 @@ def test_nonsense_costs_one_line(arguments, tmp_path, monkeypatch, capsys):
     (tmp_path / "FILE").touch()
     refused(lambda: main(["index", *arguments]), "FILE", capsys)
     assert [path.name for path in tmp_path.iterdir()] == ["FILE"]
+
+
+def test_a_folder_without_anything_to_show_is_left_alone(tmp_path, capsys):
+    refused(lambda: main(["index", "--out", str(tmp_path / "typo")]), "typo", capsys)
+    (tmp_path / "rows.db").touch()
+    refused(lambda: main(["index", "--out", str(tmp_path)]), "something to show", capsys)
+    assert [path.name for path in tmp_path.iterdir()] == ["rows.db"]
+
+
+def test_the_page_is_not_written_over_its_gallery(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(index, "GALLERY", tmp_path / "gallery")
+    (tmp_path / "gallery").mkdir()
+    picture(tmp_path / "fig10.png")
+    refused(lambda: main(["index", "--out", str(tmp_path)]), "gallery", capsys)
+    assert not (tmp_path / "index.html").exists()

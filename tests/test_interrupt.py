@@ -403,7 +403,7 @@ def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
     for cold in (True, False) * 5:
         folder = tmp_path / str(random.integers(10**9))
         folder.mkdir()
-        environment = {**os.environ, "PYTHONPATH": str(ROOT), "ROWS_STORE": str(folder / "rows.db")}
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         if cold:
             environment["XDG_CACHE_HOME"] = str(tmp_path / folder.name / "cache")
         process = subprocess.Popen(

@@ -193,7 +193,14 @@ def test_code_comes_back_after_reloading():
 def test_command_writes_the_page_and_the_figures(out):
     folder, _ = out
     names = {f"{name}.{kind}" for name in ("effect_prices", "scaling") for kind in ("npz", "png")}
-    names |= {"effect_prices.pdf", "scaling.pdf", "prices.txt", "prices.json", "prices.png"}
+    names |= {
+        "effect_prices.pdf",
+        "scaling.pdf",
+        "prices.txt",
+        "prices.json",
+        "prices.png",
+        "rows.db",
+    }
     assert {path.name for path in folder.iterdir()} == names
     assert (folder / "prices.png").read_bytes().startswith(b"\x89PNG")
     words = (folder / "prices.txt").read_text(encoding="utf-8")

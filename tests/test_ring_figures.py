@@ -27,7 +27,7 @@ def tallies(tmp_path_factory):
         done.append(execute(*args, **options))
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROWS_STORE", str(tmp_path_factory.mktemp("rows") / "rows.db"))
+        patch.setattr(rows, "STORE", tmp_path_factory.mktemp("rows") / "rows.db")
         patch.setattr(rows, "execute", watched)
         patch.setattr(fig04, "QUICK", TINY)
         patch.setattr(fig04, "FEW", (40, 34, 24))

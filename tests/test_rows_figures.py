@@ -27,7 +27,7 @@ def tallies(tmp_path_factory):
         return np.array([0.0]), [SimpleNamespace(flight=estimate, falling=estimate)]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROWS_STORE", str(tmp_path_factory.mktemp("rows") / "rows.db"))
+        patch.setattr(rows, "STORE", tmp_path_factory.mktemp("rows") / "rows.db")
         patch.setattr(rows, "execute", watched)
         patch.setattr(rows, "periods_of", lambda quick: 8)
         patch.setattr(fig13, "periods_of", lambda quick: 8)

@@ -36,6 +36,7 @@ COMMANDS: dict[str, tuple[list[str], int, str]] = {
     "run": (["-m", "md", "run", "single_rod", "--periods", "2"], 0, "drift"),
     "sweep": (["-m", "md", "sweep", "drift", "--store", "no/folder.db"], 2, "no such folder"),
     "list": (["-m", "figures", "list"], 0, "fig11"),
+    "readme": (["-m", "figures", "readme"], 2, "needs a source checkout"),
     "draw": (["-m", "figures", "draw", "fig10", "--quick"], 0, "fig10.png"),
 }
 
