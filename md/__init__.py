@@ -14,7 +14,7 @@ True
 One's own rods, in cm and Hz (`md/scenes/my_rods.toml`: copy it, change its numbers):
 
 >>> mine = md.load("my_rods", ["plate.acceleration=3"])
->>> result = md.run(mine, periods=100)
+>>> result = md.run(mine, periods=130)
 >>> drift, error = (mine.cm_per_s * value for value in (result.c_x, result.c_x_stderr))
 >>> print(f"{drift:.2f} +- {error:.2f} cm/s")  # doctest: +ELLIPSIS
 5... +- 0... cm/s
