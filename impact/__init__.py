@@ -26,6 +26,7 @@ collision                           the impact map: `collide`, `classify`
 boundaries, translation             boundaries of the regimes; the drift
 compiled                            the map as Numba kernels, the same bits
 flight, bouncing, falling           exact flights over the plate, and rods that make them
+_jit, _interrupt                    compiled as all of it is; signals that wait
 __main__, _handwritten, _command    the benchmark; errors of command lines
 
 To add a function: the rebound of `help(derivations)`

@@ -67,9 +67,9 @@ def _summing(kernel: Any, fastmath: Any = False) -> Callable[..., float]:
     in the order of the loop keeps a compiler from computing several impacts at once, {"reassoc"}
     lets it.
     """
-    from ._jit import kernel
+    from . import _jit
 
-    @kernel(fastmath=fastmath)
+    @_jit.kernel(fastmath=fastmath)
     def run(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
         total = 0.0
         for i in range(c_x.size):

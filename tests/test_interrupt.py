@@ -298,6 +298,18 @@ def test_a_run_that_is_terminated_saves_a_checkpoint(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["row.npz"]
 
 
+@pytest.mark.usefixtures("handlers")
+def test_a_figure_is_not_made_of_half_a_run():
+    """Which `md.run` would return, marked as not finished."""
+
+    def figure():
+        scene = row("step.size=3e-4", "plate.acceleration=5")
+        md.run(scene, periods=100_000, observe=lambda _: signal.raise_signal(signal.SIGINT))
+        return 0
+
+    assert left("figures", lambda: impact._command.guarded("figures", figure)) == 130
+
+
 def test_a_handler_of_ones_own_ends_a_run(tmp_path, alarm):
     """And leaves no half-written file."""
     alarm(0.3)
