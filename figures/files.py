@@ -1,6 +1,8 @@
 """Files of the commands: what could not be written in the end is refused before the work."""
 
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from impact._command import CommandError
@@ -54,3 +56,28 @@ def _replaceable(path: Path) -> bool:
     with path.open("rb") as file:
         head = file.read(NEAR)
     return not head or MARKS.get(path.suffix, b"") in head
+
+
+@contextmanager
+def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
+    """The folder `out`, ready for the files `names`; runs go to `store`, by default rows.db there.
+
+    Raises
+    ------
+    CommandError
+        As `ready`, and if the store cannot be used.
+    """
+    from md.store import Store, StoreError
+
+    from . import rows
+
+    usual, rows.STORE = rows.STORE, store or out / "rows.db"
+    try:
+        ready(out, *names, store=rows.STORE)
+        if store or rows.STORE.exists():
+            Store(rows.STORE).database.close()
+        yield out
+    except StoreError as error:
+        raise CommandError(error) from None
+    finally:
+        rows.STORE = usual
