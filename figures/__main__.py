@@ -94,6 +94,7 @@ CLAIMS, PAGE = ("claims.json", "claims.md"), "index.html"
 @contextmanager
 def _replacing(path: Path) -> Iterator[Path]:
     """A file to write beside `path`, which takes its place once it is whole."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:
         yield part
@@ -267,7 +268,6 @@ def _index(arguments: argparse.Namespace) -> int:
         raise CommandError(error) from None
     ready(out, *files)
     for name, content in files.items():
-        (out / name).parent.mkdir(exist_ok=True)
         with _replacing(out / name) as part:
             part.write_bytes(content)
     print(out / PAGE)

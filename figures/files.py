@@ -21,7 +21,7 @@ NEAR = 300  # bytes
 
 
 def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
-    """Paths of the files `names` in the folder `out`, which is made.
+    """Paths of the files `names` in the folder `out`, which need not be there yet.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
     if store and store.resolve() in [path.resolve() for path in (out, *paths)]:
         raise CommandError(f"store must be another file than --out and what is put there: {store}")
     try:
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=out):
+        there = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
+        with tempfile.TemporaryFile(dir=there):
             pass
         kept = [path for path in paths if path.exists() and not _replaceable(path)]
     except OSError as error:
@@ -74,7 +74,7 @@ def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
     usual, rows.STORE = rows.STORE, store or out / "rows.db"
     try:
         ready(out, *names, store=rows.STORE)
-        if store or rows.STORE.exists():
+        if rows.STORE.exists() or rows.STORE.parent != out:
             Store(rows.STORE).database.close()
         yield out
     except StoreError as error:
