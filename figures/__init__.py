@@ -18,9 +18,11 @@ price, timing, price_list           what it costs, on a machine that is not quie
 claims, claims.toml, law_claims     the paper's claims and their limits, judged
 measured, measured_ring, measuring, number    the numbers behind them, with errors
 movie, explore, setting             animation; one window of sliders
-paper, index, readme, __main__      everything; one page of it; parts of the README; the commands
+paper, index, readme                everything, and how long it takes; one page of it; the README
+files, __main__                     what may be written where; the commands
 
 Only `__main__` writes files: what `data` returns as .npz, what `draw` returns as .png and .pdf.
+Runs are kept in the file `rows.STORE`; of a command that is `--store`, or rows.db in `--out`.
 
 To add a figure: the critical tilts
 -----------------------------------

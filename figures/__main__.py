@@ -14,14 +14,13 @@ python -m figures explore [--tilt-deg PHI] [--friction MU] ... [--out FILE.png]
 import argparse
 import json
 import platform
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from impact._command import CommandError, Parser, guarded, leave, told
 
 from . import FIGURES, load
-from .files import ready
+from .files import ready, storing
 
 # What all of it and each command says of itself, with examples.
 TOLD = {
@@ -94,6 +93,7 @@ def _replacing(path: Path) -> AbstractContextManager[Path]:
     """A file to write beside `path`, which takes its place once it is whole."""
     from md.files import replacing  # late: the list of figures needs no Numba
 
+    path.parent.mkdir(parents=True, exist_ok=True)
     return replacing(path)
 
 
@@ -114,29 +114,6 @@ def _provenance() -> dict[str, str]:
 def _files(*names: str) -> list[str]:
     """Files of these figures."""
     return [f"{name}.{kind}" for name in names for kind in ("npz", "png", "pdf")]
-
-
-@contextmanager
-def _storing(arguments: argparse.Namespace, *names: str) -> Iterator[Path]:
-    """The folder for the files `names`; runs of rows and of the annulus go to the store asked for.
-
-    Where one of them could not be written in the end, nothing is begun.
-    """
-    from md.store import Store, StoreError
-
-    from . import rows
-
-    out, usual = arguments.out, rows.STORE
-    rows.STORE = arguments.store or out / "rows.db"
-    try:
-        ready(out, *names, store=rows.STORE)
-        if arguments.store or rows.STORE.exists():
-            Store(rows.STORE).database.close()
-        yield out
-    except StoreError as error:
-        raise CommandError(error) from None
-    finally:
-        rows.STORE = usual
 
 
 def _produce(name: str, out: Path, quick: bool) -> tuple[list[Path], str]:
@@ -176,7 +153,7 @@ def _draw(arguments: argparse.Namespace) -> int:
 
     mpl.use("Agg")
     bar = tqdm(names, desc="drawing", unit="figure", disable=None, leave=False)
-    with _storing(arguments, *_files(*names)) as out:
+    with storing(arguments.out, arguments.store, *_files(*names)) as out:
         for name in bar:
             bar.set_postfix_str(name)
             (npz, png, pdf), summary = _produce(name, out, arguments.quick)
@@ -197,7 +174,7 @@ def _prices(arguments: argparse.Namespace) -> int:
     mpl.use("Agg")
     found, names = {}, price_list.known()
     bar = tqdm(names, desc="prices", unit="figure", disable=None, leave=False)
-    with _storing(arguments, *_files(*names), *PRICES) as out:
+    with storing(arguments.out, arguments.store, *_files(*names), *PRICES) as out:
         for name in bar:
             bar.set_postfix_str(name)
             (npz, png, pdf), _ = _produce(name, out, quick=True)
@@ -248,7 +225,7 @@ def _movie(arguments: argparse.Namespace) -> int:
 def _claims(arguments: argparse.Namespace) -> int:
     from . import claims
 
-    with _storing(arguments, *CLAIMS) as out:
+    with storing(arguments.out, arguments.store, *CLAIMS) as out:
         report = claims.judge(arguments.quick, progress=True)
     text = json.dumps(claims.plain(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     for name, content in zip(CLAIMS, (text, claims.page(report)), strict=True):
@@ -262,7 +239,7 @@ def _paper(arguments: argparse.Namespace) -> int:
     from . import paper
 
     made = *_files(*FIGURES), "quasi2d.gif", "quasi2d.mp4", *CLAIMS, PAGE
-    with _storing(arguments, *made) as out:
+    with storing(arguments.out, arguments.store, *made) as out:
         print(paper.estimate(out), flush=True)
         names = paper.left(out)
     if arguments.estimate:
@@ -285,7 +262,6 @@ def _index(arguments: argparse.Namespace) -> int:
         raise CommandError(error) from None
     ready(out, *files)
     for name, content in files.items():
-        (out / name).parent.mkdir(exist_ok=True)
         with _replacing(out / name) as part:
             part.write_bytes(content)
     print(out / PAGE)

@@ -1,6 +1,8 @@
 """Files of the commands: what could not be written in the end is refused before the work."""
 
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from impact._command import CommandError
@@ -19,7 +21,7 @@ NEAR = 300  # bytes
 
 
 def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
-    """Paths of the files `names` in the folder `out`, which is made.
+    """Paths of the files `names` in the folder `out`, which need not be there yet.
 
     Parameters
     ----------
@@ -36,8 +38,8 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
 
     paths = [out / name for name in names]
     try:
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=out):
+        there = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
+        with tempfile.TemporaryFile(dir=there):
             pass
         for path in paths:
             distinct(out=path, store=store)
@@ -54,3 +56,28 @@ def _replaceable(path: Path) -> bool:
     """Whether what is there is of the kind that its name says."""
     with path.open("rb") as file:
         return MARKS.get(path.suffix, b"") in file.read(NEAR)
+
+
+@contextmanager
+def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
+    """The folder `out`, ready for the files `names`; runs go to `store`, by default rows.db there.
+
+    Raises
+    ------
+    CommandError
+        As `ready`, and if the store cannot be used.
+    """
+    from md.store import Store, StoreError
+
+    from . import rows
+
+    usual, rows.STORE = rows.STORE, store or out / "rows.db"
+    try:
+        ready(out, *names, store=rows.STORE)
+        if rows.STORE.exists() or rows.STORE.parent != out:
+            Store(rows.STORE).database.close()
+        yield out
+    except StoreError as error:
+        raise CommandError(error) from None
+    finally:
+        rows.STORE = usual

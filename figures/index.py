@@ -1,7 +1,7 @@
 """The front page of a folder: derivations, pictures, prices, claims and movies, one HTML file.
 
 >>> from figures import index
->>> "index.html" in index.files(Path("out"))  # and what else the folder needs, by name
+>>> "index.html" in index.files(index.GALLERY)  # and what else the folder needs, by name
 True
 
 What the folder holds is shown, what it lacks is listed with its command. What comes with the
@@ -128,7 +128,7 @@ def _command(arguments: str) -> str:
 
 def _drawn_by(name: str) -> str:
     """The command of a figure, and about how long it takes in full."""
-    seconds = "about a minute" if SECONDS.get(name, USUAL) > 30 else "seconds"
+    seconds = "about a minute" if SECONDS.get(name, USUAL) > 25 else "seconds"
     return f"{_command(f'figures draw {name}')} ({seconds if FIGURES[name].quick else 'minutes'})"
 
 

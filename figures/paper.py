@@ -23,26 +23,27 @@ from . import FIGURES, load, measured
 from .rows import ROW, store
 
 # Seconds of the processor in full, runs of the store apart, where a step of a rod of `ROW` takes
-# `STEP`; of figures not named here, `USUAL`. A list: of those that take all cores, one core's.
+# `STEP` seconds; of figures not named here, `USUAL`.
 SECONDS = {
-    "effect_prices": 420,
+    "effect_prices": 200,
     "accuracy_cost_drift": 400,
     "landing_census": 250,
-    "fig05": 300,
-    "accuracy_cost_ladder": 150,
+    "fig05": 320,
+    "accuracy_cost_ladder": 180,
     "scaling": 120,
-    "accuracy_map": 65,
-    "alpha": 50,
-    "fig08_theory": 40,
-    "fig02": 35,
-    "accuracy_cost_impact": 25,
-    "free_rod": 20,
-    "accuracy_cost_theory": 20,
-    "rigid_limit": 12,
+    "accuracy_map": 36,
+    "alpha": 47,
+    "fig08_theory": 34,
+    "fig02": 29,
+    "accuracy_cost_impact": 19,
+    "free_rod": 12,
+    "accuracy_cost_theory": 14,
+    "fig07": 9,
+    "appendix_a": 8,
 }
-USUAL, MOVIE, CLAIMS, STEP = 2, 5, 120, 24e-9
-ON_ALL_CORES = ("fig05",)
-AGAIN = "fig02", "fig05", "alpha"  # whose data the claims compute once more
+USUAL, MOVIE, CLAIMS, STEP = 3, 5, 15, 24.5e-9
+ON_ALL_CORES = ("fig05",)  # which share the seconds
+AGAIN = "fig02", "fig05", "alpha", "appendix_a"  # whose data the claims compute once more
 SAMPLES, RARE = 48, 0.05  # runs that are timed; share of the work of a kind that is not
 SETTLE, TIMED = 3, 12  # periods of each
 
@@ -82,9 +83,10 @@ def rod_steps(point: Point) -> int:
 
 
 def _kind(part: Any) -> Any:
-    """What tells one kernel from another: all of a scene but the sizes of its numbers."""
+    """What tells one kernel from another: all of a scene but its start and sizes of numbers."""
     if is_dataclass(part):
-        return tuple(_kind(getattr(part, field.name)) for field in fields(part))
+        names = (field.name for field in fields(part))
+        return tuple(_kind(getattr(part, name)) for name in names if name not in ("start", "step"))
     if isinstance(part, tuple):
         return tuple(map(_kind, part))
     return part is None if isinstance(part, str | None) else bool(part)
@@ -166,8 +168,8 @@ def estimate(out: Path) -> str:
     plan, names, cores = missing(), left(out), cpu_count()
     seconds, compiling = run_seconds([point for points in plan for point in points])
     runs = compiling + sum(_span((seconds[p.key] for p in points), cores) for points in plan)
-    shares = {name: cores if name in ON_ALL_CORES else 1 for name in FIGURES}
-    others = sum(SECONDS.get(name, USUAL) / shares[name] for name in (*names, *AGAIN))
+    share = dict.fromkeys(ON_ALL_CORES, cores)
+    others = sum(SECONDS.get(name, USUAL) / share.get(name, 1) for name in (*names, *AGAIN))
     here = from_tables(ROW)
     period = np.median([timed(here)[1] for _ in range(5)])
     others = (others + MOVIE + CLAIMS) * period / (step_of(here)[1] * here.rods.count) / STEP

@@ -1,7 +1,8 @@
 """Rows of rods for several figures: the paper's plane scenes, along axes, from one store.
 
-What is in the store is not computed again, whichever figure asked for it first; an interrupted
-figure goes on where it stopped. Tilts are set by the length of the box, L = N d/cos(tilt).
+What is in the store, the file `STORE`, is not computed again, whichever figure asked for it first;
+an interrupted figure goes on where it stopped. Tilts are set by the length of the box,
+L = N d/cos(tilt).
 
 As in the paper, rods have the inertia of a thin rod unless a figure says otherwise, and thickness.
 
