@@ -26,7 +26,7 @@ from .rows import ROW, store
 # `STEP` seconds; of figures not named here, `USUAL`.
 SECONDS = {
     "effect_prices": 200,
-    "accuracy_cost_drift": 400,
+    "accuracy_cost_drift": 600,
     "landing_census": 250,
     "fig05": 320,
     "accuracy_cost_ladder": 180,
