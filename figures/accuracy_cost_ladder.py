@@ -54,7 +54,7 @@ ROWS = {  # group: label: (steps a contact, what the scene changes)
 }
 LENGTHS = (3, 30)  # periods, at the usual step
 STARTS = 8  # of each row: its error is known to a quarter
-PERIODS = {True: 400, False: 2000}  # quick or not; also of each start of the trusted answer
+PERIODS = {True: 400, False: 1000}  # quick or not; also of each start of the trusted answer
 TRUSTED = (USUAL, {**both(stiffness=5e7), **CONSTRAINT})
 LANDINGS = (30, 300, 3000, 100_000)  # of one rigid rod
 
@@ -67,23 +67,33 @@ def scene(per_contact: float, changes: dict, seed: int = 1) -> Scene:
     return from_tables(put(row, {"step.size": dt, "step.coarse": True}))
 
 
-def _runs(how: list[tuple[float, dict, int]]) -> tuple[np.ndarray, np.ndarray]:
-    """Drift [sqrt(g d)] of every start of rows (steps a contact, changes, periods); seconds."""
+def rungs(quick: bool) -> dict[tuple[str, str], tuple[float, dict, int]]:
+    """Rows by group and label: steps a contact, changes of the scene, periods."""
+    found = {("length", f"{n} periods"): (USUAL, {}, n) for n in LENGTHS}
+    return found | {
+        (group, label): (*how, PERIODS[quick])
+        for group, rows in ROWS.items()
+        for label, how in rows.items()
+    }
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Starts of every row, and of the trusted answer."""
     seeds = list(range(1, STARTS + 1))
-    points = [Point(scene(n, to, seed), periods) for n, to, periods in how for seed in seeds]
-    sweep = computed(Sweep(({"row": how}, {"start.seed": seeds}), tuple(points)))
-    return sweep.gather(store(), "c_x", "run_seconds")
+
+    def starts(rows: list[tuple[float, dict, int]]) -> Sweep:
+        points = [Point(scene(n, to, seed), periods) for n, to, periods in rows for seed in seeds]
+        return Sweep(({"row": rows}, {"start.seed": seeds}), tuple(points))
+
+    trusted = [(*TRUSTED, PERIODS[quick])]
+    return {"rows": starts(list(rungs(quick).values())), "trusted": starts(trusted)}
 
 
-def _rows(how: list[tuple[float, dict, int]]) -> list[tuple[float, ...]]:
-    """Mean drift, its standard error, scatter of a start; seconds of one, nothing beside it."""
-    seconds = []
-    for per_contact, changes, periods in how:
-        one = scene(per_contact, changes)
-        md.run(one, periods=1, ledger=False)  # compiles
-        seconds.append(md.run(one, periods=periods, ledger=False).run_seconds)
-    mean, error = over_seeds(_runs(how)[0])
-    return list(zip(mean, error, error * np.sqrt(STARTS), seconds, strict=True))
+def _seconds(per_contact: float, changes: dict, periods: int) -> float:
+    """Of one start, with nothing beside it."""
+    one = scene(per_contact, changes)
+    md.run(one, periods=1, ledger=False)  # compiles
+    return md.run(one, periods=periods, ledger=False).run_seconds
 
 
 def _closed(speed: float, calls: int) -> tuple[float, ...]:
@@ -114,18 +124,15 @@ def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
 def data(quick: bool = False) -> dict[str, np.ndarray]:
     """Answers [sqrt(g d)] with errors and the scatter of one start, seconds, group and label."""
     load, speed = os.getloadavg()[0], md.load("quasi2d").plate_speed
-    periods = PERIODS[quick]
     entries = [("theory", "(24), $V_0/2$", *_closed(speed, 1))]
     entries.append(("theory", "in an array", *_closed(speed, 100_000)))
     for n in LANDINGS:
         entries.append(("one rigid rod", f"{n} landings", *_bouncing(n, speed)))
-    wanted = [("length", f"{n} periods", (USUAL, {}, n)) for n in LENGTHS]
-    wanted += [
-        (g, label, (*how, periods)) for g, rungs in ROWS.items() for label, how in rungs.items()
-    ]
-    found = _rows([how for _, _, how in wanted])
-    entries += [(group, label, *row) for (group, label, _), row in zip(wanted, found, strict=True)]
-    drifts, spent = _runs([(*TRUSTED, periods)])
+    rows, trusted = (computed(sweep) for sweep in sweeps(quick).values())
+    means, errors = over_seeds(rows.gather(store(), "c_x")[0])
+    for i, (name, how) in enumerate(rungs(quick).items()):
+        entries.append((*name, means[i], errors[i], errors[i] * np.sqrt(STARTS), _seconds(*how)))
+    drifts, spent = trusted.gather(store(), "c_x", "run_seconds")
     (truth,), (spread,) = over_seeds(drifts)
     group, label, answer, error, scatter, seconds = zip(*entries, strict=True)
     return {

@@ -36,7 +36,7 @@ PLACES = 8  # evenly over the plate's cycle, more than a period apart
 PART = 16  # of a period: how far each variant goes from each place
 WARM = 32  # steps before, that bring all into the cache
 BLOCKS, ROUNDS, SETTLE = {True: 30, False: 100}, {True: 5, False: 8}, {True: 10, False: 50}
-SEEDS, PERIODS = {True: 4, False: 16}, {True: 100, False: 300}  # of the drift
+SEEDS, PERIODS = {True: 8, False: 16}, {True: 100, False: 300}  # of the drift
 BARE = Variant(NOTHING, frozenset())
 
 

@@ -41,8 +41,9 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
         there = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
         with tempfile.TemporaryFile(dir=there):
             pass
-        for path in paths:
+        for path in (out, *paths):
             distinct(out=path, store=store)
+        for path in paths:
             if path.exists():
                 writable("out", path, _replaceable, f"a {path.suffix} file made here")
     except OSError as error:

@@ -29,7 +29,7 @@ SECONDS = {
     "accuracy_cost_drift": 600,
     "landing_census": 250,
     "fig05": 320,
-    "accuracy_cost_ladder": 180,
+    "accuracy_cost_ladder": 60,
     "scaling": 120,
     "accuracy_map": 36,
     "alpha": 47,

@@ -39,7 +39,7 @@ def test_time_to_reach_an_error():
 
 @pytest.fixture
 def tiny(monkeypatch):
-    monkeypatch.setattr(drift_figure, "PERIODS", {True: 64})
+    monkeypatch.setattr(drift_figure, "PERIODS", {True: 300})
     monkeypatch.setattr(drift_figure, "CUT", 2)
     monkeypatch.setattr(drift_figure, "PER_CONTACT", (16, 18, 25, 36, 40))
     monkeypatch.setattr(drift_figure, "PAPER_STEP", 1e-4)
