@@ -78,6 +78,13 @@ def _real(name: str, value: Any) -> Any:
     return np.multiply(1.0, value)
 
 
+def _spread(value: Any, shape: tuple[int, ...]) -> Any:
+    """A constant, which is evaluated to a Python number, in the shape of the arguments."""
+    if isinstance(value, bool | int | float):
+        return np.full(shape, value if isinstance(value, bool) else float(value))[()]
+    return value
+
+
 def function(tag: str) -> Callable[..., Any]:
     """Make a NumPy function of one derived equation.
 
@@ -127,7 +134,9 @@ def function(tag: str) -> Callable[..., Any]:
             given = signature.bind(*values, **named).arguments
         except TypeError as error:
             raise TypeError(f"equation {tag} takes {signature}: {error}") from None
-        return evaluate(*(_real(name, value) for name, value in given.items()))
+        numbers = [_real(name, value) for name, value in given.items()]
+        found, shape = evaluate(*numbers), np.broadcast_shapes(*map(np.shape, numbers))
+        return tuple(_spread(one, shape) for one in found) if vector else _spread(found, shape)
 
     evaluated.__name__ = evaluated.__qualname__ = f"equation_{tag}"
     evaluated.__doc__ = f"{tag}, {_entry(tag).what}: {form}."

@@ -24,4 +24,12 @@ t, theta = sp.symbols("t theta", real=True)
 V_0 = sp.Symbol("V_0", positive=True)
 Gamma = sp.Symbol("Gamma", positive=True)
 
+# By the names they are printed with: "I" and "l" as well as "mu".
 NAMED = {letter.name: letter for letter in list(vars().values()) if isinstance(letter, sp.Symbol)}
+
+
+def __getattr__(name: str) -> sp.Symbol:
+    """A letter by its printed name: `symbols.l` is `symbols.length`."""
+    if name not in NAMED:
+        raise AttributeError(f"there is no letter {name!r}; there are {', '.join(NAMED)}")
+    return NAMED[name]

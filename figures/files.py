@@ -8,14 +8,14 @@ from pathlib import Path
 from impact._command import CommandError
 
 MARKS = {  # what a file of each kind has near its beginning
-    ".npz": b"PK",
-    ".png": b"\x89PNG",
-    ".pdf": b"%PDF",
-    ".gif": b"GIF8",
-    ".mp4": b"ftyp",
-    ".json": b"{",
-    ".md": b"# The paper's claims",
-    ".html": b"<title>Rods on a vibrated plate",
+    ".npz": [b"PK"],
+    ".png": [b"\x89PNG"],
+    ".pdf": [b"%PDF"],
+    ".gif": [b"GIF8"],
+    ".mp4": [b"ftyp"],
+    ".json": [b'"provenance"', b'"machine"'],
+    ".md": [b"# The paper's claims"],
+    ".html": [b"<title>Rods on a vibrated plate"],
 }
 NEAR = 300  # bytes
 
@@ -56,7 +56,8 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
 def _replaceable(path: Path) -> bool:
     """Whether what is there is of the kind that its name says."""
     with path.open("rb") as file:
-        return MARKS.get(path.suffix, b"") in file.read(NEAR)
+        head = file.read(NEAR)
+    return any(mark in head for mark in MARKS.get(path.suffix, [b""]))
 
 
 @contextmanager

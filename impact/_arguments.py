@@ -6,7 +6,7 @@ position: labels (pandas, xarray) that say otherwise raise, equal ones are dropp
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import combinations, zip_longest
+from itertools import combinations
 from operator import index
 from typing import Any, NamedTuple, TypeAlias
 
@@ -51,10 +51,10 @@ def labels_of(value: Any) -> Labels:
     """Labels of what looks like pandas or xarray, neither of which is imported; else empty."""
     if isinstance(value, Labelled):
         return value.labels
-    if hasattr(value, "dims"):
+    if getattr(value, "dims", None) is not None:
         indexes = getattr(value, "indexes", {})
         return [(dimension, indexes.get(dimension)) for dimension in value.dims]
-    return [(None, index) for index in getattr(value, "axes", ())]
+    return [(None, index) for index in getattr(value, "axes", None) or ()]
 
 
 def _difference(one: Labels, other: Labels) -> tuple[Any, Any] | None:
@@ -62,10 +62,12 @@ def _difference(one: Labels, other: Labels) -> tuple[Any, Any] | None:
     for pair in zip(one[::-1], other[::-1], strict=False):
         (name, name_), (labels, labels_) = zip(*pair, strict=True)
         if None not in (name, name_) and name != name_:
-            return name, name_
+            return repr(name), repr(name_)
         if labels is not None and labels_ is not None and not labels.equals(labels_):
-            pairs = zip_longest(labels, labels_)
-            return next((pair for pair in pairs if pair[0] != pair[1]), (labels, labels_))
+            if len(labels) != len(labels_):
+                return f"{len(labels)} labels", f"{len(labels_)} labels"
+            pairs = zip(labels, labels_, strict=True)
+            return next(((repr(a), repr(b)) for a, b in pairs if a != b), (labels, labels_))
     return None
 
 
@@ -75,8 +77,8 @@ def _refuse_unlike(values: Mapping[str, Any]) -> None:
     for (one, labels), (other, others) in combinations(labelled, 2):
         if found := _difference(labels, others):
             raise ValueError(
-                f"{one} and {other} must have equal labels, got {found[0]!r} where the other has "
-                f"{found[1]!r}; align them, or pass plain arrays"
+                f"{one} and {other} must have equal labels, got {found[0]} where the other has "
+                f"{found[1]}; align them, or pass plain arrays"
             )
 
 

@@ -240,7 +240,7 @@ def _print_scene(scene: "Scene") -> None:
 
 def _print_result(r: "Result") -> None:
     """What a run measured, for people."""
-    from .dial import SETTLING, Tuned, in_words
+    from .dial import Tuned, in_words
 
     unit, n = r.scene.cm_per_s, r.scene.rods.count
     print(f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d)", end="")
@@ -274,10 +274,8 @@ def _print_result(r: "Result") -> None:
     print(f"{span:12} {r.periods} = {seconds:.4g} s, of which the first {r.discarded}", end="")
     print(" are not in the means", end="")
     print("" if r.finished else "; interrupted")
-    if r.scene.annulus is not None and r.periods < SETTLING:
-        print(
-            f"not settled  rods in an annulus may rearrange for long: {SETTLING} periods tell more"
-        )
+    if r.scene.annulus is not None and r.periods < _SETTLING:
+        print(f"warning      not equilibrated: an annulus needs {_SETTLING} periods or more")
     print(f"cost         {r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g)", end="")
     print(f" ({n} rod{'s' * (n > 1)},", end="")
     print(f" {r.steps_per_period} steps each) in {r.run_seconds:.3g} s,", end="")
@@ -342,7 +340,8 @@ def _results(arguments: argparse.Namespace) -> int:
     from .store import table, write_csv
     from .units import TWINS
 
-    distinct(store=arguments.store, csv=arguments.csv)
+    beside = {f"store{end}": f"{arguments.store}{end}" for end in ("", "-wal", "-shm", "-journal")}
+    distinct(**beside, csv=arguments.csv)
     columns, rows = table(arguments.store)
     if arguments.csv is not None:
         write_csv(arguments.csv, columns, rows)
@@ -372,6 +371,7 @@ def _cell(value: object) -> str:
     return "" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
+_SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
 _ENDS = {"reached": 0, "bias unknown": 3, "not reached": 4}  # exit codes of --tolerance
 _NOT_GIVEN = ("run", "json", "command")
 _OF_RESULT = "accuracy.", "energy.", "landings.", "merged.", "turned.", "versions."
@@ -495,6 +495,7 @@ def leave(main: Callable[[], int]) -> NoReturn:
         print("python -m md: cannot write: standard output is closed", file=sys.stderr)
         sys.exit(2)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it is Ctrl-C
+    warnings.showwarning = lambda text, *_: print(f"python -m md: {text}", file=sys.stderr)
     try:
         code = main()
     except SystemExit as end:  # after help, or bad arguments

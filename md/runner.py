@@ -210,7 +210,11 @@ class _Files:
         except OSError as error:
             why = f"{name} {path}: {error.strerror or error}"
             if name not in self.lost and not quiet:
-                warn(f"cannot write {why}; the run goes on")
+                behind = self.checkpoint is not None and name == "trajectory"
+                warn(
+                    f"cannot write {why}; the run goes on"
+                    + (", its checkpoint stays where the frames are whole" if behind else "")
+                )
             self.lost[name] = why
 
     def frame(self) -> None:
@@ -336,7 +340,7 @@ def run(
         writable("checkpoint", kept)
         if kept.exists():
             about, arrays = _read(kept, scene)
-            check_continues(trajectory, frames, about["trajectory"], kept)
+            check_continues(trajectory, frames, periods, about["trajectory"], kept)
     engine = prepare(scene, ledger=ledger)
     tables = engine.tables(periods)
     series = tables.sampled(engine)

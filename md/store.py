@@ -22,7 +22,8 @@ __all__ = ["Store", "StoreError", "table", "write_csv"]
 _VERSION = 1
 _APPLICATION = 0x726F6473  # "rods"
 _WAIT = 60.0  # seconds for another writer
-_NOTHING_BESIDE = sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY
+_CANNOT_WRITE = {sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY}  # beside the store
+_CANNOT_WRITE |= {sqlite3.SQLITE_IOERR, sqlite3.SQLITE_FULL}
 _OF_RUN = "periods", "seed", "code", "error", "seconds", "written"  # columns of all tables
 
 _TABLE = """
@@ -60,6 +61,8 @@ class Store:
 
     def __init__(self, path: str | Path, write: bool = True):
         self.path = Path(path)
+        if self.path.is_dir():
+            raise StoreError(f"store {str(path)!r} must be a file, not a folder")
         fresh = not self.path.exists() or self.path.stat().st_size == 0
         if fresh and not write:
             raise StoreError(f"store {path}: no such file")
@@ -87,7 +90,7 @@ class Store:
             try:
                 mark, version = self._identity(how)
             except sqlite3.OperationalError as error:
-                if error.sqlite_errorcode & 0xFF not in _NOTHING_BESIDE:
+                if error.sqlite_errorcode & 0xFF not in _CANNOT_WRITE:
                     raise
                 log = f"{os.path.realpath(self.path)}-wal"
                 if not empty(log):
@@ -243,7 +246,11 @@ def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) 
     def is_table(there: Path) -> bool:
         with there.open(encoding="utf-8", errors="replace", newline="") as file:
             header = file.readline(2**20).rstrip("\r\n").split(",")
-        return header == columns or set(_OF_RUN) <= set(header)
+        # A table without a column of somebody's own; from no runs there are no names to compare.
+        ours = set(columns) <= set(_OF_RUN) or all(
+            "." in name or name in columns for name in header
+        )
+        return header == columns or (ours and set(_OF_RUN) <= set(header))
 
     writable("csv", path, is_table, "one of runs")
     with replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:

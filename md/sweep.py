@@ -23,7 +23,8 @@ import hashlib
 import itertools
 import logging
 import math
-from collections.abc import Iterator, Mapping
+import warnings
+from collections.abc import Generator, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -278,7 +279,7 @@ def _finished(points: list[Point], workers: int) -> Iterator[tuple]:
     )(delayed(_one)(point) for point in points)
 
 
-def _survived(points: list[Point], workers: int) -> Iterator[tuple]:
+def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]:
     """The same; where a worker dies, what was under way is begun anew."""
     left, deaths = {point.key: point for point in points}, 0
     while left:
@@ -291,6 +292,18 @@ def _survived(points: list[Point], workers: int) -> Iterator[tuple]:
             deaths += 1
             if deaths == _CRASHES:
                 raise RunError(f"a worker died {deaths} times in a row", ()) from None
+
+
+@contextmanager
+def _stopping(results: Generator[tuple, None, None]) -> Iterator[None]:
+    """Stop the runs under way, without joblib's words, if something ends the sweep early."""
+    try:
+        yield
+    except BaseException:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            results.close()
+        raise
 
 
 @dataclass
@@ -349,10 +362,11 @@ def execute(
         wanted = [p for key, p in points.items() if not database.has(key, failed=not retry)]
         tally = Tally(len(sweep.points), len(points), len(points) - len(wanted))
         bar = tqdm(total=len(wanted), unit=" runs", disable=None if progress else True)
-        with bar, _backend(scheduler):
-            count = 0 if scheduler else _cores(workers, len(wanted))
-            try:
-                for key, result, error, seconds in _survived(wanted, count or -1):
+        count = 0 if scheduler else _cores(workers, len(wanted))
+        results = _survived(wanted, count or -1)
+        try:
+            with bar, _backend(scheduler), _stopping(results):
+                for key, result, error, seconds in results:
                     about = {"code": _CODE, "seconds": seconds, "periods": points[key].periods}
                     about |= {"periods": result["periods"]} if result else {}
                     scene = points[key].scene
@@ -362,9 +376,9 @@ def execute(
                     tally.failed += error is not None
                     tally.run_seconds += seconds
                     bar.update()
-            except KeyboardInterrupt:
-                done = tally.computed + tally.failed
-                raise Interrupted(f"{done} of {len(wanted)} runs done and stored") from None
+        except KeyboardInterrupt:
+            done = tally.computed + tally.failed
+            raise Interrupted(f"{done} of {len(wanted)} runs done and stored") from None
     tally.seconds = perf_counter() - begin
     return tally
 

@@ -16,6 +16,7 @@ from .scene import Scene
 __all__ = ["Trajectory", "check_continues", "is_trajectory", "read_frames", "write_frame"]
 
 _COLUMNS = "id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3:velo:R:3:omega:R:1:tilt:R:1"
+_LAST = 2**20  # bytes before its end that hold the head of the last frame
 _TAIL = 2**16  # bytes before its end by which a file is known again
 
 
@@ -66,14 +67,26 @@ def _tail(path: Path, size: int) -> str:
         return hashlib.sha256(file.read(min(size, _TAIL))).hexdigest()
 
 
+def _last_time(path: Path) -> float:
+    """Time of the last frame of a file, in periods."""
+    with path.open("rb") as file:
+        file.seek(max(path.stat().st_size - _LAST, 0))
+        return float(file.read().rpartition(b" Time=")[2].split()[0])
+
+
 def check_continues(
-    path: str | Path | None, per_period: int, kept: dict[str, Any] | None, checkpoint: str | Path
+    path: str | Path | None,
+    per_period: int,
+    periods: int,
+    kept: dict[str, Any] | None,
+    checkpoint: str | Path,
 ) -> None:
     """Refuse a trajectory on which a checkpoint cannot go on; nothing is changed.
 
     Parameters
     ----------
     path, per_period : of the trajectory asked for; None: of none
+    periods : asked for
     kept : what the checkpoint keeps of the one it was saved with; None: there was none
     checkpoint : its path, for the message
 
@@ -92,7 +105,7 @@ def check_continues(
     theirs, anew = kept["path"], f"or remove checkpoint {checkpoint} to start again"
     if path is None:
         raise ValueError(f"trajectory is missing: name {theirs!r}, which belongs to it, {anew}")
-    if not same(path, theirs):
+    if not same(path, theirs) and Path(theirs).exists():  # else it was moved: its tail tells
         raise ValueError(f"trajectory must be {theirs!r}, got {str(path)!r}: name that one, {anew}")
     if per_period != kept["per_period"]:
         raise ValueError(
@@ -104,6 +117,12 @@ def check_continues(
             f"trajectory {str(path)!r} was changed: its first {kept['frames']} frames "
             f"({kept['size']} bytes) are not as checkpoint {checkpoint} knows them; bring them "
             "back, or remove the checkpoint to start again"
+        )
+    # Frames behind those of the checkpoint, of a run that was killed, are made again.
+    if size > kept["size"] and (last := _last_time(Path(path))) > periods:
+        raise ValueError(
+            f"trajectory {str(path)!r} goes on to period {last:.6g}, beyond the {periods} asked "
+            f"for: checkpoint {checkpoint} is older; name a newer one, or ask for as many periods"
         )
 
 

@@ -93,19 +93,23 @@ def test_what_lies_outside_of_the_calibration_is_said(changes, words):
     assert tuned.step == md.Step()
 
 
-def test_the_annulus_lies_outside_even_at_a_tilt_that_was_calibrated():
-    scene = md.load("annulus", ["start.tilt_deg=25", "rods.count=40"])
-    assert dial.outside(scene) == ("rods in an annulus were not calibrated",)
-    assert np.isnan(dial.chosen_step(scene, 0.01)[1])
+def test_a_tolerance_is_refused_in_an_annulus():
+    """One run cannot tell its error there, however long it is."""
+    with pytest.raises(ValueError, match="tolerance has no meaning in an annulus"):
+        md.run(md.load("annulus"), tolerance=0.5)
 
 
-def test_the_annulus_is_given_the_time_to_settle(monkeypatch):
-    """However little is asked for."""
-    monkeypatch.setattr(dial, "SETTLING", 140)
-    parts = [f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods", "wall")]
-    small = ["rods.count=2", "rods.length=4", "annulus.inner=1", "annulus.outer=2.8", *parts]
-    result = md.run(md.load("annulus", [*small, "step.size=none"]), tolerance=0.5)
-    assert result.periods >= 140
+def test_a_run_that_was_ended_early_is_not_judged():
+    """By Ctrl-C before the first look; nothing is said of its error."""
+    chase = dial._Chase(0.5, 0.95, 0.05, 0.0, 600.0)
+    chase(np.zeros(0))
+    chase(np.ones(46))
+    assert (chase.half, chase.reached) == (np.inf, False)
+    result = md.run(row("plate.acceleration=5"), periods=46)
+    accuracy = dial._accuracy(chase, row("plate.acceleration=5"), result, np.nan)
+    assert accuracy.state == "not reached"
+    words = dial.in_words(md.Tuned(**vars(result), accuracy=accuracy))
+    assert words == ["accuracy     NOT REACHED: ended before 128 periods, error unknown"]
 
 
 def test_the_papers_row_lies_inside():

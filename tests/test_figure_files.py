@@ -80,6 +80,9 @@ def test_a_file_of_another_kind_is_not_replaced(command, name, idle, tmp_path, m
     monkeypatch.chdir(tmp_path)
     kept = "<title>My garden</title>"
     Path(name).write_text(kept)
+    if name.endswith(".json"):
+        kept = '{"my": "data"}'
+        Path(name).write_text(kept)
     Path("prices.txt").touch()  # something to show
     refused(lambda: main(command.split()), name, capsys)
     assert Path(name).read_text() == kept

@@ -38,6 +38,8 @@ def folder(tmp_path, monkeypatch):
     Path("other.xyz").write_text('1\nLattice="1 0 0 0 1 0 0 0 1" Properties=pos:R:3\n0 0 0\n')
     Path("mine.toml").write_text('scene = "my_rods"\n')
     Path("empty.toml").touch()
+    write_csv("more.csv", *table("a.db"))  # and a column of one's own
+    Path("more.csv").write_text(Path("more.csv").read_text().replace("\n", ",mine\n"))
     np.save("array.npy", np.zeros(3))
     np.savez("arrays.npz", about="{}")
     Path("link").symlink_to("a.db")
@@ -61,6 +63,8 @@ def contents(folder):
         ("results a.db --csv link", "csv must be another file than store"),
         ("results link --csv hard", "csv must be another file than store"),
         ("results a.db --csv notes.csv", "csv must be a new file or one of runs, got 'notes.csv'"),
+        ("results a.db --csv a.db-wal", "csv must be another file than store-wal"),
+        ("results a.db --csv more.csv", "csv must be a new file or one of runs, got 'more.csv'"),
         ("results a.db --csv array.npy", "csv must be a new file or one of runs"),
         ("results a.db --csv socket", "csv must be a plain file, got 'socket'"),
         ("results a.db --csv nowhere/a.csv", "csv must be in a folder that exists"),

@@ -63,7 +63,7 @@ def test_labels_are_compared_as_axes_are_paired():
     for unlike in (across, turned, labelled([0.3, 0.4], axes=[Index("ac")])):
         with pytest.raises(ValueError, match=r"c_x and friction must .* got '[xb]'"):
             call("collide", c_x=along, friction=unlike)
-    with pytest.raises(ValueError, match="got 'c' where the other has None"):
+    with pytest.raises(ValueError, match="got 3 labels where the other has 2 labels"):
         call("collide", c_x=labelled([1.0] * 3, axes=[Index("abc")]), friction=along)
 
 

@@ -117,3 +117,18 @@ def test_labels_stay():
     drift = derivations.function("26")(0.65, one, other)
     assert drift.index.tolist() == ["a", "b", "c"]
     assert drift["b"] == derivations.function("26")(0.65, 0.4, 1.0)
+
+
+def test_constants_have_the_shape_of_the_arguments():
+    """Components of a vector, of which some are zero, and forms without letters."""
+    found = derivations.function("2")(l=[1, 2], phi=[0.1, 0.2], P_x=1, P_z=1)
+    assert [np.shape(part) for part in found] == [(2,)] * 3
+    assert all(part.dtype == float for part in found)
+    assert all(isinstance(part, float) for part in derivations.function("2")(1, 0.1, 1, 1))
+
+
+def test_letters_are_under_the_names_that_are_printed():
+    assert derivations.symbols.l is derivations.symbols.length
+    assert derivations.symbols.I is derivations.symbols.NAMED["I"]
+    with pytest.raises(AttributeError, match="there is no letter 'q'"):
+        derivations.symbols.q  # noqa: B018

@@ -202,6 +202,28 @@ def test_another_trajectory_is_refused_and_nothing_changes(begun, change, option
     assert contents(begun) == before
 
 
+def test_a_moved_folder_goes_on(begun):
+    """Where the file that the checkpoint names is gone, size and tail tell."""
+    moved = begun / "moved"
+    moved.mkdir()
+    for name in ("a.xyz", "w.npz"):
+        (begun / name).rename(moved / name)
+    md.run(own(), periods=22, checkpoint=moved / "w.npz", trajectory=moved / "a.xyz")
+    assert [frame["time"] for frame in read_frames(moved / "a.xyz")] == [*range(22)]
+
+
+def test_an_older_checkpoint_cuts_no_frames(begun):
+    """Frames behind it are made again, or it is refused."""
+    (begun / "older.npz").write_bytes((begun / "w.npz").read_bytes())
+    md.run(own(), periods=24, checkpoint="w.npz", trajectory="a.xyz")
+    before = contents(begun)
+    with pytest.raises(ValueError, match="goes on to period 23, beyond the 22 asked for"):
+        md.run(own(), periods=22, checkpoint="older.npz", trajectory="a.xyz")
+    assert contents(begun) == before
+    md.run(own(), periods=24, checkpoint="older.npz", trajectory="a.xyz")
+    assert contents(begun)["a.xyz"][0] == before["a.xyz"][0]
+
+
 @pytest.mark.usefixtures("begun")
 def test_a_trajectory_may_begin_with_a_resumed_run():
     md.run(own(), periods=23, checkpoint="alone.npz", trajectory="new.xyz")

@@ -83,7 +83,7 @@ def test_a_folder_that_is_missing_or_a_file_to_read_that_is(tmp_path):
         Store(tmp_path / "nowhere" / "a.db")
     with pytest.raises(StoreError, match="no such file"):
         Store(tmp_path / "a.db", write=False)
-    with pytest.raises(StoreError, match="is not a store"):
+    with pytest.raises(StoreError, match="must be a file, not a folder"):
         Store(tmp_path)
     assert list(tmp_path.iterdir()) == []
 
@@ -173,3 +173,26 @@ def test_a_table_is_written_beside_and_renamed(tmp_path):
     assert lines[1].startswith("2,0.5,0.1,")
     assert '"it broke, badly"' in lines[2]
     assert not list(tmp_path.glob("*.part*"))
+
+
+def test_a_folder_is_no_store(tmp_path, capsys):
+    for path in (str(tmp_path), ""):
+        refused(lambda path=path: main(["results", path]), "must be a file, not a folder", capsys)
+
+
+def test_a_store_on_a_full_disk_is_read(tmp_path, monkeypatch):
+    """Where SQLite has no room for its files beside the store."""
+    with Store(tmp_path / "a.db") as store:
+        store.put("k", ABOUT, {"c_x": 0.5}, None)
+    usual = Store._identity
+
+    def full(store, how):
+        if how != "immutable=1":
+            error = sqlite3.OperationalError("disk I/O error")
+            error.sqlite_errorcode = sqlite3.SQLITE_IOERR_SHMSIZE
+            raise error
+        return usual(store, how)
+
+    monkeypatch.setattr(Store, "_identity", full)
+    with Store(tmp_path / "a.db", write=False) as store:
+        assert store.result("k") == {"c_x": 0.5}

@@ -32,7 +32,6 @@ CONFIDENCE = 0.95
 FLOOR = 0.05  # of the plate's peak velocity: slower drifts are judged as if they were this fast
 MAX_SECONDS = 600.0
 _MOST = 10**6  # periods
-SETTLING = 400  # periods at least in an annulus, where rods rearrange for two hundred (Fig. 5)
 _FIRST, _LEAST, _LARGEST = 128, 1.1, 2.0  # periods before the first look; growth between looks
 _VERDICTS = {
     "reached": "reached",
@@ -118,13 +117,9 @@ def described(scene: Scene) -> dict[str, Any]:
 def outside(scene: Scene) -> tuple[str, ...]:
     """What of a scene lies outside of the calibration, in words; nothing where it applies."""
     known, found = calibrated(), []
-    if scene.annulus is not None:
-        found.append("rods in an annulus were not calibrated")
     if scene.gravity is None or (scene.gravity.x, scene.gravity.z) != (0.0, -1.0):
         found.append("gravity is not 1, downwards")
     for name, value in described(scene).items():
-        if name == "tilt_deg" and scene.annulus is not None:
-            continue  # it follows from the number of rods
         if name == "laws":
             if value not in known["laws"]:
                 found.append(f"laws {value} were not calibrated ({', '.join(known['laws'])})")
@@ -145,8 +140,13 @@ def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:
     Raises
     ------
     ValueError
-        If nothing vibrates, or no plate is touched.
+        If nothing vibrates, no plate is touched, or rods stand in an annulus.
     """
+    if scene.annulus is not None:
+        raise ValueError(
+            "tolerance has no meaning in an annulus: rods keep the arrangement of their start, so "
+            "that one run cannot tell its error; use periods, and several start.seed"
+        )
     if not scene.vibrates or scene.contacts.plate is None:
         raise ValueError("tolerance needs a plate that vibrates and a contact with it")
     if outside(scene):
@@ -185,7 +185,7 @@ class _Chase:
     floor: float
     bias: float  # relative; 0 where it is unknown
     max_seconds: float
-    first: int  # periods before the first look
+    first: int = _FIRST
     began: float = nan
     mean: float = nan
     half: float = inf
@@ -205,6 +205,8 @@ class _Chase:
             return self.first
         self.seconds = perf_counter() - self.began
         self.mean, self.half, cut = interval(drift, self.confidence)
+        if made < self.first:  # ended by Ctrl-C: too short to be judged
+            self.half = inf
         room = (self.tolerance - self.bias) * self.size
         self.reached = self.half <= room
         wanted = cut + (made - cut) * (self.half / room) ** 2
@@ -233,8 +235,8 @@ def run(
     ----------
     scene : Scene
     tolerance : total error of the drift over its size, 1e-5 to 0.5; the step and the length of the
-        run follow (128 periods at least, `SETTLING` in an annulus), the scene's own step is not
-        used. None: `periods` are made, at the scene's step
+        run follow (128 periods at least), the scene's own step is not used; not in an annulus.
+        None: `periods` are made, at the scene's step
     confidence : with which the interval holds the long-run drift, 0.5 to 0.999
     floor : drifts below it, in sqrt(g d), are judged as if they were this fast (default: a
         twentieth of the plate's peak velocity)
@@ -263,9 +265,8 @@ def run(
     checked(tolerance, confidence, 1.0 if floor is None else floor, max_seconds)
     tuned, bias = chosen_step(scene, tolerance)
     floor = FLOOR * scene.plate_speed if floor is None else floor
-    first = _FIRST if scene.annulus is None else SETTLING
     known = bias if isfinite(bias) else 0.0
-    chase = _Chase(tolerance, confidence, floor, known, max_seconds, first)
+    chase = _Chase(tolerance, confidence, floor, known, max_seconds)
     result = runner.run(tuned, **{**options, "periods": _MOST}, goal=chase)
     chase(result.c_x_series)  # where Ctrl-C ended it
     return Tuned(**vars(result), accuracy=_accuracy(chase, scene, result, bias))
@@ -317,6 +318,8 @@ def in_words(result: Tuned) -> list[str]:
         f"{error:.2g} sqrt(g d) = {error * unit:.2g} cm/s, {error / size:.2g} of it, "
         f"at {a.confidence:.4g} confidence" + (", bias of the step apart" if a.outside else "")
     ]
+    if not isfinite(error):
+        return [f"accuracy     {_VERDICTS[a.state]}: ended before {_FIRST} periods, error unknown"]
     step = f"dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact"
     if a.outside:
         lines.append(f"step         {step}; its bias is unknown: {'; '.join(a.outside)}")
