@@ -225,7 +225,7 @@ def test_ten_thousand_periods_drift_neither_in_energy_nor_in_phase():
     def observe(rows):
         last[:] = [rows]
 
-    result = closed(md.run(scene, periods=10_000, observe=observe), part=2e-4)
+    result = closed(md.run(scene, periods=10_000, observe=observe))
     parts = [r.energy["residual"] / turnover(r) for r in (short, result)]
     assert parts[1] == pytest.approx(parts[0], rel=0.1)
     steps = last[0][:, landings.STEP].astype(int)
