@@ -1,7 +1,7 @@
 # make figures   set up, derive, prove, generate, report, draw the quick figures: out/index.html
 # make paper     set up, then every figure in full, movie and claims; says first how long; goes on
 # make test      set up and run the tests
-# make slow      set up and run the longer studies; tests/SLOW.md says when they passed last
+# make slow      set up and run the longer studies; a pass is recorded in tests/SLOW.md
 # make clean     remove what the two built
 
 PYTHON ?= python3
