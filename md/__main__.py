@@ -13,6 +13,7 @@ import signal
 import sys
 import warnings
 from collections.abc import Callable
+from itertools import count
 from math import isnan, pi, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -241,12 +242,14 @@ def _print_scene(scene: "Scene") -> None:
 def _print_result(r: "Result") -> None:
     """What a run measured, for people."""
     from .dial import Tuned, in_words
+    from .statistics import FEWEST, transient
 
     unit, n = r.scene.cm_per_s, r.scene.rods.count
     print(f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d)", end="")
     print(f" = {_with_error(r.c_x * unit, r.c_x_stderr * unit)} cm/s")
     if isnan(r.c_x_stderr):
-        why = "from 124 periods on one run can tell it"
+        enough = next(n for n in count(FEWEST) if n - transient(n) >= FEWEST)
+        why = f"from {enough} periods on one run can tell it"
         if r.scene.annulus is not None:
             why = "rods keep their arrangement: only other starts tell it (start.seed)"
         print(f"             error unknown: {why}")

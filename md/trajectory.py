@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import re
 from collections.abc import Iterator
 from contextlib import suppress
 from math import acos, atan2, cos, degrees, hypot, sin, sqrt
@@ -68,10 +69,11 @@ def _tail(path: Path, size: int) -> str:
 
 
 def _last_time(path: Path) -> float:
-    """Time of the last frame of a file, in periods."""
+    """Time of the last frame of a file, in periods; a killed run may have left a part of one."""
     with path.open("rb") as file:
         file.seek(max(path.stat().st_size - _LAST, 0))
-        return float(file.read().rpartition(b" Time=")[2].split()[0])
+        times = re.findall(rb" Time=([\d.e+-]+) ", file.read())
+    return float(times[-1]) if times else 0.0
 
 
 def check_continues(

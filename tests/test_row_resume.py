@@ -224,6 +224,14 @@ def test_an_older_checkpoint_cuts_no_frames(begun):
     assert contents(begun)["a.xyz"][0] == before["a.xyz"][0]
 
 
+@pytest.mark.parametrize("part", [b"4\n", b'4\nLattice="1" Time=', b"4\nsomething else\n"])
+def test_what_a_killed_run_left_of_a_frame_is_cut_off(begun, part):
+    with (begun / "a.xyz").open("ab") as file:
+        file.write(part)
+    md.run(own(), periods=21, checkpoint="w.npz", trajectory="a.xyz")
+    assert [frame["time"] for frame in read_frames(begun / "a.xyz")] == [*range(21)]
+
+
 @pytest.mark.usefixtures("begun")
 def test_a_trajectory_may_begin_with_a_resumed_run():
     md.run(own(), periods=23, checkpoint="alone.npz", trajectory="new.xyz")

@@ -185,7 +185,6 @@ class _Chase:
     floor: float
     bias: float  # relative; 0 where it is unknown
     max_seconds: float
-    first: int = _FIRST
     began: float = nan
     mean: float = nan
     half: float = inf
@@ -202,10 +201,10 @@ class _Chase:
         made = len(drift)
         if not made:
             self.began = perf_counter()
-            return self.first
+            return _FIRST
         self.seconds = perf_counter() - self.began
         self.mean, self.half, cut = interval(drift, self.confidence)
-        if made < self.first:  # ended by Ctrl-C: too short to be judged
+        if made < _FIRST:  # ended by Ctrl-C: too short to be judged
             self.half = inf
         room = (self.tolerance - self.bias) * self.size
         self.reached = self.half <= room
@@ -214,7 +213,7 @@ class _Chase:
         if self.reached:
             return made
         affordable = made * self.max_seconds / self.seconds
-        hopeless = self.needed > 2 * self.max_seconds and made >= 2 * self.first
+        hopeless = self.needed > 2 * self.max_seconds and made >= 2 * _FIRST
         if hopeless or affordable < _LEAST * made:
             return made
         return int(min(np.clip(wanted, _LEAST * made, _LARGEST * made) + 1, affordable, _MOST))
@@ -313,13 +312,13 @@ def in_words(result: Tuned) -> list[str]:
     size = max(abs(result.c_x), a.floor)
     of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
     error = a.statistical if a.outside else a.error
+    if not isfinite(error):
+        return [f"accuracy     {_VERDICTS[a.state]}: ended before {_FIRST} periods, error unknown"]
     lines = [
         f"accuracy     {_VERDICTS[a.state]}: {a.tolerance:.3g} of {of} asked for; c_x is within "
         f"{error:.2g} sqrt(g d) = {error * unit:.2g} cm/s, {error / size:.2g} of it, "
         f"at {a.confidence:.4g} confidence" + (", bias of the step apart" if a.outside else "")
     ]
-    if not isfinite(error):
-        return [f"accuracy     {_VERDICTS[a.state]}: ended before {_FIRST} periods, error unknown"]
     step = f"dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact"
     if a.outside:
         lines.append(f"step         {step}; its bias is unknown: {'; '.join(a.outside)}")
