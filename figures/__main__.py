@@ -20,7 +20,7 @@ from pathlib import Path
 from impact._command import CommandError, Parser, guarded, leave, told
 
 from . import FIGURES, load
-from .files import ready, storing
+from .lib.files import ready, storing
 
 # What all of it and each command says of itself, with examples.
 TOLD = {
@@ -169,7 +169,7 @@ def _prices(arguments: argparse.Namespace) -> int:
     import numpy as np
     from tqdm import tqdm
 
-    from . import price_list
+    from .cost import price_page as price_list
 
     mpl.use("Agg")
     found, names = {}, price_list.known()
@@ -200,7 +200,7 @@ def _movie(arguments: argparse.Namespace) -> int:
 
     import md
 
-    from . import movie
+    from .pages import movie
 
     mpl.use("Agg")
     out, kinds = arguments.out, ("gif", "mp4") if FFMpegWriter.isAvailable() else ("gif",)
@@ -223,7 +223,7 @@ def _movie(arguments: argparse.Namespace) -> int:
 
 
 def _claims(arguments: argparse.Namespace) -> int:
-    from . import claims
+    from .claims import verdicts as claims
 
     with storing(arguments.out, arguments.store, *CLAIMS) as out:
         report = claims.judge(arguments.quick, progress=True)
@@ -236,7 +236,7 @@ def _claims(arguments: argparse.Namespace) -> int:
 
 
 def _paper(arguments: argparse.Namespace) -> int:
-    from . import paper
+    from .pages import everything as paper
 
     made = *_files(*FIGURES), "quasi2d.gif", "quasi2d.mp4", *CLAIMS, PAGE
     with storing(arguments.out, arguments.store, *made) as out:
@@ -254,7 +254,7 @@ def _paper(arguments: argparse.Namespace) -> int:
 def _index(arguments: argparse.Namespace) -> int:
     out = arguments.out
 
-    from . import index
+    from .pages import index
 
     try:
         files = index.files(out)
@@ -276,8 +276,8 @@ def _explore(arguments: argparse.Namespace) -> int:
         import matplotlib as mpl
 
         mpl.use("Agg")
-    from . import explore
-    from .setting import Setting
+    from .pages import explore
+    from .pages.setting import Setting
 
     try:
         start = Setting(**given)
@@ -299,7 +299,7 @@ def _explore(arguments: argparse.Namespace) -> int:
 def _readme(_: argparse.Namespace) -> int:
     from derivations.readme import TARGET
 
-    from . import readme
+    from .pages import readme
 
     if not TARGET.is_file():
         raise CommandError(f"it needs a source checkout; {TARGET.parent} has no {TARGET.name}")

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:  # a refused argument shall cost no import
     from .laws import Law
-    from .runner import Result
     from .scene import Scene
+    from .simulation import Result
 
 MD = """\
 Molecular dynamics of rods on a plate: one impact, a scene, a sweep of scenes.
@@ -129,7 +129,7 @@ def _law(arguments: argparse.Namespace) -> "Law":
 
 
 def _impact(arguments: argparse.Namespace) -> int:
-    from .one_rod import Rod, impact
+    from .soft_impact import Rod, impact
 
     tilt_deg = arguments.tilt_deg
     if not -90 <= tilt_deg <= 90:
@@ -149,7 +149,7 @@ def _impact(arguments: argparse.Namespace) -> int:
     )
     result = hit._asdict()
     if arguments.json:
-        from .runner import finite
+        from .simulation import finite
 
         given = {key: value for key, value in vars(arguments).items() if key not in _NOT_GIVEN}
         result |= {"stiffness": law.normal.stiffness, "arguments": given}
@@ -169,7 +169,7 @@ def _impact(arguments: argparse.Namespace) -> int:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from .dial import Tuned, run
+    from .accuracy import Tuned, run
     from .files import NotWritten, distinct
     from .scene import load
 
@@ -208,8 +208,8 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _in_cm(result: "Result") -> dict[str, Any]:
     """For JSON, what a result in its own units is in cm and s."""
-    from .runner import finite
     from .scene import as_dict
+    from .simulation import finite
     from .units import in_cm
 
     cm, speed = result.scene.rods.diameter_cm, result.scene.cm_per_s
@@ -241,7 +241,7 @@ def _print_scene(scene: "Scene") -> None:
 
 def _print_result(r: "Result") -> None:
     """What a run measured, for people."""
-    from .dial import Tuned, in_words
+    from .accuracy import Tuned, in_words
     from .statistics import FEWEST, transient
 
     unit, n = r.scene.cm_per_s, r.scene.rods.count
@@ -316,8 +316,8 @@ def _sweep(arguments: argparse.Namespace) -> int:
 
 
 def _calibrate(arguments: argparse.Namespace) -> int:
-    from .dial import CALIBRATION
-    from .dial.calibration import calibrate, is_calibration
+    from .accuracy import CALIBRATION
+    from .calibration import calibrate, is_calibration
     from .files import distinct, replacing, writable
 
     path = Path(arguments.out or CALIBRATION)  # beside the sources, perhaps read-only
@@ -382,8 +382,8 @@ _OF_RESULT = "accuracy.", "energy.", "landings.", "merged.", "turned.", "version
 
 def _parser() -> Parser:
     from .laws import LAWS
-    from .one_rod import INTEGRATORS
     from .scene import keys
+    from .soft_impact import INTEGRATORS
 
     parser = Parser(prog="python -m md", description=MD)
     commands = parser.add_subparsers(dest="command", required=True)

@@ -25,7 +25,7 @@ from .interrupt import deferred
 _APART = {
     *("__init__.py", "__main__.py", "files.py", "interrupt.py", "store.py", "sweep.py"),
     "trajectory.py",
-    *("dial/__init__.py", "dial/calibration.py"),
+    *("accuracy.py", "calibration.py"),
 }
 _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
 

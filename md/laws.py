@@ -21,7 +21,7 @@ from typing import Any
 
 from scipy.optimize import brentq
 
-from .contact import Friction, Normal, Spring
+from .kernels.contact import Friction, Normal, Spring
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d
 _STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more than zero

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from . import landings, row
-from .engine import SAMPLES, Engine
+from .host import SAMPLES, Engine
+from .kernels import plane as row
+from .kernels import touches as landings
 from .statistics import ratio, standard_error
 
 _PHASES = 64  # parts of a period

@@ -14,7 +14,7 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from .cache import kernel
-from .contact import dashpot, tangential_constants, weight
+from .kernels.contact import dashpot, tangential_constants, weight
 
 FORWARD, STICK, BACK, FREE = 1, 0, -1, 2  # how friction acts now; FREE: there is none
 _SWITCHES = 10_000  # of one contact; a soft spring that rattles at the force's end makes hundreds

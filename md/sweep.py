@@ -37,11 +37,11 @@ from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
+from .accuracy import CALIBRATION, MAX_SECONDS, Tuned, checked, chosen_step, in_words, run
 from .cache import digest
-from .dial import CALIBRATION, MAX_SECONDS, Tuned, checked, chosen_step, in_words, run
-from .engine import step_of
-from .one_rod import RunError
+from .host import step_of
 from .scene import Scene, as_dict, from_tables, put, read_tables, whole
+from .soft_impact import RunError
 from .store import Store
 
 __all__ = ["Interrupted", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]

@@ -1,13 +1,13 @@
-"""Rods for the tests of `md.row`: soft scenes that are cheap, and forces by brute force."""
+"""Cheap soft scenes of many rods for the tests, and forces by brute force."""
 
 from math import cos, pi, sin
 
 import numpy as np
 
 import md
-from md.engine import Engine, prepare
-from md.one_rod import Rod
+from md.host import Engine, prepare
 from md.scene import Box, Contact, Contacts, Rods, Scene, Start, Step
+from md.soft_impact import Rod
 
 EPS = np.finfo(float).eps
 SOFT = 1e5  # k_n of most tests: contacts fifty times as long as the paper's allow long steps

@@ -8,8 +8,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from figures import accuracy_cost_theory, accuracy_map, precise
 from figures.__main__ import main as draw
+from figures.cost import accuracy_cost_theory, accuracy_map
+from figures.cost import many_digits as precise
 from impact import Regime, collide
 from impact.__main__ import LAWS, main, random_impacts
 

@@ -7,9 +7,9 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.engine import prepare
-from md.space import crowd
-from md.space.engine import axial_gyration_squared
+from md.annulus_host import axial_gyration_squared
+from md.host import prepare
+from md.kernels.space import march as crowd
 from md.sweep import execute, expand
 from md.trajectory import read_frames
 
@@ -73,7 +73,7 @@ def test_rods_bounce_and_keep_to_the_gap(whole):
 
 @pytest.mark.parametrize("seconds", [1e-4, 10.0])
 def test_how_a_run_is_cut_into_calls_does_not_matter(whole, monkeypatch, seconds):
-    monkeypatch.setattr(md.engine, "CALL_SECONDS", seconds)
+    monkeypatch.setattr(md.host, "CALL_SECONDS", seconds)
     assert bits(md.run(whole.scene, periods=6)) == bits(whole)
 
 
@@ -191,7 +191,7 @@ def test_too_deep_in_a_wall_is_an_error():
 
 def test_a_film_rolls_it_out():
     """Places along the middle circle, without jumps, and the lean along it."""
-    from figures import movie
+    from figures.pages import movie
 
     scene = ring("plate.acceleration=5", "start.tilt_deg=30")
     film = movie.record(scene, 3, 4)

@@ -12,24 +12,17 @@ import psutil
 import pytest
 
 import md
-from figures import (
-    FIGURES,
-    claims,
-    fig02,
-    fig04,
-    fig05,
-    fig07,
-    fig08,
-    fig13,
-    measured,
-    paper,
-    phase_friction,
-    ring,
-    rows,
-)
+from figures import FIGURES
 from figures.__main__ import main
-from figures.number import Number, onset, resampled
-from md.engine import step_of
+from figures.checks import phase_friction
+from figures.claims import row_numbers as measured
+from figures.claims import verdicts as claims
+from figures.claims.number import Number, onset, resampled
+from figures.lib import annulus_runs as ring
+from figures.lib import row_runs as rows
+from figures.pages import everything as paper
+from figures.paper import fig02, fig04, fig05, fig07, fig08, fig13
+from md.host import step_of
 from md.store import Store
 from md.sweep import Sweep, execute
 

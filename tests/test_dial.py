@@ -8,9 +8,9 @@ from scipy.stats import binom
 from scipy.stats import t as student
 
 import md
-from md import dial
+from md import accuracy as dial
+from md import calibration
 from md.__main__ import main
-from md.dial import calibration
 from md.scene import _parsed, from_tables, put, read_tables
 from md.store import Store, table
 from md.sweep import execute, expand

@@ -151,3 +151,25 @@ def test_examples_run(name, tmp_path, monkeypatch):
     plt.close("all")
     assert found.attempted > 0
     assert found.failed == 0
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_the_layout_names_every_file(package):
+    """In the left column of the package's docstring; a folder stands for the modules in it."""
+    folder = Path(impact.__file__).parents[1] / package
+    layout = re.split(
+        r"^Files, as one reads them\n-+\n", importlib.import_module(package).__doc__, flags=re.M
+    )[1]
+    named = set()
+    for row in re.findall(r"^(\S.*?)  +\S", layout.split("\n\n")[0], re.M):
+        inside = ""
+        for name in row.split(", "):
+            inside = name.rpartition("/")[0] or inside
+            named.add(f"{inside}/{name.rpartition('/')[2]}".strip("/"))
+    rooms = {name for name in named if (folder / name).is_dir()}
+    modules = {path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.py")}
+    modules = {name for name in modules if not name.endswith("__init__")}
+    assert named - rooms <= modules
+    assert {
+        name for name in modules if not any(name.startswith(f"{r}/") for r in rooms)
+    } == named - rooms

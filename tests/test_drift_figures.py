@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import md
-from figures import accuracy_cost_drift as drift_figure
-from figures import accuracy_cost_ladder as ladder
-from md.dial import steps_per_contact
+from figures.cost import accuracy_cost_drift as drift_figure
+from figures.cost import accuracy_cost_ladder as ladder
+from md.accuracy import steps_per_contact
 
 mpl.use("Agg")
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import impact
-from figures import explore
 from figures.__main__ import main
-from figures.explore import Window
-from figures.setting import CHOICES, RANGES, TILT, Setting, data, words
+from figures.pages import explore
+from figures.pages.explore import Window
+from figures.pages.setting import CHOICES, RANGES, TILT, Setting, data, words
 from impact import Regime
 
 from .command_line import refused

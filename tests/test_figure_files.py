@@ -8,8 +8,12 @@ import pytest
 
 import derivations.readme
 from derivations.__main__ import main as derive
-from figures import claims, effect_prices, explore, fig10, index, movie, paper
 from figures.__main__ import main
+from figures.claims import verdicts as claims
+from figures.cost import effect_prices
+from figures.pages import everything as paper
+from figures.pages import explore, index, movie
+from figures.paper import fig10
 from md.scene import SCENES
 
 from .command_line import refused

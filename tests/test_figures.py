@@ -11,7 +11,7 @@ import pytest
 
 import figures
 from figures.__main__ import main
-from figures.restitution_laws import largest_gain
+from figures.theory.restitution_laws import largest_gain
 from impact import Regime, critical_friction, energy_restitution, slide_friction, thin_rod
 from impact._generated import DIGEST
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import md
-from md import files, runner, trajectory
+from md import calibration, files, trajectory
+from md import simulation as runner
 from md.__main__ import main
-from md.dial import calibration
 from md.store import Store, table, write_csv
 
 from .command_line import refused
@@ -110,7 +110,7 @@ def test_what_a_command_wrote_it_may_replace(folder, monkeypatch, capsys):
         assert main(["results", "a.db", "--csv", "to"]) == 0
     assert Path("to").is_symlink()
     assert len(Path("b.csv").read_text().splitlines()) == 2
-    measured = json.loads(md.dial.CALIBRATION.read_text())
+    measured = json.loads(md.accuracy.CALIBRATION.read_text())
     monkeypatch.setattr(calibration, "calibrate", lambda *_, **__: measured)
     for _ in range(2):
         assert main(["calibrate", "--store", "a.db", "--out", "c.json"]) == 0

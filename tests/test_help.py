@@ -128,9 +128,9 @@ def test_refusals_begin_with_the_command(command, capsys, tmp_path, monkeypatch)
 ENDS = [(KeyboardInterrupt, 130, "interrupted"), (MemoryError, 1, "not enough memory")]
 DONE = {  # a command, and the function that does its work
     "derivations check": "derivations.registry.check",
-    "figures index": "figures.index.files",
+    "figures index": "figures.pages.index.files",
     "impact benchmark": "impact.__main__.benchmark",
-    "md run single_rod": "md.dial.run",
+    "md run single_rod": "md.accuracy.run",
 }
 
 

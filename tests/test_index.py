@@ -16,10 +16,13 @@ from PIL import Image
 
 from derivations import report
 from derivations.registry import ENTRIES
-from figures import FIGURES, claims, index, paper
+from figures import FIGURES
 from figures import __main__ as command
 from figures.__main__ import main
-from figures.price_list import PRICES
+from figures.claims import verdicts as claims
+from figures.cost.price_page import PRICES
+from figures.pages import everything as paper
+from figures.pages import index
 
 from .command_line import refused
 from .page import Page, plain

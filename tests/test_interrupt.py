@@ -21,9 +21,10 @@ import impact.__main__
 import md.__main__
 from derivations import codegen
 from impact import _interrupt, _jit, bouncing, compiled, falling
-from md import cache, integrators, interrupt
-from md.engine import prepare
+from md import cache, interrupt
 from md.files import replacing
+from md.host import prepare
+from md.kernels import single as integrators
 from md.store import write_csv
 
 from .rows import row
@@ -162,7 +163,7 @@ def test_a_compilation_ends_before_a_handler_runs(kernel, monkeypatch, tmp_path)
 
 def test_no_kernel_builds_its_result_by_calling_python():
     """As Numba does for a named tuple, and dies if a handler raises there."""
-    scene = md.one_rod._scene(md.Rod(), md.coulomb(), None, None, None)
+    scene = md.soft_impact._scene(md.Rod(), md.coulomb(), None, None, None)
     state = integrators.started("leapfrog", (0, 9, 0), (0, 0, 0), None, 1e-4)
     assert type(integrators.run(scene, state, 0, 1, 1e-4, None)[0]) is tuple
 
@@ -201,7 +202,7 @@ def test_a_long_contact_is_made_in_calls(monkeypatch):
     given, calls, run = {"friction": 0.4, "dt": 1e-5}, [], integrators.run
     whole = md.impact(0.3, 0.5, -1.0, **given)
     monkeypatch.setattr(integrators, "run", lambda *all: (calls.append(all[3]), run(*all))[1])
-    monkeypatch.setattr(md.one_rod, "_STEPS_A_CALL", 100)
+    monkeypatch.setattr(md.soft_impact, "_STEPS_A_CALL", 100)
     assert md.impact(0.3, 0.5, -1.0, **given)[:-1] == whole[:-1]
     assert calls == [0, *[100] * (whole.steps // 100 + 1)]
 
@@ -211,11 +212,11 @@ def test_a_march_is_made_in_calls_that_grow(monkeypatch):
     calls, engine = [], prepare(row("start.drop=0.1"))
     march = engine._march
     monkeypatch.setattr(engine, "_march", lambda n, series: (calls.append(n), march(n, series))[1])
-    monkeypatch.setattr(md.engine, "CALL_SECONDS", 1e9)
+    monkeypatch.setattr(md.host, "CALL_SECONDS", 1e9)
     for _ in range(6):
         engine.go(engine.pace)
     assert calls == [4**i for i in range(6)]
-    monkeypatch.setattr(md.engine, "CALL_SECONDS", 0.0)
+    monkeypatch.setattr(md.host, "CALL_SECONDS", 0.0)
     calls.clear()
     engine.go(5000)
     assert calls[1:] == [1] * (5000 - calls[0])

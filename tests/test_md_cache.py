@@ -18,7 +18,7 @@ from md import cache
 PACKAGE = Path(md.__file__).parent
 CALL = """
 import json, md
-from md.contact import Spring
+from md.kernels.contact import Spring
 from md.reference import STICK, held
 force = held(Spring(root=1.0), 0.3, STICK, 1.0, 1.0, 0.1, 0.0, 0.0, 1.0)[0]
 counts = [sum(found.values()) for found in (held.stats.cache_hits, held.stats.cache_misses)]
@@ -65,10 +65,10 @@ def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
     assert call(copy) == (-0.1, 1, 0)
     assert kept(copy) == files
 
-    source = (copy / "contact.py").read_text()
+    source = (copy / "kernels" / "contact.py").read_text()
     edited = source.replace("k += root * sqrt", "k += 2 * root * sqrt")
     assert edited != source
-    (copy / "contact.py").write_text(edited)
+    (copy / "kernels" / "contact.py").write_text(edited)
     assert call(copy) == (-0.2, 0, 1)
     assert kept(copy).items() > files.items()  # the old ones are left, in a folder of their own
 
@@ -167,7 +167,9 @@ def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch):
 
 def test_arithmetic_is_that_of_ieee():
     """No kernel is compiled with `fastmath`, which would reorder sums and drop nan and -0."""
-    from md import contact, integrators, reference
+    from md import reference
+    from md.kernels import contact
+    from md.kernels import single as integrators
 
     kernels = [
         kernel

@@ -11,7 +11,7 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.contact import Normal, Spring
+from md.kernels.contact import Normal, Spring
 
 GIVEN = {"tilt-deg": "20", "friction": "0.4", "restitution": "0.65", "c-x": "0.5", "c-z": "-1"}
 
@@ -235,7 +235,7 @@ def test_interrupted_run_ends_cleanly(capsys, monkeypatch):
     def interrupted(*_args, **_options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("md.one_rod.impact", interrupted)
+    monkeypatch.setattr("md.soft_impact.impact", interrupted)
     assert run(capsys) == (130, "", "python -m md impact: interrupted\n")
 
 
@@ -243,7 +243,7 @@ def test_a_run_that_fails_is_code_1(capsys, monkeypatch):
     def stopped(*_args, **_options):
         raise md.RunError("the contact has not ended", (0.0,) * 6)
 
-    monkeypatch.setattr("md.one_rod.impact", stopped)
+    monkeypatch.setattr("md.soft_impact.impact", stopped)
     assert run(capsys) == (1, "", "python -m md impact: the contact has not ended\n")
 
 

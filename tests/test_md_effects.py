@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import md
-from md import integrators, one_rod
+from md import soft_impact as one_rod
+from md.kernels import single as integrators
 from md.laws import friction_of
 
 from .track import track

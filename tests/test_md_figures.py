@@ -10,7 +10,11 @@ from scipy.integrate import solve_ivp
 
 import figures
 import md
-from figures import accuracy_cost_impact, appendix_a, fig12, impact_errors, price, rigid_limit, soft
+from figures.checks import appendix_a, rigid_limit
+from figures.cost import accuracy_cost_impact, impact_errors
+from figures.lib import impact_price as price
+from figures.lib import soft_impacts as soft
+from figures.paper import fig12
 from impact import ContactGeometry, collide
 
 mpl.use("Agg")

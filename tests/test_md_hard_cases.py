@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import md
-from md import integrators, one_rod
-from md.integrators import State
+from md import soft_impact as one_rod
+from md.kernels import single as integrators
+from md.kernels.single import State
 from md.laws import contact_time, deepest_overlap, friction_of, largest_step
 
 from .track import track

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import md
-from md import integrators, one_rod
-from md.contact import plate_at
-from md.engine import prepare
-from md.integrators import State
+from md import soft_impact as one_rod
+from md.host import prepare
+from md.kernels import single as integrators
+from md.kernels.contact import plate_at
+from md.kernels.single import State
 from md.laws import contact_time, friction_of
 
 from .track import track

@@ -11,10 +11,12 @@ import pytest
 
 import figures
 import md
-from figures import effect_prices, in_space, price_list, scaling, timing
 from figures.__main__ import main
-from figures.effects import EFFECTS, FULL, GROUPS, NOTHING, OFF, Variant, variants
-from md import row
+from figures.cost import effect_prices, in_space, scaling
+from figures.cost import price_page as price_list
+from figures.cost.effects import EFFECTS, FULL, GROUPS, NOTHING, OFF, Variant, variants
+from figures.lib import timing
+from md.kernels import plane as row
 from md.scene import Scene, Start
 
 mpl.use("Agg")

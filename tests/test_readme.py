@@ -13,7 +13,7 @@ import pytest
 
 from derivations import readme as derived
 from derivations import registry
-from figures import readme as measured
+from figures.pages import readme as measured
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 
 import md
-from figures import claims, fig04, fig05, measured, measured_ring, measuring, ring, rows
-from md.engine import prepare
+from figures.claims import annulus_numbers as measured_ring
+from figures.claims import register as measuring
+from figures.claims import row_numbers as measured
+from figures.claims import verdicts as claims
+from figures.lib import annulus_runs as ring
+from figures.lib import row_runs as rows
+from figures.paper import fig04, fig05
+from md.host import prepare
 from md.sweep import execute
 
 mpl.use("Agg")

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import md
-from md import row
-from md.engine import prepare
+from md.host import prepare
+from md.kernels import plane as row
 from md.scene import Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step
 
 RIGID = md.coulomb(1.0, 1e5)  # no dashpot
@@ -106,7 +106,7 @@ def compiled(march, parts):
     ]
     text = march.inspect_llvm(mine)
     functions = re.findall(r"^define[^\n]*\n.*?^}", text, re.M | re.S)
-    [body] = [f for f in functions if re.match(r"define[^\n]*@_ZN2md3row5march", f)]
+    [body] = [f for f in functions if re.match(r"define[^\n]*@_ZN2md7kernels5plane5march", f)]
     return engine, body, text
 
 

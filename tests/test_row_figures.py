@@ -9,12 +9,13 @@ import pytest
 from PIL import Image
 
 import md
-from figures import landing_census, movie
 from figures.__main__ import main
-from figures.landings import census, compared, measures
+from figures.checks import landing_census
+from figures.checks.landings import census, compared, measures
+from figures.pages import movie
 from impact import ContactGeometry, Regime, classify, collide
-from md import landings
-from md.one_rod import Rod
+from md.kernels import touches as landings
+from md.soft_impact import Rod
 
 from .command_line import refused
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import md
-from md import landings
-from md.engine import plate_motion, prepare
+from md.host import plate_motion, prepare
+from md.kernels import touches as landings
 from md.scene import Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step
 
 from .rows import EPS, SOFT, free, row

@@ -5,8 +5,8 @@ from math import ceil
 import numpy as np
 import pytest
 
-from md import neighbours
-from md.engine import SKIN, prepare
+from md.host import SKIN, prepare
+from md.kernels import neighbours
 
 from .rows import ELASTIC, EPS, HALF, LIGHT, SOFT, elastic, ends, forces, free, images, row
 

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from md.neighbours import apart, places
+from md.kernels.neighbours import apart, places
 
 from .rows import ELASTIC, EPS, HALF, LIGHT, SOFT, elastic, ends, forces, free, tip_on_side
 

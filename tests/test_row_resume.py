@@ -52,7 +52,7 @@ def test_the_same_seed_gives_the_same_bits(whole):
 @pytest.mark.parametrize("seconds", [1e-4, 10.0])
 def test_how_a_run_is_cut_into_calls_does_not_matter(whole, monkeypatch, seconds):
     """Landings included; the calls' lengths follow the clock, which no two runs share."""
-    monkeypatch.setattr(md.engine, "CALL_SECONDS", seconds)
+    monkeypatch.setattr(md.host, "CALL_SECONDS", seconds)
     rows = []
     result = md.run(row(*SCENE), periods=PERIODS, observe=rows.append)
     assert bits(result) == whole[0]
@@ -62,7 +62,7 @@ def test_how_a_run_is_cut_into_calls_does_not_matter(whole, monkeypatch, seconds
 @pytest.fixture
 def impatient(monkeypatch):
     """Short calls of the kernel, so that a run can be stopped many times."""
-    monkeypatch.setattr(md.engine, "CALL_SECONDS", 1e-4)
+    monkeypatch.setattr(md.host, "CALL_SECONDS", 1e-4)
 
 
 def interrupted(path, **options):
@@ -294,7 +294,7 @@ KILLED = """
 import os, signal, sys
 import numpy as np
 import md
-from md import runner
+from md import simulation as runner
 from tests.rows import row
 
 def half(file, **arrays):

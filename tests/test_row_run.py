@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import md
-from md import landings
-from md import row as kernels
-from md.engine import prepare
+from md.host import prepare
+from md.kernels import plane as kernels
+from md.kernels import touches as landings
 from md.scene import Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step
 
 from .rows import EPS, SOFT, row

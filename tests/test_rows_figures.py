@@ -7,7 +7,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from figures import fig02, fig06, fig07, fig08, fig13, law_claims, rows
+from figures.claims import law_numbers as law_claims
+from figures.lib import row_runs as rows
+from figures.paper import fig02, fig06, fig07, fig08, fig13
 from impact import ContactGeometry, drift, landing_density, spherocylinder
 from md.sweep import execute
 

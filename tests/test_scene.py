@@ -10,7 +10,7 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.engine import prepare
+from md.host import prepare
 from md.scene import SCENES, as_dict, load
 
 EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))

@@ -5,11 +5,13 @@ import pytest
 from scipy.optimize import minimize
 
 import md
-from md.contact import Friction
-from md.engine import prepare
-from md.row import Between
-from md.space import crowd, forces, geometry, placement
-from md.space.pairs import nearest, no_pairs
+from md import placement
+from md.host import prepare
+from md.kernels.contact import Friction
+from md.kernels.plane import Between
+from md.kernels.space import forces, geometry
+from md.kernels.space import march as crowd
+from md.kernels.space.pairs import nearest, no_pairs
 
 HALF, LIGHT = 4.25, 12 / 9.5**2
 GAP = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import md
-from md.contact import Friction
-from md.row import Between
-from md.space import crowd, forces
-from md.space.pairs import no_pairs
+from md.kernels.contact import Friction
+from md.kernels.plane import Between
+from md.kernels.space import forces
+from md.kernels.space import march as crowd
+from md.kernels.space.pairs import no_pairs
 
 LAW = md.constant_restitution(0.65, 1e5, tangential_ratio=3)
 ROUGH = Friction(0.3, LAW.spring)
@@ -56,7 +57,7 @@ def marched(kernel, parts):
     assert (done, why) == (50, 0)
     [mine] = [s for s in kernel.signatures if s[0] == numba.typeof(scene)]
     functions = re.findall(r"^define[^\n]*\n.*?^}", kernel.inspect_llvm(mine), re.M | re.S)
-    [body] = [f for f in functions if re.match(r"define[^\n]*@_ZN2md5space5crowd5march", f)]
+    [body] = [f for f in functions if re.match(r"define[^\n]*@_ZN2md7kernels5space5march5march", f)]
     return rods, body
 
 

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import md
-from md.engine import prepare
-from md.integrators import DEEP
+from md.host import prepare
+from md.kernels.single import DEEP
+from md.kernels.space import forces, geometry
+from md.kernels.space import march as crowd
 from md.laws import deepest_overlap
-from md.space import crowd, forces, geometry
 
 from .test_annulus import ring
 from .test_space import HALF, LOSSY, ROUGH, Scene, tuples, unit, world

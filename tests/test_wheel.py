@@ -19,9 +19,9 @@ VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 WHERE = f"""
 import {", ".join(PACKAGES)}
 from importlib.metadata import version
-from figures import claims
+from figures.claims import verdicts as claims
 assert len(claims.read()) == 29
-assert md.dial.calibrated()["scale"] > 0
+assert md.accuracy.calibrated()["scale"] > 0
 print(*(package.__file__ for package in ({", ".join(PACKAGES)})), version("rod-impact"))
 """
 # What comes after `python`, and of each its exit code and what it prints, on stderr if it fails.

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from md import integrators, one_rod
-from md.integrators import State
+from md import soft_impact as one_rod
+from md.kernels import single as integrators
+from md.kernels.single import State
 
 
 def track(scene, start, dt, steps, *, every=1, method="leapfrog"):

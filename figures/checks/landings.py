@@ -1,0 +1,156 @@
+"""Every landing of a run beside the impact map, fed what was measured just before it.
+
+Per landing: the change of (c_x, c_z, k omega), `jump`; how far the map misses what came out,
+`residual`; the same once the map is told that the contact takes time, `allowed`; and what other
+rods gave meanwhile, `kick`. All are velocities, in sqrt(g d), k the gyration radius.
+
+Allowing for the contact's time: gravity and the plate's acceleration act with one half before the
+impact and the other half after it, and the arms are those of the middle of the contact. What the
+plate does passes through the contact point, so the angular momentum about that point, changed by
+more than gravity does, is the kick of other rods: one of its three components, the one that needs
+no knowledge of the plate's force.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+import md
+from impact import ContactGeometry, collide
+from md.kernels import touches as landings
+from md.soft_impact import Rod
+from md.statistics import ratio
+
+REST = 0.1  # periods: a longer contact is no impact
+HOP = 0.01  # periods: a shorter flight is no flight
+DISTURBED = 0.1  # kick over jump from which other rods had a say
+CLOSE = 0.1  # residual over jump up to which the map is said to hold
+
+
+class Census(NamedTuple):
+    """One value a landing; `block` numbers what is averaged together for the standard error."""
+
+    block: np.ndarray  # period of the touch, or rod
+    blocks: int
+    independent: bool  # whether the blocks are rods, each by itself
+    isolated: np.ndarray  # no other rod pushes meanwhile
+    jump: np.ndarray
+    residual: np.ndarray
+    allowed: np.ndarray
+    kick: np.ndarray
+    seen: np.ndarray  # regime in the run
+    mapped: np.ndarray  # regime of the map
+    mapped_allowed: np.ndarray
+    restitution: np.ndarray  # -v_f/v_0 as measured, not clipped; -inf if nothing approached
+    duration: np.ndarray  # periods
+    flight: np.ndarray  # periods; nan before a rod's first landing
+
+
+def _mapped(rows, arms, k, friction, plate, v_f, pull):
+    """Map of what was measured: how far from the outcome, its regime, the restitution taken.
+
+    `arms` are X and Z; `plate` holds the plate's velocities before and after; `pull` what gravity
+    and the plate's acceleration add to c_z, seen from the plate, in half of the contact.
+    """
+    c_x, c_z, omega = rows[:, landings.BEFORE : landings.BEFORE + 3].T
+    x, z, turn = rows[:, landings.AFTER : landings.AFTER + 3].T
+    towards = c_z - plate[0] + pull
+    v_0 = towards + omega * arms[0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        restitution = np.where(v_0 < 0, -v_f / v_0, -np.inf)
+    hit = collide(
+        *(c_x, towards, omega),
+        geometry=ContactGeometry(*arms, k),
+        friction=friction,
+        restitution=np.clip(restitution, 0, 1),
+    )
+    miss = np.array([x - hit.c_x, z - plate[1] - pull - hit.c_z, k * (turn - hit.omega)])
+    return np.linalg.norm(miss, axis=0), hit.regime, restitution
+
+
+def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str, np.ndarray]:
+    """Fields of `Census` but the blocks, of rows as `md.run` hands them to `observe`."""
+    k2 = Rod(scene.rods.length, scene.rods.inertia).gyration_squared
+    k, friction = np.sqrt(k2), scene.contacts.plate.friction
+    a_x, a_z, plate = rows[:, landings.A_X], rows[:, landings.A_Z], rows[:, landings.PLATE]
+    before = rows[:, landings.BEFORE : landings.BEFORE + 3]
+    after = rows[:, landings.AFTER : landings.AFTER + 3]
+    gain, time = after - before, rows[:, landings.DURATION] * dt
+    end = (rows[:, landings.STEP] + rows[:, landings.DURATION]) % per
+    last = scene.plate_speed * np.sin(2 * np.pi * end / per)  # velocity of the plate
+    fall = time * (scene.gravity.z if scene.gravity else 0.0)
+
+    # At its word the map knows one velocity of the plate, that at the touch, and no gravity.
+    residual, mapped, restitution = _mapped(
+        *(rows, (-a_x, -a_z), k, friction, (plate, plate), rows[:, landings.LEAVING], 0.0)
+    )
+    turn = (before[:, 2] + gain[:, 2] / 2) * time / 2
+    x, z = -a_x - (a_z + 0.5) * turn, -a_z + a_x * turn  # the cap, of radius 1/2, does not turn
+    pull = (fall - (last - plate)) / 2
+    v_f = after[:, 1] - last - pull + after[:, 2] * x
+    allowed, mapped_allowed, _ = _mapped(
+        *(rows, (x, z), k, friction, (plate, last), v_f, pull),
+    )
+    spin = k2 * gain[:, 2] - a_z * gain[:, 0] + a_x * (gain[:, 1] - fall)
+    return {
+        "isolated": rows[:, landings.SHARED] == 0,
+        "jump": np.linalg.norm(gain * [1, 1, k], axis=1),
+        "residual": residual,
+        "allowed": allowed,
+        "kick": np.abs(spin) / np.sqrt(k2 + a_x**2 + a_z**2),
+        "seen": rows[:, landings.REGIME].astype(int),
+        "mapped": mapped,
+        "mapped_allowed": mapped_allowed,
+        "restitution": restitution,
+        "duration": rows[:, landings.DURATION] / per,
+        "flight": rows[:, landings.FLIGHT] / per,
+    }
+
+
+def census(scene: md.Scene, periods: int, *, by_rod: bool = False) -> tuple[Census, md.Result]:
+    """Landings of a run behind its transient, or, `by_rod`, all of them, a block a rod."""
+    kept = []
+    result = md.run(scene, periods=periods, observe=kept.append, ledger=False)
+    rows, per = np.concatenate(kept), result.steps_per_period
+    first = 0 if by_rod else result.discarded
+    rows = rows[rows[:, landings.STEP] >= first * per]
+    blocks = scene.rods.count if by_rod else periods - first
+    block = rows[:, landings.ROD] if by_rod else rows[:, landings.STEP] // per - first
+    found = compared(rows, scene, result.dt, per)
+    return Census(block.astype(int), blocks, by_rod, **found), result
+
+
+def _share(c: Census, what: np.ndarray, of: np.ndarray) -> tuple[float, float]:
+    """Mean of `what` with the weights `of`, and its standard error over blocks."""
+    top, base = (np.bincount(c.block, weights, c.blocks) for weights in (what * of, 1.0 * of))
+    return ratio(top, base, independent=c.independent)
+
+
+def measures(c: Census) -> dict[str, tuple[float, float]]:
+    """Means and standard errors; `_number`: each landing alike, else weighted by its jump."""
+    found, each = {}, np.ones(len(c.jump))
+    size = np.where(c.jump > 0, c.jump, np.inf)
+
+    def both(name, what, members):
+        found[name] = _share(c, what, c.jump * members)
+        found[f"{name}_number"] = _share(c, what, members)
+
+    for name, which in (
+        ("shared", ~c.isolated),
+        ("disturbed", c.kick > DISTURBED * c.jump),
+        ("rest", c.duration > REST),
+        ("hop", c.flight < HOP),
+        ("below", c.restitution < 0),  # pressed on as it left, or not approaching at all
+        ("above", c.restitution > 1),
+    ):
+        both(name, which, each)
+    for part, members in (("", each), ("isolated_", c.isolated), ("pushed_", ~c.isolated)):
+        for regime, name in enumerate(("slide", "stick", "reversal"), start=1):
+            both(part + name, c.seen == regime, members)
+        both(f"{part}agree", c.seen == c.mapped, members)
+        both(f"{part}agree_allowed", c.seen == c.mapped_allowed, members)
+        both(f"{part}close", c.residual < CLOSE * c.jump, members)
+        both(f"{part}duration", c.duration, members)
+        for name in ("residual", "allowed", "kick"):
+            found[part + name] = _share(c, getattr(c, name) / size, c.jump * members)
+    return found

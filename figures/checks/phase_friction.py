@@ -1,0 +1,124 @@
+"""Drift of the row over friction of the plate and restitution, at fixed tilt and Gamma = 3.3.
+
+(a): simulated, (b): the theory for the spherocylinder at V_z = V_0/2, same colours. Line: friction
+below which a stopped contact slips back, |XZ|/(k^2 + Z^2). (c): cut at restitution 0.65 with errors
+over independent starts; the theory with V_0/2 and with V_z as measured at the landings, each one
+weighted by its speed of approach. Look at small friction: the theory's drift stays finite as the
+friction goes to zero, that of the row goes to zero. And at large friction: the theory's no longer
+changes, that of the row falls. Restitution is that of all contacts; rods rub on each other with 0.3
+throughout.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from impact import critical_friction, drift, spherocylinder
+from md.sweep import Sweep
+
+from ..lib.row_runs import (
+    COUNT,
+    GAMMA,
+    LENGTH,
+    RESTITUTION,
+    computed,
+    over_seeds,
+    planned,
+    plate_speed_cm_s,
+    store,
+)
+from ..lib.style import BLACK, BLUE, ORANGE, WARM, name_panel, style
+
+BOX = 43.0
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Over friction and restitution."""
+    friction, restitution = [0.01, 0.1, 0.3, 1.0], [0.4, RESTITUTION, 0.9]
+    if not quick:
+        friction = [0.001, 0.004, 0.02, 0.06, 0.12, 0.2, 0.3, 0.6, 2.0]
+        restitution = [0.3, 0.5, RESTITUTION, 0.8, 0.95]
+    axes = [
+        {"contacts.plate.friction": friction},
+        {"contacts.plate.restitution": restitution, "contacts.rods.restitution": restitution},
+        {"start.seed": [1, 2]},
+    ]
+    changes = {"box.length": BOX, "rods.inertia": "solid"}
+    return {"grid": planned(axes, 50 if quick else 150, changes)}
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Drift [cm/s] on the grid (friction, restitution), measured and by the theory."""
+    sweep = computed(sweeps(quick)["grid"])
+    friction = sweep.values("contacts.plate.friction")
+    epsilon = sweep.values("contacts.plate.restitution")
+    names = ("c_x_cm_s", "tilt_deg", "landings.plate_velocity_by_speed.mean")
+    (c_x, error), (tilt, tilt_error), (V_z, _) = map(over_seeds, sweep.gather(store(), *names))
+    rod, speed = spherocylinder(np.arccos(COUNT / BOX), LENGTH), plate_speed_cm_s()
+    mu = friction[:, None]
+    fine = np.geomspace(friction[0], friction[-1], 200)
+    setting = {"plate_velocity": speed / 2}
+    return {
+        "friction": friction,
+        "restitution": epsilon,
+        "c_x": c_x,
+        "c_x_error": error,
+        "tilt_deg": tilt,
+        "tilt_deg_error": tilt_error,
+        "V_z": V_z,
+        "theory": drift(rod, friction=mu, restitution=epsilon, **setting).c_x,
+        "fine_friction": fine,
+        "fine_theory": drift(rod, friction=fine, restitution=RESTITUTION, **setting).c_x,
+        "critical": np.float64(critical_friction(rod)),
+        "nominal_deg": np.degrees(np.arccos(COUNT / BOX)),
+    }
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 2.7), width_ratios=(1, 1, 1.15))
+    top = max(d["theory"].max(), np.nanmax(d["c_x"]))
+    for ax, name, letter, title in ((a, "c_x", "a", "simulated"), (b, "theory", "b", "theory")):
+        rows, columns = np.arange(len(d["restitution"])), np.arange(len(d["friction"]))
+        mesh = ax.pcolormesh(columns, rows, d[name].T, cmap=WARM, vmin=0, vmax=top)
+        for (i, j), value in np.ndenumerate(d[name]):
+            ax.text(i, j, f"{value:.1f}", ha="center", va="center", fontsize=5)
+        ax.set_xticks(columns, [f"{mu:g}" for mu in d["friction"]], rotation=60)
+        ax.set_yticks(rows, [f"{e:g}" for e in d["restitution"]])
+        ax.axvline(np.interp(np.log(d["critical"]), np.log(d["friction"]), columns), color=BLACK)
+        ax.set(xlabel=r"friction $\mu$ of the plate")
+        ax.tick_params(top=False, right=False)
+        name_panel(ax, letter, title)
+    a.set_ylabel(r"restitution $\epsilon$")
+    figure.colorbar(mesh, ax=[a, b], label=r"$c_x$ (cm/s)", pad=0.02)
+    cut = int(np.abs(d["restitution"] - RESTITUTION).argmin())
+    bars = {"fmt": "o", "ms": 3, "elinewidth": 0.7, "color": BLACK}
+    c.errorbar(d["friction"], d["c_x"][:, cut], d["c_x_error"][:, cut], label="simulated", **bars)
+    c.plot(d["fine_friction"], d["fine_theory"], color=ORANGE, label=r"theory, $V_0/2$")
+    scaled = d["theory"][:, cut] * 2 * d["V_z"][:, cut]
+    c.plot(d["friction"], scaled, "s-", ms=2.5, lw=0.8, color=BLUE, label=r"theory, measured $V_z$")
+    c.axvline(d["critical"], color=BLACK, lw=0.8)
+    c.axhline(0, color="0.6", lw=0.6)
+    c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")
+    c.set_ylim(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(scaled.max(), top))
+    c.legend(loc="upper left")
+    name_panel(c, "c", rf"$\epsilon={RESTITUTION}$")
+    figure.supxlabel(
+        rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$, "
+        "60 Hz; constant_restitution, tangential ratio 3",
+        fontsize=7,
+    )
+    return figure
+
+
+def summary(d: dict[str, np.ndarray]) -> str:
+    """Drift on the grid, and the cut."""
+    lines = ["Drift (cm/s) simulated / theory with V_0/2; columns: restitution"]
+    lines.append("    mu  " + "  ".join(f"{e:>15g}" for e in d["restitution"]))
+    for i, mu in enumerate(d["friction"]):
+        cells = (
+            f"{d['c_x'][i, j]:6.2f}+-{d['c_x_error'][i, j]:.2f}/{d['theory'][i, j]:5.2f}"
+            for j in range(len(d["restitution"]))
+        )
+        lines.append(f"{mu:6g}  " + " ".join(cells))
+    lines.append(f"a stopped contact slips back below mu = {d['critical']:.3f}")
+    return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""Figures of what accuracy, effects and size cost in time."""

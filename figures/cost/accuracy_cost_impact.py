@@ -1,0 +1,304 @@
+"""What the accuracy of one soft impact costs: error of the integration, and error of the model.
+
+The scene of Fig. 12. Errors are lengths of the difference of (c_x', c_z')/|c_z|; times are those of
+the compiled impact (of the Python call for DOP853). (a), (b) Integration: the law `coulomb` at
+k_n = 5e6 against itself with every switch located, at a tolerance of 1e-14; the broken line is how
+far that at 1e-13 is from it. Filled symbols: largest over six tilts, two in each regime, and over
+24 places of the touch within a step; open: median. The dashpot begins as delta^(1/4): as long as
+the touch is not located, order 5/4 is the most there is. (c) Model: RMS over 17 tilts against the
+rigid map at the restitution of each run, with Verlet at the longest step at which this error has
+come within a tenth of its limit. A stiffer plate costs nothing here, but in a long run its step
+shrinks as k_n^(-2/5). The two errors add.
+"""
+
+import os
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+import md
+from impact.__main__ import _machine as machine
+from md.laws import contact_time
+
+from ..lib.impact_price import impact_call, price, rigid_seconds
+from ..lib.soft_impacts import TILTS
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
+from .impact_errors import (
+    LADDERS,
+    METHODS,
+    OFFSETS,
+    SCENES,
+    adaptive,
+    fixed_steps,
+    models,
+    one_impact,
+    order,
+    reached,
+    velocities,
+)
+
+LAW = md.coulomb()
+OTHERS = {"constant_restitution": md.constant_restitution(), "appendix_a": md.appendix_a()}
+PAPER_STEP = 2e-5  # sqrt(d/g)
+TARGETS = (1e-2, 1e-3, 1e-6, 1e-10)
+
+
+def _other_laws(parts: np.ndarray) -> dict[str, np.ndarray]:
+    """Largest errors of the other laws, against Verlet at a sixteenth of the finest step."""
+    error = []
+    for law in OTHERS.values():
+        fine = contact_time(law, 1.0) / (16 * parts[-1])
+        error.append(fixed_steps(law, parts, velocities(law, integrator="verlet", dt=fine)[0])[0])
+    return {
+        "other_parts": parts,
+        "other_error": np.array(error),
+        "other_order": np.array([[order(parts, row) for row in rows] for rows in error]),
+    }
+
+
+def gear_from_leapfrog() -> np.ndarray:
+    """Difference at the paper's step: root mean square and largest over 17 tilts.
+
+    Under `constant_restitution` that step is too long for Gear's method.
+    """
+
+    def after(law, method):
+        hits = [one_impact(tilt, law, integrator=method, dt=PAPER_STEP) for tilt in TILTS]
+        return np.array([(hit.c_x, hit.c_z) for hit in hits])
+
+    rows = []
+    for law in (LAW, OTHERS["appendix_a"]):
+        off = np.hypot(*(after(law, "gear") - after(law, "leapfrog")).T)
+        rows.append((np.sqrt(np.mean(off**2)), off.max()))
+    return np.array(rows)
+
+
+def _step_seconds(runs: int) -> np.ndarray:
+    """Of one compiled step under each law (rows) by each method."""
+    calls = [
+        impact_call(0.7, law, method, contact_time(law, 1.0) / 1e4)
+        for law in (LAW, *OTHERS.values())
+        for method in METHODS
+    ]
+    seconds, steps = price(calls, runs)
+    return (seconds / steps).reshape(-1, len(METHODS))
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Errors and prices; a step is 1/`parts` of a head-on contact time."""
+    runs = 3 if quick else 9
+    parts = 10.0 * (4 ** np.arange(6) if quick else 2 ** np.arange(14))
+    tolerances = 10.0 ** -np.arange(3, 14, 2 if quick else 1)
+    load = os.getloadavg()[0]
+    true, located = (
+        velocities(LAW, integrator="dop853", tolerance=tolerance)[0] for tolerance in (1e-14, 1e-13)
+    )
+    fixed = fixed_steps(LAW, parts, true)
+    whole = contact_time(LAW, 1.0)
+    calls = [
+        impact_call(float(tilt), LAW, method, whole / part)
+        for method in METHODS
+        for part in parts
+        for tilt in SCENES
+    ]
+    seconds, steps = (a.reshape(*fixed[0].shape, -1).mean(-1) for a in price(calls, runs))
+    return {
+        "parts": parts,
+        "fixed_error": fixed,
+        "fixed_seconds": seconds,
+        "fixed_steps": steps,
+        "order": np.array([order(parts, row) for row in fixed[0]]),
+        "floor": np.hypot(*(located - true).T).max(),
+        "tolerance": tolerances,
+        **adaptive(LAW, tolerances, true, runs),
+        **_other_laws(parts[parts < 3e3]),
+        "step_seconds": _step_seconds(runs),
+        "gear_from_leapfrog": gear_from_leapfrog(),
+        **models(3 if quick else 1, runs),
+        "rigid_seconds": np.float64(rigid_seconds(runs)),
+        "offsets": OFFSETS,
+        "runs": np.int64(runs),
+        "load": np.float64(load),
+    }
+
+
+def choices(d: dict[str, np.ndarray], target: float) -> dict[str, tuple[float, str]]:
+    """Seconds and setting of the cheapest run of each method whose largest error is that small.
+
+    A method that fails has infinite seconds, and says how far it came.
+    """
+    found = {}
+    for i, method in enumerate(METHODS):
+        error, seconds = d["fixed_error"][0, i], d["fixed_seconds"][i]
+        enough = reached(d["parts"], error, target)
+        if np.isnan(enough):
+            j = np.nanargmin(error)
+            found[method] = np.inf, f"{error[j]:.0e} at t_c/{d['parts'][j]:.0f}"
+        else:
+            known = np.isfinite(seconds)
+            axes = np.log(enough), np.log(d["parts"][known]), np.log(seconds[known])
+            cost = np.exp(np.interp(*axes))
+            found[method] = float(cost), f"t_c/{enough:.0f}"
+    # Not for a tolerance that only happens to do: all smaller ones have to as well.
+    enough = np.logical_and.accumulate((d["adaptive_error"][0] <= target)[::-1])[::-1]
+    j = int(np.argmax(enough))
+    found["dop853"] = np.inf, "at every tolerance"
+    if enough.any():
+        text = f"tolerance {d['tolerance'][j]:.0e}, {d['evaluations'][j]} evaluations"
+        found["dop853"] = float(d["adaptive_seconds"][j]), text
+    return found
+
+
+def _time(seconds: float) -> str:
+    if seconds < 9.95e-6:
+        return f"{seconds * 1e6:.1f} us"
+    return f"{seconds * 1e6:.0f} us" if seconds < 1e-3 else f"{seconds * 1e3:.1f} ms"
+
+
+def _advice(d: dict[str, np.ndarray]) -> list[str]:
+    """Which method to use for how much accuracy, what else does, and what fails."""
+    lines = []
+    for target in TARGETS:
+        found = choices(d, target)
+        best = min(found, key=lambda method: found[method][0])
+        others = {method: value for method, value in found.items() if method != best}
+        also = [f"{m} {_time(cost)}" for m, (cost, _) in others.items() if cost < np.inf]
+        fails = [f"{m} ({text})" for m, (cost, text) in others.items() if cost == np.inf]
+        seconds, how = found[best]
+        lines.append(
+            f"{target:.0e}: {best}, {how}, {_time(seconds)}"
+            + (f"; {', '.join(also)}" if also else "")
+            + (f"; too coarse: {', '.join(fails)}" if fails else "")
+        )
+    return lines
+
+
+def summary(d: dict[str, np.ndarray]) -> str:
+    """Advice, orders, prices, models; all generated from the numbers."""
+    this = machine()
+    lines = [
+        f"{this['processor']}, {this['cores']} cores, 1 used, load {d['load']:.1f} at the start;"
+        f" python {this['python']}, numpy {this['numpy']}, numba {this['numba']}; medians of"
+        f" {d['runs']} runs",
+        "integration error wanted (largest of 6 tilts and 24 offsets): cheapest way (others)",
+        *_advice(d),
+    ]
+    middle = [reached(d["parts"], row, 1e-3) for row in d["fixed_error"][1]]
+    small = np.flatnonzero(d["adaptive_error"][0] <= 1e-12)
+    lines += [
+        "1e-3 in the median: "
+        + ", ".join(f"{m} t_c/{x:.0f}" for m, x in zip(METHODS, middle, strict=True)),
+        "1e-12: dop853, "
+        + (f"{d['evaluations'][small[0]]} evaluations" if small.size else "not reached")
+        + f"; the references at 1e-13 and 1e-14 differ by {d['floor']:.0e}",
+        f"{'order; ns a step':21}" + "".join(f"{m:>16}" for m in METHODS),
+    ]
+    orders = [d["order"], *d["other_order"]]
+    for name, row, ns in zip(("coulomb", *OTHERS), orders, 1e9 * d["step_seconds"], strict=True):
+        cells = "".join(f"{p:9.2f}{t:7.1f}" for p, t in zip(row, ns, strict=True))
+        lines.append(f"{name:21}{cells}")
+    part = contact_time(LAW, 1.0) / PAPER_STEP
+    lines.append(
+        f"Gear from leapfrog at the paper's step, {PAPER_STEP:g} = t_c/{part:.0f} (RMS, largest): "
+        + ", ".join(
+            f"{name} {rms:.1e}, {most:.1e}"
+            for name, (rms, most) in zip(
+                ("coulomb", "appendix_a"), d["gear_from_leapfrog"], strict=True
+            )
+        )
+    )
+    lines.append(f"{'model':21}{'':>11}{'RMS':>10} {'regimes':>8} {'step':>10} {'per impact':>11}")
+    for name, (_, _, word) in LADDERS.items():
+        columns = [d[f"{name}_{key}"] for key in ("value", "error", "right", "parts", "seconds")]
+        for value, error, hits, parts, seconds in zip(*columns, strict=True):
+            lines.append(
+                f"{name:21}{word:>5}{value:6.0e} {error:9.1e} {hits:5d}/17  t_c/{parts:<6.3g}"
+                f"{_time(seconds):>11}"
+            )
+    lines.append(f"rigid map, compiled, in arrays: {1e9 * d['rigid_seconds']:.0f} ns")
+    return "\n".join(lines)
+
+
+_LOOKS = {"leapfrog": (BLUE, "s"), "verlet": (BLACK, "o"), "gear": (ORANGE, "^")}
+
+
+def _draw_integration(ax: Axes, d: dict[str, np.ndarray], x: np.ndarray) -> None:
+    """Largest (filled) and median errors over `x`, one row a method."""
+    for i, (method, (colour, marker)) in enumerate(_LOOKS.items()):
+        worst, middle = d["fixed_error"][:, i]
+        look = {"color": colour, "lw": 0.8, "ms": 3}
+        ax.plot(x[i], worst, marker + "-", label=method, **look)
+        ax.plot(x[i], middle, marker + ":", mfc="white", mew=0.7, **look)
+    ax.axhline(d["floor"], color="0.55", lw=0.8, ls="--")
+    ax.axhline(np.finfo(float).eps / 2, color="0.55", lw=0.8, ls=":")
+    ax.set(xscale="log", yscale="log", ylim=(3e-17, 1))
+
+
+def _draw_steps(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    _draw_integration(ax, d, np.broadcast_to(1 / d["parts"], d["fixed_steps"].shape))
+    lift = {"leapfrog": 1.0, "verlet": 0.35, "gear": 3.0}
+    for i, (method, (colour, _)) in enumerate(_LOOKS.items()):
+        ax.annotate(
+            f"{d['order'][i]:.2f}",
+            (0.8 / d["parts"][-1], lift[method] * d["fixed_error"][0, i, -1]),
+            color=colour, fontsize=6.5, ha="right", va="center",
+        )  # fmt: skip
+    ax.axvline(1 / 50, color="0.55", lw=0.8, ls="-.")
+    ax.text(1 / 60, 1e-8, r"$t_c/50$", ha="right", fontsize=6.5)
+    ax.text(4e-6, 2 * d["floor"], "the reference's own error", fontsize=6.5)
+    ax.text(4e-6, 2e-16, "half an ulp", fontsize=6.5)
+    ax.set(xlabel=r"step $\Delta t/t_c$", xlim=(1.5e-6, 0.3))
+    ax.set_ylabel(r"$|\Delta\mathbf{c}'|/|c_z|$, integration")
+    ax.text(0.03, 0.97, "order at each curve;\nfilled: largest, open: median", fontsize=6.5,
+            transform=ax.transAxes, va="top")  # fmt: skip
+
+
+def _draw_time(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    _draw_integration(ax, d, 1e6 * d["fixed_seconds"])
+    worst, middle = d["adaptive_error"]
+    time = 1e6 * d["adaptive_seconds"]
+    ax.plot(time, worst, "D-", color=GREEN, lw=0.8, ms=3, label="dop853, events")
+    ax.plot(time, middle, "D:", color=GREEN, mfc="white", mew=0.7, lw=0.8, ms=3)
+    ax.legend(loc="lower left", fontsize=6.5, bbox_to_anchor=(0, 0.3))
+    ax.set(xlabel="time per impact (µs)", xlim=(0.1, 1e5))
+
+
+def _draw_models(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    sides = {"coulomb": (-1, -1), "constant_restitution": (-1, -1), "appendix_a": (1, -1)}
+    looks = ((BLACK, "o"), (BLUE, "s"), (RED, "D"))
+    for (name, (_, _, word)), (colour, marker) in zip(LADDERS.items(), looks, strict=True):
+        value, error = d[f"{name}_value"], d[f"{name}_error"]
+        time = 1e6 * d[f"{name}_seconds"]
+        symbol = "$k_n$" if word == "k_n" else "ratio"
+        ax.plot(time, error, marker + "-", color=colour, lw=0.8, ms=3, label=f"{name}, {symbol}")
+        for j, side in zip((0, -1), sides[name], strict=True):
+            digits = rf"$10^{{{np.log10(value[j]):.0f}}}$" if word == "k_n" else f"{value[j]:g}"
+            ax.annotate(
+                digits,
+                (time[j], error[j]),
+                (4 * side, 0),
+                textcoords="offset points",
+                ha="left" if side > 0 else "right",
+                va="center",
+                fontsize=6.5,
+                color=colour,
+            )
+    ax.axvline(1e6 * d["rigid_seconds"], color="0.55", lw=0.8, ls="--")
+    ax.text(1.25e6 * d["rigid_seconds"], 2e-5, "rigid map, compiled", fontsize=6.5, rotation=90)
+    ax.set(xscale="log", yscale="log", xlabel="time per impact (µs)", ylim=(1e-7, 10))
+    ax.set(xlim=(0.02, 300), ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$, model")
+    ax.legend(loc="upper center", fontsize=6, labelspacing=0.3)
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.9), width_ratios=(1, 1, 1))
+    panels = (_draw_steps, _draw_time, _draw_models)
+    titles = ("integration, steps", "integration, time", "model, time")
+    for ax, letter, panel, title in zip(axes, "abc", panels, titles, strict=True):
+        panel(ax, d)
+        name_panel(ax, letter, title)
+    words = ["cheapest way to an integration error (a, b); others that do; others that do not"]
+    figure.supxlabel("\n".join(words + _advice(d)), fontsize=6)
+    return figure

@@ -1,0 +1,263 @@
+"""One question, the drift of the row, and every way to answer it: deviation against time.
+
+N = 40 thin rods of 9.5 d at 21.5 degrees, Gamma = 3.3, mu = 0.3, restitution 0.65 head on. From
+left to right: the closed form (24) with the assumed V_z = V_0/2, in an array and by itself; one
+rigid rod that bounces at fixed tilt, 30 to 100,000 landings; rows of rods over several lengths of
+time (in periods), steps (in parts of a contact), stiffnesses, contact laws and numbers of rods.
+Height: deviation of the mean over independent starts from the most trusted answer, long runs with
+friction as a constraint on the plate, contacts ten times as stiff as the paper's and a step of
+t_c/36. Bars: one standard error, of both, from the scatter between starts; where it exceeds the
+deviation the symbol is open. The time is that of one start.
+"""
+
+import os
+from statistics import median
+from time import perf_counter
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.text import Annotation
+from matplotlib.transforms import Bbox
+
+import md
+from impact import drift
+from md.accuracy import steps_per_contact
+from md.scene import Scene, both, from_tables, put, read_tables
+from md.sweep import Point, Sweep
+
+from ..lib.row_runs import (
+    COUNT,
+    FRICTION,
+    GAMMA,
+    RESTITUTION,
+    computed,
+    over_seeds,
+    paper_rod,
+    store,
+)
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, style
+from ..lib.timing import machine_line
+
+BOX = 43.0
+TILT = np.arccos(COUNT / BOX)
+USUAL = 36  # steps a contact
+
+
+PRINTED = both(law="appendix_a", restitution="none")
+CONSTRAINT = {"contacts.plate.law": "coulomb"}
+ROWS = {  # group: label: (steps a contact, what the scene changes)
+    "step": {rf"$t_c/{n}$": (n, {}) for n in (13, 18, 25, USUAL, 72)},
+    "stiffness": {
+        rf"$k_n=5\cdot10^{n}$": (USUAL, both(stiffness=5.0 * 10**n)) for n in (3, 4, 5, 7)
+    },
+    "contact law": {
+        "App. A": (USUAL, PRINTED),
+        "springs 3": (USUAL, both(tangential_ratio=3)),
+        "Coulomb": (USUAL, CONSTRAINT),
+        r"$\epsilon=0.8$": (USUAL, both(restitution=0.8)),
+    },
+    "rods": {
+        rf"$N={n}$": (USUAL, {"rods.count": n, "box.length": n * BOX / COUNT}) for n in (5, 10, 160)
+    },
+}
+LENGTHS = (3, 30)  # periods, at the usual step
+STARTS = 8  # of each row: its error is known to a quarter
+PERIODS = {True: 400, False: 1000}  # quick or not; also of each start of the trusted answer
+TRUSTED = (USUAL, {**both(stiffness=5e7), **CONSTRAINT})
+LANDINGS = (30, 300, 3000, 100_000)  # of one rigid rod
+
+
+def scene(per_contact: float, changes: dict, seed: int = 1) -> Scene:
+    """The row at a step that is a part of its contact time."""
+    how = {**changes, "step": "none", "start.speed": 0.3, "start.seed": seed}
+    row = put(read_tables("quasi2d"), how)
+    dt = steps_per_contact(from_tables(row), 1.0) / per_contact
+    return from_tables(put(row, {"step.size": dt, "step.coarse": True}))
+
+
+def rungs(quick: bool) -> dict[tuple[str, str], tuple[float, dict, int]]:
+    """Rows by group and label: steps a contact, changes of the scene, periods."""
+    found = {("length", f"{n} periods"): (USUAL, {}, n) for n in LENGTHS}
+    return found | {
+        (group, label): (*how, PERIODS[quick])
+        for group, rows in ROWS.items()
+        for label, how in rows.items()
+    }
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Starts of every row, and of the trusted answer."""
+    seeds = list(range(1, STARTS + 1))
+
+    def starts(rows: list[tuple[float, dict, int]]) -> Sweep:
+        points = [Point(scene(n, to, seed), periods) for n, to, periods in rows for seed in seeds]
+        return Sweep(({"row": rows}, {"start.seed": seeds}), tuple(points))
+
+    trusted = [(*TRUSTED, PERIODS[quick])]
+    return {"rows": starts(list(rungs(quick).values())), "trusted": starts(trusted)}
+
+
+def _seconds(per_contact: float, changes: dict, periods: int) -> float:
+    """Of one start, with nothing beside it."""
+    one = scene(per_contact, changes)
+    md.run(one, periods=1, ledger=False)  # compiles
+    return md.run(one, periods=periods, ledger=False).run_seconds
+
+
+def _closed(speed: float, calls: int) -> tuple[float, ...]:
+    """Closed form with the assumed V_z, and the seconds of each of `calls` in one array."""
+    rod, seconds = paper_rod(np.full(calls, TILT)) if calls > 1 else paper_rod(TILT), []
+    for _ in range(21):
+        begin = perf_counter()
+        found = drift(rod, friction=FRICTION, restitution=RESTITUTION, plate_velocity=speed / 2)
+        seconds.append((perf_counter() - begin) / calls)
+    return float(np.ravel(found.c_x)[0]), 0.0, 0.0, median(seconds)
+
+
+def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
+    """One rigid rod, exact flights and impacts."""
+    from impact.bouncing import bounce  # compiles
+
+    setting = {"gamma": GAMMA, "friction": FRICTION, "restitution": RESTITUTION}
+    rods = 10 if landings < 1000 else 50
+    how = {"rods": rods, "landings": max(landings // rods, 3), "transient": 20}
+    bounce(paper_rod(TILT), **setting, shortest_flight=0.1, **how)
+    begin = perf_counter()
+    found = bounce(paper_rod(TILT), **setting, shortest_flight=0.1, **how)
+    seconds = perf_counter() - begin
+    error = speed * found.drift.error
+    return speed * found.drift.mean, error, error, seconds
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Answers [sqrt(g d)] with errors and the scatter of one start, seconds, group and label."""
+    load, speed = os.getloadavg()[0], md.load("quasi2d").plate_speed
+    entries = [("theory", "(24), $V_0/2$", *_closed(speed, 1))]
+    entries.append(("theory", "in an array", *_closed(speed, 100_000)))
+    for n in LANDINGS:
+        entries.append(("one rigid rod", f"{n} landings", *_bouncing(n, speed)))
+    rows, trusted = (computed(sweep) for sweep in sweeps(quick).values())
+    means, errors = over_seeds(rows.gather(store(), "c_x")[0])
+    for i, (name, how) in enumerate(rungs(quick).items()):
+        entries.append((*name, means[i], errors[i], errors[i] * np.sqrt(STARTS), _seconds(*how)))
+    drifts, spent = trusted.gather(store(), "c_x", "run_seconds")
+    (truth,), (spread,) = over_seeds(drifts)
+    group, label, answer, error, scatter, seconds = zip(*entries, strict=True)
+    return {
+        "load": np.float64(load),
+        "group": np.array(group),
+        "label": np.array(label),
+        "answer": np.array(answer),
+        "error": np.array(error),
+        "scatter": np.array(scatter),
+        "seconds": np.array(seconds),
+        "trusted": np.array([truth, spread, spent.sum()]),
+    }
+
+
+LOOKS = {
+    "theory": (BLACK, "*"),
+    "one rigid rod": (ORANGE, "D"),
+    "length": ("#CC79A7", "P"),
+    "step": (BLUE, "o"),
+    "stiffness": (GREEN, "s"),
+    "contact law": (RED, "^"),
+    "rods": ("0.45", "v"),
+}
+
+
+def deviations(d: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Relative deviation from the trusted answer, its standard error, scatter of one start."""
+    truth, spread, _ = d["trusted"]
+    return d["answer"] / truth - 1, np.hypot(d["error"], spread) / truth, d["scatter"] / truth
+
+
+def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    """Deviation against time, a colour a group."""
+    off, error, _ = deviations(d)
+    size = np.fmax(np.abs(off), 3e-4)
+    for group, (colour, marker) in LOOKS.items():
+        here = np.flatnonzero(d["group"] == group)
+        for i in here:
+            bar = error[i]
+            fill = colour if np.abs(off[i]) > bar else "white"
+            ax.errorbar(
+                *(d["seconds"][i], size[i], [[min(bar, 0.9 * size[i])], [bar]]),
+                fmt=marker, color=colour, mfc=fill, ms=4, elinewidth=0.6,
+                label=group if i == here[0] else None,
+            )  # fmt: skip
+    ax.set(xscale="log", yscale="log", ylim=(2e-4, 3), xlabel="time (s)")
+    _name_points(ax, d["seconds"], size, d)
+    ax.set_ylabel(r"deviation of $c_x$ from the trusted answer")
+    handles, labels = ax.get_legend_handles_labels()
+    ax.legend(handles, labels, fontsize=6, loc="lower left", title="varied", title_fontsize=6)
+
+
+def _name_points(ax: Axes, x: np.ndarray, y: np.ndarray, d: dict[str, np.ndarray]) -> None:
+    """Names beside the points, each where it hides least of points and other names."""
+    draws = ax.figure.canvas.get_renderer()
+    points = ax.transData.transform(np.column_stack([x, y]))
+    taken = [Bbox.from_bounds(*(point - 4), 8, 8) for point in points]
+    sides = [
+        (5, 0),
+        (-5, 0),
+        (5, 6),
+        (-5, 6),
+        (5, -6),
+        (-5, -6),
+        (0, 9),
+        (0, -9),
+        (5, 13),
+        (-5, 13),
+    ]
+    for at, label, group in zip(zip(x, y, strict=True), d["label"], d["group"], strict=True):
+        name = ax.annotate(
+            label, at, textcoords="offset points", va="center", fontsize=5, xytext=(0, 0),
+            color=LOOKS[str(group)][0],
+        )  # fmt: skip
+        hidden = []
+        for side in sides:
+            _put(name, side)
+            box = name.get_window_extent(draws)
+            hidden.append(sum(box.overlaps(other) for other in taken))
+        _put(name, sides[int(np.argmin(hidden))])
+        taken.append(name.get_window_extent(draws))
+
+
+def _put(name: Annotation, side: tuple[int, int]) -> None:
+    """Move a name to one side of its point."""
+    name.set_position(side)
+    name.set_ha("left" if side[0] > 0 else "right" if side[0] < 0 else "center")
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, ax = plt.subplots(figsize=(7.0, 4.2))
+    panel(ax, d)
+    truth, spread, seconds = d["trusted"]
+    ax.axvline(seconds, color="0.6", lw=0.8, ls=":")
+    figure.supxlabel(
+        rf"trusted: $c_x={truth:.4f}\pm{spread:.4f}\,\sqrt{{gd}}$, {seconds:.0f} s (dotted); "
+        rf"$L={BOX:g}\,d$, $N={COUNT}$, $\Gamma={GAMMA}$, $\mu={FRICTION}$, "
+        rf"$\epsilon={RESTITUTION}$",
+        fontsize=6.5,
+    )
+    return figure
+
+
+def summary(d: dict[str, np.ndarray]) -> str:
+    """A line a rung."""
+    off, error, scatter = deviations(d)
+    truth, spread, seconds = d["trusted"]
+    lines = [
+        f"{machine_line(float(d['load']))}; 1 core used",
+        f"trusted: {truth:.5f} +- {spread:.5f} sqrt(g d) in {seconds:.1f} s; scatter: of one start",
+    ]
+    for i, label in enumerate(d["label"]):
+        plain = str(label).replace("$", "").replace("\\epsilon", "restitution ")
+        lines.append(
+            f"{d['group'][i]:14} {plain:16} {d['seconds'][i]:9.2e} s  {d['answer'][i]:.4f}"
+            f" +- {d['error'][i]:.4f}  {off[i]:+8.1%} +- {error[i]:.1%}, scatter {scatter[i]:.1%}"
+        )
+    return "\n".join(lines)

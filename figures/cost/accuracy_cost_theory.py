@@ -1,0 +1,271 @@
+"""What the accuracy of one impact costs: largest and median error against time per impact.
+
+Random impacts under Newton's law, velocities and friction log-uniform over six decades; errors
+relative to the largest velocity that takes part. Full symbols: largest error, open ones: median.
+(a) everything; (b) the same with mpmath left out. Look from left to right: the gap between the
+vertical line, the bytes in and out of an impact copied once, and the compiled loop is what it
+costs beyond memory; `collide` adds its fresh result arrays. NumPy gives the same digits, bit for
+bit, some times slower; float32 saves memory only, since the work is done in float64. The printed
+formulas lie at the same median, but in the Painleve region not one digit of theirs is right.
+Integrating the impulse equations with stop and separation located as events gives nearly all
+digits, thousands of times slower; smoothing Coulomb's law over a narrow range of slip instead (the
+chain of symbols: ever narrower, and with a smaller tolerance) gains a digit for a digit and little
+in price, but never reaches them all. Digits beyond float64 (mpmath) all cost about the same.
+"""
+
+from collections.abc import Callable
+from statistics import median
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import matplotlib.pyplot as plt
+import mpmath
+import numpy as np
+from matplotlib.axes import Axes
+from scipy.integrate import solve_ivp
+
+from impact import collide
+from impact.__main__ import BYTES, random_impacts
+
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
+from .many_digits import FIELDS, Impacts, exact, literal, reference
+
+DIGITS = (15, 30, 60, 100)
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of the smoothed friction
+EVENT_TOLERANCES = (1e-3, 1e-6, 1e-10)
+ARRAYS = ("NumPy, float64", "NumPy, float32", "compiled, float64", "compiled, float32",
+          "compiled loop, float64", "as printed, float64")  # fmt: skip
+RUNS = 7
+PURPLE = "#CC79A7"
+
+
+class Outcome(NamedTuple):
+    """Velocities and impulses after one impact or many."""
+
+    c_x: Any
+    c_z: Any
+    P_x: Any
+    P_z: Any
+    omega: Any
+
+
+def _median_seconds(*calls: Callable[[], Any]) -> list[float]:
+    """Medians of several runs of each, in turn, after one that does not count."""
+    times = []
+    for _ in range(1 + RUNS):
+        times.append([])
+        for call in calls:
+            start = perf_counter()
+            call()
+            times[-1].append(perf_counter() - start)
+    return [median(of_one) for of_one in zip(*times[1:], strict=True)]
+
+
+def integrate(row: Any, tolerance: float, width: float = 0.0) -> Outcome:
+    """One impact by `solve_ivp`: u, v, P_x over the normal impulse p, one phase after the other.
+
+    With `width` zero the phases end at events, u = 0 and v = -epsilon v_0. Otherwise Coulomb's law
+    is smoothed, F_x = -mu F_z u/sqrt(u^2 + w^2) with w = `width` times the velocity scale, and only
+    the separation is an event.
+    """
+    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = map(float, row)
+    u_0, v_0 = c_x - omega * Z, c_z - V_z + omega * X
+    unit = max(abs(u_0), abs(v_0))  # velocities in its units
+    u_0, v_0 = u_0 / unit, v_0 / unit
+
+    def rates(ratio):  # of u, v, P_x under dp = 1 and dP_x = ratio
+        spin = (X - Z * ratio) / (k * k)
+        return [ratio - Z * spin, 1 + X * spin, ratio]
+
+    def separates(p, y, *_):
+        return y[1] + epsilon * v_0
+
+    def stops(p, y, *_):
+        return y[0]
+
+    separates.terminal = stops.terminal = True
+    separates.direction = 1
+    setting = {"rtol": tolerance, "atol": 1e-3 * tolerance}
+
+    def run(rhs, y, events, method):
+        done = solve_ivp(rhs, (0, 1e12), y, method=method, events=events, **setting)
+        return done.t[-1], done.y[:, -1]
+
+    y, p = [u_0, v_0, 0.0], 0.0
+    if width:
+        p, y = run(lambda p, y: rates(-mu * y[0] / np.hypot(y[0], width)), y, separates, "LSODA")
+    else:
+        slip = -mu * np.sign(u_0)
+        slope = rates(slip)
+        if slope[0] * u_0 < 0:
+            p, y = run(lambda p, y: slope, y, (stops, separates), "RK45")
+        else:
+            p, y = run(lambda p, y: slope, y, separates, "RK45")
+        if separates(p, y) < -1e-12:  # not yet: it stopped
+            hold = X * Z / (k * k + Z * Z)
+            after = rates(hold if abs(hold) <= mu else mu * np.sign(hold))
+            if abs(hold) <= mu:
+                after[0], y[0] = 0.0, 0.0
+            more, y = run(lambda p, y: after, y, separates, "RK45")
+            p += more
+    P_x, P_z = unit * y[2], unit * p
+    return Outcome(c_x + P_x, c_z + P_z, P_x, P_z, omega + (X * P_z - Z * P_x) / (k * k))
+
+
+def _arrays(n: int, checked: int) -> dict[str, np.ndarray]:
+    """Times [s] and errors, shape (2, ...), of everything that takes whole arrays."""
+    from impact import compiled
+
+    impacts = Impacts(*random_impacts(n, seed=5))
+    singles = Impacts(*(column.astype(np.float32) for column in impacts))
+    results = [np.empty(n, np.int8 if i == 3 else float) for i in range(9)]
+    start = perf_counter()
+    Impacts(*(column[:1] for column in impacts)).collide(compiled.collide)
+    compile_seconds = perf_counter() - start
+    loop = compiled._loop("newton")
+
+    def bare():
+        loop(*impacts, *results)
+        return Outcome(results[0], results[1], results[4], results[5], results[2])
+
+    calls = {
+        "NumPy, float64": (impacts, lambda: impacts.collide(collide)),
+        "NumPy, float32": (singles, lambda: singles.collide(collide)),
+        "compiled, float64": (impacts, lambda: impacts.collide(compiled.collide)),
+        "compiled, float32": (singles, lambda: singles.collide(compiled.collide)),
+        "compiled loop, float64": (impacts, bare),
+        "as printed, float64": (impacts, lambda: literal(impacts)),
+    }
+    errors, true = [], {}
+    for name in ARRAYS:
+        given, call = calls[name]
+        part = Impacts(*(column[:checked].astype(float) for column in given))
+        if id(given) not in true:
+            true[id(given)] = reference(part)
+        got = call()
+        fields = tuple(field for field in FIELDS if hasattr(got, field))
+        values = {field: np.asarray(getattr(got, field))[:checked] for field in fields}
+        error = true[id(given)].error(Outcome(**{**dict.fromkeys(FIELDS), **values}), fields)
+        errors.append((error.max(), np.median(error)))
+    source = np.zeros(BYTES * n // 2 + 1, np.uint8)
+    target = np.empty_like(source)
+    functions = [calls[name][1] for name in ARRAYS]
+    *seconds, copy = _median_seconds(*functions, lambda: np.copyto(target, source))
+    return {
+        "array_seconds": np.array(seconds) / n,
+        "array_error": np.array(errors).T,
+        "memory_seconds": np.float64(copy / n),
+        "compile_seconds": np.float64(compile_seconds),
+    }
+
+
+def _many_digits(n: int) -> dict[str, np.ndarray]:
+    """The generated forms on mpmath numbers, against themselves at 150 digits."""
+    rows = list(zip(*(column.tolist() for column in random_impacts(n, seed=6)), strict=True))
+    scales = reference(Impacts(*random_impacts(n, seed=6))).scale
+    with mpmath.workdps(150):
+        true = [exact([mpmath.mpf(x) for x in row])[1] for row in rows]
+    seconds, errors = [], []
+    for digits in DIGITS:
+        with mpmath.workdps(digits):
+            numbers = [[mpmath.mpf(x) for x in row] for row in rows]
+            seconds.append(_median_seconds(lambda numbers=numbers: [*map(exact, numbers)])[0] / n)
+            got = [exact(row)[1] for row in numbers]
+        with mpmath.workdps(150):
+            worst = [
+                max(float(abs(a - b) / s) for a, b, s in zip(x, y, size, strict=True))
+                for x, y, size in zip(got, true, scales.T, strict=True)
+            ]
+        errors.append((max(worst), median(worst)))
+    return {"mpmath_seconds": np.array(seconds), "mpmath_error": np.array(errors).T}
+
+
+def _integrated(n: int) -> dict[str, np.ndarray]:
+    """The impulse equations as ordinary differential equations."""
+    impacts = Impacts(*random_impacts(n, seed=7))
+    rows, true = list(zip(*impacts, strict=True)), reference(impacts)
+    found = {}
+    for name, tolerances in (("events", EVENT_TOLERANCES), ("smooth", TOLERANCES)):
+        seconds, errors = [], []
+        for tolerance in tolerances:
+            start = perf_counter()
+            got = [integrate(row, tolerance, tolerance * (name == "smooth")) for row in rows]
+            seconds.append((perf_counter() - start) / n)
+            error = true.error(Outcome(*map(np.array, zip(*got, strict=True))))
+            errors.append((error.max(), np.median(error)))
+        found[f"{name}_seconds"] = np.array(seconds)
+        found[f"{name}_error"] = np.array(errors).T
+    return found
+
+
+def data(
+    quick: bool = False, impacts: int | None = None, slow_impacts: int | None = None
+) -> dict[str, np.ndarray]:
+    """Seconds per impact, largest and median error; `slow_impacts` go through `solve_ivp`."""
+    n, few = impacts or (100_000 if quick else 1_000_000), slow_impacts or (16 if quick else 48)
+    return {
+        "impacts": np.int64(n),
+        **_arrays(n, min(n, 2_000 if quick else 20_000)),
+        **_many_digits(min(n, 40 if quick else 400)),
+        **_integrated(few),
+    }
+
+
+_SERIES = (  # label, colour, marker, where the numbers are
+    ("NumPy, float64", BLACK, "o", "array", 0),
+    ("NumPy, float32 in and out", BLACK, "s", "array", 1),
+    ("compiled, float64", BLUE, "o", "array", 2),
+    ("compiled, float32 in and out", BLUE, "s", "array", 3),
+    ("compiled loop alone, float64", BLUE, "D", "array", 4),
+    ("as printed, float64", RED, "^", "array", 5),
+    ("mpmath, 15 to 100 digits", GREEN, "v", "mpmath", slice(None)),
+    ("solve_ivp, events", ORANGE, "P", "events", slice(None)),
+    ("solve_ivp, smoothed friction", PURPLE, "X", "smooth", slice(None)),
+)
+
+
+def _panel(ax: Axes, d: dict[str, np.ndarray], without: tuple[str, ...] = ()) -> None:
+    for label, colour, marker, group, part in _SERIES:
+        if group in without:
+            continue
+        time = np.atleast_1d(1e9 * d[f"{group}_seconds"][part])
+        worst, middle = (np.atleast_1d(row[part]) for row in d[f"{group}_error"])
+        ax.vlines(time, middle, worst, color=colour, lw=0.5)
+        chain = "-" if time.size > 1 else ""
+        size = 7 if label == "compiled, float64" else 4.5  # may lie under the loop's diamond
+        ax.plot(time, worst, marker + chain, color=colour, lw=0.6, ms=size, label=label)
+        ax.plot(time, middle, marker, color=colour, mfc="white", ms=size)
+    for kind in (np.float32, np.float64):
+        ax.axhline(np.finfo(kind).eps / 2, color="0.55", lw=0.8, ls=":")
+    ax.axvline(1e9 * d["memory_seconds"], color="0.55", lw=0.8, ls="--")
+    ax.set(xscale="log", yscale="log", xlabel="time per impact (ns)", ylabel="relative error")
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 3.9), width_ratios=(1, 1.35))
+    _panel(left, d)
+    _panel(right, d, without=("mpmath",))
+    name_panel(left, "a", "all")
+    name_panel(right, "b", "in and around float64")
+    for digits, time, error in zip(DIGITS, d["mpmath_seconds"], d["mpmath_error"][1], strict=True):
+        left.annotate(f"{digits}", (1e9 * time, error), (-6, 0), textcoords="offset points",
+                      ha="right", va="center", fontsize=6, color=GREEN)  # fmt: skip
+    left.set(xlim=(0.5, 1e7), ylim=(1e-106, 1e12))
+    right.set(xlim=(0.5, 1e7), ylim=(3e-18, 1e5))
+    for kind in ("float32", "float64"):
+        unit = np.finfo(kind).eps / 2
+        right.text(8e3, 1.3 * unit, f"half an ulp of {kind}", fontsize=6, ha="center", va="bottom")
+    right.text(
+        1.2e9 * d["memory_seconds"], 1e-3, "one pass through memory", fontsize=6,
+        rotation=90, ha="left", va="center",
+    )  # fmt: skip
+    right.text(
+        0.98, 0.98, "filled: largest, open: median", fontsize=6, ha="right", va="top",
+        transform=right.transAxes,
+    )  # fmt: skip
+    for ax in (left, right):
+        ax.set_xticks([1, 1e2, 1e4, 1e6])
+    left.set_yticks([1e-100, 1e-75, 1e-50, 1e-25, 1])
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure

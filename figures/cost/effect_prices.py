@@ -1,0 +1,268 @@
+"""What each effect of a scene costs in a step of a rod, and what leaving it out does to the drift.
+
+All variants of `effects` go on from the same places of one settled run, a short way from each, at
+one step, so that who touches whom is nearly the same. Where the plate is at rest the places are
+taken in its frame; without a plate the rods fall freely. Alone: an effect on top of the barest
+scene in which it makes sense. Within: the full scene less the full scene without the effect and
+what needs it. Below them one thing in the place of another, then effects of the size zero against a
+scene that does not name them: the same compiled kernel, so that these bars show the error of all.
+
+Drift: that of the changed scene less that of the full one, over seeds. Without gravity, plate, box
+or contacts of rods no row is left to drift; what only looks on does not change the rods by a bit.
+"""
+
+import os
+from collections.abc import Callable
+from math import ceil
+from time import perf_counter
+
+import matplotlib.pyplot as plt
+import numba
+import numpy as np
+from matplotlib.axes import Axes
+from tqdm import tqdm
+
+from md.host import SAMPLES, Engine
+from md.kernels.plane import Series
+from md.sweep import Sweep
+
+from ..lib.row_runs import computed, means, planned
+from ..lib.style import BLUE, ORANGE, style
+from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
+from .effects import FULL, GROUPS, NOTHING, STEP, Effect, Variant, variants
+
+Place = tuple[dict[str, np.ndarray], int]  # all that changes in a run, and the number of its step
+PLACES = 8  # evenly over the plate's cycle, more than a period apart
+PART = 16  # of a period: how far each variant goes from each place
+WARM = 32  # steps before, that bring all into the cache
+BLOCKS, ROUNDS, SETTLE = {True: 30, False: 100}, {True: 5, False: 8}, {True: 10, False: 50}
+SEEDS, PERIODS = {True: 8, False: 16}, {True: 100, False: 300}  # of the drift
+BARE = Variant(NOTHING, frozenset())
+
+
+def rows() -> dict[str, Effect]:
+    """All rows of the figure."""
+    return {name: effect for group in GROUPS.values() for name, effect in group.items()}
+
+
+def _series(engine: Engine, variant: Variant) -> Series | None:
+    """Means to be sampled, as a run does."""
+    if "series" not in variant.watchers:
+        return None
+    table, every = np.zeros((SETTLE[False] + 2 * PLACES, 5)), max(engine.per // SAMPLES, 1)
+    return Series(table, engine.rods[:, 2:4].copy(), engine.per, every)
+
+
+def _settled(settle: int) -> tuple[list[Place], list[Place]]:
+    """Places of the full scene after `settle` periods, and the same in the frame of the plate."""
+    engine, moving, still = FULL.engine(), [], []
+    onward(engine, settle * engine.per)
+    for _ in range(PLACES):
+        onward(engine, engine.per + engine.per // PLACES)
+        arrays = {name: value.copy() for name, value in engine.arrays().items()}
+        motion, now = engine.crowd.alone.plate, engine.step % engine.per
+        moving.append((arrays, engine.step))
+        frame = {name: arrays[name].copy() for name in ("rods", "listed.built")}
+        for part in frame.values():
+            part[:, 1] -= motion.height[now]
+        frame["rods"][:, 5] -= motion.velocity[now]
+        still.append((arrays | frame, engine.step))
+    return moving, still
+
+
+def _call(engine: Engine, variant: Variant, places: list[Place], steps: int) -> Callable:
+    """Time of a step of a rod, from a place on; the call itself and the restart do not count."""
+    series, work = _series(engine, variant), steps * len(engine.rods)
+
+    def sample(place: int) -> float:
+        engine.restore(*places[place])
+        engine.go(WARM, series)
+        begin = perf_counter()
+        engine.go(0, series)
+        between = perf_counter()
+        engine.go(steps, series)
+        return (perf_counter() - between - (between - begin)) / work
+
+    return sample
+
+
+def _samples(every: list[Variant], moving: list[Place], still: list[Place], quick: bool):
+    """Times of all variants, of which each block has its own copy of code and arrays."""
+    steps = FULL.engine().per // PART
+
+    def anew(random: np.random.Generator) -> list[Callable]:
+        again()
+        calls, gaps = [None] * len(every), []
+        for number in random.permutation(len(every)):
+            gaps.append(bytearray(random.integers(1, 4096)))
+            engine, variant = every[number].engine(), every[number]
+            places = moving if engine.scene.vibrates else still
+            calls[number] = _call(engine, variant, places, steps)
+            calls[number](0)
+        return calls
+
+    with reloading() as again:
+        return interleaved(anew, BLOCKS[quick], ROUNDS[quick], PLACES)
+
+
+def _kernel(engine: Engine, variant: Variant) -> tuple:
+    """What decides which kernel runs: the types of all that it takes."""
+    given = engine.crowd, engine.springs, engine.listed, engine.ledger, engine.record
+    return tuple(map(numba.typeof, (*given, _series(engine, variant))))
+
+
+def sweeps(quick: bool = False) -> dict[int, Sweep]:
+    """Over seeds: of the full scene, 0, then of each scene whose drift is asked for, by its row."""
+    wanted = {0: FULL}
+    wanted |= {i: effect.changed for i, effect in enumerate(rows().values(), 1) if effect.drifts}
+    seeds = [{"start.seed": list(range(1, SEEDS[quick] + 1))}]
+    return {
+        i: planned(seeds, PERIODS[quick], {"step.size": STEP, **variant.changes})
+        for i, variant in wanted.items()
+    }
+
+
+def _drifts(quick: bool) -> np.ndarray:
+    """Drift and its standard error in cm/s: of the full scene, then of each changed one."""
+    found = np.full((2, 1 + len(rows())), np.nan)
+    bar = tqdm(
+        sweeps(quick).items(), desc="drift", unit="scene", disable=None, leave=False, delay=2
+    )
+    for i, sweep in bar:
+        mean = means(computed(sweep), {"drift": "c_x"})
+        unit = sweep.points[0].scene.cm_per_s
+        found[:, i] = np.array([mean["drift"], mean["drift_error"]]) * unit
+    return found
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Prices in ns per step of a rod, (value, error, interquartile range) of each row."""
+    load, effects, begin = os.getloadavg()[0], rows().values(), perf_counter()
+    every = variants([*effects, Effect((BARE, BARE), (FULL, FULL))])
+    engines = [variant.engine() for variant in every]
+    couples = list(zip(engines, every, strict=True))
+    for engine, variant in tqdm(couples, desc="compiling", disable=None, leave=False, delay=2):
+        engine.go(0, _series(engine, variant))
+    compiled = perf_counter() - begin
+    moving, still = _settled(SETTLE[quick])
+    samples = _samples(every, moving, still, quick)
+    times = 1e9 * steady(samples)
+
+    def price(*pair: Variant) -> tuple[float, ...]:
+        """Of the first less the second."""
+        dear, cheap = (times[..., every.index(one)] for one in pair)
+        return estimate(dear - cheap)
+
+    def alike(effect: Effect, what: Callable) -> bool:
+        """Whether both within the full scene have the same of something."""
+        first, second = (couples[every.index(one)] for one in effect.within)
+        return what(*first) == what(*second)
+
+    def after(engine: Engine, variant: Variant) -> bytes:
+        """Rods some way on."""
+        engine.restore(*moving[0])
+        engine.go(engine.per // PART, _series(engine, variant))
+        return engine.rods.tobytes()
+
+    return {
+        "alone": np.array([price(*effect.alone) for effect in effects]),
+        "within": np.array([price(*effect.within) for effect in effects]),
+        "full": np.array(estimate(times[..., every.index(FULL)])),
+        "bare": np.array(estimate(times[..., every.index(BARE)])),
+        "drift": _drifts(quick),
+        "same_rods": np.array([alike(effect, after) for effect in effects], float),
+        "same_kernel": np.array([alike(effect, _kernel) for effect in effects], float),
+        "samples": samples,
+        "compile_seconds": np.float64(compiled),
+        "load": np.float64(load),
+    }
+
+
+def plus_minus(value: float, error: float) -> str:
+    """Both in hundredths, the error rounded up."""
+    return f"{round(value, 2) + 0.0:.2f} ± {ceil(100 * error) / 100:.2f}"
+
+
+def _changes(d: dict[str, np.ndarray]) -> list[str]:
+    """What happens to the drift, row by row, in words or in cm/s."""
+    (full, *changed), (error, *errors) = d["drift"]
+    words = []
+    for i, name in enumerate(rows()):
+        if np.isfinite(changed[i]):
+            words.append(f"{changed[i] - full:+.2f} ± {np.hypot(error, errors[i]):.2f}")
+        elif name in GROUPS["off"]:
+            words.append("same kernel" if d["same_kernel"][i] else "another kernel")
+        else:
+            words.append("0, same bits" if d["same_rods"][i] else "-")
+    return words
+
+
+def summary(d: dict[str, np.ndarray]) -> str:
+    """Table of the prices and of the changes of the drift."""
+    (full, error, spread), bare = d["full"], d["bare"][0]
+    blocks, rounds, places, number = d["samples"].shape
+    lines = [
+        f"{machine_line(d['load'])}; 1 core used",
+        f"medians of {blocks * rounds} rounds of {number} variants from {places} places, with"
+        f" errors and (interquartile ranges); compiling {d['compile_seconds']:.0f} s, apart",
+        f"full scene {full:.2f} ± {error:.2f} ({spread:.2f}) ns per step of a rod, rods that only"
+        f" fly {bare:.2f}; drift {d['drift'][0, 0]:.2f} ± {d['drift'][1, 0]:.2f} cm/s",
+    ]
+    prices = zip(rows(), d["alone"], d["within"], _changes(d), strict=True)
+    for group, effects in GROUPS.items():
+        lines.append(
+            f"{group + ', ns per step of a rod':34}{'alone':>21}{'within':>21}{'share':>8}"
+            f"{'change of c_x':>16}"
+        )
+        for _ in effects:
+            name, *pair, change = next(prices)
+            cells = "".join(f"{f'{plus_minus(v, e)} ({s:.2f})':>21}" for v, e, s in pair)
+            lines.append(f"{name:34}{cells}{round(pair[1][0] / full, 3) + 0.0:8.1%}{change:>16}")
+    return "\n".join(lines)
+
+
+_LOOKS = (("alone", ORANGE, "alone, on the barest scene"), ("within", BLUE, "in the full scene"))
+
+
+def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    """Bars of both prices with their errors, and what becomes of the drift at the right."""
+    sizes = [len(group) for group in GROUPS.values()]
+    y = np.arange(sum(sizes)) + 0.6 * np.repeat(range(len(sizes)), sizes)  # groups apart
+    prices = np.concatenate([d["alone"], d["within"]])
+    longest = max((prices[:, 0] + prices[:, 1]).max(), 0.1)
+    lowest = min((prices[:, 0] - prices[:, 1]).min(), -0.05 * longest)
+    for side, (key, colour, label) in zip((-0.2, 0.2), _LOOKS, strict=True):
+        value, error, _ = d[key].T
+        ax.barh(y + side, value, 0.38, color=colour, label=label)
+        ax.errorbar(value, y + side, xerr=error, fmt="none", ecolor="black", elinewidth=0.7)
+        for at, one, off in zip(y + side, value, error, strict=True):
+            start = max(one, 0) + off + 0.01 * longest
+            words = plus_minus(one, off).replace("-", "−")
+            ax.text(start, at, words, va="center", fontsize=5.5, color="0.25")
+    beside = {"va": "center", "fontsize": 6, "transform": ax.get_yaxis_transform()}
+    for at, words in zip(y, _changes(d), strict=True):
+        ax.text(1.02, at, words.replace("-", "−"), **beside)
+    words = f"change of $c_x$ from\n{d['drift'][0, 0]:.2f} ± {d['drift'][1, 0]:.2f} cm/s"
+    ax.text(1.02, y[0] - 1.3, words, **beside)
+    ax.axvline(0, color="black", lw=0.6)
+    names = [f"{name}{' instead' if name in GROUPS['instead'] else ''}" for name in rows()]
+    ax.set(ylim=(y[-1] + 0.7, -0.7), xlim=(1.1 * lowest, 1.25 * longest))
+    ax.set_xlabel("price (ns per step of a rod)")
+    ax.set_yticks(y, names, fontsize=6)
+    ax.tick_params(axis="y", length=0)
+    ax.tick_params(axis="x", top=False)
+    full = d["full"][0]
+    share = ax.secondary_xaxis(
+        "top", functions=(lambda x: 100 * x / full, lambda x: x * full / 100)
+    )
+    share.set_xlabel(f"share (%) of the full scene, {full:.1f} ns per step of a rod")
+    ax.legend(loc="lower right", fontsize=6.5)
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, ax = plt.subplots(figsize=(7.0, 5.6))
+    panel(ax, d)
+    words = "errors of the median; drift −: no row is left without it"
+    figure.supxlabel(f"{words}\n{machine_line(d['load'])}", fontsize=6)
+    return figure

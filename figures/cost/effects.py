@@ -1,0 +1,163 @@
+"""Every effect of a scene, switched on alone and switched off alone: the scenes to compare.
+
+A variant is a change of the full scene, the row of the other figures with all that a scene can
+have. An effect *alone* stands on the barest scene in which it makes sense; *within*, the full scene
+is compared with itself without the effect and without what needs it (no plate: no vibration,
+friction or landings either; no contacts of rods: no box; and in an open box no contact of the last
+rod with the first).
+"""
+
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
+from itertools import chain
+from math import degrees
+from typing import Any, NamedTuple
+
+from md.host import Engine, prepare, step_of
+from md.scene import Scene, from_tables, put
+
+from ..lib.row_runs import FRICTION, GAMMA, RESTITUTION, ROW
+
+WATCHERS = frozenset(("ledger", "landings", "series"))
+STEP = step_of(from_tables(ROW))[0]  # of all variants
+TILT = degrees(from_tables(ROW).tilt)
+Changes = Mapping[str, Any]
+
+
+class Variant(NamedTuple):
+    """Changes of the full scene, and who looks on."""
+
+    changes: Changes
+    watchers: frozenset[str] = WATCHERS
+
+    @property
+    def scene(self) -> Scene:
+        """The scene itself."""
+        return from_tables(put(ROW, deepcopy({"step.size": STEP, **self.changes})))
+
+    def engine(self) -> Engine:
+        """The scene under way."""
+        asked = {name: name in self.watchers for name in ("ledger", "landings")}
+        return prepare(self.scene, **asked)
+
+
+class Effect(NamedTuple):
+    """Pairs of variants, with the effect and without it; its price is the difference."""
+
+    alone: tuple[Variant, Variant]
+    within: tuple[Variant, Variant]
+    drifts: bool = False  # whether the changed scene has a drift to compare
+
+    @property
+    def changed(self) -> Variant:
+        """The one of `within` that is not the full scene."""
+        with_it, without = self.within
+        return without if with_it == FULL else with_it
+
+
+FULL = Variant({})
+
+
+def _bare(changes: Changes, *watchers: str) -> Variant:
+    """A scene at which nobody looks, but for those named."""
+    return Variant(changes, frozenset(watchers))
+
+
+def _effect(changes: Changes, base: Changes, without: Changes, drifts: bool = True) -> Effect:
+    """What the full scene has."""
+    return Effect((_bare(changes), _bare(base)), (FULL, Variant(without)), drifts)
+
+
+def _watcher(name: str, base: Changes) -> Effect:
+    """What looks on."""
+    return Effect((_bare(base, name), _bare(base)), (FULL, Variant({}, WATCHERS - {name})))
+
+
+def _instead(other: Changes, usual: Changes, change: Changes) -> Effect:
+    """What the full scene has otherwise."""
+    return Effect((_bare(other), _bare(usual)), (Variant(change), FULL), True)
+
+
+def _zero(key: str, base: Changes) -> Effect:
+    """An effect of the size zero against a scene that does not name it."""
+    zero, unnamed = {key: 0.0}, {key: "none"}
+    alone = _bare({**base, **zero}), _bare({**base, **unnamed})
+    return Effect(alone, (Variant(zero), Variant(unnamed)))
+
+
+NOTHING = {
+    **dict.fromkeys(("gravity", "plate", "box", "contacts.plate", "contacts.rods"), "none"),
+    "start.tilt_deg": TILT,  # which the box gives otherwise
+}
+SMOOTH = {"law": "coulomb", "restitution": 1.0}
+LOSSY = {"law": "coulomb", "restitution": RESTITUTION}
+SPRING = {
+    **{"law": "constant_restitution", "restitution": 1.0, "friction": FRICTION},
+    **{"tangential_ratio": 3, "tangential_damping": 0.0},
+}
+DAMPED = SPRING | {"tangential_damping": 1.0}
+PRINTED = {"law": "appendix_a", "friction": FRICTION}  # Appendix A as printed
+
+FALLING = NOTHING | {"gravity": {}}
+PLATE = FALLING | {"plate": {}, "contacts.plate": SMOOTH}  # at rest
+RODS = NOTHING | {"contacts.rods": SMOOTH}
+
+
+def _contacts(part: str, base: Changes) -> dict[str, Effect]:
+    """Losses and friction of the plate, or between rods."""
+    name = f"contacts.{part}"
+    spring = base | {name: SPRING}
+    return {
+        f"{part}: dashpot": _effect(base | {name: LOSSY}, base, {f"{name}.restitution": 1.0}),
+        f"{part}: friction, a spring": _effect(spring, base, {f"{name}.friction": 0.0}),
+        f"{part}: dashpot of friction": _effect(
+            base | {name: DAMPED}, spring, {f"{name}.tangential_damping": 0.0}
+        ),
+    }
+
+
+ROUGH = PLATE | {"contacts.plate": DAMPED | {"restitution": RESTITUTION}}
+EFFECTS = {
+    "gravity": _effect(FALLING, NOTHING, {"gravity": "none"}, drifts=False),
+    "plate": _effect(PLATE, FALLING, {"plate": "none", "contacts.plate": "none"}, drifts=False),
+    "plate: vibration": _effect(
+        PLATE | {"plate.acceleration": GAMMA}, PLATE, {"plate.acceleration": "none"}
+    ),
+    **_contacts("plate", PLATE),
+    "rods": _effect(RODS, NOTHING, {"contacts.rods": "none"}, drifts=False),
+    **_contacts("rods", RODS),
+    "periodic box": _effect(
+        *(RODS | {"box": ROW["box"]}, RODS, {"box": "none", "start.tilt_deg": TILT}),
+        drifts=False,  # a row that is open falls over
+    ),
+    "energy ledger": _watcher("ledger", RODS),
+    "record of landings": _watcher("landings", PLATE),
+    "series of means": _watcher("series", NOTHING),
+}
+INSTEAD = {
+    "friction of the plate: constraint": _instead(
+        PLATE | {"contacts.plate": LOSSY | {"friction": FRICTION}},
+        ROUGH,
+        {"contacts.plate": LOSSY | {"friction": FRICTION}},
+    ),
+    "contact law: Appendix A": _instead(
+        PLATE | {"contacts.plate": PRINTED},
+        ROUGH,
+        {"contacts.plate": PRINTED, "contacts.rods": PRINTED},
+    ),
+    "inertia: solid": _instead(PLATE | {"rods.inertia": "solid"}, PLATE, {"rods.inertia": "solid"}),
+}
+OFF = {
+    "off: friction of the plate": _zero("contacts.plate.friction", PLATE),
+    "off: friction of rods": _zero("contacts.rods.friction", RODS),
+    "off: acceleration of the plate": _zero("plate.acceleration", PLATE),
+}
+GROUPS = {"effect": EFFECTS, "instead": INSTEAD, "off": OFF}
+
+
+def variants(effects: Iterable[Effect]) -> list[Variant]:
+    """Each variant that they name, once; the full scene first."""
+    found = [FULL]
+    for effect in effects:
+        found += [one for one in chain(effect.alone, effect.within) if one not in found]
+    return found

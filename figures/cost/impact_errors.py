@@ -1,0 +1,151 @@
+"""Errors of one soft impact: those of its integration, those of its model, and what they cost."""
+
+import numpy as np
+
+import md
+from md.laws import contact_time
+
+from ..lib.impact_price import impact_call, price
+from ..lib.soft_impacts import (
+    APPROACH_RATIO,
+    FRICTION,
+    ROD,
+    TILTS,
+    distance,
+    right,
+    rigid,
+    simulate,
+)
+
+METHODS = ("leapfrog", "verlet", "gear")
+SCENES = np.radians([10, 25, 40, 65, 83, 87])  # two tilts in each regime
+OFFSETS = (np.arange(24) + 0.5) / 24  # of the touch within a step
+LADDERS = {  # law, values of the parameter, what it is
+    "coulomb": (lambda k: md.coulomb(stiffness=k), 10.0 ** np.arange(5, 15), "k_n"),
+    "constant_restitution": (
+        lambda ratio: md.constant_restitution(tangential_ratio=ratio),
+        np.array([1.0, 3, 10, 30, 100, 300, 1000, 3000, 10000]),
+        "ratio",
+    ),
+    "appendix_a": (md.appendix_a, 10.0 ** np.arange(5, 15), "k_n"),
+}
+NEAR = 0.1  # of the model's error, left to the step
+
+
+def one_impact(tilt: float, law: md.Law, **how) -> md.Impact:
+    """The impact of `soft.simulate` at one tilt, speed 1."""
+    scene = {"friction": FRICTION, "rod": ROD, "law": law}
+    return md.impact(float(tilt), 1 / APPROACH_RATIO, -1.0, **scene, **how)
+
+
+def velocities(law: md.Law, **how) -> tuple[np.ndarray, list[md.Impact]]:
+    """(c_x', c_z') of each of `SCENES`, nan where the step is refused or the run fails."""
+    hits, rows = [], []
+    for tilt in SCENES:
+        try:
+            hits.append(one_impact(tilt, law, **how))
+            rows.append((hits[-1].c_x, hits[-1].c_z))
+        except (ValueError, RuntimeError):
+            rows.append((np.nan, np.nan))
+    return np.array(rows), hits
+
+
+def fixed_steps(law: md.Law, parts: np.ndarray, true: np.ndarray) -> np.ndarray:
+    """Largest and median error, shape (2, methods, parts); nan if any impact fails."""
+    whole, found = contact_time(law, 1.0), np.empty((2, len(METHODS), parts.size))
+    for (i, j), _ in np.ndenumerate(found[0]):
+        how = {"integrator": METHODS[i], "dt": whole / parts[j]}
+        off = [velocities(law, offset=part, **how)[0] - true for part in OFFSETS]
+        length = np.hypot(*np.moveaxis(off, -1, 0))
+        found[:, i, j] = length.max(), np.median(length)
+    return found
+
+
+def order(parts: np.ndarray, error: np.ndarray) -> float:
+    """Slope in log-log where the error is small; nan from fewer than three points."""
+    some = error < 1e-2
+    if np.sum(some) < 3:
+        return np.nan
+    return -np.polyfit(np.log(parts[some]), np.log(error[some]), 1)[0]
+
+
+def adaptive(
+    law: md.Law, tolerances: np.ndarray, true: np.ndarray, runs: int
+) -> dict[str, np.ndarray]:
+    """DOP853: largest and median error, shape (2, tolerances), evaluations and seconds."""
+    error, evaluations, seconds = [], [], []
+    for tolerance in tolerances:
+        samples = [velocities(law, integrator="dop853", tolerance=tolerance) for _ in range(runs)]
+        found, hits = samples[0]
+        length = np.hypot(*(found - true).T)
+        error.append((length.max(), np.median(length)))
+        evaluations.append(max(hit.steps for hit in hits))
+        times = [np.mean([hit.seconds for hit in hits]) for _, hits in samples]
+        seconds.append(np.median(times))
+    return {
+        "adaptive_error": np.array(error).T,
+        "evaluations": np.array(evaluations),
+        "adaptive_seconds": np.array(seconds),
+    }
+
+
+def reached(parts: np.ndarray, error: np.ndarray, target: float) -> float:
+    """Steps per contact time at which the error comes down to `target`; nan if it never does."""
+    known = np.isfinite(error)
+    parts, error = parts[known], error[known]
+    below = np.flatnonzero(error <= target)
+    if not below.size or below[0] == 0:
+        return parts[0] if below.size else np.nan
+    j = below[0]
+    x, y = np.log(parts[j - 1 : j + 1]), np.log(error[j - 1 : j + 1])
+    return float(np.exp(np.interp(-np.log(target), -y, x)))
+
+
+def _longest_step(law: md.Law) -> tuple[float, int, float]:
+    """Error of the model, regimes right, and by how much to shorten the default step for it."""
+
+    def error(refine):
+        soft = simulate(TILTS, law, refine=refine)
+        theory = rigid(TILTS, soft.restitution)
+        return distance(soft, theory), right(soft, theory)
+
+    limit, regimes = error(32)
+    refine = 8.0
+    while refine > 1 / 16:
+        try:
+            if not abs(error(refine / 2)[0] / limit - 1) < NEAR:
+                break
+        except (ValueError, RuntimeError):  # not stable
+            break
+        refine /= 2
+    return limit, regimes, refine
+
+
+def models(every: int, runs: int) -> dict[str, np.ndarray]:
+    """Along each ladder: error, regimes, step and seconds per impact."""
+    found = {}
+    for name, (make, values, _) in LADDERS.items():
+        values = values[::every]
+        rows = [_longest_step(make(value)) for value in values]
+        steps = np.array(
+            [
+                [one_impact(tilt, make(value)).dt / refine for tilt in TILTS[::3]]
+                for value, (_, _, refine) in zip(values, rows, strict=True)
+            ]
+        )
+        calls = [
+            impact_call(tilt, make(value), "verlet", dt)
+            for value, row in zip(values, steps, strict=True)
+            for tilt, dt in zip(TILTS[::3], row, strict=True)
+        ]
+        seconds, _ = price(calls, runs)
+        whole = [contact_time(make(value), 1.0) for value in values]
+        found |= {
+            f"{name}_value": values,
+            f"{name}_error": np.array([row[0] for row in rows]),
+            f"{name}_right": np.array([row[1] for row in rows]),
+            f"{name}_dt": steps.min(1),
+            f"{name}_parts": whole / steps.min(1),
+            f"{name}_seconds": seconds.reshape(values.size, -1).mean(1),
+        }
+    return found

@@ -1,0 +1,96 @@
+"""What motion in space costs: the same rods by both kernels, and the rods of the annulus.
+
+The rods of a plane row that has settled, without its box, are put into space at y = 0: the kernel
+of space finds the same contacts and forces. Each sample starts there anew, so that both do the same
+work; the annulus starts where it has settled, too.
+"""
+
+from collections.abc import Callable
+from time import thread_time
+
+import numpy as np
+
+from md.annulus_host import SKIN
+from md.annulus_host import prepare as prepare_ring
+from md.host import Engine, prepare
+from md.kernels.space import forces
+from md.kernels.space import march as crowd
+from md.kernels.space.pairs import no_pairs
+from md.scene import from_tables, put
+
+from ..lib import annulus_runs as ring
+from ..lib.row_runs import ROW
+
+NAMES = "plane kernel", "space kernel, the same rods", "annulus"
+PLACES = [0, 2, 3, 5, 6, 8, 10]  # of x, z, sin, cos, c_x, c_z, omega in the state in space
+STEPS, SETTLE, AROUND = 1500, 3.0, 12.0  # of a sample; periods before, in the annulus
+
+
+def _settled() -> Engine:
+    """The row without its box, after some landings, when it is still a crowd."""
+    changes = {"box": "none", "start.tilt_deg": 20.0, "start.drop": 0.01}
+    engine = prepare(from_tables(put(ROW, changes)))
+    engine.go(round(SETTLE * engine.per))
+    return engine
+
+
+def _in_plane(engine: Engine) -> Callable[[int], float]:
+    arrays, step = {name: part.copy() for name, part in engine.arrays().items()}, engine.step
+
+    def sample(_: int) -> float:
+        engine.restore({name: part.copy() for name, part in arrays.items()}, step)
+        engine.go(1)  # makes the list of pairs
+        begin = thread_time()
+        engine.go(STEPS)
+        return (thread_time() - begin) / STEPS / len(engine.rods)
+
+    return sample
+
+
+def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
+    """Seconds of a step of a rod, and the rods, of the same steps in space."""
+    alone, n, step = engine.crowd.alone, len(engine.rods), engine.step
+    world = forces.Space(
+        *(alone.half_length, alone.lightness, None, alone.gravity[1], alone.plate, alone.normal),
+        *(alone.friction, None, None, engine.crowd.between),
+    )
+    first, before = np.zeros((n, crowd.COLUMNS)), np.zeros((n, 6))
+    first[:, PLACES], before[:, [0, 2, 4]] = engine.rods, engine.before
+    springs = np.zeros((n, forces.SINGLE, 3))
+    if engine.springs is not None:
+        springs[:, forces.PLATE_CAPS : forces.PLATE_CAPS + 2, 0] = engine.springs
+
+    def sample(_: int) -> tuple[float, np.ndarray]:
+        rods, total = first.copy(), np.zeros((n, 6))
+        kept = springs.copy(), np.zeros((n * (n - 1) // 2, 5, 3))
+        state = world, rods, before.copy(), *kept, no_pairs(n), SKIN, total, None
+        crowd.march(*state, step, 1, engine.dt)
+        begin = thread_time()
+        crowd.march(*state, step + 1, STEPS, engine.dt)
+        return (thread_time() - begin) / STEPS / n, rods
+
+    return sample
+
+
+def _in_annulus() -> Callable[[int], float]:
+    engine = prepare_ring(ring.SCENE)
+    engine.go(round(AROUND * engine.per))
+    arrays, step = {name: part.copy() for name, part in engine.arrays().items()}, engine.step
+
+    def sample(_: int) -> float:
+        engine.restore(arrays, step)
+        begin = thread_time()
+        engine.go(STEPS)
+        return (thread_time() - begin) / STEPS / len(engine.rods)
+
+    return sample
+
+
+def calls() -> list[Callable[[int], float]]:
+    """Times of a step of a rod, as `NAMES` says."""
+    engine = _settled()
+    above = lifted(engine)
+    found = [_in_plane(engine), lambda place: above(place)[0], _in_annulus()]
+    for call in found:
+        call(0)  # compiles
+    return found

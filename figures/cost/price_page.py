@@ -1,0 +1,101 @@
+"""All prices on one page: what accuracy costs, what each effect costs, what more rods cost."""
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from impact.__main__ import benchmark
+
+from .. import FIGURES, load
+from ..lib.style import name_panel, style
+from ..lib.timing import machine_line
+from . import accuracy_cost_ladder, accuracy_map, effect_prices, in_space
+from .many_digits import LAWS
+
+PRICES = {  # and what the panel of the page is called
+    "accuracy_cost_drift": "error of the drift against time",
+    "accuracy_cost_ladder": "one question, every way to answer it",
+    "effect_prices": "price of each effect",
+    "scaling": "time of a period",
+}
+IMPACTS, CHECKED = 200_000, 20_000  # timed; compared with many digits
+WIDE = {"accuracy_cost_ladder", "effect_prices"}  # across the page; the others two abreast
+
+
+def known() -> list[str]:
+    """Those that there are."""
+    return [name for name in PRICES if name in FIGURES]
+
+
+@style
+def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
+    """Main panels of the figures whose data are given, by name."""
+    narrow = [name for name in found if name not in WIDE]
+    layout = [[name, name] for name in found if name in WIDE]
+    layout += [[narrow[i], narrow[min(i + 1, len(narrow) - 1)]] for i in range(0, len(narrow), 2)]
+    heights = [4.9 if row[0] in WIDE else 2.9 for row in layout]
+    size = 7.0, sum(heights)
+    figure, axes = plt.subplot_mosaic(layout, figsize=size, height_ratios=heights)
+    for letter, (name, ax) in zip("abcd", axes.items(), strict=False):
+        load(name).panel(ax, found[name])
+        name_panel(ax, letter, PRICES[name])
+    load_then = next((float(d["load"]) for d in found.values() if "load" in d), np.nan)
+    figure.supxlabel(machine_line(load_then), fontsize=6)
+    return figure
+
+
+def summary(found: Mapping[str, Mapping[str, np.ndarray]]) -> str:
+    """What the figures say in words and tables, one after the other."""
+    return "\n\n".join(
+        f"{FIGURES[name].title}\n{load(name).summary(d)}" for name, d in found.items()
+    )
+
+
+def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
+    """What the figures measured, for other programs, and what one impact costs.
+
+    Pairs are a value and its standard error; times of steps are in ns per step of a rod; null: not
+    known.
+    """
+    made: dict[str, Any] = {"machine": machine_line(max(float(d["load"]) for d in found.values()))}
+    if d := found.get("accuracy_cost_ladder"):
+        keys = "group", "label", "seconds", "deviation", "error", "scatter"
+        off = accuracy_cost_ladder.deviations(d)
+        made["ladder"] = _rows(keys, d["group"], d["label"], d["seconds"], *off)
+    if d := found.get("accuracy_cost_drift"):
+        keys = "per_contact", "periods", "seconds", "error"
+        made["dial"] = _rows(
+            ("tolerance", *keys), d["tolerance"], *(d[f"dial_{key}"] for key in keys)
+        )
+    if d := found.get("effect_prices"):
+        prices, changes = (d["alone"][:, :2], d["within"][:, :2]), effect_prices._changes(d)
+        keys = "name", "alone", "within", "drift"
+        made["effects"] = _rows(keys, effect_prices.rows(), *prices, changes)
+        made["full"], made["bare"] = _plain(d["full"][:2]), _plain(d["bare"][:2])
+        made["drift_cm_s"] = _plain(d["drift"][:, 0])
+    if d := found.get("scaling"):
+        made["rods"] = _rows(("count", "ns"), d["counts"], d["row"][:, :2])
+        made["kernels"] = _rows(("name", "ns"), in_space.NAMES, d["kernels"][:, :2])
+        gain = d["sweep"][0, 0] / d["sweep"][:, 0]
+        made["cores"] = _rows(("count", "gain"), d["workers"], gain)
+    made["impact_ns"] = benchmark(IMPACTS)["ns_per_impact"]
+    errors = accuracy_map.table(CHECKED)
+    made["impact_ulp"] = _rows(("law", "largest"), LAWS, errors["table_max"])
+    return made
+
+
+def _rows(keys: tuple[str, ...], *columns: Iterable) -> list[dict[str, Any]]:
+    """A dictionary a row."""
+    rows = zip(*columns, strict=True)
+    return [dict(zip(keys, map(_plain, row), strict=True)) for row in rows]
+
+
+def _plain(value: Any) -> Any:
+    """For JSON: no arrays, and None for what is not finite."""
+    value = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    if isinstance(value, list):
+        return [_plain(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,212 @@
+"""Time of a period over the number of rods, and work done at once over the number of cores.
+
+(a), (b) The row of the other figures with all that a run measures, settled, at the same tilt and
+density: the length of the box grows with the number of rods. Lines in (b): the row without box or
+measurement, the same rods by the kernel of motion in space, and rods in the annulus. (c)
+Independent runs of a sweep, four for each core, from the call to the last result in the store,
+processes already there; the broken line is the first point times the number of cores. Medians of
+samples taken in turn. (a) and (b) are times of the processor; (c) is by the clock: a machine that
+does other work meanwhile has less to give.
+"""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import monotonic, perf_counter, sleep
+
+import matplotlib.pyplot as plt
+import numpy as np
+from joblib import Parallel, cpu_count, delayed, parallel_config
+from matplotlib.axes import Axes
+from tqdm import tqdm
+
+import md
+from md.host import SAMPLES, prepare
+from md.kernels.plane import Series
+from md.scene import from_tables, put
+from md.sweep import execute, expand
+
+from ..lib.row_runs import ROW
+from ..lib.style import BLACK, BLUE, ORANGE, RED, name_panel, style
+from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
+from . import in_space
+
+COUNTS = {
+    True: (10, 40, 160, 640, 2500, 5000),
+    False: (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000),
+}
+LEAST = 320  # rods a sample is about, with one period each
+SPACING = ROW["box"]["length"] / ROW["rods"]["count"]
+RUNS, PERIODS = 4, 40  # of each core, and of each run
+LEVELS = 5  # numbers of cores, at most
+BLOCKS, SETTLE, REPEATS = {True: 9, False: 31}, {True: 10, False: 40}, {True: 5, False: 15}
+
+
+def _row(count: int) -> md.Scene:
+    """The row with another number of rods."""
+    return from_tables(put(ROW, {"rods.count": count, "box.length": count * SPACING}))
+
+
+def _periods(count: int, settle: int) -> Callable[[int], float]:
+    """Processor time of a step of a rod in a settled row, over whole periods."""
+    engine = prepare(_row(count))
+    times, every = max(1, LEAST // count), max(engine.per // SAMPLES, 1)
+
+    def sample(_: int, periods: int = times) -> float:
+        engine.step %= engine.per
+        rows = np.zeros((periods + 1, 5))
+        series = Series(rows, engine.rods[:, 2:4].copy(), engine.per, every)
+        steps = periods * engine.per
+        return onward(engine, steps, series) / steps / count
+
+    sample(0, settle)
+    return sample
+
+
+def _meet(folder: str, workers: int) -> None:
+    """Load the code of a run in this process, and wait until all others have."""
+    md.run(_row(40), periods=1)
+    (Path(folder) / f"{os.getpid()}").touch()
+    give_up = monotonic() + 60
+    while len(list(Path(folder).iterdir())) < workers and monotonic() < give_up:
+        sleep(0.01)
+
+
+def _sweeping(workers: int) -> Callable[[int], float]:
+    """Time of a step of a rod in as many runs at once as there are workers."""
+    seeds = list(range(1, RUNS * workers + 1))
+    sweep = expand({"periods": PERIODS, "axes": [{"start.seed": seeds}]}, ROW)
+    engine = prepare(sweep.points[0].scene)
+    work = len(seeds) * PERIODS * engine.per * len(engine.rods)
+
+    def sample(_: int) -> float:
+        with TemporaryDirectory() as folder:
+            with parallel_config("loky"):
+                Parallel(n_jobs=workers, batch_size=1)(
+                    delayed(_meet)(folder, workers) for _ in range(workers)
+                )
+            begin = perf_counter()
+            execute(sweep, Path(folder) / "runs.db", workers=workers)
+            return (perf_counter() - begin) / work
+
+    return sample
+
+
+def _estimates(samples: np.ndarray) -> np.ndarray:
+    """Value, error and interquartile range of each call, (calls, 3), in ns."""
+    times = 1e9 * steady(samples)
+    return np.array([estimate(times[..., call]) for call in range(times.shape[-1])])
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Times in ns per step of a rod, (value, error, interquartile range)."""
+    load = os.getloadavg()[0]
+    counts = COUNTS[quick]
+    bar = tqdm(counts, desc="settling", unit="row", disable=None, leave=False, delay=2)
+    rows = [_periods(count, SETTLE[quick]) for count in bar]
+
+    def anew(_) -> list[Callable]:
+        again()
+        return rows
+
+    with reloading() as again:
+        by_count = interleaved(anew, BLOCKS[quick])
+    kernels = in_space.calls()
+    by_kernel = interleaved(lambda _: kernels, 3 * BLOCKS[quick])
+    cores = cpu_count()
+    workers = np.unique(np.geomspace(1, cores, min(cores, LEVELS)).round().astype(int))
+    sweeps = [_sweeping(int(count)) for count in workers]
+    by_workers = interleaved(lambda _: sweeps, REPEATS[quick])
+    return {
+        "counts": np.array(counts),
+        "row": _estimates(by_count),
+        "steps_per_period": np.int64(prepare(_row(40)).per),
+        "workers": workers,
+        "sweep": _estimates(by_workers),
+        "kernels": _estimates(by_kernel),
+        "row_samples": by_count,
+        "sweep_samples": by_workers,
+        "load": np.float64(load),
+    }
+
+
+def _throughput(d: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Million steps of a rod in a second, and the error."""
+    value, error, _ = d["sweep"].T
+    return 1e3 / value, 1e3 / value**2 * error
+
+
+def _ms(d: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Milliseconds of a period, and half of the interquartile range."""
+    value, _, spread = d["row"].T * d["counts"] * d["steps_per_period"] * 1e-6
+    return value, spread / 2
+
+
+def summary(d: dict[str, np.ndarray]) -> str:
+    """Tables of both."""
+    lines = [
+        f"{machine_line(d['load'])}",
+        f"medians of {len(d['row_samples'])} samples, period of {d['steps_per_period']} steps;"
+        " errors of the median",
+        f"{'rods':>8}{'ms a period':>14}{'ns per step of a rod':>24}{'(iqr)':>8}",
+    ]
+    for count, ms, (ns, error, spread) in zip(d["counts"], _ms(d)[0], d["row"], strict=True):
+        lines.append(f"{count:8d}{ms:14.2f}{f'{ns:.2f} ± {error:.2f}':>24}{spread:8.2f}")
+    for name, (ns, error, spread) in zip(in_space.NAMES, d["kernels"], strict=True):
+        lines.append(f"{name:>30}{f'{ns:.2f} ± {error:.2f}':>24}{spread:8.2f}")
+    lines.append(f"{'cores':>8}{'million steps of a rod/s':>26}{'times one core':>16}")
+    for count, rate, error in zip(d["workers"], *_throughput(d), strict=True):
+        times = rate / _throughput(d)[0][0]
+        lines.append(f"{count:8d}{f'{rate:.1f} ± {error:.1f}':>26}{times:16.2f}")
+    return "\n".join(lines)
+
+
+def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    """Time of a period over the number of rods, beside a line of the slope 1."""
+    counts, (ms, half) = d["counts"], _ms(d)
+    guide = np.median(ms / counts) * counts
+    ax.plot(counts, guide, "--", color="0.55", lw=0.8, label="proportional to $N$")
+    ax.errorbar(counts, ms, half, fmt="o", color=BLUE, ms=3, lw=0.8, label="measured")
+    ax.set(xscale="log", yscale="log", xlabel="number of rods $N$", ylabel="time of a period (ms)")
+    rate = _throughput(d)[0]
+    words = [f"{np.median(d['row'][:, 0]):.1f} ns per step of a rod"]
+    words += [
+        f"{n} cores: {r / rate[0]:.2f} times one" for n, r in zip(d["workers"], rate, strict=True)
+    ][1:]
+    ax.text(0.97, 0.04, "\n".join(words), ha="right", fontsize=6.5, transform=ax.transAxes)
+    ax.legend(loc="upper left")
+
+
+def _draw_steps(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    value, error, spread = d["row"].T
+    ax.errorbar(d["counts"], value, spread / 2, fmt="none", color="0.6", lw=2, label="middle half")
+    ax.errorbar(d["counts"], value, error, fmt="o", color=BLUE, ms=3, lw=0.8, label="median, error")
+    looks = zip(in_space.NAMES, d["kernels"][:, 0], (BLACK, ORANGE, RED), strict=True)
+    for name, ns, colour in looks:
+        ax.axhline(ns, color=colour, lw=0.8, ls="--", label=f"{name}: {ns:.0f}")
+    ax.set(xscale="log", xlabel="number of rods $N$", ylim=(0, 1.8 * d["kernels"].max()))
+    ax.set_ylabel("time (ns per step of a rod)")
+    ax.legend(loc="upper left", fontsize=6)
+
+
+def _draw_cores(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    (rate, error), workers = _throughput(d), d["workers"]
+    ends = np.array([0, workers[-1]])
+    ax.plot(ends, rate[0] * ends, "--", color="0.55", lw=0.8, label="proportional to cores")
+    ax.errorbar(workers, rate, error, fmt="s", color=BLACK, ms=3, lw=0.8, label="measured")
+    ax.set(xlabel="cores", ylabel="million steps of a rod per second")
+    ax.set(xlim=(0, 1.1 * workers[-1]), ylim=(0, 1.1 * rate[0] * workers[-1]))
+    ax.xaxis.get_major_locator().set_params(integer=True)
+    ax.legend(loc="upper left")
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.7))
+    panels, titles = (panel, _draw_steps, _draw_cores), ("a period", "a step", "many runs")
+    for ax, letter, part, title in zip(axes, "abc", panels, titles, strict=True):
+        part(ax, d)
+        name_panel(ax, letter, title)
+    figure.supxlabel(machine_line(d["load"]), fontsize=6)
+    return figure

@@ -1,0 +1,85 @@
+"""Files of the commands: what could not be written in the end is refused before the work."""
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from impact._command import CommandError
+
+MARKS = {  # what a file of each kind has near its beginning
+    ".npz": [b"PK"],
+    ".png": [b"\x89PNG"],
+    ".pdf": [b"%PDF"],
+    ".gif": [b"GIF8"],
+    ".mp4": [b"ftyp"],
+    ".json": [b'"provenance"', b'"machine"'],
+    ".md": [b"# The paper's claims"],
+    ".html": [b"<title>Rods on a vibrated plate"],
+}
+NEAR = 300  # bytes
+
+
+def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
+    """Paths of the files `names` in the folder `out`, which need not be there yet.
+
+    Parameters
+    ----------
+    out : folder
+    names : of the files that a command is about to write there
+    store : that the command uses; it must be none of them
+
+    Raises
+    ------
+    CommandError
+        If the folder takes no file, or something of another kind stands where a file would go.
+    """
+    from md.files import distinct, writable  # late: the list of figures needs no Numba
+
+    paths = [out / name for name in names]
+    try:
+        there = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
+        with tempfile.TemporaryFile(dir=there):
+            pass
+        for path in (out, *paths):
+            distinct(out=path, store=store)
+        for path in paths:
+            if path.exists():
+                writable("out", path, _replaceable, f"a {path.suffix} file made here")
+    except OSError as error:
+        raise CommandError(f"out must be a folder that takes files: {error}") from None
+    except ValueError as error:
+        raise CommandError(error) from None
+    return paths
+
+
+def _replaceable(path: Path) -> bool:
+    """Whether what is there is of the kind that its name says."""
+    with path.open("rb") as file:
+        head = file.read(NEAR)
+    return any(mark in head for mark in MARKS.get(path.suffix, [b""]))
+
+
+@contextmanager
+def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
+    """The folder `out`, ready for the files `names`; runs go to `store`, by default rows.db there.
+
+    Raises
+    ------
+    CommandError
+        As `ready`, and if the store cannot be used.
+    """
+    from md.store import Store, StoreError
+
+    from . import row_runs as rows
+
+    usual, rows.STORE = rows.STORE, store or out / "rows.db"
+    try:
+        ready(out, *names, store=rows.STORE)
+        if rows.STORE.exists() or rows.STORE.parent != out:
+            Store(rows.STORE).database.close()
+        yield out
+    except StoreError as error:
+        raise CommandError(error) from None
+    finally:
+        rows.STORE = usual

@@ -1,0 +1,1 @@
+"""Pages, the animation and the window of sliders."""

@@ -1,0 +1,271 @@
+r"""A scene as an animation: rods of true width, the plate, and what the tip of one rod does.
+
+>>> import md
+>>> from figures.pages import movie
+>>> film = movie.record(md.load("quasi2d"), periods=2, frames=8)
+>>> movie.write(film, "row.gif")
+
+An annulus is shown rolled out: rods at their place around it and as they lean along it. Seen from
+the box, whose ends meet; a rod that leaves on the right comes back on the left. One rod
+is marked, and what it passed is drawn behind it: there the drift shows. Below, its lowest point
+(red) and the plate (grey), of which the large picture shows too little: both move by a small part
+of a rod's width. The picture of the README, 1.4 MB:
+
+    python -m figures movie quasi2d --set rods.count=20 --set box.length=24 --set step.size=4e-5 \
+        --periods 24 --frames 4 --out figures/gallery/row.gif
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.animation import FFMpegWriter
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from PIL import Image
+from tqdm import tqdm
+
+import md
+from md.host import prepare
+
+from ..lib.style import RED, style
+
+FPS = 25
+LARGEST = 5000  # pictures
+TRACE = 32  # points a period of the lower panel, at least
+WINDOW = 4.0  # periods in the lower panel
+INCHES, DPI = 6.0, 100
+OUTLINE = 0.06  # d
+DARK, PALE, GREY = "0.25", "#BFD7EA", "0.6"
+
+
+class Film(NamedTuple):
+    """What is shown, at more times than there are pictures."""
+
+    scene: md.Scene
+    time: np.ndarray  # (T,), periods
+    plate: np.ndarray  # (T,), height
+    x: np.ndarray  # (T, N), without the box's jumps
+    z: np.ndarray
+    tilt: np.ndarray  # rad
+    every: int  # from picture to picture
+
+    @property
+    def length(self) -> float | None:
+        """After which the picture repeats: of the box, or around the annulus at its middle."""
+        if self.scene.annulus:
+            return 2 * np.pi * self.scene.annulus.middle
+        return self.scene.box.length if self.scene.box else None
+
+    @property
+    def pictures(self) -> int:
+        """Number of pictures."""
+        return len(self.time) // self.every
+
+    @property
+    def tips(self) -> np.ndarray:
+        """Lowest point of each rod."""
+        half = (self.scene.rods.length - 1) / 2
+        return self.z - half * np.abs(np.cos(self.tilt)) - 0.5
+
+
+def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool = False) -> Film:
+    """Run a scene and keep `frames` pictures a period.
+
+    Raises
+    ------
+    ValueError
+        If there would be none, or more than `LARGEST`; and as `md.run`.
+    """
+    for name, value in (("periods", periods), ("frames", frames)):
+        if not value >= 1:
+            raise ValueError(f"{name} must be a whole number >= 1, got {value}")
+    if periods * frames > LARGEST:
+        raise ValueError(f"periods times frames must be at most {LARGEST}, got {periods * frames}")
+    every = -(-TRACE // frames)
+    engine, shots = prepare(scene, ledger=False, landings=False), periods * frames * every
+    columns = {name: np.empty((shots, scene.rods.count)) for name in ("x", "z", "tilt")}
+    time, plate = np.empty(shots), np.zeros(shots)
+    for i in tqdm(range(shots), unit=" shots", delay=2, disable=None if progress else True):
+        goal = i * engine.per // (frames * every)
+        while engine.step < goal:
+            engine.go(goal - engine.step)
+        time[i] = engine.step / engine.per
+        seen = _rolled_out(scene, engine.rods) if scene.annulus else _in_plane(engine.rods)
+        for column, values in zip(columns.values(), seen, strict=True):
+            column[i] = values
+        if scene.vibrates:
+            plate[i] = engine.plate.height[engine.step % engine.per]
+    if scene.annulus:  # azimuths jump once around
+        columns["x"] = np.unwrap(columns["x"], axis=0, period=2 * np.pi * scene.annulus.middle)
+    return Film(scene, time, plate, **columns, every=every)
+
+
+def _in_plane(rods: np.ndarray) -> tuple[np.ndarray, ...]:
+    """x, z and tilt."""
+    return rods[:, 0], rods[:, 1], np.arctan2(rods[:, 2], rods[:, 3])
+
+
+def _rolled_out(scene: md.Scene, rods: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Place along the middle of the annulus, height, and lean along it."""
+    azimuth = np.arctan2(rods[:, 1], rods[:, 0])
+    lean = np.cos(azimuth) * rods[:, 4] - np.sin(azimuth) * rods[:, 3]
+    return scene.annulus.middle * azimuth, rods[:, 2], np.arctan2(lean, rods[:, 5])
+
+
+def _window(film: Film) -> tuple[float, float, float, float]:
+    """Left, right, bottom, top of what is shown."""
+    half = film.scene.rods.length / 2
+    left, right = 0.0, film.length or 0.0
+    if film.length is None:
+        left, right = film.x.min() - half - 0.5, film.x.max() + half + 0.5
+    bottom = min(film.plate.min(), film.tips.min()) - 0.8
+    return left, right, bottom, (2 * film.z - film.tips).max() + 0.3
+
+
+def segments(film: Film, i: int) -> tuple[np.ndarray, np.ndarray]:
+    """Axes of the rods at a time, (n, 2, 2), with the images that reach into the box; numbers."""
+    half, n = (film.scene.rods.length - 1) / 2, film.x.shape[1]
+    number, x = np.arange(n), film.x[i]
+    reach = half * np.sin(film.tilt[i])
+    if film.length:
+        length = film.length
+        number, x = (
+            np.tile(number, 3),
+            np.concatenate([x % length + s * length for s in (-1, 0, 1)]),
+        )
+        reach = np.tile(reach, 3)
+        near = (x + np.abs(reach) > -0.5) & (x - np.abs(reach) < length + 0.5)
+        number, x, reach = number[near], x[near], reach[near]
+    z, rise = film.z[i][number], half * np.cos(film.tilt[i][number])
+    low, high = np.stack([x - reach, z - rise], -1), np.stack([x + reach, z + rise], -1)
+    return np.stack([low, high], 1), number
+
+
+class Picture:
+    """The figure, redrawn for each time."""
+
+    def __init__(self, film: Film):
+        self.film, self.marked = film, film.x.shape[1] // 2
+        left, right, bottom, top = _window(film)
+        tall = min(INCHES * (top - bottom) / (right - left), 6.0)
+        below, above = (1.1 if film.scene.plate else 0.1), 0.3
+        whole = tall + below + above
+        self.figure = plt.figure(figsize=(INCHES, whole), dpi=DPI, layout="none")
+        self.row = self.figure.add_axes((0, below / whole, 1, tall / whole))
+        self.row.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xticks=[], yticks=[])
+        self.row.axis("off")
+        self.row.apply_aspect()  # a high picture does not fill the width
+        self.words = self.figure.text(0.01, 1 - 0.06 / whole, "", va="top", fontsize=10)
+        unit = self.figure.dpi_scale_trans.inverted().transform(
+            self.row.transData.transform([(0, 0), (1, 0)])
+        )
+        points = 72 * np.diff(unit[:, 0])[0]  # of a length of 1
+        width = {"capstyle": "round", "zorder": 3}
+        self.outline = LineCollection([], colors=DARK, linewidths=points, **width)
+        self.rods = LineCollection([], linewidths=points * (1 - 2 * OUTLINE), **width)
+        self.trail = LineCollection([], colors=RED, linewidths=1.2, zorder=4, alpha=0.8)
+        for artist in (self.outline, self.rods, self.trail):
+            self.row.add_collection(artist, autolim=False)
+        self.plate = self.trace = None
+        if film.scene.plate:
+            self.plate = self.row.axhspan(bottom - 1, 0, color=GREY, lw=0, zorder=2)
+            self._lower(below / whole)
+
+    def _lower(self, share: float) -> None:
+        """Plate and tip over the last periods."""
+        film = self.film
+        ax = self.trace = self.figure.add_axes((0.09, 0.4 * share, 0.89, 0.56 * share))
+        tip = film.tips[:, self.marked]
+        ax.plot(film.time, film.plate, color="0.5", lw=1.5)
+        ax.plot(film.time, tip, color=RED, lw=1.2)
+        high = max(film.plate.max(), min(tip.max(), film.plate.max() + 2))
+        ax.set(ylim=(film.plate.min() - 0.06, high + 0.06), ylabel="height / d")
+        ax.set_xlabel("periods of the plate" if film.scene.vibrates else "time", labelpad=1)
+        self.now = ax.axvline(0, color="k", lw=0.8)
+
+    def show(self, picture: int) -> None:
+        """Draw picture number `picture`."""
+        film, i = self.film, picture * self.film.every
+        axes, number = segments(film, i)
+        self.outline.set_segments(axes)
+        self.rods.set_segments(axes)
+        self.rods.set_color(np.where(number == self.marked, RED, PALE))
+        self.trail.set_segments(self._path(i))
+        words = [f"t = {film.time[i]:5.1f}", f"tilt {np.degrees(film.tilt[i].mean()):.1f}°"]
+        if i:
+            moved = (film.x[i] - film.x[0]).mean()
+            seconds = film.time[i] / film.scene.frequency
+            words.append(f"drift {moved / seconds * film.scene.cm_per_s:+.1f} cm/s")
+            words.append(f"moved {moved:+.2f} d")
+        self.words.set_text("    ".join(words))
+        if self.plate is not None:
+            bottom = self.plate.get_y()
+            self.plate.set_height(film.plate[i] - bottom)
+            middle = max(film.time[i], WINDOW / 2)
+            self.trace.set_xlim(middle - WINDOW / 2, middle + WINDOW / 2)
+            self.now.set_xdata([film.time[i]] * 2)
+
+    def _path(self, i: int) -> list[np.ndarray]:
+        """Where the centre of the marked rod has been, cut where the box ends."""
+        x, z = self.film.x[: i + 1, self.marked], self.film.z[: i + 1, self.marked]
+        if self.film.length is None:
+            return [np.stack([x, z], -1)]
+        length = self.film.length
+        cuts = np.flatnonzero(np.diff(x // length)) + 1
+        return [
+            np.stack(part, -1)
+            for part in zip(np.split(x % length, cuts), np.split(z, cuts), strict=True)
+        ]
+
+
+def _pictures(film: Film, picture: Picture, progress: bool) -> Iterator[None]:
+    """Draw one after the other."""
+    numbers = tqdm(range(film.pictures), unit=" frames", disable=None if progress else True)
+    for number in numbers:
+        picture.show(number)
+        picture.figure.canvas.draw()
+        yield
+
+
+def _palette() -> Image.Image:
+    """All colours, and what lies halfway between those that meet."""
+    colours = [to_rgb(c) for c in ("white", "black", "0.5", GREY, DARK, PALE, RED)]
+    white, _, _, _, dark, pale, red = colours
+    for a, b in ((white, dark), (dark, pale), (dark, red), (white, red), (pale, red)):
+        colours.append(tuple(np.add(a, b) / 2))
+    image = Image.new("P", (1, 1))
+    image.putpalette([round(255 * value) for colour in colours for value in colour])
+    return image
+
+
+def _gif(film: Film, path: Path, picture: Picture, progress: bool) -> None:
+    """Few colours, the same for all pictures: a fifth of the size of a palette for each."""
+
+    def shot() -> Image.Image:
+        return Image.fromarray(np.asarray(picture.figure.canvas.buffer_rgba())).convert("RGB")
+
+    palette = _palette()
+    first, *others = (
+        shot().quantize(palette=palette, dither=Image.Dither.NONE)
+        for _ in _pictures(film, picture, progress)
+    )
+    first.save(path, save_all=True, append_images=others, duration=1000 // FPS, loop=0, disposal=1)
+
+
+@style
+def write(film: Film, path: str | Path, progress: bool = False) -> None:
+    """Write a film: a GIF, which begins again for ever, or an MP4, which needs FFmpeg."""
+    path, picture = Path(path), Picture(film)
+    try:
+        if path.suffix == ".gif":
+            _gif(film, path, picture, progress)
+            return
+        writer = FFMpegWriter(fps=FPS)
+        with writer.saving(picture.figure, str(path), DPI):
+            for _ in _pictures(film, picture, progress):
+                writer.grab_frame()
+    finally:
+        plt.close(picture.figure)

@@ -1,0 +1,101 @@
+"""Fig. 7: tips of rods over the plate at two tilts, and how long flights last.
+
+(a), (b): lowest points of three rods of the row (coloured) and the plate (grey, filled), in cm.
+(c): flights over tilt, over independent starts. Dots: from touch to touch; squares: touches less
+than 0.2 periods apart taken as one landing; line: one rigid rod at fixed tilt, exact flights and
+impacts. Dotted: where the paper sees flights change from several periods to one.
+
+Look at (a): all rods do the same, the row bounces as one block. And at (b): a rod is hit again and
+again while the plate rises, which halves the mean from touch to touch.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from md.scene import from_tables, put
+
+from ..lib.row_runs import OF_TILT_SCAN, ROW, boxes, lone, means, tilt_scan
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
+from ..pages import movie
+
+TILTS_DEG, SHOWN, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
+RODS = (5, 18, 31)
+CHANGE_DEG = 30.0  # the paper's
+MEANS = {
+    "tilt_deg": "tilt_deg",
+    "flight": "landings.flight_periods.mean",
+    "merged_flight": "merged.flight_periods.mean",
+    "touches": "merged.touches.mean",
+}
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Heights [cm] over time [periods]; flights [periods] over tilt."""
+    heights = []
+    for length in boxes(np.array(TILTS_DEG)):
+        scene = from_tables(put(ROW, {"box.length": length, "start.seed": 1}))
+        film = movie.record(scene, TRANSIENT + SHOWN, FRAMES)
+        late = film.time >= TRANSIENT
+        heights.append(scene.rods.diameter_cm * film.tips[late][:, RODS])
+        time, plate = film.time[late] - TRANSIENT, scene.rods.diameter_cm * film.plate[late]
+    _, sweep = tilt_scan(quick)
+    lone_deg, bounces = lone(quick)
+    return {
+        "time": time,
+        "plate": plate,
+        "tips": np.array(heights),  # (tilts, times, rods)
+        **means(sweep, MEANS),
+        "lone_deg": lone_deg,
+        "lone_flight": np.array([each.flight.mean for each in bounces]),
+        "lone_flight_error": np.array([each.flight.error for each in bounces]),
+    }
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure = plt.figure(figsize=(7.0, 4.6))
+    a, b, c = figure.subplot_mosaic("ac;bc", width_ratios=(1.5, 1)).values()
+    a, c, b = a, b, c  # the mosaic is read row by row
+    low, high = d["plate"].min(), d["tips"].max()
+    for i, ax in enumerate((a, b)):
+        ax.fill_between(d["time"], low - 0.05, d["plate"], color="0.8", lw=0)
+        ax.plot(d["time"], d["plate"], color="0.45", lw=0.8)
+        for tip, colour in zip(d["tips"][i].T, (BLUE, RED, GREEN), strict=True):
+            ax.plot(d["time"], tip, color=colour, lw=1)
+        ax.set(xlim=(0, SHOWN), ylim=(low - 0.03, high + 0.03), ylabel="height (cm)")
+        ax.set_xlabel("time (periods of the plate)")
+        name_panel(ax, "ab"[i], rf"$\phi={TILTS_DEG[i]}$°")
+    bars = {"ms": 3, "lw": 0.6, "elinewidth": 0.6}
+    c.plot(d["lone_deg"], d["lone_flight"], color=ORANGE, label="one rigid rod")
+    for name, fill, marker, label in (
+        ("flight", BLACK, "o", "touch to touch"),
+        ("merged_flight", "white", "s", "hops < 0.2 periods left out"),
+    ):
+        c.errorbar(
+            *(d["tilt_deg"], d[name], d[f"{name}_error"]),
+            fmt=f"{marker}-",
+            color=BLACK,
+            mfc=fill,
+            label=label,
+            **bars,
+        )
+    c.axhline(1, color="0.5", lw=0.6)
+    c.axvline(CHANGE_DEG, color=BLACK, ls=":", lw=0.8)
+    tilt_axis(c, 0, 80, 20)
+    c.set(ylabel="mean flight (periods)", ylim=(0, None))
+    c.legend(loc="upper right")
+    name_panel(c, "c", "length of flights")
+    figure.supxlabel(OF_TILT_SCAN, fontsize=7)
+    return figure
+
+
+def summary(d: dict[str, np.ndarray]) -> str:
+    """Flights, a row a tilt."""
+    lines = ["Fig. 7. Mean flight in periods: touch to touch; hops left out; touches a landing"]
+    for i, tilt in enumerate(d["tilt_deg"]):
+        lines.append(
+            f"{tilt:5.1f}  {d['flight'][i]:.2f} +- {d['flight_error'][i]:.2f}   "
+            f"{d['merged_flight'][i]:.2f} +- {d['merged_flight_error'][i]:.2f}   "
+            f"{d['touches'][i]:.2f}"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,80 @@
+"""Fig. 10: regimes of an impact of a thin rod over tilt and friction, epsilon = 0.8, omega = 0.
+
+Colours are what `impact.classify` answers point by point; lines are the closed forms u_* = 0 of
+Eq. (14) and both roots of Eq. (23). Look whether lines and colours meet: a mistake in either would
+part them. Slip reversal ends at mu = 3/4 and arctan 2, under the dot (the paper: 3/5 at 90
+degrees, the cross), and at large tilt the contact sticks again.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from impact import classify, critical_tilts, slide_friction, thin_rod
+
+from ..lib.style import (
+    map_regimes,
+    name_panel,
+    reversal_boundary,
+    style,
+    tilt_axis,
+    where_it_stops,
+)
+
+APPROACH_RATIOS = (1.0, 2.0, 10.0)  # -c_z/c_x of panels (a), (b), (c)
+_LABELS = (  # regime names at (tilt in degrees, friction), one row a panel
+    (("slide", 77, 0.5), ("slip-stick", 22, 0.75), ("slip\nreversal", 38, 0.36)),
+    (("slide", 81.5, 0.08), ("slip-stick", 22, 0.75), ("slip reversal", 50, 0.36)),
+    (("slip-stick", 22, 0.75), ("slip reversal", 50, 0.30)),
+)
+
+
+def data(quick: bool = False, restitution: float = 0.8) -> dict[str, np.ndarray]:
+    """Regimes, shape (3, n, n) over friction and tilt [rad], and the boundary lines."""
+    n, points = (46, 200) if quick else (361, 1000)
+    ratio = np.array(APPROACH_RATIOS)[:, None]
+    tilt, friction = np.linspace(0, np.pi / 2, n), np.linspace(0, 1, n)
+    regime = classify(
+        1.0,
+        -ratio[:, None],
+        geometry=thin_rod(tilt),
+        friction=friction[:, None],
+        restitution=restitution,
+    )
+    setting = {"approach_ratio": ratio, "restitution": restitution}
+    reversal, line = reversal_boundary(points), np.linspace(0, np.pi / 2, points)
+    return {
+        "approach_ratio": ratio.ravel(),
+        "restitution": np.float64(restitution),
+        "tilt": tilt,
+        "friction": friction,
+        "regime": regime,
+        "slide_tilt": line,
+        "slide_friction": slide_friction(thin_rod(line), **setting),
+        "critical_tilt": where_it_stops(reversal, **setting),
+        "critical_friction": reversal["critical_friction"],
+        "reversal_end": np.array([critical_tilts(0.75)[0], 0.75]),
+    }
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.9), sharey=True)
+    tilt_deg = np.degrees(d["tilt"])
+    end_deg, end_friction = np.degrees(d["reversal_end"][0]), d["reversal_end"][1]
+    for i, (ax, labels) in enumerate(zip(axes, _LABELS, strict=True)):
+        map_regimes(ax, tilt_deg, d["friction"], d["regime"][i])
+        slide = np.where(np.isfinite(d["slide_friction"][i]), d["slide_friction"][i], np.nan)
+        ax.plot(np.degrees(d["slide_tilt"]), slide, "k-", label=r"$u_*=0$, Eq. (14)")
+        critical_deg = np.degrees(d["critical_tilt"][i])
+        ax.plot(critical_deg, d["critical_friction"], "k--", label="both roots of Eq. (23)")
+        ax.plot(end_deg, end_friction, "ko", label=r"$\mu=3/4$, $\phi=\arctan 2$")
+        ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90°")
+        for word, x, y in labels:
+            ax.text(x, y, word, ha="center", va="center")
+        tilt_axis(ax)
+        name_panel(ax, "abc"[i], rf"$-c_z/c_x={d['approach_ratio'][i]:g}$")
+    arrow = {"arrowstyle": "->", "lw": 0.6}
+    axes[2].annotate("slide", (88.5, 0.07), (70, 0.07), va="center", arrowprops=arrow)
+    axes[0].set(ylabel=r"friction $\mu$", ylim=(0, 1))
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return figure

@@ -1,0 +1,202 @@
+"""Fig. 12: one soft impact over tilt against the closed forms, and what restitution it shows.
+
+mu = 0.4, -c_z/c_x = 2, |c_z| = 1 sqrt(g d), l = 9.5 d, thin inertia, k_n = 5e6 m g/d^(3/2). (a)
+friction as a constraint, the law under which the paper's figure comes out: symbols on the lines,
+and on the theory at the restitution measured at each tilt they cannot be told apart. (b)
+Appendix A as printed: neither. (c) the restitution of a soft contact is not constant, although its
+dashpot gives 0.65 head on at every speed: friction adds to or takes from the work of compression.
+(d) one constant in Stronge's (energetic) law explains that best.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from scipy.optimize import minimize_scalar
+
+import md
+
+from ..lib.soft_impacts import TILTS, Soft, distance, right, rigid, simulate
+from ..lib.style import BLACK, BLUE, GREEN, LAWS, ORANGE, RED, name_panel, shade, style, tilt_axis
+
+EPSILON = 0.65
+SOFT = {  # all with k_n = 5e6
+    "coulomb": md.coulomb(EPSILON),
+    "constant_restitution": md.constant_restitution(EPSILON),
+    "appendix_a": md.appendix_a(),
+}
+_DASHES = {1: "--", 2: "-", 3: "-."}  # the paper's: slide, slip-stick, slip reversal
+_COLOURS = {"coulomb": BLACK, "constant_restitution": BLUE, "appendix_a": RED}
+
+
+def _fitted(law: str, soft: Soft) -> float:
+    """The one constant that brings the theory's velocities nearest."""
+    found = minimize_scalar(
+        lambda e: distance(soft, rigid(TILTS, e, law=law)), bounds=(0.2, 1), method="bounded"
+    )
+    return found.x
+
+
+def _table(soft: Soft) -> np.ndarray:
+    """Rows Newton, Poisson, Stronge; columns (constant, RMS of velocity, RMS of -v_f/v_0) twice.
+
+    First with the constant of the head-on impact, then with the fitted one.
+    """
+    rows = []
+    for law in LAWS:
+        row = []
+        for constant in (EPSILON, _fitted(law, soft)):
+            theory = rigid(TILTS, constant, law=law)
+            off = np.sqrt(np.mean((theory.normal_velocity - soft.restitution) ** 2))
+            row += [constant, distance(soft, theory), off]
+        rows.append(row)
+    return np.array(rows)
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Velocities over |c_z| and restitution; MD arrays are of shape (3 laws, tilts)."""
+    tilt = np.radians(np.linspace(0, 89, 90) if not quick else np.arange(0, 90, 5))
+    edges = np.radians(np.linspace(0, 90, 181 if quick else 1801))
+    line = (edges[1:] + edges[:-1]) / 2
+    soft = [simulate(tilt, law) for law in SOFT.values()]
+    fine = [simulate(tilt, law, refine=64) for law in SOFT.values()]
+    coarse = [simulate(TILTS, law) for law in SOFT.values()]
+    theory = {law: rigid(line, EPSILON, law=law) for law in LAWS}
+    at_measured = [rigid(tilt, s.restitution) for s in soft]
+    first = [rigid(tilt, EPSILON, law=law) for law in LAWS]
+    every = {"tilt": tilt, "line_tilt": line, "line_edges": edges, "epsilon": np.float64(EPSILON)}
+    return {
+        **every,
+        **{field: np.array([getattr(s, field) for s in soft]) for field in Soft._fields},
+        "measured_c_x": np.array([r.c_x for r in at_measured]),
+        "measured_c_z": np.array([r.c_z for r in at_measured]),
+        "line_c_x": theory["newton"].c_x,
+        "line_c_z": theory["newton"].c_z,
+        "line_regime": theory["newton"].regime,
+        "line_restitution": np.array([theory[law].normal_velocity for law in LAWS]),
+        # distance of the first law's symbols from each theory at the constant, and at the measured
+        "off": np.array([np.hypot(soft[0].c_x - r.c_x, soft[0].c_z - r.c_z) for r in first]),
+        "off_measured": np.hypot(
+            soft[0].c_x - at_measured[0].c_x, soft[0].c_z - at_measured[0].c_z
+        ),
+        "step_error": np.array([distance(a, b) for a, b in zip(soft, fine, strict=True)]),
+        "rms_constant": np.array([distance(s, rigid(TILTS, EPSILON)) for s in coarse]),
+        "rms_measured": np.array([distance(s, rigid(TILTS, s.restitution)) for s in coarse]),
+        "regimes_right": np.array([right(s, rigid(TILTS, s.restitution)) for s in coarse]),
+        "table_restitution": np.array([s.restitution for s in coarse]),
+        "table": np.array([_table(s) for s in coarse]),
+    }
+
+
+def summary(d: dict[str, np.ndarray]) -> str:
+    """RMS over 17 tilts, 5 to 85 degrees, of (c_x', c_z')/|c_z| and of -v_f/v_0."""
+    lines = [
+        "17 tilts from 5 to 85 degrees, RMS of (c_x', c_z')/|c_z|, Newton's law:",
+        f"{'contact law':21} {'-v_f/v_0':>13} {'at 0.65':>8} {'measured':>9} {'regimes':>8}",
+    ]
+    for i, name in enumerate(SOFT):
+        e = d["table_restitution"][i]
+        lines.append(
+            f"{name:21} {e.min():6.3f}-{e.max():.3f} {d['rms_constant'][i]:9.4f}"
+            f" {d['rms_measured'][i]:9.5f} {d['regimes_right'][i]:5d}/17"
+        )
+    lines += [
+        "One constant in three restitution laws: RMS of velocities, of -v_f/v_0",
+        f"{'contact law':21} {'law':9} {'head-on':>8} {'vel':>7} {'rest':>7} {'fitted':>8}"
+        f" {'vel':>7} {'rest':>7}",
+    ]
+    for i, name in enumerate(SOFT):
+        for law, row in zip(LAWS, d["table"][i], strict=True):
+            cells = "".join(f"{x:9.3f}{v:8.4f}{r:8.4f}" for x, v, r in (row[:3], row[3:]))
+            lines.append(f"{name:21} {law:8} {cells}")
+        named = (
+            ("velocities", 1),
+            ("-v_f/v_0", 2),
+            ("velocities, fitted", 4),
+            ("-v_f/v_0, fitted", 5),
+        )
+        words = [f"{what}: {LAWS[d['table'][i][:, column].argmin()]}" for what, column in named]
+        lines.append(f"{name:21} nearest in {'; '.join(words)}")
+    lines.append(f"halving the step moves velocities by at most {d['step_error'].max():.0e} (RMS)")
+    return "\n".join(lines)
+
+
+def _draw_velocities(ax: Axes, d: dict[str, np.ndarray], i: int) -> None:
+    deg, line_deg = np.degrees(d["tilt"]), np.degrees(d["line_tilt"])
+    shade(ax, np.degrees(d["line_edges"]), d["line_regime"])
+    some = slice(None, None, 1 if deg.size < 50 else 3)
+    for part, colour, marker in (("c_x", BLACK, "o"), ("c_z", BLUE, "s")):
+        for regime, dashes in _DASHES.items():
+            here = np.where(d["line_regime"] == regime, d[f"line_{part}"], np.nan)
+            ax.plot(line_deg, here, dashes, color=colour, lw=1)
+        ax.plot(deg, d[f"measured_{part}"][i], "-", color=GREEN, lw=2.6, alpha=0.6, zorder=1.9)
+        ax.plot(deg[some], d[part][i, some], marker, color=colour, mfc="none", ms=3, mew=0.7)
+    ax.set(ylabel=r"velocity / $|c_z|$", ylim=(-1.05, 1.3))
+    tilt_axis(ax)
+
+
+def _legend(ax: Axes) -> None:
+    for marker, colour, part in (("o", BLACK, "x"), ("s", BLUE, "z")):
+        ax.plot([], [], marker, color=colour, mfc="none", ms=3, label=rf"$c_{part}'$, MD")
+    for regime, name in ((2, "slip-stick"), (1, "slide"), (3, "slip reversal")):
+        ax.plot([], [], _DASHES[regime], color="0.3", lw=1, label=rf"{name}, $\epsilon=0.65$")
+    ax.plot([], [], "-", color=GREEN, lw=2.6, alpha=0.6, label=r"theory, measured $\epsilon$")
+
+
+def _draw_restitution(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    line_deg = np.degrees(d["line_tilt"])
+    for (name, colour), e in zip(_COLOURS.items(), d["restitution"], strict=True):
+        dashes = "-" if name != "constant_restitution" else (0, (4, 1.5))
+        ax.plot(np.degrees(d["tilt"]), e, ls=dashes, color=colour, label=f"MD, {name}")
+    styles = ((ORANGE, "-."), (GREEN, "-."), (GREEN, ":"))
+    for law, e, (colour, dashes) in zip(LAWS, d["line_restitution"], styles, strict=True):
+        ax.plot(line_deg, e, dashes, color=colour, lw=1, label=rf"{law.title()}, 0.65")
+    ax.set(ylabel=r"restitution $-v_f/v_0$", ylim=(0.45, 1.25))
+    ax.legend(ncols=2, loc="upper center", fontsize=6, handlelength=1.8, columnspacing=1)
+    tilt_axis(ax)
+
+
+def _draw_off(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    deg = np.degrees(d["tilt"])
+    for law, off, colour, dashes in zip(
+        LAWS, d["off"], (ORANGE, GREEN, GREEN), ("-.", "-.", ":"), strict=True
+    ):
+        ax.plot(deg, off, dashes, color=colour, label=f"{law.title()}, 0.65")
+    ax.plot(deg, d["off_measured"], "-", color=BLACK, label="Newton, measured")
+    ax.set(yscale="log", ylim=(3e-5, 1), ylabel=r"$|\Delta\mathbf{c}'|/|c_z|$")
+    ax.legend(ncols=2, loc="upper center", fontsize=6)
+    tilt_axis(ax)
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.6))
+    for ax, letter, i, title in (
+        (axes[0, 0], "a", 0, "MD: coulomb"),
+        (axes[0, 1], "b", 2, "MD: appendix_a as printed"),
+    ):
+        _draw_velocities(ax, d, i)
+        name_panel(ax, letter, title)
+    for x, y, word in ((11, -0.93, "slip-stick"), (50, -0.93, "slip reversal"), (85, 1.1, "slide")):
+        axes[0, 0].text(x, y, word, ha="center", fontsize=7)
+    _draw_restitution(axes[1, 0], d)
+    name_panel(axes[1, 0], "c", "measured restitution")
+    _draw_off(axes[1, 1], d)
+    name_panel(axes[1, 1], "d", "MD (coulomb) from theory")
+    _legend(axes[0, 0])
+    figure.legend(
+        *axes[0, 0].get_legend_handles_labels(),
+        loc="outside upper center",
+        ncols=6,
+        fontsize=6.5,
+        handlelength=1.8,
+        columnspacing=1.2,
+    )
+    figure.supxlabel(
+        r"$\mu=0.4$, $-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia,"
+        r" $k_n=5\times10^6\,mg/d^{3/2}$"
+        "\n"
+        r"head on 0.65; constant_restitution: tangential ratio 30, damping 1;"
+        r" appendix_a: $k_t=95\,k_n$, $\gamma=400$, $M_e=1/2$",
+        fontsize=7,
+    )
+    return figure

@@ -1,0 +1,233 @@
+"""Fig. 13: drift of the row over tilt, over the plate's acceleration and over the rods' length.
+
+Symbols: simulated rows, mean and standard error over independent starts; as in the paper, rods have
+the inertia of a thin rod in (a) and (b), of the uniform body in (c). Lines: the theory's drift
+(24)-(29) for the rod without thickness and for the simulated one, with the assumed V_z = V_0/2 and
+with the V_z that the same runs have at their landings, where it is positive (else the closure has
+no impact).
+Green in (b): fitted line from 2 on; inset: tilt. Open in (c): started side by side almost at rest,
+rods of 2 to 5 d bounce as one block, which hardly drifts; those thrown at the start do not.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+from impact import drift, spherocylinder, thin_rod
+from md.sweep import Sweep
+
+from ..lib.row_runs import (
+    COUNT,
+    FRICTION,
+    GAMMA,
+    LAW_NAME,
+    LENGTH,
+    RESTITUTION,
+    SEEDS,
+    computed,
+    means,
+    paper_rod,
+    periods_of,
+    planned,
+    plate_speed_cm_s,
+    tilt_plan,
+    tilts,
+)
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
+
+BOX, BOX_OF_LENGTHS, GAMMA_OF_LENGTHS = 43.0, 41.4, 2.5  # panels (b) and (c)
+GAMMAS = (1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.3, 4, 5)
+LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
+
+
+def _measured(sweep: Sweep, prefix: str) -> dict[str, np.ndarray]:
+    """Drift [cm/s], tilt [deg] and V_z/V_0 with their errors."""
+    by = "landings.plate_velocity"
+    names = {"c_x": "c_x_cm_s", "tilt": "tilt_deg"}
+    names |= {"V_z": f"{by}_by_speed.mean", "V_z_alike": f"{by}.mean"}
+    return means(sweep, {f"{prefix}_{name}": result for name, result in names.items()})
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Over tilt, over Gamma, over length, and over length from rest."""
+    gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else [*GAMMAS]
+    length = [1.25, 1.5, 2, 3, 9.5] if quick else [*LENGTHS]
+    jammed = [2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5]
+    periods, two = periods_of(quick), {"start.seed": [1, 2]}
+    seeds = two if quick else SEEDS
+    setting = {"box.length": BOX_OF_LENGTHS, "plate.acceleration": GAMMA_OF_LENGTHS}
+    setting["rods.inertia"] = "solid"
+    at_rest = {**setting, "start.speed": 1e-3}
+    return {
+        "tilt": tilt_plan(quick),
+        "gamma": planned([{"plate.acceleration": gamma}, seeds], periods),
+        "length": planned([{"rods.length": length}, seeds], periods, setting),
+        "jammed": planned([{"rods.length": jammed}, two], periods, at_rest),
+    }
+
+
+def data(quick: bool = False) -> dict[str, np.ndarray]:
+    """Measured rows and the theory beside them; velocities in cm/s."""
+    runs = {name: computed(sweep) for name, sweep in sweeps(quick).items()}
+    tilt_deg, gamma = tilts(quick), runs["gamma"].values("plate.acceleration")
+    length, jammed = (runs[name].values("rods.length") for name in ("length", "jammed"))
+    fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, length[-1], 200)
+    setting = {"friction": FRICTION, "restitution": RESTITUTION}
+    fixed_tilt = np.arccos(COUNT / BOX_OF_LENGTHS)
+    return {
+        "tilt_deg": tilt_deg,
+        "gamma": gamma,
+        "length": length,
+        "speed": plate_speed_cm_s(),
+        "speed_b": plate_speed_cm_s(gamma),
+        "speed_c": plate_speed_cm_s(GAMMA_OF_LENGTHS),
+        **_measured(runs["tilt"], "a"),
+        **_measured(runs["gamma"], "b"),
+        **_measured(runs["length"], "c"),
+        "jammed_length": jammed,
+        **_measured(runs["jammed"], "jammed"),
+        "fine": fine,
+        "thin": drift(thin_rod(fine), **setting).c_x,  # over V_z
+        "thick": drift(paper_rod(fine), **setting).c_x,
+        "thick_at_tilts": drift(paper_rod(np.radians(tilt_deg)), **setting).c_x,
+        "thick_at_box": drift(paper_rod(np.arccos(COUNT / BOX)), **setting).c_x,
+        "thin_at_box": drift(thin_rod(np.arccos(COUNT / BOX)), **setting).c_x,
+        "fine_length": fine_length,
+        "thick_of_length": drift(spherocylinder(fixed_tilt, fine_length), **setting).c_x,
+        "thick_at_lengths": drift(spherocylinder(fixed_tilt, length), **setting).c_x,
+    }
+
+
+def _bars(ax: Axes, x: np.ndarray, d: dict, name: str, **look) -> None:
+    bars = {"fmt": "o", "ms": 3, "elinewidth": 0.7, **look}
+    ax.errorbar(x, d[name], d[f"{name}_error"], **bars)
+
+
+def _over_gamma(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    _bars(ax, d["gamma"], d, "b_c_x", color=BLACK)
+    ax.plot(d["gamma"], d["thin_at_box"] * d["speed_b"] / 2, color=RED)
+    ax.plot(d["gamma"], d["thick_at_box"] * d["speed_b"] / 2, "--", color=ORANGE)
+    rising = np.where(d["b_V_z"] > 0, d["b_V_z"], np.nan)  # else the closure has no impact
+    ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], color=BLUE, **THIN)
+    fit = fits(d)
+    x = np.array([fit["line_start"], d["gamma"][-1]])
+    ax.plot(x, fit["line_slope"] * (x - fit["line_from"]), color=GREEN, lw=0.8)
+    ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
+    ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
+    inset = ax.inset_axes([0.1, 0.64, 0.25, 0.24])
+    _bars(inset, d["gamma"], d, "b_tilt", color=GREEN, ms=2)
+    nominal = np.degrees(np.arccos(COUNT / BOX))
+    inset.axhline(nominal, color="0.5", lw=0.6)
+    inset.set(ylim=(nominal - 3, nominal + 3), xlim=(1, None))
+    inset.set_title(r"tilt (deg)", fontsize=6, pad=2)
+    inset.tick_params(labelsize=5.5)
+
+
+def _over_length(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    _bars(ax, d["length"], d, "c_c_x", color=BLACK)
+    _bars(ax, d["jammed_length"], d, "jammed_c_x", color=BLACK, mfc="white", label="from rest")
+    ax.plot(d["fine_length"], d["thick_of_length"] * d["speed_c"] / 2, "--", color=ORANGE)
+    measured = d["thick_at_lengths"] * d["c_V_z"] * d["speed_c"]
+    ax.plot(d["length"], measured, color=BLUE, **THIN)
+    ax.set(xlabel=r"length $l/d$", ylim=(-0.4, 1.4 * measured.max()), xlim=(0.5, None))
+    ax.legend(loc="upper right", fontsize=6)
+
+
+THIN = {"marker": "s", "ms": 2.5, "lw": 0.8}
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 3.0))
+    fine_deg, half = np.degrees(d["fine"]), d["speed"] / 2
+    _bars(a, d["a_tilt"], d, "a_c_x", color=BLACK, label="simulated")
+    a.plot(fine_deg, half * d["thin"], color=RED, label=r"theory, thin, $V_0/2$")
+    a.plot(fine_deg, half * d["thick"], "--", color=ORANGE, label=r"theory, $l$, $V_0/2$")
+    measured = d["thick_at_tilts"] * d["a_V_z"] * d["speed"]
+    a.plot(d["tilt_deg"], measured, color=BLUE, label=r"theory, $l$, measured $V_z$", **THIN)
+    tilt_axis(a, 0, 90, 30)
+    a.set(ylabel=r"drift $c_x$ (cm/s)", ylim=(-0.5, 1.1 * max(measured.max(), 15)))
+    _over_gamma(b, d)
+    _over_length(c, d)
+    titles = (rf"$\Gamma={GAMMA}$", rf"$L={BOX:g}\,d$")
+    titles += (rf"$L={BOX_OF_LENGTHS}\,d$, $\Gamma={GAMMA_OF_LENGTHS}$",)
+    for ax, letter, title in zip((a, b, c), "abc", titles, strict=True):
+        ax.axhline(0, color="0.7", lw=0.6)
+        name_panel(ax, letter, title)
+    figure.legend(*a.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=6.5)
+    figure.supxlabel(
+        rf"$N={COUNT}$, (a, b) $l={LENGTH}\,d$, $d=0.6$ cm, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}",
+        fontsize=7,
+    )
+    return figure
+
+
+def _slope(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> tuple[float, float, float]:
+    """Slope, its standard error, and where the line meets zero; weights of the errors."""
+    weight = 1 / np.fmax(error, 0.01 * np.abs(y).max())
+    (slope, at), cover = np.polyfit(x, y, 1, w=weight, cov="unscaled")
+    residual = (weight * (slope * x + at - y)) ** 2
+    scale = max(residual.sum() / max(len(x) - 2, 1), 1.0)  # where the line does not fit
+    return float(slope), float(np.sqrt(cover[0, 0] * scale)), float(-at / slope)
+
+
+def fits(d: dict[str, np.ndarray]) -> dict[str, float]:
+    """What the paper says of the three curves, as numbers.
+
+    power : exponent of c_x over Gamma - 1 below 1.5; line_ : c_x(Gamma) from 2 on
+    growth_ : c_x(l) below 2, from where it grows; bump : largest rise with tilt between 20 and 45
+    degrees, and where it ends; negative where c_x falls throughout
+    """
+    gamma, c_x = d["gamma"], d["b_c_x"]
+    near = (gamma < 1.5) & (c_x > 3 * d["b_c_x_error"]) & (c_x > 0.02)
+    far = gamma >= 2
+    found = dict.fromkeys(("power", "power_error"), np.nan)
+    if near.sum() >= 3:
+        relative = np.fmax(d["b_c_x_error"] / np.abs(c_x), 0.02)[near]
+        x, y = np.log(gamma[near] - 1), np.log(c_x[near])
+        found["power"], found["power_error"], _ = _slope(x, y, relative)
+    found["line_start"] = float(gamma[far][0])
+    line = _slope(gamma[far], c_x[far], d["b_c_x_error"][far])
+    found |= dict(zip(("line_slope", "line_slope_error", "line_from"), line, strict=True))
+    grows = (d["length"] > 1.25) & (d["length"] <= 2)
+    growth = _slope(d["length"][grows], d["c_c_x"][grows], d["c_c_x_error"][grows])
+    found |= dict(zip(("growth", "growth_error", "growth_from"), growth, strict=True))
+    long = d["length"] >= 2.5
+    found["long_mean"], found["long_spread"] = d["c_c_x"][long].mean(), np.ptp(d["c_c_x"][long])
+    inner = np.flatnonzero((d["a_tilt"] > 20) & (d["a_tilt"] < 45))
+    rises = [(d["a_c_x"][j] - d["a_c_x"][i], i, j) for n, j in enumerate(inner) for i in inner[:n]]
+    found["bump"], i, j = max(rises)
+    found["bump_error"] = float(np.hypot(d["a_c_x_error"][i], d["a_c_x_error"][j]))
+    found["bump_tilt"] = float(d["a_tilt"][j])
+    return found
+
+
+def summary(d: dict[str, np.ndarray]) -> str:
+    """Fits, and the three curves."""
+    f = fits(d)
+    half = d["speed"] / 2
+    off = d["a_c_x"] - half * np.interp(d["a_tilt"], np.degrees(d["fine"]), d["thin"])
+    nominal = np.degrees(np.arccos(COUNT / BOX))
+    lines = [
+        f"Fig. 13. (a) rms distance from the theory, V_0/2: {np.sqrt(np.mean(off**2)):.2f} cm/s; "
+        f"largest rise from 20 to 45 deg {f['bump']:+.2f} +- {f['bump_error']:.2f} cm/s, "
+        f"to {f['bump_tilt']:.0f} deg",
+        f"(b) c_x ~ (Gamma - 1)^{f['power']:.2f} +- {f['power_error']:.2f} below 1.5; from "
+        f"{f['line_start']:g} on slope {f['line_slope']:.2f} +- {f['line_slope_error']:.2f} cm/s, "
+        f"zero at {f['line_from']:.2f}; tilt {d['b_tilt'].min():.1f} to {d['b_tilt'].max():.1f}, "
+        f"acos dN/L {nominal:.1f} deg",
+        f"(c) slope {f['growth']:.2f} +- {f['growth_error']:.2f} cm/s a d up to l = 2, zero "
+        f"at {f['growth_from']:.2f}; from 2.5 on {f['long_mean']:.2f}, spread "
+        f"{f['long_spread']:.2f} cm/s",
+    ]
+    for x, names in (
+        ("a_tilt", "a_c_x a_V_z"),
+        ("gamma", "b_c_x b_V_z b_V_z_alike b_tilt"),
+        ("length", "c_c_x c_V_z c_tilt"),
+        ("jammed_length", "jammed_c_x jammed_tilt"),
+    ):
+        lines.append(f"{x}: {names.replace(' ', ', ')}")
+        for i, value in enumerate(d[x]):
+            cells = (f"{d[n][i]:8.3f} +- {d[f'{n}_error'][i]:.3f}" for n in names.split())
+            lines.append(f"  {value:6.2f} " + " ".join(cells))
+    return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""Figures of the theory beyond the paper's."""

@@ -1,0 +1,212 @@
+"""Where Newton's kinematic restitution creates energy, and how far three laws differ.
+
+Not in the paper; the debate of its reference [8], for a thin rod. (a) The restitution above which
+some impact ends with more energy than it began with, in closed form: never below 4/5, which is
+reached on the thick line only. (b) The same by search: each dot has the colour of the smallest of
+the restitutions with which an impact was found that gains energy. Look whether the dots fill the
+closed form's lines. (c), (d) What the choice of law moves: the velocities after one impact, and the
+largest distance between the outcomes of two laws. Slides are the same under all three.
+"""
+
+from itertools import combinations
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+
+from impact import collide, critical_friction, energy_restitution, slide_friction, thin_rod
+
+from ..lib.style import (
+    BLACK,
+    BLUE,
+    LAWS,
+    RED,
+    WARM,
+    name_panel,
+    reversal_boundary,
+    style,
+    tilt_axis,
+    where_it_stops,
+)
+
+RESTITUTIONS = (0.8, 0.85, 0.9, 0.95, 0.99)
+
+
+def largest_gain(tilt: Any, friction: Any, restitution: Any) -> np.ndarray:
+    """Largest energy change under Newton's law over all u_0, in units of v_0^2, by search."""
+    tilt, friction, restitution = np.broadcast_arrays(tilt, friction, restitution)
+    centre, half = np.zeros((*tilt.shape, 1)), np.radians(80)  # of arctan(u_0/|v_0|)
+    for points in (161, 41, 41):
+        angle = centre + half * np.linspace(-1, 1, points)
+        gain = collide(
+            np.tan(angle),
+            -1.0,
+            geometry=thin_rod(tilt[..., None]),
+            friction=friction[..., None],
+            restitution=restitution[..., None],
+        ).energy_change
+        centre = np.take_along_axis(angle, gain.argmax(-1)[..., None], -1)
+        half *= 2 / (points - 1)
+    return gain.max(-1)
+
+
+def _creation(n: int, dots: tuple[int, int]) -> dict[str, np.ndarray]:
+    """Threshold of energy creation on a map, and the smallest restitution found to create it."""
+    tilt, friction = np.linspace(0, np.pi / 2, n), np.linspace(0, 1, n)
+    dot_tilt, dot_friction = ((np.arange(m) + 0.5) / m for m in dots)
+    dot_tilt *= np.pi / 2
+    levels = np.array(RESTITUTIONS)
+    # Beyond what rounding can feign, in units of v_0^2.
+    creates = largest_gain(dot_tilt, dot_friction[:, None], levels[:, None, None]) > 1e-12
+    floor = thin_rod(np.pi / 4)
+    return {
+        "tilt": tilt,
+        "friction": friction,
+        "threshold": energy_restitution(thin_rod(tilt), friction[:, None]),
+        "floor": np.array([np.pi / 4, critical_friction(floor)]),  # 4/5 at and above this friction
+        "floor_threshold": energy_restitution(floor, 1.0),
+        "restitutions": levels,
+        "dot_tilt": dot_tilt,
+        "dot_friction": dot_friction,
+        "dot_created": np.where(creates.any(0), levels[creates.argmax(0)], np.nan),
+    }
+
+
+def _after(tilt, friction, restitution, approach_ratio) -> np.ndarray:
+    """(c_x', c_z') after an impact with c_z = -1 under each law: shape (2, 3, ...)."""
+    hits = [
+        collide(
+            1 / approach_ratio,
+            -1.0,
+            geometry=thin_rod(tilt),
+            friction=friction,
+            restitution=restitution,
+            law=law,
+        )
+        for law in LAWS
+    ]
+    return np.array([[hit.c_x for hit in hits], [hit.c_z for hit in hits]])
+
+
+def data(
+    quick: bool = False,
+    friction: float = 0.5,
+    restitution: float = 0.8,
+    approach_ratio: float = 1.0,
+) -> dict[str, np.ndarray]:
+    """Thresholds and what the search found; outcomes of three laws in units of |c_z|."""
+    n, dots = (46, (15, 10)) if quick else (361, (45, 30))
+    d = _creation(n, dots)
+    setting = {"approach_ratio": approach_ratio, "restitution": restitution}
+    reversal = reversal_boundary(4 * n)
+    d["c_x"], d["c_z"] = _after(d["tilt"], friction, **setting)
+    everywhere = _after(d["tilt"], d["friction"][:, None], **setting)
+    pairs = [everywhere[:, i] - everywhere[:, j] for i, j in combinations(range(len(LAWS)), 2)]
+    return {
+        **d,
+        "line_friction": np.float64(friction),
+        "line_restitution": np.float64(restitution),
+        "approach_ratio": np.float64(approach_ratio),
+        "difference": np.max([np.hypot(*pair) for pair in pairs], axis=0),
+        "slide_friction": slide_friction(thin_rod(d["tilt"]), **setting),
+        **reversal,
+        "stopping_tilt": where_it_stops(reversal, **setting),
+    }
+
+
+def _threshold(ax: Axes, d: dict[str, np.ndarray], **kwargs: Any):
+    """Closed-form lines of equal threshold, and the line on which it is least."""
+    axes = np.degrees(d["tilt"]), d["friction"]
+    lines = ax.contour(*axes, d["threshold"], levels=d["restitutions"][1:], linewidths=1, **kwargs)
+    tilt, friction = d["floor"]
+    ax.plot(2 * [np.degrees(tilt)], [friction, 1], color=BLACK, lw=2.5, solid_capstyle="butt")
+    ax.set(ylabel=r"friction $\mu$", ylim=(0, 1))
+    tilt_axis(ax)
+    return lines
+
+
+def _draw_creation(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    name_panel(ax, "a", r"least $\epsilon$ that creates energy")
+    fill = ax.pcolormesh(
+        np.degrees(d["tilt"]),
+        d["friction"],
+        d["threshold"],
+        cmap=WARM.reversed(),
+        vmin=d["floor_threshold"],
+        vmax=1,
+        shading="gouraud",
+        rasterized=True,
+    )
+    lines = _threshold(ax, d, colors="k")
+    ax.clabel(lines, fontsize=6, fmt="%.2f", manual=[(28, 0.7), (20, 0.6), (13, 0.5), (6, 0.4)])
+    ax.plot(np.degrees(d["critical_tilt"]), d["critical_friction"], "k--")
+    ax.text(47, 0.97, f"{d['floor_threshold']:.2f}", va="top", fontsize=6)
+    ax.figure.colorbar(fill, ax=ax, label=r"$\epsilon_c$")
+
+
+def _draw_search(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    floor, *levels = d["restitutions"]
+    found = np.count_nonzero(d["dot_created"] == floor)
+    name_panel(ax, "b", rf"found by search ({found or 'none'} at $\epsilon={floor:.2f}$)")
+    colours = ListedColormap(plt.get_cmap("plasma")(np.linspace(0.75, 0, len(levels))))
+    steps = BoundaryNorm(np.arange(len(levels) + 1), len(levels))
+    _threshold(ax, d, colors=colours.colors)
+    tilt_deg, friction = np.meshgrid(np.degrees(d["dot_tilt"]), d["dot_friction"])
+    step = np.searchsorted(levels, d["dot_created"])
+    some = np.isfinite(d["dot_created"])
+    ax.scatter(tilt_deg[~some], friction[~some], s=1, color="0.8", linewidths=0)
+    dots = ax.scatter(
+        tilt_deg[some], friction[some], s=5, c=step[some], cmap=colours, norm=steps, linewidths=0
+    )
+    bar = ax.figure.colorbar(dots, ax=ax, label=r"least $\epsilon$ found to create energy")
+    bar.set_ticks(np.arange(len(levels)) + 0.5, labels=[f"{level:.2f}" for level in levels])
+
+
+def _setting(d: dict[str, np.ndarray]) -> str:
+    return rf"$\epsilon={d['line_restitution']:g}$, $-c_z/c_x={d['approach_ratio']:g}$"
+
+
+def _draw_outcomes(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    name_panel(ax, "c", rf"one impact, {_setting(d)}, $\mu={d['line_friction']:g}$")
+    tilt_deg = np.degrees(d["tilt"])
+    for i, (law, colour) in enumerate(zip(LAWS, (BLACK, RED, BLUE), strict=True)):
+        ax.plot(tilt_deg, d["c_x"][i], color=colour, label=law.title())
+        ax.plot(tilt_deg, d["c_z"][i], "--", color=colour)
+    ax.plot([], [], "-", color="0.5", label=r"$c_x'$")
+    ax.plot([], [], "--", color="0.5", label=r"$c_z'$")
+    ax.set_ylabel(r"velocity / $|c_z|$")
+    ax.legend()
+    tilt_axis(ax)
+
+
+def _draw_difference(ax: Axes, d: dict[str, np.ndarray]) -> None:
+    name_panel(ax, "d", _setting(d))
+    tilt_deg = np.degrees(d["tilt"])
+    fill = ax.pcolormesh(
+        tilt_deg,
+        d["friction"],
+        d["difference"],
+        cmap=WARM,
+        vmin=0,
+        shading="gouraud",
+        rasterized=True,
+    )
+    ax.plot(tilt_deg, d["slide_friction"], "k-")
+    ax.plot(np.degrees(d["stopping_tilt"]), d["critical_friction"], "k--")
+    for word, x, y in (("slide", 76, 0.75), ("stick", 8, 0.75), ("reversal", 36, 0.2)):
+        ax.text(x, y, word, ha="center", va="center")
+    ax.axhline(d["line_friction"], color="0.4", lw=0.8, ls=":")
+    ax.set(ylabel=r"friction $\mu$", ylim=(0, 1))
+    tilt_axis(ax)
+    ax.figure.colorbar(fill, ax=ax, label=r"largest $|\Delta\mathbf{c}'|/|c_z|$")
+
+
+@style
+def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+    figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.2))
+    panels = (_draw_creation, _draw_search, _draw_outcomes, _draw_difference)
+    for ax, panel in zip(axes.flat, panels, strict=True):
+        panel(ax, d)
+    return figure

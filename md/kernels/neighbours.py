@@ -1,0 +1,223 @@
+"""Which rods may touch: a list that misses none, built in time linear in their number.
+
+The list holds every pair whose axes come closer than 1 + skin; it is built anew before any point of
+an axis has moved by half the skin. A bound on that, the sum of the largest speeds, saves looking at
+every rod in every step. A periodic box repeats the closest points, not the
+centres: an entry is a pair with the image of its second rod, so that two rods of a short box may
+stand in the list several times, and a rod beside its own image.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..cache import kernel
+
+X, Z, SINE, COSINE = 0, 1, 2, 3  # columns of the rods' state; velocities follow
+
+
+class Listed(NamedTuple):
+    """The list in use stands at `turn[0]` along the first axis, the one before it at the other.
+
+    Entries are sorted by first rod; those of rod i stand in `start[i]:start[i + 1]`.
+    """
+
+    turn: np.ndarray  # (1,): 0 or 1
+    travelled: np.ndarray  # (1,): how far any rod may have moved since the list was built
+    start: np.ndarray  # (2, rods + 1)
+    index: np.ndarray  # (2, capacity, 4): first rod, second >= first, image of the second: its x
+    # plus so many periods, whether they touch
+    springs: np.ndarray | None  # (2, capacity, 4): first rod's lower and upper end, second rod's
+    losses: np.ndarray | None  # (2, capacity, 8): lost normal force and friction, end by end
+    built: np.ndarray  # (rods, 4): place and direction of the rods when the list was built
+    order: np.ndarray  # (rods,): by place in the box
+
+
+def nothing_listed(rods: int, capacity: int, springs: bool, losses: bool) -> Listed:
+    """A list that is out of date."""
+    return Listed(
+        np.zeros(1, np.int64),
+        np.full(1, np.inf),
+        np.zeros((2, rods + 1), np.int64),
+        np.zeros((2, capacity, 4), np.int64),
+        np.zeros((2, capacity, 4)) if springs else None,
+        np.zeros((2, capacity, 8)) if losses else None,
+        np.full((rods, 4), 1e300),  # far away; inf times no length would be nan
+        np.arange(rods),
+    )
+
+
+@kernel
+def span(period):
+    """Length after which the box repeats."""
+    if period is None:
+        return np.inf
+    return period
+
+
+@kernel
+def meetings(upper):
+    """Contacts that two rods may have: one at each of their ends; two spheres have one."""
+    if upper is None:
+        return 1
+    return 4
+
+
+@kernel
+def places(dx, dz, a, b, half, end):
+    """Places s, t along both axes of the contact at one of four ends, 0 and 1 the first rod's.
+
+    `dx`, `dz` lead from the second centre to the first; `a`, `b` are the rods' directions.
+    """
+    across = a[0] * b[0] + a[1] * b[1]
+    side = half if end & 1 else -half
+    if end < 2:
+        return side, min(max(dx * b[0] + dz * b[1] + side * across, -half), half)
+    return min(max(side * across - (dx * a[0] + dz * a[1]), -half), half), side
+
+
+@kernel
+def apart(dx, dz, a, b, s, t):
+    """Vector from a place on the second axis to one on the first."""
+    return dx + s * a[0] - t * b[0], dz + s * a[1] - t * b[1]
+
+
+@kernel
+def clear(dx, dz, a, b, half):
+    """Whether all of the second axis is 1 or more off the first one's line: a quick way out."""
+    off = abs(dx * a[1] - dz * a[0])
+    return off - half * abs(a[0] * b[1] - a[1] * b[0]) >= 1.0
+
+
+@kernel
+def nearest_squared(dx, dz, a, b, half):
+    """Squared distance of two axes that do not cross."""
+    least = np.inf
+    for end in range(4):
+        s, t = places(dx, dz, a, b, half, end)
+        r_x, r_z = apart(dx, dz, a, b, s, t)
+        least = min(least, r_x * r_x + r_z * r_z)
+    return least
+
+
+@kernel(inline=False)
+def sort_along(order, place):
+    """Sort by place; linear where little has changed since the last time."""
+    for p in range(1, order.size):
+        i = order[p]
+        key, q = place[i], p - 1
+        while q >= 0 and place[order[q]] > key:
+            order[q + 1] = order[q]
+            q -= 1
+        order[q + 1] = i
+
+
+@kernel
+def wrapped(x, period):
+    """Place in the box."""
+    return x if period is None else x - np.floor(x / period) * period
+
+
+@kernel
+def image(distance, period):
+    """How many periods a distance between a rod and an image holds beyond that of the rods."""
+    return 0 if period is None else int(np.round(distance / period))
+
+
+@kernel(inline=False)
+def pair_up(rods, half, period, skin, order, place, found):
+    """All pairs of axes closer than 1 + skin, into `found`; their number, -1 if there are more."""
+    n, count, box = rods.shape[0], 0, span(period)
+    for p in range(n):
+        i = order[p]
+        q, ahead = p, 0.0
+        while True:
+            q += 1
+            if q == n:
+                q, ahead = 0, ahead + box
+            j = order[q]
+            gap = place[j] - place[i] + ahead
+            if not gap <= 2 * half + 1 + skin:
+                break
+            dz = rods[i, Z] - rods[j, Z]
+            a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
+            if nearest_squared(-gap, dz, a, b, half) >= (1 + skin) ** 2:
+                continue
+            if count == found.shape[0]:
+                return -1
+            shift = image(gap - rods[j, X] + rods[i, X], period)
+            found[count, 0], found[count, 1] = min(i, j), max(i, j)
+            found[count, 2] = shift if i <= j else -shift
+            count += 1
+    return count
+
+
+@kernel
+def carry(kept, old, before, new, k):
+    """Take over what an entry kept; nothing if there was none."""
+    if kept is not None:
+        for c in range(kept.shape[2]):
+            kept[new, k, c] = kept[old, before, c] if before >= 0 else 0.0
+
+
+@kernel(inline=False)
+def build(rods, half, period, skin, listed, place, found):
+    """Renew the list, with what its entries keep; number of entries, -1 if they are too many.
+
+    `place`, (rods,), and `found`, (capacity, 3), are scratch.
+    """
+    n, old = rods.shape[0], listed.turn[0]
+    new, start, index = 1 - old, listed.start, listed.index
+    for i in range(n):
+        place[i] = wrapped(rods[i, X], period)
+        start[new, i] = 0
+    start[new, n] = 0
+    sort_along(listed.order, place)
+    count = pair_up(rods, half, period, skin, listed.order, place, found)
+    for m in range(count):
+        start[new, found[m, 0]] += 1
+    total = 0
+    for i in range(n + 1):  # where the entries of rod i end, counted down below to where they begin
+        total += start[new, i]
+        start[new, i] = total
+    for m in range(count - 1, -1, -1):
+        i = found[m, 0]
+        start[new, i] -= 1
+        k = start[new, i]
+        for c in range(3):
+            index[new, k, c] = found[m, c]
+        before, index[new, k, 3] = -1, 0
+        for o in range(start[old, i], start[old, i + 1]):
+            if index[old, o, 1] == found[m, 1] and index[old, o, 2] == found[m, 2]:
+                before, index[new, k, 3] = o, index[old, o, 3]
+        carry(listed.springs, old, before, new, k)
+        carry(listed.losses, old, before, new, k)
+    listed.turn[0] = new if count >= 0 else old
+    if count >= 0:
+        listed.travelled[0] = 0.0
+        for i in range(n):
+            for c in range(4):
+                listed.built[i, c] = rods[i, c]
+    return count
+
+
+@kernel(inline=False)
+def farthest(rods, built, half):
+    """How far any point of an axis has moved since the list was built, or somewhat more."""
+    far = 0.0
+    for i in range(rods.shape[0]):
+        dx, dz = rods[i, X] - built[i, X], rods[i, Z] - built[i, Z]
+        turn = abs(rods[i, SINE] - built[i, SINE]) + abs(rods[i, COSINE] - built[i, COSINE])
+        far = max(far, abs(dx) + abs(dz) + half * turn)
+    return far
+
+
+@kernel
+def current(rods, half, period, skin, listed, place, found):
+    """Renew the list if it may miss a pair; whether it holds all."""
+    if listed.travelled[0] < 0.5 * skin:
+        return True
+    listed.travelled[0] = farthest(rods, listed.built, half)
+    if listed.travelled[0] < 0.5 * skin:
+        return True
+    return build(rods, half, period, skin, listed, place, found) >= 0

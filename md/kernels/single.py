@@ -1,0 +1,216 @@
+"""Fixed-step integrators of one rod, compiled: leapfrog, velocity Verlet, Gear's fifth order.
+
+All three compute one set of forces per step, at the positions of step n. They differ in the
+velocity that the dashpots of that force see:
+
+=========  =============================================  ==========================
+name       positions and velocities kept                  velocity in the dashpots
+=========  =============================================  ==========================
+leapfrog   positions at n, velocities at n - 1/2          n - 1/2, as it stands
+verlet     the same (velocity Verlet, one force a step)   extrapolated from there to n
+gear       positions and five derivatives at n            predicted at n
+=========  =============================================  ==========================
+
+A step's friction is found from the slip half a step before it, in all three (`contact.hold`,
+`contact.pull`). Leapfrog is thus of first order where there are dashpots, Verlet of second; Gear's
+order is that of the force's smoothness, and at the start and the end of a contact that is low.
+"""
+
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from ..cache import kernel
+from .contact import accelerations, plate_at, weight
+
+METHODS = ("leapfrog", "verlet", "gear")
+
+# Gear's fifth-order corrector for second-order equations with velocities in the force.
+_C0, _C1, _C3, _C4, _C5 = 3 / 16, 251 / 360, 11 / 18, 1 / 6, 1 / 60
+
+ZERO = (0.0, 0.0, 0.0)
+
+# `watch`: durations, then normal impulses, of a contact before its slip first stopped, while it
+# stuck, and while it slipped after the stop; then the rows named here.
+SLIDE, STUCK, TURNED = 0, 1, 2
+WATCHED = 10
+DEEPEST, SIDE, STOPPED, TOUCHED = 6, 7, 8, 9
+
+# Why a run ended.
+DONE, OPENED, NOT_FINITE, TOO_DEEP = 0, 1, 2, 3
+DEEP = 0.5  # overlap at which the tip's centre reaches the plate's surface
+
+
+class State(NamedTuple):
+    """Where a method stands; `higher` tells Gear's method by its type, `extrapolate` Verlet's.
+
+    Velocities are those at n - 1/2, or, for Gear's method, everything is at n - 1.
+    """
+
+    position: tuple[float, float, float]  # x, z, tilt
+    direction: tuple[float, float]  # sin and cos of the tilt, turned along with it
+    velocity: tuple[float, float, float]  # c_x, c_z, omega
+    acceleration: tuple[float, float, float]  # at n - 1
+    springs: tuple[float, float]  # of the lower (-) and the upper (+) cap
+    higher: tuple | None  # derivatives i = 3, 4, 5 times dt^i/i!
+    extrapolate: bool | None
+
+
+@kernel
+def plus(a, b, factor):
+    """a + factor b."""
+    return (a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2])
+
+
+@kernel
+def turned(direction, angle):
+    """The direction after a small turn (error below angle^7/5000), kept at length one."""
+    sine, cosine = direction
+    length = 1.5 - 0.5 * (sine * sine + cosine * cosine)
+    q = angle * angle
+    c = length * (1 + q * (-1 / 2 + q * (1 / 24 - 1 / 720 * q)))
+    s = length * angle * (1 + q * (-1 / 6 + 1 / 120 * q))
+    return c * sine + s * cosine, c * cosine - s * sine
+
+
+@kernel
+def leap(scene, state, step, dt):
+    """Step n: forces, kick, drift; returns the velocity at n as well."""
+    position, direction, half, before, springs, higher, extrapolate = state
+    now = half if extrapolate is None else plus(half, before, dt / 2)
+    others, plate = weight(scene.gravity), plate_at(scene.plate, step)
+    a, lower, upper = accelerations(
+        scene, others, plate, position[1], direction, half, now, springs, dt
+    )
+    velocity = plus(half, a, dt)
+    springs = (lower.spring, upper.spring)
+    direction = turned(direction, velocity[2] * dt)
+    following = plus(position, velocity, dt)
+    after = State(following, direction, velocity, a, springs, higher, extrapolate)
+    return after, plus(half, a, dt / 2), lower, upper
+
+
+@kernel
+def gear(scene, state, higher, step, dt):
+    """Predict to step n, evaluate, correct; returns the velocity at n as well."""
+    r0, direction, r1, r2, springs, _, extrapolate = state
+    tilt = r0[2]
+    r1, r2 = plus(ZERO, r1, dt), plus(ZERO, r2, dt * dt / 2)
+    r3, r4, r5 = higher
+    r0 = plus(plus(plus(plus(plus(r0, r1, 1), r2, 1), r3, 1), r4, 1), r5, 1)
+    direction = turned(direction, r0[2] - tilt)
+    r1 = plus(plus(plus(plus(r1, r2, 2), r3, 3), r4, 4), r5, 5)
+    r2 = plus(plus(plus(r2, r3, 3), r4, 6), r5, 10)
+    r3 = plus(plus(r3, r4, 4), r5, 10)
+    r4 = plus(r4, r5, 5)
+    now = plus(ZERO, r1, 1 / dt)
+    half = plus(plus(now, r2, -1 / dt), r3, 0.75 / dt)
+    others, plate = weight(scene.gravity), plate_at(scene.plate, step)
+    a, lower, upper = accelerations(scene, others, plate, r0[1], direction, half, now, springs, dt)
+    change = plus(plus(ZERO, a, dt * dt / 2), r2, -1)
+    r0, velocity = plus(r0, change, _C0), plus(now, change, _C1 / dt)
+    r3, r4, r5 = plus(r3, change, _C3), plus(r4, change, _C4), plus(r5, change, _C5)
+    springs = (lower.spring, upper.spring)
+    direction = turned(direction, change[2] * _C0)
+    state = State(r0, direction, velocity, a, springs, (r3, r4, r5), extrapolate)
+    return state, velocity, lower, upper
+
+
+@kernel
+def advance(scene, state, higher, step, dt):
+    """One step of the method."""
+    if higher is None:
+        return leap(scene, state, step, dt)
+    return gear(scene, state, higher, step, dt)
+
+
+@kernel
+def at_limit(friction, touch):
+    """Whether friction is fully used; without friction there is nothing to use."""
+    if friction is None:
+        return True
+    return abs(touch.tangential) >= friction.coefficient * touch.normal
+
+
+@kernel
+def stops(friction, touch):
+    """Whether a constraint ends the slip in this step: it needs less than all of the friction."""
+    if friction is None:
+        return False
+    return friction.spring is None and not at_limit(friction, touch)
+
+
+@kernel
+def spent(plastic, touch, dt):
+    """Whether a cap is no longer pressed; a plastic contact is over as it rests, to rounding."""
+    if touch.overlap <= 0:
+        return True
+    if plastic is not None:
+        return touch.rate * dt >= -1e-12 * touch.overlap
+    return touch.normal <= 0 and touch.rate > 0
+
+
+@kernel
+def watched(watch, scene, lower, upper, dt):
+    """Add a step to the record of a contact; whether the contact is over."""
+    touch = lower if lower.normal >= upper.normal else upper
+    if spent(scene.normal.plastic, lower, dt) and spent(scene.normal.plastic, upper, dt):
+        return watch[TOUCHED] > 0
+    if touch.normal <= 0:
+        return False
+    if watch[TOUCHED] == 0:
+        watch[TOUCHED], watch[SIDE] = 1, np.sign(touch.slip)
+    watch[DEEPEST] = max(watch[DEEPEST], touch.overlap)
+    if touch.slip * watch[SIDE] <= 0:
+        watch[STOPPED] = 1
+    phase = SLIDE
+    if watch[STOPPED] > 0:
+        phase = TURNED if at_limit(scene.friction, touch) else STUCK
+    watch[phase] += dt
+    watch[3 + phase] += touch.normal * dt
+    if stops(scene.friction, touch):  # the little slip that is left has any sign
+        watch[STOPPED] = 1
+    return False
+
+
+@kernel
+def plain(state):
+    """The fields of a state; Numba would make a `State` by calling Python, with its handlers."""
+    position, direction, velocity, acceleration, springs, higher, extrapolate = state
+    return position, direction, velocity, acceleration, springs, higher, extrapolate
+
+
+@kernel(inline=False)
+def run(scene, state, first, steps, dt, watch):
+    """Up to `steps` steps from step number `first`; returns state, steps made, why it ended.
+
+    The state is a plain tuple of the fields of `State`. `watch` is an array to fill or `None`,
+    without which the end of a contact does not end the run.
+    """
+    for n in range(steps):
+        step = first + n
+        good = state
+        state, velocity, lower, upper = advance(scene, state, state.higher, step, dt)
+        if not abs(velocity[0] + velocity[1] + velocity[2]) < 1e100:
+            return plain(good), n, NOT_FINITE
+        if max(lower.overlap, upper.overlap) > DEEP:
+            return plain(good), n, TOO_DEEP
+        if watch is not None and watched(watch, scene, lower, upper, dt):
+            return plain(good), n, OPENED
+    return plain(state), steps, DONE
+
+
+def started(method: str, position, velocity, gravity, dt: float) -> State:
+    """State before the first step of a rod that is still free, for the time of that step."""
+    fall = (*map(float, gravity or (0, 0)), 0.0)
+    position, velocity = tuple(map(float, position)), tuple(map(float, velocity))
+    higher = None
+    if method == "gear":  # it keeps everything at the step before
+        position = plus(plus(position, velocity, -dt), fall, dt * dt / 2)
+        velocity, higher = plus(velocity, fall, -dt), (ZERO, ZERO, ZERO)
+    else:
+        velocity = plus(velocity, fall, -dt / 2)
+    direction = sin(position[2]), cos(position[2])
+    extrapolate = True if method == "verlet" else None
+    return State(position, direction, velocity, fall, (0.0, 0.0), higher, extrapolate)

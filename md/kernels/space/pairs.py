@@ -1,0 +1,253 @@
+"""Pairs of rods in space, compiled: which may touch, and the forces between them."""
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from ...cache import kernel
+from ..contact import push
+from ..plane import PAIR_TOO_DEEP
+from ..single import DEEP, DONE
+from .forces import (
+    DIRECTOR,
+    PLACE,
+    across_normal,
+    add,
+    forget,
+    gaining,
+    moving,
+    rubbed,
+    vector,
+)
+from .geometry import (
+    CROSSING,
+    NEARER,
+    ZERO,
+    along,
+    at_end,
+    between_ends,
+    cross,
+    dot,
+    gap_vector,
+    rise,
+)
+
+ENDS, BETWEEN_ENDS = 1, 2  # bits: what of two rods touches
+SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a contact between ends
+
+
+class Pairs(NamedTuple):
+    """Pairs of axes closer than 1 + skin, and of every two rods whether they touch."""
+
+    count: np.ndarray  # (1,)
+    index: np.ndarray  # (N (N - 1)/2, 3): first rod, second, number of the pair
+    asleep: np.ndarray  # (N (N - 1)/2,): until so much was travelled, the entry cannot touch
+    touched: np.ndarray  # (N (N - 1)/2,)
+    travelled: np.ndarray  # (1,): how far any rod may have moved since the list was made
+
+
+def no_pairs(rods: int) -> Pairs:
+    """A list that is out of date."""
+    most = max(rods * (rods - 1) // 2, 1)
+    return Pairs(
+        np.zeros(1, np.int64), np.zeros((most, 3), np.int64), np.zeros(most),
+        np.zeros(most, np.int8), np.full(1, np.inf),
+    )  # fmt: skip
+
+
+@kernel
+def nearest(apart, a, b, half):
+    """Distance of two axes."""
+    least = np.inf
+    for end in range(4):
+        s, t = at_end(apart, a, b, half, end)
+        r = gap_vector(apart, a, b, s, t)
+        least = min(least, dot(r, r))
+    s, t, _, inside = between_ends(apart, a, b, half)
+    if inside:
+        r = gap_vector(apart, a, b, s, t)
+        least = min(least, dot(r, r))
+    return sqrt(least)
+
+
+@kernel(inline=False)
+def list_pairs(rods, half, skin, pairs):
+    """Make the list anew; every pair is looked at."""
+    n, count, number = rods.shape[0], 0, 0
+    for i in range(n):
+        for j in range(i + 1, n):
+            apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
+            if dot(apart, apart) < (2.0 * half + 1.0 + skin) ** 2:
+                a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
+                if nearest(apart, a, b, half) < 1.0 + skin:
+                    pairs.index[count, 0], pairs.index[count, 1] = i, j
+                    pairs.index[count, 2], pairs.asleep[count] = number, 0.0
+                    count += 1
+            number += 1
+    pairs.count[0] = count
+    pairs.travelled[0] = 0.0
+
+
+@kernel
+def met(
+    law, friction, world, rods, before, i, j, s, t, r, distance, weight, springs, at, total, dt
+):
+    """Add what two rods do to each other where places s and t of their axes are closest."""
+    a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
+    normal, overlap = along(ZERO, 1.0 / distance, r), 1.0 - distance
+    p, q = along(along(ZERO, s, a), -0.5, r), along(along(ZERO, t, b), 0.5, r)
+    v = along(moving(world, rods, i, a, p), -1.0, moving(world, rods, j, b, q))
+    gain = along(gaining(world, before, i, a, p), -1.0, gaining(world, before, j, b, q))
+    now = along(v, dt / 2, gain)
+    turned = across_normal(world.lightness, s, a, normal)
+    turned += across_normal(world.lightness, t, b, normal)
+    force = weight * push(law, overlap, dot(now, normal), 1.0 / (2.0 + turned), dt)
+    bodies = (p, a), (q, b)
+    f = rubbed(friction, world, bodies, springs, at, normal, overlap, force, v, now, dt)
+    f = along(f, force, normal)
+    add(total, i, 0, f)
+    add(total, i, 3, cross(p, f))
+    add(total, j, 0, along(ZERO, -1.0, f))
+    add(total, j, 3, cross(f, q))
+
+
+@kernel
+def shared(law, total, i, j, a, b, s, t, r, distance, ends):
+    """Weight of a contact near an end, or of nearly parallel rods; adds what keeps energy.
+
+    The forces are the slopes of the weight: each end is pushed off, the contact pulled in.
+    """
+    (w_0, pull_0), (w_1, pull_1) = nearer(ends[0], distance), nearer(ends[1], distance)
+    (w_2, pull_2), (w_3, pull_3) = nearer(ends[2], distance), nearer(ends[3], distance)
+    first, second = w_0 * w_1, w_2 * w_3
+    overlap = 1.0 - distance
+    energy = 0.4 * law.stiffness * overlap * overlap * sqrt(overlap) * (1 / NEARER)
+    pulls = (
+        energy * pull_0 * w_1 * second,
+        energy * pull_1 * w_0 * second,
+        energy * pull_2 * w_3 * first,
+        energy * pull_3 * w_2 * first,
+    )
+    towards = (pulls[0] + pulls[1] + pulls[2] + pulls[3]) / distance
+    f = along(ZERO, towards, r)
+    at_i, at_j = along(ZERO, s, f), along(ZERO, t, f)
+    for end in range(4):
+        x, y, e, square = ends[end]
+        push = along(ZERO, -pulls[end] / sqrt(square), e)
+        f, at_i, at_j = along(f, 1.0, push), along(at_i, x, push), along(at_j, y, push)
+    add(total, i, 0, f)
+    add(total, i, 3, cross(a, at_i))
+    add(total, j, 0, along(ZERO, -1.0, f))
+    add(total, j, 3, cross(at_j, b))
+    return first * second
+
+
+@kernel
+def nearer(end, distance):
+    """How much nearer than an end a contact is: its weight, and the slope."""
+    return rise((sqrt(end[3]) - distance) * (1 / NEARER))
+
+
+@kernel
+def end_gap(apart, a, b, half, end):
+    """Places on both axes of the contact at one of four ends, the gap vector, its square."""
+    s, t = at_end(apart, a, b, half, end)
+    r = gap_vector(apart, a, b, s, t)
+    return s, t, r, dot(r, r)
+
+
+@kernel
+def end_gaps(apart, a, b, half):
+    """Those of all four."""
+    return (
+        end_gap(apart, a, b, half, 0),
+        end_gap(apart, a, b, half, 1),
+        end_gap(apart, a, b, half, 2),
+        end_gap(apart, a, b, half, 3),
+    )
+
+
+@kernel
+def ends_met(between, world, rods, before, i, j, ends, springs, number, was, total, dt):
+    """Contacts of four ends: what touches, whether too deep."""
+    touches = 0
+    for end in range(4):
+        s, t, r, square = ends[end]
+        if square >= 1.0:
+            if was & ENDS:
+                forget(springs, (number, end))
+            continue
+        if square < (1.0 - DEEP) ** 2:
+            return touches, True
+        touches = ENDS
+        met(
+            *(between.normal, between.friction, world, rods, before, i, j, s, t, r, sqrt(square)),
+            *(1.0, springs, (number, end), total, dt),
+        )
+    return touches, False
+
+
+@kernel(inline=False)
+def pair_forces(between, world, rods, before, pairs, springs, total, dt):
+    """Forces of all listed pairs; number of a pair that is too deep, or -1.
+
+    Where two axes are closest between their ends, by so much that no end can touch or share the
+    contact, the ends need no look.
+    """
+    half, travelled = world.half_length, pairs.travelled[0]
+    for k in range(pairs.count[0]):
+        if travelled < pairs.asleep[k]:
+            continue
+        i, j, number = pairs.index[k, 0], pairs.index[k, 1], pairs.index[k, 2]
+        apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
+        a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
+        was, now = pairs.touched[number], 0
+        s, t, skew, inside = between_ends(apart, a, b, half)
+        r = gap_vector(apart, a, b, s, t)
+        nearest, clear = dot(r, r), False
+        if inside:
+            margin = half - max(abs(s), abs(t))
+            clear = nearest >= 1.0 or margin * margin * skew >= max(SHARED, 1.0 - nearest)
+        if not clear:
+            ends = end_gaps(apart, a, b, half)
+            least = min(ends[0][3], ends[1][3], ends[2][3], ends[3][3])
+            if least < 1.0 or was & ENDS:
+                now, deep = ends_met(
+                    *(between, world, rods, before, i, j, ends, springs, number, was, total, dt)
+                )
+                if deep:
+                    return k
+        elif was & ENDS:
+            for end in range(4):
+                forget(springs, (number, end))
+        if inside and nearest < 1.0:
+            if nearest < (1.0 - DEEP) ** 2:
+                return k
+            now |= BETWEEN_ENDS
+            weight, distance = 1.0, sqrt(nearest)
+            if not clear and least < (distance + NEARER) ** 2:
+                weight = shared(between.normal, total, i, j, a, b, s, t, r, distance, ends)
+            met(
+                *(between.normal, between.friction, world, rods, before, i, j, s, t, r, distance),
+                *(weight, springs, (number, CROSSING), total, dt),
+            )
+        elif was & BETWEEN_ENDS:
+            forget(springs, (number, CROSSING))
+        if not clear:
+            nearest = min(nearest, least) if inside else least
+        pairs.touched[number] = now
+        if nearest > 1.0:  # each of the two may come half of the gap closer
+            pairs.asleep[k] = travelled + 0.5 * (sqrt(nearest) - 1.0)
+    return -1
+
+
+@kernel
+def crowded(between, world, rods, before, pairs, springs, skin, total, dt):
+    """Pair forces from a list kept up to date; why the run cannot go on, and where."""
+    if between is None:
+        return DONE, 0
+    if pairs.travelled[0] >= 0.5 * skin:
+        list_pairs(rods, world.half_length, skin, pairs)
+    deep = pair_forces(between, world, rods, before, pairs, springs, total, dt)
+    return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)

@@ -1,0 +1,391 @@
+"""Run a scene: period by period, with landings, energy, standard errors, checkpoint and resume."""
+
+import json
+import signal
+import threading
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+from zipfile import BadZipFile
+
+import numba
+import numpy as np
+from tqdm import tqdm
+
+from .cache import digest
+from .files import NotWritten, distinct, replacing, warn, writable
+from .host import Engine, prepare
+from .interrupt import SIGNALS
+from .measures import Tables
+from .scene import Scene, as_dict, whole
+from .statistics import transient
+from .trajectory import Trajectory, check_continues, is_trajectory
+
+_SAVED = 60.0  # seconds from one checkpoint to the next
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run measured; velocities in sqrt(g d) unless the name says cm/s.
+
+    scene : that ran
+    c_x, tilt_deg : means over rods and over the periods behind the transient
+    c_x_stderr, tilt_stderr_deg : their standard errors, as `statistics.standard_error`; nan where
+        one run cannot tell: below 124 periods, and in an annulus, where starts differ
+    periods : that were made
+    discarded : periods of the transient, a fifth of the run
+    steps_per_period, dt : the step, in sqrt(d/g)
+    run_seconds, compile_seconds : of the clock
+    energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
+    landings : mean and standard error over all touches of the plate of each quantity of
+        `measures.MEANS`, and touches per rod and period; None without a plate
+    merged : the same of `measures.OF_MERGED`, touches less than `measures.HOP` periods apart taken
+        as one landing
+    turned : times that a rod fell past the horizontal, and passed the vertical
+    phases : landings behind the transient in each of 64 equal parts of the plate's cycle, which
+        begins where it rises through its mean height; empty without a plate
+    c_x_series, tilt_series : period by period, transient included
+    rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
+    finished : whether nobody ended the run before its time
+    unwritten : files asked for that are not whole, and why; empty if all is written
+    """
+
+    scene: Scene
+    c_x: float
+    c_x_stderr: float
+    tilt_deg: float
+    tilt_stderr_deg: float
+    periods: int
+    discarded: int
+    steps_per_period: int
+    dt: float
+    run_seconds: float
+    compile_seconds: float
+    energy: dict[str, float] | None
+    landings: dict[str, Any] | None
+    merged: dict[str, Any] | None
+    turned: dict[str, int]
+    phases: list[int]
+    c_x_series: np.ndarray
+    tilt_series: np.ndarray
+    rods: np.ndarray
+    finished: bool
+    unwritten: tuple[str, ...]
+
+    @property
+    def rod_steps(self) -> int:
+        """Steps times rods."""
+        return self.periods * self.steps_per_period * self.scene.rods.count
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""
+        contact = self.scene.contacts.plate or self.scene.contacts.rods
+        skip = ("scene", "phases", "c_x_series", "tilt_series", "rods")
+        plain = {key: value for key, value in vars(self).items() if key not in skip}
+        return finite(
+            {
+                **plain,
+                "c_x_cm_s": self.c_x * self.scene.cm_per_s,
+                "rod_steps": self.rod_steps,
+                "scene": as_dict(self.scene),
+                "scene_digest": self.scene.digest(),
+                "law": contact.law.name if contact else None,
+                "seed": self.scene.start.seed,
+                "versions": {"md": digest(), "numpy": np.__version__, "numba": numba.__version__},
+            }
+        )
+
+
+def finite(value: Any) -> Any:
+    """JSON has neither nan nor inf."""
+    if isinstance(value, dict):
+        return {key: finite(inner) for key, inner in value.items()}
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+def _result(
+    engine: Engine, tables: Tables, began: dict, periods: int, finished: bool, lost: Iterable[str]
+) -> Result:
+    c_x, tilt = tables.drift(engine, periods), tables.tilt_deg(periods)
+    cut = transient(periods)
+    energy = None
+    if engine.ledger is not None:
+        change = engine.energy() - began["energy"]
+        work, *losses = map(float, engine.ledger)
+        names = ("plate_normal", "plate_friction", "rods_normal", "rods_friction")
+        energy = {"plate_work": work, **dict(zip(names, losses, strict=True)), "change": change}
+        energy["residual"] = work - sum(losses) - change
+    return Result(
+        scene=engine.scene,
+        c_x=float(c_x[cut:].mean()) if periods else float("nan"),
+        c_x_stderr=tables.error(c_x[cut:]),
+        tilt_deg=float(tilt[cut:].mean()) if periods else float("nan"),
+        tilt_stderr_deg=tables.error(tilt[cut:]),
+        periods=periods,
+        discarded=cut,
+        steps_per_period=engine.per,
+        dt=engine.dt,
+        run_seconds=began["seconds"],
+        compile_seconds=began["compile"],
+        energy=energy,
+        **tables.results(engine, cut, periods),
+        c_x_series=c_x,
+        tilt_series=tilt,
+        rods=engine.rods.copy(),
+        finished=finished,
+        unwritten=tuple(lost),
+    )
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """A function that says whether Ctrl-C was pressed; it is not raised in the middle of a step.
+
+    So is every signal that is Ctrl-C to Python, as SIGTERM is to the command; a handler of
+    somebody's own is left to raise what it does.
+    """
+    pressed, usual = threading.Event(), signal.default_int_handler
+    taken = [n for n in SIGNALS if signal.getsignal(n) is usual]
+    if threading.current_thread() is not threading.main_thread():
+        taken = []
+    try:
+        for number in taken:
+            signal.signal(number, lambda *_: pressed.set())
+        yield pressed.is_set
+    finally:
+        for number in taken:
+            signal.signal(number, usual)
+
+
+def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
+    """Checkpoint, beside the old one first."""
+    about = {"scene": engine.scene.digest(), "code": digest(), "step": engine.step, **began}
+    arrays: dict[str, Any] = tables.arrays(engine.step // engine.per) | engine.arrays()
+    with replacing(path) as part, part.open("wb") as file:
+        np.savez(file, about=json.dumps(about), **arrays)
+
+
+def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
+    """A checkpoint of this scene: what it tells, and its arrays."""
+    mine = {"scene": scene.digest(), "code": digest()}
+    try:
+        with path.open("rb") as file, np.load(file) as saved:
+            arrays = dict(saved)
+        about = json.loads(str(arrays.pop("about")))
+        other = [key for key, value in mine.items() if about.pop(key) != value]
+    except OSError as error:
+        raise ValueError(f"checkpoint {path} cannot be read: {error}") from None
+    except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
+        raise ValueError(f"checkpoint {path} cannot be read: not one, or cut short") from None
+    if other:
+        raise ValueError(
+            f"checkpoint {path} belongs to another {other[0]}; remove it to start again"
+        )
+    return about, arrays
+
+
+class _Files:
+    """What a run writes as it goes on; a file that takes no more does not end the run.
+
+    Where the trajectory ends early, the checkpoint stays behind, so that a resumed run fills it.
+    """
+
+    def __init__(self, engine: Engine, tables: Tables, began: dict, checkpoint: Path | None):
+        self.engine, self.tables, self.began = engine, tables, began
+        self.checkpoint = checkpoint
+        self.trajectory: Trajectory | None = None
+        self.lost: dict[str, str] = {}  # why a file is not whole
+
+    @contextmanager
+    def _noting_failure(self, name: str, path: Path, quiet: bool = False) -> Iterator[None]:
+        """Note why a file could not be written."""
+        try:
+            yield
+        except OSError as error:
+            why = f"{name} {path}: {error.strerror or error}"
+            if name not in self.lost and not quiet:
+                behind = self.checkpoint is not None and name == "trajectory"
+                warn(
+                    f"cannot write {why}; the run goes on"
+                    + (", its checkpoint stays where the frames are whole" if behind else "")
+                )
+            self.lost[name] = why
+
+    def frame(self) -> None:
+        """Append a frame to the trajectory."""
+        engine, height = self.engine, 0.0
+        if engine.plate:
+            height = float(engine.plate.height[engine.step % engine.per])
+        if self.trajectory is not None and "trajectory" not in self.lost:
+            with self._noting_failure("trajectory", self.trajectory.path):
+                self.trajectory.write(engine.scene, engine.rods, engine.step / engine.per, height)
+
+    def save(self, last: bool = False) -> None:
+        """Bring the frames and, with what they are, a checkpoint on the disk."""
+        if self.trajectory is not None and "trajectory" not in self.lost:
+            with self._noting_failure("trajectory", self.trajectory.path, last):
+                self.began["trajectory"] = self.trajectory.state()
+        if self.checkpoint is None:
+            return
+        if "trajectory" in self.lost:
+            self.lost["checkpoint"] = f"checkpoint {self.checkpoint}: behind, as the trajectory is"
+            return
+        with self._noting_failure("checkpoint", self.checkpoint, last):
+            _save(self.checkpoint, self.engine, self.tables, self.began)
+            self.lost.pop("checkpoint", None)
+
+
+def _loop(
+    engine: Engine,
+    tables: Tables,
+    series: Any,
+    began: dict,
+    goal: int,
+    observe: Callable[[np.ndarray], None] | None,
+    frame: tuple[int, Callable[[], None]] | None,
+    save: Callable[[], None],
+    bar: tqdm,
+    pressed: Callable[[], bool],
+) -> None:
+    """March to the step `goal`, call by call of the kernel.
+
+    `frame` is (steps between two frames, function that writes one) or None, `save` a function.
+    """
+    saved = perf_counter()
+    while engine.step < goal and not pressed():
+        steps = min(engine.pace, goal - engine.step)
+        if frame is not None:
+            gap, write = frame
+            if engine.step % gap == 0:
+                write()
+            steps = min(steps, gap - engine.step % gap)
+        begin, first = perf_counter(), engine.step
+        engine.go(steps, series)
+        began["seconds"] += perf_counter() - begin
+        if engine.record is not None and engine.record.count[0]:
+            rows = engine.record.rows[: engine.record.count[0]]
+            tables.add(rows)
+            if observe is not None:
+                observe(rows.copy())
+            engine.record.count[0] = 0
+        bar.update(engine.step // engine.per - first // engine.per)
+        if perf_counter() - saved > _SAVED:
+            save()
+            saved = perf_counter()
+
+
+def run(
+    scene: Scene,
+    *,
+    periods: int = 200,
+    ledger: bool = True,
+    observe: Callable[[np.ndarray], None] | None = None,
+    trajectory: str | Path | None = None,
+    frames: int = 1,
+    checkpoint: str | Path | None = None,
+    progress: bool = False,
+    goal: Callable[[np.ndarray], int] | None = None,
+) -> Result:
+    """Run a scene and measure it.
+
+    Parameters
+    ----------
+    scene : Scene
+    periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
+    ledger : whether to account for the energy
+    observe : called now and then with new landings, (n, landings.WIDTH); they are not kept; not in
+        an annulus
+    trajectory : file for extended XYZ, a new one or one of frames, which are replaced; when a
+        checkpoint is resumed, the file that was written with it, which goes on behind the frames
+        that the checkpoint knows of
+    frames : of the trajectory, per period
+    checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
+        it and gives bit for bit the numbers of a run that never stopped
+    progress : whether to show a progress bar, on a terminal, after two seconds
+    goal : says how many periods to make in all, given the drift of each one made so far; asked
+        again when they are made, until that is enough; `periods` is then the most
+
+    Ctrl-C ends the run: the result has `finished` False and covers the whole periods made. A file
+    that takes no more, on a full disk, does not: it is told by a warning, and in `unwritten`.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of its domain, the step is not stable, the checkpoint is of another
+        scene or of other sources, or the trajectory or its frames a period are not the ones it was
+        saved with. No file is changed.
+    RunError
+        If a state stops being finite, or a contact is deeper than d/2.
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
+    periods = whole("periods", periods, 1, 10**7)
+    frames = whole("frames", frames, 1, 10**6)
+    if observe is not None and scene.annulus is not None:
+        raise ValueError(
+            "observe must be None in an annulus: touches of the plate are counted, not kept"
+        )
+    distinct(trajectory=trajectory, checkpoint=checkpoint)
+    if trajectory is not None:
+        writable("trajectory", trajectory, is_trajectory, "one of frames")
+    about: dict[str, Any] = {}
+    arrays, kept = None, None if checkpoint is None else Path(checkpoint)
+    if kept is not None:
+        writable("checkpoint", kept)
+        if kept.exists():
+            about, arrays = _read(kept, scene)
+            check_continues(trajectory, frames, periods, about["trajectory"], kept)
+    engine = prepare(scene, ledger=ledger)
+    tables = engine.tables(periods)
+    series = tables.sampled(engine)
+    begin = perf_counter()
+    engine.go(0, series)  # compiles
+    began: dict[str, Any] = {"compile": perf_counter() - begin, "seconds": 0.0, "trajectory": None}
+    began["energy"] = engine.energy() if engine.ledger is not None else 0.0
+    if arrays is not None:
+        step = about.pop("step")
+        if step > periods * engine.per:
+            raise ValueError(
+                f"checkpoint {kept} is {step // engine.per} periods long already: ask for more, or "
+                "remove it"
+            )
+        tables.restore(arrays)
+        engine.restore(arrays, step)
+        began |= about | {"compile": began["compile"]}
+    written = _Files(engine, tables, began, kept)
+
+    with ExitStack() as stack:
+        pressed = stack.enter_context(_interruptible())
+        frame = None
+        if trajectory is not None:
+            written.trajectory = Trajectory(trajectory, frames, began["trajectory"])
+            stack.callback(written.trajectory.close)
+            frame = max(engine.per // frames, 1), written.frame
+        bar = stack.enter_context(
+            tqdm(total=periods, unit=" periods", delay=2, disable=None if progress else True)
+        )
+        made = engine.step // engine.per
+        bar.update(made)
+        aim = periods if goal is None else 0
+        while True:
+            if goal is not None:
+                aim = min(goal(tables.drift(engine, made)), periods)
+                bar.total = aim
+            _loop(
+                *(engine, tables, series, began, aim * engine.per),
+                *(observe, frame, written.save, bar, pressed),
+            )
+            enough, made = made >= aim, engine.step // engine.per
+            if goal is None or enough or made < aim:
+                break
+        written.save(last=True)
+    lost = written.lost.values()
+    if lost:
+        warnings.warn(f"not written: {'; '.join(lost)}", NotWritten, stacklevel=2)
+    return _result(engine, tables, began, made, engine.step >= aim * engine.per, lost)
