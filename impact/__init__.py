@@ -76,6 +76,7 @@ Try it, against the impact map:
     python -m pytest tests/test_public_api.py tests/test_documentation.py
 '''  # noqa: D214, D215  (sections within examples)
 
+from ._arguments import InputError
 from ._kernel import Regime
 from .boundaries import critical_friction, critical_tilts, energy_restitution, slide_friction
 from .collision import Collision, classify, collide
@@ -86,6 +87,7 @@ __all__ = [
     "Collision",
     "ContactGeometry",
     "Drift",
+    "InputError",
     "Regime",
     "classify",
     "collide",

@@ -15,6 +15,15 @@ import numpy as np
 BLOCK = 8192  # elements in flight; a block's temporaries stay in the second-level cache
 
 
+class InputError(ValueError, TypeError):
+    """An argument that is refused; the message names it, its value and its domain.
+
+    Both a `ValueError` and a `TypeError`, so that either catches it.
+    """
+
+    exit_code = 2  # of a command that it ends
+
+
 class Domain(NamedTuple):
     """Closed interval (half-open below if `above` says so) with its text for messages."""
 
@@ -76,7 +85,7 @@ def _refuse_unlike(values: Mapping[str, Any]) -> None:
     labelled = [(name, labels) for name, v in values.items() if (labels := labels_of(v))]
     for (one, labels), (other, others) in combinations(labelled, 2):
         if found := _difference(labels, others):
-            raise ValueError(
+            raise InputError(
                 f"{one} and {other} must have equal labels, got {found[0]} where the other has "
                 f"{found[1]}; align them, or pass plain arrays"
             )
@@ -94,9 +103,9 @@ def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
     except (ValueError, OverflowError):  # ragged, or an integer beyond all floats
         array = None
     if array is None or array.dtype.kind not in "biuf":
-        raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
+        raise InputError(f"{name} must be a real number or an array of them, got {value!r}")
     if array.ndim == 0 and np.isfinite(array) and not domain.holds(array):
-        raise ValueError(f"{name} must be {domain.text}, got {value!r}")
+        raise InputError(f"{name} must be {domain.text}, got {value!r}")
     return array
 
 
@@ -116,9 +125,9 @@ def number(name: str, value: Any, domain: Domain) -> float:
     """One number in its domain; nan is in none."""
     array = real_array(name, value, domain)
     if array.ndim:
-        raise TypeError(f"{name} must be a single number, got {value!r}")
+        raise InputError(f"{name} must be a single number, got {value!r}")
     if not domain.holds(array):
-        raise ValueError(f"{name} must be {domain.text}, got {value!r}")
+        raise InputError(f"{name} must be {domain.text}, got {value!r}")
     return float(array)
 
 
@@ -127,9 +136,9 @@ def count(name: str, value: Any, least: int) -> int:
     try:
         whole = index(value)
     except TypeError:
-        raise TypeError(f"{name} must be a whole number, got {value!r}") from None
+        raise InputError(f"{name} must be a whole number, got {value!r}") from None
     if whole < least:
-        raise ValueError(f"{name} must be at least {least}, got {value!r}")
+        raise InputError(f"{name} must be at least {least}, got {value!r}")
     return whole
 
 

@@ -33,7 +33,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._arguments import FRICTION, RESTITUTION, Domain, count, number, real_array
+from ._arguments import FRICTION, RESTITUTION, Domain, InputError, count, number, real_array
 from ._jit import kernel
 from .compiled import KERNELS
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
@@ -200,7 +200,7 @@ def _checked(
     geometry, gamma, friction, restitution, landings, rods, seed, law, transient, shortest_flight
 ) -> _Problem:
     if law not in KERNELS:
-        raise ValueError(f"law must be one of {', '.join(KERNELS)}, got {law!r}")
+        raise InputError(f"law must be one of {', '.join(KERNELS)}, got {law!r}")
     lengths = (number(name, *length) for name, length in lengths_of(geometry).items())
     physics = (
         number("gamma", gamma, _GAMMA),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import _kernel as kernel
-from ._arguments import ANY, FRICTION, RESTITUTION, in_blocks, real_arrays
+from ._arguments import ANY, FRICTION, RESTITUTION, InputError, in_blocks, real_arrays
 from ._kernel import Regime
 from .geometry import ContactGeometry, lengths_of
 
@@ -99,7 +99,7 @@ def prepare(
 ) -> tuple[list[np.ndarray], np.dtype]:
     """Arguments of `collide` as arrays in the kernel's order, and the dtype of the results."""
     if not isinstance(law, str) or law not in LAWS:
-        raise ValueError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
+        raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
     return real_arrays(
         {
             "c_x": (c_x, ANY),

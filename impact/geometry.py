@@ -11,6 +11,7 @@ from ._arguments import (
     POSITIVE,
     Argument,
     Domain,
+    InputError,
     Labelled,
     in_blocks,
     labels_of,
@@ -44,7 +45,7 @@ def lengths_of(geometry: ContactGeometry) -> dict[str, Argument]:
     try:
         X, Z, k = geometry if isinstance(geometry, tuple | list | np.ndarray) else ()
     except ValueError:
-        raise TypeError(f"geometry must be (X, Z, k), got {geometry!r}") from None
+        raise InputError(f"geometry must be (X, Z, k), got {geometry!r}") from None
     return {"geometry.X": (X, ANY), "geometry.Z": (Z, ANY), "geometry.k": (k, POSITIVE)}
 
 
@@ -140,7 +141,7 @@ def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     whole = real_array("length", length, POSITIVE)
     thick = real_array("diameter", diameter, POSITIVE)
     if whole.ndim == thick.ndim == 0 and whole < thick:
-        raise ValueError(f"length must be >= diameter ({diameter!r}), got {length!r}")
+        raise InputError(f"length must be >= diameter ({diameter!r}), got {length!r}")
 
     def contact(sin: Any, cos: Any, length: Any, diameter: Any) -> tuple[Any, ...]:
         X, Z, gyration = closed.round_rod(length, diameter, diameter / length, sin, cos)

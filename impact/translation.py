@@ -10,6 +10,7 @@ from ._arguments import (
     FRICTION,
     POSITIVE,
     RESTITUTION,
+    InputError,
     in_blocks,
     real_array,
     real_arrays,
@@ -128,11 +129,11 @@ def mean_plate_velocity(
     """
     speed = real_array("plate_speed", plate_speed)
     if not isinstance(points, int | np.integer) or points < 1:
-        raise ValueError(f"points must be a whole number >= 1, got {points!r}")
+        raise InputError(f"points must be a whole number >= 1, got {points!r}")
     phase = 2 * np.pi * (np.arange(points) + 0.5) / points
     weight = np.broadcast_to(real_array("density", density(phase)), phase.shape)
     if not np.all(np.isfinite(weight)) or weight.min() < 0 or weight.max() == 0:
-        raise ValueError("density must be finite, not negative, and not zero everywhere")
+        raise InputError("density must be finite, not negative, and not zero everywhere")
     weight = weight / weight.max()
     mean = np.sum(weight * np.cos(phase)) / weight.sum()
     known = np.where(np.isfinite(speed), speed, np.nan)

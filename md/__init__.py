@@ -38,15 +38,17 @@ measures, statistics                what a run measures, with errors
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy, calibration               `run`: step and length from a tolerance
 sweep, store                        many runs and their results
-cache, interrupt, __main__          compiled kernels kept, signals, the command line
+cache, interrupt, errors            compiled kernels kept, signals, errors
+__main__                            the command line
 """
 
 from .accuracy import Accuracy, Tuned, run
+from .errors import InputError, RunError
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 from .simulation import Result
-from .soft_impact import INTEGRATORS, Impact, Rod, RunError, impact
+from .soft_impact import INTEGRATORS, Impact, Rod, impact
 
 __all__ = [
     "INTEGRATORS",
@@ -58,6 +60,7 @@ __all__ = [
     "Contacts",
     "Gravity",
     "Impact",
+    "InputError",
     "Law",
     "Plate",
     "Result",

@@ -19,9 +19,10 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from . import simulation as runner
+from .errors import InputError
 from .laws import contact_time, number
 from .scene import Scene, Step
 from .simulation import Result, finite
@@ -143,12 +144,12 @@ def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:
         If nothing vibrates, no plate is touched, or rods stand in an annulus.
     """
     if scene.annulus is not None:
-        raise ValueError(
+        raise InputError(
             "tolerance has no meaning in an annulus: rods keep the arrangement of their start, so "
             "that one run cannot tell its error; use periods, and several start.seed"
         )
     if not scene.vibrates or scene.contacts.plate is None:
-        raise ValueError("tolerance needs a plate that vibrates and a contact with it")
+        raise InputError("tolerance needs a plate that vibrates and a contact with it")
     if outside(scene):
         return replace(scene, step=Step()), nan
     known = calibrated()
@@ -172,7 +173,7 @@ def interval(drift: np.ndarray, confidence: float = CONFIDENCE) -> tuple[float, 
             return float(rest.mean()) if len(rest) else nan, inf, cut
         means = rest[len(rest) % parts :].reshape(parts, -1).mean(axis=1)
         error = means.std(ddof=1) / np.sqrt(parts)
-        half = max(half, float(student.ppf((1 + confidence) / 2, parts - 1) * error))
+        half = max(half, float(stdtrit(parts - 1, (1 + confidence) / 2) * error))
     return float(rest.mean()), half, cut
 
 
@@ -258,9 +259,9 @@ def run(
     if tolerance is None:
         return runner.run(scene, **options)
     if options.get("periods") is not None:
-        raise ValueError("periods has no meaning with tolerance, which chooses the length")
+        raise InputError("periods has no meaning with tolerance, which chooses the length")
     if not isinstance(scene, Scene):
-        raise TypeError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
+        raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
     checked(tolerance, confidence, 1.0 if floor is None else floor, max_seconds)
     tuned, bias = chosen_step(scene, tolerance)
     floor = FLOOR * scene.plate_speed if floor is None else floor

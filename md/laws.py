@@ -21,6 +21,7 @@ from typing import Any
 
 from scipy.optimize import brentq
 
+from .errors import InputError
 from .kernels.contact import Friction, Normal, Spring
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d
@@ -34,9 +35,9 @@ def number(name: str, value: Any, low: float, high: float, domain: str) -> float
             raise TypeError
         number = float(value)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a number, got {value!r}") from None
+        raise InputError(f"{name} must be a number, got {value!r}") from None
     if not low <= number <= high:
-        raise ValueError(f"{name} must be {domain}, got {value!r}")
+        raise InputError(f"{name} must be {domain}, got {value!r}")
     return number
 
 
@@ -71,11 +72,11 @@ class Law:
     def __post_init__(self) -> None:
         normal, spring = self.normal, self.spring
         if not isinstance(normal, Normal) or not isinstance(spring, Spring | None):
-            raise TypeError(f"law must have a Normal, and a Spring or None, got {self!r}")
+            raise InputError(f"law must have a Normal, and a Spring or None, got {self!r}")
         if normal.plastic not in (True, None):
-            raise ValueError(f"normal.plastic must be True or None, got {normal.plastic!r}")
+            raise InputError(f"normal.plastic must be True or None, got {normal.plastic!r}")
         if spring is not None and spring.proportional is spring.root is None:
-            raise ValueError("spring must have a stiffness, proportional or root")
+            raise InputError("spring must have a stiffness, proportional or root")
         numbers = {f"normal.{k}": v for k, v in normal._asdict().items() if k != "plastic"}
         numbers |= {f"spring.{k}": v for k, v in spring._asdict().items()} if spring else {}
         for name, value in numbers.items():

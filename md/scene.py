@@ -16,6 +16,7 @@ from pathlib import Path
 from types import NoneType
 from typing import Any, get_args, get_type_hints
 
+from .errors import InputError
 from .laws import LAWS, Law, number
 from .units import GRAVITY_CM, SCALES, TWINS, cm_per_s, reduced, rivals, twins
 
@@ -25,7 +26,7 @@ SCENES = Path(__file__).parent / "scenes"
 def whole(name: str, value: object, low: int, high: int) -> int:
     """`value` if it is a whole number in [low, high]."""
     if isinstance(value, bool) or not isinstance(value, int):
-        raise TypeError(f"{name} must be a whole number, got {value!r}")
+        raise InputError(f"{name} must be a whole number, got {value!r}")
     return int(number(name, value, low, high, f"between {low} and {high}"))
 
 
@@ -36,7 +37,7 @@ def _hold(part: object, title: str, **limits: tuple[float, float, str]) -> None:
         if value is None:
             continue
         if isinstance(value, bool):
-            raise TypeError(f"{title}.{name} must be a number, got {value!r}")
+            raise InputError(f"{title}.{name} must be a number, got {value!r}")
         object.__setattr__(part, name, number(f"{title}.{name}", value, low, high, domain))
 
 
@@ -46,7 +47,7 @@ def _parts(part: object, name: str = "") -> None:
         value = getattr(part, key)
         if kind is not float and not isinstance(value, kind):
             wanted = " or ".join(k.__name__ for k in get_args(kind) or (kind,) if k is not NoneType)
-            raise TypeError(f"{name}{key} must be of the type {wanted}, got {value!r}")
+            raise InputError(f"{name}{key} must be of the type {wanted}, got {value!r}")
 
 
 @dataclass(frozen=True)
@@ -62,9 +63,9 @@ class Rods:
     def __post_init__(self) -> None:
         object.__setattr__(self, "count", whole("rods.count", self.count, 1, 10**6))
         if not isinstance(self.spin, bool):
-            raise TypeError(f"rods.spin must be true or false, got {self.spin!r}")
+            raise InputError(f"rods.spin must be true or false, got {self.spin!r}")
         if self.inertia not in ("solid", "thin"):
-            raise ValueError(f"rods.inertia must be solid or thin, got {self.inertia!r}")
+            raise InputError(f"rods.inertia must be solid or thin, got {self.inertia!r}")
         _hold(
             self,
             "rods",
@@ -110,7 +111,7 @@ class Annulus:
         domain = 1e-3, 1e6, "between 1e-3 and 1e6"
         _hold(self, "annulus", inner=domain, outer=domain)
         if not self.outer - self.inner >= 1:
-            raise ValueError(
+            raise InputError(
                 f"annulus.outer must be at least a diameter beyond annulus.inner, "
                 f"{self.inner + 1:.6g}, got {self.outer:.6g}"
             )
@@ -224,32 +225,32 @@ class Scene:
         plate, between = self.contacts.plate, self.contacts.rods
         if (plate is None) != (self.plate is None):
             there, missing = ("contacts.plate", "plate")[:: 1 if plate else -1]
-            raise ValueError(f"{missing} is missing: the scene names {there}, and needs both")
+            raise InputError(f"{missing} is missing: the scene names {there}, and needs both")
         if between is not None and between.friction > 0 and between.law.spring is None:
-            raise ValueError(
+            raise InputError(
                 f"contacts.rods.law must have a tangential spring, got {between.law.name!r}: "
                 "friction as a constraint is for the plate"
             )
         if self.annulus is not None or self.contacts.wall is not None or self.rods.spin:
             self._in_space()
         elif self.start.tilt_deg is None and self.box is None:
-            raise ValueError("start.tilt_deg is missing: without a box it has no default")
+            raise InputError("start.tilt_deg is missing: without a box it has no default")
         self._fit()
 
     def _in_space(self) -> None:
         """Refuse what is not for the annulus."""
         if self.annulus is None:
-            raise ValueError("annulus is missing: the scene has a contact with walls, or spin")
+            raise InputError("annulus is missing: the scene has a contact with walls, or spin")
         if self.contacts.wall is None:
-            raise ValueError("contacts.wall is missing: the scene names annulus, and needs both")
+            raise InputError("contacts.wall is missing: the scene names annulus, and needs both")
         if self.box is not None:
-            raise ValueError("box must be absent from an annulus, which closes on itself")
+            raise InputError("box must be absent from an annulus, which closes on itself")
         if self.gravity is not None and self.gravity.x != 0:
-            raise ValueError(f"gravity.x must be 0 in an annulus, got {self.gravity.x:g}")
+            raise InputError(f"gravity.x must be 0 in an annulus, got {self.gravity.x:g}")
         for name in ("plate", "wall"):
             contact = getattr(self.contacts, name)
             if contact is not None and contact.friction > 0 and contact.law.spring is None:
-                raise ValueError(
+                raise InputError(
                     f"contacts.{name}.law must have a tangential spring in an annulus, got "
                     f"{contact.law.name!r}"
                 )
@@ -260,7 +261,7 @@ class Scene:
         if box is None or self.contacts.rods is None:
             return
         if box.length < rods.count:
-            raise ValueError(
+            raise InputError(
                 f"box.length must be at least {rods.count} for {rods.count} rods, got "
                 f"{box.length:g}"
             )
@@ -268,7 +269,7 @@ class Scene:
         spacing, tilt = box.length / rods.count, self.tilt
         beyond = max(spacing * abs(sin(tilt)) - (rods.length - 1), 0.0)  # along the axes
         if hypot(beyond, spacing * cos(tilt)) < 1 - 1e-12:
-            raise ValueError(
+            raise InputError(
                 f"start.tilt_deg must be at most {steepest:.6g} for {rods.count} rods in a box of "
                 f"{box.length:g}, got {degrees(tilt):.6g}"
             )
@@ -332,21 +333,21 @@ def _contact(name: str, table: Mapping) -> Contact:
     options = dict(table)
     law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
     if not isinstance(law, str) or law not in LAWS:
-        raise ValueError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
+        raise InputError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
     known = inspect.signature(LAWS[law]).parameters
     for key, value in options.items():
         if key not in known and any(key in inspect.signature(m).parameters for m in LAWS.values()):
-            raise ValueError(
+            raise InputError(
                 f"{name}.{key} is not for the law {law}: take it out (--set {name}.{key}=none)"
             )
         if key not in known:
-            raise ValueError(_unknown(f"{name}.{key}", ("law", "friction", *known)))
+            raise InputError(_unknown(f"{name}.{key}", ("law", "friction", *known)))
         if isinstance(value, bool) != isinstance(known[key].default, bool):
             wanted = "true or false" if isinstance(known[key].default, bool) else "a number"
-            raise TypeError(f"{name}.{key} must be {wanted}, got {value!r}")
+            raise InputError(f"{name}.{key} must be {wanted}, got {value!r}")
     try:
         return Contact(LAWS[law](**options), friction)
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         raise type(error)(f"{name}.{str(error).removeprefix('contact.')}") from None
 
 
@@ -357,14 +358,14 @@ def _unknown(key: str, known: Iterable[str]) -> str:
 def _build(kind: type, name: str, table: object) -> Any:
     """A part of a scene from its table."""
     if not isinstance(table, Mapping):
-        raise TypeError(f"{name} must be a table, got {table!r}")
+        raise InputError(f"{name} must be a table, got {table!r}")
     if kind is Contact:
         return _contact(name, table)
     hints, parts = get_type_hints(kind), {}
     for key, value in table.items():
         if key not in hints:
             also = (twin.partition(".")[2] for twin in TWINS if twin.startswith(f"{name}."))
-            raise ValueError(_unknown(f"{name}.{key}" if name else key, (*hints, *also)))
+            raise InputError(_unknown(f"{name}.{key}" if name else key, (*hints, *also)))
         kinds: tuple[Any, ...] = hints[key], *get_args(hints[key])
         inner: Any = next((kind for kind in kinds if is_dataclass(kind)), None)
         path = f"{name}.{key}" if name else key
@@ -374,7 +375,7 @@ def _build(kind: type, name: str, table: object) -> Any:
         k for k in missing if inspect.signature(kind).parameters[k].default is inspect._empty
     ]
     if required:
-        raise ValueError(f"{name}.{required[0]} is missing")
+        raise InputError(f"{name}.{required[0]} is missing")
     return kind(**parts)
 
 
@@ -399,10 +400,10 @@ def keys() -> list[tuple[str, str]]:
 def _parsed(assignment: str) -> tuple[str, Any]:
     """Key and value of KEY=VALUE, the value as in TOML or a bare word."""
     if not isinstance(assignment, str):
-        raise TypeError(f"assignments must be texts KEY=VALUE, got {assignment!r}")
+        raise InputError(f"assignments must be texts KEY=VALUE, got {assignment!r}")
     key, equals, text = assignment.partition("=")
     if not equals or not key.strip():
-        raise ValueError(f"--set needs KEY=VALUE, got {assignment!r}")
+        raise InputError(f"--set needs KEY=VALUE, got {assignment!r}")
     try:
         return key.strip(), tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
@@ -422,7 +423,7 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
         for part in path:
             table = table.setdefault(part, {})
             if not isinstance(table, dict):
-                raise ValueError(f"--set {key}: {part} is a value, not a table")
+                raise InputError(f"--set {key}: {part} is a value, not a table")
         if value == "none":
             table.pop(last, None)
         else:
@@ -452,12 +453,12 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     try:
         return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"{source}: {error}") from None
+        raise InputError(f"{source}: {error}") from None
     except (OSError, UnicodeDecodeError) as error:
         names = ", ".join(sorted(p.stem for p in examples.glob("*.toml")))
         reason = getattr(error, "strerror", None) or error
         what = "cannot be read" if path.exists() else "no such scene"
-        raise ValueError(f"{source}: {what} ({reason}); examples: {names}") from None
+        raise InputError(f"{source}: {what} ({reason}); examples: {names}") from None
 
 
 def from_tables(tables: Mapping) -> Scene:
@@ -471,7 +472,7 @@ def from_tables(tables: Mapping) -> Scene:
     tables, said = reduced(tables)
     try:
         return _build(Scene, "", tables)
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         given = [words for key, words in said.items() if key in str(error)]
         raise type(error)(f"{error} ({'; '.join(given)})" if given else str(error)) from None
 

@@ -39,9 +39,9 @@ from tqdm import tqdm
 
 from .accuracy import CALIBRATION, MAX_SECONDS, Tuned, checked, chosen_step, in_words, run
 from .cache import digest
+from .errors import InputError, RunError
 from .host import step_of
 from .scene import Scene, as_dict, from_tables, put, read_tables, whole
-from .soft_impact import RunError
 from .store import Store
 
 __all__ = ["Interrupted", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
@@ -145,38 +145,38 @@ def _values(name: str, given: object) -> list:
     if isinstance(given, Mapping):
         known = {"from", "to", "count", "log"}
         if not {"from", "to", "count"} <= set(given) <= known:
-            raise ValueError(f"{name} must have from, to, count and at most log, got {dict(given)}")
+            raise InputError(f"{name} must have from, to, count and at most log, got {dict(given)}")
         low, high, count = given["from"], given["to"], given["count"]
         if not isinstance(count, int) or not 1 <= count <= _MOST:
-            raise ValueError(
+            raise InputError(
                 f"{name}.count must be a whole number from 1 to {_MOST}, got {count!r}"
             )
         if not all(isinstance(x, int | float) and math.isfinite(x) for x in (low, high)):
-            raise ValueError(f"{name} must go from and to finite numbers, got {low!r} and {high!r}")
+            raise InputError(f"{name} must go from and to finite numbers, got {low!r} and {high!r}")
         if given.get("log", False):
             if not (low > 0 and high > 0):
-                raise ValueError(f"{name} must have both ends > 0 in log, got {low!r} and {high!r}")
+                raise InputError(f"{name} must have both ends > 0 in log, got {low!r} and {high!r}")
             return np.geomspace(low, high, count).tolist()
         values = np.linspace(low, high, count).tolist()
         whole = isinstance(low, int) and all(value == round(value) for value in values)
         return [round(value) for value in values] if whole else values
     if not isinstance(given, list) or not given:
-        raise ValueError(
+        raise InputError(
             f"{name} must be a list of values or a range, and not empty, got {given!r}"
         )
     if any(isinstance(value, float) and not math.isfinite(value) for value in given):
-        raise ValueError(f"{name} must hold finite values, got {given!r}")
+        raise InputError(f"{name} must hold finite values, got {given!r}")
     return given
 
 
 def _axis(number: int, table: object) -> dict[str, list]:
     """Keys and values of one axis."""
     if not isinstance(table, Mapping) or not table:
-        raise ValueError(f"axes[{number}] must be a table with at least one key, got {table!r}")
+        raise InputError(f"axes[{number}] must be a table with at least one key, got {table!r}")
     axis = {key: _values(f"axes[{number}].{key}", given) for key, given in table.items()}
     lengths = {key: len(values) for key, values in axis.items()}
     if len(set(lengths.values())) > 1:
-        raise ValueError(f"axes[{number}]: keys of one axis must be equally long, got {lengths}")
+        raise InputError(f"axes[{number}]: keys of one axis must be equally long, got {lengths}")
     return axis
 
 
@@ -197,25 +197,25 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
     known = {"scene", "periods", "tolerance", "max_seconds", "set", "axes"}
     for key in tables:
         if key not in known:
-            raise ValueError(f"{key} is not a key of a sweep; known: {', '.join(sorted(known))}")
+            raise InputError(f"{key} is not a key of a sweep; known: {', '.join(sorted(known))}")
     periods = tables.get("periods", 200)
     if isinstance(periods, bool) or not isinstance(periods, int) or periods < 1:
-        raise ValueError(f"periods must be a whole number >= 1, got {periods!r}")
+        raise InputError(f"periods must be a whole number >= 1, got {periods!r}")
     dial = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
     if "tolerance" in dial and "periods" in tables:
-        raise ValueError("periods has no meaning with tolerance, which chooses the length")
+        raise InputError("periods has no meaning with tolerance, which chooses the length")
     if "max_seconds" in dial and "tolerance" not in dial:
-        raise ValueError("max_seconds has no meaning without tolerance")
+        raise InputError("max_seconds has no meaning without tolerance")
     if dial:
         checked(**dial)
         periods = 0
     axes = tuple(_axis(i, table) for i, table in enumerate(tables.get("axes", [])))
     keys = [key for axis in axes for key in axis]
     if len(set(keys)) < len(keys):
-        raise ValueError(f"a key may stand on one axis alone, got {keys}")
+        raise InputError(f"a key may stand on one axis alone, got {keys}")
     size = math.prod(len(next(iter(axis.values()))) for axis in axes)
     if size > _MOST:
-        raise ValueError(f"a sweep may have {_MOST} points, got {size}")
+        raise InputError(f"a sweep may have {_MOST} points, got {size}")
     common, points = dict(tables.get("set", {})), []
     along = [[dict(zip(a, v, strict=True)) for v in zip(*a.values(), strict=True)] for a in axes]
     for place in itertools.product(*along):
@@ -223,7 +223,7 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
         try:
             scene = from_tables(put(base, {**common, **changes}))
             step_of(chosen_step(scene, dial["tolerance"])[0] if dial else scene)
-        except (ValueError, TypeError) as error:
+        except InputError as error:
             at = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
             raise type(error)(f"{error} (at {at})" if at else str(error)) from None
         points.append(Point(scene, periods, **dial))
@@ -245,7 +245,7 @@ def load_sweep(path: str | Path) -> Sweep:
     tables = read_tables(path, _SWEEPS)
     name = tables.get("scene")
     if not isinstance(name, str):
-        raise ValueError(f"scene must be the name of a file or of an example, got {name!r}")
+        raise InputError(f"scene must be the name of a file or of an example, got {name!r}")
     beside = Path(path).parent / name
     return expand(tables, read_tables(beside if beside.exists() else name))
 
@@ -291,7 +291,7 @@ def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]
         except TerminatedWorkerError:
             deaths += 1
             if deaths == _CRASHES:
-                raise RunError(f"a worker died {deaths} times in a row", ()) from None
+                raise RunError(f"a worker died {deaths} times in a row") from None
 
 
 @contextmanager
@@ -351,11 +351,11 @@ def execute(
         On Ctrl-C; what was finished is in the store.
     """
     if whole("workers", workers, -1, 10**4) == 0:
-        raise ValueError("workers must be at least 1, or -1 for one a core, got 0")
+        raise InputError("workers must be at least 1, or -1 for one a core, got 0")
     if scheduler is not None and not isinstance(scheduler, str):
-        raise TypeError(f"scheduler must be the address of a Dask cluster, got {scheduler!r}")
+        raise InputError(f"scheduler must be the address of a Dask cluster, got {scheduler!r}")
     if scheduler is not None and workers != -1:
-        raise ValueError(f"workers has no meaning with scheduler, got {workers} and {scheduler!r}")
+        raise InputError(f"workers has no meaning with scheduler, got {workers} and {scheduler!r}")
     points = {point.key: point for point in sweep.points}
     begin = perf_counter()
     with Store(store) as database:
@@ -398,12 +398,12 @@ def _backend(scheduler: str | None) -> Iterator[None]:
     try:
         from distributed import Client
     except ImportError:
-        raise ValueError("scheduler needs dask.distributed: pip install distributed") from None
+        raise InputError("scheduler needs dask.distributed: pip install distributed") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs what it raises
     try:
         client = Client(scheduler, timeout=10)
     except (OSError, ValueError) as error:
-        raise ValueError(
+        raise InputError(
             f"scheduler must be the address of a Dask cluster, got {scheduler!r}: {error}"
         ) from None
     with client, parallel_config("dask", client=client):

@@ -11,6 +11,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from .errors import InputError
 from .files import empty, same
 from .scene import Scene
 
@@ -99,30 +100,30 @@ def check_continues(
     """
     if kept is None:
         if path is not None and not empty(path):
-            raise ValueError(
+            raise InputError(
                 f"trajectory must be a new file, got {str(path)!r}: checkpoint {checkpoint} was "
                 "saved without one; name another file, or remove the checkpoint to start again"
             )
         return
     theirs, anew = kept["path"], f"or remove checkpoint {checkpoint} to start again"
     if path is None:
-        raise ValueError(f"trajectory is missing: name {theirs!r}, which belongs to it, {anew}")
+        raise InputError(f"trajectory is missing: name {theirs!r}, which belongs to it, {anew}")
     if not same(path, theirs) and Path(theirs).exists():  # else it was moved: its tail tells
-        raise ValueError(f"trajectory must be {theirs!r}, got {str(path)!r}: name that one, {anew}")
+        raise InputError(f"trajectory must be {theirs!r}, got {str(path)!r}: name that one, {anew}")
     if per_period != kept["per_period"]:
-        raise ValueError(
+        raise InputError(
             f"frames must be {kept['per_period']} as before, got {per_period}: ask for that, {anew}"
         )
     size = 0 if empty(path) else Path(path).stat().st_size
     if size < kept["size"] or (size and _tail(Path(path), kept["size"]) != kept["tail"]):
-        raise ValueError(
+        raise InputError(
             f"trajectory {str(path)!r} was changed: its first {kept['frames']} frames "
             f"({kept['size']} bytes) are not as checkpoint {checkpoint} knows them; bring them "
             "back, or remove the checkpoint to start again"
         )
     # Frames behind those of the checkpoint, of a run that was killed, are made again.
     if size > kept["size"] and (last := _last_time(Path(path))) > periods:
-        raise ValueError(
+        raise InputError(
             f"trajectory {str(path)!r} goes on to period {last:.6g}, beyond the {periods} asked "
             f"for: checkpoint {checkpoint} is older; name a newer one, or ask for as many periods"
         )
@@ -209,7 +210,7 @@ def read_frames(path: str | Path) -> list[dict]:
             while line := file.readline():
                 frames.append(_frame(int(line), file))
     except (ValueError, IndexError):
-        raise ValueError(
+        raise InputError(
             f"{path} is not a trajectory of md, or cut short: frame {len(frames)} cannot be read"
         ) from None
     return frames
@@ -220,7 +221,7 @@ def _frame(count: int, file: TextIO) -> dict:
     after = file.readline().split("Time=")[1]
     lines = [file.readline() for _ in range(count)]
     if not lines[-1].endswith("\n"):
-        raise ValueError("cut short")
+        raise InputError("cut short")
     table = np.loadtxt(lines, ndmin=2)
     return {
         "time": float(after.split()[0]),

@@ -16,6 +16,7 @@ from copy import deepcopy
 from math import pi, sqrt
 from typing import Any, NamedTuple
 
+from .errors import InputError
 from .laws import not_negative, number
 
 GRAVITY_CM = 981.0  # cm/s^2
@@ -100,14 +101,14 @@ def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
             continue
         for other in rivals(name):
             if _value(tables, other) is not None:
-                raise ValueError(f"{name} and {other} say the same: give one of them, not both")
+                raise InputError(f"{name} and {other} say the same: give one of them, not both")
         by, measuring = _value(tables, scale), tables.get(scale.partition(".")[0], {})
         if not isinstance(measuring, Mapping):
             continue  # which is refused as no table
         if by is None:
-            raise ValueError(f"{scale} is missing: {name} needs it")
+            raise InputError(f"{scale} is missing: {name} needs it")
         if isinstance(value, bool):
-            raise TypeError(f"{name} must be a number, got {value!r}")
+            raise InputError(f"{name} must be a number, got {value!r}")
         one = unit(number(scale, by, *SCALES[scale]))
         part, _, last = name.partition(".")
         del changed[part][last]
