@@ -102,19 +102,18 @@ def is_kernel(node):
 
 
 def places(tree):
-    """All places of a tree; functions of one name are numbered through, file by file."""
+    """All places of a tree; functions of one name are numbered in the order of their files."""
     count = Counter()
     for path in sorted(p for package in PACKAGES for p in (tree / package).rglob("*.py")):
-        here = path.relative_to(tree)
-        functions = [
-            n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.FunctionDef)
-        ]
-        for function in filter(is_kernel, functions if path.name != "__main__.py" else ()):
+        nodes = ast.walk(ast.parse(path.read_text())) if path.name != "__main__.py" else ()
+        for function in (n for n in nodes if isinstance(n, ast.FunctionDef) and is_kernel(n)):
+            here = path.relative_to(tree)
             name = f"{here.parts[0]}.{function.name}"
-            for node in body(ast.Module(function.body)):
-                for new in mutants(node):
-                    count[name] += 1
-                    yield Place(f"{name}#{count[name]}", here, *new)
+            count[name] += 1
+            name += f"({count[name]})" if count[name] > 1 else ""
+            changes = (new for node in body(ast.Module(function.body)) for new in mutants(node))
+            for number, (old, new) in enumerate(changes, 1):
+                yield Place(f"{name}#{number}", here, old, new)
 
 
 def test_files(tree, place):

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
+from functools import partial
 from math import radians
 from pathlib import Path
 
@@ -31,73 +32,73 @@ NOT_COMPARED = {
 }
 SHOWN = 3  # renamed quantities listed for a scene
 
-# Few, short and soft rods: cheap.
-ROW = (
-    *("rods.count=8", "rods.length=5", "rods.inertia=solid", "box.length=8.8", "start.speed=0.1"),
-    *("step.size=none", "step.coarse=true"),
-    *("contacts.plate.stiffness=1e5", "contacts.rods.stiffness=1e5"),
-)
-ANNULUS = (
-    *("rods.count=10", "rods.length=4", "annulus.inner=2", "annulus.outer=3.7", "step.size=none"),
-    *(f"contacts.{part}.stiffness=1e5" for part in ("plate", "rods", "wall")),
-)
-APPENDIX_A = tuple(
-    f"contacts.{part}.{option}"
-    for part in ("plate", "rods")
-    for option in ("law=appendix_a", "restitution=none", "damping=40", "tangential_ratio=5")
-)
-CONSTRAINT = ("contacts.plate.law=coulomb",)
-NO_PLATE = ("plate=none", "contacts.plate=none", "gravity=none", "start.speed=0.5")
-ROWS = {
-    "constant_restitution": (),
-    "appendix_a": APPENDIX_A,
-    "appendix_a without overlap factor": (
-        *APPENDIX_A,
-        *("contacts.plate.overlap_factor=false", "contacts.rods.overlap_factor=false"),
+# Few, short and soft rods are cheap; * stands for each contact.
+BASES = {
+    "row": (
+        *("quasi2d", "plate rods"),
+        "rods.count=8 rods.length=5 rods.inertia=solid box.length=8.8 start.speed=0.1 "
+        "step.size=none step.coarse=true contacts.*.stiffness=1e5",
     ),
-    "coulomb": CONSTRAINT,
-    "plastic": ("contacts.plate.restitution=0", "contacts.rods.restitution=0"),
-    "no plate": NO_PLATE,
-    "no plate friction": ("contacts.plate.friction=0",),
-    "no rod-rod contact": ("contacts.rods=none",),
-    "no rod-rod friction": ("contacts.rods.friction=0",),
-    "no vibration": ("plate.acceleration=0", "start.drop=0.2"),
-    "no gravity": ("gravity=none", "start.speed=0.5"),
-    "inclined gravity": ("gravity.x=0.3", "gravity.z=-0.9"),
-    "open box": ("box=none", "start.tilt_deg=20"),
-    "thin inertia": ("rods.inertia=thin",),
+    "annulus": (
+        *("annulus", "plate rods wall"),
+        "rods.count=10 rods.length=4 annulus.inner=2 annulus.outer=3.7 step.size=none "
+        "contacts.*.stiffness=1e5",
+    ),
+    "tolerance": (
+        *("quasi2d", "plate rods"),
+        "rods.count=8 box.length=9.5 step.size=none contacts.*.tangential_ratio=3",
+    ),
 }
-ANNULI = {
-    "default": (),
-    "no wall friction": ("contacts.wall.friction=0",),
-    "no plate friction": ("contacts.plate.friction=0",),
-    "no rod-rod contact": ("contacts.rods=none",),
-    "rolling": ("rods.spin=true",),
+APPENDIX_A = (
+    "contacts.*.law=appendix_a contacts.*.restitution=none "
+    "contacts.*.damping=40 contacts.*.tangential_ratio=5"
+)
+RUNS = {
+    "row: constant_restitution": "",
+    "row: appendix_a": APPENDIX_A,
+    "row: appendix_a without factor": f"{APPENDIX_A} contacts.*.overlap_factor=false",
+    "row: coulomb": "contacts.plate.law=coulomb",
+    "row: plastic": "contacts.*.restitution=0",
+    "row: no plate": "plate=none contacts.plate=none gravity=none start.speed=0.5",
+    "row: no plate friction": "contacts.plate.friction=0",
+    "row: no rod-rod contact": "contacts.rods=none",
+    "row: no rod-rod friction": "contacts.rods.friction=0",
+    "row: no vibration": "plate.acceleration=0 start.drop=0.2",
+    "row: no gravity": "gravity=none start.speed=0.5",
+    "row: inclined gravity": "gravity.x=0.3 gravity.z=-0.9",
+    "row: open box": "box=none start.tilt_deg=20",
+    "row: thin inertia": "rods.inertia=thin",
+    "annulus: all effects but rolling": "",
+    "annulus: no wall friction": "contacts.wall.friction=0",
+    "annulus: no plate friction": "contacts.plate.friction=0",
+    "annulus: no rod-rod contact": "contacts.rods=none",
+    "annulus: rolling": "rods.spin=true",
+    "tolerance: calibrated": "",
+    "tolerance: outside the calibration": "contacts.plate.restitution=0.2",
 }
 IMPACTS = ("leapfrog", "verlet", "gear", "dop853")
 
 
-def load(name, keys):
-    """A scene from keys under their new names, or under the old ones where these are unknown."""
+def load(name):
+    """The scene of a run, with new names of keys, or with old ones where these are unknown."""
     import md  # of the tree under test
 
-    parted = (key.partition("=") for key in keys)
+    example, contacts, base = BASES[name.partition(":")[0]]
+    changes = {}
+    for key, _, value in (text.partition("=") for text in f"{base} {RUNS.get(name, '')}".split()):
+        changes |= {key.replace("*", contact): value for contact in contacts.split()}
     try:
-        return md.load(name, [f"{KEYS.get(key, key)}={value}" for key, _, value in parted])
+        return md.load(example, [f"{KEYS.get(key, key)}={v}" for key, v in changes.items()])
     except ValueError:
-        return md.load(name, keys)
+        return md.load(example, [f"{key}={value}" for key, value in changes.items()])
 
 
-def rows(*keys, periods=6, **options):
+def run(name, **options):
+    """A short run, or one until its drift is known to a half."""
     import md
 
-    return md.run(load("quasi2d", (*ROW, *keys)), periods=periods, **options)
-
-
-def annulus(*keys):
-    import md
-
-    return md.run(load("annulus", (*ANNULUS, *keys)), periods=6)
+    length = {"tolerance": 0.5} if name.startswith("tolerance") else {"periods": 6}
+    return md.run(load(name), **length, **options)
 
 
 def impacts(integrator):
@@ -118,23 +119,14 @@ def impacts(integrator):
     }
 
 
-def resumed(*keys, name="quasi2d", base=ROW):
+def resumed(name):
     """A run of seven periods with a stop after three, and the bytes of its trajectory."""
     import md
 
-    scene, files = load(name, (*base, *keys)), {"checkpoint": "run.npz", "trajectory": "run.xyz"}
+    scene, files = load(name), {"checkpoint": "run.npz", "trajectory": "run.xyz"}
     md.run(scene, periods=3, frames=2, **files)
     result = md.run(scene, periods=7, frames=2, **files)
     return {"result": result, "trajectory": np.frombuffer(Path("run.xyz").read_bytes(), np.uint8)}
-
-
-def tolerance(*keys):
-    """A run until its drift is known to a half."""
-    import md
-
-    soft = (f"contacts.{part}.tangential_ratio=3" for part in ("plate", "rods"))
-    small = "rods.count=8", "box.length=9.5", "step.size=none"
-    return md.run(load("quasi2d", (*small, *soft, *keys)), tolerance=0.5)
 
 
 def theory():
@@ -169,16 +161,13 @@ def bouncing():
 
 
 SCENES = {
-    **{f"row: {name}": (rows, *keys) for name, keys in ROWS.items()},
-    "row: no ledger": (lambda: rows(ledger=False),),
-    "row: resumed, trajectory": (resumed,),
-    **{f"annulus: {name}": (annulus, *keys) for name, keys in ANNULI.items()},
-    "annulus: resumed, trajectory": (lambda: resumed(name="annulus", base=ANNULUS),),
-    **{f"impact: {name}": (impacts, name) for name in IMPACTS},
-    "tolerance: calibrated": (tolerance,),
-    "tolerance: outside of the calibration": (tolerance, "contacts.plate.restitution=0.2"),
-    "theory: impact map": (theory,),
-    "theory: bouncing and falling": (bouncing,),
+    **{name: partial(run, name) for name in RUNS},
+    "row: no ledger": partial(run, "row", ledger=False),
+    "row: resumed, trajectory": partial(resumed, "row"),
+    "annulus: resumed, trajectory": partial(resumed, "annulus"),
+    **{f"impact: {name}": partial(impacts, name) for name in IMPACTS},
+    "theory: impact map": theory,
+    "theory: bouncing and falling": bouncing,
 }
 
 
@@ -214,12 +203,11 @@ def compute(tree, names):
             sys.exit(f"{module.__name__} is from {module.__file__}, not from {tree}")
     here = Path.cwd()
     for number, name in enumerate(names):
-        function, *arguments = SCENES[name]
         (here / str(number)).mkdir()
         os.chdir(here / str(number))
         print(f"\r\033[K{tree}: {name}" * sys.stderr.isatty(), end="", file=sys.stderr, flush=True)
         try:
-            np.savez("numbers.npz", **quantities(function(*arguments)))
+            np.savez("numbers.npz", **quantities(SCENES[name]()))
         except Exception as error:  # one scene that fails does not end the comparison
             Path("error").write_text(f"{type(error).__name__}: {error}")
     print("\r\033[K" * sys.stderr.isatty(), end="", file=sys.stderr)
