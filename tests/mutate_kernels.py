@@ -20,7 +20,6 @@ import hashlib
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -152,21 +151,16 @@ def tested(tree, files, timeout, edit):
         python = tree / ".venv" / "bin" / "python"
         command = [str(python if python.exists() else sys.executable), "-m", "pytest", "-x", "-q"]
         environment = os.environ | {"PYTHONPATH": str(clone), "XDG_CACHE_HOME": temporary}
-        process = subprocess.Popen(
-            [*command, "-p", "no:cacheprovider", *files],
-            cwd=clone,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            start_new_session=True,
-        )
-        try:
-            output, _ = process.communicate(timeout=timeout)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)  # with the processes that tests have started
-            return None, process.communicate()[0]
-        return process.returncode, output
+        command += ["-p", "no:cacheprovider", *files]
+        with (Path(temporary) / "output").open("w+") as output:
+            both = {"stdout": output, "stderr": subprocess.STDOUT}
+            try:
+                done = subprocess.run(command, cwd=clone, env=environment, timeout=timeout, **both)
+                status = done.returncode
+            except subprocess.TimeoutExpired:
+                status = None
+            output.seek(0)
+            return status, output.read()
 
 
 def idle(paths, tree):
