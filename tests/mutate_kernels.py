@@ -32,10 +32,8 @@ from time import perf_counter
 from typing import NamedTuple
 
 PACKAGES = "md", "impact"
-SWAPS = {
-    **{ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult},
-    **{ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt},
-}
+PAIRS = (ast.Add, ast.Sub), (ast.Mult, ast.Div), (ast.Lt, ast.LtE), (ast.Gt, ast.GtE)
+SWAPS = dict(PAIRS) | {second: first for first, second in PAIRS}
 NUMBERS = {0.5: 0.4, 2: 3}
 NAMES = {"min": "max", "max": "min"}
 NOT_OF_KERNELS = re.compile(
