@@ -38,8 +38,9 @@ measures, statistics                what a run measures, with errors
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy, calibration               `run`: step and length from a tolerance
 sweep, store                        many runs and their results
+sources                             what decides whether a stored run is stale
 cache, interrupt, errors            compiled kernels kept, signals, errors
-__main__                            the command line
+command_line, __main__              the commands
 """
 
 from .accuracy import Accuracy, Tuned, run
