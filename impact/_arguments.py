@@ -1,4 +1,4 @@
-"""What every public function does with its arguments: domains, labels, dtypes, blocks.
+"""Arguments of every public function: domains, labels, dtypes, evaluation in blocks.
 
 A scalar outside its domain raises; inside an array such an element becomes nan. A nan, or an
 infinity where none is allowed, gives nan everywhere and never raises. Arrays are paired by
@@ -6,6 +6,7 @@ position: labels (pandas, xarray) that say otherwise raise, equal ones are dropp
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import reduce
 from itertools import combinations
 from operator import index
 from typing import Any, NamedTuple, TypeAlias
@@ -25,7 +26,7 @@ class InputError(ValueError, TypeError):
 
 
 class Domain(NamedTuple):
-    """Closed interval (half-open below if `above` says so) with its text for messages."""
+    """Interval of permitted values, closed or open at its lower end, with its text for messages."""
 
     low: float
     high: float
@@ -147,6 +148,31 @@ def result_dtype(values: Sequence[Any]) -> np.dtype:
     kinds = {np.asarray(v).dtype for v in values if type(v) not in (int, float, bool)}
     single = kinds and np.result_type(*kinds) == np.float32
     return np.dtype(np.float32 if single else np.float64)
+
+
+def evaluated(
+    function: Callable[..., tuple[Any, ...]],
+    arguments: Mapping[str, Argument],
+    kinds: Sequence[type | None] = (None,),
+) -> tuple[Any, ...]:
+    """Results of a function of broadcast arguments; nan, or -1, where one is out of its domain.
+
+    Parameters
+    ----------
+    function : of blocks of float64, in the order of `arguments`; returns one array for each kind
+    arguments : by name, with their domains
+    kinds : dtypes of the results; None is float64, or float32 if the arguments are
+    """
+    arrays, dtype = real_arrays(arguments)
+    domains = [domain for _, domain in arguments.values()]
+
+    def block(*values: Any) -> tuple[Any, ...]:
+        held = (domain.holds(value) for domain, value in zip(domains, values, strict=True))
+        valid = reduce(np.logical_and, held)
+        parts = zip(function(*values), kinds, strict=True)
+        return tuple(np.where(valid, part, -1 if kind else np.nan) for part, kind in parts)
+
+    return in_blocks(block, arrays, [np.dtype(kind or dtype) for kind in kinds])
 
 
 def in_blocks(

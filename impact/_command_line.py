@@ -54,8 +54,7 @@ class Commands(click.Group):
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, interrupt)
         code = self.main()
-        if sys.stdout is not None:  # what nobody took is dropped without a traceback
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what nobody took goes without a traceback
         sys.exit(code)
 
 

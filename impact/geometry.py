@@ -13,10 +13,9 @@ from ._arguments import (
     Domain,
     InputError,
     Labelled,
-    in_blocks,
+    evaluated,
     labels_of,
     real_array,
-    real_arrays,
 )
 
 
@@ -55,28 +54,18 @@ def unit_lengths(X: Any, Z: Any, k: Any) -> tuple[Any, Any, Any]:
     return np.ldexp(X, -exponent), np.ldexp(Z, -exponent), np.ldexp(k, -exponent)
 
 
-def valid_lengths(X: Any, Z: Any, k: Any) -> Any:
-    """Where a geometry is finite and its k positive."""
-    return np.isfinite(X) & np.isfinite(Z) & POSITIVE.holds(k)
-
-
 def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
     """Evaluate `contact(sin, cos, *sizes)` -> (X, Z, k) with the domains of all arguments."""
     # 90 degrees in the tilt's own precision
     single = real_array("tilt", tilt).dtype == np.float32
     right = float(np.float32(np.pi / 2)) if single else np.pi / 2
     tilts = Domain(-right, right, "between -pi/2 and pi/2")
-    lengths = {name: (value, POSITIVE) for name, value in sizes.items()}
-    arrays, dtype = real_arrays({"tilt": (tilt, tilts), **lengths})
+    given = {"tilt": (tilt, tilts), **{name: (value, POSITIVE) for name, value in sizes.items()}}
 
     def block(phi: Any, *lengths: Any) -> tuple[Any, ...]:
-        valid = tilts.holds(phi)
-        for length in lengths:
-            valid &= POSITIVE.holds(length)
-        X, Z, k = contact(np.sin(phi), np.cos(phi), *lengths)
-        return tuple(np.where(valid, part, np.nan) for part in (X, Z, k))
+        return contact(np.sin(phi), np.cos(phi), *lengths)
 
-    parts = in_blocks(block, arrays, [dtype] * 3)
+    parts = evaluated(block, given, (None,) * 3)
     labels = max(map(labels_of, (tilt, *sizes.values())), key=len)
     if labels:  # what is made with this geometry must agree with them
         parts = tuple(part.view(Labelled) for part in parts)

@@ -40,7 +40,7 @@ accuracy, calibration               `run`: step and length from a tolerance
 sweep, store                        many runs and their results
 sources                             what decides whether a stored run is stale
 cache, interrupt, errors            compiled kernels kept, signals, errors
-command_line, __main__              the commands
+result_text, command_line, __main__  results as text; the commands
 """
 
 from .accuracy import Accuracy, Tuned, run

@@ -226,18 +226,6 @@ def test_interrupted_run_ends_cleanly(capsys, monkeypatch):
     assert run(capsys) == (130, "", "python -m md impact: interrupted: what was finished is kept\n")
 
 
-@pytest.mark.parametrize("error", [TypeError, ValueError, RuntimeError, KeyError])
-def test_a_mistake_of_ours_keeps_its_traceback(monkeypatch, error):
-    """No command takes it for something that the user gave."""
-
-    def mistaken(*_args, **_options):
-        raise error("a mistake")
-
-    monkeypatch.setattr("md.soft_impact.impact", mistaken)
-    with pytest.raises(error, match="a mistake"):
-        main(arguments())
-
-
 def test_a_run_that_fails_is_code_1(capsys, monkeypatch):
     def stopped(*_args, **_options):
         raise md.RunError("the contact has not ended", (0.0,) * 6)

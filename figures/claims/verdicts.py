@@ -96,7 +96,7 @@ def judge(quick: bool = False, progress: bool = False) -> dict[str, Any]:
     """
     from tqdm import tqdm
 
-    from impact.__main__ import _machine as machine
+    from impact.benchmark import machine
 
     look = {"desc": "judging", "unit": "claim", "leave": False}
     bar = tqdm(read(), disable=None if progress else True, **look)

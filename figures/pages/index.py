@@ -26,6 +26,7 @@ from PIL import Image
 from derivations import report
 from derivations.prose import to_html
 from derivations.registry import ENTRIES
+from impact import InputError
 
 from .. import FIGURES, load
 from ..claims import verdicts as claims
@@ -295,9 +296,9 @@ def files(out: Path) -> dict[str, bytes]:
     folder = Folder(out)
     made = {title: section(folder) for title, section in SECTIONS.items()}
     if not folder.own:
-        raise ValueError(f"out must be a folder that holds something to show, got {out}")
+        raise InputError(f"out must be a folder that holds something to show, got {out}")
     if (out / "gallery").resolve() == GALLERY:
-        raise ValueError(f"out must not be the folder of the project's gallery, got {out}")
+        raise InputError(f"out must not be the folder of the project's gallery, got {out}")
     made = {title: inner for title, inner in made.items() if inner}
     links = ", ".join(f'<a href="#{title.lower()}">{title}</a>' for title in made)
     main = "".join(
