@@ -87,7 +87,6 @@ EQUATIONS = (
         symbol="[\\Delta t]",
         printed=sp.sqrt(DIAMETER / GRAVITY),
         derive=lambda: T,
-        verdict="agrees",
     ),
     Equation(
         tag="A: v_n",

@@ -132,7 +132,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=_printed_24,
         derive=lambda: stationary("stick")[0],
-        verdict="agrees",
     ),
     Equation(
         tag="25",
@@ -140,7 +139,6 @@ EQUATIONS = (
         symbol="c_z'",
         printed=_printed_28,
         derive=lambda: stationary("stick")[1],
-        verdict="agrees",
     ),
     Equation(
         tag="26",
@@ -148,7 +146,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=6 * (1 + epsilon) * _sc / _thin_denominator * V_z,
         derive=lambda: _thin(stationary("stick")[0]),
-        verdict="agrees",
     ),
     Equation(
         tag="27",
@@ -156,7 +153,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=_printed_27,
         derive=lambda: stationary("back")[0],
-        verdict="agrees",
     ),
     Equation(
         tag="28",
@@ -164,7 +160,6 @@ EQUATIONS = (
         symbol="c_z'",
         printed=_printed_28,
         derive=lambda: stationary("back")[1],
-        verdict="agrees",
     ),
     Equation(
         tag="V: continuity",
@@ -174,7 +169,6 @@ EQUATIONS = (
         derive=lambda: sp.cancel(
             (stationary("back")[0] - stationary("stick")[0]).subs(mu, critical_friction())
         ),
-        verdict="agrees",
         note="the drift is continuous at both critical tilts; its slope is not",
     ),
     Equation(
@@ -183,7 +177,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=_printed_29,
         derive=lambda: _thin(stationary("back")[0]),
-        verdict="agrees",
         note="holds between the two critical tilts only; beyond the upper one (26) holds again",
     ),
     Equation(
@@ -192,7 +185,6 @@ EQUATIONS = (
         symbol="c_z'",
         printed=sp.Matrix([(1 + epsilon) / _thin_denominator * V_z] * 2),
         derive=lambda: sp.Matrix([_thin(stationary(case)[1]) for case in CASES]),
-        verdict="agrees",
     ),
     Equation(
         tag="V: range of (29)",
@@ -213,7 +205,6 @@ EQUATIONS = (
         symbol="\\int H d\\theta",
         printed=sp.S.One,
         derive=lambda: sp.integrate(_H, (theta, 0, 2 * sp.pi)),
-        verdict="agrees",
     ),
     Equation(
         tag="31",
@@ -221,7 +212,6 @@ EQUATIONS = (
         symbol="V_z",
         printed=V_0 / 2,
         derive=lambda: plate_velocity(_H),
-        verdict="agrees",
         note="for the assumed $H$; the density itself is a fit to simulations",
     ),
     Equation(

@@ -104,7 +104,6 @@ EQUATIONS = (
         symbol="\\mu_c",
         printed=_mu_c,
         derive=lambda: sp.factor(thin_slide_friction().subs(phi, 0)),
-        verdict="agrees",
         note="the limit of tilt 0",
     ),
     Equation(
@@ -130,7 +129,6 @@ EQUATIONS = (
         symbol="3\\sin\\phi\\cos\\phi - \\mu(1+3\\cos^2\\phi)",
         printed=_reversal,
         derive=lambda: sp.Lt(stick_margin().subs(THIN), 0),
-        verdict="agrees",
     ),
     Equation(
         tag="23",
@@ -138,7 +136,6 @@ EQUATIONS = (
         symbol="\\phi_c",
         printed=_printed_23,
         derive=critical_tilt,
-        verdict="agrees",
         note="one of two roots: beyond the larger one the contact sticks again",
     ),
     Equation(
@@ -156,7 +153,6 @@ EQUATIONS = (
         symbol="\\phi_c",
         printed=sp.Rational(4, 3) * mu,
         derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 3).removeO(),
-        verdict="agrees",
     ),
     Equation(
         tag="23: next order",
