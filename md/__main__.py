@@ -178,12 +178,12 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.frames is not None and arguments.trajectory is None:
         raise ValueError("frames has no meaning without trajectory")
     frames = 1 if arguments.frames is None else arguments.frames
-    dial = {name: getattr(arguments, name) for name in ("confidence", "floor", "max_seconds")}
-    dial = {name: value for name, value in dial.items() if value is not None}
+    chosen = {name: getattr(arguments, name) for name in ("confidence", "floor", "max_seconds")}
+    chosen = {name: value for name, value in chosen.items() if value is not None}
     if arguments.tolerance is None:
-        if dial:
-            raise ValueError(f"{next(iter(dial))} has no meaning without tolerance")
-        dial["periods"] = 200 if arguments.periods is None else arguments.periods
+        if chosen:
+            raise ValueError(f"{next(iter(chosen))} has no meaning without tolerance")
+        chosen["periods"] = 200 if arguments.periods is None else arguments.periods
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotWritten)  # said after the result
         result = run(
@@ -192,7 +192,7 @@ def _run(arguments: argparse.Namespace) -> int:
             frames=frames,
             progress=not arguments.json,
             **written,
-            **dial,
+            **chosen,
         )
     if arguments.json:
         print(json.dumps(result.as_dict() | _in_cm(result)))

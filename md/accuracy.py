@@ -1,4 +1,4 @@
-"""One dial for accuracy: the step and the length of a run follow from the error of the drift.
+"""Runs to a tolerance: step and length follow from the error that the drift may have.
 
 The error has two parts. The statistical one is estimated as the run goes on, which ends as soon as
 it is small enough. The bias of the step comes from a calibration (`calibration.py`): for scenes

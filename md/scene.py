@@ -184,7 +184,7 @@ class Step:
     size : in sqrt(d/g); None: a fiftieth of a contact at twice the plate's peak velocity
     coarse : allow steps too long for the tangential springs, whose force then chatters within
         mu F_n, up to the limit of the normal force; what it does to the drift is measured
-        (`md.dial`)
+        (`md.calibration`)
     """
 
     size: float | None = None
