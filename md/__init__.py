@@ -41,11 +41,11 @@ sweep, store                        many runs and their results
 cache, interrupt, __main__          compiled kernels kept, signals, the command line
 """
 
-from .accuracy import Accuracy, Tuned, run
+from .accuracy import run
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
-from .simulation import Result
+from .simulation import Accuracy, Result
 from .soft_impact import INTEGRATORS, Impact, Rod, RunError, impact
 
 __all__ = [
@@ -67,7 +67,6 @@ __all__ = [
     "Scene",
     "Start",
     "Step",
-    "Tuned",
     "Vibration",
     "appendix_a",
     "constant_restitution",

@@ -37,7 +37,7 @@ from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
-from .accuracy import CALIBRATION, MAX_SECONDS, Tuned, checked, chosen_step, in_words, run
+from .accuracy import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
 from .cache import digest
 from .host import step_of
 from .scene import Scene, as_dict, from_tables, put, read_tables, whole
@@ -262,7 +262,7 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
             raise KeyboardInterrupt
         result = {**done.as_dict(), "phases": done.phases}
         del result["scene"]
-        if isinstance(done, Tuned) and done.accuracy.state == "not reached":
+        if done.accuracy and done.accuracy.state == "not reached":
             result, error = None, " ".join(" ".join(in_words(done)).split())
     except RunError as failure:
         error = str(failure)

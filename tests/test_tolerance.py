@@ -1,6 +1,7 @@
 """Accuracy: intervals, choice of the step, runs that end when they are accurate enough."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -112,7 +113,7 @@ def test_a_run_that_was_ended_early_is_not_judged():
     result = md.run(row("plate.acceleration=5"), periods=46)
     found = accuracy._accuracy(chase, row("plate.acceleration=5"), result, np.nan)
     assert found.state == "not reached"
-    words = accuracy.in_words(md.Tuned(**vars(result), accuracy=found))
+    words = accuracy.in_words(replace(result, accuracy=found))
     assert words == ["accuracy     NOT REACHED: ended before 128 periods, error unknown"]
 
 
@@ -323,7 +324,7 @@ def test_the_calibration_holds():
         tuned, bias = accuracy.chosen_step(scene, 0.04)
         fine = md.Step(tuned.step.size / 3, coarse=True)
         coarse = md.run(tuned, periods=6000, ledger=False)
-        finer = md.run(accuracy.replace(tuned, step=fine), periods=4000, ledger=False)
+        finer = md.run(replace(tuned, step=fine), periods=4000, ledger=False)
         error = np.hypot(coarse.c_x_stderr, finer.c_x_stderr)
         assert abs(coarse.c_x - finer.c_x) < bias * abs(finer.c_x) + 3 * error
 
@@ -340,8 +341,8 @@ def test_the_error_is_as_large_as_it_says():
     long = md.run(tuned, periods=25000, ledger=False)
     hits = 0
     for seed in range(100, 220):
-        start = accuracy.replace(scene.start, seed=seed)
-        found = md.run(accuracy.replace(scene, start=start), tolerance=0.05, ledger=False)
+        start = replace(scene.start, seed=seed)
+        found = md.run(replace(scene, start=start), tolerance=0.05, ledger=False)
         assert found.accuracy.state == "reached"
         hits += abs(found.c_x - long.c_x) <= found.accuracy.statistical + long.c_x_stderr
     assert hits >= binom.ppf(1e-3, 120, 0.95)
