@@ -22,6 +22,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from . import simulation as runner
+from .cache import digest
 from .laws import contact_time, number
 from .scene import Scene, Step
 from .simulation import Accuracy, Result
@@ -41,9 +42,14 @@ _VERDICTS = {
 _PARTS = 8, 16, 32  # of the run: the widest of three intervals counts
 
 
+def sources() -> str:
+    """Digest of the sources that decide the numbers of a run."""
+    return digest()
+
+
 @cache
 def calibrated() -> dict[str, Any]:
-    """What was measured: order, scale, ranges of what was varied, laws, provenance."""
+    """Calibration in use: order, scale, ranges of what was varied, laws, `code` of its sources."""
     return json.loads(CALIBRATION.read_text(encoding="utf-8"))
 
 
@@ -86,6 +92,14 @@ def outside(scene: Scene) -> tuple[str, ...]:
             if not low * (1 - 1e-9) <= one <= high * (1 + 1e-9):
                 found.append(f"{name} {one:.4g} is outside of {low:.4g} to {high:.4g}")
     return tuple(dict.fromkeys(found))
+
+
+def unknown_bias(scene: Scene) -> tuple[str, ...]:
+    """Reasons why the bias of the step is unknown, in words; none where the calibration holds."""
+    made_with = calibrated()["code"]
+    if made_with == sources():
+        return outside(scene)
+    return *outside(scene), f"calibrated for other sources ({made_with}, these are {sources()})"
 
 
 def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:
@@ -246,7 +260,8 @@ def _accuracy(chase: _Chase, scene: Scene, result: Result, bias: float) -> Accur
     room = chase.tolerance / 10 - (rest if isfinite(bias) else 0.0)
     dearer = result.dt / (finer.step.size or result.dt)  # outside of the calibration, no dearer
     length = (chase.half / (room * chase.size)) ** 2
-    beyond = outside(scene)
+    reasons = unknown_bias(scene)
+    bias = nan if reasons else bias
     return Accuracy(
         tolerance=chase.tolerance,
         confidence=chase.confidence,
@@ -255,8 +270,8 @@ def _accuracy(chase: _Chase, scene: Scene, result: Result, bias: float) -> Accur
         statistical=chase.half,
         bias=bias * chase.size,
         per_contact=steps_per_contact(scene, result.dt),
-        outside=beyond,
-        state="not reached" if not chase.reached else "bias unknown" if beyond else "reached",
+        outside=reasons,
+        state="not reached" if not chase.reached else "bias unknown" if reasons else "reached",
         seconds=result.run_seconds,
         needed_seconds=chase.needed,
         next_digit_seconds=result.run_seconds * length * dearer,

@@ -1,4 +1,9 @@
-"""What the step does to the drift: measured, fitted, and kept in `calibration.json`."""
+"""Bias of the drift by the step: measured, fitted, and kept in `calibration.json`.
+
+Its `code` says for which sources it was measured. After an edit that keeps the bits of all runs,
+set it by hand to what `md.accuracy.sources()` gives; after any other edit, measure again
+(`python -m md calibrate`).
+"""
 
 import json
 from collections.abc import Mapping
@@ -9,8 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from .accuracy import described, steps_per_contact
-from .cache import digest
+from .accuracy import described, sources, steps_per_contact
 from .scene import Scene, Step, both, from_tables, put, read_tables
 from .sweep import Point, Sweep, execute
 
@@ -115,5 +119,5 @@ def calibrate(store: str | Path, *, periods: int = _PERIODS, progress: bool = Fa
         "drift": drift.tolist(),
         "drift_error": error.tolist(),
         "periods": periods * len(_SEEDS),
-        "code": digest(),
+        "code": sources(),
     }

@@ -37,8 +37,7 @@ from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
-from .accuracy import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
-from .cache import digest
+from .accuracy import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run, sources
 from .host import step_of
 from .scene import Scene, as_dict, from_tables, put, read_tables, whole
 from .soft_impact import RunError
@@ -47,7 +46,7 @@ from .store import Store
 __all__ = ["Interrupted", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
-_CODE = digest()  # of the sources that this process runs; reading them takes a millisecond
+_CODE = sources()  # of the sources that this process runs; reading them takes a millisecond
 _MOST = 10**6  # points of a sweep
 _CRASHES = 3  # deaths of a worker in a row before the sweep gives up
 

@@ -19,6 +19,13 @@ from .command_line import refused
 from .rows import ROW, row
 from .test_statistics import autoregressive
 
+
+def inside(monkeypatch):
+    """Take every scene, and these sources, for calibrated ones."""
+    monkeypatch.setattr(accuracy, "outside", lambda scene: ())
+    monkeypatch.setattr(accuracy, "sources", lambda: accuracy.calibrated()["code"])
+
+
 QUICK = {"tolerance": 0.2, "floor": 0.05}  # of a row of five rods
 
 
@@ -148,7 +155,7 @@ def test_a_run_ends_as_soon_as_it_is_accurate(reached):
 
 def test_error_and_price_add_up(monkeypatch):
     """With a bias that is known; the next digit costs a hundredfold, and the shorter steps."""
-    monkeypatch.setattr(accuracy, "outside", lambda scene: ())
+    inside(monkeypatch)
     result = md.run(row("plate.acceleration=5"), tolerance=0.3, floor=0.05)
     a, size = result.accuracy, max(abs(result.c_x), 0.05)
     _, bias = accuracy.chosen_step(row("plate.acceleration=5"), 0.3)
@@ -157,6 +164,20 @@ def test_error_and_price_add_up(monkeypatch):
     assert a.error == pytest.approx(a.bias + a.statistical)
     assert a.next_digit_seconds > 50 * (a.statistical / (0.3 * size)) ** 2 * a.seconds
     assert "by calibration" in " ".join(accuracy.in_words(result))
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_a_calibration_for_other_sources_leaves_the_bias_unknown(own, monkeypatch):
+    """The step stays the one it chooses, so that no number depends on the stamp."""
+    inside(monkeypatch)
+    if not own:
+        monkeypatch.setattr(accuracy, "sources", lambda: "an edit")
+    scene = row("plate.acceleration=5")
+    result = md.run(scene, tolerance=0.3, floor=0.05)
+    assert result.accuracy.state == ("reached" if own else "bias unknown")
+    assert np.isfinite([result.accuracy.bias, result.accuracy.error]).all() == own
+    assert ("calibrated for other sources" in " ".join(accuracy.in_words(result))) != own
+    assert result.scene == accuracy.chosen_step(scene, 0.3)[0]
 
 
 def test_what_cannot_be_reached_is_refused_with_what_there_is():
@@ -221,7 +242,7 @@ def test_the_command_has_three_ends(capsys, monkeypatch):
     hard = ["--tolerance", "1e-4", "--max-seconds", "0.05"]
     assert main(["run", "quasi2d", *SMALL, *hard]) == 4
     assert "NOT REACHED" in capsys.readouterr().out
-    monkeypatch.setattr(accuracy, "outside", lambda scene: ())
+    inside(monkeypatch)
     assert main(["run", "quasi2d", *SMALL, *how, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["accuracy"]["state"] == "reached"
     assert main(["run", "quasi2d", "--max-seconds", "3"]) == 2
@@ -330,12 +351,13 @@ def test_the_calibration_holds():
 
 
 @pytest.mark.slow
-def test_the_error_is_as_large_as_it_says():
+def test_the_error_is_as_large_as_it_says(monkeypatch):
     """Of 120 starts, the long-run drift at the same step lies within the interval as often.
 
     The number of hits is no smaller than chance allows in one test of 1000; the long run's own
     error, a tenth of the interval, is added.
     """
+    inside(monkeypatch)
     scene = md.load("quasi2d", ["start.speed=0.3"])
     tuned, _ = accuracy.chosen_step(scene, 0.05)
     long = md.run(tuned, periods=25000, ledger=False)
