@@ -208,7 +208,7 @@ def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
 
 def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     """A checkpoint of this scene: what it tells, and its arrays."""
-    mine = {"scene": scene.digest(), "code": digest()}
+    mine = {"code": digest(), "scene": scene.digest()}
     try:
         with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
@@ -219,9 +219,10 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
         raise ValueError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
-        raise ValueError(
-            f"checkpoint {path} belongs to another {other[0]}; remove it to start again"
+        whose = (
+            "another scene" if other == ["scene"] else "an earlier version of md or other sources"
         )
+        raise ValueError(f"checkpoint {path} belongs to {whose}; remove it to start again")
     return about, arrays
 
 
