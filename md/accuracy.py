@@ -22,10 +22,10 @@ import numpy as np
 from scipy.stats import t as student
 
 from . import simulation as runner
-from .cache import digest
 from .laws import contact_time, number
 from .scene import Scene, Step
 from .simulation import Accuracy, Result
+from .sources import digest
 from .statistics import transient
 
 CALIBRATION = Path(__file__).with_name("calibration.json")
@@ -40,11 +40,6 @@ _VERDICTS = {
     "not reached": "NOT REACHED",
 }
 _PARTS = 8, 16, 32  # of the run: the widest of three intervals counts
-
-
-def sources() -> str:
-    """Digest of the sources that decide the numbers of a run."""
-    return digest()
 
 
 @cache
@@ -97,9 +92,9 @@ def outside(scene: Scene) -> tuple[str, ...]:
 def unknown_bias(scene: Scene) -> tuple[str, ...]:
     """Reasons why the bias of the step is unknown, in words; none where the calibration holds."""
     made_with = calibrated()["code"]
-    if made_with == sources():
+    if made_with == digest():
         return outside(scene)
-    return *outside(scene), f"calibrated for other sources ({made_with}, these are {sources()})"
+    return *outside(scene), f"calibrated for other sources ({made_with}, these are {digest()})"
 
 
 def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:

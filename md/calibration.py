@@ -1,7 +1,7 @@
 """Bias of the drift by the step: measured, fitted, and kept in `calibration.json`.
 
 Its `code` says for which sources it was measured. After an edit that keeps the bits of all runs,
-set it by hand to what `md.accuracy.sources()` gives; after any other edit, measure again
+set it by hand to what `md.sources.digest()` gives; after any other edit, measure again
 (`python -m md calibrate`).
 """
 
@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from .accuracy import described, sources, steps_per_contact
+from .accuracy import described, steps_per_contact
 from .scene import Scene, Step, both, from_tables, put, read_tables
+from .sources import digest
 from .sweep import Point, Sweep, execute
 
 STEPS = 16, 20, 26, 40, 80  # a contact; the last one is next to free of bias
@@ -119,5 +120,5 @@ def calibrate(store: str | Path, *, periods: int = _PERIODS, progress: bool = Fa
         "drift": drift.tolist(),
         "drift_error": error.tolist(),
         "periods": periods * len(_SEEDS),
-        "code": sources(),
+        "code": digest(),
     }

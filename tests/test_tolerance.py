@@ -23,7 +23,7 @@ from .test_statistics import autoregressive
 def inside(monkeypatch):
     """Take every scene, and these sources, for calibrated ones."""
     monkeypatch.setattr(accuracy, "outside", lambda scene: ())
-    monkeypatch.setattr(accuracy, "sources", lambda: accuracy.calibrated()["code"])
+    monkeypatch.setattr(accuracy, "digest", lambda: accuracy.calibrated()["code"])
 
 
 QUICK = {"tolerance": 0.2, "floor": 0.05}  # of a row of five rods
@@ -171,7 +171,7 @@ def test_a_calibration_for_other_sources_leaves_the_bias_unknown(own, monkeypatc
     """The step stays the one it chooses, so that no number depends on the stamp."""
     inside(monkeypatch)
     if not own:
-        monkeypatch.setattr(accuracy, "sources", lambda: "an edit")
+        monkeypatch.setattr(accuracy, "digest", lambda: "an edit")
     scene = row("plate.acceleration=5")
     result = md.run(scene, tolerance=0.3, floor=0.05)
     assert result.accuracy.state == ("reached" if own else "bias unknown")
