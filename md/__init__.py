@@ -38,6 +38,7 @@ measures, statistics                what a run measures, with errors
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy, calibration               `run`: step and length from a tolerance
 sweep, store                        many runs and their results
+sources                             what decides whether a stored run is stale
 cache, interrupt, __main__          compiled kernels kept, signals, the command line
 """
 

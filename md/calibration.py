@@ -10,8 +10,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from .accuracy import described, steps_per_contact
-from .cache import digest
 from .scene import Scene, Step, both, from_tables, put, read_tables
+from .sources import digest
 from .sweep import Point, Sweep, execute
 
 STEPS = 16, 20, 26, 40, 80  # a contact; the last one is next to free of bias

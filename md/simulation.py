@@ -16,12 +16,12 @@ import numba
 import numpy as np
 from tqdm import tqdm
 
-from .cache import digest
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import Engine, prepare
 from .interrupt import SIGNALS
 from .measures import Tables
 from .scene import Scene, as_dict, whole
+from .sources import digest
 from .statistics import transient
 from .trajectory import Trajectory, check_continues, is_trajectory
 
@@ -95,9 +95,18 @@ class Result:
                 "scene_digest": self.scene.digest(),
                 "law": contact.law.name if contact else None,
                 "seed": self.scene.start.seed,
-                "versions": {"md": digest(), "numpy": np.__version__, "numba": numba.__version__},
+                "versions": {
+                    "md": code(self.scene),
+                    "numpy": np.__version__,
+                    "numba": numba.__version__,
+                },
             }
         )
+
+
+def code(scene: Scene) -> str:
+    """Digest of the sources that decide what a run of the scene gives."""
+    return digest(annulus=scene.annulus is not None)
 
 
 def finite(value: Any) -> Any:
@@ -165,7 +174,12 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
 
 def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
     """Checkpoint, beside the old one first."""
-    about = {"scene": engine.scene.digest(), "code": digest(), "step": engine.step, **began}
+    about = {
+        "scene": engine.scene.digest(),
+        "code": code(engine.scene),
+        "step": engine.step,
+        **began,
+    }
     arrays: dict[str, Any] = tables.arrays(engine.step // engine.per) | engine.arrays()
     with replacing(path) as part, part.open("wb") as file:
         np.savez(file, about=json.dumps(about), **arrays)
@@ -173,7 +187,7 @@ def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
 
 def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     """A checkpoint of this scene: what it tells, and its arrays."""
-    mine = {"scene": scene.digest(), "code": digest()}
+    mine = {"scene": scene.digest(), "code": code(scene)}
     try:
         with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)

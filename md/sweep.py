@@ -38,16 +38,15 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from .accuracy import CALIBRATION, MAX_SECONDS, Tuned, checked, chosen_step, in_words, run
-from .cache import digest
 from .host import step_of
 from .scene import Scene, as_dict, from_tables, put, read_tables, whole
 from .soft_impact import RunError
+from .sources import digest
 from .store import Store
 
 __all__ = ["Interrupted", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
-_CODE = digest()  # of the sources that this process runs; reading them takes a millisecond
 _MOST = 10**6  # points of a sweep
 _CRASHES = 3  # deaths of a worker in a row before the sweep gives up
 
@@ -71,13 +70,18 @@ class Point:
     tolerance: float | None = None  # of the drift, as in `md.run`
     max_seconds: float = MAX_SECONDS  # for it
 
+    @property
+    def code(self) -> str:
+        """Digest of the sources that decide what the run gives."""
+        return digest(annulus=self.scene.annulus is not None, tolerance=self.tolerance is not None)
+
     @cached_property  # which goes along to the worker
     def key(self) -> str:
         """Digest of the scene, the length of the run and the sources."""
         length = str(self.periods)
         if self.tolerance is not None:
             length = f"within {self.tolerance!r} in {self.max_seconds!r}, {_known()}"
-        return hashlib.sha256(f"{self.scene!r} {length} {_CODE}".encode()).hexdigest()[:24]
+        return hashlib.sha256(f"{self.scene!r} {length} {self.code}".encode()).hexdigest()[:24]
 
 
 @dataclass(frozen=True)
@@ -367,7 +371,11 @@ def execute(
         try:
             with bar, _backend(scheduler), _stopping(results):
                 for key, result, error, seconds in results:
-                    about = {"code": _CODE, "seconds": seconds, "periods": points[key].periods}
+                    about = {
+                        "code": points[key].code,
+                        "seconds": seconds,
+                        "periods": points[key].periods,
+                    }
                     about |= {"periods": result["periods"]} if result else {}
                     scene = points[key].scene
                     about |= {"scene": as_dict(scene), "seed": scene.start.seed}
