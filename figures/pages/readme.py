@@ -53,16 +53,16 @@ def costs(prices: dict[str, Any], _: dict[str, Any]) -> str:
         off = f"{100 * rung['deviation']:+.1f} ± {100 * rung['error']:.1f} %"
         scatter = f"{100 * rung['scatter']:.1f} %" if rung["scatter"] else ""
         rows.append((name, _time(rung["seconds"]), off, scatter))
-    dial, ns = prices["dial"][-1], prices["impact_ns"]
+    run, ns = prices["tolerance"][-1], prices["impact_ns"]
     worst = max(max(law["largest"]) for law in prices["impact_ulp"])
     return "\n".join(
         [
             table(("drift of the paper's row, Fig. 3(b)", "takes", "off by", "scatter"), rows),
             "",
             "Off by: mean over independent starts and its standard error; scatter: of one start. "
-            f"`--tolerance {dial['tolerance']:g}` chose {dial['per_contact']:.0f} steps a contact "
-            f"and {dial['periods']:.0f} periods, and took {_time(dial['seconds'])}; it was off by "
-            f"{100 * dial['error']:.2g} %. One rigid impact takes {ns['numpy newton']:.0f} ns by "
+            f"`--tolerance {run['tolerance']:g}` chose {run['per_contact']:.0f} steps a contact "
+            f"and {run['periods']:.0f} periods, and took {_time(run['seconds'])}; it was off by "
+            f"{100 * run['error']:.2g} %. One rigid impact takes {ns['numpy newton']:.0f} ns by "
             f"NumPy, {ns['compiled newton']:.0f} ns compiled; the largest error of {CHECKED:,}"
             f" random ones is {worst:.1f} units in the last place of what cancels.",
             "",
