@@ -38,7 +38,7 @@ def _landing(case: str) -> tuple[sp.Expr, sp.Expr]:
 
 @cache
 def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
-    """(c_x', c_z') that repeat themselves: c_x' = c_x, c_z' = -c_z, omega = 0."""
+    """(c_x', c_z') of stationary translation: c_x' = c_x, c_z' = -c_z, omega = 0."""
     after_x, after_z = _landing(case)
     solution = sp.solve([after_x - c_x, after_z + c_z], [c_x, c_z], dict=True)[0]
     return sp.factor(solution[c_x]), sp.factor(-solution[c_z])
@@ -58,7 +58,7 @@ def relaxation(case: str) -> sp.Expr:
 
 @cache
 def slide_loss() -> sp.Expr:
-    """c_x' - c_x of a continuous slide, which stationary translation would need to be zero."""
+    """c_x' - c_x of a continuous slide; in stationary translation it is zero."""
     return sp.factor((slide.cm_velocity(*slide.impulse())[0] - c_x).subs(omega, 0))
 
 
@@ -341,7 +341,7 @@ def _flat_start() -> sp.Expr:
 
 
 def _onset_flight() -> sp.Expr:
-    """The gap closes again at x = 3 sqrt(2) eta: integrate it there once more, directly."""
+    """Gap at x = 3 sqrt(2) eta by direct integration: zero where the flight ends."""
     eta, x = sp.symbols("eta x", positive=True)
     start, end = -sp.sqrt(2) * eta, 3 * sp.sqrt(2) * eta
     weight = (end - x) * (eta**2 - x**2 / 2)  # double integral by parts

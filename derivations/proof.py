@@ -56,7 +56,7 @@ EXAMPLE: Mapping[sp.Symbol, sp.Rational] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proof:
-    """What was found when a verdict was put to the proof."""
+    """Result of testing a verdict."""
 
     ok: bool  # whether the verdict stood
     evidence: str  # in words
@@ -85,13 +85,13 @@ class Equation:
         object.__setattr__(self, "derive", cache(self.derive))  # proofs and report share it
 
     def prove(self) -> Proof:
-        """Put the verdict to the proof, and the form that is shown as derived."""
+        """Test the verdict, and that the form shown as derived has the derived value."""
         if self.shown is not None and not _equal(self.shown, self.derive()):
-            return Proof(ok=False, evidence="the form that is shown has not the derived value")
+            return Proof(ok=False, evidence="the form shown as derived has another value")
         return _PROOFS[self.verdict](self)
 
     def readable(self) -> Form:
-        """Return the derived form as it reads best: an equal one that was written by hand, if any.
+        """Return the derived form, in an equal form that was written by hand if there is one.
 
         That is `shown`, or the printed form where both agree, or the contradiction of an erratum.
         """

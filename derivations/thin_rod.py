@@ -77,7 +77,7 @@ def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
 
 
 def _rationalised(expr: sp.Expr) -> sp.Expr:
-    """Without its root: mu = 3 w/(2 (1 + w^2)) turns sqrt(9 - 16 mu^2) into a fraction in w."""
+    """Replace sqrt(9 - 16 mu^2) by a fraction in w, with mu = 3 w/(2 (1 + w^2))."""
     w = sp.Symbol("w", positive=True)
     root = sp.sqrt(9 - 16 * mu**2)
     return expr.subs(root, 3 * (1 - w**2) / (1 + w**2)).subs(mu, 3 * w / (2 * (1 + w**2)))
