@@ -72,7 +72,7 @@ _TITLES = {
         "accuracy_map": "Error of an impact in ulp: ours, and the paper's formulas literally",
         "accuracy_cost_theory": "Error of an impact against the time it takes, for nine ways",
         "accuracy_cost_impact": "Error of a soft impact against its price: integration, model",
-        "accuracy_cost_drift": "Error of the row's drift against time; the dial",
+        "accuracy_cost_drift": "Error of the row's drift against time; runs to a tolerance",
         "accuracy_cost_ladder": "One question, every way to answer it: deviation against time",
         "effect_prices": "Price of each effect of a scene, alone and in the full scene",
         "scaling": "Time over the number of rods, work over the number of cores",

@@ -268,10 +268,9 @@ def readme() -> None:
     \b
     python -m figures readme
     """
-    from derivations.readme import TARGET
-
     from .pages import readme as parts
 
+    TARGET = parts.TARGET
     if not TARGET.is_file():
         raise InputError(f"it needs a source checkout; {TARGET.parent} has no {TARGET.name}")
     text = TARGET.read_text(encoding="utf-8")

@@ -1,6 +1,6 @@
 """A group of commands that end with an exit code and, where they fail, one line of standard error.
 
-`md.command_line` and `impact._command_line` are twins: neither package imports the other.
+The same file stands in `derivations`, `impact` and `md`, of which none imports another.
 """
 
 import os

@@ -43,12 +43,12 @@ cache, interrupt, errors            compiled kernels kept, signals, errors
 result_text, command_line, __main__  results as text; the commands
 """
 
-from .accuracy import Accuracy, Tuned, run
+from .accuracy import run
 from .errors import InputError, RunError
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
-from .simulation import Result
+from .simulation import Accuracy, Result
 from .soft_impact import INTEGRATORS, Impact, Rod, impact
 
 __all__ = [
@@ -71,7 +71,6 @@ __all__ = [
     "Scene",
     "Start",
     "Step",
-    "Tuned",
     "Vibration",
     "appendix_a",
     "constant_restitution",

@@ -204,7 +204,7 @@ def run(
         raise OSError("; ".join(result.unwritten))
     if not result.finished:
         return 130
-    return _ENDS[result.accuracy.state] if isinstance(result, accuracy.Tuned) else 0
+    return _ENDS[result.accuracy.state] if result.accuracy else 0
 
 
 @main.command()

@@ -5,7 +5,7 @@ from itertools import count
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
-from .accuracy import Tuned, in_words
+from .accuracy import in_words
 from .scene import Scene, as_dict
 from .simulation import Result, finite
 from .soft_impact import Impact
@@ -69,8 +69,7 @@ def result_text(result: Result) -> str:
         balance = f"gained {energy['change']:.3g}, residual {energy['residual']:.1e} m g d"
         plate = f"plate {energy['plate_work']:.4g}, lost {lost:.4g}, "
         lines += [labelled("energy", plate, balance)]
-    lines += _cost(result)
-    return "\n".join(lines + (in_words(result) if isinstance(result, Tuned) else []))
+    return "\n".join([*lines, *_cost(result), *in_words(result)])
 
 
 def _with_error(value: float, error: float) -> str:

@@ -9,7 +9,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import click
 import pytest
 
 import figures
@@ -24,13 +23,14 @@ GROUPS = {name: importlib.import_module(f"{name}.__main__").main for name in PAC
 # Beginnings of examples that take a second at most; the others are read, not run.
 CHEAP = ("md impact", "figures list", "md run my_rods --periods")
 # Each command by its words, as "md run", with its group as "md".
-ALL = {name: group for name, group in GROUPS.items() if isinstance(group, click.Group)}
-ALL |= {f"{name} {inner}": c for name, g in ALL.items() for inner, c in g.commands.items()}
+ALL = GROUPS | {
+    f"{name} {inner}": c for name, g in GROUPS.items() for inner, c in g.commands.items()
+}
 
 
 def said(command):
     """Text of a command in its help, with the lines of its source."""
-    return inspect.cleandoc(command.help)
+    return f"{inspect.cleandoc(command.help)}\n{command.epilog or ''}"
 
 
 def examples(command):
@@ -97,7 +97,7 @@ REFUSED = {  # what is refused not by the parser: what the one line begins with
     "figures movie nowhere": "nowhere: no such scene",
     "figures movie quasi2d --out a.png": "out must be a folder",
     "figures index --out FILE": "out must be a folder that holds",
-    "derivations report --out FILE": "cannot write: ",
+    "derivations report --out FILE": "Invalid value for '--out'",
 }
 
 

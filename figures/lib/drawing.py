@@ -1,8 +1,6 @@
 """Figures computed and drawn into files, by several processes."""
 
 import io
-import json
-import platform
 import sys
 import traceback
 import warnings
@@ -13,7 +11,6 @@ from typing import NamedTuple
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
-import numpy as np
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
@@ -22,6 +19,7 @@ from md.files import replacing
 
 from .. import FIGURES, load
 from . import row_runs
+from .data import keep
 
 KINDS = "npz", "png", "pdf"
 
@@ -44,15 +42,13 @@ def files_of(*names: str) -> list[str]:
 def produce(name: str, out: Path, quick: bool) -> Drawn:
     """Compute and draw one figure: NAME.npz, NAME.png and NAME.pdf in the folder `out`."""
     module = load(name)
-    versions = {"numpy": np.__version__, "matplotlib": mpl.__version__}
-    made = {"impact": DIGEST, **versions, "python": platform.python_version(), "quick": quick}
     data = module.data(quick=quick)
     picture = module.draw(data)
     stamp = {"Title": f"{FIGURES[name].title} (impact {DIGEST})"}
     npz, png, pdf = (out / file for file in files_of(name))
     try:
         with replacing(npz) as part:
-            np.savez_compressed(part, **data, provenance=json.dumps(made))
+            keep(part, name, quick, data)
         for path in (png, pdf):
             with replacing(path) as part:
                 picture.savefig(part, dpi=200, metadata=stamp)
