@@ -22,7 +22,8 @@ import numpy as np
 from scipy.stats import t as student
 
 from . import simulation as runner
-from .laws import contact_time, number
+from .domains import number
+from .laws import contact_time
 from .scene import Scene, Step
 from .simulation import Accuracy, Result
 from .sources import digest

@@ -17,37 +17,14 @@ and mass and gravity are 1.
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import acos, acosh, exp, inf, sqrt
-from typing import Any
 
 from scipy.optimize import brentq
 
+from .domains import held, not_negative, number, positive
 from .kernels.contact import Friction, Normal, Spring
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d
 _STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more than zero
-
-
-def number(name: str, value: Any, low: float, high: float, domain: str) -> float:
-    """`value` as a float in [low, high]."""
-    try:
-        if isinstance(value, str):
-            raise TypeError
-        number = float(value)
-    except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a number, got {value!r}") from None
-    if not low <= number <= high:
-        raise ValueError(f"{name} must be {domain}, got {value!r}")
-    return number
-
-
-def positive(name: str, value: object) -> float:
-    """`value` as a float, > 0 and finite."""
-    return number(name, value, 5e-324, 1.7e308, "> 0 and finite")
-
-
-def not_negative(name: str, value: object) -> float:
-    """`value` as a float, >= 0 and finite."""
-    return number(name, value, 0.0, 1.7e308, ">= 0 and finite")
 
 
 @dataclass(frozen=True)
@@ -82,7 +59,7 @@ class Law:
             if value is not None or name == "normal.stiffness":
                 (positive if name in _STIFFNESSES else not_negative)(name, value)
         if self.restitution is not None:
-            number("restitution", self.restitution, 0.0, 1.0, "between 0 and 1")
+            number("restitution", self.restitution, 0.0, 1.0)
 
 
 def head_on_restitution(damping_ratio: float) -> float:
@@ -104,7 +81,7 @@ def head_on_restitution(damping_ratio: float) -> float:
 
 def damping_ratio(restitution: float) -> float:
     """Damping ratio zeta that gives a head-on restitution, 0 < restitution <= 1."""
-    e = number("restitution", restitution, 1e-6, 1.0, "between 1e-6 and 1")
+    e = number("restitution", restitution, 1e-6, 1.0)
     if e == 1:
         return 0.0
     return brentq(lambda zeta: head_on_restitution(zeta) - e, 0.0, 1 / sqrt(e), xtol=1e-15)
@@ -131,7 +108,7 @@ def appendix_a(
     k = positive("stiffness", stiffness)
     drag = not_negative("damping", damping) * positive("reduced_mass", reduced_mass) or None
     spring = positive("tangential_ratio", tangential_ratio) * k
-    if overlap_factor:
+    if held("overlap_factor", overlap_factor, bool):
         return Law(
             "appendix_a", Normal(k, proportional=drag), Spring(proportional=spring, drag=drag)
         )
@@ -141,7 +118,7 @@ def appendix_a(
 def _normal(restitution: float, stiffness: float) -> Normal:
     """Hertz with the dashpot that gives this head-on restitution at every speed; 0: plastic."""
     k = positive("stiffness", stiffness)
-    if number("restitution", restitution, 0.0, 1.0, "between 0 and 1") == 0:
+    if number("restitution", restitution, 0.0, 1.0) == 0:
         return Normal(k, plastic=True)
     dashpot = sqrt(5 * k) * damping_ratio(restitution)
     return Normal(k, quarter=dashpot or None)
@@ -192,7 +169,7 @@ LAWS: dict[str, Callable[..., Law]] = {
 
 def friction_of(law: Law, coefficient: float) -> Friction | None:
     """Coulomb friction under this law; none at all where the coefficient is zero."""
-    mu = number("friction", coefficient, 0.0, inf, ">= 0")
+    mu = number("friction", coefficient, 0.0, inf)
     if mu == 0:
         return None
     return Friction(min(mu, 1e60), law.spring)  # 1e60 stands in for infinity: no slip

@@ -16,11 +16,12 @@ import numba
 import numpy as np
 from tqdm import tqdm
 
+from .domains import whole
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import Engine, prepare
 from .interrupt import SIGNALS
 from .measures import Tables
-from .scene import Scene, as_dict, whole
+from .scene import Scene, as_dict
 from .sources import digest
 from .statistics import transient
 from .trajectory import Trajectory, check_continues, is_trajectory

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import reference
+from .domains import not_negative, number, positive
 from .kernels import single as integrators
 from .kernels.contact import Effects, Friction, Motion
 from .kernels.single import DONE, METHODS, STUCK, TURNED, State
@@ -22,9 +23,6 @@ from .laws import (
     deepest_overlap,
     friction_of,
     largest_step,
-    not_negative,
-    number,
-    positive,
 )
 from .reference import Vibration
 

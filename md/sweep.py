@@ -38,8 +38,9 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from .accuracy import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
+from .domains import whole
 from .host import step_of
-from .scene import Scene, as_dict, from_tables, put, read_tables, whole
+from .scene import Scene, as_dict, from_tables, put, read_tables
 from .soft_impact import RunError
 from .sources import digest
 from .store import Store

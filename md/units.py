@@ -14,15 +14,14 @@ True
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from math import pi, sqrt
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
-from .laws import not_negative, number
+from .domains import held, not_negative
 
 GRAVITY_CM = 981.0  # cm/s^2
-SCALES = {  # what measures the others, and their domains
-    "rods.diameter_cm": (1e-6, 1e6, "between 1e-6 and 1e6"),
-    "plate.frequency_hz": (1e-3, 1e6, "between 1e-3 and 1e6"),
-}
+Diameter = Annotated[float, 1e-6, 1e6]
+Frequency = Annotated[float, 1e-3, 1e6]
+SCALES = {"rods.diameter_cm": Diameter, "plate.frequency_hz": Frequency}  # measure other keys
 
 
 class Twin(NamedTuple):
@@ -106,9 +105,7 @@ def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
             continue  # which is refused as no table
         if by is None:
             raise ValueError(f"{scale} is missing: {name} needs it")
-        if isinstance(value, bool):
-            raise TypeError(f"{name} must be a number, got {value!r}")
-        one = unit(number(scale, by, *SCALES[scale]))
+        one = unit(held(scale, by, SCALES[scale]))
         part, _, last = name.partition(".")
         del changed[part][last]
         changed[part][key.partition(".")[2]] = not_negative(name, value) / one
