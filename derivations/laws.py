@@ -161,11 +161,19 @@ def _stronge_checks() -> list[sp.Expr]:
     early = final_velocity("stronge", "early") ** 2
     late = final_velocity("stronge", "late") ** 2
     return [
-        early - epsilon**2 * (V_1**2 - a_2 * P_1 * (v_0 + V_1)),
-        late - V_1**2 - a_2 / a_1 * (epsilon**2 * v_0**2 - V_1**2),
+        early - _stronge[0] ** 2,
+        late - _stronge[1] ** 2,
         # at the corner between the two orders (v_1 = 0) they meet
         (early - late).subs(v_0, -a_1 * P_1),
     ]
+
+
+_stronge = sp.Matrix(  # early, late
+    [
+        epsilon * sp.sqrt(V_1**2 - a_2 * P_1 * (v_0 + V_1)),
+        sp.sqrt(V_1**2 + a_2 / a_1 * (epsilon**2 * v_0**2 - V_1**2)),
+    ]
+)
 
 
 def _one_line_checks() -> list[sp.Expr]:
@@ -227,17 +235,19 @@ EQUATIONS = (
     ),
     Equation(
         tag="laws: Poisson",
-        what="v_f under Poisson's restitution: slip stops early, late",
+        what="$v_f$ under Poisson's restitution: slip stops early, late",
         symbol="v_f",
         derive=lambda: sp.Matrix([final_velocity("poisson", o) for o in ("early", "late")]),
+        shown=sp.Matrix([epsilon * (a_2 * P_1 - V_1), V_1 - a_2 / a_1 * (V_1 + epsilon * v_0)]),
         check=_poisson_checks,
         verdict="new",
     ),
     Equation(
         tag="laws: Stronge",
-        what="v_f under Stronge's restitution: slip stops early, late",
+        what="$v_f$ under Stronge's restitution: slip stops early, late",
         symbol="v_f",
         derive=lambda: sp.Matrix([final_velocity("stronge", o) for o in ("early", "late")]),
+        shown=_stronge,
         check=_stronge_checks,
         verdict="new",
     ),
@@ -252,7 +262,7 @@ EQUATIONS = (
     ),
     Equation(
         tag="laws: impact without collision",
-        what="v_f as v_0 -> 0- in the Painleve region, a = -a_1: Newton, Poisson, Stronge",
+        what=r"$v_f$ as $v_0 \to 0-$ in the Painleve region, $a = -a_1$: Newton, Poisson, Stronge",
         symbol="v_f",
         derive=lambda: sp.Matrix(list(_limits().values())),
         check=_limit_checks,
@@ -261,9 +271,10 @@ EQUATIONS = (
     ),
     Equation(
         tag="laws: energy, slip-stick",
-        what="Newton's law can create energy where (1-epsilon)/(1+epsilon) is below this",
+        what=r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below this",
         symbol="\\kappa_c",
         derive=lambda: energy_threshold("stick"),
+        shown=(sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2,
         check=lambda: (
             *_threshold_checks()[:2],
             energy_threshold("stick") - (sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2,
@@ -273,9 +284,10 @@ EQUATIONS = (
     ),
     Equation(
         tag="laws: energy, slip reversal",
-        what="Newton's law can create energy where (1-epsilon)/(1+epsilon) is below this",
+        what=r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below this",
         symbol="\\kappa_c",
         derive=lambda: energy_threshold("back"),
+        shown=(sp.sqrt(A) - sp.sqrt(A - mu**2 * C)) ** 2 / (mu * B),
         check=lambda: (_threshold_checks()[2],),
         verdict="new",
     ),
@@ -284,6 +296,7 @@ EQUATIONS = (
         what="restitution above which Newton's law can create energy in slip-stick, thin rod",
         symbol="\\epsilon_c",
         derive=thin_threshold,
+        shown=4 / sp.sqrt(16 + 9 * sp.sin(2 * phi) ** 2),
         check=lambda: (
             thin_threshold() ** 2 - 16 / (16 + 9 * sp.sin(2 * phi) ** 2),
             thin_threshold().subs(phi, sp.pi / 4) - sp.Rational(4, 5),

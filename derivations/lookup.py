@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from .presentation import presented
 from .proof import Equation, Form
 from .registry import ENTRIES
 from .symbols import NAMED
@@ -41,13 +40,14 @@ def equation(tag: str, *, printed: bool = False) -> Form:
     Returns
     -------
     SymPy expression; a column of them for a vector; an inequality for a condition. The derived
-    form is arranged to be read, as in the report; letters that cancel are gone. Lengths may be in
-    any unit, velocities in that unit per time, impulses in that times mass.
+    form is written to be read, as in the report: where derived and printed form agree, which is
+    proved, it is the printed one. Lengths may be in any unit, velocities in that unit per time,
+    impulses in that times mass.
 
     Raises
     ------
     ValueError
-        If there is no such tag, it has no expression, or is not in print.
+        If there is no such tag, it has no expression, or the paper does not print it.
 
     Notes
     -----
@@ -67,7 +67,7 @@ def equation(tag: str, *, printed: bool = False) -> Form:
     entry = _entry(tag)
     if printed and entry.printed is None:
         raise ValueError(f"printed must be False for {tag!r}: the paper does not print it")
-    form = entry.printed if printed else presented(entry.derive(), entry.printed)
+    form = entry.printed if printed else entry.readable()
     return sp.ImmutableMatrix(form) if isinstance(form, sp.MatrixBase) else form
 
 

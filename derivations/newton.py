@@ -127,7 +127,7 @@ EQUATIONS = (
         printed=-length / 2 * AXIS.cross(_dP),
         derive=lambda: moment * spin_change(_dP, -length / 2 * AXIS, moment),
         verdict="agrees",
-        note="the moment of dP at the lower tip; only for a contact on the rod's axis (thin rod)",
+        note="the moment of $dP$ at the lower tip; only for a contact on the rod's axis (thin rod)",
     ),
     Equation(
         tag="3",
@@ -145,12 +145,12 @@ EQUATIONS = (
         printed=_printed_4(),
         derive=tip_acceleration,
         verdict="agrees",
-        note="with alpha = m l^2/(4 I), which the text does not define (3 for a thin rod); "
-        "another alpha follows (30)",
+        note=r"with $\alpha = m l^2/(4 I)$, which the text does not define (3 for a thin rod); "
+        r"another $\alpha$ follows (30)",
     ),
     Equation(
         tag="IV: alpha",
-        what="the constant alpha of (4)",
+        what=r"the constant $\alpha$ of (4)",
         symbol="\\alpha",
         derive=_alpha,
         check=lambda: (
@@ -158,7 +158,7 @@ EQUATIONS = (
             _alpha() - m * length**2 / (4 * moment),
         ),
         verdict="new",
-        note="m l^2/(4 I); the paper leaves it undefined",
+        note="$m l^2/(4 I)$; the paper leaves it undefined",
     ),
     Equation(
         tag="5",

@@ -71,6 +71,7 @@ class Equation:
     symbol: str  # left-hand side, LaTeX
     verdict: Verdict  # on the printed form
     derive: Callable[[], Form]  # from Newton's laws
+    shown: Form | None = None  # the derived form, written to be read
     printed: Form | None = None  # in our copy of the paper
     note: str = ""  # what is right, where the paper is not
     contradicted_by: str = ""  # tags of the printed equations that give the derived form
@@ -82,8 +83,21 @@ class Equation:
         object.__setattr__(self, "derive", cache(self.derive))  # proofs and report share it
 
     def prove(self) -> Proof:
-        """Put the verdict to the proof."""
+        """Put the verdict to the proof, and the form that is shown as derived."""
+        if self.shown is not None and not _equal(self.shown, self.derive()):
+            return Proof(ok=False, evidence="the form that is shown has not the derived value")
         return _PROOFS[self.verdict](self)
+
+    def readable(self) -> Form:
+        """Return the derived form as it reads best: an equal one that was written by hand, if any.
+
+        That is `shown`, or the printed form where both agree, or the contradiction of an erratum.
+        """
+        if self.shown is not None:
+            return self.shown
+        if self.printed is not None and self.verdict != "erratum":
+            return self.printed
+        return self.contradiction() if self.contradiction is not None else self.derive()
 
 
 def components(form: Form) -> tuple[sp.Expr, ...]:
@@ -138,14 +152,17 @@ def same(a: Form, b: Form) -> bool:
     return all(vanishes(x - y) for x, y in pairs)
 
 
+def _equal(a: Form, b: Form) -> bool:
+    return all(map(equal_at_random_points, components(a), components(b)))
+
+
 def _agrees(eq: Equation) -> Proof:
     return Proof(ok=same(eq.printed, eq.derive()), evidence="difference simplifies to zero")
 
 
 def _rewritten(eq: Equation) -> Proof:
-    pairs = zip(components(eq.printed), components(eq.derive()), strict=True)
     return Proof(
-        ok=all(equal_at_random_points(x, y) for x, y in pairs),
+        ok=_equal(eq.printed, eq.derive()),
         evidence=f"equal to {DIGITS} digits at {POINTS} random rational points",
     )
 
@@ -163,14 +180,10 @@ def _erratum(eq: Equation) -> Proof:
     # Of an inequality only the sign counts.
     value = sp.sign if isinstance(derived, sp.core.relational.Relational) else sp.sympify
     differs = any(sp.Abs(sp.N(value(x) - value(y), 30)) > sp.Float("1e-20") for x, y in pairs)
-    evidence = "; ".join(f"printed {_show(x)}, derived {_show(y)}" for x, y in pairs)
-    where = ", ".join(f"{x} = {point[x]}" for x in sorted(free, key=str))
-    evidence += f" at {where}" if where else ""
-    contradicted = True
-    if eq.contradiction is not None:
-        contradicted = same(eq.contradiction(), derived)
-        evidence += f"; the printed {eq.contradicted_by} gives the derived form"
-    return Proof(ok=differs and contradicted, evidence=evidence)
+    evidence = "; ".join(f"printed ${_number(x)}$, derived ${_number(y)}$" for x, y in pairs)
+    where = ", ".join(f"${sp.latex(x)} = {_number(point[x])}$" for x in sorted(free, key=str))
+    contradicted = eq.contradiction is None or same(eq.contradiction(), derived)
+    return Proof(ok=differs and contradicted, evidence=evidence + (f" at {where}" if where else ""))
 
 
 def _assumed(eq: Equation) -> Proof:
@@ -185,20 +198,14 @@ def _new(eq: Equation) -> Proof:
     residuals = tuple(eq.check())
     return Proof(
         ok=bool(residuals) and all(vanishes(sp.sympify(r)) for r in residuals),
-        evidence="a second route: "
-        + (
-            "one identity simplifies"
-            if len(residuals) == 1
-            else f"{len(residuals)} identities simplify"
-        )
-        + " to zero",
+        evidence=f"a second route; expressions that must vanish: {len(residuals)}",
     )
 
 
-def _show(value: sp.Expr) -> str:
-    """An exact value if it is short, else twelve digits."""
-    exact = sp.sstr(value)
-    return exact if len(exact) <= 16 else sp.sstr(sp.N(value, 12))
+def _number(value: sp.Expr) -> str:
+    """LaTeX of an exact value if it is short, else of twelve digits."""
+    value = value if len(sp.sstr(value)) <= 16 else sp.N(value, 12)
+    return sp.sstr(value) if value.is_Rational else sp.latex(value, fold_short_frac=True)
 
 
 _PROOFS = {

@@ -129,7 +129,7 @@ def nested() -> Rule:
     """Collect the friction: mu (k^2 + Z^2) instead of two products."""
     return Rule(
         "collect friction",
-        "one product less, and mu multiplies a sum of squares",
+        r"one product less, and $\mu$ multiplies a sum of squares",
         lambda body: {symbol: sp.collect(expr, mu) for symbol, expr in body.items()},
     )
 

@@ -102,7 +102,7 @@ EQUATIONS = (
         verdict="erratum",
         contradicted_by="(9) with (10)",
         contradiction=lambda: (c_x + _printed_9 / m).subs(approach()),
-        note="the denominator belongs to (15); it must be k^2 + X^2 + mu X Z",
+        note=r"the denominator belongs to (15); it must be $k^2 + X^2 + \mu X Z$",
     ),
     Equation(
         tag="13",
@@ -114,13 +114,13 @@ EQUATIONS = (
         contradicted_by="(8) with (11)",
         contradiction=lambda: (c_z + _printed_8 / m).subs(approach()),
         at={omega_x: sp.Rational(1, 10)},
-        note="the denominator must be k^2 + X^2 + mu X Z, and omega_x must be omega X "
-        "(a spin cannot be added to a velocity)",
+        note=r"the denominator must be $k^2 + X^2 + \mu X Z$, and $\omega_x$ must be $\omega X$ (a "
+        "spin cannot be added to a velocity)",
     ),
     Equation(
         tag="14",
         what="condition of continuous slide",
-        symbol="u_* > 0",
+        symbol="0 < u_*",
         printed=u_0 + (X * Z + mu * (k**2 + Z**2)) / _slope * v_0 * (1 + epsilon),
         derive=slide_excess,
         verdict="agrees",

@@ -36,6 +36,8 @@ _back = k**2 + X**2 - mu * X * Z
 _bracket = (1 + epsilon) * v_0 + (k**2 + X**2 + mu * X * Z) / _stop * u_0
 _u, _v = c_x - omega * Z, c_z - V_z + omega * X
 _printed_b11 = u_0 * (1 - mu * k**2 / _stop) + omega * Z - mu * k**2 / _back * _bracket
+_slip_21 = _u * 2 * mu * k**2 * (k**2 + X**2) / (_stop * _back)
+_bounce_21 = _v * mu * k**2 * (1 + epsilon) / _back
 _printed_b12 = v_0 + u_0 * k**2 / _stop - k**2 / _back * _bracket + V_z - omega * X
 
 EQUATIONS = (
@@ -46,7 +48,7 @@ EQUATIONS = (
         printed=sp.Lt(mu * (k**2 + Z**2), X * Z),
         derive=lambda: sp.Lt(stick_margin(), 0),
         verdict="agrees",
-        note="for u_0 > 0; for either sign of the slip XZ becomes |XZ|",
+        note="for $u_0 > 0$; for either sign of the slip $XZ$ becomes $|XZ|$",
     ),
     Equation(
         tag="B6",
@@ -71,8 +73,8 @@ EQUATIONS = (
         printed=u_0 * m * k**2 / _stop - m * k**2 / _back * _bracket,
         derive=lambda: impulse()[1],
         verdict="agrees",
-        note='the text before it says "the impulse during the reversal phase"; '
-        "it is the impulse of the whole contact",
+        note='the text before it says "the impulse during the reversal phase"; it is the impulse '
+        "of the whole contact",
     ),
     Equation(
         tag="B9",
@@ -110,9 +112,8 @@ EQUATIONS = (
         tag="21",
         what="horizontal CM velocity after slip reversal",
         symbol="c_x'",
-        printed=c_x
-        + _u * 2 * mu * k**2 * (k**2 + X**2) / (_stop * _back)
-        - _v * mu * k**2 * (1 + epsilon) / _back,
+        printed=c_x + _slip_21 - _bounce_21,
+        shown=c_x - _slip_21 - _bounce_21,
         derive=lambda: cm_velocity(*impulse())[0],
         verdict="erratum",
         contradicted_by="(B11)",

@@ -70,7 +70,7 @@ EQUATIONS = (
         printed=sp.Gt(mu * (k**2 + Z**2), X * Z),
         derive=lambda: sp.Gt(stick_margin(), 0),
         verdict="agrees",
-        note="for u_0 > 0; for either sign of the slip XZ becomes |XZ|",
+        note="for $u_0 > 0$; for either sign of the slip $XZ$ becomes $|XZ|$",
     ),
     Equation(
         tag="17",
@@ -106,7 +106,7 @@ EQUATIONS = (
         at={m: sp.Integer(2), v_1: sp.Integer(0), P_1: sp.Integer(0), P_z: sp.Integer(1)},
         contradicted_by="second line of (B3)",
         contradiction=lambda: v_1 + _printed_b3 - _printed_b3.subs(P_z, P_1),
-        note="the integral of F_z lacks the factor 1/m (and its dt) that the second line has",
+        note="the integral of $F_z$ lacks the factor $1/m$ (and its $dt$) that the second line has",
     ),
     Equation(
         tag="B3: second line",
@@ -150,10 +150,10 @@ EQUATIONS = (
     ),
     Equation(
         tag="IV: stick without mu",
-        what="d/dmu of the velocities (18), (19) after slip-stick",
+        what=r"$d/d\mu$ of the velocities (18), (19) after slip-stick",
         symbol="\\partial(c_x', c_z')/\\partial\\mu",
         printed=sp.Matrix([0, 0]),
-        derive=lambda: sp.Matrix([sp.cancel(c.diff(mu)) for c in cm_velocity(*impulse())]),
+        derive=lambda: sp.Matrix([sp.cancel(c).diff(mu) for c in cm_velocity(*impulse())]),
         verdict="agrees",
         note='"the post-collisional velocities are independent of the friction coefficient"',
     ),

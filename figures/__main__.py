@@ -13,7 +13,6 @@ python -m figures explore [--tilt-deg PHI] [--friction MU] ... [--out FILE.png]
 
 import argparse
 import json
-import platform
 from contextlib import AbstractContextManager
 from pathlib import Path
 
@@ -97,20 +96,6 @@ def _replacing(path: Path) -> AbstractContextManager[Path]:
     return replacing(path)
 
 
-def _provenance() -> dict[str, str]:
-    import matplotlib
-    import numpy as np
-
-    from impact._generated import DIGEST
-
-    return {
-        "impact": DIGEST,  # of the generated closed forms
-        "numpy": np.__version__,
-        "matplotlib": matplotlib.__version__,
-        "python": platform.python_version(),
-    }
-
-
 def _files(*names: str) -> list[str]:
     """Files of these figures."""
     return [f"{name}.{kind}" for name in names for kind in ("npz", "png", "pdf")]
@@ -119,16 +104,19 @@ def _files(*names: str) -> list[str]:
 def _produce(name: str, out: Path, quick: bool) -> tuple[list[Path], str]:
     """Write NAME.npz, NAME.png and NAME.pdf; returns them, and the module's `summary` if any."""
     import matplotlib.pyplot as plt
-    import numpy as np
 
-    module, made = load(name), _provenance()
+    from impact._generated import DIGEST
+
+    from .lib.data import keep
+
+    module = load(name)
     data = module.data(quick=quick)
     picture = module.draw(data)
-    stamp = {"Title": f"{FIGURES[name].title} (impact {made['impact']})"}
+    stamp = {"Title": f"{FIGURES[name].title} (impact {DIGEST})"}
     npz, png, pdf = paths = [out / file for file in _files(name)]
     try:
         with _replacing(npz) as part:
-            np.savez_compressed(part, **data, provenance=json.dumps({**made, "quick": quick}))
+            keep(part, name, quick, data)
         with _replacing(png) as part:
             picture.savefig(part, dpi=200, metadata=stamp)
         with _replacing(pdf) as part:
@@ -297,10 +285,9 @@ def _explore(arguments: argparse.Namespace) -> int:
 
 
 def _readme(_: argparse.Namespace) -> int:
-    from derivations.readme import TARGET
-
     from .pages import readme
 
+    TARGET = readme.TARGET
     if not TARGET.is_file():
         raise CommandError(f"it needs a source checkout; {TARGET.parent} has no {TARGET.name}")
     try:

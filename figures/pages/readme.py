@@ -1,13 +1,12 @@
 """Parts of the README that are measured, made of `gallery/claims.json` and `gallery/prices.json`.
 
->>> from derivations.readme import TARGET
 >>> from figures.pages import readme
->>> text = TARGET.read_text(encoding="utf-8")
+>>> text = readme.TARGET.read_text(encoding="utf-8")
 >>> readme.refreshed(text) == text
 True
 
 A part stands between `<!-- name: begin -->` and `<!-- name: end -->`; `python -m figures readme`
-writes all of them anew. What is derived, not measured, is `derivations.readme`'s.
+writes all of them anew. What is derived is in `derivations/EQUATIONS.md`.
 """
 
 import json
@@ -15,13 +14,14 @@ import re
 from pathlib import Path
 from typing import Any
 
-from derivations.readme import filled, table
+from derivations.equations_page import table
 
 from ..claims.verdicts import GRADES, counts, judged_rows, restored, shown
 from ..cost.effect_prices import plus_minus
 from ..cost.price_page import CHECKED
 
 GALLERY = Path(__file__).resolve().parents[1] / "gallery"
+TARGET = GALLERY.parents[1] / "README.md"
 RUNGS = {  # of the ladder, and what they are called here
     "(24), $V_0/2$": "closed form (24), plate velocity at landing taken as V_0/2",
     "3000 landings": "one rigid rod that bounces at fixed tilt, 3000 landings",
@@ -145,6 +145,22 @@ def findings(_: dict[str, Any], report: dict[str, Any]) -> str:
         for row in claim["numbers"]
     }
     return re.sub(r"\{([\w.]+)\}", lambda found: values[found[1]], FINDINGS).rstrip()
+
+
+def filled(text: str, name: str, content: str) -> str:
+    """`text` with `content` between the markers of that name.
+
+    Raises
+    ------
+    ValueError
+        If it does not hold both.
+    """
+    begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+    before, _, rest = text.partition(begin)
+    _, found, after = rest.partition(end)
+    if not found:
+        raise ValueError(f"{TARGET.name} must hold {begin} and {end}")
+    return f"{before}{begin}\n{content}\n{end}{after}"
 
 
 PARTS = {"costs": costs, "effects": effects, "claims": claims, "findings": findings}
