@@ -30,6 +30,11 @@ def not_negative(name: str, value: object) -> float:
     return number(name, value, 0.0, 1.7e308, ">= 0 and finite")
 
 
+def finite(name: str, value: object) -> float:
+    """`value` as a finite float."""
+    return number(name, value, -1.7e308, 1.7e308, "finite")
+
+
 def whole(name: str, value: object, low: int, high: int) -> int:
     """`value` if it is a whole number in [low, high]."""
     if isinstance(value, bool) or not isinstance(value, int):

@@ -15,10 +15,10 @@ import pytest
 from joblib.externals.loky import get_reusable_executor
 
 from md.__main__ import main
-from md.scene import read_tables
+from md.scene import from_tables, read_tables
 from md.soft_impact import RunError
 from md.store import Store
-from md.sweep import execute, expand, load_sweep
+from md.sweep import Point, execute, expand, load_sweep
 
 ROOT = Path(__file__).parents[1]
 BASE = {  # one rod, coarse and short: a run takes a few milliseconds
@@ -111,15 +111,15 @@ def test_no_axes_is_one_point():
         ({"start.seed": []}, r"axes\[0\].start.seed must be a list of values or a range, and not"),
         ({}, r"axes\[0\] must be a table with at least one key"),
         ({"plate.acceleration": [1.5, float("nan")]}, "must hold finite values"),
-        ({"plate.acceleration": {"from": 1, "to": float("nan"), "count": 3}}, "finite numbers"),
-        ({"plate.acceleration": {"from": 0, "to": 3, "count": 3, "log": True}}, "both ends > 0"),
+        ({"plate.acceleration": {"from": 1, "to": float("nan"), "count": 3}}, "to must be finite"),
+        ({"plate.acceleration": {"from": 0, "to": 3, "count": 3, "log": True}}, "from must be > 0"),
         ({"plate.acceleration": {"from": 1, "count": 3}}, "must have from, to, count"),
-        ({"plate.acceleration": {"from": 1, "to": 2, "count": 0}}, "from 1 to"),
+        ({"plate.acceleration": {"from": 1, "to": 2, "count": 0}}, "between 1 and"),
         ({"plate.acceleration": [1, 2], "start.seed": [1, 2, 3]}, "equally long"),
         ({"plate.acceleration": [2, -1]}, r"plate.acceleration must be .*, got -1 \(at plate"),
         ({"plate.accelaration": [2]}, r"plate.accelaration is not a key .*\(at plate.accel"),
         ({"step.size": [1e-4, 0.3]}, r"step.size must be at most .*\(at step.size = 0.3\)"),
-        ({"start.seed": {"from": 0, "to": 1, "count": 10**6 + 1}}, "from 1 to 1000000"),
+        ({"start.seed": {"from": 0, "to": 1, "count": 10**6 + 1}}, "between 1 and 1000000"),
     ],
 )
 def test_bad_axes_are_refused_before_anything_runs(axis, message):
@@ -135,7 +135,7 @@ def test_a_key_on_two_axes_is_refused():
 def test_unknown_keys_of_a_sweep():
     with pytest.raises(ValueError, match="axis is not a key of a sweep"):
         expand({"axis": []}, BASE)
-    with pytest.raises(ValueError, match="periods must be a whole number"):
+    with pytest.raises(ValueError, match="periods must be between 1"):
         expand({"periods": 0}, BASE)
 
 
@@ -362,3 +362,27 @@ def test_bad_stores_and_schedulers_cost_one_line(sweep_file, tmp_path, capsys):
     ):
         assert main([*command, *more]) == 2
         assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_key_says_what_is_computed(tmp_path, monkeypatch):
+    """Scene, length, sources; with a tolerance, the calibration."""
+    scene = axes().points[0].scene
+    other = from_tables(BASE | {"start": {"tilt_deg": 11}})
+    calibration = tmp_path / "calibration.json"
+    calibration.write_text("{}")
+
+    def keys():
+        lengths = ((5, None), (6, None), (0, 0.1), (0, 0.2))
+        points = [Point(found, *length) for found in (scene, other) for length in lengths]
+        return [point.key for point in (*points, Point(scene, 0, 0.1, 7.0))]
+
+    before = keys()
+    assert len(set(before)) == 9
+    assert keys() == before
+    monkeypatch.setattr("md.sweep.CALIBRATION", calibration)
+    assert [new == old for new, old in zip(keys(), before, strict=True)] == [
+        *(True, True, False, False) * 2,
+        False,
+    ]
+    monkeypatch.setattr("md.sweep.digest", lambda **_: "other sources")
+    assert not set(keys()) & set(before)
