@@ -108,13 +108,13 @@ def calibrate(store: str | Path, *, periods: int = _PERIODS, progress: bool = Fa
     parts = [described(_calibrated(changes)) for changes in SCENES.values()]
     ranges = {}
     for name in (name for name in parts[0] if name != "laws"):
-        values = np.concatenate([np.atleast_1d(part[name]) for part in parts])
-        ranges[name] = [float(values.min()), float(values.max())]
+        values = [value for part in parts for value in part[name]]
+        ranges[name] = [min(values), max(values)]
     return {
         **fitted(drift, error),
         "fewest": STEPS[0],
         "ranges": ranges,
-        "laws": sorted({part["laws"] for part in parts}),
+        "laws": sorted({part["laws"][0] for part in parts}),
         "steps": list(STEPS),
         "scenes": list(SCENES),
         "drift": drift.tolist(),

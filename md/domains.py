@@ -69,7 +69,7 @@ def hints(kind: Any) -> dict[str, Any]:
 
 def _between(low: float, high: float) -> str:
     ends = [
-        f"{x}" if isinstance(x, int) else re.sub(r"e\+?(-?)0", r"e\1", f"{x:g}")
+        f"{x}" if isinstance(x, int) else re.sub(r"e\+?(-?)0?", r"e\1", f"{x:g}")
         for x in (low, high)
     ]
     return f">= {ends[0]}" if high == inf else f"between {ends[0]} and {ends[1]}"

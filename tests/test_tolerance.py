@@ -113,12 +113,12 @@ def test_a_tolerance_is_refused_in_an_annulus():
 
 def test_a_run_that_was_ended_early_is_not_judged():
     """By Ctrl-C before the first look; nothing is said of its error."""
-    chase = accuracy._Chase(0.5, 0.95, 0.05, 0.0, 600.0)
-    chase(np.zeros(0))
-    chase(np.ones(46))
-    assert (chase.half, chase.reached) == (np.inf, False)
+    goal = accuracy._Goal(0.5, 0.95, 0.05, 0.0, 600.0)
+    goal(np.zeros(0))
+    goal(np.ones(46))
+    assert (goal.half, goal.reached) == (np.inf, False)
     result = md.run(row("plate.acceleration=5"), periods=46)
-    found = accuracy._accuracy(chase, row("plate.acceleration=5"), result, np.nan)
+    found = accuracy._accuracy(goal, row("plate.acceleration=5"), result, np.nan)
     assert found.state == "not reached"
     words = accuracy.in_words(replace(result, accuracy=found))
     assert words == ["accuracy     NOT REACHED: ended before 128 periods, error unknown"]
@@ -208,7 +208,7 @@ def test_slow_drifts_are_judged_by_the_floor():
         ({"tolerance": np.nan}, r"tolerance must be between 1e-5 and 0.5, got nan"),
         ({"tolerance": 0.1, "confidence": 1}, r"confidence must be between 0.5 and 0.999, got 1"),
         ({"tolerance": 0.1, "floor": -1}, r"floor must be between 1e-12 and 1e12, got -1"),
-        ({"tolerance": 0.1, "max_seconds": 0}, r"max_seconds must be between 1e-3 and 1e9, got 0"),
+        ({"tolerance": 0.1, "max_seconds": 0}, r"max_seconds must be between 0.001 and 1e9, got 0"),
         ({"tolerance": 0.1, "periods": 5}, r"periods has no meaning with tolerance"),
     ],
 )
