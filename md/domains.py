@@ -67,6 +67,16 @@ def hints(kind: Any) -> dict[str, Any]:
     return get_type_hints(kind, include_extras=True)
 
 
+class Part:
+    """Part of a scene: the values of its fields are held to their types and domains."""
+
+    def __post_init__(self) -> None:
+        kind: Any = type(self)
+        key = getattr(kind, "KEY", f"{kind.__name__.lower()}.")
+        for name, hint in hints(kind).items():
+            object.__setattr__(self, name, held(f"{key}{name}", getattr(self, name), hint))
+
+
 def _between(low: float, high: float) -> str:
     ends = [
         f"{x}" if isinstance(x, int) else re.sub(r"e\+?(-?)0?", r"e\1", f"{x:g}")

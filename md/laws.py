@@ -1,4 +1,4 @@
-"""Contact laws of the soft plate and what follows from their parameters before any run.
+"""Contact laws, and the overlap, contact time and stable step that follow from them.
 
 =====================  ==========================================  ===============================
 law                    normal force                                tangential force
@@ -17,10 +17,11 @@ and mass and gravity are 1.
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import acos, acosh, exp, inf, sqrt
+from typing import Annotated
 
 from scipy.optimize import brentq
 
-from .domains import held, not_negative, number, positive
+from .domains import Part, held, not_negative, number, positive
 from .kernels.contact import Friction, Normal, Spring
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d
@@ -28,7 +29,7 @@ _STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more 
 
 
 @dataclass(frozen=True)
-class Law:
+class Law(Part):
     """Normal contact and tangential element; the coefficient of friction belongs to the scene.
 
     Raises
@@ -43,12 +44,11 @@ class Law:
     name: str  # key of `LAWS`
     normal: Normal  # force across
     spring: Spring | None  # None: friction is a constraint
-    restitution: float | None = None  # head on, where the law has a constant one
+    restitution: Annotated[float, 0.0, 1.0] | None = None  # head on, where it is constant
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         normal, spring = self.normal, self.spring
-        if not isinstance(normal, Normal) or not isinstance(spring, Spring | None):
-            raise TypeError(f"law must have a Normal, and a Spring or None, got {self!r}")
         if normal.plastic not in (True, None):
             raise ValueError(f"normal.plastic must be True or None, got {normal.plastic!r}")
         if spring is not None and spring.proportional is spring.root is None:
@@ -58,8 +58,6 @@ class Law:
         for name, value in numbers.items():
             if value is not None or name == "normal.stiffness":
                 (positive if name in _STIFFNESSES else not_negative)(name, value)
-        if self.restitution is not None:
-            number("restitution", self.restitution, 0.0, 1.0)
 
 
 def head_on_restitution(damping_ratio: float) -> float:
@@ -74,9 +72,8 @@ def head_on_restitution(damping_ratio: float) -> float:
     zeta = not_negative("damping_ratio", damping_ratio)
     if abs(zeta - 1) < 1e-8:
         return exp(-2 - 4 / 3 * (zeta - 1))
-    if zeta < 1:
-        return exp(-2 * zeta * acos(zeta) / sqrt((1 - zeta) * (1 + zeta)))
-    return exp(-2 * zeta * acosh(zeta) / sqrt((zeta - 1) * (zeta + 1)))
+    angle = acos(zeta) if zeta < 1 else acosh(zeta)
+    return exp(-2 * zeta * angle / sqrt(abs(1 - zeta) * (1 + zeta)))
 
 
 def damping_ratio(restitution: float) -> float:

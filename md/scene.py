@@ -15,23 +15,13 @@ from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from .domains import held, hints
+from .domains import Part, hints
 from .laws import LAWS, Law
 from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, reduced, rivals, twins
 
 SCENES = Path(__file__).parent / "scenes"
 _Angle = Annotated[float, -90.0, 90.0]
 _FORMER = {"rods.spin": "rods.rolling"}  # keys of earlier versions, and their names today
-
-
-class Part:
-    """Part of a scene: the values of its fields are held to their types and domains."""
-
-    def __post_init__(self) -> None:
-        kind: Any = type(self)
-        name = "" if kind is Scene else f"{kind.__name__.lower()}."
-        for key, hint in hints(kind).items():
-            object.__setattr__(self, key, held(f"{name}{key}", getattr(self, key), hint))
 
 
 @dataclass(frozen=True)
@@ -145,6 +135,8 @@ class Scene(Part):
     TypeError
         If a value is of the wrong type.
     """
+
+    KEY = ""
 
     rods: Rods = field(default_factory=Rods)
     plate: Plate | None = None
