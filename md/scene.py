@@ -260,7 +260,7 @@ def _contact(name: str, table: Mapping) -> Contact:
     if not isinstance(law, str) or law not in LAWS:
         raise ValueError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
     takes = {known: inspect.signature(make).parameters for known, make in LAWS.items()}
-    for key in options.keys() - takes[law].keys():
+    for key in (key for key in options if key not in takes[law]):
         if any(key in known for known in takes.values()):
             raise ValueError(
                 f"{name}.{key} is not for the law {law}: take it out (--set {name}.{key}=none)"
