@@ -268,20 +268,6 @@ def test_a_sweep_takes_a_tolerance(tmp_path):
         assert "NOT REACHED" in [run["error"] for run in database.rows()][-1]
 
 
-@pytest.mark.parametrize(
-    ("tables", "words"),
-    [
-        ({"tolerance": 0.1, "periods": 3}, "periods has no meaning with tolerance"),
-        ({"max_seconds": 3}, "max_seconds has no meaning without tolerance"),
-        ({"tolerance": "x"}, "tolerance must be a number"),
-        ({"tolerance": 7}, "tolerance must be between"),
-    ],
-)
-def test_a_sweep_refuses_nonsense(tables, words):
-    with pytest.raises((ValueError, TypeError), match=words):
-        expand(tables, read_tables("quasi2d"))
-
-
 # Calibration
 
 
