@@ -103,7 +103,7 @@ def generate() -> int:
     return 0
 
 
-@cli.command(epilog=_examples("report", "report --out pages"))
+@cli.command("report", epilog=_examples("report", "report --out pages"))
 @click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
@@ -111,7 +111,7 @@ def generate() -> int:
     show_default=True,
     help="Folder for report.html and latex/*.tex.",
 )
-def report(out: Path) -> int:
+def write_report(out: Path) -> int:
     """Write the derivation as HTML and LaTeX (10 s).
 
     The exit code is 1 if a proof fails.

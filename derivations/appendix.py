@@ -1,4 +1,4 @@
-"""Dimensions of Appendix A's force law: what each material constant must be measured in.
+"""Dimensions of the material constants in Appendix A's force law.
 
 Dimensions are monomials in mass M, length L and time T; a constant's dimension is solved from the
 force law in which it stands.
@@ -87,7 +87,6 @@ EQUATIONS = (
         symbol="[\\Delta t]",
         printed=sp.sqrt(DIAMETER / GRAVITY),
         derive=lambda: T,
-        verdict="agrees",
     ),
     Equation(
         tag="A: v_n",

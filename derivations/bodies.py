@@ -120,7 +120,6 @@ EQUATIONS = (
             ]
         ),
         derive=lambda: sp.Matrix([*thin_contact(), sp.sqrt(thin_gyration()), m * thin_gyration()]),
-        verdict="agrees",
     ),
     Equation(
         tag="[12]: mass",
@@ -128,7 +127,6 @@ EQUATIONS = (
         symbol="M",
         printed=1 + sp.Rational(3, 2) * h_0,
         derive=lambda: spherocylinder()[0],
-        verdict="agrees",
     ),
     Equation(
         tag="[12]: inertia",

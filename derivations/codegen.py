@@ -1,4 +1,4 @@
-"""From rewritten expressions to `impact/_generated.py`: plain, readable, stamped arithmetic.
+"""Code generation: rewritten expressions become the arithmetic of `impact/_generated.py`.
 
 The bodies use + - * / only, so the same text runs on floats, arrays, mpmath
 numbers and under Numba. The file is committed; a test generates it again and compares bytes.
@@ -34,7 +34,7 @@ DIGEST = "{digest}"  # sha256 of the expressions below, first 16 digits
 
 
 def text_of(expr: sp.Expr) -> str:
-    """An expression as Python: positive terms first, sums last in a product, one division."""
+    """Python source of an expression: positive terms first, sums last, one division."""
     if expr.is_Symbol or expr.is_Integer:
         return str(expr)
     if expr.is_Rational:  # exact in binary as a float, else as a quotient
@@ -104,7 +104,7 @@ def body(name: str) -> tuple[Body, tuple[Step, ...]]:
 
 
 def source(progress: Callable[[Iterable[Function]], Iterable[Function]] = iter) -> str:
-    """The text of `impact/_generated.py`."""
+    """Return the text of `impact/_generated.py`."""
     blocks = []
     for function in progress(FUNCTIONS):
         blocks.append("\n".join(_lines(function, *body(function.name))))
@@ -114,7 +114,7 @@ def source(progress: Callable[[Iterable[Function]], Iterable[Function]] = iter) 
 
 
 def write(text: str, target: Path = TARGET) -> bool:
-    """Write beside and rename; returns whether the file changed."""
+    """Write beside the target and rename; return whether the file changed."""
     if target.exists() and target.read_text(encoding="utf-8") == text:
         return False
     target.parent.mkdir(parents=True, exist_ok=True)

@@ -204,23 +204,26 @@ def _limit_checks() -> list[sp.Expr]:
     ]
 
 
-def _threshold_checks() -> list[sp.Expr]:
-    """Energy change and its slope in u_0 vanish at the threshold, in a rootless parameter."""
-    root_a, root_b = sp.symbols("alpha beta", positive=True)
-    checks = []
-    # stick: AC = alpha^2, AC - B^2 = beta^2
-    stick = {C: root_a**2 / A, B: sp.sqrt(root_a**2 - root_b**2)}
-    eps = root_b / root_a
-    for order in (0, 1):
-        gain = sp.diff(energy_change("stick"), u_0, order).subs({v_0: -1, u_0: B / A})
-        checks.append(sp.simplify(gain.subs(epsilon, eps).subs(stick)))
-    # back: A = alpha^2, A - mu^2 C = beta^2
-    back = {A: root_a**2, C: (root_a**2 - root_b**2) / mu**2}
-    ratio = (root_a - root_b) ** 2 / (mu * B)
+_root_a, _root_b = sp.symbols("alpha beta", positive=True)
+
+
+def _stick_checks() -> list[sp.Expr]:
+    """Energy change of slip-stick and its slope in u_0 at the threshold, without roots."""
+    # AC = alpha^2, AC - B^2 = beta^2
+    stick = {C: _root_a**2 / A, B: sp.sqrt(_root_a**2 - _root_b**2)}
+    at = {v_0: -1, u_0: B / A}
+    gains = [sp.diff(energy_change("stick"), u_0, order).subs(at) for order in (0, 1)]
+    return [sp.simplify(g.subs(epsilon, _root_b / _root_a).subs(stick)) for g in gains]
+
+
+def _back_check() -> sp.Expr:
+    """Discriminant of the energy change of slip reversal at the threshold, without roots."""
+    # A = alpha^2, A - mu^2 C = beta^2
+    back = {A: _root_a**2, C: (_root_a**2 - _root_b**2) / mu**2}
+    ratio = (_root_a - _root_b) ** 2 / (mu * B)
     quadratic = sp.Poly(sp.numer(energy_change("back")).subs(v_0, -1), u_0)
     gain = quadratic.discriminant().subs(epsilon, (1 - kappa) / (1 + kappa))
-    checks.append(sp.cancel(gain.subs(back).subs(kappa, ratio)))
-    return checks
+    return sp.cancel(gain.subs(back).subs(kappa, ratio))
 
 
 EQUATIONS = (
@@ -276,7 +279,7 @@ EQUATIONS = (
         derive=lambda: energy_threshold("stick"),
         shown=(sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2,
         check=lambda: (
-            *_threshold_checks()[:2],
+            *_stick_checks(),
             energy_threshold("stick") - (sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2,
             sticking_threshold() ** 2 - 1 + B**2 / (A * C),
         ),
@@ -288,7 +291,7 @@ EQUATIONS = (
         symbol="\\kappa_c",
         derive=lambda: energy_threshold("back"),
         shown=(sp.sqrt(A) - sp.sqrt(A - mu**2 * C)) ** 2 / (mu * B),
-        check=lambda: (_threshold_checks()[2],),
+        check=lambda: (_back_check(),),
         verdict="new",
     ),
     Equation(

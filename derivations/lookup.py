@@ -16,7 +16,7 @@ _ENTRIES = {entry.tag: entry for entry in ENTRIES}
 
 
 def _entry(tag: str) -> Equation:
-    """The equation of that tag; raises `ValueError` where there is none."""
+    """Find the equation of a tag; raise `ValueError` if there is none."""
     entry = _ENTRIES.get(tag) if isinstance(tag, str) else None
     if entry is None:
         near = ", ".join(map(repr, get_close_matches(str(tag), _ENTRIES, cutoff=0.4)))
@@ -72,14 +72,14 @@ def equation(tag: str, *, printed: bool = False) -> Form:
 
 
 def _real(name: str, value: Any) -> Any:
-    """`value` in floating point; labels (pandas, xarray) stay, and align themselves."""
+    """Convert to floating point; labels of pandas and xarray stay."""
     if np.asarray(value).dtype.kind not in "biuf":
         raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
     return np.multiply(1.0, value)
 
 
 def _spread(value: Any, shape: tuple[int, ...]) -> Any:
-    """A constant, which is evaluated to a Python number, in the shape of the arguments."""
+    """Broadcast a constant to the shape of the arguments."""
     if isinstance(value, bool | int | float):
         return np.full(shape, value if isinstance(value, bool) else float(value))[()]
     return value

@@ -1,4 +1,4 @@
-"""The impact map as it is generated: derived outputs, and the rules that make them compute well."""
+"""Generated functions of the impact map: derived outputs and rewriting rules."""
 
 import sympy as sp
 
@@ -16,8 +16,8 @@ from .rewrites import (
     N_back,
     T,
     T_back,
+    collect_friction,
     name_responses,
-    nested,
     r,
     recast,
     w,
@@ -81,7 +81,7 @@ FUNCTIONS: tuple[Function, ...] = (
         detail=r"Lengths in m; $N$, $T$ in $\mathrm{m}^2$. Backward slip: the same with $-\mu$.",
         arguments=(X, Z, k, mu),
         outputs={N: RESPONSES[N], T: RESPONSES[T]},
-        rules=(nested(),),
+        rules=(collect_friction(),),
     ),
     Function(
         name="slide",

@@ -2,7 +2,7 @@
 
 Verdicts
 --------
-agrees     the difference of both forms simplifies to zero
+agrees     the difference of both forms simplifies to zero; what is meant where none is given
 rewritten  both forms are equal to 40 digits at random points (no simplification closes them)
 erratum    the forms differ: a point where they do, and, where the paper contradicts itself, the
            other equations whose printed forms give the derived one
@@ -56,7 +56,7 @@ EXAMPLE: Mapping[sp.Symbol, sp.Rational] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proof:
-    """What was found when a verdict was put to the proof."""
+    """Result of testing a verdict."""
 
     ok: bool  # whether the verdict stood
     evidence: str  # in words
@@ -69,8 +69,8 @@ class Equation:
     tag: str  # the paper's equation number, or the section and a key word
     what: str  # it is about
     symbol: str  # left-hand side, LaTeX
-    verdict: Verdict  # on the printed form
     derive: Callable[[], Form]  # from Newton's laws
+    verdict: Verdict = "agrees"  # on the printed form
     shown: Form | None = None  # the derived form, written to be read
     printed: Form | None = None  # in our copy of the paper
     note: str = ""  # what is right, where the paper is not
@@ -80,16 +80,18 @@ class Equation:
     check: Callable[[], Iterable[sp.Expr]] | None = None  # second route, verdict "new"
 
     def __post_init__(self) -> None:
+        if self.printed is None and self.verdict not in ("new", "assumed"):
+            raise ValueError(f"{self.tag}: the verdict {self.verdict!r} needs a printed form")
         object.__setattr__(self, "derive", cache(self.derive))  # proofs and report share it
 
     def prove(self) -> Proof:
-        """Put the verdict to the proof, and the form that is shown as derived."""
+        """Test the verdict, and that the form shown as derived has the derived value."""
         if self.shown is not None and not _equal(self.shown, self.derive()):
-            return Proof(ok=False, evidence="the form that is shown has not the derived value")
+            return Proof(ok=False, evidence="the form shown as derived has another value")
         return _PROOFS[self.verdict](self)
 
     def readable(self) -> Form:
-        """Return the derived form as it reads best: an equal one that was written by hand, if any.
+        """Return the derived form, in an equal form that was written by hand if there is one.
 
         That is `shown`, or the printed form where both agree, or the contradiction of an erratum.
         """
@@ -133,6 +135,7 @@ def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rat
     return point
 
 
+@cache
 def equal_at_random_points(a: sp.Expr, b: sp.Expr, points: int = POINTS) -> bool:
     """Whether two expressions agree to 40 digits at random rational points."""
     free = a.free_symbols | b.free_symbols

@@ -58,7 +58,7 @@ def _named(tag: str) -> str:
 
 
 def forms(entry: Equation | Citation) -> list[tuple[str, Form]]:
-    """What is shown of an entry: (label, form), the printed one first."""
+    """Labelled forms of an entry, the printed one first."""
     if isinstance(entry, Citation):
         return []
     found = [] if entry.printed is None else [("As printed in our copy", entry.printed)]
@@ -78,7 +78,7 @@ def equation(symbol: str | sp.Symbol, form: Form, align: str = "") -> list[str]:
 
 
 def _remarks(row: Row) -> list[tuple[str, str]]:
-    """What is said below an entry: (label, sentence)."""
+    """Labelled sentences below an entry."""
     found = {
         "Counter-example" if row.verdict == "erratum" else "Proof": row.evidence,
         "Contradicted by": row.contradicted_by,
@@ -96,7 +96,7 @@ def _sentence(text: str, links: bool = True) -> Markup:
 
 
 def _environment(**options: Any) -> Environment:
-    """Jinja over the templates of this package, with what they all use."""
+    """Jinja environment over the templates of this package."""
     loader = PackageLoader(__package__)
     made = Environment(loader=loader, undefined=StrictUndefined, **options)
     made.globals |= {"forms": forms, "equation": equation, "remarks": _remarks}
@@ -151,7 +151,7 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
 
 
 def _label(tag: str, first: bool) -> str:
-    """The number of an equation, once; other tags in words."""
+    """LaTeX tag of a form: the equation's number or name at the first form, else `derived`."""
     if not first:
         return r"\tag*{derived}"
     return (

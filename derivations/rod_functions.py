@@ -1,4 +1,4 @@
-"""Rods, regime boundaries and drift as they are generated: outputs and rewriting rules."""
+"""Generated functions of rods, regime boundaries and drift: outputs and rewriting rules."""
 
 import sympy as sp
 

@@ -17,7 +17,7 @@ _PLAIN = ((r"\ge", ">="), (r"\le", "<="), (r"\to", "->"), (r"\cdot", "."), (r"\,
 
 
 def _parts(text: str) -> Iterator[tuple[bool, str]]:
-    """(whether it is a formula, text) of the parts between dollar signs."""
+    """Split a sentence at its dollar signs: (whether it is a formula, text)."""
     return ((i % 2 == 1, part) for i, part in enumerate(text.split("$")))
 
 

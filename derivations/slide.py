@@ -59,7 +59,6 @@ EQUATIONS = (
         symbol="u_*",
         printed=u_0 - (X * Z + mu * (k**2 + Z**2)) / (m * k**2) * P_z,
         derive=slip_velocity,
-        verdict="agrees",
     ),
     Equation(
         tag="8",
@@ -67,7 +66,6 @@ EQUATIONS = (
         symbol="P_z(t_f)",
         printed=_printed_8,
         derive=lambda: impulse()[1],
-        verdict="agrees",
     ),
     Equation(
         tag="9",
@@ -75,7 +73,6 @@ EQUATIONS = (
         symbol="P_x(t_f)",
         printed=_printed_9,
         derive=lambda: impulse()[0],
-        verdict="agrees",
     ),
     Equation(
         tag="10",
@@ -83,7 +80,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=c_x + P_x / m,
         derive=lambda: cm_velocity(P_x, P_z)[0],
-        verdict="agrees",
     ),
     Equation(
         tag="11",
@@ -91,7 +87,6 @@ EQUATIONS = (
         symbol="c_z'",
         printed=c_z + P_z / m,
         derive=lambda: cm_velocity(P_x, P_z)[1],
-        verdict="agrees",
     ),
     Equation(
         tag="12",
@@ -123,7 +118,6 @@ EQUATIONS = (
         symbol="0 < u_*",
         printed=u_0 + (X * Z + mu * (k**2 + Z**2)) / _slope * v_0 * (1 + epsilon),
         derive=slide_excess,
-        verdict="agrees",
     ),
     Equation(
         tag="15",
@@ -131,6 +125,5 @@ EQUATIONS = (
         symbol="v_1",
         printed=v_0 + _slope / _stop * u_0,
         derive=lambda: stop()[2],
-        verdict="agrees",
     ),
 )

@@ -47,7 +47,6 @@ EQUATIONS = (
         symbol="XZ - \\mu(k^2+Z^2) > 0",
         printed=sp.Lt(mu * (k**2 + Z**2), X * Z),
         derive=lambda: sp.Lt(stick_margin(), 0),
-        verdict="agrees",
         note="for $u_0 > 0$; for either sign of the slip $XZ$ becomes $|XZ|$",
     ),
     Equation(
@@ -56,7 +55,6 @@ EQUATIONS = (
         symbol="u_f",
         printed=(mu * (k**2 + Z**2) - X * Z) / (m * k**2) * (P_z - P_1),
         derive=lambda: reversed_change(P_z - P_1)[0],
-        verdict="agrees",
     ),
     Equation(
         tag="B7",
@@ -64,7 +62,6 @@ EQUATIONS = (
         symbol="v_f",
         printed=v_1 + _back / (m * k**2) * (P_z - P_1),
         derive=lambda: v_1 + reversed_change(P_z - P_1)[1],
-        verdict="agrees",
     ),
     Equation(
         tag="B8",
@@ -72,7 +69,6 @@ EQUATIONS = (
         symbol="P_z(t_f)",
         printed=u_0 * m * k**2 / _stop - m * k**2 / _back * _bracket,
         derive=lambda: impulse()[1],
-        verdict="agrees",
         note='the text before it says "the impulse during the reversal phase"; it is the impulse '
         "of the whole contact",
     ),
@@ -82,7 +78,6 @@ EQUATIONS = (
         symbol="P_x(t_f)",
         printed=-u_0 * mu * m * k**2 / _stop - mu * m * k**2 / _back * _bracket,
         derive=lambda: impulse()[0],
-        verdict="agrees",
     ),
     Equation(
         tag="B10",
@@ -90,7 +85,6 @@ EQUATIONS = (
         symbol="u_f",
         printed=-(mu * (k**2 + Z**2) - X * Z) / _back * _bracket,
         derive=final_slip,
-        verdict="agrees",
     ),
     Equation(
         tag="B11",
@@ -98,7 +92,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=_printed_b11.subs(approach()),
         derive=lambda: cm_velocity(*impulse())[0],
-        verdict="agrees",
     ),
     Equation(
         tag="B12",
@@ -106,7 +99,6 @@ EQUATIONS = (
         symbol="c_z'",
         printed=_printed_b12.subs(approach()),
         derive=lambda: cm_velocity(*impulse())[1],
-        verdict="agrees",
     ),
     Equation(
         tag="21",
@@ -128,6 +120,5 @@ EQUATIONS = (
         - _u * 2 * mu * k**2 * X * Z / (_stop * _back)
         - _v * k**2 * (1 + epsilon) / _back,
         derive=lambda: cm_velocity(*impulse())[1],
-        verdict="agrees",
     ),
 )

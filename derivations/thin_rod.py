@@ -77,7 +77,7 @@ def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
 
 
 def _rationalised(expr: sp.Expr) -> sp.Expr:
-    """Without its root: mu = 3 w/(2 (1 + w^2)) turns sqrt(9 - 16 mu^2) into a fraction in w."""
+    """Replace sqrt(9 - 16 mu^2) by a fraction in w, with mu = 3 w/(2 (1 + w^2))."""
     w = sp.Symbol("w", positive=True)
     root = sp.sqrt(9 - 16 * mu**2)
     return expr.subs(root, 3 * (1 - w**2) / (1 + w**2)).subs(mu, 3 * w / (2 * (1 + w**2)))
@@ -104,7 +104,6 @@ EQUATIONS = (
         symbol="\\mu_c",
         printed=_mu_c,
         derive=lambda: sp.factor(thin_slide_friction().subs(phi, 0)),
-        verdict="agrees",
         note="the limit of tilt 0",
     ),
     Equation(
@@ -130,7 +129,6 @@ EQUATIONS = (
         symbol="3\\sin\\phi\\cos\\phi - \\mu(1+3\\cos^2\\phi)",
         printed=_reversal,
         derive=lambda: sp.Lt(stick_margin().subs(THIN), 0),
-        verdict="agrees",
     ),
     Equation(
         tag="23",
@@ -138,7 +136,6 @@ EQUATIONS = (
         symbol="\\phi_c",
         printed=_printed_23,
         derive=critical_tilt,
-        verdict="agrees",
         note="one of two roots: beyond the larger one the contact sticks again",
     ),
     Equation(
@@ -156,7 +153,6 @@ EQUATIONS = (
         symbol="\\phi_c",
         printed=sp.Rational(4, 3) * mu,
         derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 3).removeO(),
-        verdict="agrees",
     ),
     Equation(
         tag="23: next order",

@@ -247,13 +247,18 @@ def test_a_false_verdict_gives_exit_code_one(monkeypatch, capsys):
 
 
 FULL = Path("/dev/full")
+FEW = """
+from derivations import __main__, registry
+registry.ENTRIES = registry.ENTRIES[:2]
+__main__.run()
+"""
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="needs a device that is always full")
-@pytest.mark.parametrize("package", ["derivations check", "figures list"])
-def test_output_that_nobody_takes_ends_without_a_traceback(package):
+@pytest.mark.parametrize("arguments", [["-c", FEW, "check"], ["-m", "figures", "list"]])
+def test_output_that_nobody_takes_ends_without_a_traceback(arguments):
     """A pipe closed early is no error; a full disk is one line and exit code 2."""
-    command = [sys.executable, "-m", *package.split()]
+    command = [sys.executable, *arguments]
     with FULL.open("w") as full:
         for code, target in ((0, subprocess.PIPE), (2, full)):
             process = subprocess.Popen(command, stdout=target, stderr=subprocess.PIPE, text=True)
