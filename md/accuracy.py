@@ -114,6 +114,8 @@ def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:
     ValueError
         If nothing vibrates, no plate is touched, or rods stand in an annulus.
     """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
     if scene.annulus is not None:
         raise ValueError(
             "tolerance has no meaning in an annulus: rods keep the arrangement of their start, so "
@@ -228,11 +230,8 @@ def run(
     """
     if tolerance is None:
         return simulation.run(scene, **options)
-    if options.get("periods") is not None:
-        raise ValueError("periods has no meaning with tolerance, which chooses the length")
-    if not isinstance(scene, Scene):
-        raise TypeError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
-    checked(tolerance=tolerance, confidence=confidence, floor=floor, max_seconds=max_seconds)
+    own = {"confidence": confidence, "floor": floor, "max_seconds": max_seconds}
+    checked(tolerance=tolerance, periods=options.get("periods"), **own)
     chosen, bias = chosen_step(scene, tolerance)
     floor = FLOOR * scene.plate_speed if floor is None else floor
     goal = _Goal(tolerance, confidence, floor, bias if isfinite(bias) else 0.0, max_seconds)
@@ -241,8 +240,12 @@ def run(
     return replace(result, accuracy=_accuracy(goal, scene, result, bias))
 
 
-def checked(**options: float | None) -> None:
+def checked(*, periods: int | None = None, **options: float | None) -> None:
     """Hold the options of a tolerance to their domains."""
+    if periods is not None:
+        raise ValueError("periods has no meaning with tolerance, which chooses the length")
+    if "tolerance" not in options:
+        raise ValueError(f"{next(iter(options))} has no meaning without tolerance")
     for name, value in options.items():
         if value is not None:
             number(name, value, *DOMAINS[name])

@@ -60,10 +60,8 @@ class Annulus(Part):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not self.outer - self.inner >= 1:
-            raise ValueError(
-                f"annulus.outer must be at least a diameter beyond annulus.inner, "
-                f"{self.inner + 1:.6g}, got {self.outer:.6g}"
-            )
+            least = f"a diameter beyond annulus.inner, {self.inner + 1:.6g}"
+            raise ValueError(f"annulus.outer must be at least {least}, got {self.outer:.6g}")
 
     @property
     def middle(self) -> float:
@@ -185,17 +183,14 @@ class Scene(Part):
         rods, box = self.rods, self.box
         if box is None or self.contacts.rods is None:
             return
-        if box.length < rods.count:
-            raise ValueError(
-                f"box.length must be at least {rods.count} for {rods.count} rods, got "
-                f"{box.length:g}"
-            )
-        steepest = degrees(acos(rods.count / box.length))
-        spacing, tilt = box.length / rods.count, self.tilt
+        n, tilt = rods.count, self.tilt
+        if box.length < n:
+            raise ValueError(f"box.length must be at least {n} for {n} rods, got {box.length:g}")
+        steepest, spacing = degrees(acos(n / box.length)), box.length / n
         beyond = max(spacing * abs(sin(tilt)) - (rods.length - 1), 0.0)  # along the axes
         if hypot(beyond, spacing * cos(tilt)) < 1 - 1e-12:
             raise ValueError(
-                f"start.tilt_deg must be at most {steepest:.6g} for {rods.count} rods in a box of "
+                f"start.tilt_deg must be at most {steepest:.6g} for {n} rods in a box of "
                 f"{box.length:g}, got {degrees(tilt):.6g}"
             )
 

@@ -38,7 +38,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from .accuracy import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
-from .domains import finite, positive, whole
+from .domains import finite, held, positive, whole
 from .host import step_of
 from .scene import Scene, as_dict, from_tables, put, read_tables
 from .simulation import MOST_PERIODS
@@ -159,9 +159,7 @@ def _values(name: str, given: object) -> list:
         integers = not log and isinstance(low, int) and all(x == round(x) for x in values)
         return [round(x) for x in values] if integers else values
     if not isinstance(given, list) or not given:
-        raise ValueError(
-            f"{name} must be a list of values or a range, and not empty, got {given!r}"
-        )
+        raise ValueError(f"{name} must be a list of values, not empty, or a range, got {given!r}")
     if any(isinstance(value, float) and not math.isfinite(value) for value in given):
         raise ValueError(f"{name} must hold finite values, got {given!r}")
     return given
@@ -198,12 +196,8 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
             raise ValueError(f"{key} is not a key of a sweep; known: {', '.join(sorted(known))}")
     periods = whole("periods", tables.get("periods", 200), 1, MOST_PERIODS)
     chosen = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
-    if "tolerance" in chosen and "periods" in tables:
-        raise ValueError("periods has no meaning with tolerance, which chooses the length")
-    if "max_seconds" in chosen and "tolerance" not in chosen:
-        raise ValueError("max_seconds has no meaning without tolerance")
     if chosen:
-        checked(**chosen)
+        checked(periods=tables.get("periods"), **chosen)
         periods = 0
     axes = tuple(_axis(i, table) for i, table in enumerate(tables.get("axes", [])))
     keys = [key for axis in axes for key in axis]
@@ -345,8 +339,7 @@ def execute(
     """
     if whole("workers", workers, -1, 10**4) == 0:
         raise ValueError("workers must be at least 1, or -1 for one a core, got 0")
-    if scheduler is not None and not isinstance(scheduler, str):
-        raise TypeError(f"scheduler must be the address of a Dask cluster, got {scheduler!r}")
+    held("scheduler", scheduler, str | None)
     if scheduler is not None and workers != -1:
         raise ValueError(f"workers has no meaning with scheduler, got {workers} and {scheduler!r}")
     points = {point.key: point for point in sweep.points}
@@ -355,8 +348,8 @@ def execute(
         wanted = [p for key, p in points.items() if not database.has(key, failed=not retry)]
         tally = Tally(len(sweep.points), len(points), len(points) - len(wanted))
         bar = tqdm(total=len(wanted), unit=" runs", disable=None if progress else True)
-        count = 0 if scheduler else _cores(workers, len(wanted))
-        results = _survived(wanted, count or -1)
+        processes = min(cpu_count() if workers == -1 else workers, max(len(wanted), 1))
+        results = _survived(wanted, -1 if scheduler else processes)
         try:
             with bar, _backend(scheduler), _stopping(results):
                 for key, result, error, seconds in results:
@@ -378,11 +371,6 @@ def execute(
             raise Interrupted(f"{done} of {len(wanted)} runs done and stored") from None
     tally.seconds = perf_counter() - begin
     return tally
-
-
-def _cores(workers: int, tasks: int) -> int:
-    """Processes to use, no more than there is work for."""
-    return max(min(cpu_count() if workers == -1 else workers, tasks), 1)
 
 
 @contextmanager
