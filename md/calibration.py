@@ -23,7 +23,7 @@ STEPS = 16, 20, 26, 40, 80  # a contact; the last one is next to free of bias
 _SEEDS, _PERIODS = (1, 2, 3, 4), 1500
 
 
-SCENES: dict[str, dict[str, Any]] = {  # what each changes in the row
+SCENES: dict[str, dict[str, Any]] = {  # changes of the row
     "tangential ratio 30": {},
     "tangential ratio 3": both(tangential_ratio=3),
     "Gamma 1.8": {"plate.acceleration": 1.8},
@@ -95,11 +95,11 @@ def is_calibration(path: Path) -> bool:
 
 
 def calibrate(store: str | Path, *, periods: int = _PERIODS, progress: bool = False) -> dict:
-    """Measure what steps do to the drift; what the store holds is not computed again.
+    """Measure the bias of the drift by the step; runs that the store holds are not repeated.
 
     Returns
     -------
-    What `calibration.json` holds: the fit, the drifts behind it, the ranges of the scenes.
+    Content of `calibration.json`: the fit, the drifts behind it, the ranges of the scenes.
     """
     sweep = calibration_sweep(periods)
     execute(sweep, store, progress=progress)

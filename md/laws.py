@@ -64,8 +64,8 @@ def head_on_restitution(damping_ratio: float) -> float:
     """Restitution of a head-on impact with the dashpot 2 zeta sqrt(5/4) sqrt(m k_n) d^(1/4).
 
     In w = d^(5/4) and the time s with ds = d^(1/4) dt the contact is a linear oscillator of
-    frequency sqrt(5/4) and damping ratio zeta, whatever the speed. It ends where the force does,
-    at the first turn of the velocity:
+    frequency sqrt(5/4) and damping ratio zeta, at every speed. It ends with the force, at the
+    first turn of the velocity:
 
         e = exp(-2 zeta arccos(zeta) / sqrt(1 - zeta^2)),  arccosh and zeta^2 - 1 beyond 1.
     """

@@ -1,8 +1,8 @@
-"""Scenes: what is there, as frozen dataclasses or TOML. What a scene does not name is not there.
+"""Scenes: rods and what acts on them, as frozen dataclasses or TOML. An absent part has no effect.
 
 Lengths are in rod diameters, times in sqrt(d/g), velocities in sqrt(g d); only `diameter_cm` and
-`frequency_hz` are not, and turn into these at once, as do the keys in cm and cm/s that a table may
-hold instead of others (`md.units`). `md/scenes/` holds examples.
+`frequency_hz` are not. They are converted when a scene is made, as are the keys in cm and cm/s that
+a table may hold (`md.units`). `md/scenes/` holds examples. A key's domain stands in its type hint.
 """
 
 import hashlib
@@ -122,7 +122,7 @@ class Step(Part):
 class Scene(Part):
     """Rods and what acts on them.
 
-    rods, plate, box, annulus, gravity : what is there; None is not
+    rods, plate, box, annulus, gravity : parts; None: absent
     contacts, start, step : how surfaces touch, how rods start, the time step
 
     Raises
@@ -169,7 +169,7 @@ class Scene(Part):
             raise ValueError(f"{missing} is missing: the scene names {named}, and needs both")
 
     def _in_space(self) -> None:
-        """Refuse what is not for the annulus."""
+        """Refuse an incomplete annulus, and parts that it cannot have."""
         if self.annulus is None and self.rods.rolling:
             raise ValueError("annulus is missing: the scene names rods.rolling, and needs both")
         self._pair("annulus", self.annulus, "contacts.wall", self.contacts.wall)
@@ -238,7 +238,7 @@ class Scene(Part):
 
 
 def as_dict(part: Any) -> Any:
-    """The scene, or a part, as plain dictionaries without what is absent."""
+    """A scene, or a part, as plain dictionaries; absent parts are left out."""
     if is_dataclass(part):
         part = {f.name: getattr(part, f.name) for f in fields(part)}
     elif hasattr(part, "_asdict"):
@@ -332,8 +332,7 @@ def _parsed(assignment: str) -> tuple[str, Any]:
 def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
     """A copy of a scene's tables with the values of some dotted keys changed; "none" removes.
 
-    What is changed takes the place of what said the same before: an amplitude that of an
-    acceleration, say.
+    A changed key replaces the keys that say the same: an amplitude, say, an acceleration.
     """
     changed = deepcopy(dict(tables))
     for key, value in changes.items():
@@ -386,7 +385,7 @@ def from_tables(tables: Mapping) -> Scene:
     Raises
     ------
     ValueError, TypeError
-        If they hold what is not a scene.
+        If they do not make a scene.
     """
     tables, said = reduced(tables)
     try:
@@ -407,7 +406,7 @@ def load(source: str | Path, assignments: Sequence[str] = ()) -> Scene:
     Raises
     ------
     ValueError, TypeError
-        If the file cannot be read or holds what is not a scene.
+        If the file cannot be read or does not hold a scene.
     """
     if isinstance(assignments, str):
         assignments = [assignments]

@@ -1,7 +1,7 @@
 """Results of runs in one SQLite file: a row a run, found again by its key (`md.sweep.Point.key`).
 
-The file is in WAL mode and every row is a transaction of its own: whatever kills the process, rows
-that were written stay, and two sweeps may write to one file.
+The file is in WAL mode and every row is a transaction of its own: rows that were written
+stay when the process is killed, and two sweeps may write to one file.
 """
 
 import contextlib
@@ -237,7 +237,7 @@ def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) 
 
     Parameters
     ----------
-    path : of a new file, or of such a table, which is replaced
+    path : of a new file, or of such a table to replace
     columns, rows : as `table` gives them
 
     Raises

@@ -49,7 +49,7 @@ from .store import Store
 __all__ = ["Interrupted", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
-MOST_POINTS = 10**6
+_MOST_POINTS = 10**6
 _CRASHES = 3  # deaths of a worker in a row before the sweep gives up
 
 
@@ -151,7 +151,10 @@ def _values(name: str, given: object) -> list:
     if isinstance(given, Mapping):
         if not {"from", "to", "count"} <= set(given) <= {"from", "to", "count", "log"}:
             raise ValueError(f"{name} must have from, to, count and at most log, got {dict(given)}")
-        count, log = whole(f"{name}.count", given["count"], 1, MOST_POINTS), given.get("log", False)
+        count, log = (
+            whole(f"{name}.count", given["count"], 1, _MOST_POINTS),
+            given.get("log", False),
+        )
         for end in ("from", "to"):
             positive(f"{name}.{end}", given[end]) if log else finite(f"{name}.{end}", given[end])
         low, high = given["from"], given["to"]
@@ -204,8 +207,8 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
     if len(set(keys)) < len(keys):
         raise ValueError(f"a key may stand on one axis alone, got {keys}")
     size = math.prod(len(next(iter(axis.values()))) for axis in axes)
-    if size > MOST_POINTS:
-        raise ValueError(f"a sweep may have {MOST_POINTS} points, got {size}")
+    if size > _MOST_POINTS:
+        raise ValueError(f"a sweep may have {_MOST_POINTS} points, got {size}")
     common, points = dict(tables.get("set", {})), []
     along = [[dict(zip(a, v, strict=True)) for v in zip(*a.values(), strict=True)] for a in axes]
     for place in itertools.product(*along):

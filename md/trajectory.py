@@ -97,35 +97,24 @@ def check_continues(
     ValueError
         If these are different trajectories, or the frames in the file were changed.
     """
-    if kept is None:
-        if path is not None and not empty(path):
-            raise ValueError(
-                f"trajectory must be a new file, got {str(path)!r}: checkpoint {checkpoint} was "
-                "saved without one; name another file, or remove the checkpoint to start again"
-            )
-        return
-    theirs, anew = kept["path"], f"or remove checkpoint {checkpoint} to start again"
-    if path is None:
-        raise ValueError(f"trajectory is missing: name {theirs!r}, which belongs to it, {anew}")
-    if not same(path, theirs) and Path(theirs).exists():  # else it was moved: its tail tells
-        raise ValueError(f"trajectory must be {theirs!r}, got {str(path)!r}: name that one, {anew}")
-    if per_period != kept["per_period"]:
-        raise ValueError(
-            f"frames must be {kept['per_period']} as before, got {per_period}: ask for that, {anew}"
-        )
-    size = 0 if empty(path) else Path(path).stat().st_size
-    if size < kept["size"] or (size and _tail(Path(path), kept["size"]) != kept["tail"]):
-        raise ValueError(
-            f"trajectory {str(path)!r} was changed: its first {kept['frames']} frames "
-            f"({kept['size']} bytes) are not as checkpoint {checkpoint} knows them; bring them "
-            "back, or remove the checkpoint to start again"
-        )
-    # Frames after those of the checkpoint, of a run that was killed, are written again.
-    if size > kept["size"] and (last := _last_time(Path(path))) > periods:
-        raise ValueError(
-            f"trajectory {str(path)!r} goes on to period {last:.6g}, beyond the {periods} asked "
-            f"for: checkpoint {checkpoint} is older; name a newer one, or ask for as many periods"
-        )
+    why, name = "", repr(str(path))
+    size = 0 if path is None or empty(path) else Path(path).stat().st_size
+    if path is None or kept is None:
+        if kept is not None:
+            why = f"trajectory is missing: name {kept['path']!r}, which belongs to it"
+        elif size:
+            why = f"trajectory must be a new file, got {name}: before, there was none"
+    elif not same(path, kept["path"]) and Path(kept["path"]).exists():  # else it was moved
+        why = f"trajectory must be {kept['path']!r}, got {name}"
+    elif per_period != kept["per_period"]:
+        why = f"frames must be {kept['per_period']} as before, got {per_period}"
+    elif size < kept["size"] or (size and _tail(Path(path), kept["size"]) != kept["tail"]):
+        why = f"trajectory {name} was changed: its first {kept['frames']} frames are not as before"
+    elif size > kept["size"] and (last := _last_time(Path(path))) > periods:
+        # Frames after those of the checkpoint, of a run that was killed, are written again.
+        why = f"trajectory {name} goes on to period {last:.6g}, beyond the {periods} asked for"
+    if why:
+        raise ValueError(f"{why}; or remove checkpoint {checkpoint} to start again")
 
 
 def is_trajectory(path: Path) -> bool:
