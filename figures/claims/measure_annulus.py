@@ -120,20 +120,20 @@ def S20_rolling(data: Evidence) -> Numbers:
     between = (tilt > fig04.MAXIMA_DEG[0]) & (tilt < fig04.MAXIMA_DEG[1])
 
     def kept(d):
-        still, spin = (
-            fig04.shape(d[f"{name}_tilt"], d[f"{name}_c_x"])["dip"] for name in ("still", "spin")
+        still, rolling = (
+            fig04.shape(d[f"{name}_tilt"], d[f"{name}_c_x"])["dip"] for name in ("still", "rolling")
         )
-        return spin / still if still > 0 else np.nan
+        return rolling / still if still > 0 else np.nan
 
     def faster(d):
-        return d["spin_c_x"][between].mean() / d["still_c_x"][between].mean()
+        return d["rolling_c_x"][between].mean() / d["still_c_x"][between].mean()
 
     still_dip = _shape(d, "still", "dip")
     return {
         "kept": resampled(d, kept) if still_dip.value > 0 else count(np.inf),
-        "dip": _shape(d, "spin", "dip"),
+        "dip": _shape(d, "rolling", "dip"),
         "still_dip": still_dip,
-        "faster": resampled(d, faster, "still_c_x", "spin_c_x"),
+        "faster": resampled(d, faster, "still_c_x", "rolling_c_x"),
     }
 
 

@@ -71,7 +71,7 @@ def claims_page(report: dict[str, Any]) -> str:
     """The verdicts as a page: a table, then a section for each claim."""
     from ..lib.row_runs import LAW_NAME  # compiles
 
-    return templates.get_template("claims.md").render(report=report, law=LAW_NAME)
+    return templates.get_template("claims.md.jinja").render(report=report, law=LAW_NAME)
 
 
 def pages() -> dict[Path, str]:
@@ -89,16 +89,16 @@ def pages() -> dict[Path, str]:
     given["verdict"] = {claim["id"]: claim["verdict"] for claim in report["claims"]}
     made = {GALLERY / "claims.md": claims_page(report)}
     for name in ("costs.md", "effects.md"):
-        made[GALLERY / name] = templates.get_template(name).render(given)
+        made[GALLERY / name] = templates.get_template(f"{name}.jinja").render(given)
     text = README.read_text(encoding="utf-8")
     for name in PARTS:
-        part = templates.get_template(f"readme_{name}.md").render(given)
+        part = templates.get_template(f"readme_{name}.md.jinja").render(given)
         text = _filled(text, name, part.strip())
     return made | {README: text}
 
 
 def _numbers(report: dict[str, Any]) -> dict[str, str]:
-    """Measured numbers to two digits, by claim and key: S16.peak."""
+    """Measured numbers for sentences, by claim and key: S16.peak."""
     return {
         f"{claim['id']}.{row['key']}": _short(row)
         for claim in report["claims"]
@@ -107,7 +107,12 @@ def _numbers(report: dict[str, Any]) -> dict[str, str]:
 
 
 def _short(row: dict[str, Any]) -> str:
-    return f"{row['value']:.2g}" if row.get("unit") != "deg" else f"{row['value']:.0f} degrees"
+    """A number to two digits, or three if it would else pass for a whole one; degrees to one."""
+    value = row["value"]
+    if row.get("unit") == "deg":
+        return f"{value:.0f} degrees"
+    short = f"{value:.2g}"
+    return f"{value:.3g}" if float(short) == round(value) != value else short
 
 
 def _filled(text: str, name: str, content: str) -> str:

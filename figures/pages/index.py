@@ -25,8 +25,8 @@ from markupsafe import Markup
 from PIL import Image
 
 from derivations import report
-from derivations.prose import to_html
 from derivations.registry import ENTRIES
+from derivations.sentences import to_html
 
 from .. import FIGURES, load
 from ..claims import judge
