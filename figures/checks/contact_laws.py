@@ -43,6 +43,7 @@ LAWS = {  # what a law changes in `rows.ROW`
     },
 }
 QUICK = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
+NUMBERS = {"S1.mean": lambda d: d["restitution"].mean(), **over_tilt.NUMBERS}  # of touches
 COLUMNS = {  # numbers that claims.toml gives a head
     f"{claim['id']}.{row['key']}": row
     for claim in read()
@@ -71,7 +72,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     """Of each law: the tables over tilt, and a number for each claim."""
     nominal, runs = np.array(QUICK_DEG if quick else TILTS_DEG), sweeps(quick)
     tables = [over_tilt.table(sweep, nominal) for sweep in runs.values()]
-    value = np.array([[over_tilt.NUMBERS[name](d) for name in COLUMNS] for d in tables])
+    value = np.array([[NUMBERS[name](d) for name in COLUMNS] for d in tables])
     grades = [
         [grade(v, c) or 0 for v, c in zip(row, COLUMNS.values(), strict=True)] for row in value
     ]

@@ -13,10 +13,8 @@ A claim holds if all its judged numbers lie within `holds`, does not hold if non
 import json
 import math
 import platform
-import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +25,7 @@ from impact._generated import DIGEST
 from md.simulation import finite
 from md.sources import digest
 
-from .uncertainty import Number
+from .uncertainty import Number, resampled
 
 GRADES = ("does not hold", "holds in part", "holds")
 MISSING = "not measured"
@@ -42,12 +40,24 @@ def read() -> list[dict[str, Any]]:
     return [{**empty, **claim} for claim in tomllib.loads(text)["claims"]]
 
 
-def measures() -> dict[str, Callable]:
-    """Function that measures a claim, by the claim; its name begins with the claim's."""
-    from . import measure_annulus, measure_rows  # they compile, and contact_laws needs the limits
+def measure(claim: str, evidence: Any) -> dict[str, Number]:
+    """Numbers of a claim by key: those of the row over tilt, and what the claim's function gives.
 
-    functions = {**vars(measure_rows), **vars(measure_annulus)}
-    return {n.partition("_")[0]: f for n, f in functions.items() if re.match(r"[SE]\d+_", n)}
+    Parameters
+    ----------
+    claim : as "S13"
+    evidence : the data, `evidence.Evidence`
+    """
+    from . import measure_annulus, measure_rows, over_tilt  # contact_laws needs the limits alone
+
+    names = {
+        name.partition(".")[2]: name for name in over_tilt.NUMBERS if name.startswith(f"{claim}.")
+    }
+    found = {k: resampled(evidence.over_tilt, over_tilt.NUMBERS[n]) for k, n in names.items()}
+    for name, function in {**vars(measure_rows), **vars(measure_annulus)}.items():
+        if name.startswith(f"{claim}_"):
+            found |= function(evidence)
+    return found
 
 
 def grade(value: float, limits: dict[str, Any]) -> int | None:
@@ -76,10 +86,10 @@ def verdict(grades: list[int | None]) -> str:
     return GRADES[2 if min(known) == 2 else 0 if max(known) == 0 else 1]
 
 
-def _judged(claim: dict[str, Any], measure: Callable, evidence: Any) -> dict[str, Any]:
+def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
     """The claim with its numbers, their grades and the verdict."""
     try:
-        measured = measure(evidence)
+        measured = measure(claim["id"], evidence)
     except NO_DATA as failure:
         reason = " ".join(str(failure).split())
         trouble = f"{type(failure).__name__}: {reason}"
@@ -112,12 +122,12 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
 
     from .evidence import Evidence  # compiles
 
-    found, evidence, judged = measures(), Evidence(quick, out), []
+    evidence, judged = Evidence(quick, out), []
     look = {"desc": "judging", "unit": "claim", "leave": False}
     bar = tqdm(read(), disable=None if progress else True, **look)
     for claim in bar:
         bar.set_postfix_str(claim["id"])
-        judged.append(_judged(claim, found[claim["id"]], evidence))
+        judged.append(_judged(claim, evidence))
     made = {name: value for name, value in machine().items() if name != "threads"}
     made |= {
         "system": platform.system(),

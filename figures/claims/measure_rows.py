@@ -1,7 +1,7 @@
 """Numbers of the claims on one impact and on plane rows, and of E3, from the figures' own data.
 
 A function that measures a claim begins with its name, and returns numbers by the keys that
-claims.toml gives them.
+claims.toml gives them. What the paper's row over tilt tells is in `over_tilt`.
 """
 
 import numpy as np
@@ -36,14 +36,12 @@ def S1_restitution(data: Evidence) -> Numbers:
     return {key: Number(value, step, "halved step") for key, value in found.items()}
 
 
-def S2_tilt(data: Evidence) -> Numbers:
-    return over_tilt.measured("S2", data.over_tilt)
-
-
 def S3_forward(data: Evidence) -> Numbers:
-    d, grid = data.over_tilt, data.figure("fig02")
-    driven = np.mean(grid["kind"][grid["gamma"] >= 1.6] == 1)
-    return {"forward": count(over_tilt.NUMBERS["S3.forward"](d)), "driven": count(driven)}
+    grid = data.figure("fig02")
+    return {
+        "forward": count(over_tilt.NUMBERS["S3.forward"](data.over_tilt)),  # not resampled
+        "driven": count(np.mean(grid["kind"][grid["gamma"] >= 1.6] == 1)),
+    }
 
 
 def _cut(data: Evidence) -> dict[str, np.ndarray]:
@@ -78,31 +76,17 @@ def S9_over_gamma(data: Evidence) -> Numbers:
     }
 
 
-def S10_before_and_after(data: Evidence) -> Numbers:
-    return over_tilt.measured("S10", data.over_tilt)
-
-
 def S11_turned_round(data: Evidence) -> Numbers:
     sweep = fig13.sweeps(data.quick)["gamma"]
     far = sweep.values("plate.acceleration") >= 2
     d = over(sweep, before="merged.c_z_before.mean", after="merged.c_z_after.mean")
-    driven = resampled(d, lambda d: np.abs(1 + d["before"] / d["after"])[far].max())
-    return {"driven": driven, **over_tilt.measured("S11", data.over_tilt)}
-
-
-def S12_plate_velocity(data: Evidence) -> Numbers:
-    return over_tilt.measured("S12", data.over_tilt)
-
-
-def S13_flights(data: Evidence) -> Numbers:
-    return over_tilt.measured("S13", data.over_tilt)
+    return {"driven": resampled(d, lambda d: np.abs(1 + d["before"] / d["after"])[far].max())}
 
 
 def S14_phases(data: Evidence) -> Numbers:
     d = data.figure("fig08")
     H = landing_density(d["phase"])
-    distance = resampled(d, lambda d: np.pi * np.abs(d["density"] - H).mean())
-    return {"distance": distance, **over_tilt.measured("S14", data.over_tilt)}
+    return {"distance": resampled(d, lambda d: np.pi * np.abs(d["density"] - H).mean())}
 
 
 def S15_soft_impact(data: Evidence) -> Numbers:
@@ -122,7 +106,6 @@ def S16_theory(data: Evidence) -> Numbers:
     tilt, line = d["a_tilt"], d["thin"] * d["speed"] / 2
     f = fig13.fits(d)
     return {
-        **over_tilt.measured("S16", data.over_tilt),
         "peak": resampled(d, lambda d: d["a_c_x"].max() / line.max()),
         "bump": standard(f["bump"], f["bump_error"]),
         "peak_tilt": resampled(d, lambda d: tilt[d["a_c_x"].argmax()]),
@@ -163,13 +146,11 @@ def S19_gear(_: Evidence) -> Numbers:
 
 
 def S21_slides(data: Evidence) -> Numbers:
-    weighted = standard(*data.census["slide"])
-    return {"weighted": weighted, **over_tilt.measured("S21", data.over_tilt)}
+    return {"weighted": standard(*data.census["slide"])}
 
 
 def S22_isolated(data: Evidence) -> Numbers:
     return {
-        **over_tilt.measured("S22", data.over_tilt),
         "map": standard(*data.census["residual"]),
         "map_isolated": standard(*data.census["isolated_residual"]),
     }

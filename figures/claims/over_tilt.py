@@ -13,7 +13,7 @@ from impact import drift, thin_rod
 from md.sweep import Sweep
 
 from ..lib.row_runs import FRICTION, RESTITUTION, computed, means, plate_speed_cm_s
-from .uncertainty import Number, resampled, rms
+from .uncertainty import rms
 
 SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one above the other
 CLEAR = 3.0  # standard errors from which on a drift counts as one
@@ -97,7 +97,6 @@ def _kept(kind: str) -> Callable[[Table], float]:
 
 _touches, _landings = _turned(""), _turned("landing_")
 NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.toml
-    "S1.mean": lambda d: d["restitution"].mean(),  # of touches; the claim is about single impacts
     "S2.rms": lambda d: rms(d["tilt"] - d["nominal"]),
     "S2.largest": lambda d: np.abs(d["tilt"] - d["nominal"]).max(),
     "S3.forward": lambda d: np.mean(d["c_x"] > CLEAR * d["c_x_error"]),
@@ -126,11 +125,3 @@ NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.to
     "S22.pushed": lambda d: d["pushed"].mean(),
     "S22.touches": lambda d: d["touches"].mean(),
 }
-
-
-def measured(claim: str, d: Table) -> dict[str, Number]:
-    """Numbers of one claim with their errors, by key."""
-    mine = {
-        name.partition(".")[2]: f for name, f in NUMBERS.items() if name.startswith(f"{claim}.")
-    }
-    return {key: resampled(d, function) for key, function in mine.items()}
