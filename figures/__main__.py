@@ -7,7 +7,7 @@ python -m figures claims [--quick] [--out DIR] [--store FILE]
 python -m figures paper [--estimate] [--out DIR] [--store FILE]
 python -m figures prices [--out DIR] [--store FILE]
 python -m figures index [--out DIR]
-python -m figures readme
+python -m figures pages
 python -m figures explore [--tilt-deg PHI] [--friction MU] ... [--out FILE.png]
 """
 
@@ -77,10 +77,10 @@ Open a window of sliders: one impact and the drift.
   python -m figures explore
   python -m figures explore --tilt-deg 40 --friction 0.5 --out setting.png     # no window
 """,
-    "readme": """\
-Write the measured parts of the README from the gallery, in a checkout.
+    "pages": """\
+Write the pages of the gallery and the measured parts of the README, in a checkout.
 
-  python -m figures readme
+  python -m figures pages
 """,
 }
 
@@ -211,15 +211,16 @@ def _movie(arguments: argparse.Namespace) -> int:
 
 
 def _claims(arguments: argparse.Namespace) -> int:
-    from .claims import verdicts as claims
+    from .claims import judge
+    from .pages import gallery
 
     with storing(arguments.out, arguments.store, *CLAIMS) as out:
-        report = claims.judge(arguments.quick, progress=True)
-    text = json.dumps(claims.plain(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    for name, content in zip(CLAIMS, (text, claims.page(report)), strict=True):
+        report = judge.judge(arguments.quick, progress=True, out=out)
+    text = json.dumps(judge.plain(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    for name, content in zip(CLAIMS, (text, gallery.claims_page(report)), strict=True):
         with _replacing(out / name) as part:
             part.write_text(content, encoding="utf-8")
-    print(claims.brief(report))
+    print(judge.brief(report))
     return 0
 
 
@@ -265,10 +266,9 @@ def _explore(arguments: argparse.Namespace) -> int:
 
         mpl.use("Agg")
     from .pages import explore
-    from .pages.setting import Setting
 
     try:
-        start = Setting(**given)
+        start = explore.Setting(**given)
         if out and out.suffix != ".png":
             raise ValueError(f"out must be a file that ends in .png, got {out}")
         if out:
@@ -284,21 +284,21 @@ def _explore(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _readme(_: argparse.Namespace) -> int:
-    from .pages import readme
+def _pages(_: argparse.Namespace) -> int:
+    from .pages import gallery
 
-    TARGET = readme.TARGET
-    if not TARGET.is_file():
-        raise CommandError(f"it needs a source checkout; {TARGET.parent} has no {TARGET.name}")
+    if not gallery.README.is_file():
+        raise CommandError(f"it needs a source checkout; there is no {gallery.README}")
     try:
-        text = TARGET.read_text(encoding="utf-8")
-        new = readme.refreshed(text)
+        made = gallery.pages()
     except (OSError, ValueError) as error:
         raise CommandError(error) from None
-    if new != text:
-        with _replacing(TARGET) as part:
-            part.write_text(new, encoding="utf-8")
-    print(f"{TARGET}  {'as it was' if new == text else 'written anew'}")
+    for path, text in made.items():
+        old = path.is_file() and path.read_text(encoding="utf-8") == text
+        if not old:
+            with _replacing(path) as part:
+                part.write_text(text, encoding="utf-8")
+        print(f"{path}  {'as it was' if old else 'written'}")
     return 0
 
 
@@ -340,8 +340,8 @@ def _parser() -> Parser:
     prices.set_defaults(run=_prices)
     index = commands.add_parser("index", **told(TOLD["index"]))
     index.set_defaults(run=_index)
-    words = commands.add_parser("readme", **told(TOLD["readme"]))
-    words.set_defaults(run=_readme)
+    words = commands.add_parser("pages", **told(TOLD["pages"]))
+    words.set_defaults(run=_pages)
     for command in (draw, judging, paper, prices, index):
         command.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
     for command in (draw, judging, paper, prices):
