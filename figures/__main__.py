@@ -162,16 +162,16 @@ def claims(quick: bool, out: Path, store: Path | None) -> None:
     python -m figures claims --quick                # short runs, for a first look
     python -m figures claims
     """
-    from .claims import verdicts
+    from .claims import judge
     from .lib.files import storing
+    from .pages import gallery
 
     with storing(out, store, *CLAIMS):
-        report = verdicts.judge(quick, progress=True)
-    for name, text in zip(
-        CLAIMS, (_json_text(verdicts.plain(report)), verdicts.page(report)), strict=True
-    ):
+        report = judge.judge(quick, progress=True, out=out)
+    texts = _json_text(judge.plain(report)), gallery.claims_page(report)
+    for name, text in zip(CLAIMS, texts, strict=True):
         _write_text(out / name, text)
-    print(verdicts.brief(report))
+    print(judge.brief(report))
 
 
 @main.command()
@@ -262,22 +262,21 @@ def index(out: Path) -> None:
 
 
 @main.command()
-def readme() -> None:
-    """Write the measured parts of the README, in a checkout.
+def pages() -> None:
+    """Write the pages of the gallery and the README's numbers.
 
     \b
-    python -m figures readme
+    python -m figures pages
     """
-    from .pages import readme as parts
+    from .pages import gallery
 
-    TARGET = parts.TARGET
-    if not TARGET.is_file():
-        raise InputError(f"it needs a source checkout; {TARGET.parent} has no {TARGET.name}")
-    text = TARGET.read_text(encoding="utf-8")
-    new = parts.refreshed(text)
-    if new != text:
-        _write_text(TARGET, new)
-    print(f"{TARGET}  {'as it was' if new == text else 'written'}")
+    if not gallery.README.is_file():
+        raise InputError(f"it needs a source checkout; there is no {gallery.README}")
+    for path, text in gallery.pages().items():
+        old = path.is_file() and path.read_text(encoding="utf-8") == text
+        if not old:
+            _write_text(path, text)
+        print(f"{path}  {'as it was' if old else 'written'}")
 
 
 @main.command()
@@ -302,9 +301,8 @@ def explore(out: Path | None, **given: Any) -> None:
         mpl.use("Agg")
     from .lib.files import ready
     from .pages import explore as window
-    from .pages.setting import Setting
 
-    start = Setting(**{name: value for name, value in given.items() if value is not None})
+    start = window.Setting(**{name: value for name, value in given.items() if value is not None})
     if out and out.suffix != ".png":
         raise InputError(f"out must be a file that ends in .png, got {out}")
     if out:

@@ -28,7 +28,7 @@ rigid impacts in `impact`, which it is there to test.
 
 Files, as one reads them
 ------------------------
-scene, units, laws                  what is there: `Scene`, also in cm and Hz; the contact laws
+scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; the contact laws
 kernels/contact, single             compiled: forces of one contact; one rod on the plate
 kernels/neighbours, plane, touches  compiled: rods in a plane, pairs, steps, touches of the plate
 kernels/space                       compiled: the same in an annulus

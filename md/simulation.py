@@ -16,16 +16,18 @@ import numba
 import numpy as np
 from tqdm import tqdm
 
+from .domains import whole
 from .errors import InputError
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import Engine, prepare
 from .interrupt import SIGNALS
 from .measures import Tables
-from .scene import Scene, as_dict, whole
+from .scene import Scene, as_dict
 from .sources import digest
 from .statistics import transient
 from .trajectory import Trajectory, check_continues, is_trajectory
 
+MOST_PERIODS = 10**7  # of a run
 _SAVED = 60.0  # seconds from one checkpoint to the next
 
 
@@ -376,7 +378,7 @@ def run(
     """
     if not isinstance(scene, Scene):
         raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
-    periods = whole("periods", periods, 1, 10**7)
+    periods = whole("periods", periods, 1, MOST_PERIODS)
     frames = whole("frames", frames, 1, 10**6)
     if observe is not None and scene.annulus is not None:
         raise InputError(

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import reference
+from .domains import not_negative, number, positive
 from .errors import InputError, RunError
 from .kernels import single as integrators
 from .kernels.contact import Effects, Friction, Motion
@@ -23,9 +24,6 @@ from .laws import (
     deepest_overlap,
     friction_of,
     largest_step,
-    not_negative,
-    number,
-    positive,
 )
 from .reference import Vibration
 

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from md.sweep import Sweep
 
-from ..claims.number import off_line
+from ..claims.uncertainty import off_line
 from ..lib import annulus_runs as ring
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
 
