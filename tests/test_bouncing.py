@@ -10,6 +10,7 @@ import impact
 import impact.bouncing as bouncing
 from impact import ContactGeometry, collide, drift, thin_rod
 from impact.bouncing import TURN, bounce, hit_again_tilt, record
+from impact.falling import fall
 from impact.flight import landing, lift_off, slide_to_lift
 
 SPHERE = ContactGeometry(0.0, 0.5, sqrt(0.1))
@@ -278,35 +279,44 @@ def test_locked_to_one_period_at_large_tilt():
     assert run.again.mean == 1
 
 
+BAD = {  # of `bounce` and of `fall`
+    "gamma": (0.0, np.nan, np.inf, np.array([2.0, 3.0]), "high"),
+    "friction": (-0.1,),
+    "restitution": (1.1, np.nan),
+    "landings": (0, 2.5),
+    "rods": (0,),
+    "seed": (-1,),
+    "transient": (-1,),
+    "shortest_flight": (0.0, 1e-13),
+    "law": ("hooke",),
+}
+NO_GEOMETRY = ContactGeometry(0.1, 0.4, 0.0), ContactGeometry(np.nan, 0.4, 0.3), 3.0
+BAD_HERE = {"bins": (0,), "geometry": (*NO_GEOMETRY, thin_rod(np.array([0.1, 0.2])))}
+BAD_FALL = {
+    "tilt": (1.6, np.nan, np.array([0.1, 0.2])),
+    "length": (0.0, np.inf, 0.5),
+    "diameter": (-1.0,),
+    "transient": (0,),
+    "periods": (0.0, np.nan),
+    "shortest_flight": (1e-6,),
+}
+HERE = {"geometry": thin_rod(0.3), "gamma": 2.0, **PAPER, "landings": 5}
+FALLING = {"tilt": 0.3, "length": 100.0, "diameter": 1.0, "gamma": 2.0, **PAPER}
+
+
 @pytest.mark.parametrize(
-    ("change", "error", "word"),
+    ("function", "setting", "name", "value"),
     [
-        ({"gamma": 0.0}, ValueError, "gamma must be > 0"),
-        ({"gamma": np.nan}, ValueError, "gamma"),
-        ({"gamma": np.inf}, ValueError, "gamma"),
-        ({"gamma": np.array([2.0, 3.0])}, TypeError, "gamma"),
-        ({"gamma": "high"}, TypeError, "gamma"),
-        ({"friction": -0.1}, ValueError, "friction"),
-        ({"restitution": 1.1}, ValueError, "restitution"),
-        ({"restitution": np.nan}, ValueError, "restitution"),
-        ({"landings": 0}, ValueError, "landings must be at least 1"),
-        ({"landings": 2.5}, TypeError, "landings"),
-        ({"rods": 0}, ValueError, "rods"),
-        ({"seed": -1}, ValueError, "seed"),
-        ({"transient": -1}, ValueError, "transient"),
-        ({"shortest_flight": 0.0}, ValueError, "shortest_flight"),
-        ({"bins": 0}, ValueError, "bins"),
-        ({"law": "hooke"}, ValueError, "law must be one of newton"),
-        ({"geometry": ContactGeometry(0.1, 0.4, 0.0)}, ValueError, "k"),
-        ({"geometry": ContactGeometry(np.nan, 0.4, 0.3)}, ValueError, "geometry.X"),
-        ({"geometry": thin_rod(np.array([0.1, 0.2]))}, TypeError, "geometry.X"),
-        ({"geometry": 3.0}, TypeError, "geometry"),
+        (function, setting, name, value)
+        for function, setting, own in ((bounce, HERE, BAD_HERE), (fall, FALLING, BAD_FALL))
+        for bad in (BAD, own)
+        for name, values in bad.items()
+        for value in values
     ],
 )
-def test_bad_input(change, error, word):
-    setting = {"geometry": thin_rod(0.3), "gamma": 2.0, **PAPER, "landings": 5}
-    with pytest.raises(error, match=word):
-        bounce(**{**setting, **change})
+def test_bad_input(function, setting, name, value):
+    with pytest.raises(impact.InputError, match=rf"{name}(\.\w)? must be "):
+        function(**{**setting, name: value})
 
 
 def test_friction_has_its_limits():

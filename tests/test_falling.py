@@ -264,33 +264,3 @@ def test_travel_is_that_of_the_landings():
     flown = np.nansum(run.rest, axis=1) == 0
     assert flown.sum() > 10
     np.testing.assert_allclose(run.travel[flown], moved[flown], rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("change", "error", "word"),
-    [
-        ({"tilt": 1.6}, ValueError, "tilt must be between -pi/2 and pi/2"),
-        ({"tilt": np.nan}, ValueError, "tilt"),
-        ({"tilt": np.array([0.1, 0.2])}, TypeError, "tilt must be a single number"),
-        ({"length": 0.0}, ValueError, "length"),
-        ({"length": np.inf}, ValueError, "length"),
-        ({"diameter": -1.0}, ValueError, "diameter"),
-        ({"diameter": 101.0}, ValueError, "length must be >= diameter"),
-        ({"gamma": 0.0}, ValueError, "gamma must be > 0"),
-        ({"friction": -0.1}, ValueError, "friction"),
-        ({"restitution": 1.1}, ValueError, "restitution"),
-        ({"landings": 0}, ValueError, "landings must be at least 1"),
-        ({"landings": 2.5}, TypeError, "landings"),
-        ({"rods": 0}, ValueError, "rods"),
-        ({"seed": -1}, ValueError, "seed"),
-        ({"transient": 0}, ValueError, "transient must be at least 1"),
-        ({"periods": 0.0}, ValueError, "periods"),
-        ({"periods": np.nan}, ValueError, "periods"),
-        ({"shortest_flight": 1e-6}, ValueError, "shortest_flight"),
-        ({"law": "hooke"}, ValueError, "law must be one of newton"),
-    ],
-)
-def test_bad_input(change, error, word):
-    setting = {"tilt": 0.3, "length": 100.0, "gamma": 2.0, **PAPER}
-    with pytest.raises(error, match=word):
-        fall(**{**setting, **change})
