@@ -58,7 +58,7 @@ class Labelled(np.ndarray):
 
 
 def labels_of(value: Any) -> Labels:
-    """Labels of what looks like pandas or xarray, neither of which is imported; else empty."""
+    """Labels of a pandas or xarray object, recognised without importing either; else empty."""
     if isinstance(value, Labelled):
         return value.labels
     if getattr(value, "dims", None) is not None:
@@ -82,7 +82,7 @@ def _difference(one: Labels, other: Labels) -> tuple[Any, Any] | None:
 
 
 def _refuse_unlike(values: Mapping[str, Any]) -> None:
-    """Raise `ValueError` if two labelled arguments would be paired against their labels."""
+    """Raise `InputError` if two labelled arguments would be paired against their labels."""
     labelled = [(name, labels) for name, v in values.items() if (labels := labels_of(v))]
     for (one, labels), (other, others) in combinations(labelled, 2):
         if found := _difference(labels, others):
@@ -93,9 +93,9 @@ def _refuse_unlike(values: Mapping[str, Any]) -> None:
 
 
 def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
-    """`value` as a real array; a scalar outside the domain raises `ValueError`.
+    """A value as a real array; a scalar outside the domain raises `InputError`.
 
-    Masked elements count as nan. What is not a real number raises `TypeError`.
+    Masked elements count as nan. Anything but a real number raises.
     """
     if isinstance(value, np.ma.MaskedArray):
         value = np.ma.filled(value.astype(np.result_type(value.dtype, np.float32)), np.nan)
@@ -111,9 +111,9 @@ def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
 
 
 def real_arrays(arguments: Mapping[str, Argument]) -> tuple[list[np.ndarray], np.dtype]:
-    """All arguments of a call as real arrays, and the dtype of its results.
+    """Arguments of a call as real arrays, and the dtype of the results.
 
-    Labelled arguments whose labels differ raise `ValueError`.
+    Labelled arguments whose labels differ raise `InputError`.
     """
     values = [value for value, _ in arguments.values()]
     if not _PLAIN.issuperset(map(type, values)):
@@ -182,9 +182,8 @@ def in_blocks(
 ) -> tuple[Any, ...]:
     """Broadcast `inputs` and apply `function` block by block, in float64, without warnings.
 
-    `dtypes` are those of the results; memory in flight beside them is a few blocks. Scalars stay
-    scalars, so that what is common to all elements is computed once a block; scalars alone give
-    scalars.
+    `dtypes` belong to the results; beside them a few blocks are in memory. Scalars stay scalars, so
+    that a term common to all elements is computed once a block; scalars alone give scalars.
     """
     numbers = [value.astype(np.float64)[()] if value.ndim == 0 else None for value in inputs]
     arrays = [value for value in inputs if value.ndim > 0]

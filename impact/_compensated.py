@@ -1,4 +1,4 @@
-"""The sums of an impact that may cancel, as if computed in twice the digits.
+"""Sums of an impact that may cancel, evaluated as if in twice the digits.
 
 The contact velocity is the difference of what the centre of mass does and what the spin does. And
 at the edge of the Painleve region, where friction cancels the squares in k^2 + X^2 + mu X Z, the
@@ -14,7 +14,7 @@ _SPLIT = 134217729.0  # 2^27 + 1
 
 
 def _halves(a):
-    """Number a with its upper and lower half: (a, high, low), a = high + low exactly."""
+    """A number with its upper and lower half: (a, high, low), a = high + low exactly."""
     t = _SPLIT * a
     high = t - (t - a)
     return a, high, a - high

@@ -10,7 +10,7 @@ from ._interrupt import deferred
 
 
 class CompilerError(ImportError):
-    """Numba's compiler is switched off, which no kernel of this package can do without."""
+    """Numba's compiler is switched off; every kernel of this package needs it."""
 
     exit_code = 2  # of a command that it ends
 
@@ -20,7 +20,7 @@ if numba.config.DISABLE_JIT:
 
 
 def kernel(function: Callable | None = None, **options: Any) -> Any:
-    """Compile on first call; no exception on a division."""
+    """Compile a function on its first call; a division by zero raises nothing."""
     if function is None:
         return partial(kernel, **options)
     made = numba.njit(error_model="numpy", **options)(function)

@@ -1,4 +1,4 @@
-"""The branch rule and the three laws of one impact, as one body for arrays and compiled scalars.
+"""Branch rule and three laws of one impact: one text for arrays and for compiled scalars.
 
 In the mirror frame in which the contact point slips forward (u_0 >= 0), with N and T of
 `slip_response`, and u_f what a slide would leave of the slip:
@@ -126,7 +126,7 @@ def mirrored(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
 
 
 def regime_of(a):
-    """Codes of `Regime`."""
+    """Codes of `Regime` that the branch rule gives."""
     return select(a.hits, select(a.slides, 1, 3 - a.sticks), 0)
 
 
@@ -136,14 +136,14 @@ def newton(a, k, epsilon, j_1, rise, rise_low):
 
 
 def _gain(a, v_f):
-    """The same under a law that gives `v_f` where the slip stops."""
+    """v_f, v_f - v_0 and its low part under a law that gives v_f where the slip stops."""
     v_f = select(a.slides, a.v_f, v_f)
     gain = v_f - a.v_0
     return v_f, gain, (v_f - (gain + a.v_0)) - a.v_low
 
 
 def _slopes(a, k, j_1, rise, rise_low):
-    """w, r of the phase after the stop; v_1, and v_1 as far as a late stop allows."""
+    """Coefficients w, r of the phase after the stop; v_1, and v_1 within its bounds."""
     after = select(a.sticks, stick_response(k, a.K, a.K_z), a.N_back)
     w, r = slopes(j_1, a.N, after)
     v_1 = (a.v_0 + rise) + (a.v_low + rise_low)
@@ -151,14 +151,14 @@ def _slopes(a, k, j_1, rise, rise_low):
 
 
 def poisson(a, k, epsilon, j_1, rise, rise_low):
-    """The same for kinetic restitution."""
+    """v_f, v_f - v_0 and its low part under kinetic restitution."""
     w, r, v_1, late = _slopes(a, k, j_1, rise, rise_low)
     early = poisson_early(epsilon, v_1, w)
     return _gain(a, select(v_1 < 0, early, poisson_late(epsilon, a.v_0, late, r)))
 
 
 def stronge(a, k, epsilon, j_1, rise, rise_low):
-    """The same for energetic restitution."""
+    """v_f, v_f - v_0 and its low part under energetic restitution."""
     w, r, v_1, late = _slopes(a, k, j_1, rise, rise_low)
     early = stronge_early(epsilon, a.v_0, v_1, w)
     return _gain(a, np.sqrt(select(v_1 < 0, early, stronge_late(epsilon, a.v_0, late, r))))

@@ -131,7 +131,7 @@ def collide_columns(function: Callable, columns: list[np.ndarray], law: str) -> 
 
 
 def machine() -> dict[str, Any]:
-    """Processor, versions, threads."""
+    """Processor, versions and threads of this machine."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         named = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
@@ -177,7 +177,7 @@ def _same_bits(columns: list[np.ndarray]) -> bool:
 
 
 def _once(function: Callable[[], Any]) -> float:
-    """Seconds of one call."""
+    """Seconds that one call takes."""
     start = perf_counter()
     function()
     return perf_counter() - start
@@ -190,7 +190,7 @@ def _in_parts(function: Callable, *columns: np.ndarray) -> None:
 
 
 def _tasks(columns: list[np.ndarray]) -> dict[str, Callable[[], Any]]:
-    """What is timed, by name."""
+    """Calls to time, by name."""
     n = columns[0].size
     results = [np.empty(n, np.int8 if i == 3 else np.float64) for i in range(9)]
     half = np.zeros(BYTES * n // 2 + 1, np.uint8)  # a copy reads it and writes as much

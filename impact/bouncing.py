@@ -78,7 +78,7 @@ class Estimate(NamedTuple):
 
 
 class Bouncing(NamedTuple):
-    """What the landings of many independent rods have in common; every field an `Estimate`.
+    """Means over the landings of many independent rods; every field an `Estimate`.
 
     Without landings (gamma <= 1: the plate never falls away from a rod at rest) drift is 0, rest
     is 1 and all else nan.
@@ -128,12 +128,12 @@ def hit_again_tilt(restitution: Any) -> Any:
 
 @cache
 def _loop(law: str):
-    """One rod from landing to landing under one law; Omega = g = 1."""
+    """Compile the motion of one rod under one law; Omega = g = 1."""
     collide = KERNELS[law]
 
     @kernel
     def meet(c_x, v_0, X, Z, k, friction, restitution):
-        """Impacts on the spot, in the frame of the plate, until the rod leaves or rests."""
+        """Repeat impacts at one phase, in the frame of the plate, until the rod leaves or rests."""
         c_x, v, _, regime, _, _, _, _, _ = collide(
             c_x, v_0, 0.0, 0.0, X, Z, k, friction, restitution
         )
@@ -176,7 +176,7 @@ def _loop(law: str):
         return phase, speed, c_x, period
 
     def whole(start, *setting):
-        """From the start on."""
+        """Follow a rod from its start, in calls short enough for signals."""
         *physics, transient, out = setting
         state = *start, 0.0
         for first in range(-transient, len(out), _LANDINGS_A_CALL):
@@ -216,14 +216,14 @@ def _checked(
 
 
 def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
-    """Phase, take-off velocity over the plate's, and c_x of one rod, from a stream of its own."""
+    """Draw the start of one rod: phase, take-off velocity over the plate's, c_x."""
     stream = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(rod,)))
     phase, speed, c_x = stream.random(3)
     return TURN * phase, 2 * gamma * speed, gamma * (2 * c_x - 1)
 
 
 def _blocks(problem: _Problem) -> Iterator[Landings]:
-    """Landings of a few rods at a time."""
+    """Yield the landings of a few rods at a time."""
     gamma, landings = problem.physics[0], problem.landings if problem.physics[0] > 1 else 0
     together = max(1, _BLOCK // problem.landings)
     for first in range(0, problem.rods, together):
@@ -249,7 +249,7 @@ def _density(values: np.ndarray, bins: int, high: float) -> np.ndarray:
 
 
 def _summary(runs: Landings, bins: int) -> dict[str, np.ndarray]:
-    """Means of every rod, rods along the first axis; names as in `Bouncing`."""
+    """Means for each rod, rods along the first axis; names as in `Bouncing`."""
     plate, impulse = np.cos(runs.phase), runs.c_z_after - runs.c_z
     time = runs.flight.sum(1) + runs.rest.sum(1)
     c_z = runs.c_z_after.mean(1)
@@ -278,7 +278,7 @@ def _estimate(values: np.ndarray) -> Estimate:
 
 
 def _no_flight(bins: int) -> Bouncing:
-    """The plate never falls away from the rod."""
+    """Result for a rod that the plate never throws: no landings."""
     empty = {name: Estimate(np.nan, np.nan) for name in Bouncing._fields}
     for name, size in (("regimes", 4), ("phases", bins), ("flights", _FLIGHT_BINS)):
         empty[name] = Estimate(*np.full((2, size), np.nan))
@@ -298,7 +298,7 @@ def record(
     transient: int = 100,
     shortest_flight: float = 1e-6,
 ) -> Landings:
-    """Every single landing of many rods; `bounce` sums it up.
+    """Record every landing of many rods; `bounce` gives their means.
 
     Parameters
     ----------
@@ -370,10 +370,10 @@ def bounce(
     Notes
     -----
     Section V closes Eqs. (24)-(30) by c_z' = -c_z and V_z = alpha V_0; here only omega = 0 is kept
-    of the closure. At restitution 1 a vertical rod has no stationary state: it gains height for
-    ever, as in Fermi's accelerator. For gamma <= 1 a rod at rest stays there, and that is what is
-    returned; a rod that is thrown could still bounce for ever, once a period, a vertical one from
-    gamma = pi (1 - restitution)/(1 + restitution) on. Such orbits coexist with rest a little above
+    of the closure. At restitution 1 a vertical rod has no stationary state: it gains height without
+    end, as in Fermi's accelerator. For gamma <= 1 a rod at rest stays there, and that is what is
+    returned; a rod that is thrown could still bounce without end, once a period (a vertical one
+    from gamma = pi (1 - restitution)/(1 + restitution) on). Such orbits coexist with rest a little above
     gamma = 1 too, where some of the rods, thrown at the start, find them.
     """
     bins = count("bins", bins, 1)

@@ -45,7 +45,7 @@ def _exponent(*values: Any) -> Any:
 
 
 def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
-    """`function` with lengths and speeds scaled by powers of two: exact, and in range."""
+    """Evaluate a function with lengths and speeds scaled by powers of two: exact, and in range."""
     c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = block
     length = _exponent(X, Z, k)
     spin, spin_exponent = np.frexp(omega)
@@ -66,7 +66,7 @@ def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
 
 
 def _guarded(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
-    """`function` on a block; unusual elements are scaled, invalid ones become nan and INVALID."""
+    """Evaluate a function on a block; unusual elements scaled, invalid ones nan and INVALID."""
     usual = kernel.ordinary(*block)
     if np.all(usual):
         return function(*block)
@@ -127,7 +127,7 @@ def from_arrays(
 
 
 def collision(results: Sequence[Any], dtype: DTypeLike) -> Collision:
-    """Record of the results, scalars as scalars."""
+    """Results as a `Collision`, scalars as scalars."""
     fields = [result.astype(dtype, copy=False)[()] for result in results]
     fields[3] = kernel.as_regime(results[3][()])
     return Collision(*fields)

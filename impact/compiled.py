@@ -25,7 +25,7 @@ __all__ = ["KERNELS", "collide", "collide_newton", "collide_poisson", "collide_s
 
 @intrinsic
 def _fused(typing_context, a, b, c):
-    """a b + c with one rounding."""
+    """Compute a b + c with one rounding."""
 
     def build(context, builder, signature, arguments):
         return builder.fma(*arguments)
@@ -35,7 +35,7 @@ def _fused(typing_context, a, b, c):
 
 @kernel(forceinline=True)
 def _halves(a):
-    """Leave `a` whole: `_product` needs no halves here."""
+    """Leave a number whole: `_product` needs no halves here."""
     return a
 
 
@@ -48,7 +48,7 @@ def _product(a, b):
 
 @kernel(forceinline=True)
 def _select(condition, a, b):
-    """One of two numbers that are both there."""
+    """Choose one of two numbers that are both computed."""
     return a if condition else b
 
 
@@ -74,7 +74,7 @@ _known: dict[str, Any] = {
 
 
 def _compile(module, *names: str) -> None:
-    """Compile functions of `module`; what was compiled before replaces what they call by name.
+    """Compile functions of a module; they call those that were compiled before.
 
     All are inlined: a real call would return its tuple through memory and keep loops from being
     vectorised (five times slower).
@@ -108,7 +108,7 @@ _impact, _ordinary = _known["impact"], _known["ordinary"]
 
 
 def _scalar_kernel(law: str) -> Any:
-    """The impact under one law, nine floats in, nine numbers out."""
+    """Compile the impact under one law: nine floats in, nine numbers out."""
     final_velocity = _known[law]
 
     def collide(
@@ -148,7 +148,7 @@ _LEFT = -2  # regime code of an impact that is left to plain NumPy: invalid, or 
 
 @cache
 def _loop(law: str):
-    """All impacts of one law, one after the other; returns how many were left out."""
+    """Compile a loop over impacts under one law; it returns how many it left out."""
     impact = KERNELS[law]
 
     # fmt: off

@@ -1,7 +1,7 @@
 """A rod left alone on the plate z = A sin(Omega t): it keeps its spin, turns in flight, and falls.
 
 The paper's closure (`impact.bouncing`) has neighbours that take the spin and hold the tilt. Here
-they let go: what a single rod does then says how much of the closure is the crowd's doing.
+they let go: what a single rod does then shows how much of the closure is due to neighbours.
 
 >>> from math import pi, radians
 >>> from impact.falling import fall
@@ -49,7 +49,7 @@ _SHORTEST = Domain(1e-5, 0.1, "between 1e-5 and 0.1 (periods)")
 
 
 class Falls(NamedTuple):
-    """What became of every rod, and its single landings on the tip it was released on.
+    """Fate of every rod, and its landings on the tip on which it was released.
 
     Shape (rods,) down to `tilt_end`, then (rods, landings) with nan (regime -1) after the last.
     Velocities in V_0 = A Omega and in the frame of the laboratory, omega in Omega, tilts in rad.
@@ -75,7 +75,7 @@ class Falls(NamedTuple):
 
 
 class _Swing(NamedTuple):
-    """How a rod turns from a take-off on: its half axis, centre to centre of the tip's cap."""
+    """Rotation of a rod from a take-off on: its half axis, centre to centre of the tip's cap."""
 
     across: float  # reach sin(tilt)
     up: float  # reach cos(tilt)
@@ -124,12 +124,12 @@ def _touch(d, swing, bend, t):
 
 @cache
 def _loop(law: str):
-    """One rod under one law from its release to its fall; Omega = g = 1."""
+    """Compile the motion of one rod under one law from release to fall; Omega = g = 1."""
     collide = KERNELS[law]
 
     @kernel
     def rod(state, gamma, reach, cap, k, friction, restitution, shortest, periods, out):
-        """Fill a row of `out` a landing, from `Falls.period` on.
+        """Fill one row of `out` per landing, from `Falls.period` on.
 
         Returns the `state` for the next call, whether the rod has fallen, whether it goes on.
         """
@@ -173,7 +173,7 @@ def _loop(law: str):
         return (phase, speed, c_x, tilt, period, omega, travel, rest, n), fallen, going
 
     def whole(start, *setting):
-        """From the release on; returns the fields of `Falls` before `period`."""
+        """Follow a rod from its release; returns the fields of `Falls` before `period`."""
         state, going = (*map(float, start), 0.0, 0.0, 0.0, 0.0, 0), True
         while going:
             state, fallen, going = rod(state, *setting)
@@ -189,7 +189,7 @@ def _released(
     """Phase, velocity over the plate's and c_x of every rod after `transient` held landings."""
     held = record(geometry, gamma=gamma, rods=rods, landings=1, transient=transient - 1, **setting)
     if not held.phase.size:
-        return np.zeros((rods, 3))  # rests for ever
+        return np.zeros((rods, 3))  # rests without end
     speed = gamma * (held.c_z_after - np.cos(held.phase))
     return np.hstack([held.phase, np.maximum(speed, 0), gamma * held.c_x_after])
 

@@ -28,7 +28,7 @@ _STEPS = 500  # never reached: a root of order four, 1e-8 after take-off, takes 
 
 
 class Departure(NamedTuple):
-    """What a flight starts with; at rest on the plate `speed` is zero.
+    """State at the start of a flight; from rest on the plate `speed` is zero.
 
     `lift` is the first second derivative of the gap, Gamma sin(theta) - 1, kept apart because it is
     exactly zero where a resting rod takes off.
@@ -96,7 +96,7 @@ def _concave_root(d, guess, end):
 
 @kernel
 def _convex_root(d, t, end):
-    """First root in a convex interval with h > 0 at its start t; nan if there is none.
+    """First root in a convex interval with h > 0 at its start t, or nan.
 
     The tangent lies below h: there is no root before it cuts zero, and where the slope is not
     negative any more there is none at all.
@@ -170,7 +170,7 @@ def advance(phase, t):
 
 @kernel
 def slide_to_lift(c_x, phase, gamma, friction):
-    """Rest on the plate until it falls away: waiting time, c_x at its end, distance slid.
+    """Motion at rest on the plate until it falls away: waiting time, final c_x, distance slid.
 
     The tilt is held, the contact presses with 1 - gamma sin(theta) per unit mass, and Coulomb
     friction slows c_x down: in units of the friction coefficient |c_x| obeys the equation of the

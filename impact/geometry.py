@@ -1,4 +1,4 @@
-"""Where the centre of mass stands over the contact point, for three kinds of rod."""
+"""Position of the centre of mass over the contact point, for three kinds of rod."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -30,7 +30,7 @@ class ContactGeometry(NamedTuple):
 
     Notes
     -----
-    What `thin_rod` and its like make of labelled arguments (pandas, xarray) are arrays without
+    From labelled arguments (pandas, xarray) `thin_rod` and the other shapes make arrays without
     labels, which remember them: a call that pairs them with other labels is refused.
     """
 
@@ -40,7 +40,7 @@ class ContactGeometry(NamedTuple):
 
 
 def lengths_of(geometry: ContactGeometry) -> dict[str, Argument]:
-    """X, Z and k of a contact geometry, with domains; raises `TypeError` for what is none."""
+    """X, Z and k of a contact geometry, with their domains; anything else raises."""
     try:
         X, Z, k = geometry if isinstance(geometry, tuple | list | np.ndarray) else ()
     except ValueError:
@@ -55,7 +55,7 @@ def unit_lengths(X: Any, Z: Any, k: Any) -> tuple[Any, Any, Any]:
 
 
 def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
-    """Evaluate `contact(sin, cos, *sizes)` -> (X, Z, k) with the domains of all arguments."""
+    """Contact geometry from `contact(sin, cos, *sizes)`; arguments held to their domains."""
     # 90 degrees in the tilt's own precision
     single = real_array("tilt", tilt).dtype == np.float32
     right = float(np.float32(np.pi / 2)) if single else np.pi / 2

@@ -22,7 +22,7 @@ from .geometry import ContactGeometry, lengths_of
 
 
 class Drift(NamedTuple):
-    """Velocity of the centre of mass that repeats itself from landing to landing."""
+    """Velocity of the centre of mass, the same at every landing."""
 
     c_x: Any  # along the plate, in the unit of its velocity
     c_z: Any  # after a landing, upwards; before it -c_z

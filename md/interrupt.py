@@ -1,4 +1,4 @@
-"""Signals that wait until what runs can be left.
+"""Signals held back until a compilation or a call of compiled code has ended.
 
 A handler that raises in the midst of a compilation leaves Numba with half a function, or is lost
 in a callback of LLVM. `impact._interrupt` is a twin: neither package imports the other.
@@ -15,7 +15,7 @@ SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGALRM
 
 @contextmanager
 def deferred() -> Iterator[None]:
-    """Note the `SIGNALS` that have a handler in Python, which runs at the end; may be nested."""
+    """Hold back the `SIGNALS` that Python handles; their handlers run at the end. May be nested."""
     usual: dict[int, Any] = {}
     noted: dict[int, bool] = {}
     over = False
