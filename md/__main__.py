@@ -255,14 +255,14 @@ def _print_result(r: "Result") -> None:
         print(f"             error unknown: {why}")
     print(f"tilt         {_with_error(r.tilt_deg, r.tilt_stderr_deg)} degrees", end="")
     print("".join(f", {name.replace('_', ' ')} {k} times" for name, k in r.turned.items() if k))
-    if r.landings and r.landings["per_rod_and_period"]["mean"] > 0:
-        mean = {name: pair["mean"] for name, pair in r.landings.items()}
-        print(f"landings     {mean['per_rod_and_period']:.3g} per rod and period", end="")
-        if "slide" in mean:  # landings are told one by one in the plane alone
+    if r.touches and r.touches["per_rod_and_period"]["mean"] > 0:
+        mean = {name: pair["mean"] for name, pair in r.touches.items()}
+        print(f"touches      {mean['per_rod_and_period']:.3g} per rod and period", end="")
+        if "slide" in mean:  # touches are recorded one by one in a row alone
             print(f": slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%},", end="")
             print(f" slip reversal {mean['slip_reversal']:.0%};", end="")
-            print(f" not isolated {mean['not_isolated']:.0%}", end="")
-        print(f"\nat landing   V_z/V_0 = {mean['plate_velocity']:.3g}", end="")
+            print(f" pushed by others {mean['pushed_by_others']:.0%}", end="")
+        print(f"\nat touch     V_z/V_0 = {mean['plate_velocity']:.3g}", end="")
         if "slide" in mean:
             print(f", restitution {mean['restitution']:.3g},", end="")
             print(f" flight {mean['flight_periods']:.3g}", end="")
@@ -377,7 +377,7 @@ def _cell(value: object) -> str:
 _SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
 _ENDS = {"reached": 0, "bias unknown": 3, "not reached": 4}  # exit codes of --tolerance
 _NOT_GIVEN = ("run", "json", "command")
-_OF_RESULT = "accuracy.", "energy.", "landings.", "merged.", "turned.", "versions."
+_OF_RESULT = "accuracy.", "annulus.", "energy.", "touches.", "landings.", "turned.", "versions."
 
 
 def _parser() -> Parser:

@@ -167,20 +167,22 @@ class RingTables:
     def results(self, engine: Ring, first: int, periods: int) -> dict[str, Any]:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""
         part = self.series[first:periods].sum(axis=0)
-        touches, n = part[crowd.TOUCHES], engine.scene.rods.count * (periods - first)
+        count, n = part[crowd.TOUCHES], engine.scene.rods.count * (periods - first)
         found = {
-            "plate_velocity": (part[crowd.PLATE_SUM] / self.speed, touches),
+            "plate_velocity": (part[crowd.PLATE_SUM] / self.speed, count),
             "plate_velocity_by_speed": (part[crowd.PUSHING] / self.speed, part[crowd.APPROACH]),
             "lean_deg": (np.degrees(part[crowd.LEANS]), part[crowd.SAMPLES]),
-            "per_rod_and_period": (touches, n),
+            "per_rod_and_period": (count, n),
         }
         seen = {
             name: {"mean": float(top / base) if base > 0 else nan, "stderr": nan}
             for name, (top, base) in found.items()
         }
+        lean = {"lean_deg": seen.pop("lean_deg")}
         return {
-            "landings": seen if periods else None,
-            "merged": None,
+            "touches": seen if periods else None,
+            "landings": None,
+            "annulus": lean if periods else None,
             "turned": {},
             "phases": [],
         }

@@ -286,14 +286,14 @@ class Engine(Marching):
             value[...] = arrays[name]
 
 
-def prepare(scene: Scene, *, ledger: bool = True, landings: bool = True) -> Engine:
+def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engine:
     """All that a run of the scene needs, at its start; a `space.engine.Ring` in an annulus.
 
     Parameters
     ----------
     scene : Scene
     ledger : whether to account for the energy
-    landings : whether to record the landings
+    touches : whether to record the touches of the plate
     """
     if scene.annulus is not None:
         from . import annulus_host as space  # which takes parts of this module
@@ -318,6 +318,6 @@ def prepare(scene: Scene, *, ledger: bool = True, landings: bool = True) -> Engi
         np.zeros((n, 2)) if plate and _springs(plate.law, plate.friction) else None,
         *(listed, scratch, np.zeros((n, 3))),
         np.zeros(5) if ledger else None,
-        new_record(n, 4096) if landings and plate is not None else None,
+        new_record(n, 4096) if touches and plate is not None else None,
         *(dt, per),
     )

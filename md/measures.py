@@ -41,10 +41,10 @@ MEANS = {  # what follows from them; plate_velocity over the plate's peak veloci
     "slide": ("slide", "landings"),
     "slip_stick": ("stick", "landings"),
     "slip_reversal": ("reversal", "landings"),
-    "not_isolated": ("shared", "landings"),
+    "pushed_by_others": ("shared", "landings"),
     "falling": ("falling", "landings"),  # while the plate falls
 }
-OF_MERGED = {
+OF_LANDINGS = {
     **{name: of for name, of in MEANS.items() if name.startswith(("c_", "omega", "flight"))},
     **{name: MEANS[name] for name in ("plate_velocity", "falling")},
     "touches": ("touches", "landings"),
@@ -123,8 +123,9 @@ class Tables:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""
         seen, n = engine.record is not None and periods > 0, engine.scene.rods.count
         return {
-            "landings": self._means(0, MEANS, first, periods, n) if seen else None,
-            "merged": self._means(1, OF_MERGED, first, periods, n) if seen else None,
+            "touches": self._means(0, MEANS, first, periods, n) if seen else None,
+            "landings": self._means(1, OF_LANDINGS, first, periods, n) if seen else None,
+            "annulus": None,
             "turned": {
                 "fell": int(self.series[:, row.FELL].sum()),
                 "passed_upright": int(self.series[:, row.UPRIGHT].sum()),

@@ -41,10 +41,12 @@ class Result:
     steps_per_period, dt : the step, in sqrt(d/g)
     run_seconds, compile_seconds : of the clock
     energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
-    landings : mean and standard error over all touches of the plate of each quantity of
-        `measures.MEANS`, and touches per rod and period; None without a plate
-    merged : the same of `measures.OF_MERGED`, touches less than `measures.HOP` periods apart taken
-        as one landing
+    touches : mean and standard error over all touches of the plate of each quantity of
+        `measures.MEANS`, and touches per rod and period; None without a plate. In an annulus they
+        are only counted, with the velocity of the plate
+    landings : those of `measures.OF_LANDINGS`, touches less than `measures.HOP` periods apart
+        merged into one landing; None without a plate and in an annulus
+    annulus : mean lean along the annulus, `lean_deg`; None in a row
     turned : times that a rod fell past the horizontal, and passed the vertical
     phases : landings behind the transient in each of 64 equal parts of the plate's cycle, which
         begins where it rises through its mean height; empty without a plate
@@ -66,8 +68,9 @@ class Result:
     run_seconds: float
     compile_seconds: float
     energy: dict[str, float] | None
+    touches: dict[str, Any] | None
     landings: dict[str, Any] | None
-    merged: dict[str, Any] | None
+    annulus: dict[str, Any] | None
     turned: dict[str, int]
     phases: list[int]
     c_x_series: np.ndarray

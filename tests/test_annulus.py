@@ -63,7 +63,7 @@ def whole():
 
 def test_rods_bounce_and_keep_to_the_gap(whole):
     rods, scene = whole.rods, whole.scene
-    assert whole.landings["per_rod_and_period"]["mean"] > 0.1
+    assert whole.touches["per_rod_and_period"]["mean"] > 0.1
     ends = [rods[:, :2] + s * rods[:, 3:5] * (scene.rods.length - 1) / 2 for s in (-1, 0, 1)]
     rho = np.hypot(*np.concatenate(ends).T)
     assert rho.min() > scene.annulus.inner + 0.5 - 0.05
@@ -88,7 +88,7 @@ def test_rods_that_lean_the_other_way_drift_the_other_way():
     found = []
     for tilt in (35, -35):
         result = md.run(ring("plate.acceleration=5", f"start.tilt_deg={tilt}"), periods=40)
-        lean = result.landings["lean_deg"]["mean"]
+        lean = result.annulus["lean_deg"]["mean"]
         assert np.sign(lean) == np.sign(tilt)
         found.append(result.c_x)
     assert found[0] > 0 > found[1]
@@ -134,8 +134,8 @@ def test_the_plate_counts_its_touches():
         ring("rods.count=1", "plate.acceleration=0", "start.drop=0.1", "start.tilt_deg=0"),
         periods=5,
     )
-    assert result.landings["per_rod_and_period"]["mean"] > 0.2
-    assert result.landings["plate_velocity"]["mean"] == 0
+    assert result.touches["per_rod_and_period"]["mean"] > 0.2
+    assert result.touches["plate_velocity"]["mean"] == 0
 
 
 def test_frames_hold_place_and_direction(whole, tmp_path):
@@ -174,7 +174,7 @@ def test_the_command(capsys):
     assert "slide" not in out
     assert "not equilibrated" in out
     assert main(["run", "annulus", *sets, "--periods", "3", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["landings"]["lean_deg"]["mean"] is not None
+    assert json.loads(capsys.readouterr().out)["annulus"]["lean_deg"]["mean"] is not None
     assert main(["run", "annulus", "--set", "contacts.wall=none"]) == 2
 
 

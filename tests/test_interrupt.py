@@ -186,7 +186,7 @@ def lying_long(n):
 
 
 def marching(n):
-    prepare(row(), landings=False).go(n)
+    prepare(row(), touches=False).go(n)
 
 
 @pytest.mark.parametrize("last", [resting, bouncing_long, lying_long, marching])

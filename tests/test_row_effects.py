@@ -49,14 +49,14 @@ EFFECTS = {
     ),
     "periodic box": (BETWEEN | {"box": Box(1e3)}, BETWEEN, "crowd.2", r"llvm\.rint", EVERY),
     "ledger": (AT_REST | {"ledger": True}, AT_REST, "ledger", None, EVERY),
-    "landings": (AT_REST | {"landings": True}, AT_REST, "record", "sitofp", EVERY),
+    "touches": (AT_REST | {"touches": True}, AT_REST, "record", "sitofp", EVERY),
     "series": ({SERIES: True}, {}, "series", r"[su]div i64|[su]rem i64", EVERY),
 }
 ARRAYS = {  # of an engine, that an effect needs
     "spring": ("springs",),
     "rod-rod contact": ("listed", "scratch"),
     "ledger": ("ledger",),
-    "landings": ("record",),
+    "touches": ("record",),
 }
 
 
@@ -72,7 +72,7 @@ def march():
 def started(parts):
     """An engine and series: rods 0 and 1 touch, 2 rests deep in the plate, 3 is alone."""
     parts = dict(parts)
-    asked = {name: parts.pop(name, False) for name in ("ledger", "landings", SERIES)}
+    asked = {name: parts.pop(name, False) for name in ("ledger", "touches", SERIES)}
     series = asked.pop(SERIES)
     scene = Scene(
         **{"rods": Rods(4, 4.0), "start": Start(tilt_deg=10.0), "step": Step(5e-4, True)} | parts
@@ -180,7 +180,7 @@ def test_leaving_one_effect_out_of_all_changes_no_other_force():
         "box": Box(1e3),
         "contacts": Contacts(Contact(law, 0.3), Contact(law, 0.3)),
         "ledger": True,
-        "landings": True,
+        "touches": True,
     }
 
     def less(change):

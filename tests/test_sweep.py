@@ -65,14 +65,14 @@ def reference(tmp_path_factory):
     (folder / "sweep.toml").write_text(SWEEP)
     sweep = load_sweep(folder / "sweep.toml")
     execute(sweep, folder / "a.db", workers=1)
-    return sweep, sweep.gather(folder / "a.db", "c_x", "landings.flight_periods.mean", "phases")
+    return sweep, sweep.gather(folder / "a.db", "c_x", "touches.flight_periods.mean", "phases")
 
 
 def same(sweep, store, reference):
     return all(
         np.array_equal(a, b, equal_nan=True)
         for a, b in zip(
-            sweep.gather(store, "c_x", "landings.flight_periods.mean", "phases"),
+            sweep.gather(store, "c_x", "touches.flight_periods.mean", "phases"),
             reference,
             strict=True,
         )

@@ -54,17 +54,17 @@ QUICK = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
 STORED = {
     "tilt": "tilt_deg",
     "c_x": "c_x_cm_s",
-    **{name: f"landings.{name}.mean" for name in ("c_x_before", "c_x_after", "omega_before")},
-    "V_z": "landings.plate_velocity.mean",
-    "restitution": "landings.restitution.mean",
-    "slide": "landings.slide.mean",
-    "shared": "landings.not_isolated.mean",
-    "contact": "landings.contact_periods.mean",
-    "flight": "merged.flight_periods.mean",
-    "falling": "merged.falling.mean",
-    "c_z_before": "merged.c_z_before.mean",
-    "c_z_after": "merged.c_z_after.mean",
-    "touches": "merged.touches.mean",
+    **{name: f"touches.{name}.mean" for name in ("c_x_before", "c_x_after", "omega_before")},
+    "V_z": "touches.plate_velocity.mean",
+    "restitution": "touches.restitution.mean",
+    "slide": "touches.slide.mean",
+    "shared": "touches.pushed_by_others.mean",
+    "contact": "touches.contact_periods.mean",
+    "flight": "landings.flight_periods.mean",
+    "falling": "landings.falling.mean",
+    "c_z_before": "landings.c_z_before.mean",
+    "c_z_after": "landings.c_z_after.mean",
+    "touches": "landings.touches.mean",
 }
 
 

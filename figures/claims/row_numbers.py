@@ -101,7 +101,7 @@ def _turned_round(quick):
     yield resampled(d, lambda d: rms(1 - landings(d)), *(f"merged_{name}" for name in pair))
     sweep = fig13.sweeps(quick)["gamma"]
     far = sweep.values("plate.acceleration") >= 2
-    driven = over(sweep, **{name: f"merged.{name}.mean" for name in pair})
+    driven = over(sweep, **{name: f"landings.{name}.mean" for name in pair})
     yield resampled(driven, lambda d: np.abs(1 - touches(d))[far].max(), *pair)
     yield resampled(d, lambda d: touches(d).min(), *pair)
     yield resampled(d, lambda d: touches(d).max(), *pair)
@@ -220,7 +220,7 @@ def _census(quick: bool) -> dict[str, tuple[float, float]]:
 
 @measures("S21", "largest", "mean", "weighted")
 def _slides(quick):
-    d, (nominal, _, _) = over(rows.tilt_plan(quick), slide="landings.slide.mean"), _ends(quick)
+    d, (nominal, _, _) = over(rows.tilt_plan(quick), slide="touches.slide.mean"), _ends(quick)
     yield resampled(d, lambda d: d["slide"].max(), "slide")
     yield resampled(d, lambda d: d["slide"][nominal > 12].mean(), "slide")
     yield standard(*_census(quick)["slide"])
@@ -228,8 +228,8 @@ def _slides(quick):
 
 @measures("S22", "contact", "pushed", "touches", "map", "map_isolated")
 def _isolated(quick):
-    names = {"contact": "landings.contact_periods.mean", "pushed": "landings.not_isolated.mean"}
-    d = over(rows.tilt_plan(quick), touches="merged.touches.mean", **names)
+    names = {"contact": "touches.contact_periods.mean", "pushed": "touches.pushed_by_others.mean"}
+    d = over(rows.tilt_plan(quick), touches="landings.touches.mean", **names)
     for name in ("contact", "pushed", "touches"):
         yield resampled(d, lambda d, name=name: d[name].mean(), name)
     yield standard(*_census(quick)["residual"])
@@ -294,7 +294,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 @measures("S25", "forward", "factor", "regimes", "trend")
 def _frequency(quick):
     sweep = sweeps(quick)["frequency"]
-    regimes = {name: f"landings.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")}
+    regimes = {name: f"touches.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")}
     d, scenes = over(sweep, c_x="c_x", **regimes), [point.scene for point in sweep.points]
     speed = np.reshape([scene.plate_speed for scene in scenes], sweep.shape)[..., 0]
     yield count(np.mean(d["c_x"] > CLEAR * d["c_x_error"]))
@@ -325,8 +325,8 @@ def _landings_of_closure(rod, friction: float, landings: int) -> float:
 def _without_friction(quick):
     d, sweep = _cut(quick), sweeps(quick)["slippery"]
     yield resampled(d, lambda d: d["c_x"][0] / d["c_x"].max(), "c_x")
-    by_speed = "landings.plate_velocity_by_speed.mean"
-    names = {"V_z": by_speed, "often": "merged.per_rod_and_period.mean"}
+    by_speed = "touches.plate_velocity_by_speed.mean"
+    names = {"V_z": by_speed, "often": "landings.per_rod_and_period.mean"}
     long = over(sweep, c_x="c_x_cm_s", **names)
     rod = spherocylinder(np.arccos(rows.COUNT / phase_friction.BOX), rows.LENGTH)
     low, middle, high = (
