@@ -44,9 +44,10 @@ cache, interrupt, __main__          compiled kernels kept, signals, the command 
 from .accuracy import Accuracy, Tuned, run
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
+from .rod import Rod, RunError
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 from .simulation import Result
-from .soft_impact import INTEGRATORS, Impact, Rod, RunError, impact
+from .soft_impact import INTEGRATORS, Impact, impact
 
 __all__ = [
     "INTEGRATORS",

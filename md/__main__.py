@@ -129,7 +129,8 @@ def _law(arguments: argparse.Namespace) -> "Law":
 
 
 def _impact(arguments: argparse.Namespace) -> int:
-    from .soft_impact import Rod, impact
+    from .rod import Rod
+    from .soft_impact import impact
 
     tilt_deg = arguments.tilt_deg
     if not -90 <= tilt_deg <= 90:

@@ -20,7 +20,7 @@ from .cache import digest
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import Engine, prepare
 from .interrupt import SIGNALS
-from .measures import Tables
+from .measures import Tables, tables_of
 from .scene import Scene, as_dict, whole
 from .statistics import transient
 from .trajectory import Trajectory, check_continues, is_trajectory
@@ -115,7 +115,7 @@ def finite(value: Any) -> Any:
 def _result(
     engine: Engine, tables: Tables, began: dict, periods: int, finished: bool, lost: Iterable[str]
 ) -> Result:
-    c_x, tilt = tables.drift(engine, periods), tables.tilt_deg(periods)
+    c_x, tilt = tables.drift(periods), tables.tilt_deg(periods)
     cut = transient(periods)
     energy = None
     if engine.ledger is not None:
@@ -137,7 +137,7 @@ def _result(
         run_seconds=began["seconds"],
         compile_seconds=began["compile"],
         energy=energy,
-        **tables.results(engine, cut, periods),
+        **tables.results(cut, periods),
         c_x_series=c_x,
         tilt_series=tilt,
         rods=engine.rods.copy(),
@@ -222,9 +222,7 @@ class _Files:
 
     def frame(self) -> None:
         """Append a frame to the trajectory."""
-        engine, height = self.engine, 0.0
-        if engine.plate:
-            height = float(engine.plate.height[engine.step % engine.per])
+        engine, height = self.engine, self.engine.plate_height
         if self.trajectory is not None and "trajectory" not in self.lost:
             with self._noting_failure("trajectory", self.trajectory.path):
                 self.trajectory.write(engine.scene, engine.rods, engine.step / engine.per, height)
@@ -247,7 +245,6 @@ class _Files:
 def _loop(
     engine: Engine,
     tables: Tables,
-    series: Any,
     began: dict,
     goal: int,
     observe: Callable[[np.ndarray], None] | None,
@@ -269,7 +266,7 @@ def _loop(
                 write()
             steps = min(steps, gap - engine.step % gap)
         begin, first = perf_counter(), engine.step
-        engine.go(steps, series)
+        engine.go(steps, tables.series)
         began["seconds"] += perf_counter() - begin
         if engine.record is not None and engine.record.count[0]:
             rows = engine.record.rows[: engine.record.count[0]]
@@ -345,10 +342,9 @@ def run(
             about, arrays = _read(kept, scene)
             check_continues(trajectory, frames, periods, about["trajectory"], kept)
     engine = prepare(scene, ledger=ledger)
-    tables = engine.tables(periods)
-    series = tables.sampled(engine)
+    tables = tables_of(engine, periods)
     begin = perf_counter()
-    engine.go(0, series)  # compiles
+    engine.go(0, tables.series)  # compiles
     began: dict[str, Any] = {"compile": perf_counter() - begin, "seconds": 0.0, "trajectory": None}
     began["energy"] = engine.energy() if engine.ledger is not None else 0.0
     if arrays is not None:
@@ -378,12 +374,10 @@ def run(
         aim = periods if goal is None else 0
         while True:
             if goal is not None:
-                aim = min(goal(tables.drift(engine, made)), periods)
+                aim = min(goal(tables.drift(made)), periods)
                 bar.total = aim
-            _loop(
-                *(engine, tables, series, began, aim * engine.per),
-                *(observe, frame, written.save, bar, pressed),
-            )
+            goal_step = aim * engine.per
+            _loop(engine, tables, began, goal_step, observe, frame, written.save, bar, pressed)
             enough, made = made >= aim, engine.step // engine.per
             if goal is None or enough or made < aim:
                 break

@@ -40,8 +40,8 @@ from tqdm import tqdm
 from .accuracy import CALIBRATION, MAX_SECONDS, Tuned, checked, chosen_step, in_words, run
 from .cache import digest
 from .host import step_of
+from .rod import RunError
 from .scene import Scene, as_dict, from_tables, put, read_tables, whole
-from .soft_impact import RunError
 from .store import Store
 
 __all__ = ["Interrupted", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]

@@ -12,7 +12,6 @@ from math import sqrt
 from ...cache import kernel
 
 NEARER = 0.1  # d; by so much nearer than all ends, a contact between them counts in full
-CROSSING = 4  # contacts of two rods: four ends, then the one between them
 ZERO, UP = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 
