@@ -1,4 +1,4 @@
-"""Run a scene: period by period, with landings, energy, standard errors, checkpoint and resume."""
+"""Run a scene: period by period, with touches, energy, standard errors, checkpoint and resume."""
 
 import json
 import signal
@@ -48,7 +48,7 @@ class Result:
         merged into one landing; None without a plate and in an annulus
     annulus : mean lean along the annulus, `lean_deg`; None in a row
     turned : times that a rod fell past the horizontal, and passed the vertical
-    phases : landings behind the transient in each of 64 equal parts of the plate's cycle, which
+    phases : touches behind the transient in each of 64 equal parts of the plate's cycle, which
         begins where it rises through its mean height; empty without a plate
     c_x_series, tilt_series : period by period, transient included
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
@@ -299,8 +299,8 @@ def run(
     scene : Scene
     periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
     ledger : whether to account for the energy
-    observe : called now and then with new landings, (n, landings.WIDTH); they are not kept; not in
-        an annulus
+    observe : called now and then with new touches, (n, touches.WIDTH); they are not kept; not in an
+        annulus
     trajectory : file for extended XYZ, a new one or one of frames, which are replaced; when a
         checkpoint is resumed, the file that was written with it, which goes on behind the frames
         that the checkpoint knows of

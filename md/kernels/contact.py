@@ -266,6 +266,12 @@ def gravity(g):
 
 
 @kernel
+def field(effects, velocity):
+    """Accelerations (x, z, angular) of a rod by all but contacts; `velocity`: c_x, c_z, omega."""
+    return gravity(effects.gravity)
+
+
+@kernel
 def plate_at(plate, step):
     """Height and velocity of the plate after any number of steps, without rounding."""
     if plate is None:

@@ -56,7 +56,7 @@ from .contact import (
     Moving,
     Slip,
     accelerations,
-    gravity,
+    field,
     normal_force,
     plate_at,
     spring_friction,
@@ -306,14 +306,15 @@ def march(effects, state, watchers, clock, steps):
     steps : int
     """
     alone, rods, before, total = effects.alone, state.rods, state.before, state.scratch.total
-    g, dt = gravity(alone.gravity), clock.dt
+    dt = clock.dt
     for n in range(steps):
         now = Clock(clock.step + n, dt)
         if full(watchers.record):
             return n, FULL_RECORD, 0
         plate = plate_at(alone.plate, now.step)
         for i in range(rods.shape[0]):
-            total[i, 0], total[i, 1], total[i, 2] = g
+            velocity = rods[i, C_X], rods[i, C_Z], rods[i, OMEGA]
+            total[i, 0], total[i, 1], total[i, 2] = field(alone, velocity)
         why, where = between_rods(effects.between, effects, state, watchers.ledger, dt)
         if why != DONE:
             return n, why, where

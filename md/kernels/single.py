@@ -41,7 +41,7 @@ from .codes import (
     WATCH_STOPPED,
     WATCH_TOUCHED,
 )
-from .contact import Moving, accelerations, gravity, plate_at
+from .contact import Moving, accelerations, field, plate_at
 
 METHODS = ("leapfrog", "verlet", "gear")
 
@@ -89,7 +89,7 @@ def leap(effects, state, step, dt):
     position, direction, half, before, springs, higher, extrapolate = state
     now = half if extrapolate is None else plus(half, before, dt / 2)
     rod = Moving(position[1], direction, half, now, springs)
-    plate, others = plate_at(effects.plate, step), gravity(effects.gravity)
+    plate, others = plate_at(effects.plate, step), field(effects, half)
     a, lower, upper = accelerations(effects, rod, plate, others, dt)
     velocity = plus(half, a, dt)
     springs = (lower.spring, upper.spring)
@@ -115,7 +115,7 @@ def gear(effects, state, higher, step, dt):
     now = plus(ZERO, r1, 1 / dt)
     half = plus(plus(now, r2, -1 / dt), r3, 0.75 / dt)
     rod = Moving(r0[1], direction, half, now, springs)
-    plate, others = plate_at(effects.plate, step), gravity(effects.gravity)
+    plate, others = plate_at(effects.plate, step), field(effects, half)
     a, lower, upper = accelerations(effects, rod, plate, others, dt)
     change = plus(plus(ZERO, a, dt * dt / 2), r2, -1)
     r0, velocity = plus(r0, change, _C0), plus(now, change, _C1 / dt)

@@ -12,7 +12,9 @@ import numpy as np
 from ..cache import kernel
 from .codes import (
     C_X,
+    C_Z,
     IMPULSE,
+    OMEGA,
     SINE,
     STUCK,
     TURNED,
@@ -21,6 +23,7 @@ from .codes import (
     WATCH_TOUCHED,
     WATCHED,
 )
+from .contact import field
 from .single import regime_of, watched
 
 # Columns of a row.
@@ -69,11 +72,10 @@ def full(record):
 
 
 @kernel
-def pushed_by_others(others, g):
-    """Whether other rods push this one."""
-    if g is None:
-        return others[0] != 0.0 or others[1] != 0.0
-    return others[0] != g[0] or others[1] != g[1]
+def pushed_by_others(others, effects, rods, i):
+    """Whether other rods push rod i: `others` are accelerations by all but the plate."""
+    alone = field(effects, (rods[i, C_X], rods[i, C_Z], rods[i, OMEGA]))
+    return others[0] != alone[0] or others[1] != alone[1]
 
 
 @kernel(inline=False)
@@ -132,5 +134,5 @@ def recorded(record, effects, rods, i, others, touch, plate, clock):
         if before == 0:
             cap = -1.0 if lower.normal >= upper.normal else 1.0
             begun(record, effects.half_length, rods, i, cap, lower.a_z, plate, clock.step)
-        if pushed_by_others(others, effects.gravity):
+        if pushed_by_others(others, effects, rods, i):
             record.open[i, PUSHED] += 1

@@ -255,21 +255,29 @@ def on_plate(law, effects, state, i, plate, dt):
 
 
 @kernel
+def at_caps(wall, effects, state, i, seen, side, dt):
+    """Add a wall's forces at both caps; the deepest overlap. `side`: 1 convex wall, -1 concave."""
+    deepest, rods, slot = 0.0, state.rods, INNER if side > 0 else OUTER
+    touching = wall.radius + 0.5 * side
+    for cap in range(2):
+        s = effects.half_length if cap else -effects.half_length
+        if side * (beyond(seen, s) - touching**2) >= 0:
+            forget(state.springs, (i, slot + cap))
+            continue
+        rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
+        out = side * out[0], side * out[1], 0.0
+        at = At(s, side * (rho - wall.radius), out, 0.0, 1.0, slot + cap)
+        surface(wall.normal, wall.friction, effects, state, i, at, dt)
+        deepest = max(deepest, 0.5 - at.reach)
+    return deepest
+
+
+@kernel
 def at_outer(wall, effects, state, i, seen, dt):
     """Add the forces of the concave wall, which only caps can touch; the deepest overlap."""
     if wall is None:
         return 0.0
-    deepest, rods = 0.0, state.rods
-    for cap in range(2):
-        s = effects.half_length if cap else -effects.half_length
-        if beyond(seen, s) <= (wall.radius - 0.5) ** 2:
-            forget(state.springs, (i, OUTER + cap))
-            continue
-        rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
-        at = At(s, wall.radius - rho, (-out[0], -out[1], 0.0), 0.0, 1.0, OUTER + cap)
-        surface(wall.normal, wall.friction, effects, state, i, at, dt)
-        deepest = max(deepest, 0.5 - at.reach)
-    return deepest
+    return at_caps(wall, effects, state, i, seen, -1, dt)
 
 
 @kernel
@@ -277,17 +285,8 @@ def at_inner(wall, effects, state, i, seen, dt):
     """Add the forces of the convex wall, on caps and between them; the deepest overlap."""
     if wall is None:
         return 0.0
-    half, deepest, rods = effects.half_length, 0.0, state.rods
-    for cap in range(2):
-        s = half if cap else -half
-        if beyond(seen, s) >= (wall.radius + 0.5) ** 2:
-            forget(state.springs, (i, INNER + cap))
-            continue
-        rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
-        at = At(s, rho - wall.radius, out, 0.0, 1.0, INNER + cap)
-        surface(wall.normal, wall.friction, effects, state, i, at, dt)
-        deepest = max(deepest, 0.5 - at.reach)
-    if not passes(seen, half, wall.radius + 0.5):
+    deepest = at_caps(wall, effects, state, i, seen, 1, dt)
+    if not passes(seen, effects.half_length, wall.radius + 0.5):
         forget(state.springs, (i, INNER + 2))
         return deepest
     return max(deepest, beside(wall, effects, state, i, -seen[1] / seen[2], dt))
