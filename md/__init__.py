@@ -30,10 +30,11 @@ Files, as one reads them
 ------------------------
 scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; the contact laws
 kernels/contact, single             compiled: forces of one contact; one rod on the plate
+kernels/codes                       stop codes, columns, phases and regimes of all kernels
 kernels/neighbours, plane, touches  compiled: rods in a plane, pairs, steps, touches of the plate
 kernels/space                       compiled: the same in an annulus
-reference, soft_impact              `impact`: every switch located, or fixed steps
-host, annulus_host, placement       a scene under way: constants and arrays of the kernels
+rod, reference, soft_impact         `impact`: every switch located, or fixed steps
+host, placement                     a scene under way: constants and arrays of the kernels
 measures, statistics                what a run measures, with errors
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy, calibration               `run`: step and length from a tolerance
@@ -47,9 +48,10 @@ from .accuracy import run
 from .errors import InputError, RunError
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
+from .rod import Rod
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 from .simulation import Accuracy, Result
-from .soft_impact import INTEGRATORS, Impact, Rod, impact
+from .soft_impact import INTEGRATORS, Impact, impact
 
 __all__ = [
     "INTEGRATORS",

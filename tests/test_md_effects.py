@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import md
-from md import soft_impact as one_rod
-from md.kernels import single as integrators
-from md.laws import friction_of
+from md.kernels import single
+from md.kernels.codes import WATCHED
+from md.rod import effects_of
+from md.soft_impact import plate_table
 
 from .track import track
 
@@ -23,8 +24,8 @@ VIBRATION = md.Vibration(0.05, 1.0, 0.0)
 def scene_of(law=None, friction=0.0, gravity=None, vibration=None, rod=ROD, dt=1e-3):
     """By default nothing but Hertz's force."""
     law = law or md.coulomb(1.0)
-    plate = one_rod._plate_table(vibration, dt)
-    return one_rod._scene(rod, law, friction_of(law, friction), gravity, plate)
+    plate = plate_table(vibration, dt)
+    return effects_of(rod, law, friction, gravity, plate)
 
 
 class Code(NamedTuple):
@@ -49,9 +50,9 @@ def compiled(method="leapfrog", watch=None, **scene) -> Code:
 
     Compiled afresh: of code from the disk cache there is no text.
     """
-    loop = numba.njit(error_model="numpy")(integrators.run.py_func)
+    loop = numba.njit(error_model="numpy")(single.run.py_func)
     made = scene_of(**scene)
-    state = integrators.started(method, (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
+    state = single.started(method, (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
     loop(made, state, 0, 0, 1e-3, watch)
     text = loop.inspect_llvm(loop.signatures[0])
     body = next(
@@ -124,7 +125,7 @@ def test_gravity_is_two_numbers(bare):
 
 
 def test_what_is_not_asked_for_is_not_recorded(bare):
-    assert compiled(watch=np.zeros(integrators.WATCHED)).arguments > bare.arguments
+    assert compiled(watch=np.zeros(WATCHED)).arguments > bare.arguments
 
 
 def test_gear_alone_carries_derivatives(bare):
@@ -170,7 +171,7 @@ def test_what_is_absent_does_as_what_is_naught(absent, naught):
 
 
 @pytest.mark.parametrize("law", [md.coulomb(), md.constant_restitution(), md.appendix_a()])
-@pytest.mark.parametrize("integrator", integrators.METHODS)
+@pytest.mark.parametrize("integrator", single.METHODS)
 def test_no_friction_no_tangential_impulse(integrator, law):
     """Not a bit of c_x changes; Gear's method multiplies and divides it by dt in every step."""
     samples = thrown(integrator, law, friction=0.0)

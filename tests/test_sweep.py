@@ -59,7 +59,7 @@ def sweep_file(tmp_path):
 
 def gathered(sweep, store):
     """Bytes of what the sweep measured."""
-    names = "c_x", "landings.flight_periods.mean", "phases"
+    names = "c_x", "touches.flight_periods.mean", "phases"
     return [found.tobytes() for found in sweep.gather(store, *names)]
 
 

@@ -86,7 +86,7 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
     if periods * frames > LARGEST:
         raise InputError(f"periods times frames must be at most {LARGEST}, got {periods * frames}")
     every = -(-TRACE // frames)
-    engine, shots = prepare(scene, ledger=False, landings=False), periods * frames * every
+    engine, shots = prepare(scene, ledger=False, touches=False), periods * frames * every
     columns = {name: np.empty((shots, scene.rods.count)) for name in ("x", "z", "tilt")}
     time, plate = np.empty(shots), np.zeros(shots)
     for i in tqdm(range(shots), unit=" shots", delay=2, disable=None if progress else True):
