@@ -382,7 +382,7 @@ def _backend(scheduler: str | None) -> Iterator[None]:
             yield
         return
     try:
-        from distributed import Client
+        from distributed import Client  # late: an extra that a sweep on one machine does not need
     except ImportError:
         raise ValueError("scheduler needs dask.distributed: pip install distributed") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs what it raises
