@@ -216,7 +216,7 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
             step_of(chosen_step(scene, chosen["tolerance"])[0] if chosen else scene)
         except InputError as error:
             at = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
-            raise type(error)(f"{error} (at {at})" if at else str(error)) from None
+            raise InputError(f"{error} (at {at})" if at else str(error)) from None
         points.append(Point(scene, periods, **chosen))
     return Sweep(axes, tuple(points))
 

@@ -15,6 +15,8 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from impact import InputError
+
 from ..claims import judge
 from ..cost.effect_prices import plus_minus
 from ..cost.price_page import CHECKED
@@ -122,5 +124,5 @@ def _filled(text: str, name: str, content: str) -> str:
         f"{begin}.*?{end}", lambda _: f"{begin}\n{content}\n{end}", text, count=1, flags=re.DOTALL
     )
     if not found:
-        raise ValueError(f"{README.name} must hold {begin} and {end}")
+        raise InputError(f"{README.name} must hold {begin} and {end}")
     return made
