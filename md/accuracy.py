@@ -19,10 +19,11 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from . import simulation
 from .domains import number
+from .errors import InputError
 from .laws import contact_time
 from .scene import Scene, Step
 from .simulation import Accuracy, Result
@@ -115,14 +116,14 @@ def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:
         If nothing vibrates, no plate is touched, or rods stand in an annulus.
     """
     if not isinstance(scene, Scene):
-        raise TypeError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
+        raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
     if scene.annulus is not None:
-        raise ValueError(
+        raise InputError(
             "tolerance has no meaning in an annulus: rods keep the arrangement of their start, so "
             "that one run cannot tell its error; use periods, and several start.seed"
         )
     if not scene.vibrates or scene.contacts.plate is None:
-        raise ValueError("tolerance needs a plate that vibrates and a contact with it")
+        raise InputError("tolerance needs a plate that vibrates and a contact with it")
     if outside(scene):
         return replace(scene, step=Step()), nan
     known = calibrated()
@@ -146,7 +147,7 @@ def interval(drift: np.ndarray, confidence: float = CONFIDENCE) -> tuple[float, 
             return float(rest.mean()) if len(rest) else nan, inf, cut
         means = rest[len(rest) % parts :].reshape(parts, -1).mean(axis=1)
         error = means.std(ddof=1) / np.sqrt(parts)
-        half = max(half, float(student.ppf((1 + confidence) / 2, parts - 1) * error))
+        half = max(half, float(stdtrit(parts - 1, (1 + confidence) / 2) * error))
     return float(rest.mean()), half, cut
 
 
@@ -243,9 +244,9 @@ def run(
 def checked(*, periods: int | None = None, **options: float | None) -> None:
     """Hold the options of a tolerance to their domains."""
     if periods is not None:
-        raise ValueError("periods has no meaning with tolerance, which chooses the length")
+        raise InputError("periods has no meaning with tolerance, which chooses the length")
     if "tolerance" not in options:
-        raise ValueError(f"{next(iter(options))} has no meaning without tolerance")
+        raise InputError(f"{next(iter(options))} has no meaning without tolerance")
     for name, value in options.items():
         if value is not None:
             number(name, value, *DOMAINS[name])

@@ -6,6 +6,8 @@ from math import inf
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
+from .errors import InputError
+
 
 def number(name: str, value: Any, low: float, high: float, domain: str = "") -> float:
     """`value` as a float in [low, high]; `domain` says in words what is allowed."""
@@ -14,9 +16,9 @@ def number(name: str, value: Any, low: float, high: float, domain: str = "") -> 
             raise TypeError
         found = float(value)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a number, got {value!r}") from None
+        raise InputError(f"{name} must be a number, got {value!r}") from None
     if not low <= found <= high:
-        raise ValueError(f"{name} must be {domain or _between(low, high)}, got {value!r}")
+        raise InputError(f"{name} must be {domain or _between(low, high)}, got {value!r}")
     return found
 
 
@@ -38,9 +40,9 @@ def finite(name: str, value: object) -> float:
 def whole(name: str, value: object, low: int, high: int) -> int:
     """`value` if it is a whole number in [low, high]."""
     if isinstance(value, bool) or not isinstance(value, int):
-        raise TypeError(f"{name} must be a whole number, got {value!r}")
+        raise InputError(f"{name} must be a whole number, got {value!r}")
     if not low <= value <= high:
-        raise ValueError(f"{name} must be {_between(low, high)}, got {value!r}")
+        raise InputError(f"{name} must be {_between(low, high)}, got {value!r}")
     return value
 
 
@@ -51,13 +53,13 @@ def held(name: str, value: Any, hint: Any) -> Any:
         return None if value is None else held(name, value, kind)
     if get_origin(hint) is Literal:
         if value not in get_args(hint):
-            raise ValueError(f"{name} must be {' or '.join(get_args(hint))}, got {value!r}")
+            raise InputError(f"{name} must be {' or '.join(get_args(hint))}, got {value!r}")
         return value
     if kind in (int, float):
         return (whole if kind is int else number)(name, value, *allowed)
     if not isinstance(value, kind):
         wanted = "true or false" if kind is bool else f"of the type {kind.__name__}"
-        raise TypeError(f"{name} must be {wanted}, got {value!r}")
+        raise InputError(f"{name} must be {wanted}, got {value!r}")
     return value
 
 

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
+from .errors import InputError
+
 __all__ = ["NotWritten", "distinct", "empty", "replacing", "same", "warn", "writable"]
 
 
@@ -41,7 +43,7 @@ def distinct(**paths: str | Path | None) -> None:
     given = ((name, path) for name, path in paths.items() if path is not None)
     for (first, one), (second, other) in itertools.combinations(given, 2):
         if same(one, other):
-            raise ValueError(f"{second} must be another file than {first}, got {str(other)!r}")
+            raise InputError(f"{second} must be another file than {first}, got {str(other)!r}")
 
 
 def empty(path: str | Path) -> bool:
@@ -69,21 +71,21 @@ def writable(
     path = Path(path)
     try:
         if path.is_dir():
-            raise ValueError(f"{name} must be a file, got the folder {str(path)!r}")
+            raise InputError(f"{name} must be a file, got the folder {str(path)!r}")
         if path.exists() and not path.is_file():
-            raise ValueError(f"{name} must be a plain file, got {str(path)!r}")
+            raise InputError(f"{name} must be a plain file, got {str(path)!r}")
         folder = Path(os.path.realpath(path)).parent
         if not folder.is_dir():
-            raise ValueError(f"{name} must be in a folder that exists, got {str(path)!r}")
+            raise InputError(f"{name} must be in a folder that exists, got {str(path)!r}")
         with tempfile.TemporaryFile(dir=folder), path.open("a") if path.exists() else nullcontext():
             pass
         fits = kind is None or empty(path) or kind(path)
     except OSError as error:
-        raise ValueError(
+        raise InputError(
             f"{name} must be a file that can be written, got {str(path)!r}: {error.strerror}"
         ) from None
     if not fits:
-        raise ValueError(f"{name} must be a new file or {what}, got {str(path)!r}")
+        raise InputError(f"{name} must be a new file or {what}, got {str(path)!r}")
 
 
 @contextmanager

@@ -22,6 +22,7 @@ from typing import Annotated
 from scipy.optimize import brentq
 
 from .domains import Part, held, not_negative, number, positive
+from .errors import InputError
 from .kernels.contact import Friction, Normal, Spring
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d
@@ -50,9 +51,9 @@ class Law(Part):
         super().__post_init__()
         normal, spring = self.normal, self.spring
         if normal.plastic not in (True, None):
-            raise ValueError(f"normal.plastic must be True or None, got {normal.plastic!r}")
+            raise InputError(f"normal.plastic must be True or None, got {normal.plastic!r}")
         if spring is not None and spring.proportional is spring.root is None:
-            raise ValueError("spring must have a stiffness, proportional or root")
+            raise InputError("spring must have a stiffness, proportional or root")
         numbers = {f"normal.{k}": v for k, v in normal._asdict().items() if k != "plastic"}
         numbers |= {f"spring.{k}": v for k, v in spring._asdict().items()} if spring else {}
         for name, value in numbers.items():

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
 from .domains import Part, hints
+from .errors import InputError
 from .laws import LAWS, Law
 from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, reduced, rivals, twins
 
@@ -61,7 +62,7 @@ class Annulus(Part):
         super().__post_init__()
         if not self.outer - self.inner >= 1:
             least = f"a diameter beyond annulus.inner, {self.inner + 1:.6g}"
-            raise ValueError(f"annulus.outer must be at least {least}, got {self.outer:.6g}")
+            raise InputError(f"annulus.outer must be at least {least}, got {self.outer:.6g}")
 
     @property
     def middle(self) -> float:
@@ -152,31 +153,31 @@ class Scene(Part):
             contact = getattr(self.contacts, name)
             constraint = contact and contact.friction > 0 and contact.law.spring is None
             if constraint and (name == "rods" or self.annulus):
-                raise ValueError(
+                raise InputError(
                     f"contacts.{name}.law must have a tangential spring, got {contact.law.name!r}: "
                     "friction as a constraint is for the plate, and not in an annulus"
                 )
         if self.annulus or self.contacts.wall or self.rods.rolling:
             self._in_space()
         elif self.start.tilt_deg is None and self.box is None:
-            raise ValueError("start.tilt_deg is missing: without a box it has no default")
+            raise InputError("start.tilt_deg is missing: without a box it has no default")
         self._fit()
 
     def _pair(self, one: str, first: object, other: str, second: object) -> None:
         """Refuse one of two parts without the other."""
         if (first is None) != (second is None):
             named, missing = (one, other) if second is None else (other, one)
-            raise ValueError(f"{missing} is missing: the scene names {named}, and needs both")
+            raise InputError(f"{missing} is missing: the scene names {named}, and needs both")
 
     def _in_space(self) -> None:
         """Refuse an incomplete annulus, and parts that it cannot have."""
         if self.annulus is None and self.rods.rolling:
-            raise ValueError("annulus is missing: the scene names rods.rolling, and needs both")
+            raise InputError("annulus is missing: the scene names rods.rolling, and needs both")
         self._pair("annulus", self.annulus, "contacts.wall", self.contacts.wall)
         if self.box is not None:
-            raise ValueError("box must be absent from an annulus, which closes on itself")
+            raise InputError("box must be absent from an annulus, which closes on itself")
         if self.gravity is not None and self.gravity.x != 0:
-            raise ValueError(f"gravity.x must be 0 in an annulus, got {self.gravity.x:g}")
+            raise InputError(f"gravity.x must be 0 in an annulus, got {self.gravity.x:g}")
 
     def _fit(self) -> None:
         """Refuse rods that would overlap at the start."""
@@ -185,11 +186,11 @@ class Scene(Part):
             return
         n, tilt = rods.count, self.tilt
         if box.length < n:
-            raise ValueError(f"box.length must be at least {n} for {n} rods, got {box.length:g}")
+            raise InputError(f"box.length must be at least {n} for {n} rods, got {box.length:g}")
         steepest, spacing = degrees(acos(n / box.length)), box.length / n
         beyond = max(spacing * abs(sin(tilt)) - (rods.length - 1), 0.0)  # along the axes
         if hypot(beyond, spacing * cos(tilt)) < 1 - 1e-12:
-            raise ValueError(
+            raise InputError(
                 f"start.tilt_deg must be at most {steepest:.6g} for {n} rods in a box of "
                 f"{box.length:g}, got {degrees(tilt):.6g}"
             )
@@ -253,25 +254,25 @@ def _contact(name: str, table: Mapping) -> Contact:
     options = dict(table)
     law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
     if not isinstance(law, str) or law not in LAWS:
-        raise ValueError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
+        raise InputError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
     takes = {known: inspect.signature(make).parameters for known, make in LAWS.items()}
     for key in (key for key in options if key not in takes[law]):
         if any(key in known for known in takes.values()):
-            raise ValueError(
+            raise InputError(
                 f"{name}.{key} is not for the law {law}: take it out (--set {name}.{key}=none)"
             )
         raise _unknown(f"{name}.{key}", ("law", "friction", *takes[law]))
     try:
         return Contact(LAWS[law](**options), friction)
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         raise type(error)(f"{name}.{str(error).removeprefix('contact.')}") from None
 
 
-def _unknown(key: str, known: Iterable[str]) -> ValueError:
+def _unknown(key: str, known: Iterable[str]) -> InputError:
     """Error that names an unknown key and the known ones, or what the key is called today."""
     if key in _FORMER:
-        return ValueError(f"{key} is of an earlier version: write {_FORMER[key]} in its place")
-    return ValueError(f"{key} is not a key of a scene; known there: {', '.join(known)}")
+        return InputError(f"{key} is of an earlier version: write {_FORMER[key]} in its place")
+    return InputError(f"{key} is not a key of a scene; known there: {', '.join(known)}")
 
 
 def _part(hint: Any) -> Any:
@@ -282,7 +283,7 @@ def _part(hint: Any) -> Any:
 def _build(kind: Any, name: str, table: object) -> Any:
     """A part of a scene from its table."""
     if not isinstance(table, Mapping):
-        raise TypeError(f"{name} must be a table, got {table!r}")
+        raise InputError(f"{name} must be a table, got {table!r}")
     if kind is Contact:
         return _contact(name, table)
     known, parts = hints(kind), {}
@@ -295,7 +296,7 @@ def _build(kind: Any, name: str, table: object) -> Any:
         parts[key] = _build(inner, path, value) if inner else value
     for part in fields(kind):
         if part.default is part.default_factory is MISSING and part.name not in parts:
-            raise ValueError(f"{name}.{part.name} is missing")
+            raise InputError(f"{name}.{part.name} is missing")
     return kind(**parts)
 
 
@@ -319,10 +320,10 @@ def keys() -> list[tuple[str, str]]:
 def _parsed(assignment: str) -> tuple[str, Any]:
     """Key and value of KEY=VALUE, the value as in TOML or a bare word."""
     if not isinstance(assignment, str):
-        raise TypeError(f"assignments must be texts KEY=VALUE, got {assignment!r}")
+        raise InputError(f"assignments must be texts KEY=VALUE, got {assignment!r}")
     key, equals, text = assignment.partition("=")
     if not equals or not key.strip():
-        raise ValueError(f"--set needs KEY=VALUE, got {assignment!r}")
+        raise InputError(f"--set needs KEY=VALUE, got {assignment!r}")
     try:
         return key.strip(), tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
@@ -341,7 +342,7 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
         for part in path:
             table = table.setdefault(part, {})
             if not isinstance(table, dict):
-                raise ValueError(f"--set {key}: {part} is a value, not a table")
+                raise InputError(f"--set {key}: {part} is a value, not a table")
         if value == "none":
             table.pop(last, None)
         else:
@@ -371,12 +372,12 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     try:
         return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"{source}: {error}") from None
+        raise InputError(f"{source}: {error}") from None
     except (OSError, UnicodeDecodeError) as error:
         names = ", ".join(sorted(p.stem for p in examples.glob("*.toml")))
         reason = getattr(error, "strerror", None) or error
         what = "cannot be read" if path.exists() else "no such scene"
-        raise ValueError(f"{source}: {what} ({reason}); examples: {names}") from None
+        raise InputError(f"{source}: {what} ({reason}); examples: {names}") from None
 
 
 def from_tables(tables: Mapping) -> Scene:
@@ -390,7 +391,7 @@ def from_tables(tables: Mapping) -> Scene:
     tables, said = reduced(tables)
     try:
         return _build(Scene, "", tables)
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         given = [words for key, words in said.items() if key in str(error)]
         raise type(error)(f"{error} ({'; '.join(given)})" if given else str(error)) from None
 

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from .errors import InputError
 from .files import empty, replacing, writable
 from .units import cm_per_s, in_cm
 
@@ -42,7 +43,7 @@ CREATE TABLE IF NOT EXISTS runs (
 """
 
 
-class StoreError(ValueError):
+class StoreError(InputError):
     """A file that cannot be used as a store; it is left as it is."""
 
 

@@ -39,10 +39,10 @@ from tqdm import tqdm
 
 from .accuracy import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
 from .domains import finite, held, positive, whole
+from .errors import InputError, RunError
 from .host import step_of
 from .scene import Scene, as_dict, from_tables, put, read_tables
 from .simulation import MOST_PERIODS
-from .soft_impact import RunError
 from .sources import digest
 from .store import Store
 
@@ -150,7 +150,7 @@ def _values(name: str, given: object) -> list:
     """Values of one key along its axis."""
     if isinstance(given, Mapping):
         if not {"from", "to", "count"} <= set(given) <= {"from", "to", "count", "log"}:
-            raise ValueError(f"{name} must have from, to, count and at most log, got {dict(given)}")
+            raise InputError(f"{name} must have from, to, count and at most log, got {dict(given)}")
         count, log = (
             whole(f"{name}.count", given["count"], 1, _MOST_POINTS),
             given.get("log", False),
@@ -162,20 +162,20 @@ def _values(name: str, given: object) -> list:
         integers = not log and isinstance(low, int) and all(x == round(x) for x in values)
         return [round(x) for x in values] if integers else values
     if not isinstance(given, list) or not given:
-        raise ValueError(f"{name} must be a list of values, not empty, or a range, got {given!r}")
+        raise InputError(f"{name} must be a list of values, not empty, or a range, got {given!r}")
     if any(isinstance(value, float) and not math.isfinite(value) for value in given):
-        raise ValueError(f"{name} must hold finite values, got {given!r}")
+        raise InputError(f"{name} must hold finite values, got {given!r}")
     return given
 
 
 def _axis(number: int, table: object) -> dict[str, list]:
     """Keys and values of one axis."""
     if not isinstance(table, Mapping) or not table:
-        raise ValueError(f"axes[{number}] must be a table with at least one key, got {table!r}")
+        raise InputError(f"axes[{number}] must be a table with at least one key, got {table!r}")
     axis = {key: _values(f"axes[{number}].{key}", given) for key, given in table.items()}
     lengths = {key: len(values) for key, values in axis.items()}
     if len(set(lengths.values())) > 1:
-        raise ValueError(f"axes[{number}]: keys of one axis must be equally long, got {lengths}")
+        raise InputError(f"axes[{number}]: keys of one axis must be equally long, got {lengths}")
     return axis
 
 
@@ -196,7 +196,7 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
     known = {"scene", "periods", "tolerance", "max_seconds", "set", "axes"}
     for key in tables:
         if key not in known:
-            raise ValueError(f"{key} is not a key of a sweep; known: {', '.join(sorted(known))}")
+            raise InputError(f"{key} is not a key of a sweep; known: {', '.join(sorted(known))}")
     periods = whole("periods", tables.get("periods", 200), 1, MOST_PERIODS)
     chosen = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
     if chosen:
@@ -205,10 +205,10 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
     axes = tuple(_axis(i, table) for i, table in enumerate(tables.get("axes", [])))
     keys = [key for axis in axes for key in axis]
     if len(set(keys)) < len(keys):
-        raise ValueError(f"a key may stand on one axis alone, got {keys}")
+        raise InputError(f"a key may stand on one axis alone, got {keys}")
     size = math.prod(len(next(iter(axis.values()))) for axis in axes)
     if size > _MOST_POINTS:
-        raise ValueError(f"a sweep may have {_MOST_POINTS} points, got {size}")
+        raise InputError(f"a sweep may have {_MOST_POINTS} points, got {size}")
     common, points = dict(tables.get("set", {})), []
     along = [[dict(zip(a, v, strict=True)) for v in zip(*a.values(), strict=True)] for a in axes]
     for place in itertools.product(*along):
@@ -216,7 +216,7 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
         try:
             scene = from_tables(put(base, {**common, **changes}))
             step_of(chosen_step(scene, chosen["tolerance"])[0] if chosen else scene)
-        except (ValueError, TypeError) as error:
+        except InputError as error:
             at = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
             raise type(error)(f"{error} (at {at})" if at else str(error)) from None
         points.append(Point(scene, periods, **chosen))
@@ -238,7 +238,7 @@ def load_sweep(path: str | Path) -> Sweep:
     tables = read_tables(path, _SWEEPS)
     name = tables.get("scene")
     if not isinstance(name, str):
-        raise ValueError(f"scene must be the name of a file or of an example, got {name!r}")
+        raise InputError(f"scene must be the name of a file or of an example, got {name!r}")
     beside = Path(path).parent / name
     return expand(tables, read_tables(beside if beside.exists() else name))
 
@@ -281,7 +281,7 @@ def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]
         except TerminatedWorkerError:
             deaths += 1
             if deaths == _CRASHES:
-                raise RunError(f"a worker died {deaths} times in a row", ()) from None
+                raise RunError(f"a worker died {deaths} times in a row") from None
 
 
 @contextmanager
@@ -341,10 +341,10 @@ def execute(
         On Ctrl-C; what was finished is in the store.
     """
     if whole("workers", workers, -1, 10**4) == 0:
-        raise ValueError("workers must be at least 1, or -1 for one a core, got 0")
+        raise InputError("workers must be at least 1, or -1 for one a core, got 0")
     held("scheduler", scheduler, str | None)
     if scheduler is not None and workers != -1:
-        raise ValueError(f"workers has no meaning with scheduler, got {workers} and {scheduler!r}")
+        raise InputError(f"workers has no meaning with scheduler, got {workers} and {scheduler!r}")
     points = {point.key: point for point in sweep.points}
     begin = perf_counter()
     with Store(store) as database:
@@ -386,12 +386,12 @@ def _backend(scheduler: str | None) -> Iterator[None]:
     try:
         from distributed import Client
     except ImportError:
-        raise ValueError("scheduler needs dask.distributed: pip install distributed") from None
+        raise InputError("scheduler needs dask.distributed: pip install distributed") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs what it raises
     try:
         client = Client(scheduler, timeout=10)
     except (OSError, ValueError) as error:
-        raise ValueError(
+        raise InputError(
             f"scheduler must be the address of a Dask cluster, got {scheduler!r}: {error}"
         ) from None
     with client, parallel_config("dask", client=client):

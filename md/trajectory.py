@@ -11,6 +11,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from .errors import InputError
 from .files import empty, same
 from .scene import Scene
 
@@ -114,7 +115,7 @@ def check_continues(
         # Frames after those of the checkpoint, of a run that was killed, are written again.
         why = f"trajectory {name} goes on to period {last:.6g}, beyond the {periods} asked for"
     if why:
-        raise ValueError(f"{why}; or remove checkpoint {checkpoint} to start again")
+        raise InputError(f"{why}; or remove checkpoint {checkpoint} to start again")
 
 
 def is_trajectory(path: Path) -> bool:
@@ -198,7 +199,7 @@ def read_frames(path: str | Path) -> list[dict]:
             while line := file.readline():
                 frames.append(_frame(int(line), file))
     except (ValueError, IndexError):
-        raise ValueError(
+        raise InputError(
             f"{path} is not a trajectory of md, or cut short: frame {len(frames)} cannot be read"
         ) from None
     return frames
@@ -209,7 +210,7 @@ def _frame(count: int, file: TextIO) -> dict:
     after = file.readline().split("Time=")[1]
     lines = [file.readline() for _ in range(count)]
     if not lines[-1].endswith("\n"):
-        raise ValueError("cut short")
+        raise InputError("cut short")
     table = np.loadtxt(lines, ndmin=2)
     return {
         "time": float(after.split()[0]),

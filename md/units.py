@@ -17,6 +17,7 @@ from math import pi, sqrt
 from typing import Annotated, Any, NamedTuple
 
 from .domains import held, not_negative
+from .errors import InputError
 
 GRAVITY_CM = 981.0  # cm/s^2
 Diameter = Annotated[float, 1e-6, 1e6]
@@ -99,12 +100,12 @@ def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
             continue
         for other in rivals(name):
             if _value(tables, other) is not None:
-                raise ValueError(f"{name} and {other} say the same: give one of them, not both")
+                raise InputError(f"{name} and {other} say the same: give one of them, not both")
         by, measuring = _value(tables, scale), tables.get(scale.partition(".")[0], {})
         if not isinstance(measuring, Mapping):
             continue  # refused later: not a table
         if by is None:
-            raise ValueError(f"{scale} is missing: {name} needs it")
+            raise InputError(f"{scale} is missing: {name} needs it")
         one = unit(held(scale, by, SCALES[scale]))
         part, _, last = name.partition(".")
         del changed[part][last]

@@ -15,7 +15,6 @@ from PIL import Image
 from derivations import report
 from derivations.registry import ENTRIES
 from figures import FIGURES
-from figures import __main__ as command
 from figures.__main__ import main
 from figures.claims import judge
 from figures.cost.price_page import PRICES
@@ -248,13 +247,13 @@ def test_all_claims_of_the_gallery_are_shown(tmp_path):
 
 def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
     done = []
-    for name in ("_draw", "_movie", "_claims"):
-        monkeypatch.setattr(command, name, lambda _, name=name: done.append(name) or 0)
+    for name in ("draw", "movie", "claims"):
+        monkeypatch.setattr(main.commands[name], "callback", lambda n=name, **_: done.append(n))
     monkeypatch.setattr(everything, "left", lambda out: done.clear() or ["fig10"])
     monkeypatch.setattr(everything, "estimate", lambda out: "")
     monkeypatch.setattr(index, "files", lambda out: done.append("index") or {})
     assert main(["paper", "--out", str(tmp_path)]) == 0
-    assert done == ["_draw", "_movie", "_claims", "index"]
+    assert done == ["draw", "movie", "claims", "index"]
     rule = (Path(__file__).parent.parent / "Makefile").read_text().split("\nfigures:")[1]
     assert rule.split("\n\n")[0].endswith("-m figures index")
 

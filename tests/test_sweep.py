@@ -16,8 +16,8 @@ import pytest
 from joblib.externals.loky import get_reusable_executor
 
 from md.__main__ import main
+from md.errors import RunError
 from md.scene import from_tables, read_tables
-from md.soft_impact import RunError
 from md.store import Store
 from md.sweep import Point, execute, expand, load_sweep
 

@@ -129,8 +129,7 @@ def test_both_in_one_file():
 
 
 def test_every_key_is_in_the_help(capsys):
-    with pytest.raises(SystemExit):
-        main(["run", "--help"])
+    assert main(["run", "--help"]) == 0
     words = capsys.readouterr().out
     for key, (_, own, _) in SAME.items():
         assert f"instead of {own}" in dict(keys())[key]

@@ -118,7 +118,7 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
     """
     from tqdm import tqdm
 
-    from impact.__main__ import _machine as machine
+    from impact.benchmark import machine
 
     from .evidence import Evidence  # compiles
 

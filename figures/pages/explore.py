@@ -21,7 +21,7 @@ from matplotlib.patches import Patch
 from matplotlib.widgets import RadioButtons, Slider
 
 import impact
-from impact import Regime
+from impact import InputError, Regime
 
 from ..lib.style import (
     BLACK,
@@ -71,10 +71,10 @@ class Setting:
     def __post_init__(self):
         for name, (low, high, *_) in RANGES.items():
             if not low <= (value := getattr(self, name)) <= high:
-                raise ValueError(f"{name} must be between {low:g} and {high:g}, got {value!r}")
+                raise InputError(f"{name} must be between {low:g} and {high:g}, got {value!r}")
         for name, choices in CHOICES.items():
             if (value := getattr(self, name)) not in choices:
-                raise ValueError(f"{name} must be one of {', '.join(choices)}, got {value!r}")
+                raise InputError(f"{name} must be one of {', '.join(choices)}, got {value!r}")
 
 
 def _crossings(x: np.ndarray, y: np.ndarray, level: float) -> np.ndarray:

@@ -27,6 +27,7 @@ from PIL import Image
 from derivations import report
 from derivations.registry import ENTRIES
 from derivations.sentences import to_html
+from impact import InputError
 
 from .. import FIGURES, load
 from ..claims import judge
@@ -195,9 +196,9 @@ def files(out: Path) -> dict[str, bytes]:
         "others": [*filter(None, map(folder.picture, set(folder.names(".png")) - known))],
     }
     if not folder.own:
-        raise ValueError(f"out must be a folder that holds something to show, got {out}")
+        raise InputError(f"out must be a folder that holds something to show, got {out}")
     if (out / "gallery").resolve() == GALLERY:
-        raise ValueError(f"out must not be the folder of the project's gallery, got {out}")
+        raise InputError(f"out must not be the folder of the project's gallery, got {out}")
     given = {"folder": folder, "badges": BADGES, "figures": FIGURES, **shown}
     main = templates.get_template("index.html").render(given)
     style = templates.get_template("index.css").render()
