@@ -4,28 +4,23 @@ import re
 from math import cos
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import pytest
 
 import md
 from md.kernels import single
 from md.kernels.codes import WATCHED
-from md.rod import effects_of
-from md.soft_impact import plate_table
 
-from .track import track
+from . import llvm
+from .track import ROD, effects, track
 
-ROD = md.Rod()
 GRAVITY = (0.0, -1.0)
 VIBRATION = md.Vibration(0.05, 1.0, 0.0)
 
 
 def scene_of(law=None, friction=0.0, gravity=None, vibration=None, rod=ROD, dt=1e-3):
     """By default nothing but Hertz's force."""
-    law = law or md.coulomb(1.0)
-    plate = plate_table(vibration, dt)
-    return effects_of(rod, law, friction, gravity, plate)
+    return effects(law or md.coulomb(1.0), friction, gravity, vibration, dt, rod)
 
 
 class Code(NamedTuple):
@@ -50,14 +45,11 @@ def compiled(method="leapfrog", watch=None, **scene) -> Code:
 
     Compiled afresh: of code from the disk cache there is no text.
     """
-    loop = numba.njit(error_model="numpy")(single.run.py_func)
+    loop = llvm.fresh(single.run)
     made = scene_of(**scene)
     state = single.started(method, (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
     loop(made, state, 0, 0, 1e-3, watch)
-    text = loop.inspect_llvm(loop.signatures[0])
-    body = next(
-        part for part in re.split(r"\n(?=define )", text) if re.match(r"define .*@_ZN.*run", part)
-    )
+    _, body = llvm.text(loop, made)
     head, body = body.split("\n", 1)
     return Code(
         roots=operations(body, r"call[^\n]* @(?:llvm\.)?sqrt(?:\.v(\d+)f64)?"),

@@ -10,23 +10,13 @@ from md.kernels import single
 from md.kernels.codes import DONE
 from md.kernels.single import State
 from md.laws import contact_time, deepest_overlap, largest_step
-from md.rod import effects_of
 
-from .track import track
+from .track import CONTACT, FLAT, LAWS, ROD, effects, track
 
-ROD = md.Rod()
 SLIDE = radians(30), (-0.5, -1.0, 0.1)
 SLIP_STICK = radians(20), (0.5, -1.0, 0.0)
 REVERSAL = radians(40), (0.5, -1.0, 0.0)
 OFFSETS = (np.arange(24) + 0.5) / 24
-CONTACT = contact_time(md.coulomb(), 1.0)
-FLAT = 0.0, 0.5, pi / 2, 0.0, 0.0, 0.0  # just touching, at rest
-LAWS = {
-    "coulomb": md.coulomb(),
-    "elastic": md.coulomb(1.0),
-    "constant_restitution": md.constant_restitution(),
-    "appendix_a": md.appendix_a(),
-}
 
 
 def velocities(case, law, integrator, steps=100, offset=0.5, friction=0.4):
@@ -50,11 +40,6 @@ def impact_track(law, case=SLIP_STICK, integrator="leapfrog", steps=100, dt=None
     start = 0.0, ROD.half_length * cos(tilt) + 0.5, tilt, *velocity
     dt = dt or CONTACT / steps
     return track(effects(law, 0.4), start, dt, ceil(2 * CONTACT / dt), method=integrator)
-
-
-def effects(law, friction, gravity=None):
-    """What acts on a rod over a plate at rest."""
-    return effects_of(ROD, law, friction, gravity, None)
 
 
 # M1: the touch falls inside a step

@@ -12,28 +12,11 @@ from md.kernels import single
 from md.kernels.codes import C_X, DONE, NOT_FINITE, OMEGA, Z
 from md.kernels.contact import plate_at
 from md.kernels.single import State
-from md.laws import contact_time
-from md.rod import effects_of
 from md.soft_impact import plate_table, stopped_run
 
-from .track import track
+from .track import CONTACT, FLAT, LAWS, ROD, effects, track
 
-ROD = md.Rod()
-LAWS = {
-    "coulomb": md.coulomb(),
-    "elastic": md.coulomb(1.0),
-    "constant_restitution": md.constant_restitution(),
-    "appendix_a": md.appendix_a(),
-}
-CONTACT = contact_time(md.coulomb(), 1.0)
-FLAT = 0.0, 0.5, pi / 2, 0.0, 0.0, 0.0  # just touching, at rest
-
-
-def effects(law=None, friction=0.0, vibration=None, dt=None):
-    """What acts on a rod with weight."""
-    law = law or md.coulomb()
-    plate = plate_table(vibration, dt)
-    return effects_of(ROD, law, friction, (0.0, -1.0), plate)
+GRAVITY = 0.0, -1.0
 
 
 # M11: phase after a million periods
@@ -60,7 +43,7 @@ def test_m11_a_run_a_million_periods_later_is_the_same():
     """The same rod let go at step 0 and at step 1e6 periods: bit for bit."""
     vibration, law = md.Vibration(0.05, 0.5, 0.0), md.coulomb()
     dt = 1 / (0.5 * 20_000)
-    scene = effects(law, 0.3, vibration, dt)
+    scene = effects(law, 0.3, GRAVITY, vibration, dt)
     state = single.started("leapfrog", (0, 4.9, 0.2), (0.3, 0, 0), (0, -1), dt)
     ends = [
         State(*single.run(scene, state, first, 60_000, dt, None)[0])
@@ -124,7 +107,7 @@ def test_m15_ledger_over_many_impacts_on_a_vibrating_plate():
 def test_m15_horizontal_momentum_where_nothing_acts(integrator):
     """Without friction no bit of it changes, however many impacts there are."""
     dt, steps = 4e-5, 1_000_000
-    scene = effects(vibration=md.Vibration(0.05, 0.5, 0.0), dt=dt)
+    scene = effects(md.coulomb(), 0.0, GRAVITY, md.Vibration(0.05, 0.5, 0.0), dt)
     start = 0.0, 5.0, 0.1, 0.3, 0.0, 0.0
     samples = track(scene, start, dt, steps, every=1000, method=integrator)
     assert np.abs(samples[:, 5]).max() > 0.1  # it was hit
@@ -140,7 +123,7 @@ def test_m16_too_deep_stops_with_the_last_good_state():
     """A rod at 900 sqrt(g d) comes 0.53 d deep, and is stopped before it is."""
     start = 0.0, 5.0, 0.0, 0.0, -900.0, 0.0
     with pytest.raises(md.RunError, match="deeper than d/2 in the plate") as error:
-        track(effects(md.coulomb(1.0), 0.3), start, 1e-6, 10**6, every=100)
+        track(effects(md.coulomb(1.0), 0.3, GRAVITY), start, 1e-6, 10**6, every=100)
     _, z, tilt, c_x, c_z, _ = error.value.state
     assert abs(z - ROD.half_length * cos(tilt)) < 1000 * 1e-6  # the limit, to the way of a step
     assert -900 < c_z < 0
@@ -151,7 +134,7 @@ def test_m16_too_deep_stops_with_the_last_good_state():
 @pytest.mark.parametrize("integrator", single.METHODS)
 def test_m16_not_finite_stops_at_once(integrator, bad):
     """In the step in which it appears, with the state that it found."""
-    scene = effects()
+    scene = effects(md.coulomb(), 0.0, GRAVITY)
     state = single.started(integrator, (0, 9, 0), (0, 0, 0), (0, -1), 1e-4)
     now, steps, why = single.run(scene, state, 0, 10, 1e-4, None)
     assert (steps, why) == (10, DONE)
@@ -184,7 +167,7 @@ def test_a_rod_rests_on_a_vibrating_plate_below_its_gravity(law):
     vibration = md.Vibration(0.5 / (2 * pi) ** 2, 1.0, 0.0)
     dt, every = 1 / 17_000, 77
     start = 0.0, 0.5, pi / 2, 0.0, 2 * pi * vibration.amplitude, 0.0
-    scene = effects(LAWS[law], 0.3, vibration, dt)
+    scene = effects(LAWS[law], 0.3, GRAVITY, vibration, dt)
     samples = track(scene, start, dt, 1_700_000, every=every)
     time = every * dt * np.arange(len(samples))
     late = time > 10
@@ -199,7 +182,7 @@ def test_a_rod_rests_on_a_vibrating_plate_below_its_gravity(law):
 def test_a_rod_leaves_a_plate_above_its_gravity():
     """Gamma = 1.5: there is a flight in every period."""
     vibration = md.Vibration(1.5 / (2 * pi) ** 2, 1.0, 0.0)
-    scene = effects(md.coulomb(), 0.3, vibration, 1e-4)
+    scene = effects(md.coulomb(), 0.3, GRAVITY, vibration, 1e-4)
     samples = track(scene, FLAT, 1e-4, 200_000, every=100)
     time = 1e-2 * np.arange(len(samples))
     gap = samples[:, 1] - 0.5 - vibration.amplitude * np.sin(2 * pi * time)
