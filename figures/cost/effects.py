@@ -18,7 +18,7 @@ from md.scene import Scene, from_tables, put
 
 from ..lib.row_runs import FRICTION, GAMMA, RESTITUTION, ROW
 
-WATCHERS = frozenset(("ledger", "landings", "series"))
+WATCHERS = frozenset(("ledger", "touches", "series"))
 STEP = step_of(from_tables(ROW))[0]  # of all variants
 TILT = degrees(from_tables(ROW).tilt)
 Changes = Mapping[str, Any]
@@ -37,7 +37,7 @@ class Variant(NamedTuple):
 
     def engine(self) -> Engine:
         """The scene under way."""
-        asked = {name: name in self.watchers for name in ("ledger", "landings")}
+        asked = {name: name in self.watchers for name in ("ledger", "touches")}
         return prepare(self.scene, **asked)
 
 
@@ -131,7 +131,7 @@ EFFECTS = {
         drifts=False,  # a row that is open falls over
     ),
     "energy ledger": _watcher("ledger", RODS),
-    "record of landings": _watcher("landings", PLATE),
+    "record of landings": _watcher("touches", PLATE),
     "series of means": _watcher("series", NOTHING),
 }
 INSTEAD = {

@@ -11,9 +11,9 @@ import md
 from impact import ContactGeometry, compiled
 from md.cache import kernel
 from md.kernels import single as integrators
-from md.kernels.contact import Effects
-from md.kernels.single import WATCHED, run
-from md.laws import friction_of
+from md.kernels.codes import WATCHED
+from md.kernels.single import run
+from md.rod import effects_of
 
 from .soft_impacts import APPROACH_RATIO, FRICTION, ROD, TILTS
 
@@ -22,27 +22,25 @@ MOST = 10**9  # steps: the contact ends long before
 
 
 @kernel(inline=False)
-def repeated(scene, state, dt, times, watch):
+def repeated(effects, state, dt, times, watch):
     """The same impact `times` times over; velocity after the last one, and its steps."""
     velocity, steps = state.velocity, 0
     for _ in range(times):
         for i in range(WATCHED):
             watch[i] = 0.0
-        after, steps, _ = run(scene, state, 0, MOST, dt, watch)
+        after, steps, _ = run(effects, state, 0, MOST, dt, watch)
         velocity = after[2]
     return velocity, steps
 
 
 def impact_call(tilt: float, law: md.Law, integrator: str, dt: float, speed: float = 1.0):
     """The impact of `soft.simulate` as a function of how often; touch in the middle of a step."""
-    friction = friction_of(law, FRICTION)
-    lightness = 1 / ROD.gyration_squared
-    scene = Effects(ROD.half_length, lightness, law.normal, friction, None, None, True)
+    effects = effects_of(ROD, law, FRICTION, None, None)
     position = np.array([0.0, ROD.half_length * cos(tilt) + 0.5, tilt])
     velocity = np.array([speed / APPROACH_RATIO, -speed, 0.0])
     start = position - dt / 2 * velocity
     state, watch = integrators.started(integrator, start, velocity, None, dt), np.zeros(WATCHED)
-    return lambda times=1: repeated(scene, state, dt, times, watch)
+    return lambda times=1: repeated(effects, state, dt, times, watch)
 
 
 def price(calls: list[Callable], runs: int) -> tuple[np.ndarray, np.ndarray]:

@@ -23,9 +23,9 @@ RODS = (5, 18, 31)
 CHANGE_DEG = 30.0  # the paper's
 MEANS = {
     "tilt_deg": "tilt_deg",
-    "flight": "landings.flight_periods.mean",
-    "merged_flight": "merged.flight_periods.mean",
-    "touches": "merged.touches.mean",
+    "flight": "touches.flight_periods.mean",
+    "merged_flight": "landings.flight_periods.mean",
+    "touches": "landings.touches.mean",
 }
 
 

@@ -45,7 +45,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         "density_error": error,
         "falling": down,
         "falling_error": down_error,
-        **means(sweep, {"tilt_deg": "tilt_deg", "merged_falling": "merged.falling.mean"}),
+        **means(sweep, {"tilt_deg": "tilt_deg", "merged_falling": "landings.falling.mean"}),
         "lone_deg": lone_deg,
         "lone_falling": np.array([each.falling.mean for each in bounces]),
     }
