@@ -373,8 +373,8 @@ def bounce(
     of the closure. At restitution 1 a vertical rod has no stationary state: it gains height without
     end, as in Fermi's accelerator. For gamma <= 1 a rod at rest stays there, and that is what is
     returned; a rod that is thrown could still bounce without end, once a period (a vertical one
-    from gamma = pi (1 - restitution)/(1 + restitution) on). Such orbits coexist with rest a little above
-    gamma = 1 too, where some of the rods, thrown at the start, find them.
+    from gamma = pi (1 - restitution)/(1 + restitution) on). Such orbits coexist with rest a
+    little above gamma = 1 too, where some of the rods, thrown at the start, find them.
     """
     bins = count("bins", bins, 1)
     counts = landings, rods, seed, transient
