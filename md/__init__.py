@@ -28,9 +28,9 @@ rigid impacts in `impact`, which it is there to test.
 
 Files, as one reads them
 ------------------------
-scene, units, laws                  what is there: `Scene`, also in cm and Hz; the contact laws
-kernels/contact, single             compiled: forces of one contact; one rod on the plate
+scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; the contact laws
 kernels/codes                       stop codes, columns, phases and regimes of all kernels
+kernels/contact, single             compiled: forces of one contact; one rod on the plate
 kernels/neighbours, plane, touches  compiled: rods in a plane, pairs, steps, touches of the plate
 kernels/space                       compiled: the same in an annulus
 rod, reference, soft_impact         `impact`: every switch located, or fixed steps
@@ -39,15 +39,18 @@ measures, statistics                what a run measures, with errors
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy, calibration               `run`: step and length from a tolerance
 sweep, store                        many runs and their results
-cache, interrupt, __main__          compiled kernels kept, signals, the command line
+sources                             what decides whether a stored run is stale
+cache, interrupt, errors            compiled kernels kept, signals, errors
+result_text, command_line, __main__  results as text; the commands
 """
 
-from .accuracy import Accuracy, Tuned, run
+from .accuracy import run
+from .errors import InputError, RunError
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
-from .rod import Rod, RunError
+from .rod import Rod
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
-from .simulation import Result
+from .simulation import Accuracy, Result
 from .soft_impact import INTEGRATORS, Impact, impact
 
 __all__ = [
@@ -60,6 +63,7 @@ __all__ = [
     "Contacts",
     "Gravity",
     "Impact",
+    "InputError",
     "Law",
     "Plate",
     "Result",
@@ -69,7 +73,6 @@ __all__ = [
     "Scene",
     "Start",
     "Step",
-    "Tuned",
     "Vibration",
     "appendix_a",
     "constant_restitution",

@@ -1,11 +1,10 @@
 """Compile once, and never run a stale kernel.
 
 Numba's disk cache looks at the file of a function, not at the files of what it calls. Here the
-cache lives in a folder named after a digest of all sources of this package, outside the checkout;
-an edit anywhere in it compiles anew.
+cache lives outside the checkout, in a folder named after the bytes of all files with kernels and of
+what these use; an edit of any of them compiles all kernels again.
 """
 
-import hashlib
 import multiprocessing
 import os
 import shutil
@@ -21,25 +20,9 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvid
 
 from .files import warn
 from .interrupt import deferred
+from .sources import digest_of_kernels
 
-_APART = {
-    *("__init__.py", "__main__.py", "files.py", "interrupt.py", "store.py", "sweep.py"),
-    "trajectory.py",
-    *("accuracy.py", "calibration.py"),
-}
 _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
-
-
-def digest() -> str:
-    """Twelve hexadecimal digits that stand for the sources that decide what a run gives."""
-    folder = Path(__file__).parent
-    content = hashlib.sha256()
-    for path in sorted(folder.rglob("*.py")):
-        name = path.relative_to(folder).as_posix()
-        if name in _APART:
-            continue
-        content.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
-    return content.hexdigest()[:12]
 
 
 @cache
@@ -65,7 +48,7 @@ def directory() -> Path | None:
 
 def _usable(home: Path) -> Path:
     """The folder of these sources, which takes files."""
-    folder = home / digest()
+    folder = home / digest_of_kernels()
     folder.mkdir(parents=True, exist_ok=True)
     folder.touch()
     with tempfile.TemporaryFile(dir=folder):

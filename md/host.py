@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from .errors import InputError, RunError
 from .kernels import plane
 from .kernels.codes import (
     ANNULUS_SERIES,
@@ -52,7 +53,7 @@ from .kernels.space.pairs import nearest, no_pairs
 from .kernels.touches import Record, new_record
 from .laws import contact_time, deepest_overlap, friction_of, largest_step
 from .placement import placed
-from .rod import Rod, RunError, effects_of
+from .rod import Rod, effects_of
 from .scene import Annulus, Contact, Scene
 
 _MOST_STEPS = 10**7  # of a period
@@ -90,7 +91,7 @@ def step_of(scene: Scene) -> tuple[float, int]:
             continue
         law, deepest = contact.law, deepest_overlap(contact.law, speed)
         if not deepest < DEEP / 2:
-            raise ValueError(
+            raise InputError(
                 f"contacts.{name}.stiffness {law.normal.stiffness:g} is too soft for impacts at "
                 f"{speed:.3g}: overlap {deepest:.2g} d"
             )
@@ -101,7 +102,7 @@ def step_of(scene: Scene) -> tuple[float, int]:
     whole = min((time for _, time in found), default=0.05)
     dt = scene.step.size or min(whole / 50, largest / 2)
     if dt > largest:
-        raise ValueError(
+        raise InputError(
             f"step.size must be at most {0.995 * largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} "
             f"of the contact time {whole:.3g}, to be stable; got {dt!r}"
             + ("" if coarse else " (step.coarse allows more)")
@@ -109,7 +110,7 @@ def step_of(scene: Scene) -> tuple[float, int]:
     per = ceil(1 / (scene.frequency * dt) - 1e-9)
     if per > _MOST_STEPS:
         least = 1 / (scene.frequency * _MOST_STEPS)
-        raise ValueError(f"step.size must be at least {least:.2g} sqrt(d/g), got {dt!r}")
+        raise InputError(f"step.size must be at least {least:.2g} sqrt(d/g), got {dt!r}")
     return 1 / (scene.frequency * per), per
 
 
@@ -199,7 +200,8 @@ class Engine:
             if why == FULL_LIST:
                 self._grow()
             elif why not in (DONE, FULL_RECORD):
-                raise RunError(*self._stopped(why, where))
+                message, state = self._stopped(why, where)
+                raise RunError(message, state)
             elif why == FULL_RECORD or made == steps:
                 return made
 
@@ -419,7 +421,7 @@ def space_effects(scene: Scene, gap: Annulus, per: int) -> SpaceEffects:
     rod, rolling = _rod(scene), None
     plate, wall = _forces(scene.contacts.plate), _forces(scene.contacts.wall)
     assert wall is not None
-    if scene.rods.spin:
+    if scene.rods.rolling:
         rolling = rod.gyration_squared / rod.axial_gyration_squared - 1
     return SpaceEffects(
         half_length=rod.half_length,
@@ -438,7 +440,7 @@ def space_effects(scene: Scene, gap: Annulus, per: int) -> SpaceEffects:
 def _annulus(scene: Scene, gap: Annulus) -> AnnulusEngine:
     n = scene.rods.count
     if n > _MOST_RODS:
-        raise ValueError(f"rods.count must be at most {_MOST_RODS} in an annulus, got {n}")
+        raise InputError(f"rods.count must be at most {_MOST_RODS} in an annulus, got {n}")
     dt, per = step_of(scene)
     effects = space_effects(scene, gap, per)
     tilt = None if scene.start.tilt_deg is None else abs(scene.tilt)

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
+from .errors import InputError, RunError
 from .kernels.codes import BACK, FORWARD, FREE, SLIDE, STICK, STUCK, TURNED
 from .kernels.contact import Effects
 from .kernels.rates import plate_after, rates
@@ -184,14 +185,14 @@ def follow(
     ValueError
         If the upper cap touches too, a tangential spring has no dashpot beside it, or the
         coefficient of friction is beyond LARGE.
-    RuntimeError
+    RunError
         If the contact does not end, or friction switches without an end.
     """
     spring = effects.friction.spring if effects.friction else None
     if spring and not any(spring[2:]):  # its dashpots
-        raise ValueError("dop853 needs a dashpot beside the tangential spring")
+        raise InputError("dop853 needs a dashpot beside the tangential spring")
     if effects.friction and effects.friction.coefficient > LARGE:
-        raise ValueError(f"dop853 needs a friction of at most {LARGE:g}")
+        raise InputError(f"dop853 needs a friction of at most {LARGE:g}")
     a_x = -effects.half_length * sin(tilt)
     speed = abs(velocity[1] - velocity[2] * a_x - plate_after(vibration, 0.0)[1])
     contact = _Contact(effects, vibration, tilt, speed, tolerance)
@@ -202,19 +203,19 @@ def follow(
     durations, impulses, switches = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], 0
     while which != 0:
         if switches == _SWITCHES:
-            raise RuntimeError(f"the contact has switched {switches} times without an end")
+            raise RunError(f"the contact has switched {switches} times without an end")
         switches += 1
         begin, pushed, solver = s, y[7], contact.solver(s, y)
         others: tuple[int, ...] = (1,) if stopped or contact.rigid else (1, 3)
         going = True
         while going:
             if solver.t**4 > longest:
-                raise RuntimeError(f"the contact has not ended after {longest:g} sqrt(d/g)")
+                raise RunError(f"the contact has not ended after {longest:g} sqrt(d/g)")
             solver.step()
             signals = left, spare, overlap, slip = contact.signals(solver.t, solver.y)
             deepest = max(deepest, overlap)
             if effects.upper and overlap > 2 * effects.half_length * cos(tilt + solver.y[2]):
-                raise ValueError("dop853 follows one cap, and here the second touches the plate")
+                raise InputError("dop853 follows one cap, and here the second touches the plate")
             going = left >= 0 and spare >= 0 and not (3 in others and side * slip < 0)
         if left < 0 and solver.t - begin < 1e-5 * solver.t:
             others = ()  # the spring rattles as the force ends: a last 1e-10 of its impulse

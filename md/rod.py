@@ -1,20 +1,9 @@
-"""A rod, what a kernel takes of it, and the error of a run of rods that cannot go on."""
+"""A rod, and what a kernel takes of it."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from .kernels.contact import Effects, Motion
 from .laws import Law, friction_of
-
-
-class RunError(RuntimeError):
-    """A run that cannot go on; `state` is the last good one.
-
-    Of one impact (x, z, tilt, c_x, c_z, omega), of many rods the array of `Result.rods`.
-    """
-
-    def __init__(self, message: str, state: Any):
-        super().__init__(message)
-        self.state = state
 
 
 class Rod(NamedTuple):

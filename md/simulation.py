@@ -6,7 +6,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -16,16 +16,51 @@ import numba
 import numpy as np
 from tqdm import tqdm
 
-from .cache import digest
+from .domains import whole
+from .errors import InputError
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import Engine, prepare
 from .interrupt import SIGNALS
 from .measures import Tables, tables_of
-from .scene import Scene, as_dict, whole
+from .scene import Scene, as_dict
+from .sources import digest
 from .statistics import transient
 from .trajectory import Trajectory, check_continues, is_trajectory
 
+MOST_PERIODS = 10**7  # of a run
 _SAVED = 60.0  # seconds from one checkpoint to the next
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Error of a drift, and what it cost; velocities in sqrt(g d), absolute.
+
+    tolerance : asked for, of |c_x| or of the floor, whichever is larger
+    confidence : of the interval
+    floor : drifts below it are judged as if they were this fast
+    error : bound of the bias and half of the interval, together; nan where the bias is unknown
+    statistical : half of the interval that holds the long-run mean with this confidence
+    bias : bound of what the step does; nan where it is unknown
+    per_contact : steps a contact
+    outside : why the calibration does not hold for the run, in words; empty where it does
+    state : "reached" if error <= tolerance max(|c_x|, floor); "bias unknown" if the statistical
+        error alone is that small and the bias of the step is unknown; else "not reached"
+    seconds : of the run, without compiling
+    needed_seconds, next_digit_seconds : estimated for this tolerance, and for a tenth of it
+    """
+
+    tolerance: float
+    confidence: float
+    floor: float
+    error: float
+    statistical: float
+    bias: float
+    per_contact: float
+    outside: tuple[str, ...]
+    state: str
+    seconds: float
+    needed_seconds: float
+    next_digit_seconds: float
 
 
 @dataclass(frozen=True)
@@ -54,6 +89,7 @@ class Result:
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
     finished : whether nobody ended the run before its time
     unwritten : files asked for that are not whole, and why; empty if all is written
+    accuracy : of c_x; None without a tolerance
     """
 
     scene: Scene
@@ -78,6 +114,7 @@ class Result:
     rods: np.ndarray
     finished: bool
     unwritten: tuple[str, ...]
+    accuracy: Accuracy | None = None
 
     @property
     def rod_steps(self) -> int:
@@ -87,7 +124,7 @@ class Result:
     def as_dict(self) -> dict[str, Any]:
         """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""
         contact = self.scene.contacts.plate or self.scene.contacts.rods
-        skip = ("scene", "phases", "c_x_series", "tilt_series", "rods")
+        skip = ("scene", "phases", "c_x_series", "tilt_series", "rods", "accuracy")
         plain = {key: value for key, value in vars(self).items() if key not in skip}
         return finite(
             {
@@ -98,9 +135,19 @@ class Result:
                 "scene_digest": self.scene.digest(),
                 "law": contact.law.name if contact else None,
                 "seed": self.scene.start.seed,
-                "versions": {"md": digest(), "numpy": np.__version__, "numba": numba.__version__},
+                "versions": {
+                    "md": code(self.scene),
+                    "numpy": np.__version__,
+                    "numba": numba.__version__,
+                },
+                **({"accuracy": asdict(self.accuracy)} if self.accuracy else {}),
             }
         )
+
+
+def code(scene: Scene) -> str:
+    """Digest of the sources that decide what a run of the scene gives."""
+    return digest(annulus=scene.annulus is not None)
 
 
 def finite(value: Any) -> Any:
@@ -168,7 +215,12 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
 
 def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
     """Checkpoint, beside the old one first."""
-    about = {"scene": engine.scene.digest(), "code": digest(), "step": engine.step, **began}
+    about = {
+        "scene": engine.scene.digest(),
+        "code": code(engine.scene),
+        "step": engine.step,
+        **began,
+    }
     arrays: dict[str, Any] = tables.arrays(engine.step // engine.per) | engine.arrays()
     with replacing(path) as part, part.open("wb") as file:
         np.savez(file, about=json.dumps(about), **arrays)
@@ -176,20 +228,21 @@ def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
 
 def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     """A checkpoint of this scene: what it tells, and its arrays."""
-    mine = {"scene": scene.digest(), "code": digest()}
+    mine = {"code": code(scene), "scene": scene.digest()}
     try:
         with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
         about = json.loads(str(arrays.pop("about")))
         other = [key for key, value in mine.items() if about.pop(key) != value]
     except OSError as error:
-        raise ValueError(f"checkpoint {path} cannot be read: {error}") from None
+        raise InputError(f"checkpoint {path} cannot be read: {error}") from None
     except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
-        raise ValueError(f"checkpoint {path} cannot be read: not one, or cut short") from None
+        raise InputError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
-        raise ValueError(
-            f"checkpoint {path} belongs to another {other[0]}; remove it to start again"
+        whose = (
+            "another scene" if other == ["scene"] else "an earlier version of md or other sources"
         )
+        raise InputError(f"checkpoint {path} belongs to {whose}; remove it to start again")
     return about, arrays
 
 
@@ -324,11 +377,11 @@ def run(
         If a state stops being finite, or a contact is deeper than d/2.
     """
     if not isinstance(scene, Scene):
-        raise TypeError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
-    periods = whole("periods", periods, 1, 10**7)
+        raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
+    periods = whole("periods", periods, 1, MOST_PERIODS)
     frames = whole("frames", frames, 1, 10**6)
     if observe is not None and scene.annulus is not None:
-        raise ValueError(
+        raise InputError(
             "observe must be None in an annulus: touches of the plate are counted, not kept"
         )
     distinct(trajectory=trajectory, checkpoint=checkpoint)
@@ -350,7 +403,7 @@ def run(
     if arrays is not None:
         step = about.pop("step")
         if step > periods * engine.per:
-            raise ValueError(
+            raise InputError(
                 f"checkpoint {kept} is {step // engine.per} periods long already: ask for more, or "
                 "remove it"
             )

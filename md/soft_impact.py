@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import reference
+from .domains import not_negative, number, positive
+from .errors import InputError, RunError
 from .kernels import single
 from .kernels.codes import (
     DEEP,
@@ -35,12 +37,9 @@ from .laws import (
     coulomb,
     deepest_overlap,
     largest_step,
-    not_negative,
-    number,
-    positive,
 )
 from .reference import Vibration
-from .rod import Rod, RunError, effects_of
+from .rod import Rod, effects_of
 
 INTEGRATORS = (*single.METHODS, "dop853")
 _FINE = 100  # default steps per head-on contact time
@@ -68,23 +67,23 @@ class Impact(NamedTuple):
 
 def _checked_rod(rod: Rod) -> Rod:
     if not isinstance(rod, Rod):
-        raise TypeError(f"rod must be a md.Rod, got {rod!r}")
+        raise InputError(f"rod must be a md.Rod, got {rod!r}")
     length = number("length", rod.length, 1.0, 1e3, "between 1 and 1000")
     if rod.inertia not in ("solid", "thin"):
-        raise ValueError(f"inertia must be solid or thin, got {rod.inertia!r}")
+        raise InputError(f"inertia must be solid or thin, got {rod.inertia!r}")
     return Rod(length, rod.inertia)
 
 
 def _checked_law(law: Law | None) -> Law:
     if law is not None and not isinstance(law, Law):
-        raise TypeError(f"law must be made by a function of md.LAWS, as md.coulomb(), got {law!r}")
+        raise InputError(f"law must be made by a function of md.LAWS, as md.coulomb(), got {law!r}")
     return law or coulomb()
 
 
 def _numbers(name: str, values: object, count: int) -> tuple:
     """A sequence of so many values."""
     if not isinstance(values, Sequence | np.ndarray) or len(values) != count:
-        raise TypeError(f"{name} must be {count} numbers, got {values!r}")
+        raise InputError(f"{name} must be {count} numbers, got {values!r}")
     return tuple(values)
 
 
@@ -123,10 +122,10 @@ def _step(
 ) -> float:
     """The step asked for, or a good one; one that is not stable is refused."""
     if speed < _SLOWEST:
-        raise ValueError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
+        raise InputError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
     deepest = deepest_overlap(law, speed)
     if not deepest < DEEP / 2:
-        raise ValueError(
+        raise InputError(
             f"the plate is too soft for an impact at {speed:g}: overlap {deepest:.2g} d"
         )
     rise = effects.half_length * cos(tilt)
@@ -139,12 +138,12 @@ def _step(
         return float(min(whole / _FINE, largest / 4))
     dt = positive("dt", dt)
     if dt > largest:
-        raise ValueError(
+        raise InputError(
             f"dt must be at most {largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} of the contact "
             f"time {whole:.3g}, to be stable; got {dt!r}"
         )
     if dt < whole / _FINEST:
-        raise ValueError(f"dt must be at least {whole / _FINEST:.3g} sqrt(d/g), got {dt!r}")
+        raise InputError(f"dt must be at least {whole / _FINEST:.3g} sqrt(d/g), got {dt!r}")
     return dt
 
 
@@ -223,11 +222,11 @@ def impact(
     )
     vibration, gravity = _checked_vibration(vibration), _checked_gravity(gravity)
     if integrator not in INTEGRATORS:
-        raise ValueError(f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}")
+        raise InputError(f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}")
     offset = number("offset", offset, 0.0, 1.0, "between 0 and 1")
     speed = _speed(rod, tilt, velocity, vibration)
     if not speed > 0:
-        raise ValueError(
+        raise InputError(
             f"c_z must bring the contact point towards the plate: it moves away at {-speed:g}"
         )
     effects = effects_of(rod, law, friction, gravity, None)

@@ -8,7 +8,7 @@ from hypothesis import settings
 
 from figures.lib import row_runs as rows
 from impact._generated import DIGEST
-from md.cache import digest
+from md.sources import digest
 
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
@@ -34,6 +34,6 @@ def pytest_terminal_summary(terminalreporter, exitstatus, config):
     lines = [
         *("# The longer studies", "", "Written by `make slow` when all of them pass.", ""),
         f"{time.strftime('%Y-%m-%d', time.gmtime())}: {passed} passed, {skipped} skipped;"
-        f" sources md {digest()}, impact {DIGEST}.",
+        f" sources md {digest(annulus=True, tolerance=True)}, impact {DIGEST}.",
     ]
     Path(config.getoption("record")).write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -55,7 +55,7 @@ def test_accuracy_against_time(tiny):
     assert d["dt"] * d["per_contact"] == pytest.approx(d["dt"][0] * d["per_contact"][0])
     assert 0.2 < d["truth"] < 0.4
     assert np.nanmin(d["rms"]) > 0
-    assert d["dial_seconds"][0] > 0
+    assert d["run_seconds"][0] > 0
     plt.close(drift_figure.draw(d))
     text = drift_figure.summary(d)
     assert text.count("\n") >= 8

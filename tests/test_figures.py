@@ -171,7 +171,7 @@ def test_command_writes_three_files(tmp_path, capsys):
         assert stored["flat"].shape == stored["tilt"].shape
     assert made["impact"] == DIGEST
     assert made["numpy"] == np.__version__
-    assert set(made) == {"impact", "numpy", "matplotlib", "python", "quick"}
+    assert set(made) == {"impact", "sources", "numpy", "matplotlib", "python", "quick"}
 
 
 def test_list_names_every_figure():
@@ -188,7 +188,7 @@ def test_list_names_every_figure():
         (["draw", "fig10", "--size", "3"], "--size"),
         (["draw", "fig10", "--all"], "--all draws every figure and takes no names, got fig10"),
         (["paint"], "paint"),
-        ([], "draw"),
+        ([], "Missing command"),
         (["draw", "fig10", "--quick", "--out", "FILE"], "FILE"),
     ],
 )

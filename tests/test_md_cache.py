@@ -13,7 +13,7 @@ import pytest
 from numba.core.caching import IndexDataCacheFile
 
 import md
-from md import cache
+from md import cache, sources
 
 PACKAGE = Path(md.__file__).parent
 CALL = """
@@ -74,25 +74,6 @@ def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
     assert kept(copy).items() > files.items()  # the old ones are left, in a folder of their own
 
 
-def test_digest_is_of_the_sources_that_decide_and_of_nothing_else(copy, monkeypatch):
-    """Not of the command, the store and what else gives no number of a run."""
-    monkeypatch.setattr(cache, "__file__", str(copy / "cache.py"))
-    before = cache.digest()
-    assert before == cache.digest()
-    (copy / "notes.txt").write_text("no source")
-    os.utime(copy / "laws.py", (0, 0))
-    assert cache.digest() == before
-    for path in sorted(copy.glob("*.py")):
-        source = path.read_bytes()
-        path.write_bytes(source + b"\n")
-        apart = path.name in cache._APART
-        assert (cache.digest() == before) == apart
-        path.write_bytes(source)
-    assert cache.digest() == before
-    (copy / "laws.py").rename(copy / "rules.py")
-    assert cache.digest() != before
-
-
 def test_a_home_that_cannot_be_written_costs_no_more_than_compiling(tmp_path, monkeypatch):
     """Below a file there can be no folder, whoever asks; one line names what takes its place."""
     (tmp_path / "file").touch()
@@ -105,7 +86,7 @@ def test_a_home_that_cannot_be_written_costs_no_more_than_compiling(tmp_path, mo
     assert "\n" not in str(told[0].message)
     assert folder.is_dir()
     assert folder.is_relative_to(tmp_path)
-    assert folder.name == cache.digest()
+    assert folder.name == sources.digest_of_kernels()
 
 
 def test_without_any_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch):

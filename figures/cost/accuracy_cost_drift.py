@@ -1,4 +1,4 @@
-"""What the accuracy of the row's drift costs in time, step by step; and what the dial makes of it.
+"""What the accuracy of the row's drift costs in time, step by step, and by tolerance.
 
 The paper's row, N = 40, L = 43 d, Gamma = 3.3, tangential springs 30 times as stiff as the contact.
 (a) Error of a run's drift against its time, a curve per step: root mean square over disjoint parts
@@ -6,11 +6,11 @@ of one long run, against the mean of the fine steps. The curves fall as time^(-1
 they come to the bias of their step (short lines at the right; dotted where it is less than three
 times its own error, which is then what the line shows). Diamond: the paper's own step at the
 length that gives 1 %. (b) Bias over the steps a contact lasts, against the shortest step there, all
-scenes of the dial's calibration, in grey, with the bound that the dial takes from them; coloured,
-the row of (a). The line that stays high is a rough plate (friction 0.6), where rows have two
-states, and one start at the finest step found the other. (c) The dial: tolerance asked for, 95 %
+scenes of the calibration, in grey, with the bound that `--tolerance` takes from them; coloured, the
+row of (a). The line that stays high is a rough plate (friction 0.6), where rows have two states,
+and one start at the finest step found the other. (c) Runs to a tolerance: the one asked for, 95 %
 confidence, against the time it took; dots: the error that the run then had. The broken lines are
-what the dial would take at fixed steps; times are of this machine, without compiling.
+the prices of fixed steps; times are of this machine, without compiling.
 """
 
 import os
@@ -72,7 +72,7 @@ def _timed(engine: Engine, periods: int) -> float:
 
 
 def data(quick: bool = False) -> dict[str, np.ndarray]:
-    """Long runs at several steps, prices of a period, runs by the dial."""
+    """Long runs at several steps, prices of a period, runs to a tolerance."""
     load = os.getloadavg()[0]
     contact = steps_per_contact(md.load("quasi2d"), 1.0)
     steps = [*(contact / n for n in PER_CONTACT), PAPER_STEP]
@@ -109,10 +109,10 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         "rms": np.array([np.append(r, np.full(len(lengths) - len(r), np.nan)) for r in rms])
         / truth,
         "tolerance": np.array(tolerances),
-        "dial_seconds": np.array([run.run_seconds for run in runs]),
-        "dial_per_contact": np.array([run.accuracy.per_contact for run in runs]),
-        "dial_error": np.abs([run.c_x / truth - 1 for run in runs]),
-        "dial_periods": np.array([run.periods for run in runs]),
+        "run_seconds": np.array([run.run_seconds for run in runs]),
+        "run_per_contact": np.array([run.accuracy.per_contact for run in runs]),
+        "run_error": np.abs([run.c_x / truth - 1 for run in runs]),
+        "run_periods": np.array([run.periods for run in runs]),
         "known_steps": np.array(known["steps"], float),
         "known_drift": np.array(known["drift"]),
         "known_error": np.array(known["drift_error"]),
@@ -177,7 +177,7 @@ def _draw_bias(ax: Axes, d: dict[str, np.ndarray]) -> None:
             d["known_steps"][:-1], np.fmax(one, 1e-4), spread, color="0.7", lw=0.6, elinewidth=0.4
         )
     n = np.geomspace(10, 110, 50)
-    ax.plot(n, d["scale"] * (10 / n) ** d["order"], color=BLACK, lw=1, label="the dial's bound")
+    ax.plot(n, d["scale"] * (10 / n) ** d["order"], color=BLACK, lw=1, label="bound taken")
     for i, colour in enumerate(_COLOURS[:-1]):
         size, spread = abs(d["bias"][i]), d["bias_error"][i]
         ax.errorbar(
@@ -190,13 +190,13 @@ def _draw_bias(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.legend(fontsize=6, loc="lower left")
 
 
-def _draw_dial(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_runs(ax: Axes, d: dict[str, np.ndarray]) -> None:
     wanted = np.geomspace(0.003, 0.3, 60)
     for i in (1, 3, 5):
         time = np.array([to_reach(d, r / 1.96)[i] for r in wanted])
         ax.plot(time, wanted, "--", color=_COLOURS[i], lw=0.7, label=_labels(d)[i])
-    ax.plot(d["dial_seconds"], d["tolerance"], "s-", color=BLACK, ms=3, lw=0.9, label="asked for")
-    ax.plot(d["dial_seconds"], np.fmax(d["dial_error"], 1e-4), "o", color=RED, ms=3, label="had")
+    ax.plot(d["run_seconds"], d["tolerance"], "s-", color=BLACK, ms=3, lw=0.9, label="asked for")
+    ax.plot(d["run_seconds"], np.fmax(d["run_error"], 1e-4), "o", color=RED, ms=3, label="had")
     ax.set(xscale="log", yscale="log", xlabel="time of the run (s)", ylim=(2e-4, 0.5))
     ax.set_ylabel(r"error of $c_x$, relative")
     ax.legend(fontsize=5.5, loc="lower left")
@@ -205,10 +205,10 @@ def _draw_dial(ax: Axes, d: dict[str, np.ndarray]) -> None:
 @style
 def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.0), width_ratios=(1.25, 1, 1))
-    for ax, paint in zip(axes, (panel, _draw_bias, _draw_dial), strict=True):
+    for ax, paint in zip(axes, (panel, _draw_bias, _draw_runs), strict=True):
         paint(ax, d)
     for ax, letter, title in zip(
-        axes, "abc", ("drift of the row", "bias of the step", "the dial, 95 %"), strict=True
+        axes, "abc", ("drift of the row", "bias of the step", "by tolerance, 95 %"), strict=True
     ):
         name_panel(ax, letter, title)
     one = [f"{t:.2g} s at {name}" for t, name in zip(to_reach(d, 0.01), _labels(d), strict=True)]
@@ -220,7 +220,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
 
 
 def summary(d: dict[str, np.ndarray]) -> str:
-    """Prices, biases, what 1 % and 0.3 % take, what the dial did."""
+    """Prices, biases, what 1 % and 0.3 % take, what runs to a tolerance took."""
     lines = [
         f"{machine_line(float(d['load']))}; 1 core used",
         f"c_x = {d['truth']:.5f} +- {d['truth_error']:.5f} sqrt(g d)",
@@ -233,10 +233,10 @@ def summary(d: dict[str, np.ndarray]) -> str:
             f"{d['noise'][i]:15.1%}    {d['bias'][i]:+8.2%} +- {d['bias_error'][i]:.2%}"
             f" {one[i]:9.2f} s {third[i]:7.1f} s"
         )
-    lines.append("dial, 95 %: asked for, steps a contact, periods, seconds, error it had")
+    lines.append("tolerance, 95 %: asked for, steps a contact, periods, seconds, error it had")
     for i, r in enumerate(d["tolerance"]):
         lines.append(
-            f" {r:6.1%} {d['dial_per_contact'][i]:8.1f} {d['dial_periods'][i]:8d} "
-            f"{d['dial_seconds'][i]:8.2f} s  {d['dial_error'][i]:.2%}"
+            f" {r:6.1%} {d['run_per_contact'][i]:8.1f} {d['run_periods'][i]:8d} "
+            f"{d['run_seconds'][i]:8.2f} s  {d['run_error'][i]:.2%}"
         )
     return "\n".join(lines)

@@ -18,7 +18,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import md
-from impact.__main__ import _machine as machine
+from impact.benchmark import machine
 from md.laws import contact_time
 
 from ..lib.impact_price import impact_call, price, rigid_seconds

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from md.sweep import Sweep
 
-from ..claims.number import off_line
+from ..claims.uncertainty import off_line
 from ..lib import annulus_runs as ring
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
 
@@ -53,7 +53,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     accelerations = {"plate.acceleration": size["gamma"]}
     return {
         "still": ring.planned([over, seeds], periods),
-        "spin": ring.planned([over, seeds], periods, {"rods.spin": True}),
+        "rolling": ring.planned([over, seeds], periods, {"rods.rolling": True}),
         "gamma": ring.planned([accelerations, {"rods.count": [*FEW]}, few], periods),
         "wall": ring.planned([{WALL: size["wall"]}, few], periods, many),
         "plate": ring.planned([{PLATE: size["plate"]}, few], periods, many),
@@ -78,8 +78,8 @@ BARS = {"ms": 3, "elinewidth": 0.7, "lw": 0.7}
 
 def _over_tilt(ax: Axes, d: dict[str, np.ndarray]) -> None:
     looks = {
-        "still": {"fmt": "o-", "color": BLACK, "label": "no axial spin"},
-        "spin": {"fmt": "o-", "color": RED, "mfc": "white", "label": "axial spin"},
+        "still": {"fmt": "o-", "color": BLACK, "label": "rods do not roll"},
+        "rolling": {"fmt": "o-", "color": RED, "mfc": "white", "label": "rods roll"},
         "plane": {"fmt": "s--", "color": BLUE, "label": f"plane row / {RATIO}"},
     }
     for name, look in looks.items():
@@ -169,16 +169,18 @@ def shape(tilt: np.ndarray, c_x: np.ndarray) -> dict[str, float]:
 def summary(d: dict[str, np.ndarray]) -> str:
     """The shape of (a), and the curves."""
     lines = ["Fig. 4. drift in cm/s, tilt in deg, +- one s.e."]
-    for name in ("still", "spin"):
+    for name in ("still", "rolling"):
         found = shape(d[f"{name}_tilt"], d[f"{name}_c_x"])
         lines.append(f"{name}: " + ", ".join(f"{key} {value:.3f}" for key, value in found.items()))
 
     def cell(name: str, *at) -> str:
         return f"{d[name][at]:7.3f} +- {d[f'{name}_error'][at]:.3f}"
 
-    lines.append("rods: tilt, drift without and with axial spin")
+    lines.append("rods: tilt, drift without and with rolling")
     for i, n in enumerate(d["count"]):
-        cells = (cell(name, i) for name in ("still_tilt", "still_c_x", "spin_tilt", "spin_c_x"))
+        cells = (
+            cell(name, i) for name in ("still_tilt", "still_c_x", "rolling_tilt", "rolling_c_x")
+        )
         lines.append(f"  {n:4d} " + " ".join(cells))
     lines.append(f"Gamma: drift of {', '.join(map(str, d['few']))} rods")
     for i, gamma in enumerate(d["gamma"]):

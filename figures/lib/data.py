@@ -1,0 +1,143 @@
+"""Data of figures, kept: what NAME.npz in a folder holds is read if it is of the present sources.
+
+Sources are the syntax trees, without docstrings and comments, of `md`, of `impact` and of what the
+figure's module imports from here, and the tables (TOML, JSON) of `md`: an edit of words keeps the
+data, an edit of a number or a formula does not.
+"""
+
+import ast
+import hashlib
+import json
+import platform
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import FIGURES, load
+
+_HOUSE = Path(__file__).parents[2]
+
+
+def _tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def _imports(path: Path, found: set[Path]) -> set[Path]:
+    """Add a file of `figures`, and all that it imports from there."""
+    found.add(path)
+    for node in ast.walk(_tree(path)):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            base = path.parents[node.level - 1] / (node.module or "").replace(".", "/")
+            for name in (base.with_suffix(".py"), *(base / f"{a.name}.py" for a in node.names)):
+                if name.is_file() and name not in found:
+                    _imports(name, found)
+    return found
+
+
+def _content(path: Path) -> bytes:
+    """What of a file decides numbers: its syntax tree without docstrings, or its bytes."""
+    if path.suffix != ".py":
+        return path.read_bytes()
+    tree = _tree(path)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(
+            node
+        ):
+            del node.body[0]
+    return ast.dump(tree).encode()
+
+
+@cache
+def _digest(path: Path) -> bytes:
+    return hashlib.sha256(path.name.encode() + b"\0" + _content(path)).digest()
+
+
+def _files(name: str) -> Iterator[Path]:
+    for package in ("md", "impact"):
+        files = (_HOUSE / package).rglob("*")
+        yield from sorted(path for path in files if path.suffix in (".py", ".toml", ".json"))
+    yield from sorted(_imports(_HOUSE / "figures" / FIGURES[name].room / f"{name}.py", set()))
+
+
+@cache
+def sources(name: str) -> str:
+    """Digest of the sources of a figure's data.
+
+    Parameters
+    ----------
+    name : one of `FIGURES`
+    """
+    return hashlib.sha256(b"".join(map(_digest, _files(name)))).hexdigest()[:12]
+
+
+def provenance(name: str, quick: bool) -> dict[str, Any]:
+    """What made the data of a figure: sources, versions, size.
+
+    Parameters
+    ----------
+    name : one of `FIGURES`
+    quick : whether the data are of the small size
+    """
+    import matplotlib as mpl
+
+    from impact._generated import DIGEST
+
+    return {
+        "impact": DIGEST,  # of the generated closed forms
+        "sources": sources(name),
+        "numpy": np.__version__,
+        "matplotlib": mpl.__version__,
+        "python": platform.python_version(),
+        "quick": quick,
+    }
+
+
+def keep(path: Path, name: str, quick: bool, data: Mapping[str, np.ndarray]) -> None:
+    """Write the data of a figure for `stored_data`.
+
+    Parameters
+    ----------
+    path : of the file, NAME.npz
+    name, quick : figure and size
+    data : arrays by name, as the figure's `data` returns them
+    """
+    np.savez_compressed(path, **data, provenance=json.dumps(provenance(name, quick)))
+
+
+def stored_data(name: str, quick: bool, out: Path) -> dict[str, np.ndarray] | None:
+    """Read the data of a figure that `draw` left in a folder.
+
+    Parameters
+    ----------
+    name : one of `FIGURES`
+    quick : the size that the data must have
+    out : folder of NAME.npz
+
+    Returns
+    -------
+    Arrays by name; None if there is no such file, or it is of another size or of other sources.
+    """
+    path = out / f"{name}.npz"
+    if not path.is_file():
+        return None
+    with np.load(path) as stored:
+        made = json.loads(str(stored["provenance"])) if "provenance" in stored else {}
+        if (made.get("sources"), made.get("quick")) != (sources(name), quick):
+            return None
+        return {key: stored[key] for key in stored if key != "provenance"}
+
+
+def figure_data(name: str, quick: bool = False, out: Path | None = None) -> dict[str, np.ndarray]:
+    """Data of a figure: read from a folder if they are there and current, else computed.
+
+    Parameters
+    ----------
+    name : one of `FIGURES`
+    quick : the small size
+    out : folder of NAME.npz; None: compute
+    """
+    stored = stored_data(name, quick, out) if out is not None else None
+    return load(name).data(quick=quick) if stored is None else stored

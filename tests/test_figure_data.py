@@ -1,0 +1,66 @@
+"""Data of figures that a folder keeps: read if they are of the present sources, else not."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from figures.lib import data as kept
+from figures.paper import fig10
+
+HOUSE = Path(__file__).parents[1]
+PLACES = {  # files that decide the numbers of Fig. 10, and one that does not
+    "figures/paper/fig10.py": True,
+    "figures/lib/style.py": True,
+    "impact/boundaries.py": True,
+    "figures/paper/fig11.py": False,
+}
+
+
+@pytest.fixture
+def stored(tmp_path, monkeypatch):
+    """A folder with the data of Fig. 10."""
+    kept.keep(tmp_path / "fig10.npz", "fig10", True, fig10.data(quick=True))
+    monkeypatch.setattr(fig10, "data", lambda quick: {"computed": quick})
+    return tmp_path
+
+
+def test_data_in_the_folder_are_read(stored):
+    found = kept.figure_data("fig10", True, stored)
+    assert found["regime"].shape == (3, 46, 46)
+    assert "provenance" not in found
+
+
+def test_other_sizes_sources_and_folders_are_computed(stored, tmp_path, monkeypatch):
+    assert kept.figure_data("fig10", False, stored) == {"computed": False}
+    assert kept.figure_data("fig10", True, tmp_path / "other") == {"computed": True}
+    assert kept.figure_data("fig10", True) == {"computed": True}
+    np.savez(tmp_path / "fig11.npz", tilt=np.zeros(2))
+    assert kept.stored_data("fig11", True, tmp_path) is None
+    monkeypatch.setattr(kept, "sources", lambda name: "others")
+    assert kept.figure_data("fig10", True, stored) == {"computed": True}
+
+
+def test_sources_are_those_that_decide(tmp_path, monkeypatch):
+    """An edit of a number counts where it is used; words and other figures do not."""
+    for folder in ("figures", "impact", "md"):
+        shutil.copytree(HOUSE / folder, tmp_path / folder)
+    monkeypatch.setattr(kept, "_HOUSE", tmp_path)
+
+    def digest():
+        kept.sources.cache_clear()
+        kept._digest.cache_clear()
+        return kept.sources("fig10")
+
+    before = digest()
+    for name, counts in PLACES.items():
+        path = tmp_path / name
+        text = path.read_text()
+        path.write_text('"""Other words."""\n' + text.split('"""', 2)[2] + "# and a remark\n")
+        assert digest() == before, name
+        path.write_text(text + "\nANOTHER = 1\n")
+        assert (digest() != before) == counts, name
+        path.write_text(text)
+    kept.sources.cache_clear()
+    kept._digest.cache_clear()

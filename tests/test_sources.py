@@ -1,0 +1,133 @@
+"""The digest that decides whether a stored run is stale: formulas and constants, not words."""
+
+import subprocess
+import sys
+
+import pytest
+
+from md import sources
+
+LAWS = sources.SOURCES["laws"].decode()
+ROW = sources.used(sources.RUN, annulus=False)
+ANNULUS = set(sources.used(sources.RUN)) - set(ROW)
+
+
+@pytest.fixture
+def edited(monkeypatch):
+    """A function that gives the digests of a row and of an annulus after an edit of a module."""
+
+    def digests(module: str, source: str) -> tuple[str, str]:
+        monkeypatch.setitem(sources.SOURCES, module, source.encode())
+        sources.used.cache_clear()
+        sources.digest.cache_clear()
+        return sources.digest(), sources.digest(annulus=True)
+
+    yield digests
+    monkeypatch.undo()
+    sources.used.cache_clear()
+    sources.digest.cache_clear()
+
+
+SOURCE = """
+from typing import TYPE_CHECKING
+
+from .scene import Scene
+
+if TYPE_CHECKING:
+    from .store import Store
+
+LIMIT = 2.0
+
+
+class Pair(tuple):
+    first: float = 1.0
+
+
+def half(x: float) -> float:
+    \"\"\"Return a half.\"\"\"
+    if not x < LIMIT:
+        raise ValueError(f"x must be below {LIMIT}, got {x}")  # twice
+    warn(f"{x} is given")
+    return x / 2
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("Return a half.", "Half of a number."),
+        ("# twice", "# once"),
+        (" -> float", ""),
+        ("x: float)", "x: int)"),
+        ("LIMIT = 2.0", "LIMIT: float = 2.0"),
+        ("x must be below {LIMIT}, got {x}", "x is too large: {x:g}"),
+        ("is given", "was given"),
+        ("    from .store import Store", "    from .store import Store as Kept"),
+        ("return x / 2", "return (x / 2)"),
+    ],
+)
+def test_words_hints_and_comments_keep_what_is_stored(edited, old, new):
+    assert old in SOURCE
+    assert edited("laws", SOURCE) == edited("laws", SOURCE.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("LIMIT = 2.0", "LIMIT = 2.5"),
+        ("x / 2", "x / 3"),
+        ("x / 2", "x * 2"),
+        ("x < LIMIT", "x <= LIMIT"),
+        ("ValueError", "TypeError"),
+        ("not x", "x"),
+        ("first: float = 1.0", "first = 1.0"),
+        ("from .scene", "from .units"),
+    ],
+)
+def test_formulas_and_constants_do_not(edited, old, new):
+    assert old in SOURCE
+    before, after = edited("laws", SOURCE), edited("laws", SOURCE.replace(old, new))
+    assert before[0] != after[0]
+    assert before[1] != after[1]
+
+
+@pytest.mark.parametrize("module", sorted(sources.SOURCES))
+def test_each_module_counts_for_the_runs_that_use_it(edited, module):
+    row, annulus = sources.digest(), sources.digest(annulus=True)
+    after = edited(module, sources.SOURCES[module].decode() + "\nMORE = 1\n")
+    assert (after[0] != row) == (module in ROW)
+    assert (after[1] != annulus) == (module in ROW or module in ANNULUS)
+
+
+def test_runs_do_not_depend_on_commands_stores_and_sweeps():
+    outside = {
+        "__init__",
+        "__main__",
+        "accuracy",
+        "calibration",
+        "cache",
+        "files",
+        "store",
+        "sweep",
+    }
+    assert outside <= sources.SOURCES.keys() - set(ROW) - ANNULUS
+    assert {"kernels.plane", "kernels.touches", "laws", "measures", "statistics"} <= set(ROW)
+    assert {"kernels.space.march", "kernels.space.pairs", "placement"} <= ANNULUS
+    assert "accuracy" in sources.used(sources.WITH_TOLERANCE)
+
+
+def test_a_row_runs_without_what_only_an_annulus_uses():
+    """Every function of those modules fails here, and the row does not notice."""
+    program = f"""
+import importlib, md
+for name in {sorted(ANNULUS)}:
+    module = importlib.import_module(f"md.{{name}}")
+    for key, value in list(vars(module).items()):
+        if getattr(value, "__module__", "").startswith("md.") and callable(value):
+            if value.__module__ == module.__name__ and not isinstance(value, type):
+                setattr(module, key, None)
+scene = md.load("quasi2d", ["rods.count=2", "box.length=3", "step.coarse=true", "step.size=5e-4"])
+assert md.run(scene, periods=2).finished
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
