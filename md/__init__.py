@@ -11,7 +11,7 @@
 >>> result.c_x > 0  # rods drift the way they lean
 True
 
-One's own rods, in cm and Hz (`md/scenes/my_rods.toml`: copy it, change its numbers):
+Your rods, in cm and Hz (`md/scenes/my_rods.toml`: copy it, change its numbers):
 
 >>> mine = md.load("my_rods", ["plate.acceleration=3"])
 >>> result = md.run(mine, periods=130)
@@ -37,9 +37,9 @@ rod, reference, soft_impact         `impact`: every switch located, or fixed ste
 host, placement                     a scene under way: constants and arrays of the kernels
 measures, statistics                what a run measures, with errors
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
-accuracy, calibration               `run`: step and length from a tolerance
-sweep, store                        many runs and their results
-sources                             what decides whether a stored run is stale
+accuracy, calibration               `run`: step and length from a tolerance; bias of the step
+sweep, store                        many runs and their results; `Point.key` says which is stale
+sources                             digest of the sources of a run, a part of that key
 cache, interrupt, errors            compiled kernels kept, signals, errors
 result_text, command_line, __main__  results as text; the commands
 """

@@ -15,7 +15,7 @@ class InputError(ValueError, TypeError):
 class RunError(RuntimeError):
     """A run that cannot go on; `state` is the last good one.
 
-    Of one impact (x, z, tilt, c_x, c_z, omega), of many rods the array of `Result.rods`.
+    Of one impact it is (x, z, tilt, c_x, c_z, omega), of many rods the array of `Result.rods`.
     """
 
     exit_code = 1  # of the command that it ends

@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # help needs no joblib
     from .sweep import Tally
 
 SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
-_OF_RESULT = "accuracy.", "annulus.", "energy.", "touches.", "landings.", "turned.", "versions."
+_OF_RESULT = "accuracy.", "annulus.", "energy.", "landings.", "touches.", "turned.", "versions."
 
 
 def labelled(label: str, *parts: str) -> str:

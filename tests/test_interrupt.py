@@ -380,6 +380,7 @@ except KeyboardInterrupt:
 LONG = {
     "run": ["-m", "md", "run", "quasi2d", "--periods", "1000000", "--checkpoint", "a.npz"],
     "claims": ["-m", "figures", "claims", "--quick"],
+    "draw": ["-m", "figures", "draw", "alpha", "fig08_theory", "free_rod", "--jobs", "2"],
     "fall": ["-c", FALL],
 }
 

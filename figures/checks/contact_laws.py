@@ -116,7 +116,8 @@ def summary(d: dict[str, np.ndarray]) -> str:
     for j, (name, column) in enumerate(COLUMNS.items()):
         pairs = zip(d["value"][:, j], d["verdict"][:, j], strict=True)
         cells = (f"{_shown(v):>8} {'-~+'[k]}" for v, k in pairs)
-        lines.append(f"{name:<14} {column['name']:<80} [{column['paper']:>5}]" + "".join(cells))
+        head = f"{name.partition('.')[0]} {column['head']}".replace("\n", " ")
+        lines.append(f"{head:<42} [{column['paper']:>5}]{''.join(cells)}")
     ratio = -d["landing_c_z_before"] / d["landing_c_z_after"]
     for i, name in enumerate(_names(d)):
         good, fair, bad = ((d["verdict"][i] == k).sum() for k in (2, 1, 0))
