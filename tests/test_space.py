@@ -258,7 +258,7 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     ("call", "words"),
     [
         (lambda: md.Annulus(3.0, 3.9), "at least a diameter beyond"),
-        (lambda: md.Annulus(-1.0, 3.0), "annulus.inner must be between 1e-3"),
+        (lambda: md.Annulus(-1.0, 3.0), "annulus.inner must be between 0.001"),
         (lambda: placement.placed(GAP, 70, 8.0), "do not fit into the annulus"),
         (lambda: placement.largest_tilt(GAP, 0.5), "length must be at least 1"),
     ],
