@@ -29,8 +29,8 @@ rigid impacts in `impact`, which it is there to test.
 Files, as one reads them
 ------------------------
 scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; the contact laws
+kernels/codes                       stop codes, columns, phases and regimes of all kernels
 kernels/contact, single             compiled: forces of one contact; one rod on the plate
-kernels/codes, rates                stop codes, columns, regimes; rates of an exact contact
 kernels/neighbours, plane, touches  compiled: rods in a plane, pairs, steps, touches of the plate
 kernels/space                       compiled: the same in an annulus
 rod, reference, soft_impact         `impact`: every switch located, or fixed steps

@@ -200,7 +200,8 @@ class Engine:
             if why == FULL_LIST:
                 self._grow()
             elif why not in (DONE, FULL_RECORD):
-                raise RunError(*self._stopped(why, where))
+                message, state = self._stopped(why, where)
+                raise RunError(message, state)
             elif why == FULL_RECORD or made == steps:
                 return made
 

@@ -124,7 +124,7 @@ class Sweep:
         Parameters
         ----------
         store : path of the store
-        names : of results, such as "c_x" or "touches.plate_velocity.mean"
+        names : of results, such as "c_x" or "landings.plate_velocity.mean"
 
         Returns
         -------

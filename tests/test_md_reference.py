@@ -51,7 +51,7 @@ class SoftRod:
         """Stiffness and dashpot of the tangential element."""
         mass = 1 / (1 + r_z**2 / self.k_squared)
         stiffness = self.spring.root * sqrt(overlap)
-        return stiffness, 2 * self.spring.ratio * sqrt(stiffness * mass)
+        return stiffness, 2 * self.spring.damping_ratio * sqrt(stiffness * mass)
 
     def friction(self, y):
         """Friction, the rate of the spring, and what crosses zero as the mode ends."""

@@ -1,5 +1,7 @@
 """Rods in space: closest points, conserved quantities, the plane found again, placement."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -21,7 +23,7 @@ from md.kernels.space import geometry
 from md.kernels.space.forces import Wall
 from md.kernels.space.pairs import nearest
 
-from .space import HALF, LOSSY, ROUGH, Rods, effects, tuples, unit
+from .space import HALF, LOSSY, ROUGH, Rods, effects, states, tuples, unit
 
 GAP = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
 ELASTIC = ContactForces(md.coulomb(1.0, 1e5).normal, None)
@@ -30,14 +32,10 @@ ELASTIC = ContactForces(md.coulomb(1.0, 1e5).normal, None)
 def two(seed, speed=0.4):
     """Rods that will meet, crossing or nearly parallel."""
     random = np.random.default_rng(seed)
-    rods = np.zeros((2, SPACE_COLUMNS))
-    rods[1, PLACE:DIRECTOR] = random.uniform(-2, 2), 1.6, random.uniform(-2, 2)
-    for i in range(2):
-        rods[i, DIRECTOR:VELOCITY] = unit(
-            [random.uniform(-0.5, 0.5), random.uniform(-0.05, 0.05), 1]
-        )
-    rods[0, 7], rods[1, VELOCITY:TURN] = speed, (0.05, -speed, 0.02)
-    return rods
+    place = random.uniform(-2, 2), 1.6, random.uniform(-2, 2)
+    slants = [(random.uniform(-0.5, 0.5), random.uniform(-0.05, 0.05), 1) for _ in range(2)]
+    first = (0, 0, 0), slants[0], (0, speed, 0)
+    return states(first, (place, slants[1], (0.05, -speed, 0.02)))
 
 
 # Closest points
@@ -84,7 +82,7 @@ def total_force(scene, rods):
     """On the first rod: force and torque."""
     one = Rods(scene, rods.copy(), dt=1e-9)
     one.go(1)
-    return np.concatenate([one.state.scratch[0]])
+    return one.state.scratch[0]
 
 
 @pytest.mark.parametrize("path", ["through parallel", "off the end", "past the inner wall"])
@@ -94,17 +92,15 @@ def test_no_force_jumps(path):
     for points in (2001, 20001):
         found = []
         for x in np.linspace(-0.3, 0.3, points):
-            rods, scene = np.zeros((2, SPACE_COLUMNS)), effects(between=ELASTIC)
-            rods[:, 5] = 1
+            scene, other = effects(between=ELASTIC), ((0, -0.98, 0), (0, 0, 1))
             if path == "through parallel":
-                rods[1, 1], rods[0, DIRECTOR:VELOCITY] = -0.98, unit([x, 0.001, 1])
+                rods = states(((0, 0, 0), (x, 0.001, 1)), other)
             elif path == "off the end":
-                rods[1, 1], rods[0, DIRECTOR:VELOCITY] = -0.98, unit([0.7, 0, 1])
-                rods[1, DIRECTOR:VELOCITY], rods[1, 2] = unit([-0.7, 0, 1]), 5.6 + 2 * x
+                other = (0, -0.98, 5.6 + 2 * x), (-0.7, 0, 1)
+                rods = states(((0, 0, 0), (0.7, 0, 1)), other)
             else:
-                wall = Wall(5.0, ELASTIC.normal, None)
-                rods, scene = rods[:1], effects(inner=wall)
-                rods[0, :2], rods[0, DIRECTOR:VELOCITY] = (5.49, 0), unit([0.001, x, 1])
+                scene = effects(inner=Wall(5.0, ELASTIC.normal, None))
+                rods = states(((5.49, 0, 0), (0.001, x, 1)))
             found.append(total_force(scene, rods))
         found = np.array(found)
         assert np.ptp(found, axis=0).max() > 1
@@ -162,13 +158,12 @@ def test_a_free_top_precesses_as_it_should():
 
 def annulus(count=44, friction=None, seed=1):
     """Rods in the gap, thrown about, without a plate."""
-    walls = [Wall(radius, LOSSY.normal, friction) for radius in (GAP.inner, GAP.outer)]
+    inner, outer = (Wall(radius, LOSSY.normal, friction) for radius in (GAP.inner, GAP.outer))
     rods = np.zeros((count, SPACE_COLUMNS))
     rods[:, :VELOCITY] = placement.placed(GAP, count, 2 * HALF + 1, tilt=0.3)
     rods[:, VELOCITY:TURN] = np.random.default_rng(seed).uniform(-0.5, 0.5, (count, 3))
-    return effects(
-        inner=walls[0], outer=walls[1], between=ContactForces(LOSSY.normal, friction)
-    ), rods
+    between = ContactForces(LOSSY.normal, friction)
+    return effects(inner=inner, outer=outer, between=between), rods
 
 
 def test_smooth_walls_keep_the_angular_momentum_about_the_axis():
@@ -199,14 +194,8 @@ def test_rods_in_a_plane_do_what_the_plane_kernel_says():
     flat = md.load(
         "quasi2d",
         [
-            *(
-                "rods.count=6",
-                "box=none",
-                "start.tilt_deg=20",
-                "start.speed=0.3",
-                "start.drop=0.01",
-            ),
-            *("step.size=1e-4", "step.coarse=true", "plate.acceleration=5"),
+            *("rods.count=6", "box=none", "start.tilt_deg=20", "start.speed=0.3"),
+            *("start.drop=0.01", "step.size=1e-4", "step.coarse=true", "plate.acceleration=5"),
             *(f"contacts.{part}.stiffness=1e5" for part in ("plate", "rods")),
         ],
     )
@@ -251,20 +240,17 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     """Beyond 1e-4 d; they stand on the plate and lean one way along the annulus."""
     rods = placement.placed(GAP, count, 8.0)
     half, least = 3.5, np.inf
-    for i in range(count):
-        for j in range(i):
-            parts = tuples(
-                rods[i, PLACE:DIRECTOR] - rods[j, PLACE:DIRECTOR], rods[i, 3:], rods[j, 3:]
-            )
-            least = min(least, nearest(*parts, half))
+    x, a = rods[:, PLACE:DIRECTOR], rods[:, DIRECTOR:]
+    for i, j in combinations(range(count), 2):
+        least = min(least, nearest(*tuples(x[i] - x[j], a[i], a[j]), half))
     assert least > 1 - 1e-4
     along = np.linspace(-half, half, 201)[:, None]
-    for place, director in zip(rods[:, PLACE:DIRECTOR], rods[:, 3:], strict=True):
+    for place, director in zip(x, a, strict=True):
         rho = np.hypot(*(place + along * director).T[:2])
         assert rho.min() > GAP.inner + 0.5 - 1e-4
         assert rho.max() < GAP.outer - 0.5 + 1e-4
-    np.testing.assert_allclose(rods[:, 2] - half * np.abs(rods[:, 5]), 0.5, atol=1e-3)
-    lean = rods[:, 0] * rods[:, 4] - rods[:, 1] * rods[:, 3]
+    np.testing.assert_allclose(x[:, 2] - half * np.abs(a[:, 2]), 0.5, atol=1e-3)
+    lean = x[:, 0] * a[:, 1] - x[:, 1] * a[:, 0]
     assert (lean > 0).all() or (lean < 0).all()
 
 
@@ -272,7 +258,7 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     ("call", "words"),
     [
         (lambda: md.Annulus(3.0, 3.9), "at least a diameter beyond"),
-        (lambda: md.Annulus(-1.0, 3.0), "annulus.inner must be between 1e-3"),
+        (lambda: md.Annulus(-1.0, 3.0), "annulus.inner must be between 0.001"),
         (lambda: placement.placed(GAP, 70, 8.0), "do not fit into the annulus"),
         (lambda: placement.largest_tilt(GAP, 0.5), "length must be at least 1"),
     ],
@@ -285,14 +271,9 @@ def test_what_does_not_fit_is_refused(call, words):
 @pytest.mark.parametrize("director", [(0, 0, 1), (0, 1, 0), (0, 0, -1), (1e-13, 0, 1)])
 def test_upright_and_lying_rods_are_ordinary(director):
     """A rod alone in the gap, on the plate: all stays finite."""
-    walls = {n: Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 5.0), ("outer", 8.0))}
-    rods = np.zeros((1, SPACE_COLUMNS))
-    rods[0, PLACE:DIRECTOR], rods[0, DIRECTOR:VELOCITY] = (
-        (5.6, 0, 0.6 + HALF * abs(director[2])),
-        director,
-    )
-    if director[1]:
-        walls["outer"] = walls["outer"]._replace(radius=9.0)
+    outer = 9.0 if director[1] else 8.0
+    walls = {n: Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 5.0), ("outer", outer))}
+    rods = states(((5.6, 0, 0.6 + HALF * abs(director[2])), director))
     scene = Rods(effects(**walls, normal=LOSSY.normal, friction=ROUGH, gravity=-1.0), rods)
     scene.go(20_000)
     assert np.isfinite(scene.rods).all()
