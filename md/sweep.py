@@ -24,13 +24,13 @@ import itertools
 import logging
 import math
 import warnings
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from joblib import Parallel, cpu_count, delayed, parallel_config
@@ -44,7 +44,7 @@ from .soft_impact import RunError
 from .sources import digest
 from .store import Store
 
-__all__ = ["Interrupted", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
+__all__ = ["Interrupted", "Measure", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
 _MOST = 10**6  # points of a sweep
@@ -61,6 +61,18 @@ def _known() -> str:
     return hashlib.sha256(CALIBRATION.read_bytes()).hexdigest()
 
 
+class Measure(NamedTuple):
+    """What a point stores in place of the results of a run.
+
+    function : of scene and periods, found by its name in its module; returns numbers and lists of
+        numbers by name
+    code : digest of its sources
+    """
+
+    function: Callable[[Scene, int], dict[str, Any]]
+    code: str
+
+
 @dataclass(frozen=True)
 class Point:
     """One run of a sweep."""
@@ -69,6 +81,7 @@ class Point:
     periods: int  # 0 where a tolerance says how long
     tolerance: float | None = None  # of the drift, as in `md.run`
     max_seconds: float = MAX_SECONDS  # for it
+    measure: Measure | None = None  # None: the results of `md.run`
 
     @property
     def code(self) -> str:
@@ -81,6 +94,8 @@ class Point:
         length = str(self.periods)
         if self.tolerance is not None:
             length = f"within {self.tolerance!r} in {self.max_seconds!r}, {_known()}"
+        if self.measure is not None:
+            length += f", {self.measure.function.__qualname__} {self.measure.code}"
         return hashlib.sha256(f"{self.scene!r} {length} {self.code}".encode()).hexdigest()[:24]
 
 
@@ -258,6 +273,9 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
     """Run a point: its key, what it measured, or why it failed, and how long it took."""
     begin, result, error = perf_counter(), None, None
     try:
+        if point.measure is not None:
+            result = point.measure.function(point.scene, point.periods)
+            return point.key, result, None, perf_counter() - begin
         if point.tolerance is None:
             done = run(point.scene, periods=point.periods)
         else:
@@ -371,12 +389,8 @@ def execute(
         try:
             with bar, _backend(scheduler), _stopping(results):
                 for key, result, error, seconds in results:
-                    about = {
-                        "code": points[key].code,
-                        "seconds": seconds,
-                        "periods": points[key].periods,
-                    }
-                    about |= {"periods": result["periods"]} if result else {}
+                    made = (result or {}).get("periods", points[key].periods)
+                    about = {"code": points[key].code, "seconds": seconds, "periods": made}
                     scene = points[key].scene
                     about |= {"scene": as_dict(scene), "seed": scene.start.seed}
                     database.put(key, about, result, error)
