@@ -18,15 +18,14 @@ from figures.checks import phase_friction
 from figures.claims import row_numbers as measured
 from figures.claims import verdicts as claims
 from figures.claims.number import Number, onset, resampled
-from figures.lib import annulus_runs as ring
-from figures.lib import row_runs as rows
+from figures.lib import runs as rows
 from figures.pages import everything as paper
-from figures.paper import fig02, fig04, fig05, fig07, fig08, fig13
 from md.host import step_of
 from md.store import Store
 from md.sweep import Sweep, execute
 
 from .command_line import refused
+from .short_runs import shortened
 
 mpl.use("Agg")
 
@@ -197,34 +196,11 @@ def test_numbers_are_shown_to_the_digits_of_their_errors():
 @pytest.fixture
 def tiny(tmp_path, monkeypatch):
     """Short runs of few rows, in a store of their own."""
-    plan, estimate = rows.planned, SimpleNamespace(mean=1.0, error=0.0)
-    lone = SimpleNamespace(flight=estimate, falling=estimate)
-
-    def short(axes, periods, *scene):
-        return plan(axes, 6, *scene)
-
-    monkeypatch.setattr(rows, "STORE", tmp_path / "rows.db")
-    for module in (rows, fig02, fig13, phase_friction):
-        monkeypatch.setattr(module, "planned", short)
-    for module in (fig07, fig08):
-        monkeypatch.setattr(module, "lone", lambda _: (np.array([0.0]), [lone]))
-    monkeypatch.setattr(fig07, "TRANSIENT", 2)
-    monkeypatch.setattr(rows, "SEEDS", {"start.seed": [1, 2]})
-    monkeypatch.setattr(fig02, "QUICK", ((1.2, 2.0, 3.3), (9, 20, 45), (0, 1, 2)))
-    monkeypatch.setattr(fig02, "ANNULUS", {True: ((34, 24), [1, 2], 6)})
+    shortened(monkeypatch, tmp_path)
     monkeypatch.setattr(measured, "FREQUENCY_TILTS_DEG", (21, 40))
-    small = {"count": [24, 34, 40], "gamma": [1.6, 2, 3.3], "wall": [0.1, 0.3], "plate": [0.3]}
-    small |= {"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2], "periods": 6}
-    monkeypatch.setattr(fig04, "QUICK", small)
-    monkeypatch.setattr(fig04, "FEW", (40, 34, 24))
-    monkeypatch.setattr(fig05, "QUICK", ((32, 24), 20, (1, 2)))
-    monkeypatch.setattr(fig05, "SHOWN", (32, 24))
-    monkeypatch.setattr(ring, "COUNT", 32)
     measured.table.cache_clear()
-    measured._census.cache_clear()
     yield tmp_path
     measured.table.cache_clear()
-    measured._census.cache_clear()
 
 
 def test_the_command_judges_all_claims(tiny, capsys):
@@ -356,7 +332,7 @@ def test_rows_and_annulus_are_estimated_each_at_its_rate(monkeypatch):
     seeds = [{"start.seed": list(range(60))}]
     slippery = {"contacts.plate.friction": 0}
     sweeps = (
-        *(rows.planned(seeds, 300), ring.planned(seeds, 400)),
+        *(rows.planned(seeds, 300), rows.planned(seeds, 400, base=rows.ANNULUS)),
         rows.planned([{"start.seed": [1]}], 300, slippery),
     )
     points = [point for sweep in sweeps for point in sweep.points]

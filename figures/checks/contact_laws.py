@@ -1,9 +1,10 @@
-"""Which contact law obeys which of the paper's claims about the plane row.
+"""Which contact law obeys which of the paper's claims about the row.
 
 A row a law, a column a claim; the number is what was measured, the colour how it compares with the
-paper under the stated limits (`law_claims`). Thin rods as in the paper,
-l = 9.5 d, Gamma = 3.3, mu = 0.3; tilts from 9 to 60 degrees. Flights and shares of landings leave
-hops below 0.2 periods out; all other means are over every touch, except -c_z/c_z'.
+paper under the limits of `claims.law_numbers`. Thin rods as in the paper, l = 9.5 d, Gamma = 3.3,
+mu = 0.3; tilts from 9 to 60 degrees. Flights, shares of landings on the way down and -c_z/c_z' are
+means over landings, in which touches less than 0.2 periods apart count as one; all others are means
+over touches.
 """
 
 import matplotlib.pyplot as plt
@@ -15,17 +16,9 @@ from md.scene import both
 from md.sweep import Sweep
 
 from ..claims.law_numbers import CLAIMS
-from ..lib.row_runs import (
-    FRICTION,
-    GAMMA,
-    RESTITUTION,
-    boxes,
-    computed,
-    means,
-    planned,
-    plate_speed_cm_s,
-)
-from ..lib.style import style
+from ..lib.runs import FRICTION, GAMMA, RESTITUTION, boxes, means, planned, plate_speed_cm_s
+from ..lib.style import Data, style
+from ..lib.tables import pairs, table, text_of
 
 TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
 
@@ -34,7 +27,7 @@ def _printed(**options: object) -> dict:
     return both(law="appendix_a", restitution="none", tangential_ratio="none", **options)
 
 
-LAWS = {  # what a law changes in `rows.ROW`
+CONTACT_LAWS = {  # what each changes in `runs.ROW`
     "App. A as printed": _printed(),
     "A, no overlap factor": _printed(overlap_factor=False),
     "A, damping 1.9e5": _printed(damping=1.9e5),
@@ -68,19 +61,19 @@ STORED = {
 }
 
 
-def _names(d: dict[str, np.ndarray]) -> list[str]:
-    return [list(LAWS)[i] for i in d["law"]]
+def _names(d: Data) -> list[str]:
+    return [list(CONTACT_LAWS)[i] for i in d["law"]]
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Of each law: over tilt."""
-    names, periods = QUICK if quick else tuple(LAWS), 60 if quick else 150
-    axes = [{"box.length": boxes(np.array(QUICK_DEG if quick else TILTS_DEG))}]
+    names, periods = QUICK if quick else tuple(CONTACT_LAWS), 40 if quick else 150
+    axes = [{"box.length": boxes(QUICK_DEG if quick else TILTS_DEG)}]
     axes.append({"start.seed": [1, 2]})
-    return {name: planned(axes, periods, LAWS[name]) for name in names}
+    return {name: planned(axes, periods, CONTACT_LAWS[name]) for name in names}
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Of each law: the tables over tilt, and a number for each claim."""
     nominal, runs = np.array(QUICK_DEG if quick else TILTS_DEG), sweeps(quick)
     theory = drift(
@@ -92,29 +85,28 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     tables = []
     for sweep in runs.values():
         scene = sweep.points[0].scene
-        table = {"nominal": nominal, "theory": theory, **means(computed(sweep), STORED)}
-        table["ratio"] = -table["c_z_before"] / table["c_z_after"]
-        table |= {"half_length": scene.rods.length / 2, "speed": scene.plate_speed}
-        tables.append(table)
-    value = np.array([[claim.number(table) for claim in CLAIMS] for table in tables])
+        found = {"nominal": nominal, "theory": theory, **means(sweep, STORED)}
+        found["ratio"] = -found["c_z_before"] / found["c_z_after"]
+        tables.append(found | {"half_length": scene.rods.length / 2, "speed": scene.plate_speed})
+    value = np.array([[claim.number(found) for claim in CLAIMS] for found in tables])
     verdict = [[c.verdict(v) for c, v in zip(CLAIMS, row, strict=True)] for row in value]
     return {
-        "law": np.array([list(LAWS).index(name) for name in runs]),
+        "law": np.array([list(CONTACT_LAWS).index(name) for name in runs]),
         "value": value,
         "verdict": np.array(verdict),
-        **{key: np.array([table[key] for table in tables]) for key in tables[0]},
+        **{key: np.array([found[key] for found in tables]) for key in tables[0]},
     }
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     n, m = d["value"].shape
     figure, ax = plt.subplots(figsize=(7.4, 1.6 + 0.24 * n))
     colours = ListedColormap(["#EDA677", "#FBF5BE", "#A6DBA0"])
     look = {"cmap": colours, "vmin": -0.5, "vmax": 2.5, "edgecolors": "white", "linewidth": 1}
     ax.pcolormesh(np.arange(m), np.arange(n), d["verdict"], **look)
     for (i, j), value in np.ndenumerate(d["value"]):
-        text = "-" if np.isnan(value) else f"{value:.{CLAIMS[j].digits}f}"
+        text = text_of(value, CLAIMS[j].digits)
         ax.text(j, i, text, ha="center", va="center", fontsize=5.5)
     ax.set_yticks(range(n), _names(d), fontsize=6.5)
     heads = [f"{claim.name}\n[{claim.paper}]" for claim in CLAIMS]
@@ -132,25 +124,19 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     return figure
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """Matrix, then what it is made of, law by law."""
-    lines = ["Claims: + holds, ~ in part, - does not"]
-    for j, claim in enumerate(CLAIMS):
-        cells = (
-            f"{v:8.{claim.digits}f} {'-~+'[k]}"
-            for v, k in zip(d["value"][:, j], d["verdict"][:, j], strict=True)
-        )
-        lines.append(f"{claim.name.replace(chr(10), ' '):<36} [{claim.paper:>5}]" + "".join(cells))
-    for i, name in enumerate(_names(d)):
+    names = _names(d)
+    rows = [
+        [claim.name.replace("\n", " "), claim.paper]
+        + [f"{text_of(v, claim.digits)} {'-~+'[k]}" for v, k in zip(*column, strict=True)]
+        for claim, *column in zip(CLAIMS, d["value"].T, d["verdict"].T, strict=True)
+    ]
+    lines = ["Claims: + holds, ~ in part, - does not", table(("claim", "paper", *names), rows)]
+    for i, name in enumerate(names):
         good, fair, bad = ((d["verdict"][i] == k).sum() for k in (2, 1, 0))
         lines.append(f"{name}: holds {good}, in part {fair}, not {bad}")
-        lines.append("  nominal  tilt    c_x  (theory)    V_z/V_0  e    flight  falling  c_z ratio")
-        for j, tilt in enumerate(d["nominal"][i]):
-            lines.append(
-                f"  {tilt:6.0f} {d['tilt'][i, j]:6.1f} {d['c_x'][i, j]:6.2f}+-"
-                f"{d['c_x_error'][i, j]:.2f} ({d['theory'][i, j]:.1f})  {d['V_z'][i, j]:.3f}+-"
-                f"{d['V_z_error'][i, j]:.3f}  {d['restitution'][i, j]:.2f}  "
-                f"{d['flight'][i, j]:.2f}+-{d['flight_error'][i, j]:.2f}  "
-                f"{d['falling'][i, j]:.3f}  {d['ratio'][i, j]:.2f}"
-            )
+        columns = {key: d[key][i] for key in ("nominal", "tilt", "theory", "restitution", "ratio")}
+        columns |= {key: pairs(d, key, i) for key in ("c_x", "V_z", "flight", "falling")}
+        lines.append(table([*columns], zip(*columns.values(), strict=True)))
     return "\n".join(lines)

@@ -4,7 +4,7 @@ import numpy as np
 
 from md.placement import largest_tilt
 
-from ..lib import annulus_runs as ring
+from ..lib import runs
 from ..paper import fig02, fig04
 from .number import Number, count, off_line, onset, resampled, standard
 from .register import CLEAR, measures, table
@@ -89,7 +89,7 @@ def _zigzag(quick):
 
     yield resampled(d, lambda d: first(d, d["zigzag"] - HALF_ORDER), "mean", "zigzag")
     yield resampled(d, lambda d: first(d, REGION_DEG - d["contrast"]), "mean", "contrast")
-    at = int(np.argmin(np.abs(d["count"] - ring.COUNT)))
+    at = int(np.argmin(np.abs(d["count"] - runs.ANNULUS_COUNT)))
     for name in ("mean", "share", "contrast", "spread"):
         yield standard(d[name][at], d[f"{name}_error"][at])
 
@@ -138,7 +138,7 @@ def _axial_spin(quick):
 
 @measures("E1", "flat", "round", "steepest", "most")
 def _geometry(quick):
-    gap, length = ring.SCENE.annulus, ring.SCENE.rods.length
+    gap, length = runs.ANNULUS_SCENE.annulus, runs.ANNULUS_SCENE.rods.length
     for flat in (True, False):
         yield Number(np.degrees(largest_tilt(gap, length, flat=flat)))
     d = table("fig04", quick)

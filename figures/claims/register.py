@@ -8,7 +8,7 @@ import numpy as np
 from md.sweep import Sweep
 
 from .. import load
-from ..lib import row_runs as rows
+from ..lib import runs as rows
 from .number import Number
 
 CLEAR = 3.0  # standard errors

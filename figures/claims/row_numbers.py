@@ -1,17 +1,14 @@
 """The measured numbers that `claims.toml` names, with their errors, from the figures' own data."""
 
-from functools import cache
-
 import numpy as np
 
-import md
 from impact import collide, drift, flat_ended_rod, landing_density, spherocylinder
 from md.scene import from_tables
 from md.sweep import Sweep
 
-from ..checks import appendix_a, landing_census, landings, phase_friction
+from ..checks import appendix_a, landing_census, phase_friction
 from ..cost.accuracy_cost_impact import gear_from_leapfrog
-from ..lib import row_runs as rows
+from ..lib import runs as rows
 from ..lib import soft_impacts as soft
 from ..paper import fig12, fig13
 from . import annulus_numbers as measured_ring
@@ -211,11 +208,9 @@ def _gear(_):
         yield Number(largest)
 
 
-@cache
-def _census(quick: bool) -> dict[str, tuple[float, float]]:
-    """Measures of the landings of one row, each with its standard error."""
-    scene = md.load("quasi2d", ["step.size=none", *landing_census.LAWS["constraint"]])
-    return landings.measures(landings.census(scene, 40 if quick else 400)[0])
+def _census(quick: bool, name: str) -> Number:
+    """A measure of the touches of one row, with its standard error."""
+    return standard(*rows.gathered(landing_census.one_row(quick), name)[0])
 
 
 @measures("S21", "largest", "mean", "weighted")
@@ -223,7 +218,7 @@ def _slides(quick):
     d, (nominal, _, _) = over(rows.tilt_plan(quick), slide="landings.slide.mean"), _ends(quick)
     yield resampled(d, lambda d: d["slide"].max(), "slide")
     yield resampled(d, lambda d: d["slide"][nominal > 12].mean(), "slide")
-    yield standard(*_census(quick)["slide"])
+    yield _census(quick, "slide")
 
 
 @measures("S22", "contact", "pushed", "touches", "map", "map_isolated")
@@ -232,8 +227,8 @@ def _isolated(quick):
     d = over(rows.tilt_plan(quick), touches="merged.touches.mean", **names)
     for name in ("contact", "pushed", "touches"):
         yield resampled(d, lambda d, name=name: d[name].mean(), name)
-    yield standard(*_census(quick)["residual"])
-    yield standard(*_census(quick)["isolated_residual"])
+    yield _census(quick, "residual")
+    yield _census(quick, "isolated_residual")
 
 
 @measures(

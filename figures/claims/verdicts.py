@@ -205,7 +205,7 @@ def _section(claim: dict[str, Any]) -> list[str]:
 
 def page(report: dict[str, Any]) -> str:
     """The report to be read: a table, then a section for each claim that has a scene."""
-    from ..lib.row_runs import LAW_NAME
+    from ..lib.runs import LAW_NAME
 
     made, claims = report["provenance"], report["claims"]
     of = "short and coarse runs (`--quick`)" if made["quick"] else "full runs"

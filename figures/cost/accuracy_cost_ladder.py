@@ -26,7 +26,7 @@ from md.accuracy import steps_per_contact
 from md.scene import Scene, both, from_tables, put, read_tables
 from md.sweep import Point, Sweep
 
-from ..lib.row_runs import (
+from ..lib.runs import (
     COUNT,
     FRICTION,
     GAMMA,

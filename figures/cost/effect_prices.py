@@ -26,7 +26,7 @@ from md.host import SAMPLES, Engine
 from md.kernels.plane import Series
 from md.sweep import Sweep
 
-from ..lib.row_runs import computed, means, planned
+from ..lib.runs import computed, means, planned
 from ..lib.style import BLUE, ORANGE, style
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
 from .effects import FULL, GROUPS, NOTHING, STEP, Effect, Variant, variants

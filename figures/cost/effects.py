@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from md.host import Engine, prepare, step_of
 from md.scene import Scene, from_tables, put
 
-from ..lib.row_runs import FRICTION, GAMMA, RESTITUTION, ROW
+from ..lib.runs import FRICTION, GAMMA, RESTITUTION, ROW
 
 WATCHERS = frozenset(("ledger", "landings", "series"))
 STEP = step_of(from_tables(ROW))[0]  # of all variants

@@ -19,7 +19,7 @@ from md.kernels.space.pairs import no_pairs
 from md.scene import from_tables, put
 
 from ..lib import annulus_runs as ring
-from ..lib.row_runs import ROW
+from ..lib.runs import ROW
 
 NAMES = "plane kernel", "space kernel, the same rods", "annulus"
 PLACES = [0, 2, 3, 5, 6, 8, 10]  # of x, z, sin, cos, c_x, c_z, omega in the state in space

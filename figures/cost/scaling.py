@@ -27,7 +27,7 @@ from md.kernels.plane import Series
 from md.scene import from_tables, put
 from md.sweep import execute, expand
 
-from ..lib.row_runs import ROW
+from ..lib.runs import ROW
 from ..lib.style import BLACK, BLUE, ORANGE, RED, name_panel, style
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
 from . import in_space

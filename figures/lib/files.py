@@ -71,15 +71,15 @@ def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
     """
     from md.store import Store, StoreError
 
-    from . import row_runs as rows
+    from . import runs
 
-    usual, rows.STORE = rows.STORE, store or out / "rows.db"
+    usual, runs.STORE = runs.STORE, store or out / "rows.db"
     try:
-        ready(out, *names, store=rows.STORE)
-        if rows.STORE.exists() or rows.STORE.parent != out:
-            Store(rows.STORE).database.close()
+        ready(out, *names, store=runs.STORE)
+        if runs.STORE.exists() or runs.STORE.parent != out:
+            Store(runs.STORE).database.close()
         yield out
     except StoreError as error:
         raise CommandError(error) from None
     finally:
-        rows.STORE = usual
+        runs.STORE = usual

@@ -11,8 +11,8 @@ thus part of the error, which is that of resampled blocks.
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from time import thread_time
-from typing import NamedTuple
+from time import perf_counter, thread_time
+from typing import Any, NamedTuple
 
 import numpy as np
 from tqdm import tqdm
@@ -20,9 +20,10 @@ from tqdm import tqdm
 from impact.__main__ import _machine as machine
 from md.cache import kernel
 from md.host import Engine
-from md.kernels import plane as row
+from md.kernels import plane
 
 RESAMPLED = 400  # of the bootstrap
+LONG_ENOUGH = 1e-3  # seconds of one sample
 
 
 class Estimate(NamedTuple):
@@ -58,6 +59,42 @@ def interleaved(
     return np.array(samples)
 
 
+def _sampler(call: Callable[[int], Any]) -> Callable[[int], float]:
+    """Seconds of one of so many repetitions that a sample is long enough."""
+
+    def sample(times: int) -> float:
+        begin = perf_counter()
+        call(times)
+        return (perf_counter() - begin) / times
+
+    call(1)  # compiles
+    often = max(1, round(LONG_ENOUGH / sample(1)))
+    return lambda _: sample(often)
+
+
+def medians(calls: Sequence[Callable[[int], Any]], runs: int = 7) -> np.ndarray:
+    """Median seconds of each of several calls, taken in turn, after two that do not count.
+
+    Parameters
+    ----------
+    calls : each does its work as many times as its argument says
+    runs : samples of each
+    """
+    samplers = [_sampler(call) for call in calls]
+    return np.median(interleaved(lambda _: samplers, runs), axis=(0, 1, 2))
+
+
+def repeated(call: Callable[[], Any]) -> Callable[[int], Any]:
+    """A call for `medians`: the result of the last of so many repetitions."""
+
+    def repeat(times: int) -> Any:
+        for _ in range(times):
+            result = call()
+        return result
+
+    return repeat
+
+
 def steady(samples: np.ndarray) -> np.ndarray:
     """Samples at one speed of the machine, that of the quieter rounds."""
     quiet = np.quantile(samples, 0.25, axis=(0, 1))
@@ -77,21 +114,21 @@ def estimate(values: np.ndarray, seed: int = 0) -> Estimate:
 @contextmanager
 def reloading() -> Iterator[Callable[[], None]]:
     """A function that loads the code of a step once more, to another place in memory."""
-    usual = row.march
+    usual = plane.march
 
     def again() -> None:
-        row.march = kernel(inline=False)(usual.py_func)
+        plane.march = kernel(inline=False)(usual.py_func)
 
     try:
         yield again
     finally:
-        row.march = usual
+        plane.march = usual
 
 
-def onward(engine: Engine, steps: int, series: row.Series | None = None) -> float:
+def onward(engine: Engine, steps: int, series: plane.Series | None = None) -> float:
     """Processor time of `steps` steps, in s: what other programs do meanwhile does not count.
 
-    The record of landings is emptied when it is full.
+    The record of touches is emptied when it is full.
     """
     seconds = 0.0
     while steps > 0:

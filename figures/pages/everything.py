@@ -21,7 +21,7 @@ from md.sweep import Point
 
 from .. import FIGURES, load
 from ..claims import row_numbers as measured
-from ..lib.row_runs import ROW, store
+from ..lib.runs import ROW, store
 
 # Seconds of the processor in full, runs of the store apart, where a step of a rod of `ROW` takes
 # `STEP` seconds; of figures not named here, `USUAL`.

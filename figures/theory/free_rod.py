@@ -1,16 +1,12 @@
-"""What the closure stands for: a rod that is let go keeps its spin and falls, in 3 to 14 periods.
+"""A rod that is let go: how soon it falls, and its drift until then, beside the closure's.
 
 The spherocylinder of the paper's Figs. 6-8 (l = 9.5 d, d = 0.6 cm, 60 Hz), epsilon = 0.65, mu =
-0.3, bounces at held tilt and is then released. (a) Tilt of single rods over time at Gamma = 3.3,
-points where the tip lands; dashed: let go at rest on a plate at rest. (b) Time until the other end
-touches the plate, median and 5th to 95th percentile; dashed as in (a). (c) Drift until then against
-the closure, in which the tilt is held for ever and with whose velocity the fall begins; that of the
-tip, since the centre of a falling rod moves ahead of it without any drift.
-
-Look at (b): the plate neither holds a rod up nor throws it over; it topples much as it would on a
-plate at rest. So it is the crowd that holds the tilt, not a balance of impacts. And at (c): the tip
-of a free rod drifts forward too, but slower: between 10 and 70 degrees at half to a quarter of the
-closure's speed.
+0.3, bounces at held tilt and is then released; it keeps its spin from impact to impact. (a) Tilt of
+single rods over time at Gamma = 3.3, points where the tip lands; dashed: let go at rest on a plate
+at rest. (b) Time until the other end touches the plate, median and 5th to 95th percentile; dashed
+as in (a). (c) Drift until then against the closure, which holds the tilt and with whose velocity
+the fall begins; the drift is that of the tip, since the centre of a falling rod moves ahead of it
+without any drift.
 """
 
 import matplotlib.pyplot as plt
@@ -18,7 +14,8 @@ import numpy as np
 
 from impact import spherocylinder
 
-from ..lib.style import BLACK, BLUE, GREEN, RED, name_panel, style, tilt_axis
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, name_panels, style, tilt_axis
+from ..lib.tables import table
 
 UNIT = 981 / (2 * np.pi * 60) ** 2  # g/Omega^2, cm
 ROD = {"length": 5.7 / UNIT, "diameter": 0.6 / UNIT}
@@ -48,7 +45,7 @@ def _second_landing(run) -> np.ndarray:
     return np.array([np.nanmedian(tilt), np.nanmedian(share)])
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Tilts [rad] and periods of single rods; percentiles of the time; drifts in V_0."""
     from impact.bouncing import bounce  # compiles
     from impact.falling import fall
@@ -92,16 +89,13 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     }
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
-    """The medians at GAMMA, for a reader without the picture."""
+def summary(d: Data) -> str:
+    """Medians at GAMMA, and the second landings."""
     i = GAMMAS.index(GAMMA)
-    columns = (np.degrees(d["tilt"]), d["landings"][i], d["time"][i, :, 1], d["still_time"])
-    rows = zip(*columns, d["drift"][:, 0], d["held_drift"][:, 0], strict=True)
-    lines = [
-        f"{GAMMA = :g}: tilt (deg), landings, periods until fallen, the same on a plate at rest,",
-        "drift of the tip and of the closure (V_0)",
-        *("{:5.1f}{:4.0f}{:7.2f}{:7.2f}{:6.2f}{:6.2f}".format(*row) for row in rows),
-    ]
+    columns = {"tilt (deg)": np.degrees(d["tilt"]), "landings": d["landings"][i]}
+    columns |= {"periods to fall": d["time"][i, :, 1], "plate at rest": d["still_time"]}
+    columns |= {"drift of the tip (V_0)": d["drift"][:, 0], "closure": d["held_drift"][:, 0]}
+    lines = [f"{GAMMA = :g}", table([*columns], zip(*columns.values(), strict=True))]
     for deg in SINGLE_DEG:
         tilt, share = d[f"second_{deg}"]
         lines.append(
@@ -112,7 +106,7 @@ def summary(d: dict[str, np.ndarray]) -> str:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.6))
     still = {"ls": "--", "color": BLACK, "lw": 1}
     ax = axes[0]
@@ -123,7 +117,6 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         ax.plot(d[f"still_time_{deg}"], np.degrees(d[f"still_tilt_{deg}"]), **still)
     ax.set(xlabel="time (periods)", ylabel=r"tilt $\phi$ (deg)", xlim=(0, 15), ylim=(0, 105))
     ax.set_yticks(range(0, 91, 15))
-    name_panel(ax, "a", rf"$\Gamma={GAMMA:g}$")
 
     ax, tilt_deg = axes[1], np.degrees(d["tilt"])
     for gamma, time, colour in zip(d["gamma"], d["time"], (GREEN, BLUE, RED), strict=True):
@@ -132,7 +125,6 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     ax.plot(tilt_deg, d["still_time"], label="at rest", **still)
     ax.set(ylabel="time to fall (periods)", ylim=(0, 16))
     ax.legend()
-    name_panel(ax, "b")
 
     ax = axes[2]
     for name, colour, label in (
@@ -145,7 +137,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     ax.axhline(0, color="0.5", lw=0.6)
     ax.set(ylabel=r"drift / $V_0$")
     ax.legend()
-    name_panel(ax, "c", rf"$\Gamma={GAMMA:g}$")
+    name_panels(axes, (rf"$\Gamma={GAMMA:g}$", "", rf"$\Gamma={GAMMA:g}$"))
     for ax in axes[1:]:
         tilt_axis(ax, 0, 80, 20)
     return figure
