@@ -12,7 +12,6 @@ import figures
 import md
 from figures.checks import appendix_a, rigid_limit
 from figures.cost import accuracy_cost_impact, impact_errors
-from figures.lib import impact_price as price
 from figures.lib import soft_impacts as soft
 from figures.paper import fig12
 from impact import ContactGeometry, collide

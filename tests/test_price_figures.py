@@ -12,9 +12,9 @@ import pytest
 import figures
 import md
 from figures.__main__ import main
-from figures.cost import effect_prices, in_space, scaling
+from figures.cost import effect_prices, kernel_times, scaling
 from figures.cost import price_page as price_list
-from figures.cost.effects import EFFECTS, FULL, GROUPS, NOTHING, OFF, Variant, variants
+from figures.cost.scene_variants import EFFECTS, FULL, GROUPS, NOTHING, OFF, Variant, variants
 from figures.lib import timing
 from md.kernels import plane as row
 from md.scene import Scene, Start
@@ -36,7 +36,7 @@ TINY = {
         **{"COUNTS": {True: (4, 8)}, "LEAST": 8, "RUNS": 1, "PERIODS": 1},
         **{"BLOCKS": {True: 3}, "SETTLE": {True: 1}, "REPEATS": {True: 2}},
     },
-    in_space: {"STEPS": 20, "AROUND": 0.01},
+    kernel_times: {"STEPS": 20, "AROUND": 0.01},
     price_list: {"IMPACTS": 1000, "CHECKED": 200},
 }
 
@@ -220,7 +220,7 @@ def test_numbers_for_other_programs(out):
     made = json.loads((folder / "prices.json").read_text(encoding="utf-8"))
     alone = found["effect_prices"]["alone"][:, :2].tolist()
     assert [effect["alone"] for effect in made["effects"]] == alone
-    assert [kernel["name"] for kernel in made["kernels"]] == list(in_space.NAMES)
+    assert [kernel["name"] for kernel in made["kernels"]] == list(kernel_times.NAMES)
     assert made["cores"][0] == {"count": 1, "gain": 1.0}
     assert made["impact_ns"]["numpy newton"] > made["impact_ns"]["loop newton"] > 0
     assert [law["law"] for law in made["impact_ulp"]] == ["newton", "poisson", "stronge"]
@@ -305,10 +305,10 @@ def test_pictures_say_what_they_show(out):
 
 def test_rods_lifted_into_space_do_the_same(monkeypatch):
     """But for the springs between rods, which they left behind."""
-    monkeypatch.setattr(in_space, "STEPS", 200)
-    engine = in_space._settled()
+    monkeypatch.setattr(kernel_times, "STEPS", 200)
+    engine = kernel_times._settled()
     before = engine.rods.copy()
-    rods = in_space.lifted(engine)(0)[1][:, in_space.PLACES]
+    rods = kernel_times.lifted(engine)(0)[1][:, kernel_times.PLACES]
     engine.go(201)
     assert np.abs(engine.rods - before).max() > 0.05
     assert np.abs(rods - engine.rods).max() < 5e-3

@@ -2,13 +2,11 @@
 
 Top: a thin rod (c_x = 1, c_z = -1, omega = 0.7/l, restitution 0.8); each pixel shows the worst of
 c_x' and c_z' over a few impacts inside it, the only two for which the paper prints formulas. Their
-mistakes are corrected, (12), (13) and (21), but nothing is rewritten. Look at the upper left of the
-second panel: beyond the dotted line, in the Painleve region, (14) takes a contact that stops and
-sticks for a slide of negative impulse, and no digit is right. Elsewhere the printed formulas are as
-good as ours at impacts like these; what they lose near grazing, at extreme scales and in small
-differences of velocities takes random impacts, or hard ones, to be seen. Beneath: all results
-(velocities, spin, impulses) over random impacts of any sign, velocities and friction log-uniform
-over six decades, from near-spheres to long spherocylinders.
+mistakes are corrected, (12), (13) and (21), but nothing is rewritten. Dotted: the Painleve region,
+where (14) takes a contact that stops and sticks for a slide of negative impulse, and no digit of
+the printed formulas is right. Beneath: all results (velocities, spin, impulses) over random impacts
+of any sign, velocities and friction log-uniform over six decades, from near-spheres to long
+spherocylinders.
 """
 
 import matplotlib.pyplot as plt
@@ -18,8 +16,9 @@ from matplotlib.colors import BoundaryNorm
 from impact import collide, critical_friction, slide_friction, thin_rod
 from impact.__main__ import random_impacts
 
-from ..lib.style import name_panel, style, tilt_axis
-from .many_digits import LAWS, REGIMES, Impacts, literal, painleve_sum, reference
+from ..lib.style import LAWS, Data, name_panel, style, tilt_axis
+from ..lib.tables import table as text_table
+from .exact_impacts import REGIMES, Impacts, literal, painleve_sum, reference
 
 LEVELS = (0, 0.5, 1, 2, 4, 16, 256, 1e4, 1e8, 1e16)  # of the colours, ulp
 PRINTED = ("c_x", "c_z")  # what the paper has formulas for
@@ -30,7 +29,7 @@ def _cells(low: float, high: float, n: int) -> np.ndarray:
     return np.linspace(low, high, n + 1)
 
 
-def _map(cells: tuple[int, int], samples: int) -> dict[str, np.ndarray]:
+def _map(cells: tuple[int, int], samples: int) -> Data:
     """Largest error of both in every cell of a map over tilt and log10 of friction."""
     rng = np.random.default_rng(0)
     tilt, decade = _cells(-np.pi / 2, np.pi / 2, cells[0]), _cells(-3, 3, cells[1])
@@ -55,7 +54,7 @@ def _map(cells: tuple[int, int], samples: int) -> dict[str, np.ndarray]:
     }
 
 
-def _lines(points: int) -> dict[str, np.ndarray]:
+def _lines(points: int) -> Data:
     """Friction at the boundaries of the regimes and of the Painleve region, over tilt."""
     tilt = np.linspace(-np.pi / 2, np.pi / 2, points)
     rod = thin_rod(tilt)
@@ -75,7 +74,7 @@ def _lines(points: int) -> dict[str, np.ndarray]:
     }
 
 
-def table(n: int) -> dict[str, np.ndarray]:
+def table(n: int) -> Data:
     """Largest and mean error over random impacts, shape (laws, regimes)."""
     impacts = Impacts(*random_impacts(n, seed=3))
     count = np.zeros(len(REGIMES), int)
@@ -101,7 +100,7 @@ def data(
     cells: tuple[int, int] | None = None,
     samples: int | None = None,
     impacts: int | None = None,
-) -> dict[str, np.ndarray]:
+) -> Data:
     """Errors on the map, shape (friction, tilt), its boundary lines, and the table."""
     cells = cells or ((60, 40) if quick else (180, 120))
     return {
@@ -115,7 +114,7 @@ def _cell(value: float) -> str:
     return f"{value:.2f}" if value < 1e3 else f"{value:.1e}"
 
 
-def _rows(d: dict[str, np.ndarray]) -> list[list[str]]:
+def _rows(d: Data) -> list[list[str]]:
     """The table: one row a law, largest and mean by regime."""
     names = [f"all results, {law}" for law in LAWS]
     names += ["c_x', c_z', newton", "the same, as printed", "as printed, no Painleve"]
@@ -127,29 +126,20 @@ def _rows(d: dict[str, np.ndarray]) -> list[list[str]]:
     ]
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """The table as text."""
-    regimes = [f"{name} ({n})" for name, n in zip(_NAMES, d["count"], strict=True)]
-    lines = [
-        f"error in ulp, largest and mean over {d['count'].sum()} random impacts",
-        f"{'':24}" + "".join(f"{regime:>24}" for regime in regimes),
-    ]
-    for name, *cells in _rows(d):
-        lines.append(f"{name:24}" + "".join(f"{cell:>12}" for cell in cells))
-    return "\n".join(lines)
+    heads = [f"{name} ({n}): largest" for name, n in zip(_NAMES, d["count"], strict=True)]
+    heads = [head for pair in zip(heads, ["mean"] * 3, strict=True) for head in pair]
+    title = f"error in ulp, largest and mean over {d['count'].sum()} random impacts"
+    return f"{title}\n{text_table(('', *heads), _rows(d))}"
 
 
-def _draw_table(ax: plt.Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_table(ax: plt.Axes, d: Data) -> None:
     columns = [f"{name}\n{what}" for name in _NAMES for what in ("largest", "mean")]
     rows = _rows(d)
-    table = ax.table(
-        [row[1:] for row in rows],
-        rowLabels=[row[0].replace("c_x', c_z'", "$c_x'$, $c_z'$") for row in rows],
-        colLabels=columns,
-        cellLoc="center",
-        edges="horizontal",
-        bbox=(0.12, 0, 0.88, 1),
-    )
+    names = [row[0].replace("c_x', c_z'", "$c_x'$, $c_z'$") for row in rows]
+    look = {"cellLoc": "center", "edges": "horizontal", "bbox": (0.12, 0, 0.88, 1)}
+    table = ax.table([row[1:] for row in rows], rowLabels=names, colLabels=columns, **look)
     table.auto_set_font_size(False)
     table.set_fontsize(7)
     for (row, _), cell in table.get_celld().items():
@@ -161,7 +151,7 @@ def _draw_table(ax: plt.Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure = plt.figure(figsize=(7.0, 4.8))
     grid = figure.add_gridspec(2, 2, height_ratios=(2.1, 1))
     axes = [figure.add_subplot(grid[0, 0])]
@@ -170,14 +160,9 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     line = np.degrees(d["line_tilt"])
     titles = (("ours", "impact.collide"), ("literal", "formulas as printed, mistakes corrected"))
     for letter, ax, (key, title) in zip("ab", axes, titles, strict=True):
-        fill = ax.pcolormesh(
-            np.degrees(d["tilt"]),
-            d["friction"],
-            np.minimum(d[key], 0.99e16),
-            cmap="viridis",
-            norm=norm,
-            rasterized=True,
-        )
+        look = {"cmap": "viridis", "norm": norm, "rasterized": True}
+        worst = np.minimum(d[key], 0.99e16)
+        fill = ax.pcolormesh(np.degrees(d["tilt"]), d["friction"], worst, **look)
         ax.plot(line, d["slide_friction"], "w-", label=r"$u_*=0$, Eq. (14)")
         ax.plot(line, d["critical_friction"], "w--", label=r"$\mu(k^2+Z^2)=XZ$, Eq. (16)")
         ax.plot(line, d["painleve_friction"], "w:", label=r"$k^2+X^2+\mu XZ=0$")
@@ -186,15 +171,9 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         name_panel(ax, letter, title)
     axes[0].set_ylabel(r"friction $\mu$")
     axes[1].tick_params(labelleft=False)
-    figure.colorbar(
-        fill,
-        ax=axes,
-        label="largest error (ulp)",
-        ticks=LEVELS,
-        spacing="uniform",
-        format=lambda x, _: f"{x:g}" if x < 1e3 else f"$10^{{{round(np.log10(x))}}}$",
-        pad=0.01,
-    )
+    look = {"label": "largest error (ulp)", "ticks": LEVELS, "spacing": "uniform", "pad": 0.01}
+    look["format"] = lambda x, _: f"{x:g}" if x < 1e3 else f"$10^{{{round(np.log10(x))}}}$"
+    figure.colorbar(fill, ax=axes, **look)
     axes[0].legend(loc="lower left", labelcolor="white", fontsize=6)
     _draw_table(figure.add_subplot(grid[1, :]), d)
     return figure

@@ -1,6 +1,6 @@
 """What each effect of a scene costs in a step of a rod, and what leaving it out does to the drift.
 
-All variants of `effects` go on from the same places of one settled run, a short way from each, at
+All variants of `scene_variants` go on from the same places of one settled run, a short way from each, at
 one step, so that who touches whom is nearly the same. Where the plate is at rest the places are
 taken in its frame; without a plate the rods fall freely. Alone: an effect on top of the barest
 scene in which it makes sense. Within: the full scene less the full scene without the effect and
@@ -29,7 +29,7 @@ from md.sweep import Sweep
 from ..lib.runs import computed, means, planned
 from ..lib.style import BLUE, ORANGE, style
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
-from .effects import FULL, GROUPS, NOTHING, STEP, Effect, Variant, variants
+from .scene_variants import FULL, GROUPS, NOTHING, STEP, Effect, Variant, variants
 
 Place = tuple[dict[str, np.ndarray], int]  # all that changes in a run, and the number of its step
 PLACES = 8  # evenly over the plate's cycle, more than a period apart

@@ -5,7 +5,7 @@ import numpy as np
 import md
 from md.laws import contact_time
 
-from ..lib.impact_price import impact_call, price
+from ..lib.impact_times import impact_call, price
 from ..lib.soft_impacts import (
     APPROACH_RATIO,
     FRICTION,

@@ -10,10 +10,9 @@ import numpy as np
 from impact.__main__ import benchmark
 
 from .. import FIGURES, load
-from ..lib.style import name_panel, style
+from ..lib.style import LAWS, name_panel, style
 from ..lib.timing import machine_line
-from . import accuracy_cost_ladder, accuracy_map, effect_prices, in_space
-from .many_digits import LAWS
+from . import accuracy_cost_ladder, accuracy_map, effect_prices, kernel_times
 
 PRICES = {  # and what the panel of the page is called
     "accuracy_cost_drift": "error of the drift against time",
@@ -26,7 +25,7 @@ WIDE = {"accuracy_cost_ladder", "effect_prices"}  # across the page; the others 
 
 
 def known() -> list[str]:
-    """Those that there are."""
+    """Registered price figures."""
     return [name for name in PRICES if name in FIGURES]
 
 
@@ -78,7 +77,7 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
         made["drift_cm_s"] = _plain(d["drift"][:, 0])
     if d := found.get("scaling"):
         made["rods"] = _rows(("count", "ns"), d["counts"], d["row"][:, :2])
-        made["kernels"] = _rows(("name", "ns"), in_space.NAMES, d["kernels"][:, :2])
+        made["kernels"] = _rows(("name", "ns"), kernel_times.NAMES, d["kernels"][:, :2])
         gain = d["sweep"][0, 0] / d["sweep"][:, 0]
         made["cores"] = _rows(("count", "gain"), d["workers"], gain)
     made["impact_ns"] = benchmark(IMPACTS)["ns_per_impact"]

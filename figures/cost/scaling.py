@@ -30,7 +30,7 @@ from md.sweep import execute, expand
 from ..lib.runs import ROW
 from ..lib.style import BLACK, BLUE, ORANGE, RED, name_panel, style
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
-from . import in_space
+from . import kernel_times
 
 COUNTS = {
     True: (10, 40, 160, 640, 2500, 5000),
@@ -112,7 +112,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
 
     with reloading() as again:
         by_count = interleaved(anew, BLOCKS[quick])
-    kernels = in_space.calls()
+    kernels = kernel_times.calls()
     by_kernel = interleaved(lambda _: kernels, 3 * BLOCKS[quick])
     cores = cpu_count()
     workers = np.unique(np.geomspace(1, cores, min(cores, LEVELS)).round().astype(int))
@@ -153,7 +153,7 @@ def summary(d: dict[str, np.ndarray]) -> str:
     ]
     for count, ms, (ns, error, spread) in zip(d["counts"], _ms(d)[0], d["row"], strict=True):
         lines.append(f"{count:8d}{ms:14.2f}{f'{ns:.2f} ± {error:.2f}':>24}{spread:8.2f}")
-    for name, (ns, error, spread) in zip(in_space.NAMES, d["kernels"], strict=True):
+    for name, (ns, error, spread) in zip(kernel_times.NAMES, d["kernels"], strict=True):
         lines.append(f"{name:>30}{f'{ns:.2f} ± {error:.2f}':>24}{spread:8.2f}")
     lines.append(f"{'cores':>8}{'million steps of a rod/s':>26}{'times one core':>16}")
     for count, rate, error in zip(d["workers"], *_throughput(d), strict=True):
@@ -182,7 +182,7 @@ def _draw_steps(ax: Axes, d: dict[str, np.ndarray]) -> None:
     value, error, spread = d["row"].T
     ax.errorbar(d["counts"], value, spread / 2, fmt="none", color="0.6", lw=2, label="middle half")
     ax.errorbar(d["counts"], value, error, fmt="o", color=BLUE, ms=3, lw=0.8, label="median, error")
-    looks = zip(in_space.NAMES, d["kernels"][:, 0], (BLACK, ORANGE, RED), strict=True)
+    looks = zip(kernel_times.NAMES, d["kernels"][:, 0], (BLACK, ORANGE, RED), strict=True)
     for name, ns, colour in looks:
         ax.axhline(ns, color=colour, lw=0.8, ls="--", label=f"{name}: {ns:.0f}")
     ax.set(xscale="log", xlabel="number of rods $N$", ylim=(0, 1.8 * d["kernels"].max()))
