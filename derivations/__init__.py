@@ -1,7 +1,7 @@
-'''The paper, derived from Newton's laws with SymPy and compared with what is printed.
+"""The paper, derived from Newton's laws with SymPy and compared with what is printed.
 
 `equation` gives any of them as an expression, `function` as a NumPy function; `symbols` holds the
-letters, which know their signs:
+letters, with their signs:
 
 >>> import derivations
 >>> from derivations import symbols
@@ -25,62 +25,24 @@ laws, appendix, references          other restitutions, energy; Appendix A; cite
 registry                            all entries in the paper's order
 rewrites                            rules that make a form compute well, each one proved
 map_functions, rod_functions        which functions are generated, by which rules
-codegen, readme                     impact/_generated.py; the tables of the README
-presentation, typeset, prose        forms, formulas and sentences to be read
+codegen, equations_page             impact/_generated.py; EQUATIONS.md
+typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
 lookup                              `equation`, `function`: one entry by its tag
-report, __main__                    the report; the command line
+report, __main__                    the report, from templates/; the command line
 
-To add an equation: how a falling rod rebounds
-----------------------------------------------
-1. derivations/drift.py, after the function `landing_velocity`: derived from what is there
-    @cache
-    def rebound() -> sp.Expr:
-        """-c_z'/c_z of a fall without spin and friction on a plate at rest."""
-        after = slide.cm_velocity(*slide.impulse())[1].subs({mu: 0, omega: 0, V_z: 0})
-        return sp.factor(-after / c_z)
+To add an equation
+------------------
+1. A function beside its relatives (`drift.py`, `laws.py`, ...) derives it from what is there.
+2. An `Equation` in that module's `EQUATIONS` says what is claimed: `printed` holds what the paper
+   prints, with the verdict "agrees", or "erratum" and what contradicts it; a result that the paper
+   does not have is "new" and needs a second route, `check` (module `proof`). A form that reads
+   better than the derived one goes into `shown`. Formulas in sentences stand between dollar signs.
+3. If it should be a function: a `Function` in `map_functions.py` or `rod_functions.py` names its
+   outputs and the rules that make them compute well (module `rewrites`).
 
-2. derivations/drift.py, last in `EQUATIONS`: what is claimed, and how it is proved
-    Equation(
-        tag="V: rebound",
-        what="what a fall without spin and friction leaves of the centre's speed",
-        symbol="-c_z'/c_z",
-        derive=rebound,
-        check=lambda: (  # angular momentum about the contact point, and restitution there
-            rebound() + X**2 / k**2 * (1 + rebound()) - epsilon,
-        ),
-        verdict="new",
-        note="zero where X^2 = epsilon k^2",
-    ),
-
-   What the paper prints goes into `printed`, with the verdict "agrees", or "erratum" and what
-   contradicts it (`proof`). If it should be a function:
-
-3. derivations/rod_functions.py, last in `FUNCTIONS`: what is generated, by which rules
-    Function(
-        name="rebound",
-        summary="What a fall without spin and friction leaves of the centre's speed.",
-        detail="x = |X|/k.",
-        arguments=(_x, epsilon),
-        outputs={_name("rebound"): _thin(drift.rebound())},
-        rules=(
-            recast(
-                "bounded",
-                "x^2 may overflow: then p is 0",
-                p=1 / (1 + _x**2),
-                rest=1 - _name("p"),
-                rebound=epsilon * _name("p") - _name("rest"),
-            ),
-        ),
-    ),
-
-Try it: all proofs, impact/_generated.py and the README's tables anew, the report.
-
-    python -m derivations check
-    python -m derivations generate
-    python -m derivations report
-
+`check` proves it, `generate` writes impact/_generated.py and EQUATIONS.md, `report` shows it.
 How it becomes public stands in `help(impact)`.
-'''
+"""
 
 from . import symbols
 from .lookup import equation, function

@@ -3,7 +3,6 @@
 python -m derivations [check [--json] | generate | report [--out DIR]]
 """
 
-import argparse
 import json
 import os
 import shutil
@@ -15,55 +14,15 @@ from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
+import click
 from tqdm import tqdm
 
 from . import registry
+from .sentences import to_text
 
-DERIVATIONS = """\
-Prove every equation, generate the functions, write the report.
-
-  python -m derivations check        # so does python -m derivations alone
-  python -m derivations report
-"""
-
-CHECK = """\
-Prove every verdict; exit code 1 if a proof fails (10 s).
-
-  python -m derivations check
-  python -m derivations check --json
-"""
-
-GENERATE = """\
-Write impact/_generated.py and the tables of the README, in a checkout (5 s).
-
-  python -m derivations generate
-"""
-
-REPORT = """\
-Write the derivation as HTML and LaTeX; exit code 1 if a proof fails (15 s).
-
-  python -m derivations report
-  python -m derivations report --out pages
-"""
-
-
-def _told(text: str) -> dict[str, Any]:
-    """What a command says of itself: one line in the list of commands, all of it in its help."""
-    line = text.partition("\n")[0].rstrip(".")
-    return {"help": line[0].lower() + line[1:], "description": text}
-
-
-class _Parser(argparse.ArgumentParser):
-    """Help as it is written, never in colours; bad arguments cost one line and exit code 2."""
-
-    def __init__(self, **options: Any):
-        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **options)
-        self.color = False  # Python 3.14 would colour a pipe where FORCE_COLOR is set
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}\n")
+NAME = "python -m derivations"
 
 
 def _bar(what: str) -> Callable[..., tqdm]:
@@ -72,20 +31,20 @@ def _bar(what: str) -> Callable[..., tqdm]:
 
 
 def table(rows: list[registry.Row]) -> str:
-    """The proofs as text: tag, what, verdict, note."""
+    """Return the proofs as text: tag, what, verdict, note."""
     tag = max(len(row.tag) for row in rows)
     indent = " " * (tag + 2)
     width = max(60, min(shutil.get_terminal_size((100, 24)).columns, 120))
     lines = []
     for row in rows:
         verdict = row.verdict if row.proved else f"{row.verdict}: NOT PROVED"
-        lines.append(f"{row.tag:<{tag}}  {verdict:<9}  {row.what}")
+        lines.append(f"{row.tag:<{tag}}  {verdict:<9}  {to_text(row.what)}")
         remarks = [row.note]
         if not row.proved:
             remarks.append(f"this failed: {row.evidence}")
         elif row.verdict == "erratum":
-            remarks.append(row.evidence)
-        for remark in filter(None, remarks):
+            remarks.append(f"{row.evidence}; contradicted by {row.contradicted_by}")
+        for remark in map(to_text, filter(None, remarks)):
             lines += textwrap.wrap(remark, width, initial_indent=indent, subsequent_indent=indent)
     counts = Counter(row.verdict for row in rows)
     total = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
@@ -93,96 +52,122 @@ def table(rows: list[registry.Row]) -> str:
     return "\n".join([*lines, "", f"{len(rows)} entries: {total}; {failed} not proved"])
 
 
-def _check(arguments: argparse.Namespace) -> int:
-    rows = registry.check(_bar("proving"))
-    if arguments.json:
-        print(json.dumps([row.as_dict() for row in rows], indent=1))
-    else:
-        print(table(rows))
+def _code(rows: list[registry.Row]) -> int:
     return 0 if all(row.proved for row in rows) else 1
 
 
-def _generate(_: argparse.Namespace) -> int:
-    from . import codegen, readme
+def _examples(*lines: str) -> str:
+    """Epilogue of a help text: commands as they are typed."""
+    return "\n".join(["\b", *(f"{NAME} {line}".rstrip() for line in lines)])
 
-    if not readme.TARGET.is_file():
-        print(
-            f"python -m derivations generate: generate is for a checkout, and "
-            f"{readme.TARGET.parent} is none: there is no {readme.TARGET.name}",
-            file=sys.stderr,
-        )
-        return 2
-    changed = codegen.write(codegen.source(_bar("generating")))
-    print(f"{codegen.TARGET.name}: {'written' if changed else 'unchanged'}")
-    changed = readme.refresh()
-    print(f"{readme.TARGET.name}: {'written' if changed else 'unchanged'}")
+
+@click.group(
+    invoke_without_command=True,
+    epilog=_examples("check        # so does python -m derivations alone", "report"),
+)
+@click.pass_context
+def cli(context: click.Context) -> int | None:
+    """Prove every equation, generate the functions, write the report."""
+    return None if context.invoked_subcommand else context.invoke(check)
+
+
+@cli.command(epilog=_examples("check", "check --json"))
+@click.option("--json", "as_json", is_flag=True, help="A list of objects instead of a table.")
+def check(as_json: bool = False) -> int:
+    """Prove every verdict (10 s).
+
+    The exit code is 1 if a proof fails.
+    """
+    rows = registry.check(_bar("proving"))
+    print(json.dumps([row.as_dict() for row in rows], indent=1) if as_json else table(rows))
+    return _code(rows)
+
+
+@cli.command(epilog=_examples("generate"))
+def generate() -> int:
+    """Write the generated functions and tables (5 s).
+
+    They are impact/_generated.py and derivations/EQUATIONS.md of a source checkout.
+    """
+    from . import codegen, equations_page  # for a quick --help
+
+    root = codegen.TARGET.parent.parent
+    if not (root / "README.md").is_file():
+        raise click.UsageError(f"generate needs a source checkout; {root} has no README.md")
+    changed = {
+        codegen.TARGET: codegen.write(codegen.source(_bar("generating"))),
+        equations_page.TARGET: equations_page.refresh(),
+    }
+    for path, written in changed.items():
+        print(f"{path.name}: {'written' if written else 'unchanged'}")
     return 0
 
 
-def _report(arguments: argparse.Namespace) -> int:
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryFile(dir=arguments.out):  # or it would all be proved for nothing
+@cli.command("report", epilog=_examples("report", "report --out pages"))
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default="out",
+    show_default=True,
+    help="Folder for report.html and latex/*.tex.",
+)
+def write_report(out: Path) -> int:
+    """Write the derivation as HTML and LaTeX (10 s).
+
+    The exit code is 1 if a proof fails.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=out):  # refused before all is proved
         pass
-    from . import report
+    from . import report  # for a quick --help
 
     rows = registry.check(_bar("proving"))
-    for path in report.write(arguments.out, rows, _bar("writing")):
+    for path in report.write(out, rows, _bar("writing")):
         print(path)
-    return 0 if all(row.proved for row in rows) else 1
-
-
-def _parser() -> _Parser:
-    parser = _Parser(prog="python -m derivations", description=DERIVATIONS)
-    commands = parser.add_subparsers(dest="command")
-    check = commands.add_parser("check", **_told(CHECK))
-    check.add_argument("--json", action="store_true", help="a list of objects instead of a table")
-    check.set_defaults(run=_check)
-    generate = commands.add_parser("generate", **_told(GENERATE))
-    generate.set_defaults(run=_generate)
-    report = commands.add_parser("report", **_told(REPORT))
-    report.add_argument("--out", type=Path, default=Path("out"), help="folder (default: out)")
-    report.set_defaults(run=_report)
-    commands.metavar = " | ".join(commands.choices)
-    return parser
+    return _code(rows)
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run one command; returns the exit code."""
-    words = sys.argv[1:] if argv is None else argv
-    arguments = _parser().parse_args(words or ["check"])
+    """Run one command; return the exit code, and report what ends it in one line."""
+    context, at, said, code = None, None, "", 0
     try:
-        return arguments.run(arguments)
+        context = cli.make_context(NAME, sys.argv[1:] if argv is None else list(argv))
+        with context:
+            return cli.invoke(context)
+    except click.exceptions.Exit as end:  # after help
+        return end.exit_code
+    except click.ClickException as error:
+        at = getattr(error, "ctx", None)
+        said, code = error.format_message(), error.exit_code
     except KeyboardInterrupt:
-        said, code = "interrupted; nothing half-written was left", 130
+        said, code = "interrupted; no file is half-written", 130
     except BrokenPipeError:  # the reader has seen enough
         return 0
     except MemoryError as error:
         said, code = f"not enough memory: {error}", 1
     except OSError as error:
         said, code = f"cannot write: {error}", 2
-    print(f"python -m derivations {arguments.command}: {said}", file=sys.stderr)
+    command = f" {context.invoked_subcommand or 'check'}" if context else ""
+    print(f"{at.command_path if at else NAME + command}: {said}", file=sys.stderr)
     return code
 
 
-def leave(main: Callable[[], int]) -> NoReturn:
-    """End the process; output that nobody takes any more is dropped without a traceback."""
+def run(main: Callable[[], int] = main) -> NoReturn:
+    """End the process by `main`; SIGTERM is Ctrl-C, and a closed pipe costs no line."""
     if sys.stdout is None:
-        print("python -m derivations: cannot write: standard output is closed", file=sys.stderr)
+        print(f"{NAME}: cannot write: standard output is closed", file=sys.stderr)
         sys.exit(2)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # it is Ctrl-C
-    try:
-        code = main()
-    except SystemExit as end:  # after help, or bad arguments
-        code = int(end.code or 0)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    code = main()
     try:
         sys.stdout.flush()
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
-            print(f"python -m derivations: cannot write: {error}", file=sys.stderr)
+            print(f"{NAME}: cannot write: {error}", file=sys.stderr)
             code = code or 2
     sys.exit(code)
 
 
 if __name__ == "__main__":
-    leave(main)
+    run()

@@ -1,4 +1,4 @@
-"""Dimensions of Appendix A's force law: what each material constant must be measured in.
+"""Dimensions of the material constants in Appendix A's force law.
 
 Dimensions are monomials in mass M, length L and time T; a constant's dimension is solved from the
 force law in which it stands.
@@ -44,60 +44,62 @@ _LENGTHS = {M: sp.Integer(1), L: sp.Integer(4), T: sp.Integer(1)}
 EQUATIONS = (
     Equation(
         tag="A: unit of k_n",
-        what="k_n is given in m g/D; F_n = k_n delta^(3/2) needs",
+        what=r"$k_n$ is given in $m g/D$; $F_n = k_n \delta^{3/2}$ needs",
         symbol="[k_n]",
         printed=MASS * GRAVITY / DIAMETER,
         derive=normal_stiffness,
         verdict="erratum",
-        contradicted_by="F_n = k_n delta^(3/2) with m g/d^(3/2)",
+        contradicted_by=r"$F_n = k_n \delta^{3/2}$ with $m g/d^{3/2}$",
         contradiction=lambda: MASS * GRAVITY / DIAMETER ** sp.Rational(3, 2),
         at=_LENGTHS,
-        note="m g/d^(3/2); the printed unit is that of a linear spring (and D stands for d). "
-        "In reduced units, d = m = g = 1, the number is the same",
+        note="$m g/d^{3/2}$; the printed unit is that of a linear spring (and $D$ stands for $d$). "
+        "In reduced units, $d = m = g = 1$, the number is the same",
     ),
     Equation(
         tag="A: k_t = 95 k_n",
-        what="dimension of k_t over that of k_n",
+        what="dimension of $k_t$ over that of $k_n$",
         symbol="[k_t/k_n]",
         printed=sp.S.One,
         derive=lambda: sp.simplify(tangential_stiffness() / normal_stiffness()),
         verdict="erratum",
-        contradicted_by="F_t = -k_t delta s with F_n = k_n delta^(3/2)",
+        contradicted_by=r"$F_t = -k_t \delta s$ with $F_n = k_n \delta^{3/2}$",
         contradiction=lambda: sp.simplify(
             (FORCE / (OVERLAP * SPRING)) / (FORCE / OVERLAP ** sp.Rational(3, 2))
         ),
         at=_LENGTHS,
-        note="k_t delta s is a force only if k_t is in m g/d^2; 95 is k_t d^(1/2)/k_n",
+        note=r"$k_t \delta s$ is a force only if $k_t$ is in $m g/d^2$; 95 is $k_t d^{1/2}/k_n$",
     ),
     Equation(
         tag="A: unit of gamma",
-        what="gamma_n is given in (g/D)^(1/2); gamma_n M_e delta v_n needs",
+        what=r"$\gamma_n$ is given in $(g/D)^{1/2}$; $\gamma_n M_e \delta v_n$ needs",
         symbol="[\\gamma_n]",
         printed=sp.sqrt(GRAVITY / DIAMETER),
         derive=damping,
         verdict="erratum",
-        contradicted_by="gamma_n M_e delta v_n with (g/d^3)^(1/2)",
+        contradicted_by=r"$\gamma_n M_e \delta v_n$ with $(g/d^3)^{1/2}$",
         contradiction=lambda: sp.sqrt(GRAVITY / DIAMETER**3),
         at=_LENGTHS,
-        note="(g/d^3)^(1/2): the overlap in the damping term asks for another length",
+        note="$(g/d^3)^{1/2}$: the overlap in the damping term asks for another length",
     ),
     Equation(
         tag="A: time step",
-        what="unit of the time step, (d/g)^(1/2)",
+        what="unit of the time step, $(d/g)^{1/2}$",
         symbol="[\\Delta t]",
         printed=sp.sqrt(DIAMETER / GRAVITY),
         derive=lambda: T,
-        verdict="agrees",
     ),
     Equation(
         tag="A: v_n",
-        what='normal velocity printed as v_i . n_ij: what a common velocity v adds to "v_n"',
+        what=r"normal velocity printed as $v_i \cdot n_{ij}$: what a common velocity $v$ adds to "
+        '"$v_n$"',
         symbol="\\delta v_n",
         printed=sp.Symbol("v", real=True),
         derive=lambda: sp.S.Zero,
         at={sp.Symbol("v", real=True): sp.Integer(1)},
         verdict="erratum",
-        contradicted_by='"relative velocity" of the same sentence, v_ij . n_ij = 0 for v_i = v_j,',
-        note="it must be v_ij . n_ij; as printed two grains that travel together damp each other",
+        contradicted_by=r'"relative velocity" of the same sentence, $v_{ij} \cdot n_{ij} = 0$ for '
+        "$v_i = v_j$",
+        note=r"it must be $v_{ij} \cdot n_{ij}$; as printed two grains that travel together damp "
+        "each other",
     ),
 )

@@ -109,7 +109,7 @@ _printed_inertia = (
 EQUATIONS = (
     Equation(
         tag="IV: thin rod",
-        what="X, Z, k and I of a thin rod",
+        what="$X$, $Z$, $k$ and $I$ of a thin rod",
         symbol="(X, Z, k, I)",
         printed=sp.Matrix(
             [
@@ -120,7 +120,6 @@ EQUATIONS = (
             ]
         ),
         derive=lambda: sp.Matrix([*thin_contact(), sp.sqrt(thin_gyration()), m * thin_gyration()]),
-        verdict="agrees",
     ),
     Equation(
         tag="[12]: mass",
@@ -128,7 +127,6 @@ EQUATIONS = (
         symbol="M",
         printed=1 + sp.Rational(3, 2) * h_0,
         derive=lambda: spherocylinder()[0],
-        verdict="agrees",
     ),
     Equation(
         tag="[12]: inertia",
@@ -137,14 +135,14 @@ EQUATIONS = (
         printed=_printed_inertia,
         derive=lambda: spherocylinder()[1],
         verdict="erratum",
-        contradicted_by="[12]'s own mass, split into cylinder and caps, with Steiner's theorem,",
+        contradicted_by="[12]'s own mass, split into cylinder and caps, with Steiner's theorem",
         contradiction=lambda: _by_parts()[1],
-        note="integration gives 9/32 h_0 and h_0^2/4 where 15/32 h_0 and h_0^2 are printed; "
-        "only the first and the last term are right",
+        note=r"integration gives $9/32\,h_0$ and $h_0^2/4$ where $15/32\,h_0$ and $h_0^2$ are "
+        "printed; only the first and the last term are right",
     ),
     Equation(
         tag="bodies: gyration radius",
-        what="k^2 of a solid spherocylinder and of a solid cylinder",
+        what="$k^2$ of a solid spherocylinder and of a solid cylinder",
         symbol="(k^2_{round}, k^2_{flat})",
         derive=lambda: sp.Matrix([spherocylinder_gyration(), cylinder_gyration()]),
         check=lambda: (
@@ -159,9 +157,17 @@ EQUATIONS = (
     ),
     Equation(
         tag="bodies: contact",
-        what="(X, Z) of a spherocylinder and of a flat-ended rod on its edge",
+        what="$(X, Z)$ of a spherocylinder and of a flat-ended rod on its edge",
         symbol="(X, Z)_{round}, (X, Z)_{flat}",
         derive=lambda: sp.Matrix([*round_contact(), *flat_contact()]),
+        shown=sp.Matrix(
+            [
+                (length - diameter) * sp.sin(phi) / 2,
+                ((length - diameter) * sp.cos(phi) + diameter) / 2,
+                (length * sp.sin(phi) - diameter * sp.cos(phi)) / 2,
+                (length * sp.cos(phi) + diameter * sp.sin(phi)) / 2,
+            ]
+        ),
         check=lambda: (
             *(_virtual_work(c) for c in (thin_contact(), round_contact(), flat_contact())),
             round_contact()[1].subs(length, diameter) - diameter / 2,

@@ -1,4 +1,4 @@
-"""From rewritten expressions to `impact/_generated.py`: plain, readable, stamped arithmetic.
+"""Code generation: rewritten expressions become the arithmetic of `impact/_generated.py`.
 
 The bodies use + - * / only, so the same text runs on floats, arrays, mpmath
 numbers and under Numba. The file is committed; a test generates it again and compares bytes.
@@ -7,12 +7,14 @@ numbers and under Numba. The file is committed; a test generates it again and co
 import hashlib
 import textwrap
 from collections.abc import Callable, Iterable
+from functools import cache
 from pathlib import Path
 
 import sympy as sp
 
 from . import map_functions, rod_functions
 from .rewrites import Body, Function, Step
+from .sentences import to_text
 
 FUNCTIONS = (*map_functions.FUNCTIONS, *rod_functions.FUNCTIONS)
 TARGET = Path(__file__).resolve().parent.parent / "impact" / "_generated.py"
@@ -32,7 +34,7 @@ DIGEST = "{digest}"  # sha256 of the expressions below, first 16 digits
 
 
 def text_of(expr: sp.Expr) -> str:
-    """An expression as Python: positive terms first, sums last in a product, one division."""
+    """Python source of an expression: positive terms first, sums last, one division."""
     if expr.is_Symbol or expr.is_Integer:
         return str(expr)
     if expr.is_Rational:  # exact in binary as a float, else as a quotient
@@ -73,12 +75,12 @@ def _factors(expr: sp.Expr) -> list[str]:
 
 def _lines(function: Function, body: Body, steps: tuple[Step, ...]) -> list[str]:
     history = ", ".join(f"{step.rule} {step.operations}" for step in steps)
-    doc = textwrap.wrap(f"{function.detail} Operations: {history}.", 92)
+    doc = textwrap.wrap(to_text(f"{function.detail} Operations: {history}."), 92)
     outputs = [name for name in body if name in function.outputs]
     returned = tuple(function.returned or (str(name) for name in outputs))
     text = [
         f"def {function.name}({', '.join(map(str, function.arguments))}):",
-        f'    """{function.summary}',
+        f'    """{to_text(function.summary)}',
         "",
         *(f"    {line}" for line in doc),
         '    """',
@@ -94,19 +96,25 @@ def _lines(function: Function, body: Body, steps: tuple[Step, ...]) -> list[str]
     return text
 
 
+@cache
+def body(name: str) -> tuple[Body, tuple[Step, ...]]:
+    """Assignments of a generated function, and what each rule left of them."""
+    (function,) = (function for function in FUNCTIONS if function.name == name)
+    return function.body()
+
+
 def source(progress: Callable[[Iterable[Function]], Iterable[Function]] = iter) -> str:
-    """The text of `impact/_generated.py`."""
+    """Return the text of `impact/_generated.py`."""
     blocks = []
     for function in progress(FUNCTIONS):
-        body, steps = function.body()
-        blocks.append("\n".join(_lines(function, body, steps)))
+        blocks.append("\n".join(_lines(function, *body(function.name))))
     code = "\n\n\n".join(blocks) + "\n"
     digest = hashlib.sha256(code.encode()).hexdigest()[:16]
     return _HEAD.format(digest=digest) + "\n\n" + code
 
 
 def write(text: str, target: Path = TARGET) -> bool:
-    """Write beside and rename; returns whether the file changed."""
+    """Write beside the target and rename; return whether the file changed."""
     if target.exists() and target.read_text(encoding="utf-8") == text:
         return False
     target.parent.mkdir(parents=True, exist_ok=True)

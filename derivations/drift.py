@@ -38,7 +38,7 @@ def _landing(case: str) -> tuple[sp.Expr, sp.Expr]:
 
 @cache
 def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
-    """(c_x', c_z') that repeat themselves: c_x' = c_x, c_z' = -c_z, omega = 0."""
+    """(c_x', c_z') of stationary translation: c_x' = c_x, c_z' = -c_z, omega = 0."""
     after_x, after_z = _landing(case)
     solution = sp.solve([after_x - c_x, after_z + c_z], [c_x, c_z], dict=True)[0]
     return sp.factor(solution[c_x]), sp.factor(-solution[c_z])
@@ -58,7 +58,7 @@ def relaxation(case: str) -> sp.Expr:
 
 @cache
 def slide_loss() -> sp.Expr:
-    """c_x' - c_x of a continuous slide, which stationary translation would need to be zero."""
+    """c_x' - c_x of a continuous slide; in stationary translation it is zero."""
     return sp.factor((slide.cm_velocity(*slide.impulse())[0] - c_x).subs(omega, 0))
 
 
@@ -91,6 +91,8 @@ _printed_24 = 2 * (1 + epsilon) * X * Z * V_z / _denominator
 _printed_27 = ((1 + epsilon) * mu * (k**2 + Z**2) * V_z + (1 + epsilon) * X * Z * V_z) / (
     _denominator
 )
+_printed_29 = (1 + epsilon) * (mu * (1 + 3 * sp.cos(phi) ** 2) + 3 * _sc) / _thin_denominator * V_z
+_EXAMPLE_29 = {epsilon: sp.Rational(13, 20), phi: 89 * sp.pi / 180}
 _printed_28 = (1 + epsilon) * k**2 * V_z / _denominator
 
 
@@ -101,15 +103,15 @@ def _thin(form: sp.Expr) -> sp.Expr:
 EQUATIONS = (
     Equation(
         tag="V: closure",
-        what="stationary translation: omega = 0, c_x = c_x', c_z = -c_z'",
+        what=r"stationary translation: $\omega = 0$, $c_x = c_x'$, $c_z = -c_z'$",
         symbol="(\\omega, c_x'-c_x, c_z'+c_z)",
         derive=lambda: sp.Matrix([0, 0, 0]),
         verdict="assumed",
-        note="the paper's closure for what happens between two landings; V_z is left open by it",
+        note="the paper's closure for what happens between two landings; $V_z$ is left open by it",
     ),
     Equation(
         tag="V: no slide",
-        what='"the sliding regime cannot be realized": c_x\' - c_x of a slide',
+        what='"the sliding regime cannot be realized": $c_x\' - c_x$ of a slide',
         symbol="c_x'-c_x",
         derive=slide_loss,
         check=lambda: (
@@ -120,9 +122,9 @@ EQUATIONS = (
             slide_loss().subs(mu, 0),
         ),
         verdict="new",
-        note="negative for every mu > 0 (v_0 < 0, u_0 > 0), so the closure excludes slide in the "
-        "stationary landing itself; it does not exclude single slides in a scatter of landings, "
-        "and without friction nothing is excluded",
+        note=r"negative for every $\mu > 0$ ($v_0 < 0$, $u_0 > 0$), so the closure excludes slide "
+        "in the stationary landing itself; it does not exclude single slides in a scatter of "
+        "landings, and without friction nothing is excluded",
     ),
     Equation(
         tag="24",
@@ -130,7 +132,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=_printed_24,
         derive=lambda: stationary("stick")[0],
-        verdict="agrees",
     ),
     Equation(
         tag="25",
@@ -138,7 +139,6 @@ EQUATIONS = (
         symbol="c_z'",
         printed=_printed_28,
         derive=lambda: stationary("stick")[1],
-        verdict="agrees",
     ),
     Equation(
         tag="26",
@@ -146,7 +146,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=6 * (1 + epsilon) * _sc / _thin_denominator * V_z,
         derive=lambda: _thin(stationary("stick")[0]),
-        verdict="agrees",
     ),
     Equation(
         tag="27",
@@ -154,7 +153,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=_printed_27,
         derive=lambda: stationary("back")[0],
-        verdict="agrees",
     ),
     Equation(
         tag="28",
@@ -162,29 +160,23 @@ EQUATIONS = (
         symbol="c_z'",
         printed=_printed_28,
         derive=lambda: stationary("back")[1],
-        verdict="agrees",
     ),
     Equation(
         tag="V: continuity",
-        what="(27) minus (24) where XZ = mu (k^2 + Z^2)",
+        what=r"(27) minus (24) where $XZ = \mu (k^2 + Z^2)$",
         symbol="c_x'(27) - c_x'(24)",
         printed=sp.S.Zero,
         derive=lambda: sp.cancel(
             (stationary("back")[0] - stationary("stick")[0]).subs(mu, critical_friction())
         ),
-        verdict="agrees",
         note="the drift is continuous at both critical tilts; its slope is not",
     ),
     Equation(
         tag="29",
         what="drift of a thin rod in slip reversal",
         symbol="c_x'",
-        printed=(1 + epsilon)
-        * (mu * (1 + 3 * sp.cos(phi) ** 2) + 3 * _sc)
-        / _thin_denominator
-        * V_z,
+        printed=_printed_29,
         derive=lambda: _thin(stationary("back")[0]),
-        verdict="agrees",
         note="holds between the two critical tilts only; beyond the upper one (26) holds again",
     ),
     Equation(
@@ -193,23 +185,19 @@ EQUATIONS = (
         symbol="c_z'",
         printed=sp.Matrix([(1 + epsilon) / _thin_denominator * V_z] * 2),
         derive=lambda: sp.Matrix([_thin(stationary(case)[1]) for case in CASES]),
-        verdict="agrees",
     ),
     Equation(
         tag="V: range of (29)",
-        what='"slip reversal (phi > phi_c)": c_x\'/V_z at 89 degrees, mu = 0.3, epsilon = 0.65',
+        what='"slip reversal ($\\phi > \\phi_c$)": $c_x\'/V_z$ at 89 degrees, $\\mu = 0.3$, '
+        r"$\epsilon = 0.65$",
         symbol="c_x'/V_z",
-        printed=sp.N(
-            (sp.Rational(33, 20) * (mu * (1 + 3 * sp.cos(phi) ** 2) + 3 * _sc))
-            / (sp.Rational(7, 20) + 6 * sp.sin(phi) ** 2)
-        ).subs({mu: sp.Rational(3, 10), phi: 89 * sp.pi / 180}),
-        derive=lambda: (_thin(stationary("stick")[0]) / V_z).subs(
-            {epsilon: sp.Rational(13, 20), phi: 89 * sp.pi / 180}
-        ),
+        printed=(_printed_29 / V_z).subs({mu: sp.Rational(3, 10), **_EXAMPLE_29}),
+        derive=lambda: sp.cancel(_thin(stationary("stick")[0]) / V_z).subs(_EXAMPLE_29),
         verdict="erratum",
         contradicted_by="condition (16) at that tilt, where friction holds, with (26)",
         note="above arctan of the larger root (84.04 degrees here) the contact sticks and (26) "
-        "holds: the drift goes to zero at 90 degrees, where (29) would leave (1+eps) mu/(7-eps)",
+        "holds: the drift goes to zero at 90 degrees, where (29) would leave "
+        r"$(1 + \epsilon) \mu/(7 - \epsilon)$",
     ),
     Equation(
         tag="V: H(theta)",
@@ -217,7 +205,6 @@ EQUATIONS = (
         symbol="\\int H d\\theta",
         printed=sp.S.One,
         derive=lambda: sp.integrate(_H, (theta, 0, 2 * sp.pi)),
-        verdict="agrees",
     ),
     Equation(
         tag="31",
@@ -225,12 +212,11 @@ EQUATIONS = (
         symbol="V_z",
         printed=V_0 / 2,
         derive=lambda: plate_velocity(_H),
-        verdict="agrees",
-        note="for the assumed H; the density itself is a fit to simulations",
+        note="for the assumed $H$; the density itself is a fit to simulations",
     ),
     Equation(
         tag="V: V_z at onset",
-        what='"one can expect that V_z is proportional to Gamma - 1 at small Gamma"',
+        what=r'"one can expect that $V_z$ is proportional to $\Gamma - 1$ at small $\Gamma$"',
         symbol="V_z",
         derive=lambda: V_0 * (Gamma - 1),
         verdict="assumed",
@@ -239,7 +225,8 @@ EQUATIONS = (
     ),
     Equation(
         tag="V: inelastic onset",
-        what="V_z/V_0 of the first landing of a perfectly inelastic rod, eta = sqrt(Gamma - 1)",
+        what="$V_z/V_0$ of the first landing of a perfectly inelastic rod, "
+        r"$\eta = \sqrt{\Gamma - 1}$",
         symbol="V_z/V_0",
         derive=onset_velocity,
         check=lambda: (
@@ -247,53 +234,67 @@ EQUATIONS = (
             _onset_flight(),
         ),
         verdict="new",
-        note="negative, and a square root, not a line: a landing on the falling plate, "
-        "which the closure below cannot turn into a drift",
+        note="negative, and a square root, not a line: a landing on the falling plate, which the "
+        "closure below cannot turn into a drift",
     ),
     Equation(
         tag="V: landing",
-        what="v_0 of the stationary landing",
+        what="$v_0$ of the stationary landing",
         symbol="v_0",
         derive=lambda: landing_velocity("stick"),
+        shown=-2 * (k**2 + X**2) * V_z / _denominator,
         check=lambda: (
             landing_velocity("stick") - landing_velocity("back"),
             landing_velocity("stick") + 2 * (k**2 + X**2) * V_z / _denominator,
         ),
         verdict="new",
-        note="negative only for V_z > 0: with V_z <= 0 the closure has no impact at all, so a "
-        "small negative V_z cannot by itself explain the reverse drift (Section VI)",
+        note=r"negative only for $V_z > 0$: with $V_z \le 0$ the closure has no impact at all, so "
+        "a small negative $V_z$ cannot by itself explain the reverse drift (Section VI)",
     ),
     Equation(
         tag="V: hit again at once",
-        what="c_z' - V_z of the stationary landing: does the centre leave faster than the plate?",
+        what="$c_z' - V_z$ of the stationary landing: does the centre leave faster than the plate?",
         symbol="c_z'-V_z",
         derive=lambda: sp.factor(stationary("stick")[1] - V_z),
+        shown=2 * (epsilon * k**2 - X**2) * V_z / _denominator,
         check=lambda: (
             stationary("stick")[1] - V_z - 2 * (epsilon * k**2 - X**2) * V_z / _denominator,
             _thin(epsilon * k**2 - X**2) / (length**2 / 12) - epsilon + 3 * sp.sin(phi) ** 2,
         ),
         verdict="new",
-        note="negative from X^2 = epsilon k^2 on (27.7 degrees for a thin rod at epsilon = 0.65): "
-        "there the rod separates only because it spins, and without spin it is hit again at once; "
-        "beyond it (24)-(30) hold formally, not as one isolated landing a flight",
+        note=r"negative from $X^2 = \epsilon k^2$ on (27.7 degrees for a thin rod at "
+        r"$\epsilon = 0.65$): there the rod separates only because it spins, and without spin it "
+        "is hit again at once; beyond it (24)-(30) hold formally, not as one isolated landing a "
+        "flight",
     ),
     Equation(
         tag="V: relaxation",
-        what="what a landing leaves of a deviation in c_x: slip-stick, slip reversal",
+        what="what a landing leaves of a deviation in $c_x$: slip-stick, slip reversal",
         symbol="\\partial c_x'/\\partial c_x",
         derive=lambda: sp.Matrix([relaxation("stick"), relaxation("back")]),
+        shown=sp.Matrix(
+            [
+                Z**2 / (k**2 + X**2 + Z**2),
+                1
+                - 2
+                * mu
+                * k**2
+                * (k**2 + X**2)
+                / ((mu * (k**2 + Z**2) + X * Z) * (k**2 + X**2 - mu * X * Z)),
+            ]
+        ),
         check=lambda: (
             relaxation("stick") - Z**2 / (k**2 + X**2 + Z**2),
             relaxation("back").subs(mu, 0) - 1,
             relaxation("back").diff(mu).subs(mu, 0) + 2 * k**2 / (X * Z),
         ),
         verdict="new",
-        note="as mu -> 0 the drift (29) tends to half of (26), not to zero, but the number of "
-        "landings needed to reach it grows as XZ/(2 mu k^2)",
+        note=r"as $\mu \to 0$ the drift (29) tends to half of (26), not to zero, but the number of "
+        r"landings needed to reach it grows as $XZ/(2 \mu k^2)$",
     ),
     Equation(
         tag="V: friction to zero",
-        what="(27) at mu -> 0 over (24)",
+        what=r"(27) at $\mu \to 0$ over (24)",
         symbol="c_x'(27)/c_x'(24)",
         derive=lambda: sp.cancel(stationary("back")[0].subs(mu, 0) / stationary("stick")[0]),
         check=lambda: (
@@ -306,16 +307,23 @@ EQUATIONS = (
         what="tilt below which a flat-ended rod drifts against its tilt",
         symbol="\\phi_{flat}",
         derive=lambda: sp.solve(flat_contact()[0], phi)[0],
+        shown=sp.atan(diameter / length),
         check=lambda: (flat_contact()[0].subs(phi, sp.atan(diameter / length)),),
         verdict="new",
-        note="arctan(d/l), from X = 0: 7.1 degrees for the experiment's l = 8 d, which reports "
-        "motion from 8 degrees on",
+        note=r"$\arctan(d/l)$, from $X = 0$: 7.1 degrees for the experiment's $l = 8 d$, which "
+        "reports motion from 8 degrees on",
     ),
     Equation(
         tag="V: flat end at tilt 0",
         what="drift of a flat-ended rod in slip-stick as its tilt goes to 0 from above",
         symbol="c_x'",
         derive=lambda: sp.factor(_flat_start()),
+        shown=-24
+        * (1 + epsilon)
+        * diameter
+        * length
+        * V_z
+        / (4 * (1 - epsilon) * length**2 + 3 * (9 - epsilon) * diameter**2),
         check=lambda: (
             _flat_start()
             + _flat_start().subs(diameter, -diameter),  # the other edge: tilt 0 from below
@@ -333,7 +341,7 @@ def _flat_start() -> sp.Expr:
 
 
 def _onset_flight() -> sp.Expr:
-    """The gap closes again at x = 3 sqrt(2) eta: integrate it there once more, directly."""
+    """Gap at x = 3 sqrt(2) eta by direct integration: zero where the flight ends."""
     eta, x = sp.symbols("eta x", positive=True)
     start, end = -sp.sqrt(2) * eta, 3 * sp.sqrt(2) * eta
     weight = (end - x) * (eta**2 - x**2 / 2)  # double integral by parts

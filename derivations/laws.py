@@ -161,11 +161,19 @@ def _stronge_checks() -> list[sp.Expr]:
     early = final_velocity("stronge", "early") ** 2
     late = final_velocity("stronge", "late") ** 2
     return [
-        early - epsilon**2 * (V_1**2 - a_2 * P_1 * (v_0 + V_1)),
-        late - V_1**2 - a_2 / a_1 * (epsilon**2 * v_0**2 - V_1**2),
+        early - _stronge[0] ** 2,
+        late - _stronge[1] ** 2,
         # at the corner between the two orders (v_1 = 0) they meet
         (early - late).subs(v_0, -a_1 * P_1),
     ]
+
+
+_stronge = sp.Matrix(  # early, late
+    [
+        epsilon * sp.sqrt(V_1**2 - a_2 * P_1 * (v_0 + V_1)),
+        sp.sqrt(V_1**2 + a_2 / a_1 * (epsilon**2 * v_0**2 - V_1**2)),
+    ]
+)
 
 
 def _one_line_checks() -> list[sp.Expr]:
@@ -196,23 +204,26 @@ def _limit_checks() -> list[sp.Expr]:
     ]
 
 
-def _threshold_checks() -> list[sp.Expr]:
-    """Energy change and its slope in u_0 vanish at the threshold, in a rootless parameter."""
-    root_a, root_b = sp.symbols("alpha beta", positive=True)
-    checks = []
-    # stick: AC = alpha^2, AC - B^2 = beta^2
-    stick = {C: root_a**2 / A, B: sp.sqrt(root_a**2 - root_b**2)}
-    eps = root_b / root_a
-    for order in (0, 1):
-        gain = sp.diff(energy_change("stick"), u_0, order).subs({v_0: -1, u_0: B / A})
-        checks.append(sp.simplify(gain.subs(epsilon, eps).subs(stick)))
-    # back: A = alpha^2, A - mu^2 C = beta^2
-    back = {A: root_a**2, C: (root_a**2 - root_b**2) / mu**2}
-    ratio = (root_a - root_b) ** 2 / (mu * B)
+_root_a, _root_b = sp.symbols("alpha beta", positive=True)
+
+
+def _stick_checks() -> list[sp.Expr]:
+    """Energy change of slip-stick and its slope in u_0 at the threshold, without roots."""
+    # AC = alpha^2, AC - B^2 = beta^2
+    stick = {C: _root_a**2 / A, B: sp.sqrt(_root_a**2 - _root_b**2)}
+    at = {v_0: -1, u_0: B / A}
+    gains = [sp.diff(energy_change("stick"), u_0, order).subs(at) for order in (0, 1)]
+    return [sp.simplify(g.subs(epsilon, _root_b / _root_a).subs(stick)) for g in gains]
+
+
+def _back_check() -> sp.Expr:
+    """Discriminant of the energy change of slip reversal at the threshold, without roots."""
+    # A = alpha^2, A - mu^2 C = beta^2
+    back = {A: _root_a**2, C: (_root_a**2 - _root_b**2) / mu**2}
+    ratio = (_root_a - _root_b) ** 2 / (mu * B)
     quadratic = sp.Poly(sp.numer(energy_change("back")).subs(v_0, -1), u_0)
     gain = quadratic.discriminant().subs(epsilon, (1 - kappa) / (1 + kappa))
-    checks.append(sp.cancel(gain.subs(back).subs(kappa, ratio)))
-    return checks
+    return sp.cancel(gain.subs(back).subs(kappa, ratio))
 
 
 EQUATIONS = (
@@ -227,17 +238,19 @@ EQUATIONS = (
     ),
     Equation(
         tag="laws: Poisson",
-        what="v_f under Poisson's restitution: slip stops early, late",
+        what="$v_f$ under Poisson's restitution: slip stops early, late",
         symbol="v_f",
         derive=lambda: sp.Matrix([final_velocity("poisson", o) for o in ("early", "late")]),
+        shown=sp.Matrix([epsilon * (a_2 * P_1 - V_1), V_1 - a_2 / a_1 * (V_1 + epsilon * v_0)]),
         check=_poisson_checks,
         verdict="new",
     ),
     Equation(
         tag="laws: Stronge",
-        what="v_f under Stronge's restitution: slip stops early, late",
+        what="$v_f$ under Stronge's restitution: slip stops early, late",
         symbol="v_f",
         derive=lambda: sp.Matrix([final_velocity("stronge", o) for o in ("early", "late")]),
+        shown=_stronge,
         check=_stronge_checks,
         verdict="new",
     ),
@@ -252,7 +265,7 @@ EQUATIONS = (
     ),
     Equation(
         tag="laws: impact without collision",
-        what="v_f as v_0 -> 0- in the Painleve region, a = -a_1: Newton, Poisson, Stronge",
+        what=r"$v_f$ as $v_0 \to 0-$ in the Painleve region, $a = -a_1$: Newton, Poisson, Stronge",
         symbol="v_f",
         derive=lambda: sp.Matrix(list(_limits().values())),
         check=_limit_checks,
@@ -261,11 +274,12 @@ EQUATIONS = (
     ),
     Equation(
         tag="laws: energy, slip-stick",
-        what="Newton's law can create energy where (1-epsilon)/(1+epsilon) is below this",
+        what=r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below this",
         symbol="\\kappa_c",
         derive=lambda: energy_threshold("stick"),
+        shown=(sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2,
         check=lambda: (
-            *_threshold_checks()[:2],
+            *_stick_checks(),
             energy_threshold("stick") - (sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2,
             sticking_threshold() ** 2 - 1 + B**2 / (A * C),
         ),
@@ -273,10 +287,11 @@ EQUATIONS = (
     ),
     Equation(
         tag="laws: energy, slip reversal",
-        what="Newton's law can create energy where (1-epsilon)/(1+epsilon) is below this",
+        what=r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below this",
         symbol="\\kappa_c",
         derive=lambda: energy_threshold("back"),
-        check=lambda: (_threshold_checks()[2],),
+        shown=(sp.sqrt(A) - sp.sqrt(A - mu**2 * C)) ** 2 / (mu * B),
+        check=lambda: (_back_check(),),
         verdict="new",
     ),
     Equation(
@@ -284,6 +299,7 @@ EQUATIONS = (
         what="restitution above which Newton's law can create energy in slip-stick, thin rod",
         symbol="\\epsilon_c",
         derive=thin_threshold,
+        shown=4 / sp.sqrt(16 + 9 * sp.sin(2 * phi) ** 2),
         check=lambda: (
             thin_threshold() ** 2 - 16 / (16 + 9 * sp.sin(2 * phi) ** 2),
             thin_threshold().subs(phi, sp.pi / 4) - sp.Rational(4, 5),

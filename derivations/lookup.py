@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from .presentation import presented
 from .proof import Equation, Form
 from .registry import ENTRIES
 from .symbols import NAMED
@@ -17,7 +16,7 @@ _ENTRIES = {entry.tag: entry for entry in ENTRIES}
 
 
 def _entry(tag: str) -> Equation:
-    """The equation of that tag; raises `ValueError` where there is none."""
+    """Find the equation of a tag; raise `ValueError` if there is none."""
     entry = _ENTRIES.get(tag) if isinstance(tag, str) else None
     if entry is None:
         near = ", ".join(map(repr, get_close_matches(str(tag), _ENTRIES, cutoff=0.4)))
@@ -41,13 +40,14 @@ def equation(tag: str, *, printed: bool = False) -> Form:
     Returns
     -------
     SymPy expression; a column of them for a vector; an inequality for a condition. The derived
-    form is arranged to be read, as in the report; letters that cancel are gone. Lengths may be in
-    any unit, velocities in that unit per time, impulses in that times mass.
+    form is written to be read, as in the report: where derived and printed form agree, which is
+    proved, it is the printed one. Lengths may be in any unit, velocities in that unit per time,
+    impulses in that times mass.
 
     Raises
     ------
     ValueError
-        If there is no such tag, it has no expression, or is not in print.
+        If there is no such tag, it has no expression, or the paper does not print it.
 
     Notes
     -----
@@ -67,19 +67,19 @@ def equation(tag: str, *, printed: bool = False) -> Form:
     entry = _entry(tag)
     if printed and entry.printed is None:
         raise ValueError(f"printed must be False for {tag!r}: the paper does not print it")
-    form = entry.printed if printed else presented(entry.derive(), entry.printed)
+    form = entry.printed if printed else entry.readable()
     return sp.ImmutableMatrix(form) if isinstance(form, sp.MatrixBase) else form
 
 
 def _real(name: str, value: Any) -> Any:
-    """`value` in floating point; labels (pandas, xarray) stay, and align themselves."""
+    """Convert to floating point; labels of pandas and xarray stay."""
     if np.asarray(value).dtype.kind not in "biuf":
         raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
     return np.multiply(1.0, value)
 
 
 def _spread(value: Any, shape: tuple[int, ...]) -> Any:
-    """A constant, which is evaluated to a Python number, in the shape of the arguments."""
+    """Broadcast a constant to the shape of the arguments."""
     if isinstance(value, bool | int | float):
         return np.full(shape, value if isinstance(value, bool) else float(value))[()]
     return value

@@ -1,4 +1,4 @@
-"""The impact map as it is generated: derived outputs, and the rules that make them compute well."""
+"""Generated functions of the impact map: derived outputs and rewriting rules."""
 
 import sympy as sp
 
@@ -16,8 +16,8 @@ from .rewrites import (
     N_back,
     T,
     T_back,
+    collect_friction,
     name_responses,
-    nested,
     r,
     recast,
     w,
@@ -61,14 +61,14 @@ def _until(v_final: sp.Symbol, impulse: tuple[sp.Expr, ...]) -> tuple[sp.Expr, .
 FUNCTIONS: tuple[Function, ...] = (
     Function(
         name="approach",
-        summary="Contact-point velocity (u_0, v_0) before the impact, Eq. (3).",
-        detail="c, V_z in m/s, omega in 1/s, X, Z in m.",
+        summary="Contact-point velocity $(u_0, v_0)$ before the impact, Eq. (3).",
+        detail=r"$c$, $V_z$ in m/s, $\omega$ in 1/s, $X$, $Z$ in m.",
         arguments=(c_x, c_z, omega, V_z, X, Z),
         outputs=dict(approach()),
         rules=(
             recast(
                 "plate first",
-                "c_z - V_z is exact where both are close",
+                "$c_z - V_z$ is exact where both are close",
                 u_0=c_x - omega * Z,
                 fall=c_z - V_z,
                 v_0=_fall + omega * X,
@@ -77,16 +77,16 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="slip_response",
-        summary="(N, T): k^2 times dv/dP_z and -du/dP_z in forward slip, Eqs. (5), (6).",
-        detail="Lengths in m; N, T in m^2. Backward slip: the same with -mu.",
+        summary="$(N, T)$: $k^2$ times $dv/dP_z$ and $-du/dP_z$ in forward slip, Eqs. (5), (6).",
+        detail=r"Lengths in m; $N$, $T$ in $\mathrm{m}^2$. Backward slip: the same with $-\mu$.",
         arguments=(X, Z, k, mu),
         outputs={N: RESPONSES[N], T: RESPONSES[T]},
-        rules=(nested(),),
+        rules=(collect_friction(),),
     ),
     Function(
         name="slide",
-        summary="Impulse over k^2 and slip velocity left after a slide, Eqs. (8), (14).",
-        detail="Per unit mass; gain = -(1 + epsilon) v_0. Needs N > 0 and u_f >= 0.",
+        summary="Impulse over $k^2$ and slip velocity left after a slide, Eqs. (8), (14).",
+        detail=r"Per unit mass; $gain = -(1 + \epsilon) v_0$. Needs $N > 0$ and $u_f \ge 0$.",
         arguments=(_gain, u_0, N, T),
         outputs={
             _j_1: slide_impulse()[1].subs(_one) / k**2,
@@ -96,7 +96,7 @@ FUNCTIONS: tuple[Function, ...] = (
             name_responses(),
             recast(
                 "one quotient",
-                "both outputs share it; no k^2 in a denominator",
+                "both outputs share it; no $k^2$ in a denominator",
                 j_1=_gain / N,
                 u_f=u_0 - T * _j_1,
             ),
@@ -105,18 +105,18 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="stop",
-        summary="Impulse over k^2 when the slip stops, and v_1 - v_0 there, Eqs. (B1), (15).",
-        detail="Per unit mass. Needs T > 0.",
+        summary="Impulse over $k^2$ when the slip stops, and $v_1 - v_0$ there, Eqs. (B1), (15).",
+        detail="Per unit mass. Needs $T > 0$.",
         arguments=(u_0, N, T),
         outputs={_j_1: stop()[1].subs(_one) / k**2, _rise: stop()[2] - v_0},
-        rules=(recast("shared quotient", "no k^2 in a denominator", j_1=u_0 / T, rise=N * _j_1),),
+        rules=(recast("shared quotient", "no $k^2$ in a denominator", j_1=u_0 / T, rise=N * _j_1),),
         meaning=RESPONSES,
     ),
     Function(
         name="reverse",
-        summary="Impulse over k^2 and slip velocity of the way back, Eqs. (B8), (B10).",
-        detail="Per unit mass, after the stop; rest = v_f - v_1. Needs T_back > 0, and so "
-        "N_back > 0.",
+        summary="Impulse over $k^2$ and slip velocity of the way back, Eqs. (B8), (B10).",
+        detail="Per unit mass, after the stop; $rest = v_f - v_1$. Needs $T_{back} > 0$, and so "
+        "$N_{back} > 0$.",
         arguments=(_rest, N_back, T_back),
         outputs={
             _j_2: (_until(v_f, slip_reversal.impulse())[1] - stop()[1]).subs(_one) / k**2,
@@ -134,9 +134,9 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="slip",
-        summary="Impulse and spin of j = 1 while slipping, Eqs. (1), (2).",
-        detail="(-push, lift, turn) forward, (push, lift, back) backward, per unit mass; j is the "
-        "normal impulse over k^2.",
+        summary="Impulse and spin of $j = 1$ while slipping, Eqs. (1), (2).",
+        detail="$(-push, lift, turn)$ forward, $(push, lift, back)$ backward, per unit mass; $j$ "
+        "is the normal impulse over $k^2$.",
         arguments=(X, Z, k, mu),
         outputs={
             _push: mu * k**2,
@@ -147,7 +147,7 @@ FUNCTIONS: tuple[Function, ...] = (
         rules=(
             recast(
                 "no quotient",
-                "k^2 cancels in the spin",
+                "$k^2$ cancels in the spin",
                 lift=k**2,
                 push=_lift * mu,
                 turn=X + mu * Z,
@@ -158,24 +158,26 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="stick",
-        summary="Impulse and spin of j = 1 while sticking, Eqs. (17), (B3).",
-        detail="(push, lift, turn) per unit mass; j = (v_f - v_1)/(k^2 + X^2 + Z^2). "
-        "K_z = k^2 + Z^2.",
+        summary="Impulse and spin of $j = 1$ while sticking, Eqs. (17), (B3).",
+        detail="$(push, lift, turn)$ per unit mass; $j = (v_f - v_1)/(k^2 + X^2 + Z^2)$. "
+        "$K_z = k^2 + Z^2$.",
         arguments=(X, Z, K_z),
         outputs={
             _push: sticking_force().subs(F_z, SQUARES[K_z]),
             _lift: SQUARES[K_z],
             _turn: spin_jump(sticking_force().subs(F_z, SQUARES[K_z]), SQUARES[K_z]).subs(_one),
         },
-        rules=(recast("no quotient", "the denominator is in j", push=X * Z, lift=K_z, turn=X),),
+        rules=(recast("no quotient", "the denominator is in $j$", push=X * Z, lift=K_z, turn=X),),
         meaning=SQUARES,
         returned=("push", "K_z", "X"),
         unused=("lift", "turn"),
     ),
     Function(
         name="stick_response",
-        summary="N_stick: k^2 times dv/dP_z while sticking; what N is while slipping forward.",
-        detail="Lengths in m, N_stick in m^2. K = k^2 + X^2 + Z^2, K_z = k^2 + Z^2.",
+        summary="$N_{stick}$: $k^2$ times $dv/dP_z$ while sticking; what $N$ is while slipping "
+        "forward.",
+        detail=r"Lengths in m, $N_{stick}$ in $\mathrm{m}^2$. $K = k^2 + X^2 + Z^2$, "
+        "$K_z = k^2 + Z^2$.",
         arguments=(k, K, K_z),
         outputs={_N_stick: k**2 * laws.slopes()["stick"]},
         rules=(
@@ -190,8 +192,9 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="slopes",
-        summary="w = a_2 P_1 and r = a_2/a_1, with N_after = k^2 a_2 of the phase after the stop.",
-        detail="w in m/s; j_1 = P_1/k^2. r only where N > 0.",
+        summary="$w = a_2 P_1$ and $r = a_2/a_1$, with $N_{after} = k^2 a_2$ of the phase after "
+        "the stop.",
+        detail="$w$ in m/s; $j_1 = P_1/k^2$. $r$ only where $N > 0$.",
         arguments=(_j_1, N, _N_after),
         outputs={
             w: laws.a_2 * stop()[1].subs(_one),
@@ -209,36 +212,36 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="poisson_early",
-        summary="v_f under Poisson's restitution; the slip stopped before compression ended.",
-        detail="v_1 <= 0, w >= 0.",
+        summary="$v_f$ under Poisson's restitution; the slip stopped before compression ended.",
+        detail=r"$v_1 \le 0$, $w \ge 0$.",
         arguments=(epsilon, v_1, w),
         outputs={v_f: laws.final_velocity("poisson", "early")},
-        rules=(recast("name v_1", "a sum of positive terms", v_f=epsilon * (w - v_1)),),
+        rules=(recast("name $v_1$", "a sum of positive terms", v_f=epsilon * (w - v_1)),),
         meaning=GENERAL,
     ),
     Function(
         name="poisson_late",
-        summary="v_f under Poisson's restitution; the slip stopped after compression ended.",
-        detail="0 <= v_1 <= -epsilon v_0, r > 0.",
+        summary="$v_f$ under Poisson's restitution; the slip stopped after compression ended.",
+        detail=r"$0 \le v_1 \le -\epsilon v_0$, $r > 0$.",
         arguments=(epsilon, v_0, v_1, r),
         outputs={v_f: laws.final_velocity("poisson", "late")},
         rules=(
             recast(
-                "name v_1", "what is left to gain, stretched", v_f=v_1 - r * (v_1 + epsilon * v_0)
+                "name $v_1$", "what is left to gain, stretched", v_f=v_1 - r * (v_1 + epsilon * v_0)
             ),
         ),
         meaning=GENERAL,
     ),
     Function(
         name="stronge_early",
-        summary="v_f^2 under Stronge's restitution; the slip stopped before compression ended.",
-        detail="v_0 < 0, v_1 <= 0, w >= 0.",
+        summary="$v_f^2$ under Stronge's restitution; the slip stopped before compression ended.",
+        detail=r"$v_0 < 0$, $v_1 \le 0$, $w \ge 0$.",
         arguments=(epsilon, v_0, v_1, w),
         outputs={_square: laws.final_velocity("stronge", "early") ** 2},
         rules=(
             recast(
                 "sum of positive terms",
-                "v_1 and w share the quotient u_0/T, so that T -> 0 hurts neither",
+                r"$v_1$ and $w$ share the quotient $u_0/T$, so that $T \to 0$ hurts neither",
                 square=epsilon**2 * (v_1**2 - w * (v_0 + v_1)),
             ),
         ),
@@ -246,8 +249,8 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="stronge_late",
-        summary="v_f^2 under Stronge's restitution; the slip stopped after compression ended.",
-        detail="0 <= v_1 <= -epsilon v_0, r > 0.",
+        summary="$v_f^2$ under Stronge's restitution; the slip stopped after compression ended.",
+        detail=r"$0 \le v_1 \le -\epsilon v_0$, $r > 0$.",
         arguments=(epsilon, v_0, v_1, r),
         outputs={_square: laws.final_velocity("stronge", "late") ** 2},
         rules=(

@@ -126,8 +126,7 @@ EQUATIONS = (
         symbol="I d\\omega",
         printed=-length / 2 * AXIS.cross(_dP),
         derive=lambda: moment * spin_change(_dP, -length / 2 * AXIS, moment),
-        verdict="agrees",
-        note="the moment of dP at the lower tip; only for a contact on the rod's axis (thin rod)",
+        note="the moment of $dP$ at the lower tip; only for a contact on the rod's axis (thin rod)",
     ),
     Equation(
         tag="3",
@@ -135,7 +134,6 @@ EQUATIONS = (
         symbol="\\mathbf v",
         printed=_c - length / 2 * _spin.cross(AXIS) - sp.Matrix([0, 0, V_z]),
         derive=tip_velocity,
-        verdict="agrees",
         note="derived by differentiating the tip's position",
     ),
     Equation(
@@ -144,13 +142,12 @@ EQUATIONS = (
         symbol="m\\,d\\mathbf v/dt",
         printed=_printed_4(),
         derive=tip_acceleration,
-        verdict="agrees",
-        note="with alpha = m l^2/(4 I), which the text does not define (3 for a thin rod); "
-        "another alpha follows (30)",
+        note=r"with $\alpha = m l^2/(4 I)$, which the text does not define (3 for a thin rod); "
+        r"another $\alpha$ follows (30)",
     ),
     Equation(
         tag="IV: alpha",
-        what="the constant alpha of (4)",
+        what=r"the constant $\alpha$ of (4)",
         symbol="\\alpha",
         derive=_alpha,
         check=lambda: (
@@ -158,7 +155,7 @@ EQUATIONS = (
             _alpha() - m * length**2 / (4 * moment),
         ),
         verdict="new",
-        note="m l^2/(4 I); the paper leaves it undefined",
+        note="$m l^2/(4 I)$; the paper leaves it undefined",
     ),
     Equation(
         tag="5",
@@ -166,7 +163,6 @@ EQUATIONS = (
         symbol="m\\dot v_x",
         printed=-X * Z / k**2 * F_z + (k**2 + Z**2) / k**2 * F_x,
         derive=lambda: m * contact_change(F_x, F_z)[0],
-        verdict="agrees",
     ),
     Equation(
         tag="6",
@@ -174,6 +170,5 @@ EQUATIONS = (
         symbol="m\\dot v_z",
         printed=(k**2 + X**2) / k**2 * F_z - X * Z / k**2 * F_x,
         derive=lambda: m * contact_change(F_x, F_z)[1],
-        verdict="agrees",
     ),
 )

@@ -2,7 +2,7 @@
 
 Verdicts
 --------
-agrees     the difference of both forms simplifies to zero
+agrees     the difference of both forms simplifies to zero; what is meant where none is given
 rewritten  both forms are equal to 40 digits at random points (no simplification closes them)
 erratum    the forms differ: a point where they do, and, where the paper contradicts itself, the
            other equations whose printed forms give the derived one
@@ -56,7 +56,7 @@ EXAMPLE: Mapping[sp.Symbol, sp.Rational] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proof:
-    """What was found when a verdict was put to the proof."""
+    """Result of testing a verdict."""
 
     ok: bool  # whether the verdict stood
     evidence: str  # in words
@@ -69,8 +69,9 @@ class Equation:
     tag: str  # the paper's equation number, or the section and a key word
     what: str  # it is about
     symbol: str  # left-hand side, LaTeX
-    verdict: Verdict  # on the printed form
     derive: Callable[[], Form]  # from Newton's laws
+    verdict: Verdict = "agrees"  # on the printed form
+    shown: Form | None = None  # the derived form, written to be read
     printed: Form | None = None  # in our copy of the paper
     note: str = ""  # what is right, where the paper is not
     contradicted_by: str = ""  # tags of the printed equations that give the derived form
@@ -79,11 +80,26 @@ class Equation:
     check: Callable[[], Iterable[sp.Expr]] | None = None  # second route, verdict "new"
 
     def __post_init__(self) -> None:
+        if self.printed is None and self.verdict not in ("new", "assumed"):
+            raise ValueError(f"{self.tag}: the verdict {self.verdict!r} needs a printed form")
         object.__setattr__(self, "derive", cache(self.derive))  # proofs and report share it
 
     def prove(self) -> Proof:
-        """Put the verdict to the proof."""
+        """Test the verdict, and that the form shown as derived has the derived value."""
+        if self.shown is not None and not _equal(self.shown, self.derive()):
+            return Proof(ok=False, evidence="the form shown as derived has another value")
         return _PROOFS[self.verdict](self)
+
+    def readable(self) -> Form:
+        """Return the derived form, in an equal form that was written by hand if there is one.
+
+        That is `shown`, or the printed form where both agree, or the contradiction of an erratum.
+        """
+        if self.shown is not None:
+            return self.shown
+        if self.printed is not None and self.verdict != "erratum":
+            return self.printed
+        return self.contradiction() if self.contradiction is not None else self.derive()
 
 
 def components(form: Form) -> tuple[sp.Expr, ...]:
@@ -119,6 +135,7 @@ def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rat
     return point
 
 
+@cache
 def equal_at_random_points(a: sp.Expr, b: sp.Expr, points: int = POINTS) -> bool:
     """Whether two expressions agree to 40 digits at random rational points."""
     free = a.free_symbols | b.free_symbols
@@ -138,14 +155,17 @@ def same(a: Form, b: Form) -> bool:
     return all(vanishes(x - y) for x, y in pairs)
 
 
+def _equal(a: Form, b: Form) -> bool:
+    return all(map(equal_at_random_points, components(a), components(b)))
+
+
 def _agrees(eq: Equation) -> Proof:
     return Proof(ok=same(eq.printed, eq.derive()), evidence="difference simplifies to zero")
 
 
 def _rewritten(eq: Equation) -> Proof:
-    pairs = zip(components(eq.printed), components(eq.derive()), strict=True)
     return Proof(
-        ok=all(equal_at_random_points(x, y) for x, y in pairs),
+        ok=_equal(eq.printed, eq.derive()),
         evidence=f"equal to {DIGITS} digits at {POINTS} random rational points",
     )
 
@@ -163,14 +183,10 @@ def _erratum(eq: Equation) -> Proof:
     # Of an inequality only the sign counts.
     value = sp.sign if isinstance(derived, sp.core.relational.Relational) else sp.sympify
     differs = any(sp.Abs(sp.N(value(x) - value(y), 30)) > sp.Float("1e-20") for x, y in pairs)
-    evidence = "; ".join(f"printed {_show(x)}, derived {_show(y)}" for x, y in pairs)
-    where = ", ".join(f"{x} = {point[x]}" for x in sorted(free, key=str))
-    evidence += f" at {where}" if where else ""
-    contradicted = True
-    if eq.contradiction is not None:
-        contradicted = same(eq.contradiction(), derived)
-        evidence += f"; the printed {eq.contradicted_by} gives the derived form"
-    return Proof(ok=differs and contradicted, evidence=evidence)
+    evidence = "; ".join(f"printed ${_number(x)}$, derived ${_number(y)}$" for x, y in pairs)
+    where = ", ".join(f"${sp.latex(x)} = {_number(point[x])}$" for x in sorted(free, key=str))
+    contradicted = eq.contradiction is None or same(eq.contradiction(), derived)
+    return Proof(ok=differs and contradicted, evidence=evidence + (f" at {where}" if where else ""))
 
 
 def _assumed(eq: Equation) -> Proof:
@@ -185,20 +201,14 @@ def _new(eq: Equation) -> Proof:
     residuals = tuple(eq.check())
     return Proof(
         ok=bool(residuals) and all(vanishes(sp.sympify(r)) for r in residuals),
-        evidence="a second route: "
-        + (
-            "one identity simplifies"
-            if len(residuals) == 1
-            else f"{len(residuals)} identities simplify"
-        )
-        + " to zero",
+        evidence=f"a second route; expressions that must vanish: {len(residuals)}",
     )
 
 
-def _show(value: sp.Expr) -> str:
-    """An exact value if it is short, else twelve digits."""
-    exact = sp.sstr(value)
-    return exact if len(exact) <= 16 else sp.sstr(sp.N(value, 12))
+def _number(value: sp.Expr) -> str:
+    """LaTeX of an exact value if it is short, else of twelve digits."""
+    value = value if len(sp.sstr(value)) <= 16 else sp.N(value, 12)
+    return sp.sstr(value) if value.is_Rational else sp.latex(value, fold_short_frac=True)
 
 
 _PROOFS = {

@@ -27,6 +27,7 @@ from . import (
 )
 from .proof import Equation, Verdict
 from .references import Citation
+from .sentences import to_text
 
 __all__ = ["ENTRIES", "SECTIONS", "Citation", "Equation", "Row", "check", "mistakes"]
 
@@ -60,8 +61,11 @@ class Row:
     contradicted_by: str  # tags of printed equations that give the derived form
 
     def as_dict(self) -> dict[str, str | bool]:
-        """For JSON."""
-        return asdict(self)
+        """Return the fields for JSON, the sentences as plain text."""
+        return {
+            name: to_text(value) if isinstance(value, str) else value
+            for name, value in asdict(self).items()
+        }
 
 
 def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
@@ -78,17 +82,9 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
     rows = []
     for entry in progress(ENTRIES):
         proof = entry.prove()
-        rows.append(
-            Row(
-                tag=entry.tag,
-                what=entry.what,
-                verdict=entry.verdict,
-                proved=proof.ok,
-                note=entry.note,
-                evidence=proof.evidence,
-                contradicted_by=entry.contradicted_by,
-            )
-        )
+        same = ("tag", "what", "verdict", "note", "contradicted_by")
+        told = {name: getattr(entry, name) for name in same}
+        rows.append(Row(proved=proof.ok, evidence=proof.evidence, **told))
     return rows
 
 

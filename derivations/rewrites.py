@@ -114,7 +114,7 @@ def name_responses() -> Rule:
 
 
 def recast(name: str, why: str, **assignments: sp.Expr) -> Rule:
-    """Replace the body by one chosen for its rounding; locals come before what uses them."""
+    """Replace the body by one that rounds better; locals come before what uses them."""
 
     def replace(body: Body) -> Body:
         known = {symbol.name: symbol for symbol in body}
@@ -125,11 +125,11 @@ def recast(name: str, why: str, **assignments: sp.Expr) -> Rule:
     return Rule(name, why, replace)
 
 
-def nested() -> Rule:
+def collect_friction() -> Rule:
     """Collect the friction: mu (k^2 + Z^2) instead of two products."""
     return Rule(
         "collect friction",
-        "one product less, and mu multiplies a sum of squares",
+        r"one product less, and $\mu$ multiplies a sum of squares",
         lambda body: {symbol: sp.collect(expr, mu) for symbol, expr in body.items()},
     )
 

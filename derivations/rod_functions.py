@@ -1,4 +1,4 @@
-"""Rods, regime boundaries and drift as they are generated: outputs and rewriting rules."""
+"""Generated functions of rods, regime boundaries and drift: outputs and rewriting rules."""
 
 import sympy as sp
 
@@ -37,15 +37,16 @@ FUNCTIONS: tuple[Function, ...] = (
     Function(
         name="critical_friction",
         summary="Friction below which a stopped contact slips back, Eqs. (16), (20).",
-        detail="For XZ >= 0; the sign of XZ is the side to which it slips.",
+        detail=r"For $XZ \ge 0$; the sign of $XZ$ is the side to which it slips.",
         arguments=(X, Z, k),
         outputs={mu: thin_rod.critical_friction()},
         rules=(recast("positive denominator", "no sign to lose", mu=X * Z / (k**2 + Z**2)),),
     ),
     Function(
         name="critical_tangents",
-        summary="Critical tilts of a thin rod: tan(lower) = a/b and tan(upper) = b/c; Eq. (23).",
-        detail="root = sqrt((3 - 4 mu)(3 + 4 mu)), mu <= 3/4.",
+        summary=r"Critical tilts of a thin rod: $\tan(lower) = a/b$ and $\tan(upper) = b/c$; Eq. "
+        "(23).",
+        detail=r"$root = \sqrt{(3 - 4 \mu)(3 + 4 \mu)}$, $\mu \le 3/4$.",
         arguments=(mu, _root),
         outputs={
             _name("lower"): thin_rod.critical_tangents()[0].subs(sp.sqrt(9 - 16 * mu**2), _root),
@@ -54,7 +55,7 @@ FUNCTIONS: tuple[Function, ...] = (
         rules=(
             recast(
                 "conjugate root",
-                "3 - root cancels for small mu; the product of both roots is 4",
+                r"$3 - root$ cancels for small $\mu$; the product of both roots is 4",
                 a=8 * mu,
                 b=3 + _root,
                 c=2 * mu,
@@ -68,8 +69,8 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="slide_friction",
-        summary="Numerator and denominator of the friction at which u_* = 0, Eq. (14).",
-        detail="g = (1 + epsilon)(-c_z/c_x), omega = 0, c_x > 0.",
+        summary="Numerator and denominator of the friction at which $u_* = 0$, Eq. (14).",
+        detail=r"$g = (1 + \epsilon)(-c_z/c_x)$, $\omega = 0$, $c_x > 0$.",
         arguments=(X, Z, k, _g),
         outputs={
             _name("quotient"): thin_rod.slide_friction().subs(thin_rod.ratio, _g / (1 + epsilon))
@@ -89,8 +90,9 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="drift_grips",
-        summary="What friction adds to z in the drift: while sticking, and in slip reversal.",
-        detail="Lengths in units of k: x = |X|/k, z = |Z|/k. The smaller one is the right one.",
+        summary="What friction adds to $z$ in the drift: while sticking, and in slip reversal.",
+        detail="Lengths in units of $k$: $x = |X|/k$, $z = |Z|/k$. The smaller one is the right "
+        "one.",
         arguments=(_x, _z, mu),
         outputs={
             _name("stick"): _grip_of("stick"),
@@ -99,7 +101,7 @@ FUNCTIONS: tuple[Function, ...] = (
         rules=(
             recast(
                 "no square",
-                "z^2 cannot overflow",
+                "$z^2$ cannot overflow",
                 stick=_z,
                 slant=_z / _x,
                 back=mu / _x + mu * _name("slant") * _z,
@@ -108,8 +110,8 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="drift",
-        summary="Stationary (c_x, c_z')/V_z, Eqs. (24)-(30), with the grip of `drift_grips`.",
-        detail="Lengths in units of k; signs of XZ and V_z are put on afterwards.",
+        summary="Stationary $(c_x, c_z')/V_z$, Eqs. (24)-(30), with the grip of `drift_grips`.",
+        detail="Lengths in units of $k$; signs of $XZ$ and $V_z$ are put on afterwards.",
         arguments=(_x, _z, epsilon, _grip),
         outputs={
             _name("along"): _thin(drift.stationary("back")[0] / V_z).subs(
@@ -119,8 +121,8 @@ FUNCTIONS: tuple[Function, ...] = (
         },
         rules=(
             recast(
-                "divide by x",
-                "x^2 cannot underflow; tilt 0 and full restitution give a signed infinity",
+                "divide by $x$",
+                "$x^2$ cannot underflow; tilt 0 and full restitution give a signed infinity",
                 lost=1 - epsilon,
                 along=(1 + epsilon) * (_z + _grip) / (_name("lost") / _x + 2 * _x),
                 up=(1 + epsilon) / (_name("lost") + 2 * _x**2),
@@ -129,14 +131,15 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="energy_threshold_stick",
-        summary="(1-epsilon)/(1+epsilon) below which Newton's law can create energy, slip-stick.",
-        detail="Mobilities A, B, C; root_ac = sqrt(A C), root_d = sqrt(A C - B^2).",
+        summary=r"$(1-\epsilon)/(1+\epsilon)$ below which Newton's law can create energy, "
+        "slip-stick.",
+        detail=r"Mobilities $A$, $B$, $C$; $root_{ac} = \sqrt{A C}$, $root_d = \sqrt{A C - B^2}$.",
         arguments=(laws.B, _root_ac, _root_d),
         outputs={_name("kappa"): laws.energy_threshold("stick")},
         rules=(
             recast(
                 "difference of roots",
-                "(a - b)^2 = B^4/(a + b)^2",
+                "$(a - b)^2 = B^4/(a + b)^2$",
                 roots=_root_ac + _root_d,
                 kappa=laws.B**2 / _name("roots") ** 2,
             ),
@@ -148,14 +151,15 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="energy_threshold_back",
-        summary="(1-epsilon)/(1+epsilon) below which Newton's law can create energy, reversal.",
-        detail="Mobilities A, B, C; root_a = sqrt(A), root_b = sqrt(A - mu^2 C).",
+        summary=r"$(1-\epsilon)/(1+\epsilon)$ below which Newton's law can create energy, "
+        "reversal.",
+        detail=r"Mobilities $A$, $B$, $C$; $root_a = \sqrt{A}$, $root_b = \sqrt{A - \mu^2 C}$.",
         arguments=(laws.B, laws.C, mu, _root_a, _root_b),
         outputs={_name("kappa"): laws.energy_threshold("back")},
         rules=(
             recast(
                 "difference of roots",
-                "(a - b)^2 = (mu^2 C/(a + b))^2; no power that overflows",
+                r"$(a - b)^2 = (\mu^2 C/(a + b))^2$; no power that overflows",
                 q=mu * laws.C / (_root_a + _root_b),
                 kappa=mu * _name("q") ** 2 / laws.B,
             ),
@@ -164,8 +168,9 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="round_rod",
-        summary="(X, Z) and k^2/l^2 of a solid spherocylinder.",
-        detail="l overall length, d diameter, s = d/l <= 1, of a tilt given by sin and cos.",
+        summary="$(X, Z)$ and $k^2/l^2$ of a solid spherocylinder.",
+        detail=r"$l$ overall length, $d$ diameter, $s = d/l \le 1$, of a tilt given by sin and "
+        "cos.",
         arguments=(length, diameter, _s, _sin, _cos),
         outputs={
             X: _of_tilt(bodies.round_contact()[0]),
@@ -177,7 +182,7 @@ FUNCTIONS: tuple[Function, ...] = (
         rules=(
             recast(
                 "sums of positive terms",
-                "h = (l - d)/l instead of powers of d with both signs",
+                "$h = (l - d)/l$ instead of powers of $d$ with both signs",
                 axis=length - diameter,
                 X=_name("axis") / 2 * _sin,
                 Z=_name("axis") / 2 * _cos + diameter / 2,
@@ -189,8 +194,8 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function(
         name="flat_rod",
-        summary="(X, Z) and k^2/l^2 of a solid flat-ended cylinder on its lower edge.",
-        detail="l length, d diameter, s = d/l, of a tilt >= 0 given by sin and cos.",
+        summary="$(X, Z)$ and $k^2/l^2$ of a solid flat-ended cylinder on its lower edge.",
+        detail=r"$l$ length, $d$ diameter, $s = d/l$, of a tilt $\ge 0$ given by sin and cos.",
         arguments=(length, diameter, _s, _sin, _cos),
         outputs={
             X: _of_tilt(bodies.flat_contact()[0]),

@@ -59,7 +59,6 @@ EQUATIONS = (
         symbol="u_*",
         printed=u_0 - (X * Z + mu * (k**2 + Z**2)) / (m * k**2) * P_z,
         derive=slip_velocity,
-        verdict="agrees",
     ),
     Equation(
         tag="8",
@@ -67,7 +66,6 @@ EQUATIONS = (
         symbol="P_z(t_f)",
         printed=_printed_8,
         derive=lambda: impulse()[1],
-        verdict="agrees",
     ),
     Equation(
         tag="9",
@@ -75,7 +73,6 @@ EQUATIONS = (
         symbol="P_x(t_f)",
         printed=_printed_9,
         derive=lambda: impulse()[0],
-        verdict="agrees",
     ),
     Equation(
         tag="10",
@@ -83,7 +80,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=c_x + P_x / m,
         derive=lambda: cm_velocity(P_x, P_z)[0],
-        verdict="agrees",
     ),
     Equation(
         tag="11",
@@ -91,7 +87,6 @@ EQUATIONS = (
         symbol="c_z'",
         printed=c_z + P_z / m,
         derive=lambda: cm_velocity(P_x, P_z)[1],
-        verdict="agrees",
     ),
     Equation(
         tag="12",
@@ -102,7 +97,7 @@ EQUATIONS = (
         verdict="erratum",
         contradicted_by="(9) with (10)",
         contradiction=lambda: (c_x + _printed_9 / m).subs(approach()),
-        note="the denominator belongs to (15); it must be k^2 + X^2 + mu X Z",
+        note=r"the denominator belongs to (15); it must be $k^2 + X^2 + \mu X Z$",
     ),
     Equation(
         tag="13",
@@ -114,16 +109,15 @@ EQUATIONS = (
         contradicted_by="(8) with (11)",
         contradiction=lambda: (c_z + _printed_8 / m).subs(approach()),
         at={omega_x: sp.Rational(1, 10)},
-        note="the denominator must be k^2 + X^2 + mu X Z, and omega_x must be omega X "
-        "(a spin cannot be added to a velocity)",
+        note=r"the denominator must be $k^2 + X^2 + \mu X Z$, and $\omega_x$ must be $\omega X$ (a "
+        "spin cannot be added to a velocity)",
     ),
     Equation(
         tag="14",
         what="condition of continuous slide",
-        symbol="u_* > 0",
+        symbol="0 < u_*",
         printed=u_0 + (X * Z + mu * (k**2 + Z**2)) / _slope * v_0 * (1 + epsilon),
         derive=slide_excess,
-        verdict="agrees",
     ),
     Equation(
         tag="15",
@@ -131,6 +125,5 @@ EQUATIONS = (
         symbol="v_1",
         printed=v_0 + _slope / _stop * u_0,
         derive=lambda: stop()[2],
-        verdict="agrees",
     ),
 )

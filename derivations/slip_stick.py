@@ -69,8 +69,7 @@ EQUATIONS = (
         symbol="\\mu(k^2+Z^2) - XZ > 0",
         printed=sp.Gt(mu * (k**2 + Z**2), X * Z),
         derive=lambda: sp.Gt(stick_margin(), 0),
-        verdict="agrees",
-        note="for u_0 > 0; for either sign of the slip XZ becomes |XZ|",
+        note="for $u_0 > 0$; for either sign of the slip $XZ$ becomes $|XZ|$",
     ),
     Equation(
         tag="17",
@@ -78,7 +77,6 @@ EQUATIONS = (
         symbol="F_x",
         printed=X * Z / (k**2 + Z**2) * F_z,
         derive=sticking_force,
-        verdict="agrees",
     ),
     Equation(
         tag="B1",
@@ -86,7 +84,6 @@ EQUATIONS = (
         symbol="P_z(t_1)",
         printed=u_0 * m * k**2 / _stop,
         derive=lambda: stop()[1],
-        verdict="agrees",
     ),
     Equation(
         tag="B2",
@@ -94,7 +91,6 @@ EQUATIONS = (
         symbol="P_x(t_1)",
         printed=-u_0 * m * mu * k**2 / _stop,
         derive=lambda: stop()[0],
-        verdict="agrees",
     ),
     Equation(
         tag="B3",
@@ -106,7 +102,7 @@ EQUATIONS = (
         at={m: sp.Integer(2), v_1: sp.Integer(0), P_1: sp.Integer(0), P_z: sp.Integer(1)},
         contradicted_by="second line of (B3)",
         contradiction=lambda: v_1 + _printed_b3 - _printed_b3.subs(P_z, P_1),
-        note="the integral of F_z lacks the factor 1/m (and its dt) that the second line has",
+        note="the integral of $F_z$ lacks the factor $1/m$ (and its $dt$) that the second line has",
     ),
     Equation(
         tag="B3: second line",
@@ -114,7 +110,6 @@ EQUATIONS = (
         symbol="v_f",
         printed=_printed_b3,
         derive=lambda: stop()[2] + sticking_velocity(P_z - P_1),
-        verdict="agrees",
     ),
     Equation(
         tag="B4",
@@ -122,7 +117,6 @@ EQUATIONS = (
         symbol="P_z(t_f)",
         printed=u_0 * m * k**2 / _stop - _bracket * m * (k**2 + Z**2) / _all,
         derive=lambda: impulse()[1],
-        verdict="agrees",
     ),
     Equation(
         tag="B5",
@@ -130,7 +124,6 @@ EQUATIONS = (
         symbol="P_x(t_f)",
         printed=-u_0 * m * mu * k**2 / _stop - _bracket * m * X * Z / _all,
         derive=lambda: impulse()[0],
-        verdict="agrees",
     ),
     Equation(
         tag="18",
@@ -138,7 +131,6 @@ EQUATIONS = (
         symbol="c_x'",
         printed=(_u * Z**2 - _v * (1 + epsilon) * X * Z) / _all + omega * Z,
         derive=lambda: cm_velocity(*impulse())[0],
-        verdict="agrees",
     ),
     Equation(
         tag="19",
@@ -146,15 +138,13 @@ EQUATIONS = (
         symbol="c_z'",
         printed=(_v * (X**2 - (k**2 + Z**2) * epsilon) - _u * X * Z) / _all + V_z - omega * X,
         derive=lambda: cm_velocity(*impulse())[1],
-        verdict="agrees",
     ),
     Equation(
         tag="IV: stick without mu",
-        what="d/dmu of the velocities (18), (19) after slip-stick",
+        what=r"$d/d\mu$ of the velocities (18), (19) after slip-stick",
         symbol="\\partial(c_x', c_z')/\\partial\\mu",
         printed=sp.Matrix([0, 0]),
-        derive=lambda: sp.Matrix([sp.cancel(c.diff(mu)) for c in cm_velocity(*impulse())]),
-        verdict="agrees",
+        derive=lambda: sp.Matrix([sp.cancel(c).diff(mu) for c in cm_velocity(*impulse())]),
         note='"the post-collisional velocities are independent of the friction coefficient"',
     ),
 )

@@ -1,4 +1,4 @@
-"""The paper's letters, each with what is known of its sign.
+"""The paper's letters, with the sign of each where it is known.
 
 Lengths and speeds stay general reals, so that whatever is proved holds for both signs; only what
 is positive by its meaning (mass, gyration radius, length, time scales) is declared positive.

@@ -9,7 +9,7 @@ from .newton import approach
 from .proof import Equation
 from .slide import slide_excess
 from .slip_stick import stick_margin
-from .symbols import V_z, X, c_x, c_z, epsilon, k, mu, omega, phi, u_0, v_0
+from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, phi, u_0, v_0
 
 ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 and V_z = 0
 
@@ -77,7 +77,7 @@ def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
 
 
 def _rationalised(expr: sp.Expr) -> sp.Expr:
-    """Without its root: mu = 3 w/(2 (1 + w^2)) turns sqrt(9 - 16 mu^2) into a fraction in w."""
+    """Replace sqrt(9 - 16 mu^2) by a fraction in w, with mu = 3 w/(2 (1 + w^2))."""
     w = sp.Symbol("w", positive=True)
     root = sp.sqrt(9 - 16 * mu**2)
     return expr.subs(root, 3 * (1 - w**2) / (1 + w**2)).subs(mu, 3 * w / (2 * (1 + w**2)))
@@ -104,12 +104,12 @@ EQUATIONS = (
         symbol="\\mu_c",
         printed=_mu_c,
         derive=lambda: sp.factor(thin_slide_friction().subs(phi, 0)),
-        verdict="agrees",
         note="the limit of tilt 0",
     ),
     Equation(
         tag="IV: slide only below mu_c",
-        what='"sliding can only be observed for small mu < mu_c": largest friction over all tilts',
+        what=r'"sliding can only be observed for small $\mu < \mu_c$": largest friction over all '
+        "tilts",
         symbol="\\max_\\phi \\mu_{slide}",
         printed=_mu_c,
         derive=lambda: sp.factor(thin_slide_friction().subs(phi, sp.pi / 2)),
@@ -121,7 +121,7 @@ EQUATIONS = (
             .subs({phi: sp.pi / 2, u_0: c_x, v_0: c_z}),
             mu,
         )[0],
-        note="near 90 degrees the rod slides up to 16 mu_c",
+        note=r"near 90 degrees the rod slides up to $16 \mu_c$",
     ),
     Equation(
         tag="IV: condition for phi_c",
@@ -129,7 +129,6 @@ EQUATIONS = (
         symbol="3\\sin\\phi\\cos\\phi - \\mu(1+3\\cos^2\\phi)",
         printed=_reversal,
         derive=lambda: sp.Lt(stick_margin().subs(THIN), 0),
-        verdict="agrees",
     ),
     Equation(
         tag="23",
@@ -137,12 +136,11 @@ EQUATIONS = (
         symbol="\\phi_c",
         printed=_printed_23,
         derive=critical_tilt,
-        verdict="agrees",
         note="one of two roots: beyond the larger one the contact sticks again",
     ),
     Equation(
         tag="23: both roots",
-        what="tan(phi) at the lower and the upper critical tilt",
+        what=r"$\tan(\phi)$ at the lower and the upper critical tilt",
         symbol="\\tan\\phi_c",
         derive=lambda: sp.Matrix(critical_tangents()),
         check=_root_checks,
@@ -151,15 +149,14 @@ EQUATIONS = (
     ),
     Equation(
         tag="23: small friction",
-        what="phi_c to O(mu^3)",
+        what=r"$\phi_c$ to $O(\mu^3)$",
         symbol="\\phi_c",
         printed=sp.Rational(4, 3) * mu,
         derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 3).removeO(),
-        verdict="agrees",
     ),
     Equation(
         tag="23: next order",
-        what="phi_c to O(mu^5)",
+        what=r"$\phi_c$ to $O(\mu^5)$",
         symbol="\\phi_c",
         derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 5).removeO(),
         check=lambda: (
@@ -175,30 +172,31 @@ EQUATIONS = (
     ),
     Equation(
         tag="IV: phi_c at mu = 3/5",
-        what='"becomes pi/2 at mu = 3/5"',
+        what=r'"becomes $\pi/2$ at $\mu = 3/5$"',
         symbol="\\phi_c(3/5)",
         printed=sp.pi / 2,
         derive=lambda: critical_tilt().subs(mu, sp.Rational(3, 5)),
         verdict="erratum",
         contradicted_by="(23)",
         contradiction=lambda: _printed_23.subs(mu, sp.Rational(3, 5)),
-        note="it is 2 phi_c that becomes pi/2 there; phi_c is 45 degrees",
+        note=r"it is $2 \phi_c$ that becomes $\pi/2$ there; $\phi_c$ is 45 degrees",
     ),
     Equation(
         tag="IV: no reversal above 3/5",
-        what='"at larger mu, the slip-reversal scenario does not occur at any tilt angle"',
+        what=r'"at larger $\mu$, the slip-reversal scenario does not occur at any tilt angle"',
         symbol="\\max_\\phi \\mu_{reversal}",
         printed=sp.Rational(3, 5),
         derive=lambda: largest_reversal_friction()[0],
         verdict="erratum",
-        contradicted_by="condition for phi_c at tan(phi) = 2",
+        contradicted_by=r"condition for $\phi_c$ at $\tan(\phi) = 2$",
         contradiction=lambda: sp.solve(
             (_reversal.gts - _reversal.lts)
             .subs({sp.sin(phi): 2 * sp.cos(phi)})
             .subs(sp.cos(phi), 1 / sp.sqrt(5)),
             mu,
         )[0],
-        note="reversal ends at mu = 3/4, where both critical tilts meet at arctan 2 = 63.4 degrees",
+        note=r"reversal ends at $\mu = 3/4$, where both critical tilts meet at $\arctan 2$ = 63.4 "
+        "degrees",
     ),
     Equation(
         tag="IV: reversal at larger angles",
@@ -208,15 +206,17 @@ EQUATIONS = (
         derive=lambda: sp.atan(critical_tangents()[1]),
         at={mu: sp.Rational(3, 10)},
         verdict="erratum",
-        contradicted_by="condition for phi_c at 90 degrees, where it fails for every mu > 0,",
-        note="beyond the second root of the same condition the contact sticks again "
-        "(84.04 degrees at mu = 0.3, the friction of Fig. 11); Section V repeats it as phi > phi_c",
+        contradicted_by=r"condition for $\phi_c$ at 90 degrees, where it fails for every $\mu > 0$",
+        note="beyond the second root of the same condition the contact sticks again (84.04 degrees "
+        r"at $\mu = 0.3$, the friction of Fig. 11); Section V repeats it as $\phi > \phi_c$",
     ),
     Equation(
         tag="IV: slide boundary",
-        what="u_* = 0 solved for the friction, any geometry, r = -v_0/u_0",
+        what="$u_* = 0$ solved for the friction, any geometry, $r = -v_0/u_0$",
         symbol="\\mu_{slide}",
         derive=slide_friction,
+        shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
+        / ((1 + epsilon) * ratio * (k**2 + Z**2) - X * Z),
         check=lambda: (slide_excess().subs(mu, slide_friction()).subs({u_0: 1, v_0: -ratio}),),
         verdict="new",
     ),

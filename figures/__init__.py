@@ -96,7 +96,7 @@ FIGURES = {
         "cost", "Error of a soft impact against its price: integration, model"
     ),
     "accuracy_cost_drift": Entry(
-        "cost", "Error of the row's drift against time; the dial", quick=False
+        "cost", "Error of the row's drift against time; runs to a tolerance", quick=False
     ),
     "accuracy_cost_ladder": Entry(
         "cost", "One question, every way to answer it: deviation against time", quick=False

@@ -285,10 +285,9 @@ def _explore(arguments: argparse.Namespace) -> int:
 
 
 def _readme(_: argparse.Namespace) -> int:
-    from derivations.readme import TARGET
-
     from .pages import readme
 
+    TARGET = readme.TARGET
     if not TARGET.is_file():
         raise CommandError(f"it needs a source checkout; {TARGET.parent} has no {TARGET.name}")
     try:

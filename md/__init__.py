@@ -42,11 +42,11 @@ sources                             what decides whether a stored run is stale
 cache, interrupt, __main__          compiled kernels kept, signals, the command line
 """
 
-from .accuracy import Accuracy, Tuned, run
+from .accuracy import run
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
-from .simulation import Result
+from .simulation import Accuracy, Result
 from .soft_impact import INTEGRATORS, Impact, Rod, RunError, impact
 
 __all__ = [
@@ -68,7 +68,6 @@ __all__ = [
     "Scene",
     "Start",
     "Step",
-    "Tuned",
     "Vibration",
     "appendix_a",
     "constant_restitution",

@@ -169,7 +169,7 @@ def _impact(arguments: argparse.Namespace) -> int:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from .accuracy import Tuned, run
+    from .accuracy import run
     from .files import NotWritten, distinct
     from .scene import load
 
@@ -178,12 +178,12 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.frames is not None and arguments.trajectory is None:
         raise ValueError("frames has no meaning without trajectory")
     frames = 1 if arguments.frames is None else arguments.frames
-    dial = {name: getattr(arguments, name) for name in ("confidence", "floor", "max_seconds")}
-    dial = {name: value for name, value in dial.items() if value is not None}
+    chosen = {name: getattr(arguments, name) for name in ("confidence", "floor", "max_seconds")}
+    chosen = {name: value for name, value in chosen.items() if value is not None}
     if arguments.tolerance is None:
-        if dial:
-            raise ValueError(f"{next(iter(dial))} has no meaning without tolerance")
-        dial["periods"] = 200 if arguments.periods is None else arguments.periods
+        if chosen:
+            raise ValueError(f"{next(iter(chosen))} has no meaning without tolerance")
+        chosen["periods"] = 200 if arguments.periods is None else arguments.periods
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotWritten)  # said after the result
         result = run(
@@ -192,7 +192,7 @@ def _run(arguments: argparse.Namespace) -> int:
             frames=frames,
             progress=not arguments.json,
             **written,
-            **dial,
+            **chosen,
         )
     if arguments.json:
         print(json.dumps(result.as_dict() | _in_cm(result)))
@@ -203,7 +203,7 @@ def _run(arguments: argparse.Namespace) -> int:
         raise OSError("; ".join(result.unwritten))
     if not result.finished:
         return 130
-    return _ENDS[result.accuracy.state] if isinstance(result, Tuned) else 0
+    return _ENDS[result.accuracy.state] if result.accuracy else 0
 
 
 def _in_cm(result: "Result") -> dict[str, Any]:
@@ -241,7 +241,7 @@ def _print_scene(scene: "Scene") -> None:
 
 def _print_result(r: "Result") -> None:
     """What a run measured, for people."""
-    from .accuracy import Tuned, in_words
+    from .accuracy import in_words
     from .statistics import FEWEST, transient
 
     unit, n = r.scene.cm_per_s, r.scene.rods.count
@@ -284,8 +284,8 @@ def _print_result(r: "Result") -> None:
     print(f" {r.steps_per_period} steps each) in {r.run_seconds:.3g} s,", end="")
     print(f" {r.run_seconds / max(r.rod_steps, 1) * 1e9:.3g} ns each; compiled in", end="")
     print(f" {r.compile_seconds:.2g} s")
-    if isinstance(r, Tuned):
-        print("\n".join(in_words(r)))
+    for line in in_words(r):
+        print(line)
 
 
 def _with_error(value: float, error: float) -> str:

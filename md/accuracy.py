@@ -1,4 +1,4 @@
-"""One dial for accuracy: the step and the length of a run follow from the error of the drift.
+"""Runs to a tolerance: step and length follow from the error that the drift may have.
 
 The error has two parts. The statistical one is estimated as the run goes on, which ends as soon as
 it is small enough. The bias of the step comes from a calibration (`calibration.py`): for scenes
@@ -11,7 +11,7 @@ the run cheapest where the number of periods goes as 1/(r - bias)^2 and their pr
 """
 
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from math import inf, isfinite, nan
 from pathlib import Path
@@ -24,7 +24,8 @@ from scipy.stats import t as student
 from . import simulation as runner
 from .laws import contact_time, number
 from .scene import Scene, Step
-from .simulation import Result, finite
+from .simulation import Accuracy, Result
+from .sources import digest
 from .statistics import transient
 
 CALIBRATION = Path(__file__).with_name("calibration.json")
@@ -41,52 +42,9 @@ _VERDICTS = {
 _PARTS = 8, 16, 32  # of the run: the widest of three intervals counts
 
 
-@dataclass(frozen=True)
-class Accuracy:
-    """How far a drift may be off, and what it cost; velocities in sqrt(g d), absolute.
-
-    tolerance : asked for, of |c_x| or of the floor, whichever is larger
-    confidence : of the interval
-    floor : drifts below it are judged as if they were this fast
-    error : bound of the bias and half of the interval, together; nan where the bias is unknown
-    statistical : half of the interval that holds the long-run mean with this confidence
-    bias : bound of what the step does; nan where the scene is outside of the calibration
-    per_contact : steps a contact
-    outside : what lies outside of the calibration, in words
-    state : "reached" if error <= tolerance max(|c_x|, floor); "bias unknown" if the statistical
-        error alone is that small and the scene is outside of the calibration; else "not reached"
-    seconds : of the run, without compiling
-    needed_seconds, next_digit_seconds : estimated for this tolerance, and for a tenth of it
-    """
-
-    tolerance: float
-    confidence: float
-    floor: float
-    error: float
-    statistical: float
-    bias: float
-    per_contact: float
-    outside: tuple[str, ...]
-    state: str
-    seconds: float
-    needed_seconds: float
-    next_digit_seconds: float
-
-
-@dataclass(frozen=True)
-class Tuned(Result):
-    """A result, and how accurate its drift is."""
-
-    accuracy: Accuracy  # of c_x
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON, as that of a result."""
-        return {**super().as_dict(), "accuracy": finite(asdict(self.accuracy))}
-
-
 @cache
 def calibrated() -> dict[str, Any]:
-    """What was measured: order, scale, ranges of what was varied, laws, provenance."""
+    """Calibration in use: order, scale, ranges of what was varied, laws, `code` of its sources."""
     return json.loads(CALIBRATION.read_text(encoding="utf-8"))
 
 
@@ -129,6 +87,14 @@ def outside(scene: Scene) -> tuple[str, ...]:
             if not low * (1 - 1e-9) <= one <= high * (1 + 1e-9):
                 found.append(f"{name} {one:.4g} is outside of {low:.4g} to {high:.4g}")
     return tuple(dict.fromkeys(found))
+
+
+def unknown_bias(scene: Scene) -> tuple[str, ...]:
+    """Reasons why the bias of the step is unknown, in words; none where the calibration holds."""
+    made_with = calibrated()["code"]
+    if made_with == digest():
+        return outside(scene)
+    return *outside(scene), f"calibrated for other sources ({made_with}, these are {digest()})"
 
 
 def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:
@@ -246,7 +212,7 @@ def run(
 
     Returns
     -------
-    Result; with a tolerance a `Tuned` one, that has an `accuracy`
+    Result; its `accuracy` is None without a tolerance
 
     Raises
     ------
@@ -268,7 +234,7 @@ def run(
     chase = _Chase(tolerance, confidence, floor, known, max_seconds)
     result = runner.run(tuned, **{**options, "periods": _MOST}, goal=chase)
     chase(result.c_x_series)  # where Ctrl-C ended it
-    return Tuned(**vars(result), accuracy=_accuracy(chase, scene, result, bias))
+    return replace(result, accuracy=_accuracy(chase, scene, result, bias))
 
 
 def checked(
@@ -289,7 +255,8 @@ def _accuracy(chase: _Chase, scene: Scene, result: Result, bias: float) -> Accur
     room = chase.tolerance / 10 - (rest if isfinite(bias) else 0.0)
     dearer = result.dt / (finer.step.size or result.dt)  # outside of the calibration, no dearer
     length = (chase.half / (room * chase.size)) ** 2
-    beyond = outside(scene)
+    reasons = unknown_bias(scene)
+    bias = nan if reasons else bias
     return Accuracy(
         tolerance=chase.tolerance,
         confidence=chase.confidence,
@@ -298,17 +265,19 @@ def _accuracy(chase: _Chase, scene: Scene, result: Result, bias: float) -> Accur
         statistical=chase.half,
         bias=bias * chase.size,
         per_contact=steps_per_contact(scene, result.dt),
-        outside=beyond,
-        state="not reached" if not chase.reached else "bias unknown" if beyond else "reached",
+        outside=reasons,
+        state="not reached" if not chase.reached else "bias unknown" if reasons else "reached",
         seconds=result.run_seconds,
         needed_seconds=chase.needed,
         next_digit_seconds=result.run_seconds * length * dearer,
     )
 
 
-def in_words(result: Tuned) -> list[str]:
-    """What was chosen and why, what it cost, what the next digit would."""
+def in_words(result: Result) -> list[str]:
+    """Lines on step and error of a run with a tolerance, and on the price of the next digit."""
     a, unit = result.accuracy, result.scene.cm_per_s
+    if a is None:
+        return []
     size = max(abs(result.c_x), a.floor)
     of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
     error = a.statistical if a.outside else a.error

@@ -41,7 +41,7 @@ def space_of(scene: Scene, per: int) -> Space:
     rod, plate = Rod(scene.rods.length, scene.rods.inertia), scene.contacts.plate
     lightness, pair = 1 / rod.gyration_squared, scene.contacts.rods
     spin = None
-    if scene.rods.spin:
+    if scene.rods.rolling:
         spin = rod.gyration_squared / axial_gyration_squared(scene.rods.length) - 1
     wall = scene.contacts.wall
     walls = [

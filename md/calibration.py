@@ -1,4 +1,9 @@
-"""What the step does to the drift: measured, fitted, and kept in `calibration.json`."""
+"""Bias of the drift by the step: measured, fitted, and kept in `calibration.json`.
+
+Its `code` says for which sources it was measured. After an edit that keeps the bits of all runs,
+set it by hand to what `md.sources.digest()` gives; after any other edit, measure again
+(`python -m md calibrate`).
+"""
 
 import json
 from collections.abc import Mapping

@@ -20,6 +20,7 @@ from .laws import LAWS, Law, number
 from .units import GRAVITY_CM, SCALES, TWINS, cm_per_s, reduced, rivals, twins
 
 SCENES = Path(__file__).parent / "scenes"
+_FORMER = {"rods.spin": "rods.rolling"}  # keys of earlier versions, and their names today
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:
@@ -57,12 +58,12 @@ class Rods:
     length: float = 9.5  # overall, caps included
     inertia: str = "solid"  # of the uniform body, or "thin", the paper's length^2/12
     diameter_cm: float = 0.6  # the unit of length
-    spin: bool = False  # about their own axes, in the annulus
+    rolling: bool = False  # about their own axes, in the annulus
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "count", whole("rods.count", self.count, 1, 10**6))
-        if not isinstance(self.spin, bool):
-            raise TypeError(f"rods.spin must be true or false, got {self.spin!r}")
+        if not isinstance(self.rolling, bool):
+            raise TypeError(f"rods.rolling must be true or false, got {self.rolling!r}")
         if self.inertia not in ("solid", "thin"):
             raise ValueError(f"rods.inertia must be solid or thin, got {self.inertia!r}")
         _hold(
@@ -184,7 +185,7 @@ class Step:
     size : in sqrt(d/g); None: a fiftieth of a contact at twice the plate's peak velocity
     coarse : allow steps too long for the tangential springs, whose force then chatters within
         mu F_n, up to the limit of the normal force; what it does to the drift is measured
-        (`md.dial`)
+        (`md.calibration`)
     """
 
     size: float | None = None
@@ -230,7 +231,7 @@ class Scene:
                 f"contacts.rods.law must have a tangential spring, got {between.law.name!r}: "
                 "friction as a constraint is for the plate"
             )
-        if self.annulus is not None or self.contacts.wall is not None or self.rods.spin:
+        if self.annulus is not None or self.contacts.wall is not None or self.rods.rolling:
             self._in_space()
         elif self.start.tilt_deg is None and self.box is None:
             raise ValueError("start.tilt_deg is missing: without a box it has no default")
@@ -239,7 +240,7 @@ class Scene:
     def _in_space(self) -> None:
         """Refuse what is not for the annulus."""
         if self.annulus is None:
-            raise ValueError("annulus is missing: the scene has a contact with walls, or spin")
+            raise ValueError("annulus is missing: the scene names contacts.wall or rods.rolling")
         if self.contacts.wall is None:
             raise ValueError("contacts.wall is missing: the scene names annulus, and needs both")
         if self.box is not None:
@@ -351,6 +352,8 @@ def _contact(name: str, table: Mapping) -> Contact:
 
 
 def _unknown(key: str, known: Iterable[str]) -> str:
+    if key in _FORMER:
+        return f"{key} is a key of an earlier version: write {_FORMER[key]} in its place"
     return f"{key} is not a key of a scene; known there: {', '.join(known)}"
 
 

@@ -6,7 +6,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -26,6 +26,38 @@ from .statistics import transient
 from .trajectory import Trajectory, check_continues, is_trajectory
 
 _SAVED = 60.0  # seconds from one checkpoint to the next
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Error of a drift, and what it cost; velocities in sqrt(g d), absolute.
+
+    tolerance : asked for, of |c_x| or of the floor, whichever is larger
+    confidence : of the interval
+    floor : drifts below it are judged as if they were this fast
+    error : bound of the bias and half of the interval, together; nan where the bias is unknown
+    statistical : half of the interval that holds the long-run mean with this confidence
+    bias : bound of what the step does; nan where it is unknown
+    per_contact : steps a contact
+    outside : why the calibration does not hold for the run, in words; empty where it does
+    state : "reached" if error <= tolerance max(|c_x|, floor); "bias unknown" if the statistical
+        error alone is that small and the bias of the step is unknown; else "not reached"
+    seconds : of the run, without compiling
+    needed_seconds, next_digit_seconds : estimated for this tolerance, and for a tenth of it
+    """
+
+    tolerance: float
+    confidence: float
+    floor: float
+    error: float
+    statistical: float
+    bias: float
+    per_contact: float
+    outside: tuple[str, ...]
+    state: str
+    seconds: float
+    needed_seconds: float
+    next_digit_seconds: float
 
 
 @dataclass(frozen=True)
@@ -52,6 +84,7 @@ class Result:
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
     finished : whether nobody ended the run before its time
     unwritten : files asked for that are not whole, and why; empty if all is written
+    accuracy : of c_x; None without a tolerance
     """
 
     scene: Scene
@@ -75,6 +108,7 @@ class Result:
     rods: np.ndarray
     finished: bool
     unwritten: tuple[str, ...]
+    accuracy: Accuracy | None = None
 
     @property
     def rod_steps(self) -> int:
@@ -84,7 +118,7 @@ class Result:
     def as_dict(self) -> dict[str, Any]:
         """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""
         contact = self.scene.contacts.plate or self.scene.contacts.rods
-        skip = ("scene", "phases", "c_x_series", "tilt_series", "rods")
+        skip = ("scene", "phases", "c_x_series", "tilt_series", "rods", "accuracy")
         plain = {key: value for key, value in vars(self).items() if key not in skip}
         return finite(
             {
@@ -100,6 +134,7 @@ class Result:
                     "numpy": np.__version__,
                     "numba": numba.__version__,
                 },
+                **({"accuracy": asdict(self.accuracy)} if self.accuracy else {}),
             }
         )
 
@@ -187,7 +222,7 @@ def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
 
 def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     """A checkpoint of this scene: what it tells, and its arrays."""
-    mine = {"scene": scene.digest(), "code": code(scene)}
+    mine = {"code": code(scene), "scene": scene.digest()}
     try:
         with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
@@ -198,9 +233,10 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
         raise ValueError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
-        raise ValueError(
-            f"checkpoint {path} belongs to another {other[0]}; remove it to start again"
+        whose = (
+            "another scene" if other == ["scene"] else "an earlier version of md or other sources"
         )
+        raise ValueError(f"checkpoint {path} belongs to {whose}; remove it to start again")
     return about, arrays
 
 

@@ -19,7 +19,7 @@ from .units import cm_per_s, in_cm
 
 __all__ = ["Store", "StoreError", "table", "write_csv"]
 
-_VERSION = 1
+_VERSION = 2  # 1: other names of keys and columns
 _APPLICATION = 0x726F6473  # "rods"
 _WAIT = 60.0  # seconds for another writer
 _CANNOT_WRITE = {sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY}  # beside the store
@@ -103,7 +103,10 @@ class Store:
         if mark != _APPLICATION:
             raise StoreError(f"store {self.path} is a database, but not one of runs")
         if version != _VERSION:
-            raise StoreError(f"store {self.path} is of version {version}, this is {_VERSION}")
+            raise StoreError(
+                f"store {self.path} is of another version of md ({version}, not {_VERSION}), which "
+                "named keys and columns differently: name a new file"
+            )
         return how
 
     def _identity(self, how: str) -> list[int]:

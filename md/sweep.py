@@ -37,7 +37,7 @@ from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
-from .accuracy import CALIBRATION, MAX_SECONDS, Tuned, checked, chosen_step, in_words, run
+from .accuracy import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
 from .host import step_of
 from .scene import Scene, as_dict, from_tables, put, read_tables, whole
 from .soft_impact import RunError
@@ -57,7 +57,7 @@ class Interrupted(KeyboardInterrupt):
 
 @cache
 def _known() -> str:
-    """Digest of what the dial knows."""
+    """Digest of the calibration, which chooses the step of a tolerance."""
     return hashlib.sha256(CALIBRATION.read_bytes()).hexdigest()
 
 
@@ -220,13 +220,13 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
     periods = tables.get("periods", 200)
     if isinstance(periods, bool) or not isinstance(periods, int) or periods < 1:
         raise ValueError(f"periods must be a whole number >= 1, got {periods!r}")
-    dial = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
-    if "tolerance" in dial and "periods" in tables:
+    chosen = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
+    if "tolerance" in chosen and "periods" in tables:
         raise ValueError("periods has no meaning with tolerance, which chooses the length")
-    if "max_seconds" in dial and "tolerance" not in dial:
+    if "max_seconds" in chosen and "tolerance" not in chosen:
         raise ValueError("max_seconds has no meaning without tolerance")
-    if dial:
-        checked(**dial)
+    if chosen:
+        checked(**chosen)
         periods = 0
     axes = tuple(_axis(i, table) for i, table in enumerate(tables.get("axes", [])))
     keys = [key for axis in axes for key in axis]
@@ -241,11 +241,11 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
         changes = {key: value for part in place for key, value in part.items()}
         try:
             scene = from_tables(put(base, {**common, **changes}))
-            step_of(chosen_step(scene, dial["tolerance"])[0] if dial else scene)
+            step_of(chosen_step(scene, chosen["tolerance"])[0] if chosen else scene)
         except (ValueError, TypeError) as error:
             at = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
             raise type(error)(f"{error} (at {at})" if at else str(error)) from None
-        points.append(Point(scene, periods, **dial))
+        points.append(Point(scene, periods, **chosen))
     return Sweep(axes, tuple(points))
 
 
@@ -284,7 +284,7 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
             raise KeyboardInterrupt
         result = {**done.as_dict(), "phases": done.phases}
         del result["scene"]
-        if isinstance(done, Tuned) and done.accuracy.state == "not reached":
+        if done.accuracy and done.accuracy.state == "not reached":
             result, error = None, " ".join(" ".join(in_words(done)).split())
     except RunError as failure:
         error = str(failure)

@@ -20,7 +20,6 @@ import hashlib
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -33,10 +32,8 @@ from time import perf_counter
 from typing import NamedTuple
 
 PACKAGES = "md", "impact"
-SWAPS = {
-    **{ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult},
-    **{ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt},
-}
+PAIRS = (ast.Add, ast.Sub), (ast.Mult, ast.Div), (ast.Lt, ast.LtE), (ast.Gt, ast.GtE)
+SWAPS = dict(PAIRS) | {second: first for first, second in PAIRS}
 NUMBERS = {0.5: 0.4, 2: 3}
 NAMES = {"min": "max", "max": "min"}
 NOT_OF_KERNELS = re.compile(
@@ -152,21 +149,16 @@ def tested(tree, files, timeout, edit):
         python = tree / ".venv" / "bin" / "python"
         command = [str(python if python.exists() else sys.executable), "-m", "pytest", "-x", "-q"]
         environment = os.environ | {"PYTHONPATH": str(clone), "XDG_CACHE_HOME": temporary}
-        process = subprocess.Popen(
-            [*command, "-p", "no:cacheprovider", *files],
-            cwd=clone,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            start_new_session=True,
-        )
-        try:
-            output, _ = process.communicate(timeout=timeout)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)  # with the processes that tests have started
-            return None, process.communicate()[0]
-        return process.returncode, output
+        command += ["-p", "no:cacheprovider", *files]
+        with (Path(temporary) / "output").open("w+") as output:
+            both = {"stdout": output, "stderr": subprocess.STDOUT}
+            try:
+                done = subprocess.run(command, cwd=clone, env=environment, timeout=timeout, **both)
+                status = done.returncode
+            except subprocess.TimeoutExpired:
+                status = None
+            output.seek(0)
+            return status, output.read()
 
 
 def idle(paths, tree):

@@ -4,7 +4,7 @@ import re
 from html import unescape
 from html.parser import HTMLParser
 
-from derivations import prose
+from derivations.sentences import to_html
 
 VOID = {"meta", "wbr", "br", "img"}
 
@@ -51,4 +51,4 @@ class Page(HTMLParser):
 
 def plain(sentence: str) -> str:
     """A sentence as it can be read on the page."""
-    return unescape(re.sub(r"<[^>]+>", "", prose.to_html(sentence)))
+    return unescape(re.sub(r"<[^>]+>", "", to_html(sentence)))

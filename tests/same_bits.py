@@ -26,26 +26,27 @@ import numpy as np
 # Old names of parts of a result and the new ones; a group applies where its first name is there.
 GROUPS = [{"merged": "landings", "landings": "touches"}]
 KEYS = {"rods.spin": "rods.rolling"}  # old and new keys of a scene
-NOT_COMPARED = {
-    *("run_seconds", "compile_seconds", "seconds", "needed_seconds", "next_digit_seconds"),
-    *("scene", "versions", "unwritten"),
-}
+TIMES = {"run_seconds", "compile_seconds", "seconds", "needed_seconds", "next_digit_seconds"}
+NOT_COMPARED = TIMES | {"scene", "versions", "unwritten"}
 SHOWN = 3  # renamed quantities listed for a scene
 
 # Few, short and soft rods are cheap; * stands for each contact.
 BASES = {
     "row": (
-        *("quasi2d", "plate rods"),
+        "quasi2d",
+        "plate rods",
         "rods.count=8 rods.length=5 rods.inertia=solid box.length=8.8 start.speed=0.1 "
         "step.size=none step.coarse=true contacts.*.stiffness=1e5",
     ),
     "annulus": (
-        *("annulus", "plate rods wall"),
+        "annulus",
+        "plate rods wall",
         "rods.count=10 rods.length=4 annulus.inner=2 annulus.outer=3.7 step.size=none "
         "contacts.*.stiffness=1e5",
     ),
     "tolerance": (
-        *("quasi2d", "plate rods"),
+        "quasi2d",
+        "plate rods",
         "rods.count=8 box.length=9.5 step.size=none contacts.*.tangential_ratio=3",
     ),
 }
@@ -108,7 +109,10 @@ def impacts(integrator):
     moving = {"vibration": (0.05, 2.0, 0.4), "gravity": (0.0, -1.0)}
     return {
         f"{name}, {'vibrated' if effects else 'at rest'}": md.impact(
-            *(radians(35), 0.5, -1.0, 0.1),
+            radians(35),
+            0.5,
+            -1.0,
+            0.1,
             **effects,
             friction=0.3,
             law=law(stiffness=1e5),

@@ -30,7 +30,7 @@ def ring(*assignments):
     ("assignments", "words"),
     [
         (["contacts.wall=none"], "contacts.wall is missing: the scene names annulus"),
-        (["annulus=none"], "annulus is missing: the scene has a contact with walls"),
+        (["annulus=none"], "annulus is missing: the scene names contacts.wall"),
         (["box.length=9"], "box must be absent from an annulus"),
         (["annulus.outer=1.9"], "annulus.outer must be at least a diameter beyond annulus.inner"),
         (["annulus.inner=-1"], "annulus.inner must be between"),
@@ -45,10 +45,10 @@ def test_what_is_no_annulus_is_refused(assignments, words):
 
 
 def test_other_refusals():
-    with pytest.raises(TypeError, match=r"rods.spin must be true or false, got 1"):
-        ring("rods.spin=1")
+    with pytest.raises(TypeError, match=r"rods.rolling must be true or false, got 1"):
+        ring("rods.rolling=1")
     with pytest.raises(ValueError, match="annulus is missing"):
-        md.load("quasi2d", ["rods.spin=true"])
+        md.load("quasi2d", ["rods.rolling=true"])
     law = ["contacts.wall.law=coulomb", "contacts.wall.tangential_ratio=none"]
     with pytest.raises(ValueError, match=r"contacts.wall.law must have a tangential spring"):
         ring(*law)
@@ -99,10 +99,10 @@ def test_touches_that_nobody_records_cannot_be_observed():
         md.run(ring(), periods=1, observe=print)
 
 
-def test_axial_spin_is_an_effect():
-    """Absent, it is `None`; present, rods that rub on walls begin to spin."""
+def test_rolling_is_an_effect():
+    """Absent, it is `None`; present, rods that rub on walls begin to roll."""
     assert prepare(ring()).world.spin is None
-    engine = prepare(ring("rods.spin=true", "plate.acceleration=5"))
+    engine = prepare(ring("rods.rolling=true", "plate.acceleration=5"))
     assert engine.world.spin > 0
     engine.go(20_000)
     axial = (engine.rods[:, 3:6] * engine.rods[:, 9:12]).sum(axis=1)

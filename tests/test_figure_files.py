@@ -6,13 +6,12 @@ from pathlib import Path
 import matplotlib as mpl
 import pytest
 
-import derivations.readme
 from derivations.__main__ import main as derive
 from figures.__main__ import main
 from figures.claims import verdicts as claims
 from figures.cost import effect_prices
 from figures.pages import everything as paper
-from figures.pages import explore, index, movie
+from figures.pages import explore, index, movie, readme
 from figures.paper import fig10
 from md.scene import SCENES
 
@@ -103,6 +102,6 @@ def test_a_movie_is_not_written_over_its_scene(idle, tmp_path, capsys):
 
 
 def test_the_readme_needs_a_checkout(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(derivations.readme, "TARGET", tmp_path / "README.md")
+    monkeypatch.setattr(readme, "TARGET", tmp_path / "README.md")
     refused(lambda: main(["readme"]), f"needs a source checkout; {tmp_path} has no", capsys)
     assert not list(tmp_path.iterdir())

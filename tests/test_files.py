@@ -42,6 +42,7 @@ def folder(tmp_path, monkeypatch):
     Path("more.csv").write_text(Path("more.csv").read_text().replace("\n", ",mine\n"))
     np.save("array.npy", np.zeros(3))
     np.savez("arrays.npz", about="{}")
+    np.savez("old.npz", about=json.dumps({"code": "other", "scene": "other"}))
     Path("link").symlink_to("a.db")
     Path("hard").hardlink_to("a.db")
     with socket.socket(socket.AF_UNIX) as device:  # as /dev/null, without the harm
@@ -78,6 +79,7 @@ def contents(folder):
         ("run my_rods --trajectory other.xyz", "trajectory must be a new file or one of frames"),
         ("run my_rods --trajectory a.db", "trajectory must be a new file or one of frames"),
         ("run my_rods --checkpoint array.npy", "checkpoint array.npy cannot be read: not one"),
+        ("run my_rods --checkpoint old.npz", "old.npz belongs to an earlier version of md or"),
         ("run my_rods --checkpoint arrays.npz", "checkpoint arrays.npz cannot be read: not one"),
     ],
 )

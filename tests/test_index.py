@@ -251,7 +251,7 @@ def test_claims_of_the_folder_come_first(tmp_path):
     assert "✗ onset: never" in text
     assert "? rate: no data" in text
     assert "aside" not in text
-    assert "<sub><var>z</var></sub> &lt; 0 &amp; more." in source
+    assert "_z &lt; 0 &amp; more." in source
     assert "claims.json" in page.links
     assert not any("claims" in link for link in page.links if link.startswith("gallery"))
 

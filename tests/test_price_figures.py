@@ -72,7 +72,7 @@ def kinds(variant: Variant) -> set[tuple]:
 
     for name in ("crowd", "springs", "listed", "ledger", "record"):
         look((name,), getattr(engine, name))
-    return found | {("series",)} & {(name,) for name in variant.watchers}
+    return found | {("series",)} & {(name,) for name in variant.diagnostics}
 
 
 def test_every_part_of_a_scene_has_its_price():

@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from derivations import readme as derived
-from derivations import registry
 from figures.pages import readme as measured
 
 ROOT = Path(__file__).parent.parent
@@ -22,10 +20,6 @@ COMMANDS = re.findall(r"^    (python -m .*?)(?: {2,}#.*)?$", TEXT, re.M)
 # Run elsewhere, in a smaller form, by the tests of these files.
 ELSEWHERE = {"python -m figures claims --quick": "test_claims.py"}
 SLOW = ("sweep", "results")  # the second needs what the first leaves
-
-
-def test_what_is_derived_is_of_the_registry():
-    assert derived.refreshed(TEXT) == TEXT
 
 
 def test_what_is_measured_is_of_the_gallery():
@@ -38,13 +32,6 @@ def test_no_number_is_measured_outside_of_the_generated_parts():
     text = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
     found = re.findall(r"\d[\d.]*(?:e-?\d+)? ?(?:%|ns|ms|s|microseconds|cm/s)(?![\w/])|±.*", text)
     assert set(found) <= {"20 %"}  # of an example
-
-
-def test_every_numbered_equation_and_every_mistake_is_listed():
-    for tag in [*range(1, 32), *(f"B{n}" for n in range(1, 13))]:
-        assert f"| ({tag}) |" in TEXT
-    for entry in registry.mistakes():
-        assert f"| {entry.tag} |" in TEXT
 
 
 @pytest.mark.parametrize("code, output", EXAMPLES)  # noqa: PT006
@@ -149,4 +136,4 @@ def test_hard_cases_are_where_it_says():
 def test_no_file_names_a_registry_or_an_address_of_one():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     needs = project["project"]["dependencies"]
-    assert all(re.fullmatch(r"[a-z]+>=[\d.]+", need) for need in needs)
+    assert all(re.fullmatch(r"[a-z0-9]+>=[\d.]+", need) for need in needs)

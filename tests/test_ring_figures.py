@@ -114,11 +114,11 @@ def test_the_drift_is_that_of_the_store_in_cm_s(tallies, four):
     assert not sum(tally.failed for tally in tallies)
 
 
-def test_spin_and_friction_are_varied_and_nothing_else():
+def test_rolling_and_friction_are_varied_and_nothing_else():
     runs = fig04.sweeps(True)
-    still, spin = (runs[name].points[0].scene for name in ("still", "spin"))
-    assert (still.rods.spin, spin.rods.spin) == (False, True)
-    assert still.contacts == spin.contacts
+    still, rolling = (runs[name].points[0].scene for name in ("still", "rolling"))
+    assert (still.rods.rolling, rolling.rods.rolling) == (False, True)
+    assert still.contacts == rolling.contacts
     wall = [point.scene.contacts for point in runs["wall"].points]
     assert [c.wall.friction for c in wall] == [0.1, 0.1, 0.3, 0.3]
     assert {c.plate.friction for c in wall} == {c.rods.friction for c in wall} == {0.3}

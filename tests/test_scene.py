@@ -18,6 +18,7 @@ EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))
 BAD = {  # KEY=VALUE for the row: what the error says
     "rodz.count=3": "rodz is not a key of a scene; known there: rods, plate",
     "rods.number=3": "rods.number is not a key of a scene; known there: count, length",
+    "rods.spin=true": "rods.spin is a key of an earlier version: write rods.rolling in its place",
     "plate.gamma=3": "plate.gamma is not a key",
     "box.width=3": "box.width is not a key",
     "start.tilt=3": "start.tilt is not a key",
@@ -241,7 +242,7 @@ def test_a_scene_is_what_its_parts_say():
     """The table of a scene builds the scene again; laws by their constants."""
     scene = load("quasi2d")
     table = as_dict(scene)
-    rods = {"count": 40, "length": 9.5, "inertia": "thin", "diameter_cm": 0.6, "spin": False}
+    rods = {"count": 40, "length": 9.5, "inertia": "thin", "diameter_cm": 0.6, "rolling": False}
     assert table["rods"] == rods
     assert table["contacts"]["plate"]["law"]["name"] == "constant_restitution"
     assert "plate" in table

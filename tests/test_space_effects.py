@@ -27,7 +27,7 @@ EFFECTS = {
     "plate": (PLATE, {}, "world.5", "fdiv"),
     "plate friction": (PLATE | {"friction": ROUGH}, PLATE, "world.6", "fdiv"),
     "contacts between rods": (PAIRS, {}, "world.9", "pair_forces"),
-    "axial spin": (PLATE | {"spin": 15.0}, PLATE, "world.2", "fmul"),
+    "rolling": (PLATE | {"spin": 15.0}, PLATE, "world.2", "fmul"),
     "gravity": ({"gravity": -1.0}, {}, "world.3", None),
 }  # fmt: skip
 
@@ -76,7 +76,7 @@ def test_an_absent_effect_has_no_code(kernel, effect):
     assert looks(bare, argument) == 0
     assert len(bare.splitlines()) < len(body.splitlines())
     assert mark is None or len(re.findall(mark, bare)) < len(re.findall(mark, body))
-    if effect in ("gravity", "axial spin"):  # these act on rods that touch nothing
+    if effect in ("gravity", "rolling"):  # these act on rods that touch nothing
         assert np.abs(with_it - without).max() > 1e-4
     else:
         np.testing.assert_array_equal(with_it, without)

@@ -66,14 +66,17 @@ def test_a_file_that_is_not_a_store_is_left_alone(tmp_path, content, message):
     assert path.read_bytes() == before
 
 
-def test_another_version_is_refused_and_untouched(tmp_path):
+@pytest.mark.parametrize("version", [1, 99])
+def test_another_version_is_refused_and_untouched(tmp_path, version):
     path = tmp_path / "a.db"
     Store(path).database.close()
     with sqlite3.connect(path) as other:
-        other.execute("PRAGMA user_version=99")
+        other.execute(f"PRAGMA user_version={version}")
     other.close()
     before = path.read_bytes()
-    with pytest.raises(StoreError, match="version 99, this is 1"):
+    with pytest.raises(
+        StoreError, match=rf"another version of md \({version}, .*: name a new file"
+    ):
         Store(path)
     assert path.read_bytes() == before
 

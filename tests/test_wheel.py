@@ -28,7 +28,7 @@ print(*(package.__file__ for package in ({", ".join(PACKAGES)})), version("rod-i
 COMMANDS: dict[str, tuple[list[str], int, str]] = {
     "import": (["-c", WHERE], 0, VERSION),
     "check": (["-m", "derivations", "check"], 0, "0 not proved"),
-    "generate": (["-m", "derivations", "generate"], 2, "generate is for a checkout"),
+    "generate": (["-m", "derivations", "generate"], 2, "generate needs a source checkout"),
     "impact": (
         ["-m", "md", "impact", "--tilt-deg", "20", "--c-x", "0.5", "--c-z", "-1"],
         *(0, "slip-stick"),
@@ -70,7 +70,7 @@ def wheel(tmp_path_factory) -> Path:
 
 
 def test_the_wheel_holds_all_sources_and_data_and_nothing_else(wheel):
-    kept = (".py", ".toml", ".json", ".mplstyle", ".typed")
+    kept = (".py", ".toml", ".json", ".mplstyle", ".typed", ".html", ".css", ".jinja")
     wanted = {
         path.relative_to(ROOT).as_posix()
         for package in PACKAGES

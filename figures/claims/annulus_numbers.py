@@ -113,27 +113,27 @@ def _plane_to_annulus(quick):
 
 
 @measures("S20", "kept", "dip", "still_dip", "faster")
-def _axial_spin(quick):
+def _rolling(quick):
     d = table("fig04", quick)
-    pairs = ("still_tilt", "still_c_x", "spin_tilt", "spin_c_x")
+    pairs = ("still_tilt", "still_c_x", "rolling_tilt", "rolling_c_x")
 
     def dips(d):
-        return [fig04.shape(d[f"{n}_tilt"], d[f"{n}_c_x"])["dip"] for n in ("still", "spin")]
+        return [fig04.shape(d[f"{n}_tilt"], d[f"{n}_c_x"])["dip"] for n in ("still", "rolling")]
 
     def kept(d):
-        still, spin = dips(d)
-        return spin / still if still > 0 else np.nan
+        still, rolling = dips(d)
+        return rolling / still if still > 0 else np.nan
 
     without = _over_tilt(quick)["dip"].value > 0
     yield resampled(d, kept, *pairs) if without else count(np.inf)
-    yield _over_tilt(quick, "spin")["dip"]
+    yield _over_tilt(quick, "rolling")["dip"]
     yield _over_tilt(quick)["dip"]
     between = (d["still_tilt"] > fig04.MAXIMA_DEG[0]) & (d["still_tilt"] < fig04.MAXIMA_DEG[1])
 
     def faster(d):
-        return d["spin_c_x"][between].mean() / d["still_c_x"][between].mean()
+        return d["rolling_c_x"][between].mean() / d["still_c_x"][between].mean()
 
-    yield resampled(d, faster, "still_c_x", "spin_c_x")
+    yield resampled(d, faster, "still_c_x", "rolling_c_x")
 
 
 @measures("E1", "flat", "round", "steepest", "most")

@@ -1,14 +1,14 @@
 """What each effect of a scene costs in a step of a rod, and what leaving it out does to the drift.
 
-All variants of `scene_variants` go on from the same places of one settled run, a short way from each, at
-one step, so that who touches whom is nearly the same. Where the plate is at rest the places are
-taken in its frame; without a plate the rods fall freely. Alone: an effect on top of the barest
-scene in which it makes sense. Within: the full scene less the full scene without the effect and
-what needs it. Below them one thing in the place of another, then effects of the size zero against a
-scene that does not name them: the same compiled kernel, so that these bars show the error of all.
+All of `scene_variants` go on from the same places of one settled run, a short way from each, at one
+step, so that who touches whom is nearly the same. Where the plate is at rest the places are taken
+in its frame; without a plate the rods fall freely. Alone: an effect on top of the barest scene in
+which it makes sense. Within: the full scene less the full scene without the effect and what needs
+it. Below them one thing in the place of another, then effects of the size zero against a scene that
+does not name them: the same compiled kernel, so that these bars show the error of all.
 
 Drift: that of the changed scene less that of the full one, over seeds. Without gravity, plate, box
-or contacts of rods no row is left to drift; what only looks on does not change the rods by a bit.
+or contacts of rods no row is left to drift; what only measures does not change the rods by a bit.
 """
 
 import os
@@ -26,8 +26,9 @@ from md.host import SAMPLES, Engine
 from md.kernels.plane import Series
 from md.sweep import Sweep
 
-from ..lib.runs import computed, means, planned
-from ..lib.style import BLUE, ORANGE, style
+from ..lib.runs import means, planned
+from ..lib.style import BLUE, ORANGE, Data, style
+from ..lib.tables import table
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
 from .scene_variants import FULL, GROUPS, NOTHING, STEP, Effect, Variant, variants
 
@@ -47,7 +48,7 @@ def rows() -> dict[str, Effect]:
 
 def _series(engine: Engine, variant: Variant) -> Series | None:
     """Means to be sampled, as a run does."""
-    if "series" not in variant.watchers:
+    if "series" not in variant.diagnostics:
         return None
     table, every = np.zeros((SETTLE[False] + 2 * PLACES, 5)), max(engine.per // SAMPLES, 1)
     return Series(table, engine.rods[:, 2:4].copy(), engine.per, every)
@@ -129,13 +130,13 @@ def _drifts(quick: bool) -> np.ndarray:
         sweeps(quick).items(), desc="drift", unit="scene", disable=None, leave=False, delay=2
     )
     for i, sweep in bar:
-        mean = means(computed(sweep), {"drift": "c_x"})
+        mean = means(sweep, {"drift": "c_x"})
         unit = sweep.points[0].scene.cm_per_s
         found[:, i] = np.array([mean["drift"], mean["drift_error"]]) * unit
     return found
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Prices in ns per step of a rod, (value, error, interquartile range) of each row."""
     load, effects, begin = os.getloadavg()[0], rows().values(), perf_counter()
     every = variants([*effects, Effect((BARE, BARE), (FULL, FULL))])
@@ -183,7 +184,7 @@ def plus_minus(value: float, error: float) -> str:
     return f"{round(value, 2) + 0.0:.2f} ± {ceil(100 * error) / 100:.2f}"
 
 
-def _changes(d: dict[str, np.ndarray]) -> list[str]:
+def _changes(d: Data) -> list[str]:
     """What happens to the drift, row by row, in words or in cm/s."""
     (full, *changed), (error, *errors) = d["drift"]
     words = []
@@ -197,7 +198,7 @@ def _changes(d: dict[str, np.ndarray]) -> list[str]:
     return words
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """Table of the prices and of the changes of the drift."""
     (full, error, spread), bare = d["full"], d["bare"][0]
     blocks, rounds, places, number = d["samples"].shape
@@ -210,21 +211,22 @@ def summary(d: dict[str, np.ndarray]) -> str:
     ]
     prices = zip(rows(), d["alone"], d["within"], _changes(d), strict=True)
     for group, effects in GROUPS.items():
-        lines.append(
-            f"{group + ', ns per step of a rod':34}{'alone':>21}{'within':>21}{'share':>8}"
-            f"{'change of c_x':>16}"
-        )
+        cells = []
         for _ in effects:
             name, *pair, change = next(prices)
-            cells = "".join(f"{f'{plus_minus(v, e)} ({s:.2f})':>21}" for v, e, s in pair)
-            lines.append(f"{name:34}{cells}{round(pair[1][0] / full, 3) + 0.0:8.1%}{change:>16}")
+            share = f"{round(pair[1][0] / full, 3) + 0.0:.1%}"
+            cells.append(
+                (name, *(f"{plus_minus(v, e)} ({s:.2f})" for v, e, s in pair), share, change)
+            )
+        heads = f"{group}, ns per step of a rod", "alone", "within", "share", "change of c_x"
+        lines.append(table(heads, cells))
     return "\n".join(lines)
 
 
 _LOOKS = (("alone", ORANGE, "alone, on the barest scene"), ("within", BLUE, "in the full scene"))
 
 
-def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def panel(ax: Axes, d: Data) -> None:
     """Bars of both prices with their errors, and what becomes of the drift at the right."""
     sizes = [len(group) for group in GROUPS.values()]
     y = np.arange(sum(sizes)) + 0.6 * np.repeat(range(len(sizes)), sizes)  # groups apart
@@ -260,7 +262,7 @@ def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, ax = plt.subplots(figsize=(7.0, 5.6))
     panel(ax, d)
     words = "errors of the median; drift −: no row is left without it"

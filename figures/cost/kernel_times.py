@@ -1,12 +1,13 @@
-"""What motion in space costs: the same rods by both kernels, and the rods of the annulus.
+"""Times of a step by each kernel: the same rods in the plane and in space, and an annulus.
 
-The rods of a plane row that has settled, without its box, are put into space at y = 0: the kernel
-of space finds the same contacts and forces. Each sample starts there anew, so that both do the same
+The rods of a row that has settled, without its box, are put into space at y = 0: the kernel of
+space finds the same contacts and forces. Each sample starts there again, so that both do the same
 work; the annulus starts where it has settled, too.
 """
 
 from collections.abc import Callable
 from time import thread_time
+from typing import Any
 
 import numpy as np
 
@@ -18,8 +19,8 @@ from md.kernels.space import march as crowd
 from md.kernels.space.pairs import no_pairs
 from md.scene import from_tables, put
 
-from ..lib import annulus_runs as ring
-from ..lib.runs import ROW
+from ..lib.runs import ANNULUS_SCENE, ROW
+from ..lib.timing import onward
 
 NAMES = "plane kernel", "space kernel, the same rods", "annulus"
 PLACES = [0, 2, 3, 5, 6, 8, 10]  # of x, z, sin, cos, c_x, c_z, omega in the state in space
@@ -34,15 +35,14 @@ def _settled() -> Engine:
     return engine
 
 
-def _in_plane(engine: Engine) -> Callable[[int], float]:
+def _again(engine: Any) -> Callable[[int], float]:
+    """Seconds of a step of a rod, each time from where the engine is now."""
     arrays, step = {name: part.copy() for name, part in engine.arrays().items()}, engine.step
 
     def sample(_: int) -> float:
         engine.restore({name: part.copy() for name, part in arrays.items()}, step)
         engine.go(1)  # makes the list of pairs
-        begin = thread_time()
-        engine.go(STEPS)
-        return (thread_time() - begin) / STEPS / len(engine.rods)
+        return onward(engine, STEPS) / STEPS / len(engine.rods)
 
     return sample
 
@@ -73,24 +73,16 @@ def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
 
 
 def _in_annulus() -> Callable[[int], float]:
-    engine = prepare_ring(ring.SCENE)
+    engine = prepare_ring(ANNULUS_SCENE)
     engine.go(round(AROUND * engine.per))
-    arrays, step = {name: part.copy() for name, part in engine.arrays().items()}, engine.step
-
-    def sample(_: int) -> float:
-        engine.restore(arrays, step)
-        begin = thread_time()
-        engine.go(STEPS)
-        return (thread_time() - begin) / STEPS / len(engine.rods)
-
-    return sample
+    return _again(engine)
 
 
 def calls() -> list[Callable[[int], float]]:
     """Times of a step of a rod, as `NAMES` says."""
     engine = _settled()
     above = lifted(engine)
-    found = [_in_plane(engine), lambda place: above(place)[0], _in_annulus()]
+    found = [_again(engine), lambda place: above(place)[0], _in_annulus()]
     for call in found:
         call(0)  # compiles
     return found

@@ -66,8 +66,8 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
         made["ladder"] = _rows(keys, d["group"], d["label"], d["seconds"], *off)
     if d := found.get("accuracy_cost_drift"):
         keys = "per_contact", "periods", "seconds", "error"
-        made["dial"] = _rows(
-            ("tolerance", *keys), d["tolerance"], *(d[f"dial_{key}"] for key in keys)
+        made["tolerance"] = _rows(
+            ("tolerance", *keys), d["tolerance"], *(d[f"run_{key}"] for key in keys)
         )
     if d := found.get("effect_prices"):
         prices, changes = (d["alone"][:, :2], d["within"][:, :2]), effect_prices._changes(d)

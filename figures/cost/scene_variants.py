@@ -18,17 +18,17 @@ from md.scene import Scene, from_tables, put
 
 from ..lib.runs import FRICTION, GAMMA, RESTITUTION, ROW
 
-WATCHERS = frozenset(("ledger", "landings", "series"))
+DIAGNOSTICS = frozenset(("ledger", "landings", "series"))
 STEP = step_of(from_tables(ROW))[0]  # of all variants
 TILT = degrees(from_tables(ROW).tilt)
 Changes = Mapping[str, Any]
 
 
 class Variant(NamedTuple):
-    """Changes of the full scene, and who looks on."""
+    """Changes of the full scene, and the diagnostics that run with it."""
 
     changes: Changes
-    watchers: frozenset[str] = WATCHERS
+    diagnostics: frozenset[str] = DIAGNOSTICS
 
     @property
     def scene(self) -> Scene:
@@ -36,8 +36,8 @@ class Variant(NamedTuple):
         return from_tables(put(ROW, deepcopy({"step.size": STEP, **self.changes})))
 
     def engine(self) -> Engine:
-        """The scene under way."""
-        asked = {name: name in self.watchers for name in ("ledger", "landings")}
+        """Engine of the scene, at its start."""
+        asked = {name: name in self.diagnostics for name in ("ledger", "landings")}
         return prepare(self.scene, **asked)
 
 
@@ -58,23 +58,23 @@ class Effect(NamedTuple):
 FULL = Variant({})
 
 
-def _bare(changes: Changes, *watchers: str) -> Variant:
-    """A scene at which nobody looks, but for those named."""
-    return Variant(changes, frozenset(watchers))
+def _bare(changes: Changes, *diagnostics: str) -> Variant:
+    """Variant with only the named diagnostics."""
+    return Variant(changes, frozenset(diagnostics))
 
 
 def _effect(changes: Changes, base: Changes, without: Changes, drifts: bool = True) -> Effect:
-    """What the full scene has."""
+    """An effect that the full scene has."""
     return Effect((_bare(changes), _bare(base)), (FULL, Variant(without)), drifts)
 
 
-def _watcher(name: str, base: Changes) -> Effect:
-    """What looks on."""
-    return Effect((_bare(base, name), _bare(base)), (FULL, Variant({}, WATCHERS - {name})))
+def _diagnostic(name: str, base: Changes) -> Effect:
+    """A diagnostic of the full scene."""
+    return Effect((_bare(base, name), _bare(base)), (FULL, Variant({}, DIAGNOSTICS - {name})))
 
 
 def _instead(other: Changes, usual: Changes, change: Changes) -> Effect:
-    """What the full scene has otherwise."""
+    """An alternative to what the full scene has."""
     return Effect((_bare(other), _bare(usual)), (Variant(change), FULL), True)
 
 
@@ -130,9 +130,9 @@ EFFECTS = {
         *(RODS | {"box": ROW["box"]}, RODS, {"box": "none", "start.tilt_deg": TILT}),
         drifts=False,  # a row that is open falls over
     ),
-    "energy ledger": _watcher("ledger", RODS),
-    "record of landings": _watcher("landings", PLATE),
-    "series of means": _watcher("series", NOTHING),
+    "energy ledger": _diagnostic("ledger", RODS),
+    "record of landings": _diagnostic("landings", PLATE),
+    "series of means": _diagnostic("series", NOTHING),
 }
 INSTEAD = {
     "friction of the plate: constraint": _instead(

@@ -32,7 +32,7 @@ def repeated_impact(scene, state, dt, times, watch):
 
 
 def impact_call(tilt: float, law: md.Law, integrator: str, dt: float, speed: float = 1.0):
-    """The impact of `soft_impacts.simulate` as a function of how often; touch in the middle of a step."""
+    """The impact of `soft_impacts.simulate`, as often as asked; touch in the middle of a step."""
     friction = friction_of(law, FRICTION)
     lightness = 1 / ROD.gyration_squared
     scene = Effects(ROD.half_length, lightness, law.normal, friction, None, None, True)

@@ -19,8 +19,9 @@ from tqdm import tqdm
 
 from impact.__main__ import _machine as machine
 from md.cache import kernel
-from md.host import Engine
+from md.host import Engine, prepare
 from md.kernels import plane
+from md.scene import Scene
 
 RESAMPLED = 400  # of the bootstrap
 LONG_ENOUGH = 1e-3  # seconds of one sample
@@ -138,6 +139,28 @@ def onward(engine: Engine, steps: int, series: plane.Series | None = None) -> fl
         if engine.record is not None:
             engine.record.count[0] = 0
     return seconds
+
+
+def seconds_per_period(
+    scenes: Sequence[Scene], rounds: int = 7, periods: int = 6, settle: int = 20
+) -> np.ndarray:
+    """Median processor seconds of a period of each scene under way, without an energy ledger.
+
+    Parameters
+    ----------
+    scenes : timed in turn
+    rounds, periods : samples of each, and their length
+    settle : periods before
+    """
+    engines = [prepare(scene, ledger=False) for scene in scenes]
+    for engine in engines:
+        onward(engine, settle * engine.per)
+
+    def sampler(engine: Engine) -> Callable[[int], float]:
+        return lambda _: onward(engine, periods * engine.per) / periods
+
+    samplers = [sampler(engine) for engine in engines]
+    return np.median(interleaved(lambda _: samplers, rounds), axis=(0, 1, 2))
 
 
 def machine_line(load: float) -> str:

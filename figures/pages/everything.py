@@ -28,8 +28,6 @@ from ..lib.runs import ROW, store
 SECONDS = {
     "effect_prices": 200,
     "accuracy_cost_drift": 600,
-    "landing_census": 250,
-    "fig05": 320,
     "accuracy_cost_ladder": 60,
     "scaling": 120,
     "accuracy_map": 36,
@@ -43,7 +41,7 @@ SECONDS = {
     "appendix_a": 8,
 }
 USUAL, MOVIE, CLAIMS, STEP = 3, 5, 15, 24.5e-9
-ON_ALL_CORES = ("fig05",)  # which share the seconds
+ON_ALL_CORES = ()  # figures that share the seconds
 AGAIN = "fig02", "fig05", "alpha", "appendix_a"  # whose data the claims compute once more
 SAMPLES, RARE = 48, 0.05  # runs that are timed; share of the work of a kind that is not
 SETTLE, TIMED = 3, 12  # periods of each

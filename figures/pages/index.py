@@ -24,8 +24,8 @@ import numpy as np
 from PIL import Image
 
 from derivations import report
-from derivations.prose import to_html
 from derivations.registry import ENTRIES
+from derivations.sentences import to_html
 
 from .. import FIGURES, load
 from ..claims import verdicts as claims

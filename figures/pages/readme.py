@@ -1,13 +1,12 @@
 """Parts of the README that are measured, made of `gallery/claims.json` and `gallery/prices.json`.
 
->>> from derivations.readme import TARGET
 >>> from figures.pages import readme
->>> text = TARGET.read_text(encoding="utf-8")
+>>> text = readme.TARGET.read_text(encoding="utf-8")
 >>> readme.refreshed(text) == text
 True
 
 A part stands between `<!-- name: begin -->` and `<!-- name: end -->`; `python -m figures readme`
-writes all of them anew. What is derived, not measured, is `derivations.readme`'s.
+writes all of them anew. What is derived is in `derivations/EQUATIONS.md`.
 """
 
 import json
@@ -15,13 +14,14 @@ import re
 from pathlib import Path
 from typing import Any
 
-from derivations.readme import filled, table
+from derivations.equations_page import table
 
 from ..claims.verdicts import GRADES, counts, judged_rows, restored, shown
 from ..cost.effect_prices import plus_minus
 from ..cost.price_page import CHECKED
 
 GALLERY = Path(__file__).resolve().parents[1] / "gallery"
+TARGET = GALLERY.parents[1] / "README.md"
 RUNGS = {  # of the ladder, and what they are called here
     "(24), $V_0/2$": "closed form (24), plate velocity at landing taken as V_0/2",
     "3000 landings": "one rigid rod that bounces at fixed tilt, 3000 landings",
@@ -53,16 +53,16 @@ def costs(prices: dict[str, Any], _: dict[str, Any]) -> str:
         off = f"{100 * rung['deviation']:+.1f} ± {100 * rung['error']:.1f} %"
         scatter = f"{100 * rung['scatter']:.1f} %" if rung["scatter"] else ""
         rows.append((name, _time(rung["seconds"]), off, scatter))
-    dial, ns = prices["dial"][-1], prices["impact_ns"]
+    run, ns = prices["tolerance"][-1], prices["impact_ns"]
     worst = max(max(law["largest"]) for law in prices["impact_ulp"])
     return "\n".join(
         [
             table(("drift of the paper's row, Fig. 3(b)", "takes", "off by", "scatter"), rows),
             "",
             "Off by: mean over independent starts and its standard error; scatter: of one start. "
-            f"`--tolerance {dial['tolerance']:g}` chose {dial['per_contact']:.0f} steps a contact "
-            f"and {dial['periods']:.0f} periods, and took {_time(dial['seconds'])}; it was off by "
-            f"{100 * dial['error']:.2g} %. One rigid impact takes {ns['numpy newton']:.0f} ns by "
+            f"`--tolerance {run['tolerance']:g}` chose {run['per_contact']:.0f} steps a contact "
+            f"and {run['periods']:.0f} periods, and took {_time(run['seconds'])}; it was off by "
+            f"{100 * run['error']:.2g} %. One rigid impact takes {ns['numpy newton']:.0f} ns by "
             f"NumPy, {ns['compiled newton']:.0f} ns compiled; the largest error of {CHECKED:,}"
             f" random ones is {worst:.1f} units in the last place of what cancels.",
             "",
@@ -145,6 +145,22 @@ def findings(_: dict[str, Any], report: dict[str, Any]) -> str:
         for row in claim["numbers"]
     }
     return re.sub(r"\{([\w.]+)\}", lambda found: values[found[1]], FINDINGS).rstrip()
+
+
+def filled(text: str, name: str, content: str) -> str:
+    """`text` with `content` between the markers of that name.
+
+    Raises
+    ------
+    ValueError
+        If it does not hold both.
+    """
+    begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+    before, _, rest = text.partition(begin)
+    _, found, after = rest.partition(end)
+    if not found:
+        raise ValueError(f"{TARGET.name} must hold {begin} and {end}")
+    return f"{before}{begin}\n{content}\n{end}{after}"
 
 
 PARTS = {"costs": costs, "effects": effects, "claims": claims, "findings": findings}

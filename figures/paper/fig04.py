@@ -66,7 +66,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     of_rods = {f"rods.{name}": ANNULUS["rods"][name] for name in alike}
     return {
         "still": around(number, seeds),
-        "spin": around(number, seeds, **{"rods.spin": True}),
+        "rolling": around(number, seeds, **{"rods.rolling": True}),
         "gamma": around(accelerations, {"rods.count": [*FEW]}, few),
         "wall": around({WALL: size["wall"]}, few, **many),
         "plate": around({PLATE: size["plate"]}, few, **many),
@@ -86,8 +86,8 @@ def data(quick: bool = False) -> Data:
 
 
 def _over_tilt(ax: Axes, d: Data) -> None:
-    curve(ax, d, "still_tilt", "still_c_x", BLACK, "no rolling", both=True)
-    curve(ax, d, "spin_tilt", "spin_c_x", RED, "rolling", both=True, hollow=True)
+    curve(ax, d, "still_tilt", "still_c_x", BLACK, "rods do not roll", both=True)
+    curve(ax, d, "rolling_tilt", "rolling_c_x", RED, "rods roll", both=True, hollow=True)
     row = {"form": "s--", "scale": 1 / RATIO, "both": True}
     curve(ax, d, "plane_tilt", "plane_c_x", BLUE, f"row / {RATIO}", **row)
     for tilt in MAXIMA_DEG:
@@ -171,7 +171,7 @@ def shape(tilt: np.ndarray, c_x: np.ndarray) -> dict[str, float]:
 def summary(d: Data) -> str:
     """The shape of (a), and the curves."""
     lines = ["Fig. 4. drift in cm/s, tilt in deg, ± one s.e."]
-    for name in ("still", "spin"):
+    for name in ("still", "rolling"):
         found = shape(d[f"{name}_tilt"], d[f"{name}_c_x"])
         lines.append(f"{name}: " + ", ".join(f"{key} {value:.3f}" for key, value in found.items()))
 
@@ -179,8 +179,8 @@ def summary(d: Data) -> str:
         rows = zip(d[x], *(pairs(d, *column) for column in columns), strict=True)
         return table(heads, rows, ("g", *[3] * len(columns)))
 
-    heads = "rods", "tilt", "drift, no rolling", "rolling: tilt", "drift"
-    over = [(f"{kind}_{name}",) for kind in ("still", "spin") for name in ("tilt", "c_x")]
+    heads = "rods", "tilt", "drift", "rods roll: tilt", "drift"
+    over = [(f"{kind}_{name}",) for kind in ("still", "rolling") for name in ("tilt", "c_x")]
     lines.append(part(heads, "count", *over))
     over = [("gamma_c_x", (..., i)) for i in range(len(d["few"]))]
     lines.append(part(("Gamma", *(f"{n} rods" for n in d["few"])), "gamma", *over))

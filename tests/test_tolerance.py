@@ -1,6 +1,7 @@
-"""The dial: intervals, choice of the step, runs that end when they are accurate enough."""
+"""Accuracy: intervals, choice of the step, runs that end when they are accurate enough."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,8 +9,7 @@ from scipy.stats import binom
 from scipy.stats import t as student
 
 import md
-from md import accuracy as dial
-from md import calibration
+from md import accuracy, calibration
 from md.__main__ import main
 from md.scene import _parsed, from_tables, put, read_tables
 from md.store import Store, table
@@ -18,6 +18,13 @@ from md.sweep import execute, expand
 from .command_line import refused
 from .rows import ROW, row
 from .test_statistics import autoregressive
+
+
+def inside(monkeypatch):
+    """Take every scene, and these sources, for calibrated ones."""
+    monkeypatch.setattr(accuracy, "outside", lambda scene: ())
+    monkeypatch.setattr(accuracy, "digest", lambda: accuracy.calibrated()["code"])
+
 
 QUICK = {"tolerance": 0.2, "floor": 0.05}  # of a row of five rods
 
@@ -28,7 +35,9 @@ QUICK = {"tolerance": 0.2, "floor": 0.05}  # of a row of five rods
 def test_the_interval_of_constant_parts_is_students():
     """Parts of 8 that differ, and of 16 and 32 that do not more: the widest is that of 8."""
     values = np.random.default_rng(1).normal(size=8)
-    mean, half, cut = dial.interval(np.concatenate([np.full(64, 9.0), np.repeat(values, 32)]), 0.9)
+    mean, half, cut = accuracy.interval(
+        np.concatenate([np.full(64, 9.0), np.repeat(values, 32)]), 0.9
+    )
     assert cut == 64
     assert half == pytest.approx(student.ppf(0.95, 7) * values.std(ddof=1) / np.sqrt(8), rel=1e-12)
     assert mean == pytest.approx(values.mean())
@@ -39,7 +48,7 @@ def test_intervals_hold_the_mean_as_often_as_they_say(memory):
     """Of 400 series of 800 values; no fewer than chance allows in one test of 1000."""
     random, hits = np.random.default_rng(5), 0
     for _ in range(400):
-        mean, half, _ = dial.interval(autoregressive(random, 800, memory), 0.95)
+        mean, half, _ = accuracy.interval(autoregressive(random, 800, memory), 0.95)
         hits += abs(mean) <= half
     assert hits >= binom.ppf(1e-3, 400, 0.95)
     assert hits < 400
@@ -47,7 +56,7 @@ def test_intervals_hold_the_mean_as_often_as_they_say(memory):
 
 @pytest.mark.parametrize("n", [0, 1, 7, 31])
 def test_few_values_have_no_interval(n):
-    assert dial.interval(np.ones(n))[1] == np.inf
+    assert accuracy.interval(np.ones(n))[1] == np.inf
 
 
 # Choice of the step
@@ -57,20 +66,23 @@ def test_few_values_have_no_interval(n):
 def test_the_step_is_the_cheapest(tolerance):
     """Steps a contact n against periods: n/(tolerance - bias(n))^2 has its least there."""
     scene = md.load("quasi2d")
-    tuned, bias = dial.chosen_step(scene, tolerance)
-    known = dial.calibrated()
+    tuned, bias = accuracy.chosen_step(scene, tolerance)
+    known = accuracy.calibrated()
     n = np.geomspace(known["fewest"], 1e4, 20001)
     bound = known["scale"] * (10 / n) ** known["order"]
     price = np.where(bound < tolerance, n / (tolerance - bound) ** 2, np.inf)
-    chosen = dial.steps_per_contact(scene, tuned.step.size)
+    chosen = accuracy.steps_per_contact(scene, tuned.step.size)
     assert chosen == pytest.approx(n[np.argmin(price)], rel=2e-3)
     assert bias == pytest.approx(known["scale"] * (10 / chosen) ** known["order"])
 
 
 def test_a_loose_tolerance_goes_no_further_than_what_was_measured():
     scene = md.load("quasi2d")
-    tuned, _ = dial.chosen_step(scene, 0.5)
-    assert dial.steps_per_contact(scene, tuned.step.size) >= dial.calibrated()["fewest"] * 0.999
+    tuned, _ = accuracy.chosen_step(scene, 0.5)
+    assert (
+        accuracy.steps_per_contact(scene, tuned.step.size)
+        >= accuracy.calibrated()["fewest"] * 0.999
+    )
 
 
 @pytest.mark.parametrize(
@@ -87,8 +99,8 @@ def test_a_loose_tolerance_goes_no_further_than_what_was_measured():
 )
 def test_what_lies_outside_of_the_calibration_is_said(changes, words):
     scene = md.load("quasi2d", changes)
-    assert any(words in one for one in dial.outside(scene))
-    tuned, bias = dial.chosen_step(scene, 0.01)
+    assert any(words in one for one in accuracy.outside(scene))
+    tuned, bias = accuracy.chosen_step(scene, 0.01)
     assert np.isnan(bias)
     assert tuned.step == md.Step()
 
@@ -101,19 +113,19 @@ def test_a_tolerance_is_refused_in_an_annulus():
 
 def test_a_run_that_was_ended_early_is_not_judged():
     """By Ctrl-C before the first look; nothing is said of its error."""
-    chase = dial._Chase(0.5, 0.95, 0.05, 0.0, 600.0)
+    chase = accuracy._Chase(0.5, 0.95, 0.05, 0.0, 600.0)
     chase(np.zeros(0))
     chase(np.ones(46))
     assert (chase.half, chase.reached) == (np.inf, False)
     result = md.run(row("plate.acceleration=5"), periods=46)
-    accuracy = dial._accuracy(chase, row("plate.acceleration=5"), result, np.nan)
-    assert accuracy.state == "not reached"
-    words = dial.in_words(md.Tuned(**vars(result), accuracy=accuracy))
+    found = accuracy._accuracy(chase, row("plate.acceleration=5"), result, np.nan)
+    assert found.state == "not reached"
+    words = accuracy.in_words(replace(result, accuracy=found))
     assert words == ["accuracy     NOT REACHED: ended before 128 periods, error unknown"]
 
 
 def test_the_papers_row_lies_inside():
-    assert dial.outside(md.load("quasi2d")) == ()
+    assert accuracy.outside(md.load("quasi2d")) == ()
 
 
 # Runs
@@ -131,27 +143,41 @@ def test_a_run_ends_as_soon_as_it_is_accurate(reached):
     assert np.isnan(a.error)
     assert reached.finished
     assert a.statistical <= 0.2 * max(abs(reached.c_x), 0.05) * (1 + 1e-12)
-    mean, half, cut = dial.interval(reached.c_x_series)
+    mean, half, cut = accuracy.interval(reached.c_x_series)
     assert (a.statistical, cut) == (half, reached.discarded)
     plain = md.run(reached.scene, periods=reached.periods)
     np.testing.assert_array_equal(plain.c_x_series, reached.c_x_series)
     before = reached.c_x_series[: int(reached.periods / 1.1) - 2]
     if reached.periods > 128:
-        mean, half, _ = dial.interval(before)
+        mean, half, _ = accuracy.interval(before)
         assert half > 0.15 * max(abs(mean), 0.05)
 
 
 def test_error_and_price_add_up(monkeypatch):
     """With a bias that is known; the next digit costs a hundredfold, and the shorter steps."""
-    monkeypatch.setattr(dial, "outside", lambda scene: ())
+    inside(monkeypatch)
     result = md.run(row("plate.acceleration=5"), tolerance=0.3, floor=0.05)
     a, size = result.accuracy, max(abs(result.c_x), 0.05)
-    _, bias = dial.chosen_step(row("plate.acceleration=5"), 0.3)
+    _, bias = accuracy.chosen_step(row("plate.acceleration=5"), 0.3)
     assert a.bias == pytest.approx(bias * size)
     assert a.state == "reached"
     assert a.error == pytest.approx(a.bias + a.statistical)
     assert a.next_digit_seconds > 50 * (a.statistical / (0.3 * size)) ** 2 * a.seconds
-    assert "by calibration" in " ".join(dial.in_words(result))
+    assert "by calibration" in " ".join(accuracy.in_words(result))
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_a_calibration_for_other_sources_leaves_the_bias_unknown(own, monkeypatch):
+    """The step stays the one it chooses, so that no number depends on the stamp."""
+    inside(monkeypatch)
+    if not own:
+        monkeypatch.setattr(accuracy, "digest", lambda: "an edit")
+    scene = row("plate.acceleration=5")
+    result = md.run(scene, tolerance=0.3, floor=0.05)
+    assert result.accuracy.state == ("reached" if own else "bias unknown")
+    assert np.isfinite([result.accuracy.bias, result.accuracy.error]).all() == own
+    assert ("calibrated for other sources" in " ".join(accuracy.in_words(result))) != own
+    assert result.scene == accuracy.chosen_step(scene, 0.3)[0]
 
 
 def test_what_cannot_be_reached_is_refused_with_what_there_is():
@@ -161,7 +187,7 @@ def test_what_cannot_be_reached_is_refused_with_what_there_is():
     assert result.finished
     assert result.periods < 5000
     assert result.accuracy.needed_seconds > 0.05
-    text = " ".join(dial.in_words(result))
+    text = " ".join(accuracy.in_words(result))
     assert "NOT REACHED" in text
     assert "this would take about" in text
 
@@ -172,7 +198,7 @@ def test_slow_drifts_are_judged_by_the_floor():
     assert result.accuracy.state == "bias unknown"
     assert abs(result.c_x) < 0.2
     assert result.accuracy.statistical <= 0.5 * 0.2
-    assert "of the floor 0.2" in dial.in_words(result)[0]
+    assert "of the floor 0.2" in accuracy.in_words(result)[0]
 
 
 @pytest.mark.parametrize(
@@ -216,7 +242,7 @@ def test_the_command_has_three_ends(capsys, monkeypatch):
     hard = ["--tolerance", "1e-4", "--max-seconds", "0.05"]
     assert main(["run", "quasi2d", *SMALL, *hard]) == 4
     assert "NOT REACHED" in capsys.readouterr().out
-    monkeypatch.setattr(dial, "outside", lambda scene: ())
+    inside(monkeypatch)
     assert main(["run", "quasi2d", *SMALL, *how, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["accuracy"]["state"] == "reached"
     assert main(["run", "quasi2d", "--max-seconds", "3"]) == 2
@@ -276,7 +302,7 @@ def test_the_fit_finds_what_was_put_in():
 
 
 def test_what_is_stored_follows_from_its_drifts():
-    known = dial.calibrated()
+    known = accuracy.calibrated()
     found = calibration.fitted(np.array(known["drift"]), np.array(known["drift_error"]))
     for name in ("order", "scale", "chi_squared"):
         assert found[name] == pytest.approx(known[name], rel=1e-6)
@@ -284,11 +310,11 @@ def test_what_is_stored_follows_from_its_drifts():
     assert known["steps"] == list(calibration.STEPS)
     for changes in calibration.SCENES.values():
         base = put(read_tables("quasi2d"), {"step": "none", **changes})
-        assert dial.outside(from_tables(base)) == ()
+        assert accuracy.outside(from_tables(base)) == ()
 
 
 def test_the_calibration_is_a_command(tmp_path, monkeypatch, capsys):
-    """Two tiny scenes; the file is what the dial reads."""
+    """Two tiny scenes; the file is what `--tolerance` reads."""
     few = {name: calibration.SCENES[name] for name in list(calibration.SCENES)[:2]}
     small = {"rods.count": 3, "box.length": 3.225}
     monkeypatch.setattr(calibration, "SCENES", {name: few[name] | small for name in few})
@@ -316,28 +342,29 @@ def test_the_calibration_holds():
     """Steps chosen for 4 % against steps a third as long: no more apart than bound and errors."""
     for changes in ([], ["box.length=60"], ["contacts.plate.friction=0.6"]):
         scene = md.load("quasi2d", [*changes, "start.speed=0.3"])
-        tuned, bias = dial.chosen_step(scene, 0.04)
+        tuned, bias = accuracy.chosen_step(scene, 0.04)
         fine = md.Step(tuned.step.size / 3, coarse=True)
         coarse = md.run(tuned, periods=6000, ledger=False)
-        finer = md.run(dial.replace(tuned, step=fine), periods=4000, ledger=False)
+        finer = md.run(replace(tuned, step=fine), periods=4000, ledger=False)
         error = np.hypot(coarse.c_x_stderr, finer.c_x_stderr)
         assert abs(coarse.c_x - finer.c_x) < bias * abs(finer.c_x) + 3 * error
 
 
 @pytest.mark.slow
-def test_the_error_is_as_large_as_it_says():
+def test_the_error_is_as_large_as_it_says(monkeypatch):
     """Of 120 starts, the long-run drift at the same step lies within the interval as often.
 
     The number of hits is no smaller than chance allows in one test of 1000; the long run's own
     error, a tenth of the interval, is added.
     """
+    inside(monkeypatch)
     scene = md.load("quasi2d", ["start.speed=0.3"])
-    tuned, _ = dial.chosen_step(scene, 0.05)
+    tuned, _ = accuracy.chosen_step(scene, 0.05)
     long = md.run(tuned, periods=25000, ledger=False)
     hits = 0
     for seed in range(100, 220):
-        start = dial.replace(scene.start, seed=seed)
-        found = md.run(dial.replace(scene, start=start), tolerance=0.05, ledger=False)
+        start = replace(scene.start, seed=seed)
+        found = md.run(replace(scene, start=start), tolerance=0.05, ledger=False)
         assert found.accuracy.state == "reached"
         hits += abs(found.c_x - long.c_x) <= found.accuracy.statistical + long.c_x_stderr
     assert hits >= binom.ppf(1e-3, 120, 0.95)

@@ -1,0 +1,48 @@
+"""EQUATIONS.md: tables of the mistakes, of the new results and of the numbered equations."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from .codegen import write
+from .registry import ENTRIES, mistakes
+
+TARGET = Path(__file__).with_name("EQUATIONS.md")
+
+
+def table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    """Return a table in Markdown."""
+    lines = [header, tuple("---" for _ in header), *rows]
+    return "\n".join(
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines
+    )
+
+
+def source() -> str:
+    """Return the text of the page."""
+    new = [entry for entry in ENTRIES if entry.verdict == "new"]
+    numbered = [entry for entry in ENTRIES if entry.tag.removeprefix("B").isdigit()]
+    tables = {
+        "Mistakes as printed in our copy": table(
+            ("where", "as printed", "what is right"),
+            ((entry.tag, entry.what, entry.note) for entry in mistakes()),
+        ),
+        "New results": table(
+            ("where", "what", "note"), ((entry.tag, entry.what, entry.note) for entry in new)
+        ),
+        "Numbered equations": table(
+            ("equation", "what", "verdict"),
+            ((f"({entry.tag})", entry.what, entry.verdict) for entry in numbered),
+        ),
+    }
+    return (
+        "# Equations\n\n<!-- written by `python -m derivations generate`; do not edit -->\n\n"
+        f"{len(ENTRIES)} entries in all: {len(mistakes())} are mistakes as printed in our copy, "
+        f"{len(new)} are not in the paper. `python -m derivations check` proves every verdict; "
+        "`python -m derivations report` writes all formulas.\n"
+        + "".join(f"\n## {title}\n\n{text}\n" for title, text in tables.items())
+    )
+
+
+def refresh() -> bool:
+    """Write the page; return whether it changed."""
+    return write(source(), TARGET)
