@@ -35,10 +35,10 @@ def shortened(patch: pytest.MonkeyPatch, folder: Path, periods: int = 6) -> list
     for module in (fig07, fig08):
         patch.setattr(module, "lone", lambda _: (np.array([0.0]), [lone]))
     patch.setattr(fig07, "TRANSIENT", 2)
-    patch.setattr(fig02, "COUNTS", {True: (34, 24)})
-    patch.setattr(fig04, "QUICK", FEW)
-    patch.setattr(fig04, "FEW", (40, 34, 24))
+    patch.setattr(fig02, "MAP_COUNTS", {True: (34, 24)})
+    patch.setattr(fig04, "QUICK_SIZES", FEW)
+    patch.setattr(fig04, "GAMMA_COUNTS", (40, 34, 24))
     patch.setattr(fig04, "ANNULUS_COUNT", 32)
-    patch.setattr(fig05, "SHOWN", (32, 24))
-    patch.setattr(fig05, "COUNTS", {True: (32, 24)})
+    patch.setattr(fig05, "SHOWN_COUNTS", (32, 24))
+    patch.setattr(fig05, "SNAPSHOT_COUNTS", {True: (32, 24)})
     return done

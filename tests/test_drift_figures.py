@@ -44,10 +44,10 @@ def test_time_to_reach_an_error():
 
 @pytest.fixture
 def tiny(monkeypatch):
-    monkeypatch.setattr(drift_figure, "PERIODS", {True: 300})
+    monkeypatch.setattr(drift_figure, "LONG_PERIODS", {True: 300})
     monkeypatch.setattr(drift_figure, "PER_CONTACT", (16, 18, 25, 36, 40))
     monkeypatch.setattr(drift_figure, "PAPER_STEP", 1e-4)
-    monkeypatch.setattr(drift_figure, "TOLERANCES", (0.4,))
+    monkeypatch.setattr(drift_figure, "DRIFT_TOLERANCES", (0.4,))
     seconds = 1e-3 / np.array(drift_figure.steps())
     monkeypatch.setattr(drift_figure, "seconds_per_period", lambda scenes: seconds)
 
@@ -78,14 +78,14 @@ def test_prices_of_a_period():
 
 
 def test_the_ladder(monkeypatch):
-    monkeypatch.setattr(ladder, "PERIODS", {True: 4})
+    monkeypatch.setattr(ladder, "LADDER_PERIODS", {True: 4})
     monkeypatch.setattr(ladder, "LANDINGS", (30,))
     rungs = {
         "step": {"t_c/13": (13, {})},
         "rods": {"N=5": (13, {"rods.count": 5, "box.length": 5.375})},
     }
     monkeypatch.setattr(ladder, "ROWS", rungs)
-    monkeypatch.setattr(ladder, "USUAL", 13)
+    monkeypatch.setattr(ladder, "USUAL_STEPS", 13)
     monkeypatch.setattr(ladder, "TRUSTED", (13, {}))
     d = ladder.data(quick=True)
     assert list(d["group"]) == [

@@ -76,7 +76,7 @@ def test_one_constant_is_best_in_the_energetic_law():
     """Head on 0.65 and never more: the loss by the dashpot is shared out by compression's work."""
     d = data("fig12")
     for column in (1, 2, 4, 5):
-        assert d["table"][0, :, column].argmin() == fig12.LAWS.index("stronge")
+        assert d["table"][0, :, column].argmin() == fig12.RESTITUTION_LAWS.index("stronge")
     assert d["restitution"][0, 0] == pytest.approx(0.65, abs=1e-3)
     assert 0.53 < d["restitution"][0].min() < 0.56
     fitted = d["table"][:, :, 3]
@@ -291,9 +291,9 @@ def test_model_errors_along_the_ladders():
             *(d[f"{name}_{key}"] for key in ("value", "error", "dt")), strict=True
         ):
             law = make(value)
-            longest = min(impact_errors.one_impact(tilt, law).dt for tilt in soft.TILTS[::3])
-            run = soft.simulate(soft.TILTS, law, refine=longest / dt)
-            again = soft.distance(run, soft.rigid(soft.TILTS, run.restitution))
+            longest = min(impact_errors.one_impact(tilt, law).dt for tilt in soft.TABLE_TILTS[::3])
+            run = soft.simulate(soft.TABLE_TILTS, law, refine=longest / dt)
+            again = soft.distance(run, soft.rigid(soft.TABLE_TILTS, run.restitution))
             assert again == pytest.approx(error, rel=0.1)
 
 

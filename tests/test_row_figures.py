@@ -193,17 +193,17 @@ def test_reversal_begins_at_the_line_drawn():
 
 def test_picture_and_summary_say_what_the_data_hold(monkeypatch):
     """One line a run in each table; where nothing was isolated, a dash."""
-    few = dict.fromkeys(landing_census.LAWS, (40.15,))
+    few = dict.fromkeys(landing_census.CONTACTS, (40.15,))
     few |= {"gamma": (2.0,), "stiff": (5e5,), "lossy": (0.5,), "lone": (5e5,)}
-    monkeypatch.setattr(landing_census, "QUICK", few)
-    monkeypatch.setattr(landing_census, "PERIODS", {True: 30})
+    monkeypatch.setattr(landing_census, "QUICK_VALUES", few)
+    monkeypatch.setattr(landing_census, "CENSUS_PERIODS", {True: 30})
     d = landing_census.data(quick=True)
     picture = landing_census.draw(d)
     assert all(ax.get_xlabel() and ax.get_ylabel() for ax in picture.axes)
     plt.close(picture)
     text = landing_census.summary(d)
     lines = [line.split() for line in text.splitlines()]
-    for sweep in (*landing_census.LAWS, "gamma", "stiff", "lossy"):
+    for sweep in (*landing_census.CONTACTS, "gamma", "stiff", "lossy"):
         assert sum(line[0] == sweep for line in lines) == 3
     slide = 100 * d["gamma_slide"][0, 0]
     row = next(line for line in lines if line[0] == "gamma")

@@ -94,7 +94,7 @@ def test_parts_of_the_landings_sum_to_one(tallies):
 
 def test_phase_densities_integrate_to_one(tallies):
     d = fig08.data(quick=True)
-    np.testing.assert_allclose(d["density"].sum(axis=1) * 2 * np.pi / fig08.BINS, 1)
+    np.testing.assert_allclose(d["density"].sum(axis=1) * 2 * np.pi / fig08.BINS_DRAWN, 1)
     sweep = runs.tilt_plan(True)
     (counts,) = runs.gathered(sweep, "phases")
     rising = np.concatenate([counts[..., :16], counts[..., 48:]], axis=-1).sum(axis=-1)
@@ -104,7 +104,7 @@ def test_phase_densities_integrate_to_one(tallies):
 def test_the_papers_density_is_found_again():
     edges = np.linspace(0, 2 * np.pi, 65)
     counts = 1e6 * np.diff(edges + np.sin(edges)) / (2 * np.pi)
-    middle = 2 * np.pi * (np.arange(fig08.BINS) + 0.5) / fig08.BINS
+    middle = 2 * np.pi * (np.arange(fig08.BINS_DRAWN) + 0.5) / fig08.BINS_DRAWN
     np.testing.assert_allclose(fig08.densities(counts), landing_density(middle), atol=1e-3)
     assert fig08.falling(counts) == pytest.approx(fig08.EXPECTED, rel=1e-12)
 
@@ -116,7 +116,7 @@ def test_tips_stay_above_the_plate_and_meet_it(tallies):
     assert gap.max() > 0.02
     assert d["plate"].max() == pytest.approx(3.3 * 981 / (2 * np.pi * 60) ** 2, rel=1e-3)
     assert d["time"][0] == 0
-    assert d["time"][-1] == pytest.approx(fig07.SHOWN, abs=0.05)
+    assert d["time"][-1] == pytest.approx(fig07.SHOWN_PERIODS, abs=0.05)
 
 
 def test_drift_is_told_from_none():

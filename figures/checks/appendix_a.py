@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 import md
 from md.laws import STIFFNESS, deepest_overlap
 
-from ..lib.soft_impacts import ROD, TILTS, distance, right, rigid, simulate
+from ..lib.soft_impacts import ROD, TABLE_TILTS, distance, right, rigid, simulate
 from ..lib.style import (
     BLACK,
     BLUE,
@@ -51,7 +51,7 @@ MASSES = {  # unit of mass, M_e: k_n and M_e in masses of the rod
 }
 INERTIAS = ("thin", "solid")
 CLAIMED = (0.65, 0.7)
-RATIO = 95.0
+PRINTED_RATIO = 95.0
 MENDED = (WHERE[0], WHERE[2])  # with the gamma that gives 0.65 head on at speed 1
 DAMPINGS = (0.0, 0.1, 0.3, 1.0)  # of the tangential spring, over the critical one
 _COLOURS = (BLACK, "#888888", GREEN, ORANGE, BLUE, RED)
@@ -63,14 +63,14 @@ def reading(where: str, mass: str, speed: float = 1.0, damping: float = 400.0) -
     light, reduced = MASSES[mass]
     law = md.appendix_a(
         STIFFNESS * light,
-        tangential_ratio=RATIO,
+        tangential_ratio=PRINTED_RATIO,
         damping=damping,
         reduced_mass=reduced,
         overlap_factor=where == WHERE[0],
     )
     if where != WHERE[2]:
         return law
-    root = RATIO * STIFFNESS * light / sqrt(deepest_overlap(law, speed))
+    root = PRINTED_RATIO * STIFFNESS * light / sqrt(deepest_overlap(law, speed))
     return replace(law, spring=law.spring._replace(proportional=None, root=root))
 
 
@@ -89,10 +89,10 @@ def _needed(where: str, claimed: float, mass: str, speed: float) -> float:
 
 def _compared(law: md.Law, rod: md.Rod) -> tuple[float, float, float, float]:
     """RMS from theory at 0.65, regimes right there; the same at the measured restitution."""
-    soft = simulate(TILTS, law, rod=rod)
+    soft = simulate(TABLE_TILTS, law, rod=rod)
     found = []
     for e in (0.65, soft.restitution):
-        theory = rigid(TILTS, e, rod)
+        theory = rigid(TABLE_TILTS, e, rod)
         found += [distance(soft, theory), right(soft, theory)]
     return tuple(found)
 
@@ -100,9 +100,9 @@ def _compared(law: md.Law, rod: md.Rod) -> tuple[float, float, float, float]:
 def _readings(speeds: np.ndarray) -> Data:
     """Of shape (where, mass, inertia, ...), speeds and tilts last."""
     shape = len(WHERE), len(MASSES), len(INERTIAS)
-    restitution = np.empty((*shape, speeds.size, TILTS.size + 1))
+    restitution = np.empty((*shape, speeds.size, TABLE_TILTS.size + 1))
     compared = np.empty((*shape, 4))
-    tilts = np.append(0.0, TILTS)
+    tilts = np.append(0.0, TABLE_TILTS)
     for (i, j, k), _ in np.ndenumerate(compared[..., 0]):
         rod = ROD._replace(inertia=INERTIAS[k])
         where, mass = WHERE[i], list(MASSES)[j]
@@ -121,23 +121,23 @@ def _why(ratios: np.ndarray) -> Data:
         spring = law.spring._replace(drag=None, ratio=DAMPINGS[i] or None)
         off[i, j] = _compared(replace(law, spring=spring), ROD)[2]
     root = sqrt(deepest_overlap(md.appendix_a(), 1.0))
-    return {"ratio": ratios * root, "printed_ratio": np.float64(RATIO * root), "why": off}
+    return {"ratio": ratios * root, "printed_ratio": np.float64(PRINTED_RATIO * root), "why": off}
 
 
 def data(quick: bool = False) -> Data:
     """Restitutions and distances of 36 readings, gamma needed, and the printed law varied."""
     speeds = np.array([0.5, 1.0, 3.0]) if quick else np.array([0.5, 0.8, 1.0, 1.7, 3.0])
-    ratios = RATIO * 10 ** np.linspace(-1, 4, 6 if quick else 11)
+    ratios = PRINTED_RATIO * 10 ** np.linspace(-1, 4, 6 if quick else 11)
     ends = np.array([0.5, 1.0, 3.0])
     needed = [[[_needed(WHERE[0], e, m, v) for v in ends] for e in CLAIMED] for m in MASSES]
     gammas = [_needed(where, CLAIMED[0], "rod, M/2", 1.0) for where in MENDED]
     mended = [reading(w, "rod, M/2", damping=g) for w, g in zip(MENDED, gammas, strict=True)]
     check = [(w, m) for w in WHERE for m in (list(MASSES) if not quick else ["rod, M/2"])]
     halves = [
-        distance(simulate(TILTS, law := reading(*r)), simulate(TILTS, law, refine=64))
+        distance(simulate(TABLE_TILTS, law := reading(*r)), simulate(TABLE_TILTS, law, refine=64))
         for r in check
     ]
-    tilts = np.append(0.0, TILTS)
+    tilts = np.append(0.0, TABLE_TILTS)
     return {
         "tilt": tilts,
         "speed": speeds,

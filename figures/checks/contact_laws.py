@@ -20,7 +20,7 @@ from ..lib.runs import FRICTION, GAMMA, RESTITUTION, boxes, means, planned, plat
 from ..lib.style import Data, style
 from ..lib.tables import pairs, table, text_of
 
-TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
+LAW_TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
 
 
 def _printed(**options: object) -> dict:
@@ -43,8 +43,8 @@ CONTACT_LAWS = {  # what each changes in `runs.ROW`
         "contacts.plate.tangential_ratio": "none",
     },
 }
-QUICK = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
-STORED = {
+QUICK_LAWS = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
+LAW_MEANS = {
     "tilt": "tilt_deg",
     "c_x": "c_x_cm_s",
     **{name: f"landings.{name}.mean" for name in ("c_x_before", "c_x_after", "omega_before")},
@@ -67,15 +67,15 @@ def _names(d: Data) -> list[str]:
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Of each law: over tilt."""
-    names, periods = QUICK if quick else tuple(CONTACT_LAWS), 40 if quick else 150
-    axes = [{"box.length": boxes(QUICK_DEG if quick else TILTS_DEG)}]
+    names, periods = QUICK_LAWS if quick else tuple(CONTACT_LAWS), 40 if quick else 150
+    axes = [{"box.length": boxes(QUICK_DEG if quick else LAW_TILTS_DEG)}]
     axes.append({"start.seed": [1, 2]})
     return {name: planned(axes, periods, CONTACT_LAWS[name]) for name in names}
 
 
 def data(quick: bool = False) -> Data:
     """Of each law: the tables over tilt, and a number for each claim."""
-    nominal, runs = np.array(QUICK_DEG if quick else TILTS_DEG), sweeps(quick)
+    nominal, runs = np.array(QUICK_DEG if quick else LAW_TILTS_DEG), sweeps(quick)
     theory = drift(
         thin_rod(np.radians(nominal)),
         friction=FRICTION,
@@ -85,7 +85,7 @@ def data(quick: bool = False) -> Data:
     tables = []
     for sweep in runs.values():
         scene = sweep.points[0].scene
-        found = {"nominal": nominal, "theory": theory, **means(sweep, STORED)}
+        found = {"nominal": nominal, "theory": theory, **means(sweep, LAW_MEANS)}
         found["ratio"] = -found["c_z_before"] / found["c_z_after"]
         tables.append(found | {"half_length": scene.rods.length / 2, "speed": scene.plate_speed})
     value = np.array([[claim.number(found) for claim in CLAIMS] for found in tables])

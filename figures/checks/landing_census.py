@@ -29,32 +29,32 @@ from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style, til
 from ..lib.tables import table
 from .census import DISTURBED, counted
 
-GAMMA, PRINTED = 3.3, {"law": "appendix_a", "restitution": "none"}
-LAWS = {  # a softer tangential spring between rods allows a larger step
+GAMMA, AS_PRINTED = 3.3, {"law": "appendix_a", "restitution": "none"}
+CONTACTS = {  # a softer tangential spring between rods allows a larger step
     "constraint": {"contacts.plate.law": "coulomb", "contacts.rods.tangential_ratio": 5},
     "spring": {"contacts.rods.tangential_ratio": 5},
     "appendix_a": {
         f"contacts.{pair}.{key}": value
         for pair in ("plate", "rods")
-        for key, value in PRINTED.items()
+        for key, value in AS_PRINTED.items()
     },
 }
-KEYS = {  # what is varied; the law is the first one where none is named
-    **dict.fromkeys(LAWS, ("box.length",)),
+VARIED = {  # what is varied; the law is the first one where none is named
+    **dict.fromkeys(CONTACTS, ("box.length",)),
     "gamma": ("plate.acceleration",),
     "stiff": ("contacts.plate.stiffness", "contacts.rods.stiffness"),
     "lossy": ("contacts.rods.restitution",),
     "lone": ("contacts.plate.stiffness",),
 }
 BOXES = (40.15, 40.6, 41.4, 43, 45.5, 48, 52, 57, 63, 70, 80)
-FULL = {
-    **dict.fromkeys(LAWS, BOXES),
+FULL_VALUES = {
+    **dict.fromkeys(CONTACTS, BOXES),
     "gamma": (1.2, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5),
     "stiff": (5e5, 5e6, 5e7),
     "lossy": (0.3, 0.5, 0.65, 0.8, 0.9, 0.97),
     "lone": (5e4, 5e5, 5e6, 5e7, 5e8),
 }
-QUICK = {
+QUICK_VALUES = {
     "constraint": (40.6, 43, 48, 57, 80),
     "spring": (43, 57),
     "appendix_a": (43, 57),
@@ -63,10 +63,10 @@ QUICK = {
     "lossy": (0.3, 0.65, 0.9),
     "lone": (5e4, 5e5, 5e6),
 }
-PERIODS = {True: 20, False: 400}  # of rows
+CENSUS_PERIODS = {True: 20, False: 400}  # of rows
 THROWN, THROWS = {True: 100, False: 1000}, 5  # lone rods, and their periods
-FEW = 30  # isolated touches, below which their mean is not drawn
-ROW, LONE = put(read_tables("quasi2d"), {"step.size": "none"}), read_tables("single_rod")
+FEWEST_ISOLATED = 30  # isolated touches, below which their mean is not drawn
+CENSUS_ROW, LONE = put(read_tables("quasi2d"), {"step.size": "none"}), read_tables("single_rod")
 
 
 TABLES = {
@@ -99,7 +99,7 @@ TABLES = {
         "above_number": "above 1 #",
     },
 }
-MEASURES = dict.fromkeys((
+STORED_MEASURES = dict.fromkeys((
     *("tilt", "c_x", "count", "isolated_count", "pushed_duration", "duration", "residual"),
     *("allowed", "agree_number", "agree_allowed_number"),
     *(name for columns in TABLES.values() for name in columns),
@@ -108,18 +108,22 @@ MEASURES = dict.fromkeys((
 
 def one_row(quick: bool) -> Sweep:
     """The row at its usual tilt alone."""
-    return planned([], PERIODS[quick], LAWS["constraint"], ROW, counted)
+    return planned([], CENSUS_PERIODS[quick], CONTACTS["constraint"], CENSUS_ROW, counted)
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Rows over tilt, law by law, over Gamma, stiffness and restitution; lone rods."""
     found = {}
-    for name, values in (QUICK if quick else FULL).items():
-        base, periods, changes = ROW, PERIODS[quick], LAWS.get(name, LAWS["constraint"])
+    for name, values in (QUICK_VALUES if quick else FULL_VALUES).items():
+        base, periods, changes = (
+            CENSUS_ROW,
+            CENSUS_PERIODS[quick],
+            CONTACTS.get(name, CONTACTS["constraint"]),
+        )
         if name == "lone":  # thrown on the plate one by one, until they have fallen
             changes = {"start.speed": 0.5, "start.drop": 0.1, "rods.count": THROWN[quick]}
             base, periods = LONE, THROWS
-        axis = {key: [*values] for key in KEYS[name]}
+        axis = {key: [*values] for key in VARIED[name]}
         found[name] = planned([axis], periods, changes, base, counted)
     return found
 
@@ -140,8 +144,8 @@ def data(quick: bool = False) -> Data:
     """Measures over what each sweep varies: a column (value, error) each, or a number."""
     found = {"reversal_tilt_deg": np.float64(reversal_tilt())}
     for name, sweep in sweeps(quick).items():
-        found[name] = sweep.values(KEYS[name][0])
-        for measure, values in zip(MEASURES, gathered(sweep, *MEASURES), strict=True):
+        found[name] = sweep.values(VARIED[name][0])
+        for measure, values in zip(STORED_MEASURES, gathered(sweep, *STORED_MEASURES), strict=True):
             found[f"{name}_{measure}"] = values
     return found
 
@@ -182,8 +186,8 @@ def _draw_company(ax, d) -> None:
 
 
 def _draw_residual(ax, d) -> None:
-    for law, colour in zip(LAWS, (BLACK, GREEN, ORANGE), strict=True):
-        tilt, some = d[f"{law}_tilt"][:, 0], d[f"{law}_isolated_count"] >= FEW
+    for law, colour in zip(CONTACTS, (BLACK, GREEN, ORANGE), strict=True):
+        tilt, some = d[f"{law}_tilt"][:, 0], d[f"{law}_isolated_count"] >= FEWEST_ISOLATED
         _curve(ax, tilt, d[f"{law}_pushed_residual"], colour, marker="s")
         _curve(ax, tilt[some], d[f"{law}_isolated_residual"][some], colour)
         _curve(ax, tilt[some], d[f"{law}_isolated_allowed"][some], colour, open=True)
@@ -260,7 +264,7 @@ def summary(d: Data) -> str:
     for title, columns in TABLES.items():
         rows = [
             [name, f"{x:.4g}", f"{d[f'{name}_tilt'][i, 0]:.1f}", *cells(name, i, columns)]
-            for name in [*KEYS][:-1]
+            for name in [*VARIED][:-1]
             for i, x in enumerate(d[name])
         ]
         lines += [title, table(("sweep", "at", "tilt", *columns.values()), rows, ".3g")]

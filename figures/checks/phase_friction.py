@@ -15,13 +15,12 @@ import numpy as np
 from impact import critical_friction, drift, spherocylinder
 from md.sweep import Sweep
 
-from ..lib.runs import COUNT, GAMMA, LENGTH, RESTITUTION, means, planned, plate_speed_cm_s
+from ..lib.runs import BOX, COUNT, GAMMA, LENGTH, RESTITUTION, means, planned, plate_speed_cm_s
 from ..lib.style import BLACK, BLUE, ORANGE, WARM, Data, name_panels, style
 from ..lib.tables import table
 
-STORED = {"c_x": "c_x_cm_s", "tilt_deg": "tilt_deg"}
-STORED["V_z"] = "landings.plate_velocity_by_speed.mean"
-BOX = 43.0
+FRICTION_MEANS = {"c_x": "c_x_cm_s", "tilt_deg": "tilt_deg"}
+FRICTION_MEANS["V_z"] = "landings.plate_velocity_by_speed.mean"
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
@@ -51,7 +50,7 @@ def data(quick: bool = False) -> Data:
     return {
         "friction": friction,
         "restitution": epsilon,
-        **means(sweep, STORED),
+        **means(sweep, FRICTION_MEANS),
         "theory": drift(rod, friction=mu, restitution=epsilon, **setting).c_x,
         "fine_friction": fine,
         "fine_theory": drift(rod, friction=fine, restitution=RESTITUTION, **setting).c_x,

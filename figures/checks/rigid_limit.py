@@ -16,7 +16,7 @@ import numpy as np
 
 import md
 
-from ..lib.soft_impacts import TILTS, distance, right, rigid, simulate
+from ..lib.soft_impacts import TABLE_TILTS, distance, right, rigid, simulate
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
 from ..lib.tables import table
 
@@ -32,15 +32,19 @@ BY_STIFFNESS = {
     "appendix_a": md.appendix_a,
     "appendix_a, dashpots without overlap": lambda k: md.appendix_a(k, overlap_factor=False),
 }
-SERIES = ((5e6, 1.0), (1e12, 1.0), (1e12, 0.0))  # k_n and tangential damping ratio of panel (b)
+SPRING_SERIES = (
+    (5e6, 1.0),
+    (1e12, 1.0),
+    (1e12, 0.0),
+)  # k_n and tangential damping ratio of panel (b)
 GOAL = 4e-4  # the best published engine's error over tilts
 FITTED = 100.0  # from this ratio on
 
 
 def _error(law: md.Law, **how) -> tuple[float, int]:
     """RMS error, and regimes right of 17."""
-    soft = simulate(TILTS, law, **how)
-    theory = rigid(TILTS, soft.restitution)
+    soft = simulate(TABLE_TILTS, law, **how)
+    theory = rigid(TABLE_TILTS, soft.restitution)
     return distance(soft, theory), right(soft, theory)
 
 
@@ -51,13 +55,13 @@ def _slope(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _springs(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Error of constant_restitution over the tangential ratio, for each of `SERIES`."""
+    """Error of constant_restitution over the tangential ratio, for each of `SPRING_SERIES`."""
     laws = [
         [
             md.constant_restitution(stiffness=k, tangential_ratio=r, tangential_damping=damping)
             for r in ratios
         ]
-        for k, damping in SERIES
+        for k, damping in SPRING_SERIES
     ]
     found = np.array([[_error(law) for law in row] for row in laws])
     return found[..., 0], found[..., 1].astype(int)
@@ -99,7 +103,7 @@ def summary(d: Data) -> str:
         rows = [[name, *row] for name, row in zip(names, cells, strict=True)]
         return table((head, *values), rows, ".3g")
 
-    series = [f"k_n {k:.0e}, damping {damping:g}" for k, damping in SERIES]
+    series = [f"k_n {k:.0e}, damping {damping:g}" for k, damping in SPRING_SERIES]
     slopes = {"coulomb over k_n; predicted -0.4": d["slope"]}
     slopes |= {
         f"{name}, over ratios from {FITTED:g} on; predicted -0.5": slope
@@ -136,7 +140,7 @@ def draw(d: Data) -> plt.Figure:
     left.set(xlabel=r"stiffness $k_n$ ($mg/d^{3/2}$)", ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$")
     series_looks = ((GREEN, "--", "^"), (BLUE, "-", "s"), (RED, "-.", "D"))
     for (k, damping), error, (slope, _), (colour, dashes, marker) in zip(
-        SERIES, d["error_by_ratio"], d["slope_by_ratio"], series_looks, strict=True
+        SPRING_SERIES, d["error_by_ratio"], d["slope_by_ratio"], series_looks, strict=True
     ):
         power = int(np.log10(k))
         digits = rf"10^{{{power}}}" if k == 10**power else rf"{k / 10**power:g}\times10^{power}"

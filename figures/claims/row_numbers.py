@@ -150,7 +150,7 @@ def _phases(quick):
 @measures("S15", "printed", "printed_regimes", "coulomb", "coulomb_regimes", "seen")
 def _soft_impact(quick):
     d = table("fig12", quick)
-    some = np.isclose(d["tilt"], soft.TILTS[:, None]).any(axis=0)
+    some = np.isclose(d["tilt"], soft.TABLE_TILTS[:, None]).any(axis=0)
     theory = soft.rigid(d["tilt"][some], fig12.EPSILON).regime
     for law in ("appendix_a", "coulomb"):
         i = list(fig12.SOFT).index(law)

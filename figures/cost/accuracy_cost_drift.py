@@ -34,10 +34,10 @@ PAPER_STEP = 2e-5  # sqrt(d/g)
 PER_CONTACT = (16, 20, 26, 40, 80)  # and the paper's
 FINE = 30  # steps a contact from which on runs are taken as the truth
 CUT = 100  # periods at the start
-PERIODS = {True: 2500, False: 20000}  # quick or not; a third of it at the paper's step
-CLEAR = 3  # its own errors: a smaller bias is taken for none
-TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
-LENGTHS = np.unique(np.geomspace(4, 2500, 14).astype(int))  # of the parts, periods
+LONG_PERIODS = {True: 2500, False: 20000}  # quick or not; a third of it at the paper's step
+CLEAR_BIAS = 3  # its own errors: a smaller bias is taken for none
+DRIFT_TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
+PART_LENGTHS = np.unique(np.geomspace(4, 2500, 14).astype(int))  # of the parts, periods
 
 
 def _scene(dt: float, seed: int = 1) -> md.Scene:
@@ -61,7 +61,7 @@ def long_run(scene: md.Scene, periods: int) -> dict[str, Any]:
         raise KeyboardInterrupt
     series = run.c_x_series[CUT:]
     found = {"mean": float(series.mean()), "error": standard_error(series), "made": len(series)}
-    return {**found, "parts": parts(series, LENGTHS).tolist()}
+    return {**found, "parts": parts(series, PART_LENGTHS).tolist()}
 
 
 def steps() -> list[float]:
@@ -72,8 +72,8 @@ def steps() -> list[float]:
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Long runs over the step; runs to a tolerance."""
-    sizes, tolerances = steps(), TOLERANCES[: 3 if quick else None]
-    made = [PERIODS[quick] // (1 if dt > PAPER_STEP else 3) for dt in sizes]
+    sizes, tolerances = steps(), DRIFT_TOLERANCES[: 3 if quick else None]
+    made = [LONG_PERIODS[quick] // (1 if dt > PAPER_STEP else 3) for dt in sizes]
     long = [Point(_scene(dt), CUT + n) for dt, n in zip(sizes, made, strict=True)]
     asked = [Point(_scene(PAPER_STEP, 5), 0, tolerance) for tolerance in tolerances]
     return {
@@ -105,7 +105,7 @@ def data(quick: bool = False) -> Data:
         "bias_error": np.hypot(error, truth_error) / truth,
         # Errors of a mean of n periods as sigma sqrt(g/n): from the standard error of the long run.
         "noise": error * np.sqrt(made) / truth,
-        "lengths": LENGTHS,
+        "lengths": PART_LENGTHS,
         "rms": rms_of_parts(of_parts, truth) / truth,
         "tolerance": plan["asked"].values("tolerance"),
         "run_seconds": spent,
@@ -131,7 +131,7 @@ def to_reach(d: Data, error: float) -> np.ndarray:
 
     Squares of bias and noise add; a bias that cannot be told from zero counts as none.
     """
-    clear = np.abs(d["bias"]) > CLEAR * d["bias_error"]
+    clear = np.abs(d["bias"]) > CLEAR_BIAS * d["bias_error"]
     room = error**2 - np.where(clear, d["bias"], 0.0) ** 2
     with np.errstate(divide="ignore", invalid="ignore"):
         periods = d["noise"] ** 2 / room
@@ -155,9 +155,11 @@ def panel(ax: Axes, d: Data) -> None:
     right = 2 * (longest * d["seconds"][:-1]).max()
     for i, colour in enumerate(_COLOURS):
         size, error = abs(d["bias"][i]), d["bias_error"][i]
-        clear = size > CLEAR * error
+        clear = size > CLEAR_BIAS * error
         look = {"lw": 1.4, "ls": "-"} if clear else {"lw": 0.8, "ls": ":"}
-        ax.plot([right, 3 * right], [size if clear else CLEAR * error] * 2, color=colour, **look)
+        ax.plot(
+            [right, 3 * right], [size if clear else CLEAR_BIAS * error] * 2, color=colour, **look
+        )
     time = np.array([d["lengths"][0] * d["seconds"][:-1].min(), right])
     middle = int(np.abs(d["per_contact"] - 25).argmin())
     guide = 0.5 * d["noise"][middle] * np.sqrt(d["seconds"][middle] / time)

@@ -21,7 +21,7 @@ import md
 from md.laws import contact_time
 
 from ..lib.impact_times import impact_call, price, rigid_seconds
-from ..lib.soft_impacts import TILTS
+from ..lib.soft_impacts import TABLE_TILTS
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style
 from ..lib.tables import table
 from ..lib.timing import machine_line
@@ -29,7 +29,7 @@ from .impact_errors import (
     LADDERS,
     METHODS,
     OFFSETS,
-    SCENES,
+    TILTS_OF_REGIMES,
     adaptive,
     fixed_steps,
     models,
@@ -65,7 +65,7 @@ def gear_from_leapfrog() -> np.ndarray:
     """
 
     def after(law, method):
-        hits = [one_impact(tilt, law, integrator=method, dt=PAPER_STEP) for tilt in TILTS]
+        hits = [one_impact(tilt, law, integrator=method, dt=PAPER_STEP) for tilt in TABLE_TILTS]
         return np.array([(hit.c_x, hit.c_z) for hit in hits])
 
     rows = []
@@ -101,7 +101,7 @@ def data(quick: bool = False) -> Data:
         impact_call(float(tilt), LAW, method, whole / part)
         for method in METHODS
         for part in parts
-        for tilt in SCENES
+        for tilt in TILTS_OF_REGIMES
     ]
     seconds, steps = (a.reshape(*fixed[0].shape, -1).mean(-1) for a in price(calls, runs))
     return {

@@ -25,6 +25,7 @@ from md.scene import Scene, both, from_tables, put, read_tables
 from md.sweep import Point, Sweep
 
 from ..lib.runs import (
+    BOX,
     COUNT,
     FRICTION,
     GAMMA,
@@ -37,32 +38,32 @@ from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, style
 from ..lib.tables import table
 from ..lib.timing import machine_line, medians, repeated, seconds_per_period
 
-BOX = 43.0
-TILT = np.arccos(COUNT / BOX)
-USUAL = 36  # steps a contact
+ROW_TILT = np.arccos(COUNT / BOX)
+USUAL_STEPS = 36  # steps a contact
 
 
 PRINTED = both(law="appendix_a", restitution="none")
 CONSTRAINT = {"contacts.plate.law": "coulomb"}
 ROWS = {  # group: label: (steps a contact, what the scene changes)
-    "step": {rf"$t_c/{n}$": (n, {}) for n in (13, 18, 25, USUAL, 72)},
+    "step": {rf"$t_c/{n}$": (n, {}) for n in (13, 18, 25, USUAL_STEPS, 72)},
     "stiffness": {
-        rf"$k_n=5\cdot10^{n}$": (USUAL, both(stiffness=5.0 * 10**n)) for n in (3, 4, 5, 7)
+        rf"$k_n=5\cdot10^{n}$": (USUAL_STEPS, both(stiffness=5.0 * 10**n)) for n in (3, 4, 5, 7)
     },
     "contact law": {
-        "App. A": (USUAL, PRINTED),
-        "springs 3": (USUAL, both(tangential_ratio=3)),
-        "Coulomb": (USUAL, CONSTRAINT),
-        r"$\epsilon=0.8$": (USUAL, both(restitution=0.8)),
+        "App. A": (USUAL_STEPS, PRINTED),
+        "springs 3": (USUAL_STEPS, both(tangential_ratio=3)),
+        "Coulomb": (USUAL_STEPS, CONSTRAINT),
+        r"$\epsilon=0.8$": (USUAL_STEPS, both(restitution=0.8)),
     },
     "rods": {
-        rf"$N={n}$": (USUAL, {"rods.count": n, "box.length": n * BOX / COUNT}) for n in (5, 10, 160)
+        rf"$N={n}$": (USUAL_STEPS, {"rods.count": n, "box.length": n * BOX / COUNT})
+        for n in (5, 10, 160)
     },
 }
-LENGTHS = (3, 30)  # periods, at the usual step
+RUN_LENGTHS = (3, 30)  # periods, at the usual step
 STARTS = 8  # of each row: its error is known to a quarter
-PERIODS = {True: 400, False: 1000}  # quick or not; also of each start of the trusted answer
-TRUSTED = (USUAL, {**both(stiffness=5e7), **CONSTRAINT})
+LADDER_PERIODS = {True: 400, False: 1000}  # quick or not; also of each start of the trusted answer
+TRUSTED = (USUAL_STEPS, {**both(stiffness=5e7), **CONSTRAINT})
 LANDINGS = (30, 300, 3000, 100_000)  # of one rigid rod
 
 
@@ -76,9 +77,9 @@ def scene(per_contact: float, changes: dict, seed: int = 1) -> Scene:
 
 def rungs(quick: bool) -> dict[tuple[str, str], tuple[float, dict, int]]:
     """Rows by group and label: steps a contact, changes of the scene, periods."""
-    found = {("length", f"{n} periods"): (USUAL, {}, n) for n in LENGTHS}
+    found = {("length", f"{n} periods"): (USUAL_STEPS, {}, n) for n in RUN_LENGTHS}
     return found | {
-        (group, label): (*how, PERIODS[quick])
+        (group, label): (*how, LADDER_PERIODS[quick])
         for group, rows in ROWS.items()
         for label, how in rows.items()
     }
@@ -92,13 +93,13 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
         points = [Point(scene(n, to, seed), periods) for n, to, periods in rows for seed in seeds]
         return Sweep(({"row": rows}, {"start.seed": seeds}), tuple(points))
 
-    trusted = [(*TRUSTED, PERIODS[quick])]
+    trusted = [(*TRUSTED, LADDER_PERIODS[quick])]
     return {"rows": starts(list(rungs(quick).values())), "trusted": starts(trusted)}
 
 
 def _closed(speed: float, calls: int) -> tuple[float, ...]:
     """Closed form with the assumed V_z, and the seconds of each of `calls` in one array."""
-    rod = paper_rod(np.full(calls, TILT) if calls > 1 else TILT)
+    rod = paper_rod(np.full(calls, ROW_TILT) if calls > 1 else ROW_TILT)
     how = {"friction": FRICTION, "restitution": RESTITUTION, "plate_velocity": speed / 2}
     call = repeated(lambda: drift(rod, **how))
     return float(np.ravel(call(1).c_x)[0]), 0.0, 0.0, medians([call], 21)[0] / calls
@@ -111,7 +112,7 @@ def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
     how = {"gamma": GAMMA, "friction": FRICTION, "restitution": RESTITUTION}
     rods = 10 if landings < 1000 else 50
     how |= {"rods": rods, "landings": max(landings // rods, 3), "transient": 20}
-    call = repeated(lambda: bounce(paper_rod(TILT), **how, shortest_flight=0.1))
+    call = repeated(lambda: bounce(paper_rod(ROW_TILT), **how, shortest_flight=0.1))
     found = call(1).drift
     return speed * found.mean, *[speed * found.error] * 2, medians([call], 1)[0]
 

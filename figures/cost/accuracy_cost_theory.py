@@ -28,13 +28,13 @@ from ..lib.timing import medians, repeated
 from .exact_impacts import FIELDS, Impacts, exact, literal, reference
 
 DIGITS = (15, 30, 60, 100)
-TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of the smoothed friction
+SMOOTH_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of the smoothed friction
 EVENT_TOLERANCES = (1e-3, 1e-6, 1e-10)
 ARRAYS = (
     *("NumPy, float64", "NumPy, float32", "compiled, float64", "compiled, float32"),
     *("compiled loop, float64", "as printed, float64"),
 )
-RUNS = 7
+TIMED_RUNS = 7
 PURPLE = "#CC79A7"
 
 
@@ -138,7 +138,7 @@ def _arrays(n: int, checked: int) -> Data:
     target = np.empty_like(source)
     functions = [calls[name][1] for name in ARRAYS]
     timed = [*functions, lambda: np.copyto(target, source)]
-    *seconds, copy = medians([repeated(call) for call in timed], RUNS)
+    *seconds, copy = medians([repeated(call) for call in timed], TIMED_RUNS)
     return {
         "array_seconds": np.array(seconds) / n,
         "array_error": np.array(errors).T,
@@ -158,7 +158,7 @@ def _many_digits(n: int) -> Data:
         with mpmath.workdps(digits):
             numbers = [[mpmath.mpf(x) for x in row] for row in rows]
             every = repeated(lambda numbers=numbers: [*map(exact, numbers)])
-            seconds.append(medians([every], RUNS)[0] / n)
+            seconds.append(medians([every], TIMED_RUNS)[0] / n)
             got = [exact(row)[1] for row in numbers]
         with mpmath.workdps(150):
             worst = [
@@ -174,7 +174,7 @@ def _integrated(n: int) -> Data:
     impacts = Impacts(*random_impacts(n, seed=7))
     rows, true = list(zip(*impacts, strict=True)), reference(impacts)
     found = {}
-    for name, tolerances in (("events", EVENT_TOLERANCES), ("smooth", TOLERANCES)):
+    for name, tolerances in (("events", EVENT_TOLERANCES), ("smooth", SMOOTH_TOLERANCES)):
         seconds, errors = [], []
         for tolerance in tolerances:
             start = perf_counter()

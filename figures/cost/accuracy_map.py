@@ -16,12 +16,12 @@ from matplotlib.colors import BoundaryNorm
 from impact import collide, critical_friction, slide_friction, thin_rod
 from impact.__main__ import random_impacts
 
-from ..lib.style import LAWS, Data, name_panel, style, tilt_axis
+from ..lib.style import RESTITUTION_LAWS, Data, name_panel, style, tilt_axis
 from ..lib.tables import table as text_table
-from .exact_impacts import REGIMES, Impacts, literal, painleve_sum, reference
+from .exact_impacts import SLIP_REGIMES, Impacts, literal, painleve_sum, reference
 
-LEVELS = (0, 0.5, 1, 2, 4, 16, 256, 1e4, 1e8, 1e16)  # of the colours, ulp
-PRINTED = ("c_x", "c_z")  # what the paper has formulas for
+ULP_LEVELS = (0, 0.5, 1, 2, 4, 16, 256, 1e4, 1e8, 1e16)  # of the colours, ulp
+PRINTED_FIELDS = ("c_x", "c_z")  # what the paper has formulas for
 _NAMES = ("slide", "slip-stick", "slip reversal")
 
 
@@ -48,9 +48,9 @@ def _map(cells: tuple[int, int], samples: int) -> Data:
     return {
         "tilt": tilt,
         "friction": 10**decade,
-        "ours": worst(ours, PRINTED),
+        "ours": worst(ours, PRINTED_FIELDS),
         "ours_all_fields": worst(ours),
-        "literal": worst(literal(impacts), PRINTED),
+        "literal": worst(literal(impacts), PRINTED_FIELDS),
     }
 
 
@@ -77,15 +77,15 @@ def _lines(points: int) -> Data:
 def table(n: int) -> Data:
     """Largest and mean error over random impacts, shape (laws, regimes)."""
     impacts = Impacts(*random_impacts(n, seed=3))
-    count = np.zeros(len(REGIMES), int)
-    largest, mean = np.zeros((2, len(LAWS), len(REGIMES)))
-    compared = np.zeros((3, 2, len(REGIMES)))  # ours, as printed, as printed where N > 0
+    count = np.zeros(len(SLIP_REGIMES), int)
+    largest, mean = np.zeros((2, len(RESTITUTION_LAWS), len(SLIP_REGIMES)))
+    compared = np.zeros((3, 2, len(SLIP_REGIMES)))  # ours, as printed, as printed where N > 0
     paper, plain = literal(impacts), painleve_sum(impacts) > 0
-    for i, law in enumerate(LAWS):
+    for i, law in enumerate(RESTITUTION_LAWS):
         true, got = reference(impacts, law), impacts.collide(collide, law)
         error = true.ulp(got)
-        both = [true.ulp(values, PRINTED) for values in (got, paper)] if i == 0 else []
-        for j, regime in enumerate(REGIMES):
+        both = [true.ulp(values, PRINTED_FIELDS) for values in (got, paper)] if i == 0 else []
+        for j, regime in enumerate(SLIP_REGIMES):
             here = true.regime == regime
             count[j] = here.sum()
             largest[i, j], mean[i, j] = error[here].max(), error[here].mean()
@@ -116,7 +116,7 @@ def _cell(value: float) -> str:
 
 def _rows(d: Data) -> list[list[str]]:
     """The table: one row a law, largest and mean by regime."""
-    names = [f"all results, {law}" for law in LAWS]
+    names = [f"all results, {law}" for law in RESTITUTION_LAWS]
     names += ["c_x', c_z', newton", "the same, as printed", "as printed, no Painleve"]
     highs = [*d["table_max"], *d["compared"][:, 0]]
     rows = zip(names, highs, [*d["table_mean"], *d["compared"][:, 1]], strict=True)
@@ -156,7 +156,7 @@ def draw(d: Data) -> plt.Figure:
     grid = figure.add_gridspec(2, 2, height_ratios=(2.1, 1))
     axes = [figure.add_subplot(grid[0, 0])]
     axes.append(figure.add_subplot(grid[0, 1], sharey=axes[0]))
-    norm = BoundaryNorm(LEVELS, 256)
+    norm = BoundaryNorm(ULP_LEVELS, 256)
     line = np.degrees(d["line_tilt"])
     titles = (("ours", "impact.collide"), ("literal", "formulas as printed, mistakes corrected"))
     for letter, ax, (key, title) in zip("ab", axes, titles, strict=True):
@@ -171,7 +171,7 @@ def draw(d: Data) -> plt.Figure:
         name_panel(ax, letter, title)
     axes[0].set_ylabel(r"friction $\mu$")
     axes[1].tick_params(labelleft=False)
-    look = {"label": "largest error (ulp)", "ticks": LEVELS, "spacing": "uniform", "pad": 0.01}
+    look = {"label": "largest error (ulp)", "ticks": ULP_LEVELS, "spacing": "uniform", "pad": 0.01}
     look["format"] = lambda x, _: f"{x:g}" if x < 1e3 else f"$10^{{{round(np.log10(x))}}}$"
     figure.colorbar(fill, ax=axes, **look)
     axes[0].legend(loc="lower left", labelcolor="white", fontsize=6)

@@ -30,14 +30,18 @@ from ..lib.runs import means, planned
 from ..lib.style import BLUE, ORANGE, Data, style
 from ..lib.tables import table
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
-from .scene_variants import FULL, GROUPS, NOTHING, STEP, Effect, Variant, variants
+from .scene_variants import FULL, GROUPS, NOTHING, STEP_SIZE, Effect, Variant, variants
 
 Place = tuple[dict[str, np.ndarray], int]  # all that changes in a run, and the number of its step
 PLACES = 8  # evenly over the plate's cycle, more than a period apart
 PART = 16  # of a period: how far each variant goes from each place
-WARM = 32  # steps before, that bring all into the cache
-BLOCKS, ROUNDS, SETTLE = {True: 30, False: 100}, {True: 5, False: 8}, {True: 10, False: 50}
-SEEDS, PERIODS = {True: 8, False: 16}, {True: 100, False: 300}  # of the drift
+WARM_STEPS = 32  # steps before, that bring all into the cache
+PRICE_BLOCKS, ROUNDS, PRICE_SETTLE = (
+    {True: 30, False: 100},
+    {True: 5, False: 8},
+    {True: 10, False: 50},
+)
+DRIFT_SEEDS, DRIFT_PERIODS = {True: 8, False: 16}, {True: 100, False: 300}  # of the drift
 BARE = Variant(NOTHING, frozenset())
 
 
@@ -50,7 +54,7 @@ def _series(engine: Engine, variant: Variant) -> Series | None:
     """Means to be sampled, as a run does."""
     if "series" not in variant.diagnostics:
         return None
-    table, every = np.zeros((SETTLE[False] + 2 * PLACES, 5)), max(engine.per // SAMPLES, 1)
+    table, every = np.zeros((PRICE_SETTLE[False] + 2 * PLACES, 5)), max(engine.per // SAMPLES, 1)
     return Series(table, engine.rods[:, 2:4].copy(), engine.per, every)
 
 
@@ -77,7 +81,7 @@ def _call(engine: Engine, variant: Variant, places: list[Place], steps: int) -> 
 
     def sample(place: int) -> float:
         engine.restore(*places[place])
-        engine.go(WARM, series)
+        engine.go(WARM_STEPS, series)
         begin = perf_counter()
         engine.go(0, series)
         between = perf_counter()
@@ -103,7 +107,7 @@ def _samples(every: list[Variant], moving: list[Place], still: list[Place], quic
         return calls
 
     with reloading() as again:
-        return interleaved(anew, BLOCKS[quick], ROUNDS[quick], PLACES)
+        return interleaved(anew, PRICE_BLOCKS[quick], ROUNDS[quick], PLACES)
 
 
 def _kernel(engine: Engine, variant: Variant) -> tuple:
@@ -116,9 +120,9 @@ def sweeps(quick: bool = False) -> dict[int, Sweep]:
     """Over seeds: of the full scene, 0, then of each scene whose drift is asked for, by its row."""
     wanted = {0: FULL}
     wanted |= {i: effect.changed for i, effect in enumerate(rows().values(), 1) if effect.drifts}
-    seeds = [{"start.seed": list(range(1, SEEDS[quick] + 1))}]
+    seeds = [{"start.seed": list(range(1, DRIFT_SEEDS[quick] + 1))}]
     return {
-        i: planned(seeds, PERIODS[quick], {"step.size": STEP, **variant.changes})
+        i: planned(seeds, DRIFT_PERIODS[quick], {"step.size": STEP_SIZE, **variant.changes})
         for i, variant in wanted.items()
     }
 
@@ -145,7 +149,7 @@ def data(quick: bool = False) -> Data:
     for engine, variant in tqdm(couples, desc="compiling", disable=None, leave=False, delay=2):
         engine.go(0, _series(engine, variant))
     compiled = perf_counter() - begin
-    moving, still = _settled(SETTLE[quick])
+    moving, still = _settled(PRICE_SETTLE[quick])
     samples = _samples(every, moving, still, quick)
     times = 1e9 * steady(samples)
 

@@ -23,15 +23,19 @@ from ..lib.runs import ANNULUS_SCENE, ROW
 from ..lib.timing import onward
 
 NAMES = "plane kernel", "space kernel, the same rods", "annulus"
-PLACES = [0, 2, 3, 5, 6, 8, 10]  # of x, z, sin, cos, c_x, c_z, omega in the state in space
-STEPS, SETTLE, AROUND = 1500, 3.0, 12.0  # of a sample; periods before, in the annulus
+PLANE_COLUMNS = [0, 2, 3, 5, 6, 8, 10]  # of x, z, sin, cos, c_x, c_z, omega in the state in space
+SAMPLE_STEPS, SETTLE_PERIODS, ANNULUS_PERIODS = (
+    1500,
+    3.0,
+    12.0,
+)  # of a sample; periods before, in the annulus
 
 
 def _settled() -> Engine:
     """The row without its box, after some landings, when it is still a crowd."""
     changes = {"box": "none", "start.tilt_deg": 20.0, "start.drop": 0.01}
     engine = prepare(from_tables(put(ROW, changes)))
-    engine.go(round(SETTLE * engine.per))
+    engine.go(round(SETTLE_PERIODS * engine.per))
     return engine
 
 
@@ -42,7 +46,7 @@ def _again(engine: Any) -> Callable[[int], float]:
     def sample(_: int) -> float:
         engine.restore({name: part.copy() for name, part in arrays.items()}, step)
         engine.go(1)  # makes the list of pairs
-        return onward(engine, STEPS) / STEPS / len(engine.rods)
+        return onward(engine, SAMPLE_STEPS) / SAMPLE_STEPS / len(engine.rods)
 
     return sample
 
@@ -55,7 +59,7 @@ def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
         *(alone.friction, None, None, engine.crowd.between),
     )
     first, before = np.zeros((n, crowd.COLUMNS)), np.zeros((n, 6))
-    first[:, PLACES], before[:, [0, 2, 4]] = engine.rods, engine.before
+    first[:, PLANE_COLUMNS], before[:, [0, 2, 4]] = engine.rods, engine.before
     springs = np.zeros((n, forces.SINGLE, 3))
     if engine.springs is not None:
         springs[:, forces.PLATE_CAPS : forces.PLATE_CAPS + 2, 0] = engine.springs
@@ -66,15 +70,15 @@ def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
         state = world, rods, before.copy(), *kept, no_pairs(n), SKIN, total, None
         crowd.march(*state, step, 1, engine.dt)
         begin = thread_time()
-        crowd.march(*state, step + 1, STEPS, engine.dt)
-        return (thread_time() - begin) / STEPS / n, rods
+        crowd.march(*state, step + 1, SAMPLE_STEPS, engine.dt)
+        return (thread_time() - begin) / SAMPLE_STEPS / n, rods
 
     return sample
 
 
 def _in_annulus() -> Callable[[int], float]:
     engine = prepare_ring(ANNULUS_SCENE)
-    engine.go(round(AROUND * engine.per))
+    engine.go(round(ANNULUS_PERIODS * engine.per))
     return _again(engine)
 
 

@@ -10,11 +10,11 @@ import numpy as np
 from impact.__main__ import benchmark
 
 from .. import FIGURES, load
-from ..lib.style import LAWS, name_panel, style
+from ..lib.style import RESTITUTION_LAWS, name_panel, style
 from ..lib.timing import machine_line
 from . import accuracy_cost_ladder, accuracy_map, effect_prices, kernel_times
 
-PRICES = {  # and what the panel of the page is called
+PRICE_PANELS = {  # and what the panel of the page is called
     "accuracy_cost_drift": "error of the drift against time",
     "accuracy_cost_ladder": "one question, every way to answer it",
     "effect_prices": "price of each effect",
@@ -26,7 +26,7 @@ WIDE = {"accuracy_cost_ladder", "effect_prices"}  # across the page; the others 
 
 def known() -> list[str]:
     """Registered price figures."""
-    return [name for name in PRICES if name in FIGURES]
+    return [name for name in PRICE_PANELS if name in FIGURES]
 
 
 @style
@@ -40,7 +40,7 @@ def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
     figure, axes = plt.subplot_mosaic(layout, figsize=size, height_ratios=heights)
     for letter, (name, ax) in zip("abcd", axes.items(), strict=False):
         load(name).panel(ax, found[name])
-        name_panel(ax, letter, PRICES[name])
+        name_panel(ax, letter, PRICE_PANELS[name])
     load_then = next((float(d["load"]) for d in found.values() if "load" in d), np.nan)
     figure.supxlabel(machine_line(load_then), fontsize=6)
     return figure
@@ -82,7 +82,7 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
         made["cores"] = _rows(("count", "gain"), d["workers"], gain)
     made["impact_ns"] = benchmark(IMPACTS)["ns_per_impact"]
     errors = accuracy_map.table(CHECKED)
-    made["impact_ulp"] = _rows(("law", "largest"), LAWS, errors["table_max"])
+    made["impact_ulp"] = _rows(("law", "largest"), RESTITUTION_LAWS, errors["table_max"])
     return made
 
 

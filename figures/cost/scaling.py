@@ -33,15 +33,19 @@ from ..lib.tables import table
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
 from . import kernel_times
 
-COUNTS = {
+ROW_SIZES = {
     True: (10, 40, 160, 640, 2500, 5000),
     False: (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000),
 }
 LEAST = 320  # rods a sample is about, with one period each
 SPACING = ROW["box"]["length"] / ROW["rods"]["count"]
-RUNS, PERIODS = 4, 40  # of each core, and of each run
-LEVELS = 5  # numbers of cores, at most
-BLOCKS, SETTLE, REPEATS = {True: 9, False: 31}, {True: 10, False: 40}, {True: 5, False: 15}
+RUNS_PER_CORE, SWEEP_PERIODS = 4, 40  # of each core, and of each run
+CORE_LEVELS = 5  # numbers of cores, at most
+SCALING_BLOCKS, SCALING_SETTLE, REPEATS = (
+    {True: 9, False: 31},
+    {True: 10, False: 40},
+    {True: 5, False: 15},
+)
 
 
 def _row(count: int) -> md.Scene:
@@ -76,10 +80,10 @@ def _meet(folder: str, workers: int) -> None:
 
 def _sweeping(workers: int) -> Callable[[int], float]:
     """Time of a step of a rod in as many runs at once as there are workers."""
-    seeds = list(range(1, RUNS * workers + 1))
-    sweep = expand({"periods": PERIODS, "axes": [{"start.seed": seeds}]}, ROW)
+    seeds = list(range(1, RUNS_PER_CORE * workers + 1))
+    sweep = expand({"periods": SWEEP_PERIODS, "axes": [{"start.seed": seeds}]}, ROW)
     engine = prepare(sweep.points[0].scene)
-    work = len(seeds) * PERIODS * engine.per * len(engine.rods)
+    work = len(seeds) * SWEEP_PERIODS * engine.per * len(engine.rods)
 
     def sample(_: int) -> float:
         with TemporaryDirectory() as folder:
@@ -103,20 +107,20 @@ def _estimates(samples: np.ndarray) -> np.ndarray:
 def data(quick: bool = False) -> Data:
     """Times in ns per step of a rod, (value, error, interquartile range)."""
     load = os.getloadavg()[0]
-    counts = COUNTS[quick]
+    counts = ROW_SIZES[quick]
     bar = tqdm(counts, desc="settling", unit="row", disable=None, leave=False, delay=2)
-    rows = [_periods(count, SETTLE[quick]) for count in bar]
+    rows = [_periods(count, SCALING_SETTLE[quick]) for count in bar]
 
     def anew(_) -> list[Callable]:
         again()
         return rows
 
     with reloading() as again:
-        by_count = interleaved(anew, BLOCKS[quick])
+        by_count = interleaved(anew, SCALING_BLOCKS[quick])
     kernels = kernel_times.calls()
-    by_kernel = interleaved(lambda _: kernels, 3 * BLOCKS[quick])
+    by_kernel = interleaved(lambda _: kernels, 3 * SCALING_BLOCKS[quick])
     cores = cpu_count()
-    workers = np.unique(np.geomspace(1, cores, min(cores, LEVELS)).round().astype(int))
+    workers = np.unique(np.geomspace(1, cores, min(cores, CORE_LEVELS)).round().astype(int))
     sweeps = [_sweeping(int(count)) for count in workers]
     by_workers = interleaved(lambda _: sweeps, REPEATS[quick])
     return {

@@ -19,8 +19,8 @@ from md.scene import Scene, from_tables, put
 from ..lib.runs import FRICTION, GAMMA, RESTITUTION, ROW
 
 DIAGNOSTICS = frozenset(("ledger", "landings", "series"))
-STEP = step_of(from_tables(ROW))[0]  # of all variants
-TILT = degrees(from_tables(ROW).tilt)
+STEP_SIZE = step_of(from_tables(ROW))[0]  # of all variants
+TILT_DEG = degrees(from_tables(ROW).tilt)
 Changes = Mapping[str, Any]
 
 
@@ -33,7 +33,7 @@ class Variant(NamedTuple):
     @property
     def scene(self) -> Scene:
         """The scene itself."""
-        return from_tables(put(ROW, deepcopy({"step.size": STEP, **self.changes})))
+        return from_tables(put(ROW, deepcopy({"step.size": STEP_SIZE, **self.changes})))
 
     def engine(self) -> Engine:
         """Engine of the scene, at its start."""
@@ -87,7 +87,7 @@ def _zero(key: str, base: Changes) -> Effect:
 
 NOTHING = {
     **dict.fromkeys(("gravity", "plate", "box", "contacts.plate", "contacts.rods"), "none"),
-    "start.tilt_deg": TILT,  # which the box gives otherwise
+    "start.tilt_deg": TILT_DEG,  # which the box gives otherwise
 }
 SMOOTH = {"law": "coulomb", "restitution": 1.0}
 LOSSY = {"law": "coulomb", "restitution": RESTITUTION}
@@ -96,11 +96,11 @@ SPRING = {
     **{"tangential_ratio": 3, "tangential_damping": 0.0},
 }
 DAMPED = SPRING | {"tangential_damping": 1.0}
-PRINTED = {"law": "appendix_a", "friction": FRICTION}  # Appendix A as printed
+APPENDIX_A = {"law": "appendix_a", "friction": FRICTION}  # Appendix A as printed
 
 FALLING = NOTHING | {"gravity": {}}
-PLATE = FALLING | {"plate": {}, "contacts.plate": SMOOTH}  # at rest
-RODS = NOTHING | {"contacts.rods": SMOOTH}
+PLATE_SCENE = FALLING | {"plate": {}, "contacts.plate": SMOOTH}  # at rest
+RODS_SCENE = NOTHING | {"contacts.rods": SMOOTH}
 
 
 def _contacts(part: str, base: Changes) -> dict[str, Effect]:
@@ -116,41 +116,49 @@ def _contacts(part: str, base: Changes) -> dict[str, Effect]:
     }
 
 
-ROUGH = PLATE | {"contacts.plate": DAMPED | {"restitution": RESTITUTION}}
+ROUGH = PLATE_SCENE | {"contacts.plate": DAMPED | {"restitution": RESTITUTION}}
 EFFECTS = {
     "gravity": _effect(FALLING, NOTHING, {"gravity": "none"}, drifts=False),
-    "plate": _effect(PLATE, FALLING, {"plate": "none", "contacts.plate": "none"}, drifts=False),
-    "plate: vibration": _effect(
-        PLATE | {"plate.acceleration": GAMMA}, PLATE, {"plate.acceleration": "none"}
+    "plate": _effect(
+        PLATE_SCENE, FALLING, {"plate": "none", "contacts.plate": "none"}, drifts=False
     ),
-    **_contacts("plate", PLATE),
-    "rods": _effect(RODS, NOTHING, {"contacts.rods": "none"}, drifts=False),
-    **_contacts("rods", RODS),
+    "plate: vibration": _effect(
+        PLATE_SCENE | {"plate.acceleration": GAMMA}, PLATE_SCENE, {"plate.acceleration": "none"}
+    ),
+    **_contacts("plate", PLATE_SCENE),
+    "rods": _effect(RODS_SCENE, NOTHING, {"contacts.rods": "none"}, drifts=False),
+    **_contacts("rods", RODS_SCENE),
     "periodic box": _effect(
-        *(RODS | {"box": ROW["box"]}, RODS, {"box": "none", "start.tilt_deg": TILT}),
+        *(
+            RODS_SCENE | {"box": ROW["box"]},
+            RODS_SCENE,
+            {"box": "none", "start.tilt_deg": TILT_DEG},
+        ),
         drifts=False,  # a row that is open falls over
     ),
-    "energy ledger": _diagnostic("ledger", RODS),
-    "record of landings": _diagnostic("landings", PLATE),
+    "energy ledger": _diagnostic("ledger", RODS_SCENE),
+    "record of landings": _diagnostic("landings", PLATE_SCENE),
     "series of means": _diagnostic("series", NOTHING),
 }
 INSTEAD = {
     "friction of the plate: constraint": _instead(
-        PLATE | {"contacts.plate": LOSSY | {"friction": FRICTION}},
+        PLATE_SCENE | {"contacts.plate": LOSSY | {"friction": FRICTION}},
         ROUGH,
         {"contacts.plate": LOSSY | {"friction": FRICTION}},
     ),
     "contact law: Appendix A": _instead(
-        PLATE | {"contacts.plate": PRINTED},
+        PLATE_SCENE | {"contacts.plate": APPENDIX_A},
         ROUGH,
-        {"contacts.plate": PRINTED, "contacts.rods": PRINTED},
+        {"contacts.plate": APPENDIX_A, "contacts.rods": APPENDIX_A},
     ),
-    "inertia: solid": _instead(PLATE | {"rods.inertia": "solid"}, PLATE, {"rods.inertia": "solid"}),
+    "inertia: solid": _instead(
+        PLATE_SCENE | {"rods.inertia": "solid"}, PLATE_SCENE, {"rods.inertia": "solid"}
+    ),
 }
 OFF = {
-    "off: friction of the plate": _zero("contacts.plate.friction", PLATE),
-    "off: friction of rods": _zero("contacts.rods.friction", RODS),
-    "off: acceleration of the plate": _zero("plate.acceleration", PLATE),
+    "off: friction of the plate": _zero("contacts.plate.friction", PLATE_SCENE),
+    "off: friction of rods": _zero("contacts.rods.friction", RODS_SCENE),
+    "off: acceleration of the plate": _zero("plate.acceleration", PLATE_SCENE),
 }
 GROUPS = {"effect": EFFECTS, "instead": INSTEAD, "off": OFF}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from impact._command import CommandError
 
-MARKS = {  # what a file of each kind has near its beginning
+SIGNATURES = {  # what a file of each kind has near its beginning
     ".npz": [b"PK"],
     ".png": [b"\x89PNG"],
     ".pdf": [b"%PDF"],
@@ -17,7 +17,7 @@ MARKS = {  # what a file of each kind has near its beginning
     ".md": [b"# The paper's claims"],
     ".html": [b"<title>Rods on a vibrated plate"],
 }
-NEAR = 300  # bytes
+HEAD_BYTES = 300  # bytes
 
 
 def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
@@ -56,8 +56,8 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
 def _replaceable(path: Path) -> bool:
     """Whether what is there is of the kind that its name says."""
     with path.open("rb") as file:
-        head = file.read(NEAR)
-    return any(mark in head for mark in MARKS.get(path.suffix, [b""]))
+        head = file.read(HEAD_BYTES)
+    return any(mark in head for mark in SIGNATURES.get(path.suffix, [b""]))
 
 
 @contextmanager

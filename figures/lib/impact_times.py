@@ -13,7 +13,7 @@ from md.kernels.contact import Effects
 from md.kernels.single import WATCHED, run
 from md.laws import friction_of
 
-from .soft_impacts import APPROACH_RATIO, FRICTION, ROD, TILTS
+from .soft_impacts import APPROACH_RATIO, IMPACT_FRICTION, ROD, TABLE_TILTS
 from .timing import medians, repeated
 
 MOST_STEPS = 10**9  # the contact ends long before
@@ -33,7 +33,7 @@ def repeated_impact(scene, state, dt, times, watch):
 
 def impact_call(tilt: float, law: md.Law, integrator: str, dt: float, speed: float = 1.0):
     """The impact of `soft_impacts.simulate`, as often as asked; touch in the middle of a step."""
-    friction = friction_of(law, FRICTION)
+    friction = friction_of(law, IMPACT_FRICTION)
     lightness = 1 / ROD.gyration_squared
     scene = Effects(ROD.half_length, lightness, law.normal, friction, None, None, True)
     position = np.array([0.0, ROD.half_length * cos(tilt) + 0.5, tilt])
@@ -50,9 +50,9 @@ def price(calls: list[Callable], runs: int) -> tuple[np.ndarray, np.ndarray]:
 
 def rigid_seconds(runs: int, n: int = 20_000) -> float:
     """Of one impact by the compiled rigid map, in arrays."""
-    tilt, half = np.resize(TILTS, n), ROD.half_length
+    tilt, half = np.resize(TABLE_TILTS, n), ROD.half_length
     k = np.sqrt(ROD.gyration_squared)
     arms = ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, k)
-    how = {"geometry": arms, "friction": FRICTION, "restitution": 0.65}
+    how = {"geometry": arms, "friction": IMPACT_FRICTION, "restitution": 0.65}
     call = repeated(lambda: compiled.collide(1 / APPROACH_RATIO, -1.0, **how))
     return float(medians([call], runs)[0] / n)

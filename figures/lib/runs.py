@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from impact.bouncing import Bouncing
 
 COUNT, LENGTH, GAMMA, FRICTION, RESTITUTION = 40, 9.5, 3.3, 0.3, 0.65  # of Figs. 6-8 and 13
+BOX = 43.0  # length of the box where the tilt is not varied
 ROW = put(
     read_tables("quasi2d"),
     {
@@ -41,13 +42,13 @@ ROW = put(
     },
 )
 LAW_NAME = "constant_restitution 0.65, tangential ratio 3"
-OF_TILT_SCAN = (
+TILT_SCAN_WORDS = (
     rf"$l={LENGTH}\,d$, thin inertia, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}"
 )
 ANNULUS = read_tables("annulus")
 ANNULUS_SCENE = from_tables(ANNULUS)
 ANNULUS_COUNT = ANNULUS_SCENE.rods.count  # of Fig. 5(b), and of all that is not over this number
-OF_ANNULUS = (
+ANNULUS_WORDS = (
     rf"experiment's annulus, $l={ANNULUS_SCENE.rods.length:g}\,d$, $d=0.635$ cm, solid inertia, "
     f"60 Hz; {LAW_NAME} (assumed);\nfriction of plate, walls and rods "
     f"{ANNULUS['contacts']['plate']['friction']} (assumed), where it is not varied"

@@ -35,8 +35,13 @@ _REGIMES: dict[str, Any] = {
     "zorder": 0,
 }
 
-BOX = {"frameon": True, "edgecolor": "none", "framealpha": 0.9, "borderpad": 0.2}  # of a legend
-LAWS = ("newton", "poisson", "stronge")
+LEGEND_BOX = {
+    "frameon": True,
+    "edgecolor": "none",
+    "framealpha": 0.9,
+    "borderpad": 0.2,
+}  # of a legend
+RESTITUTION_LAWS = ("newton", "poisson", "stronge")
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
 
 # White to vermilion: light enough for black lines everywhere.
@@ -95,9 +100,9 @@ def paint(
     axes: Iterable[Axes], panels: Mapping[str, Callable[[Axes, Data], None]], d: Data
 ) -> None:
     """Draw and name panels, each by its function, under its title."""
-    for ax, panel in zip(axes, panels.values(), strict=True):
+    for ax, letter, (title, panel) in zip(axes, ascii_lowercase, panels.items(), strict=False):
         panel(ax, d)
-    name_panels(axes, panels)
+        name_panel(ax, letter, title)
 
 
 def curve(

@@ -27,7 +27,7 @@ from ..lib.runs import ROW, store
 # `STEP` seconds; of figures not named here, `USUAL`.
 SECONDS = {
     "effect_prices": 200,
-    "accuracy_cost_drift": 600,
+    "accuracy_cost_drift": 60,
     "accuracy_cost_ladder": 60,
     "scaling": 120,
     "accuracy_map": 36,
@@ -41,7 +41,6 @@ SECONDS = {
     "appendix_a": 8,
 }
 USUAL, MOVIE, CLAIMS, STEP = 3, 5, 15, 24.5e-9
-ON_ALL_CORES = ()  # figures that share the seconds
 AGAIN = "fig02", "fig05", "alpha", "appendix_a"  # whose data the claims compute once more
 SAMPLES, RARE = 48, 0.05  # runs that are timed; share of the work of a kind that is not
 SETTLE, TIMED = 3, 12  # periods of each
@@ -167,8 +166,7 @@ def estimate(out: Path) -> str:
     plan, names, cores = missing(), left(out), cpu_count()
     seconds, compiling = run_seconds([point for points in plan for point in points])
     runs = compiling + sum(_span((seconds[p.key] for p in points), cores) for points in plan)
-    share = dict.fromkeys(ON_ALL_CORES, cores)
-    others = sum(SECONDS.get(name, USUAL) / share.get(name, 1) for name in (*names, *AGAIN))
+    others = sum(SECONDS.get(name, USUAL) for name in (*names, *AGAIN))
     here = from_tables(ROW)
     period = np.median([timed(here)[1] for _ in range(5)])
     others = (others + MOVIE + CLAIMS) * period / (step_of(here)[1] * here.rods.count) / STEP

@@ -29,7 +29,7 @@ from derivations.sentences import to_html
 
 from .. import FIGURES, load
 from ..claims import verdicts as claims
-from ..cost.price_page import PRICES
+from ..cost.price_page import PRICE_PANELS
 from .everything import SECONDS, USUAL
 
 TITLE = "Rods on a vibrated plate: derivations, pictures, prices, claims"
@@ -201,7 +201,7 @@ def _figures(folder: Folder, names: Iterable[str], before: str = "") -> str:
 
 
 def _pictures(folder: Folder) -> str:
-    return _figures(folder, [name for name in FIGURES if name not in PRICES])
+    return _figures(folder, [name for name in FIGURES if name not in PRICE_PANELS])
 
 
 def _prices(folder: Folder) -> str:
@@ -212,7 +212,7 @@ def _prices(folder: Folder) -> str:
     if tables:
         text = escape(tables.path.read_text(encoding="utf-8", errors="replace"))
         words += f"<details><summary>As tables</summary><pre>{text}</pre></details>"
-    return words + _figures(folder, [name for name in FIGURES if name in PRICES], card)
+    return words + _figures(folder, [name for name in FIGURES if name in PRICE_PANELS], card)
 
 
 def _claim(folder: Folder, claim: dict[str, Any]) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 import impact
 from impact import Regime
 
-from ..lib.style import LAWS, SHAPES
+from ..lib.style import RESTITUTION_LAWS, SHAPES
 
 TILT = np.linspace(0, np.pi / 2, 1801)  # of the curves; colours take every tenth
 FRICTION = np.linspace(0, 1, 101)
@@ -24,7 +24,7 @@ RANGES = {  # ends of a slider, its name, its digits
     "ratio": (0.1, 10, r"approach $-c_z/c_x$", "%.2f"),
     "length": (1, 20, "length $l/d$", "%.2f"),
 }
-CHOICES = {"shape": SHAPES, "law": {law: law.title() for law in LAWS}}
+CHOICES = {"shape": SHAPES, "law": {law: law.title() for law in RESTITUTION_LAWS}}
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,11 +47,14 @@ from ..lib.tables import table
 FLOOR_CM_S = 0.003  # half a hundredth of a diameter a second
 SIGNIFICANT = 3.0  # standard errors
 ONSET = 1.6  # Gamma, Fig. 2(b, c)
-GAMMAS = {True: (1.3, 1.8, 3.3), False: (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5)}
+MAP_GAMMAS = {
+    True: (1.2, 1.5, 1.8, 3.3),
+    False: (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5),
+}
 NOMINAL_DEG = {True: (9, 20, 45), False: (5, 12, 20, 30, 45, 60)}
 CHOSEN = {True: (0, 1, 2), False: (1, 2, 4)}  # tilts of (b)
-COUNTS = {True: (44, 36), False: (50, 44, 36)}
-PERIODS = {True: (30, 12), False: (150, 300)}  # of rows, of annuli
+MAP_COUNTS = {True: (44, 36), False: (50, 44, 36)}
+MAP_PERIODS = {True: (30, 12), False: (150, 300)}  # of rows, of annuli
 AT_TOUCH = "landings.plate_velocity_by_speed.mean"
 
 
@@ -63,9 +66,9 @@ def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Over Gamma and tilt; over Gamma and the number of rods."""
-    gamma, (of_rows, of_annuli) = {"plate.acceleration": [*GAMMAS[quick]]}, PERIODS[quick]
+    gamma, (of_rows, of_annuli) = {"plate.acceleration": [*MAP_GAMMAS[quick]]}, MAP_PERIODS[quick]
     rows = [gamma, {"box.length": boxes(NOMINAL_DEG[quick])}, {"start.seed": [1, 2, 3]}]
-    annuli = [gamma, {"rods.count": [*COUNTS[quick]]}, {"start.seed": [1, 2]}]
+    annuli = [gamma, {"rods.count": [*MAP_COUNTS[quick]]}, {"start.seed": [1, 2]}]
     return {
         "grid": planned(rows, of_rows, {"rods.inertia": "solid"}),
         "annulus": planned(annuli, of_annuli, base=ANNULUS),
@@ -101,10 +104,10 @@ def data(quick: bool = False) -> Data:
     rods = spherocylinder(np.radians(nominal[[*chosen]]), LENGTH)
     lines = drift(rods, friction=FRICTION, restitution=RESTITUTION).c_x
     return {
-        "gamma": np.array(GAMMAS[quick]),
+        "gamma": np.array(MAP_GAMMAS[quick]),
         "nominal_deg": nominal,
         **found,
-        "ring_count": np.array(COUNTS[quick]),
+        "ring_count": np.array(MAP_COUNTS[quick]),
         "chosen": np.array(chosen),
         "fine_gamma": fine_gamma,
         "fine_deg": fine_deg,

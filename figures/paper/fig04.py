@@ -18,8 +18,8 @@ from ..lib.runs import (
     ANNULUS,
     ANNULUS_COUNT,
     ANNULUS_SCENE,
+    ANNULUS_WORDS,
     GAMMA,
-    OF_ANNULUS,
     boxes,
     drift_and_tilt,
     planned,
@@ -27,10 +27,10 @@ from ..lib.runs import (
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panels, style, tilt_axis
 from ..lib.tables import pairs, table
 
-MAXIMA_DEG, ONSET, RATIO = (18, 35), 1.5, 2.5  # the paper's
-FEW = (50, 44, 36)  # numbers of rods of (b)
-WALL, PLATE = "contacts.wall.friction", "contacts.plate.friction"
-FULL = {
+MAXIMA_DEG, ONSET_FIG4, REDUCTION = (18, 35), 1.5, 2.5  # the paper's
+GAMMA_COUNTS = (50, 44, 36)  # numbers of rods of (b)
+WALL_KEY, PLATE_KEY = "contacts.wall.friction", "contacts.plate.friction"
+FULL_SIZES = {
     "count": [23, 26, 29, 32, *range(34, 57, 2)],
     "gamma": [1.2, 1.4, 1.6, 2.0, 3.0, 4.0],
     "wall": [0, 0.03, 0.1, 0.3, 0.5, 1.0],
@@ -40,7 +40,7 @@ FULL = {
     "few_seeds": [1, 2],
     "periods": 400,  # a region of larger tilt (Fig. 5) takes hundreds to grow
 }
-QUICK = {
+QUICK_SIZES = {
     "count": [26, 36, 44, 50, 56],
     "gamma": [1.3, 1.8, 3.3],
     "wall": [0.03, 0.3, 1.0],  # no friction at all is another kernel
@@ -54,7 +54,7 @@ QUICK = {
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Over the number of rods, Gamma and the frictions; rows over tilt."""
-    size = QUICK if quick else FULL
+    size = QUICK_SIZES if quick else FULL_SIZES
     seeds, few = ({"start.seed": size[name]} for name in ("seeds", "few_seeds"))
     number, accelerations = {"rods.count": size["count"]}, {"plate.acceleration": size["gamma"]}
     many, alike = {"rods.count": ANNULUS_COUNT}, ("length", "inertia", "diameter_cm")
@@ -67,9 +67,9 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     return {
         "still": around(number, seeds),
         "rolling": around(number, seeds, **{"rods.rolling": True}),
-        "gamma": around(accelerations, {"rods.count": [*FEW]}, few),
-        "wall": around({WALL: size["wall"]}, few, **many),
-        "plate": around({PLATE: size["plate"]}, few, **many),
+        "gamma": around(accelerations, {"rods.count": [*GAMMA_COUNTS]}, few),
+        "wall": around({WALL_KEY: size["wall"]}, few, **many),
+        "plate": around({PLATE_KEY: size["plate"]}, few, **many),
         "plane": planned(rows, size["periods"], of_rods),
     }
 
@@ -77,8 +77,8 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 def data(quick: bool = False) -> Data:
     """Drifts in cm/s and tilts in degrees with their errors."""
     runs = sweeps(quick)
-    axes = {"gamma": "plate.acceleration", "wall": WALL, "plate": PLATE}
-    found = {"count": runs["still"].values("rods.count"), "few": np.array(FEW)}
+    axes = {"gamma": "plate.acceleration", "wall": WALL_KEY, "plate": PLATE_KEY}
+    found = {"count": runs["still"].values("rods.count"), "few": np.array(GAMMA_COUNTS)}
     found |= {name: runs[name].values(key) for name, key in axes.items()}
     for name, sweep in runs.items():
         found |= drift_and_tilt(sweep, f"{name}_")
@@ -88,8 +88,8 @@ def data(quick: bool = False) -> Data:
 def _over_tilt(ax: Axes, d: Data) -> None:
     curve(ax, d, "still_tilt", "still_c_x", BLACK, "rods do not roll", both=True)
     curve(ax, d, "rolling_tilt", "rolling_c_x", RED, "rods roll", both=True, hollow=True)
-    row = {"form": "s--", "scale": 1 / RATIO, "both": True}
-    curve(ax, d, "plane_tilt", "plane_c_x", BLUE, f"row / {RATIO}", **row)
+    row = {"form": "s--", "scale": 1 / REDUCTION, "both": True}
+    curve(ax, d, "plane_tilt", "plane_c_x", BLUE, f"row / {REDUCTION}", **row)
     for tilt in MAXIMA_DEG:
         ax.axvline(tilt, color="0.5", lw=0.8, ls=":")
     tilt_axis(ax, 0, 60)
@@ -101,7 +101,7 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     for i, colour in enumerate((BLUE, BLACK, ORANGE)):
         label = rf"$N={d['few'][i]}$, {d['gamma_tilt'][at, i]:.0f}° at {d['gamma'][at]:g}"
         curve(ax, d, "gamma", "gamma_c_x", colour, label, at=(..., i))
-    ax.axvline(ONSET, color="0.5", lw=0.8, ls=":")
+    ax.axvline(ONSET_FIG4, color="0.5", lw=0.8, ls=":")
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.legend(fontsize=6.5, loc="upper left")
 
@@ -134,7 +134,7 @@ def draw(d: Data) -> plt.Figure:
     driving = rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$"
     many = rf"$N={ANNULUS_COUNT}$, {driving}"
     name_panels(axes.flat, (driving, "", many, many))
-    figure.supxlabel(OF_ANNULUS, fontsize=6.5)
+    figure.supxlabel(ANNULUS_WORDS, fontsize=6.5)
     return figure
 
 

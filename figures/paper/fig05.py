@@ -17,24 +17,24 @@ from matplotlib.collections import LineCollection
 from md.sweep import Sweep
 
 from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, followed, in_order, tilts_deg
-from ..lib.runs import ANNULUS, ANNULUS_SCENE, OF_ANNULUS, gathered, over_seeds, planned
+from ..lib.runs import ANNULUS, ANNULUS_SCENE, ANNULUS_WORDS, gathered, over_seeds, planned
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panel, style
 from ..lib.tables import pairs, table
 
-SHOWN = (56, 44)  # numbers of rods of (a) and (b)
-COUNTS = {True: (56, 50, 44, 40), False: (56, 54, 52, 50, 48, 46, 44, 42, 40, 36, 32)}
-PERIODS, SEEDS = {True: 20, False: 400}, 2
-COLOURS = plt.get_cmap("viridis_r")  # of tilts
+SHOWN_COUNTS = (56, 44)  # numbers of rods of (a) and (b)
+SNAPSHOT_COUNTS = {True: (56, 50, 44, 40), False: (56, 54, 52, 50, 48, 46, 44, 42, 40, 36, 32)}
+SNAPSHOT_PERIODS, SNAPSHOT_SEEDS = {True: 20, False: 400}, 2
+TILT_COLOURS = plt.get_cmap("viridis_r")  # of tilts
 
 
 def _plan(counts: tuple[int, ...], quick: bool, seeds: int) -> Sweep:
     axes = [{"rods.count": [*counts]}, {"start.seed": [*range(1, 1 + seeds)]}]
-    return planned(axes, PERIODS[quick], base=ANNULUS, measure=followed)
+    return planned(axes, SNAPSHOT_PERIODS[quick], base=ANNULUS, measure=followed)
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Arrangements over the number of rods."""
-    return {"annulus": _plan(COUNTS[quick], quick, SEEDS)}
+    return {"annulus": _plan(SNAPSHOT_COUNTS[quick], quick, SNAPSHOT_SEEDS)}
 
 
 def data(quick: bool = False) -> Data:
@@ -43,7 +43,7 @@ def data(quick: bool = False) -> Data:
     (series,), counts = gathered(sweep, "series"), sweep.values("rods.count")
     late = series[:, :, series.shape[2] // 2 :].mean(axis=2)  # over time
     found = {"count": counts, "time": EVERY * (1 + np.arange(series.shape[2])), "series": series}
-    for n in SHOWN:
+    for n in SHOWN_COUNTS:
         found[f"rods_{n}"] = gathered(_plan((n,), quick, 1), "rods")[0][0, 0]
     for i, name in enumerate(MEASURED):
         found[name], found[f"{name}_error"] = over_seeds(late[..., i])
@@ -57,8 +57,10 @@ def _from_above(ax: Axes, rods: np.ndarray, norm: plt.Normalize) -> LineCollecti
     up = np.sign(rods[:, 5:6]) * half * rods[:, 3:5]
     ends = np.stack([rods[:, :2] - up, rods[:, :2] + up], axis=1)
     tilt = tilts_deg(rods)
-    lines = ax.add_collection(LineCollection(ends, array=tilt, cmap=COLOURS, norm=norm, lw=1.6))
-    ax.scatter(*ends[:, 1].T, c=tilt, cmap=COLOURS, norm=norm, s=7, lw=0)
+    lines = ax.add_collection(
+        LineCollection(ends, array=tilt, cmap=TILT_COLOURS, norm=norm, lw=1.6)
+    )
+    ax.scatter(*ends[:, 1].T, c=tilt, cmap=TILT_COLOURS, norm=norm, s=7, lw=0)
     edge = 1.04 * gap.outer
     ax.set(xlim=(-edge, edge), ylim=(-edge, edge), aspect="equal", xlabel="$x/d$", ylabel="$y/d$")
     return lines
@@ -68,10 +70,10 @@ def _from_above(ax: Axes, rods: np.ndarray, norm: plt.Normalize) -> LineCollecti
 def draw(d: Data) -> plt.Figure:
     figure, ((a, b), (c, e)) = plt.subplots(2, 2, figsize=(7.0, 5.6), height_ratios=(1.6, 1))
     figure.get_layout_engine().set(rect=(0, 0, 1, 0.97))  # titles over panels of fixed aspect
-    states = [d[f"rods_{n}"] for n in SHOWN]
+    states = [d[f"rods_{n}"] for n in SHOWN_COUNTS]
     tilts = [tilts_deg(in_order(rods)) for rods in states]
     norm = plt.Normalize(0, np.ceil(max(tilt.max() for tilt in tilts) / 5) * 5)
-    for ax, n, rods, tilt, letter in zip((a, b), SHOWN, states, tilts, "ab", strict=True):
+    for ax, n, rods, tilt, letter in zip((a, b), SHOWN_COUNTS, states, tilts, "ab", strict=True):
         lines = _from_above(ax, rods, norm)
         name_panel(ax, letter, rf"$N={n}$, mean tilt {tilt.mean():.0f}°")
     figure.colorbar(lines, ax=[a, b], label=r"tilt $\phi$ (deg)", pad=0.02, aspect=30)
@@ -92,14 +94,14 @@ def draw(d: Data) -> plt.Figure:
     handles = [part for ax in (c, beside) for part in ax.get_legend_handles_labels()[0]]
     c.legend(handles=handles, fontsize=6.5, loc="upper right")
     name_panel(c, "c")
-    for n, tilt, colour in zip(SHOWN, tilts, (BLUE, BLACK), strict=True):
+    for n, tilt, colour in zip(SHOWN_COUNTS, tilts, (BLUE, BLACK), strict=True):
         e.plot(np.arange(n) / n, tilt, "o-", ms=2.5, lw=0.6, color=colour, label=rf"$N={n}$")
         e.axhline(tilt.mean(), color=colour, lw=0.6, ls=":")
     e.set(xlabel="place around the annulus", ylabel=r"tilt $\phi$ (deg)", xlim=(0, 1))
     e.set_ylim(0, 1.3 * max(tilt.max() for tilt in tilts))
     e.legend(fontsize=6.5, loc="upper right", ncols=2)
     name_panel(e, "d")
-    figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {OF_ANNULUS}", fontsize=6.5)
+    figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {ANNULUS_WORDS}", fontsize=6.5)
     return figure
 
 

@@ -19,9 +19,9 @@ from md.sweep import Sweep
 
 from ..lib.runs import (
     FRICTION,
-    OF_TILT_SCAN,
     RESTITUTION,
     ROW,
+    TILT_SCAN_WORDS,
     means,
     paper_rod,
     plate_speed_cm_s,
@@ -32,7 +32,7 @@ from ..lib.style import BLACK, BLUE, RED, Data, curve, name_panels, style, tilt_
 from ..lib.tables import pairs, table
 
 VELOCITIES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
-MEANS = {  # name here: name in the store
+VELOCITY_MEANS = {  # name here: name in the store
     **{name: f"landings.{name}.mean" for name in VELOCITIES},
     **{f"merged_{name}": f"merged.{name}.mean" for name in VELOCITIES},
     "plate": "landings.plate_velocity.mean",
@@ -50,7 +50,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 def data(quick: bool = False) -> Data:
     """Means over touches and over landings; cm/s and rad/s, the plate's velocity in V_0."""
     scene = from_tables(ROW)
-    found = {"nominal_deg": tilts(quick), **means(tilt_plan(quick), MEANS)}
+    found = {"nominal_deg": tilts(quick), **means(tilt_plan(quick), VELOCITY_MEANS)}
     per_second = scene.frequency / scene.plate.frequency_hz  # sqrt(d/g) in s
     for name in found:
         if "c_x" in name or "c_z" in name:
@@ -97,7 +97,7 @@ def draw(d: Data) -> plt.Figure:
         ax.axhline(0, color="0.7", lw=0.6)
         ax.legend(fontsize=5.5)
     name_panels(axes.flat, [""] * 4)
-    figure.supxlabel(OF_TILT_SCAN, fontsize=7)
+    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
     return figure
 
 

@@ -15,15 +15,15 @@ import numpy as np
 from md.scene import from_tables, put
 from md.sweep import Sweep
 
-from ..lib.runs import OF_TILT_SCAN, ROW, boxes, lone, means, tilt_plan
+from ..lib.runs import ROW, TILT_SCAN_WORDS, boxes, lone, means, tilt_plan
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panel, style, tilt_axis
 from ..lib.tables import pairs, table
 from ..pages import movie
 
-TILTS_DEG, SHOWN, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
-RODS = (5, 18, 31)
+TIP_TILTS_DEG, SHOWN_PERIODS, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
+RODS_DRAWN = (5, 18, 31)
 CHANGE_DEG = 30.0  # the paper's
-MEANS = {
+FLIGHT_MEANS = {
     "tilt_deg": "tilt_deg",
     "flight": "landings.flight_periods.mean",
     "merged_flight": "merged.flight_periods.mean",
@@ -39,18 +39,18 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 def data(quick: bool = False) -> Data:
     """Heights [cm] over time [periods]; flights [periods] over tilt."""
     heights = []
-    for length in boxes(TILTS_DEG):
+    for length in boxes(TIP_TILTS_DEG):
         scene = from_tables(put(ROW, {"box.length": length, "start.seed": 1}))
-        film = movie.record(scene, TRANSIENT + SHOWN, FRAMES)
+        film = movie.record(scene, TRANSIENT + SHOWN_PERIODS, FRAMES)
         late = film.time >= TRANSIENT
-        heights.append(scene.rods.diameter_cm * film.tips[late][:, RODS])
+        heights.append(scene.rods.diameter_cm * film.tips[late][:, RODS_DRAWN])
         time, plate = film.time[late] - TRANSIENT, scene.rods.diameter_cm * film.plate[late]
     lone_deg, bounces = lone(quick)
     return {
         "time": time,
         "plate": plate,
         "tips": np.array(heights),  # (tilts, times, rods)
-        **means(tilt_plan(quick), MEANS),
+        **means(tilt_plan(quick), FLIGHT_MEANS),
         "lone_deg": lone_deg,
         "lone_flight": np.array([each.flight.mean for each in bounces]),
         "lone_flight_error": np.array([each.flight.error for each in bounces]),
@@ -68,9 +68,9 @@ def draw(d: Data) -> plt.Figure:
         ax.plot(d["time"], d["plate"], color="0.45", lw=0.8)
         for tip, colour in zip(d["tips"][i].T, (BLUE, RED, GREEN), strict=True):
             ax.plot(d["time"], tip, color=colour, lw=1)
-        ax.set(xlim=(0, SHOWN), ylim=(low - 0.03, high + 0.03), ylabel="height (cm)")
+        ax.set(xlim=(0, SHOWN_PERIODS), ylim=(low - 0.03, high + 0.03), ylabel="height (cm)")
         ax.set_xlabel("time (periods of the plate)")
-        name_panel(ax, "ab"[i], rf"$\phi={TILTS_DEG[i]}$°")
+        name_panel(ax, "ab"[i], rf"$\phi={TIP_TILTS_DEG[i]}$°")
     c.plot(d["lone_deg"], d["lone_flight"], color=ORANGE, label="one rigid rod")
     curve(c, d, "tilt_deg", "flight", BLACK, "touch to touch")
     left_out = {"form": "s-", "hollow": True}
@@ -81,7 +81,7 @@ def draw(d: Data) -> plt.Figure:
     c.set(ylabel="mean flight (periods)", ylim=(0, None))
     c.legend(loc="upper right")
     name_panel(c, "c", "length of flights")
-    figure.supxlabel(OF_TILT_SCAN, fontsize=7)
+    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
     return figure
 
 

@@ -13,8 +13,8 @@ from impact import landing_density
 from md.sweep import Sweep
 
 from ..lib.runs import (
-    OF_TILT_SCAN,
     SHOWN_DEG,
+    TILT_SCAN_WORDS,
     gathered,
     lone,
     means,
@@ -25,11 +25,11 @@ from ..lib.runs import (
 from ..lib.style import BLACK, ORANGE, RED, Data, curve, name_panels, style, tilt_axis
 from ..lib.tables import pairs, table
 
-BINS = 32  # drawn; the store has 64
+BINS_DRAWN = 32  # drawn; the store has 64
 EXPECTED = 0.5 - 1 / np.pi  # part of H while the plate falls
 
 
-def densities(counts: np.ndarray, bins: int = BINS) -> np.ndarray:
+def densities(counts: np.ndarray, bins: int = BINS_DRAWN) -> np.ndarray:
     """Landings over the cycle, (..., 64), as densities per rad, (..., bins)."""
     counts = counts.reshape(*counts.shape[:-1], bins, -1).sum(axis=-1)
     return counts / counts.sum(axis=-1, keepdims=True) * bins / (2 * np.pi)
@@ -56,7 +56,7 @@ def data(quick: bool = False) -> Data:
     lone_deg, bounces = lone(quick)
     return {
         "shown_deg": np.array(SHOWN_DEG),
-        "phase": 2 * np.pi * (np.arange(BINS) + 0.5) / BINS,
+        "phase": 2 * np.pi * (np.arange(BINS_DRAWN) + 0.5) / BINS_DRAWN,
         "density": density,
         "density_error": error,
         "falling": down,
@@ -72,7 +72,7 @@ def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.4))
     fine = np.linspace(0, 2 * np.pi, 361)
     degrees, top = np.degrees(d["phase"]), 1.12 * (d["density"] + d["density_error"]).max()
-    half = 180 / BINS
+    half = 180 / BINS_DRAWN
     for i, ax in enumerate(axes.flat[:5]):
         ax.axvspan(90, 270, color="0.93", lw=0)
         ax.stairs(d["density"][i], np.append(degrees - half, 360), color=BLACK, lw=0.9)
@@ -95,7 +95,7 @@ def draw(d: Data) -> plt.Figure:
     last.legend(loc="upper right")
     titles = [rf"$\phi={tilt}$°" for tilt in d["shown_deg"]]
     name_panels(axes.flat, [*titles, "share on the way down"])
-    figure.supxlabel(OF_TILT_SCAN, fontsize=7)
+    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
     return figure
 
 

@@ -15,14 +15,14 @@ from scipy.optimize import minimize_scalar
 
 import md
 
-from ..lib.soft_impacts import TILTS, Soft, distance, right, rigid, simulate
+from ..lib.soft_impacts import TABLE_TILTS, Soft, distance, right, rigid, simulate
 from ..lib.style import (
     BLACK,
     BLUE,
     GREEN,
-    LAWS,
     ORANGE,
     RED,
+    RESTITUTION_LAWS,
     Data,
     legend_above,
     name_panels,
@@ -45,7 +45,7 @@ _COLOURS = {"coulomb": BLACK, "constant_restitution": BLUE, "appendix_a": RED}
 def _fitted(law: str, soft: Soft) -> float:
     """The one constant that brings the theory's velocities nearest."""
     found = minimize_scalar(
-        lambda e: distance(soft, rigid(TILTS, e, law=law)), bounds=(0.2, 1), method="bounded"
+        lambda e: distance(soft, rigid(TABLE_TILTS, e, law=law)), bounds=(0.2, 1), method="bounded"
     )
     return found.x
 
@@ -56,10 +56,10 @@ def _table(soft: Soft) -> np.ndarray:
     First with the constant of the head-on impact, then with the fitted one.
     """
     rows = []
-    for law in LAWS:
+    for law in RESTITUTION_LAWS:
         row = []
         for constant in (EPSILON, _fitted(law, soft)):
-            theory = rigid(TILTS, constant, law=law)
+            theory = rigid(TABLE_TILTS, constant, law=law)
             off = np.sqrt(np.mean((theory.normal_velocity - soft.restitution) ** 2))
             row += [constant, distance(soft, theory), off]
         rows.append(row)
@@ -73,10 +73,10 @@ def data(quick: bool = False) -> Data:
     line = (edges[1:] + edges[:-1]) / 2
     soft = [simulate(tilt, law) for law in SOFT.values()]
     fine = [simulate(tilt, law, refine=64) for law in SOFT.values()]
-    coarse = [simulate(TILTS, law) for law in SOFT.values()]
-    theory = {law: rigid(line, EPSILON, law=law) for law in LAWS}
+    coarse = [simulate(TABLE_TILTS, law) for law in SOFT.values()]
+    theory = {law: rigid(line, EPSILON, law=law) for law in RESTITUTION_LAWS}
     at_measured = [rigid(tilt, s.restitution) for s in soft]
-    first = [rigid(tilt, EPSILON, law=law) for law in LAWS]
+    first = [rigid(tilt, EPSILON, law=law) for law in RESTITUTION_LAWS]
     every = {"tilt": tilt, "line_tilt": line, "line_edges": edges, "epsilon": np.float64(EPSILON)}
     return {
         **every,
@@ -86,16 +86,16 @@ def data(quick: bool = False) -> Data:
         "line_c_x": theory["newton"].c_x,
         "line_c_z": theory["newton"].c_z,
         "line_regime": theory["newton"].regime,
-        "line_restitution": np.array([theory[law].normal_velocity for law in LAWS]),
+        "line_restitution": np.array([theory[law].normal_velocity for law in RESTITUTION_LAWS]),
         # distance of the first law's symbols from each theory at the constant, and at the measured
         "off": np.array([np.hypot(soft[0].c_x - r.c_x, soft[0].c_z - r.c_z) for r in first]),
         "off_measured": np.hypot(
             soft[0].c_x - at_measured[0].c_x, soft[0].c_z - at_measured[0].c_z
         ),
         "step_error": np.array([distance(a, b) for a, b in zip(soft, fine, strict=True)]),
-        "rms_constant": np.array([distance(s, rigid(TILTS, EPSILON)) for s in coarse]),
-        "rms_measured": np.array([distance(s, rigid(TILTS, s.restitution)) for s in coarse]),
-        "regimes_right": np.array([right(s, rigid(TILTS, s.restitution)) for s in coarse]),
+        "rms_constant": np.array([distance(s, rigid(TABLE_TILTS, EPSILON)) for s in coarse]),
+        "rms_measured": np.array([distance(s, rigid(TABLE_TILTS, s.restitution)) for s in coarse]),
+        "regimes_right": np.array([right(s, rigid(TABLE_TILTS, s.restitution)) for s in coarse]),
         "table_restitution": np.array([s.restitution for s in coarse]),
         "table": np.array([_table(s) for s in coarse]),
     }
@@ -113,11 +113,11 @@ def summary(d: Data) -> str:
     rows = [
         (name, law, *map(float, row))
         for name, block in zip(SOFT, d["table"], strict=True)
-        for law, row in zip(LAWS, block, strict=True)
+        for law, row in zip(RESTITUTION_LAWS, block, strict=True)
     ]
     lines.append(table(heads, rows, 4))
     columns = {"velocities": 1, "-v_f/v_0": 2, "velocities, fitted": 4, "-v_f/v_0, fitted": 5}
-    rows = [(name, *(LAWS[d["table"][i][:, at].argmin()] for at in columns.values()))
+    rows = [(name, *(RESTITUTION_LAWS[d["table"][i][:, at].argmin()] for at in columns.values()))
             for i, name in enumerate(SOFT)]  # fmt: skip
     lines.append(table(("nearest law in", *columns), rows))
     lines.append(f"halving the step moves velocities by at most {d['step_error'].max():.0e} (RMS)")
@@ -152,7 +152,9 @@ def _draw_restitution(ax: Axes, d: Data) -> None:
         dashes = "-" if name != "constant_restitution" else (0, (4, 1.5))
         ax.plot(np.degrees(d["tilt"]), e, ls=dashes, color=colour, label=f"MD, {name}")
     styles = ((ORANGE, "-."), (GREEN, "-."), (GREEN, ":"))
-    for law, e, (colour, dashes) in zip(LAWS, d["line_restitution"], styles, strict=True):
+    for law, e, (colour, dashes) in zip(
+        RESTITUTION_LAWS, d["line_restitution"], styles, strict=True
+    ):
         ax.plot(line_deg, e, dashes, color=colour, lw=1, label=rf"{law.title()}, 0.65")
     ax.set(ylabel=r"restitution $-v_f/v_0$", ylim=(0.45, 1.25))
     ax.legend(ncols=2, loc="upper center", fontsize=6, handlelength=1.8, columnspacing=1)
@@ -162,7 +164,7 @@ def _draw_restitution(ax: Axes, d: Data) -> None:
 def _draw_off(ax: Axes, d: Data) -> None:
     deg = np.degrees(d["tilt"])
     for law, off, colour, dashes in zip(
-        LAWS, d["off"], (ORANGE, GREEN, GREEN), ("-.", "-.", ":"), strict=True
+        RESTITUTION_LAWS, d["off"], (ORANGE, GREEN, GREEN), ("-.", "-.", ":"), strict=True
     ):
         ax.plot(deg, off, dashes, color=colour, label=f"{law.title()}, 0.65")
     ax.plot(deg, d["off_measured"], "-", color=BLACK, label="Newton, measured")

@@ -17,6 +17,7 @@ from impact import drift, spherocylinder, thin_rod
 from md.sweep import Sweep
 
 from ..lib.runs import (
+    BOX,
     COUNT,
     FRICTION,
     GAMMA,
@@ -46,9 +47,9 @@ from ..lib.style import (
 )
 from ..lib.tables import pairs, table
 
-BOX, BOX_OF_LENGTHS, GAMMA_OF_LENGTHS = 43.0, 41.4, 2.5  # panels (b) and (c)
+BOX_OF_LENGTHS, GAMMA_OF_LENGTHS = 41.4, 2.5  # panel (c)
 GAMMAS = (1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.3, 4, 5)
-LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
+ROD_LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
 
 
 def _measured(sweep: Sweep, prefix: str) -> Data:
@@ -62,7 +63,7 @@ def _measured(sweep: Sweep, prefix: str) -> Data:
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Over tilt, over Gamma, over length, and over length from rest."""
     gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else [*GAMMAS]
-    length = [1.25, 1.5, 2, 3, 9.5] if quick else [*LENGTHS]
+    length = [1.25, 1.5, 2, 3, 9.5] if quick else [*ROD_LENGTHS]
     jammed = [2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5]
     periods, two = periods_of(quick), {"start.seed": [1, 2]}
     seeds = two if quick else SEEDS

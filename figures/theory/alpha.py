@@ -18,8 +18,8 @@ from impact import drift, spherocylinder
 from ..lib.style import (
     BLACK,
     BLUE,
-    BOX,
     GREEN,
+    LEGEND_BOX,
     RED,
     Data,
     curve,
@@ -29,18 +29,18 @@ from ..lib.style import (
     tilt_axis,
 )
 
-SETTING = {"friction": 0.3, "restitution": 0.65, "shortest_flight": 0.01}
+ALPHA_SETTING = {"friction": 0.3, "restitution": 0.65, "shortest_flight": 0.01}
 GAMMA = 3.3
 LENGTH = 9.5  # over the diameter
-TILTS_DEG = (9, 20, 40)
+ALPHA_TILTS_DEG = (9, 20, 40)
 EXPERIMENT = 1.6  # Gamma above which the paper's rods drift forward, Fig. 2(c, d)
-FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest", "again")
+MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest", "again")
 
 
 def _sweep(prefix: str, runs: list) -> Data:
     """Means and errors of several runs, one array a field."""
     arrays = {}
-    for field in FIELDS:
+    for field in MEASURED_FIELDS:
         values = [getattr(run, field) for run in runs]
         arrays[f"{prefix}_{field}"] = np.array([value.mean for value in values])
         arrays[f"{prefix}_{field}_error"] = np.array([value.error for value in values])
@@ -55,30 +55,30 @@ def data(quick: bool = False) -> Data:
 
     def run(tilt, gamma):
         rod = spherocylinder(tilt, LENGTH)
-        return bounce(rod, gamma=gamma, **SETTING, **counts, transient=200)
+        return bounce(rod, gamma=gamma, **ALPHA_SETTING, **counts, transient=200)
 
     tilts = np.radians(np.arange(0, 76, 5 if quick else 1))
     onset = np.geomspace(1e-3, 0.1, 4 if quick else 8)
     gammas = np.concatenate([1 + onset, np.arange(1.2, 5.01, 0.4 if quick else 0.1)])
     over_tilt = [run(tilt, GAMMA) for tilt in tilts]
-    over_gamma = [[run(np.radians(deg), gamma) for gamma in gammas] for deg in TILTS_DEG]
+    over_gamma = [[run(np.radians(deg), gamma) for gamma in gammas] for deg in ALPHA_TILTS_DEG]
     fine = np.concatenate([1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi))])
     upright = {"friction": 0.3, "restitution": 0.0, "landings": 1}
     inelastic = [bounce(spherocylinder(0.0, LENGTH), gamma=g, **upright).alpha.mean for g in fine]
-    how = {name: SETTING[name] for name in ("friction", "restitution")}
+    how = {name: ALPHA_SETTING[name] for name in ("friction", "restitution")}
     steady = drift(spherocylinder(tilts, LENGTH), **how)
     by_tilt = [_sweep("gamma", runs) for runs in over_gamma]
     return {
-        **{name: np.float64(value) for name, value in SETTING.items()},
+        **{name: np.float64(value) for name, value in ALPHA_SETTING.items()},
         "length": np.float64(LENGTH),
         "gamma": np.float64(GAMMA),
         "tilt": tilts,
         **_sweep("tilt", over_tilt),
         "tilt_flights": np.array([each.flights.mean for each in over_tilt]),
         "steady_c_x": steady.c_x,
-        "again_tilt": hit_again_tilt(LENGTH, SETTING["restitution"]),
+        "again_tilt": hit_again_tilt(LENGTH, ALPHA_SETTING["restitution"]),
         "gammas": gammas,
-        "gamma_tilt": np.radians(TILTS_DEG),
+        "gamma_tilt": np.radians(ALPHA_TILTS_DEG),
         **{name: np.array([each[name] for each in by_tilt]) for name in by_tilt[0]},
         "inelastic_gamma": fine,
         "inelastic_alpha": np.array(inelastic),
@@ -112,7 +112,7 @@ def _over_tilt(axes, d: Data) -> None:
     for ax in axes:
         tilt_axis(ax, 0, 75)
         ax.axvline(again, color=BLACK, lw=0.8, ls="--")
-        ax.legend(loc="upper right", **BOX)
+        ax.legend(loc="upper right", **LEGEND_BOX)
 
 
 def _over_gamma(axes, d: Data) -> None:

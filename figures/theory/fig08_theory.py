@@ -15,7 +15,7 @@ from impact import landing_density, spherocylinder
 from ..lib.style import (
     BLACK,
     BLUE,
-    BOX,
+    LEGEND_BOX,
     RED,
     Data,
     curve,
@@ -25,10 +25,10 @@ from ..lib.style import (
     tilt_axis,
 )
 
-TILTS_DEG = (9, 18, 27, 34, 45)
-BINS = 36
+PHASE_TILTS_DEG = (9, 18, 27, 34, 45)
+PHASE_BINS = 36
 SPREAD_DEG = 3.0
-SETTING = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65, "shortest_flight": 0.01}
+PHASE_SETTING = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65, "shortest_flight": 0.01}
 LENGTH = 9.5  # over the diameter
 
 
@@ -38,10 +38,12 @@ def data(quick: bool = False) -> Data:
 
     def run(tilt, rods, landings):
         rod = spherocylinder(tilt, LENGTH)
-        return bounce(rod, **SETTING, rods=rods, landings=landings, transient=200, bins=BINS)
+        return bounce(
+            rod, **PHASE_SETTING, rods=rods, landings=landings, transient=200, bins=PHASE_BINS
+        )
 
     sweep = np.radians(np.arange(0, 61, 5 if quick else 1))
-    tilt, spread = np.radians(TILTS_DEG), np.radians(np.linspace(-SPREAD_DEG, SPREAD_DEG, 13))
+    tilt, spread = np.radians(PHASE_TILTS_DEG), np.radians(np.linspace(-SPREAD_DEG, SPREAD_DEG, 13))
     shown = [run(one, *((60, 400) if quick else (1000, 2000))).phases for one in tilt]
     around = [
         [run(one + step, *((15, 200) if quick else (100, 1000))).phases for step in spread]
@@ -49,10 +51,10 @@ def data(quick: bool = False) -> Data:
     ]
     falling = [run(one, *((60, 200) if quick else (200, 1000))).falling for one in sweep]
     return {
-        **{name: np.float64(value) for name, value in SETTING.items()},
+        **{name: np.float64(value) for name, value in PHASE_SETTING.items()},
         "length": np.float64(LENGTH),
         "tilt": tilt,
-        "phase": 2 * np.pi * (np.arange(BINS) + 0.5) / BINS,
+        "phase": 2 * np.pi * (np.arange(PHASE_BINS) + 0.5) / PHASE_BINS,
         "density": np.array([each.mean for each in shown]),
         "density_error": np.array([each.error for each in shown]),
         "spread": np.radians(SPREAD_DEG),
@@ -63,7 +65,7 @@ def data(quick: bool = False) -> Data:
         "sweep_tilt": sweep,
         "falling": np.array([each.mean for each in falling]),
         "falling_error": np.array([each.error for each in falling]),
-        "again_tilt": hit_again_tilt(LENGTH, SETTING["restitution"]),
+        "again_tilt": hit_again_tilt(LENGTH, PHASE_SETTING["restitution"]),
     }
 
 
@@ -104,7 +106,7 @@ def draw(d: Data) -> plt.Figure:
     last.axvline(again, color=BLACK, lw=0.8, ls="--", label=rf"$X^2=\epsilon k^2$: {again:.1f}°")
     tilt_axis(last, 0, 60)
     last.set(ylabel="landings while the plate falls", ylim=(-0.02, 1))
-    last.legend(loc="upper right", **BOX)
+    last.legend(loc="upper right", **LEGEND_BOX)
     titles = [rf"$\phi={tilt:.0f}$°" for tilt in np.degrees(d["tilt"])]
     name_panels(axes.flat, [*titles, "share on the way down"])
     return figure

@@ -18,18 +18,22 @@ from ..lib.style import BLACK, BLUE, GREEN, RED, Data, name_panels, style, tilt_
 from ..lib.tables import table
 
 UNIT = 981 / (2 * np.pi * 60) ** 2  # g/Omega^2, cm
-ROD = {"length": 5.7 / UNIT, "diameter": 0.6 / UNIT}
-SETTING = {"friction": 0.3, "restitution": 0.65}
+FALLING_ROD = {"length": 5.7 / UNIT, "diameter": 0.6 / UNIT}
+FALL_SETTING = {"friction": 0.3, "restitution": 0.65}
 GAMMA = 3.3
-GAMMAS = (1.5, GAMMA, 5.0)
+FALL_GAMMAS = (1.5, GAMMA, 5.0)
 STILL = 1e-6  # gamma of a plate all but at rest
 SINGLE_DEG = (5, 20, 40)
-SINGLE = 5  # rods drawn of each
+SINGLES = 5  # rods drawn of each
 
 
 def _tip_drift(tilt: float, run) -> tuple[float, float]:
     """Drift of the tip until the fall, mean over rods and standard error, in V_0."""
-    ahead = (ROD["length"] - ROD["diameter"]) / 2 * (np.sin(run.tilt_end) - np.sin(tilt))
+    ahead = (
+        (FALLING_ROD["length"] - FALLING_ROD["diameter"])
+        / 2
+        * (np.sin(run.tilt_end) - np.sin(tilt))
+    )
     drift = (run.travel - ahead / (2 * np.pi * GAMMA)) / run.time
     return drift.mean(), drift.std(ddof=1) / np.sqrt(drift.size)
 
@@ -40,7 +44,7 @@ def _second_landing(run) -> np.ndarray:
     The first landing finds omega = 0, as every one does under the closure.
     """
     tilt, omega, c_z, phase = (column[:, 1] for column in (run.tilt, run.omega, run.c_z, run.phase))
-    X = spherocylinder(np.nan_to_num(tilt), **ROD).X
+    X = spherocylinder(np.nan_to_num(tilt), **FALLING_ROD).X
     share = omega * X / (GAMMA * (np.cos(phase) - c_z))
     return np.array([np.nanmedian(tilt), np.nanmedian(share)])
 
@@ -51,13 +55,13 @@ def data(quick: bool = False) -> Data:
     from impact.falling import fall
 
     def release(tilt, gamma, rods, **limit):
-        return fall(tilt, **ROD, gamma=gamma, **SETTING, rods=rods, **limit)
+        return fall(tilt, **FALLING_ROD, gamma=gamma, **FALL_SETTING, rods=rods, **limit)
 
     tilts, rods = np.radians(np.arange(5, 81, 15 if quick else 2.5)), 50 if quick else 200
-    runs = [[release(tilt, gamma, rods) for tilt in tilts] for gamma in GAMMAS]
+    runs = [[release(tilt, gamma, rods) for tilt in tilts] for gamma in FALL_GAMMAS]
     counts = {"landings": 300, "rods": rods, "shortest_flight": 1e-3}
     held = [
-        bounce(spherocylinder(tilt, **ROD), gamma=GAMMA, **SETTING, **counts).drift
+        bounce(spherocylinder(tilt, **FALLING_ROD), gamma=GAMMA, **FALL_SETTING, **counts).drift
         for tilt in tilts
     ]
 
@@ -65,12 +69,12 @@ def data(quick: bool = False) -> Data:
     for deg in SINGLE_DEG:
         tilt = np.radians(deg)
         run = release(tilt, GAMMA, rods)
-        start, end = np.zeros((SINGLE, 1)), run.time[:SINGLE, None]
-        drawn = np.s_[:SINGLE, : run.landings[:SINGLE].max()]
+        start, end = np.zeros((SINGLES, 1)), run.time[:SINGLES, None]
+        drawn = np.s_[:SINGLES, : run.landings[:SINGLES].max()]
         clock = np.cumsum(run.flight + run.rest, axis=1)[drawn]
         single[f"time_{deg}"] = np.hstack([start, clock, end])
         single[f"tilt_{deg}"] = np.hstack(
-            [start + tilt, run.tilt[drawn], run.tilt_end[:SINGLE, None]]
+            [start + tilt, run.tilt[drawn], run.tilt_end[:SINGLES, None]]
         )
         single[f"second_{deg}"] = _second_landing(run)
         still = [release(tilt, STILL, 1, periods=upto) for upto in range(1, 20)]
@@ -78,12 +82,12 @@ def data(quick: bool = False) -> Data:
         single[f"still_tilt_{deg}"] = np.array([tilt, *(run.tilt_end[0] for run in still)])
     return {
         "tilt": tilts,
-        "gamma": np.array(GAMMAS),
+        "gamma": np.array(FALL_GAMMAS),
         "time": np.array([[np.percentile(run.time, (5, 50, 95)) for run in row] for row in runs]),
         "landings": np.array([[np.median(run.landings) for run in row] for row in runs]),
         "fallen": np.array([[run.fallen.mean() for run in row] for row in runs]),
         "still_time": np.array([release(tilt, STILL, 1).time[0] for tilt in tilts]),
-        "drift": np.array(list(map(_tip_drift, tilts, runs[GAMMAS.index(GAMMA)]))),
+        "drift": np.array(list(map(_tip_drift, tilts, runs[FALL_GAMMAS.index(GAMMA)]))),
         "held_drift": np.array(held),
         **single,
     }
@@ -91,7 +95,7 @@ def data(quick: bool = False) -> Data:
 
 def summary(d: Data) -> str:
     """Medians at GAMMA, and the second landings."""
-    i = GAMMAS.index(GAMMA)
+    i = FALL_GAMMAS.index(GAMMA)
     columns = {"tilt (deg)": np.degrees(d["tilt"]), "landings": d["landings"][i]}
     columns |= {"periods to fall": d["time"][i, :, 1], "plate at rest": d["still_time"]}
     columns |= {"drift of the tip (V_0)": d["drift"][:, 0], "closure": d["held_drift"][:, 0]}

@@ -21,8 +21,8 @@ from impact import collide, critical_friction, energy_restitution, slide_frictio
 from ..lib.style import (
     BLACK,
     BLUE,
-    LAWS,
     RED,
+    RESTITUTION_LAWS,
     WARM,
     Data,
     paint,
@@ -32,7 +32,7 @@ from ..lib.style import (
     where_it_stops,
 )
 
-SMOOTH = {"shading": "gouraud", "rasterized": True}
+GOURAUD = {"shading": "gouraud", "rasterized": True}
 RESTITUTIONS = (0.8, 0.85, 0.9, 0.95, 0.99)
 
 
@@ -75,7 +75,7 @@ def _creation(n: int, dots: tuple[int, int]) -> Data:
 def _after(tilt, friction, restitution, approach_ratio) -> np.ndarray:
     """(c_x', c_z') after an impact with c_z = -1 under each law: shape (2, 3, ...)."""
     how = {"geometry": thin_rod(tilt), "friction": friction, "restitution": restitution}
-    hits = [collide(1 / approach_ratio, -1.0, **how, law=law) for law in LAWS]
+    hits = [collide(1 / approach_ratio, -1.0, **how, law=law) for law in RESTITUTION_LAWS]
     return np.array([[hit.c_x for hit in hits], [hit.c_z for hit in hits]])
 
 
@@ -92,7 +92,10 @@ def data(
     reversal = reversal_boundary(4 * n)
     d["c_x"], d["c_z"] = _after(d["tilt"], friction, **setting)
     everywhere = _after(d["tilt"], d["friction"][:, None], **setting)
-    pairs = [everywhere[:, i] - everywhere[:, j] for i, j in combinations(range(len(LAWS)), 2)]
+    pairs = [
+        everywhere[:, i] - everywhere[:, j]
+        for i, j in combinations(range(len(RESTITUTION_LAWS)), 2)
+    ]
     return {
         **d,
         "line_friction": np.float64(friction),
@@ -117,7 +120,7 @@ def _threshold(ax: Axes, d: Data, **kwargs: Any):
 
 
 def _draw_creation(ax: Axes, d: Data) -> None:
-    look = {"cmap": WARM.reversed(), "vmin": d["floor_threshold"], "vmax": 1, **SMOOTH}
+    look = {"cmap": WARM.reversed(), "vmin": d["floor_threshold"], "vmax": 1, **GOURAUD}
     fill = ax.pcolormesh(np.degrees(d["tilt"]), d["friction"], d["threshold"], **look)
     lines = _threshold(ax, d, colors="k")
     ax.clabel(lines, fontsize=6, fmt="%.2f", manual=[(28, 0.7), (20, 0.6), (13, 0.5), (6, 0.4)])
@@ -144,7 +147,7 @@ def _draw_search(ax: Axes, d: Data) -> None:
 
 def _draw_outcomes(ax: Axes, d: Data) -> None:
     tilt_deg = np.degrees(d["tilt"])
-    for i, (law, colour) in enumerate(zip(LAWS, (BLACK, RED, BLUE), strict=True)):
+    for i, (law, colour) in enumerate(zip(RESTITUTION_LAWS, (BLACK, RED, BLUE), strict=True)):
         ax.plot(tilt_deg, d["c_x"][i], color=colour, label=law.title())
         ax.plot(tilt_deg, d["c_z"][i], "--", color=colour)
     ax.plot([], [], "-", color="0.5", label=r"$c_x'$")
@@ -156,7 +159,7 @@ def _draw_outcomes(ax: Axes, d: Data) -> None:
 
 def _draw_difference(ax: Axes, d: Data) -> None:
     tilt_deg = np.degrees(d["tilt"])
-    look = {"cmap": WARM, "vmin": 0, **SMOOTH}
+    look = {"cmap": WARM, "vmin": 0, **GOURAUD}
     fill = ax.pcolormesh(tilt_deg, d["friction"], d["difference"], **look)
     ax.plot(tilt_deg, d["slide_friction"], "k-")
     ax.plot(np.degrees(d["stopping_tilt"]), d["critical_friction"], "k--")
