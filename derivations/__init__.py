@@ -28,7 +28,7 @@ map_functions, rod_functions        which functions are generated, by which rule
 codegen, equations_page             impact/_generated.py; EQUATIONS.md
 typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
 lookup                              `equation`, `function`: one entry by its tag
-report, __main__                    the report, from templates/; the command line
+report, __main__, command_line      the report, from templates/; the commands
 
 To add an equation
 ------------------

@@ -4,22 +4,19 @@ python -m derivations [check [--json] | generate | report [--out DIR]]
 """
 
 import json
-import os
 import shutil
-import signal
-import sys
 import tempfile
 import textwrap
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import NoReturn
 
 import click
 from tqdm import tqdm
 
 from . import registry
+from .command_line import Commands
 from .sentences import to_text
 
 NAME = "python -m derivations"
@@ -62,16 +59,18 @@ def _examples(*lines: str) -> str:
 
 
 @click.group(
+    cls=Commands,
+    name=NAME,
     invoke_without_command=True,
     epilog=_examples("check        # so does python -m derivations alone", "report"),
 )
 @click.pass_context
-def cli(context: click.Context) -> int | None:
+def main(context: click.Context) -> int | None:
     """Prove every equation, generate the functions, write the report."""
     return None if context.invoked_subcommand else context.invoke(check)
 
 
-@cli.command(epilog=_examples("check", "check --json"))
+@main.command(epilog=_examples("check", "check --json"))
 @click.option("--json", "as_json", is_flag=True, help="A list of objects instead of a table.")
 def check(as_json: bool = False) -> int:
     """Prove every verdict (10 s).
@@ -83,7 +82,7 @@ def check(as_json: bool = False) -> int:
     return _code(rows)
 
 
-@cli.command(epilog=_examples("generate"))
+@main.command(epilog=_examples("generate"))
 def generate() -> int:
     """Write the generated functions and tables (5 s).
 
@@ -103,12 +102,11 @@ def generate() -> int:
     return 0
 
 
-@cli.command("report", epilog=_examples("report", "report --out pages"))
+@main.command("report", epilog=_examples("report", "report --out pages"))
 @click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     default="out",
-    show_default=True,
     help="Folder for report.html and latex/*.tex.",
 )
 def write_report(out: Path) -> int:
@@ -127,47 +125,5 @@ def write_report(out: Path) -> int:
     return _code(rows)
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Run one command; return the exit code, and report what ends it in one line."""
-    context, at, said, code = None, None, "", 0
-    try:
-        context = cli.make_context(NAME, sys.argv[1:] if argv is None else list(argv))
-        with context:
-            return cli.invoke(context)
-    except click.exceptions.Exit as end:  # after help
-        return end.exit_code
-    except click.ClickException as error:
-        at = getattr(error, "ctx", None)
-        said, code = error.format_message(), error.exit_code
-    except KeyboardInterrupt:
-        said, code = "interrupted; no file is half-written", 130
-    except BrokenPipeError:  # the reader has seen enough
-        return 0
-    except MemoryError as error:
-        said, code = f"not enough memory: {error}", 1
-    except OSError as error:
-        said, code = f"cannot write: {error}", 2
-    command = f" {context.invoked_subcommand or 'check'}" if context else ""
-    print(f"{at.command_path if at else NAME + command}: {said}", file=sys.stderr)
-    return code
-
-
-def run(main: Callable[[], int] = main) -> NoReturn:
-    """End the process by `main`; SIGTERM is Ctrl-C, and a closed pipe costs no line."""
-    if sys.stdout is None:
-        print(f"{NAME}: cannot write: standard output is closed", file=sys.stderr)
-        sys.exit(2)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    code = main()
-    try:
-        sys.stdout.flush()
-    except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if not isinstance(error, BrokenPipeError):
-            print(f"{NAME}: cannot write: {error}", file=sys.stderr)
-            code = code or 2
-    sys.exit(code)
-
-
 if __name__ == "__main__":
-    run()
+    main.program()

@@ -36,77 +36,57 @@ class Entry:
 
     room: str  # folder of its module
     title: str  # what it shows, with the paper's number
-    quick: bool = True  # part of the set that is drawn when no name is given
+    quick: bool  # part of the set that is drawn when no name is given
+    alone: bool  # takes all cores or measures times: nothing is drawn beside it
 
 
+# Titles with the paper's numbers, by room and name.
+_TITLES = {
+    "paper": {
+        "fig02": "Fig. 2: forward and reverse drift over acceleration and tilt",
+        "fig04": "Fig. 4: drift in the annulus over tilt, acceleration and friction",
+        "fig05": "Fig. 5: rods in the annulus from above; the zig-zag",
+        "fig06": "Fig. 6: velocities of a simulated row before and after a landing, over tilt",
+        "fig07": "Fig. 7: tips of rods over the plate; lengths of flights over tilt",
+        "fig08": "Fig. 8: landing phases of a simulated row",
+        "fig13": "Fig. 13: drift of a simulated row over tilt, acceleration and length",
+        "fig10": "Fig. 10: regimes of an impact over tilt and friction",
+        "fig11": "Fig. 11: stationary drift over tilt, with its unphysical branches",
+        "fig12": "Fig. 12: one soft impact over tilt against the closed forms; its restitution",
+    },
+    "theory": {
+        "alpha": "Mean plate velocity at landing, flights and drift, computed rod by rod",
+        "fig08_theory": "Fig. 8: landing phases of bouncing rods, computed",
+        "free_rod": "A rod that is let go: how soon it falls, and its drift until then",
+        "restitution_laws": "Where Newton's law creates energy; how far three laws differ",
+        "tip_shape": "Drift of round and flat-ended rods over tilt and over length",
+    },
+    "checks": {
+        "phase_friction": "Drift of a simulated row over friction and restitution",
+        "contact_laws": "Which contact law obeys which of the paper's claims",
+        "landing_census": "Landings in the row against the impact map, one by one",
+        "appendix_a": "Readings of Appendix A against what the paper says of them",
+        "rigid_limit": "How the soft impact comes to the rigid one, law by law",
+    },
+    "cost": {
+        "accuracy_map": "Error of an impact in ulp: ours, and the paper's formulas literally",
+        "accuracy_cost_theory": "Error of an impact against the time it takes, for nine ways",
+        "accuracy_cost_impact": "Error of a soft impact against its price: integration, model",
+        "accuracy_cost_drift": "Error of the row's drift against time; runs to a tolerance",
+        "accuracy_cost_ladder": "One question, every way to answer it: deviation against time",
+        "effect_prices": "Price of each effect of a scene, alone and in the full scene",
+        "scaling": "Time over the number of rods, work over the number of cores",
+    },
+}
+# Runs of many rods, on all cores: not in the quick set.
+_HEAVY = {"fig02", "fig04", "fig05", "fig06", "fig07", "fig08", "fig13"}
+_HEAVY |= {"phase_friction", "contact_laws", "landing_census"}
+_HEAVY |= {"accuracy_cost_drift", "accuracy_cost_ladder", "effect_prices", "scaling"}
+_TIMED = {"accuracy_cost_theory", "accuracy_cost_impact"}  # of the quick set
 FIGURES = {
-    "fig02": Entry(
-        "paper", "Fig. 2: forward and reverse drift over acceleration and tilt", quick=False
-    ),
-    "fig04": Entry(
-        "paper", "Fig. 4: drift in the annulus over tilt, acceleration and friction", quick=False
-    ),
-    "fig05": Entry("paper", "Fig. 5: rods in the annulus from above; the zig-zag", quick=False),
-    "fig06": Entry(
-        "paper",
-        "Fig. 6: velocities of a simulated row before and after a landing, over tilt",
-        quick=False,
-    ),
-    "fig07": Entry(
-        "paper", "Fig. 7: tips of rods over the plate; lengths of flights over tilt", quick=False
-    ),
-    "fig08": Entry("paper", "Fig. 8: landing phases of a simulated row", quick=False),
-    "fig13": Entry(
-        "paper", "Fig. 13: drift of a simulated row over tilt, acceleration and length", quick=False
-    ),
-    "fig10": Entry("paper", "Fig. 10: regimes of an impact over tilt and friction"),
-    "fig11": Entry("paper", "Fig. 11: stationary drift over tilt, with its unphysical branches"),
-    "fig12": Entry(
-        "paper", "Fig. 12: one soft impact over tilt against the closed forms; its restitution"
-    ),
-    "alpha": Entry(
-        "theory", "Mean plate velocity at landing, flights and drift, computed rod by rod"
-    ),
-    "fig08_theory": Entry("theory", "Fig. 8: landing phases of bouncing rods, computed"),
-    "free_rod": Entry(
-        "theory", "A rod that is let go: how soon it falls, and its drift until then"
-    ),
-    "restitution_laws": Entry(
-        "theory", "Where Newton's law creates energy; how far three laws differ"
-    ),
-    "tip_shape": Entry("theory", "Drift of round and flat-ended rods over tilt and over length"),
-    "phase_friction": Entry(
-        "checks", "Drift of a simulated row over friction and restitution", quick=False
-    ),
-    "contact_laws": Entry(
-        "checks", "Which contact law obeys which of the paper's claims", quick=False
-    ),
-    "landing_census": Entry(
-        "checks", "Landings in the row against the impact map, one by one", quick=False
-    ),
-    "appendix_a": Entry("checks", "Readings of Appendix A against what the paper says of them"),
-    "rigid_limit": Entry("checks", "How the soft impact comes to the rigid one, law by law"),
-    "accuracy_map": Entry(
-        "cost", "Error of an impact in ulp: ours, and the paper's formulas literally"
-    ),
-    "accuracy_cost_theory": Entry(
-        "cost", "Error of an impact against the time it takes, for nine ways"
-    ),
-    "accuracy_cost_impact": Entry(
-        "cost", "Error of a soft impact against its price: integration, model"
-    ),
-    "accuracy_cost_drift": Entry(
-        "cost", "Error of the row's drift against time; runs to a tolerance", quick=False
-    ),
-    "accuracy_cost_ladder": Entry(
-        "cost", "One question, every way to answer it: deviation against time", quick=False
-    ),
-    "effect_prices": Entry(
-        "cost", "Price of each effect of a scene, alone and in the full scene", quick=False
-    ),
-    "scaling": Entry(
-        "cost", "Time over the number of rods, work over the number of cores", quick=False
-    ),
+    name: Entry(room, title, name not in _HEAVY, name in _HEAVY | _TIMED)
+    for room, titles in _TITLES.items()
+    for name, title in titles.items()
 }
 
 

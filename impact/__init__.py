@@ -1,4 +1,4 @@
-'''The theory of a rod's frictional impact with a plate, as numbers.
+"""The theory of a rod's frictional impact with a plate, as numbers.
 
 >>> from math import radians
 >>> import impact
@@ -26,56 +26,19 @@ collision                           the impact map: `collide`, `classify`
 boundaries, translation             boundaries of the regimes; the drift
 compiled                            the map as Numba kernels, the same bits
 flight, bouncing, falling           exact flights over the plate, and rods that make them
-_jit, _interrupt                    compiled as all of it is; signals that wait
-__main__, _handwritten, _command    the benchmark; errors of command lines
+_jit, _interrupt                    Numba's compiler; signals that wait until it is done
+benchmark, __main__, _command_line  time per impact; its command
 
-To add a function: the rebound of `help(derivations)`
------------------------------------------------------
-1. impact/translation.py, at the end
-    def rebound(geometry: ContactGeometry, restitution: Any) -> Any:
-        """Speed that a fall without spin and friction leaves the centre of mass, -c_z'/c_z.
+To add a function
+-----------------
+1. Derive its closed form in `derivations` and write `_generated.py` (`help(derivations)`).
+2. Put the function beside its like: a `block` that calls the closed form, and the arguments with
+   their domains; `_arguments.evaluated` does what all functions do with them.
+3. List it here, in the imports and in `__all__`.
+4. Give `tests/test_public_api.py` its arguments and what it refuses.
+"""
 
-        Parameters
-        ----------
-        geometry : any X, Z, and k > 0
-        restitution : between 0 and 1
-
-        Returns
-        -------
-        Dimensionless, negative where the centre goes on falling; nan for array elements out of
-        their domain, of which scalars raise `ValueError`.
-        """
-
-        def block(X: Any, Z: Any, k: Any, epsilon: Any) -> tuple[Any, ...]:
-            valid = valid_lengths(X, Z, k) & RESTITUTION.holds(epsilon)
-            return (np.where(valid, closed.rebound(np.abs(X) / k, epsilon), np.nan),)
-
-        arguments = {**lengths_of(geometry), "restitution": (restitution, RESTITUTION)}
-        arrays, dtype = real_arrays(arguments)
-        return in_blocks(block, arrays, [dtype])[0]
-
-2. impact/__init__.py, for the line that begins `from .translation import`
-    from .translation import Drift, drift, landing_density, mean_plate_velocity, rebound
-
-3. impact/__init__.py, after the line `"mean_plate_velocity",`
-    "rebound",
-
-4. tests/test_public_api.py, after the line `"drift": HIT,`: arguments to start from
-    "rebound": {"geometry": ROD, "restitution": 0.65},
-
-5. tests/test_public_api.py, last in `OUT_OF_DOMAIN`: what is refused
-    ("rebound", "restitution", 1.01),
-
-Try it, against the impact map:
-
-    import impact
-    rod = impact.spherocylinder(0.3, 8.0)
-    hit = impact.collide(0.0, -1.0, geometry=rod, friction=0.0, restitution=0.65)
-    assert abs(impact.rebound(rod, 0.65) - hit.c_z) < 1e-15
-
-    python -m pytest tests/test_public_api.py tests/test_documentation.py
-'''  # noqa: D214, D215  (sections within examples)
-
+from ._arguments import InputError
 from ._kernel import Regime
 from .boundaries import critical_friction, critical_tilts, energy_restitution, slide_friction
 from .collision import Collision, classify, collide
@@ -86,6 +49,7 @@ __all__ = [
     "Collision",
     "ContactGeometry",
     "Drift",
+    "InputError",
     "Regime",
     "classify",
     "collide",

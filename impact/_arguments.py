@@ -1,4 +1,4 @@
-"""What every public function does with its arguments: domains, labels, dtypes, blocks.
+"""Arguments of every public function: domains, labels, dtypes, evaluation in blocks.
 
 A scalar outside its domain raises; inside an array such an element becomes nan. A nan, or an
 infinity where none is allowed, gives nan everywhere and never raises. Arrays are paired by
@@ -6,6 +6,7 @@ position: labels (pandas, xarray) that say otherwise raise, equal ones are dropp
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import reduce
 from itertools import combinations
 from operator import index
 from typing import Any, NamedTuple, TypeAlias
@@ -15,8 +16,17 @@ import numpy as np
 BLOCK = 8192  # elements in flight; a block's temporaries stay in the second-level cache
 
 
+class InputError(ValueError, TypeError):
+    """An argument that is refused; the message names it, its value and its domain.
+
+    Both a `ValueError` and a `TypeError`, so that either catches it.
+    """
+
+    exit_code = 2  # of a command that it ends
+
+
 class Domain(NamedTuple):
-    """Closed interval (half-open below if `above` says so) with its text for messages."""
+    """Interval of permitted values, closed or open at its lower end, with its text for messages."""
 
     low: float
     high: float
@@ -76,7 +86,7 @@ def _refuse_unlike(values: Mapping[str, Any]) -> None:
     labelled = [(name, labels) for name, v in values.items() if (labels := labels_of(v))]
     for (one, labels), (other, others) in combinations(labelled, 2):
         if found := _difference(labels, others):
-            raise ValueError(
+            raise InputError(
                 f"{one} and {other} must have equal labels, got {found[0]} where the other has "
                 f"{found[1]}; align them, or pass plain arrays"
             )
@@ -94,9 +104,9 @@ def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
     except (ValueError, OverflowError):  # ragged, or an integer beyond all floats
         array = None
     if array is None or array.dtype.kind not in "biuf":
-        raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
+        raise InputError(f"{name} must be a real number or an array of them, got {value!r}")
     if array.ndim == 0 and np.isfinite(array) and not domain.holds(array):
-        raise ValueError(f"{name} must be {domain.text}, got {value!r}")
+        raise InputError(f"{name} must be {domain.text}, got {value!r}")
     return array
 
 
@@ -116,9 +126,9 @@ def number(name: str, value: Any, domain: Domain) -> float:
     """One number in its domain; nan is in none."""
     array = real_array(name, value, domain)
     if array.ndim:
-        raise TypeError(f"{name} must be a single number, got {value!r}")
+        raise InputError(f"{name} must be a single number, got {value!r}")
     if not domain.holds(array):
-        raise ValueError(f"{name} must be {domain.text}, got {value!r}")
+        raise InputError(f"{name} must be {domain.text}, got {value!r}")
     return float(array)
 
 
@@ -127,9 +137,9 @@ def count(name: str, value: Any, least: int) -> int:
     try:
         whole = index(value)
     except TypeError:
-        raise TypeError(f"{name} must be a whole number, got {value!r}") from None
+        raise InputError(f"{name} must be a whole number, got {value!r}") from None
     if whole < least:
-        raise ValueError(f"{name} must be at least {least}, got {value!r}")
+        raise InputError(f"{name} must be at least {least}, got {value!r}")
     return whole
 
 
@@ -138,6 +148,31 @@ def result_dtype(values: Sequence[Any]) -> np.dtype:
     kinds = {np.asarray(v).dtype for v in values if type(v) not in (int, float, bool)}
     single = kinds and np.result_type(*kinds) == np.float32
     return np.dtype(np.float32 if single else np.float64)
+
+
+def evaluated(
+    function: Callable[..., tuple[Any, ...]],
+    arguments: Mapping[str, Argument],
+    kinds: Sequence[type | None] = (None,),
+) -> tuple[Any, ...]:
+    """Results of a function of broadcast arguments; nan, or -1, where one is out of its domain.
+
+    Parameters
+    ----------
+    function : of blocks of float64, in the order of `arguments`; returns one array for each kind
+    arguments : by name, with their domains
+    kinds : dtypes of the results; None is float64, or float32 if the arguments are
+    """
+    arrays, dtype = real_arrays(arguments)
+    domains = [domain for _, domain in arguments.values()]
+
+    def block(*values: Any) -> tuple[Any, ...]:
+        held = (domain.holds(value) for domain, value in zip(domains, values, strict=True))
+        valid = reduce(np.logical_and, held)
+        parts = zip(function(*values), kinds, strict=True)
+        return tuple(np.where(valid, part, -1 if kind else np.nan) for part, kind in parts)
+
+    return in_blocks(block, arrays, [np.dtype(kind or dtype) for kind in kinds])
 
 
 def in_blocks(

@@ -8,8 +8,15 @@ import numba
 
 from ._interrupt import deferred
 
+
+class CompilerError(ImportError):
+    """Numba's compiler is switched off, which no kernel of this package can do without."""
+
+    exit_code = 2  # of a command that it ends
+
+
 if numba.config.DISABLE_JIT:
-    raise ImportError("NUMBA_DISABLE_JIT is set: the compiled part of impact needs the compiler")
+    raise CompilerError("NUMBA_DISABLE_JIT is set: the compiled part of impact needs the compiler")
 
 
 def kernel(function: Callable | None = None, **options: Any) -> Any:

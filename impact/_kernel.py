@@ -58,6 +58,11 @@ class Regime(IntEnum):
     SLIP_REVERSAL = 3  # stops and slips back
 
 
+def as_regime(codes: Any) -> Any:
+    """One code as a `Regime`; an array of them as it is."""
+    return Regime(int(codes)) if np.ndim(codes) == 0 else codes
+
+
 class Approach(NamedTuple):
     """What decides the regime, in the mirror frame (side = +-1 leads back)."""
 

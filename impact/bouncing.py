@@ -33,7 +33,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._arguments import FRICTION, RESTITUTION, Domain, count, number, real_array
+from ._arguments import FRICTION, RESTITUTION, Domain, InputError, count, evaluated, number
 from ._jit import kernel
 from .compiled import KERNELS
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
@@ -119,9 +119,11 @@ def hit_again_tilt(restitution: Any) -> Any:
     ValueError
         If a scalar restitution is out of its domain.
     """
-    restitution = real_array("restitution", restitution, RESTITUTION)
-    valid = np.where(RESTITUTION.holds(restitution), restitution, np.nan)
-    return np.arcsin(np.sqrt(valid / 3))[()]
+
+    def block(epsilon: Any) -> tuple[Any, ...]:
+        return (np.arcsin(np.sqrt(epsilon / 3)),)
+
+    return evaluated(block, {"restitution": (restitution, RESTITUTION)})[0]
 
 
 @cache
@@ -189,18 +191,18 @@ class _Problem(NamedTuple):
     """Arguments of `bounce`, checked; geometry in units near one."""
 
     physics: tuple[float, ...]  # gamma, X, Z, k, friction, restitution, shortest [rad]
+    law: str
     landings: int
     rods: int
     seed: int
-    law: str
     transient: int
 
 
 def _checked(
-    geometry, gamma, friction, restitution, landings, rods, seed, law, transient, shortest_flight
+    geometry, gamma, friction, restitution, law, shortest_flight, counts: tuple[Any, ...]
 ) -> _Problem:
     if law not in KERNELS:
-        raise ValueError(f"law must be one of {', '.join(KERNELS)}, got {law!r}")
+        raise InputError(f"law must be one of {', '.join(KERNELS)}, got {law!r}")
     lengths = (number(name, *length) for name, length in lengths_of(geometry).items())
     physics = (
         number("gamma", gamma, _GAMMA),
@@ -209,8 +211,8 @@ def _checked(
         number("restitution", restitution, RESTITUTION),
         number("shortest_flight", shortest_flight, _SHORTEST) * TURN,
     )
-    counts = count("landings", landings, 1), count("rods", rods, 1), count("seed", seed, 0)
-    return _Problem(physics, *counts, law, count("transient", transient, 0))
+    least = {"landings": 1, "rods": 1, "seed": 0, "transient": 0}
+    return _Problem(physics, law, *map(count, least, counts, least.values()))
 
 
 def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
@@ -313,10 +315,8 @@ def record(
     ValueError, TypeError
         As `bounce`.
     """
-    problem = _checked(
-        *(geometry, gamma, friction, restitution, landings, rods, seed, law, transient),
-        shortest_flight,
-    )
+    counts = landings, rods, seed, transient
+    problem = _checked(geometry, gamma, friction, restitution, law, shortest_flight, counts)
     return Landings(*map(np.concatenate, zip(*_blocks(problem), strict=True)))
 
 
@@ -377,10 +377,8 @@ def bounce(
     gamma = 1 too, where some of the rods, thrown at the start, find them.
     """
     bins = count("bins", bins, 1)
-    problem = _checked(
-        *(geometry, gamma, friction, restitution, landings, rods, seed, law, transient),
-        shortest_flight,
-    )
+    counts = landings, rods, seed, transient
+    problem = _checked(geometry, gamma, friction, restitution, law, shortest_flight, counts)
     if problem.physics[0] <= 1:
         return _no_flight(bins)
     parts = [_summary(block, bins) for block in _blocks(problem)]

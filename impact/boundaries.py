@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import FRICTION, POSITIVE, RESTITUTION, in_blocks, real_arrays
-from .geometry import ContactGeometry, lengths_of, unit_lengths, valid_lengths
+from ._arguments import FRICTION, POSITIVE, RESTITUTION, evaluated
+from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
 def critical_tilts(friction: Any) -> tuple[Any, Any]:
@@ -28,14 +28,11 @@ def critical_tilts(friction: Any) -> tuple[Any, Any]:
     """
 
     def block(mu: Any) -> tuple[Any, ...]:
-        valid = FRICTION.holds(mu)
-        mu = np.where(valid, mu, np.nan)
         root = np.sqrt((3 - 4 * mu) * (3 + 4 * mu))  # nan beyond the end, mu = 3/4
         a, b, c = closed.critical_tangents(mu, root)
         return np.arctan2(a, b), np.arctan2(b, c)
 
-    arrays, dtype = real_arrays({"friction": (friction, FRICTION)})
-    return in_blocks(block, arrays, [dtype] * 2)
+    return evaluated(block, {"friction": (friction, FRICTION)}, (None, None))
 
 
 def critical_friction(geometry: ContactGeometry) -> Any:
@@ -58,10 +55,9 @@ def critical_friction(geometry: ContactGeometry) -> Any:
     def block(X: Any, Z: Any, k: Any) -> tuple[Any, ...]:
         _, exponent = np.frexp(np.maximum(np.abs(Z), k))  # X may be larger by any factor
         value = closed.critical_friction(*(np.ldexp(length, -exponent) for length in (X, Z, k)))
-        return (np.where(valid_lengths(X, Z, k), np.abs(value), np.nan),)
+        return (np.abs(value),)
 
-    arrays, dtype = real_arrays(lengths_of(geometry))
-    return in_blocks(block, arrays, [dtype])[0]
+    return evaluated(block, lengths_of(geometry))[0]
 
 
 def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitution: Any) -> Any:
@@ -84,16 +80,12 @@ def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitutio
     """
 
     def block(X: Any, Z: Any, k: Any, ratio: Any, epsilon: Any) -> tuple[Any, ...]:
-        valid = valid_lengths(X, Z, k) & POSITIVE.holds(ratio) & RESTITUTION.holds(epsilon)
         above, below = closed.slide_friction(*unit_lengths(X, Z, k), (1 + epsilon) * ratio)
-        value = np.where(below > 0, np.maximum(above, 0.0) / below, np.inf)
-        return (np.where(valid, value, np.nan),)
+        return (np.where(below > 0, np.maximum(above, 0.0) / below, np.inf),)
 
     ratio, epsilon = (approach_ratio, POSITIVE), (restitution, RESTITUTION)
-    arrays, dtype = real_arrays(
-        {**lengths_of(geometry), "approach_ratio": ratio, "restitution": epsilon}
-    )
-    return in_blocks(block, arrays, [dtype])[0]
+    given = {**lengths_of(geometry), "approach_ratio": ratio, "restitution": epsilon}
+    return evaluated(block, given)[0]
 
 
 def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
@@ -120,15 +112,12 @@ def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
     """
 
     def block(X: Any, Z: Any, k: Any, mu: Any) -> tuple[Any, ...]:
-        valid = valid_lengths(X, Z, k) & FRICTION.holds(mu)
         x, z = np.abs(X) / k, np.abs(Z) / k
         A, B, C, D = 1 + x * x, x * z, 1 + z * z, 1 + x * x + z * z
         reverses = mu * C < B
         mu = np.where(reverses, mu, 0.0)
         sticking = np.sqrt(D) / (np.sqrt(A) * np.sqrt(C))
         kappa = closed.energy_threshold_back(B, C, mu, np.sqrt(A), np.sqrt(A - mu * mu * C))
-        value = np.where(reverses, (1 - kappa) / (1 + kappa), sticking)
-        return (np.where(valid, value, np.nan),)
+        return (np.where(reverses, (1 - kappa) / (1 + kappa), sticking),)
 
-    arrays, dtype = real_arrays({**lengths_of(geometry), "friction": (friction, FRICTION)})
-    return in_blocks(block, arrays, [dtype])[0]
+    return evaluated(block, {**lengths_of(geometry), "friction": (friction, FRICTION)})[0]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from . import _kernel as kernel
-from ._arguments import ANY, FRICTION, RESTITUTION, in_blocks, real_arrays
+from ._arguments import ANY, FRICTION, RESTITUTION, InputError, in_blocks, real_arrays
 from ._kernel import Regime
 from .geometry import ContactGeometry, lengths_of
 
@@ -99,7 +99,7 @@ def prepare(
 ) -> tuple[list[np.ndarray], np.dtype]:
     """Arguments of `collide` as arrays in the kernel's order, and the dtype of the results."""
     if not isinstance(law, str) or law not in LAWS:
-        raise ValueError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
+        raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
     return real_arrays(
         {
             "c_x": (c_x, ANY),
@@ -128,9 +128,8 @@ def from_arrays(
 
 def collision(results: Sequence[Any], dtype: DTypeLike) -> Collision:
     """Record of the results, scalars as scalars."""
-    regime = results[3][()]
     fields = [result.astype(dtype, copy=False)[()] for result in results]
-    fields[3] = Regime(int(regime)) if np.ndim(regime) == 0 else regime
+    fields[3] = kernel.as_regime(results[3][()])
     return Collision(*fields)
 
 
@@ -227,7 +226,6 @@ def classify(
     def regime_alone(*block: Any) -> tuple[Any, ...]:
         return (kernel.regime_of(kernel.mirrored(*block)),)
 
-    (regime,) = in_blocks(
-        lambda *block: _guarded(regime_alone, *block), arrays, [np.dtype(np.int8)]
-    )
-    return Regime(int(regime)) if np.ndim(regime) == 0 else regime
+    code = np.dtype(np.int8)
+    (regime,) = in_blocks(lambda *block: _guarded(regime_alone, *block), arrays, [code])
+    return kernel.as_regime(regime)

@@ -11,11 +11,11 @@ from ._arguments import (
     POSITIVE,
     Argument,
     Domain,
+    InputError,
     Labelled,
-    in_blocks,
+    evaluated,
     labels_of,
     real_array,
-    real_arrays,
 )
 
 
@@ -44,7 +44,7 @@ def lengths_of(geometry: ContactGeometry) -> dict[str, Argument]:
     try:
         X, Z, k = geometry if isinstance(geometry, tuple | list | np.ndarray) else ()
     except ValueError:
-        raise TypeError(f"geometry must be (X, Z, k), got {geometry!r}") from None
+        raise InputError(f"geometry must be (X, Z, k), got {geometry!r}") from None
     return {"geometry.X": (X, ANY), "geometry.Z": (Z, ANY), "geometry.k": (k, POSITIVE)}
 
 
@@ -54,28 +54,18 @@ def unit_lengths(X: Any, Z: Any, k: Any) -> tuple[Any, Any, Any]:
     return np.ldexp(X, -exponent), np.ldexp(Z, -exponent), np.ldexp(k, -exponent)
 
 
-def valid_lengths(X: Any, Z: Any, k: Any) -> Any:
-    """Where a geometry is finite and its k positive."""
-    return np.isfinite(X) & np.isfinite(Z) & POSITIVE.holds(k)
-
-
 def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
     """Evaluate `contact(sin, cos, *sizes)` -> (X, Z, k) with the domains of all arguments."""
     # 90 degrees in the tilt's own precision
     single = real_array("tilt", tilt).dtype == np.float32
     right = float(np.float32(np.pi / 2)) if single else np.pi / 2
     tilts = Domain(-right, right, "between -pi/2 and pi/2")
-    lengths = {name: (value, POSITIVE) for name, value in sizes.items()}
-    arrays, dtype = real_arrays({"tilt": (tilt, tilts), **lengths})
+    given = {"tilt": (tilt, tilts), **{name: (value, POSITIVE) for name, value in sizes.items()}}
 
     def block(phi: Any, *lengths: Any) -> tuple[Any, ...]:
-        valid = tilts.holds(phi)
-        for length in lengths:
-            valid &= POSITIVE.holds(length)
-        X, Z, k = contact(np.sin(phi), np.cos(phi), *lengths)
-        return tuple(np.where(valid, part, np.nan) for part in (X, Z, k))
+        return contact(np.sin(phi), np.cos(phi), *lengths)
 
-    parts = in_blocks(block, arrays, [dtype] * 3)
+    parts = evaluated(block, given, (None,) * 3)
     labels = max(map(labels_of, (tilt, *sizes.values())), key=len)
     if labels:  # what is made with this geometry must agree with them
         parts = tuple(part.view(Labelled) for part in parts)
@@ -140,7 +130,7 @@ def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     whole = real_array("length", length, POSITIVE)
     thick = real_array("diameter", diameter, POSITIVE)
     if whole.ndim == thick.ndim == 0 and whole < thick:
-        raise ValueError(f"length must be >= diameter ({diameter!r}), got {length!r}")
+        raise InputError(f"length must be >= diameter ({diameter!r}), got {length!r}")
 
     def contact(sin: Any, cos: Any, length: Any, diameter: Any) -> tuple[Any, ...]:
         X, Z, gyration = closed.round_rod(length, diameter, diameter / length, sin, cos)

@@ -7,16 +7,18 @@ import numpy as np
 
 from . import _generated as closed
 from ._arguments import (
+    ANY,
     FRICTION,
     POSITIVE,
     RESTITUTION,
-    in_blocks,
+    InputError,
+    count,
+    evaluated,
     real_array,
-    real_arrays,
     result_dtype,
 )
-from ._kernel import Regime
-from .geometry import ContactGeometry, lengths_of, valid_lengths
+from ._kernel import Regime, as_regime
+from .geometry import ContactGeometry, lengths_of
 
 
 class Drift(NamedTuple):
@@ -58,33 +60,25 @@ def drift(
     """
 
     def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any, V_z: Any) -> tuple[Any, ...]:
-        valid = valid_lengths(X, Z, k) & FRICTION.holds(mu)
-        valid &= RESTITUTION.holds(epsilon) & POSITIVE.holds(V_z)
         x, z = np.abs(X) / k, np.abs(Z) / k
         stick, back = closed.drift_grips(x, z, mu)
         sticks = ~(back < stick)
         along, up = closed.drift(x, z, epsilon, np.where(sticks, stick, back))
         # 0/0 where a vertical rod bounces without loss: 2 (1 + epsilon) z/(2 x) -> infinity
         along = np.where((x == 0) & (epsilon == 1) & (z > 0), np.inf, along)
-        determined = valid & (mu > 0)
         c_x = np.copysign(1.0, X) * np.copysign(1.0, Z) * along * V_z
         regime = np.where(sticks, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
-        return (
-            np.where(determined, c_x, np.nan),
-            np.where(valid, up * V_z, np.nan),
-            np.where(determined, regime, Regime.INVALID),
-        )
+        c_x, regime = np.where(mu > 0, c_x, np.nan), np.where(mu > 0, regime, Regime.INVALID)
+        return c_x, up * V_z, regime
 
-    arrays, dtype = real_arrays(
-        {
-            **lengths_of(geometry),
-            "friction": (friction, FRICTION),
-            "restitution": (restitution, RESTITUTION),
-            "plate_velocity": (plate_velocity, POSITIVE),
-        }
-    )
-    c_x, c_z, regime = in_blocks(block, arrays, [dtype, dtype, np.dtype(np.int8)])
-    return Drift(c_x, c_z, Regime(int(regime)) if np.ndim(regime) == 0 else regime)
+    given = {
+        **lengths_of(geometry),
+        "friction": (friction, FRICTION),
+        "restitution": (restitution, RESTITUTION),
+        "plate_velocity": (plate_velocity, POSITIVE),
+    }
+    c_x, c_z, regime = evaluated(block, given, (None, None, np.int8))
+    return Drift(c_x, c_z, as_regime(regime))
 
 
 def landing_density(phase: Any) -> Any:
@@ -96,9 +90,18 @@ def landing_density(phase: Any) -> Any:
 
     Returns
     -------
-    Density per rad, of the shape of `phase`.
+    Density per rad, of the shape of `phase`; nan where that is not finite.
+
+    Raises
+    ------
+    TypeError
+        If the phase is not a real number or an array of them.
     """
-    return (1 + np.cos(phase)) / (2 * np.pi)
+
+    def block(theta: Any) -> tuple[Any, ...]:
+        return ((1 + np.cos(theta)) / (2 * np.pi),)
+
+    return evaluated(block, {"phase": (phase, ANY)})[0]
 
 
 def mean_plate_velocity(
@@ -127,12 +130,11 @@ def mean_plate_velocity(
         If the density is negative, not finite, or zero everywhere, or `points` < 1.
     """
     speed = real_array("plate_speed", plate_speed)
-    if not isinstance(points, int | np.integer) or points < 1:
-        raise ValueError(f"points must be a whole number >= 1, got {points!r}")
-    phase = 2 * np.pi * (np.arange(points) + 0.5) / points
+    nodes = count("points", points, 1)
+    phase = 2 * np.pi * (np.arange(nodes) + 0.5) / nodes
     weight = np.broadcast_to(real_array("density", density(phase)), phase.shape)
     if not np.all(np.isfinite(weight)) or weight.min() < 0 or weight.max() == 0:
-        raise ValueError("density must be finite, not negative, and not zero everywhere")
+        raise InputError("density must be finite, not negative, and not zero everywhere")
     weight = weight / weight.max()
     mean = np.sum(weight * np.cos(phase)) / weight.sum()
     known = np.where(np.isfinite(speed), speed, np.nan)

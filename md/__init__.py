@@ -28,7 +28,7 @@ rigid impacts in `impact`, which it is there to test.
 
 Files, as one reads them
 ------------------------
-scene, units, laws                  what is there: `Scene`, also in cm and Hz; the contact laws
+scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; the contact laws
 kernels/contact, single             compiled: forces of one contact; one rod on the plate
 kernels/neighbours, plane, touches  compiled: rods in a plane, pairs, steps, touches of the plate
 kernels/space                       compiled: the same in an annulus
@@ -39,15 +39,17 @@ simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy, calibration               `run`: step and length from a tolerance
 sweep, store                        many runs and their results
 sources                             what decides whether a stored run is stale
-cache, interrupt, __main__          compiled kernels kept, signals, the command line
+cache, interrupt, errors            compiled kernels kept, signals, errors
+result_text, command_line, __main__  results as text; the commands
 """
 
 from .accuracy import run
+from .errors import InputError, RunError
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 from .simulation import Accuracy, Result
-from .soft_impact import INTEGRATORS, Impact, Rod, RunError, impact
+from .soft_impact import INTEGRATORS, Impact, Rod, impact
 
 __all__ = [
     "INTEGRATORS",
@@ -59,6 +61,7 @@ __all__ = [
     "Contacts",
     "Gravity",
     "Impact",
+    "InputError",
     "Law",
     "Plate",
     "Result",

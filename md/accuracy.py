@@ -19,27 +19,36 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
-from . import simulation as runner
-from .laws import contact_time, number
+from . import simulation
+from .domains import number
+from .errors import InputError
+from .laws import contact_time
 from .scene import Scene, Step
 from .simulation import Accuracy, Result
 from .sources import digest
 from .statistics import transient
 
 CALIBRATION = Path(__file__).with_name("calibration.json")
+DOMAINS = {
+    "tolerance": (1e-5, 0.5),
+    "confidence": (0.5, 0.999),
+    "floor": (1e-12, 1e12),
+    "max_seconds": (1e-3, 1e9),
+}
 CONFIDENCE = 0.95
 FLOOR = 0.05  # of the plate's peak velocity: slower drifts are judged as if they were this fast
 MAX_SECONDS = 600.0
-_MOST = 10**6  # periods
-_FIRST, _LEAST, _LARGEST = 128, 1.1, 2.0  # periods before the first look; growth between looks
+LONGEST = 10**6  # periods of a run
+FIRST_LOOK = 128  # periods
+GROWTH = 1.1, 2.0  # least and largest, of the run from one look to the next
+PARTS = 8, 16, 32  # of the run: the widest of three intervals counts
 _VERDICTS = {
     "reached": "reached",
     "bias unknown": "statistically reached, bias unknown",
     "not reached": "NOT REACHED",
 }
-_PARTS = 8, 16, 32  # of the run: the widest of three intervals counts
 
 
 @cache
@@ -54,38 +63,36 @@ def steps_per_contact(scene: Scene, dt: float) -> float:
     return min(contact_time(c.law, 2 * scene.plate_speed) for c in found) / dt
 
 
-def described(scene: Scene) -> dict[str, Any]:
-    """Of a scene, what the bias of a step may depend on."""
-    plate, rods = scene.contacts.plate, scene.contacts.rods
-    both = [contact for contact in (plate, rods) if contact is not None]
+def described(scene: Scene) -> dict[str, list]:
+    """Values of all that the bias of a step may depend on in a scene."""
+    pair = scene.contacts.plate, scene.contacts.rods
+    both = [contact for contact in pair if contact is not None]
     springs = [(c.law.spring, c.law.normal.stiffness) for c in both]
-    ratios = [s.root / k for s, k in springs if s is not None and s.root is not None]
     return {
-        "plate.acceleration": scene.plate.acceleration if scene.plate else 0.0,
-        "tilt_deg": abs(float(np.degrees(scene.tilt))),
-        "rods.length": scene.rods.length,
+        "plate.acceleration": [scene.plate.acceleration if scene.plate else 0.0],
+        "tilt_deg": [abs(float(np.degrees(scene.tilt)))],
+        "rods.length": [scene.rods.length],
         "friction": [contact.friction for contact in both],
         "restitution": [c.law.restitution for c in both if c.law.restitution is not None],
-        "tangential_ratio": ratios,
-        "contact time in periods": steps_per_contact(scene, 1 / scene.frequency),
-        "laws": "/".join(contact.law.name if contact else "none" for contact in (plate, rods)),
+        "tangential_ratio": [s.root / k for s, k in springs if s and s.root is not None],
+        "contact time in periods": [steps_per_contact(scene, 1 / scene.frequency)],
+        "laws": ["/".join(contact.law.name if contact else "none" for contact in pair)],
     }
 
 
 def outside(scene: Scene) -> tuple[str, ...]:
-    """What of a scene lies outside of the calibration, in words; nothing where it applies."""
-    known, found = calibrated(), []
+    """Properties of a scene that lie outside of the calibration, in words."""
+    known, values = calibrated(), described(scene)
+    (laws,) = values.pop("laws")
+    found = []
     if scene.gravity is None or (scene.gravity.x, scene.gravity.z) != (0.0, -1.0):
         found.append("gravity is not 1, downwards")
-    for name, value in described(scene).items():
-        if name == "laws":
-            if value not in known["laws"]:
-                found.append(f"laws {value} were not calibrated ({', '.join(known['laws'])})")
-            continue
-        low, high = known["ranges"][name]
-        for one in np.atleast_1d(value).tolist():
+    for name, (low, high) in known["ranges"].items():
+        for one in values[name]:
             if not low * (1 - 1e-9) <= one <= high * (1 + 1e-9):
                 found.append(f"{name} {one:.4g} is outside of {low:.4g} to {high:.4g}")
+    if laws not in known["laws"]:
+        found.append(f"laws {laws} were not calibrated ({', '.join(known['laws'])})")
     return tuple(dict.fromkeys(found))
 
 
@@ -108,13 +115,15 @@ def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:
     ValueError
         If nothing vibrates, no plate is touched, or rods stand in an annulus.
     """
+    if not isinstance(scene, Scene):
+        raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
     if scene.annulus is not None:
-        raise ValueError(
+        raise InputError(
             "tolerance has no meaning in an annulus: rods keep the arrangement of their start, so "
             "that one run cannot tell its error; use periods, and several start.seed"
         )
     if not scene.vibrates or scene.contacts.plate is None:
-        raise ValueError("tolerance needs a plate that vibrates and a contact with it")
+        raise InputError("tolerance needs a plate that vibrates and a contact with it")
     if outside(scene):
         return replace(scene, step=Step()), nan
     known = calibrated()
@@ -126,63 +135,62 @@ def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:
 
 
 def interval(drift: np.ndarray, confidence: float = CONFIDENCE) -> tuple[float, float, int]:
-    """Mean of a stationary series behind its transient, half of its interval, the transient.
+    """Mean of a stationary series after its transient, half of its interval, the transient.
 
-    It is looked at again and again as the run goes on, so it is a wide one: the rest is cut into 8,
-    16 and 32 parts, whose means give three intervals by Student's t, and the widest one counts.
+    The run is judged several times as it goes on, so the interval is a wide one: the series is cut
+    into 8, 16 and 32 parts, whose means give three intervals by Student's t; the widest counts.
     """
     cut = transient(len(drift))
     rest, half = drift[cut:], 0.0
-    for parts in _PARTS:
+    for parts in PARTS:
         if len(rest) < parts:
             return float(rest.mean()) if len(rest) else nan, inf, cut
         means = rest[len(rest) % parts :].reshape(parts, -1).mean(axis=1)
         error = means.std(ddof=1) / np.sqrt(parts)
-        half = max(half, float(student.ppf((1 + confidence) / 2, parts - 1) * error))
+        half = max(half, float(stdtrit(parts - 1, (1 + confidence) / 2) * error))
     return float(rest.mean()), half, cut
 
 
 @dataclass
-class _Chase:
-    """The goal of a run: looks at its drift now and then, until it is accurate enough."""
+class _Goal:
+    """Goal of a run: looks at the drift now and then, until it is accurate enough."""
 
     tolerance: float
     confidence: float
     floor: float
     bias: float  # relative; 0 where it is unknown
     max_seconds: float
-    began: float = nan
+    began: float = nan  # by the clock
     mean: float = nan
-    half: float = inf
+    half: float = inf  # of the interval
     reached: bool = False
-    seconds: float = 0.0
     needed: float = nan  # seconds in all
 
     @property
     def size(self) -> float:
-        """What errors are relative to."""
+        """Velocity that errors are relative to."""
         return max(abs(self.mean), self.floor)
 
     def __call__(self, drift: np.ndarray) -> int:
+        """Periods to make in all, given the drift of each one made so far."""
         made = len(drift)
         if not made:
             self.began = perf_counter()
-            return _FIRST
-        self.seconds = perf_counter() - self.began
+            return FIRST_LOOK
+        seconds = perf_counter() - self.began
         self.mean, self.half, cut = interval(drift, self.confidence)
-        if made < _FIRST:  # ended by Ctrl-C: too short to be judged
+        if made < FIRST_LOOK:  # ended by Ctrl-C: too short to be judged
             self.half = inf
         room = (self.tolerance - self.bias) * self.size
         self.reached = self.half <= room
         wanted = cut + (made - cut) * (self.half / room) ** 2
-        self.needed = self.seconds * wanted / made
-        if self.reached:
+        self.needed = seconds * wanted / made
+        affordable = made * self.max_seconds / seconds
+        hopeless = self.needed > 2 * self.max_seconds and made >= 2 * FIRST_LOOK
+        if self.reached or hopeless or affordable < GROWTH[0] * made:
             return made
-        affordable = made * self.max_seconds / self.seconds
-        hopeless = self.needed > 2 * self.max_seconds and made >= 2 * _FIRST
-        if hopeless or affordable < _LEAST * made:
-            return made
-        return int(min(np.clip(wanted, _LEAST * made, _LARGEST * made) + 1, affordable, _MOST))
+        grown = np.clip(wanted, GROWTH[0] * made, GROWTH[1] * made) + 1
+        return int(min(grown, affordable, LONGEST))
 
 
 def run(
@@ -207,7 +215,7 @@ def run(
         twentieth of the plate's peak velocity)
     max_seconds : of the run, without compiling; where it will take more than twice as long, it
         ends early, with `accuracy.state` "not reached"
-    options : as of `runner.run`: `periods` (200; without tolerance alone), `ledger`, `observe`,
+    options : as of `simulation.run`: `periods` (200; without tolerance alone), `ledger`, `observe`,
         `trajectory`, `frames`, `checkpoint`, `progress`
 
     Returns
@@ -217,58 +225,52 @@ def run(
     Raises
     ------
     ValueError
-        As `runner.run`, if a plate that vibrates is missing, or an argument is out of its domain.
+        As `simulation.run`, if no plate vibrates, or an argument is out of its domain.
     RunError
-        As `runner.run`.
+        As `simulation.run`.
     """
     if tolerance is None:
-        return runner.run(scene, **options)
-    if options.get("periods") is not None:
-        raise ValueError("periods has no meaning with tolerance, which chooses the length")
-    if not isinstance(scene, Scene):
-        raise TypeError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
-    checked(tolerance, confidence, 1.0 if floor is None else floor, max_seconds)
-    tuned, bias = chosen_step(scene, tolerance)
+        return simulation.run(scene, **options)
+    own = {"confidence": confidence, "floor": floor, "max_seconds": max_seconds}
+    checked(tolerance=tolerance, periods=options.get("periods"), **own)
+    chosen, bias = chosen_step(scene, tolerance)
     floor = FLOOR * scene.plate_speed if floor is None else floor
-    known = bias if isfinite(bias) else 0.0
-    chase = _Chase(tolerance, confidence, floor, known, max_seconds)
-    result = runner.run(tuned, **{**options, "periods": _MOST}, goal=chase)
-    chase(result.c_x_series)  # where Ctrl-C ended it
-    return replace(result, accuracy=_accuracy(chase, scene, result, bias))
+    goal = _Goal(tolerance, confidence, floor, bias if isfinite(bias) else 0.0, max_seconds)
+    result = simulation.run(chosen, **{**options, "periods": LONGEST}, goal=goal)
+    goal(result.c_x_series)  # where Ctrl-C ended it
+    return replace(result, accuracy=_accuracy(goal, scene, result, bias))
 
 
-def checked(
-    tolerance: float,
-    confidence: float = CONFIDENCE,
-    floor: float = 1.0,
-    max_seconds: float = MAX_SECONDS,
-) -> None:
-    """Refuse what is out of its domain."""
-    number("tolerance", tolerance, 1e-5, 0.5, "between 1e-5 and 0.5")
-    number("confidence", confidence, 0.5, 0.999, "between 0.5 and 0.999")
-    number("floor", floor, 1e-12, 1e12, "between 1e-12 and 1e12")
-    number("max_seconds", max_seconds, 1e-3, 1e9, "between 1e-3 and 1e9")
+def checked(*, periods: int | None = None, **options: float | None) -> None:
+    """Hold the options of a tolerance to their domains."""
+    if periods is not None:
+        raise InputError("periods has no meaning with tolerance, which chooses the length")
+    if "tolerance" not in options:
+        raise InputError(f"{next(iter(options))} has no meaning without tolerance")
+    for name, value in options.items():
+        if value is not None:
+            number(name, value, *DOMAINS[name])
 
 
-def _accuracy(chase: _Chase, scene: Scene, result: Result, bias: float) -> Accuracy:
-    finer, rest = chosen_step(scene, chase.tolerance / 10)
-    room = chase.tolerance / 10 - (rest if isfinite(bias) else 0.0)
+def _accuracy(goal: _Goal, scene: Scene, result: Result, bias: float) -> Accuracy:
+    finer, rest = chosen_step(scene, goal.tolerance / 10)
+    room = goal.tolerance / 10 - (rest if isfinite(bias) else 0.0)
     dearer = result.dt / (finer.step.size or result.dt)  # outside of the calibration, no dearer
-    length = (chase.half / (room * chase.size)) ** 2
+    length = (goal.half / (room * goal.size)) ** 2
     reasons = unknown_bias(scene)
     bias = nan if reasons else bias
     return Accuracy(
-        tolerance=chase.tolerance,
-        confidence=chase.confidence,
-        floor=chase.floor,
-        error=chase.half + bias * chase.size,
-        statistical=chase.half,
-        bias=bias * chase.size,
+        tolerance=goal.tolerance,
+        confidence=goal.confidence,
+        floor=goal.floor,
+        error=goal.half + bias * goal.size,
+        statistical=goal.half,
+        bias=bias * goal.size,
         per_contact=steps_per_contact(scene, result.dt),
         outside=reasons,
-        state="not reached" if not chase.reached else "bias unknown" if reasons else "reached",
+        state="not reached" if not goal.reached else "bias unknown" if reasons else "reached",
         seconds=result.run_seconds,
-        needed_seconds=chase.needed,
+        needed_seconds=goal.needed,
         next_digit_seconds=result.run_seconds * length * dearer,
     )
 
@@ -282,7 +284,9 @@ def in_words(result: Result) -> list[str]:
     of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
     error = a.statistical if a.outside else a.error
     if not isfinite(error):
-        return [f"accuracy     {_VERDICTS[a.state]}: ended before {_FIRST} periods, error unknown"]
+        return [
+            f"accuracy     {_VERDICTS[a.state]}: ended before {FIRST_LOOK} periods, error unknown"
+        ]
     lines = [
         f"accuracy     {_VERDICTS[a.state]}: {a.tolerance:.3g} of {of} asked for; c_x is within "
         f"{error:.2g} sqrt(g d) = {error * unit:.2g} cm/s, {error / size:.2g} of it, "

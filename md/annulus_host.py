@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .errors import InputError, RunError
 from .host import SAMPLES, Marching, plate_motion, step_of
 from .kernels.contact import Friction, Motion
 from .kernels.plane import PAIR_TOO_DEEP, TOO_FAST, Between
@@ -16,7 +17,7 @@ from .kernels.space.pairs import Pairs, nearest, no_pairs
 from .laws import friction_of
 from .placement import placed
 from .scene import Contact, Scene
-from .soft_impact import Rod, RunError
+from .soft_impact import Rod
 
 SKIN = 0.4  # of the list of pairs, in d
 _MOST = 2000  # rods: every two have springs of their own
@@ -196,7 +197,7 @@ def prepare(scene: Scene) -> Ring:
     """
     n = scene.rods.count
     if n > _MOST:
-        raise ValueError(f"rods.count must be at most {_MOST} in an annulus, got {n}")
+        raise InputError(f"rods.count must be at most {_MOST} in an annulus, got {n}")
     dt, per = step_of(scene)
     world = space_of(scene, per)
     tilt = None if scene.start.tilt_deg is None else abs(scene.tilt)

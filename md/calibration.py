@@ -23,7 +23,7 @@ STEPS = 16, 20, 26, 40, 80  # a contact; the last one is next to free of bias
 _SEEDS, _PERIODS = (1, 2, 3, 4), 1500
 
 
-SCENES: dict[str, dict[str, Any]] = {  # what each changes in the row
+SCENES: dict[str, dict[str, Any]] = {  # changes of the row
     "tangential ratio 30": {},
     "tangential ratio 3": both(tangential_ratio=3),
     "Gamma 1.8": {"plate.acceleration": 1.8},
@@ -95,11 +95,11 @@ def is_calibration(path: Path) -> bool:
 
 
 def calibrate(store: str | Path, *, periods: int = _PERIODS, progress: bool = False) -> dict:
-    """Measure what steps do to the drift; what the store holds is not computed again.
+    """Measure the bias of the drift by the step; runs that the store holds are not repeated.
 
     Returns
     -------
-    What `calibration.json` holds: the fit, the drifts behind it, the ranges of the scenes.
+    Content of `calibration.json`: the fit, the drifts behind it, the ranges of the scenes.
     """
     sweep = calibration_sweep(periods)
     execute(sweep, store, progress=progress)
@@ -108,13 +108,13 @@ def calibrate(store: str | Path, *, periods: int = _PERIODS, progress: bool = Fa
     parts = [described(_calibrated(changes)) for changes in SCENES.values()]
     ranges = {}
     for name in (name for name in parts[0] if name != "laws"):
-        values = np.concatenate([np.atleast_1d(part[name]) for part in parts])
-        ranges[name] = [float(values.min()), float(values.max())]
+        values = [value for part in parts for value in part[name]]
+        ranges[name] = [min(values), max(values)]
     return {
         **fitted(drift, error),
         "fewest": STEPS[0],
         "ranges": ranges,
-        "laws": sorted({part["laws"] for part in parts}),
+        "laws": sorted({part["laws"][0] for part in parts}),
         "steps": list(STEPS),
         "scenes": list(SCENES),
         "drift": drift.tolist(),

@@ -1,4 +1,4 @@
-"""Files that a run or a command writes: refused before the work begins, replaced as a whole."""
+"""Output files: checked before the work begins, and replaced only when the new one is whole."""
 
 import itertools
 import os
@@ -8,15 +8,17 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
+from .errors import InputError
+
 __all__ = ["NotWritten", "distinct", "empty", "replacing", "same", "warn", "writable"]
 
 
 class NotWritten(RuntimeWarning):
-    """A file that was asked for is not whole; what was computed stands."""
+    """Warning that an output file is not whole; the result is."""
 
 
 def warn(message: str) -> None:
-    """Warn on one line of standard error, without a place in the sources."""
+    """Warn in one line, without a place in the sources."""
     warnings.warn_explicit(message, RuntimeWarning, "md", 0)
 
 
@@ -27,7 +29,7 @@ def same(one: str | Path, other: str | Path) -> bool:
 
 
 def distinct(**paths: str | Path | None) -> None:
-    """Refuse two names of one file.
+    """Refuse two options that name one file.
 
     Parameters
     ----------
@@ -41,60 +43,60 @@ def distinct(**paths: str | Path | None) -> None:
     given = ((name, path) for name, path in paths.items() if path is not None)
     for (first, one), (second, other) in itertools.combinations(given, 2):
         if same(one, other):
-            raise ValueError(f"{second} must be another file than {first}, got {str(other)!r}")
+            raise InputError(f"{second} must be another file than {first}, got {str(other)!r}")
 
 
 def empty(path: str | Path) -> bool:
-    """Whether there is no such file yet, or nothing in it."""
+    """Whether a file is missing or empty."""
     return not Path(path).exists() or Path(path).stat().st_size == 0
 
 
 def writable(
     name: str, path: str | Path, kind: Callable[[Path], bool] | None = None, what: str = ""
 ) -> None:
-    """Refuse a file that could not be written in the end, or holds something else.
+    """Refuse an output file that cannot be written, or that holds data of another kind.
 
     Parameters
     ----------
     name : of the argument
     path : of the file, which is not changed
-    kind : says whether a file that is there may be replaced; None: any may
-    what : in words, what it must be for that
+    kind : says whether an existing file may be replaced; None: any file may
+    what : kind of file that may be replaced, in words
 
     Raises
     ------
     ValueError
-        If the path is none of a file, or the file is of another kind or cannot be written.
+        If the path does not name a file, or the file is of another kind or cannot be written.
     """
     path = Path(path)
     try:
         if path.is_dir():
-            raise ValueError(f"{name} must be a file, got the folder {str(path)!r}")
+            raise InputError(f"{name} must be a file, got the folder {str(path)!r}")
         if path.exists() and not path.is_file():
-            raise ValueError(f"{name} must be a plain file, got {str(path)!r}")
+            raise InputError(f"{name} must be a plain file, got {str(path)!r}")
         folder = Path(os.path.realpath(path)).parent
         if not folder.is_dir():
-            raise ValueError(f"{name} must be in a folder that exists, got {str(path)!r}")
+            raise InputError(f"{name} must be in a folder that exists, got {str(path)!r}")
         with tempfile.TemporaryFile(dir=folder), path.open("a") if path.exists() else nullcontext():
             pass
         fits = kind is None or empty(path) or kind(path)
     except OSError as error:
-        raise ValueError(
+        raise InputError(
             f"{name} must be a file that can be written, got {str(path)!r}: {error.strerror}"
         ) from None
     if not fits:
-        raise ValueError(f"{name} must be a new file or {what}, got {str(path)!r}")
+        raise InputError(f"{name} must be a new file or {what}, got {str(path)!r}")
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A file to write beside `path`, which takes its place once it is whole; links are followed.
+    """Temporary file beside `path`, which takes its place when it is whole; links are followed.
 
-    Its name is always the same: what a killed process leaves, the next one replaces.
+    Its name is always the same, so that the file of a killed process is replaced by the next one.
 
     Parameters
     ----------
-    path : of the file in the end; its ending is that of the one beside it
+    path : of the file to replace; the temporary one has the same ending
     """
     whole = Path(os.path.realpath(path))
     part = whole.with_name(f".{whole.stem}.part{whole.suffix}")

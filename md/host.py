@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from .errors import InputError, RunError
 from .kernels import plane as row
 from .kernels.contact import Effects, Motion
 from .kernels.neighbours import Listed, apart, meetings, nothing_listed, places
@@ -14,7 +15,7 @@ from .kernels.single import DEEP, DONE, NOT_FINITE, TOO_DEEP
 from .kernels.touches import Record, new_record
 from .laws import Law, contact_time, deepest_overlap, friction_of, largest_step
 from .scene import Contact, Scene
-from .soft_impact import Rod, RunError
+from .soft_impact import Rod
 
 SKIN = 0.4  # of the list of pairs, in d
 _MOST = 10**7  # steps of a period
@@ -29,7 +30,7 @@ def _law_step(
     """Largest stable step and contact time of a contact at this speed; see `laws.largest_step`."""
     deepest = deepest_overlap(contact.law, speed)
     if not deepest < DEEP / 2:
-        raise ValueError(
+        raise InputError(
             f"{name}.stiffness {contact.law.normal.stiffness:g} is too soft for impacts at "
             f"{speed:.3g}: overlap {deepest:.2g} d"
         )
@@ -70,14 +71,14 @@ def step_of(scene: Scene) -> tuple[float, int]:
     whole = min((time for _, time in found), default=0.05)
     dt = scene.step.size or min(whole / 50, largest / 2)
     if dt > largest:
-        raise ValueError(
+        raise InputError(
             f"step.size must be at most {0.995 * largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} "
             f"of the contact time {whole:.3g}, to be stable; got {dt!r}"
             + ("" if coarse else " (step.coarse allows more)")
         )
     per = ceil(1 / (scene.frequency * dt) - 1e-9)
     if per > _MOST:
-        raise ValueError(
+        raise InputError(
             f"step.size must be at least {1 / (scene.frequency * _MOST):.2g} sqrt(d/g), got {dt!r}"
         )
     return 1 / (scene.frequency * per), per

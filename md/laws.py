@@ -1,4 +1,4 @@
-"""Contact laws of the soft plate and what follows from their parameters before any run.
+"""Contact laws, and the overlap, contact time and stable step that follow from them.
 
 =====================  ==========================================  ===============================
 law                    normal force                                tangential force
@@ -17,41 +17,20 @@ and mass and gravity are 1.
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import acos, acosh, exp, inf, sqrt
-from typing import Any
+from typing import Annotated
 
 from scipy.optimize import brentq
 
+from .domains import Part, held, not_negative, number, positive
+from .errors import InputError
 from .kernels.contact import Friction, Normal, Spring
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d
 _STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more than zero
 
 
-def number(name: str, value: Any, low: float, high: float, domain: str) -> float:
-    """`value` as a float in [low, high]."""
-    try:
-        if isinstance(value, str):
-            raise TypeError
-        number = float(value)
-    except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a number, got {value!r}") from None
-    if not low <= number <= high:
-        raise ValueError(f"{name} must be {domain}, got {value!r}")
-    return number
-
-
-def positive(name: str, value: object) -> float:
-    """`value` as a float, > 0 and finite."""
-    return number(name, value, 5e-324, 1.7e308, "> 0 and finite")
-
-
-def not_negative(name: str, value: object) -> float:
-    """`value` as a float, >= 0 and finite."""
-    return number(name, value, 0.0, 1.7e308, ">= 0 and finite")
-
-
 @dataclass(frozen=True)
-class Law:
+class Law(Part):
     """Normal contact and tangential element; the coefficient of friction belongs to the scene.
 
     Raises
@@ -66,45 +45,41 @@ class Law:
     name: str  # key of `LAWS`
     normal: Normal  # force across
     spring: Spring | None  # None: friction is a constraint
-    restitution: float | None = None  # head on, where the law has a constant one
+    restitution: Annotated[float, 0.0, 1.0] | None = None  # head on, where it is constant
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         normal, spring = self.normal, self.spring
-        if not isinstance(normal, Normal) or not isinstance(spring, Spring | None):
-            raise TypeError(f"law must have a Normal, and a Spring or None, got {self!r}")
         if normal.plastic not in (True, None):
-            raise ValueError(f"normal.plastic must be True or None, got {normal.plastic!r}")
+            raise InputError(f"normal.plastic must be True or None, got {normal.plastic!r}")
         if spring is not None and spring.proportional is spring.root is None:
-            raise ValueError("spring must have a stiffness, proportional or root")
+            raise InputError("spring must have a stiffness, proportional or root")
         numbers = {f"normal.{k}": v for k, v in normal._asdict().items() if k != "plastic"}
         numbers |= {f"spring.{k}": v for k, v in spring._asdict().items()} if spring else {}
         for name, value in numbers.items():
             if value is not None or name == "normal.stiffness":
                 (positive if name in _STIFFNESSES else not_negative)(name, value)
-        if self.restitution is not None:
-            number("restitution", self.restitution, 0.0, 1.0, "between 0 and 1")
 
 
 def head_on_restitution(damping_ratio: float) -> float:
     """Restitution of a head-on impact with the dashpot 2 zeta sqrt(5/4) sqrt(m k_n) d^(1/4).
 
     In w = d^(5/4) and the time s with ds = d^(1/4) dt the contact is a linear oscillator of
-    frequency sqrt(5/4) and damping ratio zeta, whatever the speed. It ends where the force does,
-    at the first turn of the velocity:
+    frequency sqrt(5/4) and damping ratio zeta, at every speed. It ends with the force, at the
+    first turn of the velocity:
 
         e = exp(-2 zeta arccos(zeta) / sqrt(1 - zeta^2)),  arccosh and zeta^2 - 1 beyond 1.
     """
     zeta = not_negative("damping_ratio", damping_ratio)
     if abs(zeta - 1) < 1e-8:
         return exp(-2 - 4 / 3 * (zeta - 1))
-    if zeta < 1:
-        return exp(-2 * zeta * acos(zeta) / sqrt((1 - zeta) * (1 + zeta)))
-    return exp(-2 * zeta * acosh(zeta) / sqrt((zeta - 1) * (zeta + 1)))
+    angle = acos(zeta) if zeta < 1 else acosh(zeta)
+    return exp(-2 * zeta * angle / sqrt(abs(1 - zeta) * (1 + zeta)))
 
 
 def damping_ratio(restitution: float) -> float:
     """Damping ratio zeta that gives a head-on restitution, 0 < restitution <= 1."""
-    e = number("restitution", restitution, 1e-6, 1.0, "between 1e-6 and 1")
+    e = number("restitution", restitution, 1e-6, 1.0)
     if e == 1:
         return 0.0
     return brentq(lambda zeta: head_on_restitution(zeta) - e, 0.0, 1 / sqrt(e), xtol=1e-15)
@@ -131,7 +106,7 @@ def appendix_a(
     k = positive("stiffness", stiffness)
     drag = not_negative("damping", damping) * positive("reduced_mass", reduced_mass) or None
     spring = positive("tangential_ratio", tangential_ratio) * k
-    if overlap_factor:
+    if held("overlap_factor", overlap_factor, bool):
         return Law(
             "appendix_a", Normal(k, proportional=drag), Spring(proportional=spring, drag=drag)
         )
@@ -141,7 +116,7 @@ def appendix_a(
 def _normal(restitution: float, stiffness: float) -> Normal:
     """Hertz with the dashpot that gives this head-on restitution at every speed; 0: plastic."""
     k = positive("stiffness", stiffness)
-    if number("restitution", restitution, 0.0, 1.0, "between 0 and 1") == 0:
+    if number("restitution", restitution, 0.0, 1.0) == 0:
         return Normal(k, plastic=True)
     dashpot = sqrt(5 * k) * damping_ratio(restitution)
     return Normal(k, quarter=dashpot or None)
@@ -192,7 +167,7 @@ LAWS: dict[str, Callable[..., Law]] = {
 
 def friction_of(law: Law, coefficient: float) -> Friction | None:
     """Coulomb friction under this law; none at all where the coefficient is zero."""
-    mu = number("friction", coefficient, 0.0, inf, ">= 0")
+    mu = number("friction", coefficient, 0.0, inf)
     if mu == 0:
         return None
     return Friction(min(mu, 1e60), law.spring)  # 1e60 stands in for infinity: no slip

@@ -5,6 +5,7 @@ from math import asin, cos, hypot, pi, sin, sqrt
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from .errors import InputError
 from .kernels.contact import Normal
 from .kernels.plane import Between
 from .kernels.space import forces
@@ -32,7 +33,7 @@ def largest_tilt(gap: Annulus, length: float, *, flat: bool = False) -> float:
     Source: contact of a spherocylinder, or of the rim of a flat end, with the outer cylinder.
     """
     if not length >= 1:
-        raise ValueError(f"length must be at least 1, got {length!r}")
+        raise InputError(f"length must be at least 1, got {length!r}")
     if flat:
         return _largest_flat(gap, length)
     # Ends' centres as far from the axis as the outer wall allows; middle on the inner wall.
@@ -93,7 +94,7 @@ def placed(
             return rods[:, :6]
     radii = f"{gap.inner:g} and {gap.outer:g}"
     why = f": overlaps of {left:.2g} d are left after relaxation" if np.isfinite(left) else ""
-    raise ValueError(f"rods.count {count} do not fit into the annulus of radii {radii}{why}")
+    raise InputError(f"rods.count {count} do not fit into the annulus of radii {radii}{why}")
 
 
 def _zigzag(

@@ -14,6 +14,7 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from .cache import kernel
+from .errors import InputError, RunError
 from .kernels.contact import dashpot, tangential_constants, weight
 
 FORWARD, STICK, BACK, FREE = 1, 0, -1, 2  # how friction acts now; FREE: there is none
@@ -252,14 +253,14 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
     ValueError
         If the upper cap touches too, a tangential spring has no dashpot beside it, or the
         coefficient of friction is beyond LARGE.
-    RuntimeError
+    RunError
         If the contact does not end, or friction switches without an end.
     """
     spring = scene.friction.spring if scene.friction else None
     if spring and not (spring.drag or spring.constant_drag or spring.ratio):
-        raise ValueError("dop853 needs a dashpot beside the tangential spring")
+        raise InputError("dop853 needs a dashpot beside the tangential spring")
     if scene.friction and scene.friction.coefficient > LARGE:
-        raise ValueError(f"dop853 needs a friction of at most {LARGE:g}")
+        raise InputError(f"dop853 needs a friction of at most {LARGE:g}")
     a_x = -scene.half_length * sin(tilt)
     speed = abs(velocity[1] - velocity[2] * a_x - plate_after(vibration, 0.0)[1])
     contact = _Contact(scene, vibration, tilt, speed, tolerance)
@@ -270,19 +271,19 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
     durations, impulses, switches = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], 0
     while which != 0:
         if switches == _SWITCHES:
-            raise RuntimeError(f"the contact has switched {switches} times without an end")
+            raise RunError(f"the contact has switched {switches} times without an end")
         switches += 1
         begin, pushed, solver = s, y[7], contact.solver(s, y)
         others = (1,) if stopped or contact.rigid else (1, 3)
         going = True
         while going:
             if solver.t**4 > longest:
-                raise RuntimeError(f"the contact has not ended after {longest:g} sqrt(d/g)")
+                raise RunError(f"the contact has not ended after {longest:g} sqrt(d/g)")
             solver.step()
             signals = left, spare, overlap, slip = contact.signals(solver.t, solver.y)
             deepest = max(deepest, overlap)
             if scene.upper and overlap > 2 * scene.half_length * cos(tilt + solver.y[2]):
-                raise ValueError("dop853 follows one cap, and here the second touches the plate")
+                raise InputError("dop853 follows one cap, and here the second touches the plate")
             going = left >= 0 and spare >= 0 and not (3 in others and side * slip < 0)
         if left < 0 and solver.t - begin < 1e-5 * solver.t:
             others = ()  # the spring rattles as the force ends: a last 1e-10 of its impulse

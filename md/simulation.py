@@ -16,15 +16,18 @@ import numba
 import numpy as np
 from tqdm import tqdm
 
+from .domains import whole
+from .errors import InputError
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import Engine, prepare
 from .interrupt import SIGNALS
 from .measures import Tables
-from .scene import Scene, as_dict, whole
+from .scene import Scene, as_dict
 from .sources import digest
 from .statistics import transient
 from .trajectory import Trajectory, check_continues, is_trajectory
 
+MOST_PERIODS = 10**7  # of a run
 _SAVED = 60.0  # seconds from one checkpoint to the next
 
 
@@ -229,14 +232,14 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
         about = json.loads(str(arrays.pop("about")))
         other = [key for key, value in mine.items() if about.pop(key) != value]
     except OSError as error:
-        raise ValueError(f"checkpoint {path} cannot be read: {error}") from None
+        raise InputError(f"checkpoint {path} cannot be read: {error}") from None
     except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
-        raise ValueError(f"checkpoint {path} cannot be read: not one, or cut short") from None
+        raise InputError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
         whose = (
             "another scene" if other == ["scene"] else "an earlier version of md or other sources"
         )
-        raise ValueError(f"checkpoint {path} belongs to {whose}; remove it to start again")
+        raise InputError(f"checkpoint {path} belongs to {whose}; remove it to start again")
     return about, arrays
 
 
@@ -374,11 +377,11 @@ def run(
         If a state stops being finite, or a contact is deeper than d/2.
     """
     if not isinstance(scene, Scene):
-        raise TypeError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
-    periods = whole("periods", periods, 1, 10**7)
+        raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
+    periods = whole("periods", periods, 1, MOST_PERIODS)
     frames = whole("frames", frames, 1, 10**6)
     if observe is not None and scene.annulus is not None:
-        raise ValueError(
+        raise InputError(
             "observe must be None in an annulus: touches of the plate are counted, not kept"
         )
     distinct(trajectory=trajectory, checkpoint=checkpoint)
@@ -401,7 +404,7 @@ def run(
     if arrays is not None:
         step = about.pop("step")
         if step > periods * engine.per:
-            raise ValueError(
+            raise InputError(
                 f"checkpoint {kept} is {step // engine.per} periods long already: ask for more, or "
                 "remove it"
             )

@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import reference
+from .domains import not_negative, number, positive
+from .errors import InputError, RunError
 from .kernels import single as integrators
 from .kernels.contact import Effects, Friction, Motion
 from .kernels.single import DONE, METHODS, STUCK, TURNED, State
@@ -22,9 +24,6 @@ from .laws import (
     deepest_overlap,
     friction_of,
     largest_step,
-    not_negative,
-    number,
-    positive,
 )
 from .reference import Vibration
 
@@ -36,14 +35,6 @@ _FINEST = 1e8  # steps of a contact that are as many as anybody waits for
 _SLOWEST = 1e-30  # speed of an impact below which numbers run out
 _STEPS_A_CALL = 10**6  # some 50 ms: signals are seen between calls
 _LONGEST = 1e5  # contact times after which a contact that goes on is an error
-
-
-class RunError(RuntimeError):
-    """A run that cannot go on; `state` is the last good (x, z, tilt, c_x, c_z, omega)."""
-
-    def __init__(self, message: str, state: tuple[float, ...]):
-        super().__init__(message)
-        self.state = state
 
 
 class Rod(NamedTuple):
@@ -90,23 +81,23 @@ class Impact(NamedTuple):
 
 def _checked_rod(rod: Rod) -> Rod:
     if not isinstance(rod, Rod):
-        raise TypeError(f"rod must be a md.Rod, got {rod!r}")
+        raise InputError(f"rod must be a md.Rod, got {rod!r}")
     length = number("length", rod.length, 1.0, 1e3, "between 1 and 1000")
     if rod.inertia not in ("solid", "thin"):
-        raise ValueError(f"inertia must be solid or thin, got {rod.inertia!r}")
+        raise InputError(f"inertia must be solid or thin, got {rod.inertia!r}")
     return Rod(length, rod.inertia)
 
 
 def _checked_law(law: Law | None) -> Law:
     if law is not None and not isinstance(law, Law):
-        raise TypeError(f"law must be made by a function of md.LAWS, as md.coulomb(), got {law!r}")
+        raise InputError(f"law must be made by a function of md.LAWS, as md.coulomb(), got {law!r}")
     return law or coulomb()
 
 
 def _numbers(name: str, values: object, count: int) -> tuple:
     """A sequence of so many values."""
     if not isinstance(values, Sequence | np.ndarray) or len(values) != count:
-        raise TypeError(f"{name} must be {count} numbers, got {values!r}")
+        raise InputError(f"{name} must be {count} numbers, got {values!r}")
     return tuple(values)
 
 
@@ -146,10 +137,10 @@ def _step(
 ) -> float:
     """The step asked for, or a good one; one that is not stable is refused."""
     if speed < _SLOWEST:
-        raise ValueError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
+        raise InputError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
     deepest = deepest_overlap(law, speed)
     if not deepest < integrators.DEEP / 2:
-        raise ValueError(
+        raise InputError(
             f"the plate is too soft for an impact at {speed:g}: overlap {deepest:.2g} d"
         )
     along, across = arms
@@ -159,12 +150,12 @@ def _step(
         return float(min(whole / _FINE, largest / 4))
     dt = positive("dt", dt)
     if dt > largest:
-        raise ValueError(
+        raise InputError(
             f"dt must be at most {largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} of the contact "
             f"time {whole:.3g}, to be stable; got {dt!r}"
         )
     if dt < whole / _FINEST:
-        raise ValueError(f"dt must be at least {whole / _FINEST:.3g} sqrt(d/g), got {dt!r}")
+        raise InputError(f"dt must be at least {whole / _FINEST:.3g} sqrt(d/g), got {dt!r}")
     return dt
 
 
@@ -256,11 +247,11 @@ def impact(
     )
     vibration, gravity = _checked_vibration(vibration), _checked_gravity(gravity)
     if integrator not in INTEGRATORS:
-        raise ValueError(f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}")
+        raise InputError(f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}")
     offset = number("offset", offset, 0.0, 1.0, "between 0 and 1")
     speed = _speed(rod, tilt, velocity, vibration)
     if not speed > 0:
-        raise ValueError(
+        raise InputError(
             f"c_z must bring the contact point towards the plate: it moves away at {-speed:g}"
         )
     rubbing = friction_of(law, friction)

@@ -1,17 +1,17 @@
-"""Means of correlated series: what is left out at the start, and the standard error of the rest."""
+"""Means of correlated series: the transient left out, and the standard error of the rest."""
 
 from math import inf, log, nan, sqrt
 
 import numpy as np
 
-FEWEST = 100  # values from which the error of a mean can be told
+FEWEST = 100  # values for a standard error
 
 
 def transient(periods: int) -> int:
     """Periods left out at the start of a run: a fifth.
 
-    A cut that is sought in the series (MSER-5, for one) keeps what looks constant, and so makes the
-    errors of what is left too small.
+    A cut chosen from the series itself (MSER-5, for one) keeps the part that looks constant, and
+    its standard errors come out too small.
     """
     return periods // 5
 

@@ -1,7 +1,7 @@
-"""Results of runs in one SQLite file: a row a run, found again by its scene and the sources.
+"""Results of runs in one SQLite file: a row a run, found again by its key (`md.sweep.Point.key`).
 
-The file is in WAL mode and every row is a transaction of its own: whatever kills the process, rows
-that were written stay, and two sweeps may write to one file.
+The file is in WAL mode and every row is a transaction of its own: rows that were written
+stay when the process is killed, and two sweeps may write to one file.
 """
 
 import contextlib
@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from .errors import InputError
 from .files import empty, replacing, writable
 from .units import cm_per_s, in_cm
 
@@ -25,10 +26,11 @@ _WAIT = 60.0  # seconds for another writer
 _CANNOT_WRITE = {sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY}  # beside the store
 _CANNOT_WRITE |= {sqlite3.SQLITE_IOERR, sqlite3.SQLITE_FULL}
 _OF_RUN = "periods", "seed", "code", "error", "seconds", "written"  # columns of all tables
+_NAMES = "scene", "result", *_OF_RUN
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS runs (
-    key TEXT PRIMARY KEY,    -- digest of scene, periods and sources
+    key TEXT PRIMARY KEY,    -- as md.sweep.Point.key
     scene TEXT NOT NULL,     -- JSON
     periods INTEGER NOT NULL,
     seed INTEGER NOT NULL,
@@ -41,17 +43,17 @@ CREATE TABLE IF NOT EXISTS runs (
 """
 
 
-class StoreError(ValueError):
+class StoreError(InputError):
     """A file that cannot be used as a store; it is left as it is."""
 
 
 class Store:
-    """Open a store, made anew if there is no such file.
+    """Store of runs, open; a new one if there is no such file.
 
     Parameters
     ----------
     path : of the file
-    write : False for reading alone; the file must exist
+    write : False to read only; the file must exist
 
     Raises
     ------
@@ -63,29 +65,28 @@ class Store:
         self.path = Path(path)
         if self.path.is_dir():
             raise StoreError(f"store {str(path)!r} must be a file, not a folder")
-        fresh = not self.path.exists() or self.path.stat().st_size == 0
+        fresh = empty(path)
         if fresh and not write:
             raise StoreError(f"store {path}: no such file")
         if fresh and not self.path.parent.is_dir():
             raise StoreError(f"store {path}: no such folder")
         how = "mode=rwc" if fresh else self._readable()
-        with self._named("cannot be opened"):
+        with self._failing("cannot be opened"):
             self.database = self._connected("mode=rwc" if write else how)
         if write:
-            with self._named("cannot be written"):
-                self._begin()
+            self._begin()
 
     def _connected(self, how: str) -> sqlite3.Connection:
         uri = f"{self.path.absolute().as_uri()}?{how}"
         return sqlite3.connect(uri, uri=True, timeout=_WAIT)
 
     def _readable(self) -> str:
-        """How a store can be read; what is not one of this version is refused, without a change.
+        """Mode in which SQLite can read the file; refuses one that is not a store of this version.
 
         In WAL mode SQLite reads with the help of files beside the store. Where it cannot make them,
         the store can be read as a file that does not change, if no rows are left in its log.
         """
-        with self._named("is not a store"):
+        with self._failing("is not a store"):
             how = "mode=ro"
             try:
                 mark, version = self._identity(how)
@@ -110,22 +111,24 @@ class Store:
         return how
 
     def _identity(self, how: str) -> list[int]:
-        """Whose database it is, and of which version."""
+        """Application and version that the database is of."""
         names = "application_id", "user_version"
         with contextlib.closing(self._connected(how)) as look:
             return [look.execute(f"PRAGMA {name}").fetchone()[0] for name in names]
 
     def _begin(self) -> None:
-        self.database.execute("PRAGMA journal_mode=WAL")
-        self.database.execute("PRAGMA synchronous=FULL")
-        with self.database:
-            self.database.execute("BEGIN IMMEDIATE")
-            self.database.execute(f"PRAGMA application_id={_APPLICATION}")
-            self.database.execute(f"PRAGMA user_version={_VERSION}")
-            self.database.execute(_TABLE)
+        execute = self.database.execute
+        with self._failing("cannot be written"), self.database:
+            execute("PRAGMA journal_mode=WAL")
+            execute("PRAGMA synchronous=FULL")
+            execute("BEGIN IMMEDIATE")
+            execute(f"PRAGMA application_id={_APPLICATION}")
+            execute(f"PRAGMA user_version={_VERSION}")
+            execute(_TABLE)
 
     @contextlib.contextmanager
-    def _named(self, what: str) -> Iterator[None]:
+    def _failing(self, what: str) -> Iterator[None]:
+        """Turn an error of SQLite into one that says what could not be done."""
         try:
             yield
         except sqlite3.Error as error:
@@ -138,60 +141,58 @@ class Store:
         self.database.close()
 
     def has(self, key: str, failed: bool = True) -> bool:
-        """Whether the run is there.
+        """Whether the store holds a run.
 
         Parameters
         ----------
         key : of the run, as `md.sweep.Point.key`
         failed : whether a run that failed counts as well
         """
-        query = "SELECT result IS NOT NULL FROM runs WHERE key = ?"
-        with self._named("cannot be read"):
-            found = self.database.execute(query, (key,)).fetchone()
-        return found is not None and (failed or bool(found[0]))
+        found = self._found(key)
+        return bool(found) and (failed or found[0] is not None)
 
     def put(self, key: str, about: dict[str, Any], result: dict | None, error: str | None) -> None:
-        """Write a run, for good when this returns; a result is never replaced.
+        """Write a run, to the disk when this returns; a result is never replaced.
 
         Parameters
         ----------
         key : of the run
         about : scene (as dictionaries), periods, seed, code, seconds
-        result : what was measured, or None
-        error : why there is no result, or None
+        result : of the run; None if it failed
+        error : why it failed; None if it did not
         """
-        row = (
-            *(key, json.dumps(about["scene"]), about["periods"], about["seed"], about["code"]),
-            *(json.dumps(result) if result is not None else None, error, about["seconds"]),
-            time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
-        )
-        with self._named("cannot be written"), self.database:
+        row = about | {"key": key, "scene": json.dumps(about["scene"]), "error": error}
+        row["result"] = None if result is None else json.dumps(result)
+        row["written"] = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+        names = ", ".join(row)
+        values = ", ".join(f":{name}" for name in row)
+        with self._failing("cannot be written"), self.database:
             self.database.execute("DELETE FROM runs WHERE key = ? AND result IS NULL", (key,))
-            marks = ", ".join("?" * len(row))
-            self.database.execute(f"INSERT OR IGNORE INTO runs VALUES ({marks})", row)
+            self.database.execute(f"INSERT OR IGNORE INTO runs ({names}) VALUES ({values})", row)
 
     def result(self, key: str) -> dict | None:
-        """What a run measured; None if it is not there or failed.
+        """Result of a run; None if the store does not hold it, or it failed.
 
         Parameters
         ----------
         key : of the run, as `md.sweep.Point.key`
         """
-        with self._named("cannot be read"):
-            found = self.database.execute(
-                "SELECT result FROM runs WHERE key = ?", (key,)
-            ).fetchone()
+        found = self._found(key)
         return json.loads(found[0]) if found and found[0] else None
 
+    def _found(self, key: str) -> tuple:
+        """Result of a run, as JSON or None, in a tuple; empty without the run."""
+        with self._failing("cannot be read"):
+            query = "SELECT result FROM runs WHERE key = ?"
+            return self.database.execute(query, (key,)).fetchone() or ()
+
     def rows(self) -> Iterator[dict[str, Any]]:
-        """All runs, in the order of their writing."""
-        names = "scene", "periods", "seed", "code", "result", "error", "seconds", "written"
-        with self._named("cannot be read"):
-            for row in self.database.execute(f"SELECT {', '.join(names)} FROM runs ORDER BY rowid"):
-                found = dict(zip(names, row, strict=True))
-                found["scene"] = json.loads(found["scene"])
-                found["result"] = json.loads(found["result"]) if found["result"] else None
-                yield found
+        """All runs, in the order in which they were written."""
+        with self._failing("cannot be read"):
+            query = f"SELECT {', '.join(_NAMES)} FROM runs ORDER BY rowid"
+            for scene, result, *rest in self.database.execute(query):
+                found = dict(zip(_OF_RUN, rest, strict=True))
+                yield {"scene": json.loads(scene), "result": json.loads(result or "null"), **found}
 
 
 def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:
@@ -237,7 +238,7 @@ def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) 
 
     Parameters
     ----------
-    path : of a new file, or of such a table, which is replaced
+    path : of a new file, or of such a table to replace
     columns, rows : as `table` gives them
 
     Raises
@@ -249,11 +250,10 @@ def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) 
     def is_table(there: Path) -> bool:
         with there.open(encoding="utf-8", errors="replace", newline="") as file:
             header = file.readline(2**20).rstrip("\r\n").split(",")
-        # A table without a column of somebody's own; from no runs there are no names to compare.
-        ours = set(columns) <= set(_OF_RUN) or all(
-            "." in name or name in columns for name in header
-        )
-        return header == columns or (ours and set(_OF_RUN) <= set(header))
+        # A table without a foreign column; a store without runs has no names to compare.
+        every = set(_OF_RUN)
+        ours = set(columns) <= every or all("." in name or name in columns for name in header)
+        return header == columns or (ours and every <= set(header))
 
     writable("csv", path, is_table, "one of runs")
     with replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:

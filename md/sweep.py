@@ -27,7 +27,7 @@ import warnings
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property, reduce
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -38,27 +38,23 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from .accuracy import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
+from .domains import finite, held, positive, whole
+from .errors import InputError, RunError
 from .host import step_of
-from .scene import Scene, as_dict, from_tables, put, read_tables, whole
-from .soft_impact import RunError
+from .scene import Scene, as_dict, from_tables, put, read_tables
+from .simulation import MOST_PERIODS
 from .sources import digest
 from .store import Store
 
 __all__ = ["Interrupted", "Measure", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
-_MOST = 10**6  # points of a sweep
+_MOST_POINTS = 10**6
 _CRASHES = 3  # deaths of a worker in a row before the sweep gives up
 
 
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a sweep; what was finished is in the store."""
-
-
-@cache
-def _known() -> str:
-    """Digest of the calibration, which chooses the step of a tolerance."""
-    return hashlib.sha256(CALIBRATION.read_bytes()).hexdigest()
 
 
 class Measure(NamedTuple):
@@ -85,18 +81,29 @@ class Point:
 
     @property
     def code(self) -> str:
-        """Digest of the sources that decide what the run gives."""
+        """Digest of the sources that decide what the run gives (`md.sources`)."""
         return digest(annulus=self.scene.annulus is not None, tolerance=self.tolerance is not None)
+
+    @property
+    def length(self) -> dict[str, Any]:
+        """Arguments of `md.run` that say how long the run is."""
+        if self.tolerance is None:
+            return {"periods": self.periods}
+        return {"tolerance": self.tolerance, "max_seconds": self.max_seconds}
 
     @cached_property  # which goes along to the worker
     def key(self) -> str:
-        """Digest of the scene, the length of the run and the sources."""
-        length = str(self.periods)
-        if self.tolerance is not None:
-            length = f"within {self.tolerance!r} in {self.max_seconds!r}, {_known()}"
+        """Key of the run in a store, which holds no other one for it.
+
+        Digest of the scene, the length, the sources (`code`), with a tolerance of the calibration,
+        and of the measure: a stored run is stale, and computed again, where one of these has
+        changed.
+        """
+        known = CALIBRATION.read_bytes() if self.tolerance is not None else b""
         if self.measure is not None:
-            length += f", {self.measure.function.__qualname__} {self.measure.code}"
-        return hashlib.sha256(f"{self.scene!r} {length} {self.code}".encode()).hexdigest()[:24]
+            known += f"{self.measure.function.__qualname__} {self.measure.code}".encode()
+        said = f"{self.scene!r} {self.length} {self.code} ".encode()
+        return hashlib.sha256(said + known).hexdigest()[:24]
 
 
 @dataclass(frozen=True)
@@ -151,51 +158,40 @@ class Sweep:
 
 
 def _named(result: dict | None, name: str) -> Any:
-    """A result by its dotted name."""
-    for part in name.split("."):
-        if result is None:
-            return None
-        result = result[part]
-    return result
+    """A result by its dotted name; None without one."""
+    return reduce(lambda found, part: found and found[part], name.split("."), result)
 
 
 def _values(name: str, given: object) -> list:
     """Values of one key along its axis."""
     if isinstance(given, Mapping):
-        known = {"from", "to", "count", "log"}
-        if not {"from", "to", "count"} <= set(given) <= known:
-            raise ValueError(f"{name} must have from, to, count and at most log, got {dict(given)}")
-        low, high, count = given["from"], given["to"], given["count"]
-        if not isinstance(count, int) or not 1 <= count <= _MOST:
-            raise ValueError(
-                f"{name}.count must be a whole number from 1 to {_MOST}, got {count!r}"
-            )
-        if not all(isinstance(x, int | float) and math.isfinite(x) for x in (low, high)):
-            raise ValueError(f"{name} must go from and to finite numbers, got {low!r} and {high!r}")
-        if given.get("log", False):
-            if not (low > 0 and high > 0):
-                raise ValueError(f"{name} must have both ends > 0 in log, got {low!r} and {high!r}")
-            return np.geomspace(low, high, count).tolist()
-        values = np.linspace(low, high, count).tolist()
-        whole = isinstance(low, int) and all(value == round(value) for value in values)
-        return [round(value) for value in values] if whole else values
-    if not isinstance(given, list) or not given:
-        raise ValueError(
-            f"{name} must be a list of values or a range, and not empty, got {given!r}"
+        if not {"from", "to", "count"} <= set(given) <= {"from", "to", "count", "log"}:
+            raise InputError(f"{name} must have from, to, count and at most log, got {dict(given)}")
+        count, log = (
+            whole(f"{name}.count", given["count"], 1, _MOST_POINTS),
+            given.get("log", False),
         )
+        for end in ("from", "to"):
+            positive(f"{name}.{end}", given[end]) if log else finite(f"{name}.{end}", given[end])
+        low, high = given["from"], given["to"]
+        values = (np.geomspace if log else np.linspace)(low, high, count).tolist()
+        integers = not log and isinstance(low, int) and all(x == round(x) for x in values)
+        return [round(x) for x in values] if integers else values
+    if not isinstance(given, list) or not given:
+        raise InputError(f"{name} must be a list of values, not empty, or a range, got {given!r}")
     if any(isinstance(value, float) and not math.isfinite(value) for value in given):
-        raise ValueError(f"{name} must hold finite values, got {given!r}")
+        raise InputError(f"{name} must hold finite values, got {given!r}")
     return given
 
 
 def _axis(number: int, table: object) -> dict[str, list]:
     """Keys and values of one axis."""
     if not isinstance(table, Mapping) or not table:
-        raise ValueError(f"axes[{number}] must be a table with at least one key, got {table!r}")
+        raise InputError(f"axes[{number}] must be a table with at least one key, got {table!r}")
     axis = {key: _values(f"axes[{number}].{key}", given) for key, given in table.items()}
     lengths = {key: len(values) for key, values in axis.items()}
     if len(set(lengths.values())) > 1:
-        raise ValueError(f"axes[{number}]: keys of one axis must be equally long, got {lengths}")
+        raise InputError(f"axes[{number}]: keys of one axis must be equally long, got {lengths}")
     return axis
 
 
@@ -216,25 +212,19 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
     known = {"scene", "periods", "tolerance", "max_seconds", "set", "axes"}
     for key in tables:
         if key not in known:
-            raise ValueError(f"{key} is not a key of a sweep; known: {', '.join(sorted(known))}")
-    periods = tables.get("periods", 200)
-    if isinstance(periods, bool) or not isinstance(periods, int) or periods < 1:
-        raise ValueError(f"periods must be a whole number >= 1, got {periods!r}")
+            raise InputError(f"{key} is not a key of a sweep; known: {', '.join(sorted(known))}")
+    periods = whole("periods", tables.get("periods", 200), 1, MOST_PERIODS)
     chosen = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
-    if "tolerance" in chosen and "periods" in tables:
-        raise ValueError("periods has no meaning with tolerance, which chooses the length")
-    if "max_seconds" in chosen and "tolerance" not in chosen:
-        raise ValueError("max_seconds has no meaning without tolerance")
     if chosen:
-        checked(**chosen)
+        checked(periods=tables.get("periods"), **chosen)
         periods = 0
     axes = tuple(_axis(i, table) for i, table in enumerate(tables.get("axes", [])))
     keys = [key for axis in axes for key in axis]
     if len(set(keys)) < len(keys):
-        raise ValueError(f"a key may stand on one axis alone, got {keys}")
+        raise InputError(f"a key may stand on one axis alone, got {keys}")
     size = math.prod(len(next(iter(axis.values()))) for axis in axes)
-    if size > _MOST:
-        raise ValueError(f"a sweep may have {_MOST} points, got {size}")
+    if size > _MOST_POINTS:
+        raise InputError(f"a sweep may have {_MOST_POINTS} points, got {size}")
     common, points = dict(tables.get("set", {})), []
     along = [[dict(zip(a, v, strict=True)) for v in zip(*a.values(), strict=True)] for a in axes]
     for place in itertools.product(*along):
@@ -242,7 +232,7 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
         try:
             scene = from_tables(put(base, {**common, **changes}))
             step_of(chosen_step(scene, chosen["tolerance"])[0] if chosen else scene)
-        except (ValueError, TypeError) as error:
+        except InputError as error:
             at = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
             raise type(error)(f"{error} (at {at})" if at else str(error)) from None
         points.append(Point(scene, periods, **chosen))
@@ -264,22 +254,19 @@ def load_sweep(path: str | Path) -> Sweep:
     tables = read_tables(path, _SWEEPS)
     name = tables.get("scene")
     if not isinstance(name, str):
-        raise ValueError(f"scene must be the name of a file or of an example, got {name!r}")
+        raise InputError(f"scene must be the name of a file or of an example, got {name!r}")
     beside = Path(path).parent / name
     return expand(tables, read_tables(beside if beside.exists() else name))
 
 
 def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
-    """Run a point: its key, what it measured, or why it failed, and how long it took."""
+    """Run a point: its key, its result or why it failed, and its seconds."""
     begin, result, error = perf_counter(), None, None
     try:
         if point.measure is not None:
             result = point.measure.function(point.scene, point.periods)
             return point.key, result, None, perf_counter() - begin
-        if point.tolerance is None:
-            done = run(point.scene, periods=point.periods)
-        else:
-            done = run(point.scene, tolerance=point.tolerance, max_seconds=point.max_seconds)
+        done = run(point.scene, **point.length)
         if not done.finished:
             raise KeyboardInterrupt
         result = {**done.as_dict(), "phases": done.phases}
@@ -302,7 +289,7 @@ def _finished(points: list[Point], workers: int) -> Iterator[tuple]:
 
 
 def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]:
-    """The same; where a worker dies, what was under way is begun anew."""
+    """Results as they arrive; where a worker dies, its runs begin again."""
     left, deaths = {point.key: point for point in points}, 0
     while left:
         try:
@@ -313,12 +300,12 @@ def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]
         except TerminatedWorkerError:
             deaths += 1
             if deaths == _CRASHES:
-                raise RunError(f"a worker died {deaths} times in a row", ()) from None
+                raise RunError(f"a worker died {deaths} times in a row") from None
 
 
 @contextmanager
 def _stopping(results: Generator[tuple, None, None]) -> Iterator[None]:
-    """Stop the runs under way, without joblib's words, if something ends the sweep early."""
+    """Stop the runs under way, without joblib's warnings, if an exception ends the sweep."""
     try:
         yield
     except BaseException:
@@ -330,13 +317,13 @@ def _stopping(results: Generator[tuple, None, None]) -> Iterator[None]:
 
 @dataclass
 class Tally:
-    """What a sweep did."""
+    """Numbers of points and runs of a sweep, and the time that they took."""
 
     points: int  # of the sweep
-    distinct: int  # of them
-    there: int  # in the store before
-    computed: int = 0  # now
-    failed: int = 0  # now
+    distinct: int  # runs that these points need
+    there: int  # of these runs, in the store before
+    computed: int = 0  # with a result
+    failed: int = 0  # without one
     seconds: float = 0.0  # of the clock
     run_seconds: float = 0.0  # of all runs
 
@@ -350,7 +337,7 @@ def execute(
     retry: bool = False,
     progress: bool = False,
 ) -> Tally:
-    """Compute what the store does not hold yet.
+    """Run the points that the store does not hold yet.
 
     Parameters
     ----------
@@ -366,33 +353,36 @@ def execute(
     StoreError
         If the store cannot be used.
     ValueError, TypeError
-        If `workers` is no number of processes, or `scheduler` no cluster, or both are given.
+        If `workers` is not a number of processes, `scheduler` not a cluster, or both are given.
     RunError
-        If a worker dies again and again.
+        If a worker dies three times in a row.
     Interrupted
         On Ctrl-C; what was finished is in the store.
     """
     if whole("workers", workers, -1, 10**4) == 0:
-        raise ValueError("workers must be at least 1, or -1 for one a core, got 0")
-    if scheduler is not None and not isinstance(scheduler, str):
-        raise TypeError(f"scheduler must be the address of a Dask cluster, got {scheduler!r}")
+        raise InputError("workers must be at least 1, or -1 for one a core, got 0")
+    held("scheduler", scheduler, str | None)
     if scheduler is not None and workers != -1:
-        raise ValueError(f"workers has no meaning with scheduler, got {workers} and {scheduler!r}")
+        raise InputError(f"workers has no meaning with scheduler, got {workers} and {scheduler!r}")
     points = {point.key: point for point in sweep.points}
     begin = perf_counter()
     with Store(store) as database:
         wanted = [p for key, p in points.items() if not database.has(key, failed=not retry)]
         tally = Tally(len(sweep.points), len(points), len(points) - len(wanted))
         bar = tqdm(total=len(wanted), unit=" runs", disable=None if progress else True)
-        count = 0 if scheduler else _cores(workers, len(wanted))
-        results = _survived(wanted, count or -1)
+        processes = min(cpu_count() if workers == -1 else workers, max(len(wanted), 1))
+        results = _survived(wanted, -1 if scheduler else processes)
         try:
             with bar, _backend(scheduler), _stopping(results):
                 for key, result, error, seconds in results:
-                    made = (result or {}).get("periods", points[key].periods)
-                    about = {"code": points[key].code, "seconds": seconds, "periods": made}
-                    scene = points[key].scene
-                    about |= {"scene": as_dict(scene), "seed": scene.start.seed}
+                    point = points[key]
+                    about = {
+                        "scene": as_dict(point.scene),
+                        "periods": (result or {}).get("periods", point.periods),
+                        "seed": point.scene.start.seed,
+                        "code": point.code,
+                        "seconds": seconds,
+                    }
                     database.put(key, about, result, error)
                     tally.computed += error is None
                     tally.failed += error is not None
@@ -405,14 +395,9 @@ def execute(
     return tally
 
 
-def _cores(workers: int, tasks: int) -> int:
-    """Processes to use, no more than there is work for."""
-    return max(min(cpu_count() if workers == -1 else workers, tasks), 1)
-
-
 @contextmanager
 def _backend(scheduler: str | None) -> Iterator[None]:
-    """Where joblib sends the runs."""
+    """Backend of joblib: processes of this machine, or a cluster."""
     if scheduler is None:
         with parallel_config("loky"):
             yield
@@ -420,12 +405,12 @@ def _backend(scheduler: str | None) -> Iterator[None]:
     try:
         from distributed import Client
     except ImportError:
-        raise ValueError("scheduler needs dask.distributed: pip install distributed") from None
+        raise InputError("scheduler needs dask.distributed: pip install distributed") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs what it raises
     try:
         client = Client(scheduler, timeout=10)
     except (OSError, ValueError) as error:
-        raise ValueError(
+        raise InputError(
             f"scheduler must be the address of a Dask cluster, got {scheduler!r}: {error}"
         ) from None
     with client, parallel_config("dask", client=client):

@@ -11,6 +11,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from .errors import InputError
 from .files import empty, same
 from .scene import Scene
 
@@ -22,13 +23,13 @@ _TAIL = 2**16  # bytes before its end by which a file is known again
 
 
 class Trajectory:
-    """A file of frames under way, and what a checkpoint keeps of it.
+    """File of frames of a run under way, and its state for a checkpoint.
 
     Parameters
     ----------
-    path : of the file; what it holds behind what a checkpoint keeps is cut off
+    path : of the file; frames after those that the checkpoint knows are cut off
     per_period : frames of a period
-    kept : what `state` gave to the checkpoint; None: the file begins anew
+    kept : state that the checkpoint holds; None: the file is new
     """
 
     def __init__(self, path: str | Path, per_period: int, kept: dict[str, Any] | None = None):
@@ -49,27 +50,27 @@ class Trajectory:
         self.count += 1
 
     def state(self) -> dict[str, Any]:
-        """What tells later whether a file is this one, as it is now."""
+        """State by which the file is known again: path, size, frames, digest of its end."""
         self.file.flush()
         size = os.fstat(self.file.fileno()).st_size
         found = {"path": str(self.path), "size": size, "frames": self.count}
         return {**found, "per_period": self.per_period, "tail": _tail(self.path, size)}
 
     def close(self) -> None:
-        """Leave the file; what a full disk did not take before is lost."""
+        """Close the file; a full disk is no error here."""
         with suppress(OSError):
             self.file.close()
 
 
 def _tail(path: Path, size: int) -> str:
-    """Digest of the last bytes before a place in a file."""
+    """Digest of the last bytes of the first `size` ones of a file."""
     with path.open("rb") as file:
         file.seek(max(size - _TAIL, 0))
         return hashlib.sha256(file.read(min(size, _TAIL))).hexdigest()
 
 
 def _last_time(path: Path) -> float:
-    """Time of the last frame of a file, in periods; a killed run may have left a part of one."""
+    """Time of the last whole head of a frame in a file, in periods."""
     with path.open("rb") as file:
         file.seek(max(path.stat().st_size - _LAST, 0))
         times = re.findall(rb" Time=([\d.e+-]+) ", file.read())
@@ -83,53 +84,42 @@ def check_continues(
     kept: dict[str, Any] | None,
     checkpoint: str | Path,
 ) -> None:
-    """Refuse a trajectory on which a checkpoint cannot go on; nothing is changed.
+    """Refuse a trajectory that a resumed run cannot continue; no file is changed.
 
     Parameters
     ----------
-    path, per_period : of the trajectory asked for; None: of none
+    path, per_period : of the trajectory asked for; None: none
     periods : asked for
-    kept : what the checkpoint keeps of the one it was saved with; None: there was none
-    checkpoint : its path, for the message
+    kept : state of the trajectory in the checkpoint; None: it was saved without one
+    checkpoint : path, for the message
 
     Raises
     ------
     ValueError
-        If they are not of one trajectory, or its frames are no longer what they were.
+        If these are different trajectories, or the frames in the file were changed.
     """
-    if kept is None:
-        if path is not None and not empty(path):
-            raise ValueError(
-                f"trajectory must be a new file, got {str(path)!r}: checkpoint {checkpoint} was "
-                "saved without one; name another file, or remove the checkpoint to start again"
-            )
-        return
-    theirs, anew = kept["path"], f"or remove checkpoint {checkpoint} to start again"
-    if path is None:
-        raise ValueError(f"trajectory is missing: name {theirs!r}, which belongs to it, {anew}")
-    if not same(path, theirs) and Path(theirs).exists():  # else it was moved: its tail tells
-        raise ValueError(f"trajectory must be {theirs!r}, got {str(path)!r}: name that one, {anew}")
-    if per_period != kept["per_period"]:
-        raise ValueError(
-            f"frames must be {kept['per_period']} as before, got {per_period}: ask for that, {anew}"
-        )
-    size = 0 if empty(path) else Path(path).stat().st_size
-    if size < kept["size"] or (size and _tail(Path(path), kept["size"]) != kept["tail"]):
-        raise ValueError(
-            f"trajectory {str(path)!r} was changed: its first {kept['frames']} frames "
-            f"({kept['size']} bytes) are not as checkpoint {checkpoint} knows them; bring them "
-            "back, or remove the checkpoint to start again"
-        )
-    # Frames behind those of the checkpoint, of a run that was killed, are made again.
-    if size > kept["size"] and (last := _last_time(Path(path))) > periods:
-        raise ValueError(
-            f"trajectory {str(path)!r} goes on to period {last:.6g}, beyond the {periods} asked "
-            f"for: checkpoint {checkpoint} is older; name a newer one, or ask for as many periods"
-        )
+    why, name = "", repr(str(path))
+    size = 0 if path is None or empty(path) else Path(path).stat().st_size
+    if path is None or kept is None:
+        if kept is not None:
+            why = f"trajectory is missing: name {kept['path']!r}, which belongs to it"
+        elif size:
+            why = f"trajectory must be a new file, got {name}: before, there was none"
+    elif not same(path, kept["path"]) and Path(kept["path"]).exists():  # else it was moved
+        why = f"trajectory must be {kept['path']!r}, got {name}"
+    elif per_period != kept["per_period"]:
+        why = f"frames must be {kept['per_period']} as before, got {per_period}"
+    elif size < kept["size"] or (size and _tail(Path(path), kept["size"]) != kept["tail"]):
+        why = f"trajectory {name} was changed: its first {kept['frames']} frames are not as before"
+    elif size > kept["size"] and (last := _last_time(Path(path))) > periods:
+        # Frames after those of the checkpoint, of a run that was killed, are written again.
+        why = f"trajectory {name} goes on to period {last:.6g}, beyond the {periods} asked for"
+    if why:
+        raise InputError(f"{why}; or remove checkpoint {checkpoint} to start again")
 
 
 def is_trajectory(path: Path) -> bool:
-    """Whether a file begins as one of `write_frame`.
+    """Whether a file begins with a frame of `write_frame`.
 
     Parameters
     ----------
@@ -171,7 +161,7 @@ def write_frame(file: TextIO, scene: Scene, rods: np.ndarray, time: float, heigh
 
 
 def _in_space(rods: np.ndarray) -> Iterator[tuple]:
-    """Of each rod place, quaternion, velocity, angular velocity and tilt [deg]."""
+    """Place, quaternion, velocity, angular velocity and tilt [deg] of each rod."""
     for row in rods.tolist():
         if len(row) == 7:
             x, z, sine, cosine, c_x, c_z, omega = row
@@ -201,7 +191,7 @@ def read_frames(path: str | Path) -> list[dict]:
     Raises
     ------
     ValueError
-        If the file is another one, or ends in the middle of a frame.
+        If the file is not a trajectory, or ends in the middle of a frame.
     """
     frames: list[dict] = []
     try:
@@ -209,18 +199,18 @@ def read_frames(path: str | Path) -> list[dict]:
             while line := file.readline():
                 frames.append(_frame(int(line), file))
     except (ValueError, IndexError):
-        raise ValueError(
+        raise InputError(
             f"{path} is not a trajectory of md, or cut short: frame {len(frames)} cannot be read"
         ) from None
     return frames
 
 
 def _frame(count: int, file: TextIO) -> dict:
-    """The next frame, of so many rods."""
+    """Next frame of a file, with `count` rods."""
     after = file.readline().split("Time=")[1]
     lines = [file.readline() for _ in range(count)]
     if not lines[-1].endswith("\n"):
-        raise ValueError("cut short")
+        raise InputError("cut short")
     table = np.loadtxt(lines, ndmin=2)
     return {
         "time": float(after.split()[0]),

@@ -1,8 +1,8 @@
-"""One's own rods: keys of a scene in cm and cm/s, each instead of one in the scene's own units.
+"""Keys of a scene in cm and cm/s: each stands for a key in the scene's own units.
 
-Lengths and speeds are measured by the rods' diameter, and need `rods.diameter_cm` beside them; an
-amplitude or a peak velocity of the plate says its acceleration, and needs `plate.frequency_hz`.
-All are converted once, as the tables of a scene are read.
+A length or a speed needs `rods.diameter_cm` beside it; an amplitude or a peak velocity of the plate
+stands for its acceleration, and needs `plate.frequency_hz`. All are converted once, when the tables
+of a scene are read.
 
 >>> import md
 >>> md.load("my_rods").rods.length == 5.08 / 0.635  # length_cm = 5.08, diameter_cm = 0.635
@@ -14,23 +14,23 @@ True
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from math import pi, sqrt
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
-from .laws import not_negative, number
+from .domains import held, not_negative
+from .errors import InputError
 
 GRAVITY_CM = 981.0  # cm/s^2
-SCALES = {  # what measures the others, and their domains
-    "rods.diameter_cm": (1e-6, 1e6, "between 1e-6 and 1e6"),
-    "plate.frequency_hz": (1e-3, 1e6, "between 1e-3 and 1e6"),
-}
+Diameter = Annotated[float, 1e-6, 1e6]
+Frequency = Annotated[float, 1e-3, 1e6]
+SCALES = {"rods.diameter_cm": Diameter, "plate.frequency_hz": Frequency}  # measure other keys
 
 
 class Twin(NamedTuple):
-    """A key that stands instead of another one."""
+    """Meaning of a key in cm or cm/s."""
 
-    key: str  # that it stands for
+    key: str  # for which it stands, in the scene's own units
     scale: str  # key that it needs beside it
-    unit: Callable[[float], float]  # of `key` in that of the twin, given the scale
+    unit: Callable[[float], float]  # one unit of `key` in cm or cm/s, given the scale
 
 
 def cm_per_s(diameter: float) -> float:
@@ -63,29 +63,29 @@ TWINS = {
 
 
 def twins(key: str) -> list[str]:
-    """Keys that stand instead of this one."""
+    """Keys in cm or cm/s that stand for a key."""
     return [name for name, twin in TWINS.items() if twin.key == key]
 
 
 def rivals(key: str) -> list[str]:
-    """Keys that cannot stand beside this one, as they say the same."""
+    """Keys that say the same as a key, and cannot stand beside it."""
     own = TWINS[key].key if key in TWINS else key
     return [name for name in (own, *twins(own)) if name != key]
 
 
 def _value(tables: Mapping, key: str) -> Any:
-    """Value of a dotted key; None if it is not there."""
+    """Value of a dotted key; None without one."""
     part, _, name = key.partition(".")
     table = tables.get(part)
     return table.get(name) if isinstance(table, Mapping) else None
 
 
 def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
-    """A scene's tables in its own units.
+    """Tables of a scene in its own units.
 
     Returns
     -------
-    The tables, and for each key that was not given in its own units the words that say how it was.
+    The tables, and by the keys that were converted the words that say how they were given.
 
     Raises
     ------
@@ -100,15 +100,13 @@ def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
             continue
         for other in rivals(name):
             if _value(tables, other) is not None:
-                raise ValueError(f"{name} and {other} say the same: give one of them, not both")
+                raise InputError(f"{name} and {other} say the same: give one of them, not both")
         by, measuring = _value(tables, scale), tables.get(scale.partition(".")[0], {})
         if not isinstance(measuring, Mapping):
-            continue  # which is refused as no table
+            continue  # refused later: not a table
         if by is None:
-            raise ValueError(f"{scale} is missing: {name} needs it")
-        if isinstance(value, bool):
-            raise TypeError(f"{name} must be a number, got {value!r}")
-        one = unit(number(scale, by, *SCALES[scale]))
+            raise InputError(f"{scale} is missing: {name} needs it")
+        one = unit(held(scale, by, SCALES[scale]))
         part, _, last = name.partition(".")
         del changed[part][last]
         changed[part][key.partition(".")[2]] = not_negative(name, value) / one
@@ -117,10 +115,9 @@ def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
 
 
 def in_cm(tables: Mapping) -> dict[str, float]:
-    """What a scene's tables in its own units (`scene.as_dict`) are by the keys in cm and cm/s."""
-    pairs = ((name, twin, _value(tables, twin.key)) for name, twin in TWINS.items())
+    """Values of the keys in cm and cm/s, from tables in a scene's own units (`scene.as_dict`)."""
     return {
-        name: value * twin.unit(_value(tables, twin.scale))
-        for name, twin, value in pairs
-        if value is not None
+        name: value * unit(_value(tables, scale))
+        for name, (key, scale, unit) in TWINS.items()
+        if (value := _value(tables, key)) is not None
     }

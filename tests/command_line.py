@@ -5,11 +5,7 @@ from collections.abc import Callable
 
 def refused(call: Callable[[], int], word: str, capsys) -> None:
     """One line on stderr, which holds the word, nothing on stdout, exit code 2."""
-    try:
-        code = call()
-    except SystemExit as stop:
-        code = stop.code
-    assert code == 2
+    assert call() == 2
     printed = capsys.readouterr()
     assert printed.out == ""
     assert printed.err.count("\n") == 1

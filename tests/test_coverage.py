@@ -77,13 +77,7 @@ def test_an_annulus_does_not_forget_its_start():
 
 
 def test_one_run_in_an_annulus_quotes_no_error():
-    small = [
-        "rods.count=2",
-        "rods.length=4",
-        "annulus.inner=1",
-        "annulus.outer=2.8",
-        "step.size=none",
-    ]
+    small = ["rods.count=2", "rods.length=4", "annulus.inner=1", "annulus.outer=2.8", "step=none"]
     soft = [f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods", "wall")]
     result = md.run(md.load("annulus", [*small, *soft]), periods=130)
     assert np.isfinite(result.c_x)

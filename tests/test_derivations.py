@@ -250,7 +250,7 @@ FULL = Path("/dev/full")
 FEW = """
 from derivations import __main__, registry
 registry.ENTRIES = registry.ENTRIES[:2]
-__main__.run()
+__main__.main.program()
 """
 
 

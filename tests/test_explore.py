@@ -10,8 +10,7 @@ import pytest
 import impact
 from figures.__main__ import main
 from figures.pages import explore
-from figures.pages.explore import Window
-from figures.pages.setting import CHOICES, RANGES, TILT, Setting, data, words
+from figures.pages.explore import CHOICES, RANGES, TILT, Setting, Window, data, words
 from impact import Regime
 
 from .command_line import refused

@@ -8,10 +8,9 @@ import pytest
 
 from derivations.__main__ import main as derive
 from figures.__main__ import main
-from figures.claims import verdicts as claims
+from figures.claims import judge
 from figures.cost import effect_prices
-from figures.pages import everything as paper
-from figures.pages import explore, index, movie, readme
+from figures.pages import everything, explore, gallery, index, movie
 from figures.paper import fig10
 from md.scene import SCENES
 
@@ -23,9 +22,9 @@ UNWRITABLE = Path("/proc")  # for root as well
 WORK = {  # what takes the time, of each command
     "draw fig10": (fig10, "data"),
     "movie quasi2d": (movie, "record"),
-    "claims": (claims, "judge"),
-    "paper": (paper, "estimate"),
-    "paper --estimate": (paper, "estimate"),
+    "claims": (judge, "judge"),
+    "paper": (everything, "estimate"),
+    "paper --estimate": (everything, "estimate"),
     "prices": (effect_prices, "data"),
     "explore": (explore, "write"),
     "index": (index, "files"),
@@ -101,7 +100,7 @@ def test_a_movie_is_not_written_over_its_scene(idle, tmp_path, capsys):
     assert list(tmp_path.iterdir()) == [scene]
 
 
-def test_the_readme_needs_a_checkout(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(readme, "TARGET", tmp_path / "README.md")
-    refused(lambda: main(["readme"]), f"needs a source checkout; {tmp_path} has no", capsys)
+def test_the_pages_need_a_checkout(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(gallery, "README", tmp_path / "README.md")
+    refused(lambda: main(["pages"]), f"needs a source checkout; there is no {tmp_path}", capsys)
     assert not list(tmp_path.iterdir())

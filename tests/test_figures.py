@@ -189,7 +189,7 @@ def test_list_names_every_figure():
         (["draw", "fig10", "--size", "3"], "--size"),
         (["draw", "fig10", "--all"], "--all draws every figure and takes no names, got fig10"),
         (["paint"], "paint"),
-        ([], "draw"),
+        ([], "Missing command"),
         (["draw", "fig10", "--quick", "--out", "FILE"], "FILE"),
     ],
 )

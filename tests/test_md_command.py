@@ -6,12 +6,15 @@ import os
 import subprocess
 import sys
 from inspect import signature
+from math import radians
 
 import pytest
 
 import md
 from md.__main__ import main
 from md.kernels.contact import Normal, Spring
+
+from .command_line import refused
 
 GIVEN = {"tilt-deg": "20", "friction": "0.4", "restitution": "0.65", "c-x": "0.5", "c-z": "-1"}
 
@@ -27,11 +30,7 @@ def arguments(*flags, **changed):
 
 def run(capsys, *flags, **changed):
     """Exit code, standard output and standard error."""
-    try:
-        code = main(arguments(*flags, **changed))
-    except SystemExit as end:
-        code = end.code
-    return code, *capsys.readouterr()
+    return main(arguments(*flags, **changed)), *capsys.readouterr()
 
 
 def test_json_holds_all_that_happened(capsys):
@@ -39,7 +38,7 @@ def test_json_holds_all_that_happened(capsys):
     assert (code, err) == (0, "")
     found = json.loads(out)
     law = md.coulomb(0.65)
-    hit = md.impact(md.__main__.radians(20), 0.5, -1.0, friction=0.4, law=law)
+    hit = md.impact(radians(20), 0.5, -1.0, friction=0.4, law=law)
     assert out.count("\n") == 1
     assert set(found) == {*md.Impact._fields, "stiffness", "arguments"}
     for key in ("c_x", "c_z", "omega", "restitution", "regime", "phases", "max_overlap"):
@@ -120,7 +119,7 @@ def test_a_law_of_ones_own_is_checked(normal, spring, message):
 
 
 def test_a_law_needs_its_parts():
-    with pytest.raises(TypeError, match="law must have a Normal, and a Spring or None"):
+    with pytest.raises(TypeError, match=r"law\.normal must be of the type Normal"):
         md.Law("mine", 5e6, None)
     with pytest.raises(ValueError, match="restitution must be between 0 and 1"):
         md.Law("mine", Normal(5e6), None, 1.5)
@@ -135,7 +134,7 @@ def test_all_options_at_once(capsys):
     assert code == 0
     law = md.constant_restitution(0.65, 1e7, tangential_ratio=100.0)
     hit = md.impact(
-        *(md.__main__.radians(20), 0.5, -1.0, 0.1),
+        *(radians(20), 0.5, -1.0, 0.1),
         **{"friction": 0.4, "law": law, "rod": md.Rod(8.0, "thin"), "dt": 1e-5},
     )
     found = json.loads(out)
@@ -149,11 +148,11 @@ def test_the_ends_of_the_tilt(capsys, tilt_deg):
 
 
 BAD = [  # option, value, words of the complaint
-    ("tilt_deg", "91", "tilt-deg must be between -90 and 90, got 91"),
-    ("tilt_deg", "nan", "tilt-deg must be between -90 and 90, got nan"),
-    ("tilt_deg", "steep", "argument --tilt-deg: invalid float value: 'steep'"),
-    ("tilt_deg", None, "required: --tilt-deg"),
-    ("c_x", None, "required: --c-x"),
+    ("tilt_deg", "91", "'--tilt-deg': 91.0 is not in the range -90<=x<=90"),
+    ("tilt_deg", "nan", "tilt must be between -pi/2 and pi/2, got nan"),
+    ("tilt_deg", "steep", "'--tilt-deg': 'steep' is not a valid float"),
+    ("tilt_deg", None, "Missing option '--tilt-deg'"),
+    ("c_x", None, "Missing option '--c-x'"),
     ("c_x", "nan", "c_x must be a number up to 1e6, got nan"),
     ("c_z", "-inf", "c_z must be a number up to 1e6, got -inf"),
     ("c_z", "1", "c_z must bring the contact point towards the plate: it moves away at 1"),
@@ -166,9 +165,9 @@ BAD = [  # option, value, words of the complaint
     ("restitution", "nan", "restitution must be between 0 and 1, got nan"),
     ("length", "0.9", "length must be between 1 and 1000, got 0.9"),
     ("length", "inf", "length must be between 1 and 1000, got inf"),
-    ("inertia", "heavy", "--inertia: invalid choice: 'heavy'"),
-    ("law", "hooke", "--law: invalid choice: 'hooke'"),
-    ("integrator", "euler", "--integrator: invalid choice: 'euler'"),
+    ("inertia", "heavy", "'--inertia': 'heavy' is not one of 'solid', 'thin'"),
+    ("law", "hooke", "'--law': 'hooke' is not one of 'appendix_a'"),
+    ("integrator", "euler", "'--integrator': 'euler' is not one of"),
     ("stiffness", "0", "stiffness must be > 0 and finite, got 0.0"),
     ("stiffness", "1", "the plate is too soft for an impact at 1"),
     ("c_z", "-1e-31", "the impact must be at 1e-30 sqrt(g d) or faster, got 1e-31"),
@@ -178,24 +177,21 @@ BAD = [  # option, value, words of the complaint
     ("dt", "-1e-5", "dt must be > 0 and finite, got -1e-05"),
     ("dt", "nan", "dt must be > 0 and finite, got nan"),
     ("dt", "1", "dt must be at most 0.00"),
-    ("tangential_ratio", "3", "tangential_ratio has no meaning under coulomb"),
-    ("spin", "1", "unrecognized arguments: --spin=1"),
+    ("tangential_ratio", "3", "tangential_ratio has no meaning under coulomb, got 3"),
+    ("spin", "1", "No such option"),
 ]
 
 
 @pytest.mark.parametrize(("option", "value", "words"), BAD)
 def test_nonsense_costs_one_line_and_code_2(capsys, option, value, words):
     """It names the argument, its value and its domain, and there is no traceback."""
-    code, out, err = run(capsys, **{option: value})
-    assert (code, out) == (2, "")
-    assert err.count("\n") == 1
-    assert words in err
+    refused(lambda: main(arguments(**{option: value})), words, capsys)
 
 
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"law": "appendix_a"}, "restitution cannot be chosen under appendix_a"),
+        ({"law": "appendix_a"}, "restitution has no meaning under appendix_a, got 0.65"),
         ({"integrator": "dop853", "tolerance": "1"}, "tolerance must be between 1e-14 and 1e-3"),
         ({"integrator": "dop853", "dt": "1e-5"}, "dt has no meaning under dop853"),
         ({"integrator": "dop853", "friction": "inf"}, "dop853 needs a friction of at most"),
@@ -207,28 +203,19 @@ def test_nonsense_costs_one_line_and_code_2(capsys, option, value, words):
     ],
 )
 def test_what_does_not_go_together(capsys, changed, words):
-    code, out, err = run(capsys, **changed)
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert words in err
+    refused(lambda: main(arguments(**changed)), words, capsys)
 
 
-@pytest.mark.parametrize("argv", [[], ["collide"], ["impact", "20"]])
-def test_what_is_no_command(capsys, argv):
-    with pytest.raises(SystemExit) as end:
-        main(argv)
-    assert end.value.code == 2
-    assert capsys.readouterr().err.count("\n") == 1
-
-
-def test_help_shows_units_and_an_example(capsys):
-    for argv in (["--help"], ["impact", "--help"]):
-        with pytest.raises(SystemExit) as end:
-            main(argv)
-        assert end.value.code == 0
-        shown = capsys.readouterr().out
-    assert "sqrt(g d)" in shown
-    example = next(line for line in shown.splitlines() if line.startswith("  python"))
-    assert main(example.split()[3:]) == 0
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        ([], "Missing command"),
+        (["collide"], "'collide'"),
+        (["results", "a.db", "b.db"], "extra argument (b.db)"),
+    ],
+)
+def test_what_is_no_command(capsys, argv, words):
+    refused(lambda: main(argv), words, capsys)
 
 
 def test_interrupted_run_ends_cleanly(capsys, monkeypatch):
@@ -236,7 +223,7 @@ def test_interrupted_run_ends_cleanly(capsys, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("md.soft_impact.impact", interrupted)
-    assert run(capsys) == (130, "", "python -m md impact: interrupted\n")
+    assert run(capsys) == (130, "", "python -m md impact: interrupted: what was finished is kept\n")
 
 
 def test_a_run_that_fails_is_code_1(capsys, monkeypatch):

@@ -1,6 +1,5 @@
-"""The README: its numbers are those of generated files, its examples and commands run."""
+"""The README and the guide: numbers are those of generated files, examples and commands run."""
 
-import ast
 import os
 import re
 import shlex
@@ -11,24 +10,32 @@ from pathlib import Path
 
 import pytest
 
-from figures.pages import readme as measured
+from figures.pages import gallery
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+GUIDE = (gallery.GALLERY / "GUIDE.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", TEXT, re.DOTALL)
-COMMANDS = re.findall(r"^    (python -m .*?)(?: {2,}#.*)?$", TEXT, re.M)
-# Run elsewhere, in a smaller form, by the tests of these files.
-ELSEWHERE = {"python -m figures claims --quick": "test_claims.py"}
-SLOW = ("sweep", "results")  # the second needs what the first leaves
+COMMANDS, LONGER = (
+    re.findall(r"^    (python -m .*?)(?: {2,}#.*)?$", text, re.M) for text in (TEXT, GUIDE)
+)
+# The second needs what the first leaves; a test of claims runs the third in a smaller form.
+SLOW = ("sweep", "results", "claims")
 
 
-def test_what_is_measured_is_of_the_gallery():
-    assert measured.refreshed(TEXT) == TEXT
+def test_pages_are_of_the_numbers_in_the_gallery():
+    for path, text in gallery.pages().items():
+        assert path.read_text(encoding="utf-8") == text, path.name
+
+
+def test_the_readme_is_short():
+    assert len(TEXT.splitlines()) <= 150
+    assert len(TEXT.split()) <= 1500
 
 
 def test_no_number_is_measured_outside_of_the_generated_parts():
     """No times, percentages or errors but those of generated parts and outputs of examples."""
-    text = re.sub(r"<!-- (\w+): begin -->.*?<!-- \1: end -->", "", TEXT, flags=re.DOTALL)
+    text = re.sub(r"<!-- (\w+): begin -->.*?<!-- \1: end -->", "", TEXT + GUIDE, flags=re.DOTALL)
     text = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
     found = re.findall(r"\d[\d.]*(?:e-?\d+)? ?(?:%|ns|ms|s|microseconds|cm/s)(?![\w/])|±.*", text)
     assert set(found) <= {"20 %"}  # of an example
@@ -49,7 +56,7 @@ def test_examples_print_what_stands_below(code, output, capsys):
 
 def test_there_are_examples_and_commands():
     assert len(EXAMPLES) == len(re.findall("```python", TEXT)) == 2
-    assert len(COMMANDS) > 8
+    assert len(COMMANDS) > 4
 
 
 def run(command, folder):
@@ -63,66 +70,58 @@ def run(command, folder):
     )
 
 
-def quick(command):
-    return command not in ELSEWHERE and not set(SLOW) & set(command.split())
-
-
-@pytest.mark.parametrize("command", list(filter(quick, COMMANDS)))
+@pytest.mark.parametrize("command", [c for c in COMMANDS if not set(SLOW) & set(c.split())])
 def test_commands_run(command, tmp_path):
     done = run(command, tmp_path)
     if command == "python -m figures explore":  # there is no display
         assert done.returncode == 2
         assert "--out FILE.png" in done.stderr
         return
-    assert done.returncode == 0, done.stderr
+    # 3: the tolerance is reached, but the accuracy is calibrated for other sources
+    assert done.returncode in ((0, 3) if "--tolerance" in command else (0,)), done.stderr
     assert done.stdout
 
 
 @pytest.mark.slow
 def test_longer_commands_run(tmp_path):
-    for command in COMMANDS:
-        if set(SLOW) & set(command.split()):
-            assert run(command, tmp_path).returncode == 0
+    for command in LONGER:
+        done = run(command, tmp_path)
+        assert done.returncode == 0, done.stderr
     assert len((tmp_path / "drift.csv").read_text().splitlines()) == 22
 
 
-@pytest.mark.parametrize("command, file", ELSEWHERE.items())  # noqa: PT006
-def test_others_are_run_by_other_tests(command, file):
-    """With these very words."""
-    words = shlex.split(command)[3:]
-    calls = [
-        [part.value for part in node.elts if isinstance(part, ast.Constant)]
-        for node in ast.walk(ast.parse((ROOT / "tests" / file).read_text(encoding="utf-8")))
-        if isinstance(node, ast.List)
-    ]
-    assert command in COMMANDS
-    assert any(call[: len(words)] == words for call in calls)
-
-
 def test_every_command_that_is_named_exists():
-    named = set()
-    for package, first, others in re.findall(r"`python -m (\w+) (\w+)`((?:, `\w+`)*)", TEXT):
-        named |= {(package, name) for name in (first, *re.findall(r"\w+", others))}
-    assert len(named) > 15
-    for package, name in named:
-        done = run(f"python -m {package} {name} --help", ROOT)
-        assert done.returncode == 0, (package, name)
+    """The help of each package lists it."""
+    named = set(re.findall(r"python -m (\w+) (\w+)", TEXT + GUIDE))
+    assert len(named) > 8
+    for package in {package for package, _ in named}:
+        done = run(f"python -m {package} --help", ROOT)
+        assert done.returncode == 0
+        for name in {name for of, name in named if of == package}:
+            assert re.search(rf"^ +{name}\b", done.stdout, re.M), (package, name)
 
 
-def test_make_has_both_targets():
-    for target in re.findall(r"^    make (\w+)", TEXT, re.M):
+def test_make_has_the_targets():
+    for target in re.findall(r"(?:^    |`)make (\w+)", TEXT + GUIDE, re.M):
         assert subprocess.run(["make", "-n", target], cwd=ROOT, capture_output=True).returncode == 0
 
 
-def test_pictures_and_files_exist():
-    for target in re.findall(r"\]\((?!http)([^)#]+)\)", TEXT):
-        assert (ROOT / target).is_file(), target
+@pytest.mark.parametrize("page", [ROOT / "README.md", *sorted(gallery.GALLERY.glob("*.md"))])
+def test_links_lead_somewhere(page):
+    text = page.read_text(encoding="utf-8")
+    for target, label in re.findall(r"\]\((?!http)([^)#]*)(?:#([^)]+))?\)", text):
+        other = (page.parent / target).resolve() if target else page
+        assert other.is_file(), target
+        heads = re.findall(r"^#+ (.*)$", other.read_text(encoding="utf-8"), re.M) if label else []
+        assert not label or label in [
+            re.sub(r"[^\w -]", "", h.lower()).replace(" ", "-") for h in heads
+        ]
 
 
 def test_hard_cases_are_where_it_says():
     """The files hold tests of the names that the table gives them."""
     found = set()
-    for names, file in re.findall(r"\[([TM]\d[TM\d, -]*)\]\((tests/\w+\.py)\)", TEXT):
+    for names, file in re.findall(r"\[([TM]\d[TM\d, -]*)\]\(../../(tests/\w+\.py)\)", GUIDE):
         numbers = [int(number) for number in re.findall(r"\d+", names)]
         if "-" in names:
             numbers = range(numbers[0], numbers[1] + 1)

@@ -1,15 +1,15 @@
 """Figures of the annulus: tiny runs in a store of their own, and made-up arrangements."""
 
+from types import SimpleNamespace
+
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 import md
-from figures.claims import annulus_numbers as measured_ring
-from figures.claims import register as measuring
-from figures.claims import row_numbers as measured
-from figures.claims import verdicts as claims
+from figures.claims import judge, measure_annulus
+from figures.claims.evidence import Evidence
 from figures.lib import arrangement as order
 from figures.lib import runs
 from figures.paper import fig04, fig05
@@ -24,20 +24,22 @@ mpl.use("Agg")
 def tallies(tmp_path_factory):
     """A store for these tests, short runs of few rods; what each sweep did."""
     with pytest.MonkeyPatch.context() as patch:
-        done = shortened(patch, tmp_path_factory.mktemp("rows"), 20)
-        measuring.table.cache_clear()
-        yield done
-    measuring.table.cache_clear()
+        yield shortened(patch, tmp_path_factory.mktemp("rows"), 20)
 
 
 @pytest.fixture(scope="module")
-def four(tallies):
-    return measuring.table("fig04", True)
+def evidence(tallies):
+    return Evidence(quick=True)
 
 
 @pytest.fixture(scope="module")
-def five(tallies):
-    return measuring.table("fig05", True)
+def four(evidence):
+    return evidence.figure("fig04")
+
+
+@pytest.fixture(scope="module")
+def five(evidence):
+    return evidence.figure("fig05")
 
 
 def arrangement(radii, tilts=None):
@@ -150,45 +152,54 @@ def test_pictures_and_words_are_made(four, five):
 # Claims
 
 
-def test_all_numbers_of_the_annulus_are_measured(four, five):
-    named = {c["id"]: [row["key"] for row in c["numbers"]] for c in claims.read()}
+def test_all_numbers_of_the_annulus_are_measured(evidence):
+    named = {c["id"]: {row["key"] for row in c["numbers"]} for c in judge.read()}
     for claim in ("S4", "S5", "S6", "S8", "S18", "S20", "E1"):
-        keys, measure = measured.MEASURES[claim]
-        assert list(keys) == named[claim]
-        assert len(list(measure(True))) == len(keys)
+        assert judge.measure(claim, evidence).keys() == named[claim]
 
 
-def test_the_geometry_needs_no_run(four):
-    flat, round_ends = list(measured.MEASURES["E1"][1](True))[:2]
+def test_the_geometry_needs_no_run(evidence):
+    found = measure_annulus.E1_geometry(evidence)
+    flat, round_ends = found["flat"], found["round"]
     gap, half = runs.ANNULUS_SCENE.annulus, (runs.ANNULUS_SCENE.rods.length - 1) / 2
     reach = np.sqrt((gap.outer - 0.5) ** 2 - (gap.inner + 0.5) ** 2)
     assert round_ends.value == pytest.approx(np.degrees(np.arcsin(reach / half)))
     assert 45 < flat.value < round_ends.value
 
 
-def test_numbers_find_what_was_put_in(monkeypatch):
+def made_up(d):
+    """Evidence of which every figure has these data."""
+    return SimpleNamespace(figure=lambda name: d)
+
+
+def test_numbers_find_what_was_put_in():
     mu, gamma = np.array([0, 0.3, 1.0]), np.array([1.2, 1.6, 2.0, 3.0, 4.0])
     moving = 2 * np.clip(gamma - 1.5, 0, None)
     d = {"wall": mu, "wall_c_x": np.array([10, 4, 0.5]), "wall_c_x_error": np.full(3, 1e-3)}
     d |= {"gamma": gamma, "gamma_c_x": np.stack([moving] * 3, axis=1)}
     d["gamma_c_x_error"] = np.full((5, 3), 1e-3)
-    monkeypatch.setattr(measured_ring, "table", lambda name, quick: d)
-    values = [number.value for number in measured.MEASURES["S6"][1](True)]
-    assert values == pytest.approx([-0.35, 0.05, 2.5])
-    onset, first, last, bend, slope, zero = measured.MEASURES["S5"][1](True)
-    assert (onset.value, onset.error) == pytest.approx((1.4, 0.2))
-    assert (first.value, last.value) == pytest.approx((onset.value, onset.value))
-    assert (bend.value, slope.value, zero.value) == pytest.approx((0, 2, 1.5), abs=1e-9)
+    walls = measure_annulus.S6_walls(made_up(d))
+    values = {key: number.value for key, number in walls.items()}
+    assert values == pytest.approx({"rise": -0.35, "all": 0.05, "paper": 2.5})
+    over = measure_annulus.S5_drift_over_gamma(made_up(d))
+    assert over["onset"].error == pytest.approx(0.2)
+    values = {key: number.value for key, number in over.items()}
+    expected = {
+        **dict.fromkeys(("onset", "first", "last"), 1.4),
+        "bend": 0,
+        "slope": 2,
+        "zero": 1.5,
+    }
+    assert values == pytest.approx(expected, abs=1e-9)
 
 
-def test_a_region_is_said_to_appear_where_its_contrast_does(monkeypatch):
+def test_a_region_is_said_to_appear_where_its_contrast_does():
     d = {"count": np.array([56, 50, 44]), "mean": np.array([10.0, 16, 24])}
     d |= {"zigzag": np.array([1, 0.8, 0.2]), "contrast": np.array([1.0, 3, 9])}
     d |= {"share": np.array([0, 0.1, 0.5]), "spread": np.array([1.0, 2, 6])}
     d |= {f"{name}_error": np.full(3, 1e-6) for name in order.MEASURED}
-    monkeypatch.setattr(measured_ring, "table", lambda name, quick: d)
-    keys, measure = measured.MEASURES["S8"]
-    found = {key: number.value for key, number in zip(keys, measure(True), strict=True)}
+    numbers = measure_annulus.S8_zigzag(made_up(d))
+    found = {key: number.value for key, number in numbers.items()}
     assert (found["order"], found["tilt"], found["leaning"]) == (1, 10, 24)
     assert found["broken"] == pytest.approx(20)
     assert found["appears"] == pytest.approx(16 + 8 / 3)

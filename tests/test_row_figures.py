@@ -314,7 +314,7 @@ def test_movie_of_what_has_no_plate():
         (["quasi2d", "--set", "box.length=39"], "box.length"),
         (["quasi2d", "--set", "step.size=0.1"], "step.size"),
         (["quasi2d", "--set", "colour=1"], "colour"),
-        ([], "scene"),
+        ([], "SCENE"),
     ],
 )
 def test_nonsense_costs_one_line(arguments, word, tmp_path, capsys):

@@ -5,7 +5,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from figures.claims import law_numbers as law_claims
 from figures.lib import runs
 from figures.paper import fig02, fig06, fig07, fig08, fig13
 from impact import ContactGeometry, drift, landing_density, spherocylinder
@@ -150,15 +149,3 @@ def test_fits_find_what_was_put_in():
     assert f["bump_tilt"] == 30
     assert fig13.fits({**d, "a_c_x": 10 - 0.1 * tilt})["bump"] == pytest.approx(-0.3)
     assert (f["long_mean"], f["long_spread"]) == (5, 0)
-
-
-def test_verdicts():
-    claim = law_claims.Claim("", "", lambda d: 0.0, (0.4, 0.6), (0.2, 0.8))
-    assert [claim.verdict(x) for x in (0.5, 0.4, 0.3, 0.7, 0.1, np.nan, np.inf)] == [
-        *(2, 2, 1, 1, 0, 0, 0)
-    ]
-    nominal = np.array([9, 20, 30, 45])
-    table = {"nominal": nominal, "flight": np.array([2.0, 2.0, 1.0, 1.0])}
-    assert law_claims.change_tilt(table) == pytest.approx(25)
-    assert np.isnan(law_claims.change_tilt({**table, "flight": np.full(4, 0.9)}))
-    assert all(c.good[0] >= c.fair[0] and c.good[1] <= c.fair[1] for c in law_claims.CLAIMS)

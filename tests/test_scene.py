@@ -1,6 +1,7 @@
 """Scenes: examples load, and what is no scene is refused with its key, value and domain."""
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -18,12 +19,8 @@ EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))
 BAD = {  # KEY=VALUE for the row: what the error says
     "rodz.count=3": "rodz is not a key of a scene; known there: rods, plate",
     "rods.number=3": "rods.number is not a key of a scene; known there: count, length",
-    "rods.spin=true": "rods.spin is a key of an earlier version: write rods.rolling in its place",
-    "plate.gamma=3": "plate.gamma is not a key",
+    "rods.spin=true": "rods.spin is of an earlier version: write rods.rolling in its place",
     "box.width=3": "box.width is not a key",
-    "start.tilt=3": "start.tilt is not a key",
-    "step.dt=3": "step.dt is not a key",
-    "gravity.y=3": "gravity.y is not a key",
     "contacts.walls.friction=1": "contacts.walls is not a key",
     "contacts.plate.mu=1": "contacts.plate.mu is not a key",
     "contacts.plate.stiffness.x=1": "contacts.plate.stiffness must be a number, got {'x': 1}",
@@ -31,44 +28,22 @@ BAD = {  # KEY=VALUE for the row: what the error says
     "box=[1]": "box must be a table, got [1]",
     "contacts.rods=1": "contacts.rods must be a table, got 1",
     "rods.count=2.5": "rods.count must be a whole number, got 2.5",
-    "rods.count=true": "rods.count must be a whole number, got True",
-    "rods.count=many": "rods.count must be a whole number, got 'many'",
-    "rods.count=0": "rods.count must be between 1 and 1000000, got 0",
-    "rods.count=-3": "rods.count must be between 1 and 1000000, got -3",
-    "rods.length=0.5": "rods.length must be between 1 and 1000, got 0.5",
-    "rods.length=true": "rods.length must be a number, got True",
     "rods.length=[1]": "rods.length must be a number, got [1]",
-    'rods.length="9.5"': "rods.length must be a number, got '9.5'",
-    "rods.length=nan": "rods.length must be between 1 and 1000, got nan",
-    "rods.length=inf": "rods.length must be between 1 and 1000, got inf",
     "rods.inertia=heavy": "rods.inertia must be solid or thin, got 'heavy'",
     "rods.inertia=[1]": "rods.inertia must be solid or thin, got [1]",
-    "rods.diameter_cm=0": "rods.diameter_cm must be between 1e-6 and 1e6, got 0",
-    "plate.acceleration=-1": "plate.acceleration must be between 0 and 1000, got -1",
-    "plate.acceleration=nan": "plate.acceleration must be between 0 and 1000, got nan",
-    "plate.frequency_hz=0": "plate.frequency_hz must be between 1e-3 and 1e6, got 0",
-    "box.length=inf": "box.length must be between 1 and 1e7, got inf",
+    "step.coarse=1": "step.coarse must be true or false, got 1",
     "box.length=39.9": "box.length must be at least 40 for 40 rods, got 39.9",
     "start.tilt_deg=80": "start.tilt_deg must be at most 21.5",
-    "start.tilt_deg=91": "start.tilt_deg must be between -90 and 90, got 91",
-    "start.tilt_deg=nan": "start.tilt_deg must be between -90 and 90, got nan",
-    "start.seed=-1": "start.seed must be between 0 and",
-    "start.seed=1.5": "start.seed must be a whole number, got 1.5",
-    "start.speed=-1": "start.speed must be between 0 and 1000, got -1",
-    "start.drop=inf": "start.drop must be between 0 and 1000, got inf",
-    "step.size=0": "step.size must be between 1e-12 and 1000, got 0",
     "step.size=0.1": "step.size must be at most",
-    "gravity.z=-inf": "gravity.z must be up to 1000 in size, got -inf",
     "contacts.plate.law=hertz": "contacts.plate.law must be one of appendix_a, constant_rest",
     "contacts.plate.law=[1]": "contacts.plate.law must be one of appendix_a, constant_rest",
-    "contacts.plate.friction=-0.1": "contacts.plate.friction must be >= 0, got -0.1",
-    "contacts.plate.friction=nan": "contacts.plate.friction must be >= 0, got nan",
-    "contacts.plate.friction=rough": "contacts.plate.friction must be a number, got 'rough'",
     "contacts.rods.restitution=1.5": "contacts.rods.restitution must be between 0 and 1, got 1.5",
     "contacts.rods.restitution=true": "contacts.rods.restitution must be a number, got True",
     "contacts.rods.stiffness=0": "contacts.rods.stiffness must be > 0 and finite, got 0",
     "contacts.rods.stiffness=1": "contacts.rods.stiffness 1 is too soft",
     "contacts.rods.damping=1": "contacts.rods.damping is not for the law constant_restitution",
+    "contacts.rods.law=coulomb": "contacts.rods.law must have a tangential spring",
+    "contacts.plate.law=appendix_a": "--set contacts.plate.restitution=none",
     "plate=none": "plate is missing: the scene names contacts.plate, and needs both",
     "contacts.plate=none": "contacts.plate is missing: the scene names plate, and needs both",
     "box=none": "start.tilt_deg is missing: without a box it has no default",
@@ -76,14 +51,33 @@ BAD = {  # KEY=VALUE for the row: what the error says
     "rods.count": "--set needs KEY=VALUE, got 'rods.count'",
     "rods.count.x=1": "--set rods.count.x: count is a value, not a table",
 }
+DOMAINS = {  # what a message says is allowed, and the nearest values that are not
+    "rods.count": ("between 1 and 1000000", 0, 1000001),
+    "rods.length": ("between 1 and 1000", 0.999, 1000.1),
+    "rods.diameter_cm": ("between 1e-6 and 1e6", 9e-7, 1.1e6),
+    "plate.acceleration": ("between 0 and 1000", -0.1, 1000.1),
+    "plate.frequency_hz": ("between 0.001 and 1e6", 9e-4, 1.1e6),
+    "box.length": ("between 1 and 1e7", 0.999, 1.1e7),
+    "gravity.x": ("between -1000 and 1000", -1000.1, 1000.1),
+    "gravity.z": ("between -1000 and 1000", -1000.1, 1000.1),
+    "contacts.plate.friction": (">= 0", -0.1, -1e-300),
+    "contacts.rods.friction": (">= 0", -0.1, -1e-300),
+    "start.tilt_deg": ("between -90 and 90", -90.1, 90.1),
+    "start.seed": ("between 0 and 9223372036854775807", -1, 2**63),
+    "start.speed": ("between 0 and 1000", -0.1, 1000.1),
+    "start.drop": ("between 0 and 1000", -0.1, 1000.1),
+    "step.size": ("between 1e-12 and 1000", 0, 1000.1),
+}
 
 
 def refused(capsys, *arguments):
     """The one line that a command prints as it refuses."""
-    assert main(["run", *arguments]) == 2
+    try:
+        code = main(["run", *arguments])
+    except SystemExit as stop:
+        code = stop.code
     out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1, err
+    assert (code, out, err.count("\n")) == (2, "", 1), err
     return err
 
 
@@ -96,10 +90,18 @@ def test_what_is_no_scene_is_refused(assignment, message, capsys):
     assert message in refused(capsys, "quasi2d", "--set", assignment)
 
 
-def test_friction_between_rods_needs_a_spring(capsys):
-    """The constraint is for the plate."""
-    line = refused(capsys, "quasi2d", "--set", "contacts.rods.law=coulomb")
-    assert "contacts.rods." in line
+@pytest.mark.parametrize("key", DOMAINS)
+def test_a_number_is_held_to_its_domain(key):
+    """Also nan, and what is not a number."""
+    domain, *beyond = DOMAINS[key]
+    integer = key in ("rods.count", "start.seed")
+    for value in beyond if integer else (*beyond, float("nan")):
+        with pytest.raises(ValueError, match=re.escape(f"{key} must be {domain}, got {value}")):
+            load("quasi2d", [f"{key}={value}"])
+    for value in (True, "1", "many"):
+        wanted = "whole number" if integer else "number"
+        with pytest.raises(TypeError, match=f"{key} must be a {wanted}, got {value!r}"):
+            load("quasi2d", [f"{key}={json.dumps(value)}"])
 
 
 def test_files_that_are_none(tmp_path, capsys):
@@ -108,35 +110,21 @@ def test_files_that_are_none(tmp_path, capsys):
     assert "quasi2d" in refused(capsys, "quasi3d")
     assert str(tmp_path) in refused(capsys, str(tmp_path))
     broken = tmp_path / "broken.toml"
-    broken.write_text("[rods\ncount = 3\n")
-    assert "broken.toml" in refused(capsys, str(broken))
-    broken.write_bytes(b"\xff\xfe\x00")
-    assert "broken.toml" in refused(capsys, str(broken))
-    broken.write_text("[rods]\ncount = 3\ncount = 4\n")
-    assert "broken.toml" in refused(capsys, str(broken))
+    for content in (b"[rods\ncount = 3\n", b"\xff\xfe\x00", b"[rods]\ncount = 3\ncount = 4\n"):
+        broken.write_bytes(content)
+        assert "broken.toml" in refused(capsys, str(broken))
 
 
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["--periods", "0"],
-        ["--periods", "-3"],
-        ["--periods", "2.5"],
-        ["--frames", "0"],
-        ["--no-such-option"],
-        ["--checkpoint", "no/such/folder/a.npz"],
-        ["--trajectory", "no/such/folder/a.xyz"],
+        *("--periods 0", "--periods -3", "--periods 2.5", "--frames 0", "--no-such-option"),
+        *("--checkpoint no/such/folder/a.npz", "--trajectory no/such/folder/a.xyz"),
     ],
 )
 def test_bad_options_are_refused_before_anything_runs(arguments, capsys):
     """One line and exit code 2, whether the parser finds out or the run."""
-    try:
-        code = main(["run", "single_rod", *arguments])
-    except SystemExit as stop:
-        code = stop.code
-    out, err = capsys.readouterr()
-    assert (code, out) == (2, "")
-    assert err.count("\n") == 1
+    refused(capsys, "single_rod", *arguments.split())
 
 
 def test_a_checkpoint_that_cannot_be_read_is_refused(tmp_path, capsys):
@@ -167,11 +155,6 @@ def test_files_that_cannot_be_written_are_refused_before_the_run(tmp_path, capsy
     assert "periods must be between 1 and" in refused(capsys, str(scene), "--periods", "1000000000")
 
 
-def test_the_law_that_has_its_own_restitution_says_so(capsys):
-    line = refused(capsys, "quasi2d", "--set", "contacts.plate.law=appendix_a")
-    assert "--set contacts.plate.restitution=none" in line
-
-
 def test_arguments_of_a_run_of_a_wrong_type_are_named():
     with pytest.raises(TypeError, match="scene must be a"):
         md.run("quasi2d")
@@ -191,12 +174,8 @@ def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
 
 def test_no_traceback_at_the_prompt():
     """The same through a real process."""
-    bad = subprocess.run(
-        [sys.executable, "-m", "md", "run", "quasi2d", "--set", "rods.count=2.5"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = [sys.executable, "-m", "md", "run", "quasi2d", "--set", "rods.count=2.5"]
+    bad = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (bad.returncode, bad.stdout, bad.stderr.count("\n")) == (2, "", 1)
 
 
@@ -242,8 +221,7 @@ def test_a_scene_is_what_its_parts_say():
     """The table of a scene builds the scene again; laws by their constants."""
     scene = load("quasi2d")
     table = as_dict(scene)
-    rods = {"count": 40, "length": 9.5, "inertia": "thin", "diameter_cm": 0.6, "rolling": False}
-    assert table["rods"] == rods
+    assert table["rods"] == vars(scene.rods)
     assert table["contacts"]["plate"]["law"]["name"] == "constant_restitution"
     assert "plate" in table
     assert "plate" not in as_dict(load("quasi2d", ["plate=none", "contacts.plate=none"]))

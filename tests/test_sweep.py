@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -15,27 +16,12 @@ import pytest
 from joblib.externals.loky import get_reusable_executor
 
 from md.__main__ import main
-from md.scene import read_tables
-from md.soft_impact import RunError
+from md.errors import RunError
+from md.scene import from_tables, read_tables
 from md.store import Store
-from md.sweep import execute, expand, load_sweep
+from md.sweep import Point, execute, expand, load_sweep
 
 ROOT = Path(__file__).parents[1]
-BASE = {  # one rod, coarse and short: a run takes a few milliseconds
-    "rods": {"length": 3.0},
-    "plate": {"acceleration": 2.0},
-    "gravity": {},
-    "contacts": {"plate": {"law": "coulomb", "friction": 0.3}},
-    "start": {"tilt_deg": 10},
-}
-SWEEP = """
-scene = "base.toml"
-periods = 20
-[[axes]]
-"plate.acceleration" = [1.5, 2.0, 2.5]
-[[axes]]
-"start.seed" = [1, 2]
-"""
 SCENE = """
 [rods]
 length = 3.0
@@ -48,35 +34,42 @@ friction = 0.3
 [start]
 tilt_deg = 10
 """
+BASE = tomllib.loads(SCENE)  # one rod, coarse and short: a run takes a few milliseconds
+SWEEP = """
+scene = "base.toml"
+periods = 20
+[[axes]]
+"plate.acceleration" = [1.5, 2.0, 2.5]
+[[axes]]
+"start.seed" = [1, 2]
+"""
+
+
+def written(folder, sweep=SWEEP):
+    """Path of the sweep in a folder, its scene beside it."""
+    (folder / "base.toml").write_text(SCENE)
+    (folder / "sweep.toml").write_text(sweep)
+    return folder / "sweep.toml"
 
 
 @pytest.fixture
 def sweep_file(tmp_path):
-    (tmp_path / "base.toml").write_text(SCENE)
-    (tmp_path / "sweep.toml").write_text(SWEEP)
-    return tmp_path / "sweep.toml"
+    return written(tmp_path)
+
+
+def gathered(sweep, store):
+    """Bytes of what the sweep measured."""
+    names = "c_x", "landings.flight_periods.mean", "phases"
+    return [found.tobytes() for found in sweep.gather(store, *names)]
 
 
 @pytest.fixture(scope="module")
 def reference(tmp_path_factory):
-    """The sweep of `SWEEP`, computed in this process."""
+    """The sweep of `SWEEP`, computed in this process, and what it measured."""
     folder = tmp_path_factory.mktemp("sweep")
-    (folder / "base.toml").write_text(SCENE)
-    (folder / "sweep.toml").write_text(SWEEP)
-    sweep = load_sweep(folder / "sweep.toml")
+    sweep = load_sweep(written(folder))
     execute(sweep, folder / "a.db", workers=1)
-    return sweep, sweep.gather(folder / "a.db", "c_x", "landings.flight_periods.mean", "phases")
-
-
-def same(sweep, store, reference):
-    return all(
-        np.array_equal(a, b, equal_nan=True)
-        for a, b in zip(
-            sweep.gather(store, "c_x", "landings.flight_periods.mean", "phases"),
-            reference,
-            strict=True,
-        )
-    )
+    return sweep, gathered(sweep, folder / "a.db")
 
 
 # Axes
@@ -98,28 +91,24 @@ def test_axes_multiply_and_keys_of_one_axis_go_together():
     ]
     assert found == [(x, y, z) for x, y in ((2, 10), (3, 20)) for z in (1, 2, pytest.approx(4))]
     assert sweep.values("plate.acceleration") == pytest.approx([1, 2, 4])
-
-
-def test_no_axes_is_one_point():
-    assert axes().shape == ()
-    assert len(axes().points) == 1
+    assert (axes().shape, len(axes().points)) == ((), 1)
 
 
 @pytest.mark.parametrize(
     ("axis", "message"),
     [
-        ({"start.seed": []}, r"axes\[0\].start.seed must be a list of values or a range, and not"),
+        ({"start.seed": []}, r"axes\[0\].start.seed must be a list of values, not empty"),
         ({}, r"axes\[0\] must be a table with at least one key"),
         ({"plate.acceleration": [1.5, float("nan")]}, "must hold finite values"),
-        ({"plate.acceleration": {"from": 1, "to": float("nan"), "count": 3}}, "finite numbers"),
-        ({"plate.acceleration": {"from": 0, "to": 3, "count": 3, "log": True}}, "both ends > 0"),
+        ({"plate.acceleration": {"from": 1, "to": float("nan"), "count": 3}}, "to must be finite"),
+        ({"plate.acceleration": {"from": 0, "to": 3, "count": 3, "log": True}}, "from must be > 0"),
         ({"plate.acceleration": {"from": 1, "count": 3}}, "must have from, to, count"),
-        ({"plate.acceleration": {"from": 1, "to": 2, "count": 0}}, "from 1 to"),
+        ({"plate.acceleration": {"from": 1, "to": 2, "count": 0}}, "between 1 and"),
         ({"plate.acceleration": [1, 2], "start.seed": [1, 2, 3]}, "equally long"),
         ({"plate.acceleration": [2, -1]}, r"plate.acceleration must be .*, got -1 \(at plate"),
         ({"plate.accelaration": [2]}, r"plate.accelaration is not a key .*\(at plate.accel"),
         ({"step.size": [1e-4, 0.3]}, r"step.size must be at most .*\(at step.size = 0.3\)"),
-        ({"start.seed": {"from": 0, "to": 1, "count": 10**6 + 1}}, "from 1 to 1000000"),
+        ({"start.seed": {"from": 0, "to": 1, "count": 10**6 + 1}}, "between 1 and 1000000"),
     ],
 )
 def test_bad_axes_are_refused_before_anything_runs(axis, message):
@@ -127,16 +116,21 @@ def test_bad_axes_are_refused_before_anything_runs(axis, message):
         axes(axis)
 
 
-def test_a_key_on_two_axes_is_refused():
-    with pytest.raises(ValueError, match="one axis alone"):
-        axes({"start.seed": [1]}, {"start.seed": [2]})
-
-
-def test_unknown_keys_of_a_sweep():
-    with pytest.raises(ValueError, match="axis is not a key of a sweep"):
-        expand({"axis": []}, BASE)
-    with pytest.raises(ValueError, match="periods must be a whole number"):
-        expand({"periods": 0}, BASE)
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        ({"axes": [{"start.seed": [1]}, {"start.seed": [2]}]}, "one axis alone"),
+        ({"axis": []}, "axis is not a key of a sweep"),
+        ({"periods": 0}, "periods must be between 1"),
+        ({"tolerance": 0.1, "periods": 3}, "periods has no meaning with tolerance"),
+        ({"max_seconds": 3}, "max_seconds has no meaning without tolerance"),
+        ({"tolerance": "x"}, "tolerance must be a number"),
+        ({"tolerance": 7}, "tolerance must be between"),
+    ],
+)
+def test_unknown_keys_of_a_sweep(tables, message):
+    with pytest.raises((ValueError, TypeError), match=message):
+        expand(tables, BASE)
 
 
 def test_the_example_sweep_can_run():
@@ -157,18 +151,16 @@ def test_a_thousand_identical_points_are_one_run(tmp_path):
 
 
 def test_what_is_there_is_not_computed_again(sweep_file, tmp_path):
-    sweep = load_sweep(sweep_file)
-    assert execute(sweep, tmp_path / "a.db", workers=1).computed == 6
-    tally = execute(sweep, tmp_path / "a.db", workers=1)
-    assert (tally.there, tally.computed) == (6, 0)
-    longer = expand({**read_tables(sweep_file), "periods": 21}, BASE)
-    assert execute(longer, tmp_path / "a.db", workers=1).computed == 6
+    tables = read_tables(sweep_file)
+    for periods, computed in ((20, 6), (20, 0), (21, 6)):
+        tally = execute(expand({**tables, "periods": periods}, BASE), tmp_path / "a.db", workers=1)
+        assert (tally.there, tally.computed) == (6 - computed, computed)
 
 
 def test_two_workers_give_the_same_bits(tmp_path, reference):
     sweep, wanted = reference
     execute(sweep, tmp_path / "a.db", workers=2)
-    assert same(sweep, tmp_path / "a.db", wanted)
+    assert gathered(sweep, tmp_path / "a.db") == wanted
 
 
 def test_a_dask_cluster_gives_the_same_bits(tmp_path, reference):
@@ -179,7 +171,7 @@ def test_a_dask_cluster_gives_the_same_bits(tmp_path, reference):
     ) as cluster:
         tally = execute(sweep, tmp_path / "a.db", scheduler=cluster.scheduler_address)
     assert tally.computed == 6
-    assert same(sweep, tmp_path / "a.db", wanted)
+    assert gathered(sweep, tmp_path / "a.db") == wanted
 
 
 def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path):
@@ -216,7 +208,7 @@ def test_a_dead_worker_costs_nothing_but_time(tmp_path, reference):
     killer.start()
     execute(sweep, tmp_path / "a.db", workers=2)
     killer.join()
-    assert same(sweep, tmp_path / "a.db", wanted)
+    assert gathered(sweep, tmp_path / "a.db") == wanted
 
 
 def test_a_worker_that_always_dies_is_an_error(tmp_path, monkeypatch):
@@ -239,7 +231,7 @@ def test_a_worker_that_always_dies_is_an_error(tmp_path, monkeypatch):
         ({"workers": -2}, "workers must be between -1 and"),
         ({"workers": 0}, "workers must be at least 1"),
         ({"scheduler": "nope"}, "scheduler must be the address of a Dask cluster, got 'nope'"),
-        ({"scheduler": 8786}, "scheduler must be the address of a Dask cluster, got 8786"),
+        ({"scheduler": 8786}, "scheduler must be of the type str, got 8786"),
         ({"scheduler": "tcp://localhost:1", "workers": 2}, "workers has no meaning with scheduler"),
     ],
 )
@@ -251,18 +243,18 @@ def test_bad_workers_are_named(tmp_path, options, message):
 # The command
 
 
-def sweep_command(folder, *more):
-    return [sys.executable, "-m", "md", "sweep", str(folder / "sweep.toml"), *more]
-
-
 def killed(folder, how, seconds):
-    """Start the sweep, end it after a while; its exit code and the rows in the store."""
-    command = sweep_command(folder, "--store", str(folder / "a.db"), "--workers", "2")
+    """Start the sweep, end it a while after there is a store; exit code, rows, last words."""
+    command = [sys.executable, "-m", "md", "sweep", "sweep.toml", "--store", "a.db"]
     process = subprocess.Popen(
-        command,
-        **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True},
-        **{"cwd": folder, "env": {**os.environ, "PYTHONPATH": str(ROOT)}},
+        [*command, "--workers", "2"],
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
     )
+    while not (folder / "a.db").exists() and process.poll() is None:
+        time.sleep(0.05)
     time.sleep(seconds)
     os.killpg(process.pid, how) if how == signal.SIGKILL else process.send_signal(how)
     _, error = process.communicate(timeout=60)
@@ -280,22 +272,19 @@ LONG = SWEEP.replace("periods = 20", "periods = 400").replace(
 
 
 def many_kills(folder, kills, seconds, hows=(signal.SIGKILL,)):
-    (folder / "base.toml").write_text(SCENE)
-    (folder / "sweep.toml").write_text(LONG)
-    before = 0
+    sweep, before = load_sweep(written(folder, LONG)), 0
     for kill in range(kills):
         _, rows, _ = killed(folder, hows[kill % len(hows)], seconds())
         assert rows >= before
         before = rows
-    sweep = load_sweep(folder / "sweep.toml")
     tally = execute(sweep, folder / "a.db", workers=2)
     assert tally.there == before
     execute(sweep, folder / "b.db", workers=2)
-    assert np.array_equal(*(sweep.gather(folder / name, "c_x")[0] for name in ("a.db", "b.db")))
+    assert gathered(sweep, folder / "a.db") == gathered(sweep, folder / "b.db")
 
 
 def test_kill_9_loses_nothing(tmp_path):
-    many_kills(tmp_path, 1, lambda: 2.5)
+    many_kills(tmp_path, 1, lambda: 1.5)
 
 
 @pytest.mark.slow
@@ -308,9 +297,8 @@ def test_twenty_random_kills_lose_nothing(tmp_path):
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_ends_in_order(tmp_path, how):
     """And so does SIGTERM: one line, and no worker is left."""
-    (tmp_path / "base.toml").write_text(SCENE)
-    (tmp_path / "sweep.toml").write_text(LONG.replace("400", "4000"))
-    code, _, error = killed(tmp_path, how, 3.0)
+    written(tmp_path, LONG.replace("400", "4000"))
+    code, _, error = killed(tmp_path, how, 1.5)
     assert code == 130
     assert "runs done and stored" in error
     assert "Traceback" not in error
@@ -362,3 +350,27 @@ def test_bad_stores_and_schedulers_cost_one_line(sweep_file, tmp_path, capsys):
     ):
         assert main([*command, *more]) == 2
         assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_key_says_what_is_computed(tmp_path, monkeypatch):
+    """Scene, length, sources; with a tolerance, the calibration."""
+    scene = axes().points[0].scene
+    other = from_tables(BASE | {"start": {"tilt_deg": 11}})
+    calibration = tmp_path / "calibration.json"
+    calibration.write_text("{}")
+
+    def keys():
+        lengths = ((5, None), (6, None), (0, 0.1), (0, 0.2))
+        points = [Point(found, *length) for found in (scene, other) for length in lengths]
+        return [point.key for point in (*points, Point(scene, 0, 0.1, 7.0))]
+
+    before = keys()
+    assert len(set(before)) == 9
+    assert keys() == before
+    monkeypatch.setattr("md.sweep.CALIBRATION", calibration)
+    assert [new == old for new, old in zip(keys(), before, strict=True)] == [
+        *(True, True, False, False) * 2,
+        False,
+    ]
+    monkeypatch.setattr("md.sweep.digest", lambda **_: "other sources")
+    assert not set(keys()) & set(before)

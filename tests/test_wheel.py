@@ -19,7 +19,7 @@ VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 WHERE = f"""
 import {", ".join(PACKAGES)}
 from importlib.metadata import version
-from figures.claims import verdicts as claims
+from figures.claims import judge as claims
 assert len(claims.read()) == 29
 assert md.accuracy.calibrated()["scale"] > 0
 print(*(package.__file__ for package in ({", ".join(PACKAGES)})), version("rod-impact"))
@@ -36,7 +36,7 @@ COMMANDS: dict[str, tuple[list[str], int, str]] = {
     "run": (["-m", "md", "run", "single_rod", "--periods", "2"], 0, "drift"),
     "sweep": (["-m", "md", "sweep", "drift", "--store", "no/folder.db"], 2, "no such folder"),
     "list": (["-m", "figures", "list"], 0, "fig11"),
-    "readme": (["-m", "figures", "readme"], 2, "needs a source checkout"),
+    "pages": (["-m", "figures", "pages"], 2, "needs a source checkout"),
     "draw": (["-m", "figures", "draw", "fig10", "--quick"], 0, "fig10.png"),
 }
 

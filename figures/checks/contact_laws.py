@@ -1,22 +1,22 @@
 """Which contact law obeys which of the paper's claims about the row.
 
-A row a law, a column a claim; the number is what was measured, the colour how it compares with the
-paper under the limits of `claims.law_numbers`. Thin rods as in the paper, l = 9.5 d, Gamma = 3.3,
-mu = 0.3; tilts from 9 to 60 degrees. Flights, shares of landings on the way down and -c_z/c_z' are
-means over landings, in which touches less than 0.2 periods apart count as one; all others are means
-over touches.
+A row is a law, a column a number of a claim; the colour compares the measured number with the paper
+by the limits of that claim (claims/claims.toml); those of S1, of single impacts, serve for touches.
+Thin rods as in the paper, l = 9.5 d, Gamma = 3.3, mu = 0.3; tilts from 9 to 60 degrees. Flights,
+shares of landings and c_z/c_z' are of landings, touches less than 0.2 periods apart taken as one;
+all other means are over every touch.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import ListedColormap
 
-from impact import drift, thin_rod
 from md.scene import both
 from md.sweep import Sweep
 
-from ..claims.law_numbers import CLAIMS
-from ..lib.runs import FRICTION, GAMMA, RESTITUTION, boxes, means, planned, plate_speed_cm_s
+from ..claims import over_tilt
+from ..claims.judge import grade, read
+from ..lib.runs import FRICTION, GAMMA, boxes, planned
 from ..lib.style import Data, style
 from ..lib.tables import pairs, table, text_of
 
@@ -27,7 +27,7 @@ def _printed(**options: object) -> dict:
     return both(law="appendix_a", restitution="none", tangential_ratio="none", **options)
 
 
-CONTACT_LAWS = {  # what each changes in `runs.ROW`
+CONTACT_LAWS = {  # what a law changes in `rows.ROW`
     "App. A as printed": _printed(),
     "A, no overlap factor": _printed(overlap_factor=False),
     "A, damping 1.9e5": _printed(damping=1.9e5),
@@ -44,21 +44,17 @@ CONTACT_LAWS = {  # what each changes in `runs.ROW`
     },
 }
 QUICK_LAWS = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
-LAW_MEANS = {
-    "tilt": "tilt_deg",
-    "c_x": "c_x_cm_s",
-    **{name: f"landings.{name}.mean" for name in ("c_x_before", "c_x_after", "omega_before")},
-    "V_z": "landings.plate_velocity.mean",
-    "restitution": "landings.restitution.mean",
-    "slide": "landings.slide.mean",
-    "shared": "landings.not_isolated.mean",
-    "contact": "landings.contact_periods.mean",
-    "flight": "merged.flight_periods.mean",
-    "falling": "merged.falling.mean",
-    "c_z_before": "merged.c_z_before.mean",
-    "c_z_after": "merged.c_z_after.mean",
-    "touches": "merged.touches.mean",
+NUMBERS = {"S1.mean": lambda d: d["restitution"].mean(), **over_tilt.NUMBERS}  # of touches
+COLUMNS = {  # numbers that claims.toml gives a head
+    f"{claim['id']}.{row['key']}": row
+    for claim in read()
+    for row in claim["numbers"]
+    if "head" in row
 }
+
+
+def _shown(value: float) -> str:
+    return "never" if np.isinf(value) else text_of(value, ".2g")
 
 
 def _names(d: Data) -> list[str]:
@@ -76,24 +72,16 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 def data(quick: bool = False) -> Data:
     """Of each law: the tables over tilt, and a number for each claim."""
     nominal, runs = np.array(QUICK_DEG if quick else LAW_TILTS_DEG), sweeps(quick)
-    theory = drift(
-        thin_rod(np.radians(nominal)),
-        friction=FRICTION,
-        restitution=RESTITUTION,
-        plate_velocity=plate_speed_cm_s() / 2,
-    ).c_x
-    tables = []
-    for sweep in runs.values():
-        scene = sweep.points[0].scene
-        found = {"nominal": nominal, "theory": theory, **means(sweep, LAW_MEANS)}
-        found["ratio"] = -found["c_z_before"] / found["c_z_after"]
-        tables.append(found | {"half_length": scene.rods.length / 2, "speed": scene.plate_speed})
-    value = np.array([[claim.number(found) for claim in CLAIMS] for found in tables])
-    verdict = [[c.verdict(v) for c, v in zip(CLAIMS, row, strict=True)] for row in value]
+    tables = [over_tilt.table(sweep, nominal) for sweep in runs.values()]
+    value = np.array([[NUMBERS[name](d) for name in COLUMNS] for d in tables])
+    grades = [
+        [grade(v, c) or 0 for v, c in zip(row, COLUMNS.values(), strict=True)] for row in value
+    ]
     return {
         "law": np.array([list(CONTACT_LAWS).index(name) for name in runs]),
         "value": value,
-        "verdict": np.array(verdict),
+        "verdict": np.array(grades),
+        "theory": over_tilt.theory(nominal),
         **{key: np.array([found[key] for found in tables]) for key in tables[0]},
     }
 
@@ -106,10 +94,9 @@ def draw(d: Data) -> plt.Figure:
     look = {"cmap": colours, "vmin": -0.5, "vmax": 2.5, "edgecolors": "white", "linewidth": 1}
     ax.pcolormesh(np.arange(m), np.arange(n), d["verdict"], **look)
     for (i, j), value in np.ndenumerate(d["value"]):
-        text = text_of(value, CLAIMS[j].digits)
-        ax.text(j, i, text, ha="center", va="center", fontsize=5.5)
+        ax.text(j, i, _shown(value), ha="center", va="center", fontsize=5.5)
     ax.set_yticks(range(n), _names(d), fontsize=6.5)
-    heads = [f"{claim.name}\n[{claim.paper}]" for claim in CLAIMS]
+    heads = [f"{n.partition('.')[0]} {c['head']}\n[{c['paper']}]" for n, c in COLUMNS.items()]
     ax.set_xticks(range(m), heads, fontsize=5.5, rotation=60, ha="left", rotation_mode="anchor")
     ax.tick_params(length=0, labelbottom=False, labeltop=True)
     ax.invert_yaxis()
@@ -128,15 +115,18 @@ def summary(d: Data) -> str:
     """Matrix, then what it is made of, law by law."""
     names = _names(d)
     rows = [
-        [claim.name.replace("\n", " "), claim.paper]
-        + [f"{text_of(v, claim.digits)} {'-~+'[k]}" for v, k in zip(*column, strict=True)]
-        for claim, *column in zip(CLAIMS, d["value"].T, d["verdict"].T, strict=True)
+        [name, column["paper"], *(f"{_shown(v)} {'-~+'[k]}" for v, k in zip(*cells, strict=True))]
+        for (name, column), *cells in zip(
+            COLUMNS.items(), d["value"].T, d["verdict"].T, strict=True
+        )
     ]
-    lines = ["Claims: + holds, ~ in part, - does not", table(("claim", "paper", *names), rows)]
+    lines = ["Claims: + holds, ~ in part, - does not", table(("number", "paper", *names), rows)]
+    ratio = -d["landing_c_z_before"] / d["landing_c_z_after"]
     for i, name in enumerate(names):
         good, fair, bad = ((d["verdict"][i] == k).sum() for k in (2, 1, 0))
         lines.append(f"{name}: holds {good}, in part {fair}, not {bad}")
-        columns = {key: d[key][i] for key in ("nominal", "tilt", "theory", "restitution", "ratio")}
+        columns = {key: d[key][i] for key in ("nominal", "tilt", "restitution")}
+        columns |= {"theory": d["theory"], "-c_z/c_z'": ratio[i]}
         columns |= {key: pairs(d, key, i) for key in ("c_x", "V_z", "flight", "falling")}
         lines.append(table([*columns], zip(*columns.values(), strict=True)))
     return "\n".join(lines)

@@ -21,7 +21,7 @@ from matplotlib.axes import Axes
 from scipy.integrate import solve_ivp
 
 from impact import collide
-from impact.__main__ import BYTES, random_impacts
+from impact.benchmark import BYTES, random_impacts
 
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
 from ..lib.timing import medians, repeated

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm
 
 from impact import collide, critical_friction, slide_friction, thin_rod
-from impact.__main__ import random_impacts
+from impact.benchmark import random_impacts
 
 from ..lib.style import RESTITUTION_LAWS, Data, name_panel, style, tilt_axis
 from ..lib.tables import table as text_table

@@ -7,7 +7,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from impact.__main__ import benchmark
+from impact.benchmark import benchmark
 
 from .. import FIGURES, load
 from ..lib.style import RESTITUTION_LAWS, name_panel, style

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from impact._command import CommandError
+from impact import InputError
 
 SIGNATURES = {  # what a file of each kind has near its beginning
     ".npz": [b"PK"],
@@ -31,7 +31,7 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
 
     Raises
     ------
-    CommandError
+    InputError
         If the folder takes no file, or something of another kind stands where a file would go.
     """
     from md.files import distinct, writable  # late: the list of figures needs no Numba
@@ -47,9 +47,7 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
             if path.exists():
                 writable("out", path, _replaceable, f"a {path.suffix} file made here")
     except OSError as error:
-        raise CommandError(f"out must be a folder that takes files: {error}") from None
-    except ValueError as error:
-        raise CommandError(error) from None
+        raise InputError(f"out must be a folder that takes files: {error}") from None
     return paths
 
 
@@ -66,10 +64,10 @@ def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
 
     Raises
     ------
-    CommandError
+    InputError
         As `ready`, and if the store cannot be used.
     """
-    from md.store import Store, StoreError
+    from md.store import Store
 
     from . import runs
 
@@ -79,7 +77,5 @@ def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
         if runs.STORE.exists() or runs.STORE.parent != out:
             Store(runs.STORE).database.close()
         yield out
-    except StoreError as error:
-        raise CommandError(error) from None
     finally:
         runs.STORE = usual

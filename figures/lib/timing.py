@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from tqdm import tqdm
 
-from impact.__main__ import _machine as machine
+from impact.benchmark import machine
 from md.cache import kernel
 from md.host import Engine, prepare
 from md.kernels import plane

@@ -1,78 +1,56 @@
-"""All figures and claims at full quality: what is left to do, and about how long that takes."""
+"""Work that `figures paper` has left to do, and about how long it takes."""
 
-import json
-from collections.abc import Iterable
-from dataclasses import fields, is_dataclass
-from heapq import heapreplace
-from itertools import pairwise
 from pathlib import Path
 from time import thread_time
-from typing import Any
 
 import numpy as np
 from joblib import Parallel, cpu_count, delayed
 
-import impact
 import md
 from md.host import step_of
-from md.scene import Scene, from_tables
+from md.scene import Scene
 from md.store import Store
 from md.sweep import Point
 
 from .. import FIGURES, load
-from ..claims import row_numbers as measured
-from ..lib.runs import ROW, store
+from ..claims import measure_rows
+from ..lib.data import stored_data
+from ..lib.runs import store
 
-# Seconds of the processor in full, runs of the store apart, where a step of a rod of `ROW` takes
-# `STEP` seconds; of figures not named here, `USUAL`.
+# Processor seconds of a figure in full, runs of the store apart, on the machine of prices.json.
 SECONDS = {
     "effect_prices": 200,
-    "accuracy_cost_drift": 60,
+    "accuracy_cost_drift": 600,
+    "landing_census": 250,
+    "fig05": 320,
     "accuracy_cost_ladder": 60,
     "scaling": 120,
     "accuracy_map": 36,
     "alpha": 47,
     "fig08_theory": 34,
     "fig02": 29,
-    "accuracy_cost_impact": 19,
-    "free_rod": 12,
-    "accuracy_cost_theory": 14,
-    "fig07": 9,
-    "appendix_a": 8,
 }
-USUAL, MOVIE, CLAIMS, STEP = 3, 5, 15, 24.5e-9
-AGAIN = "fig02", "fig05", "alpha", "appendix_a"  # whose data the claims compute once more
-SAMPLES, RARE = 48, 0.05  # runs that are timed; share of the work of a kind that is not
-SETTLE, TIMED = 3, 12  # periods of each
+OTHER_SECONDS, CLAIMS_SECONDS = 5, 30  # of a figure that is not named; of movie and claims
+SAMPLES, SETTLE, TIMED = 12, 3, 12  # runs that are timed of each kind; periods of each
 
 
 def left(out: Path) -> list[str]:
-    """Figures whose files in `out` are not there, not in full, or older than a source."""
-    folders = (Path(str(package.__file__)).parent for package in (md, impact, measured))
-    files = (path for folder in folders for path in folder.rglob("*"))
-    newest = max(p.stat().st_mtime for p in files if p.suffix in (".py", ".toml", ".mplstyle"))
-    return [name for name in FIGURES if not _done(name, out, newest)]
+    """Figures whose files in `out` are not there, not in full, or of other sources."""
+    return [
+        name
+        for name in FIGURES
+        if not all((out / f"{name}.{kind}").is_file() for kind in ("png", "pdf"))
+        or stored_data(name, False, out) is None
+    ]
 
 
-def _done(name: str, out: Path, newest: float) -> bool:
-    paths = [out / f"{name}.{kind}" for kind in ("npz", "png", "pdf")]
-    if not all(path.is_file() and path.stat().st_mtime > newest for path in paths):
-        return False
-    with np.load(paths[0]) as stored:
-        return not json.loads(str(stored["provenance"]))["quick"]
-
-
-def missing() -> list[list[Point]]:
-    """Runs that the store does not hold, of each sweep of the figures and claims; none twice."""
-    modules = [load(name) for name in FIGURES] + [measured]
-    known: set[str] = set()
-    plan = []
+def missing() -> list[Point]:
+    """Runs of the figures and claims that the store does not hold, none twice."""
+    modules = [*map(load, FIGURES), measure_rows]
+    sweeps = [sweep for m in modules if hasattr(m, "sweeps") for sweep in m.sweeps().values()]
     with Store(store()) as database:
-        for sweep in (s for m in modules if hasattr(m, "sweeps") for s in m.sweeps().values()):
-            new = {p.key: p for p in sweep.points if p.key not in known and not database.has(p.key)}
-            known |= new.keys()
-            plan.append(list(new.values()))
-    return plan
+        points = {point.key: point for sweep in sweeps for point in sweep.points}
+        return [point for key, point in points.items() if not database.has(key)]
 
 
 def rod_steps(point: Point) -> int:
@@ -80,100 +58,46 @@ def rod_steps(point: Point) -> int:
     return point.periods * step_of(point.scene)[1] * point.scene.rods.count
 
 
-def _kind(part: Any) -> Any:
-    """What tells one kernel from another: all of a scene but its start and sizes of numbers."""
-    if is_dataclass(part):
-        names = (field.name for field in fields(part))
-        return tuple(_kind(getattr(part, name)) for name in names if name not in ("start", "step"))
-    if isinstance(part, tuple):
-        return tuple(map(_kind, part))
-    return part is None if isinstance(part, str | None) else bool(part)
-
-
-def _crowding(point: Point) -> tuple[float, float]:
-    """Speed of the plate and density: what decides how many rods touch."""
-    scene = point.scene
-    return scene.plate_speed, scene.rods.count / (scene.box.length if scene.box else 1)
-
-
-def _strata(points: list[Point]) -> list[list[Point]]:
-    """Runs much alike, each list about as much work; kinds that are rare stay out."""
-    kinds: dict[Any, list[Point]] = {}
-    for point in sorted(points, key=_crowding):
-        kinds.setdefault(_kind(point.scene), []).append(point)
-    work = {kind: sum(map(rod_steps, alike)) for kind, alike in kinds.items()}
-    rank = sorted(kinds, key=lambda kind: work[kind])
-    most = {kinds[kind][0].scene.annulus is None: kind for kind in rank}
-    strata = []
-    for kind, alike in kinds.items():
-        share = work[kind] / max(sum(work.values()), 1)
-        if share >= RARE or kind in most.values():
-            count = min(max(round(SAMPLES * share), 1), len(alike))
-            edges = np.linspace(0, len(alike), count + 1).astype(int).tolist()
-            strata += [alike[i:j] for i, j in pairwise(edges)]
-    return strata
-
-
-def timed(scene: Scene) -> tuple[float, float]:
-    """Seconds until its kernel is there, and processor seconds of a period of a run under way."""
+def timed(scene: Scene) -> float:
+    """Processor seconds of a step of a rod in a run under way; 0 for a run that fails."""
     seconds = []
     try:
-        ready = md.run(scene, periods=1).compile_seconds
+        md.run(scene, periods=1)  # compiles
         for periods in (SETTLE, SETTLE + TIMED):
             begin = thread_time()
             md.run(scene, periods=periods)
             seconds.append(thread_time() - begin)
-    except md.RunError:  # will fail as soon in the sweep
-        return 0.0, 0.0
-    return ready, max(seconds[1] - seconds[0], 0.0) / TIMED
+    except md.RunError:
+        return 0.0
+    return max(seconds[1] - seconds[0], 0.0) / (TIMED * step_of(scene)[1] * scene.rods.count)
 
 
-def run_seconds(points: list[Point]) -> tuple[dict[str, float], float]:
-    """Processor seconds of each run, by its key, and of compiling what is not compiled yet.
+def run_seconds(points: list[Point]) -> float:
+    """Processor seconds of runs, but for compiling: rows and annuli, each kind by a sample.
 
-    One run of each stratum, drawn at random, is timed for a few periods, on all cores at once; its
-    step of a rod stands for the others'. A rare kind takes the mean of its arrangement.
+    A run is drawn as often as its part of the work, so that the mean over the sample is the mean
+    over all steps. All cores time at once, as they will run.
     """
-    strata, random = _strata(points), np.random.default_rng(1)
-    drawn = [alike[random.integers(len(alike))].scene for alike in strata]
-    kinds = [_kind(scene) for scene in drawn]
-    order = sorted(range(len(drawn)), key=lambda i: kinds.index(kinds[i]) < i)  # kernels first
-    found = Parallel(n_jobs=-1, batch_size=1)(delayed(timed)(drawn[i]) for i in order)
-    step, ready = dict[str, Any](), dict[Any, float]()  # by key, by kind
-    for i, (compiled, period) in zip(order, found, strict=True):
-        of_rod = period / (step_of(drawn[i])[1] * drawn[i].rods.count)
-        step |= {point.key: of_rod for point in strata[i]}
-        ready[kinds[i]] = max(ready.get(kinds[i], 0.0), compiled)
+    random, total = np.random.default_rng(1), 0.0
     for plane in (True, False):
-        alike = [p for p in points if (p.scene.annulus is None) is plane]
-        usual = np.mean([step[p.key] for p in alike if p.key in step] or [0.0])
-        step = {p.key: usual for p in alike} | step
-    rare = {_kind(point.scene) for point in points} - ready.keys()
-    seconds = {point.key: rod_steps(point) * step[point.key] for point in points}
-    return seconds, len(rare) * min(ready.values(), default=0.0)
-
-
-def _span(seconds: Iterable[float], cores: int) -> float:
-    """From the first to the last of runs that begin in this order, each where a core is free."""
-    free = [0.0] * cores
-    for run in seconds:
-        heapreplace(free, free[0] + run)
-    return max(free)
+        alike = [point for point in points if (point.scene.annulus is None) is plane]
+        work = np.array([rod_steps(point) for point in alike])
+        if work.sum():
+            drawn = random.choice(len(alike), SAMPLES, p=work / work.sum())
+            step = Parallel(n_jobs=-1)(delayed(timed)(alike[i].scene) for i in drawn)
+            total += work.sum() * float(np.mean(step))
+    return total
 
 
 def estimate(out: Path) -> str:
-    """What is left, in words."""
-    plan, names, cores = missing(), left(out), cpu_count()
-    seconds, compiling = run_seconds([point for points in plan for point in points])
-    runs = compiling + sum(_span((seconds[p.key] for p in points), cores) for points in plan)
-    others = sum(SECONDS.get(name, USUAL) for name in (*names, *AGAIN))
-    here = from_tables(ROW)
-    period = np.median([timed(here)[1] for _ in range(5)])
-    others = (others + MOVIE + CLAIMS) * period / (step_of(here)[1] * here.rods.count) / STEP
+    """Sentence on what is left and how long it takes."""
+    points, names, cores = missing(), left(out), cpu_count()
+    runs = run_seconds(points) / cores
+    others = sum(SECONDS.get(name, OTHER_SECONDS) for name in names) + CLAIMS_SECONDS
     return (
-        f"{len(seconds)} runs that the store lacks: {_minutes(runs)} on {cores} cores; "
+        f"{len(points)} runs that the store lacks: {_minutes(runs)} on {cores} cores; "
         f"{len(names)} figures of {len(FIGURES)}, movie and claims: {_minutes(others)}; "
-        f"in all about {_minutes(runs + others)}, if nothing else runs"
+        f"in all about {_minutes(runs + others)} and the time to compile, if nothing else runs"
     )
 
 

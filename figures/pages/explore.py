@@ -1,4 +1,4 @@
-"""One window of sliders: what an impact does, and what drift follows, at any setting.
+"""Window of sliders: one impact, and the drift that follows, at any setting.
 
 (a) Regimes over tilt and friction. (b) Velocities after one impact over tilt, in units of the speed
 before; k omega' is that of a point at the gyration radius. (c) Drift under the paper's closure:
@@ -10,6 +10,7 @@ A move of a slider takes about 60 ms, 3 of them for computing; drawn in full it 
 shared cores of an AMD EPYC, load 3; Matplotlib 3.11, in memory, medians of 41).
 """
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,21 +20,121 @@ from matplotlib.backend_bases import FigureManagerBase
 from matplotlib.patches import Patch
 from matplotlib.widgets import RadioButtons, Slider
 
+import impact
+from impact import InputError, Regime
+
 from ..lib.style import (
     BLACK,
     BLUE,
     GREEN,
     RED,
     REGIME_MAP,
+    RESTITUTION_LAWS,
+    SHAPES,
     map_regimes,
     name_panel,
     shade,
     style,
     tilt_axis,
 )
-from .setting import CHOICES, FRICTION, RANGES, TILT, WORDS, Setting, data, words
 
-# Of the drift's axis, which thereby mostly stands still; without losses there is no bound.
+TILT = np.linspace(0, np.pi / 2, 1801)  # of the curves; colours take every tenth
+FRICTION = np.linspace(0, 1, 101)
+_RODS = {"thin": impact.thin_rod, "round": impact.spherocylinder, "flat": impact.flat_ended_rod}
+WORDS = {
+    Regime.SLIDE: "Slide: the contact point slips until it leaves the plate.",
+    Regime.SLIP_STICK: "Slip-stick: the contact point slips, stops, and friction holds it.",
+    Regime.SLIP_REVERSAL: "Slip reversal: the contact point slips, stops, and slips back.",
+}
+RANGES = {  # ends of a slider, its name, its digits
+    "tilt_deg": (0, 90, r"tilt $\phi$ (deg)", "%.2f"),
+    "friction": (0, 1, r"friction $\mu$", "%.3f"),
+    "restitution": (0, 1, r"restitution $\epsilon$", "%.3f"),
+    "ratio": (0.1, 10, r"approach $-c_z/c_x$", "%.2f"),
+    "length": (1, 20, "length $l/d$", "%.2f"),
+}
+CHOICES = {"shape": SHAPES, "law": {law: law.title() for law in RESTITUTION_LAWS}}
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """Values of the controls; the length of a thin rod changes nothing that is drawn."""
+
+    tilt_deg: float = 30.0
+    friction: float = 0.3
+    restitution: float = 0.65
+    ratio: float = 2.0
+    length: float = 8.0
+    shape: str = "round"
+    law: str = "newton"
+
+    def __post_init__(self):
+        for name, (low, high, *_) in RANGES.items():
+            if not low <= (value := getattr(self, name)) <= high:
+                raise InputError(f"{name} must be between {low:g} and {high:g}, got {value!r}")
+        for name, choices in CHOICES.items():
+            if (value := getattr(self, name)) not in choices:
+                raise InputError(f"{name} must be one of {', '.join(choices)}, got {value!r}")
+
+
+def _crossings(x: np.ndarray, y: np.ndarray, level: float) -> np.ndarray:
+    """Where a curve of short straight pieces crosses a level."""
+    i = np.flatnonzero(np.diff(y > level))
+    return x[i] + (level - y[i]) / (y[i + 1] - y[i]) * (x[i + 1] - x[i])
+
+
+def data(setting: Setting) -> dict[str, np.ndarray]:
+    """Arrays of the panels; those over tilt [rad] end with the value at the setting's tilt."""
+    s, tilt = setting, np.append(TILT, np.radians(setting.tilt_deg))
+    rod, columns = (_RODS[s.shape](some, s.length) for some in (tilt, TILT[::10]))
+    c_x, c_z = np.array([1, -s.ratio]) / np.hypot(1, s.ratio)
+    plate, loss = {"friction": s.friction}, {"restitution": s.restitution}
+    hit = impact.collide(c_x, c_z, geometry=rod, law=s.law, **plate, **loss)
+    moves = impact.drift(rod, **plate, **loss)
+    holds = impact.critical_friction(rod)
+    rows = {"geometry": columns, "friction": FRICTION[:, None], **loss}
+    return {
+        "tilt": tilt,
+        "c_x_before": np.full(tilt.shape, c_x),
+        "c_x": hit.c_x,
+        "c_z": hit.c_z,
+        "spin": hit.omega * rod.k,
+        "energy_change": hit.energy_change,
+        "regime": hit.regime,
+        "regimes": impact.classify(c_x, c_z, **rows),
+        "drift": moves.c_x,
+        "drift_regime": np.ma.masked_equal(moves.regime, Regime.INVALID),  # without friction
+        "sticking": impact.drift(rod, friction=np.inf, **loss).c_x,
+        "critical_friction": holds,
+        "slide_friction": impact.slide_friction(rod, approach_ratio=s.ratio, **loss),
+        "critical_tilts": _crossings(TILT, holds[:-1], s.friction),
+    }
+
+
+def words(d: dict[str, np.ndarray]) -> str:
+    """What happens at the setting, in plain words."""
+    here = {name: values[-1] for name, values in d.items() if values.shape == d["tilt"].shape}
+    lost, slides, c_x = -200 * here["energy_change"], here["slide_friction"], here["drift"]
+    through = f"below friction {slides:.3f}" if np.isfinite(slides) else "at every friction"
+    way = "the way the rod leans" if c_x > 0 else "against the way the rod leans"
+    tilts = ", ".join(f"{tilt:.2f}°" for tilt in np.degrees(d["critical_tilts"])) or "none"
+    size = "without bound" if np.isinf(c_x) else f"{abs(c_x):.4g} of the plate's velocity"
+    drifts = f"{size}, {way}" if abs(c_x) >= 5e-4 else "none"
+    rise = f"{abs(here['c_z']):.3f} {'up' if here['c_z'] >= 0 else 'down'}"
+    never = "at no value of the friction"
+    return (
+        f"{WORDS[here['regime']]}\n"
+        f"After it the centre moves at {here['c_x']:+.3f} along the plate and {rise}, spin times k "
+        f"is {here['spin']:+.3f}, in units of the speed before; "
+        f"{abs(lost):.1f} % of the energy {'lost' if lost > -0.05 else 'GAINED'}.\n"
+        f"At this tilt the contact slides through {through if slides else never}, and "
+        f"slips back, once stopped, below {here['critical_friction']:.3f}. "
+        f"Critical tilts at this friction: {tilts}.\n"
+        f"Drift: {'not determined without friction' if np.isnan(c_x) else drifts}."
+    )
+
+
+# Ends of the drift's axis, so that it mostly stands still; without losses there is no bound.
 STEPS = np.array([0.05, 0.5, 1, 2, 4, 6, 10])
 
 
@@ -46,7 +147,7 @@ def _ends(c_x: np.ndarray) -> tuple[float, float]:
 
 
 class Window:
-    """The figure and its controls; whatever moves, `show` brings all panels up to date.
+    """The figure and its controls; `show` brings all panels up to date.
 
     Words and axes take most of the time of a full draw: `still` is a picture of all that stands
     still, onto which the rest is drawn.
@@ -126,12 +227,8 @@ class Window:
         sliders = {}
         for row, (name, (low, high, label, form)) in enumerate(RANGES.items()):
             ax = self.figure.add_axes((0.14, 0.2 - 0.04 * row, 0.42, 0.03))
-            start = {
-                "valinit": getattr(self.start, name),
-                "valfmt": form,
-                "handle_style": {"size": 8},
-            }
-            sliders[name] = Slider(ax, label, low, high, color=BLUE, **start)
+            look = {"valfmt": form, "handle_style": {"size": 8}, "color": BLUE}
+            sliders[name] = Slider(ax, label, low, high, valinit=getattr(self.start, name), **look)
             sliders[name].on_changed(self.show)
         return sliders
 

@@ -28,6 +28,7 @@ from PIL import Image
 from tqdm import tqdm
 
 import md
+from impact import InputError
 from md.host import prepare
 
 from ..lib.style import RED, style
@@ -81,9 +82,9 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
     """
     for name, value in (("periods", periods), ("frames", frames)):
         if not value >= 1:
-            raise ValueError(f"{name} must be a whole number >= 1, got {value}")
+            raise InputError(f"{name} must be a whole number >= 1, got {value}")
     if periods * frames > LARGEST:
-        raise ValueError(f"periods times frames must be at most {LARGEST}, got {periods * frames}")
+        raise InputError(f"periods times frames must be at most {LARGEST}, got {periods * frames}")
     every = -(-TRACE // frames)
     engine, shots = prepare(scene, ledger=False, landings=False), periods * frames * every
     columns = {name: np.empty((shots, scene.rods.count)) for name in ("x", "z", "tilt")}

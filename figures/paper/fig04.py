@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from md.sweep import Sweep
 
-from ..claims.number import off_line
+from ..claims.uncertainty import off_line
 from ..lib.runs import (
     ANNULUS,
     ANNULUS_COUNT,

@@ -1,0 +1,43 @@
+"""What the claims are measured on: data of figures and rows over tilt, each read or made once."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ..checks import landing_census
+from ..lib import runs
+from ..lib.data import figure_data
+from . import over_tilt
+
+
+@dataclass
+class Evidence:
+    """Data to measure claims on.
+
+    quick : the figures' quick data, shorter and coarser
+    out : folder whose stored figures are read where they are current; None: all are computed
+    """
+
+    quick: bool = False
+    out: Path | None = None
+    _figures: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
+
+    def figure(self, name: str) -> dict[str, np.ndarray]:
+        """Data of a figure."""
+        if name not in self._figures:
+            self._figures[name] = figure_data(name, self.quick, self.out)
+        return self._figures[name]
+
+    @cached_property
+    def over_tilt(self) -> dict[str, np.ndarray]:
+        """The paper's row over tilt."""
+        return over_tilt.table(runs.tilt_plan(self.quick), runs.tilts(self.quick))
+
+    @cached_property
+    def census(self) -> dict[str, np.ndarray]:
+        """Measures of the touches of one row, each with its standard error."""
+        names = "slide", "residual", "isolated_residual"
+        found = runs.gathered(landing_census.one_row(self.quick), *names)
+        return dict(zip(names, found, strict=True))

@@ -1,0 +1,232 @@
+"""Verdicts on the paper's claims: grades of measured numbers by the limits of claims.toml.
+
+>>> from figures.claims import judge
+>>> len(judge.read())
+29
+>>> judge.verdict([2, 1, 2])  # of a claim, from the grades of its numbers
+'holds in part'
+
+A claim holds if all its judged numbers lie within `holds`, does not hold if none lies even within
+`partly`, else it holds in part. A number that cannot be had leaves its claim, and no other, open.
+"""
+
+import json
+import math
+import platform
+import tomllib
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import md
+from impact._generated import DIGEST
+from md.simulation import finite
+from md.sources import digest
+
+from .uncertainty import Number, resampled
+
+GRADES = ("does not hold", "holds in part", "holds")
+MISSING = "not measured"
+MARKS = {None: "", 0: "-", 1: "~", 2: "+"}
+NO_DATA = (md.RunError, np.linalg.LinAlgError)  # a run has failed; a fit through missing points
+
+
+def read() -> list[dict[str, Any]]:
+    """The claims, in the order of their numbers."""
+    text = Path(__file__).with_name("claims.toml").read_text(encoding="utf-8")
+    empty = {"figure": "", "remark": ""}
+    return [{**empty, **claim} for claim in tomllib.loads(text)["claims"]]
+
+
+def measure(claim: str, evidence: Any) -> dict[str, Number]:
+    """Numbers of a claim by key: those of the row over tilt, and what the claim's function gives.
+
+    Parameters
+    ----------
+    claim : as "S13"
+    evidence : the data, `evidence.Evidence`
+    """
+    from . import measure_annulus, measure_rows, over_tilt  # contact_laws needs the limits alone
+
+    names = {
+        name.partition(".")[2]: name for name in over_tilt.NUMBERS if name.startswith(f"{claim}.")
+    }
+    found = {k: resampled(evidence.over_tilt, over_tilt.NUMBERS[n]) for k, n in names.items()}
+    for name, function in {**vars(measure_rows), **vars(measure_annulus)}.items():
+        if name.startswith(f"{claim}_"):
+            found |= function(evidence)
+    return found
+
+
+def grade(value: float, limits: dict[str, Any]) -> int | None:
+    """2 within `holds`, 1 within `partly`, else 0; None for what is not judged or not known."""
+    if "holds" not in limits or math.isnan(value):
+        return None
+    return 2 if _within(value, limits["holds"]) else int(_within(value, limits["partly"]))
+
+
+def _within(value: float, limits: list[float]) -> bool:
+    return limits[0] <= value <= limits[1]
+
+
+def close(number: Number, limits: dict[str, Any]) -> bool:
+    """Whether a limit is as near as two standard errors, or one error of another notion."""
+    reach = (2 if number.notion == "standard error" else 1) * number.error
+    borders = (*limits.get("holds", ()), *limits.get("partly", ()))
+    return any(abs(number.value - border) <= reach for border in borders if math.isfinite(border))
+
+
+def verdict(grades: list[int | None]) -> str:
+    """Verdict on a claim, from the grades of its judged numbers."""
+    known = [grade for grade in grades if grade is not None]
+    if not grades or len(known) < len(grades):
+        return MISSING
+    return GRADES[2 if min(known) == 2 else 0 if max(known) == 0 else 1]
+
+
+def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
+    """The claim with its numbers, their grades and the verdict."""
+    try:
+        measured = measure(claim["id"], evidence)
+    except NO_DATA as failure:
+        reason = " ".join(str(failure).split())
+        trouble = f"{type(failure).__name__}: {reason}"
+        return {**claim, "verdict": MISSING, "trouble": trouble}
+    rows = []
+    for limits in claim["numbers"]:
+        number = Number(*measured[limits["key"]])
+        value, error = float(number.value), float(number.error)
+        row = {**limits, "value": value, "error": error, "notion": number.notion}
+        rows.append({**row, "grade": grade(value, limits), "close": close(number, limits)})
+    of = verdict([row["grade"] for row in rows if "holds" in row])
+    trouble = "runs are missing or have failed" if of == MISSING else ""
+    return {**claim, "numbers": rows, "verdict": of, "trouble": trouble}
+
+
+def judge(quick: bool = False, progress: bool = False, out: Path | None = None) -> dict[str, Any]:
+    """All claims with what was measured, and where that comes from.
+
+    Runs what it needs, for minutes, as far as the store and the figures in `out` do not hold it.
+
+    Parameters
+    ----------
+    quick : the figures' quick data, shorter and coarser
+    progress : a bar with the time left, on a terminal
+    out : folder of figures that were drawn; current data there are read, not computed
+    """
+    from tqdm import tqdm
+
+    from impact.benchmark import machine
+
+    from .evidence import Evidence  # compiles
+
+    evidence, judged = Evidence(quick, out), []
+    look = {"desc": "judging", "unit": "claim", "leave": False}
+    bar = tqdm(read(), disable=None if progress else True, **look)
+    for claim in bar:
+        bar.set_postfix_str(claim["id"])
+        judged.append(_judged(claim, evidence))
+    made = {name: value for name, value in machine().items() if name != "threads"}
+    made |= {
+        "system": platform.system(),
+        "md": digest(annulus=True, tolerance=True),
+        "impact": DIGEST,
+        "quick": quick,
+    }
+    return {"provenance": made, "claims": judged}
+
+
+def plain(report: dict[str, Any]) -> dict[str, Any]:
+    """The report for JSON, which has neither nan nor inf."""
+
+    def cleaned(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: cleaned(inner) for key, inner in value.items()}
+        return [cleaned(inner) for inner in value] if isinstance(value, list) else finite(value)
+
+    return cleaned(report)
+
+
+TEXTS = ("id", "verdict", "says", "figure", "trouble")
+OF_A_NUMBER = {"name", "value", "error", "grade", "close"}
+
+
+def load(path: Path) -> dict[str, Any]:
+    """Report from a JSON file; null as the value of a judged number was inf, else nan.
+
+    Raises
+    ------
+    ValueError
+        If the file is no JSON, or not of the claims.
+    """
+    report = json.loads(path.read_text(encoding="utf-8"))
+    try:
+        claims = [
+            {**c, "numbers": [_restored(row) for row in c["numbers"]]} for c in report["claims"]
+        ]
+        texts = [claim[key] for claim in claims for key in TEXTS]
+        whole = all(row.keys() >= OF_A_NUMBER for claim in claims for row in judged_rows(claim))
+        if not (texts and whole and all(isinstance(text, str) for text in texts)):
+            raise TypeError("something is missing")
+        return {**report, "claims": claims, "quick": report["provenance"]["quick"]}
+    except (AttributeError, LookupError, TypeError) as error:
+        raise ValueError(f"no report of the claims: {error}") from None
+
+
+def _restored(row: dict[str, Any]) -> dict[str, Any]:
+    """A number with the nan and inf that JSON lacks."""
+    known = {"value": math.nan if row.get("grade") is None else math.inf, "error": math.nan}
+    known |= {key: row[key] for key in known if row.get(key) is not None}
+    ends = (-math.inf, math.inf)
+    limits: dict[str, Any] = {
+        key: [end if x is None else x for x, end in zip(row[key], ends, strict=True)]
+        for key in ("holds", "partly")
+        if key in row
+    }
+    return {**row, **limits, **(known if "value" in row else {})}
+
+
+def shown(row: dict[str, Any]) -> str:
+    """A number with its error and unit, to two digits of the error."""
+    value, error, unit = row["value"], row["error"], f" {row['unit']}" if "unit" in row else ""
+    if not math.isfinite(value):
+        return "no data" if math.isnan(value) else "never"
+    if not error > 0:
+        return f"{value:.4g}{unit}"
+    digits = max(1 - math.floor(math.log10(error)), 0)
+    if digits > 6:
+        return f"{value:.4g} ± {error:.0e}{unit}"
+    return f"{value:.{digits}f} ± {error:.{digits}f}{unit}"
+
+
+def limits_shown(limits: list[float] | None) -> str:
+    """An interval in words."""
+    if limits is None:
+        return ""
+    low, high = limits
+    if math.isinf(low) or math.isinf(high):
+        return f"≤ {high:g}" if math.isinf(low) else f"≥ {low:g}"
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def counts(report: dict[str, Any]) -> str:
+    """Number of claims with each verdict."""
+    found = Counter(claim["verdict"] for claim in report["claims"])
+    kinds = (*reversed(GRADES), MISSING)
+    return ", ".join(f"{kind}: {found[kind]}" for kind in kinds if found[kind])
+
+
+def judged_rows(claim: dict[str, Any]) -> list[dict[str, Any]]:
+    """The judged numbers of a claim, if they are there."""
+    return [row for row in claim["numbers"] if "holds" in row and "value" in row]
+
+
+def brief(report: dict[str, Any]) -> str:
+    """A line a claim: verdict, and each judged number with + holds, ~ in part, - does not."""
+    lines = []
+    for claim in report["claims"]:
+        cells = (f"{row['key']} {shown(row)} {MARKS[row['grade']]}" for row in judged_rows(claim))
+        lines.append(f"{claim['id']:4}{claim['verdict']:20}{', '.join(cells)}{claim['trouble']}")
+    return "\n".join([*(line.rstrip() for line in lines), counts(report)])

@@ -1,0 +1,187 @@
+"""Numbers of the claims on the annulus, on the experiment's geometry (E1) and on Fig. 2 (E2).
+
+A function that measures a claim begins with its name, and returns numbers by the keys that
+claims.toml gives them.
+"""
+
+import numpy as np
+
+from md.placement import largest_tilt
+
+from ..lib import runs
+from ..paper import fig02, fig04
+from .evidence import Evidence
+from .over_tilt import CLEAR
+from .uncertainty import Number, count, off_line, onset, resampled, standard
+
+Numbers = dict[str, Number]
+VISIBLE = 0.02  # of the drift at the largest Gamma: what can be seen to move in a figure
+UPRIGHT_DEG, HALF_ORDER = 11.0, 0.5  # the small tilt of Fig. 5(a), generously; a broken zig-zag
+REGION_DEG = 5.0  # contrast of tilts that makes a region
+
+
+def _shape(d: dict, name: str, key: str) -> Number:
+    """A number that `fig04.shape` gives of the drift over tilt."""
+    return resampled(d, lambda d: fig04.shape(d[f"{name}_tilt"], d[f"{name}_c_x"])[key])
+
+
+def S4_drift_over_tilt(data: Evidence) -> Numbers:
+    keys = ("bend", "slope", "early", "late", "dip", "end")
+    return {key: _shape(data.figure("fig04"), "still", key) for key in keys}
+
+
+def S5_drift_over_gamma(data: Evidence) -> Numbers:
+    d = data.figure("fig04")
+    gamma, c_x = d["gamma"], d["gamma_c_x"]
+    seen = (c_x > CLEAR * d["gamma_c_x_error"]) & (c_x > VISIBLE * c_x[-1])
+    begins = [onset(gamma, moves) for moves in seen.T]
+    values, far = [number.value for number in begins], gamma >= 2
+
+    def lines(d):
+        return np.polyfit(gamma[far], d["gamma_c_x"][far], 1)
+
+    def bend(d):
+        return max(off_line(gamma[far], y) / y.mean() for y in d["gamma_c_x"][far].T)
+
+    half = np.mean([number.error for number in begins])
+    return {
+        "onset": Number(np.mean(values), half, "half interval"),
+        "first": count(min(values)),
+        "last": count(max(values)),
+        "bend": resampled(d, bend),
+        "slope": resampled(d, lambda d: lines(d)[0].mean()),
+        "zero": resampled(d, lambda d: np.mean(-lines(d)[1] / lines(d)[0])),
+    }
+
+
+def S6_walls(data: Evidence) -> Numbers:
+    d = data.figure("fig04")
+
+    def paper(d):
+        smooth, rough = np.interp([0, 0.3], d["wall"], d["wall_c_x"])
+        return smooth / rough
+
+    return {
+        "rise": resampled(d, lambda d: np.diff(d["wall_c_x"]).max() / d["wall_c_x"].max()),
+        "all": resampled(d, lambda d: d["wall_c_x"][-1] / d["wall_c_x"][0]),
+        "paper": resampled(d, paper),
+    }
+
+
+def S8_zigzag(data: Evidence) -> Numbers:
+    d = data.figure("fig05")
+    low, order = d["mean"] <= UPRIGHT_DEG, d["zigzag"]
+    best = int(np.argmax(np.where(low, order, -np.inf)))
+    at = int(np.argmin(np.abs(d["count"] - runs.ANNULUS_COUNT)))
+
+    def first(d, values):
+        """Tilt at which the values first become negative, between two numbers of rods."""
+        rank = np.argsort(d["mean"])
+        tilt, values = d["mean"][rank], values[rank]
+        j = int(np.argmax(values < 0))
+        if values[j] >= 0:
+            return np.inf
+        i = max(j - 1, 0)
+        return float(np.interp(0, values[[j, i]], tilt[[j, i]]) if i < j else tilt[0])
+
+    def one(name, at):
+        return standard(d[name][at], d[f"{name}_error"][at])
+
+    return {
+        "order": one("zigzag", best),
+        "tilt": one("mean", best),
+        "broken": resampled(d, lambda d: first(d, d["zigzag"] - HALF_ORDER), "mean", "zigzag"),
+        "appears": resampled(d, lambda d: first(d, REGION_DEG - d["contrast"]), "mean", "contrast"),
+        "leaning": one("mean", at),
+        **{name: one(name, at) for name in ("share", "contrast", "spread")},
+    }
+
+
+def S18_plane_to_annulus(data: Evidence) -> Numbers:
+    d = data.figure("fig04")
+    plane_tilt, tilt, smooth_tilt = d["plane_tilt"], d["still_tilt"], d["wall_tilt"][0]
+    low, high = plane_tilt.min(), min(plane_tilt.max(), 45)
+    inside = (tilt >= max(low, 10)) & (tilt <= high)
+
+    def ratio(d):
+        still, plane = d["still_c_x"], d["plane_c_x"]
+        return np.interp(tilt[inside], plane_tilt, plane).sum() / still[inside].sum()
+
+    def smooth(d):
+        wall, plane = d["wall_c_x"], d["plane_c_x"]
+        return np.interp(smooth_tilt, plane_tilt, plane) / wall[0]
+
+    return {"ratio": resampled(d, ratio), "smooth": resampled(d, smooth)}
+
+
+def S20_rolling(data: Evidence) -> Numbers:
+    d = data.figure("fig04")
+    tilt = d["still_tilt"]
+    between = (tilt > fig04.MAXIMA_DEG[0]) & (tilt < fig04.MAXIMA_DEG[1])
+
+    def kept(d):
+        still, rolling = (
+            fig04.shape(d[f"{name}_tilt"], d[f"{name}_c_x"])["dip"] for name in ("still", "rolling")
+        )
+        return rolling / still if still > 0 else np.nan
+
+    def faster(d):
+        return d["rolling_c_x"][between].mean() / d["still_c_x"][between].mean()
+
+    still_dip = _shape(d, "still", "dip")
+    return {
+        "kept": resampled(d, kept) if still_dip.value > 0 else count(np.inf),
+        "dip": _shape(d, "rolling", "dip"),
+        "still_dip": still_dip,
+        "faster": resampled(d, faster, "still_c_x", "rolling_c_x"),
+    }
+
+
+def E1_geometry(data: Evidence) -> Numbers:
+    scene, d = runs.ANNULUS_SCENE, data.figure("fig04")
+    gap, length = scene.annulus, scene.rods.length
+
+    def leaning(at):
+        return standard(d["still_tilt"][at], d["still_tilt_error"][at])
+
+    return {
+        "flat": Number(np.degrees(largest_tilt(gap, length, flat=True))),
+        "round": Number(np.degrees(largest_tilt(gap, length, flat=False))),
+        "steepest": leaning(d["count"].argmin()),
+        "most": leaning(d["count"].argmax()),
+    }
+
+
+def E2_map_of_drift(data: Evidence) -> Numbers:
+    d = data.figure("fig02")
+    gamma, kind = d["gamma"], d["kind"]
+    row, annulus = _reverse(d), _reverse(d, "ring_")
+    back = (kind == -1).any(axis=1)
+    return {
+        "onset": row["onset"],
+        "early": count(np.mean(kind[gamma < 1.5] == 1)),
+        "points": row["back"],
+        "slower": row["slower"],
+        "end": onset(gamma, ~back) if back.any() else count(np.inf),
+        "follows": row["follows"],
+        **{f"ring_{key}": number for key, number in annulus.items()},
+    }
+
+
+def _reverse(d: dict, prefix: str = "") -> Numbers:
+    """Onset of forward drift, points of reverse drift, and the fastest of them.
+
+    slower : over the median drift at the largest Gamma
+    follows : share of drifts up to Gamma = 1.6 with the sign of the plate's mean velocity
+    """
+    c_x, error, kind, V_z = (d[f"{prefix}{name}"] for name in ("c_x", "c_x_error", "kind", "V_z"))
+    early, back, forward = d["gamma"] <= fig02.ONSET, kind == -1, np.median(c_x[-1])
+    at = np.unravel_index(np.where(back, -c_x, -np.inf).argmax(), c_x.shape)
+    drifts, same = kind[early] != 0, (kind == np.sign(V_z))[early]
+    none = standard(0, np.nan)
+    return {
+        "onset": onset(d["gamma"], (kind == 1).all(axis=1)),
+        "back": count(back.sum()),
+        "slower": standard(-c_x[at] / forward, error[at] / forward) if back.any() else none,
+        "follows": count(np.mean(same[drifts]) if drifts.any() else np.nan),
+    }

@@ -1,0 +1,284 @@
+"""Numbers of the claims on one impact and on plane rows, and of E3, from the figures' own data.
+
+A function that measures a claim begins with its name, and returns numbers by the keys that
+claims.toml gives them. What the paper's row over tilt tells is in `over_tilt`.
+"""
+
+import numpy as np
+
+from impact import collide, drift, flat_ended_rod, landing_density, spherocylinder
+from md.sweep import Sweep
+
+from ..checks import appendix_a, phase_friction
+from ..cost.accuracy_cost_impact import gear_from_leapfrog
+from ..lib import runs as rows
+from ..lib import soft_impacts as soft
+from ..paper import fig12, fig13
+from . import over_tilt
+from .evidence import Evidence
+from .over_tilt import CLEAR
+from .uncertainty import Number, count, off_line, onset, resampled, rms, standard
+
+Numbers = dict[str, Number]
+
+
+def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
+    """Means over the starts of results of the store, by name, with their errors."""
+    return rows.means(sweep, names)
+
+
+def S1_restitution(data: Evidence) -> Numbers:
+    d = data.figure("appendix_a")
+    one = int(np.argmin(abs(d["speed"] - 1)))
+    e, step = d["restitution"][0, 0, 0, one], float(d["step_error"])
+    nearest = appendix_a.miss(d["restitution"][..., one, :], -1).min()
+    found = {"mean": e.mean(), "spread": np.ptp(e), "head_on": e[0], "nearest": nearest}
+    return {key: Number(value, step, "halved step") for key, value in found.items()}
+
+
+def S3_forward(data: Evidence) -> Numbers:
+    grid = data.figure("fig02")
+    return {
+        "forward": count(over_tilt.NUMBERS["S3.forward"](data.over_tilt)),  # not resampled
+        "driven": count(np.mean(grid["kind"][grid["gamma"] >= 1.6] == 1)),
+    }
+
+
+def _cut(data: Evidence) -> dict[str, np.ndarray]:
+    """Drift over friction at the restitution of the other figures."""
+    d = data.figure("phase_friction")
+    at = int(np.abs(d["restitution"] - rows.RESTITUTION).argmin())
+    return {"friction": d["friction"], **{name: d[name][:, at] for name in ("c_x", "c_x_error")}}
+
+
+def S7_friction(data: Evidence) -> Numbers:
+    d = _cut(data)
+    return {
+        "change": resampled(d, lambda d: d["c_x"][-1] / d["c_x"][-2] - 1),
+        "without": resampled(d, lambda d: d["c_x"][0] / d["c_x"].max()),
+        "friction": count(d["friction"][d["c_x"].argmax()]),
+    }
+
+
+def S9_over_gamma(data: Evidence) -> Numbers:
+    d = data.figure("fig13")
+    f, far = fig13.fits(d), d["gamma"] >= 2
+
+    def bend(d):
+        return off_line(d["gamma"][far], d["b_c_x"][far]) / d["b_c_x"][far].mean()
+
+    return {
+        "power": standard(f["power"], f["power_error"]),
+        "onset": onset(d["gamma"], d["b_c_x"] > CLEAR * d["b_c_x_error"]),
+        "bend": resampled(d, bend),
+        "slope": standard(f["line_slope"], f["line_slope_error"]),
+        "zero": resampled(d, lambda d: fig13.fits(d)["line_from"], "b_c_x"),
+    }
+
+
+def S11_turned_round(data: Evidence) -> Numbers:
+    sweep = fig13.sweeps(data.quick)["gamma"]
+    far = sweep.values("plate.acceleration") >= 2
+    d = over(sweep, before="merged.c_z_before.mean", after="merged.c_z_after.mean")
+    return {"driven": resampled(d, lambda d: np.abs(1 + d["before"] / d["after"])[far].max())}
+
+
+def S14_phases(data: Evidence) -> Numbers:
+    d = data.figure("fig08")
+    H = landing_density(d["phase"])
+    return {"distance": resampled(d, lambda d: np.pi * np.abs(d["density"] - H).mean())}
+
+
+def S15_soft_impact(data: Evidence) -> Numbers:
+    d = data.figure("fig12")
+    some = np.isclose(d["tilt"], soft.TABLE_TILTS[:, None]).any(axis=0)
+    theory = soft.rigid(d["tilt"][some], fig12.EPSILON).regime
+    found = {}
+    for name, law in (("printed", "appendix_a"), ("coulomb", "coulomb")):
+        i = list(fig12.SOFT).index(law)
+        found[name] = Number(d["rms_constant"][i], d["step_error"][i], "halved step")
+        found[f"{name}_regimes"] = count((d["regime"][i, some] == theory).sum())
+    return {**found, "seen": count(len(set(d["regime"][i, some])))}
+
+
+def S16_theory(data: Evidence) -> Numbers:
+    d = data.figure("fig13")
+    tilt, line = d["a_tilt"], d["thin"] * d["speed"] / 2
+    f = fig13.fits(d)
+    return {
+        "peak": resampled(d, lambda d: d["a_c_x"].max() / line.max()),
+        "bump": standard(f["bump"], f["bump_error"]),
+        "peak_tilt": resampled(d, lambda d: tilt[d["a_c_x"].argmax()]),
+        "peak_theory": Number(np.degrees(d["fine"])[line.argmax()]),
+    }
+
+
+def S17_over_length(data: Evidence) -> Numbers:
+    d = data.figure("fig13")
+    length = d["length"]
+    grows, long = length <= 2, length >= 3
+
+    def zero(d):
+        slope, at = np.polyfit(length[grows], d["c_c_x"][grows], 1)
+        return -at / slope
+
+    def saturation(d):
+        level = 0.9 * d["c_c_x"][long].mean()
+        j = int(np.argmax(d["c_c_x"] >= level))
+        before = max(j - 1, 0)
+        return np.interp(level, d["c_c_x"][[before, j]], length[[before, j]])
+
+    def bend(d):
+        return off_line(length[grows], d["c_c_x"][grows]) / d["c_c_x"][grows][-1]
+
+    return {
+        "zero": resampled(d, zero),
+        "bend": resampled(d, bend),
+        "saturation": resampled(d, saturation),
+        "spread": resampled(d, lambda d: np.ptp(d["c_c_x"][long]) / d["c_c_x"][long].mean()),
+        "peak": resampled(d, lambda d: length[d["c_c_x"].argmax()]),
+    }
+
+
+def S19_gear(_: Evidence) -> Numbers:
+    (_, coulomb), (_, printed) = gear_from_leapfrog()
+    return {"coulomb": Number(coulomb), "printed": Number(printed)}
+
+
+def S21_slides(data: Evidence) -> Numbers:
+    return {"weighted": standard(*data.census["slide"])}
+
+
+def S22_isolated(data: Evidence) -> Numbers:
+    return {
+        "map": standard(*data.census["residual"]),
+        "map_isolated": standard(*data.census["isolated_residual"]),
+    }
+
+
+def S23_onset(data: Evidence) -> Numbers:
+    d, grid, lone = (data.figure(name) for name in ("fig13", "fig02", "alpha"))
+    gamma, near = d["gamma"], d["gamma"] <= 1.4
+
+    def bend(d):
+        x, y = gamma[near] - 1, (gamma * d["b_V_z"])[near]  # V_0 grows with Gamma
+        return rms(y - (x @ y) / (x @ x) * x) / rms(y)
+
+    early = grid["gamma"] <= 1.6
+    kind, sign = grid["kind"], np.sign(grid["V_z"])
+    clear = kind[early] != 0
+    found = {
+        "zero": onset(gamma, d["b_V_z"] > 0),
+        "bend": resampled(d, bend),
+        "lowest": resampled(d, lambda d: d["b_V_z"][near].min()),
+        "agree": count(np.mean((kind == sign)[early][clear]) if clear.any() else np.nan),
+        "backwards": count((kind < 0).sum()),
+        "backwards_negative": count(((kind < 0) & (sign < 0)).sum()),
+        "negative": count((sign < 0).sum()),
+    }
+    alpha, c_x = lone["gamma_alpha_impulse"], lone["gamma_drift"]
+    for key, name, values in (
+        ("lone_lowest", "gamma_alpha_impulse", alpha),
+        ("lone_drift", "gamma_drift", np.where(alpha < 0, c_x, np.nan)),
+    ):
+        at = np.unravel_index(np.nanargmin(values), values.shape)
+        found[key] = standard(values[at], lone[f"{name}_error"][at])
+    return found
+
+
+def S24_tilt_over_gamma(data: Evidence) -> Numbers:
+    d = data.figure("fig13")
+    return {
+        "spread": resampled(d, lambda d: np.ptp(d["b_tilt"])),
+        "low": standard(d["b_tilt"][0], d["b_tilt_error"][0]),
+        "high": standard(d["b_tilt"][-1], d["b_tilt_error"][-1]),
+    }
+
+
+FREQUENCIES_HZ, FREQUENCY_TILTS_DEG = (50, 60, 75, 100), (10, 21, 40)
+SLIPPERY = 2e-3  # friction of the plate
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Runs that no figure shows: over frequency and tilt; long ones on a slippery plate."""
+    axes = [
+        {"plate.frequency_hz": [50, 100] if quick else [*FREQUENCIES_HZ]},
+        {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)},
+        {"start.seed": [1, 2] if quick else [1, 2, 3]},
+    ]
+    long = {"box.length": phase_friction.BOX, "rods.inertia": "solid"}
+    long["contacts.plate.friction"] = SLIPPERY
+    return {
+        "frequency": rows.planned(axes, 50 if quick else 150),
+        "slippery": rows.planned([{"start.seed": [1, 2]}], 200 if quick else 1500, long),
+    }
+
+
+def S25_frequency(data: Evidence) -> Numbers:
+    sweep = sweeps(data.quick)["frequency"]
+    regimes = {name: f"landings.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")}
+    d, scenes = over(sweep, c_x="c_x", **regimes), [point.scene for point in sweep.points]
+    speed = np.reshape([scene.plate_speed for scene in scenes], sweep.shape)[..., 0]
+
+    def factor(d):
+        scaled = d["c_x"] / speed
+        return (scaled.max(axis=0) / scaled.min(axis=0)).max()
+
+    def trend(d):
+        return (d["c_x"][-1] / d["c_x"][0] * speed[0] / speed[-1]).mean()
+
+    return {
+        "forward": count(np.mean(d["c_x"] > CLEAR * d["c_x_error"])),
+        "factor": resampled(d, factor),
+        "regimes": resampled(d, lambda d: max(np.ptp(d[name], axis=0).max() for name in regimes)),
+        "trend": resampled(d, trend),
+    }
+
+
+def _landings_of_closure(rod, friction: float, landings: int) -> float:
+    """Landings after which the closure, impact by impact, is e times as near its drift."""
+    setting = {"friction": friction, "restitution": rows.RESTITUTION, "plate_velocity": 1.0}
+    aim = drift(rod, **setting)
+    c_x, c_z, left = aim.c_x / 2, aim.c_z, []
+    for _ in range(landings):
+        hit = collide(c_x, -c_z, geometry=rod, **setting)
+        c_x, c_z = hit.c_x, hit.c_z
+        left.append(aim.c_x - c_x)
+    half = landings // 2
+    return (landings - 1 - half) / np.log(left[half] / left[-1])
+
+
+def S26_without_friction(data: Evidence) -> Numbers:
+    d, sweep = _cut(data), sweeps(data.quick)["slippery"]
+    by_speed, often = "landings.plate_velocity_by_speed.mean", "merged.per_rod_and_period.mean"
+    long = over(sweep, c_x="c_x_cm_s", V_z=by_speed, often=often)
+    rod = spherocylinder(np.arccos(rows.COUNT / phase_friction.BOX), rows.LENGTH)
+    low, middle, high = (
+        drift(rod, friction=mu, restitution=rows.RESTITUTION).c_x for mu in (1e-9, SLIPPERY, np.inf)
+    )
+    speed, largest = rows.plate_speed_cm_s(), d["c_x"].max()
+    needed = int(rod.X * rod.Z / (2 * SLIPPERY * rod.k**2))
+    return {
+        "short": resampled(d, lambda d: d["c_x"][0] / d["c_x"].max()),
+        "long": resampled(long, lambda d: d["c_x"] / (d["V_z"] * speed * middle)),
+        "largest": resampled(long, lambda d: d["c_x"] / largest),
+        "rate": Number(_landings_of_closure(rod, SLIPPERY, needed) / needed),
+        "limit": Number(low / high),
+        "made": count(long["often"] * sweep.points[0].periods / needed),
+    }
+
+
+def E3_flat_end(data: Evidence) -> Numbers:
+    d = data.figure("tip_shape")
+    setting = {"friction": rows.FRICTION, "restitution": rows.RESTITUTION}
+    tilt, edge = d["tilt"], float(d["flat_threshold"])
+    length, at = float(d["length"]), np.radians(28)
+    pair = (make(at, length) for make in (flat_ended_rod, spherocylinder))
+    flat, whole = (drift(rod, **setting).c_x for rod in pair)
+    beyond, below = tilt > edge, (tilt > 0) & (tilt < edge)
+    return {
+        "threshold": Number(np.degrees(edge)),
+        "slower": Number(flat / whole),
+        "always": Number((d["flat"] / np.where(beyond, d["round"], np.inf)).max()),
+        "below": Number(d["flat"][below].min()),
+    }

@@ -1,0 +1,79 @@
+"""A measured number with its error; how errors of arrays carry over to what is made of them."""
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Number(NamedTuple):
+    """A measured value: nan if there is no data, inf where what was looked for never happens.
+
+    Notions of the error: standard error; the change if the step is halved; half the interval of the
+    grid in which the value lies. A count and an exact value have none.
+    """
+
+    value: float
+    error: float = np.nan
+    notion: str = "exact"
+
+
+def count(value: float) -> Number:
+    """A number of things, or a share of them: without error."""
+    return Number(value, notion="count")
+
+
+def standard(value: float, error: float) -> Number:
+    """A value with its standard error."""
+    return Number(value, error, "standard error")
+
+
+class _Watched(dict):
+    """A dictionary that notes which of its entries are read."""
+
+    def __init__(self, given: Mapping):
+        super().__init__(given)
+        self.seen: list[str] = []
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self.seen:
+            self.seen.append(name)
+        return super().__getitem__(name)
+
+
+def resampled(d: Mapping, function: Callable[[Mapping], float], *names: str) -> Number:
+    """Value of `function(d)`; its spread as measured arrays vary within their standard errors.
+
+    Parameters
+    ----------
+    d : arrays; the standard errors of `name`, if it has any, are `name_error`
+    function : of such a dictionary
+    names : arrays that vary; without names all that the function reads and that have errors
+    """
+    random, watched = np.random.default_rng(1), _Watched(d)
+    value = function(watched)
+    names = names or tuple(name for name in watched.seen if f"{name}_error" in d)
+
+    def varied() -> dict:
+        return {n: random.normal(d[n], np.nan_to_num(d[f"{n}_error"])) for n in names}
+
+    found = [function({**d, **varied()}) for _ in range(200)]
+    return standard(value, float(np.std(found)) if np.isfinite(found).all() else np.nan)
+
+
+def onset(x: np.ndarray, begun: np.ndarray) -> Number:
+    """Place on a grid of Gamma from which on `begun` is true; below Gamma = 1 nothing moves."""
+    if not begun[-1]:
+        return Number(np.inf, notion="half interval")
+    j, x = np.max(np.flatnonzero(~begun), initial=-1) + 1, np.append(1.0, x)
+    return Number((x[j] + x[j + 1]) / 2, (x[j + 1] - x[j]) / 2, "half interval")
+
+
+def rms(values: np.ndarray) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def off_line(x: np.ndarray, y: np.ndarray) -> float:
+    """Root-mean-square distance of the points from the best straight line."""
+    return rms(np.polyval(np.polyfit(x, y, 1), x) - y)

@@ -1,0 +1,132 @@
+"""Figures computed and drawn into files, by several processes."""
+
+import io
+import sys
+import traceback
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+from joblib import Parallel, delayed
+from tqdm import tqdm
+
+from impact._generated import DIGEST
+from md.files import replacing
+
+from .. import FIGURES, load
+from . import runs
+from .data import keep
+
+KINDS = "npz", "png", "pdf"
+
+
+class Drawn(NamedTuple):
+    """What became of one figure."""
+
+    name: str
+    files: str = ""  # their names, in a line
+    summary: str = ""  # the figure in words, if it has any
+    failure: str = ""  # why there are no files
+    said: str = ""  # on standard error, while it was computed
+
+
+def files_of(*names: str) -> list[str]:
+    """Names of the files of these figures."""
+    return [f"{name}.{kind}" for name in names for kind in KINDS]
+
+
+def produce(name: str, out: Path, quick: bool) -> Drawn:
+    """Compute and draw one figure: NAME.npz, NAME.png and NAME.pdf in the folder `out`."""
+    module = load(name)
+    data = module.data(quick=quick)
+    picture = module.draw(data)
+    stamp = {"Title": f"{FIGURES[name].title} (impact {DIGEST})"}
+    npz, png, pdf = (out / file for file in files_of(name))
+    try:
+        with replacing(npz) as part:
+            keep(part, name, quick, data)
+        for path in (png, pdf):
+            with replacing(path) as part:
+                picture.savefig(part, dpi=200, metadata=stamp)
+    finally:
+        plt.close(picture)
+    words = module.summary(data) if hasattr(module, "summary") else ""
+    return Drawn(name, f"{png}  {pdf.name}  {npz.name}", words)
+
+
+def _tried(name: str, out: Path, quick: bool) -> Drawn:
+    """The same; what a figure fails with is kept, so that the others go on."""
+    try:
+        return produce(name, out, quick)
+    except Exception as error:
+        foreseen = isinstance(error, OSError) or hasattr(error, "exit_code")
+        return Drawn(name, failure=str(error) if foreseen else traceback.format_exc().rstrip())
+
+
+def _in_a_process(name: str, out: Path, quick: bool, store: Path) -> Drawn:
+    """The same in a process of its own, where nothing may write onto the terminal."""
+    mpl.use("Agg")
+    runs.STORE = store
+    with redirect_stderr(io.StringIO()) as said:
+        drawn = _tried(name, out, quick)
+    return drawn._replace(said=said.getvalue())
+
+
+@contextmanager
+def _pool(names: Sequence[str], out: Path, quick: bool, jobs: int) -> Iterator[Iterator[Drawn]]:
+    """Figures as they are drawn by `jobs` processes, which end with this context."""
+    results = Parallel(jobs, batch_size=1, pre_dispatch="all", return_as="generator_unordered")(
+        delayed(_in_a_process)(name, out, quick, runs.STORE) for name in names
+    )
+    try:
+        yield results
+    except BaseException:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # joblib tells that it was stopped
+            results.close()
+        for file in files_of(*names):
+            name, kind = file.split(".")
+            (out / f".{name}.part.{kind}").unlink(missing_ok=True)  # of a process that was stopped
+        raise
+
+
+def draw_all(names: Sequence[str], out: Path, quick: bool, jobs: int) -> list[str]:
+    """Draw figures and say so; returns the names of those that failed.
+
+    Parameters
+    ----------
+    names : of the figures; those that may share the machine come first, by `jobs` processes
+    out : folder
+    quick : whether on coarse grids
+    jobs : processes
+    """
+    mpl.use("Agg")
+    out.mkdir(parents=True, exist_ok=True)
+    beside = [name for name in names if not FIGURES[name].alone]
+    beside = beside if min(len(beside), jobs) > 1 else []
+    failed = []
+    with tqdm(total=len(names), desc="drawing", unit="figure", disable=None, leave=False) as bar:
+
+        def told(drawn: Drawn) -> None:
+            for words in filter(None, (drawn.files, drawn.summary)):
+                bar.write(words)
+            if drawn.said:
+                bar.write(drawn.said.rstrip(), file=sys.stderr)
+            if drawn.failure:
+                bar.write(f"{drawn.name} failed: {drawn.failure}", file=sys.stderr)
+                failed.append(drawn.name)
+            bar.update()
+
+        if beside:
+            with _pool(beside, out, quick, jobs) as results:
+                for drawn in results:
+                    told(drawn)
+        for name in names:
+            if name not in beside:
+                bar.set_postfix_str(name)
+                told(_tried(name, out, quick))
+    return failed

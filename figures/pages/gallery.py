@@ -1,0 +1,126 @@
+"""Pages of the gallery and measured parts of the README, from claims.json and prices.json there.
+
+>>> from figures.pages import gallery
+>>> all(path.read_text(encoding="utf-8") == text for path, text in gallery.pages().items())
+True
+
+The words stand in `templates/`; a word that depends on a number is chosen there by a rule. A part
+of the README stands between `<!-- name: begin -->` and `<!-- name: end -->`.
+"""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from ..claims import judge
+from ..cost.effect_prices import plus_minus
+from ..cost.price_page import CHECKED
+
+GALLERY = Path(__file__).resolve().parents[1] / "gallery"
+README = GALLERY.parents[1] / "README.md"
+PAGES, PARTS = ("claims.md", "costs.md", "effects.md"), ("costs", "effects", "findings")
+RUNGS = {  # of the ladder, and what they are called here
+    "(24), $V_0/2$": "closed form (24), plate velocity at landing taken as V_0/2",
+    "3000 landings": "one rigid rod that bounces at fixed tilt, 3000 landings",
+    "3 periods": "the row of 40, 3 periods, 36 steps a contact",
+    "30 periods": "the same, 30 periods",
+    "$t_c/36$": "the same, 400 periods",
+    "$t_c/18$": "18 steps a contact instead",
+    "$k_n=5\\cdot10^5$": "contacts ten times softer",
+    "$k_n=5\\cdot10^3$": "contacts a thousand times softer",
+    "$N=10$": "10 rods instead of 40",
+    "App. A": "Appendix A as printed instead of a restitution of 0.65",
+}
+
+
+def _time(seconds: float) -> str:
+    """A time with two digits, in a unit that suits."""
+    units = (("s", 1.0), ("ms", 1e-3), ("microseconds", 1e-6), ("ns", 1e-9))
+    unit, size = next((one for one in units if seconds >= one[1]), units[-1])
+    value = seconds / size
+    return f"{value:.{1 if value < 10 else 0}f} {unit}"
+
+
+def _percent(value: float, digits: int = 1, sign: str = "") -> str:
+    return f"{100 * value:{sign}.{digits}f}"
+
+
+def _anchor(claim: dict[str, Any]) -> str:
+    """The address of a heading, as pages of Markdown name it."""
+    return f"{claim['id']}: {claim['verdict']}".lower().replace(":", "").replace(" ", "-")
+
+
+templates = Environment(
+    loader=PackageLoader("figures.pages"),
+    autoescape=lambda name: bool(name and name.endswith(".html")),
+    undefined=StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
+)
+templates.filters |= {"time": _time, "percent": _percent, "anchor": _anchor}
+templates.filters |= {"shown": judge.shown, "limits": judge.limits_shown}
+templates.globals |= {"grades": judge.GRADES, "counts": judge.counts, "pm": plus_minus}
+templates.globals |= {"judged_rows": judge.judged_rows, "rungs": RUNGS, "checked": CHECKED}
+
+
+def claims_page(report: dict[str, Any]) -> str:
+    """The verdicts as a page: a table, then a section for each claim."""
+    from ..lib.runs import LAW_NAME  # compiles
+
+    return templates.get_template("claims.md.jinja").render(report=report, law=LAW_NAME)
+
+
+def pages() -> dict[Path, str]:
+    """Files that are made of the gallery's numbers, the README among them, with their texts.
+
+    Raises
+    ------
+    ValueError
+        If the README lacks the markers of a part.
+    """
+    prices = json.loads((GALLERY / "prices.json").read_text(encoding="utf-8"))
+    report = judge.load(GALLERY / "claims.json")
+    given = {"prices": prices, "report": report, "number": _numbers(report)}
+    given["ladder"] = {rung["label"]: rung for rung in prices["ladder"]}
+    given["verdict"] = {claim["id"]: claim["verdict"] for claim in report["claims"]}
+    made = {GALLERY / "claims.md": claims_page(report)}
+    for name in ("costs.md", "effects.md"):
+        made[GALLERY / name] = templates.get_template(f"{name}.jinja").render(given)
+    text = README.read_text(encoding="utf-8")
+    for name in PARTS:
+        part = templates.get_template(f"readme_{name}.md.jinja").render(given)
+        text = _filled(text, name, part.strip())
+    return made | {README: text}
+
+
+def _numbers(report: dict[str, Any]) -> dict[str, str]:
+    """Measured numbers for sentences, by claim and key: S16.peak."""
+    return {
+        f"{claim['id']}.{row['key']}": _short(row)
+        for claim in report["claims"]
+        for row in claim["numbers"]
+    }
+
+
+def _short(row: dict[str, Any]) -> str:
+    """A number to two digits, or three if it would else pass for a whole one; degrees to one."""
+    value = row["value"]
+    if row.get("unit") == "deg":
+        return f"{value:.0f} degrees"
+    short = f"{value:.2g}"
+    return f"{value:.3g}" if float(short) == round(value) != value else short
+
+
+def _filled(text: str, name: str, content: str) -> str:
+    """`text` with `content` between the markers of that name."""
+    begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+    made, found = re.subn(
+        f"{begin}.*?{end}", lambda _: f"{begin}\n{content}\n{end}", text, count=1, flags=re.DOTALL
+    )
+    if not found:
+        raise ValueError(f"{README.name} must hold {begin} and {end}")
+    return made

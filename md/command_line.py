@@ -1,0 +1,74 @@
+"""A group of commands that end with an exit code and, where they fail, one line of standard error.
+
+The same file stands in `derivations`, `impact` and `md`, of which none imports another.
+"""
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any, NoReturn
+
+import click
+
+
+class Commands(click.Group):
+    """Commands of a package; as a function it takes arguments and returns the exit code.
+
+    An error with an `exit_code` is foreseen and costs one line, as click's own errors do. Any other
+    one is a mistake of ours: its traceback is shown.
+    """
+
+    def __init__(self, *arguments: Any, **options: Any):
+        shown = {"max_content_width": 100, "show_default": True}
+        options |= {"no_args_is_help": False, "context_settings": shown}
+        super().__init__(*arguments, **options)
+
+    def list_commands(self, _: click.Context) -> list[str]:
+        """Names of the commands, in the order of their definitions."""
+        return list(self.commands)
+
+    def main(self, args: Sequence[str] | None = None, **_: Any) -> int:  # type: ignore[override]
+        """Run one command; returns the exit code."""
+        context = None
+        try:
+            if sys.stdout is None:
+                raise OSError("standard output is closed")
+            words = list(sys.argv[1:] if args is None else args)
+            with self.make_context(self.name, words) as context:
+                context.call_on_close(sys.stdout.flush)
+                return self.invoke(context) or 0
+        except click.exceptions.Exit as end:  # help was asked for
+            return end.exit_code
+        except BrokenPipeError:  # the reader has seen enough
+            return 0
+        except (Exception, KeyboardInterrupt) as error:
+            said, code = _foreseen(error)
+        command = context and context.invoked_subcommand
+        print(f"{self.name}{f' {command}' if command else ''}: {said}", file=sys.stderr)
+        return code
+
+    def program(self, interrupt: Callable[..., Any] = signal.default_int_handler) -> NoReturn:
+        """Run the command of this process and end with its exit code; SIGTERM is Ctrl-C."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            if signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, interrupt)
+        code = self.main()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what nobody took goes without a traceback
+        sys.exit(code)
+
+
+def _foreseen(error: BaseException) -> tuple[str, int]:
+    """One line about an error and the exit code; what is not foreseen is raised again."""
+    match error:
+        case click.ClickException():
+            return error.format_message(), error.exit_code
+        case KeyboardInterrupt():
+            return f"interrupted: {str(error) or 'what was finished is kept'}", 130
+        case MemoryError():
+            return f"not enough memory: {error}", 1
+        case OSError():
+            return f"cannot write: {error}", 2
+    if hasattr(error, "exit_code"):
+        return str(error), error.exit_code
+    raise error

@@ -1,0 +1,87 @@
+"""Values held to their types and domains; a message names key, value and what is allowed."""
+
+import re
+from functools import cache
+from math import inf
+from types import NoneType
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+from .errors import InputError
+
+
+def number(name: str, value: Any, low: float, high: float, domain: str = "") -> float:
+    """`value` as a float in [low, high]; `domain` says in words what is allowed."""
+    try:
+        if isinstance(value, bool | str):
+            raise TypeError
+        found = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a number, got {value!r}") from None
+    if not low <= found <= high:
+        raise InputError(f"{name} must be {domain or _between(low, high)}, got {value!r}")
+    return found
+
+
+def positive(name: str, value: object) -> float:
+    """`value` as a float, > 0 and finite."""
+    return number(name, value, 5e-324, 1.7e308, "> 0 and finite")
+
+
+def not_negative(name: str, value: object) -> float:
+    """`value` as a float, >= 0 and finite."""
+    return number(name, value, 0.0, 1.7e308, ">= 0 and finite")
+
+
+def finite(name: str, value: object) -> float:
+    """`value` as a finite float."""
+    return number(name, value, -1.7e308, 1.7e308, "finite")
+
+
+def whole(name: str, value: object, low: int, high: int) -> int:
+    """`value` if it is a whole number in [low, high]."""
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise InputError(f"{name} must be a whole number, got {value!r}")
+    if not low <= value <= high:
+        raise InputError(f"{name} must be {_between(low, high)}, got {value!r}")
+    return value
+
+
+def held(name: str, value: Any, hint: Any) -> Any:
+    """`value` held to a type hint: a class, `Literal`, `Annotated[float, low, high]`, or None."""
+    kind, *allowed = get_args(hint) or (hint,)
+    if NoneType in allowed:
+        return None if value is None else held(name, value, kind)
+    if get_origin(hint) is Literal:
+        if value not in get_args(hint):
+            raise InputError(f"{name} must be {' or '.join(get_args(hint))}, got {value!r}")
+        return value
+    if kind in (int, float):
+        return (whole if kind is int else number)(name, value, *allowed)
+    if not isinstance(value, kind):
+        wanted = "true or false" if kind is bool else f"of the type {kind.__name__}"
+        raise InputError(f"{name} must be {wanted}, got {value!r}")
+    return value
+
+
+@cache
+def hints(kind: Any) -> dict[str, Any]:
+    """Type hints of a class, by the names of its fields."""
+    return get_type_hints(kind, include_extras=True)
+
+
+class Part:
+    """Part of a scene: the values of its fields are held to their types and domains."""
+
+    def __post_init__(self) -> None:
+        kind: Any = type(self)
+        key = getattr(kind, "KEY", f"{kind.__name__.lower()}.")
+        for name, hint in hints(kind).items():
+            object.__setattr__(self, name, held(f"{key}{name}", getattr(self, name), hint))
+
+
+def _between(low: float, high: float) -> str:
+    ends = [
+        f"{x}" if isinstance(x, int) else re.sub(r"e\+?(-?)0?", r"e\1", f"{x:g}")
+        for x in (low, high)
+    ]
+    return f">= {ends[0]}" if high == inf else f"between {ends[0]} and {ends[1]}"

@@ -1,0 +1,172 @@
+"""Results as text: one impact, a run of a scene, a sweep, a calibration, the table of a store."""
+
+from collections.abc import Iterable, Sequence
+from itertools import count
+from math import isnan
+from typing import TYPE_CHECKING, Any
+
+from .accuracy import in_words
+from .scene import Scene, as_dict
+from .simulation import Result, finite
+from .soft_impact import Impact
+from .statistics import FEWEST, transient
+from .units import TWINS, in_cm
+
+if TYPE_CHECKING:  # help needs no joblib
+    from .sweep import Tally
+
+SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
+_OF_RESULT = "accuracy.", "energy.", "landings.", "merged.", "turned.", "versions."
+
+
+def labelled(label: str, *parts: str) -> str:
+    """A line: what it is about, and then what there is to say."""
+    return f"{label:12} {''.join(parts)}"
+
+
+def impact_text(hit: Impact, law: str) -> str:
+    """One impact, in reduced units; `law` in words."""
+    parts = "  ".join(f"{name} {time:.4g}" for name, time in hit.phases.items() if time)
+    by = "evaluations" if isnan(hit.dt) else f"steps of {hit.dt:.3g}"
+    return "\n".join(
+        [
+            labelled("regime", hit.regime),
+            labelled("c_x  c_z", f"{hit.c_x:.6g}  {hit.c_z:.6g}   sqrt(g d)"),
+            labelled("omega", f"{hit.omega:.6g}   sqrt(g/d)"),
+            labelled("restitution", f"{hit.restitution:.6g}   measured, -v_f/v_0"),
+            labelled("phases", f"{parts}   of {hit.contact_time:.4g} sqrt(d/g)"),
+            labelled("max overlap", f"{hit.max_overlap:.4g} d"),
+            labelled("cost", f"{hit.steps} {by}, {hit.seconds * 1e6:.3g} microseconds"),
+            labelled("law", law),
+        ]
+    )
+
+
+def scene_text(scene: Scene) -> str:
+    """What was there, in cm and Hz."""
+    cm = {key: f"{value:.4g}" for key, value in in_cm(as_dict(scene)).items()}
+    size = f"{scene.rods.count} of {cm['rods.length_cm']} by {scene.rods.diameter_cm:.4g} cm"
+    where = ""
+    if scene.box is not None:
+        where = f", in a box of {cm['box.length_cm']} cm that repeats"
+    if scene.annulus is not None:
+        radii = f"{cm['annulus.inner_cm']} and {cm['annulus.outer_cm']}"
+        where = f", between cylinders with radii of {radii} cm"
+    lines = [labelled("rods", size, where)]
+    if scene.plate is not None and scene.vibrates:
+        gamma = f"{scene.plate.frequency_hz:g} Hz, Gamma = {scene.plate.acceleration:.4g}, "
+        speed = f"V_0 = {cm['plate.velocity_cm_s']} cm/s"
+        lines += [labelled("plate", gamma, f"amplitude {cm['plate.amplitude_cm']} cm, {speed}")]
+    return "\n".join(lines)
+
+
+def result_text(result: Result) -> str:
+    """What a run measured, and what it cost."""
+    lines = [*_drift(result), *_landings(result)]
+    if energy := result.energy:
+        kept = ("plate_work", "change", "residual")
+        lost = sum(value for name, value in energy.items() if name not in kept)
+        balance = f"gained {energy['change']:.3g}, residual {energy['residual']:.1e} m g d"
+        plate = f"plate {energy['plate_work']:.4g}, lost {lost:.4g}, "
+        lines += [labelled("energy", plate, balance)]
+    return "\n".join([*lines, *_cost(result), *in_words(result)])
+
+
+def _with_error(value: float, error: float) -> str:
+    return f"{value:.4g}" if isnan(error) else f"{value:.4g} +- {error:.2g}"
+
+
+def _drift(r: Result) -> list[str]:
+    unit = r.scene.cm_per_s
+    cm = _with_error(r.c_x * unit, r.c_x_stderr * unit)
+    drift = f"c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d) = {cm} cm/s"
+    lines = [labelled("drift", drift)]
+    if isnan(r.c_x_stderr):
+        enough = next(n for n in count(FEWEST) if n - transient(n) >= FEWEST)
+        why = f"from {enough} periods on one run can tell it"
+        if r.scene.annulus is not None:
+            why = "rods keep their arrangement: only other starts tell it (start.seed)"
+        lines += [labelled("", f"error unknown: {why}")]
+    turned = (f", {name.replace('_', ' ')} {k} times" for name, k in r.turned.items() if k)
+    tilt = f"{_with_error(r.tilt_deg, r.tilt_stderr_deg)} degrees"
+    return [*lines, labelled("tilt", tilt, *turned)]
+
+
+def _landings(r: Result) -> list[str]:
+    if not r.landings or r.landings["per_rod_and_period"]["mean"] <= 0:
+        return []
+    mean = {name: pair["mean"] for name, pair in r.landings.items()}
+    often = f"{mean['per_rod_and_period']:.3g} per rod and period"
+    speed = f"V_z/V_0 = {mean['plate_velocity']:.3g}"
+    if "slide" in mean:  # landings are told one by one in the plane alone
+        often += f": slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip "
+        often += f"reversal {mean['slip_reversal']:.0%}; not isolated {mean['not_isolated']:.0%}"
+        speed += f", restitution {mean['restitution']:.3g}, flight {mean['flight_periods']:.3g}"
+        speed += f" and contact {mean['contact_periods']:.2g} periods"
+    return [labelled("landings", often), labelled("at landing", speed)]
+
+
+def _cost(r: Result) -> list[str]:
+    seconds = r.periods / r.scene.frequency * r.scene.rods.diameter_cm / r.scene.cm_per_s
+    span = f"{r.periods} = {seconds:.4g} s, of which the first {r.discarded} are not in the means"
+    ended = "" if r.finished else "; interrupted"
+    lines = [labelled("periods" if r.scene.vibrates else "sqrt(d/g)", span, ended)]
+    if r.scene.annulus is not None and r.periods < SETTLING:
+        few = f"not equilibrated: an annulus needs {SETTLING} periods or more"
+        lines += [labelled("warning", few)]
+    n, each = r.scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
+    steps = f"{r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g) "
+    rods = f"({n} rod{'s' * (n > 1)}, {r.steps_per_period} steps each) "
+    time = f"in {r.run_seconds:.3g} s, {each:.3g} ns each; compiled in {r.compile_seconds:.2g} s"
+    return [*lines, labelled("cost", steps, rods, time)]
+
+
+def tally_text(tally: "Tally") -> str:
+    """What a sweep has computed."""
+    same = "" if tally.distinct == tally.points else f", {tally.distinct} of them different"
+    time = f"{tally.seconds:.3g} s ({tally.run_seconds:.3g} s of runs)"
+    return (
+        f"points    {tally.points}{same}; {tally.there} in the store before\n"
+        f"computed  {tally.computed}, failed {tally.failed}, in {time}"
+    )
+
+
+def calibration_text(found: dict[str, Any]) -> str:
+    """Order and scale of the bias of a step, scene by scene."""
+    order = f"{found['order']:.3g} +- {found['order_error']:.2g}"
+    rows = zip(found["scenes"], found["scales"], found["scale_errors"], strict=True)
+    return "\n".join(
+        [
+            f"order     {order}, chi^2 a degree of freedom {found['chi_squared']:.3g}",
+            f"scale     {found['scale']:.3g}, bias at ten steps a contact; largest of the scenes:",
+            *(f"  {name:22} {scale:+.4f} +- {error:.4f}" for name, scale, error in rows),
+        ]
+    )
+
+
+def store_text(columns: Iterable[str], rows: Sequence[dict[str, Any]], cm: bool) -> str:
+    """A line a run: the keys that differ between them, and the drift, in cm or in rod diameters."""
+    drift, other = ["c_x", "c_x_stderr"], set(TWINS)
+    if cm:
+        drift, other = [f"{name}_cm_s" for name in drift], {twin.key for twin in TWINS.values()}
+    of_scene = (c for c in columns if "." in c and not c.startswith(_OF_RESULT) and c not in other)
+    differing = [c for c in of_scene if len({row.get(c) for row in rows}) > 1]
+    brief = [*differing, *drift, "tilt_deg", "periods", "seconds", "accuracy.state", "error"]
+    brief = [c for c in brief if any(row.get(c) is not None for row in rows)]
+    cells = [brief, *([_cell(row.get(c)) for c in brief] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    lines = (zip(line, widths, strict=True) for line in cells)
+    return "\n".join("  ".join(cell.rjust(width) for cell, width in line) for line in lines)
+
+
+def _cell(value: object) -> str:
+    return "" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
+def result_json(r: Result) -> dict[str, Any]:
+    """A run for JSON: in its own units, and what it takes to read it in cm and s."""
+    cm, speed = r.scene.rods.diameter_cm, r.scene.cm_per_s
+    period = cm / speed / r.scene.frequency
+    units = {"length_cm": cm, "velocity_cm_s": speed, "time_s": cm / speed, "period_s": period}
+    error = finite({"c_x_stderr_cm_s": r.c_x_stderr * speed})
+    return {**r.as_dict(), **error, "units": units, "scene_in_cm": in_cm(as_dict(r.scene))}
