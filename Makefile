@@ -1,4 +1,4 @@
-# make figures   set up, derive, prove, generate, report, draw the quick figures: out/index.html
+# make figures   set up, derive, prove, generate, report, draw a first look: out/index.html
 # make paper     set up, then every figure in full, movie and claims; says first how long; goes on
 # make test      set up and run the tests
 # make slow      set up and run the longer studies; a pass is recorded in tests/SLOW.md
@@ -13,7 +13,6 @@ figures: .venv/ready
 	$(BIN)/python -m derivations report
 	$(BIN)/python -m derivations generate
 	$(BIN)/python -m figures draw
-	$(BIN)/python -m figures draw --quick landing_census fig02 fig04 fig05 fig06 fig07 fig08 fig13
 	$(BIN)/python -m figures index
 
 paper: .venv/ready

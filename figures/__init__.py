@@ -36,7 +36,7 @@ class Entry:
 
     room: str  # folder of its module
     title: str  # what it shows, with the paper's number
-    quick: bool  # part of the set that is drawn when no name is given
+    quick: bool  # part of the set that is drawn, on coarse grids, when no name is given
     alone: bool  # takes all cores or measures times: nothing is drawn beside it
 
 
@@ -78,13 +78,12 @@ _TITLES = {
         "scaling": "Time over the number of rods, work over the number of cores",
     },
 }
-# Runs of many rods, on all cores: not in the quick set.
-_HEAVY = {"fig02", "fig04", "fig05", "fig06", "fig07", "fig08", "fig13"}
-_HEAVY |= {"phase_friction", "contact_laws", "landing_census"}
-_HEAVY |= {"accuracy_cost_drift", "accuracy_cost_ladder", "effect_prices", "scaling"}
-_TIMED = {"accuracy_cost_theory", "accuracy_cost_impact"}  # of the quick set
+_RODS = {"fig02", "fig04", "fig05", "fig06", "fig07", "fig08", "fig13", "landing_census"}
+_LONG = {"phase_friction", "contact_laws"}  # of many rods, as `_RODS`, but for longer
+_LONG |= {"accuracy_cost_drift", "accuracy_cost_ladder", "effect_prices", "scaling"}
+_TIMED = {"accuracy_cost_theory", "accuracy_cost_impact"}
 FIGURES = {
-    name: Entry(room, title, name not in _HEAVY, name in _HEAVY | _TIMED)
+    name: Entry(room, title, name not in _LONG, name in _RODS | _LONG | _TIMED)
     for room, titles in _TITLES.items()
     for name, title in titles.items()
 }

@@ -87,9 +87,10 @@ def list_figures() -> None:
 def draw(
     names: tuple[str, ...], every: bool, quick: bool, jobs: int, out: Path, store: Path | None
 ) -> None:
-    """Compute and draw figures; without names: the quick set.
+    """Compute and draw figures; without names: a first look.
 
-    NAME is one of python -m figures list. A figure that fails leaves the others as they are.
+    NAME is one of python -m figures list. Without names the quick set is drawn, on coarse grids. A
+    figure that fails leaves the others as they are.
 
     \b
     python -m figures draw fig10 fig11 --out pictures
@@ -102,6 +103,7 @@ def draw(
         raise InputError(f"--all draws every figure and takes no names, got {names[0]}")
     quick_set = [name for name, entry in FIGURES.items() if entry.quick]
     wanted = list(FIGURES) if every else list(dict.fromkeys(names)) or quick_set
+    quick = quick or not (every or names)
 
     from .lib.drawing import draw_all, files_of
     from .lib.files import storing
@@ -263,7 +265,7 @@ def index(out: Path) -> None:
 
 @main.command()
 def pages() -> None:
-    """Write the gallery's pages and the measured parts of the README.
+    """Write the pages of the gallery and the README's numbers.
 
     \b
     python -m figures pages

@@ -11,7 +11,7 @@
 >>> result.c_x > 0  # rods drift the way they lean
 True
 
-One's own rods, in cm and Hz (`md/scenes/my_rods.toml`: copy it, change its numbers):
+Your rods, in cm and Hz (`md/scenes/my_rods.toml`: copy it, change its numbers):
 
 >>> mine = md.load("my_rods", ["plate.acceleration=3"])
 >>> result = md.run(mine, periods=130)
@@ -30,15 +30,16 @@ Files, as one reads them
 ------------------------
 scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; the contact laws
 kernels/contact, single             compiled: forces of one contact; one rod on the plate
+kernels/codes                       stop codes, columns, phases and regimes of all kernels
 kernels/neighbours, plane, touches  compiled: rods in a plane, pairs, steps, touches of the plate
 kernels/space                       compiled: the same in an annulus
-reference, soft_impact              `impact`: every switch located, or fixed steps
-host, annulus_host, placement       a scene under way: constants and arrays of the kernels
+rod, reference, soft_impact         `impact`: every switch located, or fixed steps
+host, placement                     a scene under way: constants and arrays of the kernels
 measures, statistics                what a run measures, with errors
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
-accuracy, calibration               `run`: step and length from a tolerance
-sweep, store                        many runs and their results
-sources                             what decides whether a stored run is stale
+accuracy, calibration               `run`: step and length from a tolerance; bias of the step
+sweep, store                        many runs and their results; `Point.key` says which is stale
+sources                             digest of the sources of a run, a part of that key
 cache, interrupt, errors            compiled kernels kept, signals, errors
 result_text, command_line, __main__  results as text; the commands
 """
@@ -47,9 +48,10 @@ from .accuracy import run
 from .errors import InputError, RunError
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
+from .rod import Rod
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 from .simulation import Accuracy, Result
-from .soft_impact import INTEGRATORS, Impact, Rod, impact
+from .soft_impact import INTEGRATORS, Impact, impact
 
 __all__ = [
     "INTEGRATORS",

@@ -24,6 +24,7 @@ from .result_text import (
     store_text,
     tally_text,
 )
+from .rod import Rod
 from .scene import keys, load
 from .simulation import finite
 from .store import table, write_csv
@@ -101,7 +102,7 @@ def impact(as_json: bool, **given: Any) -> None:
         given["c_z"],
         given["omega"],
         friction=given["friction"],
-        rod=soft_impact.Rod(given["length"], given["inertia"]),
+        rod=Rod(given["length"], given["inertia"]),
         law=law,
         integrator=integrator,
         dt=dt,

@@ -282,24 +282,19 @@ def in_words(result: Result) -> list[str]:
         return []
     size = max(abs(result.c_x), a.floor)
     of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
-    error = a.statistical if a.outside else a.error
+    error, verdict = a.statistical if a.outside else a.error, f"accuracy     {_VERDICTS[a.state]}"
     if not isfinite(error):
-        return [
-            f"accuracy     {_VERDICTS[a.state]}: ended before {FIRST_LOOK} periods, error unknown"
-        ]
-    lines = [
-        f"accuracy     {_VERDICTS[a.state]}: {a.tolerance:.3g} of {of} asked for; c_x is within "
-        f"{error:.2g} sqrt(g d) = {error * unit:.2g} cm/s, {error / size:.2g} of it, "
-        f"at {a.confidence:.4g} confidence" + (", bias of the step apart" if a.outside else "")
-    ]
-    step = f"dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact"
+        return [f"{verdict}: ended before {FIRST_LOOK} periods, error unknown"]
+    apart, bias = "", f": bias at most {a.bias / size:.2g}, by calibration; the other "
+    bias += f"{a.statistical / size:.2g} of the error are statistical"
     if a.outside:
-        lines.append(f"step         {step}; its bias is unknown: {'; '.join(a.outside)}")
-    else:
-        lines.append(
-            f"step         {step}: bias at most {a.bias / size:.2g}, by calibration; the other "
-            f"{a.statistical / size:.2g} of the error are statistical"
-        )
+        apart, bias = ", bias of the step apart", f"; its bias is unknown: {'; '.join(a.outside)}"
+    lines = [
+        f"{verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within {error:.2g} sqrt(g d) = "
+        f"{error * unit:.2g} cm/s, {error / size:.2g} of it, at {a.confidence:.4g} confidence"
+        + apart,
+        f"step         dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact{bias}",
+    ]
     if a.state == "not reached":
         lines.append(f"             this would take about {a.needed_seconds:.3g} s of run")
     if error / size > a.tolerance / 10:

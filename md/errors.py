@@ -1,5 +1,7 @@
 """The two errors that a command foresees; any other is a mistake of this package."""
 
+from typing import Any
+
 
 class InputError(ValueError, TypeError):
     """An argument, a key or a file that is refused; the message names it, its value and its domain.
@@ -11,10 +13,13 @@ class InputError(ValueError, TypeError):
 
 
 class RunError(RuntimeError):
-    """A run that cannot go on; `state` is the last good (x, z, tilt, c_x, c_z, omega)."""
+    """A run that cannot go on; `state` is the last good one.
+
+    Of one impact it is (x, z, tilt, c_x, c_z, omega), of many rods the array of `Result.rods`.
+    """
 
     exit_code = 1  # of the command that it ends
 
-    def __init__(self, message: str, state: tuple[float, ...] = ()):
+    def __init__(self, message: str, state: Any = ()):
         super().__init__(message)
         self.state = state

@@ -1,42 +1,76 @@
-"""From a scene to what the kernels take: constants, arrays, and no array that no effect needs."""
+"""A scene under way: what the kernels take of it, arrays, and the calls that march it on.
+
+What an effect does not need is not allocated. A row and an annulus differ in their kernels, their
+state and what is sampled; the rest is `Engine`.
+"""
 
 from dataclasses import dataclass
 from math import ceil, cos, hypot, pi, sin
 from time import perf_counter
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from .errors import InputError, RunError
-from .kernels import plane as row
-from .kernels.contact import Effects, Motion
-from .kernels.neighbours import Listed, apart, meetings, nothing_listed, places
-from .kernels.single import DEEP, DONE, NOT_FINITE, TOO_DEEP
+from .kernels import plane
+from .kernels.codes import (
+    ANNULUS_SERIES,
+    C_X,
+    C_Z,
+    COSINE,
+    DEEP,
+    DIRECTOR,
+    DONE,
+    FULL_LIST,
+    FULL_RECORD,
+    LEDGER_COLUMNS,
+    NOT_FINITE,
+    PAIR_SLOTS,
+    PAIR_TOO_DEEP,
+    PLACE,
+    ROW_COLUMNS,
+    ROW_DIRECTION,
+    ROW_PLACE,
+    ROW_SERIES,
+    ROW_VELOCITY,
+    SAMPLES_A_PERIOD,
+    SINE,
+    SLOTS,
+    SPACE_COLUMNS,
+    TOO_DEEP,
+    TOO_FAST,
+    TURN,
+    VELOCITY,
+    WALL_TOO_DEEP,
+    X,
+    Z,
+)
+from .kernels.contact import Clock, ContactForces, Motion
+from .kernels.neighbours import apart, meetings, nothing_listed, places
+from .kernels.space import march as space
+from .kernels.space.forces import SpaceEffects, State, Wall
+from .kernels.space.pairs import nearest, no_pairs
 from .kernels.touches import Record, new_record
-from .laws import Law, contact_time, deepest_overlap, friction_of, largest_step
-from .scene import Contact, Scene
-from .soft_impact import Rod
+from .laws import contact_time, deepest_overlap, friction_of, largest_step
+from .placement import placed
+from .rod import Rod, effects_of
+from .scene import Annulus, Contact, Scene
 
-SKIN = 0.4  # of the list of pairs, in d
-_MOST = 10**7  # steps of a period
-SAMPLES = 32  # of the tilt, in a period
+_MOST_STEPS = 10**7  # of a period
+_MOST_RODS = 2000  # of an annulus: every two have springs of their own
 CALL_SECONDS = 0.02  # of a call of the kernel: so long may a signal wait
 _MOST_A_CALL = 500_000  # steps times rods; a flight says little about the contact behind it
 
 
-def _law_step(
-    name: str, contact: Contact, speed: float, along: float, across: float, caps: int, coarse: bool
-) -> tuple[float, float]:
-    """Largest stable step and contact time of a contact at this speed; see `laws.largest_step`."""
-    deepest = deepest_overlap(contact.law, speed)
-    if not deepest < DEEP / 2:
-        raise InputError(
-            f"{name}.stiffness {contact.law.normal.stiffness:g} is too soft for impacts at "
-            f"{speed:.3g}: overlap {deepest:.2g} d"
-        )
-    friction = contact.friction > 0 and not coarse
-    largest = largest_step(contact.law, friction, speed, along, across, "verlet", caps)
-    return largest, contact_time(contact.law, speed)
+def _rod(scene: Scene) -> Rod:
+    return Rod(scene.rods.length, scene.rods.inertia)
+
+
+def _forces(contact: Contact | None) -> ContactForces | None:
+    """What a kernel takes of a contact."""
+    if contact is None:
+        return None
+    return ContactForces(contact.law.normal, friction_of(contact.law, contact.friction))
 
 
 def step_of(scene: Scene) -> tuple[float, int]:
@@ -47,26 +81,23 @@ def step_of(scene: Scene) -> tuple[float, int]:
     ValueError
         If the step is not stable, or a contact too soft.
     """
-    rod = Rod(scene.rods.length, scene.rods.inertia)
-    light, half, speed = 1 / rod.gyration_squared, rod.half_length, scene.impact_speed
-    coarse, found = scene.step.coarse, []
-    for name in ("plate", "wall"):
-        if contact := getattr(scene.contacts, name):
-            found.append(
-                _law_step(
-                    *(f"contacts.{name}", contact, speed),
-                    *((half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1, coarse),
-                )
+    rod, speed, coarse, found = _rod(scene), scene.impact_speed, scene.step.coarse, []
+    light, half = 1 / rod.gyration_squared, rod.half_length
+    alone = (half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1
+    # Across, a rod of a row turns or shifts against both neighbours, each at one end or two.
+    between = 1 + 2 * alone[0], (8 if half > 0 else 4) * max(1.0, alone[1]) - 1, 1
+    for name, (along, across, caps) in {"plate": alone, "wall": alone, "rods": between}.items():
+        if (contact := getattr(scene.contacts, name)) is None:
+            continue
+        law, deepest = contact.law, deepest_overlap(contact.law, speed)
+        if not deepest < DEEP / 2:
+            raise InputError(
+                f"contacts.{name}.stiffness {law.normal.stiffness:g} is too soft for impacts at "
+                f"{speed:.3g}: overlap {deepest:.2g} d"
             )
-    if scene.contacts.rods:
-        # Across, a rod of a row turns or shifts against both neighbours, each at one end or two.
-        found.append(
-            _law_step(
-                *("contacts.rods", scene.contacts.rods, speed),
-                1 + 2 * (half + 0.5) ** 2 * light,
-                *((8 if half > 0 else 4) * max(1.0, half**2 * light) - 1, 1, coarse),
-            )
-        )
+        friction = contact.friction > 0 and not coarse
+        limit = largest_step(law, friction, speed, along, across, "verlet", caps)
+        found.append((limit, contact_time(law, speed)))
     largest = min((limit for limit, _ in found), default=np.inf)
     whole = min((time for _, time in found), default=0.05)
     dt = scene.step.size or min(whole / 50, largest / 2)
@@ -77,10 +108,9 @@ def step_of(scene: Scene) -> tuple[float, int]:
             + ("" if coarse else " (step.coarse allows more)")
         )
     per = ceil(1 / (scene.frequency * dt) - 1e-9)
-    if per > _MOST:
-        raise InputError(
-            f"step.size must be at least {1 / (scene.frequency * _MOST):.2g} sqrt(d/g), got {dt!r}"
-        )
+    if per > _MOST_STEPS:
+        least = 1 / (scene.frequency * _MOST_STEPS)
+        raise InputError(f"step.size must be at least {least:.2g} sqrt(d/g), got {dt!r}")
     return 1 / (scene.frequency * per), per
 
 
@@ -93,41 +123,61 @@ def plate_motion(scene: Scene, per: int) -> Motion | None:
     return Motion(-amplitude * np.cos(angle), scene.plate_speed * np.sin(angle))
 
 
-def _effects(scene: Scene, per: int) -> Effects:
-    rod, contact, gravity = Rod(scene.rods.length, scene.rods.inertia), scene.contacts.plate, None
-    if scene.gravity is not None:
-        gravity = scene.gravity.x, scene.gravity.z
-    return Effects(
-        *(rod.half_length, 1 / rod.gyration_squared),
-        contact.law.normal if contact else None,
-        friction_of(contact.law, contact.friction) if contact else None,
-        *(gravity, plate_motion(scene, per), True if rod.half_length > 0 else None),
-    )
+def _flat(group: Any, prefix: str = "") -> dict[str, np.ndarray]:
+    """Arrays of nested tuples of arrays by dotted name, but for scratch and what is absent."""
+    found: dict[str, np.ndarray] = {}
+    for name, value in group._asdict().items():
+        if isinstance(value, tuple) and name != "scratch":
+            found |= _flat(value, f"{prefix}{name}.")
+        elif isinstance(value, np.ndarray) and name != "scratch":
+            found[f"{prefix}{name}"] = value
+    return found
 
 
-def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
-    """Rods side by side, alike in tilt, their lower caps `drop` over the plate."""
-    n, tilt = scene.rods.count, scene.tilt
-    half = (scene.rods.length - 1) / 2
-    touching = min(1 / max(cos(tilt), 1e-9), 2 * half * abs(sin(tilt)) + 1)
-    spacing = scene.box.length / n if scene.box else touching
-    random = np.random.default_rng(scene.start.seed)
-    rods = np.zeros((n, row.COLUMNS))
-    rods[:, 0] = (np.arange(n) + 0.5) * spacing
-    rods[:, 1] = lowest + 0.5 + half * abs(cos(tilt)) + scene.start.drop
-    rods[:, 2:4] = sin(tilt), cos(tilt)
-    rods[:, 4:6] = scene.start.speed * random.uniform(-1, 1, (n, 2))
-    return rods
+@dataclass
+class Engine:
+    """A scene under way, marched in calls of a kernel; signals are seen between calls."""
 
-
-def _springs(law: Law | None, friction: float) -> bool:
-    return law is not None and law.spring is not None and friction > 0
-
-
-class Marching:
-    """Steps in calls of the kernel of about `CALL_SECONDS`; signals are seen between calls."""
+    scene: Scene
+    effects: Any  # of the kernel
+    state: Any
+    watchers: plane.Watchers
+    dt: float  # sqrt(d/g)
+    per: int  # steps of a period
+    step: int = 0
 
     pace = 1  # steps of a call
+    kernels: ClassVar[Any]  # module of `march` and `Series`
+    height = Z, COSINE  # columns of z and of the axis's part along z
+
+    @property
+    def rods(self) -> np.ndarray:
+        """State of the rods; columns in `kernels.codes`."""
+        return self.state.rods
+
+    @property
+    def record(self) -> Record | None:
+        """Touches of the plate that are over."""
+        return self.watchers.record
+
+    @property
+    def ledger(self) -> np.ndarray | None:
+        """Energy by its ways; columns in `kernels.codes`."""
+        return self.watchers.ledger
+
+    @property
+    def plate(self) -> Motion | None:
+        """One period of the plate; None at rest."""
+        return self.effects.plate
+
+    @property
+    def plate_height(self) -> float:
+        """Height of the plate at this step, in d."""
+        return float(self.plate.height[self.step % self.per]) if self.plate else 0.0
+
+    def series(self, periods: int) -> Any:
+        """Empty series for the samples of so many periods."""
+        raise NotImplementedError
 
     def go(self, steps: int, series: Any = None) -> int:
         """Up to `steps` steps, fewer if the record is full; steps made.
@@ -147,178 +197,267 @@ class Marching:
                 self.pace = max(min(int(done * CALL_SECONDS / max(seconds, 1e-9)), most), 1)
             self.step += done
             made += done
-            if why == row.FULL_LIST:
+            if why == FULL_LIST:
                 self._grow()
-            elif why not in (DONE, row.FULL_RECORD):
-                self._stop(why, where)
-            elif why == row.FULL_RECORD or made == steps:
+            elif why not in (DONE, FULL_RECORD):
+                raise RunError(*self._stopped(why, where))
+            elif why == FULL_RECORD or made == steps:
                 return made
 
-
-@dataclass
-class Engine(Marching):
-    """A scene under way; `None` for what it does without."""
-
-    scene: Scene
-    crowd: row.Crowd
-    rods: np.ndarray
-    before: np.ndarray  # accelerations of the last step
-    springs: np.ndarray | None
-    listed: Listed | None
-    scratch: tuple[np.ndarray, np.ndarray] | None
-    total: np.ndarray
-    ledger: np.ndarray | None
-    record: Record | None
-    dt: float
-    per: int
-    step: int = 0
-
-    @property
-    def plate(self) -> Motion | None:
-        """One period of the plate; None at rest."""
-        return self.crowd.alone.plate
-
-    def tables(self, periods: int):
-        """For what is measured."""
-        from .measures import Tables  # which needs this module
-
-        return Tables(self, periods)
-
-    def _march(self, steps: int, series: row.Series | None) -> tuple[int, int, int]:
+    def _march(self, steps: int, series: Any) -> tuple[int, int, int]:
         """One call of the kernel: steps made, why it ended, where."""
         finite = np.isfinite(self.rods).all(axis=1)
         if not finite.all():
             return 0, NOT_FINITE, int(np.argmin(finite))
-        return row.march(
-            *(self.crowd, self.rods, self.before, self.springs, self.listed, self.scratch),
-            self.total,
-            *(self.ledger, self.record, series, self.step, steps, self.dt),
-        )
+        watchers, clock = self.watchers._replace(series=series), Clock(self.step, self.dt)
+        return self.kernels.march(self.effects, self.state, watchers, clock, steps)
 
     def _grow(self) -> None:
-        """A list of pairs twice as long."""
+        """Make the list of pairs twice as long."""
+        raise NotImplementedError
 
-        def doubled(array):
-            return (
-                np.concatenate([array, np.zeros_like(array)], axis=1) if array is not None else None
-            )
-
-        listed = self.listed
-        self.listed = listed._replace(
-            index=doubled(listed.index),
-            springs=doubled(listed.springs),
-            losses=doubled(listed.losses),
-        )
-        place, found = self.scratch
-        self.scratch = place, np.zeros((2 * len(found), 3), np.int64)
-
-    def _stop(self, why: int, where: int) -> None:
-        """Raise what ended the run before its time."""
+    def _stopped(self, why: int, where: int) -> tuple[str, np.ndarray]:
+        """What ended the run early, in words, and the state."""
         at = f"at t = {self.step / self.per:.6g} periods (step {self.step} of {self.dt:g})"
         state = self.rods.copy()
-        if why == NOT_FINITE:
-            raise RunError(f"rod {where}: its state is not finite {at}", state)
-        if why == row.TOO_FAST:
-            half, speed = self.crowd.alone.half_length, np.abs(state[:, 4:])
-            where = np.argmax(speed @ (1, 1, half))
-            raise RunError(f"rod {where}: moved more than {DEEP / 2} d in a step {at}", state)
-        if why == TOO_DEEP:
-            height = (
-                self.crowd.alone.plate.height[self.step % self.per] if self.scene.vibrates else 0
-            )
-            z, cosine = state[where, 1], state[where, 3]
-            deep = height + 0.5 - z + self.crowd.alone.half_length * abs(cosine)
-            raise RunError(f"rod {where}: overlap {deep:.3g} d with the plate {at}", state)
-        now = self.listed.turn[0]
-        i, j, image, _ = self.listed.index[now, where]
-        deep = max(self.overlaps(state, i, j, image))
-        raise RunError(f"rods {i} and {j}: overlap {deep:.3g} d with each other {at}", state)
+        if why == PAIR_TOO_DEEP:
+            i, j, deep = self._deepest_pair(state, where)
+            return f"rods {i} and {j}: overlap {deep:.3g} d with each other {at}", state
+        if why == TOO_FAST:
+            where = int(np.argmax(self._speeds(state)))
+        z, cosine = state[where, list(self.height)]
+        deep = self.plate_height + 0.5 - z + self.half_length * abs(cosine)
+        what = {
+            NOT_FINITE: "its state is not finite",
+            TOO_DEEP: f"overlap {deep:.3g} d with the plate",
+            WALL_TOO_DEEP: f"more than {DEEP} d deep in a wall",
+            TOO_FAST: f"moved more than {DEEP / 2} d in a step",
+        }
+        return f"rod {where}: {what[why]} {at}", state
+
+    @property
+    def half_length(self) -> float:
+        """From the centre of a rod to the centre of a cap, in d."""
+        return _rod(self.scene).half_length
+
+    def energy(self) -> float:
+        """Energy half a step ago, in m g d; only of a row."""
+        raise NotImplementedError
+
+    def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
+        """Rods of an entry of the list of pairs, and their overlap in d."""
+        raise NotImplementedError
+
+    def _speeds(self, rods: np.ndarray) -> np.ndarray:
+        """Upper bounds of the speeds of all points of the rods."""
+        raise NotImplementedError
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All that changes as the run goes on, by name."""
+        return _flat(self.state) | _flat(self.watchers)
+
+    def restore(self, arrays: dict[str, np.ndarray], step: int) -> None:
+        """Go on from the arrays of another run of the same scene."""
+        self.step = step
+        entries = "listed.index"
+        while entries in self.arrays() and arrays[entries].shape != self.arrays()[entries].shape:
+            self._grow()
+        for name, value in self.arrays().items():
+            value[...] = arrays[name]
+
+
+class RowEngine(Engine):
+    """A row under way."""
+
+    kernels: ClassVar[Any] = plane
+
+    @property
+    def plate(self) -> Motion | None:
+        """One period of the plate; None at rest."""
+        return self.effects.alone.plate
+
+    def series(self, periods: int) -> plane.Series:
+        """Empty series for the samples of so many periods."""
+        sides, every = self.rods[:, ROW_DIRECTION].copy(), max(self.per // SAMPLES_A_PERIOD, 1)
+        return plane.Series(np.zeros((periods + 1, ROW_SERIES)), sides, self.per, every)
+
+    def _grow(self) -> None:
+        """Make the list of pairs twice as long."""
+        longer = {
+            name: np.concatenate([array, np.zeros_like(array)], axis=1)
+            for name in ("index", "springs", "losses")
+            if (array := getattr(self.state.listed, name)) is not None
+        }
+        found = np.zeros((longer["index"].shape[1], 3), np.int64)
+        self.state = self.state._replace(
+            listed=self.state.listed._replace(**longer),
+            scratch=self.state.scratch._replace(found=found),
+        )
+
+    def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
+        i, j, image, _ = self.state.listed.index[self.state.listed.turn[0], where]
+        return i, j, max(self.overlaps(rods, i, j, image))
+
+    def _speeds(self, rods: np.ndarray) -> np.ndarray:
+        return np.abs(rods[:, ROW_VELOCITY]) @ (1, 1, self.half_length)
 
     def overlaps(self, rods: np.ndarray, i: int, j: int, image: int) -> list[float]:
-        """Of the ends of a pair."""
-        dx = rods[i, 0] - rods[j, 0] - image * (self.crowd.period or 0.0)
-        dz, half = rods[i, 1] - rods[j, 1], self.crowd.alone.half_length
-        a, b = tuple(rods[i, 2:4]), tuple(rods[j, 2:4])
-        ends = (places(dx, dz, a, b, half, end) for end in range(meetings(self.crowd.alone.upper)))
+        """Overlap at each end contact of a pair, in d."""
+        dx = rods[i, X] - rods[j, X] - image * (self.effects.period or 0.0)
+        dz, alone = rods[i, Z] - rods[j, Z], self.effects.alone
+        a, b = tuple(rods[i, ROW_DIRECTION]), tuple(rods[j, ROW_DIRECTION])
+        ends = (places(dx, dz, a, b, alone.half_length, k) for k in range(meetings(alone.upper)))
         return [1 - hypot(*apart(dx, dz, a, b, s, t)) for s, t in ends]
 
     def energy(self) -> float:
         """Kinetic, potential and elastic energy half a step ago, in m g d."""
-        effects, rods = self.crowd.alone, self.rods.copy()
-        velocity = rods[:, 4:]
-        angle = np.arctan2(rods[:, 2], rods[:, 3]) - velocity[:, 2] * self.dt / 2
-        rods[:, :2] -= velocity[:, :2] * self.dt / 2
-        rods[:, 2], rods[:, 3] = np.sin(angle), np.cos(angle)
+        effects, rods, listed = self.effects.alone, self.rods.copy(), self.state.listed
+        velocity = rods[:, ROW_VELOCITY]
+        angle = np.arctan2(rods[:, SINE], rods[:, COSINE]) - velocity[:, 2] * self.dt / 2
+        rods[:, ROW_PLACE] -= velocity[:, :2] * self.dt / 2
+        rods[:, SINE], rods[:, COSINE] = np.sin(angle), np.cos(angle)
         total = (velocity[:, :2] ** 2).sum() / 2 + (
             velocity[:, 2] ** 2
         ).sum() / effects.lightness / 2
         if effects.gravity:
-            total -= effects.gravity[0] * rods[:, 0].sum() + effects.gravity[1] * rods[:, 1].sum()
+            total -= effects.gravity[0] * rods[:, X].sum() + effects.gravity[1] * rods[:, Z].sum()
         if effects.normal:
             height = 0.0
             if effects.plate:
                 before, now = (effects.plate.height[(self.step + s) % self.per] for s in (-1, 0))
                 height = (before + now) / 2
             for cap in (-1, 1) if effects.upper else (-1,):
-                deep = height + 0.5 - rods[:, 1] - cap * effects.half_length * rods[:, 3]
+                deep = height + 0.5 - rods[:, Z] - cap * effects.half_length * rods[:, COSINE]
                 total += 0.4 * effects.normal.stiffness * (np.maximum(deep, 0) ** 2.5).sum()
-        if self.listed:
-            now, stiffness = self.listed.turn[0], self.crowd.between.normal.stiffness
-            for i, j, image, _ in self.listed.index[now, : self.listed.start[now, -1]]:
+        if listed:
+            now, stiffness = listed.turn[0], self.effects.between.normal.stiffness
+            for i, j, image, _ in listed.index[now, : listed.start[now, -1]]:
                 deep = np.maximum(self.overlaps(rods, i, j, image), 0)
                 total += 0.4 * stiffness * (deep**2.5).sum()
         return float(total)
 
-    def arrays(self) -> dict[str, np.ndarray]:
-        """All that changes as the run goes on, by name."""
-        names = "rods", "before", "springs", "ledger"
-        found: dict[str, Any] = {name: getattr(self, name) for name in names}
-        for name, group in (("listed", self.listed), ("record", self.record)):
-            if group is not None:
-                found |= {f"{name}.{key}": value for key, value in group._asdict().items()}
-        return {name: value for name, value in found.items() if value is not None}
 
-    def restore(self, arrays: dict[str, np.ndarray], step: int) -> None:
-        """Go on from the arrays of another run of the same scene."""
-        self.step = step
-        while self.listed is not None and arrays["listed.index"].shape != self.listed.index.shape:
-            self._grow()
-        for name, value in self.arrays().items():
-            value[...] = arrays[name]
+class AnnulusEngine(Engine):
+    """Rods in an annulus under way; energy is not accounted for, and touches are only counted."""
+
+    kernels: ClassVar[Any] = space
+    height = PLACE + 2, DIRECTOR + 2
+
+    def series(self, periods: int) -> space.Series:
+        """Empty series for the samples of so many periods."""
+        x, y = self.rods[:, PLACE], self.rods[:, PLACE + 1]
+        rows, resting = np.zeros((periods + 1, ANNULUS_SERIES)), np.zeros(len(x), np.int8)
+        every = max(self.per // SAMPLES_A_PERIOD, 1)
+        return space.Series(rows, np.arctan2(y, x), resting, self.per, every)
+
+    def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
+        i, j, _ = self.state.pairs.index[where]
+        (x, a), (y, b) = ((rods[k, PLACE:DIRECTOR], rods[k, DIRECTOR:VELOCITY]) for k in (i, j))
+        vectors = (tuple(v.tolist()) for v in (x - y, a, b))
+        return i, j, 1 - nearest(*vectors, self.half_length)
+
+    def _speeds(self, rods: np.ndarray) -> np.ndarray:
+        turn = np.linalg.norm(rods[:, TURN:], axis=1)
+        return np.linalg.norm(rods[:, VELOCITY:TURN], axis=1) + self.half_length * turn
 
 
-def prepare(scene: Scene, *, ledger: bool = True, landings: bool = True) -> Engine:
-    """All that a run of the scene needs, at its start; a `space.engine.Ring` in an annulus.
+def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engine:
+    """`RowEngine` or `AnnulusEngine` of a scene at its start.
 
     Parameters
     ----------
     scene : Scene
-    ledger : whether to account for the energy
-    landings : whether to record the landings
+    ledger : whether to account for the energy; not in an annulus
+    touches : whether to record the touches of the plate; not in an annulus
+
+    Raises
+    ------
+    ValueError
+        If the rods do not fit into the annulus, or the step is not stable.
     """
     if scene.annulus is not None:
-        from . import annulus_host as space  # which takes parts of this module
-
-        return space.prepare(scene)
+        return _annulus(scene, scene.annulus)
     dt, per = step_of(scene)
-    effects, n, between = _effects(scene, per), scene.rods.count, None
-    lowest = effects.plate.height[0] if effects.plate else 0.0
-    pair, plate = scene.contacts.rods, scene.contacts.plate
-    listed = scratch = None
-    if pair is not None:
-        between = row.Between(pair.law.normal, friction_of(pair.law, pair.friction))
+    n, pair, plate = scene.rods.count, scene.contacts.rods, scene.contacts.plate
+    gravity = (scene.gravity.x, scene.gravity.z) if scene.gravity is not None else None
+    law, friction = (plate.law, plate.friction) if plate else (None, 0.0)
+    alone = effects_of(_rod(scene), law, friction, gravity, plate_motion(scene, per))
+    between, listed, place, found = _forces(pair), None, None, None
+    if between is not None:
         capacity = 8 * n + 56
         listed = nothing_listed(n, capacity, between.friction is not None, ledger)
-        scratch = np.zeros(n), np.zeros((capacity, 3), np.int64)
+        place, found = np.zeros(n), np.zeros((capacity, 3), np.int64)
     box = scene.box.length if scene.box and pair is not None else None
-    return Engine(
-        scene,
-        row.Crowd(effects, between, box, SKIN if pair is not None else None),
-        _row_of_rods(scene, lowest),
-        np.zeros((n, 3)),
-        np.zeros((n, 2)) if plate and _springs(plate.law, plate.friction) else None,
-        *(listed, scratch, np.zeros((n, 3))),
-        np.zeros(5) if ledger else None,
-        new_record(n, 4096) if landings and plate is not None else None,
-        *(dt, per),
+    state = plane.State(
+        rods=_row_of_rods(scene, alone.plate.height[0] if alone.plate else 0.0),
+        before=np.zeros((n, 3)),
+        springs=np.zeros((n, 2)) if alone.friction and alone.friction.spring else None,
+        listed=listed,
+        scratch=plane.Scratch(np.zeros((n, 3)), place, found),
     )
+    record = new_record(n, 4096) if touches and plate is not None else None
+    watchers = plane.Watchers(np.zeros(LEDGER_COLUMNS) if ledger else None, record, None)
+    return RowEngine(scene, plane.RowEffects(alone, between, box), state, watchers, dt, per)
+
+
+def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
+    """Rods side by side, alike in tilt, their lower caps `drop` over the plate."""
+    n, tilt = scene.rods.count, scene.tilt
+    half = _rod(scene).half_length
+    touching = min(1 / max(cos(tilt), 1e-9), 2 * half * abs(sin(tilt)) + 1)
+    spacing = scene.box.length / n if scene.box else touching
+    random = np.random.default_rng(scene.start.seed)
+    rods = np.zeros((n, ROW_COLUMNS))
+    rods[:, X] = (np.arange(n) + 0.5) * spacing
+    rods[:, Z] = lowest + 0.5 + half * abs(cos(tilt)) + scene.start.drop
+    rods[:, ROW_DIRECTION] = sin(tilt), cos(tilt)
+    rods[:, C_X : C_Z + 1] = scene.start.speed * random.uniform(-1, 1, (n, 2))
+    return rods
+
+
+def space_effects(scene: Scene, gap: Annulus, per: int) -> SpaceEffects:
+    """All that acts on rods in an annulus."""
+    rod, rolling = _rod(scene), None
+    plate, wall = _forces(scene.contacts.plate), _forces(scene.contacts.wall)
+    assert wall is not None
+    if scene.rods.rolling:
+        rolling = rod.gyration_squared / rod.axial_gyration_squared - 1
+    return SpaceEffects(
+        half_length=rod.half_length,
+        lightness=1 / rod.gyration_squared,
+        rolling=rolling,
+        gravity=scene.gravity.z if scene.gravity else None,
+        plate=plate_motion(scene, per),
+        normal=plate.normal if plate else None,
+        friction=plate.friction if plate else None,
+        inner=Wall(gap.inner, wall.normal, wall.friction),
+        outer=Wall(gap.outer, wall.normal, wall.friction),
+        between=_forces(scene.contacts.rods),
+    )
+
+
+def _annulus(scene: Scene, gap: Annulus) -> AnnulusEngine:
+    n = scene.rods.count
+    if n > _MOST_RODS:
+        raise InputError(f"rods.count must be at most {_MOST_RODS} in an annulus, got {n}")
+    dt, per = step_of(scene)
+    effects = space_effects(scene, gap, per)
+    tilt = None if scene.start.tilt_deg is None else abs(scene.tilt)
+    rods = np.zeros((n, SPACE_COLUMNS))
+    rods[:, :VELOCITY] = placed(gap, n, scene.rods.length, tilt=tilt, seed=scene.start.seed)
+    if scene.start.tilt_deg is not None and scene.tilt < 0:
+        rods[:, DIRECTOR : DIRECTOR + 2] *= -1
+    rods[:, PLACE + 2] += (effects.plate.height[0] if effects.plate else 0.0) + scene.start.drop
+    random = np.random.default_rng(scene.start.seed)
+    rods[:, VELOCITY:TURN] = scene.start.speed * random.uniform(-1, 1, (n, 3))
+    pairs, springs = n * (n - 1) // 2, effects.between and effects.between.friction
+    rubs = effects.friction or (effects.inner and effects.inner.friction)
+    state = State(
+        rods=rods,
+        before=np.zeros((n, 6)),
+        springs=np.zeros((n, SLOTS, 3)) if rubs else None,
+        pairs=no_pairs(n) if effects.between else None,
+        pair_springs=np.zeros((pairs, PAIR_SLOTS, 3)) if springs else None,
+        scratch=np.zeros((n, 6)),
+    )
+    return AnnulusEngine(scene, effects, state, plane.Watchers(None, None, None), dt, per)

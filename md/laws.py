@@ -104,13 +104,12 @@ def appendix_a(
     overlap_factor : whether the dashpots carry the factor of the overlap that is printed
     """
     k = positive("stiffness", stiffness)
-    drag = not_negative("damping", damping) * positive("reduced_mass", reduced_mass) or None
+    dashpot = not_negative("damping", damping) * positive("reduced_mass", reduced_mass) or None
     spring = positive("tangential_ratio", tangential_ratio) * k
     if held("overlap_factor", overlap_factor, bool):
-        return Law(
-            "appendix_a", Normal(k, proportional=drag), Spring(proportional=spring, drag=drag)
-        )
-    return Law("appendix_a", Normal(k, constant=drag), Spring(spring, constant_drag=drag))
+        rubbing = Spring(spring, proportional_dashpot=dashpot)
+        return Law("appendix_a", Normal(k, proportional=dashpot), rubbing)
+    return Law("appendix_a", Normal(k, constant=dashpot), Spring(spring, constant_dashpot=dashpot))
 
 
 def _normal(restitution: float, stiffness: float) -> Normal:
@@ -142,7 +141,7 @@ def constant_restitution(
     normal = _normal(restitution, stiffness)
     ratio = positive("tangential_ratio", tangential_ratio)
     damping = not_negative("tangential_damping", tangential_damping)
-    spring = Spring(root=ratio * normal.stiffness, ratio=damping or None)
+    spring = Spring(root=ratio * normal.stiffness, damping_ratio=damping or None)
     return Law("constant_restitution", normal, spring, float(restitution))
 
 
@@ -222,8 +221,9 @@ def largest_step(
         spring, light = law.spring, caps * (1 + along)
         k = (spring.proportional or 0.0) * d + (spring.root or 0.0) * sqrt(d)
         stiff += k * light
-        dash += ((spring.drag or 0.0) * d + (spring.constant_drag or 0.0)) * light
-        dash += 2 * (spring.ratio or 0.0) * sqrt(k / (1 + along)) * light
+        rubbing = (spring.proportional_dashpot or 0.0) * d + (spring.constant_dashpot or 0.0)
+        dash += rubbing * light
+        dash += 2 * (spring.damping_ratio or 0.0) * sqrt(k / (1 + along)) * light
     a, b = _STABLE[method]
     dash *= a / 2
     return b / (dash + sqrt(dash * dash + b * stiff))

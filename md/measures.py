@@ -1,54 +1,54 @@
-"""What a run adds up over its landings and samples, a row a period, and means of it.
+"""What a run adds up over its touches and samples, a row a period, and means of it.
 
 A rod that leaves the plate slower than the plate rises is hit again at once. Flight lengths fall
-into two groups, below 0.1 and above 0.4 periods, so there are two kinds of mean: over every touch
-of the plate, and over touches merged into one landing where less than `HOP` lies between them.
+into two groups, below 0.1 and above 0.4 periods, so a row has two kinds of mean: over every touch
+of the plate, and over touches merged into one landing where less than `HOP` lies between them. In
+an annulus touches are only counted; what an annulus has instead is the lean along it.
 """
 
+from math import nan
 from typing import Any
 
 import numpy as np
 
-from .host import SAMPLES, Engine
-from .kernels import plane as row
-from .kernels import touches as landings
+from .host import AnnulusEngine, Engine
+from .kernels import codes
+from .kernels import touches as columns
+from .kernels.codes import SLIDING, SLIP_REVERSAL, SLIP_STICK
 from .statistics import ratio, standard_error
 
-_PHASES = 64  # parts of a period
+_PARTS = 64  # of a period
 HOP = 0.2  # periods; a shorter flight does not part two landings
-_OF_PERIOD = "series", "sums", "phases"  # arrays with a row a period
-_TOUCHES = landings.WIDTH  # column behind those of a landing: touches merged into it
+_MERGED = columns.WIDTH  # column behind those of a touch: how many touches a landing has
 
-# What is summed over the landings of each period.
+# What is summed over the touches or landings of each period.
 SUMS = (
-    *("landings", "plate", "c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before"),
-    *("approach", "leaving", "flight", "flights", "duration", "slide", "stick", "reversal"),
-    *("shared", "pushing", "omega_after", "flight_squared", "falling", "touches"),
+    *("count", "plate", "c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before"),
+    *("approach", "leaving", "flight", "duration", "slide", "slip_stick", "slip_reversal"),
+    *("pushed_by_others", "pushing", "omega_after", "flight_squared", "falling", "touches"),
 )
-MEANS = {  # what follows from them; plate_velocity over the plate's peak velocity, V_z/V_0
-    "plate_velocity": ("plate", "landings"),
-    "plate_velocity_by_speed": ("pushing", "approach"),  # each landing counts as its v_0
-    "c_x_before": ("c_x_before", "landings"),
-    "c_x_after": ("c_x_after", "landings"),
-    "c_z_before": ("c_z_before", "landings"),
-    "c_z_after": ("c_z_after", "landings"),
-    "omega_before": ("omega_before", "landings"),
-    "omega_after": ("omega_after", "landings"),
-    "restitution": ("leaving", "approach"),  # of all landings together
-    "flight_periods": ("flight", "flights"),
+_BOTH = {  # quotients of sums; plate_velocity over the plate's peak velocity, V_z/V_0
+    "plate_velocity": ("plate", "count"),
+    **{
+        f"{name}_{when}": (f"{name}_{when}", "count")
+        for name in ("c_x", "c_z", "omega")
+        for when in ("before", "after")
+    },
+    "flight_periods": ("flight", "count"),
     "flight_seen_periods": ("flight_squared", "flight"),  # mean of the flights met at a random time
-    "contact_periods": ("duration", "landings"),
-    "slide": ("slide", "landings"),
-    "slip_stick": ("stick", "landings"),
-    "slip_reversal": ("reversal", "landings"),
-    "not_isolated": ("shared", "landings"),
-    "falling": ("falling", "landings"),  # while the plate falls
+    "falling": ("falling", "count"),  # while the plate falls
 }
-OF_MERGED = {
-    **{name: of for name, of in MEANS.items() if name.startswith(("c_", "omega", "flight"))},
-    **{name: MEANS[name] for name in ("plate_velocity", "falling")},
-    "touches": ("touches", "landings"),
+MEANS = {  # over touches
+    **_BOTH,
+    "plate_velocity_by_speed": ("pushing", "approach"),  # each touch counts as its v_0
+    "restitution": ("leaving", "approach"),  # of all touches together
+    "contact_periods": ("duration", "count"),
+    **{
+        name: (name, "count")
+        for name in ("slide", "slip_stick", "slip_reversal", "pushed_by_others")
+    },
 }
+OF_LANDINGS = {**_BOTH, "touches": ("touches", "count")}
 
 
 def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
@@ -63,111 +63,191 @@ def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
     """
     if not len(rows):
         return rows, rows
-    order = np.lexsort((rows[:, landings.STEP], rows[:, landings.ROD]))
+    order = np.lexsort((rows[:, columns.STEP], rows[:, columns.ROD]))
     rows = rows[order]
-    of_rod = np.diff(rows[:, landings.ROD], prepend=-1) != 0
-    first = np.flatnonzero(of_rod | ~(rows[:, landings.FLIGHT] <= shortest))
+    of_rod = np.diff(rows[:, columns.ROD], prepend=-1) != 0
+    first = np.flatnonzero(of_rod | ~(rows[:, columns.FLIGHT] <= shortest))
     last = np.append(first[1:], len(rows)) - 1
     found = rows[first]
-    found[:, landings.AFTER : landings.AFTER + 3] = rows[last, landings.AFTER : landings.AFTER + 3]
-    found[:, _TOUCHES] = np.add.reduceat(rows[:, _TOUCHES], first)
+    found[:, columns.AFTER : columns.AFTER + 3] = rows[last, columns.AFTER : columns.AFTER + 3]
+    found[:, _MERGED] = np.add.reduceat(rows[:, _MERGED], first)
     over = np.append(~of_rod[first[1:]], False)  # the same rod has begun another one
     seen = np.argsort(order[first[1:]][over[:-1]])
     return found[over][seen], found[~over]
 
 
 class Tables:
-    """Samples of each period and sums over its landings."""
+    """Samples of each period, and what is added up over its touches."""
 
     def __init__(self, engine: Engine, periods: int):
-        self.periods, self.per, self.speed = periods, engine.per, engine.scene.plate_speed or 1.0
-        self.series = np.zeros((periods + 1, 5))
-        self.sides = engine.rods[:, 2:4].copy()
-        self.sums = np.zeros((periods + 1, 2, len(SUMS)))  # over touches, over merged landings
-        self.phases = np.zeros((periods + 1, _PHASES), np.uint16)
-        self.under_way = np.zeros((0, _TOUCHES + 1))  # merged landings that may not be over
-
-    def sampled(self, engine: Engine) -> row.Series:
-        """What the kernel adds to."""
-        return row.Series(self.series, self.sides, self.per, max(self.per // SAMPLES, 1))
+        self.engine, self.per, self.speed = engine, engine.per, engine.scene.plate_speed or 1.0
+        self.series = engine.series(periods)
+        _, *of_rods, _, _ = zip(self.series._fields, self.series, strict=True)
+        self.of_period = {"series": self.series.rows}  # arrays with a row a period
+        self.of_rods: dict[str, np.ndarray] = dict(of_rods)  # arrays with a row a rod
 
     def arrays(self, periods: int) -> dict[str, np.ndarray]:
         """All that a checkpoint needs, by name."""
-        of_period = {name: getattr(self, name)[: periods + 1] for name in _OF_PERIOD}
-        return {**of_period, "sides": self.sides, "under_way": self.under_way}
+        of_period = {name: rows[: periods + 1] for name, rows in self.of_period.items()}
+        return of_period | self.of_rods
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
-        """Take them out again."""
-        self.under_way = arrays.pop("under_way")
-        for name in (*_OF_PERIOD, "sides"):
+        """Restore from the arrays of a checkpoint, which are taken out."""
+        for name, array in (self.of_period | self.of_rods).items():
             part = arrays.pop(name)
-            getattr(self, name)[: len(part)] = part
+            array[: len(part)] = part
 
-    def drift(self, engine: Engine, periods: int) -> np.ndarray:
+    def drift(self, periods: int) -> np.ndarray:
         """Mean drift of each period made."""
-        places = self.series[: periods + 1, row.MEAN_X].copy()
-        if engine.step == periods * engine.per:  # the next period's first sample is not yet made
-            places[-1] = engine.rods[:, 0].mean()
-        return np.diff(places) / (engine.dt * engine.per)
+        raise NotImplementedError
 
-    def tilt_deg(self, periods: int) -> np.ndarray:
-        """Mean tilt of each period made."""
-        return np.degrees(self.series[:periods, row.TILTS] / self.series[:periods, row.SAMPLES])
-
-    @staticmethod
-    def error(series: np.ndarray) -> float:
+    def error(self, series: np.ndarray) -> float:
         """Standard error of the mean of one value a period."""
         return standard_error(series)
 
-    def results(self, engine: Engine, first: int, periods: int) -> dict[str, Any]:
+    def tilt_deg(self, periods: int) -> np.ndarray:
+        """Mean tilt of each period made."""
+        part = self.series.rows[:periods]
+        return np.degrees(part[:, codes.TILT_SUM] / part[:, codes.SAMPLED])
+
+    def results(self, first: int, periods: int) -> dict[str, Any]:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""
-        seen, n = engine.record is not None and periods > 0, engine.scene.rods.count
-        return {
-            "landings": self._means(0, MEANS, first, periods, n) if seen else None,
-            "merged": self._means(1, OF_MERGED, first, periods, n) if seen else None,
-            "turned": {
-                "fell": int(self.series[:, row.FELL].sum()),
-                "passed_upright": int(self.series[:, row.UPRIGHT].sum()),
-            },
-            "phases": self.cycle(first, periods) if engine.record is not None else [],
-        }
+        return {"touches": None, "landings": None, "annulus": None, "turned": {}, "phases": []}
 
     def add(self, rows: np.ndarray) -> None:
-        """Touches as they end."""
+        """Add touches as they end."""
+
+
+class RowTables(Tables):
+    """Samples of each period of a row and sums over its touches and landings."""
+
+    def __init__(self, engine: Engine, periods: int):
+        super().__init__(engine, periods)
+        self.sums = np.zeros((periods + 1, 2, len(SUMS)))  # over touches, over landings
+        self.phases = np.zeros((periods + 1, _PARTS), np.uint16)
+        self.of_period |= {"sums": self.sums, "phases": self.phases}
+        self.under_way = np.zeros((0, _MERGED + 1))  # landings that may not be over
+
+    def arrays(self, periods: int) -> dict[str, np.ndarray]:
+        """All that a checkpoint needs, by name."""
+        return super().arrays(periods) | {"under_way": self.under_way}
+
+    def restore(self, arrays: dict[str, np.ndarray]) -> None:
+        """Restore from the arrays of a checkpoint, which are taken out."""
+        self.under_way = arrays.pop("under_way")
+        super().restore(arrays)
+
+    def drift(self, periods: int) -> np.ndarray:
+        """Mean drift of each period made."""
+        engine, places = self.engine, self.series.rows[: periods + 1, codes.MEAN_X].copy()
+        if engine.step == periods * self.per:  # the next period's first sample is not yet made
+            places[-1] = engine.rods[:, codes.X].mean()
+        return np.diff(places) / (engine.dt * self.per)
+
+    def results(self, first: int, periods: int) -> dict[str, Any]:
+        """What a `Result` tells of the periods behind the transient but for drift and tilt."""
+        turned = {"fell": codes.FELL, "passed_upright": codes.UPRIGHT}
+        rows = self.series.rows
+        found: dict[str, Any] = {
+            "turned": {name: int(rows[:, column].sum()) for name, column in turned.items()}
+        }
+        if self.engine.record is not None:
+            found["phases"] = self.cycle(first, periods)
+            if periods > 0:
+                found["touches"] = self._means(0, MEANS, first, periods)
+                found["landings"] = self._means(1, OF_LANDINGS, first, periods)
+        return super().results(first, periods) | found
+
+    def add(self, rows: np.ndarray) -> None:
+        """Add touches as they end."""
         rows = np.column_stack([rows, np.ones(len(rows))])
         over, self.under_way = merged(np.concatenate([self.under_way, rows]), HOP * self.per)
         self._sum(1, over)
         period, part = np.divmod(self._sum(0, rows), self.per)
-        np.add.at(self.phases, (period, part * _PHASES // self.per), 1)
+        np.add.at(self.phases, (period, part * _PARTS // self.per), 1)
 
     def _sum(self, kind: int, rows: np.ndarray) -> np.ndarray:
-        """Add landings, but those with which a rod may have begun on the plate; their steps."""
-        rows = rows[np.isfinite(rows[:, landings.FLIGHT])]
-        step = rows[:, landings.STEP].astype(int)
-        flight, plate = rows[:, landings.FLIGHT] / self.per, rows[:, landings.PLATE] / self.speed
-        regime = rows[:, landings.REGIME]
-        before, after = landings.BEFORE, landings.AFTER
-        columns = (
-            *(np.ones(len(rows)), plate),
-            *(rows[:, before], rows[:, after], rows[:, before + 1], rows[:, after + 1]),
-            rows[:, before + 2],
-            *(-rows[:, landings.APPROACH], rows[:, landings.LEAVING]),
-            *(flight, np.ones(len(rows))),
-            rows[:, landings.DURATION] / self.per,
-            *(regime == 1, regime == 2, regime == 3, rows[:, landings.SHARED] > 0),
-            -rows[:, landings.APPROACH] * plate,
-            *(rows[:, after + 2], flight**2, plate < 0, rows[:, _TOUCHES]),
-        )
-        np.add.at(self.sums[:, kind], step // self.per, np.array(columns, float).T)
+        """Add touches or landings, but those with which a rod may have begun; their steps."""
+        rows = rows[np.isfinite(rows[:, columns.FLIGHT])]
+        step = rows[:, columns.STEP].astype(int)
+        flight, plate = rows[:, columns.FLIGHT] / self.per, rows[:, columns.PLATE] / self.speed
+        before = rows[:, columns.BEFORE : columns.AFTER].T
+        after = rows[:, columns.AFTER : columns.PLATE].T
+        approach, regime = -rows[:, columns.APPROACH], rows[:, columns.REGIME]
+        sums = {
+            "count": np.ones(len(rows)),
+            "plate": plate,
+            **dict(zip(("c_x_before", "c_z_before", "omega_before"), before, strict=True)),
+            **dict(zip(("c_x_after", "c_z_after", "omega_after"), after, strict=True)),
+            "approach": approach,
+            "leaving": rows[:, columns.LEAVING],
+            "flight": flight,
+            "duration": rows[:, columns.DURATION] / self.per,
+            "slide": regime == SLIDING,
+            "slip_stick": regime == SLIP_STICK,
+            "slip_reversal": regime == SLIP_REVERSAL,
+            "pushed_by_others": rows[:, columns.PUSHED] > 0,
+            "pushing": approach * plate,
+            "flight_squared": flight**2,
+            "falling": plate < 0,
+            "touches": rows[:, _MERGED],
+        }
+        table = np.array([sums[name] for name in SUMS], float).T
+        np.add.at(self.sums[:, kind], step // self.per, table)
         return step
 
-    def _means(self, kind: int, names: dict, first: int, last: int, rods: int) -> dict[str, Any]:
+    def _means(self, kind: int, names: dict, first: int, last: int) -> dict[str, Any]:
         part = dict(zip(SUMS, self.sums[first:last, kind].T, strict=True))
         found = {name: ratio(part[top], part[base]) for name, (top, base) in names.items()}
-        found["per_rod_and_period"] = ratio(part["landings"], np.full(last - first, rods))
+        rods = np.full(last - first, self.engine.scene.rods.count)
+        found["per_rod_and_period"] = ratio(part["count"], rods)
         return {name: {"mean": m, "stderr": e} for name, (m, e) in found.items()}
 
     def cycle(self, first: int, last: int) -> list[int]:
-        """Landings over the plate's cycle; a run begins at its lowest place, a quarter before."""
+        """Touches over the plate's cycle; a run begins at its lowest place, a quarter before."""
         counts = self.phases[first:last].sum(axis=0, dtype=np.int64)
-        return np.roll(counts, -(_PHASES // 4)).tolist()
+        return np.roll(counts, -(_PARTS // 4)).tolist()
+
+
+class AnnulusTables(Tables):
+    """Samples of each period of an annulus, and its touches, which are counted."""
+
+    def drift(self, periods: int) -> np.ndarray:
+        """Mean velocity around the annulus, at its middle radius, of each period made."""
+        gap, period = self.engine.scene.annulus, self.engine.dt * self.per
+        assert gap is not None
+        return self.series.rows[:periods, codes.ADVANCE] * gap.middle / period
+
+    def error(self, series: np.ndarray) -> float:
+        """Unknown from one run: the rods keep their arrangement, another one at each start."""
+        return nan
+
+    def results(self, first: int, periods: int) -> dict[str, Any]:
+        """What a `Result` tells of the periods behind the transient but for drift and tilt."""
+        found = super().results(first, periods)
+        if not periods:
+            return found
+        part = self.series.rows[first:periods].sum(axis=0)
+        count, n = part[codes.TOUCHES], self.engine.scene.rods.count * (periods - first)
+        approach = part[codes.APPROACH_SUM]
+        touches = {
+            "plate_velocity": (part[codes.PLATE_SUM] / self.speed, count),
+            "plate_velocity_by_speed": (part[codes.PUSHING] / self.speed, approach),
+            "per_rod_and_period": (count, n),
+        }
+        lean = {"lean_deg": (np.degrees(part[codes.LEAN_SUM]), part[codes.SAMPLED])}
+        return found | {"touches": _without_error(touches), "annulus": _without_error(lean)}
+
+
+def _without_error(found: dict[str, tuple[float, float]]) -> dict[str, Any]:
+    """Quotients whose error one run cannot tell."""
+    return {
+        name: {"mean": float(top / base) if base > 0 else nan, "stderr": nan}
+        for name, (top, base) in found.items()
+    }
+
+
+def tables_of(engine: Engine, periods: int) -> Tables:
+    """Empty tables for so many periods of a run."""
+    of_annulus = isinstance(engine, AnnulusEngine)
+    return AnnulusTables(engine, periods) if of_annulus else RowTables(engine, periods)

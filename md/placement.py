@@ -6,15 +6,16 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from .errors import InputError
-from .kernels.contact import Normal
-from .kernels.plane import Between
-from .kernels.space import forces
-from .kernels.space import march as crowd
+from .kernels.codes import DIRECTOR, DONE, SPACE_COLUMNS, TOO_FAST, TURN, VELOCITY
+from .kernels.contact import Clock, ContactForces, Normal
+from .kernels.plane import Watchers
+from .kernels.space.forces import SpaceEffects, State, Wall
 from .kernels.space.geometry import beyond, from_above, passes
+from .kernels.space.march import march
 from .kernels.space.pairs import nearest, no_pairs
 from .scene import Annulus
 
-_TOUCHING = 1e-4  # d; so deep, a rod of the paper's stiffness is pushed by five times its weight
+_TOUCHING = 1e-4  # d; so deep, the paper's contacts push with five times a rod's weight
 _STEPS = 8_000
 
 
@@ -91,7 +92,7 @@ def placed(
         rods = _zigzag(gap, count, half, part * lean, np.random.default_rng(seed))
         left = _relax(gap, rods, half)
         if left < _TOUCHING:
-            return rods[:, :6]
+            return rods[:, :VELOCITY]
     radii = f"{gap.inner:g} and {gap.outer:g}"
     why = f": overlaps of {left:.2g} d are left after relaxation" if np.isfinite(left) else ""
     raise InputError(f"rods.count {count} do not fit into the annulus of radii {radii}{why}")
@@ -102,14 +103,15 @@ def _zigzag(
 ) -> np.ndarray:
     """Rods evenly around the gap, by turns as near to either wall as their tilt allows."""
     low, high = _swing(gap, half, lean)
-    rods = np.zeros((count, crowd.COLUMNS))
+    rods = np.zeros((count, SPACE_COLUMNS))
     for i in range(count):
         azimuth = 2 * pi * i / count
         odd_one = count % 2 == 1 and i == count - 1
         radius = (low + high) / 2 if odd_one else (low, high)[i % 2]
         angle = lean + 1e-3 * random.uniform(-1, 1)
         rods[i, :2] = radius * cos(azimuth), radius * sin(azimuth)
-        rods[i, 3:6] = -sin(angle) * sin(azimuth), sin(angle) * cos(azimuth), cos(angle)
+        flat = -sin(angle) * sin(azimuth), sin(angle) * cos(azimuth)
+        rods[i, DIRECTOR:VELOCITY] = *flat, cos(angle)
     return rods
 
 
@@ -140,32 +142,35 @@ def _relax(gap: Annulus, rods: np.ndarray, half: float) -> float:
 
     Velocities are dropped whenever they lead up.
     """
-    soft = Normal(100.0)
-    wall = [forces.Wall(radius, soft, None) for radius in (gap.inner, gap.outer)]
+    soft, n = Normal(100.0), len(rods)
     light = 1 / (0.1 + (2 * half + 1) ** 2 / 12)
-    world = forces.Space(half, light, None, None, None, None, None, *wall, Between(soft, None))
-    n = len(rods)
-    pairs, total, before = no_pairs(n), np.zeros((n, 6)), np.zeros((n, 6))
+    effects = SpaceEffects(
+        half,
+        light,
+        inner=Wall(gap.inner, soft, None),
+        outer=Wall(gap.outer, soft, None),
+        between=ContactForces(soft, None),
+    )
+    force = np.zeros((n, 6))
+    state = State(rods, np.zeros((n, 6)), None, no_pairs(n), None, force)
     for step in range(_STEPS):
-        rods[:, 2] = 0.5 + half * np.abs(rods[:, 5])
-        rods[:, 8] = 0
+        rods[:, 2] = 0.5 + half * np.abs(rods[:, DIRECTOR + 2])
+        rods[:, VELOCITY + 2] = 0
         if step % 100 == 0 and (left := overlap(gap, rods, half)) < _TOUCHING:
             break
-        _, why, _ = crowd.march(
-            *(world, rods, before, None, None, pairs, 0.4, total, None, step, 1, 0.02),
-        )
-        if why not in (crowd.DONE, crowd.TOO_FAST):
+        _, why, _ = march(effects, state, Watchers(None, None, None), Clock(step, 0.02), 1)
+        if why not in (DONE, TOO_FAST):
             return np.inf
-        power = (total[:, :3] * rods[:, 6:9]).sum() + (total[:, 3:] * rods[:, 9:12]).sum()
-        if power < 0:
-            rods[:, 6:] = 0
-    rods[:, 6:] = 0
+        velocity, turn = rods[:, VELOCITY:TURN], rods[:, TURN:]
+        if (force[:, :3] * velocity).sum() + (force[:, 3:] * turn).sum() < 0:
+            rods[:, VELOCITY:] = 0
+    rods[:, VELOCITY:] = 0
     return left
 
 
 def overlap(gap: Annulus, rods: np.ndarray, half: float) -> float:
     """Largest overlap of rods with each other and with the walls, in diameters."""
-    parts = [(tuple(rod[:3]), tuple(rod[3:6])) for rod in rods.tolist()]
+    parts = [(tuple(rod[:DIRECTOR]), tuple(rod[DIRECTOR:VELOCITY])) for rod in rods.tolist()]
     deepest = -np.inf
     for i, (x, a) in enumerate(parts):
         seen = from_above(x, a)

@@ -6,21 +6,21 @@ are displacements since the touch, so that the overlap keeps its digits. The vel
 forces are those of the moment itself.
 """
 
-from math import cos, pi, sin, sqrt
+from collections.abc import Sequence
+from math import cos, sin
 from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from .cache import kernel
 from .errors import InputError, RunError
-from .kernels.contact import dashpot, tangential_constants, weight
+from .kernels.codes import BACK, FORWARD, FREE, SLIDE, STICK, STUCK, TURNED
+from .kernels.contact import Effects
+from .kernels.rates import plate_after, rates
 
-FORWARD, STICK, BACK, FREE = 1, 0, -1, 2  # how friction acts now; FREE: there is none
 _SWITCHES = 10_000  # of one contact; a soft spring that rattles at the force's end makes hundreds
 LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed
-SLIDE, STUCK, TURNED = 0, 1, 2  # what a contact does before its slip stops, and after
 
 
 class Vibration(NamedTuple):
@@ -32,108 +32,21 @@ class Vibration(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """What one contact did; impulses and durations of SLIDE, STICK and BACK (see `one_rod`)."""
+    """What one contact did; durations and normal impulses of its phases (see `codes`)."""
 
     position: np.ndarray  # x, z, tilt at the end
     velocity: np.ndarray  # c_x, c_z, omega
-    durations: tuple[float, float, float]  # before the slip's stop, then stuck, then slipping
-    impulses: tuple[float, float, float]  # normal, of the same
+    durations: tuple[float, ...]
+    impulses: tuple[float, ...]
     stopped: bool  # whether the slip stopped at all
     deepest: float
     evaluations: int
     end: float  # time since the touch
 
 
-@kernel
-def plate_after(vibration, t):
-    """Displacement of the plate since t = 0, and its velocity."""
-    if vibration is None:
-        return 0.0, 0.0
-    amplitude, frequency, phase = vibration
-    half = pi * frequency * t  # sin(a + 2 b) - sin(a) = 2 cos(a + b) sin(b)
-    velocity = 2 * pi * frequency * amplitude * cos(phase + 2 * half)
-    return 2 * amplitude * cos(phase + half) * sin(half), velocity
-
-
-@kernel
-def held(spring, coefficient, mode, overlap, force, length, slip, drive, mass):
-    """F_t, the spring's rate and what is left of the friction before the mode changes."""
-    limit = coefficient * force
-    if spring is None:
-        stick = -drive * mass
-        if mode == STICK:
-            return stick, 0.0, limit - abs(stick)
-        return -mode * limit, 0.0, mode * slip
-    k, g = tangential_constants(spring, overlap, mass)
-    free = -(k * length + g * slip)
-    if mode == STICK:
-        return free, slip, limit - abs(free)
-    return -mode * limit, (mode * limit - k * length) / g, -mode * free - limit
-
-
-@kernel
-def rubbing(friction, mode, overlap, force, length, slip, drive, mass):
-    """The same, with or without friction."""
-    if friction is None:
-        return 0.0, 0.0, 1.0
-    return held(
-        friction.spring,
-        friction.coefficient,
-        *(mode, overlap, force, length, slip, drive, mass),
-    )
-
-
-@kernel
-def end_of(plastic, left, rate):
-    """What crosses zero where the force ends; a plastic contact ends with the approach."""
-    return left if plastic is None else -rate
-
-
-@kernel
-def rates(scene, vibration, start, mode, t, y, out):
-    """Derivatives of y = (x, z and tilt since the touch, c_x, c_z, omega, spring, P_z).
-
-    Returns what signals the end of the force, what is left before the mode changes, the overlap
-    and the slip. `start`: sin and cos of the tilt and height over the contact point at the touch.
-    """
-    sine, cosine, height = start
-    g_x, g_z, _ = weight(scene.gravity)
-    rise, plate = plate_after(vibration, t)
-    bend, lag = sin(y[2] / 2), cos(y[2] / 2)
-    lean = sine * lag + cosine * bend  # sin(tilt_0 + turn/2)
-    overlap = rise - y[1] - 2 * scene.half_length * lean * bend
-    a_x = -scene.half_length * (sine * cos(y[2]) + cosine * sin(y[2]))
-    a_z = rise - y[1] - height
-    rate = y[4] - y[5] * a_x - plate
-    slip = y[3] + y[5] * a_z
-    force, left, drag, stretch, spare = 0.0, overlap, 0.0, 0.0, 1.0
-    if overlap > 0:
-        root, normal = sqrt(overlap), scene.normal
-        c = dashpot(
-            normal.quarter,
-            normal.proportional,
-            normal.constant,
-            *(overlap, root, 1 / (1 + a_x * a_x * scene.lightness)),
-        )
-        left = overlap - c * rate / (normal.stiffness * root)
-        force = max(normal.stiffness * root * left, 0.0)
-        left = end_of(normal.plastic, left, rate)
-        spin = -a_x * force * scene.lightness
-        drive = g_x + spin * a_z + y[5] * (plate - y[4])
-        mass = 1 / (1 + a_z * a_z * scene.lightness)
-        drag, stretch, spare = rubbing(
-            scene.friction, mode, overlap, force, y[6], slip, drive, mass
-        )
-    out[0], out[1], out[2] = y[3], y[4], y[5]
-    out[3], out[4] = g_x + drag, g_z + force
-    out[5] = (a_z * drag - a_x * force) * scene.lightness
-    out[6], out[7] = stretch, force
-    return left, spare, overlap, slip
-
-
-def compiled(scene, vibration) -> None:
-    """Compile the equations of a scene, so that `follow` need not."""
-    rates(scene, vibration, (0.0, 1.0, 1.0), FREE, 0.0, np.zeros(8), np.empty(8))
+def compiled(effects: Effects, vibration: Vibration | None) -> None:
+    """Compile the equations of these effects, so that `follow` need not."""
+    rates(effects, vibration, (0.0, 1.0, 1.0), FREE, 0.0, np.zeros(8), np.empty(8))
 
 
 class _Contact:
@@ -143,29 +56,37 @@ class _Contact:
     force, delta^(3/2) and delta^(1/4), are smooth functions of s where they are not of t.
     """
 
-    def __init__(self, scene, vibration, tilt, speed, tolerance):
-        height = scene.half_length * cos(tilt) + 0.5
-        self.setting = scene, vibration, (sin(tilt), cos(tilt), height)
-        self.friction, self.gravity = scene.friction, scene.gravity
-        self.rigid = scene.friction is not None and scene.friction.spring is None
+    def __init__(
+        self,
+        effects: Effects,
+        vibration: Vibration | None,
+        tilt: float,
+        speed: float,
+        tolerance: float,
+    ):
+        height = effects.half_length * cos(tilt) + 0.5
+        assert effects.normal is not None
+        self.setting = effects, vibration, (sin(tilt), cos(tilt), height)
+        self.friction, self.gravity = effects.friction, effects.gravity
+        self.rigid = effects.friction is not None and effects.friction.spring is None
         self.mode, self.evaluations, self.rest = FREE, 0, 0.0
-        deep = (1.25 * speed * speed / scene.normal.stiffness) ** 0.4
+        deep = (1.25 * speed * speed / effects.normal.stiffness) ** 0.4
         sizes = np.array([deep, deep, deep, speed, speed, speed, deep, speed])
         self.accuracy = {"rtol": max(tolerance, 3e-14), "atol": tolerance * sizes}
         self.early = (1e-7 * deep / speed) ** 0.25
 
-    def derivative(self, s, y):
+    def derivative(self, s: float, y: np.ndarray) -> np.ndarray:
         self.evaluations += 1
         out = np.empty(8)
         rates(*self.setting, self.mode, s**4, y, out)
         return 4 * s**3 * out
 
-    def signals(self, s, y):
+    def signals(self, s: float, y: np.ndarray) -> tuple[float, float, float, float]:
         """What crosses zero at the force's end and at the mode's; overlap and slip."""
         left, spare, overlap, slip = rates(*self.setting, self.mode, s**4, y, np.empty(8))
         return left, spare - self.rest, overlap, slip
 
-    def choose(self, s, y) -> None:
+    def choose(self, s: float, y: np.ndarray) -> None:
         """The mode that follows: stick where friction can hold, else the way that it gives."""
         if self.friction is None:
             return
@@ -177,15 +98,15 @@ class _Contact:
         elif before in (FORWARD, BACK) and self.friction.spring is not None:
             pass  # the force came down from its limit
         elif before == STICK or spare < 0:
-            pull = out[3] - (self.gravity[0] if self.gravity else 0.0)
-            self.mode = BACK if pull > 0 else FORWARD
+            rub = out[3] - (self.gravity[0] if self.gravity else 0.0)
+            self.mode = BACK if rub > 0 else FORWARD
         self.rest = 0.0
         self.rest = min(self.signals(s, y)[1], 0.0)  # a mode begins at zero, but for its location
 
-    def solver(self, s, y, end=np.inf, **steps):
+    def solver(self, s: float, y: np.ndarray, end: float = np.inf, **steps: float) -> DOP853:
         return DOP853(self.derivative, s, y, end, **steps, **self.accuracy)
 
-    def stepped(self, s, y, end):
+    def stepped(self, s: float, y: np.ndarray, end: float) -> np.ndarray:
         """State at `end`, at most a step away."""
         if not end > s:
             return y
@@ -194,18 +115,20 @@ class _Contact:
             solver.step()
         return solver.y
 
-    def located(self, solver, which: int, side: float, end: float):
+    def located(
+        self, solver: DOP853, which: int, side: float, end: float
+    ) -> tuple[float, np.ndarray]:
         """Place and state at which signal `which` falls to zero in the step just made.
 
         A mode may begin where its signal is zero: the zero wanted is a later one.
         """
         s, y, dense = solver.t_old, solver.y_old, solver.dense_output()
 
-        def value(x, state):
+        def value(x: float, state: np.ndarray) -> float:
             found = self.signals(x, state)[which]
             return side * found if which == 3 else found
 
-        def signal(x):
+        def signal(x: float) -> float:
             return value(x, dense(x))
 
         starts = (s, *(s + (end - s) / 2**k for k in range(1, 30)))
@@ -221,7 +144,9 @@ class _Contact:
             root = min(max(root - error, s), end)
         return root, self.stepped(s, y, root)
 
-    def first(self, solver, signals, side: float, others):
+    def first(
+        self, solver: DOP853, signals: tuple[float, ...], side: float, others: tuple[int, ...]
+    ) -> tuple[float, np.ndarray, int]:
         """Place, state and number of the signal that is the first to fall to zero in a step.
 
         Beyond the end of the force the other signals say nothing.
@@ -236,12 +161,19 @@ class _Contact:
         return min(places, key=lambda place: place[0])
 
 
-def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Contact:
+def follow(
+    effects: Effects,
+    vibration: Vibration | None,
+    tilt: float,
+    velocity: Sequence[float],
+    tolerance: float = 1e-13,
+    longest: float = 1e3,
+) -> Contact:
     """Integrate one contact of the lower cap from its touch to the end of its force.
 
     Parameters
     ----------
-    scene : `contact.Effects`; its plate table is not used
+    effects : `contact.Effects`; its plate table is not used
     vibration : `Vibration`, or None for a plate at rest
     tilt : at the touch, rad
     velocity : (c_x, c_z, omega) at the touch
@@ -256,14 +188,14 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
     RunError
         If the contact does not end, or friction switches without an end.
     """
-    spring = scene.friction.spring if scene.friction else None
-    if spring and not (spring.drag or spring.constant_drag or spring.ratio):
+    spring = effects.friction.spring if effects.friction else None
+    if spring and not any(spring[2:]):  # its dashpots
         raise InputError("dop853 needs a dashpot beside the tangential spring")
-    if scene.friction and scene.friction.coefficient > LARGE:
+    if effects.friction and effects.friction.coefficient > LARGE:
         raise InputError(f"dop853 needs a friction of at most {LARGE:g}")
-    a_x = -scene.half_length * sin(tilt)
+    a_x = -effects.half_length * sin(tilt)
     speed = abs(velocity[1] - velocity[2] * a_x - plate_after(vibration, 0.0)[1])
-    contact = _Contact(scene, vibration, tilt, speed, tolerance)
+    contact = _Contact(effects, vibration, tilt, speed, tolerance)
     s, y = 0.0, np.array([0.0, 0.0, 0.0, *velocity, 0.0, 0.0])
     contact.choose(contact.early, contact.stepped(s, y, contact.early))
     side = np.sign(contact.signals(s, y)[3])
@@ -274,7 +206,7 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
             raise RunError(f"the contact has switched {switches} times without an end")
         switches += 1
         begin, pushed, solver = s, y[7], contact.solver(s, y)
-        others = (1,) if stopped or contact.rigid else (1, 3)
+        others: tuple[int, ...] = (1,) if stopped or contact.rigid else (1, 3)
         going = True
         while going:
             if solver.t**4 > longest:
@@ -282,7 +214,7 @@ def follow(scene, vibration, tilt, velocity, tolerance=1e-13, longest=1e3) -> Co
             solver.step()
             signals = left, spare, overlap, slip = contact.signals(solver.t, solver.y)
             deepest = max(deepest, overlap)
-            if scene.upper and overlap > 2 * scene.half_length * cos(tilt + solver.y[2]):
+            if effects.upper and overlap > 2 * effects.half_length * cos(tilt + solver.y[2]):
                 raise InputError("dop853 follows one cap, and here the second touches the plate")
             going = left >= 0 and spare >= 0 and not (3 in others and side * slip < 0)
         if left < 0 and solver.t - begin < 1e-5 * solver.t:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # help needs no joblib
     from .sweep import Tally
 
 SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
-_OF_RESULT = "accuracy.", "energy.", "landings.", "merged.", "turned.", "versions."
+_OF_RESULT = "accuracy.", "annulus.", "energy.", "landings.", "touches.", "turned.", "versions."
 
 
 def labelled(label: str, *parts: str) -> str:
@@ -62,7 +62,7 @@ def scene_text(scene: Scene) -> str:
 
 def result_text(result: Result) -> str:
     """What a run measured, and what it cost."""
-    lines = [*_drift(result), *_landings(result)]
+    lines = [*_drift(result), *_touches(result)]
     if energy := result.energy:
         kept = ("plate_work", "change", "residual")
         lost = sum(value for name, value in energy.items() if name not in kept)
@@ -92,18 +92,20 @@ def _drift(r: Result) -> list[str]:
     return [*lines, labelled("tilt", tilt, *turned)]
 
 
-def _landings(r: Result) -> list[str]:
-    if not r.landings or r.landings["per_rod_and_period"]["mean"] <= 0:
+def _touches(r: Result) -> list[str]:
+    if not r.touches or r.touches["per_rod_and_period"]["mean"] <= 0:
         return []
-    mean = {name: pair["mean"] for name, pair in r.landings.items()}
+    mean = {name: pair["mean"] for name, pair in r.touches.items()}
     often = f"{mean['per_rod_and_period']:.3g} per rod and period"
     speed = f"V_z/V_0 = {mean['plate_velocity']:.3g}"
-    if "slide" in mean:  # landings are told one by one in the plane alone
+    if "slide" in mean:  # touches are recorded one by one in a row alone
         often += f": slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip "
-        often += f"reversal {mean['slip_reversal']:.0%}; not isolated {mean['not_isolated']:.0%}"
+        often += (
+            f"reversal {mean['slip_reversal']:.0%}; pushed by others {mean['pushed_by_others']:.0%}"
+        )
         speed += f", restitution {mean['restitution']:.3g}, flight {mean['flight_periods']:.3g}"
         speed += f" and contact {mean['contact_periods']:.2g} periods"
-    return [labelled("landings", often), labelled("at landing", speed)]
+    return [labelled("touches", often), labelled("at touch", speed)]
 
 
 def _cost(r: Result) -> list[str]:

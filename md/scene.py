@@ -265,7 +265,7 @@ def _contact(name: str, table: Mapping) -> Contact:
     try:
         return Contact(LAWS[law](**options), friction)
     except InputError as error:
-        raise type(error)(f"{name}.{str(error).removeprefix('contact.')}") from None
+        raise InputError(f"{name}.{str(error).removeprefix('contact.')}") from None
 
 
 def _unknown(key: str, known: Iterable[str]) -> InputError:
@@ -393,7 +393,7 @@ def from_tables(tables: Mapping) -> Scene:
         return _build(Scene, "", tables)
     except InputError as error:
         given = [words for key, words in said.items() if key in str(error)]
-        raise type(error)(f"{error} ({'; '.join(given)})" if given else str(error)) from None
+        raise InputError(f"{error} ({'; '.join(given)})" if given else str(error)) from None
 
 
 def load(source: str | Path, assignments: Sequence[str] = ()) -> Scene:

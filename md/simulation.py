@@ -1,4 +1,4 @@
-"""Run a scene: period by period, with landings, energy, standard errors, checkpoint and resume."""
+"""Run a scene: period by period, with touches, energy, standard errors, checkpoint and resume."""
 
 import json
 import signal
@@ -21,7 +21,7 @@ from .errors import InputError
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import Engine, prepare
 from .interrupt import SIGNALS
-from .measures import Tables
+from .measures import Tables, tables_of
 from .scene import Scene, as_dict
 from .sources import digest
 from .statistics import transient
@@ -76,12 +76,14 @@ class Result:
     steps_per_period, dt : the step, in sqrt(d/g)
     run_seconds, compile_seconds : of the clock
     energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
-    landings : mean and standard error over all touches of the plate of each quantity of
-        `measures.MEANS`, and touches per rod and period; None without a plate
-    merged : the same of `measures.OF_MERGED`, touches less than `measures.HOP` periods apart taken
-        as one landing
+    touches : mean and standard error over all touches of the plate of each quantity of
+        `measures.MEANS`, and touches per rod and period; None without a plate. In an annulus they
+        are only counted, with the velocity of the plate
+    landings : those of `measures.OF_LANDINGS`, touches less than `measures.HOP` periods apart
+        merged into one landing; None without a plate and in an annulus
+    annulus : mean lean along the annulus, `lean_deg`; None in a row
     turned : times that a rod fell past the horizontal, and passed the vertical
-    phases : landings behind the transient in each of 64 equal parts of the plate's cycle, which
+    phases : touches behind the transient in each of 64 equal parts of the plate's cycle, which
         begins where it rises through its mean height; empty without a plate
     c_x_series, tilt_series : period by period, transient included
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
@@ -102,8 +104,9 @@ class Result:
     run_seconds: float
     compile_seconds: float
     energy: dict[str, float] | None
+    touches: dict[str, Any] | None
     landings: dict[str, Any] | None
-    merged: dict[str, Any] | None
+    annulus: dict[str, Any] | None
     turned: dict[str, int]
     phases: list[int]
     c_x_series: np.ndarray
@@ -159,7 +162,7 @@ def finite(value: Any) -> Any:
 def _result(
     engine: Engine, tables: Tables, began: dict, periods: int, finished: bool, lost: Iterable[str]
 ) -> Result:
-    c_x, tilt = tables.drift(engine, periods), tables.tilt_deg(periods)
+    c_x, tilt = tables.drift(periods), tables.tilt_deg(periods)
     cut = transient(periods)
     energy = None
     if engine.ledger is not None:
@@ -181,7 +184,7 @@ def _result(
         run_seconds=began["seconds"],
         compile_seconds=began["compile"],
         energy=energy,
-        **tables.results(engine, cut, periods),
+        **tables.results(cut, periods),
         c_x_series=c_x,
         tilt_series=tilt,
         rods=engine.rods.copy(),
@@ -272,9 +275,7 @@ class _Files:
 
     def frame(self) -> None:
         """Append a frame to the trajectory."""
-        engine, height = self.engine, 0.0
-        if engine.plate:
-            height = float(engine.plate.height[engine.step % engine.per])
+        engine, height = self.engine, self.engine.plate_height
         if self.trajectory is not None and "trajectory" not in self.lost:
             with self._noting_failure("trajectory", self.trajectory.path):
                 self.trajectory.write(engine.scene, engine.rods, engine.step / engine.per, height)
@@ -297,7 +298,6 @@ class _Files:
 def _loop(
     engine: Engine,
     tables: Tables,
-    series: Any,
     began: dict,
     goal: int,
     observe: Callable[[np.ndarray], None] | None,
@@ -319,7 +319,7 @@ def _loop(
                 write()
             steps = min(steps, gap - engine.step % gap)
         begin, first = perf_counter(), engine.step
-        engine.go(steps, series)
+        engine.go(steps, tables.series)
         began["seconds"] += perf_counter() - begin
         if engine.record is not None and engine.record.count[0]:
             rows = engine.record.rows[: engine.record.count[0]]
@@ -352,8 +352,8 @@ def run(
     scene : Scene
     periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
     ledger : whether to account for the energy
-    observe : called now and then with new landings, (n, landings.WIDTH); they are not kept; not in
-        an annulus
+    observe : called now and then with new touches, (n, touches.WIDTH); they are not kept; not in an
+        annulus
     trajectory : file for extended XYZ, a new one or one of frames, which are replaced; when a
         checkpoint is resumed, the file that was written with it, which goes on behind the frames
         that the checkpoint knows of
@@ -395,10 +395,9 @@ def run(
             about, arrays = _read(kept, scene)
             check_continues(trajectory, frames, periods, about["trajectory"], kept)
     engine = prepare(scene, ledger=ledger)
-    tables = engine.tables(periods)
-    series = tables.sampled(engine)
+    tables = tables_of(engine, periods)
     begin = perf_counter()
-    engine.go(0, series)  # compiles
+    engine.go(0, tables.series)  # compiles
     began: dict[str, Any] = {"compile": perf_counter() - begin, "seconds": 0.0, "trajectory": None}
     began["energy"] = engine.energy() if engine.ledger is not None else 0.0
     if arrays is not None:
@@ -428,12 +427,10 @@ def run(
         aim = periods if goal is None else 0
         while True:
             if goal is not None:
-                aim = min(goal(tables.drift(engine, made)), periods)
+                aim = min(goal(tables.drift(made)), periods)
                 bar.total = aim
-            _loop(
-                *(engine, tables, series, began, aim * engine.per),
-                *(observe, frame, written.save, bar, pressed),
-            )
+            goal_step = aim * engine.per
+            _loop(engine, tables, began, goal_step, observe, frame, written.save, bar, pressed)
             enough, made = made >= aim, engine.step // engine.per
             if goal is None or enough or made < aim:
                 break

@@ -14,53 +14,39 @@ import numpy as np
 from . import reference
 from .domains import not_negative, number, positive
 from .errors import InputError, RunError
-from .kernels import single as integrators
-from .kernels.contact import Effects, Friction, Motion
-from .kernels.single import DONE, METHODS, STUCK, TURNED, State
+from .kernels import single
+from .kernels.codes import (
+    DEEP,
+    DONE,
+    IMPULSE,
+    NOT_FINITE,
+    PHASES,
+    REGIMES,
+    STUCK,
+    TOO_DEEP,
+    TURNED,
+    WATCH_DEEPEST,
+    WATCH_STOPPED,
+    WATCHED,
+)
+from .kernels.contact import Effects, Motion
+from .kernels.rates import plate_after
 from .laws import (
     Law,
     contact_time,
     coulomb,
     deepest_overlap,
-    friction_of,
     largest_step,
 )
 from .reference import Vibration
+from .rod import Rod, effects_of
 
-INTEGRATORS = (*METHODS, "dop853")
-REGIMES = ("slide", "slip-stick", "slip-reversal")
-PHASES = ("slide", "stick", "reversal")
+INTEGRATORS = (*single.METHODS, "dop853")
 _FINE = 100  # default steps per head-on contact time
 _FINEST = 1e8  # steps of a contact that are as many as anybody waits for
 _SLOWEST = 1e-30  # speed of an impact below which numbers run out
 _STEPS_A_CALL = 10**6  # some 50 ms: signals are seen between calls
 _LONGEST = 1e5  # contact times after which a contact that goes on is an error
-
-
-class Rod(NamedTuple):
-    """Spherocylinder of diameter 1.
-
-    length : overall, caps included, >= 1
-    inertia : "solid", of the uniform body, or "thin", the paper's length^2/12
-    """
-
-    length: float = 9.5
-    inertia: str = "solid"
-
-    @property
-    def half_length(self) -> float:
-        """From the centre to the centre of a cap."""
-        return (self.length - 1) / 2
-
-    @property
-    def gyration_squared(self) -> float:
-        """Moment of inertia about the centre over the mass."""
-        if self.inertia == "thin":
-            return self.length**2 / 12
-        h = self.length - 1  # cylinder between the caps; volumes in units of pi/12
-        offset = h / 2 + 3 / 16  # of the centre of mass of a half ball of radius 1/2
-        ball = 1 / 10 - (3 / 16) ** 2 + offset**2
-        return (3 * h * (h**2 / 12 + 1 / 16) + 2 * ball) / (3 * h + 2)
 
 
 class Impact(NamedTuple):
@@ -70,8 +56,8 @@ class Impact(NamedTuple):
     c_z: float  # across, sqrt(g d)
     omega: float  # sqrt(g/d)
     restitution: float  # -v_f/v_0 of the contact point of the lower cap against the plate
-    regime: str  # one of REGIMES
-    phases: dict[str, float]  # durations, names in PHASES
+    regime: str  # one of `kernels.codes.REGIMES`
+    phases: dict[str, float]  # durations by name in `kernels.codes.PHASES`, sqrt(d/g)
     max_overlap: float  # in d
     contact_time: float  # from touch to the end of the force, sqrt(d/g)
     dt: float  # step; nan for the adaptive method
@@ -122,29 +108,31 @@ def _checked_vibration(vibration: Any) -> Vibration | None:
 
 def _speed(rod: Rod, tilt: float, velocity: Sequence[float], vibration: Vibration | None) -> float:
     """Velocity with which the lower cap approaches the plate."""
-    plate = reference.plate_after(vibration, 0.0)[1]
+    plate = plate_after(vibration, 0.0)[1]
     return -(velocity[1] + velocity[2] * rod.half_length * sin(tilt) - plate)
 
 
 def _step(
     law: Law,
-    friction: Friction | None,
+    effects: Effects,
     speed: float,
-    arms: np.ndarray,
+    tilt: float,
     dt: float | None,
     method: str,
-    caps: int,
 ) -> float:
     """The step asked for, or a good one; one that is not stable is refused."""
     if speed < _SLOWEST:
         raise InputError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
     deepest = deepest_overlap(law, speed)
-    if not deepest < integrators.DEEP / 2:
+    if not deepest < DEEP / 2:
         raise InputError(
             f"the plate is too soft for an impact at {speed:g}: overlap {deepest:.2g} d"
         )
-    along, across = arms
-    largest = largest_step(law, friction is not None, speed, along, across, method, caps)
+    rise = effects.half_length * cos(tilt)
+    arms = np.array([rise + 0.5, effects.half_length * sin(tilt)])
+    along, across = arms**2 * effects.lightness
+    caps, rubs = 2 if rise < deepest else 1, effects.friction is not None
+    largest = largest_step(law, rubs, speed, along, across, method, caps)
     whole = contact_time(law, speed)
     if dt is None:
         return float(min(whole / _FINE, largest / 4))
@@ -163,7 +151,7 @@ def _steps_per_period(vibration: Vibration, dt: float) -> int:
     return int(np.ceil(1 / (vibration.frequency * dt) - 1e-9))
 
 
-def _plate_table(vibration: Vibration | None, dt: float) -> Motion | None:
+def plate_table(vibration: Vibration | None, dt: float) -> Motion | None:
     """One period of the plate, step by step; `dt` divides it."""
     if vibration is None:
         return None
@@ -173,28 +161,15 @@ def _plate_table(vibration: Vibration | None, dt: float) -> Motion | None:
     return Motion(vibration.amplitude * np.sin(angle), speed * np.cos(angle))
 
 
-def _scene(
-    rod: Rod,
-    law: Law,
-    friction: Friction | None,
-    gravity: tuple[float, float] | None,
-    plate: Motion | None,
-) -> Effects:
-    upper = True if rod.half_length > 0 else None
-    return Effects(
-        *(rod.half_length, 1 / rod.gyration_squared, law.normal, friction, gravity, plate, upper)
-    )
-
-
-def _stopped_run(why: int, state: Any, n: int, dt: float, cap: str = "rod 0") -> None:
-    """Raise what ended a run before its time."""
-    if why == integrators.NOT_FINITE:
-        text = f"{cap}: state is not finite after t = {n * dt:g} sqrt(d/g)"
-    elif why == integrators.TOO_DEEP:
-        text = f"{cap}: sinks deeper than d/2 into the plate at t = {n * dt:g} sqrt(d/g)"
-    else:
+def stopped_run(why: int, state: single.State, steps: int, dt: float) -> None:
+    """Raise what ended a run of one rod early."""
+    if why not in (NOT_FINITE, TOO_DEEP):
         return
-    raise RunError(f"{text}; dt = {dt:g}", (*state.position, *state.velocity))
+    text = "its state is not finite" if why == NOT_FINITE else "deeper than d/2 in the plate"
+    raise RunError(
+        f"rod 0: {text} at t = {steps * dt:g} sqrt(d/g); dt = {dt:g}",
+        (*state.position, *state.velocity),
+    )
 
 
 def impact(
@@ -254,123 +229,110 @@ def impact(
         raise InputError(
             f"c_z must bring the contact point towards the plate: it moves away at {-speed:g}"
         )
-    rubbing = friction_of(law, friction)
-    light = 1 / rod.gyration_squared
-    arms = np.array([rod.half_length * cos(tilt) + 0.5, rod.half_length * sin(tilt)])
-    flat = rod.half_length * cos(tilt) < deepest_overlap(law, speed)
+    effects = effects_of(rod, law, friction, gravity, None)
     method = "leapfrog" if integrator == "dop853" else integrator
-    step = _step(law, rubbing, speed, arms**2 * light, dt, method, 2 if flat else 1)
-    early, height = vibration, arms[0]
+    step = _step(law, effects, speed, tilt, dt, method)
+    early = vibration
     if vibration is not None:
         step = 1 / (vibration.frequency * _steps_per_period(vibration, step))
-        height += vibration.amplitude * sin(vibration.phase)
-        early = vibration._replace(
-            phase=vibration.phase - 2 * pi * vibration.frequency * offset * step
-        )
-    plate = _plate_table(early, step)
-    scene = _scene(rod, law, rubbing, gravity, plate)
+        before = 2 * pi * vibration.frequency * offset * step
+        early = vibration._replace(phase=vibration.phase - before)
+    effects = effects._replace(plate=plate_table(early, step))
+    longest = _LONGEST * contact_time(law, speed)
+    case = _Case(effects, vibration, tilt, velocity, speed, longest)
     if integrator == "dop853":
-        return _to_the_digits(scene, vibration, rod, tilt, velocity, speed, law, tolerance)
-    return _by_steps(scene, vibration, integrator, height, tilt, velocity, speed, law, step, offset)
+        return _to_the_digits(case, tolerance)
+    return _by_steps(case, integrator, step, offset)
 
 
-def _result(
-    durations: Any,
-    impulses: Any,
-    stopped: bool,
-    v_f: float,
-    speed: float,
-    velocity: Any,
-    **rest: Any,
-) -> Impact:
-    regime = 0 if not stopped else 1 if impulses[STUCK] >= impulses[TURNED] else 2
-    c_x, c_z, omega = map(float, velocity)
-    return Impact(
-        c_x=c_x,
-        c_z=c_z,
-        omega=omega,
-        restitution=float(v_f / speed),
-        regime=REGIMES[regime],
-        phases=dict(zip(PHASES, map(float, durations), strict=True)),
-        contact_time=float(sum(durations)),
-        **rest,
-    )
+class _Case(NamedTuple):
+    """An impact to compute."""
+
+    effects: Effects
+    vibration: Vibration | None
+    tilt: float  # rad
+    velocity: tuple[float, ...]  # c_x, c_z, omega
+    speed: float  # of the approach, sqrt(g d)
+    longest: float  # time after which a contact that goes on is an error, sqrt(d/g)
+
+    def impact(
+        self,
+        position: Any,
+        velocity: Any,
+        end: float,
+        phases: tuple[Any, Any],
+        stopped: bool,
+        **rest: Any,
+    ) -> Impact:
+        """What it did; `end`: time since the touch, `phases`: durations and impulses."""
+        durations, impulses = phases
+        a_x = -self.effects.half_length * sin(position[2])
+        plate = plate_after(self.vibration, end)[1]
+        v_f = velocity[1] - velocity[2] * a_x - plate
+        c_x, c_z, omega = map(float, velocity)
+        return Impact(
+            c_x=c_x,
+            c_z=c_z,
+            omega=omega,
+            restitution=float(v_f / self.speed),
+            regime=REGIMES[single.regime_of(stopped, impulses[STUCK], impulses[TURNED])],
+            phases=dict(zip(PHASES, map(float, durations), strict=True)),
+            contact_time=float(sum(durations)),
+            **rest,
+        )
 
 
-def _by_steps(
-    scene: Effects,
-    vibration: Vibration | None,
-    method: str,
-    height: float,
-    tilt: float,
-    before: Sequence[float],
-    speed: float,
-    law: Law,
-    dt: float,
-    offset: float,
-) -> Impact:
+def _by_steps(case: _Case, method: str, dt: float, offset: float) -> Impact:
     """One impact with a fixed step, whose first begins `offset` steps before the touch."""
-    position, velocity = np.array([0.0, height, tilt]), np.array(before)
-    fall, early = np.array([*(scene.gravity or (0, 0)), 0.0]), offset * dt
-    state = integrators.started(
-        method,
-        position - early * velocity + early**2 / 2 * fall,
-        velocity - early * fall,
-        *(scene.gravity, dt),
-    )
-    watch, most = (
-        np.zeros(integrators.WATCHED),
-        int(min(_LONGEST * contact_time(law, speed) / dt, 1e9)),
-    )
-
-    integrators.run(scene, state, 0, 0, dt, watch)  # compiles
+    effects, height = case.effects, case.effects.half_length * cos(case.tilt) + 0.5
+    if case.vibration is not None:
+        height += case.vibration.amplitude * sin(case.vibration.phase)
+    position, velocity = np.array([0.0, height, case.tilt]), np.array(case.velocity)
+    fall, early = np.array([*(effects.gravity or (0, 0)), 0.0]), offset * dt
+    position = position - early * velocity + early**2 / 2 * fall
+    state = single.started(method, position, velocity - early * fall, effects.gravity, dt)
+    watch, most = np.zeros(WATCHED), int(min(case.longest / dt, 1e9))
+    single.run(effects, state, 0, 0, dt, watch)  # compiles
     begin = perf_counter()
     steps, why = 0, DONE
     while why == DONE and steps < most:
         part = min(most - steps, _STEPS_A_CALL)
-        now, made, why = integrators.run(scene, state, steps, part, dt, watch)
-        state, steps = State(*now), steps + made
+        now, made, why = single.run(effects, state, steps, part, dt, watch)
+        state, steps = single.State(*now), steps + made
     seconds = perf_counter() - begin
-    _stopped_run(why, state, steps, dt)
+    stopped_run(why, state, steps, dt)
     if why == DONE:
         raise RunError(
             f"the contact has not ended after {steps * dt:g} sqrt(d/g)",
             (*state.position, *state.velocity),
         )
-    a_x = -scene.half_length * sin(state.position[2])
-    plate = reference.plate_after(vibration, (steps - offset) * dt)[1]
-    v_f = state.velocity[1] - state.velocity[2] * a_x - plate
-    return _result(
-        *(watch[:3], watch[3:6], watch[integrators.STOPPED] > 0, v_f, speed, state.velocity),
-        max_overlap=float(watch[integrators.DEEPEST]),
+    return case.impact(
+        state.position,
+        state.velocity,
+        (steps - offset) * dt,
+        (watch[:IMPULSE], watch[IMPULSE : 2 * IMPULSE]),
+        watch[WATCH_STOPPED] > 0,
+        max_overlap=float(watch[WATCH_DEEPEST]),
         dt=dt,
         steps=steps,
         seconds=seconds,
     )
 
 
-def _to_the_digits(
-    scene: Effects,
-    vibration: Vibration | None,
-    rod: Rod,
-    tilt: float,
-    velocity: Sequence[float],
-    speed: float,
-    law: Law,
-    tolerance: float,
-) -> Impact:
+def _to_the_digits(case: _Case, tolerance: float) -> Impact:
     """One impact with every switch located."""
     tolerance = number("tolerance", tolerance, 1e-14, 1e-3, "between 1e-14 and 1e-3")
-    longest = _LONGEST * contact_time(law, speed)
-    reference.compiled(scene, vibration)
+    effects, vibration = case.effects, case.vibration
+    reference.compiled(effects, vibration)
     begin = perf_counter()
-    done = reference.follow(scene, vibration, tilt, velocity, tolerance, longest)
+    done = reference.follow(effects, vibration, case.tilt, case.velocity, tolerance, case.longest)
     seconds = perf_counter() - begin
-    a_x = -rod.half_length * sin(done.position[2])
-    plate = reference.plate_after(vibration, done.end)[1]
-    v_f = done.velocity[1] - done.velocity[2] * a_x - plate
-    return _result(
-        *(done.durations, done.impulses, done.stopped, v_f, speed, done.velocity),
+    return case.impact(
+        done.position,
+        done.velocity,
+        done.end,
+        (done.durations, done.impulses),
+        done.stopped,
         max_overlap=float(done.deepest),
         dt=float("nan"),
         steps=done.evaluations,

@@ -210,7 +210,7 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
     """All runs of a store, flat: names of columns, and a dictionary a run.
 
     Columns with a dot are keys of the scene, in its own units and in cm and cm/s, or parts of the
-    results, such as `landings.`.
+    results, such as `touches.`.
 
     Parameters
     ----------

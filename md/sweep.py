@@ -140,7 +140,7 @@ class Sweep:
         Parameters
         ----------
         store : path of the store
-        names : of results, such as "c_x" or "landings.plate_velocity.mean"
+        names : of results, such as "c_x" or "touches.plate_velocity.mean"
 
         Returns
         -------
@@ -167,12 +167,10 @@ def _values(name: str, given: object) -> list:
     if isinstance(given, Mapping):
         if not {"from", "to", "count"} <= set(given) <= {"from", "to", "count", "log"}:
             raise InputError(f"{name} must have from, to, count and at most log, got {dict(given)}")
-        count, log = (
-            whole(f"{name}.count", given["count"], 1, _MOST_POINTS),
-            given.get("log", False),
-        )
+        log = given.get("log", False)
         for end in ("from", "to"):
-            positive(f"{name}.{end}", given[end]) if log else finite(f"{name}.{end}", given[end])
+            (positive if log else finite)(f"{name}.{end}", given[end])
+        count = whole(f"{name}.count", given["count"], 1, _MOST_POINTS)
         low, high = given["from"], given["to"]
         values = (np.geomspace if log else np.linspace)(low, high, count).tolist()
         integers = not log and isinstance(low, int) and all(x == round(x) for x in values)
@@ -234,7 +232,7 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
             step_of(chosen_step(scene, chosen["tolerance"])[0] if chosen else scene)
         except InputError as error:
             at = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
-            raise type(error)(f"{error} (at {at})" if at else str(error)) from None
+            raise InputError(f"{error} (at {at})" if at else str(error)) from None
         points.append(Point(scene, periods, **chosen))
     return Sweep(axes, tuple(points))
 
@@ -403,7 +401,7 @@ def _backend(scheduler: str | None) -> Iterator[None]:
             yield
         return
     try:
-        from distributed import Client
+        from distributed import Client  # late: an extra that a sweep on one machine does not need
     except ImportError:
         raise InputError("scheduler needs dask.distributed: pip install distributed") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs what it raises

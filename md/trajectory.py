@@ -137,7 +137,7 @@ def write_frame(file: TextIO, scene: Scene, rods: np.ndarray, time: float, heigh
     ----------
     file : open for writing
     scene : of the run
-    rods : (N, 7), as in `row.march`, or (N, 12), as in `space.crowd.march`
+    rods : (N, 7), columns as in `kernels.codes`, or (N, 12) in an annulus
     time : periods since the start
     height : of the plate, in d
 

@@ -6,8 +6,9 @@ import numpy as np
 
 import md
 from md.host import Engine, prepare
+from md.kernels.codes import ROW_DIRECTION, ROW_PLACE, ROW_VELOCITY, X
+from md.rod import Rod
 from md.scene import Box, Contact, Contacts, Rods, Scene, Start, Step
-from md.soft_impact import Rod
 
 EPS = np.finfo(float).eps
 SOFT = 1e5  # k_n of most tests: contacts fifty times as long as the paper's allow long steps
@@ -44,8 +45,8 @@ def put(engine: Engine, states) -> None:
     """Place the rods anew; nothing is kept of what they touched."""
     for rod, (x, z, tilt, *velocity) in zip(engine.rods, states, strict=True):
         rod[:] = x, z, sin(tilt), cos(tilt), *(velocity or (0.0, 0.0, 0.0))
-    engine.before[:] = 0
-    engine.listed.travelled[:] = np.inf
+    engine.state.before[:] = 0
+    engine.state.listed.travelled[:] = np.inf
 
 
 def tip_on_side(lean, place, gap=1e-12):
@@ -58,7 +59,7 @@ def forces(engine: Engine, states) -> np.ndarray:
     """Accelerations (x, z, angular) of rods at rest there, from one step of the engine."""
     put(engine, states)
     engine.go(1)
-    return engine.rods[:, 4:7] / engine.dt
+    return engine.rods[:, ROW_VELOCITY] / engine.dt
 
 
 def ends(rods: np.ndarray, half: float, i: int, j: int, shift: float = 0.0):
@@ -68,8 +69,8 @@ def ends(rods: np.ndarray, half: float, i: int, j: int, shift: float = 0.0):
     perpendicular, held between its ends. Rod j stands `shift` further along x.
     """
     found = []
-    tails = [rods[i, :2], rods[j, :2] + (shift, 0.0)]
-    axes = [rods[i, 2:4], rods[j, 2:4]]
+    tails = [rods[i, ROW_PLACE], rods[j, ROW_PLACE] + (shift, 0.0)]
+    axes = [rods[i, ROW_DIRECTION], rods[j, ROW_DIRECTION]]
     for mine in (0, 1):
         for side in (-half, half):
             end = tails[mine] + side * axes[mine]
@@ -86,7 +87,7 @@ def images(rods: np.ndarray, half: float, period: float | None):
     n = len(rods)
     for i in range(n):
         for j in range(i, n):
-            apart = rods[i, 0] - rods[j, 0]
+            apart = rods[i, X] - rods[j, X]
             reach = 2 * half + 3
             if period is None:
                 if i != j and abs(apart) < reach:
@@ -110,7 +111,10 @@ def elastic(rods: np.ndarray, half: float, light: float, stiffness: float, perio
             force = stiffness * overlap**1.5 * normal
             energy += 0.4 * stiffness * overlap**2.5
             touch = (p + q) / 2
-            for rod, centre, sign in ((i, rods[i, :2], 1), (j, rods[j, :2] + shift, -1)):
+            for rod, centre, sign in (
+                (i, rods[i, ROW_PLACE], 1),
+                (j, rods[j, ROW_PLACE] + shift, -1),
+            ):
                 x, z = touch - centre
                 total[rod] += sign * np.array((*force, light * (z * force[0] - x * force[1])))
     return total, energy

@@ -7,9 +7,8 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.annulus_host import axial_gyration_squared
 from md.host import prepare
-from md.kernels.space import march as crowd
+from md.kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from md.sweep import execute, expand
 from md.trajectory import read_frames
 
@@ -63,12 +62,12 @@ def whole():
 
 def test_rods_bounce_and_keep_to_the_gap(whole):
     rods, scene = whole.rods, whole.scene
-    assert whole.landings["per_rod_and_period"]["mean"] > 0.1
+    assert whole.touches["per_rod_and_period"]["mean"] > 0.1
     ends = [rods[:, :2] + s * rods[:, 3:5] * (scene.rods.length - 1) / 2 for s in (-1, 0, 1)]
     rho = np.hypot(*np.concatenate(ends).T)
     assert rho.min() > scene.annulus.inner + 0.5 - 0.05
     assert rho.max() < scene.annulus.outer - 0.5 + 0.05
-    np.testing.assert_allclose(np.linalg.norm(rods[:, 3:6], axis=1), 1, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(rods[:, DIRECTOR:VELOCITY], axis=1), 1, atol=1e-12)
 
 
 @pytest.mark.parametrize("seconds", [1e-4, 10.0])
@@ -88,7 +87,7 @@ def test_rods_that_lean_the_other_way_drift_the_other_way():
     found = []
     for tilt in (35, -35):
         result = md.run(ring("plate.acceleration=5", f"start.tilt_deg={tilt}"), periods=40)
-        lean = result.landings["lean_deg"]["mean"]
+        lean = result.annulus["lean_deg"]["mean"]
         assert np.sign(lean) == np.sign(tilt)
         found.append(result.c_x)
     assert found[0] > 0 > found[1]
@@ -101,31 +100,33 @@ def test_touches_that_nobody_records_cannot_be_observed():
 
 def test_rolling_is_an_effect():
     """Absent, it is `None`; present, rods that rub on walls begin to roll."""
-    assert prepare(ring()).world.spin is None
+    assert prepare(ring()).effects.rolling is None
     engine = prepare(ring("rods.rolling=true", "plate.acceleration=5"))
-    assert engine.world.spin > 0
+    assert engine.effects.rolling > 0
     engine.go(20_000)
-    axial = (engine.rods[:, 3:6] * engine.rods[:, 9:12]).sum(axis=1)
+    axial = (engine.rods[:, DIRECTOR:VELOCITY] * engine.rods[:, TURN:]).sum(axis=1)
     assert np.abs(axial).max() > 1e-6
     still = prepare(ring("plate.acceleration=5"))
     still.go(20_000)
-    assert np.abs((still.rods[:, 3:6] * still.rods[:, 9:12]).sum(axis=1)).max() < 1e-12
+    assert (
+        np.abs((still.rods[:, DIRECTOR:VELOCITY] * still.rods[:, TURN:]).sum(axis=1)).max() < 1e-12
+    )
 
 
 def test_axial_inertia():
     """A sphere has 1/10, a long cylinder 1/8."""
-    assert axial_gyration_squared(1.0) == pytest.approx(0.1)
-    assert axial_gyration_squared(1e6) == pytest.approx(0.125, rel=1e-5)
+    assert md.Rod(1.0).axial_gyration_squared == pytest.approx(0.1)
+    assert md.Rod(1e6).axial_gyration_squared == pytest.approx(0.125, rel=1e-5)
 
 
 def test_what_no_effect_needs_is_not_there():
     smooth = [f"contacts.{part}.friction=0" for part in ("plate", "rods", "wall")]
     engine = prepare(ring(*smooth))
-    assert engine.springs is None
-    assert engine.pair_springs is None
+    assert engine.state.springs is None
+    assert engine.state.pair_springs is None
     alone = prepare(ring("contacts.rods=none", "rods.count=1", "start.tilt_deg=10"))
-    assert alone.pairs is None
-    assert alone.world.between is None
+    assert alone.state.pairs is None
+    assert alone.effects.between is None
 
 
 def test_the_plate_counts_its_touches():
@@ -134,8 +135,8 @@ def test_the_plate_counts_its_touches():
         ring("rods.count=1", "plate.acceleration=0", "start.drop=0.1", "start.tilt_deg=0"),
         periods=5,
     )
-    assert result.landings["per_rod_and_period"]["mean"] > 0.2
-    assert result.landings["plate_velocity"]["mean"] == 0
+    assert result.touches["per_rod_and_period"]["mean"] > 0.2
+    assert result.touches["plate_velocity"]["mean"] == 0
 
 
 def test_frames_hold_place_and_direction(whole, tmp_path):
@@ -152,8 +153,8 @@ def test_frames_hold_place_and_direction(whole, tmp_path):
     tilt = np.degrees(np.arccos(turned[:, 2]))
     np.testing.assert_allclose(tilt, table[:, -1], atol=1e-5)
     engine = prepare(result.scene)
-    np.testing.assert_allclose(table[:, 1:4], engine.rods[:, :3], atol=1e-8)
-    np.testing.assert_allclose(turned, engine.rods[:, 3:6], atol=1e-6)
+    np.testing.assert_allclose(table[:, 1:4], engine.rods[:, PLACE:DIRECTOR], atol=1e-8)
+    np.testing.assert_allclose(turned, engine.rods[:, DIRECTOR:VELOCITY], atol=1e-6)
 
 
 def test_a_sweep_takes_an_annulus(tmp_path):
@@ -174,7 +175,7 @@ def test_the_command(capsys):
     assert "slide" not in out
     assert "not equilibrated" in out
     assert main(["run", "annulus", *sets, "--periods", "3", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["landings"]["lean_deg"]["mean"] is not None
+    assert json.loads(capsys.readouterr().out)["annulus"]["lean_deg"]["mean"] is not None
     assert main(["run", "annulus", "--set", "contacts.wall=none"]) == 2
 
 
@@ -184,7 +185,7 @@ def test_too_deep_in_a_wall_is_an_error():
     with pytest.raises(md.RunError, match=r"deep in a wall|with each other"):
         engine.go(10)
     engine = prepare(ring())
-    engine.rods[2, crowd.COLUMNS - 1] = np.nan
+    engine.rods[2, TURN + 2] = np.nan
     with pytest.raises(md.RunError, match="rod 2: its state is not finite"):
         engine.go(10)
 

@@ -82,7 +82,7 @@ def test_one_run_in_an_annulus_quotes_no_error():
     result = md.run(md.load("annulus", [*small, *soft]), periods=130)
     assert np.isfinite(result.c_x)
     assert np.isnan([result.c_x_stderr, result.tilt_stderr_deg]).all()
-    assert all(np.isnan(value["stderr"]) for value in result.landings.values())
+    assert all(np.isnan(value["stderr"]) for value in result.touches.values())
 
 
 def test_a_row_quotes_an_error_from_124_periods_on():

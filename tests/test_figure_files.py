@@ -104,3 +104,30 @@ def test_the_pages_need_a_checkout(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(gallery, "README", tmp_path / "README.md")
     refused(lambda: main(["pages"]), f"needs a source checkout; there is no {tmp_path}", capsys)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("command", "word"),
+    [
+        ("claims --out FILE", "FILE"),
+        ("claims --store FILE", "FILE"),
+        ("claims --fast", "--fast"),
+        ("paper --out FILE", "FILE"),
+        ("paper --store FILE", "FILE"),
+        ("draw fig10 --store FILE", "FILE"),
+        ("prices --store FILE", "FILE"),
+        ("prices --store no/folder.db", "no such folder"),
+        ("claims --store out/claims.json", "store must be another file"),
+        ("paper --store out/fig13.npz", "store must be another file"),
+        ("draw fig10 --out new.db --store ./new.db", "store must be another file"),
+        ("index --out FILE", "FILE"),
+        ("index --out FILE/deeper", "FILE"),
+        ("index FILE", "FILE"),
+    ],
+)
+def test_nonsense_costs_one_line(command, word, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("FILE").write_text("no store")
+    refused(lambda: main(command.split()), word, capsys)
+    assert Path("FILE").read_text() == "no store"
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["FILE"]

@@ -21,7 +21,8 @@ from .command_line import refused
 mpl.use("Agg")
 
 
-QUICK = [name for name, entry in figures.FIGURES.items() if entry.quick]
+QUICK = [name for name, entry in figures.FIGURES.items() if entry.quick and not entry.alone]
+QUICK += ["accuracy_cost_theory", "accuracy_cost_impact"]
 
 
 @pytest.fixture(scope="module")
@@ -209,6 +210,19 @@ def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
     assert main(["draw", "tip_shape", "--quick", "--out", str(tmp_path)]) == 130
     assert [path.name for path in tmp_path.iterdir()] == ["tip_shape.npz"]
     assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_figure_that_fails_leaves_the_others(jobs, tmp_path, monkeypatch, capsys):
+    """What went wrong is said, a mistake of ours with its traceback."""
+    monkeypatch.setitem(figures.FIGURES, "no_such_module", figures.Entry("paper", "", True, False))
+    names = ["fig11", "no_such_module", "tip_shape"]
+    assert main(["draw", *names, "--quick", "--jobs", jobs, "--out", str(tmp_path)]) == 1
+    printed = capsys.readouterr()
+    assert "Traceback" in printed.err
+    assert printed.err.endswith("figures draw: 1 of 3 failed: no_such_module\n")
+    assert {path.stem for path in tmp_path.iterdir()} == {"fig11", "tip_shape"}
+    assert printed.out.count(".png") == 2
 
 
 def test_free_rods_fall_much_as_on_a_plate_at_rest(data):

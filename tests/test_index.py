@@ -5,8 +5,6 @@ import math
 import os
 import re
 import shutil
-import subprocess
-from html import escape
 from pathlib import Path
 from urllib.parse import unquote, unquote_to_bytes
 
@@ -25,15 +23,9 @@ from figures.pages import everything, index
 from .command_line import refused
 from .page import Page, plain
 
-WIDTHS = 320, 390, 1280
 LENT = [name for name in FIGURES if (index.GALLERY / f"{name}.png").is_file()]
-STRANGE = (
-    "a <b>&\"' %23?#.png",
-    "javascript:alert(1).png",
-    "mu_0^2.png",
-    "Größe \u202e.png",
-    f"{'x' * 200}.png",
-)
+STRANGE = ("a <b>&\"' %23?#.png", "javascript:alert(1).png", "mu_0^2.png", f"{'x' * 200}.png")
+UNICODE = "Größe \u202e.png"
 
 
 def picture(path: Path, size=(30, 20)) -> None:
@@ -67,7 +59,7 @@ def half(tmp_path_factory):
     np.savez(out / "fig02.npz", provenance=json.dumps({"quick": True}))
     np.savez(out / "fig05.npz", provenance=json.dumps({"quick": False}))
     (out / "fig08_theory.npz").write_bytes(b"PK\x03\x04 no archive")
-    for name in (*STRANGE, ".fig04.123.png", "prices.png"):
+    for name in (*STRANGE, UNICODE, ".fig04.123.png", "prices.png"):
         picture(out / name)
     (out / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\n")
     (out / "cut.png").write_bytes((out / "fig02.png").read_bytes()[:60])
@@ -105,6 +97,7 @@ def test_every_figure_is_there_with_its_command(half):
         assert "minutes)" in text
         assert (f"{name}.png" in page.links) == own
         assert ("From the project’s gallery." in text) == (name in LENT and not own)
+        assert ("A first look" in text) == (name == "fig02")
         assert text in page.text["prices" if name in PRICE_PANELS else "pictures"]
 
 
@@ -122,14 +115,9 @@ def test_what_is_not_drawn_is_no_broken_picture(half):
         assert image["src"] in page.links
 
 
-def test_a_first_look_is_said_to_be_one(half):
-    _, _, page = half
-    assert [n for n in FIGURES if "A first look" in page.text[n]] == ["fig02"]
-
-
 def test_strange_names_are_shown_and_do_no_harm(half):
     _, source, page = half
-    for name in STRANGE:
+    for name in (*STRANGE, UNICODE):
         assert name in [unquote(image["src"]) for image in page.images]
         assert name in [image["alt"] for image in page.images]
         assert name in page.text["others"]
@@ -192,41 +180,13 @@ def test_without_a_gallery_the_page_does_without(tmp_path, monkeypatch):
     assert all(f"python -m figures draw {name}" in page.text[name] for name in FIGURES)
 
 
-def test_nothing_sticks_out_on_a_phone_or_a_desk(half, tmp_path):
-    """Everything unfolded, in a browser of this machine if there is one."""
-    names = ("chromium", "chromium-browser", "google-chrome", "chrome")
-    browser = next(filter(None, map(shutil.which, names)), None)
-    if not browser:
-        pytest.skip(f"no browser to look at the page with: none of {', '.join(names)}")
-    _, source, _ = half
-    frames = (f'<iframe width="{w}" height="900" srcdoc="{escape(source)}">' for w in WIDTHS)
-    look = """<script>onload = () => {
-        const excess = [...document.querySelectorAll("iframe")].map(frame => {
-            const page = frame.contentDocument;
-            for (const folded of page.querySelectorAll("details")) folded.open = true;
-            return page.documentElement.scrollWidth - page.documentElement.clientWidth; });
-        document.body.id = "excess " + excess; }</script>"""
-    page = tmp_path / "page.html"
-    page.write_text(f"<body>{'</iframe>'.join(frames)}</iframe>{look}", encoding="utf-8")
-    folder = f"--user-data-dir={tmp_path / 'user'}"
-    options = ("--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", folder, page.as_uri())
-    done = subprocess.run((browser, *options), capture_output=True, timeout=60, check=False)
-    excess = re.search(rb'id="excess ([^"]+)"', done.stdout)
-    if not excess:
-        pytest.skip(f"{browser} cannot be used here: {done.stderr[-200:]}")
-    assert excess[1] == b",".join([b"0"] * len(WIDTHS))
-
-
 # Claims
 
 
 def told(numbers, **changes) -> str:
     claim = {"id": "S<1>", "verdict": "holds in part", "says": "V_z < 0 & more.", "figure": ""}
-    report = {
-        "provenance": {"quick": True},
-        "claims": [{**claim, "numbers": numbers, "trouble": "", **changes}],
-    }
-    return json.dumps(judge.plain(report), allow_nan=False)
+    claim |= {"numbers": numbers, "trouble": "", **changes}
+    return json.dumps(judge.plain({"provenance": {"quick": True}, "claims": [claim]}))
 
 
 def test_claims_of_the_folder_come_first(tmp_path):
@@ -254,15 +214,11 @@ def test_claims_of_the_folder_come_first(tmp_path):
 @pytest.mark.parametrize(
     "text",
     [
-        *(
-            "",
-            "{",
-            "[]",
-            '{"claims": 3}',
-            '{"claims": [{}]}',
-            '{"claims": []}',
-            '{"claims": ["a"]}',
-        ),
+        "{",
+        "[]",
+        '{"claims": [{}]}',
+        '{"claims": []}',
+        '{"claims": ["a"]}',
         told([], says=5),
         told([{"name": "n", "holds": [0, 1], "value": "x<y>", "close": 0}]),
         told([], verdict=None),
@@ -277,19 +233,13 @@ def test_claims_that_cannot_be_read_cost_a_line(text, tmp_path):
     assert all(name in page.ids for name in FIGURES)
 
 
-def test_the_committed_numbers_are_those_of_the_committed_page(tmp_path):
-    words = (index.GALLERY / "claims.md").read_text(encoding="utf-8")
-    found = judge.load(index.GALLERY / "claims.json")
-    assert [claim["id"] for claim in found["claims"]] == [claim["id"] for claim in judge.read()]
+def test_all_claims_of_the_gallery_are_shown(tmp_path):
     (tmp_path / "prices.txt").touch()
     _, page = made(tmp_path)
-    for claim in found["claims"]:
-        assert claim["says"] in words
+    for claim in judge.load(index.GALLERY / "claims.json")["claims"]:
         assert claim["id"] in page.text["claims"]
         for row in judge.judged_rows(claim):
-            assert f"| {row['name']} | {judge.shown(row)} |" in words
             assert f"{plain(row['name'])}: {plain(judge.shown(row))}" in page.text["claims"]
-    assert f"**{judge.counts(found)}**" in words
 
 
 # The command
@@ -323,14 +273,6 @@ def test_the_old_page_stays_until_the_new_one_is_whole(tmp_path, monkeypatch, ca
     refused(lambda: main(["index", "--out", str(tmp_path)]), "No space left", capsys)
     assert (tmp_path / "index.html").read_text() == old
     assert {path.name for path in tmp_path.iterdir()} == {"index.html", "prices.txt"}
-
-
-@pytest.mark.parametrize("arguments", [["--out", "FILE"], ["--out", "FILE/deeper"], ["FILE"]])
-def test_nonsense_costs_one_line(arguments, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "FILE").touch()
-    refused(lambda: main(["index", *arguments]), "FILE", capsys)
-    assert [path.name for path in tmp_path.iterdir()] == ["FILE"]
 
 
 def test_a_folder_without_anything_to_show_is_left_alone(tmp_path, capsys):

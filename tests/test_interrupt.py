@@ -23,7 +23,8 @@ from impact import _interrupt, _jit, benchmark, bouncing, compiled, falling
 from md import cache, command_line, interrupt
 from md.files import replacing
 from md.host import prepare
-from md.kernels import single as integrators
+from md.kernels import single
+from md.rod import effects_of
 from md.store import write_csv
 
 from .rows import row
@@ -163,9 +164,9 @@ def test_a_compilation_ends_before_a_handler_runs(kernel, monkeypatch, tmp_path)
 
 def test_no_kernel_builds_its_result_by_calling_python():
     """As Numba does for a named tuple, and dies if a handler raises there."""
-    scene = md.soft_impact._scene(md.Rod(), md.coulomb(), None, None, None)
-    state = integrators.started("leapfrog", (0, 9, 0), (0, 0, 0), None, 1e-4)
-    assert type(integrators.run(scene, state, 0, 1, 1e-4, None)[0]) is tuple
+    scene = effects_of(md.Rod(), md.coulomb(), 0.0, None, None)
+    state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), None, 1e-4)
+    assert type(single.run(scene, state, 0, 1, 1e-4, None)[0]) is tuple
 
 
 HELD = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65}
@@ -186,7 +187,7 @@ def lying_long(n):
 
 
 def marching(n):
-    prepare(row(), landings=False).go(n)
+    prepare(row(), touches=False).go(n)
 
 
 @pytest.mark.parametrize("last", [resting, bouncing_long, lying_long, marching])
@@ -199,9 +200,9 @@ def test_what_lasts_for_hours_can_be_stopped(last, alarm):
 
 def test_a_long_contact_is_made_in_calls(monkeypatch):
     """With the numbers of one call."""
-    given, calls, run = {"friction": 0.4, "dt": 1e-5}, [], integrators.run
+    given, calls, run = {"friction": 0.4, "dt": 1e-5}, [], single.run
     whole = md.impact(0.3, 0.5, -1.0, **given)
-    monkeypatch.setattr(integrators, "run", lambda *all: (calls.append(all[3]), run(*all))[1])
+    monkeypatch.setattr(single, "run", lambda *all: (calls.append(all[3]), run(*all))[1])
     monkeypatch.setattr(md.soft_impact, "_STEPS_A_CALL", 100)
     assert md.impact(0.3, 0.5, -1.0, **given)[:-1] == whole[:-1]
     assert calls == [0, *[100] * (whole.steps // 100 + 1)]
@@ -379,6 +380,7 @@ except KeyboardInterrupt:
 LONG = {
     "run": ["-m", "md", "run", "quasi2d", "--periods", "1000000", "--checkpoint", "a.npz"],
     "claims": ["-m", "figures", "claims", "--quick"],
+    "draw": ["-m", "figures", "draw", "alpha", "fig08_theory", "free_rod", "--jobs", "2"],
     "fall": ["-c", FALL],
 }
 

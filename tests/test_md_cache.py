@@ -18,9 +18,10 @@ from md import cache, sources
 PACKAGE = Path(md.__file__).parent
 CALL = """
 import json, md
-from md.kernels.contact import Spring
-from md.reference import STICK, held
-force = held(Spring(root=1.0), 0.3, STICK, 1.0, 1.0, 0.1, 0.0, 0.0, 1.0)[0]
+from md.kernels.contact import Slip, Spring
+from md.kernels.codes import STICK
+from md.kernels.rates import held
+force = held(Spring(root=1.0), STICK, 1.0, 0.3, 0.1, Slip(0.0, 0.0, 0.0, 1.0))[0]
 counts = [sum(found.values()) for found in (held.stats.cache_hits, held.stats.cache_misses)]
 print(json.dumps([md.__file__, force, *counts]))
 """
@@ -55,12 +56,12 @@ def kept(copy: Path) -> dict[Path, int]:
 def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
     """An edit of a callee in another file, which Numba's own cache does not see, is not missed.
 
-    `reference.held` asks `contact` for the stiffness of the spring, which is doubled there.
+    `rates.held` asks `contact` for the stiffness of the spring, which is doubled there.
     """
     assert call(copy) == (-0.1, 0, 1)
     files = kept(copy)
     assert {file.suffix for file in files} == {".nbc", ".nbi"}
-    assert any("reference.held" in file.name for file in files)
+    assert any("rates.held" in file.name for file in files)
 
     assert call(copy) == (-0.1, 1, 0)
     assert kept(copy) == files
@@ -148,13 +149,11 @@ def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch):
 
 def test_arithmetic_is_that_of_ieee():
     """No kernel is compiled with `fastmath`, which would reorder sums and drop nan and -0."""
-    from md import reference
-    from md.kernels import contact
-    from md.kernels import single as integrators
+    from md.kernels import contact, rates, single
 
     kernels = [
         kernel
-        for module in (contact, integrators, reference)
+        for module in (contact, single, rates)
         for kernel in vars(module).values()
         if hasattr(kernel, "targetoptions")
     ]

@@ -109,8 +109,12 @@ def test_arguments_of_a_wrong_type_are_named():
         ({"stiffness": 5e6, "constant": math.inf}, None, "normal.constant must be >= 0"),
         ({"stiffness": 5e6, "plastic": False}, None, "normal.plastic must be True or None"),
         ({"stiffness": 5e6}, {"root": 0.0}, "spring.root must be > 0 and finite"),
-        ({"stiffness": 5e6}, {"root": 1.0, "ratio": -1.0}, "spring.ratio must be >= 0"),
-        ({"stiffness": 5e6}, {"drag": 1.0}, "spring must have a stiffness"),
+        (
+            {"stiffness": 5e6},
+            {"root": 1.0, "damping_ratio": -1.0},
+            "spring.damping_ratio must be >= 0",
+        ),
+        ({"stiffness": 5e6}, {"constant_dashpot": 1.0}, "spring must have a stiffness"),
     ],
 )
 def test_a_law_of_ones_own_is_checked(normal, spring, message):

@@ -4,27 +4,23 @@ import re
 from math import cos
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import pytest
 
 import md
-from md import soft_impact as one_rod
-from md.kernels import single as integrators
-from md.laws import friction_of
+from md.kernels import single
+from md.kernels.codes import WATCHED
 
-from .track import track
+from . import llvm
+from .track import ROD, effects, track
 
-ROD = md.Rod()
 GRAVITY = (0.0, -1.0)
 VIBRATION = md.Vibration(0.05, 1.0, 0.0)
 
 
 def scene_of(law=None, friction=0.0, gravity=None, vibration=None, rod=ROD, dt=1e-3):
     """By default nothing but Hertz's force."""
-    law = law or md.coulomb(1.0)
-    plate = one_rod._plate_table(vibration, dt)
-    return one_rod._scene(rod, law, friction_of(law, friction), gravity, plate)
+    return effects(law or md.coulomb(1.0), friction, gravity, vibration, dt, rod)
 
 
 class Code(NamedTuple):
@@ -49,14 +45,11 @@ def compiled(method="leapfrog", watch=None, **scene) -> Code:
 
     Compiled afresh: of code from the disk cache there is no text.
     """
-    loop = numba.njit(error_model="numpy")(integrators.run.py_func)
+    loop = llvm.fresh(single.run)
     made = scene_of(**scene)
-    state = integrators.started(method, (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
+    state = single.started(method, (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
     loop(made, state, 0, 0, 1e-3, watch)
-    text = loop.inspect_llvm(loop.signatures[0])
-    body = next(
-        part for part in re.split(r"\n(?=define )", text) if re.match(r"define .*@_ZN.*run", part)
-    )
+    _, body = llvm.text(loop, made)
     head, body = body.split("\n", 1)
     return Code(
         roots=operations(body, r"call[^\n]* @(?:llvm\.)?sqrt(?:\.v(\d+)f64)?"),
@@ -124,7 +117,7 @@ def test_gravity_is_two_numbers(bare):
 
 
 def test_what_is_not_asked_for_is_not_recorded(bare):
-    assert compiled(watch=np.zeros(integrators.WATCHED)).arguments > bare.arguments
+    assert compiled(watch=np.zeros(WATCHED)).arguments > bare.arguments
 
 
 def test_gear_alone_carries_derivatives(bare):
@@ -170,7 +163,7 @@ def test_what_is_absent_does_as_what_is_naught(absent, naught):
 
 
 @pytest.mark.parametrize("law", [md.coulomb(), md.constant_restitution(), md.appendix_a()])
-@pytest.mark.parametrize("integrator", integrators.METHODS)
+@pytest.mark.parametrize("integrator", single.METHODS)
 def test_no_friction_no_tangential_impulse(integrator, law):
     """Not a bit of c_x changes; Gear's method multiplies and divides it by dt in every step."""
     samples = thrown(integrator, law, friction=0.0)

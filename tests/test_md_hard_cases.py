@@ -6,26 +6,17 @@ import numpy as np
 import pytest
 
 import md
-from md import soft_impact as one_rod
-from md.kernels import single as integrators
+from md.kernels import single
+from md.kernels.codes import DONE
 from md.kernels.single import State
-from md.laws import contact_time, deepest_overlap, friction_of, largest_step
+from md.laws import contact_time, deepest_overlap, largest_step
 
-from .track import track
+from .track import CONTACT, FLAT, LAWS, ROD, effects, track
 
-ROD = md.Rod()
 SLIDE = radians(30), (-0.5, -1.0, 0.1)
 SLIP_STICK = radians(20), (0.5, -1.0, 0.0)
 REVERSAL = radians(40), (0.5, -1.0, 0.0)
 OFFSETS = (np.arange(24) + 0.5) / 24
-CONTACT = contact_time(md.coulomb(), 1.0)
-FLAT = 0.0, 0.5, pi / 2, 0.0, 0.0, 0.0  # just touching, at rest
-LAWS = {
-    "coulomb": md.coulomb(),
-    "elastic": md.coulomb(1.0),
-    "constant_restitution": md.constant_restitution(),
-    "appendix_a": md.appendix_a(),
-}
 
 
 def velocities(case, law, integrator, steps=100, offset=0.5, friction=0.4):
@@ -49,11 +40,6 @@ def impact_track(law, case=SLIP_STICK, integrator="leapfrog", steps=100, dt=None
     start = 0.0, ROD.half_length * cos(tilt) + 0.5, tilt, *velocity
     dt = dt or CONTACT / steps
     return track(effects(law, 0.4), start, dt, ceil(2 * CONTACT / dt), method=integrator)
-
-
-def effects(law, friction, gravity=None):
-    """What acts on a rod over a plate at rest."""
-    return one_rod._scene(ROD, law, friction_of(law, friction), gravity, None)
 
 
 # M1: the touch falls inside a step
@@ -193,7 +179,7 @@ def test_m5_more_than_friction_moves_it():
 # M6: the largest stable step
 
 
-@pytest.mark.parametrize("integrator", integrators.METHODS)
+@pytest.mark.parametrize("integrator", single.METHODS)
 @pytest.mark.parametrize("law", LAWS)
 def test_m6_too_large_a_step_is_refused_with_the_largest(law, integrator):
     tilt, velocity = SLIP_STICK
@@ -217,11 +203,11 @@ def rests(law, integrator, part, tilt, friction, steps=20_000):
     gravity = 0.0, -law.normal.stiffness * deep**1.5 * caps
     scene = effects(law, friction, gravity)
     start = 0.0, ROD.half_length * cos(tilt) + 0.5 - deep, tilt
-    state = integrators.started(integrator, start, (0.0, 0.0, 0.0), None, dt)
+    state = single.started(integrator, start, (0.0, 0.0, 0.0), None, dt)
     state = state._replace(velocity=(1e-7 if friction else 0.0, 1e-7, 1e-7 if tilt else 0.0))
-    state, _, why = integrators.run(scene, state, 0, steps, dt, None)
+    state, _, why = single.run(scene, state, 0, steps, dt, None)
     away = np.abs(np.subtract(State(*state).position, start))
-    return why == integrators.DONE and away.max() < 1e-3 * deep
+    return why == DONE and away.max() < 1e-3 * deep
 
 
 @pytest.mark.parametrize("integrator", ["leapfrog", "verlet", "gear"])

@@ -5,7 +5,7 @@ import pytest
 
 import md
 from md.kernels import touches as columns
-from md.measures import HOP, MEANS, OF_MERGED, SUMS, Tables, merged
+from md.measures import HOP, MEANS, OF_LANDINGS, SUMS, RowTables, merged
 
 from .rows import row
 
@@ -87,11 +87,11 @@ def test_means_of_a_run_are_those_of_its_record():
     kept = []
     result = md.run(row("plate.acceleration=5"), periods=30, observe=kept.append)
     rows, speed = np.concatenate(kept), result.scene.plate_speed
-    tables = Tables(md.host.prepare(result.scene), 30)
+    tables = RowTables(md.host.prepare(result.scene), 30)
     tables.add(rows)
     found = by_hand(rows, result.steps_per_period, speed)
-    found_means = tables.results(md.host.prepare(result.scene), 0, 30)
-    means, each = found_means["merged"], found_means["landings"]
+    found_means = tables.results(0, 30)
+    means, each = found_means["landings"], found_means["touches"]
     assert any(one["touches"] > 1 for one in found)
     expected = {
         "flight_periods": [one["flight"] for one in found],
@@ -110,7 +110,7 @@ def test_means_of_a_run_are_those_of_its_record():
 
 
 def test_every_mean_has_its_sums():
-    for names in (MEANS, OF_MERGED):
+    for names in (MEANS, OF_LANDINGS):
         assert {part for pair in names.values() for part in pair} <= set(SUMS)
 
 

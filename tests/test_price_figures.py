@@ -80,7 +80,7 @@ def kinds(variant: Variant) -> set[tuple]:
         for name, inner in getattr(part, "_asdict", dict)().items():
             look((*path, name), inner)
 
-    for name in ("crowd", "springs", "listed", "ledger", "record"):
+    for name in ("effects", "state", "watchers"):
         look((name,), getattr(engine, name))
     return found | {("series",)} & {(name,) for name in variant.diagnostics}
 
@@ -97,7 +97,7 @@ def test_every_part_of_a_scene_has_its_price():
             assert there > gone
             switched |= there - gone
         assert switched >= kinds(FULL) - kinds(Variant(NOTHING, frozenset())) - {("series",)}
-        assert {("series",), ("ledger",), ("record",)} <= switched
+        assert {("series",), ("watchers", "ledger"), ("watchers", "record")} <= switched
 
 
 @pytest.mark.parametrize("name", OFF)
@@ -276,7 +276,7 @@ def test_drift_is_that_of_runs(out):
 def test_places_are_seen_from_the_plate(monkeypatch):
     """At rest a plate is under the rods as the moving one was, and as fast; the list stays good."""
     monkeypatch.setattr(effect_prices, "PLACES", 3)
-    motion = FULL.engine().crowd.alone.plate
+    motion = FULL.engine().plate
     moving, still = effect_prices._settled(1)
     for (there, step), (seen, same) in zip(moving[:2], still[:2], strict=True):
         height, velocity = (column[step % len(column)] for column in motion)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import md
+from md.kernels.codes import C_X, C_Z, OMEGA, PAIR_FRICTION, PAIR_NORMAL, ROW_VELOCITY
 from md.laws import damping_ratio, head_on_restitution
 
 from .rows import ELASTIC, EPS, HALF, LIGHT, SOFT, ends, free, put, tip_on_side
@@ -33,11 +34,11 @@ def test_momentum_and_angular_momentum_are_kept(lean):
     engine = free(md.constant_restitution(stiffness=SOFT), states, friction=0.4)
     before = total_momentum(engine.rods)
     engine.go(1)
-    touched = engine.rods[:, 4:].copy()
+    touched = engine.rods[:, ROW_VELOCITY].copy()
     engine.go(499)
-    assert np.abs(engine.rods[:, 4:] - touched).max() > 0.1
-    assert engine.ledger[3] > 0.01
-    assert abs(engine.ledger[4]) > 1e-3 or lean == 0
+    assert np.abs(engine.rods[:, ROW_VELOCITY] - touched).max() > 0.1
+    assert engine.ledger[PAIR_NORMAL] > 0.01
+    assert abs(engine.ledger[PAIR_FRICTION]) > 1e-3 or lean == 0
     np.testing.assert_allclose(total_momentum(engine.rods), before, rtol=0, atol=1e-12)
 
 
@@ -67,7 +68,7 @@ def energy_error(dt):
         engine.go(int(0.12 / dt))
         r = engine.rods
         assert not any(overlap > 0 for overlap, *_ in ends(r, HALF, 0, 1))
-        kinetic = (r[:, 4] ** 2 + r[:, 5] ** 2 + r[:, 6] ** 2 / LIGHT).sum() / 2
+        kinetic = (r[:, C_X] ** 2 + r[:, C_Z] ** 2 + r[:, OMEGA] ** 2 / LIGHT).sum() / 2
         worst = max(worst, abs(kinetic - 0.5))
     assert engine.ledger[:].tolist() == [0] * 5
     return worst
@@ -99,7 +100,7 @@ def rigid(states, e):
     speeds = [rod[4:6] @ normal + rod[6] * lever for rod, lever in zip(rods, levers, strict=True)]
     rate = speeds[0] - speeds[1]
     impulse = -(1 + e) * rate / (2 + (levers[0] ** 2 + levers[1] ** 2) * LIGHT)
-    after = rods[:, 4:].copy()
+    after = rods[:, ROW_VELOCITY].copy()
     for rod, (sign, lever) in enumerate(zip((1, -1), levers, strict=True)):
         after[rod] += sign * impulse * np.array((*normal, lever * LIGHT))
     return after
@@ -120,7 +121,7 @@ def test_stiff_contacts_collide_as_rigid_rods(restitution):
         law = md.coulomb(restitution=restitution, stiffness=stiffness)
         engine = free(law, states, dt=contact / 2400)
         engine.go(5600)
-        errors.append(np.abs(engine.rods[:, 4:] - rigid(states, restitution)).max())
+        errors.append(np.abs(engine.rods[:, ROW_VELOCITY] - rigid(states, restitution)).max())
     slope = np.polyfit(np.log(stiffnesses), np.log(errors), 1)[0]
     assert errors[-1] < 1e-4
     assert slope == pytest.approx(-0.4, abs=0.02), errors
@@ -136,11 +137,11 @@ def test_a_head_on_collision_has_the_restitution_asked_for(e):
     states = [(*states[0], 0.0, -0.5, 0.0), (*states[1], 0.0, 0.5, 0.0)]
     engine = free(md.coulomb(restitution=e, stiffness=SOFT), states, dt=6e-5)
     engine.go(3000)
-    after = engine.rods[0, 5] - engine.rods[1, 5]
+    after = engine.rods[0, C_Z] - engine.rods[1, C_Z]
     assert after == pytest.approx(e, abs=2e-3)
-    assert np.abs(engine.rods[:, 6]).max() < 1e-12
+    assert np.abs(engine.rods[:, OMEGA]).max() < 1e-12
     lost = (1 - e * e) / 4  # half the reduced mass times the velocity squared
-    assert engine.ledger[3] == pytest.approx(lost, abs=2e-3)
+    assert engine.ledger[PAIR_NORMAL] == pytest.approx(lost, abs=2e-3)
 
 
 # What must not happen
@@ -176,7 +177,7 @@ def test_caps_head_on(length, contacts):
     engine = free(law, states, length=length, dt=6e-5)
     engine.go(3000)
     e = head_on_restitution(sqrt(contacts) * damping_ratio(0.65))
-    assert engine.rods[1, 4] - engine.rods[0, 4] == pytest.approx(e, abs=2e-3)
+    assert engine.rods[1, C_X] - engine.rods[0, C_X] == pytest.approx(e, abs=2e-3)
 
 
 def crossed(rods):

@@ -15,7 +15,7 @@ from figures.checks.census import census, compared, measures
 from figures.pages import movie
 from impact import ContactGeometry, Regime, classify, collide
 from md.kernels import touches
-from md.soft_impact import Rod
+from md.rod import Rod
 
 from .command_line import refused
 

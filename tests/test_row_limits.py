@@ -10,6 +10,7 @@ import pytest
 import md
 from md.host import plate_motion, prepare
 from md.kernels import touches as landings
+from md.kernels.codes import OMEGA, X, Z
 from md.scene import Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step
 
 from .rows import EPS, SOFT, free, row
@@ -34,18 +35,18 @@ def test_a_rod_that_lies_and_is_pushed_does_not_creep(law):
         step=Step(5e-3),
     )
     engine = prepare(scene)
-    engine.rods[0, 1] -= (1 / (2 * law.normal.stiffness)) ** (2 / 3)
+    engine.rods[0, Z] -= (1 / (2 * law.normal.stiffness)) ** (2 / 3)
     engine.go(100 * engine.per)  # settles
-    place = engine.rods[0, 0]
+    place = engine.rods[0, X]
     engine.go(1000 * engine.per)
-    assert abs(engine.rods[0, 0] - place) < 1e-10
+    assert abs(engine.rods[0, X] - place) < 1e-10
     assert abs(place - 2.0) < 0.1
     # pushed with more than that it goes
-    engine.crowd = engine.crowd._replace(
-        alone=engine.crowd.alone._replace(gravity=(1.1 * mu, -1.0))
+    engine.effects = engine.effects._replace(
+        alone=engine.effects.alone._replace(gravity=(1.1 * mu, -1.0))
     )
     engine.go(10 * engine.per)
-    assert engine.rods[0, 0] - place == pytest.approx(0.1 * mu * 10**2 / 2, rel=0.1)
+    assert engine.rods[0, X] - place == pytest.approx(0.1 * mu * 10**2 / 2, rel=0.1)
 
 
 # Clock and step
@@ -131,7 +132,7 @@ def test_the_last_good_state_is_given_back():
     engine, other = prepare(row()), prepare(row())
     for one in (engine, other):
         one.go(50)
-    engine.rods[3, 6] = np.nan
+    engine.rods[3, OMEGA] = np.nan
     with pytest.raises(md.RunError) as caught:
         engine.go(5)
     rest = [0, 1, 2, 4]

@@ -5,8 +5,9 @@ from math import ceil
 import numpy as np
 import pytest
 
-from md.host import SKIN, prepare
+from md.host import prepare
 from md.kernels import neighbours
+from md.kernels.codes import COSINE, PAIR_FRICTION, ROW_DIRECTION, SINE, SKIN, X, Z
 
 from .rows import ELASTIC, EPS, HALF, LIGHT, SOFT, elastic, ends, forces, free, images, row
 
@@ -16,8 +17,8 @@ def build(rods, half, period, listed=None):
     n = len(rods)
     capacity = 60 * n
     listed = listed or neighbours.nothing_listed(n, capacity, False, False)
-    scratch = np.zeros(n), np.zeros((capacity, 3), np.int64)
-    count = neighbours.build(rods, half, period, SKIN, listed, *scratch)
+    found = np.zeros((capacity, 3), np.int64)
+    count = neighbours.build(rods, half, period, listed, np.zeros(n), found)
     assert count >= 0
     return listed, entries(listed)
 
@@ -46,10 +47,10 @@ def close(rods, half, period, reach):
 def crowd(random, n, length, width):
     """Rods anywhere within a width, all tilts, and far outside of the box as well."""
     rods = np.zeros((n, 7))
-    rods[:, 0] = random.uniform(-2 * width, 2 * width, n)
-    rods[:, 1] = random.uniform(0, length / 2, n)
+    rods[:, X] = random.uniform(-2 * width, 2 * width, n)
+    rods[:, Z] = random.uniform(0, length / 2, n)
     tilt = random.choice([0.3, 1.5, 3.0]) * random.uniform(-1, 1, n)
-    rods[:, 2], rods[:, 3] = np.sin(tilt), np.cos(tilt)
+    rods[:, SINE], rods[:, COSINE] = np.sin(tilt), np.cos(tilt)
     return rods
 
 
@@ -91,12 +92,12 @@ def test_forces_are_those_of_all_pairs(period):
     n = 10 if period < 20 else 20
     rods = np.zeros((n, 7))
     for k in range(n):
-        rods[k, 0] = (k + random.uniform(-0.05, 0.05)) * period / n + random.integers(
+        rods[k, X] = (k + random.uniform(-0.05, 0.05)) * period / n + random.integers(
             -3, 4
         ) * period
-        rods[k, 1] = 5 + random.uniform(-0.1, 0.1)
+        rods[k, Z] = 5 + random.uniform(-0.1, 0.1)
         tilt = np.arccos(n / period) + 0.005 * random.uniform(-1, 1)
-        rods[k, 2:4] = np.sin(tilt), np.cos(tilt)
+        rods[k, ROW_DIRECTION] = np.sin(tilt), np.cos(tilt)
     states = [(x, z, np.arctan2(s, c)) for x, z, s, c, *_ in rods]
     engine = free(ELASTIC, states, period=period, dt=1e-6)
     got = forces(engine, states)
@@ -165,14 +166,14 @@ def lively(n=5, **changes):
 def test_no_touching_pair_is_missed_while_rods_move():
     """Every 20 steps of two periods, all pairs with all images against the list."""
     engine, touching, lists = lively(), 0, set()
-    period, half = engine.crowd.period, engine.crowd.alone.half_length
+    period, half = engine.effects.period, engine.effects.alone.half_length
     for _ in range(2 * engine.per // 20):
         engine.go(20)
         # the list was brought up to date before the last step, of at most 1e-3 d
         touch = close(engine.rods, half, period, 1 - 1e-3)
-        assert touch <= entries(engine.listed)
+        assert touch <= entries(engine.state.listed)
         touching = max(touching, len(touch))
-        lists.add(engine.listed.built.tobytes())
+        lists.add(engine.state.listed.built.tobytes())
         engine.record.count[0] = 0
     assert touching >= 3
     assert len(lists) >= 4
@@ -183,21 +184,21 @@ def moved(engine, steps, each_step):
     for _ in range(steps):
         each_step(engine)
         engine.go(1)
-    return engine.rods.copy(), engine.springs.copy(), engine.ledger.copy()
+    return engine.rods.copy(), engine.state.springs.copy(), engine.ledger.copy()
 
 
 def test_springs_and_losses_survive_a_rebuild():
     """A list renewed before every step gives the same bits as one renewed when it must be."""
 
     def renew(engine):
-        engine.listed.travelled[:] = np.inf
-        engine.listed.built[:, :2] = 1e300
+        engine.state.listed.travelled[:] = np.inf
+        engine.state.listed.built[:, :2] = 1e300
 
     steps = 1500
     usual, often = lively(), lively()
     want = moved(usual, steps, lambda engine: None)
     got = moved(often, steps, renew)
-    assert usual.ledger[4] != 0  # springs of rods on rods have worked
+    assert usual.ledger[PAIR_FRICTION] != 0  # springs of rods on rods have worked
     for a, b in zip(got, want, strict=True):
         np.testing.assert_array_equal(a, b)
 
@@ -206,14 +207,16 @@ def test_a_list_that_is_full_grows():
     """From one entry on, and once more while contacts are open; to the same bits."""
     usual, small = lively(), lively()
     n = len(small.rods)
-    small.listed = neighbours.nothing_listed(n, 1, True, True)
-    small.scratch = np.zeros(n), np.zeros((1, 3), np.int64)
+    small.state = small.state._replace(
+        listed=neighbours.nothing_listed(n, 1, True, True),
+        scratch=small.state.scratch._replace(found=np.zeros((1, 3), np.int64)),
+    )
     usual.go(800)
     small.go(400)
-    assert np.any(small.listed.springs)
+    assert np.any(small.state.listed.springs)
     small._grow()
     small.go(400)
-    assert small.listed.index.shape[1] > 4
+    assert small.state.listed.index.shape[1] > 4
     np.testing.assert_array_equal(small.rods, usual.rods)
     np.testing.assert_array_equal(small.ledger, usual.ledger)
 
@@ -235,13 +238,13 @@ def reads(n):
     """Reads of places that it takes to build the list of n rods in a row, all drawn together."""
     random = np.random.default_rng(0)
     rods, spacing = np.zeros((n, 7)), 43 / 40
-    rods[:, 0] = (np.arange(n) + random.uniform(-0.3, 0.3, n)) * spacing
-    rods[:, 1], rods[:, 2], rods[:, 3] = 4.5, np.sin(0.37), np.cos(0.37)
-    place = neighbours.wrapped.py_func(rods[:, 0], None).view(Counted)
+    rods[:, X] = (np.arange(n) + random.uniform(-0.3, 0.3, n)) * spacing
+    rods[:, Z], rods[:, SINE], rods[:, COSINE] = 4.5, np.sin(0.37), np.cos(0.37)
+    place = neighbours.wrapped.py_func(rods[:, X], None).view(Counted)
     order, found = np.arange(n), np.zeros((20 * n, 3), np.int64)
     Counted.reads = 0
     neighbours.sort_along.py_func(order, place)
-    neighbours.pair_up.py_func(rods, HALF, n * spacing, SKIN, order, place, found)
+    neighbours.pair_up.py_func(rods, HALF, n * spacing, order, place, found)
     return Counted.reads
 
 
@@ -259,8 +262,8 @@ def test_no_touching_pair_is_missed_in_a_long_run():
     engine = prepare(
         row("rods.count=10", "rods.length=9.5", "box.length=11.5", "plate.acceleration=8")
     )
-    period, half = engine.crowd.period, engine.crowd.alone.half_length
+    period, half = engine.effects.period, engine.effects.alone.half_length
     for _ in range(200 * engine.per // 97):
         engine.go(97)
-        assert close(engine.rods, half, period, 1 - 1e-3) <= entries(engine.listed)
+        assert close(engine.rods, half, period, 1 - 1e-3) <= entries(engine.state.listed)
         engine.record.count[0] = 0

@@ -8,8 +8,23 @@ import pytest
 
 import md
 from md.host import prepare
-from md.kernels import plane as kernels
 from md.kernels import touches as landings
+from md.kernels.codes import (
+    C_X,
+    C_Z,
+    COSINE,
+    FELL,
+    OMEGA,
+    PAIR_FRICTION,
+    PLATE_FRICTION,
+    PLATE_NORMAL,
+    PLATE_WORK,
+    ROW_VELOCITY,
+    SINE,
+    UPRIGHT,
+    X,
+    Z,
+)
 from md.scene import Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step
 
 from .rows import EPS, SOFT, row
@@ -66,21 +81,21 @@ def test_each_part_of_the_ledger_is_what_the_closed_form_says():
         step=Step(1e-4),
     )
     engine = prepare(replace(upright, gravity=Gravity(z=0.0)))
-    engine.rods[0, 4:] = 0.0, -v, 0.0
+    engine.rods[0, ROW_VELOCITY] = 0.0, -v, 0.0
     engine.go(1000)
-    assert engine.ledger[1] == pytest.approx((1 - e * e) * v * v / 2, rel=3e-3)
-    assert engine.ledger[0] == 0
-    assert abs(engine.ledger[2]) < 1e-12
+    assert engine.ledger[PLATE_NORMAL] == pytest.approx((1 - e * e) * v * v / 2, rel=3e-3)
+    assert engine.ledger[PLATE_WORK] == 0
+    assert abs(engine.ledger[PLATE_FRICTION]) < 1e-12
 
     engine = prepare(replace(upright, start=Start(tilt_deg=90.0, speed=0.0)))
     deep = (1 / (2 * SOFT)) ** (2 / 3)  # two caps carry the weight
-    engine.rods[0, 1] -= deep
-    engine.rods[0, 4] = 0.1
+    engine.rods[0, Z] -= deep
+    engine.rods[0, C_X] = 0.1
     engine.go(10_000)
-    assert abs(engine.rods[0, 4]) < 1e-6  # it rocks a little still
-    assert engine.ledger[2] == pytest.approx(0.1**2 / 2, rel=3e-3)
+    assert abs(engine.rods[0, C_X]) < 1e-6  # it rocks a little still
+    assert engine.ledger[PLATE_FRICTION] == pytest.approx(0.1**2 / 2, rel=3e-3)
     stopped_after = 0.1**2 / (2 * 0.3)
-    assert engine.rods[0, 0] - 0.5 * 4 == pytest.approx(stopped_after, abs=0.1 * 1e-4 * 2)
+    assert engine.rods[0, X] - 0.5 * 4 == pytest.approx(stopped_after, abs=0.1 * 1e-4 * 2)
 
 
 def test_plate_work_of_an_elastic_bounce():
@@ -95,15 +110,17 @@ def test_plate_work_of_an_elastic_bounce():
     )
     engine = prepare(scene)
     engine.step = engine.per // 6  # it rises
-    motion = engine.crowd.alone.plate
-    engine.rods[0, 1] = motion.height[engine.step] + 2.0 + 1e-9
-    engine.rods[0, 5] = -0.5
+    motion = engine.effects.alone.plate
+    engine.rods[0, Z] = motion.height[engine.step] + 2.0 + 1e-9
+    engine.rods[0, C_Z] = -0.5
     before = engine.energy()
     engine.go(engine.per // 6)
     change = engine.energy() - before
-    assert engine.rods[0, 5] == pytest.approx(0.5 + 2 * motion.velocity[engine.per // 6], rel=0.05)
+    assert engine.rods[0, C_Z] == pytest.approx(
+        0.5 + 2 * motion.velocity[engine.per // 6], rel=0.05
+    )
     assert change > 0.1
-    assert engine.ledger[0] == pytest.approx(change, rel=1e-3)
+    assert engine.ledger[PLATE_WORK] == pytest.approx(change, rel=1e-3)
     assert abs(engine.ledger[1:]).max() == 0
 
 
@@ -114,11 +131,11 @@ def test_nothing_pushes_the_row_along_a_smooth_plate():
     """
     scene = row("contacts.plate.friction=0", "plate.acceleration=6", "start.speed=0.3")
     engine = prepare(scene)
-    before = engine.rods[:, 4].sum()
+    before = engine.rods[:, C_X].sum()
     engine.go(2000)
-    assert engine.ledger[0] != 0
-    assert abs(engine.ledger[4]) > 1e-4
-    assert engine.rods[:, 4].sum() == pytest.approx(before, abs=1e-12)
+    assert engine.ledger[PLATE_WORK] != 0
+    assert abs(engine.ledger[PAIR_FRICTION]) > 1e-4
+    assert engine.rods[:, C_X].sum() == pytest.approx(before, abs=1e-12)
 
 
 # Extremes
@@ -158,13 +175,15 @@ def test_falls_and_passes_through_the_vertical_are_counted():
     """A rod that spins freely once around passes upright twice and the horizontal twice."""
     scene = Scene(rods=Rods(1, 4.0), start=Start(tilt_deg=10.0, speed=0.0))
     engine = prepare(replace(scene, step=Step(1e-3)))
-    series = kernels.Series(np.zeros((8, 5)), engine.rods[:, 2:4].copy(), engine.per, 10)
-    engine.rods[0, 6] = 2 * pi / 4  # once in four periods
+    series = engine.series(7)._replace(every=10)
+    engine.rods[0, OMEGA] = 2 * pi / 4  # once in four periods
     engine.go(4 * engine.per, series)
-    assert series.rows[:, kernels.FELL].sum() == 2
-    assert series.rows[:, kernels.UPRIGHT].sum() == 2
-    assert engine.rods[0, 2] == pytest.approx(sin(np.radians(10)), abs=1e-9)
-    assert sqrt(engine.rods[0, 2] ** 2 + engine.rods[0, 3] ** 2) == pytest.approx(1, abs=4 * EPS)
+    assert series.rows[:, FELL].sum() == 2
+    assert series.rows[:, UPRIGHT].sum() == 2
+    assert engine.rods[0, SINE] == pytest.approx(sin(np.radians(10)), abs=1e-9)
+    assert sqrt(engine.rods[0, SINE] ** 2 + engine.rods[0, COSINE] ** 2) == pytest.approx(
+        1, abs=4 * EPS
+    )
 
 
 # Landings
@@ -177,14 +196,14 @@ def test_landings_are_those_that_every_step_shows():
     """
     scene = md.load("single_rod", ["contacts.plate.stiffness=1e5", "start.tilt_deg=35"])
     engine = prepare(scene)
-    half, dt, per = engine.crowd.alone.half_length, engine.dt, engine.per
-    plate = engine.crowd.alone.plate
+    half, dt, per = engine.effects.alone.half_length, engine.dt, engine.per
+    plate = engine.effects.alone.plate
     states = [engine.rods[0].copy()]
     for _ in range(8 * per):
         engine.go(1)
         states.append(engine.rods[0].copy())
     states = np.array(states)
-    pushed = np.abs(np.diff(states[:, 5]) + dt) > 1e-12 * dt * SOFT
+    pushed = np.abs(np.diff(states[:, C_Z]) + dt) > 1e-12 * dt * SOFT
     begins = np.flatnonzero(pushed & ~np.append(False, pushed[:-1]))
     stops = np.flatnonzero(~pushed & np.append(False, pushed[:-1]))
     begins = begins[: len(stops)]
@@ -195,20 +214,22 @@ def test_landings_are_those_that_every_step_shows():
     np.testing.assert_array_equal(rows[1:, landings.FLIGHT], begins[1:] - stops[:-1])
     assert np.isnan(rows[0, landings.FLIGHT])
     for columns, at in ((landings.BEFORE, begins), (landings.AFTER, stops)):
-        np.testing.assert_array_equal(rows[:, columns : columns + 3], states[at, 4:])
+        np.testing.assert_array_equal(rows[:, columns : columns + 3], states[at, ROW_VELOCITY])
     height, velocity = plate.height[begins % per], plate.velocity[begins % per]
     first, last = states[begins], states[stops]
-    cap = np.where(first[:, 3] > 0, -1, 1)
+    cap = np.where(first[:, COSINE] > 0, -1, 1)
     np.testing.assert_array_equal(rows[:, landings.CAP], cap)
-    a_x, a_z = cap * half * first[:, 2], height - first[:, 1]
+    a_x, a_z = cap * half * first[:, SINE], height - first[:, Z]
     np.testing.assert_allclose(rows[:, [landings.A_X, landings.A_Z]], np.array([a_x, a_z]).T)
     np.testing.assert_array_equal(rows[:, landings.PLATE], velocity)
     np.testing.assert_allclose(
-        rows[:, landings.APPROACH], first[:, 5] - first[:, 6] * a_x - velocity, atol=1e-13
+        rows[:, landings.APPROACH], first[:, C_Z] - first[:, OMEGA] * a_x - velocity, atol=1e-13
     )
-    leaves = last[:, 5] - last[:, 6] * cap * half * last[:, 2] - plate.velocity[stops % per]
+    leaves = (
+        last[:, C_Z] - last[:, OMEGA] * cap * half * last[:, SINE] - plate.velocity[stops % per]
+    )
     np.testing.assert_allclose(rows[:, landings.LEAVING], leaves, atol=1e-13)
-    assert np.all(rows[:, landings.SHARED] == 0)
+    assert np.all(rows[:, landings.PUSHED] == 0)
 
 
 @pytest.mark.slow

@@ -77,7 +77,7 @@ def test_pictures_and_words_are_made(tallies, thirteen):
 def test_units_are_those_of_the_axes(tallies):
     """cm/s and rad/s: the store's means times sqrt(g d) and over sqrt(d/g)."""
     d, sweep = fig06.data(quick=True), runs.tilt_plan(True)
-    names = ("landings.c_x_after.mean", "landings.omega_before.mean")
+    names = ("touches.c_x_after.mean", "touches.omega_before.mean")
     c_x, omega = (runs.over_seeds(v)[0] for v in runs.gathered(sweep, *names))
     np.testing.assert_allclose(d["c_x_after"], c_x * np.sqrt(981 * 0.6))
     np.testing.assert_allclose(d["omega_before"], omega * np.sqrt(981 / 0.6))
@@ -85,7 +85,7 @@ def test_units_are_those_of_the_axes(tallies):
 
 def test_parts_of_the_landings_sum_to_one(tallies):
     sweep = runs.tilt_plan(True)
-    names = [f"landings.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")]
+    names = [f"touches.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")]
     parts = runs.gathered(sweep, *names)
     np.testing.assert_allclose(sum(parts), 1, rtol=1e-12)
     assert all(np.nanmin(part) >= 0 for part in parts)

@@ -7,71 +7,37 @@ from scipy.optimize import minimize
 import md
 from md import placement
 from md.host import prepare
-from md.kernels.contact import Friction
-from md.kernels.plane import Between
-from md.kernels.space import forces, geometry
-from md.kernels.space import march as crowd
-from md.kernels.space.pairs import nearest, no_pairs
+from md.kernels.codes import (
+    DIRECTOR,
+    PAIR_NORMAL,
+    PLACE,
+    PLATE_NORMAL,
+    SPACE_COLUMNS,
+    TURN,
+    VELOCITY,
+)
+from md.kernels.contact import ContactForces
+from md.kernels.space import geometry
+from md.kernels.space.forces import Wall
+from md.kernels.space.pairs import nearest
 
-HALF, LIGHT = 4.25, 12 / 9.5**2
+from .space import HALF, LOSSY, ROUGH, Rods, effects, tuples, unit
+
 GAP = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
-ELASTIC = md.coulomb(1.0, 1e5).normal
-LOSSY = md.constant_restitution(0.65, 1e5, tangential_ratio=3)
-ROUGH = Friction(0.3, LOSSY.spring)
-
-
-def world(**parts):
-    """A scene with nothing but what is named."""
-    nothing = dict.fromkeys(forces.Space._fields)
-    return forces.Space(**{**nothing, "half_length": HALF, "lightness": LIGHT, **parts})
-
-
-class Scene:
-    """Rods under way."""
-
-    def __init__(self, scene, rods, dt=1e-4):
-        n = len(rods)
-        self.scene, self.rods, self.dt, self.step = scene, rods, dt, 0
-        self.scratch = np.zeros((n, 6)), no_pairs(n), np.zeros((n, 6))
-        self.springs = np.zeros((n, forces.SINGLE, 3)), np.zeros((max(n * (n - 1) // 2, 1), 5, 3))
-
-    def go(self, steps):
-        before, pairs, total = self.scratch
-        done, why, where = crowd.march(
-            *(self.scene, self.rods, before, *self.springs, pairs, 0.4, total, None),
-            *(self.step, steps, self.dt),
-        )
-        assert (done, why) == (steps, 0), (done, why, where)
-        self.step += steps
-        return self
-
-    def moments(self):
-        """Momentum, and angular momentum about the origin, half a step ago."""
-        place = self.rods[:, :3] - self.dt / 2 * self.rods[:, 6:9]
-        spin = self.rods[:, 9:12] / LIGHT
-        return self.rods[:, 6:9].sum(0), (np.cross(place, self.rods[:, 6:9]) + spin).sum(0)
-
-    def kinetic(self):
-        return ((self.rods[:, 6:9] ** 2).sum() + (self.rods[:, 9:12] ** 2).sum() / LIGHT) / 2
-
-
-def unit(v):
-    return np.asarray(v, float) / np.linalg.norm(v)
+ELASTIC = ContactForces(md.coulomb(1.0, 1e5).normal, None)
 
 
 def two(seed, speed=0.4):
     """Rods that will meet, crossing or nearly parallel."""
     random = np.random.default_rng(seed)
-    rods = np.zeros((2, crowd.COLUMNS))
-    rods[1, :3] = random.uniform(-2, 2), 1.6, random.uniform(-2, 2)
+    rods = np.zeros((2, SPACE_COLUMNS))
+    rods[1, PLACE:DIRECTOR] = random.uniform(-2, 2), 1.6, random.uniform(-2, 2)
     for i in range(2):
-        rods[i, 3:6] = unit([random.uniform(-0.5, 0.5), random.uniform(-0.05, 0.05), 1])
-    rods[0, 7], rods[1, 6:9] = speed, (0.05, -speed, 0.02)
+        rods[i, DIRECTOR:VELOCITY] = unit(
+            [random.uniform(-0.5, 0.5), random.uniform(-0.05, 0.05), 1]
+        )
+    rods[0, 7], rods[1, VELOCITY:TURN] = speed, (0.05, -speed, 0.02)
     return rods
-
-
-def tuples(*vectors):
-    return [tuple(map(float, v)) for v in vectors]
 
 
 # Closest points
@@ -116,9 +82,9 @@ def test_the_inner_wall_is_as_near_as_brute_force_says():
 
 def total_force(scene, rods):
     """On the first rod: force and torque."""
-    one = Scene(scene, rods.copy(), dt=1e-9)
+    one = Rods(scene, rods.copy(), dt=1e-9)
     one.go(1)
-    return np.concatenate([one.scratch[2][0]])
+    return np.concatenate([one.state.scratch[0]])
 
 
 @pytest.mark.parametrize("path", ["through parallel", "off the end", "past the inner wall"])
@@ -128,17 +94,17 @@ def test_no_force_jumps(path):
     for points in (2001, 20001):
         found = []
         for x in np.linspace(-0.3, 0.3, points):
-            rods, scene = np.zeros((2, crowd.COLUMNS)), world(between=Between(ELASTIC, None))
+            rods, scene = np.zeros((2, SPACE_COLUMNS)), effects(between=ELASTIC)
             rods[:, 5] = 1
             if path == "through parallel":
-                rods[1, 1], rods[0, 3:6] = -0.98, unit([x, 0.001, 1])
+                rods[1, 1], rods[0, DIRECTOR:VELOCITY] = -0.98, unit([x, 0.001, 1])
             elif path == "off the end":
-                rods[1, 1], rods[0, 3:6] = -0.98, unit([0.7, 0, 1])
-                rods[1, 3:6], rods[1, 2] = unit([-0.7, 0, 1]), 5.6 + 2 * x
+                rods[1, 1], rods[0, DIRECTOR:VELOCITY] = -0.98, unit([0.7, 0, 1])
+                rods[1, DIRECTOR:VELOCITY], rods[1, 2] = unit([-0.7, 0, 1]), 5.6 + 2 * x
             else:
-                wall = forces.Wall(5.0, ELASTIC, None)
-                rods, scene = rods[:1], world(inner=wall)
-                rods[0, :2], rods[0, 3:6] = (5.49, 0), unit([0.001, x, 1])
+                wall = Wall(5.0, ELASTIC.normal, None)
+                rods, scene = rods[:1], effects(inner=wall)
+                rods[0, :2], rods[0, DIRECTOR:VELOCITY] = (5.49, 0), unit([0.001, x, 1])
             found.append(total_force(scene, rods))
         found = np.array(found)
         assert np.ptp(found, axis=0).max() > 1
@@ -149,17 +115,17 @@ def test_no_force_jumps(path):
 # What is conserved
 
 
-@pytest.mark.parametrize("spin", [None, 15.0])
+@pytest.mark.parametrize("rolling", [None, 15.0])
 @pytest.mark.parametrize("seed", range(4))
-def test_momentum_and_angular_momentum_are_kept(seed, spin):
+def test_momentum_and_angular_momentum_are_kept(seed, rolling):
     """With losses and friction; and the rods did meet."""
-    scene = Scene(world(between=Between(LOSSY.normal, ROUGH), spin=spin), two(seed))
+    scene = Rods(effects(between=ContactForces(LOSSY.normal, ROUGH), rolling=rolling), two(seed))
     momentum, turning = scene.moments()
     energy = scene.kinetic()
     scene.go(40_000)
     assert abs(scene.kinetic() / energy - 1) > 1e-3
     np.testing.assert_allclose(scene.moments()[0], momentum, rtol=0, atol=1e-12)
-    if spin is None:  # the axial part is what the scene leaves out
+    if rolling is None:  # the axial part is what the scene leaves out
         return
     np.testing.assert_allclose(scene.moments()[1], turning, rtol=0, atol=1e-8)
 
@@ -167,44 +133,46 @@ def test_momentum_and_angular_momentum_are_kept(seed, spin):
 @pytest.mark.parametrize("seed", range(6))
 def test_elastic_rods_keep_their_energy(seed):
     """Better than 2e-6 of it at this step, whether they cross or touch at their ends."""
-    scene = Scene(world(between=Between(ELASTIC, None)), two(seed), dt=2e-4)
+    scene = Rods(effects(between=ELASTIC), two(seed), dt=2e-4)
     energy = scene.kinetic()
     scene.go(20_000)
-    assert np.abs(scene.rods[:, 9:12]).max() > 1e-3
+    assert np.abs(scene.rods[:, TURN:]).max() > 1e-3
     assert scene.kinetic() == pytest.approx(energy, rel=1e-5)
-    scene = Scene(world(between=Between(ELASTIC, None)), two(seed), dt=5e-5)
+    scene = Rods(effects(between=ELASTIC), two(seed), dt=5e-5)
     scene.go(80_000)
     assert scene.kinetic() == pytest.approx(energy, rel=1e-6)
 
 
 def test_a_free_top_precesses_as_it_should():
     """w is conserved, and the director turns about it at |w|."""
-    rods = np.zeros((1, crowd.COLUMNS))
+    rods = np.zeros((1, SPACE_COLUMNS))
     w = np.array([0.3, -0.2, 0.5])
-    rods[0, 3:6], rods[0, 9:12] = unit([1, 2, 3]), w
-    first = rods[0, 3:6].copy()
-    scene = Scene(world(spin=15.0), rods, dt=1e-3).go(5000)
-    np.testing.assert_array_equal(scene.rods[0, 9:12], w)
+    rods[0, DIRECTOR:VELOCITY], rods[0, TURN:] = unit([1, 2, 3]), w
+    first = rods[0, DIRECTOR:VELOCITY].copy()
+    scene = Rods(effects(rolling=15.0), rods, dt=1e-3).go(5000)
+    np.testing.assert_array_equal(scene.rods[0, TURN:], w)
     angle, axis = np.linalg.norm(w) * 5.0, unit(w)
     expected = (
         first * np.cos(angle)
         + np.cross(axis, first) * np.sin(angle)
         + axis * (axis @ first) * (1 - np.cos(angle))
     )
-    np.testing.assert_allclose(scene.rods[0, 3:6], expected, atol=1e-10)
+    np.testing.assert_allclose(scene.rods[0, DIRECTOR:VELOCITY], expected, atol=1e-10)
 
 
 def annulus(count=44, friction=None, seed=1):
     """Rods in the gap, thrown about, without a plate."""
-    walls = [forces.Wall(radius, LOSSY.normal, friction) for radius in (GAP.inner, GAP.outer)]
-    rods = np.zeros((count, crowd.COLUMNS))
-    rods[:, :6] = placement.placed(GAP, count, 2 * HALF + 1, tilt=0.3)
-    rods[:, 6:9] = np.random.default_rng(seed).uniform(-0.5, 0.5, (count, 3))
-    return world(inner=walls[0], outer=walls[1], between=Between(LOSSY.normal, friction)), rods
+    walls = [Wall(radius, LOSSY.normal, friction) for radius in (GAP.inner, GAP.outer)]
+    rods = np.zeros((count, SPACE_COLUMNS))
+    rods[:, :VELOCITY] = placement.placed(GAP, count, 2 * HALF + 1, tilt=0.3)
+    rods[:, VELOCITY:TURN] = np.random.default_rng(seed).uniform(-0.5, 0.5, (count, 3))
+    return effects(
+        inner=walls[0], outer=walls[1], between=ContactForces(LOSSY.normal, friction)
+    ), rods
 
 
 def test_smooth_walls_keep_the_angular_momentum_about_the_axis():
-    scene = Scene(*annulus())
+    scene = Rods(*annulus())
     before = scene.moments()
     scene.go(5000)
     momentum, turning = scene.moments()
@@ -219,8 +187,8 @@ def test_turning_the_whole_scene_changes_nothing():
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     scene, rods = annulus(friction=ROUGH)
     turned = rods.reshape(-1, 4, 3) @ turn.T
-    one = Scene(scene, rods.copy()).go(300)
-    other = Scene(scene, turned.reshape(rods.shape).copy()).go(300)
+    one = Rods(scene, rods.copy()).go(300)
+    other = Rods(scene, turned.reshape(rods.shape).copy()).go(300)
     assert np.abs(one.rods - rods).max() > 1e-3
     expected = (one.rods.reshape(-1, 4, 3) @ turn.T).reshape(rods.shape)
     np.testing.assert_allclose(other.rods, expected, atol=1e-7)
@@ -244,22 +212,22 @@ def test_rods_in_a_plane_do_what_the_plane_kernel_says():
     )
     engine = prepare(flat)
     engine.rods[:, 0] *= 1.001  # else some touch just so, and rounding decides
-    alone, plane = engine.crowd.alone, engine.rods
-    rods = np.zeros((6, crowd.COLUMNS))
+    alone, plane = engine.effects.alone, engine.rods
+    rods = np.zeros((6, SPACE_COLUMNS))
     places = [0, 2, 3, 5, 6, 8, 10]
     rods[:, places] = plane
-    scene = Scene(
-        world(
+    scene = Rods(
+        effects(
             gravity=alone.gravity[1], plate=alone.plate, normal=alone.normal,
-            friction=alone.friction, between=engine.crowd.between,
+            friction=alone.friction, between=engine.effects.between,
         ),
         rods, engine.dt,
     )  # fmt: skip
     for _ in range(30):
         engine.go(100)
         scene.go(100)
-    assert engine.ledger[3] > 1e-4  # they met
-    assert engine.ledger[1] > 1e-4
+    assert engine.ledger[PAIR_NORMAL] > 1e-4  # they met
+    assert engine.ledger[PLATE_NORMAL] > 1e-4
     np.testing.assert_allclose(rods[:, places], plane, rtol=0, atol=1e-9)
     assert np.abs(rods[:, [1, 4, 7, 9, 11]]).max() < 1e-12
 
@@ -285,11 +253,13 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     half, least = 3.5, np.inf
     for i in range(count):
         for j in range(i):
-            parts = tuples(rods[i, :3] - rods[j, :3], rods[i, 3:], rods[j, 3:])
+            parts = tuples(
+                rods[i, PLACE:DIRECTOR] - rods[j, PLACE:DIRECTOR], rods[i, 3:], rods[j, 3:]
+            )
             least = min(least, nearest(*parts, half))
     assert least > 1 - 1e-4
     along = np.linspace(-half, half, 201)[:, None]
-    for place, director in zip(rods[:, :3], rods[:, 3:], strict=True):
+    for place, director in zip(rods[:, PLACE:DIRECTOR], rods[:, 3:], strict=True):
         rho = np.hypot(*(place + along * director).T[:2])
         assert rho.min() > GAP.inner + 0.5 - 1e-4
         assert rho.max() < GAP.outer - 0.5 + 1e-4
@@ -315,12 +285,15 @@ def test_what_does_not_fit_is_refused(call, words):
 @pytest.mark.parametrize("director", [(0, 0, 1), (0, 1, 0), (0, 0, -1), (1e-13, 0, 1)])
 def test_upright_and_lying_rods_are_ordinary(director):
     """A rod alone in the gap, on the plate: all stays finite."""
-    walls = {n: forces.Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 5.0), ("outer", 8.0))}
-    rods = np.zeros((1, crowd.COLUMNS))
-    rods[0, :3], rods[0, 3:6] = (5.6, 0, 0.6 + HALF * abs(director[2])), director
+    walls = {n: Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 5.0), ("outer", 8.0))}
+    rods = np.zeros((1, SPACE_COLUMNS))
+    rods[0, PLACE:DIRECTOR], rods[0, DIRECTOR:VELOCITY] = (
+        (5.6, 0, 0.6 + HALF * abs(director[2])),
+        director,
+    )
     if director[1]:
         walls["outer"] = walls["outer"]._replace(radius=9.0)
-    scene = Scene(world(**walls, normal=LOSSY.normal, friction=ROUGH, gravity=-1.0), rods)
+    scene = Rods(effects(**walls, normal=LOSSY.normal, friction=ROUGH, gravity=-1.0), rods)
     scene.go(20_000)
     assert np.isfinite(scene.rods).all()
-    assert np.linalg.norm(scene.rods[0, 3:6]) == pytest.approx(1, abs=1e-12)
+    assert np.linalg.norm(scene.rods[0, DIRECTOR:VELOCITY]) == pytest.approx(1, abs=1e-12)

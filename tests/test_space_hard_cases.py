@@ -5,29 +5,22 @@ import pytest
 
 import md
 from md.host import prepare
-from md.kernels.single import DEEP
-from md.kernels.space import forces, geometry
-from md.kernels.space import march as crowd
+from md.kernels.codes import DEEP, DIRECTOR, DONE, PLACE, TURN, VELOCITY
+from md.kernels.contact import ContactForces
+from md.kernels.space import geometry
+from md.kernels.space.forces import Wall
 from md.laws import deepest_overlap
 
+from .space import HALF, LOSSY, ROUGH, Rods, effects, states, tuples, unit
 from .test_annulus import ring
-from .test_space import HALF, LOSSY, ROUGH, Scene, tuples, unit, world
 
-STIFFNESS = LOSSY.normal.stiffness
 INNER, OUTER = 5.0, 40.0  # radii of walls
 LYING, UPRIGHT, SLANTED = (0, 1, 0), (0, 0, 1), (0.2, 0.9, 0.5)
 
 
-def one(place, director, velocity):
-    """A single rod."""
-    rods = np.zeros((1, crowd.COLUMNS))
-    rods[0, :3], rods[0, 3:6], rods[0, 6:9] = place, unit(director), velocity
-    return rods
-
-
 def reach(rods):
     """Least and largest distance of the first rod from the axis of the walls."""
-    seen = geometry.from_above(*tuples(rods[0, :3], rods[0, 3:6]))
+    seen = geometry.from_above(*tuples(rods[0, PLACE:DIRECTOR], rods[0, DIRECTOR:VELOCITY]))
     ends = [geometry.beyond(seen, s) for s in (-HALF, HALF)]
     least = min(ends)
     if geometry.passes(seen, HALF, np.sqrt(least)):
@@ -46,8 +39,8 @@ def test_m10_no_wall_is_entered_beyond_the_soft_overlap(wall, director, friction
     room = 0.52 + abs(half[0]) + (0 if wall == "inner" else 0.5)
     place = (radius + room, 0, 0) if wall == "inner" else (radius - room - 0.5, 0, 0)
     velocity = (-speed if wall == "inner" else speed, 0.2 * speed, 0.1 * speed)
-    scene = world(**{wall: forces.Wall(radius, LOSSY.normal, friction)})
-    flying = Scene(scene, one(place, director, velocity), dt=2e-5)
+    scene = effects(**{wall: Wall(radius, LOSSY.normal, friction)})
+    flying = Rods(scene, states((place, director, velocity)), dt=2e-5)
     deepest, energy = -np.inf, flying.kinetic()
     for _ in range(int(2.5 / speed / 2e-5 / 20)):
         flying.go(20)
@@ -55,7 +48,7 @@ def test_m10_no_wall_is_entered_beyond_the_soft_overlap(wall, director, friction
         deepest = max(deepest, INNER + 0.5 - least if wall == "inner" else largest + 0.5 - OUTER)
     assert 0 < deepest < 1.05 * deepest_overlap(LOSSY, 1.05 * speed)
     assert flying.kinetic() < energy
-    out = flying.rods[0, 6]
+    out = flying.rods[0, VELOCITY]
     assert out > 0 if wall == "inner" else out < 0.3 * speed
 
 
@@ -87,33 +80,29 @@ def test_m8_crossing_rods_do_not_pass_through_each_other(seed):
     """
     random = np.random.default_rng(seed)
     soft = md.constant_restitution(0.65, 2e3, tangential_ratio=3)
-    scene = world(between=forces.Between(soft.normal, None))
-    rods = np.zeros((2, crowd.COLUMNS))
-    rods[0, 3:6], rods[1, 3:6] = unit([1, 0.05, 0.1]), unit([random.uniform(-1, 1), 0, 1])
-    rods[0, :3], rods[1, 1] = (random.uniform(-2, 2), 1.2, random.uniform(-2, 2)), 0
+    scene = effects(between=ContactForces(soft.normal, None))
+    across = [random.uniform(-1, 1), 0, 1]
+    place = random.uniform(-2, 2), 1.2, random.uniform(-2, 2)
     for speed in (1, 5, 60):
-        rods[0, 7] = -speed
-        flying = Scene(scene, rods.copy(), dt=2e-4)
-        why = crowd.DONE
+        first = place, [1, 0.05, 0.1], (0, -speed, 0)
+        second = (0, 0, 0), across
+        flying = Rods(scene, states(first, second), dt=2e-4)
+        why = DONE
         for _ in range(int(2 / speed / 2e-4 / 10)):
-            before, pairs, total = flying.scratch
-            _, why, _ = crowd.march(
-                *(scene, flying.rods, before, *flying.springs, pairs, 0.4, total, None),
-                *(0, 10, 2e-4),
-            )
-            if why != crowd.DONE:
+            _, why = flying.march(10)
+            if why != DONE:
                 break
-            assert flying.rods[0, 1] > flying.rods[1, 1] + 1 - DEEP - 0.3
-        assert (why == crowd.DONE) == (speed < 60)
+            assert flying.rods[0, PLACE + 1] > flying.rods[1, PLACE + 1] + 1 - DEEP - 0.3
+        assert (why == DONE) == (speed < 60)
 
 
 def test_m8_what_is_too_deep_is_named():
     engine = prepare(ring())
-    engine.rods[3, :6] = engine.rods[1, :6] + 1e-3
+    engine.rods[3, :VELOCITY] = engine.rods[1, :VELOCITY] + 1e-3
     with pytest.raises(md.RunError, match=r"rods 1 and 3: overlap 0\.99\d d with each other"):
         engine.go(10)
     engine = prepare(ring())
-    engine.rods[4, 6:9] = 0, 0, 3e3
+    engine.rods[4, VELOCITY:TURN] = 0, 0, 3e3
     with pytest.raises(md.RunError, match=r"rod 4: moved more than 0.25 d in a step at t = "):
         engine.go(10)
 
@@ -122,7 +111,7 @@ def test_m8_what_is_too_deep_is_named():
 def test_m16_nonsense_ends_the_run_in_the_step_in_which_it_appears(bad):
     engine = prepare(ring("rods.count=2"))
     engine.go(5)
-    engine.rods[1, 7] = bad
+    engine.rods[1, VELOCITY + 1] = bad
     with pytest.raises(md.RunError, match="rod 1: its state is not finite") as error:
         engine.go(1000)
     assert engine.step == 5
@@ -142,16 +131,11 @@ def test_a_gap_barely_wider_than_a_rod():
 
 def test_rods_that_lie_down_and_rods_that_cross_go_on():
     """One on the plate, one dropped across it in a wide gap: finite, and at rest in the end."""
-    wide = {n: forces.Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 1.0), ("outer", 20.0))}
-    rods = np.zeros((2, crowd.COLUMNS))
-    rods[0, :3], rods[0, 3:6] = (9, 0, 0.51), unit([0, 1, 0])
-    rods[1, :3], rods[1, 3:6] = (9, 0, 1.55), unit([1, 0, 0])
-    rods[1, 6:9] = 0, 0, -0.5
-    scene = world(
-        **wide, normal=LOSSY.normal, friction=ROUGH, gravity=-1.0,
-        between=forces.Between(LOSSY.normal, ROUGH),
-    )  # fmt: skip
-    lying = Scene(scene, rods).go(100_000)
-    assert np.isfinite(lying.rods).all()
-    assert lying.kinetic() < 1e-3
-    assert (lying.rods[:, 2] - HALF * np.abs(lying.rods[:, 5]) > 0.49).all()
+    wide = {n: Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 1.0), ("outer", 20.0))}
+    on_plate = {"normal": LOSSY.normal, "friction": ROUGH, "gravity": -1.0}
+    scene = effects(**wide, **on_plate, between=ContactForces(LOSSY.normal, ROUGH))
+    lying, crossing = ((9, 0, 0.51), [0, 1, 0]), ((9, 0, 1.55), [1, 0, 0], (0, 0, -0.5))
+    two = Rods(scene, states(lying, crossing)).go(100_000)
+    assert np.isfinite(two.rods).all()
+    assert two.kinetic() < 1e-3
+    assert (two.rods[:, PLACE + 2] - HALF * np.abs(two.rods[:, DIRECTOR + 2]) > 0.49).all()

@@ -154,11 +154,11 @@ def test_a_full_disk_loses_nothing_that_was_written(tmp_path):
 
 def test_a_table_is_written_beside_and_renamed(tmp_path):
     with Store(tmp_path / "a.db") as store:
-        store.put("k", ABOUT, {"c_x": 0.5, "landings": {"slide": {"mean": 0.1}}}, None)
+        store.put("k", ABOUT, {"c_x": 0.5, "touches": {"slide": {"mean": 0.1}}}, None)
         store.put("l", ABOUT, None, "it broke, badly")
     write_csv(tmp_path / "a.csv", *table(tmp_path / "a.db"))
     lines = (tmp_path / "a.csv").read_text().splitlines()
-    assert lines[0].split(",")[:3] == ["rods.count", "c_x", "landings.slide.mean"]
+    assert lines[0].split(",")[:3] == ["rods.count", "c_x", "touches.slide.mean"]
     assert lines[1].startswith("2,0.5,0.1,")
     assert '"it broke, badly"' in lines[2]
     assert not list(tmp_path.glob("*.part*"))

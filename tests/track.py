@@ -1,23 +1,42 @@
-"""One rod over the plate for a long time, by the kernel behind `md.impact`."""
+"""One rod over the plate: laws, effects, and long runs by the kernel behind `md.impact`."""
+
+from math import pi
 
 import numpy as np
 
-from md import soft_impact as one_rod
-from md.kernels import single as integrators
-from md.kernels.single import State
+import md
+from md.kernels import single
+from md.laws import contact_time
+from md.rod import effects_of
+from md.soft_impact import plate_table, stopped_run
+
+ROD = md.Rod()
+LAWS = {
+    "coulomb": md.coulomb(),
+    "elastic": md.coulomb(1.0),
+    "constant_restitution": md.constant_restitution(),
+    "appendix_a": md.appendix_a(),
+}
+CONTACT = contact_time(md.coulomb(), 1.0)
+FLAT = 0.0, 0.5, pi / 2, 0.0, 0.0, 0.0  # just touching, at rest
 
 
-def track(scene, start, dt, steps, *, every=1, method="leapfrog"):
+def effects(law, friction=0.0, gravity=None, vibration=None, dt=None, rod=ROD):
+    """What acts on a rod; the plate is at rest unless it vibrates."""
+    return effects_of(rod, law, friction, gravity, plate_table(vibration, dt))
+
+
+def track(acting, start, dt, steps, *, every=1, method="leapfrog"):
     """Every so many steps, where the rod is and how fast it was half a step before.
 
-    Under Gear's method both are of the step before. `scene`: effects; `start`: x, z, tilt, c_x,
+    Under Gear's method both are of the step before. `acting`: effects; `start`: x, z, tilt, c_x,
     c_z, omega, off the plate or just touching it.
     """
-    state = integrators.started(method, start[:3], start[3:], scene.gravity, dt)
+    state = single.started(method, start[:3], start[3:], acting.gravity, dt)
     samples = [(*state.position, *state.velocity)]
     for first in range(0, steps, every):
-        now, made, why = integrators.run(scene, state, first, every, dt, None)
-        state = State(*now)
-        one_rod._stopped_run(why, state, first + made, dt)
+        now, made, why = single.run(acting, state, first, every, dt, None)
+        state = single.State(*now)
+        stopped_run(why, state, first + made, dt)
         samples.append((*state.position, *state.velocity))
     return np.array(samples)

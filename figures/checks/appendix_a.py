@@ -118,7 +118,7 @@ def _why(ratios: np.ndarray) -> Data:
     off = np.empty((len(DAMPINGS), ratios.size))
     for (i, j), _ in np.ndenumerate(off):
         law = md.appendix_a(tangential_ratio=ratios[j])
-        spring = law.spring._replace(drag=None, ratio=DAMPINGS[i] or None)
+        spring = law.spring._replace(proportional_dashpot=None, damping_ratio=DAMPINGS[i] or None)
         off[i, j] = _compared(replace(law, spring=spring), ROD)[2]
     root = sqrt(deepest_overlap(md.appendix_a(), 1.0))
     return {"ratio": ratios * root, "printed_ratio": np.float64(PRINTED_RATIO * root), "why": off}

@@ -18,7 +18,7 @@ import numpy as np
 import md
 from impact import ContactGeometry, collide
 from md.kernels import touches
-from md.soft_impact import Rod
+from md.rod import Rod
 from md.statistics import ratio
 
 REST = 0.1  # periods: a longer contact is no impact
@@ -93,7 +93,7 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
     )
     spin = k2 * gain[:, 2] - a_z * gain[:, 0] + a_x * (gain[:, 1] - fall)
     return {
-        "isolated": rows[:, touches.SHARED] == 0,
+        "isolated": rows[:, touches.PUSHED] == 0,
         "jump": np.linalg.norm(gain * [1, 1, k], axis=1),
         "residual": residual,
         "allowed": allowed,

@@ -114,12 +114,11 @@ def draw(d: Data) -> plt.Figure:
 def summary(d: Data) -> str:
     """Matrix, then what it is made of, law by law."""
     names = _names(d)
-    rows = [
-        [name, column["paper"], *(f"{_shown(v)} {'-~+'[k]}" for v, k in zip(*cells, strict=True))]
-        for (name, column), *cells in zip(
-            COLUMNS.items(), d["value"].T, d["verdict"].T, strict=True
-        )
-    ]
+    rows = []
+    for (key, column), *cells in zip(COLUMNS.items(), d["value"].T, d["verdict"].T, strict=True):
+        head = f"{key.partition('.')[0]} {column['head']}".replace("\n", " ")
+        shown = (f"{_shown(v)} {'-~+'[k]}" for v, k in zip(*cells, strict=True))
+        rows.append([head, column["paper"], *shown])
     lines = ["Claims: + holds, ~ in part, - does not", table(("number", "paper", *names), rows)]
     ratio = -d["landing_c_z_before"] / d["landing_c_z_after"]
     for i, name in enumerate(names):

@@ -20,7 +20,7 @@ from ..lib.style import BLACK, BLUE, ORANGE, WARM, Data, name_panels, style
 from ..lib.tables import table
 
 FRICTION_MEANS = {"c_x": "c_x_cm_s", "tilt_deg": "tilt_deg"}
-FRICTION_MEANS["V_z"] = "landings.plate_velocity_by_speed.mean"
+FRICTION_MEANS["V_z"] = "touches.plate_velocity_by_speed.mean"
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:

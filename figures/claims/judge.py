@@ -48,7 +48,7 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
     claim : as "S13"
     evidence : the data, `evidence.Evidence`
     """
-    from . import measure_annulus, measure_rows, over_tilt  # contact_laws needs the limits alone
+    from . import measure_annulus, measure_rows, over_tilt  # late: pages need no compiled code
 
     names = {
         name.partition(".")[2]: name for name in over_tilt.NUMBERS if name.startswith(f"{claim}.")
@@ -106,7 +106,7 @@ def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
 
 
 def judge(quick: bool = False, progress: bool = False, out: Path | None = None) -> dict[str, Any]:
-    """All claims with what was measured, and where that comes from.
+    """Judge all claims: what was measured, the verdicts, and where they come from.
 
     Runs what it needs, for minutes, as far as the store and the figures in `out` do not hold it.
 
@@ -120,7 +120,7 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
 
     from impact.benchmark import machine
 
-    from .evidence import Evidence  # compiles
+    from .evidence import Evidence  # late, as in `measure`
 
     evidence, judged = Evidence(quick, out), []
     look = {"desc": "judging", "unit": "claim", "leave": False}

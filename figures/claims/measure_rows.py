@@ -79,7 +79,7 @@ def S9_over_gamma(data: Evidence) -> Numbers:
 def S11_turned_round(data: Evidence) -> Numbers:
     sweep = fig13.sweeps(data.quick)["gamma"]
     far = sweep.values("plate.acceleration") >= 2
-    d = over(sweep, before="merged.c_z_before.mean", after="merged.c_z_after.mean")
+    d = over(sweep, before="landings.c_z_before.mean", after="landings.c_z_after.mean")
     return {"driven": resampled(d, lambda d: np.abs(1 + d["before"] / d["after"])[far].max())}
 
 
@@ -216,7 +216,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 
 def S25_frequency(data: Evidence) -> Numbers:
     sweep = sweeps(data.quick)["frequency"]
-    regimes = {name: f"landings.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")}
+    regimes = {name: f"touches.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")}
     d, scenes = over(sweep, c_x="c_x", **regimes), [point.scene for point in sweep.points]
     speed = np.reshape([scene.plate_speed for scene in scenes], sweep.shape)[..., 0]
 
@@ -250,7 +250,7 @@ def _landings_of_closure(rod, friction: float, landings: int) -> float:
 
 def S26_without_friction(data: Evidence) -> Numbers:
     d, sweep = _cut(data), sweeps(data.quick)["slippery"]
-    by_speed, often = "landings.plate_velocity_by_speed.mean", "merged.per_rod_and_period.mean"
+    by_speed, often = "touches.plate_velocity_by_speed.mean", "landings.per_rod_and_period.mean"
     long = over(sweep, c_x="c_x_cm_s", V_z=by_speed, often=often)
     rod = spherocylinder(np.arccos(rows.COUNT / phase_friction.BOX), rows.LENGTH)
     low, middle, high = (

@@ -22,17 +22,17 @@ BOTH_SIDES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in (
 STORED = {  # name in a table: name in the store; `landing_`: touches merged over hops
     "tilt": "tilt_deg",
     "c_x": "c_x_cm_s",
-    **{name: f"landings.{name}.mean" for name in BOTH_SIDES},
-    **{f"landing_{name}": f"merged.{name}.mean" for name in BOTH_SIDES},
-    "V_z": "landings.plate_velocity.mean",
-    "V_z_by_speed": "landings.plate_velocity_by_speed.mean",
-    "restitution": "landings.restitution.mean",
-    "slide": "landings.slide.mean",
-    "pushed": "landings.not_isolated.mean",
-    "contact": "landings.contact_periods.mean",
-    "flight": "merged.flight_periods.mean",
-    "falling": "merged.falling.mean",
-    "touches": "merged.touches.mean",
+    **{name: f"touches.{name}.mean" for name in BOTH_SIDES},
+    **{f"landing_{name}": f"landings.{name}.mean" for name in BOTH_SIDES},
+    "V_z": "touches.plate_velocity.mean",
+    "V_z_by_speed": "touches.plate_velocity_by_speed.mean",
+    "restitution": "touches.restitution.mean",
+    "slide": "touches.slide.mean",
+    "pushed": "touches.pushed_by_others.mean",
+    "contact": "touches.contact_periods.mean",
+    "flight": "landings.flight_periods.mean",
+    "falling": "landings.falling.mean",
+    "touches": "landings.touches.mean",
 }
 Table = Mapping[str, np.ndarray]
 

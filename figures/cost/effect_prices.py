@@ -22,7 +22,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from tqdm import tqdm
 
-from md.host import SAMPLES, Engine
+from md.host import Engine
+from md.kernels.codes import C_Z, Z
 from md.kernels.plane import Series
 from md.sweep import Sweep
 
@@ -54,8 +55,7 @@ def _series(engine: Engine, variant: Variant) -> Series | None:
     """Means to be sampled, as a run does."""
     if "series" not in variant.diagnostics:
         return None
-    table, every = np.zeros((PRICE_SETTLE[False] + 2 * PLACES, 5)), max(engine.per // SAMPLES, 1)
-    return Series(table, engine.rods[:, 2:4].copy(), engine.per, every)
+    return engine.series(PRICE_SETTLE[False] + 2 * PLACES)
 
 
 def _settled(settle: int) -> tuple[list[Place], list[Place]]:
@@ -65,12 +65,12 @@ def _settled(settle: int) -> tuple[list[Place], list[Place]]:
     for _ in range(PLACES):
         onward(engine, engine.per + engine.per // PLACES)
         arrays = {name: value.copy() for name, value in engine.arrays().items()}
-        motion, now = engine.crowd.alone.plate, engine.step % engine.per
+        motion, now = engine.plate, engine.step % engine.per
         moving.append((arrays, engine.step))
         frame = {name: arrays[name].copy() for name in ("rods", "listed.built")}
         for part in frame.values():
-            part[:, 1] -= motion.height[now]
-        frame["rods"][:, 5] -= motion.velocity[now]
+            part[:, Z] -= motion.height[now]
+        frame["rods"][:, C_Z] -= motion.velocity[now]
         still.append((arrays | frame, engine.step))
     return moving, still
 
@@ -112,8 +112,8 @@ def _samples(every: list[Variant], moving: list[Place], still: list[Place], quic
 
 def _kernel(engine: Engine, variant: Variant) -> tuple:
     """What decides which kernel runs: the types of all that it takes."""
-    given = engine.crowd, engine.springs, engine.listed, engine.ledger, engine.record
-    return tuple(map(numba.typeof, (*given, _series(engine, variant))))
+    watchers = engine.watchers._replace(series=_series(engine, variant))
+    return tuple(map(numba.typeof, (engine.effects, engine.state, watchers)))
 
 
 def sweeps(quick: bool = False) -> dict[int, Sweep]:

@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from md.annulus_host import SKIN
-from md.annulus_host import prepare as prepare_ring
 from md.host import Engine, prepare
-from md.kernels.space import forces
-from md.kernels.space import march as crowd
+from md.kernels.codes import PAIR_SLOTS, PLATE_CAPS, SLOTS, SPACE_COLUMNS
+from md.kernels.contact import Clock
+from md.kernels.plane import Watchers
+from md.kernels.space.forces import SpaceEffects, State
+from md.kernels.space.march import march
 from md.kernels.space.pairs import no_pairs
 from md.scene import from_tables, put
 
@@ -24,11 +25,8 @@ from ..lib.timing import onward
 
 NAMES = "plane kernel", "space kernel, the same rods", "annulus"
 PLANE_COLUMNS = [0, 2, 3, 5, 6, 8, 10]  # of x, z, sin, cos, c_x, c_z, omega in the state in space
-SAMPLE_STEPS, SETTLE_PERIODS, ANNULUS_PERIODS = (
-    1500,
-    3.0,
-    12.0,
-)  # of a sample; periods before, in the annulus
+SAMPLE_STEPS = 1500
+SETTLE_PERIODS, ANNULUS_PERIODS = 3.0, 12.0  # before: of the row, of the annulus
 
 
 def _settled() -> Engine:
@@ -53,31 +51,37 @@ def _again(engine: Any) -> Callable[[int], float]:
 
 def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
     """Seconds of a step of a rod, and the rods, of the same steps in space."""
-    alone, n, step = engine.crowd.alone, len(engine.rods), engine.step
-    world = forces.Space(
-        *(alone.half_length, alone.lightness, None, alone.gravity[1], alone.plate, alone.normal),
-        *(alone.friction, None, None, engine.crowd.between),
+    alone, n, step, dt = engine.effects.alone, len(engine.rods), engine.step, engine.dt
+    effects = SpaceEffects(
+        alone.half_length,
+        alone.lightness,
+        gravity=alone.gravity[1],
+        plate=alone.plate,
+        normal=alone.normal,
+        friction=alone.friction,
+        between=engine.effects.between,
     )
-    first, before = np.zeros((n, crowd.COLUMNS)), np.zeros((n, 6))
-    first[:, PLANE_COLUMNS], before[:, [0, 2, 4]] = engine.rods, engine.before
-    springs = np.zeros((n, forces.SINGLE, 3))
-    if engine.springs is not None:
-        springs[:, forces.PLATE_CAPS : forces.PLATE_CAPS + 2, 0] = engine.springs
+    first, before = np.zeros((n, SPACE_COLUMNS)), np.zeros((n, 6))
+    first[:, PLANE_COLUMNS], before[:, [0, 2, 4]] = engine.rods, engine.state.before
+    springs = np.zeros((n, SLOTS, 3))
+    if engine.state.springs is not None:
+        springs[:, PLATE_CAPS : PLATE_CAPS + 2, 0] = engine.state.springs
 
     def sample(_: int) -> tuple[float, np.ndarray]:
-        rods, total = first.copy(), np.zeros((n, 6))
-        kept = springs.copy(), np.zeros((n * (n - 1) // 2, 5, 3))
-        state = world, rods, before.copy(), *kept, no_pairs(n), SKIN, total, None
-        crowd.march(*state, step, 1, engine.dt)
+        pair_springs = np.zeros((n * (n - 1) // 2, PAIR_SLOTS, 3))
+        own = first.copy(), before.copy(), springs.copy()
+        state = State(*own, no_pairs(n), pair_springs, np.zeros((n, 6)))
+        nobody = Watchers(None, None, None)
+        march(effects, state, nobody, Clock(step, dt), 1)
         begin = thread_time()
-        crowd.march(*state, step + 1, SAMPLE_STEPS, engine.dt)
-        return (thread_time() - begin) / SAMPLE_STEPS / n, rods
+        march(effects, state, nobody, Clock(step + 1, dt), SAMPLE_STEPS)
+        return (thread_time() - begin) / SAMPLE_STEPS / n, state.rods
 
     return sample
 
 
 def _in_annulus() -> Callable[[int], float]:
-    engine = prepare_ring(ANNULUS_SCENE)
+    engine = prepare(ANNULUS_SCENE)
     engine.go(round(ANNULUS_PERIODS * engine.per))
     return _again(engine)
 

@@ -22,8 +22,7 @@ from matplotlib.axes import Axes
 from tqdm import tqdm
 
 import md
-from md.host import SAMPLES, prepare
-from md.kernels.plane import Series
+from md.host import prepare
 from md.scene import from_tables, put
 from md.sweep import execute, expand
 
@@ -56,12 +55,11 @@ def _row(count: int) -> md.Scene:
 def _periods(count: int, settle: int) -> Callable[[int], float]:
     """Processor time of a step of a rod in a settled row, over whole periods."""
     engine = prepare(_row(count))
-    times, every = max(1, LEAST // count), max(engine.per // SAMPLES, 1)
+    times = max(1, LEAST // count)
 
     def sample(_: int, periods: int = times) -> float:
         engine.step %= engine.per
-        rows = np.zeros((periods + 1, 5))
-        series = Series(rows, engine.rods[:, 2:4].copy(), engine.per, every)
+        series = engine.series(periods)
         steps = periods * engine.per
         return onward(engine, steps, series) / steps / count
 

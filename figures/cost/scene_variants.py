@@ -18,7 +18,7 @@ from md.scene import Scene, from_tables, put
 
 from ..lib.runs import FRICTION, GAMMA, RESTITUTION, ROW
 
-DIAGNOSTICS = frozenset(("ledger", "landings", "series"))
+DIAGNOSTICS = frozenset(("ledger", "touches", "series"))
 STEP_SIZE = step_of(from_tables(ROW))[0]  # of all variants
 TILT_DEG = degrees(from_tables(ROW).tilt)
 Changes = Mapping[str, Any]
@@ -37,7 +37,7 @@ class Variant(NamedTuple):
 
     def engine(self) -> Engine:
         """Engine of the scene, at its start."""
-        asked = {name: name in self.diagnostics for name in ("ledger", "landings")}
+        asked = {name: name in self.diagnostics for name in ("ledger", "touches")}
         return prepare(self.scene, **asked)
 
 
@@ -137,7 +137,7 @@ EFFECTS = {
         drifts=False,  # a row that is open falls over
     ),
     "energy ledger": _diagnostic("ledger", RODS_SCENE),
-    "record of landings": _diagnostic("landings", PLATE_SCENE),
+    "record of landings": _diagnostic("touches", PLATE_SCENE),
     "series of means": _diagnostic("series", NOTHING),
 }
 INSTEAD = {

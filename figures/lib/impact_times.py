@@ -9,9 +9,9 @@ import md
 from impact import ContactGeometry, compiled
 from md.cache import kernel
 from md.kernels import single as integrators
-from md.kernels.contact import Effects
-from md.kernels.single import WATCHED, run
-from md.laws import friction_of
+from md.kernels.codes import WATCHED
+from md.kernels.single import run
+from md.rod import effects_of
 
 from .soft_impacts import APPROACH_RATIO, IMPACT_FRICTION, ROD, TABLE_TILTS
 from .timing import medians, repeated
@@ -20,27 +20,25 @@ MOST_STEPS = 10**9  # the contact ends long before
 
 
 @kernel(inline=False)
-def repeated_impact(scene, state, dt, times, watch):
+def repeated_impact(effects, state, dt, times, watch):
     """The same impact `times` times over; velocity after the last one, and its steps."""
     velocity, steps = state.velocity, 0
     for _ in range(times):
         for i in range(WATCHED):
             watch[i] = 0.0
-        after, steps, _ = run(scene, state, 0, MOST_STEPS, dt, watch)
+        after, steps, _ = run(effects, state, 0, MOST_STEPS, dt, watch)
         velocity = after[2]
     return velocity, steps
 
 
 def impact_call(tilt: float, law: md.Law, integrator: str, dt: float, speed: float = 1.0):
     """The impact of `soft_impacts.simulate`, as often as asked; touch in the middle of a step."""
-    friction = friction_of(law, IMPACT_FRICTION)
-    lightness = 1 / ROD.gyration_squared
-    scene = Effects(ROD.half_length, lightness, law.normal, friction, None, None, True)
+    effects = effects_of(ROD, law, IMPACT_FRICTION, None, None)
     position = np.array([0.0, ROD.half_length * cos(tilt) + 0.5, tilt])
     velocity = np.array([speed / APPROACH_RATIO, -speed, 0.0])
     start = position - dt / 2 * velocity
     state, watch = integrators.started(integrator, start, velocity, None, dt), np.zeros(WATCHED)
-    return lambda times=1: repeated_impact(scene, state, dt, times, watch)
+    return lambda times=1: repeated_impact(effects, state, dt, times, watch)
 
 
 def price(calls: list[Callable], runs: int) -> tuple[np.ndarray, np.ndarray]:

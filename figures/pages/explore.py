@@ -112,7 +112,7 @@ def data(setting: Setting) -> dict[str, np.ndarray]:
 
 
 def words(d: dict[str, np.ndarray]) -> str:
-    """What happens at the setting, in plain words."""
+    """Sentences on the impact and the drift at the setting."""
     here = {name: values[-1] for name, values in d.items() if values.shape == d["tilt"].shape}
     lost, slides, c_x = -200 * here["energy_change"], here["slide_friction"], here["drift"]
     through = f"below friction {slides:.3f}" if np.isfinite(slides) else "at every friction"
@@ -139,7 +139,7 @@ STEPS = np.array([0.05, 0.5, 1, 2, 4, 6, 10])
 
 
 def _ends(c_x: np.ndarray) -> tuple[float, float]:
-    """Ends of the drift's axis, which stands still most of the time."""
+    """Ends of the drift's axis, one of few values so that the axis seldom moves."""
     finite = c_x[np.isfinite(c_x)]
     sizes = -np.min(finite, initial=0), np.max(finite, initial=0.5)
     below, above = STEPS[np.searchsorted(STEPS[:-1], sizes)]
@@ -176,7 +176,7 @@ class Window:
         self.show()
 
     def _regimes(self, d: dict[str, np.ndarray]) -> None:
-        """Colours, and what they mean."""
+        """Make the coloured panels and their legend."""
         left, *others = self.panels
         columns_deg, edges_deg = np.degrees(TILT[::10]), np.linspace(-0.25, 90.25, 182)
         self.map = map_regimes(left, columns_deg, FRICTION, d["regimes"])
@@ -189,7 +189,7 @@ class Window:
         self.figure.legend(handles=patches, loc="upper right")
 
     def _lines(self) -> None:
-        """Curves, marks and axes."""
+        """Make curves, marks and axes."""
         left, middle, right = self.panels
         self.curves, self.rings = {}, {}
         for ax, name, colour, dashes, label in (
@@ -250,7 +250,7 @@ class Window:
         self.still = None  # the window may have another size
 
     def move(self, setting: Setting) -> None:
-        """Put the controls where a setting says, and draw once."""
+        """Set the controls, and draw once."""
         for name, control in (self.sliders | self.buttons).items():
             value, control.eventson = getattr(setting, name), False
             if name in RANGES:
@@ -261,14 +261,14 @@ class Window:
         self.show()
 
     def setting(self) -> Setting:
-        """Where the controls stand."""
+        """Setting that the controls show."""
         numbers = {name: float(slider.val) for name, slider in self.sliders.items()}
         keys = {label: key for labels in CHOICES.values() for key, label in labels.items()}
         chosen = {name: keys[button.value_selected] for name, button in self.buttons.items()}
         return Setting(**numbers, **chosen)
 
     def show(self, _: Any = None) -> None:
-        """Draw what holds where the controls stand."""
+        """Bring all panels up to date with the controls."""
         setting = self.setting()
         d, tilt_deg, friction = data(setting), setting.tilt_deg, setting.friction
         self.words.set_text(words(d))
@@ -296,7 +296,7 @@ class Window:
         self._paint()
 
     def _paint(self) -> None:
-        """Draw all that moves onto all that does not."""
+        """Draw all that moves onto the picture of all that does not."""
         canvas = self.figure.canvas
         if not canvas.supports_blit:
             canvas.draw_idle()
@@ -316,7 +316,7 @@ class Window:
 
 @style
 def write(start: Setting, path: Path) -> None:
-    """The picture of a setting."""
+    """Write the picture of a setting."""
     window = Window(start)
     try:
         window.figure.savefig(path, dpi=200)

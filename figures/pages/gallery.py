@@ -15,6 +15,8 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from impact import InputError
+
 from ..claims import judge
 from ..cost.effect_prices import plus_minus
 from ..cost.price_page import CHECKED
@@ -22,18 +24,6 @@ from ..cost.price_page import CHECKED
 GALLERY = Path(__file__).resolve().parents[1] / "gallery"
 README = GALLERY.parents[1] / "README.md"
 PAGES, PARTS = ("claims.md", "costs.md", "effects.md"), ("costs", "effects", "findings")
-RUNGS = {  # of the ladder, and what they are called here
-    "(24), $V_0/2$": "closed form (24), plate velocity at landing taken as V_0/2",
-    "3000 landings": "one rigid rod that bounces at fixed tilt, 3000 landings",
-    "3 periods": "the row of 40, 3 periods, 36 steps a contact",
-    "30 periods": "the same, 30 periods",
-    "$t_c/36$": "the same, 400 periods",
-    "$t_c/18$": "18 steps a contact instead",
-    "$k_n=5\\cdot10^5$": "contacts ten times softer",
-    "$k_n=5\\cdot10^3$": "contacts a thousand times softer",
-    "$N=10$": "10 rods instead of 40",
-    "App. A": "Appendix A as printed instead of a restitution of 0.65",
-}
 
 
 def _time(seconds: float) -> str:
@@ -44,15 +34,6 @@ def _time(seconds: float) -> str:
     return f"{value:.{1 if value < 10 else 0}f} {unit}"
 
 
-def _percent(value: float, digits: int = 1, sign: str = "") -> str:
-    return f"{100 * value:{sign}.{digits}f}"
-
-
-def _anchor(claim: dict[str, Any]) -> str:
-    """The address of a heading, as pages of Markdown name it."""
-    return f"{claim['id']}: {claim['verdict']}".lower().replace(":", "").replace(" ", "-")
-
-
 templates = Environment(
     loader=PackageLoader("figures.pages"),
     autoescape=lambda name: bool(name and name.endswith(".html")),
@@ -61,15 +42,14 @@ templates = Environment(
     lstrip_blocks=True,
     keep_trailing_newline=True,
 )
-templates.filters |= {"time": _time, "percent": _percent, "anchor": _anchor}
-templates.filters |= {"shown": judge.shown, "limits": judge.limits_shown}
+templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limits_shown}
 templates.globals |= {"grades": judge.GRADES, "counts": judge.counts, "pm": plus_minus}
-templates.globals |= {"judged_rows": judge.judged_rows, "rungs": RUNGS, "checked": CHECKED}
+templates.globals |= {"judged_rows": judge.judged_rows, "checked": CHECKED}
 
 
 def claims_page(report: dict[str, Any]) -> str:
     """The verdicts as a page: a table, then a section for each claim."""
-    from ..lib.runs import LAW_NAME  # compiles
+    from ..lib.runs import LAW_NAME  # late: it compiles
 
     return templates.get_template("claims.md.jinja").render(report=report, law=LAW_NAME)
 
@@ -122,5 +102,5 @@ def _filled(text: str, name: str, content: str) -> str:
         f"{begin}.*?{end}", lambda _: f"{begin}\n{content}\n{end}", text, count=1, flags=re.DOTALL
     )
     if not found:
-        raise ValueError(f"{README.name} must hold {begin} and {end}")
+        raise InputError(f"{README.name} must hold {begin} and {end}")
     return made

@@ -125,7 +125,7 @@ def _figure(folder: Folder, name: str) -> dict[str, Any]:
     """What is shown of a figure: its picture, and what its module says of it."""
     item = folder.picture(f"{name}.png")
     found = {"name": name, "title": FIGURES[name].title, "item": item}
-    found["time"] = "seconds to minutes" if FIGURES[name].quick else "minutes"
+    found["time"] = "minutes" if FIGURES[name].alone else "seconds to minutes"
     if not item:
         return found
     first, *rest = (" ".join(part.split()) for part in load(name).__doc__.strip().split("\n\n"))

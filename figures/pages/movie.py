@@ -5,11 +5,10 @@ r"""A scene as an animation: rods of true width, the plate, and what the tip of 
 >>> film = movie.record(md.load("quasi2d"), periods=2, frames=8)
 >>> movie.write(film, "row.gif")
 
-An annulus is shown rolled out: rods at their place around it and as they lean along it. Seen from
-the box, whose ends meet; a rod that leaves on the right comes back on the left. One rod
-is marked, and what it passed is drawn behind it: there the drift shows. Below, its lowest point
-(red) and the plate (grey), of which the large picture shows too little: both move by a small part
-of a rod's width. The picture of the README, 1.4 MB:
+The ends of a box meet: a rod that leaves on the right comes back on the left. An annulus is shown
+rolled out: rods at their place around it, as they lean along it. One rod is marked, with its path
+behind it, which shows the drift. The lower panel shows its lowest point (red) and the plate (grey):
+both move by a small part of a rod's width. The picture of the README, 1.4 MB:
 
     python -m figures movie quasi2d --set rods.count=20 --set box.length=24 --set step.size=4e-5 \
         --periods 24 --frames 4 --out figures/gallery/row.gif
@@ -43,7 +42,7 @@ DARK, PALE, GREY = "0.25", "#BFD7EA", "0.6"
 
 
 class Film(NamedTuple):
-    """What is shown, at more times than there are pictures."""
+    """States of a run, at more times than there are pictures."""
 
     scene: md.Scene
     time: np.ndarray  # (T,), periods
@@ -55,7 +54,7 @@ class Film(NamedTuple):
 
     @property
     def length(self) -> float | None:
-        """After which the picture repeats: of the box, or around the annulus at its middle."""
+        """Length of the box, or around the annulus at its middle; None without either."""
         if self.scene.annulus:
             return 2 * np.pi * self.scene.annulus.middle
         return self.scene.box.length if self.scene.box else None
@@ -73,7 +72,7 @@ class Film(NamedTuple):
 
 
 def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool = False) -> Film:
-    """Run a scene and keep `frames` pictures a period.
+    """Film of a scene that is run now, with `frames` pictures a period.
 
     Raises
     ------
@@ -86,7 +85,7 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
     if periods * frames > LARGEST:
         raise InputError(f"periods times frames must be at most {LARGEST}, got {periods * frames}")
     every = -(-TRACE // frames)
-    engine, shots = prepare(scene, ledger=False, landings=False), periods * frames * every
+    engine, shots = prepare(scene, ledger=False, touches=False), periods * frames * every
     columns = {name: np.empty((shots, scene.rods.count)) for name in ("x", "z", "tilt")}
     time, plate = np.empty(shots), np.zeros(shots)
     for i in tqdm(range(shots), unit=" shots", delay=2, disable=None if progress else True):
@@ -105,19 +104,19 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
 
 
 def _in_plane(rods: np.ndarray) -> tuple[np.ndarray, ...]:
-    """x, z and tilt."""
+    """x, z and tilt of rods in a plane."""
     return rods[:, 0], rods[:, 1], np.arctan2(rods[:, 2], rods[:, 3])
 
 
 def _rolled_out(scene: md.Scene, rods: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Place along the middle of the annulus, height, and lean along it."""
+    """x along the middle of the annulus, z, and tilt along it."""
     azimuth = np.arctan2(rods[:, 1], rods[:, 0])
     lean = np.cos(azimuth) * rods[:, 4] - np.sin(azimuth) * rods[:, 3]
     return scene.annulus.middle * azimuth, rods[:, 2], np.arctan2(lean, rods[:, 5])
 
 
 def _window(film: Film) -> tuple[float, float, float, float]:
-    """Left, right, bottom, top of what is shown."""
+    """Left, right, bottom and top end of the picture, in d."""
     half = film.scene.rods.length / 2
     left, right = 0.0, film.length or 0.0
     if film.length is None:
@@ -127,7 +126,7 @@ def _window(film: Film) -> tuple[float, float, float, float]:
 
 
 def segments(film: Film, i: int) -> tuple[np.ndarray, np.ndarray]:
-    """Axes of the rods at a time, (n, 2, 2), with the images that reach into the box; numbers."""
+    """Axes of the rods at a time, (n, 2, 2), with images that reach into the box; their numbers."""
     half, n = (film.scene.rods.length - 1) / 2, film.x.shape[1]
     number, x = np.arange(n), film.x[i]
     reach = half * np.sin(film.tilt[i])
@@ -146,7 +145,7 @@ def segments(film: Film, i: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Picture:
-    """The figure, redrawn for each time."""
+    """Figure of a film, redrawn for each time."""
 
     def __init__(self, film: Film):
         self.film, self.marked = film, film.x.shape[1] // 2
@@ -176,7 +175,7 @@ class Picture:
             self._lower(below / whole)
 
     def _lower(self, share: float) -> None:
-        """Plate and tip over the last periods."""
+        """Draw the lower panel: plate and tip over the last periods."""
         film = self.film
         ax = self.trace = self.figure.add_axes((0.09, 0.4 * share, 0.89, 0.56 * share))
         tip = film.tips[:, self.marked]
@@ -210,7 +209,7 @@ class Picture:
             self.now.set_xdata([film.time[i]] * 2)
 
     def _path(self, i: int) -> list[np.ndarray]:
-        """Where the centre of the marked rod has been, cut where the box ends."""
+        """Path of the centre of the marked rod, cut where the box ends."""
         x, z = self.film.x[: i + 1, self.marked], self.film.z[: i + 1, self.marked]
         if self.film.length is None:
             return [np.stack([x, z], -1)]
@@ -223,7 +222,7 @@ class Picture:
 
 
 def _pictures(film: Film, picture: Picture, progress: bool) -> Iterator[None]:
-    """Draw one after the other."""
+    """Draw the pictures of a film one after the other."""
     numbers = tqdm(range(film.pictures), unit=" frames", disable=None if progress else True)
     for number in numbers:
         picture.show(number)
@@ -232,7 +231,7 @@ def _pictures(film: Film, picture: Picture, progress: bool) -> Iterator[None]:
 
 
 def _palette() -> Image.Image:
-    """All colours, and what lies halfway between those that meet."""
+    """Palette of all colours, and of the colours halfway between those that meet."""
     colours = [to_rgb(c) for c in ("white", "black", "0.5", GREY, DARK, PALE, RED)]
     white, _, _, _, dark, pale, red = colours
     for a, b in ((white, dark), (dark, pale), (dark, red), (white, red), (pale, red)):
@@ -243,7 +242,7 @@ def _palette() -> Image.Image:
 
 
 def _gif(film: Film, path: Path, picture: Picture, progress: bool) -> None:
-    """Few colours, the same for all pictures: a fifth of the size of a palette for each."""
+    """Write a GIF with one palette for all pictures, a fifth of the size of one palette each."""
 
     def shot() -> Image.Image:
         return Image.fromarray(np.asarray(picture.figure.canvas.buffer_rgba())).convert("RGB")
@@ -258,7 +257,7 @@ def _gif(film: Film, path: Path, picture: Picture, progress: bool) -> None:
 
 @style
 def write(film: Film, path: str | Path, progress: bool = False) -> None:
-    """Write a film: a GIF, which begins again for ever, or an MP4, which needs FFmpeg."""
+    """Write a film: a GIF, which repeats, or an MP4, which needs FFmpeg."""
     path, picture = Path(path), Picture(film)
     try:
         if path.suffix == ".gif":

@@ -55,7 +55,7 @@ NOMINAL_DEG = {True: (9, 20, 45), False: (5, 12, 20, 30, 45, 60)}
 CHOSEN = {True: (0, 1, 2), False: (1, 2, 4)}  # tilts of (b)
 MAP_COUNTS = {True: (44, 36), False: (50, 44, 36)}
 MAP_PERIODS = {True: (30, 12), False: (150, 300)}  # of rows, of annuli
-AT_TOUCH = "landings.plate_velocity_by_speed.mean"
+AT_TOUCH = "touches.plate_velocity_by_speed.mean"
 
 
 def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:

@@ -33,11 +33,11 @@ from ..lib.tables import pairs, table
 
 VELOCITIES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
 VELOCITY_MEANS = {  # name here: name in the store
-    **{name: f"landings.{name}.mean" for name in VELOCITIES},
-    **{f"merged_{name}": f"merged.{name}.mean" for name in VELOCITIES},
-    "plate": "landings.plate_velocity.mean",
-    "plate_by_speed": "landings.plate_velocity_by_speed.mean",
-    "merged_plate": "merged.plate_velocity.mean",
+    **{name: f"touches.{name}.mean" for name in VELOCITIES},
+    **{f"merged_{name}": f"landings.{name}.mean" for name in VELOCITIES},
+    "plate": "touches.plate_velocity.mean",
+    "plate_by_speed": "touches.plate_velocity_by_speed.mean",
+    "merged_plate": "landings.plate_velocity.mean",
     "tilt_deg": "tilt_deg",
 }
 

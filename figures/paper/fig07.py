@@ -25,9 +25,9 @@ RODS_DRAWN = (5, 18, 31)
 CHANGE_DEG = 30.0  # the paper's
 FLIGHT_MEANS = {
     "tilt_deg": "tilt_deg",
-    "flight": "landings.flight_periods.mean",
-    "merged_flight": "merged.flight_periods.mean",
-    "touches": "merged.touches.mean",
+    "flight": "touches.flight_periods.mean",
+    "merged_flight": "landings.flight_periods.mean",
+    "touches": "landings.touches.mean",
 }
 
 

@@ -61,7 +61,7 @@ def data(quick: bool = False) -> Data:
         "density_error": error,
         "falling": down,
         "falling_error": down_error,
-        **means(sweep, {"tilt_deg": "tilt_deg", "merged_falling": "merged.falling.mean"}),
+        **means(sweep, {"tilt_deg": "tilt_deg", "merged_falling": "landings.falling.mean"}),
         "lone_deg": lone_deg,
         "lone_falling": np.array([each.falling.mean for each in bounces]),
     }

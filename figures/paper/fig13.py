@@ -54,7 +54,7 @@ ROD_LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
 
 def _measured(sweep: Sweep, prefix: str) -> Data:
     """Drift [cm/s], tilt [deg] and V_z/V_0 with their errors."""
-    by = "landings.plate_velocity"
+    by = "touches.plate_velocity"
     names = {"c_x": "c_x_cm_s", "tilt": "tilt_deg"}
     names |= {"V_z": f"{by}_by_speed.mean", "V_z_alike": f"{by}.mean"}
     return means(sweep, {f"{prefix}_{name}": result for name, result in names.items()})

@@ -4,10 +4,10 @@ Reduced units: d = m = g = 1, m the mass of the rod. A parameter that is `None` 
 is absent: Numba sees the type and leaves the branch out.
 
 The tangential element is a spring with a dashpot beside it, both in series with a slider that
-gives way at mu F_n (`pull`), or no element at all but the constraint that the slip stays zero as
-long as |F_t| <= mu F_n (`hold`). It acts on two velocities: `half`, that of half a step before the
-force, from which a step leads to half a step behind it, and `now`, that of the moment of the force,
-as good as the integrator knows it.
+gives way at mu F_n (`spring_friction`), or no element at all but the constraint that the slip stays
+zero as long as |F_t| <= mu F_n (`constraint_friction`). It acts on two velocities: `half`, that of
+half a step before the force, from which a step leads to half a step behind it, and `now`, that of
+the moment of the force, as good as the integrator knows it.
 """
 
 from math import copysign, inf, sqrt
@@ -19,7 +19,7 @@ from ..cache import kernel
 class Normal(NamedTuple):
     """F_n = k_n delta^(3/2) - (dashpot) v_n, and never below zero; `None`: no such dashpot."""
 
-    stiffness: float  # k_n
+    stiffness: float  # k_n, m g/d
     quarter: float | None = None  # dashpot quarter sqrt(M) delta^(1/4), M the contact's mass
     proportional: float | None = None  # dashpot proportional delta
     constant: float | None = None  # dashpot constant
@@ -31,9 +31,9 @@ class Spring(NamedTuple):
 
     proportional: float | None = None  # k = proportional delta
     root: float | None = None  # k = root sqrt(delta)
-    drag: float | None = None  # g = drag delta
-    constant_drag: float | None = None  # g = constant_drag
-    ratio: float | None = None  # g = 2 ratio sqrt(k M), M the contact's tangential mass
+    proportional_dashpot: float | None = None  # g = proportional_dashpot delta
+    constant_dashpot: float | None = None  # g = constant_dashpot
+    damping_ratio: float | None = None  # g = 2 ratio sqrt(k M), M the contact's tangential mass
 
 
 class Friction(NamedTuple):
@@ -43,36 +43,69 @@ class Friction(NamedTuple):
     spring: Spring | None
 
 
+class ContactForces(NamedTuple):
+    """What acts in the contacts of rods with each other."""
+
+    normal: Normal
+    friction: Friction | None
+
+
 class Motion(NamedTuple):
     """One period of the plate's height and velocity, step by step."""
 
-    height: Any
-    velocity: Any
+    height: Any  # d
+    velocity: Any  # sqrt(g d)
 
 
 class Effects(NamedTuple):
-    """All that acts on the rod; `None`: absent."""
+    """All that acts on a rod alone; `None`: absent."""
 
-    half_length: float  # centre to centre of a cap, (l - 1)/2
-    lightness: float  # 1/k^2, k the gyration radius
-    normal: Normal
+    half_length: float  # d, from centre to centre of a cap, (l - 1)/2
+    lightness: float  # 1/d^2: 1/k^2, k the gyration radius
+    normal: Normal | None  # of the plate; None: no plate
     friction: Friction | None
-    gravity: tuple[float, float] | None
-    plate: Motion | None  # at rest at z = 0
+    gravity: tuple[float, float] | None  # along x and z, g
+    plate: Motion | None  # None: at rest at z = 0
     upper: bool | None = True  # None: a sphere, which has no second cap
+
+
+class Clock(NamedTuple):
+    """Number of a step, and its size."""
+
+    step: int
+    dt: float  # sqrt(d/g)
+
+
+class Moving(NamedTuple):
+    """A rod over the plate in one step; velocities (c_x, c_z, omega) in sqrt(g d), sqrt(g/d)."""
+
+    z: float  # d
+    direction: tuple[float, float]  # sin, cos of the tilt
+    half: tuple[float, float, float]  # velocities half a step before
+    now: tuple[float, float, float]  # velocities at the step
+    springs: tuple[float, float]  # d; lengths of those of the lower (-) and the upper (+) cap
+
+
+class Slip(NamedTuple):
+    """What friction acts on in a contact."""
+
+    half: float  # sqrt(g d), half a step before
+    now: float  # sqrt(g d), at the step
+    drive: float  # g; its acceleration without friction
+    mass: float  # m; the contact's tangential mass
 
 
 class Touch(NamedTuple):
     """What acts at one cap."""
 
-    overlap: float
-    normal: float  # F_n
-    tangential: float  # F_t
-    spring: float  # its length
-    slip: float  # u, half a step before
-    rate: float  # at which the contact opens (+) or closes (-)
-    a_x: float  # arm from the centre of mass to the contact point
+    overlap: float  # d
+    normal: float  # F_n, m g
+    rate: float  # sqrt(g d), at which the contact opens (+) or closes (-)
+    a_x: float  # d; arm from the centre of mass to the contact point
     a_z: float
+    tangential: float  # F_t, m g
+    spring: float  # its length, d
+    slip: float  # sqrt(g d), half a step before
 
 
 @kernel
@@ -97,7 +130,7 @@ def largest(plastic, rate, mass, dt):
 
 
 @kernel
-def push(normal, overlap, rate, mass, dt):
+def normal_force(normal, overlap, rate, mass, dt):
     """F_n >= 0 of a contact with overlap > 0 that opens with the velocity `rate`."""
     root = sqrt(overlap)
     c = dashpot(normal.quarter, normal.proportional, normal.constant, overlap, root, mass)
@@ -117,13 +150,13 @@ def elastic(proportional, root, overlap):
 
 
 @kernel
-def viscous(drag, constant_drag, ratio, overlap, stiffness, mass):
+def viscous(proportional, constant, ratio, overlap, stiffness, mass):
     """Tangential dashpot g."""
     g = 0.0
-    if drag is not None:
-        g += drag * overlap
-    if constant_drag is not None:
-        g += constant_drag
+    if proportional is not None:
+        g += proportional * overlap
+    if constant is not None:
+        g += constant
     if ratio is not None:
         g += 2 * ratio * sqrt(stiffness * mass)
     return g
@@ -133,19 +166,20 @@ def viscous(drag, constant_drag, ratio, overlap, stiffness, mass):
 def tangential_constants(spring, overlap, mass):
     """Stiffness k and dashpot g of the tangential element at this overlap."""
     k = elastic(spring.proportional, spring.root, overlap)
-    return k, viscous(spring.drag, spring.constant_drag, spring.ratio, overlap, k, mass)
+    proportional, constant = spring.proportional_dashpot, spring.constant_dashpot
+    return k, viscous(proportional, constant, spring.damping_ratio, overlap, k, mass)
 
 
 @kernel
-def pull(k, g, length, half, now, limit, dt):
+def spring_friction(k, g, length, slip, limit, dt):
     """F_t of spring and dashpot in series with a slider, and the spring's new length.
 
     Without slip the spring follows the contact point, s' = u. With slip |F_t| = limit and the
     element relaxes, g s' = -F_t - k s; one step of backward Euler, stable for any g >= 0 and, for
     g = 0, the spring that alone carries the limit.
     """
-    stretched = length + half * dt
-    force = -(k * stretched + g * now)
+    stretched = length + slip.half * dt
+    force = -(k * stretched + g * slip.now)
     if abs(force) <= limit:
         return force, stretched
     force = copysign(limit, force)
@@ -153,85 +187,93 @@ def pull(k, g, length, half, now, limit, dt):
 
 
 @kernel
-def hold(slip, drive, mass, limit, dt):
+def constraint_friction(slip, limit, dt):
     """Mean F_t over a step in which all else is constant: slip, its stop, then stick or slip back.
 
-    Without friction the slip of the contact's mass would gain `drive` per time.
+    Without friction the slip of the contact's mass would gain `slip.drive` per time.
     """
-    side = 1.0 if slip > 0 else -1.0
-    slip, drive = side * mass * slip / dt, side * mass * drive
-    stop = -slip - drive  # leaves no slip at the end of the step
+    side = 1.0 if slip.half > 0 else -1.0
+    momentum, drive = side * slip.mass * slip.half / dt, side * slip.mass * slip.drive
+    stop = -momentum - drive  # leaves no slip at the end of the step
     if stop <= -limit:
         return -side * limit
     if -drive <= limit:
         return side * stop
-    slides = slip / (limit - drive)  # part of the step
+    slides = momentum / (limit - drive)  # part of the step
     return side * limit * (1 - 2 * slides)
 
 
 @kernel
-def resist(spring, coefficient, overlap, force, length, half, now, drive, mass, dt):
-    """F_t and the spring's new length; a constraint has none."""
-    limit = coefficient * force
+def friction_force(spring, limit, overlap, length, slip, dt):
+    """F_t up to `limit`, and the spring's new length; a constraint has none."""
     if spring is not None:
-        k, g = tangential_constants(spring, overlap, mass)
-        return pull(k, g, length, half, now, limit, dt)
-    return hold(half, drive, mass, limit, dt), 0.0
+        k, g = tangential_constants(spring, overlap, slip.mass)
+        return spring_friction(k, g, length, slip, limit, dt)
+    return constraint_friction(slip, limit, dt), 0.0
 
 
 @kernel
-def pressed(scene, cap, height, velocity, z, sine, cosine, motion, dt):
-    """Overlap, arm (a_x, a_z), F_n and opening rate at the cap `cap` = -1 or 1 along the axis."""
-    a_x, a_z = cap * scene.half_length * sine, height - z
-    overlap = height + 0.5 - (z + cap * scene.half_length * cosine)
-    _, c_z, omega = motion
-    rate = c_z - omega * a_x - velocity
+def pressed(effects, rod, plate, cap, dt):
+    """Normal contact of the cap `cap` = -1 or 1 along the axis, before its friction."""
+    height, velocity = plate
+    sine, cosine = rod.direction
+    a_x = cap * effects.half_length * sine
+    overlap = height + 0.5 - (rod.z + cap * effects.half_length * cosine)
+    rate = rod.now[1] - rod.now[2] * a_x - velocity
     force = 0.0
     if overlap > 0:
-        mass = 1 / (1 + a_x * a_x * scene.lightness)
-        force = push(scene.normal, overlap, rate, mass, dt)
-    return overlap, a_x, a_z, force, rate
+        mass = 1 / (1 + a_x * a_x * effects.lightness)
+        force = normal_force(effects.normal, overlap, rate, mass, dt)
+    return Touch(overlap, force, rate, a_x, height - rod.z, 0.0, 0.0, 0.0)
 
 
 @kernel
-def pressed_above(upper, scene, height, velocity, z, sine, cosine, motion, dt):
-    """The same at the upper cap, which stays open if there is none."""
+def pressed_above(upper, effects, rod, plate, dt):
+    """Normal contact of the upper cap, which stays open if there is none."""
     if upper is None:
-        return -1.0, 0.0, 0.0, 0.0, 0.0
-    return pressed(scene, 1.0, height, velocity, z, sine, cosine, motion, dt)
+        return Touch(-1.0, 0.0, 0.0, 0.0, plate[0] - rod.z, 0.0, 0.0, 0.0)
+    return pressed(effects, rod, plate, 1.0, dt)
 
 
 @kernel
-def rubbed(friction, lightness, overlap, a_z, force, climb, length, half, now, pushes, dt):
-    """F_t at one cap, its spring and its slip; `pushes`: all other accelerations so far."""
-    a_x, spin = pushes
-    slip = half[0] + half[2] * a_z
+def rubbed(friction, lightness, rod, touch, length, others, climb, dt):
+    """F_t at one cap, its spring and its slip.
+
+    `others`: horizontal and angular acceleration by all else so far; `climb`: velocity of the plate
+    against the rod, at which the arm shortens.
+    """
+    a_x, angular = others
+    rise = touch.a_z
+    slip = rod.half[0] + rod.half[2] * rise
     if friction is None:
         return 0.0, 0.0, slip
-    if force <= 0:
+    if touch.normal <= 0:
         return 0.0, 0.0, slip
-    drive = a_x + spin * a_z + half[2] * climb  # the arm shortens by the rod's fall
-    mass = 1 / (1 + a_z * a_z * lightness)
-    current = now[0] + now[2] * a_z
-    tangential, length = resist(
-        friction.spring,
-        friction.coefficient,
-        *(overlap, force, length, slip, current, drive, mass, dt),
-    )
-    return tangential, length, slip
+    drive = a_x + angular * rise + rod.half[2] * climb
+    mass = 1 / (1 + rise * rise * lightness)
+    seen = Slip(slip, rod.now[0] + rod.now[2] * rise, drive, mass)
+    limit = friction.coefficient * touch.normal
+    force, length = friction_force(friction.spring, limit, touch.overlap, length, seen, dt)
+    return force, length, slip
 
 
 @kernel
-def weight(gravity):
+def gravity(g):
     """Accelerations by gravity."""
-    if gravity is None:
+    if g is None:
         return 0.0, 0.0, 0.0
-    return gravity[0], gravity[1], 0.0
+    return g[0], g[1], 0.0
+
+
+@kernel
+def field(effects, velocity):
+    """Accelerations (x, z, angular) of a rod by all but contacts; `velocity`: c_x, c_z, omega."""
+    return gravity(effects.gravity)
 
 
 @kernel
 def plate_at(plate, step):
-    """Height and velocity of the plate after a number of steps, exact for ever."""
+    """Height and velocity of the plate after any number of steps, without rounding."""
     if plate is None:
         return 0.0, 0.0
     i = step % plate.height.size
@@ -239,36 +281,27 @@ def plate_at(plate, step):
 
 
 @kernel
-def accelerations(scene, others, plate, z, direction, half, now, springs, dt):
+def accelerations(effects, rod, plate, others, dt):
     """(a_x, a_z, angular), and what acts at the lower (-) and at the upper (+) cap.
 
-    `others` are the accelerations by all but the plate, `plate` its height and velocity,
-    `direction` (sin, cos) of the tilt, `half` and `now` (c_x, c_z, omega). A spring is forgotten
-    as its contact opens.
+    `rod` is a `Moving`, `plate` height and velocity of the plate, `others` the accelerations by all
+    but the plate. A spring is forgotten as its contact opens.
     """
-    a_x, a_z, spin = others
-    height, velocity = plate
-    sine, cosine = direction
-    overlap, arm, rise, force, rate = pressed(
-        scene, -1.0, height, velocity, z, sine, cosine, now, dt
+    a_x, a_z, angular = others
+    light, climb = effects.lightness, plate[1] - rod.half[1]
+    low = pressed(effects, rod, plate, -1.0, dt)
+    high = pressed_above(effects.upper, effects, rod, plate, dt)
+    angular -= (low.a_x * low.normal + high.a_x * high.normal) * light
+    rub, spring, slip = rubbed(
+        effects.friction, light, rod, low, rod.springs[0], (a_x, angular), climb, dt
     )
-    overlap_2, arm_2, _, force_2, rate_2 = pressed_above(
-        scene.upper, scene, height, velocity, z, sine, cosine, now, dt
+    a_x, angular = a_x + rub, angular + low.a_z * rub * light
+    rub_2, spring_2, slip_2 = rubbed(
+        effects.friction, light, rod, high, rod.springs[1], (a_x, angular), climb, dt
     )
-    spin -= (arm * force + arm_2 * force_2) * scene.lightness
-    climb = velocity - half[1]
-    drag, spring, slip = rubbed(
-        *(scene.friction, scene.lightness, overlap, rise, force, climb),
-        *(springs[0], half, now, (a_x, spin), dt),
-    )
-    a_x, spin = a_x + drag, spin + rise * drag * scene.lightness
-    drag_2, spring_2, slip_2 = rubbed(
-        *(scene.friction, scene.lightness, overlap_2, rise, force_2, climb),
-        *(springs[1], half, now, (a_x, spin), dt),
-    )
-    a_x, spin = a_x + drag_2, spin + rise * drag_2 * scene.lightness
+    a_x, angular = a_x + rub_2, angular + low.a_z * rub_2 * light
     return (
-        (a_x, a_z + force + force_2, spin),
-        Touch(overlap, force, drag, spring, slip, rate, arm, rise),
-        Touch(overlap_2, force_2, drag_2, spring_2, slip_2, rate_2, arm_2, rise),
+        (a_x, a_z + low.normal + high.normal, angular),
+        Touch(low.overlap, low.normal, low.rate, low.a_x, low.a_z, rub, spring, slip),
+        Touch(high.overlap, high.normal, high.rate, high.a_x, high.a_z, rub_2, spring_2, slip_2),
     )

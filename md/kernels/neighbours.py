@@ -1,10 +1,10 @@
 """Which rods may touch: a list that misses none, built in time linear in their number.
 
-The list holds every pair whose axes come closer than 1 + skin; it is built anew before any point of
-an axis has moved by half the skin. A bound on that, the sum of the largest speeds, saves looking at
-every rod in every step. A periodic box repeats the closest points, not the
-centres: an entry is a pair with the image of its second rod, so that two rods of a short box may
-stand in the list several times, and a rod beside its own image.
+The list holds every pair whose axes come closer than 1 + SKIN; it is built again before any point
+of an axis has moved by half of SKIN. A bound on that, the sum of the largest speeds, saves looking
+at every rod in every step. A periodic box repeats the closest points, not the centres: an entry is
+a pair with the image of its second rod, so that two rods of a short box may stand in the list
+several times, and a rod beside its own image.
 """
 
 from typing import NamedTuple
@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
-
-X, Z, SINE, COSINE = 0, 1, 2, 3  # columns of the rods' state; velocities follow
+from .codes import COSINE, DEEP, SINE, SKIN, X, Z
 
 
 class Listed(NamedTuple):
@@ -23,9 +22,9 @@ class Listed(NamedTuple):
     """
 
     turn: np.ndarray  # (1,): 0 or 1
-    travelled: np.ndarray  # (1,): how far any rod may have moved since the list was built
+    travelled: np.ndarray  # (1,), d: how far any rod may have moved since the list was built
     start: np.ndarray  # (2, rods + 1)
-    index: np.ndarray  # (2, capacity, 4): first rod, second >= first, image of the second: its x
+    index: np.ndarray  # type: ignore[assignment]  # (2, capacity, 4): first rod, second >= first, image of the second: its x
     # plus so many periods, whether they touch
     springs: np.ndarray | None  # (2, capacity, 4): first rod's lower and upper end, second rod's
     losses: np.ndarray | None  # (2, capacity, 8): lost normal force and friction, end by end
@@ -119,14 +118,20 @@ def wrapped(x, period):
 
 
 @kernel
+def shifted(period, image):
+    """Distance of an image from its rod."""
+    return 0.0 if period is None else image * period
+
+
+@kernel
 def image(distance, period):
     """How many periods a distance between a rod and an image holds beyond that of the rods."""
     return 0 if period is None else int(np.round(distance / period))
 
 
 @kernel(inline=False)
-def pair_up(rods, half, period, skin, order, place, found):
-    """All pairs of axes closer than 1 + skin, into `found`; their number, -1 if there are more."""
+def pair_up(rods, half, period, order, place, found):
+    """All pairs of axes closer than 1 + SKIN, into `found`; their number, -1 if there are more."""
     n, count, box = rods.shape[0], 0, span(period)
     for p in range(n):
         i = order[p]
@@ -137,11 +142,11 @@ def pair_up(rods, half, period, skin, order, place, found):
                 q, ahead = 0, ahead + box
             j = order[q]
             gap = place[j] - place[i] + ahead
-            if not gap <= 2 * half + 1 + skin:
+            if not gap <= 2 * half + 1 + SKIN:
                 break
             dz = rods[i, Z] - rods[j, Z]
             a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
-            if nearest_squared(-gap, dz, a, b, half) >= (1 + skin) ** 2:
+            if nearest_squared(-gap, dz, a, b, half) >= (1 + SKIN) ** 2:
                 continue
             if count == found.shape[0]:
                 return -1
@@ -161,7 +166,7 @@ def carry(kept, old, before, new, k):
 
 
 @kernel(inline=False)
-def build(rods, half, period, skin, listed, place, found):
+def build(rods, half, period, listed, place, found):
     """Renew the list, with what its entries keep; number of entries, -1 if they are too many.
 
     `place`, (rods,), and `found`, (capacity, 3), are scratch.
@@ -173,7 +178,7 @@ def build(rods, half, period, skin, listed, place, found):
         start[new, i] = 0
     start[new, n] = 0
     sort_along(listed.order, place)
-    count = pair_up(rods, half, period, skin, listed.order, place, found)
+    count = pair_up(rods, half, period, listed.order, place, found)
     for m in range(count):
         start[new, found[m, 0]] += 1
     total = 0
@@ -213,11 +218,30 @@ def farthest(rods, built, half):
 
 
 @kernel
-def current(rods, half, period, skin, listed, place, found):
+def current(rods, half, period, listed, place, found):
     """Renew the list if it may miss a pair; whether it holds all."""
-    if listed.travelled[0] < 0.5 * skin:
+    if listed.travelled[0] < 0.5 * SKIN:
         return True
     listed.travelled[0] = farthest(rods, listed.built, half)
-    if listed.travelled[0] < 0.5 * skin:
+    if listed.travelled[0] < 0.5 * SKIN:
         return True
-    return build(rods, half, period, skin, listed, place, found) >= 0
+    return build(rods, half, period, listed, place, found) >= 0
+
+
+@kernel
+def note_travel(between, listed, distance):
+    """Note how far a rod may have moved since a list was built."""
+    if between is not None:
+        listed.travelled[0] += distance
+
+
+@kernel
+def too_fast(between, distance):
+    """Whether a rod moved so far in a step that it may have passed through another one unseen.
+
+    An end is stopped within DEEP on either side of an axis; two rods that move half of DEEP each
+    do not leap over that.
+    """
+    if between is None:
+        return False
+    return distance > 0.5 * DEEP

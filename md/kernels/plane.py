@@ -13,114 +13,162 @@ the last accelerations: with velocities half a step old, the drift of strongly t
 off by more than a tenth at 20 steps a contact, and in the first order of the step.
 
 An effect is an argument that may be `None`; each has one function that does nothing then, and that
-Numba compiles to nothing. A new effect is one more such function, called in `march`.
+Numba compiles to nothing. The guide to a new effect is in `md.kernels`.
 """
 
 from math import atan, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..cache import kernel
-from .contact import (
-    Effects,
-    Friction,
-    Normal,
-    accelerations,
-    plate_at,
-    pull,
-    push,
-    tangential_constants,
-    weight,
+from .codes import (
+    C_X,
+    C_Z,
+    COSINE,
+    DEEP,
+    DONE,
+    FELL,
+    FULL_LIST,
+    FULL_RECORD,
+    MEAN_X,
+    NOT_FINITE,
+    OMEGA,
+    PAIR_FRICTION,
+    PAIR_NORMAL,
+    PAIR_TOO_DEEP,
+    PLATE_FRICTION,
+    PLATE_NORMAL,
+    PLATE_WORK,
+    SAMPLED,
+    SINE,
+    TILT_SUM,
+    TOO_DEEP,
+    TOO_FAST,
+    UPRIGHT,
+    X,
+    Z,
 )
-from .neighbours import COSINE, SINE, X, Z, apart, clear, current, meetings, places
-from .single import DEEP, DONE, NOT_FINITE, TOO_DEEP, plus, turned
-from .touches import landed, watched_landing
+from .contact import (
+    Clock,
+    ContactForces,
+    Effects,
+    Moving,
+    Slip,
+    accelerations,
+    field,
+    normal_force,
+    plate_at,
+    spring_friction,
+    tangential_constants,
+)
+from .neighbours import (
+    Listed,
+    apart,
+    clear,
+    current,
+    meetings,
+    note_travel,
+    places,
+    shifted,
+    too_fast,
+)
+from .single import plus, turned
+from .touches import Record, cleared, full, recorded
 
-C_X, C_Z, OMEGA = 4, 5, 6  # columns of the rods' state after place and direction
-COLUMNS = 7
-# Why a run ended, beyond `integrators`.
-FULL_LIST, PAIR_TOO_DEEP, FULL_RECORD, TOO_FAST = 4, 5, 6, 7
-PLATE_WORK, PLATE_NORMAL, PLATE_FRICTION, PAIR_NORMAL, PAIR_FRICTION = range(5)  # of the ledger
-MEAN_X, TILTS, SAMPLES, FELL, UPRIGHT = range(5)  # columns of the series
+
+class RowEffects(NamedTuple):
+    """All that acts on the rods of a row; `None`: absent."""
+
+    alone: Effects  # on one rod: plate and gravity; its `normal` is None without a plate
+    between: ContactForces | None
+    period: float | None  # d; of the box along x; None: open
 
 
-class Between(NamedTuple):
-    """Contacts of rods with each other."""
+class Scratch(NamedTuple):
+    """Arrays that hold nothing from one step to the next."""
 
-    normal: Normal
-    friction: Friction | None
+    total: np.ndarray  # (rods, 3): accelerations of a step, in g and g/d
+    place: np.ndarray | None  # (rods,): for a list of pairs
+    found: np.ndarray | None  # (capacity, 3): the same
 
 
-class Crowd(NamedTuple):
-    """All that acts on many rods; `None`: absent."""
+class State(NamedTuple):
+    """Rods of a row under way; `None` for what they do without."""
 
-    alone: Effects  # one rod, plate and gravity; its `normal` is None without a plate
-    between: Between | None
-    period: float | None  # of the box along x; None: open
-    skin: float | None
+    rods: np.ndarray  # (rods, 7): columns X to OMEGA of `codes`, in d, sqrt(g d), sqrt(g/d)
+    before: np.ndarray  # (rods, 3): accelerations of the step before, in g and g/d
+    springs: np.ndarray | None  # (rods, 2), d: of the plate's contacts
+    listed: Listed | None
+    scratch: Scratch
 
 
 class Series(NamedTuple):
     """What is sampled, a row a period."""
 
-    rows: np.ndarray  # (periods + 1, 5): mean x at the start, sum of mean tilts, their number,
-    # rods that passed the horizontal, rods that passed the vertical
-    sides: np.ndarray  # (N, 2): sin and cos of the tilts at the last sample
+    rows: np.ndarray  # (periods + 1, ROW_SERIES): columns of `codes`
+    sides: np.ndarray  # (rods, 2): sin and cos of the tilts at the last sample
     per: int  # steps of a row
     every: int  # steps between two samples
 
 
-@kernel
-def beyond(period, image):
-    """Distance of an image from its rod."""
-    if period is None:
-        return 0.0
-    return image * period
+class Watchers(NamedTuple):
+    """What looks on and acts on nothing; `None`: absent."""
+
+    ledger: np.ndarray | None  # (5,), m g d: to add to, columns of `codes`
+    record: Record | None
+    series: Any | None  # `Series`, or `space.march.Series` in an annulus
 
 
 @kernel
-def pair_friction(friction, springs, place, overlap, force, half, now, mass, dt):
-    """F_t between two rods from their slip half a step before and now; its spring is kept."""
+def pair_friction(friction, springs, place, overlap, force, slip, dt):
+    """F_t between two rods; its spring is kept at `place`."""
     if friction is None:
         return 0.0
-    k, g = tangential_constants(friction.spring, overlap, mass)
+    k, g = tangential_constants(friction.spring, overlap, slip.mass)
     limit = friction.coefficient * force
-    drag, springs[place] = pull(k, g, springs[place], half, now, limit, dt)
-    return drag
+    rub, springs[place] = spring_friction(k, g, springs[place], slip, limit, dt)
+    return rub
 
 
 @kernel
 def forgotten(kept, now, k, first, last):
-    """What is kept of a contact that has opened."""
+    """Clear what is kept of a contact that has opened."""
     if kept is not None:
         for c in range(first, last):
             kept[now, k, c] = 0.0
 
 
 @kernel
-def pair_accounted(ledger, kept, now, k, end, lost, drag, rate, slip, dt):
-    """Add half of this step's losses and half of the last one's, with the velocity between them."""
+def pair_accounted(ledger, kept, place, forces, velocities, dt):
+    """Add half of this step's losses and half of the last one's, with the velocity between them.
+
+    `forces`: lost normal force and friction; `velocities`: opening rate and slip half a step ago.
+    """
     if ledger is not None:
+        now, k, end = place
+        lost, rub = forces
+        rate, slip = velocities
         ledger[PAIR_NORMAL] += 0.5 * dt * rate * (lost + kept[now, k, 2 * end])
-        ledger[PAIR_FRICTION] -= 0.5 * dt * slip * (drag + kept[now, k, 2 * end + 1])
-        kept[now, k, 2 * end], kept[now, k, 2 * end + 1] = lost, drag
+        ledger[PAIR_FRICTION] -= 0.5 * dt * slip * (rub + kept[now, k, 2 * end + 1])
+        kept[now, k, 2 * end], kept[now, k, 2 * end + 1] = lost, rub
 
 
 @kernel(inline=False)
-def pair_forces(crowd, between, rods, before, listed, total, ledger, dt):
-    """Add the accelerations by all touching pairs to `total`; number of a pair that is too deep."""
-    half, light = crowd.alone.half_length, crowd.alone.lightness
+def pair_forces(effects, between, state, ledger, dt):
+    """Add the accelerations by all touching pairs; number of a pair that is too deep, or -1."""
+    half, light = effects.alone.half_length, effects.alone.lightness
+    rods, before, listed, total = state.rods, state.before, state.listed, state.scratch.total
     now, index, springs, kept = listed.turn[0], listed.index, listed.springs, listed.losses
     for k in range(listed.start[now, rods.shape[0]]):
         i, j = index[now, k, 0], index[now, k, 1]
-        dx = rods[i, X] - rods[j, X] - beyond(crowd.period, index[now, k, 2])
+        dx = rods[i, X] - rods[j, X] - shifted(effects.period, index[now, k, 2])
         dz = rods[i, Z] - rods[j, Z]
         a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
         if index[now, k, 3] == 0 and clear(dx, dz, a, b, half):
             continue
         index[now, k, 3] = 0
-        for end in range(meetings(crowd.alone.upper)):
+        for end in range(meetings(effects.alone.upper)):
             s, t = places(dx, dz, a, b, half, end)
             r_x, r_z = apart(dx, dz, a, b, s, t)
             square = r_x * r_x + r_z * r_z
@@ -142,26 +190,14 @@ def pair_forces(crowd, between, rods, before, listed, total, ledger, dt):
             rate, slip = v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x  # tangent (n_z, -n_x)
             v_x += (before[i, 0] + before[i, 2] * p_z - before[j, 0] - before[j, 2] * q_z) * dt / 2
             v_z += (before[i, 1] - before[i, 2] * p_x - before[j, 1] + before[j, 2] * q_x) * dt / 2
-            force = push(between.normal, overlap, v_x * n_x + v_z * n_z, mass, dt)
-            slip_now = v_x * n_z - v_z * n_x
+            force = normal_force(between.normal, overlap, v_x * n_x + v_z * n_z, mass, dt)
             across_i, across_j = p_z * n_z + p_x * n_x, q_z * n_z + q_x * n_x
             mass = 1 / (2 + (across_i * across_i + across_j * across_j) * light)
-            drag = pair_friction(
-                *(
-                    between.friction,
-                    springs,
-                    (now, k, end),
-                    overlap,
-                    force,
-                    slip,
-                    slip_now,
-                    mass,
-                    dt,
-                )
-            )
+            place, seen = (now, k, end), Slip(slip, v_x * n_z - v_z * n_x, 0.0, mass)
+            rub = pair_friction(between.friction, springs, place, overlap, force, seen, dt)
             lost = between.normal.stiffness * overlap * sqrt(overlap) - force
-            pair_accounted(ledger, kept, now, k, end, lost, drag, rate, slip, dt)
-            f_x, f_z = force * n_x + drag * n_z, force * n_z - drag * n_x
+            pair_accounted(ledger, kept, place, (lost, rub), (rate, slip), dt)
+            f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
             total[i, 0] += f_x
             total[i, 1] += f_z
             total[i, 2] += (p_z * f_x - p_x * f_z) * light
@@ -172,35 +208,15 @@ def pair_forces(crowd, between, rods, before, listed, total, ledger, dt):
 
 
 @kernel
-def crowded(between, crowd, rods, before, listed, scratch, total, ledger, dt):
+def between_rods(between, effects, state, ledger, dt):
     """Pair forces from a list kept up to date; why the run cannot go on, and where."""
     if between is None:
         return DONE, 0
-    half = crowd.alone.half_length
-    place, found = scratch
-    if not current(rods, half, crowd.period, crowd.skin, listed, place, found):
+    half, scratch = effects.alone.half_length, state.scratch
+    if not current(state.rods, half, effects.period, state.listed, scratch.place, scratch.found):
         return FULL_LIST, 0
-    deep = pair_forces(crowd, between, rods, before, listed, total, ledger, dt)
+    deep = pair_forces(effects, between, state, ledger, dt)
     return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
-
-
-@kernel
-def travelled(between, listed, distance):
-    """Note how far a rod may have moved."""
-    if between is not None:
-        listed.travelled[0] += distance
-
-
-@kernel
-def fast(between, distance):
-    """Whether a rod moved so far in a step that it may have passed through another one unseen.
-
-    An end is stopped within DEEP on either side of an axis; two rods that move half of DEEP each
-    do not leap over that.
-    """
-    if between is None:
-        return False
-    return distance > 0.5 * DEEP
 
 
 @kernel
@@ -231,30 +247,30 @@ def keep_springs(springs, i, lower, upper):
 
 
 @kernel
-def on_plate(normal, effects, rods, before, i, others, springs, plate, ledger, record, step, dt):
+def on_plate(normal, effects, state, watchers, i, others, plate, clock):
     """Accelerations of rod i with those by the plate; whether it is too deep."""
     if normal is None:
         return others, False
+    rods, before, ledger, record = state.rods, state.before, watchers.ledger, watchers.record
     direction = (rods[i, SINE], rods[i, COSINE])
     if rods[i, Z] - abs(direction[1]) * effects.half_length - 0.5 >= plate[0]:
-        keep_springs(springs, i, 0.0, 0.0)
-        landed(record, effects, rods, i, plate, step)
+        keep_springs(state.springs, i, 0.0, 0.0)
+        cleared(record, effects, rods, i, plate, clock.step)
         return others, False
     half = (rods[i, C_X], rods[i, C_Z], rods[i, OMEGA])
-    now = plus(half, (before[i, 0], before[i, 1], before[i, 2]), dt / 2)
-    a, lower, upper = accelerations(
-        effects, others, plate, rods[i, Z], direction, half, now, kept_springs(springs, i), dt
-    )
-    keep_springs(springs, i, lower.spring, upper.spring)
-    now = plus(half, a, dt / 2)
-    plate_accounted(ledger, effects, lower, plate, now, dt)
-    plate_accounted(ledger, effects, upper, plate, now, dt)
-    watched_landing(record, effects, rods, i, others, lower, upper, plate, step, dt)
+    now = plus(half, (before[i, 0], before[i, 1], before[i, 2]), clock.dt / 2)
+    rod = Moving(rods[i, Z], direction, half, now, kept_springs(state.springs, i))
+    a, lower, upper = accelerations(effects, rod, plate, others, clock.dt)
+    keep_springs(state.springs, i, lower.spring, upper.spring)
+    now = plus(half, a, clock.dt / 2)
+    plate_accounted(ledger, effects, lower, plate, now, clock.dt)
+    plate_accounted(ledger, effects, upper, plate, now, clock.dt)
+    recorded(record, effects, rods, i, others, (lower, upper), plate, clock)
     return a, not max(lower.overlap, upper.overlap) <= DEEP
 
 
 @kernel
-def sampled(series, rods, step):
+def sample(series, rods, step):
     """Add to the series at a sampling step."""
     if series is None:
         return
@@ -273,61 +289,46 @@ def sampled(series, rods, step):
         sides[i, 0], sides[i, 1] = sine, cosine
     if part == 0:
         rows[row, MEAN_X] = x / n
-    rows[row, TILTS] += tilt / n
-    rows[row, SAMPLES] += 1
-
-
-@kernel
-def full(record):
-    """Whether the record might not hold another step."""
-    if record is None:
-        return False
-    return record.count[0] + record.open.shape[0] > record.rows.shape[0]
+    rows[row, TILT_SUM] += tilt / n
+    rows[row, SAMPLED] += 1
 
 
 @kernel(inline=False)
-def march(
-    crowd, rods, before, springs, listed, scratch, total, ledger, record, series, first, steps, dt
-):
-    """`steps` steps of all rods from step number `first`; steps made, why it ended, where.
+def march(effects, state, watchers, clock, steps):
+    """Up to `steps` steps of all rods of a row; steps made, why it ended, where.
 
     Parameters
     ----------
-    crowd : Crowd
-    rods : (N, 7): x, z, sin and cos of the tilt at a step; c_x, c_z, omega half a step before
-    before : (N, 3): accelerations of the step before
-    springs : (N, 2) of the plate's contacts, or None
-    listed, scratch : the list of pairs, and arrays for its making, or None
-    total : (N, 3), scratch
-    ledger : (5,) to add to, or None
-    record : `landings.Record`, or None
-    series : Series, or None
+    effects : RowEffects
+    state : State, which is changed
+    watchers : Watchers, to which is added
+    clock : Clock of the first step
+    steps : int
     """
-    effects = crowd.alone
-    g = weight(effects.gravity)
+    alone, rods, before, total = effects.alone, state.rods, state.before, state.scratch.total
+    dt = clock.dt
     for n in range(steps):
-        if full(record):
+        now = Clock(clock.step + n, dt)
+        if full(watchers.record):
             return n, FULL_RECORD, 0
-        plate = plate_at(effects.plate, first + n)
+        plate = plate_at(alone.plate, now.step)
         for i in range(rods.shape[0]):
-            total[i, 0], total[i, 1], total[i, 2] = g
-        why, where = crowded(crowd.between, crowd, rods, before, listed, scratch, total, ledger, dt)
+            velocity = rods[i, C_X], rods[i, C_Z], rods[i, OMEGA]
+            total[i, 0], total[i, 1], total[i, 2] = field(alone, velocity)
+        why, where = between_rods(effects.between, effects, state, watchers.ledger, dt)
         if why != DONE:
             return n, why, where
-        sampled(series, rods, first + n)
+        sample(watchers.series, rods, now.step)
         fastest = 0.0
         for i in range(rods.shape[0]):
             others = (total[i, 0], total[i, 1], total[i, 2])
-            a, deep = on_plate(
-                *(effects.normal, effects, rods, before, i, others, springs, plate),
-                *(ledger, record, first + n, dt),
-            )
+            a, deep = on_plate(alone.normal, alone, state, watchers, i, others, plate, now)
             if deep:
                 return n, TOO_DEEP, i
             c_x = rods[i, C_X] + dt * a[0]
             c_z = rods[i, C_Z] + dt * a[1]
             omega = rods[i, OMEGA] + dt * a[2]
-            speed = abs(c_x) + abs(c_z) + effects.half_length * abs(omega)
+            speed = abs(c_x) + abs(c_z) + alone.half_length * abs(omega)
             if not speed < 1e100:
                 return n, NOT_FINITE, i
             fastest = max(fastest, speed)
@@ -336,7 +337,7 @@ def march(
             rods[i, SINE], rods[i, COSINE] = turned((rods[i, SINE], rods[i, COSINE]), omega * dt)
             rods[i, C_X], rods[i, C_Z], rods[i, OMEGA] = c_x, c_z, omega
             before[i, 0], before[i, 1], before[i, 2] = a
-        travelled(crowd.between, listed, fastest * dt)
-        if fast(crowd.between, fastest * dt):
+        note_travel(effects.between, state.listed, fastest * dt)
+        if too_fast(effects.between, fastest * dt):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

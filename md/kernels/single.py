@@ -11,18 +11,37 @@ verlet     the same (velocity Verlet, one force a step)   extrapolated from ther
 gear       positions and five derivatives at n            predicted at n
 =========  =============================================  ==========================
 
-A step's friction is found from the slip half a step before it, in all three (`contact.hold`,
-`contact.pull`). Leapfrog is thus of first order where there are dashpots, Verlet of second; Gear's
-order is that of the force's smoothness, and at the start and the end of a contact that is low.
+A step's friction is found from the slip half a step before it, in all three
+(`contact.constraint_friction`, `contact.spring_friction`). Leapfrog is thus of first order where
+there are dashpots, Verlet of second; Gear's order is that of the force's smoothness, and at the
+start and the end of a contact that is low.
 """
 
 from math import cos, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..cache import kernel
-from .contact import accelerations, plate_at, weight
+from .codes import (
+    DEEP,
+    DONE,
+    IMPULSE,
+    NOT_FINITE,
+    OPENED,
+    SLIDE,
+    SLIDING,
+    SLIP_REVERSAL,
+    SLIP_STICK,
+    STUCK,
+    TOO_DEEP,
+    TURNED,
+    WATCH_DEEPEST,
+    WATCH_SIDE,
+    WATCH_STOPPED,
+    WATCH_TOUCHED,
+)
+from .contact import Moving, accelerations, field, plate_at
 
 METHODS = ("leapfrog", "verlet", "gear")
 
@@ -31,16 +50,6 @@ _C0, _C1, _C3, _C4, _C5 = 3 / 16, 251 / 360, 11 / 18, 1 / 6, 1 / 60
 
 ZERO = (0.0, 0.0, 0.0)
 
-# `watch`: durations, then normal impulses, of a contact before its slip first stopped, while it
-# stuck, and while it slipped after the stop; then the rows named here.
-SLIDE, STUCK, TURNED = 0, 1, 2
-WATCHED = 10
-DEEPEST, SIDE, STOPPED, TOUCHED = 6, 7, 8, 9
-
-# Why a run ended.
-DONE, OPENED, NOT_FINITE, TOO_DEEP = 0, 1, 2, 3
-DEEP = 0.5  # overlap at which the tip's centre reaches the plate's surface
-
 
 class State(NamedTuple):
     """Where a method stands; `higher` tells Gear's method by its type, `extrapolate` Verlet's.
@@ -48,11 +57,11 @@ class State(NamedTuple):
     Velocities are those at n - 1/2, or, for Gear's method, everything is at n - 1.
     """
 
-    position: tuple[float, float, float]  # x, z, tilt
+    position: tuple[float, float, float]  # x, z in d, tilt in rad
     direction: tuple[float, float]  # sin and cos of the tilt, turned along with it
-    velocity: tuple[float, float, float]  # c_x, c_z, omega
-    acceleration: tuple[float, float, float]  # at n - 1
-    springs: tuple[float, float]  # of the lower (-) and the upper (+) cap
+    velocity: tuple[float, float, float]  # c_x, c_z in sqrt(g d), omega in sqrt(g/d)
+    acceleration: tuple[float, float, float]  # at n - 1, in g and g/d
+    springs: tuple[float, float]  # d; lengths of those of the lower (-) and the upper (+) cap
     higher: tuple | None  # derivatives i = 3, 4, 5 times dt^i/i!
     extrapolate: bool | None
 
@@ -75,14 +84,13 @@ def turned(direction, angle):
 
 
 @kernel
-def leap(scene, state, step, dt):
+def leap(effects, state, step, dt):
     """Step n: forces, kick, drift; returns the velocity at n as well."""
     position, direction, half, before, springs, higher, extrapolate = state
     now = half if extrapolate is None else plus(half, before, dt / 2)
-    others, plate = weight(scene.gravity), plate_at(scene.plate, step)
-    a, lower, upper = accelerations(
-        scene, others, plate, position[1], direction, half, now, springs, dt
-    )
+    rod = Moving(position[1], direction, half, now, springs)
+    plate, others = plate_at(effects.plate, step), field(effects, half)
+    a, lower, upper = accelerations(effects, rod, plate, others, dt)
     velocity = plus(half, a, dt)
     springs = (lower.spring, upper.spring)
     direction = turned(direction, velocity[2] * dt)
@@ -92,7 +100,7 @@ def leap(scene, state, step, dt):
 
 
 @kernel
-def gear(scene, state, higher, step, dt):
+def gear(effects, state, higher, step, dt):
     """Predict to step n, evaluate, correct; returns the velocity at n as well."""
     r0, direction, r1, r2, springs, _, extrapolate = state
     tilt = r0[2]
@@ -106,8 +114,9 @@ def gear(scene, state, higher, step, dt):
     r4 = plus(r4, r5, 5)
     now = plus(ZERO, r1, 1 / dt)
     half = plus(plus(now, r2, -1 / dt), r3, 0.75 / dt)
-    others, plate = weight(scene.gravity), plate_at(scene.plate, step)
-    a, lower, upper = accelerations(scene, others, plate, r0[1], direction, half, now, springs, dt)
+    rod = Moving(r0[1], direction, half, now, springs)
+    plate, others = plate_at(effects.plate, step), field(effects, half)
+    a, lower, upper = accelerations(effects, rod, plate, others, dt)
     change = plus(plus(ZERO, a, dt * dt / 2), r2, -1)
     r0, velocity = plus(r0, change, _C0), plus(now, change, _C1 / dt)
     r3, r4, r5 = plus(r3, change, _C3), plus(r4, change, _C4), plus(r5, change, _C5)
@@ -118,11 +127,11 @@ def gear(scene, state, higher, step, dt):
 
 
 @kernel
-def advance(scene, state, higher, step, dt):
+def advance(effects, state, higher, step, dt):
     """One step of the method."""
     if higher is None:
-        return leap(scene, state, step, dt)
-    return gear(scene, state, higher, step, dt)
+        return leap(effects, state, step, dt)
+    return gear(effects, state, higher, step, dt)
 
 
 @kernel
@@ -152,26 +161,37 @@ def spent(plastic, touch, dt):
 
 
 @kernel
-def watched(watch, scene, lower, upper, dt):
+def watched(watch, effects, lower, upper, dt):
     """Add a step to the record of a contact; whether the contact is over."""
     touch = lower if lower.normal >= upper.normal else upper
-    if spent(scene.normal.plastic, lower, dt) and spent(scene.normal.plastic, upper, dt):
-        return watch[TOUCHED] > 0
+    if spent(effects.normal.plastic, lower, dt) and spent(effects.normal.plastic, upper, dt):
+        return watch[WATCH_TOUCHED] > 0
     if touch.normal <= 0:
         return False
-    if watch[TOUCHED] == 0:
-        watch[TOUCHED], watch[SIDE] = 1, np.sign(touch.slip)
-    watch[DEEPEST] = max(watch[DEEPEST], touch.overlap)
-    if touch.slip * watch[SIDE] <= 0:
-        watch[STOPPED] = 1
+    if watch[WATCH_TOUCHED] == 0:
+        watch[WATCH_TOUCHED], watch[WATCH_SIDE] = 1, np.sign(touch.slip)
+    watch[WATCH_DEEPEST] = max(watch[WATCH_DEEPEST], touch.overlap)
+    if touch.slip * watch[WATCH_SIDE] <= 0:
+        watch[WATCH_STOPPED] = 1
     phase = SLIDE
-    if watch[STOPPED] > 0:
-        phase = TURNED if at_limit(scene.friction, touch) else STUCK
+    if watch[WATCH_STOPPED] > 0:
+        phase = TURNED if at_limit(effects.friction, touch) else STUCK
     watch[phase] += dt
-    watch[3 + phase] += touch.normal * dt
-    if stops(scene.friction, touch):  # the little slip that is left has any sign
-        watch[STOPPED] = 1
+    watch[IMPULSE + phase] += touch.normal * dt
+    if stops(effects.friction, touch):  # the little slip that is left has any sign
+        watch[WATCH_STOPPED] = 1
     return False
+
+
+@kernel
+def regime_of(stopped, stuck, turned):
+    """Regime of a contact; `stuck`, `turned`: normal impulses of the phases after its slip's stop.
+
+    The phase of the larger impulse names it.
+    """
+    if not stopped:
+        return SLIDING
+    return SLIP_STICK if stuck >= turned else SLIP_REVERSAL
 
 
 @kernel
@@ -182,7 +202,7 @@ def plain(state):
 
 
 @kernel(inline=False)
-def run(scene, state, first, steps, dt, watch):
+def run(effects, state, first, steps, dt, watch):
     """Up to `steps` steps from step number `first`; returns state, steps made, why it ended.
 
     The state is a plain tuple of the fields of `State`. `watch` is an array to fill or `None`,
@@ -191,21 +211,22 @@ def run(scene, state, first, steps, dt, watch):
     for n in range(steps):
         step = first + n
         good = state
-        state, velocity, lower, upper = advance(scene, state, state.higher, step, dt)
+        state, velocity, lower, upper = advance(effects, state, state.higher, step, dt)
         if not abs(velocity[0] + velocity[1] + velocity[2]) < 1e100:
             return plain(good), n, NOT_FINITE
         if max(lower.overlap, upper.overlap) > DEEP:
             return plain(good), n, TOO_DEEP
-        if watch is not None and watched(watch, scene, lower, upper, dt):
+        if watch is not None and watched(watch, effects, lower, upper, dt):
             return plain(good), n, OPENED
     return plain(state), steps, DONE
 
 
-def started(method: str, position, velocity, gravity, dt: float) -> State:
+def started(method: str, position: Any, velocity: Any, g: Any, dt: float) -> State:
     """State before the first step of a rod that is still free, for the time of that step."""
-    fall = (*map(float, gravity or (0, 0)), 0.0)
+    g_x, g_z = map(float, g or (0, 0))
+    fall = (g_x, g_z, 0.0)
     position, velocity = tuple(map(float, position)), tuple(map(float, velocity))
-    higher = None
+    higher: tuple | None = None
     if method == "gear":  # it keeps everything at the step before
         position = plus(plus(position, velocity, -dt), fall, dt * dt / 2)
         velocity, higher = plus(velocity, fall, -dt), (ZERO, ZERO, ZERO)

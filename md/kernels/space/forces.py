@@ -1,15 +1,17 @@
 """Contact forces in space, compiled: friction, plate, cylindrical walls. Pairs: `pairs`.
 
-Forces are those of `md.contact`. A tangential spring is a vector that stays in the tangent plane of
-its contact. Every function adds force and torque to `total`.
+Forces are those of `kernels.contact`. A tangential spring is a vector that stays in the tangent
+plane of its contact. Every function adds force and torque to the total.
 """
 
 from math import sqrt
 from typing import NamedTuple
 
+import numpy as np
+
 from ...cache import kernel
-from ..contact import Friction, Motion, Normal, push, tangential_constants
-from ..plane import Between
+from ..codes import DIRECTOR, INNER, OUTER, PLACE, PLATE_CAPS, TURN, VELOCITY
+from ..contact import ContactForces, Friction, Motion, Normal, normal_force, tangential_constants
 from .geometry import (
     NEARER,
     UP,
@@ -23,32 +25,70 @@ from .geometry import (
     rise,
 )
 
-PLACE, DIRECTOR, VELOCITY, TURN = 0, 3, 6, 9  # first columns of the rods' state
-PLATE_CAPS, INNER, OUTER = 0, 2, 5  # places of a rod's springs: two caps, two ends and between, two
-SINGLE = 7
-
 
 class Wall(NamedTuple):
     """A vertical cylinder about the axis x = y = 0."""
 
-    radius: float
+    radius: float  # d
     normal: Normal
     friction: Friction | None
 
 
-class Space(NamedTuple):
-    """All that acts; `None`: absent."""
+class SpaceEffects(NamedTuple):
+    """All that acts on rods in space; `None`: absent."""
 
-    half_length: float
-    lightness: float  # 1/k^2
-    spin: float | None  # I/I_axial - 1; None: no spin about the axis
-    gravity: float | None  # along z
-    plate: Motion | None  # at rest at z = 0
-    normal: Normal | None  # of the plate; None: no plate
-    friction: Friction | None
-    inner: Wall | None
-    outer: Wall | None
-    between: Between | None
+    half_length: float  # d
+    lightness: float  # 1/k^2, 1/d^2
+    rolling: float | None = None  # I/I_axial - 1; None: no rotation of a rod about its axis
+    gravity: float | None = None  # along z, g
+    plate: Motion | None = None  # at rest at z = 0
+    normal: Normal | None = None  # of the plate; None: no plate
+    friction: Friction | None = None
+    inner: Wall | None = None
+    outer: Wall | None = None
+    between: ContactForces | None = None
+
+
+class Pairs(NamedTuple):
+    """Pairs of axes closer than 1 + SKIN, and of every two rods whether they touch."""
+
+    count: np.ndarray  # type: ignore[assignment]  # (1,); a tuple has a method of this name
+    index: np.ndarray  # type: ignore[assignment]  # (N (N - 1)/2, 3): first rod, second, number of the pair
+    asleep: np.ndarray  # (N (N - 1)/2,), d: until so much was travelled, the entry cannot touch
+    touched: np.ndarray  # (N (N - 1)/2,)
+    travelled: np.ndarray  # (1,), d: how far any rod may have moved since the list was made
+
+
+class State(NamedTuple):
+    """Rods in space under way; `None` for what they do without."""
+
+    rods: np.ndarray  # (N, 12): columns PLACE to TURN of `codes`, in d, sqrt(g d), sqrt(g/d)
+    before: np.ndarray  # (N, 6): accelerations of the step before, of the centre and of w
+    springs: np.ndarray | None  # (N, SLOTS, 3), d: of plate and walls
+    pairs: Pairs | None
+    pair_springs: np.ndarray | None  # (pairs, PAIR_SLOTS, 3), d
+    scratch: np.ndarray  # (N, 6): force and torque of a step, in m g and m g d
+
+
+class At(NamedTuple):
+    """Where a fixed surface may touch a rod."""
+
+    s: float  # d; place on the axis, from the centre
+    reach: float  # d; from there to the surface
+    out: tuple[float, float, float]  # unit vector from the surface to the rod
+    climb: float  # sqrt(g d); the surface's velocity along z
+    share: float  # weight of the contact, 0 to 1
+    slot: int  # of the contact's spring
+
+
+class Rubbing(NamedTuple):
+    """What friction acts on in a contact in space."""
+
+    normal: tuple[float, float, float]  # unit vector
+    overlap: float  # d
+    force: float  # F_n, m g
+    half: tuple[float, float, float]  # sqrt(g d); velocity of the contact half a step before
+    now: tuple[float, float, float]  # the same at the step
 
 
 @kernel
@@ -72,21 +112,28 @@ def put(array, i, first, v):
 
 
 @kernel
-def turning(spin, w, director):
-    """Angular velocity."""
-    if spin is None:
-        return w
-    return along(w, spin * dot(w, director), director)
+def act(total, i, arm, f):
+    """Add a force at an arm, and its torque, to rod i."""
+    add(total, i, 0, f)
+    add(total, i, 3, cross(arm, f))
 
 
 @kernel
-def inverse(spin, lightness, arm, director, push):
+def turning(rolling, w, director):
+    """Angular velocity."""
+    if rolling is None:
+        return w
+    return along(w, rolling * dot(w, director), director)
+
+
+@kernel
+def inverse(rolling, lightness, arm, director, force):
     """What a force at an arm adds to the inverse of a contact's mass, times the force squared."""
-    lever = cross(arm, push)
+    lever = cross(arm, force)
     axial = dot(lever, director)
-    if spin is None:
+    if rolling is None:
         return lightness * (dot(lever, lever) - axial * axial)
-    return lightness * (dot(lever, lever) + spin * axial * axial)
+    return lightness * (dot(lever, lever) + rolling * axial * axial)
 
 
 @kernel
@@ -117,14 +164,35 @@ def keep(springs, at, spring):
 
 
 @kernel
-def drag(friction, mass, spring, stretched, slip, overlap, force, dt):
-    """Tangential force and the new spring, as `contact.pull` does it, for vectors.
+def forget(springs, at):
+    """Clear the spring of a contact that is open."""
+    if springs is not None:
+        keep(springs, at, ZERO)
+
+
+@kernel
+def moving(effects, state, i, director, arm):
+    """Velocity of a point of the rod half a step before."""
+    omega = turning(effects.rolling, vector(state.rods, i, TURN), director)
+    return along(vector(state.rods, i, VELOCITY), 1.0, cross(omega, arm))
+
+
+@kernel
+def gaining(effects, state, i, director, arm):
+    """Its acceleration in the last step, but for that towards the centre."""
+    alpha = turning(effects.rolling, vector(state.before, i, 3), director)
+    return along(vector(state.before, i, 0), 1.0, cross(alpha, arm))
+
+
+@kernel
+def spring_friction(friction, mass, spring, stretched, slip, rubbing, dt):
+    """Friction force and the new spring, as `contact.spring_friction` has them, for vectors.
 
     `stretched` is the `spring` after the slip of a step.
     """
-    k, g = tangential_constants(friction.spring, overlap, mass)
+    k, g = tangential_constants(friction.spring, rubbing.overlap, mass)
     f = along(along(ZERO, -k, stretched), -g, slip)
-    limit, square = friction.coefficient * force, dot(f, f)
+    limit, square = friction.coefficient * rubbing.force, dot(f, f)
     if square <= limit * limit:
         return f, stretched
     f = along(ZERO, limit / sqrt(square), f)
@@ -133,176 +201,121 @@ def drag(friction, mass, spring, stretched, slip, overlap, force, dt):
 
 
 @kernel
-def forget(springs, at):
-    """Of a contact that is open."""
-    if springs is not None:
-        keep(springs, at, ZERO)
+def friction_force(friction, effects, bodies, springs, at, rubbing, dt):
+    """Friction force between a fixed surface and a body, or on the first of two.
 
-
-@kernel
-def moving(world, rods, i, director, arm):
-    """Velocity of a point of the rod half a step before."""
-    omega = turning(world.spin, vector(rods, i, TURN), director)
-    return along(vector(rods, i, VELOCITY), 1.0, cross(omega, arm))
-
-
-@kernel
-def gaining(world, before, i, director, arm):
-    """Its acceleration in the last step, but for that towards the centre."""
-    alpha = turning(world.spin, vector(before, i, 3), director)
-    return along(vector(before, i, 0), 1.0, cross(alpha, arm))
-
-
-@kernel
-def rubbed(friction, world, bodies, springs, at, n, overlap, force, v, now, dt):
-    """Tangential force between a fixed surface and a body, or on the first of two.
-
-    `bodies`: arm and director of each; `v`, `now`: velocity of the contact point half a step
-    before and now.
+    `bodies`: arm and director of each; `at`: where the contact's spring is kept.
     """
     if friction is None:
         return ZERO
+    n = rubbing.normal
     spring = tangential(kept(springs, at), n)
-    stretched = along(spring, dt, tangential(v, n))
+    stretched = along(spring, dt, tangential(rubbing.half, n))
     square, light, turned = dot(stretched, stretched), 1.0 * len(bodies), 0.0
     for arm, director in bodies:
-        turned += inverse(world.spin, world.lightness, arm, director, stretched)
+        turned += inverse(effects.rolling, effects.lightness, arm, director, stretched)
     mass = square / (light * square + turned) if square > 0.0 else 1.0 / light
-    f, spring = drag(friction, mass, spring, stretched, tangential(now, n), overlap, force, dt)
+    slip = tangential(rubbing.now, n)
+    f, spring = spring_friction(friction, mass, spring, stretched, slip, rubbing, dt)
     keep(springs, at, spring)
     return f
 
 
 @kernel
-def surface(
-    law,
-    friction,
-    world,
-    rods,
-    before,
-    i,
-    s,
-    reach,
-    normal,
-    weight,
-    climb,
-    springs,
-    place,
-    total,
-    dt,
-):
-    """Add what a fixed surface does to rod i at place s of the axis, at a distance `reach` from it.
-
-    `climb`: the surface's velocity along z.
-    """
-    overlap = max(0.5 - reach, 0.0)  # a rounding may have told a touch
-    director = vector(rods, i, DIRECTOR)
-    arm = along(along(ZERO, s, director), -reach, normal)
-    v = along(moving(world, rods, i, director, arm), -climb, UP)
-    now = along(v, dt / 2, gaining(world, before, i, director, arm))
-    mass = 1.0 / (1.0 + across_normal(world.lightness, s, director, normal))
-    force = weight * push(law, overlap, dot(now, normal), mass, dt)
-    bodies = ((arm, director),)
-    f = rubbed(friction, world, bodies, springs, (i, place), normal, overlap, force, v, now, dt)
-    f = along(f, force, normal)
-    add(total, i, 0, f)
-    add(total, i, 3, cross(arm, f))
+def surface(normal, friction, effects, state, i, at, dt):
+    """Add what a fixed surface does to rod i at the place `at`."""
+    overlap = max(0.5 - at.reach, 0.0)  # a rounding may have told a touch
+    director = vector(state.rods, i, DIRECTOR)
+    arm = along(along(ZERO, at.s, director), -at.reach, at.out)
+    v = along(moving(effects, state, i, director, arm), -at.climb, UP)
+    now = along(v, dt / 2, gaining(effects, state, i, director, arm))
+    mass = 1.0 / (1.0 + across_normal(effects.lightness, at.s, director, at.out))
+    force = at.share * normal_force(normal, overlap, dot(now, at.out), mass, dt)
+    rubbing, bodies = Rubbing(at.out, overlap, force, v, now), ((arm, director),)
+    f = friction_force(friction, effects, bodies, state.springs, (i, at.slot), rubbing, dt)
+    act(state.scratch, i, arm, along(f, force, at.out))
 
 
 @kernel
-def on_plate(law, world, rods, before, i, plate, springs, total, dt):
-    """Plate forces at both caps; the deepest overlap."""
+def on_plate(law, effects, state, i, plate, dt):
+    """Add the plate's forces at both caps; the deepest overlap."""
     if law is None:
         return 0.0
-    deepest = 0.0
+    deepest, rods = 0.0, state.rods
     for cap in range(2):
-        s = world.half_length if cap else -world.half_length
+        s = effects.half_length if cap else -effects.half_length
         reach = rods[i, PLACE + 2] + s * rods[i, DIRECTOR + 2] - plate[0]
         if reach >= 0.5:
-            forget(springs, (i, PLATE_CAPS + cap))
+            forget(state.springs, (i, PLATE_CAPS + cap))
             continue
-        surface(
-            *(law, world.friction, world, rods, before, i, s, reach, UP, 1.0, plate[1]),
-            *(springs, PLATE_CAPS + cap, total, dt),
-        )
+        at = At(s, reach, UP, plate[1], 1.0, PLATE_CAPS + cap)
+        surface(law, effects.friction, effects, state, i, at, dt)
         deepest = max(deepest, 0.5 - reach)
     return deepest
 
 
 @kernel
-def at_outer(wall, world, rods, before, i, seen, springs, total, dt):
-    """Forces of the concave wall, which only caps can touch; the deepest overlap."""
-    if wall is None:
-        return 0.0
-    deepest = 0.0
+def at_caps(wall, effects, state, i, seen, side, dt):
+    """Add a wall's forces at both caps; the deepest overlap. `side`: 1 convex wall, -1 concave."""
+    deepest, rods, slot = 0.0, state.rods, INNER if side > 0 else OUTER
+    touching = wall.radius + 0.5 * side
     for cap in range(2):
-        s = world.half_length if cap else -world.half_length
-        if beyond(seen, s) <= (wall.radius - 0.5) ** 2:
-            forget(springs, (i, OUTER + cap))
+        s = effects.half_length if cap else -effects.half_length
+        if side * (beyond(seen, s) - touching**2) >= 0:
+            forget(state.springs, (i, slot + cap))
             continue
         rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
-        reach = wall.radius - rho
-        inwards = -out[0], -out[1], 0.0
-        surface(
-            *(wall.normal, wall.friction, world, rods, before, i, s, reach, inwards, 1.0, 0.0),
-            *(springs, OUTER + cap, total, dt),
-        )
-        deepest = max(deepest, 0.5 - reach)
+        out = side * out[0], side * out[1], 0.0
+        at = At(s, side * (rho - wall.radius), out, 0.0, 1.0, slot + cap)
+        surface(wall.normal, wall.friction, effects, state, i, at, dt)
+        deepest = max(deepest, 0.5 - at.reach)
     return deepest
 
 
 @kernel
-def at_inner(wall, world, rods, before, i, seen, springs, total, dt):
-    """Forces of the convex wall, on the ends and between them; the deepest overlap."""
+def at_outer(wall, effects, state, i, seen, dt):
+    """Add the forces of the concave wall, which only caps can touch; the deepest overlap."""
     if wall is None:
         return 0.0
-    half, deepest = world.half_length, 0.0
-    for cap in range(2):
-        s = half if cap else -half
-        if beyond(seen, s) >= (wall.radius + 0.5) ** 2:
-            forget(springs, (i, INNER + cap))
-            continue
-        rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
-        reach = rho - wall.radius
-        surface(
-            *(wall.normal, wall.friction, world, rods, before, i, s, reach, out, 1.0, 0.0),
-            *(springs, INNER + cap, total, dt),
-        )
-        deepest = max(deepest, 0.5 - reach)
-    if not passes(seen, half, wall.radius + 0.5):
-        forget(springs, (i, INNER + 2))
+    return at_caps(wall, effects, state, i, seen, -1, dt)
+
+
+@kernel
+def at_inner(wall, effects, state, i, seen, dt):
+    """Add the forces of the convex wall, on caps and between them; the deepest overlap."""
+    if wall is None:
+        return 0.0
+    deepest = at_caps(wall, effects, state, i, seen, 1, dt)
+    if not passes(seen, effects.half_length, wall.radius + 0.5):
+        forget(state.springs, (i, INNER + 2))
         return deepest
-    s = -seen[1] / seen[2]
-    return max(deepest, beside(wall, world, rods, before, i, s, springs, total, dt))
+    return max(deepest, beside(wall, effects, state, i, -seen[1] / seen[2], dt))
 
 
 @kernel
-def beside(wall, world, rods, before, i, s, springs, total, dt):
-    """Forces of the convex wall at a place between the ends; the overlap."""
-    place, director, half = vector(rods, i, PLACE), vector(rods, i, DIRECTOR), world.half_length
+def beside(wall, effects, state, i, s, dt):
+    """Add the forces of the convex wall at a place between the ends; the overlap."""
+    rods, half = state.rods, effects.half_length
+    place, director = vector(rods, i, PLACE), vector(rods, i, DIRECTOR)
     rho, out = from_axis(along(place, s, director))
-    reach = rho - wall.radius
     lower, out_l = from_axis(along(place, -half, director))
     upper, out_u = from_axis(along(place, half, director))
     w_l, slope_l = rise((lower - rho) * (1 / NEARER))
     w_u, slope_u = rise((upper - rho) * (1 / NEARER))
-    surface(
-        *(wall.normal, wall.friction, world, rods, before, i, s, reach, out, w_l * w_u, 0.0),
-        *(springs, INNER + 2, total, dt),
-    )
-    overlap = max(0.5 - reach, 0.0)
+    at = At(s, rho - wall.radius, out, 0.0, w_l * w_u, INNER + 2)
+    surface(wall.normal, wall.friction, effects, state, i, at, dt)
+    overlap = max(0.5 - at.reach, 0.0)
     if slope_l + slope_u == 0.0:
         return overlap
     energy = 0.4 * wall.normal.stiffness * overlap * overlap * sqrt(overlap) * (1 / NEARER)
-    pulled(rods, i, s, out, energy * (slope_l * w_u + w_l * slope_u), total)
-    pulled(rods, i, -half, out_l, -energy * slope_l * w_u, total)
-    pulled(rods, i, half, out_u, -energy * w_l * slope_u, total)
+    attracted(state, i, s, out, energy * (slope_l * w_u + w_l * slope_u))
+    attracted(state, i, -half, out_l, -energy * slope_l * w_u)
+    attracted(state, i, half, out_u, -energy * w_l * slope_u)
     return overlap
 
 
 @kernel
-def pulled(rods, i, s, normal, force, total):
+def attracted(state, i, s, normal, force):
     """Add a force along a normal at place s of the axis of rod i."""
-    f = along(ZERO, force, normal)
-    add(total, i, 0, f)
-    add(total, i, 3, cross(along(ZERO, s, vector(rods, i, DIRECTOR)), f))
+    arm = along(ZERO, s, vector(state.rods, i, DIRECTOR))
+    act(state.scratch, i, arm, along(ZERO, force, normal))

@@ -3,8 +3,8 @@
 A rod's axis is the segment of all centre + s director, |s| <= half. Each of the four ends of two
 rods has a closest point on the other axis, and is a contact of its own, as in the plane. Rods that
 cross touch between their ends as well. As they turn parallel, or slide off each other's end, that
-contact becomes one with an end's, and is weighted by how much nearer it is than each of the four,
-so that no force jumps. The same holds for a rod that lies along the convex inner wall.
+contact becomes one with an end's, and counts by how much nearer it is than each of the four, so
+ that no force jumps. The same holds for a rod that lies along the convex inner wall.
 """
 
 from math import sqrt
@@ -12,7 +12,6 @@ from math import sqrt
 from ...cache import kernel
 
 NEARER = 0.1  # d; by so much nearer than all ends, a contact between them counts in full
-CROSSING = 4  # contacts of two rods: four ends, then the one between them
 ZERO, UP = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 

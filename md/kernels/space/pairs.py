@@ -6,22 +6,21 @@ from typing import NamedTuple
 import numpy as np
 
 from ...cache import kernel
-from ..contact import push
-from ..plane import PAIR_TOO_DEEP
-from ..single import DEEP, DONE
+from ..codes import CROSSING, DEEP, DIRECTOR, DONE, PAIR_TOO_DEEP, PLACE, SKIN
+from ..contact import normal_force
 from .forces import (
-    DIRECTOR,
-    PLACE,
+    Pairs,
+    Rubbing,
     across_normal,
+    act,
     add,
     forget,
+    friction_force,
     gaining,
     moving,
-    rubbed,
     vector,
 )
 from .geometry import (
-    CROSSING,
     NEARER,
     ZERO,
     along,
@@ -37,14 +36,23 @@ ENDS, BETWEEN_ENDS = 1, 2  # bits: what of two rods touches
 SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a contact between ends
 
 
-class Pairs(NamedTuple):
-    """Pairs of axes closer than 1 + skin, and of every two rods whether they touch."""
+class Pair(NamedTuple):
+    """Two rods."""
 
-    count: np.ndarray  # (1,)
-    index: np.ndarray  # (N (N - 1)/2, 3): first rod, second, number of the pair
-    asleep: np.ndarray  # (N (N - 1)/2,): until so much was travelled, the entry cannot touch
-    touched: np.ndarray  # (N (N - 1)/2,)
-    travelled: np.ndarray  # (1,): how far any rod may have moved since the list was made
+    i: int
+    j: int
+    number: int  # of the pair: row of its springs
+    a: tuple[float, float, float]  # director of the first
+    b: tuple[float, float, float]
+
+
+class Closest(NamedTuple):
+    """Closest points of the axes of two rods, or of an end of one and the axis of the other."""
+
+    s: float  # d; place on the first axis, from its centre
+    t: float  # d; on the second
+    gap: tuple[float, float, float]  # d; from the second place to the first
+    distance: float  # d
 
 
 def no_pairs(rods: int) -> Pairs:
@@ -72,15 +80,15 @@ def nearest(apart, a, b, half):
 
 
 @kernel(inline=False)
-def list_pairs(rods, half, skin, pairs):
-    """Make the list anew; every pair is looked at."""
+def list_pairs(rods, half, pairs):
+    """Make the list again; every pair is looked at."""
     n, count, number = rods.shape[0], 0, 0
     for i in range(n):
         for j in range(i + 1, n):
             apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
-            if dot(apart, apart) < (2.0 * half + 1.0 + skin) ** 2:
+            if dot(apart, apart) < (2.0 * half + 1.0 + SKIN) ** 2:
                 a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
-                if nearest(apart, a, b, half) < 1.0 + skin:
+                if nearest(apart, a, b, half) < 1.0 + SKIN:
                     pairs.index[count, 0], pairs.index[count, 1] = i, j
                     pairs.index[count, 2], pairs.asleep[count] = number, 0.0
                     count += 1
@@ -90,34 +98,35 @@ def list_pairs(rods, half, skin, pairs):
 
 
 @kernel
-def met(
-    law, friction, world, rods, before, i, j, s, t, r, distance, weight, springs, at, total, dt
-):
-    """Add what two rods do to each other where places s and t of their axes are closest."""
-    a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
-    normal, overlap = along(ZERO, 1.0 / distance, r), 1.0 - distance
+def met(effects, state, pair, near, share, slot, dt):
+    """Add what two rods do to each other at their closest points."""
+    i, j, number, a, b = pair
+    s, t, r, distance = near
+    between, normal, overlap = effects.between, along(ZERO, 1.0 / distance, r), 1.0 - distance
     p, q = along(along(ZERO, s, a), -0.5, r), along(along(ZERO, t, b), 0.5, r)
-    v = along(moving(world, rods, i, a, p), -1.0, moving(world, rods, j, b, q))
-    gain = along(gaining(world, before, i, a, p), -1.0, gaining(world, before, j, b, q))
+    v = along(moving(effects, state, i, a, p), -1.0, moving(effects, state, j, b, q))
+    gain = along(gaining(effects, state, i, a, p), -1.0, gaining(effects, state, j, b, q))
     now = along(v, dt / 2, gain)
-    turned = across_normal(world.lightness, s, a, normal)
-    turned += across_normal(world.lightness, t, b, normal)
-    force = weight * push(law, overlap, dot(now, normal), 1.0 / (2.0 + turned), dt)
-    bodies = (p, a), (q, b)
-    f = rubbed(friction, world, bodies, springs, at, normal, overlap, force, v, now, dt)
+    turned = across_normal(effects.lightness, s, a, normal)
+    turned += across_normal(effects.lightness, t, b, normal)
+    mass = 1.0 / (2.0 + turned)
+    force = share * normal_force(between.normal, overlap, dot(now, normal), mass, dt)
+    rubbing, bodies, at = Rubbing(normal, overlap, force, v, now), ((p, a), (q, b)), (number, slot)
+    f = friction_force(between.friction, effects, bodies, state.pair_springs, at, rubbing, dt)
     f = along(f, force, normal)
-    add(total, i, 0, f)
-    add(total, i, 3, cross(p, f))
-    add(total, j, 0, along(ZERO, -1.0, f))
-    add(total, j, 3, cross(f, q))
+    act(state.scratch, i, p, f)
+    add(state.scratch, j, 0, along(ZERO, -1.0, f))
+    add(state.scratch, j, 3, cross(f, q))
 
 
 @kernel
-def shared(law, total, i, j, a, b, s, t, r, distance, ends):
+def shared(law, total, pair, near, ends):
     """Weight of a contact near an end, or of nearly parallel rods; adds what keeps energy.
 
     The forces are the slopes of the weight: each end is pushed off, the contact pulled in.
     """
+    i, j, _, a, b = pair
+    s, t, r, distance = near
     (w_0, pull_0), (w_1, pull_1) = nearer(ends[0], distance), nearer(ends[1], distance)
     (w_2, pull_2), (w_3, pull_3) = nearer(ends[2], distance), nearer(ends[3], distance)
     first, second = w_0 * w_1, w_2 * w_3
@@ -134,8 +143,8 @@ def shared(law, total, i, j, a, b, s, t, r, distance, ends):
     at_i, at_j = along(ZERO, s, f), along(ZERO, t, f)
     for end in range(4):
         x, y, e, square = ends[end]
-        push = along(ZERO, -pulls[end] / sqrt(square), e)
-        f, at_i, at_j = along(f, 1.0, push), along(at_i, x, push), along(at_j, y, push)
+        away = along(ZERO, -pulls[end] / sqrt(square), e)
+        f, at_i, at_j = along(f, 1.0, away), along(at_i, x, away), along(at_j, y, away)
     add(total, i, 0, f)
     add(total, i, 3, cross(a, at_i))
     add(total, j, 0, along(ZERO, -1.0, f))
@@ -169,40 +178,38 @@ def end_gaps(apart, a, b, half):
 
 
 @kernel
-def ends_met(between, world, rods, before, i, j, ends, springs, number, was, total, dt):
+def ends_met(effects, state, pair, ends, was, dt):
     """Contacts of four ends: what touches, whether too deep."""
     touches = 0
     for end in range(4):
         s, t, r, square = ends[end]
         if square >= 1.0:
             if was & ENDS:
-                forget(springs, (number, end))
+                forget(state.pair_springs, (pair.number, end))
             continue
         if square < (1.0 - DEEP) ** 2:
             return touches, True
         touches = ENDS
-        met(
-            *(between.normal, between.friction, world, rods, before, i, j, s, t, r, sqrt(square)),
-            *(1.0, springs, (number, end), total, dt),
-        )
+        met(effects, state, pair, Closest(s, t, r, sqrt(square)), 1.0, end, dt)
     return touches, False
 
 
 @kernel(inline=False)
-def pair_forces(between, world, rods, before, pairs, springs, total, dt):
+def pair_forces(between, effects, state, dt):
     """Forces of all listed pairs; number of a pair that is too deep, or -1.
 
     Where two axes are closest between their ends, by so much that no end can touch or share the
     contact, the ends need no look.
     """
-    half, travelled = world.half_length, pairs.travelled[0]
+    rods, pairs, springs, half = state.rods, state.pairs, state.pair_springs, effects.half_length
+    travelled = pairs.travelled[0]
     for k in range(pairs.count[0]):
         if travelled < pairs.asleep[k]:
             continue
         i, j, number = pairs.index[k, 0], pairs.index[k, 1], pairs.index[k, 2]
         apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
         a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
-        was, now = pairs.touched[number], 0
+        pair, was, now = Pair(i, j, number, a, b), pairs.touched[number], 0
         s, t, skew, inside = between_ends(apart, a, b, half)
         r = gap_vector(apart, a, b, s, t)
         nearest, clear = dot(r, r), False
@@ -213,9 +220,7 @@ def pair_forces(between, world, rods, before, pairs, springs, total, dt):
             ends = end_gaps(apart, a, b, half)
             least = min(ends[0][3], ends[1][3], ends[2][3], ends[3][3])
             if least < 1.0 or was & ENDS:
-                now, deep = ends_met(
-                    *(between, world, rods, before, i, j, ends, springs, number, was, total, dt)
-                )
+                now, deep = ends_met(effects, state, pair, ends, was, dt)
                 if deep:
                     return k
         elif was & ENDS:
@@ -225,13 +230,10 @@ def pair_forces(between, world, rods, before, pairs, springs, total, dt):
             if nearest < (1.0 - DEEP) ** 2:
                 return k
             now |= BETWEEN_ENDS
-            weight, distance = 1.0, sqrt(nearest)
-            if not clear and least < (distance + NEARER) ** 2:
-                weight = shared(between.normal, total, i, j, a, b, s, t, r, distance, ends)
-            met(
-                *(between.normal, between.friction, world, rods, before, i, j, s, t, r, distance),
-                *(weight, springs, (number, CROSSING), total, dt),
-            )
+            share, near = 1.0, Closest(s, t, r, sqrt(nearest))
+            if not clear and least < (near.distance + NEARER) ** 2:
+                share = shared(between.normal, state.scratch, pair, near, ends)
+            met(effects, state, pair, near, share, CROSSING, dt)
         elif was & BETWEEN_ENDS:
             forget(springs, (number, CROSSING))
         if not clear:
@@ -243,11 +245,11 @@ def pair_forces(between, world, rods, before, pairs, springs, total, dt):
 
 
 @kernel
-def crowded(between, world, rods, before, pairs, springs, skin, total, dt):
+def between_rods(between, effects, state, dt):
     """Pair forces from a list kept up to date; why the run cannot go on, and where."""
     if between is None:
         return DONE, 0
-    if pairs.travelled[0] >= 0.5 * skin:
-        list_pairs(rods, world.half_length, skin, pairs)
-    deep = pair_forces(between, world, rods, before, pairs, springs, total, dt)
+    if state.pairs.travelled[0] >= 0.5 * SKIN:
+        list_pairs(state.rods, effects.half_length, state.pairs)
+    deep = pair_forces(between, effects, state, dt)
     return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)

@@ -1,0 +1,64 @@
+"""Numbers that the kernels, their host and the tests share: stop codes, columns, phases, limits."""
+
+DEEP = 0.5  # d; deepest overlap: there a cap's centre reaches the plate, or another rod's axis
+SKIN = 0.4  # d; a list of pairs holds all axes closer than 1 + SKIN
+SAMPLES_A_PERIOD = 32  # of tilt and place
+
+# Why a run of a kernel ended.
+DONE = 0  # all steps are made
+OPENED = 1  # the contact that was watched is over
+NOT_FINITE = 2  # the state of a rod
+TOO_DEEP = 3  # a rod in the plate
+FULL_LIST = 4  # more pairs than the list can hold
+PAIR_TOO_DEEP = 5  # two rods in each other
+FULL_RECORD = 6  # more touches than the record might hold after another step
+TOO_FAST = 7  # a rod moved so far that it may have passed through another one unseen
+WALL_TOO_DEEP = 8  # a rod in a wall of an annulus
+
+# State of a rod of a row: place and direction at a step, velocities half a step before.
+X, Z, SINE, COSINE, C_X, C_Z, OMEGA = range(7)
+ROW_COLUMNS = 7
+ROW_PLACE, ROW_DIRECTION, ROW_VELOCITY = slice(X, SINE), slice(SINE, C_X), slice(C_X, ROW_COLUMNS)
+
+# State of a rod in space, first columns of four vectors: centre and director at a step, velocity
+# and the vector about which the director turns (see `space.march`) half a step before.
+PLACE, DIRECTOR, VELOCITY, TURN = 0, 3, 6, 9
+SPACE_COLUMNS = 12
+
+# Places of the tangential springs of a rod in space.
+PLATE_CAPS, INNER, OUTER = 0, 2, 5  # plate: caps 0-1, inner wall: caps 2-3 and between 4, outer 5-6
+SLOTS = 7
+CROSSING = 4  # of two rods: ends of the first 0-1, of the second 2-3, between their ends 4
+PAIR_SLOTS = 5
+
+# Columns of the energy ledger, m g d.
+PLATE_WORK, PLATE_NORMAL, PLATE_FRICTION, PAIR_NORMAL, PAIR_FRICTION = range(5)
+LEDGER_COLUMNS = 5
+
+# Columns of the series, a row a period: those of both arrangements, of a row, of an annulus.
+TILT_SUM, SAMPLED = 0, 1  # sum over samples of the mean tilt, rad; number of samples
+MEAN_X, FELL, UPRIGHT = (
+    2,
+    3,
+    4,
+)  # mean x at the start; rods that passed the horizontal, the vertical
+ROW_SERIES = 5
+ADVANCE, LEAN_SUM = 2, 3  # sums over samples of mean advance about the axis and mean lean, rad
+TOUCHES, PLATE_SUM = 4, 5  # touches of the plate; sum of the plate's velocity at them
+PUSHING, APPROACH_SUM = 6, 7  # the same weighted by the speed of approach; sum of that speed
+ANNULUS_SERIES = 8
+
+# Phases of a contact: before its slip first stopped, while it stuck, while it slipped after that.
+SLIDE, STUCK, TURNED = 0, 1, 2
+PHASES = ("slide", "stick", "reversal")
+# What is watched of a contact: duration of each phase, its normal impulse, and these.
+IMPULSE = 3  # of phase 0
+WATCH_DEEPEST, WATCH_SIDE, WATCH_STOPPED, WATCH_TOUCHED = 6, 7, 8, 9
+WATCHED = 10
+
+# Modes of friction between two switches: slip forward, none, backward; FREE: no friction.
+FORWARD, STICK, BACK, FREE = 1, 0, -1, 2
+
+# Regimes of a contact.
+SLIDING, SLIP_STICK, SLIP_REVERSAL = 1, 2, 3
+REGIMES = {SLIDING: "slide", SLIP_STICK: "slip-stick", SLIP_REVERSAL: "slip-reversal"}

@@ -1,0 +1,76 @@
+"""Rods in space for the tests, marched by the kernel without a host."""
+
+import numpy as np
+
+import md
+from md.kernels.codes import DONE, PAIR_SLOTS, PLACE, SLOTS, SPACE_COLUMNS, TURN, VELOCITY
+from md.kernels.contact import Clock, Friction
+from md.kernels.plane import Watchers
+from md.kernels.space.forces import SpaceEffects, State
+from md.kernels.space.march import march
+from md.kernels.space.pairs import no_pairs
+
+HALF, LIGHT = 4.25, 12 / 9.5**2
+LOSSY = md.constant_restitution(0.65, 1e5, tangential_ratio=3)
+ROUGH = Friction(0.3, LOSSY.spring)
+NOBODY = Watchers(None, None, None)
+
+
+def effects(half_length=HALF, lightness=LIGHT, **parts):
+    """Nothing but what is named."""
+    return SpaceEffects(half_length, lightness, **parts)
+
+
+def unit(v):
+    return np.asarray(v, float) / np.linalg.norm(v)
+
+
+def tuples(*vectors):
+    return [tuple(map(float, v)) for v in vectors]
+
+
+def states(*rods):
+    """States of rods, each (place, director, velocity): the director is made a unit vector."""
+    found = np.zeros((len(rods), SPACE_COLUMNS))
+    for rod, (place, director, *velocity) in zip(found, rods, strict=True):
+        rod[:VELOCITY] = *place, *unit(director)
+        rod[VELOCITY:TURN] = velocity[0] if velocity else 0.0
+    return found
+
+
+class Rods:
+    """Rods under way."""
+
+    def __init__(self, scene, rods, dt=1e-4, kernel=march):
+        n, self.effects, self.dt, self.step, self.kernel = len(rods), scene, dt, 0, kernel
+        rubs = any(part and part.friction for part in (scene.inner, scene.outer))
+        springs = np.zeros((n, SLOTS, 3)) if rubs or scene.friction else None
+        between = scene.between and np.zeros((max(n * (n - 1) // 2, 1), PAIR_SLOTS, 3))
+        pairs = no_pairs(n) if scene.between else None
+        self.state = State(rods, np.zeros((n, 6)), springs, pairs, between, np.zeros((n, 6)))
+
+    @property
+    def rods(self):
+        return self.state.rods
+
+    def march(self, steps):
+        """Steps made, and why they ended."""
+        clock = Clock(self.step, self.dt)
+        done, why, _ = self.kernel(self.effects, self.state, NOBODY, clock, steps)
+        self.step += done
+        return done, why
+
+    def go(self, steps):
+        assert self.march(steps) == (steps, DONE)
+        return self
+
+    def moments(self):
+        """Momentum, and angular momentum about the origin, half a step ago."""
+        velocity, turn = self.rods[:, VELOCITY:TURN], self.rods[:, TURN:]
+        place = self.rods[:, PLACE : PLACE + 3] - self.dt / 2 * velocity
+        return velocity.sum(0), (np.cross(place, velocity) + turn / LIGHT).sum(0)
+
+    def kinetic(self):
+        return (
+            (self.rods[:, VELOCITY:TURN] ** 2).sum() + (self.rods[:, TURN:] ** 2).sum() / LIGHT
+        ) / 2
