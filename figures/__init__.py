@@ -18,7 +18,7 @@ __main__                            the commands
 A module of a figure has `data(quick)`, which computes arrays by name, and `draw(data)`; perhaps
 `summary(data)` in words, and `sweeps(quick)`, the runs it needs. Only `__main__` writes files: what
 `data` returns as .npz, what `draw` returns as .png and .pdf. Runs are kept in the store of
-`lib.row_runs`; of a command that is `--store`, or rows.db in `--out`.
+`lib.runs`; of a command that is `--store`, or rows.db in `--out`.
 
 To add a figure: write its module in a room, and its line in `FIGURES`.
 """

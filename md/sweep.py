@@ -24,13 +24,13 @@ import itertools
 import logging
 import math
 import warnings
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from joblib import Parallel, cpu_count, delayed, parallel_config
@@ -46,7 +46,7 @@ from .simulation import MOST_PERIODS
 from .sources import digest
 from .store import Store
 
-__all__ = ["Interrupted", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
+__all__ = ["Interrupted", "Measure", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
 _MOST_POINTS = 10**6
@@ -57,6 +57,18 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a sweep; what was finished is in the store."""
 
 
+class Measure(NamedTuple):
+    """What a point stores in place of the results of a run.
+
+    function : of scene and periods, found by its name in its module; returns numbers and lists of
+        numbers by name
+    code : digest of its sources
+    """
+
+    function: Callable[[Scene, int], dict[str, Any]]
+    code: str
+
+
 @dataclass(frozen=True)
 class Point:
     """One run of a sweep."""
@@ -65,6 +77,7 @@ class Point:
     periods: int  # 0 where a tolerance says how long
     tolerance: float | None = None  # of the drift, as in `md.run`
     max_seconds: float = MAX_SECONDS  # for it
+    measure: Measure | None = None  # None: the results of `md.run`
 
     @property
     def code(self) -> str:
@@ -82,10 +95,13 @@ class Point:
     def key(self) -> str:
         """Key of the run in a store, which holds no other one for it.
 
-        Digest of the scene, the length, the sources (`code`), and with a tolerance the calibration:
-        a stored run is stale, and computed again, where one of these has changed.
+        Digest of the scene, the length, the sources (`code`), with a tolerance of the calibration,
+        and of the measure: a stored run is stale, and computed again, where one of these has
+        changed.
         """
         known = CALIBRATION.read_bytes() if self.tolerance is not None else b""
+        if self.measure is not None:
+            known += f"{self.measure.function.__qualname__} {self.measure.code}".encode()
         said = f"{self.scene!r} {self.length} {self.code} ".encode()
         return hashlib.sha256(said + known).hexdigest()[:24]
 
@@ -245,6 +261,9 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
     """Run a point: its key, its result or why it failed, and its seconds."""
     begin, result, error = perf_counter(), None, None
     try:
+        if point.measure is not None:
+            result = point.measure.function(point.scene, point.periods)
+            return point.key, result, None, perf_counter() - begin
         done = run(point.scene, **point.length)
         if not done.finished:
             raise KeyboardInterrupt
@@ -357,7 +376,7 @@ def execute(
                     point = points[key]
                     about = {
                         "scene": as_dict(point.scene),
-                        "periods": result["periods"] if result else point.periods,
+                        "periods": (result or {}).get("periods", point.periods),
                         "seed": point.scene.start.seed,
                         "code": point.code,
                         "seconds": seconds,

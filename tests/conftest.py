@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from figures.lib import row_runs as rows
+from figures.lib import runs as rows
 from impact._generated import DIGEST
 from md.sources import digest
 

@@ -10,7 +10,7 @@ import pytest
 
 from figures.__main__ import main as draw
 from figures.cost import accuracy_cost_theory, accuracy_map
-from figures.cost import many_digits as precise
+from figures.cost import exact_impacts as precise
 from impact import Regime, collide
 from impact.__main__ import main
 from impact.benchmark import random_impacts, table

@@ -14,13 +14,13 @@ from figures.__main__ import main
 from figures.checks import contact_laws, phase_friction
 from figures.claims import judge, measure_rows, over_tilt
 from figures.claims.uncertainty import Number, onset, resampled
-from figures.lib import annulus_runs as ring
-from figures.lib import row_runs as rows
+from figures.lib import runs as rows
 from figures.lib.data import keep
 from figures.pages import everything, gallery
-from figures.paper import fig07, fig08, fig13
 from md.host import step_of
 from md.store import Store
+
+from .short_runs import shortened
 
 mpl.use("Agg")
 
@@ -183,18 +183,7 @@ def test_numbers_are_shown_to_the_digits_of_their_errors():
 @pytest.fixture
 def tiny(tmp_path, monkeypatch):
     """Short runs of few rows, in a store of their own; one rigid rod is made up."""
-    plan, estimate = rows.planned, SimpleNamespace(mean=1.0, error=0.0)
-    lone = SimpleNamespace(flight=estimate, falling=estimate)
-
-    def short(axes, periods, *scene):
-        return plan(axes, 6, *scene)
-
-    monkeypatch.setattr(rows, "STORE", tmp_path / "rows.db")
-    for module in (rows, fig13, phase_friction):
-        monkeypatch.setattr(module, "planned", short)
-    for module in (fig07, fig08):
-        monkeypatch.setattr(module, "lone", lambda _: (np.array([0.0]), [lone]))
-    monkeypatch.setattr(rows, "SEEDS", {"start.seed": [1, 2]})
+    shortened(monkeypatch, tmp_path)
     monkeypatch.setattr(measure_rows, "FREQUENCY_TILTS_DEG", (21, 40))
     return tmp_path
 
@@ -309,7 +298,7 @@ def test_rows_and_annulus_are_estimated_each_at_its_rate(monkeypatch):
     monkeypatch.setattr(everything, "delayed", lambda function: lambda *given: function(*given))
     monkeypatch.setattr(everything, "Parallel", lambda **_: list)
     seeds = [{"start.seed": list(range(60))}]
-    points = [*rows.planned(seeds, 300).points, *ring.planned(seeds, 400).points]
+    points = [*rows.planned(seeds, 300).points, *rows.planned(seeds, 400, base=rows.ANNULUS).points]
     expected = sum(
         p.periods * step_of(p.scene)[1] * p.scene.rods.count * rates[p.scene.annulus is not None]
         for p in points

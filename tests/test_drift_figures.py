@@ -8,6 +8,7 @@ import pytest
 import md
 from figures.cost import accuracy_cost_drift as drift_figure
 from figures.cost import accuracy_cost_ladder as ladder
+from figures.lib.timing import seconds_per_period
 from md.accuracy import steps_per_contact
 
 mpl.use("Agg")
@@ -16,11 +17,15 @@ mpl.use("Agg")
 def test_errors_of_parts():
     """Of independent values: sigma/sqrt(n) and the distance of the truth, squares added."""
     series = 2 + np.random.default_rng(1).normal(size=200_000)
-    n = np.array([1, 10, 100])
-    found = drift_figure.rms_of_parts(series, n, 2.0)
-    np.testing.assert_allclose(found, n**-0.5, rtol=4 / np.sqrt(2 * 2000))
-    shifted = drift_figure.rms_of_parts(series, n, 2.5)
-    np.testing.assert_allclose(shifted, np.hypot(n**-0.5, 0.5), rtol=0.03)
+    n = np.array([1, 10, 100, 10**5])
+    parts = drift_figure.parts(series, n)
+    found = drift_figure.rms_of_parts(parts, 2.0)
+    np.testing.assert_allclose(found[:3], n[:3] ** -0.5, rtol=4 / np.sqrt(2 * 2000))
+    assert np.isnan(found[3])  # fewer than eight parts
+    shifted = drift_figure.rms_of_parts(parts, 2.5)[:3]
+    np.testing.assert_allclose(shifted, np.hypot(n[:3] ** -0.5, 0.5), rtol=0.03)
+    means = series.reshape(-1, 10).mean(axis=1)
+    assert found[1] == pytest.approx(np.sqrt(np.mean((means - 2) ** 2)))
 
 
 def test_time_to_reach_an_error():
@@ -39,44 +44,48 @@ def test_time_to_reach_an_error():
 
 @pytest.fixture
 def tiny(monkeypatch):
-    monkeypatch.setattr(drift_figure, "PERIODS", {True: 300})
-    monkeypatch.setattr(drift_figure, "CUT", 2)
+    monkeypatch.setattr(drift_figure, "LONG_PERIODS", {True: 300})
     monkeypatch.setattr(drift_figure, "PER_CONTACT", (16, 18, 25, 36, 40))
     monkeypatch.setattr(drift_figure, "PAPER_STEP", 1e-4)
-    monkeypatch.setattr(drift_figure, "TOLERANCES", (0.4,))
-    monkeypatch.setattr(
-        drift_figure, "seconds_per_period", lambda steps: np.full(len(steps), 1e-3) / steps
-    )
+    monkeypatch.setattr(drift_figure, "DRIFT_TOLERANCES", (0.4,))
+    seconds = 1e-3 / np.array(drift_figure.steps())
+    monkeypatch.setattr(drift_figure, "seconds_per_period", lambda scenes: seconds)
 
 
-def test_accuracy_against_time(tiny):
+def test_accuracy_against_time(tiny, monkeypatch):
     d = drift_figure.data(quick=True)
     assert (np.diff(d["per_contact"]) > 0).all()
     assert d["dt"] * d["per_contact"] == pytest.approx(d["dt"][0] * d["per_contact"][0])
+    assert d["made"].tolist() == [300] * 5 + [100]
+    run = md.run(drift_figure._scene(d["dt"][-1]), periods=200).c_x_series[100:]
+    assert (1 + d["bias"][-1]) * d["truth"] == pytest.approx(run.mean())
     assert 0.2 < d["truth"] < 0.4
     assert np.nanmin(d["rms"]) > 0
     assert d["run_seconds"][0] > 0
+    assert d["run_per_contact"][0] > 10
     plt.close(drift_figure.draw(d))
-    text = drift_figure.summary(d)
-    assert text.count("\n") >= 8
+    assert drift_figure.summary(d).count("\n") >= 8
+    monkeypatch.setattr(md, "run", None)  # all is in the store
+    np.testing.assert_array_equal(drift_figure.data(quick=True)["rms"], d["rms"])
 
 
 def test_prices_of_a_period():
     """Positive, and one per step; how they compare is the machine's business."""
-    found = drift_figure.seconds_per_period([4e-4, 5e-4], rounds=1, periods=1)
+    scenes = [ladder.scene(n, {}) for n in (13, 18)]
+    found = seconds_per_period(scenes, rounds=1, periods=1, settle=1)
     assert found.shape == (2,)
     assert (found > 0).all()
 
 
 def test_the_ladder(monkeypatch):
-    monkeypatch.setattr(ladder, "PERIODS", {True: 4})
+    monkeypatch.setattr(ladder, "LADDER_PERIODS", {True: 4})
     monkeypatch.setattr(ladder, "LANDINGS", (30,))
     rungs = {
         "step": {"t_c/13": (13, {})},
         "rods": {"N=5": (13, {"rods.count": 5, "box.length": 5.375})},
     }
     monkeypatch.setattr(ladder, "ROWS", rungs)
-    monkeypatch.setattr(ladder, "USUAL", 13)
+    monkeypatch.setattr(ladder, "USUAL_STEPS", 13)
     monkeypatch.setattr(ladder, "TRUSTED", (13, {}))
     d = ladder.data(quick=True)
     assert list(d["group"]) == [
@@ -98,7 +107,7 @@ def test_the_ladder(monkeypatch):
     assert d["scatter"][-1] == pytest.approx(np.std(starts, ddof=1))
     assert d["error"][-1] == pytest.approx(np.std(starts, ddof=1) / np.sqrt(8))
     plt.close(ladder.draw(d))
-    assert ladder.summary(d).count("\n") == len(d["group"]) + 1
+    assert ladder.summary(d).count("\n") == len(d["group"]) + 2
 
 
 @pytest.mark.parametrize("changes", [{}, ladder.PRINTED, ladder.TRUSTED[1]])

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import md
 from figures.lib import data as kept
+from figures.lib import runs
 from figures.paper import fig10
 
 HOUSE = Path(__file__).parents[1]
@@ -49,7 +51,6 @@ def test_sources_are_those_that_decide(tmp_path, monkeypatch):
     monkeypatch.setattr(kept, "_HOUSE", tmp_path)
 
     def digest():
-        kept.sources.cache_clear()
         kept._digest.cache_clear()
         return kept.sources("fig10")
 
@@ -62,5 +63,22 @@ def test_sources_are_those_that_decide(tmp_path, monkeypatch):
         path.write_text(text + "\nANOTHER = 1\n")
         assert (digest() != before) == counts, name
         path.write_text(text)
-    kept.sources.cache_clear()
     kept._digest.cache_clear()
+
+
+def of_start(scene: md.Scene, periods: int) -> dict:
+    """A measure that needs no run."""
+    return {"seeds": [scene.start.seed, periods], "half": scene.start.seed / 2}
+
+
+def test_a_measure_is_stored_by_its_sources(monkeypatch, tmp_path):
+    monkeypatch.setattr(runs, "STORE", tmp_path / "rows.db")
+    plan = runs.planned([{"start.seed": [1, 2]}], 3, measure=of_start)
+    seeds, half = runs.gathered(plan, "seeds", "half")
+    np.testing.assert_array_equal(seeds, [[1, 3], [2, 3]])
+    np.testing.assert_array_equal(half, [0.5, 1])
+    keys = [point.key for point in plan.points]
+    assert len({*keys, *(point.key for point in runs.planned(plan.axes, 3).points)}) == 4
+    monkeypatch.setattr(runs, "sources_of", lambda _: "others")
+    again = runs.planned([{"start.seed": [1, 2]}], 3, measure=of_start)
+    assert not {point.key for point in again.points} & {*keys}

@@ -15,6 +15,7 @@ from figures.theory.restitution_laws import largest_gain
 from impact import Regime, critical_friction, energy_restitution, slide_friction, thin_rod
 from impact._generated import DIGEST
 
+from . import quick_figures
 from .command_line import refused
 
 mpl.use("Agg")
@@ -27,7 +28,7 @@ QUICK += ["accuracy_cost_theory", "accuracy_cost_impact"]
 @pytest.fixture(scope="module")
 def data():
     """`data(quick=True)` of every figure of the quick set."""
-    return {name: figures.load(name).data(quick=True) for name in QUICK}
+    return {name: quick_figures.data(name) for name in QUICK}
 
 
 def test_fig10_colours_meet_its_lines(data):

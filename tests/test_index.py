@@ -17,7 +17,7 @@ from derivations.registry import ENTRIES
 from figures import FIGURES
 from figures.__main__ import main
 from figures.claims import judge
-from figures.cost.price_page import PRICES
+from figures.cost.price_page import PRICE_PANELS
 from figures.pages import everything, index
 
 from .command_line import refused
@@ -98,7 +98,7 @@ def test_every_figure_is_there_with_its_command(half):
         assert (f"{name}.png" in page.links) == own
         assert ("From the project’s gallery." in text) == (name in LENT and not own)
         assert ("A first look" in text) == (name == "fig02")
-        assert text in page.text["prices" if name in PRICES else "pictures"]
+        assert text in page.text["prices" if name in PRICE_PANELS else "pictures"]
 
 
 def test_what_is_not_drawn_is_no_broken_picture(half):

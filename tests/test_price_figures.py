@@ -12,9 +12,9 @@ import pytest
 import figures
 import md
 from figures.__main__ import main
-from figures.cost import effect_prices, in_space, scaling
+from figures.cost import effect_prices, kernel_times, scaling
 from figures.cost import price_page as price_list
-from figures.cost.effects import EFFECTS, FULL, GROUPS, NOTHING, OFF, Variant, variants
+from figures.cost.scene_variants import EFFECTS, FULL, GROUPS, NOTHING, OFF, Variant, variants
 from figures.lib import timing
 from md.kernels import plane as row
 from md.scene import Scene, Start
@@ -28,15 +28,25 @@ FEW = {
 }
 TINY = {
     effect_prices: {
-        **{"PLACES": 2, "PART": 400, "WARM": 1, "BLOCKS": {True: 3}, "ROUNDS": {True: 2}},
-        **{"SETTLE": {True: 1, False: 4}, "SEEDS": {True: 2}, "PERIODS": {True: 4}},
+        **{
+            "PLACES": 2,
+            "PART": 400,
+            "WARM_STEPS": 1,
+            "PRICE_BLOCKS": {True: 3},
+            "ROUNDS": {True: 2},
+        },
+        **{
+            "PRICE_SETTLE": {True: 1, False: 4},
+            "DRIFT_SEEDS": {True: 2},
+            "DRIFT_PERIODS": {True: 4},
+        },
         "GROUPS": {group: {n: GROUPS[group][n] for n in names} for group, names in FEW.items()},
     },
     scaling: {
-        **{"COUNTS": {True: (4, 8)}, "LEAST": 8, "RUNS": 1, "PERIODS": 1},
-        **{"BLOCKS": {True: 3}, "SETTLE": {True: 1}, "REPEATS": {True: 2}},
+        **{"ROW_SIZES": {True: (4, 8)}, "LEAST": 8, "RUNS_PER_CORE": 1, "SWEEP_PERIODS": 1},
+        **{"SCALING_BLOCKS": {True: 3}, "SCALING_SETTLE": {True: 1}, "REPEATS": {True: 2}},
     },
-    in_space: {"STEPS": 20, "AROUND": 0.01},
+    kernel_times: {"SAMPLE_STEPS": 20, "ANNULUS_PERIODS": 0.01},
     price_list: {"IMPACTS": 1000, "CHECKED": 200},
 }
 
@@ -50,7 +60,7 @@ def out(tmp_path_factory):
             for name, size in sizes.items():
                 patch.setattr(module, name, size)
         few = {"effect_prices": "prices", "not_there_yet": "", "scaling": "time"}
-        patch.setattr(price_list, "PRICES", few)
+        patch.setattr(price_list, "PRICE_PANELS", few)
         assert main(["prices", "--out", str(folder)]) == 0
         found = {}
         for name in ("effect_prices", "scaling"):
@@ -72,7 +82,7 @@ def kinds(variant: Variant) -> set[tuple]:
 
     for name in ("effects", "state", "watchers"):
         look((name,), getattr(engine, name))
-    return found | {("series",)} & {(name,) for name in variant.watchers}
+    return found | {("series",)} & {(name,) for name in variant.diagnostics}
 
 
 def test_every_part_of_a_scene_has_its_price():
@@ -220,7 +230,7 @@ def test_numbers_for_other_programs(out):
     made = json.loads((folder / "prices.json").read_text(encoding="utf-8"))
     alone = found["effect_prices"]["alone"][:, :2].tolist()
     assert [effect["alone"] for effect in made["effects"]] == alone
-    assert [kernel["name"] for kernel in made["kernels"]] == list(in_space.NAMES)
+    assert [kernel["name"] for kernel in made["kernels"]] == list(kernel_times.NAMES)
     assert made["cores"][0] == {"count": 1, "gain": 1.0}
     assert made["impact_ns"]["numpy newton"] > made["impact_ns"]["loop newton"] > 0
     assert [law["law"] for law in made["impact_ulp"]] == ["newton", "poisson", "stronge"]
@@ -305,10 +315,10 @@ def test_pictures_say_what_they_show(out):
 
 def test_rods_lifted_into_space_do_the_same(monkeypatch):
     """But for the springs between rods, which they left behind."""
-    monkeypatch.setattr(in_space, "STEPS", 200)
-    engine = in_space._settled()
+    monkeypatch.setattr(kernel_times, "SAMPLE_STEPS", 200)
+    engine = kernel_times._settled()
     before = engine.rods.copy()
-    rods = in_space.lifted(engine)(0)[1][:, in_space.PLACES]
+    rods = kernel_times.lifted(engine)(0)[1][:, kernel_times.PLANE_COLUMNS]
     engine.go(201)
     assert np.abs(engine.rods - before).max() > 0.05
     assert np.abs(rods - engine.rods).max() < 5e-3

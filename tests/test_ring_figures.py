@@ -10,37 +10,21 @@ import pytest
 import md
 from figures.claims import judge, measure_annulus
 from figures.claims.evidence import Evidence
-from figures.lib import annulus_runs as ring
-from figures.lib import row_runs as rows
+from figures.lib import arrangement as order
+from figures.lib import runs
 from figures.paper import fig04, fig05
 from md.host import prepare
-from md.sweep import execute
+
+from .short_runs import shortened
 
 mpl.use("Agg")
-
-TINY = {
-    **{"count": [24, 34, 40], "gamma": [1.3, 2.2, 3.3], "wall": [0.1, 0.3], "plate": [0.1, 0.3]},
-    **{"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2], "periods": 6},
-}
 
 
 @pytest.fixture(scope="module")
 def tallies(tmp_path_factory):
     """A store for these tests, short runs of few rods; what each sweep did."""
-    done = []
-
-    def watched(*args, **options):
-        done.append(execute(*args, **options))
-
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rows, "STORE", tmp_path_factory.mktemp("rows") / "rows.db")
-        patch.setattr(rows, "execute", watched)
-        patch.setattr(fig04, "QUICK", TINY)
-        patch.setattr(fig04, "FEW", (40, 34, 24))
-        patch.setattr(ring, "COUNT", 32)
-        patch.setattr(fig05, "SHOWN", (32, 24))
-        patch.setattr(fig05, "QUICK", ((32, 24), 20, (1, 2)))
-        yield done
+        yield shortened(patch, tmp_path_factory.mktemp("rows"), 20)
 
 
 @pytest.fixture(scope="module")
@@ -73,12 +57,12 @@ def arrangement(radii, tilts=None):
 
 
 def test_a_perfect_zigzag_has_order_one():
-    assert ring.zigzag(arrangement(np.tile([6.2, 6.9], 20))) == pytest.approx(1)
+    assert order.zigzag(arrangement(np.tile([6.2, 6.9], 20))) == pytest.approx(1)
 
 
 def test_rods_at_random_have_no_order():
     random = np.random.default_rng(3)
-    orders = [ring.zigzag(arrangement(random.uniform(6.2, 6.9, 40))) for _ in range(200)]
+    orders = [order.zigzag(arrangement(random.uniform(6.2, 6.9, 40))) for _ in range(200)]
     assert np.mean(orders) == pytest.approx(1 / 40, abs=0.03)  # offsets of 40 sum to zero
     assert np.std(orders) == pytest.approx(1 / np.sqrt(40), rel=0.2)
 
@@ -86,16 +70,16 @@ def test_rods_at_random_have_no_order():
 def test_one_defect_lowers_the_order_little():
     radii = np.tile([6.2, 6.9], 20)
     radii[20:] = radii[20:][::-1]
-    assert 0.85 < ring.zigzag(arrangement(radii)) < 0.95
+    assert 0.85 < order.zigzag(arrangement(radii)) < 0.95
 
 
 def test_a_region_of_larger_tilt_is_told_from_scattered_tilts():
     tilts = np.repeat([15.0, 35.0], 20)
-    mean, spread, _, contrast, share = fig05.looked_at(arrangement(np.full(40, 6.5), tilts))
+    mean, spread, _, contrast, share = order.arrangement(arrangement(np.full(40, 6.5), tilts))
     assert (mean, spread, contrast, share) == pytest.approx((25, 10, 20, 0.5))
-    by_turns = fig05.looked_at(arrangement(np.full(40, 6.5), np.tile([15.0, 35.0], 20)))
+    by_turns = order.arrangement(arrangement(np.full(40, 6.5), np.tile([15.0, 35.0], 20)))
     assert by_turns[3] == pytest.approx(0, abs=1e-9)
-    even = fig05.looked_at(arrangement(np.full(40, 6.5)))
+    even = order.arrangement(arrangement(np.full(40, 6.5)))
     assert (even[1], even[4]) == pytest.approx((0, 0), abs=1e-6)
 
 
@@ -125,7 +109,7 @@ def test_one_maximum_has_no_slowdown():
 
 def test_the_drift_is_that_of_the_store_in_cm_s(tallies, four):
     sweep = fig04.sweeps(True)["still"]
-    (drift,) = sweep.gather(rows.store(), "c_x")
+    (drift,) = runs.gathered(sweep, "c_x")
     np.testing.assert_allclose(four["still_c_x"], drift.mean(axis=-1) * np.sqrt(981 * 0.635))
     assert (four["still_c_x_error"] > 0).all()
     assert (np.diff(four["still_tilt"]) < 0).all()  # more rods lean less
@@ -150,11 +134,11 @@ def test_the_arrangement_is_followed_in_time(five):
     engine = prepare(md.load("annulus", ["rods.count=32"]))
     engine.go(20 * engine.per)
     np.testing.assert_array_equal(five["rods_32"], engine.rods[:, :6])
-    assert five["series"].shape == (2, 2, 4, len(fig05.MEASURED))
+    assert five["series"].shape == (2, 2, 4, len(order.MEASURED))
     assert five["time"].tolist() == [5, 10, 15, 20]
     np.testing.assert_allclose(five["mean"], five["series"][:, :, 2:, 0].mean(axis=(1, 2)))
     radius = np.hypot(*five["rods_32"][:, :2].T)
-    gap = ring.SCENE.annulus
+    gap = runs.ANNULUS_SCENE.annulus
     assert gap.inner + 0.45 < radius.min()
     assert radius.max() < gap.outer - 0.45
 
@@ -177,7 +161,7 @@ def test_all_numbers_of_the_annulus_are_measured(evidence):
 def test_the_geometry_needs_no_run(evidence):
     found = measure_annulus.E1_geometry(evidence)
     flat, round_ends = found["flat"], found["round"]
-    gap, half = ring.SCENE.annulus, (ring.SCENE.rods.length - 1) / 2
+    gap, half = runs.ANNULUS_SCENE.annulus, (runs.ANNULUS_SCENE.rods.length - 1) / 2
     reach = np.sqrt((gap.outer - 0.5) ** 2 - (gap.inner + 0.5) ** 2)
     assert round_ends.value == pytest.approx(np.degrees(np.arcsin(reach / half)))
     assert 45 < flat.value < round_ends.value
@@ -213,7 +197,7 @@ def test_a_region_is_said_to_appear_where_its_contrast_does():
     d = {"count": np.array([56, 50, 44]), "mean": np.array([10.0, 16, 24])}
     d |= {"zigzag": np.array([1, 0.8, 0.2]), "contrast": np.array([1.0, 3, 9])}
     d |= {"share": np.array([0, 0.1, 0.5]), "spread": np.array([1.0, 2, 6])}
-    d |= {f"{name}_error": np.full(3, 1e-6) for name in fig05.MEASURED}
+    d |= {f"{name}_error": np.full(3, 1e-6) for name in order.MEASURED}
     numbers = measure_annulus.S8_zigzag(made_up(d))
     found = {key: number.value for key, number in numbers.items()}
     assert (found["order"], found["tilt"], found["leaning"]) == (1, 10, 24)

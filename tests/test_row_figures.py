@@ -11,15 +11,18 @@ from PIL import Image
 import md
 from figures.__main__ import main
 from figures.checks import landing_census
-from figures.checks.landings import census, compared, measures
+from figures.checks.census import census, compared, measures
 from figures.pages import movie
 from impact import ContactGeometry, Regime, classify, collide
-from md.kernels import touches as landings
+from md.kernels import touches
 from md.rod import Rod
 
 from .command_line import refused
 
 mpl.use("Agg")
+
+
+SETTINGS = ["contacts.plate.law=coulomb", "contacts.rods.tangential_ratio=5"]
 
 
 def lone(stiffness):
@@ -43,8 +46,7 @@ def stiff():
 def row():
     """A row of twenty rods at 33 degrees, friction of the plate as a constraint."""
     settings = ["rods.count=20", "box.length=24", "step.size=none"]
-    laws = ["contacts.plate.law=coulomb", "contacts.rods.tangential_ratio=5"]
-    return census(md.load("quasi2d", settings + laws), 125)[0]
+    return census(md.load("quasi2d", settings + SETTINGS), 125)[0]
 
 
 def written(scene, tilt, cap, before, restitution, kick=0.0, duration=0.0):
@@ -59,18 +61,18 @@ def written(scene, tilt, cap, before, restitution, kick=0.0, duration=0.0):
         restitution=restitution,
         plate_velocity=plate,
     )
-    row = np.zeros(landings.WIDTH)
-    row[landings.STEP] = 100 - duration  # of 1000: a tenth of the period as it ends
-    row[[landings.A_X, landings.A_Z, landings.PLATE]] = a_x, a_z, plate
-    row[landings.BEFORE : landings.BEFORE + 3] = before
+    row = np.zeros(touches.WIDTH)
+    row[touches.STEP] = 100 - duration  # of 1000: a tenth of the period as it ends
+    row[[touches.A_X, touches.A_Z, touches.PLATE]] = a_x, a_z, plate
+    row[touches.BEFORE : touches.BEFORE + 3] = before
     # The direction that no force at the contact point can move: normal to (A_z, -A_x)/k and that.
     turn = np.array([-a_z, a_x, k]) / np.sqrt(a_x**2 + a_z**2 + k**2) * kick
     after = np.array([hit.c_x, hit.c_z, hit.omega]) + turn / [1, 1, k]
-    row[landings.AFTER : landings.AFTER + 3] = after
-    row[landings.APPROACH] = before[1] - before[2] * a_x - plate
-    row[landings.LEAVING] = after[1] - after[2] * a_x - plate
-    row[landings.REGIME] = hit.regime
-    row[landings.DURATION] = duration
+    row[touches.AFTER : touches.AFTER + 3] = after
+    row[touches.APPROACH] = before[1] - before[2] * a_x - plate
+    row[touches.LEAVING] = after[1] - after[2] * a_x - plate
+    row[touches.REGIME] = hit.regime
+    row[touches.DURATION] = duration
     return row
 
 
@@ -106,7 +108,7 @@ def test_kick_is_what_the_plate_cannot_give():
 def test_gravity_is_no_kick():
     scene = md.load("single_rod")
     rows = np.array([written(scene, *case, duration=50) for case in CASES])
-    rows[:, landings.AFTER + 1] -= 50 * 1e-4
+    rows[:, touches.AFTER + 1] -= 50 * 1e-4
     np.testing.assert_allclose(compared(rows, scene, 1e-4, 1000)["kick"], 0, atol=1e-14)
 
 
@@ -191,20 +193,23 @@ def test_reversal_begins_at_the_line_drawn():
 
 def test_picture_and_summary_say_what_the_data_hold(monkeypatch):
     """One line a run in each table; where nothing was isolated, a dash."""
-    few = {"BOXES": (0, 40.15), "GAMMAS": (2.0,), "STIFFNESS": (5e5,), "RESTITUTIONS": (0.5,)}
-    for name, values in {**few, "LONE_STIFFNESS": (5e5,)}.items():
-        monkeypatch.setattr(landing_census, name, values)
+    few = dict.fromkeys(landing_census.CONTACTS, (40.15,))
+    few |= {"gamma": (2.0,), "stiff": (5e5,), "lossy": (0.5,), "lone": (5e5,)}
+    monkeypatch.setattr(landing_census, "QUICK_VALUES", few)
+    monkeypatch.setattr(landing_census, "CENSUS_PERIODS", {True: 30})
     d = landing_census.data(quick=True)
     picture = landing_census.draw(d)
     assert all(ax.get_xlabel() and ax.get_ylabel() for ax in picture.axes)
     plt.close(picture)
     text = landing_census.summary(d)
     lines = [line.split() for line in text.splitlines()]
-    for sweep in (*landing_census.LAWS, "gamma", "stiff", "lossy"):
+    for sweep in (*landing_census.CONTACTS, "gamma", "stiff", "lossy"):
         assert sum(line[0] == sweep for line in lines) == 3
     slide = 100 * d["gamma_slide"][0, 0]
     row = next(line for line in lines if line[0] == "gamma")
     assert float(row[3]) == pytest.approx(slide, rel=0.01)
+    scene = md.load("quasi2d", ["step.size=none", *SETTINGS, "plate.acceleration=2"])
+    assert d["gamma_slide"][0, 0] == measures(census(scene, 30)[0])["slide"][0]
     assert "nan" not in text
     upright = next(line for line in lines if line[0] == "constraint")
     assert "-" in upright

@@ -1,16 +1,15 @@
 """Figures of the row of rods: tiny sweeps in a store of their own, and made-up numbers."""
 
-from types import SimpleNamespace
-
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from figures.lib import row_runs as rows
+from figures.lib import runs
 from figures.paper import fig02, fig06, fig07, fig08, fig13
 from impact import ContactGeometry, drift, landing_density, spherocylinder
-from md.sweep import execute
+
+from .short_runs import shortened
 
 mpl.use("Agg")
 
@@ -18,25 +17,8 @@ mpl.use("Agg")
 @pytest.fixture(scope="module")
 def tallies(tmp_path_factory):
     """A store for these tests, short runs; what each sweep did."""
-    done = []
-
-    def watched(*args, **options):
-        done.append(execute(*args, **options))
-
-    def lone(_):
-        estimate = SimpleNamespace(mean=1.0, error=0.0)
-        return np.array([0.0]), [SimpleNamespace(flight=estimate, falling=estimate)]
-
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rows, "STORE", tmp_path_factory.mktemp("rows") / "rows.db")
-        patch.setattr(rows, "execute", watched)
-        patch.setattr(rows, "periods_of", lambda quick: 8)
-        patch.setattr(fig13, "periods_of", lambda quick: 8)
-        patch.setattr(rows, "SEEDS", {"start.seed": [1, 2]})
-        for module in (fig07, fig08):
-            patch.setattr(module, "lone", lone)
-        patch.setattr(fig07, "TRANSIENT", 2)
-        yield done
+        yield shortened(patch, tmp_path_factory.mktemp("rows"), 8)
 
 
 @pytest.fixture(scope="module")
@@ -94,26 +76,26 @@ def test_pictures_and_words_are_made(tallies, thirteen):
 
 def test_units_are_those_of_the_axes(tallies):
     """cm/s and rad/s: the store's means times sqrt(g d) and over sqrt(d/g)."""
-    d, (_, sweep) = fig06.data(quick=True), rows.tilt_scan(True)
+    d, sweep = fig06.data(quick=True), runs.tilt_plan(True)
     names = ("touches.c_x_after.mean", "touches.omega_before.mean")
-    c_x, omega = (rows.over_seeds(v)[0] for v in sweep.gather(rows.store(), *names))
+    c_x, omega = (runs.over_seeds(v)[0] for v in runs.gathered(sweep, *names))
     np.testing.assert_allclose(d["c_x_after"], c_x * np.sqrt(981 * 0.6))
     np.testing.assert_allclose(d["omega_before"], omega * np.sqrt(981 / 0.6))
 
 
 def test_parts_of_the_landings_sum_to_one(tallies):
-    _, sweep = rows.tilt_scan(True)
+    sweep = runs.tilt_plan(True)
     names = [f"touches.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")]
-    parts = sweep.gather(rows.store(), *names)
+    parts = runs.gathered(sweep, *names)
     np.testing.assert_allclose(sum(parts), 1, rtol=1e-12)
     assert all(np.nanmin(part) >= 0 for part in parts)
 
 
 def test_phase_densities_integrate_to_one(tallies):
     d = fig08.data(quick=True)
-    np.testing.assert_allclose(d["density"].sum(axis=1) * 2 * np.pi / fig08.BINS, 1)
-    _, sweep = rows.tilt_scan(True)
-    (counts,) = sweep.gather(rows.store(), "phases")
+    np.testing.assert_allclose(d["density"].sum(axis=1) * 2 * np.pi / fig08.BINS_DRAWN, 1)
+    sweep = runs.tilt_plan(True)
+    (counts,) = runs.gathered(sweep, "phases")
     rising = np.concatenate([counts[..., :16], counts[..., 48:]], axis=-1).sum(axis=-1)
     np.testing.assert_allclose(fig08.falling(counts) + rising / counts.sum(axis=-1), 1)
 
@@ -121,7 +103,7 @@ def test_phase_densities_integrate_to_one(tallies):
 def test_the_papers_density_is_found_again():
     edges = np.linspace(0, 2 * np.pi, 65)
     counts = 1e6 * np.diff(edges + np.sin(edges)) / (2 * np.pi)
-    middle = 2 * np.pi * (np.arange(fig08.BINS) + 0.5) / fig08.BINS
+    middle = 2 * np.pi * (np.arange(fig08.BINS_DRAWN) + 0.5) / fig08.BINS_DRAWN
     np.testing.assert_allclose(fig08.densities(counts), landing_density(middle), atol=1e-3)
     assert fig08.falling(counts) == pytest.approx(fig08.EXPECTED, rel=1e-12)
 
@@ -133,7 +115,7 @@ def test_tips_stay_above_the_plate_and_meet_it(tallies):
     assert gap.max() > 0.02
     assert d["plate"].max() == pytest.approx(3.3 * 981 / (2 * np.pi * 60) ** 2, rel=1e-3)
     assert d["time"][0] == 0
-    assert d["time"][-1] == pytest.approx(fig07.SHOWN, abs=0.05)
+    assert d["time"][-1] == pytest.approx(fig07.SHOWN_PERIODS, abs=0.05)
 
 
 def test_drift_is_told_from_none():
@@ -144,7 +126,7 @@ def test_drift_is_told_from_none():
 
 def test_the_larger_error_counts():
     """Between the runs where they differ, within them where they agree by chance."""
-    _, error = rows.measured_error(np.array([[1.0, 3.0], [2.0, 2.0]]), np.full((2, 2), 0.5))
+    _, error = runs.larger_error(np.array([[1.0, 3.0], [2.0, 2.0]]), np.full((2, 2), 0.5))
     np.testing.assert_allclose(error, [1.0, 0.5 / np.sqrt(2)])
 
 

@@ -13,6 +13,7 @@ would stick or have turned, and what it stores it gives back.
 """
 
 from dataclasses import replace
+from itertools import product
 from math import sqrt
 
 import matplotlib.pyplot as plt
@@ -23,8 +24,20 @@ from scipy.optimize import brentq
 import md
 from md.laws import STIFFNESS, deepest_overlap
 
-from ..lib.soft_impacts import ROD, TILTS, distance, right, rigid, simulate
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
+from ..lib.soft_impacts import ROD, TABLE_TILTS, distance, right, rigid, simulate
+from ..lib.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    RED,
+    Data,
+    legend_above,
+    name_panels,
+    style,
+    tilt_axis,
+)
+from ..lib.tables import table
 
 WHERE = ("dashpots and spring", "spring alone", "neither")  # the factor of the overlap
 ROD_MASS = 1 + 1.5 * (ROD.length - 1)  # in masses of the sphere
@@ -38,7 +51,7 @@ MASSES = {  # unit of mass, M_e: k_n and M_e in masses of the rod
 }
 INERTIAS = ("thin", "solid")
 CLAIMED = (0.65, 0.7)
-RATIO = 95.0
+PRINTED_RATIO = 95.0
 MENDED = (WHERE[0], WHERE[2])  # with the gamma that gives 0.65 head on at speed 1
 DAMPINGS = (0.0, 0.1, 0.3, 1.0)  # of the tangential spring, over the critical one
 _COLOURS = (BLACK, "#888888", GREEN, ORANGE, BLUE, RED)
@@ -50,14 +63,14 @@ def reading(where: str, mass: str, speed: float = 1.0, damping: float = 400.0) -
     light, reduced = MASSES[mass]
     law = md.appendix_a(
         STIFFNESS * light,
-        tangential_ratio=RATIO,
+        tangential_ratio=PRINTED_RATIO,
         damping=damping,
         reduced_mass=reduced,
         overlap_factor=where == WHERE[0],
     )
     if where != WHERE[2]:
         return law
-    root = RATIO * STIFFNESS * light / sqrt(deepest_overlap(law, speed))
+    root = PRINTED_RATIO * STIFFNESS * light / sqrt(deepest_overlap(law, speed))
     return replace(law, spring=law.spring._replace(proportional=None, root=root))
 
 
@@ -76,20 +89,20 @@ def _needed(where: str, claimed: float, mass: str, speed: float) -> float:
 
 def _compared(law: md.Law, rod: md.Rod) -> tuple[float, float, float, float]:
     """RMS from theory at 0.65, regimes right there; the same at the measured restitution."""
-    soft = simulate(TILTS, law, rod=rod)
+    soft = simulate(TABLE_TILTS, law, rod=rod)
     found = []
     for e in (0.65, soft.restitution):
-        theory = rigid(TILTS, e, rod)
+        theory = rigid(TABLE_TILTS, e, rod)
         found += [distance(soft, theory), right(soft, theory)]
     return tuple(found)
 
 
-def _readings(speeds: np.ndarray) -> dict[str, np.ndarray]:
+def _readings(speeds: np.ndarray) -> Data:
     """Of shape (where, mass, inertia, ...), speeds and tilts last."""
     shape = len(WHERE), len(MASSES), len(INERTIAS)
-    restitution = np.empty((*shape, speeds.size, TILTS.size + 1))
+    restitution = np.empty((*shape, speeds.size, TABLE_TILTS.size + 1))
     compared = np.empty((*shape, 4))
-    tilts = np.append(0.0, TILTS)
+    tilts = np.append(0.0, TABLE_TILTS)
     for (i, j, k), _ in np.ndenumerate(compared[..., 0]):
         rod = ROD._replace(inertia=INERTIAS[k])
         where, mass = WHERE[i], list(MASSES)[j]
@@ -100,7 +113,7 @@ def _readings(speeds: np.ndarray) -> dict[str, np.ndarray]:
     return {"restitution": restitution, "compared": compared}
 
 
-def _why(ratios: np.ndarray) -> dict[str, np.ndarray]:
+def _why(ratios: np.ndarray) -> Data:
     """RMS from theory at measured restitution over stiffness and damping of the printed spring."""
     off = np.empty((len(DAMPINGS), ratios.size))
     for (i, j), _ in np.ndenumerate(off):
@@ -108,26 +121,23 @@ def _why(ratios: np.ndarray) -> dict[str, np.ndarray]:
         spring = law.spring._replace(proportional_dashpot=None, damping_ratio=DAMPINGS[i] or None)
         off[i, j] = _compared(replace(law, spring=spring), ROD)[2]
     root = sqrt(deepest_overlap(md.appendix_a(), 1.0))
-    return {"ratio": ratios * root, "printed_ratio": np.float64(RATIO * root), "why": off}
+    return {"ratio": ratios * root, "printed_ratio": np.float64(PRINTED_RATIO * root), "why": off}
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Restitutions and distances of 36 readings, gamma needed, and the printed law varied."""
     speeds = np.array([0.5, 1.0, 3.0]) if quick else np.array([0.5, 0.8, 1.0, 1.7, 3.0])
-    ratios = RATIO * 10 ** np.linspace(-1, 4, 6 if quick else 11)
+    ratios = PRINTED_RATIO * 10 ** np.linspace(-1, 4, 6 if quick else 11)
     ends = np.array([0.5, 1.0, 3.0])
     needed = [[[_needed(WHERE[0], e, m, v) for v in ends] for e in CLAIMED] for m in MASSES]
     gammas = [_needed(where, CLAIMED[0], "rod, M/2", 1.0) for where in MENDED]
-    mended = [
-        reading(where, "rod, M/2", damping=gamma)
-        for where, gamma in zip(MENDED, gammas, strict=True)
-    ]
+    mended = [reading(w, "rod, M/2", damping=g) for w, g in zip(MENDED, gammas, strict=True)]
     check = [(w, m) for w in WHERE for m in (list(MASSES) if not quick else ["rod, M/2"])]
     halves = [
-        distance(simulate(TILTS, law := reading(*r)), simulate(TILTS, law, refine=64))
+        distance(simulate(TABLE_TILTS, law := reading(*r)), simulate(TABLE_TILTS, law, refine=64))
         for r in check
     ]
-    tilts = np.append(0.0, TILTS)
+    tilts = np.append(0.0, TABLE_TILTS)
     return {
         "tilt": tilts,
         "speed": speeds,
@@ -150,7 +160,7 @@ def miss(restitution: np.ndarray, axes) -> np.ndarray:
     return np.sqrt(np.mean(off**2, axis=axes))
 
 
-def best(d: dict[str, np.ndarray]) -> dict[str, tuple[int, int]]:
+def best(d: Data) -> dict[str, tuple[int, int]]:
     """(where, mass) of thin inertia that come nearest to each claim."""
     one = int(np.argmin(abs(d["speed"] - 1)))
     off, theory = miss(d["restitution"][:, :, 0, one], -1), d["compared"][:, :, 0, 0]
@@ -164,58 +174,48 @@ def best(d: dict[str, np.ndarray]) -> dict[str, tuple[int, int]]:
     return {name: np.unravel_index(score.argmin(), score.shape) for name, score in scores.items()}
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """The table of readings; RMS over 17 tilts, 5 to 85 degrees."""
-    one = int(np.argmin(abs(d["speed"] - 1)))
-    lines = [
-        "-v_f/v_0 at |c_z| = 1: head on, range over tilts (0 to 85 degrees), RMS distance from",
-        "0.65-0.7; ranges over |c_z| = 0.5 to 3, head on and over all tilts; RMS of (c_x', c_z')",
-        "from theory at 0.65, at measured, and regimes right (thin; solid)",
-        f"{'overlap factor in':20}{'unit, M_e':12}{'e_0':>6} {'tilts':>12} {'miss':>6}"
-        f" {'head on':>12} {'all':>12}  {'0.65':>6} {'meas.':>6} {'of 17':>6}  {'0.65':>6}"
-        f" {'meas.':>6}",
-    ]
+    one, masses = int(np.argmin(abs(d["speed"] - 1))), list(MASSES)
 
-    def span(e):
+    def span(e: np.ndarray) -> str:
         return f"{e.min():.3f}-{e.max():.3f}"
 
-    for i, where in enumerate(WHERE):
-        for j, mass in enumerate(MASSES):
-            e, (thin, solid) = d["restitution"][i, j, 0], d["compared"][i, j]
-            lines.append(
-                f"{where:20}{mass:12}{e[one, 0]:6.3f}  {span(e[one])} {miss(e[one], -1):6.3f}"
-                f"  {span(e[:, 0])}  {span(e)}  {thin[0]:6.3f} {thin[2]:6.4f}"
-                f" {thin[1]:3.0f} {thin[3]:2.0f}  {solid[0]:6.3f} {solid[2]:6.4f}"
-            )
-    for claim, (i, j) in best(d).items():
-        lines.append(f"nearest to {claim:24}: factor in {WHERE[i]}; {list(MASSES)[j]}")
-    lines.append("gamma for 0.65 and 0.7 head on with the factor as printed (which is 400):")
-    for mass, (low, high) in zip(MASSES, d["needed"], strict=True):
-        cells = zip(d["needed_speed"], low, high, strict=True)
-        lines.append(f"  {mass:12}" + "".join(f"  v={v:g}: {a:.3g}, {b:.3g}" for v, a, b in cells))
-    mended = (d[f"mended_{key}"] for key in ("gamma", "head_on", "restitution", "compared"))
-    for where, gamma, head_on, e, (constant, _, measured, regimes) in zip(
-        MENDED, *mended, strict=True
-    ):
-        lines.append(
-            f"factor in {where}; rod, M/2 with gamma {gamma:.4g}: head on "
-            + ", ".join(f"{x:.3f}" for x in head_on)
-            + f" at v = 0.5, 1, 3; tilts {span(e)}; theory at 0.65 {constant:.3f},"
-            f" measured {measured:.4f}, regimes {regimes:.0f}/17"
-        )
-    lines += [
-        "printed law (rod, M/2) with its spring varied, RMS from theory at measured restitution",
-        "k_t d/(k_n d^(1/2)) " + "".join(f"{x:>9.3g}" for x in d["ratio"]),
-        *(
-            f"damping ratio {z:<5g} " + "".join(f"{x:9.2g}" for x in row)
-            for z, row in zip(DAMPINGS, d["why"], strict=True)
-        ),
-        f"halving the step moves velocities by at most {d['step_error']:.0e} (RMS)",
+    heads = ("overlap factor in", "unit, M_e", "e_0", "tilts", "miss", "head on", "all")
+    heads += ("at 0.65", "measured", "right", "right", "solid: at 0.65", "measured")
+    rows = []
+    for (i, where), (j, mass) in product(enumerate(WHERE), enumerate(masses)):
+        e, (thin, solid) = d["restitution"][i, j, 0], d["compared"][i, j]
+        ranges = span(e[one]), miss(e[one], -1), span(e[:, 0]), span(e)
+        right_of_17 = [int(n) for n in thin[1::2]]
+        rows.append((where, mass, e[one, 0], *ranges, *thin[::2], *right_of_17, *solid[::2]))
+    lines = [
+        "-v_f/v_0 at |c_z| = 1: head on (e_0), range over tilts (0 to 85 degrees), RMS distance",
+        "from 0.65-0.7; ranges over |c_z| = 0.5 to 3, head on and over all tilts; RMS of",
+        "(c_x', c_z') from theory at 0.65, at measured, regimes right of 17 with either",
+        table(heads, rows, (*[3] * 8, 4, 0, 0, 3, 4)),
     ]
-    return "\n".join(lines)
+    rows = [(claim, f"{WHERE[i]}; {masses[j]}") for claim, (i, j) in best(d).items()]
+    lines += [table(("nearest to", "factor in; unit, M_e"), rows)]
+    heads = [f"{e}, v = {v:g}" for e in CLAIMED for v in d["needed_speed"]]
+    rows = [(mass, *row.ravel()) for mass, row in zip(masses, d["needed"], strict=True)]
+    lines += ["gamma for 0.65 and 0.7 head on with the factor as printed (which is 400)"]
+    lines += [table(("unit, M_e", *heads), rows, ".3g")]
+    heads = "rod, M/2; factor in", "gamma", "head on, v = 0.5, 1, 3", "tilts"
+    mended = (d[f"mended_{key}"] for key in ("gamma", "head_on", "restitution", "compared"))
+    rows = [
+        (where, gamma, ", ".join(f"{x:.3f}" for x in head_on), span(e), off[0], off[2], int(off[3]))
+        for where, gamma, head_on, e, off in zip(MENDED, *mended, strict=True)
+    ]
+    lines += [table((*heads, "at 0.65", "measured", "right"), rows, ".4g")]
+    lines += ["printed law (rod, M/2) with its spring varied, RMS from theory at measured"]
+    rows = [(f"{z:g}", *row) for z, row in zip(DAMPINGS, d["why"], strict=True)]
+    lines += [table(("damping; k_t d/(k_n d^(1/2))", *d["ratio"]), rows, ".3g")]
+    last = f"halving the step moves velocities by at most {d['step_error']:.0e} (RMS)"
+    return "\n".join([*lines, last])
 
 
-def _draw_tilts(ax: Axes, d: dict[str, np.ndarray], i: int) -> None:
+def _draw_tilts(ax: Axes, d: Data, i: int) -> None:
     one = int(np.argmin(abs(d["speed"] - 1)))
     ax.axhspan(*CLAIMED, color="0.85", lw=0)
     for mass, e, colour in zip(MASSES, d["restitution"][i, :, 0, one], _COLOURS, strict=True):
@@ -224,7 +224,7 @@ def _draw_tilts(ax: Axes, d: dict[str, np.ndarray], i: int) -> None:
     tilt_axis(ax, step=30)
 
 
-def _draw_speeds(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_speeds(ax: Axes, d: Data) -> None:
     ax.axhspan(*CLAIMED, color="0.85", lw=0)
     for j, colour in enumerate(_COLOURS):
         for i, dashes in ((0, ":"), (1, "-")):
@@ -243,7 +243,7 @@ def _draw_speeds(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.set_xlabel(r"speed $|c_z|/(gd)^{1/2}$")
 
 
-def _draw_distances(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_distances(ax: Axes, d: Data) -> None:
     for i, (where, marker) in enumerate(zip(WHERE, "osD", strict=True)):
         for j, colour in enumerate(_COLOURS):
             at_constant, _, at_measured, _ = d["compared"][i, j, 0]
@@ -257,7 +257,7 @@ def _draw_distances(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.legend(fontsize=5.5, loc="lower left", title="overlap factor in", title_fontsize=5.5)
 
 
-def _draw_why(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_why(ax: Axes, d: Data) -> None:
     for z, row, colour in zip(DAMPINGS, d["why"], (RED, ORANGE, GREEN, BLUE), strict=True):
         ax.plot(d["ratio"], row, color=colour, label=f"{z:g}")
     printed = d["compared"][0, 0, 0, 2]
@@ -268,28 +268,18 @@ def _draw_why(ax: Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.9))
-    titles = ("factor as printed", "factor in the spring alone", "no overlap factor")
-    for i, (ax, title) in enumerate(zip(axes[0], titles, strict=True)):
+    for i, ax in enumerate(axes[0]):
         _draw_tilts(ax, d, i)
-        name_panel(ax, "abc"[i], title)
     axes[0, 0].set_ylabel(r"restitution $-v_f/v_0$")
-    rest = (
-        (_draw_speeds, "head on"),
-        (_draw_distances, "velocities from theory"),
-        (_draw_why, "printed spring varied"),
-    )
-    for ax, letter, (panel, title) in zip(axes[1], "def", rest, strict=True):
+    for ax, panel in zip(axes[1], (_draw_speeds, _draw_distances, _draw_why), strict=True):
         panel(ax, d)
-        name_panel(ax, letter, title)
-    figure.legend(
-        *axes[0, 0].get_legend_handles_labels(),
-        loc="outside upper center",
-        ncols=6,
-        title=r"unit of mass (rod or virtual sphere) and $M_e$ ($M$ rod, $m$ sphere)",
-        title_fontsize=7,
-    )
+    titles = "factor as printed", "factor in the spring alone", "no overlap factor"
+    titles += "head on", "velocities from theory", "printed spring varied"
+    name_panels(axes.flat, titles)
+    words = r"unit of mass (rod or virtual sphere) and $M_e$ ($M$ rod, $m$ sphere)"
+    legend_above(figure, axes[0, 0], ncols=6, title=words, title_fontsize=7)
     figure.supxlabel(
         r"appendix_a: $k_n=5\times10^6$, $k_t=95\,k_n$, $\gamma=400$; $\mu=0.4$, $-c_z/c_x=2$,"
         r" $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia; grey: the claimed 0.65-0.7",

@@ -1,4 +1,4 @@
-"""Which contact law obeys which of the paper's claims about the plane row.
+"""Which contact law obeys which of the paper's claims about the row.
 
 A row is a law, a column a number of a claim; the colour compares the measured number with the paper
 by the limits of that claim (claims/claims.toml); those of S1, of single impacts, serve for touches.
@@ -16,17 +16,18 @@ from md.sweep import Sweep
 
 from ..claims import over_tilt
 from ..claims.judge import grade, read
-from ..lib.row_runs import FRICTION, GAMMA, boxes, planned
-from ..lib.style import style
+from ..lib.runs import FRICTION, GAMMA, boxes, planned
+from ..lib.style import Data, style
+from ..lib.tables import pairs, table, text_of
 
-TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
+LAW_TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
 
 
 def _printed(**options: object) -> dict:
     return both(law="appendix_a", restitution="none", tangential_ratio="none", **options)
 
 
-LAWS = {  # what a law changes in `rows.ROW`
+CONTACT_LAWS = {  # what a law changes in `rows.ROW`
     "App. A as printed": _printed(),
     "A, no overlap factor": _printed(overlap_factor=False),
     "A, damping 1.9e5": _printed(damping=1.9e5),
@@ -42,7 +43,7 @@ LAWS = {  # what a law changes in `rows.ROW`
         "contacts.plate.tangential_ratio": "none",
     },
 }
-QUICK = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
+QUICK_LAWS = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
 NUMBERS = {"S1.mean": lambda d: d["restitution"].mean(), **over_tilt.NUMBERS}  # of touches
 COLUMNS = {  # numbers that claims.toml gives a head
     f"{claim['id']}.{row['key']}": row
@@ -53,40 +54,40 @@ COLUMNS = {  # numbers that claims.toml gives a head
 
 
 def _shown(value: float) -> str:
-    return "-" if np.isnan(value) else "never" if np.isinf(value) else f"{value:.2g}"
+    return "never" if np.isinf(value) else text_of(value, ".2g")
 
 
-def _names(d: dict[str, np.ndarray]) -> list[str]:
-    return [list(LAWS)[i] for i in d["law"]]
+def _names(d: Data) -> list[str]:
+    return [list(CONTACT_LAWS)[i] for i in d["law"]]
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Of each law: over tilt."""
-    names, periods = QUICK if quick else tuple(LAWS), 60 if quick else 150
-    axes = [{"box.length": boxes(np.array(QUICK_DEG if quick else TILTS_DEG))}]
+    names, periods = QUICK_LAWS if quick else tuple(CONTACT_LAWS), 40 if quick else 150
+    axes = [{"box.length": boxes(QUICK_DEG if quick else LAW_TILTS_DEG)}]
     axes.append({"start.seed": [1, 2]})
-    return {name: planned(axes, periods, LAWS[name]) for name in names}
+    return {name: planned(axes, periods, CONTACT_LAWS[name]) for name in names}
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Of each law: the tables over tilt, and a number for each claim."""
-    nominal, runs = np.array(QUICK_DEG if quick else TILTS_DEG), sweeps(quick)
+    nominal, runs = np.array(QUICK_DEG if quick else LAW_TILTS_DEG), sweeps(quick)
     tables = [over_tilt.table(sweep, nominal) for sweep in runs.values()]
     value = np.array([[NUMBERS[name](d) for name in COLUMNS] for d in tables])
     grades = [
         [grade(v, c) or 0 for v, c in zip(row, COLUMNS.values(), strict=True)] for row in value
     ]
     return {
-        "law": np.array([list(LAWS).index(name) for name in runs]),
+        "law": np.array([list(CONTACT_LAWS).index(name) for name in runs]),
         "value": value,
         "verdict": np.array(grades),
         "theory": over_tilt.theory(nominal),
-        **{key: np.array([table[key] for table in tables]) for key in tables[0]},
+        **{key: np.array([found[key] for found in tables]) for key in tables[0]},
     }
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     n, m = d["value"].shape
     figure, ax = plt.subplots(figsize=(7.4, 1.6 + 0.24 * n))
     colours = ListedColormap(["#EDA677", "#FBF5BE", "#A6DBA0"])
@@ -110,25 +111,21 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     return figure
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """Matrix, then what it is made of, law by law."""
-    lines = ["Claims: + holds, ~ in part, - does not"]
-    for j, (name, column) in enumerate(COLUMNS.items()):
-        pairs = zip(d["value"][:, j], d["verdict"][:, j], strict=True)
-        cells = (f"{_shown(v):>8} {'-~+'[k]}" for v, k in pairs)
-        head = f"{name.partition('.')[0]} {column['head']}".replace("\n", " ")
-        lines.append(f"{head:<42} [{column['paper']:>5}]{''.join(cells)}")
+    names = _names(d)
+    rows = []
+    for (key, column), *cells in zip(COLUMNS.items(), d["value"].T, d["verdict"].T, strict=True):
+        head = f"{key.partition('.')[0]} {column['head']}".replace("\n", " ")
+        shown = (f"{_shown(v)} {'-~+'[k]}" for v, k in zip(*cells, strict=True))
+        rows.append([head, column["paper"], *shown])
+    lines = ["Claims: + holds, ~ in part, - does not", table(("number", "paper", *names), rows)]
     ratio = -d["landing_c_z_before"] / d["landing_c_z_after"]
-    for i, name in enumerate(_names(d)):
+    for i, name in enumerate(names):
         good, fair, bad = ((d["verdict"][i] == k).sum() for k in (2, 1, 0))
         lines.append(f"{name}: holds {good}, in part {fair}, not {bad}")
-        lines.append("  nominal  tilt    c_x  (theory)    V_z/V_0  e    flight  falling  c_z ratio")
-        for j, tilt in enumerate(d["nominal"][i]):
-            lines.append(
-                f"  {tilt:6.0f} {d['tilt'][i, j]:6.1f} {d['c_x'][i, j]:6.2f}+-"
-                f"{d['c_x_error'][i, j]:.2f} ({d['theory'][j]:.1f})  {d['V_z'][i, j]:.3f}+-"
-                f"{d['V_z_error'][i, j]:.3f}  {d['restitution'][i, j]:.2f}  "
-                f"{d['flight'][i, j]:.2f}+-{d['flight_error'][i, j]:.2f}  "
-                f"{d['falling'][i, j]:.3f}  {ratio[i, j]:.2f}"
-            )
+        columns = {key: d[key][i] for key in ("nominal", "tilt", "restitution")}
+        columns |= {"theory": d["theory"], "-c_z/c_z'": ratio[i]}
+        columns |= {key: pairs(d, key, i) for key in ("c_x", "V_z", "flight", "falling")}
+        lines.append(table([*columns], zip(*columns.values(), strict=True)))
     return "\n".join(lines)

@@ -15,20 +15,12 @@ import numpy as np
 from impact import critical_friction, drift, spherocylinder
 from md.sweep import Sweep
 
-from ..lib.row_runs import (
-    COUNT,
-    GAMMA,
-    LENGTH,
-    RESTITUTION,
-    computed,
-    over_seeds,
-    planned,
-    plate_speed_cm_s,
-    store,
-)
-from ..lib.style import BLACK, BLUE, ORANGE, WARM, name_panel, style
+from ..lib.runs import BOX, COUNT, GAMMA, LENGTH, RESTITUTION, means, planned, plate_speed_cm_s
+from ..lib.style import BLACK, BLUE, ORANGE, WARM, Data, name_panels, style
+from ..lib.tables import table
 
-BOX = 43.0
+FRICTION_MEANS = {"c_x": "c_x_cm_s", "tilt_deg": "tilt_deg"}
+FRICTION_MEANS["V_z"] = "touches.plate_velocity_by_speed.mean"
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
@@ -43,16 +35,14 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
         {"start.seed": [1, 2]},
     ]
     changes = {"box.length": BOX, "rods.inertia": "solid"}
-    return {"grid": planned(axes, 50 if quick else 150, changes)}
+    return {"grid": planned(axes, 30 if quick else 150, changes)}
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Drift [cm/s] on the grid (friction, restitution), measured and by the theory."""
-    sweep = computed(sweeps(quick)["grid"])
+    sweep = sweeps(quick)["grid"]
     friction = sweep.values("contacts.plate.friction")
     epsilon = sweep.values("contacts.plate.restitution")
-    names = ("c_x_cm_s", "tilt_deg", "touches.plate_velocity_by_speed.mean")
-    (c_x, error), (tilt, tilt_error), (V_z, _) = map(over_seeds, sweep.gather(store(), *names))
     rod, speed = spherocylinder(np.arccos(COUNT / BOX), LENGTH), plate_speed_cm_s()
     mu = friction[:, None]
     fine = np.geomspace(friction[0], friction[-1], 200)
@@ -60,11 +50,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     return {
         "friction": friction,
         "restitution": epsilon,
-        "c_x": c_x,
-        "c_x_error": error,
-        "tilt_deg": tilt,
-        "tilt_deg_error": tilt_error,
-        "V_z": V_z,
+        **means(sweep, FRICTION_MEANS),
         "theory": drift(rod, friction=mu, restitution=epsilon, **setting).c_x,
         "fine_friction": fine,
         "fine_theory": drift(rod, friction=fine, restitution=RESTITUTION, **setting).c_x,
@@ -74,10 +60,11 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 2.7), width_ratios=(1, 1, 1.15))
     top = max(d["theory"].max(), np.nanmax(d["c_x"]))
-    for ax, name, letter, title in ((a, "c_x", "a", "simulated"), (b, "theory", "b", "theory")):
+    name_panels((a, b, c), ("simulated", "theory", rf"$\epsilon={RESTITUTION}$"))
+    for ax, name in ((a, "c_x"), (b, "theory")):
         rows, columns = np.arange(len(d["restitution"])), np.arange(len(d["friction"]))
         mesh = ax.pcolormesh(columns, rows, d[name].T, cmap=WARM, vmin=0, vmax=top)
         for (i, j), value in np.ndenumerate(d[name]):
@@ -87,7 +74,6 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         ax.axvline(np.interp(np.log(d["critical"]), np.log(d["friction"]), columns), color=BLACK)
         ax.set(xlabel=r"friction $\mu$ of the plate")
         ax.tick_params(top=False, right=False)
-        name_panel(ax, letter, title)
     a.set_ylabel(r"restitution $\epsilon$")
     figure.colorbar(mesh, ax=[a, b], label=r"$c_x$ (cm/s)", pad=0.02)
     cut = int(np.abs(d["restitution"] - RESTITUTION).argmin())
@@ -101,7 +87,6 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")
     c.set_ylim(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(scaled.max(), top))
     c.legend(loc="upper left")
-    name_panel(c, "c", rf"$\epsilon={RESTITUTION}$")
     figure.supxlabel(
         rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$, "
         "60 Hz; constant_restitution, tangential ratio 3",
@@ -110,15 +95,12 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     return figure
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
-    """Drift on the grid, and the cut."""
-    lines = ["Drift (cm/s) simulated / theory with V_0/2; columns: restitution"]
-    lines.append("    mu  " + "  ".join(f"{e:>15g}" for e in d["restitution"]))
-    for i, mu in enumerate(d["friction"]):
-        cells = (
-            f"{d['c_x'][i, j]:6.2f}+-{d['c_x_error'][i, j]:.2f}/{d['theory'][i, j]:5.2f}"
-            for j in range(len(d["restitution"]))
-        )
-        lines.append(f"{mu:6g}  " + " ".join(cells))
-    lines.append(f"a stopped contact slips back below mu = {d['critical']:.3f}")
-    return "\n".join(lines)
+def summary(d: Data) -> str:
+    """Drift on the grid, simulated and by the theory."""
+    values = (d[name] for name in ("c_x", "c_x_error", "theory"))
+    cells = np.vectorize("{:.2f} ± {:.2f} ({:.2f})".format)(*values)
+    rows = [[mu, *row] for mu, row in zip(d["friction"], cells, strict=True)]
+    heads = [f"restitution {e:g}" for e in d["restitution"]]
+    title = "Drift (cm/s) simulated (theory with V_0/2)"
+    last = f"a stopped contact slips back below mu = {d['critical']:.3f}"
+    return "\n".join([title, table(("mu", *heads), rows, "g"), last])

@@ -9,35 +9,42 @@ over the root of the tangential stiffness ratio, without damping as well; dampin
 times lower. Crosses: every switch located (DOP853).
 """
 
+from collections.abc import Iterable
+
 import matplotlib.pyplot as plt
 import numpy as np
 
 import md
 
-from ..lib.soft_impacts import TILTS, distance, right, rigid, simulate
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
+from ..lib.soft_impacts import TABLE_TILTS, distance, right, rigid, simulate
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
+from ..lib.tables import table
 
-SPRINGS = (3.0, 30.0, 300.0, 3000.0)  # tangential ratios of panel (a)
-LAWS = {
+TANGENTIAL_RATIOS = (3.0, 30.0, 300.0, 3000.0)  # tangential ratios of panel (a)
+BY_STIFFNESS = {
     "coulomb": lambda k: md.coulomb(stiffness=k),
     **{
         f"constant_restitution, {ratio:g}": lambda k, ratio=ratio: md.constant_restitution(
             stiffness=k, tangential_ratio=ratio
         )
-        for ratio in SPRINGS
+        for ratio in TANGENTIAL_RATIOS
     },
     "appendix_a": md.appendix_a,
     "appendix_a, dashpots without overlap": lambda k: md.appendix_a(k, overlap_factor=False),
 }
-SERIES = ((5e6, 1.0), (1e12, 1.0), (1e12, 0.0))  # k_n and tangential damping ratio of panel (b)
+SPRING_SERIES = (
+    (5e6, 1.0),
+    (1e12, 1.0),
+    (1e12, 0.0),
+)  # k_n and tangential damping ratio of panel (b)
 GOAL = 4e-4  # the best published engine's error over tilts
 FITTED = 100.0  # from this ratio on
 
 
 def _error(law: md.Law, **how) -> tuple[float, int]:
     """RMS error, and regimes right of 17."""
-    soft = simulate(TILTS, law, **how)
-    theory = rigid(TILTS, soft.restitution)
+    soft = simulate(TABLE_TILTS, law, **how)
+    theory = rigid(TABLE_TILTS, soft.restitution)
     return distance(soft, theory), right(soft, theory)
 
 
@@ -48,26 +55,30 @@ def _slope(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _springs(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Error of constant_restitution over the tangential ratio, for each of `SERIES`."""
+    """Error of constant_restitution over the tangential ratio, for each of `SPRING_SERIES`."""
     laws = [
         [
             md.constant_restitution(stiffness=k, tangential_ratio=r, tangential_damping=damping)
             for r in ratios
         ]
-        for k, damping in SERIES
+        for k, damping in SPRING_SERIES
     ]
     found = np.array([[_error(law) for law in row] for row in laws])
     return found[..., 0], found[..., 1].astype(int)
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Errors and regimes right, shape (laws, k_n) and (series, ratios); slopes in log-log."""
     k_n = 10.0 ** np.linspace(5, 14, 4 if quick else 10)
     ratios = np.geomspace(3, 3000, 7 if quick else 13)
-    found = np.array([[_error(LAWS[name](k)) for k in k_n] for name in LAWS])
+    found = np.array([[_error(BY_STIFFNESS[name](k)) for k in k_n] for name in BY_STIFFNESS])
     error = found[..., 0]
-    half = np.array([[_error(LAWS[name](k), refine=64)[0] for k in k_n[::3]] for name in LAWS])
-    located = np.array([_error(LAWS["coulomb"](k), integrator="dop853")[0] for k in k_n[::3]])
+    half = np.array(
+        [[_error(BY_STIFFNESS[name](k), refine=64)[0] for k in k_n[::3]] for name in BY_STIFFNESS]
+    )
+    located = np.array(
+        [_error(BY_STIFFNESS["coulomb"](k), integrator="dop853")[0] for k in k_n[::3]]
+    )
     by_ratio, right_by_ratio = _springs(ratios)
     stiff = ratios >= FITTED
     return {
@@ -84,46 +95,40 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     }
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """Errors, regimes and slopes as text."""
-    lines = [
-        "RMS of (c_x', c_z')/|c_z| from theory at measured restitution, regimes right of 17",
-        f"{'k_n':37}" + "".join(f"{k:>12.0e}" for k in d["k_n"]),
-    ]
-    for name, error, hits in zip(LAWS, d["error"], d["right"], strict=True):
-        cells = "".join(f"{x:9.2e}{n:3d}" for x, n in zip(error, hits, strict=True))
-        lines.append(f"{name:37}{cells}")
-    slope, spread = d["slope"]
-    lines += [
-        f"coulomb: k_n^({slope:.5f} +- {spread:.5f}), predicted -2/5; at most {GOAL:g} from"
-        f" k_n = {d['k_n'][0] * (GOAL / d['error'][0, 0]) ** (1 / slope):.1e} on",
-        f"{'k_n; tangential damping; ratio':37}" + "".join(f"{r:>12.3g}" for r in d["ratio"]),
-    ]
-    for (k, damping), error, hits in zip(
-        SERIES, d["error_by_ratio"], d["right_by_ratio"], strict=True
-    ):
-        cells = "".join(f"{x:9.2e}{n:3d}" for x, n in zip(error, hits, strict=True))
-        lines.append(f"{f'{k:.0e}; {damping:g}':37}{cells}")
-    for (k, damping), (slope, spread) in zip(SERIES, d["slope_by_ratio"], strict=True):
-        lines.append(
-            f"k_n = {k:.0e}, damping {damping:g}: ratio^({slope:.3f} +- {spread:.3f})"
-            f" from {FITTED:g} on, predicted -1/2"
-        )
+
+    def part(head: str, values: np.ndarray, names: Iterable[str], kind: str = "") -> str:
+        cells = np.vectorize("{:.2e}, {}".format)(d[f"error{kind}"], d[f"right{kind}"])
+        rows = [[name, *row] for name, row in zip(names, cells, strict=True)]
+        return table((head, *values), rows, ".3g")
+
+    series = [f"k_n {k:.0e}, damping {damping:g}" for k, damping in SPRING_SERIES]
+    slopes = {"coulomb over k_n; predicted -0.4": d["slope"]}
+    slopes |= {
+        f"{name}, over ratios from {FITTED:g} on; predicted -0.5": slope
+        for name, slope in zip(series, d["slope_by_ratio"], strict=True)
+    }
+    enough = d["k_n"][0] * (GOAL / d["error"][0, 0]) ** (1 / d["slope"][0])
     off = np.max(abs(d["located"] / d["error"][0, ::3] - 1))
-    lines.append(
-        f"integration: half the step changes these errors by at most {d['half_step'].max():.0e} of"
-        f" themselves; DOP853 with located switches (coulomb) by {off:.0e}"
-    )
-    return "\n".join(lines)
+    return "\n".join([
+        "RMS of (c_x', c_z')/|c_z| from theory at measured restitution, regimes right of 17",
+        part("k_n", d["k_n"], BY_STIFFNESS),
+        part("tangential ratio", d["ratio"], series, "_by_ratio"),
+        table(("slope in log-log", ""), [(k, tuple(v)) for k, v in slopes.items()], 5),
+        f"coulomb: at most {GOAL:g} from k_n = {enough:.1e} on",
+        f"half the step changes these errors by at most {d['half_step'].max():.0e} of themselves;"
+        f" DOP853 with located switches (coulomb) by {off:.0e}",
+    ])  # fmt: skip
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, (left, other) = plt.subplots(1, 2, figsize=(7.0, 3.6))
     looks = [(BLACK, "-", "o")]
     looks += [(BLUE, dashes, "s") for dashes in (":", "-.", "--", "-")]
     looks += [(RED, "-", "D"), (ORANGE, "-", "v")]
-    for name, error, (colour, dashes, marker) in zip(LAWS, d["error"], looks, strict=True):
+    for name, error, (colour, dashes, marker) in zip(BY_STIFFNESS, d["error"], looks, strict=True):
         label = name.replace("constant_restitution, ", "constant_restitution, ratio ")
         label = label.replace(", dashpots", ",\ndashpots")
         left.plot(d["k_n"], error, dashes, marker=marker, color=colour, ms=3, label=label)
@@ -133,10 +138,9 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     left.text(1e11, 9e-7, r"$k_n^{-2/5}$", ha="center", color="0.4")
     left.set(xscale="log", yscale="log", ylim=(1e-7, 1))
     left.set(xlabel=r"stiffness $k_n$ ($mg/d^{3/2}$)", ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$")
-    name_panel(left, "a", f"coulomb: slope {d['slope'][0]:.3f}")
     series_looks = ((GREEN, "--", "^"), (BLUE, "-", "s"), (RED, "-.", "D"))
     for (k, damping), error, (slope, _), (colour, dashes, marker) in zip(
-        SERIES, d["error_by_ratio"], d["slope_by_ratio"], series_looks, strict=True
+        SPRING_SERIES, d["error_by_ratio"], d["slope_by_ratio"], series_looks, strict=True
     ):
         power = int(np.log10(k))
         digits = rf"10^{{{power}}}" if k == 10**power else rf"{k / 10**power:g}\times10^{power}"
@@ -147,7 +151,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     other.text(60, 2.9e-3, r"ratio$^{-1/2}$", ha="right", color="0.4")
     other.set(xscale="log", yscale="log", ylim=(2e-4, 0.3))
     other.set(xlabel=r"tangential stiffness over $k_n\delta^{1/2}$")
-    name_panel(other, "b", "constant_restitution")
+    name_panels((left, other), (f"coulomb: slope {d['slope'][0]:.3f}", "constant_restitution"))
     for ax in (left, other):
         ax.legend(fontsize=5.8, loc="lower left", labelspacing=0.3)
     figure.supxlabel(

@@ -6,10 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-import md
-
-from ..checks import landing_census, landings
-from ..lib import row_runs as rows
+from ..checks import landing_census
+from ..lib import runs
 from ..lib.data import figure_data
 from . import over_tilt
 
@@ -35,10 +33,11 @@ class Evidence:
     @cached_property
     def over_tilt(self) -> dict[str, np.ndarray]:
         """The paper's row over tilt."""
-        return over_tilt.table(rows.tilt_plan(self.quick), rows.tilts(self.quick))
+        return over_tilt.table(runs.tilt_plan(self.quick), runs.tilts(self.quick))
 
     @cached_property
-    def census(self) -> dict[str, tuple[float, float]]:
-        """Measures of the landings of one row, each with its standard error."""
-        scene = md.load("quasi2d", ["step.size=none", *landing_census.LAWS["constraint"]])
-        return landings.measures(landings.census(scene, 40 if self.quick else 400)[0])
+    def census(self) -> dict[str, np.ndarray]:
+        """Measures of the touches of one row, each with its standard error."""
+        names = "slide", "residual", "isolated_residual"
+        found = runs.gathered(landing_census.one_row(self.quick), *names)
+        return dict(zip(names, found, strict=True))

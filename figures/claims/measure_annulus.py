@@ -8,7 +8,7 @@ import numpy as np
 
 from md.placement import largest_tilt
 
-from ..lib import annulus_runs as ring
+from ..lib import runs
 from ..paper import fig02, fig04
 from .evidence import Evidence
 from .over_tilt import CLEAR
@@ -72,7 +72,7 @@ def S8_zigzag(data: Evidence) -> Numbers:
     d = data.figure("fig05")
     low, order = d["mean"] <= UPRIGHT_DEG, d["zigzag"]
     best = int(np.argmax(np.where(low, order, -np.inf)))
-    at = int(np.argmin(np.abs(d["count"] - ring.COUNT)))
+    at = int(np.argmin(np.abs(d["count"] - runs.ANNULUS_COUNT)))
 
     def first(d, values):
         """Tilt at which the values first become negative, between two numbers of rods."""
@@ -138,7 +138,8 @@ def S20_rolling(data: Evidence) -> Numbers:
 
 
 def E1_geometry(data: Evidence) -> Numbers:
-    gap, length, d = ring.SCENE.annulus, ring.SCENE.rods.length, data.figure("fig04")
+    scene, d = runs.ANNULUS_SCENE, data.figure("fig04")
+    gap, length = scene.annulus, scene.rods.length
 
     def leaning(at):
         return standard(d["still_tilt"][at], d["still_tilt_error"][at])

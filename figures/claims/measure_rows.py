@@ -11,7 +11,7 @@ from md.sweep import Sweep
 
 from ..checks import appendix_a, phase_friction
 from ..cost.accuracy_cost_impact import gear_from_leapfrog
-from ..lib import row_runs as rows
+from ..lib import runs as rows
 from ..lib import soft_impacts as soft
 from ..paper import fig12, fig13
 from . import over_tilt
@@ -24,7 +24,7 @@ Numbers = dict[str, Number]
 
 def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
     """Means over the starts of results of the store, by name, with their errors."""
-    return rows.means(rows.computed(sweep), names)
+    return rows.means(sweep, names)
 
 
 def S1_restitution(data: Evidence) -> Numbers:
@@ -91,7 +91,7 @@ def S14_phases(data: Evidence) -> Numbers:
 
 def S15_soft_impact(data: Evidence) -> Numbers:
     d = data.figure("fig12")
-    some = np.isclose(d["tilt"], soft.TILTS[:, None]).any(axis=0)
+    some = np.isclose(d["tilt"], soft.TABLE_TILTS[:, None]).any(axis=0)
     theory = soft.rigid(d["tilt"][some], fig12.EPSILON).regime
     found = {}
     for name, law in (("printed", "appendix_a"), ("coulomb", "coulomb")):
@@ -203,7 +203,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Runs that no figure shows: over frequency and tilt; long ones on a slippery plate."""
     axes = [
         {"plate.frequency_hz": [50, 100] if quick else [*FREQUENCIES_HZ]},
-        {"box.length": rows.boxes(np.array(FREQUENCY_TILTS_DEG))},
+        {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)},
         {"start.seed": [1, 2] if quick else [1, 2, 3]},
     ]
     long = {"box.length": phase_friction.BOX, "rods.inertia": "solid"}

@@ -12,7 +12,7 @@ import numpy as np
 from impact import drift, thin_rod
 from md.sweep import Sweep
 
-from ..lib.row_runs import FRICTION, RESTITUTION, computed, means, plate_speed_cm_s
+from ..lib.runs import FRICTION, RESTITUTION, means, plate_speed_cm_s
 from .uncertainty import rms
 
 SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one above the other
@@ -47,7 +47,7 @@ def table(sweep: Sweep, nominal: np.ndarray) -> dict[str, np.ndarray]:
     """
     scene = sweep.points[0].scene
     size = {"half_length": np.array(scene.rods.length / 2), "speed": np.array(scene.plate_speed)}
-    return {"nominal": nominal, **size, **means(computed(sweep), STORED)}
+    return {"nominal": nominal, **size, **means(sweep, STORED)}
 
 
 @cache

@@ -14,8 +14,7 @@ the prices of fixed steps; times are of this machine, without compiling.
 """
 
 import os
-from statistics import median
-from time import perf_counter
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -23,19 +22,22 @@ from matplotlib.axes import Axes
 
 import md
 from md.accuracy import calibrated, steps_per_contact
-from md.host import Engine, prepare
 from md.statistics import standard_error
+from md.sweep import Point, Sweep
 
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
-from ..lib.timing import machine_line
+from ..lib.runs import computed, gathered, measured_by
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style
+from ..lib.tables import table
+from ..lib.timing import machine_line, seconds_per_period
 
 PAPER_STEP = 2e-5  # sqrt(d/g)
 PER_CONTACT = (16, 20, 26, 40, 80)  # and the paper's
 FINE = 30  # steps a contact from which on runs are taken as the truth
 CUT = 100  # periods at the start
-PERIODS = {True: 2500, False: 20000}  # quick or not; a third of it at the paper's step
-CLEAR = 3  # its own errors: a smaller bias is taken for none
-TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
+LONG_PERIODS = {True: 2500, False: 20000}  # quick or not; a third of it at the paper's step
+CLEAR_BIAS = 3  # its own errors: a smaller bias is taken for none
+DRIFT_TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
+PART_LENGTHS = np.unique(np.geomspace(4, 2500, 14).astype(int))  # of the parts, periods
 
 
 def _scene(dt: float, seed: int = 1) -> md.Scene:
@@ -43,76 +45,73 @@ def _scene(dt: float, seed: int = 1) -> md.Scene:
     return md.load("quasi2d", how)
 
 
-def rms_of_parts(series: np.ndarray, lengths: np.ndarray, truth: float) -> np.ndarray:
-    """Root mean square distance from the truth of the means of disjoint parts."""
-    found = []
-    for n in lengths:
+def parts(series: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Mean and variance of the means of disjoint parts, (2, lengths); nan for fewer than eight."""
+    found = np.full((2, len(lengths)), np.nan)
+    for i, n in enumerate(lengths[lengths <= len(series) / 8]):
         means = series[len(series) % n :].reshape(-1, n).mean(axis=1)
-        found.append(np.sqrt(np.mean((means - truth) ** 2)))
-    return np.array(found)
+        found[:, i] = means.mean(), means.var()
+    return found
 
 
-def seconds_per_period(steps: list[float], rounds: int = 7, periods: int = 6) -> np.ndarray:
-    """Medians over rounds in which each step has its turn, from a settled row."""
-    engines = []
-    for dt in steps:
-        engine = prepare(_scene(dt), ledger=False)
-        engine.go(20 * engine.per)
-        engines.append(engine)
-    samples = [[_timed(engine, periods) for engine in engines] for _ in range(rounds)]
-    return np.array([median(of_one) for of_one in zip(*samples, strict=True)])
+def long_run(scene: md.Scene, periods: int) -> dict[str, Any]:
+    """Drift of a run behind `CUT` and of its parts, for `runs.planned`."""
+    run = md.run(scene, periods=periods, ledger=False)
+    if not run.finished:
+        raise KeyboardInterrupt
+    series = run.c_x_series[CUT:]
+    found = {"mean": float(series.mean()), "error": standard_error(series), "made": len(series)}
+    return {**found, "parts": parts(series, PART_LENGTHS).tolist()}
 
 
-def _timed(engine: Engine, periods: int) -> float:
-    begin = perf_counter()
-    for _ in range(periods):
-        engine.go(engine.per)
-        engine.record.count[0] = 0
-    return (perf_counter() - begin) / periods
-
-
-def data(quick: bool = False) -> dict[str, np.ndarray]:
-    """Long runs at several steps, prices of a period, runs to a tolerance."""
-    load = os.getloadavg()[0]
+def steps() -> list[float]:
+    """Sizes of the steps, the paper's last."""
     contact = steps_per_contact(md.load("quasi2d"), 1.0)
-    steps = [*(contact / n for n in PER_CONTACT), PAPER_STEP]
-    periods = PERIODS[quick]
-    seconds = seconds_per_period(steps)
-    series = []
-    for dt in steps:
-        made = periods if dt > PAPER_STEP else periods // 3
-        series.append(md.run(_scene(dt), periods=CUT + made, ledger=False).c_x_series[CUT:])
-    mean = np.array([one.mean() for one in series])
-    error = np.array([standard_error(one) for one in series])
-    n = np.array([contact / dt for dt in steps])
+    return [*(contact / n for n in PER_CONTACT), PAPER_STEP]
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Long runs over the step; runs to a tolerance."""
+    sizes, tolerances = steps(), DRIFT_TOLERANCES[: 3 if quick else None]
+    made = [LONG_PERIODS[quick] // (1 if dt > PAPER_STEP else 3) for dt in sizes]
+    long = [Point(_scene(dt), CUT + n) for dt, n in zip(sizes, made, strict=True)]
+    asked = [Point(_scene(PAPER_STEP, 5), 0, tolerance) for tolerance in tolerances]
+    return {
+        "long": measured_by(Sweep(({"step.size": sizes},), tuple(long)), long_run),
+        "asked": Sweep(({"tolerance": [*tolerances]},), tuple(asked)),
+    }
+
+
+def data(quick: bool = False) -> Data:
+    """Long runs at several steps, prices of a period, runs to a tolerance."""
+    load, plan, dt = os.getloadavg()[0], sweeps(quick), np.array(steps())
+    seconds = seconds_per_period([_scene(size) for size in dt])
+    mean, error, made, of_parts = gathered(plan["long"], "mean", "error", "made", "parts")
+    n = steps_per_contact(md.load("quasi2d"), 1.0) / dt
     weight = (n >= FINE) / error**2
-    truth = float((weight * mean).sum() / weight.sum())
-    lengths = np.unique(np.geomspace(4, periods / 8, 14).astype(int))
-    rms = [rms_of_parts(one, lengths[lengths <= len(one) / 8], truth) for one in series]
-    tolerances = TOLERANCES[: 3 if quick else None]
-    runs = [md.run(_scene(PAPER_STEP, 5), tolerance=r, ledger=False) for r in tolerances]
-    # Errors of a mean of n periods as sigma sqrt(g/n): from the standard error of the long run.
-    noise = error * np.sqrt([len(one) for one in series]) / truth
+    truth, truth_error = (weight * mean).sum() / weight.sum(), weight.sum() ** -0.5
+    names = "run_seconds", "accuracy.per_contact", "c_x", "periods"
+    spent, per_contact, c_x, periods = gathered(computed(plan["asked"], workers=1), *names)
     known = calibrated()
     return {
         "load": np.float64(load),
         "per_contact": n,
-        "dt": np.array(steps),
+        "dt": dt,
         "seconds": seconds,
-        "made": np.array([len(one) for one in series]),
+        "made": made,
         "truth": np.float64(truth),
-        "truth_error": np.float64(weight.sum() ** -0.5),
+        "truth_error": np.float64(truth_error),
         "bias": mean / truth - 1,
-        "bias_error": np.hypot(error, weight.sum() ** -0.5) / truth,
-        "noise": noise,
-        "lengths": lengths,
-        "rms": np.array([np.append(r, np.full(len(lengths) - len(r), np.nan)) for r in rms])
-        / truth,
-        "tolerance": np.array(tolerances),
-        "run_seconds": np.array([run.run_seconds for run in runs]),
-        "run_per_contact": np.array([run.accuracy.per_contact for run in runs]),
-        "run_error": np.abs([run.c_x / truth - 1 for run in runs]),
-        "run_periods": np.array([run.periods for run in runs]),
+        "bias_error": np.hypot(error, truth_error) / truth,
+        # Errors of a mean of n periods as sigma sqrt(g/n): from the standard error of the long run.
+        "noise": error * np.sqrt(made) / truth,
+        "lengths": PART_LENGTHS,
+        "rms": rms_of_parts(of_parts, truth) / truth,
+        "tolerance": plan["asked"].values("tolerance"),
+        "run_seconds": spent,
+        "run_per_contact": per_contact,
+        "run_error": np.abs(c_x / truth - 1),
+        "run_periods": periods,
         "known_steps": np.array(known["steps"], float),
         "known_drift": np.array(known["drift"]),
         "known_error": np.array(known["drift_error"]),
@@ -121,12 +120,18 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     }
 
 
-def to_reach(d: dict[str, np.ndarray], error: float) -> np.ndarray:
+def rms_of_parts(of_parts: np.ndarray, truth: float) -> np.ndarray:
+    """Root mean square distance from the truth of the means that `parts` sums up."""
+    mean, variance = np.moveaxis(of_parts, -2, 0)
+    return np.sqrt(variance + (mean - truth) ** 2)
+
+
+def to_reach(d: Data, error: float) -> np.ndarray:
     """Seconds at each step until the root mean square error is this small; inf where it never is.
 
     Squares of bias and noise add; a bias that cannot be told from zero counts as none.
     """
-    clear = np.abs(d["bias"]) > CLEAR * d["bias_error"]
+    clear = np.abs(d["bias"]) > CLEAR_BIAS * d["bias_error"]
     room = error**2 - np.where(clear, d["bias"], 0.0) ** 2
     with np.errstate(divide="ignore", invalid="ignore"):
         periods = d["noise"] ** 2 / room
@@ -136,26 +141,24 @@ def to_reach(d: dict[str, np.ndarray], error: float) -> np.ndarray:
 _COLOURS = (RED, ORANGE, GREEN, BLUE, "#56B4E9", BLACK)
 
 
-def _labels(d: dict[str, np.ndarray]) -> list[str]:
+def _labels(d: Data) -> list[str]:
     names = [rf"$t_c/{n:.0f}$" for n in d["per_contact"]]
     return [*names[:-1], names[-1] + ", the paper's"]
 
 
-def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def panel(ax: Axes, d: Data) -> None:
     """Error against time, step by step."""
     for i, (colour, label) in enumerate(zip(_COLOURS, _labels(d), strict=True)):
         time = d["lengths"] * d["seconds"][i]
         ax.plot(time, d["rms"][i], "o-", color=colour, ms=2.2, lw=0.8, label=label)
-    right = 2 * (d["lengths"][-1] * d["seconds"][:-1]).max()
+    longest = d["lengths"][np.isfinite(d["rms"][0])][-1]
+    right = 2 * (longest * d["seconds"][:-1]).max()
     for i, colour in enumerate(_COLOURS):
         size, error = abs(d["bias"][i]), d["bias_error"][i]
-        clear = size > CLEAR * error
+        clear = size > CLEAR_BIAS * error
+        look = {"lw": 1.4, "ls": "-"} if clear else {"lw": 0.8, "ls": ":"}
         ax.plot(
-            [right, 3 * right],
-            [size] * 2 if clear else [CLEAR * error] * 2,
-            color=colour,
-            lw=1.4 if clear else 0.8,
-            ls="-" if clear else ":",
+            [right, 3 * right], [size if clear else CLEAR_BIAS * error] * 2, color=colour, **look
         )
     time = np.array([d["lengths"][0] * d["seconds"][:-1].min(), right])
     middle = int(np.abs(d["per_contact"] - 25).argmin())
@@ -168,7 +171,7 @@ def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.legend(fontsize=5.5, loc="lower left", title="step", title_fontsize=6)
 
 
-def _draw_bias(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_bias(ax: Axes, d: Data) -> None:
     fine = d["known_drift"][:, -1:]
     bias = np.abs(d["known_drift"] / fine - 1)[:, :-1]
     error = np.hypot(d["known_error"] / d["known_drift"], d["known_error"][:, -1:] / fine)[:, :-1]
@@ -190,7 +193,7 @@ def _draw_bias(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.legend(fontsize=6, loc="lower left")
 
 
-def _draw_runs(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_runs(ax: Axes, d: Data) -> None:
     wanted = np.geomspace(0.003, 0.3, 60)
     for i in (1, 3, 5):
         time = np.array([to_reach(d, r / 1.96)[i] for r in wanted])
@@ -203,14 +206,10 @@ def _draw_runs(ax: Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.0), width_ratios=(1.25, 1, 1))
-    for ax, paint in zip(axes, (panel, _draw_bias, _draw_runs), strict=True):
-        paint(ax, d)
-    for ax, letter, title in zip(
-        axes, "abc", ("drift of the row", "bias of the step", "by tolerance, 95 %"), strict=True
-    ):
-        name_panel(ax, letter, title)
+    panels = {"drift of the row": panel, "bias of the step": _draw_bias}
+    paint(axes, panels | {"by tolerance, 95 %": _draw_runs}, d)
     one = [f"{t:.2g} s at {name}" for t, name in zip(to_reach(d, 0.01), _labels(d), strict=True)]
     figure.supxlabel(
         "an error of 1 % (one standard error): " + ", ".join(one).replace("inf s", "never"),
@@ -219,24 +218,19 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     return figure
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """Prices, biases, what 1 % and 0.3 % take, what runs to a tolerance took."""
+    bias = [f"{b:+.2%} ± {e:.2%}" for b, e in zip(d["bias"], d["bias_error"], strict=True)]
+    heads = "step", "a contact", "ms/period", "noise of a period", "bias", "1 % takes, s", "0.3 %"
+    noise = [f"{x:.1%}" for x in d["noise"]]
+    columns = d["dt"], d["per_contact"], 1e3 * d["seconds"], noise, bias
+    columns += to_reach(d, 0.01), to_reach(d, 0.003)
     lines = [
         f"{machine_line(float(d['load']))}; 1 core used",
-        f"c_x = {d['truth']:.5f} +- {d['truth_error']:.5f} sqrt(g d)",
-        " step       a contact  ms/period  noise of a period  bias              1 % takes  0.3 %",
+        f"c_x = {d['truth']:.5f} ± {d['truth_error']:.5f} sqrt(g d)",
+        table(heads, zip(*columns, strict=True), ".3g"),
     ]
-    one, third = to_reach(d, 0.01), to_reach(d, 0.003)
-    for i, dt in enumerate(d["dt"]):
-        lines.append(
-            f" {dt:.2e} {d['per_contact'][i]:9.1f} {1e3 * d['seconds'][i]:10.2f} "
-            f"{d['noise'][i]:15.1%}    {d['bias'][i]:+8.2%} +- {d['bias_error'][i]:.2%}"
-            f" {one[i]:9.2f} s {third[i]:7.1f} s"
-        )
-    lines.append("tolerance, 95 %: asked for, steps a contact, periods, seconds, error it had")
-    for i, r in enumerate(d["tolerance"]):
-        lines.append(
-            f" {r:6.1%} {d['run_per_contact'][i]:8.1f} {d['run_periods'][i]:8d} "
-            f"{d['run_seconds'][i]:8.2f} s  {d['run_error'][i]:.2%}"
-        )
-    return "\n".join(lines)
+    heads = "tolerance, 95 %", "steps a contact", "periods", "seconds", "error it had"
+    asked, had = ([f"{x:.2%}" for x in d[name]] for name in ("tolerance", "run_error"))
+    rows = zip(asked, d["run_per_contact"], d["run_periods"], d["run_seconds"], had, strict=True)
+    return "\n".join([*lines, table(heads, rows, (2, 1, 0, 2, 2))])

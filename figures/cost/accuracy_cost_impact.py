@@ -18,17 +18,18 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import md
-from impact.benchmark import machine
 from md.laws import contact_time
 
-from ..lib.impact_price import impact_call, price, rigid_seconds
-from ..lib.soft_impacts import TILTS
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
+from ..lib.impact_times import impact_call, price, rigid_seconds
+from ..lib.soft_impacts import TABLE_TILTS
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style
+from ..lib.tables import table
+from ..lib.timing import machine_line
 from .impact_errors import (
     LADDERS,
     METHODS,
     OFFSETS,
-    SCENES,
+    TILTS_OF_REGIMES,
     adaptive,
     fixed_steps,
     models,
@@ -44,7 +45,7 @@ PAPER_STEP = 2e-5  # sqrt(d/g)
 TARGETS = (1e-2, 1e-3, 1e-6, 1e-10)
 
 
-def _other_laws(parts: np.ndarray) -> dict[str, np.ndarray]:
+def _other_laws(parts: np.ndarray) -> Data:
     """Largest errors of the other laws, against Verlet at a sixteenth of the finest step."""
     error = []
     for law in OTHERS.values():
@@ -64,7 +65,7 @@ def gear_from_leapfrog() -> np.ndarray:
     """
 
     def after(law, method):
-        hits = [one_impact(tilt, law, integrator=method, dt=PAPER_STEP) for tilt in TILTS]
+        hits = [one_impact(tilt, law, integrator=method, dt=PAPER_STEP) for tilt in TABLE_TILTS]
         return np.array([(hit.c_x, hit.c_z) for hit in hits])
 
     rows = []
@@ -85,7 +86,7 @@ def _step_seconds(runs: int) -> np.ndarray:
     return (seconds / steps).reshape(-1, len(METHODS))
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Errors and prices; a step is 1/`parts` of a head-on contact time."""
     runs = 3 if quick else 9
     parts = 10.0 * (4 ** np.arange(6) if quick else 2 ** np.arange(14))
@@ -100,7 +101,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         impact_call(float(tilt), LAW, method, whole / part)
         for method in METHODS
         for part in parts
-        for tilt in SCENES
+        for tilt in TILTS_OF_REGIMES
     ]
     seconds, steps = (a.reshape(*fixed[0].shape, -1).mean(-1) for a in price(calls, runs))
     return {
@@ -123,7 +124,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     }
 
 
-def choices(d: dict[str, np.ndarray], target: float) -> dict[str, tuple[float, str]]:
+def choices(d: Data, target: float) -> dict[str, tuple[float, str]]:
     """Seconds and setting of the cheapest run of each method whose largest error is that small.
 
     A method that fails has infinite seconds, and says how far it came.
@@ -156,7 +157,7 @@ def _time(seconds: float) -> str:
     return f"{seconds * 1e6:.0f} us" if seconds < 1e-3 else f"{seconds * 1e3:.1f} ms"
 
 
-def _advice(d: dict[str, np.ndarray]) -> list[str]:
+def _advice(d: Data) -> list[str]:
     """Which method to use for how much accuracy, what else does, and what fails."""
     lines = []
     for target in TARGETS:
@@ -174,56 +175,49 @@ def _advice(d: dict[str, np.ndarray]) -> list[str]:
     return lines
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """Advice, orders, prices, models; all generated from the numbers."""
-    this = machine()
-    lines = [
-        f"{this['processor']}, {this['cores']} cores, 1 used, load {d['load']:.1f} at the start;"
-        f" python {this['python']}, numpy {this['numpy']}, numba {this['numba']}; medians of"
-        f" {d['runs']} runs",
-        "integration error wanted (largest of 6 tilts and 24 offsets): cheapest way (others)",
-        *_advice(d),
-    ]
     middle = [reached(d["parts"], row, 1e-3) for row in d["fixed_error"][1]]
     small = np.flatnonzero(d["adaptive_error"][0] <= 1e-12)
-    lines += [
+    reach = f"{d['evaluations'][small[0]]} evaluations" if small.size else "not reached"
+    rows = [
+        (name, *np.ravel([orders, 1e9 * seconds], order="F"))
+        for name, orders, seconds in zip(
+            ("coulomb", *OTHERS), [d["order"], *d["other_order"]], d["step_seconds"], strict=True
+        )
+    ]
+    heads = [f"{method}: {what}" for method in METHODS for what in ("order", "ns a step")]
+    apart = [(name, *off) for name, off in zip(("coulomb", "appendix_a"), d["gear_from_leapfrog"],
+                                               strict=True)]  # fmt: skip
+    ladders = [
+        (name, f"{word} {value:.0e}", error, int(hits), f"t_c/{parts:.3g}", _time(seconds))
+        for name, (_, _, word) in LADDERS.items()
+        for value, error, hits, parts, seconds in zip(
+            *(d[f"{name}_{key}"] for key in ("value", "error", "right", "parts", "seconds")),
+            strict=True,
+        )
+    ]
+    part = contact_time(LAW, 1.0) / PAPER_STEP
+    return "\n".join([
+        f"{machine_line(float(d['load']))}; 1 core used; medians of {d['runs']} runs",
+        "integration error wanted (largest of 6 tilts and 24 offsets): cheapest way (others)",
+        *_advice(d),
         "1e-3 in the median: "
         + ", ".join(f"{m} t_c/{x:.0f}" for m, x in zip(METHODS, middle, strict=True)),
-        "1e-12: dop853, "
-        + (f"{d['evaluations'][small[0]]} evaluations" if small.size else "not reached")
-        + f"; the references at 1e-13 and 1e-14 differ by {d['floor']:.0e}",
-        f"{'order; ns a step':21}" + "".join(f"{m:>16}" for m in METHODS),
-    ]
-    orders = [d["order"], *d["other_order"]]
-    for name, row, ns in zip(("coulomb", *OTHERS), orders, 1e9 * d["step_seconds"], strict=True):
-        cells = "".join(f"{p:9.2f}{t:7.1f}" for p, t in zip(row, ns, strict=True))
-        lines.append(f"{name:21}{cells}")
-    part = contact_time(LAW, 1.0) / PAPER_STEP
-    lines.append(
-        f"Gear from leapfrog at the paper's step, {PAPER_STEP:g} = t_c/{part:.0f} (RMS, largest): "
-        + ", ".join(
-            f"{name} {rms:.1e}, {most:.1e}"
-            for name, (rms, most) in zip(
-                ("coulomb", "appendix_a"), d["gear_from_leapfrog"], strict=True
-            )
-        )
-    )
-    lines.append(f"{'model':21}{'':>11}{'RMS':>10} {'regimes':>8} {'step':>10} {'per impact':>11}")
-    for name, (_, _, word) in LADDERS.items():
-        columns = [d[f"{name}_{key}"] for key in ("value", "error", "right", "parts", "seconds")]
-        for value, error, hits, parts, seconds in zip(*columns, strict=True):
-            lines.append(
-                f"{name:21}{word:>5}{value:6.0e} {error:9.1e} {hits:5d}/17  t_c/{parts:<6.3g}"
-                f"{_time(seconds):>11}"
-            )
-    lines.append(f"rigid map, compiled, in arrays: {1e9 * d['rigid_seconds']:.0f} ns")
-    return "\n".join(lines)
+        f"1e-12: dop853, {reach}; the references at 1e-13 and 1e-14 differ by {d['floor']:.0e}",
+        table(("law", *heads), rows),
+        f"Gear from leapfrog at the paper's step, {PAPER_STEP:g} = t_c/{part:.0f}",
+        table(("law", "RMS", "largest"), apart, ".1e"),
+        table(("model", "", "RMS", "regimes of 17", "step", "per impact"), ladders, ".1e"),
+        f"rigid map, compiled, in arrays: {1e9 * d['rigid_seconds']:.0f} ns",
+    ])  # fmt: skip
 
 
+BESIDE = {"textcoords": "offset points", "va": "center", "fontsize": 6.5}
 _LOOKS = {"leapfrog": (BLUE, "s"), "verlet": (BLACK, "o"), "gear": (ORANGE, "^")}
 
 
-def _draw_integration(ax: Axes, d: dict[str, np.ndarray], x: np.ndarray) -> None:
+def _draw_integration(ax: Axes, d: Data, x: np.ndarray) -> None:
     """Largest (filled) and median errors over `x`, one row a method."""
     for i, (method, (colour, marker)) in enumerate(_LOOKS.items()):
         worst, middle = d["fixed_error"][:, i]
@@ -235,7 +229,7 @@ def _draw_integration(ax: Axes, d: dict[str, np.ndarray], x: np.ndarray) -> None
     ax.set(xscale="log", yscale="log", ylim=(3e-17, 1))
 
 
-def _draw_steps(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_steps(ax: Axes, d: Data) -> None:
     _draw_integration(ax, d, np.broadcast_to(1 / d["parts"], d["fixed_steps"].shape))
     lift = {"leapfrog": 1.0, "verlet": 0.35, "gear": 3.0}
     for i, (method, (colour, _)) in enumerate(_LOOKS.items()):
@@ -254,7 +248,7 @@ def _draw_steps(ax: Axes, d: dict[str, np.ndarray]) -> None:
             transform=ax.transAxes, va="top")  # fmt: skip
 
 
-def _draw_time(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_time(ax: Axes, d: Data) -> None:
     _draw_integration(ax, d, 1e6 * d["fixed_seconds"])
     worst, middle = d["adaptive_error"]
     time = 1e6 * d["adaptive_seconds"]
@@ -264,7 +258,7 @@ def _draw_time(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.set(xlabel="time per impact (µs)", xlim=(0.1, 1e5))
 
 
-def _draw_models(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_models(ax: Axes, d: Data) -> None:
     sides = {"coulomb": (-1, -1), "constant_restitution": (-1, -1), "appendix_a": (1, -1)}
     looks = ((BLACK, "o"), (BLUE, "s"), (RED, "D"))
     for (name, (_, _, word)), (colour, marker) in zip(LADDERS.items(), looks, strict=True):
@@ -274,16 +268,8 @@ def _draw_models(ax: Axes, d: dict[str, np.ndarray]) -> None:
         ax.plot(time, error, marker + "-", color=colour, lw=0.8, ms=3, label=f"{name}, {symbol}")
         for j, side in zip((0, -1), sides[name], strict=True):
             digits = rf"$10^{{{np.log10(value[j]):.0f}}}$" if word == "k_n" else f"{value[j]:g}"
-            ax.annotate(
-                digits,
-                (time[j], error[j]),
-                (4 * side, 0),
-                textcoords="offset points",
-                ha="left" if side > 0 else "right",
-                va="center",
-                fontsize=6.5,
-                color=colour,
-            )
+            look = {"ha": "left" if side > 0 else "right", "color": colour, **BESIDE}
+            ax.annotate(digits, (time[j], error[j]), (4 * side, 0), **look)
     ax.axvline(1e6 * d["rigid_seconds"], color="0.55", lw=0.8, ls="--")
     ax.text(1.25e6 * d["rigid_seconds"], 2e-5, "rigid map, compiled", fontsize=6.5, rotation=90)
     ax.set(xscale="log", yscale="log", xlabel="time per impact (µs)", ylim=(1e-7, 10))
@@ -292,13 +278,10 @@ def _draw_models(ax: Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.9), width_ratios=(1, 1, 1))
-    panels = (_draw_steps, _draw_time, _draw_models)
-    titles = ("integration, steps", "integration, time", "model, time")
-    for ax, letter, panel, title in zip(axes, "abc", panels, titles, strict=True):
-        panel(ax, d)
-        name_panel(ax, letter, title)
+    panels = {"integration, steps": _draw_steps, "integration, time": _draw_time}
+    paint(axes, panels | {"model, time": _draw_models}, d)
     words = ["cheapest way to an integration error (a, b); others that do; others that do not"]
     figure.supxlabel("\n".join(words + _advice(d)), fontsize=6)
     return figure

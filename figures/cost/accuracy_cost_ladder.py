@@ -11,8 +11,6 @@ deviation the symbol is open. The time is that of one start.
 """
 
 import os
-from statistics import median
-from time import perf_counter
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -26,45 +24,46 @@ from md.accuracy import steps_per_contact
 from md.scene import Scene, both, from_tables, put, read_tables
 from md.sweep import Point, Sweep
 
-from ..lib.row_runs import (
+from ..lib.runs import (
+    BOX,
     COUNT,
     FRICTION,
     GAMMA,
     RESTITUTION,
-    computed,
+    gathered,
     over_seeds,
     paper_rod,
-    store,
 )
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, style
-from ..lib.timing import machine_line
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, style
+from ..lib.tables import table
+from ..lib.timing import machine_line, medians, repeated, seconds_per_period
 
-BOX = 43.0
-TILT = np.arccos(COUNT / BOX)
-USUAL = 36  # steps a contact
+ROW_TILT = np.arccos(COUNT / BOX)
+USUAL_STEPS = 36  # steps a contact
 
 
 PRINTED = both(law="appendix_a", restitution="none")
 CONSTRAINT = {"contacts.plate.law": "coulomb"}
 ROWS = {  # group: label: (steps a contact, what the scene changes)
-    "step": {rf"$t_c/{n}$": (n, {}) for n in (13, 18, 25, USUAL, 72)},
+    "step": {rf"$t_c/{n}$": (n, {}) for n in (13, 18, 25, USUAL_STEPS, 72)},
     "stiffness": {
-        rf"$k_n=5\cdot10^{n}$": (USUAL, both(stiffness=5.0 * 10**n)) for n in (3, 4, 5, 7)
+        rf"$k_n=5\cdot10^{n}$": (USUAL_STEPS, both(stiffness=5.0 * 10**n)) for n in (3, 4, 5, 7)
     },
     "contact law": {
-        "App. A": (USUAL, PRINTED),
-        "springs 3": (USUAL, both(tangential_ratio=3)),
-        "Coulomb": (USUAL, CONSTRAINT),
-        r"$\epsilon=0.8$": (USUAL, both(restitution=0.8)),
+        "App. A": (USUAL_STEPS, PRINTED),
+        "springs 3": (USUAL_STEPS, both(tangential_ratio=3)),
+        "Coulomb": (USUAL_STEPS, CONSTRAINT),
+        r"$\epsilon=0.8$": (USUAL_STEPS, both(restitution=0.8)),
     },
     "rods": {
-        rf"$N={n}$": (USUAL, {"rods.count": n, "box.length": n * BOX / COUNT}) for n in (5, 10, 160)
+        rf"$N={n}$": (USUAL_STEPS, {"rods.count": n, "box.length": n * BOX / COUNT})
+        for n in (5, 10, 160)
     },
 }
-LENGTHS = (3, 30)  # periods, at the usual step
+RUN_LENGTHS = (3, 30)  # periods, at the usual step
 STARTS = 8  # of each row: its error is known to a quarter
-PERIODS = {True: 400, False: 1000}  # quick or not; also of each start of the trusted answer
-TRUSTED = (USUAL, {**both(stiffness=5e7), **CONSTRAINT})
+LADDER_PERIODS = {True: 400, False: 1000}  # quick or not; also of each start of the trusted answer
+TRUSTED = (USUAL_STEPS, {**both(stiffness=5e7), **CONSTRAINT})
 LANDINGS = (30, 300, 3000, 100_000)  # of one rigid rod
 
 
@@ -78,9 +77,9 @@ def scene(per_contact: float, changes: dict, seed: int = 1) -> Scene:
 
 def rungs(quick: bool) -> dict[tuple[str, str], tuple[float, dict, int]]:
     """Rows by group and label: steps a contact, changes of the scene, periods."""
-    found = {("length", f"{n} periods"): (USUAL, {}, n) for n in LENGTHS}
+    found = {("length", f"{n} periods"): (USUAL_STEPS, {}, n) for n in RUN_LENGTHS}
     return found | {
-        (group, label): (*how, PERIODS[quick])
+        (group, label): (*how, LADDER_PERIODS[quick])
         for group, rows in ROWS.items()
         for label, how in rows.items()
     }
@@ -94,64 +93,51 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
         points = [Point(scene(n, to, seed), periods) for n, to, periods in rows for seed in seeds]
         return Sweep(({"row": rows}, {"start.seed": seeds}), tuple(points))
 
-    trusted = [(*TRUSTED, PERIODS[quick])]
+    trusted = [(*TRUSTED, LADDER_PERIODS[quick])]
     return {"rows": starts(list(rungs(quick).values())), "trusted": starts(trusted)}
-
-
-def _seconds(per_contact: float, changes: dict, periods: int) -> float:
-    """Of one start, with nothing beside it."""
-    one = scene(per_contact, changes)
-    md.run(one, periods=1, ledger=False)  # compiles
-    return md.run(one, periods=periods, ledger=False).run_seconds
 
 
 def _closed(speed: float, calls: int) -> tuple[float, ...]:
     """Closed form with the assumed V_z, and the seconds of each of `calls` in one array."""
-    rod, seconds = paper_rod(np.full(calls, TILT)) if calls > 1 else paper_rod(TILT), []
-    for _ in range(21):
-        begin = perf_counter()
-        found = drift(rod, friction=FRICTION, restitution=RESTITUTION, plate_velocity=speed / 2)
-        seconds.append((perf_counter() - begin) / calls)
-    return float(np.ravel(found.c_x)[0]), 0.0, 0.0, median(seconds)
+    rod = paper_rod(np.full(calls, ROW_TILT) if calls > 1 else ROW_TILT)
+    how = {"friction": FRICTION, "restitution": RESTITUTION, "plate_velocity": speed / 2}
+    call = repeated(lambda: drift(rod, **how))
+    return float(np.ravel(call(1).c_x)[0]), 0.0, 0.0, medians([call], 21)[0] / calls
 
 
 def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
     """One rigid rod, exact flights and impacts."""
     from impact.bouncing import bounce  # compiles
 
-    setting = {"gamma": GAMMA, "friction": FRICTION, "restitution": RESTITUTION}
+    how = {"gamma": GAMMA, "friction": FRICTION, "restitution": RESTITUTION}
     rods = 10 if landings < 1000 else 50
-    how = {"rods": rods, "landings": max(landings // rods, 3), "transient": 20}
-    bounce(paper_rod(TILT), **setting, shortest_flight=0.1, **how)
-    begin = perf_counter()
-    found = bounce(paper_rod(TILT), **setting, shortest_flight=0.1, **how)
-    seconds = perf_counter() - begin
-    error = speed * found.drift.error
-    return speed * found.drift.mean, error, error, seconds
+    how |= {"rods": rods, "landings": max(landings // rods, 3), "transient": 20}
+    call = repeated(lambda: bounce(paper_rod(ROW_TILT), **how, shortest_flight=0.1))
+    found = call(1).drift
+    return speed * found.mean, *[speed * found.error] * 2, medians([call], 1)[0]
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Answers [sqrt(g d)] with errors and the scatter of one start, seconds, group and label."""
     load, speed = os.getloadavg()[0], md.load("quasi2d").plate_speed
     entries = [("theory", "(24), $V_0/2$", *_closed(speed, 1))]
     entries.append(("theory", "in an array", *_closed(speed, 100_000)))
-    for n in LANDINGS:
-        entries.append(("one rigid rod", f"{n} landings", *_bouncing(n, speed)))
-    rows, trusted = (computed(sweep) for sweep in sweeps(quick).values())
-    means, errors = over_seeds(rows.gather(store(), "c_x")[0])
-    for i, (name, how) in enumerate(rungs(quick).items()):
-        entries.append((*name, means[i], errors[i], errors[i] * np.sqrt(STARTS), _seconds(*how)))
-    drifts, spent = trusted.gather(store(), "c_x", "run_seconds")
+    entries += [("one rigid rod", f"{n} landings", *_bouncing(n, speed)) for n in LANDINGS]
+    plan, every = sweeps(quick), rungs(quick)
+    means, errors = over_seeds(gathered(plan["rows"], "c_x")[0])
+    periods = np.array([how[2] for how in every.values()])
+    seconds = periods * seconds_per_period([scene(*how[:2]) for how in every.values()])
+    entries += [
+        (*name, mean, error, error * np.sqrt(STARTS), spent)
+        for name, mean, error, spent in zip(every, means, errors, seconds, strict=True)
+    ]
+    drifts, spent = gathered(plan["trusted"], "c_x", "run_seconds")
     (truth,), (spread,) = over_seeds(drifts)
-    group, label, answer, error, scatter, seconds = zip(*entries, strict=True)
+    names = "group", "label", "answer", "error", "scatter", "seconds"
+    columns = map(np.array, zip(*entries, strict=True))
     return {
         "load": np.float64(load),
-        "group": np.array(group),
-        "label": np.array(label),
-        "answer": np.array(answer),
-        "error": np.array(error),
-        "scatter": np.array(scatter),
-        "seconds": np.array(seconds),
+        **dict(zip(names, columns, strict=True)),
         "trusted": np.array([truth, spread, spent.sum()]),
     }
 
@@ -167,13 +153,13 @@ LOOKS = {
 }
 
 
-def deviations(d: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def deviations(d: Data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Relative deviation from the trusted answer, its standard error, scatter of one start."""
     truth, spread, _ = d["trusted"]
     return d["answer"] / truth - 1, np.hypot(d["error"], spread) / truth, d["scatter"] / truth
 
 
-def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def panel(ax: Axes, d: Data) -> None:
     """Deviation against time, a colour a group."""
     off, error, _ = deviations(d)
     size = np.fmax(np.abs(off), 3e-4)
@@ -194,23 +180,12 @@ def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.legend(handles, labels, fontsize=6, loc="lower left", title="varied", title_fontsize=6)
 
 
-def _name_points(ax: Axes, x: np.ndarray, y: np.ndarray, d: dict[str, np.ndarray]) -> None:
+def _name_points(ax: Axes, x: np.ndarray, y: np.ndarray, d: Data) -> None:
     """Names beside the points, each where it hides least of points and other names."""
     draws = ax.figure.canvas.get_renderer()
     points = ax.transData.transform(np.column_stack([x, y]))
     taken = [Bbox.from_bounds(*(point - 4), 8, 8) for point in points]
-    sides = [
-        (5, 0),
-        (-5, 0),
-        (5, 6),
-        (-5, 6),
-        (5, -6),
-        (-5, -6),
-        (0, 9),
-        (0, -9),
-        (5, 13),
-        (-5, 13),
-    ]
+    sides = [(dx, dy) for dy in (0, 6, -6, 13) for dx in (5, -5)] + [(0, 9), (0, -9)]
     for at, label, group in zip(zip(x, y, strict=True), d["label"], d["group"], strict=True):
         name = ax.annotate(
             label, at, textcoords="offset points", va="center", fontsize=5, xytext=(0, 0),
@@ -232,7 +207,7 @@ def _put(name: Annotation, side: tuple[int, int]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, ax = plt.subplots(figsize=(7.0, 4.2))
     panel(ax, d)
     truth, spread, seconds = d["trusted"]
@@ -246,18 +221,18 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     return figure
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """A line a rung."""
     off, error, scatter = deviations(d)
     truth, spread, seconds = d["trusted"]
-    lines = [
+    labels = [str(x).replace("$", "").replace("\\epsilon", "restitution ") for x in d["label"]]
+    answers = zip(d["answer"], d["error"], strict=True)
+    shares = [f"{a:+.1%} ± {b:.1%}" for a, b in zip(off, error, strict=True)]
+    heads = "varied", "", "seconds", "c_x", "deviation", "scatter of one start"
+    columns = map(str, d["group"]), labels, d["seconds"], answers, shares
+    rows = zip(*columns, [f"{x:.1%}" for x in scatter], strict=True)
+    return "\n".join([
         f"{machine_line(float(d['load']))}; 1 core used",
-        f"trusted: {truth:.5f} +- {spread:.5f} sqrt(g d) in {seconds:.1f} s; scatter: of one start",
-    ]
-    for i, label in enumerate(d["label"]):
-        plain = str(label).replace("$", "").replace("\\epsilon", "restitution ")
-        lines.append(
-            f"{d['group'][i]:14} {plain:16} {d['seconds'][i]:9.2e} s  {d['answer'][i]:.4f}"
-            f" +- {d['error'][i]:.4f}  {off[i]:+8.1%} +- {error[i]:.1%}, scatter {scatter[i]:.1%}"
-        )
-    return "\n".join(lines)
+        f"trusted: {truth:.5f} ± {spread:.5f} sqrt(g d) in {seconds:.1f} s",
+        table(heads, rows, (0, 0, ".1e", 4, 0, 0)),
+    ])  # fmt: skip

@@ -2,18 +2,14 @@
 
 Random impacts under Newton's law, velocities and friction log-uniform over six decades; errors
 relative to the largest velocity that takes part. Full symbols: largest error, open ones: median.
-(a) everything; (b) the same with mpmath left out. Look from left to right: the gap between the
-vertical line, the bytes in and out of an impact copied once, and the compiled loop is what it
-costs beyond memory; `collide` adds its fresh result arrays. NumPy gives the same digits, bit for
-bit, some times slower; float32 saves memory only, since the work is done in float64. The printed
-formulas lie at the same median, but in the Painleve region not one digit of theirs is right.
-Integrating the impulse equations with stop and separation located as events gives nearly all
-digits, thousands of times slower; smoothing Coulomb's law over a narrow range of slip instead (the
-chain of symbols: ever narrower, and with a smaller tolerance) gains a digit for a digit and little
-in price, but never reaches them all. Digits beyond float64 (mpmath) all cost about the same.
+(a) everything; (b) the same with mpmath left out. Vertical line: the bytes in and out of an impact,
+copied once. The compiled loop fills given arrays, `collide` makes fresh ones; float32 saves memory
+only, since the work is done in float64. "As printed": the paper's formulas, mistakes corrected.
+solve_ivp integrates the impulse equations, with stop and separation located as events, or with
+Coulomb's law smoothed over a range of slip (the chain of symbols: ever narrower, and with a smaller
+tolerance). mpmath: digits beyond float64.
 """
 
-from collections.abc import Callable
 from statistics import median
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -27,15 +23,18 @@ from scipy.integrate import solve_ivp
 from impact import collide
 from impact.benchmark import BYTES, random_impacts
 
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
-from .many_digits import FIELDS, Impacts, exact, literal, reference
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
+from ..lib.timing import medians, repeated
+from .exact_impacts import FIELDS, Impacts, exact, literal, reference
 
 DIGITS = (15, 30, 60, 100)
-TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of the smoothed friction
+SMOOTH_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of the smoothed friction
 EVENT_TOLERANCES = (1e-3, 1e-6, 1e-10)
-ARRAYS = ("NumPy, float64", "NumPy, float32", "compiled, float64", "compiled, float32",
-          "compiled loop, float64", "as printed, float64")  # fmt: skip
-RUNS = 7
+ARRAYS = (
+    *("NumPy, float64", "NumPy, float32", "compiled, float64", "compiled, float32"),
+    *("compiled loop, float64", "as printed, float64"),
+)
+TIMED_RUNS = 7
 PURPLE = "#CC79A7"
 
 
@@ -47,18 +46,6 @@ class Outcome(NamedTuple):
     P_x: Any
     P_z: Any
     omega: Any
-
-
-def _median_seconds(*calls: Callable[[], Any]) -> list[float]:
-    """Medians of several runs of each, in turn, after one that does not count."""
-    times = []
-    for _ in range(1 + RUNS):
-        times.append([])
-        for call in calls:
-            start = perf_counter()
-            call()
-            times[-1].append(perf_counter() - start)
-    return [median(of_one) for of_one in zip(*times[1:], strict=True)]
 
 
 def integrate(row: Any, tolerance: float, width: float = 0.0) -> Outcome:
@@ -112,7 +99,7 @@ def integrate(row: Any, tolerance: float, width: float = 0.0) -> Outcome:
     return Outcome(c_x + P_x, c_z + P_z, P_x, P_z, omega + (X * P_z - Z * P_x) / (k * k))
 
 
-def _arrays(n: int, checked: int) -> dict[str, np.ndarray]:
+def _arrays(n: int, checked: int) -> Data:
     """Times [s] and errors, shape (2, ...), of everything that takes whole arrays."""
     from impact import compiled
 
@@ -150,7 +137,8 @@ def _arrays(n: int, checked: int) -> dict[str, np.ndarray]:
     source = np.zeros(BYTES * n // 2 + 1, np.uint8)
     target = np.empty_like(source)
     functions = [calls[name][1] for name in ARRAYS]
-    *seconds, copy = _median_seconds(*functions, lambda: np.copyto(target, source))
+    timed = [*functions, lambda: np.copyto(target, source)]
+    *seconds, copy = medians([repeated(call) for call in timed], TIMED_RUNS)
     return {
         "array_seconds": np.array(seconds) / n,
         "array_error": np.array(errors).T,
@@ -159,7 +147,7 @@ def _arrays(n: int, checked: int) -> dict[str, np.ndarray]:
     }
 
 
-def _many_digits(n: int) -> dict[str, np.ndarray]:
+def _many_digits(n: int) -> Data:
     """The generated forms on mpmath numbers, against themselves at 150 digits."""
     rows = list(zip(*(column.tolist() for column in random_impacts(n, seed=6)), strict=True))
     scales = reference(Impacts(*random_impacts(n, seed=6))).scale
@@ -169,7 +157,8 @@ def _many_digits(n: int) -> dict[str, np.ndarray]:
     for digits in DIGITS:
         with mpmath.workdps(digits):
             numbers = [[mpmath.mpf(x) for x in row] for row in rows]
-            seconds.append(_median_seconds(lambda numbers=numbers: [*map(exact, numbers)])[0] / n)
+            every = repeated(lambda numbers=numbers: [*map(exact, numbers)])
+            seconds.append(medians([every], TIMED_RUNS)[0] / n)
             got = [exact(row)[1] for row in numbers]
         with mpmath.workdps(150):
             worst = [
@@ -180,12 +169,12 @@ def _many_digits(n: int) -> dict[str, np.ndarray]:
     return {"mpmath_seconds": np.array(seconds), "mpmath_error": np.array(errors).T}
 
 
-def _integrated(n: int) -> dict[str, np.ndarray]:
+def _integrated(n: int) -> Data:
     """The impulse equations as ordinary differential equations."""
     impacts = Impacts(*random_impacts(n, seed=7))
     rows, true = list(zip(*impacts, strict=True)), reference(impacts)
     found = {}
-    for name, tolerances in (("events", EVENT_TOLERANCES), ("smooth", TOLERANCES)):
+    for name, tolerances in (("events", EVENT_TOLERANCES), ("smooth", SMOOTH_TOLERANCES)):
         seconds, errors = [], []
         for tolerance in tolerances:
             start = perf_counter()
@@ -198,9 +187,7 @@ def _integrated(n: int) -> dict[str, np.ndarray]:
     return found
 
 
-def data(
-    quick: bool = False, impacts: int | None = None, slow_impacts: int | None = None
-) -> dict[str, np.ndarray]:
+def data(quick: bool = False, impacts: int | None = None, slow_impacts: int | None = None) -> Data:
     """Seconds per impact, largest and median error; `slow_impacts` go through `solve_ivp`."""
     n, few = impacts or (100_000 if quick else 1_000_000), slow_impacts or (16 if quick else 48)
     return {
@@ -224,7 +211,7 @@ _SERIES = (  # label, colour, marker, where the numbers are
 )
 
 
-def _panel(ax: Axes, d: dict[str, np.ndarray], without: tuple[str, ...] = ()) -> None:
+def _panel(ax: Axes, d: Data, without: tuple[str, ...] = ()) -> None:
     for label, colour, marker, group, part in _SERIES:
         if group in without:
             continue
@@ -242,12 +229,11 @@ def _panel(ax: Axes, d: dict[str, np.ndarray], without: tuple[str, ...] = ()) ->
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 3.9), width_ratios=(1, 1.35))
     _panel(left, d)
     _panel(right, d, without=("mpmath",))
-    name_panel(left, "a", "all")
-    name_panel(right, "b", "in and around float64")
+    name_panels((left, right), ("all", "in and around float64"))
     for digits, time, error in zip(DIGITS, d["mpmath_seconds"], d["mpmath_error"][1], strict=True):
         left.annotate(f"{digits}", (1e9 * time, error), (-6, 0), textcoords="offset points",
                       ha="right", va="center", fontsize=6, color=GREEN)  # fmt: skip

@@ -2,13 +2,11 @@
 
 Top: a thin rod (c_x = 1, c_z = -1, omega = 0.7/l, restitution 0.8); each pixel shows the worst of
 c_x' and c_z' over a few impacts inside it, the only two for which the paper prints formulas. Their
-mistakes are corrected, (12), (13) and (21), but nothing is rewritten. Look at the upper left of the
-second panel: beyond the dotted line, in the Painleve region, (14) takes a contact that stops and
-sticks for a slide of negative impulse, and no digit is right. Elsewhere the printed formulas are as
-good as ours at impacts like these; what they lose near grazing, at extreme scales and in small
-differences of velocities takes random impacts, or hard ones, to be seen. Beneath: all results
-(velocities, spin, impulses) over random impacts of any sign, velocities and friction log-uniform
-over six decades, from near-spheres to long spherocylinders.
+mistakes are corrected, (12), (13) and (21), but nothing is rewritten. Dotted: the Painleve region,
+where (14) takes a contact that stops and sticks for a slide of negative impulse, and no digit of
+the printed formulas is right. Beneath: all results (velocities, spin, impulses) over random impacts
+of any sign, velocities and friction log-uniform over six decades, from near-spheres to long
+spherocylinders.
 """
 
 import matplotlib.pyplot as plt
@@ -18,11 +16,12 @@ from matplotlib.colors import BoundaryNorm
 from impact import collide, critical_friction, slide_friction, thin_rod
 from impact.benchmark import random_impacts
 
-from ..lib.style import name_panel, style, tilt_axis
-from .many_digits import LAWS, REGIMES, Impacts, literal, painleve_sum, reference
+from ..lib.style import RESTITUTION_LAWS, Data, name_panel, style, tilt_axis
+from ..lib.tables import table as text_table
+from .exact_impacts import SLIP_REGIMES, Impacts, literal, painleve_sum, reference
 
-LEVELS = (0, 0.5, 1, 2, 4, 16, 256, 1e4, 1e8, 1e16)  # of the colours, ulp
-PRINTED = ("c_x", "c_z")  # what the paper has formulas for
+ULP_LEVELS = (0, 0.5, 1, 2, 4, 16, 256, 1e4, 1e8, 1e16)  # of the colours, ulp
+PRINTED_FIELDS = ("c_x", "c_z")  # what the paper has formulas for
 _NAMES = ("slide", "slip-stick", "slip reversal")
 
 
@@ -30,7 +29,7 @@ def _cells(low: float, high: float, n: int) -> np.ndarray:
     return np.linspace(low, high, n + 1)
 
 
-def _map(cells: tuple[int, int], samples: int) -> dict[str, np.ndarray]:
+def _map(cells: tuple[int, int], samples: int) -> Data:
     """Largest error of both in every cell of a map over tilt and log10 of friction."""
     rng = np.random.default_rng(0)
     tilt, decade = _cells(-np.pi / 2, np.pi / 2, cells[0]), _cells(-3, 3, cells[1])
@@ -49,13 +48,13 @@ def _map(cells: tuple[int, int], samples: int) -> dict[str, np.ndarray]:
     return {
         "tilt": tilt,
         "friction": 10**decade,
-        "ours": worst(ours, PRINTED),
+        "ours": worst(ours, PRINTED_FIELDS),
         "ours_all_fields": worst(ours),
-        "literal": worst(literal(impacts), PRINTED),
+        "literal": worst(literal(impacts), PRINTED_FIELDS),
     }
 
 
-def _lines(points: int) -> dict[str, np.ndarray]:
+def _lines(points: int) -> Data:
     """Friction at the boundaries of the regimes and of the Painleve region, over tilt."""
     tilt = np.linspace(-np.pi / 2, np.pi / 2, points)
     rod = thin_rod(tilt)
@@ -75,18 +74,18 @@ def _lines(points: int) -> dict[str, np.ndarray]:
     }
 
 
-def table(n: int) -> dict[str, np.ndarray]:
+def table(n: int) -> Data:
     """Largest and mean error over random impacts, shape (laws, regimes)."""
     impacts = Impacts(*random_impacts(n, seed=3))
-    count = np.zeros(len(REGIMES), int)
-    largest, mean = np.zeros((2, len(LAWS), len(REGIMES)))
-    compared = np.zeros((3, 2, len(REGIMES)))  # ours, as printed, as printed where N > 0
+    count = np.zeros(len(SLIP_REGIMES), int)
+    largest, mean = np.zeros((2, len(RESTITUTION_LAWS), len(SLIP_REGIMES)))
+    compared = np.zeros((3, 2, len(SLIP_REGIMES)))  # ours, as printed, as printed where N > 0
     paper, plain = literal(impacts), painleve_sum(impacts) > 0
-    for i, law in enumerate(LAWS):
+    for i, law in enumerate(RESTITUTION_LAWS):
         true, got = reference(impacts, law), impacts.collide(collide, law)
         error = true.ulp(got)
-        both = [true.ulp(values, PRINTED) for values in (got, paper)] if i == 0 else []
-        for j, regime in enumerate(REGIMES):
+        both = [true.ulp(values, PRINTED_FIELDS) for values in (got, paper)] if i == 0 else []
+        for j, regime in enumerate(SLIP_REGIMES):
             here = true.regime == regime
             count[j] = here.sum()
             largest[i, j], mean[i, j] = error[here].max(), error[here].mean()
@@ -101,7 +100,7 @@ def data(
     cells: tuple[int, int] | None = None,
     samples: int | None = None,
     impacts: int | None = None,
-) -> dict[str, np.ndarray]:
+) -> Data:
     """Errors on the map, shape (friction, tilt), its boundary lines, and the table."""
     cells = cells or ((60, 40) if quick else (180, 120))
     return {
@@ -115,9 +114,9 @@ def _cell(value: float) -> str:
     return f"{value:.2f}" if value < 1e3 else f"{value:.1e}"
 
 
-def _rows(d: dict[str, np.ndarray]) -> list[list[str]]:
+def _rows(d: Data) -> list[list[str]]:
     """The table: one row a law, largest and mean by regime."""
-    names = [f"all results, {law}" for law in LAWS]
+    names = [f"all results, {law}" for law in RESTITUTION_LAWS]
     names += ["c_x', c_z', newton", "the same, as printed", "as printed, no Painleve"]
     highs = [*d["table_max"], *d["compared"][:, 0]]
     rows = zip(names, highs, [*d["table_mean"], *d["compared"][:, 1]], strict=True)
@@ -127,29 +126,20 @@ def _rows(d: dict[str, np.ndarray]) -> list[list[str]]:
     ]
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """The table as text."""
-    regimes = [f"{name} ({n})" for name, n in zip(_NAMES, d["count"], strict=True)]
-    lines = [
-        f"error in ulp, largest and mean over {d['count'].sum()} random impacts",
-        f"{'':24}" + "".join(f"{regime:>24}" for regime in regimes),
-    ]
-    for name, *cells in _rows(d):
-        lines.append(f"{name:24}" + "".join(f"{cell:>12}" for cell in cells))
-    return "\n".join(lines)
+    heads = [f"{name} ({n}): largest" for name, n in zip(_NAMES, d["count"], strict=True)]
+    heads = [head for pair in zip(heads, ["mean"] * 3, strict=True) for head in pair]
+    title = f"error in ulp, largest and mean over {d['count'].sum()} random impacts"
+    return f"{title}\n{text_table(('', *heads), _rows(d))}"
 
 
-def _draw_table(ax: plt.Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_table(ax: plt.Axes, d: Data) -> None:
     columns = [f"{name}\n{what}" for name in _NAMES for what in ("largest", "mean")]
     rows = _rows(d)
-    table = ax.table(
-        [row[1:] for row in rows],
-        rowLabels=[row[0].replace("c_x', c_z'", "$c_x'$, $c_z'$") for row in rows],
-        colLabels=columns,
-        cellLoc="center",
-        edges="horizontal",
-        bbox=(0.12, 0, 0.88, 1),
-    )
+    names = [row[0].replace("c_x', c_z'", "$c_x'$, $c_z'$") for row in rows]
+    look = {"cellLoc": "center", "edges": "horizontal", "bbox": (0.12, 0, 0.88, 1)}
+    table = ax.table([row[1:] for row in rows], rowLabels=names, colLabels=columns, **look)
     table.auto_set_font_size(False)
     table.set_fontsize(7)
     for (row, _), cell in table.get_celld().items():
@@ -161,23 +151,18 @@ def _draw_table(ax: plt.Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure = plt.figure(figsize=(7.0, 4.8))
     grid = figure.add_gridspec(2, 2, height_ratios=(2.1, 1))
     axes = [figure.add_subplot(grid[0, 0])]
     axes.append(figure.add_subplot(grid[0, 1], sharey=axes[0]))
-    norm = BoundaryNorm(LEVELS, 256)
+    norm = BoundaryNorm(ULP_LEVELS, 256)
     line = np.degrees(d["line_tilt"])
     titles = (("ours", "impact.collide"), ("literal", "formulas as printed, mistakes corrected"))
     for letter, ax, (key, title) in zip("ab", axes, titles, strict=True):
-        fill = ax.pcolormesh(
-            np.degrees(d["tilt"]),
-            d["friction"],
-            np.minimum(d[key], 0.99e16),
-            cmap="viridis",
-            norm=norm,
-            rasterized=True,
-        )
+        look = {"cmap": "viridis", "norm": norm, "rasterized": True}
+        worst = np.minimum(d[key], 0.99e16)
+        fill = ax.pcolormesh(np.degrees(d["tilt"]), d["friction"], worst, **look)
         ax.plot(line, d["slide_friction"], "w-", label=r"$u_*=0$, Eq. (14)")
         ax.plot(line, d["critical_friction"], "w--", label=r"$\mu(k^2+Z^2)=XZ$, Eq. (16)")
         ax.plot(line, d["painleve_friction"], "w:", label=r"$k^2+X^2+\mu XZ=0$")
@@ -186,15 +171,9 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         name_panel(ax, letter, title)
     axes[0].set_ylabel(r"friction $\mu$")
     axes[1].tick_params(labelleft=False)
-    figure.colorbar(
-        fill,
-        ax=axes,
-        label="largest error (ulp)",
-        ticks=LEVELS,
-        spacing="uniform",
-        format=lambda x, _: f"{x:g}" if x < 1e3 else f"$10^{{{round(np.log10(x))}}}$",
-        pad=0.01,
-    )
+    look = {"label": "largest error (ulp)", "ticks": ULP_LEVELS, "spacing": "uniform", "pad": 0.01}
+    look["format"] = lambda x, _: f"{x:g}" if x < 1e3 else f"$10^{{{round(np.log10(x))}}}$"
+    figure.colorbar(fill, ax=axes, **look)
     axes[0].legend(loc="lower left", labelcolor="white", fontsize=6)
     _draw_table(figure.add_subplot(grid[1, :]), d)
     return figure

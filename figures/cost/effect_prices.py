@@ -1,14 +1,14 @@
 """What each effect of a scene costs in a step of a rod, and what leaving it out does to the drift.
 
-All variants of `effects` go on from the same places of one settled run, a short way from each, at
-one step, so that who touches whom is nearly the same. Where the plate is at rest the places are
-taken in its frame; without a plate the rods fall freely. Alone: an effect on top of the barest
-scene in which it makes sense. Within: the full scene less the full scene without the effect and
-what needs it. Below them one thing in the place of another, then effects of the size zero against a
-scene that does not name them: the same compiled kernel, so that these bars show the error of all.
+All of `scene_variants` go on from the same places of one settled run, a short way from each, at one
+step, so that who touches whom is nearly the same. Where the plate is at rest the places are taken
+in its frame; without a plate the rods fall freely. Alone: an effect on top of the barest scene in
+which it makes sense. Within: the full scene less the full scene without the effect and what needs
+it. Below them one thing in the place of another, then effects of the size zero against a scene that
+does not name them: the same compiled kernel, so that these bars show the error of all.
 
 Drift: that of the changed scene less that of the full one, over seeds. Without gravity, plate, box
-or contacts of rods no row is left to drift; what only looks on does not change the rods by a bit.
+or contacts of rods no row is left to drift; what only measures does not change the rods by a bit.
 """
 
 import os
@@ -27,17 +27,22 @@ from md.kernels.codes import C_Z, Z
 from md.kernels.plane import Series
 from md.sweep import Sweep
 
-from ..lib.row_runs import computed, means, planned
-from ..lib.style import BLUE, ORANGE, style
+from ..lib.runs import means, planned
+from ..lib.style import BLUE, ORANGE, Data, style
+from ..lib.tables import table
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
-from .effects import FULL, GROUPS, NOTHING, STEP, Effect, Variant, variants
+from .scene_variants import FULL, GROUPS, NOTHING, STEP_SIZE, Effect, Variant, variants
 
 Place = tuple[dict[str, np.ndarray], int]  # all that changes in a run, and the number of its step
 PLACES = 8  # evenly over the plate's cycle, more than a period apart
 PART = 16  # of a period: how far each variant goes from each place
-WARM = 32  # steps before, that bring all into the cache
-BLOCKS, ROUNDS, SETTLE = {True: 30, False: 100}, {True: 5, False: 8}, {True: 10, False: 50}
-SEEDS, PERIODS = {True: 8, False: 16}, {True: 100, False: 300}  # of the drift
+WARM_STEPS = 32  # steps before, that bring all into the cache
+PRICE_BLOCKS, ROUNDS, PRICE_SETTLE = (
+    {True: 30, False: 100},
+    {True: 5, False: 8},
+    {True: 10, False: 50},
+)
+DRIFT_SEEDS, DRIFT_PERIODS = {True: 8, False: 16}, {True: 100, False: 300}  # of the drift
 BARE = Variant(NOTHING, frozenset())
 
 
@@ -48,9 +53,9 @@ def rows() -> dict[str, Effect]:
 
 def _series(engine: Engine, variant: Variant) -> Series | None:
     """Means to be sampled, as a run does."""
-    if "series" not in variant.watchers:
+    if "series" not in variant.diagnostics:
         return None
-    return engine.series(SETTLE[False] + 2 * PLACES)
+    return engine.series(PRICE_SETTLE[False] + 2 * PLACES)
 
 
 def _settled(settle: int) -> tuple[list[Place], list[Place]]:
@@ -76,7 +81,7 @@ def _call(engine: Engine, variant: Variant, places: list[Place], steps: int) -> 
 
     def sample(place: int) -> float:
         engine.restore(*places[place])
-        engine.go(WARM, series)
+        engine.go(WARM_STEPS, series)
         begin = perf_counter()
         engine.go(0, series)
         between = perf_counter()
@@ -102,7 +107,7 @@ def _samples(every: list[Variant], moving: list[Place], still: list[Place], quic
         return calls
 
     with reloading() as again:
-        return interleaved(anew, BLOCKS[quick], ROUNDS[quick], PLACES)
+        return interleaved(anew, PRICE_BLOCKS[quick], ROUNDS[quick], PLACES)
 
 
 def _kernel(engine: Engine, variant: Variant) -> tuple:
@@ -115,9 +120,9 @@ def sweeps(quick: bool = False) -> dict[int, Sweep]:
     """Over seeds: of the full scene, 0, then of each scene whose drift is asked for, by its row."""
     wanted = {0: FULL}
     wanted |= {i: effect.changed for i, effect in enumerate(rows().values(), 1) if effect.drifts}
-    seeds = [{"start.seed": list(range(1, SEEDS[quick] + 1))}]
+    seeds = [{"start.seed": list(range(1, DRIFT_SEEDS[quick] + 1))}]
     return {
-        i: planned(seeds, PERIODS[quick], {"step.size": STEP, **variant.changes})
+        i: planned(seeds, DRIFT_PERIODS[quick], {"step.size": STEP_SIZE, **variant.changes})
         for i, variant in wanted.items()
     }
 
@@ -129,13 +134,13 @@ def _drifts(quick: bool) -> np.ndarray:
         sweeps(quick).items(), desc="drift", unit="scene", disable=None, leave=False, delay=2
     )
     for i, sweep in bar:
-        mean = means(computed(sweep), {"drift": "c_x"})
+        mean = means(sweep, {"drift": "c_x"})
         unit = sweep.points[0].scene.cm_per_s
         found[:, i] = np.array([mean["drift"], mean["drift_error"]]) * unit
     return found
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Prices in ns per step of a rod, (value, error, interquartile range) of each row."""
     load, effects, begin = os.getloadavg()[0], rows().values(), perf_counter()
     every = variants([*effects, Effect((BARE, BARE), (FULL, FULL))])
@@ -144,7 +149,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     for engine, variant in tqdm(couples, desc="compiling", disable=None, leave=False, delay=2):
         engine.go(0, _series(engine, variant))
     compiled = perf_counter() - begin
-    moving, still = _settled(SETTLE[quick])
+    moving, still = _settled(PRICE_SETTLE[quick])
     samples = _samples(every, moving, still, quick)
     times = 1e9 * steady(samples)
 
@@ -183,7 +188,7 @@ def plus_minus(value: float, error: float) -> str:
     return f"{round(value, 2) + 0.0:.2f} ± {ceil(100 * error) / 100:.2f}"
 
 
-def _changes(d: dict[str, np.ndarray]) -> list[str]:
+def _changes(d: Data) -> list[str]:
     """What happens to the drift, row by row, in words or in cm/s."""
     (full, *changed), (error, *errors) = d["drift"]
     words = []
@@ -197,7 +202,7 @@ def _changes(d: dict[str, np.ndarray]) -> list[str]:
     return words
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """Table of the prices and of the changes of the drift."""
     (full, error, spread), bare = d["full"], d["bare"][0]
     blocks, rounds, places, number = d["samples"].shape
@@ -210,21 +215,22 @@ def summary(d: dict[str, np.ndarray]) -> str:
     ]
     prices = zip(rows(), d["alone"], d["within"], _changes(d), strict=True)
     for group, effects in GROUPS.items():
-        lines.append(
-            f"{group + ', ns per step of a rod':34}{'alone':>21}{'within':>21}{'share':>8}"
-            f"{'change of c_x':>16}"
-        )
+        cells = []
         for _ in effects:
             name, *pair, change = next(prices)
-            cells = "".join(f"{f'{plus_minus(v, e)} ({s:.2f})':>21}" for v, e, s in pair)
-            lines.append(f"{name:34}{cells}{round(pair[1][0] / full, 3) + 0.0:8.1%}{change:>16}")
+            share = f"{round(pair[1][0] / full, 3) + 0.0:.1%}"
+            cells.append(
+                (name, *(f"{plus_minus(v, e)} ({s:.2f})" for v, e, s in pair), share, change)
+            )
+        heads = f"{group}, ns per step of a rod", "alone", "within", "share", "change of c_x"
+        lines.append(table(heads, cells))
     return "\n".join(lines)
 
 
 _LOOKS = (("alone", ORANGE, "alone, on the barest scene"), ("within", BLUE, "in the full scene"))
 
 
-def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def panel(ax: Axes, d: Data) -> None:
     """Bars of both prices with their errors, and what becomes of the drift at the right."""
     sizes = [len(group) for group in GROUPS.values()]
     y = np.arange(sum(sizes)) + 0.6 * np.repeat(range(len(sizes)), sizes)  # groups apart
@@ -260,7 +266,7 @@ def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, ax = plt.subplots(figsize=(7.0, 5.6))
     panel(ax, d)
     words = "errors of the median; drift −: no row is left without it"

@@ -5,12 +5,12 @@ import numpy as np
 import md
 from md.laws import contact_time
 
-from ..lib.impact_price import impact_call, price
+from ..lib.impact_times import impact_call, price
 from ..lib.soft_impacts import (
     APPROACH_RATIO,
-    FRICTION,
+    IMPACT_FRICTION,
     ROD,
-    TILTS,
+    TABLE_TILTS,
     distance,
     right,
     rigid,
@@ -18,7 +18,7 @@ from ..lib.soft_impacts import (
 )
 
 METHODS = ("leapfrog", "verlet", "gear")
-SCENES = np.radians([10, 25, 40, 65, 83, 87])  # two tilts in each regime
+TILTS_OF_REGIMES = np.radians([10, 25, 40, 65, 83, 87])  # two tilts in each regime
 OFFSETS = (np.arange(24) + 0.5) / 24  # of the touch within a step
 LADDERS = {  # law, values of the parameter, what it is
     "coulomb": (lambda k: md.coulomb(stiffness=k), 10.0 ** np.arange(5, 15), "k_n"),
@@ -29,19 +29,19 @@ LADDERS = {  # law, values of the parameter, what it is
     ),
     "appendix_a": (md.appendix_a, 10.0 ** np.arange(5, 15), "k_n"),
 }
-NEAR = 0.1  # of the model's error, left to the step
+STEP_SHARE = 0.1  # of the model's error, left to the step
 
 
 def one_impact(tilt: float, law: md.Law, **how) -> md.Impact:
     """The impact of `soft.simulate` at one tilt, speed 1."""
-    scene = {"friction": FRICTION, "rod": ROD, "law": law}
+    scene = {"friction": IMPACT_FRICTION, "rod": ROD, "law": law}
     return md.impact(float(tilt), 1 / APPROACH_RATIO, -1.0, **scene, **how)
 
 
 def velocities(law: md.Law, **how) -> tuple[np.ndarray, list[md.Impact]]:
-    """(c_x', c_z') of each of `SCENES`, nan where the step is refused or the run fails."""
+    """(c_x', c_z') at `TILTS_OF_REGIMES`; nan where the step is refused or the run fails."""
     hits, rows = [], []
-    for tilt in SCENES:
+    for tilt in TILTS_OF_REGIMES:
         try:
             hits.append(one_impact(tilt, law, **how))
             rows.append((hits[-1].c_x, hits[-1].c_z))
@@ -105,15 +105,15 @@ def _longest_step(law: md.Law) -> tuple[float, int, float]:
     """Error of the model, regimes right, and by how much to shorten the default step for it."""
 
     def error(refine):
-        soft = simulate(TILTS, law, refine=refine)
-        theory = rigid(TILTS, soft.restitution)
+        soft = simulate(TABLE_TILTS, law, refine=refine)
+        theory = rigid(TABLE_TILTS, soft.restitution)
         return distance(soft, theory), right(soft, theory)
 
     limit, regimes = error(32)
     refine = 8.0
     while refine > 1 / 16:
         try:
-            if not abs(error(refine / 2)[0] / limit - 1) < NEAR:
+            if not abs(error(refine / 2)[0] / limit - 1) < STEP_SHARE:
                 break
         except (ValueError, RuntimeError):  # not stable
             break
@@ -129,14 +129,14 @@ def models(every: int, runs: int) -> dict[str, np.ndarray]:
         rows = [_longest_step(make(value)) for value in values]
         steps = np.array(
             [
-                [one_impact(tilt, make(value)).dt / refine for tilt in TILTS[::3]]
+                [one_impact(tilt, make(value)).dt / refine for tilt in TABLE_TILTS[::3]]
                 for value, (_, _, refine) in zip(values, rows, strict=True)
             ]
         )
         calls = [
             impact_call(tilt, make(value), "verlet", dt)
             for value, row in zip(values, steps, strict=True)
-            for tilt, dt in zip(TILTS[::3], row, strict=True)
+            for tilt, dt in zip(TABLE_TILTS[::3], row, strict=True)
         ]
         seconds, _ = price(calls, runs)
         whole = [contact_time(make(value), 1.0) for value in values]

@@ -10,12 +10,11 @@ import numpy as np
 from impact.benchmark import benchmark
 
 from .. import FIGURES, load
-from ..lib.style import name_panel, style
+from ..lib.style import RESTITUTION_LAWS, name_panel, style
 from ..lib.timing import machine_line
-from . import accuracy_cost_ladder, accuracy_map, effect_prices, in_space
-from .many_digits import LAWS
+from . import accuracy_cost_ladder, accuracy_map, effect_prices, kernel_times
 
-PRICES = {  # and what the panel of the page is called
+PRICE_PANELS = {  # and what the panel of the page is called
     "accuracy_cost_drift": "error of the drift against time",
     "accuracy_cost_ladder": "one question, every way to answer it",
     "effect_prices": "price of each effect",
@@ -26,8 +25,8 @@ WIDE = {"accuracy_cost_ladder", "effect_prices"}  # across the page; the others 
 
 
 def known() -> list[str]:
-    """Those that there are."""
-    return [name for name in PRICES if name in FIGURES]
+    """Registered price figures."""
+    return [name for name in PRICE_PANELS if name in FIGURES]
 
 
 @style
@@ -41,7 +40,7 @@ def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
     figure, axes = plt.subplot_mosaic(layout, figsize=size, height_ratios=heights)
     for letter, (name, ax) in zip("abcd", axes.items(), strict=False):
         load(name).panel(ax, found[name])
-        name_panel(ax, letter, PRICES[name])
+        name_panel(ax, letter, PRICE_PANELS[name])
     load_then = next((float(d["load"]) for d in found.values() if "load" in d), np.nan)
     figure.supxlabel(machine_line(load_then), fontsize=6)
     return figure
@@ -78,12 +77,12 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
         made["drift_cm_s"] = _plain(d["drift"][:, 0])
     if d := found.get("scaling"):
         made["rods"] = _rows(("count", "ns"), d["counts"], d["row"][:, :2])
-        made["kernels"] = _rows(("name", "ns"), in_space.NAMES, d["kernels"][:, :2])
+        made["kernels"] = _rows(("name", "ns"), kernel_times.NAMES, d["kernels"][:, :2])
         gain = d["sweep"][0, 0] / d["sweep"][:, 0]
         made["cores"] = _rows(("count", "gain"), d["workers"], gain)
     made["impact_ns"] = benchmark(IMPACTS)["ns_per_impact"]
     errors = accuracy_map.table(CHECKED)
-    made["impact_ulp"] = _rows(("law", "largest"), LAWS, errors["table_max"])
+    made["impact_ulp"] = _rows(("law", "largest"), RESTITUTION_LAWS, errors["table_max"])
     return made
 
 

@@ -26,20 +26,25 @@ from md.host import prepare
 from md.scene import from_tables, put
 from md.sweep import execute, expand
 
-from ..lib.row_runs import ROW
-from ..lib.style import BLACK, BLUE, ORANGE, RED, name_panel, style
+from ..lib.runs import ROW
+from ..lib.style import BLACK, BLUE, ORANGE, RED, Data, paint, style
+from ..lib.tables import table
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
-from . import in_space
+from . import kernel_times
 
-COUNTS = {
+ROW_SIZES = {
     True: (10, 40, 160, 640, 2500, 5000),
     False: (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000),
 }
 LEAST = 320  # rods a sample is about, with one period each
 SPACING = ROW["box"]["length"] / ROW["rods"]["count"]
-RUNS, PERIODS = 4, 40  # of each core, and of each run
-LEVELS = 5  # numbers of cores, at most
-BLOCKS, SETTLE, REPEATS = {True: 9, False: 31}, {True: 10, False: 40}, {True: 5, False: 15}
+RUNS_PER_CORE, SWEEP_PERIODS = 4, 40  # of each core, and of each run
+CORE_LEVELS = 5  # numbers of cores, at most
+SCALING_BLOCKS, SCALING_SETTLE, REPEATS = (
+    {True: 9, False: 31},
+    {True: 10, False: 40},
+    {True: 5, False: 15},
+)
 
 
 def _row(count: int) -> md.Scene:
@@ -73,10 +78,10 @@ def _meet(folder: str, workers: int) -> None:
 
 def _sweeping(workers: int) -> Callable[[int], float]:
     """Time of a step of a rod in as many runs at once as there are workers."""
-    seeds = list(range(1, RUNS * workers + 1))
-    sweep = expand({"periods": PERIODS, "axes": [{"start.seed": seeds}]}, ROW)
+    seeds = list(range(1, RUNS_PER_CORE * workers + 1))
+    sweep = expand({"periods": SWEEP_PERIODS, "axes": [{"start.seed": seeds}]}, ROW)
     engine = prepare(sweep.points[0].scene)
-    work = len(seeds) * PERIODS * engine.per * len(engine.rods)
+    work = len(seeds) * SWEEP_PERIODS * engine.per * len(engine.rods)
 
     def sample(_: int) -> float:
         with TemporaryDirectory() as folder:
@@ -97,23 +102,23 @@ def _estimates(samples: np.ndarray) -> np.ndarray:
     return np.array([estimate(times[..., call]) for call in range(times.shape[-1])])
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Times in ns per step of a rod, (value, error, interquartile range)."""
     load = os.getloadavg()[0]
-    counts = COUNTS[quick]
+    counts = ROW_SIZES[quick]
     bar = tqdm(counts, desc="settling", unit="row", disable=None, leave=False, delay=2)
-    rows = [_periods(count, SETTLE[quick]) for count in bar]
+    rows = [_periods(count, SCALING_SETTLE[quick]) for count in bar]
 
     def anew(_) -> list[Callable]:
         again()
         return rows
 
     with reloading() as again:
-        by_count = interleaved(anew, BLOCKS[quick])
-    kernels = in_space.calls()
-    by_kernel = interleaved(lambda _: kernels, 3 * BLOCKS[quick])
+        by_count = interleaved(anew, SCALING_BLOCKS[quick])
+    kernels = kernel_times.calls()
+    by_kernel = interleaved(lambda _: kernels, 3 * SCALING_BLOCKS[quick])
     cores = cpu_count()
-    workers = np.unique(np.geomspace(1, cores, min(cores, LEVELS)).round().astype(int))
+    workers = np.unique(np.geomspace(1, cores, min(cores, CORE_LEVELS)).round().astype(int))
     sweeps = [_sweeping(int(count)) for count in workers]
     by_workers = interleaved(lambda _: sweeps, REPEATS[quick])
     return {
@@ -129,38 +134,36 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     }
 
 
-def _throughput(d: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _throughput(d: Data) -> tuple[np.ndarray, np.ndarray]:
     """Million steps of a rod in a second, and the error."""
     value, error, _ = d["sweep"].T
     return 1e3 / value, 1e3 / value**2 * error
 
 
-def _ms(d: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _ms(d: Data) -> tuple[np.ndarray, np.ndarray]:
     """Milliseconds of a period, and half of the interquartile range."""
     value, _, spread = d["row"].T * d["counts"] * d["steps_per_period"] * 1e-6
     return value, spread / 2
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """Tables of both."""
-    lines = [
-        f"{machine_line(d['load'])}",
-        f"medians of {len(d['row_samples'])} samples, period of {d['steps_per_period']} steps;"
-        " errors of the median",
-        f"{'rods':>8}{'ms a period':>14}{'ns per step of a rod':>24}{'(iqr)':>8}",
-    ]
-    for count, ms, (ns, error, spread) in zip(d["counts"], _ms(d)[0], d["row"], strict=True):
-        lines.append(f"{count:8d}{ms:14.2f}{f'{ns:.2f} ± {error:.2f}':>24}{spread:8.2f}")
-    for name, (ns, error, spread) in zip(in_space.NAMES, d["kernels"], strict=True):
-        lines.append(f"{name:>30}{f'{ns:.2f} ± {error:.2f}':>24}{spread:8.2f}")
-    lines.append(f"{'cores':>8}{'million steps of a rod/s':>26}{'times one core':>16}")
-    for count, rate, error in zip(d["workers"], *_throughput(d), strict=True):
-        times = rate / _throughput(d)[0][0]
-        lines.append(f"{count:8d}{f'{rate:.1f} ± {error:.1f}':>26}{times:16.2f}")
-    return "\n".join(lines)
+    (rate, error), period = _throughput(d), d["steps_per_period"]
+    of_rows = zip(d["counts"], _ms(d)[0], map(tuple, d["row"][:, :2]), d["row"][:, 2], strict=True)
+    of_kernels = zip(kernel_times.NAMES, map(tuple, d["kernels"][:, :2]), d["kernels"][:, 2],
+                     strict=True)  # fmt: skip
+    of_cores = zip(d["workers"], zip(rate, error, strict=True), rate / rate[0], strict=True)
+    heads = "ns per step of a rod", "iqr"
+    return "\n".join([
+        machine_line(d["load"]),
+        f"medians of {len(d['row_samples'])} samples, with errors; period of {period} steps",
+        table(("rods", "ms a period", *heads), of_rows),
+        table(("kernel", *heads), of_kernels),
+        table(("cores", "million steps of a rod/s", "times one core"), of_cores),
+    ])  # fmt: skip
 
 
-def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def panel(ax: Axes, d: Data) -> None:
     """Time of a period over the number of rods, beside a line of the slope 1."""
     counts, (ms, half) = d["counts"], _ms(d)
     guide = np.median(ms / counts) * counts
@@ -176,11 +179,11 @@ def panel(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.legend(loc="upper left")
 
 
-def _draw_steps(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_steps(ax: Axes, d: Data) -> None:
     value, error, spread = d["row"].T
     ax.errorbar(d["counts"], value, spread / 2, fmt="none", color="0.6", lw=2, label="middle half")
     ax.errorbar(d["counts"], value, error, fmt="o", color=BLUE, ms=3, lw=0.8, label="median, error")
-    looks = zip(in_space.NAMES, d["kernels"][:, 0], (BLACK, ORANGE, RED), strict=True)
+    looks = zip(kernel_times.NAMES, d["kernels"][:, 0], (BLACK, ORANGE, RED), strict=True)
     for name, ns, colour in looks:
         ax.axhline(ns, color=colour, lw=0.8, ls="--", label=f"{name}: {ns:.0f}")
     ax.set(xscale="log", xlabel="number of rods $N$", ylim=(0, 1.8 * d["kernels"].max()))
@@ -188,7 +191,7 @@ def _draw_steps(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.legend(loc="upper left", fontsize=6)
 
 
-def _draw_cores(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_cores(ax: Axes, d: Data) -> None:
     (rate, error), workers = _throughput(d), d["workers"]
     ends = np.array([0, workers[-1]])
     ax.plot(ends, rate[0] * ends, "--", color="0.55", lw=0.8, label="proportional to cores")
@@ -200,11 +203,8 @@ def _draw_cores(ax: Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.7))
-    panels, titles = (panel, _draw_steps, _draw_cores), ("a period", "a step", "many runs")
-    for ax, letter, part, title in zip(axes, "abc", panels, titles, strict=True):
-        part(ax, d)
-        name_panel(ax, letter, title)
+    paint(axes, {"a period": panel, "a step": _draw_steps, "many runs": _draw_cores}, d)
     figure.supxlabel(machine_line(d["load"]), fontsize=6)
     return figure

@@ -1,20 +1,23 @@
 """Data of figures, kept: what NAME.npz in a folder holds is read if it is of the present sources.
 
-Sources are the syntax trees, without docstrings and comments, of `md`, of `impact` and of what the
-figure's module imports from here, and the tables (TOML, JSON) of `md`: an edit of words keeps the
-data, an edit of a number or a formula does not.
+Sources are the syntax trees (`md.sources.essence`) of `md`, of `impact` and of what the figure's
+module imports from here, and the tables (TOML, JSON) of `md`: an edit of words keeps the data, an
+edit of a number or a formula does not.
 """
 
 import ast
 import hashlib
 import json
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
+from inspect import getfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from md.sources import essence
 
 from .. import FIGURES, load
 
@@ -37,32 +40,32 @@ def _imports(path: Path, found: set[Path]) -> set[Path]:
     return found
 
 
-def _content(path: Path) -> bytes:
-    """What of a file decides numbers: its syntax tree without docstrings, or its bytes."""
-    if path.suffix != ".py":
-        return path.read_bytes()
-    tree = _tree(path)
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(
-            node
-        ):
-            del node.body[0]
-    return ast.dump(tree).encode()
-
-
 @cache
-def _digest(path: Path) -> bytes:
-    return hashlib.sha256(path.name.encode() + b"\0" + _content(path)).digest()
+def _digest(*paths: Path) -> str:
+    """Digest of what of these files decides numbers."""
+    content = hashlib.sha256()
+    for path in paths:
+        code = essence(_tree(path)).encode() if path.suffix == ".py" else path.read_bytes()
+        content.update(path.name.encode() + b"\0" + code)
+    return content.hexdigest()[:12]
 
 
-def _files(name: str) -> Iterator[Path]:
-    for package in ("md", "impact"):
-        files = (_HOUSE / package).rglob("*")
-        yield from sorted(path for path in files if path.suffix in (".py", ".toml", ".json"))
-    yield from sorted(_imports(_HOUSE / "figures" / FIGURES[name].room / f"{name}.py", set()))
+def _files(*packages: str) -> list[Path]:
+    """Sources and tables of packages."""
+    files = (path for package in packages for path in (_HOUSE / package).rglob("*"))
+    return sorted(path for path in files if path.suffix in (".py", ".toml", ".json"))
 
 
-@cache
+def sources_of(function: Callable) -> str:
+    """Digest of the sources of a function of `figures`, those of `md` left out.
+
+    Parameters
+    ----------
+    function : at the top of its module
+    """
+    return _digest(*_files("impact"), *sorted(_imports(Path(getfile(function)), set())))
+
+
 def sources(name: str) -> str:
     """Digest of the sources of a figure's data.
 
@@ -70,7 +73,8 @@ def sources(name: str) -> str:
     ----------
     name : one of `FIGURES`
     """
-    return hashlib.sha256(b"".join(map(_digest, _files(name)))).hexdigest()[:12]
+    module = _HOUSE / "figures" / FIGURES[name].room / f"{name}.py"
+    return _digest(*_files("md", "impact"), *sorted(_imports(module, set())))
 
 
 def provenance(name: str, quick: bool) -> dict[str, Any]:
@@ -95,7 +99,7 @@ def provenance(name: str, quick: bool) -> dict[str, Any]:
     }
 
 
-def keep(path: Path, name: str, quick: bool, data: Mapping[str, np.ndarray]) -> None:
+def keep(path: Path, name: str, quick: bool, data: Mapping[str, Any]) -> None:
     """Write the data of a figure for `stored_data`.
 
     Parameters

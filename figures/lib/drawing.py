@@ -18,7 +18,7 @@ from impact._generated import DIGEST
 from md.files import replacing
 
 from .. import FIGURES, load
-from . import row_runs
+from . import runs
 from .data import keep
 
 KINDS = "npz", "png", "pdf"
@@ -70,7 +70,7 @@ def _tried(name: str, out: Path, quick: bool) -> Drawn:
 def _in_a_process(name: str, out: Path, quick: bool, store: Path) -> Drawn:
     """The same in a process of its own, where nothing may write onto the terminal."""
     mpl.use("Agg")
-    row_runs.STORE = store
+    runs.STORE = store
     with redirect_stderr(io.StringIO()) as said:
         drawn = _tried(name, out, quick)
     return drawn._replace(said=said.getvalue())
@@ -80,7 +80,7 @@ def _in_a_process(name: str, out: Path, quick: bool, store: Path) -> Drawn:
 def _pool(names: Sequence[str], out: Path, quick: bool, jobs: int) -> Iterator[Iterator[Drawn]]:
     """Figures as they are drawn by `jobs` processes, which end with this context."""
     results = Parallel(jobs, batch_size=1, pre_dispatch="all", return_as="generator_unordered")(
-        delayed(_in_a_process)(name, out, quick, row_runs.STORE) for name in names
+        delayed(_in_a_process)(name, out, quick, runs.STORE) for name in names
     )
     try:
         yield results

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from impact import InputError
 
-MARKS = {  # what a file of each kind has near its beginning
+SIGNATURES = {  # what a file of each kind has near its beginning
     ".npz": [b"PK"],
     ".png": [b"\x89PNG"],
     ".pdf": [b"%PDF"],
@@ -17,7 +17,7 @@ MARKS = {  # what a file of each kind has near its beginning
     ".md": [b"# The paper's claims"],
     ".html": [b"<title>Rods on a vibrated plate"],
 }
-NEAR = 300  # bytes
+HEAD_BYTES = 300  # bytes
 
 
 def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
@@ -54,8 +54,8 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
 def _replaceable(path: Path) -> bool:
     """Whether what is there is of the kind that its name says."""
     with path.open("rb") as file:
-        head = file.read(NEAR)
-    return any(mark in head for mark in MARKS.get(path.suffix, [b""]))
+        head = file.read(HEAD_BYTES)
+    return any(mark in head for mark in SIGNATURES.get(path.suffix, [b""]))
 
 
 @contextmanager
@@ -69,13 +69,13 @@ def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
     """
     from md.store import Store
 
-    from . import row_runs as rows
+    from . import runs
 
-    usual, rows.STORE = rows.STORE, store or out / "rows.db"
+    usual, runs.STORE = runs.STORE, store or out / "rows.db"
     try:
-        ready(out, *names, store=rows.STORE)
-        if rows.STORE.exists() or rows.STORE.parent != out:
-            Store(rows.STORE).database.close()
+        ready(out, *names, store=runs.STORE)
+        if runs.STORE.exists() or runs.STORE.parent != out:
+            Store(runs.STORE).database.close()
         yield out
     finally:
-        rows.STORE = usual
+        runs.STORE = usual

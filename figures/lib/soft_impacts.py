@@ -13,9 +13,9 @@ import md
 from impact import Collision, ContactGeometry, Regime, collide
 
 ROD = md.Rod(9.5, "thin")
-FRICTION, APPROACH_RATIO = 0.4, 2.0
-TILTS = np.radians(np.arange(5, 86, 5))  # of the tables
-REGIMES = {
+IMPACT_FRICTION, APPROACH_RATIO = 0.4, 2.0
+TABLE_TILTS = np.radians(np.arange(5, 86, 5))  # of the tables
+REGIME_OF = {
     "slide": Regime.SLIDE,
     "slip-stick": Regime.SLIP_STICK,
     "slip-reversal": Regime.SLIP_REVERSAL,
@@ -48,14 +48,14 @@ def simulate(
 
     def one(phi: float) -> md.Impact:
         def hit(**how) -> md.Impact:
-            scene = {"friction": FRICTION, "rod": rod, "law": law, "integrator": integrator}
+            scene = {"friction": IMPACT_FRICTION, "rod": rod, "law": law, "integrator": integrator}
             return md.impact(phi, speed / APPROACH_RATIO, -speed, **scene, **how)
 
         return hit(tolerance=1e-12) if integrator == "dop853" else hit(dt=hit().dt / refine)
 
     hits = [one(float(phi)) for phi in tilt]
     rows = [(h.c_x / speed, h.c_z / speed, h.restitution) for h in hits]
-    return Soft(*np.array(rows).T, np.array([REGIMES[h.regime] for h in hits], np.int8))
+    return Soft(*np.array(rows).T, np.array([REGIME_OF[h.regime] for h in hits], np.int8))
 
 
 def rigid(
@@ -67,7 +67,7 @@ def rigid(
         1 / APPROACH_RATIO,
         -1.0,
         geometry=ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, k),
-        friction=FRICTION,
+        friction=IMPACT_FRICTION,
         restitution=np.clip(restitution, 0.0, 1.0),  # a measured one may end above 1
         law=law,
     )

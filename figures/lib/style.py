@@ -1,6 +1,8 @@
-"""What several figures share: style, colours of regimes, names, the stick/reversal boundary."""
+"""Look of the figures: style, colours, panels, curves with errors, the boundary of reversal."""
 
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from string import ascii_lowercase
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -8,8 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap, ListedColormap
+from matplotlib.figure import Figure
 
-from impact import Regime, critical_tilts, slide_friction, thin_rod
+from impact import Regime, critical_tilts, slide_friction, spherocylinder, thin_rod
+
+Data = dict[str, np.ndarray]  # of a figure: arrays by name
 
 style = plt.style.context(Path(__file__).parents[1] / "style.mplstyle")  # decorates each `draw`
 
@@ -30,7 +35,13 @@ _REGIMES: dict[str, Any] = {
     "zorder": 0,
 }
 
-LAWS = ("newton", "poisson", "stronge")
+LEGEND_BOX = {
+    "frameon": True,
+    "edgecolor": "none",
+    "framealpha": 0.9,
+    "borderpad": 0.2,
+}  # of a legend
+RESTITUTION_LAWS = ("newton", "poisson", "stronge")
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
 
 # White to vermilion: light enough for black lines everywhere.
@@ -52,6 +63,12 @@ def where_it_stops(boundary: dict[str, np.ndarray], **setting: float) -> np.ndar
     return np.where(boundary["critical_friction"] >= slide, boundary["critical_tilt"], np.nan)
 
 
+def hit_again_tilt(length: float, restitution: float) -> float:
+    """Tilt [rad] X^2 = epsilon k^2 from which on a stationary rod is hit again at once."""
+    upright, flat = spherocylinder(0.0, length), spherocylinder(np.pi / 2, length)
+    return float(np.arcsin(np.sqrt(restitution) * upright.k / flat.X))
+
+
 def map_regimes(
     ax: Axes, tilt_deg: np.ndarray, friction: np.ndarray, regime: np.ndarray
 ) -> QuadMesh:
@@ -71,3 +88,43 @@ def tilt_axis(ax: Axes, low: float = 0, high: float = 90, step: float = 15) -> N
 
 def name_panel(ax: Axes, letter: str, title: str = "") -> None:
     ax.set_title(rf"$\bf{{({letter})}}$ {title}", loc="left")
+
+
+def name_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
+    """Letters and titles of all panels, from (a) on."""
+    for ax, letter, title in zip(axes, ascii_lowercase, titles, strict=False):
+        name_panel(ax, letter, title)
+
+
+def paint(
+    axes: Iterable[Axes], panels: Mapping[str, Callable[[Axes, Data], None]], d: Data
+) -> None:
+    """Draw and name panels, each by its function, under its title."""
+    for ax, letter, (title, panel) in zip(axes, ascii_lowercase, panels.items(), strict=False):
+        panel(ax, d)
+        name_panel(ax, letter, title)
+
+
+def curve(
+    ax: Axes, d: Data, x: str, y: str, colour: str = BLACK, label: str | None = None, **look: Any
+) -> None:
+    """Points with their errors, joined.
+
+    Parameters
+    ----------
+    d : data; holds `x`, `y`, `y_error`, and `x_error` if that is to be shown too
+    x, y : names of arrays
+    look : of the points; also `form` (default "o-"), `at` (index into `y`), `scale` (factor of
+        `y`), `hollow` (open symbols), `both` (errors of `x` as well)
+    """
+    form, scale, at = look.pop("form", "o-"), look.pop("scale", 1.0), look.pop("at", ...)
+    bars: dict[str, Any] = {"xerr": d[f"{x}_error"]} if look.pop("both", False) else {}
+    look = {"ms": 3, "lw": 0.7, "elinewidth": 0.7, "mew": 0.7, **look}
+    look |= {"mfc": "white"} if look.pop("hollow", False) else {}
+    bars["yerr"] = np.abs(scale * d[f"{y}_error"][at])
+    ax.errorbar(d[x], scale * d[y][at], **bars, fmt=form, color=colour, label=label, **look)
+
+
+def legend_above(figure: Figure, ax: Axes, **look: Any) -> None:
+    """The legend of one panel, above all panels."""
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside upper center", **look)

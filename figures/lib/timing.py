@@ -11,18 +11,20 @@ thus part of the error, which is that of resampled blocks.
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from time import thread_time
-from typing import NamedTuple
+from time import perf_counter, thread_time
+from typing import Any, NamedTuple
 
 import numpy as np
 from tqdm import tqdm
 
 from impact.benchmark import machine
 from md.cache import kernel
-from md.host import Engine
-from md.kernels import plane as row
+from md.host import Engine, prepare
+from md.kernels import plane
+from md.scene import Scene
 
 RESAMPLED = 400  # of the bootstrap
+LONG_ENOUGH = 1e-3  # seconds of one sample
 
 
 class Estimate(NamedTuple):
@@ -58,6 +60,42 @@ def interleaved(
     return np.array(samples)
 
 
+def _sampler(call: Callable[[int], Any]) -> Callable[[int], float]:
+    """Seconds of one of so many repetitions that a sample is long enough."""
+
+    def sample(times: int) -> float:
+        begin = perf_counter()
+        call(times)
+        return (perf_counter() - begin) / times
+
+    call(1)  # compiles
+    often = max(1, round(LONG_ENOUGH / sample(1)))
+    return lambda _: sample(often)
+
+
+def medians(calls: Sequence[Callable[[int], Any]], runs: int = 7) -> np.ndarray:
+    """Median seconds of each of several calls, taken in turn, after two that do not count.
+
+    Parameters
+    ----------
+    calls : each does its work as many times as its argument says
+    runs : samples of each
+    """
+    samplers = [_sampler(call) for call in calls]
+    return np.median(interleaved(lambda _: samplers, runs), axis=(0, 1, 2))
+
+
+def repeated(call: Callable[[], Any]) -> Callable[[int], Any]:
+    """A call for `medians`: the result of the last of so many repetitions."""
+
+    def repeat(times: int) -> Any:
+        for _ in range(times):
+            result = call()
+        return result
+
+    return repeat
+
+
 def steady(samples: np.ndarray) -> np.ndarray:
     """Samples at one speed of the machine, that of the quieter rounds."""
     quiet = np.quantile(samples, 0.25, axis=(0, 1))
@@ -77,21 +115,21 @@ def estimate(values: np.ndarray, seed: int = 0) -> Estimate:
 @contextmanager
 def reloading() -> Iterator[Callable[[], None]]:
     """A function that loads the code of a step once more, to another place in memory."""
-    usual = row.march
+    usual = plane.march
 
     def again() -> None:
-        row.march = kernel(inline=False)(usual.py_func)
+        plane.march = kernel(inline=False)(usual.py_func)
 
     try:
         yield again
     finally:
-        row.march = usual
+        plane.march = usual
 
 
-def onward(engine: Engine, steps: int, series: row.Series | None = None) -> float:
+def onward(engine: Engine, steps: int, series: plane.Series | None = None) -> float:
     """Processor time of `steps` steps, in s: what other programs do meanwhile does not count.
 
-    The record of landings is emptied when it is full.
+    The record of touches is emptied when it is full.
     """
     seconds = 0.0
     while steps > 0:
@@ -101,6 +139,28 @@ def onward(engine: Engine, steps: int, series: row.Series | None = None) -> floa
         if engine.record is not None:
             engine.record.count[0] = 0
     return seconds
+
+
+def seconds_per_period(
+    scenes: Sequence[Scene], rounds: int = 7, periods: int = 6, settle: int = 20
+) -> np.ndarray:
+    """Median processor seconds of a period of each scene under way, without an energy ledger.
+
+    Parameters
+    ----------
+    scenes : timed in turn
+    rounds, periods : samples of each, and their length
+    settle : periods before
+    """
+    engines = [prepare(scene, ledger=False) for scene in scenes]
+    for engine in engines:
+        onward(engine, settle * engine.per)
+
+    def sampler(engine: Engine) -> Callable[[int], float]:
+        return lambda _: onward(engine, periods * engine.per) / periods
+
+    samplers = [sampler(engine) for engine in engines]
+    return np.median(interleaved(lambda _: samplers, rounds), axis=(0, 1, 2))
 
 
 def machine_line(load: float) -> str:

@@ -15,7 +15,7 @@ from md.sweep import Point
 from .. import FIGURES, load
 from ..claims import measure_rows
 from ..lib.data import stored_data
-from ..lib.row_runs import store
+from ..lib.runs import store
 
 # Processor seconds of a figure in full, runs of the store apart, on the machine of prices.json.
 SECONDS = {

@@ -27,9 +27,9 @@ from ..lib.style import (
     BLACK,
     BLUE,
     GREEN,
-    LAWS,
     RED,
     REGIME_MAP,
+    RESTITUTION_LAWS,
     SHAPES,
     map_regimes,
     name_panel,
@@ -53,7 +53,7 @@ RANGES = {  # ends of a slider, its name, its digits
     "ratio": (0.1, 10, r"approach $-c_z/c_x$", "%.2f"),
     "length": (1, 20, "length $l/d$", "%.2f"),
 }
-CHOICES = {"shape": SHAPES, "law": {law: law.title() for law in LAWS}}
+CHOICES = {"shape": SHAPES, "law": {law: law.title() for law in RESTITUTION_LAWS}}
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,7 +49,7 @@ templates.globals |= {"judged_rows": judge.judged_rows, "checked": CHECKED}
 
 def claims_page(report: dict[str, Any]) -> str:
     """The verdicts as a page: a table, then a section for each claim."""
-    from ..lib.row_runs import LAW_NAME  # late: it compiles
+    from ..lib.runs import LAW_NAME  # late: it compiles
 
     return templates.get_template("claims.md.jinja").render(report=report, law=LAW_NAME)
 

@@ -31,7 +31,7 @@ from impact import InputError
 
 from .. import FIGURES, load
 from ..claims import judge
-from ..cost.price_page import PRICES
+from ..cost.price_page import PRICE_PANELS
 from .gallery import GALLERY, templates
 
 TITLE = "Rods on a vibrated plate: derivations, pictures, prices, claims"
@@ -187,8 +187,8 @@ def files(out: Path) -> dict[str, bytes]:
     tables = folder.find("prices.txt")
     shown = {
         "proofs": _proofs(folder),
-        "pictures": _figures(folder, [name for name in FIGURES if name not in PRICES]),
-        "prices": _figures(folder, [name for name in FIGURES if name in PRICES]),
+        "pictures": _figures(folder, [name for name in FIGURES if name not in PRICE_PANELS]),
+        "prices": _figures(folder, [name for name in FIGURES if name in PRICE_PANELS]),
         "price_page": folder.picture("prices.png"),
         "price_tables": _read(tables.path) if tables else "",
         "claims": _claims(folder),

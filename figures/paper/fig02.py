@@ -1,41 +1,61 @@
-"""Fig. 2, simulated: forward, no and reverse drift over acceleration and tilt, plane and annulus.
+"""Fig. 2, simulated: forward, no and reverse drift over acceleration and tilt, row and annulus.
 
-(a): the plane row; forward (full red), reverse (full blue) where the drift is beyond 3 standard
-errors and beyond 0.003 cm/s, else none (open). Colours: drift of one rigid rod at fixed tilt, exact
-flights and impacts, with the theory's closure omega = 0; dashed: there the mean plate velocity at
-landing, V_z weighted by impulse, is zero, and negative to the left. (b): the drift over Gamma at
+(a): the row; forward (full red), reverse (full blue) where the drift is beyond 3 standard errors
+and beyond 0.003 cm/s, else none (open). Colours: drift of one rigid rod at fixed tilt, exact
+flights and impacts, with the theory's closure omega = 0; dashed: there the mean plate velocity at a
+touch, V_z weighted by impulse, is zero, and negative to the left. (b): the drift over Gamma at
 three tilts; lines: the theory at V_z = V_0/2. (c): near Gamma = 1, linear within the floor (grey),
 logarithmic beyond. (d, e, f): the same in the experiment's annulus, where the number of rods sets
-the tilt; arrows in (d): V_z at landing, weighted by the speed of approach, up where positive.
-Dotted: where the paper's rods begin to move. The plane row has no walls and no curvature.
+the tilt; arrows in (d): V_z at a touch, weighted by the speed of approach, up where positive.
+Dotted: where the paper's rods begin to move. The row has no walls and no curvature.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import TwoSlopeNorm
 
 from impact import drift, spherocylinder
 from md.sweep import Sweep
 
-from ..lib import annulus_runs as ring
-from ..lib.row_runs import (
+from ..lib.runs import (
+    ANNULUS,
     FRICTION,
     LAW_NAME,
     LENGTH,
     RESTITUTION,
     boxes,
-    computed,
-    measured_error,
-    over_seeds,
+    drift_and_tilt,
+    means,
     planned,
     plate_speed_cm_s,
-    store,
 )
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style
+from ..lib.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    RED,
+    Data,
+    curve,
+    legend_above,
+    name_panels,
+    style,
+)
+from ..lib.tables import table
 
 FLOOR_CM_S = 0.003  # half a hundredth of a diameter a second
 SIGNIFICANT = 3.0  # standard errors
 ONSET = 1.6  # Gamma, Fig. 2(b, c)
+MAP_GAMMAS = {
+    True: (1.2, 1.5, 1.8, 3.3),
+    False: (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5),
+}
+NOMINAL_DEG = {True: (9, 20, 45), False: (5, 12, 20, 30, 45, 60)}
+CHOSEN = {True: (0, 1, 2), False: (1, 2, 4)}  # tilts of (b)
+MAP_COUNTS = {True: (44, 36), False: (50, 44, 36)}
+MAP_PERIODS = {True: (30, 12), False: (150, 300)}  # of rows, of annuli
+AT_TOUCH = "touches.plate_velocity_by_speed.mean"
 
 
 def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -44,162 +64,130 @@ def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:
     return np.where(clear, np.sign(mean), 0).astype(int)
 
 
-QUICK = (1.2, 1.8, 3.3), (9, 20, 45), (0, 1, 2)
-ANNULUS = {True: ((44, 36), [1, 2], 40), False: ((50, 44, 36), [1, 2], 300)}
-FULL = (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5), (5, 12, 20, 30, 45, 60), (1, 2, 4)
-
-
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Over Gamma and tilt; over Gamma and the number of rods."""
-    gamma, nominal, _ = QUICK if quick else FULL
-    counts, seeds, periods = ANNULUS[quick]
-    axes = [{"plate.acceleration": [*gamma]}, {"box.length": boxes(np.array(nominal))}]
-    axes.append({"start.seed": [1, 2, 3]})
-    around = [axes[0], {"rods.count": [*counts]}, {"start.seed": seeds}]
+    gamma, (of_rows, of_annuli) = {"plate.acceleration": [*MAP_GAMMAS[quick]]}, MAP_PERIODS[quick]
+    rows = [gamma, {"box.length": boxes(NOMINAL_DEG[quick])}, {"start.seed": [1, 2, 3]}]
+    annuli = [gamma, {"rods.count": [*MAP_COUNTS[quick]]}, {"start.seed": [1, 2]}]
     return {
-        "grid": planned(axes, 50 if quick else 150, {"rods.inertia": "solid"}),
-        "annulus": ring.planned(around, periods),
+        "grid": planned(rows, of_rows, {"rods.inertia": "solid"}),
+        "annulus": planned(annuli, of_annuli, base=ANNULUS),
     }
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Drift [V_0] and alpha of one rigid rod, (gamma, tilt)."""
+    from impact.bouncing import bounce  # compiles
+
+    how = {"friction": FRICTION, "restitution": RESTITUTION, "shortest_flight": 0.01}
+    how |= {"rods": 20, "landings": 60, "transient": 100} if quick else {}
+    how = {"rods": 60, "landings": 300, "transient": 150} | how
+    runs = [[bounce(spherocylinder(phi, LENGTH), gamma=g, **how) for phi in tilt] for g in gamma]
+    found = [[(run.drift.mean, run.alpha_impulse.mean) for run in row] for row in runs]
+    return tuple(np.moveaxis(found, -1, 0))
+
+
+def data(quick: bool = False) -> Data:
     """Drifts [cm/s] on the grid (Gamma, tilt), those of one rigid rod, and the closure's lines.
 
     Names that begin with `ring_`: in the annulus (Gamma, number of rods).
     """
-    from impact.bouncing import bounce  # compiles
-
     fine_gamma = np.linspace(1.02, 4, 12 if quick else 40)
     fine_deg = np.linspace(2, 65, 10 if quick else 22)
-    gamma, nominal, chosen = QUICK if quick else FULL
-    plan = sweeps(quick)
-    sweep = computed(plan["grid"])
-    names = ("c_x_cm_s", "c_x_stderr", "tilt_deg", "touches.plate_velocity_by_speed.mean")
-    drifts, stderr, tilt, plate = sweep.gather(store(), *names)
-    mean, error = measured_error(drifts, stderr * sweep.points[0].scene.cm_per_s)
-    around = ring.measured(plan["annulus"], "ring")
-    [landing] = plan["annulus"].gather(store(), names[-1])
-    count = {"rods": 20, "landings": 60, "transient": 100} if quick else {
-        **{"rods": 60, "landings": 300, "transient": 150}
-    }  # fmt: skip
-    setting = {"friction": FRICTION, "restitution": RESTITUTION}
-    lone = [
-        [
-            bounce(
-                *(spherocylinder(np.radians(deg), LENGTH),),
-                **{"gamma": one, "shortest_flight": 0.01, **setting, **count},
-            )
-            for deg in fine_deg
-        ]
-        for one in fine_gamma
-    ]
+    plan, nominal, chosen = sweeps(quick), np.array(NOMINAL_DEG[quick]), CHOSEN[quick]
+    found = {**drift_and_tilt(plan["grid"]), **drift_and_tilt(plan["annulus"], "ring_")}
+    for name, prefix in (("grid", ""), ("annulus", "ring_")):
+        found |= means(plan[name], {f"{prefix}V_z": AT_TOUCH})
+        found[f"{prefix}kind"] = classify(found[f"{prefix}c_x"], found[f"{prefix}c_x_error"])
+    lone_c_x, lone_alpha = _lone(fine_gamma, np.radians(fine_deg), quick)
     speed = plate_speed_cm_s(fine_gamma)
-    lines = drift(spherocylinder(np.radians(np.array(nominal)[[*chosen]]), LENGTH), **setting).c_x
+    rods = spherocylinder(np.radians(nominal[[*chosen]]), LENGTH)
+    lines = drift(rods, friction=FRICTION, restitution=RESTITUTION).c_x
     return {
-        "gamma": np.array(gamma),
-        "nominal_deg": np.array(nominal),
-        "tilt_deg": over_seeds(tilt)[0],
-        "c_x": mean,
-        "c_x_error": error,
-        "kind": classify(mean, error),
-        "V_z": over_seeds(plate)[0],
-        **around,
-        "ring_count": plan["annulus"].values("rods.count"),
-        "ring_kind": classify(around["ring_c_x"], around["ring_c_x_error"]),
-        "ring_V_z": over_seeds(landing)[0],
+        "gamma": np.array(MAP_GAMMAS[quick]),
+        "nominal_deg": nominal,
+        **found,
+        "ring_count": np.array(MAP_COUNTS[quick]),
         "chosen": np.array(chosen),
         "fine_gamma": fine_gamma,
         "fine_deg": fine_deg,
-        "lone_c_x": speed[:, None] * np.array([[run.drift.mean for run in row] for row in lone]),
-        "lone_alpha": np.array([[run.alpha_impulse.mean for run in row] for row in lone]),
+        "lone_c_x": speed[:, None] * lone_c_x,
+        "lone_alpha": lone_alpha,
         "closure": lines[:, None] * speed / 2,
     }
 
 
-def _map(ax: plt.Axes, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray) -> None:
+def _map(ax: Axes, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray) -> None:
     """Symbols where there is drift forward, none, or reverse."""
-    for which, face, marker, label in (
-        (1, RED, "o", "forward"),
-        (0, "white", "o", "none"),
-        (-1, BLUE, "v", "reverse"),
-    ):
+    gamma = np.broadcast_to(gamma[:, None], kind.shape)
+    looks = {"forward": (1, RED, "o"), "none": (0, "white", "o"), "reverse": (-1, BLUE, "v")}
+    for label, (which, face, marker) in looks.items():
         here = kind == which
         ax.plot(gamma[here], tilt[here], marker, mfc=face, mec=BLACK, mew=0.6, ms=4.5, label=label)
-    ax.axvline(ONSET, color=BLACK, lw=0.8, ls=":")
-    ax.set(
-        xlabel=r"acceleration $\Gamma$", ylabel=r"tilt $\phi$ (deg)", ylim=(0, 66), xlim=(0.95, 4.1)
-    )
+    ax.set(ylabel=r"tilt $\phi$ (deg)", ylim=(0, 66), xlim=(0.95, 4.1))
 
 
-BARS = {"fmt": "o-", "ms": 2.6, "lw": 0.6, "elinewidth": 0.7}
-
-
-def _near_onset(ax: plt.Axes) -> None:
+def _near_onset(ax: Axes, d: Data, prefix: str, columns: np.ndarray, labels: list[str]) -> None:
+    """Drift below the onset, a curve a column, linear and logarithmic."""
+    early = np.flatnonzero(d["gamma"] <= ONSET)
+    for i, colour, label in zip(columns, (BLUE, BLACK, RED, ORANGE), labels, strict=False):
+        part = {f"c_x{kind}": d[f"{prefix}c_x{kind}"][early, i] for kind in ("", "_error")}
+        curve(ax, {"gamma": d["gamma"][early], **part}, "gamma", "c_x", colour, label)
     ax.set_yscale("symlog", linthresh=FLOOR_CM_S)
     ax.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
-    ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, ONSET + 0.05), ylim=(-0.1, 60))
+    ax.set(xlim=(1, ONSET + 0.05), ylim=(-0.1, 60))
     ax.legend(loc="upper left", fontsize=6, ncols=2, columnspacing=1, handlelength=1.2)
 
 
-def _plane(axes: np.ndarray, d: dict[str, np.ndarray]) -> None:
+def _rows(axes: np.ndarray, d: Data) -> None:
     a, b, c = axes
     top = np.nanmax(np.abs(d["lone_c_x"]))
-    norm = TwoSlopeNorm(0, -top / 4, top)
-    shading = {"cmap": "RdBu_r", "norm": norm, "shading": "nearest", "alpha": 0.55}
-    mesh = a.pcolormesh(d["fine_gamma"], d["fine_deg"], d["lone_c_x"].T, rasterized=True, **shading)
+    shading = {"cmap": "RdBu_r", "norm": TwoSlopeNorm(0, -top / 4, top), "alpha": 0.55}
+    shading |= {"shading": "nearest", "rasterized": True}
+    mesh = a.pcolormesh(d["fine_gamma"], d["fine_deg"], d["lone_c_x"].T, **shading)
     a.figure.colorbar(mesh, ax=a, label="one rigid rod (cm/s)", pad=0.02)
     alpha = np.nan_to_num(d["lone_alpha"].T, nan=-1.0)
     a.contour(d["fine_gamma"], d["fine_deg"], alpha, [0.0], colors=BLACK, linestyles="--")
-    gamma = np.broadcast_to(d["gamma"][:, None], d["kind"].shape)
-    _map(a, gamma, np.broadcast_to(d["nominal_deg"], d["kind"].shape), d["kind"])
+    _map(a, d["gamma"], np.broadcast_to(d["nominal_deg"], d["kind"].shape), d["kind"])
+    names = [rf"$\phi={tilt:.0f}$°" for tilt in d["nominal_deg"]]
     for i, colour, line in zip(d["chosen"], (GREEN, BLUE, RED), d["closure"], strict=True):
-        name = rf"$\phi={d['nominal_deg'][i]:.0f}$°"
-        shown = d["gamma"], d["c_x"][:, i], d["c_x_error"][:, i]
-        b.errorbar(*shown, **BARS, color=colour, label=name)
+        curve(b, d, "gamma", "c_x", colour, names[i], at=(..., i))
         b.plot(d["fine_gamma"], line, color=colour, lw=0.8, ls="--")
-    early = d["gamma"] <= ONSET
-    steep = np.flatnonzero(d["nominal_deg"] >= 20)
-    for i, colour in zip(steep, (BLUE, BLACK, RED, ORANGE), strict=False):
-        shown = d["gamma"][early], d["c_x"][early, i], d["c_x_error"][early, i]
-        c.errorbar(*shown, **BARS, color=colour, label=rf"$\phi={d['nominal_deg'][i]:.0f}$°")
     b.set_ylim(None, 1.15 * max(np.nanmax(d["c_x"]), 1))
+    steep = np.flatnonzero(d["nominal_deg"] >= 20)
+    _near_onset(c, d, "", steep, [names[i] for i in steep])
 
 
-def _annulus(axes: np.ndarray, d: dict[str, np.ndarray]) -> None:
+def _annuli(axes: np.ndarray, d: Data) -> None:
     a, b, c = axes
-    gamma = np.broadcast_to(d["gamma"][:, None], d["ring_kind"].shape)
     size = 6 * np.clip(d["ring_V_z"], -1, 1)
-    a.quiver(
-        *(gamma, d["ring_tilt"], 0 * size, size),
-        **{"angles": "xy", "scale_units": "xy", "scale": 1, "color": "0.45", "width": 0.006},
-    )
-    _map(a, gamma, d["ring_tilt"], d["ring_kind"])
-    early = d["gamma"] <= ONSET
-    for i, colour in zip(range(len(d["ring_count"])), (GREEN, BLUE, BLACK, RED), strict=False):
-        shown = d["gamma"], d["ring_c_x"][:, i], d["ring_c_x_error"][:, i]
-        name = rf"$N={d['ring_count'][i]}$"
-        b.errorbar(*shown, **BARS, color=colour, label=name)
-        c.errorbar(*(part[early] for part in shown), **BARS, color=colour, label=name)
+    gamma = np.broadcast_to(d["gamma"][:, None], size.shape)
+    look = {"angles": "xy", "scale_units": "xy", "scale": 1, "color": "0.45", "width": 0.006}
+    a.quiver(gamma, d["ring_tilt"], 0 * size, size, **look)
+    _map(a, d["gamma"], d["ring_tilt"], d["ring_kind"])
+    names = [rf"$N={count}$" for count in d["ring_count"]]
+    for i, (name, colour) in enumerate(zip(names, (BLUE, BLACK, RED), strict=False)):
+        curve(b, d, "gamma", "ring_c_x", colour, name, at=(..., i))
+    _near_onset(c, d, "ring_", np.arange(len(names)), names)
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 5.4), width_ratios=(1.35, 1, 1))
-    _plane(axes[0], d)
-    _annulus(axes[1], d)
-    handles = axes[0, 0].get_legend_handles_labels()
-    figure.legend(*handles, loc="outside upper left", ncols=3)
-    for (a, b, c), letters, where in zip(axes, ("abc", "def"), ("plane", "annulus"), strict=True):
-        _near_onset(c)
-        for ax in (b, c):
-            ax.axhline(0, color="0.6", lw=0.6)
-            ax.axvline(ONSET, color=BLACK, lw=0.8, ls=":")
-        b.set(xlabel=r"acceleration $\Gamma$", ylabel=r"drift $c_x$ (cm/s)", xlim=(1, None))
-        b.legend(loc="lower right" if where == "plane" else "upper left", fontsize=6)
-        for ax, letter, title in zip((a, b, c), letters, (where, "", "near onset"), strict=True):
-            name_panel(ax, letter, title)
+    _rows(axes[0], d)
+    _annuli(axes[1], d)
+    legend_above(figure, axes[0, 0], ncols=3)
+    for ax in axes.flat:
+        ax.axvline(ONSET, color=BLACK, lw=0.8, ls=":")
+        ax.set_xlabel(r"acceleration $\Gamma$")
+    for ax, place in zip(axes[:, 1], ("lower right", "upper left"), strict=True):
+        ax.set(ylabel=r"drift $c_x$ (cm/s)", xlim=(1, None))
+        ax.legend(loc=place, fontsize=6)
+    for ax in axes[:, 1:].flat:
+        ax.axhline(0, color="0.6", lw=0.6)
+    name_panels(axes.flat, ("row", "", "near onset", "annulus", "", "near onset"))
     figure.supxlabel(
-        rf"plane: $l={LENGTH}\,d$, $d=0.6$ cm; annulus: the experiment's, $l=8\,d$, $d=0.635$ cm; "
+        rf"row: $l={LENGTH}\,d$, $d=0.6$ cm; annulus: the experiment's, $l=8\,d$, $d=0.635$ cm; "
         rf"60 Hz, $\mu={FRICTION}$, solid inertia;"
         f"\n{LAW_NAME}",
         fontsize=6.5,
@@ -207,30 +195,22 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     return figure
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
-    """The map, a row a Gamma: f forward, - none, r reverse; drifts with errors."""
-    lines = ["Fig. 2. f forward, - none, r reverse; drift in cm/s +- one s.e. (one rigid rod)"]
-    lines.append("Gamma  " + "  ".join(f"{tilt:>15} deg" for tilt in d["nominal_deg"]))
+def summary(d: Data) -> str:
+    """The maps, a row a Gamma: f forward, - none, r reverse; drifts with errors."""
     place = np.abs(d["fine_deg"][:, None] - d["nominal_deg"]).argmin(axis=0)
-    for i, gamma in enumerate(d["gamma"]):
-        near = np.abs(d["fine_gamma"] - gamma).argmin()
-        lines.append(
-            f"{gamma:5.2f}  "
-            + "  ".join(
-                f"{'r-f'[d['kind'][i, j] + 1]} {d['c_x'][i, j]:6.3f}+-{d['c_x_error'][i, j]:.3f}"
-                f" ({d['lone_c_x'][near, place[j]]:.1f})"
-                for j in range(len(d["nominal_deg"]))
-            )
-        )
-    lines.append(
-        "annulus: tilt; drift; V_z/V_0 of " + ", ".join(f"{n} rods" for n in d["ring_count"])
-    )
-    for i, gamma in enumerate(d["gamma"]):
-        cells = (
-            f"{'r-f'[d['ring_kind'][i, j] + 1]} {d['ring_tilt'][i, j]:4.1f};"
-            f" {d['ring_c_x'][i, j]:7.4f}+-{d['ring_c_x_error'][i, j]:.4f};"
-            f" {d['ring_V_z'][i, j]:5.2f}"
-            for j in range(len(d["ring_count"]))
-        )
-        lines.append(f"{gamma:5.2f}  " + "  ".join(cells))
-    return "\n".join(lines)
+    near = np.abs(d["fine_gamma"][:, None] - d["gamma"]).argmin(axis=0)
+
+    def part(prefix: str, heads: list[str], more: np.ndarray) -> str:
+        values = (d[f"{prefix}{name}"] for name in ("kind", "c_x", "c_x_error"))
+        cells = np.vectorize(lambda k, c, e, m: f"{'-fr'[k]} {c:.4f} ± {e:.4f} {m}")(*values, more)
+        rows = [[gamma, *row] for gamma, row in zip(d["gamma"], cells, strict=True)]
+        return table(["Gamma", *heads], rows)
+
+    lone = np.vectorize("({:.1f})".format)(d["lone_c_x"][np.ix_(near, place)])
+    beside = np.vectorize("{:4.1f}; {:5.2f}".format)(d["ring_tilt"], d["ring_V_z"])
+    return "\n".join([
+        "Fig. 2. f forward, - none, r reverse; drift in cm/s ± one s.e.; (one rigid rod)",
+        part("", [f"{tilt} deg" for tilt in d["nominal_deg"]], lone),
+        "annulus: drift; tilt; V_z/V_0 at a touch",
+        part("ring_", [f"{count} rods" for count in d["ring_count"]], beside),
+    ])  # fmt: skip

@@ -14,107 +14,109 @@ from matplotlib.axes import Axes
 from md.sweep import Sweep
 
 from ..claims.uncertainty import off_line
-from ..lib import annulus_runs as ring
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
+from ..lib.runs import (
+    ANNULUS,
+    ANNULUS_COUNT,
+    ANNULUS_SCENE,
+    ANNULUS_WORDS,
+    GAMMA,
+    boxes,
+    drift_and_tilt,
+    planned,
+)
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panels, style, tilt_axis
+from ..lib.tables import pairs, table
 
-MAXIMA_DEG, ONSET, RATIO = (18, 35), 1.5, 2.5  # the paper's
-PLANE_DEG = (5, 10, 15, 20, 25, 30, 35, 40, 45, 50)
-FEW = (50, 44, 36)  # numbers of rods of (b)
-WALL, PLATE = "contacts.wall.friction", "contacts.plate.friction"
-FULL = {
+MAXIMA_DEG, ONSET_FIG4, REDUCTION = (18, 35), 1.5, 2.5  # the paper's
+GAMMA_COUNTS = (50, 44, 36)  # numbers of rods of (b)
+WALL_KEY, PLATE_KEY = "contacts.wall.friction", "contacts.plate.friction"
+FULL_SIZES = {
     "count": [23, 26, 29, 32, *range(34, 57, 2)],
     "gamma": [1.2, 1.4, 1.6, 2.0, 3.0, 4.0],
     "wall": [0, 0.03, 0.1, 0.3, 0.5, 1.0],
     "plate": [0, 0.01, 0.03, 0.1, 0.3, 1.0],
-    "plane": [*PLANE_DEG],
+    "plane": [*range(5, 51, 5)],
     "seeds": [1, 2, 3],
     "few_seeds": [1, 2],
     "periods": 400,  # a region of larger tilt (Fig. 5) takes hundreds to grow
 }
-QUICK = {
-    "count": [23, 30, 36, 40, 44, 50, 54, 56],
-    "gamma": [1.3, 1.6, 2.2, 3.3],
-    "wall": [0, 0.1, 0.3, 1.0],
-    "plate": [0, 0.03, 0.3, 1.0],
+QUICK_SIZES = {
+    "count": [26, 36, 44, 50, 56],
+    "gamma": [1.3, 1.8, 3.3],
+    "wall": [0.03, 0.3, 1.0],  # no friction at all is another kernel
+    "plate": [0.01, 0.1, 0.3],
     "plane": [10, 20, 30, 40],
     "seeds": [1, 2],
     "few_seeds": [1, 2],
-    "periods": 40,
+    "periods": 12,
 }
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Over the number of rods, Gamma and the frictions; plane rows over tilt."""
-    size = QUICK if quick else FULL
-    seeds, periods = {"start.seed": size["seeds"]}, size["periods"]
-    few = {"start.seed": size["few_seeds"]}
-    over = {"rods.count": size["count"]}
-    many = {"rods.count": ring.COUNT}
-    accelerations = {"plate.acceleration": size["gamma"]}
+    """Over the number of rods, Gamma and the frictions; rows over tilt."""
+    size = QUICK_SIZES if quick else FULL_SIZES
+    seeds, few = ({"start.seed": size[name]} for name in ("seeds", "few_seeds"))
+    number, accelerations = {"rods.count": size["count"]}, {"plate.acceleration": size["gamma"]}
+    many, alike = {"rods.count": ANNULUS_COUNT}, ("length", "inertia", "diameter_cm")
+
+    def around(*axes: dict[str, list], **changes: object) -> Sweep:
+        return planned([*axes], size["periods"], changes, ANNULUS)
+
+    rows = [{"box.length": boxes(size["plane"])}, seeds]
+    of_rods = {f"rods.{name}": ANNULUS["rods"][name] for name in alike}
     return {
-        "still": ring.planned([over, seeds], periods),
-        "rolling": ring.planned([over, seeds], periods, {"rods.rolling": True}),
-        "gamma": ring.planned([accelerations, {"rods.count": [*FEW]}, few], periods),
-        "wall": ring.planned([{WALL: size["wall"]}, few], periods, many),
-        "plate": ring.planned([{PLATE: size["plate"]}, few], periods, many),
-        "plane": ring.plane(size["plane"], periods, seeds),
+        "still": around(number, seeds),
+        "rolling": around(number, seeds, **{"rods.rolling": True}),
+        "gamma": around(accelerations, {"rods.count": [*GAMMA_COUNTS]}, few),
+        "wall": around({WALL_KEY: size["wall"]}, few, **many),
+        "plate": around({PLATE_KEY: size["plate"]}, few, **many),
+        "plane": planned(rows, size["periods"], of_rods),
     }
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Drifts in cm/s and tilts in degrees with their errors."""
     runs = sweeps(quick)
-    axes = {"gamma": "plate.acceleration", "wall": WALL, "plate": PLATE}
-    return {
-        "count": runs["still"].values("rods.count"),
-        "few": runs["gamma"].values("rods.count"),
-        **{name: runs[name].values(key) for name, key in axes.items()},
-        **{key: x for name, sweep in runs.items() for key, x in ring.measured(sweep, name).items()},
-    }
+    axes = {"gamma": "plate.acceleration", "wall": WALL_KEY, "plate": PLATE_KEY}
+    found = {"count": runs["still"].values("rods.count"), "few": np.array(GAMMA_COUNTS)}
+    found |= {name: runs[name].values(key) for name, key in axes.items()}
+    for name, sweep in runs.items():
+        found |= drift_and_tilt(sweep, f"{name}_")
+    return found
 
 
-BARS = {"ms": 3, "elinewidth": 0.7, "lw": 0.7}
-
-
-def _over_tilt(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    looks = {
-        "still": {"fmt": "o-", "color": BLACK, "label": "rods do not roll"},
-        "rolling": {"fmt": "o-", "color": RED, "mfc": "white", "label": "rods roll"},
-        "plane": {"fmt": "s--", "color": BLUE, "label": f"plane row / {RATIO}"},
-    }
-    for name, look in looks.items():
-        unit = RATIO if name == "plane" else 1
-        bars = {"xerr": d[f"{name}_tilt_error"], "yerr": d[f"{name}_c_x_error"] / unit}
-        ax.errorbar(d[f"{name}_tilt"], d[f"{name}_c_x"] / unit, **bars, **BARS, **look)
+def _over_tilt(ax: Axes, d: Data) -> None:
+    curve(ax, d, "still_tilt", "still_c_x", BLACK, "rods do not roll", both=True)
+    curve(ax, d, "rolling_tilt", "rolling_c_x", RED, "rods roll", both=True, hollow=True)
+    row = {"form": "s--", "scale": 1 / REDUCTION, "both": True}
+    curve(ax, d, "plane_tilt", "plane_c_x", BLUE, f"row / {REDUCTION}", **row)
     for tilt in MAXIMA_DEG:
         ax.axvline(tilt, color="0.5", lw=0.8, ls=":")
     tilt_axis(ax, 0, 60)
     ax.legend(fontsize=6.5)
 
 
-def _over_gamma(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    at = int(np.abs(d["gamma"] - ring.GAMMA).argmin())
+def _over_gamma(ax: Axes, d: Data) -> None:
+    at = int(np.abs(d["gamma"] - GAMMA).argmin())
     for i, colour in enumerate((BLUE, BLACK, ORANGE)):
         label = rf"$N={d['few'][i]}$, {d['gamma_tilt'][at, i]:.0f}° at {d['gamma'][at]:g}"
-        shown = d["gamma"], d["gamma_c_x"][:, i], d["gamma_c_x_error"][:, i]
-        ax.errorbar(*shown, fmt="o-", color=colour, label=label, **BARS)
-    ax.axvline(ONSET, color="0.5", lw=0.8, ls=":")
+        curve(ax, d, "gamma", "gamma_c_x", colour, label, at=(..., i))
+    ax.axvline(ONSET_FIG4, color="0.5", lw=0.8, ls=":")
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.legend(fontsize=6.5, loc="upper left")
 
 
-def _over_friction(ax: Axes, d: dict[str, np.ndarray], name: str) -> None:
-    ax.errorbar(d[name], d[f"{name}_c_x"], d[f"{name}_c_x_error"], fmt="o-", color=BLACK, **BARS)
+def _over_friction(ax: Axes, d: Data, name: str) -> None:
+    curve(ax, d, name, f"{name}_c_x")
     beside = ax.twinx()
-    look = {"fmt": "^--", "color": GREEN, "mfc": "white", **BARS}
-    beside.errorbar(d[name], d[f"{name}_tilt"], d[f"{name}_tilt_error"], **look)
+    curve(beside, d, name, f"{name}_tilt", GREEN, form="^--", hollow=True)
     beside.set_ylabel(r"tilt $\phi$ (deg)", color=GREEN)
     beside.set_ylim(0, 1.5 * np.nanmax(d[f"{name}_tilt"]))
     beside.tick_params(colors=GREEN)
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 2, figsize=(7.0, 4.9))
     (a, b), (c, e) = axes
     _over_tilt(a, d)
@@ -126,13 +128,13 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     e.set_xscale("symlog", linthresh=smallest, linscale=0.4)
     e.set(xlabel=r"friction of the plate $\mu_{rb}$ (0 at the left end)")
     e.set_xlim(-smallest / 4, 1.2 * d["plate"].max())
-    many = rf"$N={ring.COUNT}$, $\Gamma={ring.GAMMA}$"
-    titles = (rf"$\Gamma={ring.GAMMA}$", "", many, many)
-    for ax, letter, title in zip(axes.flat, "abcd", titles, strict=True):
+    for ax in axes.flat:
         ax.axhline(0, color="0.7", lw=0.6)
         ax.set_ylabel(r"drift $c_x$ (cm/s)")
-        name_panel(ax, letter, title)
-    figure.supxlabel(ring.SAID, fontsize=6.5)
+    driving = rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$"
+    many = rf"$N={ANNULUS_COUNT}$, {driving}"
+    name_panels(axes.flat, (driving, "", many, many))
+    figure.supxlabel(ANNULUS_WORDS, fontsize=6.5)
     return figure
 
 
@@ -166,31 +168,24 @@ def shape(tilt: np.ndarray, c_x: np.ndarray) -> dict[str, float]:
     }
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """The shape of (a), and the curves."""
-    lines = ["Fig. 4. drift in cm/s, tilt in deg, +- one s.e."]
+    lines = ["Fig. 4. drift in cm/s, tilt in deg, ± one s.e."]
     for name in ("still", "rolling"):
         found = shape(d[f"{name}_tilt"], d[f"{name}_c_x"])
         lines.append(f"{name}: " + ", ".join(f"{key} {value:.3f}" for key, value in found.items()))
 
-    def cell(name: str, *at) -> str:
-        return f"{d[name][at]:7.3f} +- {d[f'{name}_error'][at]:.3f}"
+    def part(heads: tuple[str, ...], x: str, *columns: tuple) -> str:
+        rows = zip(d[x], *(pairs(d, *column) for column in columns), strict=True)
+        return table(heads, rows, ("g", *[3] * len(columns)))
 
-    lines.append("rods: tilt, drift without and with rolling")
-    for i, n in enumerate(d["count"]):
-        cells = (
-            cell(name, i) for name in ("still_tilt", "still_c_x", "rolling_tilt", "rolling_c_x")
-        )
-        lines.append(f"  {n:4d} " + " ".join(cells))
-    lines.append(f"Gamma: drift of {', '.join(map(str, d['few']))} rods")
-    for i, gamma in enumerate(d["gamma"]):
-        lines.append(f"  {gamma:4g} " + " ".join(cell("gamma_c_x", i, j) for j in range(3)))
+    heads = "rods", "tilt", "drift", "rods roll: tilt", "drift"
+    over = [(f"{kind}_{name}",) for kind in ("still", "rolling") for name in ("tilt", "c_x")]
+    lines.append(part(heads, "count", *over))
+    over = [("gamma_c_x", (..., i)) for i in range(len(d["few"]))]
+    lines.append(part(("Gamma", *(f"{n} rods" for n in d["few"])), "gamma", *over))
     for name in ("wall", "plate"):
-        lines.append(f"friction of the {name}: tilt, drift")
-        for i, mu in enumerate(d[name]):
-            lines.append(f"  {mu:4g} {cell(f'{name}_tilt', i)} {cell(f'{name}_c_x', i)}")
-    lines.append("plane row: tilt, drift")
-    lines += [
-        f"  {cell('plane_tilt', i)} {cell('plane_c_x', i)}" for i in range(len(d["plane_c_x"]))
-    ]
-    return "\n".join(lines)
+        heads = f"friction of the {name}", "tilt", "drift"
+        lines.append(part(heads, name, (f"{name}_tilt",), (f"{name}_c_x",)))
+    rows = zip(pairs(d, "plane_tilt"), pairs(d, "plane_c_x"), strict=True)
+    return "\n".join([*lines, table(("row: tilt", "drift"), rows, 3)])

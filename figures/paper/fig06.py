@@ -11,23 +11,28 @@ is hit again at once does not fall in between.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from impact import drift
+from md.scene import from_tables
+from md.sweep import Sweep
 
-from ..lib.row_runs import (
+from ..lib.runs import (
     FRICTION,
-    OF_TILT_SCAN,
     RESTITUTION,
     ROW,
+    TILT_SCAN_WORDS,
     means,
     paper_rod,
     plate_speed_cm_s,
-    tilt_scan,
+    tilt_plan,
+    tilts,
 )
-from ..lib.style import BLACK, BLUE, RED, name_panel, style, tilt_axis
+from ..lib.style import BLACK, BLUE, RED, Data, curve, name_panels, style, tilt_axis
+from ..lib.tables import pairs, table
 
 VELOCITIES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
-MEANS = {  # name here: name in the store
+VELOCITY_MEANS = {  # name here: name in the store
     **{name: f"touches.{name}.mean" for name in VELOCITIES},
     **{f"merged_{name}": f"landings.{name}.mean" for name in VELOCITIES},
     "plate": "touches.plate_velocity.mean",
@@ -37,58 +42,41 @@ MEANS = {  # name here: name in the store
 }
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """The row over tilt."""
+    return {"tilt": tilt_plan(quick)}
+
+
+def data(quick: bool = False) -> Data:
     """Means over touches and over landings; cm/s and rad/s, the plate's velocity in V_0."""
-    from md.scene import from_tables
-
     scene = from_tables(ROW)
-    nominal, sweep = tilt_scan(quick)
-    found = {"nominal_deg": nominal, **means(sweep, MEANS)}
-    per_second = scene.frequency  # in reduced units: sqrt(d/g) lasts frequency/60 s
-    for name, values in found.items():
+    found = {"nominal_deg": tilts(quick), **means(tilt_plan(quick), VELOCITY_MEANS)}
+    per_second = scene.frequency / scene.plate.frequency_hz  # sqrt(d/g) in s
+    for name in found:
         if "c_x" in name or "c_z" in name:
-            found[name] = values * scene.cm_per_s
+            found[name] = found[name] * scene.cm_per_s
         if "omega" in name:
-            found[name] = values * scene.plate.frequency_hz / per_second
-    fine = np.radians(np.linspace(1, 89, 177))
-    line = drift(
-        paper_rod(fine),
-        friction=FRICTION,
-        restitution=RESTITUTION,
-        plate_velocity=plate_speed_cm_s() / 2,
-    )
-    return {
-        **found,
-        "speed": np.float64(plate_speed_cm_s()),
-        "fine_deg": np.degrees(fine),
-        "line_c_x": line.c_x,
-        "line_c_z": line.c_z,
-    }
+            found[name] = found[name] / per_second
+    fine, speed = np.radians(np.linspace(1, 89, 177)), plate_speed_cm_s()
+    setting = {"friction": FRICTION, "restitution": RESTITUTION, "plate_velocity": speed / 2}
+    line = drift(paper_rod(fine), **setting)
+    lines = {"fine_deg": np.degrees(fine), "line_c_x": line.c_x, "line_c_z": line.c_z}
+    return {**found, "speed": np.float64(speed), **lines}
 
 
-def _pair(ax, d: dict, name: str, sign: int = 1, label: str = "") -> None:
-    """Before in black, after in red; a touch each, and landings."""
+def _pair(ax: Axes, d: Data, name: str, sign: int = 1, label: str = "") -> None:
+    """Before in black, after in red; touches, and landings where there are any."""
     for side, colour, turn in (("before", BLACK, sign), ("after", RED, 1)):
-        for prefix, marker, size in (("", "o", 2.6), ("merged_", "s", 2.8)):
+        for prefix, marker, kind in (("", "o", "touches"), ("merged_", "s", "landings")):
             key = f"{prefix}{name}_{side}"
             if key in d:
-                look = {"mfc": "white" if prefix else colour, "mew": 0.7, "lw": 0.5}
-                prime = "'" if side == "after" else ""
-                minus = "-" if turn < 0 else ""
-                text = rf"${minus}{label}{prime}$, " + ("landings" if prefix else "touches")
-                ax.errorbar(
-                    *(d["tilt_deg"], turn * d[key], d[f"{key}_error"]),
-                    fmt=f"{marker}-",
-                    color=colour,
-                    ms=size,
-                    elinewidth=0.6,
-                    label=text,
-                    **look,
-                )
+                symbol = f"{'-' if turn < 0 else ''}{label}{chr(39) * (side == 'after')}"
+                look = {"form": f"{marker}-", "scale": turn, "hollow": bool(prefix), "ms": 2.7}
+                curve(ax, d, "tilt_deg", key, colour, f"${symbol}$, {kind}", **look)
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.0))
     (a, b), (c, e) = axes
     _pair(a, d, "omega", 1, r"\omega")
@@ -99,39 +87,29 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     _pair(c, d, "c_x", 1, "c_x")
     c.plot(d["fine_deg"], d["line_c_x"], color=BLUE, label=r"(24), (29), $V_0/2$")
     c.set_ylabel("horizontal velocity (cm/s)")
-    for key, look in (
-        ("plate", {"fmt": "o-", "color": BLACK, "label": "touches, each alike"}),
-        ("plate_by_speed", {"fmt": "^-", "color": RED, "label": r"touches, as their $v_0$"}),
-        ("merged_plate", {"fmt": "s-", "color": BLACK, "mfc": "white", "label": "landings"}),
-    ):
-        e.errorbar(d["tilt_deg"], d[key], d[f"{key}_error"], ms=2.6, lw=0.5, elinewidth=0.6, **look)
+    curve(e, d, "tilt_deg", "plate", BLACK, "touches, each alike")
+    curve(e, d, "tilt_deg", "plate_by_speed", RED, r"touches, as their $v_0$", form="^-")
+    curve(e, d, "tilt_deg", "merged_plate", BLACK, "landings", form="s-", hollow=True)
     e.axhline(0.5, color=BLUE, label="(31): 1/2")
     e.set(ylabel=r"plate at landing, $V_z/V_0$", ylim=(min(0, d["plate"].min() - 0.05), 1))
-    for letter, ax in zip("abcd", axes.flat, strict=True):
+    for ax in axes.flat:
         tilt_axis(ax)
         ax.axhline(0, color="0.7", lw=0.6)
         ax.legend(fontsize=5.5)
-        name_panel(ax, letter)
-    figure.supxlabel(OF_TILT_SCAN, fontsize=7)
+    name_panels(axes.flat, [""] * 4)
+    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
     return figure
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
-    """Both kinds of means, a row a tilt."""
-    lines = [
-        "Fig. 6. Touches; in brackets landings (touches within 0.2 periods as one); +- one s.e.",
-        " tilt   omega   omega'  |  c_x (cm/s)    c_x' (cm/s)  |  -c_z/c_z'        V_z/V_0",
-    ]
-    for i, tilt in enumerate(d["tilt_deg"]):
-        ratio = -d["c_z_before"][i] / d["c_z_after"][i]
-        merged = -d["merged_c_z_before"][i] / d["merged_c_z_after"][i]
-        lines.append(
-            f"{tilt:5.1f} {d['omega_before'][i]:7.2f} {d['omega_after'][i]:7.2f}  | "
-            + " ".join(
-                f"{d[n][i]:6.2f}+-{d[f'{n}_error'][i]:.2f} ({d[f'merged_{n}'][i]:.2f})"
-                for n in ("c_x_before", "c_x_after")
-            )
-            + f" | {ratio:5.2f} ({merged:.2f})  "
-            f"{d['plate'][i]:.3f}+-{d['plate_error'][i]:.3f} ({d['merged_plate'][i]:.3f})"
-        )
-    return "\n".join(lines)
+def summary(d: Data) -> str:
+    """Means over touches and over landings, a row a tilt."""
+    names = "omega_before", "omega_after", "c_x_before", "c_x_after"
+    columns = {"omega": names[0], "omega'": names[1], "c_x (cm/s)": names[2], "c_x'": names[3]}
+    columns |= {f"{head}, landings": f"merged_{name}" for head, name in [*columns.items()][2:]}
+    cells = {head: pairs(d, name) for head, name in columns.items()}
+    for head, prefix in (("-c_z/c_z'", ""), ("the same, landings", "merged_")):
+        cells[head] = -d[f"{prefix}c_z_before"] / d[f"{prefix}c_z_after"]
+    cells |= {"V_z/V_0": pairs(d, "plate"), "V_z/V_0, landings": pairs(d, "merged_plate")}
+    rows = zip(d["tilt_deg"], *cells.values(), strict=True)
+    head = "Fig. 6. Over touches, and landings (touches within 0.2 periods as one); ± one s.e."
+    return f"{head}\n{table(('tilt', *cells), rows, (1, *[2] * len(cells)))}"

@@ -13,15 +13,17 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from md.scene import from_tables, put
+from md.sweep import Sweep
 
-from ..lib.row_runs import OF_TILT_SCAN, ROW, boxes, lone, means, tilt_scan
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
+from ..lib.runs import ROW, TILT_SCAN_WORDS, boxes, lone, means, tilt_plan
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panel, style, tilt_axis
+from ..lib.tables import pairs, table
 from ..pages import movie
 
-TILTS_DEG, SHOWN, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
-RODS = (5, 18, 31)
+TIP_TILTS_DEG, SHOWN_PERIODS, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
+RODS_DRAWN = (5, 18, 31)
 CHANGE_DEG = 30.0  # the paper's
-MEANS = {
+FLIGHT_MEANS = {
     "tilt_deg": "tilt_deg",
     "flight": "touches.flight_periods.mean",
     "merged_flight": "landings.flight_periods.mean",
@@ -29,22 +31,26 @@ MEANS = {
 }
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """The row over tilt."""
+    return {"tilt": tilt_plan(quick)}
+
+
+def data(quick: bool = False) -> Data:
     """Heights [cm] over time [periods]; flights [periods] over tilt."""
     heights = []
-    for length in boxes(np.array(TILTS_DEG)):
+    for length in boxes(TIP_TILTS_DEG):
         scene = from_tables(put(ROW, {"box.length": length, "start.seed": 1}))
-        film = movie.record(scene, TRANSIENT + SHOWN, FRAMES)
+        film = movie.record(scene, TRANSIENT + SHOWN_PERIODS, FRAMES)
         late = film.time >= TRANSIENT
-        heights.append(scene.rods.diameter_cm * film.tips[late][:, RODS])
+        heights.append(scene.rods.diameter_cm * film.tips[late][:, RODS_DRAWN])
         time, plate = film.time[late] - TRANSIENT, scene.rods.diameter_cm * film.plate[late]
-    _, sweep = tilt_scan(quick)
     lone_deg, bounces = lone(quick)
     return {
         "time": time,
         "plate": plate,
         "tips": np.array(heights),  # (tilts, times, rods)
-        **means(sweep, MEANS),
+        **means(tilt_plan(quick), FLIGHT_MEANS),
         "lone_deg": lone_deg,
         "lone_flight": np.array([each.flight.mean for each in bounces]),
         "lone_flight_error": np.array([each.flight.error for each in bounces]),
@@ -52,7 +58,7 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure = plt.figure(figsize=(7.0, 4.6))
     a, b, c = figure.subplot_mosaic("ac;bc", width_ratios=(1.5, 1)).values()
     a, c, b = a, b, c  # the mosaic is read row by row
@@ -62,40 +68,26 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         ax.plot(d["time"], d["plate"], color="0.45", lw=0.8)
         for tip, colour in zip(d["tips"][i].T, (BLUE, RED, GREEN), strict=True):
             ax.plot(d["time"], tip, color=colour, lw=1)
-        ax.set(xlim=(0, SHOWN), ylim=(low - 0.03, high + 0.03), ylabel="height (cm)")
+        ax.set(xlim=(0, SHOWN_PERIODS), ylim=(low - 0.03, high + 0.03), ylabel="height (cm)")
         ax.set_xlabel("time (periods of the plate)")
-        name_panel(ax, "ab"[i], rf"$\phi={TILTS_DEG[i]}$°")
-    bars = {"ms": 3, "lw": 0.6, "elinewidth": 0.6}
+        name_panel(ax, "ab"[i], rf"$\phi={TIP_TILTS_DEG[i]}$°")
     c.plot(d["lone_deg"], d["lone_flight"], color=ORANGE, label="one rigid rod")
-    for name, fill, marker, label in (
-        ("flight", BLACK, "o", "touch to touch"),
-        ("merged_flight", "white", "s", "hops < 0.2 periods left out"),
-    ):
-        c.errorbar(
-            *(d["tilt_deg"], d[name], d[f"{name}_error"]),
-            fmt=f"{marker}-",
-            color=BLACK,
-            mfc=fill,
-            label=label,
-            **bars,
-        )
+    curve(c, d, "tilt_deg", "flight", BLACK, "touch to touch")
+    left_out = {"form": "s-", "hollow": True}
+    curve(c, d, "tilt_deg", "merged_flight", BLACK, "hops < 0.2 periods left out", **left_out)
     c.axhline(1, color="0.5", lw=0.6)
     c.axvline(CHANGE_DEG, color=BLACK, ls=":", lw=0.8)
     tilt_axis(c, 0, 80, 20)
     c.set(ylabel="mean flight (periods)", ylim=(0, None))
     c.legend(loc="upper right")
     name_panel(c, "c", "length of flights")
-    figure.supxlabel(OF_TILT_SCAN, fontsize=7)
+    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
     return figure
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """Flights, a row a tilt."""
-    lines = ["Fig. 7. Mean flight in periods: touch to touch; hops left out; touches a landing"]
-    for i, tilt in enumerate(d["tilt_deg"]):
-        lines.append(
-            f"{tilt:5.1f}  {d['flight'][i]:.2f} +- {d['flight_error'][i]:.2f}   "
-            f"{d['merged_flight'][i]:.2f} +- {d['merged_flight_error'][i]:.2f}   "
-            f"{d['touches'][i]:.2f}"
-        )
-    return "\n".join(lines)
+    columns = pairs(d, "flight"), pairs(d, "merged_flight"), d["touches"]
+    rows = zip(d["tilt_deg"], *columns, strict=True)
+    heads = "tilt", "touch to touch", "hops left out", "touches a landing"
+    return f"Fig. 7. Mean flight in periods\n{table(heads, rows, (1, 2, 2, 2))}"

@@ -10,15 +10,26 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import landing_density
+from md.sweep import Sweep
 
-from ..lib.row_runs import OF_TILT_SCAN, SHOWN_DEG, lone, means, over_seeds, store, tilt_scan
-from ..lib.style import BLACK, ORANGE, RED, name_panel, style, tilt_axis
+from ..lib.runs import (
+    SHOWN_DEG,
+    TILT_SCAN_WORDS,
+    gathered,
+    lone,
+    means,
+    over_seeds,
+    tilt_plan,
+    tilts,
+)
+from ..lib.style import BLACK, ORANGE, RED, Data, curve, name_panels, style, tilt_axis
+from ..lib.tables import pairs, table
 
-BINS = 32  # drawn; the store has 64
+BINS_DRAWN = 32  # drawn; the store has 64
 EXPECTED = 0.5 - 1 / np.pi  # part of H while the plate falls
 
 
-def densities(counts: np.ndarray, bins: int = BINS) -> np.ndarray:
+def densities(counts: np.ndarray, bins: int = BINS_DRAWN) -> np.ndarray:
     """Landings over the cycle, (..., 64), as densities per rad, (..., bins)."""
     counts = counts.reshape(*counts.shape[:-1], bins, -1).sum(axis=-1)
     return counts / counts.sum(axis=-1, keepdims=True) * bins / (2 * np.pi)
@@ -30,17 +41,22 @@ def falling(counts: np.ndarray) -> np.ndarray:
     return counts[..., quarter : 3 * quarter].sum(axis=-1) / counts.sum(axis=-1)
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """The row over tilt."""
+    return {"tilt": tilt_plan(quick)}
+
+
+def data(quick: bool = False) -> Data:
     """Densities [per rad] and the part on the way down."""
-    nominal, sweep = tilt_scan(quick)
-    (counts,) = sweep.gather(store(), "phases")  # (tilts, seeds, 64)
-    shown = np.searchsorted(nominal, SHOWN_DEG)
+    sweep = tilt_plan(quick)
+    (counts,) = gathered(sweep, "phases")  # (tilts, seeds, 64)
+    shown = np.searchsorted(tilts(quick), SHOWN_DEG)
     density, error = over_seeds(np.moveaxis(densities(counts[shown]), 1, -1))
     down, down_error = over_seeds(falling(counts))
     lone_deg, bounces = lone(quick)
     return {
         "shown_deg": np.array(SHOWN_DEG),
-        "phase": 2 * np.pi * (np.arange(BINS) + 0.5) / BINS,
+        "phase": 2 * np.pi * (np.arange(BINS_DRAWN) + 0.5) / BINS_DRAWN,
         "density": density,
         "density_error": error,
         "falling": down,
@@ -52,63 +68,44 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.4))
     fine = np.linspace(0, 2 * np.pi, 361)
     degrees, top = np.degrees(d["phase"]), 1.12 * (d["density"] + d["density_error"]).max()
-    half = 180 / BINS
+    half = 180 / BINS_DRAWN
     for i, ax in enumerate(axes.flat[:5]):
         ax.axvspan(90, 270, color="0.93", lw=0)
         ax.stairs(d["density"][i], np.append(degrees - half, 360), color=BLACK, lw=0.9)
-        ax.errorbar(
-            degrees,
-            d["density"][i],
-            d["density_error"][i],
-            fmt="none",
-            ecolor=BLACK,
-            elinewidth=0.6,
-        )
+        bars = {"fmt": "none", "ecolor": BLACK, "elinewidth": 0.6}
+        ax.errorbar(degrees, d["density"][i], d["density_error"][i], **bars)
         ax.plot(np.degrees(fine), landing_density(fine), color=RED, label=r"$H(\theta)$")
         ax.set(xlim=(0, 360), ylim=(0, top), xticks=range(0, 361, 90))
         ax.set(xlabel=r"phase $\theta$ of the plate (deg)")
-        name_panel(ax, "abcde"[i], rf"$\phi={d['shown_deg'][i]}$°")
     for ax in axes[:, 0]:
         ax.set_ylabel("density of landings (1/rad)")
     axes[0, 0].text(180, 0.95 * top, "plate falls", ha="center", va="top", color="0.3")
     axes[0, 0].legend(loc="upper center", bbox_to_anchor=(0.5, 0.9))
     last = axes[1, 2]
-    bars = {"ms": 3, "lw": 0.6, "elinewidth": 0.6, "color": BLACK}
-    last.errorbar(
-        d["tilt_deg"], d["falling"], d["falling_error"], fmt="o-", label="touches", **bars
-    )
-    last.errorbar(
-        *(d["tilt_deg"], d["merged_falling"], d["merged_falling_error"]),
-        fmt="s-",
-        mfc="white",
-        label="landings",
-        **bars,
-    )
+    curve(last, d, "tilt_deg", "falling", BLACK, "touches")
+    curve(last, d, "tilt_deg", "merged_falling", BLACK, "landings", form="s-", hollow=True)
     last.plot(d["lone_deg"], d["lone_falling"], color=ORANGE, label="one rigid rod")
     last.axhline(EXPECTED, color=RED, label=r"$H(\theta)$")
     tilt_axis(last, 0, 80, 20)
     last.set(ylabel="landings while the plate falls", ylim=(-0.02, None))
     last.legend(loc="upper right")
-    name_panel(last, "f", "share on the way down")
-    figure.supxlabel(OF_TILT_SCAN, fontsize=7)
+    titles = [rf"$\phi={tilt}$°" for tilt in d["shown_deg"]]
+    name_panels(axes.flat, [*titles, "share on the way down"])
+    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
     return figure
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
-    """Share on the way down and distance from H, in words."""
-    lines = [f"Fig. 8. Landings while the plate falls: touches; landings. H: {EXPECTED:.3f}"]
-    for i, tilt in enumerate(d["tilt_deg"]):
-        lines.append(
-            f"{tilt:5.1f}  {d['falling'][i]:.3f} +- {d['falling_error'][i]:.3f}   "
-            f"{d['merged_falling'][i]:.3f} +- {d['merged_falling_error'][i]:.3f}"
-        )
+def summary(d: Data) -> str:
+    """Share on the way down and distance from H."""
+    rows = zip(d["tilt_deg"], pairs(d, "falling"), pairs(d, "merged_falling"), strict=True)
     off = np.abs(d["density"] - landing_density(d["phase"])).mean(axis=1) * np.pi
-    lines.append(
-        "half of the integrated distance from H at "
-        + ", ".join(f"{t} deg: {o:.2f}" for t, o in zip(d["shown_deg"], off, strict=True))
-    )
-    return "\n".join(lines)
+    return "\n".join([
+        f"Fig. 8. Share of landings while the plate falls; that of H: {EXPECTED:.3f}",
+        table(("tilt", "touches", "landings"), rows, (1, 3, 3)),
+        table(("tilt", "half of the integrated distance from H"),
+              zip(d["shown_deg"], off, strict=True)),
+    ])  # fmt: skip

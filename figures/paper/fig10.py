@@ -12,8 +12,9 @@ import numpy as np
 from impact import classify, critical_tilts, slide_friction, thin_rod
 
 from ..lib.style import (
+    Data,
     map_regimes,
-    name_panel,
+    name_panels,
     reversal_boundary,
     style,
     tilt_axis,
@@ -28,18 +29,13 @@ _LABELS = (  # regime names at (tilt in degrees, friction), one row a panel
 )
 
 
-def data(quick: bool = False, restitution: float = 0.8) -> dict[str, np.ndarray]:
+def data(quick: bool = False, restitution: float = 0.8) -> Data:
     """Regimes, shape (3, n, n) over friction and tilt [rad], and the boundary lines."""
     n, points = (46, 200) if quick else (361, 1000)
     ratio = np.array(APPROACH_RATIOS)[:, None]
     tilt, friction = np.linspace(0, np.pi / 2, n), np.linspace(0, 1, n)
-    regime = classify(
-        1.0,
-        -ratio[:, None],
-        geometry=thin_rod(tilt),
-        friction=friction[:, None],
-        restitution=restitution,
-    )
+    how = {"geometry": thin_rod(tilt), "friction": friction[:, None], "restitution": restitution}
+    regime = classify(1.0, -ratio[:, None], **how)
     setting = {"approach_ratio": ratio, "restitution": restitution}
     reversal, line = reversal_boundary(points), np.linspace(0, np.pi / 2, points)
     return {
@@ -57,7 +53,7 @@ def data(quick: bool = False, restitution: float = 0.8) -> dict[str, np.ndarray]
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.9), sharey=True)
     tilt_deg = np.degrees(d["tilt"])
     end_deg, end_friction = np.degrees(d["reversal_end"][0]), d["reversal_end"][1]
@@ -72,7 +68,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         for word, x, y in labels:
             ax.text(x, y, word, ha="center", va="center")
         tilt_axis(ax)
-        name_panel(ax, "abc"[i], rf"$-c_z/c_x={d['approach_ratio'][i]:g}$")
+    name_panels(axes, [rf"$-c_z/c_x={ratio:g}$" for ratio in d["approach_ratio"]])
     arrow = {"arrowstyle": "->", "lw": 0.6}
     axes[2].annotate("slide", (88.5, 0.07), (70, 0.07), va="center", arrowprops=arrow)
     axes[0].set(ylabel=r"friction $\mu$", ylim=(0, 1))

@@ -15,12 +15,10 @@ from derivations.drift import stationary
 from derivations.symbols import V_z, epsilon, length, mu, phi
 from impact import critical_tilts, drift, thin_rod
 
-from ..lib.style import BLACK, BLUE, GREEN, RED, style, tilt_axis
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, style, tilt_axis
 
 
-def data(
-    quick: bool = False, friction: float = 0.3, restitution: float = 0.65
-) -> dict[str, np.ndarray]:
+def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) -> Data:
     """True drift and both branches over the whole range of tilt [rad], in units of V_z."""
     critical = np.array(critical_tilts(friction))
     grid = np.linspace(0, np.pi / 2, 91 if quick else 1801)
@@ -44,7 +42,7 @@ def data(
     }
 
 
-def _curves(ax: plt.Axes, d: dict[str, np.ndarray]) -> None:
+def _curves(ax: plt.Axes, d: Data) -> None:
     tilt_deg = np.degrees(d["tilt"])
     ax.plot(tilt_deg, d["c_z"], "-.", color=GREEN, label=r"$c_z'/V_z$")
     for name, equation, colour in (("stick", 26, RED), ("reversal", 29, BLUE)):
@@ -56,7 +54,7 @@ def _curves(ax: plt.Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, ax = plt.subplots(figsize=(3.4, 3.0))
     _curves(ax, d)
     tilt_axis(ax)
@@ -72,14 +70,8 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     _curves(inset, d)
     inset.set(xlim=(78, 90), ylim=(0, 0.4), xticks=(80, 85, 90), yticks=(0, 0.2, 0.4))
     inset.tick_params(labelsize=6)
-    inset.annotate(
-        "sticks\nagain",
-        (86.5, np.interp(86.5, np.degrees(d["tilt"]), d["c_x"])),
-        (82, 0.07),
-        ha="center",
-        va="center",
-        fontsize=6,
-        arrowprops={"arrowstyle": "->", "lw": 0.6},
-    )
+    place = 86.5, np.interp(86.5, np.degrees(d["tilt"]), d["c_x"])
+    arrow = {"arrowprops": {"arrowstyle": "->", "lw": 0.6}, "fontsize": 6}
+    inset.annotate("sticks\nagain", place, (82, 0.07), ha="center", va="center", **arrow)
     ax.indicate_inset_zoom(inset, edgecolor="0.5", lw=0.6)
     return figure

@@ -15,8 +15,22 @@ from scipy.optimize import minimize_scalar
 
 import md
 
-from ..lib.soft_impacts import TILTS, Soft, distance, right, rigid, simulate
-from ..lib.style import BLACK, BLUE, GREEN, LAWS, ORANGE, RED, name_panel, shade, style, tilt_axis
+from ..lib.soft_impacts import TABLE_TILTS, Soft, distance, right, rigid, simulate
+from ..lib.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    RED,
+    RESTITUTION_LAWS,
+    Data,
+    legend_above,
+    name_panels,
+    shade,
+    style,
+    tilt_axis,
+)
+from ..lib.tables import table
 
 EPSILON = 0.65
 SOFT = {  # all with k_n = 5e6
@@ -31,7 +45,7 @@ _COLOURS = {"coulomb": BLACK, "constant_restitution": BLUE, "appendix_a": RED}
 def _fitted(law: str, soft: Soft) -> float:
     """The one constant that brings the theory's velocities nearest."""
     found = minimize_scalar(
-        lambda e: distance(soft, rigid(TILTS, e, law=law)), bounds=(0.2, 1), method="bounded"
+        lambda e: distance(soft, rigid(TABLE_TILTS, e, law=law)), bounds=(0.2, 1), method="bounded"
     )
     return found.x
 
@@ -42,27 +56,27 @@ def _table(soft: Soft) -> np.ndarray:
     First with the constant of the head-on impact, then with the fitted one.
     """
     rows = []
-    for law in LAWS:
+    for law in RESTITUTION_LAWS:
         row = []
         for constant in (EPSILON, _fitted(law, soft)):
-            theory = rigid(TILTS, constant, law=law)
+            theory = rigid(TABLE_TILTS, constant, law=law)
             off = np.sqrt(np.mean((theory.normal_velocity - soft.restitution) ** 2))
             row += [constant, distance(soft, theory), off]
         rows.append(row)
     return np.array(rows)
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Velocities over |c_z| and restitution; MD arrays are of shape (3 laws, tilts)."""
     tilt = np.radians(np.linspace(0, 89, 90) if not quick else np.arange(0, 90, 5))
     edges = np.radians(np.linspace(0, 90, 181 if quick else 1801))
     line = (edges[1:] + edges[:-1]) / 2
     soft = [simulate(tilt, law) for law in SOFT.values()]
     fine = [simulate(tilt, law, refine=64) for law in SOFT.values()]
-    coarse = [simulate(TILTS, law) for law in SOFT.values()]
-    theory = {law: rigid(line, EPSILON, law=law) for law in LAWS}
+    coarse = [simulate(TABLE_TILTS, law) for law in SOFT.values()]
+    theory = {law: rigid(line, EPSILON, law=law) for law in RESTITUTION_LAWS}
     at_measured = [rigid(tilt, s.restitution) for s in soft]
-    first = [rigid(tilt, EPSILON, law=law) for law in LAWS]
+    first = [rigid(tilt, EPSILON, law=law) for law in RESTITUTION_LAWS]
     every = {"tilt": tilt, "line_tilt": line, "line_edges": edges, "epsilon": np.float64(EPSILON)}
     return {
         **every,
@@ -72,55 +86,45 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         "line_c_x": theory["newton"].c_x,
         "line_c_z": theory["newton"].c_z,
         "line_regime": theory["newton"].regime,
-        "line_restitution": np.array([theory[law].normal_velocity for law in LAWS]),
+        "line_restitution": np.array([theory[law].normal_velocity for law in RESTITUTION_LAWS]),
         # distance of the first law's symbols from each theory at the constant, and at the measured
         "off": np.array([np.hypot(soft[0].c_x - r.c_x, soft[0].c_z - r.c_z) for r in first]),
         "off_measured": np.hypot(
             soft[0].c_x - at_measured[0].c_x, soft[0].c_z - at_measured[0].c_z
         ),
         "step_error": np.array([distance(a, b) for a, b in zip(soft, fine, strict=True)]),
-        "rms_constant": np.array([distance(s, rigid(TILTS, EPSILON)) for s in coarse]),
-        "rms_measured": np.array([distance(s, rigid(TILTS, s.restitution)) for s in coarse]),
-        "regimes_right": np.array([right(s, rigid(TILTS, s.restitution)) for s in coarse]),
+        "rms_constant": np.array([distance(s, rigid(TABLE_TILTS, EPSILON)) for s in coarse]),
+        "rms_measured": np.array([distance(s, rigid(TABLE_TILTS, s.restitution)) for s in coarse]),
+        "regimes_right": np.array([right(s, rigid(TABLE_TILTS, s.restitution)) for s in coarse]),
         "table_restitution": np.array([s.restitution for s in coarse]),
         "table": np.array([_table(s) for s in coarse]),
     }
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """RMS over 17 tilts, 5 to 85 degrees, of (c_x', c_z')/|c_z| and of -v_f/v_0."""
-    lines = [
-        "17 tilts from 5 to 85 degrees, RMS of (c_x', c_z')/|c_z|, Newton's law:",
-        f"{'contact law':21} {'-v_f/v_0':>13} {'at 0.65':>8} {'measured':>9} {'regimes':>8}",
+    e, names = d["table_restitution"], ["rms_constant", "rms_measured", "regimes_right"]
+    ranges = [f"{low:.3f} to {high:.3f}" for low, high in zip(e.min(1), e.max(1), strict=True)]
+    rows = zip(SOFT, ranges, *(d[name] for name in names), strict=True)
+    heads = "contact law", "-v_f/v_0", "at 0.65", "at the measured", "regimes of 17"
+    lines = ["17 tilts from 5 to 85 degrees, RMS of (c_x', c_z')/|c_z|, Newton's law"]
+    lines += [table(heads, rows, 5), "One constant: RMS of velocities, of -v_f/v_0"]
+    heads = "contact law", "restitution law", "head on", "vel", "rest", "fitted", "vel", "rest"
+    rows = [
+        (name, law, *map(float, row))
+        for name, block in zip(SOFT, d["table"], strict=True)
+        for law, row in zip(RESTITUTION_LAWS, block, strict=True)
     ]
-    for i, name in enumerate(SOFT):
-        e = d["table_restitution"][i]
-        lines.append(
-            f"{name:21} {e.min():6.3f}-{e.max():.3f} {d['rms_constant'][i]:9.4f}"
-            f" {d['rms_measured'][i]:9.5f} {d['regimes_right'][i]:5d}/17"
-        )
-    lines += [
-        "One constant in three restitution laws: RMS of velocities, of -v_f/v_0",
-        f"{'contact law':21} {'law':9} {'head-on':>8} {'vel':>7} {'rest':>7} {'fitted':>8}"
-        f" {'vel':>7} {'rest':>7}",
-    ]
-    for i, name in enumerate(SOFT):
-        for law, row in zip(LAWS, d["table"][i], strict=True):
-            cells = "".join(f"{x:9.3f}{v:8.4f}{r:8.4f}" for x, v, r in (row[:3], row[3:]))
-            lines.append(f"{name:21} {law:8} {cells}")
-        named = (
-            ("velocities", 1),
-            ("-v_f/v_0", 2),
-            ("velocities, fitted", 4),
-            ("-v_f/v_0, fitted", 5),
-        )
-        words = [f"{what}: {LAWS[d['table'][i][:, column].argmin()]}" for what, column in named]
-        lines.append(f"{name:21} nearest in {'; '.join(words)}")
+    lines.append(table(heads, rows, 4))
+    columns = {"velocities": 1, "-v_f/v_0": 2, "velocities, fitted": 4, "-v_f/v_0, fitted": 5}
+    rows = [(name, *(RESTITUTION_LAWS[d["table"][i][:, at].argmin()] for at in columns.values()))
+            for i, name in enumerate(SOFT)]  # fmt: skip
+    lines.append(table(("nearest law in", *columns), rows))
     lines.append(f"halving the step moves velocities by at most {d['step_error'].max():.0e} (RMS)")
     return "\n".join(lines)
 
 
-def _draw_velocities(ax: Axes, d: dict[str, np.ndarray], i: int) -> None:
+def _draw_velocities(ax: Axes, d: Data, i: int) -> None:
     deg, line_deg = np.degrees(d["tilt"]), np.degrees(d["line_tilt"])
     shade(ax, np.degrees(d["line_edges"]), d["line_regime"])
     some = slice(None, None, 1 if deg.size < 50 else 3)
@@ -142,23 +146,25 @@ def _legend(ax: Axes) -> None:
     ax.plot([], [], "-", color=GREEN, lw=2.6, alpha=0.6, label=r"theory, measured $\epsilon$")
 
 
-def _draw_restitution(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_restitution(ax: Axes, d: Data) -> None:
     line_deg = np.degrees(d["line_tilt"])
     for (name, colour), e in zip(_COLOURS.items(), d["restitution"], strict=True):
         dashes = "-" if name != "constant_restitution" else (0, (4, 1.5))
         ax.plot(np.degrees(d["tilt"]), e, ls=dashes, color=colour, label=f"MD, {name}")
     styles = ((ORANGE, "-."), (GREEN, "-."), (GREEN, ":"))
-    for law, e, (colour, dashes) in zip(LAWS, d["line_restitution"], styles, strict=True):
+    for law, e, (colour, dashes) in zip(
+        RESTITUTION_LAWS, d["line_restitution"], styles, strict=True
+    ):
         ax.plot(line_deg, e, dashes, color=colour, lw=1, label=rf"{law.title()}, 0.65")
     ax.set(ylabel=r"restitution $-v_f/v_0$", ylim=(0.45, 1.25))
     ax.legend(ncols=2, loc="upper center", fontsize=6, handlelength=1.8, columnspacing=1)
     tilt_axis(ax)
 
 
-def _draw_off(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _draw_off(ax: Axes, d: Data) -> None:
     deg = np.degrees(d["tilt"])
     for law, off, colour, dashes in zip(
-        LAWS, d["off"], (ORANGE, GREEN, GREEN), ("-.", "-.", ":"), strict=True
+        RESTITUTION_LAWS, d["off"], (ORANGE, GREEN, GREEN), ("-.", "-.", ":"), strict=True
     ):
         ax.plot(deg, off, dashes, color=colour, label=f"{law.title()}, 0.65")
     ax.plot(deg, d["off_measured"], "-", color=BLACK, label="Newton, measured")
@@ -168,29 +174,18 @@ def _draw_off(ax: Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.6))
-    for ax, letter, i, title in (
-        (axes[0, 0], "a", 0, "MD: coulomb"),
-        (axes[0, 1], "b", 2, "MD: appendix_a as printed"),
-    ):
-        _draw_velocities(ax, d, i)
-        name_panel(ax, letter, title)
+    _draw_velocities(axes[0, 0], d, 0)
+    _draw_velocities(axes[0, 1], d, 2)
     for x, y, word in ((11, -0.93, "slip-stick"), (50, -0.93, "slip reversal"), (85, 1.1, "slide")):
         axes[0, 0].text(x, y, word, ha="center", fontsize=7)
     _draw_restitution(axes[1, 0], d)
-    name_panel(axes[1, 0], "c", "measured restitution")
     _draw_off(axes[1, 1], d)
-    name_panel(axes[1, 1], "d", "MD (coulomb) from theory")
+    titles = "MD: coulomb", "MD: appendix_a as printed", "measured restitution"
+    name_panels(axes.flat, (*titles, "MD (coulomb) from theory"))
     _legend(axes[0, 0])
-    figure.legend(
-        *axes[0, 0].get_legend_handles_labels(),
-        loc="outside upper center",
-        ncols=6,
-        fontsize=6.5,
-        handlelength=1.8,
-        columnspacing=1.2,
-    )
+    legend_above(figure, axes[0, 0], ncols=6, fontsize=6.5, handlelength=1.8, columnspacing=1.2)
     figure.supxlabel(
         r"$\mu=0.4$, $-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia,"
         r" $k_n=5\times10^6\,mg/d^{3/2}$"

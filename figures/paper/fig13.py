@@ -16,7 +16,8 @@ from matplotlib.axes import Axes
 from impact import drift, spherocylinder, thin_rod
 from md.sweep import Sweep
 
-from ..lib.row_runs import (
+from ..lib.runs import (
+    BOX,
     COUNT,
     FRICTION,
     GAMMA,
@@ -24,7 +25,6 @@ from ..lib.row_runs import (
     LENGTH,
     RESTITUTION,
     SEEDS,
-    computed,
     means,
     paper_rod,
     periods_of,
@@ -33,14 +33,26 @@ from ..lib.row_runs import (
     tilt_plan,
     tilts,
 )
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, name_panel, style, tilt_axis
+from ..lib.style import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    RED,
+    Data,
+    curve,
+    legend_above,
+    name_panels,
+    style,
+    tilt_axis,
+)
+from ..lib.tables import pairs, table
 
-BOX, BOX_OF_LENGTHS, GAMMA_OF_LENGTHS = 43.0, 41.4, 2.5  # panels (b) and (c)
+BOX_OF_LENGTHS, GAMMA_OF_LENGTHS = 41.4, 2.5  # panel (c)
 GAMMAS = (1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.3, 4, 5)
-LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
+ROD_LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
 
 
-def _measured(sweep: Sweep, prefix: str) -> dict[str, np.ndarray]:
+def _measured(sweep: Sweep, prefix: str) -> Data:
     """Drift [cm/s], tilt [deg] and V_z/V_0 with their errors."""
     by = "touches.plate_velocity"
     names = {"c_x": "c_x_cm_s", "tilt": "tilt_deg"}
@@ -51,7 +63,7 @@ def _measured(sweep: Sweep, prefix: str) -> dict[str, np.ndarray]:
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Over tilt, over Gamma, over length, and over length from rest."""
     gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else [*GAMMAS]
-    length = [1.25, 1.5, 2, 3, 9.5] if quick else [*LENGTHS]
+    length = [1.25, 1.5, 2, 3, 9.5] if quick else [*ROD_LENGTHS]
     jammed = [2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5]
     periods, two = periods_of(quick), {"start.seed": [1, 2]}
     seeds = two if quick else SEEDS
@@ -66,9 +78,9 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     }
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Measured rows and the theory beside them; velocities in cm/s."""
-    runs = {name: computed(sweep) for name, sweep in sweeps(quick).items()}
+    runs = sweeps(quick)
     tilt_deg, gamma = tilts(quick), runs["gamma"].values("plate.acceleration")
     length, jammed = (runs[name].values("rods.length") for name in ("length", "jammed"))
     fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, length[-1], 200)
@@ -98,13 +110,11 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     }
 
 
-def _bars(ax: Axes, x: np.ndarray, d: dict, name: str, **look) -> None:
-    bars = {"fmt": "o", "ms": 3, "elinewidth": 0.7, **look}
-    ax.errorbar(x, d[name], d[f"{name}_error"], **bars)
+POINTS, THIN = {"form": "o"}, {"marker": "s", "ms": 2.5, "lw": 0.8}
 
 
-def _over_gamma(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    _bars(ax, d["gamma"], d, "b_c_x", color=BLACK)
+def _over_gamma(ax: Axes, d: Data) -> None:
+    curve(ax, d, "gamma", "b_c_x", **POINTS)
     ax.plot(d["gamma"], d["thin_at_box"] * d["speed_b"] / 2, color=RED)
     ax.plot(d["gamma"], d["thick_at_box"] * d["speed_b"] / 2, "--", color=ORANGE)
     rising = np.where(d["b_V_z"] > 0, d["b_V_z"], np.nan)  # else the closure has no impact
@@ -115,7 +125,7 @@ def _over_gamma(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
     inset = ax.inset_axes([0.1, 0.64, 0.25, 0.24])
-    _bars(inset, d["gamma"], d, "b_tilt", color=GREEN, ms=2)
+    curve(inset, d, "gamma", "b_tilt", GREEN, ms=2, **POINTS)
     nominal = np.degrees(np.arccos(COUNT / BOX))
     inset.axhline(nominal, color="0.5", lw=0.6)
     inset.set(ylim=(nominal - 3, nominal + 3), xlim=(1, None))
@@ -123,9 +133,9 @@ def _over_gamma(ax: Axes, d: dict[str, np.ndarray]) -> None:
     inset.tick_params(labelsize=5.5)
 
 
-def _over_length(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    _bars(ax, d["length"], d, "c_c_x", color=BLACK)
-    _bars(ax, d["jammed_length"], d, "jammed_c_x", color=BLACK, mfc="white", label="from rest")
+def _over_length(ax: Axes, d: Data) -> None:
+    curve(ax, d, "length", "c_c_x", **POINTS)
+    curve(ax, d, "jammed_length", "jammed_c_x", label="from rest", hollow=True, **POINTS)
     ax.plot(d["fine_length"], d["thick_of_length"] * d["speed_c"] / 2, "--", color=ORANGE)
     measured = d["thick_at_lengths"] * d["c_V_z"] * d["speed_c"]
     ax.plot(d["length"], measured, color=BLUE, **THIN)
@@ -133,14 +143,11 @@ def _over_length(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.legend(loc="upper right", fontsize=6)
 
 
-THIN = {"marker": "s", "ms": 2.5, "lw": 0.8}
-
-
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 3.0))
     fine_deg, half = np.degrees(d["fine"]), d["speed"] / 2
-    _bars(a, d["a_tilt"], d, "a_c_x", color=BLACK, label="simulated")
+    curve(a, d, "a_tilt", "a_c_x", label="simulated", **POINTS)
     a.plot(fine_deg, half * d["thin"], color=RED, label=r"theory, thin, $V_0/2$")
     a.plot(fine_deg, half * d["thick"], "--", color=ORANGE, label=r"theory, $l$, $V_0/2$")
     measured = d["thick_at_tilts"] * d["a_V_z"] * d["speed"]
@@ -149,12 +156,11 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     a.set(ylabel=r"drift $c_x$ (cm/s)", ylim=(-0.5, 1.1 * max(measured.max(), 15)))
     _over_gamma(b, d)
     _over_length(c, d)
-    titles = (rf"$\Gamma={GAMMA}$", rf"$L={BOX:g}\,d$")
-    titles += (rf"$L={BOX_OF_LENGTHS}\,d$, $\Gamma={GAMMA_OF_LENGTHS}$",)
-    for ax, letter, title in zip((a, b, c), "abc", titles, strict=True):
+    third = rf"$L={BOX_OF_LENGTHS}\,d$, $\Gamma={GAMMA_OF_LENGTHS}$"
+    name_panels((a, b, c), (rf"$\Gamma={GAMMA}$", rf"$L={BOX:g}\,d$", third))
+    for ax in (a, b, c):
         ax.axhline(0, color="0.7", lw=0.6)
-        name_panel(ax, letter, title)
-    figure.legend(*a.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=6.5)
+    legend_above(figure, a, ncols=4, fontsize=6.5)
     figure.supxlabel(
         rf"$N={COUNT}$, (a, b) $l={LENGTH}\,d$, $d=0.6$ cm, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}",
         fontsize=7,
@@ -171,7 +177,7 @@ def _slope(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> tuple[float, floa
     return float(slope), float(np.sqrt(cover[0, 0] * scale)), float(-at / slope)
 
 
-def fits(d: dict[str, np.ndarray]) -> dict[str, float]:
+def fits(d: Data) -> dict[str, float]:
     """What the paper says of the three curves, as numbers.
 
     power : exponent of c_x over Gamma - 1 below 1.5; line_ : c_x(Gamma) from 2 on
@@ -202,32 +208,35 @@ def fits(d: dict[str, np.ndarray]) -> dict[str, float]:
     return found
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
+def summary(d: Data) -> str:
     """Fits, and the three curves."""
     f = fits(d)
-    half = d["speed"] / 2
-    off = d["a_c_x"] - half * np.interp(d["a_tilt"], np.degrees(d["fine"]), d["thin"])
-    nominal = np.degrees(np.arccos(COUNT / BOX))
-    lines = [
-        f"Fig. 13. (a) rms distance from the theory, V_0/2: {np.sqrt(np.mean(off**2)):.2f} cm/s; "
-        f"largest rise from 20 to 45 deg {f['bump']:+.2f} +- {f['bump_error']:.2f} cm/s, "
-        f"to {f['bump_tilt']:.0f} deg",
-        f"(b) c_x ~ (Gamma - 1)^{f['power']:.2f} +- {f['power_error']:.2f} below 1.5; from "
-        f"{f['line_start']:g} on slope {f['line_slope']:.2f} +- {f['line_slope_error']:.2f} cm/s, "
-        f"zero at {f['line_from']:.2f}; tilt {d['b_tilt'].min():.1f} to {d['b_tilt'].max():.1f}, "
-        f"acos dN/L {nominal:.1f} deg",
-        f"(c) slope {f['growth']:.2f} +- {f['growth_error']:.2f} cm/s a d up to l = 2, zero "
-        f"at {f['growth_from']:.2f}; from 2.5 on {f['long_mean']:.2f}, spread "
-        f"{f['long_spread']:.2f} cm/s",
+    theory = d["speed"] / 2 * np.interp(d["a_tilt"], np.degrees(d["fine"]), d["thin"])
+    f["distance"] = np.sqrt(np.mean((d["a_c_x"] - theory) ** 2))
+    words = {
+        "(a) rms distance from the theory at V_0/2": ("distance", "", "cm/s"),
+        "(a) largest rise from 20 to 45 deg": ("bump", "bump_error", "cm/s"),
+        "(a) its end": ("bump_tilt", "", "deg"),
+        "(b) power of Gamma - 1, below 1.5": ("power", "power_error", ""),
+        "(b) slope of the line from 2 on": ("line_slope", "line_slope_error", "cm/s"),
+        "(b) its zero": ("line_from", "", ""),
+        "(c) slope up to l = 2": ("growth", "growth_error", "cm/s a d"),
+        "(c) its zero": ("growth_from", "", "d"),
+        "(c) mean from 2.5 on": ("long_mean", "", "cm/s"),
+        "(c) largest less smallest from 2.5 on": ("long_spread", "", "cm/s"),
+    }
+    rows = [
+        (name, (f[key], f[error]) if error else float(f[key]), unit)
+        for name, (key, error, unit) in words.items()
     ]
+    lines = [f"Fig. 13, ± one s.e.; acos dN/L {np.degrees(np.arccos(COUNT / BOX)):.1f} deg in (b)"]
+    lines.append(table(("fits", "", ""), rows))
     for x, names in (
-        ("a_tilt", "a_c_x a_V_z"),
-        ("gamma", "b_c_x b_V_z b_V_z_alike b_tilt"),
-        ("length", "c_c_x c_V_z c_tilt"),
-        ("jammed_length", "jammed_c_x jammed_tilt"),
+        ("a_tilt", ("a_c_x", "a_V_z")),
+        ("gamma", ("b_c_x", "b_V_z", "b_V_z_alike", "b_tilt")),
+        ("length", ("c_c_x", "c_V_z", "c_tilt")),
+        ("jammed_length", ("jammed_c_x", "jammed_tilt")),
     ):
-        lines.append(f"{x}: {names.replace(' ', ', ')}")
-        for i, value in enumerate(d[x]):
-            cells = (f"{d[n][i]:8.3f} +- {d[f'{n}_error'][i]:.3f}" for n in names.split())
-            lines.append(f"  {value:6.2f} " + " ".join(cells))
+        cells = zip(d[x], *(pairs(d, name) for name in names), strict=True)
+        lines.append(table((x, *names), cells, (2, *[3] * len(names))))
     return "\n".join(lines)

@@ -2,11 +2,9 @@
 
 Spherocylinder l = 9.5 d, Gamma = 3.3, epsilon = 0.65, mu = 0.3, fixed tilt, omega = 0 before each
 impact. Bars: one standard error over independent rods. Line: the paper's H = (1 + cos(theta))/2 pi.
-Look how landings while the plate falls (shaded) come and go with the orbit that a tilt selects, and
-end for good some degrees above X^2 = epsilon k^2, where the rod is hit again at once, comes to rest
-on the plate after every flight and leaves with it, one flight a period. Hops below 0.01 periods
-(about the duration of a soft contact in the paper's simulations) count as part of the landing
-before them.
+Shaded: the plate falls. (f): share of landings there; dashed: the tilt X^2 = epsilon k^2, from
+which on a stationary rod is hit again at once. Hops below 0.01 periods (about the duration of a
+soft contact in the paper's simulations) count as part of the landing before them.
 """
 
 import matplotlib.pyplot as plt
@@ -14,38 +12,49 @@ import numpy as np
 
 from impact import landing_density, spherocylinder
 
-from ..lib.style import BLACK, BLUE, RED, name_panel, style, tilt_axis
+from ..lib.style import (
+    BLACK,
+    BLUE,
+    LEGEND_BOX,
+    RED,
+    Data,
+    curve,
+    hit_again_tilt,
+    name_panels,
+    style,
+    tilt_axis,
+)
 
-TILTS_DEG = (9, 18, 27, 34, 45)
-BINS = 36
+PHASE_TILTS_DEG = (9, 18, 27, 34, 45)
+PHASE_BINS = 36
 SPREAD_DEG = 3.0
-SETTING = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65, "shortest_flight": 0.01}
-BOX = {"frameon": True, "edgecolor": "none", "framealpha": 0.9, "borderpad": 0.2}
+PHASE_SETTING = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65, "shortest_flight": 0.01}
 LENGTH = 9.5  # over the diameter
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Densities of landing phases [per rad], shape (tilts, bins), and the part on the way down."""
     from impact.bouncing import bounce  # compiles
 
     def run(tilt, rods, landings):
         rod = spherocylinder(tilt, LENGTH)
-        return bounce(rod, **SETTING, rods=rods, landings=landings, transient=200, bins=BINS)
+        return bounce(
+            rod, **PHASE_SETTING, rods=rods, landings=landings, transient=200, bins=PHASE_BINS
+        )
 
     sweep = np.radians(np.arange(0, 61, 5 if quick else 1))
-    tilt, spread = np.radians(TILTS_DEG), np.radians(np.linspace(-SPREAD_DEG, SPREAD_DEG, 13))
+    tilt, spread = np.radians(PHASE_TILTS_DEG), np.radians(np.linspace(-SPREAD_DEG, SPREAD_DEG, 13))
     shown = [run(one, *((60, 400) if quick else (1000, 2000))).phases for one in tilt]
     around = [
         [run(one + step, *((15, 200) if quick else (100, 1000))).phases for step in spread]
         for one in tilt
     ]
     falling = [run(one, *((60, 200) if quick else (200, 1000))).falling for one in sweep]
-    upright, flat = spherocylinder(0.0, LENGTH), spherocylinder(np.pi / 2, LENGTH)
     return {
-        **{name: np.float64(value) for name, value in SETTING.items()},
+        **{name: np.float64(value) for name, value in PHASE_SETTING.items()},
         "length": np.float64(LENGTH),
         "tilt": tilt,
-        "phase": 2 * np.pi * (np.arange(BINS) + 0.5) / BINS,
+        "phase": 2 * np.pi * (np.arange(PHASE_BINS) + 0.5) / PHASE_BINS,
         "density": np.array([each.mean for each in shown]),
         "density_error": np.array([each.error for each in shown]),
         "spread": np.radians(SPREAD_DEG),
@@ -56,12 +65,12 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         "sweep_tilt": sweep,
         "falling": np.array([each.mean for each in falling]),
         "falling_error": np.array([each.error for each in falling]),
-        "again_tilt": np.arcsin(np.sqrt(SETTING["restitution"]) * upright.k / flat.X),
+        "again_tilt": hit_again_tilt(LENGTH, PHASE_SETTING["restitution"]),
     }
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.2))
     phase_deg, width = np.degrees(d["phase"]), 360 / d["phase"].size
     fine = np.linspace(0, 360, 361)
@@ -85,21 +94,19 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
             )
         ax.set(xlim=(0, 360), ylim=(0, top), xticks=range(0, 361, 90))
         ax.set(xlabel=r"phase $\theta$ of the plate (deg)")
-        name_panel(ax, "abcde"[i], rf"$\phi={np.degrees(d['tilt'][i]):.0f}$°")
     for ax in axes[:, 0]:
         ax.set_ylabel("density of landings (1/rad)")
     axes[0, 0].text(180, 0.95 * top, "plate falls", ha="center", va="top", color="0.3")
     axes[0, 0].legend(loc="upper center", bbox_to_anchor=(0.5, 0.9))
     last = axes[1, 2]
-    tilt_deg = np.degrees(d["sweep_tilt"])
-    bars = {"fmt": "o-", "ms": 2.5, "lw": 0.8, "elinewidth": 0.6}
-    last.errorbar(tilt_deg, d["falling"], d["falling_error"], color=BLUE, **bars)
+    curve(last, {**d, "deg": np.degrees(d["sweep_tilt"])}, "deg", "falling", BLUE)
     expected = 0.5 - 1 / np.pi  # integral of H over the shaded half
     last.axhline(expected, color=RED, label=r"$H(\theta)$")
     again = np.degrees(d["again_tilt"])
     last.axvline(again, color=BLACK, lw=0.8, ls="--", label=rf"$X^2=\epsilon k^2$: {again:.1f}°")
     tilt_axis(last, 0, 60)
     last.set(ylabel="landings while the plate falls", ylim=(-0.02, 1))
-    last.legend(loc="upper right", **BOX)
-    name_panel(last, "f", "share on the way down")
+    last.legend(loc="upper right", **LEGEND_BOX)
+    titles = [rf"$\phi={tilt:.0f}$°" for tilt in np.degrees(d["tilt"])]
+    name_panels(axes.flat, [*titles, "share on the way down"])
     return figure

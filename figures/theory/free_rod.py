@@ -1,16 +1,12 @@
-"""What the closure stands for: a rod that is let go keeps its spin and falls, in 3 to 14 periods.
+"""A rod that is let go: how soon it falls, and its drift until then, beside the closure's.
 
 The spherocylinder of the paper's Figs. 6-8 (l = 9.5 d, d = 0.6 cm, 60 Hz), epsilon = 0.65, mu =
-0.3, bounces at held tilt and is then released. (a) Tilt of single rods over time at Gamma = 3.3,
-points where the tip lands; dashed: let go at rest on a plate at rest. (b) Time until the other end
-touches the plate, median and 5th to 95th percentile; dashed as in (a). (c) Drift until then against
-the closure, in which the tilt is held for ever and with whose velocity the fall begins; that of the
-tip, since the centre of a falling rod moves ahead of it without any drift.
-
-Look at (b): the plate neither holds a rod up nor throws it over; it topples much as it would on a
-plate at rest. So it is the crowd that holds the tilt, not a balance of impacts. And at (c): the tip
-of a free rod drifts forward too, but slower: between 10 and 70 degrees at half to a quarter of the
-closure's speed.
+0.3, bounces at held tilt and is then released; it keeps its spin from impact to impact. (a) Tilt of
+single rods over time at Gamma = 3.3, points where the tip lands; dashed: let go at rest on a plate
+at rest. (b) Time until the other end touches the plate, median and 5th to 95th percentile; dashed
+as in (a). (c) Drift until then against the closure, which holds the tilt and with whose velocity
+the fall begins; the drift is that of the tip, since the centre of a falling rod moves ahead of it
+without any drift.
 """
 
 import matplotlib.pyplot as plt
@@ -18,21 +14,26 @@ import numpy as np
 
 from impact import spherocylinder
 
-from ..lib.style import BLACK, BLUE, GREEN, RED, name_panel, style, tilt_axis
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, name_panels, style, tilt_axis
+from ..lib.tables import table
 
 UNIT = 981 / (2 * np.pi * 60) ** 2  # g/Omega^2, cm
-ROD = {"length": 5.7 / UNIT, "diameter": 0.6 / UNIT}
-SETTING = {"friction": 0.3, "restitution": 0.65}
+FALLING_ROD = {"length": 5.7 / UNIT, "diameter": 0.6 / UNIT}
+FALL_SETTING = {"friction": 0.3, "restitution": 0.65}
 GAMMA = 3.3
-GAMMAS = (1.5, GAMMA, 5.0)
+FALL_GAMMAS = (1.5, GAMMA, 5.0)
 STILL = 1e-6  # gamma of a plate all but at rest
 SINGLE_DEG = (5, 20, 40)
-SINGLE = 5  # rods drawn of each
+SINGLES = 5  # rods drawn of each
 
 
 def _tip_drift(tilt: float, run) -> tuple[float, float]:
     """Drift of the tip until the fall, mean over rods and standard error, in V_0."""
-    ahead = (ROD["length"] - ROD["diameter"]) / 2 * (np.sin(run.tilt_end) - np.sin(tilt))
+    ahead = (
+        (FALLING_ROD["length"] - FALLING_ROD["diameter"])
+        / 2
+        * (np.sin(run.tilt_end) - np.sin(tilt))
+    )
     drift = (run.travel - ahead / (2 * np.pi * GAMMA)) / run.time
     return drift.mean(), drift.std(ddof=1) / np.sqrt(drift.size)
 
@@ -43,24 +44,24 @@ def _second_landing(run) -> np.ndarray:
     The first landing finds omega = 0, as every one does under the closure.
     """
     tilt, omega, c_z, phase = (column[:, 1] for column in (run.tilt, run.omega, run.c_z, run.phase))
-    X = spherocylinder(np.nan_to_num(tilt), **ROD).X
+    X = spherocylinder(np.nan_to_num(tilt), **FALLING_ROD).X
     share = omega * X / (GAMMA * (np.cos(phase) - c_z))
     return np.array([np.nanmedian(tilt), np.nanmedian(share)])
 
 
-def data(quick: bool = False) -> dict[str, np.ndarray]:
+def data(quick: bool = False) -> Data:
     """Tilts [rad] and periods of single rods; percentiles of the time; drifts in V_0."""
     from impact.bouncing import bounce  # compiles
     from impact.falling import fall
 
     def release(tilt, gamma, rods, **limit):
-        return fall(tilt, **ROD, gamma=gamma, **SETTING, rods=rods, **limit)
+        return fall(tilt, **FALLING_ROD, gamma=gamma, **FALL_SETTING, rods=rods, **limit)
 
     tilts, rods = np.radians(np.arange(5, 81, 15 if quick else 2.5)), 50 if quick else 200
-    runs = [[release(tilt, gamma, rods) for tilt in tilts] for gamma in GAMMAS]
+    runs = [[release(tilt, gamma, rods) for tilt in tilts] for gamma in FALL_GAMMAS]
     counts = {"landings": 300, "rods": rods, "shortest_flight": 1e-3}
     held = [
-        bounce(spherocylinder(tilt, **ROD), gamma=GAMMA, **SETTING, **counts).drift
+        bounce(spherocylinder(tilt, **FALLING_ROD), gamma=GAMMA, **FALL_SETTING, **counts).drift
         for tilt in tilts
     ]
 
@@ -68,12 +69,12 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
     for deg in SINGLE_DEG:
         tilt = np.radians(deg)
         run = release(tilt, GAMMA, rods)
-        start, end = np.zeros((SINGLE, 1)), run.time[:SINGLE, None]
-        drawn = np.s_[:SINGLE, : run.landings[:SINGLE].max()]
+        start, end = np.zeros((SINGLES, 1)), run.time[:SINGLES, None]
+        drawn = np.s_[:SINGLES, : run.landings[:SINGLES].max()]
         clock = np.cumsum(run.flight + run.rest, axis=1)[drawn]
         single[f"time_{deg}"] = np.hstack([start, clock, end])
         single[f"tilt_{deg}"] = np.hstack(
-            [start + tilt, run.tilt[drawn], run.tilt_end[:SINGLE, None]]
+            [start + tilt, run.tilt[drawn], run.tilt_end[:SINGLES, None]]
         )
         single[f"second_{deg}"] = _second_landing(run)
         still = [release(tilt, STILL, 1, periods=upto) for upto in range(1, 20)]
@@ -81,27 +82,24 @@ def data(quick: bool = False) -> dict[str, np.ndarray]:
         single[f"still_tilt_{deg}"] = np.array([tilt, *(run.tilt_end[0] for run in still)])
     return {
         "tilt": tilts,
-        "gamma": np.array(GAMMAS),
+        "gamma": np.array(FALL_GAMMAS),
         "time": np.array([[np.percentile(run.time, (5, 50, 95)) for run in row] for row in runs]),
         "landings": np.array([[np.median(run.landings) for run in row] for row in runs]),
         "fallen": np.array([[run.fallen.mean() for run in row] for row in runs]),
         "still_time": np.array([release(tilt, STILL, 1).time[0] for tilt in tilts]),
-        "drift": np.array(list(map(_tip_drift, tilts, runs[GAMMAS.index(GAMMA)]))),
+        "drift": np.array(list(map(_tip_drift, tilts, runs[FALL_GAMMAS.index(GAMMA)]))),
         "held_drift": np.array(held),
         **single,
     }
 
 
-def summary(d: dict[str, np.ndarray]) -> str:
-    """The medians at GAMMA, for a reader without the picture."""
-    i = GAMMAS.index(GAMMA)
-    columns = (np.degrees(d["tilt"]), d["landings"][i], d["time"][i, :, 1], d["still_time"])
-    rows = zip(*columns, d["drift"][:, 0], d["held_drift"][:, 0], strict=True)
-    lines = [
-        f"{GAMMA = :g}: tilt (deg), landings, periods until fallen, the same on a plate at rest,",
-        "drift of the tip and of the closure (V_0)",
-        *("{:5.1f}{:4.0f}{:7.2f}{:7.2f}{:6.2f}{:6.2f}".format(*row) for row in rows),
-    ]
+def summary(d: Data) -> str:
+    """Medians at GAMMA, and the second landings."""
+    i = FALL_GAMMAS.index(GAMMA)
+    columns = {"tilt (deg)": np.degrees(d["tilt"]), "landings": d["landings"][i]}
+    columns |= {"periods to fall": d["time"][i, :, 1], "plate at rest": d["still_time"]}
+    columns |= {"drift of the tip (V_0)": d["drift"][:, 0], "closure": d["held_drift"][:, 0]}
+    lines = [f"{GAMMA = :g}", table([*columns], zip(*columns.values(), strict=True))]
     for deg in SINGLE_DEG:
         tilt, share = d[f"second_{deg}"]
         lines.append(
@@ -112,7 +110,7 @@ def summary(d: dict[str, np.ndarray]) -> str:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.6))
     still = {"ls": "--", "color": BLACK, "lw": 1}
     ax = axes[0]
@@ -123,7 +121,6 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
         ax.plot(d[f"still_time_{deg}"], np.degrees(d[f"still_tilt_{deg}"]), **still)
     ax.set(xlabel="time (periods)", ylabel=r"tilt $\phi$ (deg)", xlim=(0, 15), ylim=(0, 105))
     ax.set_yticks(range(0, 91, 15))
-    name_panel(ax, "a", rf"$\Gamma={GAMMA:g}$")
 
     ax, tilt_deg = axes[1], np.degrees(d["tilt"])
     for gamma, time, colour in zip(d["gamma"], d["time"], (GREEN, BLUE, RED), strict=True):
@@ -132,7 +129,6 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     ax.plot(tilt_deg, d["still_time"], label="at rest", **still)
     ax.set(ylabel="time to fall (periods)", ylim=(0, 16))
     ax.legend()
-    name_panel(ax, "b")
 
     ax = axes[2]
     for name, colour, label in (
@@ -145,7 +141,7 @@ def draw(d: dict[str, np.ndarray]) -> plt.Figure:
     ax.axhline(0, color="0.5", lw=0.6)
     ax.set(ylabel=r"drift / $V_0$")
     ax.legend()
-    name_panel(ax, "c", rf"$\Gamma={GAMMA:g}$")
+    name_panels(axes, (rf"$\Gamma={GAMMA:g}$", "", rf"$\Gamma={GAMMA:g}$"))
     for ax in axes[1:]:
         tilt_axis(ax, 0, 80, 20)
     return figure

@@ -21,16 +21,18 @@ from impact import collide, critical_friction, energy_restitution, slide_frictio
 from ..lib.style import (
     BLACK,
     BLUE,
-    LAWS,
     RED,
+    RESTITUTION_LAWS,
     WARM,
-    name_panel,
+    Data,
+    paint,
     reversal_boundary,
     style,
     tilt_axis,
     where_it_stops,
 )
 
+GOURAUD = {"shading": "gouraud", "rasterized": True}
 RESTITUTIONS = (0.8, 0.85, 0.9, 0.95, 0.99)
 
 
@@ -38,21 +40,17 @@ def largest_gain(tilt: Any, friction: Any, restitution: Any) -> np.ndarray:
     """Largest energy change under Newton's law over all u_0, in units of v_0^2, by search."""
     tilt, friction, restitution = np.broadcast_arrays(tilt, friction, restitution)
     centre, half = np.zeros((*tilt.shape, 1)), np.radians(80)  # of arctan(u_0/|v_0|)
+    how = {"geometry": thin_rod(tilt[..., None]), "friction": friction[..., None]}
+    how["restitution"] = restitution[..., None]
     for points in (161, 41, 41):
         angle = centre + half * np.linspace(-1, 1, points)
-        gain = collide(
-            np.tan(angle),
-            -1.0,
-            geometry=thin_rod(tilt[..., None]),
-            friction=friction[..., None],
-            restitution=restitution[..., None],
-        ).energy_change
+        gain = collide(np.tan(angle), -1.0, **how).energy_change
         centre = np.take_along_axis(angle, gain.argmax(-1)[..., None], -1)
         half *= 2 / (points - 1)
     return gain.max(-1)
 
 
-def _creation(n: int, dots: tuple[int, int]) -> dict[str, np.ndarray]:
+def _creation(n: int, dots: tuple[int, int]) -> Data:
     """Threshold of energy creation on a map, and the smallest restitution found to create it."""
     tilt, friction = np.linspace(0, np.pi / 2, n), np.linspace(0, 1, n)
     dot_tilt, dot_friction = ((np.arange(m) + 0.5) / m for m in dots)
@@ -76,17 +74,8 @@ def _creation(n: int, dots: tuple[int, int]) -> dict[str, np.ndarray]:
 
 def _after(tilt, friction, restitution, approach_ratio) -> np.ndarray:
     """(c_x', c_z') after an impact with c_z = -1 under each law: shape (2, 3, ...)."""
-    hits = [
-        collide(
-            1 / approach_ratio,
-            -1.0,
-            geometry=thin_rod(tilt),
-            friction=friction,
-            restitution=restitution,
-            law=law,
-        )
-        for law in LAWS
-    ]
+    how = {"geometry": thin_rod(tilt), "friction": friction, "restitution": restitution}
+    hits = [collide(1 / approach_ratio, -1.0, **how, law=law) for law in RESTITUTION_LAWS]
     return np.array([[hit.c_x for hit in hits], [hit.c_z for hit in hits]])
 
 
@@ -95,7 +84,7 @@ def data(
     friction: float = 0.5,
     restitution: float = 0.8,
     approach_ratio: float = 1.0,
-) -> dict[str, np.ndarray]:
+) -> Data:
     """Thresholds and what the search found; outcomes of three laws in units of |c_z|."""
     n, dots = (46, (15, 10)) if quick else (361, (45, 30))
     d = _creation(n, dots)
@@ -103,7 +92,10 @@ def data(
     reversal = reversal_boundary(4 * n)
     d["c_x"], d["c_z"] = _after(d["tilt"], friction, **setting)
     everywhere = _after(d["tilt"], d["friction"][:, None], **setting)
-    pairs = [everywhere[:, i] - everywhere[:, j] for i, j in combinations(range(len(LAWS)), 2)]
+    pairs = [
+        everywhere[:, i] - everywhere[:, j]
+        for i, j in combinations(range(len(RESTITUTION_LAWS)), 2)
+    ]
     return {
         **d,
         "line_friction": np.float64(friction),
@@ -116,7 +108,7 @@ def data(
     }
 
 
-def _threshold(ax: Axes, d: dict[str, np.ndarray], **kwargs: Any):
+def _threshold(ax: Axes, d: Data, **kwargs: Any):
     """Closed-form lines of equal threshold, and the line on which it is least."""
     axes = np.degrees(d["tilt"]), d["friction"]
     lines = ax.contour(*axes, d["threshold"], levels=d["restitutions"][1:], linewidths=1, **kwargs)
@@ -127,18 +119,9 @@ def _threshold(ax: Axes, d: dict[str, np.ndarray], **kwargs: Any):
     return lines
 
 
-def _draw_creation(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    name_panel(ax, "a", r"least $\epsilon$ that creates energy")
-    fill = ax.pcolormesh(
-        np.degrees(d["tilt"]),
-        d["friction"],
-        d["threshold"],
-        cmap=WARM.reversed(),
-        vmin=d["floor_threshold"],
-        vmax=1,
-        shading="gouraud",
-        rasterized=True,
-    )
+def _draw_creation(ax: Axes, d: Data) -> None:
+    look = {"cmap": WARM.reversed(), "vmin": d["floor_threshold"], "vmax": 1, **GOURAUD}
+    fill = ax.pcolormesh(np.degrees(d["tilt"]), d["friction"], d["threshold"], **look)
     lines = _threshold(ax, d, colors="k")
     ax.clabel(lines, fontsize=6, fmt="%.2f", manual=[(28, 0.7), (20, 0.6), (13, 0.5), (6, 0.4)])
     ax.plot(np.degrees(d["critical_tilt"]), d["critical_friction"], "k--")
@@ -146,10 +129,8 @@ def _draw_creation(ax: Axes, d: dict[str, np.ndarray]) -> None:
     ax.figure.colorbar(fill, ax=ax, label=r"$\epsilon_c$")
 
 
-def _draw_search(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    floor, *levels = d["restitutions"]
-    found = np.count_nonzero(d["dot_created"] == floor)
-    name_panel(ax, "b", rf"found by search ({found or 'none'} at $\epsilon={floor:.2f}$)")
+def _draw_search(ax: Axes, d: Data) -> None:
+    levels = d["restitutions"][1:]
     colours = ListedColormap(plt.get_cmap("plasma")(np.linspace(0.75, 0, len(levels))))
     steps = BoundaryNorm(np.arange(len(levels) + 1), len(levels))
     _threshold(ax, d, colors=colours.colors)
@@ -164,14 +145,9 @@ def _draw_search(ax: Axes, d: dict[str, np.ndarray]) -> None:
     bar.set_ticks(np.arange(len(levels)) + 0.5, labels=[f"{level:.2f}" for level in levels])
 
 
-def _setting(d: dict[str, np.ndarray]) -> str:
-    return rf"$\epsilon={d['line_restitution']:g}$, $-c_z/c_x={d['approach_ratio']:g}$"
-
-
-def _draw_outcomes(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    name_panel(ax, "c", rf"one impact, {_setting(d)}, $\mu={d['line_friction']:g}$")
+def _draw_outcomes(ax: Axes, d: Data) -> None:
     tilt_deg = np.degrees(d["tilt"])
-    for i, (law, colour) in enumerate(zip(LAWS, (BLACK, RED, BLUE), strict=True)):
+    for i, (law, colour) in enumerate(zip(RESTITUTION_LAWS, (BLACK, RED, BLUE), strict=True)):
         ax.plot(tilt_deg, d["c_x"][i], color=colour, label=law.title())
         ax.plot(tilt_deg, d["c_z"][i], "--", color=colour)
     ax.plot([], [], "-", color="0.5", label=r"$c_x'$")
@@ -181,18 +157,10 @@ def _draw_outcomes(ax: Axes, d: dict[str, np.ndarray]) -> None:
     tilt_axis(ax)
 
 
-def _draw_difference(ax: Axes, d: dict[str, np.ndarray]) -> None:
-    name_panel(ax, "d", _setting(d))
+def _draw_difference(ax: Axes, d: Data) -> None:
     tilt_deg = np.degrees(d["tilt"])
-    fill = ax.pcolormesh(
-        tilt_deg,
-        d["friction"],
-        d["difference"],
-        cmap=WARM,
-        vmin=0,
-        shading="gouraud",
-        rasterized=True,
-    )
+    look = {"cmap": WARM, "vmin": 0, **GOURAUD}
+    fill = ax.pcolormesh(tilt_deg, d["friction"], d["difference"], **look)
     ax.plot(tilt_deg, d["slide_friction"], "k-")
     ax.plot(np.degrees(d["stopping_tilt"]), d["critical_friction"], "k--")
     for word, x, y in (("slide", 76, 0.75), ("stick", 8, 0.75), ("reversal", 36, 0.2)):
@@ -204,9 +172,16 @@ def _draw_difference(ax: Axes, d: dict[str, np.ndarray]) -> None:
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.2))
-    panels = (_draw_creation, _draw_search, _draw_outcomes, _draw_difference)
-    for ax, panel in zip(axes.flat, panels, strict=True):
-        panel(ax, d)
+    floor = d["restitutions"][0]
+    found = np.count_nonzero(d["dot_created"] == floor)
+    setting = rf"$\epsilon={d['line_restitution']:g}$, $-c_z/c_x={d['approach_ratio']:g}$"
+    panels = {
+        r"least $\epsilon$ that creates energy": _draw_creation,
+        rf"found by search ({found or 'none'} at $\epsilon={floor:.2f}$)": _draw_search,
+        rf"one impact, {setting}, $\mu={d['line_friction']:g}$": _draw_outcomes,
+        setting: _draw_difference,
+    }
+    paint(axes.flat, panels, d)
     return figure

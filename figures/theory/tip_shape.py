@@ -15,15 +15,17 @@ from matplotlib.axes import Axes
 
 from impact import drift, flat_ended_rod, spherocylinder, thin_rod
 
-from ..lib.style import BLACK, BLUE, GREEN, RED, SHAPES, name_panel, style, tilt_axis
+from ..lib.style import BLACK, BLUE, GREEN, RED, SHAPES, Data, name_panels, style, tilt_axis
 
 OBSERVED_DEG = 8.0  # experiment: flat-ended rods drift only above this tilt
+ARROW = {"arrowstyle": "->", "lw": 0.6}
+IN_RED = {"va": "center", "color": RED, "arrowprops": {**ARROW, "color": RED}}
 _KINDS = (("thin", BLACK, "-."), ("round", BLUE, "-"), ("flat", RED, "-"))
 
 
 def data(
     quick: bool = False, friction: float = 0.3, restitution: float = 0.65, length: float = 8.0
-) -> dict[str, np.ndarray]:
+) -> Data:
     """Drift in units of V_z, over tilt [rad] and over length; lengths in diameters."""
     n = 61 if quick else 601
     # The sign of a zero tilt says which edge of a flat end touches: both are there, in a row.
@@ -51,7 +53,7 @@ def data(
     }
 
 
-def _over_tilt(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _over_tilt(ax: Axes, d: Data) -> None:
     negative = np.signbit(d["tilt"])
     tilt_deg, threshold_deg = np.degrees(d["tilt"]), np.degrees(d["flat_threshold"])
     for kind, colour, line in _KINDS:
@@ -60,64 +62,41 @@ def _over_tilt(ax: Axes, d: dict[str, np.ndarray]) -> None:
     edges = d["flat"][tilt_deg == 0]
     ax.plot([0, 0], edges, ":", color=RED, lw=1)
     ax.plot([0, 0], edges, "o", color=RED, ms=3, mfc="w")
-    ax.annotate(
-        "contact jumps\nfrom edge to edge",
-        (0, edges.max()),
-        (-18.5, 3.9),
-        va="center",
-        arrowprops={"arrowstyle": "->", "lw": 0.6},
-    )
+    words = "contact jumps\nfrom edge to edge"
+    ax.annotate(words, (0, edges.max()), (-18.5, 3.9), va="center", arrowprops=ARROW)
     ax.axvspan(-threshold_deg, threshold_deg, color=RED, alpha=0.1, lw=0)
     ax.text(0, -4.6, "flat ends\nbackwards", color=RED, ha="center", fontsize=7)
     ax.plot(threshold_deg, 0, "o", color=RED, ms=4)
-    ax.annotate(
-        rf"$\arctan(d/l)$ = {threshold_deg:.3f}°",
-        (threshold_deg, 0),
-        (16, -1.6),
-        va="center",
-        color=RED,
-        arrowprops={"arrowstyle": "->", "lw": 0.6, "color": RED},
-    )
+    words = rf"$\arctan(d/l)$ = {threshold_deg:.3f}°"
+    ax.annotate(words, (threshold_deg, 0), (16, -1.6), **IN_RED)
     ax.axvline(OBSERVED_DEG, color=GREEN, lw=0.8)
     ax.text(OBSERVED_DEG + 1, -4.6, "experiment: flat\nends drift above 8°", color=GREEN)
     ax.set_ylabel(r"drift $c_x/V_z$")
     tilt_axis(ax, -20, 60, 10)
-    name_panel(ax, "a", rf"$l={d['length']:g}\,d$")
 
 
-def _over_length(ax: Axes, d: dict[str, np.ndarray]) -> None:
+def _over_length(ax: Axes, d: Data) -> None:
     for kind, colour, line in _KINDS:
         ax.plot(d["lengths"], d[f"{kind}_by_length"], line, color=colour, label=SHAPES[kind])
     ax.plot(d["flat_length"], 0, "o", color=RED, ms=4)
-    ax.annotate(
-        rf"$l=d/\tan\phi={d['flat_length']:.2f}\,d$",
-        (d["flat_length"], 0),
-        (6.2, -0.8),
-        va="center",
-        color=RED,
-        arrowprops={"arrowstyle": "->", "lw": 0.6, "color": RED},
-    )
+    words = rf"$l=d/\tan\phi={d['flat_length']:.2f}\,d$"
+    ax.annotate(words, (d["flat_length"], 0), (6.2, -0.8), **IN_RED)
     ax.axvline(3, color="0.5", lw=0.6, ls=":")
     ax.text(3.2, 4.2, "Fig. 13(c):\nsaturates", color="0.3", va="center")
     ax.set(xlabel="length $l/d$", xlim=(0, 20), xticks=(1, 3, 5, 10, 15, 20))
     ax.legend(loc="lower right")
-    name_panel(ax, "b", rf"$\phi$ = {np.degrees(d['fixed_tilt']):g}°")
 
 
 @style
-def draw(d: dict[str, np.ndarray]) -> plt.Figure:
+def draw(d: Data) -> plt.Figure:
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.9), sharey=True)
     for ax in (left, right):
         ax.axhline(0, color="0.5", lw=0.6)
     _over_tilt(left, d)
     _over_length(right, d)
+    fixed = rf"$\phi$ = {np.degrees(d['fixed_tilt']):g}°"
+    name_panels((left, right), (rf"$l={d['length']:g}\,d$", fixed))
     left.set_ylim(-4.9, 4.9)
-    right.text(
-        0.98,
-        0.97,
-        rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$",
-        transform=right.transAxes,
-        ha="right",
-        va="top",
-    )
+    words = rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$"
+    right.text(0.98, 0.97, words, transform=right.transAxes, ha="right", va="top")
     return figure

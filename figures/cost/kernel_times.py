@@ -1,12 +1,13 @@
-"""What motion in space costs: the same rods by both kernels, and the rods of the annulus.
+"""Times of a step by each kernel: the same rods in the plane and in space, and an annulus.
 
-The rods of a plane row that has settled, without its box, are put into space at y = 0: the kernel
-of space finds the same contacts and forces. Each sample starts there anew, so that both do the same
+The rods of a row that has settled, without its box, are put into space at y = 0: the kernel of
+space finds the same contacts and forces. Each sample starts there again, so that both do the same
 work; the annulus starts where it has settled, too.
 """
 
 from collections.abc import Callable
 from time import thread_time
+from typing import Any
 
 import numpy as np
 
@@ -19,31 +20,31 @@ from md.kernels.space.march import march
 from md.kernels.space.pairs import no_pairs
 from md.scene import from_tables, put
 
-from ..lib import annulus_runs as ring
-from ..lib.row_runs import ROW
+from ..lib.runs import ANNULUS_SCENE, ROW
+from ..lib.timing import onward
 
 NAMES = "plane kernel", "space kernel, the same rods", "annulus"
-PLACES = [0, 2, 3, 5, 6, 8, 10]  # of x, z, sin, cos, c_x, c_z, omega in the state in space
-STEPS, SETTLE, AROUND = 1500, 3.0, 12.0  # of a sample; periods before, in the annulus
+PLANE_COLUMNS = [0, 2, 3, 5, 6, 8, 10]  # of x, z, sin, cos, c_x, c_z, omega in the state in space
+SAMPLE_STEPS = 1500
+SETTLE_PERIODS, ANNULUS_PERIODS = 3.0, 12.0  # before: of the row, of the annulus
 
 
 def _settled() -> Engine:
     """The row without its box, after some landings, when it is still a crowd."""
     changes = {"box": "none", "start.tilt_deg": 20.0, "start.drop": 0.01}
     engine = prepare(from_tables(put(ROW, changes)))
-    engine.go(round(SETTLE * engine.per))
+    engine.go(round(SETTLE_PERIODS * engine.per))
     return engine
 
 
-def _in_plane(engine: Engine) -> Callable[[int], float]:
+def _again(engine: Any) -> Callable[[int], float]:
+    """Seconds of a step of a rod, each time from where the engine is now."""
     arrays, step = {name: part.copy() for name, part in engine.arrays().items()}, engine.step
 
     def sample(_: int) -> float:
         engine.restore({name: part.copy() for name, part in arrays.items()}, step)
         engine.go(1)  # makes the list of pairs
-        begin = thread_time()
-        engine.go(STEPS)
-        return (thread_time() - begin) / STEPS / len(engine.rods)
+        return onward(engine, SAMPLE_STEPS) / SAMPLE_STEPS / len(engine.rods)
 
     return sample
 
@@ -61,7 +62,7 @@ def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
         between=engine.effects.between,
     )
     first, before = np.zeros((n, SPACE_COLUMNS)), np.zeros((n, 6))
-    first[:, PLACES], before[:, [0, 2, 4]] = engine.rods, engine.state.before
+    first[:, PLANE_COLUMNS], before[:, [0, 2, 4]] = engine.rods, engine.state.before
     springs = np.zeros((n, SLOTS, 3))
     if engine.state.springs is not None:
         springs[:, PLATE_CAPS : PLATE_CAPS + 2, 0] = engine.state.springs
@@ -73,31 +74,23 @@ def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
         nobody = Watchers(None, None, None)
         march(effects, state, nobody, Clock(step, dt), 1)
         begin = thread_time()
-        march(effects, state, nobody, Clock(step + 1, dt), STEPS)
-        return (thread_time() - begin) / STEPS / n, state.rods
+        march(effects, state, nobody, Clock(step + 1, dt), SAMPLE_STEPS)
+        return (thread_time() - begin) / SAMPLE_STEPS / n, state.rods
 
     return sample
 
 
 def _in_annulus() -> Callable[[int], float]:
-    engine = prepare(ring.SCENE)
-    engine.go(round(AROUND * engine.per))
-    arrays, step = {name: part.copy() for name, part in engine.arrays().items()}, engine.step
-
-    def sample(_: int) -> float:
-        engine.restore(arrays, step)
-        begin = thread_time()
-        engine.go(STEPS)
-        return (thread_time() - begin) / STEPS / len(engine.rods)
-
-    return sample
+    engine = prepare(ANNULUS_SCENE)
+    engine.go(round(ANNULUS_PERIODS * engine.per))
+    return _again(engine)
 
 
 def calls() -> list[Callable[[int], float]]:
     """Times of a step of a rod, as `NAMES` says."""
     engine = _settled()
     above = lifted(engine)
-    found = [_in_plane(engine), lambda place: above(place)[0], _in_annulus()]
+    found = [_again(engine), lambda place: above(place)[0], _in_annulus()]
     for call in found:
         call(0)  # compiles
     return found

@@ -15,8 +15,7 @@ import numpy as np
 from impact import ContactGeometry, Regime
 from impact import _generated as closed
 
-LAWS = ("newton", "poisson", "stronge")
-REGIMES = (Regime.SLIDE, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
+SLIP_REGIMES = (Regime.SLIDE, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
 FIELDS = ("c_x", "c_z", "P_x", "P_z", "omega")
 
 

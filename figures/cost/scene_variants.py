@@ -16,28 +16,28 @@ from typing import Any, NamedTuple
 from md.host import Engine, prepare, step_of
 from md.scene import Scene, from_tables, put
 
-from ..lib.row_runs import FRICTION, GAMMA, RESTITUTION, ROW
+from ..lib.runs import FRICTION, GAMMA, RESTITUTION, ROW
 
-WATCHERS = frozenset(("ledger", "touches", "series"))
-STEP = step_of(from_tables(ROW))[0]  # of all variants
-TILT = degrees(from_tables(ROW).tilt)
+DIAGNOSTICS = frozenset(("ledger", "touches", "series"))
+STEP_SIZE = step_of(from_tables(ROW))[0]  # of all variants
+TILT_DEG = degrees(from_tables(ROW).tilt)
 Changes = Mapping[str, Any]
 
 
 class Variant(NamedTuple):
-    """Changes of the full scene, and who looks on."""
+    """Changes of the full scene, and the diagnostics that run with it."""
 
     changes: Changes
-    watchers: frozenset[str] = WATCHERS
+    diagnostics: frozenset[str] = DIAGNOSTICS
 
     @property
     def scene(self) -> Scene:
         """The scene itself."""
-        return from_tables(put(ROW, deepcopy({"step.size": STEP, **self.changes})))
+        return from_tables(put(ROW, deepcopy({"step.size": STEP_SIZE, **self.changes})))
 
     def engine(self) -> Engine:
-        """The scene under way."""
-        asked = {name: name in self.watchers for name in ("ledger", "touches")}
+        """Engine of the scene, at its start."""
+        asked = {name: name in self.diagnostics for name in ("ledger", "touches")}
         return prepare(self.scene, **asked)
 
 
@@ -58,23 +58,23 @@ class Effect(NamedTuple):
 FULL = Variant({})
 
 
-def _bare(changes: Changes, *watchers: str) -> Variant:
-    """A scene at which nobody looks, but for those named."""
-    return Variant(changes, frozenset(watchers))
+def _bare(changes: Changes, *diagnostics: str) -> Variant:
+    """Variant with only the named diagnostics."""
+    return Variant(changes, frozenset(diagnostics))
 
 
 def _effect(changes: Changes, base: Changes, without: Changes, drifts: bool = True) -> Effect:
-    """What the full scene has."""
+    """An effect that the full scene has."""
     return Effect((_bare(changes), _bare(base)), (FULL, Variant(without)), drifts)
 
 
-def _watcher(name: str, base: Changes) -> Effect:
-    """What looks on."""
-    return Effect((_bare(base, name), _bare(base)), (FULL, Variant({}, WATCHERS - {name})))
+def _diagnostic(name: str, base: Changes) -> Effect:
+    """A diagnostic of the full scene."""
+    return Effect((_bare(base, name), _bare(base)), (FULL, Variant({}, DIAGNOSTICS - {name})))
 
 
 def _instead(other: Changes, usual: Changes, change: Changes) -> Effect:
-    """What the full scene has otherwise."""
+    """An alternative to what the full scene has."""
     return Effect((_bare(other), _bare(usual)), (Variant(change), FULL), True)
 
 
@@ -87,7 +87,7 @@ def _zero(key: str, base: Changes) -> Effect:
 
 NOTHING = {
     **dict.fromkeys(("gravity", "plate", "box", "contacts.plate", "contacts.rods"), "none"),
-    "start.tilt_deg": TILT,  # which the box gives otherwise
+    "start.tilt_deg": TILT_DEG,  # which the box gives otherwise
 }
 SMOOTH = {"law": "coulomb", "restitution": 1.0}
 LOSSY = {"law": "coulomb", "restitution": RESTITUTION}
@@ -96,11 +96,11 @@ SPRING = {
     **{"tangential_ratio": 3, "tangential_damping": 0.0},
 }
 DAMPED = SPRING | {"tangential_damping": 1.0}
-PRINTED = {"law": "appendix_a", "friction": FRICTION}  # Appendix A as printed
+APPENDIX_A = {"law": "appendix_a", "friction": FRICTION}  # Appendix A as printed
 
 FALLING = NOTHING | {"gravity": {}}
-PLATE = FALLING | {"plate": {}, "contacts.plate": SMOOTH}  # at rest
-RODS = NOTHING | {"contacts.rods": SMOOTH}
+PLATE_SCENE = FALLING | {"plate": {}, "contacts.plate": SMOOTH}  # at rest
+RODS_SCENE = NOTHING | {"contacts.rods": SMOOTH}
 
 
 def _contacts(part: str, base: Changes) -> dict[str, Effect]:
@@ -116,41 +116,49 @@ def _contacts(part: str, base: Changes) -> dict[str, Effect]:
     }
 
 
-ROUGH = PLATE | {"contacts.plate": DAMPED | {"restitution": RESTITUTION}}
+ROUGH = PLATE_SCENE | {"contacts.plate": DAMPED | {"restitution": RESTITUTION}}
 EFFECTS = {
     "gravity": _effect(FALLING, NOTHING, {"gravity": "none"}, drifts=False),
-    "plate": _effect(PLATE, FALLING, {"plate": "none", "contacts.plate": "none"}, drifts=False),
-    "plate: vibration": _effect(
-        PLATE | {"plate.acceleration": GAMMA}, PLATE, {"plate.acceleration": "none"}
+    "plate": _effect(
+        PLATE_SCENE, FALLING, {"plate": "none", "contacts.plate": "none"}, drifts=False
     ),
-    **_contacts("plate", PLATE),
-    "rods": _effect(RODS, NOTHING, {"contacts.rods": "none"}, drifts=False),
-    **_contacts("rods", RODS),
+    "plate: vibration": _effect(
+        PLATE_SCENE | {"plate.acceleration": GAMMA}, PLATE_SCENE, {"plate.acceleration": "none"}
+    ),
+    **_contacts("plate", PLATE_SCENE),
+    "rods": _effect(RODS_SCENE, NOTHING, {"contacts.rods": "none"}, drifts=False),
+    **_contacts("rods", RODS_SCENE),
     "periodic box": _effect(
-        *(RODS | {"box": ROW["box"]}, RODS, {"box": "none", "start.tilt_deg": TILT}),
+        *(
+            RODS_SCENE | {"box": ROW["box"]},
+            RODS_SCENE,
+            {"box": "none", "start.tilt_deg": TILT_DEG},
+        ),
         drifts=False,  # a row that is open falls over
     ),
-    "energy ledger": _watcher("ledger", RODS),
-    "record of landings": _watcher("touches", PLATE),
-    "series of means": _watcher("series", NOTHING),
+    "energy ledger": _diagnostic("ledger", RODS_SCENE),
+    "record of landings": _diagnostic("touches", PLATE_SCENE),
+    "series of means": _diagnostic("series", NOTHING),
 }
 INSTEAD = {
     "friction of the plate: constraint": _instead(
-        PLATE | {"contacts.plate": LOSSY | {"friction": FRICTION}},
+        PLATE_SCENE | {"contacts.plate": LOSSY | {"friction": FRICTION}},
         ROUGH,
         {"contacts.plate": LOSSY | {"friction": FRICTION}},
     ),
     "contact law: Appendix A": _instead(
-        PLATE | {"contacts.plate": PRINTED},
+        PLATE_SCENE | {"contacts.plate": APPENDIX_A},
         ROUGH,
-        {"contacts.plate": PRINTED, "contacts.rods": PRINTED},
+        {"contacts.plate": APPENDIX_A, "contacts.rods": APPENDIX_A},
     ),
-    "inertia: solid": _instead(PLATE | {"rods.inertia": "solid"}, PLATE, {"rods.inertia": "solid"}),
+    "inertia: solid": _instead(
+        PLATE_SCENE | {"rods.inertia": "solid"}, PLATE_SCENE, {"rods.inertia": "solid"}
+    ),
 }
 OFF = {
-    "off: friction of the plate": _zero("contacts.plate.friction", PLATE),
-    "off: friction of rods": _zero("contacts.rods.friction", RODS),
-    "off: acceleration of the plate": _zero("plate.acceleration", PLATE),
+    "off: friction of the plate": _zero("contacts.plate.friction", PLATE_SCENE),
+    "off: friction of rods": _zero("contacts.rods.friction", RODS_SCENE),
+    "off: acceleration of the plate": _zero("plate.acceleration", PLATE_SCENE),
 }
 GROUPS = {"effect": EFFECTS, "instead": INSTEAD, "off": OFF}
 

@@ -1,6 +1,6 @@
-"""Every landing of a run beside the impact map, fed what was measured just before it.
+"""Every touch of a run beside the impact map, fed what was measured just before it.
 
-Per landing: the change of (c_x, c_z, k omega), `jump`; how far the map misses what came out,
+Per touch: the change of (c_x, c_z, k omega), `jump`; how far the map misses what came out,
 `residual`; the same once the map is told that the contact takes time, `allowed`; and what other
 rods gave meanwhile, `kick`. All are velocities, in sqrt(g d), k the gyration radius.
 
@@ -11,24 +11,24 @@ more than gravity does, is the kick of other rods: one of its three components, 
 no knowledge of the plate's force.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import md
 from impact import ContactGeometry, collide
-from md.kernels import touches as landings
+from md.kernels import touches
 from md.rod import Rod
 from md.statistics import ratio
 
 REST = 0.1  # periods: a longer contact is no impact
-HOP = 0.01  # periods: a shorter flight is no flight
+SHORT_HOP = 0.01  # periods: a shorter flight is no flight
 DISTURBED = 0.1  # kick over jump from which other rods had a say
 CLOSE = 0.1  # residual over jump up to which the map is said to hold
 
 
 class Census(NamedTuple):
-    """One value a landing; `block` numbers what is averaged together for the standard error."""
+    """One value a touch; `block` numbers what is averaged together for the standard error."""
 
     block: np.ndarray  # period of the touch, or rod
     blocks: int
@@ -43,7 +43,7 @@ class Census(NamedTuple):
     mapped_allowed: np.ndarray
     restitution: np.ndarray  # -v_f/v_0 as measured, not clipped; -inf if nothing approached
     duration: np.ndarray  # periods
-    flight: np.ndarray  # periods; nan before a rod's first landing
+    flight: np.ndarray  # periods; nan before a rod's first touch
 
 
 def _mapped(rows, arms, k, friction, plate, v_f, pull):
@@ -52,8 +52,8 @@ def _mapped(rows, arms, k, friction, plate, v_f, pull):
     `arms` are X and Z; `plate` holds the plate's velocities before and after; `pull` what gravity
     and the plate's acceleration add to c_z, seen from the plate, in half of the contact.
     """
-    c_x, c_z, omega = rows[:, landings.BEFORE : landings.BEFORE + 3].T
-    x, z, turn = rows[:, landings.AFTER : landings.AFTER + 3].T
+    c_x, c_z, omega = rows[:, touches.BEFORE : touches.BEFORE + 3].T
+    x, z, turn = rows[:, touches.AFTER : touches.AFTER + 3].T
     towards = c_z - plate[0] + pull
     v_0 = towards + omega * arms[0]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -72,17 +72,17 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
     """Fields of `Census` but the blocks, of rows as `md.run` hands them to `observe`."""
     k2 = Rod(scene.rods.length, scene.rods.inertia).gyration_squared
     k, friction = np.sqrt(k2), scene.contacts.plate.friction
-    a_x, a_z, plate = rows[:, landings.A_X], rows[:, landings.A_Z], rows[:, landings.PLATE]
-    before = rows[:, landings.BEFORE : landings.BEFORE + 3]
-    after = rows[:, landings.AFTER : landings.AFTER + 3]
-    gain, time = after - before, rows[:, landings.DURATION] * dt
-    end = (rows[:, landings.STEP] + rows[:, landings.DURATION]) % per
+    a_x, a_z, plate = rows[:, touches.A_X], rows[:, touches.A_Z], rows[:, touches.PLATE]
+    before = rows[:, touches.BEFORE : touches.BEFORE + 3]
+    after = rows[:, touches.AFTER : touches.AFTER + 3]
+    gain, time = after - before, rows[:, touches.DURATION] * dt
+    end = (rows[:, touches.STEP] + rows[:, touches.DURATION]) % per
     last = scene.plate_speed * np.sin(2 * np.pi * end / per)  # velocity of the plate
     fall = time * (scene.gravity.z if scene.gravity else 0.0)
 
     # At its word the map knows one velocity of the plate, that at the touch, and no gravity.
     residual, mapped, restitution = _mapped(
-        *(rows, (-a_x, -a_z), k, friction, (plate, plate), rows[:, landings.LEAVING], 0.0)
+        *(rows, (-a_x, -a_z), k, friction, (plate, plate), rows[:, touches.LEAVING], 0.0)
     )
     turn = (before[:, 2] + gain[:, 2] / 2) * time / 2
     x, z = -a_x - (a_z + 0.5) * turn, -a_z + a_x * turn  # the cap, of radius 1/2, does not turn
@@ -93,31 +93,48 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
     )
     spin = k2 * gain[:, 2] - a_z * gain[:, 0] + a_x * (gain[:, 1] - fall)
     return {
-        "isolated": rows[:, landings.PUSHED] == 0,
+        "isolated": rows[:, touches.PUSHED] == 0,
         "jump": np.linalg.norm(gain * [1, 1, k], axis=1),
         "residual": residual,
         "allowed": allowed,
         "kick": np.abs(spin) / np.sqrt(k2 + a_x**2 + a_z**2),
-        "seen": rows[:, landings.REGIME].astype(int),
+        "seen": rows[:, touches.REGIME].astype(int),
         "mapped": mapped,
         "mapped_allowed": mapped_allowed,
         "restitution": restitution,
-        "duration": rows[:, landings.DURATION] / per,
-        "flight": rows[:, landings.FLIGHT] / per,
+        "duration": rows[:, touches.DURATION] / per,
+        "flight": rows[:, touches.FLIGHT] / per,
     }
 
 
 def census(scene: md.Scene, periods: int, *, by_rod: bool = False) -> tuple[Census, md.Result]:
-    """Landings of a run behind its transient, or, `by_rod`, all of them, a block a rod."""
+    """Touches of a run behind its transient, or, `by_rod`, all of them, a block a rod."""
     kept = []
     result = md.run(scene, periods=periods, observe=kept.append, ledger=False)
+    if not result.finished:
+        raise KeyboardInterrupt
     rows, per = np.concatenate(kept), result.steps_per_period
     first = 0 if by_rod else result.discarded
-    rows = rows[rows[:, landings.STEP] >= first * per]
+    rows = rows[rows[:, touches.STEP] >= first * per]
     blocks = scene.rods.count if by_rod else periods - first
-    block = rows[:, landings.ROD] if by_rod else rows[:, landings.STEP] // per - first
+    block = rows[:, touches.ROD] if by_rod else rows[:, touches.STEP] // per - first
     found = compared(rows, scene, result.dt, per)
     return Census(block.astype(int), blocks, by_rod, **found), result
+
+
+def counted(scene: md.Scene, periods: int) -> dict[str, Any]:
+    """Measures of the touches of a run, (value, standard error) each, for `runs.planned`.
+
+    A scene without contacts between rods is one of lone rods.
+    """
+    found, result = census(scene, periods, by_rod=scene.contacts.rods is None)
+    return {
+        **measures(found),
+        "tilt": (result.tilt_deg, result.tilt_stderr_deg),
+        "c_x": (result.c_x, result.c_x_stderr),
+        "count": len(found.jump),
+        "isolated_count": int(found.isolated.sum()),
+    }
 
 
 def _share(c: Census, what: np.ndarray, of: np.ndarray) -> tuple[float, float]:
@@ -127,7 +144,7 @@ def _share(c: Census, what: np.ndarray, of: np.ndarray) -> tuple[float, float]:
 
 
 def measures(c: Census) -> dict[str, tuple[float, float]]:
-    """Means and standard errors; `_number`: each landing alike, else weighted by its jump."""
+    """Means and standard errors; `_number`: each touch alike, else weighted by its jump."""
     found, each = {}, np.ones(len(c.jump))
     size = np.where(c.jump > 0, c.jump, np.inf)
 
@@ -139,7 +156,7 @@ def measures(c: Census) -> dict[str, tuple[float, float]]:
         ("shared", ~c.isolated),
         ("disturbed", c.kick > DISTURBED * c.jump),
         ("rest", c.duration > REST),
-        ("hop", c.flight < HOP),
+        ("hop", c.flight < SHORT_HOP),
         ("below", c.restitution < 0),  # pressed on as it left, or not approaching at all
         ("above", c.restitution > 1),
     ):

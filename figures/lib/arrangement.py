@@ -1,0 +1,57 @@
+"""How rods are arranged in the gap of an annulus, followed over a run."""
+
+from typing import Any
+
+import numpy as np
+
+from md.host import prepare
+from md.scene import Scene
+
+MORE_DEG = 3.0  # beyond the mean tilt: rods that `share` counts
+EVERY = 5  # periods from one look to the next
+MEASURED = ("mean", "spread", "zigzag", "contrast", "share")
+
+
+def in_order(rods: np.ndarray) -> np.ndarray:
+    """The rods of a final state by azimuth; columns: centre, director and what follows."""
+    return rods[np.argsort(np.arctan2(rods[:, 1], rods[:, 0]))]
+
+
+def tilts_deg(rods: np.ndarray) -> np.ndarray:
+    """Angle of each rod with the vertical, in degrees."""
+    return np.degrees(np.arctan2(np.hypot(rods[:, 3], rods[:, 4]), np.abs(rods[:, 5])))
+
+
+def zigzag(rods: np.ndarray) -> float:
+    """Order of the zig-zag: 1 if rods stand by turns at either wall, about 0 if at random.
+
+    Minus the correlation of neighbours' distances from the axis, in order of azimuth.
+    """
+    radius = np.hypot(*in_order(rods)[:, :2].T)
+    off = radius - radius.mean()
+    return float(-(off * np.roll(off, 1)).mean() / max((off**2).mean(), 1e-300))
+
+
+def contrast(tilt: np.ndarray) -> float:
+    """How much more the steepest place around the annulus leans than the least, unit of `tilt`.
+
+    Tilts are smoothed over three rods, so that the difference between rods at the inner and the
+    outer wall, which stand by turns and lean differently, drops out.
+    """
+    return float(np.ptp(tilt / 2 + (np.roll(tilt, 1) + np.roll(tilt, -1)) / 4))
+
+
+def arrangement(rods: np.ndarray) -> tuple[float, ...]:
+    """What `MEASURED` names, of one state: tilts in degrees, orders and a share."""
+    tilt = tilts_deg(in_order(rods))
+    share = np.mean(tilt > tilt.mean() + MORE_DEG)
+    return float(tilt.mean()), float(tilt.std()), zigzag(rods), contrast(tilt), float(share)
+
+
+def followed(scene: Scene, periods: int) -> dict[str, Any]:
+    """Arrangement every few periods of a run, and its final state; a measure for `runs.planned`."""
+    engine, seen = prepare(scene), []
+    for _ in range(periods // EVERY):
+        engine.go(EVERY * engine.per)
+        seen.append(arrangement(engine.rods))
+    return {"series": seen, "rods": engine.rods[:, :6].tolist()}

@@ -1,0 +1,181 @@
+"""Rows and annuli for several figures: scenes along axes, run through one store, and their means.
+
+What is in the store, the file `STORE`, is not computed again, whichever figure asked for it first;
+an interrupted figure goes on where it stopped.
+
+Rows are the paper's plane scenes; the length of the box sets the tilt, L = N d/cos(tilt). As in the
+paper, rods have thickness and the inertia of a thin rod, unless a figure says otherwise. They start
+with random velocities up to about V_0: side by side and at rest, they may go on as one block, whose
+rods cannot turn and hardly drift (Fig. 13(c)).
+
+Annuli are the experiment's, `md/scenes/annulus.toml`; what the paper does not say is assumed there.
+The number of rods sets the tilt.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from impact import ContactGeometry, spherocylinder
+from md.scene import from_tables, put, read_tables
+from md.sweep import Measure, Sweep, execute, expand
+
+from .data import sources_of
+
+if TYPE_CHECKING:
+    from impact.bouncing import Bouncing
+
+COUNT, LENGTH, GAMMA, FRICTION, RESTITUTION = 40, 9.5, 3.3, 0.3, 0.65  # of Figs. 6-8 and 13
+BOX = 43.0  # length of the box where the tilt is not varied
+ROW = put(
+    read_tables("quasi2d"),
+    {
+        "step.size": 1.2e-4,  # a fiftieth of a contact; its springs may be stiffer
+        "step.coarse": True,
+        "start.speed": 0.3,
+        "contacts.plate.tangential_ratio": 3,
+        "contacts.rods.tangential_ratio": 3,
+    },
+)
+LAW_NAME = "constant_restitution 0.65, tangential ratio 3"
+TILT_SCAN_WORDS = (
+    rf"$l={LENGTH}\,d$, thin inertia, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}"
+)
+ANNULUS = read_tables("annulus")
+ANNULUS_SCENE = from_tables(ANNULUS)
+ANNULUS_COUNT = ANNULUS_SCENE.rods.count  # of Fig. 5(b), and of all that is not over this number
+ANNULUS_WORDS = (
+    rf"experiment's annulus, $l={ANNULUS_SCENE.rods.length:g}\,d$, $d=0.635$ cm, solid inertia, "
+    f"60 Hz; {LAW_NAME} (assumed);\nfriction of plate, walls and rods "
+    f"{ANNULUS['contacts']['plate']['friction']} (assumed), where it is not varied"
+)
+SEEDS = {"start.seed": [1, 2, 3, 4]}
+SHOWN_DEG = (9, 18, 27, 34, 45)  # tilts of Fig. 8; of any scan
+
+STORE = Path("out/rows.db")  # of all runs; what `--store` of the commands sets
+
+
+def store() -> Path:
+    """Path of the store of all runs; its folder is made."""
+    STORE.parent.mkdir(parents=True, exist_ok=True)
+    return STORE
+
+
+def boxes(tilt_deg: Iterable[float], count: int = COUNT) -> list[float]:
+    """Lengths of the box that give these tilts [deg] in a row."""
+    return (count / np.cos(np.radians(np.array([*tilt_deg])))).tolist()
+
+
+def planned(
+    axes: list[dict[str, list]],
+    periods: int,
+    changes: Mapping[str, Any] | None = None,
+    base: Mapping[str, Any] = ROW,
+    measure: Callable[[Any, int], dict[str, Any]] | None = None,
+) -> Sweep:
+    """A sweep along axes, seeds last; nothing is run.
+
+    Parameters
+    ----------
+    axes : keys of the scene and their values, as `md.sweep.expand` takes them
+    periods : length of each run
+    changes : of the scene, for all points
+    base : tables of the scene, such as `ROW` or `ANNULUS`
+    measure : what to store in place of the results of `md.run`: a function, found by its name in
+        its module, of scene and periods, which returns numbers and lists by name
+    """
+    sweep = expand({"periods": periods, "axes": axes, "set": dict(changes or {})}, base)
+    return sweep if measure is None else measured_by(sweep, measure)
+
+
+def measured_by(sweep: Sweep, measure: Callable[[Any, int], dict[str, Any]]) -> Sweep:
+    """The same points, for which a function of scene and periods measures what is stored."""
+    how = Measure(measure, sources_of(measure))
+    return replace(sweep, points=tuple(replace(point, measure=how) for point in sweep.points))
+
+
+def computed(sweep: Sweep, workers: int = -1) -> Sweep:
+    """The same sweep, run as far as the store does not hold it."""
+    execute(sweep, store(), workers=workers, progress=True)
+    return sweep
+
+
+def gathered(sweep: Sweep, *names: str) -> tuple[np.ndarray, ...]:
+    """Results along the axes of a sweep, which is run as far as the store does not hold it."""
+    return computed(sweep).gather(store(), *names)
+
+
+def over_seeds(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and standard error over the seeds, the last axis; nan where runs are missing."""
+    found = np.isfinite(values).sum(axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.nansum(values, axis=-1) / found
+        off = np.nansum((values - mean[..., None]) ** 2, axis=-1)
+        return mean, np.sqrt(off / (found - 1) / found)
+
+
+def larger_error(values: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean over seeds; the larger of the errors between the runs and, where known, within them."""
+    mean, between = over_seeds(values)
+    squares, _ = over_seeds(errors**2)
+    return mean, np.fmax(between, np.sqrt(squares / values.shape[-1]))
+
+
+def means(sweep: Sweep, names: Mapping[str, str]) -> dict[str, np.ndarray]:
+    """Means over seeds of results of a sweep, with `name_error` beside them."""
+    found = {}
+    for name, values in zip(names, gathered(sweep, *names.values()), strict=True):
+        found[name], found[f"{name}_error"] = over_seeds(values)
+    return found
+
+
+def drift_and_tilt(sweep: Sweep, prefix: str = "") -> dict[str, np.ndarray]:
+    """Drift `c_x` [cm/s] and `tilt` [deg] of a sweep, with `larger_error`."""
+    names = "c_x_cm_s", "c_x_stderr", "tilt_deg", "tilt_stderr_deg"
+    c_x, c_x_in, tilt, tilt_in = gathered(sweep, *names)
+    inside, found = c_x_in * sweep.points[0].scene.cm_per_s, {}
+    for name, *pair in (("c_x", c_x, inside), ("tilt", tilt, tilt_in)):
+        found[prefix + name], found[f"{prefix}{name}_error"] = larger_error(*pair)
+    return found
+
+
+def periods_of(quick: bool) -> int:
+    """Length of the runs of one figure of rows."""
+    return 60 if quick else 300
+
+
+def tilts(quick: bool) -> np.ndarray:
+    """Nominal tilts [deg] of Figs. 6 to 8 and 13(a)."""
+    return np.array([*SHOWN_DEG, 60, 75] if quick else sorted({*range(3, 79, 3), *SHOWN_DEG}))
+
+
+def tilt_plan(quick: bool) -> Sweep:
+    """The row at Gamma = 3.3 along the nominal tilts."""
+    return planned([{"box.length": boxes(tilts(quick))}, SEEDS], periods_of(quick))
+
+
+def paper_rod(tilt: float | np.ndarray) -> ContactGeometry:
+    """Round tip, and the gyration radius of a thin rod; tilt in radians."""
+    return spherocylinder(tilt, LENGTH)._replace(k=LENGTH / np.sqrt(12))
+
+
+@cache
+def lone(quick: bool) -> tuple[np.ndarray, list["Bouncing"]]:
+    """Tilts [deg], and `bounce` there: one rigid rod at fixed tilt, the theory without closure."""
+    from impact.bouncing import bounce  # compiles
+
+    tilt_deg = np.arange(0, 76, 5 if quick else 2.5)
+    how: dict[str, Any] = {"gamma": GAMMA, "friction": FRICTION, "restitution": RESTITUTION}
+    how |= {"rods": 20, "landings": 150} if quick else {"rods": 100, "landings": 600}
+    how |= {"transient": 150, "shortest_flight": 0.1}
+    return tilt_deg, [bounce(paper_rod(np.radians(deg)), **how) for deg in tilt_deg]
+
+
+def plate_speed_cm_s(gamma: float | np.ndarray = GAMMA) -> float | np.ndarray:
+    """V_0 of the paper's plate."""
+    scene = from_tables(ROW)
+    return scene.plate_speed * scene.cm_per_s * np.asarray(gamma) / ROW["plate"]["acceleration"]
