@@ -29,7 +29,7 @@ rigid impacts in `impact`, which it is there to test.
 Files, as one reads them
 ------------------------
 scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; the contact laws
-kernels/codes                       stop codes, columns, phases and regimes of all kernels
+kernels/codes, rates                stop codes, columns, regimes; rates of an exact contact
 kernels/contact, single             compiled: forces of one contact; one rod on the plate
 kernels/neighbours, plane, touches  compiled: rods in a plane, pairs, steps, touches of the plate
 kernels/space                       compiled: the same in an annulus
