@@ -10,8 +10,21 @@ from figures.lib import runs as rows
 from impact._generated import DIGEST
 from md.sources import digest
 
+TOGETHER = {  # files that one process works through, as they share what it has computed
+    "derivations": ("derivations", "generated", "lookup", "report"),
+    "quick figures": ("figures", "md_figures"),
+    "space": ("annulus", "space", "space_hard_cases"),
+}
+
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
+
+
+def pytest_collection_modifyitems(items):
+    """Tests of a file stay together, whoever distributes them."""
+    groups = {f"test_{name}": group for group, names in TOGETHER.items() for name in names}
+    for item in items:
+        item.add_marker(pytest.mark.xdist_group(groups.get(item.path.stem, item.path.stem)))
 
 
 @pytest.fixture(scope="session", autouse=True)
