@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from xdist.scheduler import LoadFileScheduling
 
 from figures.lib import runs as rows
 from impact._generated import DIGEST
@@ -20,11 +21,16 @@ settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
 
 
-def pytest_collection_modifyitems(items):
-    """Tests of a file stay together, whoever distributes them."""
-    groups = {f"test_{name}": group for group, names in TOGETHER.items() for name in names}
-    for item in items:
-        item.add_marker(pytest.mark.xdist_group(groups.get(item.path.stem, item.path.stem)))
+class Together(LoadFileScheduling):
+    """A file to a process, and files that share something to the same one."""
+
+    def _split_scope(self, nodeid):
+        name = Path(super()._split_scope(nodeid)).stem.removeprefix("test_")
+        return next((group for group, names in TOGETHER.items() if name in names), name)
+
+
+def pytest_xdist_make_scheduler(config, log):
+    return Together(config, log)
 
 
 @pytest.fixture(scope="session", autouse=True)
