@@ -5,13 +5,32 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from xdist.scheduler import LoadFileScheduling
 
 from figures.lib import runs as rows
 from impact._generated import DIGEST
 from md.sources import digest
 
+TOGETHER = {  # files that one process works through, as they share what it has computed
+    "derivations": ("derivations", "generated", "lookup", "report"),
+    "quick figures": ("figures", "md_figures"),
+    "space": ("annulus", "space", "space_hard_cases"),
+}
+
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
+
+
+class Together(LoadFileScheduling):
+    """A file to a process, and files that share something to the same one."""
+
+    def _split_scope(self, nodeid):
+        name = Path(super()._split_scope(nodeid)).stem.removeprefix("test_")
+        return next((group for group, names in TOGETHER.items() if name in names), name)
+
+
+def pytest_xdist_make_scheduler(config, log):
+    return Together(config, log)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -4,21 +4,37 @@ import numpy as np
 
 import md
 from md.kernels.codes import DONE, PAIR_SLOTS, PLACE, SLOTS, SPACE_COLUMNS, TURN, VELOCITY
-from md.kernels.contact import Clock, Friction
+from md.kernels.contact import Clock, ContactForces, Friction, Motion, Normal
 from md.kernels.plane import Watchers
-from md.kernels.space.forces import SpaceEffects, State
+from md.kernels.space.forces import SpaceEffects, State, Wall
 from md.kernels.space.march import march
 from md.kernels.space.pairs import no_pairs
 
 HALF, LIGHT = 4.25, 12 / 9.5**2
 LOSSY = md.constant_restitution(0.65, 1e5, tangential_ratio=3)
 ROUGH = Friction(0.3, LOSSY.spring)
+SMOOTH, ELASTIC = ROUGH._replace(coefficient=0.0), Normal(1e5, 0.0)
 NOBODY = Watchers(None, None, None)
+FAR = {  # what nothing touches, nor pulls: the kernel of an annulus serves most tests
+    **{"gravity": 0.0, "plate": Motion(np.full(1, -1e3), np.zeros(1))},
+    **{"normal": LOSSY.normal, "friction": ROUGH, "between": ContactForces(LOSSY.normal, ROUGH)},
+    **{"inner": Wall(1.0, LOSSY.normal, ROUGH), "outer": Wall(1e3, LOSSY.normal, ROUGH)},
+}
 
 
 def effects(half_length=HALF, lightness=LIGHT, **parts):
     """Nothing but what is named."""
     return SpaceEffects(half_length, lightness, **parts)
+
+
+def within(**parts):
+    """An annulus; what is not named is far away."""
+    return effects(**FAR | parts)
+
+
+def meeting(normal=LOSSY.normal, friction=ROUGH, rolling=None):
+    """Rods that only meet each other."""
+    return effects(between=ContactForces(normal, friction), rolling=rolling)
 
 
 def unit(v):

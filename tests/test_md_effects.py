@@ -15,6 +15,7 @@ from . import llvm
 from .track import ROD, effects, track
 
 GRAVITY = (0.0, -1.0)
+LOOP = llvm.fresh(single.run)  # of code from the disk cache there is no text
 VIBRATION = md.Vibration(0.05, 1.0, 0.0)
 
 
@@ -41,15 +42,11 @@ def operations(text: str, pattern: str) -> int:
 
 
 def compiled(method="leapfrog", watch=None, **scene) -> Code:
-    """The loop over steps for one scene, without the wrapper that Python calls.
-
-    Compiled afresh: of code from the disk cache there is no text.
-    """
-    loop = llvm.fresh(single.run)
+    """The loop over steps for one scene, without the wrapper that Python calls."""
     made = scene_of(**scene)
     state = single.started(method, (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
-    loop(made, state, 0, 0, 1e-3, watch)
-    _, body = llvm.text(loop, made)
+    LOOP(made, state, 0, 0, 1e-3, watch)
+    _, body = llvm.text(LOOP, made, state, 0, 0, 1e-3, watch)
     head, body = body.split("\n", 1)
     return Code(
         roots=operations(body, r"call[^\n]* @(?:llvm\.)?sqrt(?:\.v(\d+)f64)?"),

@@ -18,15 +18,26 @@ from md.kernels.codes import (
     TURN,
     VELOCITY,
 )
-from md.kernels.contact import ContactForces
+from md.kernels.contact import ContactForces, Motion
 from md.kernels.space import geometry
 from md.kernels.space.forces import Wall
 from md.kernels.space.pairs import nearest
 
-from .space import HALF, LOSSY, ROUGH, Rods, effects, states, tuples, unit
+from .space import (
+    ELASTIC,
+    HALF,
+    LOSSY,
+    ROUGH,
+    SMOOTH,
+    Rods,
+    meeting,
+    states,
+    tuples,
+    unit,
+    within,
+)
 
 GAP = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
-ELASTIC = ContactForces(md.coulomb(1.0, 1e5).normal, None)
 
 
 def two(seed, speed=0.4):
@@ -92,14 +103,14 @@ def test_no_force_jumps(path):
     for points in (2001, 20001):
         found = []
         for x in np.linspace(-0.3, 0.3, points):
-            scene, other = effects(between=ELASTIC), ((0, -0.98, 0), (0, 0, 1))
+            scene, other = meeting(ELASTIC, SMOOTH), ((0, -0.98, 0), (0, 0, 1))
             if path == "through parallel":
                 rods = states(((0, 0, 0), (x, 0.001, 1)), other)
             elif path == "off the end":
                 other = (0, -0.98, 5.6 + 2 * x), (-0.7, 0, 1)
                 rods = states(((0, 0, 0), (0.7, 0, 1)), other)
             else:
-                scene = effects(inner=Wall(5.0, ELASTIC.normal, None))
+                scene = within(inner=Wall(5.0, ELASTIC, SMOOTH))
                 rods = states(((5.49, 0, 0), (0.001, x, 1)))
             found.append(total_force(scene, rods))
         found = np.array(found)
@@ -115,7 +126,7 @@ def test_no_force_jumps(path):
 @pytest.mark.parametrize("seed", range(4))
 def test_momentum_and_angular_momentum_are_kept(seed, rolling):
     """With losses and friction; and the rods did meet."""
-    scene = Rods(effects(between=ContactForces(LOSSY.normal, ROUGH), rolling=rolling), two(seed))
+    scene = Rods(meeting(rolling=rolling), two(seed))
     momentum, turning = scene.moments()
     energy = scene.kinetic()
     scene.go(40_000)
@@ -129,12 +140,12 @@ def test_momentum_and_angular_momentum_are_kept(seed, rolling):
 @pytest.mark.parametrize("seed", range(6))
 def test_elastic_rods_keep_their_energy(seed):
     """Better than 2e-6 of it at this step, whether they cross or touch at their ends."""
-    scene = Rods(effects(between=ELASTIC), two(seed), dt=2e-4)
+    scene = Rods(meeting(ELASTIC, SMOOTH), two(seed), dt=2e-4)
     energy = scene.kinetic()
     scene.go(20_000)
     assert np.abs(scene.rods[:, TURN:]).max() > 1e-3
     assert scene.kinetic() == pytest.approx(energy, rel=1e-5)
-    scene = Rods(effects(between=ELASTIC), two(seed), dt=5e-5)
+    scene = Rods(meeting(ELASTIC, SMOOTH), two(seed), dt=5e-5)
     scene.go(80_000)
     assert scene.kinetic() == pytest.approx(energy, rel=1e-6)
 
@@ -145,7 +156,7 @@ def test_a_free_top_precesses_as_it_should():
     w = np.array([0.3, -0.2, 0.5])
     rods[0, DIRECTOR:VELOCITY], rods[0, TURN:] = unit([1, 2, 3]), w
     first = rods[0, DIRECTOR:VELOCITY].copy()
-    scene = Rods(effects(rolling=15.0), rods, dt=1e-3).go(5000)
+    scene = Rods(meeting(rolling=15.0), rods, dt=1e-3).go(5000)
     np.testing.assert_array_equal(scene.rods[0, TURN:], w)
     angle, axis = np.linalg.norm(w) * 5.0, unit(w)
     expected = (
@@ -156,14 +167,14 @@ def test_a_free_top_precesses_as_it_should():
     np.testing.assert_allclose(scene.rods[0, DIRECTOR:VELOCITY], expected, atol=1e-10)
 
 
-def annulus(count=44, friction=None, seed=1):
+def annulus(count=44, friction=SMOOTH, seed=1):
     """Rods in the gap, thrown about, without a plate."""
     inner, outer = (Wall(radius, LOSSY.normal, friction) for radius in (GAP.inner, GAP.outer))
     rods = np.zeros((count, SPACE_COLUMNS))
     rods[:, :VELOCITY] = placement.placed(GAP, count, 2 * HALF + 1, tilt=0.3)
     rods[:, VELOCITY:TURN] = np.random.default_rng(seed).uniform(-0.5, 0.5, (count, 3))
     between = ContactForces(LOSSY.normal, friction)
-    return effects(inner=inner, outer=outer, between=between), rods
+    return within(inner=inner, outer=outer, between=between), rods
 
 
 def test_smooth_walls_keep_the_angular_momentum_about_the_axis():
@@ -201,17 +212,16 @@ def test_rods_in_a_plane_do_what_the_plane_kernel_says():
     )
     engine = prepare(flat)
     engine.rods[:, 0] *= 1.001  # else some touch just so, and rounding decides
+    engine.rods[:, 0] += 100  # from the inner wall
     alone, plane = engine.effects.alone, engine.rods
     rods = np.zeros((6, SPACE_COLUMNS))
     places = [0, 2, 3, 5, 6, 8, 10]
     rods[:, places] = plane
-    scene = Rods(
-        effects(
-            gravity=alone.gravity[1], plate=alone.plate, normal=alone.normal,
-            friction=alone.friction, between=engine.effects.between,
-        ),
-        rods, engine.dt,
-    )  # fmt: skip
+    acting = within(
+        **{"gravity": alone.gravity[1], "plate": alone.plate, "normal": alone.normal},
+        **{"friction": alone.friction, "between": engine.effects.between},
+    )
+    scene = Rods(acting, rods, engine.dt)
     for _ in range(30):
         engine.go(100)
         scene.go(100)
@@ -274,7 +284,8 @@ def test_upright_and_lying_rods_are_ordinary(director):
     outer = 9.0 if director[1] else 8.0
     walls = {n: Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 5.0), ("outer", outer))}
     rods = states(((5.6, 0, 0.6 + HALF * abs(director[2])), director))
-    scene = Rods(effects(**walls, normal=LOSSY.normal, friction=ROUGH, gravity=-1.0), rods)
+    at_rest = Motion(np.zeros(1), np.zeros(1))
+    scene = Rods(within(**walls, plate=at_rest, gravity=-1.0), rods)
     scene.go(20_000)
     assert np.isfinite(scene.rods).all()
     assert np.linalg.norm(scene.rods[0, DIRECTOR:VELOCITY]) == pytest.approx(1, abs=1e-12)

@@ -6,12 +6,12 @@ import pytest
 import md
 from md.host import prepare
 from md.kernels.codes import DEEP, DIRECTOR, DONE, PLACE, TURN, VELOCITY
-from md.kernels.contact import ContactForces
+from md.kernels.contact import Motion
 from md.kernels.space import geometry
 from md.kernels.space.forces import Wall
 from md.laws import deepest_overlap
 
-from .space import HALF, LOSSY, ROUGH, Rods, effects, states, tuples, unit
+from .space import HALF, LOSSY, ROUGH, SMOOTH, Rods, meeting, states, tuples, unit, within
 from .test_annulus import ring
 
 INNER, OUTER = 5.0, 40.0  # radii of walls
@@ -29,7 +29,7 @@ def reach(rods):
 
 
 @pytest.mark.parametrize("speed", [0.1, 3.0])
-@pytest.mark.parametrize("friction", [None, ROUGH])
+@pytest.mark.parametrize("friction", [SMOOTH, ROUGH], ids=["smooth", "rough"])
 @pytest.mark.parametrize("director", [LYING, UPRIGHT, SLANTED, (1, 0.3, 0.1), (1, 0, 0)])
 @pytest.mark.parametrize("wall", ["inner", "outer"])
 def test_m10_no_wall_is_entered_beyond_the_soft_overlap(wall, director, friction, speed):
@@ -39,10 +39,10 @@ def test_m10_no_wall_is_entered_beyond_the_soft_overlap(wall, director, friction
     room = 0.52 + abs(half[0]) + (0 if wall == "inner" else 0.5)
     place = (radius + room, 0, 0) if wall == "inner" else (radius - room - 0.5, 0, 0)
     velocity = (-speed if wall == "inner" else speed, 0.2 * speed, 0.1 * speed)
-    scene = effects(**{wall: Wall(radius, LOSSY.normal, friction)})
-    flying = Rods(scene, states((place, director, velocity)), dt=2e-5)
+    scene = within(**{wall: Wall(radius, LOSSY.normal, friction)})
+    flying = Rods(scene, states((place, director, velocity)), dt=1e-4)
     deepest, energy = -np.inf, flying.kinetic()
-    for _ in range(int(2.5 / speed / 2e-5 / 20)):
+    for _ in range(int(2.5 / speed / 1e-4 / 20)):
         flying.go(20)
         least, largest = reach(flying.rods)
         deepest = max(deepest, INNER + 0.5 - least if wall == "inner" else largest + 0.5 - OUTER)
@@ -80,7 +80,7 @@ def test_m8_crossing_rods_do_not_pass_through_each_other(seed):
     """
     random = np.random.default_rng(seed)
     soft = md.constant_restitution(0.65, 2e3, tangential_ratio=3)
-    scene = effects(between=ContactForces(soft.normal, None))
+    scene = meeting(soft.normal, SMOOTH)
     across = [random.uniform(-1, 1), 0, 1]
     place = random.uniform(-2, 2), 1.2, random.uniform(-2, 2)
     for speed in (1, 5, 60):
@@ -132,8 +132,7 @@ def test_a_gap_barely_wider_than_a_rod():
 def test_rods_that_lie_down_and_rods_that_cross_go_on():
     """One on the plate, one dropped across it in a wide gap: finite, and at rest in the end."""
     wide = {n: Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 1.0), ("outer", 20.0))}
-    on_plate = {"normal": LOSSY.normal, "friction": ROUGH, "gravity": -1.0}
-    scene = effects(**wide, **on_plate, between=ContactForces(LOSSY.normal, ROUGH))
+    scene = within(**wide, plate=Motion(np.zeros(1), np.zeros(1)), gravity=-1.0)
     lying, crossing = ((9, 0, 0.51), [0, 1, 0]), ((9, 0, 1.55), [1, 0, 0], (0, 0, -0.5))
     two = Rods(scene, states(lying, crossing)).go(100_000)
     assert np.isfinite(two.rods).all()

@@ -261,7 +261,7 @@ def killed(folder, how, seconds):
 
 
 LONG = SWEEP.replace("periods = 20", "periods = 400").replace(
-    '"start.seed" = [1, 2]', '"start.seed" = { from = 1, to = 40, count = 40 }'
+    '"start.seed" = [1, 2]', '"start.seed" = { from = 1, to = 20, count = 20 }'
 )
 
 
@@ -278,7 +278,7 @@ def many_kills(folder, kills, seconds, hows=(signal.SIGKILL,)):
 
 
 def test_kill_9_loses_nothing(tmp_path):
-    many_kills(tmp_path, 1, lambda: 1.5)
+    many_kills(tmp_path, 1, lambda: 0.7)
 
 
 @pytest.mark.slow
