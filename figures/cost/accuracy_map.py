@@ -76,7 +76,7 @@ def _lines(points: int) -> Data:
 
 def table(n: int) -> Data:
     """Largest and mean error over random impacts, shape (laws, regimes)."""
-    impacts = Impacts(*random_impacts(n, seed=3))
+    impacts = random_impacts(n, seed=3)
     count = np.zeros(len(SLIP_REGIMES), int)
     largest, mean = np.zeros((2, len(RESTITUTION_LAWS), len(SLIP_REGIMES)))
     compared = np.zeros((3, 2, len(SLIP_REGIMES)))  # ours, as printed, as printed where N > 0
