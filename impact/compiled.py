@@ -8,7 +8,8 @@ numbers bit for bit, as they are made from the same text.
 """
 
 from functools import cache
-from types import FunctionType
+from inspect import isfunction
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -74,37 +75,22 @@ _known: dict[str, Any] = {
 }
 
 
-def _compile(module, *names: str) -> None:
-    """Compile functions of a module; they call those that were compiled before.
+def _compile(module: ModuleType) -> None:
+    """Compile the functions of a module, in their order; they call those that were compiled before.
 
     All are inlined: a real call would return its tuple through memory and keep loops from being
-    vectorised (five times slower).
+    vectorised (five times slower). Nothing is compiled that no kernel calls.
     """
-    for name in names:
-        function = getattr(module, name)
-        renamed = FunctionType(function.__code__, {**function.__globals__, **_known}, name)
-        _known[name] = kernel(renamed, forceinline=True)
+    known = {**_known}
+    for name, function in vars(module).items():
+        if isfunction(function) and function.__module__ == module.__name__ and name not in known:
+            renamed = FunctionType(function.__code__, {**function.__globals__, **_known}, name)
+            _known[name] = kernel(renamed, forceinline=True)
 
 
-_compile(_compensated, "_sum", "_total", "lacking", "approach", "responses")
-_compile(
-    _generated,
-    *("slide", "stop", "reverse", "slip", "stick", "energy_change"),
-    *("stick_response", "slopes"),
-    *("poisson_early", "poisson_late", "stronge_early", "stronge_late"),
-)
-_compile(
-    _kernel,
-    "ordinary",
-    "mirrored",
-    "regime_of",
-    "newton",
-    "_slopes",
-    "_gain",
-    "poisson",
-    "stronge",
-    "impact",
-)
+_compile(_compensated)
+_compile(_generated)  # but `approach`, which is compensated
+_compile(_kernel)
 _impact, _ordinary = _known["impact"], _known["ordinary"]
 
 
