@@ -153,9 +153,7 @@ def _draw_table(ax: plt.Axes, d: Data) -> None:
 @style
 def draw(d: Data) -> plt.Figure:
     figure = plt.figure(figsize=(7.0, 4.8))
-    grid = figure.add_gridspec(2, 2, height_ratios=(2.1, 1))
-    axes = [figure.add_subplot(grid[0, 0])]
-    axes.append(figure.add_subplot(grid[0, 1], sharey=axes[0]))
+    *axes, below = figure.subplot_mosaic("ab;cc", height_ratios=(2.1, 1)).values()
     norm = BoundaryNorm(ULP_LEVELS, 256)
     line = np.degrees(d["line_tilt"])
     titles = (("ours", "impact.collide"), ("literal", "formulas as printed, mistakes corrected"))
@@ -175,5 +173,5 @@ def draw(d: Data) -> plt.Figure:
     look["format"] = lambda x, _: f"{x:g}" if x < 1e3 else f"$10^{{{round(np.log10(x))}}}$"
     figure.colorbar(fill, ax=axes, **look)
     axes[0].legend(loc="lower left", labelcolor="white", fontsize=6)
-    _draw_table(figure.add_subplot(grid[1, :]), d)
+    _draw_table(below, d)
     return figure
