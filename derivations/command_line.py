@@ -54,7 +54,7 @@ class Commands(click.Group):
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, interrupt)
         code = self.main()
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what nobody took goes without a traceback
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # unread output is dropped without a traceback
         sys.exit(code)
 
 

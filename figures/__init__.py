@@ -78,8 +78,8 @@ _TITLES = {
         "scaling": "Time over the number of rods, work over the number of cores",
     },
 }
-_RODS = {"fig02", "fig04", "fig05", "fig06", "fig07", "fig08", "fig13", "landing_census"}
-_LONG = {"phase_friction", "contact_laws"}  # of many rods, as `_RODS`, but for longer
+_RODS = {"fig02", "fig05", "fig06", "fig07", "fig08", "fig13"}  # many rods
+_LONG = {"fig04", "phase_friction", "contact_laws", "landing_census"}  # many rods, for longer
 _LONG |= {"accuracy_cost_drift", "accuracy_cost_ladder", "effect_prices", "scaling"}
 _TIMED = {"accuracy_cost_theory", "accuracy_cost_impact"}
 FIGURES = {

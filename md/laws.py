@@ -12,6 +12,10 @@ d is the overlap, M the mass that a contact shows to a normal force, 1/M = 1/m +
 tangential one, 1/M = 1/m + Z^2/I). F_n is cut at zero: the plate never pulls, and the contact's
 force ends before its overlap does. |F_t| never exceeds mu F_n. Reduced units: the rod's diameter
 and mass and gravity are 1.
+
+A new law is a function that returns a `Law`, and its entry in `LAWS`, where scenes, `md.impact` and
+the commands find it. A term that `Normal` or `Spring` lacks is a field there, a line in
+`kernels.contact` and in `kernels.rates`, and its part of `largest_step`.
 """
 
 from collections.abc import Callable

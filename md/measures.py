@@ -52,14 +52,14 @@ OF_LANDINGS = {**_BOTH, "touches": ("touches", "count")}
 
 
 def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Landings from touches: those that are over, in the order in which that was seen, and others.
+    """Landings from touches: finished ones in the order of their end, and landings still under way.
 
-    Their rows are those of the first touch, with the velocities after the last one.
+    A landing has the row of its first touch, with the velocities after the last one.
 
     Parameters
     ----------
     rows : (n, WIDTH + 1) as they came; of each rod in the order of time
-    shortest : steps; what follows so soon belongs to the landing before
+    shortest : steps; a touch that follows sooner belongs to the landing before
     """
     if not len(rows):
         return rows, rows

@@ -87,7 +87,7 @@ class Result:
         begins where it rises through its mean height; empty without a plate
     c_x_series, tilt_series : period by period, transient included
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
-    finished : whether nobody ended the run before its time
+    finished : False if the run was interrupted
     unwritten : files asked for that are not whole, and why; empty if all is written
     accuracy : of c_x; None without a tolerance
     """

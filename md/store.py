@@ -2,6 +2,9 @@
 
 The file is in WAL mode and every row is a transaction of its own: rows that were written
 stay when the process is killed, and two sweeps may write to one file.
+
+The columns of a result are those of `simulation.Result`: "c_x" is its `c_x`, the mean over the
+periods behind the transient of what `measures.RowTables.drift` gives for a row.
 """
 
 import contextlib

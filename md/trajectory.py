@@ -27,7 +27,7 @@ class Trajectory:
 
     Parameters
     ----------
-    path : of the file; frames after those that the checkpoint knows are cut off
+    path : of the file; frames beyond the checkpoint are cut off
     per_period : frames of a period
     kept : state that the checkpoint holds; None: the file is new
     """

@@ -200,3 +200,18 @@ def test_a_film_rolls_it_out():
     assert np.abs(np.diff(film.x, axis=0)).max() < 0.5
     assert np.degrees(film.tilt[0]).mean() == pytest.approx(30, abs=2)
     assert movie.segments(film, 0)[0].shape[1:] == (2, 2)
+
+
+def test_tilt_and_lean_are_those_of_the_rods():
+    """Rods that nothing moves; the tilt is from the vertical, the lean along the annulus."""
+    still = ("gravity=none", "plate=none", "contacts.plate=none", "start.speed=0")
+    result = md.run(ring(*still, "start.tilt_deg=10"), periods=2)
+    x, y, _ = result.rods[:, PLACE:DIRECTOR].T
+    a = result.rods[:, DIRECTOR:VELOCITY]
+    up = np.abs(a[:, 2])
+    along = np.sign(a[:, 2]) * (x * a[:, 1] - y * a[:, 0]) / np.hypot(x, y)
+    assert result.tilt_deg == pytest.approx(np.degrees(np.arccos(up)).mean(), rel=1e-6)
+    assert result.tilt_deg > 5
+    lean = result.annulus["lean_deg"]["mean"]
+    assert lean == pytest.approx(np.degrees(np.arctan2(along, up)).mean(), rel=1e-6)
+    assert abs(lean) > 1

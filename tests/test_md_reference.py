@@ -251,6 +251,16 @@ def test_what_the_reference_cannot_follow():
         md.impact(pi / 2, 0.5, -1.0, friction=0.3, integrator="dop853")
 
 
+@pytest.mark.parametrize("phase", [0.3, 2.5])
+def test_a_plate_that_vibrates_is_that_of_the_fixed_steps(phase):
+    """Its velocity at the touch, and how it changes during the contact."""
+    given = {"friction": 0.4, "law": md.coulomb(stiffness=1e4), "vibration": (0.02, 5.0, phase)}
+    exact = md.impact(radians(20), 0.5, -2.0, integrator="dop853", **given)
+    steps = md.impact(radians(20), 0.5, -2.0, integrator="verlet", dt=1e-6, **given)
+    assert exact[:3] == pytest.approx(steps[:3], abs=1e-4)
+    assert exact.restitution == pytest.approx(steps.restitution, abs=1e-4)
+
+
 @pytest.mark.slow
 @each_law
 @each_regime

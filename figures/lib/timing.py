@@ -1,11 +1,11 @@
 """Times of several calls on a machine that is not quiet: taken in turn, compared round by round.
 
-In a round every call is timed once at each place, in an order drawn anew, so that no call always
+In a round every call is timed once at each place, in a new random order, so that no call always
 follows the same one. Differences are those of one round and place: what slows the machine down for
 longer than a round falls on both. What is left of it, a speed that changes from round to round, is
 divided out: the speed of a round is the median over all calls of their time over its own lower
 quartile, so that times are those of the quieter rounds. Rounds come in blocks, and the calls may be
-made anew for each: where code and arrays lie in memory moves times by up to three per cent, and is
+made again for each: where code and arrays lie in memory moves times by up to three per cent, and is
 thus part of the error, which is that of resampled blocks.
 """
 
