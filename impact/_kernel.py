@@ -16,6 +16,7 @@ for NumPy and Numba.
 A name with `_low` is what the rounded number of that name lacks; it enters to first order.
 """
 
+from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -36,6 +37,7 @@ from ._generated import (
     stronge_early,
     stronge_late,
 )
+from .geometry import ContactGeometry
 
 # Friction beyond this gives the same impact to the last digit; it stands in for infinity, which
 # is thereby the limit of large friction.
@@ -61,6 +63,32 @@ class Regime(IntEnum):
 def as_regime(codes: Any) -> Any:
     """One code as a `Regime`; an array of them as it is."""
     return Regime(int(codes)) if np.ndim(codes) == 0 else codes
+
+
+class Impacts(NamedTuple):
+    """Arguments of one impact, or of many as arrays; a unit of length and one of time of choice."""
+
+    c_x: Any  # length/time
+    c_z: Any  # length/time
+    omega: Any  # rad/time
+    plate_velocity: Any  # length/time
+    X: Any  # length
+    Z: Any  # length
+    k: Any  # length
+    friction: Any  # Coulomb coefficient
+    restitution: Any  # 0 to 1
+
+    def collide(self, function: Callable, law: str = "newton") -> Any:
+        """What a function with the signature of `impact.collide` makes of them.
+
+        Parameters
+        ----------
+        function : `impact.collide` or its like
+        law : of restitution
+        """
+        c_x, c_z, omega, V_z, *arms, mu, epsilon = self
+        given = {"geometry": ContactGeometry(*arms), "friction": mu, "restitution": epsilon}
+        return function(c_x, c_z, omega, plate_velocity=V_z, law=law, **given)
 
 
 class Approach(NamedTuple):
@@ -91,16 +119,18 @@ class Approach(NamedTuple):
     sticks: Any
 
 
-def ordinary(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
+def ordinary(given):
     """Whether an impact is valid and far from over- and underflow; false if there is a nan."""
+    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = given
     size = np.abs(X) + np.abs(Z) + k
     speed = np.abs(c_x) + np.abs(c_z) + np.abs(V_z) + np.abs(omega) * size
     sized = (k > 0) & (size > SMALL) & (size < LARGE) & (speed > SMALL) & (speed < LARGE)
     return sized & (mu >= 0) & (mu < LARGE_FRICTION) & (epsilon >= 0) & (epsilon <= 1)
 
 
-def mirrored(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
+def mirrored(given):
     """Mirror the impact to u_0 >= 0 and apply the branch rule."""
+    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = given
     u_0, v_0, u_low, v_low = approach(c_x, c_z, omega, V_z, X, Z)
     side = np.copysign(1.0, select(u_0 == 0, X * Z, u_0))
     X, u_0, u_low = side * X, np.abs(u_0), side * u_low
@@ -164,9 +194,10 @@ def stronge(a, k, epsilon, j_1, rise, rise_low):
     return _gain(a, np.sqrt(select(v_1 < 0, early, stronge_late(epsilon, a.v_0, late, r))))
 
 
-def impact(final_velocity, c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
+def impact(final_velocity, given):
     """State after an impact under the law `final_velocity`; the fields of `Collision`."""
-    a = mirrored(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon)
+    c_x, c_z, omega, _, _, Z, k, _, epsilon = given
+    a = mirrored(given)
     X, u_0, v_0 = a.X, a.u_0, a.v_0
     T = select(u_0 > 0, a.T, 1.0)  # without slip nothing is divided by T, which may be 0
 

@@ -22,8 +22,8 @@ from tqdm import tqdm
 
 from . import collision, compiled
 from ._jit import kernel
-from ._kernel import HUGE_FRICTION
-from .geometry import ContactGeometry, spherocylinder
+from ._kernel import HUGE_FRICTION, Impacts
+from .geometry import spherocylinder
 
 RUNS = 9  # of each; the median counts
 BYTES = 9 * 8 + 8 * 8 + 1  # nine numbers in; eight and a regime code out
@@ -51,7 +51,8 @@ def _handwritten(approach, responses, lacking):
     """Scalar kernel of one impact under Newton's law, given how its sums are made."""
 
     @kernel(forceinline=True)
-    def collide(c_x, c_z, omega, V_z, X, Z, k, mu, e):
+    def collide(given):
+        c_x, c_z, omega, V_z, X, Z, k, mu, e = given
         u, v, u_low, v_low = approach(c_x, c_z, omega, V_z, X, Z)
         side = copysign(1.0, X * Z if u == 0 else u)
         X, u, u_low = side * X, abs(u), side * u_low
@@ -110,8 +111,8 @@ SCALAR = {
 }
 
 
-def random_impacts(n: int, seed: int = 1) -> list[np.ndarray]:
-    """Columns of n impacts: velocities and friction log-uniform over six decades, all tilts."""
+def random_impacts(n: int, seed: int = 1) -> Impacts:
+    """Arrays of n impacts: velocities and friction log-uniform over six decades, all tilts."""
     rng = np.random.default_rng(seed)
     tilt, length = rng.uniform(-np.pi / 2, np.pi / 2, n), 1 + 10 ** rng.uniform(-2, 1.5, n)
     X, Z, k = spherocylinder(tilt, length)
@@ -119,15 +120,8 @@ def random_impacts(n: int, seed: int = 1) -> list[np.ndarray]:
     c_x, c_z, spin, V_z = sizes[:4] * rng.choice([-1, 1], (4, n))
     omega = spin / k
     towards = np.where(c_z - V_z + omega * X < 0, 1.0, -1.0)  # every pair approaches
-    moving = [towards * value for value in (c_x, c_z, omega, V_z)]
-    return [*moving, X, Z, k, sizes[4], rng.uniform(0, 1, n)]
-
-
-def collide_columns(function: Callable, columns: list[np.ndarray], law: str) -> Any:
-    """Call `function`, with the signature of `impact.collide`, on columns of impacts."""
-    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = columns
-    given = {"geometry": ContactGeometry(X, Z, k), "friction": mu, "restitution": epsilon}
-    return function(c_x, c_z, omega, plate_velocity=V_z, law=law, **given)
+    c_x, c_z, omega, V_z = (towards * value for value in (c_x, c_z, omega, V_z))
+    return Impacts(c_x, c_z, omega, V_z, X, Z, k, sizes[4], rng.uniform(0, 1, n))
 
 
 def machine() -> dict[str, Any]:
@@ -156,23 +150,22 @@ def _summing(impact: Any, fastmath: Any = False) -> Callable[..., float]:
     """
 
     @kernel(fastmath=fastmath)
-    def run(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon):
+    def run(given):
         total = 0.0
-        for i in range(c_x.size):
-            a, b, c, d, e, f, g, h, j = impact(
-                c_x[i], c_z[i], omega[i], V_z[i], X[i], Z[i], k[i], mu[i], epsilon[i]
-            )
+        for i in range(given.c_x.size):
+            a, b, c, d, e, f, g, h, j = impact(compiled._one_of(given, i))
             total += ((a + b) + (c + d)) + ((e + f) + (g + h)) + j
         return total
 
     return run
 
 
-def _same_bits(columns: list[np.ndarray]) -> bool:
+def _same_bits(impacts: Impacts) -> bool:
     """Whether the generated and the hand-written kernel give the same bits in every field."""
-    rows = list(zip(*(column[:2000].tolist() for column in columns), strict=True))
+    rows = zip(*(column[:2000].tolist() for column in impacts), strict=True)
+    singles = [Impacts(*row) for row in rows]
     kernels = compiled.collide_newton, collide
-    first, second = (np.array([one(*row) for row in rows], float) for one in kernels)
+    first, second = (np.array([one(single) for single in singles], float) for one in kernels)
     return first.tobytes() == second.tobytes()
 
 
@@ -183,27 +176,28 @@ def _once(function: Callable[[], Any]) -> float:
     return perf_counter() - start
 
 
-def _in_parts(function: Callable, *columns: np.ndarray) -> None:
+def _in_parts(function: Callable, *groups: Any) -> None:
     """Call a compiled loop on a million impacts at a time: signals are seen between calls."""
-    for first in range(0, columns[0].size, 10**6):
-        function(*(column[first : first + 10**6] for column in columns))
+    for first in range(0, groups[0].c_x.size, 10**6):
+        part = slice(first, first + 10**6)
+        function(*(compiled._part_of(group, part) for group in groups))
 
 
-def _tasks(columns: list[np.ndarray]) -> dict[str, Callable[[], Any]]:
+def _tasks(impacts: Impacts) -> dict[str, Callable[[], Any]]:
     """Calls to time, by name."""
-    n = columns[0].size
-    results = [np.empty(n, np.int8 if i == 3 else np.float64) for i in range(9)]
+    n = impacts.c_x.size
+    results = compiled._empty(n)
     half = np.zeros(BYTES * n // 2 + 1, np.uint8)  # a copy reads it and writes as much
     other = np.empty_like(half)
     tasks: dict[str, Callable[[], Any]] = {}
     for law in compiled.KERNELS:
-        tasks[f"numpy {law}"] = partial(collide_columns, collision.collide, columns, law)
-        tasks[f"compiled {law}"] = partial(collide_columns, compiled.collide, columns, law)
-        tasks[f"loop {law}"] = partial(_in_parts, compiled._loop(law), *columns, *results)
+        tasks[f"numpy {law}"] = partial(impacts.collide, collision.collide, law)
+        tasks[f"compiled {law}"] = partial(impacts.collide, compiled.collide, law)
+        tasks[f"loop {law}"] = partial(_in_parts, compiled._loop(law), impacts, results)
     for name, scalar in SCALAR.items():
-        tasks[f"scalar {name}"] = partial(_in_parts, _summing(scalar), *columns)
+        tasks[f"scalar {name}"] = partial(_in_parts, _summing(scalar), impacts)
     any_order = _summing(compiled.collide_newton, fastmath={"reassoc"})
-    tasks["scalar newton, any order"] = partial(_in_parts, any_order, *columns)
+    tasks["scalar newton, any order"] = partial(_in_parts, any_order, impacts)
     tasks["copy"] = partial(np.copyto, other, half)
     return tasks
 
@@ -212,11 +206,10 @@ def benchmark(n: int) -> dict[str, Any]:
     """Time all tasks in turn, `RUNS` times over; times per impact in ns."""
     small = random_impacts(1)
     compiling = {
-        law: _once(partial(collide_columns, compiled.collide, small, law))
-        for law in compiled.KERNELS
+        law: _once(partial(small.collide, compiled.collide, law)) for law in compiled.KERNELS
     }
-    columns = random_impacts(n)
-    tasks = _tasks(columns)
+    impacts = random_impacts(n)
+    tasks = _tasks(impacts)
     for task in tasks.values():  # compiles what is left, and touches all memory
         task()
     seconds: dict[str, list[float]] = {name: [] for name in tasks}
@@ -233,7 +226,7 @@ def benchmark(n: int) -> dict[str, Any]:
         "generated_over_handwritten": ns["scalar newton"] / ns["scalar handwritten"],
         "loop_over_floor": ns["loop newton"] / ns["copy"],
         "bytes_per_impact": BYTES,
-        "same_bits": _same_bits(columns),
+        "same_bits": _same_bits(impacts),
         "machine": machine(),
     }
 

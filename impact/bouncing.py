@@ -35,7 +35,7 @@ import numpy as np
 
 from ._arguments import FRICTION, RESTITUTION, Domain, InputError, count, evaluated, number
 from ._jit import kernel
-from .compiled import KERNELS
+from .compiled import KERNELS, Impacts
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
@@ -126,30 +126,49 @@ def hit_again_tilt(restitution: Any) -> Any:
     return evaluated(block, {"restitution": (restitution, RESTITUTION)})[0]
 
 
+class _Held(NamedTuple):
+    """A rod at held tilt and the plate under it."""
+
+    gamma: float  # A Omega^2/g
+    X: float  # of one unit of length with Z and k
+    Z: float
+    k: float
+    friction: float
+    restitution: float
+    shortest: float  # flight, rad of the plate's phase
+
+
 @cache
 def _loop(law: str):
     """Compile the motion of one rod under one law; Omega = g = 1."""
     collide = KERNELS[law]
 
     @kernel
-    def meet(c_x, v_0, X, Z, k, friction, restitution):
-        """Repeat impacts at one phase, in the frame of the plate, until the rod leaves or rests."""
+    def once(c_x, v, held):
+        """Impact without spin, in the frame of the plate: c_x and c_z after it, and its regime."""
         c_x, v, _, regime, _, _, _, _, _ = collide(
-            c_x, v_0, 0.0, 0.0, X, Z, k, friction, restitution
+            Impacts(c_x, v, 0.0, 0.0, held.X, held.Z, held.k, held.friction, held.restitution)
         )
+        return c_x, v, regime
+
+    @kernel
+    def meet(c_x, v_0, held):
+        """Repeat impacts at one phase until the rod leaves or rests."""
+        c_x, v, regime = once(c_x, v_0, held)
         hits = 1
         while v < _STILL * v_0 and hits < _AT_ONCE:
-            c_x, v, _, _, _, _, _, _, _ = collide(c_x, v, 0.0, 0.0, X, Z, k, friction, restitution)
+            c_x, v, _ = once(c_x, v, held)
             hits += 1
         return c_x, max(v, 0.0), hits, regime
 
     @kernel
-    def rod(state, gamma, X, Z, k, friction, restitution, shortest, transient, out):
+    def rod(state, held, transient, out):
         """Fill `out`, shape (landings, fields of `Landings`), after `transient` more landings.
 
         Returns the `state` for the next call.
         """
         phase, speed, c_x, period = state
+        gamma, shortest = held.gamma, held.shortest
         lift, free = lift_off(gamma)
         for j in range(-transient, out.shape[0]):
             rest = slid = t = v_0 = 0.0
@@ -157,14 +176,14 @@ def _loop(law: str):
             if 2 * speed > -shortest * d.lift:  # else the hop is shorter, or there is none
                 t, v_0 = landing(d, phase, gamma)
             if t < shortest:
-                rest, c_x, slid = slide_to_lift(c_x, phase, gamma, friction)
+                rest, c_x, slid = slide_to_lift(c_x, phase, gamma, held.friction)
                 period += phase >= np.pi / 2
                 phase = lift
                 t, v_0 = landing(free, phase, gamma)
             turns, phase = advance(phase, t)
             period += turns
             before = c_x
-            c_x, speed, hits, regime = meet(before, v_0, X, Z, k, friction, restitution)
+            c_x, speed, hits, regime = meet(before, v_0, held)
             if j >= 0:
                 plate = gamma * np.cos(phase)
                 out[j, 0], out[j, 1] = period, phase
@@ -175,22 +194,21 @@ def _loop(law: str):
                 out[j, 9], out[j, 10] = hits, regime
         return phase, speed, c_x, period
 
-    def whole(start, *setting):
+    def whole(start, held, transient, out):
         """Follow a rod from its start, in calls short enough for signals."""
-        *physics, transient, out = setting
         state = *start, 0.0
         for first in range(-transient, len(out), _LANDINGS_A_CALL):
             last = min(first + _LANDINGS_A_CALL, len(out))
             ahead = min(max(-first, 0), last - first)
-            state = rod(state, *physics, ahead, out[max(first, 0) : max(last, 0)])
+            state = rod(state, held, ahead, out[max(first, 0) : max(last, 0)])
 
     return whole
 
 
 class _Problem(NamedTuple):
-    """Arguments of `bounce`, checked; geometry in units near one."""
+    """Arguments of `bounce`, checked."""
 
-    physics: tuple[float, ...]  # gamma, X, Z, k, friction, restitution, shortest [rad]
+    held: _Held
     law: str
     landings: int
     rods: int
@@ -204,15 +222,19 @@ def _checked(
     if law not in KERNELS:
         raise InputError(f"law must be one of {', '.join(KERNELS)}, got {law!r}")
     lengths = (number(name, *length) for name, length in lengths_of(geometry).items())
-    physics = (
-        number("gamma", gamma, _GAMMA),
-        *map(float, unit_lengths(*lengths)),
+    gamma = number("gamma", gamma, _GAMMA)
+    X, Z, k = map(float, unit_lengths(*lengths))
+    held = _Held(
+        gamma,
+        X,
+        Z,
+        k,
         min(number("friction", friction, FRICTION), _FRICTION_LIMIT),
         number("restitution", restitution, RESTITUTION),
         number("shortest_flight", shortest_flight, _SHORTEST) * TURN,
     )
     least = {"landings": 1, "rods": 1, "seed": 0, "transient": 0}
-    return _Problem(physics, law, *map(count, least, counts, least.values()))
+    return _Problem(held, law, *map(count, least, counts, least.values()))
 
 
 def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
@@ -224,7 +246,8 @@ def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
 
 def _blocks(problem: _Problem) -> Iterator[Landings]:
     """Yield the landings of a few rods at a time."""
-    gamma, landings = problem.physics[0], problem.landings if problem.physics[0] > 1 else 0
+    gamma = problem.held.gamma
+    landings = problem.landings if gamma > 1 else 0
     together = max(1, _BLOCK // problem.landings)
     for first in range(0, problem.rods, together):
         rods = range(first, min(first + together, problem.rods))
@@ -232,7 +255,7 @@ def _blocks(problem: _Problem) -> Iterator[Landings]:
         if landings:
             for row, rod in zip(out, rods, strict=True):
                 start = _start(problem.seed, rod, gamma)
-                _loop(problem.law)(start, *problem.physics, problem.transient, row)
+                _loop(problem.law)(start, problem.held, problem.transient, row)
         columns = list(np.moveaxis(out, -1, 0))
         for column, kind in ((0, np.int64), (9, np.int64), (10, np.int8)):
             columns[column] = columns[column].astype(kind)
@@ -379,7 +402,7 @@ def bounce(
     bins = count("bins", bins, 1)
     counts = landings, rods, seed, transient
     problem = _checked(geometry, gamma, friction, restitution, law, shortest_flight, counts)
-    if problem.physics[0] <= 1:
+    if problem.held.gamma <= 1:
         return _no_flight(bins)
     parts = [_summary(block, bins) for block in _blocks(problem)]
     return Bouncing(

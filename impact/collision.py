@@ -67,7 +67,7 @@ def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
 
 def _guarded(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     """Evaluate a function on a block; unusual elements scaled, invalid ones nan and INVALID."""
-    usual = kernel.ordinary(*block)
+    usual = kernel.ordinary(block)
     if np.all(usual):
         return function(*block)
     block = np.broadcast_arrays(*block)
@@ -120,7 +120,7 @@ def from_arrays(
     final_velocity = LAWS[law]
 
     def one_law(*block: Any) -> tuple[Any, ...]:
-        return kernel.impact(final_velocity, *block)
+        return kernel.impact(final_velocity, block)
 
     dtypes = [np.dtype(dtype)] * 3 + [np.dtype(np.int8)] + [np.dtype(dtype)] * 5
     return in_blocks(lambda *block: _guarded(one_law, *block), arrays, dtypes)
@@ -224,7 +224,7 @@ def classify(
     )
 
     def regime_alone(*block: Any) -> tuple[Any, ...]:
-        return (kernel.regime_of(kernel.mirrored(*block)),)
+        return (kernel.regime_of(kernel.mirrored(block)),)
 
     code = np.dtype(np.int8)
     (regime,) = in_blocks(lambda *block: _guarded(regime_alone, *block), arrays, [code])

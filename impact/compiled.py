@@ -1,14 +1,15 @@
 """The impact map compiled by Numba; import it on request (it needs Numba, and seconds to compile).
 
 `collide_newton`, `collide_poisson` and `collide_stronge` (`KERNELS`, by law) are scalar kernels for
-other compiled code: nine floats (c_x, c_z, omega, plate_velocity, X, Z, k, friction, restitution)
-in, the nine fields of `impact.Collision` out as a tuple, the regime as its code. They expect valid
-arguments of ordinary size (lengths and speeds between 1e-70 and 1e70). `collide` has the contract
-of `impact.collide`. All of them give its numbers bit for bit, as they are made from the same text.
+other compiled code: an `Impacts` of floats in, the nine fields of `impact.Collision` out as a
+tuple, the regime as its code. They expect valid arguments of ordinary size (lengths and speeds
+between 1e-70 and 1e70). `collide` has the contract of `impact.collide`. All of them give its
+numbers bit for bit, as they are made from the same text.
 """
 
 from functools import cache
-from types import FunctionType
+from inspect import isfunction
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -18,9 +19,10 @@ from numba.extending import intrinsic
 from . import _compensated, _generated, _kernel
 from . import collision as plain
 from ._jit import kernel
+from ._kernel import Impacts
 from .geometry import ContactGeometry
 
-__all__ = ["KERNELS", "collide", "collide_newton", "collide_poisson", "collide_stronge"]
+__all__ = ["KERNELS", "Impacts", "collide", "collide_newton", "collide_poisson", "collide_stronge"]
 
 
 @intrinsic
@@ -73,65 +75,37 @@ _known: dict[str, Any] = {
 }
 
 
-def _compile(module, *names: str) -> None:
-    """Compile functions of a module; they call those that were compiled before.
+def _compile(module: ModuleType) -> None:
+    """Compile the functions of a module, in their order; they call those that were compiled before.
 
     All are inlined: a real call would return its tuple through memory and keep loops from being
-    vectorised (five times slower).
+    vectorised (five times slower). Nothing is compiled that no kernel calls.
     """
-    for name in names:
-        function = getattr(module, name)
-        renamed = FunctionType(function.__code__, {**function.__globals__, **_known}, name)
-        _known[name] = kernel(renamed, forceinline=True)
+    known = {**_known}
+    for name, function in vars(module).items():
+        if isfunction(function) and function.__module__ == module.__name__ and name not in known:
+            renamed = FunctionType(function.__code__, {**function.__globals__, **_known}, name)
+            _known[name] = kernel(renamed, forceinline=True)
 
 
-_compile(_compensated, "_sum", "_total", "lacking", "approach", "responses")
-_compile(
-    _generated,
-    *("slide", "stop", "reverse", "slip", "stick", "energy_change"),
-    *("stick_response", "slopes"),
-    *("poisson_early", "poisson_late", "stronge_early", "stronge_late"),
-)
-_compile(
-    _kernel,
-    "ordinary",
-    "mirrored",
-    "regime_of",
-    "newton",
-    "_slopes",
-    "_gain",
-    "poisson",
-    "stronge",
-    "impact",
-)
+_compile(_compensated)
+_compile(_generated)  # but `approach`, which is compensated
+_compile(_kernel)
 _impact, _ordinary = _known["impact"], _known["ordinary"]
 
 
 def _scalar_kernel(law: str) -> Any:
-    """Compile the impact under one law: nine floats in, nine numbers out."""
+    """Compile the impact under one law."""
     final_velocity = _known[law]
 
-    def collide(
-        c_x: float,
-        c_z: float,
-        omega: float,
-        plate_velocity: float,
-        X: float,
-        Z: float,
-        k: float,
-        friction: float,
-        restitution: float,
-    ) -> tuple:
+    def collide(given: Impacts) -> tuple:
         """One impact, for compiled code; the fields of `impact.Collision` as nine numbers.
 
         Parameters
         ----------
-        c_x, c_z, omega, plate_velocity, friction, restitution : as in `impact.collide`, floats
-        X, Z, k : of the contact geometry; lengths and speeds are between 1e-70 and 1e70
+        given : floats; lengths and speeds between 1e-70 and 1e70
         """
-        return _impact(
-            final_velocity, c_x, c_z, omega, plate_velocity, X, Z, k, friction, restitution
-        )
+        return _impact(final_velocity, given)
 
     collide.__name__ = collide.__qualname__ = f"collide_{law}"
     return kernel(collide, forceinline=True)
@@ -146,30 +120,45 @@ _IMPACTS_A_CALL = 1 << 18  # some 20 ms: signals are seen between calls
 _LEFT = -2  # regime code of an impact that is left to plain NumPy: invalid, or of unusual size
 
 
+@kernel(forceinline=True)
+def _one_of(given, i):
+    """One impact of many, each field an array."""
+    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = given
+    return Impacts(c_x[i], c_z[i], omega[i], V_z[i], X[i], Z[i], k[i], mu[i], epsilon[i])
+
+
 @cache
 def _loop(law: str):
-    """Compile a loop over impacts under one law; it returns how many it left out."""
+    """Compile a loop from `Impacts` to `Collision`, of arrays; it returns how many it left out."""
     impact = KERNELS[law]
 
-    # fmt: off
-    def impacts(
-        c_x, c_z, omega, V_z, X, Z, k, mu, epsilon,
-        c_x_, c_z_, omega_, regime, P_x, P_z, slip, normal, energy,
-    ):
+    @kernel
+    def impacts(given, found):
+        c_x, c_z, omega, regime, P_x, P_z, slip, normal, energy = found
         left = 0
         for i in range(regime.size):
-            if _ordinary(c_x[i], c_z[i], omega[i], V_z[i], X[i], Z[i], k[i], mu[i], epsilon[i]):
-                (
-                    c_x_[i], c_z_[i], omega_[i], regime[i], P_x[i], P_z[i],
-                    slip[i], normal[i], energy[i],
-                ) = impact(c_x[i], c_z[i], omega[i], V_z[i], X[i], Z[i], k[i], mu[i], epsilon[i])
+            one = _one_of(given, i)
+            if _ordinary(one):
+                after = impact(one)
+                c_x[i], c_z[i], omega[i], regime[i], P_x[i] = after[:5]
+                P_z[i], slip[i], normal[i], energy[i] = after[5:]
             else:
                 regime[i] = _LEFT
                 left += 1
         return left
-    # fmt: on
 
-    return kernel(impacts)
+    return impacts
+
+
+def _empty(size: int) -> plain.Collision:
+    """Room for the results of impacts."""
+    kinds = [np.int8 if name == "regime" else float for name in plain.Collision._fields]
+    return plain.Collision(*(np.empty(size, kind) for kind in kinds))
+
+
+def _part_of(group: Any, part: slice) -> Any:
+    """Part of every array of a named tuple."""
+    return group._make(array[part] for array in group)
 
 
 def collide(
@@ -204,15 +193,14 @@ def collide(
     arrays = [array.astype(np.float64, copy=False) for array in arrays]
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     size = int(np.prod(shape))
-    columns = [
+    given = [
         np.broadcast_to(array, size if array.ndim == 0 else shape).reshape(size) for array in arrays
     ]
-    results = [np.empty(size, np.int8 if i == 3 else np.float64) for i in range(9)]
+    results = _empty(size)
     parts = [slice(first, first + _IMPACTS_A_CALL) for first in range(0, size, _IMPACTS_A_CALL)]
-    loop = _loop(law)
-    if sum(loop(*(array[part] for array in (*columns, *results))) for part in parts):
-        left = results[3] == _LEFT
-        rest = plain.from_arrays([column[left] for column in columns], law)
+    if sum(_loop(law)(_part_of(Impacts(*given), part), _part_of(results, part)) for part in parts):
+        left = results.regime == _LEFT
+        rest = plain.from_arrays([column[left] for column in given], law)
         for result, part in zip(results, rest, strict=True):
             result[left] = part
     return plain.collision([result.reshape(shape) for result in results], dtype)

@@ -35,7 +35,7 @@ from ._arguments import POSITIVE, Domain, count, number
 from ._jit import kernel
 from ._kernel import LARGE_FRICTION, Regime
 from .bouncing import record
-from .compiled import KERNELS
+from .compiled import KERNELS, Impacts
 from .flight import TURN, advance, departure, gap
 from .geometry import ContactGeometry, spherocylinder, thin_rod
 
@@ -72,6 +72,19 @@ class Falls(NamedTuple):
     flight: np.ndarray  # from take-off to this landing, in periods
     rest: np.ndarray  # with the tip on the plate before that take-off, in periods
     regime: np.ndarray  # codes of `impact.Regime`
+
+
+class _Free(NamedTuple):
+    """A rod that is let go and the plate under it."""
+
+    gamma: float  # A Omega^2/g
+    reach: float  # g/Omega^2, from the centre of mass to the centre of a cap
+    cap: float  # g/Omega^2, its radius
+    k: float  # g/Omega^2
+    friction: float
+    restitution: float
+    shortest: float  # flight, rad of the plate's phase
+    periods: float  # the most to follow
 
 
 class _Swing(NamedTuple):
@@ -128,12 +141,13 @@ def _loop(law: str):
     collide = KERNELS[law]
 
     @kernel
-    def rod(state, gamma, reach, cap, k, friction, restitution, shortest, periods, out):
+    def rod(state, free, out):
         """Fill one row of `out` per landing, from `Falls.period` on.
 
         Returns the `state` for the next call, whether the rod has fallen, whether it goes on.
         """
         phase, speed, c_x, tilt, period, omega, travel, rest, n = state
+        gamma, reach, cap, k, friction, restitution, shortest, periods = free
         fallen, going = False, True
         for _ in range(_FLIGHTS_A_CALL):
             swing = _Swing(reach * np.sin(tilt), reach * np.cos(tilt), omega)
@@ -158,7 +172,9 @@ def _loop(law: str):
                 break
             before, spin, v = c_x, omega, v - omega * X
             c_x, c_z, omega, regime, _, _, _, speed, _ = collide(
-                before, v, spin, 0.0, X, Z + cap, k, friction, restitution if flies else 0.0
+                Impacts(
+                    before, v, spin, 0.0, X, Z + cap, k, friction, restitution if flies else 0.0
+                )
             )
             if flies:
                 plate = gamma * np.cos(phase)
@@ -172,11 +188,11 @@ def _loop(law: str):
                 break
         return (phase, speed, c_x, tilt, period, omega, travel, rest, n), fallen, going
 
-    def whole(start, *setting):
+    def whole(start, free, out):
         """Follow a rod from its release; returns the fields of `Falls` before `period`."""
         state, going = (*map(float, start), 0.0, 0.0, 0.0, 0.0, 0), True
         while going:
-            state, fallen, going = rod(state, *setting)
+            state, fallen, going = rod(state, free, out)
         phase, _, _, tilt, period, _, travel, _, n = state
         return fallen, n, period + (phase - start[0]) / TURN, travel / TURN, tilt
 
@@ -260,12 +276,10 @@ def fall(
     )
 
     reach, cap = (length - diameter) / 2, diameter / 2
-    limits = min(float(friction), LARGE_FRICTION), float(restitution), shortest, periods
+    mu = min(float(friction), LARGE_FRICTION)
+    free = _Free(float(gamma), reach, cap, geometry.k, mu, float(restitution), shortest, periods)
     out = np.full((len(starts), landings, 12), np.nan)
-    ends = [
-        _loop(law)((*start, tilt), float(gamma), reach, cap, geometry.k, *limits, row)
-        for start, row in zip(starts, out, strict=True)
-    ]
+    ends = [_loop(law)((*start, tilt), free, row) for start, row in zip(starts, out, strict=True)]
     out[..., 3:5] /= gamma  # c_x, c_z
     out[..., 6:8] /= gamma
     fallen, landed, time, travel, tilt_end = map(np.array, zip(*ends, strict=True))

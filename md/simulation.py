@@ -256,6 +256,7 @@ class _Files:
         self.engine, self.tables, self.began = engine, tables, began
         self.checkpoint = checkpoint
         self.trajectory: Trajectory | None = None
+        self.gap = 1  # steps from frame to frame
         self.lost: dict[str, str] = {}  # why a file is not whole
 
     @contextmanager
@@ -296,31 +297,25 @@ class _Files:
 
 
 def _loop(
-    engine: Engine,
-    tables: Tables,
-    began: dict,
+    files: _Files,
     goal: int,
     observe: Callable[[np.ndarray], None] | None,
-    frame: tuple[int, Callable[[], None]] | None,
-    save: Callable[[], None],
     bar: tqdm,
     pressed: Callable[[], bool],
 ) -> None:
-    """March to the step `goal`, call by call of the kernel.
-
-    `frame` is (steps between two frames, function that writes one) or None, `save` a function.
-    """
+    """March to the step `goal`, call by call of the kernel."""
+    engine, tables = files.engine, files.tables
     saved = perf_counter()
     while engine.step < goal and not pressed():
         steps = min(engine.pace, goal - engine.step)
-        if frame is not None:
-            gap, write = frame
-            if engine.step % gap == 0:
-                write()
-            steps = min(steps, gap - engine.step % gap)
+        if files.trajectory is not None:
+            since = engine.step % files.gap
+            if since == 0:
+                files.frame()
+            steps = min(steps, files.gap - since)
         begin, first = perf_counter(), engine.step
         engine.go(steps, tables.series)
-        began["seconds"] += perf_counter() - begin
+        files.began["seconds"] += perf_counter() - begin
         if engine.record is not None and engine.record.count[0]:
             rows = engine.record.rows[: engine.record.count[0]]
             tables.add(rows)
@@ -329,7 +324,7 @@ def _loop(
             engine.record.count[0] = 0
         bar.update(engine.step // engine.per - first // engine.per)
         if perf_counter() - saved > _SAVED:
-            save()
+            files.save()
             saved = perf_counter()
 
 
@@ -414,11 +409,10 @@ def run(
 
     with ExitStack() as stack:
         pressed = stack.enter_context(_interruptible())
-        frame = None
         if trajectory is not None:
             written.trajectory = Trajectory(trajectory, frames, began["trajectory"])
             stack.callback(written.trajectory.close)
-            frame = max(engine.per // frames, 1), written.frame
+            written.gap = max(engine.per // frames, 1)
         bar = stack.enter_context(
             tqdm(total=periods, unit=" periods", delay=2, disable=None if progress else True)
         )
@@ -429,8 +423,7 @@ def run(
             if goal is not None:
                 aim = min(goal(tables.drift(made)), periods)
                 bar.total = aim
-            goal_step = aim * engine.per
-            _loop(engine, tables, began, goal_step, observe, frame, written.save, bar, pressed)
+            _loop(written, aim * engine.per, observe, bar, pressed)
             enough, made = made >= aim, engine.step // engine.per
             if goal is None or enough or made < aim:
                 break

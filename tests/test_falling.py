@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 import impact
 from impact.bouncing import record
-from impact.falling import Falls, _loop, fall
+from impact.falling import Falls, _Free, _loop, fall
 from impact.flight import TURN
 
 PAPER = {"friction": 0.3, "restitution": 0.65}
@@ -88,8 +88,8 @@ def test_phase_after_a_million_periods():
     gamma, restitution, out = 1.3, 0.5, np.full((1_000_000, 12), np.nan)
     exact = np.arccos(pi * (1 - restitution) / ((1 + restitution) * gamma))
     start = (exact, 2 * pi * restitution / (1 + restitution) + 1e-3, 0.0, 0.0)
-    setting = (0.3, restitution, STEP, 1e9)
-    fallen, landings, *_ = _loop("newton")(start, gamma, 300.0, 40.0, 200.0, *setting, out)
+    free = _Free(gamma, 300.0, 40.0, 200.0, 0.3, restitution, STEP, 1e9)
+    fallen, landings, *_ = _loop("newton")(start, free, out)
     assert (fallen, landings) == (False, 1_000_000)
     assert np.abs(out[1000:, 1] - exact).max() < 1e-14 * TURN
     np.testing.assert_array_equal(np.diff(out[:, 0]), 1)
@@ -113,7 +113,7 @@ def test_energy_is_kept_without_losses():
         reach, out = 10 ** random.uniform(-1, 2), np.full((100, 12), np.nan)
         k = reach / sqrt(3)
         start = (0.0, random.uniform(1, 3), random.normal(), random.uniform(-1.5, 1.5))
-        _, n, *_ = _loop("newton")(start, 0.0, reach, 0.0, k, 0.0, 1.0, STEP, 1e4, out)
+        _, n, *_ = _loop("newton")(start, _Free(0.0, reach, 0.0, k, 0.0, 1.0, STEP, 1e4), out)
         if n:
             before, after = _energies(out[:n], reach, k)
             landings += n
@@ -133,7 +133,7 @@ def test_energy_never_grows(law):
         start = (0.0, random.uniform(1, 3), random.normal(), random.uniform(-1.5, 1.5))
         friction, restitution = random.choice([0, 0.3, 1, 5, 1e60]), random.uniform(0, 1)
         setting = (friction, restitution, STEP, 1e4)
-        _, n, *_ = _loop(law)(start, 0.0, reach, cap, k, *setting, out)
+        _, n, *_ = _loop(law)(start, _Free(0.0, reach, cap, k, *setting), out)
         if n:
             before, after = _energies(out[:n], reach, k)
             assert np.all(after <= before * (1 + 1e-13))
@@ -187,11 +187,9 @@ def test_mirror_symmetry():
     flips[[2, 3, 5, 6, 8]] = -1
     for tilt_deg in (0.0, 1.0, 20.0, 50.0):
         rows = np.full((2, 200, 12), np.nan)
+        free = _Free(3.3, 370.0, 43.0, 230.0, 0.3, 0.65, STEP, 1000.0)
         ends = [
-            _loop("newton")(
-                *((2.0, 4.0, side * 1.3, side * radians(tilt_deg)), 3.3, 370.0, 43.0, 230.0),
-                *(0.3, 0.65, STEP, 1000.0, row),
-            )
+            _loop("newton")((2.0, 4.0, side * 1.3, side * radians(tilt_deg)), free, row)
             for side, row in zip((1, -1), rows, strict=True)
         ]
         np.testing.assert_array_equal(rows[0], flips * rows[1])

@@ -179,10 +179,8 @@ def test_scalar_kernel_gives_the_same_bits(law):
     want = i.collide(law)
     kernel = getattr(compiled, f"collide_{law}")
     for n in range(200):
-        row = (
-            i.c_x, i.c_z, i.omega, i.plate_velocity, i.X, i.Z, i.k, i.friction, i.restitution,
-        )  # fmt: skip
-        got = kernel(*(float(column[n]) for column in row))
+        row = [float(getattr(i, name)[n]) for name in compiled.Impacts._fields]
+        got = kernel(compiled.Impacts(*row))
         assert got == tuple(part[n] for part in want)
 
 
@@ -191,20 +189,16 @@ def test_kernel_keeps_its_bits_in_a_loop_that_may_reorder_its_own_sums():
     kernel = compiled.collide_newton
 
     @njit(error_model="numpy", fastmath={"reassoc"})
-    def run(c_x, c_z, omega, V_z, X, Z, k, mu, epsilon, P_z):
+    def run(given, P_z):
         total = 0.0
         for n in range(P_z.size):
-            P_z[n] = kernel(c_x[n], c_z[n], omega[n], V_z[n], X[n], Z[n], k[n], mu[n], epsilon[n])[
-                5
-            ]
+            P_z[n] = kernel(compiled._one_of(given, n))[5]
             total += P_z[n]
         return total
 
     i = sampling.wide(10_000, seed=23)
     P_z = np.empty(10_000)
-    run(
-        i.c_x, i.c_z, i.omega, i.plate_velocity, i.X, i.Z, i.k, i.friction, i.restitution, P_z
-    )  # fmt: skip
+    run(compiled.Impacts(*(getattr(i, name) for name in compiled.Impacts._fields)), P_z)
     np.testing.assert_array_equal(P_z, i.collide().P_z)
 
 
@@ -230,7 +224,7 @@ def test_compiled_map_keeps_the_contract_on_odd_arguments():
 
 
 def test_no_kernel_is_compiled_with_fast_math():
-    compiled.collide_newton(1.0, -2.0, 0.0, 0.0, 0.2, 0.4, 0.3, 0.3, 0.5)
+    compiled.collide_newton(compiled.Impacts(1.0, -2.0, 0.0, 0.0, 0.2, 0.4, 0.3, 0.3, 0.5))
     for text in compiled.collide_newton.inspect_llvm().values():
         assert "fmul double" in text
         assert " fast " not in text

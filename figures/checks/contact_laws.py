@@ -18,7 +18,7 @@ from ..claims import over_tilt
 from ..claims.judge import grade, read
 from ..lib.runs import FRICTION, GAMMA, boxes, planned
 from ..lib.style import Data, style
-from ..lib.tables import pairs, table, text_of
+from ..lib.tables import columned, pairs, table, text_of
 
 LAW_TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
 
@@ -127,5 +127,5 @@ def summary(d: Data) -> str:
         columns = {key: d[key][i] for key in ("nominal", "tilt", "restitution")}
         columns |= {"theory": d["theory"], "-c_z/c_z'": ratio[i]}
         columns |= {key: pairs(d, key, i) for key in ("c_x", "V_z", "flight", "falling")}
-        lines.append(table([*columns], zip(*columns.values(), strict=True)))
+        lines.append(columned(columns))
     return "\n".join(lines)

@@ -27,7 +27,7 @@ from md.sweep import Point, Sweep
 
 from ..lib.runs import computed, gathered, measured_by
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style
-from ..lib.tables import table
+from ..lib.tables import columned
 from ..lib.timing import machine_line, seconds_per_period
 
 PAPER_STEP = 2e-5  # sqrt(d/g)
@@ -157,9 +157,8 @@ def panel(ax: Axes, d: Data) -> None:
         size, error = abs(d["bias"][i]), d["bias_error"][i]
         clear = size > CLEAR_BIAS * error
         look = {"lw": 1.4, "ls": "-"} if clear else {"lw": 0.8, "ls": ":"}
-        ax.plot(
-            [right, 3 * right], [size if clear else CLEAR_BIAS * error] * 2, color=colour, **look
-        )
+        height = size if clear else CLEAR_BIAS * error
+        ax.plot([right, 3 * right], [height, height], color=colour, **look)
     time = np.array([d["lengths"][0] * d["seconds"][:-1].min(), right])
     middle = int(np.abs(d["per_contact"] - 25).argmin())
     guide = 0.5 * d["noise"][middle] * np.sqrt(d["seconds"][middle] / time)
@@ -175,17 +174,14 @@ def _draw_bias(ax: Axes, d: Data) -> None:
     fine = d["known_drift"][:, -1:]
     bias = np.abs(d["known_drift"] / fine - 1)[:, :-1]
     error = np.hypot(d["known_error"] / d["known_drift"], d["known_error"][:, -1:] / fine)[:, :-1]
+    grey = {"color": "0.7", "lw": 0.6, "elinewidth": 0.4}
     for one, spread in zip(bias, error, strict=True):
-        ax.errorbar(
-            d["known_steps"][:-1], np.fmax(one, 1e-4), spread, color="0.7", lw=0.6, elinewidth=0.4
-        )
+        ax.errorbar(d["known_steps"][:-1], np.fmax(one, 1e-4), spread, **grey)
     n = np.geomspace(10, 110, 50)
     ax.plot(n, d["scale"] * (10 / n) ** d["order"], color=BLACK, lw=1, label="bound taken")
     for i, colour in enumerate(_COLOURS[:-1]):
-        size, spread = abs(d["bias"][i]), d["bias_error"][i]
-        ax.errorbar(
-            d["per_contact"][i], max(size, 1e-4), spread, fmt="o", color=colour, ms=3.5, zorder=3
-        )
+        at = d["per_contact"][i], max(abs(d["bias"][i]), 1e-4)
+        ax.errorbar(*at, d["bias_error"][i], fmt="o", color=colour, ms=3.5, zorder=3)
     ax.set(xscale="log", yscale="log", xlabel="steps a contact", ylim=(3e-4, 0.3), xlim=(11, 110))
     ax.set_xticks([13, 18, 25, 36, 50, 100], ["13", "18", "25", "36", "50", "100"])
     ax.minorticks_off()
@@ -221,16 +217,15 @@ def draw(d: Data) -> plt.Figure:
 def summary(d: Data) -> str:
     """Prices, biases, what 1 % and 0.3 % take, what runs to a tolerance took."""
     bias = [f"{b:+.2%} ± {e:.2%}" for b, e in zip(d["bias"], d["bias_error"], strict=True)]
-    heads = "step", "a contact", "ms/period", "noise of a period", "bias", "1 % takes, s", "0.3 %"
-    noise = [f"{x:.1%}" for x in d["noise"]]
-    columns = d["dt"], d["per_contact"], 1e3 * d["seconds"], noise, bias
-    columns += to_reach(d, 0.01), to_reach(d, 0.003)
+    columns = {"step": d["dt"], "a contact": d["per_contact"], "ms/period": 1e3 * d["seconds"]}
+    columns |= {"noise of a period": [f"{x:.1%}" for x in d["noise"]], "bias": bias}
+    columns |= {"1 % takes, s": to_reach(d, 0.01), "0.3 %": to_reach(d, 0.003)}
     lines = [
         f"{machine_line(float(d['load']))}; 1 core used",
         f"c_x = {d['truth']:.5f} ± {d['truth_error']:.5f} sqrt(g d)",
-        table(heads, zip(*columns, strict=True), ".3g"),
+        columned(columns, ".3g"),
     ]
-    heads = "tolerance, 95 %", "steps a contact", "periods", "seconds", "error it had"
     asked, had = ([f"{x:.2%}" for x in d[name]] for name in ("tolerance", "run_error"))
-    rows = zip(asked, d["run_per_contact"], d["run_periods"], d["run_seconds"], had, strict=True)
-    return "\n".join([*lines, table(heads, rows, (2, 1, 0, 2, 2))])
+    columns = {"tolerance, 95 %": asked, "steps a contact": d["run_per_contact"]}
+    columns |= {"periods": d["run_periods"], "seconds": d["run_seconds"], "error it had": had}
+    return "\n".join([*lines, columned(columns, (2, 1, 0, 2, 2))])

@@ -23,7 +23,7 @@ from md.laws import contact_time
 from ..lib.impact_times import impact_call, price, rigid_seconds
 from ..lib.soft_impacts import TABLE_TILTS
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style
-from ..lib.tables import table
+from ..lib.tables import columned, table
 from ..lib.timing import machine_line
 from .impact_errors import (
     LADDERS,
@@ -187,8 +187,8 @@ def summary(d: Data) -> str:
         )
     ]
     heads = [f"{method}: {what}" for method in METHODS for what in ("order", "ns a step")]
-    apart = [(name, *off) for name, off in zip(("coulomb", "appendix_a"), d["gear_from_leapfrog"],
-                                               strict=True)]  # fmt: skip
+    rms, largest = d["gear_from_leapfrog"].T
+    apart = {"law": ("coulomb", "appendix_a"), "RMS": rms, "largest": largest}
     ladders = [
         (name, f"{word} {value:.0e}", error, int(hits), f"t_c/{parts:.3g}", _time(seconds))
         for name, (_, _, word) in LADDERS.items()
@@ -207,7 +207,7 @@ def summary(d: Data) -> str:
         f"1e-12: dop853, {reach}; the references at 1e-13 and 1e-14 differ by {d['floor']:.0e}",
         table(("law", *heads), rows),
         f"Gear from leapfrog at the paper's step, {PAPER_STEP:g} = t_c/{part:.0f}",
-        table(("law", "RMS", "largest"), apart, ".1e"),
+        columned(apart, ".1e"),
         table(("model", "", "RMS", "regimes of 17", "step", "per impact"), ladders, ".1e"),
         f"rigid map, compiled, in arrays: {1e9 * d['rigid_seconds']:.0f} ns",
     ])  # fmt: skip

@@ -103,17 +103,17 @@ def _arrays(n: int, checked: int) -> Data:
     """Times [s] and errors, shape (2, ...), of everything that takes whole arrays."""
     from impact import compiled
 
-    impacts = Impacts(*random_impacts(n, seed=5))
+    impacts = random_impacts(n, seed=5)
     singles = Impacts(*(column.astype(np.float32) for column in impacts))
-    results = [np.empty(n, np.int8 if i == 3 else float) for i in range(9)]
+    results = compiled._empty(n)
     start = perf_counter()
     Impacts(*(column[:1] for column in impacts)).collide(compiled.collide)
     compile_seconds = perf_counter() - start
     loop = compiled._loop("newton")
 
     def bare():
-        loop(*impacts, *results)
-        return Outcome(results[0], results[1], results[4], results[5], results[2])
+        loop(impacts, results)
+        return results
 
     calls = {
         "NumPy, float64": (impacts, lambda: impacts.collide(collide)),
@@ -150,7 +150,7 @@ def _arrays(n: int, checked: int) -> Data:
 def _many_digits(n: int) -> Data:
     """The generated forms on mpmath numbers, against themselves at 150 digits."""
     rows = list(zip(*(column.tolist() for column in random_impacts(n, seed=6)), strict=True))
-    scales = reference(Impacts(*random_impacts(n, seed=6))).scale
+    scales = reference(random_impacts(n, seed=6)).scale
     with mpmath.workdps(150):
         true = [exact([mpmath.mpf(x) for x in row])[1] for row in rows]
     seconds, errors = [], []
@@ -171,7 +171,7 @@ def _many_digits(n: int) -> Data:
 
 def _integrated(n: int) -> Data:
     """The impulse equations as ordinary differential equations."""
-    impacts = Impacts(*random_impacts(n, seed=7))
+    impacts = random_impacts(n, seed=7)
     rows, true = list(zip(*impacts, strict=True)), reference(impacts)
     found = {}
     for name, tolerances in (("events", EVENT_TOLERANCES), ("smooth", SMOOTH_TOLERANCES)):

@@ -76,7 +76,7 @@ def _lines(points: int) -> Data:
 
 def table(n: int) -> Data:
     """Largest and mean error over random impacts, shape (laws, regimes)."""
-    impacts = Impacts(*random_impacts(n, seed=3))
+    impacts = random_impacts(n, seed=3)
     count = np.zeros(len(SLIP_REGIMES), int)
     largest, mean = np.zeros((2, len(RESTITUTION_LAWS), len(SLIP_REGIMES)))
     compared = np.zeros((3, 2, len(SLIP_REGIMES)))  # ours, as printed, as printed where N > 0
@@ -153,9 +153,7 @@ def _draw_table(ax: plt.Axes, d: Data) -> None:
 @style
 def draw(d: Data) -> plt.Figure:
     figure = plt.figure(figsize=(7.0, 4.8))
-    grid = figure.add_gridspec(2, 2, height_ratios=(2.1, 1))
-    axes = [figure.add_subplot(grid[0, 0])]
-    axes.append(figure.add_subplot(grid[0, 1], sharey=axes[0]))
+    *axes, below = figure.subplot_mosaic("ab;cc", height_ratios=(2.1, 1)).values()
     norm = BoundaryNorm(ULP_LEVELS, 256)
     line = np.degrees(d["line_tilt"])
     titles = (("ours", "impact.collide"), ("literal", "formulas as printed, mistakes corrected"))
@@ -175,5 +173,5 @@ def draw(d: Data) -> plt.Figure:
     look["format"] = lambda x, _: f"{x:g}" if x < 1e3 else f"$10^{{{round(np.log10(x))}}}$"
     figure.colorbar(fill, ax=axes, **look)
     axes[0].legend(loc="lower left", labelcolor="white", fontsize=6)
-    _draw_table(figure.add_subplot(grid[1, :]), d)
+    _draw_table(below, d)
     return figure

@@ -12,38 +12,12 @@ from typing import Any, NamedTuple
 import mpmath
 import numpy as np
 
-from impact import ContactGeometry, Regime
+from impact import Regime
 from impact import _generated as closed
+from impact._kernel import Impacts
 
 SLIP_REGIMES = (Regime.SLIDE, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
 FIELDS = ("c_x", "c_z", "P_x", "P_z", "omega")
-
-
-class Impacts(NamedTuple):
-    """Arguments of many impacts, one array each."""
-
-    c_x: np.ndarray
-    c_z: np.ndarray
-    omega: np.ndarray
-    plate_velocity: np.ndarray
-    X: np.ndarray
-    Z: np.ndarray
-    k: np.ndarray
-    friction: np.ndarray
-    restitution: np.ndarray
-
-    def collide(self, function: Callable, law: str = "newton") -> Any:
-        """What `function`, with the signature of `impact.collide`, makes of them."""
-        return function(
-            self.c_x,
-            self.c_z,
-            self.omega,
-            geometry=ContactGeometry(self.X, self.Z, self.k),
-            friction=self.friction,
-            restitution=self.restitution,
-            plate_velocity=self.plate_velocity,
-            law=law,
-        )
 
 
 def _final_velocity(law, epsilon, v_0, v_1, j_1, N, N_after):

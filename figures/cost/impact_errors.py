@@ -126,24 +126,21 @@ def models(every: int, runs: int) -> dict[str, np.ndarray]:
     found = {}
     for name, (make, values, _) in LADDERS.items():
         values = values[::every]
-        rows = [_longest_step(make(value)) for value in values]
-        steps = np.array(
-            [
-                [one_impact(tilt, make(value)).dt / refine for tilt in TABLE_TILTS[::3]]
-                for value, (_, _, refine) in zip(values, rows, strict=True)
-            ]
-        )
+        laws = [make(value) for value in values]
+        error, regimes, refine = map(np.array, zip(*map(_longest_step, laws), strict=True))
+        usual = [[one_impact(tilt, law).dt for tilt in TABLE_TILTS[::3]] for law in laws]
+        steps = usual / refine[:, None]
         calls = [
-            impact_call(tilt, make(value), "verlet", dt)
-            for value, row in zip(values, steps, strict=True)
+            impact_call(tilt, law, "verlet", dt)
+            for law, row in zip(laws, steps, strict=True)
             for tilt, dt in zip(TABLE_TILTS[::3], row, strict=True)
         ]
         seconds, _ = price(calls, runs)
-        whole = [contact_time(make(value), 1.0) for value in values]
+        whole = [contact_time(law, 1.0) for law in laws]
         found |= {
             f"{name}_value": values,
-            f"{name}_error": np.array([row[0] for row in rows]),
-            f"{name}_right": np.array([row[1] for row in rows]),
+            f"{name}_error": error,
+            f"{name}_right": regimes,
             f"{name}_dt": steps.min(1),
             f"{name}_parts": whole / steps.min(1),
             f"{name}_seconds": seconds.reshape(values.size, -1).mean(1),

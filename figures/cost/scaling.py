@@ -14,6 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic, perf_counter, sleep
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -28,7 +29,7 @@ from md.sweep import execute, expand
 
 from ..lib.runs import ROW
 from ..lib.style import BLACK, BLUE, ORANGE, RED, Data, paint, style
-from ..lib.tables import table
+from ..lib.tables import columned
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
 from . import kernel_times
 
@@ -149,17 +150,18 @@ def _ms(d: Data) -> tuple[np.ndarray, np.ndarray]:
 def summary(d: Data) -> str:
     """Tables of both."""
     (rate, error), period = _throughput(d), d["steps_per_period"]
-    of_rows = zip(d["counts"], _ms(d)[0], map(tuple, d["row"][:, :2]), d["row"][:, 2], strict=True)
-    of_kernels = zip(kernel_times.NAMES, map(tuple, d["kernels"][:, :2]), d["kernels"][:, 2],
-                     strict=True)  # fmt: skip
-    of_cores = zip(d["workers"], zip(rate, error, strict=True), rate / rate[0], strict=True)
-    heads = "ns per step of a rod", "iqr"
+
+    def times(name: str) -> dict[str, Any]:
+        value, error, spread = d[name].T
+        return {"ns per step of a rod": zip(value, error, strict=True), "iqr": spread}
+
+    cores = {"cores": d["workers"], "million steps of a rod/s": zip(rate, error, strict=True)}
     return "\n".join([
         machine_line(d["load"]),
         f"medians of {len(d['row_samples'])} samples, with errors; period of {period} steps",
-        table(("rods", "ms a period", *heads), of_rows),
-        table(("kernel", *heads), of_kernels),
-        table(("cores", "million steps of a rod/s", "times one core"), of_cores),
+        columned({"rods": d["counts"], "ms a period": _ms(d)[0], **times("row")}),
+        columned({"kernel": kernel_times.NAMES, **times("kernels")}),
+        columned(cores | {"times one core": rate / rate[0]}),
     ])  # fmt: skip
 
 

@@ -1,6 +1,6 @@
 """Aligned tables for the summaries of figures, as text or as Markdown."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -66,3 +66,16 @@ def table(
         for side, column in zip(sides, zip(*lines, strict=True), strict=True)
     ]
     return "\n".join("  ".join(line).rstrip() for line in zip(*columns, strict=True))
+
+
+def columned(
+    columns: Mapping[str, Iterable[Any]], digits: Digits | Sequence[Digits] = 2, **how: bool
+) -> str:
+    """Lay out columns under their heads, as `table` does.
+
+    Parameters
+    ----------
+    columns : cells by head
+    digits, how : of `table`
+    """
+    return table([*columns], zip(*columns.values(), strict=True), digits, **how)

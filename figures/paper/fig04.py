@@ -25,7 +25,7 @@ from ..lib.runs import (
     planned,
 )
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panels, style, tilt_axis
-from ..lib.tables import pairs, table
+from ..lib.tables import columned, pairs
 
 MAXIMA_DEG, ONSET_FIG4, REDUCTION = (18, 35), 1.5, 2.5  # the paper's
 GAMMA_COUNTS = (50, 44, 36)  # numbers of rods of (b)
@@ -175,17 +175,14 @@ def summary(d: Data) -> str:
         found = shape(d[f"{name}_tilt"], d[f"{name}_c_x"])
         lines.append(f"{name}: " + ", ".join(f"{key} {value:.3f}" for key, value in found.items()))
 
-    def part(heads: tuple[str, ...], x: str, *columns: tuple) -> str:
-        rows = zip(d[x], *(pairs(d, *column) for column in columns), strict=True)
-        return table(heads, rows, ("g", *[3] * len(columns)))
-
-    heads = "rods", "tilt", "drift", "rods roll: tilt", "drift"
-    over = [(f"{kind}_{name}",) for kind in ("still", "rolling") for name in ("tilt", "c_x")]
-    lines.append(part(heads, "count", *over))
-    over = [("gamma_c_x", (..., i)) for i in range(len(d["few"]))]
-    lines.append(part(("Gamma", *(f"{n} rods" for n in d["few"])), "gamma", *over))
+    columns = {"rods": d["count"], "tilt": pairs(d, "still_tilt"), "drift": pairs(d, "still_c_x")}
+    columns["rods roll: tilt"] = pairs(d, "rolling_tilt")
+    columns["rods roll: drift"] = pairs(d, "rolling_c_x")
+    lines.append(columned(columns, ("g", 3, 3, 3, 3)))
+    columns = {f"{n} rods": pairs(d, "gamma_c_x", (..., i)) for i, n in enumerate(d["few"])}
+    lines.append(columned({"Gamma": d["gamma"], **columns}, ("g", *[3] * len(columns))))
     for name in ("wall", "plate"):
-        heads = f"friction of the {name}", "tilt", "drift"
-        lines.append(part(heads, name, (f"{name}_tilt",), (f"{name}_c_x",)))
-    rows = zip(pairs(d, "plane_tilt"), pairs(d, "plane_c_x"), strict=True)
-    return "\n".join([*lines, table(("row: tilt", "drift"), rows, 3)])
+        columns = {f"friction of the {name}": d[name], "tilt": pairs(d, f"{name}_tilt")}
+        lines.append(columned(columns | {"drift": pairs(d, f"{name}_c_x")}, ("g", 3, 3)))
+    columns = {"row: tilt": pairs(d, "plane_tilt"), "drift": pairs(d, "plane_c_x")}
+    return "\n".join([*lines, columned(columns, 3)])

@@ -19,7 +19,7 @@ from md.sweep import Sweep
 from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, followed, in_order, tilts_deg
 from ..lib.runs import ANNULUS, ANNULUS_SCENE, ANNULUS_WORDS, gathered, over_seeds, planned
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panel, style
-from ..lib.tables import pairs, table
+from ..lib.tables import columned, pairs
 
 SHOWN_COUNTS = (56, 44)  # numbers of rods of (a) and (b)
 SNAPSHOT_COUNTS = {True: (56, 50, 44, 40), False: (56, 54, 52, 50, 48, 46, 44, 42, 40, 36, 32)}
@@ -107,8 +107,8 @@ def draw(d: Data) -> plt.Figure:
 
 def summary(d: Data) -> str:
     """Measures over the number of rods."""
-    rows = zip(d["count"], *(pairs(d, name) for name in MEASURED), strict=True)
+    columns = {"rods": d["count"], **{name: pairs(d, name) for name in MEASURED}}
     head = (
         "Fig. 5. second half of the runs, ± one s.e. over seeds; mean tilt, spread, contrast: deg"
     )
-    return f"{head}\n{table(('rods', *MEASURED), rows, 3)}"
+    return f"{head}\n{columned(columns, 3)}"

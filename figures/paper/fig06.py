@@ -29,15 +29,15 @@ from ..lib.runs import (
     tilts,
 )
 from ..lib.style import BLACK, BLUE, RED, Data, curve, name_panels, style, tilt_axis
-from ..lib.tables import pairs, table
+from ..lib.tables import columned, pairs
 
 VELOCITIES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
 VELOCITY_MEANS = {  # name here: name in the store
     **{name: f"touches.{name}.mean" for name in VELOCITIES},
-    **{f"merged_{name}": f"landings.{name}.mean" for name in VELOCITIES},
+    **{f"landing_{name}": f"landings.{name}.mean" for name in VELOCITIES},
     "plate": "touches.plate_velocity.mean",
     "plate_by_speed": "touches.plate_velocity_by_speed.mean",
-    "merged_plate": "landings.plate_velocity.mean",
+    "landing_plate": "landings.plate_velocity.mean",
     "tilt_deg": "tilt_deg",
 }
 
@@ -67,7 +67,7 @@ def data(quick: bool = False) -> Data:
 def _pair(ax: Axes, d: Data, name: str, sign: int = 1, label: str = "") -> None:
     """Before in black, after in red; touches, and landings where there are any."""
     for side, colour, turn in (("before", BLACK, sign), ("after", RED, 1)):
-        for prefix, marker, kind in (("", "o", "touches"), ("merged_", "s", "landings")):
+        for prefix, marker, kind in (("", "o", "touches"), ("landing_", "s", "landings")):
             key = f"{prefix}{name}_{side}"
             if key in d:
                 symbol = f"{'-' if turn < 0 else ''}{label}{chr(39) * (side == 'after')}"
@@ -89,7 +89,7 @@ def draw(d: Data) -> plt.Figure:
     c.set_ylabel("horizontal velocity (cm/s)")
     curve(e, d, "tilt_deg", "plate", BLACK, "touches, each alike")
     curve(e, d, "tilt_deg", "plate_by_speed", RED, r"touches, as their $v_0$", form="^-")
-    curve(e, d, "tilt_deg", "merged_plate", BLACK, "landings", form="s-", hollow=True)
+    curve(e, d, "tilt_deg", "landing_plate", BLACK, "landings", form="s-", hollow=True)
     e.axhline(0.5, color=BLUE, label="(31): 1/2")
     e.set(ylabel=r"plate at landing, $V_z/V_0$", ylim=(min(0, d["plate"].min() - 0.05), 1))
     for ax in axes.flat:
@@ -105,11 +105,10 @@ def summary(d: Data) -> str:
     """Means over touches and over landings, a row a tilt."""
     names = "omega_before", "omega_after", "c_x_before", "c_x_after"
     columns = {"omega": names[0], "omega'": names[1], "c_x (cm/s)": names[2], "c_x'": names[3]}
-    columns |= {f"{head}, landings": f"merged_{name}" for head, name in [*columns.items()][2:]}
-    cells = {head: pairs(d, name) for head, name in columns.items()}
-    for head, prefix in (("-c_z/c_z'", ""), ("the same, landings", "merged_")):
+    columns |= {f"{head}, landings": f"landing_{name}" for head, name in [*columns.items()][2:]}
+    cells = {"tilt": d["tilt_deg"], **{head: pairs(d, name) for head, name in columns.items()}}
+    for head, prefix in (("-c_z/c_z'", ""), ("the same, landings", "landing_")):
         cells[head] = -d[f"{prefix}c_z_before"] / d[f"{prefix}c_z_after"]
-    cells |= {"V_z/V_0": pairs(d, "plate"), "V_z/V_0, landings": pairs(d, "merged_plate")}
-    rows = zip(d["tilt_deg"], *cells.values(), strict=True)
+    cells |= {"V_z/V_0": pairs(d, "plate"), "V_z/V_0, landings": pairs(d, "landing_plate")}
     head = "Fig. 6. Over touches, and landings (touches within 0.2 periods as one); ± one s.e."
-    return f"{head}\n{table(('tilt', *cells), rows, (1, *[2] * len(cells)))}"
+    return f"{head}\n{columned(cells, (1, *[2] * (len(cells) - 1)))}"

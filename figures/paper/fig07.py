@@ -17,7 +17,7 @@ from md.sweep import Sweep
 
 from ..lib.runs import ROW, TILT_SCAN_WORDS, boxes, lone, means, tilt_plan
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panel, style, tilt_axis
-from ..lib.tables import pairs, table
+from ..lib.tables import columned, pairs
 from ..pages import movie
 
 TIP_TILTS_DEG, SHOWN_PERIODS, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
@@ -26,7 +26,7 @@ CHANGE_DEG = 30.0  # the paper's
 FLIGHT_MEANS = {
     "tilt_deg": "tilt_deg",
     "flight": "touches.flight_periods.mean",
-    "merged_flight": "landings.flight_periods.mean",
+    "landing_flight": "landings.flight_periods.mean",
     "touches": "landings.touches.mean",
 }
 
@@ -53,7 +53,6 @@ def data(quick: bool = False) -> Data:
         **means(tilt_plan(quick), FLIGHT_MEANS),
         "lone_deg": lone_deg,
         "lone_flight": np.array([each.flight.mean for each in bounces]),
-        "lone_flight_error": np.array([each.flight.error for each in bounces]),
     }
 
 
@@ -74,7 +73,7 @@ def draw(d: Data) -> plt.Figure:
     c.plot(d["lone_deg"], d["lone_flight"], color=ORANGE, label="one rigid rod")
     curve(c, d, "tilt_deg", "flight", BLACK, "touch to touch")
     left_out = {"form": "s-", "hollow": True}
-    curve(c, d, "tilt_deg", "merged_flight", BLACK, "hops < 0.2 periods left out", **left_out)
+    curve(c, d, "tilt_deg", "landing_flight", BLACK, "hops < 0.2 periods left out", **left_out)
     c.axhline(1, color="0.5", lw=0.6)
     c.axvline(CHANGE_DEG, color=BLACK, ls=":", lw=0.8)
     tilt_axis(c, 0, 80, 20)
@@ -87,7 +86,6 @@ def draw(d: Data) -> plt.Figure:
 
 def summary(d: Data) -> str:
     """Flights, a row a tilt."""
-    columns = pairs(d, "flight"), pairs(d, "merged_flight"), d["touches"]
-    rows = zip(d["tilt_deg"], *columns, strict=True)
-    heads = "tilt", "touch to touch", "hops left out", "touches a landing"
-    return f"Fig. 7. Mean flight in periods\n{table(heads, rows, (1, 2, 2, 2))}"
+    columns = {"tilt": d["tilt_deg"], "touch to touch": pairs(d, "flight")}
+    columns |= {"hops left out": pairs(d, "landing_flight"), "touches a landing": d["touches"]}
+    return f"Fig. 7. Mean flight in periods\n{columned(columns, (1, 2, 2, 2))}"

@@ -12,6 +12,7 @@ import numpy as np
 from impact import landing_density
 from md.sweep import Sweep
 
+from ..lib.phases import EXPECTED, middles, phase_panels, share_panel
 from ..lib.runs import (
     SHOWN_DEG,
     TILT_SCAN_WORDS,
@@ -22,11 +23,10 @@ from ..lib.runs import (
     tilt_plan,
     tilts,
 )
-from ..lib.style import BLACK, ORANGE, RED, Data, curve, name_panels, style, tilt_axis
-from ..lib.tables import pairs, table
+from ..lib.style import BLACK, ORANGE, Data, curve, style
+from ..lib.tables import columned, pairs
 
 BINS_DRAWN = 32  # drawn; the store has 64
-EXPECTED = 0.5 - 1 / np.pi  # part of H while the plate falls
 
 
 def densities(counts: np.ndarray, bins: int = BINS_DRAWN) -> np.ndarray:
@@ -56,12 +56,12 @@ def data(quick: bool = False) -> Data:
     lone_deg, bounces = lone(quick)
     return {
         "shown_deg": np.array(SHOWN_DEG),
-        "phase": 2 * np.pi * (np.arange(BINS_DRAWN) + 0.5) / BINS_DRAWN,
+        "phase": middles(BINS_DRAWN),
         "density": density,
         "density_error": error,
         "falling": down,
         "falling_error": down_error,
-        **means(sweep, {"tilt_deg": "tilt_deg", "merged_falling": "landings.falling.mean"}),
+        **means(sweep, {"tilt_deg": "tilt_deg", "landing_falling": "landings.falling.mean"}),
         "lone_deg": lone_deg,
         "lone_falling": np.array([each.falling.mean for each in bounces]),
     }
@@ -70,42 +70,28 @@ def data(quick: bool = False) -> Data:
 @style
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.4))
-    fine = np.linspace(0, 2 * np.pi, 361)
     degrees, top = np.degrees(d["phase"]), 1.12 * (d["density"] + d["density_error"]).max()
-    half = 180 / BINS_DRAWN
-    for i, ax in enumerate(axes.flat[:5]):
-        ax.axvspan(90, 270, color="0.93", lw=0)
-        ax.stairs(d["density"][i], np.append(degrees - half, 360), color=BLACK, lw=0.9)
+    edges = np.linspace(0, 360, BINS_DRAWN + 1)
+    for i, ax in enumerate(phase_panels(axes, top)):
+        ax.stairs(d["density"][i], edges, color=BLACK, lw=0.9)
         bars = {"fmt": "none", "ecolor": BLACK, "elinewidth": 0.6}
         ax.errorbar(degrees, d["density"][i], d["density_error"][i], **bars)
-        ax.plot(np.degrees(fine), landing_density(fine), color=RED, label=r"$H(\theta)$")
-        ax.set(xlim=(0, 360), ylim=(0, top), xticks=range(0, 361, 90))
-        ax.set(xlabel=r"phase $\theta$ of the plate (deg)")
-    for ax in axes[:, 0]:
-        ax.set_ylabel("density of landings (1/rad)")
-    axes[0, 0].text(180, 0.95 * top, "plate falls", ha="center", va="top", color="0.3")
-    axes[0, 0].legend(loc="upper center", bbox_to_anchor=(0.5, 0.9))
-    last = axes[1, 2]
+    last = share_panel(figure, d["shown_deg"], 80, 20)
     curve(last, d, "tilt_deg", "falling", BLACK, "touches")
-    curve(last, d, "tilt_deg", "merged_falling", BLACK, "landings", form="s-", hollow=True)
+    curve(last, d, "tilt_deg", "landing_falling", BLACK, "landings", form="s-", hollow=True)
     last.plot(d["lone_deg"], d["lone_falling"], color=ORANGE, label="one rigid rod")
-    last.axhline(EXPECTED, color=RED, label=r"$H(\theta)$")
-    tilt_axis(last, 0, 80, 20)
-    last.set(ylabel="landings while the plate falls", ylim=(-0.02, None))
+    last.set(ylim=(-0.02, None))
     last.legend(loc="upper right")
-    titles = [rf"$\phi={tilt}$°" for tilt in d["shown_deg"]]
-    name_panels(axes.flat, [*titles, "share on the way down"])
     figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
     return figure
 
 
 def summary(d: Data) -> str:
     """Share on the way down and distance from H."""
-    rows = zip(d["tilt_deg"], pairs(d, "falling"), pairs(d, "merged_falling"), strict=True)
     off = np.abs(d["density"] - landing_density(d["phase"])).mean(axis=1) * np.pi
-    return "\n".join([
-        f"Fig. 8. Share of landings while the plate falls; that of H: {EXPECTED:.3f}",
-        table(("tilt", "touches", "landings"), rows, (1, 3, 3)),
-        table(("tilt", "half of the integrated distance from H"),
-              zip(d["shown_deg"], off, strict=True)),
-    ])  # fmt: skip
+    shares = {"tilt": d["tilt_deg"], "touches": pairs(d, "falling")}
+    shares["landings"] = pairs(d, "landing_falling")
+    lines = [f"Fig. 8. Share of landings while the plate falls; that of H: {EXPECTED:.3f}"]
+    lines.append(columned(shares, (1, 3, 3)))
+    far = {"tilt": d["shown_deg"], "half of the integrated distance from H": off}
+    return "\n".join([*lines, columned(far)])

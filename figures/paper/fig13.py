@@ -45,7 +45,7 @@ from ..lib.style import (
     style,
     tilt_axis,
 )
-from ..lib.tables import pairs, table
+from ..lib.tables import columned, pairs, table
 
 BOX_OF_LENGTHS, GAMMA_OF_LENGTHS = 41.4, 2.5  # panel (c)
 GAMMAS = (1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.3, 4, 5)
@@ -237,6 +237,6 @@ def summary(d: Data) -> str:
         ("length", ("c_c_x", "c_V_z", "c_tilt")),
         ("jammed_length", ("jammed_c_x", "jammed_tilt")),
     ):
-        cells = zip(d[x], *(pairs(d, name) for name in names), strict=True)
-        lines.append(table((x, *names), cells, (2, *[3] * len(names))))
+        columns = {x: d[x], **{name: pairs(d, name) for name in names}}
+        lines.append(columned(columns, (2, *[3] * len(names))))
     return "\n".join(lines)

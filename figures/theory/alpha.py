@@ -15,6 +15,7 @@ import numpy as np
 
 from impact import drift, spherocylinder
 
+from ..lib.phases import estimates
 from ..lib.style import (
     BLACK,
     BLUE,
@@ -39,12 +40,11 @@ MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest", "again")
 
 def _sweep(prefix: str, runs: list) -> Data:
     """Means and errors of several runs, one array a field."""
-    arrays = {}
-    for field in MEASURED_FIELDS:
-        values = [getattr(run, field) for run in runs]
-        arrays[f"{prefix}_{field}"] = np.array([value.mean for value in values])
-        arrays[f"{prefix}_{field}_error"] = np.array([value.error for value in values])
-    return arrays
+    fields = (
+        estimates(f"{prefix}_{field}", [getattr(run, field) for run in runs])
+        for field in MEASURED_FIELDS
+    )
+    return {name: values for found in fields for name, values in found.items()}
 
 
 def data(quick: bool = False) -> Data:
@@ -69,9 +69,6 @@ def data(quick: bool = False) -> Data:
     steady = drift(spherocylinder(tilts, LENGTH), **how)
     by_tilt = [_sweep("gamma", runs) for runs in over_gamma]
     return {
-        **{name: np.float64(value) for name, value in ALPHA_SETTING.items()},
-        "length": np.float64(LENGTH),
-        "gamma": np.float64(GAMMA),
         "tilt": tilts,
         **_sweep("tilt", over_tilt),
         "tilt_flights": np.array([each.flights.mean for each in over_tilt]),
@@ -139,5 +136,5 @@ def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.4))
     _over_tilt(axes[0], d)
     _over_gamma(axes[1], d)
-    name_panels(axes.flat, [rf"$\Gamma={d['gamma']:g}$"] * 3 + [""] * 3)
+    name_panels(axes.flat, [rf"$\Gamma={GAMMA:g}$"] * 3 + [""] * 3)
     return figure

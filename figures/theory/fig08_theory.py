@@ -10,20 +10,10 @@ soft contact in the paper's simulations) count as part of the landing before the
 import matplotlib.pyplot as plt
 import numpy as np
 
-from impact import landing_density, spherocylinder
+from impact import spherocylinder
 
-from ..lib.style import (
-    BLACK,
-    BLUE,
-    LEGEND_BOX,
-    RED,
-    Data,
-    curve,
-    hit_again_tilt,
-    name_panels,
-    style,
-    tilt_axis,
-)
+from ..lib.phases import estimates, middles, phase_panels, share_panel
+from ..lib.style import BLACK, BLUE, LEGEND_BOX, Data, curve, hit_again_tilt, style
 
 PHASE_TILTS_DEG = (9, 18, 27, 34, 45)
 PHASE_BINS = 36
@@ -49,22 +39,17 @@ def data(quick: bool = False) -> Data:
         [run(one + step, *((15, 200) if quick else (100, 1000))).phases for step in spread]
         for one in tilt
     ]
+    near = estimates("spread", [each for row in around for each in row])
+    density, error = (near[name].reshape(*np.shape(around)[:2], -1) for name in near)
     falling = [run(one, *((60, 200) if quick else (200, 1000))).falling for one in sweep]
     return {
-        **{name: np.float64(value) for name, value in PHASE_SETTING.items()},
-        "length": np.float64(LENGTH),
         "tilt": tilt,
-        "phase": 2 * np.pi * (np.arange(PHASE_BINS) + 0.5) / PHASE_BINS,
-        "density": np.array([each.mean for each in shown]),
-        "density_error": np.array([each.error for each in shown]),
-        "spread": np.radians(SPREAD_DEG),
-        "spread_density": np.mean([[each.mean for each in near] for near in around], axis=1),
-        "spread_error": np.sqrt(
-            np.mean([[each.error**2 for each in near] for near in around], axis=1) / spread.size
-        ),
+        "phase": middles(PHASE_BINS),
+        **estimates("density", shown),
+        "spread_density": density.mean(axis=1),
+        "spread_error": np.sqrt((error**2).mean(axis=1) / spread.size),
         "sweep_tilt": sweep,
-        "falling": np.array([each.mean for each in falling]),
-        "falling_error": np.array([each.error for each in falling]),
+        **estimates("falling", falling),
         "again_tilt": hit_again_tilt(LENGTH, PHASE_SETTING["restitution"]),
     }
 
@@ -73,40 +58,23 @@ def data(quick: bool = False) -> Data:
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.2))
     phase_deg, width = np.degrees(d["phase"]), 360 / d["phase"].size
-    fine = np.linspace(0, 360, 361)
     top = 0.8
-    for i, ax in enumerate(axes.flat[:-1]):
+    for i, ax in enumerate(phase_panels(axes, top)):
         density, error = d["density"][i], d["density_error"][i]
-        ax.axvspan(90, 270, color="0.93", lw=0)
         ax.bar(phase_deg, density, width, color=BLUE, alpha=0.55, lw=0, label="this tilt")
         ax.errorbar(phase_deg, density, error, fmt="none", ecolor=BLUE, elinewidth=0.8)
-        label = rf"mean over $\phi\pm{np.degrees(d['spread']):.0f}$°"
-        near, error = d["spread_density"][i], d["spread_error"][i]
-        ax.errorbar(phase_deg, near, error, fmt="k.-", ms=2, lw=0.6, elinewidth=0.6, label=label)
-        ax.plot(fine, landing_density(np.radians(fine)), color=RED, label=r"$H(\theta)$")
+        look = {"fmt": "k.-", "ms": 2, "lw": 0.6, "elinewidth": 0.6}
+        look["label"] = rf"mean over $\phi\pm{SPREAD_DEG:.0f}$°"
+        ax.errorbar(phase_deg, d["spread_density"][i], d["spread_error"][i], **look)
         peak = np.argmax(density)
         if density[peak] > top:
-            ax.annotate(
-                f"up to {density[peak]:.1f}",
-                (phase_deg[peak], 0.99 * top),
-                (phase_deg[peak] + 25, 0.9 * top),
-                arrowprops={"arrowstyle": "->", "lw": 0.6},
-            )
-        ax.set(xlim=(0, 360), ylim=(0, top), xticks=range(0, 361, 90))
-        ax.set(xlabel=r"phase $\theta$ of the plate (deg)")
-    for ax in axes[:, 0]:
-        ax.set_ylabel("density of landings (1/rad)")
-    axes[0, 0].text(180, 0.95 * top, "plate falls", ha="center", va="top", color="0.3")
-    axes[0, 0].legend(loc="upper center", bbox_to_anchor=(0.5, 0.9))
-    last = axes[1, 2]
+            at, beside = (phase_deg[peak], 0.99 * top), (phase_deg[peak] + 25, 0.9 * top)
+            arrow = {"arrowstyle": "->", "lw": 0.6}
+            ax.annotate(f"up to {density[peak]:.1f}", at, beside, arrowprops=arrow)
+    last = share_panel(figure, np.degrees(d["tilt"]), 60, 15)
     curve(last, {**d, "deg": np.degrees(d["sweep_tilt"])}, "deg", "falling", BLUE)
-    expected = 0.5 - 1 / np.pi  # integral of H over the shaded half
-    last.axhline(expected, color=RED, label=r"$H(\theta)$")
     again = np.degrees(d["again_tilt"])
     last.axvline(again, color=BLACK, lw=0.8, ls="--", label=rf"$X^2=\epsilon k^2$: {again:.1f}°")
-    tilt_axis(last, 0, 60)
-    last.set(ylabel="landings while the plate falls", ylim=(-0.02, 1))
+    last.set(ylim=(-0.02, 1))
     last.legend(loc="upper right", **LEGEND_BOX)
-    titles = [rf"$\phi={tilt:.0f}$°" for tilt in np.degrees(d["tilt"])]
-    name_panels(axes.flat, [*titles, "share on the way down"])
     return figure

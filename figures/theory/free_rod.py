@@ -14,8 +14,8 @@ import numpy as np
 
 from impact import spherocylinder
 
-from ..lib.style import BLACK, BLUE, GREEN, RED, Data, name_panels, style, tilt_axis
-from ..lib.tables import table
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style, tilt_axis
+from ..lib.tables import columned
 
 UNIT = 981 / (2 * np.pi * 60) ** 2  # g/Omega^2, cm
 FALLING_ROD = {"length": 5.7 / UNIT, "diameter": 0.6 / UNIT}
@@ -29,11 +29,8 @@ SINGLES = 5  # rods drawn of each
 
 def _tip_drift(tilt: float, run) -> tuple[float, float]:
     """Drift of the tip until the fall, mean over rods and standard error, in V_0."""
-    ahead = (
-        (FALLING_ROD["length"] - FALLING_ROD["diameter"])
-        / 2
-        * (np.sin(run.tilt_end) - np.sin(tilt))
-    )
+    reach = (FALLING_ROD["length"] - FALLING_ROD["diameter"]) / 2
+    ahead = reach * (np.sin(run.tilt_end) - np.sin(tilt))
     drift = (run.travel - ahead / (2 * np.pi * GAMMA)) / run.time
     return drift.mean(), drift.std(ddof=1) / np.sqrt(drift.size)
 
@@ -99,7 +96,7 @@ def summary(d: Data) -> str:
     columns = {"tilt (deg)": np.degrees(d["tilt"]), "landings": d["landings"][i]}
     columns |= {"periods to fall": d["time"][i, :, 1], "plate at rest": d["still_time"]}
     columns |= {"drift of the tip (V_0)": d["drift"][:, 0], "closure": d["held_drift"][:, 0]}
-    lines = [f"{GAMMA = :g}", table([*columns], zip(*columns.values(), strict=True))]
+    lines = [f"{GAMMA = :g}", columned(columns)]
     for deg in SINGLE_DEG:
         tilt, share = d[f"second_{deg}"]
         lines.append(
@@ -131,13 +128,11 @@ def draw(d: Data) -> plt.Figure:
     ax.legend()
 
     ax = axes[2]
-    for name, colour, label in (
-        ("held_drift", BLACK, "closure: held"),
-        ("drift", BLUE, "free, its tip"),
-    ):
+    looks = {"held_drift": (BLACK, "closure: held"), "drift": (BLUE, "free, its tip")}
+    for name, (colour, label) in looks.items():
         mean, error = d[name].T
-        bars = {"fmt": "o-", "ms": 2, "lw": 0.8, "elinewidth": 0.6}
-        ax.errorbar(tilt_deg, mean, error, color=colour, label=label, **bars)
+        points = {"tilt": tilt_deg, "drift": mean, "drift_error": error}
+        curve(ax, points, "tilt", "drift", colour, label, ms=2)
     ax.axhline(0, color="0.5", lw=0.6)
     ax.set(ylabel=r"drift / $V_0$")
     ax.legend()
