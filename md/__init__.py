@@ -31,8 +31,9 @@ Files, as one reads them
 scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; the contact laws
 kernels/codes, rates                stop codes, columns, regimes; rates of an exact contact
 kernels/contact, single             compiled: forces of one contact; one rod on the plate
-kernels/neighbours, plane, touches  compiled: rods in a plane, pairs, steps, touches of the plate
-kernels/space                       compiled: the same in an annulus
+kernels/plane                       compiled: a row, forces between its rods, its steps
+kernels/neighbours, touches         compiled: which rods may touch; touches of the plate
+kernels/space                       compiled: an annulus; `pairs` has the forces between its rods
 rod, reference, soft_impact         `impact`: every switch located, or fixed steps
 host, placement                     a scene under way: constants and arrays of the kernels
 measures, statistics                what a run measures, with errors
@@ -42,6 +43,8 @@ sweep, store                        many runs and their results; `Point.key` say
 sources                             digest of the sources of a run, a part of that key
 cache, interrupt, errors            compiled kernels kept, signals, errors
 result_text, command_line, __main__  results as text; the commands
+
+To add a contact law: `md.laws`. To add an effect: `md.kernels`.
 """
 
 from .accuracy import run

@@ -14,8 +14,9 @@ force ends before its overlap does. |F_t| never exceeds mu F_n. Reduced units: t
 and mass and gravity are 1.
 
 A new law is a function that returns a `Law`, and its entry in `LAWS`, where scenes, `md.impact` and
-the commands find it. A term that `Normal` or `Spring` lacks is a field there, a line in
-`kernels.contact` and in `kernels.rates`, and its part of `largest_step`.
+`md sweep` find it; an option of its own is one of `md impact` in `md.__main__`. A dashpot or spring
+that `Normal` or `Spring` lacks is a field there, a line in `kernels.contact` and `kernels.rates`,
+and its part of `largest_step`. Another elastic force changes every use of `normal.stiffness`.
 """
 
 from collections.abc import Callable

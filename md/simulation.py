@@ -68,7 +68,8 @@ class Result:
     """What a run measured; velocities in sqrt(g d) unless the name says cm/s.
 
     scene : that ran
-    c_x, tilt_deg : means over rods and over the periods behind the transient
+    c_x, tilt_deg : means over rods and over the periods behind the transient; in an annulus c_x is
+        the velocity around it at its middle radius
     c_x_stderr, tilt_stderr_deg : their standard errors, as `statistics.standard_error`; nan where
         one run cannot tell: below 124 periods, and in an annulus, where starts differ
     periods : that were made

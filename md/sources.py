@@ -1,4 +1,6 @@
-"""Which sources a run uses, and the digest that decides whether a stored run is stale.
+"""Which sources a run uses, and their digest: a part of the key of a stored run.
+
+`md.sweep.Point.key` is that key, and decides whether a stored run is stale.
 
 A stored run, a checkpoint and the calibration carry the `digest` of their run. It is taken of
 syntax trees without docstrings, comments, annotations and the words of errors and warnings: an edit

@@ -4,7 +4,7 @@ The file is in WAL mode and every row is a transaction of its own: rows that wer
 stay when the process is killed, and two sweeps may write to one file.
 
 The columns of a result are those of `simulation.Result`: "c_x" is its `c_x`, the mean over the
-periods behind the transient of what `measures.RowTables.drift` gives for a row.
+periods behind the transient of `measures.RowTables.drift`, in an annulus `AnnulusTables.drift`.
 """
 
 import contextlib

@@ -10,6 +10,7 @@ evidence           the data of figures and runs that these take
 uncertainty        a measured number with its error
 judge              grades each number by its limits, and the claim by its grades: the verdict
 
-A function that measures a claim begins with the claim's name; `judge.measure` finds it by that.
+The numbers of a claim are entries of `over_tilt.NUMBERS`, as "S13.small", or what a function
+returns whose name begins with the claim's, as `S14_phases`; `judge.measure` finds both.
 Pages of the verdicts are made in `figures.pages.gallery`.
 """

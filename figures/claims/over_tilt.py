@@ -19,7 +19,7 @@ SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one abov
 CLEAR = 3.0  # standard errors from which on a drift counts as one
 
 BOTH_SIDES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
-STORED = {  # name in a table: name in the store; `landing_`: touches merged over hops
+STORED = {  # name in a table: name in the store; landings: `landing_`, flight, falling, touches
     "tilt": "tilt_deg",
     "c_x": "c_x_cm_s",
     **{name: f"touches.{name}.mean" for name in BOTH_SIDES},

@@ -24,8 +24,9 @@ class Listed(NamedTuple):
     turn: np.ndarray  # (1,): 0 or 1
     travelled: np.ndarray  # (1,), d: how far any rod may have moved since the list was built
     start: np.ndarray  # (2, rods + 1)
-    index: np.ndarray  # type: ignore[assignment]  # (2, capacity, 4): first rod, second >= first, image of the second: its x
-    # plus so many periods, whether they touch
+    # (2, capacity, 4): first rod, second >= first, image of the second: its x plus so many
+    # periods, whether they touch
+    index: np.ndarray  # type: ignore[assignment]
     springs: np.ndarray | None  # (2, capacity, 4): first rod's lower and upper end, second rod's
     losses: np.ndarray | None  # (2, capacity, 8): lost normal force and friction, end by end
     built: np.ndarray  # (rods, 4): place and direction of the rods when the list was built
