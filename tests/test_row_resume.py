@@ -61,8 +61,9 @@ def test_how_a_run_is_cut_into_calls_does_not_matter(whole, monkeypatch, seconds
 
 @pytest.fixture
 def impatient(monkeypatch):
-    """Short calls of the kernel, so that a run can be stopped many times."""
-    monkeypatch.setattr(md.host, "CALL_SECONDS", 1e-4)
+    """Calls of at most 97 steps, however slow the machine: a run can be stopped many times."""
+    monkeypatch.setattr(md.host, "CALL_SECONDS", 1e3)
+    monkeypatch.setattr(md.host, "_MOST_A_CALL", 97 * row(*SCENE).rods.count)
 
 
 def interrupted(path, **options):
