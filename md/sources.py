@@ -96,6 +96,12 @@ def essence(node: object) -> str:
 
 
 @cache
+def code_of(source: bytes) -> str:
+    """`essence` of a source file; each is read once, for however many digests."""
+    return essence(ast.parse(source))
+
+
+@cache
 def digest(*, annulus: bool = False, tolerance: bool = False) -> str:
     """Twelve hexadecimal digits that stand for the sources which decide what a run gives.
 
@@ -106,7 +112,7 @@ def digest(*, annulus: bool = False, tolerance: bool = False) -> str:
     """
     content = hashlib.sha256()
     for module in used(WITH_TOLERANCE if tolerance else RUN, annulus=annulus):
-        content.update(f"{module}\0{essence(ast.parse(SOURCES[module]))}\0".encode())
+        content.update(f"{module}\0{code_of(SOURCES[module])}\0".encode())
     return content.hexdigest()[:12]
 
 

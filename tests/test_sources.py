@@ -1,30 +1,14 @@
 """The digest that decides whether a stored run is stale: formulas and constants, not words."""
 
-import ast
 import subprocess
 import sys
-from functools import cache
-from types import SimpleNamespace
 
 import pytest
 
 from md import sources
 
-LAWS = sources.SOURCES["laws"].decode()
 ROW = sources.used(sources.RUN, annulus=False)
 ANNULUS = set(sources.used(sources.RUN)) - set(ROW)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def read_once():
-    """Modules that are not edited are parsed and read once for all tests."""
-    essence, whole = sources.essence, cache(sources.essence)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sources, "ast", SimpleNamespace(**vars(ast) | {"parse": cache(ast.parse)}))
-        patch.setattr(
-            sources, "essence", lambda x: (whole if isinstance(x, ast.Module) else essence)(x)
-        )
-        yield
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 """Data of figures, kept: what NAME.npz in a folder holds is read if it is of the present sources.
 
-Sources are the syntax trees (`md.sources.essence`) of `md`, of `impact` and of what the figure's
+Sources are the syntax trees (`md.sources.code_of`) of `md`, of `impact` and of what the figure's
 module imports from here, and the tables (TOML, JSON) of `md`: an edit of words keeps the data, an
 edit of a number or a formula does not.
 """
@@ -17,21 +17,17 @@ from typing import Any
 
 import numpy as np
 
-from md.sources import essence
+from md.sources import code_of
 
 from .. import FIGURES, load
 
 _HOUSE = Path(__file__).parents[2]
 
 
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
-
-
 def _imports(path: Path, found: set[Path]) -> set[Path]:
     """Add a file of `figures`, and all that it imports from there."""
     found.add(path)
-    for node in ast.walk(_tree(path)):
+    for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = path.parents[node.level - 1] / (node.module or "").replace(".", "/")
             for name in (base.with_suffix(".py"), *(base / f"{a.name}.py" for a in node.names)):
@@ -45,7 +41,8 @@ def _digest(*paths: Path) -> str:
     """Digest of what of these files decides numbers."""
     content = hashlib.sha256()
     for path in paths:
-        code = essence(_tree(path)).encode() if path.suffix == ".py" else path.read_bytes()
+        source = path.read_bytes()
+        code = code_of(source).encode() if path.suffix == ".py" else source
         content.update(path.name.encode() + b"\0" + code)
     return content.hexdigest()[:12]
 
