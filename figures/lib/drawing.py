@@ -12,6 +12,7 @@ from typing import NamedTuple
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 from joblib import Parallel, delayed
+from joblib.externals.loky import get_reusable_executor
 from tqdm import tqdm
 
 from impact._generated import DIGEST
@@ -92,6 +93,7 @@ def _pool(names: Sequence[str], out: Path, quick: bool, jobs: int) -> Iterator[I
             name, kind = file.split(".")
             (out / f".{name}.part.{kind}").unlink(missing_ok=True)  # of a process that was stopped
         raise
+    get_reusable_executor().shutdown()  # a sweep would take over workers grown by Matplotlib
 
 
 def draw_all(names: Sequence[str], out: Path, quick: bool, jobs: int) -> list[str]:
