@@ -1,5 +1,6 @@
 """Property tests draw the same examples every time; rows of rods have a store of their own."""
 
+import signal
 import time
 from pathlib import Path
 
@@ -19,6 +20,9 @@ TOGETHER = {  # files that one process works through, as they share what it has 
 
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
+
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # in the background of a shell
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # for tests that press Ctrl-C
 
 
 class Together(LoadFileScheduling):
