@@ -43,13 +43,21 @@ from ._kernel import Regime
 from .boundaries import critical_friction, critical_tilts, energy_restitution, slide_friction
 from .collision import Collision, classify, collide
 from .geometry import ContactGeometry, flat_ended_rod, spherocylinder, thin_rod
-from .translation import Drift, drift, landing_density, mean_plate_velocity
+from .translation import (
+    Drift,
+    Optimum,
+    drift,
+    landing_density,
+    mean_plate_velocity,
+    optimal_tilt,
+)
 
 __all__ = [
     "Collision",
     "ContactGeometry",
     "Drift",
     "InputError",
+    "Optimum",
     "Regime",
     "classify",
     "collide",
@@ -60,6 +68,7 @@ __all__ = [
     "flat_ended_rod",
     "landing_density",
     "mean_plate_velocity",
+    "optimal_tilt",
     "slide_friction",
     "spherocylinder",
     "thin_rod",

@@ -30,6 +30,7 @@ def call(function, /, **changed):
         "slide_friction": {"geometry": ROD, "approach_ratio": 2.0, "restitution": 0.8},
         "energy_restitution": {"geometry": ROD, "friction": 0.3},
         "drift": HIT,
+        "optimal_tilt": {"friction": 0.3, "restitution": 0.65},
         "mean_plate_velocity": {},
         "landing_density": {"phase": 1.0},
     }
@@ -53,6 +54,7 @@ BAD = {
         "plate_velocity": [0.0, -1.0],
         "geometry": [FLAT],
     },
+    "optimal_tilt": {"friction": [-0.3], "restitution": [1.01]},
     "mean_plate_velocity": {"points": [0, 1.5]},
 }
 OUT_OF_DOMAIN = [
