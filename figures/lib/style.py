@@ -105,24 +105,36 @@ def paint(
         name_panel(ax, letter, title)
 
 
+def points(ax: Axes, x: Any, y: Any, error: Any, colour: str = BLACK, **look: Any) -> None:
+    """Points with their errors, joined.
+
+    Parameters
+    ----------
+    x, y, error : arrays
+    look : of the points; also `form` (default "o-") and `hollow` (open symbols)
+    """
+    form, face = look.pop("form", "o-"), {"mfc": "white"} if look.pop("hollow", False) else {}
+    look = {"ms": 3, "lw": 0.7, "elinewidth": 0.7, "mew": 0.7, **look, **face}
+    ax.errorbar(x, y, error, fmt=form, color=colour, **look)
+
+
 def curve(
     ax: Axes, d: Data, x: str, y: str, colour: str = BLACK, label: str | None = None, **look: Any
 ) -> None:
-    """Points with their errors, joined.
+    """Arrays of a figure as `points`.
 
     Parameters
     ----------
     d : data; holds `x`, `y`, `y_error`, and `x_error` if that is to be shown too
     x, y : names of arrays
-    look : of the points; also `form` (default "o-"), `at` (index into `y`), `scale` (factor of
-        `y`), `hollow` (open symbols), `both` (errors of `x` as well)
+    look : of `points`; also `at` (index into `y`), `scale` (factor of `y`), `both` (errors of `x`
+        as well)
     """
-    form, scale, at = look.pop("form", "o-"), look.pop("scale", 1.0), look.pop("at", ...)
-    bars: dict[str, Any] = {"xerr": d[f"{x}_error"]} if look.pop("both", False) else {}
-    look = {"ms": 3, "lw": 0.7, "elinewidth": 0.7, "mew": 0.7, **look}
-    look |= {"mfc": "white"} if look.pop("hollow", False) else {}
-    bars["yerr"] = np.abs(scale * d[f"{y}_error"][at])
-    ax.errorbar(d[x], scale * d[y][at], **bars, fmt=form, color=colour, label=label, **look)
+    scale, at = look.pop("scale", 1.0), look.pop("at", ...)
+    if look.pop("both", False):
+        look["xerr"] = d[f"{x}_error"]
+    error = np.abs(scale) * d[f"{y}_error"][at]
+    points(ax, d[x], scale * d[y][at], error, colour, label=label, **look)
 
 
 def legend_above(figure: Figure, ax: Axes, **look: Any) -> None:
