@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 import md
 from md.laws import STIFFNESS, deepest_overlap
 
-from ..lib.soft_impacts import ROD, TABLE_TILTS, distance, right, rigid, simulate
+from ..lib.soft_impacts import ROD, TABLE_TILTS, compared, distance, from_theory, rigid, simulate
 from ..lib.style import (
     BLACK,
     BLUE,
@@ -50,12 +50,13 @@ MASSES = {  # unit of mass, M_e: k_n and M_e in masses of the rod
     "sphere, m": (1 / ROD_MASS, 1.0 / ROD_MASS),
 }
 INERTIAS = ("thin", "solid")
+READINGS = WHERE, MASSES, INERTIAS
 CLAIMED = (0.65, 0.7)
 PRINTED_RATIO = 95.0
 MENDED = (WHERE[0], WHERE[2])  # with the gamma that gives 0.65 head on at speed 1
 DAMPINGS = (0.0, 0.1, 0.3, 1.0)  # of the tangential spring, over the critical one
 _COLOURS = (BLACK, "#888888", GREEN, ORANGE, BLUE, RED)
-_HEAD_ON = np.zeros(1)
+_HEAD_ON, _TILTS = np.zeros(1), np.append(0.0, TABLE_TILTS)
 
 
 def reading(where: str, mass: str, speed: float = 1.0, damping: float = 400.0) -> md.Law:
@@ -90,36 +91,33 @@ def _needed(where: str, claimed: float, mass: str, speed: float) -> float:
 def _compared(law: md.Law, rod: md.Rod) -> tuple[float, float, float, float]:
     """RMS from theory at 0.65, regimes right there; the same at the measured restitution."""
     soft = simulate(TABLE_TILTS, law, rod=rod)
-    found = []
-    for e in (0.65, soft.restitution):
-        theory = rigid(TABLE_TILTS, e, rod)
-        found += [distance(soft, theory), right(soft, theory)]
-    return tuple(found)
+    at_constant, at_measured = (
+        compared(soft, rigid(TABLE_TILTS, e, rod)) for e in (0.65, soft.restitution)
+    )
+    return *at_constant, *at_measured
 
 
 def _readings(speeds: np.ndarray) -> Data:
     """Of shape (where, mass, inertia, ...), speeds and tilts last."""
-    shape = len(WHERE), len(MASSES), len(INERTIAS)
-    restitution = np.empty((*shape, speeds.size, TABLE_TILTS.size + 1))
-    compared = np.empty((*shape, 4))
-    tilts = np.append(0.0, TABLE_TILTS)
-    for (i, j, k), _ in np.ndenumerate(compared[..., 0]):
-        rod = ROD._replace(inertia=INERTIAS[k])
-        where, mass = WHERE[i], list(MASSES)[j]
+    shape = tuple(map(len, READINGS))
+    restitution, off = np.empty((*shape, speeds.size, _TILTS.size)), np.empty((*shape, 4))
+    for at in np.ndindex(shape):
+        where, mass, inertia = (list(names)[i] for names, i in zip(READINGS, at, strict=True))
+        rod = ROD._replace(inertia=inertia)
         for n, speed in enumerate(speeds):
             law = reading(where, mass, speed)
-            restitution[i, j, k, n] = simulate(tilts, law, speed=speed, rod=rod).restitution
-        compared[i, j, k] = _compared(reading(where, mass), rod)
-    return {"restitution": restitution, "compared": compared}
+            restitution[at][n] = simulate(_TILTS, law, speed=speed, rod=rod).restitution
+        off[at] = _compared(reading(where, mass), rod)
+    return {"restitution": restitution, "compared": off}
 
 
 def _why(ratios: np.ndarray) -> Data:
     """RMS from theory at measured restitution over stiffness and damping of the printed spring."""
     off = np.empty((len(DAMPINGS), ratios.size))
-    for (i, j), _ in np.ndenumerate(off):
-        law = md.appendix_a(tangential_ratio=ratios[j])
-        spring = law.spring._replace(proportional_dashpot=None, damping_ratio=DAMPINGS[i] or None)
-        off[i, j] = _compared(replace(law, spring=spring), ROD)[2]
+    for (i, damping), (j, ratio) in product(enumerate(DAMPINGS), enumerate(ratios)):
+        law = md.appendix_a(tangential_ratio=ratio)
+        spring = law.spring._replace(proportional_dashpot=None, damping_ratio=damping or None)
+        off[i, j] = from_theory(replace(law, spring=spring))[0]
     root = sqrt(deepest_overlap(md.appendix_a(), 1.0))
     return {"ratio": ratios * root, "printed_ratio": np.float64(PRINTED_RATIO * root), "why": off}
 
@@ -132,24 +130,20 @@ def data(quick: bool = False) -> Data:
     needed = [[[_needed(WHERE[0], e, m, v) for v in ends] for e in CLAIMED] for m in MASSES]
     gammas = [_needed(where, CLAIMED[0], "rod, M/2", 1.0) for where in MENDED]
     mended = [reading(w, "rod, M/2", damping=g) for w, g in zip(MENDED, gammas, strict=True)]
-    check = [(w, m) for w in WHERE for m in (list(MASSES) if not quick else ["rod, M/2"])]
-    halves = [
-        distance(simulate(TABLE_TILTS, law := reading(*r)), simulate(TABLE_TILTS, law, refine=64))
-        for r in check
-    ]
-    tilts = np.append(0.0, TABLE_TILTS)
+    check = [reading(*one) for one in product(WHERE, ["rod, M/2"] if quick else MASSES)]
+    pairs = [[simulate(TABLE_TILTS, law, refine=n) for n in (32, 64)] for law in check]
     return {
-        "tilt": tilts,
+        "tilt": _TILTS,
         "speed": speeds,
         **_readings(speeds),
         "needed_speed": ends,
         "needed": np.array(needed),
         "mended_gamma": np.array(gammas),
         "mended_head_on": np.array([[_head_on(law, v) for v in ends] for law in mended]),
-        "mended_restitution": np.array([simulate(tilts, law).restitution for law in mended]),
+        "mended_restitution": np.array([simulate(_TILTS, law).restitution for law in mended]),
         "mended_compared": np.array([_compared(law, ROD) for law in mended]),
         **_why(ratios),
-        "step_error": np.max(halves),
+        "step_error": np.max([distance(*pair) for pair in pairs]),
     }
 
 
