@@ -74,7 +74,10 @@ class Reference(NamedTuple):
     scale: np.ndarray
 
     def error(self, got: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
-        """Largest error of the named fields of `got`, relative to the scale."""
+        """Largest error of the named fields of `got`, relative to the scale.
+
+        `got` may hold more impacts after those of the reference.
+        """
         return self._worst(got, fields, self.scale)
 
     def ulp(self, got: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
@@ -82,8 +85,8 @@ class Reference(NamedTuple):
         return self._worst(got, fields, np.spacing(self.scale))
 
     def _worst(self, got, fields, unit):
-        rows = [FIELDS.index(field) for field in fields]
-        values = np.stack([np.asarray(getattr(got, field), float) for field in fields])
+        rows, n = [FIELDS.index(field) for field in fields], len(self.regime)
+        values = np.stack([np.asarray(getattr(got, field)[:n], float) for field in fields])
         error = np.abs((values - self.high[rows]) - self.low[rows]) / unit[rows]
         return np.where(np.isnan(error), np.inf, error).max(0)
 
