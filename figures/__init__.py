@@ -14,7 +14,7 @@ lib                                 style, runs of rows and annuli, soft impacts
 claims                              the paper's claims, the numbers behind them, the verdicts
 pages                               one page of everything, README, animation, window of sliders
 __main__                            the commands
-figures.toml                        name, room and title of each figure
+figures.toml                        name, room, title and price of each figure
 
 A module of a figure has `data(quick)`, which computes arrays by name, and `draw(data)`; perhaps
 `summary(data)` in words, and `sweeps(quick)`, the runs it needs. Only `__main__` writes files: what
@@ -41,6 +41,7 @@ class Entry:
     title: str  # what it shows, with the paper's number
     quick: bool = True  # part of the set that is drawn, on coarse grids, when no name is given
     alone: bool = False  # takes all cores or measures times: nothing is drawn beside it
+    seconds: int = 5  # of the processor, in full, but for runs that the store holds
 
 
 _ROOMS = tomllib.loads(Path(__file__).with_name("figures.toml").read_text(encoding="utf-8"))

@@ -12,7 +12,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 
-from impact import Regime, critical_tilts, slide_friction, spherocylinder, thin_rod
+from impact import critical_tilts, slide_friction, spherocylinder, thin_rod
 
 Data = dict[str, np.ndarray]  # of a figure: arrays by name
 
@@ -20,13 +20,8 @@ style = plt.style.context(Path(__file__).parents[1] / "style.mplstyle")  # decor
 
 BLACK, ORANGE, GREEN, BLUE, RED = "#000000", "#E69F00", "#009E73", "#0072B2", "#D55E00"
 
-# Pale, so that boundary lines and words stand out.
-_REGIME_COLOURS = {
-    Regime.SLIDE: "#A9D8F5",
-    Regime.SLIP_STICK: "#FBF5BE",
-    Regime.SLIP_REVERSAL: "#EDA677",
-}
-REGIME_MAP = ListedColormap(list(_REGIME_COLOURS.values()))
+# Slide, slip-stick, slip reversal: pale, so that boundary lines and words stand out.
+REGIME_MAP = ListedColormap(["#A9D8F5", "#FBF5BE", "#EDA677"])
 REGIME_NORM = BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3)
 _REGIMES: dict[str, Any] = {
     "cmap": REGIME_MAP,
@@ -35,12 +30,7 @@ _REGIMES: dict[str, Any] = {
     "zorder": 0,
 }
 
-LEGEND_BOX = {
-    "frameon": True,
-    "edgecolor": "none",
-    "framealpha": 0.9,
-    "borderpad": 0.2,
-}  # of a legend
+LEGEND_BOX = {"frameon": True, "edgecolor": "none", "framealpha": 0.9, "borderpad": 0.2}
 RESTITUTION_LAWS = ("newton", "poisson", "stronge")
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
 
