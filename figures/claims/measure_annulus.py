@@ -12,7 +12,7 @@ from ..lib import runs
 from ..paper import fig02, fig04
 from .evidence import Evidence
 from .over_tilt import CLEAR
-from .uncertainty import Number, count, off_line, onset, resampled, standard
+from .uncertainty import Number, bend, count, onset, resampled, standard
 
 Numbers = dict[str, Number]
 VISIBLE = 0.02  # of the drift at the largest Gamma: what can be seen to move in a figure
@@ -40,15 +40,12 @@ def S5_drift_over_gamma(data: Evidence) -> Numbers:
     def lines(d):
         return np.polyfit(gamma[far], d["gamma_c_x"][far], 1)
 
-    def bend(d):
-        return max(off_line(gamma[far], y) / y.mean() for y in d["gamma_c_x"][far].T)
-
     half = np.mean([number.error for number in begins])
     return {
         "onset": Number(np.mean(values), half, "half interval"),
         "first": count(min(values)),
         "last": count(max(values)),
-        "bend": resampled(d, bend),
+        "bend": resampled(d, lambda d: max(bend(gamma[far], y) for y in d["gamma_c_x"][far].T)),
         "slope": resampled(d, lambda d: lines(d)[0].mean()),
         "zero": resampled(d, lambda d: np.mean(-lines(d)[1] / lines(d)[0])),
     }
@@ -56,15 +53,10 @@ def S5_drift_over_gamma(data: Evidence) -> Numbers:
 
 def S6_walls(data: Evidence) -> Numbers:
     d = data.figure("fig04")
-
-    def paper(d):
-        smooth, rough = np.interp([0, 0.3], d["wall"], d["wall_c_x"])
-        return smooth / rough
-
     return {
         "rise": resampled(d, lambda d: np.diff(d["wall_c_x"]).max() / d["wall_c_x"].max()),
         "all": resampled(d, lambda d: d["wall_c_x"][-1] / d["wall_c_x"][0]),
-        "paper": resampled(d, paper),
+        "paper": resampled(d, lambda d: np.divide(*np.interp([0, 0.3], d["wall"], d["wall_c_x"]))),
     }
 
 
@@ -158,12 +150,10 @@ def E2_map_of_drift(data: Evidence) -> Numbers:
     row, annulus = _reverse(d), _reverse(d, "ring_")
     back = (kind == -1).any(axis=1)
     return {
-        "onset": row["onset"],
+        "points": row.pop("back"),
+        **row,
         "early": count(np.mean(kind[gamma < 1.5] == 1)),
-        "points": row["back"],
-        "slower": row["slower"],
         "end": onset(gamma, ~back) if back.any() else count(np.inf),
-        "follows": row["follows"],
         **{f"ring_{key}": number for key, number in annulus.items()},
     }
 

@@ -77,3 +77,8 @@ def rms(values: np.ndarray) -> float:
 def off_line(x: np.ndarray, y: np.ndarray) -> float:
     """Root-mean-square distance of the points from the best straight line."""
     return rms(np.polyval(np.polyfit(x, y, 1), x) - y)
+
+
+def bend(x: np.ndarray, y: np.ndarray) -> float:
+    """The same over the mean of the points."""
+    return off_line(x, y) / y.mean()

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from md.sweep import Sweep
 
-from ..claims.uncertainty import off_line
+from ..claims.uncertainty import bend
 from ..lib.runs import (
     ANNULUS,
     ANNULUS_COUNT,
@@ -154,18 +154,11 @@ def shape(tilt: np.ndarray, c_x: np.ndarray) -> dict[str, float]:
     i, j = (int(np.argmax(np.where(side, c_x, -np.inf))) for side in (~late, late))
     lowest, smaller = c_x[i : j + 1].min(), min(c_x[i], c_x[j])
     small = tilt <= MAXIMA_DEG[0]
-    bend, slope = np.nan, np.nan
-    if small.sum() > 2:
-        slope = np.polyfit(tilt[small], c_x[small], 1)[0]
-        bend = off_line(tilt[small], c_x[small]) / c_x[small].mean()
-    return {
-        "early": float(tilt[i]),
-        "late": float(tilt[j]),
-        "dip": float(1 - lowest / smaller),
-        "bend": float(bend),
-        "slope": float(slope),
-        "end": float(c_x[-1] / c_x.max()),
-    }
+    line = tilt[small], c_x[small]
+    bent, slope = (bend(*line), np.polyfit(*line, 1)[0]) if small.sum() > 2 else (np.nan, np.nan)
+    found = {"early": tilt[i], "late": tilt[j], "dip": 1 - lowest / smaller}
+    found |= {"bend": bent, "slope": slope, "end": c_x[-1] / c_x.max()}
+    return {key: float(value) for key, value in found.items()}
 
 
 def summary(d: Data) -> str:
@@ -176,8 +169,10 @@ def summary(d: Data) -> str:
         lines.append(f"{name}: " + ", ".join(f"{key} {value:.3f}" for key, value in found.items()))
 
     columns = {"rods": d["count"], "tilt": pairs(d, "still_tilt"), "drift": pairs(d, "still_c_x")}
-    columns["rods roll: tilt"] = pairs(d, "rolling_tilt")
-    columns["rods roll: drift"] = pairs(d, "rolling_c_x")
+    columns |= {
+        f"rods roll: {what}": pairs(d, f"rolling_{key}")
+        for what, key in (("tilt", "tilt"), ("drift", "c_x"))
+    }
     lines.append(columned(columns, ("g", 3, 3, 3, 3)))
     columns = {f"{n} rods": pairs(d, "gamma_c_x", (..., i)) for i, n in enumerate(d["few"])}
     lines.append(columned({"Gamma": d["gamma"], **columns}, ("g", *[3] * len(columns))))
