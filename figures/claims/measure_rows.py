@@ -260,11 +260,10 @@ def S26_without_friction(data: Evidence) -> Numbers:
 
 def E3_flat_end(data: Evidence) -> Numbers:
     d = data.figure("tip_shape")
-    setting = {"friction": rows.FRICTION, "restitution": rows.RESTITUTION}
     tilt, edge = d["tilt"], float(d["flat_threshold"])
     length, at = float(d["length"]), np.radians(28)
     pair = (make(at, length) for make in (flat_ended_rod, spherocylinder))
-    flat, whole = (drift(rod, **setting).c_x for rod in pair)
+    flat, whole = (drift(rod, **rows.SETTING).c_x for rod in pair)
     beyond, below = tilt > edge, (tilt > 0) & (tilt < edge)
     return {
         "threshold": Number(np.degrees(edge)),

@@ -12,7 +12,7 @@ import numpy as np
 from impact import drift, thin_rod
 from md.sweep import Sweep
 
-from ..lib.runs import FRICTION, RESTITUTION, means, plate_speed_cm_s
+from ..lib.runs import SETTING, means, plate_speed_cm_s
 from .uncertainty import rms
 
 SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one above the other
@@ -53,8 +53,8 @@ def table(sweep: Sweep, nominal: np.ndarray) -> dict[str, np.ndarray]:
 @cache
 def _theory() -> tuple[np.ndarray, np.ndarray]:
     """Tilts [deg], and the drift [cm/s] of a thin rod there, with V_z = V_0/2."""
-    tilt, setting = np.linspace(0.5, 89.5, 357), {"friction": FRICTION, "restitution": RESTITUTION}
-    return tilt, drift(thin_rod(np.radians(tilt)), **setting).c_x * plate_speed_cm_s() / 2
+    tilt = np.linspace(0.5, 89.5, 357)
+    return tilt, drift(thin_rod(np.radians(tilt)), **SETTING).c_x * plate_speed_cm_s() / 2
 
 
 def theory(tilt_deg: np.ndarray) -> np.ndarray:
