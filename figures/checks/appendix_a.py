@@ -24,7 +24,16 @@ from scipy.optimize import brentq
 import md
 from md.laws import STIFFNESS, deepest_overlap
 
-from ..lib.soft_impacts import ROD, TABLE_TILTS, compared, distance, from_theory, rigid, simulate
+from ..lib.soft_impacts import (
+    ROD,
+    SCENE_WORDS,
+    TABLE_TILTS,
+    compared,
+    distance,
+    from_theory,
+    rigid,
+    simulate,
+)
 from ..lib.style import (
     BLACK,
     BLUE,
@@ -275,8 +284,7 @@ def draw(d: Data) -> plt.Figure:
     words = r"unit of mass (rod or virtual sphere) and $M_e$ ($M$ rod, $m$ sphere)"
     legend_above(figure, axes[0, 0], ncols=6, title=words, title_fontsize=7)
     figure.supxlabel(
-        r"appendix_a: $k_n=5\times10^6$, $k_t=95\,k_n$, $\gamma=400$; $\mu=0.4$, $-c_z/c_x=2$,"
-        r" $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia; grey: the claimed 0.65-0.7",
-        fontsize=7,
+        rf"appendix_a: $k_n=5\times10^6$, $k_t=95\,k_n$, $\gamma=400$; {SCENE_WORDS};"
+        " grey: the claimed 0.65-0.7"
     )
     return figure

@@ -86,7 +86,6 @@ def draw(d: Data) -> plt.Figure:
     figure.supxlabel(
         rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$, "
         "60 Hz; constant_restitution, tangential ratio 3",
-        fontsize=7,
     )
     return figure
 

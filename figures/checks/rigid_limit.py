@@ -17,7 +17,7 @@ import numpy as np
 
 import md
 
-from ..lib.soft_impacts import from_theory
+from ..lib.soft_impacts import SCENE_WORDS, from_theory
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
 from ..lib.tables import table
 
@@ -133,9 +133,5 @@ def draw(d: Data) -> plt.Figure:
     name_panels((left, other), (f"coulomb: slope {d['slope'][0]:.3f}", "constant_restitution"))
     for ax in (left, other):
         ax.legend(fontsize=5.8, loc="lower left", labelspacing=0.3)
-    figure.supxlabel(
-        r"$\mu=0.4$, $-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia;"
-        r" theory at the measured restitution",
-        fontsize=7,
-    )
+    figure.supxlabel(f"{SCENE_WORDS}; theory at the measured restitution")
     return figure

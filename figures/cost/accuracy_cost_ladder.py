@@ -205,7 +205,6 @@ def draw(d: Data) -> plt.Figure:
         rf"trusted: $c_x={truth:.4f}\pm{spread:.4f}\,\sqrt{{gd}}$, {seconds:.0f} s (dotted); "
         rf"$L={BOX:g}\,d$, $N={COUNT}$, $\Gamma={GAMMA}$, $\mu={FRICTION}$, "
         rf"$\epsilon={RESTITUTION}$",
-        fontsize=6.5,
     )
     return figure
 

@@ -264,5 +264,5 @@ def draw(d: Data) -> plt.Figure:
     figure, ax = plt.subplots(figsize=(7.0, 5.6))
     panel(ax, d)
     words = "errors of the median; drift −: no row is left without it"
-    figure.supxlabel(f"{words}\n{machine_line(d['load'])}", fontsize=6)
+    figure.supxlabel(f"{words}\n{machine_line(d['load'])}")
     return figure

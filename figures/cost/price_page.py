@@ -42,7 +42,7 @@ def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
         load(name).panel(ax, found[name])
         name_panel(ax, letter, PRICE_PANELS[name])
     load_then = next((float(d["load"]) for d in found.values() if "load" in d), np.nan)
-    figure.supxlabel(machine_line(load_then), fontsize=6)
+    figure.supxlabel(machine_line(load_then))
     return figure
 
 

@@ -201,5 +201,5 @@ def _draw_cores(ax: Axes, d: Data) -> None:
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.7))
     paint(axes, {"a period": panel, "a step": _draw_steps, "many runs": _draw_cores}, d)
-    figure.supxlabel(machine_line(d["load"]), fontsize=6)
+    figure.supxlabel(machine_line(d["load"]))
     return figure

@@ -15,11 +15,7 @@ from impact import Collision, ContactGeometry, Regime, collide
 ROD = md.Rod(9.5, "thin")
 IMPACT_FRICTION, APPROACH_RATIO = 0.4, 2.0
 TABLE_TILTS = np.radians(np.arange(5, 86, 5))  # of the tables
-REGIME_OF = {
-    "slide": Regime.SLIDE,
-    "slip-stick": Regime.SLIP_STICK,
-    "slip-reversal": Regime.SLIP_REVERSAL,
-}
+SCENE_WORDS = r"$\mu=0.4$, $-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia"
 
 
 class Soft(NamedTuple):
@@ -62,22 +58,23 @@ def simulate(
     else:
         hits = [hit(phi, dt=hit(phi).dt / refine) for phi in tilt]
     rows = [(h.c_x / speed, h.c_z / speed, h.restitution) for h in hits]
-    return Soft(*np.array(rows).T, np.array([REGIME_OF[h.regime] for h in hits], np.int8))
+    regimes = [Regime[h.regime.upper().replace("-", "_")] for h in hits]
+    return Soft(*np.array(rows).T, np.array(regimes, np.int8))
+
+
+def arms(tilt: np.ndarray, rod: md.Rod = ROD) -> ContactGeometry:
+    """Contact geometry of a rod of the simulation."""
+    half, k = rod.half_length, np.sqrt(rod.gyration_squared)
+    return ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, k)
 
 
 def rigid(
     tilt: np.ndarray, restitution: np.ndarray | float, rod: md.Rod = ROD, law: str = "newton"
 ) -> Collision:
     """The theory's answer to the same impacts; -v_f/v_0 is its `normal_velocity`."""
-    half, k = rod.half_length, np.sqrt(rod.gyration_squared)
-    return collide(
-        1 / APPROACH_RATIO,
-        -1.0,
-        geometry=ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, k),
-        friction=IMPACT_FRICTION,
-        restitution=np.clip(restitution, 0.0, 1.0),  # a measured one may end above 1
-        law=law,
-    )
+    given = {"geometry": arms(tilt, rod), "friction": IMPACT_FRICTION, "law": law}
+    given["restitution"] = np.clip(restitution, 0.0, 1.0)  # a measured one may end above 1
+    return collide(1 / APPROACH_RATIO, -1.0, **given)
 
 
 def distance(a: Soft | Collision, b: Soft | Collision) -> np.ndarray:

@@ -190,7 +190,6 @@ def draw(d: Data) -> plt.Figure:
         rf"row: $l={LENGTH}\,d$, $d=0.6$ cm; annulus: the experiment's, $l=8\,d$, $d=0.635$ cm; "
         rf"60 Hz, $\mu={FRICTION}$, solid inertia;"
         f"\n{LAW_NAME}",
-        fontsize=6.5,
     )
     return figure
 

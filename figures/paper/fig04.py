@@ -134,7 +134,7 @@ def draw(d: Data) -> plt.Figure:
     driving = rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$"
     many = rf"$N={ANNULUS_COUNT}$, {driving}"
     name_panels(axes.flat, (driving, "", many, many))
-    figure.supxlabel(ANNULUS_WORDS, fontsize=6.5)
+    figure.supxlabel(ANNULUS_WORDS)
     return figure
 
 

@@ -101,7 +101,7 @@ def draw(d: Data) -> plt.Figure:
     e.set_ylim(0, 1.3 * max(tilt.max() for tilt in tilts))
     e.legend(fontsize=6.5, loc="upper right", ncols=2)
     name_panel(e, "d")
-    figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {ANNULUS_WORDS}", fontsize=6.5)
+    figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {ANNULUS_WORDS}")
     return figure
 
 

@@ -94,7 +94,7 @@ def draw(d: Data) -> plt.Figure:
         ax.axhline(0, color="0.7", lw=0.6)
         ax.legend(fontsize=5.5)
     name_panels(axes.flat, [""] * 4)
-    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
+    figure.supxlabel(TILT_SCAN_WORDS)
     return figure
 
 

@@ -80,7 +80,7 @@ def draw(d: Data) -> plt.Figure:
     c.set(ylabel="mean flight (periods)", ylim=(0, None))
     c.legend(loc="upper right")
     name_panel(c, "c", "length of flights")
-    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
+    figure.supxlabel(TILT_SCAN_WORDS)
     return figure
 
 

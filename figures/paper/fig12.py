@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 import md
 from impact import Collision
 
-from ..lib.soft_impacts import TABLE_TILTS, Soft, compared, distance, rigid, simulate
+from ..lib.soft_impacts import SCENE_WORDS, TABLE_TILTS, Soft, compared, distance, rigid, simulate
 from ..lib.style import (
     BLACK,
     BLUE,
@@ -190,11 +190,8 @@ def draw(d: Data) -> plt.Figure:
     _legend(axes[0, 0])
     legend_above(figure, axes[0, 0], ncols=6, fontsize=6.5, handlelength=1.8, columnspacing=1.2)
     figure.supxlabel(
-        r"$\mu=0.4$, $-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia,"
-        r" $k_n=5\times10^6\,mg/d^{3/2}$"
-        "\n"
-        r"head on 0.65; constant_restitution: tangential ratio 30, damping 1;"
-        r" appendix_a: $k_t=95\,k_n$, $\gamma=400$, $M_e=1/2$",
-        fontsize=7,
+        rf"{SCENE_WORDS}, $k_n=5\times10^6\,mg/d^{{3/2}}$"
+        "\nhead on 0.65; constant_restitution: tangential ratio 30, damping 1;"
+        r" appendix_a: $k_t=95\,k_n$, $\gamma=400$, $M_e=1/2$"
     )
     return figure

@@ -162,7 +162,6 @@ def draw(d: Data) -> plt.Figure:
     legend_above(figure, a, ncols=4, fontsize=6.5)
     figure.supxlabel(
         rf"$N={COUNT}$, (a, b) $l={LENGTH}\,d$, $d=0.6$ cm, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}",
-        fontsize=7,
     )
     return figure
 
