@@ -217,22 +217,22 @@ def prices(out: Path, store: Path | None) -> None:
     """
     import matplotlib as mpl
     import matplotlib.pyplot as plt
-    import numpy as np
     from tqdm import tqdm
 
     from .cost import price_page
+    from .lib.data import stored_data
     from .lib.drawing import files_of, produce
     from .lib.files import storing
 
     mpl.use("Agg")
-    found, names = {}, price_page.known()
+    found: dict[str, Any] = {}
+    names = price_page.known()
     bar = tqdm(names, desc="prices", unit="figure", disable=None, leave=False)
     with storing(out, store, *files_of(*names), *PRICES):
         for name in bar:
             bar.set_postfix_str(name)
             bar.write(produce(name, out, quick=True).files)
-            with np.load(out / f"{name}.npz") as stored:
-                found[name] = {key: stored[key] for key in stored if key != "provenance"}
+            found[name] = stored_data(name, True, out)
     words, picture = price_page.summary(found), price_page.draw(found)
     text, numbers, png = (out / name for name in PRICES)
     _write_text(text, words + "\n")

@@ -71,13 +71,8 @@ _HEAD_ON, _TILTS = np.zeros(1), np.append(0.0, TABLE_TILTS)
 def reading(where: str, mass: str, speed: float = 1.0, damping: float = 400.0) -> md.Law:
     """The law of one reading, for impacts at about this speed."""
     light, reduced = MASSES[mass]
-    law = md.appendix_a(
-        STIFFNESS * light,
-        tangential_ratio=PRINTED_RATIO,
-        damping=damping,
-        reduced_mass=reduced,
-        overlap_factor=where == WHERE[0],
-    )
+    how = {"tangential_ratio": PRINTED_RATIO, "damping": damping, "reduced_mass": reduced}
+    law = md.appendix_a(STIFFNESS * light, **how, overlap_factor=where == WHERE[0])
     if where != WHERE[2]:
         return law
     root = PRINTED_RATIO * STIFFNESS * light / sqrt(deepest_overlap(law, speed))
@@ -234,12 +229,10 @@ def _draw_speeds(ax: Axes, d: Data) -> None:
             ax.plot(d["speed"], d["restitution"][i, j, 0, :, 0], dashes, color=colour)
     ax.plot(d["needed_speed"], d["mended_head_on"][0], "k--o", mfc="w")
     gamma = d["mended_gamma"][0] / 1e5
-    for y, words in (
-        (0.93, "factor as printed"),
-        (0.405, rf"the same, $\gamma={gamma:.1f}\times10^5$"),
-        (0.13, "no factor in the dashpot"),
-    ):
-        ax.text(0.97, y / 1.03, words, fontsize=6, transform=ax.transAxes, ha="right", va="center")
+    beside = {"fontsize": 6, "transform": ax.transAxes, "ha": "right", "va": "center"}
+    ax.text(0.97, 0.93 / 1.03, "factor as printed", **beside)
+    ax.text(0.97, 0.405 / 1.03, rf"the same, $\gamma={gamma:.1f}\times10^5$", **beside)
+    ax.text(0.97, 0.13 / 1.03, "no factor in the dashpot", **beside)
     ax.set(xscale="log", ylim=(0, 1.03), xlim=(0.47, 3.2), ylabel="restitution, head on")
     ax.set_xticks([0.5, 1, 2, 3], labels=["0.5", "1", "2", "3"])
     ax.set_xticks([], minor=True)

@@ -50,10 +50,10 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
     """
     from . import measure_annulus, measure_rows, over_tilt  # late: pages need no compiled code
 
-    names = {
-        name.partition(".")[2]: name for name in over_tilt.NUMBERS if name.startswith(f"{claim}.")
-    }
-    found = {k: resampled(evidence.over_tilt, over_tilt.NUMBERS[n]) for k, n in names.items()}
+    found = {}
+    for name, number in over_tilt.NUMBERS.items():
+        if name.startswith(f"{claim}."):
+            found[name.partition(".")[2]] = resampled(evidence.over_tilt, number)
     for name, function in {**vars(measure_rows), **vars(measure_annulus)}.items():
         if name.startswith(f"{claim}_"):
             found |= function(evidence)
@@ -91,8 +91,7 @@ def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
     try:
         measured = measure(claim["id"], evidence)
     except NO_DATA as failure:
-        reason = " ".join(str(failure).split())
-        trouble = f"{type(failure).__name__}: {reason}"
+        trouble = f"{type(failure).__name__}: {' '.join(str(failure).split())}"
         return {**claim, "verdict": MISSING, "trouble": trouble}
     rows = []
     for limits in claim["numbers"]:
@@ -129,13 +128,8 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
         bar.set_postfix_str(claim["id"])
         judged.append(_judged(claim, evidence))
     made = {name: value for name, value in machine().items() if name != "threads"}
-    made |= {
-        "system": platform.system(),
-        "md": digest(annulus=True, tolerance=True),
-        "impact": DIGEST,
-        "quick": quick,
-    }
-    return {"provenance": made, "claims": judged}
+    made |= {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
+    return {"provenance": {**made, "impact": DIGEST, "quick": quick}, "claims": judged}
 
 
 def plain(report: dict[str, Any]) -> dict[str, Any]:

@@ -207,25 +207,23 @@ def draw(d: Data) -> plt.Figure:
     panels = {"drift of the row": panel, "bias of the step": _draw_bias}
     paint(axes, panels | {"by tolerance, 95 %": _draw_runs}, d)
     one = [f"{t:.2g} s at {name}" for t, name in zip(to_reach(d, 0.01), _labels(d), strict=True)]
-    figure.supxlabel(
-        "an error of 1 % (one standard error): " + ", ".join(one).replace("inf s", "never"),
-        fontsize=5.5,
-    )
+    words = f"an error of 1 % (one standard error): {', '.join(one)}".replace("inf s", "never")
+    figure.supxlabel(words, fontsize=5.5)
     return figure
 
 
 def summary(d: Data) -> str:
     """Prices, biases, what 1 % and 0.3 % take, what runs to a tolerance took."""
     bias = [f"{b:+.2%} ± {e:.2%}" for b, e in zip(d["bias"], d["bias_error"], strict=True)]
-    columns = {"step": d["dt"], "a contact": d["per_contact"], "ms/period": 1e3 * d["seconds"]}
-    columns |= {"noise of a period": [f"{x:.1%}" for x in d["noise"]], "bias": bias}
-    columns |= {"1 % takes, s": to_reach(d, 0.01), "0.3 %": to_reach(d, 0.003)}
-    lines = [
-        f"{machine_line(float(d['load']))}; 1 core used",
-        f"c_x = {d['truth']:.5f} ± {d['truth_error']:.5f} sqrt(g d)",
-        columned(columns, ".3g"),
-    ]
+    steps = {"step": d["dt"], "a contact": d["per_contact"], "ms/period": 1e3 * d["seconds"]}
+    steps |= {"noise of a period": [f"{x:.1%}" for x in d["noise"]], "bias": bias}
+    steps |= {"1 % takes, s": to_reach(d, 0.01), "0.3 %": to_reach(d, 0.003)}
     asked, had = ([f"{x:.2%}" for x in d[name]] for name in ("tolerance", "run_error"))
-    columns = {"tolerance, 95 %": asked, "steps a contact": d["run_per_contact"]}
-    columns |= {"periods": d["run_periods"], "seconds": d["run_seconds"], "error it had": had}
-    return "\n".join([*lines, columned(columns, (2, 1, 0, 2, 2))])
+    runs = {"tolerance, 95 %": asked, "steps a contact": d["run_per_contact"]}
+    runs |= {"periods": d["run_periods"], "seconds": d["run_seconds"], "error it had": had}
+    return "\n".join([
+        f"{machine_line(d['load'])}; 1 core used",
+        f"c_x = {d['truth']:.5f} ± {d['truth_error']:.5f} sqrt(g d)",
+        columned(steps, ".3g"),
+        columned(runs, (2, 1, 0, 2, 2)),
+    ])  # fmt: skip

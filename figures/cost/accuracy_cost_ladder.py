@@ -120,10 +120,8 @@ def data(quick: bool = False) -> Data:
     means, errors = over_seeds(gathered(plan["rows"], "c_x")[0])
     periods = np.array([how[2] for how in every.values()])
     seconds = periods * seconds_per_period([scene(*how[:2]) for how in every.values()])
-    entries += [
-        (*name, mean, error, error * np.sqrt(STARTS), spent)
-        for name, mean, error, spent in zip(every, means, errors, seconds, strict=True)
-    ]
+    for name, mean, error, spent in zip(every, means, errors, seconds, strict=True):
+        entries.append((*name, mean, error, error * np.sqrt(STARTS), spent))
     drifts, spent = gathered(plan["trusted"], "c_x", "run_seconds")
     (truth,), (spread,) = over_seeds(drifts)
     names = "group", "label", "answer", "error", "scatter", "seconds"

@@ -147,8 +147,8 @@ def _draw_table(ax: plt.Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure = plt.figure(figsize=(7.0, 4.8))
-    *axes, below = figure.subplot_mosaic("ab;cc", height_ratios=(2.1, 1)).values()
+    figure, axes = plt.subplot_mosaic("ab;cc", figsize=(7.0, 4.8), height_ratios=(2.1, 1))
+    *axes, below = axes.values()
     norm = BoundaryNorm(ULP_LEVELS, 256)
     line = np.degrees(d["line_tilt"])
     titles = (("ours", "impact.collide"), ("literal", "formulas as printed, mistakes corrected"))

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from impact import critical_tilts, slide_friction, spherocylinder, thin_rod
 
 Data = dict[str, np.ndarray]  # of a figure: arrays by name
+Look = dict[str, Any]  # options of Matplotlib
 
 style = plt.style.context(Path(__file__).parents[1] / "style.mplstyle")  # decorates each `draw`
 
@@ -23,12 +24,7 @@ BLACK, ORANGE, GREEN, BLUE, RED = "#000000", "#E69F00", "#009E73", "#0072B2", "#
 # Slide, slip-stick, slip reversal: pale, so that boundary lines and words stand out.
 REGIME_MAP = ListedColormap(["#A9D8F5", "#FBF5BE", "#EDA677"])
 REGIME_NORM = BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3)
-_REGIMES: dict[str, Any] = {
-    "cmap": REGIME_MAP,
-    "norm": REGIME_NORM,
-    "rasterized": True,
-    "zorder": 0,
-}
+_REGIMES: Look = {"cmap": REGIME_MAP, "norm": REGIME_NORM, "rasterized": True, "zorder": 0}
 
 LEGEND_BOX = {"frameon": True, "edgecolor": "none", "framealpha": 0.9, "borderpad": 0.2}
 RESTITUTION_LAWS = ("newton", "poisson", "stronge")
