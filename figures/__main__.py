@@ -226,7 +226,7 @@ def prices(out: Path, store: Path | None) -> None:
 
     mpl.use("Agg")
     found: dict[str, Any] = {}
-    names = price_page.known()
+    names = [*price_page.PRICE_PANELS]
     bar = tqdm(names, desc="prices", unit="figure", disable=None, leave=False)
     with storing(out, store, *files_of(*names), *PRICES):
         for name in bar:

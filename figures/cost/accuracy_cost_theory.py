@@ -30,12 +30,20 @@ from .exact_impacts import FIELDS, Impacts, exact, literal, reference
 DIGITS = (15, 30, 60, 100)
 SMOOTH_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of the smoothed friction
 EVENT_TOLERANCES = (1e-3, 1e-6, 1e-10)
-ARRAYS = (
-    *("NumPy, float64", "NumPy, float32", "compiled, float64", "compiled, float32"),
-    *("compiled loop, float64", "as printed, float64"),
-)
 TIMED_RUNS = 7
 PURPLE = "#CC79A7"
+_SERIES = (  # label, colour, marker, where the numbers are
+    ("NumPy, float64", BLACK, "o", "array", 0),
+    ("NumPy, float32 in and out", BLACK, "s", "array", 1),
+    ("compiled, float64", BLUE, "o", "array", 2),
+    ("compiled, float32 in and out", BLUE, "s", "array", 3),
+    ("compiled loop alone, float64", BLUE, "D", "array", 4),
+    ("as printed, float64", RED, "^", "array", 5),
+    ("mpmath, 15 to 100 digits", GREEN, "v", "mpmath", slice(None)),
+    ("solve_ivp, events", ORANGE, "P", "events", slice(None)),
+    ("solve_ivp, smoothed friction", PURPLE, "X", "smooth", slice(None)),
+)
+ARRAYS = [label for label, *_, group, _ in _SERIES if group == "array"]
 
 
 class Outcome(NamedTuple):
@@ -191,19 +199,6 @@ def data(quick: bool = False, impacts: int | None = None, slow_impacts: int | No
         **_many_digits(min(n, 40 if quick else 400)),
         **_integrated(few),
     }
-
-
-_SERIES = (  # label, colour, marker, where the numbers are
-    ("NumPy, float64", BLACK, "o", "array", 0),
-    ("NumPy, float32 in and out", BLACK, "s", "array", 1),
-    ("compiled, float64", BLUE, "o", "array", 2),
-    ("compiled, float32 in and out", BLUE, "s", "array", 3),
-    ("compiled loop alone, float64", BLUE, "D", "array", 4),
-    ("as printed, float64", RED, "^", "array", 5),
-    ("mpmath, 15 to 100 digits", GREEN, "v", "mpmath", slice(None)),
-    ("solve_ivp, events", ORANGE, "P", "events", slice(None)),
-    ("solve_ivp, smoothed friction", PURPLE, "X", "smooth", slice(None)),
-)
 
 
 def _panel(ax: Axes, d: Data, without: tuple[str, ...] = ()) -> None:

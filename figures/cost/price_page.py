@@ -14,19 +14,9 @@ from ..lib.style import RESTITUTION_LAWS, name_panel, style
 from ..lib.timing import machine_line
 from . import accuracy_cost_ladder, accuracy_map, effect_prices, kernel_times
 
-PRICE_PANELS = {  # and what the panel of the page is called
-    "accuracy_cost_drift": "error of the drift against time",
-    "accuracy_cost_ladder": "one question, every way to answer it",
-    "effect_prices": "price of each effect",
-    "scaling": "time of a period",
-}
+PRICE_PANELS = {name: entry.panel for name, entry in FIGURES.items() if entry.panel}
 IMPACTS, CHECKED = 200_000, 20_000  # timed; compared with many digits
 WIDE = {"accuracy_cost_ladder", "effect_prices"}  # across the page; the others two abreast
-
-
-def known() -> list[str]:
-    """Registered price figures."""
-    return [name for name in PRICE_PANELS if name in FIGURES]
 
 
 @style
