@@ -4,7 +4,7 @@
 >>> fig11 = figures.load("fig11")
 >>> picture = fig11.draw(fig11.data(quick=True))
 
-`FIGURES` holds an `Entry` for each name. From a shell: `python -m figures list`,
+`FIGURES` holds an `Entry` for each name, from figures.toml. From a shell: `python -m figures list`,
 `python -m figures draw fig11 --out DIR`.
 
 Files, as one reads them
@@ -14,7 +14,6 @@ lib                                 style, runs of rows and annuli, soft impacts
 claims                              the paper's claims, the numbers behind them, the verdicts
 pages                               one page of everything, README, animation, window of sliders
 __main__                            the commands
-figures.toml                        name, room, title and price of each figure
 
 A module of a figure has `data(quick)`, which computes arrays by name, and `draw(data)`; perhaps
 `summary(data)` in words, and `sweeps(quick)`, the runs it needs. Only `__main__` writes files: what

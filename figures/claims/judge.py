@@ -22,7 +22,6 @@ import numpy as np
 
 import md
 from impact._generated import DIGEST
-from md.simulation import finite
 from md.sources import digest
 
 from .uncertainty import Number, resampled
@@ -130,17 +129,6 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
     made = {name: value for name, value in machine().items() if name != "threads"}
     made |= {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
     return {"provenance": {**made, "impact": DIGEST, "quick": quick}, "claims": judged}
-
-
-def plain(report: dict[str, Any]) -> dict[str, Any]:
-    """The report for JSON, which has neither nan nor inf."""
-
-    def cleaned(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {key: cleaned(inner) for key, inner in value.items()}
-        return [cleaned(inner) for inner in value] if isinstance(value, list) else finite(value)
-
-    return cleaned(report)
 
 
 TEXTS = ("id", "verdict", "says", "figure", "trouble")
