@@ -12,7 +12,7 @@ from ..lib import runs
 from ..paper import fig02, fig04
 from .evidence import Evidence
 from .over_tilt import CLEAR
-from .uncertainty import Number, bend, count, onset, resampled, standard
+from .uncertainty import Number, bend, count, crossing, onset, resampled, standard
 
 Numbers = dict[str, Number]
 VISIBLE = 0.02  # of the drift at the largest Gamma: what can be seen to move in a figure
@@ -69,12 +69,7 @@ def S8_zigzag(data: Evidence) -> Numbers:
     def first(d, values):
         """Tilt at which the values first become negative, between two numbers of rods."""
         rank = np.argsort(d["mean"])
-        tilt, values = d["mean"][rank], values[rank]
-        j = int(np.argmax(values < 0))
-        if values[j] >= 0:
-            return np.inf
-        i = max(j - 1, 0)
-        return float(np.interp(0, values[[j, i]], tilt[[j, i]]) if i < j else tilt[0])
+        return crossing(d["mean"][rank], values[rank], 0)
 
     def one(name, at):
         return standard(d[name][at], d[f"{name}_error"][at])

@@ -17,7 +17,7 @@ from ..paper import fig12, fig13
 from . import over_tilt
 from .evidence import Evidence
 from .over_tilt import CLEAR
-from .uncertainty import Number, bend, count, off_line, onset, resampled, rms, standard
+from .uncertainty import Number, bend, count, crossing, off_line, onset, resampled, rms, standard
 
 Numbers = dict[str, Number]
 
@@ -119,10 +119,7 @@ def S17_over_length(data: Evidence) -> Numbers:
         return -at / slope
 
     def saturation(d):
-        level = 0.9 * d["c_c_x"][long].mean()
-        j = int(np.argmax(d["c_c_x"] >= level))
-        before = max(j - 1, 0)
-        return np.interp(level, d["c_c_x"][[before, j]], length[[before, j]])
+        return crossing(length, -d["c_c_x"], -0.9 * d["c_c_x"][long].mean())
 
     def off(d):
         return off_line(length[grows], d["c_c_x"][grows]) / d["c_c_x"][grows][-1]
@@ -194,11 +191,9 @@ SLIPPERY = 2e-3  # friction of the plate
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Runs that no figure shows: over frequency and tilt; long ones on a slippery plate."""
-    axes = [
-        {"plate.frequency_hz": [50, 100] if quick else [*FREQUENCIES_HZ]},
-        {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)},
-        {"start.seed": [1, 2] if quick else [1, 2, 3]},
-    ]
+    frequencies, seeds = ([50, 100], [1, 2]) if quick else ([*FREQUENCIES_HZ], [1, 2, 3])
+    axes = [{"plate.frequency_hz": frequencies}, {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)}]
+    axes.append({"start.seed": seeds})
     long = {"box.length": phase_friction.BOX, "rods.inertia": "solid"}
     long["contacts.plate.friction"] = SLIPPERY
     return {

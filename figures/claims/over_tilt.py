@@ -13,7 +13,7 @@ from impact import drift, thin_rod
 from md.sweep import Sweep
 
 from ..lib.runs import SETTING, means, plate_speed_cm_s
-from .uncertainty import rms
+from .uncertainty import crossing, rms
 
 SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one above the other
 CLEAR = 3.0  # standard errors from which on a drift counts as one
@@ -73,12 +73,9 @@ def _large(d: Table, name: str) -> float:
 def change_tilt(d: Table) -> float:
     """Tilt at which flights pass half way from the longest to one period; inf if they never do."""
     flight = d["flight"]
-    level = (flight[0] + 1) / 2
-    below = np.flatnonzero(flight < level)
-    if not len(below) or flight[0] <= 1 or not np.isfinite(flight).all():
+    if flight[0] <= 1 or not np.isfinite(flight).all():
         return np.inf
-    j = below[0]
-    return float(np.interp(level, flight[[j, j - 1]], d["nominal"][[j, j - 1]]))
+    return crossing(d["nominal"], flight, (flight[0] + 1) / 2)
 
 
 def _sharp(d: Table) -> float:

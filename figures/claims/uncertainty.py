@@ -69,6 +69,15 @@ def onset(x: np.ndarray, begun: np.ndarray) -> Number:
     return Number((x[j] + x[j + 1]) / 2, (x[j + 1] - x[j]) / 2, "half interval")
 
 
+def crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:
+    """Place between two points at which `y` first falls below a level; inf if it never does."""
+    below = np.flatnonzero(y < level)
+    if not below.size:
+        return np.inf
+    ends = [below[0], max(below[0] - 1, 0)]
+    return float(np.interp(level, y[ends], x[ends]))
+
+
 def rms(values: np.ndarray) -> float:
     """Root mean square."""
     return float(np.sqrt(np.mean(values**2)))
