@@ -25,7 +25,7 @@ from md.scene import both, put, read_tables
 from md.sweep import Sweep
 
 from ..lib.runs import FRICTION, GAMMA, gathered, paper_rod, planned
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, points, style, tilt_axis
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, points, style, tilt_axis
 from ..lib.tables import table
 from .census import DISTURBED, counted
 
@@ -208,7 +208,6 @@ def _draw_lossy(ax, d) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.6))
     panels = {
         rf"regimes, $\Gamma={GAMMA:g}$": _draw_regimes,
         "not alone": _draw_company,
@@ -217,8 +216,8 @@ def draw(d: Data) -> plt.Figure:
         "soft to stiff": _draw_duration,
         "losses between rods": _draw_lossy,
     }
-    paint(axes.flat, panels, d)
-    for ax in axes[0]:
+    figure = painted(d, panels, rows=2, figsize=(7.0, 4.6))
+    for ax in figure.axes[:3]:
         tilt_axis(ax, 0, 65)
         ax.axvline(d["reversal_tilt_deg"], color="0.4", lw=0.8, ls=":")
     return figure

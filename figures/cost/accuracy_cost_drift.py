@@ -26,7 +26,7 @@ from md.statistics import standard_error
 from md.sweep import Point, Sweep
 
 from ..lib.runs import computed, gathered, measured_by
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style
 from ..lib.tables import columned
 from ..lib.timing import machine_line, seconds_per_period
 
@@ -203,9 +203,9 @@ def _draw_runs(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.0), width_ratios=(1.25, 1, 1))
     panels = {"drift of the row": panel, "bias of the step": _draw_bias}
-    paint(axes, panels | {"by tolerance, 95 %": _draw_runs}, d)
+    panels |= {"by tolerance, 95 %": _draw_runs}
+    figure = painted(d, panels, figsize=(7.0, 3.0), width_ratios=(1.25, 1, 1))
     one = [f"{t:.2g} s at {name}" for t, name in zip(to_reach(d, 0.01), _labels(d), strict=True)]
     words = f"an error of 1 % (one standard error): {', '.join(one)}".replace("inf s", "never")
     figure.supxlabel(words, fontsize=5.5)

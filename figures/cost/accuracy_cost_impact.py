@@ -23,7 +23,7 @@ from md.laws import contact_time
 from ..claims.uncertainty import rms
 from ..lib.impact_times import impact_call, price, rigid_seconds
 from ..lib.soft_impacts import TABLE_TILTS
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style
 from ..lib.tables import columned, table
 from ..lib.timing import machine_line
 from .impact_errors import (
@@ -264,9 +264,8 @@ def _draw_models(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.9), width_ratios=(1, 1, 1))
     panels = {"integration, steps": _draw_steps, "integration, time": _draw_time}
-    paint(axes, panels | {"model, time": _draw_models}, d)
+    figure = painted(d, panels | {"model, time": _draw_models}, figsize=(7.0, 3.9))
     words = ["cheapest way to an integration error (a, b); others that do; others that do not"]
     figure.supxlabel("\n".join(words + _advice(d)), fontsize=6)
     return figure

@@ -27,7 +27,7 @@ from md.scene import from_tables, put
 from md.sweep import execute, expand
 
 from ..lib.runs import ROW
-from ..lib.style import BLACK, BLUE, ORANGE, RED, Data, paint, style
+from ..lib.style import BLACK, BLUE, ORANGE, RED, Data, painted, style
 from ..lib.tables import columned
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady, waited
 from . import kernel_times
@@ -199,7 +199,7 @@ def _draw_cores(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.7))
-    paint(axes, {"a period": panel, "a step": _draw_steps, "many runs": _draw_cores}, d)
+    panels = {"a period": panel, "a step": _draw_steps, "many runs": _draw_cores}
+    figure = painted(d, panels, figsize=(7.0, 2.7))
     figure.supxlabel(machine_line(d["load"]))
     return figure

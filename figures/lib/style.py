@@ -82,13 +82,23 @@ def name_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
         name_panel(ax, letter, title)
 
 
-def paint(
-    axes: Iterable[Axes], panels: Mapping[str, Callable[[Axes, Data], None]], d: Data
-) -> None:
-    """Draw and name panels, each by its function, under its title."""
-    for ax, letter, (title, panel) in zip(axes, ascii_lowercase, panels.items(), strict=False):
+def painted(
+    d: Data, panels: Mapping[str, Callable[[Axes, Data], None]], rows: int = 1, **look: Any
+) -> Figure:
+    """Figure of panels, each drawn by its function, under its title.
+
+    Parameters
+    ----------
+    d : data
+    panels : functions by title, row by row
+    rows : of panels
+    look : of the figure, as `plt.subplots` takes it
+    """
+    figure, axes = plt.subplots(rows, len(panels) // rows, **look)
+    for ax, panel in zip(axes.flat, panels.values(), strict=True):
         panel(ax, d)
-        name_panel(ax, letter, title)
+    name_panels(axes.flat, panels)
+    return figure
 
 
 def points(ax: Axes, x: Any, y: Any, error: Any, colour: str = BLACK, **look: Any) -> None:

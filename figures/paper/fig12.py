@@ -8,6 +8,8 @@ dashpot gives 0.65 head on at every speed: friction adds to or takes from the wo
 (d) one constant in Stronge's (energetic) law explains that best.
 """
 
+from functools import partial
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,7 +28,7 @@ from ..lib.style import (
     RESTITUTION_LAWS,
     Data,
     legend_above,
-    name_panels,
+    painted,
     shade,
     style,
     tilt_axis,
@@ -178,17 +180,18 @@ def _draw_off(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.6))
-    _draw_velocities(axes[0, 0], d, 0)
-    _draw_velocities(axes[0, 1], d, 2)
+    panels = {
+        "MD: coulomb": partial(_draw_velocities, i=0),
+        "MD: appendix_a as printed": partial(_draw_velocities, i=2),
+        "measured restitution": _draw_restitution,
+        "MD (coulomb) from theory": _draw_off,
+    }
+    figure = painted(d, panels, rows=2, figsize=(7.0, 5.6))
+    first, *_ = figure.axes
     for x, y, word in ((11, -0.93, "slip-stick"), (50, -0.93, "slip reversal"), (85, 1.1, "slide")):
-        axes[0, 0].text(x, y, word, ha="center", fontsize=7)
-    _draw_restitution(axes[1, 0], d)
-    _draw_off(axes[1, 1], d)
-    titles = "MD: coulomb", "MD: appendix_a as printed", "measured restitution"
-    name_panels(axes.flat, (*titles, "MD (coulomb) from theory"))
-    _legend(axes[0, 0])
-    legend_above(figure, axes[0, 0], ncols=6, fontsize=6.5, handlelength=1.8, columnspacing=1.2)
+        first.text(x, y, word, ha="center", fontsize=7)
+    _legend(first)
+    legend_above(figure, first, ncols=6, fontsize=6.5, handlelength=1.8, columnspacing=1.2)
     figure.supxlabel(
         rf"{SCENE_WORDS}, $k_n=5\times10^6\,mg/d^{{3/2}}$"
         "\nhead on 0.65; constant_restitution: tangential ratio 30, damping 1;"

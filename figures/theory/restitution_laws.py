@@ -24,7 +24,7 @@ from ..lib.style import (
     RESTITUTION_LAWS,
     WARM,
     Data,
-    paint,
+    painted,
     reversal_boundary,
     style,
     tilt_axis,
@@ -169,7 +169,6 @@ def _draw_difference(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.2))
     floor = d["restitutions"][0]
     found = np.count_nonzero(d["dot_created"] == floor)
     setting = rf"$\epsilon={d['line_restitution']:g}$, $-c_z/c_x={d['approach_ratio']:g}$"
@@ -179,5 +178,4 @@ def draw(d: Data) -> plt.Figure:
         rf"one impact, {setting}, $\mu={d['line_friction']:g}$": _draw_outcomes,
         setting: _draw_difference,
     }
-    paint(axes.flat, panels, d)
-    return figure
+    return painted(d, panels, rows=2, figsize=(7.0, 5.2))
