@@ -14,7 +14,7 @@ over the stiffness, as the duration of a contact; (f) over what rods lose when t
 """
 
 from collections.abc import Iterable, Iterator
-from functools import cache
+from functools import cache, partial
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -181,29 +181,17 @@ def _draw_shares(ax, d, sweep: str) -> None:
     ax.legend(**ABOVE)
 
 
-def _draw_gamma(ax, d) -> None:
-    _draw_shares(ax, d, "gamma")
-    ax.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6))
-
-
 def _draw_duration(ax, d) -> None:
-    for sweep, part, colour, label in (
-        ("lone", "", BLUE, "lone rods"),
-        ("stiff", "isolated_", BLACK, "row, isolated"),
-    ):
-        x = d[f"{sweep}_{part}duration"][:, 0]
-        _curve(ax, x, d[f"{sweep}_{part}residual"], colour, label)
-        _curve(ax, x, d[f"{sweep}_{part}allowed"], colour, form="o--")
+    looks = {"lone_": (BLUE, "lone rods"), "stiff_isolated_": (BLACK, "row, isolated")}
+    for part, look in looks.items():
+        x = d[f"{part}duration"][:, 0]
+        _curve(ax, x, d[f"{part}residual"], *look)
+        _curve(ax, x, d[f"{part}allowed"], look[0], form="o--")
     x = d["stiff_pushed_duration"][:, 0]
     _curve(ax, x, d["stiff_pushed_residual"], BLACK, "row, pushed", form="s-")
     ax.set(xlabel="contact / period", ylabel="error / change", xscale="log", yscale="log")
     ax.set(xlim=(1e-3, 0.2), ylim=(1e-7, 2))
     ax.legend(loc="lower right")
-
-
-def _draw_lossy(ax, d) -> None:
-    _draw_shares(ax, d, "lossy")
-    ax.set(xlabel="restitution between rods", xlim=(0.2, 1.05))
 
 
 @style
@@ -212,12 +200,15 @@ def draw(d: Data) -> plt.Figure:
         rf"regimes, $\Gamma={GAMMA:g}$": _draw_regimes,
         "not alone": _draw_company,
         "error of the map": _draw_residual,
-        "driving": _draw_gamma,
+        "driving": partial(_draw_shares, sweep="gamma"),
         "soft to stiff": _draw_duration,
-        "losses between rods": _draw_lossy,
+        "losses between rods": partial(_draw_shares, sweep="lossy"),
     }
     figure = painted(d, panels, rows=2, figsize=(7.0, 4.6))
-    for ax in figure.axes[:3]:
+    *over_tilt, gamma, _, lossy = figure.axes
+    gamma.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6))
+    lossy.set(xlabel="restitution between rods", xlim=(0.2, 1.05))
+    for ax in over_tilt:
         tilt_axis(ax, 0, 65)
         ax.axvline(d["reversal_tilt_deg"], color="0.4", lw=0.8, ls=":")
     return figure

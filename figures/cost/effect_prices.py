@@ -206,15 +206,10 @@ def summary(d: Data) -> str:
         f" fly {bare:.2f}; drift {d['drift'][0, 0]:.2f} ± {d['drift'][1, 0]:.2f} cm/s",
     ]
     prices = zip(rows(), d["alone"], d["within"], _changes(d), strict=True)
-    cells = [
-        (
-            name,
-            *(f"{plus_minus(v, e)} ({s:.2f})" for v, e, s in pair),
-            f"{round(pair[1][0] / full, 3) + 0.0:.1%}",
-            change,
-        )
-        for name, *pair, change in prices
-    ]
+    cells = []
+    for name, alone, within, change in prices:
+        pair = (f"{plus_minus(v, e)} ({s:.2f})" for v, e, s in (alone, within))
+        cells.append((name, *pair, f"{round(within[0] / full, 3) + 0.0:.1%}", change))
     heads = "alone", "within", "share", "change of c_x"
     for group, effects in GROUPS.items():
         part = [cells.pop(0) for _ in effects]

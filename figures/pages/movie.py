@@ -145,10 +145,8 @@ class Picture:
         self.row.axis("off")
         self.row.apply_aspect()  # a high picture does not fill the width
         self.words = self.figure.text(0.01, 1 - 0.06 / whole, "", va="top", fontsize=10)
-        unit = self.figure.dpi_scale_trans.inverted().transform(
-            self.row.transData.transform([(0, 0), (1, 0)])
-        )
-        points = 72 * np.diff(unit[:, 0])[0]  # of a length of 1
+        (start, _), (end, _) = self.row.transData.transform([(0, 0), (1, 0)])
+        points = 72 / DPI * (end - start)  # of a length of 1
         width = {"capstyle": "round", "zorder": 3}
         self.outline = LineCollection([], colors=DARK, linewidths=points, **width)
         self.rods = LineCollection([], linewidths=points * (1 - 2 * OUTLINE), **width)

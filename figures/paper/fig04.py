@@ -169,10 +169,8 @@ def summary(d: Data) -> str:
         lines.append(f"{name}: " + ", ".join(f"{key} {value:.3f}" for key, value in found.items()))
 
     columns = {"rods": d["count"], "tilt": pairs(d, "still_tilt"), "drift": pairs(d, "still_c_x")}
-    columns |= {
-        f"rods roll: {what}": pairs(d, f"rolling_{key}")
-        for what, key in (("tilt", "tilt"), ("drift", "c_x"))
-    }
+    columns["rods roll: tilt"] = pairs(d, "rolling_tilt")
+    columns["rods roll: drift"] = pairs(d, "rolling_c_x")
     lines.append(columned(columns, ("g", 3, 3, 3, 3)))
     columns = {f"{n} rods": pairs(d, "gamma_c_x", (..., i)) for i, n in enumerate(d["few"])}
     lines.append(columned({"Gamma": d["gamma"], **columns}, ("g", *[3] * len(columns))))

@@ -34,9 +34,8 @@ def data(quick: bool = False) -> Data:
     shown = [run(one, *((60, 400) if quick else (1000, 2000))).phases for one in tilt]
     few = (15, 200) if quick else (100, 1000)
     around = [run(one + step, *few).phases for one in tilt for step in spread]
-    density, error = (
-        values.reshape(tilt.size, spread.size, -1) for values in estimates("", around).values()
-    )
+    near = estimates("near", around)
+    density, error = (near[name].reshape(tilt.size, spread.size, -1) for name in near)
     falling = [run(one, *((60, 200) if quick else (200, 1000))).falling for one in sweep]
     return {
         "tilt": tilt,

@@ -37,9 +37,8 @@ RESTITUTIONS = (0.8, 0.85, 0.9, 0.95, 0.99)
 
 def largest_gain(tilt: Any, friction: Any, restitution: Any) -> np.ndarray:
     """Largest energy change under Newton's law over all u_0, in units of v_0^2, by search."""
-    tilt, friction, restitution = (
-        array[..., None] for array in np.broadcast_arrays(tilt, friction, restitution)
-    )
+    given = np.broadcast_arrays(tilt, friction, restitution)
+    tilt, friction, restitution = np.stack(given)[..., None]
     centre, half = np.zeros(tilt.shape), np.radians(80)  # of arctan(u_0/|v_0|)
     how = {"geometry": thin_rod(tilt), "friction": friction, "restitution": restitution}
     for points in (161, 41, 41):
