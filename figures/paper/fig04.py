@@ -7,6 +7,8 @@ dotted: the paper's maxima. (b): dotted: where the paper's rods begin to move. (
 tilt (green), of 44 rods; the row of (d) is logarithmic but for its first point, no friction.
 """
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,31 +32,21 @@ from ..lib.tables import columned, pairs
 MAXIMA_DEG, ONSET_FIG4, REDUCTION = (18, 35), 1.5, 2.5  # the paper's
 GAMMA_COUNTS = (50, 44, 36)  # numbers of rods of (b)
 WALL_KEY, PLATE_KEY = "contacts.wall.friction", "contacts.plate.friction"
-FULL_SIZES = {
-    "count": [23, 26, 29, 32, *range(34, 57, 2)],
-    "gamma": [1.2, 1.4, 1.6, 2.0, 3.0, 4.0],
-    "wall": [0, 0.03, 0.1, 0.3, 0.5, 1.0],
-    "plate": [0, 0.01, 0.03, 0.1, 0.3, 1.0],
-    "plane": [*range(5, 51, 5)],
-    "seeds": [1, 2, 3],
-    "few_seeds": [1, 2],
-    "periods": 400,  # a region of larger tilt (Fig. 5) takes hundreds to grow
-}
-QUICK_SIZES = {
-    "count": [26, 36, 44, 50, 56],
-    "gamma": [1.3, 1.8, 3.3],
-    "wall": [0.03, 0.3, 1.0],  # no friction at all is another kernel
-    "plate": [0.01, 0.1, 0.3],
-    "plane": [10, 20, 30, 40],
-    "seeds": [1, 2],
-    "few_seeds": [1, 2],
-    "periods": 12,
+SIZES = {  # in full, quick
+    "count": ([23, 26, 29, 32, *range(34, 57, 2)], [26, 36, 44, 50, 56]),
+    "gamma": ([1.2, 1.4, 1.6, 2.0, 3.0, 4.0], [1.3, 1.8, 3.3]),
+    "wall": ([0, 0.03, 0.1, 0.3, 0.5, 1.0], [0.03, 0.3, 1.0]),  # none at all: another kernel
+    "plate": ([0, 0.01, 0.03, 0.1, 0.3, 1.0], [0.01, 0.1, 0.3]),
+    "plane": ([*range(5, 51, 5)], [10, 20, 30, 40]),
+    "seeds": ([1, 2, 3], [1, 2]),
+    "few_seeds": ([1, 2], [1, 2]),
+    "periods": (400, 12),  # a region of larger tilt (Fig. 5) takes hundreds to grow
 }
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Over the number of rods, Gamma and the frictions; rows over tilt."""
-    size = QUICK_SIZES if quick else FULL_SIZES
+    size: dict[str, Any] = {name: both[quick] for name, both in SIZES.items()}
     seeds, few = ({"start.seed": size[name]} for name in ("seeds", "few_seeds"))
     number, accelerations = {"rods.count": size["count"]}, {"plate.acceleration": size["gamma"]}
     many, alike = {"rods.count": ANNULUS_COUNT}, ("length", "inertia", "diameter_cm")
