@@ -12,7 +12,7 @@ from ..lib import runs
 from ..paper import fig02, fig04
 from .evidence import Evidence
 from .over_tilt import CLEAR
-from .uncertainty import Number, bend, count, crossing, onset, resampled, standard
+from .uncertainty import Number, bend, count, crossing, entry, onset, resampled, standard
 
 Numbers = dict[str, Number]
 VISIBLE = 0.02  # of the drift at the largest Gamma: what can be seen to move in a figure
@@ -71,16 +71,13 @@ def S8_zigzag(data: Evidence) -> Numbers:
         rank = np.argsort(d["mean"])
         return crossing(d["mean"][rank], values[rank], 0)
 
-    def one(name, at):
-        return standard(d[name][at], d[f"{name}_error"][at])
-
     return {
-        "order": one("zigzag", best),
-        "tilt": one("mean", best),
+        "order": entry(d, "zigzag", best),
+        "tilt": entry(d, "mean", best),
         "broken": resampled(d, lambda d: first(d, d["zigzag"] - HALF_ORDER), "mean", "zigzag"),
         "appears": resampled(d, lambda d: first(d, REGION_DEG - d["contrast"]), "mean", "contrast"),
-        "leaning": one("mean", at),
-        **{name: one(name, at) for name in ("share", "contrast", "spread")},
+        "leaning": entry(d, "mean", at),
+        **{name: entry(d, name, at) for name in ("share", "contrast", "spread")},
     }
 
 
@@ -127,22 +124,18 @@ def S20_rolling(data: Evidence) -> Numbers:
 def E1_geometry(data: Evidence) -> Numbers:
     scene, d = runs.ANNULUS_SCENE, data.figure("fig04")
     gap, length = scene.annulus, scene.rods.length
-
-    def leaning(at):
-        return standard(d["still_tilt"][at], d["still_tilt_error"][at])
-
     return {
         "flat": Number(np.degrees(largest_tilt(gap, length, flat=True))),
         "round": Number(np.degrees(largest_tilt(gap, length, flat=False))),
-        "steepest": leaning(d["count"].argmin()),
-        "most": leaning(d["count"].argmax()),
+        "steepest": entry(d, "still_tilt", d["count"].argmin()),
+        "most": entry(d, "still_tilt", d["count"].argmax()),
     }
 
 
 def E2_map_of_drift(data: Evidence) -> Numbers:
     d = data.figure("fig02")
     gamma, kind = d["gamma"], d["kind"]
-    row, annulus = _reverse(d), _reverse(d, "ring_")
+    row, annulus = reverse_drift(d), reverse_drift(d, "ring_")
     back = (kind == -1).any(axis=1)
     return {
         "points": row.pop("back"),
@@ -153,7 +146,7 @@ def E2_map_of_drift(data: Evidence) -> Numbers:
     }
 
 
-def _reverse(d: dict, prefix: str = "") -> Numbers:
+def reverse_drift(d: dict, prefix: str = "") -> Numbers:
     """Onset of forward drift, points of reverse drift, and the fastest of them.
 
     slower : over the median drift at the largest Gamma

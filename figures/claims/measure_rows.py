@@ -16,8 +16,20 @@ from ..lib import soft_impacts as soft
 from ..paper import fig12, fig13
 from . import over_tilt
 from .evidence import Evidence
+from .measure_annulus import reverse_drift
 from .over_tilt import CLEAR
-from .uncertainty import Number, bend, count, crossing, off_line, onset, resampled, rms, standard
+from .uncertainty import (
+    Number,
+    bend,
+    count,
+    crossing,
+    entry,
+    off_line,
+    onset,
+    resampled,
+    rms,
+    standard,
+)
 
 Numbers = dict[str, Number]
 
@@ -157,22 +169,20 @@ def S23_onset(data: Evidence) -> Numbers:
         x, y = gamma[near] - 1, (gamma * d["b_V_z"])[near]  # V_0 grows with Gamma
         return rms(y - (x @ y) / (x @ x) * x) / rms(y)
 
-    early = grid["gamma"] <= 1.6
-    kind, sign = grid["kind"], np.sign(grid["V_z"])
-    clear = kind[early] != 0
+    reverse, kind, sign = reverse_drift(grid), grid["kind"], np.sign(grid["V_z"])
     found = {
         "zero": onset(gamma, d["b_V_z"] > 0),
         "bend": resampled(d, off),
         "lowest": resampled(d, lambda d: d["b_V_z"][near].min()),
-        "agree": count(np.mean((kind == sign)[early][clear]) if clear.any() else np.nan),
-        "backwards": count((kind < 0).sum()),
+        "agree": reverse["follows"],
+        "backwards": reverse["back"],
         "backwards_negative": count(((kind < 0) & (sign < 0)).sum()),
         "negative": count((sign < 0).sum()),
     }
     falling = np.where(lone["gamma_alpha_impulse"] < 0, 1, np.nan)
     for key, name in ("lone_lowest", "gamma_alpha_impulse"), ("lone_drift", "gamma_drift"):
         at = np.unravel_index(np.nanargmin(falling * lone[name]), falling.shape)
-        found[key] = standard(lone[name][at], lone[f"{name}_error"][at])
+        found[key] = entry(lone, name, at)
     return found
 
 
@@ -180,8 +190,8 @@ def S24_tilt_over_gamma(data: Evidence) -> Numbers:
     d = data.figure("fig13")
     return {
         "spread": resampled(d, lambda d: np.ptp(d["b_tilt"])),
-        "low": standard(d["b_tilt"][0], d["b_tilt_error"][0]),
-        "high": standard(d["b_tilt"][-1], d["b_tilt_error"][-1]),
+        "low": entry(d, "b_tilt", 0),
+        "high": entry(d, "b_tilt", -1),
     }
 
 

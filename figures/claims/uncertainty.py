@@ -1,7 +1,7 @@
 """A measured number with its error; how errors of arrays carry over to what is made of them."""
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,11 @@ def count(value: float) -> Number:
 def standard(value: float, error: float) -> Number:
     """A value with its standard error."""
     return Number(value, error, "standard error")
+
+
+def entry(d: Mapping, name: str, at: Any) -> Number:
+    """An entry of an array with its standard error; `at`: its index."""
+    return standard(d[name][at], d[f"{name}_error"][at])
 
 
 class _Watched(dict):
