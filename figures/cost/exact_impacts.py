@@ -131,24 +131,21 @@ class Literal(NamedTuple):
 def _printed(module: str) -> dict[str, Callable]:
     """Equations (12)-(14), (16), (18), (19), (21), (22) as functions on floats or mpmath numbers.
 
-    (12) and (13) get the denominator of (8), (21) gets its minus sign; nothing else is touched.
+    With the repairs that the registry names of (12), (13) and (21); nothing else is touched.
     """
     import sympy as sp
 
     from derivations import slide, slip_reversal, slip_stick
     from derivations import symbols as s
     from derivations.newton import approach
+    from derivations.proof import repaired
 
     equations = (*slide.EQUATIONS, *slip_stick.EQUATIONS, *slip_reversal.EQUATIONS)
-    by_tag = {equation.tag: equation for equation in equations}
-    forms = {tag: by_tag[tag].printed for tag in ("14", "16", "18", "19", "21", "22")}
-    forms |= {tag: by_tag[tag].contradiction() for tag in ("12", "13")}
-    (wrong,) = (term for term in forms["21"].args if term.has(s.c_x) and term != s.c_x)
-    forms["21"] -= 2 * wrong
     arguments = (s.c_x, s.c_z, s.omega, s.V_z, s.X, s.Z, s.k, s.mu, s.epsilon)
     return {
-        tag: sp.lambdify(arguments, form.subs(approach()), modules=module)
-        for tag, form in forms.items()
+        equation.tag: sp.lambdify(arguments, repaired(equation).subs(approach()), modules=module)
+        for equation in equations
+        if equation.tag in ("12", "13", "14", "16", "18", "19", "21", "22")
     }
 
 
