@@ -92,7 +92,7 @@ def _needed(where: str, claimed: float, mass: str, speed: float) -> float:
     return 10 ** brentq(off, 0, 7, rtol=1e-5)
 
 
-def _compared(law: md.Law, rod: md.Rod) -> tuple[float, float, float, float]:
+def _at_both(law: md.Law, rod: md.Rod) -> tuple[float, float, float, float]:
     """RMS from theory at 0.65, regimes right there; the same at the measured restitution."""
     soft = simulate(TABLE_TILTS, law, rod=rod)
     at_constant, at_measured = (
@@ -111,7 +111,7 @@ def _readings(speeds: np.ndarray) -> Data:
         for n, speed in enumerate(speeds):
             law = reading(where, mass, speed)
             restitution[at][n] = simulate(_TILTS, law, speed=speed, rod=rod).restitution
-        off[at] = _compared(reading(where, mass), rod)
+        off[at] = _at_both(reading(where, mass), rod)
     return {"restitution": restitution, "compared": off}
 
 
@@ -145,7 +145,7 @@ def data(quick: bool = False) -> Data:
         "mended_gamma": np.array(gammas),
         "mended_head_on": np.array([[_head_on(law, v) for v in ends] for law in mended]),
         "mended_restitution": np.array([simulate(_TILTS, law).restitution for law in mended]),
-        "mended_compared": np.array([_compared(law, ROD) for law in mended]),
+        "mended_compared": np.array([_at_both(law, ROD) for law in mended]),
         **_why(ratios),
         "step_error": np.max([distance(*pair) for pair in pairs]),
     }
