@@ -16,7 +16,7 @@ from matplotlib.colors import BoundaryNorm
 from impact import collide, critical_friction, slide_friction, thin_rod
 from impact.benchmark import random_impacts
 
-from ..lib.style import RESTITUTION_LAWS, Data, name_panel, style, tilt_axis
+from ..lib.style import RESTITUTION_LAWS, Data, name_panels, style, tilt_axis
 from ..lib.tables import table as text_table
 from .exact_impacts import SLIP_REGIMES, Impacts, literal, painleve_sum, reference
 
@@ -151,8 +151,8 @@ def draw(d: Data) -> plt.Figure:
     *axes, below = axes.values()
     norm = BoundaryNorm(ULP_LEVELS, 256)
     line = np.degrees(d["line_tilt"])
-    titles = (("ours", "impact.collide"), ("literal", "formulas as printed, mistakes corrected"))
-    for letter, ax, (key, title) in zip("ab", axes, titles, strict=True):
+    titles = {"ours": "impact.collide", "literal": "formulas as printed, mistakes corrected"}
+    for ax, key in zip(axes, titles, strict=True):
         look = {"cmap": "viridis", "norm": norm, "rasterized": True}
         worst = np.minimum(d[key], 0.99e16)
         fill = ax.pcolormesh(np.degrees(d["tilt"]), d["friction"], worst, **look)
@@ -161,7 +161,7 @@ def draw(d: Data) -> plt.Figure:
         ax.plot(line, d["painleve_friction"], "w:", label=r"$k^2+X^2+\mu XZ=0$")
         ax.set(yscale="log", ylim=(1e-3, 1e3))
         tilt_axis(ax, -90, 90, 30)
-        name_panel(ax, letter, title)
+    name_panels(axes, titles.values())
     axes[0].set_ylabel(r"friction $\mu$")
     axes[1].tick_params(labelleft=False)
     look = {"label": "largest error (ulp)", "ticks": ULP_LEVELS, "spacing": "uniform", "pad": 0.01}

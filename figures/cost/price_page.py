@@ -9,7 +9,7 @@ import numpy as np
 from impact.benchmark import benchmark
 
 from .. import FIGURES, load
-from ..lib.style import RESTITUTION_LAWS, name_panel, style
+from ..lib.style import RESTITUTION_LAWS, name_panels, style
 from ..lib.timing import machine_line
 from . import accuracy_cost_ladder, accuracy_map, effect_prices, kernel_times
 
@@ -27,9 +27,9 @@ def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
     heights = [4.9 if row[0] in WIDE else 2.9 for row in layout]
     size = 7.0, sum(heights)
     figure, axes = plt.subplot_mosaic(layout, figsize=size, height_ratios=heights)
-    for letter, (name, ax) in zip("abcd", axes.items(), strict=False):
+    for name, ax in axes.items():
         load(name).panel(ax, found[name])
-        name_panel(ax, letter, PRICE_PANELS[name])
+    name_panels(axes.values(), map(PRICE_PANELS.get, axes))
     load_then = next((float(d["load"]) for d in found.values() if "load" in d), np.nan)
     figure.supxlabel(machine_line(load_then))
     return figure

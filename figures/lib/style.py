@@ -72,14 +72,10 @@ def tilt_axis(ax: Axes, low: float = 0, high: float = 90, step: float = 15) -> N
     ax.set(xlabel=r"tilt $\phi$ (deg)", xlim=(low, high), xticks=np.arange(low, high + 1, step))
 
 
-def name_panel(ax: Axes, letter: str, title: str = "") -> None:
-    ax.set_title(rf"$\bf{{({letter})}}$ {title}", loc="left")
-
-
 def name_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
     """Letters and titles of all panels, from (a) on."""
     for ax, letter, title in zip(axes, ascii_lowercase, titles, strict=False):
-        name_panel(ax, letter, title)
+        ax.set_title(rf"$\bf{{({letter})}}$ {title}", loc="left")
 
 
 def painted(

@@ -18,7 +18,7 @@ from md.sweep import Sweep
 
 from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, followed, in_order, tilts_deg
 from ..lib.runs import ANNULUS, ANNULUS_SCENE, ANNULUS_WORDS, gathered, over_seeds, planned
-from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panel, style
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style
 from ..lib.tables import columned, pairs
 
 SHOWN_COUNTS = (56, 44)  # numbers of rods of (a) and (b)
@@ -72,9 +72,7 @@ def draw(d: Data) -> plt.Figure:
     states = [d[f"rods_{n}"] for n in SHOWN_COUNTS]
     tilts = [tilts_deg(in_order(rods)) for rods in states]
     norm = plt.Normalize(0, np.ceil(max(tilt.max() for tilt in tilts) / 5) * 5)
-    for ax, n, rods, tilt, letter in zip((a, b), SHOWN_COUNTS, states, tilts, "ab", strict=True):
-        lines = _from_above(ax, rods, norm)
-        name_panel(ax, letter, rf"$N={n}$, mean tilt {tilt.mean():.0f}°")
+    lines, _ = (_from_above(ax, rods, norm) for ax, rods in zip((a, b), states, strict=True))
     figure.colorbar(lines, ax=[a, b], label=r"tilt $\phi$ (deg)", pad=0.02, aspect=30)
     beside, share = c.twinx(), f"share {MORE_DEG:g}° beyond the mean"
     curve(c, d, "mean", "zigzag", BLACK, "order of the zig-zag", both=True)
@@ -87,14 +85,15 @@ def draw(d: Data) -> plt.Figure:
     beside.tick_params(colors=GREEN)
     handles = [part for ax in (c, beside) for part in ax.get_legend_handles_labels()[0]]
     c.legend(handles=handles, fontsize=6.5, loc="upper right")
-    name_panel(c, "c")
     for n, tilt, colour in zip(SHOWN_COUNTS, tilts, (BLUE, BLACK), strict=True):
         e.plot(np.arange(n) / n, tilt, "o-", ms=2.5, lw=0.6, color=colour, label=rf"$N={n}$")
         e.axhline(tilt.mean(), color=colour, lw=0.6, ls=":")
     e.set(xlabel="place around the annulus", ylabel=r"tilt $\phi$ (deg)", xlim=(0, 1))
     e.set_ylim(0, 1.3 * max(tilt.max() for tilt in tilts))
     e.legend(fontsize=6.5, loc="upper right", ncols=2)
-    name_panel(e, "d")
+    shown = zip(SHOWN_COUNTS, tilts, strict=True)
+    titles = (rf"$N={n}$, mean tilt {tilt.mean():.0f}°" for n, tilt in shown)
+    name_panels((a, b, c, e), (*titles, "", ""))
     figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {ANNULUS_WORDS}")
     return figure
 
