@@ -155,14 +155,12 @@ def panel(ax: Axes, d: Data) -> None:
     off, error, _ = deviations(d)
     size = np.fmax(np.abs(off), 3e-4)
     for group, (colour, marker) in LOOKS.items():
-        here = np.flatnonzero(d["group"] == group)
-        for i in here:
-            bar = error[i]
-            fill = colour if np.abs(off[i]) > bar else "white"
-            bars = [[min(bar, 0.9 * size[i])], [bar]]
-            look = {"fmt": marker, "color": colour, "mfc": fill, "ms": 4, "elinewidth": 0.6}
-            label = group if i == here[0] else None
-            ax.errorbar(d["seconds"][i], size[i], bars, label=label, **look)
+        here = d["group"] == group
+        bars = np.fmin(error, 0.9 * size)[here], error[here]
+        look = {"color": colour, "ms": 4, "elinewidth": 0.6, "label": group}
+        ax.errorbar(d["seconds"][here], size[here], bars, fmt=marker, **look)
+        unclear, face = here & (np.abs(off) <= error), {"mfc": "white", "zorder": 3}
+        ax.plot(d["seconds"][unclear], size[unclear], marker, color=colour, ms=4, **face)
     ax.set(xscale="log", yscale="log", ylim=(2e-4, 3), xlabel="time (s)")
     _name_points(ax, d["seconds"], size, d)
     ax.set_ylabel(r"deviation of $c_x$ from the trusted answer")
