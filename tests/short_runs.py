@@ -36,7 +36,7 @@ def shortened(patch: pytest.MonkeyPatch, folder: Path, periods: int = 6) -> list
         patch.setattr(module, "lone", lambda _: (np.array([0.0]), [lone]))
     patch.setattr(fig07, "TRANSIENT", 2)
     patch.setattr(fig02, "MAP_COUNTS", {True: (34, 24)})
-    patch.setattr(fig04, "QUICK_SIZES", FEW)
+    patch.setattr(fig04, "SIZES", {name: (few, few) for name, few in FEW.items()})
     patch.setattr(fig04, "GAMMA_COUNTS", (40, 34, 24))
     patch.setattr(fig04, "ANNULUS_COUNT", 32)
     patch.setattr(fig05, "SHOWN_COUNTS", (32, 24))

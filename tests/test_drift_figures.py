@@ -80,11 +80,9 @@ def test_prices_of_a_period():
 def test_the_ladder(monkeypatch):
     monkeypatch.setattr(ladder, "LADDER_PERIODS", {True: 4})
     monkeypatch.setattr(ladder, "LANDINGS", (30,))
-    rungs = {
-        "step": {"t_c/13": (13, {})},
-        "rods": {"N=5": (13, {"rods.count": 5, "box.length": 5.375})},
-    }
-    monkeypatch.setattr(ladder, "ROWS", rungs)
+    few = {"rods.count": 5, "box.length": 5.375}
+    monkeypatch.setattr(ladder, "STEPS", (13,))
+    monkeypatch.setattr(ladder, "ROWS", {"rods": {"N=5": few}})
     monkeypatch.setattr(ladder, "USUAL_STEPS", 13)
     monkeypatch.setattr(ladder, "TRUSTED", (13, {}))
     d = ladder.data(quick=True)
@@ -100,9 +98,7 @@ def test_the_ladder(monkeypatch):
     assert (d["seconds"] > 0).all()
     off, *_ = ladder.deviations(d)
     np.testing.assert_allclose((off + 1) * d["trusted"][0], d["answer"])
-    starts = [
-        md.run(ladder.scene(*rungs["rods"]["N=5"], seed), periods=4).c_x for seed in range(1, 9)
-    ]
+    starts = [md.run(ladder.scene(13, few, seed), periods=4).c_x for seed in range(1, 9)]
     assert d["answer"][-1] == pytest.approx(np.mean(starts))  # bars: scatter of independent starts
     assert d["scatter"][-1] == pytest.approx(np.std(starts, ddof=1))
     assert d["error"][-1] == pytest.approx(np.std(starts, ddof=1) / np.sqrt(8))

@@ -59,7 +59,7 @@ def out(tmp_path_factory):
         for module, sizes in TINY.items():
             for name, size in sizes.items():
                 patch.setattr(module, name, size)
-        few = {"effect_prices": "prices", "not_there_yet": "", "scaling": "time"}
+        few = {"effect_prices": "prices", "scaling": "time"}
         patch.setattr(price_list, "PRICE_PANELS", few)
         assert main(["prices", "--out", str(folder)]) == 0
         found = {}

@@ -195,7 +195,8 @@ def test_picture_and_summary_say_what_the_data_hold(monkeypatch):
     """One line a run in each table; where nothing was isolated, a dash."""
     few = dict.fromkeys(landing_census.CONTACTS, (40.15,))
     few |= {"gamma": (2.0,), "stiff": (5e5,), "lossy": (0.5,), "lone": (5e5,)}
-    monkeypatch.setattr(landing_census, "QUICK_VALUES", few)
+    varied = {name: (keys, (), few[name]) for name, (keys, *_) in landing_census.VARIED.items()}
+    monkeypatch.setattr(landing_census, "VARIED", varied)
     monkeypatch.setattr(landing_census, "CENSUS_PERIODS", {True: 30})
     d = landing_census.data(quick=True)
     picture = landing_census.draw(d)
