@@ -14,7 +14,10 @@ from md.sources import digest
 
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": ("derivations", "generated", "lookup", "report"),
-    "quick figures": ("figures", "md_figures"),
+    "quick figures": (
+        *("figures", "accuracy_figures", "claims", "drift_figures", "md_figures", "price_figures"),
+        *("ring_figures", "row_figures", "rows_figures"),
+    ),
     "space": ("annulus", "space", "space_hard_cases"),
 }
 
