@@ -132,8 +132,6 @@ def test_cost():
     assert worst[0] > 1e3 * worst[-1]
     assert np.all(middle <= worst)
     assert np.all(d["events_error"][0] < 1e-12)
-    times = [value for key, value in d.items() if key.endswith("seconds")]
-    assert all(np.all(np.asarray(value) > 0) for value in times)
 
 
 def test_command_prints_the_table(tmp_path, capsys, monkeypatch):
@@ -192,7 +190,6 @@ def test_handwritten_kernel_bit_for_bit():
     [
         (["benchmark", "--impacts", "0"], "'--impacts': 0 is not in the range 1<=x<=10000000"),
         (["benchmark", "--impacts", "1e3"], "'1e3'"),
-        (["benchmark", "--threads", "3"], "--threads"),
         (["bounce"], "bounce"),
         ([], "Missing command"),
     ],

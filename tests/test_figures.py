@@ -25,13 +25,15 @@ TOO_FEW = {"fig04", "landing_census"}  # tiny runs leave some of their numbers o
 def test_every_figure(name):
     """Numbers without objects, axes with names, words made of the numbers, which stay as they are.
 
-    Numbers are not all nan; a .npz file need not pickle them. Words change with the numbers.
+    Numbers are not all nan; a .npz file need not pickle them; times are positive. Words change with
+    the numbers.
     """
     d, module = data(name), figures.load(name)
     for key, value in d.items():
         kind = np.asarray(value).dtype.kind
         assert kind in "fiU", key
         assert kind == "U" or np.any(np.isfinite(value)) or name in TOO_FEW, key
+        assert not key.endswith("seconds") or np.all(np.asarray(value) > 0), key
     before = {key: np.copy(value) for key, value in d.items()}
     with tiny():
         picture = module.draw(d)

@@ -253,15 +253,6 @@ def test_gear_is_leapfrog_at_the_papers_step():
     assert d["gear_from_leapfrog"].max() < 3e-3
 
 
-def test_prices_are_positive():
-    d = data("accuracy_cost_impact")
-    prices = {key: value for key, value in d.items() if key.endswith("seconds")}
-    assert len(prices) == 7
-    for key, value in prices.items():
-        assert np.all(np.asarray(value) > 0), key
-        assert np.all(np.isfinite(value)), key
-
-
 def test_model_errors_along_the_ladders():
     d = data("accuracy_cost_impact")
     assert np.all(np.diff(d["coulomb_error"]) < 0)

@@ -66,13 +66,6 @@ def test_units_are_those_of_the_axes(over_tilt):
     np.testing.assert_allclose(data("fig06")["omega_before"], omega * np.sqrt(981 / 0.6))
 
 
-def test_parts_of_the_landings_sum_to_one(over_tilt):
-    names = [f"touches.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")]
-    parts = runs.gathered(over_tilt, *names)
-    np.testing.assert_allclose(sum(parts), 1, rtol=1e-12)
-    assert all(np.nanmin(part) >= 0 for part in parts)
-
-
 def test_phase_densities_integrate_to_one(over_tilt):
     (counts,) = runs.gathered(over_tilt, "phases")
     sums = data("fig08")["density"].sum(axis=1)
