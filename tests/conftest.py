@@ -4,6 +4,7 @@ import signal
 import time
 from pathlib import Path
 
+import matplotlib as mpl
 import pytest
 from hypothesis import settings
 from xdist.scheduler import LoadFileScheduling
@@ -21,6 +22,7 @@ TOGETHER = {  # files that one process works through, as they share what it has 
     "space": ("annulus", "space", "space_hard_cases"),
 }
 
+mpl.use("Agg")  # no windows
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
 

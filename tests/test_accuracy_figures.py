@@ -14,7 +14,6 @@ from impact.__main__ import main
 from impact.benchmark import random_impacts, table
 from impact.compiled import KERNELS as LAWS
 
-from .command_line import refused
 from .quick_figures import data
 from .reference import reference_collide
 
@@ -183,16 +182,3 @@ def test_handwritten_kernel_bit_for_bit():
         assert ours.tobytes() == np.array(benchmark.collide(given), float).tobytes()
         changed += ours.tobytes() != np.array(benchmark.collide_plain(given), float).tobytes()
     assert changed > 1000  # without the compensated sums the last digits differ
-
-
-@pytest.mark.parametrize(
-    ("arguments", "word"),
-    [
-        (["benchmark", "--impacts", "0"], "'--impacts': 0 is not in the range 1<=x<=10000000"),
-        (["benchmark", "--impacts", "1e3"], "'1e3'"),
-        (["bounce"], "bounce"),
-        ([], "Missing command"),
-    ],
-)
-def test_nonsense_costs_one_line(arguments, word, capsys):
-    refused(lambda: main(arguments), word, capsys)

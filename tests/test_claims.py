@@ -4,7 +4,6 @@ import json
 import os
 from types import SimpleNamespace
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -21,8 +20,6 @@ from md.host import step_of
 from md.store import Store
 
 from .quick_figures import data, tiny
-
-mpl.use("Agg")
 
 CLAIMS = judge.read()
 IDS = [*(f"S{i}" for i in range(1, 27)), "E1", "E2", "E3"]

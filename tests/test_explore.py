@@ -13,8 +13,6 @@ from figures.__main__ import main
 from figures.pages import explore
 from figures.pages.explore import CHOICES, RANGES, TILT, Setting, Window, data, words
 
-mpl.use("Agg")
-
 RODS = {"thin": impact.thin_rod, "round": impact.spherocylinder, "flat": impact.flat_ended_rod}
 START = Setting()
 CHANGES = [

@@ -3,7 +3,6 @@
 import shutil
 from pathlib import Path
 
-import matplotlib as mpl
 import pytest
 
 from derivations.__main__ import main as derive
@@ -15,8 +14,6 @@ from figures.paper import fig10
 from md.scene import SCENES
 
 from .command_line import refused
-
-mpl.use("Agg")
 
 UNWRITABLE = Path("/proc")  # for root as well
 WORK = {  # what takes the time, of each command
@@ -104,52 +101,3 @@ def test_the_pages_need_a_checkout(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(gallery, "README", tmp_path / "README.md")
     refused(lambda: main(["pages"]), f"needs a source checkout; there is no {tmp_path}", capsys)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("command", "word"),
-    [
-        ("claims --out FILE", "FILE"),
-        ("claims --store FILE", "FILE"),
-        ("paper --out FILE", "FILE"),
-        ("paper --store FILE", "FILE"),
-        ("draw fig10 --store FILE", "FILE"),
-        ("prices --store FILE", "FILE"),
-        ("prices --store no/folder.db", "no such folder"),
-        ("claims --store out/claims.json", "store must be another file"),
-        ("paper --store out/fig13.npz", "store must be another file"),
-        ("draw fig10 --out new.db --store ./new.db", "store must be another file"),
-        ("index --out FILE/deeper", "FILE"),
-        ("index FILE", "FILE"),
-        ("prices --out FILE/deeper", "FILE"),
-        ("draw fig10 --quick --out FILE", "FILE"),
-        ("draw fig10 --all", "--all draws every figure and takes no names, got fig10"),
-        ("paint", "paint"),
-        ("", "Missing command"),
-        ("movie", "SCENE"),
-        ("movie quasi2d --periods 0", "periods"),
-        ("movie quasi2d --frames -1", "frames"),
-        ("movie quasi2d --periods 1000000", "at most"),
-        ("movie quasi2d --periods few", "few"),
-        ("movie quasi2d --set rods.count=abc", "rods.count"),
-        ("movie quasi2d --set box.length=39", "box.length"),
-        ("movie quasi2d --set step.size=0.1", "step.size"),
-        ("movie quasi2d --set colour=1", "colour"),
-        ("explore --tilt-deg 91", "tilt_deg must be between 0 and 90, got 91"),
-        ("explore --friction -0.1", "friction must be between 0 and 1"),
-        ("explore --restitution nan", "restitution"),
-        ("explore --ratio 0", "ratio must be between 0.1 and 10"),
-        ("explore --length inf", "length"),
-        ("explore --length long", "--length"),
-        ("explore --shape cube", "shape must be one of thin, round, flat, got 'cube'"),
-        ("explore --law hooke", "law must be one of newton, poisson, stronge"),
-        ("explore --out picture.pdf", "out must be a file that ends in .png"),
-        ("explore", "--out FILE.png"),  # no display
-    ],
-)
-def test_nonsense_costs_one_line(command, word, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    Path("FILE").write_text("no store")
-    refused(lambda: main(command.split()), word, capsys)
-    assert Path("FILE").read_text() == "no store"
-    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["FILE"]

@@ -16,8 +16,6 @@ from impact._generated import DIGEST
 
 from .quick_figures import data, tiny
 
-mpl.use("Agg")
-
 TOO_FEW = {"fig04", "landing_census"}  # tiny runs leave some of their numbers open
 
 

@@ -89,7 +89,7 @@ def test_bad_usage_begins_with_the_command(name, capsys):
     refused(lambda: GROUPS[package]([*command, "--nonsense"]), f"python -m {name}: No such", capsys)
 
 
-REFUSED = {  # what is refused not by the parser: what the one line begins with
+REFUSED = {  # commands that are refused, and what the one line says
     "md run nowhere": "nowhere: no such scene",
     "md impact --tilt-deg nan --c-x 1 --c-z -1": "tilt must be between -pi/2 and pi/2, got nan",
     "md sweep drift --store no/a.db": "store no/a.db: no such folder",
@@ -99,16 +99,62 @@ REFUSED = {  # what is refused not by the parser: what the one line begins with
     "figures movie quasi2d --out a.png": "out must be a folder",
     "figures index --out FILE": "out must be a folder that holds",
     "derivations report --out FILE": "Invalid value for '--out'",
+    "impact": "Missing command",
+    "impact bounce": "bounce",
+    "impact benchmark --impacts 0": "'--impacts': 0 is not in the range 1<=x<=10000000",
+    "impact benchmark --impacts 1e3": "'1e3'",
+    "figures claims --out FILE": "FILE",
+    "figures claims --store FILE": "FILE",
+    "figures paper --out FILE": "FILE",
+    "figures paper --store FILE": "FILE",
+    "figures draw fig10 --store FILE": "FILE",
+    "figures prices --store FILE": "FILE",
+    "figures prices --store no/folder.db": "no such folder",
+    "figures claims --store out/claims.json": "store must be another file",
+    "figures paper --store out/fig13.npz": "store must be another file",
+    "figures draw fig10 --out new.db --store ./new.db": "store must be another file",
+    "figures index --out FILE/deeper": "FILE",
+    "figures index FILE": "FILE",
+    "figures prices --out FILE/deeper": "FILE",
+    "figures draw fig10 --quick --out FILE": "FILE",
+    "figures draw fig10 --all": "--all draws every figure and takes no names, got fig10",
+    "figures paint": "paint",
+    "figures": "Missing command",
+    "figures movie": "SCENE",
+    "figures movie quasi2d --periods 0": "periods",
+    "figures movie quasi2d --frames -1": "frames",
+    "figures movie quasi2d --periods 1000000": "at most",
+    "figures movie quasi2d --periods few": "few",
+    "figures movie quasi2d --set rods.count=abc": "rods.count",
+    "figures movie quasi2d --set box.length=39": "box.length",
+    "figures movie quasi2d --set step.size=0.1": "step.size",
+    "figures movie quasi2d --set colour=1": "colour",
+    "figures explore --tilt-deg 91": "tilt_deg must be between 0 and 90, got 91",
+    "figures explore --friction -0.1": "friction must be between 0 and 1",
+    "figures explore --restitution nan": "restitution",
+    "figures explore --ratio 0": "ratio must be between 0.1 and 10",
+    "figures explore --length inf": "length",
+    "figures explore --length long": "--length",
+    "figures explore --shape cube": "shape must be one of thin, round, flat, got 'cube'",
+    "figures explore --law hooke": "law must be one of newton, poisson, stronge",
+    "figures explore --out picture.pdf": "out must be a file that ends in .png",
+    "figures explore": "--out FILE.png",  # no display
 }
 
 
-@pytest.mark.parametrize("command", REFUSED)
-def test_refusals_begin_with_the_command(command, capsys, tmp_path, monkeypatch):
+@pytest.mark.parametrize("line", REFUSED)
+def test_refusals_begin_with_the_command(line, capsys, tmp_path, monkeypatch):
+    """And nothing is written or begun."""
     monkeypatch.chdir(tmp_path)
-    Path("FILE").touch()
-    package, *words = command.split()
-    said = f"python -m {package} {words[0]}: {REFUSED[command]}"
-    refused(lambda: GROUPS[package](words), said, capsys)
+    Path("FILE").write_text("no store")
+    package, *words = line.split()
+    command = " ".join(
+        [package, *words[:1]] if " ".join([package, *words[:1]]) in ALL else [package]
+    )
+    err = refused(lambda: GROUPS[package](words), REFUSED[line], capsys)
+    assert err.startswith(f"python -m {command}: ")
+    assert Path("FILE").read_text() == "no store"
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["FILE"]
 
 
 ENDS = [(KeyboardInterrupt, 130, "interrupted"), (MemoryError, 1, "not enough memory")]

@@ -3,7 +3,6 @@
 from itertools import product
 from math import radians
 
-import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -20,9 +19,6 @@ from md.kernels import touches
 from md.rod import Rod
 
 from .quick_figures import MOST_PERIODS, data
-
-mpl.use("Agg")
-
 
 SETTINGS = ["contacts.plate.law=coulomb", "contacts.rods.tangential_ratio=5"]
 
