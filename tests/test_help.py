@@ -7,6 +7,7 @@ import os
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -89,56 +90,10 @@ def test_bad_usage_begins_with_the_command(name, capsys):
     refused(lambda: GROUPS[package]([*command, "--nonsense"]), f"python -m {name}: No such", capsys)
 
 
-REFUSED = {  # commands that are refused, and what the one line says
-    "md run nowhere": "nowhere: no such scene",
-    "md impact --tilt-deg nan --c-x 1 --c-z -1": "tilt must be between -pi/2 and pi/2, got nan",
-    "md sweep drift --store no/a.db": "store no/a.db: no such folder",
-    "md results no.db": "store no.db: no such file",
-    "figures draw nothing": "there is no figure 'nothing'",
-    "figures movie nowhere": "nowhere: no such scene",
-    "figures movie quasi2d --out a.png": "out must be a folder",
-    "figures index --out FILE": "out must be a folder that holds",
-    "derivations report --out FILE": "Invalid value for '--out'",
-    "impact": "Missing command",
-    "impact bounce": "bounce",
-    "impact benchmark --impacts 0": "'--impacts': 0 is not in the range 1<=x<=10000000",
-    "impact benchmark --impacts 1e3": "'1e3'",
-    "figures claims --out FILE": "FILE",
-    "figures claims --store FILE": "FILE",
-    "figures paper --out FILE": "FILE",
-    "figures paper --store FILE": "FILE",
-    "figures draw fig10 --store FILE": "FILE",
-    "figures prices --store FILE": "FILE",
-    "figures prices --store no/folder.db": "no such folder",
-    "figures claims --store out/claims.json": "store must be another file",
-    "figures paper --store out/fig13.npz": "store must be another file",
-    "figures draw fig10 --out new.db --store ./new.db": "store must be another file",
-    "figures index --out FILE/deeper": "FILE",
-    "figures index FILE": "FILE",
-    "figures prices --out FILE/deeper": "FILE",
-    "figures draw fig10 --quick --out FILE": "FILE",
-    "figures draw fig10 --all": "--all draws every figure and takes no names, got fig10",
-    "figures paint": "paint",
-    "figures": "Missing command",
-    "figures movie": "SCENE",
-    "figures movie quasi2d --periods 0": "periods",
-    "figures movie quasi2d --frames -1": "frames",
-    "figures movie quasi2d --periods 1000000": "at most",
-    "figures movie quasi2d --periods few": "few",
-    "figures movie quasi2d --set rods.count=abc": "rods.count",
-    "figures movie quasi2d --set box.length=39": "box.length",
-    "figures movie quasi2d --set step.size=0.1": "step.size",
-    "figures movie quasi2d --set colour=1": "colour",
-    "figures explore --tilt-deg 91": "tilt_deg must be between 0 and 90, got 91",
-    "figures explore --friction -0.1": "friction must be between 0 and 1",
-    "figures explore --restitution nan": "restitution",
-    "figures explore --ratio 0": "ratio must be between 0.1 and 10",
-    "figures explore --length inf": "length",
-    "figures explore --length long": "--length",
-    "figures explore --shape cube": "shape must be one of thin, round, flat, got 'cube'",
-    "figures explore --law hooke": "law must be one of newton, poisson, stronge",
-    "figures explore --out picture.pdf": "out must be a file that ends in .png",
-    "figures explore": "--out FILE.png",  # no display
+REFUSED = {
+    f"{begin} {rest}".strip(): words
+    for begin, rows in tomllib.loads((ROOT / "tests/refused.toml").read_text()).items()
+    for rest, words in rows.items()
 }
 
 
