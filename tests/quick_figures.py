@@ -30,6 +30,7 @@ FEW_EFFECTS = {
     "instead": ("inertia: solid",),
     "off": ("off: acceleration of the plate",),
 }
+FEW_TOUCHES = {"gamma": 2.0, "stiff": 5e5, "lossy": 0.5, "lone": 5e5}
 ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
 RIGID = SimpleNamespace(flight=ESTIMATE, falling=ESTIMATE)
 FEW = {
@@ -39,15 +40,21 @@ FEW = {
 SIZES = {
     runs: {"SEEDS": {"start.seed": [1, 2]}},
     fig02: {"MAP_COUNTS": {True: (34, 24)}, "MAP_GAMMAS": {True: (1.2, 3.3)}},
-    fig04: {"QUICK_SIZES": FEW, "GAMMA_COUNTS": (40, 34, 24), "ANNULUS_COUNT": 32},
+    fig04: {
+        "SIZES": {name: (few, few) for name, few in FEW.items()},
+        "GAMMA_COUNTS": (40, 34, 24),
+        "ANNULUS_COUNT": 32,
+    },
     arrangement: {"EVERY": 2},
     fig05: {"EVERY": 2, "SHOWN_COUNTS": (32, 24), "SNAPSHOT_COUNTS": {True: (32, 24)}},
     fig07: {"TRANSIENT": 2, "lone": lambda _: (np.array([0.0]), [RIGID])},
     fig08: {"lone": lambda _: (np.array([0.0]), [RIGID])},
     measure_rows: {"FREQUENCY_TILTS_DEG": (21, 40)},
     landing_census: {
-        "QUICK_VALUES": dict.fromkeys(landing_census.CONTACTS, (40.15,))
-        | {"gamma": (2.0,), "stiff": (5e5,), "lossy": (0.5,), "lone": (5e5,)},
+        "VARIED": {
+            name: (keys, (), (FEW_TOUCHES.get(name, 40.15),))
+            for name, (keys, *_) in landing_census.VARIED.items()
+        }
     },
     accuracy_cost_drift: {
         **{
@@ -61,10 +68,7 @@ SIZES = {
     },
     accuracy_cost_ladder: {
         **{"LADDER_PERIODS": {True: 4}, "LANDINGS": (30,), "USUAL_STEPS": 13, "TRUSTED": (13, {})},
-        "ROWS": {
-            "step": {"t_c/13": (13, {})},
-            "rods": {"N=5": (13, {"rods.count": 5, "box.length": 5.375})},
-        },
+        **{"STEPS": (13,), "ROWS": {"rods": {"N=5": {"rods.count": 5, "box.length": 5.375}}}},
     },
     effect_prices: {
         **{"PLACES": 2, "PART": 400, "WARM_STEPS": 1, "PRICE_BLOCKS": {True: 3}},

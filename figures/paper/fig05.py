@@ -57,10 +57,9 @@ def _from_above(ax: Axes, rods: np.ndarray, norm: plt.Normalize) -> LineCollecti
     up = np.sign(rods[:, 5:6]) * half * rods[:, 3:5]
     ends = np.stack([rods[:, :2] - up, rods[:, :2] + up], axis=1)
     tilt = tilts_deg(rods)
-    lines = ax.add_collection(
-        LineCollection(ends, array=tilt, cmap=TILT_COLOURS, norm=norm, lw=1.6)
-    )
-    ax.scatter(*ends[:, 1].T, c=tilt, cmap=TILT_COLOURS, norm=norm, s=7, lw=0)
+    look = {"cmap": TILT_COLOURS, "norm": norm}
+    lines = ax.add_collection(LineCollection(ends, array=tilt, lw=1.6, **look))
+    ax.scatter(*ends[:, 1].T, c=tilt, s=7, lw=0, **look)
     edge = 1.04 * gap.outer
     ax.set(xlim=(-edge, edge), ylim=(-edge, edge), aspect="equal", xlabel="$x/d$", ylabel="$y/d$")
     return lines
@@ -77,15 +76,10 @@ def draw(d: Data) -> plt.Figure:
         lines = _from_above(ax, rods, norm)
         name_panel(ax, letter, rf"$N={n}$, mean tilt {tilt.mean():.0f}°")
     figure.colorbar(lines, ax=[a, b], label=r"tilt $\phi$ (deg)", pad=0.02, aspect=30)
-    looks = {
-        "zigzag": ("o-", BLACK, "order of the zig-zag"),
-        "share": ("^:", RED, f"share {MORE_DEG:g}° beyond the mean"),
-        "contrast": ("s--", GREEN, "contrast of tilts"),
-    }
-    beside = c.twinx()
-    for name, (form, colour, label) in looks.items():
-        ax = beside if name == "contrast" else c
-        curve(ax, d, "mean", name, colour, label, form=form, both=True)
+    beside, share = c.twinx(), f"share {MORE_DEG:g}° beyond the mean"
+    curve(c, d, "mean", "zigzag", BLACK, "order of the zig-zag", both=True)
+    curve(c, d, "mean", "share", RED, share, form="^:", both=True)
+    curve(beside, d, "mean", "contrast", GREEN, "contrast of tilts", form="s--", both=True)
     c.axhline(0, color="0.7", lw=0.6)
     c.set(xlabel=r"mean tilt $\phi$ (deg)", ylabel="order, share", ylim=(-0.1, 1.7))
     beside.set_ylim(*np.array([-0.1, 1.7]) * 1.2 * d["contrast"].max())
@@ -101,14 +95,12 @@ def draw(d: Data) -> plt.Figure:
     e.set_ylim(0, 1.3 * max(tilt.max() for tilt in tilts))
     e.legend(fontsize=6.5, loc="upper right", ncols=2)
     name_panel(e, "d")
-    figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {ANNULUS_WORDS}", fontsize=6.5)
+    figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {ANNULUS_WORDS}")
     return figure
 
 
 def summary(d: Data) -> str:
     """Measures over the number of rods."""
     columns = {"rods": d["count"], **{name: pairs(d, name) for name in MEASURED}}
-    head = (
-        "Fig. 5. second half of the runs, ± one s.e. over seeds; mean tilt, spread, contrast: deg"
-    )
-    return f"{head}\n{columned(columns, 3)}"
+    head = "Fig. 5. second half of the runs, ± one s.e. over seeds"
+    return f"{head}; mean tilt, spread, contrast: deg\n{columned(columns, 3)}"

@@ -58,9 +58,8 @@ def data(quick: bool = False) -> Data:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure = plt.figure(figsize=(7.0, 4.6))
-    a, b, c = figure.subplot_mosaic("ac;bc", width_ratios=(1.5, 1)).values()
-    a, c, b = a, b, c  # the mosaic is read row by row
+    figure, axes = plt.subplot_mosaic("ac;bc", figsize=(7.0, 4.6), width_ratios=(1.5, 1))
+    a, b, c = (axes[letter] for letter in "abc")
     low, high = d["plate"].min(), d["tips"].max()
     for i, ax in enumerate((a, b)):
         ax.fill_between(d["time"], low - 0.05, d["plate"], color="0.8", lw=0)
@@ -80,7 +79,7 @@ def draw(d: Data) -> plt.Figure:
     c.set(ylabel="mean flight (periods)", ylim=(0, None))
     c.legend(loc="upper right")
     name_panel(c, "c", "length of flights")
-    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
+    figure.supxlabel(TILT_SCAN_WORDS)
     return figure
 
 
