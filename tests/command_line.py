@@ -3,10 +3,11 @@
 from collections.abc import Callable
 
 
-def refused(call: Callable[[], int], word: str, capsys) -> None:
-    """One line on stderr, which holds the word, nothing on stdout, exit code 2."""
+def refused(call: Callable[[], int], word: str, capsys) -> str:
+    """Check one line on stderr, with the word in it, nothing on stdout, exit code 2; the line."""
     assert call() == 2
     printed = capsys.readouterr()
     assert printed.out == ""
     assert printed.err.count("\n") == 1
     assert word in printed.err
+    return printed.err
