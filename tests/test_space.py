@@ -36,6 +36,7 @@ from .space import (
     unit,
     within,
 )
+from .test_annulus import ring
 
 GAP = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
 
@@ -268,8 +269,7 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     ("call", "words"),
     [
         (lambda: md.Annulus(3.0, 3.9), "at least a diameter beyond"),
-        (lambda: md.Annulus(-1.0, 3.0), "annulus.inner must be between 0.001"),
-        (lambda: placement.placed(GAP, 70, 8.0), "do not fit into the annulus"),
+        (lambda: prepare(ring("rods.count=60")), "rods.count 60 do not fit into the annulus"),
         (lambda: placement.largest_tilt(GAP, 0.5), "length must be at least 1"),
     ],
 )
