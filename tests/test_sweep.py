@@ -328,17 +328,10 @@ def test_bad_sweeps_cost_one_line(tmp_path, capsys, content, message):
     assert not (tmp_path / "a.db").exists()
 
 
-def test_bad_stores_and_schedulers_cost_one_line(sweep_file, tmp_path, capsys):
-    (tmp_path / "text.db").write_text("not a database, but long enough to be looked at" * 20)
-    command = ["sweep", str(sweep_file), "--store"]
-    for more in (
-        [str(tmp_path / "text.db")],
-        [str(tmp_path / "nowhere" / "a.db")],
-        [str(tmp_path / "a.db"), "--workers", "0"],
-        [str(tmp_path / "b.db"), "--scheduler", "nonsense"],
-        [str(tmp_path / "b.db"), "--scheduler", "tcp://localhost:1", "--workers", "2"],
-    ):
-        refused(lambda more=more: main([*command, *more]), "", capsys)
+@pytest.mark.parametrize("store", ["base.toml", "nowhere/a.db", "a.db --workers 0"])
+def test_bad_stores_and_workers_cost_one_line(sweep_file, capsys, monkeypatch, store):
+    monkeypatch.chdir(sweep_file.parent)
+    refused(lambda: main(["sweep", "sweep.toml", "--store", *store.split()]), "", capsys)
 
 
 def test_a_key_says_what_is_computed(tmp_path, monkeypatch):
