@@ -4,8 +4,7 @@
 
 Each tree runs in a process of its own, with TREE/.venv/bin/python where there is one. A scene is
 `same` if every number has the same bits in both trees, nan included; otherwise its first
-difference is printed. Only public names of `md` and `impact` are used. What was renamed between
-the trees is found through `GROUPS` and `KEYS`, or else by its value, and then listed.
+difference is printed. Only public names of `md` and `impact` are used.
 
 Exit status: 0 if all scenes are the same, 1 if any differs or fails, 2 for bad input.
 """
@@ -23,12 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
-# Old names of parts of a result and the new ones; a group applies where its first name is there.
-GROUPS = [{"merged": "landings", "landings": "touches"}]
-KEYS = {"rods.spin": "rods.rolling"}  # old and new keys of a scene
-TIMES = {"run_seconds", "compile_seconds", "seconds", "needed_seconds", "next_digit_seconds"}
-NOT_COMPARED = TIMES | {"scene", "versions", "unwritten"}
-SHOWN = 3  # renamed quantities listed for a scene
+NOT_COMPARED = {"run_seconds", "compile_seconds", "seconds", "needed_seconds", "scene", "versions"}
+NOT_COMPARED |= {"next_digit_seconds", "unwritten"}
 
 # Few, short and soft rods are cheap; * stands for each contact.
 BASES = {
@@ -73,7 +68,7 @@ RUNS = {
     "annulus: no wall friction": "contacts.wall.friction=0",
     "annulus: no plate friction": "contacts.plate.friction=0",
     "annulus: no rod-rod contact": "contacts.rods=none",
-    "annulus: rolling": "rods.spin=true",
+    "annulus: rolling": "rods.rolling=true",
     "tolerance: calibrated": "",
     "tolerance: outside the calibration": "contacts.plate.restitution=0.2",
 }
@@ -81,17 +76,14 @@ IMPACTS = ("leapfrog", "verlet", "gear", "dop853")
 
 
 def load(name):
-    """The scene of a run, with new names of keys, or with old ones where these are unknown."""
+    """The scene of a run."""
     import md  # of the tree under test
 
     example, contacts, base = BASES[name.partition(":")[0]]
-    changes = {}
-    for key, _, value in (text.partition("=") for text in f"{base} {RUNS.get(name, '')}".split()):
-        changes |= {key.replace("*", contact): value for contact in contacts.split()}
-    try:
-        return md.load(example, [f"{KEYS.get(key, key)}={v}" for key, v in changes.items()])
-    except ValueError:
-        return md.load(example, [f"{key}={value}" for key, value in changes.items()])
+    changes = []
+    for text in f"{base} {RUNS.get(name, '')}".split():
+        changes += [text.replace("*", contact) for contact in contacts.split()]
+    return md.load(example, changes)
 
 
 def run(name, **options):
@@ -182,9 +174,7 @@ def quantities(value, path=""):
     elif hasattr(value, "_asdict"):
         value = value._asdict()
     if isinstance(value, Mapping):
-        new = {name: name for name in value if name not in NOT_COMPARED}
-        new |= {old: name for g in GROUPS if next(iter(g)) in value for old, name in g.items()}
-        parts = {name: value[old] for old, name in new.items()}
+        parts = {name: part for name, part in value.items() if name not in NOT_COMPARED}
     elif isinstance(value, list | tuple) and not all(isinstance(v, int | float) for v in value):
         parts = dict(enumerate(value))
     else:
@@ -236,21 +226,12 @@ def compared(a, b):
             return False, f"fails in {side}: {(folder / 'error').read_text()}"
     with np.load(a / "numbers.npz") as first, np.load(b / "numbers.npz") as second:
         a, b = dict(first), dict(second)
-    for name in (name for name in a if name in b):
+    if a.keys() != b.keys():
+        return False, f"differs: only one tree has {', '.join(sorted(a.keys() ^ b.keys()))}"
+    for name in a:
         if found := difference(a[name], b[name]):
             return False, f"differs in {name}: {found}"
-    left, renamed = {name: b[name] for name in b if name not in a}, []
-    for name in (name for name in a if name not in b):
-        twin = next((n for n in left if not difference(a[name], left[n])), None)
-        if twin is None:
-            return False, f"differs: only A has {name} = {a[name]}"
-        renamed.append(f"{name} -> {twin}")
-        del left[twin]
-    for name in left:
-        return False, f"differs: only B has {name} = {b[name]}"
-    more = ", ..." if len(renamed) > SHOWN else ""
-    names = f" ({len(renamed)} renamed: {', '.join(renamed[:SHOWN])}{more})" if renamed else ""
-    return True, f"same, {sum(array.size for array in a.values())} numbers{names}"
+    return True, f"same, {sum(array.size for array in a.values())} numbers"
 
 
 def main():
