@@ -135,16 +135,6 @@ def test_what_cannot_be_done_is_refused_before_the_run(options, message, capsys)
     refused(capsys, message, "single_rod", *options.split())
 
 
-def test_arguments_of_a_run_of_a_wrong_type_are_named():
-    with pytest.raises(TypeError, match="scene must be a"):
-        md.run("quasi2d")
-    with pytest.raises(TypeError, match="periods must be a whole number"):
-        md.run(load("single_rod"), periods=2.7)
-    with pytest.raises(TypeError, match="assignments must be texts KEY=VALUE, got None"):
-        load("quasi2d", [None])
-    assert load("quasi2d", "rods.count=10").rods.count == 10
-
-
 def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
     """As editors on Windows write it."""
     path = tmp_path / "mine.toml"
@@ -153,20 +143,27 @@ def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "make",
+    ("make", "message"),
     [
-        lambda: md.Rods(count="3"),
-        lambda: md.Rods(length="long"),
-        lambda: md.Contacts(rods=1.0),
-        lambda: md.Scene(rods=5, start=md.Start(tilt_deg=0.0)),
-        lambda: md.Scene(plate=3.3, start=md.Start(tilt_deg=0.0)),
-        lambda: md.Contact("coulomb", 0.3),
+        (lambda: md.Rods(count="3"), "count must be a whole number"),
+        (lambda: md.Rods(length="long"), "length must be a number"),
+        (lambda: md.Contacts(rods=1.0), "rods must be"),
+        (lambda: md.Scene(rods=5, start=md.Start(tilt_deg=0.0)), "rods must be"),
+        (lambda: md.Scene(plate=3.3, start=md.Start(tilt_deg=0.0)), "plate must be"),
+        (lambda: md.Contact("coulomb", 0.3), "law must be"),
+        (lambda: md.run("quasi2d"), "scene must be a"),
+        (lambda: md.run("quasi2d", tolerance=0.1), r"scene must be a md\.Scene"),
+        (lambda: md.run(load("single_rod"), periods=2.7), "periods must be a whole number"),
+        (lambda: load("quasi2d", [None]), "assignments must be texts KEY=VALUE, got None"),
     ],
 )
-def test_wrong_types_in_python(make):
-    """Parts that are no parts."""
-    with pytest.raises(TypeError):
+def test_wrong_types_in_python(make, message):
+    with pytest.raises(TypeError, match=message):
         make()
+
+
+def test_an_assignment_may_stand_alone():
+    assert load("quasi2d", "rods.count=10").rods.count == 10
 
 
 # What is a scene

@@ -265,27 +265,24 @@ LONG = SWEEP.replace("periods = 20", "periods = 400").replace(
 )
 
 
-def many_kills(folder, kills, seconds, hows=(signal.SIGKILL,)):
-    sweep, before = load_sweep(written(folder, LONG)), 0
+@pytest.mark.parametrize(
+    ("kills", "hows"),
+    [
+        (1, [signal.SIGKILL]),
+        pytest.param(20, [signal.SIGKILL, signal.SIGTERM, signal.SIGINT], marks=pytest.mark.slow),
+    ],
+)
+def test_kills_at_random_times_lose_nothing(tmp_path, kills, hows):
+    sweep, before, random = load_sweep(written(tmp_path, LONG)), 0, np.random.default_rng(7)
     for kill in range(kills):
-        _, rows, _ = killed(folder, hows[kill % len(hows)], seconds())
+        seconds = random.uniform(0.2, 4.0) if kills > 1 else 0.7
+        _, rows, _ = killed(tmp_path, hows[kill % len(hows)], seconds)
         assert rows >= before
         before = rows
-    tally = execute(sweep, folder / "a.db", workers=2)
+    tally = execute(sweep, tmp_path / "a.db", workers=2)
     assert tally.there == before
-    execute(sweep, folder / "b.db", workers=2)
-    assert gathered(sweep, folder / "a.db") == gathered(sweep, folder / "b.db")
-
-
-def test_kill_9_loses_nothing(tmp_path):
-    many_kills(tmp_path, 1, lambda: 0.7)
-
-
-@pytest.mark.slow
-def test_twenty_random_kills_lose_nothing(tmp_path):
-    random = np.random.default_rng(7)
-    hows = signal.SIGKILL, signal.SIGTERM, signal.SIGINT
-    many_kills(tmp_path, 20, lambda: random.uniform(0.2, 4.0), hows)
+    execute(sweep, tmp_path / "b.db", workers=2)
+    assert gathered(sweep, tmp_path / "a.db") == gathered(sweep, tmp_path / "b.db")
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
