@@ -24,30 +24,6 @@ def ring(*assignments):
     return md.load("annulus", [*SMALL, *assignments])
 
 
-@pytest.mark.parametrize(
-    ("assignments", "words"),
-    [
-        ("contacts.wall=none", "contacts.wall is missing: the scene names annulus"),
-        ("annulus=none", "annulus is missing: the scene names contacts.wall"),
-        ("annulus=none contacts.wall=none box.length=9 rods.rolling=true", "annulus is missing"),
-        ("box.length=9", "box must be absent from an annulus"),
-        ("annulus.outer=1.9", "annulus.outer must be at least a diameter beyond annulus.inner"),
-        ("annulus.inner=-1", "annulus.inner must be between"),
-        ("gravity.x=0.1", "gravity.x must be 0 in an annulus"),
-        ("rods.rolling=1", "rods.rolling must be true or false, got 1"),
-        ("contacts.wall.friction=-1", "contacts.wall.friction must be >= 0"),
-        ("contacts.wall.law=coulomb", "wall.tangential_ratio is not for the law coulomb: take"),
-        (
-            "contacts.wall.law=coulomb contacts.wall.tangential_ratio=none",
-            "contacts.wall.law must have a tangential spring",
-        ),
-    ],
-)
-def test_what_is_no_annulus_is_refused(assignments, words):
-    with pytest.raises((ValueError, TypeError), match=words):
-        ring(*assignments.split())
-
-
 @pytest.fixture(scope="module")
 def whole():
     return md.run(ring("plate.acceleration=5"), periods=6)

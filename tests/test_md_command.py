@@ -14,8 +14,6 @@ import md
 from md.__main__ import main
 from md.kernels.contact import Normal, Spring
 
-from .command_line import refused
-
 GIVEN = {"tilt-deg": "20", "friction": "0.4", "restitution": "0.65", "c-x": "0.5", "c-z": "-1"}
 
 STIFF = "appendix_a", "dop853"  # takes seconds
@@ -149,68 +147,6 @@ def test_all_options_at_once(capsys):
 @pytest.mark.parametrize("tilt_deg", ["90", "-90", "0", "-20"])
 def test_the_ends_of_the_tilt(capsys, tilt_deg):
     assert run(capsys, tilt_deg=tilt_deg)[0] == 0
-
-
-BAD = [  # options, words of the complaint
-    ({"tilt_deg": "91"}, "'--tilt-deg': 91.0 is not in the range -90<=x<=90"),
-    ({"tilt_deg": "nan"}, "tilt must be between -pi/2 and pi/2, got nan"),
-    ({"tilt_deg": "steep"}, "'--tilt-deg': 'steep' is not a valid float"),
-    ({"tilt_deg": None}, "Missing option '--tilt-deg'"),
-    ({"c_x": None}, "Missing option '--c-x'"),
-    ({"c_x": "nan"}, "c_x must be a number up to 1e6, got nan"),
-    ({"c_z": "-inf"}, "c_z must be a number up to 1e6, got -inf"),
-    ({"c_z": "1"}, "c_z must bring the contact point towards the plate: it moves away at 1"),
-    ({"c_z": "0"}, "c_z must bring the contact point towards the plate"),
-    ({"omega": "inf"}, "omega must be a number up to 1e6, got inf"),
-    ({"friction": "-0.1"}, "friction must be >= 0, got -0.1"),
-    ({"friction": "nan"}, "friction must be >= 0, got nan"),
-    ({"restitution": "1.1"}, "restitution must be between 0 and 1, got 1.1"),
-    ({"restitution": "1e-9"}, "restitution must be between 1e-6 and 1, got 1e-09"),
-    ({"restitution": "nan"}, "restitution must be between 0 and 1, got nan"),
-    ({"length": "0.9"}, "length must be between 1 and 1000, got 0.9"),
-    ({"length": "inf"}, "length must be between 1 and 1000, got inf"),
-    ({"inertia": "heavy"}, "'--inertia': 'heavy' is not one of 'solid', 'thin'"),
-    ({"law": "hooke"}, "'--law': 'hooke' is not one of 'appendix_a'"),
-    ({"integrator": "euler"}, "'--integrator': 'euler' is not one of"),
-    ({"stiffness": "0"}, "stiffness must be > 0 and finite, got 0.0"),
-    ({"stiffness": "1"}, "the plate is too soft for an impact at 1"),
-    ({"c_z": "-1e-31"}, "the impact must be at 1e-30 sqrt(g d) or faster, got 1e-31"),
-    ({"dt": "1e-12"}, "dt must be at least 6.7"),
-    ({"tolerance": "1e-9"}, "tolerance has no meaning under leapfrog"),
-    ({"dt": "0"}, "dt must be > 0 and finite, got 0.0"),
-    ({"dt": "-1e-5"}, "dt must be > 0 and finite, got -1e-05"),
-    ({"dt": "nan"}, "dt must be > 0 and finite, got nan"),
-    ({"dt": "1"}, "dt must be at most 0.00"),
-    ({"tangential_ratio": "3"}, "tangential_ratio has no meaning under coulomb, got 3"),
-    ({"spin": "1"}, "No such option"),
-    ({"law": "appendix_a"}, "restitution has no meaning under appendix_a, got 0.65"),
-    ({"integrator": "dop853", "tolerance": "1"}, "tolerance must be between 1e-14 and 1e-3"),
-    ({"integrator": "dop853", "dt": "1e-5"}, "dt has no meaning under dop853"),
-    ({"integrator": "dop853", "friction": "inf"}, "dop853 needs a friction of at most"),
-    ({"integrator": "dop853", "tilt_deg": "90"}, "dop853 follows one cap"),
-    (
-        {"law": "constant_restitution", "tangential_ratio": "0"},
-        "tangential_ratio must be > 0 and finite, got 0.0",
-    ),
-]
-
-
-@pytest.mark.parametrize(("changed", "words"), BAD)
-def test_nonsense_costs_one_line_and_code_2(capsys, changed, words):
-    """It names the argument, its value and its domain, and there is no traceback."""
-    refused(lambda: main(arguments(**changed)), words, capsys)
-
-
-@pytest.mark.parametrize(
-    ("argv", "words"),
-    [
-        ([], "Missing command"),
-        (["collide"], "'collide'"),
-        (["results", "a.db", "b.db"], "extra argument (b.db)"),
-    ],
-)
-def test_what_is_no_command(capsys, argv, words):
-    refused(lambda: main(argv), words, capsys)
 
 
 @pytest.mark.parametrize(

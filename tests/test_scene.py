@@ -12,45 +12,8 @@ from md.__main__ import main
 from md.host import prepare
 from md.scene import SCENES, as_dict, load
 
-from . import command_line
-
 EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))
 
-BAD = {  # KEY=VALUE for the row: what the error says
-    "rodz.count=3": "rodz is not a key of a scene; known there: rods, plate",
-    "rods.number=3": "rods.number is not a key of a scene; known there: count, length",
-    "rods.spin=true": "rods.spin is of an earlier version: write rods.rolling in its place",
-    "box.width=3": "box.width is not a key",
-    "contacts.walls.friction=1": "contacts.walls is not a key",
-    "contacts.plate.mu=1": "contacts.plate.mu is not a key",
-    "contacts.plate.stiffness.x=1": "contacts.plate.stiffness must be a number, got {'x': 1}",
-    "rods=3": "rods must be a table, got 3",
-    "box=[1]": "box must be a table, got [1]",
-    "contacts.rods=1": "contacts.rods must be a table, got 1",
-    "rods.count=2.5": "rods.count must be a whole number, got 2.5",
-    "rods.length=[1]": "rods.length must be a number, got [1]",
-    "rods.inertia=heavy": "rods.inertia must be solid or thin, got 'heavy'",
-    "rods.inertia=[1]": "rods.inertia must be solid or thin, got [1]",
-    "step.coarse=1": "step.coarse must be true or false, got 1",
-    "box.length=39.9": "box.length must be at least 40 for 40 rods, got 39.9",
-    "start.tilt_deg=80": "start.tilt_deg must be at most 21.5",
-    "step.size=0.1": "step.size must be at most",
-    "contacts.plate.law=hertz": "contacts.plate.law must be one of appendix_a, constant_rest",
-    "contacts.plate.law=[1]": "contacts.plate.law must be one of appendix_a, constant_rest",
-    "contacts.rods.restitution=1.5": "contacts.rods.restitution must be between 0 and 1, got 1.5",
-    "contacts.rods.restitution=true": "contacts.rods.restitution must be a number, got True",
-    "contacts.rods.stiffness=0": "contacts.rods.stiffness must be > 0 and finite, got 0",
-    "contacts.rods.stiffness=1": "contacts.rods.stiffness 1 is too soft",
-    "contacts.rods.damping=1": "contacts.rods.damping is not for the law constant_restitution",
-    "contacts.rods.law=coulomb": "contacts.rods.law must have a tangential spring",
-    "contacts.plate.law=appendix_a": "--set contacts.plate.restitution=none",
-    "plate=none": "plate is missing: the scene names contacts.plate, and needs both",
-    "contacts.plate=none": "contacts.plate is missing: the scene names plate, and needs both",
-    "box=none": "start.tilt_deg is missing: without a box it has no default",
-    "box.length=none": "box.length is missing",
-    "rods.count": "--set needs KEY=VALUE, got 'rods.count'",
-    "rods.count.x=1": "--set rods.count.x: count is a value, not a table",
-}
 DOMAINS = {  # what a message says is allowed, and the nearest values that are not
     "rods.count": ("between 1 and 1000000", 0, 1000001),
     "rods.length": ("between 1 and 1000", 0.999, 1000.1),
@@ -70,20 +33,6 @@ DOMAINS = {  # what a message says is allowed, and the nearest values that are n
 }
 
 
-def refused(capsys, message, *arguments):
-    """The command refuses in one line."""
-    command_line.refused(lambda: main(["run", *arguments]), message, capsys)
-
-
-@pytest.mark.parametrize(("assignment", "message"), BAD.items(), ids=BAD)
-def test_what_is_no_scene_is_refused(assignment, message, capsys):
-    """Key, value and domain, before anything runs: in Python an error, at the prompt a line."""
-    with pytest.raises((ValueError, TypeError)) as caught:
-        prepare(load("quasi2d", [assignment]))
-    assert message in str(caught.value)
-    refused(capsys, message, "quasi2d", "--set", assignment)
-
-
 @pytest.mark.parametrize("key", DOMAINS)
 def test_a_number_is_held_to_its_domain(key):
     """Also nan, and what is not a number."""
@@ -96,43 +45,6 @@ def test_a_number_is_held_to_its_domain(key):
         wanted = "whole number" if integer else "number"
         with pytest.raises(TypeError, match=f"{key} must be a {wanted}, got {value!r}"):
             load("quasi2d", [f"{key}={json.dumps(value)}"])
-
-
-def test_files_that_are_none(tmp_path, capsys):
-    """Missing, a directory, not text, not TOML."""
-    refused(capsys, "no such scene", str(tmp_path / "missing.toml"))
-    refused(capsys, "quasi2d", "quasi3d")
-    refused(capsys, str(tmp_path), str(tmp_path))
-    broken = tmp_path / "broken.toml"
-    for content in (b"[rods\ncount = 3\n", b"\xff\xfe\x00", b"[rods]\ncount = 3\ncount = 4\n"):
-        broken.write_bytes(content)
-        refused(capsys, "broken.toml", str(broken))
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        *("--periods 0", "--periods -3", "--periods 2.5", "--frames 0", "--no-such-option"),
-        *("--checkpoint no/such/folder/a.npz", "--trajectory no/such/folder/a.xyz"),
-    ],
-)
-def test_bad_options_are_refused_before_anything_runs(arguments, capsys):
-    """One line and exit code 2, whether the parser finds out or the run."""
-    refused(capsys, "", "single_rod", *arguments.split())
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("--checkpoint /proc/a.npz", "checkpoint must be a file that can be written"),
-        ("--trajectory /proc/a.xyz", "trajectory must be a file that can be written"),
-        ("--frames 2", "frames has no meaning without trajectory"),
-        ("--set step.size=1e-12", "step.size must be at least"),
-        ("--periods 1000000000", "periods must be between 1 and"),
-    ],
-)
-def test_what_cannot_be_done_is_refused_before_the_run(options, message, capsys):
-    refused(capsys, message, "single_rod", *options.split())
 
 
 def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):

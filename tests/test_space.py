@@ -268,7 +268,6 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: md.Annulus(3.0, 3.9), "at least a diameter beyond"),
         (lambda: prepare(ring("rods.count=60")), "rods.count 60 do not fit into the annulus"),
         (lambda: placement.largest_tilt(GAP, 0.5), "length must be at least 1"),
     ],
