@@ -15,6 +15,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import tomllib
 from collections.abc import Mapping
 from functools import partial
 from math import radians
@@ -25,53 +26,8 @@ import numpy as np
 NOT_COMPARED = {"run_seconds", "compile_seconds", "seconds", "needed_seconds", "scene", "versions"}
 NOT_COMPARED |= {"next_digit_seconds", "unwritten"}
 
-# Few, short and soft rods are cheap; * stands for each contact.
-BASES = {
-    "row": (
-        "quasi2d",
-        "plate rods",
-        "rods.count=8 rods.length=5 rods.inertia=solid box.length=8.8 start.speed=0.1 "
-        "step.size=none step.coarse=true contacts.*.stiffness=1e5",
-    ),
-    "annulus": (
-        "annulus",
-        "plate rods wall",
-        "rods.count=10 rods.length=4 annulus.inner=2 annulus.outer=3.7 step.size=none "
-        "contacts.*.stiffness=1e5",
-    ),
-    "tolerance": (
-        "quasi2d",
-        "plate rods",
-        "rods.count=8 box.length=9.5 step.size=none contacts.*.tangential_ratio=3",
-    ),
-}
-APPENDIX_A = (
-    "contacts.*.law=appendix_a contacts.*.restitution=none "
-    "contacts.*.damping=40 contacts.*.tangential_ratio=5"
-)
-RUNS = {
-    "row: constant_restitution": "",
-    "row: appendix_a": APPENDIX_A,
-    "row: appendix_a without factor": f"{APPENDIX_A} contacts.*.overlap_factor=false",
-    "row: coulomb": "contacts.plate.law=coulomb",
-    "row: plastic": "contacts.*.restitution=0",
-    "row: no plate": "plate=none contacts.plate=none gravity=none start.speed=0.5",
-    "row: no plate friction": "contacts.plate.friction=0",
-    "row: no rod-rod contact": "contacts.rods=none",
-    "row: no rod-rod friction": "contacts.rods.friction=0",
-    "row: no vibration": "plate.acceleration=0 start.drop=0.2",
-    "row: no gravity": "gravity=none start.speed=0.5",
-    "row: inclined gravity": "gravity.x=0.3 gravity.z=-0.9",
-    "row: open box": "box=none start.tilt_deg=20",
-    "row: thin inertia": "rods.inertia=thin",
-    "annulus: all effects but rolling": "",
-    "annulus: no wall friction": "contacts.wall.friction=0",
-    "annulus: no plate friction": "contacts.plate.friction=0",
-    "annulus: no rod-rod contact": "contacts.rods=none",
-    "annulus: rolling": "rods.rolling=true",
-    "tolerance: calibrated": "",
-    "tolerance: outside the calibration": "contacts.plate.restitution=0.2",
-}
+TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+RUNS = {f"{base}: {run}": more for base in TABLES for run, more in TABLES[base]["runs"].items()}
 IMPACTS = ("leapfrog", "verlet", "gear", "dop853")
 
 
@@ -79,11 +35,10 @@ def load(name):
     """The scene of a run."""
     import md  # of the tree under test
 
-    example, contacts, base = BASES[name.partition(":")[0]]
-    changes = []
-    for text in f"{base} {RUNS.get(name, '')}".split():
-        changes += [text.replace("*", contact) for contact in contacts.split()]
-    return md.load(example, changes)
+    base, changes = TABLES[name.partition(":")[0]], []
+    for text in f"{base['changes']} {RUNS.get(name, '')}".split():
+        changes += [text.replace("*", contact) for contact in base["contacts"].split()]
+    return md.load(base["scene"], changes)
 
 
 def run(name, **options):

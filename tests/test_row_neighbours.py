@@ -142,19 +142,6 @@ def test_a_period_added_to_any_rod_changes_no_force():
         assert np.abs(forces(engine, moved) - usual).max() <= 4 * ulp * steep
 
 
-def test_entries_follow_their_images():
-    """The list of rods moved by periods is the list of the rods, with the images counted anew."""
-    random = np.random.default_rng(4)
-    period = 13.0
-    rods = crowd(random, 8, 9.5, period)
-    _, usual = build(rods, HALF, period)
-    far = random.integers(-4, 5, 8)
-    moved = rods.copy()
-    moved[:, 0] += far * period
-    _, found = build(moved, HALF, period)
-    assert found == {(i, j, n + int(far[i] - far[j])) for i, j, n in usual}
-
-
 # While rods move
 
 

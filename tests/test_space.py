@@ -265,16 +265,11 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     assert (lean > 0).all() or (lean < 0).all()
 
 
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda: prepare(ring("rods.count=60")), "rods.count 60 do not fit into the annulus"),
-        (lambda: placement.largest_tilt(GAP, 0.5), "length must be at least 1"),
-    ],
-)
-def test_what_does_not_fit_is_refused(call, words):
-    with pytest.raises(ValueError, match=words):
-        call()
+def test_what_does_not_fit_is_refused():
+    with pytest.raises(ValueError, match=r"rods.count 60 do not fit into the annulus"):
+        prepare(ring("rods.count=60"))
+    with pytest.raises(ValueError, match="length must be at least 1"):
+        placement.largest_tilt(GAP, 0.5)
 
 
 @pytest.mark.parametrize("director", [(0, 0, 1), (0, 1, 0), (0, 0, -1), (1e-13, 0, 1)])
