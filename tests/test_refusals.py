@@ -18,9 +18,11 @@ from .command_line import refused
 from .rows import row
 from .test_store import ABOUT
 
+TABLES = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text(encoding="utf-8"))
+SWEEPS = TABLES.pop("sweep bad.toml --store b.db")
 REFUSALS = {
     f"{begin} {rest}".strip(): words
-    for begin, rows in tomllib.loads(Path(__file__).with_name("refusals.toml").read_text()).items()
+    for begin, rows in TABLES.items()
     for rest, words in rows.items()
 }
 
@@ -70,6 +72,14 @@ def test_nonsense_is_refused_in_one_line(folder, monkeypatch, capsys, command, w
     before = contents(folder)
     refused(lambda: main(command.split()), words, capsys)
     assert contents(folder) == before
+
+
+@pytest.mark.parametrize(("sweep", "words"), SWEEPS.items(), ids=SWEEPS)
+def test_a_sweep_that_is_none_is_refused_in_one_line(capsys, sweep, words):
+    scene = "" if sweep.startswith("scene") else 'scene = "single_rod"\n'
+    Path("bad.toml").write_text(scene + sweep)
+    refused(lambda: main(["sweep", "bad.toml", "--store", "b.db"]), words, capsys)
+    assert not Path("b.db").exists()
 
 
 def test_functions_are_guarded_as_commands_are(folder):
