@@ -5,8 +5,8 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -118,16 +118,8 @@ def test_what_python_does_not_handle_is_left_alone(handlers):
 
 def test_other_threads_have_no_signals():
     """Where Python would refuse a handler."""
-    done = []
-
-    def work():
-        with interrupt.deferred():
-            done.append(True)
-
-    thread = threading.Thread(target=work)
-    thread.start()
-    thread.join()
-    assert done
+    with ThreadPoolExecutor() as pool:
+        assert pool.submit(interrupt.deferred()(lambda: True)).result()
 
 
 @pytest.mark.usefixtures("alarm")

@@ -35,16 +35,11 @@ def test_json_holds_all_that_happened(capsys):
     code, out, err = run(capsys, "--json")
     assert (code, err) == (0, "")
     found = json.loads(out)
-    law = md.coulomb(0.65)
-    hit = md.impact(radians(20), 0.5, -1.0, friction=0.4, law=law)
+    hit = md.impact(radians(20), 0.5, -1.0, friction=0.4, law=md.coulomb(0.65))
     assert out.count("\n") == 1
-    assert set(found) == {*md.Impact._fields, "stiffness", "arguments"}
-    for key in ("c_x", "c_z", "omega", "restitution", "regime", "phases", "max_overlap"):
-        assert found[key] == getattr(hit, key)
-    assert (found["contact_time"], found["steps"]) == (hit.contact_time, hit.steps)
-    assert found["seconds"] > 0
+    assert set(found) == {*hit._fields, "stiffness", "arguments"}
+    assert found | hit._asdict() | {"seconds": found["seconds"]} == found
     assert found["regime"] == "slip-stick"
-    assert set(found["phases"]) == {"slide", "stick", "reversal"}
     assert sum(found["phases"].values()) == pytest.approx(found["contact_time"], rel=1e-12)
     assert found["arguments"]["tilt_deg"] == 20
 
@@ -55,10 +50,8 @@ def test_text_says_the_same(capsys):
     found = json.loads(run(capsys, "--json")[1])
     lines = dict(line.split(maxsplit=1) for line in out.splitlines())
     assert lines["regime"] == "slip-stick"
-    assert lines["omega"].split()[0] == f"{found['omega']:.6g}"
-    assert lines["restitution"].split()[0] == f"{found['restitution']:.6g}"
-    for value in (found["c_x"], found["c_z"], found["omega"], found["restitution"]):
-        assert f"{value:.6g}" in out
+    for name in ("c_x", "c_z", "omega", "restitution"):
+        assert f"{found[name]:.6g}" in lines.get(name, out)
     assert f"{found['max_overlap']:.4g} d" in out
     assert f"{found['steps']} steps" in out
 
