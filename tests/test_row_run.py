@@ -65,12 +65,12 @@ def test_the_ledger_closes_as_the_step_shrinks():
     assert found[0] < 1e-3, found
 
 
-def lone(law, size, gravity=0.0, acceleration=0.0, **start):
-    """An engine of a rod of length 4 just over a plate."""
+def lone(restitution, stiffness, size, gravity=0.0, acceleration=1e-12, **start):
+    """An engine of a rod of length 4 just over a plate; all have one kernel."""
     scene = Scene(
         rods=Rods(1, 4.0),
         plate=Plate(acceleration),
-        contacts=Contacts(plate=Contact(law, 0.3)),
+        contacts=Contacts(plate=Contact(md.coulomb(restitution, stiffness), 0.3)),
         gravity=Gravity(z=gravity),
         start=Start(**{"tilt_deg": 0.0, "speed": 0.0} | start),
         step=Step(size),
@@ -84,15 +84,13 @@ def test_each_part_of_the_ledger_is_what_the_closed_form_says():
     First order: steps of 1e-4, contacts of about 0.03.
     """
     e, v = 0.65, 1.0
-    law = md.coulomb(restitution=e, stiffness=SOFT)
-    engine = lone(law, 1e-4, drop=1e-6)
+    engine = lone(e, SOFT, 1e-4, drop=1e-6)
     engine.rods[0, C_Z] = -v
     engine.go(1000)
     assert engine.ledger[PLATE_NORMAL] == pytest.approx((1 - e * e) * v * v / 2, rel=3e-3)
-    assert engine.ledger[PLATE_WORK] == 0
-    assert abs(engine.ledger[PLATE_FRICTION]) < 1e-12
+    assert abs(engine.ledger[[PLATE_WORK, PLATE_FRICTION]]).max() < 1e-12
 
-    engine = lone(law, 1e-4, gravity=-1.0, tilt_deg=90.0)
+    engine = lone(e, SOFT, 1e-4, gravity=-1.0, tilt_deg=90.0)
     deep = (1 / (2 * SOFT)) ** (2 / 3)  # two caps carry the weight
     engine.rods[0, Z] -= deep
     engine.rods[0, C_X] = 0.1
@@ -105,7 +103,7 @@ def test_each_part_of_the_ledger_is_what_the_closed_form_says():
 
 def test_plate_work_of_an_elastic_bounce():
     """On a plate that rises with u a rod that falls with v leaves with v + 2 u."""
-    engine = lone(md.coulomb(1.0, 1e7), 1e-5, acceleration=3.0)
+    engine = lone(1 - 1e-9, 1e7, 1e-5, acceleration=3.0)
     engine.step = engine.per // 6  # it rises
     motion = engine.plate
     engine.rods[0, Z] = motion.height[engine.step] + 2.0 + 1e-9
@@ -116,7 +114,7 @@ def test_plate_work_of_an_elastic_bounce():
     assert engine.rods[0, C_Z] == pytest.approx(leaves, rel=0.05)
     assert change > 0.1
     assert engine.ledger[PLATE_WORK] == pytest.approx(change, rel=1e-3)
-    assert abs(engine.ledger[1:]).max() == 0
+    assert abs(engine.ledger[1:]).max() < 1e-8
 
 
 def test_nothing_pushes_the_row_along_a_smooth_plate():
@@ -127,7 +125,7 @@ def test_nothing_pushes_the_row_along_a_smooth_plate():
     scene = row("contacts.plate.friction=0", "plate.acceleration=6", "start.speed=0.3")
     engine = prepare(scene)
     before = engine.rods[:, C_X].sum()
-    engine.go(2000)
+    engine.go(2000, engine.series(2000 // engine.per))
     assert engine.ledger[PLATE_WORK] != 0
     assert abs(engine.ledger[PAIR_FRICTION]) > 1e-4
     assert engine.rods[:, C_X].sum() == pytest.approx(before, abs=1e-12)

@@ -9,7 +9,7 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.host import prepare
+from md.host import step_of
 from md.scene import SCENES, as_dict, load
 
 EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))
@@ -83,9 +83,9 @@ def test_an_assignment_may_stand_alone():
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_examples_load(name):
-    """And make an engine."""
+    """And have a step."""
     scene = load(name)
-    assert prepare(scene).dt > 0
+    assert step_of(scene)[0] > 0
     assert load(SCENES / f"{name}.toml") == scene
     assert load(name, ["start.seed=7"]) == replace(scene, start=replace(scene.start, seed=7))
 
