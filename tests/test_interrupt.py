@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -27,9 +26,8 @@ from md.kernels import single
 from md.rod import effects_of
 from md.store import write_csv
 
+from .command_line import ROOT, ended
 from .rows import row
-
-ROOT = Path(__file__).parents[1]
 
 
 class RungError(Exception):
@@ -234,7 +232,7 @@ def test_parts_give_the_bits_of_the_whole(monkeypatch):
 # SIGTERM is Ctrl-C
 
 
-def ended(monkeypatch, work, *arguments):
+def exit_code(monkeypatch, work, *arguments):
     """Exit code of a program whose one command is `work`."""
     group = command_line.Commands("it")
     group.command("work")(work)
@@ -248,7 +246,7 @@ def ended(monkeypatch, work, *arguments):
 @pytest.mark.usefixtures("handlers")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_commands_end_with_130_and_one_line(number, monkeypatch, capsys):
-    assert ended(monkeypatch, lambda: signal.raise_signal(number)) == 130
+    assert exit_code(monkeypatch, lambda: signal.raise_signal(number)) == 130
     assert capsys.readouterr().err == "it work: interrupted: what was finished is kept\n"
 
 
@@ -256,7 +254,7 @@ def test_commands_end_with_130_and_one_line(number, monkeypatch, capsys):
 def test_standard_output_that_is_closed_costs_one_line(monkeypatch, capsys):
     """Python has none then; nothing is begun that could not be told."""
     monkeypatch.setattr(sys, "stdout", None)
-    assert ended(monkeypatch, pytest.fail) == 2
+    assert exit_code(monkeypatch, pytest.fail) == 2
     assert capsys.readouterr().err == "it: cannot write: standard output is closed\n"
 
 
@@ -268,7 +266,7 @@ def test_a_figure_is_not_made_of_half_a_run(monkeypatch):
         scene = row("step.size=3e-4", "plate.acceleration=5")
         md.run(scene, periods=100_000, observe=lambda _: signal.raise_signal(signal.SIGINT))
 
-    assert ended(monkeypatch, figure) == 130
+    assert exit_code(monkeypatch, figure) == 130
 
 
 def test_a_handler_of_ones_own_ends_a_run(tmp_path, alarm):
@@ -364,19 +362,11 @@ def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
     for cold in (True, False) * 5:
         folder = tmp_path / str(random.integers(10**9))
         folder.mkdir()
-        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-        if cold:
-            environment["XDG_CACHE_HOME"] = str(tmp_path / folder.name / "cache")
-        process = subprocess.Popen(
-            [sys.executable, "-m", *LONG[name]],
-            **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True},
-            **{"cwd": folder, "env": environment, "start_new_session": True},
-        )
-        time.sleep(random.uniform(0.3, 15))
-        process.send_signal(number)
-        _, error = process.communicate(timeout=120)
-        assert process.returncode in (130, -number), error
-        assert process.returncode == 130 or not list(folder.iterdir())
+        home = {"XDG_CACHE_HOME": str(folder / "cache")} if cold else {}
+        seconds = random.uniform(0.3, 15)
+        code, _, error = ended(LONG[name], number, folder, seconds=seconds, **home)
+        assert code in (130, -number), error
+        assert code == 130 or not list(folder.iterdir())
         assert not [file for file in folder.iterdir() if ".part" in file.name]
         mine = [p for p in psutil.process_iter(["cwd"]) if p.info["cwd"] == str(folder)]
         assert not psutil.wait_procs(mine, timeout=10)[1]

@@ -2,9 +2,6 @@
 
 import json
 import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +11,9 @@ import md
 from md import simulation
 from md.trajectory import read_frames
 
+from .command_line import ended
 from .rows import ROW, row
 
-ROOT = Path(__file__).parents[1]
 PERIODS = 4
 SCENE = ("step.size=3e-4", "plate.acceleration=5")
 
@@ -206,36 +203,18 @@ def test_a_file_that_is_not_a_trajectory_has_no_frames(begun):
     assert len(read_frames(begun / "a.xyz")) == 20
 
 
-def command(path, *options):
-    """The run at the prompt."""
-    changes = [part for change in (*ROW, *SCENE) for part in ("--set", change)]
-    return [
-        *(sys.executable, "-m", "md", "run", "quasi2d", *changes),
-        *("--checkpoint", str(path), "--json", *options),
-    ]
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_at_the_prompt(tmp_path, number):
     """Exit code 130, a result of what was done, and a checkpoint from which the run goes on.
 
     SIGTERM is the same.
     """
-    path = tmp_path / "row.npz"
-    long = subprocess.Popen(
-        command(path, "--periods", "100000", "--trajectory", str(tmp_path / "row.xyz")),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=ROOT,
-    )
-    trajectory = tmp_path / "row.xyz"
-    while not (trajectory.exists() and trajectory.stat().st_size > 0):  # it has begun
-        assert long.poll() is None, long.stderr.read()
-        time.sleep(0.05)
-    long.send_signal(number)
-    out, err = long.communicate(timeout=60)
-    assert (long.returncode, err) == (130, "")
+    path, trajectory = tmp_path / "row.npz", tmp_path / "row.xyz"
+    changes = [part for change in (*ROW, *SCENE) for part in ("--set", change)]
+    files = "--checkpoint", str(path), "--trajectory", str(trajectory)
+    command = ["md", "run", "quasi2d", *changes, *files, "--json", "--periods", "100000"]
+    code, out, err = ended(command, number, tmp_path, begun=trajectory)
+    assert (code, err) == (130, "")
     found = json.loads(out)
     assert found["finished"] is False
     more = found["periods"] + 2

@@ -1,14 +1,10 @@
 """Sweeps: axes become points, points are computed once, and nothing that was finished is lost."""
 
 import json
-import os
 import signal
-import subprocess
-import sys
 import threading
 import time
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import psutil
@@ -21,7 +17,8 @@ from md.soft_impact import RunError
 from md.store import Store
 from md.sweep import Point, execute, expand, load_sweep
 
-ROOT = Path(__file__).parents[1]
+from .command_line import ended
+
 SCENE = """
 [rods]
 length = 3.0
@@ -192,25 +189,14 @@ def test_a_scheduler_that_is_none_is_named(tmp_path):
 
 def killed(folder, how, seconds):
     """Start the sweep, end it a while after there is a store; exit code, rows, last words."""
-    command = [sys.executable, "-m", "md", "sweep", "sweep.toml", "--store", "a.db"]
-    process = subprocess.Popen(
-        [*command, "--workers", "2"],
-        stderr=subprocess.PIPE,
-        start_new_session=True,
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )
-    while not (folder / "a.db").exists() and process.poll() is None:
-        time.sleep(0.05)
-    time.sleep(seconds)
-    os.killpg(process.pid, how) if how == signal.SIGKILL else process.send_signal(how)
-    _, error = process.communicate(timeout=60)
+    command = ["md", "sweep", "sweep.toml", "--store", "a.db", "--workers", "2"]
+    code, _, error = ended(command, how, folder, begun=folder / "a.db", seconds=seconds)
     rows = 0
     if (folder / "a.db").exists() and (folder / "a.db").stat().st_size:
         with Store(folder / "a.db", write=False) as store:
             assert store.database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
             rows = len(list(store.rows()))
-    return process.returncode, rows, error.decode()
+    return code, rows, error
 
 
 LONG = SWEEP.replace("periods = 20", "periods = 400").replace(
