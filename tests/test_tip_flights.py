@@ -62,19 +62,13 @@ def _flights(number, seed):
     return speed, phase, gamma, reach, tilt, omega
 
 
-def _check_flights(number, seed, samples):
-    worst, missed = _scan(*_flights(number, seed), samples)
+@pytest.mark.parametrize(
+    ("number", "seed"), [(3000, 3), pytest.param(1_000_000, 4, marks=pytest.mark.slow)]
+)
+def test_no_landing_of_either_tip_is_missed(number, seed):
+    worst, missed = _scan(*_flights(number, seed), 2000)
     assert missed == 0
     assert worst < 8 * np.finfo(float).eps
-
-
-def test_no_landing_of_either_tip_is_missed():
-    _check_flights(3000, 3, 2000)
-
-
-@pytest.mark.slow
-def test_no_landing_of_either_tip_is_missed_in_a_million():
-    _check_flights(1_000_000, 4, 2000)
 
 
 def test_contacts_against_many_digits():
