@@ -22,7 +22,8 @@ axioms, trace                       what is assumed; what a derivation rests on,
 newton                              (1)-(6): the contact point's equations of motion
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact
 bodies, thin_rod, drift             rods; boundaries, (23); stationary translation, (24)-(31)
-laws, appendix, references          other restitutions, energy; Appendix A; cited figures
+laws, appendix                      other restitutions, energy; Appendix A
+statements, references              sentences of the text; cited figures and equations
 second_routes                       whole impacts from conservation laws, for the proofs
 mutants                             deliberate mistakes: the proofs can fail
 registry                            all entries in the paper's order
