@@ -34,13 +34,13 @@ class Vibration(NamedTuple):
 class Contact(NamedTuple):
     """What one contact did; durations and normal impulses of its phases (see `codes`)."""
 
-    position: np.ndarray  # x, z, tilt at the end
-    velocity: np.ndarray  # c_x, c_z, omega
-    durations: tuple[float, ...]
-    impulses: tuple[float, ...]
+    position: Sequence[float] | np.ndarray  # x, z, tilt at the end
+    velocity: Sequence[float] | np.ndarray  # c_x, c_z, omega
+    durations: Sequence[float] | np.ndarray
+    impulses: Sequence[float] | np.ndarray
     stopped: bool  # whether the slip stopped at all
-    deepest: float
-    evaluations: int
+    deepest: float  # overlap, d
+    evaluations: int  # of the forces
     end: float  # time since the touch
 
 
