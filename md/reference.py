@@ -227,7 +227,5 @@ def follow(
             contact.choose(s, y)
         stopped = stopped or which == 3 or (which == 1 and contact.rigid)
     position = np.array([y[0], contact.setting[2][2] + y[1], tilt + y[2]])
-    return Contact(
-        *(position, y[3:6].copy(), tuple(durations), tuple(impulses), stopped, deepest),
-        *(contact.evaluations, s**4),
-    )
+    calls = contact.evaluations
+    return Contact(position, y[3:6], durations, impulses, stopped, deepest, calls, s**4)

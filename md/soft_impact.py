@@ -251,7 +251,10 @@ class _Case(NamedTuple):
         v_f = c_z - omega * a_x - plate_after(self.vibration, done.end)[1]
         stuck, turned = done.impulses[STUCK], done.impulses[TURNED]
         return Impact(
-            *(c_x, c_z, omega, float(v_f / self.speed)),
+            c_x=c_x,
+            c_z=c_z,
+            omega=omega,
+            restitution=float(v_f / self.speed),
             regime=REGIMES[single.regime_of(done.stopped, stuck, turned)],
             phases=dict(zip(PHASES, map(float, done.durations), strict=True)),
             max_overlap=float(done.deepest),
