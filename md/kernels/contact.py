@@ -217,44 +217,43 @@ def pressed(effects, rod, plate, cap, dt):
     """Normal contact of the cap `cap` = -1 or 1 along the axis, before its friction."""
     height, velocity = plate
     sine, cosine = rod.direction
-    a_x = cap * effects.half_length * sine
+    a_x, a_z = cap * effects.half_length * sine, height - rod.z
     overlap = height + 0.5 - (rod.z + cap * effects.half_length * cosine)
     rate = rod.now[1] - rod.now[2] * a_x - velocity
     force = 0.0
     if overlap > 0:
         mass = 1 / (1 + a_x * a_x * effects.lightness)
         force = normal_force(effects.normal, overlap, rate, mass, dt)
-    return Touch(overlap, force, rate, a_x, height - rod.z, 0.0, 0.0, 0.0)
+    return Touch(overlap, force, rate, a_x, a_z, 0.0, 0.0, rod.half[0] + rod.half[2] * a_z)
 
 
 @kernel
 def pressed_above(upper, effects, rod, plate, dt):
     """Normal contact of the upper cap, which stays open if there is none."""
     if upper is None:
-        return Touch(-1.0, 0.0, 0.0, 0.0, plate[0] - rod.z, 0.0, 0.0, 0.0)
+        a_z = plate[0] - rod.z
+        return Touch(-1.0, 0.0, 0.0, 0.0, a_z, 0.0, 0.0, rod.half[0] + rod.half[2] * a_z)
     return pressed(effects, rod, plate, 1.0, dt)
 
 
 @kernel
 def rubbed(friction, lightness, rod, touch, length, others, climb, dt):
-    """F_t at one cap, its spring and its slip.
+    """The touch of one cap with F_t and its spring.
 
     `others`: horizontal and angular acceleration by all else so far; `climb`: velocity of the plate
     against the rod, at which the arm shortens.
     """
-    a_x, angular = others
-    rise = touch.a_z
-    slip = rod.half[0] + rod.half[2] * rise
     if friction is None:
-        return 0.0, 0.0, slip
-    if touch.normal <= 0:
-        return 0.0, 0.0, slip
-    drive = a_x + angular * rise + rod.half[2] * climb
-    mass = 1 / (1 + rise * rise * lightness)
-    seen = Slip(slip, rod.now[0] + rod.now[2] * rise, drive, mass)
-    limit = friction.coefficient * touch.normal
-    force, length = friction_force(friction.spring, limit, touch.overlap, length, seen, dt)
-    return force, length, slip
+        return touch
+    overlap, normal, rate, a_x, a_z, _, _, slip = touch
+    if normal <= 0:
+        return touch
+    drive = others[0] + others[1] * a_z + rod.half[2] * climb
+    mass = 1 / (1 + a_z * a_z * lightness)
+    seen = Slip(slip, rod.now[0] + rod.now[2] * a_z, drive, mass)
+    limit = friction.coefficient * normal
+    force, length = friction_force(friction.spring, limit, overlap, length, seen, dt)
+    return Touch(overlap, normal, rate, a_x, a_z, force, length, slip)
 
 
 @kernel
@@ -292,16 +291,8 @@ def accelerations(effects, rod, plate, others, dt):
     low = pressed(effects, rod, plate, -1.0, dt)
     high = pressed_above(effects.upper, effects, rod, plate, dt)
     angular -= (low.a_x * low.normal + high.a_x * high.normal) * light
-    rub, spring, slip = rubbed(
-        effects.friction, light, rod, low, rod.springs[0], (a_x, angular), climb, dt
-    )
-    a_x, angular = a_x + rub, angular + low.a_z * rub * light
-    rub_2, spring_2, slip_2 = rubbed(
-        effects.friction, light, rod, high, rod.springs[1], (a_x, angular), climb, dt
-    )
-    a_x, angular = a_x + rub_2, angular + low.a_z * rub_2 * light
-    return (
-        (a_x, a_z + low.normal + high.normal, angular),
-        Touch(low.overlap, low.normal, low.rate, low.a_x, low.a_z, rub, spring, slip),
-        Touch(high.overlap, high.normal, high.rate, high.a_x, high.a_z, rub_2, spring_2, slip_2),
-    )
+    low = rubbed(effects.friction, light, rod, low, rod.springs[0], (a_x, angular), climb, dt)
+    a_x, angular = a_x + low.tangential, angular + low.a_z * low.tangential * light
+    high = rubbed(effects.friction, light, rod, high, rod.springs[1], (a_x, angular), climb, dt)
+    a_x, angular = a_x + high.tangential, angular + high.a_z * high.tangential * light
+    return (a_x, a_z + low.normal + high.normal, angular), low, high

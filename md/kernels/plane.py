@@ -68,7 +68,6 @@ from .neighbours import (
     clear,
     current,
     meetings,
-    note_travel,
     places,
     shifted,
     too_fast,
@@ -337,7 +336,6 @@ def march(effects, state, watchers, clock, steps):
             rods[i, SINE], rods[i, COSINE] = turned((rods[i, SINE], rods[i, COSINE]), omega * dt)
             rods[i, C_X], rods[i, C_Z], rods[i, OMEGA] = c_x, c_z, omega
             before[i, 0], before[i, 1], before[i, 2] = a
-        note_travel(effects.between, state.listed, fastest * dt)
-        if too_fast(effects.between, fastest * dt):
+        if too_fast(effects.between, state.listed, fastest * dt):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

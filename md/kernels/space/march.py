@@ -36,7 +36,7 @@ from ..codes import (
     WALL_TOO_DEEP,
 )
 from ..contact import plate_at
-from ..neighbours import note_travel, too_fast
+from ..neighbours import too_fast
 from .forces import at_inner, at_outer, on_plate, put, turning, vector
 from .geometry import UP, ZERO, along, cross, dot, from_above
 from .pairs import between_rods
@@ -181,7 +181,6 @@ def march(effects, state, watchers, clock, steps):
             put(before, i, 0, gain_c)
             put(before, i, 3, gain_w)
         way = (sqrt(fastest) + effects.half_length * sqrt(quickest)) * dt
-        note_travel(effects.between, state.pairs, way)
-        if too_fast(effects.between, way):
+        if too_fast(effects.between, state.pairs, way):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

@@ -115,8 +115,7 @@ def met(effects, state, pair, near, share, slot, dt):
     f = friction_force(between.friction, effects, bodies, state.pair_springs, at, rubbing, dt)
     f = along(f, force, normal)
     act(state.scratch, i, p, f)
-    add(state.scratch, j, 0, along(ZERO, -1.0, f))
-    add(state.scratch, j, 3, cross(f, q))
+    act(state.scratch, j, q, along(ZERO, -1.0, f))
 
 
 @kernel
