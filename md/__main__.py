@@ -205,9 +205,7 @@ def run(
 
 @main.command()
 @click.argument("sweep")
-@click.option(
-    "--store", required=True, metavar="FILE", help="SQLite file, made if it is not there."
-)
+@click.option("--store", required=True, metavar="FILE", help="SQLite file, made if missing.")
 @click.option("--workers", type=int, default=-1, help="Processes; -1: one a core.")
 @click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, which runs the points.")
 @click.option("--retry", is_flag=True, help="Run again what failed before.")

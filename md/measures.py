@@ -58,9 +58,8 @@ def _over_count(*names: str) -> dict[str, tuple[str, str]]:
     return {name: (name, "count") for name in names}
 
 
-_BEFORE, _AFTER = (
-    [f"{name}_{when}" for name in ("c_x", "c_z", "omega")] for when in ("before", "after")
-)
+_BEFORE = [f"{name}_before" for name in ("c_x", "c_z", "omega")]
+_AFTER = [f"{name}_after" for name in ("c_x", "c_z", "omega")]
 SUMS = tuple(quantities(np.zeros((0, _MERGED + 1)), 1, 1.0))
 _BOTH = {  # quotients of sums; plate_velocity over the plate's peak velocity, V_z/V_0
     "plate_velocity": ("plate", "count"),
@@ -174,11 +173,8 @@ class RowTables(Tables):
 
     def results(self, first: int, periods: int) -> dict[str, Any]:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""
-        turned = {"fell": codes.FELL, "passed_upright": codes.UPRIGHT}
-        rows = self.series.rows
-        found: dict[str, Any] = {
-            "turned": {name: int(rows[:, column].sum()) for name, column in turned.items()}
-        }
+        fell, upright = self.series.rows[:, [codes.FELL, codes.UPRIGHT]].sum(axis=0)
+        found: dict[str, Any] = {"turned": {"fell": int(fell), "passed_upright": int(upright)}}
         if self.engine.record is not None:
             found["phases"] = self.cycle(first, periods)
             if periods > 0:

@@ -190,9 +190,8 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
         raise InputError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
-        whose = (
-            "another scene" if other == ["scene"] else "an earlier version of md or other sources"
-        )
+        scene_alone = other == ["scene"]
+        whose = "another scene" if scene_alone else "an earlier version of md or other sources"
         raise InputError(f"checkpoint {path} belongs to {whose}; remove it to start again")
     return about, arrays
 
@@ -382,9 +381,7 @@ def run(
     periods = whole("periods", periods, 1, MOST_PERIODS)
     frames = whole("frames", frames, 1, 10**6)
     if observe is not None and scene.annulus is not None:
-        raise InputError(
-            "observe must be None in an annulus: touches of the plate are counted, not kept"
-        )
+        raise InputError("observe must be None in an annulus: touches are counted, not kept")
     distinct(trajectory=trajectory, checkpoint=checkpoint)
     if trajectory is not None:
         writable("trajectory", trajectory, is_trajectory, "one of frames")
