@@ -109,16 +109,16 @@ class Touch(NamedTuple):
 
 
 @kernel
-def dashpot(quarter, proportional, constant, overlap, root, mass):
+def term(constant, factor):
+    """A product to add; where its constant is absent, -0.0, which adds nothing and has no code."""
+    return -0.0 if constant is None else constant * factor
+
+
+@kernel
+def dashpot(normal, overlap, root, mass):
     """Normal force per velocity; `root` is sqrt(overlap)."""
-    c = 0.0
-    if quarter is not None:
-        c += quarter * sqrt(mass * root)
-    if proportional is not None:
-        c += proportional * overlap
-    if constant is not None:
-        c += constant
-    return c
+    c = term(normal.quarter, sqrt(mass * root)) + term(normal.proportional, overlap)
+    return c + term(normal.constant, 1.0)
 
 
 @kernel
@@ -133,41 +133,16 @@ def largest(plastic, rate, mass, dt):
 def normal_force(normal, overlap, rate, mass, dt):
     """F_n >= 0 of a contact with overlap > 0 that opens with the velocity `rate`."""
     root = sqrt(overlap)
-    c = dashpot(normal.quarter, normal.proportional, normal.constant, overlap, root, mass)
-    force = normal.stiffness * overlap * root - c * rate
+    force = normal.stiffness * overlap * root - dashpot(normal, overlap, root, mass) * rate
     return max(min(force, largest(normal.plastic, rate, mass, dt)), 0.0)
-
-
-@kernel
-def elastic(proportional, root, overlap):
-    """Tangential stiffness k."""
-    k = 0.0
-    if proportional is not None:
-        k += proportional * overlap
-    if root is not None:
-        k += root * sqrt(overlap)
-    return k
-
-
-@kernel
-def viscous(proportional, constant, ratio, overlap, stiffness, mass):
-    """Tangential dashpot g."""
-    g = 0.0
-    if proportional is not None:
-        g += proportional * overlap
-    if constant is not None:
-        g += constant
-    if ratio is not None:
-        g += 2 * ratio * sqrt(stiffness * mass)
-    return g
 
 
 @kernel
 def tangential_constants(spring, overlap, mass):
     """Stiffness k and dashpot g of the tangential element at this overlap."""
-    k = elastic(spring.proportional, spring.root, overlap)
-    proportional, constant = spring.proportional_dashpot, spring.constant_dashpot
-    return k, viscous(proportional, constant, spring.damping_ratio, overlap, k, mass)
+    k = term(spring.proportional, overlap) + term(spring.root, sqrt(overlap))
+    g = term(spring.proportional_dashpot, overlap) + term(spring.constant_dashpot, 1.0)
+    return k, g + term(spring.damping_ratio, 2 * sqrt(k * mass))
 
 
 @kernel

@@ -119,12 +119,6 @@ def wrapped(x, period):
 
 
 @kernel
-def shifted(period, image):
-    """Distance of an image from its rod."""
-    return 0.0 if period is None else image * period
-
-
-@kernel
 def image(distance, period):
     """How many periods a distance between a rod and an image holds beyond that of the rods."""
     return 0 if period is None else int(np.round(distance / period))

@@ -61,6 +61,7 @@ from .contact import (
     plate_at,
     spring_friction,
     tangential_constants,
+    term,
 )
 from .neighbours import (
     Listed,
@@ -69,7 +70,6 @@ from .neighbours import (
     current,
     meetings,
     places,
-    shifted,
     too_fast,
 )
 from .single import plus, turned
@@ -161,7 +161,7 @@ def pair_forces(effects, between, state, ledger, dt):
     now, index, springs, kept = listed.turn[0], listed.index, listed.springs, listed.losses
     for k in range(listed.start[now, rods.shape[0]]):
         i, j = index[now, k, 0], index[now, k, 1]
-        dx = rods[i, X] - rods[j, X] - shifted(effects.period, index[now, k, 2])
+        dx = rods[i, X] - rods[j, X] - term(effects.period, index[now, k, 2])
         dz = rods[i, Z] - rods[j, Z]
         a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
         if index[now, k, 3] == 0 and clear(dx, dz, a, b, half):

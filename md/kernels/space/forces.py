@@ -257,6 +257,8 @@ def on_plate(law, effects, state, i, plate, dt):
 @kernel
 def at_caps(wall, effects, state, i, seen, side, dt):
     """Add a wall's forces at both caps; the deepest overlap. `side`: 1 convex wall, -1 concave."""
+    if wall is None:
+        return 0.0
     deepest, rods, slot = 0.0, state.rods, INNER if side > 0 else OUTER
     touching = wall.radius + 0.5 * side
     for cap in range(2):
@@ -270,14 +272,6 @@ def at_caps(wall, effects, state, i, seen, side, dt):
         surface(wall.normal, wall.friction, effects, state, i, at, dt)
         deepest = max(deepest, 0.5 - at.reach)
     return deepest
-
-
-@kernel
-def at_outer(wall, effects, state, i, seen, dt):
-    """Add the forces of the concave wall, which only caps can touch; the deepest overlap."""
-    if wall is None:
-        return 0.0
-    return at_caps(wall, effects, state, i, seen, -1, dt)
 
 
 @kernel

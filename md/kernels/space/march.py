@@ -37,7 +37,7 @@ from ..codes import (
 )
 from ..contact import plate_at
 from ..neighbours import too_fast
-from .forces import at_inner, at_outer, on_plate, put, turning, vector
+from .forces import at_caps, at_inner, on_plate, put, turning, vector
 from .geometry import UP, ZERO, along, cross, dot, from_above
 from .pairs import between_rods
 
@@ -161,7 +161,7 @@ def march(effects, state, watchers, clock, steps):
             seen = from_above(vector(rods, i, PLACE), vector(rods, i, DIRECTOR))
             deepest = max(
                 at_inner(effects.inner, effects, state, i, seen, dt),
-                at_outer(effects.outer, effects, state, i, seen, dt),
+                at_caps(effects.outer, effects, state, i, seen, -1, dt),
             )
             if not deepest <= DEEP:
                 return n, WALL_TOO_DEEP, i
