@@ -31,7 +31,6 @@ from .simulation import finite
 from .store import table, write_csv
 
 _ENDS = {"reached": 0, "bias unknown": 3, "not reached": 4}  # exit codes of --tolerance
-_OF_TOLERANCE = "confidence", "floor", "max_seconds"
 _WIDTH = max(len(key) for key, _ in keys())
 _KEYS = """\b
 Keys and their defaults; what a scene does not name is not there. A key in cm
@@ -180,9 +179,8 @@ def run(
     chosen = _given(given, *given)
     if "frames" in chosen and trajectory is None:
         raise InputError("frames has no meaning without trajectory")
-    for name in _OF_TOLERANCE:
-        if name in chosen and "tolerance" not in chosen:
-            raise InputError(f"{name} has no meaning without tolerance")
+    if of_tolerance := _given(given, "tolerance", "confidence", "floor", "max_seconds"):
+        accuracy.checked(**of_tolerance)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotWritten)  # said after the result
         result = accuracy.run(
