@@ -385,16 +385,15 @@ def run(
     distinct(trajectory=trajectory, checkpoint=checkpoint)
     if trajectory is not None:
         writable("trajectory", trajectory, is_trajectory, "one of frames")
-    about: dict[str, Any] = {}
-    arrays, kept = None, None if checkpoint is None else Path(checkpoint)
+    saved, kept = None, None if checkpoint is None else Path(checkpoint)
     if kept is not None:
         writable("checkpoint", kept)
         if kept.exists():
-            about, arrays = _read(kept, scene)
-            check_continues(trajectory, frames, periods, about["trajectory"], kept)
+            saved = _read(kept, scene)
+            check_continues(trajectory, frames, periods, saved[0]["trajectory"], kept)
     running = _Run(scene, periods, ledger, kept)
-    if arrays is not None:
-        running.restore(about, arrays, periods)
+    if saved is not None:
+        running.restore(*saved, periods)
     per = running.engine.per
 
     with ExitStack() as stack:

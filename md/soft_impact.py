@@ -203,11 +203,8 @@ def impact(
     """
     rod, law = _checked_rod(rod), _checked_law(law)
     tilt = number("tilt", tilt, -pi / 2, pi / 2, "between -pi/2 and pi/2")
-    names = ("c_x", "c_z", "omega")
-    velocity = tuple(
-        number(name, value, -1e6, 1e6, "a number up to 1e6")
-        for name, value in zip(names, (c_x, c_z, omega), strict=True)
-    )
+    given = {"c_x": c_x, "c_z": c_z, "omega": omega}
+    velocity = tuple(number(k, v, -1e6, 1e6, "a number up to 1e6") for k, v in given.items())
     vibration, gravity = _checked_vibration(vibration), _checked_gravity(gravity)
     if integrator not in INTEGRATORS:
         raise InputError(f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}")

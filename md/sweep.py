@@ -24,6 +24,7 @@ import itertools
 import logging
 import math
 import warnings
+from collections import ChainMap
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -129,10 +130,7 @@ class Sweep:
         ----------
         key : of the scene, as "plate.acceleration"; KeyError if no axis has it
         """
-        for axis in self.axes:
-            if key in axis:
-                return np.array(axis[key])
-        raise KeyError(key)
+        return np.array(ChainMap(*self.axes)[key])
 
     def gather(self, store: str | Path, *names: str) -> tuple[np.ndarray, ...]:
         """Results along the axes; nan where a run is missing or has failed.
