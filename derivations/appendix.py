@@ -39,6 +39,15 @@ def damping() -> sp.Expr:
     return _constant(lambda q: q * REDUCED_MASS * OVERLAP * SPEED)
 
 
+_common = sp.Symbol("v", real=True)
+
+
+def _normal_part(first: sp.Expr, second: sp.Expr) -> sp.Expr:
+    """Normal part of the relative velocity of two grains that move along the normal."""
+    normal = sp.Matrix([0, 0, 1])
+    return ((first - second) * normal).dot(normal)
+
+
 _LENGTHS = {M: sp.Integer(1), L: sp.Integer(4), T: sp.Integer(1)}
 
 EQUATIONS = (
@@ -51,6 +60,8 @@ EQUATIONS = (
         verdict="erratum",
         contradicted_by=r"$F_n = k_n \delta^{3/2}$ with $m g/d^{3/2}$",
         contradiction=lambda: MASS * GRAVITY / DIAMETER ** sp.Rational(3, 2),
+        mistaken=lambda: _constant(lambda q: q * OVERLAP),
+        mistake="the spring is taken for a linear one",
         at=_LENGTHS,
         note="$m g/d^{3/2}$; the printed unit is that of a linear spring (and $D$ stands for $d$). "
         "In reduced units, $d = m = g = 1$, the number is the same",
@@ -66,6 +77,10 @@ EQUATIONS = (
         contradiction=lambda: sp.simplify(
             (FORCE / (OVERLAP * SPRING)) / (FORCE / OVERLAP ** sp.Rational(3, 2))
         ),
+        mistaken=lambda: sp.simplify(
+            _constant(lambda q: q * sp.sqrt(OVERLAP) * SPRING) / normal_stiffness()
+        ),
+        mistake=r"as if the tangential force were $-k_t \delta^{1/2} s$",
         at=_LENGTHS,
         note=r"$k_t \delta s$ is a force only if $k_t$ is in $m g/d^2$; 95 is $k_t d^{1/2}/k_n$",
     ),
@@ -78,6 +93,8 @@ EQUATIONS = (
         verdict="erratum",
         contradicted_by=r"$\gamma_n M_e \delta v_n$ with $(g/d^3)^{1/2}$",
         contradiction=lambda: sp.sqrt(GRAVITY / DIAMETER**3),
+        mistaken=lambda: _constant(lambda q: q * REDUCED_MASS * SPEED),
+        mistake="as if the damping force had no factor of overlap",
         at=_LENGTHS,
         note="$(g/d^3)^{1/2}$: the overlap in the damping term asks for another length",
     ),
@@ -93,12 +110,15 @@ EQUATIONS = (
         what=r"normal velocity printed as $v_i \cdot n_{ij}$: what a common velocity $v$ adds to "
         '"$v_n$"',
         symbol="\\delta v_n",
-        printed=sp.Symbol("v", real=True),
-        derive=lambda: sp.S.Zero,
-        at={sp.Symbol("v", real=True): sp.Integer(1)},
+        printed=_common,
+        derive=lambda: _normal_part(_common, _common),
+        at={_common: sp.Integer(1)},
         verdict="erratum",
         contradicted_by=r'"relative velocity" of the same sentence, $v_{ij} \cdot n_{ij} = 0$ for '
         "$v_i = v_j$",
+        contradiction=lambda: sp.S.Zero,
+        mistaken=lambda: _normal_part(_common, sp.S.Zero),
+        mistake="the second grain's velocity is left out",
         note=r"it must be $v_{ij} \cdot n_{ij}$; as printed two grains that travel together damp "
         "each other",
     ),

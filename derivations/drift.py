@@ -1,12 +1,10 @@
 """Stationary translation of bouncing rods, Section V, Eqs. (24)-(31)."""
 
-from functools import cache
-
 import sympy as sp
 
-from . import slide, slip_reversal, slip_stick
+from . import second_routes, slide, slip_reversal, slip_stick
+from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
 from .bodies import THIN, cylinder_gyration, flat_contact
-from .newton import approach
 from .proof import Equation
 from .symbols import (
     V_0,
@@ -24,57 +22,73 @@ from .symbols import (
     omega,
     phi,
     theta,
-    v_0,
 )
-from .thin_rod import critical_friction
+from .thin_rod import (
+    critical_friction,
+    largest_reversal_tilt,
+    overlooking_the_second_root,
+    printed_upper_tilt,
+)
+from .trace import derived
 
+eta = sp.Symbol("eta", positive=True)  # sqrt(Gamma - 1)
 CASES = {"stick": slip_stick.impulse, "back": slip_reversal.impulse}
 
 
-def _landing(case: str) -> tuple[sp.Expr, sp.Expr]:
-    """(c_x', c_z') after a landing without spin."""
-    return tuple(c.subs(omega, 0) for c in slide.cm_velocity(*CASES[case]()))
+@derived
+def spin_at_landing() -> sp.Expr:
+    """Omega before the mean landing, by the closure."""
+    (spin,) = sp.solve(CLOSURE({})[0], omega)
+    return spin
 
 
-@cache
+@derived
+def landing(case: str) -> tuple[sp.Expr, sp.Expr]:
+    """(c_x', c_z') after a landing with the closure's spin."""
+    return tuple(c.subs(omega, spin_at_landing()) for c in slide.cm_velocity(*CASES[case]()))
+
+
+@derived
 def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
     """(c_x', c_z') of stationary translation: c_x' = c_x, c_z' = -c_z, omega = 0."""
-    after_x, after_z = _landing(case)
-    solution = sp.solve([after_x - c_x, after_z + c_z], [c_x, c_z], dict=True)[0]
+    _, along, across = CLOSURE(dict(zip((after_x, after_z), landing(case), strict=True)))
+    solution = sp.solve([along, across], [c_x, c_z], dict=True)[0]
     return sp.factor(solution[c_x]), sp.factor(-solution[c_z])
 
 
-@cache
+@derived
 def landing_velocity(case: str) -> sp.Expr:
     """v_0 of the stationary landing; it must be negative for an impact to happen."""
     return sp.factor(-stationary(case)[1] - V_z)
 
 
-@cache
+@derived
 def relaxation(case: str) -> sp.Expr:
     """d c_x'/d c_x: what one landing leaves of a deviation from the stationary drift."""
-    return sp.factor(_landing(case)[0].diff(c_x))
+    return sp.factor(landing(case)[0].diff(c_x))
 
 
-@cache
+@derived
 def slide_loss() -> sp.Expr:
     """c_x' - c_x of a continuous slide; in stationary translation it is zero."""
-    return sp.factor((slide.cm_velocity(*slide.impulse())[0] - c_x).subs(omega, 0))
+    loss = slide.cm_velocity(*slide.impulse())[0] - c_x
+    return sp.factor(loss.subs(omega, spin_at_landing()))
 
 
-def plate_velocity(density: sp.Expr) -> sp.Expr:
-    """Mean of V_0 cos(theta) over a density of landing phases."""
-    return sp.integrate(V_0 * sp.cos(theta) * density, (theta, 0, 2 * sp.pi))
+@derived
+def plate_velocity() -> sp.Expr:
+    """Mean of V_0 cos(theta) over the density of landing phases."""
+    return sp.integrate(V_0 * sp.cos(theta) * LANDING_PHASES({}), (theta, 0, 2 * sp.pi))
 
 
-@cache
+@derived
 def onset_velocity() -> sp.Expr:
     """Leading V_z/V_0 at the first landing of a perfectly inelastic rod, eta = sqrt(Gamma - 1).
 
     The rod leaves where Gamma sin(theta) = 1 and lands where height and plate meet again; close
     to Gamma = 1 both happen near theta = pi/2, where sin is a parabola.
     """
-    eta, y, x = sp.symbols("eta y x", positive=True)
+    y, x = sp.symbols("y x", positive=True)
     start = -sp.sqrt(2) * eta  # theta - pi/2 at take-off: 1 - x^2/2 = 1/Gamma to leading order
     falling = eta**2 - x**2 / 2  # Gamma sin(theta) - 1: plate acceleration over gravity
     speed = sp.integrate(falling, (x, start, x))
@@ -83,7 +97,60 @@ def onset_velocity() -> sp.Expr:
     return -landings[0]  # cos(pi/2 + x) = -x
 
 
-_H = (1 + sp.cos(theta)) / (2 * sp.pi)
+@derived
+def flat_start() -> sp.Expr:
+    """Drift of a flat-ended rod in slip-stick on its edge, at the smallest positive tilt."""
+    contact = [part.subs(phi, 0) for part in flat_contact()]
+    flat = {X: contact[0], Z: contact[1], k: sp.sqrt(cylinder_gyration())}
+    return sp.factor(stationary("stick")[0].subs(flat))
+
+
+def _exponent(form: sp.Expr) -> sp.Expr:
+    """Exponent of a power law in Gamma - 1."""
+    return sp.limit((Gamma - 1) * form.diff(Gamma) / form, Gamma, 1, "+")
+
+
+# ---- second routes ----------------------------------------------------------------------------
+
+
+def _landed(value: sp.Expr) -> list[sp.Expr]:
+    """Residuals of the closure, in both regimes, if c_z has that value."""
+    return [r for case in CASES for r in second_routes.landing_residuals(case, c_z, value)]
+
+
+def _left_of_a_deviation(form: sp.Matrix) -> list[sp.Expr]:
+    """Difference of two landings whose c_x differ by one."""
+    after = [second_routes.impact(case)[0].subs(omega, 0) for case in CASES]
+    return [v.subs(c_x, 1) - v.subs(c_x, 0) - left for v, left in zip(after, form, strict=True)]
+
+
+def _balance_of_impulses(form: sp.Expr) -> list[sp.Expr]:
+    """Stationary: friction forward and backward cancel, under the same total normal impulse p.
+
+    In slip reversal without much friction the slip then stops at p/2. Sticking takes the same
+    tangential impulse back, so that it stops at p s/(mu + s), s = XZ/(k^2 + Z^2). Slip lost up to
+    there: (XZ + mu (k^2 + Z^2))/(m k^2) per impulse.
+    """
+    s = X * Z / (k**2 + Z**2)
+    lost = X * Z + mu * (k**2 + Z**2)
+    back, stick = sp.Rational(1, 2) * lost.subs(mu, 0), s / (mu + s) * lost
+    return [form - back / stick]
+
+
+def _flat_landing(form: sp.Expr) -> list[sp.Expr]:
+    """Residuals of the closure if c_x has that value, on the edge at (-d/2, l/2)."""
+    (residual,) = second_routes.landing_residuals("stick", c_x, form)
+    gyration = sp.sqrt(length**2 / 12 + diameter**2 / 16)
+    return [residual.subs({X: -diameter / 2, Z: length / 2, k: gyration})]
+
+
+def _onset_flight(form: sp.Expr) -> list[sp.Expr]:
+    """Gap at the landing phase x = -form by one integration: zero where the flight ends."""
+    x, start = sp.Symbol("x", positive=True), -sp.sqrt(2) * eta
+    weight = (-form - x) * (eta**2 - x**2 / 2)  # double integral by parts
+    return [sp.integrate(sp.expand(weight), (x, start, -form))]
+
+
 _denominator = k**2 * (1 - epsilon) + 2 * X**2
 _thin_denominator = 1 - epsilon + 6 * sp.sin(phi) ** 2
 _sc = sp.sin(phi) * sp.cos(phi)
@@ -102,25 +169,11 @@ def _thin(form: sp.Expr) -> sp.Expr:
 
 EQUATIONS = (
     Equation(
-        tag="V: closure",
-        what=r"stationary translation: $\omega = 0$, $c_x = c_x'$, $c_z = -c_z'$",
-        symbol="(\\omega, c_x'-c_x, c_z'+c_z)",
-        derive=lambda: sp.Matrix([0, 0, 0]),
-        verdict="assumed",
-        note="the paper's closure for what happens between two landings; $V_z$ is left open by it",
-    ),
-    Equation(
         tag="V: no slide",
         what='"the sliding regime cannot be realized": $c_x\' - c_x$ of a slide',
         symbol="c_x'-c_x",
         derive=slide_loss,
-        check=lambda: (
-            slide_loss()
-            - (mu * k**2 * (1 + epsilon) * v_0 / (k**2 + X**2 + mu * X * Z))
-            .subs(approach())
-            .subs(omega, 0),
-            slide_loss().subs(mu, 0),
-        ),
+        check=lambda form: (second_routes.impact("slide")[0].subs(omega, 0) - c_x - form,),
         verdict="new",
         note=r"negative for every $\mu > 0$ ($v_0 < 0$, $u_0 > 0$), so the closure excludes slide "
         "in the stationary landing itself; it does not exclude single slides in a scatter of "
@@ -188,40 +241,63 @@ EQUATIONS = (
     ),
     Equation(
         tag="V: range of (29)",
-        what='"slip reversal ($\\phi > \\phi_c$)": $c_x\'/V_z$ at 89 degrees, $\\mu = 0.3$, '
-        r"$\epsilon = 0.65$",
-        symbol="c_x'/V_z",
-        printed=(_printed_29 / V_z).subs({mu: sp.Rational(3, 10), **_EXAMPLE_29}),
-        derive=lambda: sp.cancel(_thin(stationary("stick")[0]) / V_z).subs(_EXAMPLE_29),
+        what=r'"in the slip-reversal regime ($\phi > \phi_c$)": where (27), (29) hold up to',
+        symbol="\\phi_{max}",
+        printed=sp.pi / 2,
+        derive=largest_reversal_tilt,
+        at={mu: sp.Rational(3, 10)},
         verdict="erratum",
-        contradicted_by="condition (16) at that tilt, where friction holds, with (26)",
-        note="above arctan of the larger root (84.04 degrees here) the contact sticks and (26) "
-        "holds: the drift goes to zero at 90 degrees, where (29) would leave "
+        contradicted_by=r"condition for $\phi_c$: its larger root",
+        contradiction=printed_upper_tilt,
+        mistaken=overlooking_the_second_root,
+        mistake="the second root of the condition is overlooked",
+        note="above arctan of the larger root (84.04 degrees for Fig. 11) the contact sticks and "
+        "(26) holds: the drift goes to zero at 90 degrees, where (29) would leave "
         r"$(1 + \epsilon) \mu/(7 - \epsilon)$",
     ),
     Equation(
-        tag="V: H(theta)",
+        tag="V: H(theta), normalised",
         what="the approximate density of landing phases is normalised",
         symbol="\\int H d\\theta",
         printed=sp.S.One,
-        derive=lambda: sp.integrate(_H, (theta, 0, 2 * sp.pi)),
+        derive=lambda: sp.integrate(LANDING_PHASES({}), (theta, 0, 2 * sp.pi)),
     ),
     Equation(
         tag="31",
         what="mean plate velocity at landing",
         symbol="V_z",
-        printed=V_0 / 2,
-        derive=lambda: plate_velocity(_H),
+        printed=V_0
+        / (2 * sp.pi)
+        * sp.Integral(sp.cos(theta) * (1 + sp.cos(theta)), (theta, 0, 2 * sp.pi)),
+        derive=plate_velocity,
         note="for the assumed $H$; the density itself is a fit to simulations",
     ),
     Equation(
-        tag="V: V_z at onset",
-        what=r'"one can expect that $V_z$ is proportional to $\Gamma - 1$ at small $\Gamma$"',
+        tag="31: value",
+        what="mean plate velocity at landing, integrated",
         symbol="V_z",
-        derive=lambda: V_0 * (Gamma - 1),
+        printed=V_0 / 2,
+        derive=plate_velocity,
+    ),
+    Equation(
+        tag="V: V_z at onset",
+        what=r'"one can expect that $V_z$ is proportional to $\Gamma - 1$ at small $\Gamma$": the '
+        "exponent",
+        symbol="d\\ln V_z/d\\ln(\\Gamma - 1)",
+        printed=sp.S.One,
+        derive=lambda: _exponent(V_0 * (Gamma - 1)),
         verdict="assumed",
-        note="an expectation for the crowd, not derived; a single perfectly inelastic rod does "
-        "otherwise, see the next row",
+        note="an expectation for many rods, not derived; a single perfectly inelastic rod has "
+        "another exponent, see the next row but one",
+    ),
+    Equation(
+        tag="V: exponent at onset",
+        what="exponent of $V_z$ of a single perfectly inelastic rod",
+        symbol="d\\ln V_z/d\\ln(\\Gamma - 1)",
+        derive=lambda: _exponent(V_0 * onset_velocity().subs(eta, sp.sqrt(Gamma - 1))),
+        # take-off and landing phase scale alike: x^2/(Gamma - 1) is a number
+        check=lambda form: (sp.diff((Gamma - 1) ** (2 * form) / (Gamma - 1), Gamma),),
+        verdict="new",
     ),
     Equation(
         tag="V: inelastic onset",
@@ -229,10 +305,7 @@ EQUATIONS = (
         r"$\eta = \sqrt{\Gamma - 1}$",
         symbol="V_z/V_0",
         derive=onset_velocity,
-        check=lambda: (
-            onset_velocity() + 3 * sp.sqrt(2) * sp.Symbol("eta", positive=True),
-            _onset_flight(),
-        ),
+        check=_onset_flight,
         verdict="new",
         note="negative, and a square root, not a line: a landing on the falling plate, which the "
         "closure below cannot turn into a drift",
@@ -243,10 +316,7 @@ EQUATIONS = (
         symbol="v_0",
         derive=lambda: landing_velocity("stick"),
         shown=-2 * (k**2 + X**2) * V_z / _denominator,
-        check=lambda: (
-            landing_velocity("stick") - landing_velocity("back"),
-            landing_velocity("stick") + 2 * (k**2 + X**2) * V_z / _denominator,
-        ),
+        check=lambda form: _landed(form + V_z),
         verdict="new",
         note=r"negative only for $V_z > 0$: with $V_z \le 0$ the closure has no impact at all, so "
         "a small negative $V_z$ cannot by itself explain the reverse drift (Section VI)",
@@ -257,10 +327,7 @@ EQUATIONS = (
         symbol="c_z'-V_z",
         derive=lambda: sp.factor(stationary("stick")[1] - V_z),
         shown=2 * (epsilon * k**2 - X**2) * V_z / _denominator,
-        check=lambda: (
-            stationary("stick")[1] - V_z - 2 * (epsilon * k**2 - X**2) * V_z / _denominator,
-            _thin(epsilon * k**2 - X**2) / (length**2 / 12) - epsilon + 3 * sp.sin(phi) ** 2,
-        ),
+        check=lambda form: _landed(-form - V_z),
         verdict="new",
         note=r"negative from $X^2 = \epsilon k^2$ on (27.7 degrees for a thin rod at "
         r"$\epsilon = 0.65$): there the rod separates only because it spins, and without spin it "
@@ -283,11 +350,7 @@ EQUATIONS = (
                 / ((mu * (k**2 + Z**2) + X * Z) * (k**2 + X**2 - mu * X * Z)),
             ]
         ),
-        check=lambda: (
-            relaxation("stick") - Z**2 / (k**2 + X**2 + Z**2),
-            relaxation("back").subs(mu, 0) - 1,
-            relaxation("back").diff(mu).subs(mu, 0) + 2 * k**2 / (X * Z),
-        ),
+        check=_left_of_a_deviation,
         verdict="new",
         note=r"as $\mu \to 0$ the drift (29) tends to half of (26), not to zero, but the number of "
         r"landings needed to reach it grows as $XZ/(2 \mu k^2)$",
@@ -297,9 +360,7 @@ EQUATIONS = (
         what=r"(27) at $\mu \to 0$ over (24)",
         symbol="c_x'(27)/c_x'(24)",
         derive=lambda: sp.cancel(stationary("back")[0].subs(mu, 0) / stationary("stick")[0]),
-        check=lambda: (
-            stationary("back")[0].subs(mu, 0) / stationary("stick")[0] - sp.Rational(1, 2),
-        ),
+        check=_balance_of_impulses,
         verdict="new",
     ),
     Equation(
@@ -308,7 +369,7 @@ EQUATIONS = (
         symbol="\\phi_{flat}",
         derive=lambda: sp.solve(flat_contact()[0], phi)[0],
         shown=sp.atan(diameter / length),
-        check=lambda: (flat_contact()[0].subs(phi, sp.atan(diameter / length)),),
+        check=lambda form: (flat_contact()[1].diff(phi).subs(phi, form),),  # highest there
         verdict="new",
         note=r"$\arctan(d/l)$, from $X = 0$: 7.1 degrees for the experiment's $l = 8 d$, which "
         "reports motion from 8 degrees on",
@@ -317,32 +378,15 @@ EQUATIONS = (
         tag="V: flat end at tilt 0",
         what="drift of a flat-ended rod in slip-stick as its tilt goes to 0 from above",
         symbol="c_x'",
-        derive=lambda: sp.factor(_flat_start()),
+        derive=flat_start,
         shown=-24
         * (1 + epsilon)
         * diameter
         * length
         * V_z
         / (4 * (1 - epsilon) * length**2 + 3 * (9 - epsilon) * diameter**2),
-        check=lambda: (
-            _flat_start()
-            + _flat_start().subs(diameter, -diameter),  # the other edge: tilt 0 from below
-        ),
+        check=_flat_landing,
         verdict="new",
         note="finite and backwards; it changes sign as the contact jumps from edge to edge",
     ),
 )
-
-
-def _flat_start() -> sp.Expr:
-    contact = [part.subs(phi, 0) for part in flat_contact()]
-    flat = {X: contact[0], Z: contact[1], k: sp.sqrt(cylinder_gyration())}
-    return stationary("stick")[0].subs(flat)
-
-
-def _onset_flight() -> sp.Expr:
-    """Gap at x = 3 sqrt(2) eta by direct integration: zero where the flight ends."""
-    eta, x = sp.symbols("eta x", positive=True)
-    start, end = -sp.sqrt(2) * eta, 3 * sp.sqrt(2) * eta
-    weight = (end - x) * (eta**2 - x**2 / 2)  # double integral by parts
-    return sp.integrate(sp.expand(weight), (x, start, end))

@@ -121,7 +121,7 @@ def function(tag: str) -> Callable[..., Any]:
     >>> drift(X=X, Z=Z, k=0.3, mu=0.3, epsilon=0.65, V_z=1.0).round(3)
     array([2.588, 1.748])
     """
-    form = equation(tag)
+    form = equation(tag).doit()
     order = [*NAMED.values(), *sorted(form.free_symbols, key=str)]
     letters = sorted(form.free_symbols, key=order.index)
     vector = isinstance(form, sp.MatrixBase)

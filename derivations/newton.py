@@ -1,13 +1,14 @@
-"""Newton's and Euler's laws for a rod that is struck at its contact point, Eqs. (1)-(6).
+"""The contact point of a rod that is struck there: from the axioms to Eqs. (1)-(6).
 
 The contact point is the origin, the centre of mass stands at (X, 0, Z), and a positive omega
 turns +z towards +x. Every later equation is computed from the functions below.
 """
 
-from functools import cache
+from collections.abc import Mapping
 
 import sympy as sp
 
+from .axioms import EULER, IMPULSIVE, NEWTON, RIGID, P, lever_x, lever_z, tau, turn, xi, zeta
 from .proof import Equation
 from .symbols import (
     F_x,
@@ -25,137 +26,180 @@ from .symbols import (
     moment,
     omega,
     phi,
-    t,
     u_0,
     v_0,
 )
+from .trace import derived
 
-AXIS = sp.Matrix([sp.sin(phi), 0, sp.cos(phi)])  # u: from the contact point up the rod
-TO_CONTACT = sp.Matrix([-X, 0, -Z])  # from the centre of mass to the contact point
+Lever = tuple[sp.Expr, sp.Expr]  # (x, z) from the centre of mass to the contact point
 
-
-def velocity_change(impulse: sp.Matrix) -> sp.Matrix:
-    """Newton: the impulse changes the velocity of the centre of mass by P/m, Eq. (1)."""
-    return impulse / m
-
-
-def spin_change(impulse: sp.Matrix, lever: sp.Matrix, inertia: sp.Expr) -> sp.Matrix:
-    """Euler: the impulse's moment about the centre of mass changes omega, Eq. (2)."""
-    return lever.cross(impulse) / inertia
+TO_CONTACT: Lever = (-X, -Z)
+TO_TIP: Lever = (-length / 2 * sp.sin(phi), -length / 2 * sp.cos(phi))
+g = sp.Symbol("g", positive=True)  # gravity
+plate_rate = sp.Symbol("Vdot_z", real=True)  # acceleration of the plate
 
 
-def contact_velocity(
-    c: sp.Matrix, spin: sp.Matrix, lever: sp.Matrix, plate: sp.Matrix
-) -> sp.Matrix:
-    """Velocity of the body's contact point relative to the plate, Eq. (3)."""
-    return c + spin.cross(lever) - plate
+def velocity_change(p: sp.Expr) -> sp.Expr:
+    """Change of a component of the centre's velocity under that component of the impulse."""
+    return NEWTON({P: p})
 
 
-@cache
+def spin_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Expr:
+    """Change of omega under an impulse at the end of a lever."""
+    x, z = lever
+    return EULER({P_x: p_x, P_z: p_z, lever_x: x, lever_z: z, moment: inertia})
+
+
+@derived
+def spin_jump(p_x: sp.Expr, p_z: sp.Expr) -> sp.Expr:
+    """Change of omega under the impulse (p_x, p_z) at the contact point; I = m k^2."""
+    return spin_change(p_x, p_z, TO_CONTACT, m * k**2)
+
+
+def _turned(lever: Lever, order: int) -> sp.Matrix:
+    """Derivative of a body point's place with respect to the turn of the body."""
+    place = RIGID({xi: lever[0], zeta: lever[1]})
+    return place.diff(turn, order).subs(turn, 0)
+
+
+@derived
+def contact_velocity(lever: Lever) -> sp.Matrix:
+    """Velocity of the contact point relative to the plate, (u, v)."""
+    return sp.Matrix([c_x, c_z - V_z]) + omega * _turned(lever, 1)
+
+
+@derived
+def contact_acceleration(f_x: sp.Expr, f_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
+    """Acceleration of the contact point relative to the plate under the force (f_x, f_z) there."""
+    centre = sp.Matrix([velocity_change(f_x), velocity_change(f_z) - g - plate_rate])
+    spin_rate = spin_change(f_x, f_z, lever, inertia)
+    return centre + spin_rate * _turned(lever, 1) + omega**2 * _turned(lever, 2)
+
+
+@derived
+def impulsive_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
+    """Change of the contact point's velocity in the limit of a short and violent impact."""
+    force = [IMPULSIVE({P: p}) for p in (p_x, p_z)]
+    change = tau * contact_acceleration(*force, lever, inertia)
+    return change.applyfunc(lambda part: sp.limit(sp.expand(part), tau, 0))
+
+
+@derived
 def contact_change(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Change (du, dv) of the contact point's velocity under the impulse (p_x, p_z); I = m k^2."""
-    impulse = sp.Matrix([p_x, 0, p_z])
-    spin = spin_change(impulse, TO_CONTACT, m * k**2)
-    change = contact_velocity(velocity_change(impulse), spin, TO_CONTACT, sp.zeros(3, 1))
-    return sp.expand(change[0]), sp.expand(change[2])
+    du, dv = impulsive_change(p_x, p_z, TO_CONTACT, m * k**2)
+    return sp.expand(du), sp.expand(dv)
 
 
-@cache
-def spin_jump(p_x: sp.Expr, p_z: sp.Expr) -> sp.Expr:
-    """Change of omega under the impulse (p_x, p_z)."""
-    return spin_change(sp.Matrix([p_x, 0, p_z]), TO_CONTACT, m * k**2)[1]
-
-
-@cache
-def approach() -> dict[sp.Symbol, sp.Expr]:
+@derived
+def approach() -> Mapping[sp.Symbol, sp.Expr]:
     """u_0 and v_0, the contact point's velocity before the impact, by Eq. (3)."""
-    v = contact_velocity(
-        sp.Matrix([c_x, 0, c_z]), sp.Matrix([0, omega, 0]), TO_CONTACT, sp.Matrix([0, 0, V_z])
-    )
-    return {u_0: v[0], v_0: v[2]}
+    u, v = contact_velocity(TO_CONTACT)
+    return {u_0: u, v_0: v}
 
 
-@cache
-def tip_velocity() -> sp.Matrix:
-    """Velocity of the rod's lower tip relative to the plate, by differentiating its position."""
-    x, z, tilt, height = (sp.Function(name)(t) for name in ("x", "z", "phi", "h"))
-    tip = sp.Matrix([x, 0, z]) - length / 2 * AXIS.subs(phi, tilt) - sp.Matrix([0, 0, height])
-    rates = {x.diff(t): c_x, z.diff(t): c_z, tilt.diff(t): omega, height.diff(t): V_z}
-    return tip.diff(t).subs(rates).subs(tilt, phi)
+alpha = sp.Symbol("alpha", positive=True)  # of Eq. (4)
+_u = sp.Matrix([sp.sin(phi), 0, sp.cos(phi)])  # from the contact point up the rod
+_force = sp.Matrix([F_x, 0, F_z])
+_impulse = sp.Matrix([P_x, 0, P_z])
 
 
-@cache
+def _in_plane(vector: sp.Matrix) -> sp.Matrix:
+    """(x, z) of a vector of that plane."""
+    return sp.Matrix([vector[0], vector[2]])
+
+
+@derived
 def tip_acceleration() -> sp.Matrix:
-    """m dv/dt of the tip under the force F at that tip, the plate's velocity constant."""
-    force, lever = sp.Matrix([F_x, 0, F_z]), -length / 2 * AXIS
-    spin = spin_change(force, lever, moment)
-    return m * contact_velocity(velocity_change(force), spin, lever, sp.zeros(3, 1))
+    """m dv/dt of the rod's tip under the force F there, in the impulsive limit."""
+    return m * impulsive_change(F_x, F_z, TO_TIP, moment)
 
 
-def _alpha() -> sp.Expr:
-    """alpha of Eq. (4), solved from the component of (4) along x."""
-    alpha = sp.Symbol("alpha")
-    force = sp.Matrix([F_x, 0, F_z])
-    printed = force + alpha * (force - AXIS * force.dot(AXIS))
+@derived
+def alpha_of_4() -> sp.Expr:
+    """alpha of Eq. (4), solved from its component along x."""
+    printed = _force + alpha * (_force - _u * _force.dot(_u))
     (value,) = sp.solve(printed[0] - tip_acceleration()[0], alpha)
     return sp.simplify(value)
 
 
-def _printed_4() -> sp.Matrix:
-    force = sp.Matrix([F_x, 0, F_z])
-    return force + m * length**2 / (4 * moment) * (force - AXIS * force.dot(AXIS))
+@derived
+def dropped_terms() -> sp.Matrix:
+    """What the impulsive limit leaves out of m dv/dt: terms that stay finite."""
+    whole = m * contact_acceleration(F_x, F_z, TO_TIP, moment)
+    return (whole - tip_acceleration()).expand()
 
 
-_dP = sp.Matrix([P_x, 0, P_z])
-_c = sp.Matrix([c_x, 0, c_z])
-_spin = sp.Matrix([0, omega, 0])
+def _alpha_by_energy(form: sp.Expr) -> list[sp.Expr]:
+    """Kinetic energy of a unit impulse across the rod at its tip, by its two velocities."""
+    speed, spin = 1 / m, length / 2 / moment
+    energy = (m * speed**2 + moment * spin**2) / 2
+    return [energy - (1 + form) / (2 * m), form.subs(moment, m * length**2 / 12) - 3]
+
+
+def _dropped_by_vectors(form: sp.Matrix) -> list[sp.Expr]:
+    """omega x (omega x r), gravity and the plate, by vector products."""
+    spin, tip = sp.Matrix([0, omega, 0]), -length / 2 * _u
+    centripetal = _in_plane(spin.cross(spin.cross(tip)))
+    return list(form - m * (centripetal - sp.Matrix([0, g + plate_rate])))
+
 
 EQUATIONS = (
     Equation(
-        tag="1",
-        what="Newton's law for the centre of mass",
-        symbol="dc",
-        printed=_dP / m,
-        derive=lambda: velocity_change(_dP),
-        verdict="assumed",
-        note="an axiom of the derivation",
-    ),
-    Equation(
         tag="2",
         what="Euler's law about the centre of mass",
-        symbol="I d\\omega",
-        printed=-length / 2 * AXIS.cross(_dP),
-        derive=lambda: moment * spin_change(_dP, -length / 2 * AXIS, moment),
+        symbol="I\\,d\\omega",
+        printed=(-length / 2 * _u.cross(_impulse))[1],
+        as_printed=r"- \frac{l}{2} \mathbf{u} \times d\mathbf{P}",
+        derive=lambda: moment * spin_change(P_x, P_z, TO_TIP, moment),
         note="the moment of $dP$ at the lower tip; only for a contact on the rod's axis (thin rod)",
     ),
     Equation(
         tag="3",
         what="velocity of the contact point",
         symbol="\\mathbf v",
-        printed=_c - length / 2 * _spin.cross(AXIS) - sp.Matrix([0, 0, V_z]),
-        derive=tip_velocity,
-        note="derived by differentiating the tip's position",
+        printed=_in_plane(
+            sp.Matrix([c_x, 0, c_z])
+            - length / 2 * sp.Matrix([0, omega, 0]).cross(_u)
+            - sp.Matrix([0, 0, V_z])
+        ),
+        as_printed=r"\mathbf{c} - \frac{l}{2} \boldsymbol{\omega} \times \mathbf{u} - \mathbf{V}",
+        derive=lambda: contact_velocity(TO_TIP),
+        note="derived by differentiating the place of the rod's tip",
     ),
     Equation(
         tag="4",
         what="acceleration of the contact point, vector form",
         symbol="m\\,d\\mathbf v/dt",
-        printed=_printed_4(),
-        derive=tip_acceleration,
-        note=r"with $\alpha = m l^2/(4 I)$, which the text does not define (3 for a thin rod); "
-        r"another $\alpha$ follows (30)",
+        printed=_in_plane(_force + alpha * (_force - _u * _force.dot(_u))),
+        as_printed=r"\mathbf{F} + \alpha [\mathbf{F} - \mathbf{u} (\mathbf{F} \cdot \mathbf{u})]",
+        derive=lambda: tip_acceleration().subs(moment, m * length**2 / (4 * alpha)),
+        note=r"with $\alpha = m l^2/(4 I)$, which the text does not define; another $\alpha$ "
+        "follows (30)",
+    ),
+    Equation(
+        tag="IV: dropped in (4)",
+        what="what (4) leaves out: the rod's rotation, gravity and the acceleration of the plate",
+        symbol="m\\,d\\mathbf v/dt - (4)",
+        derive=dropped_terms,
+        shown=sp.Matrix(
+            [
+                m * omega**2 * length / 2 * sp.sin(phi),
+                m * omega**2 * length / 2 * sp.cos(phi) - m * (g + plate_rate),
+            ]
+        ),
+        check=_dropped_by_vectors,
+        verdict="new",
+        note="finite, while the force of a short impact is not; the text names the plate alone",
     ),
     Equation(
         tag="IV: alpha",
         what=r"the constant $\alpha$ of (4)",
         symbol="\\alpha",
-        derive=_alpha,
-        check=lambda: (
-            _alpha().subs(moment, m * length**2 / 12) - 3,
-            _alpha() - m * length**2 / (4 * moment),
-        ),
+        derive=alpha_of_4,
+        check=_alpha_by_energy,
         verdict="new",
-        note="$m l^2/(4 I)$; the paper leaves it undefined",
+        note="$m l^2/(4 I)$, 3 for a thin rod; the paper leaves it undefined",
     ),
     Equation(
         tag="5",

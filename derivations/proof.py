@@ -4,8 +4,10 @@ Verdicts
 --------
 agrees     the difference of both forms simplifies to zero; what is meant where none is given
 rewritten  both forms are equal to 40 digits at random points (no simplification closes them)
-erratum    the forms differ: a point where they do, and, where the paper contradicts itself, the
-           other equations whose printed forms give the derived one
+erratum    the forms differ: a point where they do, and either the repair, a named change of the
+           printed form that gives the derived one, or, for a statement in words, the mistake by
+           which the printed value comes out; where the paper contradicts itself, also the other
+           equations whose printed forms give the derived one
 assumed    an axiom or closure: nothing to derive it from
 new        not in the paper; proved by a second route (expressions that must vanish)
 """
@@ -16,9 +18,11 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Literal, TypeAlias
 
+import mpmath
 import sympy as sp
 
 from . import symbols as s
+from . import trace
 
 Form: TypeAlias = sp.Expr | sp.MatrixBase | sp.core.relational.Relational
 Verdict = Literal["agrees", "rewritten", "erratum", "assumed", "new"]
@@ -62,6 +66,26 @@ class Proof:
     evidence: str  # in words
 
 
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """One named change after which a printed form is right."""
+
+    what: str  # is changed
+    old: sp.Expr  # stands once in the printed form
+    new: sp.Expr
+
+    def of(self, form: Form) -> Form:
+        """Return the form with the change made; ValueError if it cannot be."""
+        if sum(part == self.old for part in sp.preorder_traversal(form)) != 1:
+            raise ValueError(f"what the repair changes does not stand once in it: {self.what}")
+        return form.xreplace({self.old: self.new})
+
+    @property
+    def size(self) -> int:
+        """Nodes of what changes, or of the factor between old and new if that is less."""
+        return min(map(nodes, (self.old, sp.cancel(self.new / self.old))))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Equation:
     """One equation or number-bearing statement, with the verdict that `prove` tests."""
@@ -69,37 +93,63 @@ class Equation:
     tag: str  # the paper's equation number, or the section and a key word
     what: str  # it is about
     symbol: str  # left-hand side, LaTeX
-    derive: Callable[[], Form]  # from Newton's laws
+    derive: Callable[[], Form]  # from the axioms
     verdict: Verdict = "agrees"  # on the printed form
     shown: Form | None = None  # the derived form, written to be read
     printed: Form | None = None  # in our copy of the paper
+    as_printed: str = ""  # LaTeX of the printed form, where `printed` holds its components
     note: str = ""  # what is right, where the paper is not
+    repair: tuple[Repair, ...] = ()  # of an erratum: changes that make the printed form right
+    mistaken: Callable[[], Form] | None = None  # or the printed value, computed as `mistake` says
+    mistake: str = ""  # in words
     contradicted_by: str = ""  # tags of the printed equations that give the derived form
     contradiction: Callable[[], Form] | None = None  # what those printed equations give
     at: Mapping[sp.Symbol, sp.Expr] | None = None  # replaces values of EXAMPLE
-    check: Callable[[], Iterable[sp.Expr]] | None = None  # second route, verdict "new"
+    check: Callable[[Form], Iterable[sp.Expr]] | None = None  # second route: zero for a true form
 
     def __post_init__(self) -> None:
         if self.printed is None and self.verdict not in ("new", "assumed"):
             raise ValueError(f"{self.tag}: the verdict {self.verdict!r} needs a printed form")
-        object.__setattr__(self, "derive", cache(self.derive))  # proofs and report share it
+        object.__setattr__(self, "derive", trace.remembered(self.derive))
 
     def prove(self) -> Proof:
-        """Test the verdict, and that the form shown as derived has the derived value."""
-        if self.shown is not None and not _equal(self.shown, self.derive()):
-            return Proof(ok=False, evidence="the form shown as derived has another value")
-        return _PROOFS[self.verdict](self)
+        """Test the verdict, and that the form shown as derived has the derived value.
+
+        A derivation or check that fails to compute is a proof that failed.
+        """
+        try:
+            if self.shown is not None and not _equal(self.shown, self.derive()):
+                return Proof(ok=False, evidence="the form shown as derived has another value")
+            if self.check is not None:
+                residuals = [sp.sympify(r) for r in self.check(self.derive())]
+                if not residuals or not all(map(is_zero, residuals)):
+                    return Proof(ok=False, evidence="the second route gives something else")
+            return _PROOFS[self.verdict](self)
+        except Exception as error:  # whatever stops a computation, the verdict has no proof
+            return Proof(ok=False, evidence=f"{type(error).__name__}: {error}")
+
+    @property
+    def repair_in_words(self) -> str:
+        """Changes that make the printed form right, or the mistake by which it comes out."""
+        return self.mistake or "; ".join(repair.what for repair in self.repair)
+
+    @property
+    def rests_on(self) -> tuple[str, ...]:
+        """Tags of the axioms that the derivation used, sorted."""
+        with trace.noted() as used:
+            self.derive()
+        return tuple(sorted(used - {self.tag}))
 
     def readable(self) -> Form:
         """Return the derived form, in an equal form that was written by hand if there is one.
 
-        That is `shown`, or the printed form where both agree, or the contradiction of an erratum.
+        That is `shown`, or the printed form where both agree, or that of an erratum, repaired.
         """
         if self.shown is not None:
             return self.shown
         if self.printed is not None and self.verdict != "erratum":
             return self.printed
-        return self.contradiction() if self.contradiction is not None else self.derive()
+        return repaired(self) if self.repair else self.derive()
 
 
 def components(form: Form) -> tuple[sp.Expr, ...]:
@@ -111,9 +161,25 @@ def components(form: Form) -> tuple[sp.Expr, ...]:
     return (sp.sympify(form),)
 
 
+def nodes(form: Form) -> int:
+    """Number of nodes of a form's tree."""
+    return sum(1 for _ in sp.preorder_traversal(form))
+
+
+def repaired(entry: Equation) -> Form:
+    """Return the printed form with all repairs made."""
+    form = entry.printed
+    for repair in entry.repair:
+        form = repair.of(form)
+    return form
+
+
 @cache
 def vanishes(expr: sp.Expr) -> bool:
     """Whether `expr` is identically zero: rational in the symbols and in tan(phi/2)."""
+    expr = expr.doit()
+    if not equal_at_random_points(expr, sp.S.Zero, points=1):
+        return False  # the quick way out
     half = sp.Symbol("tau", positive=True)
     rational = sp.expand_trig(expr).subs(
         {
@@ -122,6 +188,15 @@ def vanishes(expr: sp.Expr) -> bool:
         }
     )
     return sp.cancel(sp.together(rational)) == 0
+
+
+def is_zero(expr: sp.Expr) -> bool:
+    """Whether `expr` vanishes at random points, and identically where it is rational."""
+    trigonometric = {sp.sin(s.phi), sp.cos(s.phi)}
+    rational = expr.atoms(sp.Function) <= trigonometric and all(
+        power.exp.is_Integer for power in expr.atoms(sp.Pow)
+    )
+    return equal_at_random_points(expr, sp.S.Zero) and (not rational or vanishes(expr))
 
 
 def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rational]:
@@ -138,12 +213,14 @@ def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rat
 @cache
 def equal_at_random_points(a: sp.Expr, b: sp.Expr, points: int = POINTS) -> bool:
     """Whether two expressions agree to 40 digits at random rational points."""
-    free = a.free_symbols | b.free_symbols
-    for seed in range(points):
-        point = random_point(free, seed)
-        x, y = (sp.N(form.subs(point), DIGITS + 20) for form in (a, b))
-        if abs(x - y) > sp.Float(10) ** -DIGITS * (1 + abs(y)):
-            return False
+    letters = sorted(a.free_symbols | b.free_symbols, key=str)
+    evaluate = sp.lambdify(letters, (a, b), "mpmath")
+    with mpmath.workdps(DIGITS + 20):
+        for seed in range(points):
+            point = random_point(letters, seed)
+            x, y = evaluate(*(mpmath.mpf(point[x].p) / point[x].q for x in letters))
+            if not abs(x - y) <= mpmath.mpf(10) ** -DIGITS * (1 + abs(y)):  # nan, too
+                return False
     return True
 
 
@@ -151,12 +228,14 @@ def same(a: Form, b: Form) -> bool:
     """Whether two forms say the same; inequalities may differ by a positive factor."""
     pairs = tuple(zip(components(a), components(b), strict=True))
     if isinstance(a, sp.core.relational.Relational):
-        return all(sp.cancel(x / y).is_positive for x, y in pairs)
+        as_strict = ("=" in a.rel_op) == ("=" in b.rel_op)
+        return as_strict and all(sp.cancel(x / y).is_positive for x, y in pairs)
     return all(vanishes(x - y) for x, y in pairs)
 
 
 def _equal(a: Form, b: Form) -> bool:
-    return all(map(equal_at_random_points, components(a), components(b)))
+    pairs = zip(components(a), components(b), strict=True)
+    return all(equal_at_random_points(x.doit(), y.doit()) for x, y in pairs)
 
 
 def _agrees(eq: Equation) -> Proof:
@@ -185,24 +264,38 @@ def _erratum(eq: Equation) -> Proof:
     differs = any(sp.Abs(sp.N(value(x) - value(y), 30)) > sp.Float("1e-20") for x, y in pairs)
     evidence = "; ".join(f"printed ${_number(x)}$, derived ${_number(y)}$" for x, y in pairs)
     where = ", ".join(f"${sp.latex(x)} = {_number(point[x])}$" for x in sorted(free, key=str))
-    contradicted = eq.contradiction is None or same(eq.contradiction(), derived)
-    return Proof(ok=differs and contradicted, evidence=evidence + (f" at {where}" if where else ""))
+    contradicted = eq.contradiction is None or _equal(eq.contradiction(), derived)
+    return Proof(
+        ok=differs and contradicted and _explained(eq),
+        evidence=evidence + (f" at {where}" if where else ""),
+    )
+
+
+def _explained(eq: Equation) -> bool:
+    """Whether the named repair gives the derived form, or the named mistake the printed one."""
+    if eq.repair:
+        small = all(2 * repair.size < nodes(eq.printed) for repair in eq.repair)
+        return small and _equal(repaired(eq), eq.derive())
+    return (
+        eq.mistaken is not None
+        and bool(eq.mistake)
+        and eq.contradiction is not None
+        and _equal(eq.mistaken(), eq.printed)
+    )
 
 
 def _assumed(eq: Equation) -> Proof:
-    if eq.printed is None:
-        return Proof(ok=True, evidence="")
-    return Proof(ok=same(eq.printed, eq.derive()), evidence="taken as the starting point")
+    if eq.printed is None and eq.check is None:
+        raise ValueError(f"{eq.tag}: an assumption is printed, or has a check")
+    agrees = eq.printed is None or same(eq.printed, eq.derive())
+    return Proof(ok=agrees, evidence="taken as a starting point")
 
 
 def _new(eq: Equation) -> Proof:
     if eq.check is None:
         raise ValueError(f"{eq.tag}: a new result needs a second route (check)")
-    residuals = tuple(eq.check())
-    return Proof(
-        ok=bool(residuals) and all(vanishes(sp.sympify(r)) for r in residuals),
-        evidence=f"a second route; expressions that must vanish: {len(residuals)}",
-    )
+    count = len(tuple(eq.check(eq.derive())))
+    return Proof(ok=True, evidence=f"a second route; expressions that must vanish: {count}")
 
 
 def _number(value: sp.Expr) -> str:

@@ -15,6 +15,7 @@ from dataclasses import asdict, dataclass
 
 from . import (
     appendix,
+    axioms,
     bodies,
     drift,
     laws,
@@ -33,6 +34,7 @@ __all__ = ["ENTRIES", "SECTIONS", "Citation", "Equation", "Row", "check", "mista
 
 # section title, entries
 SECTIONS: tuple[tuple[str, tuple[Equation | Citation, ...]], ...] = (
+    ("Assumptions", axioms.EQUATIONS),
     ("Newton's laws and the contact point", newton.EQUATIONS),
     ("Slide", slide.EQUATIONS),
     ("Slip-stick", slip_stick.EQUATIONS),
@@ -59,8 +61,10 @@ class Row:
     note: str  # what is right, where the paper is not
     evidence: str  # what the proof found
     contradicted_by: str  # tags of printed equations that give the derived form
+    repair: str  # what makes the printed form right, or by which mistake its value comes out
+    rests_on: tuple[str, ...]  # tags of the axioms that the derivation used
 
-    def as_dict(self) -> dict[str, str | bool]:
+    def as_dict(self) -> dict[str, str | bool | tuple[str, ...]]:
         """Return the fields for JSON, the sentences as plain text."""
         return {
             name: to_text(value) if isinstance(value, str) else value
@@ -84,7 +88,16 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
         proof = entry.prove()
         same = ("tag", "what", "verdict", "note", "contradicted_by")
         told = {name: getattr(entry, name) for name in same}
-        rows.append(Row(proved=proof.ok, evidence=proof.evidence, **told))
+        equation = isinstance(entry, Equation)
+        rows.append(
+            Row(
+                proved=proof.ok,
+                evidence=proof.evidence,
+                repair=entry.repair_in_words if equation else "",
+                rests_on=entry.rests_on if equation and proof.ok else (),
+                **told,
+            )
+        )
     return rows
 
 

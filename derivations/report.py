@@ -42,6 +42,7 @@ VERDICTS = {  # sign, and what the word means
     "assumed": ("◇", "an axiom or a closure: nothing to derive it from"),
     "new": ("★", "not in the paper; proved by a second route"),
 }
+PRINTED = "As printed in our copy"
 _NUMBERED = re.compile(r"(B?\d+)(?:: (.*))?")
 _TAGS = {entry.tag for _, entries in SECTIONS for entry in entries}
 
@@ -61,16 +62,24 @@ def forms(entry: Equation | Citation) -> list[tuple[str, Form]]:
     """Labelled forms of an entry, the printed one first."""
     if isinstance(entry, Citation):
         return []
-    found = [] if entry.printed is None else [("As printed in our copy", entry.printed)]
+    found = [] if entry.printed is None else [(PRINTED, entry.printed)]
     if entry.printed is None or entry.verdict == "erratum":
         how = "Assumed" if entry.verdict == "assumed" else "As derived"
         found.append((how, entry.readable()))
     return found
 
 
-def equation(symbol: str | sp.Symbol, form: Form, align: str = "") -> list[str]:
-    """LaTeX of a form with its left-hand side, in pieces between which a line may break."""
-    first, *more = typeset.pieces(form)
+def _tex_of(entry: Equation | Citation, label: str) -> str:
+    """LaTeX of a printed vector form; the components are for the proof."""
+    return entry.as_printed if label == PRINTED else ""
+
+
+def equation(symbol: str | sp.Symbol, form: Form, align: str = "", tex: str = "") -> list[str]:
+    """LaTeX of a form with its left-hand side, in pieces between which a line may break.
+
+    `tex` stands for the form where its components are not what is to be read.
+    """
+    first, *more = [tex] if tex else typeset.pieces(form)
     if isinstance(form, sp.core.relational.Relational):
         return [align + first, *more]
     left = typeset.words(symbol) if isinstance(symbol, str) else typeset.latex(symbol)
@@ -80,9 +89,11 @@ def equation(symbol: str | sp.Symbol, form: Form, align: str = "") -> list[str]:
 def _remarks(row: Row) -> list[tuple[str, str]]:
     """Labelled sentences below an entry."""
     found = {
+        "Repair": row.repair,
         "Counter-example" if row.verdict == "erratum" else "Proof": row.evidence,
         "Contradicted by": row.contradicted_by,
         "Note": row.note,
+        "Rests on": ", ".join(map(_named, row.rests_on)),
     }
     return [(label, text) for label, text in found.items() if text]
 
@@ -99,7 +110,7 @@ def _environment(**options: Any) -> Environment:
     """Jinja environment over the templates of this package."""
     loader = PackageLoader(__package__)
     made = Environment(loader=loader, undefined=StrictUndefined, **options)
-    made.globals |= {"forms": forms, "equation": equation, "remarks": _remarks}
+    made.globals |= {"forms": forms, "equation": equation, "remarks": _remarks, "tex_of": _tex_of}
     return made
 
 

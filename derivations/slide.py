@@ -1,45 +1,54 @@
 """Slide: the contact point slips forward until it separates, Eqs. (7)-(15)."""
 
-from functools import cache
-
 import sympy as sp
 
+from .axioms import RESTITUTION, SLIP, sigma
 from .newton import approach, contact_change, velocity_change
-from .proof import Equation
-from .symbols import P_x, P_z, V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, u_0, v_0
+from .proof import Equation, Repair
+from .symbols import F_z, P_x, P_z, V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, u_0, v_0
+from .trace import derived
 
 
+def friction(p_z: sp.Expr, direction: int) -> sp.Expr:
+    """Tangential impulse of friction under the normal impulse p_z, in a slip of one direction."""
+    return SLIP({F_z: p_z, sigma: sp.Integer(direction)})
+
+
+@derived
 def slip_velocity(p_z: sp.Expr = P_z) -> sp.Expr:
     """Tangential contact velocity after the normal impulse p_z in forward slip, Eq. (7)."""
-    return u_0 + contact_change(-mu * p_z, p_z)[0]
+    return u_0 + contact_change(friction(p_z, 1), p_z)[0]
 
 
+@derived
 def normal_velocity(p_z: sp.Expr = P_z) -> sp.Expr:
     """Normal contact velocity after the normal impulse p_z in forward slip."""
-    return v_0 + contact_change(-mu * p_z, p_z)[1]
+    return v_0 + contact_change(friction(p_z, 1), p_z)[1]
 
 
-@cache
+@derived
 def impulse() -> tuple[sp.Expr, sp.Expr]:
     """Total impulse (P_x, P_z) of a slide under kinematic restitution, Eqs. (9), (8)."""
-    (p_z,) = sp.solve(normal_velocity() + epsilon * v_0, P_z)
-    return -mu * p_z, p_z
+    (p_z,) = sp.solve(normal_velocity() - RESTITUTION({}), P_z)
+    return friction(p_z, 1), p_z
 
 
-@cache
+@derived
 def stop() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """Impulse (P_x, P_z) at which the slip stops, and v_1 there; (B2), (B1), (15)."""
     (p_z,) = sp.solve(slip_velocity(), P_z)
-    return -mu * p_z, p_z, sp.factor(normal_velocity(p_z))
+    return friction(p_z, 1), p_z, sp.factor(normal_velocity(p_z))
 
 
+@derived
 def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Velocity (c_x', c_z') of the centre of mass after the impulse, Eqs. (10), (11)."""
-    dc = velocity_change(sp.Matrix([p_x, 0, p_z]))
-    return (c_x + dc[0]).subs(approach()), (c_z + dc[2]).subs(approach())
+    dc_x, dc_z = velocity_change(p_x), velocity_change(p_z)
+    after = c_x + dc_x, c_z + dc_z
+    return tuple(c.subs(approach()) if c.has(u_0, v_0) else c for c in after)
 
 
-@cache
+@derived
 def slide_excess() -> sp.Expr:
     """u_* of Eq. (14): what is left of the slip velocity when the contact separates."""
     return sp.factor(slip_velocity(impulse()[1]))
@@ -51,6 +60,7 @@ _printed_8 = -v_0 * (1 + epsilon) * m * k**2 / _slope
 _printed_9 = v_0 * (1 + epsilon) * m * mu * k**2 / _slope
 # (13) prints omega_x where omega X is meant; a symbol of its own keeps the misprint visible
 omega_x = sp.Symbol("omega_x", real=True)
+_denominator = Repair("the denominator of (15) to that of (8)", _stop, _slope)
 
 EQUATIONS = (
     Equation(
@@ -97,6 +107,7 @@ EQUATIONS = (
         verdict="erratum",
         contradicted_by="(9) with (10)",
         contradiction=lambda: (c_x + _printed_9 / m).subs(approach()),
+        repair=(_denominator,),
         note=r"the denominator belongs to (15); it must be $k^2 + X^2 + \mu X Z$",
     ),
     Equation(
@@ -109,6 +120,7 @@ EQUATIONS = (
         contradicted_by="(8) with (11)",
         contradiction=lambda: (c_z + _printed_8 / m).subs(approach()),
         at={omega_x: sp.Rational(1, 10)},
+        repair=(_denominator, Repair(r"$\omega_x$ to $\omega X$", omega_x, omega * X)),
         note=r"the denominator must be $k^2 + X^2 + \mu X Z$, and $\omega_x$ must be $\omega X$ (a "
         "spin cannot be added to a velocity)",
     ),

@@ -1,31 +1,32 @@
 """Slip reversal: the slip stops and starts again backwards, Eqs. (20)-(22), (B6)-(B12)."""
 
-from functools import cache
-
 import sympy as sp
 
+from .axioms import RESTITUTION
 from .newton import approach, contact_change
-from .proof import Equation
-from .slide import cm_velocity, stop
+from .proof import Equation, Repair
+from .slide import cm_velocity, friction, stop
 from .slip_stick import stick_margin
 from .symbols import P_1, P_z, V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, u_0, v_0, v_1
+from .trace import derived
 
 
+@derived
 def reversed_change(p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Change (du, dv) of the contact velocity under p_z in backward slip, F_x = +mu F_z."""
-    return contact_change(mu * p_z, p_z)
+    return contact_change(friction(p_z, -1), p_z)
 
 
-@cache
+@derived
 def impulse() -> tuple[sp.Expr, sp.Expr]:
     """Total impulse (P_x, P_z) under kinematic restitution, Eqs. (B9), (B8)."""
     p_x, p_z, v = stop()
     extra = sp.Symbol("Delta P")
-    (extra_z,) = sp.solve(v + reversed_change(extra)[1] + epsilon * v_0, extra)
-    return p_x + mu * extra_z, p_z + extra_z
+    (extra_z,) = sp.solve(v + reversed_change(extra)[1] - RESTITUTION({}), extra)
+    return p_x + friction(extra_z, -1), p_z + extra_z
 
 
-@cache
+@derived
 def final_slip() -> sp.Expr:
     """u_f, the backward slip velocity at separation, Eq. (B10)."""
     return sp.factor(reversed_change(impulse()[1] - stop()[1])[0])
@@ -110,6 +111,7 @@ EQUATIONS = (
         verdict="erratum",
         contradicted_by="(B11)",
         contradiction=lambda: _printed_b11.subs(approach()),
+        repair=(Repair("the sign of the second term", _slip_21, -_slip_21),),
         note="the second term must carry a minus sign: friction takes the slip away",
     ),
     Equation(

@@ -1,11 +1,10 @@
 """Slip-stick: the slip stops and friction holds the contact, Eqs. (16)-(19), (B1)-(B5)."""
 
-from functools import cache
-
 import sympy as sp
 
+from .axioms import RESTITUTION, STICK, q
 from .newton import contact_change
-from .proof import Equation
+from .proof import Equation, Repair
 from .slide import cm_velocity, stop
 from .symbols import (
     P_1,
@@ -26,32 +25,34 @@ from .symbols import (
     v_0,
     v_1,
 )
+from .trace import derived
 
 
-@cache
+@derived
 def sticking_force() -> sp.Expr:
     """F_x that keeps the contact point at rest, Eq. (17)."""
     (force,) = sp.solve(contact_change(F_x, F_z)[0], F_x)
     return force
 
 
-@cache
+@derived
 def stick_margin() -> sp.Expr:
     """mu - F_x/F_z while sticking, for XZ > 0: friction holds where this is positive, (16)."""
-    return sp.together(mu - sticking_force() / F_z)
+    return sp.together(STICK({q: sticking_force() / F_z}))
 
 
+@derived
 def sticking_velocity(p_z: sp.Expr) -> sp.Expr:
     """Change of the normal contact velocity under the impulse p_z while sticking."""
     return contact_change(sticking_force().subs(F_z, p_z), p_z)[1]
 
 
-@cache
+@derived
 def impulse() -> tuple[sp.Expr, sp.Expr]:
     """Total impulse (P_x, P_z) under kinematic restitution, Eqs. (B5), (B4)."""
     p_x, p_z, v = stop()
     extra = sp.Symbol("Delta P")
-    (extra_z,) = sp.solve(v + sticking_velocity(extra) + epsilon * v_0, extra)
+    (extra_z,) = sp.solve(v + sticking_velocity(extra) - RESTITUTION({}), extra)
     return p_x + sticking_force().subs(F_z, extra_z), p_z + extra_z
 
 
@@ -101,6 +102,7 @@ EQUATIONS = (
         verdict="erratum",
         at={m: sp.Integer(2), v_1: sp.Integer(0), P_1: sp.Integer(0), P_z: sp.Integer(1)},
         contradicted_by="second line of (B3)",
+        repair=(Repair("a factor $1/m$", P_z - P_1, (P_z - P_1) / m),),
         contradiction=lambda: v_1 + _printed_b3 - _printed_b3.subs(P_z, P_1),
         note="the integral of $F_z$ lacks the factor $1/m$ (and its $dt$) that the second line has",
     ),

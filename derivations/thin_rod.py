@@ -1,27 +1,28 @@
 """Regime boundaries over tilt and friction; the thin rod of Section IV and Eq. (23)."""
 
-from functools import cache
-
 import sympy as sp
 
+from . import second_routes
 from .bodies import THIN
 from .newton import approach
-from .proof import Equation
+from .proof import Equation, Repair
 from .slide import slide_excess
 from .slip_stick import stick_margin
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, phi, u_0, v_0
+from .trace import derived
 
+gain = sp.Symbol("g", positive=True)  # (1 + epsilon) ratio
 ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 and V_z = 0
 
 
-@cache
+@derived
 def critical_friction() -> sp.Expr:
     """Friction at which stick turns into reversal, any geometry, XZ > 0."""
     (value,) = sp.solve(stick_margin(), mu)
     return value
 
 
-@cache
+@derived
 def slide_friction() -> sp.Expr:
     """Friction at which u_* = 0, any geometry; the approach ratio is r = -v_0/u_0."""
     numerator = sp.numer(sp.together(slide_excess().subs({u_0: 1, v_0: -ratio})))
@@ -29,14 +30,14 @@ def slide_friction() -> sp.Expr:
     return sp.factor(value)
 
 
-@cache
+@derived
 def thin_slide_friction() -> sp.Expr:
     """u_* = 0 solved for mu: a thin rod without spin on a plate at rest."""
     rate = {ratio: (-v_0 / u_0).subs(approach()).subs({omega: 0, V_z: 0})}
     return slide_friction().subs(rate).subs(THIN)
 
 
-@cache
+@derived
 def critical_cosines() -> tuple[sp.Expr, sp.Expr]:
     """cos(2 phi) at the two critical tilts (lower, upper), from the squared condition."""
     double = sp.Symbol("C")
@@ -51,7 +52,7 @@ def critical_cosines() -> tuple[sp.Expr, sp.Expr]:
     return tuple(sorted(roots, key=lambda r: -r.subs(mu, sp.Rational(1, 2))))
 
 
-@cache
+@derived
 def critical_tangents() -> tuple[sp.Expr, sp.Expr]:
     """tan(phi) at the two critical tilts: roots of a quadratic, no squaring needed."""
     tangent = sp.Symbol("T", positive=True)
@@ -61,12 +62,13 @@ def critical_tangents() -> tuple[sp.Expr, sp.Expr]:
     return tuple(sorted(roots, key=lambda r: r.subs(mu, sp.Rational(1, 2))))
 
 
+@derived
 def critical_tilt() -> sp.Expr:
     """phi_c of Eq. (23): the smaller of the two."""
     return sp.acos(critical_cosines()[0]) / 2
 
 
-@cache
+@derived
 def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
     """Largest friction at which a thin rod reverses, and the tangent of its tilt."""
     tangent = sp.Symbol("T", positive=True)
@@ -83,14 +85,74 @@ def _rationalised(expr: sp.Expr) -> sp.Expr:
     return expr.subs(root, 3 * (1 - w**2) / (1 + w**2)).subs(mu, 3 * w / (2 * (1 + w**2)))
 
 
-def _root_checks() -> list[sp.Expr]:
-    """Tangents solve the condition; they give the cosines; their product is 4."""
-    lower, upper = critical_tangents()
-    checks = [_rationalised(lower * upper) - 4]
-    for tangent, cosine in zip(critical_tangents(), critical_cosines(), strict=True):
-        checks.append(_rationalised(mu * (1 + tangent**2) + 3 * mu - 3 * tangent))
+@derived
+def largest_reversal_tilt() -> sp.Expr:
+    """Largest tilt at which a thin rod reverses."""
+    return _end_of_reversal(critical_tangents())
+
+
+def _end_of_reversal(tangents: tuple[sp.Expr, ...]) -> sp.Expr:
+    """Where reversal, begun at the first critical tilt, ends: at the next, or at 90 degrees."""
+    return sp.atan(tangents[1]) if len(tangents) > 1 else sp.pi / 2
+
+
+def overlooking_the_second_root() -> sp.Expr:
+    """Largest tilt of reversal, computed with the first critical tilt alone."""
+    return _end_of_reversal(critical_tangents()[:1])
+
+
+@derived
+def largest_slide_friction() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    """Tangent of the inner tilt of largest slide friction, the friction there, and at 90 degrees.
+
+    g = (1 + epsilon)(-c_z/c_x); in T = tan(phi) the friction is a quotient of two quadratics.
+    """
+    tangent = sp.Symbol("T", positive=True)
+    mu_of = thin_slide_friction().subs(c_x, -(1 + epsilon) * c_z / gain)
+    mu_of = sp.expand_trig(mu_of).subs(sp.sin(phi), tangent * sp.cos(phi))
+    mu_of = sp.factor(sp.simplify(mu_of.subs(sp.cos(phi), 1 / sp.sqrt(1 + tangent**2))))
+    extrema = sp.solve(sp.numer(sp.together(mu_of.diff(tangent))), tangent)
+    (inner,) = (x for x in extrema if mu_of.diff(tangent, 2).subs(tangent, x).subs(gain, 1) < 0)
+    return inner, sp.factor(mu_of.subs(tangent, inner)), sp.limit(mu_of, tangent, sp.oo)
+
+
+def _slide_friction_checks(form: sp.Matrix) -> list[sp.Expr]:
+    """u_* = 0 as a quadratic in T: one double root at the largest friction, none beyond it."""
+    tangent, friction = sp.symbols("T nu", positive=True)
+    lengths = {X: tangent, Z: 1, k: sp.sqrt((1 + tangent**2) / 3), omega: 0, V_z: 0, epsilon: 0}
+    speed = {c_x: 1, c_z: -gain, mu: friction}
+    v_x, _, spin = (part.subs(lengths).subs(speed) for part in second_routes.impact("slide"))
+    curve = sp.Poly(sp.numer(sp.cancel(v_x - spin)), tangent)
+    at_most = curve.as_expr().subs(friction, form[1])
+    return [
+        sp.discriminant(curve.as_expr(), tangent).subs(friction, form[1]),
+        at_most.subs(tangent, form[0]),
+        at_most.diff(tangent).subs(tangent, form[0]),
+        curve.LC().subs(friction, form[2]),
+    ]
+
+
+def _root_checks(form: sp.Matrix) -> list[sp.Expr]:
+    """Sum and product of the roots of the condition; each gives the cosine of its tilt."""
+    lower, upper = form
+    checks = [_rationalised(lower * upper) - 4, _rationalised(mu * (lower + upper)) - 3]
+    for tangent, cosine in zip(form, critical_cosines(), strict=True):
         checks.append(_rationalised(sp.expand(cosine) * (1 + tangent**2) - (1 - tangent**2)))
     return checks
+
+
+def _slide_boundary_checks(form: sp.Expr) -> list[sp.Expr]:
+    """At that friction nothing is left of the slip."""
+    rest = {omega: 0, V_z: 0, c_x: 1, c_z: -ratio, mu: form}
+    v_x, _, spin = (part.subs(rest) for part in second_routes.impact("slide"))
+    return [v_x - spin * Z]
+
+
+def printed_upper_tilt() -> sp.Expr:
+    """Largest tilt of the printed condition, which is a quadratic in the tangent."""
+    tangent = sp.Symbol("T", positive=True)
+    quadratic = 3 * tangent - mu * (1 + tangent**2 + 3)  # over cos^2
+    return sp.atan(max(sp.solve(quadratic, tangent), key=lambda r: r.subs(mu, sp.Rational(1, 2))))
 
 
 _printed_23 = sp.acos((sp.sqrt(9 - 16 * mu**2) - 5 * mu**2) / (3 * (1 + mu**2))) / 2
@@ -121,7 +183,23 @@ EQUATIONS = (
             .subs({phi: sp.pi / 2, u_0: c_x, v_0: c_z}),
             mu,
         )[0],
-        note=r"near 90 degrees the rod slides up to $16 \mu_c$",
+        mistaken=lambda: thin_slide_friction().subs(phi, 0),
+        mistake="the value at tilt 0 is taken for the largest",
+        note=r"near 90 degrees the rod slides up to $16 \mu_c$; the largest friction of all stands "
+        "in the next row",
+    ),
+    Equation(
+        tag="IV: largest slide friction",
+        what="continuous slide of a thin rod over all tilts: tangent of the inner tilt where its "
+        r"friction is largest, that friction, and the one at 90 degrees; "
+        r"$g = (1 + \epsilon)(-c_z/c_x)$",
+        symbol="(\\tan\\phi, \\mu_{inner}, \\mu_{90})",
+        derive=lambda: sp.Matrix(largest_slide_friction()),
+        check=_slide_friction_checks,
+        verdict="new",
+        note=r"for $g \ge 2$ the largest is the one at 90 degrees, $4/g = 16 \mu_c$; for "
+        r"$3/4 < g < 2$ the inner one is larger (Fig. 10(a): $g = 1.8$, 2.24 at 87.5 degrees); "
+        r"for $g \le 3/4$ there is none: some tilt slides at every friction",
     ),
     Equation(
         tag="IV: condition for phi_c",
@@ -159,14 +237,8 @@ EQUATIONS = (
         what=r"$\phi_c$ to $O(\mu^5)$",
         symbol="\\phi_c",
         derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 5).removeO(),
-        check=lambda: (
-            sp.series(
-                3 * sp.tan(_series := sp.Rational(4, 3) * mu - _cubic() * mu**3)
-                - mu * (4 + sp.tan(_series) ** 2),
-                mu,
-                0,
-                5,
-            ).removeO(),
+        check=lambda form: (
+            sp.series(3 * sp.tan(form) - mu * (4 + sp.tan(form) ** 2), mu, 0, 5).removeO(),
         ),
         verdict="new",
     ),
@@ -179,6 +251,7 @@ EQUATIONS = (
         verdict="erratum",
         contradicted_by="(23)",
         contradiction=lambda: _printed_23.subs(mu, sp.Rational(3, 5)),
+        repair=(Repair(r"$2 \phi_c$ is meant: a factor 1/2", sp.pi / 2, sp.pi / 4),),
         note=r"it is $2 \phi_c$ that becomes $\pi/2$ there; $\phi_c$ is 45 degrees",
     ),
     Equation(
@@ -195,6 +268,8 @@ EQUATIONS = (
             .subs(sp.cos(phi), 1 / sp.sqrt(5)),
             mu,
         )[0],
+        mistaken=lambda: critical_friction().subs(THIN).subs(phi, sp.pi / 4),
+        mistake=r"the friction whose $\phi_c$ is 45 degrees is taken for the largest of all tilts",
         note=r"reversal ends at $\mu = 3/4$, where both critical tilts meet at $\arctan 2$ = 63.4 "
         "degrees",
     ),
@@ -203,10 +278,13 @@ EQUATIONS = (
         what='"at larger angles there is the slip reversal regime": largest tilt of reversal',
         symbol="\\phi_{max}",
         printed=sp.pi / 2,
-        derive=lambda: sp.atan(critical_tangents()[1]),
+        derive=largest_reversal_tilt,
         at={mu: sp.Rational(3, 10)},
         verdict="erratum",
-        contradicted_by=r"condition for $\phi_c$ at 90 degrees, where it fails for every $\mu > 0$",
+        contradicted_by=r"condition for $\phi_c$: its larger root",
+        contradiction=printed_upper_tilt,
+        mistaken=overlooking_the_second_root,
+        mistake="the second root of the condition is overlooked",
         note="beyond the second root of the same condition the contact sticks again (84.04 degrees "
         r"at $\mu = 0.3$, the friction of Fig. 11); Section V repeats it as $\phi > \phi_c$",
     ),
@@ -217,13 +295,7 @@ EQUATIONS = (
         derive=slide_friction,
         shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
         / ((1 + epsilon) * ratio * (k**2 + Z**2) - X * Z),
-        check=lambda: (slide_excess().subs(mu, slide_friction()).subs({u_0: 1, v_0: -ratio}),),
+        check=_slide_boundary_checks,
         verdict="new",
     ),
 )
-
-
-def _cubic() -> sp.Expr:
-    """Coefficient of -mu^3 in phi_c."""
-    series = sp.series(sp.atan(critical_tangents()[0]), mu, 0, 4).removeO()
-    return -series.coeff(mu, 3)

@@ -10,14 +10,14 @@ FUNCTIONS = {
     "\\arccos": sp.acos,
     "\\arctan": sp.atan,
 }
-ENDS = {"+", "-", "}", "\\right"}
+ENDS = {"+", "-", "}", "\\right", "\\,"}
 
 
 class Reader:
     """One formula, read from left to right; `letters` gives symbols by their LaTeX."""
 
     def __init__(self, tex, letters):
-        self.rest = re.findall(r"\\[A-Za-z]+|\d+(?:\.\d+)?|\S", tex)[::-1]
+        self.rest = re.findall(r"\\(?:[A-Za-z]+|,)|\d+(?:\.\d+)?|\S", tex)[::-1]
         self.letters = letters
 
     def take(self, *wanted):
@@ -50,6 +50,16 @@ class Reader:
         self.take("}")
         return inner
 
+    def integral(self):
+        """From the limits to the letter that is integrated over."""
+        self.take("\\limits"), self.take("_")
+        low = self.group()
+        self.take("^")
+        high = self.group()
+        integrand = self.product()
+        self.take("\\,"), self.take("d")
+        return sp.Integral(integrand, (self.atom(), low, high))
+
     def text(self):
         """A group as it is written."""
         found = self.take("{")
@@ -73,10 +83,15 @@ class Reader:
             self.take("\\right")
             self.take(")", "|")
             return sp.Abs(inner) if kind == "|" else inner
+        if token == "\\int":
+            return self.integral()
         if token in FUNCTIONS:
             exponent = self.group() if self.next("^") and self.take() else 1
             return FUNCTIONS[token](self.group()) ** exponent
-        name = token + (self.text() if token == "\\mathit" else "")
+        named = token in ("\\mathit", "\\dot")
+        name = token + (self.text() if named else "")
+        if token == "{":  # a letter with a prime
+            name += self.take() + self.take("}") + self.take("'")
         return self.letters[name + (self.take() + self.text() if self.next("_") else "")]
 
 

@@ -14,7 +14,7 @@ from derivations.references import Citation
 from . import latex_reader
 from .page import Page, plain
 
-CHILDREN = {"mfrac": 2, "msub": 2, "msup": 2, "msubsup": 3, "mover": 2}
+CHILDREN = {"mfrac": 2, "msub": 2, "msup": 2, "msubsup": 3, "mover": 2, "munderover": 3}
 KNOWN = {"math", "mrow", "mi", "mn", "mo", "mspace", "msqrt", "mtable", "mtr", "mtd", *CHILDREN}
 EQUATIONS = [e for e in registry.ENTRIES if not isinstance(e, Citation)]
 ERRATA = registry.mistakes()
@@ -189,17 +189,18 @@ def test_a_form_that_has_not_the_derived_value_is_refused():
 def test_printers_regroup_without_changing_a_value():
     forms = [form for entry in EQUATIONS for _, form in report.forms(entry)]
     parts = {x for form in forms for part in components(form) for x in sp.preorder_traversal(part)}
+    parts = {part for part in parts if isinstance(part, sp.Expr)}
     assert len(parts) > 300
     for part in parts:
         minus, above, below = typeset.split(part)
         product = (-1 if minus else 1) * sp.Mul(*above) / sp.Mul(*below)
-        assert equal_at_random_points(product, part)
+        assert equal_at_random_points(product.doit(), part.doit())
 
 
 def read_back(form):
     """Components of a form, as a reader of their LaTeX has them."""
     tex = ["".join(typeset.pieces(part)) for part in components(form)]
-    letters = {typeset.latex(letter): letter for letter in form.free_symbols}
+    letters = {typeset.latex(letter): letter for letter in form.atoms(sp.Symbol)}
     return [latex_reader.read(one, letters) for one in tex]
 
 
@@ -207,7 +208,7 @@ def read_back(form):
 def test_what_can_be_read_is_what_is_meant(entry):
     for _, form in report.forms(entry):
         for read, part in zip(read_back(form), components(form), strict=True):
-            assert equal_at_random_points(read, part)
+            assert equal_at_random_points(read.doit(), part.doit())
 
 
 @pytest.mark.parametrize("function", codegen.FUNCTIONS, ids=lambda function: function.name)

@@ -1,0 +1,181 @@
+"""The assumptions: all else in this package is computed from the forms below.
+
+An axiom is called with values for its letters, and notes that it was used (module `trace`).
+`assuming` changes an axiom for a trial.
+"""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import sympy as sp
+
+from . import trace
+from .proof import Equation, Form
+from .symbols import F_z, P_x, P_z, c_x, c_z, epsilon, m, moment, mu, omega, theta, v_0
+
+tau = sp.Symbol("tau", positive=True)  # duration of the impact
+after_x, after_z = sp.symbols("cprime_x cprime_z", real=True)  # velocity of the centre after it
+sigma = sp.Symbol("sigma", real=True)  # direction of the slip, 1 or -1
+lever_x, lever_z = sp.symbols("x z", real=True)  # from the centre of mass to the contact point
+xi, zeta, turn = sp.symbols("xi zeta vartheta", real=True)  # a point of the body; its turn
+q = sp.Symbol("q", nonnegative=True)  # |F_x|/F_z
+P, F = sp.symbols("P F", real=True)
+
+
+@dataclass(slots=True)
+class Axiom:
+    """An assumption as a form in letters; calling it with values for them notes its use."""
+
+    tag: str
+    form: Form
+
+    def __call__(self, values: Mapping[sp.Symbol, sp.Expr]) -> Form:
+        """Return the form with `values` for its letters."""
+        trace.note(self.tag)
+        return self.form.subs(values, simultaneous=True)
+
+
+NEWTON = Axiom("1", P / m)
+EULER = Axiom("IV: Euler", (lever_z * P_x - lever_x * P_z) / moment)
+RIGID = Axiom(
+    "IV: rigid body",
+    sp.Matrix([xi * sp.cos(turn) + zeta * sp.sin(turn), zeta * sp.cos(turn) - xi * sp.sin(turn)]),
+)
+IMPULSIVE = Axiom("IV: impulsive limit", P / tau)
+SLIP = Axiom("IV: Coulomb, slip", -mu * sigma * F_z)
+STICK = Axiom("IV: Coulomb, stick", mu - q)
+RESTITUTION = Axiom("IV: restitution", -epsilon * v_0)
+CLOSURE = Axiom("V: closure", sp.Matrix([omega, after_x - c_x, after_z + c_z]))
+LANDING_PHASES = Axiom("V: H(theta)", (1 + sp.cos(theta)) / (2 * sp.pi))
+
+AXIOMS = (
+    NEWTON,
+    EULER,
+    RIGID,
+    IMPULSIVE,
+    SLIP,
+    STICK,
+    RESTITUTION,
+    CLOSURE,
+    LANDING_PHASES,
+)
+
+
+@contextmanager
+def assuming(axiom: Axiom, form: Form) -> Iterator[None]:
+    """Put another form in an axiom's place, for a trial; everything is derived again."""
+    usual, axiom.form = axiom.form, form
+    trace.forget()
+    try:
+        yield
+    finally:
+        axiom.form = usual
+        trace.forget()
+
+
+def _euler_checks(form: sp.Expr) -> list[sp.Expr]:
+    """From point masses: two equal ones on a light rod, struck at one, which then moves alone."""
+    a, b = sp.symbols("a b", real=True)  # half the vector from one to the other
+    struck = {lever_x: a, lever_z: b, moment: m * (a**2 + b**2)}  # total mass m
+    across = {P_x: b, P_z: -a}  # an impulse across the rod leaves the other mass at rest
+    spin = form.subs(struck).subs(across)
+    other = sp.Matrix([b, -a]) / m + spin * sp.Matrix([-b, a])
+    along = form.subs(struck).subs({P_x: a, P_z: b})  # nothing turns
+    scale = form.subs(moment, 2 * moment) * 2 - form
+    return [*other, along, scale]
+
+
+def _rigid_checks(form: sp.Matrix) -> list[sp.Expr]:
+    """Distances stay, the body starts in its place, and a positive turn takes +z towards +x."""
+    return [
+        form.dot(form) - xi**2 - zeta**2,
+        *(form.subs(turn, 0) - sp.Matrix([xi, zeta])),
+        *(form.diff(turn).subs(turn, 0) - sp.Matrix([zeta, -xi])),
+    ]
+
+
+EQUATIONS = (
+    Equation(
+        tag=NEWTON.tag,
+        what="Newton's law for the centre of mass, one component",
+        symbol="m\\,dc",
+        printed=P,
+        as_printed=r"d\mathbf{P}",
+        derive=lambda: m * NEWTON({}),
+        verdict="assumed",
+    ),
+    Equation(
+        tag=EULER.tag,
+        what="Euler's law: the moment of the impulse about the centre of mass turns the body; "
+        "$x$, $z$ from the centre to the contact point",
+        symbol="d\\omega",
+        derive=lambda: EULER({}),
+        check=_euler_checks,
+        verdict="assumed",
+        note="(2) is this for the lower tip of a rod",
+    ),
+    Equation(
+        tag=RIGID.tag,
+        what=r"place of the point $(\xi, \zeta)$ of a rigid body that has turned by $\vartheta$, "
+        "from the centre of mass",
+        symbol="(x, z)",
+        derive=lambda: RIGID({}),
+        check=_rigid_checks,
+        verdict="assumed",
+        note='"uniform rigid rod": the impact bends nothing',
+    ),
+    Equation(
+        tag=IMPULSIVE.tag,
+        what=r"the impact is short and its force large: $\tau \to 0$ with the impulse kept",
+        symbol="F",
+        printed=P / tau,
+        derive=lambda: IMPULSIVE({}),
+        verdict="assumed",
+        note="place and tilt of the rod, gravity and the plate's velocity do not change meanwhile",
+    ),
+    Equation(
+        tag=SLIP.tag,
+        what=r"friction of a contact that slips in the direction $\sigma = \pm 1$",
+        symbol="F_x",
+        printed=-mu * sigma * F_z,
+        derive=lambda: SLIP({}),
+        verdict="assumed",
+        note="static and dynamic friction are equal",
+    ),
+    Equation(
+        tag=STICK.tag,
+        what="friction holds a contact at rest as long as this is positive, $q = |F_x|/F_z$",
+        symbol="\\mu - q",
+        derive=lambda: STICK({}),
+        check=lambda form: (form.subs(q, mu), form.diff(q) + 1),
+        verdict="assumed",
+    ),
+    Equation(
+        tag=RESTITUTION.tag,
+        what="kinematic restitution",
+        symbol="v_f",
+        printed=-epsilon * v_0,
+        derive=lambda: RESTITUTION({}),
+        verdict="assumed",
+        note="constant; other laws stand in a section of their own",
+    ),
+    Equation(
+        tag=CLOSURE.tag,
+        what="stationary translation: what is zero in the mean landing",
+        symbol="(\\omega, c_x'-c_x, c_z'+c_z)",
+        printed=sp.Matrix([omega, after_x - c_x, after_z + c_z]),
+        derive=lambda: CLOSURE({}),
+        verdict="assumed",
+        note="the paper's closure for what happens between two landings; $V_z$ is left open by it",
+    ),
+    Equation(
+        tag=LANDING_PHASES.tag,
+        what="density of landing phases",
+        symbol="H(\\theta)",
+        printed=(1 + sp.cos(theta)) / (2 * sp.pi),
+        derive=lambda: LANDING_PHASES({}),
+        verdict="assumed",
+        note="a fit to simulations",
+    ),
+)

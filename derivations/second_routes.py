@@ -1,0 +1,71 @@
+"""Impacts a second time, for proofs: conservation laws, and all equations of an impact at once.
+
+Nothing here uses the contact point's equations of motion, (5) and (6): the spin about the contact
+point is conserved, since the impulse passes through it, and the rest is a linear system.
+"""
+
+from functools import cache
+
+import sympy as sp
+
+from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega
+
+State = tuple[sp.Expr, sp.Expr, sp.Expr]  # velocity of the centre of mass, and spin
+
+
+def _spin_about_contact(state: State) -> sp.Expr:
+    v_x, v_z, spin = state
+    return k**2 * spin + Z * v_x - X * v_z
+
+
+@cache
+def impact(regime: str) -> State:
+    """(c_x', c_z', omega') of "slide", "stick" or "back", under kinematic restitution."""
+    before: State = (c_x, c_z, omega)
+    after: State = sp.symbols("a_x a_z a_w")
+    stopped: State = sp.symbols("s_x s_z s_w")
+    p_1, p_2, q_2 = sp.symbols("p_1 p_2 q_2")  # normal impulses; the second tangential one
+
+    def struck(state: State, p_x: sp.Expr, p_z: sp.Expr) -> list[sp.Expr]:
+        return [
+            m * (state[0] - c_x) - p_x,
+            m * (state[1] - c_z) - p_z,
+            _spin_about_contact(state) - _spin_about_contact(before),
+        ]
+
+    def slip(state: State) -> sp.Expr:
+        return state[0] - state[2] * Z
+
+    def rise(state: State) -> sp.Expr:
+        return state[1] - V_z + state[2] * X
+
+    equations = [
+        *struck(after, -mu * p_1 + q_2, p_1 + p_2),
+        rise(after) + epsilon * rise(before),
+        *struck(stopped, -mu * p_1, p_1),
+    ]
+    equations += {
+        "slide": [p_2, q_2],
+        "stick": [slip(stopped), slip(after)],
+        "back": [slip(stopped), q_2 - mu * p_2],
+    }[regime]
+    (solution,) = sp.linsolve(equations, *after, *stopped, p_1, p_2, q_2)
+    return tuple(sp.factor(part) for part in solution[:3])
+
+
+@cache
+def energy_created(regime: str) -> sp.Expr:
+    """Discriminant of the energy change in c_x: zero where an impact can just create energy."""
+    rest = {omega: 0, V_z: 0, c_z: -1}
+    v_x, v_z, spin = (part.subs(rest) for part in impact(regime))
+    change = v_x**2 + v_z**2 + k**2 * spin**2 - c_x**2 - 1
+    return sp.factor(sp.discriminant(sp.numer(sp.together(change)), c_x))
+
+
+def landing_residuals(regime: str, fixed: sp.Symbol, value: sp.Expr) -> list[sp.Expr]:
+    """Closure residual of a landing without spin whose c_x or c_z has a value: zero if right."""
+    v_x, v_z, _ = (part.subs(omega, 0) for part in impact(regime))
+    closed = {c_x: v_x - c_x, c_z: v_z + c_z}
+    free = c_x if fixed == c_z else c_z
+    (other,) = sp.solve(closed[free].subs(fixed, value), free)
+    return [closed[fixed].subs(fixed, value).subs(free, other)]
