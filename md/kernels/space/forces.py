@@ -150,24 +150,10 @@ def tangential(v, normal):
 
 
 @kernel
-def kept(springs, at):
-    """Spring of a contact."""
-    row, k = at
-    return springs[row, k, 0], springs[row, k, 1], springs[row, k, 2]
-
-
-@kernel
-def keep(springs, at, spring):
-    """Keep it for the next step."""
-    row, k = at
-    springs[row, k, 0], springs[row, k, 1], springs[row, k, 2] = spring
-
-
-@kernel
-def forget(springs, at):
+def forget(springs, row, place):
     """Clear the spring of a contact that is open."""
     if springs is not None:
-        keep(springs, at, ZERO)
+        put(springs[row], place, 0, ZERO)
 
 
 @kernel
@@ -208,8 +194,8 @@ def friction_force(friction, effects, bodies, springs, at, rubbing, dt):
     """
     if friction is None:
         return ZERO
-    n = rubbing.normal
-    spring = tangential(kept(springs, at), n)
+    n, row, place = rubbing.normal, at[0], at[1]
+    spring = tangential(vector(springs[row], place, 0), n)
     stretched = along(spring, dt, tangential(rubbing.half, n))
     square, light, turned = dot(stretched, stretched), 1.0 * len(bodies), 0.0
     for arm, director in bodies:
@@ -217,7 +203,7 @@ def friction_force(friction, effects, bodies, springs, at, rubbing, dt):
     mass = square / (light * square + turned) if square > 0.0 else 1.0 / light
     slip = tangential(rubbing.now, n)
     f, spring = spring_friction(friction, mass, spring, stretched, slip, rubbing, dt)
-    keep(springs, at, spring)
+    put(springs[row], place, 0, spring)
     return f
 
 
@@ -246,7 +232,7 @@ def on_plate(law, effects, state, i, plate, dt):
         s = effects.half_length if cap else -effects.half_length
         reach = rods[i, PLACE + 2] + s * rods[i, DIRECTOR + 2] - plate[0]
         if reach >= 0.5:
-            forget(state.springs, (i, PLATE_CAPS + cap))
+            forget(state.springs, i, PLATE_CAPS + cap)
             continue
         at = At(s, reach, UP, plate[1], 1.0, PLATE_CAPS + cap)
         surface(law, effects.friction, effects, state, i, at, dt)
@@ -264,7 +250,7 @@ def at_caps(wall, effects, state, i, seen, side, dt):
     for cap in range(2):
         s = effects.half_length if cap else -effects.half_length
         if side * (beyond(seen, s) - touching**2) >= 0:
-            forget(state.springs, (i, slot + cap))
+            forget(state.springs, i, slot + cap)
             continue
         rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
         out = side * out[0], side * out[1], 0.0
@@ -281,7 +267,7 @@ def at_inner(wall, effects, state, i, seen, dt):
         return 0.0
     deepest = at_caps(wall, effects, state, i, seen, 1, dt)
     if not passes(seen, effects.half_length, wall.radius + 0.5):
-        forget(state.springs, (i, INNER + 2))
+        forget(state.springs, i, INNER + 2)
         return deepest
     return max(deepest, beside(wall, effects, state, i, -seen[1] / seen[2], dt))
 

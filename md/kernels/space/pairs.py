@@ -184,7 +184,7 @@ def ends_met(effects, state, pair, ends, was, dt):
         s, t, r, square = ends[end]
         if square >= 1.0:
             if was & ENDS:
-                forget(state.pair_springs, (pair.number, end))
+                forget(state.pair_springs, pair.number, end)
             continue
         if square < (1.0 - DEEP) ** 2:
             return touches, True
@@ -224,7 +224,7 @@ def pair_forces(between, effects, state, dt):
                     return k
         elif was & ENDS:
             for end in range(4):
-                forget(springs, (number, end))
+                forget(springs, number, end)
         if inside and nearest < 1.0:
             if nearest < (1.0 - DEEP) ** 2:
                 return k
@@ -234,7 +234,7 @@ def pair_forces(between, effects, state, dt):
                 share = shared(between.normal, state.scratch, pair, near, ends)
             met(effects, state, pair, near, share, CROSSING, dt)
         elif was & BETWEEN_ENDS:
-            forget(springs, (number, CROSSING))
+            forget(springs, number, CROSSING)
         if not clear:
             nearest = min(nearest, least) if inside else least
         pairs.touched[number] = now
