@@ -109,6 +109,26 @@ class Touch(NamedTuple):
 
 
 @kernel
+def vector(array, i, first):
+    """Three numbers of row i."""
+    return array[i, first], array[i, first + 1], array[i, first + 2]
+
+
+@kernel
+def add(array, i, first, v):
+    """Add a vector to row i."""
+    array[i, first] += v[0]
+    array[i, first + 1] += v[1]
+    array[i, first + 2] += v[2]
+
+
+@kernel
+def put(array, i, first, v):
+    """Put a vector into row i."""
+    array[i, first], array[i, first + 1], array[i, first + 2] = v
+
+
+@kernel
 def term(constant, factor):
     """A product to add; where its constant is absent, -0.0, which adds nothing and has no code."""
     return -0.0 if constant is None else constant * factor

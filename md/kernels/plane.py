@@ -56,12 +56,15 @@ from .contact import (
     Moving,
     Slip,
     accelerations,
+    add,
     field,
     normal_force,
     plate_at,
+    put,
     spring_friction,
     tangential_constants,
     term,
+    vector,
 )
 from .neighbours import (
     Listed,
@@ -197,12 +200,8 @@ def pair_forces(effects, between, state, ledger, dt):
             lost = between.normal.stiffness * overlap * sqrt(overlap) - force
             pair_accounted(ledger, kept, place, (lost, rub), (rate, slip), dt)
             f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
-            total[i, 0] += f_x
-            total[i, 1] += f_z
-            total[i, 2] += (p_z * f_x - p_x * f_z) * light
-            total[j, 0] -= f_x
-            total[j, 1] -= f_z
-            total[j, 2] -= (q_z * f_x - q_x * f_z) * light
+            add(total, i, 0, (f_x, f_z, (p_z * f_x - p_x * f_z) * light))
+            add(total, j, 0, (-f_x, -f_z, (q_x * f_z - q_z * f_x) * light))
     return -1
 
 
@@ -256,8 +255,8 @@ def on_plate(normal, effects, state, watchers, i, others, plate, clock):
         keep_springs(state.springs, i, 0.0, 0.0)
         cleared(record, effects, rods, i, plate, clock.step)
         return others, False
-    half = (rods[i, C_X], rods[i, C_Z], rods[i, OMEGA])
-    now = plus(half, (before[i, 0], before[i, 1], before[i, 2]), clock.dt / 2)
+    half = vector(rods, i, C_X)
+    now = plus(half, vector(before, i, 0), clock.dt / 2)
     rod = Moving(rods[i, Z], direction, half, now, kept_springs(state.springs, i))
     a, lower, upper = accelerations(effects, rod, plate, others, clock.dt)
     keep_springs(state.springs, i, lower.spring, upper.spring)
@@ -312,21 +311,18 @@ def march(effects, state, watchers, clock, steps):
             return n, FULL_RECORD, 0
         plate = plate_at(alone.plate, now.step)
         for i in range(rods.shape[0]):
-            velocity = rods[i, C_X], rods[i, C_Z], rods[i, OMEGA]
-            total[i, 0], total[i, 1], total[i, 2] = field(alone, velocity)
+            put(total, i, 0, field(alone, vector(rods, i, C_X)))
         why, where = between_rods(effects.between, effects, state, watchers.ledger, dt)
         if why != DONE:
             return n, why, where
         sample(watchers.series, rods, now.step)
         fastest = 0.0
         for i in range(rods.shape[0]):
-            others = (total[i, 0], total[i, 1], total[i, 2])
+            others = vector(total, i, 0)
             a, deep = on_plate(alone.normal, alone, state, watchers, i, others, plate, now)
             if deep:
                 return n, TOO_DEEP, i
-            c_x = rods[i, C_X] + dt * a[0]
-            c_z = rods[i, C_Z] + dt * a[1]
-            omega = rods[i, OMEGA] + dt * a[2]
+            c_x, c_z, omega = plus(vector(rods, i, C_X), a, dt)
             speed = abs(c_x) + abs(c_z) + alone.half_length * abs(omega)
             if not speed < 1e100:
                 return n, NOT_FINITE, i
@@ -334,8 +330,8 @@ def march(effects, state, watchers, clock, steps):
             rods[i, X] += dt * c_x
             rods[i, Z] += dt * c_z
             rods[i, SINE], rods[i, COSINE] = turned((rods[i, SINE], rods[i, COSINE]), omega * dt)
-            rods[i, C_X], rods[i, C_Z], rods[i, OMEGA] = c_x, c_z, omega
-            before[i, 0], before[i, 1], before[i, 2] = a
+            put(rods, i, C_X, (c_x, c_z, omega))
+            put(before, i, 0, a)
         if too_fast(effects.between, state.listed, fastest * dt):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

@@ -11,7 +11,17 @@ import numpy as np
 
 from ...cache import kernel
 from ..codes import DIRECTOR, INNER, OUTER, PLACE, PLATE_CAPS, TURN, VELOCITY
-from ..contact import ContactForces, Friction, Motion, Normal, normal_force, tangential_constants
+from ..contact import (
+    ContactForces,
+    Friction,
+    Motion,
+    Normal,
+    add,
+    normal_force,
+    put,
+    tangential_constants,
+    vector,
+)
 from .geometry import (
     NEARER,
     UP,
@@ -89,26 +99,6 @@ class Rubbing(NamedTuple):
     force: float  # F_n, m g
     half: tuple[float, float, float]  # sqrt(g d); velocity of the contact half a step before
     now: tuple[float, float, float]  # the same at the step
-
-
-@kernel
-def vector(array, i, first):
-    """Three numbers of row i."""
-    return array[i, first], array[i, first + 1], array[i, first + 2]
-
-
-@kernel
-def add(array, i, first, v):
-    """Add a vector to row i."""
-    array[i, first] += v[0]
-    array[i, first + 1] += v[1]
-    array[i, first + 2] += v[2]
-
-
-@kernel
-def put(array, i, first, v):
-    """Put a vector into row i."""
-    array[i, first], array[i, first + 1], array[i, first + 2] = v
 
 
 @kernel

@@ -7,18 +7,16 @@ import numpy as np
 
 from ...cache import kernel
 from ..codes import CROSSING, DEEP, DIRECTOR, DONE, PAIR_TOO_DEEP, PLACE, SKIN
-from ..contact import normal_force
+from ..contact import add, normal_force, vector
 from .forces import (
     Pairs,
     Rubbing,
     across_normal,
     act,
-    add,
     forget,
     friction_force,
     gaining,
     moving,
-    vector,
 )
 from .geometry import (
     NEARER,
