@@ -1,7 +1,7 @@
-"""Forces of one contact and of a rod on the plate, compiled; an absent effect has no code.
+"""Forces of one contact and of a rod on the plate, and vectors, compiled.
 
 Reduced units: d = m = g = 1, m the mass of the rod. A parameter that is `None` says that its term
-is absent: Numba sees the type and leaves the branch out.
+is absent: Numba sees the type and leaves its code out.
 
 The tangential element is a spring with a dashpot beside it, both in series with a slider that
 gives way at mu F_n (`spring_friction`), or no element at all but the constraint that the slip stays
@@ -14,6 +14,8 @@ from math import copysign, inf, sqrt
 from typing import Any, NamedTuple
 
 from ..cache import kernel
+
+ZERO = (0.0, 0.0, 0.0)
 
 
 class Normal(NamedTuple):
@@ -106,6 +108,12 @@ class Touch(NamedTuple):
     tangential: float  # F_t, m g
     spring: float  # its length, d
     slip: float  # sqrt(g d), half a step before
+
+
+@kernel
+def along(a, s, b):
+    """a + s b."""
+    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
 
 
 @kernel

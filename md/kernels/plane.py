@@ -57,6 +57,7 @@ from .contact import (
     Slip,
     accelerations,
     add,
+    along,
     field,
     normal_force,
     plate_at,
@@ -75,7 +76,7 @@ from .neighbours import (
     places,
     too_fast,
 )
-from .single import plus, turned
+from .single import turned
 from .touches import Record, cleared, full, recorded
 
 
@@ -256,11 +257,11 @@ def on_plate(normal, effects, state, watchers, i, others, plate, clock):
         cleared(record, effects, rods, i, plate, clock.step)
         return others, False
     half = vector(rods, i, C_X)
-    now = plus(half, vector(before, i, 0), clock.dt / 2)
+    now = along(half, clock.dt / 2, vector(before, i, 0))
     rod = Moving(rods[i, Z], direction, half, now, kept_springs(state.springs, i))
     a, lower, upper = accelerations(effects, rod, plate, others, clock.dt)
     keep_springs(state.springs, i, lower.spring, upper.spring)
-    now = plus(half, a, clock.dt / 2)
+    now = along(half, clock.dt / 2, a)
     plate_accounted(ledger, effects, lower, plate, now, clock.dt)
     plate_accounted(ledger, effects, upper, plate, now, clock.dt)
     recorded(record, effects, rods, i, others, (lower, upper), plate, clock)
@@ -322,7 +323,7 @@ def march(effects, state, watchers, clock, steps):
             a, deep = on_plate(alone.normal, alone, state, watchers, i, others, plate, now)
             if deep:
                 return n, TOO_DEEP, i
-            c_x, c_z, omega = plus(vector(rods, i, C_X), a, dt)
+            c_x, c_z, omega = along(vector(rods, i, C_X), dt, a)
             speed = abs(c_x) + abs(c_z) + alone.half_length * abs(omega)
             if not speed < 1e100:
                 return n, NOT_FINITE, i

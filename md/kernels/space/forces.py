@@ -12,28 +12,19 @@ import numpy as np
 from ...cache import kernel
 from ..codes import DIRECTOR, INNER, OUTER, PLACE, PLATE_CAPS, TURN, VELOCITY
 from ..contact import (
+    ZERO,
     ContactForces,
     Friction,
     Motion,
     Normal,
     add,
+    along,
     normal_force,
     put,
     tangential_constants,
     vector,
 )
-from .geometry import (
-    NEARER,
-    UP,
-    ZERO,
-    along,
-    beyond,
-    cross,
-    dot,
-    from_axis,
-    passes,
-    rise,
-)
+from .geometry import NEARER, UP, beyond, cross, dot, from_axis, passes, rise
 
 
 class Wall(NamedTuple):

@@ -35,10 +35,10 @@ from ..codes import (
     VELOCITY,
     WALL_TOO_DEEP,
 )
-from ..contact import plate_at, put, vector
+from ..contact import ZERO, along, plate_at, put, vector
 from ..neighbours import too_fast
 from .forces import at_caps, at_inner, on_plate, turning
-from .geometry import UP, ZERO, along, cross, dot, from_above
+from .geometry import UP, cross, dot, from_above
 from .pairs import between_rods
 
 

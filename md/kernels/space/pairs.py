@@ -7,7 +7,7 @@ import numpy as np
 
 from ...cache import kernel
 from ..codes import CROSSING, DEEP, DIRECTOR, DONE, PAIR_TOO_DEEP, PLACE, SKIN
-from ..contact import add, normal_force, vector
+from ..contact import ZERO, add, along, normal_force, vector
 from .forces import (
     Pairs,
     Rubbing,
@@ -18,17 +18,7 @@ from .forces import (
     gaining,
     moving,
 )
-from .geometry import (
-    NEARER,
-    ZERO,
-    along,
-    at_end,
-    between_ends,
-    cross,
-    dot,
-    gap_vector,
-    rise,
-)
+from .geometry import NEARER, at_end, between_ends, cross, dot, gap_vector, rise
 
 ENDS, BETWEEN_ENDS = 1, 2  # bits: what of two rods touches
 SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a contact between ends
