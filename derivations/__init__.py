@@ -13,15 +13,18 @@ mu*(Z**2 + k**2) > X*Z
 array([0.331, 0.652, 1.107])
 
 `derivations.registry` holds every equation as printed and as derived, with a verdict and its proof.
-From a shell: `python -m derivations check`, `report`, `generate`.
+From a shell: `python -m derivations check`, `report`, `generate`, `mutate`.
 
 Files, as one reads them
 ------------------------
 symbols, proof                      the paper's letters; an equation, its verdict, its proof
-newton                              (1)-(6): the laws from which all else is computed
+axioms, trace                       what is assumed; what a derivation rests on, noted
+newton                              (1)-(6): the contact point's equations of motion
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact
 bodies, thin_rod, drift             rods; boundaries, (23); stationary translation, (24)-(31)
 laws, appendix, references          other restitutions, energy; Appendix A; cited figures
+second_routes                       whole impacts from conservation laws, for the proofs
+mutants                             deliberate mistakes: the proofs can fail
 registry                            all entries in the paper's order
 rewrites                            rules that make a form compute well, each one proved
 map_functions, rod_functions        which functions are generated, by which rules
@@ -34,13 +37,16 @@ To add an equation
 ------------------
 1. A function beside its relatives (`drift.py`, `laws.py`, ...) derives it from what is there.
 2. An `Equation` in that module's `EQUATIONS` says what is claimed: `printed` holds what the paper
-   prints, with the verdict "agrees", or "erratum" and what contradicts it; a result that the paper
-   does not have is "new" and needs a second route, `check` (module `proof`). A form that reads
-   better than the derived one goes into `shown`. Formulas in sentences stand between dollar signs.
+   prints, with the verdict "agrees", or "erratum" with the `repair` that makes it right and what
+   contradicts it; a result that the paper does not have is "new" and needs a second route, `check`
+   (module `proof`). A form that reads better than the derived one goes into `shown`. Formulas in
+   sentences stand between dollar signs. A step that is worth a name is marked `@derived`, which
+   caches it and notes the axioms that it used.
 3. If it should be a function: a `Function` in `map_functions.py` or `rod_functions.py` names its
    outputs and the rules that make them compute well (module `rewrites`).
 
-`check` proves it, `generate` writes impact/_generated.py and EQUATIONS.md, `report` shows it.
+`check` proves it, `mutate` tries to fool the proof, `generate` writes impact/_generated.py and
+EQUATIONS.md, `report` shows it.
 How it becomes public stands in `help(impact)`.
 """
 

@@ -1,6 +1,6 @@
 """Command line: prove every equation, generate the functions, write the report.
 
-python -m derivations [check [--json] | generate | report [--out DIR]]
+python -m derivations [check [--json] | generate | report [--out DIR] | mutate]
 """
 
 import json
@@ -100,6 +100,23 @@ def generate() -> int:
     for path, written in changed.items():
         print(f"{path.name}: {'written' if written else 'unchanged'}")
     return 0
+
+
+@main.command(epilog=_examples("mutate"))
+def mutate() -> int:
+    """Try the proofs on deliberate mistakes (2 min).
+
+    What kept its verdict is listed, and what says the same as before; the counts are recorded for
+    the report. The exit code is 1 if a mistake kept its verdict.
+    """
+    from . import mutants  # for a quick --help
+
+    found = mutants.run(_bar("trying"))
+    for mutant in found:
+        if mutant.outcome != "caught":
+            print(f"{mutant.tag}, {mutant.side}: {mutant.change}: {mutant.outcome}")
+    print(mutants.recorded())
+    return int(any(mutant.outcome == "survived" for mutant in found))
 
 
 @main.command("report", epilog=_examples("report", "report --out pages"))

@@ -29,6 +29,7 @@ class Axiom:
 
     tag: str
     form: Form
+    compared: str = ""  # with zero: "sign" if its sign counts alone, "zero" if it vanishes
 
     def __call__(self, values: Mapping[sp.Symbol, sp.Expr]) -> Form:
         """Return the form with `values` for its letters."""
@@ -44,9 +45,9 @@ RIGID = Axiom(
 )
 IMPULSIVE = Axiom("IV: impulsive limit", P / tau)
 SLIP = Axiom("IV: Coulomb, slip", -mu * sigma * F_z)
-STICK = Axiom("IV: Coulomb, stick", mu - q)
+STICK = Axiom("IV: Coulomb, stick", mu - q, "sign")
 RESTITUTION = Axiom("IV: restitution", -epsilon * v_0)
-CLOSURE = Axiom("V: closure", sp.Matrix([omega, after_x - c_x, after_z + c_z]))
+CLOSURE = Axiom("V: closure", sp.Matrix([omega, after_x - c_x, after_z + c_z]), "zero")
 LANDING_PHASES = Axiom("V: H(theta)", (1 + sp.cos(theta)) / (2 * sp.pi))
 
 AXIOMS = (

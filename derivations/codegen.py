@@ -55,8 +55,9 @@ def text_of(expr: sp.Expr) -> str:
         if below.is_Integer and below & (below - 1) == 0:  # a dyadic factor, or none
             return " * ".join(_factors(expr))
         quotient = " * ".join(_factors(above))
-        many = len(_factors(below)) > 1
-        return f"{quotient} / " + (f"({' * '.join(_factors(below))})" if many else _factor(below))
+        product = below.is_Pow or below.is_Mul  # a power is printed as a product
+        divisor = " * ".join(_factors(below))
+        return f"{quotient} / " + (f"({divisor})" if product else divisor)
     raise ValueError(f"not plain arithmetic: {expr}")
 
 

@@ -35,7 +35,6 @@ eta = sp.Symbol("eta", positive=True)  # sqrt(Gamma - 1)
 CASES = {"stick": slip_stick.impulse, "back": slip_reversal.impulse}
 
 
-@derived
 def spin_at_landing() -> sp.Expr:
     """Omega before the mean landing, by the closure."""
     (spin,) = sp.solve(CLOSURE({})[0], omega)

@@ -173,6 +173,7 @@ def limits() -> tuple[sp.Expr, ...]:
 
 # ---- second routes ----------------------------------------------------------------------------
 
+_MOBILITIES = {A: 1 + X**2 / k**2, B: X * Z / k**2, C: 1 + Z**2 / k**2}
 _THIN_LENGTHS = {X: sp.sin(phi), Z: sp.cos(phi), k: 1 / sp.sqrt(3)}
 
 
@@ -186,6 +187,13 @@ def _kinetic_energy(form: sp.Expr) -> list[sp.Expr]:
     return [after - before - form.subs(contact, simultaneous=True)]
 
 
+def _kinetic_energies(form: sp.Matrix) -> list[sp.Expr]:
+    """Kinetic energies of whole impacts, without spin before, on a plate at rest."""
+    start = {**_MOBILITIES, u_0: c_x, v_0: c_z}
+    changes = [second_routes.energy_change(regime) for regime in ("stick", "back")]
+    return [part.subs(start) - change for part, change in zip(form, changes, strict=True)]
+
+
 def _triangles(form: sp.Matrix) -> list[sp.Expr]:
     """Work as areas under the broken line of v over P_z: given back, epsilon^2 of what was taken.
 
@@ -193,10 +201,10 @@ def _triangles(form: sp.Matrix) -> list[sp.Expr]:
     """
     early, late = form
     taken_early = -(v_0 + V_1) / 2 * P_1 + V_1**2 / (2 * a_2)
-    given_late = V_1**2 / (2 * a_1) + (late**2 - V_1**2) / (2 * a_2)
+    left_late = epsilon**2 * v_0**2 / (2 * a_1) - V_1**2 / (2 * a_1)  # to be given after P_1
     return [
-        early**2 / (2 * a_2) - epsilon**2 * taken_early,
-        given_late - epsilon**2 * v_0**2 / (2 * a_1),
+        early - epsilon * sp.sqrt(2 * a_2 * taken_early),
+        late - sp.sqrt(V_1**2 + 2 * a_2 * left_late),
     ]
 
 
@@ -223,18 +231,38 @@ def _thrown_up(form: sp.Matrix) -> list[sp.Expr]:
     return [
         newton,
         poisson - a_2 * epsilon * p_c,
-        stronge**2 / (2 * a_2) - epsilon**2 * slope * P_1 * p_c / 2,
+        stronge - epsilon * sp.sqrt(a_2 * slope * P_1 * p_c),
     ]
 
 
 def _created(regime: str, ratio: sp.Expr) -> sp.Expr:
     """Discriminant of the energy change at kappa = ratio, from whole impacts: zero if right."""
-    mobilities = {A: 1 + X**2 / k**2, B: X * Z / k**2, C: 1 + Z**2 / k**2}
-    restitution = ((1 - ratio) / (1 + ratio)).subs(mobilities)
+    restitution = ((1 - ratio) / (1 + ratio)).subs(_MOBILITIES)
     return second_routes.energy_created(regime).subs(epsilon, restitution)
 
 
+def _slopes_by_spin(form: sp.Matrix) -> list[sp.Expr]:
+    """From rest, by the spin about the contact point, which an impulse through it keeps."""
+    p_x = {"slip": -mu, "back": mu, "stick": sp.Symbol("p_x")}
+    checks = []
+    for (name, x), slope_of in zip(p_x.items(), (form[0], form[2], form[1]), strict=True):
+        turn = (X - Z * x) / k**2  # k^2 turn + Z p_x - X p_z = 0, p_z = 1
+        u, v = x - Z * turn, 1 + X * turn
+        if name == "stick":
+            v = v.subs(x, sp.solve(u, x)[0])
+        checks.append(v - slope_of)
+    return checks
+
+
 EQUATIONS = (
+    Equation(
+        tag="laws: slopes",
+        what="$dv/dP_z$ per unit mass: slipping forward, sticking, slipping back",
+        symbol="m\\,dv/dP_z",
+        derive=lambda: sp.Matrix([slopes()[name] for name in ("slip", "stick", "back")]),
+        check=_slopes_by_spin,
+        verdict="new",
+    ),
     Equation(
         tag="laws: energy",
         what="energy change of any impact from the impulse and the contact velocities",
@@ -243,6 +271,14 @@ EQUATIONS = (
         check=_kinetic_energy,
         verdict="new",
         note="the mean contact velocity times the impulse; equal to the change of kinetic energy",
+    ),
+    Equation(
+        tag="laws: energy of a stopped slip",
+        what="energy change under Newton's law, per unit mass: slip-stick, slip reversal",
+        symbol="\\Delta E",
+        derive=lambda: sp.Matrix([energy_change("stick"), energy_change("back")]),
+        check=_kinetic_energies,
+        verdict="new",
     ),
     Equation(
         tag="laws: Poisson",

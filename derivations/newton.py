@@ -202,6 +202,15 @@ EQUATIONS = (
         note="$m l^2/(4 I)$, 3 for a thin rod; the paper leaves it undefined",
     ),
     Equation(
+        tag="IV: spin",
+        what="change of spin under an impulse at the contact point",
+        symbol="\\omega' - \\omega",
+        derive=lambda: spin_jump(P_x, P_z),
+        # the impulse passes through the contact point and keeps the spin about it
+        check=lambda form: (k**2 * form + Z * velocity_change(P_x) - X * velocity_change(P_z),),
+        verdict="new",
+    ),
+    Equation(
         tag="5",
         what="acceleration of the contact point along the plate",
         symbol="m\\dot v_x",

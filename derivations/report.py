@@ -16,7 +16,7 @@ import sympy as sp
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from . import codegen, typeset
+from . import codegen, mutants, typeset
 from .proof import Equation, Form
 from .references import Citation
 from .registry import SECTIONS, Row
@@ -71,7 +71,7 @@ def forms(entry: Equation | Citation) -> list[tuple[str, Form]]:
 
 def _tex_of(entry: Equation | Citation, label: str) -> str:
     """LaTeX of a printed vector form; the components are for the proof."""
-    return entry.as_printed if label == PRINTED else ""
+    return entry.as_printed if isinstance(entry, Equation) and label == PRINTED else ""
 
 
 def equation(symbol: str | sp.Symbol, form: Form, align: str = "", tex: str = "") -> list[str]:
@@ -151,6 +151,7 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
         ABOUT,
         rows=rows,
         outcome=f"{failed} of them not proved." if failed else "All of them are proved.",
+        trial=mutants.recorded(),
         counts=Counter(row.verdict for row in rows),
         sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
         functions=[(f, *codegen.body(f.name)) for f in codegen.FUNCTIONS],

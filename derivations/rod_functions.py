@@ -8,7 +8,7 @@ from .symbols import V_z, X, Z, diameter, epsilon, k, length, mu, phi
 
 _x, _z, _s, _g = sp.symbols("x z s g", positive=True)  # |X|/k, |Z|/k, d/l, (1 + epsilon) r
 _grip, _sin, _cos, _root = sp.symbols("grip sin cos root", positive=True)
-_root_a, _root_b, _root_ac, _root_d = sp.symbols("root_a root_b root_ac root_d", positive=True)
+_root_a, _root_b, _root_c, _root_d = sp.symbols("root_a root_b root_c root_d", positive=True)
 
 
 def _name(name: str) -> sp.Symbol:
@@ -130,23 +130,23 @@ FUNCTIONS: tuple[Function, ...] = (
         ),
     ),
     Function(
-        name="energy_threshold_stick",
-        summary=r"$(1-\epsilon)/(1+\epsilon)$ below which Newton's law can create energy, "
-        "slip-stick.",
-        detail=r"Mobilities $A$, $B$, $C$; $root_{ac} = \sqrt{A C}$, $root_d = \sqrt{A C - B^2}$.",
-        arguments=(laws.B, _root_ac, _root_d),
-        outputs={_name("kappa"): laws.energy_threshold("stick")},
+        name="energy_restitution_stick",
+        summary="Restitution above which Newton's law can create energy, slip-stick.",
+        detail=r"Mobilities $A$, $B$, $C$; $root_a = \sqrt{A}$, $root_c = \sqrt{C}$, "
+        r"$root_d = \sqrt{A C - B^2}$.",
+        arguments=(_root_a, _root_c, _root_d),
+        outputs={_name("restitution"): laws.sticking_threshold()},
         rules=(
             recast(
-                "difference of roots",
-                "$(a - b)^2 = B^4/(a + b)^2$",
-                roots=_root_ac + _root_d,
-                kappa=laws.B**2 / _name("roots") ** 2,
+                "name the roots",
+                "one quotient; $A C$ cannot overflow",
+                restitution=_root_d / (_root_a * _root_c),
             ),
         ),
         meaning={
-            laws.A: _root_ac**2 / laws.C,
-            laws.B: sp.sqrt(_root_ac**2 - _root_d**2),
+            laws.A: _root_a**2,
+            laws.C: _root_c**2,
+            laws.B: sp.sqrt(_root_a**2 * _root_c**2 - _root_d**2),
         },
     ),
     Function(

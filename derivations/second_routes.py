@@ -54,12 +54,18 @@ def impact(regime: str) -> State:
 
 
 @cache
+def energy_change(regime: str) -> sp.Expr:
+    """Kinetic energy after minus before, per unit mass; no spin before, the plate at rest."""
+    rest = {omega: 0, V_z: 0}
+    v_x, v_z, spin = (part.subs(rest) for part in impact(regime))
+    return sp.factor(v_x**2 + v_z**2 + k**2 * spin**2 - c_x**2 - c_z**2) / 2
+
+
+@cache
 def energy_created(regime: str) -> sp.Expr:
     """Discriminant of the energy change in c_x: zero where an impact can just create energy."""
-    rest = {omega: 0, V_z: 0, c_z: -1}
-    v_x, v_z, spin = (part.subs(rest) for part in impact(regime))
-    change = v_x**2 + v_z**2 + k**2 * spin**2 - c_x**2 - 1
-    return sp.factor(sp.discriminant(sp.numer(sp.together(change)), c_x))
+    change = sp.numer(sp.together(energy_change(regime).subs(c_z, -1)))
+    return sp.factor(sp.discriminant(change, c_x))
 
 
 def landing_residuals(regime: str, fixed: sp.Symbol, value: sp.Expr) -> list[sp.Expr]:

@@ -8,7 +8,7 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "c53a48428d4993bc"  # sha256 of the expressions below, first 16 digits
+DIGEST = "d9cb491a14ca4106"  # sha256 of the expressions below, first 16 digits
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
@@ -204,14 +204,13 @@ def drift(x, z, epsilon, grip):
     return along, up
 
 
-def energy_threshold_stick(B, root_ac, root_d):
-    """(1-epsilon)/(1+epsilon) below which Newton's law can create energy, slip-stick.
+def energy_restitution_stick(root_a, root_c, root_d):
+    """Restitution above which Newton's law can create energy, slip-stick.
 
-    Mobilities A, B, C; root_ac = sqrt(A C), root_d = sqrt(A C - B^2). Operations: as derived
-    19, difference of roots 4.
+    Mobilities A, B, C; root_a = sqrt(A), root_c = sqrt(C), root_d = sqrt(A C - B^2).
+    Operations: as derived 11, name the roots 2.
     """
-    roots = root_ac + root_d
-    return B * B / roots * roots
+    return root_d / (root_a * root_c)
 
 
 def energy_threshold_back(B, C, mu, root_a, root_b):

@@ -116,8 +116,9 @@ def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
         A, B, C, D = 1 + x * x, x * z, 1 + z * z, 1 + x * x + z * z
         reverses = mu * C < B
         mu = np.where(reverses, mu, 0.0)
-        sticking = np.sqrt(D) / (np.sqrt(A) * np.sqrt(C))
-        kappa = closed.energy_threshold_back(B, C, mu, np.sqrt(A), np.sqrt(A - mu * mu * C))
+        root = np.sqrt(A)
+        sticking = closed.energy_restitution_stick(root, np.sqrt(C), np.sqrt(D))
+        kappa = closed.energy_threshold_back(B, C, mu, root, np.sqrt(A - mu * mu * C))
         return (np.where(reverses, (1 - kappa) / (1 + kappa), sticking),)
 
     return evaluated(block, {**lengths_of(geometry), "friction": (friction, FRICTION)})[0]

@@ -2,6 +2,7 @@
 
 import json
 import random
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -90,6 +91,65 @@ def test_new_result_without_second_route_is_refused():
     assert "second route" in without.evidence
     for check in (lambda form: (s.mu,), lambda form: ()):
         assert not replace(BY_TAG["laws: energy"], check=check).prove().ok
+
+
+ERRATA_OF_FORMS = [tag for tag in sorted(ERRATA) if BY_TAG[tag].repair]
+
+
+@pytest.mark.parametrize("tag", ERRATA_OF_FORMS)
+def test_a_repair_makes_the_printed_form_right(tag):
+    entry = BY_TAG[tag]
+    assert not replace(entry, repair=()).prove().ok
+    other = replace(entry.repair[0], new=entry.repair[0].new * 2)
+    assert not replace(entry, repair=(other, *entry.repair[1:])).prove().ok
+    if entry.printed.free_symbols:
+        whole = proof.Repair("all of it", entry.printed, entry.readable())
+        assert not replace(entry, repair=(whole,)).prove().ok  # no repair, but another form
+
+
+@pytest.mark.parametrize("tag", sorted(ERRATA - set(ERRATA_OF_FORMS)))
+def test_a_mistake_in_words_is_computed_as_what_is_true_is(tag):
+    entry = BY_TAG[tag]
+    assert not replace(entry, mistaken=None).prove().ok
+    assert not replace(entry, mistake="").prove().ok
+    assert not replace(entry, contradiction=None).prove().ok
+    assert not replace(entry, mistaken=entry.derive).prove().ok
+
+
+class Vector(sp.ImmutableDenseMatrix):
+    """Three components, with the products as they are printed."""
+
+    def __xor__(self, other):
+        return self.cross(other)
+
+    def __and__(self, other):
+        return self.dot(other)
+
+
+def test_printed_vector_equations_mean_their_components():
+    """LaTeX as it is shown, read as Python: a cross product is ^, a dot product &."""
+    letters = {
+        "u": Vector([sp.sin(s.phi), 0, sp.cos(s.phi)]),
+        "c": Vector([s.c_x, 0, s.c_z]),
+        "V": Vector([0, 0, s.V_z]),
+        "omega": Vector([0, s.omega, 0]),
+        "F": Vector([s.F_x, 0, s.F_z]),
+        "dP": Vector([s.P_x, 0, s.P_z]),
+        "l": s.length,
+        "alpha": newton.alpha,
+    }
+    for tag in ("2", "3", "4"):
+        text = BY_TAG[tag].as_printed
+        text = re.sub(r"d\\mathbf\{P\}", "dP", text)
+        text = re.sub(r"\\(?:mathbf|boldsymbol)\{\\?(\w+)\}", r"\1", text)
+        text = re.sub(r"\\frac\{(\w+)\}\{(\w+)\}", r"\1/\2 *", text)
+        text = re.sub(r"(\w+) \\times (\w+)", r"(\1 ^ \2)", text)
+        text = re.sub(r"(\w+) \\cdot (\w+)", r"\1 & \2", text)
+        text = text.replace(r"\alpha [", "alpha * (").replace("]", ")").replace("u (", "u * (")
+        value = list(eval(text, letters))
+        printed = list(sp.Matrix([BY_TAG[tag].printed]))
+        want = [0, *printed, 0] if len(printed) == 1 else [printed[0], 0, printed[1]]
+        assert all(proof.vanishes(a - b) for a, b in zip(value, want, strict=True)), tag
 
 
 def test_random_points_tell_equal_from_unequal():

@@ -9,9 +9,9 @@ import sympy as sp
 from numba import njit
 
 import impact
-from derivations import codegen, drift, laws, newton, slide, slip_reversal, slip_stick, thin_rod
+from derivations import codegen, newton, rewrites, slide, slip_reversal, slip_stick
 from derivations import symbols as s
-from derivations.proof import vanishes
+from derivations.proof import random_point, vanishes
 from impact import _generated, compiled
 
 from . import sampling
@@ -83,40 +83,84 @@ def test_generated_text_on_symbols_is_the_derivation(generated, derived):
     assert vanishes(s.v_0 + dv - v_f)
 
 
-def test_generated_boundaries_on_symbols_are_the_derivation():
-    assert vanishes(_generated.critical_friction(*LENGTHS) - thin_rod.critical_friction())
-    above, below = _generated.slide_friction(*LENGTHS, (1 + s.epsilon) * thin_rod.ratio)
-    assert vanishes(above / below - thin_rod.slide_friction())
+def _outputs(function, generated):
+    """What a generated function returns, by name, and what each name stands for."""
+    body, _ = codegen.body(function.name)
+    names = [str(symbol) for symbol in body if symbol in function.outputs]
+    returned = generated(*function.arguments)
+    given = returned if isinstance(returned, tuple) else (returned,)
+    values = rewrites.written_out(body, function.meaning)
+    meant = {str(symbol): value for symbol, value in values.items()}
+    meant |= {str(x): sp.sympify(x).subs(function.meaning) for x in function.arguments}
+    meant |= {str(x): derived.subs(function.meaning) for x, derived in function.outputs.items()}
+    return dict(zip(function.returned or names, given, strict=True)), meant
 
 
-def test_generated_drift_on_symbols_is_the_derivation():
-    x, z = sp.symbols("x z", positive=True)
-    lengths = {s.X: x * s.k, s.Z: z * s.k}
-    for case, grip in zip(("stick", "back"), _generated.drift_grips(x, z, s.mu), strict=True):
-        along, up = _generated.drift(x, z, s.epsilon, grip)
-        want_along, want_up = (part.subs(lengths) / s.V_z for part in drift.stationary(case))
-        assert vanishes(along - want_along)
-        assert vanishes(up - want_up)
+@pytest.mark.parametrize("function", codegen.FUNCTIONS, ids=lambda function: function.name)
+def test_every_generated_function_on_symbols_is_its_derivation(function):
+    found, meant = _outputs(function, getattr(_generated, function.name))
+    for name, expr in found.items():
+        assert vanishes(sp.sympify(expr).subs(function.meaning) - meant[name]), name
 
 
-def test_generated_laws_on_symbols_are_the_derivation():
-    general = {laws.a_1: sp.Integer(3), laws.a_2: sp.Integer(2)}  # any two slopes
-    w, r = 2 * s.P_1, sp.Rational(2, 3)
-    v_1 = s.v_0 + 3 * s.P_1
-    pairs = [
-        (_generated.poisson_early(s.epsilon, v_1, w), laws.final_velocity("poisson", "early")),
-        (_generated.poisson_late(s.epsilon, s.v_0, v_1, r), laws.final_velocity("poisson", "late")),
-        (
-            _generated.stronge_early(s.epsilon, s.v_0, v_1, w),
-            laws.final_velocity("stronge", "early") ** 2,
-        ),
-        (
-            _generated.stronge_late(s.epsilon, s.v_0, v_1, r),
-            laws.final_velocity("stronge", "late") ** 2,
-        ),
-    ]
-    for generated, derived in pairs:
-        assert vanishes(sp.expand(generated) - derived.subs(general))
+def _numbers(function):
+    """At three random points: arguments at 50 digits, and what each output is worth there."""
+    _, meant = _outputs(function, getattr(_generated, function.name))
+    arguments = [sp.sympify(x).subs(function.meaning) for x in function.arguments]
+    forms = [*arguments, *meant.values()]
+    letters = set().union(*(form.free_symbols for form in forms))
+    with mpmath.workdps(50):
+        for seed in range(3):
+            point = random_point(letters, seed)
+            numbers = [mpmath.mpmathify(sp.N(form.subs(point), 50)) for form in forms]
+            yield (
+                numbers[: len(arguments)],
+                dict(zip(meant, numbers[len(arguments) :], strict=True)),
+            )
+
+
+def _is_right(function, generated, numbers):
+    """Whether a generated function, as it stands in a namespace, has the derived values."""
+    body, _ = codegen.body(function.name)
+    names = function.returned or [str(x) for x in body if x in function.outputs]
+    with mpmath.workdps(50):
+        for given, wanted in numbers:
+            returned = generated[function.name](*given)
+            returned = returned if isinstance(returned, tuple) else (returned,)
+            for name, value in zip(names, returned, strict=True):
+                if abs(value - wanted[name]) > mpmath.mpf(10) ** -20 * (1 + abs(wanted[name])):
+                    return False
+    return True
+
+
+def _computing_lines(tree):
+    """(function, node) of each line of the generated file that computes something."""
+    for function in (node for node in tree.body if isinstance(node, ast.FunctionDef)):
+        for line in function.body:
+            plain = isinstance(line, ast.Return) and isinstance(line.value, ast.Tuple | ast.Name)
+            if isinstance(line, ast.Assign | ast.Return) and not plain:
+                yield function.name, line
+
+
+def test_a_change_of_1e_12_in_any_generated_line_is_seen():
+    """Numerically, at 50 digits: no comparison of text takes part."""
+    tree = ast.parse(codegen.TARGET.read_text(encoding="utf-8"))
+    functions = {function.name: function for function in codegen.FUNCTIONS}
+    numbers = {name: list(_numbers(function)) for name, function in functions.items()}
+
+    def right(name):
+        namespace = {}
+        exec(compile(ast.fix_missing_locations(tree), "generated", "exec"), namespace)
+        return _is_right(functions[name], namespace, numbers[name])
+
+    assert all(map(right, functions))
+    lines = list(_computing_lines(tree))
+    assert {name for name, _ in lines} == set(functions)
+    for name, line in lines:
+        usual = line.value
+        line.value = ast.BinOp(usual, ast.Mult(), ast.Constant(1 + 1e-12))
+        assert not right(name), f"{name}, line {line.lineno}"
+        line.value = usual
 
 
 def test_generated_text_runs_on_multiple_precision_numbers():

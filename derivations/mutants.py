@@ -1,0 +1,173 @@
+"""Deliberate mistakes, to see that the proofs can fail.
+
+Every entry's printed and derived form, and every axiom, is changed in small ways: a factor 8/7, a
+term's sign turned, a symbol replaced by another of the same form, a denominator scaled, one side
+of an inequality scaled. An entry with a changed form must lose its verdict, and a changed axiom
+must cost some entry that rests on it its proof. Changes that say the same are counted apart.
+"""
+
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Literal
+
+import sympy as sp
+
+from . import axioms
+from .codegen import write
+from .proof import Equation, Form, components, equal_at_random_points
+from .registry import ENTRIES
+
+Relational = sp.core.relational.Relational
+Outcome = Literal["caught", "equivalent", "survived"]
+
+RECORD = Path(__file__).with_name("mutants.json")  # what the last whole trial found
+FACTOR = sp.Rational(8, 7)
+
+
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """A changed form, and what became of the proofs."""
+
+    tag: str  # of the entry or axiom
+    side: str  # printed, derived or axiom
+    change: str  # in words
+    outcome: Outcome
+
+
+def _at(form: Form, path: tuple[int, ...], new: sp.Basic) -> Form:
+    """Return the form with the node at a path replaced."""
+    if not path:
+        return new
+    args = list(form.args)
+    args[path[0]] = _at(args[path[0]], path[1:], new)
+    return form.func(*args)
+
+
+def _nodes(form: sp.Basic, path: tuple[int, ...] = ()) -> Iterator[tuple[tuple[int, ...], Form]]:
+    yield path, form
+    for i, arg in enumerate(form.args):
+        yield from _nodes(arg, (*path, i))
+
+
+def _changes_of(form: sp.Expr) -> Iterator[tuple[str, sp.Expr]]:
+    """Changed expressions, each with the change in words."""
+    yield "times 8/7", form * FACTOR
+    yield "times -1", -form
+    if form.is_number:
+        yield "plus 1", form + 1
+    letters = sorted(form.free_symbols, key=str)
+    for one, other in zip(letters, letters[1:] + letters[:1], strict=True):
+        if one != other:
+            yield f"{one} to {other}", form.xreplace({one: other})
+    for path, node in _nodes(form):
+        if node.is_Add:
+            for term in node.args:
+                yield f"sign of {term}", _at(form, path, node - 2 * term)
+        elif node.is_Pow and node.exp.could_extract_minus_sign():
+            yield f"denominator {node.base} times 9/8", _at(form, path, node * sp.Rational(9, 8))
+
+
+def changes(form: Form) -> Iterator[tuple[str, Form]]:
+    """Changed forms, each with the change in words; those that did not change are left out."""
+    if isinstance(form, Relational):
+        yield "left side times 8/7", form.func(form.lhs * FACTOR, form.rhs)
+        yield "right side times 8/7", form.func(form.lhs, form.rhs * FACTOR)
+        yield "turned", form.reversed.func(form.lhs, form.rhs)
+        for what, side in _changes_of(form.lhs):
+            yield f"left: {what}", form.func(side, form.rhs)
+    elif isinstance(form, sp.MatrixBase):
+        for i, part in enumerate(form):
+            for what, new in _changes_of(part):
+                yield (
+                    f"component {i}: {what}",
+                    sp.Matrix([new if j == i else old for j, old in enumerate(form)]),
+                )
+    else:
+        yield from _changes_of(form)
+
+
+def says_the_same(a: Form, b: Form, up_to: str = "") -> bool:
+    """Whether two forms are equal, or differ by a factor that does not matter.
+
+    `up_to` is "sign" for a form that is compared with zero, "zero" for one that is set to zero.
+    """
+    if not isinstance(a, type(b)) and isinstance(b, Relational):
+        return False
+    up_to = up_to or ("sign" if isinstance(b, Relational) else "")
+    pairs = list(zip(components(a), components(b), strict=True))
+    if up_to:
+        ratios = [sp.cancel(x / y) if y != 0 else sp.nan for x, y in pairs]
+        return all(r.is_positive or (up_to == "zero" and r.is_nonzero) for r in ratios)
+    return all(equal_at_random_points(x.doit(), y.doit()) for x, y in pairs)
+
+
+def _tried(entry: Equation, side: str, form: Form) -> Iterator[Mutant]:
+    for what, new in changes(form):
+        given = {"printed": new} if side == "printed" else {"derive": lambda new=new: new}
+        outcome: Outcome = "caught"
+        if replace(entry, **given).prove().ok:
+            outcome = "equivalent" if says_the_same(new, form) else "survived"
+        yield Mutant(entry.tag, side, what, outcome)
+
+
+def of_entry(entry: Equation) -> Iterator[Mutant]:
+    """Try every change of both sides of one entry."""
+    if entry.printed is not None:
+        yield from _tried(entry, "printed", entry.printed)
+    yield from _tried(entry, "derived", entry.derive())
+
+
+def of_axiom(axiom: axioms.Axiom) -> Iterator[Mutant]:
+    """Try every change of an axiom against the entries that rest on it."""
+    resting = [e for e in ENTRIES if isinstance(e, Equation) and axiom.tag in e.rests_on]
+    usual = axiom.form
+    for what, new in changes(usual):
+        outcome: Outcome = "caught"
+        with axioms.assuming(axiom, new):
+            if all(entry.prove().ok for entry in resting):
+                same = says_the_same(new, usual, axiom.compared)
+                outcome = "equivalent" if same else "survived"
+        yield Mutant(axiom.tag, "axiom", what, outcome)
+
+
+def trials() -> list[Callable[[], Iterator[Mutant]]]:
+    """One for each entry that is an equation, and for each axiom."""
+    entries = [entry for entry in ENTRIES if isinstance(entry, Equation)]
+    return [
+        *(partial(of_entry, entry) for entry in entries),
+        *(partial(of_axiom, axiom) for axiom in axioms.AXIOMS),
+    ]
+
+
+def digest() -> str:
+    """Digest of the sources that derive and prove, first 16 digits."""
+    files = sorted(Path(__file__).parent.glob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:16]
+
+
+def run(progress: Callable[[Iterable], Iterable] = iter) -> list[Mutant]:
+    """Try all mutants and record what became of them."""
+    found = [mutant for trial in progress(trials()) for mutant in trial()]
+    counts = Counter(mutant.outcome for mutant in found)
+    kept = [asdict(mutant) for mutant in found if mutant.outcome != "caught"]
+    record = {"sources": digest(), "tried": len(found), **counts, "not caught": kept}
+    write(json.dumps(record, indent=1) + "\n", RECORD)
+    return found
+
+
+def recorded() -> str:
+    """What the last whole trial found, as a sentence."""
+    if not RECORD.exists():
+        return "No trial of the proofs by deliberate mistakes is recorded."
+    found = json.loads(RECORD.read_text(encoding="utf-8"))
+    sources = "" if found["sources"] == digest() else " (of earlier sources)"
+    return (
+        f"The proofs were tried on {found['tried']} deliberate mistakes{sources}: "
+        f"{found.get('caught', 0)} lost their verdict, {found.get('equivalent', 0)} say the same "
+        f"as what they replace, {found.get('survived', 0)} kept it."
+    )

@@ -1,0 +1,121 @@
+"""The proofs can fail: deliberate mistakes in forms, axioms and derivation steps are caught."""
+
+import random
+from itertools import chain
+
+import pytest
+import sympy as sp
+
+from derivations import __main__ as cli
+from derivations import axioms, mutants, registry, symbols, trace
+from derivations.proof import Equation
+
+EQUATIONS = [entry for entry in registry.ENTRIES if isinstance(entry, Equation)]
+SAMPLE = random.Random(mutants.digest())  # another one with every edit of the derivations
+FEW_STEPS = SAMPLE.sample(sorted(trace.STEPS), 6)
+
+
+def survivors(found):
+    return [mutant for mutant in found if mutant.outcome == "survived"]
+
+
+def test_no_deliberate_mistake_keeps_its_verdict(monkeypatch):
+    """One change of each side of some entries and axioms."""
+    changes = mutants.changes
+    monkeypatch.setattr(mutants, "changes", lambda form: SAMPLE.sample(list(changes(form)), 1))
+    some = SAMPLE.sample(mutants.trials(), 40)
+    found = list(chain.from_iterable(trial() for trial in some))
+    assert not survivors(found)
+    assert sum(mutant.outcome == "caught" for mutant in found) > 40
+
+
+@pytest.mark.slow
+def test_no_deliberate_mistake_at_all_keeps_its_verdict(monkeypatch, tmp_path):
+    monkeypatch.setattr(mutants, "RECORD", tmp_path / "mutants.json")
+    found = mutants.run()
+    assert len(found) > 2000
+    assert not survivors(found)
+
+
+def negated(value):
+    """The sign of what a step gives turned; of several, that of the last."""
+    if isinstance(value, dict):
+        last = list(value)[-1]
+        return value | {last: -value[last]}
+    return (*value[:-1], -value[-1]) if isinstance(value, tuple) else -value
+
+
+def rows_until_one_fails():
+    rows = (entry.prove() for entry in EQUATIONS)
+    return next((row for row in rows if not row.ok), None)
+
+
+@pytest.mark.parametrize("step", FEW_STEPS)
+def test_a_sign_turned_in_a_step_ends_as_a_row(step):
+    with trace.bent(step, negated):
+        assert rows_until_one_fails() is not None
+    assert trace.STEPS[step].__doc__
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", sorted(set(trace.STEPS) - set(FEW_STEPS)))
+def test_a_sign_turned_in_any_step_ends_as_a_row(step):
+    test_a_sign_turned_in_a_step_ends_as_a_row(step)
+
+
+def test_a_derivation_that_cannot_be_computed_is_a_row_and_exit_code_one(monkeypatch, capsys):
+    (entry,) = (entry for entry in EQUATIONS if entry.tag == "24")
+    monkeypatch.setattr(registry, "ENTRIES", (entry,))
+    with trace.bent("drift.stationary", lambda value: value / 0):
+        assert cli.main(["check"]) == 1
+    printed = capsys.readouterr().out
+    assert "NOT PROVED" in printed
+    assert "1 entries: 1 agrees; 1 not proved" in printed
+
+
+def test_what_an_equation_rests_on_is_computed():
+    rests = {entry.tag: set(entry.rests_on) for entry in EQUATIONS}
+    impact = {"1", "IV: Euler", "IV: rigid body", "IV: impulsive limit"}
+    assert rests["5"] == rests["6"] == impact
+    assert rests["8"] == impact | {"IV: Coulomb, slip", "IV: restitution"}
+    assert rests["24"] == rests["8"] | {"V: closure"}
+    assert rests["16"] == impact | {"IV: Coulomb, stick"}
+    assert rests["31"] == {"V: H(theta)"}
+    assert rests["[12]: mass"] == set()
+    used = set().union(*rests.values())
+    assert used == {axiom.tag for axiom in axioms.AXIOMS}
+    trace.forget()
+    assert set(EQUATIONS[10].rests_on) == rests[EQUATIONS[10].tag]
+
+
+def test_changes_are_changes():
+    letters = symbols.mu, symbols.k, symbols.X
+    form = (letters[0] + letters[1]) / (letters[2] - 1)
+    found = dict(mutants.changes(form))
+    assert found["times 8/7"] == form * sp.Rational(8, 7)
+    assert found["sign of k"] == (letters[0] - letters[1]) / (letters[2] - 1)
+    assert found["mu to X"] == form.subs(letters[0], letters[2])
+    assert found["denominator X - 1 times 9/8"] == form * sp.Rational(9, 8)
+    (turned,) = (new for what, new in mutants.changes(sp.Gt(*letters[:2])) if what == "turned")
+    assert turned == sp.Lt(*letters[:2])
+
+
+def test_what_says_the_same_is_told_apart():
+    x = symbols.X
+    assert mutants.says_the_same(sp.Gt(2 * x, 2), sp.Gt(x, 1))
+    assert not mutants.says_the_same(sp.Lt(x, 1), sp.Gt(x, 1))
+    assert mutants.says_the_same(-2 * x, x, "zero")
+    assert not mutants.says_the_same(-2 * x, x, "sign")
+    assert not mutants.says_the_same(x + 1, x, "zero")
+
+
+def test_a_survivor_ends_the_command_with_exit_code_one(monkeypatch, tmp_path, capsys):
+    kept = mutants.Mutant("8", "printed", "times 8/7", "survived")
+    monkeypatch.setattr(mutants, "RECORD", tmp_path / "mutants.json")
+    monkeypatch.setattr(mutants, "trials", lambda: [lambda: iter([kept])])
+    assert cli.main(["mutate"]) == 1
+    assert "8, printed: times 8/7: survived" in capsys.readouterr().out
+    assert "1 kept it" in mutants.recorded()
+    assert "of earlier sources" not in mutants.recorded()
+    monkeypatch.setattr(mutants, "digest", lambda: "other")
+    assert "of earlier sources" in mutants.recorded()
