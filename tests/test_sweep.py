@@ -170,11 +170,11 @@ def test_a_dead_worker_costs_nothing_but_time(tmp_path, reference):
 def test_a_worker_that_always_dies_is_an_error(tmp_path, monkeypatch):
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-    def dead(points, workers):
+    def dead(tasks):
         raise TerminatedWorkerError("gone")
         yield
 
-    monkeypatch.setattr("md.sweep._finished", dead)
+    monkeypatch.setattr("md.sweep.Parallel", lambda **how: dead)
     with pytest.raises(RunError, match="died 3 times"):
         execute(axes(), tmp_path / "a.db")
 
