@@ -147,7 +147,7 @@ EQUATIONS = (
     Equation(
         tag=STICK.tag,
         what="friction holds a contact at rest as long as this is positive, $q = |F_x|/F_z$",
-        symbol="\\mu - q",
+        symbol=r"\mu - \frac{|F_x|}{F_z}",
         derive=lambda: STICK({}),
         check=lambda form: (form.subs(q, mu), form.diff(q) + 1),
         verdict="assumed",
@@ -164,7 +164,7 @@ EQUATIONS = (
     Equation(
         tag=CLOSURE.tag,
         what="stationary translation: what is zero in the mean landing",
-        symbol="(\\omega, c_x'-c_x, c_z'+c_z)",
+        symbol="0",
         printed=sp.Matrix([omega, after_x - c_x, after_z + c_z]),
         derive=lambda: CLOSURE({}),
         verdict="assumed",

@@ -254,11 +254,15 @@ def _slopes_by_spin(form: sp.Matrix) -> list[sp.Expr]:
     return checks
 
 
+_back, _stop = A - mu * B, B + mu * C
+_all_loss = (1 + epsilon) * (A - 2 * mu * B + mu**2 * C)
+_mixed = (1 + epsilon) * (A + mu * B) * (B - mu * C) + 2 * B * _back
+
 EQUATIONS = (
     Equation(
         tag="laws: slopes",
         what="$dv/dP_z$ per unit mass: slipping forward, sticking, slipping back",
-        symbol="m\\,dv/dP_z",
+        symbol="m\\,(dv/dP_z)_{slip, stick, back}",
         derive=lambda: sp.Matrix([slopes()[name] for name in ("slip", "stick", "back")]),
         check=_slopes_by_spin,
         verdict="new",
@@ -277,6 +281,15 @@ EQUATIONS = (
         what="energy change under Newton's law, per unit mass: slip-stick, slip reversal",
         symbol="\\Delta E",
         derive=lambda: sp.Matrix([energy_change("stick"), energy_change("back")]),
+        shown=sp.Matrix(
+            [
+                -(A * u_0**2 + 2 * B * u_0 * v_0 + (1 - epsilon**2) * C * v_0**2)
+                / (2 * (A * C - B**2)),
+                (1 + epsilon) * (_all_loss - 2 * _back) * v_0**2 / (2 * _back**2)
+                - mu * _mixed * u_0 * v_0 / (_back**2 * _stop)
+                - 2 * mu * A * B * (A - mu**2 * C) * u_0**2 / (_back**2 * _stop**2),
+            ]
+        ),
         check=_kinetic_energies,
         verdict="new",
     ),

@@ -165,7 +165,8 @@ _forward, _reverse = k**2 + X**2 + mu * X * Z, k**2 + X**2 - mu * X * Z
 _stop = mu * (k**2 + Z**2) + X * Z
 _lossy = (1 - epsilon) * k**2 + 2 * X**2
 _a, _b = 1 - epsilon, 7 - epsilon
-_best_back = _a / (mu * (9 - epsilon) + sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b))
+_root = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
+_corner = sp.sqrt(97 * epsilon**2 - 1586 * epsilon + 6673)
 
 EQUATIONS = (
     Equation(
@@ -184,7 +185,10 @@ EQUATIONS = (
         symbol="(\\tan\\phi, c_x/V_z)",
         derive=lambda: sp.Matrix(optimum("back")),
         shown=sp.Matrix(
-            [_best_back, (1 + epsilon) * (2 * mu * _best_back + 3) / (2 * _b * _best_back)]
+            [
+                _a / (mu * (9 - epsilon) + _root),
+                (1 + epsilon) * (mu * (29 - 5 * epsilon) + 3 * _root) / (2 * _a * _b),
+            ]
         ),
         check=lambda form: _is_largest("back", form),
         verdict="new",
@@ -195,6 +199,12 @@ EQUATIONS = (
         "it is that of slip reversal, above that of slip-stick",
         symbol="(\\mu_{back}, \\mu_{stick})",
         derive=lambda: sp.Matrix(corner_frictions()),
+        shown=sp.Matrix(
+            [
+                3 * sp.sqrt(2 * _b * (_corner - 81 + 9 * epsilon)) / (_corner - 25 + epsilon),
+                3 * sp.sqrt(_a * _b) / (29 - 5 * epsilon),
+            ]
+        ),
         check=_corners,
         verdict="new",
         note="0.102 and 0.174 for the paper's restitution, 0.65",

@@ -195,6 +195,7 @@ EQUATIONS = (
         r"$g = (1 + \epsilon)(-c_z/c_x)$",
         symbol="(\\tan\\phi, \\mu_{inner}, \\mu_{90})",
         derive=lambda: sp.Matrix(largest_slide_friction()),
+        shown=sp.Matrix([(1 + 2 * gain) / (2 - gain), (4 + 3 * gain) / (4 * gain - 3), 4 / gain]),
         check=_slide_friction_checks,
         verdict="new",
         note=r"for $g \ge 2$ the largest is the one at 90 degrees, $4/g = 16 \mu_c$; for "
