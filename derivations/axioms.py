@@ -33,8 +33,9 @@ class Axiom:
 
     def __call__(self, values: Mapping[sp.Symbol, sp.Expr]) -> Form:
         """Return the form with `values` for its letters."""
-        trace.note(self.tag)
-        return self.form.subs(values, simultaneous=True)
+        value = self.form.subs(values, simultaneous=True)
+        trace.note(trace.Step("axiom", self.tag, value=value))
+        return value
 
 
 NEWTON = Axiom("1", P / m)

@@ -9,13 +9,13 @@ from sympy.printing.latex import LatexPrinter
 from .proof import Form
 
 # Letters in the order in which they stand in a product; others come last.
+_SPEEDS = "c_x c_z u_0 u_f v_0 v_1 v_f V_z V_0 P_x P_z P_1 P_2 F_x F_z"
 _LETTERS = (
     "pi epsilon m M mu I l d gain bounce k omega theta eta A B C a a_1 a_2 q X Z x z h h_0 r j "
-    "c_x c_z u_0 u_f v_0 v_1 v_f V_z V_0 P_x P_z P_1 F_x F_z"
+    + _SPEEDS
 )
 _RANK = {name: rank for rank, name in enumerate(_LETTERS.split())}
-# Velocities, impulses, forces: they stand last in a product, and behind a fraction.
-_MOVING = set("c_x c_z u_0 u_f v_0 v_1 v_f V_z V_0 P_x P_z P_1 F_x F_z".split())
+_MOVING = set(_SPEEDS.split())  # they stand last in a product, and behind a fraction
 _LONG = 80  # characters of LaTeX; a longer sum may break between its terms
 
 
@@ -23,7 +23,7 @@ def _ranks(expr: sp.Expr) -> list[tuple[int, str]]:
     return sorted((_RANK.get(x.name, len(_RANK)), x.name) for x in expr.free_symbols)
 
 
-def _moves(expr: sp.Expr) -> bool:
+def moving(expr: sp.Expr) -> bool:
     """Whether each term is in proportion to a velocity, an impulse or a force."""
     known = _MOVING | {"omega", "omega_x"} if expr.is_Add else _MOVING
     terms = sp.Add.make_args(expr)
@@ -34,7 +34,7 @@ def _factor_key(factor: sp.Expr) -> tuple:
     """Sort key in a product: numbers, 1 + epsilon, letters, sums, roots and functions, speeds."""
     base = factor.as_base_exp()[0]
     loss = base.is_Add and {x.name for x in base.free_symbols} == {"epsilon"}
-    kinds = (base.is_Number, loss, _moves(base), base.is_Symbol, base.is_Add, True)
+    kinds = (base.is_Number, loss, moving(base), base.is_Symbol, base.is_Add, True)
     kind = (0, 1, 5, 2, 3, 4)[kinds.index(True)]
     return kind, len(base.free_symbols), -isinstance(base, sp.sin), _ranks(base), str(factor)
 
@@ -43,6 +43,13 @@ def _term_key(term: sp.Expr) -> tuple:
     """Sort key in a sum: numbers first, then few letters, then low powers."""
     powers = sp.total_degree(term, *term.free_symbols) if term.is_polynomial() else 99
     return len(term.free_symbols), _ranks(term), powers, str(term)
+
+
+def _turned(total: sp.Expr) -> bool:
+    """Whether a sum in brackets reads better with all signs changed: P_z - P_1, not P_1 - P_z."""
+    signs = [x.as_coeff_Mul()[0].is_negative for x in sorted(total.args, key=_term_key)]
+    more = 2 * sum(signs) - len(signs)
+    return more > 0 or (more == 0 and moving(total) and bool(signs[0]))
 
 
 def split(term: sp.Expr) -> tuple[bool, list[sp.Expr], list[sp.Expr]]:
@@ -54,7 +61,7 @@ def split(term: sp.Expr) -> tuple[bool, list[sp.Expr], list[sp.Expr]]:
         base, exponent = factor.as_base_exp()
         if base.is_Add and exponent.is_Integer:  # whole numbers come out of brackets
             content, base = base.primitive()
-            if all(x.as_coeff_Mul()[0].is_negative for x in base.args):
+            if exponent.is_odd and (number.is_negative or exponent.is_negative) and _turned(base):
                 content, base = -content, -base
             number *= content**exponent
         if exponent.is_number and exponent.is_negative:
@@ -108,9 +115,9 @@ class _Printer(LatexPrinter):
     def _behind(self, above: list[sp.Expr]) -> list[sp.Expr]:
         """Factors that stand behind a fraction: speeds, integrals, what holds a fraction itself."""
         tall = [x for x in above if isinstance(x, sp.Integral) or r"\frac" in self._print(x)]
-        moving = [x for x in above if _moves(x) and x not in tall]
-        rest = [x for x in above if x not in tall and x not in moving]
-        return [*moving, *tall] if any(not x.is_number for x in rest) else tall
+        speeds = [x for x in above if moving(x) and x not in tall]
+        rest = [x for x in above if x not in tall and x not in speeds]
+        return [*speeds, *tall] if any(not x.is_number for x in rest) else tall
 
     def _product(self, factors: list[sp.Expr], alone: bool) -> str:
         bare = alone and len(factors) == 1
