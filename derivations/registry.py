@@ -27,6 +27,7 @@ from . import (
     slip_stick,
     statements,
     thin_rod,
+    transport,
 )
 from .proof import Equation, Verdict
 from .references import Citation
@@ -56,6 +57,7 @@ SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("Other laws of restitution, and energy", laws.EQUATIONS),
     ("Stationary translation", drift.EQUATIONS),
     ("Best tilt, stability, Painleve's paradox", optimum.EQUATIONS),
+    ("Short rods, and energy", transport.EQUATIONS),
     ("Appendix A: dimensions", appendix.EQUATIONS),
     ("Sentences of the text", statements.EQUATIONS),
     ("Readings: places of the text that differ", statements.READINGS),
