@@ -136,7 +136,7 @@ EQUATIONS = (
         check=_length_checks,
         verdict="new",
         note="short rods drift faster than long ones: at 30 degrees and restitution 0.65 the best "
-        "is $l = 1.9 d$, with 1.44 times the drift of a thin rod",
+        "is $l = 1.9 d$, with 1.44 times the drift of a thin rod that sticks",
     ),
     Equation(
         tag="V: energy of a landing",
