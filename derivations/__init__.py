@@ -24,6 +24,7 @@ slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impa
 bodies, thin_rod, drift             rods; boundaries, (23); stationary translation, (24)-(31)
 laws, appendix                      other restitutions, energy; Appendix A
 optimum, transport                  best tilt, stability; short rods, energy of transport
+landing_phases                      landing phases by the flux of impacts, and V_z with them
 statements, references              sentences of the text; cited figures and equations
 second_routes                       whole impacts from conservation laws, for the proofs
 mutants                             deliberate mistakes: the proofs can fail
