@@ -22,12 +22,14 @@ axioms, trace                       what is assumed; what a derivation rests on,
 newton                              (1)-(6): the contact point's equations of motion
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact
 bodies, thin_rod, drift             rods; boundaries, (23); stationary translation, (24)-(31)
-laws, appendix, references          other restitutions, energy; Appendix A; cited figures
+laws, pairs                         other restitutions, energy; any two bodies that meet
+appendix, references                Appendix A; cited figures
 second_routes                       whole impacts from conservation laws, for the proofs
 mutants                             deliberate mistakes: the proofs can fail
 registry                            all entries in the paper's order
 rewrites                            rules that make a form compute well, each one proved
-map_functions, rod_functions        which functions are generated, by which rules
+map_functions, rod_functions,
+pair_functions                      which functions are generated, by which rules
 codegen, equations_page             impact/_generated.py; EQUATIONS.md
 typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
 lookup                              `equation`, `function`: one entry by its tag
@@ -42,7 +44,7 @@ To add an equation
    (module `proof`). A form that reads better than the derived one goes into `shown`. Formulas in
    sentences stand between dollar signs. A step that is worth a name is marked `@derived`, which
    caches it and notes the axioms that it used.
-3. If it should be a function: a `Function` in `map_functions.py` or `rod_functions.py` names its
+3. If it should be a function: a `Function` in `map_functions.py` or its like names its
    outputs and the rules that make them compute well (module `rewrites`).
 
 `check` proves it, `mutate` tries to fool the proof, `generate` writes impact/_generated.py and
