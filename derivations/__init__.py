@@ -28,8 +28,8 @@ second_routes                       whole impacts from conservation laws, for th
 mutants                             deliberate mistakes: the proofs can fail
 registry                            all entries in the paper's order
 rewrites                            rules that make a form compute well, each one proved
-map_functions, rod_functions,
-pair_functions                      which functions are generated, by which rules
+map_functions, rod_functions        which functions are generated, by which rules
+pair_functions                      and those of two bodies
 codegen, equations_page             impact/_generated.py; EQUATIONS.md
 typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
 lookup                              `equation`, `function`: one entry by its tag

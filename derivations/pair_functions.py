@@ -7,7 +7,7 @@ from .laws import A, B, C
 from .newton import spin_jump, velocity_change
 from .pairs import FIRST, SECOND
 from .rewrites import Function, recast
-from .symbols import P_x, P_z, X, Z, c_x, c_z, k, m, mu, omega, u_0, v_0
+from .symbols import P_x, P_z, X, Z, k, m, mu
 
 _s, _x, _z, _D, _N, _T, _turn = sp.symbols("s x z D N T turn", real=True)
 _s_1, _s_2 = sp.symbols("s_1 s_2", positive=True)
@@ -33,27 +33,6 @@ def _of_body(expr: sp.Expr) -> sp.Expr:
 
 
 FUNCTIONS: tuple[Function, ...] = (
-    Function(
-        name="pair_approach",
-        summary="Contact velocity $(u_0, v_0)$ of a first body relative to a second.",
-        detail=r"$c$ in m/s, $\omega$ in 1/s, $X$, $Z$ in m.",
-        arguments=tuple(
-            letters[letter] for letters in (FIRST, SECOND) for letter in (X, Z, c_x, c_z, omega)
-        ),
-        outputs=dict(zip((u_0, v_0), pairs.contact(), strict=True)),
-        rules=(
-            recast(
-                "one by one",
-                "exchange of the bodies turns every sign",
-                along=FIRST[c_x] - SECOND[c_x],
-                turn=SECOND[Z] * SECOND[omega] - FIRST[Z] * FIRST[omega],
-                u_0=_along + _turn,
-                across=FIRST[c_z] - SECOND[c_z],
-                lift=FIRST[X] * FIRST[omega] - SECOND[X] * SECOND[omega],
-                v_0=_across + sp.Symbol("lift", real=True),
-            ),
-        ),
-    ),
     Function(
         name="pair_mobility",
         summary="Mobilities $A$, $B$, $C$ of two bodies at their contact, and $D = A C - B^2$.",

@@ -56,7 +56,8 @@ class PairCollision(NamedTuple):
     regime : `Regime`, or an int8 array of its values, of the contact point of the first body as
         seen from the second
     P_x, P_z : impulse on the first body, mass times velocity; its opposite acts on the second
-    energy_change : kinetic energy of both bodies after minus before, the same in every frame
+    energy_change : kinetic energy of both bodies after minus before, the same in every frame (and
+        the work on a body of infinite mass)
     """
 
     first: Body
@@ -106,15 +107,16 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     speed = reduce(np.maximum, spins + [_exponent(b.c_x, b.c_z) for b in bodies])
     *masses, unit, power = _inverse_masses(bodies[0].mass, bodies[1].mass)
 
-    motions, levers, radii = [], [], []
+    ends, levers, radii = [], [], []
     for body, size, s in zip(bodies, sizes, masses, strict=True):
         X, Z, k = (np.ldexp(length, -size) for length in (body.X, body.Z, body.k))
         c = [np.ldexp(velocity, -speed) for velocity in (body.c_x, body.c_z)]
-        motions += [X, Z, *c, np.ldexp(body.omega, size - speed)]
+        moving = *c, np.ldexp(body.omega, size - speed), 0.0, X, Z
+        ends.append(closed.approach(*map(Twofold, moving)))
         radii.append(np.maximum(k, SHORT))
         levers += [Twofold(s), *(Twofold(length) / Twofold(radii[-1]) for length in (X, Z))]
 
-    u, v = closed.pair_approach(*map(Twofold, motions))
+    u, v = (one - other for one, other in zip(*ends, strict=True))
     A, B, C, D = closed.pair_mobility(*levers)
     side = np.copysign(1.0, np.where(u.high == 0, B.high, u.high))
     B, mu = B * Twofold(side), np.minimum(mu, HUGE_FRICTION)
@@ -181,13 +183,13 @@ def collide_pair(
 
     Examples
     --------
-    Two equal balls, side by side; the spin of one goes over to the other:
+    Two equal balls; the one at rest takes over all the speed and some of the spin:
 
     >>> ball = Body(mass=1.0, k=0.63, X=0.0, Z=1.0, c_x=0.0, c_z=-1.0, omega=2.0)
     >>> rest = Body(mass=1.0, k=0.63, X=0.0, Z=-1.0, c_x=0.0, c_z=0.0)
     >>> hit = collide_pair(ball, rest, friction=0.3, restitution=1.0)
-    >>> hit.regime.name, float(hit.second.c_z)
-    ('SLIDE', -1.0)
+    >>> hit.regime.name, float(hit.second.c_z), round(float(hit.second.omega), 2)
+    ('SLIP_STICK', -1.0, 0.72)
     """
     final_velocity = law_of(law)
     given = {

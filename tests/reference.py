@@ -260,18 +260,15 @@ def error_in_ulp(got, ref, c_x, c_z, omega, *, X, Z, k, plate_velocity=0, digits
         return errors | {"maximum": max(judged, default=mpf(0))}
 
 
-# Outcome of an impact of two bodies: six velocities, and what the errors of each are measured by.
-PairReference = namedtuple(
-    "PairReference", "velocities regime P_x P_z energy_change margins scale_x scale_z moved"
-)
+# Outcome (P_x, P_z, energy change, six velocities) of two bodies, and the size of what is summed.
+PairReference = namedtuple("PairReference", "outcome regime margins scales")
 
 
 def reference_pair(first, second, *, friction, restitution, law="newton", dps=60):
     """Return the outcome of an impact of two bodies, each (mass, k, X, Z, c_x, c_z, omega).
 
-    `scale_x`, `scale_z` are the sizes of what is summed to the impulse: that of the first phase,
+    The scale of an impulse is the size of what is summed to it: the impulse of the first phase,
     and that of the second if its terms, the changes of v in all and in the first phase, add up.
-    `moved` holds the same for the six velocities.
     """
     with workdps(3 * dps + 20):
         masses = [mpmathify(body[0]) for body in (first, second)]
@@ -304,6 +301,7 @@ def reference_pair(first, second, *, friction, restitution, law="newton", dps=60
                 terms = (abs(rise) + abs(v) + abs(v + respond(P_x, P_z)[1])) / last.slope
                 scale_z = last.begin + terms
                 scale_x = mu * last.begin + abs(last.ratio) * terms
+            scale_z += scale_x / 10**100  # infinite friction is a huge one, for P_z of a slide
         after = struck(P_x, P_z)
         velocities, moved = [], []
         for before, state, M in zip(states, after, masses, strict=True):
@@ -312,7 +310,13 @@ def reference_pair(first, second, *, friction, restitution, law="newton", dps=60
             moved += [abs(before.c_x) + scale_x / M, abs(before.c_z) + scale_z / M]
             moved.append(abs(before.omega) + turned)
         energy = mpf(0)
-        for M, old, new in zip(masses, states, after, strict=True):
-            if not isinf(M):
+        for M, sign, old, new in zip(masses, (1, -1), states, after, strict=True):
+            if isinf(M):  # the work of the impulse on what keeps its velocity
+                u, v = contact_velocity(old)
+                energy += sign * (P_x * u + P_z * v)
+            else:
                 energy += M * (kinetic_energy(new) - kinetic_energy(old))
-        return PairReference(velocities, regime, P_x, P_z, energy, margins, scale_x, scale_z, moved)
+        u_f, v_f = (a + b for a, b in zip((u, v), respond(P_x, P_z), strict=True))
+        size = scale_x * (abs(u) + abs(u_f)) + scale_z * (abs(v) + abs(v_f))
+        outcome = P_x, P_z, energy, *velocities
+        return PairReference(outcome, regime, margins, (scale_x, scale_z, size, *moved))
