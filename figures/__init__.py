@@ -58,6 +58,7 @@ _TITLES = {
         "alpha": "Mean plate velocity at landing, flights and drift, computed rod by rod",
         "fig08_theory": "Fig. 8: landing phases of bouncing rods, computed",
         "free_rod": "A rod that is let go: how soon it falls, and its drift until then",
+        "pairs": "Two bodies that meet: rods of a row after a landing, a ball on a bat",
         "restitution_laws": "Where Newton's law creates energy; how far three laws differ",
         "tip_shape": "Drift of round and flat-ended rods over tilt and over length",
     },

@@ -183,13 +183,13 @@ def collide_pair(
 
     Examples
     --------
-    Two equal balls; the one at rest takes over all the speed and some of the spin:
+    Two equal balls; the one at rest takes over all the speed, and starts to turn the other way:
 
     >>> ball = Body(mass=1.0, k=0.63, X=0.0, Z=1.0, c_x=0.0, c_z=-1.0, omega=2.0)
     >>> rest = Body(mass=1.0, k=0.63, X=0.0, Z=-1.0, c_x=0.0, c_z=0.0)
     >>> hit = collide_pair(ball, rest, friction=0.3, restitution=1.0)
     >>> hit.regime.name, float(hit.second.c_z), round(float(hit.second.omega), 2)
-    ('SLIP_STICK', -1.0, 0.72)
+    ('SLIP_STICK', -1.0, -0.72)
     """
     final_velocity = law_of(law)
     given = {
