@@ -51,6 +51,9 @@ class Twofold:
     def __init__(self, high, low=0.0):
         self.high, self.low = high, low
 
+    def __getitem__(self, index):
+        return Twofold(self.high[index], self.low[index])
+
     def __neg__(self):
         return Twofold(-self.high, -self.low)
 

@@ -83,64 +83,48 @@ def _exponent(*values: Any) -> Any:
     return reduce(np.maximum, powers)
 
 
-def _inverse_masses(mass: Any, other: Any) -> tuple[Any, Any, Any, Any]:
-    """Inverse masses in a common unit, the larger in [1/2, 1]; that unit's inverse, as m 2^e."""
-    (m, e), (n, f) = np.frexp(mass), np.frexp(other)
-    m, e = np.where(np.isinf(mass), 1.0, m), np.where(np.isinf(mass), f, e)
-    n, f = np.where(np.isinf(other), 1.0, n), np.where(np.isinf(other), e, f)
-    largest = np.maximum(e, f)
-    light = np.where(np.isinf(mass), 0.0, np.ldexp(n, f - largest))
-    other_light = np.where(np.isinf(other), 0.0, np.ldexp(m, e - largest))
-    return light, other_light, m * n, np.minimum(e, f)
-
-
 def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     """Velocities of both bodies, regime code, impulse and energy change.
 
     Lengths of each body, speeds and masses are scaled by powers of two. The contact velocity and
-    the mobilities are summed in twice the digits; all that is left to the kernel is one impact.
+    the mobilities are summed in twice the digits; what is left to the kernel is one impact.
     """
-    *given, mu, epsilon = block
-    bodies = Body(*given[:7]), Body(*given[7:])
-    sizes = [_exponent(body.X, body.Z, body.k) for body in bodies]
-    spins = [_exponent(b.omega) + size for b, size in zip(bodies, sizes, strict=True)]
-    speed = reduce(np.maximum, spins + [_exponent(b.c_x, b.c_z) for b in bodies])
-    *masses, unit, power = _inverse_masses(bodies[0].mass, bodies[1].mass)
+    *given, mu, epsilon = np.broadcast_arrays(*block)
+    both = Body(*np.stack(given).reshape(2, 7, *mu.shape).swapaxes(0, 1))
+    size = _exponent(both.X, both.Z, both.k)
+    speed = np.maximum(_exponent(both.c_x, both.c_z), _exponent(both.omega) + size).max(0)
+    fixed, (mass, power) = np.isinf(both.mass), np.frexp(both.mass)
+    mass, power = np.where(fixed, 1.0, mass), np.where(fixed, power[::-1], power)
+    light = np.where(fixed, 0.0, np.ldexp(mass, power - power.max(0))[::-1])  # 1/mass, up to 1
+    mass, power = mass.prod(0), power.min(0)  # in units of mass 2^power
 
-    ends, levers, radii = [], [], []
-    for body, size, s in zip(bodies, sizes, masses, strict=True):
-        X, Z, k = (np.ldexp(length, -size) for length in (body.X, body.Z, body.k))
-        c = [np.ldexp(velocity, -speed) for velocity in (body.c_x, body.c_z)]
-        moving = *c, np.ldexp(body.omega, size - speed), 0.0, X, Z
-        ends.append(closed.approach(*map(Twofold, moving)))
-        radii.append(np.maximum(k, SHORT))
-        levers += [Twofold(s), *(Twofold(length) / Twofold(radii[-1]) for length in (X, Z))]
-
-    u, v = (one - other for one, other in zip(*ends, strict=True))
-    A, B, C, D = closed.pair_mobility(*levers)
+    X, Z, k = (np.ldexp(length, -size) for length in (both.X, both.Z, both.k))
+    c = [np.ldexp(velocity, -speed) for velocity in (both.c_x, both.c_z)]
+    moving = *c, np.ldexp(both.omega, size - speed), 0.0, X, Z
+    u, v = (end[0] - end[1] for end in closed.approach(*map(Twofold, moving)))
+    k = np.maximum(k, SHORT)
+    levers = Twofold(light, 0.0 * light), Twofold(X) / Twofold(k), Twofold(Z) / Twofold(k)
+    A, B, C, D = closed.pair_mobility(*(part[i] for i in range(2) for part in levers))
     side = np.copysign(1.0, np.where(u.high == 0, B.high, u.high))
     B, mu = B * Twofold(side), np.minimum(mu, HUGE_FRICTION)
-    (N, T), (N_back, T_back) = (closed.pair_response(A, B, C, Twofold(f)) for f in (mu, -mu))
+    (N, T), (N_back, T_back) = ((A + f * B, B + f * C) for f in (Twofold(mu), Twofold(-mu)))
     responses = *(part.high for part in (N, T, N_back, T_back, D, C)), N.low, T.low
     velocities = np.abs(u.high), v.high, side * u.low, v.low
     a = kernel.judged(side, velocities, mu, epsilon, responses)
 
     j_1, j_2, u_f, v_f = kernel.phases(final_velocity, a, 1.0, epsilon)
-    push = kernel.added(a, j_1, j_2, -mu, mu, B.high)
+    P_x = kernel.added(a, j_1, j_2, -mu, mu, B.high)
     P_z = kernel.added(a, j_1, j_2, 1.0, 1.0, C.high)
-    P_x = side * push
-    after = []
-    for body, sign, size, k, lever in zip(
-        bodies, (1, -1), sizes, radii, (levers[:3], levers[3:]), strict=True
-    ):
-        s, x, z = (part.high for part in lever)
-        *change, turn = closed.pair_change(s, x, z, sign * P_x, sign * P_z)
-        after += [c + np.ldexp(d, speed) for c, d in zip(body[4:6], change, strict=True)]
-        after.append(body.omega + np.ldexp(turn / k, speed - size))
-    code = np.where(a.hits & (masses[0] + masses[1] == 0), IMMOVABLE, kernel.regime_of(a))
-    impulses = [np.ldexp(unit * part, power + speed) for part in (P_x, P_z)]
-    energy = closed.energy_change(push, P_z, a.u_0, a.v_0, u_f, v_f)
-    return *after, code, *impulses, np.ldexp(unit * energy, power + 2 * speed)
+    energy = closed.energy_change(P_x, P_z, a.u_0, a.v_0, u_f, v_f)
+    P_x = side * P_x
+    s, x, z = (part.high for part in levers)
+    *change, turn = closed.pair_change(s, x, z, np.stack([P_x, -P_x]), np.stack([P_z, -P_z]))
+    c_x, c_z = (old + np.ldexp(d, speed) for old, d in zip(both[4:6], change, strict=True))
+    omega = both.omega + np.ldexp(turn / k, speed - size)
+    after = (part[i] for i in range(2) for part in (c_x, c_z, omega))
+    code = np.where(a.hits & fixed.all(0), IMMOVABLE, kernel.regime_of(a))
+    impulses = (np.ldexp(mass * part, power + speed) for part in (P_x, P_z))
+    return *after, code, *impulses, np.ldexp(mass * energy, power + 2 * speed)
 
 
 def collide_pair(
@@ -201,13 +185,9 @@ def collide_pair(
     *velocities, code, P_x, P_z, energy = evaluated(
         lambda *block: _impact(final_velocity, *block), given, [None] * 6 + [np.int8] + [None] * 3
     )
-    stuck = code == IMMOVABLE
-    if np.any(stuck):
-        if np.ndim(code) == 0:
-            raise InputError("first.mass and second.mass must not both be inf where they close")
-        for result in (*velocities, P_x, P_z, energy):
-            result[stuck] = np.nan
-        code[stuck] = kernel.Regime.INVALID
+    if np.ndim(code) == 0 and code == IMMOVABLE:
+        raise InputError("first.mass and second.mass must not both be inf where they close")
+    code = np.maximum(code, kernel.Regime.INVALID)  # and all else is nan, as nothing can give way
     names = Body._fields[4:]
     before_after = (first, velocities[:3]), (second, velocities[3:])
     one, other = (

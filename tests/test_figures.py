@@ -136,7 +136,7 @@ def test_smooth_rods_of_a_row_hand_on_what_their_ends_bring(side, name, data):
 
 def test_a_ball_in_the_middle_of_a_bat_and_a_curve_ball(data):
     d = data["pairs"]
-    share = pairs.BAT["mass"] / (pairs.BAT["mass"] + pairs.BALL["mass"])
+    share = pairs.BAT[0] / (pairs.BAT[0] + pairs.BALL[0])
     ball, bat = pairs.SPEEDS
     gain = (1 + pairs.BAT_RESTITUTION) * (ball + bat) * share
     assert d["smooth_speed"][0] == pytest.approx(gain - ball)

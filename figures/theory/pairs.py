@@ -3,7 +3,7 @@
 (a) Parallel rods of a row (l = 9.5 d), each touching the next, fall straight down without spin; one
 lands first (epsilon = 0.65, mu = 0.3). What it gains along the row from the plate, and what its
 lower end then hands to the rod behind it and its upper end to the one ahead, each hit taken alone
-(epsilon = 0.9 between rods, mu = 0.3 or none). Beyond the kink the tip slips back. (b), (c) A
+(epsilon = 0.9 between rods, mu = 0.3 or none). From 25 degrees on the tip slips back. (b), (c) A
 baseball of 145 g comes at 40 m/s, without friction, as a fast ball (1800 rpm backspin) and as a
 curve ball (1800 rpm topspin), and is met by a bat of 0.9 kg at 30 m/s; friction 0.3, restitution
 0.5. Both are seen along the bat, which counts as a free cylinder. The offset is that of the ball's
@@ -22,15 +22,15 @@ from ..lib.style import BLACK, BLUE, RED, Data, name_panels, style, tilt_axis
 LENGTH = 9.5  # of the rods, over the diameter
 PLATE = {"friction": 0.3, "restitution": 0.65}
 RODS_RESTITUTION, RODS_FRICTION = 0.9, (0.0, 0.3)
-BALL = {"mass": 0.145, "radius": 0.0366, "share": 0.4}  # kg, m, of a solid sphere
-BAT = {"mass": 0.9, "radius": 0.033, "share": 0.5}  # of a solid cylinder
+BALL = 0.145, 0.0366, 0.0366 * np.sqrt(2 / 5)  # mass in kg, radius and k in m: solid sphere
+BAT = 0.9, 0.033, 0.033 * np.sqrt(1 / 2)  # solid cylinder
 SPEEDS = 40.0, 30.0  # of ball and bat, m/s
 SPIN = 1800 * np.pi / 30  # rad/s
 BAT_RESTITUTION, BAT_FRICTION = 0.5, 0.3
 PITCHES = {"fast": (SPIN, BAT_FRICTION), "curve": (-SPIN, BAT_FRICTION), "smooth": (0.0, 0.0)}
 
 
-def meeting(normal: Any, first: tuple, second: tuple, **how: Any) -> tuple[Any, Any, Any]:
+def meeting(normal: tuple, first: tuple, second: tuple, **how: Any) -> tuple[Any, Any, Any]:
     """Change of velocity along x and z, and of spin, of the first body.
 
     Parameters
@@ -41,10 +41,8 @@ def meeting(normal: Any, first: tuple, second: tuple, **how: Any) -> tuple[Any, 
     n_x, n_z = normal
 
     def body(mass, k, centre, velocity, omega):
-        parts = [
-            part for x, z in (centre, velocity) for part in (x * n_z - z * n_x, x * n_x + z * n_z)
-        ]
-        return Body(mass, k, *parts, omega)
+        turned = ((x * n_z - z * n_x, x * n_x + z * n_z) for x, z in (centre, velocity))
+        return Body(mass, k, *next(turned), *next(turned), omega)
 
     one = body(*first)
     hit = collide_pair(one, body(*second), **how)
@@ -76,28 +74,16 @@ def _row(n: int) -> Data:
 
 def _bat(n: int) -> Data:
     """Speed [m/s], launch angle [rad] and spin [rad/s] of the batted ball over the offset [m]."""
-    radii = BALL["radius"], BAT["radius"]
-    offset = np.linspace(0, 0.9, n) * sum(radii)
-    n_z = offset / sum(radii)
-    normal = np.sqrt(1 - n_z**2), n_z
-    d = {"offset": offset}
+    (ball, radius, k), (bat, bat_radius, bat_k), (speed, bat_speed) = BALL, BAT, SPEEDS
+    n_z = np.linspace(0, 0.9, n)
+    n_x, d = np.sqrt(1 - n_z**2), {"offset": n_z * (radius + bat_radius)}
+    met = bat, bat_k, (-bat_radius * n_x, -bat_radius * n_z), (bat_speed, 0.0), 0.0
     for name, (omega, friction) in PITCHES.items():
-        ball, bat = (
-            (
-                each["mass"],
-                each["radius"] * np.sqrt(each["share"]),
-                tuple(side * each["radius"] * part for part in normal),
-                (-side * speed, 0.0),
-                spin,
-            )
-            for each, side, speed, spin in zip(
-                (BALL, BAT), (1, -1), SPEEDS, (omega, 0.0), strict=True
-            )
-        )
+        pitched = ball, k, (radius * n_x, radius * n_z), (-speed, 0.0), omega
         how = {"friction": friction, "restitution": BAT_RESTITUTION}
-        dc_x, dc_z, turn = meeting(normal, ball, bat, **how)
-        d[f"{name}_speed"] = np.hypot(dc_x - SPEEDS[0], dc_z)
-        d[f"{name}_angle"] = np.arctan2(dc_z, dc_x - SPEEDS[0])
+        dc_x, dc_z, turn = meeting((n_x, n_z), pitched, met, **how)
+        d[f"{name}_speed"] = np.hypot(dc_x - speed, dc_z)
+        d[f"{name}_angle"] = np.arctan2(dc_z, dc_x - speed)
         d[f"{name}_backspin"] = -(omega + turn)
     return d
 
