@@ -23,7 +23,8 @@ newton                              (1)-(6): the contact point's equations of mo
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact
 bodies, thin_rod, drift             rods; boundaries, (23); stationary translation, (24)-(31)
 laws, pairs                         other restitutions, energy; any two bodies that meet
-appendix, references                Appendix A; cited figures
+optimum, appendix                   best tilt; Appendix A
+statements, references              sentences of the text; cited figures and equations
 second_routes                       whole impacts from conservation laws, for the proofs
 mutants                             deliberate mistakes: the proofs can fail
 registry                            all entries in the paper's order

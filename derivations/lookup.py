@@ -25,7 +25,7 @@ def _entry(tag: str) -> Equation:
             "`python -m derivations check` lists all"
         )
     if not isinstance(entry, Equation):
-        raise ValueError(f"tag must be that of an equation; {tag!r} is a cross reference, in words")
+        raise ValueError(f"tag must be that of an equation; {tag!r} is a statement in words")
     return entry
 
 

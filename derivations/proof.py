@@ -82,8 +82,9 @@ class Repair:
 
     @property
     def size(self) -> int:
-        """Nodes of what changes, or of the factor between old and new if that is less."""
-        return min(map(nodes, (self.old, sp.cancel(self.new / self.old))))
+        """Nodes of what changes, or of the factor between old and new if it is a simple one."""
+        factor = sp.cancel(self.new / self.old)
+        return nodes(self.old) if factor.has(sp.Add) else min(nodes(self.old), nodes(factor))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,21 +20,33 @@ from . import (
     drift,
     laws,
     newton,
+    optimum,
     pairs,
     references,
     slide,
     slip_reversal,
     slip_stick,
+    statements,
     thin_rod,
 )
 from .proof import Equation, Verdict
 from .references import Citation
 from .sentences import to_text
+from .statements import Entry, Reading
 
-__all__ = ["ENTRIES", "SECTIONS", "Citation", "Equation", "Row", "check", "mistakes"]
+__all__ = [
+    "ENTRIES",
+    "SECTIONS",
+    "Citation",
+    "Equation",
+    "Reading",
+    "Row",
+    "check",
+    "mistakes",
+]
 
 # section title, entries
-SECTIONS: tuple[tuple[str, tuple[Equation | Citation, ...]], ...] = (
+SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("Assumptions", axioms.EQUATIONS),
     ("Newton's laws and the contact point", newton.EQUATIONS),
     ("Slide", slide.EQUATIONS),
@@ -45,11 +57,14 @@ SECTIONS: tuple[tuple[str, tuple[Equation | Citation, ...]], ...] = (
     ("Other laws of restitution, and energy", laws.EQUATIONS),
     ("Two bodies that meet", pairs.EQUATIONS),
     ("Stationary translation", drift.EQUATIONS),
+    ("Best tilt, stability, Painleve's paradox", optimum.EQUATIONS),
     ("Appendix A: dimensions", appendix.EQUATIONS),
+    ("Sentences of the text", statements.EQUATIONS),
+    ("Readings: places of the text that differ", statements.READINGS),
     ("Cross references", references.CITATIONS),
 )
 
-ENTRIES: tuple[Equation | Citation, ...] = tuple(e for _, group in SECTIONS for e in group)
+ENTRIES: tuple[Entry, ...] = tuple(e for _, group in SECTIONS for e in group)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,6 +118,6 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
     return rows
 
 
-def mistakes() -> tuple[Equation | Citation, ...]:
+def mistakes() -> tuple[Entry, ...]:
     """The entries whose printed form is wrong."""
     return tuple(entry for entry in ENTRIES if entry.verdict == "erratum")

@@ -18,9 +18,9 @@ from markupsafe import Markup
 
 from . import codegen, mutants, typeset
 from .proof import Equation, Form
-from .references import Citation
 from .registry import SECTIONS, Row
 from .sentences import to_html, to_latex
+from .statements import Entry
 
 Progress = Callable[[Iterable], Iterable]
 
@@ -58,9 +58,9 @@ def _named(tag: str) -> str:
     return f"({found[1]})" + (f", {found[2]}" if found[2] else "") if found else tag
 
 
-def forms(entry: Equation | Citation) -> list[tuple[str, Form]]:
+def forms(entry: Entry) -> list[tuple[str, Form]]:
     """Labelled forms of an entry, the printed one first."""
-    if isinstance(entry, Citation):
+    if not isinstance(entry, Equation):
         return []
     found = [] if entry.printed is None else [(PRINTED, entry.printed)]
     if entry.printed is None or entry.verdict == "erratum":
@@ -69,7 +69,7 @@ def forms(entry: Equation | Citation) -> list[tuple[str, Form]]:
     return found
 
 
-def _tex_of(entry: Equation | Citation, label: str) -> str:
+def _tex_of(entry: Entry, label: str) -> str:
     """LaTeX of a printed vector form; the components are for the proof."""
     return entry.as_printed if isinstance(entry, Equation) and label == PRINTED else ""
 

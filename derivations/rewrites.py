@@ -12,7 +12,7 @@ import sympy as sp
 
 from . import slide, slip_reversal
 from .laws import V_1, a_1, a_2
-from .proof import vanishes
+from .proof import is_zero
 from .symbols import P_1, P_z, X, Z, k, m, mu, u_0, v_0, v_1
 
 Body = dict[sp.Symbol, sp.Expr]
@@ -87,7 +87,7 @@ def rewrite(
         body = rule.apply(body)
         values = written_out(body, meaning)
         for symbol, expr in derived.items():
-            if not vanishes(values[symbol] - expr.subs(meaning)):
+            if not is_zero(values[symbol] - expr.subs(meaning)):
                 raise RewriteError(f"rule {rule.name!r} changed {symbol}: {expr} to {body[symbol]}")
         steps.append(Step(rule.name, operations(body)))
     return body, tuple(steps)

@@ -2,12 +2,13 @@
 
 import sympy as sp
 
-from . import bodies, drift, laws, thin_rod
+from . import bodies, drift, laws, optimum, thin_rod
 from .rewrites import Function, recast, single_fraction
 from .symbols import V_z, X, Z, diameter, epsilon, k, length, mu, phi
 
 _x, _z, _s, _g = sp.symbols("x z s g", positive=True)  # |X|/k, |Z|/k, d/l, (1 + epsilon) r
 _grip, _sin, _cos, _root = sp.symbols("grip sin cos root", positive=True)
+_tangent = sp.Symbol("tangent", positive=True)
 _root_a, _root_b, _root_c, _root_d = sp.symbols("root_a root_b root_c root_d", positive=True)
 
 
@@ -126,6 +127,65 @@ FUNCTIONS: tuple[Function, ...] = (
                 lost=1 - epsilon,
                 along=(1 + epsilon) * (_z + _grip) / (_name("lost") / _x + 2 * _x),
                 up=(1 + epsilon) / (_name("lost") + 2 * _x**2),
+            ),
+        ),
+    ),
+    Function(
+        name="optimum_stick",
+        summary=r"Largest drift of a thin rod in slip-stick: $\tan\phi = a/b$ and $c_x/V_z$.",
+        detail=r"$a = \sqrt{1 - \epsilon}$, $b = \sqrt{7 - \epsilon}$.",
+        arguments=(epsilon, _root_a, _root_b),
+        outputs={_name("along"): optimum.optimum("stick")[1]},
+        rules=(
+            recast(
+                "name the roots",
+                "infinite where nothing is lost",
+                gained=1 + epsilon,
+                along=3 * _name("gained") / (_root_a * _root_b),
+            ),
+        ),
+        meaning={_root_a: sp.sqrt(1 - epsilon), _root_b: sp.sqrt(7 - epsilon)},
+    ),
+    Function(
+        name="optimum_back",
+        summary=r"Largest drift of a thin rod in slip reversal: $\tan\phi$ and $c_x/V_z$.",
+        detail=r"$root = \sqrt{\mu^2 (9 - \epsilon)^2 + (1 - \epsilon)(7 - \epsilon)}$; $\mu > 0$.",
+        arguments=(mu, epsilon, _root),
+        outputs={
+            _name("tangent"): optimum.optimum("back")[0],
+            _name("along"): optimum.optimum("back")[1],
+        },
+        rules=(
+            recast(
+                "conjugate root",
+                "a sum of positive terms in the denominator",
+                sum=mu * (9 - epsilon) + _root,
+                lost=1 - epsilon,
+                tangent=_name("lost") / _name("sum"),
+                least=7 - epsilon,
+                along=(1 + epsilon)
+                * (mu + 3 * _name("sum") / (2 * _name("lost")))
+                / _name("least"),
+            ),
+        ),
+        meaning={_root: sp.sqrt(mu**2 * (9 - epsilon) ** 2 + (1 - epsilon) * (7 - epsilon))},
+    ),
+    Function(
+        name="thin_drift_stick",
+        summary=r"Drift (26) of a thin rod over $V_z$, of $\tan\phi$.",
+        detail="Infinite at tilt 0 where nothing is lost.",
+        arguments=(epsilon, _tangent),
+        outputs={_name("along"): optimum.drift_over_tangent("stick").subs(optimum.T, _tangent)},
+        rules=(
+            recast(
+                "sum of positive terms",
+                "one quotient",
+                gained=1 + epsilon,
+                lost=1 - epsilon,
+                along=6
+                * _name("gained")
+                * _tangent
+                / (_name("lost") + (7 - epsilon) * _tangent**2),
             ),
         ),
     ),

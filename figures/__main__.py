@@ -15,6 +15,7 @@ from impact import InputError
 from impact._command_line import Commands
 
 from . import FIGURES
+from .lib.tables import plain
 
 PRICES = "prices.txt", "prices.json", "prices.png"
 CLAIMS, PAGE = ("claims.json", "claims.md"), "index.html"
@@ -34,7 +35,7 @@ def _write_text(path: Path, text: str) -> None:
 
 
 def _json_text(content: Any) -> str:
-    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(plain(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _path(name: str, what: str, default: str | None = None, metavar: str = "FILE") -> Any:
@@ -170,7 +171,7 @@ def claims(quick: bool, out: Path, store: Path | None) -> None:
 
     with storing(out, store, *CLAIMS):
         report = judge.judge(quick, progress=True, out=out)
-    texts = _json_text(judge.plain(report)), gallery.claims_page(report)
+    texts = _json_text(report), gallery.claims_page(report)
     for name, text in zip(CLAIMS, texts, strict=True):
         _write_text(out / name, text)
     print(judge.brief(report))
@@ -217,22 +218,22 @@ def prices(out: Path, store: Path | None) -> None:
     """
     import matplotlib as mpl
     import matplotlib.pyplot as plt
-    import numpy as np
     from tqdm import tqdm
 
     from .cost import price_page
+    from .lib.data import stored_data
     from .lib.drawing import files_of, produce
     from .lib.files import storing
 
     mpl.use("Agg")
-    found, names = {}, price_page.known()
+    found: dict[str, Any] = {}
+    names = [*price_page.PRICE_PANELS]
     bar = tqdm(names, desc="prices", unit="figure", disable=None, leave=False)
     with storing(out, store, *files_of(*names), *PRICES):
         for name in bar:
             bar.set_postfix_str(name)
             bar.write(produce(name, out, quick=True).files)
-            with np.load(out / f"{name}.npz") as stored:
-                found[name] = {key: stored[key] for key in stored if key != "provenance"}
+            found[name] = stored_data(name, True, out)
     words, picture = price_page.summary(found), price_page.draw(found)
     text, numbers, png = (out / name for name in PRICES)
     _write_text(text, words + "\n")

@@ -45,7 +45,14 @@ from .boundaries import critical_friction, critical_tilts, energy_restitution, s
 from .collision import Collision, classify, collide
 from .geometry import ContactGeometry, flat_ended_rod, spherocylinder, thin_rod
 from .pairs import Body, PairCollision, collide_pair
-from .translation import Drift, drift, landing_density, mean_plate_velocity
+from .translation import (
+    Drift,
+    Optimum,
+    drift,
+    landing_density,
+    mean_plate_velocity,
+    optimal_tilt,
+)
 
 __all__ = [
     "Body",
@@ -53,6 +60,7 @@ __all__ = [
     "ContactGeometry",
     "Drift",
     "InputError",
+    "Optimum",
     "PairCollision",
     "Regime",
     "classify",
@@ -65,6 +73,7 @@ __all__ = [
     "flat_ended_rod",
     "landing_density",
     "mean_plate_velocity",
+    "optimal_tilt",
     "slide_friction",
     "spherocylinder",
     "thin_rod",

@@ -104,11 +104,7 @@ def _handwritten(approach, responses, lacking):
 
 collide = _handwritten(*(compiled._known[name] for name in ("approach", "responses", "lacking")))
 collide_plain = _handwritten(_plain_approach, _plain_responses, _not_lacking)
-SCALAR = {
-    **compiled.KERNELS,
-    "handwritten": collide,
-    "uncompensated": collide_plain,
-}
+SCALAR = {**compiled.KERNELS, "handwritten": collide, "uncompensated": collide_plain}
 
 
 def random_impacts(n: int, seed: int = 1) -> Impacts:

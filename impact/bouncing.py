@@ -35,6 +35,7 @@ import numpy as np
 
 from ._arguments import FRICTION, RESTITUTION, Domain, InputError, count, evaluated, number
 from ._jit import kernel
+from ._kernel import LARGE_FRICTION
 from .compiled import KERNELS, Impacts
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
 from .geometry import ContactGeometry, lengths_of, unit_lengths
@@ -43,7 +44,6 @@ __all__ = ["Bouncing", "Estimate", "Landings", "bounce", "hit_again_tilt", "reco
 
 _GAMMA = Domain(0.0, 1e6, "> 0 and at most 1e6", open_low=True)
 _SHORTEST = Domain(1e-12, 0.1, "between 1e-12 and 0.1 (periods)")
-_FRICTION_LIMIT = 1e60  # beyond it friction changes no digit any more
 _AT_ONCE = 1000  # impacts on the spot at most; what approach is left then, the plate absorbs
 _STILL = 2.0**-44  # of the approach: slower, an impact on the spot has come to rest
 _BLOCK = 1 << 18  # landings in memory at once
@@ -205,36 +205,21 @@ def _loop(law: str):
     return whole
 
 
-class _Problem(NamedTuple):
-    """Arguments of `bounce`, checked."""
-
-    held: _Held
-    law: str
-    landings: int
-    rods: int
-    seed: int
-    transient: int
-
-
 def _checked(
     geometry, gamma, friction, restitution, law, shortest_flight, counts: tuple[Any, ...]
-) -> _Problem:
+) -> tuple[_Held, list[int]]:
+    """Rod and plate, and landings, rods, seed and transient; all in their domains."""
     if law not in KERNELS:
         raise InputError(f"law must be one of {', '.join(KERNELS)}, got {law!r}")
     lengths = (number(name, *length) for name, length in lengths_of(geometry).items())
     gamma = number("gamma", gamma, _GAMMA)
     X, Z, k = map(float, unit_lengths(*lengths))
-    held = _Held(
-        gamma,
-        X,
-        Z,
-        k,
-        min(number("friction", friction, FRICTION), _FRICTION_LIMIT),
-        number("restitution", restitution, RESTITUTION),
-        number("shortest_flight", shortest_flight, _SHORTEST) * TURN,
-    )
+    mu = min(number("friction", friction, FRICTION), LARGE_FRICTION)
+    epsilon = number("restitution", restitution, RESTITUTION)
+    shortest = number("shortest_flight", shortest_flight, _SHORTEST) * TURN
     least = {"landings": 1, "rods": 1, "seed": 0, "transient": 0}
-    return _Problem(held, law, *map(count, least, counts, least.values()))
+    held = _Held(gamma, X, Z, k, mu, epsilon, shortest)
+    return held, [*map(count, least, counts, least.values())]
 
 
 def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
@@ -244,18 +229,16 @@ def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
     return TURN * phase, 2 * gamma * speed, gamma * (2 * c_x - 1)
 
 
-def _blocks(problem: _Problem) -> Iterator[Landings]:
-    """Yield the landings of a few rods at a time."""
-    gamma = problem.held.gamma
-    landings = problem.landings if gamma > 1 else 0
-    together = max(1, _BLOCK // problem.landings)
-    for first in range(0, problem.rods, together):
-        rods = range(first, min(first + together, problem.rods))
-        out = np.empty((len(rods), landings, len(Landings._fields)))
-        if landings:
+def _blocks(held: _Held, law: str, counts: list[int]) -> Iterator[Landings]:
+    """Yield the landings of a few rods at a time; none where the plate throws no rod."""
+    landings, total, seed, transient = counts
+    together = max(1, _BLOCK // landings)
+    for first in range(0, total, together):
+        rods = range(first, min(first + together, total))
+        out = np.empty((len(rods), landings if held.gamma > 1 else 0, len(Landings._fields)))
+        if out.size:
             for row, rod in zip(out, rods, strict=True):
-                start = _start(problem.seed, rod, gamma)
-                _loop(problem.law)(start, problem.held, problem.transient, row)
+                _loop(law)(_start(seed, rod, held.gamma), held, transient, row)
         columns = list(np.moveaxis(out, -1, 0))
         for column, kind in ((0, np.int64), (9, np.int64), (10, np.int8)):
             columns[column] = columns[column].astype(kind)
@@ -338,9 +321,9 @@ def record(
     ValueError, TypeError
         As `bounce`.
     """
-    counts = landings, rods, seed, transient
-    problem = _checked(geometry, gamma, friction, restitution, law, shortest_flight, counts)
-    return Landings(*map(np.concatenate, zip(*_blocks(problem), strict=True)))
+    given = landings, rods, seed, transient
+    held, counts = _checked(geometry, gamma, friction, restitution, law, shortest_flight, given)
+    return Landings(*map(np.concatenate, zip(*_blocks(held, law, counts), strict=True)))
 
 
 def bounce(
@@ -400,11 +383,11 @@ def bounce(
     little above gamma = 1 too, where some of the rods, thrown at the start, find them.
     """
     bins = count("bins", bins, 1)
-    counts = landings, rods, seed, transient
-    problem = _checked(geometry, gamma, friction, restitution, law, shortest_flight, counts)
-    if problem.held.gamma <= 1:
+    given = landings, rods, seed, transient
+    held, counts = _checked(geometry, gamma, friction, restitution, law, shortest_flight, given)
+    if held.gamma <= 1:
         return _no_flight(bins)
-    parts = [_summary(block, bins) for block in _blocks(problem)]
+    parts = [_summary(block, bins) for block in _blocks(held, law, counts)]
     return Bouncing(
         **{name: _estimate(np.concatenate([part[name] for part in parts])) for name in parts[0]}
     )

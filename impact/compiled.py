@@ -111,11 +111,8 @@ def _scalar_kernel(law: str) -> Any:
     return kernel(collide, forceinline=True)
 
 
-collide_newton = _scalar_kernel("newton")
-collide_poisson = _scalar_kernel("poisson")
-collide_stronge = _scalar_kernel("stronge")
-
-KERNELS = {"newton": collide_newton, "poisson": collide_poisson, "stronge": collide_stronge}
+KERNELS = {law: _scalar_kernel(law) for law in ("newton", "poisson", "stronge")}
+collide_newton, collide_poisson, collide_stronge = KERNELS.values()
 _IMPACTS_A_CALL = 1 << 18  # some 20 ms: signals are seen between calls
 _LEFT = -2  # regime code of an impact that is left to plain NumPy: invalid, or of unusual size
 

@@ -171,11 +171,9 @@ def _loop(law: str):
                 going = False
                 break
             before, spin, v = c_x, omega, v - omega * X
-            c_x, c_z, omega, regime, _, _, _, speed, _ = collide(
-                Impacts(
-                    before, v, spin, 0.0, X, Z + cap, k, friction, restitution if flies else 0.0
-                )
-            )
+            epsilon = restitution if flies else 0.0
+            hit = Impacts(before, v, spin, 0.0, X, Z + cap, k, friction, epsilon)
+            c_x, c_z, omega, regime, _, _, _, speed, _ = collide(hit)
             if flies:
                 plate = gamma * np.cos(phase)
                 out[n, 0], out[n, 1], out[n, 2] = period, phase, tilt
@@ -270,10 +268,9 @@ def fall(
     periods = number("periods", periods, POSITIVE)
     shortest = TURN * number("shortest_flight", shortest_flight, _SHORTEST)
     geometry = spherocylinder(tilt, length, diameter) if diameter else thin_rod(tilt, length)
-    setting = {"friction": friction, "restitution": restitution, "law": law}
-    starts = _released(
-        geometry, gamma, rods, transient, seed=seed, shortest_flight=shortest_flight, **setting
-    )
+    setting = {"friction": friction, "restitution": restitution, "law": law, "seed": seed}
+    setting["shortest_flight"] = shortest_flight
+    starts = _released(geometry, gamma, rods, transient, **setting)
 
     reach, cap = (length - diameter) / 2, diameter / 2
     mu = min(float(friction), LARGE_FRICTION)

@@ -81,6 +81,73 @@ def drift(
     return Drift(c_x, c_z, as_regime(regime))
 
 
+class Optimum(NamedTuple):
+    """The tilt at which a thin rod drifts fastest."""
+
+    tilt: Any  # rad
+    c_x: Any  # its drift, over the plate's velocity at landing
+    regime: Any  # `Regime`, or an int8 array of its values
+
+
+def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
+    """Tilt of a thin rod's largest stationary drift, and that drift, in closed form.
+
+    The best tilt is that of slip-stick, that of slip reversal, or the critical tilt between them
+    (a corner of the drift); not in the paper, derived in `derivations.optimum`.
+
+    Parameters
+    ----------
+    friction : Coulomb coefficient, >= 0
+    restitution : between 0 and 1 (kinematic)
+
+    Returns
+    -------
+    Optimum
+        tilt in rad, c_x in units of the plate's velocity at landing; at the corner, where friction
+        just holds, the regime is slip-stick. At restitution 1 the drift grows without bound as
+        the tilt goes to 0: tilt 0 and an infinite c_x. Without friction the drift is not
+        determined: nan and INVALID.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain.
+
+    Examples
+    --------
+    >>> best = optimal_tilt(friction=0.3, restitution=0.65)
+    >>> float(np.degrees(best.tilt).round(2)), float(best.c_x.round(3)), best.regime.name
+    (13.21, 3.32, 'SLIP_STICK')
+    """
+
+    def block(mu: Any, epsilon: Any) -> tuple[Any, ...]:
+        a, b = 1 - epsilon, 7 - epsilon
+        weak = np.minimum(mu, 0.75)  # beyond it the contact sticks at every tilt
+        back, along_back = closed.optimum_back(
+            weak, epsilon, np.hypot(weak * (9 - epsilon), np.sqrt(a * b))
+        )
+        stick = np.sqrt(a) / np.sqrt(b)
+        above, below, _ = closed.critical_tangents(weak, np.sqrt((3 - 4 * weak) * (3 + 4 * weak)))
+        critical = np.where(mu > 0.75, np.inf, above / below)
+        reverses = critical < back
+        tangent = np.where(reverses, back, np.minimum(stick, critical))
+        corner = closed.thin_drift_stick(epsilon, tangent)
+        along_stick = closed.optimum_stick(epsilon, np.sqrt(a), np.sqrt(b))
+        along = np.where(reverses, along_back, np.where(stick < critical, along_stick, corner))
+        along = np.where(a == 0, np.inf, along)
+        regime = np.where(reverses, Regime.SLIP_REVERSAL, Regime.SLIP_STICK)
+        known = mu > 0
+        return (
+            np.where(known, np.arctan(tangent), np.nan),
+            np.where(known, along, np.nan),
+            np.where(known, regime, Regime.INVALID),
+        )
+
+    given = {"friction": (friction, FRICTION), "restitution": (restitution, RESTITUTION)}
+    tilt, c_x, regime = evaluated(block, given, (None, None, np.int8))
+    return Optimum(tilt, c_x, as_regime(regime))
+
+
 def landing_density(phase: Any) -> Any:
     """The paper's density of landing phases, H = (1 + cos(theta))/(2 pi), Fig. 8.
 

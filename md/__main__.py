@@ -4,6 +4,7 @@ import inspect
 import json
 import sys
 import warnings
+from functools import partial
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -30,13 +31,13 @@ from .simulation import finite
 from .store import table, write_csv
 
 _ENDS = {"reached": 0, "bias unknown": 3, "not reached": 4}  # exit codes of --tolerance
-_OF_TOLERANCE = "confidence", "floor", "max_seconds"
 _WIDTH = max(len(key) for key, _ in keys())
 _KEYS = """\b
 Keys and their defaults; what a scene does not name is not there. A key in cm
 or cm/s takes the place of the one above it, also under --set; it needs
 rods.diameter_cm, and in the plate's part plate.frequency_hz:
 """ + "\n".join(f"  {key:{_WIDTH}}  {default}" for key, default in keys())
+_number = partial(click.option, type=float)
 _json = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 
 
@@ -54,30 +55,29 @@ def main() -> None:
 @click.option(
     "--tilt-deg", type=click.FloatRange(-90, 90), required=True, help="From the vertical."
 )
-@click.option("--c-x", type=float, required=True, help="Horizontal velocity of the centre before.")
-@click.option("--c-z", type=float, required=True, help="Vertical velocity of the centre before.")
-@click.option("--omega", type=float, default=0.0, help="Angular velocity before.")
-@click.option("--friction", type=float, default=0.3, help="Coulomb coefficient; inf: no slip.")
-@click.option(
+@_number("--c-x", required=True, help="Horizontal velocity of the centre before.")
+@_number("--c-z", required=True, help="Vertical velocity of the centre before.")
+@_number("--omega", default=0.0, help="Angular velocity before.")
+@_number("--friction", default=0.3, help="Coulomb coefficient; inf: no slip.")
+@_number(
     "--restitution",
-    type=float,
     help="Of a head-on impact, 0 or 1e-6 to 1 (default 0.65); appendix_a has its own.",
 )
-@click.option("--length", type=float, default=9.5, help="Of the rod, caps included.")
+@_number("--length", default=9.5, help="Of the rod, caps included.")
 @click.option(
     "--inertia", type=click.Choice(["solid", "thin"]), default="solid", help="Of the rod."
 )
 @click.option("--law", type=click.Choice([*LAWS]), default="coulomb", help="Of the contact.")
-@click.option("--stiffness", type=float, help="k_n in m g/d (default 5e6).")
-@click.option("--tangential-ratio", type=float, help="Stiffness of the tangential spring over k_n.")
+@_number("--stiffness", help="k_n in m g/d (default 5e6).")
+@_number("--tangential-ratio", help="Stiffness of the tangential spring over k_n.")
 @click.option(
     "--integrator",
     type=click.Choice(soft_impact.INTEGRATORS),
     default="leapfrog",
     help="Fixed steps, or every switch located (dop853).",
 )
-@click.option("--dt", type=float, help="Step (default a hundredth of the contact time).")
-@click.option("--tolerance", type=float, help="Of dop853 (default 1e-13).")
+@_number("--dt", help="Step (default a hundredth of the contact time).")
+@_number("--tolerance", help="Of dop853 (default 1e-13).")
 @_json
 def impact(as_json: bool, **given: Any) -> None:
     """One soft impact of a rod's lower cap.
@@ -101,12 +101,9 @@ def impact(as_json: bool, **given: Any) -> None:
         given["c_x"],
         given["c_z"],
         given["omega"],
-        friction=given["friction"],
         rod=Rod(given["length"], given["inertia"]),
         law=law,
-        integrator=integrator,
-        dt=dt,
-        tolerance=1e-13 if tolerance is None else tolerance,
+        **_given(given, "friction", "integrator", "dt", "tolerance"),
     )
     if as_json:
         found = hit._asdict() | {"stiffness": law.normal.stiffness, "arguments": given}
@@ -116,11 +113,15 @@ def impact(as_json: bool, **given: Any) -> None:
         print(impact_text(hit, words))
 
 
+def _given(options: dict[str, Any], *names: str) -> dict[str, Any]:
+    """Those of the options that were given."""
+    return {name: options[name] for name in names if options[name] is not None}
+
+
 def _law(given: dict[str, Any]) -> Law:
     """The contact law with the options that were given; one that it does not take is refused."""
     make = LAWS[given["law"]]
-    options = {name: given[name] for name in ("stiffness", "tangential_ratio", "restitution")}
-    options = {name: value for name, value in options.items() if value is not None}
+    options = _given(given, "stiffness", "tangential_ratio", "restitution")
     for name in options.keys() - inspect.signature(make).parameters.keys():
         raise InputError(f"{name} has no meaning under {given['law']}, got {options[name]:g}")
     return make(**options)
@@ -136,21 +137,14 @@ def _law(given: dict[str, Any]) -> Law:
     help="Change a key of the scene; VALUE none takes it out.",
 )
 @click.option("--periods", type=int, help="Of the plate (default 200); not with --tolerance.")
-@click.option(
+@_number(
     "--tolerance",
-    type=float,
     metavar="R",
     help="Choose step and length so that the drift is within R of its value: 0.01 for 1 %.",
 )
-@click.option(
-    "--confidence", type=float, help="Of the interval that --tolerance asks for (default 0.95)."
-)
-@click.option(
-    "--floor", type=float, help="Slower drifts count as this fast (default a twentieth of V_0)."
-)
-@click.option(
-    "--max-seconds", type=float, help="Longest time that --tolerance may take (default 600)."
-)
+@_number("--confidence", help="Of the interval that --tolerance asks for (default 0.95).")
+@_number("--floor", help="Slower drifts count as this fast (default a twentieth of V_0).")
+@_number("--max-seconds", help="Longest time that --tolerance may take (default 600).")
 @click.option("--trajectory", metavar="FILE", help="Write extended XYZ, for OVITO.")
 @click.option("--frames", type=int, help="Of the trajectory, per period (default 1).")
 @click.option("--checkpoint", metavar="FILE", help="Save here; go on from it if it is there.")
@@ -182,12 +176,11 @@ def run(
     reached. In JSON: accuracy.state, which is "reached", "bias unknown" or "not reached".
     """  # noqa: E501  (an example)
     distinct(scene=scene, trajectory=trajectory, checkpoint=checkpoint)
-    chosen = {name: value for name, value in given.items() if value is not None}
+    chosen = _given(given, *given)
     if "frames" in chosen and trajectory is None:
         raise InputError("frames has no meaning without trajectory")
-    for name in _OF_TOLERANCE:
-        if name in chosen and "tolerance" not in chosen:
-            raise InputError(f"{name} has no meaning without tolerance")
+    if of_tolerance := _given(given, "tolerance", "confidence", "floor", "max_seconds"):
+        accuracy.checked(**of_tolerance)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotWritten)  # said after the result
         result = accuracy.run(
@@ -210,9 +203,7 @@ def run(
 
 @main.command()
 @click.argument("sweep")
-@click.option(
-    "--store", required=True, metavar="FILE", help="SQLite file, made if it is not there."
-)
+@click.option("--store", required=True, metavar="FILE", help="SQLite file, made if missing.")
 @click.option("--workers", type=int, default=-1, help="Processes; -1: one a core.")
 @click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, which runs the points.")
 @click.option("--retry", is_flag=True, help="Run again what failed before.")

@@ -44,11 +44,7 @@ LONGEST = 10**6  # periods of a run
 FIRST_LOOK = 128  # periods
 GROWTH = 1.1, 2.0  # least and largest, of the run from one look to the next
 PARTS = 8, 16, 32  # of the run: the widest of three intervals counts
-_VERDICTS = {
-    "reached": "reached",
-    "bias unknown": "statistically reached, bias unknown",
-    "not reached": "NOT REACHED",
-}
+_SAID = {"bias unknown": "statistically reached, bias unknown", "not reached": "NOT REACHED"}
 
 
 @cache
@@ -282,7 +278,8 @@ def in_words(result: Result) -> list[str]:
         return []
     size = max(abs(result.c_x), a.floor)
     of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
-    error, verdict = a.statistical if a.outside else a.error, f"accuracy     {_VERDICTS[a.state]}"
+    error = a.statistical if a.outside else a.error
+    verdict = f"accuracy     {_SAID.get(a.state, a.state)}"
     if not isfinite(error):
         return [f"{verdict}: ended before {FIRST_LOOK} periods, error unknown"]
     apart, bias = "", f": bias at most {a.bias / size:.2g}, by calibration; the other "

@@ -142,6 +142,7 @@ class Engine:
     effects: Any  # of the kernel
     state: Any
     watchers: plane.Watchers
+    plate: Motion | None  # one period of it; None at rest
     dt: float  # sqrt(d/g)
     per: int  # steps of a period
     step: int = 0
@@ -164,11 +165,6 @@ class Engine:
     def ledger(self) -> np.ndarray | None:
         """Energy by its ways; columns in `kernels.codes`."""
         return self.watchers.ledger
-
-    @property
-    def plate(self) -> Motion | None:
-        """One period of the plate; None at rest."""
-        return self.effects.plate
 
     @property
     def plate_height(self) -> float:
@@ -272,11 +268,6 @@ class RowEngine(Engine):
 
     kernels: ClassVar[Any] = plane
 
-    @property
-    def plate(self) -> Motion | None:
-        """One period of the plate; None at rest."""
-        return self.effects.alone.plate
-
     def series(self, periods: int) -> plane.Series:
         """Empty series for the samples of so many periods."""
         sides, every = self.rods[:, ROW_DIRECTION].copy(), max(self.per // SAMPLES_A_PERIOD, 1)
@@ -317,15 +308,14 @@ class RowEngine(Engine):
         angle = np.arctan2(rods[:, SINE], rods[:, COSINE]) - velocity[:, 2] * self.dt / 2
         rods[:, ROW_PLACE] -= velocity[:, :2] * self.dt / 2
         rods[:, SINE], rods[:, COSINE] = np.sin(angle), np.cos(angle)
-        total = (velocity[:, :2] ** 2).sum() / 2 + (
-            velocity[:, 2] ** 2
-        ).sum() / effects.lightness / 2
+        moving, turning = (velocity[:, :2] ** 2).sum(), (velocity[:, 2] ** 2).sum()
+        total = moving / 2 + turning / effects.lightness / 2
         if effects.gravity:
             total -= effects.gravity[0] * rods[:, X].sum() + effects.gravity[1] * rods[:, Z].sum()
         if effects.normal:
             height = 0.0
-            if effects.plate:
-                before, now = (effects.plate.height[(self.step + s) % self.per] for s in (-1, 0))
+            if self.plate:
+                before, now = (self.plate.height[(self.step + s) % self.per] for s in (-1, 0))
                 height = (before + now) / 2
             for cap in (-1, 1) if effects.upper else (-1,):
                 deep = height + 0.5 - rods[:, Z] - cap * effects.half_length * rods[:, COSINE]
@@ -382,7 +372,8 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
     n, pair, plate = scene.rods.count, scene.contacts.rods, scene.contacts.plate
     gravity = (scene.gravity.x, scene.gravity.z) if scene.gravity is not None else None
     law, friction = (plate.law, plate.friction) if plate else (None, 0.0)
-    alone = effects_of(_rod(scene), law, friction, gravity, plate_motion(scene, per))
+    motion = plate_motion(scene, per)
+    alone = effects_of(_rod(scene), law, friction, gravity, motion)
     between, listed, place, found = _forces(pair), None, None, None
     if between is not None:
         capacity = 8 * n + 56
@@ -390,7 +381,7 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
         place, found = np.zeros(n), np.zeros((capacity, 3), np.int64)
     box = scene.box.length if scene.box and pair is not None else None
     state = plane.State(
-        rods=_row_of_rods(scene, alone.plate.height[0] if alone.plate else 0.0),
+        rods=_row_of_rods(scene, motion.height[0] if motion else 0.0),
         before=np.zeros((n, 3)),
         springs=np.zeros((n, 2)) if alone.friction and alone.friction.spring else None,
         listed=listed,
@@ -398,7 +389,8 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
     )
     record = new_record(n, 4096) if touches and plate is not None else None
     watchers = plane.Watchers(np.zeros(LEDGER_COLUMNS) if ledger else None, record, None)
-    return RowEngine(scene, plane.RowEffects(alone, between, box), state, watchers, dt, per)
+    effects = plane.RowEffects(alone, between, box)
+    return RowEngine(scene, effects, state, watchers, motion, dt, per)
 
 
 def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
@@ -461,4 +453,5 @@ def _annulus(scene: Scene, gap: Annulus) -> AnnulusEngine:
         pair_springs=np.zeros((pairs, PAIR_SLOTS, 3)) if springs else None,
         scratch=np.zeros((n, 6)),
     )
-    return AnnulusEngine(scene, effects, state, plane.Watchers(None, None, None), dt, per)
+    watchers = plane.Watchers(None, None, None)
+    return AnnulusEngine(scene, effects, state, watchers, effects.plate, dt, per)

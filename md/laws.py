@@ -15,8 +15,8 @@ and mass and gravity are 1.
 
 A new law is a function that returns a `Law`, and its entry in `LAWS`, where scenes, `md.impact` and
 `md sweep` find it; an option of its own is one of `md impact` in `md.__main__`. A dashpot or spring
-that `Normal` or `Spring` lacks is a field there, a line in `kernels.contact` and `kernels.rates`,
-and its part of `largest_step`. Another elastic force changes every use of `normal.stiffness`.
+that `Normal` or `Spring` lacks is a field there, a term in `kernels.contact`, and its part of
+`largest_step`. Another elastic force changes every use of `normal.stiffness`.
 """
 
 from collections.abc import Callable

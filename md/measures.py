@@ -21,34 +21,61 @@ _PARTS = 64  # of a period
 HOP = 0.2  # periods; a shorter flight does not part two landings
 _MERGED = columns.WIDTH  # column behind those of a touch: how many touches a landing has
 
-# What is summed over the touches or landings of each period.
-SUMS = (
-    *("count", "plate", "c_x_before", "c_x_after", "c_z_before", "c_z_after", "omega_before"),
-    *("approach", "leaving", "flight", "duration", "slide", "slip_stick", "slip_reversal"),
-    *("pushed_by_others", "pushing", "omega_after", "flight_squared", "falling", "touches"),
-)
+
+def quantities(rows: np.ndarray, per: int, speed: float) -> dict[str, Any]:
+    """What is summed over the touches or landings of a period, by name.
+
+    Parameters
+    ----------
+    rows : (n, WIDTH + 1)
+    per : steps of a period
+    speed : peak velocity of the plate
+    """
+    flight, plate = rows[:, columns.FLIGHT] / per, rows[:, columns.PLATE] / speed
+    approach, regime = -rows[:, columns.APPROACH], rows[:, columns.REGIME]
+    return {
+        "count": np.ones(len(rows)),
+        "plate": plate,
+        **dict(zip(_BEFORE, rows[:, columns.BEFORE : columns.AFTER].T, strict=True)),
+        **dict(zip(_AFTER, rows[:, columns.AFTER : columns.PLATE].T, strict=True)),
+        "approach": approach,
+        "leaving": rows[:, columns.LEAVING],
+        "flight": flight,
+        "duration": rows[:, columns.DURATION] / per,
+        "slide": regime == SLIDING,
+        "slip_stick": regime == SLIP_STICK,
+        "slip_reversal": regime == SLIP_REVERSAL,
+        "pushed_by_others": rows[:, columns.PUSHED] > 0,
+        "pushing": approach * plate,
+        "flight_squared": flight**2,
+        "falling": plate < 0,
+        "touches": rows[:, _MERGED],
+    }
+
+
+def _over_count(*names: str) -> dict[str, tuple[str, str]]:
+    """Means of quantities that have their names."""
+    return {name: (name, "count") for name in names}
+
+
+_BEFORE = [f"{name}_before" for name in ("c_x", "c_z", "omega")]
+_AFTER = [f"{name}_after" for name in ("c_x", "c_z", "omega")]
+SUMS = tuple(quantities(np.zeros((0, _MERGED + 1)), 1, 1.0))
 _BOTH = {  # quotients of sums; plate_velocity over the plate's peak velocity, V_z/V_0
     "plate_velocity": ("plate", "count"),
-    **{
-        f"{name}_{when}": (f"{name}_{when}", "count")
-        for name in ("c_x", "c_z", "omega")
-        for when in ("before", "after")
-    },
+    **_over_count(*(name for pair in zip(_BEFORE, _AFTER, strict=True) for name in pair)),
     "flight_periods": ("flight", "count"),
     "flight_seen_periods": ("flight_squared", "flight"),  # mean of the flights met at a random time
-    "falling": ("falling", "count"),  # while the plate falls
+    **_over_count("falling"),  # while the plate falls
 }
 MEANS = {  # over touches
     **_BOTH,
     "plate_velocity_by_speed": ("pushing", "approach"),  # each touch counts as its v_0
     "restitution": ("leaving", "approach"),  # of all touches together
     "contact_periods": ("duration", "count"),
-    **{
-        name: (name, "count")
-        for name in ("slide", "slip_stick", "slip_reversal", "pushed_by_others")
-    },
+    **_over_count("slide", "slip_stick", "slip_reversal", "pushed_by_others"),
 }
-OF_LANDINGS = {**_BOTH, "touches": ("touches", "count")}
+OF_LANDINGS = {**_BOTH, **_over_count("touches")}
 
 
 def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
@@ -146,11 +173,8 @@ class RowTables(Tables):
 
     def results(self, first: int, periods: int) -> dict[str, Any]:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""
-        turned = {"fell": codes.FELL, "passed_upright": codes.UPRIGHT}
-        rows = self.series.rows
-        found: dict[str, Any] = {
-            "turned": {name: int(rows[:, column].sum()) for name, column in turned.items()}
-        }
+        fell, upright = self.series.rows[:, [codes.FELL, codes.UPRIGHT]].sum(axis=0)
+        found: dict[str, Any] = {"turned": {"fell": int(fell), "passed_upright": int(upright)}}
         if self.engine.record is not None:
             found["phases"] = self.cycle(first, periods)
             if periods > 0:
@@ -170,29 +194,7 @@ class RowTables(Tables):
         """Add touches or landings, but those with which a rod may have begun; their steps."""
         rows = rows[np.isfinite(rows[:, columns.FLIGHT])]
         step = rows[:, columns.STEP].astype(int)
-        flight, plate = rows[:, columns.FLIGHT] / self.per, rows[:, columns.PLATE] / self.speed
-        before = rows[:, columns.BEFORE : columns.AFTER].T
-        after = rows[:, columns.AFTER : columns.PLATE].T
-        approach, regime = -rows[:, columns.APPROACH], rows[:, columns.REGIME]
-        sums = {
-            "count": np.ones(len(rows)),
-            "plate": plate,
-            **dict(zip(("c_x_before", "c_z_before", "omega_before"), before, strict=True)),
-            **dict(zip(("c_x_after", "c_z_after", "omega_after"), after, strict=True)),
-            "approach": approach,
-            "leaving": rows[:, columns.LEAVING],
-            "flight": flight,
-            "duration": rows[:, columns.DURATION] / self.per,
-            "slide": regime == SLIDING,
-            "slip_stick": regime == SLIP_STICK,
-            "slip_reversal": regime == SLIP_REVERSAL,
-            "pushed_by_others": rows[:, columns.PUSHED] > 0,
-            "pushing": approach * plate,
-            "flight_squared": flight**2,
-            "falling": plate < 0,
-            "touches": rows[:, _MERGED],
-        }
-        table = np.array([sums[name] for name in SUMS], float).T
+        table = np.array([*quantities(rows, self.per, self.speed).values()], float).T
         np.add.at(self.sums[:, kind], step // self.per, table)
         return step
 

@@ -144,13 +144,9 @@ def _relax(gap: Annulus, rods: np.ndarray, half: float) -> float:
     """
     soft, n = Normal(100.0), len(rods)
     light = 1 / (0.1 + (2 * half + 1) ** 2 / 12)
-    effects = SpaceEffects(
-        half,
-        light,
-        inner=Wall(gap.inner, soft, None),
-        outer=Wall(gap.outer, soft, None),
-        between=ContactForces(soft, None),
-    )
+    inner, outer = (Wall(radius, soft, None) for radius in (gap.inner, gap.outer))
+    between = ContactForces(soft, None)
+    effects = SpaceEffects(half, light, inner=inner, outer=outer, between=between)
     force = np.zeros((n, 6))
     state = State(rods, np.zeros((n, 6)), None, no_pairs(n), None, force)
     for step in range(_STEPS):

@@ -34,13 +34,13 @@ class Vibration(NamedTuple):
 class Contact(NamedTuple):
     """What one contact did; durations and normal impulses of its phases (see `codes`)."""
 
-    position: np.ndarray  # x, z, tilt at the end
-    velocity: np.ndarray  # c_x, c_z, omega
-    durations: tuple[float, ...]
-    impulses: tuple[float, ...]
+    position: Sequence[float] | np.ndarray  # x, z, tilt at the end
+    velocity: Sequence[float] | np.ndarray  # c_x, c_z, omega
+    durations: Sequence[float] | np.ndarray
+    impulses: Sequence[float] | np.ndarray
     stopped: bool  # whether the slip stopped at all
-    deepest: float
-    evaluations: int
+    deepest: float  # overlap, d
+    evaluations: int  # of the forces
     end: float  # time since the touch
 
 
@@ -70,6 +70,7 @@ class _Contact:
         self.friction, self.gravity = effects.friction, effects.gravity
         self.rigid = effects.friction is not None and effects.friction.spring is None
         self.mode, self.evaluations, self.rest = FREE, 0, 0.0
+        self.side = 1.0  # of the slip at the touch
         deep = (1.25 * speed * speed / effects.normal.stiffness) ** 0.4
         sizes = np.array([deep, deep, deep, speed, speed, speed, deep, speed])
         self.accuracy = {"rtol": max(tolerance, 3e-14), "atol": tolerance * sizes}
@@ -82,9 +83,9 @@ class _Contact:
         return 4 * s**3 * out
 
     def signals(self, s: float, y: np.ndarray) -> tuple[float, float, float, float]:
-        """What crosses zero at the force's end and at the mode's; overlap and slip."""
+        """What falls to zero at the force's end, the mode's and the slip's first stop; overlap."""
         left, spare, overlap, slip = rates(*self.setting, self.mode, s**4, y, np.empty(8))
-        return left, spare - self.rest, overlap, slip
+        return left, spare - self.rest, self.side * slip, overlap
 
     def choose(self, s: float, y: np.ndarray) -> None:
         """The mode that follows: stick where friction can hold, else the way that it gives."""
@@ -115,21 +116,15 @@ class _Contact:
             solver.step()
         return solver.y
 
-    def located(
-        self, solver: DOP853, which: int, side: float, end: float
-    ) -> tuple[float, np.ndarray]:
+    def located(self, solver: DOP853, which: int, end: float) -> tuple[float, np.ndarray]:
         """Place and state at which signal `which` falls to zero in the step just made.
 
         A mode may begin where its signal is zero: the zero wanted is a later one.
         """
         s, y, dense = solver.t_old, solver.y_old, solver.dense_output()
 
-        def value(x: float, state: np.ndarray) -> float:
-            found = self.signals(x, state)[which]
-            return side * found if which == 3 else found
-
         def signal(x: float) -> float:
-            return value(x, dense(x))
+            return self.signals(x, dense(x))[which]
 
         starts = (s, *(s + (end - s) / 2**k for k in range(1, 30)))
         start = next((x for x in starts if signal(x) > 0), None)
@@ -140,12 +135,12 @@ class _Contact:
         root, width = brentq(signal, start, end, xtol=1e-18, rtol=1e-15), 1e-3 * (end - s)
         for _ in range(2):  # the interpolant is of lower order than the step
             slope = (signal(root) - signal(root - width)) / width
-            error = value(root, self.stepped(s, y, root)) / slope
+            error = self.signals(root, self.stepped(s, y, root))[which] / slope
             root = min(max(root - error, s), end)
         return root, self.stepped(s, y, root)
 
     def first(
-        self, solver: DOP853, signals: tuple[float, ...], side: float, others: tuple[int, ...]
+        self, solver: DOP853, signals: tuple[float, ...], others: tuple[int, ...]
     ) -> tuple[float, np.ndarray, int]:
         """Place, state and number of the signal that is the first to fall to zero in a step.
 
@@ -153,11 +148,9 @@ class _Contact:
         """
         end, places = solver.t, []
         if signals[0] < 0:
-            end, y = self.located(solver, 0, side, end)
+            end, y = self.located(solver, 0, end)
             signals, places = self.signals(end, y), [(end, y, 0)]
-        for i in others:
-            if (side * signals[3] if i == 3 else signals[i]) < 0:
-                places.append((*self.located(solver, i, side, end), i))
+        places += [(*self.located(solver, i, end), i) for i in others if signals[i] < 0]
         return min(places, key=lambda place: place[0])
 
 
@@ -198,36 +191,34 @@ def follow(
     contact = _Contact(effects, vibration, tilt, speed, tolerance)
     s, y = 0.0, np.array([0.0, 0.0, 0.0, *velocity, 0.0, 0.0])
     contact.choose(contact.early, contact.stepped(s, y, contact.early))
-    side = np.sign(contact.signals(s, y)[3])
-    stopped, which, deepest = side == 0, 1, 0.0
+    contact.side = np.sign(contact.signals(s, y)[2])
+    stopped, which, deepest = contact.side == 0, 1, 0.0
     durations, impulses, switches = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], 0
     while which != 0:
         if switches == _SWITCHES:
             raise RunError(f"the contact has switched {switches} times without an end")
         switches += 1
         begin, pushed, solver = s, y[7], contact.solver(s, y)
-        others: tuple[int, ...] = (1,) if stopped or contact.rigid else (1, 3)
+        others: tuple[int, ...] = (1,) if stopped or contact.rigid else (1, 2)
         going = True
         while going:
             if solver.t**4 > longest:
                 raise RunError(f"the contact has not ended after {longest:g} sqrt(d/g)")
             solver.step()
-            signals = left, spare, overlap, slip = contact.signals(solver.t, solver.y)
+            signals = left, *_, overlap = contact.signals(solver.t, solver.y)
             deepest = max(deepest, overlap)
             if effects.upper and overlap > 2 * effects.half_length * cos(tilt + solver.y[2]):
                 raise InputError("dop853 follows one cap, and here the second touches the plate")
-            going = left >= 0 and spare >= 0 and not (3 in others and side * slip < 0)
+            going = left >= 0 and all(signals[i] >= 0 for i in others)
         if left < 0 and solver.t - begin < 1e-5 * solver.t:
             others = ()  # the spring rattles as the force ends: a last 1e-10 of its impulse
-        s, y, which = contact.first(solver, signals, side, others)
+        s, y, which = contact.first(solver, signals, others)
         phase = SLIDE if not stopped else STUCK if contact.mode == STICK else TURNED
         durations[phase] += s**4 - begin**4
         impulses[phase] += y[7] - pushed
         if which == 1:
             contact.choose(s, y)
-        stopped = stopped or which == 3 or (which == 1 and contact.rigid)
+        stopped = stopped or which == 2 or (which == 1 and contact.rigid)
     position = np.array([y[0], contact.setting[2][2] + y[1], tilt + y[2]])
-    return Contact(
-        *(position, y[3:6].copy(), tuple(durations), tuple(impulses), stopped, deepest),
-        *(contact.evaluations, s**4),
-    )
+    calls = contact.evaluations
+    return Contact(position, y[3:6], durations, impulses, stopped, deepest, calls, s**4)

@@ -50,12 +50,6 @@ def effects_of(
     plate: Motion | None,
 ) -> Effects:
     """All that acts on one rod; without a law of the plate there is none."""
-    return Effects(
-        rod.half_length,
-        1 / rod.gyration_squared,
-        law.normal if law else None,
-        friction_of(law, friction) if law else None,
-        gravity,
-        plate,
-        True if rod.half_length > 0 else None,
-    )
+    half, light = rod.half_length, 1 / rod.gyration_squared
+    normal, rubbing = (law.normal, friction_of(law, friction)) if law else (None, None)
+    return Effects(half, light, normal, rubbing, gravity, plate, True if half > 0 else None)

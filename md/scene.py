@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
+from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -23,6 +24,8 @@ from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, reduced, ri
 SCENES = Path(__file__).parent / "scenes"
 _Angle = Annotated[float, -90.0, 90.0]
 _FORMER = {"rods.spin": "rods.rolling"}  # keys of earlier versions, and their names today
+_NEEDS = {"plate": "contacts.plate", "annulus": "contacts.wall"}  # each the other
+_NEEDS |= {other: one for one, other in _NEEDS.items()} | {"rods.rolling": "annulus"}
 
 
 @dataclass(frozen=True)
@@ -148,7 +151,9 @@ class Scene(Part):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._pair("contacts.plate", self.contacts.plate, "plate", self.plate)
+        for one, other in _NEEDS.items():
+            if attrgetter(one)(self) and not attrgetter(other)(self):
+                raise InputError(f"{other} is missing: the scene names {one}, and needs both")
         for name in ("plate", "rods", "wall"):
             contact = getattr(self.contacts, name)
             constraint = contact and contact.friction > 0 and contact.law.spring is None
@@ -157,27 +162,14 @@ class Scene(Part):
                     f"contacts.{name}.law must have a tangential spring, got {contact.law.name!r}: "
                     "friction as a constraint is for the plate, and not in an annulus"
                 )
-        if self.annulus or self.contacts.wall or self.rods.rolling:
-            self._in_space()
-        elif self.start.tilt_deg is None and self.box is None:
-            raise InputError("start.tilt_deg is missing: without a box it has no default")
-        self._fit()
-
-    def _pair(self, one: str, first: object, other: str, second: object) -> None:
-        """Refuse one of two parts without the other."""
-        if (first is None) != (second is None):
-            named, missing = (one, other) if second is None else (other, one)
-            raise InputError(f"{missing} is missing: the scene names {named}, and needs both")
-
-    def _in_space(self) -> None:
-        """Refuse an incomplete annulus, and parts that it cannot have."""
-        if self.annulus is None and self.rods.rolling:
-            raise InputError("annulus is missing: the scene names rods.rolling, and needs both")
-        self._pair("annulus", self.annulus, "contacts.wall", self.contacts.wall)
-        if self.box is not None:
+        if self.annulus is None:
+            if self.start.tilt_deg is None and self.box is None:
+                raise InputError("start.tilt_deg is missing: without a box it has no default")
+        elif self.box is not None:
             raise InputError("box must be absent from an annulus, which closes on itself")
-        if self.gravity is not None and self.gravity.x != 0:
+        elif self.gravity is not None and self.gravity.x != 0:
             raise InputError(f"gravity.x must be 0 in an annulus, got {self.gravity.x:g}")
+        self._fit()
 
     def _fit(self) -> None:
         """Refuse rods that would overlap at the start."""
@@ -240,13 +232,10 @@ class Scene(Part):
 
 def as_dict(part: Any) -> Any:
     """A scene, or a part, as plain dictionaries; absent parts are left out."""
-    if is_dataclass(part):
-        part = {f.name: getattr(part, f.name) for f in fields(part)}
-    elif hasattr(part, "_asdict"):
-        part = part._asdict()
-    else:
+    if not is_dataclass(part) and not hasattr(part, "_asdict"):
         return part
-    return {name: as_dict(value) for name, value in part.items() if value is not None}
+    values = vars(part) if is_dataclass(part) else part._asdict()
+    return {name: as_dict(value) for name, value in values.items() if value is not None}
 
 
 def _contact(name: str, table: Mapping) -> Contact:

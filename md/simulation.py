@@ -4,9 +4,10 @@ import json
 import signal
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
+from math import nan
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -19,9 +20,9 @@ from tqdm import tqdm
 from .domains import whole
 from .errors import InputError
 from .files import NotWritten, distinct, replacing, warn, writable
-from .host import Engine, prepare
+from .host import prepare
 from .interrupt import SIGNALS
-from .measures import Tables, tables_of
+from .measures import tables_of
 from .scene import Scene, as_dict
 from .sources import digest
 from .statistics import transient
@@ -127,6 +128,7 @@ class Result:
         contact = self.scene.contacts.plate or self.scene.contacts.rods
         skip = ("scene", "phases", "c_x_series", "tilt_series", "rods", "accuracy")
         plain = {key: value for key, value in vars(self).items() if key not in skip}
+        versions = {"md": code(self.scene), "numpy": np.__version__, "numba": numba.__version__}
         return finite(
             {
                 **plain,
@@ -136,11 +138,7 @@ class Result:
                 "scene_digest": self.scene.digest(),
                 "law": contact.law.name if contact else None,
                 "seed": self.scene.start.seed,
-                "versions": {
-                    "md": code(self.scene),
-                    "numpy": np.__version__,
-                    "numba": numba.__version__,
-                },
+                "versions": versions,
                 **({"accuracy": asdict(self.accuracy)} if self.accuracy else {}),
             }
         )
@@ -160,40 +158,6 @@ def finite(value: Any) -> Any:
     return value
 
 
-def _result(
-    engine: Engine, tables: Tables, began: dict, periods: int, finished: bool, lost: Iterable[str]
-) -> Result:
-    c_x, tilt = tables.drift(periods), tables.tilt_deg(periods)
-    cut = transient(periods)
-    energy = None
-    if engine.ledger is not None:
-        change = engine.energy() - began["energy"]
-        work, *losses = map(float, engine.ledger)
-        names = ("plate_normal", "plate_friction", "rods_normal", "rods_friction")
-        energy = {"plate_work": work, **dict(zip(names, losses, strict=True)), "change": change}
-        energy["residual"] = work - sum(losses) - change
-    return Result(
-        scene=engine.scene,
-        c_x=float(c_x[cut:].mean()) if periods else float("nan"),
-        c_x_stderr=tables.error(c_x[cut:]),
-        tilt_deg=float(tilt[cut:].mean()) if periods else float("nan"),
-        tilt_stderr_deg=tables.error(tilt[cut:]),
-        periods=periods,
-        discarded=cut,
-        steps_per_period=engine.per,
-        dt=engine.dt,
-        run_seconds=began["seconds"],
-        compile_seconds=began["compile"],
-        energy=energy,
-        **tables.results(cut, periods),
-        c_x_series=c_x,
-        tilt_series=tilt,
-        rods=engine.rods.copy(),
-        finished=finished,
-        unwritten=tuple(lost),
-    )
-
-
 @contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
     """A function that says whether Ctrl-C was pressed; it is not raised in the middle of a step.
@@ -202,9 +166,8 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
     somebody's own is left to raise what it does.
     """
     pressed, usual = threading.Event(), signal.default_int_handler
-    taken = [n for n in SIGNALS if signal.getsignal(n) is usual]
-    if threading.current_thread() is not threading.main_thread():
-        taken = []
+    main = threading.current_thread() is threading.main_thread()
+    taken = [n for n in SIGNALS if main and signal.getsignal(n) is usual]
     try:
         for number in taken:
             signal.signal(number, lambda *_: pressed.set())
@@ -212,19 +175,6 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
     finally:
         for number in taken:
             signal.signal(number, usual)
-
-
-def _save(path: Path, engine: Engine, tables: Tables, began: dict) -> None:
-    """Checkpoint, beside the old one first."""
-    about = {
-        "scene": engine.scene.digest(),
-        "code": code(engine.scene),
-        "step": engine.step,
-        **began,
-    }
-    arrays: dict[str, Any] = tables.arrays(engine.step // engine.per) | engine.arrays()
-    with replacing(path) as part, part.open("wb") as file:
-        np.savez(file, about=json.dumps(about), **arrays)
 
 
 def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
@@ -240,25 +190,50 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
         raise InputError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
-        whose = (
-            "another scene" if other == ["scene"] else "an earlier version of md or other sources"
-        )
+        scene_alone = other == ["scene"]
+        whose = "another scene" if scene_alone else "an earlier version of md or other sources"
         raise InputError(f"checkpoint {path} belongs to {whose}; remove it to start again")
     return about, arrays
 
 
-class _Files:
-    """What a run writes as it goes on; a file that takes no more does not end the run.
+class _Run:
+    """A run under way and the files that it writes; one that takes no more does not end it.
 
     Where the trajectory ends early, the checkpoint stays behind, so that a resumed run fills it.
     """
 
-    def __init__(self, engine: Engine, tables: Tables, began: dict, checkpoint: Path | None):
-        self.engine, self.tables, self.began = engine, tables, began
+    def __init__(self, scene: Scene, periods: int, ledger: bool, checkpoint: Path | None):
+        self.engine = engine = prepare(scene, ledger=ledger)
+        self.tables = tables_of(engine, periods)
         self.checkpoint = checkpoint
         self.trajectory: Trajectory | None = None
         self.gap = 1  # steps from frame to frame
         self.lost: dict[str, str] = {}  # why a file is not whole
+        begin = perf_counter()
+        engine.go(0, self.tables.series)  # compiles
+        self.began: dict[str, Any] = {  # what a checkpoint tells
+            "compile": perf_counter() - begin,
+            "seconds": 0.0,
+            "trajectory": None,
+            "energy": engine.energy() if engine.ledger is not None else 0.0,
+        }
+
+    @property
+    def made(self) -> int:
+        """Whole periods."""
+        return self.engine.step // self.engine.per
+
+    def restore(self, about: dict[str, Any], arrays: dict[str, np.ndarray], periods: int) -> None:
+        """Go on from a checkpoint."""
+        step, compiling = about.pop("step"), self.began["compile"]
+        if step > periods * self.engine.per:
+            raise InputError(
+                f"checkpoint {self.checkpoint} is {step // self.engine.per} periods long already: "
+                "ask for more, or remove it"
+            )
+        self.tables.restore(arrays)
+        self.engine.restore(arrays, step)
+        self.began |= about | {"compile": compiling}
 
     @contextmanager
     def _noting_failure(self, name: str, path: Path, quiet: bool = False) -> Iterator[None]:
@@ -269,18 +244,16 @@ class _Files:
             why = f"{name} {path}: {error.strerror or error}"
             if name not in self.lost and not quiet:
                 behind = self.checkpoint is not None and name == "trajectory"
-                warn(
-                    f"cannot write {why}; the run goes on"
-                    + (", its checkpoint stays where the frames are whole" if behind else "")
-                )
+                stays = ", its checkpoint stays where the frames are whole" if behind else ""
+                warn(f"cannot write {why}; the run goes on{stays}")
             self.lost[name] = why
 
-    def frame(self) -> None:
+    def _frame(self, trajectory: Trajectory) -> None:
         """Append a frame to the trajectory."""
-        engine, height = self.engine, self.engine.plate_height
-        if self.trajectory is not None and "trajectory" not in self.lost:
-            with self._noting_failure("trajectory", self.trajectory.path):
-                self.trajectory.write(engine.scene, engine.rods, engine.step / engine.per, height)
+        engine, time = self.engine, self.engine.step / self.engine.per
+        if "trajectory" not in self.lost:
+            with self._noting_failure("trajectory", trajectory.path):
+                trajectory.write(engine.scene, engine.rods, time, engine.plate_height)
 
     def save(self, last: bool = False) -> None:
         """Bring the frames and, with what they are, a checkpoint on the disk."""
@@ -292,41 +265,72 @@ class _Files:
         if "trajectory" in self.lost:
             self.lost["checkpoint"] = f"checkpoint {self.checkpoint}: behind, as the trajectory is"
             return
+        scene, step = self.engine.scene, self.engine.step
+        about = {"scene": scene.digest(), "code": code(scene), "step": step, **self.began}
+        arrays: dict[str, Any] = self.tables.arrays(self.made) | self.engine.arrays()
         with self._noting_failure("checkpoint", self.checkpoint, last):
-            _save(self.checkpoint, self.engine, self.tables, self.began)
+            with replacing(self.checkpoint) as part, part.open("wb") as file:
+                np.savez(file, about=json.dumps(about), **arrays)
             self.lost.pop("checkpoint", None)
 
+    def march(self, goal: int, observe: Callable | None, bar: tqdm, pressed: Callable) -> None:
+        """March to the step `goal`, call by call of the kernel."""
+        engine, saved = self.engine, perf_counter()
+        while engine.step < goal and not pressed():
+            steps = min(engine.pace, goal - engine.step)
+            if self.trajectory is not None:
+                since = engine.step % self.gap
+                if since == 0:
+                    self._frame(self.trajectory)
+                steps = min(steps, self.gap - since)
+            begin, before = perf_counter(), self.made
+            engine.go(steps, self.tables.series)
+            self.began["seconds"] += perf_counter() - begin
+            if engine.record is not None and engine.record.count[0]:
+                rows = engine.record.rows[: engine.record.count[0]]
+                self.tables.add(rows)
+                if observe is not None:
+                    observe(rows.copy())
+                engine.record.count[0] = 0
+            bar.update(self.made - before)
+            if perf_counter() - saved > _SAVED:
+                self.save()
+                saved = perf_counter()
 
-def _loop(
-    files: _Files,
-    goal: int,
-    observe: Callable[[np.ndarray], None] | None,
-    bar: tqdm,
-    pressed: Callable[[], bool],
-) -> None:
-    """March to the step `goal`, call by call of the kernel."""
-    engine, tables = files.engine, files.tables
-    saved = perf_counter()
-    while engine.step < goal and not pressed():
-        steps = min(engine.pace, goal - engine.step)
-        if files.trajectory is not None:
-            since = engine.step % files.gap
-            if since == 0:
-                files.frame()
-            steps = min(steps, files.gap - since)
-        begin, first = perf_counter(), engine.step
-        engine.go(steps, tables.series)
-        files.began["seconds"] += perf_counter() - begin
-        if engine.record is not None and engine.record.count[0]:
-            rows = engine.record.rows[: engine.record.count[0]]
-            tables.add(rows)
-            if observe is not None:
-                observe(rows.copy())
-            engine.record.count[0] = 0
-        bar.update(engine.step // engine.per - first // engine.per)
-        if perf_counter() - saved > _SAVED:
-            files.save()
-            saved = perf_counter()
+    def _energy(self) -> dict[str, float] | None:
+        """Account of the energy; None if not asked."""
+        if self.engine.ledger is None:
+            return None
+        change = self.engine.energy() - self.began["energy"]
+        work, *losses = map(float, self.engine.ledger)
+        names = ("plate_normal", "plate_friction", "rods_normal", "rods_friction")
+        found = {"plate_work": work, **dict(zip(names, losses, strict=True)), "change": change}
+        return found | {"residual": work - sum(losses) - change}
+
+    def result(self, finished: bool) -> Result:
+        """What was measured in the periods made."""
+        engine, tables, periods = self.engine, self.tables, self.made
+        c_x, tilt, cut = tables.drift(periods), tables.tilt_deg(periods), transient(periods)
+        return Result(
+            scene=engine.scene,
+            c_x=float(c_x[cut:].mean()) if periods else nan,
+            c_x_stderr=tables.error(c_x[cut:]),
+            tilt_deg=float(tilt[cut:].mean()) if periods else nan,
+            tilt_stderr_deg=tables.error(tilt[cut:]),
+            periods=periods,
+            discarded=cut,
+            steps_per_period=engine.per,
+            dt=engine.dt,
+            run_seconds=self.began["seconds"],
+            compile_seconds=self.began["compile"],
+            energy=self._energy(),
+            **tables.results(cut, periods),
+            c_x_series=c_x,
+            tilt_series=tilt,
+            rods=engine.rods.copy(),
+            finished=finished,
+            unwritten=tuple(self.lost.values()),
+        )
 
 
 def run(
@@ -377,59 +381,39 @@ def run(
     periods = whole("periods", periods, 1, MOST_PERIODS)
     frames = whole("frames", frames, 1, 10**6)
     if observe is not None and scene.annulus is not None:
-        raise InputError(
-            "observe must be None in an annulus: touches of the plate are counted, not kept"
-        )
+        raise InputError("observe must be None in an annulus: touches are counted, not kept")
     distinct(trajectory=trajectory, checkpoint=checkpoint)
     if trajectory is not None:
         writable("trajectory", trajectory, is_trajectory, "one of frames")
-    about: dict[str, Any] = {}
-    arrays, kept = None, None if checkpoint is None else Path(checkpoint)
+    saved, kept = None, None if checkpoint is None else Path(checkpoint)
     if kept is not None:
         writable("checkpoint", kept)
         if kept.exists():
-            about, arrays = _read(kept, scene)
-            check_continues(trajectory, frames, periods, about["trajectory"], kept)
-    engine = prepare(scene, ledger=ledger)
-    tables = tables_of(engine, periods)
-    begin = perf_counter()
-    engine.go(0, tables.series)  # compiles
-    began: dict[str, Any] = {"compile": perf_counter() - begin, "seconds": 0.0, "trajectory": None}
-    began["energy"] = engine.energy() if engine.ledger is not None else 0.0
-    if arrays is not None:
-        step = about.pop("step")
-        if step > periods * engine.per:
-            raise InputError(
-                f"checkpoint {kept} is {step // engine.per} periods long already: ask for more, or "
-                "remove it"
-            )
-        tables.restore(arrays)
-        engine.restore(arrays, step)
-        began |= about | {"compile": began["compile"]}
-    written = _Files(engine, tables, began, kept)
+            saved = _read(kept, scene)
+            check_continues(trajectory, frames, periods, saved[0]["trajectory"], kept)
+    running = _Run(scene, periods, ledger, kept)
+    if saved is not None:
+        running.restore(*saved, periods)
+    per = running.engine.per
 
     with ExitStack() as stack:
         pressed = stack.enter_context(_interruptible())
         if trajectory is not None:
-            written.trajectory = Trajectory(trajectory, frames, began["trajectory"])
-            stack.callback(written.trajectory.close)
-            written.gap = max(engine.per // frames, 1)
+            running.trajectory = Trajectory(trajectory, frames, running.began["trajectory"])
+            stack.callback(running.trajectory.close)
+            running.gap = max(per // frames, 1)
         bar = stack.enter_context(
             tqdm(total=periods, unit=" periods", delay=2, disable=None if progress else True)
         )
-        made = engine.step // engine.per
-        bar.update(made)
-        aim = periods if goal is None else 0
-        while True:
-            if goal is not None:
-                aim = min(goal(tables.drift(made)), periods)
-                bar.total = aim
-            _loop(written, aim * engine.per, observe, bar, pressed)
-            enough, made = made >= aim, engine.step // engine.per
-            if goal is None or enough or made < aim:
-                break
-        written.save(last=True)
-    lost = written.lost.values()
-    if lost:
+        bar.update(running.made)
+        going = True
+        while going:
+            before = running.made
+            drift = running.tables.drift(before)
+            aim = bar.total = periods if goal is None else min(goal(drift), periods)
+            running.march(aim * per, observe, bar, pressed)
+            going = before < aim <= running.made and goal is not None
+        running.save(last=True)
+    if lost := running.lost.values():
         warnings.warn(f"not written: {'; '.join(lost)}", NotWritten, stacklevel=2)
-    return _result(engine, tables, began, made, engine.step >= aim * engine.per, lost)
+    return running.result(running.engine.step >= aim * per)

@@ -5,14 +5,14 @@ are in sqrt(g d) and times in sqrt(d/g).
 """
 
 from collections.abc import Sequence
-from math import cos, pi, sin
+from math import cos, nan, pi, sin
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import reference
-from .domains import not_negative, number, positive
+from .domains import held, hints, not_negative, number, positive
 from .errors import InputError, RunError
 from .kernels import single
 from .kernels.codes import (
@@ -38,8 +38,9 @@ from .laws import (
     deepest_overlap,
     largest_step,
 )
-from .reference import Vibration
+from .reference import Contact, Vibration
 from .rod import Rod, effects_of
+from .scene import Rods
 
 INTEGRATORS = (*single.METHODS, "dop853")
 _FINE = 100  # default steps per head-on contact time
@@ -68,10 +69,8 @@ class Impact(NamedTuple):
 def _checked_rod(rod: Rod) -> Rod:
     if not isinstance(rod, Rod):
         raise InputError(f"rod must be a md.Rod, got {rod!r}")
-    length = number("length", rod.length, 1.0, 1e3, "between 1 and 1000")
-    if rod.inertia not in ("solid", "thin"):
-        raise InputError(f"inertia must be solid or thin, got {rod.inertia!r}")
-    return Rod(length, rod.inertia)
+    allowed = hints(Rods)
+    return Rod(*(held(name, value, allowed[name]) for name, value in rod._asdict().items()))
 
 
 def _checked_law(law: Law | None) -> Law:
@@ -106,19 +105,8 @@ def _checked_vibration(vibration: Any) -> Vibration | None:
     )
 
 
-def _speed(rod: Rod, tilt: float, velocity: Sequence[float], vibration: Vibration | None) -> float:
-    """Velocity with which the lower cap approaches the plate."""
-    plate = plate_after(vibration, 0.0)[1]
-    return -(velocity[1] + velocity[2] * rod.half_length * sin(tilt) - plate)
-
-
 def _step(
-    law: Law,
-    effects: Effects,
-    speed: float,
-    tilt: float,
-    dt: float | None,
-    method: str,
+    law: Law, effects: Effects, speed: float, tilt: float, dt: float | None, method: str
 ) -> float:
     """The step asked for, or a good one; one that is not stable is refused."""
     if speed < _SLOWEST:
@@ -215,16 +203,14 @@ def impact(
     """
     rod, law = _checked_rod(rod), _checked_law(law)
     tilt = number("tilt", tilt, -pi / 2, pi / 2, "between -pi/2 and pi/2")
-    names = ("c_x", "c_z", "omega")
-    velocity = tuple(
-        number(name, value, -1e6, 1e6, "a number up to 1e6")
-        for name, value in zip(names, (c_x, c_z, omega), strict=True)
-    )
+    given = {"c_x": c_x, "c_z": c_z, "omega": omega}
+    velocity = tuple(number(k, v, -1e6, 1e6, "a number up to 1e6") for k, v in given.items())
     vibration, gravity = _checked_vibration(vibration), _checked_gravity(gravity)
     if integrator not in INTEGRATORS:
         raise InputError(f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}")
     offset = number("offset", offset, 0.0, 1.0, "between 0 and 1")
-    speed = _speed(rod, tilt, velocity, vibration)
+    plate = plate_after(vibration, 0.0)[1]
+    speed = -(velocity[1] + velocity[2] * rod.half_length * sin(tilt) - plate)
     if not speed > 0:
         raise InputError(
             f"c_z must bring the contact point towards the plate: it moves away at {-speed:g}"
@@ -255,30 +241,24 @@ class _Case(NamedTuple):
     speed: float  # of the approach, sqrt(g d)
     longest: float  # time after which a contact that goes on is an error, sqrt(d/g)
 
-    def impact(
-        self,
-        position: Any,
-        velocity: Any,
-        end: float,
-        phases: tuple[Any, Any],
-        stopped: bool,
-        **rest: Any,
-    ) -> Impact:
-        """What it did; `end`: time since the touch, `phases`: durations and impulses."""
-        durations, impulses = phases
-        a_x = -self.effects.half_length * sin(position[2])
-        plate = plate_after(self.vibration, end)[1]
-        v_f = velocity[1] - velocity[2] * a_x - plate
-        c_x, c_z, omega = map(float, velocity)
+    def impact(self, done: Contact, dt: float, seconds: float) -> Impact:
+        """What the contact did to the rod."""
+        c_x, c_z, omega = map(float, done.velocity)
+        a_x = -self.effects.half_length * sin(done.position[2])
+        v_f = c_z - omega * a_x - plate_after(self.vibration, done.end)[1]
+        stuck, turned = done.impulses[STUCK], done.impulses[TURNED]
         return Impact(
             c_x=c_x,
             c_z=c_z,
             omega=omega,
             restitution=float(v_f / self.speed),
-            regime=REGIMES[single.regime_of(stopped, impulses[STUCK], impulses[TURNED])],
-            phases=dict(zip(PHASES, map(float, durations), strict=True)),
-            contact_time=float(sum(durations)),
-            **rest,
+            regime=REGIMES[single.regime_of(done.stopped, stuck, turned)],
+            phases=dict(zip(PHASES, map(float, done.durations), strict=True)),
+            max_overlap=float(done.deepest),
+            contact_time=float(sum(done.durations)),
+            dt=dt,
+            steps=done.evaluations,
+            seconds=seconds,
         )
 
 
@@ -306,17 +286,12 @@ def _by_steps(case: _Case, method: str, dt: float, offset: float) -> Impact:
             f"the contact has not ended after {steps * dt:g} sqrt(d/g)",
             (*state.position, *state.velocity),
         )
-    return case.impact(
-        state.position,
-        state.velocity,
-        (steps - offset) * dt,
-        (watch[:IMPULSE], watch[IMPULSE : 2 * IMPULSE]),
-        watch[WATCH_STOPPED] > 0,
-        max_overlap=float(watch[WATCH_DEEPEST]),
-        dt=dt,
-        steps=steps,
-        seconds=seconds,
+    durations, impulses = watch[:IMPULSE], watch[IMPULSE : 2 * IMPULSE]
+    stopped, deepest, end = watch[WATCH_STOPPED] > 0, watch[WATCH_DEEPEST], (steps - offset) * dt
+    done = Contact(
+        state.position, state.velocity, durations, impulses, stopped, deepest, steps, end
     )
+    return case.impact(done, dt, seconds)
 
 
 def _to_the_digits(case: _Case, tolerance: float) -> Impact:
@@ -326,15 +301,4 @@ def _to_the_digits(case: _Case, tolerance: float) -> Impact:
     reference.compiled(effects, vibration)
     begin = perf_counter()
     done = reference.follow(effects, vibration, case.tilt, case.velocity, tolerance, case.longest)
-    seconds = perf_counter() - begin
-    return case.impact(
-        done.position,
-        done.velocity,
-        done.end,
-        (done.durations, done.impulses),
-        done.stopped,
-        max_overlap=float(done.deepest),
-        dt=float("nan"),
-        steps=done.evaluations,
-        seconds=seconds,
-    )
+    return case.impact(done, nan, perf_counter() - begin)

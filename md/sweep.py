@@ -24,6 +24,7 @@ import itertools
 import logging
 import math
 import warnings
+from collections import ChainMap
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -129,10 +130,7 @@ class Sweep:
         ----------
         key : of the scene, as "plate.acceleration"; KeyError if no axis has it
         """
-        for axis in self.axes:
-            if key in axis:
-                return np.array(axis[key])
-        raise KeyError(key)
+        return np.array(ChainMap(*self.axes)[key])
 
     def gather(self, store: str | Path, *names: str) -> tuple[np.ndarray, ...]:
         """Results along the axes; nan where a run is missing or has failed.
@@ -257,41 +255,39 @@ def load_sweep(path: str | Path) -> Sweep:
     return expand(tables, read_tables(beside if beside.exists() else name))
 
 
+def _of_run(point: Point) -> dict:
+    """Results of `md.run`, as a store holds them."""
+    done = run(point.scene, **point.length)
+    if not done.finished:
+        raise KeyboardInterrupt
+    if done.accuracy and done.accuracy.state == "not reached":
+        raise RunError(" ".join(" ".join(in_words(done)).split()))
+    found = done.as_dict() | {"phases": done.phases}
+    del found["scene"]
+    return found
+
+
 def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
     """Run a point: its key, its result or why it failed, and its seconds."""
-    begin, result, error = perf_counter(), None, None
+    begin, result, error, measure = perf_counter(), None, None, point.measure
     try:
-        if point.measure is not None:
-            result = point.measure.function(point.scene, point.periods)
-            return point.key, result, None, perf_counter() - begin
-        done = run(point.scene, **point.length)
-        if not done.finished:
-            raise KeyboardInterrupt
-        result = {**done.as_dict(), "phases": done.phases}
-        del result["scene"]
-        if done.accuracy and done.accuracy.state == "not reached":
-            result, error = None, " ".join(" ".join(in_words(done)).split())
+        result = measure.function(point.scene, point.periods) if measure else _of_run(point)
     except RunError as failure:
         error = str(failure)
     return point.key, result, error, perf_counter() - begin
 
 
-def _finished(points: list[Point], workers: int) -> Iterator[tuple]:
-    """Results as they arrive; points are handed out a few at a time."""
-    if workers == 1:
-        yield from map(_one, points)
-        return
-    yield from Parallel(
-        n_jobs=workers, batch_size=1, pre_dispatch="2*n_jobs", return_as="generator_unordered"
-    )(delayed(_one)(point) for point in points)
-
-
 def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]:
-    """Results as they arrive; where a worker dies, its runs begin again."""
+    """Results as they arrive, a few points handed out at a time; a dead worker's runs begin again.
+
+    Of one worker, the runs are made in this process.
+    """
+    how = {"batch_size": 1, "pre_dispatch": "2*n_jobs", "return_as": "generator_unordered"}
     left, deaths = {point.key: point for point in points}, 0
     while left:
         try:
-            for done in _finished(list(left.values()), workers):
+            tasks = [delayed(_one)(point) for point in left.values()]
+            for done in Parallel(n_jobs=workers, **how)(tasks):
                 left.pop(done[0], None)
                 deaths = 0
                 yield done

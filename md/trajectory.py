@@ -15,7 +15,7 @@ from .errors import InputError
 from .files import empty, same
 from .scene import Scene
 
-__all__ = ["Trajectory", "check_continues", "is_trajectory", "read_frames", "write_frame"]
+__all__ = ["Trajectory", "check_continues", "is_trajectory", "read_frames"]
 
 _COLUMNS = "id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3:velo:R:3:omega:R:1:tilt:R:1"
 _LAST = 2**20  # bytes before its end that hold the head of the last frame
@@ -44,9 +44,28 @@ class Trajectory:
 
         Parameters
         ----------
-        scene, rods, time, height : as of `write_frame`
+        scene : of the run
+        rods : (N, 7), columns as in `kernels.codes`, or (N, 12) in an annulus
+        time : periods since the start
+        height : of the plate, in d
+
+        Lengths are in d, velocities in sqrt(g d); beside the time stand d in cm and sqrt(g d) in
+        cm/s. Columns: number; place x, y, z; orientation as a quaternion x, y, z, w that turns the
+        z axis into the rod's; radius, radius and length of the cylinder between the caps (OVITO:
+        particle shape spherocylinder); velocity; angular velocity; tilt in degrees.
         """
-        write_frame(self.file, scene, rods, time, height)
+        wide, deep = scene.box.length if scene.box else 1e3, 1.0
+        if scene.annulus is not None:
+            wide = deep = 2 * scene.annulus.outer
+        cell = f"{wide!r} 0 0 0 {deep!r} 0 0 0 {scene.rods.length + 10!r}"
+        self.file.write(
+            f'{len(rods)}\nLattice="{cell}" Properties={_COLUMNS} '
+            f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} '
+            f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
+        )
+        for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
+            numbers = [*place, *turn, 0.5, 0.5, scene.rods.length - 1, *velocity, omega, tilt]
+            self.file.write(f"{i} {' '.join(f'{number:.9g}' for number in numbers)}\n")
         self.count += 1
 
     def state(self) -> dict[str, Any]:
@@ -119,7 +138,7 @@ def check_continues(
 
 
 def is_trajectory(path: Path) -> bool:
-    """Whether a file begins with a frame of `write_frame`.
+    """Whether a file begins with a frame of a `Trajectory`.
 
     Parameters
     ----------
@@ -128,36 +147,6 @@ def is_trajectory(path: Path) -> bool:
     with path.open("rb") as file:
         file.readline(100)
         return f" Properties={_COLUMNS} ".encode() in file.readline(1000)
-
-
-def write_frame(file: TextIO, scene: Scene, rods: np.ndarray, time: float, height: float) -> None:
-    """Append a frame.
-
-    Parameters
-    ----------
-    file : open for writing
-    scene : of the run
-    rods : (N, 7), columns as in `kernels.codes`, or (N, 12) in an annulus
-    time : periods since the start
-    height : of the plate, in d
-
-    Lengths are in d, velocities in sqrt(g d); beside the time stand d in cm and sqrt(g d) in cm/s.
-    Columns: number; place x, y, z; orientation as a quaternion x, y, z, w that turns the z axis
-    into the rod's; radius, radius and length of the cylinder between the caps (OVITO: particle
-    shape spherocylinder); velocity; angular velocity; tilt in degrees.
-    """
-    wide, deep = scene.box.length if scene.box else 1e3, 1.0
-    if scene.annulus is not None:
-        wide = deep = 2 * scene.annulus.outer
-    cell = f"{wide!r} 0 0 0 {deep!r} 0 0 0 {scene.rods.length + 10!r}"
-    file.write(
-        f'{len(rods)}\nLattice="{cell}" Properties={_COLUMNS} '
-        f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} '
-        f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
-    )
-    for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
-        numbers = [*place, *turn, 0.5, 0.5, scene.rods.length - 1, *velocity, omega, tilt]
-        file.write(f"{i} {' '.join(f'{number:.9g}' for number in numbers)}\n")
 
 
 def _in_space(rods: np.ndarray) -> Iterator[tuple]:
@@ -182,7 +171,7 @@ def read_frames(path: str | Path) -> list[dict]:
 
     Parameters
     ----------
-    path : of a file that `write_frame` wrote
+    path : of the file of a `Trajectory`
 
     Returns
     -------

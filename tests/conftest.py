@@ -4,6 +4,7 @@ import signal
 import time
 from pathlib import Path
 
+import matplotlib as mpl
 import pytest
 from hypothesis import settings
 from xdist.scheduler import LoadFileScheduling
@@ -14,10 +15,14 @@ from md.sources import digest
 
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": ("derivations", "generated", "lookup", "report"),
-    "quick figures": ("figures", "md_figures"),
+    "quick figures": (
+        *("figures", "accuracy_figures", "claims", "drift_figures", "md_figures", "price_figures"),
+        *("ring_figures", "row_figures", "rows_figures"),
+    ),
     "space": ("annulus", "space", "space_hard_cases"),
 }
 
+mpl.use("Agg")  # no windows
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")
 

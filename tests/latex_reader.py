@@ -10,7 +10,7 @@ FUNCTIONS = {
     "\\arccos": sp.acos,
     "\\arctan": sp.atan,
 }
-ENDS = {"+", "-", "}", "\\right", "\\,"}
+ENDS = {"+", "-", "}", "\\right", "\\,", ","}
 
 
 class Reader:
@@ -37,7 +37,7 @@ class Reader:
     def product(self):
         result = self.power()
         while self.rest and self.rest[-1] not in ENDS:
-            result *= self.power()
+            result *= 1 / self.power() if self.next("/") and self.take() else self.power()
         return result
 
     def power(self):
@@ -49,6 +49,15 @@ class Reader:
         inner = self.sum()
         self.take("}")
         return inner
+
+    def beta(self):
+        for part in ("{", "B", "}", "\\left", "("):
+            self.take(part)
+        first = self.sum()
+        self.take(",")
+        second = self.sum()
+        self.take("\\right"), self.take(")")
+        return sp.beta(first, second)
 
     def integral(self):
         """From the limits to the letter that is integrated over."""
@@ -83,6 +92,8 @@ class Reader:
             self.take("\\right")
             self.take(")", "|")
             return sp.Abs(inner) if kind == "|" else inner
+        if token == "\\operatorname":
+            return self.beta()
         if token == "\\int":
             return self.integral()
         if token in FUNCTIONS:

@@ -1,6 +1,7 @@
 """The text of a compiled kernel: what it takes and what it looks at."""
 
 import re
+from typing import Any, NamedTuple
 
 import numba
 
@@ -12,35 +13,54 @@ def fresh(kernel):
     return numba.njit(error_model="numpy", _nrt=False)(kernel.py_func)
 
 
-def text(kernel, *arguments):
-    """Text of the kernel for the first arguments of these types, and that of its own function."""
-    wanted = tuple(map(numba.typeof, arguments))
+class Text(NamedTuple):
+    """Text of a kernel compiled for some arguments, and that of its own function."""
+
+    arguments: dict[str, Any]
+    whole: str
+    body: str
+
+
+def text(kernel, **arguments):
+    """The kernel's text for the first arguments of these types, which have their names there."""
+    wanted = tuple(map(numba.typeof, arguments.values()))
     [mine] = [s for s in kernel.signatures if s[: len(wanted)] == wanted]
     whole = kernel.inspect_llvm(mine)
     path = [*kernel.py_func.__module__.split("."), kernel.py_func.__name__]
     own = rf"define[^\n]*@_ZN{''.join(f'{len(name)}{name}' for name in path)}"
     [body] = [f for f in re.findall(WHOLE, whole, re.M | re.S) if re.match(own, f)]
-    return whole, body
+    return Text(arguments, whole, body)
 
 
-def place(group, path):
+def place(arguments, path):
     """Numba's name of a field of a nested tuple, as "effects.0.4" for "effects.alone.gravity"."""
     name, *fields = path.split(".")
+    group = arguments[name]
     for field in fields:
         name += f".{group._fields.index(field)}"
         group = getattr(group, field)
-    return name
+    return re.escape(name)
 
 
-def looks(body, argument):
-    """Instructions of a function that look at an argument, not those that hand it on."""
-    code = [line for line in body.splitlines()[1:] if " call " not in line]
-    return len(re.findall(rf"%arg\.{re.escape(argument)}\b", "\n".join(code)))
-
-
-def passed(body, argument):
+def passed(text, path):
     """Numbers and places that an argument hands over, absent ones left out."""
-    head = body.split("\n", 1)[0]
-    given = re.findall(rf"((?:ptr|double|i\d+)\b[^%]*)%arg\.{re.escape(argument)}\b", head)
+    head = text.body.split("\n", 1)[0]
+    given = re.findall(rf"((?:ptr|double|i\d+)\b[^%]*)%arg\.{place(text.arguments, path)}\b", head)
     assert given
     return [one for one in given if "readnone" not in one]
+
+
+def assert_absent(there, gone, marks):
+    """Effects have no code in a text: nothing reads their arguments, their instructions lack.
+
+    Numba names the kernel's arguments in its text. One that is None remains there as a pointer that
+    nothing reads. `marks`: an instruction that only the effect of an argument needs.
+    """
+    code = "\n".join(line for line in gone.body.splitlines()[1:] if " call " not in line)
+    for path, mark in marks.items():
+        assert passed(there, path)
+        assert not passed(gone, path)
+        assert not re.search(rf"%arg\.{place(gone.arguments, path)}\b", code)
+        if mark:
+            assert re.search(mark, there.whole)
+            assert not re.search(mark, gone.whole)

@@ -38,7 +38,7 @@ NUMBERS = {0.5: 0.4, 2: 3}
 NAMES = {"min": "max", "max": "min"}
 NOT_OF_KERNELS = re.compile(
     "figure|claim|readme|guide|report|index|explore|wheel|help|label|document|coverage|lookup|public|"
-    "interrupt|cache|store|sweep|files|units|command"
+    "interrupt|cache|store|sweep|files|units|command|refus"
 )
 LEFT_OUT = "*.pyc", "__pycache__", ".git", ".venv", "out", "build", ".*_cache", ".hypothesis"
 

@@ -4,8 +4,7 @@
 
 Each tree runs in a process of its own, with TREE/.venv/bin/python where there is one. A scene is
 `same` if every number has the same bits in both trees, nan included; otherwise its first
-difference is printed. Only public names of `md` and `impact` are used. What was renamed between
-the trees is found through `GROUPS` and `KEYS`, or else by its value, and then listed.
+difference is printed. Only public names of `md` and `impact` are used.
 
 Exit status: 0 if all scenes are the same, 1 if any differs or fails, 2 for bad input.
 """
@@ -16,6 +15,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import tomllib
 from collections.abc import Mapping
 from functools import partial
 from math import radians
@@ -23,75 +23,22 @@ from pathlib import Path
 
 import numpy as np
 
-# Old names of parts of a result and the new ones; a group applies where its first name is there.
-GROUPS = [{"merged": "landings", "landings": "touches"}]
-KEYS = {"rods.spin": "rods.rolling"}  # old and new keys of a scene
-TIMES = {"run_seconds", "compile_seconds", "seconds", "needed_seconds", "next_digit_seconds"}
-NOT_COMPARED = TIMES | {"scene", "versions", "unwritten"}
-SHOWN = 3  # renamed quantities listed for a scene
+NOT_COMPARED = {"run_seconds", "compile_seconds", "seconds", "needed_seconds", "scene", "versions"}
+NOT_COMPARED |= {"next_digit_seconds", "unwritten"}
 
-# Few, short and soft rods are cheap; * stands for each contact.
-BASES = {
-    "row": (
-        "quasi2d",
-        "plate rods",
-        "rods.count=8 rods.length=5 rods.inertia=solid box.length=8.8 start.speed=0.1 "
-        "step.size=none step.coarse=true contacts.*.stiffness=1e5",
-    ),
-    "annulus": (
-        "annulus",
-        "plate rods wall",
-        "rods.count=10 rods.length=4 annulus.inner=2 annulus.outer=3.7 step.size=none "
-        "contacts.*.stiffness=1e5",
-    ),
-    "tolerance": (
-        "quasi2d",
-        "plate rods",
-        "rods.count=8 box.length=9.5 step.size=none contacts.*.tangential_ratio=3",
-    ),
-}
-APPENDIX_A = (
-    "contacts.*.law=appendix_a contacts.*.restitution=none "
-    "contacts.*.damping=40 contacts.*.tangential_ratio=5"
-)
-RUNS = {
-    "row: constant_restitution": "",
-    "row: appendix_a": APPENDIX_A,
-    "row: appendix_a without factor": f"{APPENDIX_A} contacts.*.overlap_factor=false",
-    "row: coulomb": "contacts.plate.law=coulomb",
-    "row: plastic": "contacts.*.restitution=0",
-    "row: no plate": "plate=none contacts.plate=none gravity=none start.speed=0.5",
-    "row: no plate friction": "contacts.plate.friction=0",
-    "row: no rod-rod contact": "contacts.rods=none",
-    "row: no rod-rod friction": "contacts.rods.friction=0",
-    "row: no vibration": "plate.acceleration=0 start.drop=0.2",
-    "row: no gravity": "gravity=none start.speed=0.5",
-    "row: inclined gravity": "gravity.x=0.3 gravity.z=-0.9",
-    "row: open box": "box=none start.tilt_deg=20",
-    "row: thin inertia": "rods.inertia=thin",
-    "annulus: all effects but rolling": "",
-    "annulus: no wall friction": "contacts.wall.friction=0",
-    "annulus: no plate friction": "contacts.plate.friction=0",
-    "annulus: no rod-rod contact": "contacts.rods=none",
-    "annulus: rolling": "rods.spin=true",
-    "tolerance: calibrated": "",
-    "tolerance: outside the calibration": "contacts.plate.restitution=0.2",
-}
+TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+RUNS = {f"{base}: {run}": more for base in TABLES for run, more in TABLES[base]["runs"].items()}
 IMPACTS = ("leapfrog", "verlet", "gear", "dop853")
 
 
 def load(name):
-    """The scene of a run, with new names of keys, or with old ones where these are unknown."""
+    """The scene of a run."""
     import md  # of the tree under test
 
-    example, contacts, base = BASES[name.partition(":")[0]]
-    changes = {}
-    for key, _, value in (text.partition("=") for text in f"{base} {RUNS.get(name, '')}".split()):
-        changes |= {key.replace("*", contact): value for contact in contacts.split()}
-    try:
-        return md.load(example, [f"{KEYS.get(key, key)}={v}" for key, v in changes.items()])
-    except ValueError:
-        return md.load(example, [f"{key}={value}" for key, value in changes.items()])
+    base, changes = TABLES[name.partition(":")[0]], []
+    for text in f"{base['changes']} {RUNS.get(name, '')}".split():
+        changes += [text.replace("*", contact) for contact in base["contacts"].split()]
+    return md.load(base["scene"], changes)
 
 
 def run(name, **options):
@@ -182,9 +129,7 @@ def quantities(value, path=""):
     elif hasattr(value, "_asdict"):
         value = value._asdict()
     if isinstance(value, Mapping):
-        new = {name: name for name in value if name not in NOT_COMPARED}
-        new |= {old: name for g in GROUPS if next(iter(g)) in value for old, name in g.items()}
-        parts = {name: value[old] for old, name in new.items()}
+        parts = {name: part for name, part in value.items() if name not in NOT_COMPARED}
     elif isinstance(value, list | tuple) and not all(isinstance(v, int | float) for v in value):
         parts = dict(enumerate(value))
     else:
@@ -236,21 +181,12 @@ def compared(a, b):
             return False, f"fails in {side}: {(folder / 'error').read_text()}"
     with np.load(a / "numbers.npz") as first, np.load(b / "numbers.npz") as second:
         a, b = dict(first), dict(second)
-    for name in (name for name in a if name in b):
+    if a.keys() != b.keys():
+        return False, f"differs: only one tree has {', '.join(sorted(a.keys() ^ b.keys()))}"
+    for name in a:
         if found := difference(a[name], b[name]):
             return False, f"differs in {name}: {found}"
-    left, renamed = {name: b[name] for name in b if name not in a}, []
-    for name in (name for name in a if name not in b):
-        twin = next((n for n in left if not difference(a[name], left[n])), None)
-        if twin is None:
-            return False, f"differs: only A has {name} = {a[name]}"
-        renamed.append(f"{name} -> {twin}")
-        del left[twin]
-    for name in left:
-        return False, f"differs: only B has {name} = {b[name]}"
-    more = ", ..." if len(renamed) > SHOWN else ""
-    names = f" ({len(renamed)} renamed: {', '.join(renamed[:SHOWN])}{more})" if renamed else ""
-    return True, f"same, {sum(array.size for array in a.values())} numbers{names}"
+    return True, f"same, {sum(array.size for array in a.values())} numbers"
 
 
 def main():

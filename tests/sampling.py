@@ -22,26 +22,22 @@ class Impacts(NamedTuple):
     restitution: np.ndarray
     plate_velocity: np.ndarray
 
+    def arguments(self, dtype=np.float64) -> dict:
+        """As `impact` takes them."""
+        given = {name: column.astype(dtype) for name, column in self._asdict().items()}
+        return given | {"geometry": impact.ContactGeometry(*map(given.pop, ("X", "Z", "k")))}
+
     def collide(self, law="newton", dtype=np.float64):
         """What `impact` says about them."""
-        c_x, c_z, omega, X, Z, k, friction, restitution, plate = (
-            column.astype(dtype) for column in self
-        )
-        return impact.collide(
-            c_x,
-            c_z,
-            omega,
-            geometry=impact.ContactGeometry(X, Z, k),
-            friction=friction,
-            restitution=restitution,
-            plate_velocity=plate,
-            law=law,
-        )
+        return impact.collide(**self.arguments(dtype), law=law)
+
+    def row(self, index: int) -> dict[str, float]:
+        """Arguments of one of them, as the integration takes them."""
+        return {name: float(column[index]) for name, column in self._asdict().items()}
 
     def reference(self, index: int, law="newton", dps=40) -> Reference:
         """What the integration says about one of them."""
-        row = {name: float(column[index]) for name, column in self._asdict().items()}
-        return reference_collide(**row, law=law, dps=dps)
+        return reference_collide(**self.row(index), law=law, dps=dps)
 
 
 def geometries(rng: np.random.Generator, n: int) -> tuple[np.ndarray, ...]:
@@ -83,7 +79,7 @@ def compare(impacts: Impacts, law="newton", *, rounding=1e-13) -> tuple[np.ndarr
     errors, wrong = np.zeros(len(impacts.c_x)), []
     for index in range(len(errors)):
         reference = impacts.reference(index, law)
-        row = {name: float(column[index]) for name, column in impacts._asdict().items()}
+        row = impacts.row(index)
         del row["friction"], row["restitution"]
         values = {name: getattr(got, name)[index] for name in got._fields if name != "regime"}
         errors[index] = error_in_ulp(values, reference, **row)["maximum"]

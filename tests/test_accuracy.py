@@ -26,32 +26,31 @@ def _report(errors, impacts, law) -> str:
     return "\n".join([f"max {errors.max():.2f} ulp, {above} of {len(errors)} above 4", *rows])
 
 
-def _measure(impacts, law):
+MILLION = [  # minutes each
+    pytest.param(sample, 170_000, 43, law, marks=pytest.mark.slow)
+    for law in LAWS
+    for sample in (sampling.everyday, sampling.wide)
+]
+
+
+@pytest.mark.parametrize(
+    ("sample", "count", "seed", "law"),
+    [
+        (sampling.everyday, 10_000, 41, "newton"),
+        (sampling.wide, 10_000, 42, "newton"),
+        (sampling.wide, 5_000, 42, "poisson"),
+        (sampling.wide, 5_000, 42, "stronge"),
+        *MILLION,
+    ],
+)
+def test_random_impacts(sample, count, seed, law):
+    """Everyday ones, and velocities and friction over six decades; worst cases are printed."""
+    impacts = sample(count, seed=seed)
     errors, wrong = sampling.compare(impacts, law)
     print(_report(errors, impacts, law))
     assert not wrong
     assert errors.max() <= BOUND
     assert errors.mean() <= 0.75
-
-
-def test_everyday_impacts():
-    _measure(sampling.everyday(10_000, seed=41), "newton")
-
-
-@pytest.mark.parametrize(
-    ("law", "count"), [("newton", 10_000), ("poisson", 5_000), ("stronge", 5_000)]
-)
-def test_wide_impacts(law, count):
-    """Velocities and friction over six decades."""
-    _measure(sampling.wide(count, seed=42), law)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("sample", [sampling.everyday, sampling.wide])
-def test_a_million_impacts(sample, law):
-    """Six samples of 170,000; minutes each. New worst cases are printed for the kept list."""
-    _measure(sample(170_000, seed=43), law)
 
 
 def _kept() -> list[tuple[str, sampling.Impacts]]:

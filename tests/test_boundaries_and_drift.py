@@ -182,6 +182,61 @@ def test_levers_of_any_length():
     assert far == pytest.approx(near, rel=1e-14)
 
 
+def test_no_tilt_drifts_faster_than_the_optimal_one():
+    """Against the drift on a fine grid of tilts, and at the optimum itself."""
+    rng = np.random.default_rng(6)
+    n, tilts = 400, np.linspace(1e-3, np.pi / 2, 4001)
+    settings = {"friction": 10 ** rng.uniform(-2, 0.3, n), "restitution": rng.uniform(0, 0.99, n)}
+    best = impact.optimal_tilt(**settings)
+    columns = {name: value[:, None] for name, value in settings.items()}
+    other = impact.drift(impact.thin_rod(tilts), **columns)
+    assert (other.c_x <= best.c_x[:, None] * (1 + 8 * EPS)).all()
+    assert (other.c_x.max(axis=1) > best.c_x * (1 - 1e-3)).all()
+    found = impact.drift(impact.thin_rod(best.tilt), **settings)
+    np.testing.assert_allclose(found.c_x, best.c_x, rtol=32 * EPS)
+    kinds = {
+        (int(r), bool(t < c - 1e-9))
+        for r, t, c in zip(
+            best.regime, best.tilt, impact.critical_tilts(settings["friction"])[0], strict=True
+        )
+    }
+    assert kinds == {(2, True), (2, False), (3, False)}  # slip-stick, the corner, slip reversal
+    inside = np.abs(best.tilt - impact.critical_tilts(settings["friction"])[0]) > 1e-6
+    np.testing.assert_array_equal(found.regime[inside], best.regime[inside])
+
+
+@pytest.mark.parametrize("friction", [1e-3, 0.05, 0.09, 0.12, 0.16, 0.2, 0.75, 0.8, np.inf])
+def test_optimal_tilt_to_the_last_digits(friction):
+    """Against a search at 50 digits on the formulas of the paper, (26) and (29)."""
+    with mpmath.workdps(50):
+        e, mu = mpf("0.65"), mpf(friction)
+
+        def drift(t):
+            back = (1 + e) * (mu * (4 + t * t) + 3 * t) if 3 * t > mu * (4 + t * t) else None
+            top = 6 * (1 + e) * t if back is None else back
+            return top / (1 - e + (7 - e) * t * t)
+
+        low, high = mpf(0), mpf(1)
+        golden = (mpmath.sqrt(5) - 1) / 2
+        for _ in range(260):
+            a, b = high - golden * (high - low), low + golden * (high - low)
+            low, high = (a, high) if drift(a) < drift(b) else (low, b)
+        found = impact.optimal_tilt(friction=friction, restitution=float(e))
+        assert ulps(found.c_x, drift(low)) <= 8
+        assert abs(found.tilt - float(mpmath.atan(low))) < 1e-15
+
+
+def test_optimal_tilt_at_the_ends():
+    lossless = impact.optimal_tilt(friction=0.3, restitution=1.0)
+    assert (lossless.tilt, lossless.c_x) == (0, np.inf)
+    undetermined = impact.optimal_tilt(friction=0.0, restitution=0.5)
+    assert np.isnan(undetermined.c_x)
+    assert undetermined.regime == Regime.INVALID
+    assert impact.optimal_tilt(friction=0.8, restitution=0.65).tilt == np.arctan(
+        np.sqrt(0.35) / np.sqrt(6.35)
+    )
+
+
 def test_sphere_does_not_drift():
     found = impact.drift(impact.spherocylinder(0.3, 1.0), friction=0.3, restitution=0.65)
     assert found.c_x == 0

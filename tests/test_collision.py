@@ -14,20 +14,13 @@ LAWS = ("newton", "poisson", "stronge")
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_samples_reach_every_regime_and_the_painleve_region(law):
-    impacts = sampling.wide(4_000, seed=12)
-    regimes = np.bincount(impacts.collide(law).regime, minlength=4)
-    assert regimes.min() > 100
-    slip = impacts.c_x - impacts.omega * impacts.Z
-    squares = impacts.k**2 + impacts.X**2
-    inside = squares + np.sign(slip) * impacts.friction * impacts.X * impacts.Z <= 0
-    assert inside.sum() > 200
-
-
-@pytest.mark.parametrize("law", LAWS)
 def test_impulse_is_compressive_and_in_the_friction_cone(law):
+    """In every regime, and in the Painleve region."""
     impacts = sampling.wide(200_000, seed=13)
     hit = impacts.collide(law)
+    slip = np.sign(impacts.c_x - impacts.omega * impacts.Z)
+    painleve = impacts.k**2 + impacts.X**2 + slip * impacts.friction * impacts.X * impacts.Z <= 0
+    assert min(*np.bincount(hit.regime), painleve.sum()) > 5000
     happens = hit.regime > Regime.NO_IMPACT
     assert (hit.P_z[happens] > 0).all()
     slack = 16 * np.finfo(float).eps * (np.abs(hit.P_x) + np.abs(impacts.c_x) + np.abs(impacts.c_z))
@@ -41,25 +34,6 @@ def test_these_laws_never_create_energy(law):
     scale = sum(np.square(v) for v in (hit.P_x, hit.P_z, impacts.c_x, impacts.c_z))
     scale += np.square(impacts.plate_velocity) + np.square(impacts.omega * impacts.k)
     assert (hit.energy_change <= 64 * np.finfo(float).eps * scale).all()
-
-
-@pytest.mark.parametrize(("side", "creates"), [(+1, True), (-1, False)])
-def test_newton_creates_energy_where_the_closed_form_says(side, creates):
-    """One percent above the threshold some approach gains energy, one percent below none does."""
-    rng = np.random.default_rng(15)
-    n, ratios = 300, np.geomspace(1e-2, 1e2, 8001)
-    tilt, friction = rng.uniform(0.05, 1.5, (n, 1)), rng.uniform(0.05, 1.5, (n, 1))
-    rod = impact.thin_rod(tilt)
-    threshold = impact.energy_restitution(rod, friction)
-    hit = impact.collide(
-        ratios,
-        -1.0,
-        geometry=rod,
-        friction=friction,
-        restitution=threshold + side * 0.01 * (1 - threshold),
-    )
-    gain = (hit.energy_change / (1 + ratios**2)).max(axis=1)
-    assert ((gain > 1e-14) == creates).all()
 
 
 def test_thin_rod_creates_energy_only_above_four_fifths():
@@ -97,10 +71,7 @@ impacts = st.fixed_dictionaries(
 
 def _hit(row, **changed):
     row = {**row, **changed}
-    geometry = impact.ContactGeometry(row.pop("X"), row.pop("Z"), row.pop("k"))
-    return impact.collide(
-        row.pop("c_x"), row.pop("c_z"), row.pop("omega"), geometry=geometry, **row
-    )
+    return impact.collide(geometry=impact.ContactGeometry(*map(row.pop, ("X", "Z", "k"))), **row)
 
 
 @given(impacts)
@@ -120,20 +91,11 @@ def test_units_of_length_and_time_do_not_matter(row, length, speed):
     """Powers of two change nothing but exponents."""
     a, b = 2.0**length, 2.0**speed
     hit = _hit(row)
-    other = _hit(
-        row,
-        X=a * row["X"],
-        Z=a * row["Z"],
-        k=a * row["k"],
-        c_x=b * row["c_x"],
-        c_z=b * row["c_z"],
-        omega=b / a * row["omega"],
-        plate_velocity=b * row["plate_velocity"],
-    )
+    scales = {"X": a, "Z": a, "k": a, "c_x": b, "c_z": b, "omega": b / a, "plate_velocity": b}
+    other = _hit(row, **{name: scale * row[name] for name, scale in scales.items()})
     assert other.regime == hit.regime
-    assert (other.c_x, other.c_z) == (b * hit.c_x, b * hit.c_z)
-    assert other.omega == b / a * hit.omega
-    assert other.energy_change == b * b * hit.energy_change
+    for name, scale in {"c_x": b, "c_z": b, "omega": b / a, "energy_change": b * b}.items():
+        assert getattr(other, name) == scale * getattr(hit, name)
 
 
 @given(impacts)
@@ -162,16 +124,7 @@ def test_map_is_continuous_in_friction(row, step):
 @pytest.mark.parametrize("law", LAWS)
 def test_classify_agrees_with_collide(law):
     i = sampling.wide(20_000, seed=16)
-    geometry = impact.ContactGeometry(i.X, i.Z, i.k)
-    regime = impact.classify(
-        i.c_x,
-        i.c_z,
-        i.omega,
-        geometry=geometry,
-        friction=i.friction,
-        restitution=i.restitution,
-        plate_velocity=i.plate_velocity,
-    )
+    regime = impact.classify(**i.arguments())
     assert regime.dtype == np.int8
     np.testing.assert_array_equal(regime, i.collide(law).regime)
 

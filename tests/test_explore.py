@@ -13,10 +13,6 @@ from figures.__main__ import main
 from figures.pages import explore
 from figures.pages.explore import CHOICES, RANGES, TILT, Setting, Window, data, words
 
-from .command_line import refused
-
-mpl.use("Agg")
-
 RODS = {"thin": impact.thin_rod, "round": impact.spherocylinder, "flat": impact.flat_ended_rod}
 START = Setting()
 CHANGES = [
@@ -205,28 +201,3 @@ def test_options_are_the_start(monkeypatch):
     assert main(["explore", *itertools.chain(*zip(names, values, strict=True))]) == 0
     assert main(["explore"]) == 0
     assert seen == [Setting(1, 0.2, 0.3, 4, 5, "flat", "stronge"), START]
-
-
-def test_no_window_without_a_display(capsys):
-    refused(lambda: main(["explore"]), "--out FILE.png", capsys)
-
-
-@pytest.mark.parametrize(
-    ("options", "word"),
-    [
-        (["--tilt-deg", "91"], "tilt_deg must be between 0 and 90, got 91"),
-        (["--friction", "-0.1"], "friction must be between 0 and 1"),
-        (["--restitution", "nan"], "restitution"),
-        (["--ratio", "0"], "ratio must be between 0.1 and 10"),
-        (["--length", "inf"], "length"),
-        (["--length", "long"], "--length"),
-        (["--shape", "cube"], "shape must be one of thin, round, flat, got 'cube'"),
-        (["--law", "hooke"], "law must be one of newton, poisson, stronge"),
-        (["--out", "picture.pdf"], "out must be a file that ends in .png"),
-        (["--size", "3"], "--size"),
-    ],
-)
-def test_nonsense_costs_one_line(options, word, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    refused(lambda: main(["explore", *options]), word, capsys)
-    assert not list(tmp_path.iterdir())

@@ -2,62 +2,46 @@
 
 import shutil
 from pathlib import Path
+from unittest.mock import Mock
 
-import matplotlib as mpl
 import pytest
 
-from derivations.__main__ import main as derive
 from figures.__main__ import main
-from figures.claims import judge
-from figures.cost import effect_prices
-from figures.pages import everything, explore, gallery, index, movie
-from figures.paper import fig10
+from figures.pages import index
 from md.scene import SCENES
 
 from .command_line import refused
+from .test_help import GROUPS
 
-mpl.use("Agg")
-
-UNWRITABLE = Path("/proc")  # for root as well
-WORK = {  # what takes the time, of each command
-    "draw fig10": (fig10, "data"),
-    "movie quasi2d": (movie, "record"),
-    "claims": (judge, "judge"),
-    "paper": (everything, "estimate"),
-    "paper --estimate": (everything, "estimate"),
-    "prices": (effect_prices, "data"),
-    "explore": (explore, "write"),
-    "index": (index, "files"),
-}
+WORK = (  # what takes the time of the commands
+    *("claims.judge.judge", "cost.effect_prices.data", "pages.everything.estimate"),
+    *("pages.explore.write", "pages.movie.record", "paper.fig10.data"),
+)
 
 
 @pytest.fixture
 def idle(monkeypatch):
     """A command that begins to work has failed."""
-
-    def begun(*_arguments, **_options):
-        pytest.fail("began to work")
-
-    for module, name in WORK.values():
-        if module is not index:
-            monkeypatch.setattr(module, name, begun)
-    monkeypatch.setattr("derivations.registry.check", begun)
+    for work in (*(f"figures.{name}" for name in WORK), "derivations.registry.check"):
+        monkeypatch.setattr(work, Mock(side_effect=AssertionError("began to work")))
 
 
-@pytest.mark.skipif(not UNWRITABLE.is_dir(), reason="no folder that nobody can write to")
-@pytest.mark.parametrize("command", [*WORK, "movie quasi2d GIF", "derivations report"])
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="no folder that nobody can write to")
+@pytest.mark.parametrize(
+    "command",
+    [
+        *("figures draw fig10 --out /proc", "figures claims --out /proc"),
+        *("figures movie quasi2d --out /proc", "figures movie quasi2d --out /proc/a.gif"),
+        *("figures paper --out /proc", "figures paper --estimate --out /proc"),
+        *("figures prices --out /proc", "figures explore --out /proc/a.png"),
+        *("figures index --out /proc", "derivations report --out /proc"),
+    ],
+)
 def test_nowhere_to_write_is_noticed_at_the_start(command, idle, monkeypatch, capsys):
+    """By root as well."""
     monkeypatch.setattr(index, "files", lambda out: {"index.html": b""})
-    program, *arguments = command.split()
-    out = UNWRITABLE
-    if "explore" in command:
-        out /= "a.png"
-    if "GIF" in command:
-        arguments, out = arguments[:-1], out / "a.gif"
-    if program == "derivations":
-        refused(lambda: derive([*arguments, "--out", str(out)]), "/proc", capsys)
-    else:
-        refused(lambda: main([program, *arguments, "--out", str(out)]), "/proc", capsys)
+    package, *words = command.split()
+    refused(lambda: GROUPS[package](words), "/proc", capsys)
 
 
 @pytest.mark.parametrize(
@@ -98,36 +82,3 @@ def test_a_movie_is_not_written_over_its_scene(idle, tmp_path, capsys):
         refused(lambda out=out: main(["movie", str(scene), "--out", str(out)]), "mine.gif", capsys)
     assert scene.read_text() == (SCENES / "quasi2d.toml").read_text()
     assert list(tmp_path.iterdir()) == [scene]
-
-
-def test_the_pages_need_a_checkout(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(gallery, "README", tmp_path / "README.md")
-    refused(lambda: main(["pages"]), f"needs a source checkout; there is no {tmp_path}", capsys)
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("command", "word"),
-    [
-        ("claims --out FILE", "FILE"),
-        ("claims --store FILE", "FILE"),
-        ("claims --fast", "--fast"),
-        ("paper --out FILE", "FILE"),
-        ("paper --store FILE", "FILE"),
-        ("draw fig10 --store FILE", "FILE"),
-        ("prices --store FILE", "FILE"),
-        ("prices --store no/folder.db", "no such folder"),
-        ("claims --store out/claims.json", "store must be another file"),
-        ("paper --store out/fig13.npz", "store must be another file"),
-        ("draw fig10 --out new.db --store ./new.db", "store must be another file"),
-        ("index --out FILE", "FILE"),
-        ("index --out FILE/deeper", "FILE"),
-        ("index FILE", "FILE"),
-    ],
-)
-def test_nonsense_costs_one_line(command, word, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    Path("FILE").write_text("no store")
-    refused(lambda: main(command.split()), word, capsys)
-    assert Path("FILE").read_text() == "no store"
-    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["FILE"]

@@ -1,8 +1,6 @@
 """The figures' numbers and the command that draws them; never pixels."""
 
 import json
-import subprocess
-import sys
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -11,7 +9,7 @@ import pytest
 
 import figures
 from figures.__main__ import main
-from figures.theory import pairs
+from figures.theory import free_rod, pairs
 from figures.theory.restitution_laws import largest_gain
 from impact import (
     Regime,
@@ -24,25 +22,45 @@ from impact import (
 )
 from impact._generated import DIGEST
 
-from . import quick_figures
-from .command_line import refused
+from .quick_figures import data, tiny
 
-mpl.use("Agg")
-
-
-QUICK = [name for name, entry in figures.FIGURES.items() if entry.quick and not entry.alone]
-QUICK += ["accuracy_cost_theory", "accuracy_cost_impact"]
+TOO_FEW = {"fig04", "landing_census"}  # tiny runs leave some of their numbers open
 
 
-@pytest.fixture(scope="module")
-def data():
-    """`data(quick=True)` of every figure of the quick set."""
-    return {name: quick_figures.data(name) for name in QUICK}
+@pytest.mark.parametrize("name", figures.FIGURES)
+def test_every_figure(name):
+    """Numbers without objects, axes with names, words made of the numbers, which stay as they are.
+
+    Numbers are not all nan; a .npz file need not pickle them; times are positive. Words change with
+    the numbers.
+    """
+    d, module = data(name), figures.load(name)
+    for key, value in d.items():
+        kind = np.asarray(value).dtype.kind
+        assert kind in "fiU", key
+        assert kind == "U" or np.any(np.isfinite(value)) or name in TOO_FEW, key
+        assert not key.endswith("seconds") or np.all(np.asarray(value) > 0), key
+    before = {key: np.copy(value) for key, value in d.items()}
+    with tiny():
+        picture = module.draw(d)
+        try:
+            assert all(ax.get_xlabel() or ax.get_ylabel() for ax in picture.axes)
+            picture.canvas.draw()
+        finally:
+            plt.close(picture)
+        if hasattr(module, "summary"):
+            text = module.summary(d)
+            assert text.count("\n") >= 3
+            assert "nan" not in text or name in TOO_FEW
+            more = {key: x * 1.1 if np.asarray(x).dtype.kind == "f" else x for key, x in d.items()}
+            assert module.summary(more) != text
+    for key, value in d.items():
+        np.testing.assert_array_equal(value, before[key])
 
 
-def test_fig10_colours_meet_its_lines(data):
+def test_fig10_colours_meet_its_lines():
     """Regimes on the map against the closed forms, everywhere but on a line itself."""
-    d = data["fig10"]
+    d = data("fig10")
     rod, friction = thin_rod(d["tilt"]), d["friction"][:, None]
     holds = critical_friction(rod)
     for ratio, regime in zip(d["approach_ratio"], d["regime"], strict=True):
@@ -55,9 +73,9 @@ def test_fig10_colours_meet_its_lines(data):
         assert set(np.unique(regime)) == {1, 2, 3}
 
 
-def test_fig10_lines(data):
+def test_fig10_lines():
     """The dashed line ends on the solid one; the last reversal is at 3/4, arctan 2."""
-    d = data["fig10"]
+    d = data("fig10")
     np.testing.assert_allclose(d["reversal_end"], [np.arctan(2), 0.75], rtol=1e-15)
     for tilt, ratio in zip(d["critical_tilt"], d["approach_ratio"], strict=True):
         drawn = np.isfinite(tilt)
@@ -70,9 +88,9 @@ def test_fig10_lines(data):
     assert np.degrees(tilt[drawn][-1]) > 85  # the second root, in the last panel
 
 
-def test_fig11_true_curve(data):
+def test_fig11_true_curve():
     """Ends and corners: (26) outside the two critical tilts, (29) between them."""
-    d = data["fig11"]
+    d = data("fig11")
     np.testing.assert_allclose(np.degrees(d["critical_tilt"]), [22.6568, 84.0424], atol=1e-4)
     lower, upper = d["critical_tilt"]
     between = (d["tilt"] > lower) & (d["tilt"] < upper)
@@ -88,7 +106,7 @@ def test_fig11_true_curve(data):
     )
 
 
-@pytest.mark.parametrize("offset", [-1e-3, 1e-3])
+@pytest.mark.parametrize("offset", [-1e-4, 1e-4])
 def test_search_finds_the_energy_threshold(offset):
     """Energy is gained just above the closed form's restitution, and not just below it."""
     tilt, friction = np.random.default_rng(1).uniform((0.1, 0.1), (1.5, 1), (300, 2)).T
@@ -99,9 +117,9 @@ def test_search_finds_the_energy_threshold(offset):
     assert inside.sum() > 200
 
 
-def test_dots_fill_the_contours(data):
+def test_dots_fill_the_contours():
     """The restitution found at each dot is the first of the list above (not at) its threshold."""
-    d = data["restitution_laws"]
+    d = data("restitution_laws")
     threshold = energy_restitution(thin_rod(d["dot_tilt"]), d["dot_friction"][:, None])
     levels = np.append(d["restitutions"], np.nan)
     expected = levels[np.searchsorted(d["restitutions"], threshold + 1e-9)]
@@ -112,8 +130,8 @@ def test_dots_fill_the_contours(data):
     np.testing.assert_allclose(d["floor"], [np.pi / 4, 0.6])
 
 
-def test_laws_differ_only_where_the_slip_stops(data):
-    d = data["restitution_laws"]
+def test_laws_differ_only_where_the_slip_stops():
+    d = data("restitution_laws")
     slides = d["friction"][:, None] < d["slide_friction"] - 1e-9
     assert np.all(d["difference"][slides] < 1e-12)
     assert 0.3 < d["difference"].max() < 0.4
@@ -123,9 +141,10 @@ def test_laws_differ_only_where_the_slip_stops(data):
 
 
 @pytest.mark.parametrize(("side", "name"), [(1, "ahead"), (-1, "behind")])
-def test_smooth_rods_of_a_row_hand_on_what_their_ends_bring(side, name, data):
+def test_smooth_rods_of_a_row_hand_on_what_their_ends_bring(side, name):
     """Along the normal of parallel rods, by the masses that their ends have there."""
-    d, rod = data["pairs"], spherocylinder(data["pairs"]["tilt"], pairs.LENGTH)
+    d = data("pairs")
+    rod = spherocylinder(d["tilt"], pairs.LENGTH)
     landed = collide(0.0, -1.0, geometry=rod, **pairs.PLATE)
     sin, cos, end = np.sin(d["tilt"]), np.cos(d["tilt"]), (pairs.LENGTH - 1) / 2
     closing = side * (landed.c_x * cos - (landed.c_z + 1) * sin) + landed.omega * end
@@ -134,8 +153,8 @@ def test_smooth_rods_of_a_row_hand_on_what_their_ends_bring(side, name, data):
     np.testing.assert_allclose(d[name][0], side * cos * np.maximum(impulse, 0), atol=1e-14)
 
 
-def test_a_ball_in_the_middle_of_a_bat_and_a_curve_ball(data):
-    d = data["pairs"]
+def test_a_ball_in_the_middle_of_a_bat_and_a_curve_ball():
+    d = data("pairs")
     share = pairs.BAT[0] / (pairs.BAT[0] + pairs.BALL[0])
     ball, bat = pairs.SPEEDS
     gain = (1 + pairs.BAT_RESTITUTION) * (ball + bat) * share
@@ -145,8 +164,8 @@ def test_a_ball_in_the_middle_of_a_bat_and_a_curve_ball(data):
     assert np.all(np.diff(d["fast_angle"]) > 0)
 
 
-def test_flat_end_turns_at_arctan_d_over_l(data):
-    d = data["tip_shape"]
+def test_flat_end_turns_at_arctan_d_over_l():
+    d = data("tip_shape")
     tilt, flat = d["tilt"], d["flat"]
     assert np.degrees(d["flat_threshold"]) == pytest.approx(7.125, abs=1e-3)
     positive = ~np.signbit(tilt)
@@ -156,36 +175,14 @@ def test_flat_end_turns_at_arctan_d_over_l(data):
     assert np.sum(np.sign(d["round"]) != np.sign(tilt)) == 0
 
 
-def test_drift_over_length(data):
+def test_drift_over_length():
     """Nothing for a sphere, a thin rod's for a long rod, saturated at three diameters."""
-    d = data["tip_shape"]
+    d = data("tip_shape")
     thin = d["thin_by_length"][0]
     assert d["round_by_length"][0] == pytest.approx(0, abs=1e-15)
     np.testing.assert_allclose([d["round_by_length"][-1], d["flat_by_length"][-1]], thin, rtol=0.03)
     assert np.all(np.abs(d["round_by_length"][d["lengths"] > 3] / thin - 1) < 0.06)
     np.testing.assert_array_equal(d["flat_by_length"] > 0, d["lengths"] > d["flat_length"])
-
-
-@pytest.mark.parametrize("name", QUICK)
-def test_data_are_plain_numbers(name, data):
-    """Nothing that a .npz file would have to pickle, and not everything nan."""
-    for key, value in data[name].items():
-        assert np.asarray(value).dtype.kind in "fi", key
-        assert np.any(np.isfinite(value)), key
-
-
-@pytest.mark.parametrize("name", QUICK)
-def test_draw(name, data):
-    """Every figure draws, every panel has its axes named, and the numbers stay as they were."""
-    before = {key: np.copy(value) for key, value in data[name].items()}
-    picture = figures.load(name).draw(data[name])
-    try:
-        assert all(ax.get_xlabel() or ax.get_ylabel() for ax in picture.axes)
-        picture.canvas.draw()
-    finally:
-        plt.close(picture)
-    for key, value in data[name].items():
-        np.testing.assert_array_equal(value, before[key])
 
 
 def test_command_writes_three_files(tmp_path, capsys):
@@ -208,29 +205,10 @@ def test_command_writes_three_files(tmp_path, capsys):
     assert set(made) == {"impact", "sources", "numpy", "matplotlib", "python", "quick"}
 
 
-def test_list_names_every_figure():
-    command = [sys.executable, "-m", "figures", "list"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert [line.split()[0] for line in done.stdout.splitlines()] == list(figures.FIGURES)
-    assert not done.stderr
-
-
-@pytest.mark.parametrize(
-    ("arguments", "word"),
-    [
-        (["draw", "fig99"], "fig99"),
-        (["draw", "fig10", "--size", "3"], "--size"),
-        (["draw", "fig10", "--all"], "--all draws every figure and takes no names, got fig10"),
-        (["paint"], "paint"),
-        ([], "Missing command"),
-        (["draw", "fig10", "--quick", "--out", "FILE"], "FILE"),
-    ],
-)
-def test_nonsense_costs_one_line(arguments, word, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "FILE").touch()
-    refused(lambda: main(arguments), word, capsys)
-    assert [path.name for path in tmp_path.iterdir()] == ["FILE"]
+def test_list_names_every_figure(capsys):
+    assert main(["list"]) == 0
+    listed = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in listed] == [*figures.FIGURES]
 
 
 def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
@@ -257,9 +235,9 @@ def test_a_figure_that_fails_leaves_the_others(jobs, tmp_path, monkeypatch, caps
     assert printed.out.count(".png") == 2
 
 
-def test_free_rods_fall_much_as_on_a_plate_at_rest(data):
+def test_free_rods_fall_much_as_on_a_plate_at_rest():
     """And their tips drift less than under the closure."""
-    d = data["free_rod"]
+    d = data("free_rod")
     assert np.all(d["fallen"] == 1)
     assert np.all(d["landings"] >= 1)
     ratio = d["time"][..., 1] / d["still_time"]
@@ -271,4 +249,4 @@ def test_free_rods_fall_much_as_on_a_plate_at_rest(data):
         tilt, share = d[f"second_{deg}"]
         assert np.degrees(tilt) > 1.2 * deg
         assert 0.2 < share < 0.8
-    assert "40 deg: second landing at 61 deg" in figures.load("free_rod").summary(d)
+    assert "40 deg: second landing at 61 deg" in free_rod.summary(d)

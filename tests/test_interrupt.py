@@ -5,8 +5,7 @@ import os
 import signal
 import subprocess
 import sys
-import threading
-import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -27,9 +26,8 @@ from md.kernels import single
 from md.rod import effects_of
 from md.store import write_csv
 
+from .command_line import ROOT, ended
 from .rows import row
-
-ROOT = Path(__file__).parents[1]
 
 
 class RungError(Exception):
@@ -118,16 +116,8 @@ def test_what_python_does_not_handle_is_left_alone(handlers):
 
 def test_other_threads_have_no_signals():
     """Where Python would refuse a handler."""
-    done = []
-
-    def work():
-        with interrupt.deferred():
-            done.append(True)
-
-    thread = threading.Thread(target=work)
-    thread.start()
-    thread.join()
-    assert done
+    with ThreadPoolExecutor() as pool:
+        assert pool.submit(interrupt.deferred()(lambda: True)).result()
 
 
 @pytest.mark.usefixtures("alarm")
@@ -242,7 +232,7 @@ def test_parts_give_the_bits_of_the_whole(monkeypatch):
 # SIGTERM is Ctrl-C
 
 
-def ended(monkeypatch, work, *arguments):
+def exit_code(monkeypatch, work, *arguments):
     """Exit code of a program whose one command is `work`."""
     group = command_line.Commands("it")
     group.command("work")(work)
@@ -256,7 +246,7 @@ def ended(monkeypatch, work, *arguments):
 @pytest.mark.usefixtures("handlers")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_commands_end_with_130_and_one_line(number, monkeypatch, capsys):
-    assert ended(monkeypatch, lambda: signal.raise_signal(number)) == 130
+    assert exit_code(monkeypatch, lambda: signal.raise_signal(number)) == 130
     assert capsys.readouterr().err == "it work: interrupted: what was finished is kept\n"
 
 
@@ -264,22 +254,8 @@ def test_commands_end_with_130_and_one_line(number, monkeypatch, capsys):
 def test_standard_output_that_is_closed_costs_one_line(monkeypatch, capsys):
     """Python has none then; nothing is begun that could not be told."""
     monkeypatch.setattr(sys, "stdout", None)
-    assert ended(monkeypatch, pytest.fail) == 2
+    assert exit_code(monkeypatch, pytest.fail) == 2
     assert capsys.readouterr().err == "it: cannot write: standard output is closed\n"
-
-
-@pytest.mark.usefixtures("handlers")
-def test_a_run_that_is_terminated_saves_a_checkpoint(tmp_path):
-    """Where the signal is Ctrl-C to Python, as under the commands."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    path = tmp_path / "row.npz"
-    result = md.run(
-        row("step.size=3e-4", "plate.acceleration=5"),
-        **{"periods": 100_000, "checkpoint": path},
-        observe=lambda _: signal.raise_signal(signal.SIGTERM),
-    )
-    assert not result.finished
-    assert [file.name for file in tmp_path.iterdir()] == ["row.npz"]
 
 
 @pytest.mark.usefixtures("handlers")
@@ -290,7 +266,7 @@ def test_a_figure_is_not_made_of_half_a_run(monkeypatch):
         scene = row("step.size=3e-4", "plate.acceleration=5")
         md.run(scene, periods=100_000, observe=lambda _: signal.raise_signal(signal.SIGINT))
 
-    assert ended(monkeypatch, figure) == 130
+    assert exit_code(monkeypatch, figure) == 130
 
 
 def test_a_handler_of_ones_own_ends_a_run(tmp_path, alarm):
@@ -367,21 +343,10 @@ def test_without_the_compiler(command, code, tmp_path):
 # Any time
 
 
-FALL = """
-import sys
-from math import radians
-from impact.falling import fall
-try:
-    while True:
-        fall(radians(20), length=30, diameter=3, gamma=3.3, friction=0.3, restitution=0.65, rods=50)
-except KeyboardInterrupt:
-    sys.exit(130)
-"""
 LONG = {
-    "run": ["-m", "md", "run", "quasi2d", "--periods", "1000000", "--checkpoint", "a.npz"],
-    "claims": ["-m", "figures", "claims", "--quick"],
-    "draw": ["-m", "figures", "draw", "alpha", "fig08_theory", "free_rod", "--jobs", "2"],
-    "fall": ["-c", FALL],
+    "run": ["md", "run", "quasi2d", "--periods", "1000000", "--checkpoint", "a.npz"],
+    "claims": ["figures", "claims", "--quick"],
+    "draw": ["figures", "draw", "alpha", "fig08_theory", "free_rod", "--jobs", "2"],
 }
 
 
@@ -393,25 +358,15 @@ def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
 
     In its first seconds, in which Python is still importing, the signal itself may end it.
     """
-    if (name, number) == ("fall", signal.SIGTERM):
-        return  # no command of ours
     random = np.random.default_rng(number)
     for cold in (True, False) * 5:
         folder = tmp_path / str(random.integers(10**9))
         folder.mkdir()
-        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-        if cold:
-            environment["XDG_CACHE_HOME"] = str(tmp_path / folder.name / "cache")
-        process = subprocess.Popen(
-            [sys.executable, *LONG[name]],
-            **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True},
-            **{"cwd": folder, "env": environment, "start_new_session": True},
-        )
-        time.sleep(random.uniform(0.3, 15))
-        process.send_signal(number)
-        _, error = process.communicate(timeout=120)
-        assert process.returncode in (130, -number), error
-        assert process.returncode == 130 or not list(folder.iterdir())
+        home = {"XDG_CACHE_HOME": str(folder / "cache")} if cold else {}
+        seconds = random.uniform(0.3, 15)
+        code, _, error = ended(LONG[name], number, folder, seconds=seconds, **home)
+        assert code in (130, -number), error
+        assert code == 130 or not list(folder.iterdir())
         assert not [file for file in folder.iterdir() if ".part" in file.name]
         mine = [p for p in psutil.process_iter(["cwd"]) if p.info["cwd"] == str(folder)]
         assert not psutil.wait_procs(mine, timeout=10)[1]

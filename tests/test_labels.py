@@ -65,27 +65,3 @@ def test_labels_are_compared_as_axes_are_paired():
             call("collide", c_x=along, friction=unlike)
     with pytest.raises(ValueError, match="got 3 labels where the other has 2 labels"):
         call("collide", c_x=labelled([1.0] * 3, axes=[Index("abc")]), friction=along)
-
-
-def test_labels_of_pandas():
-    pandas = pytest.importorskip("pandas")
-    c_x, friction = pandas.Series([1.0, 2.0]), pandas.Series([0.3, 0.4], index=[1, 0])
-    with pytest.raises(ValueError, match=r"c_x and friction must have equal labels, got 0 .* 1"):
-        call("collide", c_x=c_x, friction=friction)
-    with pytest.raises(ValueError, match=r"c_x and geometry\.X must have equal labels"):
-        call("collide", c_x=c_x, geometry=impact.thin_rod(friction))
-    with pytest.raises(TypeError, match=r"geometry must be \(X, Z, k\)"):  # in this order
-        call("collide", geometry=pandas.Series({"Z": 0.4, "X": 0.2, "k": 0.3}))
-    plain = call("collide", c_x=c_x.to_numpy(), friction=friction.to_numpy())
-    np.testing.assert_equal(call("collide", c_x=c_x.set_axis([1, 0]), friction=friction), plain)
-
-
-def test_labels_of_xarray():
-    xarray = pytest.importorskip("xarray")
-    c_x, friction = xarray.DataArray([1.0, 2.0], dims="x"), xarray.DataArray([0.3, 0.4], dims="y")
-    with pytest.raises(ValueError, match=r"c_x and friction must .* got 'x' .* 'y'"):
-        call("collide", c_x=c_x, friction=friction)
-    one, other = (friction.rename(y="x").assign_coords(x=[0, x]) for x in (1, 2))
-    with pytest.raises(ValueError, match="friction and restitution must have equal labels, got 1 "):
-        call("drift", friction=one, restitution=other)
-    assert call("collide", c_x=c_x, friction=one).c_x.shape == (2,)

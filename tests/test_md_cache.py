@@ -67,7 +67,7 @@ def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
     assert kept(copy) == files
 
     source = (copy / "kernels" / "contact.py").read_text()
-    edited = source.replace("k += root * sqrt", "k += 2 * root * sqrt")
+    edited = source.replace("term(spring.root, sqrt", "term(spring.root, 2 * sqrt")
     assert edited != source
     (copy / "kernels" / "contact.py").write_text(edited)
     assert call(copy) == (-0.2, 0, 1)

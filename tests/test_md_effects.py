@@ -2,7 +2,6 @@
 
 import re
 from math import cos
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -24,102 +23,61 @@ def scene_of(law=None, friction=0.0, gravity=None, vibration=None, rod=ROD, dt=1
     return effects(law or md.coulomb(1.0), friction, gravity, vibration, dt, rod)
 
 
-class Code(NamedTuple):
-    """What stands in a compiled loop, counted in numbers, not in vectors of them."""
-
-    roots: int
-    divisions: int
-    remainders: int
-    signs_copied: int
-    numbers: int  # handed over as arguments
-    arguments: int  # of any kind; what is absent is one empty address
-
-
-def operations(text: str, pattern: str) -> int:
-    """Occurrences, one on a vector of n counted n times."""
-    found = re.findall(pattern, text)
-    return sum(int(width) if width else 1 for width in found)
-
-
-def compiled(method="leapfrog", watch=None, **scene) -> Code:
+def compiled(method="leapfrog", watch=None, **scene):
     """The loop over steps for one scene, without the wrapper that Python calls."""
     made = scene_of(**scene)
     state = single.started(method, (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
     LOOP(made, state, 0, 0, 1e-3, watch)
-    _, body = llvm.text(LOOP, made, state, 0, 0, 1e-3, watch)
-    head, body = body.split("\n", 1)
-    return Code(
-        roots=operations(body, r"call[^\n]* @(?:llvm\.)?sqrt(?:\.v(\d+)f64)?"),
-        divisions=operations(body, r"fdiv (?:<(\d+) x )?double"),
-        remainders=operations(body, r"[su]rem (?:<(\d+) x )?i64"),
-        signs_copied=operations(body, r"call[^\n]* @llvm\.copysign(?:\.v(\d+)f64)?"),
-        numbers=head.count("double %arg."),
-        arguments=head.count("%arg."),
-    )
+    given = {"effects": made, "state": state, "first": 0, "steps": 0, "dt": 1e-3, "watch": watch}
+    return llvm.text(LOOP, **given)
 
 
-@pytest.fixture(scope="module")
-def bare() -> Code:
-    return compiled()
+RUBBING = {"friction": 0.3, "vibration": VIBRATION}
+SPRING = {"law": md.constant_restitution(1.0)}
+UNDAMPED = {"law": md.constant_restitution(1.0, tangential_damping=0.0)}
+EFFECTS = {  # the loop with them, without them; arguments, and an instruction that only it needs
+    "dissipation, gravity and record": (
+        {"law": md.coulomb(0.65), "gravity": GRAVITY, "watch": np.zeros(WATCHED)},
+        {},
+        {"effects.normal.quarter": "fdiv", "effects.gravity": "", "watch": ""},
+    ),
+    "friction and vibration": (
+        RUBBING,
+        {},
+        {"effects.friction": "fdiv", "effects.plate": "[su]rem (?:<.*> )?i64"},
+    ),
+    "tangential spring": (
+        RUBBING | UNDAMPED,
+        RUBBING,
+        {"effects.friction.spring": r"llvm\.copysign"},
+    ),
+    "tangential damping": (
+        RUBBING | SPRING,
+        RUBBING | UNDAMPED,
+        {"effects.friction.spring.damping_ratio": ""},
+    ),
+}
 
 
-def test_hertz_alone_has_roots_and_no_division(bare):
-    """overlap^(3/2) needs them; masses, dashpots and friction, which divide, are absent."""
-    assert bare.roots > 0
-    assert bare.divisions == bare.remainders == bare.signs_copied == 0
+@pytest.mark.parametrize(("there", "gone", "marks"), EFFECTS.values(), ids=EFFECTS)
+def test_absent_effects_have_no_code(there, gone, marks):
+    llvm.assert_absent(compiled(**there), compiled(**gone), marks)
 
 
-def test_a_sphere_has_one_cap(bare):
-    assert 2 * compiled(rod=md.Rod(1.0)).roots == bare.roots
+def roots(**scene):
+    """Roots in the loop; one of a vector of n numbers counts n times."""
+    found = re.findall(r"call[^\n]* @(?:llvm\.)?sqrt(?:\.v(\d+)f64)?", compiled(**scene).body)
+    return sum(int(width or 1) for width in found)
 
 
-def test_dissipation_costs_its_root_and_its_mass(bare):
-    code = compiled(law=md.coulomb(0.65))
-    assert code.roots > bare.roots  # of the overlap to 1/4
-    assert code.divisions > 0  # 1/M
-    assert code.numbers == bare.numbers + 1
+def test_gear_alone_carries_derivatives():
+    heads = (compiled(method).body.split("\n", 1)[0] for method in ("leapfrog", "verlet", "gear"))
+    n, verlet, gear = (head.count("double %arg.") for head in heads)
+    assert (verlet, gear) == (n, n + 9)
 
 
-def test_friction_is_there_only_if_there_is_some(bare):
-    rubbing = compiled(friction=0.3)
-    assert rubbing.divisions > 0
-    assert rubbing.numbers == bare.numbers + 1
-    assert compiled(law=md.constant_restitution(1.0), friction=0.0) == bare
-
-
-def test_a_spring_is_there_only_if_the_law_has_one():
-    """Cutting it at the limit copies the sign of the force; a constraint has no such step."""
-    constraint = compiled(friction=0.3)
-    spring = compiled(law=md.constant_restitution(1.0), friction=0.3)
-    assert constraint.signs_copied == 0
-    assert spring.signs_copied > 0
-    assert spring.numbers == constraint.numbers + 2  # its stiffness and its damping
-    undamped = compiled(law=md.constant_restitution(1.0, tangential_damping=0.0), friction=0.3)
-    assert undamped.numbers == spring.numbers - 1
-    assert undamped.roots < spring.roots  # of k M
-
-
-def test_a_plate_that_vibrates_is_read_from_its_table(bare):
-    """The step's number modulo the period's: one remainder for a step, none without the table."""
-    code = compiled(vibration=VIBRATION)
-    assert code.remainders > 0
-    assert code.numbers == bare.numbers
-    assert code.arguments > bare.arguments + 2  # two arrays
-
-
-def test_gravity_is_two_numbers(bare):
-    code = compiled(gravity=GRAVITY)
-    assert code.numbers == bare.numbers + 2
-    assert code[:4] == bare[:4]
-
-
-def test_what_is_not_asked_for_is_not_recorded(bare):
-    assert compiled(watch=np.zeros(WATCHED)).arguments > bare.arguments
-
-
-def test_gear_alone_carries_derivatives(bare):
-    assert compiled("gear").numbers == bare.numbers + 9
-    assert compiled("verlet").numbers == bare.numbers
+def test_a_sphere_has_one_cap():
+    assert 2 * roots(rod=md.Rod(1.0)) == roots() > 0
 
 
 def test_absent_effects_have_no_memory():

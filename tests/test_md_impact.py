@@ -139,12 +139,6 @@ def test_mirror_symmetry():
 # Friction zero and infinite, restitution zero and one
 
 
-def test_without_friction_no_tangential_impulse():
-    for tilt in TILTS:
-        hit = md.impact(tilt, 0.3, -1.0, 0.2, friction=0.0)
-        assert hit.c_x == 0.3
-
-
 def test_infinite_friction_never_slips():
     hit = md.impact(TILTS[8], 0.5, -1.0, friction=np.inf)
     assert hit.phases["reversal"] == 0

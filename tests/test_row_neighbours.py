@@ -142,33 +142,29 @@ def test_a_period_added_to_any_rod_changes_no_force():
         assert np.abs(forces(engine, moved) - usual).max() <= 4 * ulp * steep
 
 
-def test_entries_follow_their_images():
-    """The list of rods moved by periods is the list of the rods, with the images counted anew."""
-    random = np.random.default_rng(4)
-    period = 13.0
-    rods = crowd(random, 8, 9.5, period)
-    _, usual = build(rods, HALF, period)
-    far = random.integers(-4, 5, 8)
-    moved = rods.copy()
-    moved[:, 0] += far * period
-    _, found = build(moved, HALF, period)
-    assert found == {(i, j, n + int(far[i] - far[j])) for i, j, n in usual}
-
-
 # While rods move
 
 
-def lively(n=5, **changes):
-    """A row on a plate that throws it about; no memory of springs beyond the list's."""
-    return prepare(row("plate.acceleration=10", *changes.get("more", ())))
+def lively():
+    """A row on a plate that throws it about."""
+    return prepare(row("plate.acceleration=10"))
 
 
-def test_no_touching_pair_is_missed_while_rods_move():
-    """Every 20 steps of two periods, all pairs with all images against the list."""
-    engine, touching, lists = lively(), 0, set()
+@pytest.mark.parametrize(
+    ("more", "periods", "every"),
+    [
+        ([], 2, 20),
+        pytest.param(
+            ["rods.count=10", "rods.length=9.5", "box.length=11.5"], 200, 97, marks=pytest.mark.slow
+        ),
+    ],
+)
+def test_no_touching_pair_is_missed_while_rods_move(more, periods, every):
+    """All pairs with all images against the list, every so many steps."""
+    engine, touching, lists = prepare(row("plate.acceleration=10", *more)), 0, set()
     period, half = engine.effects.period, engine.effects.alone.half_length
-    for _ in range(2 * engine.per // 20):
-        engine.go(20)
+    for _ in range(periods * engine.per // every):
+        engine.go(every)
         # the list was brought up to date before the last step, of at most 1e-3 d
         touch = close(engine.rods, half, period, 1 - 1e-3)
         assert touch <= entries(engine.state.listed)
@@ -179,28 +175,18 @@ def test_no_touching_pair_is_missed_while_rods_move():
     assert len(lists) >= 4
 
 
-def moved(engine, steps, each_step):
-    """Rods, springs and ledger after some steps, with something done before each."""
-    for _ in range(steps):
-        each_step(engine)
-        engine.go(1)
-    return engine.rods.copy(), engine.state.springs.copy(), engine.ledger.copy()
-
-
 def test_springs_and_losses_survive_a_rebuild():
     """A list renewed before every step gives the same bits as one renewed when it must be."""
-
-    def renew(engine):
-        engine.state.listed.travelled[:] = np.inf
-        engine.state.listed.built[:, :2] = 1e300
-
-    steps = 1500
     usual, often = lively(), lively()
-    want = moved(usual, steps, lambda engine: None)
-    got = moved(often, steps, renew)
+    for _ in range(1500):
+        often.state.listed.travelled[:] = np.inf
+        often.state.listed.built[:, :2] = 1e300
+        for engine in (usual, often):
+            engine.go(1)
     assert usual.ledger[PAIR_FRICTION] != 0  # springs of rods on rods have worked
-    for a, b in zip(got, want, strict=True):
-        np.testing.assert_array_equal(a, b)
+    np.testing.assert_array_equal(often.rods, usual.rods)
+    np.testing.assert_array_equal(often.state.springs, usual.state.springs)
+    np.testing.assert_array_equal(often.ledger, usual.ledger)
 
 
 def test_a_list_that_is_full_grows():
@@ -254,16 +240,3 @@ def test_a_list_takes_time_linear_in_the_number_of_rods():
     within = ceil((2 * HALF + 1 + SKIN) / (43 / 40)) + 2
     assert few <= 100 * (2 * within + 10)
     assert many == pytest.approx(4 * few, rel=0.02)
-
-
-@pytest.mark.slow
-def test_no_touching_pair_is_missed_in_a_long_run():
-    """200 periods of ten rods that are thrown about, all pairs every 97 steps."""
-    engine = prepare(
-        row("rods.count=10", "rods.length=9.5", "box.length=11.5", "plate.acceleration=8")
-    )
-    period, half = engine.effects.period, engine.effects.alone.half_length
-    for _ in range(200 * engine.per // 97):
-        engine.go(97)
-        assert close(engine.rods, half, period, 1 - 1e-3) <= entries(engine.state.listed)
-        engine.record.count[0] = 0

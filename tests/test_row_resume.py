@@ -1,24 +1,19 @@
 """M17: Stop and go on: bit for bit the numbers of a run that never stopped."""
 
 import json
-import os
 import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import md
-from md.__main__ import main
+from md import simulation
 from md.trajectory import read_frames
 
-from .command_line import refused
+from .command_line import ended
 from .rows import ROW, row
 
-ROOT = Path(__file__).parents[1]
 PERIODS = 4
 SCENE = ("step.size=3e-4", "plate.acceleration=5")
 
@@ -79,27 +74,23 @@ def interrupted(path, **options):
 
 @pytest.mark.usefixtures("impatient")
 def test_a_run_that_was_stopped_goes_on(whole, tmp_path):
-    """Stopped in the middle of a period, again and again."""
-    path, steps = tmp_path / "row.npz", []
-    while not (result := interrupted(path)).finished:
-        assert result.periods < PERIODS
+    """Stopped in the middle of a period, again and again; told are the whole periods so far.
+
+    The trajectory is in the end that of a run in one go, frame by frame.
+    """
+    path, once, often = (tmp_path / name for name in ("row.npz", "once.xyz", "often.xyz"))
+    steps = []
+    md.run(row(*SCENE), periods=PERIODS, trajectory=once, frames=6)
+    while not (result := interrupted(path, trajectory=often, frames=6)).finished:
+        assert len(result.c_x_series) == len(result.tilt_series) == result.periods < PERIODS
+        head = result.c_x_series.tobytes()
+        assert whole[0][2][: len(head)] == head
         with np.load(path) as saved:
             steps.append(json.loads(str(saved["about"]))["step"])
     assert any(step % result.steps_per_period for step in steps)
     assert len(set(steps)) > 1
     assert bits(result) == whole[0]
-
-
-@pytest.mark.usefixtures("impatient")
-def test_what_an_interrupted_run_tells_covers_its_whole_periods(whole, tmp_path):
-    """Period by period what the whole run has."""
-    result = interrupted(tmp_path / "row.npz")
-    while not result.finished:
-        assert not np.isnan(result.c_x_series).any()
-        assert len(result.c_x_series) == len(result.tilt_series) == result.periods
-        head = result.c_x_series.tobytes()
-        assert whole[0][2][: len(head)] == head
-        result = interrupted(tmp_path / "row.npz")
+    assert often.read_text() == once.read_text()
 
 
 def test_a_longer_run_begins_with_a_shorter_one(whole, tmp_path):
@@ -111,28 +102,6 @@ def test_a_longer_run_begins_with_a_shorter_one(whole, tmp_path):
         md.run(row(*SCENE), periods=3, checkpoint=path)
     with pytest.raises(ValueError, match="belongs to another scene"):
         md.run(row("start.seed=5"), periods=PERIODS, checkpoint=path)
-
-
-@pytest.mark.usefixtures("impatient")
-def test_a_trajectory_goes_on_where_it_stopped(tmp_path):
-    """The same file as of a run in one go, frame by frame."""
-    once, often = tmp_path / "once.xyz", tmp_path / "often.xyz"
-    md.run(row(*SCENE), periods=PERIODS, trajectory=once, frames=6)
-    while not interrupted(tmp_path / "row.npz", trajectory=often, frames=6).finished:
-        pass
-    assert often.read_text() == once.read_text()
-
-
-def test_frames_written_after_the_checkpoint_are_written_anew(tmp_path):
-    """As after a kill: the file is cut off behind the frames that the checkpoint knows of."""
-    once, often = tmp_path / "once.xyz", tmp_path / "often.xyz"
-    md.run(row(*SCENE), periods=4, trajectory=once, frames=6)
-    how = {"checkpoint": tmp_path / "row.npz", "trajectory": often, "frames": 6}
-    md.run(row(*SCENE), periods=2, **how)
-    with often.open("a") as file:
-        file.write("frames that no checkpoint knows of")
-    md.run(row(*SCENE), periods=4, **how)
-    assert often.read_text() == once.read_text()
 
 
 @pytest.fixture
@@ -151,26 +120,6 @@ def own():
 def contents(folder):
     """Of all files, with the time of the last change."""
     return {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.iterdir()}
-
-
-def test_a_checkpoint_goes_on_in_its_own_trajectory(tmp_path, monkeypatch, capsys):
-    """20 periods, 30 into another file, 40 into the first again: no frame is lost or cut."""
-    monkeypatch.chdir(tmp_path)
-
-    def go(periods, trajectory):
-        sets = "--set", "rods.count=4", "--set", "box.length_cm=3.2", "--checkpoint", "w.npz"
-        return main(
-            ["run", "my_rods", *sets, "--periods", str(periods), "--trajectory", trajectory]
-        )
-
-    assert go(20, "a.xyz") == 0
-    before = contents(tmp_path)
-    capsys.readouterr()
-    refused(lambda: go(30, "bb.xyz"), str(tmp_path / "a.xyz"), capsys)
-    assert contents(tmp_path) == before
-    assert go(40, "a.xyz") == 0
-    md.run(own(), periods=40, trajectory="once.xyz")
-    assert Path("a.xyz").read_bytes() == Path("once.xyz").read_bytes()
 
 
 def cut(path):
@@ -254,36 +203,18 @@ def test_a_file_that_is_not_a_trajectory_has_no_frames(begun):
     assert len(read_frames(begun / "a.xyz")) == 20
 
 
-def command(path, *options):
-    """The run at the prompt."""
-    changes = [part for change in (*ROW, *SCENE) for part in ("--set", change)]
-    return [
-        *(sys.executable, "-m", "md", "run", "quasi2d", *changes),
-        *("--checkpoint", str(path), "--json", *options),
-    ]
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_at_the_prompt(tmp_path, number):
     """Exit code 130, a result of what was done, and a checkpoint from which the run goes on.
 
     SIGTERM is the same.
     """
-    path = tmp_path / "row.npz"
-    long = subprocess.Popen(
-        command(path, "--periods", "100000", "--trajectory", str(tmp_path / "row.xyz")),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=ROOT,
-    )
-    trajectory = tmp_path / "row.xyz"
-    while not (trajectory.exists() and trajectory.stat().st_size > 0):  # it has begun
-        assert long.poll() is None, long.stderr.read()
-        time.sleep(0.05)
-    long.send_signal(number)
-    out, err = long.communicate(timeout=60)
-    assert (long.returncode, err) == (130, "")
+    path, trajectory = tmp_path / "row.npz", tmp_path / "row.xyz"
+    changes = [part for change in (*ROW, *SCENE) for part in ("--set", change)]
+    files = "--checkpoint", str(path), "--trajectory", str(trajectory)
+    command = ["md", "run", "quasi2d", *changes, *files, "--json", "--periods", "100000"]
+    code, out, err = ended(command, number, tmp_path, begun=trajectory)
+    assert (code, err) == (130, "")
     found = json.loads(out)
     assert found["finished"] is False
     more = found["periods"] + 2
@@ -291,43 +222,22 @@ def test_ctrl_c_at_the_prompt(tmp_path, number):
     assert bits(went_on) == bits(md.run(row(*SCENE), periods=more))
 
 
-KILLED = """
-import os, signal, sys
-import numpy as np
-import md
-from md import simulation as runner
-from tests.rows import row
-
-def half(file, **arrays):
-    file.write(b"PK half a checkpoint")
-    file.flush()
-    os.kill(os.getpid(), signal.SIGKILL)
-
-runner.np = type(sys)("np")
-runner.np.__dict__.update(np.__dict__)
-runner.np.savez = half
-md.run(row(*sys.argv[2:]), periods=3, checkpoint=sys.argv[1])
-"""
-
-
-def test_killed_while_it_saves(whole, tmp_path):
-    """The old checkpoint stands, and the run goes on from it."""
+def test_a_checkpoint_that_is_not_finished_leaves_the_old_one(whole, tmp_path, monkeypatch):
+    """From which the run goes on."""
     path = tmp_path / "row.npz"
     md.run(row(*SCENE), periods=1, checkpoint=path)
     old = path.read_bytes()
-    killed = subprocess.run(
-        [sys.executable, "-c", KILLED, str(path), *SCENE],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert killed.returncode == -signal.SIGKILL, killed.stderr
+
+    def half(file, **_):
+        file.write(b"PK half a checkpoint")
+        raise MemoryError
+
+    with monkeypatch.context() as patch:
+        patch.setattr(simulation.np, "savez", half)
+        with pytest.raises(MemoryError):
+            md.run(row(*SCENE), periods=3, checkpoint=path)
     assert path.read_bytes() == old
-    assert len(list(tmp_path.iterdir())) == 2  # and what was half written
     assert bits(md.run(row(*SCENE), periods=PERIODS, checkpoint=path)) == whole[0]
-    assert list(tmp_path.iterdir()) == [path]  # the next checkpoint was written over that
 
 
 # Trajectories
@@ -335,34 +245,24 @@ def test_killed_while_it_saves(whole, tmp_path):
 
 def test_frames_hold_the_rods(tmp_path):
     """Extended XYZ: count, comment with cell, columns and time, a line a rod with its shape."""
-    path = tmp_path / "row.xyz"
-    scene = row(*SCENE)
+    path, scene = tmp_path / "row.xyz", row(*SCENE)
     result = md.run(scene, periods=2, trajectory=path, frames=1)
-    lines = path.read_text().splitlines()
-    n = scene.rods.count
+    lines, n = path.read_text().splitlines(), scene.rods.count
     assert len(lines) == 2 * (n + 2)
     for frame in (0, 1):
         count, comment, *rods = lines[frame * (n + 2) : (frame + 1) * (n + 2)]
         assert int(count) == n
         assert f'Lattice="{scene.box.length!r} 0 0 ' in comment
         assert f"Time={float(frame)}" in comment
-        columns = comment.split("Properties=")[1].split()[0].split(":")
-        widths = dict(zip(columns[::3], map(int, columns[2::3]), strict=True))
-        table = np.array([line.split() for line in rods], float)
-        assert table.shape == (n, sum(widths.values()))
-        at, part = 0, {}
-        for name, width in widths.items():
-            part[name] = table[:, at : at + width]
-            at += width
-        np.testing.assert_array_equal(part["id"][:, 0], np.arange(n))
-        np.testing.assert_array_equal(
-            part["aspherical_shape"], np.tile([0.5, 0.5, scene.rods.length - 1], (n, 1))
-        )
-        x, y, z, w = part["orientation"].T
+        assert "=id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3:velo:R:3:omega:R:1" in comment
+        table = np.loadtxt(rods)
+        np.testing.assert_array_equal(table[:, 0], np.arange(n))
+        np.testing.assert_array_equal(table[:, 8:11], [[0.5, 0.5, scene.rods.length - 1]] * n)
+        x, y, z, w = table[:, 4:8].T
         np.testing.assert_allclose(x * x + y * y + z * z + w * w, 1, rtol=1e-8)
         # the z axis turned by the quaternion: the rod's, in the plane x, z
         axis = 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)
-        tilt = np.radians(part["tilt"][:, 0])
+        tilt = np.radians(table[:, -1])
         np.testing.assert_allclose(axis, (np.sin(tilt), 0 * tilt, np.cos(tilt)), atol=1e-8)
     read = read_frames(path)
     assert [frame["time"] for frame in read] == [0.0, 1.0]

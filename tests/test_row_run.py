@@ -65,29 +65,32 @@ def test_the_ledger_closes_as_the_step_shrinks():
     assert found[0] < 1e-3, found
 
 
+def lone(restitution, stiffness, size, gravity=0.0, acceleration=1e-12, **start):
+    """An engine of a rod of length 4 just over a plate; all have one kernel."""
+    scene = Scene(
+        rods=Rods(1, 4.0),
+        plate=Plate(acceleration),
+        contacts=Contacts(plate=Contact(md.coulomb(restitution, stiffness), 0.3)),
+        gravity=Gravity(z=gravity),
+        start=Start(**{"tilt_deg": 0.0, "speed": 0.0} | start),
+        step=Step(size),
+    )
+    return prepare(scene)
+
+
 def test_each_part_of_the_ledger_is_what_the_closed_form_says():
     """A rod that bounces upright loses (1 - e^2) v^2/2; one that slides flat, all its c_x^2/2.
 
     First order: steps of 1e-4, contacts of about 0.03.
     """
     e, v = 0.65, 1.0
-    law = md.coulomb(restitution=e, stiffness=SOFT)
-    upright = Scene(
-        rods=Rods(1, 4.0),
-        plate=Plate(),
-        contacts=Contacts(plate=Contact(law, 0.3)),
-        gravity=Gravity(),
-        start=Start(tilt_deg=0.0, drop=1e-6),
-        step=Step(1e-4),
-    )
-    engine = prepare(replace(upright, gravity=Gravity(z=0.0)))
-    engine.rods[0, ROW_VELOCITY] = 0.0, -v, 0.0
+    engine = lone(e, SOFT, 1e-4, drop=1e-6)
+    engine.rods[0, C_Z] = -v
     engine.go(1000)
     assert engine.ledger[PLATE_NORMAL] == pytest.approx((1 - e * e) * v * v / 2, rel=3e-3)
-    assert engine.ledger[PLATE_WORK] == 0
-    assert abs(engine.ledger[PLATE_FRICTION]) < 1e-12
+    assert abs(engine.ledger[[PLATE_WORK, PLATE_FRICTION]]).max() < 1e-12
 
-    engine = prepare(replace(upright, start=Start(tilt_deg=90.0, speed=0.0)))
+    engine = lone(e, SOFT, 1e-4, gravity=-1.0, tilt_deg=90.0)
     deep = (1 / (2 * SOFT)) ** (2 / 3)  # two caps carry the weight
     engine.rods[0, Z] -= deep
     engine.rods[0, C_X] = 0.1
@@ -100,28 +103,18 @@ def test_each_part_of_the_ledger_is_what_the_closed_form_says():
 
 def test_plate_work_of_an_elastic_bounce():
     """On a plate that rises with u a rod that falls with v leaves with v + 2 u."""
-    scene = Scene(
-        rods=Rods(1, 4.0),
-        plate=Plate(acceleration=3.0),
-        contacts=Contacts(plate=Contact(md.coulomb(1.0, 1e7), 0.3)),
-        gravity=Gravity(z=0.0),
-        start=Start(tilt_deg=0.0, drop=1e-9, speed=0.0),
-        step=Step(1e-5),
-    )
-    engine = prepare(scene)
+    engine = lone(1 - 1e-9, 1e7, 1e-5, acceleration=3.0)
     engine.step = engine.per // 6  # it rises
-    motion = engine.effects.alone.plate
+    motion = engine.plate
     engine.rods[0, Z] = motion.height[engine.step] + 2.0 + 1e-9
     engine.rods[0, C_Z] = -0.5
     before = engine.energy()
     engine.go(engine.per // 6)
-    change = engine.energy() - before
-    assert engine.rods[0, C_Z] == pytest.approx(
-        0.5 + 2 * motion.velocity[engine.per // 6], rel=0.05
-    )
+    change, leaves = engine.energy() - before, 0.5 + 2 * motion.velocity[engine.per // 6]
+    assert engine.rods[0, C_Z] == pytest.approx(leaves, rel=0.05)
     assert change > 0.1
     assert engine.ledger[PLATE_WORK] == pytest.approx(change, rel=1e-3)
-    assert abs(engine.ledger[1:]).max() == 0
+    assert abs(engine.ledger[1:]).max() < 1e-8
 
 
 def test_nothing_pushes_the_row_along_a_smooth_plate():
@@ -132,7 +125,7 @@ def test_nothing_pushes_the_row_along_a_smooth_plate():
     scene = row("contacts.plate.friction=0", "plate.acceleration=6", "start.speed=0.3")
     engine = prepare(scene)
     before = engine.rods[:, C_X].sum()
-    engine.go(2000)
+    engine.go(2000, engine.series(2000 // engine.per))
     assert engine.ledger[PLATE_WORK] != 0
     assert abs(engine.ledger[PAIR_FRICTION]) > 1e-4
     assert engine.rods[:, C_X].sum() == pytest.approx(before, abs=1e-12)
@@ -162,13 +155,6 @@ def test_extremes_run_and_account_for_their_energy(changes):
     """Two periods of the row; all stays finite and the ledger closes."""
     result = closed(md.run(row(*changes), periods=2))
     assert result.finished
-
-
-@pytest.mark.parametrize("tilt_deg", [0.0, 45.0, 85.0])
-def test_one_rod_at_any_tilt(tilt_deg):
-    """Alone on the plate, from 4 periods of free fall and bounces."""
-    scene = md.load("single_rod", [f"start.tilt_deg={tilt_deg}", "contacts.plate.stiffness=1e5"])
-    closed(md.run(scene, periods=4))
 
 
 def test_falls_and_passes_through_the_vertical_are_counted():
@@ -230,30 +216,3 @@ def test_landings_are_those_that_every_step_shows():
     )
     np.testing.assert_allclose(rows[:, landings.LEAVING], leaves, atol=1e-13)
     assert np.all(rows[:, landings.PUSHED] == 0)
-
-
-@pytest.mark.slow
-def test_ten_thousand_periods_drift_neither_in_energy_nor_in_phase():
-    """Ten rods: the residual stays the same part of the turnover, landings know their phase.
-
-    The residual is the sum of what each contact leaves, 3 contacts a rod and period of nearly the
-    same size: from 1000 periods to 10,000 its part of the turnover scatters by 1/sqrt(3e4).
-    """
-    scene = row("rods.count=10", "rods.length=9.5", "box.length=10.75")
-    short = md.run(scene, periods=1000)
-    last = []
-
-    def observe(rows):
-        last[:] = [rows]
-
-    result = closed(md.run(scene, periods=10_000, observe=observe))
-    parts = [r.energy["residual"] / turnover(r) for r in (short, result)]
-    assert parts[1] == pytest.approx(parts[0], rel=0.1)
-    steps = last[0][:, landings.STEP].astype(int)
-    per = result.steps_per_period
-    assert steps.max() // per >= 9998
-    exact = scene.plate_speed * np.sin(2 * np.pi * (steps % per) / per)
-    np.testing.assert_allclose(
-        last[0][:, landings.PLATE], exact, rtol=0, atol=8 * EPS * scene.plate_speed
-    )
-    assert abs(short.c_x - result.c_x) < 4 * np.hypot(short.c_x_stderr, result.c_x_stderr)

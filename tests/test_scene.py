@@ -2,8 +2,6 @@
 
 import json
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from math import acos, degrees, pi
 
@@ -11,46 +9,11 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.host import prepare
+from md.host import step_of
 from md.scene import SCENES, as_dict, load
 
 EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))
 
-BAD = {  # KEY=VALUE for the row: what the error says
-    "rodz.count=3": "rodz is not a key of a scene; known there: rods, plate",
-    "rods.number=3": "rods.number is not a key of a scene; known there: count, length",
-    "rods.spin=true": "rods.spin is of an earlier version: write rods.rolling in its place",
-    "box.width=3": "box.width is not a key",
-    "contacts.walls.friction=1": "contacts.walls is not a key",
-    "contacts.plate.mu=1": "contacts.plate.mu is not a key",
-    "contacts.plate.stiffness.x=1": "contacts.plate.stiffness must be a number, got {'x': 1}",
-    "rods=3": "rods must be a table, got 3",
-    "box=[1]": "box must be a table, got [1]",
-    "contacts.rods=1": "contacts.rods must be a table, got 1",
-    "rods.count=2.5": "rods.count must be a whole number, got 2.5",
-    "rods.length=[1]": "rods.length must be a number, got [1]",
-    "rods.inertia=heavy": "rods.inertia must be solid or thin, got 'heavy'",
-    "rods.inertia=[1]": "rods.inertia must be solid or thin, got [1]",
-    "step.coarse=1": "step.coarse must be true or false, got 1",
-    "box.length=39.9": "box.length must be at least 40 for 40 rods, got 39.9",
-    "start.tilt_deg=80": "start.tilt_deg must be at most 21.5",
-    "step.size=0.1": "step.size must be at most",
-    "contacts.plate.law=hertz": "contacts.plate.law must be one of appendix_a, constant_rest",
-    "contacts.plate.law=[1]": "contacts.plate.law must be one of appendix_a, constant_rest",
-    "contacts.rods.restitution=1.5": "contacts.rods.restitution must be between 0 and 1, got 1.5",
-    "contacts.rods.restitution=true": "contacts.rods.restitution must be a number, got True",
-    "contacts.rods.stiffness=0": "contacts.rods.stiffness must be > 0 and finite, got 0",
-    "contacts.rods.stiffness=1": "contacts.rods.stiffness 1 is too soft",
-    "contacts.rods.damping=1": "contacts.rods.damping is not for the law constant_restitution",
-    "contacts.rods.law=coulomb": "contacts.rods.law must have a tangential spring",
-    "contacts.plate.law=appendix_a": "--set contacts.plate.restitution=none",
-    "plate=none": "plate is missing: the scene names contacts.plate, and needs both",
-    "contacts.plate=none": "contacts.plate is missing: the scene names plate, and needs both",
-    "box=none": "start.tilt_deg is missing: without a box it has no default",
-    "box.length=none": "box.length is missing",
-    "rods.count": "--set needs KEY=VALUE, got 'rods.count'",
-    "rods.count.x=1": "--set rods.count.x: count is a value, not a table",
-}
 DOMAINS = {  # what a message says is allowed, and the nearest values that are not
     "rods.count": ("between 1 and 1000000", 0, 1000001),
     "rods.length": ("between 1 and 1000", 0.999, 1000.1),
@@ -70,26 +33,6 @@ DOMAINS = {  # what a message says is allowed, and the nearest values that are n
 }
 
 
-def refused(capsys, *arguments):
-    """The one line that a command prints as it refuses."""
-    try:
-        code = main(["run", *arguments])
-    except SystemExit as stop:
-        code = stop.code
-    out, err = capsys.readouterr()
-    assert (code, out, err.count("\n")) == (2, "", 1), err
-    return err
-
-
-@pytest.mark.parametrize(("assignment", "message"), BAD.items(), ids=BAD)
-def test_what_is_no_scene_is_refused(assignment, message, capsys):
-    """Key, value and domain, before anything runs: in Python an error, at the prompt a line."""
-    with pytest.raises((ValueError, TypeError)) as caught:
-        prepare(load("quasi2d", [assignment]))
-    assert message in str(caught.value)
-    assert message in refused(capsys, "quasi2d", "--set", assignment)
-
-
 @pytest.mark.parametrize("key", DOMAINS)
 def test_a_number_is_held_to_its_domain(key):
     """Also nan, and what is not a number."""
@@ -104,67 +47,6 @@ def test_a_number_is_held_to_its_domain(key):
             load("quasi2d", [f"{key}={json.dumps(value)}"])
 
 
-def test_files_that_are_none(tmp_path, capsys):
-    """Missing, a directory, not text, not TOML."""
-    assert "no such scene" in refused(capsys, str(tmp_path / "missing.toml"))
-    assert "quasi2d" in refused(capsys, "quasi3d")
-    assert str(tmp_path) in refused(capsys, str(tmp_path))
-    broken = tmp_path / "broken.toml"
-    for content in (b"[rods\ncount = 3\n", b"\xff\xfe\x00", b"[rods]\ncount = 3\ncount = 4\n"):
-        broken.write_bytes(content)
-        assert "broken.toml" in refused(capsys, str(broken))
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        *("--periods 0", "--periods -3", "--periods 2.5", "--frames 0", "--no-such-option"),
-        *("--checkpoint no/such/folder/a.npz", "--trajectory no/such/folder/a.xyz"),
-    ],
-)
-def test_bad_options_are_refused_before_anything_runs(arguments, capsys):
-    """One line and exit code 2, whether the parser finds out or the run."""
-    refused(capsys, "single_rod", *arguments.split())
-
-
-def test_a_checkpoint_that_cannot_be_read_is_refused(tmp_path, capsys):
-    """Cut short, empty, or no checkpoint at all."""
-    path = tmp_path / "a.npz"
-    for content in (b"", b"PK\x03\x04 cut short", b"nonsense"):
-        path.write_bytes(content)
-        line = refused(capsys, "single_rod", "--periods", "1", "--checkpoint", str(path))
-        assert "cannot be read" in line
-        assert path.read_bytes() == content
-
-
-def test_files_that_cannot_be_written_are_refused_before_the_run(tmp_path, capsys):
-    """So are those that hold something else, or are wanted twice."""
-    scene, both, text = tmp_path / "mine.toml", str(tmp_path / "both"), tmp_path / "notes.txt"
-    scene.write_text((SCENES / "single_rod.toml").read_text())
-    text.write_text("something else\n" * 10)
-    for more, words in (
-        (["--checkpoint", "/proc/a.npz"], "checkpoint must be a file that can be written"),
-        (["--trajectory", "/proc/a.xyz"], "trajectory must be a file that can be written"),
-        (["--trajectory", str(text)], "trajectory must be a new file or one of frames"),
-        (["--trajectory", str(scene)], "trajectory must be another file than scene"),
-        (["--trajectory", both, "--checkpoint", both], "checkpoint must be another file"),
-        (["--frames", "2"], "frames has no meaning without trajectory"),
-        (["--set", "step.size=1e-12"], "step.size must be at least"),
-    ):
-        assert words in refused(capsys, str(scene), "--periods", "1", *more)
-    assert "periods must be between 1 and" in refused(capsys, str(scene), "--periods", "1000000000")
-
-
-def test_arguments_of_a_run_of_a_wrong_type_are_named():
-    with pytest.raises(TypeError, match="scene must be a"):
-        md.run("quasi2d")
-    with pytest.raises(TypeError, match="periods must be a whole number"):
-        md.run(load("single_rod"), periods=2.7)
-    with pytest.raises(TypeError, match="assignments must be texts KEY=VALUE, got None"):
-        load("quasi2d", [None])
-    assert load("quasi2d", "rods.count=10").rods.count == 10
-
-
 def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
     """As editors on Windows write it."""
     path = tmp_path / "mine.toml"
@@ -172,28 +54,28 @@ def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
     assert load(path) == load("my_rods")
 
 
-def test_no_traceback_at_the_prompt():
-    """The same through a real process."""
-    command = [sys.executable, "-m", "md", "run", "quasi2d", "--set", "rods.count=2.5"]
-    bad = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (bad.returncode, bad.stdout, bad.stderr.count("\n")) == (2, "", 1)
-
-
 @pytest.mark.parametrize(
-    "make",
+    ("make", "message"),
     [
-        lambda: md.Rods(count="3"),
-        lambda: md.Rods(length="long"),
-        lambda: md.Contacts(rods=1.0),
-        lambda: md.Scene(rods=5, start=md.Start(tilt_deg=0.0)),
-        lambda: md.Scene(plate=3.3, start=md.Start(tilt_deg=0.0)),
-        lambda: md.Contact("coulomb", 0.3),
+        (lambda: md.Rods(count="3"), "count must be a whole number"),
+        (lambda: md.Rods(length="long"), "length must be a number"),
+        (lambda: md.Contacts(rods=1.0), "rods must be"),
+        (lambda: md.Scene(rods=5, start=md.Start(tilt_deg=0.0)), "rods must be"),
+        (lambda: md.Scene(plate=3.3, start=md.Start(tilt_deg=0.0)), "plate must be"),
+        (lambda: md.Contact("coulomb", 0.3), "law must be"),
+        (lambda: md.run("quasi2d"), "scene must be a"),
+        (lambda: md.run("quasi2d", tolerance=0.1), r"scene must be a md\.Scene"),
+        (lambda: md.run(load("single_rod"), periods=2.7), "periods must be a whole number"),
+        (lambda: load("quasi2d", [None]), "assignments must be texts KEY=VALUE, got None"),
     ],
 )
-def test_wrong_types_in_python(make):
-    """Parts that are no parts."""
-    with pytest.raises(TypeError):
+def test_wrong_types_in_python(make, message):
+    with pytest.raises(TypeError, match=message):
         make()
+
+
+def test_an_assignment_may_stand_alone():
+    assert load("quasi2d", "rods.count=10").rods.count == 10
 
 
 # What is a scene
@@ -201,9 +83,9 @@ def test_wrong_types_in_python(make):
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_examples_load(name):
-    """And make an engine."""
+    """And have a step."""
     scene = load(name)
-    assert prepare(scene).dt > 0
+    assert step_of(scene)[0] > 0
     assert load(SCENES / f"{name}.toml") == scene
     assert load(name, ["start.seed=7"]) == replace(scene, start=replace(scene.start, seed=7))
 

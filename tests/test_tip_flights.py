@@ -11,14 +11,21 @@ from impact.falling import _gaps, _Swing, _touch
 from impact.flight import TURN, departure
 
 
-@njit(error_model="numpy")
-def _plain_gaps(speed, phase, gamma, reach, tilt, omega, t):
+def _gaps_with(sin, cos):
     """Both gaps as one would write them: centre over the tips' heights, in the laboratory."""
-    rise = speed + gamma * np.cos(phase) - omega * reach * np.sin(tilt)
-    z = gamma * np.sin(phase) + reach * np.cos(tilt) + rise * t - t * t / 2
-    z -= gamma * np.sin(phase + t)
-    axis = reach * np.cos(tilt + omega * t)
-    return z - axis, z + axis
+
+    def gaps(speed, phase, gamma, reach, tilt, omega, t):
+        rise = speed + gamma * cos(phase) - omega * reach * sin(tilt)
+        z = gamma * sin(phase) + reach * cos(tilt) + rise * t - t * t / 2
+        z -= gamma * sin(phase + t)
+        axis = reach * cos(tilt + omega * t)
+        return z - axis, z + axis
+
+    return gaps
+
+
+_plain_gaps = njit(error_model="numpy")(_gaps_with(sin, cos))
+_exact_gaps = _gaps_with(mpmath.sin, mpmath.cos)  # at the working precision
 
 
 @njit(error_model="numpy")
@@ -55,31 +62,13 @@ def _flights(number, seed):
     return speed, phase, gamma, reach, tilt, omega
 
 
-def _check_flights(number, seed, samples):
-    worst, missed = _scan(*_flights(number, seed), samples)
+@pytest.mark.parametrize(
+    ("number", "seed"), [(3000, 3), pytest.param(1_000_000, 4, marks=pytest.mark.slow)]
+)
+def test_no_landing_of_either_tip_is_missed(number, seed):
+    worst, missed = _scan(*_flights(number, seed), 2000)
     assert missed == 0
     assert worst < 8 * np.finfo(float).eps
-
-
-def test_no_landing_of_either_tip_is_missed():
-    _check_flights(3000, 3, 2000)
-
-
-@pytest.mark.slow
-def test_no_landing_of_either_tip_is_missed_in_a_million():
-    _check_flights(1_000_000, 4, 2000)
-
-
-def _exact_gaps(t, speed, phase, gamma, reach, tilt, omega):
-    """Both gaps at the working precision of mpmath."""
-    t, speed, phase, gamma, reach, tilt, omega = map(
-        mpmath.mpf, (t, speed, phase, gamma, reach, tilt, omega)
-    )
-    rise = speed + gamma * mpmath.cos(phase) - omega * reach * mpmath.sin(tilt)
-    z = reach * mpmath.cos(tilt) + rise * t - t * t / 2
-    z += gamma * (mpmath.sin(phase) - mpmath.sin(phase + t))
-    axis = reach * mpmath.cos(tilt + omega * t)
-    return z - axis, z + axis
 
 
 def test_contacts_against_many_digits():
@@ -90,8 +79,9 @@ def test_contacts_against_many_digits():
         d = departure(speed, phase, gamma)
         t, slope, other = _touch(d, swing, bend, 1e-4 * speed / bend)
         with mpmath.workdps(40):
-            exact = mpmath.findroot(lambda x: _exact_gaps(x, *take_off)[int(other)], t)  # noqa: B023
-            steep = mpmath.diff(lambda x: _exact_gaps(x, *take_off)[0], exact)  # noqa: B023
+            take_off = list(map(mpmath.mpf, take_off))
+            exact = mpmath.findroot(lambda x: _exact_gaps(*take_off, x)[other], t)  # noqa: B023
+            steep = mpmath.diff(lambda x: _exact_gaps(*take_off, x)[0], exact)  # noqa: B023
         # the data are rounded, reach cos(tilt) among them; divided by the slope of the gap
         size = (speed + gamma + reach * abs(omega)) * t + t * t + 2 * (reach + gamma)
         steepness = abs(_gaps(d, swing, t)[3 if other else 1])

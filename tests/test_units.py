@@ -9,7 +9,7 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.scene import SCENES, as_dict, from_tables, keys, put, read_tables
+from md.scene import as_dict, from_tables, keys, put, read_tables
 from md.store import table
 from md.sweep import execute, expand
 from md.units import TWINS, in_cm
@@ -83,49 +83,6 @@ def test_what_comes_later_takes_the_place():
     assert found.plate.acceleration == pytest.approx(8 * 120 * pi / 981)
     assert md.load("quasi2d", ["box.length_cm=30"]).box.length == 30 / 0.6
     assert md.load("my_rods", ["rods.diameter_cm=0.5"]).rods.length == 5.08 / 0.5
-
-
-BAD = {  # what is set in the paper's row, its diameter 0.5 cm: what the error says
-    "rods.length_cm=5 rods.length=9": "rods.length_cm and rods.length say the same: give one",
-    "plate.amplitude_cm=1 plate.acceleration=1": "plate.amplitude_cm and plate.acceleration say",
-    "plate.amplitude_cm=1 plate.velocity_cm_s=1": "plate.amplitude_cm and plate.velocity_cm_s say",
-    "box.length_cm=30 rods.diameter_cm=none": "rods.diameter_cm is missing: box.length_cm needs it",
-    "plate.amplitude_cm=1 plate.frequency_hz=none": "plate.frequency_hz is missing: plate.ampl",
-    "rods=3 box.length_cm=30": "rods must be a table",
-    "rods.length_cm=0.2": "rods.length must be between 1 and 1000, got 0.4 (rods.length_cm = 0.2,",
-    "box.length_cm=1": "for 40 rods, got 2 (box.length_cm = 1, in units of 0.5)",
-    "rods.length_cm=-1": "rods.length_cm must be >= 0 and finite, got -1",
-    "rods.length_cm=nan": "rods.length_cm must be >= 0 and finite, got nan",
-    "rods.length_cm=true": "rods.length_cm must be a number, got True",
-    "rods.length_cm=long": "rods.length_cm must be a number, got 'long'",
-    "rods.length_cm=5 rods.diameter_cm=0": "rods.diameter_cm must be between 1e-6 and 1e6, got 0",
-    "plate.amplitude_cm=9 plate.frequency_hz=9e9": "plate.frequency_hz must be between",
-    "rods.length_mm=50": "rods.length_mm is not a key of a scene; known there: count, length,",
-    "start.tilt_cm=5": "seed, speed, drop, speed_cm_s, drop_cm",
-}
-
-
-@pytest.mark.parametrize(("changes", "message"), BAD.items(), ids=BAD)
-def test_nonsense_is_refused_in_words(changes, message, tmp_path, capsys):
-    """In Python an error, at the prompt a line and exit code 2."""
-    file = tmp_path / "mine.toml"
-    file.write_text((SCENES / "quasi2d.toml").read_text().replace("0.6", "0.5", 1))
-    with pytest.raises((ValueError, TypeError)) as caught:
-        md.load(file, changes.split())
-    assert message in str(caught.value)
-    given = [part for change in changes.split() for part in ("--set", change)]
-    assert main(["run", str(file), *given]) == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert err.startswith("python -m md run: ")
-    assert message in err
-
-
-def test_both_in_one_file():
-    """The same as both at the prompt."""
-    plate = TABLES["plate"] | {"amplitude_cm": 0.02}
-    with pytest.raises(ValueError, match=r"plate\.amplitude_cm and plate\.acceleration say"):
-        from_tables(TABLES | {"plate": plate})
 
 
 def test_every_key_is_in_the_help(capsys):

@@ -24,7 +24,16 @@ from scipy.optimize import brentq
 import md
 from md.laws import STIFFNESS, deepest_overlap
 
-from ..lib.soft_impacts import ROD, TABLE_TILTS, distance, right, rigid, simulate
+from ..lib.soft_impacts import (
+    ROD,
+    SCENE_WORDS,
+    TABLE_TILTS,
+    compared,
+    distance,
+    from_theory,
+    rigid,
+    simulate,
+)
 from ..lib.style import (
     BLACK,
     BLUE,
@@ -50,24 +59,20 @@ MASSES = {  # unit of mass, M_e: k_n and M_e in masses of the rod
     "sphere, m": (1 / ROD_MASS, 1.0 / ROD_MASS),
 }
 INERTIAS = ("thin", "solid")
+READINGS = WHERE, MASSES, INERTIAS
 CLAIMED = (0.65, 0.7)
 PRINTED_RATIO = 95.0
 MENDED = (WHERE[0], WHERE[2])  # with the gamma that gives 0.65 head on at speed 1
 DAMPINGS = (0.0, 0.1, 0.3, 1.0)  # of the tangential spring, over the critical one
 _COLOURS = (BLACK, "#888888", GREEN, ORANGE, BLUE, RED)
-_HEAD_ON = np.zeros(1)
+_HEAD_ON, _TILTS = np.zeros(1), np.append(0.0, TABLE_TILTS)
 
 
 def reading(where: str, mass: str, speed: float = 1.0, damping: float = 400.0) -> md.Law:
     """The law of one reading, for impacts at about this speed."""
     light, reduced = MASSES[mass]
-    law = md.appendix_a(
-        STIFFNESS * light,
-        tangential_ratio=PRINTED_RATIO,
-        damping=damping,
-        reduced_mass=reduced,
-        overlap_factor=where == WHERE[0],
-    )
+    how = {"tangential_ratio": PRINTED_RATIO, "damping": damping, "reduced_mass": reduced}
+    law = md.appendix_a(STIFFNESS * light, **how, overlap_factor=where == WHERE[0])
     if where != WHERE[2]:
         return law
     root = PRINTED_RATIO * STIFFNESS * light / sqrt(deepest_overlap(law, speed))
@@ -87,39 +92,36 @@ def _needed(where: str, claimed: float, mass: str, speed: float) -> float:
     return 10 ** brentq(off, 0, 7, rtol=1e-5)
 
 
-def _compared(law: md.Law, rod: md.Rod) -> tuple[float, float, float, float]:
+def _at_both(law: md.Law, rod: md.Rod) -> tuple[float, float, float, float]:
     """RMS from theory at 0.65, regimes right there; the same at the measured restitution."""
     soft = simulate(TABLE_TILTS, law, rod=rod)
-    found = []
-    for e in (0.65, soft.restitution):
-        theory = rigid(TABLE_TILTS, e, rod)
-        found += [distance(soft, theory), right(soft, theory)]
-    return tuple(found)
+    at_constant, at_measured = (
+        compared(soft, rigid(TABLE_TILTS, e, rod)) for e in (0.65, soft.restitution)
+    )
+    return *at_constant, *at_measured
 
 
 def _readings(speeds: np.ndarray) -> Data:
     """Of shape (where, mass, inertia, ...), speeds and tilts last."""
-    shape = len(WHERE), len(MASSES), len(INERTIAS)
-    restitution = np.empty((*shape, speeds.size, TABLE_TILTS.size + 1))
-    compared = np.empty((*shape, 4))
-    tilts = np.append(0.0, TABLE_TILTS)
-    for (i, j, k), _ in np.ndenumerate(compared[..., 0]):
-        rod = ROD._replace(inertia=INERTIAS[k])
-        where, mass = WHERE[i], list(MASSES)[j]
+    shape = tuple(map(len, READINGS))
+    restitution, off = np.empty((*shape, speeds.size, _TILTS.size)), np.empty((*shape, 4))
+    for at in np.ndindex(shape):
+        where, mass, inertia = (list(names)[i] for names, i in zip(READINGS, at, strict=True))
+        rod = ROD._replace(inertia=inertia)
         for n, speed in enumerate(speeds):
             law = reading(where, mass, speed)
-            restitution[i, j, k, n] = simulate(tilts, law, speed=speed, rod=rod).restitution
-        compared[i, j, k] = _compared(reading(where, mass), rod)
-    return {"restitution": restitution, "compared": compared}
+            restitution[at][n] = simulate(_TILTS, law, speed=speed, rod=rod).restitution
+        off[at] = _at_both(reading(where, mass), rod)
+    return {"restitution": restitution, "compared": off}
 
 
 def _why(ratios: np.ndarray) -> Data:
     """RMS from theory at measured restitution over stiffness and damping of the printed spring."""
     off = np.empty((len(DAMPINGS), ratios.size))
-    for (i, j), _ in np.ndenumerate(off):
-        law = md.appendix_a(tangential_ratio=ratios[j])
-        spring = law.spring._replace(proportional_dashpot=None, damping_ratio=DAMPINGS[i] or None)
-        off[i, j] = _compared(replace(law, spring=spring), ROD)[2]
+    for (i, damping), (j, ratio) in product(enumerate(DAMPINGS), enumerate(ratios)):
+        law = md.appendix_a(tangential_ratio=ratio)
+        spring = law.spring._replace(proportional_dashpot=None, damping_ratio=damping or None)
+        off[i, j] = from_theory(replace(law, spring=spring))[0]
     root = sqrt(deepest_overlap(md.appendix_a(), 1.0))
     return {"ratio": ratios * root, "printed_ratio": np.float64(PRINTED_RATIO * root), "why": off}
 
@@ -132,24 +134,20 @@ def data(quick: bool = False) -> Data:
     needed = [[[_needed(WHERE[0], e, m, v) for v in ends] for e in CLAIMED] for m in MASSES]
     gammas = [_needed(where, CLAIMED[0], "rod, M/2", 1.0) for where in MENDED]
     mended = [reading(w, "rod, M/2", damping=g) for w, g in zip(MENDED, gammas, strict=True)]
-    check = [(w, m) for w in WHERE for m in (list(MASSES) if not quick else ["rod, M/2"])]
-    halves = [
-        distance(simulate(TABLE_TILTS, law := reading(*r)), simulate(TABLE_TILTS, law, refine=64))
-        for r in check
-    ]
-    tilts = np.append(0.0, TABLE_TILTS)
+    check = [reading(*one) for one in product(WHERE, ["rod, M/2"] if quick else MASSES)]
+    pairs = [[simulate(TABLE_TILTS, law, refine=n) for n in (32, 64)] for law in check]
     return {
-        "tilt": tilts,
+        "tilt": _TILTS,
         "speed": speeds,
         **_readings(speeds),
         "needed_speed": ends,
         "needed": np.array(needed),
         "mended_gamma": np.array(gammas),
         "mended_head_on": np.array([[_head_on(law, v) for v in ends] for law in mended]),
-        "mended_restitution": np.array([simulate(tilts, law).restitution for law in mended]),
-        "mended_compared": np.array([_compared(law, ROD) for law in mended]),
+        "mended_restitution": np.array([simulate(_TILTS, law).restitution for law in mended]),
+        "mended_compared": np.array([_at_both(law, ROD) for law in mended]),
         **_why(ratios),
-        "step_error": np.max(halves),
+        "step_error": np.max([distance(*pair) for pair in pairs]),
     }
 
 
@@ -231,12 +229,10 @@ def _draw_speeds(ax: Axes, d: Data) -> None:
             ax.plot(d["speed"], d["restitution"][i, j, 0, :, 0], dashes, color=colour)
     ax.plot(d["needed_speed"], d["mended_head_on"][0], "k--o", mfc="w")
     gamma = d["mended_gamma"][0] / 1e5
-    for y, words in (
-        (0.93, "factor as printed"),
-        (0.405, rf"the same, $\gamma={gamma:.1f}\times10^5$"),
-        (0.13, "no factor in the dashpot"),
-    ):
-        ax.text(0.97, y / 1.03, words, fontsize=6, transform=ax.transAxes, ha="right", va="center")
+    beside = {"fontsize": 6, "transform": ax.transAxes, "ha": "right", "va": "center"}
+    ax.text(0.97, 0.93 / 1.03, "factor as printed", **beside)
+    ax.text(0.97, 0.405 / 1.03, rf"the same, $\gamma={gamma:.1f}\times10^5$", **beside)
+    ax.text(0.97, 0.13 / 1.03, "no factor in the dashpot", **beside)
     ax.set(xscale="log", ylim=(0, 1.03), xlim=(0.47, 3.2), ylabel="restitution, head on")
     ax.set_xticks([0.5, 1, 2, 3], labels=["0.5", "1", "2", "3"])
     ax.set_xticks([], minor=True)
@@ -281,8 +277,7 @@ def draw(d: Data) -> plt.Figure:
     words = r"unit of mass (rod or virtual sphere) and $M_e$ ($M$ rod, $m$ sphere)"
     legend_above(figure, axes[0, 0], ncols=6, title=words, title_fontsize=7)
     figure.supxlabel(
-        r"appendix_a: $k_n=5\times10^6$, $k_t=95\,k_n$, $\gamma=400$; $\mu=0.4$, $-c_z/c_x=2$,"
-        r" $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia; grey: the claimed 0.65-0.7",
-        fontsize=7,
+        rf"appendix_a: $k_n=5\times10^6$, $k_t=95\,k_n$, $\gamma=400$; {SCENE_WORDS};"
+        " grey: the claimed 0.65-0.7"
     )
     return figure

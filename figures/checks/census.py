@@ -58,12 +58,8 @@ def _mapped(rows, arms, k, friction, plate, v_f, pull):
     v_0 = towards + omega * arms[0]
     with np.errstate(divide="ignore", invalid="ignore"):
         restitution = np.where(v_0 < 0, -v_f / v_0, -np.inf)
-    hit = collide(
-        *(c_x, towards, omega),
-        geometry=ContactGeometry(*arms, k),
-        friction=friction,
-        restitution=np.clip(restitution, 0, 1),
-    )
+    given = {"friction": friction, "restitution": np.clip(restitution, 0, 1)}
+    hit = collide(c_x, towards, omega, geometry=ContactGeometry(*arms, k), **given)
     miss = np.array([x - hit.c_x, z - plate[1] - pull - hit.c_z, k * (turn - hit.omega)])
     return np.linalg.norm(miss, axis=0), hit.regime, restitution
 
@@ -81,16 +77,13 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
     fall = time * (scene.gravity.z if scene.gravity else 0.0)
 
     # At its word the map knows one velocity of the plate, that at the touch, and no gravity.
-    residual, mapped, restitution = _mapped(
-        *(rows, (-a_x, -a_z), k, friction, (plate, plate), rows[:, touches.LEAVING], 0.0)
-    )
+    v_f, arms = rows[:, touches.LEAVING], (-a_x, -a_z)
+    residual, mapped, restitution = _mapped(rows, arms, k, friction, (plate, plate), v_f, 0.0)
     turn = (before[:, 2] + gain[:, 2] / 2) * time / 2
     x, z = -a_x - (a_z + 0.5) * turn, -a_z + a_x * turn  # the cap, of radius 1/2, does not turn
     pull = (fall - (last - plate)) / 2
     v_f = after[:, 1] - last - pull + after[:, 2] * x
-    allowed, mapped_allowed, _ = _mapped(
-        *(rows, (x, z), k, friction, (plate, last), v_f, pull),
-    )
+    allowed, mapped_allowed, _ = _mapped(rows, (x, z), k, friction, (plate, last), v_f, pull)
     spin = k2 * gain[:, 2] - a_z * gain[:, 0] + a_x * (gain[:, 1] - fall)
     return {
         "isolated": rows[:, touches.PUSHED] == 0,

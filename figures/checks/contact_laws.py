@@ -100,8 +100,7 @@ def draw(d: Data) -> plt.Figure:
     ax.set_xticks(range(m), heads, fontsize=5.5, rotation=60, ha="left", rotation_mode="anchor")
     ax.tick_params(length=0, labelbottom=False, labeltop=True)
     ax.invert_yaxis()
-    for side in ax.spines.values():
-        side.set_visible(False)
+    ax.spines[:].set_visible(False)
     ax.set_xlabel(
         "green: holds, yellow: in part, red: does not; in brackets the paper's statement. Thin "
         rf"rods, $\Gamma={GAMMA}$, $\mu={FRICTION}$, tilts {d['nominal'][0].min()}-"

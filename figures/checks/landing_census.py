@@ -14,61 +14,41 @@ over the stiffness, as the duration of a contact; (f) over what rods lose when t
 """
 
 from collections.abc import Iterable, Iterator
-from functools import cache
+from functools import cache, partial
 
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.optimize import brentq
 
-from impact import ContactGeometry, critical_friction
-from md.scene import put, read_tables
+from impact import critical_friction
+from md.scene import both, put, read_tables
 from md.sweep import Sweep
 
-from ..lib.runs import gathered, planned
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style, tilt_axis
+from ..lib.runs import FRICTION, GAMMA, gathered, paper_rod, planned
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, points, style, tilt_axis
 from ..lib.tables import table
 from .census import DISTURBED, counted
 
-GAMMA, AS_PRINTED = 3.3, {"law": "appendix_a", "restitution": "none"}
 CONTACTS = {  # a softer tangential spring between rods allows a larger step
     "constraint": {"contacts.plate.law": "coulomb", "contacts.rods.tangential_ratio": 5},
     "spring": {"contacts.rods.tangential_ratio": 5},
-    "appendix_a": {
-        f"contacts.{pair}.{key}": value
-        for pair in ("plate", "rods")
-        for key, value in AS_PRINTED.items()
-    },
-}
-VARIED = {  # what is varied; the law is the first one where none is named
-    **dict.fromkeys(CONTACTS, ("box.length",)),
-    "gamma": ("plate.acceleration",),
-    "stiff": ("contacts.plate.stiffness", "contacts.rods.stiffness"),
-    "lossy": ("contacts.rods.restitution",),
-    "lone": ("contacts.plate.stiffness",),
+    "appendix_a": both(law="appendix_a", restitution="none"),
 }
 BOXES = (40.15, 40.6, 41.4, 43, 45.5, 48, 52, 57, 63, 70, 80)
-FULL_VALUES = {
-    **dict.fromkeys(CONTACTS, BOXES),
-    "gamma": (1.2, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5),
-    "stiff": (5e5, 5e6, 5e7),
-    "lossy": (0.3, 0.5, 0.65, 0.8, 0.9, 0.97),
-    "lone": (5e4, 5e5, 5e6, 5e7, 5e8),
-}
-QUICK_VALUES = {
-    "constraint": (40.6, 43, 48, 57, 80),
-    "spring": (43, 57),
-    "appendix_a": (43, 57),
-    "gamma": (1.5, 3.3, 5),
-    "stiff": (5e5, 5e6),
-    "lossy": (0.3, 0.65, 0.9),
-    "lone": (5e4, 5e5, 5e6),
+STIFFNESSES = "contacts.plate.stiffness", "contacts.rods.stiffness"
+VARIED = {  # keys, their values, those of --quick; the law is the first one where none is named
+    "constraint": (("box.length",), BOXES, (40.6, 43, 48, 57, 80)),
+    "spring": (("box.length",), BOXES, (43, 57)),
+    "appendix_a": (("box.length",), BOXES, (43, 57)),
+    "gamma": (("plate.acceleration",), (1.2, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5), (1.5, 3.3, 5)),
+    "stiff": (STIFFNESSES, (5e5, 5e6, 5e7), (5e5, 5e6)),
+    "lossy": (("contacts.rods.restitution",), (0.3, 0.5, 0.65, 0.8, 0.9, 0.97), (0.3, 0.65, 0.9)),
+    "lone": (STIFFNESSES[:1], (5e4, 5e5, 5e6, 5e7, 5e8), (5e4, 5e5, 5e6)),
 }
 CENSUS_PERIODS = {True: 20, False: 400}  # of rows
 THROWN, THROWS = {True: 100, False: 1000}, 5  # lone rods, and their periods
 FEWEST_ISOLATED = 30  # isolated touches, below which their mean is not drawn
 CENSUS_ROW, LONE = put(read_tables("quasi2d"), {"step.size": "none"}), read_tables("single_rod")
-
-
 TABLES = {
     "regimes and company": {
         "slide": "slide",
@@ -114,48 +94,36 @@ def one_row(quick: bool) -> Sweep:
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Rows over tilt, law by law, over Gamma, stiffness and restitution; lone rods."""
     found = {}
-    for name, values in (QUICK_VALUES if quick else FULL_VALUES).items():
-        base, periods, changes = (
-            CENSUS_ROW,
-            CENSUS_PERIODS[quick],
-            CONTACTS.get(name, CONTACTS["constraint"]),
-        )
+    for name, (keys, full, few) in VARIED.items():
+        how = CENSUS_PERIODS[quick], CONTACTS.get(name, CONTACTS["constraint"]), CENSUS_ROW
         if name == "lone":  # thrown on the plate one by one, until they have fallen
-            changes = {"start.speed": 0.5, "start.drop": 0.1, "rods.count": THROWN[quick]}
-            base, periods = LONE, THROWS
-        axis = {key: [*values] for key in VARIED[name]}
-        found[name] = planned([axis], periods, changes, base, counted)
+            thrown = {"start.speed": 0.5, "start.drop": 0.1, "rods.count": THROWN[quick]}
+            how = THROWS, thrown, LONE
+        axis = {key: [*(few if quick else full)] for key in keys}
+        found[name] = planned([axis], *how, counted)
     return found
 
 
 @cache
-def reversal_tilt(friction: float = 0.3, length: float = 9.5) -> float:
+def reversal_tilt() -> float:
     """Tilt [deg] beyond which friction cannot hold the tip of the row's rods."""
-
-    def excess(tilt):
-        half = (length - 1) / 2
-        rod = ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, length / 12**0.5)
-        return critical_friction(rod) - friction
-
-    return float(np.degrees(brentq(excess, 0, 0.8)))
+    held = brentq(lambda tilt: critical_friction(paper_rod(tilt)) - FRICTION, 0, 0.8)
+    return float(np.degrees(held))
 
 
 def data(quick: bool = False) -> Data:
     """Measures over what each sweep varies: a column (value, error) each, or a number."""
     found = {"reversal_tilt_deg": np.float64(reversal_tilt())}
     for name, sweep in sweeps(quick).items():
-        found[name] = sweep.values(VARIED[name][0])
+        found[name] = sweep.values(VARIED[name][0][0])
         for measure, values in zip(STORED_MEASURES, gathered(sweep, *STORED_MEASURES), strict=True):
             found[f"{name}_{measure}"] = values
     return found
 
 
-def _curve(ax, x, pairs, colour, label=None, **kwargs) -> None:
-    """Points with their errors, joined; `open=True` for hollow ones."""
-    if kwargs.pop("open", False):
-        kwargs |= {"mfc": "white", "mew": 0.7, "ls": "--"}
-    kwargs = {"marker": "o", "ms": 3, "lw": 0.8, "elinewidth": 0.6, **kwargs}
-    ax.errorbar(x, pairs[..., 0], pairs[..., 1], color=colour, label=label, **kwargs)
+def _curve(ax, x, pairs, colour, label=None, form="o-") -> None:
+    """Points with their errors, joined; those with broken lines are hollow."""
+    points(ax, x, *pairs.T, colour, label=label, form=form, hollow="--" in form)
 
 
 SHARE = {"ylabel": "share of touches", "ylim": (0, 1.5), "yticks": np.arange(0, 1.1, 0.25)}
@@ -166,10 +134,10 @@ OPEN = ("allowed for", "o", "white")
 
 def _draw_regimes(ax, d) -> None:
     x = d["constraint_tilt"][:, 0]
-    _curve(ax, x, d["constraint_stick"], BLACK, "slip-stick", marker="s")
-    _curve(ax, x, d["constraint_reversal"], RED, "slip reversal", marker="^")
+    _curve(ax, x, d["constraint_stick"], BLACK, "slip-stick", form="s-")
+    _curve(ax, x, d["constraint_reversal"], RED, "slip reversal", form="^-")
     _curve(ax, x, d["constraint_slide"], BLUE, "slide")
-    _curve(ax, x, d["constraint_slide_number"], BLUE, "slide, by number", open=True)
+    _curve(ax, x, d["constraint_slide_number"], BLUE, "slide, by number", form="o--")
     ax.set(**SHARE)
     ax.legend(**ABOVE)
 
@@ -177,10 +145,10 @@ def _draw_regimes(ax, d) -> None:
 def _draw_company(ax, d) -> None:
     x = d["constraint_tilt"][:, 0]
     _curve(ax, x, d["constraint_shared"], BLACK, "pushed")
-    _curve(ax, x, d["constraint_shared_number"], BLACK, "by number", open=True)
-    _curve(ax, x, d["constraint_disturbed"], BLUE, f"kicked > {DISTURBED:.0%}", marker="s")
+    _curve(ax, x, d["constraint_shared_number"], BLACK, "by number", form="o--")
+    _curve(ax, x, d["constraint_disturbed"], BLUE, f"kicked > {DISTURBED:.0%}", form="s-")
     x = d["appendix_a_tilt"][:, 0]
-    _curve(ax, x, d["appendix_a_shared"], ORANGE, "Appendix A", marker="^")
+    _curve(ax, x, d["appendix_a_shared"], ORANGE, "Appendix A", form="^-")
     ax.set(**SHARE)
     ax.legend(**ABOVE)
 
@@ -188,9 +156,9 @@ def _draw_company(ax, d) -> None:
 def _draw_residual(ax, d) -> None:
     for law, colour in zip(CONTACTS, (BLACK, GREEN, ORANGE), strict=True):
         tilt, some = d[f"{law}_tilt"][:, 0], d[f"{law}_isolated_count"] >= FEWEST_ISOLATED
-        _curve(ax, tilt, d[f"{law}_pushed_residual"], colour, marker="s")
+        _curve(ax, tilt, d[f"{law}_pushed_residual"], colour, form="s-")
         _curve(ax, tilt[some], d[f"{law}_isolated_residual"][some], colour)
-        _curve(ax, tilt[some], d[f"{law}_isolated_allowed"][some], colour, open=True)
+        _curve(ax, tilt[some], d[f"{law}_isolated_allowed"][some], colour, form="o--")
         ax.plot([], [], color=colour, label=law.replace("_a", " A").replace("app", "App"))
     for label, marker, fill in (("pushed", "s", "0.4"), ("isolated", "o", "0.4"), OPEN):
         ax.plot([], [], ls="", marker=marker, ms=3, mec="0.4", mfc=fill, label=label)
@@ -201,54 +169,44 @@ def _draw_residual(ax, d) -> None:
 def _draw_shares(ax, d, sweep: str) -> None:
     """Shares of landings and errors over what a sweep changes."""
     x = d[sweep]
-    _curve(ax, x, d[f"{sweep}_shared"], GREEN, "pushed", marker="^")
+    _curve(ax, x, d[f"{sweep}_shared"], GREEN, "pushed", form="^-")
     _curve(ax, x, d[f"{sweep}_slide"], BLUE, "slide")
-    _curve(ax, x, d[f"{sweep}_slide_number"], BLUE, "slide, by number", open=True)
-    _curve(ax, x, d[f"{sweep}_pushed_residual"], BLACK, "error, pushed", marker="s")
+    _curve(ax, x, d[f"{sweep}_slide_number"], BLUE, "slide, by number", form="o--")
+    _curve(ax, x, d[f"{sweep}_pushed_residual"], BLACK, "error, pushed", form="s-")
     _curve(ax, x, d[f"{sweep}_isolated_residual"], BLACK, "error, isolated")
     ax.set(**SHARE)
     ax.set(ylabel="share; error / change", ylim=(0, 1.75))
     ax.legend(**ABOVE)
 
 
-def _draw_gamma(ax, d) -> None:
-    _draw_shares(ax, d, "gamma")
-    ax.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6))
-
-
 def _draw_duration(ax, d) -> None:
-    for sweep, part, colour, label in (
-        ("lone", "", BLUE, "lone rods"),
-        ("stiff", "isolated_", BLACK, "row, isolated"),
-    ):
-        x = d[f"{sweep}_{part}duration"][:, 0]
-        _curve(ax, x, d[f"{sweep}_{part}residual"], colour, label)
-        _curve(ax, x, d[f"{sweep}_{part}allowed"], colour, open=True)
+    looks = {"lone_": (BLUE, "lone rods"), "stiff_isolated_": (BLACK, "row, isolated")}
+    for part, look in looks.items():
+        x = d[f"{part}duration"][:, 0]
+        _curve(ax, x, d[f"{part}residual"], *look)
+        _curve(ax, x, d[f"{part}allowed"], look[0], form="o--")
     x = d["stiff_pushed_duration"][:, 0]
-    _curve(ax, x, d["stiff_pushed_residual"], BLACK, "row, pushed", marker="s")
+    _curve(ax, x, d["stiff_pushed_residual"], BLACK, "row, pushed", form="s-")
     ax.set(xlabel="contact / period", ylabel="error / change", xscale="log", yscale="log")
     ax.set(xlim=(1e-3, 0.2), ylim=(1e-7, 2))
     ax.legend(loc="lower right")
 
 
-def _draw_lossy(ax, d) -> None:
-    _draw_shares(ax, d, "lossy")
-    ax.set(xlabel="restitution between rods", xlim=(0.2, 1.05))
-
-
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.6))
     panels = {
         rf"regimes, $\Gamma={GAMMA:g}$": _draw_regimes,
         "not alone": _draw_company,
         "error of the map": _draw_residual,
-        "driving": _draw_gamma,
+        "driving": partial(_draw_shares, sweep="gamma"),
         "soft to stiff": _draw_duration,
-        "losses between rods": _draw_lossy,
+        "losses between rods": partial(_draw_shares, sweep="lossy"),
     }
-    paint(axes.flat, panels, d)
-    for ax in axes[0]:
+    figure = painted(d, panels, rows=2, figsize=(7.0, 4.6))
+    *over_tilt, gamma, _, lossy = figure.axes
+    gamma.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6))
+    lossy.set(xlabel="restitution between rods", xlim=(0.2, 1.05))
+    for ax in over_tilt:
         tilt_axis(ax, 0, 65)
         ax.axvline(d["reversal_tilt_deg"], color="0.4", lw=0.8, ls=":")
     return figure

@@ -13,10 +13,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import critical_friction, drift, spherocylinder
+from md.scene import both
 from md.sweep import Sweep
 
 from ..lib.runs import BOX, COUNT, GAMMA, LENGTH, RESTITUTION, means, planned, plate_speed_cm_s
-from ..lib.style import BLACK, BLUE, ORANGE, WARM, Data, name_panels, style
+from ..lib.style import BLACK, BLUE, ORANGE, WARM, Data, curve, name_panels, style
 from ..lib.tables import table
 
 FRICTION_MEANS = {"c_x": "c_x_cm_s", "tilt_deg": "tilt_deg"}
@@ -29,11 +30,8 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     if not quick:
         friction = [0.001, 0.004, 0.02, 0.06, 0.12, 0.2, 0.3, 0.6, 2.0]
         restitution = [0.3, 0.5, RESTITUTION, 0.8, 0.95]
-    axes = [
-        {"contacts.plate.friction": friction},
-        {"contacts.plate.restitution": restitution, "contacts.rods.restitution": restitution},
-        {"start.seed": [1, 2]},
-    ]
+    axes = [{"contacts.plate.friction": friction}, both(restitution=restitution)]
+    axes.append({"start.seed": [1, 2]})
     changes = {"box.length": BOX, "rods.inertia": "solid"}
     return {"grid": planned(axes, 30 if quick else 150, changes)}
 
@@ -44,16 +42,15 @@ def data(quick: bool = False) -> Data:
     friction = sweep.values("contacts.plate.friction")
     epsilon = sweep.values("contacts.plate.restitution")
     rod, speed = spherocylinder(np.arccos(COUNT / BOX), LENGTH), plate_speed_cm_s()
-    mu = friction[:, None]
     fine = np.geomspace(friction[0], friction[-1], 200)
-    setting = {"plate_velocity": speed / 2}
+    half = {"plate_velocity": speed / 2}
     return {
         "friction": friction,
         "restitution": epsilon,
         **means(sweep, FRICTION_MEANS),
-        "theory": drift(rod, friction=mu, restitution=epsilon, **setting).c_x,
+        "theory": drift(rod, friction=friction[:, None], restitution=epsilon, **half).c_x,
         "fine_friction": fine,
-        "fine_theory": drift(rod, friction=fine, restitution=RESTITUTION, **setting).c_x,
+        "fine_theory": drift(rod, friction=fine, restitution=RESTITUTION, **half).c_x,
         "critical": np.float64(critical_friction(rod)),
         "nominal_deg": np.degrees(np.arccos(COUNT / BOX)),
     }
@@ -77,8 +74,7 @@ def draw(d: Data) -> plt.Figure:
     a.set_ylabel(r"restitution $\epsilon$")
     figure.colorbar(mesh, ax=[a, b], label=r"$c_x$ (cm/s)", pad=0.02)
     cut = int(np.abs(d["restitution"] - RESTITUTION).argmin())
-    bars = {"fmt": "o", "ms": 3, "elinewidth": 0.7, "color": BLACK}
-    c.errorbar(d["friction"], d["c_x"][:, cut], d["c_x_error"][:, cut], label="simulated", **bars)
+    curve(c, d, "friction", "c_x", label="simulated", at=(..., cut), form="o")
     c.plot(d["fine_friction"], d["fine_theory"], color=ORANGE, label=r"theory, $V_0/2$")
     scaled = d["theory"][:, cut] * 2 * d["V_z"][:, cut]
     c.plot(d["friction"], scaled, "s-", ms=2.5, lw=0.8, color=BLUE, label=r"theory, measured $V_z$")
@@ -90,7 +86,6 @@ def draw(d: Data) -> plt.Figure:
     figure.supxlabel(
         rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$, "
         "60 Hz; constant_restitution, tangential ratio 3",
-        fontsize=7,
     )
     return figure
 

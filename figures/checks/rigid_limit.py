@@ -10,42 +10,40 @@ times lower. Crosses: every switch located (DOP853).
 """
 
 from collections.abc import Iterable
+from functools import partial
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import md
 
-from ..lib.soft_impacts import TABLE_TILTS, distance, right, rigid, simulate
+from ..lib.soft_impacts import SCENE_WORDS, from_theory
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
 from ..lib.tables import table
 
 TANGENTIAL_RATIOS = (3.0, 30.0, 300.0, 3000.0)  # tangential ratios of panel (a)
-BY_STIFFNESS = {
-    "coulomb": lambda k: md.coulomb(stiffness=k),
-    **{
-        f"constant_restitution, {ratio:g}": lambda k, ratio=ratio: md.constant_restitution(
-            stiffness=k, tangential_ratio=ratio
-        )
-        for ratio in TANGENTIAL_RATIOS
-    },
-    "appendix_a": md.appendix_a,
-    "appendix_a, dashpots without overlap": lambda k: md.appendix_a(k, overlap_factor=False),
-}
-SPRING_SERIES = (
-    (5e6, 1.0),
-    (1e12, 1.0),
-    (1e12, 0.0),
-)  # k_n and tangential damping ratio of panel (b)
+SPRING_SERIES = (5e6, 1.0), (1e12, 1.0), (1e12, 0.0)  # k_n, tangential damping of panel (b)
 GOAL = 4e-4  # the best published engine's error over tilts
 FITTED = 100.0  # from this ratio on
 
 
-def _error(law: md.Law, **how) -> tuple[float, int]:
-    """RMS error, and regimes right of 17."""
-    soft = simulate(TABLE_TILTS, law, **how)
-    theory = rigid(TABLE_TILTS, soft.restitution)
-    return distance(soft, theory), right(soft, theory)
+def _spring(k: float, ratio: float, damping: float = 1.0) -> md.Law:
+    """`constant_restitution` with this stiffness and tangential spring."""
+    return md.constant_restitution(stiffness=k, tangential_ratio=ratio, tangential_damping=damping)
+
+
+BY_STIFFNESS = {
+    "coulomb": lambda k: md.coulomb(stiffness=k),
+    **{f"constant_restitution, {r:g}": partial(_spring, ratio=r) for r in TANGENTIAL_RATIOS},
+    "appendix_a": md.appendix_a,
+    "appendix_a, dashpots without overlap": partial(md.appendix_a, overlap_factor=False),
+}
+
+
+def _errors(laws: list[list[md.Law]], **how) -> tuple[np.ndarray, np.ndarray]:
+    """RMS errors, and regimes right of 17."""
+    found = np.array([[from_theory(law, **how) for law in row] for row in laws])
+    return found[..., 0], found[..., 1].astype(int)
 
 
 def _slope(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -54,37 +52,21 @@ def _slope(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.array([line[0], np.sqrt(covariance[0, 0])])
 
 
-def _springs(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Error of constant_restitution over the tangential ratio, for each of `SPRING_SERIES`."""
-    laws = [
-        [
-            md.constant_restitution(stiffness=k, tangential_ratio=r, tangential_damping=damping)
-            for r in ratios
-        ]
-        for k, damping in SPRING_SERIES
-    ]
-    found = np.array([[_error(law) for law in row] for row in laws])
-    return found[..., 0], found[..., 1].astype(int)
-
-
 def data(quick: bool = False) -> Data:
     """Errors and regimes right, shape (laws, k_n) and (series, ratios); slopes in log-log."""
     k_n = 10.0 ** np.linspace(5, 14, 4 if quick else 10)
     ratios = np.geomspace(3, 3000, 7 if quick else 13)
-    found = np.array([[_error(BY_STIFFNESS[name](k)) for k in k_n] for name in BY_STIFFNESS])
-    error = found[..., 0]
-    half = np.array(
-        [[_error(BY_STIFFNESS[name](k), refine=64)[0] for k in k_n[::3]] for name in BY_STIFFNESS]
-    )
-    located = np.array(
-        [_error(BY_STIFFNESS["coulomb"](k), integrator="dop853")[0] for k in k_n[::3]]
-    )
-    by_ratio, right_by_ratio = _springs(ratios)
+    laws = [[law(k) for k in k_n] for law in BY_STIFFNESS.values()]
+    error, right = _errors(laws)
+    half, _ = _errors([row[::3] for row in laws], refine=64)
+    (located,), _ = _errors([laws[0][::3]], integrator="dop853")
+    springs = [[_spring(k, ratio, damping) for ratio in ratios] for k, damping in SPRING_SERIES]
+    by_ratio, right_by_ratio = _errors(springs)
     stiff = ratios >= FITTED
     return {
         "k_n": k_n,
         "error": error,
-        "right": found[..., 1].astype(int),
+        "right": right,
         "located": located,
         "half_step": np.max(abs(half / error[:, ::3] - 1), axis=1),  # relative change of the error
         "slope": _slope(k_n, error[0]),
@@ -125,38 +107,31 @@ def summary(d: Data) -> str:
 @style
 def draw(d: Data) -> plt.Figure:
     figure, (left, other) = plt.subplots(1, 2, figsize=(7.0, 3.6))
-    looks = [(BLACK, "-", "o")]
-    looks += [(BLUE, dashes, "s") for dashes in (":", "-.", "--", "-")]
-    looks += [(RED, "-", "D"), (ORANGE, "-", "v")]
-    for name, error, (colour, dashes, marker) in zip(BY_STIFFNESS, d["error"], looks, strict=True):
+    looks = [(BLACK, "o-"), *((BLUE, f"s{dashes}") for dashes in (":", "-.", "--", "-"))]
+    looks += [(RED, "D-"), (ORANGE, "v-")]
+    for name, error, (colour, form) in zip(BY_STIFFNESS, d["error"], looks, strict=True):
         label = name.replace("constant_restitution, ", "constant_restitution, ratio ")
         label = label.replace(", dashpots", ",\ndashpots")
-        left.plot(d["k_n"], error, dashes, marker=marker, color=colour, ms=3, label=label)
+        left.plot(d["k_n"], error, form, color=colour, ms=3, label=label)
     left.plot(d["k_n"][::3], d["located"], "x", color="0.5", ms=7, label="coulomb, DOP853")
     anchor = 0.4 * d["error"][0, 0] * (d["k_n"] / d["k_n"][0]) ** -0.4
     left.plot(d["k_n"], anchor, "-", color="0.6", lw=0.8)
     left.text(1e11, 9e-7, r"$k_n^{-2/5}$", ha="center", color="0.4")
     left.set(xscale="log", yscale="log", ylim=(1e-7, 1))
     left.set(xlabel=r"stiffness $k_n$ ($mg/d^{3/2}$)", ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$")
-    series_looks = ((GREEN, "--", "^"), (BLUE, "-", "s"), (RED, "-.", "D"))
-    for (k, damping), error, (slope, _), (colour, dashes, marker) in zip(
-        SPRING_SERIES, d["error_by_ratio"], d["slope_by_ratio"], series_looks, strict=True
-    ):
+    series = zip(SPRING_SERIES, d["error_by_ratio"], d["slope_by_ratio"], strict=True)
+    looks = (GREEN, "^--"), (BLUE, "s-"), (RED, "D-.")
+    for ((k, damping), error, (slope, _)), (colour, form) in zip(series, looks, strict=True):
         power = int(np.log10(k))
         digits = rf"10^{{{power}}}" if k == 10**power else rf"{k / 10**power:g}\times10^{power}"
         label = rf"$k_n={digits}$, damping ratio {damping:g}, slope {slope:.2f}"
-        other.plot(d["ratio"], error, dashes, marker=marker, color=colour, ms=3, label=label)
-    guide = 2.2e-2 * np.sqrt(3 / d["ratio"])
-    other.plot(d["ratio"], guide, "-", color="0.6", lw=0.8)
+        other.plot(d["ratio"], error, form, color=colour, ms=3, label=label)
+    other.plot(d["ratio"], 2.2e-2 * np.sqrt(3 / d["ratio"]), "-", color="0.6", lw=0.8)
     other.text(60, 2.9e-3, r"ratio$^{-1/2}$", ha="right", color="0.4")
     other.set(xscale="log", yscale="log", ylim=(2e-4, 0.3))
     other.set(xlabel=r"tangential stiffness over $k_n\delta^{1/2}$")
     name_panels((left, other), (f"coulomb: slope {d['slope'][0]:.3f}", "constant_restitution"))
     for ax in (left, other):
         ax.legend(fontsize=5.8, loc="lower left", labelspacing=0.3)
-    figure.supxlabel(
-        r"$\mu=0.4$, $-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia;"
-        r" theory at the measured restitution",
-        fontsize=7,
-    )
+    figure.supxlabel(f"{SCENE_WORDS}; theory at the measured restitution")
     return figure

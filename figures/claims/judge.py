@@ -22,7 +22,6 @@ import numpy as np
 
 import md
 from impact._generated import DIGEST
-from md.simulation import finite
 from md.sources import digest
 
 from .uncertainty import Number, resampled
@@ -50,10 +49,10 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
     """
     from . import measure_annulus, measure_rows, over_tilt  # late: pages need no compiled code
 
-    names = {
-        name.partition(".")[2]: name for name in over_tilt.NUMBERS if name.startswith(f"{claim}.")
-    }
-    found = {k: resampled(evidence.over_tilt, over_tilt.NUMBERS[n]) for k, n in names.items()}
+    found = {}
+    for name, number in over_tilt.NUMBERS.items():
+        if name.startswith(f"{claim}."):
+            found[name.partition(".")[2]] = resampled(evidence.over_tilt, number)
     for name, function in {**vars(measure_rows), **vars(measure_annulus)}.items():
         if name.startswith(f"{claim}_"):
             found |= function(evidence)
@@ -91,8 +90,7 @@ def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
     try:
         measured = measure(claim["id"], evidence)
     except NO_DATA as failure:
-        reason = " ".join(str(failure).split())
-        trouble = f"{type(failure).__name__}: {reason}"
+        trouble = f"{type(failure).__name__}: {' '.join(str(failure).split())}"
         return {**claim, "verdict": MISSING, "trouble": trouble}
     rows = []
     for limits in claim["numbers"]:
@@ -129,24 +127,8 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
         bar.set_postfix_str(claim["id"])
         judged.append(_judged(claim, evidence))
     made = {name: value for name, value in machine().items() if name != "threads"}
-    made |= {
-        "system": platform.system(),
-        "md": digest(annulus=True, tolerance=True),
-        "impact": DIGEST,
-        "quick": quick,
-    }
-    return {"provenance": made, "claims": judged}
-
-
-def plain(report: dict[str, Any]) -> dict[str, Any]:
-    """The report for JSON, which has neither nan nor inf."""
-
-    def cleaned(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {key: cleaned(inner) for key, inner in value.items()}
-        return [cleaned(inner) for inner in value] if isinstance(value, list) else finite(value)
-
-    return cleaned(report)
+    made |= {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
+    return {"provenance": {**made, "impact": DIGEST, "quick": quick}, "claims": judged}
 
 
 TEXTS = ("id", "verdict", "says", "figure", "trouble")

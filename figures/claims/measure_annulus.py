@@ -12,7 +12,7 @@ from ..lib import runs
 from ..paper import fig02, fig04
 from .evidence import Evidence
 from .over_tilt import CLEAR
-from .uncertainty import Number, count, off_line, onset, resampled, standard
+from .uncertainty import Number, bend, count, crossing, entry, onset, resampled, standard
 
 Numbers = dict[str, Number]
 VISIBLE = 0.02  # of the drift at the largest Gamma: what can be seen to move in a figure
@@ -40,15 +40,12 @@ def S5_drift_over_gamma(data: Evidence) -> Numbers:
     def lines(d):
         return np.polyfit(gamma[far], d["gamma_c_x"][far], 1)
 
-    def bend(d):
-        return max(off_line(gamma[far], y) / y.mean() for y in d["gamma_c_x"][far].T)
-
     half = np.mean([number.error for number in begins])
     return {
         "onset": Number(np.mean(values), half, "half interval"),
         "first": count(min(values)),
         "last": count(max(values)),
-        "bend": resampled(d, bend),
+        "bend": resampled(d, lambda d: max(bend(gamma[far], y) for y in d["gamma_c_x"][far].T)),
         "slope": resampled(d, lambda d: lines(d)[0].mean()),
         "zero": resampled(d, lambda d: np.mean(-lines(d)[1] / lines(d)[0])),
     }
@@ -56,15 +53,10 @@ def S5_drift_over_gamma(data: Evidence) -> Numbers:
 
 def S6_walls(data: Evidence) -> Numbers:
     d = data.figure("fig04")
-
-    def paper(d):
-        smooth, rough = np.interp([0, 0.3], d["wall"], d["wall_c_x"])
-        return smooth / rough
-
     return {
         "rise": resampled(d, lambda d: np.diff(d["wall_c_x"]).max() / d["wall_c_x"].max()),
         "all": resampled(d, lambda d: d["wall_c_x"][-1] / d["wall_c_x"][0]),
-        "paper": resampled(d, paper),
+        "paper": resampled(d, lambda d: np.divide(*np.interp([0, 0.3], d["wall"], d["wall_c_x"]))),
     }
 
 
@@ -77,23 +69,15 @@ def S8_zigzag(data: Evidence) -> Numbers:
     def first(d, values):
         """Tilt at which the values first become negative, between two numbers of rods."""
         rank = np.argsort(d["mean"])
-        tilt, values = d["mean"][rank], values[rank]
-        j = int(np.argmax(values < 0))
-        if values[j] >= 0:
-            return np.inf
-        i = max(j - 1, 0)
-        return float(np.interp(0, values[[j, i]], tilt[[j, i]]) if i < j else tilt[0])
-
-    def one(name, at):
-        return standard(d[name][at], d[f"{name}_error"][at])
+        return crossing(d["mean"][rank], values[rank], 0)
 
     return {
-        "order": one("zigzag", best),
-        "tilt": one("mean", best),
+        "order": entry(d, "zigzag", best),
+        "tilt": entry(d, "mean", best),
         "broken": resampled(d, lambda d: first(d, d["zigzag"] - HALF_ORDER), "mean", "zigzag"),
         "appears": resampled(d, lambda d: first(d, REGION_DEG - d["contrast"]), "mean", "contrast"),
-        "leaning": one("mean", at),
-        **{name: one(name, at) for name in ("share", "contrast", "spread")},
+        "leaning": entry(d, "mean", at),
+        **{name: entry(d, name, at) for name in ("share", "contrast", "spread")},
     }
 
 
@@ -140,35 +124,29 @@ def S20_rolling(data: Evidence) -> Numbers:
 def E1_geometry(data: Evidence) -> Numbers:
     scene, d = runs.ANNULUS_SCENE, data.figure("fig04")
     gap, length = scene.annulus, scene.rods.length
-
-    def leaning(at):
-        return standard(d["still_tilt"][at], d["still_tilt_error"][at])
-
     return {
         "flat": Number(np.degrees(largest_tilt(gap, length, flat=True))),
         "round": Number(np.degrees(largest_tilt(gap, length, flat=False))),
-        "steepest": leaning(d["count"].argmin()),
-        "most": leaning(d["count"].argmax()),
+        "steepest": entry(d, "still_tilt", d["count"].argmin()),
+        "most": entry(d, "still_tilt", d["count"].argmax()),
     }
 
 
 def E2_map_of_drift(data: Evidence) -> Numbers:
     d = data.figure("fig02")
     gamma, kind = d["gamma"], d["kind"]
-    row, annulus = _reverse(d), _reverse(d, "ring_")
+    row, annulus = reverse_drift(d), reverse_drift(d, "ring_")
     back = (kind == -1).any(axis=1)
     return {
-        "onset": row["onset"],
+        "points": row.pop("back"),
+        **row,
         "early": count(np.mean(kind[gamma < 1.5] == 1)),
-        "points": row["back"],
-        "slower": row["slower"],
         "end": onset(gamma, ~back) if back.any() else count(np.inf),
-        "follows": row["follows"],
         **{f"ring_{key}": number for key, number in annulus.items()},
     }
 
 
-def _reverse(d: dict, prefix: str = "") -> Numbers:
+def reverse_drift(d: dict, prefix: str = "") -> Numbers:
     """Onset of forward drift, points of reverse drift, and the fastest of them.
 
     slower : over the median drift at the largest Gamma

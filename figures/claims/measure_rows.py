@@ -16,8 +16,20 @@ from ..lib import soft_impacts as soft
 from ..paper import fig12, fig13
 from . import over_tilt
 from .evidence import Evidence
+from .measure_annulus import reverse_drift
 from .over_tilt import CLEAR
-from .uncertainty import Number, count, off_line, onset, resampled, rms, standard
+from .uncertainty import (
+    Number,
+    bend,
+    count,
+    crossing,
+    entry,
+    off_line,
+    onset,
+    resampled,
+    rms,
+    standard,
+)
 
 Numbers = dict[str, Number]
 
@@ -63,14 +75,10 @@ def S7_friction(data: Evidence) -> Numbers:
 def S9_over_gamma(data: Evidence) -> Numbers:
     d = data.figure("fig13")
     f, far = fig13.fits(d), d["gamma"] >= 2
-
-    def bend(d):
-        return off_line(d["gamma"][far], d["b_c_x"][far]) / d["b_c_x"][far].mean()
-
     return {
         "power": standard(f["power"], f["power_error"]),
         "onset": onset(d["gamma"], d["b_c_x"] > CLEAR * d["b_c_x_error"]),
-        "bend": resampled(d, bend),
+        "bend": resampled(d, lambda d: bend(d["gamma"][far], d["b_c_x"][far])),
         "slope": standard(f["line_slope"], f["line_slope_error"]),
         "zero": resampled(d, lambda d: fig13.fits(d)["line_from"], "b_c_x"),
     }
@@ -123,17 +131,14 @@ def S17_over_length(data: Evidence) -> Numbers:
         return -at / slope
 
     def saturation(d):
-        level = 0.9 * d["c_c_x"][long].mean()
-        j = int(np.argmax(d["c_c_x"] >= level))
-        before = max(j - 1, 0)
-        return np.interp(level, d["c_c_x"][[before, j]], length[[before, j]])
+        return crossing(length, -d["c_c_x"], -0.9 * d["c_c_x"][long].mean())
 
-    def bend(d):
+    def off(d):
         return off_line(length[grows], d["c_c_x"][grows]) / d["c_c_x"][grows][-1]
 
     return {
         "zero": resampled(d, zero),
-        "bend": resampled(d, bend),
+        "bend": resampled(d, off),
         "saturation": resampled(d, saturation),
         "spread": resampled(d, lambda d: np.ptp(d["c_c_x"][long]) / d["c_c_x"][long].mean()),
         "peak": resampled(d, lambda d: length[d["c_c_x"].argmax()]),
@@ -160,29 +165,24 @@ def S23_onset(data: Evidence) -> Numbers:
     d, grid, lone = (data.figure(name) for name in ("fig13", "fig02", "alpha"))
     gamma, near = d["gamma"], d["gamma"] <= 1.4
 
-    def bend(d):
+    def off(d):
         x, y = gamma[near] - 1, (gamma * d["b_V_z"])[near]  # V_0 grows with Gamma
         return rms(y - (x @ y) / (x @ x) * x) / rms(y)
 
-    early = grid["gamma"] <= 1.6
-    kind, sign = grid["kind"], np.sign(grid["V_z"])
-    clear = kind[early] != 0
+    reverse, kind, sign = reverse_drift(grid), grid["kind"], np.sign(grid["V_z"])
     found = {
         "zero": onset(gamma, d["b_V_z"] > 0),
-        "bend": resampled(d, bend),
+        "bend": resampled(d, off),
         "lowest": resampled(d, lambda d: d["b_V_z"][near].min()),
-        "agree": count(np.mean((kind == sign)[early][clear]) if clear.any() else np.nan),
-        "backwards": count((kind < 0).sum()),
+        "agree": reverse["follows"],
+        "backwards": reverse["back"],
         "backwards_negative": count(((kind < 0) & (sign < 0)).sum()),
         "negative": count((sign < 0).sum()),
     }
-    alpha, c_x = lone["gamma_alpha_impulse"], lone["gamma_drift"]
-    for key, name, values in (
-        ("lone_lowest", "gamma_alpha_impulse", alpha),
-        ("lone_drift", "gamma_drift", np.where(alpha < 0, c_x, np.nan)),
-    ):
-        at = np.unravel_index(np.nanargmin(values), values.shape)
-        found[key] = standard(values[at], lone[f"{name}_error"][at])
+    falling = np.where(lone["gamma_alpha_impulse"] < 0, 1, np.nan)
+    for key, name in ("lone_lowest", "gamma_alpha_impulse"), ("lone_drift", "gamma_drift"):
+        at = np.unravel_index(np.nanargmin(falling * lone[name]), falling.shape)
+        found[key] = entry(lone, name, at)
     return found
 
 
@@ -190,8 +190,8 @@ def S24_tilt_over_gamma(data: Evidence) -> Numbers:
     d = data.figure("fig13")
     return {
         "spread": resampled(d, lambda d: np.ptp(d["b_tilt"])),
-        "low": standard(d["b_tilt"][0], d["b_tilt_error"][0]),
-        "high": standard(d["b_tilt"][-1], d["b_tilt_error"][-1]),
+        "low": entry(d, "b_tilt", 0),
+        "high": entry(d, "b_tilt", -1),
     }
 
 
@@ -201,11 +201,9 @@ SLIPPERY = 2e-3  # friction of the plate
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Runs that no figure shows: over frequency and tilt; long ones on a slippery plate."""
-    axes = [
-        {"plate.frequency_hz": [50, 100] if quick else [*FREQUENCIES_HZ]},
-        {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)},
-        {"start.seed": [1, 2] if quick else [1, 2, 3]},
-    ]
+    frequencies, seeds = ([50, 100], [1, 2]) if quick else ([*FREQUENCIES_HZ], [1, 2, 3])
+    axes = [{"plate.frequency_hz": frequencies}, {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)}]
+    axes.append({"start.seed": seeds})
     long = {"box.length": phase_friction.BOX, "rods.inertia": "solid"}
     long["contacts.plate.friction"] = SLIPPERY
     return {
@@ -224,14 +222,11 @@ def S25_frequency(data: Evidence) -> Numbers:
         scaled = d["c_x"] / speed
         return (scaled.max(axis=0) / scaled.min(axis=0)).max()
 
-    def trend(d):
-        return (d["c_x"][-1] / d["c_x"][0] * speed[0] / speed[-1]).mean()
-
     return {
         "forward": count(np.mean(d["c_x"] > CLEAR * d["c_x_error"])),
         "factor": resampled(d, factor),
         "regimes": resampled(d, lambda d: max(np.ptp(d[name], axis=0).max() for name in regimes)),
-        "trend": resampled(d, trend),
+        "trend": resampled(d, lambda d: (d["c_x"][-1] / d["c_x"][0] * speed[0] / speed[-1]).mean()),
     }
 
 
@@ -270,11 +265,10 @@ def S26_without_friction(data: Evidence) -> Numbers:
 
 def E3_flat_end(data: Evidence) -> Numbers:
     d = data.figure("tip_shape")
-    setting = {"friction": rows.FRICTION, "restitution": rows.RESTITUTION}
     tilt, edge = d["tilt"], float(d["flat_threshold"])
     length, at = float(d["length"]), np.radians(28)
     pair = (make(at, length) for make in (flat_ended_rod, spherocylinder))
-    flat, whole = (drift(rod, **setting).c_x for rod in pair)
+    flat, whole = (drift(rod, **rows.SETTING).c_x for rod in pair)
     beyond, below = tilt > edge, (tilt > 0) & (tilt < edge)
     return {
         "threshold": Number(np.degrees(edge)),

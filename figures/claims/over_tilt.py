@@ -12,8 +12,8 @@ import numpy as np
 from impact import drift, thin_rod
 from md.sweep import Sweep
 
-from ..lib.runs import FRICTION, RESTITUTION, means, plate_speed_cm_s
-from .uncertainty import rms
+from ..lib.runs import SETTING, means, plate_speed_cm_s
+from .uncertainty import crossing, rms
 
 SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one above the other
 CLEAR = 3.0  # standard errors from which on a drift counts as one
@@ -53,8 +53,8 @@ def table(sweep: Sweep, nominal: np.ndarray) -> dict[str, np.ndarray]:
 @cache
 def _theory() -> tuple[np.ndarray, np.ndarray]:
     """Tilts [deg], and the drift [cm/s] of a thin rod there, with V_z = V_0/2."""
-    tilt, setting = np.linspace(0.5, 89.5, 357), {"friction": FRICTION, "restitution": RESTITUTION}
-    return tilt, drift(thin_rod(np.radians(tilt)), **setting).c_x * plate_speed_cm_s() / 2
+    tilt = np.linspace(0.5, 89.5, 357)
+    return tilt, drift(thin_rod(np.radians(tilt)), **SETTING).c_x * plate_speed_cm_s() / 2
 
 
 def theory(tilt_deg: np.ndarray) -> np.ndarray:
@@ -73,12 +73,9 @@ def _large(d: Table, name: str) -> float:
 def change_tilt(d: Table) -> float:
     """Tilt at which flights pass half way from the longest to one period; inf if they never do."""
     flight = d["flight"]
-    level = (flight[0] + 1) / 2
-    below = np.flatnonzero(flight < level)
-    if not len(below) or flight[0] <= 1 or not np.isfinite(flight).all():
+    if flight[0] <= 1 or not np.isfinite(flight).all():
         return np.inf
-    j = below[0]
-    return float(np.interp(level, flight[[j, j - 1]], d["nominal"][[j, j - 1]]))
+    return crossing(d["nominal"], flight, (flight[0] + 1) / 2)
 
 
 def _sharp(d: Table) -> float:

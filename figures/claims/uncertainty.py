@@ -1,7 +1,7 @@
 """A measured number with its error; how errors of arrays carry over to what is made of them."""
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,11 @@ def count(value: float) -> Number:
 def standard(value: float, error: float) -> Number:
     """A value with its standard error."""
     return Number(value, error, "standard error")
+
+
+def entry(d: Mapping, name: str, at: Any) -> Number:
+    """An entry of an array with its standard error; `at`: its index."""
+    return standard(d[name][at], d[f"{name}_error"][at])
 
 
 class _Watched(dict):
@@ -69,6 +74,15 @@ def onset(x: np.ndarray, begun: np.ndarray) -> Number:
     return Number((x[j] + x[j + 1]) / 2, (x[j + 1] - x[j]) / 2, "half interval")
 
 
+def crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:
+    """Place between two points at which `y` first falls below a level; inf if it never does."""
+    below = np.flatnonzero(y < level)
+    if not below.size:
+        return np.inf
+    ends = [below[0], max(below[0] - 1, 0)]
+    return float(np.interp(level, y[ends], x[ends]))
+
+
 def rms(values: np.ndarray) -> float:
     """Root mean square."""
     return float(np.sqrt(np.mean(values**2)))
@@ -77,3 +91,8 @@ def rms(values: np.ndarray) -> float:
 def off_line(x: np.ndarray, y: np.ndarray) -> float:
     """Root-mean-square distance of the points from the best straight line."""
     return rms(np.polyval(np.polyfit(x, y, 1), x) - y)
+
+
+def bend(x: np.ndarray, y: np.ndarray) -> float:
+    """The same over the mean of the points."""
+    return off_line(x, y) / y.mean()

@@ -26,7 +26,7 @@ from md.statistics import standard_error
 from md.sweep import Point, Sweep
 
 from ..lib.runs import computed, gathered, measured_by
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style
 from ..lib.tables import columned
 from ..lib.timing import machine_line, seconds_per_period
 
@@ -203,29 +203,27 @@ def _draw_runs(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.0), width_ratios=(1.25, 1, 1))
     panels = {"drift of the row": panel, "bias of the step": _draw_bias}
-    paint(axes, panels | {"by tolerance, 95 %": _draw_runs}, d)
+    panels |= {"by tolerance, 95 %": _draw_runs}
+    figure = painted(d, panels, figsize=(7.0, 3.0), width_ratios=(1.25, 1, 1))
     one = [f"{t:.2g} s at {name}" for t, name in zip(to_reach(d, 0.01), _labels(d), strict=True)]
-    figure.supxlabel(
-        "an error of 1 % (one standard error): " + ", ".join(one).replace("inf s", "never"),
-        fontsize=5.5,
-    )
+    words = f"an error of 1 % (one standard error): {', '.join(one)}".replace("inf s", "never")
+    figure.supxlabel(words, fontsize=5.5)
     return figure
 
 
 def summary(d: Data) -> str:
     """Prices, biases, what 1 % and 0.3 % take, what runs to a tolerance took."""
     bias = [f"{b:+.2%} ± {e:.2%}" for b, e in zip(d["bias"], d["bias_error"], strict=True)]
-    columns = {"step": d["dt"], "a contact": d["per_contact"], "ms/period": 1e3 * d["seconds"]}
-    columns |= {"noise of a period": [f"{x:.1%}" for x in d["noise"]], "bias": bias}
-    columns |= {"1 % takes, s": to_reach(d, 0.01), "0.3 %": to_reach(d, 0.003)}
-    lines = [
-        f"{machine_line(float(d['load']))}; 1 core used",
-        f"c_x = {d['truth']:.5f} ± {d['truth_error']:.5f} sqrt(g d)",
-        columned(columns, ".3g"),
-    ]
+    steps = {"step": d["dt"], "a contact": d["per_contact"], "ms/period": 1e3 * d["seconds"]}
+    steps |= {"noise of a period": [f"{x:.1%}" for x in d["noise"]], "bias": bias}
+    steps |= {"1 % takes, s": to_reach(d, 0.01), "0.3 %": to_reach(d, 0.003)}
     asked, had = ([f"{x:.2%}" for x in d[name]] for name in ("tolerance", "run_error"))
-    columns = {"tolerance, 95 %": asked, "steps a contact": d["run_per_contact"]}
-    columns |= {"periods": d["run_periods"], "seconds": d["run_seconds"], "error it had": had}
-    return "\n".join([*lines, columned(columns, (2, 1, 0, 2, 2))])
+    runs = {"tolerance, 95 %": asked, "steps a contact": d["run_per_contact"]}
+    runs |= {"periods": d["run_periods"], "seconds": d["run_seconds"], "error it had": had}
+    return "\n".join([
+        f"{machine_line(d['load'])}; 1 core used",
+        f"c_x = {d['truth']:.5f} ± {d['truth_error']:.5f} sqrt(g d)",
+        columned(steps, ".3g"),
+        columned(runs, (2, 1, 0, 2, 2)),
+    ])  # fmt: skip

@@ -20,9 +20,10 @@ from matplotlib.axes import Axes
 import md
 from md.laws import contact_time
 
+from ..claims.uncertainty import rms
 from ..lib.impact_times import impact_call, price, rigid_seconds
 from ..lib.soft_impacts import TABLE_TILTS
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, paint, style
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style
 from ..lib.tables import columned, table
 from ..lib.timing import machine_line
 from .impact_errors import (
@@ -51,11 +52,8 @@ def _other_laws(parts: np.ndarray) -> Data:
     for law in OTHERS.values():
         fine = contact_time(law, 1.0) / (16 * parts[-1])
         error.append(fixed_steps(law, parts, velocities(law, integrator="verlet", dt=fine)[0])[0])
-    return {
-        "other_parts": parts,
-        "other_error": np.array(error),
-        "other_order": np.array([[order(parts, row) for row in rows] for rows in error]),
-    }
+    orders = [[order(parts, row) for row in rows] for rows in error]
+    return {"other_parts": parts, "other_error": np.array(error), "other_order": np.array(orders)}
 
 
 def gear_from_leapfrog() -> np.ndarray:
@@ -68,11 +66,9 @@ def gear_from_leapfrog() -> np.ndarray:
         hits = [one_impact(tilt, law, integrator=method, dt=PAPER_STEP) for tilt in TABLE_TILTS]
         return np.array([(hit.c_x, hit.c_z) for hit in hits])
 
-    rows = []
-    for law in (LAW, OTHERS["appendix_a"]):
-        off = np.hypot(*(after(law, "gear") - after(law, "leapfrog")).T)
-        rows.append((np.sqrt(np.mean(off**2)), off.max()))
-    return np.array(rows)
+    laws = LAW, OTHERS["appendix_a"]
+    off = [np.hypot(*(after(law, "gear") - after(law, "leapfrog")).T) for law in laws]
+    return np.array([(rms(one), one.max()) for one in off])
 
 
 def _step_seconds(runs: int) -> np.ndarray:
@@ -92,9 +88,8 @@ def data(quick: bool = False) -> Data:
     parts = 10.0 * (4 ** np.arange(6) if quick else 2 ** np.arange(14))
     tolerances = 10.0 ** -np.arange(3, 14, 2 if quick else 1)
     load = os.getloadavg()[0]
-    true, located = (
-        velocities(LAW, integrator="dop853", tolerance=tolerance)[0] for tolerance in (1e-14, 1e-13)
-    )
+    located = [velocities(LAW, integrator="dop853", tolerance=t)[0] for t in (1e-14, 1e-13)]
+    true = located[0]
     fixed = fixed_steps(LAW, parts, true)
     whole = contact_time(LAW, 1.0)
     calls = [
@@ -110,7 +105,7 @@ def data(quick: bool = False) -> Data:
         "fixed_seconds": seconds,
         "fixed_steps": steps,
         "order": np.array([order(parts, row) for row in fixed[0]]),
-        "floor": np.hypot(*(located - true).T).max(),
+        "floor": np.hypot(*(located[1] - true).T).max(),
         "tolerance": tolerances,
         **adaptive(LAW, tolerances, true, runs),
         **_other_laws(parts[parts < 3e3]),
@@ -131,15 +126,13 @@ def choices(d: Data, target: float) -> dict[str, tuple[float, str]]:
     """
     found = {}
     for i, method in enumerate(METHODS):
-        error, seconds = d["fixed_error"][0, i], d["fixed_seconds"][i]
-        enough = reached(d["parts"], error, target)
+        parts, error, seconds = d["parts"], d["fixed_error"][0, i], d["fixed_seconds"][i]
+        enough = reached(parts, error, target)
         if np.isnan(enough):
             j = np.nanargmin(error)
-            found[method] = np.inf, f"{error[j]:.0e} at t_c/{d['parts'][j]:.0f}"
+            found[method] = np.inf, f"{error[j]:.0e} at t_c/{parts[j]:.0f}"
         else:
-            known = np.isfinite(seconds)
-            axes = np.log(enough), np.log(d["parts"][known]), np.log(seconds[known])
-            cost = np.exp(np.interp(*axes))
+            cost = np.exp(np.interp(np.log(enough), np.log(parts), np.log(seconds)))
             found[method] = float(cost), f"t_c/{enough:.0f}"
     # Not for a tolerance that only happens to do: all smaller ones have to as well.
     enough = np.logical_and.accumulate((d["adaptive_error"][0] <= target)[::-1])[::-1]
@@ -163,47 +156,40 @@ def _advice(d: Data) -> list[str]:
     for target in TARGETS:
         found = choices(d, target)
         best = min(found, key=lambda method: found[method][0])
-        others = {method: value for method, value in found.items() if method != best}
-        also = [f"{m} {_time(cost)}" for m, (cost, _) in others.items() if cost < np.inf]
-        fails = [f"{m} ({text})" for m, (cost, text) in others.items() if cost == np.inf]
-        seconds, how = found[best]
-        lines.append(
-            f"{target:.0e}: {best}, {how}, {_time(seconds)}"
-            + (f"; {', '.join(also)}" if also else "")
-            + (f"; too coarse: {', '.join(fails)}" if fails else "")
-        )
+        seconds, how = found.pop(best)
+        also = [f"{m} {_time(cost)}" for m, (cost, _) in found.items() if cost < np.inf]
+        fails = [f"{m} ({text})" for m, (cost, text) in found.items() if cost == np.inf]
+        parts = [f"{best}, {how}, {_time(seconds)}", ", ".join(also)]
+        parts.append(f"too coarse: {', '.join(fails)}" if fails else "")
+        lines.append(f"{target:.0e}: {'; '.join(filter(None, parts))}")
     return lines
 
 
 def summary(d: Data) -> str:
     """Advice, orders, prices, models; all generated from the numbers."""
-    middle = [reached(d["parts"], row, 1e-3) for row in d["fixed_error"][1]]
+    steps = [reached(d["parts"], row, 1e-3) for row in d["fixed_error"][1]]
+    middle = (f"{m} t_c/{x:.0f}" for m, x in zip(METHODS, steps, strict=True))
     small = np.flatnonzero(d["adaptive_error"][0] <= 1e-12)
     reach = f"{d['evaluations'][small[0]]} evaluations" if small.size else "not reached"
-    rows = [
-        (name, *np.ravel([orders, 1e9 * seconds], order="F"))
-        for name, orders, seconds in zip(
-            ("coulomb", *OTHERS), [d["order"], *d["other_order"]], d["step_seconds"], strict=True
-        )
-    ]
+    orders = np.array([d["order"], *d["other_order"]])
+    cells = np.stack([orders, 1e9 * d["step_seconds"]], axis=-1).reshape(len(orders), -1)
+    rows = [(name, *row) for name, row in zip(("coulomb", *OTHERS), cells, strict=True)]
     heads = [f"{method}: {what}" for method in METHODS for what in ("order", "ns a step")]
     rms, largest = d["gear_from_leapfrog"].T
     apart = {"law": ("coulomb", "appendix_a"), "RMS": rms, "largest": largest}
     ladders = [
         (name, f"{word} {value:.0e}", error, int(hits), f"t_c/{parts:.3g}", _time(seconds))
         for name, (_, _, word) in LADDERS.items()
-        for value, error, hits, parts, seconds in zip(
-            *(d[f"{name}_{key}"] for key in ("value", "error", "right", "parts", "seconds")),
-            strict=True,
+        for value, error, hits, parts, seconds in np.transpose(
+            [d[f"{name}_{key}"] for key in ("value", "error", "right", "parts", "seconds")]
         )
     ]
     part = contact_time(LAW, 1.0) / PAPER_STEP
     return "\n".join([
-        f"{machine_line(float(d['load']))}; 1 core used; medians of {d['runs']} runs",
+        f"{machine_line(d['load'])}; 1 core used; medians of {d['runs']} runs",
         "integration error wanted (largest of 6 tilts and 24 offsets): cheapest way (others)",
         *_advice(d),
-        "1e-3 in the median: "
-        + ", ".join(f"{m} t_c/{x:.0f}" for m, x in zip(METHODS, middle, strict=True)),
+        "1e-3 in the median: " + ", ".join(middle),
         f"1e-12: dop853, {reach}; the references at 1e-13 and 1e-14 differ by {d['floor']:.0e}",
         table(("law", *heads), rows),
         f"Gear from leapfrog at the paper's step, {PAPER_STEP:g} = t_c/{part:.0f}",
@@ -232,20 +218,18 @@ def _draw_integration(ax: Axes, d: Data, x: np.ndarray) -> None:
 def _draw_steps(ax: Axes, d: Data) -> None:
     _draw_integration(ax, d, np.broadcast_to(1 / d["parts"], d["fixed_steps"].shape))
     lift = {"leapfrog": 1.0, "verlet": 0.35, "gear": 3.0}
+    small = {"fontsize": 6.5}
     for i, (method, (colour, _)) in enumerate(_LOOKS.items()):
-        ax.annotate(
-            f"{d['order'][i]:.2f}",
-            (0.8 / d["parts"][-1], lift[method] * d["fixed_error"][0, i, -1]),
-            color=colour, fontsize=6.5, ha="right", va="center",
-        )  # fmt: skip
+        at = 0.8 / d["parts"][-1], lift[method] * d["fixed_error"][0, i, -1]
+        ax.text(*at, f"{d['order'][i]:.2f}", color=colour, ha="right", va="center", **small)
     ax.axvline(1 / 50, color="0.55", lw=0.8, ls="-.")
-    ax.text(1 / 60, 1e-8, r"$t_c/50$", ha="right", fontsize=6.5)
-    ax.text(4e-6, 2 * d["floor"], "the reference's own error", fontsize=6.5)
-    ax.text(4e-6, 2e-16, "half an ulp", fontsize=6.5)
+    ax.text(1 / 60, 1e-8, r"$t_c/50$", ha="right", **small)
+    ax.text(4e-6, 2 * d["floor"], "the reference's own error", **small)
+    ax.text(4e-6, 2e-16, "half an ulp", **small)
     ax.set(xlabel=r"step $\Delta t/t_c$", xlim=(1.5e-6, 0.3))
     ax.set_ylabel(r"$|\Delta\mathbf{c}'|/|c_z|$, integration")
-    ax.text(0.03, 0.97, "order at each curve;\nfilled: largest, open: median", fontsize=6.5,
-            transform=ax.transAxes, va="top")  # fmt: skip
+    words = "order at each curve;\nfilled: largest, open: median"
+    ax.text(0.03, 0.97, words, transform=ax.transAxes, va="top", **small)
 
 
 def _draw_time(ax: Axes, d: Data) -> None:
@@ -271,8 +255,8 @@ def _draw_models(ax: Axes, d: Data) -> None:
             look = {"ha": "left" if side > 0 else "right", "color": colour, **BESIDE}
             ax.annotate(digits, (time[j], error[j]), (4 * side, 0), **look)
     ax.axvline(1e6 * d["rigid_seconds"], color="0.55", lw=0.8, ls="--")
-    beside = {"fontsize": 6.5, "rotation": 90, "ha": "right"}
-    ax.text(0.97e6 * d["rigid_seconds"], 2e-5, "rigid map, compiled", **beside)
+    upright = {"fontsize": 6.5, "rotation": 90, "ha": "right"}
+    ax.text(0.97e6 * d["rigid_seconds"], 2e-5, "rigid map, compiled", **upright)
     ax.set(xscale="log", yscale="log", xlabel="time per impact (µs)", ylim=(1e-7, 10))
     ax.set(xlim=(0.007, 300), ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$, model")
     ax.legend(loc="upper center", fontsize=6, labelspacing=0.3)
@@ -280,9 +264,8 @@ def _draw_models(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.9), width_ratios=(1, 1, 1))
     panels = {"integration, steps": _draw_steps, "integration, time": _draw_time}
-    paint(axes, panels | {"model, time": _draw_models}, d)
+    figure = painted(d, panels | {"model, time": _draw_models}, figsize=(7.0, 3.9))
     words = ["cheapest way to an integration error (a, b); others that do; others that do not"]
     figure.supxlabel("\n".join(words + _advice(d)), fontsize=6)
     return figure

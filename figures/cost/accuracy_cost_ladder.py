@@ -30,6 +30,7 @@ from ..lib.runs import (
     FRICTION,
     GAMMA,
     RESTITUTION,
+    SETTING,
     gathered,
     over_seeds,
     paper_rod,
@@ -44,21 +45,14 @@ USUAL_STEPS = 36  # steps a contact
 
 PRINTED = both(law="appendix_a", restitution="none")
 CONSTRAINT = {"contacts.plate.law": "coulomb"}
-ROWS = {  # group: label: (steps a contact, what the scene changes)
-    "step": {rf"$t_c/{n}$": (n, {}) for n in (13, 18, 25, USUAL_STEPS, 72)},
-    "stiffness": {
-        rf"$k_n=5\cdot10^{n}$": (USUAL_STEPS, both(stiffness=5.0 * 10**n)) for n in (3, 4, 5, 7)
-    },
+STEPS = (13, 18, 25, USUAL_STEPS, 72)  # steps a contact
+ROWS = {  # group: label: what the scene changes, at the usual step
+    "stiffness": {rf"$k_n=5\cdot10^{n}$": both(stiffness=5.0 * 10**n) for n in (3, 4, 5, 7)},
     "contact law": {
-        "App. A": (USUAL_STEPS, PRINTED),
-        "springs 3": (USUAL_STEPS, both(tangential_ratio=3)),
-        "Coulomb": (USUAL_STEPS, CONSTRAINT),
-        r"$\epsilon=0.8$": (USUAL_STEPS, both(restitution=0.8)),
+        **{"App. A": PRINTED, "springs 3": both(tangential_ratio=3), "Coulomb": CONSTRAINT},
+        r"$\epsilon=0.8$": both(restitution=0.8),
     },
-    "rods": {
-        rf"$N={n}$": (USUAL_STEPS, {"rods.count": n, "box.length": n * BOX / COUNT})
-        for n in (5, 10, 160)
-    },
+    "rods": {rf"$N={n}$": {"rods.count": n, "box.length": n * BOX / COUNT} for n in (5, 10, 160)},
 }
 RUN_LENGTHS = (3, 30)  # periods, at the usual step
 STARTS = 8  # of each row: its error is known to a quarter
@@ -77,12 +71,12 @@ def scene(per_contact: float, changes: dict, seed: int = 1) -> Scene:
 
 def rungs(quick: bool) -> dict[tuple[str, str], tuple[float, dict, int]]:
     """Rows by group and label: steps a contact, changes of the scene, periods."""
+    periods = LADDER_PERIODS[quick]
     found = {("length", f"{n} periods"): (USUAL_STEPS, {}, n) for n in RUN_LENGTHS}
-    return found | {
-        (group, label): (*how, LADDER_PERIODS[quick])
-        for group, rows in ROWS.items()
-        for label, how in rows.items()
-    }
+    found |= {("step", rf"$t_c/{n}$"): (n, {}, periods) for n in STEPS}
+    for group, rows in ROWS.items():
+        found |= {(group, label): (USUAL_STEPS, to, periods) for label, to in rows.items()}
+    return found
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
@@ -100,8 +94,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 def _closed(speed: float, calls: int) -> tuple[float, ...]:
     """Closed form with the assumed V_z, and the seconds of each of `calls` in one array."""
     rod = paper_rod(np.full(calls, ROW_TILT) if calls > 1 else ROW_TILT)
-    how = {"friction": FRICTION, "restitution": RESTITUTION, "plate_velocity": speed / 2}
-    call = repeated(lambda: drift(rod, **how))
+    call = repeated(lambda: drift(rod, **SETTING, plate_velocity=speed / 2))
     return float(np.ravel(call(1).c_x)[0]), 0.0, 0.0, medians([call], 21)[0] / calls
 
 
@@ -109,10 +102,10 @@ def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
     """One rigid rod, exact flights and impacts."""
     from impact.bouncing import bounce  # compiles
 
-    how = {"gamma": GAMMA, "friction": FRICTION, "restitution": RESTITUTION}
     rods = 10 if landings < 1000 else 50
-    how |= {"rods": rods, "landings": max(landings // rods, 3), "transient": 20}
-    call = repeated(lambda: bounce(paper_rod(ROW_TILT), **how, shortest_flight=0.1))
+    how = {**SETTING, "gamma": GAMMA, "shortest_flight": 0.1, "transient": 20}
+    how |= {"rods": rods, "landings": max(landings // rods, 3)}
+    call = repeated(lambda: bounce(paper_rod(ROW_TILT), **how))
     found = call(1).drift
     return speed * found.mean, *[speed * found.error] * 2, medians([call], 1)[0]
 
@@ -127,10 +120,8 @@ def data(quick: bool = False) -> Data:
     means, errors = over_seeds(gathered(plan["rows"], "c_x")[0])
     periods = np.array([how[2] for how in every.values()])
     seconds = periods * seconds_per_period([scene(*how[:2]) for how in every.values()])
-    entries += [
-        (*name, mean, error, error * np.sqrt(STARTS), spent)
-        for name, mean, error, spent in zip(every, means, errors, seconds, strict=True)
-    ]
+    for name, mean, error, spent in zip(every, means, errors, seconds, strict=True):
+        entries.append((*name, mean, error, error * np.sqrt(STARTS), spent))
     drifts, spent = gathered(plan["trusted"], "c_x", "run_seconds")
     (truth,), (spread,) = over_seeds(drifts)
     names = "group", "label", "answer", "error", "scatter", "seconds"
@@ -164,20 +155,16 @@ def panel(ax: Axes, d: Data) -> None:
     off, error, _ = deviations(d)
     size = np.fmax(np.abs(off), 3e-4)
     for group, (colour, marker) in LOOKS.items():
-        here = np.flatnonzero(d["group"] == group)
-        for i in here:
-            bar = error[i]
-            fill = colour if np.abs(off[i]) > bar else "white"
-            ax.errorbar(
-                *(d["seconds"][i], size[i], [[min(bar, 0.9 * size[i])], [bar]]),
-                fmt=marker, color=colour, mfc=fill, ms=4, elinewidth=0.6,
-                label=group if i == here[0] else None,
-            )  # fmt: skip
+        here = d["group"] == group
+        bars = np.fmin(error, 0.9 * size)[here], error[here]
+        look = {"color": colour, "ms": 4, "elinewidth": 0.6, "label": group}
+        ax.errorbar(d["seconds"][here], size[here], bars, fmt=marker, **look)
+        unclear, face = here & (np.abs(off) <= error), {"mfc": "white", "zorder": 3}
+        ax.plot(d["seconds"][unclear], size[unclear], marker, color=colour, ms=4, **face)
     ax.set(xscale="log", yscale="log", ylim=(2e-4, 3), xlabel="time (s)")
     _name_points(ax, d["seconds"], size, d)
     ax.set_ylabel(r"deviation of $c_x$ from the trusted answer")
-    handles, labels = ax.get_legend_handles_labels()
-    ax.legend(handles, labels, fontsize=6, loc="lower left", title="varied", title_fontsize=6)
+    ax.legend(fontsize=6, loc="lower left", title="varied", title_fontsize=6)
 
 
 def _name_points(ax: Axes, x: np.ndarray, y: np.ndarray, d: Data) -> None:
@@ -185,12 +172,10 @@ def _name_points(ax: Axes, x: np.ndarray, y: np.ndarray, d: Data) -> None:
     draws = ax.figure.canvas.get_renderer()
     points = ax.transData.transform(np.column_stack([x, y]))
     taken = [Bbox.from_bounds(*(point - 4), 8, 8) for point in points]
+    beside = {"textcoords": "offset points", "va": "center", "fontsize": 5}
     sides = [(dx, dy) for dy in (0, 6, -6, 13) for dx in (5, -5)] + [(0, 9), (0, -9)]
     for at, label, group in zip(zip(x, y, strict=True), d["label"], d["group"], strict=True):
-        name = ax.annotate(
-            label, at, textcoords="offset points", va="center", fontsize=5, xytext=(0, 0),
-            color=LOOKS[str(group)][0],
-        )  # fmt: skip
+        name = ax.annotate(label, at, (0, 0), color=LOOKS[str(group)][0], **beside)
         hidden = []
         for side in sides:
             _put(name, side)
@@ -216,7 +201,6 @@ def draw(d: Data) -> plt.Figure:
         rf"trusted: $c_x={truth:.4f}\pm{spread:.4f}\,\sqrt{{gd}}$, {seconds:.0f} s (dotted); "
         rf"$L={BOX:g}\,d$, $N={COUNT}$, $\Gamma={GAMMA}$, $\mu={FRICTION}$, "
         rf"$\epsilon={RESTITUTION}$",
-        fontsize=6.5,
     )
     return figure
 

@@ -30,12 +30,20 @@ from .exact_impacts import FIELDS, Impacts, exact, literal, reference
 DIGITS = (15, 30, 60, 100)
 SMOOTH_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of the smoothed friction
 EVENT_TOLERANCES = (1e-3, 1e-6, 1e-10)
-ARRAYS = (
-    *("NumPy, float64", "NumPy, float32", "compiled, float64", "compiled, float32"),
-    *("compiled loop, float64", "as printed, float64"),
-)
 TIMED_RUNS = 7
 PURPLE = "#CC79A7"
+_SERIES = (  # label, colour, marker, where the numbers are
+    ("NumPy, float64", BLACK, "o", "array", 0),
+    ("NumPy, float32 in and out", BLACK, "s", "array", 1),
+    ("compiled, float64", BLUE, "o", "array", 2),
+    ("compiled, float32 in and out", BLUE, "s", "array", 3),
+    ("compiled loop alone, float64", BLUE, "D", "array", 4),
+    ("as printed, float64", RED, "^", "array", 5),
+    ("mpmath, 15 to 100 digits", GREEN, "v", "mpmath", slice(None)),
+    ("solve_ivp, events", ORANGE, "P", "events", slice(None)),
+    ("solve_ivp, smoothed friction", PURPLE, "X", "smooth", slice(None)),
+)
+ARRAYS = [label for label, *_, group, _ in _SERIES if group == "array"]
 
 
 class Outcome(NamedTuple):
@@ -74,26 +82,23 @@ def integrate(row: Any, tolerance: float, width: float = 0.0) -> Outcome:
     separates.direction = 1
     setting = {"rtol": tolerance, "atol": 1e-3 * tolerance}
 
-    def run(rhs, y, events, method):
+    def run(rhs, y, events=separates, method="RK45"):
         done = solve_ivp(rhs, (0, 1e12), y, method=method, events=events, **setting)
         return done.t[-1], done.y[:, -1]
 
-    y, p = [u_0, v_0, 0.0], 0.0
+    y = [u_0, v_0, 0.0]
     if width:
-        p, y = run(lambda p, y: rates(-mu * y[0] / np.hypot(y[0], width)), y, separates, "LSODA")
+        p, y = run(lambda p, y: rates(-mu * y[0] / np.hypot(y[0], width)), y, method="LSODA")
     else:
-        slip = -mu * np.sign(u_0)
-        slope = rates(slip)
-        if slope[0] * u_0 < 0:
-            p, y = run(lambda p, y: slope, y, (stops, separates), "RK45")
-        else:
-            p, y = run(lambda p, y: slope, y, separates, "RK45")
+        slope = rates(-mu * np.sign(u_0))
+        slows = slope[0] * u_0 < 0
+        p, y = run(lambda p, y: slope, y, (stops, separates) if slows else separates)
         if separates(p, y) < -1e-12:  # not yet: it stopped
             hold = X * Z / (k * k + Z * Z)
             after = rates(hold if abs(hold) <= mu else mu * np.sign(hold))
             if abs(hold) <= mu:
                 after[0], y[0] = 0.0, 0.0
-            more, y = run(lambda p, y: after, y, separates, "RK45")
+            more, y = run(lambda p, y: after, y)
             p += more
     P_x, P_z = unit * y[2], unit * p
     return Outcome(c_x + P_x, c_z + P_z, P_x, P_z, omega + (X * P_z - Z * P_x) / (k * k))
@@ -115,30 +120,28 @@ def _arrays(n: int, checked: int) -> Data:
         loop(impacts, results)
         return results
 
-    calls = {
-        "NumPy, float64": (impacts, lambda: impacts.collide(collide)),
-        "NumPy, float32": (singles, lambda: singles.collide(collide)),
-        "compiled, float64": (impacts, lambda: impacts.collide(compiled.collide)),
-        "compiled, float32": (singles, lambda: singles.collide(compiled.collide)),
-        "compiled loop, float64": (impacts, bare),
-        "as printed, float64": (impacts, lambda: literal(impacts)),
-    }
-    errors, true = [], {}
-    for name in ARRAYS:
-        given, call = calls[name]
-        part = Impacts(*(column[:checked].astype(float) for column in given))
-        if id(given) not in true:
-            true[id(given)] = reference(part)
+    calls = [  # of `ARRAYS`
+        lambda: impacts.collide(collide),
+        lambda: singles.collide(collide),
+        lambda: impacts.collide(compiled.collide),
+        lambda: singles.collide(compiled.collide),
+        bare,
+        lambda: literal(impacts),
+    ]
+    true, true_of_singles = (
+        reference(Impacts(*(column[:checked].astype(float) for column in given)))
+        for given in (impacts, singles)
+    )
+    errors = []
+    for name, call in zip(ARRAYS, calls, strict=True):
         got = call()
         fields = tuple(field for field in FIELDS if hasattr(got, field))
-        values = {field: np.asarray(getattr(got, field))[:checked] for field in fields}
-        error = true[id(given)].error(Outcome(**{**dict.fromkeys(FIELDS), **values}), fields)
+        error = (true_of_singles if "float32" in name else true).error(got, fields)
         errors.append((error.max(), np.median(error)))
     source = np.zeros(BYTES * n // 2 + 1, np.uint8)
     target = np.empty_like(source)
-    functions = [calls[name][1] for name in ARRAYS]
-    timed = [*functions, lambda: np.copyto(target, source)]
-    *seconds, copy = medians([repeated(call) for call in timed], TIMED_RUNS)
+    calls.append(lambda: np.copyto(target, source))
+    *seconds, copy = medians([repeated(call) for call in calls], TIMED_RUNS)
     return {
         "array_seconds": np.array(seconds) / n,
         "array_error": np.array(errors).T,
@@ -198,19 +201,6 @@ def data(quick: bool = False, impacts: int | None = None, slow_impacts: int | No
     }
 
 
-_SERIES = (  # label, colour, marker, where the numbers are
-    ("NumPy, float64", BLACK, "o", "array", 0),
-    ("NumPy, float32 in and out", BLACK, "s", "array", 1),
-    ("compiled, float64", BLUE, "o", "array", 2),
-    ("compiled, float32 in and out", BLUE, "s", "array", 3),
-    ("compiled loop alone, float64", BLUE, "D", "array", 4),
-    ("as printed, float64", RED, "^", "array", 5),
-    ("mpmath, 15 to 100 digits", GREEN, "v", "mpmath", slice(None)),
-    ("solve_ivp, events", ORANGE, "P", "events", slice(None)),
-    ("solve_ivp, smoothed friction", PURPLE, "X", "smooth", slice(None)),
-)
-
-
 def _panel(ax: Axes, d: Data, without: tuple[str, ...] = ()) -> None:
     for label, colour, marker, group, part in _SERIES:
         if group in without:
@@ -234,24 +224,18 @@ def draw(d: Data) -> plt.Figure:
     _panel(left, d)
     _panel(right, d, without=("mpmath",))
     name_panels((left, right), ("all", "in and around float64"))
+    beside = {"textcoords": "offset points", "va": "center", "ha": "right", "color": GREEN}
     for digits, time, error in zip(DIGITS, d["mpmath_seconds"], d["mpmath_error"][1], strict=True):
-        left.annotate(f"{digits}", (1e9 * time, error), (-6, 0), textcoords="offset points",
-                      ha="right", va="center", fontsize=6, color=GREEN)  # fmt: skip
-    left.set(xlim=(0.5, 1e7), ylim=(1e-106, 1e12))
-    right.set(xlim=(0.5, 1e7), ylim=(3e-18, 1e5))
+        left.annotate(f"{digits}", (1e9 * time, error), (-6, 0), fontsize=6, **beside)
     for kind in ("float32", "float64"):
         unit = np.finfo(kind).eps / 2
         right.text(8e3, 1.3 * unit, f"half an ulp of {kind}", fontsize=6, ha="center", va="bottom")
-    right.text(
-        1.2e9 * d["memory_seconds"], 1e-3, "one pass through memory", fontsize=6,
-        rotation=90, ha="left", va="center",
-    )  # fmt: skip
-    right.text(
-        0.98, 0.98, "filled: largest, open: median", fontsize=6, ha="right", va="top",
-        transform=right.transAxes,
-    )  # fmt: skip
-    for ax in (left, right):
-        ax.set_xticks([1, 1e2, 1e4, 1e6])
+    upright = {"fontsize": 6, "rotation": 90, "va": "center"}
+    right.text(1.2e9 * d["memory_seconds"], 1e-3, "one pass through memory", **upright)
+    corner = {"fontsize": 6, "ha": "right", "va": "top", "transform": right.transAxes}
+    right.text(0.98, 0.98, "filled: largest, open: median", **corner)
+    for ax, heights in ((left, (1e-106, 1e12)), (right, (3e-18, 1e5))):
+        ax.set(xlim=(0.5, 1e7), ylim=heights, xticks=[1, 1e2, 1e4, 1e6])
     left.set_yticks([1e-100, 1e-75, 1e-50, 1e-25, 1])
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

@@ -16,7 +16,7 @@ from matplotlib.colors import BoundaryNorm
 from impact import collide, critical_friction, slide_friction, thin_rod
 from impact.benchmark import random_impacts
 
-from ..lib.style import RESTITUTION_LAWS, Data, name_panel, style, tilt_axis
+from ..lib.style import RESTITUTION_LAWS, Data, name_panels, style, tilt_axis
 from ..lib.tables import table as text_table
 from .exact_impacts import SLIP_REGIMES, Impacts, literal, painleve_sum, reference
 
@@ -25,14 +25,11 @@ PRINTED_FIELDS = ("c_x", "c_z")  # what the paper has formulas for
 _NAMES = ("slide", "slip-stick", "slip reversal")
 
 
-def _cells(low: float, high: float, n: int) -> np.ndarray:
-    return np.linspace(low, high, n + 1)
-
-
 def _map(cells: tuple[int, int], samples: int) -> Data:
     """Largest error of both in every cell of a map over tilt and log10 of friction."""
     rng = np.random.default_rng(0)
-    tilt, decade = _cells(-np.pi / 2, np.pi / 2, cells[0]), _cells(-3, 3, cells[1])
+    tilt = np.linspace(-np.pi / 2, np.pi / 2, cells[0] + 1)
+    decade = np.linspace(-3, 3, cells[1] + 1)
     inside = rng.uniform(size=(2, samples, cells[1], cells[0]))
     phi = tilt[:-1] + inside[0] * np.diff(tilt)
     friction = 10 ** (decade[:-1, None] + inside[1] * np.diff(decade)[:, None])
@@ -76,23 +73,21 @@ def _lines(points: int) -> Data:
 
 def table(n: int) -> Data:
     """Largest and mean error over random impacts, shape (laws, regimes)."""
-    impacts = random_impacts(n, seed=3)
-    count = np.zeros(len(SLIP_REGIMES), int)
-    largest, mean = np.zeros((2, len(RESTITUTION_LAWS), len(SLIP_REGIMES)))
-    compared = np.zeros((3, 2, len(SLIP_REGIMES)))  # ours, as printed, as printed where N > 0
-    paper, plain = literal(impacts), painleve_sum(impacts) > 0
-    for i, law in enumerate(RESTITUTION_LAWS):
-        true, got = reference(impacts, law), impacts.collide(collide, law)
-        error = true.ulp(got)
-        both = [true.ulp(values, PRINTED_FIELDS) for values in (got, paper)] if i == 0 else []
-        for j, regime in enumerate(SLIP_REGIMES):
-            here = true.regime == regime
-            count[j] = here.sum()
-            largest[i, j], mean[i, j] = error[here].max(), error[here].mean()
-            for m, part in enumerate((*both, *both[1:])):  # the last without Painleve's region
-                chosen = part[here & plain] if m == 2 else part[here]
-                compared[m, :, j] = chosen.max(), chosen.mean()
-    return {"count": count, "table_max": largest, "table_mean": mean, "compared": compared}
+    impacts, laws = random_impacts(n, seed=3), len(RESTITUTION_LAWS)
+    newton, *_ = true = [reference(impacts, law) for law in RESTITUTION_LAWS]
+    got = [impacts.collide(collide, law) for law in RESTITUTION_LAWS]
+    errors = [exact.ulp(found) for exact, found in zip(true, got, strict=True)]
+    errors += [newton.ulp(found, PRINTED_FIELDS) for found in (got[0], literal(impacts))]
+    parts = [(error, True) for error in errors] + [(errors[-1], painleve_sum(impacts) > 0)]
+    here = [newton.regime == regime for regime in SLIP_REGIMES]  # under any law
+    found = [[error[kept & one] for one in here] for error, kept in parts]
+    largest, mean = (np.array([[f(x) for x in row] for row in found]) for f in (np.max, np.mean))
+    return {
+        "count": np.sum(here, axis=1),
+        "table_max": largest[:laws],
+        "table_mean": mean[:laws],
+        "compared": np.stack([largest[laws:], mean[laws:]], axis=1),
+    }
 
 
 def data(
@@ -152,12 +147,12 @@ def _draw_table(ax: plt.Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure = plt.figure(figsize=(7.0, 4.8))
-    *axes, below = figure.subplot_mosaic("ab;cc", height_ratios=(2.1, 1)).values()
+    figure, axes = plt.subplot_mosaic("ab;cc", figsize=(7.0, 4.8), height_ratios=(2.1, 1))
+    *axes, below = axes.values()
     norm = BoundaryNorm(ULP_LEVELS, 256)
     line = np.degrees(d["line_tilt"])
-    titles = (("ours", "impact.collide"), ("literal", "formulas as printed, mistakes corrected"))
-    for letter, ax, (key, title) in zip("ab", axes, titles, strict=True):
+    titles = {"ours": "impact.collide", "literal": "formulas as printed, mistakes corrected"}
+    for ax, key in zip(axes, titles, strict=True):
         look = {"cmap": "viridis", "norm": norm, "rasterized": True}
         worst = np.minimum(d[key], 0.99e16)
         fill = ax.pcolormesh(np.degrees(d["tilt"]), d["friction"], worst, **look)
@@ -166,7 +161,7 @@ def draw(d: Data) -> plt.Figure:
         ax.plot(line, d["painleve_friction"], "w:", label=r"$k^2+X^2+\mu XZ=0$")
         ax.set(yscale="log", ylim=(1e-3, 1e3))
         tilt_axis(ax, -90, 90, 30)
-        name_panel(ax, letter, title)
+    name_panels(axes, titles.values())
     axes[0].set_ylabel(r"friction $\mu$")
     axes[1].tick_params(labelleft=False)
     look = {"label": "largest error (ulp)", "ticks": ULP_LEVELS, "spacing": "uniform", "pad": 0.01}

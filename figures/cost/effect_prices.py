@@ -20,7 +20,6 @@ import matplotlib.pyplot as plt
 import numba
 import numpy as np
 from matplotlib.axes import Axes
-from tqdm import tqdm
 
 from md.host import Engine
 from md.kernels.codes import C_Z, Z
@@ -30,18 +29,15 @@ from md.sweep import Sweep
 from ..lib.runs import means, planned
 from ..lib.style import BLUE, ORANGE, Data, style
 from ..lib.tables import table
-from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
+from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady, waited
 from .scene_variants import FULL, GROUPS, NOTHING, STEP_SIZE, Effect, Variant, variants
 
 Place = tuple[dict[str, np.ndarray], int]  # all that changes in a run, and the number of its step
 PLACES = 8  # evenly over the plate's cycle, more than a period apart
 PART = 16  # of a period: how far each variant goes from each place
 WARM_STEPS = 32  # steps before, that bring all into the cache
-PRICE_BLOCKS, ROUNDS, PRICE_SETTLE = (
-    {True: 30, False: 100},
-    {True: 5, False: 8},
-    {True: 10, False: 50},
-)
+PRICE_BLOCKS, ROUNDS = {True: 30, False: 100}, {True: 5, False: 8}  # quick or not
+PRICE_SETTLE = {True: 10, False: 50}  # periods
 DRIFT_SEEDS, DRIFT_PERIODS = {True: 8, False: 16}, {True: 100, False: 300}  # of the drift
 BARE = Variant(NOTHING, frozenset())
 
@@ -130,13 +126,9 @@ def sweeps(quick: bool = False) -> dict[int, Sweep]:
 def _drifts(quick: bool) -> np.ndarray:
     """Drift and its standard error in cm/s: of the full scene, then of each changed one."""
     found = np.full((2, 1 + len(rows())), np.nan)
-    bar = tqdm(
-        sweeps(quick).items(), desc="drift", unit="scene", disable=None, leave=False, delay=2
-    )
-    for i, sweep in bar:
+    for i, sweep in waited(sweeps(quick).items(), "drift", "scene"):
         mean = means(sweep, {"drift": "c_x"})
-        unit = sweep.points[0].scene.cm_per_s
-        found[:, i] = np.array([mean["drift"], mean["drift_error"]]) * unit
+        found[:, i] = np.array([*mean.values()]) * sweep.points[0].scene.cm_per_s
     return found
 
 
@@ -146,7 +138,7 @@ def data(quick: bool = False) -> Data:
     every = variants([*effects, Effect((BARE, BARE), (FULL, FULL))])
     engines = [variant.engine() for variant in every]
     couples = list(zip(engines, every, strict=True))
-    for engine, variant in tqdm(couples, desc="compiling", disable=None, leave=False, delay=2):
+    for engine, variant in waited(couples, "compiling"):
         engine.go(0, _series(engine, variant))
     compiled = perf_counter() - begin
     moving, still = _settled(PRICE_SETTLE[quick])
@@ -214,16 +206,14 @@ def summary(d: Data) -> str:
         f" fly {bare:.2f}; drift {d['drift'][0, 0]:.2f} ± {d['drift'][1, 0]:.2f} cm/s",
     ]
     prices = zip(rows(), d["alone"], d["within"], _changes(d), strict=True)
+    cells = []
+    for name, alone, within, change in prices:
+        pair = (f"{plus_minus(v, e)} ({s:.2f})" for v, e, s in (alone, within))
+        cells.append((name, *pair, f"{round(within[0] / full, 3) + 0.0:.1%}", change))
+    heads = "alone", "within", "share", "change of c_x"
     for group, effects in GROUPS.items():
-        cells = []
-        for _ in effects:
-            name, *pair, change = next(prices)
-            share = f"{round(pair[1][0] / full, 3) + 0.0:.1%}"
-            cells.append(
-                (name, *(f"{plus_minus(v, e)} ({s:.2f})" for v, e, s in pair), share, change)
-            )
-        heads = f"{group}, ns per step of a rod", "alone", "within", "share", "change of c_x"
-        lines.append(table(heads, cells))
+        part = [cells.pop(0) for _ in effects]
+        lines.append(table((f"{group}, ns per step of a rod", *heads), part))
     return "\n".join(lines)
 
 
@@ -258,9 +248,8 @@ def panel(ax: Axes, d: Data) -> None:
     ax.tick_params(axis="y", length=0)
     ax.tick_params(axis="x", top=False)
     full = d["full"][0]
-    share = ax.secondary_xaxis(
-        "top", functions=(lambda x: 100 * x / full, lambda x: x * full / 100)
-    )
+    scales = (lambda x: 100 * x / full), (lambda x: x * full / 100)
+    share = ax.secondary_xaxis("top", functions=scales)
     share.set_xlabel(f"share (%) of the full scene, {full:.1f} ns per step of a rod")
     ax.legend(loc="lower right", fontsize=6.5)
 
@@ -270,5 +259,5 @@ def draw(d: Data) -> plt.Figure:
     figure, ax = plt.subplots(figsize=(7.0, 5.6))
     panel(ax, d)
     words = "errors of the median; drift −: no row is left without it"
-    figure.supxlabel(f"{words}\n{machine_line(d['load'])}", fontsize=6)
+    figure.supxlabel(f"{words}\n{machine_line(d['load'])}")
     return figure

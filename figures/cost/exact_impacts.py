@@ -74,7 +74,10 @@ class Reference(NamedTuple):
     scale: np.ndarray
 
     def error(self, got: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
-        """Largest error of the named fields of `got`, relative to the scale."""
+        """Largest error of the named fields of `got`, relative to the scale.
+
+        `got` may hold more impacts after those of the reference.
+        """
         return self._worst(got, fields, self.scale)
 
     def ulp(self, got: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
@@ -82,8 +85,8 @@ class Reference(NamedTuple):
         return self._worst(got, fields, np.spacing(self.scale))
 
     def _worst(self, got, fields, unit):
-        rows = [FIELDS.index(field) for field in fields]
-        values = np.stack([np.asarray(getattr(got, field), float) for field in fields])
+        rows, n = [FIELDS.index(field) for field in fields], len(self.regime)
+        values = np.stack([np.asarray(getattr(got, field)[:n], float) for field in fields])
         error = np.abs((values - self.high[rows]) - self.low[rows]) / unit[rows]
         return np.where(np.isnan(error), np.inf, error).max(0)
 
@@ -128,24 +131,21 @@ class Literal(NamedTuple):
 def _printed(module: str) -> dict[str, Callable]:
     """Equations (12)-(14), (16), (18), (19), (21), (22) as functions on floats or mpmath numbers.
 
-    (12) and (13) get the denominator of (8), (21) gets its minus sign; nothing else is touched.
+    With the repairs that the registry names of (12), (13) and (21); nothing else is touched.
     """
     import sympy as sp
 
     from derivations import slide, slip_reversal, slip_stick
     from derivations import symbols as s
     from derivations.newton import approach
+    from derivations.proof import repaired
 
     equations = (*slide.EQUATIONS, *slip_stick.EQUATIONS, *slip_reversal.EQUATIONS)
-    by_tag = {equation.tag: equation for equation in equations}
-    forms = {tag: by_tag[tag].printed for tag in ("14", "16", "18", "19", "21", "22")}
-    forms |= {tag: by_tag[tag].contradiction() for tag in ("12", "13")}
-    (wrong,) = (term for term in forms["21"].args if term.has(s.c_x) and term != s.c_x)
-    forms["21"] -= 2 * wrong
     arguments = (s.c_x, s.c_z, s.omega, s.V_z, s.X, s.Z, s.k, s.mu, s.epsilon)
     return {
-        tag: sp.lambdify(arguments, form.subs(approach()), modules=module)
-        for tag, form in forms.items()
+        equation.tag: sp.lambdify(arguments, repaired(equation).subs(approach()), modules=module)
+        for equation in equations
+        if equation.tag in ("12", "13", "14", "16", "18", "19", "21", "22")
     }
 
 

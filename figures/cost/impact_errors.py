@@ -1,21 +1,14 @@
 """Errors of one soft impact: those of its integration, those of its model, and what they cost."""
 
+from contextlib import suppress
+
 import numpy as np
 
 import md
 from md.laws import contact_time
 
 from ..lib.impact_times import impact_call, price
-from ..lib.soft_impacts import (
-    APPROACH_RATIO,
-    IMPACT_FRICTION,
-    ROD,
-    TABLE_TILTS,
-    distance,
-    right,
-    rigid,
-    simulate,
-)
+from ..lib.soft_impacts import TABLE_TILTS, from_theory, one_impact
 
 METHODS = ("leapfrog", "verlet", "gear")
 TILTS_OF_REGIMES = np.radians([10, 25, 40, 65, 83, 87])  # two tilts in each regime
@@ -32,22 +25,14 @@ LADDERS = {  # law, values of the parameter, what it is
 STEP_SHARE = 0.1  # of the model's error, left to the step
 
 
-def one_impact(tilt: float, law: md.Law, **how) -> md.Impact:
-    """The impact of `soft.simulate` at one tilt, speed 1."""
-    scene = {"friction": IMPACT_FRICTION, "rod": ROD, "law": law}
-    return md.impact(float(tilt), 1 / APPROACH_RATIO, -1.0, **scene, **how)
-
-
 def velocities(law: md.Law, **how) -> tuple[np.ndarray, list[md.Impact]]:
     """(c_x', c_z') at `TILTS_OF_REGIMES`; nan where the step is refused or the run fails."""
-    hits, rows = [], []
-    for tilt in TILTS_OF_REGIMES:
-        try:
+    hits, found = [], np.full((TILTS_OF_REGIMES.size, 2), np.nan)
+    for row, tilt in zip(found, TILTS_OF_REGIMES, strict=True):
+        with suppress(ValueError, RuntimeError):
             hits.append(one_impact(tilt, law, **how))
-            rows.append((hits[-1].c_x, hits[-1].c_z))
-        except (ValueError, RuntimeError):
-            rows.append((np.nan, np.nan))
-    return np.array(rows), hits
+            row[:] = hits[-1].c_x, hits[-1].c_z
+    return found, hits
 
 
 def fixed_steps(law: md.Law, parts: np.ndarray, true: np.ndarray) -> np.ndarray:
@@ -73,19 +58,19 @@ def adaptive(
     law: md.Law, tolerances: np.ndarray, true: np.ndarray, runs: int
 ) -> dict[str, np.ndarray]:
     """DOP853: largest and median error, shape (2, tolerances), evaluations and seconds."""
-    error, evaluations, seconds = [], [], []
+    rows = []
     for tolerance in tolerances:
         samples = [velocities(law, integrator="dop853", tolerance=tolerance) for _ in range(runs)]
         found, hits = samples[0]
         length = np.hypot(*(found - true).T)
-        error.append((length.max(), np.median(length)))
-        evaluations.append(max(hit.steps for hit in hits))
         times = [np.mean([hit.seconds for hit in hits]) for _, hits in samples]
-        seconds.append(np.median(times))
+        evaluations = max(hit.steps for hit in hits)
+        rows.append((length.max(), np.median(length), evaluations, np.median(times)))
+    worst, middle, evaluations, seconds = np.array(rows).T
     return {
-        "adaptive_error": np.array(error).T,
-        "evaluations": np.array(evaluations),
-        "adaptive_seconds": np.array(seconds),
+        "adaptive_error": np.array([worst, middle]),
+        "evaluations": evaluations.astype(int),
+        "adaptive_seconds": seconds,
     }
 
 
@@ -96,24 +81,17 @@ def reached(parts: np.ndarray, error: np.ndarray, target: float) -> float:
     below = np.flatnonzero(error <= target)
     if not below.size or below[0] == 0:
         return parts[0] if below.size else np.nan
-    j = below[0]
-    x, y = np.log(parts[j - 1 : j + 1]), np.log(error[j - 1 : j + 1])
-    return float(np.exp(np.interp(-np.log(target), -y, x)))
+    near = slice(below[0] - 1, below[0] + 1)
+    return float(np.exp(np.interp(-np.log(target), -np.log(error[near]), np.log(parts[near]))))
 
 
 def _longest_step(law: md.Law) -> tuple[float, int, float]:
     """Error of the model, regimes right, and by how much to shorten the default step for it."""
-
-    def error(refine):
-        soft = simulate(TABLE_TILTS, law, refine=refine)
-        theory = rigid(TABLE_TILTS, soft.restitution)
-        return distance(soft, theory), right(soft, theory)
-
-    limit, regimes = error(32)
+    limit, regimes = from_theory(law)
     refine = 8.0
     while refine > 1 / 16:
         try:
-            if not abs(error(refine / 2)[0] / limit - 1) < STEP_SHARE:
+            if not abs(from_theory(law, refine=refine / 2)[0] / limit - 1) < STEP_SHARE:
                 break
         except (ValueError, RuntimeError):  # not stable
             break

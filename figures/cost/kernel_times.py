@@ -52,15 +52,9 @@ def _again(engine: Any) -> Callable[[int], float]:
 def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
     """Seconds of a step of a rod, and the rods, of the same steps in space."""
     alone, n, step, dt = engine.effects.alone, len(engine.rods), engine.step, engine.dt
-    effects = SpaceEffects(
-        alone.half_length,
-        alone.lightness,
-        gravity=alone.gravity[1],
-        plate=alone.plate,
-        normal=alone.normal,
-        friction=alone.friction,
-        between=engine.effects.between,
-    )
+    shared = {name: getattr(alone, name) for name in ("plate", "normal", "friction")}
+    shared |= {"gravity": alone.gravity[1], "between": engine.effects.between}
+    effects = SpaceEffects(alone.half_length, alone.lightness, **shared)
     first, before = np.zeros((n, SPACE_COLUMNS)), np.zeros((n, 6))
     first[:, PLANE_COLUMNS], before[:, [0, 2, 4]] = engine.rods, engine.state.before
     springs = np.zeros((n, SLOTS, 3))
@@ -80,17 +74,12 @@ def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
     return sample
 
 
-def _in_annulus() -> Callable[[int], float]:
-    engine = prepare(ANNULUS_SCENE)
-    engine.go(round(ANNULUS_PERIODS * engine.per))
-    return _again(engine)
-
-
 def calls() -> list[Callable[[int], float]]:
     """Times of a step of a rod, as `NAMES` says."""
-    engine = _settled()
-    above = lifted(engine)
-    found = [_again(engine), lambda place: above(place)[0], _in_annulus()]
+    row, annulus = _settled(), prepare(ANNULUS_SCENE)
+    annulus.go(round(ANNULUS_PERIODS * annulus.per))
+    above = lifted(row)
+    found = [_again(row), lambda place: above(place)[0], _again(annulus)]
     for call in found:
         call(0)  # compiles
     return found

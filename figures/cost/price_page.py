@@ -1,6 +1,5 @@
 """All prices on one page: what accuracy costs, what each effect costs, what more rods cost."""
 
-import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -10,23 +9,13 @@ import numpy as np
 from impact.benchmark import benchmark
 
 from .. import FIGURES, load
-from ..lib.style import RESTITUTION_LAWS, name_panel, style
+from ..lib.style import RESTITUTION_LAWS, name_panels, style
 from ..lib.timing import machine_line
 from . import accuracy_cost_ladder, accuracy_map, effect_prices, kernel_times
 
-PRICE_PANELS = {  # and what the panel of the page is called
-    "accuracy_cost_drift": "error of the drift against time",
-    "accuracy_cost_ladder": "one question, every way to answer it",
-    "effect_prices": "price of each effect",
-    "scaling": "time of a period",
-}
+PRICE_PANELS = {name: entry.panel for name, entry in FIGURES.items() if entry.panel}
 IMPACTS, CHECKED = 200_000, 20_000  # timed; compared with many digits
 WIDE = {"accuracy_cost_ladder", "effect_prices"}  # across the page; the others two abreast
-
-
-def known() -> list[str]:
-    """Registered price figures."""
-    return [name for name in PRICE_PANELS if name in FIGURES]
 
 
 @style
@@ -38,11 +27,11 @@ def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
     heights = [4.9 if row[0] in WIDE else 2.9 for row in layout]
     size = 7.0, sum(heights)
     figure, axes = plt.subplot_mosaic(layout, figsize=size, height_ratios=heights)
-    for letter, (name, ax) in zip("abcd", axes.items(), strict=False):
+    for name, ax in axes.items():
         load(name).panel(ax, found[name])
-        name_panel(ax, letter, PRICE_PANELS[name])
+    name_panels(axes.values(), map(PRICE_PANELS.get, axes))
     load_then = next((float(d["load"]) for d in found.values() if "load" in d), np.nan)
-    figure.supxlabel(machine_line(load_then), fontsize=6)
+    figure.supxlabel(machine_line(load_then))
     return figure
 
 
@@ -56,7 +45,7 @@ def summary(found: Mapping[str, Mapping[str, np.ndarray]]) -> str:
 def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
     """What the figures measured, for other programs, and what one impact costs.
 
-    Pairs are a value and its standard error; times of steps are in ns per step of a rod; null: not
+    Pairs are a value and its standard error; times of steps are in ns per step of a rod; nan: not
     known.
     """
     made: dict[str, Any] = {"machine": machine_line(max(float(d["load"]) for d in found.values()))}
@@ -66,15 +55,13 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
         made["ladder"] = _rows(keys, d["group"], d["label"], d["seconds"], *off)
     if d := found.get("accuracy_cost_drift"):
         keys = "per_contact", "periods", "seconds", "error"
-        made["tolerance"] = _rows(
-            ("tolerance", *keys), d["tolerance"], *(d[f"run_{key}"] for key in keys)
-        )
+        columns = d["tolerance"], *(d[f"run_{key}"] for key in keys)
+        made["tolerance"] = _rows(("tolerance", *keys), *columns)
     if d := found.get("effect_prices"):
         prices, changes = (d["alone"][:, :2], d["within"][:, :2]), effect_prices._changes(d)
         keys = "name", "alone", "within", "drift"
         made["effects"] = _rows(keys, effect_prices.rows(), *prices, changes)
-        made["full"], made["bare"] = _plain(d["full"][:2]), _plain(d["bare"][:2])
-        made["drift_cm_s"] = _plain(d["drift"][:, 0])
+        made |= {"full": d["full"][:2], "bare": d["bare"][:2], "drift_cm_s": d["drift"][:, 0]}
     if d := found.get("scaling"):
         made["rods"] = _rows(("count", "ns"), d["counts"], d["row"][:, :2])
         made["kernels"] = _rows(("name", "ns"), kernel_times.NAMES, d["kernels"][:, :2])
@@ -88,13 +75,4 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
 
 def _rows(keys: tuple[str, ...], *columns: Iterable) -> list[dict[str, Any]]:
     """A dictionary a row."""
-    rows = zip(*columns, strict=True)
-    return [dict(zip(keys, map(_plain, row), strict=True)) for row in rows]
-
-
-def _plain(value: Any) -> Any:
-    """For JSON: no arrays, and None for what is not finite."""
-    value = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
-    if isinstance(value, list):
-        return [_plain(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]

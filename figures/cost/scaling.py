@@ -20,7 +20,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 from joblib import Parallel, cpu_count, delayed, parallel_config
 from matplotlib.axes import Axes
-from tqdm import tqdm
 
 import md
 from md.host import prepare
@@ -28,9 +27,9 @@ from md.scene import from_tables, put
 from md.sweep import execute, expand
 
 from ..lib.runs import ROW
-from ..lib.style import BLACK, BLUE, ORANGE, RED, Data, paint, style
+from ..lib.style import BLACK, BLUE, ORANGE, RED, Data, painted, style
 from ..lib.tables import columned
-from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady
+from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady, waited
 from . import kernel_times
 
 ROW_SIZES = {
@@ -41,11 +40,8 @@ LEAST = 320  # rods a sample is about, with one period each
 SPACING = ROW["box"]["length"] / ROW["rods"]["count"]
 RUNS_PER_CORE, SWEEP_PERIODS = 4, 40  # of each core, and of each run
 CORE_LEVELS = 5  # numbers of cores, at most
-SCALING_BLOCKS, SCALING_SETTLE, REPEATS = (
-    {True: 9, False: 31},
-    {True: 10, False: 40},
-    {True: 5, False: 15},
-)
+SCALING_BLOCKS, SCALING_SETTLE = {True: 9, False: 31}, {True: 10, False: 40}
+REPEATS = {True: 5, False: 15}  # of a sweep
 
 
 def _row(count: int) -> md.Scene:
@@ -86,10 +82,9 @@ def _sweeping(workers: int) -> Callable[[int], float]:
 
     def sample(_: int) -> float:
         with TemporaryDirectory() as folder:
+            ready = [delayed(_meet)(folder, workers)] * workers
             with parallel_config("loky"):
-                Parallel(n_jobs=workers, batch_size=1)(
-                    delayed(_meet)(folder, workers) for _ in range(workers)
-                )
+                Parallel(n_jobs=workers, batch_size=1)(ready)
             begin = perf_counter()
             execute(sweep, Path(folder) / "runs.db", workers=workers)
             return (perf_counter() - begin) / work
@@ -107,8 +102,7 @@ def data(quick: bool = False) -> Data:
     """Times in ns per step of a rod, (value, error, interquartile range)."""
     load = os.getloadavg()[0]
     counts = ROW_SIZES[quick]
-    bar = tqdm(counts, desc="settling", unit="row", disable=None, leave=False, delay=2)
-    rows = [_periods(count, SCALING_SETTLE[quick]) for count in bar]
+    rows = [_periods(count, SCALING_SETTLE[quick]) for count in waited(counts, "settling", "row")]
 
     def anew(_) -> list[Callable]:
         again()
@@ -173,10 +167,9 @@ def panel(ax: Axes, d: Data) -> None:
     ax.errorbar(counts, ms, half, fmt="o", color=BLUE, ms=3, lw=0.8, label="measured")
     ax.set(xscale="log", yscale="log", xlabel="number of rods $N$", ylabel="time of a period (ms)")
     rate = _throughput(d)[0]
+    gains = [*zip(d["workers"], rate / rate[0], strict=True)][1:]
     words = [f"{np.median(d['row'][:, 0]):.1f} ns per step of a rod"]
-    words += [
-        f"{n} cores: {r / rate[0]:.2f} times one" for n, r in zip(d["workers"], rate, strict=True)
-    ][1:]
+    words += [f"{n} cores: {gain:.2f} times one" for n, gain in gains]
     ax.text(0.97, 0.04, "\n".join(words), ha="right", fontsize=6.5, transform=ax.transAxes)
     ax.legend(loc="upper left")
 
@@ -206,7 +199,7 @@ def _draw_cores(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.7))
-    paint(axes, {"a period": panel, "a step": _draw_steps, "many runs": _draw_cores}, d)
-    figure.supxlabel(machine_line(d["load"]), fontsize=6)
+    panels = {"a period": panel, "a step": _draw_steps, "many runs": _draw_cores}
+    figure = painted(d, panels, figsize=(7.0, 2.7))
+    figure.supxlabel(machine_line(d["load"]))
     return figure

@@ -73,9 +73,10 @@ def _diagnostic(name: str, base: Changes) -> Effect:
     return Effect((_bare(base, name), _bare(base)), (FULL, Variant({}, DIAGNOSTICS - {name})))
 
 
-def _instead(other: Changes, usual: Changes, change: Changes) -> Effect:
-    """An alternative to what the full scene has."""
-    return Effect((_bare(other), _bare(usual)), (Variant(change), FULL), True)
+def _instead(change: Changes, usual: Changes, everywhere: Changes | None = None) -> Effect:
+    """An alternative to what the full scene has; there it is `everywhere`."""
+    alone = _bare(PLATE_SCENE | change), _bare(usual)
+    return Effect(alone, (Variant(everywhere or change), FULL), True)
 
 
 def _zero(key: str, base: Changes) -> Effect:
@@ -85,10 +86,8 @@ def _zero(key: str, base: Changes) -> Effect:
     return Effect(alone, (Variant(zero), Variant(unnamed)))
 
 
-NOTHING = {
-    **dict.fromkeys(("gravity", "plate", "box", "contacts.plate", "contacts.rods"), "none"),
-    "start.tilt_deg": TILT_DEG,  # which the box gives otherwise
-}
+OPEN = {"box": "none", "start.tilt_deg": TILT_DEG}  # which the box gives otherwise
+NOTHING = dict.fromkeys(("gravity", "plate", "contacts.plate", "contacts.rods"), "none") | OPEN
 SMOOTH = {"law": "coulomb", "restitution": 1.0}
 LOSSY = {"law": "coulomb", "restitution": RESTITUTION}
 SPRING = {
@@ -96,7 +95,9 @@ SPRING = {
     **{"tangential_ratio": 3, "tangential_damping": 0.0},
 }
 DAMPED = SPRING | {"tangential_damping": 1.0}
-APPENDIX_A = {"law": "appendix_a", "friction": FRICTION}  # Appendix A as printed
+PRINTED = {"contacts.plate": {"law": "appendix_a", "friction": FRICTION}}  # Appendix A
+CONSTRAINT = {"contacts.plate": LOSSY | {"friction": FRICTION}}
+SOLID = {"rods.inertia": "solid"}
 
 FALLING = NOTHING | {"gravity": {}}
 PLATE_SCENE = FALLING | {"plate": {}, "contacts.plate": SMOOTH}  # at rest
@@ -128,32 +129,18 @@ EFFECTS = {
     **_contacts("plate", PLATE_SCENE),
     "rods": _effect(RODS_SCENE, NOTHING, {"contacts.rods": "none"}, drifts=False),
     **_contacts("rods", RODS_SCENE),
-    "periodic box": _effect(
-        *(
-            RODS_SCENE | {"box": ROW["box"]},
-            RODS_SCENE,
-            {"box": "none", "start.tilt_deg": TILT_DEG},
-        ),
-        drifts=False,  # a row that is open falls over
-    ),
+    # A row that is open falls over.
+    "periodic box": _effect(RODS_SCENE | {"box": ROW["box"]}, RODS_SCENE, OPEN, drifts=False),
     "energy ledger": _diagnostic("ledger", RODS_SCENE),
     "record of landings": _diagnostic("touches", PLATE_SCENE),
     "series of means": _diagnostic("series", NOTHING),
 }
 INSTEAD = {
-    "friction of the plate: constraint": _instead(
-        PLATE_SCENE | {"contacts.plate": LOSSY | {"friction": FRICTION}},
-        ROUGH,
-        {"contacts.plate": LOSSY | {"friction": FRICTION}},
-    ),
+    "friction of the plate: constraint": _instead(CONSTRAINT, ROUGH),
     "contact law: Appendix A": _instead(
-        PLATE_SCENE | {"contacts.plate": APPENDIX_A},
-        ROUGH,
-        {"contacts.plate": APPENDIX_A, "contacts.rods": APPENDIX_A},
+        PRINTED, ROUGH, PRINTED | {"contacts.rods": PRINTED["contacts.plate"]}
     ),
-    "inertia: solid": _instead(
-        PLATE_SCENE | {"rods.inertia": "solid"}, PLATE_SCENE, {"rods.inertia": "solid"}
-    ),
+    "inertia: solid": _instead(SOLID, PLATE_SCENE),
 }
 OFF = {
     "off: friction of the plate": _zero("contacts.plate.friction", PLATE_SCENE),

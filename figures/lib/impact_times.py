@@ -6,14 +6,14 @@ from math import cos
 import numpy as np
 
 import md
-from impact import ContactGeometry, compiled
+from impact import compiled
 from md.cache import kernel
 from md.kernels import single as integrators
 from md.kernels.codes import WATCHED
 from md.kernels.single import run
 from md.rod import effects_of
 
-from .soft_impacts import APPROACH_RATIO, IMPACT_FRICTION, ROD, TABLE_TILTS
+from .soft_impacts import APPROACH_RATIO, IMPACT_FRICTION, ROD, TABLE_TILTS, arms
 from .timing import medians, repeated
 
 MOST_STEPS = 10**9  # the contact ends long before
@@ -48,9 +48,7 @@ def price(calls: list[Callable], runs: int) -> tuple[np.ndarray, np.ndarray]:
 
 def rigid_seconds(runs: int, n: int = 20_000) -> float:
     """Of one impact by the compiled rigid map, in arrays."""
-    tilt, half = np.resize(TABLE_TILTS, n), ROD.half_length
-    k = np.sqrt(ROD.gyration_squared)
-    arms = ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, k)
-    how = {"geometry": arms, "friction": IMPACT_FRICTION, "restitution": 0.65}
+    rods = arms(np.resize(TABLE_TILTS, n))
+    how = {"geometry": rods, "friction": IMPACT_FRICTION, "restitution": 0.65}
     call = repeated(lambda: compiled.collide(1 / APPROACH_RATIO, -1.0, **how))
     return float(medians([call], runs)[0] / n)

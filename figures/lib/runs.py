@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from impact import ContactGeometry, spherocylinder
-from md.scene import from_tables, put, read_tables
+from md.scene import both, from_tables, put, read_tables
 from md.sweep import Measure, Sweep, execute, expand
 
 from .data import sources_of
@@ -30,17 +30,10 @@ if TYPE_CHECKING:
     from impact.bouncing import Bouncing
 
 COUNT, LENGTH, GAMMA, FRICTION, RESTITUTION = 40, 9.5, 3.3, 0.3, 0.65  # of Figs. 6-8 and 13
+SETTING: dict[str, Any] = {"friction": FRICTION, "restitution": RESTITUTION}  # of the theory
 BOX = 43.0  # length of the box where the tilt is not varied
-ROW = put(
-    read_tables("quasi2d"),
-    {
-        "step.size": 1.2e-4,  # a fiftieth of a contact; its springs may be stiffer
-        "step.coarse": True,
-        "start.speed": 0.3,
-        "contacts.plate.tangential_ratio": 3,
-        "contacts.rods.tangential_ratio": 3,
-    },
-)
+_STEP = {"step.size": 1.2e-4, "step.coarse": True}  # a fiftieth of a contact; some are stiffer
+ROW = put(read_tables("quasi2d"), {**_STEP, "start.speed": 0.3, **both(tangential_ratio=3)})
 LAW_NAME = "constant_restitution 0.65, tangential ratio 3"
 TILT_SCAN_WORDS = (
     rf"$l={LENGTH}\,d$, thin inertia, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}"
@@ -169,9 +162,8 @@ def lone(quick: bool) -> tuple[np.ndarray, list["Bouncing"]]:
     from impact.bouncing import bounce  # compiles
 
     tilt_deg = np.arange(0, 76, 5 if quick else 2.5)
-    how: dict[str, Any] = {"gamma": GAMMA, "friction": FRICTION, "restitution": RESTITUTION}
+    how = {**SETTING, "gamma": GAMMA, "transient": 150, "shortest_flight": 0.1}
     how |= {"rods": 20, "landings": 150} if quick else {"rods": 100, "landings": 600}
-    how |= {"transient": 150, "shortest_flight": 0.1}
     return tilt_deg, [bounce(paper_rod(np.radians(deg)), **how) for deg in tilt_deg]
 
 

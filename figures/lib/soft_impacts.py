@@ -5,7 +5,7 @@ plate at rest, no gravity. Theory and simulation have the same arms and the same
 velocities are in units of |c_z|.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,11 +15,7 @@ from impact import Collision, ContactGeometry, Regime, collide
 ROD = md.Rod(9.5, "thin")
 IMPACT_FRICTION, APPROACH_RATIO = 0.4, 2.0
 TABLE_TILTS = np.radians(np.arange(5, 86, 5))  # of the tables
-REGIME_OF = {
-    "slide": Regime.SLIDE,
-    "slip-stick": Regime.SLIP_STICK,
-    "slip-reversal": Regime.SLIP_REVERSAL,
-}
+SCENE_WORDS = r"$\mu=0.4$, $-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia"
 
 
 class Soft(NamedTuple):
@@ -31,6 +27,14 @@ class Soft(NamedTuple):
     regime: np.ndarray  # of `impact.Regime`
 
 
+def one_impact(
+    tilt: float, law: md.Law, speed: float = 1.0, rod: md.Rod = ROD, **how: Any
+) -> md.Impact:
+    """The impact at one tilt [rad] with c_z = -speed [sqrt(g d)]; `how` as in `md.impact`."""
+    scene = {"friction": IMPACT_FRICTION, "rod": rod, "law": law}
+    return md.impact(float(tilt), speed / APPROACH_RATIO, -speed, **scene, **how)
+
+
 def simulate(
     tilt: np.ndarray,
     law: md.Law,
@@ -40,37 +44,37 @@ def simulate(
     integrator: str = "verlet",
     refine: int = 32,
 ) -> Soft:
-    """Impacts at each tilt [rad] with c_z = -speed [sqrt(g d)].
+    """Impacts at each tilt, as `one_impact`.
 
     The step is the default one, at most a hundredth of the contact time, over `refine`; with
     "dop853" every switch is located instead.
     """
 
-    def one(phi: float) -> md.Impact:
-        def hit(**how) -> md.Impact:
-            scene = {"friction": IMPACT_FRICTION, "rod": rod, "law": law, "integrator": integrator}
-            return md.impact(phi, speed / APPROACH_RATIO, -speed, **scene, **how)
+    def hit(phi: float, **how: float) -> md.Impact:
+        return one_impact(phi, law, speed, rod, integrator=integrator, **how)
 
-        return hit(tolerance=1e-12) if integrator == "dop853" else hit(dt=hit().dt / refine)
-
-    hits = [one(float(phi)) for phi in tilt]
+    if integrator == "dop853":
+        hits = [hit(phi, tolerance=1e-12) for phi in tilt]
+    else:
+        hits = [hit(phi, dt=hit(phi).dt / refine) for phi in tilt]
     rows = [(h.c_x / speed, h.c_z / speed, h.restitution) for h in hits]
-    return Soft(*np.array(rows).T, np.array([REGIME_OF[h.regime] for h in hits], np.int8))
+    regimes = [Regime[h.regime.upper().replace("-", "_")] for h in hits]
+    return Soft(*np.array(rows).T, np.array(regimes, np.int8))
+
+
+def arms(tilt: np.ndarray, rod: md.Rod = ROD) -> ContactGeometry:
+    """Contact geometry of a rod of the simulation."""
+    half, k = rod.half_length, np.sqrt(rod.gyration_squared)
+    return ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, k)
 
 
 def rigid(
     tilt: np.ndarray, restitution: np.ndarray | float, rod: md.Rod = ROD, law: str = "newton"
 ) -> Collision:
     """The theory's answer to the same impacts; -v_f/v_0 is its `normal_velocity`."""
-    half, k = rod.half_length, np.sqrt(rod.gyration_squared)
-    return collide(
-        1 / APPROACH_RATIO,
-        -1.0,
-        geometry=ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, k),
-        friction=IMPACT_FRICTION,
-        restitution=np.clip(restitution, 0.0, 1.0),  # a measured one may end above 1
-        law=law,
-    )
+    given = {"geometry": arms(tilt, rod), "friction": IMPACT_FRICTION, "law": law}
+    given["restitution"] = np.clip(restitution, 0.0, 1.0)  # a measured one may end above 1
+    return collide(1 / APPROACH_RATIO, -1.0, **given)
 
 
 def distance(a: Soft | Collision, b: Soft | Collision) -> np.ndarray:
@@ -78,6 +82,18 @@ def distance(a: Soft | Collision, b: Soft | Collision) -> np.ndarray:
     return np.sqrt(np.mean((a.c_x - b.c_x) ** 2 + (a.c_z - b.c_z) ** 2, axis=-1))
 
 
-def right(a: Soft, b: Collision) -> int:
-    """How many regimes agree."""
-    return int(np.sum(a.regime == b.regime))
+def compared(soft: Soft, theory: Collision) -> tuple[float, int]:
+    """`distance` of simulated impacts from the theory's, and how many regimes agree."""
+    return distance(soft, theory), int(np.sum(soft.regime == theory.regime))
+
+
+def from_theory(law: md.Law, **how: Any) -> tuple[float, int]:
+    """Impacts at `TABLE_TILTS`, `compared` with the theory at the restitution of each.
+
+    Parameters
+    ----------
+    law : of the contact
+    how : of `simulate`
+    """
+    soft = simulate(TABLE_TILTS, law, **how)
+    return compared(soft, rigid(TABLE_TILTS, soft.restitution))

@@ -12,35 +12,21 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 
-from impact import Regime, critical_tilts, slide_friction, spherocylinder, thin_rod
+from impact import critical_tilts, slide_friction, spherocylinder, thin_rod
 
 Data = dict[str, np.ndarray]  # of a figure: arrays by name
+Look = dict[str, Any]  # options of Matplotlib
 
 style = plt.style.context(Path(__file__).parents[1] / "style.mplstyle")  # decorates each `draw`
 
 BLACK, ORANGE, GREEN, BLUE, RED = "#000000", "#E69F00", "#009E73", "#0072B2", "#D55E00"
 
-# Pale, so that boundary lines and words stand out.
-_REGIME_COLOURS = {
-    Regime.SLIDE: "#A9D8F5",
-    Regime.SLIP_STICK: "#FBF5BE",
-    Regime.SLIP_REVERSAL: "#EDA677",
-}
-REGIME_MAP = ListedColormap(list(_REGIME_COLOURS.values()))
+# Slide, slip-stick, slip reversal: pale, so that boundary lines and words stand out.
+REGIME_MAP = ListedColormap(["#A9D8F5", "#FBF5BE", "#EDA677"])
 REGIME_NORM = BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3)
-_REGIMES: dict[str, Any] = {
-    "cmap": REGIME_MAP,
-    "norm": REGIME_NORM,
-    "rasterized": True,
-    "zorder": 0,
-}
+_REGIMES: Look = {"cmap": REGIME_MAP, "norm": REGIME_NORM, "rasterized": True, "zorder": 0}
 
-LEGEND_BOX = {
-    "frameon": True,
-    "edgecolor": "none",
-    "framealpha": 0.9,
-    "borderpad": 0.2,
-}  # of a legend
+LEGEND_BOX = {"frameon": True, "edgecolor": "none", "framealpha": 0.9, "borderpad": 0.2}
 RESTITUTION_LAWS = ("newton", "poisson", "stronge")
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
 
@@ -86,43 +72,61 @@ def tilt_axis(ax: Axes, low: float = 0, high: float = 90, step: float = 15) -> N
     ax.set(xlabel=r"tilt $\phi$ (deg)", xlim=(low, high), xticks=np.arange(low, high + 1, step))
 
 
-def name_panel(ax: Axes, letter: str, title: str = "") -> None:
-    ax.set_title(rf"$\bf{{({letter})}}$ {title}", loc="left")
-
-
 def name_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
     """Letters and titles of all panels, from (a) on."""
     for ax, letter, title in zip(axes, ascii_lowercase, titles, strict=False):
-        name_panel(ax, letter, title)
+        ax.set_title(rf"$\bf{{({letter})}}$ {title}", loc="left")
 
 
-def paint(
-    axes: Iterable[Axes], panels: Mapping[str, Callable[[Axes, Data], None]], d: Data
-) -> None:
-    """Draw and name panels, each by its function, under its title."""
-    for ax, letter, (title, panel) in zip(axes, ascii_lowercase, panels.items(), strict=False):
+def painted(
+    d: Data, panels: Mapping[str, Callable[[Axes, Data], None]], rows: int = 1, **look: Any
+) -> Figure:
+    """Figure of panels, each drawn by its function, under its title.
+
+    Parameters
+    ----------
+    d : data
+    panels : functions by title, row by row
+    rows : of panels
+    look : of the figure, as `plt.subplots` takes it
+    """
+    figure, axes = plt.subplots(rows, len(panels) // rows, **look)
+    for ax, panel in zip(axes.flat, panels.values(), strict=True):
         panel(ax, d)
-        name_panel(ax, letter, title)
+    name_panels(axes.flat, panels)
+    return figure
+
+
+def points(ax: Axes, x: Any, y: Any, error: Any, colour: str = BLACK, **look: Any) -> None:
+    """Points with their errors, joined.
+
+    Parameters
+    ----------
+    x, y, error : arrays
+    look : of the points; also `form` (default "o-") and `hollow` (open symbols)
+    """
+    form, face = look.pop("form", "o-"), {"mfc": "white"} if look.pop("hollow", False) else {}
+    look = {"ms": 3, "lw": 0.7, "elinewidth": 0.7, "mew": 0.7, **look, **face}
+    ax.errorbar(x, y, error, fmt=form, color=colour, **look)
 
 
 def curve(
     ax: Axes, d: Data, x: str, y: str, colour: str = BLACK, label: str | None = None, **look: Any
 ) -> None:
-    """Points with their errors, joined.
+    """Arrays of a figure as `points`.
 
     Parameters
     ----------
     d : data; holds `x`, `y`, `y_error`, and `x_error` if that is to be shown too
     x, y : names of arrays
-    look : of the points; also `form` (default "o-"), `at` (index into `y`), `scale` (factor of
-        `y`), `hollow` (open symbols), `both` (errors of `x` as well)
+    look : of `points`; also `at` (index into `y`), `scale` (factor of `y`), `both` (errors of `x`
+        as well)
     """
-    form, scale, at = look.pop("form", "o-"), look.pop("scale", 1.0), look.pop("at", ...)
-    bars: dict[str, Any] = {"xerr": d[f"{x}_error"]} if look.pop("both", False) else {}
-    look = {"ms": 3, "lw": 0.7, "elinewidth": 0.7, "mew": 0.7, **look}
-    look |= {"mfc": "white"} if look.pop("hollow", False) else {}
-    bars["yerr"] = np.abs(scale * d[f"{y}_error"][at])
-    ax.errorbar(d[x], scale * d[y][at], **bars, fmt=form, color=colour, label=label, **look)
+    scale, at = look.pop("scale", 1.0), look.pop("at", ...)
+    if look.pop("both", False):
+        look["xerr"] = d[f"{x}_error"]
+    error = np.abs(scale) * d[f"{y}_error"][at]
+    points(ax, d[x], scale * d[y][at], error, colour, label=label, **look)
 
 
 def legend_above(figure: Figure, ax: Axes, **look: Any) -> None:

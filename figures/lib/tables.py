@@ -1,4 +1,4 @@
-"""Aligned tables for the summaries of figures, as text or as Markdown."""
+"""Aligned tables for the summaries of figures, as text or as Markdown; values for JSON."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -79,3 +79,13 @@ def columned(
     digits, how : of `table`
     """
     return table([*columns], zip(*columns.values(), strict=True), digits, **how)
+
+
+def plain(value: Any) -> Any:
+    """A value for JSON: arrays as lists, null for nan and inf."""
+    value = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    if isinstance(value, dict):
+        return {key: plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(inner) for inner in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -9,7 +9,7 @@ made again for each: where code and arrays lie in memory moves times by up to th
 thus part of the error, which is that of resampled blocks.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from time import perf_counter, thread_time
 from typing import Any, NamedTuple
@@ -35,6 +35,11 @@ class Estimate(NamedTuple):
     spread: float
 
 
+def waited(items: Iterable, desc: str, unit: str = "it") -> tqdm:
+    """The items, with a progress bar on a terminal once they have taken two seconds."""
+    return tqdm(items, desc=desc, unit=unit, disable=None, leave=False, delay=2)
+
+
 def interleaved(
     prepare: Callable[[np.random.Generator], Sequence[Callable[[int], float]]],
     blocks: int,
@@ -51,7 +56,7 @@ def interleaved(
     seed : of the orders
     """
     random, samples = np.random.default_rng(seed), []
-    for _ in tqdm(range(blocks), desc="timing", unit="block", disable=None, leave=False, delay=2):
+    for _ in waited(range(blocks), "timing", "block"):
         calls = prepare(random)
         samples.append(np.empty((rounds, places, len(calls))))
         for turn, place in np.ndindex(rounds, places):
@@ -152,14 +157,13 @@ def seconds_per_period(
     rounds, periods : samples of each, and their length
     settle : periods before
     """
-    engines = [prepare(scene, ledger=False) for scene in scenes]
-    for engine in engines:
-        onward(engine, settle * engine.per)
 
-    def sampler(engine: Engine) -> Callable[[int], float]:
+    def sampler(scene: Scene) -> Callable[[int], float]:
+        engine = prepare(scene, ledger=False)
+        onward(engine, settle * engine.per)
         return lambda _: onward(engine, periods * engine.per) / periods
 
-    samplers = [sampler(engine) for engine in engines]
+    samplers = [*map(sampler, scenes)]
     return np.median(interleaved(lambda _: samplers, rounds), axis=(0, 1, 2))
 
 

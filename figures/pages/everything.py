@@ -17,20 +17,7 @@ from ..claims import measure_rows
 from ..lib.data import stored_data
 from ..lib.runs import store
 
-# Processor seconds of a figure in full, runs of the store apart, on the machine of prices.json.
-SECONDS = {
-    "effect_prices": 200,
-    "accuracy_cost_drift": 600,
-    "landing_census": 250,
-    "fig05": 320,
-    "accuracy_cost_ladder": 60,
-    "scaling": 120,
-    "accuracy_map": 36,
-    "alpha": 47,
-    "fig08_theory": 34,
-    "fig02": 29,
-}
-OTHER_SECONDS, CLAIMS_SECONDS = 5, 30  # of a figure that is not named; of movie and claims
+CLAIMS_SECONDS = 30  # processor seconds of movie and claims, runs of the store apart
 SAMPLES, SETTLE, TIMED = 12, 3, 12  # runs that are timed of each kind; periods of each
 
 
@@ -93,7 +80,7 @@ def estimate(out: Path) -> str:
     """Sentence on what is left and how long it takes."""
     points, names, cores = missing(), left(out), cpu_count()
     runs = run_seconds(points) / cores
-    others = sum(SECONDS.get(name, OTHER_SECONDS) for name in names) + CLAIMS_SECONDS
+    others = sum(FIGURES[name].seconds for name in names) + CLAIMS_SECONDS
     return (
         f"{len(points)} runs that the store lacks: {_minutes(runs)} on {cores} cores; "
         f"{len(names)} figures of {len(FIGURES)}, movie and claims: {_minutes(others)}; "

@@ -32,7 +32,7 @@ from ..lib.style import (
     RESTITUTION_LAWS,
     SHAPES,
     map_regimes,
-    name_panel,
+    name_panels,
     shade,
     style,
     tilt_axis,
@@ -216,10 +216,10 @@ class Window:
         right.set_ylabel("drift / plate velocity")
         self.numbers = []
         titles = ("regimes; critical friction", r"afterwards $c_x',\ c_z',\ k\,\omega'$", "drift")
-        for ax, letter, title in zip(self.panels, "abc", titles, strict=True):
+        name_panels(self.panels, titles)
+        for ax in self.panels:
             tilt_axis(ax)
             ax.tick_params(direction="out", top=False, right=False)  # not under the colours
-            name_panel(ax, letter, title)
             ax.legend(loc="upper left", bbox_to_anchor=(-0.02, -0.16), ncols=2)
             self.numbers.append(ax.text(1, 1.03, "", transform=ax.transAxes, ha="right"))
 

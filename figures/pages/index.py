@@ -13,7 +13,6 @@ in the look of the derivations' report, with `templates/index.css`.
 import json
 import os
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -139,14 +138,6 @@ def _figure(folder: Folder, name: str) -> dict[str, Any]:
     }
 
 
-def _figures(folder: Folder, names: Iterable[str]) -> dict[str, list[dict[str, Any]]]:
-    found = [_figure(folder, name) for name in names]
-    return {
-        "drawn": [f for f in found if f["item"]],
-        "missing": [f for f in found if not f["item"]],
-    }
-
-
 def _claims(folder: Folder) -> dict[str, Any]:
     """The report of the claims with its files, or why there is none."""
     file = folder.find("claims.json")
@@ -187,8 +178,8 @@ def files(out: Path) -> dict[str, bytes]:
     tables = folder.find("prices.txt")
     shown = {
         "proofs": _proofs(folder),
-        "pictures": _figures(folder, [name for name in FIGURES if name not in PRICE_PANELS]),
-        "prices": _figures(folder, [name for name in FIGURES if name in PRICE_PANELS]),
+        "pictures": [_figure(folder, name) for name in FIGURES if name not in PRICE_PANELS],
+        "prices": [_figure(folder, name) for name in PRICE_PANELS],
         "price_page": folder.picture("prices.png"),
         "price_tables": _read(tables.path) if tables else "",
         "claims": _claims(folder),

@@ -14,7 +14,6 @@ both move by a small part of a rod's width. The picture of the README, 1.4 MB:
         --periods 24 --frames 4 --out figures/gallery/row.gif
 """
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -85,34 +84,29 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
     if periods * frames > LARGEST:
         raise InputError(f"periods times frames must be at most {LARGEST}, got {periods * frames}")
     every = -(-TRACE // frames)
-    engine, shots = prepare(scene, ledger=False, touches=False), periods * frames * every
-    columns = {name: np.empty((shots, scene.rods.count)) for name in ("x", "z", "tilt")}
-    time, plate = np.empty(shots), np.zeros(shots)
-    for i in tqdm(range(shots), unit=" shots", delay=2, disable=None if progress else True):
-        goal = i * engine.per // (frames * every)
-        while engine.step < goal:
-            engine.go(goal - engine.step)
-        time[i] = engine.step / engine.per
-        seen = _rolled_out(scene, engine.rods) if scene.annulus else _in_plane(engine.rods)
-        for column, values in zip(columns.values(), seen, strict=True):
-            column[i] = values
-        if scene.vibrates:
-            plate[i] = engine.plate.height[engine.step % engine.per]
+    engine, states, plate = prepare(scene, ledger=False, touches=False), [], []
+    steps = np.arange(periods * frames * every) * engine.per // (frames * every)
+    for step in tqdm(steps.tolist(), unit=" shots", delay=2, disable=None if progress else True):
+        while engine.step < step:
+            engine.go(step - engine.step)
+        states.append(_rolled_out(scene, engine.rods) if scene.annulus else _in_plane(engine.rods))
+        plate.append(engine.plate.height[step % engine.per] if scene.vibrates else 0.0)
+    x, z, tilt = np.moveaxis(states, 1, 0)
     if scene.annulus:  # azimuths jump once around
-        columns["x"] = np.unwrap(columns["x"], axis=0, period=2 * np.pi * scene.annulus.middle)
-    return Film(scene, time, plate, **columns, every=every)
+        x = np.unwrap(x, axis=0, period=2 * np.pi * scene.annulus.middle)
+    return Film(scene, steps / engine.per, np.array(plate), x, z, tilt, every)
 
 
-def _in_plane(rods: np.ndarray) -> tuple[np.ndarray, ...]:
+def _in_plane(rods: np.ndarray) -> np.ndarray:
     """x, z and tilt of rods in a plane."""
-    return rods[:, 0], rods[:, 1], np.arctan2(rods[:, 2], rods[:, 3])
+    return np.array([rods[:, 0], rods[:, 1], np.arctan2(rods[:, 2], rods[:, 3])])
 
 
-def _rolled_out(scene: md.Scene, rods: np.ndarray) -> tuple[np.ndarray, ...]:
+def _rolled_out(scene: md.Scene, rods: np.ndarray) -> np.ndarray:
     """x along the middle of the annulus, z, and tilt along it."""
     azimuth = np.arctan2(rods[:, 1], rods[:, 0])
     lean = np.cos(azimuth) * rods[:, 4] - np.sin(azimuth) * rods[:, 3]
-    return scene.annulus.middle * azimuth, rods[:, 2], np.arctan2(lean, rods[:, 5])
+    return np.array([scene.annulus.middle * azimuth, rods[:, 2], np.arctan2(lean, rods[:, 5])])
 
 
 def _window(film: Film) -> tuple[float, float, float, float]:
@@ -126,22 +120,14 @@ def _window(film: Film) -> tuple[float, float, float, float]:
 
 
 def segments(film: Film, i: int) -> tuple[np.ndarray, np.ndarray]:
-    """Axes of the rods at a time, (n, 2, 2), with images that reach into the box; their numbers."""
-    half, n = (film.scene.rods.length - 1) / 2, film.x.shape[1]
-    number, x = np.arange(n), film.x[i]
-    reach = half * np.sin(film.tilt[i])
+    """Axes of the rods at a time, (n, 2, 2), with their images at both ends; their numbers."""
+    half, number, x = (film.scene.rods.length - 1) / 2, np.arange(film.x.shape[1]), film.x[i]
     if film.length:
-        length = film.length
-        number, x = (
-            np.tile(number, 3),
-            np.concatenate([x % length + s * length for s in (-1, 0, 1)]),
-        )
-        reach = np.tile(reach, 3)
-        near = (x + np.abs(reach) > -0.5) & (x - np.abs(reach) < length + 0.5)
-        number, x, reach = number[near], x[near], reach[near]
-    z, rise = film.z[i][number], half * np.cos(film.tilt[i][number])
-    low, high = np.stack([x - reach, z - rise], -1), np.stack([x + reach, z + rise], -1)
-    return np.stack([low, high], 1), number
+        x = np.concatenate([x % film.length + side * film.length for side in (-1, 0, 1)])
+        number = np.tile(number, 3)
+    z, tilt = film.z[i][number], film.tilt[i][number]
+    middle, up = np.stack([x, z], -1), half * np.stack([np.sin(tilt), np.cos(tilt)], -1)
+    return np.stack([middle - up, middle + up], 1), number
 
 
 class Picture:
@@ -159,10 +145,8 @@ class Picture:
         self.row.axis("off")
         self.row.apply_aspect()  # a high picture does not fill the width
         self.words = self.figure.text(0.01, 1 - 0.06 / whole, "", va="top", fontsize=10)
-        unit = self.figure.dpi_scale_trans.inverted().transform(
-            self.row.transData.transform([(0, 0), (1, 0)])
-        )
-        points = 72 * np.diff(unit[:, 0])[0]  # of a length of 1
+        (start, _), (end, _) = self.row.transData.transform([(0, 0), (1, 0)])
+        points = 72 / DPI * (end - start)  # of a length of 1
         width = {"capstyle": "round", "zorder": 3}
         self.outline = LineCollection([], colors=DARK, linewidths=points, **width)
         self.rods = LineCollection([], linewidths=points * (1 - 2 * OUTLINE), **width)
@@ -213,59 +197,44 @@ class Picture:
         x, z = self.film.x[: i + 1, self.marked], self.film.z[: i + 1, self.marked]
         if self.film.length is None:
             return [np.stack([x, z], -1)]
-        length = self.film.length
-        cuts = np.flatnonzero(np.diff(x // length)) + 1
-        return [
-            np.stack(part, -1)
-            for part in zip(np.split(x % length, cuts), np.split(z, cuts), strict=True)
-        ]
+        cuts = np.flatnonzero(np.diff(x // self.film.length)) + 1
+        return np.split(np.stack([x % self.film.length, z], -1), cuts)
 
-
-def _pictures(film: Film, picture: Picture, progress: bool) -> Iterator[None]:
-    """Draw the pictures of a film one after the other."""
-    numbers = tqdm(range(film.pictures), unit=" frames", disable=None if progress else True)
-    for number in numbers:
-        picture.show(number)
-        picture.figure.canvas.draw()
-        yield
+    def shot(self, picture: int, palette: Image.Image) -> Image.Image:
+        """Picture number `picture` in the colours of a palette."""
+        self.show(picture)
+        self.figure.canvas.draw()
+        drawn = Image.fromarray(np.asarray(self.figure.canvas.buffer_rgba())).convert("RGB")
+        return drawn.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
 def _palette() -> Image.Image:
     """Palette of all colours, and of the colours halfway between those that meet."""
-    colours = [to_rgb(c) for c in ("white", "black", "0.5", GREY, DARK, PALE, RED)]
-    white, _, _, _, dark, pale, red = colours
-    for a, b in ((white, dark), (dark, pale), (dark, red), (white, red), (pale, red)):
-        colours.append(tuple(np.add(a, b) / 2))
+    colours = np.array([to_rgb(c) for c in ("white", "black", "0.5", GREY, DARK, PALE, RED)])
+    between = colours[[(0, 4), (4, 5), (4, 6), (0, 6), (5, 6)]].mean(axis=1)
     image = Image.new("P", (1, 1))
-    image.putpalette([round(255 * value) for colour in colours for value in colour])
+    image.putpalette(np.rint(255 * np.vstack([colours, between])).astype(int).ravel().tolist())
     return image
-
-
-def _gif(film: Film, path: Path, picture: Picture, progress: bool) -> None:
-    """Write a GIF with one palette for all pictures, a fifth of the size of one palette each."""
-
-    def shot() -> Image.Image:
-        return Image.fromarray(np.asarray(picture.figure.canvas.buffer_rgba())).convert("RGB")
-
-    palette = _palette()
-    first, *others = (
-        shot().quantize(palette=palette, dither=Image.Dither.NONE)
-        for _ in _pictures(film, picture, progress)
-    )
-    first.save(path, save_all=True, append_images=others, duration=1000 // FPS, loop=0, disposal=1)
 
 
 @style
 def write(film: Film, path: str | Path, progress: bool = False) -> None:
-    """Write a film: a GIF, which repeats, or an MP4, which needs FFmpeg."""
-    path, picture = Path(path), Picture(film)
+    """Write a film: a GIF, which repeats, or an MP4, which needs FFmpeg.
+
+    A GIF has one palette for all pictures: a fifth of the size of one palette each.
+    """
+    path, picture, palette = Path(path), Picture(film), _palette()
+    numbers = tqdm(range(film.pictures), unit=" frames", disable=None if progress else True)
     try:
         if path.suffix == ".gif":
-            _gif(film, path, picture, progress)
+            first, *rest = (picture.shot(number, palette) for number in numbers)
+            how = {"duration": 1000 // FPS, "loop": 0, "disposal": 1}
+            first.save(path, save_all=True, append_images=rest, **how)
             return
         writer = FFMpegWriter(fps=FPS)
         with writer.saving(picture.figure, str(path), DPI):
-            for _ in _pictures(film, picture, progress):
+            for number in numbers:
+                picture.show(number)
                 writer.grab_frame()
     finally:
         plt.close(picture.figure)

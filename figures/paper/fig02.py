@@ -23,7 +23,7 @@ from ..lib.runs import (
     FRICTION,
     LAW_NAME,
     LENGTH,
-    RESTITUTION,
+    SETTING,
     boxes,
     drift_and_tilt,
     means,
@@ -40,6 +40,7 @@ from ..lib.style import (
     curve,
     legend_above,
     name_panels,
+    points,
     style,
 )
 from ..lib.tables import table
@@ -79,9 +80,9 @@ def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> tuple[np.ndarray,
     """Drift [V_0] and alpha of one rigid rod, (gamma, tilt)."""
     from impact.bouncing import bounce  # compiles
 
-    how = {"friction": FRICTION, "restitution": RESTITUTION, "shortest_flight": 0.01}
-    how |= {"rods": 20, "landings": 60, "transient": 100} if quick else {}
-    how = {"rods": 60, "landings": 300, "transient": 150} | how
+    rods, landings, transient = (20, 60, 100) if quick else (60, 300, 150)
+    how = {**SETTING, "shortest_flight": 0.01, "rods": rods, "landings": landings}
+    how["transient"] = transient
     runs = [[bounce(spherocylinder(phi, LENGTH), gamma=g, **how) for phi in tilt] for g in gamma]
     found = [[(run.drift.mean, run.alpha_impulse.mean) for run in row] for row in runs]
     return tuple(np.moveaxis(found, -1, 0))
@@ -95,14 +96,13 @@ def data(quick: bool = False) -> Data:
     fine_gamma = np.linspace(1.02, 4, 12 if quick else 40)
     fine_deg = np.linspace(2, 65, 10 if quick else 22)
     plan, nominal, chosen = sweeps(quick), np.array(NOMINAL_DEG[quick]), CHOSEN[quick]
-    found = {**drift_and_tilt(plan["grid"]), **drift_and_tilt(plan["annulus"], "ring_")}
+    found = {}
     for name, prefix in (("grid", ""), ("annulus", "ring_")):
-        found |= means(plan[name], {f"{prefix}V_z": AT_TOUCH})
+        found |= drift_and_tilt(plan[name], prefix) | means(plan[name], {f"{prefix}V_z": AT_TOUCH})
         found[f"{prefix}kind"] = classify(found[f"{prefix}c_x"], found[f"{prefix}c_x_error"])
     lone_c_x, lone_alpha = _lone(fine_gamma, np.radians(fine_deg), quick)
     speed = plate_speed_cm_s(fine_gamma)
     rods = spherocylinder(np.radians(nominal[[*chosen]]), LENGTH)
-    lines = drift(rods, friction=FRICTION, restitution=RESTITUTION).c_x
     return {
         "gamma": np.array(MAP_GAMMAS[quick]),
         "nominal_deg": nominal,
@@ -113,7 +113,7 @@ def data(quick: bool = False) -> Data:
         "fine_deg": fine_deg,
         "lone_c_x": speed[:, None] * lone_c_x,
         "lone_alpha": lone_alpha,
-        "closure": lines[:, None] * speed / 2,
+        "closure": drift(rods, **SETTING).c_x[:, None] * speed / 2,
     }
 
 
@@ -129,10 +129,10 @@ def _map(ax: Axes, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray) -> Non
 
 def _near_onset(ax: Axes, d: Data, prefix: str, columns: np.ndarray, labels: list[str]) -> None:
     """Drift below the onset, a curve a column, linear and logarithmic."""
-    early = np.flatnonzero(d["gamma"] <= ONSET)
+    early = d["gamma"] <= ONSET
     for i, colour, label in zip(columns, (BLUE, BLACK, RED, ORANGE), labels, strict=False):
-        part = {f"c_x{kind}": d[f"{prefix}c_x{kind}"][early, i] for kind in ("", "_error")}
-        curve(ax, {"gamma": d["gamma"][early], **part}, "gamma", "c_x", colour, label)
+        drifts = (d[f"{prefix}c_x{kind}"][early, i] for kind in ("", "_error"))
+        points(ax, d["gamma"][early], *drifts, colour, label=label)
     ax.set_yscale("symlog", linthresh=FLOOR_CM_S)
     ax.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
     ax.set(xlim=(1, ONSET + 0.05), ylim=(-0.1, 60))
@@ -190,7 +190,6 @@ def draw(d: Data) -> plt.Figure:
         rf"row: $l={LENGTH}\,d$, $d=0.6$ cm; annulus: the experiment's, $l=8\,d$, $d=0.635$ cm; "
         rf"60 Hz, $\mu={FRICTION}$, solid inertia;"
         f"\n{LAW_NAME}",
-        fontsize=6.5,
     )
     return figure
 

@@ -18,7 +18,7 @@ from md.sweep import Sweep
 
 from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, followed, in_order, tilts_deg
 from ..lib.runs import ANNULUS, ANNULUS_SCENE, ANNULUS_WORDS, gathered, over_seeds, planned
-from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panel, style
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style
 from ..lib.tables import columned, pairs
 
 SHOWN_COUNTS = (56, 44)  # numbers of rods of (a) and (b)
@@ -57,10 +57,9 @@ def _from_above(ax: Axes, rods: np.ndarray, norm: plt.Normalize) -> LineCollecti
     up = np.sign(rods[:, 5:6]) * half * rods[:, 3:5]
     ends = np.stack([rods[:, :2] - up, rods[:, :2] + up], axis=1)
     tilt = tilts_deg(rods)
-    lines = ax.add_collection(
-        LineCollection(ends, array=tilt, cmap=TILT_COLOURS, norm=norm, lw=1.6)
-    )
-    ax.scatter(*ends[:, 1].T, c=tilt, cmap=TILT_COLOURS, norm=norm, s=7, lw=0)
+    look = {"cmap": TILT_COLOURS, "norm": norm}
+    lines = ax.add_collection(LineCollection(ends, array=tilt, lw=1.6, **look))
+    ax.scatter(*ends[:, 1].T, c=tilt, s=7, lw=0, **look)
     edge = 1.04 * gap.outer
     ax.set(xlim=(-edge, edge), ylim=(-edge, edge), aspect="equal", xlabel="$x/d$", ylabel="$y/d$")
     return lines
@@ -73,19 +72,12 @@ def draw(d: Data) -> plt.Figure:
     states = [d[f"rods_{n}"] for n in SHOWN_COUNTS]
     tilts = [tilts_deg(in_order(rods)) for rods in states]
     norm = plt.Normalize(0, np.ceil(max(tilt.max() for tilt in tilts) / 5) * 5)
-    for ax, n, rods, tilt, letter in zip((a, b), SHOWN_COUNTS, states, tilts, "ab", strict=True):
-        lines = _from_above(ax, rods, norm)
-        name_panel(ax, letter, rf"$N={n}$, mean tilt {tilt.mean():.0f}°")
+    lines, _ = (_from_above(ax, rods, norm) for ax, rods in zip((a, b), states, strict=True))
     figure.colorbar(lines, ax=[a, b], label=r"tilt $\phi$ (deg)", pad=0.02, aspect=30)
-    looks = {
-        "zigzag": ("o-", BLACK, "order of the zig-zag"),
-        "share": ("^:", RED, f"share {MORE_DEG:g}° beyond the mean"),
-        "contrast": ("s--", GREEN, "contrast of tilts"),
-    }
-    beside = c.twinx()
-    for name, (form, colour, label) in looks.items():
-        ax = beside if name == "contrast" else c
-        curve(ax, d, "mean", name, colour, label, form=form, both=True)
+    beside, share = c.twinx(), f"share {MORE_DEG:g}° beyond the mean"
+    curve(c, d, "mean", "zigzag", BLACK, "order of the zig-zag", both=True)
+    curve(c, d, "mean", "share", RED, share, form="^:", both=True)
+    curve(beside, d, "mean", "contrast", GREEN, "contrast of tilts", form="s--", both=True)
     c.axhline(0, color="0.7", lw=0.6)
     c.set(xlabel=r"mean tilt $\phi$ (deg)", ylabel="order, share", ylim=(-0.1, 1.7))
     beside.set_ylim(*np.array([-0.1, 1.7]) * 1.2 * d["contrast"].max())
@@ -93,22 +85,21 @@ def draw(d: Data) -> plt.Figure:
     beside.tick_params(colors=GREEN)
     handles = [part for ax in (c, beside) for part in ax.get_legend_handles_labels()[0]]
     c.legend(handles=handles, fontsize=6.5, loc="upper right")
-    name_panel(c, "c")
     for n, tilt, colour in zip(SHOWN_COUNTS, tilts, (BLUE, BLACK), strict=True):
         e.plot(np.arange(n) / n, tilt, "o-", ms=2.5, lw=0.6, color=colour, label=rf"$N={n}$")
         e.axhline(tilt.mean(), color=colour, lw=0.6, ls=":")
     e.set(xlabel="place around the annulus", ylabel=r"tilt $\phi$ (deg)", xlim=(0, 1))
     e.set_ylim(0, 1.3 * max(tilt.max() for tilt in tilts))
     e.legend(fontsize=6.5, loc="upper right", ncols=2)
-    name_panel(e, "d")
-    figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {ANNULUS_WORDS}", fontsize=6.5)
+    shown = zip(SHOWN_COUNTS, tilts, strict=True)
+    titles = (rf"$N={n}$, mean tilt {tilt.mean():.0f}°" for n, tilt in shown)
+    name_panels((a, b, c, e), (*titles, "", ""))
+    figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {ANNULUS_WORDS}")
     return figure
 
 
 def summary(d: Data) -> str:
     """Measures over the number of rods."""
     columns = {"rods": d["count"], **{name: pairs(d, name) for name in MEASURED}}
-    head = (
-        "Fig. 5. second half of the runs, ± one s.e. over seeds; mean tilt, spread, contrast: deg"
-    )
-    return f"{head}\n{columned(columns, 3)}"
+    head = "Fig. 5. second half of the runs, ± one s.e. over seeds"
+    return f"{head}; mean tilt, spread, contrast: deg\n{columned(columns, 3)}"

@@ -18,9 +18,8 @@ from md.scene import from_tables
 from md.sweep import Sweep
 
 from ..lib.runs import (
-    FRICTION,
-    RESTITUTION,
     ROW,
+    SETTING,
     TILT_SCAN_WORDS,
     means,
     paper_rod,
@@ -58,21 +57,19 @@ def data(quick: bool = False) -> Data:
         if "omega" in name:
             found[name] = found[name] / per_second
     fine, speed = np.radians(np.linspace(1, 89, 177)), plate_speed_cm_s()
-    setting = {"friction": FRICTION, "restitution": RESTITUTION, "plate_velocity": speed / 2}
-    line = drift(paper_rod(fine), **setting)
+    line = drift(paper_rod(fine), **SETTING, plate_velocity=speed / 2)
     lines = {"fine_deg": np.degrees(fine), "line_c_x": line.c_x, "line_c_z": line.c_z}
     return {**found, "speed": np.float64(speed), **lines}
 
 
 def _pair(ax: Axes, d: Data, name: str, sign: int = 1, label: str = "") -> None:
     """Before in black, after in red; touches, and landings where there are any."""
-    for side, colour, turn in (("before", BLACK, sign), ("after", RED, 1)):
-        for prefix, marker, kind in (("", "o", "touches"), ("landing_", "s", "landings")):
+    before = "before", BLACK, sign, f"-{label}" if sign < 0 else label
+    for side, colour, turn, symbol in (before, ("after", RED, 1, f"{label}'")):
+        for prefix, form, kind in (("", "o-", "touches"), ("landing_", "s-", "landings")):
+            look = {"form": form, "scale": turn, "hollow": bool(prefix), "ms": 2.7}
             key = f"{prefix}{name}_{side}"
-            if key in d:
-                symbol = f"{'-' if turn < 0 else ''}{label}{chr(39) * (side == 'after')}"
-                look = {"form": f"{marker}-", "scale": turn, "hollow": bool(prefix), "ms": 2.7}
-                curve(ax, d, "tilt_deg", key, colour, f"${symbol}$, {kind}", **look)
+            curve(ax, d, "tilt_deg", key, colour, f"${symbol}$, {kind}", **look)
 
 
 @style
@@ -97,7 +94,7 @@ def draw(d: Data) -> plt.Figure:
         ax.axhline(0, color="0.7", lw=0.6)
         ax.legend(fontsize=5.5)
     name_panels(axes.flat, [""] * 4)
-    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
+    figure.supxlabel(TILT_SCAN_WORDS)
     return figure
 
 

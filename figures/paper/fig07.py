@@ -16,7 +16,7 @@ from md.scene import from_tables, put
 from md.sweep import Sweep
 
 from ..lib.runs import ROW, TILT_SCAN_WORDS, boxes, lone, means, tilt_plan
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panel, style, tilt_axis
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panels, style, tilt_axis
 from ..lib.tables import columned, pairs
 from ..pages import movie
 
@@ -58,9 +58,8 @@ def data(quick: bool = False) -> Data:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure = plt.figure(figsize=(7.0, 4.6))
-    a, b, c = figure.subplot_mosaic("ac;bc", width_ratios=(1.5, 1)).values()
-    a, c, b = a, b, c  # the mosaic is read row by row
+    figure, axes = plt.subplot_mosaic("ac;bc", figsize=(7.0, 4.6), width_ratios=(1.5, 1))
+    a, b, c = (axes[letter] for letter in "abc")
     low, high = d["plate"].min(), d["tips"].max()
     for i, ax in enumerate((a, b)):
         ax.fill_between(d["time"], low - 0.05, d["plate"], color="0.8", lw=0)
@@ -69,7 +68,6 @@ def draw(d: Data) -> plt.Figure:
             ax.plot(d["time"], tip, color=colour, lw=1)
         ax.set(xlim=(0, SHOWN_PERIODS), ylim=(low - 0.03, high + 0.03), ylabel="height (cm)")
         ax.set_xlabel("time (periods of the plate)")
-        name_panel(ax, "ab"[i], rf"$\phi={TIP_TILTS_DEG[i]}$°")
     c.plot(d["lone_deg"], d["lone_flight"], color=ORANGE, label="one rigid rod")
     curve(c, d, "tilt_deg", "flight", BLACK, "touch to touch")
     left_out = {"form": "s-", "hollow": True}
@@ -79,8 +77,9 @@ def draw(d: Data) -> plt.Figure:
     tilt_axis(c, 0, 80, 20)
     c.set(ylabel="mean flight (periods)", ylim=(0, None))
     c.legend(loc="upper right")
-    name_panel(c, "c", "length of flights")
-    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
+    tilted = (rf"$\phi={tilt}$°" for tilt in TIP_TILTS_DEG)
+    name_panels((a, b, c), (*tilted, "length of flights"))
+    figure.supxlabel(TILT_SCAN_WORDS)
     return figure
 
 

@@ -82,7 +82,7 @@ def draw(d: Data) -> plt.Figure:
     last.plot(d["lone_deg"], d["lone_falling"], color=ORANGE, label="one rigid rod")
     last.set(ylim=(-0.02, None))
     last.legend(loc="upper right")
-    figure.supxlabel(TILT_SCAN_WORDS, fontsize=7)
+    figure.supxlabel(TILT_SCAN_WORDS)
     return figure
 
 

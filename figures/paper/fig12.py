@@ -8,14 +8,17 @@ dashpot gives 0.65 head on at every speed: friction adds to or takes from the wo
 (d) one constant in Stronge's (energetic) law explains that best.
 """
 
+from functools import partial
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from scipy.optimize import minimize_scalar
 
 import md
+from impact import Collision
 
-from ..lib.soft_impacts import TABLE_TILTS, Soft, distance, right, rigid, simulate
+from ..lib.soft_impacts import SCENE_WORDS, TABLE_TILTS, Soft, compared, distance, rigid, simulate
 from ..lib.style import (
     BLACK,
     BLUE,
@@ -25,7 +28,7 @@ from ..lib.style import (
     RESTITUTION_LAWS,
     Data,
     legend_above,
-    name_panels,
+    painted,
     shade,
     style,
     tilt_axis,
@@ -40,14 +43,20 @@ SOFT = {  # all with k_n = 5e6
 }
 _DASHES = {1: "--", 2: "-", 3: "-."}  # the paper's: slide, slip-stick, slip reversal
 _COLOURS = {"coulomb": BLACK, "constant_restitution": BLUE, "appendix_a": RED}
+_LAWS = (
+    ("Newton, 0.65", ORANGE, "-."),
+    ("Poisson, 0.65", GREEN, "-."),
+    ("Stronge, 0.65", GREEN, ":"),
+)
 
 
 def _fitted(law: str, soft: Soft) -> float:
     """The one constant that brings the theory's velocities nearest."""
-    found = minimize_scalar(
-        lambda e: distance(soft, rigid(TABLE_TILTS, e, law=law)), bounds=(0.2, 1), method="bounded"
-    )
-    return found.x
+
+    def off(constant: float) -> float:
+        return distance(soft, rigid(TABLE_TILTS, constant, law=law))
+
+    return minimize_scalar(off, bounds=(0.2, 1), method="bounded").x
 
 
 def _table(soft: Soft) -> np.ndarray:
@@ -55,15 +64,15 @@ def _table(soft: Soft) -> np.ndarray:
 
     First with the constant of the head-on impact, then with the fitted one.
     """
-    rows = []
-    for law in RESTITUTION_LAWS:
-        row = []
-        for constant in (EPSILON, _fitted(law, soft)):
-            theory = rigid(TABLE_TILTS, constant, law=law)
-            off = np.sqrt(np.mean((theory.normal_velocity - soft.restitution) ** 2))
-            row += [constant, distance(soft, theory), off]
-        rows.append(row)
-    return np.array(rows)
+
+    def entries(law: str, constant: float) -> tuple[float, ...]:
+        theory = rigid(TABLE_TILTS, constant, law=law)
+        off = np.sqrt(np.mean((theory.normal_velocity - soft.restitution) ** 2))
+        return constant, distance(soft, theory), off
+
+    return np.array(
+        [(*entries(law, EPSILON), *entries(law, _fitted(law, soft))) for law in RESTITUTION_LAWS]
+    )
 
 
 def data(quick: bool = False) -> Data:
@@ -74,12 +83,15 @@ def data(quick: bool = False) -> Data:
     soft = [simulate(tilt, law) for law in SOFT.values()]
     fine = [simulate(tilt, law, refine=64) for law in SOFT.values()]
     coarse = [simulate(TABLE_TILTS, law) for law in SOFT.values()]
+    measured = np.array([compared(s, rigid(TABLE_TILTS, s.restitution)) for s in coarse])
     theory = {law: rigid(line, EPSILON, law=law) for law in RESTITUTION_LAWS}
     at_measured = [rigid(tilt, s.restitution) for s in soft]
-    first = [rigid(tilt, EPSILON, law=law) for law in RESTITUTION_LAWS]
-    every = {"tilt": tilt, "line_tilt": line, "line_edges": edges, "epsilon": np.float64(EPSILON)}
+
+    def off(theory: Collision) -> np.ndarray:
+        return np.hypot(soft[0].c_x - theory.c_x, soft[0].c_z - theory.c_z)
+
     return {
-        **every,
+        **{"tilt": tilt, "line_tilt": line, "line_edges": edges, "epsilon": np.float64(EPSILON)},
         **{field: np.array([getattr(s, field) for s in soft]) for field in Soft._fields},
         "measured_c_x": np.array([r.c_x for r in at_measured]),
         "measured_c_z": np.array([r.c_z for r in at_measured]),
@@ -88,14 +100,12 @@ def data(quick: bool = False) -> Data:
         "line_regime": theory["newton"].regime,
         "line_restitution": np.array([theory[law].normal_velocity for law in RESTITUTION_LAWS]),
         # distance of the first law's symbols from each theory at the constant, and at the measured
-        "off": np.array([np.hypot(soft[0].c_x - r.c_x, soft[0].c_z - r.c_z) for r in first]),
-        "off_measured": np.hypot(
-            soft[0].c_x - at_measured[0].c_x, soft[0].c_z - at_measured[0].c_z
-        ),
+        "off": np.array([off(rigid(tilt, EPSILON, law=law)) for law in RESTITUTION_LAWS]),
+        "off_measured": off(at_measured[0]),
         "step_error": np.array([distance(a, b) for a, b in zip(soft, fine, strict=True)]),
         "rms_constant": np.array([distance(s, rigid(TABLE_TILTS, EPSILON)) for s in coarse]),
-        "rms_measured": np.array([distance(s, rigid(TABLE_TILTS, s.restitution)) for s in coarse]),
-        "regimes_right": np.array([right(s, rigid(TABLE_TILTS, s.restitution)) for s in coarse]),
+        "rms_measured": measured[:, 0],
+        "regimes_right": measured[:, 1].astype(int),
         "table_restitution": np.array([s.restitution for s in coarse]),
         "table": np.array([_table(s) for s in coarse]),
     }
@@ -151,11 +161,8 @@ def _draw_restitution(ax: Axes, d: Data) -> None:
     for (name, colour), e in zip(_COLOURS.items(), d["restitution"], strict=True):
         dashes = "-" if name != "constant_restitution" else (0, (4, 1.5))
         ax.plot(np.degrees(d["tilt"]), e, ls=dashes, color=colour, label=f"MD, {name}")
-    styles = ((ORANGE, "-."), (GREEN, "-."), (GREEN, ":"))
-    for law, e, (colour, dashes) in zip(
-        RESTITUTION_LAWS, d["line_restitution"], styles, strict=True
-    ):
-        ax.plot(line_deg, e, dashes, color=colour, lw=1, label=rf"{law.title()}, 0.65")
+    for (label, colour, dashes), e in zip(_LAWS, d["line_restitution"], strict=True):
+        ax.plot(line_deg, e, dashes, color=colour, lw=1, label=label)
     ax.set(ylabel=r"restitution $-v_f/v_0$", ylim=(0.45, 1.25))
     ax.legend(ncols=2, loc="upper center", fontsize=6, handlelength=1.8, columnspacing=1)
     tilt_axis(ax)
@@ -163,10 +170,8 @@ def _draw_restitution(ax: Axes, d: Data) -> None:
 
 def _draw_off(ax: Axes, d: Data) -> None:
     deg = np.degrees(d["tilt"])
-    for law, off, colour, dashes in zip(
-        RESTITUTION_LAWS, d["off"], (ORANGE, GREEN, GREEN), ("-.", "-.", ":"), strict=True
-    ):
-        ax.plot(deg, off, dashes, color=colour, label=f"{law.title()}, 0.65")
+    for (label, colour, dashes), off in zip(_LAWS, d["off"], strict=True):
+        ax.plot(deg, off, dashes, color=colour, label=label)
     ax.plot(deg, d["off_measured"], "-", color=BLACK, label="Newton, measured")
     ax.set(yscale="log", ylim=(3e-5, 1), ylabel=r"$|\Delta\mathbf{c}'|/|c_z|$")
     ax.legend(ncols=2, loc="upper center", fontsize=6)
@@ -175,23 +180,21 @@ def _draw_off(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.6))
-    _draw_velocities(axes[0, 0], d, 0)
-    _draw_velocities(axes[0, 1], d, 2)
+    panels = {
+        "MD: coulomb": partial(_draw_velocities, i=0),
+        "MD: appendix_a as printed": partial(_draw_velocities, i=2),
+        "measured restitution": _draw_restitution,
+        "MD (coulomb) from theory": _draw_off,
+    }
+    figure = painted(d, panels, rows=2, figsize=(7.0, 5.6))
+    first, *_ = figure.axes
     for x, y, word in ((11, -0.93, "slip-stick"), (50, -0.93, "slip reversal"), (85, 1.1, "slide")):
-        axes[0, 0].text(x, y, word, ha="center", fontsize=7)
-    _draw_restitution(axes[1, 0], d)
-    _draw_off(axes[1, 1], d)
-    titles = "MD: coulomb", "MD: appendix_a as printed", "measured restitution"
-    name_panels(axes.flat, (*titles, "MD (coulomb) from theory"))
-    _legend(axes[0, 0])
-    legend_above(figure, axes[0, 0], ncols=6, fontsize=6.5, handlelength=1.8, columnspacing=1.2)
+        first.text(x, y, word, ha="center", fontsize=7)
+    _legend(first)
+    legend_above(figure, first, ncols=6, fontsize=6.5, handlelength=1.8, columnspacing=1.2)
     figure.supxlabel(
-        r"$\mu=0.4$, $-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia,"
-        r" $k_n=5\times10^6\,mg/d^{3/2}$"
-        "\n"
-        r"head on 0.65; constant_restitution: tangential ratio 30, damping 1;"
-        r" appendix_a: $k_t=95\,k_n$, $\gamma=400$, $M_e=1/2$",
-        fontsize=7,
+        rf"{SCENE_WORDS}, $k_n=5\times10^6\,mg/d^{{3/2}}$"
+        "\nhead on 0.65; constant_restitution: tangential ratio 30, damping 1;"
+        r" appendix_a: $k_t=95\,k_n$, $\gamma=400$, $M_e=1/2$"
     )
     return figure

@@ -23,8 +23,8 @@ from ..lib.runs import (
     GAMMA,
     LAW_NAME,
     LENGTH,
-    RESTITUTION,
     SEEDS,
+    SETTING,
     means,
     paper_rod,
     periods_of,
@@ -67,13 +67,13 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     jammed = [2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5]
     periods, two = periods_of(quick), {"start.seed": [1, 2]}
     seeds = two if quick else SEEDS
-    setting = {"box.length": BOX_OF_LENGTHS, "plate.acceleration": GAMMA_OF_LENGTHS}
-    setting["rods.inertia"] = "solid"
-    at_rest = {**setting, "start.speed": 1e-3}
+    row = {"box.length": BOX_OF_LENGTHS, "plate.acceleration": GAMMA_OF_LENGTHS}
+    row["rods.inertia"] = "solid"
+    at_rest = {**row, "start.speed": 1e-3}
     return {
         "tilt": tilt_plan(quick),
         "gamma": planned([{"plate.acceleration": gamma}, seeds], periods),
-        "length": planned([{"rods.length": length}, seeds], periods, setting),
+        "length": planned([{"rods.length": length}, seeds], periods, row),
         "jammed": planned([{"rods.length": jammed}, two], periods, at_rest),
     }
 
@@ -84,7 +84,6 @@ def data(quick: bool = False) -> Data:
     tilt_deg, gamma = tilts(quick), runs["gamma"].values("plate.acceleration")
     length, jammed = (runs[name].values("rods.length") for name in ("length", "jammed"))
     fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, length[-1], 200)
-    setting = {"friction": FRICTION, "restitution": RESTITUTION}
     fixed_tilt = np.arccos(COUNT / BOX_OF_LENGTHS)
     return {
         "tilt_deg": tilt_deg,
@@ -99,14 +98,14 @@ def data(quick: bool = False) -> Data:
         "jammed_length": jammed,
         **_measured(runs["jammed"], "jammed"),
         "fine": fine,
-        "thin": drift(thin_rod(fine), **setting).c_x,  # over V_z
-        "thick": drift(paper_rod(fine), **setting).c_x,
-        "thick_at_tilts": drift(paper_rod(np.radians(tilt_deg)), **setting).c_x,
-        "thick_at_box": drift(paper_rod(np.arccos(COUNT / BOX)), **setting).c_x,
-        "thin_at_box": drift(thin_rod(np.arccos(COUNT / BOX)), **setting).c_x,
+        "thin": drift(thin_rod(fine), **SETTING).c_x,  # over V_z
+        "thick": drift(paper_rod(fine), **SETTING).c_x,
+        "thick_at_tilts": drift(paper_rod(np.radians(tilt_deg)), **SETTING).c_x,
+        "thick_at_box": drift(paper_rod(np.arccos(COUNT / BOX)), **SETTING).c_x,
+        "thin_at_box": drift(thin_rod(np.arccos(COUNT / BOX)), **SETTING).c_x,
         "fine_length": fine_length,
-        "thick_of_length": drift(spherocylinder(fixed_tilt, fine_length), **setting).c_x,
-        "thick_at_lengths": drift(spherocylinder(fixed_tilt, length), **setting).c_x,
+        "thick_of_length": drift(spherocylinder(fixed_tilt, fine_length), **SETTING).c_x,
+        "thick_at_lengths": drift(spherocylinder(fixed_tilt, length), **SETTING).c_x,
     }
 
 
@@ -163,7 +162,6 @@ def draw(d: Data) -> plt.Figure:
     legend_above(figure, a, ncols=4, fontsize=6.5)
     figure.supxlabel(
         rf"$N={COUNT}$, (a, b) $l={LENGTH}\,d$, $d=0.6$ cm, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}",
-        fontsize=7,
     )
     return figure
 
@@ -187,25 +185,25 @@ def fits(d: Data) -> dict[str, float]:
     gamma, c_x = d["gamma"], d["b_c_x"]
     near = (gamma < 1.5) & (c_x > 3 * d["b_c_x_error"]) & (c_x > 0.02)
     far = gamma >= 2
-    found = dict.fromkeys(("power", "power_error"), np.nan)
+    power, power_error = np.nan, np.nan
     if near.sum() >= 3:
         relative = np.fmax(d["b_c_x_error"] / np.abs(c_x), 0.02)[near]
         x, y = np.log(gamma[near] - 1), np.log(c_x[near])
-        found["power"], found["power_error"], _ = _slope(x, y, relative)
-    found["line_start"] = float(gamma[far][0])
+        power, power_error, _ = _slope(x, y, relative)
     line = _slope(gamma[far], c_x[far], d["b_c_x_error"][far])
-    found |= dict(zip(("line_slope", "line_slope_error", "line_from"), line, strict=True))
-    grows = (d["length"] > 1.25) & (d["length"] <= 2)
+    grows, long = (d["length"] > 1.25) & (d["length"] <= 2), d["c_c_x"][d["length"] >= 2.5]
     growth = _slope(d["length"][grows], d["c_c_x"][grows], d["c_c_x_error"][grows])
-    found |= dict(zip(("growth", "growth_error", "growth_from"), growth, strict=True))
-    long = d["length"] >= 2.5
-    found["long_mean"], found["long_spread"] = d["c_c_x"][long].mean(), np.ptp(d["c_c_x"][long])
     inner = np.flatnonzero((d["a_tilt"] > 20) & (d["a_tilt"] < 45))
     rises = [(d["a_c_x"][j] - d["a_c_x"][i], i, j) for n, j in enumerate(inner) for i in inner[:n]]
-    found["bump"], i, j = max(rises)
-    found["bump_error"] = float(np.hypot(d["a_c_x_error"][i], d["a_c_x_error"][j]))
-    found["bump_tilt"] = float(d["a_tilt"][j])
-    return found
+    bump, i, j = max(rises)
+    return {
+        **{"power": power, "power_error": power_error, "line_start": float(gamma[far][0])},
+        **dict(zip(("line_slope", "line_slope_error", "line_from"), line, strict=True)),
+        **dict(zip(("growth", "growth_error", "growth_from"), growth, strict=True)),
+        **{"long_mean": long.mean(), "long_spread": np.ptp(long), "bump": bump},
+        "bump_error": float(np.hypot(d["a_c_x_error"][i], d["a_c_x_error"][j])),
+        "bump_tilt": float(d["a_tilt"][j]),
+    }
 
 
 def summary(d: Data) -> str:
@@ -214,20 +212,20 @@ def summary(d: Data) -> str:
     theory = d["speed"] / 2 * np.interp(d["a_tilt"], np.degrees(d["fine"]), d["thin"])
     f["distance"] = np.sqrt(np.mean((d["a_c_x"] - theory) ** 2))
     words = {
-        "(a) rms distance from the theory at V_0/2": ("distance", "", "cm/s"),
-        "(a) largest rise from 20 to 45 deg": ("bump", "bump_error", "cm/s"),
-        "(a) its end": ("bump_tilt", "", "deg"),
-        "(b) power of Gamma - 1, below 1.5": ("power", "power_error", ""),
-        "(b) slope of the line from 2 on": ("line_slope", "line_slope_error", "cm/s"),
-        "(b) its zero": ("line_from", "", ""),
-        "(c) slope up to l = 2": ("growth", "growth_error", "cm/s a d"),
-        "(c) its zero": ("growth_from", "", "d"),
-        "(c) mean from 2.5 on": ("long_mean", "", "cm/s"),
-        "(c) largest less smallest from 2.5 on": ("long_spread", "", "cm/s"),
+        "(a) rms distance from the theory at V_0/2": ("distance", "cm/s"),
+        "(a) largest rise from 20 to 45 deg": ("bump", "cm/s"),
+        "(a) its end": ("bump_tilt", "deg"),
+        "(b) power of Gamma - 1, below 1.5": ("power", ""),
+        "(b) slope of the line from 2 on": ("line_slope", "cm/s"),
+        "(b) its zero": ("line_from", ""),
+        "(c) slope up to l = 2": ("growth", "cm/s a d"),
+        "(c) its zero": ("growth_from", "d"),
+        "(c) mean from 2.5 on": ("long_mean", "cm/s"),
+        "(c) largest less smallest from 2.5 on": ("long_spread", "cm/s"),
     }
+
     rows = [
-        (name, (f[key], f[error]) if error else float(f[key]), unit)
-        for name, (key, error, unit) in words.items()
+        (name, (f[key], f.get(f"{key}_error", np.nan)), unit) for name, (key, unit) in words.items()
     ]
     lines = [f"Fig. 13, ± one s.e.; acos dN/L {np.degrees(np.arccos(COUNT / BOX)):.1f} deg in (b)"]
     lines.append(table(("fits", "", ""), rows))

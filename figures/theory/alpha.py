@@ -16,6 +16,7 @@ import numpy as np
 from impact import drift, spherocylinder
 
 from ..lib.phases import estimates
+from ..lib.runs import GAMMA, LENGTH, RESTITUTION, SETTING
 from ..lib.style import (
     BLACK,
     BLUE,
@@ -30,9 +31,7 @@ from ..lib.style import (
     tilt_axis,
 )
 
-ALPHA_SETTING = {"friction": 0.3, "restitution": 0.65, "shortest_flight": 0.01}
-GAMMA = 3.3
-LENGTH = 9.5  # over the diameter
+ALPHA_SETTING = {**SETTING, "shortest_flight": 0.01}
 ALPHA_TILTS_DEG = (9, 20, 40)
 EXPERIMENT = 1.6  # Gamma above which the paper's rods drift forward, Fig. 2(c, d)
 MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest", "again")
@@ -40,11 +39,10 @@ MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest", "again")
 
 def _sweep(prefix: str, runs: list) -> Data:
     """Means and errors of several runs, one array a field."""
-    fields = (
-        estimates(f"{prefix}_{field}", [getattr(run, field) for run in runs])
-        for field in MEASURED_FIELDS
-    )
-    return {name: values for found in fields for name, values in found.items()}
+    found = {}
+    for field in MEASURED_FIELDS:
+        found |= estimates(f"{prefix}_{field}", [getattr(run, field) for run in runs])
+    return found
 
 
 def data(quick: bool = False) -> Data:
@@ -65,15 +63,13 @@ def data(quick: bool = False) -> Data:
     fine = np.concatenate([1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi))])
     upright = {"friction": 0.3, "restitution": 0.0, "landings": 1}
     inelastic = [bounce(spherocylinder(0.0, LENGTH), gamma=g, **upright).alpha.mean for g in fine]
-    how = {name: ALPHA_SETTING[name] for name in ("friction", "restitution")}
-    steady = drift(spherocylinder(tilts, LENGTH), **how)
     by_tilt = [_sweep("gamma", runs) for runs in over_gamma]
     return {
         "tilt": tilts,
         **_sweep("tilt", over_tilt),
         "tilt_flights": np.array([each.flights.mean for each in over_tilt]),
-        "steady_c_x": steady.c_x,
-        "again_tilt": hit_again_tilt(LENGTH, ALPHA_SETTING["restitution"]),
+        "steady_c_x": drift(spherocylinder(tilts, LENGTH), **SETTING).c_x,
+        "again_tilt": hit_again_tilt(LENGTH, RESTITUTION),
         "gammas": gammas,
         "gamma_tilt": np.radians(ALPHA_TILTS_DEG),
         **{name: np.array([each[name] for each in by_tilt]) for name in by_tilt[0]},
@@ -122,7 +118,7 @@ def _over_gamma(axes, d: Data) -> None:
     axes[0].set(ylabel=r"$\alpha$, weighted by impulse", ylim=(-1.1, 1.1))
     axes[0].axhline(0, color="0.5", lw=0.6)
     axes[0].legend(loc="lower center", bbox_to_anchor=(0.48, 0))
-    axes[1].set(ylabel=r"drift / $V_0$")
+    axes[1].set_ylabel(r"drift / $V_0$")
     axes[1].axhline(0, color="0.5", lw=0.6)
     axes[1].axvline(EXPERIMENT, color=BLACK, lw=0.8, ls=":")
     axes[1].text(EXPERIMENT - 0.08, 2.35, "exp.", ha="right", va="top", rotation=90)

@@ -13,13 +13,12 @@ import numpy as np
 from impact import spherocylinder
 
 from ..lib.phases import estimates, middles, phase_panels, share_panel
+from ..lib.runs import GAMMA, LENGTH, RESTITUTION, SETTING, SHOWN_DEG
 from ..lib.style import BLACK, BLUE, LEGEND_BOX, Data, curve, hit_again_tilt, style
 
-PHASE_TILTS_DEG = (9, 18, 27, 34, 45)
 PHASE_BINS = 36
 SPREAD_DEG = 3.0
-PHASE_SETTING = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65, "shortest_flight": 0.01}
-LENGTH = 9.5  # over the diameter
+PHASE_SETTING = {**SETTING, "gamma": GAMMA, "shortest_flight": 0.01, "transient": 200}
 
 
 def data(quick: bool = False) -> Data:
@@ -27,20 +26,16 @@ def data(quick: bool = False) -> Data:
     from impact.bouncing import bounce  # compiles
 
     def run(tilt, rods, landings):
-        rod = spherocylinder(tilt, LENGTH)
-        return bounce(
-            rod, **PHASE_SETTING, rods=rods, landings=landings, transient=200, bins=PHASE_BINS
-        )
+        how = {**PHASE_SETTING, "rods": rods, "landings": landings, "bins": PHASE_BINS}
+        return bounce(spherocylinder(tilt, LENGTH), **how)
 
     sweep = np.radians(np.arange(0, 61, 5 if quick else 1))
-    tilt, spread = np.radians(PHASE_TILTS_DEG), np.radians(np.linspace(-SPREAD_DEG, SPREAD_DEG, 13))
+    tilt, spread = np.radians(SHOWN_DEG), np.radians(np.linspace(-SPREAD_DEG, SPREAD_DEG, 13))
     shown = [run(one, *((60, 400) if quick else (1000, 2000))).phases for one in tilt]
-    around = [
-        [run(one + step, *((15, 200) if quick else (100, 1000))).phases for step in spread]
-        for one in tilt
-    ]
-    near = estimates("spread", [each for row in around for each in row])
-    density, error = (near[name].reshape(*np.shape(around)[:2], -1) for name in near)
+    few = (15, 200) if quick else (100, 1000)
+    around = [run(one + step, *few).phases for one in tilt for step in spread]
+    near = estimates("near", around)
+    density, error = (near[name].reshape(tilt.size, spread.size, -1) for name in near)
     falling = [run(one, *((60, 200) if quick else (200, 1000))).falling for one in sweep]
     return {
         "tilt": tilt,
@@ -50,7 +45,7 @@ def data(quick: bool = False) -> Data:
         "spread_error": np.sqrt((error**2).mean(axis=1) / spread.size),
         "sweep_tilt": sweep,
         **estimates("falling", falling),
-        "again_tilt": hit_again_tilt(LENGTH, PHASE_SETTING["restitution"]),
+        "again_tilt": hit_again_tilt(LENGTH, RESTITUTION),
     }
 
 

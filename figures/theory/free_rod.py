@@ -14,13 +14,12 @@ import numpy as np
 
 from impact import spherocylinder
 
-from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style, tilt_axis
+from ..lib.runs import GAMMA, SETTING
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, name_panels, points, style, tilt_axis
 from ..lib.tables import columned
 
 UNIT = 981 / (2 * np.pi * 60) ** 2  # g/Omega^2, cm
 FALLING_ROD = {"length": 5.7 / UNIT, "diameter": 0.6 / UNIT}
-FALL_SETTING = {"friction": 0.3, "restitution": 0.65}
-GAMMA = 3.3
 FALL_GAMMAS = (1.5, GAMMA, 5.0)
 STILL = 1e-6  # gamma of a plate all but at rest
 SINGLE_DEG = (5, 20, 40)
@@ -52,27 +51,20 @@ def data(quick: bool = False) -> Data:
     from impact.falling import fall
 
     def release(tilt, gamma, rods, **limit):
-        return fall(tilt, **FALLING_ROD, gamma=gamma, **FALL_SETTING, rods=rods, **limit)
+        return fall(tilt, **FALLING_ROD, gamma=gamma, **SETTING, rods=rods, **limit)
 
     tilts, rods = np.radians(np.arange(5, 81, 15 if quick else 2.5)), 50 if quick else 200
     runs = [[release(tilt, gamma, rods) for tilt in tilts] for gamma in FALL_GAMMAS]
-    counts = {"landings": 300, "rods": rods, "shortest_flight": 1e-3}
-    held = [
-        bounce(spherocylinder(tilt, **FALLING_ROD), gamma=GAMMA, **FALL_SETTING, **counts).drift
-        for tilt in tilts
-    ]
-
+    how = {"gamma": GAMMA, **SETTING, "landings": 300, "rods": rods, "shortest_flight": 1e-3}
+    held = [bounce(spherocylinder(tilt, **FALLING_ROD), **how).drift for tilt in tilts]
     single = {}
     for deg in SINGLE_DEG:
         tilt = np.radians(deg)
         run = release(tilt, GAMMA, rods)
-        start, end = np.zeros((SINGLES, 1)), run.time[:SINGLES, None]
-        drawn = np.s_[:SINGLES, : run.landings[:SINGLES].max()]
-        clock = np.cumsum(run.flight + run.rest, axis=1)[drawn]
-        single[f"time_{deg}"] = np.hstack([start, clock, end])
-        single[f"tilt_{deg}"] = np.hstack(
-            [start + tilt, run.tilt[drawn], run.tilt_end[:SINGLES, None]]
-        )
+        start, drawn = np.zeros((SINGLES, 1)), np.s_[:SINGLES, : run.landings[:SINGLES].max()]
+        clock, end = np.cumsum(run.flight + run.rest, axis=1)[drawn], np.s_[:SINGLES, None]
+        single[f"time_{deg}"] = np.hstack([start, clock, run.time[end]])
+        single[f"tilt_{deg}"] = np.hstack([start + tilt, run.tilt[drawn], run.tilt_end[end]])
         single[f"second_{deg}"] = _second_landing(run)
         still = [release(tilt, STILL, 1, periods=upto) for upto in range(1, 20)]
         single[f"still_time_{deg}"] = np.array([0, *(run.time[0] for run in still)])
@@ -130,9 +122,7 @@ def draw(d: Data) -> plt.Figure:
     ax = axes[2]
     looks = {"held_drift": (BLACK, "closure: held"), "drift": (BLUE, "free, its tip")}
     for name, (colour, label) in looks.items():
-        mean, error = d[name].T
-        points = {"tilt": tilt_deg, "drift": mean, "drift_error": error}
-        curve(ax, points, "tilt", "drift", colour, label, ms=2)
+        points(ax, tilt_deg, *d[name].T, colour, label=label, ms=2)
     ax.axhline(0, color="0.5", lw=0.6)
     ax.set(ylabel=r"drift / $V_0$")
     ax.legend()

@@ -8,7 +8,6 @@ closed form's lines. (c), (d) What the choice of law moves: the velocities after
 largest distance between the outcomes of two laws. Slides are the same under all three.
 """
 
-from itertools import combinations
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -25,7 +24,7 @@ from ..lib.style import (
     RESTITUTION_LAWS,
     WARM,
     Data,
-    paint,
+    painted,
     reversal_boundary,
     style,
     tilt_axis,
@@ -38,10 +37,10 @@ RESTITUTIONS = (0.8, 0.85, 0.9, 0.95, 0.99)
 
 def largest_gain(tilt: Any, friction: Any, restitution: Any) -> np.ndarray:
     """Largest energy change under Newton's law over all u_0, in units of v_0^2, by search."""
-    tilt, friction, restitution = np.broadcast_arrays(tilt, friction, restitution)
-    centre, half = np.zeros((*tilt.shape, 1)), np.radians(80)  # of arctan(u_0/|v_0|)
-    how = {"geometry": thin_rod(tilt[..., None]), "friction": friction[..., None]}
-    how["restitution"] = restitution[..., None]
+    given = np.broadcast_arrays(tilt, friction, restitution)
+    tilt, friction, restitution = np.stack(given)[..., None]
+    centre, half = np.zeros(tilt.shape), np.radians(80)  # of arctan(u_0/|v_0|)
+    how = {"geometry": thin_rod(tilt), "friction": friction, "restitution": restitution}
     for points in (161, 41, 41):
         angle = centre + half * np.linspace(-1, 1, points)
         gain = collide(np.tan(angle), -1.0, **how).energy_change
@@ -92,16 +91,13 @@ def data(
     reversal = reversal_boundary(4 * n)
     d["c_x"], d["c_z"] = _after(d["tilt"], friction, **setting)
     everywhere = _after(d["tilt"], d["friction"][:, None], **setting)
-    pairs = [
-        everywhere[:, i] - everywhere[:, j]
-        for i, j in combinations(range(len(RESTITUTION_LAWS)), 2)
-    ]
+    apart = np.hypot(*(everywhere[:, :, None] - everywhere[:, None]))  # each law from each
     return {
         **d,
         "line_friction": np.float64(friction),
         "line_restitution": np.float64(restitution),
         "approach_ratio": np.float64(approach_ratio),
-        "difference": np.max([np.hypot(*pair) for pair in pairs], axis=0),
+        "difference": apart.max(axis=(0, 1)),
         "slide_friction": slide_friction(thin_rod(d["tilt"]), **setting),
         **reversal,
         "stopping_tilt": where_it_stops(reversal, **setting),
@@ -138,9 +134,8 @@ def _draw_search(ax: Axes, d: Data) -> None:
     step = np.searchsorted(levels, d["dot_created"])
     some = np.isfinite(d["dot_created"])
     ax.scatter(tilt_deg[~some], friction[~some], s=1, color="0.8", linewidths=0)
-    dots = ax.scatter(
-        tilt_deg[some], friction[some], s=5, c=step[some], cmap=colours, norm=steps, linewidths=0
-    )
+    look = {"c": step[some], "cmap": colours, "norm": steps, "s": 5, "linewidths": 0}
+    dots = ax.scatter(tilt_deg[some], friction[some], **look)
     bar = ax.figure.colorbar(dots, ax=ax, label=r"least $\epsilon$ found to create energy")
     bar.set_ticks(np.arange(len(levels)) + 0.5, labels=[f"{level:.2f}" for level in levels])
 
@@ -173,7 +168,6 @@ def _draw_difference(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.2))
     floor = d["restitutions"][0]
     found = np.count_nonzero(d["dot_created"] == floor)
     setting = rf"$\epsilon={d['line_restitution']:g}$, $-c_z/c_x={d['approach_ratio']:g}$"
@@ -183,5 +177,4 @@ def draw(d: Data) -> plt.Figure:
         rf"one impact, {setting}, $\mu={d['line_friction']:g}$": _draw_outcomes,
         setting: _draw_difference,
     }
-    paint(axes.flat, panels, d)
-    return figure
+    return painted(d, panels, rows=2, figsize=(7.0, 5.2))

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 
 from impact import drift, flat_ended_rod, spherocylinder, thin_rod
 
-from ..lib.style import BLACK, BLUE, GREEN, RED, SHAPES, Data, name_panels, style, tilt_axis
+from ..lib.style import BLACK, BLUE, GREEN, RED, SHAPES, Data, painted, style, tilt_axis
 
 OBSERVED_DEG = 8.0  # experiment: flat-ended rods drift only above this tilt
 ARROW = {"arrowstyle": "->", "lw": 0.6}
@@ -89,13 +89,12 @@ def _over_length(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.9), sharey=True)
-    for ax in (left, right):
-        ax.axhline(0, color="0.5", lw=0.6)
-    _over_tilt(left, d)
-    _over_length(right, d)
     fixed = rf"$\phi$ = {np.degrees(d['fixed_tilt']):g}°"
-    name_panels((left, right), (rf"$l={d['length']:g}\,d$", fixed))
+    panels = {rf"$l={d['length']:g}\,d$": _over_tilt, fixed: _over_length}
+    figure = painted(d, panels, figsize=(7.0, 2.9), sharey=True)
+    left, right = figure.axes
+    for ax in figure.axes:
+        ax.axhline(0, color="0.5", lw=0.6, zorder=1)
     left.set_ylim(-4.9, 4.9)
     words = rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$"
     right.text(0.98, 0.97, words, transform=right.transAxes, ha="right", va="top")

@@ -37,11 +37,7 @@ LEDGER_COLUMNS = 5
 
 # Columns of the series, a row a period: those of both arrangements, of a row, of an annulus.
 TILT_SUM, SAMPLED = 0, 1  # sum over samples of the mean tilt, rad; number of samples
-MEAN_X, FELL, UPRIGHT = (
-    2,
-    3,
-    4,
-)  # mean x at the start; rods that passed the horizontal, the vertical
+MEAN_X, FELL, UPRIGHT = 2, 3, 4  # mean x at the start; rods past the horizontal, the vertical
 ROW_SERIES = 5
 ADVANCE, LEAN_SUM = 2, 3  # sums over samples of mean advance about the axis and mean lean, rad
 TOUCHES, PLATE_SUM = 4, 5  # touches of the plate; sum of the plate's velocity at them

@@ -1,7 +1,7 @@
-"""Forces of one contact and of a rod on the plate, compiled; an absent effect has no code.
+"""Forces of one contact and of a rod on the plate, and vectors, compiled.
 
 Reduced units: d = m = g = 1, m the mass of the rod. A parameter that is `None` says that its term
-is absent: Numba sees the type and leaves the branch out.
+is absent: Numba sees the type and leaves its code out.
 
 The tangential element is a spring with a dashpot beside it, both in series with a slider that
 gives way at mu F_n (`spring_friction`), or no element at all but the constraint that the slip stays
@@ -14,6 +14,8 @@ from math import copysign, inf, sqrt
 from typing import Any, NamedTuple
 
 from ..cache import kernel
+
+ZERO = (0.0, 0.0, 0.0)
 
 
 class Normal(NamedTuple):
@@ -109,16 +111,42 @@ class Touch(NamedTuple):
 
 
 @kernel
-def dashpot(quarter, proportional, constant, overlap, root, mass):
+def along(a, s, b):
+    """a + s b."""
+    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
+
+
+@kernel
+def vector(array, i, first):
+    """Three numbers of row i."""
+    return array[i, first], array[i, first + 1], array[i, first + 2]
+
+
+@kernel
+def add(array, i, first, v):
+    """Add a vector to row i."""
+    array[i, first] += v[0]
+    array[i, first + 1] += v[1]
+    array[i, first + 2] += v[2]
+
+
+@kernel
+def put(array, i, first, v):
+    """Put a vector into row i."""
+    array[i, first], array[i, first + 1], array[i, first + 2] = v
+
+
+@kernel
+def term(constant, factor):
+    """A product to add; where its constant is absent, -0.0, which adds nothing and has no code."""
+    return -0.0 if constant is None else constant * factor
+
+
+@kernel
+def dashpot(normal, overlap, root, mass):
     """Normal force per velocity; `root` is sqrt(overlap)."""
-    c = 0.0
-    if quarter is not None:
-        c += quarter * sqrt(mass * root)
-    if proportional is not None:
-        c += proportional * overlap
-    if constant is not None:
-        c += constant
-    return c
+    c = term(normal.quarter, sqrt(mass * root)) + term(normal.proportional, overlap)
+    return c + term(normal.constant, 1.0)
 
 
 @kernel
@@ -133,41 +161,16 @@ def largest(plastic, rate, mass, dt):
 def normal_force(normal, overlap, rate, mass, dt):
     """F_n >= 0 of a contact with overlap > 0 that opens with the velocity `rate`."""
     root = sqrt(overlap)
-    c = dashpot(normal.quarter, normal.proportional, normal.constant, overlap, root, mass)
-    force = normal.stiffness * overlap * root - c * rate
+    force = normal.stiffness * overlap * root - dashpot(normal, overlap, root, mass) * rate
     return max(min(force, largest(normal.plastic, rate, mass, dt)), 0.0)
-
-
-@kernel
-def elastic(proportional, root, overlap):
-    """Tangential stiffness k."""
-    k = 0.0
-    if proportional is not None:
-        k += proportional * overlap
-    if root is not None:
-        k += root * sqrt(overlap)
-    return k
-
-
-@kernel
-def viscous(proportional, constant, ratio, overlap, stiffness, mass):
-    """Tangential dashpot g."""
-    g = 0.0
-    if proportional is not None:
-        g += proportional * overlap
-    if constant is not None:
-        g += constant
-    if ratio is not None:
-        g += 2 * ratio * sqrt(stiffness * mass)
-    return g
 
 
 @kernel
 def tangential_constants(spring, overlap, mass):
     """Stiffness k and dashpot g of the tangential element at this overlap."""
-    k = elastic(spring.proportional, spring.root, overlap)
-    proportional, constant = spring.proportional_dashpot, spring.constant_dashpot
-    return k, viscous(proportional, constant, spring.damping_ratio, overlap, k, mass)
+    k = term(spring.proportional, overlap) + term(spring.root, sqrt(overlap))
+    g = term(spring.proportional_dashpot, overlap) + term(spring.constant_dashpot, 1.0)
+    return k, g + term(spring.damping_ratio, 2 * sqrt(k * mass))
 
 
 @kernel
@@ -217,44 +220,43 @@ def pressed(effects, rod, plate, cap, dt):
     """Normal contact of the cap `cap` = -1 or 1 along the axis, before its friction."""
     height, velocity = plate
     sine, cosine = rod.direction
-    a_x = cap * effects.half_length * sine
+    a_x, a_z = cap * effects.half_length * sine, height - rod.z
     overlap = height + 0.5 - (rod.z + cap * effects.half_length * cosine)
     rate = rod.now[1] - rod.now[2] * a_x - velocity
     force = 0.0
     if overlap > 0:
         mass = 1 / (1 + a_x * a_x * effects.lightness)
         force = normal_force(effects.normal, overlap, rate, mass, dt)
-    return Touch(overlap, force, rate, a_x, height - rod.z, 0.0, 0.0, 0.0)
+    return Touch(overlap, force, rate, a_x, a_z, 0.0, 0.0, rod.half[0] + rod.half[2] * a_z)
 
 
 @kernel
 def pressed_above(upper, effects, rod, plate, dt):
     """Normal contact of the upper cap, which stays open if there is none."""
     if upper is None:
-        return Touch(-1.0, 0.0, 0.0, 0.0, plate[0] - rod.z, 0.0, 0.0, 0.0)
+        a_z = plate[0] - rod.z
+        return Touch(-1.0, 0.0, 0.0, 0.0, a_z, 0.0, 0.0, rod.half[0] + rod.half[2] * a_z)
     return pressed(effects, rod, plate, 1.0, dt)
 
 
 @kernel
 def rubbed(friction, lightness, rod, touch, length, others, climb, dt):
-    """F_t at one cap, its spring and its slip.
+    """The touch of one cap with F_t and its spring.
 
     `others`: horizontal and angular acceleration by all else so far; `climb`: velocity of the plate
     against the rod, at which the arm shortens.
     """
-    a_x, angular = others
-    rise = touch.a_z
-    slip = rod.half[0] + rod.half[2] * rise
     if friction is None:
-        return 0.0, 0.0, slip
-    if touch.normal <= 0:
-        return 0.0, 0.0, slip
-    drive = a_x + angular * rise + rod.half[2] * climb
-    mass = 1 / (1 + rise * rise * lightness)
-    seen = Slip(slip, rod.now[0] + rod.now[2] * rise, drive, mass)
-    limit = friction.coefficient * touch.normal
-    force, length = friction_force(friction.spring, limit, touch.overlap, length, seen, dt)
-    return force, length, slip
+        return touch
+    overlap, normal, rate, a_x, a_z, _, _, slip = touch
+    if normal <= 0:
+        return touch
+    drive = others[0] + others[1] * a_z + rod.half[2] * climb
+    mass = 1 / (1 + a_z * a_z * lightness)
+    seen = Slip(slip, rod.now[0] + rod.now[2] * a_z, drive, mass)
+    limit = friction.coefficient * normal
+    force, length = friction_force(friction.spring, limit, overlap, length, seen, dt)
+    return Touch(overlap, normal, rate, a_x, a_z, force, length, slip)
 
 
 @kernel
@@ -292,16 +294,8 @@ def accelerations(effects, rod, plate, others, dt):
     low = pressed(effects, rod, plate, -1.0, dt)
     high = pressed_above(effects.upper, effects, rod, plate, dt)
     angular -= (low.a_x * low.normal + high.a_x * high.normal) * light
-    rub, spring, slip = rubbed(
-        effects.friction, light, rod, low, rod.springs[0], (a_x, angular), climb, dt
-    )
-    a_x, angular = a_x + rub, angular + low.a_z * rub * light
-    rub_2, spring_2, slip_2 = rubbed(
-        effects.friction, light, rod, high, rod.springs[1], (a_x, angular), climb, dt
-    )
-    a_x, angular = a_x + rub_2, angular + low.a_z * rub_2 * light
-    return (
-        (a_x, a_z + low.normal + high.normal, angular),
-        Touch(low.overlap, low.normal, low.rate, low.a_x, low.a_z, rub, spring, slip),
-        Touch(high.overlap, high.normal, high.rate, high.a_x, high.a_z, rub_2, spring_2, slip_2),
-    )
+    low = rubbed(effects.friction, light, rod, low, rod.springs[0], (a_x, angular), climb, dt)
+    a_x, angular = a_x + low.tangential, angular + low.a_z * low.tangential * light
+    high = rubbed(effects.friction, light, rod, high, rod.springs[1], (a_x, angular), climb, dt)
+    a_x, angular = a_x + high.tangential, angular + high.a_z * high.tangential * light
+    return (a_x, a_z + low.normal + high.normal, angular), low, high

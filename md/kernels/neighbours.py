@@ -119,12 +119,6 @@ def wrapped(x, period):
 
 
 @kernel
-def shifted(period, image):
-    """Distance of an image from its rod."""
-    return 0.0 if period is None else image * period
-
-
-@kernel
 def image(distance, period):
     """How many periods a distance between a rod and an image holds beyond that of the rods."""
     return 0 if period is None else int(np.round(distance / period))
@@ -230,19 +224,13 @@ def current(rods, half, period, listed, place, found):
 
 
 @kernel
-def note_travel(between, listed, distance):
-    """Note how far a rod may have moved since a list was built."""
-    if between is not None:
-        listed.travelled[0] += distance
-
-
-@kernel
-def too_fast(between, distance):
-    """Whether a rod moved so far in a step that it may have passed through another one unseen.
+def too_fast(between, listed, distance):
+    """Note how far rods have moved in a step; whether two may have passed each other unseen.
 
     An end is stopped within DEEP on either side of an axis; two rods that move half of DEEP each
     do not leap over that.
     """
     if between is None:
         return False
+    listed.travelled[0] += distance
     return distance > 0.5 * DEEP

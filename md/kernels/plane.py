@@ -56,11 +56,16 @@ from .contact import (
     Moving,
     Slip,
     accelerations,
+    add,
+    along,
     field,
     normal_force,
     plate_at,
+    put,
     spring_friction,
     tangential_constants,
+    term,
+    vector,
 )
 from .neighbours import (
     Listed,
@@ -68,12 +73,10 @@ from .neighbours import (
     clear,
     current,
     meetings,
-    note_travel,
     places,
-    shifted,
     too_fast,
 )
-from .single import plus, turned
+from .single import turned
 from .touches import Record, cleared, full, recorded
 
 
@@ -162,7 +165,7 @@ def pair_forces(effects, between, state, ledger, dt):
     now, index, springs, kept = listed.turn[0], listed.index, listed.springs, listed.losses
     for k in range(listed.start[now, rods.shape[0]]):
         i, j = index[now, k, 0], index[now, k, 1]
-        dx = rods[i, X] - rods[j, X] - shifted(effects.period, index[now, k, 2])
+        dx = rods[i, X] - rods[j, X] - term(effects.period, index[now, k, 2])
         dz = rods[i, Z] - rods[j, Z]
         a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
         if index[now, k, 3] == 0 and clear(dx, dz, a, b, half):
@@ -198,12 +201,8 @@ def pair_forces(effects, between, state, ledger, dt):
             lost = between.normal.stiffness * overlap * sqrt(overlap) - force
             pair_accounted(ledger, kept, place, (lost, rub), (rate, slip), dt)
             f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
-            total[i, 0] += f_x
-            total[i, 1] += f_z
-            total[i, 2] += (p_z * f_x - p_x * f_z) * light
-            total[j, 0] -= f_x
-            total[j, 1] -= f_z
-            total[j, 2] -= (q_z * f_x - q_x * f_z) * light
+            add(total, i, 0, (f_x, f_z, (p_z * f_x - p_x * f_z) * light))
+            add(total, j, 0, (-f_x, -f_z, (q_x * f_z - q_z * f_x) * light))
     return -1
 
 
@@ -257,12 +256,12 @@ def on_plate(normal, effects, state, watchers, i, others, plate, clock):
         keep_springs(state.springs, i, 0.0, 0.0)
         cleared(record, effects, rods, i, plate, clock.step)
         return others, False
-    half = (rods[i, C_X], rods[i, C_Z], rods[i, OMEGA])
-    now = plus(half, (before[i, 0], before[i, 1], before[i, 2]), clock.dt / 2)
+    half = vector(rods, i, C_X)
+    now = along(half, clock.dt / 2, vector(before, i, 0))
     rod = Moving(rods[i, Z], direction, half, now, kept_springs(state.springs, i))
     a, lower, upper = accelerations(effects, rod, plate, others, clock.dt)
     keep_springs(state.springs, i, lower.spring, upper.spring)
-    now = plus(half, a, clock.dt / 2)
+    now = along(half, clock.dt / 2, a)
     plate_accounted(ledger, effects, lower, plate, now, clock.dt)
     plate_accounted(ledger, effects, upper, plate, now, clock.dt)
     recorded(record, effects, rods, i, others, (lower, upper), plate, clock)
@@ -313,21 +312,18 @@ def march(effects, state, watchers, clock, steps):
             return n, FULL_RECORD, 0
         plate = plate_at(alone.plate, now.step)
         for i in range(rods.shape[0]):
-            velocity = rods[i, C_X], rods[i, C_Z], rods[i, OMEGA]
-            total[i, 0], total[i, 1], total[i, 2] = field(alone, velocity)
+            put(total, i, 0, field(alone, vector(rods, i, C_X)))
         why, where = between_rods(effects.between, effects, state, watchers.ledger, dt)
         if why != DONE:
             return n, why, where
         sample(watchers.series, rods, now.step)
         fastest = 0.0
         for i in range(rods.shape[0]):
-            others = (total[i, 0], total[i, 1], total[i, 2])
+            others = vector(total, i, 0)
             a, deep = on_plate(alone.normal, alone, state, watchers, i, others, plate, now)
             if deep:
                 return n, TOO_DEEP, i
-            c_x = rods[i, C_X] + dt * a[0]
-            c_z = rods[i, C_Z] + dt * a[1]
-            omega = rods[i, OMEGA] + dt * a[2]
+            c_x, c_z, omega = along(vector(rods, i, C_X), dt, a)
             speed = abs(c_x) + abs(c_z) + alone.half_length * abs(omega)
             if not speed < 1e100:
                 return n, NOT_FINITE, i
@@ -335,9 +331,8 @@ def march(effects, state, watchers, clock, steps):
             rods[i, X] += dt * c_x
             rods[i, Z] += dt * c_z
             rods[i, SINE], rods[i, COSINE] = turned((rods[i, SINE], rods[i, COSINE]), omega * dt)
-            rods[i, C_X], rods[i, C_Z], rods[i, OMEGA] = c_x, c_z, omega
-            before[i, 0], before[i, 1], before[i, 2] = a
-        note_travel(effects.between, state.listed, fastest * dt)
-        if too_fast(effects.between, fastest * dt):
+            put(rods, i, C_X, (c_x, c_z, omega))
+            put(before, i, 0, a)
+        if too_fast(effects.between, state.listed, fastest * dt):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

@@ -68,7 +68,7 @@ def rates(effects, vibration, start, mode, t, y, out):
     if overlap > 0:
         root, normal = sqrt(overlap), effects.normal
         mass = 1 / (1 + a_x * a_x * effects.lightness)
-        c = dashpot(normal.quarter, normal.proportional, normal.constant, overlap, root, mass)
+        c = dashpot(normal, overlap, root, mass)
         left = overlap - c * rate / (normal.stiffness * root)
         force = max(normal.stiffness * root * left, 0.0)
         left = end_of(normal.plastic, left, rate)

@@ -41,14 +41,12 @@ from .codes import (
     WATCH_STOPPED,
     WATCH_TOUCHED,
 )
-from .contact import Moving, accelerations, field, plate_at
+from .contact import ZERO, Moving, accelerations, along, field, plate_at
 
 METHODS = ("leapfrog", "verlet", "gear")
 
 # Gear's fifth-order corrector for second-order equations with velocities in the force.
 _C0, _C1, _C3, _C4, _C5 = 3 / 16, 251 / 360, 11 / 18, 1 / 6, 1 / 60
-
-ZERO = (0.0, 0.0, 0.0)
 
 
 class State(NamedTuple):
@@ -67,12 +65,6 @@ class State(NamedTuple):
 
 
 @kernel
-def plus(a, b, factor):
-    """a + factor b."""
-    return (a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2])
-
-
-@kernel
 def turned(direction, angle):
     """The direction after a small turn (error below angle^7/5000), kept at length one."""
     sine, cosine = direction
@@ -87,16 +79,16 @@ def turned(direction, angle):
 def leap(effects, state, step, dt):
     """Step n: forces, kick, drift; returns the velocity at n as well."""
     position, direction, half, before, springs, higher, extrapolate = state
-    now = half if extrapolate is None else plus(half, before, dt / 2)
+    now = half if extrapolate is None else along(half, dt / 2, before)
     rod = Moving(position[1], direction, half, now, springs)
     plate, others = plate_at(effects.plate, step), field(effects, half)
     a, lower, upper = accelerations(effects, rod, plate, others, dt)
-    velocity = plus(half, a, dt)
+    velocity = along(half, dt, a)
     springs = (lower.spring, upper.spring)
     direction = turned(direction, velocity[2] * dt)
-    following = plus(position, velocity, dt)
+    following = along(position, dt, velocity)
     after = State(following, direction, velocity, a, springs, higher, extrapolate)
-    return after, plus(half, a, dt / 2), lower, upper
+    return after, along(half, dt / 2, a), lower, upper
 
 
 @kernel
@@ -104,22 +96,22 @@ def gear(effects, state, higher, step, dt):
     """Predict to step n, evaluate, correct; returns the velocity at n as well."""
     r0, direction, r1, r2, springs, _, extrapolate = state
     tilt = r0[2]
-    r1, r2 = plus(ZERO, r1, dt), plus(ZERO, r2, dt * dt / 2)
+    r1, r2 = along(ZERO, dt, r1), along(ZERO, dt * dt / 2, r2)
     r3, r4, r5 = higher
-    r0 = plus(plus(plus(plus(plus(r0, r1, 1), r2, 1), r3, 1), r4, 1), r5, 1)
+    r0 = along(along(along(along(along(r0, 1, r1), 1, r2), 1, r3), 1, r4), 1, r5)
     direction = turned(direction, r0[2] - tilt)
-    r1 = plus(plus(plus(plus(r1, r2, 2), r3, 3), r4, 4), r5, 5)
-    r2 = plus(plus(plus(r2, r3, 3), r4, 6), r5, 10)
-    r3 = plus(plus(r3, r4, 4), r5, 10)
-    r4 = plus(r4, r5, 5)
-    now = plus(ZERO, r1, 1 / dt)
-    half = plus(plus(now, r2, -1 / dt), r3, 0.75 / dt)
+    r1 = along(along(along(along(r1, 2, r2), 3, r3), 4, r4), 5, r5)
+    r2 = along(along(along(r2, 3, r3), 6, r4), 10, r5)
+    r3 = along(along(r3, 4, r4), 10, r5)
+    r4 = along(r4, 5, r5)
+    now = along(ZERO, 1 / dt, r1)
+    half = along(along(now, -1 / dt, r2), 0.75 / dt, r3)
     rod = Moving(r0[1], direction, half, now, springs)
     plate, others = plate_at(effects.plate, step), field(effects, half)
     a, lower, upper = accelerations(effects, rod, plate, others, dt)
-    change = plus(plus(ZERO, a, dt * dt / 2), r2, -1)
-    r0, velocity = plus(r0, change, _C0), plus(now, change, _C1 / dt)
-    r3, r4, r5 = plus(r3, change, _C3), plus(r4, change, _C4), plus(r5, change, _C5)
+    change = along(along(ZERO, dt * dt / 2, a), -1, r2)
+    r0, velocity = along(r0, _C0, change), along(now, _C1 / dt, change)
+    r3, r4, r5 = along(r3, _C3, change), along(r4, _C4, change), along(r5, _C5, change)
     springs = (lower.spring, upper.spring)
     direction = turned(direction, change[2] * _C0)
     state = State(r0, direction, velocity, a, springs, (r3, r4, r5), extrapolate)
@@ -228,10 +220,10 @@ def started(method: str, position: Any, velocity: Any, g: Any, dt: float) -> Sta
     position, velocity = tuple(map(float, position)), tuple(map(float, velocity))
     higher: tuple | None = None
     if method == "gear":  # it keeps everything at the step before
-        position = plus(plus(position, velocity, -dt), fall, dt * dt / 2)
-        velocity, higher = plus(velocity, fall, -dt), (ZERO, ZERO, ZERO)
+        position = along(along(position, -dt, velocity), dt * dt / 2, fall)
+        velocity, higher = along(velocity, -dt, fall), (ZERO, ZERO, ZERO)
     else:
-        velocity = plus(velocity, fall, -dt / 2)
+        velocity = along(velocity, -dt / 2, fall)
     direction = sin(position[2]), cos(position[2])
     extrapolate = True if method == "verlet" else None
     return State(position, direction, velocity, fall, (0.0, 0.0), higher, extrapolate)

@@ -12,9 +12,7 @@ import numpy as np
 from ..cache import kernel
 from .codes import (
     C_X,
-    C_Z,
     IMPULSE,
-    OMEGA,
     SINE,
     STUCK,
     TURNED,
@@ -23,7 +21,7 @@ from .codes import (
     WATCH_TOUCHED,
     WATCHED,
 )
-from .contact import field
+from .contact import field, put, vector
 from .single import regime_of, watched
 
 # Columns of a row.
@@ -74,7 +72,7 @@ def full(record):
 @kernel
 def pushed_by_others(others, effects, rods, i):
     """Whether other rods push rod i: `others` are accelerations by all but the plate."""
-    alone = field(effects, (rods[i, C_X], rods[i, C_Z], rods[i, OMEGA]))
+    alone = field(effects, vector(rods, i, C_X))
     return others[0] != alone[0] or others[1] != alone[1]
 
 
@@ -82,8 +80,7 @@ def pushed_by_others(others, effects, rods, i):
 def ended(record, half_length, rods, i, plate, step):
     """Write the row of the touch of rod i."""
     row, watch, n = record.open[i], record.watch[i], record.count[0]
-    for c in range(3):
-        row[AFTER + c] = rods[i, C_X + c]
+    put(record.open, i, AFTER, vector(rods, i, C_X))
     a_x = row[CAP] * half_length * rods[i, SINE]
     row[LEAVING] = row[AFTER + 1] - row[AFTER + 2] * a_x - plate[1]
     row[DURATION] = step - row[STEP]
@@ -113,8 +110,7 @@ def begun(record, half_length, rods, i, cap, a_z, plate, step):
     row[ROD], row[STEP], row[CAP] = i, step, cap
     row[FLIGHT] = step - row[_LEFT]
     row[A_X], row[A_Z] = cap * half_length * rods[i, SINE], a_z
-    for c in range(3):
-        row[BEFORE + c] = rods[i, C_X + c]
+    put(record.open, i, BEFORE, vector(rods, i, C_X))
     row[PLATE] = plate[1]
     row[APPROACH] = row[BEFORE + 1] - row[BEFORE + 2] * row[A_X] - plate[1]
     row[PUSHED] = 0.0

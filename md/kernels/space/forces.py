@@ -11,19 +11,20 @@ import numpy as np
 
 from ...cache import kernel
 from ..codes import DIRECTOR, INNER, OUTER, PLACE, PLATE_CAPS, TURN, VELOCITY
-from ..contact import ContactForces, Friction, Motion, Normal, normal_force, tangential_constants
-from .geometry import (
-    NEARER,
-    UP,
+from ..contact import (
     ZERO,
+    ContactForces,
+    Friction,
+    Motion,
+    Normal,
+    add,
     along,
-    beyond,
-    cross,
-    dot,
-    from_axis,
-    passes,
-    rise,
+    normal_force,
+    put,
+    tangential_constants,
+    vector,
 )
+from .geometry import NEARER, UP, beyond, cross, dot, from_axis, passes, rise
 
 
 class Wall(NamedTuple):
@@ -92,26 +93,6 @@ class Rubbing(NamedTuple):
 
 
 @kernel
-def vector(array, i, first):
-    """Three numbers of row i."""
-    return array[i, first], array[i, first + 1], array[i, first + 2]
-
-
-@kernel
-def add(array, i, first, v):
-    """Add a vector to row i."""
-    array[i, first] += v[0]
-    array[i, first + 1] += v[1]
-    array[i, first + 2] += v[2]
-
-
-@kernel
-def put(array, i, first, v):
-    """Put a vector into row i."""
-    array[i, first], array[i, first + 1], array[i, first + 2] = v
-
-
-@kernel
 def act(total, i, arm, f):
     """Add a force at an arm, and its torque, to rod i."""
     add(total, i, 0, f)
@@ -150,24 +131,10 @@ def tangential(v, normal):
 
 
 @kernel
-def kept(springs, at):
-    """Spring of a contact."""
-    row, k = at
-    return springs[row, k, 0], springs[row, k, 1], springs[row, k, 2]
-
-
-@kernel
-def keep(springs, at, spring):
-    """Keep it for the next step."""
-    row, k = at
-    springs[row, k, 0], springs[row, k, 1], springs[row, k, 2] = spring
-
-
-@kernel
-def forget(springs, at):
+def forget(springs, row, place):
     """Clear the spring of a contact that is open."""
     if springs is not None:
-        keep(springs, at, ZERO)
+        put(springs[row], place, 0, ZERO)
 
 
 @kernel
@@ -208,8 +175,8 @@ def friction_force(friction, effects, bodies, springs, at, rubbing, dt):
     """
     if friction is None:
         return ZERO
-    n = rubbing.normal
-    spring = tangential(kept(springs, at), n)
+    n, row, place = rubbing.normal, at[0], at[1]
+    spring = tangential(vector(springs[row], place, 0), n)
     stretched = along(spring, dt, tangential(rubbing.half, n))
     square, light, turned = dot(stretched, stretched), 1.0 * len(bodies), 0.0
     for arm, director in bodies:
@@ -217,7 +184,7 @@ def friction_force(friction, effects, bodies, springs, at, rubbing, dt):
     mass = square / (light * square + turned) if square > 0.0 else 1.0 / light
     slip = tangential(rubbing.now, n)
     f, spring = spring_friction(friction, mass, spring, stretched, slip, rubbing, dt)
-    keep(springs, at, spring)
+    put(springs[row], place, 0, spring)
     return f
 
 
@@ -246,7 +213,7 @@ def on_plate(law, effects, state, i, plate, dt):
         s = effects.half_length if cap else -effects.half_length
         reach = rods[i, PLACE + 2] + s * rods[i, DIRECTOR + 2] - plate[0]
         if reach >= 0.5:
-            forget(state.springs, (i, PLATE_CAPS + cap))
+            forget(state.springs, i, PLATE_CAPS + cap)
             continue
         at = At(s, reach, UP, plate[1], 1.0, PLATE_CAPS + cap)
         surface(law, effects.friction, effects, state, i, at, dt)
@@ -257,12 +224,14 @@ def on_plate(law, effects, state, i, plate, dt):
 @kernel
 def at_caps(wall, effects, state, i, seen, side, dt):
     """Add a wall's forces at both caps; the deepest overlap. `side`: 1 convex wall, -1 concave."""
+    if wall is None:
+        return 0.0
     deepest, rods, slot = 0.0, state.rods, INNER if side > 0 else OUTER
     touching = wall.radius + 0.5 * side
     for cap in range(2):
         s = effects.half_length if cap else -effects.half_length
         if side * (beyond(seen, s) - touching**2) >= 0:
-            forget(state.springs, (i, slot + cap))
+            forget(state.springs, i, slot + cap)
             continue
         rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
         out = side * out[0], side * out[1], 0.0
@@ -273,21 +242,13 @@ def at_caps(wall, effects, state, i, seen, side, dt):
 
 
 @kernel
-def at_outer(wall, effects, state, i, seen, dt):
-    """Add the forces of the concave wall, which only caps can touch; the deepest overlap."""
-    if wall is None:
-        return 0.0
-    return at_caps(wall, effects, state, i, seen, -1, dt)
-
-
-@kernel
 def at_inner(wall, effects, state, i, seen, dt):
     """Add the forces of the convex wall, on caps and between them; the deepest overlap."""
     if wall is None:
         return 0.0
     deepest = at_caps(wall, effects, state, i, seen, 1, dt)
     if not passes(seen, effects.half_length, wall.radius + 0.5):
-        forget(state.springs, (i, INNER + 2))
+        forget(state.springs, i, INNER + 2)
         return deepest
     return max(deepest, beside(wall, effects, state, i, -seen[1] / seen[2], dt))
 

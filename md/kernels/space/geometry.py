@@ -10,9 +10,10 @@ contact becomes one with an end's, and counts by how much nearer it is than each
 from math import sqrt
 
 from ...cache import kernel
+from ..contact import along
 
 NEARER = 0.1  # d; by so much nearer than all ends, a contact between them counts in full
-ZERO, UP = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+UP = (0.0, 0.0, 1.0)
 
 
 @kernel
@@ -25,12 +26,6 @@ def dot(a, b):
 def cross(a, b):
     """Vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@kernel
-def along(a, s, b):
-    """a + s b."""
-    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
 
 
 @kernel

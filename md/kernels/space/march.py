@@ -35,10 +35,10 @@ from ..codes import (
     VELOCITY,
     WALL_TOO_DEEP,
 )
-from ..contact import plate_at
-from ..neighbours import note_travel, too_fast
-from .forces import at_inner, at_outer, on_plate, put, turning, vector
-from .geometry import UP, ZERO, along, cross, dot, from_above
+from ..contact import ZERO, along, plate_at, put, vector
+from ..neighbours import too_fast
+from .forces import at_caps, at_inner, on_plate, turning
+from .geometry import UP, cross, dot, from_above
 from .pairs import between_rods
 
 
@@ -161,7 +161,7 @@ def march(effects, state, watchers, clock, steps):
             seen = from_above(vector(rods, i, PLACE), vector(rods, i, DIRECTOR))
             deepest = max(
                 at_inner(effects.inner, effects, state, i, seen, dt),
-                at_outer(effects.outer, effects, state, i, seen, dt),
+                at_caps(effects.outer, effects, state, i, seen, -1, dt),
             )
             if not deepest <= DEEP:
                 return n, WALL_TOO_DEEP, i
@@ -181,7 +181,6 @@ def march(effects, state, watchers, clock, steps):
             put(before, i, 0, gain_c)
             put(before, i, 3, gain_w)
         way = (sqrt(fastest) + effects.half_length * sqrt(quickest)) * dt
-        note_travel(effects.between, state.pairs, way)
-        if too_fast(effects.between, way):
+        if too_fast(effects.between, state.pairs, way):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

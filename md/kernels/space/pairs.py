@@ -7,30 +7,18 @@ import numpy as np
 
 from ...cache import kernel
 from ..codes import CROSSING, DEEP, DIRECTOR, DONE, PAIR_TOO_DEEP, PLACE, SKIN
-from ..contact import normal_force
+from ..contact import ZERO, add, along, normal_force, vector
 from .forces import (
     Pairs,
     Rubbing,
     across_normal,
     act,
-    add,
     forget,
     friction_force,
     gaining,
     moving,
-    vector,
 )
-from .geometry import (
-    NEARER,
-    ZERO,
-    along,
-    at_end,
-    between_ends,
-    cross,
-    dot,
-    gap_vector,
-    rise,
-)
+from .geometry import NEARER, at_end, between_ends, cross, dot, gap_vector, rise
 
 ENDS, BETWEEN_ENDS = 1, 2  # bits: what of two rods touches
 SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a contact between ends
@@ -115,8 +103,7 @@ def met(effects, state, pair, near, share, slot, dt):
     f = friction_force(between.friction, effects, bodies, state.pair_springs, at, rubbing, dt)
     f = along(f, force, normal)
     act(state.scratch, i, p, f)
-    add(state.scratch, j, 0, along(ZERO, -1.0, f))
-    add(state.scratch, j, 3, cross(f, q))
+    act(state.scratch, j, q, along(ZERO, -1.0, f))
 
 
 @kernel
@@ -185,7 +172,7 @@ def ends_met(effects, state, pair, ends, was, dt):
         s, t, r, square = ends[end]
         if square >= 1.0:
             if was & ENDS:
-                forget(state.pair_springs, (pair.number, end))
+                forget(state.pair_springs, pair.number, end)
             continue
         if square < (1.0 - DEEP) ** 2:
             return touches, True
@@ -225,7 +212,7 @@ def pair_forces(between, effects, state, dt):
                     return k
         elif was & ENDS:
             for end in range(4):
-                forget(springs, (number, end))
+                forget(springs, number, end)
         if inside and nearest < 1.0:
             if nearest < (1.0 - DEEP) ** 2:
                 return k
@@ -235,7 +222,7 @@ def pair_forces(between, effects, state, dt):
                 share = shared(between.normal, state.scratch, pair, near, ends)
             met(effects, state, pair, near, share, CROSSING, dt)
         elif was & BETWEEN_ENDS:
-            forget(springs, (number, CROSSING))
+            forget(springs, number, CROSSING)
         if not clear:
             nearest = min(nearest, least) if inside else least
         pairs.touched[number] = now

@@ -1,0 +1,263 @@
+"""Beyond the paper: the best tilt of a thin rod, stability of its landing, and Painleve's paradox.
+
+With T = tan(phi) both drifts are quotients of two quadratics in T. Below the lower critical tilt
+slip-stick holds, above it slip reversal with less drift, so that the best tilt is the one of
+slip-stick, the one of slip reversal, or the critical tilt between them (the corner).
+"""
+
+import sympy as sp
+
+from . import second_routes
+from .bodies import THIN
+from .drift import CASES, landing, landing_velocity, stationary
+from .laws import slopes
+from .proof import Equation
+from .slide import slide_excess
+from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, phi, u_0, v_0
+from .thin_rod import critical_tangents
+from .trace import derived
+
+T = sp.Symbol("T", positive=True)  # tan(phi)
+
+
+@derived
+def drift_over_tangent(case: str) -> sp.Expr:
+    """c_x/V_z of a thin rod as a function of T = tan(phi)."""
+    along = stationary(case)[0].subs(THIN) / V_z
+    along = sp.expand_trig(along).subs(sp.sin(phi), T * sp.cos(phi))
+    return sp.factor(sp.simplify(along.subs(sp.cos(phi), 1 / sp.sqrt(1 + T**2))))
+
+
+@derived
+def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
+    """Tangent of the tilt of the largest drift in one regime, and that drift over V_z."""
+    drift = drift_over_tangent(case)
+    roots = sp.solve(sp.numer(sp.together(drift.diff(T))), T)
+    at = {mu: sp.Rational(3, 10), epsilon: sp.Rational(1, 2)}
+    (best,) = (root for root in roots if root.subs(at).evalf() > 0)
+    return best, drift.subs(T, best)
+
+
+@derived
+def corner_frictions() -> tuple[sp.Expr, sp.Expr]:
+    """Friction at which the lower critical tilt is the best one of slip reversal, of slip-stick."""
+    square = sp.Symbol("S", positive=True)  # T^2
+    friction = 3 * T / (4 + T**2)  # that of the critical tilt
+    ends = []
+    for case in ("back", "stick"):
+        slope_there = sp.numer(sp.together(drift_over_tangent(case).diff(T).subs(mu, friction)))
+        even = sp.expand(sp.cancel(slope_there)).subs(T, sp.sqrt(square))
+        at = {epsilon: sp.Rational(1, 2)}
+        (best,) = (
+            root
+            for root in sp.solve(even, square)
+            if root.subs(at).is_real and root.subs(at).evalf() > 0
+        )
+        ends.append(friction.subs(T, sp.sqrt(best)))
+    return tuple(ends)
+
+
+@derived
+def jacobian(case: str) -> sp.Matrix:
+    """Derivatives of (c_x', -c_z') by (c_x, c_z): one landing of the closure's map."""
+    after_x, after_z = landing(case)
+    return sp.Matrix([after_x, -after_z]).jacobian([c_x, c_z]).applyfunc(sp.factor)
+
+
+@derived
+def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    """1 - tr + det, 1 + tr + det and 1 - det of the landing map: stable where all are positive."""
+    trace, determinant = jacobian(case).trace(), jacobian(case).det()
+    margins = 1 - trace + determinant, 1 + trace + determinant, 1 - determinant
+    return tuple(sp.factor(margin) for margin in margins)
+
+
+@derived
+def slip_left(case: str) -> sp.Expr:
+    """u_* of the stationary landing: the slip stops where it is negative, as the regime assumes."""
+    at = {u_0: stationary(case)[0], v_0: landing_velocity(case)}
+    return sp.factor(slide_excess().subs(at))
+
+
+@derived
+def painleve_friction() -> sp.Expr:
+    """Friction at which slip towards -x presses the contact into the plate, XZ > 0."""
+    (friction,) = sp.solve(slopes()["back"], mu)
+    return friction
+
+
+@derived
+def least_painleve_friction() -> tuple[sp.Expr, sp.Expr]:
+    """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
+    friction = sp.expand_trig(painleve_friction().subs(THIN)).subs(sp.sin(phi), T * sp.cos(phi))
+    friction = sp.simplify(friction.subs(sp.cos(phi), 1 / sp.sqrt(1 + T**2)))
+    (best,) = sp.solve(friction.diff(T), T)
+    return best, friction.subs(T, best)
+
+
+def _closure(case: str, along: sp.Expr) -> sp.Expr:
+    """Residual of the closure for a drift, in T, on a plate of velocity 1; lengths over Z."""
+    lengths = {X: T, Z: 1, k: sp.sqrt((1 + T**2) / 3), V_z: 1}
+    (residual,) = second_routes.landing_residuals(case, c_x, along)
+    return sp.numer(sp.cancel(residual.subs(lengths)))
+
+
+def _is_largest(case: str, form: sp.Matrix) -> list[sp.Expr]:
+    """The closure's residual and its slope vanish together: no tilt gives more."""
+    level = sp.Symbol("c")
+    curve = _closure(case, level)
+    return [part.subs({T: form[0], level: form[1]}) for part in (curve, curve.diff(T))]
+
+
+def _corners(form: sp.Matrix) -> list[sp.Expr]:
+    """At those frictions the critical tilt and the best tilt are one."""
+    lower = critical_tangents()[0]
+    best = [optimum(case)[0] for case in ("back", "stick")]
+    return [(lower - x).subs(mu, nu) for x, nu in zip(best, form, strict=True)]
+
+
+def _response(case: str) -> sp.Matrix:
+    """Landings a unit apart in c_x and in c_z, from whole impacts."""
+    after = [part.subs(omega, 0) for part in second_routes.impact(case)[:2]]
+    after = sp.Matrix([after[0], -after[1]])
+    at = {c_x: 0, c_z: 0}
+    columns = [after.subs({**at, x: 1}) - after.subs(at) for x in (c_x, c_z)]
+    return sp.Matrix.hstack(*columns)
+
+
+def _margins(form: sp.Matrix) -> list[sp.Expr]:
+    """The characteristic polynomial at 1 and -1, and one minus its end."""
+    x = sp.Symbol("x")
+    checks = []
+    for case, start in zip(CASES, (0, 3), strict=True):
+        polynomial = (x * sp.eye(2) - _response(case)).det()
+        wanted = polynomial.subs(x, 1), polynomial.subs(x, -1), 1 - polynomial.subs(x, 0)
+        checks += [a - b for a, b in zip(wanted, form[start : start + 3], strict=True)]
+    return checks
+
+
+def _slide_from_the_landing(form: sp.Matrix) -> list[sp.Expr]:
+    """What a slide would leave of the slip, from a whole impact that starts at the landing."""
+    v_x, _, spin = (part.subs(omega, 0) for part in second_routes.impact("slide"))
+    left = v_x - spin * Z
+    checks = []
+    for case, value in zip(CASES, form, strict=True):
+        along, up = stationary(case)
+        checks.append(left.subs({c_x: along, c_z: -up}, simultaneous=True) - value)
+    return checks
+
+
+def _pressed_in(form: sp.Expr) -> list[sp.Expr]:
+    """From rest, an impulse (mu, 1) leaves the contact's normal velocity at zero."""
+    turn = (X - Z * form) / k**2  # the spin about the contact point stays zero
+    return [1 + X * turn]
+
+
+def _least_pressed_in(form: sp.Matrix) -> list[sp.Expr]:
+    """The same for a thin rod, as a quadratic in T: a double root."""
+    friction = sp.Symbol("nu")
+    curve = (1 + T**2) / 3 + T * (T - friction)
+    return [part.subs({T: form[0], friction: form[1]}) for part in (curve, curve.diff(T))]
+
+
+_all = k**2 + X**2 + Z**2
+_forward, _reverse = k**2 + X**2 + mu * X * Z, k**2 + X**2 - mu * X * Z
+_stop = mu * (k**2 + Z**2) + X * Z
+_lossy = (1 - epsilon) * k**2 + 2 * X**2
+_a, _b = 1 - epsilon, 7 - epsilon
+_best_back = _a / (mu * (9 - epsilon) + sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b))
+
+EQUATIONS = (
+    Equation(
+        tag="V: optimum, slip-stick",
+        what=r"$\tan\phi$ of the largest drift (26) of a thin rod, and that drift over $V_z$",
+        symbol="(\\tan\\phi, c_x/V_z)",
+        derive=lambda: sp.Matrix(optimum("stick")),
+        shown=sp.Matrix([sp.sqrt(_a / _b), 3 * (1 + epsilon) / sp.sqrt(_a * _b)]),
+        check=lambda form: _is_largest("stick", form),
+        verdict="new",
+        note="13.2 degrees and 3.32 for the paper's restitution, 0.65",
+    ),
+    Equation(
+        tag="V: optimum, slip reversal",
+        what=r"$\tan\phi$ of the largest drift (29) of a thin rod, and that drift over $V_z$",
+        symbol="(\\tan\\phi, c_x/V_z)",
+        derive=lambda: sp.Matrix(optimum("back")),
+        shown=sp.Matrix(
+            [_best_back, (1 + epsilon) * (2 * mu * _best_back + 3) / (2 * _b * _best_back)]
+        ),
+        check=lambda form: _is_largest("back", form),
+        verdict="new",
+    ),
+    Equation(
+        tag="V: optimum, corner",
+        what="between these two frictions the best tilt is the critical one, $\\phi_c$; below them "
+        "it is that of slip reversal, above that of slip-stick",
+        symbol="(\\mu_{back}, \\mu_{stick})",
+        derive=lambda: sp.Matrix(corner_frictions()),
+        check=_corners,
+        verdict="new",
+        note="0.102 and 0.174 for the paper's restitution, 0.65",
+    ),
+    Equation(
+        tag="V: stability",
+        what="stability of the stationary landing: $1 - tr + det$, $1 + tr + det$, $1 - det$ of "
+        "the landing map $(c_x, c_z) \\to (c_x', -c_z')$ in slip-stick, then in slip reversal",
+        symbol="(1 \\mp tr + det, 1 - det)_{stick, back}",
+        derive=lambda: sp.Matrix([part for case in CASES for part in stability_margins(case)]),
+        shown=sp.Matrix(
+            [
+                _lossy / _all,
+                (1 + epsilon) * (k**2 + 2 * Z**2) / _all,
+                (k**2 + X**2 + (1 - epsilon) * Z**2) / _all,
+                2 * mu * k**2 * _lossy / (_reverse * _stop),
+                2 * (1 + epsilon) * k**2 * Z * (X + mu * Z) / (_reverse * _stop),
+                (
+                    2 * X * Z * (X**2 - mu**2 * (k**2 + Z**2))
+                    + (1 - epsilon) * k**2 * Z * (X + mu * Z)
+                    + (1 + epsilon) * mu * k**4
+                )
+                / (_reverse * _stop),
+            ]
+        ),
+        check=_margins,
+        verdict="new",
+        note="all positive, so that it is stable wherever its regime holds: where "
+        r"$XZ > \mu (k^2 + Z^2)$, also $X^2 > \mu^2 (k^2 + Z^2)$",
+    ),
+    Equation(
+        tag="V: slip stops",
+        what="$u_*$ of the stationary landing: slip-stick, slip reversal",
+        symbol="u_*",
+        derive=lambda: sp.Matrix([slip_left(case) for case in CASES]),
+        shown=sp.Matrix(
+            [
+                -2 * (1 + epsilon) * mu * k**2 * _all * V_z / (_lossy * _forward),
+                -(1 + epsilon) * _reverse * _stop * V_z / (_lossy * _forward),
+            ]
+        ),
+        check=_slide_from_the_landing,
+        verdict="new",
+        note="negative in both: the closure never lands in a slide, and is consistent with itself",
+    ),
+    Equation(
+        tag="Painleve: friction",
+        what="friction from which a contact that slips towards $-x$ is pressed into the plate, "
+        "$XZ > 0$",
+        symbol="\\mu_P",
+        derive=painleve_friction,
+        shown=(k**2 + X**2) / (X * Z),
+        check=_pressed_in,
+        verdict="new",
+        note="from there on $dv/dP_z < 0$: the impact begins even with $v_0 = 0$",
+    ),
+    Equation(
+        tag="Painleve: thin rod",
+        what=r"$\tan\phi$ at which that friction is least for a thin rod, and that friction",
+        symbol="(\\tan\\phi, \\mu_P)",
+        derive=lambda: sp.Matrix(least_painleve_friction()),
+        check=_least_pressed_in,
+        verdict="new",
+        note="4/3 at 26.6 degrees; over tilt $\\mu_P = (1 + 4 T^2)/(3 T)$, $T = \\tan\\phi$",
+    ),
+)

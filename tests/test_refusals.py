@@ -1,0 +1,110 @@
+"""What commands refuse, in one line and before any work: no file is changed."""
+
+import json
+import socket
+import tomllib
+from contextlib import chdir
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import md
+from md import calibration
+from md.__main__ import main
+from md.store import Store, table, write_csv
+
+from .command_line import refused
+from .rows import row
+from .test_store import ABOUT
+
+TABLES = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text(encoding="utf-8"))
+SWEEPS = TABLES.pop("sweep bad.toml --store b.db")
+REFUSALS = {
+    f"{begin} {rest}".strip(): words
+    for begin, rows in TABLES.items()
+    for rest, words in rows.items()
+}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def folder(tmp_path_factory):
+    """A working directory with a store of a run, and files of other kinds."""
+    folder = tmp_path_factory.mktemp("folder")
+    with chdir(folder):
+        fill()
+        yield folder
+
+
+def fill():
+    """Make the files."""
+    with Store("a.db") as store:
+        store.put("k", ABOUT, {"c_x": 0.5}, None)
+    Path("notes.csv").write_text("day,hours\n1,8\n")
+    Path("other.json").write_text('{"order": 1}')
+    Path("other.xyz").write_text('1\nLattice="1 0 0 0 1 0 0 0 1" Properties=pos:R:3\n0 0 0\n')
+    Path("mine.toml").write_text('scene = "my_rods"\n')
+    Path("empty.toml").touch()
+    write_csv("more.csv", *table("a.db"))  # and a column of one's own
+    Path("more.csv").write_text(Path("more.csv").read_text().replace("\n", ",mine\n"))
+    np.save("array.npy", np.zeros(3))
+    np.savez("arrays.npz", about="{}")
+    np.savez("old.npz", about=json.dumps({"code": "other", "scene": "other"}))
+    Path("cut.npz").write_bytes(b"PK\x03\x04 cut short")
+    Path("link").symlink_to("a.db")
+    Path("hard").hardlink_to("a.db")
+    with socket.socket(socket.AF_UNIX) as device:  # as /dev/null, without the harm
+        device.bind("socket")
+    Path("broken.toml").write_text("[rods\ncount = 3\n")
+    Path("twice.toml").write_text("[rods]\ncount = 3\ncount = 4\n")
+
+
+def contents(folder):
+    """Of all files but those that SQLite reads with."""
+    mine = (path for path in folder.glob("*") if "db-" not in path.name)
+    return {path.name: path.read_bytes() if path.is_file() else None for path in mine}
+
+
+@pytest.mark.parametrize(("command", "words"), REFUSALS.items(), ids=REFUSALS)
+def test_nonsense_is_refused_in_one_line(folder, monkeypatch, capsys, command, words):
+    """It names the option or key, its value and its domain; exit code 2, and no file is changed."""
+    monkeypatch.setattr(calibration, "calibrate", lambda *_, **__: pytest.fail("work begun"))
+    before = contents(folder)
+    refused(lambda: main(command.split()), words, capsys)
+    assert contents(folder) == before
+
+
+@pytest.mark.parametrize(("sweep", "words"), SWEEPS.items(), ids=SWEEPS)
+def test_a_sweep_that_is_none_is_refused_in_one_line(capsys, sweep, words):
+    scene = "" if sweep.startswith("scene") else 'scene = "single_rod"\n'
+    Path("bad.toml").write_text(scene + sweep)
+    refused(lambda: main(["sweep", "bad.toml", "--store", "b.db"]), words, capsys)
+    assert not Path("b.db").exists()
+
+
+def test_functions_are_guarded_as_commands_are(folder):
+    before = contents(folder)
+    with pytest.raises(ValueError, match="csv must be a new file or one of runs"):
+        write_csv("a.db", *table("a.db"))
+    with pytest.raises(ValueError, match="trajectory must be a new file or one of frames"):
+        md.run(row(), periods=1, trajectory="a.db")
+    with pytest.raises(ValueError, match="checkpoint must be another file than trajectory"):
+        md.run(row(), periods=1, trajectory="t", checkpoint=folder / "t")
+    assert contents(folder) == before
+
+
+def test_what_a_command_wrote_it_may_replace(folder, monkeypatch, capsys):
+    """A table, of no runs as well, and a calibration; behind a link, the file itself."""
+    Store("none.db").database.close()
+    Path("to").symlink_to("b.csv")
+    for _ in range(2):
+        assert main(["results", "none.db", "--csv", "b.csv"]) == 0
+        assert main(["results", "a.db", "--csv", "to"]) == 0
+    assert Path("to").is_symlink()
+    assert len(Path("b.csv").read_text().splitlines()) == 2
+    measured = json.loads(md.accuracy.CALIBRATION.read_text())
+    monkeypatch.setattr(calibration, "calibrate", lambda *_, **__: measured)
+    for _ in range(2):
+        assert main(["calibrate", "--store", "a.db", "--out", "c.json"]) == 0
+    assert json.loads(Path("c.json").read_text()) == measured
+    assert not list(folder.glob("*.part*"))
