@@ -48,8 +48,8 @@ class Twofold:
     The functions of `_generated` run on it as on any number.
     """
 
-    def __init__(self, high, low=0.0):
-        self.high, self.low = high, low
+    def __init__(self, high, low=None):
+        self.high, self.low = high, 0.0 * high if low is None else low
 
     def __getitem__(self, index):
         return Twofold(self.high[index], self.low[index])
@@ -69,11 +69,12 @@ class Twofold:
             *_total(product, 0.0, error + (self.high * other.low + self.low * other.high))
         )
 
-    def __truediv__(self, other):
-        q = self.high / other.high
-        product, error = _product(_halves(q), _halves(other.high))
-        rest = ((self.high - product) - error) + (self.low - q * other.low)
-        return Twofold(*_total(q, 0.0, rest / other.high))
+
+def quotient(a, b):
+    """a/b of two rounded numbers, in twice their digits."""
+    q = a / b
+    product, error = _product(_halves(q), _halves(b))
+    return Twofold(*_total(q, 0.0, ((a - product) - error) / b))
 
 
 def lacking(q, a_low, b, b_low):

@@ -17,7 +17,7 @@ from ._arguments import (
     InputError,
     evaluated,
 )
-from ._compensated import Twofold
+from ._compensated import Twofold, quotient
 from .collision import law_of
 
 MASS = Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True, infinite=True)
@@ -99,11 +99,17 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     mass, power = mass.prod(0), power.min(0)  # in units of mass 2^power
 
     X, Z, k = (np.ldexp(length, -size) for length in (both.X, both.Z, both.k))
-    c = [np.ldexp(velocity, -speed) for velocity in (both.c_x, both.c_z)]
-    moving = *c, np.ldexp(both.omega, size - speed), 0.0, X, Z
-    u, v = (end[0] - end[1] for end in closed.approach(*map(Twofold, moving)))
+    c = np.ldexp((both.c_x, both.c_z), -speed)
+    # centres and spins apart, as bodies that move alike must not lose what is left
+    turning = 0.0, 0.0, np.ldexp(both.omega, size - speed), 0.0, X, Z
+    ends = zip(
+        map(Twofold, c),
+        closed.approach(*map(Twofold, turning)),
+        strict=True,
+    )
+    u, v = ((centre[0] - centre[1]) + (spin[0] - spin[1]) for centre, spin in ends)
     k = np.maximum(k, SHORT)
-    levers = Twofold(light, 0.0 * light), Twofold(X) / Twofold(k), Twofold(Z) / Twofold(k)
+    levers = Twofold(light), quotient(X, k), quotient(Z, k)
     A, B, C, D = closed.pair_mobility(*(part[i] for i in range(2) for part in levers))
     side = np.copysign(1.0, np.where(u.high == 0, B.high, u.high))
     B, mu = B * Twofold(side), np.minimum(mu, HUGE_FRICTION)

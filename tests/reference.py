@@ -312,8 +312,8 @@ def reference_pair(first, second, *, friction, restitution, law="newton", dps=60
         energy = mpf(0)
         for M, sign, old, new in zip(masses, (1, -1), states, after, strict=True):
             if isinf(M):  # the work of the impulse on what keeps its velocity
-                u, v = contact_velocity(old)
-                energy += sign * (P_x * u + P_z * v)
+                along, across = contact_velocity(old)
+                energy += sign * (P_x * along + P_z * across)
             else:
                 energy += M * (kinetic_energy(new) - kinetic_energy(old))
         u_f, v_f = (a + b for a, b in zip((u, v), respond(P_x, P_z), strict=True))
