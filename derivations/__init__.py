@@ -22,8 +22,9 @@ axioms, trace                       what is assumed; what a derivation rests on,
 newton                              (1)-(6): the contact point's equations of motion
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact
 bodies, thin_rod, drift             rods; boundaries, (23); stationary translation, (24)-(31)
-laws, pairs                         other restitutions, energy; any two bodies that meet
-optimum, appendix                   best tilt; Appendix A
+laws, pairs, appendix               other restitutions, energy; any two bodies; Appendix A
+optimum, transport                  best tilt, stability; short rods, energy of transport
+landing_phases                      landing phases by the flux of impacts, and V_z with them
 statements, references              sentences of the text; cited figures and equations
 second_routes                       whole impacts from conservation laws, for the proofs
 mutants                             deliberate mistakes: the proofs can fail

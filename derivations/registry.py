@@ -18,6 +18,7 @@ from . import (
     axioms,
     bodies,
     drift,
+    landing_phases,
     laws,
     newton,
     optimum,
@@ -28,6 +29,7 @@ from . import (
     slip_stick,
     statements,
     thin_rod,
+    transport,
 )
 from .proof import Equation, Verdict
 from .references import Citation
@@ -58,6 +60,8 @@ SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("Two bodies that meet", pairs.EQUATIONS),
     ("Stationary translation", drift.EQUATIONS),
     ("Best tilt, stability, Painleve's paradox", optimum.EQUATIONS),
+    ("Landing phases by the flux of impacts", landing_phases.EQUATIONS),
+    ("Short rods, and energy", transport.EQUATIONS),
     ("Appendix A: dimensions", appendix.EQUATIONS),
     ("Sentences of the text", statements.EQUATIONS),
     ("Readings: places of the text that differ", statements.READINGS),

@@ -102,11 +102,7 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     c = np.ldexp((both.c_x, both.c_z), -speed)
     # centres and spins apart, as bodies that move alike must not lose what is left
     turning = 0.0, 0.0, np.ldexp(both.omega, size - speed), 0.0, X, Z
-    ends = zip(
-        map(Twofold, c),
-        closed.approach(*map(Twofold, turning)),
-        strict=True,
-    )
+    ends = zip(map(Twofold, c), closed.approach(*map(Twofold, turning)), strict=True)
     u, v = ((centre[0] - centre[1]) + (spin[0] - spin[1]) for centre, spin in ends)
     k = np.maximum(k, SHORT)
     levers = Twofold(light), quotient(X, k), quotient(Z, k)
