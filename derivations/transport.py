@@ -7,7 +7,8 @@ from .bodies import round_contact, spherocylinder_gyration
 from .drift import CASES, stationary
 from .newton import g, spin_jump, velocity_change
 from .proof import Equation
-from .symbols import V_z, X, Z, c_x, c_z, diameter, epsilon, h_0, k, length, m, omega, phi
+from .slide import cm_velocity
+from .symbols import V_z, X, Z, c_x, c_z, diameter, epsilon, h_0, k, length, m, mu, omega, phi
 from .trace import derived
 
 _ROUND = {length: 1 + h_0, diameter: sp.Integer(1)}  # h_0 = l/d - 1, lengths in d
@@ -63,6 +64,24 @@ def cost_of_transport(case: str) -> sp.Expr:
     return sp.factor(energies(case)[0] / (g * distance))
 
 
+@derived
+def spin_response(case: str) -> tuple[sp.Expr, sp.Expr]:
+    """d(c_x', c_z')/d omega of stationary translation with a spin omega at every landing."""
+    after_x, after_z = cm_velocity(*CASES[case]())
+    (solution,) = sp.solve([after_x - c_x, after_z + c_z], [c_x, c_z], dict=True)
+    return sp.factor(solution[c_x].diff(omega)), sp.factor(-solution[c_z].diff(omega))
+
+
+def _spin_checks(form: sp.Matrix) -> list[sp.Expr]:
+    """A landing of spin 1 on a plate at rest, at just these velocities, repeats itself."""
+    checks = []
+    for case, along, up in zip(CASES, form[::2], form[1::2], strict=True):
+        landed = {c_x: along, c_z: -up, omega: 1, V_z: 0}
+        v_x, v_z, _ = (part.subs(landed, simultaneous=True) for part in second_routes.impact(case))
+        checks += [v_x - along, v_z - up]
+    return checks
+
+
 def _length_checks(form: sp.Expr) -> list[sp.Expr]:
     """The drift from whole landings has its extrema there, and nowhere else."""
     level = sp.Symbol("c")
@@ -109,6 +128,7 @@ def _cost_checks(form: sp.Matrix) -> list[sp.Expr]:
 
 _lossy = (1 - epsilon) * k**2 + 2 * X**2
 _slant = sp.sin(phi) ** 2 / (1 - epsilon)
+_spin_up = -(1 + epsilon) * k**2 * X / _lossy
 _up = (1 + epsilon) * k**2 * V_z / _lossy
 
 EQUATIONS = (
@@ -137,6 +157,26 @@ EQUATIONS = (
         verdict="new",
         note="short rods drift faster than long ones: at 30 degrees and restitution 0.65 the best "
         "is $l = 1.9 d$, with 1.44 times the drift of a thin rod that sticks",
+    ),
+    Equation(
+        tag="V: landing with spin",
+        what=r"what a spin $\omega$ at every landing adds to $c_x'$ and $c_z'$, over $\omega$: "
+        "slip-stick, then slip reversal",
+        symbol="\\partial(c_x, c_z')/\\partial\\omega",
+        derive=lambda: sp.Matrix([part for case in CASES for part in spin_response(case)]),
+        shown=sp.Matrix(
+            [
+                Z * ((1 - epsilon) * k**2 - 2 * epsilon * X**2) / _lossy,
+                _spin_up,
+                ((1 - epsilon) * Z * (k**2 + X**2) - (1 + epsilon) * mu * X * (k**2 + Z**2))
+                / _lossy,
+                _spin_up,
+            ]
+        ),
+        check=_spin_checks,
+        verdict="new",
+        note="a rod that sticks and still turns forward when it lands drifts faster where "
+        r"$2 \epsilon X^2 < (1 - \epsilon) k^2$, at small tilt, and slower beyond",
     ),
     Equation(
         tag="V: energy of a landing",
