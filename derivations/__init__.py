@@ -22,13 +22,16 @@ axioms, trace                       what is assumed; what a derivation rests on,
 newton                              (1)-(6): the contact point's equations of motion
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact
 bodies, thin_rod, drift             rods; boundaries, (23); stationary translation, (24)-(31)
-laws, optimum, appendix             other restitutions, energy; best tilt; Appendix A
+laws, pairs, appendix               other restitutions, energy; any two bodies; Appendix A
+optimum, transport                  best tilt, stability; short rods, energy of transport
+landing_phases                      landing phases by the flux of impacts, and V_z with them
 statements, references              sentences of the text; cited figures and equations
 second_routes                       whole impacts from conservation laws, for the proofs
 mutants                             deliberate mistakes: the proofs can fail
 registry                            all entries in the paper's order
 rewrites                            rules that make a form compute well, each one proved
 map_functions, rod_functions        which functions are generated, by which rules
+pair_functions                      and those of two bodies
 codegen, equations_page             impact/_generated.py; EQUATIONS.md
 typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
 lookup                              `equation`, `function`: one entry by its tag
@@ -43,7 +46,7 @@ To add an equation
    (module `proof`). A form that reads better than the derived one goes into `shown`. Formulas in
    sentences stand between dollar signs. A step that is worth a name is marked `@derived`, which
    caches it and notes the axioms that it used.
-3. If it should be a function: a `Function` in `map_functions.py` or `rod_functions.py` names its
+3. If it should be a function: a `Function` in `map_functions.py` or its like names its
    outputs and the rules that make them compute well (module `rewrites`).
 
 `check` proves it, `mutate` tries to fool the proof, `generate` writes impact/_generated.py and

@@ -23,6 +23,7 @@ _arguments                          arguments of all functions: domains, dtypes,
 geometry                            where the centre of mass stands over the contact point
 _kernel, _compensated               one impact, as one body for arrays and for Numba
 collision                           the impact map: `collide`, `classify`
+pairs                               two bodies of any masses that meet: `collide_pair`
 boundaries, translation             boundaries of the regimes; the drift
 compiled                            the map as Numba kernels, the same bits
 flight, bouncing, falling           exact flights over the plate, and rods that make them
@@ -43,6 +44,7 @@ from ._kernel import Regime
 from .boundaries import critical_friction, critical_tilts, energy_restitution, slide_friction
 from .collision import Collision, classify, collide
 from .geometry import ContactGeometry, flat_ended_rod, spherocylinder, thin_rod
+from .pairs import Body, PairCollision, collide_pair
 from .translation import (
     Drift,
     Optimum,
@@ -53,14 +55,17 @@ from .translation import (
 )
 
 __all__ = [
+    "Body",
     "Collision",
     "ContactGeometry",
     "Drift",
     "InputError",
     "Optimum",
+    "PairCollision",
     "Regime",
     "classify",
     "collide",
+    "collide_pair",
     "critical_friction",
     "critical_tilts",
     "drift",

@@ -42,6 +42,41 @@ def _total(a, b, rest):
     return total, rest - (total - s)
 
 
+class Twofold:
+    """A number as the sum of a rounded one and what that lacks: arithmetic in twice the digits.
+
+    The functions of `_generated` run on it as on any number.
+    """
+
+    def __init__(self, high, low=None):
+        self.high, self.low = high, 0.0 * high if low is None else low
+
+    def __getitem__(self, index):
+        return Twofold(self.high[index], self.low[index])
+
+    def __neg__(self):
+        return Twofold(-self.high, -self.low)
+
+    def __add__(self, other):
+        return Twofold(*_total(self.high, other.high, self.low + other.low))
+
+    def __sub__(self, other):
+        return self + -other
+
+    def __mul__(self, other):
+        product, error = _product(_halves(self.high), _halves(other.high))
+        return Twofold(
+            *_total(product, 0.0, error + (self.high * other.low + self.low * other.high))
+        )
+
+
+def quotient(a, b):
+    """a/b of two rounded numbers, in twice their digits."""
+    q = a / b
+    product, error = _product(_halves(q), _halves(b))
+    return Twofold(*_total(q, 0.0, ((a - product) - error) / b))
+
+
 def lacking(q, a_low, b, b_low):
     """What the quotient q = a/b lacks for the low parts of a and b, to first order."""
     return (a_low - b_low * q) * (1 / b)  # a reciprocal need not wait for q

@@ -95,7 +95,6 @@ class Approach(NamedTuple):
     """What decides the regime, in the mirror frame (side = +-1 leads back)."""
 
     side: Any
-    X: Any
     u_0: Any
     v_0: Any
     mu: Any
@@ -128,14 +127,14 @@ def ordinary(given):
     return sized & (mu >= 0) & (mu < LARGE_FRICTION) & (epsilon >= 0) & (epsilon <= 1)
 
 
-def mirrored(given):
-    """Mirror the impact to u_0 >= 0 and apply the branch rule."""
-    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = given
-    u_0, v_0, u_low, v_low = approach(c_x, c_z, omega, V_z, X, Z)
-    side = np.copysign(1.0, select(u_0 == 0, X * Z, u_0))
-    X, u_0, u_low = side * X, np.abs(u_0), side * u_low
-    mu = smaller(mu, HUGE_FRICTION)
-    N, T, N_back, T_back, K, K_z, N_low, T_low = responses(X, Z, k, mu)
+def judged(side, velocities, mu, epsilon, found):
+    """Apply the branch rule to a contact in the mirror frame.
+
+    `found` are its responses, as `_compensated.responses` gives them. For a contact of any
+    mobilities A, B, C the rod's k^2 counts as one, K as A C - B^2 and K_z as C.
+    """
+    u_0, v_0, u_low, v_low = velocities
+    N, T, N_back, T_back, K, K_z, N_low, T_low = found
     v_f = -epsilon * v_0
     gain = v_f - v_0
     gain_low = (v_f - (gain + v_0)) - (1 + epsilon) * v_low
@@ -148,11 +147,21 @@ def mirrored(given):
     sticks = T_back <= 0
     # fmt: off
     return Approach(
-        side, X, u_0, v_0, mu, N, T, N_back, T_back, K, K_z,
+        side, u_0, v_0, mu, N, T, N_back, T_back, K, K_z,
         u_low, v_low, N_low, T_low,
         v_f, gain, gain_low, j_slide, u_slide, hits, slides, sticks,
     )
     # fmt: on
+
+
+def mirrored(given):
+    """Mirror the impact of a rod to u_0 >= 0 and apply the branch rule."""
+    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = given
+    u_0, v_0, u_low, v_low = approach(c_x, c_z, omega, V_z, X, Z)
+    side = np.copysign(1.0, select(u_0 == 0, X * Z, u_0))
+    mu = smaller(mu, HUGE_FRICTION)
+    velocities = np.abs(u_0), v_0, side * u_low, v_low
+    return judged(side, velocities, mu, epsilon, responses(side * X, Z, k, mu))
 
 
 def regime_of(a):
@@ -194,11 +203,9 @@ def stronge(a, k, epsilon, j_1, rise, rise_low):
     return _gain(a, np.sqrt(select(v_1 < 0, early, stronge_late(epsilon, a.v_0, late, r))))
 
 
-def impact(final_velocity, given):
-    """State after an impact under the law `final_velocity`; the fields of `Collision`."""
-    c_x, c_z, omega, _, _, Z, k, _, epsilon = given
-    a = mirrored(given)
-    X, u_0, v_0 = a.X, a.u_0, a.v_0
+def phases(final_velocity, a, k, epsilon):
+    """Impulses over k^2 of forward slip and of what follows it; contact velocities afterwards."""
+    u_0, v_0 = a.u_0, a.v_0
     T = select(u_0 > 0, a.T, 1.0)  # without slip nothing is divided by T, which may be 0
 
     j_stop, rise = stop(u_0, a.N, T)
@@ -208,17 +215,29 @@ def impact(final_velocity, given):
     v_f, gain, gain_low = final_velocity(a, k, epsilon, j_stop, rise, rise_low)
     # v_f - v_1: nothing pulls, though rounding may; so P_z > 0, and the way back is backward
     rest = larger((gain - rise) + (gain_low - rise_low), 0.0)
+    j_2, u_back = reverse(rest, select(a.sticks, a.K, a.N_back), larger(a.T_back, 0.0))
+    j_1, j_2 = select(a.slides, a.j_slide, j_stop), select(a.slides, 0.0, j_2)
+    u_f = select(a.hits, select(a.slides, a.u_slide, u_back), u_0)
+    return j_1, j_2, u_f, select(a.hits, v_f, v_0)
+
+
+def added(a, j_1, j_2, forward, back, held):
+    """Sum over the phases of what a unit of each one's impulse gives; 0 without an impact."""
+    return select(a.hits, select(a.sticks, held, back) * j_2 + forward * j_1, 0.0)
+
+
+def impact(final_velocity, given):
+    """State after an impact under the law `final_velocity`; the fields of `Collision`."""
+    c_x, c_z, omega, _, X, Z, k, _, epsilon = given
+    a = mirrored(given)
+    X = a.side * X
+    j_1, j_2, u_f, v_f = phases(final_velocity, a, k, epsilon)
 
     push, lift, turn, back = slip(X, Z, k, a.mu)
     push_held, lift_held, turn_held = stick(X, Z, a.K_z)
-    j_2, u_back = reverse(rest, select(a.sticks, a.K, a.N_back), larger(a.T_back, 0.0))
-    j_1, j_2 = select(a.slides, a.j_slide, j_stop), select(a.slides, 0.0, j_2)
-
-    P_x = select(a.hits, select(a.sticks, push_held, push) * j_2 - push * j_1, 0.0)
-    P_z = select(a.hits, select(a.sticks, lift_held, lift) * j_2 + lift * j_1, 0.0)
-    spin = select(a.hits, select(a.sticks, turn_held, back) * j_2 + turn * j_1, 0.0)
-    u_f = select(a.hits, select(a.slides, a.u_slide, u_back), u_0)
-    v_f = select(a.hits, v_f, v_0)
+    P_x = added(a, j_1, j_2, -push, push, push_held)
+    P_z = added(a, j_1, j_2, lift, lift, lift_held)
+    spin = added(a, j_1, j_2, turn, back, turn_held)
     return (
         c_x + a.side * P_x,
         c_z + P_z,
@@ -228,5 +247,5 @@ def impact(final_velocity, given):
         P_z,
         a.side * u_f,
         v_f,
-        energy_change(P_x, P_z, u_0, v_0, u_f, v_f),
+        energy_change(P_x, P_z, a.u_0, a.v_0, u_f, v_f),
     )

@@ -87,6 +87,13 @@ def _guarded(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     return tuple(results)
 
 
+def law_of(name: str) -> Callable[..., tuple]:
+    """Kernel of a law of restitution; an unknown name raises."""
+    if not isinstance(name, str) or name not in LAWS:
+        raise InputError(f"law must be one of {', '.join(LAWS)}, got {name!r}")
+    return LAWS[name]
+
+
 def prepare(
     c_x: Any,
     c_z: Any,
@@ -98,8 +105,7 @@ def prepare(
     law: str,
 ) -> tuple[list[np.ndarray], np.dtype]:
     """Arguments of `collide` as arrays in the kernel's order, and the dtype of the results."""
-    if not isinstance(law, str) or law not in LAWS:
-        raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
+    law_of(law)
     return real_arrays(
         {
             "c_x": (c_x, ANY),

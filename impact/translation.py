@@ -148,27 +148,36 @@ def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
     return Optimum(tilt, c_x, as_regime(regime))
 
 
-def landing_density(phase: Any) -> Any:
-    """The paper's density of landing phases, H = (1 + cos(theta))/(2 pi), Fig. 8.
+def landing_density(phase: Any, *, fall_speed: Any = 1.0) -> Any:
+    """Density of landing phases in proportion to the velocity of approach, (31), Fig. 8.
+
+    A rod that falls with q times the plate's largest velocity meets it in proportion to
+    q + cos(theta), where that is positive. At q = 1 it is the paper's H = (1 + cos(theta))/(2 pi);
+    the rest is derived in `derivations.landing_phases`.
 
     Parameters
     ----------
     phase : theta, rad, any real numbers; the plate rises fastest at 0
+    fall_speed : q = |c_z|/V_0 of the rod before it lands, > 0
 
     Returns
     -------
-    Density per rad, of the shape of `phase`; nan where that is not finite.
+    Density per rad; nan where the phase is not finite.
 
     Raises
     ------
+    ValueError
+        If the fall speed is a scalar <= 0.
     TypeError
-        If the phase is not a real number or an array of them.
+        If an argument is not a real number or an array of them.
     """
 
-    def block(theta: Any) -> tuple[Any, ...]:
-        return ((1 + np.cos(theta)) / (2 * np.pi),)
+    def block(theta: Any, q: Any) -> tuple[Any, ...]:
+        end = np.arccos(np.maximum(-q, -1.0))  # beyond it the plate runs away from the rod
+        total = 2 * (q * end + np.sin(end))
+        return (np.maximum(q + np.cos(theta), 0.0) / total,)
 
-    return evaluated(block, {"phase": (phase, ANY)})[0]
+    return evaluated(block, {"phase": (phase, ANY), "fall_speed": (fall_speed, POSITIVE)})[0]
 
 
 def mean_plate_velocity(

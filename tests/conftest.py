@@ -14,7 +14,7 @@ from impact._generated import DIGEST
 from md.sources import digest
 
 TOGETHER = {  # files that one process works through, as they share what it has computed
-    "derivations": ("derivations", "generated", "lookup", "report"),
+    "derivations": ("derivations", "generated", "lookup", "mutants", "report"),
     "quick figures": (
         *("figures", "accuracy_figures", "claims", "drift_figures", "md_figures", "price_figures"),
         *("ring_figures", "row_figures", "rows_figures"),

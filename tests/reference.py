@@ -9,6 +9,7 @@ centre of mass lies at ``(X, Z)``, and positive ``omega`` turns +z towards +x.
 
 from collections import namedtuple
 from collections.abc import Mapping
+from functools import partial
 
 from mpmath import frexp, inf, isinf, isnan, ldexp, mpf, mpmathify, sign, sqrt, workdps
 
@@ -51,18 +52,25 @@ def kinetic_energy(state):
     return (state.c_x**2 + state.c_z**2 + (state.k * state.omega) ** 2) / 2
 
 
-def _friction_phases(state, mu):
-    """Return the phases, whether sticking is possible, and the stick ratio."""
+def response(state, P_x, P_z):
+    """Return the contact velocity that an impulse gives to a body at rest."""
     rest = state._replace(c_x=mpf(0), c_z=mpf(0), omega=mpf(0))
+    return contact_velocity(apply_impulse(rest, P_x, P_z))
+
+
+def _friction_phases(u, v, respond, mu):
+    """Return the phases, whether sticking is possible, and the stick ratio.
+
+    `respond` gives the change of the contact velocity under an impulse.
+    """
 
     def slopes(ratio):
-        return contact_velocity(apply_impulse(rest, ratio, 1))
+        return respond(ratio, 1)
 
     # The ratio at which a tangential impulse cancels the slip caused by a unit normal impulse.
-    u_tangential, u_normal = contact_velocity(apply_impulse(rest, 1, 0))[0], slopes(0)[0]
+    u_tangential, u_normal = respond(1, 0)[0], slopes(0)[0]
     stick_ratio = -u_normal / u_tangential
 
-    u, v = contact_velocity(state)
     phases, p_stop = [], mpf(0)
     if u != 0:
         ratio = -sign(u) * mu
@@ -72,7 +80,7 @@ def _friction_phases(state, mu):
     sticks = abs(stick_ratio) <= mu
     if not isinf(p_stop):
         if phases:
-            v = contact_velocity(apply_impulse(state, phases[0].ratio * p_stop, p_stop))[1]
+            v += respond(phases[0].ratio * p_stop, p_stop)[1]
         # Slip resumes in the direction that friction is too weak to prevent.  The fallback is
         # for |stick_ratio| = mu within rounding, where sticking and slipping coincide.
         slipping = (-s * mu for s in (1, -1) if s * slopes(-s * mu)[0] > 0)
@@ -119,6 +127,22 @@ def _end_of_impact(phases, v, e, law):
         # Root of v d + slope d^2 / 2 = wanted in the form free of cancellation.
         return begin + 2 * wanted / (v + sqrt(v * v + 2 * phase.slope * wanted))
     raise AssertionError("the last phase is unbounded")
+
+
+def _walk(u, v, respond, mu, e, law):
+    """Return regime, impulse, margins and phases of an impact with v < 0."""
+    phases, sticks, stick_ratio = _friction_phases(u, v, respond, mu)
+    P_z = _end_of_impact(phases, v, e, law)
+    P_x = sum((q.ratio * (min(q.end, P_z) - q.begin) for q in phases if q.begin < P_z), mpf(0))
+
+    margin = inf
+    regime = SLIP_STICK if sticks else SLIP_REVERSAL
+    if u != 0:
+        perpetual_slip = phases[0]._replace(end=inf)
+        margin = _relative_distance(phases[0].end, _rise_to([perpetual_slip], -e * v))
+        if phases[0].end >= P_z:
+            regime = SLIDE
+    return regime, P_x, P_z, Margins(margin, _relative_distance(mu, abs(stick_ratio))), phases
 
 
 def _spread(numbers):
@@ -177,22 +201,12 @@ def reference_collide(
             margins = Margins(inf, inf)
             return Reference(c_x, c_z, omega, NO_IMPACT, zero, zero, u, v, zero, margins)
 
-        phases, sticks, stick_ratio = _friction_phases(before, mu)
-        P_z = _end_of_impact(phases, v, e, law)
-        P_x = sum((q.ratio * (min(q.end, P_z) - q.begin) for q in phases if q.begin < P_z), zero)
+        regime, P_x, P_z, margins, _ = _walk(u, v, partial(response, before), mu, e, law)
         after = apply_impulse(before, P_x, P_z)
         slip, normal = contact_velocity(after)
 
-        margin = inf
-        regime = SLIP_STICK if sticks else SLIP_REVERSAL
-        if u != 0:
-            perpetual_slip = phases[0]._replace(end=inf)
-            margin = _relative_distance(phases[0].end, _rise_to([perpetual_slip], -e * v))
-            if phases[0].end >= P_z:
-                regime = SLIDE
         if regime == SLIP_STICK:
             slip = zero  # by definition of the phase; the sum leaves rounding
-        margins = Margins(margin, _relative_distance(mu, abs(stick_ratio)))
         energy_change = kinetic_energy(after) - kinetic_energy(before)
         velocities = (c_x + P_x, after.c_z + V_z, after.omega)
         return Reference(*velocities, regime, P_x, P_z, slip, normal, energy_change, margins)
@@ -244,3 +258,65 @@ def error_in_ulp(got, ref, c_x, c_z, omega, *, X, Z, k, plate_velocity=0, digits
         }
         judged = [error for field, error in errors.items() if field != "energy_change"]
         return errors | {"maximum": max(judged, default=mpf(0))}
+
+
+# Outcome (P_x, P_z, energy change, six velocities) of two bodies, and the size of what is summed.
+PairReference = namedtuple("PairReference", "outcome regime margins scales")
+
+
+def reference_pair(first, second, *, friction, restitution, law="newton", dps=60):
+    """Return the outcome of an impact of two bodies, each (mass, k, X, Z, c_x, c_z, omega).
+
+    The scale of an impulse is the size of what is summed to it: the impulse of the first phase,
+    and that of the second if its terms, the changes of v in all and in the first phase, add up.
+    """
+    with workdps(3 * dps + 20):
+        masses = [mpmathify(body[0]) for body in (first, second)]
+        states = []
+        for _, k, *rest in (first, second):
+            X, Z, c_x, c_z, omega = map(mpmathify, rest)
+            states.append(State(c_x, c_z, omega, X, Z, mpmathify(k)))
+        e, mu = mpmathify(restitution), mpmathify(friction)
+        mu = mpf(10) ** _HUGE_FRICTION_EXPONENT if isinf(mu) else mu
+
+        def struck(P_x, P_z):
+            signed = zip(states, masses, (1, -1), strict=True)
+            return [apply_impulse(s, sign * P_x / M, sign * P_z / M) for s, M, sign in signed]
+
+        def respond(P_x, P_z):
+            signed = zip(states, masses, (1, -1), strict=True)
+            ends = [response(s, sign * P_x / M, sign * P_z / M) for s, M, sign in signed]
+            return ends[0][0] - ends[1][0], ends[0][1] - ends[1][1]
+
+        (u_1, v_1), (u_2, v_2) = map(contact_velocity, states)
+        u, v = u_1 - u_2, v_1 - v_2
+        P_x = P_z = scale_x = scale_z = mpf(0)
+        regime, margins = NO_IMPACT, Margins(inf, inf)
+        if v < 0:
+            regime, P_x, P_z, margins, phases = _walk(u, v, respond, mu, e, law)
+            scale_z, scale_x = P_z, abs(P_x)
+            if regime != SLIDE:
+                last = phases[-1]
+                rise = last.v - v
+                terms = (abs(rise) + abs(v) + abs(v + respond(P_x, P_z)[1])) / last.slope
+                scale_z = last.begin + terms
+                scale_x = mu * last.begin + abs(last.ratio) * terms
+            scale_z += scale_x / 10**100  # infinite friction is a huge one, for P_z of a slide
+        after = struck(P_x, P_z)
+        velocities, moved = [], []
+        for before, state, M in zip(states, after, masses, strict=True):
+            velocities += state[:3]
+            turned = (abs(state.X) * scale_z + abs(state.Z) * scale_x) / (M * state.k**2)
+            moved += [abs(before.c_x) + scale_x / M, abs(before.c_z) + scale_z / M]
+            moved.append(abs(before.omega) + turned)
+        energy = mpf(0)
+        for M, sign, old, new in zip(masses, (1, -1), states, after, strict=True):
+            if isinf(M):  # the work of the impulse on what keeps its velocity
+                along, across = contact_velocity(old)
+                energy += sign * (P_x * along + P_z * across)
+            else:
+                energy += M * (kinetic_energy(new) - kinetic_energy(old))
+        u_f, v_f = (a + b for a, b in zip((u, v), respond(P_x, P_z), strict=True))
+        size = scale_x * (abs(u) + abs(u_f)) + scale_z * (abs(v) + abs(v_f))
+        outcome = P_x, P_z, energy, *velocities
+        return PairReference(outcome, regime, margins, (scale_x, scale_z, size, *moved))

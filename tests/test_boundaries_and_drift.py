@@ -6,6 +6,7 @@ import pytest
 from mpmath import mpf
 
 import impact
+from derivations import function
 from impact import ContactGeometry, Regime
 
 from . import sampling
@@ -280,6 +281,19 @@ def test_gyration_radius(shape, inertia):
         if inertia is not None:
             h = mpf(length) - 1
             assert abs(inertia(h) / (1 + 3 * h / 2) - moment / mass) < mpf(10) ** -12
+
+
+@pytest.mark.parametrize("fall", [0.01, 0.5, 0.999, 1.0, 1.7, 50.0])
+def test_landing_density_by_the_flux_of_impacts(fall):
+    """One in all, in proportion to the approach, and the mean that is derived for it."""
+    phase = np.linspace(-np.pi, np.pi, 200_001)
+    density = impact.landing_density(phase, fall_speed=fall)
+    assert np.trapezoid(density, phase) == pytest.approx(1, abs=1e-9)
+    approach = np.maximum(fall + np.cos(phase), 0)
+    np.testing.assert_allclose(density * approach.max(), approach * density.max(), atol=1e-14)
+    mean = impact.mean_plate_velocity(lambda x: impact.landing_density(x, fall_speed=fall))
+    tag, at = ("", {"q": fall}) if fall >= 1 else (", slow", {"theta_0": np.arccos(-fall)})
+    assert mean == pytest.approx(function(f"V: alpha by flux{tag}")(**at), abs=1e-6)
 
 
 def test_mean_plate_velocity():

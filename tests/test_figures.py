@@ -9,9 +9,17 @@ import pytest
 
 import figures
 from figures.__main__ import main
-from figures.theory import free_rod
+from figures.theory import free_rod, pairs
 from figures.theory.restitution_laws import largest_gain
-from impact import Regime, critical_friction, energy_restitution, slide_friction, thin_rod
+from impact import (
+    Regime,
+    collide,
+    critical_friction,
+    energy_restitution,
+    slide_friction,
+    spherocylinder,
+    thin_rod,
+)
 from impact._generated import DIGEST
 
 from .quick_figures import data, tiny
@@ -130,6 +138,32 @@ def test_laws_differ_only_where_the_slip_stops():
     row = np.abs(d["friction"] - d["line_friction"]).argmin()
     newton_to_poisson = np.hypot(d["c_x"][0] - d["c_x"][1], d["c_z"][0] - d["c_z"][1])
     assert newton_to_poisson.max() == pytest.approx(d["difference"][row].max(), rel=0.05)
+
+
+@pytest.mark.parametrize(("side", "name"), [(1, "ahead"), (-1, "behind")])
+def test_smooth_rods_of_a_row_hand_on_what_their_ends_bring(side, name):
+    """Along the normal of parallel rods, by the masses that their ends have there."""
+    d = data("pairs")
+    rod = spherocylinder(d["tilt"], pairs.LENGTH)
+    landed = collide(0.0, -1.0, geometry=rod, **pairs.PLATE)
+    sin, cos, end = np.sin(d["tilt"]), np.cos(d["tilt"]), (pairs.LENGTH - 1) / 2
+    closing = side * (landed.c_x * cos - (landed.c_z + 1) * sin) + landed.omega * end
+    levers = end**2 + (end - np.tan(d["tilt"])) ** 2
+    impulse = (1 + pairs.RODS_RESTITUTION) * closing / (2 + levers / rod.k**2)
+    np.testing.assert_allclose(d[name][0], side * cos * np.maximum(impulse, 0), atol=1e-14)
+
+
+def test_a_ball_in_the_middle_of_a_bat_and_a_curve_ball():
+    d = data("pairs")
+    share = pairs.BAT[0] / (pairs.BAT[0] + pairs.BALL[0])
+    ball, bat = pairs.SPEEDS
+    gain = (1 + pairs.BAT_RESTITUTION) * (ball + bat) * share
+    slant = d["offset"] / (pairs.BALL[1] + pairs.BAT[1])  # of the line of centres; nothing along it
+    speed = np.hypot((gain - ball) * np.sqrt(1 - slant**2), ball * slant)
+    np.testing.assert_allclose(d["smooth_speed"], speed)
+    np.testing.assert_allclose(d["smooth_backspin"], 0, atol=1e-12)
+    assert np.all(d["curve_backspin"] > d["fast_backspin"] + 50)
+    assert np.all(np.diff(d["fast_angle"]) > 0)
 
 
 def test_flat_end_turns_at_arctan_d_over_l():

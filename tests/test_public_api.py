@@ -52,6 +52,7 @@ BAD = {
         "plate_velocity": [0.0, -1.0],
         "geometry": [FLAT],
     },
+    "landing_density": {"fall_speed": [0.0, -1.0]},
     "optimal_tilt": {"friction": [-0.3], "restitution": [1.01]},
     "mean_plate_velocity": {"points": [0, 1.5]},
 }

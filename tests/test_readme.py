@@ -56,8 +56,8 @@ def test_examples_print_what_stands_below(code, output, capsys):
 
 
 def test_there_are_examples_and_commands():
-    assert len(EXAMPLES) == len(re.findall("```python", TEXT)) == 2
-    assert len(COMMANDS) > 4
+    assert len(EXAMPLES) == len(re.findall("```python", TEXT)) == 3
+    assert len(COMMANDS) > 2
 
 
 def run(command, folder):

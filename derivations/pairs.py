@@ -1,0 +1,199 @@
+"""Beyond the paper: two bodies that meet at a point, and the rod that would do the same.
+
+The contact point is the origin, z points from the second body to the first; the impulse P acts on
+the first, its opposite on the second. The contact velocity of the first relative to the second
+answers to P with mobilities A, B, C, as that of a rod on a plate does. Nothing else of the bodies
+enters an impact, so the branch rule and the three laws are those of the rod.
+"""
+
+from functools import cache
+from itertools import combinations
+
+import sympy as sp
+
+from . import laws
+from .laws import A, B, C
+from .newton import contact_change
+from .proof import Equation
+from .symbols import P_x, P_z, X, Z, c_x, c_z, k, m, mu, omega, u_0, u_f, v_0, v_f
+from .trace import derived
+
+# The letters of a rod, and what stands for them in each body.
+FIRST, SECOND = (
+    {
+        x: sp.Symbol(f"{x}_{i}", real=True, positive=x.is_positive)
+        for x in (m, k, X, Z, c_x, c_z, omega)
+    }
+    for i in (1, 2)
+)
+_light = sp.Symbol("lambda", positive=True)  # 1/m of the equivalent rod
+
+
+@derived
+def response() -> sp.Matrix:
+    """Change (du, dv) of the relative contact velocity under the impulse P."""
+    first = sp.Matrix(contact_change(P_x, P_z)).subs(FIRST)
+    return (first - sp.Matrix(contact_change(-P_x, -P_z)).subs(SECOND)).expand()
+
+
+@derived
+def mobility() -> dict[sp.Symbol, sp.Expr]:
+    """A, B, C of two bodies, read off du = C P_x - B P_z, dv = A P_z - B P_x."""
+    du, dv = response()
+    return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
+
+
+@derived
+def determinant() -> sp.Expr:
+    """A C - B^2 of two bodies."""
+    return sp.expand((A * C - B**2).subs(mobility()))
+
+
+@derived
+def equivalent_rod() -> sp.Matrix:
+    """m, X/k and Z/k of the rod that has the mobilities A, B, C on a plate."""
+    rod = {letter: _light * form - letter for letter, form in laws.mobility().items()}
+    x = max(sp.solve(rod[A], X), key=lambda root: root.subs({A: 2, _light: 1, k: 1}))
+    (z,) = sp.solve(rod[B].subs(X, x), Z)
+    roots = sp.solve(sp.numer(sp.cancel(rod[C].subs(Z, z))), _light)
+    light = min(roots, key=lambda root: root.subs({A: 3, B: 1, C: 2}).evalf())
+    return sp.Matrix([1 / light, *((length / k).subs(_light, light) for length in (x, z))])
+
+
+@derived
+def impulses() -> sp.Matrix:
+    """P if the slip stops, under any law: P_x, P_z of slip-stick, then of slip reversal."""
+    stop = u_0 / (mu * C + B)
+    parts = (laws.impulse_at(regime, v_f, stop) for regime in ("stick", "back"))
+    return sp.Matrix([sp.factor(part) for pair in parts for part in pair])
+
+
+# ---- second routes ----------------------------------------------------------------------------
+
+
+@cache
+def _kinetic_energy() -> sp.Expr:
+    """Of both bodies after P; the spin of each about the contact point stays what it was."""
+    energy = sp.S.Zero
+    for letters, sign in ((FIRST, 1), (SECOND, -1)):
+        M, K, x, z, v_x, v_z, spin = letters.values()
+        after_x, after_z = v_x + sign * P_x / M, v_z + sign * P_z / M
+        turning = K * spin + (z * (v_x - after_x) - x * (v_z - after_z)) / K  # k omega
+        energy += M * (after_x**2 + after_z**2 + turning**2) / 2
+    return energy
+
+
+def _ends(p_x: sp.Expr = P_x, p_z: sp.Expr = P_z) -> list[sp.Expr]:
+    """Relative contact velocity after an impulse: the work that a little more of it would do."""
+    return [_kinetic_energy().diff(p).subs({P_x: p_x, P_z: p_z}) for p in (P_x, P_z)]
+
+
+START = _ends(sp.S.Zero, sp.S.Zero)
+
+
+def _kinetic_energies(form: sp.Expr) -> list[sp.Expr]:
+    """Kinetic energy of both bodies after minus before."""
+    ends = dict(zip((u_0, v_0, u_f, v_f), (*START, *_ends()), strict=True))
+    change = _kinetic_energy() - _kinetic_energy().subs({P_x: 0, P_z: 0})
+    return [change - form.subs(ends, simultaneous=True)]
+
+
+def _minors(form: sp.Expr) -> list[sp.Expr]:
+    """Cauchy and Binet: all squares of minors of what the six motions do at the contact point."""
+    motions = []
+    for M, K, x, z, *_ in (FIRST.values(), SECOND.values()):
+        motions += [(1 / M, 1, 0), (1 / M, 0, 1), (1 / (M * K**2), -z, x)]
+    pairs = combinations(motions, 2)
+    return [form - sum(a * b * (u * w - v * q) ** 2 for (a, u, v), (b, q, w) in pairs)]
+
+
+def _along_and_across(form: sp.Matrix) -> list[sp.Expr]:
+    """An impulse through a rod's centre turns nothing; the trace is what any two across sum to."""
+    mass, x, z = form
+    return [C * x - B * z - x / mass, A * z - B * x - z / mass, A + C - (2 + x**2 + z**2) / mass]
+
+
+def _by_conservation(form: sp.Matrix) -> list[sp.Expr]:
+    """Phase by phase: where the slip stops, what holds it or turns it, how it ends."""
+    (C_, B_), (_, A_) = ([end.diff(p) for p in (P_x, P_z)] for end in _ends())
+    given = {A: A_, B: -B_, C: C_, u_0: START[0], v_0: START[1]}
+    stopped, stick, back = u_0 / (mu * C + B), form[:2], form[2:]
+    residuals = [
+        _ends(-mu * stopped, stopped)[0],
+        _ends(*stick)[0],
+        _ends(*stick)[1] - v_f,
+        back[0] + mu * stopped - mu * (back[1] - stopped),
+        _ends(*back)[1] - v_f,
+    ]
+    return [residual.subs(given) for residual in residuals]
+
+
+_s = 1 / FIRST[m] + 1 / SECOND[m]
+_a = [1 / (letters[m] * letters[k] ** 2) for letters in (FIRST, SECOND)]
+_smaller = (A + C - sp.sqrt((A - C) ** 2 + 4 * B**2)) / 2  # eigenvalue
+_x = sp.sqrt(A - _smaller) / sp.sqrt(_smaller)
+
+
+def _sum(form: sp.Expr) -> sp.Expr:
+    """Over both bodies, of a form of one divided by m k^2."""
+    return _a[0] * form.subs(FIRST) + _a[1] * form.subs(SECOND)
+
+
+_cross = FIRST[X] * SECOND[Z] - SECOND[X] * FIRST[Z]
+EQUATIONS = (
+    Equation(
+        tag="pairs: response",
+        what="change of the contact velocity of the first of two bodies relative to the second",
+        symbol="(\\Delta u, \\Delta v)",
+        derive=response,
+        shown=sp.Matrix(
+            [
+                (_s + _sum(Z**2)) * P_x - _sum(X * Z) * P_z,
+                (_s + _sum(X**2)) * P_z - _sum(X * Z) * P_x,
+            ]
+        ),
+        # the gradient of the kinetic energy in P, here and without the impulse
+        check=lambda form: sp.Matrix(_ends()) - sp.Matrix(START) - form,
+        verdict="new",
+        note="with mobilities $A$, $B$, $C$ as for a rod: $C P_x - B P_z$ and $A P_z - B P_x$",
+    ),
+    Equation(
+        tag="pairs: determinant",
+        what="$A C - B^2$ of two bodies as a sum of positive terms",
+        symbol="A C - B^2",
+        derive=determinant,
+        shown=_s**2 + _s * _sum(X**2 + Z**2) + _a[0] * _a[1] * _cross**2,
+        check=_minors,
+        verdict="new",
+        note="nothing cancels, whatever the masses and sizes",
+    ),
+    Equation(
+        tag="pairs: equivalent rod",
+        what="the rod that two bodies of mobilities $A$, $B$, $C$ are at the contact point",
+        symbol="(m, X/k, Z/k)",
+        derive=equivalent_rod,
+        shown=sp.Matrix([1 / _smaller, _x, B / (_smaller * _x)]),
+        check=_along_and_across,
+        verdict="new",
+        note="there is one for every pair, with $k$ of choice; its $1/m$ is the smaller eigenvalue",
+    ),
+    Equation(
+        tag="pairs: impulse",
+        what="$(P_x, P_z)$ of two bodies if the slip stops: sticking, then slipping back; $v_f$ by "
+        "any law",
+        symbol="(P_x, P_z, P_x, P_z)",
+        derive=impulses,
+        check=_by_conservation,
+        verdict="new",
+        note="the impulse of the equivalent rod",
+    ),
+    Equation(
+        tag="pairs: energy",
+        what="change of the kinetic energy of both bodies",
+        symbol="\\Delta E",
+        derive=laws.energy_of_impulse,
+        check=_kinetic_energies,
+        verdict="new",
+        note="as for a rod, so that the work in Stronge's law is that on both bodies",
+    ),
+)

@@ -1,0 +1,198 @@
+"""The frictional impact of any two bodies that meet at a point; a rod on a plate is one of them."""
+
+from functools import reduce
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _generated as closed
+from . import _kernel as kernel
+from ._arguments import (
+    ANY,
+    FRICTION,
+    POSITIVE,
+    RESTITUTION,
+    Argument,
+    Domain,
+    InputError,
+    evaluated,
+)
+from ._compensated import Twofold, quotient
+from .collision import law_of
+
+MASS = Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True, infinite=True)
+# Beyond these the impact has the same digits: friction, and a gyration radius over the lever.
+HUGE_FRICTION, SHORT = 2.0**500, 2.0**-100
+IMMOVABLE = -2  # code of two bodies that close and cannot move
+
+
+class Body(NamedTuple):
+    """A rigid body that meets another one, moving in a plane; numbers or arrays that broadcast.
+
+    Attributes
+    ----------
+    mass : > 0; inf for a body that keeps its velocity and spin, like a plate or a wall
+    k : gyration radius, > 0
+    X, Z : centre of mass as seen from the contact point, along and across the contact
+    c_x, c_z : velocity of the centre of mass along and across the contact
+    omega : angular velocity, positive turns +z towards +x; rad per unit of time
+    """
+
+    mass: Any
+    k: Any
+    X: Any
+    Z: Any
+    c_x: Any
+    c_z: Any
+    omega: Any = 0.0
+
+
+class PairCollision(NamedTuple):
+    """State after an impact of two bodies; fields have the broadcast shape of the arguments.
+
+    Attributes
+    ----------
+    first, second : `Body` after the impact; mass, k, X, Z as they were given
+    regime : `Regime`, or an int8 array of its values, of the contact point of the first body as
+        seen from the second
+    P_x, P_z : impulse on the first body, mass times velocity; its opposite acts on the second
+    energy_change : kinetic energy of both bodies after minus before, the same in every frame (and
+        the work on a body of infinite mass)
+    """
+
+    first: Body
+    second: Body
+    regime: Any
+    P_x: Any
+    P_z: Any
+    energy_change: Any
+
+
+def _arguments(name: str, body: Body) -> dict[str, Argument]:
+    """Fields of a body with their domains; anything else raises."""
+    if not isinstance(body, tuple | list | np.ndarray) or len(body) != len(Body._fields):
+        raise InputError(f"{name} must be ({', '.join(Body._fields)}), got {body!r}")
+    domains = (MASS, POSITIVE, *[ANY] * 5)
+    given = zip(Body._fields, body, domains, strict=True)
+    return {f"{name}.{field}": (value, domain) for field, value, domain in given}
+
+
+def _exponent(*values: Any) -> Any:
+    """Power of two just above the largest magnitude; of zero, less than of any other number."""
+    powers = [np.where(value == 0, -5000, np.frexp(value)[1]) for value in values]
+    return reduce(np.maximum, powers)
+
+
+def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
+    """Velocities of both bodies, regime code, impulse and energy change.
+
+    Lengths of each body, speeds and masses are scaled by powers of two. The contact velocity and
+    the mobilities are summed in twice the digits; what is left to the kernel is one impact.
+    """
+    *given, mu, epsilon = np.broadcast_arrays(*block)
+    both = Body(*np.stack(given).reshape(2, 7, *mu.shape).swapaxes(0, 1))
+    size = _exponent(both.X, both.Z, both.k)
+    speed = np.maximum(_exponent(both.c_x, both.c_z), _exponent(both.omega) + size).max(0)
+    fixed, (mass, power) = np.isinf(both.mass), np.frexp(both.mass)
+    mass, power = np.where(fixed, 1.0, mass), np.where(fixed, power[::-1], power)
+    light = np.where(fixed, 0.0, np.ldexp(mass, power - power.max(0))[::-1])  # 1/mass, up to 1
+    mass, power = mass.prod(0), power.min(0)  # in units of mass 2^power
+
+    X, Z, k = (np.ldexp(length, -size) for length in (both.X, both.Z, both.k))
+    c = np.ldexp((both.c_x, both.c_z), -speed)
+    # centres and spins apart, as bodies that move alike must not lose what is left
+    turning = 0.0, 0.0, np.ldexp(both.omega, size - speed), 0.0, X, Z
+    ends = zip(map(Twofold, c), closed.approach(*map(Twofold, turning)), strict=True)
+    u, v = ((centre[0] - centre[1]) + (spin[0] - spin[1]) for centre, spin in ends)
+    k = np.maximum(k, SHORT)
+    levers = Twofold(light), quotient(X, k), quotient(Z, k)
+    A, B, C, D = closed.pair_mobility(*(part[i] for i in range(2) for part in levers))
+    side = np.copysign(1.0, np.where(u.high == 0, B.high, u.high))
+    B, mu = B * Twofold(side), np.minimum(mu, HUGE_FRICTION)
+    (N, T), (N_back, T_back) = ((A + f * B, B + f * C) for f in (Twofold(mu), Twofold(-mu)))
+    responses = *(part.high for part in (N, T, N_back, T_back, D, C)), N.low, T.low
+    velocities = np.abs(u.high), v.high, side * u.low, v.low
+    a = kernel.judged(side, velocities, mu, epsilon, responses)
+
+    j_1, j_2, u_f, v_f = kernel.phases(final_velocity, a, 1.0, epsilon)
+    P_x = kernel.added(a, j_1, j_2, -mu, mu, B.high)
+    P_z = kernel.added(a, j_1, j_2, 1.0, 1.0, C.high)
+    energy = closed.energy_change(P_x, P_z, a.u_0, a.v_0, u_f, v_f)
+    P_x = side * P_x
+    s, x, z = (part.high for part in levers)
+    *change, turn = closed.pair_change(s, x, z, np.stack([P_x, -P_x]), np.stack([P_z, -P_z]))
+    c_x, c_z = (old + np.ldexp(d, speed) for old, d in zip(both[4:6], change, strict=True))
+    omega = both.omega + np.ldexp(turn / k, speed - size)
+    after = (part[i] for i in range(2) for part in (c_x, c_z, omega))
+    code = np.where(a.hits & fixed.all(0), IMMOVABLE, kernel.regime_of(a))
+    impulses = (np.ldexp(mass * part, power + speed) for part in (P_x, P_z))
+    return *after, code, *impulses, np.ldexp(mass * energy, power + 2 * speed)
+
+
+def collide_pair(
+    first: Body, second: Body, *, friction: Any, restitution: Any, law: str = "newton"
+) -> PairCollision:
+    """State of two rigid bodies after one frictional impact at a point, in a plane.
+
+    All arguments broadcast; float32 in gives float32 out (computed in float64). The contact point
+    is the origin, x along the contact and z across it, from the second body to the first. With
+    lengths in one unit, velocities in that unit per time, spins are in rad per that time.
+
+    Parameters
+    ----------
+    first, second : `Body`, or (mass, k, X, Z, c_x, c_z, omega) in its order
+    friction : Coulomb coefficient, >= 0; inf is the limit of large friction
+    restitution : between 0 and 1, in the sense of `law`
+    law : "newton", "poisson" or "stronge", as in `collide`
+
+    Returns
+    -------
+    PairCollision
+        Bodies that do not close come back unchanged, as NO_IMPACT. Array elements out of their
+        domain, two infinite masses that close, and nan or inf anywhere (but infinite mass or
+        friction) give nan and INVALID, without a warning.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain, two bodies of infinite mass close, `law` is
+        unknown, or two labelled arguments (pandas, xarray) differ in their labels.
+    TypeError
+        If an argument is not a real number, or a body not a `Body`.
+
+    Notes
+    -----
+    `derivations.pairs`: the impact is that of the rod on a plate that has the same 2 x 2 matrix of
+    inverse masses at the contact point, and `collide` with the second body infinitely heavy. Which
+    body is the first does not matter: exchanged, and turned by half a turn, they do the same. A
+    k below 1e-30 of its body's lever counts as that.
+
+    Examples
+    --------
+    Two equal balls; the one at rest takes over all the speed, and starts to turn the other way:
+
+    >>> ball = Body(mass=1.0, k=0.63, X=0.0, Z=1.0, c_x=0.0, c_z=-1.0, omega=2.0)
+    >>> rest = Body(mass=1.0, k=0.63, X=0.0, Z=-1.0, c_x=0.0, c_z=0.0)
+    >>> hit = collide_pair(ball, rest, friction=0.3, restitution=1.0)
+    >>> hit.regime.name, float(hit.second.c_z), round(float(hit.second.omega), 2)
+    ('SLIP_STICK', -1.0, -0.72)
+    """
+    final_velocity = law_of(law)
+    given = {
+        **_arguments("first", first),
+        **_arguments("second", second),
+        "friction": (friction, FRICTION),
+        "restitution": (restitution, RESTITUTION),
+    }
+    *velocities, code, P_x, P_z, energy = evaluated(
+        lambda *block: _impact(final_velocity, *block), given, [None] * 6 + [np.int8] + [None] * 3
+    )
+    if np.ndim(code) == 0 and code == IMMOVABLE:
+        raise InputError("first.mass and second.mass must not both be inf where they close")
+    code = np.maximum(code, kernel.Regime.INVALID)  # and all else is nan, as nothing can give way
+    names = Body._fields[4:]
+    before_after = (first, velocities[:3]), (second, velocities[3:])
+    one, other = (
+        Body(*body)._replace(**dict(zip(names, part, strict=True))) for body, part in before_after
+    )
+    return PairCollision(one, other, kernel.as_regime(code), P_x, P_z, energy)
