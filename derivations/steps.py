@@ -48,8 +48,9 @@ def _letters(text: str) -> str:
 
 
 def _size(form: sp.Expr) -> int:
-    """Length of a form as text, about as long as it is to read."""
-    return len(sp.sstr(form, order="none"))
+    """Length of a form as text, about as long as it is to read; signs count more."""
+    text = sp.sstr(form, order="none")
+    return len(text) + 3 * text.count("-")
 
 
 def _collected(form: sp.Expr, letter: sp.Symbol) -> sp.Expr:

@@ -45,11 +45,15 @@ def _term_key(term: sp.Expr) -> tuple:
     return len(term.free_symbols), _ranks(term), powers, str(term)
 
 
-def _turned(total: sp.Expr) -> bool:
-    """Whether a sum in brackets reads better with all signs changed: P_z - P_1, not P_1 - P_z."""
+def _turned(total: sp.Expr, strictly: bool) -> bool:
+    """Whether a sum in brackets reads better with all signs changed: P_z - P_1, not P_1 - P_z.
+
+    `strictly` asks for no plus sign at all.
+    """
     signs = [x.as_coeff_Mul()[0].is_negative for x in sorted(total.args, key=_term_key)]
     more = 2 * sum(signs) - len(signs)
-    return more > 0 or (more == 0 and moving(total) and bool(signs[0]))
+    tied = more == 0 and moving(total) and bool(signs[0])
+    return all(signs) if strictly else more > 0 or tied
 
 
 def split(term: sp.Expr) -> tuple[bool, list[sp.Expr], list[sp.Expr]]:
@@ -61,7 +65,7 @@ def split(term: sp.Expr) -> tuple[bool, list[sp.Expr], list[sp.Expr]]:
         base, exponent = factor.as_base_exp()
         if base.is_Add and exponent.is_Integer:  # whole numbers come out of brackets
             content, base = base.primitive()
-            if exponent.is_odd and (number.is_negative or exponent.is_negative) and _turned(base):
+            if _turned(base, strictly=number.is_positive and exponent.is_positive):
                 content, base = -content, -base
             number *= content**exponent
         if exponent.is_number and exponent.is_negative:
