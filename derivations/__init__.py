@@ -34,6 +34,8 @@ map_functions, rod_functions        which functions are generated, by which rule
 pair_functions                      and those of two bodies
 codegen, equations_page             impact/_generated.py; EQUATIONS.md
 typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
+lecture, letters, exercises         the report's text and references; letters; exercises, answered
+steps, drawings                     the steps of a derivation for a reader; drawings as SVG
 lookup                              `equation`, `function`: one entry by its tag
 report, __main__, command_line      the report, from templates/; the commands
 

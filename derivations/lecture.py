@@ -123,6 +123,13 @@ PARTS = {
             "and Stronge's laws are seen to be safe.",
         ),
     ),
+    "Two bodies that meet": Part(
+        (
+            "Nothing of a body enters its impact but the response of its contact point. Two "
+            "bodies that "
+            "meet have one, too: their responses add, and the rest of the theory stays as it is.",
+        ),
+    ),
     "Stationary translation": Part(
         (
             "A rod that bounces on a vibrated plate cannot speed up for ever. The paper closes the "

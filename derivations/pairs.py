@@ -130,8 +130,7 @@ def _by_conservation(form: sp.Matrix) -> list[sp.Expr]:
 
 _s = 1 / FIRST[m] + 1 / SECOND[m]
 _a = [1 / (letters[m] * letters[k] ** 2) for letters in (FIRST, SECOND)]
-_smaller = (A + C - sp.sqrt((A - C) ** 2 + 4 * B**2)) / 2  # eigenvalue
-_x = sp.sqrt(A - _smaller) / sp.sqrt(_smaller)
+_root = sp.sqrt((A - C) ** 2 + 4 * B**2)  # the eigenvalues' distance
 
 
 def _sum(form: sp.Expr) -> sp.Expr:
@@ -172,7 +171,13 @@ EQUATIONS = (
         what="the rod that two bodies of mobilities $A$, $B$, $C$ are at the contact point",
         symbol="(m, X/k, Z/k)",
         derive=equivalent_rod,
-        shown=sp.Matrix([1 / _smaller, _x, B / (_smaller * _x)]),
+        shown=sp.Matrix(
+            [
+                2 / (A + C - _root),
+                sp.sqrt((A - C + _root) / (A + C - _root)),
+                2 * B / sp.sqrt((A - C + _root) * (A + C - _root)),
+            ]
+        ),
         check=_along_and_across,
         verdict="new",
         note="there is one for every pair, with $k$ of choice; its $1/m$ is the smaller eigenvalue",
