@@ -52,7 +52,8 @@ def test_import_borders(package):
     known = modules(ROOT, package)
     for name, path in known.items():
         roots = {one.partition(".")[0] for one in imported(name, path, known)}
-        assert not BORDERS[package] & roots, name
+        drawings = {"matplotlib"} if name == "derivations.drawings" else set()
+        assert not (BORDERS[package] - drawings) & roots, name
 
 
 @pytest.mark.parametrize("room", ["md", "impact"])
