@@ -127,7 +127,7 @@ def mutate() -> int:
     help="Folder for report.html and latex/*.tex.",
 )
 def write_report(out: Path) -> int:
-    """Write the derivation for a lecture, as HTML, and as LaTeX (20 s).
+    """Write the derivation as HTML and LaTeX (20 s).
 
     The exit code is 1 if a proof fails.
     """
