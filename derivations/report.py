@@ -90,6 +90,7 @@ def _remarks(row: Row) -> list[tuple[str, str]]:
     """Labelled sentences below an entry."""
     found = {
         "Repair": row.repair,
+        "Mistake": row.mistake,
         "Counter-example" if row.verdict == "erratum" else "Proof": row.evidence,
         "Contradicted by": row.contradicted_by,
         "Note": row.note,
