@@ -33,8 +33,9 @@ class Axiom:
 
     def __call__(self, values: Mapping[sp.Symbol, sp.Expr]) -> Form:
         """Return the form with `values` for its letters."""
-        trace.note(self.tag)
-        return self.form.subs(values, simultaneous=True)
+        value = self.form.subs(values, simultaneous=True)
+        trace.note(trace.Step("axiom", self.tag, value=value))
+        return value
 
 
 NEWTON = Axiom("1", P / m)
@@ -147,7 +148,7 @@ EQUATIONS = (
     Equation(
         tag=STICK.tag,
         what="friction holds a contact at rest as long as this is positive, $q = |F_x|/F_z$",
-        symbol="\\mu - q",
+        symbol=r"\mu - \frac{|F_x|}{F_z}",
         derive=lambda: STICK({}),
         check=lambda form: (form.subs(q, mu), form.diff(q) + 1),
         verdict="assumed",
@@ -164,7 +165,7 @@ EQUATIONS = (
     Equation(
         tag=CLOSURE.tag,
         what="stationary translation: what is zero in the mean landing",
-        symbol="(\\omega, c_x'-c_x, c_z'+c_z)",
+        symbol="0",
         printed=sp.Matrix([omega, after_x - c_x, after_z + c_z]),
         derive=lambda: CLOSURE({}),
         verdict="assumed",

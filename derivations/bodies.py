@@ -167,13 +167,25 @@ EQUATIONS = (
         what="$k^2$ of a solid spherocylinder and of a solid cylinder",
         symbol="(k^2_{round}, k^2_{flat})",
         derive=lambda: sp.Matrix([spherocylinder_gyration(), cylinder_gyration()]),
+        shown=sp.Matrix(
+            [
+                (
+                    20 * length**3
+                    - 20 * length**2 * diameter
+                    + 25 * length * diameter**2
+                    - 9 * diameter**3
+                )
+                / (80 * (3 * length - diameter)),
+                length**2 / 12 + diameter**2 / 16,
+            ]
+        ),
         check=_gyration_checks,
         verdict="new",
     ),
     Equation(
         tag="bodies: contact",
         what="$(X, Z)$ of a spherocylinder and of a flat-ended rod on its edge",
-        symbol="(X, Z)_{round}, (X, Z)_{flat}",
+        symbol="(X_{round}, Z_{round}, X_{flat}, Z_{flat})",
         derive=lambda: sp.Matrix([*round_contact(), *flat_contact()]),
         shown=sp.Matrix(
             [

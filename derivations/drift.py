@@ -29,7 +29,7 @@ from .thin_rod import (
     overlooking_the_second_root,
     printed_upper_tilt,
 )
-from .trace import derived
+from .trace import derived, solve
 
 eta = sp.Symbol("eta", positive=True)  # sqrt(Gamma - 1)
 CASES = {"stick": slip_stick.impulse, "back": slip_reversal.impulse}
@@ -37,7 +37,7 @@ CASES = {"stick": slip_stick.impulse, "back": slip_reversal.impulse}
 
 def spin_at_landing() -> sp.Expr:
     """Omega before the mean landing, by the closure."""
-    (spin,) = sp.solve(CLOSURE({})[0], omega)
+    (spin,) = solve(CLOSURE({})[0], omega)
     return spin
 
 
@@ -51,7 +51,7 @@ def landing(case: str) -> tuple[sp.Expr, sp.Expr]:
 def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
     """(c_x', c_z') of stationary translation: c_x' = c_x, c_z' = -c_z, omega = 0."""
     _, along, across = CLOSURE(dict(zip((after_x, after_z), landing(case), strict=True)))
-    solution = sp.solve([along, across], [c_x, c_z], dict=True)[0]
+    solution = solve([along, across], [c_x, c_z], dict=True)[0]
     return sp.factor(solution[c_x]), sp.factor(-solution[c_z])
 
 
@@ -336,7 +336,7 @@ EQUATIONS = (
     Equation(
         tag="V: relaxation",
         what="what a landing leaves of a deviation in $c_x$: slip-stick, slip reversal",
-        symbol="\\partial c_x'/\\partial c_x",
+        symbol="([\\partial c_x'/\\partial c_x]_{stick}, [\\partial c_x'/\\partial c_x]_{back})",
         derive=lambda: sp.Matrix([relaxation("stick"), relaxation("back")]),
         shown=sp.Matrix(
             [

@@ -39,7 +39,7 @@ from .symbols import (
     v_0,
     v_f,
 )
-from .trace import derived
+from .trace import derived, solve
 
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point, per unit mass: du = C P_x - B P_z, dv = A P_z - B P_x.
@@ -78,7 +78,7 @@ def _velocity(p: sp.Expr) -> sp.Expr:
 def compression(order: str) -> sp.Expr:
     """Normal impulse at the end of compression."""
     line = _velocity(P_z) if order == "early" else v_0 + a_1 * P_z
-    (p_c,) = sp.solve(line, P_z)
+    (p_c,) = solve(line, P_z)
     return p_c
 
 
@@ -106,7 +106,7 @@ def final_velocity(law: str, order: str) -> sp.Expr:
     square = sp.Symbol("v_f^2", positive=True)
     p_f = P_1 + (sp.sqrt(square) - V_1) / a_2
     taken, given = work(order, p_f)
-    (value,) = sp.solve(sp.expand(given + epsilon**2 * taken), square)
+    (value,) = solve(sp.expand(given + epsilon**2 * taken), square)
     return sp.sqrt(sp.factor(value))
 
 
@@ -254,11 +254,15 @@ def _slopes_by_spin(form: sp.Matrix) -> list[sp.Expr]:
     return checks
 
 
+_back, _stop = A - mu * B, B + mu * C
+_all_loss = (1 + epsilon) * (A - 2 * mu * B + mu**2 * C)
+_mixed = (1 + epsilon) * (A + mu * B) * (B - mu * C) + 2 * B * _back
+
 EQUATIONS = (
     Equation(
         tag="laws: slopes",
         what="$dv/dP_z$ per unit mass: slipping forward, sticking, slipping back",
-        symbol="m\\,dv/dP_z",
+        symbol="(m\\,dv_{slip}/dP_z, m\\,dv_{stick}/dP_z, m\\,dv_{back}/dP_z)",
         derive=lambda: sp.Matrix([slopes()[name] for name in ("slip", "stick", "back")]),
         check=_slopes_by_spin,
         verdict="new",
@@ -275,15 +279,24 @@ EQUATIONS = (
     Equation(
         tag="laws: energy of a stopped slip",
         what="energy change under Newton's law, per unit mass: slip-stick, slip reversal",
-        symbol="\\Delta E",
+        symbol="(\\Delta E_{stick}, \\Delta E_{back})",
         derive=lambda: sp.Matrix([energy_change("stick"), energy_change("back")]),
+        shown=sp.Matrix(
+            [
+                -(A * u_0**2 + 2 * B * u_0 * v_0 + (1 - epsilon**2) * C * v_0**2)
+                / (2 * (A * C - B**2)),
+                (1 + epsilon) * (_all_loss - 2 * _back) * v_0**2 / (2 * _back**2)
+                - mu * _mixed * u_0 * v_0 / (_back**2 * _stop)
+                - 2 * mu * A * B * (A - mu**2 * C) * u_0**2 / (_back**2 * _stop**2),
+            ]
+        ),
         check=_kinetic_energies,
         verdict="new",
     ),
     Equation(
         tag="laws: Poisson",
         what="$v_f$ under Poisson's restitution: slip stops early, late",
-        symbol="v_f",
+        symbol="(v_{f, early}, v_{f, late})",
         derive=lambda: sp.Matrix([final_velocity("poisson", o) for o in ("early", "late")]),
         shown=sp.Matrix([epsilon * (a_2 * P_1 - V_1), V_1 - a_2 / a_1 * (V_1 + epsilon * v_0)]),
         check=_impulses_in_proportion,
@@ -292,7 +305,7 @@ EQUATIONS = (
     Equation(
         tag="laws: Stronge",
         what="$v_f$ under Stronge's restitution: slip stops early, late",
-        symbol="v_f",
+        symbol="(v_{f, early}, v_{f, late})",
         derive=lambda: sp.Matrix([final_velocity("stronge", o) for o in ("early", "late")]),
         shown=sp.Matrix(
             [
@@ -316,7 +329,7 @@ EQUATIONS = (
     Equation(
         tag="laws: impact without collision",
         what=r"$v_f$ as $v_0 \to 0-$ in the Painleve region, $a = -a_1$: Newton, Poisson, Stronge",
-        symbol="v_f",
+        symbol="(v_{f, Newton}, v_{f, Poisson}, v_{f, Stronge})",
         derive=lambda: sp.Matrix(limits()),
         check=_thrown_up,
         verdict="new",

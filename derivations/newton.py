@@ -29,7 +29,7 @@ from .symbols import (
     u_0,
     v_0,
 )
-from .trace import derived
+from .trace import derived, solve
 
 Lever = tuple[sp.Expr, sp.Expr]  # (x, z) from the centre of mass to the contact point
 
@@ -119,7 +119,7 @@ def tip_acceleration() -> sp.Matrix:
 def alpha_of_4() -> sp.Expr:
     """alpha of Eq. (4), solved from its component along x."""
     printed = _force + alpha * (_force - _u * _force.dot(_u))
-    (value,) = sp.solve(printed[0] - tip_acceleration()[0], alpha)
+    (value,) = solve(printed[0] - tip_acceleration()[0], alpha)
     return sp.simplify(value)
 
 

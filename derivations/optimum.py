@@ -15,7 +15,7 @@ from .proof import Equation
 from .slide import slide_excess
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, phi, u_0, v_0
 from .thin_rod import critical_tangents
-from .trace import derived
+from .trace import derived, solve
 
 T = sp.Symbol("T", positive=True)  # tan(phi)
 
@@ -32,7 +32,7 @@ def drift_over_tangent(case: str) -> sp.Expr:
 def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
     """Tangent of the tilt of the largest drift in one regime, and that drift over V_z."""
     drift = drift_over_tangent(case)
-    roots = sp.solve(sp.numer(sp.together(drift.diff(T))), T)
+    roots = solve(sp.numer(sp.together(drift.diff(T))), T)
     at = {mu: sp.Rational(3, 10), epsilon: sp.Rational(1, 2)}
     (best,) = (root for root in roots if root.subs(at).evalf() > 0)
     return best, drift.subs(T, best)
@@ -82,7 +82,7 @@ def slip_left(case: str) -> sp.Expr:
 @derived
 def painleve_friction() -> sp.Expr:
     """Friction at which slip towards -x presses the contact into the plate, XZ > 0."""
-    (friction,) = sp.solve(slopes()["back"], mu)
+    (friction,) = solve(slopes()["back"], mu)
     return friction
 
 
@@ -91,7 +91,7 @@ def least_painleve_friction() -> tuple[sp.Expr, sp.Expr]:
     """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
     friction = sp.expand_trig(painleve_friction().subs(THIN)).subs(sp.sin(phi), T * sp.cos(phi))
     friction = sp.simplify(friction.subs(sp.cos(phi), 1 / sp.sqrt(1 + T**2)))
-    (best,) = sp.solve(friction.diff(T), T)
+    (best,) = solve(friction.diff(T), T)
     return best, friction.subs(T, best)
 
 
@@ -165,7 +165,8 @@ _forward, _reverse = k**2 + X**2 + mu * X * Z, k**2 + X**2 - mu * X * Z
 _stop = mu * (k**2 + Z**2) + X * Z
 _lossy = (1 - epsilon) * k**2 + 2 * X**2
 _a, _b = 1 - epsilon, 7 - epsilon
-_best_back = _a / (mu * (9 - epsilon) + sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b))
+_root = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
+_corner = sp.sqrt(97 * epsilon**2 - 1586 * epsilon + 6673)
 
 EQUATIONS = (
     Equation(
@@ -184,7 +185,10 @@ EQUATIONS = (
         symbol="(\\tan\\phi, c_x/V_z)",
         derive=lambda: sp.Matrix(optimum("back")),
         shown=sp.Matrix(
-            [_best_back, (1 + epsilon) * (2 * mu * _best_back + 3) / (2 * _b * _best_back)]
+            [
+                _a / (mu * (9 - epsilon) + _root),
+                (1 + epsilon) * (mu * (29 - 5 * epsilon) + 3 * _root) / (2 * _a * _b),
+            ]
         ),
         check=lambda form: _is_largest("back", form),
         verdict="new",
@@ -195,6 +199,12 @@ EQUATIONS = (
         "it is that of slip reversal, above that of slip-stick",
         symbol="(\\mu_{back}, \\mu_{stick})",
         derive=lambda: sp.Matrix(corner_frictions()),
+        shown=sp.Matrix(
+            [
+                3 * sp.sqrt(2 * _b * (_corner - 81 + 9 * epsilon)) / (_corner - 25 + epsilon),
+                3 * sp.sqrt(_a * _b) / (29 - 5 * epsilon),
+            ]
+        ),
         check=_corners,
         verdict="new",
         note="0.102 and 0.174 for the paper's restitution, 0.65",
@@ -203,7 +213,13 @@ EQUATIONS = (
         tag="V: stability",
         what="stability of the stationary landing: $1 - tr + det$, $1 + tr + det$, $1 - det$ of "
         "the landing map $(c_x, c_z) \\to (c_x', -c_z')$ in slip-stick, then in slip reversal",
-        symbol="(1 \\mp tr + det, 1 - det)_{stick, back}",
+        symbol="({})".format(
+            ", ".join(
+                rf"{margin}_{{{case}}}"
+                for case in ("stick", "back")
+                for margin in ("[1 - tr + det]", "[1 + tr + det]", "[1 - det]")
+            )
+        ),
         derive=lambda: sp.Matrix([part for case in CASES for part in stability_margins(case)]),
         shown=sp.Matrix(
             [
@@ -228,7 +244,7 @@ EQUATIONS = (
     Equation(
         tag="V: slip stops",
         what="$u_*$ of the stationary landing: slip-stick, slip reversal",
-        symbol="u_*",
+        symbol="(u_{*, stick}, u_{*, back})",
         derive=lambda: sp.Matrix([slip_left(case) for case in CASES]),
         shown=sp.Matrix(
             [

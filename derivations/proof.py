@@ -132,9 +132,14 @@ class Equation:
     @property
     def rests_on(self) -> tuple[str, ...]:
         """Tags of the axioms that the derivation used, sorted."""
-        with trace.noted() as used:
+        return tuple(sorted(trace.axioms(self.steps) - {self.tag}))
+
+    @property
+    def steps(self) -> tuple[trace.Step, ...]:
+        """Steps that the derivation takes, in their order."""
+        with trace.noted() as taken:
             self.derive()
-        return tuple(sorted(used - {self.tag}))
+        return tuple(taken)
 
     def readable(self) -> Form:
         """Return the derived form, in an equal form that was written by hand if there is one.

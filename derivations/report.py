@@ -1,7 +1,8 @@
 """The derivation as one page to read (HTML with MathML, no script, no network) and as LaTeX.
 
-`html` and `latex` follow the registry: each equation as printed in our copy and, where that is
-wrong, as derived; the verdict with its evidence; the generated functions with their rules.
+`html` is for a lecture: the registry's sections with their text and drawings (`lecture`), each
+equation with its steps, in print only where that differs, and its verdict in the margin; letters,
+exercises, references. `latex` holds the entries alone.
 """
 
 import re
@@ -16,11 +17,15 @@ import sympy as sp
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from . import codegen, mutants, typeset
+from . import codegen, lecture, mutants, typeset
+from .drawings import DRAWINGS
+from .exercises import EXERCISES
+from .letters import LETTERS
 from .proof import Equation, Form
 from .registry import SECTIONS, Row
 from .sentences import to_html, to_latex
 from .statements import Entry
+from .steps import Line, lines
 
 Progress = Callable[[Iterable], Iterable]
 
@@ -74,6 +79,24 @@ def _tex_of(entry: Entry, label: str) -> str:
     return entry.as_printed if isinstance(entry, Equation) and label == PRINTED else ""
 
 
+def _parts(symbol: str) -> list[str]:
+    """Letters of a left-hand side such as (X, k_{a, b}), split at the commas outside of braces."""
+    inside = re.fullmatch(r"\((.*)\)", symbol)
+    return re.split(r",\s*(?![^{(]*[})])", inside[1]) if inside else []
+
+
+def equations(
+    symbol: str | sp.Symbol, form: Form, align: str = "", tex: str = ""
+) -> list[list[str]]:
+    """LaTeX of a form with its left-hand side; a column of values as one equation each."""
+    if tex or not isinstance(form, sp.MatrixBase):
+        return [equation(symbol, form, align, tex)]
+    parts = _parts(str(symbol))
+    if len(parts) == len(form):
+        return [equation(part, x, align) for part, x in zip(parts, form, strict=True)]
+    return [equation(symbol, form[0] if len(set(form)) == 1 else form, align)]
+
+
 def equation(symbol: str | sp.Symbol, form: Form, align: str = "", tex: str = "") -> list[str]:
     """LaTeX of a form with its left-hand side, in pieces between which a line may break.
 
@@ -91,12 +114,32 @@ def _remarks(row: Row) -> list[tuple[str, str]]:
     found = {
         "Repair": row.repair,
         "Mistake": row.mistake,
-        "Counter-example" if row.verdict == "erratum" else "Proof": row.evidence,
         "Contradicted by": row.contradicted_by,
         "Note": row.note,
+    }
+    return [(label, text) for label, text in found.items() if text]
+
+
+def _proof(row: Row) -> list[tuple[str, str]]:
+    """Labelled sentences beside an entry."""
+    found = {
+        "Counter-example" if row.verdict == "erratum" else "Proof": row.evidence,
         "Rests on": ", ".join(map(_named, row.rests_on)),
     }
     return [(label, text) for label, text in found.items() if text]
+
+
+def _steps(sections: Iterable[tuple[str, Iterable[Entry]]]) -> dict[str, list[Line] | str]:
+    """Steps of each entry; the tag of an entry of the same section that has the same ones."""
+    found: dict[str, list[Line] | str] = {}
+    for _, entries in sections:
+        seen: list[tuple[list[Line], str]] = []
+        for entry in entries:
+            taken = lines(entry) if isinstance(entry, Equation) else []
+            same = next((tag for known, tag in seen if known == taken and taken), "")
+            found[entry.tag] = same or taken
+            seen.append((taken, entry.tag))
+    return found
 
 
 # ---- HTML -------------------------------------------------------------------------------------
@@ -111,13 +154,15 @@ def _environment(**options: Any) -> Environment:
     """Jinja environment over the templates of this package."""
     loader = PackageLoader(__package__)
     made = Environment(loader=loader, undefined=StrictUndefined, **options)
-    made.globals |= {"forms": forms, "equation": equation, "remarks": _remarks, "tex_of": _tex_of}
+    made.globals |= {"forms": forms, "equations": equations, "remarks": _remarks, "proof": _proof}
+    made.globals["tex_of"] = _tex_of
     return made
 
 
 _html = _environment(autoescape=True)
 _html.filters |= {
     "anchor": anchor,
+    "inline": lambda tex: Markup(typeset.mathml(tex)),
     "math": lambda tex: Markup(typeset.mathml(tex, display=True)),
     "named": _named,
     "sentence": _sentence,
@@ -156,6 +201,12 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
         counts=Counter(row.verdict for row in rows),
         sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
         functions=[(f, *codegen.body(f.name)) for f in codegen.FUNCTIONS],
+        steps=_steps(SECTIONS),
+        parts=lecture.PARTS,
+        drawings=DRAWINGS,
+        letters=LETTERS,
+        exercises=EXERCISES,
+        references=lecture.REFERENCES,
         progress=progress,
     )
 

@@ -6,7 +6,7 @@ from .axioms import RESTITUTION, SLIP, sigma
 from .newton import approach, contact_change, velocity_change
 from .proof import Equation, Repair
 from .symbols import F_z, P_x, P_z, V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, u_0, v_0
-from .trace import derived
+from .trace import derived, solve
 
 
 def friction(p_z: sp.Expr, direction: int) -> sp.Expr:
@@ -29,14 +29,14 @@ def normal_velocity(p_z: sp.Expr = P_z) -> sp.Expr:
 @derived
 def impulse() -> tuple[sp.Expr, sp.Expr]:
     """Total impulse (P_x, P_z) of a slide under kinematic restitution, Eqs. (9), (8)."""
-    (p_z,) = sp.solve(normal_velocity() - RESTITUTION({}), P_z)
+    (p_z,) = solve(normal_velocity() - RESTITUTION({}), P_z)
     return friction(p_z, 1), p_z
 
 
 @derived
 def stop() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """Impulse (P_x, P_z) at which the slip stops, and v_1 there; (B2), (B1), (15)."""
-    (p_z,) = sp.solve(slip_velocity(), P_z)
+    (p_z,) = solve(slip_velocity(), P_z)
     return friction(p_z, 1), p_z, sp.factor(normal_velocity(p_z))
 
 

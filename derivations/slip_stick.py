@@ -25,13 +25,13 @@ from .symbols import (
     v_0,
     v_1,
 )
-from .trace import derived
+from .trace import derived, solve
 
 
 @derived
 def sticking_force() -> sp.Expr:
     """F_x that keeps the contact point at rest, Eq. (17)."""
-    (force,) = sp.solve(contact_change(F_x, F_z)[0], F_x)
+    (force,) = solve(contact_change(F_x, F_z)[0], F_x)
     return force
 
 
@@ -51,8 +51,8 @@ def sticking_velocity(p_z: sp.Expr) -> sp.Expr:
 def impulse() -> tuple[sp.Expr, sp.Expr]:
     """Total impulse (P_x, P_z) under kinematic restitution, Eqs. (B5), (B4)."""
     p_x, p_z, v = stop()
-    extra = sp.Symbol("Delta P")
-    (extra_z,) = sp.solve(v + sticking_velocity(extra) - RESTITUTION({}), extra)
+    extra = sp.Symbol("P_2")  # the normal impulse from there on
+    (extra_z,) = solve(v + sticking_velocity(extra) - RESTITUTION({}), extra)
     return p_x + sticking_force().subs(F_z, extra_z), p_z + extra_z
 
 

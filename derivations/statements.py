@@ -171,6 +171,12 @@ EQUATIONS = (
         what="$1 - e$ of Appendix A's normal force at small damping, $M_e$ the reduced mass $m_r$",
         symbol="1 - e",
         derive=restitution_lost,
+        shown=sp.Mul(
+            damping,
+            sp.beta(sp.Rational(4, 5), sp.Rational(3, 2)),
+            sp.Pow(4 * mass**4 * speed**3 / (5 * stiffness**4), sp.Rational(1, 5), evaluate=False),
+            evaluate=False,
+        ),
         check=_lost_by_quadrature,
         verdict="new",
         note="it grows as $v^{3/5}$ and in proportion to $\\gamma_n$; Appendix A's constants give "

@@ -17,7 +17,8 @@ c_x, c_z, omega, V_z = sp.symbols("c_x c_z omega V_z", real=True)
 u_0, v_0, u_f, v_f = sp.symbols("u_0 v_0 u_f v_f", real=True)
 v_1 = sp.Symbol("v_1", real=True)
 
-P_x, P_z, P_1 = sp.symbols("P_x P_z P_1", real=True)
+P_x, P_z = sp.symbols("P_x P_z", real=True)
+P_1 = sp.Symbol("P_1", positive=True)  # a normal impulse
 F_x, F_z = sp.symbols("F_x F_z", real=True)
 
 t, theta = sp.symbols("t theta", real=True)

@@ -9,7 +9,7 @@ from .proof import Equation, Repair
 from .slide import slide_excess
 from .slip_stick import stick_margin
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, phi, u_0, v_0
-from .trace import derived
+from .trace import derived, solve
 
 gain = sp.Symbol("g", positive=True)  # (1 + epsilon) ratio
 ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 and V_z = 0
@@ -18,7 +18,7 @@ ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 
 @derived
 def critical_friction() -> sp.Expr:
     """Friction at which stick turns into reversal, any geometry, XZ > 0."""
-    (value,) = sp.solve(stick_margin(), mu)
+    (value,) = solve(stick_margin(), mu)
     return value
 
 
@@ -26,7 +26,7 @@ def critical_friction() -> sp.Expr:
 def slide_friction() -> sp.Expr:
     """Friction at which u_* = 0, any geometry; the approach ratio is r = -v_0/u_0."""
     numerator = sp.numer(sp.together(slide_excess().subs({u_0: 1, v_0: -ratio})))
-    (value,) = sp.solve(numerator, mu)
+    (value,) = solve(numerator, mu)
     return sp.factor(value)
 
 
@@ -58,7 +58,7 @@ def critical_tangents() -> tuple[sp.Expr, sp.Expr]:
     tangent = sp.Symbol("T", positive=True)
     condition = stick_margin().subs(THIN).subs(sp.sin(phi), tangent * sp.cos(phi))
     condition = condition.subs(sp.cos(phi), 1 / sp.sqrt(1 + tangent**2))
-    roots = sp.solve(sp.numer(sp.together(sp.simplify(condition))), tangent)
+    roots = solve(sp.numer(sp.together(sp.simplify(condition))), tangent)
     return tuple(sorted(roots, key=lambda r: r.subs(mu, sp.Rational(1, 2))))
 
 
@@ -74,7 +74,7 @@ def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
     tangent = sp.Symbol("T", positive=True)
     mu_of = critical_friction().subs(THIN).subs(sp.sin(phi), tangent * sp.cos(phi))
     mu_of = sp.simplify(mu_of.subs(sp.cos(phi), 1 / sp.sqrt(1 + tangent**2)))
-    (best,) = sp.solve(mu_of.diff(tangent), tangent)
+    (best,) = solve(mu_of.diff(tangent), tangent)
     return mu_of.subs(tangent, best), best
 
 
@@ -195,6 +195,7 @@ EQUATIONS = (
         r"$g = (1 + \epsilon)(-c_z/c_x)$",
         symbol="(\\tan\\phi, \\mu_{inner}, \\mu_{90})",
         derive=lambda: sp.Matrix(largest_slide_friction()),
+        shown=sp.Matrix([(1 + 2 * gain) / (2 - gain), (4 + 3 * gain) / (4 * gain - 3), 4 / gain]),
         check=_slide_friction_checks,
         verdict="new",
         note=r"for $g \ge 2$ the largest is the one at 90 degrees, $4/g = 16 \mu_c$; for "
@@ -219,7 +220,7 @@ EQUATIONS = (
     Equation(
         tag="23: both roots",
         what=r"$\tan(\phi)$ at the lower and the upper critical tilt",
-        symbol="\\tan\\phi_c",
+        symbol="(\\tan\\phi_{lower}, \\tan\\phi_{upper})",
         derive=lambda: sp.Matrix(critical_tangents()),
         check=_root_checks,
         verdict="new",

@@ -1,50 +1,78 @@
 """What a derivation rests on, noted while it is computed.
 
-An axiom notes its use (`note`). `derived` caches a derivation together with the axioms that it
-used, so that a cached result hands the note on.
+An axiom notes its use (`note`), `solve` an equation that was solved. `derived` caches a derivation
+together with its steps, so that a cached result hands the note on.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import wraps
 from typing import Any
 
-_open: list[set[str]] = []  # axioms used by the derivations now being computed, the inner one last
+import sympy as sp
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of a derivation: an axiom put to use, a value derived, an equation solved."""
+
+    kind: str  # "axiom", "derived" or "solved"
+    name: str  # tag of the axiom, name of the step
+    given: tuple[Any, ...] = ()  # arguments; of "solved" the unknowns
+    value: Any = None  # what it gave; of "solved" what was set to zero
+    inner: tuple["Step", ...] = ()  # the steps on the way to it
+
+    @property
+    def what(self) -> str:
+        """First line of the step's docstring."""
+        return (STEPS[self.name].__doc__ or "").partition("\n")[0].rstrip(".")
+
+
+_open: list[list[Step]] = []  # steps of the derivations now being computed, the inner one last
 
 STEPS: dict[str, Callable[..., Any]] = {}  # every derivation step, by module and name
 _caches: list[dict] = []
 _bent: dict[str, Callable[[Any], Any]] = {}  # steps whose result is changed, for a trial
 
 
-def note(*tags: str) -> None:
-    """Count axioms among those that the derivation now being computed rests on."""
+def note(*steps: Step) -> None:
+    """Count steps among those of the derivation now being computed, each once."""
     if _open:
-        _open[-1].update(tags)
+        _open[-1] += [step for step in steps if step not in _open[-1]]
 
 
 @contextmanager
-def noted() -> Iterator[set[str]]:
-    """Collect the tags of the axioms that are used inside; they count outside, too."""
-    used: set[str] = set()
-    _open.append(used)
+def noted() -> Iterator[list[Step]]:
+    """Collect the steps that are taken inside."""
+    taken: list[Step] = []
+    _open.append(taken)
     try:
-        yield used
+        yield taken
     finally:
         _open.pop()
-        note(*used)
 
 
-def remembered(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Cache results by positional arguments, each with the axioms that it rests on."""
-    results: dict[tuple, tuple[Any, set[str]]] = {}
+def axioms(steps: Iterable[Step]) -> set[str]:
+    """Tags of the axioms that steps rest on."""
+    return set().union(
+        *({step.name} if step.kind == "axiom" else axioms(step.inner) for step in steps)
+    )
+
+
+def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., Any]:
+    """Cache results by positional arguments, each with its steps; a `name` makes it a step."""
+    results: dict[tuple, tuple[Any, list[Step]]] = {}
 
     @wraps(function)
     def cached(*given: Any) -> Any:
         if given not in results:
-            with noted() as used:
-                results[given] = function(*given), used
-        value, used = results[given]
-        note(*used)
+            with noted() as taken:
+                value = function(*given)
+            whole = Step("derived", name, given, value, tuple(taken))
+            results[given] = value, [whole] if name else taken
+        value, steps = results[given]
+        note(*steps)
         return value
 
     _caches.append(results)
@@ -61,7 +89,14 @@ def derived(function: Callable[..., Any]) -> Callable[..., Any]:
         return _bent[name](value) if name in _bent else value
 
     STEPS[name] = function
-    return remembered(step)
+    return remembered(step, name)
+
+
+def solve(forms: Any, unknowns: Any, **options: Any) -> Any:
+    """Solve one equation for a letter, or several for several; it is noted as a step."""
+    listed = [tuple(x) if isinstance(x, list) else (x,) for x in (unknowns, forms)]
+    note(Step("solved", "", *listed))
+    return sp.solve(forms, unknowns, **options)
 
 
 def forget() -> None:

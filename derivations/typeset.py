@@ -9,11 +9,13 @@ from sympy.printing.latex import LatexPrinter
 from .proof import Form
 
 # Letters in the order in which they stand in a product; others come last.
+_SPEEDS = "c_x c_z u_0 u_f v_0 v_1 v_f V_z V_0 P_x P_z P_1 P_2 F_x F_z"
 _LETTERS = (
     "pi epsilon m M mu I l d gain bounce k omega theta eta A B C a a_1 a_2 q X Z x z h h_0 r j "
-    "c_x c_z u_0 u_f v_0 v_1 v_f V_z V_0 P_x P_z P_1 F_x F_z"
+    + _SPEEDS
 )
 _RANK = {name: rank for rank, name in enumerate(_LETTERS.split())}
+_MOVING = set(_SPEEDS.split())  # they stand last in a product, and behind a fraction
 _LONG = 80  # characters of LaTeX; a longer sum may break between its terms
 
 
@@ -21,10 +23,19 @@ def _ranks(expr: sp.Expr) -> list[tuple[int, str]]:
     return sorted((_RANK.get(x.name, len(_RANK)), x.name) for x in expr.free_symbols)
 
 
+def moving(expr: sp.Expr) -> bool:
+    """Whether each term is in proportion to a velocity, an impulse or a force."""
+    known = _MOVING | {"omega", "omega_x"} if expr.is_Add else _MOVING
+    terms = sp.Add.make_args(expr)
+    return expr.is_polynomial() and all(known & {x.name for x in t.free_symbols} for t in terms)
+
+
 def _factor_key(factor: sp.Expr) -> tuple:
-    """Sort key in a product: numbers, letters, roots and functions, sums."""
+    """Sort key in a product: numbers, 1 + epsilon, letters, sums, roots and functions, speeds."""
     base = factor.as_base_exp()[0]
-    kind = 0 if base.is_Number else 1 if base.is_Symbol else 3 if base.is_Add else 2
+    loss = base.is_Add and {x.name for x in base.free_symbols} == {"epsilon"}
+    kinds = (base.is_Number, loss, moving(base), base.is_Symbol, base.is_Add, True)
+    kind = (0, 1, 5, 2, 3, 4)[kinds.index(True)]
     return kind, len(base.free_symbols), -isinstance(base, sp.sin), _ranks(base), str(factor)
 
 
@@ -32,6 +43,17 @@ def _term_key(term: sp.Expr) -> tuple:
     """Sort key in a sum: numbers first, then few letters, then low powers."""
     powers = sp.total_degree(term, *term.free_symbols) if term.is_polynomial() else 99
     return len(term.free_symbols), _ranks(term), powers, str(term)
+
+
+def _turned(total: sp.Expr, strictly: bool) -> bool:
+    """Whether a sum in brackets reads better with all signs changed: P_z - P_1, not P_1 - P_z.
+
+    `strictly` asks for no plus sign at all.
+    """
+    signs = [x.as_coeff_Mul()[0].is_negative for x in sorted(total.args, key=_term_key)]
+    more = 2 * sum(signs) - len(signs)
+    tied = more == 0 and moving(total) and bool(signs[0])
+    return all(signs) if strictly else more > 0 or tied
 
 
 def split(term: sp.Expr) -> tuple[bool, list[sp.Expr], list[sp.Expr]]:
@@ -43,19 +65,35 @@ def split(term: sp.Expr) -> tuple[bool, list[sp.Expr], list[sp.Expr]]:
         base, exponent = factor.as_base_exp()
         if base.is_Add and exponent.is_Integer:  # whole numbers come out of brackets
             content, base = base.primitive()
-            if all(x.as_coeff_Mul()[0].is_negative for x in base.args):
+            if _turned(base, strictly=number.is_positive and exponent.is_positive):
                 content, base = -content, -base
             number *= content**exponent
-        down = exponent.is_number and exponent.is_negative
-        (below if down else above).append(base ** (-exponent if down else exponent))
+        if exponent.is_number and exponent.is_negative:
+            below.append(base**-exponent)
+        else:
+            above.append(factor if base == factor.as_base_exp()[0] else base**exponent)
     size = abs(number)
-    above = [size.p if size.is_Rational else size, *sorted(above, key=_factor_key)]
-    below = [size.q if size.is_Rational else 1, *sorted(below, key=_factor_key)]
+    for root in [x for x in above if x.is_Pow and x.base.is_Integer and x.exp == sp.S.Half]:
+        if size.is_Rational and size.q % root.base == 0:  # 1/sqrt(3), not sqrt(3)/3
+            above.remove(root)
+            below.append(root)
+            size *= root.base
+    above = [size.p if size.is_Rational else size, *sorted(_one_root(above), key=_factor_key)]
+    below = [size.q if size.is_Rational else 1, *sorted(_one_root(below), key=_factor_key)]
     return (
         bool(number.is_negative),
         [sp.sympify(x) for x in above if x != 1],
         [sp.sympify(x) for x in below if x != 1],
     )
+
+
+def _one_root(factors: list[sp.Expr]) -> list[sp.Expr]:
+    """Several square roots as one."""
+    roots = [x for x in factors if x.is_Pow and x.exp == sp.S.Half]
+    if len(roots) < 2:
+        return factors
+    under = sp.Mul(*(root.base for root in roots), evaluate=False)
+    return [x for x in factors if x not in roots] + [sp.Pow(under, sp.S.Half, evaluate=False)]
 
 
 class _Printer(LatexPrinter):
@@ -71,8 +109,19 @@ class _Printer(LatexPrinter):
 
     def _term(self, term: sp.Expr) -> tuple[bool, str]:
         minus, above, below = split(term)
-        text = self._product(above, alone=bool(below) or not minus)
-        return minus, rf"\frac{{{text}}}{{{self._product(below, alone=True)}}}" if below else text
+        if not below:
+            return minus, self._product(above, alone=not minus)
+        behind = self._behind(above)
+        over = self._product([x for x in above if x not in behind], alone=True)
+        text = rf"\frac{{{over}}}{{{self._product(below, alone=True)}}}"
+        return minus, " ".join([text, self._product(behind, alone=False)] if behind else [text])
+
+    def _behind(self, above: list[sp.Expr]) -> list[sp.Expr]:
+        """Factors that stand behind a fraction: speeds, integrals, what holds a fraction itself."""
+        tall = [x for x in above if isinstance(x, sp.Integral) or r"\frac" in self._print(x)]
+        speeds = [x for x in above if moving(x) and x not in tall]
+        rest = [x for x in above if x not in tall and x not in speeds]
+        return [*speeds, *tall] if any(not x.is_number for x in rest) else tall
 
     def _product(self, factors: list[sp.Expr], alone: bool) -> str:
         bare = alone and len(factors) == 1
@@ -103,7 +152,14 @@ def words(tex: str) -> str:
     return re.sub(r"(\\[A-Za-z]+)|([a-z]{3,})", lambda m: m[1] or rf"\mathit{{{m[2]}}}", tex)
 
 
-_printer = _Printer({"fold_func_brackets": True, "inv_trig_style": "full", "mat_delim": "("})
+_printer = _Printer(
+    {
+        "fold_func_brackets": True,
+        "inv_trig_style": "full",
+        "mat_delim": "(",
+        "fold_frac_powers": True,
+    }
+)
 
 
 def latex(form: Form) -> str:

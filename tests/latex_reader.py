@@ -83,7 +83,8 @@ class Reader:
         if token == "\\frac":
             return self.group() / self.group()
         if token == "\\sqrt":
-            return sp.sqrt(self.group())
+            index = self.take() and (self.take(), self.take())[0] if self.next("[") else 2
+            return sp.root(self.group(), int(index))
         if token == "\\pi":
             return sp.pi
         if token == "\\left":

@@ -1,0 +1,293 @@
+"""Drawings of the report as SVG, computed from the derived expressions.
+
+Text is set as paths, so that a drawing needs no font; `DRAWINGS` holds them all.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from io import StringIO
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import sympy as sp
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Arc
+
+from . import laws, slide, slip_stick, thin_rod
+from .bodies import THIN
+from .newton import contact_change
+from .symbols import NAMED, P_1, F_z, P_x, P_z, epsilon, k, length, m, mu, phi, u_0, v_0
+
+BLUE, ORANGE, GREEN, PINK, GREY = "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#5b6570"
+STYLE = {
+    "svg.fonttype": "path",
+    "svg.hashsalt": "derivations",
+    "font.size": 11,
+    "mathtext.fontset": "dejavusans",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+}
+LAWS = {"newton": ("o", "Newton"), "poisson": ("s", "Poisson"), "stronge": ("^", "Stronge")}
+RESTITUTION = 0.5
+ROD = {length: 1, m: 1}  # a thin rod of length and mass one
+UPRIGHT, LEANING = 12, 45  # tilts in degrees, friction 0.3: friction holds the first alone
+FRICTION = 0.3
+MAP = {"approach": 2.0, "restitution": 0.65}  # -c_z/c_x, and restitution, of the map
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """One drawing, with the words that go with it."""
+
+    name: str
+    title: str  # for who cannot see it
+    caption: str  # sentence with formulas between dollar signs
+    draw: Callable[[], Figure]
+
+    @property
+    def svg(self) -> str:
+        """The drawing as an element of a page, its ids begun with its name."""
+        with mpl.rc_context(STYLE), StringIO() as file:
+            nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+            self.draw().savefig(file, format="svg", bbox_inches="tight", metadata=nothing)
+            text = file.getvalue()
+        text = re.sub(
+            r"<!--.*?-->|<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.S
+        )
+        text = re.sub(r' xmlns(:\w+)?="[^"]*"| (width|height)="[\d.]+pt"', "", text)
+        text = text.replace("xlink:href", "href")
+        text = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>{self.name}-", text)
+        label = f'<svg role="img" aria-label="{self.title}"'
+        return re.sub(r"\n\s*", "\n", text.replace("<svg", label, 1).strip())
+
+
+def _number(expr: Any, **values: Any) -> float:
+    """A derived expression of the thin rod as a number; `phi` is in degrees."""
+    at = {phi: sp.pi * values.pop("phi") / 180, mu: FRICTION, epsilon: RESTITUTION} | ROD
+    at |= {NAMED[name]: value for name, value in values.items()}
+    return float(sp.sympify(expr).subs(THIN).subs(at))
+
+
+def _arrow(axes: Axes, start: tuple, end: tuple, color: str, **more: Any) -> None:
+    style = {"arrowstyle": "-|>", "color": color, "lw": 1.6, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, start, arrowprops=style | more)
+
+
+def geometry() -> Figure:
+    """A tilted rod on the plate, with the letters of its place, motion and forces."""
+    figure = Figure(figsize=(4.6, 3.6))
+    axes = figure.subplots()
+    tilt = 30
+    x, z = (2 * _number(THIN[part], phi=tilt) for part in THIN if part != k)
+    axes.plot([0, 2 * x], [0, 2 * z], color=GREY, lw=9, solid_capstyle="round", alpha=0.55)
+    axes.axhline(0, color="black", lw=2)
+    axes.plot([x], [z], "o", color="black", ms=5)
+    axes.plot([0, x, x], [z, z, 0], ":", color=GREY, lw=1)
+    axes.plot([0, 0], [0, 2 * z], "--", color=GREY, lw=1)
+    axes.add_patch(Arc((0, 0), 1.1, 1.1, theta1=90 - tilt, theta2=90, color="black"))
+    axes.add_patch(Arc((x, z), 0.55, 0.55, theta1=-60, theta2=95, color=PINK, lw=1.6))
+    _arrow(axes, (x + 0.1, z - 0.255), (x + 0.02, z - 0.275), PINK)
+    _arrow(axes, (0, 0), (0, 0.42), BLUE)
+    _arrow(axes, (0, 0), (-0.28, 0), BLUE)
+    _arrow(axes, (-0.75, 0.1), (-0.75, 0.5), "black", lw=1.2)
+    _arrow(axes, (-0.75, 0.1), (-0.35, 0.1), "black", lw=1.2)
+    _arrow(axes, (-0.6, -0.45), (-0.6, -0.08), ORANGE)
+    words = {
+        (0.12, 0.66): r"$\phi$",
+        (x / 2, z + 0.06): "$X$",
+        (x + 0.05, z / 2): "$Z$",
+        (x + 0.36, z - 0.06): r"$\omega$",
+        (x + 0.38, z + 0.22): r"$(c_x, c_z)$",
+        (-0.17, 0.36): "$F_z$",
+        (-0.3, -0.16): "$F_x$",
+        (-0.84, 0.5): "$z$",
+        (-0.33, 0.12): "$x$",
+        (-0.55, -0.36): "$V_z$ (plate)",
+        (0.06, -0.17): "contact point: $u$ along $x$, $v$ along $z$",
+        (2 * x + 0.06, 2 * z - 0.06): "length $l$",
+    }
+    for place, word in words.items():
+        axes.text(*place, word, va="baseline", fontsize=11)
+    axes.set(aspect="equal", xlim=(-0.95, 1.75), ylim=(-0.55, 2 * z + 0.12))
+    axes.set_axis_off()
+    return figure
+
+
+def cone() -> Figure:
+    """Coulomb's cone in the plane of forces, and the force that sticking needs at two tilts."""
+    figure = Figure(figsize=(5.2, 3.1))
+    axes = figure.subplots()
+    normal = np.array([0, 1])
+    axes.fill_betweenx(normal, -FRICTION * normal, FRICTION * normal, color=BLUE, alpha=0.18)
+    for side, words, where in (
+        (-1, "slips forward:\n$F_x = -\\mu F_z$", "right"),
+        (1, "slips back:\n$F_x = \\mu F_z$", "left"),
+    ):
+        axes.plot(side * FRICTION * normal, normal, color=BLUE, lw=2)
+        axes.text(side * (FRICTION + 0.03), 0.99, words, color=BLUE, ha=where, va="top")
+    for tilt, color, height in ((UPRIGHT, GREEN, 0.86), (LEANING, ORANGE, 0.62)):
+        needed = height * _number(slip_stick.sticking_force().subs(F_z, 1), phi=tilt)
+        _arrow(axes, (0, 0), (needed, height), color)
+        held = "inside: sticks" if tilt == UPRIGHT else "outside: slips back"
+        axes.plot([], [], color=color, label=f"force that sticking needs\nat {tilt}°, {held}")
+    axes.legend(loc="lower right", fontsize=9, borderaxespad=0)
+    axes.set(
+        xlim=(-0.95, 1.3), ylim=(0, 1.04), xlabel="$F_x$ (any unit)", ylabel="$F_z$ (same unit)"
+    )
+    return figure
+
+
+# regime: tilt in degrees and u_0, under v_0 = -1; whether friction then holds it or it slips back
+IMPACTS = {"slide": (30, 2.2), "slip-stick": (UPRIGHT, 1.1), "slip reversal": (LEANING, 0.8)}
+
+
+def path(regime: str) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Corner of a path in the plane of impulses, and its end under each law, for v_0 = -1."""
+    tilt, slip = IMPACTS[regime]
+    at = {"phi": tilt, "u_0": slip, "v_0": -1}
+    stop_x, stop_z, v_1 = (_number(part, **at) for part in slide.stop())
+    if regime == "slide":
+        end = np.array([_number(part, **at) for part in slide.impulse()])
+        return end, dict.fromkeys(LAWS, end)
+    later = "stick" if regime == "slip-stick" else "back"
+    slopes = {name: _number(slope, **at) for name, slope in laws.slopes().items()}
+    ratio = {"stick": _number(slip_stick.sticking_force() / F_z, **at)}
+    values = {
+        v_0: -1,
+        epsilon: RESTITUTION,
+        P_1: stop_z,
+        laws.a_1: slopes["slip"],
+        laws.a_2: slopes[later],
+    }
+    ends = {}
+    for law in LAWS:
+        v_f = float(laws.final_velocity(law, "early" if v_1 < 0 else "late").subs(values))
+        more = (v_f - v_1) / slopes[later]
+        ends[law] = np.array([stop_x + ratio.get(later, FRICTION) * more, stop_z + more])
+    return np.array([stop_x, stop_z]), ends
+
+
+def impulses(regime: str) -> Figure:
+    """Routh's plane of impulses: path of one impact, and where it ends under each law."""
+    figure = Figure(figsize=(3.4, 4.2), layout="constrained")
+    axes = figure.subplots()
+    tilt, slip = IMPACTS[regime]
+    corner, ends = path(regime)
+    top = (2 if regime == "slide" else 1.25) * max(end[1] for end in ends.values())
+    reach = np.array([0, top])
+    du, dv = contact_change(P_x, P_z)
+    for line, color, style, word in (
+        (u_0 + du, PINK, "--", "$u = 0$: no slip"),
+        (v_0 + dv, GREY, "-.", "$v = 0$: deepest"),
+    ):
+        (across,) = sp.solve(line, P_x)
+        at = [_number(across, phi=tilt, u_0=slip, v_0=-1, P_z=p) for p in reach]
+        axes.plot(at, reach, style, color=color, lw=1.4, label=word)
+    axes.plot(-FRICTION * reach, reach, ":", color=BLUE, lw=1.2)
+    axes.plot(FRICTION * reach, reach, ":", color=BLUE, lw=1.2, label=r"$|P_x| = \mu P_z$")
+    last = max(ends.values(), key=lambda end: end[1])
+    axes.plot(*np.array([(0, 0), corner, last]).T, color="black", lw=2, label="path")
+    for law, (marker, name) in LAWS.items():
+        axes.plot(*ends[law], marker, ms=8, mfc="none", mec=ORANGE, mew=1.8, label=f"end: {name}")
+    axes.set(title=f"{regime}, {tilt}°", xlabel="$P_x / (m |v_0|)$", ylabel="$P_z / (m |v_0|)$")
+    axes.set(xlim=(-0.36 * top, 0.36 * top), ylim=(0, top))
+    figure.legend(loc="outside lower center", ncols=2, fontsize=9)
+    return figure
+
+
+def regimes() -> Figure:
+    """Regimes of a thin rod over tilt and friction."""
+    figure = Figure(figsize=(5.4, 3.8))
+    axes = figure.subplots()
+    tilt, friction = np.meshgrid(np.linspace(0.05, 89.95, 300), np.linspace(0.002, 1.1, 200))
+    at = {u_0: 1, v_0: -MAP["approach"], epsilon: MAP["restitution"], length: 1}
+    left, margin = (
+        sp.lambdify((phi, mu), form.subs(THIN).subs(at), "numpy")(np.radians(tilt), friction)
+        for form in (slide.slide_excess(), slip_stick.stick_margin())
+    )
+    regime = np.where(left >= 0, 0, np.where(margin >= 0, 1, 2))
+    axes.contourf(
+        tilt,
+        friction,
+        regime,
+        levels=[-0.5, 0.5, 1.5, 2.5],
+        colors=["#cfe3f3", "#f4f4f4", "#fbdcc6"],
+    )
+    axes.contour(tilt, friction, left, levels=[0], colors=BLUE, linewidths=2)
+    held = np.ma.masked_where(left >= 0, margin)
+    axes.contour(tilt, friction, held, levels=[0], colors=ORANGE, linewidths=2)
+    best, tangent = (float(x) for x in thin_rod.largest_reversal_friction())
+    axes.plot(np.degrees(np.arctan(tangent)), best, "o", color=ORANGE)
+    axes.annotate(
+        r"$\mu = 3/4$, $\tan\phi = 2$",
+        (np.degrees(np.arctan(tangent)), best),
+        (25, 0.95),
+        color="black",
+        arrowprops={"arrowstyle": "-", "color": GREY},
+    )
+    for place, word in (
+        ((20, 0.6), "slip-stick"),
+        ((60, 0.42), "slip reversal"),
+        ((82, 0.2), "slide"),
+    ):
+        axes.text(*place, word, ha="center", fontsize=11)
+    axes.set(xlabel=r"tilt $\phi$ (degrees)", ylabel=r"friction $\mu$", xlim=(0, 90), ylim=(0, 1.1))
+    return figure
+
+
+_PATHS = (
+    rf"Thin rod, $\mu = {FRICTION}$, $\epsilon = {RESTITUTION}$. The path runs up the left edge "
+    rf"of the "
+    "friction cone"
+)
+_ALL = (
+    Drawing(
+        "geometry",
+        "A tilted rod touches the plate at its lower end",
+        r"The rod at the moment of impact. The contact point is the origin, the centre of mass "
+        r"stands "
+        r"at $(X, Z)$, and a positive $\omega$ turns the top towards $+x$.",
+        geometry,
+    ),
+    Drawing(
+        "cone",
+        "The friction cone in the plane of forces",
+        rf"The friction cone for $\mu = {FRICTION}$ and the force (17) that would hold the "
+        rf"contact point "
+        "of a thin rod at two tilts.",
+        cone,
+    ),
+    Drawing(
+        "path-slide",
+        "Path of a slide in the plane of impulses",
+        f"{_PATHS}, and separation comes before it meets $u = 0$; all three laws end at one point.",
+        partial(impulses, "slide"),
+    ),
+    Drawing(
+        "path-slip-stick",
+        "Path of slip-stick in the plane of impulses",
+        f"{_PATHS} to $u = 0$ and then along it.",
+        partial(impulses, "slip-stick"),
+    ),
+    Drawing(
+        "path-slip-reversal",
+        "Path of slip reversal in the plane of impulses",
+        f"{_PATHS} to $u = 0$ and then up in parallel to the right edge.",
+        partial(impulses, "slip reversal"),
+    ),
+    Drawing(
+        "regimes",
+        "Regions of slide, slip-stick and slip reversal over tilt and friction",
+        rf"Regimes of a thin rod without spin that lands with $-c_z/c_x = {MAP['approach']:g}$, "
+        rf"$\epsilon = {MAP['restitution']}$. Orange: sticking just holds (23). Blue: the slip "
+        rf"just "
+        "reaches the end of the impact (14); there is a second region of slide at small tilt.",
+        regimes,
+    ),
+)
+DRAWINGS = {drawing.name: drawing for drawing in _ALL}
