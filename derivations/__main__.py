@@ -40,6 +40,8 @@ def table(rows: list[registry.Row]) -> str:
         if not row.proved:
             remarks.append(f"this failed: {row.evidence}")
         elif row.verdict == "erratum":
+            remarks.append(row.repair and f"repair: {row.repair}")
+            remarks.append(row.mistake and f"mistake: {row.mistake}")
             remarks.append(f"{row.evidence}; contradicted by {row.contradicted_by}")
         for remark in map(to_text, filter(None, remarks)):
             lines += textwrap.wrap(remark, width, initial_indent=indent, subsequent_indent=indent)

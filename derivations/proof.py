@@ -130,11 +130,6 @@ class Equation:
             return Proof(ok=False, evidence=f"{type(error).__name__}: {error}")
 
     @property
-    def repair_in_words(self) -> str:
-        """Changes that make the printed form right, or the mistake by which it comes out."""
-        return self.mistake or "; ".join(repair.what for repair in self.repair)
-
-    @property
     def rests_on(self) -> tuple[str, ...]:
         """Tags of the axioms that the derivation used, sorted."""
         return tuple(sorted(trace.axioms(self.steps) - {self.tag}))

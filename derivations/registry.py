@@ -82,7 +82,8 @@ class Row:
     note: str  # what is right, where the paper is not
     evidence: str  # what the proof found
     contradicted_by: str  # tags of printed equations that give the derived form
-    repair: str  # what makes the printed form right, or by which mistake its value comes out
+    repair: str  # what makes the printed form right
+    mistake: str  # or by which the printed value comes out
     rests_on: tuple[str, ...]  # tags of the axioms that the derivation used
 
     def as_dict(self) -> dict[str, str | bool | tuple[str, ...]]:
@@ -114,7 +115,8 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
             Row(
                 proved=proof.ok,
                 evidence=proof.evidence,
-                repair=entry.repair_in_words if equation else "",
+                repair="; ".join(repair.what for repair in entry.repair) if equation else "",
+                mistake=entry.mistake if equation else "",
                 rests_on=entry.rests_on if equation and proof.ok else (),
                 **told,
             )

@@ -113,6 +113,7 @@ def _remarks(row: Row) -> list[tuple[str, str]]:
     """Labelled sentences below an entry."""
     found = {
         "Repair": row.repair,
+        "Mistake": row.mistake,
         "Contradicted by": row.contradicted_by,
         "Note": row.note,
     }

@@ -240,7 +240,7 @@ READINGS = (
         "0.3 to 0.35",
         _lost,
         "A: restitution, with the constants of Appendix A",
-        "Appendix A's damping is hundreds of times too small for it",
+        "Appendix A's damping is hundreds of times too small for it, head on",
     ),
     Reading(
         "III: quasi-2D",
