@@ -174,7 +174,7 @@ EQUATIONS = (
         shown=sp.Matrix(
             [
                 2 / (A + C - _root),
-                sp.sqrt((A - C + _root) / (A + C - _root)),
+                sp.sqrt(A - C + _root) / sp.sqrt(A + C - _root),
                 2 * B / sp.sqrt((A - C + _root) * (A + C - _root)),
             ]
         ),
