@@ -122,8 +122,9 @@ def _left_side(form: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> sp.Expr:
     """Numerator of an equation's left side, without the factors that no unknown stands in."""
     if form.count_ops() > 3 * MOST or not form.is_rational_function():
         return form
-    factors = sp.factor_list(sp.numer(sp.together(form)))[1]
-    return sp.Mul(*(factor for factor, _ in factors if factor.has(*unknowns)))
+    # not by factoring, which now and then takes minutes for so many letters
+    left = sp.Poly(sp.numer(sp.cancel(form)), *unknowns)
+    return left.primitive()[1].as_expr()
 
 
 def _line(step: Step) -> Line:
