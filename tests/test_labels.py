@@ -9,7 +9,7 @@ import pytest
 
 import impact
 
-from .test_public_api import call
+from .test_public_api import BODIES, call
 
 
 class Index(list):
@@ -26,9 +26,11 @@ def labelled(values, **labels):
 
 
 def pair(name, *index):
-    """Two elements of an argument, labelled by an index; a geometry is made from such a tilt."""
+    """Two elements of an argument, labelled by an index; of a body, or a geometry's tilt."""
     array = np.full(2, {"c_z": -2.0, "length": 8.0}.get(name, 0.4))
     array = labelled(array, axes=[Index(index)]) if index else array
+    if name in BODIES:
+        return BODIES[name]._replace(c_x=array)
     return impact.thin_rod(array) if name == "geometry" else array
 
 

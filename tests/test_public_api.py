@@ -10,6 +10,10 @@ import impact
 from impact import ContactGeometry, Regime
 
 ROD = impact.thin_rod(0.4)
+BODIES = {
+    "first": impact.Body(1.0, 0.3, 0.1, 0.4, 0.0, -1.0),
+    "second": impact.Body(2.0, 0.3, -0.1, -0.4, 0.0, 1.0),
+}
 HIT = {"geometry": ROD, "friction": 0.3, "restitution": 0.65}
 
 
@@ -27,6 +31,7 @@ SENSIBLE = {
     "optimal_tilt": {"friction": 0.3, "restitution": 0.65},
     "mean_plate_velocity": {},
     "landing_density": {"phase": 1.0},
+    "collide_pair": {**BODIES, "friction": 0.3, "restitution": 0.65},
 }
 
 
