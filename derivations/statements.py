@@ -34,7 +34,6 @@ def _sign(value: sp.Expr) -> sp.Expr:
     return sp.sign(sp.nsimplify(sp.N(value, DIGITS)))
 
 
-@derived
 def stationary_ratio() -> sp.Expr:
     """-c_z/c_x before the stationary landing of a thin rod in slip-stick."""
     along, up = stationary("stick")
