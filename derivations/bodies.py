@@ -201,3 +201,10 @@ EQUATIONS = (
 )
 
 THIN = {X: thin_contact()[0], Z: thin_contact()[1], k: sp.sqrt(thin_gyration())}
+T = sp.Symbol("T", positive=True)  # tan(phi)
+
+
+def over_tangent(form: sp.Expr) -> sp.Expr:
+    """A form of a thin rod as a function of T = tan(phi)."""
+    form = sp.expand_trig(form.subs(THIN)).subs(sp.sin(phi), T * sp.cos(phi))
+    return sp.simplify(form.subs(sp.cos(phi), 1 / sp.sqrt(1 + T**2)))

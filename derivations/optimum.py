@@ -8,24 +8,20 @@ slip-stick, the one of slip reversal, or the critical tilt between them (the cor
 import sympy as sp
 
 from . import second_routes
-from .bodies import THIN
+from .bodies import T, over_tangent
 from .drift import CASES, landing, landing_velocity, stationary
 from .laws import slopes
 from .proof import Equation
 from .slide import slide_excess
-from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, phi, u_0, v_0
-from .thin_rod import critical_tangents
+from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, u_0, v_0
+from .thin_rod import critical_friction, critical_tangents
 from .trace import derived, solve
-
-T = sp.Symbol("T", positive=True)  # tan(phi)
 
 
 @derived
 def drift_over_tangent(case: str) -> sp.Expr:
     """c_x/V_z of a thin rod as a function of T = tan(phi)."""
-    along = stationary(case)[0].subs(THIN) / V_z
-    along = sp.expand_trig(along).subs(sp.sin(phi), T * sp.cos(phi))
-    return sp.factor(sp.simplify(along.subs(sp.cos(phi), 1 / sp.sqrt(1 + T**2))))
+    return sp.factor(over_tangent(stationary(case)[0] / V_z))
 
 
 @derived
@@ -42,7 +38,7 @@ def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
 def corner_frictions() -> tuple[sp.Expr, sp.Expr]:
     """Friction at which the lower critical tilt is the best one of slip reversal, of slip-stick."""
     square = sp.Symbol("S", positive=True)  # T^2
-    friction = 3 * T / (4 + T**2)  # that of the critical tilt
+    friction = over_tangent(critical_friction())
     ends = []
     for case in ("back", "stick"):
         slope_there = sp.numer(sp.together(drift_over_tangent(case).diff(T).subs(mu, friction)))
@@ -89,8 +85,7 @@ def painleve_friction() -> sp.Expr:
 @derived
 def least_painleve_friction() -> tuple[sp.Expr, sp.Expr]:
     """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
-    friction = sp.expand_trig(painleve_friction().subs(THIN)).subs(sp.sin(phi), T * sp.cos(phi))
-    friction = sp.simplify(friction.subs(sp.cos(phi), 1 / sp.sqrt(1 + T**2)))
+    friction = over_tangent(painleve_friction())
     (best,) = solve(friction.diff(T), T)
     return best, friction.subs(T, best)
 

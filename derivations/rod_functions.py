@@ -175,7 +175,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary=r"Drift (26) of a thin rod over $V_z$, of $\tan\phi$.",
         detail="Infinite at tilt 0 where nothing is lost.",
         arguments=(epsilon, _tangent),
-        outputs={_name("along"): optimum.drift_over_tangent("stick").subs(optimum.T, _tangent)},
+        outputs={_name("along"): optimum.drift_over_tangent("stick").subs(bodies.T, _tangent)},
         rules=(
             recast(
                 "sum of positive terms",

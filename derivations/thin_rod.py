@@ -3,7 +3,7 @@
 import sympy as sp
 
 from . import second_routes
-from .bodies import THIN
+from .bodies import THIN, T, over_tangent
 from .newton import approach
 from .proof import Equation, Repair
 from .slide import slide_excess
@@ -55,10 +55,7 @@ def critical_cosines() -> tuple[sp.Expr, sp.Expr]:
 @derived
 def critical_tangents() -> tuple[sp.Expr, sp.Expr]:
     """tan(phi) at the two critical tilts: roots of a quadratic, no squaring needed."""
-    tangent = sp.Symbol("T", positive=True)
-    condition = stick_margin().subs(THIN).subs(sp.sin(phi), tangent * sp.cos(phi))
-    condition = condition.subs(sp.cos(phi), 1 / sp.sqrt(1 + tangent**2))
-    roots = solve(sp.numer(sp.together(sp.simplify(condition))), tangent)
+    roots = solve(sp.numer(sp.together(over_tangent(stick_margin()))), T)
     return tuple(sorted(roots, key=lambda r: r.subs(mu, sp.Rational(1, 2))))
 
 
@@ -71,11 +68,9 @@ def critical_tilt() -> sp.Expr:
 @derived
 def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
     """Largest friction at which a thin rod reverses, and the tangent of its tilt."""
-    tangent = sp.Symbol("T", positive=True)
-    mu_of = critical_friction().subs(THIN).subs(sp.sin(phi), tangent * sp.cos(phi))
-    mu_of = sp.simplify(mu_of.subs(sp.cos(phi), 1 / sp.sqrt(1 + tangent**2)))
-    (best,) = solve(mu_of.diff(tangent), tangent)
-    return mu_of.subs(tangent, best), best
+    mu_of = over_tangent(critical_friction())
+    (best,) = solve(mu_of.diff(T), T)
+    return mu_of.subs(T, best), best
 
 
 def _rationalised(expr: sp.Expr) -> sp.Expr:
@@ -107,27 +102,25 @@ def largest_slide_friction() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 
     g = (1 + epsilon)(-c_z/c_x); in T = tan(phi) the friction is a quotient of two quadratics.
     """
-    tangent = sp.Symbol("T", positive=True)
-    mu_of = thin_slide_friction().subs(c_x, -(1 + epsilon) * c_z / gain)
-    mu_of = sp.expand_trig(mu_of).subs(sp.sin(phi), tangent * sp.cos(phi))
-    mu_of = sp.factor(sp.simplify(mu_of.subs(sp.cos(phi), 1 / sp.sqrt(1 + tangent**2))))
-    extrema = sp.solve(sp.numer(sp.together(mu_of.diff(tangent))), tangent)
-    (inner,) = (x for x in extrema if mu_of.diff(tangent, 2).subs(tangent, x).subs(gain, 1) < 0)
-    return inner, sp.factor(mu_of.subs(tangent, inner)), sp.limit(mu_of, tangent, sp.oo)
+    mu_of = over_tangent(thin_slide_friction().subs(c_x, -(1 + epsilon) * c_z / gain))
+    mu_of = sp.factor(mu_of)
+    extrema = sp.solve(sp.numer(sp.together(mu_of.diff(T))), T)
+    (inner,) = (x for x in extrema if mu_of.diff(T, 2).subs(T, x).subs(gain, 1) < 0)
+    return inner, sp.factor(mu_of.subs(T, inner)), sp.limit(mu_of, T, sp.oo)
 
 
 def _slide_friction_checks(form: sp.Matrix) -> list[sp.Expr]:
     """u_* = 0 as a quadratic in T: one double root at the largest friction, none beyond it."""
-    tangent, friction = sp.symbols("T nu", positive=True)
-    lengths = {X: tangent, Z: 1, k: sp.sqrt((1 + tangent**2) / 3), omega: 0, V_z: 0, epsilon: 0}
+    friction = sp.Symbol("nu", positive=True)
+    lengths = {X: T, Z: 1, k: sp.sqrt((1 + T**2) / 3), omega: 0, V_z: 0, epsilon: 0}
     speed = {c_x: 1, c_z: -gain, mu: friction}
     v_x, _, spin = (part.subs(lengths).subs(speed) for part in second_routes.impact("slide"))
-    curve = sp.Poly(sp.numer(sp.cancel(v_x - spin)), tangent)
+    curve = sp.Poly(sp.numer(sp.cancel(v_x - spin)), T)
     at_most = curve.as_expr().subs(friction, form[1])
     return [
-        sp.discriminant(curve.as_expr(), tangent).subs(friction, form[1]),
-        at_most.subs(tangent, form[0]),
-        at_most.diff(tangent).subs(tangent, form[0]),
+        sp.discriminant(curve.as_expr(), T).subs(friction, form[1]),
+        at_most.subs(T, form[0]),
+        at_most.diff(T).subs(T, form[0]),
         curve.LC().subs(friction, form[2]),
     ]
 
@@ -150,9 +143,8 @@ def _slide_boundary_checks(form: sp.Expr) -> list[sp.Expr]:
 
 def printed_upper_tilt() -> sp.Expr:
     """Largest tilt of the printed condition, which is a quadratic in the tangent."""
-    tangent = sp.Symbol("T", positive=True)
-    quadratic = 3 * tangent - mu * (1 + tangent**2 + 3)  # over cos^2
-    return sp.atan(max(sp.solve(quadratic, tangent), key=lambda r: r.subs(mu, sp.Rational(1, 2))))
+    quadratic = 3 * T - mu * (1 + T**2 + 3)  # over cos^2
+    return sp.atan(max(sp.solve(quadratic, T), key=lambda r: r.subs(mu, sp.Rational(1, 2))))
 
 
 _printed_23 = sp.acos((sp.sqrt(9 - 16 * mu**2) - 5 * mu**2) / (3 * (1 + mu**2))) / 2

@@ -22,7 +22,7 @@ from .collision import law_of
 
 MASS = Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True, infinite=True)
 # Beyond these the impact has the same digits: friction, and a gyration radius over the lever.
-HUGE_FRICTION, SHORT = 2.0**500, 2.0**-100
+MOST_FRICTION, SHORT = 2.0**500, 2.0**-100
 IMMOVABLE = -2  # code of two bodies that close and cannot move
 
 
@@ -108,7 +108,7 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     levers = Twofold(light), quotient(X, k), quotient(Z, k)
     A, B, C, D = closed.pair_mobility(*(part[i] for i in range(2) for part in levers))
     side = np.copysign(1.0, np.where(u.high == 0, B.high, u.high))
-    B, mu = B * Twofold(side), np.minimum(mu, HUGE_FRICTION)
+    B, mu = B * Twofold(side), np.minimum(mu, MOST_FRICTION)
     (N, T), (N_back, T_back) = ((A + f * B, B + f * C) for f in (Twofold(mu), Twofold(-mu)))
     responses = *(part.high for part in (N, T, N_back, T_back, D, C)), N.low, T.low
     velocities = np.abs(u.high), v.high, side * u.low, v.low
