@@ -178,8 +178,8 @@ EQUATIONS = (
         ),
         check=_lost_by_quadrature,
         verdict="new",
-        note="it grows as $v^{3/5}$ and in proportion to $\\gamma_n$; Appendix A's constants give "
-        r"0.00085 at $(d g)^{1/2}$, and 0.35 would need $\gamma_n$ near $1.6 \cdot 10^5$",
+        note=r"it grows as $v^{3/5}$ and in proportion to $\gamma_n$; Appendix A's constants give "
+        r"0.00085 at $(d g)^{1/2}$, and 0.35 would need hundreds of times their $\gamma_n$",
     ),
     Equation(
         tag="B8: text",
