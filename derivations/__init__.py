@@ -32,7 +32,10 @@ registry                            all entries in the paper's order
 rewrites                            rules that make a form compute well, each one proved
 map_functions, rod_functions        which functions are generated, by which rules
 pair_functions                      and those of two bodies
-codegen, equations_page             impact/_generated.py; EQUATIONS.md
+routines, arithmetic                assignments, and the arithmetics in which they are proved
+kernel                              one impact as assignments
+codegen                             expressions as functions
+files, equations_page               impact/_generated.py, impact/_kernel.py; EQUATIONS.md
 typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
 lecture, letters, exercises         the report's text and references; letters; exercises, answered
 steps, drawings                     the steps of a derivation for a reader; drawings as SVG
