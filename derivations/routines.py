@@ -1,17 +1,19 @@
-"""Routines: algorithms as ordered lists of assignments, each of them proved.
+"""Routines: algorithms as ordered lists of assignments, proved.
 
-The text of a routine keeps to the part of Python that every language has: names, numbers, + - * /,
-comparisons, `&`, groups, and calls of primitives (`arithmetic`), of generated functions and of
-other routines. A name is assigned once, and has a meaning: the value it has where nothing is
-rounded, derived elsewhere. A name without one is a low part, which is then zero.
+The text of a routine, in kernel.toml, keeps to the part of Python that every language has: names,
+numbers, + - * /, comparisons, `&`, groups, and calls of primitives (`arithmetic`), of generated
+functions and of other routines. A name is assigned once. It may have a meaning: the value it has
+where nothing is rounded, derived elsewhere; that of a low part is zero.
 """
 
 import ast
 import textwrap
+import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from importlib import resources
 from types import CodeType
 from typing import Any
 
@@ -36,6 +38,7 @@ _ALLOWED = (
     *(ast.Compare, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.BitAnd, ast.USub, ast.Load, ast.Store),
     *(ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq),
 )
+_TEXTS = tomllib.loads(resources.files(__package__).joinpath("kernel.toml").read_text("utf-8"))
 _SWAPS = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 _TURNED = {ast.Lt: ast.Gt, ast.LtE: ast.GtE, ast.Gt: ast.Lt, ast.GtE: ast.LtE}
 _known: dict[str, "Routine"] = {}  # by name, for the routines that call them
@@ -53,8 +56,7 @@ class Routine:
     returned: str  # names
     means: Callable[[str], Mapping[str, Meaning]]  # of a law: the value of each name
     situations: Callable[[], Iterable[Situation]]  # in which it is tried
-    # Sums of names: how many roundings are left in each, of the size of itself or of another sum.
-    accurate: Mapping[str, tuple[int, str]] = field(default_factory=dict)  # what cancels
+    accurate: tuple[str, ...] = ()  # "sum: roundings left of its own size [of another sum]"
     laws: tuple[str, ...] = ("",)  # under which it is proved
     check: Callable[["Routine"], bool] | None = None  # another part of the proof
     verdict: Verdict = "new"  # of all
@@ -110,7 +112,8 @@ class Routine:
         except Exception as error:  # whatever stops a computation, there is no proof
             return Proof(ok=False, evidence=f"{type(error).__name__}: {error}")
         points = sum(len(values(self, law)) for law in self.laws)
-        evidence = f"each of {len(names)} names has its value to {DIGITS} digits at {points} points"
+        known = set(names) & set(_meant(self.means, self.laws[0]))
+        evidence = f"{len(known)} names have their values to {DIGITS} digits at {points} points"
         return Proof(ok=not wrong, evidence=wrong[0] if wrong else evidence)
 
     def _wrong(self, names: list[str], law: str) -> str:
@@ -118,14 +121,16 @@ class Routine:
         for at in values(self, law):
             exact = self.run("exact", {name: at[name] for name in self.given}, law)
             for name in names:
-                if not _same(exact[name], at.get(name, 0)):
+                if name in at and not _same(exact[name], at[name]):
                     return f"{name} is not what it stands for"
             left = self._run_rounded(at, law)
-            for sum_of, (most, unit) in self.accurate.items():
-                errors = _total([left[name] for name in sum_of.split(" + ")]).errors.values()
-                size = sum(abs(exact[name]) for name in (unit or sum_of).split(" + "))
-                if sum(map(abs, errors)) > (most + mpmath.mpf("1e-6")) * size:
-                    return f"{sum_of} has more than {most} roundings left"
+            for claim in self.accurate:
+                whole, _, left_of_it = claim.partition(": ")
+                most, _, unit = left_of_it.partition(" of ")
+                errors = _total([left[name] for name in whole.split(" + ")]).errors.values()
+                size = sum(abs(exact[name]) for name in (unit or whole).split(" + "))
+                if sum(map(abs, errors)) > (int(most) + mpmath.mpf("1e-6")) * size:
+                    return f"{whole} has more than {most} roundings left"
         return ""
 
     def _run_rounded(self, at: Mapping[str, Any], law: str) -> dict[str, Any]:
@@ -174,6 +179,18 @@ class Routine:
                 for before, after in zip(old, new, strict=True):
                     if before != after:
                         yield f"{before} to {after}", replace(self, text="\n".join(new))
+
+
+def read(
+    name: str,
+    means: Callable[[str], Mapping[str, Meaning]],
+    situations: Callable[[], Iterable[Situation]],
+    **more: Any,
+) -> Routine:
+    """A routine of kernel.toml, with the meaning of its names and where it is tried."""
+    texts = dict(_TEXTS[name])
+    claims = tuple(texts.pop("accurate", ()))
+    return Routine(name=name, means=means, situations=situations, accurate=claims, **texts, **more)
 
 
 def _assigned(tree: ast.AST) -> list[str]:
