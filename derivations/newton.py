@@ -79,9 +79,9 @@ def contact_acceleration(f_x: sp.Expr, f_z: sp.Expr, lever: Lever, inertia: sp.E
 @derived
 def impulsive_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
     """Change of the contact point's velocity in the limit of a short and violent impact."""
-    force = [IMPULSIVE({P: p}) for p in (p_x, p_z)]
+    force = [IMPULSIVE({P: p}) for p in (P_x, P_z)]
     change = tau * contact_acceleration(*force, lever, inertia)
-    return change.applyfunc(lambda part: sp.limit(sp.expand(part), tau, 0))
+    return change.expand().subs(tau, 0).xreplace({P_x: p_x, P_z: p_z})
 
 
 @derived

@@ -73,5 +73,5 @@ def landing_residuals(regime: str, fixed: sp.Symbol, value: sp.Expr) -> list[sp.
     v_x, v_z, _ = (part.subs(omega, 0) for part in impact(regime))
     closed = {c_x: v_x - c_x, c_z: v_z + c_z}
     free = c_x if fixed == c_z else c_z
-    (other,) = sp.solve(closed[free].subs(fixed, value), free)
-    return [closed[fixed].subs(fixed, value).subs(free, other)]
+    line = closed[free].subs(fixed, value)  # linear in what is free
+    return [closed[fixed].subs(fixed, value).subs(free, -line.subs(free, 0) / line.diff(free))]
