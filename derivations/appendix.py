@@ -9,6 +9,7 @@ from collections.abc import Callable
 import sympy as sp
 
 from .proof import Equation
+from .trace import solve
 
 M, L, T = sp.symbols("M L T", positive=True)
 
@@ -20,7 +21,7 @@ OVERLAP, SPRING, REDUCED_MASS = L, L, M
 def _constant(term: Callable[[sp.Expr], sp.Expr], dimension: sp.Expr = FORCE) -> sp.Expr:
     """Dimension of the one constant in `term`, so that the term is a force."""
     unknown = sp.Symbol("q", positive=True)
-    (value,) = sp.solve(term(unknown) - dimension, unknown)
+    (value,) = solve(term(unknown) - dimension, unknown)
     return sp.simplify(value)
 
 

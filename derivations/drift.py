@@ -4,7 +4,7 @@ import sympy as sp
 
 from . import second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
-from .bodies import THIN, cylinder_gyration, flat_contact
+from .bodies import THIN, T, cylinder_gyration, flat_contact
 from .proof import Equation
 from .symbols import (
     V_0,
@@ -92,8 +92,16 @@ def onset_velocity() -> sp.Expr:
     falling = eta**2 - x**2 / 2  # Gamma sin(theta) - 1: plate acceleration over gravity
     speed = sp.integrate(falling, (x, start, x))
     gap = sp.expand(sp.integrate(speed, (x, start, y)))
-    landings = [root for root in sp.solve(gap, y) if sp.simplify(root - start) != 0]
+    landings = [root for root in solve(gap, y) if sp.simplify(root - start) != 0]
     return -landings[0]  # cos(pi/2 + x) = -x
+
+
+@derived
+def flat_tilt() -> sp.Expr:
+    """Tilt at which a flat-ended rod stands on its edge with X = 0, by T = tan(phi)."""
+    over_cosine = sp.cancel(flat_contact()[0].subs(sp.sin(phi), T * sp.cos(phi)) / sp.cos(phi))
+    (tangent,) = solve(over_cosine, T)
+    return sp.atan(tangent)
 
 
 @derived
@@ -113,8 +121,8 @@ def _exponent(form: sp.Expr) -> sp.Expr:
 
 
 def _landed(value: sp.Expr) -> list[sp.Expr]:
-    """Residuals of the closure, in both regimes, if c_z has that value."""
-    return [r for case in CASES for r in second_routes.landing_residuals(case, c_z, value)]
+    """What c_z before the landing, from whole impacts, differs by from a value."""
+    return [second_routes.landing(case)[1] - value for case in CASES]
 
 
 def _left_of_a_deviation(form: sp.Matrix) -> list[sp.Expr]:
@@ -137,10 +145,10 @@ def _balance_of_impulses(form: sp.Expr) -> list[sp.Expr]:
 
 
 def _flat_landing(form: sp.Expr) -> list[sp.Expr]:
-    """Residuals of the closure if c_x has that value, on the edge at (-d/2, l/2)."""
-    (residual,) = second_routes.landing_residuals("stick", c_x, form)
+    """c_x of a landing on the edge at (-d/2, l/2), from whole impacts."""
     gyration = sp.sqrt(length**2 / 12 + diameter**2 / 16)
-    return [residual.subs({X: -diameter / 2, Z: length / 2, k: gyration})]
+    edge = {X: -diameter / 2, Z: length / 2, k: gyration}
+    return [second_routes.landing("stick")[0].subs(edge) - form]
 
 
 def _onset_flight(form: sp.Expr) -> list[sp.Expr]:
@@ -366,7 +374,7 @@ EQUATIONS = (
         tag="V: flat end",
         what="tilt below which a flat-ended rod drifts against its tilt",
         symbol="\\phi_{flat}",
-        derive=lambda: sp.solve(flat_contact()[0], phi)[0],
+        derive=flat_tilt,
         shown=sp.atan(diameter / length),
         check=lambda form: (flat_contact()[1].diff(phi).subs(phi, form),),  # highest there
         verdict="new",

@@ -12,7 +12,7 @@ from .bodies import THIN
 from .drift import stationary
 from .proof import DIGITS, Equation
 from .symbols import V_z, epsilon, phi, theta
-from .trace import derived
+from .trace import derived, solve
 
 q = sp.Symbol("q", positive=True)  # |c_z|/V_0
 theta_0 = sp.Symbol("theta_0", positive=True)  # arccos(-q)
@@ -38,8 +38,8 @@ def density() -> sp.Expr:
 def consistent_alpha() -> tuple[sp.Expr, sp.Expr]:
     """alpha with q = c_z'/V_0 = b alpha, q >= 1; and the b at which q = 1 and alpha = 1/2."""
     fitting = sp.Symbol("alpha", positive=True)
-    (alpha,) = sp.solve(flux(False)[1].subs(q, bounce * fitting) - fitting, fitting)
-    (least,) = sp.solve(bounce * alpha - 1, bounce)
+    (alpha,) = solve(flux(False)[1].subs(q, bounce * fitting) - fitting, fitting)
+    (least,) = solve(bounce * alpha - 1, bounce)
     return alpha, least
 
 
@@ -49,7 +49,7 @@ def tilt_of_one_half() -> sp.Expr:
     square = sp.Symbol("S", positive=True)
     up = (stationary("stick")[1] / V_z).subs(THIN)
     up = sp.simplify(up).subs(sp.cos(phi) ** 2, 1 - square).subs(sp.sin(phi) ** 2, square)
-    (value,) = sp.solve(sp.simplify(up) - consistent_alpha()[1], square)
+    (value,) = solve(sp.simplify(up) - consistent_alpha()[1], square)
     return sp.factor(value)
 
 

@@ -142,7 +142,7 @@ def energy_threshold(regime: str) -> sp.Expr:
     """
     quadratic = sp.Poly(sp.numer(energy_change(regime)).subs(v_0, -1), u_0)
     gain = quadratic.discriminant().subs(epsilon, (1 - kappa) / (1 + kappa))
-    roots = sp.solve(sp.numer(sp.together(gain)), kappa)
+    roots = solve(sp.numer(sp.together(gain)), kappa)
     point = {A: 3, B: sp.Rational(3, 2), C: 2, mu: sp.Rational(1, 5)}
     inside = [r for r in roots if 0 < r.subs(point).evalf() < 1]
     return sp.simplify(inside[0])
@@ -152,7 +152,7 @@ def energy_threshold(regime: str) -> sp.Expr:
 def sticking_threshold() -> sp.Expr:
     """epsilon_c of slip-stick: the same threshold, solved for epsilon."""
     quadratic = sp.Poly(sp.numer(energy_change("stick")).subs(v_0, -1), u_0)
-    roots = sp.solve(quadratic.discriminant(), epsilon)
+    roots = solve(quadratic.discriminant(), epsilon)
     return max(roots, key=lambda root: root.subs({A: 3, B: 1, C: 2}).evalf())
 
 

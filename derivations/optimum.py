@@ -46,7 +46,7 @@ def corner_frictions() -> tuple[sp.Expr, sp.Expr]:
         at = {epsilon: sp.Rational(1, 2)}
         (best,) = (
             root
-            for root in sp.solve(even, square)
+            for root in solve(even, square)
             if root.subs(at).is_real and root.subs(at).evalf() > 0
         )
         ends.append(friction.subs(T, sp.sqrt(best)))
@@ -63,7 +63,8 @@ def jacobian(case: str) -> sp.Matrix:
 @derived
 def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """1 - tr + det, 1 + tr + det and 1 - det of the landing map: stable where all are positive."""
-    trace, determinant = jacobian(case).trace(), jacobian(case).det()
+    a, b, c, d = jacobian(case)
+    trace, determinant = a + d, a * d - b * c
     margins = 1 - trace + determinant, 1 + trace + determinant, 1 - determinant
     return tuple(sp.factor(margin) for margin in margins)
 
@@ -91,10 +92,9 @@ def least_painleve_friction() -> tuple[sp.Expr, sp.Expr]:
 
 
 def _closure(case: str, along: sp.Expr) -> sp.Expr:
-    """Residual of the closure for a drift, in T, on a plate of velocity 1; lengths over Z."""
+    """What a drift differs by from that of whole impacts, in T; plate velocity and Z are one."""
     lengths = {X: T, Z: 1, k: sp.sqrt((1 + T**2) / 3), V_z: 1}
-    (residual,) = second_routes.landing_residuals(case, c_x, along)
-    return sp.numer(sp.cancel(residual.subs(lengths)))
+    return sp.numer(sp.cancel(second_routes.landing(case)[0].subs(lengths) - along))
 
 
 def _is_largest(case: str, form: sp.Matrix) -> list[sp.Expr]:
@@ -125,7 +125,8 @@ def _margins(form: sp.Matrix) -> list[sp.Expr]:
     x = sp.Symbol("x")
     checks = []
     for case, start in zip(CASES, (0, 3), strict=True):
-        polynomial = (x * sp.eye(2) - _response(case)).det()
+        a, b, c, d = _response(case)
+        polynomial = (x - a) * (x - d) - b * c
         wanted = polynomial.subs(x, 1), polynomial.subs(x, -1), 1 - polynomial.subs(x, 0)
         checks += [a - b for a, b in zip(wanted, form[start : start + 3], strict=True)]
     return checks

@@ -20,7 +20,7 @@ from .references import Citation
 from .slip_reversal import EQUATIONS as REVERSAL
 from .slip_reversal import impulse as reversal_impulse
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, phi, u_0, v_0
-from .trace import derived
+from .trace import derived, solve
 
 stiffness, damping, speed, mass = sp.symbols("k_n gamma_n v m_r", positive=True)
 
@@ -55,7 +55,7 @@ def restitution_lost() -> sp.Expr:
     """
     power = sp.Symbol("y", positive=True)  # overlap to the power 5/2
     energy = sp.Rational(2, 5) * stiffness * power
-    (deepest,) = (y ** sp.Rational(2, 5) for y in sp.solve(energy - mass * speed**2 / 2, power))
+    (deepest,) = (y ** sp.Rational(2, 5) for y in solve(energy - mass * speed**2 / 2, power))
     # x sqrt(1 - x^(5/2)) from 0 to 1, x the overlap over the deepest, is a beta function
     shape = sp.Rational(2, 5) * sp.beta(sp.Rational(4, 5), sp.Rational(3, 2))
     work = 2 * damping * mass * speed * deepest**2 * shape
@@ -95,7 +95,7 @@ EQUATIONS = (
         'beginning of the flight": their ratio',
         symbol="c_z/c_z'",
         printed=sp.S.One,
-        derive=lambda: sp.solve(CLOSURE({})[2], c_z)[0] / after_z,
+        derive=lambda: solve(CLOSURE({})[2], c_z)[0] / after_z,
         at={},
         verdict="erratum",
         contradicted_by="V: closure",

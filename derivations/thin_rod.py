@@ -48,7 +48,7 @@ def critical_cosines() -> tuple[sp.Expr, sp.Expr]:
     product = parts[sp.S.One]
     factor = product / (sp.sin(phi) * sp.cos(phi))
     squared = mu**2 * slope**2 - factor**2 * sine_squared * cosine_squared
-    roots = sp.solve(squared, double)
+    roots = solve(squared, double)
     return tuple(sorted(roots, key=lambda r: -r.subs(mu, sp.Rational(1, 2))))
 
 
@@ -104,7 +104,7 @@ def largest_slide_friction() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """
     mu_of = over_tangent(thin_slide_friction().subs(c_x, -(1 + epsilon) * c_z / gain))
     mu_of = sp.factor(mu_of)
-    extrema = sp.solve(sp.numer(sp.together(mu_of.diff(T))), T)
+    extrema = solve(sp.numer(sp.together(mu_of.diff(T))), T)
     (inner,) = (x for x in extrema if mu_of.diff(T, 2).subs(T, x).subs(gain, 1) < 0)
     return inner, sp.factor(mu_of.subs(T, inner)), sp.limit(mu_of, T, sp.oo)
 

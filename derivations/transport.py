@@ -9,7 +9,7 @@ from .newton import g, spin_jump, velocity_change
 from .proof import Equation
 from .slide import cm_velocity
 from .symbols import V_z, X, Z, c_x, c_z, diameter, epsilon, h_0, k, length, m, mu, omega, phi
-from .trace import derived
+from .trace import derived, solve
 
 _ROUND = {length: 1 + h_0, diameter: sp.Integer(1)}  # h_0 = l/d - 1, lengths in d
 
@@ -45,7 +45,7 @@ def landing_impulse(case: str) -> tuple[sp.Expr, sp.Expr]:
     after_x, after_z = (
         part.subs(landed) for part in (c_x + velocity_change(p_x), c_z + velocity_change(p_z))
     )
-    (solution,) = sp.solve([after_x - along, after_z - up], [p_x, p_z], dict=True)
+    (solution,) = solve([after_x - along, after_z - up], [p_x, p_z], dict=True)
     return solution[p_x], sp.factor(solution[p_z])
 
 
@@ -68,7 +68,7 @@ def cost_of_transport(case: str) -> sp.Expr:
 def spin_response(case: str) -> tuple[sp.Expr, sp.Expr]:
     """d(c_x', c_z')/d omega of stationary translation with a spin omega at every landing."""
     after_x, after_z = cm_velocity(*CASES[case]())
-    (solution,) = sp.solve([after_x - c_x, after_z + c_z], [c_x, c_z], dict=True)
+    (solution,) = solve([after_x - c_x, after_z + c_z], [c_x, c_z], dict=True)
     return sp.factor(solution[c_x].diff(omega)), sp.factor(-solution[c_z].diff(omega))
 
 
@@ -84,12 +84,9 @@ def _spin_checks(form: sp.Matrix) -> list[sp.Expr]:
 
 def _length_checks(form: sp.Expr) -> list[sp.Expr]:
     """The drift from whole landings has its extrema there, and nowhere else."""
-    level = sp.Symbol("c")
     x, z = (part.subs(_ROUND) for part in round_contact())
     square = spherocylinder_gyration().subs(_ROUND)
-    (residual,) = second_routes.landing_residuals("stick", c_x, level)
-    curve = sp.numer(sp.cancel(residual.subs({V_z: 1}).subs({X: x, Z: z}).subs(k, sp.sqrt(square))))
-    (drift,) = sp.solve(curve, level)
+    drift = second_routes.landing("stick")[0].subs({V_z: 1, X: x, Z: z, k: sp.sqrt(square)})
     steepness = sp.numer(sp.cancel(drift.diff(h_0)))
     rest = sp.cancel(steepness / form)
     return [form.subs(h_0, 0) - 1, rest.diff(h_0)]
@@ -99,8 +96,8 @@ def _short_checks(form: sp.Expr) -> list[sp.Expr]:
     """A ball's gyration and height, and a centre of mass a little aside: the whole landing."""
     aside = sp.Symbol("x", positive=True)
     ball = {V_z: 1, X: aside, Z: sp.Rational(1, 2), k: sp.sqrt(sp.Rational(1, 10))}
-    (residual,) = second_routes.landing_residuals("stick", c_x, form * aside * 2 / sp.sin(phi))
-    return [sp.cancel(residual.subs(ball)).diff(aside).subs(aside, 0)]
+    drift = second_routes.landing("stick")[0].subs(ball)
+    return [(drift - form * aside * 2 / sp.sin(phi)).diff(aside).subs(aside, 0)]
 
 
 def _energy_checks(form: sp.Matrix) -> list[sp.Expr]:
