@@ -54,7 +54,7 @@ _LENGTHS = {M: sp.Integer(1), L: sp.Integer(4), T: sp.Integer(1)}
 EQUATIONS = (
     Equation(
         tag="A: unit of k_n",
-        what=r"$k_n$ is given in $m g/D$; $F_n = k_n \delta^{3/2}$ needs",
+        what=r"unit of $k_n$, given as $m g/D$, that $F_n = k_n \delta^{3/2}$ needs",
         symbol="[k_n]",
         printed=MASS * GRAVITY / DIAMETER,
         derive=normal_stiffness,
@@ -87,7 +87,7 @@ EQUATIONS = (
     ),
     Equation(
         tag="A: unit of gamma",
-        what=r"$\gamma_n$ is given in $(g/D)^{1/2}$; $\gamma_n M_e \delta v_n$ needs",
+        what=r"unit of $\gamma_n$, given as $(g/D)^{1/2}$, that $\gamma_n M_e \delta v_n$ needs",
         symbol="[\\gamma_n]",
         printed=sp.sqrt(GRAVITY / DIAMETER),
         derive=damping,

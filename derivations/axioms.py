@@ -165,7 +165,7 @@ EQUATIONS = (
     Equation(
         tag=CLOSURE.tag,
         what="stationary translation: what is zero in the mean landing",
-        symbol="0",
+        symbol="(0, 0, 0)",
         printed=sp.Matrix([omega, after_x - c_x, after_z + c_z]),
         derive=lambda: CLOSURE({}),
         verdict="assumed",

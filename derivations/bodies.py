@@ -202,6 +202,7 @@ EQUATIONS = (
 
 THIN = {X: thin_contact()[0], Z: thin_contact()[1], k: sp.sqrt(thin_gyration())}
 T = sp.Symbol("T", positive=True)  # tan(phi)
+TANGENT = r"$T = \tan\phi$"
 
 
 def over_tangent(form: sp.Expr) -> sp.Expr:

@@ -4,7 +4,7 @@ import sympy as sp
 
 from . import second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
-from .bodies import THIN, T, cylinder_gyration, flat_contact
+from .bodies import TANGENT, THIN, T, cylinder_gyration, flat_contact
 from .proof import Equation
 from .symbols import (
     V_0,
@@ -63,7 +63,7 @@ def landing_velocity(case: str) -> sp.Expr:
 
 @derived
 def relaxation(case: str) -> sp.Expr:
-    """d c_x'/d c_x: what one landing leaves of a deviation from the stationary drift."""
+    """What one landing leaves of a deviation from the stationary drift, d c_x'/d c_x."""
     return sp.factor(landing(case)[0].diff(c_x))
 
 
@@ -82,7 +82,7 @@ def plate_velocity() -> sp.Expr:
 
 @derived
 def onset_velocity() -> sp.Expr:
-    """Leading V_z/V_0 at the first landing of a perfectly inelastic rod, eta = sqrt(Gamma - 1).
+    """Leading V_z/V_0 at the first landing of a perfectly inelastic rod, eta^2 = Gamma - 1.
 
     The rod leaves where Gamma sin(theta) = 1 and lands where height and plate meet again; close
     to Gamma = 1 both happen near theta = pi/2, where sin is a parabola.
@@ -92,7 +92,11 @@ def onset_velocity() -> sp.Expr:
     falling = eta**2 - x**2 / 2  # Gamma sin(theta) - 1: plate acceleration over gravity
     speed = sp.integrate(falling, (x, start, x))
     gap = sp.expand(sp.integrate(speed, (x, start, y)))
-    landings = [root for root in solve(gap, y) if sp.simplify(root - start) != 0]
+    landings = [
+        root
+        for root in solve(gap, y, r"$y = \theta - \pi/2$ at the landing")
+        if sp.simplify(root - start) != 0
+    ]
     return -landings[0]  # cos(pi/2 + x) = -x
 
 
@@ -100,7 +104,7 @@ def onset_velocity() -> sp.Expr:
 def flat_tilt() -> sp.Expr:
     """Tilt at which a flat-ended rod stands on its edge with X = 0, by T = tan(phi)."""
     over_cosine = sp.cancel(flat_contact()[0].subs(sp.sin(phi), T * sp.cos(phi)) / sp.cos(phi))
-    (tangent,) = solve(over_cosine, T)
+    (tangent,) = solve(over_cosine, T, TANGENT)
     return sp.atan(tangent)
 
 
@@ -295,7 +299,7 @@ EQUATIONS = (
         derive=lambda: _exponent(V_0 * (Gamma - 1)),
         verdict="assumed",
         note="an expectation for many rods, not derived; a single perfectly inelastic rod has "
-        "another exponent, see the next row but one",
+        "another exponent, see the next entry",
     ),
     Equation(
         tag="V: exponent at onset",
@@ -315,7 +319,7 @@ EQUATIONS = (
         check=_onset_flight,
         verdict="new",
         note="negative, and a square root, not a line: a landing on the falling plate, which the "
-        "closure below cannot turn into a drift",
+        "closure cannot turn into a drift",
     ),
     Equation(
         tag="V: landing",

@@ -8,7 +8,7 @@ slip-stick, the one of slip reversal, or the critical tilt between them (the cor
 import sympy as sp
 
 from . import second_routes
-from .bodies import T, over_tangent
+from .bodies import TANGENT, T, over_tangent
 from .drift import CASES, landing, landing_velocity, stationary
 from .laws import slopes
 from .proof import Equation
@@ -28,7 +28,7 @@ def drift_over_tangent(case: str) -> sp.Expr:
 def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
     """Tangent of the tilt of the largest drift in one regime, and that drift over V_z."""
     drift = drift_over_tangent(case)
-    roots = solve(sp.numer(sp.together(drift.diff(T))), T)
+    roots = solve(sp.numer(sp.together(drift.diff(T))), T, TANGENT)
     at = {mu: sp.Rational(3, 10), epsilon: sp.Rational(1, 2)}
     (best,) = (root for root in roots if root.subs(at).evalf() > 0)
     return best, drift.subs(T, best)
@@ -37,7 +37,7 @@ def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
 @derived
 def corner_frictions() -> tuple[sp.Expr, sp.Expr]:
     """Friction at which the lower critical tilt is the best one of slip reversal, of slip-stick."""
-    square = sp.Symbol("S", positive=True)  # T^2
+    square = sp.Symbol("T^2", positive=True)
     friction = over_tangent(critical_friction())
     ends = []
     for case in ("back", "stick"):
@@ -87,7 +87,7 @@ def painleve_friction() -> sp.Expr:
 def least_painleve_friction() -> tuple[sp.Expr, sp.Expr]:
     """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
     friction = over_tangent(painleve_friction())
-    (best,) = solve(friction.diff(T), T)
+    (best,) = solve(friction.diff(T), T, TANGENT)
     return best, friction.subs(T, best)
 
 

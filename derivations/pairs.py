@@ -55,7 +55,7 @@ def equivalent_rod() -> sp.Matrix:
     rod = {letter: _light * form - letter for letter, form in laws.mobility().items()}
     x = max(solve(rod[A], X), key=lambda root: root.subs({A: 2, _light: 1, k: 1}))
     (z,) = solve(rod[B].subs(X, x), Z)
-    roots = solve(sp.numer(sp.cancel(rod[C].subs(Z, z))), _light)
+    roots = solve(sp.numer(sp.cancel(rod[C].subs(Z, z))), _light, r"$\lambda = 1/m$")
     light = min(roots, key=lambda root: root.subs({A: 3, B: 1, C: 2}).evalf())
     return sp.Matrix([1 / light, *((length / k).subs(_light, light) for length in (x, z))])
 

@@ -11,6 +11,7 @@ from functools import wraps
 from typing import Any
 
 import sympy as sp
+from sympy.core.random import seed
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +19,7 @@ class Step:
     """One step of a derivation: an axiom put to use, a value derived, an equation solved."""
 
     kind: str  # "axiom", "derived" or "solved"
-    name: str  # tag of the axiom, name of the step
+    name: str  # tag of the axiom, name of the step; of "solved" what the unknowns mean
     given: tuple[Any, ...] = ()  # arguments; of "solved" the unknowns
     value: Any = None  # what it gave; of "solved" what was set to zero
     inner: tuple["Step", ...] = ()  # the steps on the way to it
@@ -67,6 +68,7 @@ def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., An
     @wraps(function)
     def cached(*given: Any) -> Any:
         if given not in results:
+            seed(0)  # factoring draws random numbers, of which a few take it minutes
             with noted() as taken:
                 value = function(*given)
             whole = Step("derived", name, given, value, tuple(taken))
@@ -92,10 +94,13 @@ def derived(function: Callable[..., Any]) -> Callable[..., Any]:
     return remembered(step, name)
 
 
-def solve(forms: Any, unknowns: Any, **options: Any) -> Any:
-    """Solve one equation for a letter, or several for several; it is noted as a step."""
+def solve(forms: Any, unknowns: Any, meant: str = "", **options: Any) -> Any:
+    """Solve one equation for a letter, or several for several; it is noted as a step.
+
+    `meant` says what a letter is that only this step has, as LaTeX between dollar signs.
+    """
     listed = [tuple(x) if isinstance(x, list) else (x,) for x in (unknowns, forms)]
-    note(Step("solved", "", *listed))
+    note(Step("solved", meant, *listed))
     return sp.solve(forms, unknowns, **options)
 
 

@@ -66,7 +66,7 @@ def cost_of_transport(case: str) -> sp.Expr:
 
 @derived
 def spin_response(case: str) -> tuple[sp.Expr, sp.Expr]:
-    """d(c_x', c_z')/d omega of stationary translation with a spin omega at every landing."""
+    """Derivatives of the stationary c_x' and c_z' by a spin omega at every landing."""
     after_x, after_z = cm_velocity(*CASES[case]())
     (solution,) = solve([after_x - c_x, after_z + c_z], [c_x, c_z], dict=True)
     return sp.factor(solution[c_x].diff(omega)), sp.factor(-solution[c_z].diff(omega))
@@ -159,7 +159,13 @@ EQUATIONS = (
         tag="V: landing with spin",
         what=r"what a spin $\omega$ at every landing adds to $c_x'$ and $c_z'$, over $\omega$: "
         "slip-stick, then slip reversal",
-        symbol="\\partial(c_x, c_z')/\\partial\\omega",
+        symbol="({})".format(
+            ", ".join(
+                rf"[\partial {speed}'/\partial\omega]_{{{case}}}"
+                for case in CASES
+                for speed in ("c_x", "c_z")
+            )
+        ),
         derive=lambda: sp.Matrix([part for case in CASES for part in spin_response(case)]),
         shown=sp.Matrix(
             [
@@ -177,9 +183,9 @@ EQUATIONS = (
     ),
     Equation(
         tag="V: energy of a landing",
-        what="per unit mass in a stationary landing: work of the plate and energy of the spin, in "
-        "slip-stick, then in slip reversal",
-        symbol="(W, E_\\omega)_{stick, back}",
+        what="per unit mass in a stationary landing: work $W$ of the plate and energy $E$ of "
+        "the spin, in slip-stick, then in slip reversal",
+        symbol="(W_{stick}, E_{stick}, W_{back}, E_{back})",
         derive=lambda: sp.Matrix([part for case in CASES for part in energies(case)]),
         shown=sp.Matrix([2 * _up * V_z, 2 * X**2 * _up**2 / k**2] * 2),
         check=_energy_checks,
@@ -189,8 +195,14 @@ EQUATIONS = (
     Equation(
         tag="V: cost of transport",
         what="work of the plate per weight and distance travelled: slip-stick, slip reversal",
-        symbol="W/(m g s)",
+        symbol="([W/(m g s)]_{stick}, [W/(m g s)]_{back})",
         derive=lambda: sp.Matrix([cost_of_transport(case) for case in CASES]),
+        shown=sp.Matrix(
+            [
+                _lossy / (2 * (1 + epsilon) * X * Z),
+                _lossy / ((1 + epsilon) * (X * Z + mu * (k**2 + Z**2))),
+            ]
+        ),
         check=_cost_checks,
         verdict="new",
         note="$V_z/c_x$ whatever the rod: the fastest rod is the cheapest. The drift grows with "
