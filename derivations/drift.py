@@ -4,7 +4,7 @@ import sympy as sp
 
 from . import second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
-from .bodies import TANGENT, THIN, T, cylinder_gyration, flat_contact
+from .bodies import THIN, cylinder_gyration, flat_contact, flat_tilt
 from .proof import Equation
 from .symbols import (
     V_0,
@@ -98,14 +98,6 @@ def onset_velocity() -> sp.Expr:
         if sp.simplify(root - start) != 0
     ]
     return -landings[0]  # cos(pi/2 + x) = -x
-
-
-@derived
-def flat_tilt() -> sp.Expr:
-    """Tilt at which a flat-ended rod stands on its edge with X = 0, by T = tan(phi)."""
-    over_cosine = sp.cancel(flat_contact()[0].subs(sp.sin(phi), T * sp.cos(phi)) / sp.cos(phi))
-    (tangent,) = solve(over_cosine, T, TANGENT)
-    return sp.atan(tangent)
 
 
 @derived
