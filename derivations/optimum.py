@@ -209,13 +209,8 @@ EQUATIONS = (
         tag="V: stability",
         what="stability of the stationary landing: $1 - tr + det$, $1 + tr + det$, $1 - det$ of "
         "the landing map $(c_x, c_z) \\to (c_x', -c_z')$ in slip-stick, then in slip reversal",
-        symbol="({})".format(
-            ", ".join(
-                rf"{margin}_{{{case}}}"
-                for case in ("stick", "back")
-                for margin in ("[1 - tr + det]", "[1 + tr + det]", "[1 - det]")
-            )
-        ),
+        symbol="([1 - tr + det]_{stick}, [1 + tr + det]_{stick}, [1 - det]_{stick}, "
+        "[1 - tr + det]_{back}, [1 + tr + det]_{back}, [1 - det]_{back})",
         derive=lambda: sp.Matrix([part for case in CASES for part in stability_margins(case)]),
         shown=sp.Matrix(
             [

@@ -141,7 +141,7 @@ class Equation:
     @property
     def rests_on(self) -> tuple[str, ...]:
         """Tags of the axioms that the derivation used, sorted."""
-        return tuple(sorted(trace.axioms(self.steps) - {self.tag}))
+        return tuple(sorted(trace.names(self.steps, "axiom") - {self.tag}))
 
     @property
     def steps(self) -> tuple[trace.Step, ...]:

@@ -134,6 +134,12 @@ def _root_checks(form: sp.Matrix) -> list[sp.Expr]:
     return checks
 
 
+def _last_reversal_checks(form: sp.Expr) -> list[sp.Expr]:
+    """There both critical tilts are one: a double root of mu (4 + T^2) = 3 T."""
+    tangent = largest_reversal_friction()[1]
+    return [form * (4 + tangent**2) - 3 * tangent, 2 * form * tangent - 3]
+
+
 def _slide_boundary_checks(form: sp.Expr) -> list[sp.Expr]:
     """At that friction nothing is left of the slip."""
     rest = {omega: 0, V_z: 0, c_x: 1, c_z: -ratio, mu: form}
@@ -253,6 +259,7 @@ EQUATIONS = (
         symbol="\\max_\\phi \\mu_{reversal}",
         printed=sp.Rational(3, 5),
         derive=lambda: largest_reversal_friction()[0],
+        check=_last_reversal_checks,
         verdict="erratum",
         contradicted_by=r"condition for $\phi_c$ at $\tan(\phi) = 2$",
         contradiction=lambda: sp.solve(

@@ -54,11 +54,10 @@ def noted() -> Iterator[list[Step]]:
         _open.pop()
 
 
-def axioms(steps: Iterable[Step]) -> set[str]:
-    """Tags of the axioms that steps rest on."""
-    return set().union(
-        *({step.name} if step.kind == "axiom" else axioms(step.inner) for step in steps)
-    )
+def names(steps: Iterable[Step], kind: str) -> set[str]:
+    """Names of the steps of a kind, those on the way to a step included."""
+    inner = [names(step.inner, kind) for step in steps]
+    return {step.name for step in steps if step.kind == kind}.union(*inner)
 
 
 def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., Any]:
@@ -104,19 +103,21 @@ def solve(forms: Any, unknowns: Any, meant: str = "", **options: Any) -> Any:
     return sp.solve(forms, unknowns, **options)
 
 
-def forget() -> None:
-    """Empty all caches, so that every derivation is computed again."""
+def forget(kind: str = "", name: str = "") -> None:
+    """Empty the caches of all derivations, or of those that take the step of a name."""
     for results in _caches:
-        results.clear()
+        for given, (_, steps) in list(results.items()):
+            if not kind or name in names(steps, kind):
+                del results[given]
 
 
 @contextmanager
 def bent(name: str, change: Callable[[Any], Any]) -> Iterator[None]:
-    """Change what one step of `STEPS` gives, for a trial; everything is derived again."""
+    """Change what one step of `STEPS` gives, for a trial; what takes it is derived again."""
+    forget("derived", name)
     _bent[name] = change
-    forget()
     try:
         yield
     finally:
         del _bent[name]
-        forget()
+        forget("derived", name)
