@@ -159,8 +159,8 @@ EQUATIONS = (
         tag="V: landing with spin",
         what=r"what a spin $\omega$ at every landing adds to $c_x'$ and $c_z'$, over $\omega$: "
         "slip-stick, then slip reversal",
-        symbol="([\\partial c_x'/\\partial\\omega]_{stick}, [\\partial c_z'/\\partial\\omega]_{stick}, "
-        "[\\partial c_x'/\\partial\\omega]_{back}, [\\partial c_z'/\\partial\\omega]_{back})",
+        symbol=r"([\partial c_x'/\partial\omega]_{stick}, [\partial c_z'/\partial\omega]_{stick}, "
+        r"[\partial c_x'/\partial\omega]_{back}, [\partial c_z'/\partial\omega]_{back})",
         derive=lambda: sp.Matrix([part for case in CASES for part in spin_response(case)]),
         shown=sp.Matrix(
             [
