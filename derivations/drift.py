@@ -51,8 +51,8 @@ def landing(case: str) -> tuple[sp.Expr, sp.Expr]:
 def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
     """(c_x', c_z') of stationary translation: c_x' = c_x, c_z' = -c_z, omega = 0."""
     _, along, across = CLOSURE(dict(zip((after_x, after_z), landing(case), strict=True)))
-    solution = solve([along, across], [c_x, c_z], dict=True)[0]
-    return sp.factor(solution[c_x]), sp.factor(-solution[c_z])
+    before_x, before_z = solve([along, across], [c_x, c_z])
+    return sp.factor(before_x), sp.factor(-before_z)
 
 
 @derived

@@ -93,14 +93,17 @@ def derived(function: Callable[..., Any]) -> Callable[..., Any]:
     return remembered(step, name)
 
 
-def solve(forms: Any, unknowns: Any, meant: str = "", **options: Any) -> Any:
-    """Solve one equation for a letter, or several for several; it is noted as a step.
+def solve(forms: Any, unknowns: Any, meant: str = "") -> Any:
+    """Solve one equation for a letter, or several linear ones; it is noted as a step.
 
     `meant` says what a letter is that only this step has, as LaTeX between dollar signs.
     """
     listed = [tuple(x) if isinstance(x, list) else (x,) for x in (unknowns, forms)]
     note(Step("solved", meant, *listed))
-    return sp.solve(forms, unknowns, **options)
+    if isinstance(forms, list):
+        (found,) = sp.linsolve(forms, unknowns)
+        return found
+    return sp.solve(forms, unknowns)
 
 
 def forget(kind: str = "", name: str = "") -> None:

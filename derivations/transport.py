@@ -45,8 +45,8 @@ def landing_impulse(case: str) -> tuple[sp.Expr, sp.Expr]:
     after_x, after_z = (
         part.subs(landed) for part in (c_x + velocity_change(p_x), c_z + velocity_change(p_z))
     )
-    (solution,) = solve([after_x - along, after_z - up], [p_x, p_z], dict=True)
-    return solution[p_x], sp.factor(solution[p_z])
+    along, up = solve([after_x - along, after_z - up], [p_x, p_z])
+    return along, sp.factor(up)
 
 
 @derived
@@ -68,8 +68,8 @@ def cost_of_transport(case: str) -> sp.Expr:
 def spin_response(case: str) -> tuple[sp.Expr, sp.Expr]:
     """Derivatives of the stationary c_x' and c_z' by a spin omega at every landing."""
     after_x, after_z = cm_velocity(*CASES[case]())
-    (solution,) = solve([after_x - c_x, after_z + c_z], [c_x, c_z], dict=True)
-    return sp.factor(solution[c_x].diff(omega)), sp.factor(-solution[c_z].diff(omega))
+    before_x, before_z = solve([after_x - c_x, after_z + c_z], [c_x, c_z])
+    return sp.factor(before_x.diff(omega)), sp.factor(-before_z.diff(omega))
 
 
 def _spin_checks(form: sp.Matrix) -> list[sp.Expr]:
