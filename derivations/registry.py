@@ -66,7 +66,7 @@ SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("Two bodies that meet", pairs.EQUATIONS),
     ("One impact as assignments", (*kernel.EQUATIONS, *kernel.ROUTINES)),
     ("Stationary translation", drift.EQUATIONS),
-    ("Best tilt, stability, Painleve's paradox", optimum.EQUATIONS),
+    ("Best tilt, stability, Painlevé's paradox", optimum.EQUATIONS),
     ("Landing phases by the flux of impacts", landing_phases.EQUATIONS),
     ("Short rods, and energy", transport.EQUATIONS),
     ("Appendix A: dimensions", appendix.EQUATIONS),
