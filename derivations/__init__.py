@@ -32,7 +32,10 @@ registry                            all entries in the paper's order
 rewrites                            rules that make a form compute well, each one proved
 map_functions, rod_functions        which functions are generated, by which rules
 pair_functions                      and those of two bodies
-codegen, equations_page             impact/_generated.py; EQUATIONS.md
+routines, arithmetic                assignments; the arithmetics in which they are proved
+kernel, contacts, error_free        one impact as assignments (kernel.toml), and their proofs
+codegen                             expressions as functions
+files, equations_page               impact/_generated.py, impact/_kernel.py; EQUATIONS.md
 typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
 lecture, letters, exercises         the report's text and references; letters; exercises, answered
 steps, drawings                     the steps of a derivation for a reader; drawings as SVG
@@ -51,8 +54,10 @@ To add an equation
 3. If it should be a function: a `Function` in `map_functions.py` or its like names its
    outputs and the rules that make them compute well (module `rewrites`).
 
-`check` proves it, `mutate` tries to fool the proof, `generate` writes impact/_generated.py and
-EQUATIONS.md, `report` shows it.
+4. An algorithm goes into kernel.toml as assignments, and what its names stand for into `kernel.py`.
+
+`check` proves it, `mutate` tries to fool the proof, `generate` writes impact/_generated.py,
+impact/_kernel.py and EQUATIONS.md, `report` shows it.
 How it becomes public stands in `help(impact)`.
 """
 

@@ -88,17 +88,17 @@ def check(as_json: bool = False) -> int:
 def generate() -> int:
     """Write the generated functions and tables (5 s).
 
-    They are impact/_generated.py and derivations/EQUATIONS.md of a source checkout.
+    They are impact/_generated.py, impact/_kernel.py and derivations/EQUATIONS.md of a source
+    checkout.
     """
-    from . import codegen, equations_page  # for a quick --help
+    from . import equations_page, files  # for a quick --help
 
-    root = codegen.TARGET.parent.parent
+    root = files.KERNEL.parent.parent
     if not (root / "README.md").is_file():
         raise click.UsageError(f"generate needs a source checkout; {root} has no README.md")
-    changed = {
-        codegen.TARGET: codegen.write(codegen.source(_bar("generating"))),
-        equations_page.TARGET: equations_page.refresh(),
-    }
+    texts = files.sources(_bar("generating"))
+    changed = {path: files.write(text, path) for path, text in texts.items()}
+    changed[equations_page.TARGET] = equations_page.refresh()
     for path, written in changed.items():
         print(f"{path.name}: {'written' if written else 'unchanged'}")
     return 0

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from .codegen import write
+from .files import write
 from .registry import ENTRIES, mistakes
 
 TARGET = Path(__file__).with_name("EQUATIONS.md")

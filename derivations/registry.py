@@ -12,12 +12,14 @@ P_x/m + c_x
 
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
+from typing import TypeAlias
 
 from . import (
     appendix,
     axioms,
     bodies,
     drift,
+    kernel,
     landing_phases,
     laws,
     newton,
@@ -33,8 +35,9 @@ from . import (
 )
 from .proof import Equation, Verdict
 from .references import Citation
+from .routines import Routine
 from .sentences import to_text
-from .statements import Entry, Reading
+from .statements import Reading
 
 __all__ = [
     "ENTRIES",
@@ -42,10 +45,13 @@ __all__ = [
     "Citation",
     "Equation",
     "Reading",
+    "Routine",
     "Row",
     "check",
     "mistakes",
 ]
+
+Entry: TypeAlias = Equation | Citation | Reading | Routine
 
 # section title, entries
 SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
@@ -58,6 +64,7 @@ SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("Regime boundaries and the thin rod", thin_rod.EQUATIONS),
     ("Other laws of restitution, and energy", laws.EQUATIONS),
     ("Two bodies that meet", pairs.EQUATIONS),
+    ("One impact as assignments", (*kernel.EQUATIONS, *kernel.ROUTINES)),
     ("Stationary translation", drift.EQUATIONS),
     ("Best tilt, stability, Painleve's paradox", optimum.EQUATIONS),
     ("Landing phases by the flux of impacts", landing_phases.EQUATIONS),

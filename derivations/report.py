@@ -6,6 +6,7 @@ exercises, references. `latex` holds the entries alone.
 """
 
 import re
+import textwrap
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
@@ -20,11 +21,11 @@ from markupsafe import Markup
 from . import codegen, lecture, mutants, typeset
 from .drawings import DRAWINGS
 from .exercises import EXERCISES
+from .files import write as write_file
 from .letters import LETTERS
 from .proof import Equation, Form
-from .registry import SECTIONS, Row
+from .registry import SECTIONS, Entry, Routine, Row
 from .sentences import to_html, to_latex
-from .statements import Entry
 from .steps import Line, lines
 
 Progress = Callable[[Iterable], Iterable]
@@ -77,6 +78,14 @@ def forms(entry: Entry) -> list[tuple[str, Form]]:
 def _tex_of(entry: Entry, label: str) -> str:
     """LaTeX of a printed vector form; the components are for the proof."""
     return entry.as_printed if isinstance(entry, Equation) and label == PRINTED else ""
+
+
+def _program(entry: Entry) -> str:
+    """Text of a routine, under the line of its arguments; of other entries nothing."""
+    if not isinstance(entry, Routine):
+        return ""
+    head = f"{entry.name}({', '.join(entry.arguments.split())})"
+    return f"{head}:\n{textwrap.dedent(entry.text).strip()}\nreturn {entry.returned}"
 
 
 def _parts(symbol: str) -> list[str]:
@@ -155,7 +164,7 @@ def _environment(**options: Any) -> Environment:
     loader = PackageLoader(__package__)
     made = Environment(loader=loader, undefined=StrictUndefined, **options)
     made.globals |= {"forms": forms, "equations": equations, "remarks": _remarks, "proof": _proof}
-    made.globals["tex_of"] = _tex_of
+    made.globals |= {"tex_of": _tex_of, "program": _program}
     return made
 
 
@@ -261,5 +270,5 @@ def write(out: Path, rows: Sequence[Row], progress: Progress = iter) -> list[Pat
     texts = {out / "report.html": html(rows, progress)}
     texts |= {out / "latex" / name: text for name, text in latex(rows).items()}
     for path, text in texts.items():
-        codegen.write(text, path)
+        write_file(text, path)
     return list(texts)

@@ -6,7 +6,6 @@ something to compute (`EQUATIONS`). Where two places of the text differ, it is a
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import mpmath
 import sympy as sp
@@ -16,7 +15,6 @@ from .axioms import CLOSURE, after_z
 from .bodies import THIN
 from .drift import landing_velocity, relaxation, stationary
 from .proof import DIGITS, Equation, Proof, Repair, Verdict
-from .references import Citation
 from .slip_reversal import EQUATIONS as REVERSAL
 from .slip_reversal import impulse as reversal_impulse
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, phi, u_0, v_0
@@ -215,9 +213,6 @@ class Reading:
         """Show both values."""
         said, true = (x() if callable(x) else x for x in (self.said, self.true))
         return Proof(ok=said != true, evidence=f"by reading: said {said}, there {true}")
-
-
-Entry: TypeAlias = Equation | Citation | Reading
 
 
 def _lost() -> str:

@@ -18,10 +18,11 @@ rod that is let go).
 
 Files, as one reads them
 ------------------------
-_generated                          closed forms; written by `derivations`, never edited
+_generated, _kernel                 closed forms; one impact, as one text for arrays and for Numba.
+                                    Both written by `derivations`, never edited
 _arguments                          arguments of all functions: domains, dtypes, blocks
 geometry                            where the centre of mass stands over the contact point
-_kernel, _compensated               one impact, as one body for arrays and for Numba
+_impacts, _twofold                  regimes, arguments of impacts; numbers in twice the digits
 collision                           the impact map: `collide`, `classify`
 pairs                               two bodies of any masses that meet: `collide_pair`
 boundaries, translation             boundaries of the regimes; the drift
@@ -40,7 +41,7 @@ To add a function
 """
 
 from ._arguments import InputError
-from ._kernel import Regime
+from ._impacts import Regime
 from .boundaries import critical_friction, critical_tilts, energy_restitution, slide_friction
 from .collision import Collision, classify, collide
 from .geometry import ContactGeometry, flat_ended_rod, spherocylinder, thin_rod

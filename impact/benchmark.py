@@ -21,8 +21,9 @@ import numpy as np
 from tqdm import tqdm
 
 from . import collision, compiled
+from ._impacts import Impacts
 from ._jit import kernel
-from ._kernel import HUGE_FRICTION, Impacts
+from ._kernel import HUGE_FRICTION
 from .geometry import spherocylinder
 
 RUNS = 9  # of each; the median counts
@@ -102,7 +103,9 @@ def _handwritten(approach, responses, lacking):
     return collide
 
 
-collide = _handwritten(*(compiled._known[name] for name in ("approach", "responses", "lacking")))
+collide = _handwritten(
+    *(compiled._known[name] for name in ("contact_velocity", "responses", "lacking"))
+)
 collide_plain = _handwritten(_plain_approach, _plain_responses, _not_lacking)
 SCALAR = {**compiled.KERNELS, "handwritten": collide, "uncompensated": collide_plain}
 

@@ -34,8 +34,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._arguments import FRICTION, RESTITUTION, Domain, InputError, count, evaluated, number
+from ._impacts import LARGE_FRICTION
 from ._jit import kernel
-from ._kernel import LARGE_FRICTION
 from .compiled import KERNELS, Impacts
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
 from .geometry import ContactGeometry, lengths_of, unit_lengths

@@ -9,7 +9,7 @@ from numpy.typing import DTypeLike
 
 from . import _kernel as kernel
 from ._arguments import ANY, FRICTION, RESTITUTION, InputError, in_blocks, real_arrays
-from ._kernel import Regime
+from ._impacts import Regime, as_regime, ordinary
 from .geometry import ContactGeometry, lengths_of
 
 LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.stronge}
@@ -67,7 +67,7 @@ def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
 
 def _guarded(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     """Evaluate a function on a block; unusual elements scaled, invalid ones nan and INVALID."""
-    usual = kernel.ordinary(block)
+    usual = ordinary(block)
     if np.all(usual):
         return function(*block)
     block = np.broadcast_arrays(*block)
@@ -123,10 +123,9 @@ def from_arrays(
     arrays: Sequence[np.ndarray], law: str, dtype: DTypeLike = np.float64
 ) -> tuple[Any, ...]:
     """Results of `collide` for arguments that `prepare` has seen."""
-    final_velocity = LAWS[law]
 
     def one_law(*block: Any) -> tuple[Any, ...]:
-        return kernel.impact(final_velocity, block)
+        return kernel.impact(LAWS[law], block)
 
     dtypes = [np.dtype(dtype)] * 3 + [np.dtype(np.int8)] + [np.dtype(dtype)] * 5
     return in_blocks(lambda *block: _guarded(one_law, *block), arrays, dtypes)
@@ -135,7 +134,7 @@ def from_arrays(
 def collision(results: Sequence[Any], dtype: DTypeLike) -> Collision:
     """Results as a `Collision`, scalars as scalars."""
     fields = [result.astype(dtype, copy=False)[()] for result in results]
-    fields[3] = kernel.as_regime(results[3][()])
+    fields[3] = as_regime(results[3][()])
     return Collision(*fields)
 
 
@@ -230,8 +229,9 @@ def classify(
     )
 
     def regime_alone(*block: Any) -> tuple[Any, ...]:
-        return (kernel.regime_of(kernel.mirrored(block)),)
+        *_, velocities, contact = kernel.mirrored(block)
+        return (kernel.regime_of(*kernel.branches(velocities, contact, block[-1])[-3:]),)
 
     code = np.dtype(np.int8)
     (regime,) = in_blocks(lambda *block: _guarded(regime_alone, *block), arrays, [code])
-    return kernel.as_regime(regime)
+    return as_regime(regime)

@@ -16,10 +16,10 @@ import numpy as np
 from numba import types
 from numba.extending import intrinsic
 
-from . import _compensated, _generated, _kernel
+from . import _generated, _kernel
 from . import collision as plain
+from ._impacts import Impacts, ordinary
 from ._jit import kernel
-from ._kernel import Impacts
 from .geometry import ContactGeometry
 
 __all__ = ["KERNELS", "Impacts", "collide", "collide_newton", "collide_poisson", "collide_stronge"]
@@ -36,14 +36,14 @@ def _fused(typing_context, a, b, c):
 
 
 @kernel(forceinline=True)
-def _halves(a):
-    """Leave a number whole: `_product` needs no halves here."""
+def _split(a):
+    """Leave a number whole: `_two_product` needs no halves here."""
     return a
 
 
 @kernel(forceinline=True)
-def _product(a, b):
-    """Rounded product and its error, the same as `_compensated._product` finds."""
+def _two_product(a, b):
+    """Rounded product and its error, the same as `_kernel.two_product` finds."""
     p = a * b
     return p, _fused(a, b, -p)
 
@@ -67,8 +67,8 @@ def _smaller(a, b):
 
 
 _known: dict[str, Any] = {
-    "_halves": _halves,
-    "_product": _product,
+    "split": _split,
+    "two_product": _two_product,
     "select": _select,
     "larger": _larger,
     "smaller": _smaller,
@@ -88,15 +88,14 @@ def _compile(module: ModuleType) -> None:
             _known[name] = kernel(renamed, forceinline=True)
 
 
-_compile(_compensated)
-_compile(_generated)  # but `approach`, which is compensated
+_compile(_generated)
 _compile(_kernel)
-_impact, _ordinary = _known["impact"], _known["ordinary"]
+_impact, _ordinary = _known["impact"], kernel(ordinary, forceinline=True)
 
 
 def _scalar_kernel(law: str) -> Any:
     """Compile the impact under one law."""
-    final_velocity = _known[law]
+    restitution = _known[law]
 
     def collide(given: Impacts) -> tuple:
         """One impact, for compiled code; the fields of `impact.Collision` as nine numbers.
@@ -105,7 +104,7 @@ def _scalar_kernel(law: str) -> Any:
         ----------
         given : floats; lengths and speeds between 1e-70 and 1e70
         """
-        return _impact(final_velocity, given)
+        return _impact(restitution, given)
 
     collide.__name__ = collide.__qualname__ = f"collide_{law}"
     return kernel(collide, forceinline=True)

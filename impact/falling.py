@@ -32,8 +32,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._arguments import POSITIVE, Domain, count, number
+from ._impacts import LARGE_FRICTION, Regime
 from ._jit import kernel
-from ._kernel import LARGE_FRICTION, Regime
 from .bouncing import record
 from .compiled import KERNELS, Impacts
 from .flight import TURN, advance, departure, gap

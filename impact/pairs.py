@@ -17,7 +17,8 @@ from ._arguments import (
     InputError,
     evaluated,
 )
-from ._compensated import Twofold, quotient
+from ._impacts import Regime, as_regime
+from ._twofold import Twofold, quotient
 from .collision import law_of
 
 MASS = Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True, infinite=True)
@@ -110,21 +111,21 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     side = np.copysign(1.0, np.where(u.high == 0, B.high, u.high))
     B, mu = B * Twofold(side), np.minimum(mu, MOST_FRICTION)
     (N, T), (N_back, T_back) = ((A + f * B, B + f * C) for f in (Twofold(mu), Twofold(-mu)))
-    responses = *(part.high for part in (N, T, N_back, T_back, D, C)), N.low, T.low
+    contact = *(part.high for part in (N, T, N_back, T_back, D, C)), N.low, T.low
     velocities = np.abs(u.high), v.high, side * u.low, v.low
-    a = kernel.judged(side, velocities, mu, epsilon, responses)
 
-    j_1, j_2, u_f, v_f = kernel.phases(final_velocity, a, 1.0, epsilon)
-    P_x = kernel.added(a, j_1, j_2, -mu, mu, B.high)
-    P_z = kernel.added(a, j_1, j_2, 1.0, 1.0, C.high)
-    energy = closed.energy_change(P_x, P_z, a.u_0, a.v_0, u_f, v_f)
+    j_1, j_2, u_f, v_f, *branch = kernel.phases(final_velocity, velocities, contact, 1.0, epsilon)
+    hits, _, sticks = branch
+    P_x = kernel.added(hits, sticks, j_1, j_2, -mu, mu, B.high)
+    P_z = kernel.added(hits, sticks, j_1, j_2, 1.0, 1.0, C.high)
+    energy = closed.energy_change(P_x, P_z, *velocities[:2], u_f, v_f)
     P_x = side * P_x
     s, x, z = (part.high for part in levers)
     *change, turn = closed.pair_change(s, x, z, np.stack([P_x, -P_x]), np.stack([P_z, -P_z]))
     c_x, c_z = (old + np.ldexp(d, speed) for old, d in zip(both[4:6], change, strict=True))
     omega = both.omega + np.ldexp(turn / k, speed - size)
     after = (part[i] for i in range(2) for part in (c_x, c_z, omega))
-    code = np.where(a.hits & fixed.all(0), IMMOVABLE, kernel.regime_of(a))
+    code = np.where(hits & fixed.all(0), IMMOVABLE, kernel.regime_of(*branch))
     impulses = (np.ldexp(mass * part, power + speed) for part in (P_x, P_z))
     return *after, code, *impulses, np.ldexp(mass * energy, power + 2 * speed)
 
@@ -189,10 +190,10 @@ def collide_pair(
     )
     if np.ndim(code) == 0 and code == IMMOVABLE:
         raise InputError("first.mass and second.mass must not both be inf where they close")
-    code = np.maximum(code, kernel.Regime.INVALID)  # and all else is nan, as nothing can give way
+    code = np.maximum(code, Regime.INVALID)  # and all else is nan, as nothing can give way
     names = Body._fields[4:]
     before_after = (first, velocities[:3]), (second, velocities[3:])
     one, other = (
         Body(*body)._replace(**dict(zip(names, part, strict=True))) for body, part in before_after
     )
-    return PairCollision(one, other, kernel.as_regime(code), P_x, P_z, energy)
+    return PairCollision(one, other, as_regime(code), P_x, P_z, energy)

@@ -17,7 +17,7 @@ from ._arguments import (
     real_array,
     result_dtype,
 )
-from ._kernel import Regime, as_regime
+from ._impacts import Regime, as_regime
 from .geometry import ContactGeometry, lengths_of
 
 

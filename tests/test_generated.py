@@ -9,7 +9,7 @@ import sympy as sp
 from numba import njit
 
 import impact
-from derivations import codegen, newton, rewrites, slide, slip_reversal, slip_stick
+from derivations import codegen, files, newton, rewrites, slide, slip_reversal, slip_stick
 from derivations import symbols as s
 from derivations.proof import is_zero, random_point, vanishes
 from impact import _generated, compiled
@@ -144,7 +144,7 @@ def _computing_lines(tree):
 
 def test_a_change_of_1e_12_in_any_generated_line_is_seen():
     """Numerically, at 50 digits: no comparison of text takes part."""
-    tree = ast.parse(codegen.TARGET.read_text(encoding="utf-8"))
+    tree = ast.parse(files.CLOSED_FORMS.read_text(encoding="utf-8"))
     functions = {function.name: function for function in codegen.FUNCTIONS}
     numbers = {name: list(_numbers(function)) for name, function in functions.items()}
 
@@ -188,7 +188,7 @@ def test_generated_text_is_plain_arithmetic():
         ast.Name, ast.Load, ast.Store, ast.Constant, ast.Expr, ast.BinOp, ast.UnaryOp,
         ast.Add, ast.Sub, ast.Mult, ast.Div, ast.USub,
     )  # fmt: skip
-    tree = ast.parse(codegen.TARGET.read_text(encoding="utf-8"))
+    tree = ast.parse(files.CLOSED_FORMS.read_text(encoding="utf-8"))
     assert not [node for node in ast.walk(tree) if not isinstance(node, allowed)]
 
 

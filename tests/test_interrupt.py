@@ -18,7 +18,7 @@ import derivations.command_line
 import figures.__main__
 import impact
 import md
-from derivations import codegen
+from derivations import files
 from impact import _interrupt, _jit, benchmark, bouncing, compiled, falling
 from md import cache, command_line, interrupt
 from md.files import replacing
@@ -317,7 +317,7 @@ def test_no_table_and_no_report_are_half_written(tmp_path, monkeypatch):
         write_csv(tmp_path / "a.csv", ["a"], [{"a": 1}, {"b": 2}])
     monkeypatch.setattr(Path, "replace", lambda *_: pytest.fail("full"))
     with pytest.raises(pytest.fail.Exception):
-        codegen.write("text", tmp_path / "report.html")
+        files.write("text", tmp_path / "report.html")
     assert not list(tmp_path.iterdir())
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from impact import Regime
 from impact import _generated as closed
-from impact._kernel import Impacts
+from impact._impacts import Impacts
 
 SLIP_REGIMES = (Regime.SLIDE, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
 FIELDS = ("c_x", "c_z", "P_x", "P_z", "omega")

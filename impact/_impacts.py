@@ -1,0 +1,63 @@
+"""Regimes, and arguments of impacts."""
+
+from collections.abc import Callable
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .geometry import ContactGeometry
+
+# Plain arithmetic neither over- nor underflows while lengths and speeds lie between these and
+# friction is below the last.
+SMALL, LARGE, LARGE_FRICTION = 1e-70, 1e70, 1e60
+
+
+class Regime(IntEnum):
+    """What the contact point does during an impact."""
+
+    INVALID = -1  # an argument is nan or out of its domain
+    NO_IMPACT = 0  # the contact point does not approach the plate
+    SLIDE = 1  # slips until it separates
+    SLIP_STICK = 2  # stops and is held by friction
+    SLIP_REVERSAL = 3  # stops and slips back
+
+
+def as_regime(codes: Any) -> Any:
+    """One code as a `Regime`; an array of them as it is."""
+    return Regime(int(codes)) if np.ndim(codes) == 0 else codes
+
+
+class Impacts(NamedTuple):
+    """Arguments of one impact, or of many as arrays; a unit of length and one of time of choice."""
+
+    c_x: Any  # length/time
+    c_z: Any  # length/time
+    omega: Any  # rad/time
+    plate_velocity: Any  # length/time
+    X: Any  # length
+    Z: Any  # length
+    k: Any  # length
+    friction: Any  # Coulomb coefficient
+    restitution: Any  # 0 to 1
+
+    def collide(self, function: Callable, law: str = "newton") -> Any:
+        """What a function with the signature of `impact.collide` makes of them.
+
+        Parameters
+        ----------
+        function : `impact.collide` or its like
+        law : of restitution
+        """
+        c_x, c_z, omega, V_z, *arms, mu, epsilon = self
+        given = {"geometry": ContactGeometry(*arms), "friction": mu, "restitution": epsilon}
+        return function(c_x, c_z, omega, plate_velocity=V_z, law=law, **given)
+
+
+def ordinary(given: Any) -> Any:
+    """Whether an impact is valid and far from over- and underflow; false if there is a nan."""
+    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = given
+    size = np.abs(X) + np.abs(Z) + k
+    speed = np.abs(c_x) + np.abs(c_z) + np.abs(V_z) + np.abs(omega) * size
+    sized = (k > 0) & (size > SMALL) & (size < LARGE) & (speed > SMALL) & (speed < LARGE)
+    return sized & (mu >= 0) & (mu < LARGE_FRICTION) & (epsilon >= 0) & (epsilon <= 1)
