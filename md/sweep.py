@@ -356,14 +356,14 @@ def execute(
         raise InputError(f"workers has no meaning with scheduler, got {workers} and {scheduler!r}")
     points = {point.key: point for point in sweep.points}
     begin = perf_counter()
-    with Store(store) as database:
+    with _backend(scheduler), Store(store) as database:  # refused before there is a store
         wanted = [p for key, p in points.items() if not database.has(key, failed=not retry)]
         tally = Tally(len(sweep.points), len(points), len(points) - len(wanted))
         bar = tqdm(total=len(wanted), unit=" runs", disable=None if progress else True)
         processes = min(cpu_count() if workers == -1 else workers, max(len(wanted), 1))
         results = _survived(wanted, -1 if scheduler else processes)
         try:
-            with bar, _backend(scheduler), _stopping(results):
+            with bar, _stopping(results):
                 for key, result, error, seconds in results:
                     point = points[key]
                     about = {
