@@ -66,6 +66,7 @@ class Proof:
 
     ok: bool  # whether the verdict stood
     evidence: str  # in words
+    computed: bool = True  # whether nothing stopped the computation
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +129,7 @@ class Equation:
                 return second  # of a new result it is the whole proof
             return _PROOFS[self.verdict](self)
         except Exception as error:  # whatever stops a computation, the verdict has no proof
-            return Proof(ok=False, evidence=f"{type(error).__name__}: {error}")
+            return Proof(ok=False, evidence=f"{type(error).__name__}: {error}", computed=False)
 
     def _second_route(self, check: Callable[[Form], Iterable[sp.Expr]]) -> Proof:
         residuals = [sp.sympify(r) for r in check(self.derive())]

@@ -88,7 +88,8 @@ def _program(entry: Entry) -> str:
     if not isinstance(entry, Routine):
         return ""
     head = f"{entry.name}({', '.join(entry.arguments.split())})"
-    return f"{head}:\n{textwrap.dedent(entry.text).strip()}\nreturn {entry.returned}"
+    body = f"{textwrap.dedent(entry.text).strip()}\nreturn {entry.returned}"
+    return f"{head}:\n{textwrap.indent(body, '    ')}"
 
 
 def _parts(symbol: str) -> list[str]:

@@ -60,14 +60,19 @@ def test_a_sign_turned_in_any_step_ends_as_a_row(step):
     test_a_sign_turned_in_a_step_ends_as_a_row(step)
 
 
-def test_a_derivation_that_cannot_be_computed_is_a_row_and_exit_code_one(monkeypatch, capsys):
+@pytest.mark.parametrize("command", ["check", "report"])
+def test_a_derivation_that_cannot_be_computed_is_a_row_and_exit_code_one(
+    monkeypatch, capsys, tmp_path, command
+):
+    monkeypatch.chdir(tmp_path)
     (entry,) = (entry for entry in EQUATIONS if entry.tag == "24")
     monkeypatch.setattr(registry, "ENTRIES", (entry,))
     with trace.bent("drift.stationary", lambda value: value / 0):
-        assert cli.main(["check"]) == 1
+        assert cli.main([command]) == 1
     printed = capsys.readouterr().out
     assert "NOT PROVED" in printed
     assert "1 entries: 1 agrees; 1 not proved" in printed
+    assert not list(tmp_path.rglob("*.html"))
 
 
 def test_what_an_equation_rests_on_is_computed():
