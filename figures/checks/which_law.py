@@ -10,6 +10,8 @@ right of the gap are held out: they have no part in the score. Thin rods, l = 9.
 mu = 0.3; steps of a fiftieth of a contact, tangential springs resolved.
 """
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,6 +30,10 @@ from .contact_laws import COLUMNS, LAW_TILTS_DEG, NUMBERS, QUICK_DEG
 
 HELD_OUT = ("S2", "S3")  # of the claims that a law is judged by; all others are fitted
 BEST, EIGHTHS = 10, 8
+SIZE: dict[bool, dict[str, Any]] = {  # of the search: in full, and quick
+    False: {"periods": 150, "seeds": (1, 2), "points": 256},
+    True: {"periods": 40, "seeds": (1, 2), "points": 4},
+}
 CONSTANT, APPENDIX = "constant restitution", "Appendix A"
 _FORMS = {
     CONSTANT: {},
@@ -55,13 +61,14 @@ def _parameters() -> tuple[Parameter, ...]:
     return tuple(found)
 
 
+PARAMETERS = _parameters()
+
+
 def search(quick: bool = False) -> Search:
     """The search, without targets of its own."""
     places = tuple({"box.length": box} for box in boxes(QUICK_DEG if quick else LAW_TILTS_DEG))
     base = put(ROW, {"step.size": "none", "step.coarse": "none"})
-    size = {"periods": 40, "seeds": (1,), "points": 4} if quick else {}
-    size = {"periods": 150, "seeds": (1, 2), "points": 256} | size
-    return Search(base, {}, parameters=_parameters(), places=places, targets=(), **size)
+    return Search(base, {}, parameters=PARAMETERS, places=places, targets=(), **SIZE[quick])
 
 
 def _parts(given: Search) -> np.ndarray:
@@ -107,16 +114,15 @@ def scores(d: Data) -> np.ndarray:
 
 def _laws(d: Data) -> list[dict[str, float | str]]:
     """Values of the parameters that have a meaning in each law."""
-    given = search()
-    every = [given.values(row) for row in d["parts"]]
-    return [
-        {p.name: v[p.name] for p in given.parameters if p.choices or p.changes(v)} for v in every
+    every = [
+        {p.name: p.value(x) for p, x in zip(PARAMETERS, row, strict=True)} for row in d["parts"]
     ]
+    return [{p.name: v[p.name] for p in PARAMETERS if p.choices or p.changes(v)} for v in every]
 
 
 def _draw_parameters(axes: np.ndarray, d: Data) -> None:
     laws, score = _laws(d), scores(d)
-    numbers = [p for p in search().parameters if p.choices is None]
+    numbers = [p for p in PARAMETERS if p.choices is None]
     for ax, parameter in zip(axes.flat, numbers, strict=True):
         of = np.array([parameter.name in law for law in laws])
         x = np.array([law[parameter.name] for law in laws if parameter.name in law], float)
