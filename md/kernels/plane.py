@@ -3,10 +3,9 @@
 Two rods touch where an end of one comes close to the axis of the other. Each of the four ends of
 a pair is a contact of its own, with its own spring: two parallel rods that lie against each other
 touch at two places, and as they turn the force passes from one place to the other without a jump,
-which the single closest point of two segments could not do. Each contact force derives from the
-distance of its end, so that without dashpots energy is kept. The price is that a place where two
-ends meet counts twice, from either rod: twice the stiffness, and cap on cap head on less
-restitution than was asked (0.555 for 0.65).
+which the single closest point of two segments could not do. Where two ends meet, their contacts are
+one place and count once (`joints`). All forces derive from distances of ends, so that without
+dashpots energy is kept.
 
 Velocities are kept half a step before the places. The dashpots see them extrapolated to the step by
 the last accelerations: with velocities half a step old, the drift of strongly tilted rods would be
@@ -67,6 +66,7 @@ from .contact import (
     term,
     vector,
 )
+from .joints import joint
 from .neighbours import (
     Listed,
     apart,
@@ -135,6 +135,67 @@ def pair_friction(friction, springs, place, overlap, force, slip, dt):
 
 
 @kernel
+def one_spring(springs, pair, end, other, first, second):
+    """Keep one spring at the contacts of two ends where one has no foot of its own."""
+    if springs is None or (first > 0.0 and second > 0.0):
+        return
+    now, k = pair
+    length = springs[now, k, end]
+    if first == 0.0:
+        length = springs[now, k, other]
+        if second == 0.0:
+            length = 0.5 * (length + springs[now, k, end])
+    springs[now, k, end] = springs[now, k, other] = length
+
+
+@kernel
+def repel(total, light, pair, s, t, force):
+    """Add a force that drives a place on one axis and a place on the other apart."""
+    i, j, dx, dz, a, b = pair
+    r_x, r_z = apart(dx, dz, a, b, s, t)
+    force /= sqrt(r_x * r_x + r_z * r_z)
+    f_x, f_z = force * r_x, force * r_z
+    add(total, i, 0, (f_x, f_z, s * (a[1] * f_x - a[0] * f_z) * light))
+    add(total, j, 0, (-f_x, -f_z, t * (b[0] * f_z - b[1] * f_x) * light))
+
+
+@kernel(inline=False)
+def joined(effects, stiffness, state, k, pair, end):
+    """Shares of two ends that meet in their place; adds the forces that keep energy.
+
+    `pair`: both rods, from the second's centre to the first's, both directions; `end`: of the first
+    rod. Third, which end of the second rod.
+    """
+    _, _, dx, dz, a, b = pair
+    half, light, total = effects.half_length, effects.lightness, state.scratch.total
+    s, foot = places(dx, dz, a, b, half, end)
+    other = 3 if foot > 0 else 2
+    back, t = places(dx, dz, a, b, half, other)
+    first, second = abs(t - foot), abs(s - back)
+    r_x, r_z = apart(dx, dz, a, b, s, t)
+    met = joint(r_x * r_x + r_z * r_z, first, second)
+    one_spring(state.listed.springs, (state.listed.turn[0], k), end, other, first, second)
+    if first > 0.0 and second > 0.0:
+        force = stiffness * met.force
+        repel(total, light, pair, s, foot, met.part * force)
+        repel(total, light, pair, back, t, (1.0 - met.part) * force)
+        repel(total, light, pair, s, t, -force)
+    return met.first, met.second, other
+
+
+@kernel
+def meet(upper, square, foot, half):
+    """Whether an end that touches a rod is close enough to that rod's end for these two to touch.
+
+    `square`: squared distance from the end to its foot on the other axis.
+    """
+    if upper is None:
+        return False
+    beyond = half - abs(foot)
+    return square + beyond * beyond < 1.0
+
+
+@kernel
 def forgotten(kept, now, k, first, last):
     """Clear what is kept of a contact that has opened."""
     if kept is not None:
@@ -171,6 +232,7 @@ def pair_forces(effects, between, state, ledger, dt):
         if index[now, k, 3] == 0 and clear(dx, dz, a, b, half):
             continue
         index[now, k, 3] = 0
+        lower = upper = 1.0  # shares left to the ends of the second rod
         for end in range(meetings(effects.alone.upper)):
             s, t = places(dx, dz, a, b, half, end)
             r_x, r_z = apart(dx, dz, a, b, s, t)
@@ -182,6 +244,15 @@ def pair_forces(effects, between, state, ledger, dt):
             if square < (1 - DEEP) ** 2:
                 return k
             index[now, k, 3] = 1
+            share = 1.0
+            if end == 2:
+                share = lower
+            elif end == 3:
+                share = upper
+            elif meet(effects.alone.upper, square, t, half):
+                pair, stiffness = (i, j, dx, dz, a, b), between.normal.stiffness
+                share, left, other = joined(effects.alone, stiffness, state, k, pair, end)
+                lower, upper = (left, upper) if other == 2 else (lower, left)
             r = sqrt(square)
             n_x, n_z, overlap = r_x / r, r_z / r, 1.0 - r
             p_x, p_z = s * a[0] - 0.5 * r_x, s * a[1] - 0.5 * r_z  # arms to the contact point
@@ -197,8 +268,9 @@ def pair_forces(effects, between, state, ledger, dt):
             across_i, across_j = p_z * n_z + p_x * n_x, q_z * n_z + q_x * n_x
             mass = 1 / (2 + (across_i * across_i + across_j * across_j) * light)
             place, seen = (now, k, end), Slip(slip, v_x * n_z - v_z * n_x, 0.0, mass)
-            rub = pair_friction(between.friction, springs, place, overlap, force, seen, dt)
-            lost = between.normal.stiffness * overlap * sqrt(overlap) - force
+            rub = share * pair_friction(between.friction, springs, place, overlap, force, seen, dt)
+            lost = share * (between.normal.stiffness * overlap * sqrt(overlap) - force)
+            force *= share
             pair_accounted(ledger, kept, place, (lost, rub), (rate, slip), dt)
             f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
             add(total, i, 0, (f_x, f_z, (p_z * f_x - p_x * f_z) * light))
