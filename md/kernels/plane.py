@@ -159,7 +159,30 @@ def repel(total, light, pair, s, t, force):
     add(total, j, 0, (-f_x, -f_z, t * (b[0] * f_z - b[1] * f_x) * light))
 
 
-@kernel(inline=False)
+@kernel
+def forgotten(kept, now, k, first, last):
+    """Clear what is kept of a contact that has opened."""
+    if kept is not None:
+        for c in range(first, last):
+            kept[now, k, c] = 0.0
+
+
+@kernel
+def pair_accounted(ledger, kept, place, forces, velocities, dt):
+    """Add half of this step's losses and half of the last one's, with the velocity between them.
+
+    `forces`: lost normal force and friction; `velocities`: opening rate and slip half a step ago.
+    """
+    if ledger is not None:
+        now, k, end = place
+        lost, rub = forces
+        rate, slip = velocities
+        ledger[PAIR_NORMAL] += 0.5 * dt * rate * (lost + kept[now, k, 2 * end])
+        ledger[PAIR_FRICTION] -= 0.5 * dt * slip * (rub + kept[now, k, 2 * end + 1])
+        kept[now, k, 2 * end], kept[now, k, 2 * end + 1] = lost, rub
+
+
+@kernel
 def joined(effects, stiffness, state, k, pair, end):
     """Shares of two ends that meet in their place; adds the forces that keep energy.
 
@@ -184,46 +207,91 @@ def joined(effects, stiffness, state, k, pair, end):
 
 
 @kernel
-def meet(upper, square, foot, half):
-    """Whether an end that touches a rod is close enough to that rod's end for these two to touch.
+def meets(upper, end, square, foot, half):
+    """Whether an end of the first rod, near its foot on the second, touches the second's end.
 
-    `square`: squared distance from the end to its foot on the other axis.
+    `square`: squared distance from end to foot.
     """
     if upper is None:
         return False
     beyond = half - abs(foot)
-    return square + beyond * beyond < 1.0
+    return end < 2 and square + beyond * beyond < 1.0
 
 
 @kernel
-def forgotten(kept, now, k, first, last):
-    """Clear what is kept of a contact that has opened."""
-    if kept is not None:
-        for c in range(first, last):
-            kept[now, k, c] = 0.0
+def opened(listed, k, end):
+    """Clear what is kept of a contact that is open."""
+    now = listed.turn[0]
+    forgotten(listed.springs, now, k, end, end + 1)
+    forgotten(listed.losses, now, k, 2 * end, 2 * end + 2)
 
 
 @kernel
-def pair_accounted(ledger, kept, place, forces, velocities, dt):
-    """Add half of this step's losses and half of the last one's, with the velocity between them.
+def touch(effects, between, state, ledger, place, pair, near, share, dt):
+    """Add the accelerations by the contact of one end, or its share of them.
 
-    `forces`: lost normal force and friction; `velocities`: opening rate and slip half a step ago.
+    `place`: of what is kept of the contact; `near`: places along both axes, and the vector between.
     """
-    if ledger is not None:
-        now, k, end = place
-        lost, rub = forces
-        rate, slip = velocities
-        ledger[PAIR_NORMAL] += 0.5 * dt * rate * (lost + kept[now, k, 2 * end])
-        ledger[PAIR_FRICTION] -= 0.5 * dt * slip * (rub + kept[now, k, 2 * end + 1])
-        kept[now, k, 2 * end], kept[now, k, 2 * end + 1] = lost, rub
+    i, j, _, _, a, b = pair
+    s, t, r_x, r_z = near
+    light, rods, before, total = effects.lightness, state.rods, state.before, state.scratch.total
+    springs, kept = state.listed.springs, state.listed.losses
+    r = sqrt(r_x * r_x + r_z * r_z)
+    n_x, n_z, overlap = r_x / r, r_z / r, 1.0 - r
+    p_x, p_z = s * a[0] - 0.5 * r_x, s * a[1] - 0.5 * r_z  # arms to the contact point
+    q_x, q_z = t * b[0] + 0.5 * r_x, t * b[1] + 0.5 * r_z
+    v_x = rods[i, C_X] + rods[i, OMEGA] * p_z - rods[j, C_X] - rods[j, OMEGA] * q_z
+    v_z = rods[i, C_Z] - rods[i, OMEGA] * p_x - rods[j, C_Z] + rods[j, OMEGA] * q_x
+    lever_i, lever_j = p_z * n_x - p_x * n_z, q_z * n_x - q_x * n_z
+    mass = 1 / (2 + (lever_i * lever_i + lever_j * lever_j) * light)
+    rate, slip = v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x  # tangent (n_z, -n_x)
+    v_x += (before[i, 0] + before[i, 2] * p_z - before[j, 0] - before[j, 2] * q_z) * dt / 2
+    v_z += (before[i, 1] - before[i, 2] * p_x - before[j, 1] + before[j, 2] * q_x) * dt / 2
+    force = normal_force(between.normal, overlap, v_x * n_x + v_z * n_z, mass, dt)
+    across_i, across_j = p_z * n_z + p_x * n_x, q_z * n_z + q_x * n_x
+    mass = 1 / (2 + (across_i * across_i + across_j * across_j) * light)
+    seen = Slip(slip, v_x * n_z - v_z * n_x, 0.0, mass)
+    rub = share * pair_friction(between.friction, springs, place, overlap, force, seen, dt)
+    lost = share * (between.normal.stiffness * overlap * sqrt(overlap) - force)
+    force *= share
+    pair_accounted(ledger, kept, place, (lost, rub), (rate, slip), dt)
+    f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
+    add(total, i, 0, (f_x, f_z, (p_z * f_x - p_x * f_z) * light))
+    add(total, j, 0, (-f_x, -f_z, (q_x * f_z - q_z * f_x) * light))
+
+
+@kernel(inline=False)
+def joined_ends(effects, between, state, ledger, k, pair, first, dt):
+    """Add the accelerations by the ends from the `first` on, which meets another one.
+
+    Whether one is too deep.
+    """
+    half, listed, now = effects.half_length, state.listed, state.listed.turn[0]
+    _, _, dx, dz, a, b = pair
+    lower = upper = 1.0  # shares left to the ends of the second rod
+    for end in range(first, 4):
+        s, t = places(dx, dz, a, b, half, end)
+        r_x, r_z = apart(dx, dz, a, b, s, t)
+        square = r_x * r_x + r_z * r_z
+        if square >= 1.0:
+            opened(listed, k, end)
+            continue
+        if square < (1 - DEEP) ** 2:
+            return True
+        share = (1.0, 1.0, lower, upper)[end]
+        if meets(effects.upper, end, square, t, half):
+            share, left, other = joined(effects, between.normal.stiffness, state, k, pair, end)
+            lower, upper = (left, upper) if other == 2 else (lower, left)
+        place, near = (now, k, end), (s, t, r_x, r_z)
+        touch(effects, between, state, ledger, place, pair, near, share, dt)
+    return False
 
 
 @kernel(inline=False)
 def pair_forces(effects, between, state, ledger, dt):
     """Add the accelerations by all touching pairs; number of a pair that is too deep, or -1."""
-    half, light = effects.alone.half_length, effects.alone.lightness
-    rods, before, listed, total = state.rods, state.before, state.listed, state.scratch.total
-    now, index, springs, kept = listed.turn[0], listed.index, listed.springs, listed.losses
+    alone, rods, listed = effects.alone, state.rods, state.listed
+    half, now, index = alone.half_length, listed.turn[0], listed.index
     for k in range(listed.start[now, rods.shape[0]]):
         i, j = index[now, k, 0], index[now, k, 1]
         dx = rods[i, X] - rods[j, X] - term(effects.period, index[now, k, 2])
@@ -231,50 +299,23 @@ def pair_forces(effects, between, state, ledger, dt):
         a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
         if index[now, k, 3] == 0 and clear(dx, dz, a, b, half):
             continue
-        index[now, k, 3] = 0
-        lower = upper = 1.0  # shares left to the ends of the second rod
-        for end in range(meetings(effects.alone.upper)):
+        index[now, k, 3], pair = 0, (i, j, dx, dz, a, b)
+        for end in range(meetings(alone.upper)):
             s, t = places(dx, dz, a, b, half, end)
             r_x, r_z = apart(dx, dz, a, b, s, t)
             square = r_x * r_x + r_z * r_z
             if square >= 1.0:
-                forgotten(springs, now, k, end, end + 1)
-                forgotten(kept, now, k, 2 * end, 2 * end + 2)
+                opened(listed, k, end)
                 continue
             if square < (1 - DEEP) ** 2:
                 return k
             index[now, k, 3] = 1
-            share = 1.0
-            if end == 2:
-                share = lower
-            elif end == 3:
-                share = upper
-            elif meet(effects.alone.upper, square, t, half):
-                pair, stiffness = (i, j, dx, dz, a, b), between.normal.stiffness
-                share, left, other = joined(effects.alone, stiffness, state, k, pair, end)
-                lower, upper = (left, upper) if other == 2 else (lower, left)
-            r = sqrt(square)
-            n_x, n_z, overlap = r_x / r, r_z / r, 1.0 - r
-            p_x, p_z = s * a[0] - 0.5 * r_x, s * a[1] - 0.5 * r_z  # arms to the contact point
-            q_x, q_z = t * b[0] + 0.5 * r_x, t * b[1] + 0.5 * r_z
-            v_x = rods[i, C_X] + rods[i, OMEGA] * p_z - rods[j, C_X] - rods[j, OMEGA] * q_z
-            v_z = rods[i, C_Z] - rods[i, OMEGA] * p_x - rods[j, C_Z] + rods[j, OMEGA] * q_x
-            lever_i, lever_j = p_z * n_x - p_x * n_z, q_z * n_x - q_x * n_z
-            mass = 1 / (2 + (lever_i * lever_i + lever_j * lever_j) * light)
-            rate, slip = v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x  # tangent (n_z, -n_x)
-            v_x += (before[i, 0] + before[i, 2] * p_z - before[j, 0] - before[j, 2] * q_z) * dt / 2
-            v_z += (before[i, 1] - before[i, 2] * p_x - before[j, 1] + before[j, 2] * q_x) * dt / 2
-            force = normal_force(between.normal, overlap, v_x * n_x + v_z * n_z, mass, dt)
-            across_i, across_j = p_z * n_z + p_x * n_x, q_z * n_z + q_x * n_x
-            mass = 1 / (2 + (across_i * across_i + across_j * across_j) * light)
-            place, seen = (now, k, end), Slip(slip, v_x * n_z - v_z * n_x, 0.0, mass)
-            rub = share * pair_friction(between.friction, springs, place, overlap, force, seen, dt)
-            lost = share * (between.normal.stiffness * overlap * sqrt(overlap) - force)
-            force *= share
-            pair_accounted(ledger, kept, place, (lost, rub), (rate, slip), dt)
-            f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
-            add(total, i, 0, (f_x, f_z, (p_z * f_x - p_x * f_z) * light))
-            add(total, j, 0, (-f_x, -f_z, (q_x * f_z - q_z * f_x) * light))
+            if meets(alone.upper, end, square, t, half):
+                if joined_ends(alone, between, state, ledger, k, pair, end, dt):
+                    return k
+                break
+            place, near = (now, k, end), (s, t, r_x, r_z)
+            touch(alone, between, state, ledger, place, pair, near, 1.0, dt)
     return -1
 
 
