@@ -281,7 +281,10 @@ def joined_ends(effects, between, state, ledger, k, pair, first, dt):
         share = (1.0, 1.0, lower, upper)[end]
         if meets(effects.upper, end, square, t, half):
             share, left, other = joined(effects, between.normal.stiffness, state, k, pair, end)
-            lower, upper = (left, upper) if other == 2 else (lower, left)
+            if other == 2:
+                lower += left - 1.0
+            else:
+                upper += left - 1.0
         place, near = (now, k, end), (s, t, r_x, r_z)
         touch(effects, between, state, ledger, place, pair, near, share, dt)
     return False
