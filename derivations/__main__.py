@@ -139,6 +139,9 @@ def write_report(out: Path) -> int:
     from . import report  # for a quick --help
 
     rows = registry.check(_bar("proving"))
+    if stuck := [row for row in rows if not row.computed]:
+        print(table(stuck), "No report is written: these cannot be computed.", sep="\n")
+        return 1
     for path in report.write(out, rows, _bar("writing")):
         print(path)
     return _code(rows)

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import sympy as sp
 
 from .proof import Equation
+from .trace import solve
 
 M, L, T = sp.symbols("M L T", positive=True)
 
@@ -20,7 +21,7 @@ OVERLAP, SPRING, REDUCED_MASS = L, L, M
 def _constant(term: Callable[[sp.Expr], sp.Expr], dimension: sp.Expr = FORCE) -> sp.Expr:
     """Dimension of the one constant in `term`, so that the term is a force."""
     unknown = sp.Symbol("q", positive=True)
-    (value,) = sp.solve(term(unknown) - dimension, unknown)
+    (value,) = solve(term(unknown) - dimension, unknown)
     return sp.simplify(value)
 
 
@@ -53,7 +54,7 @@ _LENGTHS = {M: sp.Integer(1), L: sp.Integer(4), T: sp.Integer(1)}
 EQUATIONS = (
     Equation(
         tag="A: unit of k_n",
-        what=r"$k_n$ is given in $m g/D$; $F_n = k_n \delta^{3/2}$ needs",
+        what=r"unit of $k_n$, given as $m g/D$, that $F_n = k_n \delta^{3/2}$ needs",
         symbol="[k_n]",
         printed=MASS * GRAVITY / DIAMETER,
         derive=normal_stiffness,
@@ -86,7 +87,7 @@ EQUATIONS = (
     ),
     Equation(
         tag="A: unit of gamma",
-        what=r"$\gamma_n$ is given in $(g/D)^{1/2}$; $\gamma_n M_e \delta v_n$ needs",
+        what=r"unit of $\gamma_n$, given as $(g/D)^{1/2}$, that $\gamma_n M_e \delta v_n$ needs",
         symbol="[\\gamma_n]",
         printed=sp.sqrt(GRAVITY / DIAMETER),
         derive=damping,

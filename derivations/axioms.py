@@ -66,14 +66,14 @@ AXIOMS = (
 
 @contextmanager
 def assuming(axiom: Axiom, form: Form) -> Iterator[None]:
-    """Put another form in an axiom's place, for a trial; everything is derived again."""
+    """Put another form in an axiom's place, for a trial; what rests on it is derived again."""
     usual, axiom.form = axiom.form, form
-    trace.forget()
+    trace.forget("axiom", axiom.tag)
     try:
         yield
     finally:
         axiom.form = usual
-        trace.forget()
+        trace.forget("axiom", axiom.tag)
 
 
 def _euler_checks(form: sp.Expr) -> list[sp.Expr]:
@@ -165,7 +165,7 @@ EQUATIONS = (
     Equation(
         tag=CLOSURE.tag,
         what="stationary translation: what is zero in the mean landing",
-        symbol="0",
+        symbol="(0, 0, 0)",
         printed=sp.Matrix([omega, after_x - c_x, after_z + c_z]),
         derive=lambda: CLOSURE({}),
         verdict="assumed",

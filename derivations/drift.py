@@ -4,7 +4,7 @@ import sympy as sp
 
 from . import second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
-from .bodies import THIN, cylinder_gyration, flat_contact
+from .bodies import THIN, cylinder_gyration, flat_contact, flat_tilt
 from .proof import Equation
 from .symbols import (
     V_0,
@@ -51,8 +51,8 @@ def landing(case: str) -> tuple[sp.Expr, sp.Expr]:
 def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
     """(c_x', c_z') of stationary translation: c_x' = c_x, c_z' = -c_z, omega = 0."""
     _, along, across = CLOSURE(dict(zip((after_x, after_z), landing(case), strict=True)))
-    solution = solve([along, across], [c_x, c_z], dict=True)[0]
-    return sp.factor(solution[c_x]), sp.factor(-solution[c_z])
+    before_x, before_z = solve([along, across], [c_x, c_z])
+    return sp.factor(before_x), sp.factor(-before_z)
 
 
 @derived
@@ -63,7 +63,7 @@ def landing_velocity(case: str) -> sp.Expr:
 
 @derived
 def relaxation(case: str) -> sp.Expr:
-    """d c_x'/d c_x: what one landing leaves of a deviation from the stationary drift."""
+    """What one landing leaves of a deviation from the stationary drift, d c_x'/d c_x."""
     return sp.factor(landing(case)[0].diff(c_x))
 
 
@@ -82,7 +82,7 @@ def plate_velocity() -> sp.Expr:
 
 @derived
 def onset_velocity() -> sp.Expr:
-    """Leading V_z/V_0 at the first landing of a perfectly inelastic rod, eta = sqrt(Gamma - 1).
+    """Leading V_z/V_0 at the first landing of a perfectly inelastic rod, eta^2 = Gamma - 1.
 
     The rod leaves where Gamma sin(theta) = 1 and lands where height and plate meet again; close
     to Gamma = 1 both happen near theta = pi/2, where sin is a parabola.
@@ -92,7 +92,11 @@ def onset_velocity() -> sp.Expr:
     falling = eta**2 - x**2 / 2  # Gamma sin(theta) - 1: plate acceleration over gravity
     speed = sp.integrate(falling, (x, start, x))
     gap = sp.expand(sp.integrate(speed, (x, start, y)))
-    landings = [root for root in sp.solve(gap, y) if sp.simplify(root - start) != 0]
+    landings = [
+        root
+        for root in solve(gap, y, r"$y = \theta - \pi/2$ at the landing")
+        if sp.simplify(root - start) != 0
+    ]
     return -landings[0]  # cos(pi/2 + x) = -x
 
 
@@ -113,8 +117,8 @@ def _exponent(form: sp.Expr) -> sp.Expr:
 
 
 def _landed(value: sp.Expr) -> list[sp.Expr]:
-    """Residuals of the closure, in both regimes, if c_z has that value."""
-    return [r for case in CASES for r in second_routes.landing_residuals(case, c_z, value)]
+    """What c_z before the landing, from whole impacts, differs by from a value."""
+    return [second_routes.landing(case)[1] - value for case in CASES]
 
 
 def _left_of_a_deviation(form: sp.Matrix) -> list[sp.Expr]:
@@ -137,10 +141,10 @@ def _balance_of_impulses(form: sp.Expr) -> list[sp.Expr]:
 
 
 def _flat_landing(form: sp.Expr) -> list[sp.Expr]:
-    """Residuals of the closure if c_x has that value, on the edge at (-d/2, l/2)."""
-    (residual,) = second_routes.landing_residuals("stick", c_x, form)
+    """c_x of a landing on the edge at (-d/2, l/2), from whole impacts."""
     gyration = sp.sqrt(length**2 / 12 + diameter**2 / 16)
-    return [residual.subs({X: -diameter / 2, Z: length / 2, k: gyration})]
+    edge = {X: -diameter / 2, Z: length / 2, k: gyration}
+    return [second_routes.landing("stick")[0].subs(edge) - form]
 
 
 def _onset_flight(form: sp.Expr) -> list[sp.Expr]:
@@ -287,7 +291,7 @@ EQUATIONS = (
         derive=lambda: _exponent(V_0 * (Gamma - 1)),
         verdict="assumed",
         note="an expectation for many rods, not derived; a single perfectly inelastic rod has "
-        "another exponent, see the next row but one",
+        "another exponent, see the next entry",
     ),
     Equation(
         tag="V: exponent at onset",
@@ -307,7 +311,7 @@ EQUATIONS = (
         check=_onset_flight,
         verdict="new",
         note="negative, and a square root, not a line: a landing on the falling plate, which the "
-        "closure below cannot turn into a drift",
+        "closure cannot turn into a drift",
     ),
     Equation(
         tag="V: landing",
@@ -366,7 +370,7 @@ EQUATIONS = (
         tag="V: flat end",
         what="tilt below which a flat-ended rod drifts against its tilt",
         symbol="\\phi_{flat}",
-        derive=lambda: sp.solve(flat_contact()[0], phi)[0],
+        derive=flat_tilt,
         shown=sp.atan(diameter / length),
         check=lambda form: (flat_contact()[1].diff(phi).subs(phi, form),),  # highest there
         verdict="new",

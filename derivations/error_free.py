@@ -26,7 +26,7 @@ def _exact(whole: str, parts: str, true: np.ndarray, found: dict[str, Short]) ->
 
 
 def _halves_are_exact(routine: Routine) -> bool:
-    """Whether the parts of a number add up to it, and products of two such parts are exact."""
+    """Whether all numbers of seven binary digits are the sum of such parts, of few digits each."""
     a, _ = _short_pairs()
     found = routine.run("short", {"a": a})
     parts = (np.frexp(found[part].value)[0] for part in ("high", "rest"))
@@ -35,14 +35,14 @@ def _halves_are_exact(routine: Routine) -> bool:
 
 
 def _sum_is_exact(routine: Routine) -> bool:
-    """Whether a rounded sum and its error are the sum, in both orders of size."""
+    """Whether this holds for all pairs of numbers of seven binary digits, in either order."""
     a, b = _short_pairs()
     both = (routine.run("short", {"a": x, "b": y}) for x, y in ((a, b), (b, a)))
     return all(_exact("s", "error", a.value + b.value, found) for found in both)
 
 
 def _product_is_exact(routine: Routine) -> bool:
-    """Whether a rounded product and its error are the product."""
+    """Whether this holds for all pairs of numbers of seven binary digits."""
     a, b = _short_pairs()
     split = (_SPLIT.run("short", {"a": x}) for x in (a, b))
     first, second = ((part["a"], part["high"], part["rest"]) for part in split)

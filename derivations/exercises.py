@@ -1,4 +1,4 @@
-"""Exercises of the report; each answer is computed from the derived equations."""
+"""Exercises of the report: questions from lecture.toml, answers computed from the equations."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,9 +7,11 @@ import sympy as sp
 
 from .bodies import THIN
 from .laws import a_1, a_2
+from .lecture import QUESTIONS
 from .lookup import equation
 from .newton import approach
 from .symbols import P_1, V_z, c_x, c_z, diameter, epsilon, length, m, mu, omega, phi, u_0, v_0
+from .typeset import latex
 
 Values = dict[sp.Symbol, sp.Expr]
 
@@ -46,16 +48,13 @@ def _between() -> str:
 def _largest() -> str:
     friction = equation("IV: no reversal above 3/5")
     tangent = equation("23: both roots")[0].subs(mu, friction)
-    return (
-        rf"Both roots are real up to $\mu = {friction}$, where they meet at $\tan\phi = "
-        rf"{tangent}$, "
-        f"{_degrees(tangent)} degrees."
-    )
+    where = rf"$\tan\phi = {tangent}$, {_degrees(tangent)} degrees"
+    return rf"Both roots are real up to $\mu = {friction}$, where they meet at {where}."
 
 
 def _product() -> str:
     low, high = equation("23: both roots")
-    return rf"${sp.simplify(low * high)}$, and their sum is ${sp.latex(sp.simplify(low + high))}$."
+    return f"It is ${sp.simplify(low * high)}$; their sum is ${latex(sp.simplify(low + high))}$."
 
 
 def _contact() -> str:
@@ -75,11 +74,9 @@ def _one_impact() -> str:
     left = _thin("14", 20).subs(start).subs(at)
     condition = _thin("16", 20).subs(at)
     after = [_thin(tag, 20).subs(at) for tag in ("18", "19")]
-    return (
-        f"$u_* = {_number(left)}$, so the slip stops, and (16) "
-        f"{'holds' if condition else 'fails'}: "
-        f"slip-stick. $c_x' = {_number(after[0])}$, $c_z' = {_number(after[1])}$."
-    )
+    regime = "holds: slip-stick" if condition else "fails: slip reversal"
+    velocities = f"$c_x' = {_number(after[0])}$, $c_z' = {_number(after[1])}$"
+    return f"$u_* = {_number(left)}$, so the slip stops, and (16) {regime}. {velocities}."
 
 
 def _best() -> str:
@@ -117,53 +114,16 @@ def _flat() -> str:
     return f"Below {_number(sp.deg(tilt))} degrees."
 
 
-EXERCISES = (
-    Exercise(
-        r"A thin rod slides with $\mu = 0.3$. At which tilts does its contact point slip back?",
-        _between,
-    ),
-    Exercise(
-        r"Above which friction does a thin rod never slip back, and which tilt is the last to do "
-        r"so?",
-        _largest,
-    ),
-    Exercise(
-        "Show that the product of the tangents of the two critical tilts does not depend on "
-        "friction. "
-        "What is it?",
-        _product,
-    ),
-    Exercise(
-        "A spherocylinder of length $l = 8 d$ leans by 20 degrees. Compute $X$, $Z$ and $k^2$, "
-        "and the "
-        "friction below which its contact point slips back.",
-        _contact,
-    ),
-    Exercise(
-        r"A thin rod at 20 degrees lands on a plate at rest with $c_x = 1$, $c_z = -2$, $\omega "
-        r"= 0$, "
-        r"$\mu = 0.3$, $\epsilon = 0.65$. Which regime is it, and how does the rod leave?",
-        _one_impact,
-    ),
-    Exercise(
-        r"Thin rod, $\mu = 0.3$, $\epsilon = 0.5$, 12 degrees, $u_0 = 1.1$, $v_0 = -1$, as in "
-        r"the drawing "
-        "of slip-stick: compare $v_f$ under the three laws.",
-        _laws,
-    ),
-    Exercise(
-        "Above which restitution can Newton's law create energy in slip-stick of a thin rod at "
-        "45 degrees?",
-        _gain,
-    ),
-    Exercise(
-        "From which friction, and at which tilt, can a thin rod be thrown up by friction alone?",
-        _pressed,
-    ),
-    Exercise(
-        r"At which tilt does a thin rod with $\epsilon = 0.65$ drift fastest in slip-stick?", _best
-    ),
-    Exercise(
-        "A flat-ended rod has $l = 8 d$. Below which tilt does it drift against its tilt?", _flat
-    ),
+_ANSWERS = (
+    _between,
+    _largest,
+    _product,
+    _contact,
+    _one_impact,
+    _laws,
+    _gain,
+    _pressed,
+    _best,
+    _flat,
 )
+EXERCISES = tuple(Exercise(QUESTIONS[of.__name__.strip("_")], of) for of in _ANSWERS)

@@ -96,7 +96,7 @@ _REGIME = sp.Piecewise((0, sp.Not(_hits)), (1, _slides), (2, _sticks), (3, True)
 
 
 def _one_history(routine: Routine) -> bool:
-    """Whether just one history of each impact obeys all laws: that which the branch rule names.
+    """Whether just one history of each impact obeys all laws, that which the branch rule names.
 
     A slide that ends before the slip does; a slip that stops, and sticks within the cone of
     friction; or one that stops and then slips back, driven by more than friction can hold.

@@ -12,7 +12,7 @@ from .bodies import THIN
 from .drift import stationary
 from .proof import DIGITS, Equation
 from .symbols import V_z, epsilon, phi, theta
-from .trace import derived
+from .trace import derived, solve
 
 q = sp.Symbol("q", positive=True)  # |c_z|/V_0
 theta_0 = sp.Symbol("theta_0", positive=True)  # arccos(-q)
@@ -21,7 +21,10 @@ bounce = sp.Symbol("b", positive=True)  # c_z'/V_z by the closure
 
 @derived
 def flux(closed: bool) -> tuple[sp.Expr, sp.Expr]:
-    """Total flux over a period, in V_0, and alpha = V_z/V_0; `closed`: the plate runs away."""
+    """Total flux over a period, in V_0, and alpha = V_z/V_0.
+
+    `closed` where the plate runs away from the rod in a part of the period.
+    """
     end = theta_0 if closed else sp.pi
     speed = (-sp.cos(theta_0) if closed else q) + sp.cos(theta)
     total = sp.integrate(speed, (theta, -end, end))
@@ -36,20 +39,20 @@ def density() -> sp.Expr:
 
 @derived
 def consistent_alpha() -> tuple[sp.Expr, sp.Expr]:
-    """alpha with q = c_z'/V_0 = b alpha, q >= 1; and the b at which q = 1 and alpha = 1/2."""
+    """alpha with q = b alpha, q >= 1; and the least b for which that holds."""
     fitting = sp.Symbol("alpha", positive=True)
-    (alpha,) = sp.solve(flux(False)[1].subs(q, bounce * fitting) - fitting, fitting)
-    (least,) = sp.solve(bounce * alpha - 1, bounce)
+    (alpha,) = solve(flux(False)[1].subs(q, bounce * fitting) - fitting, fitting)
+    (least,) = solve(bounce * alpha - 1, bounce)
     return alpha, least
 
 
 @derived
 def tilt_of_one_half() -> sp.Expr:
     """sin^2 of the tilt at which a thin rod lands with V_z = V_0/2 by the closure."""
-    square = sp.Symbol("S", positive=True)
+    square = sp.Symbol(r"{\sin^2\phi}", positive=True)
     up = (stationary("stick")[1] / V_z).subs(THIN)
     up = sp.simplify(up).subs(sp.cos(phi) ** 2, 1 - square).subs(sp.sin(phi) ** 2, square)
-    (value,) = sp.solve(sp.simplify(up) - consistent_alpha()[1], square)
+    (value,) = solve(sp.simplify(up) - consistent_alpha()[1], square)
     return sp.factor(value)
 
 

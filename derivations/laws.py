@@ -59,7 +59,7 @@ def mobility() -> dict[sp.Symbol, sp.Expr]:
 
 @derived
 def slopes() -> dict[str, sp.Expr]:
-    """dv/dP_z, per unit mass, while slipping forward, sticking, and slipping back."""
+    """Slope m dv/dP_z while slipping forward, sticking and slipping back."""
     p = sp.Symbol("p", positive=True)
     rates = {
         "slip": contact_change(-mu * p, p)[1],
@@ -142,7 +142,7 @@ def energy_threshold(regime: str) -> sp.Expr:
     """
     quadratic = sp.Poly(sp.numer(energy_change(regime)).subs(v_0, -1), u_0)
     gain = quadratic.discriminant().subs(epsilon, (1 - kappa) / (1 + kappa))
-    roots = sp.solve(sp.numer(sp.together(gain)), kappa)
+    roots = solve(sp.numer(sp.together(gain)), kappa, r"$\kappa = (1 - \epsilon)/(1 + \epsilon)$")
     point = {A: 3, B: sp.Rational(3, 2), C: 2, mu: sp.Rational(1, 5)}
     inside = [r for r in roots if 0 < r.subs(point).evalf() < 1]
     return sp.simplify(inside[0])
@@ -152,7 +152,7 @@ def energy_threshold(regime: str) -> sp.Expr:
 def sticking_threshold() -> sp.Expr:
     """epsilon_c of slip-stick: the same threshold, solved for epsilon."""
     quadratic = sp.Poly(sp.numer(energy_change("stick")).subs(v_0, -1), u_0)
-    roots = sp.solve(quadratic.discriminant(), epsilon)
+    roots = solve(quadratic.discriminant(), epsilon)
     return max(roots, key=lambda root: root.subs({A: 3, B: 1, C: 2}).evalf())
 
 
@@ -261,8 +261,8 @@ _mixed = (1 + epsilon) * (A + mu * B) * (B - mu * C) + 2 * B * _back
 EQUATIONS = (
     Equation(
         tag="laws: slopes",
-        what="$dv/dP_z$ per unit mass: slipping forward, sticking, slipping back",
-        symbol="(m\\,dv_{slip}/dP_z, m\\,dv_{stick}/dP_z, m\\,dv_{back}/dP_z)",
+        what="$m\\,dv/dP_z$ while slipping forward, sticking and slipping back",
+        symbol="(a_{slip}, a_{stick}, a_{back})",
         derive=lambda: sp.Matrix([slopes()[name] for name in ("slip", "stick", "back")]),
         check=_slopes_by_spin,
         verdict="new",
@@ -328,7 +328,7 @@ EQUATIONS = (
     ),
     Equation(
         tag="laws: impact without collision",
-        what=r"$v_f$ as $v_0 \to 0-$ in the Painleve region, $a = -a_1$: Newton, Poisson, Stronge",
+        what=r"$v_f$ as $v_0 \to 0-$ in the Painlevé region, $a = -a_1$: Newton, Poisson, Stronge",
         symbol="(v_{f, Newton}, v_{f, Poisson}, v_{f, Stronge})",
         derive=lambda: sp.Matrix(limits()),
         check=_thrown_up,

@@ -1,4 +1,4 @@
-"""The report's connecting text, from lecture.toml: of each section, and the references."""
+"""The report's connecting text, from lecture.toml: of each section, references, exercises."""
 
 import tomllib
 from importlib import resources
@@ -25,3 +25,4 @@ PARTS = {
     for title, part in _FOUND["parts"].items()
 }
 REFERENCES = tuple(_FOUND["references"])
+QUESTIONS = dict(_FOUND["exercises"])

@@ -4,6 +4,7 @@ Dimensions are monomials in mass M, length L and time T; 1 is a number. A letter
 has two lines.
 """
 
+import re
 from typing import NamedTuple
 
 import sympy as sp
@@ -42,7 +43,7 @@ cprime_x | the same, after the impact | L/T
 cprime_z | the same, after the impact | L/T
 d | diameter of the rod | L
 epsilon | coefficient of restitution, from 0 to 1 | 1
-eta | $\\sqrt{\\Gamma - 1}$, the plate's acceleration beyond that of gravity | 1
+eta | $\\sqrt{\\Gamma - 1}$ | 1
 F_x | force of the plate on the rod along the plate: friction | M L/T^2
 F_z | normal force of the plate on the rod | M L/T^2
 g | acceleration of gravity | L/T^2
@@ -68,7 +69,7 @@ omega | spin, positive where the top turns towards $+x$ | 1/T
 omega_x | a misprint in (13), for $\\omega X$ | L/T
 P | one component of the impulse | M L/T
 P_1 | normal impulse when the slip stops (per unit mass in the section on the laws) | M L/T
-P_2 | normal impulse from there on | M L/T
+P_2 | normal impulse after that | M L/T
 P_x | tangential impulse of the plate on the rod | M L/T
 P_z | normal impulse of the plate on the rod | M L/T
 phi | tilt of the rod from the vertical | 1
@@ -108,6 +109,6 @@ zeta | place of a point in the body, upwards | L
 LETTERS = tuple(
     sorted(
         (Letter(*line.split(" | ")) for line in _TABLE.strip().splitlines()),
-        key=lambda letter: (letter.tex.replace(r"\dot ", "").strip("\\").lower(), letter.tex),
+        key=lambda letter: (re.sub(r"\\dot |[\\{}]", "", letter.tex).lower(), letter.tex),
     )
 )

@@ -64,7 +64,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="Contact-point velocity $(u_0, v_0)$ before the impact, Eq. (3).",
         detail=r"$c$, $V_z$ in m/s, $\omega$ in 1/s, $X$, $Z$ in m.",
         arguments=(c_x, c_z, omega, V_z, X, Z),
-        outputs=dict(approach()),
+        derived=lambda: dict(approach()),
         rules=(
             recast(
                 "plate first",
@@ -80,7 +80,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="$(N, T)$: $k^2$ times $dv/dP_z$ and $-du/dP_z$ in forward slip, Eqs. (5), (6).",
         detail=r"Lengths in m; $N$, $T$ in $\mathrm{m}^2$. Backward slip: the same with $-\mu$.",
         arguments=(X, Z, k, mu),
-        outputs={N: RESPONSES[N], T: RESPONSES[T]},
+        derived=lambda: {N: RESPONSES[N], T: RESPONSES[T]},
         rules=(collect_friction(),),
     ),
     Function(
@@ -88,7 +88,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="Impulse over $k^2$ and slip velocity left after a slide, Eqs. (8), (14).",
         detail=r"Per unit mass; $gain = -(1 + \epsilon) v_0$. Needs $N > 0$ and $u_f \ge 0$.",
         arguments=(_gain, u_0, N, T),
-        outputs={
+        derived=lambda: {
             _j_1: slide_impulse()[1].subs(_one) / k**2,
             _u_f: slide_excess().subs(_one),
         },
@@ -108,7 +108,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="Impulse over $k^2$ when the slip stops, and $v_1 - v_0$ there, Eqs. (B1), (15).",
         detail="Per unit mass. Needs $T > 0$.",
         arguments=(u_0, N, T),
-        outputs={_j_1: stop()[1].subs(_one) / k**2, _rise: stop()[2] - v_0},
+        derived=lambda: {_j_1: stop()[1].subs(_one) / k**2, _rise: stop()[2] - v_0},
         rules=(recast("shared quotient", "no $k^2$ in a denominator", j_1=u_0 / T, rise=N * _j_1),),
         meaning=RESPONSES,
     ),
@@ -118,7 +118,7 @@ FUNCTIONS: tuple[Function, ...] = (
         detail="Per unit mass, after the stop; $rest = v_f - v_1$. Needs $T_{back} > 0$, and so "
         "$N_{back} > 0$.",
         arguments=(_rest, N_back, T_back),
-        outputs={
+        derived=lambda: {
             _j_2: (_until(v_f, slip_reversal.impulse())[1] - stop()[1]).subs(_one) / k**2,
             _u_f: _until(v_f, (slip_reversal.final_slip(),))[0].subs(_one),
         },
@@ -138,7 +138,7 @@ FUNCTIONS: tuple[Function, ...] = (
         detail="$(-push, lift, turn)$ forward, $(push, lift, back)$ backward, per unit mass; $j$ "
         "is the normal impulse over $k^2$.",
         arguments=(X, Z, k, mu),
-        outputs={
+        derived=lambda: {
             _push: mu * k**2,
             _lift: k**2,
             _turn: spin_jump(-mu * k**2, k**2).subs(_one),
@@ -162,7 +162,7 @@ FUNCTIONS: tuple[Function, ...] = (
         detail="$(push, lift, turn)$ per unit mass; $j = (v_f - v_1)/(k^2 + X^2 + Z^2)$. "
         "$K_z = k^2 + Z^2$.",
         arguments=(X, Z, K_z),
-        outputs={
+        derived=lambda: {
             _push: sticking_force().subs(F_z, SQUARES[K_z]),
             _lift: SQUARES[K_z],
             _turn: spin_jump(sticking_force().subs(F_z, SQUARES[K_z]), SQUARES[K_z]).subs(_one),
@@ -179,7 +179,7 @@ FUNCTIONS: tuple[Function, ...] = (
         detail=r"Lengths in m, $N_{stick}$ in $\mathrm{m}^2$. $K = k^2 + X^2 + Z^2$, "
         "$K_z = k^2 + Z^2$.",
         arguments=(k, K, K_z),
-        outputs={_N_stick: k**2 * laws.slopes()["stick"]},
+        derived=lambda: {_N_stick: k**2 * laws.slopes()["stick"]},
         rules=(
             recast(
                 "divide first",
@@ -196,7 +196,7 @@ FUNCTIONS: tuple[Function, ...] = (
         "the stop.",
         detail="$w$ in m/s; $j_1 = P_1/k^2$. $r$ only where $N > 0$.",
         arguments=(_j_1, N, _N_after),
-        outputs={
+        derived=lambda: {
             w: laws.a_2 * stop()[1].subs(_one),
             r: laws.a_2 / laws.slopes()["slip"],
         },
@@ -215,7 +215,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="$v_f$ under Poisson's restitution; the slip stopped before compression ended.",
         detail=r"$v_1 \le 0$, $w \ge 0$.",
         arguments=(epsilon, v_1, w),
-        outputs={v_f: laws.final_velocity("poisson", "early")},
+        derived=lambda: {v_f: laws.final_velocity("poisson", "early")},
         rules=(recast("name $v_1$", "a sum of positive terms", v_f=epsilon * (w - v_1)),),
         meaning=GENERAL,
     ),
@@ -224,7 +224,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="$v_f$ under Poisson's restitution; the slip stopped after compression ended.",
         detail=r"$0 \le v_1 \le -\epsilon v_0$, $r > 0$.",
         arguments=(epsilon, v_0, v_1, r),
-        outputs={v_f: laws.final_velocity("poisson", "late")},
+        derived=lambda: {v_f: laws.final_velocity("poisson", "late")},
         rules=(
             recast(
                 "name $v_1$", "what is left to gain, stretched", v_f=v_1 - r * (v_1 + epsilon * v_0)
@@ -237,7 +237,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="$v_f^2$ under Stronge's restitution; the slip stopped before compression ended.",
         detail=r"$v_0 < 0$, $v_1 \le 0$, $w \ge 0$.",
         arguments=(epsilon, v_0, v_1, w),
-        outputs={_square: laws.final_velocity("stronge", "early") ** 2},
+        derived=lambda: {_square: laws.final_velocity("stronge", "early") ** 2},
         rules=(
             recast(
                 "sum of positive terms",
@@ -252,7 +252,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="$v_f^2$ under Stronge's restitution; the slip stopped after compression ended.",
         detail=r"$0 \le v_1 \le -\epsilon v_0$, $r > 0$.",
         arguments=(epsilon, v_0, v_1, r),
-        outputs={_square: laws.final_velocity("stronge", "late") ** 2},
+        derived=lambda: {_square: laws.final_velocity("stronge", "late") ** 2},
         rules=(
             recast(
                 "sum of positive terms",
@@ -267,7 +267,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="Kinetic energy after minus before, in the frame of the plate.",
         detail="Per unit mass: impulse times mean contact velocity.",
         arguments=(P_x, P_z, u_0, v_0, _u_f, v_f),
-        outputs={_energy: P_x * (u_0 + _u_f) / 2 + P_z * (v_0 + v_f) / 2},
+        derived=lambda: {_energy: P_x * (u_0 + _u_f) / 2 + P_z * (v_0 + v_f) / 2},
         rules=(
             recast(
                 "half last",

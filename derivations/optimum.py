@@ -8,7 +8,7 @@ slip-stick, the one of slip reversal, or the critical tilt between them (the cor
 import sympy as sp
 
 from . import second_routes
-from .bodies import T, over_tangent
+from .bodies import TANGENT, T, over_tangent
 from .drift import CASES, landing, landing_velocity, stationary
 from .laws import slopes
 from .proof import Equation
@@ -28,7 +28,7 @@ def drift_over_tangent(case: str) -> sp.Expr:
 def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
     """Tangent of the tilt of the largest drift in one regime, and that drift over V_z."""
     drift = drift_over_tangent(case)
-    roots = solve(sp.numer(sp.together(drift.diff(T))), T)
+    roots = solve(sp.numer(sp.together(drift.diff(T))), T, TANGENT)
     at = {mu: sp.Rational(3, 10), epsilon: sp.Rational(1, 2)}
     (best,) = (root for root in roots if root.subs(at).evalf() > 0)
     return best, drift.subs(T, best)
@@ -37,7 +37,7 @@ def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
 @derived
 def corner_frictions() -> tuple[sp.Expr, sp.Expr]:
     """Friction at which the lower critical tilt is the best one of slip reversal, of slip-stick."""
-    square = sp.Symbol("S", positive=True)  # T^2
+    square = sp.Symbol("T^2", positive=True)
     friction = over_tangent(critical_friction())
     ends = []
     for case in ("back", "stick"):
@@ -46,7 +46,7 @@ def corner_frictions() -> tuple[sp.Expr, sp.Expr]:
         at = {epsilon: sp.Rational(1, 2)}
         (best,) = (
             root
-            for root in sp.solve(even, square)
+            for root in solve(even, square)
             if root.subs(at).is_real and root.subs(at).evalf() > 0
         )
         ends.append(friction.subs(T, sp.sqrt(best)))
@@ -63,7 +63,8 @@ def jacobian(case: str) -> sp.Matrix:
 @derived
 def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """1 - tr + det, 1 + tr + det and 1 - det of the landing map: stable where all are positive."""
-    trace, determinant = jacobian(case).trace(), jacobian(case).det()
+    a, b, c, d = jacobian(case)
+    trace, determinant = a + d, a * d - b * c
     margins = 1 - trace + determinant, 1 + trace + determinant, 1 - determinant
     return tuple(sp.factor(margin) for margin in margins)
 
@@ -86,15 +87,14 @@ def painleve_friction() -> sp.Expr:
 def least_painleve_friction() -> tuple[sp.Expr, sp.Expr]:
     """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
     friction = over_tangent(painleve_friction())
-    (best,) = solve(friction.diff(T), T)
+    (best,) = solve(friction.diff(T), T, TANGENT)
     return best, friction.subs(T, best)
 
 
 def _closure(case: str, along: sp.Expr) -> sp.Expr:
-    """Residual of the closure for a drift, in T, on a plate of velocity 1; lengths over Z."""
+    """What a drift differs by from that of whole impacts, in T; plate velocity and Z are one."""
     lengths = {X: T, Z: 1, k: sp.sqrt((1 + T**2) / 3), V_z: 1}
-    (residual,) = second_routes.landing_residuals(case, c_x, along)
-    return sp.numer(sp.cancel(residual.subs(lengths)))
+    return sp.numer(sp.cancel(second_routes.landing(case)[0].subs(lengths) - along))
 
 
 def _is_largest(case: str, form: sp.Matrix) -> list[sp.Expr]:
@@ -125,7 +125,8 @@ def _margins(form: sp.Matrix) -> list[sp.Expr]:
     x = sp.Symbol("x")
     checks = []
     for case, start in zip(CASES, (0, 3), strict=True):
-        polynomial = (x * sp.eye(2) - _response(case)).det()
+        a, b, c, d = _response(case)
+        polynomial = (x - a) * (x - d) - b * c
         wanted = polynomial.subs(x, 1), polynomial.subs(x, -1), 1 - polynomial.subs(x, 0)
         checks += [a - b for a, b in zip(wanted, form[start : start + 3], strict=True)]
     return checks
@@ -208,13 +209,8 @@ EQUATIONS = (
         tag="V: stability",
         what="stability of the stationary landing: $1 - tr + det$, $1 + tr + det$, $1 - det$ of "
         "the landing map $(c_x, c_z) \\to (c_x', -c_z')$ in slip-stick, then in slip reversal",
-        symbol="({})".format(
-            ", ".join(
-                rf"{margin}_{{{case}}}"
-                for case in ("stick", "back")
-                for margin in ("[1 - tr + det]", "[1 + tr + det]", "[1 - det]")
-            )
-        ),
+        symbol="([1 - tr + det]_{stick}, [1 + tr + det]_{stick}, [1 - det]_{stick}, "
+        "[1 - tr + det]_{back}, [1 + tr + det]_{back}, [1 - det]_{back})",
         derive=lambda: sp.Matrix([part for case in CASES for part in stability_margins(case)]),
         shown=sp.Matrix(
             [

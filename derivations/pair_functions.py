@@ -35,7 +35,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="Mobilities $A$, $B$, $C$ of two bodies at their contact, and $D = A C - B^2$.",
         detail="$s$ inverse masses, $x = X/k$, $z = Z/k$; $A$, $B$, $C$ in the unit of $s$.",
         arguments=(_s_1, _x_1, _z_1, _s_2, _x_2, _z_2),
-        outputs={
+        derived=lambda: {
             letter: _of_levers(form)
             for letter, form in {**pairs.mobility(), _D: pairs.determinant()}.items()
         },
@@ -60,7 +60,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary=r"Change of $c_x$, $c_z$ and $k \omega$ of a body under an impulse at its contact.",
         detail="$s$ inverse mass, $x = X/k$, $z = Z/k$.",
         arguments=(_s, _x, _z, P_x, P_z),
-        outputs={
+        derived=lambda: {
             sp.Symbol("dc_x"): _of_levers(velocity_change(P_x)),
             sp.Symbol("dc_z"): _of_levers(velocity_change(P_z)),
             _turn: _of_levers(k * spin_jump(P_x, P_z)),

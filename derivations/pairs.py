@@ -16,7 +16,7 @@ from .laws import A, B, C
 from .newton import contact_change
 from .proof import Equation
 from .symbols import P_x, P_z, X, Z, c_x, c_z, k, m, mu, omega, u_0, u_f, v_0, v_f
-from .trace import derived
+from .trace import derived, solve
 
 # The letters of a rod, and what stands for them in each body.
 FIRST, SECOND = (
@@ -53,9 +53,9 @@ def determinant() -> sp.Expr:
 def equivalent_rod() -> sp.Matrix:
     """m, X/k and Z/k of the rod that has the mobilities A, B, C on a plate."""
     rod = {letter: _light * form - letter for letter, form in laws.mobility().items()}
-    x = max(sp.solve(rod[A], X), key=lambda root: root.subs({A: 2, _light: 1, k: 1}))
-    (z,) = sp.solve(rod[B].subs(X, x), Z)
-    roots = sp.solve(sp.numer(sp.cancel(rod[C].subs(Z, z))), _light)
+    x = max(solve(rod[A], X), key=lambda root: root.subs({A: 2, _light: 1, k: 1}))
+    (z,) = solve(rod[B].subs(X, x), Z)
+    roots = solve(sp.numer(sp.cancel(rod[C].subs(Z, z))), _light, r"$\lambda = 1/m$")
     light = min(roots, key=lambda root: root.subs({A: 3, B: 1, C: 2}).evalf())
     return sp.Matrix([1 / light, *((length / k).subs(_light, light) for length in (x, z))])
 

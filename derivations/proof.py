@@ -16,10 +16,12 @@ import random
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from math import prod
 from typing import Literal, TypeAlias
 
 import mpmath
 import sympy as sp
+from sympy.polys.rings import PolyRing
 
 from . import symbols as s
 from . import trace
@@ -64,6 +66,7 @@ class Proof:
 
     ok: bool  # whether the verdict stood
     evidence: str  # in words
+    computed: bool = True  # whether nothing stopped the computation
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +129,7 @@ class Equation:
                 return second  # of a new result it is the whole proof
             return _PROOFS[self.verdict](self)
         except Exception as error:  # whatever stops a computation, the verdict has no proof
-            return Proof(ok=False, evidence=f"{type(error).__name__}: {error}")
+            return Proof(ok=False, evidence=f"{type(error).__name__}: {error}", computed=False)
 
     def _second_route(self, check: Callable[[Form], Iterable[sp.Expr]]) -> Proof:
         residuals = [sp.sympify(r) for r in check(self.derive())]
@@ -139,7 +142,7 @@ class Equation:
     @property
     def rests_on(self) -> tuple[str, ...]:
         """Tags of the axioms that the derivation used, sorted."""
-        return tuple(sorted(trace.axioms(self.steps) - {self.tag}))
+        return tuple(sorted(trace.names(self.steps, "axiom") - {self.tag}))
 
     @property
     def steps(self) -> tuple[trace.Step, ...]:
@@ -188,14 +191,15 @@ def vanishes(expr: sp.Expr) -> bool:
     expr = expr.doit()
     if not equal_at_random_points(expr, sp.S.Zero, points=1):
         return False  # the quick way out
-    half = sp.Symbol("tau", positive=True)
-    rational = sp.expand_trig(expr).subs(
-        {
-            sp.sin(s.phi): 2 * half / (1 + half**2),
-            sp.cos(s.phi): (1 - half**2) / (1 + half**2),
-        }
-    )
-    return sp.cancel(sp.together(rational)) == 0
+    if expr.has(s.phi):
+        half = sp.Symbol("tau", positive=True)
+        sine, cosine = 2 * half / (1 + half**2), (1 - half**2) / (1 + half**2)
+        expr = sp.expand_trig(expr).subs({sp.sin(s.phi): sine, sp.cos(s.phi): cosine})
+    top = sp.numer(sp.together(expr))
+    try:
+        return not PolyRing(sorted(top.free_symbols, key=str), sp.QQ).from_expr(top)
+    except ValueError:  # it has roots, or pi
+        return sp.expand(top) == 0
 
 
 def is_zero(expr: sp.Expr) -> bool:
@@ -204,7 +208,7 @@ def is_zero(expr: sp.Expr) -> bool:
     rational = expr.atoms(sp.Function) <= trigonometric and all(
         power.exp.is_Integer for power in expr.atoms(sp.Pow)
     )
-    return equal_at_random_points(expr, sp.S.Zero) and (not rational or vanishes(expr))
+    return vanishes(expr) if rational else equal_at_random_points(expr, sp.S.Zero)
 
 
 def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rational]:
@@ -219,14 +223,33 @@ def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rat
 
 
 @cache
+def _compiled(expr: sp.Expr) -> tuple[list[sp.Symbol], Callable[..., mpmath.mpf]]:
+    letters = sorted(expr.free_symbols, key=str)
+    return letters, sp.lambdify(letters, expr, "mpmath")
+
+
+def _value(expr: sp.Expr, known: dict[sp.Expr, mpmath.mpf]) -> mpmath.mpf:
+    """Value of an expression by those of its letters; `known` gains those of its parts."""
+    if expr not in known:
+        if expr.is_Add or expr.is_Mul or expr.is_Pow:
+            parts = [_value(part, known) for part in expr.args]
+            combine = sum if expr.is_Add else prod
+            known[expr] = mpmath.power(*parts) if expr.is_Pow else combine(parts)
+        else:
+            letters, compiled = _compiled(expr)
+            known[expr] = compiled(*(known[letter] for letter in letters))
+    return known[expr]
+
+
+@cache
 def equal_at_random_points(a: sp.Expr, b: sp.Expr, points: int = POINTS) -> bool:
     """Whether two expressions agree to 40 digits at random rational points."""
-    letters = sorted(a.free_symbols | b.free_symbols, key=str)
-    evaluate = sp.lambdify(letters, (a, b), "mpmath")
+    letters = a.free_symbols | b.free_symbols
     with mpmath.workdps(DIGITS + 20):
         for seed in range(points):
             point = random_point(letters, seed)
-            x, y = evaluate(*(mpmath.mpf(point[x].p) / point[x].q for x in letters))
+            known = {letter: mpmath.mpf(x.p) / x.q for letter, x in point.items()}
+            x, y = _value(a, known), _value(b, known)
             if not abs(x - y) <= mpmath.mpf(10) ** -DIGITS * (1 + abs(y)):  # nan, too
                 return False
     return True

@@ -66,7 +66,7 @@ SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("Two bodies that meet", pairs.EQUATIONS),
     ("One impact as assignments", (*kernel.EQUATIONS, *kernel.ROUTINES)),
     ("Stationary translation", drift.EQUATIONS),
-    ("Best tilt, stability, Painleve's paradox", optimum.EQUATIONS),
+    ("Best tilt, stability, Painlevé's paradox", optimum.EQUATIONS),
     ("Landing phases by the flux of impacts", landing_phases.EQUATIONS),
     ("Short rods, and energy", transport.EQUATIONS),
     ("Appendix A: dimensions", appendix.EQUATIONS),
@@ -88,6 +88,7 @@ class Row:
     proved: bool  # whether the verdict stood
     note: str  # what is right, where the paper is not
     evidence: str  # what the proof found
+    computed: bool  # whether nothing stopped its computation
     contradicted_by: str  # tags of printed equations that give the derived form
     repair: str  # what makes the printed form right
     mistake: str  # or by which the printed value comes out
@@ -122,6 +123,7 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
             Row(
                 proved=proof.ok,
                 evidence=proof.evidence,
+                computed=proof.computed,
                 repair="; ".join(repair.what for repair in entry.repair) if equation else "",
                 mistake=entry.mistake if equation else "",
                 rests_on=entry.rests_on if equation and proof.ok else (),

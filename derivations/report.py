@@ -26,7 +26,7 @@ from .letters import LETTERS
 from .proof import Equation, Form
 from .registry import SECTIONS, Entry, Routine, Row
 from .sentences import to_html, to_latex
-from .steps import Line, lines
+from .steps import Line, lines, with_formulas
 
 Progress = Callable[[Iterable], Iterable]
 
@@ -59,9 +59,12 @@ def anchor(tag: str) -> str:
 
 
 def _named(tag: str) -> str:
-    """(12) for 12, (B3), second line for B3: second line; other tags as they are."""
+    """(12) for 12, (B3), second line for B3: second line; others with their letters as formulas."""
     found = _NUMBERED.fullmatch(tag)
-    return f"({found[1]})" + (f", {found[2]}" if found[2] else "") if found else tag
+    if found:
+        return f"({found[1]})" + (f", {found[2]}" if found[2] else "")
+    section, colon, words = tag.partition(": ")
+    return tag if "Fig" in tag else section + colon + with_formulas(words)
 
 
 def forms(entry: Entry) -> list[tuple[str, Form]]:
@@ -85,7 +88,8 @@ def _program(entry: Entry) -> str:
     if not isinstance(entry, Routine):
         return ""
     head = f"{entry.name}({', '.join(entry.arguments.split())})"
-    return f"{head}:\n{textwrap.dedent(entry.text).strip()}\nreturn {entry.returned}"
+    body = f"{textwrap.dedent(entry.text).strip()}\nreturn {entry.returned}"
+    return f"{head}:\n{textwrap.indent(body, '    ')}"
 
 
 def _parts(symbol: str) -> list[str]:
@@ -173,7 +177,7 @@ _html.filters |= {
     "anchor": anchor,
     "inline": lambda tex: Markup(typeset.mathml(tex)),
     "math": lambda tex: Markup(typeset.mathml(tex, display=True)),
-    "named": _named,
+    "named": lambda tag: _sentence(_named(tag), links=False),
     "sentence": _sentence,
 }
 _html.globals["verdicts"] = VERDICTS

@@ -7,6 +7,7 @@ count; a rule that changed a value raises `RewriteError`.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import sympy as sp
 
@@ -134,7 +135,7 @@ def collect_friction() -> Rule:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Function:
     """One generated function."""
 
@@ -142,11 +143,16 @@ class Function:
     summary: str  # what and which equation
     detail: str  # units, domain
     arguments: tuple[sp.Symbol, ...]
-    outputs: Body
+    derived: Callable[[], Body]  # the outputs
     rules: tuple[Rule, ...]
     meaning: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
     returned: tuple[str, ...] = ()  # if not the outputs
     unused: tuple[str, ...] = ()  # assignments that only the proof needs
+
+    @cached_property
+    def outputs(self) -> Body:
+        """What it gives, as derived."""
+        return self.derived()
 
     def body(self) -> tuple[Body, tuple[Step, ...]]:
         """Rewritten assignments and the history of operation counts."""

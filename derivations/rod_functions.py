@@ -40,7 +40,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="Friction below which a stopped contact slips back, Eqs. (16), (20).",
         detail=r"For $XZ \ge 0$; the sign of $XZ$ is the side to which it slips.",
         arguments=(X, Z, k),
-        outputs={mu: thin_rod.critical_friction()},
+        derived=lambda: {mu: thin_rod.critical_friction()},
         rules=(recast("positive denominator", "no sign to lose", mu=X * Z / (k**2 + Z**2)),),
     ),
     Function(
@@ -49,7 +49,7 @@ FUNCTIONS: tuple[Function, ...] = (
         "(23).",
         detail=r"$root = \sqrt{(3 - 4 \mu)(3 + 4 \mu)}$, $\mu \le 3/4$.",
         arguments=(mu, _root),
-        outputs={
+        derived=lambda: {
             _name("lower"): thin_rod.critical_tangents()[0].subs(sp.sqrt(9 - 16 * mu**2), _root),
             _name("upper"): thin_rod.critical_tangents()[1].subs(sp.sqrt(9 - 16 * mu**2), _root),
         },
@@ -73,7 +73,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="Numerator and denominator of the friction at which $u_* = 0$, Eq. (14).",
         detail=r"$g = (1 + \epsilon)(-c_z/c_x)$, $\omega = 0$, $c_x > 0$.",
         arguments=(X, Z, k, _g),
-        outputs={
+        derived=lambda: {
             _name("quotient"): thin_rod.slide_friction().subs(thin_rod.ratio, _g / (1 + epsilon))
         },
         rules=(
@@ -95,7 +95,7 @@ FUNCTIONS: tuple[Function, ...] = (
         detail="Lengths in units of $k$: $x = |X|/k$, $z = |Z|/k$. The smaller one is the right "
         "one.",
         arguments=(_x, _z, mu),
-        outputs={
+        derived=lambda: {
             _name("stick"): _grip_of("stick"),
             _name("back"): _grip_of("back"),
         },
@@ -114,7 +114,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="Stationary $(c_x, c_z')/V_z$, Eqs. (24)-(30), with the grip of `drift_grips`.",
         detail="Lengths in units of $k$; signs of $XZ$ and $V_z$ are put on afterwards.",
         arguments=(_x, _z, epsilon, _grip),
-        outputs={
+        derived=lambda: {
             _name("along"): _thin(drift.stationary("back")[0] / V_z).subs(
                 mu, _grip * _x / (1 + _z**2)
             ),
@@ -135,7 +135,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary=r"Largest drift of a thin rod in slip-stick: $\tan\phi = a/b$ and $c_x/V_z$.",
         detail=r"$a = \sqrt{1 - \epsilon}$, $b = \sqrt{7 - \epsilon}$.",
         arguments=(epsilon, _root_a, _root_b),
-        outputs={_name("along"): optimum.optimum("stick")[1]},
+        derived=lambda: {_name("along"): optimum.optimum("stick")[1]},
         rules=(
             recast(
                 "name the roots",
@@ -151,7 +151,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary=r"Largest drift of a thin rod in slip reversal: $\tan\phi$ and $c_x/V_z$.",
         detail=r"$root = \sqrt{\mu^2 (9 - \epsilon)^2 + (1 - \epsilon)(7 - \epsilon)}$; $\mu > 0$.",
         arguments=(mu, epsilon, _root),
-        outputs={
+        derived=lambda: {
             _name("tangent"): optimum.optimum("back")[0],
             _name("along"): optimum.optimum("back")[1],
         },
@@ -175,7 +175,9 @@ FUNCTIONS: tuple[Function, ...] = (
         summary=r"Drift (26) of a thin rod over $V_z$, of $\tan\phi$.",
         detail="Infinite at tilt 0 where nothing is lost.",
         arguments=(epsilon, _tangent),
-        outputs={_name("along"): optimum.drift_over_tangent("stick").subs(bodies.T, _tangent)},
+        derived=lambda: {
+            _name("along"): optimum.drift_over_tangent("stick").subs(bodies.T, _tangent)
+        },
         rules=(
             recast(
                 "sum of positive terms",
@@ -195,7 +197,7 @@ FUNCTIONS: tuple[Function, ...] = (
         detail=r"Mobilities $A$, $B$, $C$; $root_a = \sqrt{A}$, $root_c = \sqrt{C}$, "
         r"$root_d = \sqrt{A C - B^2}$.",
         arguments=(_root_a, _root_c, _root_d),
-        outputs={_name("restitution"): laws.sticking_threshold()},
+        derived=lambda: {_name("restitution"): laws.sticking_threshold()},
         rules=(
             recast(
                 "name the roots",
@@ -215,7 +217,7 @@ FUNCTIONS: tuple[Function, ...] = (
         "reversal.",
         detail=r"Mobilities $A$, $B$, $C$; $root_a = \sqrt{A}$, $root_b = \sqrt{A - \mu^2 C}$.",
         arguments=(laws.B, laws.C, mu, _root_a, _root_b),
-        outputs={_name("kappa"): laws.energy_threshold("back")},
+        derived=lambda: {_name("kappa"): laws.energy_threshold("back")},
         rules=(
             recast(
                 "difference of roots",
@@ -232,7 +234,7 @@ FUNCTIONS: tuple[Function, ...] = (
         detail=r"$l$ overall length, $d$ diameter, $s = d/l \le 1$, of a tilt given by sin and "
         "cos.",
         arguments=(length, diameter, _s, _sin, _cos),
-        outputs={
+        derived=lambda: {
             X: _of_tilt(bodies.round_contact()[0]),
             Z: _of_tilt(bodies.round_contact()[1]),
             _name("gyration"): sp.factor(
@@ -257,7 +259,7 @@ FUNCTIONS: tuple[Function, ...] = (
         summary="$(X, Z)$ and $k^2/l^2$ of a solid flat-ended cylinder on its lower edge.",
         detail=r"$l$ length, $d$ diameter, $s = d/l$, of a tilt $\ge 0$ given by sin and cos.",
         arguments=(length, diameter, _s, _sin, _cos),
-        outputs={
+        derived=lambda: {
             X: _of_tilt(bodies.flat_contact()[0]),
             Z: _of_tilt(bodies.flat_contact()[1]),
             _name("gyration"): sp.expand(

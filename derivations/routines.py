@@ -108,13 +108,23 @@ class Routine:
             with mpmath.workdps(DIGITS + 20):
                 wrong = [text for law in self.laws if (text := self._wrong(names, law))]
             if self.check is not None and not self.check(self):
-                wrong.append("not true of all short numbers")
+                wrong.append(f"it is not true {self._checked}")
         except Exception as error:  # whatever stops a computation, there is no proof
-            return Proof(ok=False, evidence=f"{type(error).__name__}: {error}")
+            return Proof(ok=False, evidence=f"{type(error).__name__}: {error}", computed=False)
         points = sum(len(values(self, law)) for law in self.laws)
-        known = set(names) & set(_meant(self.means, self.laws[0]))
-        evidence = f"{len(known)} names have their values to {DIGITS} digits at {points} points"
+        known = [name for name in names if name in _meant(self.means, self.laws[0])]
+        evidence = f"right to {DIGITS} digits at {points} points: {', '.join(known)}"
+        if self.accurate:
+            evidence += f"; roundings left: {', '.join(self.accurate)}"
+        if self.check is not None:
+            evidence += f"; tested {self._checked}"
         return Proof(ok=not wrong, evidence=wrong[0] if wrong else evidence)
+
+    @property
+    def _checked(self) -> str:
+        """What `check` tests, in words."""
+        doc = (self.check.__doc__ or "") if self.check else ""
+        return "that " + doc.partition("\n")[0].removeprefix("Whether ").rstrip(".")
 
     def _wrong(self, names: list[str], law: str) -> str:
         """What is wrong under one law, in words."""

@@ -58,20 +58,20 @@ def energy_change(regime: str) -> sp.Expr:
     """Kinetic energy after minus before, per unit mass; no spin before, the plate at rest."""
     rest = {omega: 0, V_z: 0}
     v_x, v_z, spin = (part.subs(rest) for part in impact(regime))
-    return sp.factor(v_x**2 + v_z**2 + k**2 * spin**2 - c_x**2 - c_z**2) / 2
+    return (v_x**2 + v_z**2 + k**2 * spin**2 - c_x**2 - c_z**2) / 2
 
 
 @cache
 def energy_created(regime: str) -> sp.Expr:
     """Discriminant of the energy change in c_x: zero where an impact can just create energy."""
     change = sp.numer(sp.together(energy_change(regime).subs(c_z, -1)))
-    return sp.factor(sp.discriminant(change, c_x))
+    square, line, rest = sp.Poly(change, c_x).all_coeffs()
+    return line**2 - 4 * square * rest
 
 
-def landing_residuals(regime: str, fixed: sp.Symbol, value: sp.Expr) -> list[sp.Expr]:
-    """Closure residual of a landing without spin whose c_x or c_z has a value: zero if right."""
+@cache
+def landing(regime: str) -> tuple[sp.Expr, sp.Expr]:
+    """(c_x, c_z) before a landing without spin that keeps c_x and turns c_z round."""
     v_x, v_z, _ = (part.subs(omega, 0) for part in impact(regime))
-    closed = {c_x: v_x - c_x, c_z: v_z + c_z}
-    free = c_x if fixed == c_z else c_z
-    (other,) = sp.solve(closed[free].subs(fixed, value), free)
-    return [closed[fixed].subs(fixed, value).subs(free, other)]
+    (found,) = sp.linsolve([v_x - c_x, v_z + c_z], c_x, c_z)
+    return tuple(found)

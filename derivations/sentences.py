@@ -11,8 +11,11 @@ from collections.abc import Callable, Iterator
 from .typeset import mathml, words
 
 _QUOTED = re.compile(r'"([^"]*)"')
+_MATH = "<math>(?:(?!</math>).)*</math>"
+_WHOLE = re.compile(rf"\({_MATH}[,.;:)]*|{_MATH}[,.;:)]+")  # a line must not break in it
 _CODE = re.compile(r"`([^`]+)`")
-_ESCAPES = {sign: f"\\{sign}" for sign in "&%#_{}"} | {"<": "$<$", ">": "$>$", "^": r"\^{}"}
+_ESCAPES = {sign: f"\\{sign}" for sign in "&%#_{}"}
+_ESCAPES |= {"<": "$<$", ">": "$>$", "^": r"\^{}", "é": r"\'e"}
 _PLAIN = ((r"\ge", ">="), (r"\le", "<="), (r"\to", "->"), (r"\cdot", "."), (r"\,", " "))
 
 
@@ -33,7 +36,8 @@ def to_html(text: str, link: Callable[[str], str] = "".format) -> str:
         return re.sub(r"\((B?\d+)\)", linked, _CODE.sub(r"<code>\1</code>", part))
 
     text = _QUOTED.sub("“\\1”", text)
-    return "".join(mathml(words(part)) if math else plain(part) for math, part in _parts(text))
+    text = "".join(mathml(words(part)) if math else plain(part) for math, part in _parts(text))
+    return _WHOLE.sub(r'<span class="whole">\g<0></span>', text)
 
 
 def to_latex(text: str) -> str:

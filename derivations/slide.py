@@ -50,7 +50,7 @@ def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 
 @derived
 def slide_excess() -> sp.Expr:
-    """u_* of Eq. (14): what is left of the slip velocity when the contact separates."""
+    """What is left of the slip velocity when the contact separates, u_*, (14)."""
     return sp.factor(slip_velocity(impulse()[1]))
 
 

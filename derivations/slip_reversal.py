@@ -6,14 +6,14 @@ from .axioms import RESTITUTION
 from .newton import approach, contact_change
 from .proof import Equation, Repair
 from .slide import cm_velocity, friction, stop
-from .slip_stick import stick_margin
+from .slip_stick import AFTER_STOP, stick_margin
 from .symbols import P_1, P_z, V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, u_0, v_0, v_1
 from .trace import derived, solve
 
 
 @derived
 def reversed_change(p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """Change (du, dv) of the contact velocity under p_z in backward slip, F_x = +mu F_z."""
+    """Change (du, dv) of the contact velocity under p_z in backward slip."""
     return contact_change(friction(p_z, -1), p_z)
 
 
@@ -21,8 +21,8 @@ def reversed_change(p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 def impulse() -> tuple[sp.Expr, sp.Expr]:
     """Total impulse (P_x, P_z) under kinematic restitution, Eqs. (B9), (B8)."""
     p_x, p_z, v = stop()
-    extra = sp.Symbol("P_2")  # the normal impulse from there on
-    (extra_z,) = solve(v + reversed_change(extra)[1] - RESTITUTION({}), extra)
+    extra = sp.Symbol("P_2")
+    (extra_z,) = solve(v + reversed_change(extra)[1] - RESTITUTION({}), extra, AFTER_STOP)
     return p_x + friction(extra_z, -1), p_z + extra_z
 
 

@@ -27,6 +27,8 @@ from .symbols import (
 )
 from .trace import derived, solve
 
+AFTER_STOP = "$P_2$, the normal impulse after the slip has stopped"
+
 
 @derived
 def sticking_force() -> sp.Expr:
@@ -51,8 +53,8 @@ def sticking_velocity(p_z: sp.Expr) -> sp.Expr:
 def impulse() -> tuple[sp.Expr, sp.Expr]:
     """Total impulse (P_x, P_z) under kinematic restitution, Eqs. (B5), (B4)."""
     p_x, p_z, v = stop()
-    extra = sp.Symbol("P_2")  # the normal impulse from there on
-    (extra_z,) = solve(v + sticking_velocity(extra) - RESTITUTION({}), extra)
+    extra = sp.Symbol("P_2")
+    (extra_z,) = solve(v + sticking_velocity(extra) - RESTITUTION({}), extra, AFTER_STOP)
     return p_x + sticking_force().subs(F_z, extra_z), p_z + extra_z
 
 

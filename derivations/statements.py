@@ -18,7 +18,7 @@ from .proof import DIGITS, Equation, Proof, Repair, Verdict
 from .slip_reversal import EQUATIONS as REVERSAL
 from .slip_reversal import impulse as reversal_impulse
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, phi, u_0, v_0
-from .trace import derived
+from .trace import derived, solve
 
 stiffness, damping, speed, mass = sp.symbols("k_n gamma_n v m_r", positive=True)
 
@@ -53,7 +53,10 @@ def restitution_lost() -> sp.Expr:
     """
     power = sp.Symbol("y", positive=True)  # overlap to the power 5/2
     energy = sp.Rational(2, 5) * stiffness * power
-    (deepest,) = (y ** sp.Rational(2, 5) for y in sp.solve(energy - mass * speed**2 / 2, power))
+    (deepest,) = (
+        y ** sp.Rational(2, 5)
+        for y in solve(energy - mass * speed**2 / 2, power, r"$y = \delta^{5/2}$")
+    )
     # x sqrt(1 - x^(5/2)) from 0 to 1, x the overlap over the deepest, is a beta function
     shape = sp.Rational(2, 5) * sp.beta(sp.Rational(4, 5), sp.Rational(3, 2))
     work = 2 * damping * mass * speed * deepest**2 * shape
@@ -93,7 +96,7 @@ EQUATIONS = (
         'beginning of the flight": their ratio',
         symbol="c_z/c_z'",
         printed=sp.S.One,
-        derive=lambda: sp.solve(CLOSURE({})[2], c_z)[0] / after_z,
+        derive=lambda: solve(CLOSURE({})[2], c_z)[0] / after_z,
         at={},
         verdict="erratum",
         contradicted_by="V: closure",
@@ -105,7 +108,7 @@ EQUATIONS = (
     Equation(
         tag="IV: large ratio",
         what='"typically this ratio [$-c_z/c_x$] is large": sign of $-c_z/c_x - 1$ at 30 degrees',
-        symbol="\\pm",
+        symbol="sgn(-c_z/c_x - 1)",
         printed=sp.S.One,
         derive=lambda: _sign(stationary_ratio().subs(_30_degrees) - 1),
         verdict="erratum",
@@ -120,7 +123,7 @@ EQUATIONS = (
         tag="IV: slide above mu_c",
         what=r'"sliding can only be observed for small $\mu < \mu_c$": sign of $u_*$ in Fig. 12 '
         r"($\mu = 0.4$, $-c_z/c_x = 2$, $\epsilon = 0.65$) at 85 degrees",
-        symbol="\\pm",
+        symbol="sgn(u_*)",
         printed=sp.S.NegativeOne,
         derive=lambda: _sign(slide.slide_excess().subs(THIN).subs(_FIG_12).subs(_FIG_12_APPROACH)),
         verdict="erratum",
@@ -139,15 +142,15 @@ EQUATIONS = (
         shown=X * Z / (2 * k**2),
         check=_relaxed,
         verdict="new",
-        note="so the abstract's friction as the crucial ingredient becomes: with less friction the "
-        "drift does not go to zero (it tends to half of (24)), but takes ever longer to come; "
-        "without any, $c_x$ stays what it was",
+        note="the abstract calls friction crucial: with less of it the drift does not go to zero "
+        "(it tends to half of (24)), but takes ever longer to come; without any, $c_x$ stays what "
+        "it was",
     ),
     Equation(
         tag="VI: reverse drift",
         what='"reverse drift [...] presumably due to the small negative value of average $V_z$": '
         "sign of $v_0$ of such a landing (an impact needs $-1$)",
-        symbol="\\pm",
+        symbol="sgn(v_0)",
         printed=sp.S.NegativeOne,
         derive=lambda: _sign(
             landing_velocity("stick").subs(THIN).subs({**_30_degrees, V_z: -1, epsilon: 0})

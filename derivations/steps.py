@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any
 
 import sympy as sp
+from sympy.core.random import seed
 
 from . import trace
 from .proof import Equation, components
@@ -21,14 +22,19 @@ from .typeset import latex, moving, pieces
 
 LONGEST = 230  # characters of LaTeX; a longer value is told in words alone
 MOST = 120  # operations; a form with more is not tidied, which would take long
-_GREEK = "alpha|epsilon|eta|kappa|mu|omega|phi|Gamma"
-_LETTER = re.compile(
-    rf"\b((?:{_GREEK}|[a-zA-Z])_(?:[a-z]\b|\d|\*)'?|(?:{_GREEK}|XZ|[dI]?[uv]|[klI]\^2|T)\b)"
+_NAMES = "alpha|epsilon|eta|kappa|mu|omega|phi|theta|Gamma|cos|sin|tan"
+_ATOM = (
+    rf"(?:(?:cos|sin|tan|H)\([^)]*\)|(?:d?[a-zA-Z]|{_NAMES})_(?:[a-z]|\d|\*)'?"
+    rf"|{_NAMES}|XZ|d[uv]|[a-zA-Z]|\d+)(?:\^\d)?"
+)
+_FORMULA = re.compile(
+    rf"A, B, C|X, Z, k|(?<![\w'])-?{_ATOM}(?:(?: ?(?:->|[<>]=|[-=<>/+]) ?-?| ){_ATOM})*(?![\w'])"
 )
 _CITED = re.compile(r"[,;] (?:Eqs?\. )?\(B?\d+\)(?:, \(B?\d+\))*$")
 _WORDS = {"stick": "slip-stick", "back": "slip reversal", "slip": "slide"} | {
     law: law.title() for law in ("newton", "poisson", "stronge")
 }
+_GAIN = sp.Symbol("gain", positive=True)  # 1 + epsilon
 _EQUATIONS = {entry.tag: entry for entry in ENTRIES if isinstance(entry, Equation)}
 
 
@@ -41,10 +47,16 @@ class Line:
     tags: tuple[str, ...] = ()  # entries that hold the value
 
 
-def _letters(text: str) -> str:
-    """A docstring's line with its letters between dollar signs, without the equations it cites."""
-    greek = re.compile(rf"^(?={_GREEK})")
-    return _LETTER.sub(lambda found: f"${greek.sub(chr(92) * 2, found[1])}$", _CITED.sub("", text))
+def with_formulas(text: str) -> str:
+    """Plain text such as c_x' = -c_z with its formulas as LaTeX between dollar signs."""
+
+    def formula(found: re.Match) -> str:
+        if re.fullmatch(r"[aA]|[\d ]+", found[0]):
+            return found[0]
+        tex = re.sub(rf"(?<![A-Za-z])({_NAMES})(?![a-z])", r"\\\1", found[0])
+        return "$" + tex.replace(">=", r"\ge").replace("->", r"\to") + "$"
+
+    return _FORMULA.sub(formula, text)
 
 
 def _size(form: sp.Expr) -> int:
@@ -61,21 +73,30 @@ def _collected(form: sp.Expr, letter: sp.Symbol) -> sp.Expr:
 def tidy(expr: sp.Expr) -> sp.Expr:
     """Return the shortest of a few equal forms: as it is, factored, sorted by its speeds."""
     if not expr.is_rational_function():
-        return expr  # to factor roots and sines can take for ever
+        return expr  # to factor roots and sines can take minutes
+    seed(0)  # as for a derivation
     speeds = [x for x in sorted(expr.free_symbols, key=str) if moving(x)]
     forms = [expr, sp.factor(expr)]
-    if speeds and expr.is_polynomial(*speeds):
+    if not set(speeds) <= set(forms[1].args) and expr.is_polynomial(*speeds):
         forms.append(sp.collect(sp.expand(expr), speeds, sp.factor))
     for letter in (mu, epsilon):
         forms += [_collected(form, letter) for form in forms]
+    if expr.has(epsilon) and expr.is_polynomial():
+        turned = sp.expand(expr.subs(epsilon, _GAIN - 1))
+        forms.append(sp.collect(turned, _GAIN, sp.factor).subs(_GAIN, 1 + epsilon))
     return min(forms, key=_size)
+
+
+def _values(value: Any) -> list[sp.Expr]:
+    """The expressions that a step gave."""
+    parts = value.values() if isinstance(value, dict) else value
+    listed = parts if isinstance(value, (tuple, dict)) else components(value)
+    return [sp.sympify(part) for part in listed]
 
 
 def _tidied(value: Any, end: str = "") -> tuple[tuple[str, ...], ...]:
     """LaTeX of each component of a value; nothing if it is too long to be read."""
-    parts = value.values() if isinstance(value, dict) else value
-    listed = parts if isinstance(value, (tuple, dict)) else components(value)
-    forms = [sp.sympify(part) for part in listed]
+    forms = _values(value)
     if sum(form.count_ops() for form in forms) > MOST:
         return ()
     found = [pieces(tidy(form)) for form in forms]
@@ -98,24 +119,27 @@ def _entries() -> dict[tuple, tuple[str, ...]]:
     """Tags of the entries that hold a step's value, by the step's name and arguments."""
     found: dict[tuple, tuple[str, ...]] = {}
     for tag, entry in _EQUATIONS.items():
-        steps = entry.steps
-        if len(steps) == 1 and steps[0].kind == "derived" and _is(steps[0], entry):
-            key = steps[0].name, steps[0].given
-            found[key] = (*found.get(key, ()), tag)
+        steps = [step for step in entry.steps if step.kind == "derived"]
+        for step in steps:
+            values = set(_values(step.value))
+            part = any(x.free_symbols for x in values) and values <= set(components(entry.derive()))
+            if part or (len(entry.steps) == 1 and _is(step, entry)):
+                key = step.name, step.given
+                found[key] = (*found.get(key, ()), tag)
     return found
 
 
 def _with(step: Step) -> str:
     """What was put in: the step's arguments by their names."""
     names = inspect.signature(trace.STEPS[step.name]).parameters
-    told = []
+    told, put_in = [], []
     for name, value in zip(names, step.given, strict=False):
         if isinstance(value, str):
             told.append(_WORDS.get(value, value))
-        elif isinstance(value, sp.Expr) and value.count_ops() < MOST // 8:
-            text = latex(tidy(value))
-            told += [f"${name} = {text}$"] if name.startswith("p_") else []
-    return f" ({', '.join(told)})" if told else ""
+        elif name.startswith("p_") and str(value).lower() != name and value.count_ops() < MOST // 8:
+            put_in.append(f"${name} = {latex(tidy(value))}$")
+    words = f" ({', '.join(told)})" if told else ""
+    return words + (f", with {' and '.join(put_in)}" if put_in else "")
 
 
 def _left_side(form: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> sp.Expr:
@@ -123,21 +147,27 @@ def _left_side(form: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> sp.Expr:
     if form.count_ops() > 3 * MOST or not form.is_rational_function():
         return form
     # not by factoring, which now and then takes minutes for so many letters
-    left = sp.Poly(sp.numer(sp.cancel(form)), *unknowns)
-    return left.primitive()[1].as_expr()
+    left = sp.Poly(sp.numer(sp.cancel(form)), *unknowns).primitive()[1]
+    terms = [(tidy(c) if c.count_ops() < MOST // 4 else c, powers) for powers, c in left.terms()]
+    return sp.Add(
+        *(c * sp.prod(x**n for x, n in zip(unknowns, powers, strict=True)) for c, powers in terms)
+    )
 
 
-def _line(step: Step) -> Line:
+def _line(step: Step, shown_in: str) -> Line:
+    """One step of the entry of a tag."""
     if step.kind == "axiom":
         entry = _EQUATIONS[step.name]
         found = _tidied(step.value) if step.value != entry.derive() else ()
         return Line("By", found, (step.name,))
     if step.kind == "solved":
-        letters = ", ".join(f"${latex(x)}$" for x in step.given)
+        letters = step.name or ", ".join(f"${latex(x)}$" for x in step.given)
         forms = [x for part in step.value for x in _tidied(_left_side(part, step.given), " = 0")]
         return Line(f"Solved for {letters}", tuple(forms))
     tags = _entries().get((step.name, step.given), ())
-    return Line(_letters(step.what) + _with(step), () if tags else _tidied(step.value), tags)
+    found = () if tags else _tidied(step.value)
+    text = with_formulas(_CITED.sub("", step.what)) + _with(step)
+    return Line(text, found, tuple(tag for tag in tags if tag != shown_in))
 
 
 def lines(entry: Equation) -> list[Line]:
@@ -147,4 +177,4 @@ def lines(entry: Equation) -> list[Line]:
     steps = entry.steps
     if len(steps) == 1 and steps[0].kind == "derived" and _is(steps[0], entry):
         steps = steps[0].inner
-    return [_line(step) for step in steps]
+    return [_line(step, entry.tag) for step in steps]

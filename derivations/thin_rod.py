@@ -3,7 +3,7 @@
 import sympy as sp
 
 from . import second_routes
-from .bodies import THIN, T, over_tangent
+from .bodies import TANGENT, THIN, T, over_tangent
 from .newton import approach
 from .proof import Equation, Repair
 from .slide import slide_excess
@@ -40,7 +40,7 @@ def thin_slide_friction() -> sp.Expr:
 @derived
 def critical_cosines() -> tuple[sp.Expr, sp.Expr]:
     """cos(2 phi) at the two critical tilts (lower, upper), from the squared condition."""
-    double = sp.Symbol("C")
+    double = sp.Symbol(r"{\cos 2\phi}")
     sine_squared, cosine_squared = (1 - double) / 2, (1 + double) / 2
     condition = sp.numer(sp.together(stick_margin().subs(THIN)))  # a mu + b sin cos, a by cos^2
     parts = sp.collect(sp.expand(condition), mu, evaluate=False)
@@ -48,20 +48,20 @@ def critical_cosines() -> tuple[sp.Expr, sp.Expr]:
     product = parts[sp.S.One]
     factor = product / (sp.sin(phi) * sp.cos(phi))
     squared = mu**2 * slope**2 - factor**2 * sine_squared * cosine_squared
-    roots = sp.solve(squared, double)
+    roots = solve(squared, double)
     return tuple(sorted(roots, key=lambda r: -r.subs(mu, sp.Rational(1, 2))))
 
 
 @derived
 def critical_tangents() -> tuple[sp.Expr, sp.Expr]:
     """tan(phi) at the two critical tilts: roots of a quadratic, no squaring needed."""
-    roots = solve(sp.numer(sp.together(over_tangent(stick_margin()))), T)
+    roots = solve(sp.numer(sp.together(over_tangent(stick_margin()))), T, TANGENT)
     return tuple(sorted(roots, key=lambda r: r.subs(mu, sp.Rational(1, 2))))
 
 
 @derived
 def critical_tilt() -> sp.Expr:
-    """phi_c of Eq. (23): the smaller of the two."""
+    """phi_c, the lower critical tilt, (23)."""
     return sp.acos(critical_cosines()[0]) / 2
 
 
@@ -69,7 +69,7 @@ def critical_tilt() -> sp.Expr:
 def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
     """Largest friction at which a thin rod reverses, and the tangent of its tilt."""
     mu_of = over_tangent(critical_friction())
-    (best,) = solve(mu_of.diff(T), T)
+    (best,) = solve(mu_of.diff(T), T, TANGENT)
     return mu_of.subs(T, best), best
 
 
@@ -104,7 +104,7 @@ def largest_slide_friction() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """
     mu_of = over_tangent(thin_slide_friction().subs(c_x, -(1 + epsilon) * c_z / gain))
     mu_of = sp.factor(mu_of)
-    extrema = sp.solve(sp.numer(sp.together(mu_of.diff(T))), T)
+    extrema = solve(sp.numer(sp.together(mu_of.diff(T))), T, TANGENT)
     (inner,) = (x for x in extrema if mu_of.diff(T, 2).subs(T, x).subs(gain, 1) < 0)
     return inner, sp.factor(mu_of.subs(T, inner)), sp.limit(mu_of, T, sp.oo)
 
@@ -132,6 +132,12 @@ def _root_checks(form: sp.Matrix) -> list[sp.Expr]:
     for tangent, cosine in zip(form, critical_cosines(), strict=True):
         checks.append(_rationalised(sp.expand(cosine) * (1 + tangent**2) - (1 - tangent**2)))
     return checks
+
+
+def _last_reversal_checks(form: sp.Expr) -> list[sp.Expr]:
+    """There both critical tilts are one: a double root of mu (4 + T^2) = 3 T."""
+    tangent = largest_reversal_friction()[1]
+    return [form * (4 + tangent**2) - 3 * tangent, 2 * form * tangent - 3]
 
 
 def _slide_boundary_checks(form: sp.Expr) -> list[sp.Expr]:
@@ -178,7 +184,7 @@ EQUATIONS = (
         mistaken=lambda: thin_slide_friction().subs(phi, 0),
         mistake="the value at tilt 0 is taken for the largest",
         note=r"near 90 degrees the rod slides up to $16 \mu_c$; the largest friction of all stands "
-        "in the next row",
+        "in the next entry",
     ),
     Equation(
         tag="IV: largest slide friction",
@@ -253,6 +259,7 @@ EQUATIONS = (
         symbol="\\max_\\phi \\mu_{reversal}",
         printed=sp.Rational(3, 5),
         derive=lambda: largest_reversal_friction()[0],
+        check=_last_reversal_checks,
         verdict="erratum",
         contradicted_by=r"condition for $\phi_c$ at $\tan(\phi) = 2$",
         contradiction=lambda: sp.solve(

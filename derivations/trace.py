@@ -11,6 +11,7 @@ from functools import wraps
 from typing import Any
 
 import sympy as sp
+from sympy.core.random import seed
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +19,7 @@ class Step:
     """One step of a derivation: an axiom put to use, a value derived, an equation solved."""
 
     kind: str  # "axiom", "derived" or "solved"
-    name: str  # tag of the axiom, name of the step
+    name: str  # tag of the axiom, name of the step; of "solved" what the unknowns mean
     given: tuple[Any, ...] = ()  # arguments; of "solved" the unknowns
     value: Any = None  # what it gave; of "solved" what was set to zero
     inner: tuple["Step", ...] = ()  # the steps on the way to it
@@ -53,11 +54,10 @@ def noted() -> Iterator[list[Step]]:
         _open.pop()
 
 
-def axioms(steps: Iterable[Step]) -> set[str]:
-    """Tags of the axioms that steps rest on."""
-    return set().union(
-        *({step.name} if step.kind == "axiom" else axioms(step.inner) for step in steps)
-    )
+def names(steps: Iterable[Step], kind: str) -> set[str]:
+    """Names of the steps of a kind, those on the way to a step included."""
+    inner = [names(step.inner, kind) for step in steps]
+    return {step.name for step in steps if step.kind == kind}.union(*inner)
 
 
 def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., Any]:
@@ -67,6 +67,7 @@ def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., An
     @wraps(function)
     def cached(*given: Any) -> Any:
         if given not in results:
+            seed(0)  # factoring draws random numbers, of which a few take it minutes
             with noted() as taken:
                 value = function(*given)
             whole = Step("derived", name, given, value, tuple(taken))
@@ -92,26 +93,34 @@ def derived(function: Callable[..., Any]) -> Callable[..., Any]:
     return remembered(step, name)
 
 
-def solve(forms: Any, unknowns: Any, **options: Any) -> Any:
-    """Solve one equation for a letter, or several for several; it is noted as a step."""
+def solve(forms: Any, unknowns: Any, meant: str = "") -> Any:
+    """Solve one equation for a letter, or several linear ones; it is noted as a step.
+
+    `meant` says what a letter is that only this step has, as LaTeX between dollar signs.
+    """
     listed = [tuple(x) if isinstance(x, list) else (x,) for x in (unknowns, forms)]
-    note(Step("solved", "", *listed))
-    return sp.solve(forms, unknowns, **options)
+    note(Step("solved", meant, *listed))
+    if isinstance(forms, list):
+        (found,) = sp.linsolve(forms, unknowns)
+        return found
+    return sp.solve(forms, unknowns)
 
 
-def forget() -> None:
-    """Empty all caches, so that every derivation is computed again."""
+def forget(kind: str = "", name: str = "") -> None:
+    """Empty the caches of all derivations, or of those that take the step of a name."""
     for results in _caches:
-        results.clear()
+        for given, (_, steps) in list(results.items()):
+            if not kind or name in names(steps, kind):
+                del results[given]
 
 
 @contextmanager
 def bent(name: str, change: Callable[[Any], Any]) -> Iterator[None]:
-    """Change what one step of `STEPS` gives, for a trial; everything is derived again."""
+    """Change what one step of `STEPS` gives, for a trial; what takes it is derived again."""
+    forget("derived", name)
     _bent[name] = change
-    forget()
     try:
         yield
     finally:
         del _bent[name]
-        forget()
+        forget("derived", name)

@@ -9,7 +9,7 @@ from .newton import g, spin_jump, velocity_change
 from .proof import Equation
 from .slide import cm_velocity
 from .symbols import V_z, X, Z, c_x, c_z, diameter, epsilon, h_0, k, length, m, mu, omega, phi
-from .trace import derived
+from .trace import derived, solve
 
 _ROUND = {length: 1 + h_0, diameter: sp.Integer(1)}  # h_0 = l/d - 1, lengths in d
 
@@ -45,8 +45,8 @@ def landing_impulse(case: str) -> tuple[sp.Expr, sp.Expr]:
     after_x, after_z = (
         part.subs(landed) for part in (c_x + velocity_change(p_x), c_z + velocity_change(p_z))
     )
-    (solution,) = sp.solve([after_x - along, after_z - up], [p_x, p_z], dict=True)
-    return solution[p_x], sp.factor(solution[p_z])
+    along, up = solve([after_x - along, after_z - up], [p_x, p_z])
+    return along, sp.factor(up)
 
 
 @derived
@@ -66,10 +66,10 @@ def cost_of_transport(case: str) -> sp.Expr:
 
 @derived
 def spin_response(case: str) -> tuple[sp.Expr, sp.Expr]:
-    """d(c_x', c_z')/d omega of stationary translation with a spin omega at every landing."""
+    """Derivatives of the stationary c_x' and c_z' by a spin omega at every landing."""
     after_x, after_z = cm_velocity(*CASES[case]())
-    (solution,) = sp.solve([after_x - c_x, after_z + c_z], [c_x, c_z], dict=True)
-    return sp.factor(solution[c_x].diff(omega)), sp.factor(-solution[c_z].diff(omega))
+    before_x, before_z = solve([after_x - c_x, after_z + c_z], [c_x, c_z])
+    return sp.factor(before_x.diff(omega)), sp.factor(-before_z.diff(omega))
 
 
 def _spin_checks(form: sp.Matrix) -> list[sp.Expr]:
@@ -84,12 +84,9 @@ def _spin_checks(form: sp.Matrix) -> list[sp.Expr]:
 
 def _length_checks(form: sp.Expr) -> list[sp.Expr]:
     """The drift from whole landings has its extrema there, and nowhere else."""
-    level = sp.Symbol("c")
     x, z = (part.subs(_ROUND) for part in round_contact())
     square = spherocylinder_gyration().subs(_ROUND)
-    (residual,) = second_routes.landing_residuals("stick", c_x, level)
-    curve = sp.numer(sp.cancel(residual.subs({V_z: 1}).subs({X: x, Z: z}).subs(k, sp.sqrt(square))))
-    (drift,) = sp.solve(curve, level)
+    drift = second_routes.landing("stick")[0].subs({V_z: 1, X: x, Z: z, k: sp.sqrt(square)})
     steepness = sp.numer(sp.cancel(drift.diff(h_0)))
     rest = sp.cancel(steepness / form)
     return [form.subs(h_0, 0) - 1, rest.diff(h_0)]
@@ -99,8 +96,8 @@ def _short_checks(form: sp.Expr) -> list[sp.Expr]:
     """A ball's gyration and height, and a centre of mass a little aside: the whole landing."""
     aside = sp.Symbol("x", positive=True)
     ball = {V_z: 1, X: aside, Z: sp.Rational(1, 2), k: sp.sqrt(sp.Rational(1, 10))}
-    (residual,) = second_routes.landing_residuals("stick", c_x, form * aside * 2 / sp.sin(phi))
-    return [sp.cancel(residual.subs(ball)).diff(aside).subs(aside, 0)]
+    drift = second_routes.landing("stick")[0].subs(ball)
+    return [(drift - form * aside * 2 / sp.sin(phi)).diff(aside).subs(aside, 0)]
 
 
 def _energy_checks(form: sp.Matrix) -> list[sp.Expr]:
@@ -162,7 +159,8 @@ EQUATIONS = (
         tag="V: landing with spin",
         what=r"what a spin $\omega$ at every landing adds to $c_x'$ and $c_z'$, over $\omega$: "
         "slip-stick, then slip reversal",
-        symbol="\\partial(c_x, c_z')/\\partial\\omega",
+        symbol=r"([\partial c_x'/\partial\omega]_{stick}, [\partial c_z'/\partial\omega]_{stick}, "
+        r"[\partial c_x'/\partial\omega]_{back}, [\partial c_z'/\partial\omega]_{back})",
         derive=lambda: sp.Matrix([part for case in CASES for part in spin_response(case)]),
         shown=sp.Matrix(
             [
@@ -180,9 +178,9 @@ EQUATIONS = (
     ),
     Equation(
         tag="V: energy of a landing",
-        what="per unit mass in a stationary landing: work of the plate and energy of the spin, in "
-        "slip-stick, then in slip reversal",
-        symbol="(W, E_\\omega)_{stick, back}",
+        what="per unit mass in a stationary landing: work $W$ of the plate and energy $E$ of "
+        "the spin, in slip-stick, then in slip reversal",
+        symbol="(W_{stick}, E_{stick}, W_{back}, E_{back})",
         derive=lambda: sp.Matrix([part for case in CASES for part in energies(case)]),
         shown=sp.Matrix([2 * _up * V_z, 2 * X**2 * _up**2 / k**2] * 2),
         check=_energy_checks,
@@ -192,8 +190,14 @@ EQUATIONS = (
     Equation(
         tag="V: cost of transport",
         what="work of the plate per weight and distance travelled: slip-stick, slip reversal",
-        symbol="W/(m g s)",
+        symbol="([W/(m g s)]_{stick}, [W/(m g s)]_{back})",
         derive=lambda: sp.Matrix([cost_of_transport(case) for case in CASES]),
+        shown=sp.Matrix(
+            [
+                _lossy / (2 * (1 + epsilon) * X * Z),
+                _lossy / ((1 + epsilon) * (X * Z + mu * (k**2 + Z**2))),
+            ]
+        ),
         check=_cost_checks,
         verdict="new",
         note="$V_z/c_x$ whatever the rod: the fastest rod is the cheapest. The drift grows with "

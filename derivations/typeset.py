@@ -1,6 +1,7 @@
 """Formulas as LaTeX with terms and factors in the paper's order, and LaTeX as MathML."""
 
 import re
+from functools import cache
 
 import sympy as sp
 from latex2mathml.converter import convert
@@ -39,6 +40,7 @@ def _factor_key(factor: sp.Expr) -> tuple:
     return kind, len(base.free_symbols), -isinstance(base, sp.sin), _ranks(base), str(factor)
 
 
+@cache
 def _term_key(term: sp.Expr) -> tuple:
     """Sort key in a sum: numbers first, then few letters, then low powers."""
     powers = sp.total_degree(term, *term.free_symbols) if term.is_polynomial() else 99
@@ -50,7 +52,7 @@ def _turned(total: sp.Expr, strictly: bool) -> bool:
 
     `strictly` asks for no plus sign at all.
     """
-    signs = [x.as_coeff_Mul()[0].is_negative for x in sorted(total.args, key=_term_key)]
+    signs = [split(x)[0] for x in sorted(total.args, key=_term_key)]
     more = 2 * sum(signs) - len(signs)
     tied = more == 0 and moving(total) and bool(signs[0])
     return all(signs) if strictly else more > 0 or tied
@@ -107,6 +109,7 @@ class _Printer(LatexPrinter):
         first = next((i for i, (minus, _) in enumerate(found) if not minus), 0)
         return [found[first], *found[:first], *found[first + 1 :]]
 
+    @cache  # noqa: B019, of the one printer
     def _term(self, term: sp.Expr) -> tuple[bool, str]:
         minus, above, below = split(term)
         if not below:

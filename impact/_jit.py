@@ -1,7 +1,7 @@
 """Numba's compiler as this package uses it: IEEE arithmetic, compiled without an interruption."""
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numba
@@ -19,10 +19,26 @@ if numba.config.DISABLE_JIT:
     raise CompilerError("NUMBA_DISABLE_JIT is set: the compiled part of impact needs the compiler")
 
 
-def kernel(function: Callable | None = None, **options: Any) -> Any:
-    """Compile a function on its first call; a division by zero raises nothing."""
+def kernel(function: Callable | None = None, *, forceinline: bool = False, **options: Any) -> Any:
+    """Compile a function on its first call; a division by zero raises nothing.
+
+    What is inlined has no entry for calls from Python: a third of the time to compile would go into
+    these. Where Python calls such a function, a twin with an entry is compiled; `md.cache` does
+    the same.
+    """
     if function is None:
-        return partial(kernel, **options)
-    made = numba.njit(error_model="numpy", **options)(function)
+        return partial(kernel, forceinline=forceinline, **options)
+    if not forceinline:
+        return _dispatcher(function, **options)
+    made = _dispatcher(function, forceinline=True, no_cpython_wrapper=True, **options)
+    called = cache(partial(_dispatcher, function, **options))
+    made._insert = lambda *_: None  # what has no entry cannot be called, and crashes
+    made._compile_for_args = lambda *_, **__: called()
+    return made
+
+
+def _dispatcher(function: Callable, **options: Any) -> Any:
+    """Numba's, which is not interrupted."""
+    made = numba.njit(error_model="numpy", no_cfunc_wrapper=True, **options)(function)
     made.compile = deferred()(made.compile)
     return made

@@ -31,7 +31,7 @@ HUGE_FRICTION = 2.0**960
 def split(a):
     """A number with its upper and lower half, whose products with other halves are exact.
 
-    Veltkamp. Where a product and a sum can be had with one rounding, it is not needed.
+    After Veltkamp. Where a product and a sum can be had with one rounding, it is not needed.
     """
     t = SPLIT * a
     high = t - (t - a)
@@ -42,7 +42,7 @@ def split(a):
 def two_product(first, second):
     """Rounded product of two split numbers and its error, exact together.
 
-    Dekker.
+    After Dekker.
     """
     a, a_high, a_rest = first
     b, b_high, b_rest = second
@@ -54,7 +54,7 @@ def two_product(first, second):
 def two_sum(a, b):
     """Rounded sum of two numbers and its error, exact together.
 
-    Knuth.
+    After Knuth.
     """
     s = a + b
     part = s - a

@@ -20,7 +20,8 @@ Your rods, in cm and Hz (`md/scenes/my_rods.toml`: copy it, change its numbers):
 5... +- 0... cm/s
 
 `LAWS` holds the contact laws and `INTEGRATORS` the names of the methods, both for one impact. Many
-runs along axes are `md.sweep`, their results `md.store`, the frames of a run `md.trajectory`.
+runs along axes are `md.sweep`, parameters from measurements `md.search`, results in `md.store`, the
+frames of a run `md.trajectory`.
 
 Reduced units throughout: rod diameter d, mass of a rod and gravity are 1; scenes take cm, cm/s and
 Hz as well, and `Scene.cm_per_s` is one unit of velocity. Nothing here is taken from the theory of
@@ -40,6 +41,7 @@ measures, statistics                what a run measures, with errors
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy, calibration               `run`: step and length from a tolerance; bias of the step
 sweep, store                        many runs and their results; `Point.key` says which is stale
+search, surface                     parameters from measured results, by many runs
 sources                             digest of the sources of a run, a part of that key
 cache, interrupt, errors            compiled kernels kept, signals, errors
 result_text, command_line, __main__  results as text; the commands

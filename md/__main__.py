@@ -22,6 +22,8 @@ from .result_text import (
     result_json,
     result_text,
     scene_text,
+    search_json,
+    search_text,
     store_text,
     tally_text,
 )
@@ -224,6 +226,30 @@ def sweep(sweep: str, store: str, as_json: bool, **how: Any) -> None:
     distinct(sweep=sweep, store=store)
     tally = sweeps.execute(sweeps.load_sweep(sweep), store, progress=not as_json, **how)
     print(json.dumps(vars(tally)) if as_json else tally_text(tally))
+
+
+@main.command()
+@click.argument("search")
+@click.option("--store", required=True, metavar="FILE", help="SQLite file, made if missing.")
+@click.option("--workers", type=int, default=-1, help="Processes; -1: one a core.")
+@click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, which runs the points.")
+@click.option("--retry", is_flag=True, help="Run again what failed before.")
+@_json
+def search(search: str, store: str, as_json: bool, **how: Any) -> None:
+    """Find the parameters of a scene that give what was measured.
+
+    SEARCH is a TOML file, or the name of an example (friction), with scene, parameters, and data or
+    targets (help(md.search)). The same command goes on where it stopped.
+
+    \b
+    python -m md search friction --store fit.db
+    python -m md search mine.toml --store mine.db --json
+    """
+    from . import search as searches  # late: help needs no joblib
+
+    distinct(search=search, store=store)
+    found = searches.search(searches.load_search(search), store, progress=not as_json, **how)
+    print(json.dumps(finite(search_json(found))) if as_json else search_text(found))
 
 
 @main.command()

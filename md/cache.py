@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache, partial
 from pathlib import Path
+from typing import Any
 
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
@@ -71,6 +72,13 @@ class _Cache(FunctionCache):
 
     _impl_class = _Kernels
 
+    def __init__(self, function: Callable, options: dict[str, Any]) -> None:
+        super().__init__(function)
+        self._options = tuple(sorted(options.items()))
+
+    def _index_key(self, sig: Any, codegen: Any) -> tuple:
+        return *super()._index_key(sig, codegen), self._options
+
     @contextmanager
     def _guard_against_spurious_io_errors(self) -> Iterator[None]:  # Numba's own is for Windows
         try:
@@ -85,15 +93,30 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
     What is small goes into its caller: a call would return its tuple through memory. No kernel
     counts references to arrays (`_nrt`): in inlined functions that took three quarters of the time
     of a step. In return a kernel cannot allocate, and Numba refuses one that would.
+
+    What is inlined has no entry for calls from Python: a third of the time to compile would go into
+    these. Where Python calls such a function, a twin with an entry is compiled.
     """
     if function is None:
         return partial(kernel, inline=inline)
-    found = numba.njit(error_model="numpy", forceinline=inline, _nrt=False)(function)
+    found = _dispatcher(function, forceinline=inline, no_cpython_wrapper=inline)
+    if numba.config.DISABLE_JIT:
+        return found
+    if inline:
+        called = cache(partial(_dispatcher, function))
+        found._insert = lambda *_: None  # what has no entry cannot be called, and crashes
+        found._compile_for_args = lambda *_, **__: called()
+    return found
+
+
+def _dispatcher(function: Callable, **options: bool) -> Any:
+    """Numba's, with the cache of this module."""
+    found = numba.njit(error_model="numpy", _nrt=False, no_cfunc_wrapper=True, **options)(function)
     usual, folder = numba.config.CACHE_DIR, directory()
     numba.config.CACHE_DIR = str(folder or "")  # read when a cache is made, not later
     try:
         if folder is not None:
-            found._cache = _Cache(function)  # as `enable_caching` does with its own
+            found._cache = _Cache(function, options)  # as `enable_caching` does with its own
     except (OSError, RuntimeError):  # RuntimeError: no locator
         _warn_once(f"compiled kernels cannot be kept in {folder}")
     finally:

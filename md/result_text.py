@@ -1,7 +1,7 @@
 """Results as text: one impact, a run of a scene, a sweep, a calibration, the table of a store."""
 
 from collections.abc import Iterable, Sequence
-from itertools import count
+from itertools import combinations, count
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from .statistics import FEWEST, transient
 from .units import TWINS, in_cm
 
 if TYPE_CHECKING:  # help needs no joblib
+    from .search import Found
     from .sweep import Tally
 
 SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
@@ -131,6 +132,73 @@ def tally_text(tally: "Tally") -> str:
         f"points    {tally.points}{same}; {tally.there} in the store before\n"
         f"computed  {tally.computed}, failed {tally.failed}, in {time}"
     )
+
+
+def search_json(found: "Found") -> dict[str, Any]:
+    """Points of a search with their misfits, best first; estimates; what is told of each target."""
+    search, told = found.search, found.estimates
+    order = sorted(range(len(found.parts)), key=lambda i: found.misfits[i])
+    points = [{**search.values(found.parts[i]), "misfit": float(found.misfits[i])} for i in order]
+    targets = [
+        {**search.places[target.place], "result": target.result}
+        | {"low": target.low, "high": target.high, "error": target.error}
+        | {"best": float(found.results[found.best, i])}
+        | (
+            {"predicted": told.results[i].value, "uncertainty": told.results[i].error}
+            if told.results
+            else {}
+        )
+        for i, target in enumerate(search.targets)
+    ]
+    estimates = {name: estimate._asdict() for name, estimate in told.parameters.items()}
+    return {"points": points, "estimates": estimates, "correlation": told.correlation.tolist()} | {
+        "targets": targets,
+        "tally": vars(found.tally),
+    }
+
+
+def search_text(found: "Found") -> str:
+    """The best points of a search, the estimates, and the results at the targets."""
+    told = search_json(found)
+    names = [parameter.name for parameter in found.search.parameters]
+    rows = [[_short(point[name]) for name in (*names, "misfit")] for point in told["points"][:8]]
+    lines = [tally_text(found.tally), "", "best points", *_columns([*names, "misfit"], rows)]
+    if told["estimates"]:
+        lines += ["", "estimates, with standard errors"]
+        for name, estimate in found.estimates.parameters.items():
+            lines.append(f"{name}  {estimate.value:.4g} +- {estimate.error:.2g}")
+        for (i, a), (j, b) in combinations(enumerate(found.estimates.parameters), 2):
+            lines.append(f"correlation of {a} and {b}  {found.estimates.correlation[i, j]:.2f}")
+    else:
+        lines += ["", "too few points near the best one for estimates: more points or rounds"]
+    heads = [key for key in told["targets"][0] if key not in ("low", "high", "error")]
+    shown = [
+        [_short(target.get(key, "")) for key in heads] + [_asked(target)]
+        for target in told["targets"]
+    ]
+    return "\n".join([*lines, "", "targets", *_columns([*heads, "asked"], shown)])
+
+
+def _asked(target: dict[str, Any]) -> str:
+    """Limits of a target, or a measured value, with the error."""
+    low, high, error = target["low"], target["high"], target["error"]
+    if isnan(low):
+        return ""
+    value = f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+    return f"{value} +- {error:.2g}"
+
+
+def _short(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _columns(heads: list[str], rows: list[list[str]]) -> list[str]:
+    """Lines of a table."""
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    return [
+        "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
+        for row in (heads, *rows)
+    ]
 
 
 def calibration_text(found: dict[str, Any]) -> str:

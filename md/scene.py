@@ -369,6 +369,15 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
         raise InputError(f"{source}: {what} ({reason}); examples: {names}") from None
 
 
+def scene_beside(path: str | Path, tables: Mapping) -> dict:
+    """Tables of the scene that a sweep or a search names: a file beside it, or an example."""
+    name = tables.get("scene")
+    if not isinstance(name, str):
+        raise InputError(f"scene must be the name of a file or of an example, got {name!r}")
+    beside = Path(path).parent / name
+    return read_tables(beside if beside.exists() else name)
+
+
 def from_tables(tables: Mapping) -> Scene:
     """A scene from nested tables.
 

@@ -31,15 +31,21 @@ SOURCES = read(Path(__file__).parent)  # what this process runs, whatever is edi
 
 def imported(module: str) -> set[str]:
     """Modules of this package that a module imports, also within functions."""
+    return _named(module, SOURCES[module]) & SOURCES.keys()
+
+
+@cache
+def _named(module: str, source: bytes) -> set[str]:
+    """Modules of this package, and names in them, that the source of a module imports."""
     folders = {name.rpartition(".")[0] for name in SOURCES}
     here = module.split(".") if module in folders else module.split(".")[:-1]
     found = set()
-    for node in ast.walk(ast.parse(SOURCES[module])):
+    for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.ImportFrom) and node.level:
             above = here[: len(here) + 1 - node.level]
             name = ".".join([*above, *filter(None, [node.module])])
             found |= {name, *(f"{name}.{alias.name}".lstrip(".") for alias in node.names)}
-    return found & SOURCES.keys()
+    return found
 
 
 @cache

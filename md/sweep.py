@@ -42,7 +42,7 @@ from .accuracy import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, 
 from .domains import finite, held, positive, whole
 from .errors import InputError, RunError
 from .host import step_of
-from .scene import Scene, as_dict, from_tables, put, read_tables
+from .scene import Scene, as_dict, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
 from .sources import digest
 from .store import Store
@@ -248,11 +248,7 @@ def load_sweep(path: str | Path) -> Sweep:
         As `expand`, and if a file cannot be read.
     """
     tables = read_tables(path, _SWEEPS)
-    name = tables.get("scene")
-    if not isinstance(name, str):
-        raise InputError(f"scene must be the name of a file or of an example, got {name!r}")
-    beside = Path(path).parent / name
-    return expand(tables, read_tables(beside if beside.exists() else name))
+    return expand(tables, scene_beside(path, tables))
 
 
 def _of_run(point: Point) -> dict:
@@ -360,14 +356,14 @@ def execute(
         raise InputError(f"workers has no meaning with scheduler, got {workers} and {scheduler!r}")
     points = {point.key: point for point in sweep.points}
     begin = perf_counter()
-    with Store(store) as database:
+    with _backend(scheduler), Store(store) as database:  # refused before there is a store
         wanted = [p for key, p in points.items() if not database.has(key, failed=not retry)]
         tally = Tally(len(sweep.points), len(points), len(points) - len(wanted))
         bar = tqdm(total=len(wanted), unit=" runs", disable=None if progress else True)
         processes = min(cpu_count() if workers == -1 else workers, max(len(wanted), 1))
         results = _survived(wanted, -1 if scheduler else processes)
         try:
-            with bar, _backend(scheduler), _stopping(results):
+            with bar, _stopping(results):
                 for key, result, error, seconds in results:
                     point = points[key]
                     about = {

@@ -1,5 +1,7 @@
 """Property tests draw the same examples every time; rows of rods have a store of their own."""
 
+import gc
+import os
 import signal
 import time
 from pathlib import Path
@@ -22,6 +24,8 @@ TOGETHER = {  # files that one process works through, as they share what it has 
     "space": ("annulus", "space", "space_hard_cases"),
 }
 
+gc.set_threshold(100_000, 20, 100)  # what is made here is large; Python's own costs 7 % of the time
+os.environ.setdefault("SYMPY_CACHE_SIZE", "None")  # its own limit costs a fifth of SymPy's time
 mpl.use("Agg")  # no windows
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.load_profile("steady")

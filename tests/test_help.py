@@ -7,7 +7,6 @@ import os
 import shlex
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -88,28 +87,6 @@ def test_bad_usage_begins_with_the_command(name, capsys):
     """One line, exit code 2."""
     package, *command = name.split()
     refused(lambda: GROUPS[package]([*command, "--nonsense"]), f"python -m {name}: No such", capsys)
-
-
-REFUSED = {
-    f"{begin} {rest}".strip(): words
-    for begin, rows in tomllib.loads((ROOT / "tests/refused.toml").read_text()).items()
-    for rest, words in rows.items()
-}
-
-
-@pytest.mark.parametrize("line", REFUSED)
-def test_refusals_begin_with_the_command(line, capsys, tmp_path, monkeypatch):
-    """And nothing is written or begun."""
-    monkeypatch.chdir(tmp_path)
-    Path("FILE").write_text("no store")
-    package, *words = line.split()
-    command = " ".join(
-        [package, *words[:1]] if " ".join([package, *words[:1]]) in ALL else [package]
-    )
-    err = refused(lambda: GROUPS[package](words), REFUSED[line], capsys)
-    assert err.startswith(f"python -m {command}: ")
-    assert Path("FILE").read_text() == "no store"
-    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["FILE"]
 
 
 ENDS = [(KeyboardInterrupt, 130, "interrupted"), (MemoryError, 1, "not enough memory")]

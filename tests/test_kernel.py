@@ -71,7 +71,7 @@ def test_sums_that_lose_digits_are_seen(name, old, new):
     changed = replace(routine, text=routine.text.replace(old, new))
     proof = changed.prove()
     assert not proof.ok
-    assert "roundings left" in proof.evidence or "short numbers" in proof.evidence
+    assert "roundings left" in proof.evidence or "binary digits" in proof.evidence
 
 
 def test_a_wrong_branch_rule_names_a_history_that_breaks_a_law():

@@ -7,22 +7,32 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
+import numba
 import pytest
 from numba.core.caching import IndexDataCacheFile
 
 import md
+from impact import _jit
 from md import cache, sources
 
 PACKAGE = Path(md.__file__).parent
+
+
+def half(x):
+    return x / 2
+
+
 CALL = """
 import json, md
 from md.kernels.contact import Slip, Spring
 from md.kernels.codes import STICK
 from md.kernels.rates import held
 force = held(Spring(root=1.0), STICK, 1.0, 0.3, 0.1, Slip(0.0, 0.0, 0.0, 1.0))[0]
-counts = [sum(found.values()) for found in (held.stats.cache_hits, held.stats.cache_misses)]
+stats = held._compile_for_args().stats  # of the twin that Python calls
+counts = [sum(found.values()) for found in (stats.cache_hits, stats.cache_misses)]
 print(json.dumps([md.__file__, force, *counts]))
 """
 
@@ -145,6 +155,24 @@ def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch):
     os.utime(old, (0, 0))
     folder = cache.directory.__wrapped__()
     assert set((tmp_path / "rod-impact").iterdir()) == {recent, folder}
+
+
+@pytest.mark.parametrize("compiler", [cache.kernel, partial(_jit.kernel, forceinline=True)])
+def test_an_inlined_kernel_is_compiled_without_an_entry_until_python_calls_it(
+    compiler, monkeypatch, tmp_path
+):
+    """Whichever call comes first, and from the cache as well; entries cost a third of the time."""
+    monkeypatch.setattr(cache, "directory", lambda: tmp_path)
+
+    def calling(kernel):
+        return numba.njit(lambda x: kernel(x))
+
+    for _ in range(2):
+        inner, first = compiler(half), compiler(half)
+        assert calling(inner)(3.0) == inner(3.0) == 1.5
+        assert first(3.0) == calling(first)(3.0) == 1.5
+        [compiled] = inner.overloads.values()
+        assert not any("cpython" in f.name for f in compiled.library.get_defined_functions())
 
 
 def test_arithmetic_is_that_of_ieee():

@@ -21,7 +21,7 @@ COMMANDS, LONGER = (
     re.findall(r"^    (python -m .*?)(?: {2,}#.*)?$", text, re.M) for text in (TEXT, GUIDE)
 )
 # The second needs what the first leaves; a test of claims runs the third in a smaller form.
-SLOW = ("sweep", "results", "claims")
+SLOW = ("sweep", "search", "results", "claims")
 
 
 def test_pages_are_of_the_numbers_in_the_gallery():

@@ -16,10 +16,11 @@ from md.store import Store, table, write_csv
 
 from .command_line import refused
 from .rows import row
+from .test_help import ALL, GROUPS
 from .test_store import ABOUT
 
 TABLES = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text(encoding="utf-8"))
-SWEEPS = TABLES.pop("sweep bad.toml --store b.db")
+SWEEPS = TABLES.pop("md sweep bad.toml --store b.db")
 REFUSALS = {
     f"{begin} {rest}".strip(): words
     for begin, rows in TABLES.items()
@@ -40,6 +41,7 @@ def fill():
     """Make the files."""
     with Store("a.db") as store:
         store.put("k", ABOUT, {"c_x": 0.5}, None)
+    Path("FILE").write_text("no store")
     Path("notes.csv").write_text("day,hours\n1,8\n")
     Path("other.json").write_text('{"order": 1}')
     Path("other.xyz").write_text('1\nLattice="1 0 0 0 1 0 0 0 1" Properties=pos:R:3\n0 0 0\n')
@@ -67,10 +69,13 @@ def contents(folder):
 
 @pytest.mark.parametrize(("command", "words"), REFUSALS.items(), ids=REFUSALS)
 def test_nonsense_is_refused_in_one_line(folder, monkeypatch, capsys, command, words):
-    """It names the option or key, its value and its domain; exit code 2, and no file is changed."""
+    """It names command, option or key, value and domain; exit code 2, and no file is changed."""
     monkeypatch.setattr(calibration, "calibrate", lambda *_, **__: pytest.fail("work begun"))
+    package, *rest = command.split()
+    name = " ".join([package, *rest[:1]])
     before = contents(folder)
-    refused(lambda: main(command.split()), words, capsys)
+    err = refused(lambda: GROUPS[package](rest), words, capsys)
+    assert err.startswith(f"python -m {name if name in ALL else package}: ")
     assert contents(folder) == before
 
 

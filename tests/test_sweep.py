@@ -180,8 +180,10 @@ def test_a_worker_that_always_dies_is_an_error(tmp_path, monkeypatch):
 
 
 def test_a_scheduler_that_is_none_is_named(tmp_path):
+    """Before there is a store."""
     with pytest.raises(ValueError, match=r"scheduler must be the address .*, got 'nope'"):
         execute(axes(), tmp_path / "a.db", scheduler="nope")
+    assert not (tmp_path / "a.db").exists()
 
 
 # The command
@@ -212,7 +214,8 @@ LONG = SWEEP.replace("periods = 20", "periods = 400").replace(
     ],
 )
 def test_kills_at_random_times_lose_nothing(tmp_path, kills, hows):
-    sweep, before, random = load_sweep(written(tmp_path, LONG)), 0, np.random.default_rng(7)
+    text = LONG if kills > 1 else LONG.replace("20, count = 20", "5, count = 5")
+    sweep, before, random = load_sweep(written(tmp_path, text)), 0, np.random.default_rng(7)
     for kill in range(kills):
         seconds = random.uniform(0.2, 4.0) if kills > 1 else 0.7
         _, rows, _ = killed(tmp_path, hows[kill % len(hows)], seconds)

@@ -1,0 +1,504 @@
+"""Searches: which parameters of a scene give what was measured, or what is asked for.
+
+    scene = "my_rods"                 # a file beside this one, or an example
+    periods = 300
+    seeds = [1, 2]                    # starts of every run
+    points = 32                       # sets of parameters a round, a power of two
+    rounds = 2                        # each later one looks closer, around the best
+
+    [set]                             # for all points
+    "step.size" = 1e-4
+
+    [[parameters]]
+    keys = ["contacts.plate.friction", "contacts.rods.friction"]   # which take the same value
+    from = 0.1
+    to = 0.6                          # log = true: evenly in log
+
+    [[parameters]]
+    name = "law"                      # a choice: what each changes
+    choices = { viscous = { "contacts.plate.law" = "constant_restitution" }, ... }
+
+    [[parameters]]
+    keys = ["contacts.plate.restitution"]
+    from = 0.4
+    to = 1.0
+    when = { law = "viscous" }        # it has no meaning else
+
+    [data]
+    file = "drift.csv"                # columns: keys of the scene, the result, and `error`
+    result = "c_x_cm_s"               # a row without it asks for it: it is predicted
+
+    [[targets]]                       # besides data, or in their place
+    result = "tilt_deg"
+    at = { "box.length" = 43.0 }
+    holds = [20.0, 23.0]              # limits
+    error = 0.5                       # of them
+
+Parameters are drawn from a Sobol sequence; every point is run at all places of the data and targets
+with all starts, by `md.sweep` into its store, so that a search goes on where it stopped. The misfit
+of a point is the sum of squares of (result - limit)/error, where the error is that of the data and
+of the means over the starts together.
+
+Between the points each result is a polynomial of the parameters (`Surface`). From it follow the
+estimate of each parameter, weighted by exp(-misfit/2), and what is predicted with its uncertainty.
+"""
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.stats import qmc
+
+from .domains import finite, positive, whole
+from .errors import InputError, RunError
+from .scene import from_tables, put, read_tables, scene_beside
+from .simulation import MOST_PERIODS
+from .surface import ENOUGH, Surface
+from .sweep import Point, Sweep, Tally, execute
+
+__all__ = [
+    "Estimate",
+    "Estimates",
+    "Found",
+    "Parameter",
+    "Search",
+    "Target",
+    "expand",
+    "load_search",
+    "search",
+]
+
+_KEYS = (
+    "scene",
+    "periods",
+    "seeds",
+    "points",
+    "rounds",
+    "seed",
+    "set",
+    "parameters",
+    "data",
+    "targets",
+)
+_SEARCHES = Path(__file__).parent / "searches"
+_SAMPLES = 2**14  # of the parameters, for their estimate
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A range of numbers, or a choice."""
+
+    name: str  # in messages and tables
+    keys: tuple[str, ...] = ()  # of the scene, which all take the value
+    low: float = 0.0  # end of the range
+    high: float = 1.0  # the other
+    log: bool = False  # whether values lie evenly in log
+    choices: Mapping[str, Mapping[str, Any]] | None = None  # what each changes in the scene
+    when: Mapping[str, str] | None = None  # choices without which the parameter has no meaning
+
+    def value(self, part: float) -> float | str:
+        """The value at a part of the range, from 0 to 1.
+
+        Parameters
+        ----------
+        part : 0 <= part < 1
+        """
+        if self.choices is not None:
+            return list(self.choices)[int(part * len(self.choices))]
+        if self.log:
+            return float(self.low * (self.high / self.low) ** part)
+        return float(self.low + (self.high - self.low) * part)
+
+    def changes(self, values: Mapping[str, float | str]) -> dict[str, Any]:
+        """What it changes in the scene.
+
+        Parameters
+        ----------
+        values : of all parameters, by name
+        """
+        if any(values[name] != choice for name, choice in (self.when or {}).items()):
+            return {}
+        value = values[self.name]
+        return dict(self.choices[str(value)]) if self.choices else dict.fromkeys(self.keys, value)
+
+
+class Target(NamedTuple):
+    """What a result should be at one place; without limits it is only predicted."""
+
+    result: str  # such as "c_x_cm_s"
+    place: int  # number of its place
+    low: float  # limit; nan: none
+    high: float  # the other
+    error: float  # standard error of both
+
+
+@dataclass(frozen=True)
+class Search:
+    """A search, read and checked."""
+
+    base: Mapping[str, Any]  # tables of the scene
+    common: Mapping[str, Any]  # changes of all points
+    periods: int  # of each run
+    seeds: tuple[int, ...]  # starts
+    parameters: tuple[Parameter, ...]  # that are varied
+    places: tuple[Mapping[str, Any], ...]  # changes of the scene at each place of the targets
+    targets: tuple[Target, ...]  # what is asked for
+    points: int  # a round
+    rounds: int = 1  # each later one closer around the best
+    seed: int = 1  # of the Sobol sequence
+
+    def values(self, parts: np.ndarray) -> dict[str, float | str]:
+        """Values of the parameters.
+
+        Parameters
+        ----------
+        parts : (parameters,), of their ranges
+        """
+        return {p.name: p.value(part) for p, part in zip(self.parameters, parts, strict=True)}
+
+    def sweep(self, parts: np.ndarray) -> Sweep:
+        """Points times places times starts.
+
+        Parameters
+        ----------
+        parts : (points, parameters), of their ranges
+
+        Raises
+        ------
+        ValueError, TypeError
+            If a point is not a scene that can run; the message names the point.
+        """
+        runs = []
+        for row in parts:
+            values = self.values(row)
+            changes = {k: v for p in self.parameters for k, v in p.changes(values).items()}
+            for place, seed in product(self.places, self.seeds):
+                whole_change = {**self.common, **changes, **place, "start.seed": seed}
+                try:
+                    scene = from_tables(put(self.base, whole_change))
+                except InputError as error:
+                    at = ", ".join(f"{k} = {v!r}" for k, v in {**values, **place}.items())
+                    raise InputError(f"{error} (at {at})") from None
+                runs.append(Point(scene, self.periods))
+        axes = {"point": [*range(len(parts))]}, {"place": [*range(len(self.places))]}
+        return Sweep((*axes, {"start.seed": [*self.seeds]}), tuple(runs))
+
+    def draw(self, box: np.ndarray, number: int) -> np.ndarray:
+        """Parts of the ranges of a round's points, (points, parameters).
+
+        Parameters
+        ----------
+        box : (2, parameters), lowest and highest parts
+        number : of the round
+        """
+        sobol = qmc.Sobol(len(self.parameters), seed=self.seed + number)
+        return box[0] + sobol.random(self.points) * (box[1] - box[0])
+
+
+class Estimate(NamedTuple):
+    """A value with its standard error."""
+
+    value: float  # mean
+    error: float  # one standard deviation
+
+
+class Estimates(NamedTuple):
+    """What follows from the misfits of all points near the best one; empty if these are too few."""
+
+    parameters: dict[str, Estimate]  # those that are numbers
+    correlation: np.ndarray  # of them
+    results: list[Estimate]  # of each target
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search has found."""
+
+    search: Search  # that was made
+    parts: np.ndarray  # (n, parameters): of the ranges, all rounds
+    results: np.ndarray  # (n, targets): means over the starts
+    errors: np.ndarray  # (targets,): standard errors of these means
+    tally: Tally  # of all rounds
+
+    @cached_property
+    def misfits(self) -> np.ndarray:
+        """Of each point; inf where a run failed."""
+        found = _misfit(self.search.targets, self.results, self.errors**2)
+        return np.where(np.isnan(found), np.inf, found)
+
+    @property
+    def best(self) -> int:
+        """Number of the point with the least misfit."""
+        return int(np.argmin(self.misfits))
+
+    @cached_property
+    def estimates(self) -> Estimates:
+        """Means over the ranges near the best point, weighted by exp(-misfit/2)."""
+        return _estimates(self)
+
+
+def _misfit(targets: Sequence[Target], results: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """Sum over the targets of the squared distances from their limits, in errors."""
+    low, high, error = np.array([(t.low, t.high, t.error) for t in targets]).T
+    off = np.maximum(np.maximum(low - results, results - high), 0)
+    return np.sum(np.where(np.isnan(error), 0, off**2 / (error**2 + variance)), axis=-1)
+
+
+def _box(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
+    """Lowest and highest parts of the best quarter of the points, and a tenth more on each side."""
+    few = max(len(parts) // 4, 2 * (parts.shape[1] + 1))
+    near = parts[np.argsort(misfits)[:few]]
+    ends = np.array([near.min(axis=0), near.max(axis=0)])
+    return np.clip(ends + np.array([[-0.1], [0.1]]) * (ends[1] - ends[0]), 0, 1 - 1e-12)
+
+
+def _near(found: Found) -> np.ndarray:
+    """Which points are close to the best one, and have its choices."""
+    box = _box(found.parts, found.misfits)
+    near = ((found.parts >= box[0]) & (found.parts <= box[1])).all(axis=1)
+    near &= np.isfinite(found.results).all(axis=1)
+    for parameter, column in zip(found.search.parameters, found.parts.T, strict=True):
+        if parameter.choices:
+            chosen = parameter.value(column[found.best])
+            near &= np.array([parameter.value(part) == chosen for part in column])
+    return near
+
+
+def _estimates(found: Found) -> Estimates:
+    search, near = found.search, _near(found)
+    chosen = search.values(found.parts[found.best])
+    free = [i for i, p in enumerate(search.parameters) if not p.choices and p.changes(chosen)]
+    if not free or near.sum() < ENOUGH * (len(free) + 1):
+        return Estimates({}, np.empty((0, 0)), [])
+    parts = found.parts[near][:, free]
+    low, size = parts.min(axis=0), np.ptp(parts, axis=0)
+    samples = qmc.Sobol(len(free), seed=search.seed).random(_SAMPLES)
+    told = [
+        Surface(2 * (parts - low) / size - 1, column)(2 * samples - 1)
+        for column in found.results[near].T
+    ]
+    results, variances = np.array(told).transpose(1, 2, 0)
+    misfits = _misfit(search.targets, results, variances)
+    weights = np.exp((misfits.min() - misfits) / 2)
+    weights /= weights.sum()
+    columns = zip(free, (low + samples * size).T, strict=True)
+    numbers = np.array([[search.parameters[i].value(x) for x in column] for i, column in columns])
+    mean = numbers @ weights
+    covariance = np.atleast_2d(np.cov(numbers, aweights=weights, ddof=0))
+    error = np.sqrt(np.diag(covariance))
+    names = [search.parameters[i].name for i in free]
+    predicted = weights @ results
+    spread = np.sqrt(weights @ ((results - predicted) ** 2 + variances))
+    return Estimates(
+        {name: Estimate(float(x), float(e)) for name, x, e in zip(names, mean, error, strict=True)},
+        covariance / np.outer(error, error),
+        [Estimate(float(x), float(e)) for x, e in zip(predicted, spread, strict=True)],
+    )
+
+
+def search(given: Search, store: str | Path, **how: Any) -> Found:
+    """Search, round by round; what the store holds is not run again.
+
+    Parameters
+    ----------
+    given : Search
+    store : path of the store
+    how : workers, scheduler, retry, progress, as in `md.sweep.execute`
+
+    Raises
+    ------
+    As `md.sweep.execute`, and RunError if no point has results at all targets.
+    """
+    box, parts, results = np.array([[0.0], [1.0]]).repeat(len(given.parameters), 1), [], []
+    whole_tally, variances = Tally(0, 0, 0), []
+    for number in range(given.rounds):
+        parts.append(given.draw(box, number))
+        sweep = given.sweep(parts[-1])
+        tally = execute(sweep, store, **how)
+        whole_tally = Tally(
+            *(a + b for a, b in zip(astuple(whole_tally), astuple(tally), strict=True))
+        )
+        runs = _at_targets(given, sweep, store)
+        results.append(runs.mean(axis=-1))
+        variances.append(runs.var(axis=-1, ddof=1) if len(given.seeds) > 1 else 0 * results[-1])
+        errors = np.sqrt(np.nanmean(np.concatenate(variances), axis=0) / len(given.seeds))
+        found = Found(given, np.concatenate(parts), np.concatenate(results), errors, whole_tally)
+        if not np.isfinite(found.misfits).any():
+            raise RunError("no point has all the results that the targets ask for")
+        box = _box(found.parts, found.misfits)
+    return found
+
+
+def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
+    """Results at the targets, (points, targets, starts)."""
+    names = sorted({target.result for target in given.targets})
+    try:
+        tables = dict(zip(names, sweep.gather(store, *names), strict=True))
+    except (KeyError, TypeError):
+        raise InputError(
+            f"targets ask for {', '.join(names)}: not all are results of a run"
+        ) from None
+    return np.stack([tables[t.result][:, t.place] for t in given.targets], axis=1)
+
+
+# ---- reading ----------------------------------------------------------------------------------
+
+
+def _parameter(name: str, table: object) -> Parameter:
+    """A parameter from its table."""
+    known = {"name", "keys", "from", "to", "log", "choices", "when"}
+    if not isinstance(table, Mapping) or not set(table) <= known:
+        raise InputError(f"{name} must be a table with keys of {', '.join(sorted(known))}")
+    if ("choices" in table) == ("keys" in table):
+        raise InputError(f"{name} must have either choices or keys, with from and to")
+    when = table.get("when")
+    if "choices" in table:
+        choices = table["choices"]
+        fine = isinstance(choices, Mapping) and all(
+            isinstance(x, Mapping) for x in choices.values()
+        )
+        if not fine or len(choices) < 2:
+            raise InputError(f"{name}.choices must be two tables of changes or more, by name")
+        return Parameter(str(table.get("name", name)), choices=choices, when=when)
+    log, keys = bool(table.get("log", False)), table["keys"]
+    if not isinstance(keys, list) or not keys or not all(isinstance(key, str) for key in keys):
+        raise InputError(f"{name}.keys must be a list of keys of the scene, got {keys!r}")
+    low, high = (
+        (positive if log else finite)(f"{name}.{end}", table.get(end)) for end in ("from", "to")
+    )
+    if not low < high:
+        raise InputError(f"{name}.from must be less than to, got {low:g} and {high:g}")
+    return Parameter(str(table.get("name", keys[0])), tuple(keys), low, high, log, None, when)
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        return float(text) if text.strip() else math.nan
+    except ValueError:
+        raise InputError(f"{where} must be a number or empty, got {text!r}") from None
+
+
+def _data(table: object, folder: Path) -> list[tuple[dict[str, Any], str, float, float]]:
+    """Rows of a CSV: place, result, value, error."""
+    if not isinstance(table, Mapping) or set(table) != {"file", "result"}:
+        raise InputError(f"data must have file and result, got {table!r}")
+    path, result = folder / str(table["file"]), str(table["result"])
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as lines:
+            rows = list(csv.DictReader(lines))
+    except (OSError, UnicodeDecodeError) as failure:
+        reason = getattr(failure, "strerror", None) or failure
+        raise InputError(f"data.file: {path} cannot be read ({reason})") from None
+    if not rows or not {result, "error"} < set(rows[0]):
+        raise InputError(
+            f"{path} must have columns {result}, error and keys of the scene, and rows"
+        )
+    found = []
+    for i, row in enumerate(rows, 2):
+        numbers = {
+            key: _number(text or "", f"{path}, line {i}, {key}") for key, text in row.items()
+        }
+        value, error = numbers.pop(result), numbers.pop("error")
+        if not math.isnan(value):
+            positive(f"{path}, line {i}, error", error)
+        whole_numbers = {k: int(x) if x.is_integer() else x for k, x in numbers.items()}
+        found.append((whole_numbers, result, value, error))
+    return found
+
+
+def _limits(name: str, table: object) -> tuple[dict[str, Any], str, float, float, float]:
+    """Place, result, limits and error of a target."""
+    if not isinstance(table, Mapping) or not {"result", "holds", "error"} <= set(table):
+        raise InputError(f"{name} must have result, holds, error and at, got {table!r}")
+    holds = table["holds"]
+    if not isinstance(holds, list) or len(holds) != 2 or not holds[0] <= holds[1]:
+        raise InputError(f"{name}.holds must be two numbers, the lower one first, got {holds!r}")
+    error = positive(f"{name}.error", table["error"])
+    return dict(table.get("at", {})), str(table["result"]), float(holds[0]), float(holds[1]), error
+
+
+def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
+    """A search from its tables and those of its scene.
+
+    Parameters
+    ----------
+    tables : of the search, as the module says
+    base : tables of the scene, as `md.scene.read_tables` gives them
+    folder : where the data are
+
+    Raises
+    ------
+    ValueError, TypeError
+        If something is missing or out of its domain; the message names it.
+    """
+    for key in tables:
+        if key not in _KEYS:
+            raise InputError(f"{key} is not a key of a search; known: {', '.join(sorted(_KEYS))}")
+    asked = (
+        [(*row[:3], row[2], row[3]) for row in _data(tables["data"], folder)]
+        if "data" in tables
+        else []
+    )
+    asked += [_limits(f"targets[{i}]", table) for i, table in enumerate(tables.get("targets", []))]
+    if all(math.isnan(error) for *_, error in asked):
+        raise InputError("a search needs data, or targets: there are none")
+    places: list[dict[str, Any]] = []
+    for place, *_ in asked:
+        if place not in places:
+            places.append(place)
+    parameters = tuple(
+        _parameter(f"parameters[{i}]", p) for i, p in enumerate(tables.get("parameters", []))
+    )
+    names = [parameter.name for parameter in parameters]
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"parameters must be there, with different names, got {names}")
+    for parameter in parameters:
+        for name, choice in (parameter.when or {}).items():
+            known = {p.name: p.choices for p in parameters if p.choices}
+            if choice not in known.get(name, {}):
+                raise InputError(f"{parameter.name}: when.{name} = {choice!r} is not a choice")
+    seeds = tables.get("seeds", [1, 2])
+    if not isinstance(seeds, list) or not seeds or len(set(seeds)) < len(seeds):
+        raise InputError(f"seeds must be a list of different starts, got {seeds!r}")
+    points = whole("points", tables.get("points", 32), 4, 2**16)
+    if points & (points - 1):
+        raise InputError(
+            f"points must be a power of two, as a Sobol sequence is even in these, got {points}"
+        )
+    return Search(
+        base=base,
+        common=dict(tables.get("set", {})),
+        periods=whole("periods", tables.get("periods", 200), 1, MOST_PERIODS),
+        seeds=tuple(whole("seeds", seed, 0, 2**32) for seed in seeds),
+        parameters=parameters,
+        places=tuple(places),
+        targets=tuple(Target(r, places.index(p), low, high, e) for p, r, low, high, e in asked),
+        points=points,
+        rounds=whole("rounds", tables.get("rounds", 1), 1, 100),
+        seed=whole("seed", tables.get("seed", 1), 0, 2**32),
+    )
+
+
+def load_search(path: str | Path) -> Search:
+    """A search from a TOML file; its scene and data are files beside it, or the scene an example.
+
+    Parameters
+    ----------
+    path : of the file, or the name of a file in `md/searches/` without its ending
+
+    Raises
+    ------
+    ValueError, TypeError
+        As `expand`, and if a file cannot be read.
+    """
+    found = Path(path)
+    if not found.exists() and (_SEARCHES / f"{path}.toml").exists():
+        found = _SEARCHES / f"{path}.toml"
+    tables = read_tables(found, _SEARCHES)
+    return expand(tables, scene_beside(found, tables), found.parent)

@@ -1,0 +1,278 @@
+"""Searches: parameters are found again within their errors; what cannot be searched is refused."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from md import sweep
+from md.__main__ import main
+from md.scene import from_tables, put, read_tables
+from md.search import Found, expand, load_search, search
+from md.surface import Surface
+
+TRUE = {"friction": 0.3, "restitution": 0.65}
+ERROR = 0.05
+BOXES = 41.0, 43.0, 46.0, 50.0
+PARAMETERS = [
+    {
+        "name": part,
+        "keys": [f"contacts.{where}.{part}" for where in ("plate", "rods")],
+        "from": low,
+        "to": high,
+    }
+    for part, low, high in (("friction", 0.1, 0.6), ("restitution", 0.4, 0.95))
+]
+BASE = put(read_tables("quasi2d"), {"contacts.rods.restitution": 0.5})
+
+
+def drift(friction, restitution, box):
+    """A drift that depends on both in a smooth way, unlike at different boxes."""
+    return 3 + 8 * friction * (box - 38) / 5 + 6 * restitution**2 - 4 * friction * restitution
+
+
+def made_run(point):
+    """What a run would store: the drift, with a scatter of its own for each start."""
+    contact, box = point.scene.contacts.plate, point.scene.box.length
+    scatter = np.random.default_rng([point.scene.start.seed, int(1e6 * contact.friction)])
+    value = drift(contact.friction, contact.law.restitution, box)
+    return {"c_x_cm_s": value + 0.03 * scatter.standard_normal(), "periods": point.periods}
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """Runs of the formula in place of simulations, in this process."""
+    monkeypatch.setattr(sweep, "_of_run", made_run)
+
+
+def tables(folder, **changes):
+    """A search with data of the formula."""
+    rows = [f"{box},{drift(**TRUE, box=box):.6f},{ERROR}" for box in BOXES]
+    lines = ["box.length,c_x_cm_s,error", *rows, "60,,"]
+    (folder / "drift.csv").write_text("\n".join(lines) + "\n")
+    data = {"file": "drift.csv", "result": "c_x_cm_s"}
+    return {"parameters": PARAMETERS, "data": data, "points": 16, "rounds": 2} | changes
+
+
+@pytest.fixture
+def found(made, tmp_path):
+    return search(expand(tables(tmp_path), BASE, tmp_path), tmp_path / "runs.db", workers=1)
+
+
+def test_parameters_are_recovered_and_carried_to_what_is_predicted(found):
+    parameters, correlation, results = found.estimates
+    for name, true in TRUE.items():
+        assert abs(parameters[name].value - true) < 3 * parameters[name].error < 0.15
+    assert abs(correlation[0, 1]) < 1
+    assert len(results) == len(BOXES) + 1
+    unseen = drift(**TRUE, box=60.0)
+    assert abs(results[-1].value - unseen) < 3 * results[-1].error < 1.0
+    assert results[-1].error > results[0].error  # far from all data
+
+
+def test_stated_errors_are_those_of_many_data_sets(found):
+    """Data that scatter by their errors: estimates scatter by theirs."""
+    random, off = np.random.default_rng(4), []
+    for _ in range(60):
+        moved = tuple(
+            target._replace(low=value, high=value)
+            for target in found.search.targets
+            for value in [target.low + ERROR * random.standard_normal()]
+        )
+        again = Found(replace(found.search, targets=moved), *found_parts(found))
+        told = again.estimates.parameters
+        off.append([(told[name].value - true) / told[name].error for name, true in TRUE.items()])
+    spread = np.sqrt(np.mean(np.square(off), axis=0))
+    assert (spread > 0.7).all()
+    assert (spread < 1.4).all()
+
+
+def found_parts(found):
+    return found.parts, found.results, found.errors, found.tally
+
+
+def test_a_later_round_looks_closer(found):
+    first, second = np.split(found.parts, 2)
+    assert (np.ptp(second, axis=0) < np.ptp(first, axis=0)).all()
+    assert found.best >= len(first)
+
+
+def test_a_search_goes_on_where_it_stopped(found, tmp_path):
+    again = search(found.search, tmp_path / "runs.db", workers=1)
+    assert (again.tally.computed, again.tally.there) == (0, found.tally.computed)
+    assert np.array_equal(again.results, found.results)
+
+
+def test_choices_and_what_has_no_meaning_under_one(made, tmp_path):
+    """The friction of rods is a parameter under one choice alone."""
+    law = {
+        "name": "gas",
+        "choices": {
+            "rough": {"contacts.rods.friction": 0.5},
+            "smooth": {"contacts.rods.friction": "none", "contacts.plate.friction": 0.3},
+        },
+    }
+    rough = {**PARAMETERS[0], "when": {"gas": "rough"}}
+    given = expand(tables(tmp_path, parameters=[law, rough, PARAMETERS[1]]), BASE, tmp_path)
+    for row in given.draw(np.array([[0.0] * 3, [1.0] * 3]), 0):
+        scene, values = given.sweep([row]).points[0].scene, given.values(row)
+        asked = values["friction"] if values["gas"] == "rough" else 0.3
+        assert scene.contacts.plate.friction == asked
+        assert (scene.contacts.rods.friction == 0) == (values["gas"] == "smooth")
+    told = search(given, tmp_path / "runs.db", workers=1).estimates
+    assert "gas" not in told.parameters
+
+
+def test_limits_are_kept_anywhere_between_them(made, tmp_path):
+    target = {"result": "c_x_cm_s", "at": {"box.length": 43.0}, "holds": [6.0, 7.0], "error": 0.1}
+    given = tables(tmp_path, targets=[target])
+    del given["data"]
+    told = search(expand(given, BASE, tmp_path), tmp_path / "runs.db", workers=1)
+    inside = (told.results[:, 0] > 6) & (told.results[:, 0] < 7)
+    assert (told.misfits[inside] == 0).all()
+    assert (told.misfits[~inside] > 0).all()
+
+
+def test_a_surface_takes_the_degree_that_predicts_best():
+    random = np.random.default_rng(2)
+    places = random.uniform(-1, 1, (60, 2))
+    noise = 0.01 * random.standard_normal(60)
+    for power in (1, 2):
+        result = places[:, 0] ** power * places[:, 1] + noise
+        assert Surface(places, result).degree >= power + 1
+    few = places[:8]  # of which a quadratic form would take almost all
+    assert Surface(few, few[:, 0] + noise[:8]).degree == 1
+    value, variance = Surface(places, places[:, 0] + noise)(np.array([[0.5, 0.0], [3.0, 0.0]]))
+    assert abs(value[0] - 0.5) < 4 * np.sqrt(variance[0]) < 0.02
+    assert variance[1] > 4 * variance[0]  # beyond all points
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"pionts": 3}, "pionts is not a key of a search"),
+        ({"points": 24}, "points must be a power of two"),
+        ({"parameters": []}, "parameters must be there"),
+        ({"parameters": [{"keys": ["a.b"], "from": 1, "to": 1}]}, "from must be less than to"),
+        ({"parameters": [{"keys": ["a.b"], "from": 0, "to": 1, "log": True}]}, "from must be > 0"),
+        ({"parameters": [{"name": "x"}]}, "either choices or keys"),
+        ({"parameters": [{**PARAMETERS[0], "when": {"law": "x"}}]}, "when.law = 'x' is not"),
+        ({"seeds": [1, 1]}, "seeds must be a list of different starts"),
+        ({"data": {"file": "none.csv", "result": "c_x"}}, "none.csv cannot be read"),
+        ({"data": {"file": "drift.csv", "result": "c_z"}}, "must have columns c_z, error"),
+        ({"targets": [{"result": "c_x"}]}, "targets.0. must have result, holds, error"),
+        (
+            {"targets": [{"result": "c_x", "holds": [2, 1], "error": 1}]},
+            "holds must be two numbers, the lower one first",
+        ),
+    ],
+)
+def test_what_cannot_be_searched_is_refused(tmp_path, changes, message):
+    with pytest.raises(ValueError, match=message):
+        expand(tables(tmp_path, **changes), BASE, tmp_path)
+
+
+def test_a_number_that_is_none_is_refused_with_its_line(tmp_path):
+    given = tables(tmp_path)
+    with (tmp_path / "drift.csv").open("a") as data:
+        data.write("45,about 3,0.1\n")
+    with pytest.raises(ValueError, match="line 7, c_x_cm_s must be a number or empty, got 'about"):
+        expand(given, BASE, tmp_path)
+
+
+def test_a_point_that_is_no_scene_is_named(tmp_path):
+    wrong = [{"name": "size", "keys": ["rods.length"], "from": -3.0, "to": -2.0}]
+    given = expand(tables(tmp_path, parameters=wrong), BASE, tmp_path)
+    with pytest.raises(ValueError, match=r"rods.length .* \(at size = -"):
+        search(given, tmp_path / "runs.db", workers=1)
+
+
+FILE = """
+scene = "quasi2d"
+periods = 30
+points = 4
+seeds = [1]
+[set]
+"rods.count" = 2
+"box.length" = 3.0
+"step.size" = 1.2e-4
+"step.coarse" = true
+[[parameters]]
+keys = ["contacts.plate.tangential_ratio", "contacts.rods.tangential_ratio"]
+from = 1
+to = 9
+log = true
+[[targets]]
+result = "tilt_deg"
+holds = [40, 50]
+error = 1
+"""
+
+
+def test_the_command_searches_a_file(tmp_path, capsys):
+    (tmp_path / "fit.toml").write_text(FILE)
+    assert load_search(tmp_path / "fit.toml").points == 4
+    asked = [
+        "search",
+        str(tmp_path / "fit.toml"),
+        "--store",
+        str(tmp_path / "runs.db"),
+        "--workers",
+        "1",
+    ]
+    assert main([*asked, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    misfits = [point["misfit"] for point in told["points"]]
+    assert len(misfits) == 4
+    assert misfits == sorted(misfits)
+    assert told["tally"]["computed"] == 4
+    assert main(asked) == 0
+    assert "best points" in capsys.readouterr().out
+
+
+def test_a_result_that_no_run_has_is_refused(tmp_path, capsys):
+    (tmp_path / "fit.toml").write_text(FILE.replace("tilt_deg", "tilt"))
+    assert (
+        main(
+            [
+                "search",
+                str(tmp_path / "fit.toml"),
+                "--store",
+                str(tmp_path / "runs.db"),
+                "--workers",
+                "1",
+            ]
+        )
+        == 2
+    )
+    assert "not all are results of a run" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_friction_and_restitution_of_a_simulated_row_are_recovered(tmp_path):
+    """Drift over tilt and Gamma from other starts than those of the search."""
+    scene = {
+        "rods.count": 20, "step.size": 1.2e-4, "step.coarse": True, "start.speed": 0.3,
+        "contacts.plate.tangential_ratio": 3, "contacts.rods.tangential_ratio": 3,
+    }  # fmt: skip
+    base = put(read_tables("quasi2d"), scene)
+    axes = [
+        {"box.length": [20.6, 21.5, 23.0, 26.0]},
+        {"plate.acceleration": [2.5, 3.3]},
+        {"start.seed": [11, 12, 13, 14]},
+    ]
+    real = sweep.expand({"periods": 300, "axes": axes}, base)
+    sweep.execute(real, tmp_path / "runs.db")
+    (measured,) = real.gather(tmp_path / "runs.db", "c_x_cm_s")
+    lines = ["box.length,plate.acceleration,c_x_cm_s,error"]
+    for point, starts in zip(real.points[::4], measured.reshape(-1, 4), strict=True):
+        at = point.scene.box.length, point.scene.plate.acceleration
+        error = max(starts.std(ddof=1) / 2, 0.05)
+        lines.append(",".join(map(str, [*at, starts.mean(), error])))
+    given = tables(tmp_path, periods=100)
+    (tmp_path / "drift.csv").write_text("\n".join(lines) + "\n")
+    parameters = search(expand(given, base, tmp_path), tmp_path / "runs.db").estimates.parameters
+    for name, true in TRUE.items():
+        assert abs(parameters[name].value - true) < 3 * parameters[name].error < 0.1
+    assert from_tables(base).contacts.plate.friction == TRUE["friction"]
