@@ -294,7 +294,7 @@ class RowEngine(Engine):
         return np.abs(rods[:, ROW_VELOCITY]) @ (1, 1, self.half_length)
 
     def overlaps(self, rods: np.ndarray, i: int, j: int, image: int) -> tuple[list[float], ...]:
-        """Overlaps in d of a pair: of each end contact, and of the ends that may meet each other."""
+        """Overlaps of a pair, in d: of each end contact, and of ends that may meet each other."""
         dx = rods[i, X] - rods[j, X] - image * (self.effects.period or 0.0)
         dz, alone = rods[i, Z] - rods[j, Z], self.effects.alone
         half, a, b = alone.half_length, tuple(rods[i, ROW_DIRECTION]), tuple(rods[j, ROW_DIRECTION])

@@ -227,14 +227,15 @@ def opened(listed, k, end):
 
 
 @kernel
-def touch(effects, between, state, ledger, place, pair, near, share, dt):
+def touch(effects, state, ledger, place, pair, near, share, dt):
     """Add the accelerations by the contact of one end, or its share of them.
 
     `place`: of what is kept of the contact; `near`: places along both axes, and the vector between.
     """
     i, j, _, _, a, b = pair
     s, t, r_x, r_z = near
-    light, rods, before, total = effects.lightness, state.rods, state.before, state.scratch.total
+    between, light = effects.between, effects.alone.lightness
+    rods, before, total = state.rods, state.before, state.scratch.total
     springs, kept = state.listed.springs, state.listed.losses
     r = sqrt(r_x * r_x + r_z * r_z)
     n_x, n_z, overlap = r_x / r, r_z / r, 1.0 - r
@@ -261,12 +262,13 @@ def touch(effects, between, state, ledger, place, pair, near, share, dt):
 
 
 @kernel(inline=False)
-def joined_ends(effects, between, state, ledger, k, pair, first, dt):
+def joined_ends(effects, state, ledger, k, pair, first, dt):
     """Add the accelerations by the ends from the `first` on, which meets another one.
 
     Whether one is too deep.
     """
-    half, listed, now = effects.half_length, state.listed, state.listed.turn[0]
+    alone, listed, now = effects.alone, state.listed, state.listed.turn[0]
+    half, stiffness = alone.half_length, effects.between.normal.stiffness
     _, _, dx, dz, a, b = pair
     lower = upper = 1.0  # shares left to the ends of the second rod
     for end in range(first, 4):
@@ -279,19 +281,19 @@ def joined_ends(effects, between, state, ledger, k, pair, first, dt):
         if square < (1 - DEEP) ** 2:
             return True
         share = (1.0, 1.0, lower, upper)[end]
-        if meets(effects.upper, end, square, t, half):
-            share, left, other = joined(effects, between.normal.stiffness, state, k, pair, end)
+        if meets(alone.upper, end, square, t, half):
+            share, left, other = joined(alone, stiffness, state, k, pair, end)
             if other == 2:
                 lower += left - 1.0
             else:
                 upper += left - 1.0
         place, near = (now, k, end), (s, t, r_x, r_z)
-        touch(effects, between, state, ledger, place, pair, near, share, dt)
+        touch(effects, state, ledger, place, pair, near, share, dt)
     return False
 
 
 @kernel(inline=False)
-def pair_forces(effects, between, state, ledger, dt):
+def pair_forces(effects, state, ledger, dt):
     """Add the accelerations by all touching pairs; number of a pair that is too deep, or -1."""
     alone, rods, listed = effects.alone, state.rods, state.listed
     half, now, index = alone.half_length, listed.turn[0], listed.index
@@ -314,11 +316,11 @@ def pair_forces(effects, between, state, ledger, dt):
                 return k
             index[now, k, 3] = 1
             if meets(alone.upper, end, square, t, half):
-                if joined_ends(alone, between, state, ledger, k, pair, end, dt):
+                if joined_ends(effects, state, ledger, k, pair, end, dt):
                     return k
                 break
             place, near = (now, k, end), (s, t, r_x, r_z)
-            touch(alone, between, state, ledger, place, pair, near, 1.0, dt)
+            touch(effects, state, ledger, place, pair, near, 1.0, dt)
     return -1
 
 
@@ -330,7 +332,7 @@ def between_rods(between, effects, state, ledger, dt):
     half, scratch = effects.alone.half_length, state.scratch
     if not current(state.rods, half, effects.period, state.listed, scratch.place, scratch.found):
         return FULL_LIST, 0
-    deep = pair_forces(effects, between, state, ledger, dt)
+    deep = pair_forces(effects, state, ledger, dt)
     return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
 
 
