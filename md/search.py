@@ -340,10 +340,12 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
         runs = _at_targets(given, sweep, store)
         results.append(runs.mean(axis=-1))
         variances.append(runs.var(axis=-1, ddof=1) if len(given.seeds) > 1 else 0 * results[-1])
-        errors = np.sqrt(np.nanmean(np.concatenate(variances), axis=0) / len(given.seeds))
+        known = np.concatenate(variances)
+        count = np.maximum(np.isfinite(known).sum(axis=0), 1) * len(given.seeds)
+        errors = np.sqrt(np.nansum(known, axis=0) / count)
         found = Found(given, np.concatenate(parts), np.concatenate(results), errors, whole_tally)
         if not np.isfinite(found.misfits).any():
-            raise RunError("no point has all the results that the targets ask for")
+            raise RunError(f"no point has all results at the targets; {tally.failed} runs failed")
         box = _box(found.parts, found.misfits)
     return found
 

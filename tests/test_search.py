@@ -1,6 +1,7 @@
 """Searches: parameters are found again within their errors; what cannot be searched is refused."""
 
 import json
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from md import sweep
 from md.__main__ import main
+from md.errors import RunError
 from md.result_text import search_text
 from md.scene import from_tables, put, read_tables
 from md.search import Found, expand, load_search, search
@@ -121,6 +123,17 @@ def test_draws_follow_a_ridge_and_leave_a_lesser_minimum():
     assert np.std(drawn[:, 0] + drawn[:, 1]) == pytest.approx(1e-3, rel=0.2)
     assert np.std(drawn[:, 0] - drawn[:, 1]) == pytest.approx(0.1, rel=0.2)
     assert np.std(drawn[:, 2]) == pytest.approx(0.1, rel=0.2)
+
+
+def test_a_search_of_which_all_runs_fail_ends_in_one_line(monkeypatch, tmp_path):
+    def fails(point):
+        raise RunError("rods overlap")
+
+    monkeypatch.setattr(sweep, "_of_run", fails)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(RunError, match="no point has all results at the targets; 160 runs"):
+            search(expand(tables(tmp_path), BASE, tmp_path), tmp_path / "runs.db", workers=1)
 
 
 def test_a_later_round_looks_closer(found):
