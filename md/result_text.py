@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from itertools import combinations, count
-from math import isnan
+from math import isnan, sqrt
 from typing import TYPE_CHECKING, Any
 
 from .accuracy import in_words
@@ -152,6 +152,7 @@ def search_json(found: "Found") -> dict[str, Any]:
     ]
     estimates = {name: estimate._asdict() for name, estimate in told.parameters.items()}
     return {"points": points, "estimates": estimates, "correlation": told.correlation.tolist()} | {
+        "least_misfit": told.misfit,
         "targets": targets,
         "tally": vars(found.tally),
     }
@@ -166,9 +167,13 @@ def search_text(found: "Found") -> str:
     if told["estimates"]:
         lines += ["", "estimates, with standard errors"]
         for name, estimate in found.estimates.parameters.items():
-            lines.append(f"{name}  {estimate.value:.4g} +- {estimate.error:.2g}")
+            lines.append(f"{name}  {estimate.value:.4g} +- {estimate.error:.2g}{_end(found, name)}")
         for (i, a), (j, b) in combinations(enumerate(found.estimates.parameters), 2):
             lines.append(f"correlation of {a} and {b}  {found.estimates.correlation[i, j]:.2f}")
+        data = sum(target.error > 0 for target in found.search.targets)
+        lines.append(f"least misfit  {found.estimates.misfit:.3g}, of {data} data or limits")
+        if found.estimates.misfit > data + 4 * sqrt(2 * data):
+            lines.append("warning: the scene does not fit the data; the errors do not hold")
     else:
         lines += ["", "too few points near the best one for estimates: more points or rounds"]
     heads = [key for key in told["targets"][0] if key not in ("low", "high", "error")]
@@ -177,6 +182,14 @@ def search_text(found: "Found") -> str:
         for target in told["targets"]
     ]
     return "\n".join([*lines, "", "targets", *_columns([*heads, "asked"], shown)])
+
+
+def _end(found: "Found", name: str) -> str:
+    """Note on an estimate that an end of its range cuts off."""
+    value, error = found.estimates.parameters[name]
+    one = next(one for one in found.search.parameters if one.name == name)
+    within = one.low + 2 * error < value < one.high - 2 * error
+    return "" if within else f"  (reaches an end of its range, {one.low:g} to {one.high:g})"
 
 
 def _asked(target: dict[str, Any]) -> str:

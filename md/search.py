@@ -40,10 +40,11 @@ of a point is the sum of squares of (result - limit)/error, where the error is t
 of the means over the starts together.
 
 Between the points each result is a polynomial of the parameters (`Surface`). From it follow the
-estimate of each parameter, weighted by exp(-misfit/2), and what is predicted with its uncertainty.
+estimate of each parameter, with weights exp(-misfit/2), and what is predicted with its uncertainty.
+Errors hold only if the scene can fit the data, and within the ranges: the least misfit is told, and
+should be no more than about the number of data. Choices are those of the best point.
 """
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
@@ -55,11 +56,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import qmc
 
-from .domains import finite, positive, whole
+from .domains import finite, held, positive, whole
 from .errors import InputError, RunError
+from .measured_table import read_rows
 from .scene import from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
-from .surface import ENOUGH, Surface
+from .surface import ENOUGH, Surface, draws
 from .sweep import Point, Sweep, Tally, execute
 
 __all__ = [
@@ -87,7 +89,8 @@ _KEYS = (
     "targets",
 )
 _SEARCHES = Path(__file__).parent / "searches"
-_SAMPLES = 2**14  # of the parameters, for their estimate
+_SAMPLES = 2**12  # of the parameters, of which the best are where draws begin
+_AS_GOOD = 10.0  # more misfit than the best point has: it may be chance
 
 
 @dataclass(frozen=True)
@@ -214,6 +217,7 @@ class Estimates(NamedTuple):
     parameters: dict[str, Estimate]  # those that are numbers
     correlation: np.ndarray  # of them
     results: list[Estimate]  # of each target
+    misfit: float  # the least; without a fit, far beyond the number of data
 
 
 @dataclass(frozen=True)
@@ -239,7 +243,7 @@ class Found:
 
     @cached_property
     def estimates(self) -> Estimates:
-        """Means over the ranges near the best point, weighted by exp(-misfit/2)."""
+        """Means near the best point, of draws with weights exp(-misfit/2)."""
         return _estimates(self)
 
 
@@ -251,54 +255,63 @@ def _misfit(targets: Sequence[Target], results: np.ndarray, variance: np.ndarray
 
 
 def _box(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
-    """Lowest and highest parts of the best quarter of the points, and a tenth more on each side."""
-    few = max(len(parts) // 4, 2 * (parts.shape[1] + 1))
+    """Lowest and highest parts of the best quarter of the points, and the gaps around them.
+
+    Points that are as good as the best one belong to it, however many they are.
+    """
+    few = max(len(parts) // 4, 2 * (parts.shape[1] + 1), np.sum(misfits < misfits.min() + _AS_GOOD))
     near = parts[np.argsort(misfits)[:few]]
-    ends = np.array([near.min(axis=0), near.max(axis=0)])
-    return np.clip(ends + np.array([[-0.1], [0.1]]) * (ends[1] - ends[0]), 0, 1 - 1e-12)
-
-
-def _near(found: Found) -> np.ndarray:
-    """Which points are close to the best one, and have its choices."""
-    box = _box(found.parts, found.misfits)
-    near = ((found.parts >= box[0]) & (found.parts <= box[1])).all(axis=1)
-    near &= np.isfinite(found.results).all(axis=1)
-    for parameter, column in zip(found.search.parameters, found.parts.T, strict=True):
-        if parameter.choices:
-            chosen = parameter.value(column[found.best])
-            near &= np.array([parameter.value(part) == chosen for part in column])
-    return near
+    low, high = near.min(axis=0), near.max(axis=0)
+    gap = max(0.1, 2 / len(near)) * (high - low)
+    ends = [
+        np.where(parts < low, parts, 0).max(axis=0),
+        np.where(parts > high, parts, 1).min(axis=0),
+    ]
+    return np.clip([np.minimum(low - gap, ends[0]), np.maximum(high + gap, ends[1])], 0, 1 - 1e-12)
 
 
 def _estimates(found: Found) -> Estimates:
-    search, near = found.search, _near(found)
+    search, box = found.search, _box(found.parts, found.misfits)
     chosen = search.values(found.parts[found.best])
+    near = ((found.parts >= box[0]) & (found.parts <= box[1])).all(axis=1)
+    near &= np.isfinite(found.results).all(axis=1)
+    for parameter, column in zip(search.parameters, found.parts.T, strict=True):
+        if parameter.choices:
+            near &= np.array([parameter.value(x) == chosen[parameter.name] for x in column])
     free = [i for i, p in enumerate(search.parameters) if not p.choices and p.changes(chosen)]
     if not free or near.sum() < ENOUGH * (len(free) + 1):
-        return Estimates({}, np.empty((0, 0)), [])
-    parts = found.parts[near][:, free]
-    low, size = parts.min(axis=0), np.ptp(parts, axis=0)
-    samples = qmc.Sobol(len(free), seed=search.seed).random(_SAMPLES)
-    told = [
-        Surface(2 * (parts - low) / size - 1, column)(2 * samples - 1)
-        for column in found.results[near].T
-    ]
-    results, variances = np.array(told).transpose(1, 2, 0)
-    misfits = _misfit(search.targets, results, variances)
-    weights = np.exp((misfits.min() - misfits) / 2)
-    weights /= weights.sum()
-    columns = zip(free, (low + samples * size).T, strict=True)
+        return Estimates({}, np.empty((0, 0)), [], math.nan)
+    low, size = box[0][free], np.ptp(box, axis=0)[free]
+    parts = 2 * (found.parts[near][:, free] - low) / size - 1
+    surfaces = [Surface(parts, column) for column in found.results[near].T]
+
+    errors = np.array([t.error if t.low == t.high else np.inf for t in search.targets])
+
+    def told(places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        results, variances = np.array([s(places) for s in surfaces]).transpose(1, 2, 0)
+        return results, variances, _misfit(search.targets, results, variances)
+
+    def unlikely(places: np.ndarray) -> np.ndarray:
+        """The misfit, and more where little is known, which would fit anything."""
+        _, variances, misfits = told(places)
+        return misfits + np.log1p(variances / errors**2).sum(axis=1)
+
+    samples = 2 * qmc.Sobol(len(free), seed=search.seed).random(_SAMPLES) - 1
+    best = samples[np.argsort(unlikely(samples))[: _SAMPLES // 8]]
+    drawn = draws(unlikely, best, np.random.default_rng(search.seed))
+    results, variances, misfits = told(drawn)
+    columns = zip(free, (low + (drawn + 1) / 2 * size).T, strict=True)
     numbers = np.array([[search.parameters[i].value(x) for x in column] for i, column in columns])
-    mean = numbers @ weights
-    covariance = np.atleast_2d(np.cov(numbers, aweights=weights, ddof=0))
-    error = np.sqrt(np.diag(covariance))
     names = [search.parameters[i].name for i in free]
-    predicted = weights @ results
-    spread = np.sqrt(weights @ ((results - predicted) ** 2 + variances))
+    spread = np.sqrt(results.var(axis=0) + variances.mean(axis=0))
     return Estimates(
-        {name: Estimate(float(x), float(e)) for name, x, e in zip(names, mean, error, strict=True)},
-        covariance / np.outer(error, error),
-        [Estimate(float(x), float(e)) for x, e in zip(predicted, spread, strict=True)],
+        {
+            name: Estimate(float(x.mean()), float(x.std()))
+            for name, x in zip(names, numbers, strict=True)
+        },
+        np.atleast_2d(np.corrcoef(numbers)),
+        [Estimate(float(x), float(e)) for x, e in zip(results.mean(axis=0), spread, strict=True)],
+        float(misfits.min()),
     )
 
 
@@ -327,10 +340,12 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
         runs = _at_targets(given, sweep, store)
         results.append(runs.mean(axis=-1))
         variances.append(runs.var(axis=-1, ddof=1) if len(given.seeds) > 1 else 0 * results[-1])
-        errors = np.sqrt(np.nanmean(np.concatenate(variances), axis=0) / len(given.seeds))
+        known = np.concatenate(variances)
+        count = np.maximum(np.isfinite(known).sum(axis=0), 1) * len(given.seeds)
+        errors = np.sqrt(np.nansum(known, axis=0) / count)
         found = Found(given, np.concatenate(parts), np.concatenate(results), errors, whole_tally)
         if not np.isfinite(found.misfits).any():
-            raise RunError("no point has all the results that the targets ask for")
+            raise RunError(f"no point has all results at the targets; {tally.failed} runs failed")
         box = _box(found.parts, found.misfits)
     return found
 
@@ -340,9 +355,11 @@ def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
     names = sorted({target.result for target in given.targets})
     try:
         tables = dict(zip(names, sweep.gather(store, *names), strict=True))
-    except (KeyError, TypeError):
+        if any(table.ndim != 3 for table in tables.values()):
+            raise ValueError("a list")
+    except (KeyError, TypeError, ValueError):
         raise InputError(
-            f"targets ask for {', '.join(names)}: not all are results of a run"
+            f"targets ask for {', '.join(names)}: not all are results of a run that are a number"
         ) from None
     return np.stack([tables[t.result][:, t.place] for t in given.targets], axis=1)
 
@@ -352,21 +369,22 @@ def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
 
 def _parameter(name: str, table: object) -> Parameter:
     """A parameter from its table."""
-    known = {"name", "keys", "from", "to", "log", "choices", "when"}
+    plain = {"name", "choices", "when"}
+    known = plain | {"keys", "from", "to", "log"}
     if not isinstance(table, Mapping) or not set(table) <= known:
-        raise InputError(f"{name} must be a table with keys of {', '.join(sorted(known))}")
+        raise InputError(
+            f"{name} must be a table with keys of {', '.join(sorted(known))}, got {table!r}"
+        )
     if ("choices" in table) == ("keys" in table):
         raise InputError(f"{name} must have either choices or keys, with from and to")
-    when = table.get("when")
+    when = _changes(f"{name}.when", table.get("when", {}))
     if "choices" in table:
         choices = table["choices"]
-        fine = isinstance(choices, Mapping) and all(
-            isinstance(x, Mapping) for x in choices.values()
-        )
-        if not fine or len(choices) < 2:
-            raise InputError(f"{name}.choices must be two tables of changes or more, by name")
+        if not isinstance(choices, Mapping) or len(choices) < 2 or not set(table) <= plain:
+            raise InputError(f"{name}.choices must be two tables or more, no range, got {table!r}")
+        choices = {c: _changes(f"{name}.choices.{c}", x) for c, x in choices.items()}
         return Parameter(str(table.get("name", name)), choices=choices, when=when)
-    log, keys = bool(table.get("log", False)), table["keys"]
+    log, keys = held(f"{name}.log", table.get("log", False), bool), table["keys"]
     if not isinstance(keys, list) or not keys or not all(isinstance(key, str) for key in keys):
         raise InputError(f"{name}.keys must be a list of keys of the scene, got {keys!r}")
     low, high = (
@@ -377,50 +395,32 @@ def _parameter(name: str, table: object) -> Parameter:
     return Parameter(str(table.get("name", keys[0])), tuple(keys), low, high, log, None, when)
 
 
-def _number(text: str, where: str) -> float:
-    try:
-        return float(text) if text.strip() else math.nan
-    except ValueError:
-        raise InputError(f"{where} must be a number or empty, got {text!r}") from None
+def _changes(name: str, table: object) -> dict[str, Any]:
+    """Values of keys of the scene; a table in place of a value would drop the keys beside it."""
+    if not isinstance(table, Mapping) or any(isinstance(x, Mapping) for x in table.values()):
+        raise InputError(f'{name} must hold "key" = value, keys in quotes, got {table!r}')
+    return dict(table)
 
 
 def _data(table: object, folder: Path) -> list[tuple[dict[str, Any], str, float, float]]:
-    """Rows of a CSV: place, result, value, error."""
+    """Rows of the CSV that a table names."""
     if not isinstance(table, Mapping) or set(table) != {"file", "result"}:
         raise InputError(f"data must have file and result, got {table!r}")
-    path, result = folder / str(table["file"]), str(table["result"])
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as lines:
-            rows = list(csv.DictReader(lines))
-    except (OSError, UnicodeDecodeError) as failure:
-        reason = getattr(failure, "strerror", None) or failure
-        raise InputError(f"data.file: {path} cannot be read ({reason})") from None
-    if not rows or not {result, "error"} < set(rows[0]):
-        raise InputError(
-            f"{path} must have columns {result}, error and keys of the scene, and rows"
-        )
-    found = []
-    for i, row in enumerate(rows, 2):
-        numbers = {
-            key: _number(text or "", f"{path}, line {i}, {key}") for key, text in row.items()
-        }
-        value, error = numbers.pop(result), numbers.pop("error")
-        if not math.isnan(value):
-            positive(f"{path}, line {i}, error", error)
-        whole_numbers = {k: int(x) if x.is_integer() else x for k, x in numbers.items()}
-        found.append((whole_numbers, result, value, error))
-    return found
+    return read_rows(folder / str(table["file"]), str(table["result"]))
 
 
 def _limits(name: str, table: object) -> tuple[dict[str, Any], str, float, float, float]:
     """Place, result, limits and error of a target."""
-    if not isinstance(table, Mapping) or not {"result", "holds", "error"} <= set(table):
+    needed = {"result", "holds", "error"}
+    if not isinstance(table, Mapping) or not needed <= set(table) <= needed | {"at"}:
         raise InputError(f"{name} must have result, holds, error and at, got {table!r}")
     holds = table["holds"]
-    if not isinstance(holds, list) or len(holds) != 2 or not holds[0] <= holds[1]:
+    fine = isinstance(holds, list) and all(type(end) in (int, float) for end in holds)
+    if not fine or len(holds) != 2 or not holds[0] <= holds[1]:
         raise InputError(f"{name}.holds must be two numbers, the lower one first, got {holds!r}")
     error = positive(f"{name}.error", table["error"])
-    return dict(table.get("at", {})), str(table["result"]), float(holds[0]), float(holds[1]), error
+    place = _changes(f"{name}.at", table.get("at", {}))
+    return place, str(table["result"]), float(holds[0]), float(holds[1]), error
 
 
 def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
@@ -445,7 +445,10 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
         if "data" in tables
         else []
     )
-    asked += [_limits(f"targets[{i}]", table) for i, table in enumerate(tables.get("targets", []))]
+    asked += [
+        _limits(f"targets[{i}]", t)
+        for i, t in enumerate(held("targets", tables.get("targets", []), list))
+    ]
     if all(math.isnan(error) for *_, error in asked):
         raise InputError("a search needs data, or targets: there are none")
     places: list[dict[str, Any]] = []
@@ -453,18 +456,24 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
         if place not in places:
             places.append(place)
     parameters = tuple(
-        _parameter(f"parameters[{i}]", p) for i, p in enumerate(tables.get("parameters", []))
+        _parameter(f"parameters[{i}]", p)
+        for i, p in enumerate(held("parameters", tables.get("parameters", []), list))
     )
     names = [parameter.name for parameter in parameters]
     if not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be there, with different names, got {names}")
+    taken = {"start.seed", *(key for place in places for key in place)}
     for parameter in parameters:
         for name, choice in (parameter.when or {}).items():
-            known = {p.name: p.choices for p in parameters if p.choices}
-            if choice not in known.get(name, {}):
+            known = {p.name: [*p.choices] for p in parameters if p.choices}
+            if choice not in known.get(name, []):
                 raise InputError(f"{parameter.name}: when.{name} = {choice!r} is not a choice")
+        if taken & set(parameter.keys):
+            raise InputError(f"{parameter.name} varies a key that data, targets or seeds set")
+    if any("start.seed" in place for place in places):
+        raise InputError("start.seed must not stand in data or targets: seeds names the starts")
     seeds = tables.get("seeds", [1, 2])
-    if not isinstance(seeds, list) or not seeds or len(set(seeds)) < len(seeds):
+    if not isinstance(seeds, list) or not seeds or len(set(map(str, seeds))) < len(seeds):
         raise InputError(f"seeds must be a list of different starts, got {seeds!r}")
     points = whole("points", tables.get("points", 32), 4, 2**16)
     if points & (points - 1):
@@ -473,7 +482,7 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
         )
     return Search(
         base=base,
-        common=dict(tables.get("set", {})),
+        common=_changes("set", tables.get("set", {})),
         periods=whole("periods", tables.get("periods", 200), 1, MOST_PERIODS),
         seeds=tuple(whole("seeds", seed, 0, 2**32) for seed in seeds),
         parameters=parameters,

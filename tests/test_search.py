@@ -1,6 +1,7 @@
 """Searches: parameters are found again within their errors; what cannot be searched is refused."""
 
 import json
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -8,10 +9,13 @@ import pytest
 
 from md import sweep
 from md.__main__ import main
+from md.errors import RunError
+from md.result_text import search_text
 from md.scene import from_tables, put, read_tables
 from md.search import Found, expand, load_search, search
-from md.surface import Surface
+from md.surface import Surface, draws
 
+LIMITS = {"result": "c_x_cm_s", "holds": [1, 2], "error": 1}
 TRUE = {"friction": 0.3, "restitution": 0.65}
 ERROR = 0.05
 BOXES = 41.0, 43.0, 46.0, 50.0
@@ -61,7 +65,8 @@ def found(made, tmp_path):
 
 
 def test_parameters_are_recovered_and_carried_to_what_is_predicted(found):
-    parameters, correlation, results = found.estimates
+    parameters, correlation, results, misfit = found.estimates
+    assert misfit < len(BOXES)
     for name, true in TRUE.items():
         assert abs(parameters[name].value - true) < 3 * parameters[name].error < 0.15
     assert abs(correlation[0, 1]) < 1
@@ -90,6 +95,45 @@ def test_stated_errors_are_those_of_many_data_sets(found):
 
 def found_parts(found):
     return found.parts, found.results, found.errors, found.tally
+
+
+@pytest.mark.parametrize(
+    ("friction", "error"), [(0.6, 0.05), (0.3, 50.0)], ids=["end of range", "no information"]
+)
+def test_the_box_around_the_best_points_cuts_nothing_off(made, tmp_path, friction, error):
+    rows = [f"{box},{drift(friction, 0.65, box)},{error}" for box in BOXES]
+    given = tables(tmp_path, parameters=PARAMETERS[:1], points=8)
+    (tmp_path / "drift.csv").write_text("\n".join(["box.length,c_x_cm_s,error", *rows]))
+    base = put(BASE, {"contacts.plate.restitution": 0.65})
+    told = search(expand(given, base, tmp_path), tmp_path / "runs.db", workers=1).estimates
+    value, spread = told.parameters["friction"]
+    assert abs(value - friction) < 3 * spread
+    assert (spread < 0.01) if error < 1 else (abs(spread - 0.5 / 12**0.5) < 0.01)
+
+
+def test_draws_follow_a_ridge_and_leave_a_lesser_minimum():
+    """A thin ridge in three dimensions, and a minimum of 200 beside it that holds most walkers."""
+    random = np.random.default_rng(5)
+
+    def misfit(x):
+        ridge = ((x[:, 0] + x[:, 1]) / 1e-3) ** 2 + ((x[:, 0] - x[:, 1]) / 0.1) ** 2
+        return np.minimum(ridge + (x[:, 2] / 0.1) ** 2, 200 + 10 * ((x - 0.7) ** 2).sum(axis=1))
+
+    drawn = draws(misfit, random.uniform(-1, 1, (512, 3)), random)
+    assert np.std(drawn[:, 0] + drawn[:, 1]) == pytest.approx(1e-3, rel=0.2)
+    assert np.std(drawn[:, 0] - drawn[:, 1]) == pytest.approx(0.1, rel=0.2)
+    assert np.std(drawn[:, 2]) == pytest.approx(0.1, rel=0.2)
+
+
+def test_a_search_of_which_all_runs_fail_ends_in_one_line(monkeypatch, tmp_path):
+    def fails(point):
+        raise RunError("rods overlap")
+
+    monkeypatch.setattr(sweep, "_of_run", fails)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(RunError, match="no point has all results at the targets; 160 runs"):
+            search(expand(tables(tmp_path), BASE, tmp_path), tmp_path / "runs.db", workers=1)
 
 
 def test_a_later_round_looks_closer(found):
@@ -166,11 +210,52 @@ def test_a_surface_takes_the_degree_that_predicts_best():
             {"targets": [{"result": "c_x", "holds": [2, 1], "error": 1}]},
             "holds must be two numbers, the lower one first",
         ),
+        ({"targets": [{**LIMITS, "holds": [1, "b"]}]}, "holds must be two numbers"),
+        ({"targets": [{**LIMITS, "eror": 1}]}, "must have result, holds, error and at, got .*eror"),
+        ({"targets": [{**LIMITS, "at": {"box": {"length": 43}}}]}, "at must hold .* in quotes"),
+        ({"targets": LIMITS}, "targets must be of the type list"),
+        ({"set": {"rods": {"count": 20}}}, "set must hold .* in quotes"),
+        ({"parameters": [{**PARAMETERS[0], "when": "x"}]}, "when must hold"),
+        ({"parameters": [{**PARAMETERS[0], "log": "no"}]}, "log must be true or false"),
+        (
+            {"parameters": [{"choices": {"a": {}, "b": {}}, "from": 1}]},
+            "choices must be .* no range",
+        ),
+        (
+            {"parameters": [{"keys": ["box.length"], "from": 41, "to": 60}]},
+            "box.length varies a key",
+        ),
+        ({"targets": [{**LIMITS, "at": {"start.seed": 3}}]}, "start.seed must not stand in data"),
+        ({"seeds": [[1], [2]]}, "seeds must be a whole number"),
     ],
 )
 def test_what_cannot_be_searched_is_refused(tmp_path, changes, message):
     with pytest.raises(ValueError, match=message):
         expand(tables(tmp_path, **changes), BASE, tmp_path)
+
+
+def test_a_table_may_be_untidy(tmp_path):
+    """A mark of the encoding, spaces, comments, other line ends, a prediction with an error."""
+    given, path = tables(tmp_path), tmp_path / "drift.csv"
+    tidy = expand(given, BASE, tmp_path)
+    text = path.read_text().replace(",", " , ").replace("60 , ,", "# seen\n\n60 , , 0.1")
+    path.write_bytes(b"\xef\xbb\xbf# drift\n" + text.replace("\n", "\r\n").encode())
+    assert str(expand(given, BASE, tmp_path)) == str(tidy)
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("45,1,0.1,", "line 7 must have at most 3 cells, got 4"),
+        ("45,inf,1", "c_x_cm_s must be fin"),
+    ],
+)
+def test_a_row_that_cannot_be_is_refused_with_its_line(tmp_path, row, message):
+    given = tables(tmp_path)
+    with (tmp_path / "drift.csv").open("a") as data:
+        data.write(f"{row}\n")
+    with pytest.raises(ValueError, match=message):
+        expand(given, BASE, tmp_path)
 
 
 def test_a_number_that_is_none_is_refused_with_its_line(tmp_path):
@@ -231,8 +316,19 @@ def test_the_command_searches_a_file(tmp_path, capsys):
     assert "best points" in capsys.readouterr().out
 
 
-def test_a_result_that_no_run_has_is_refused(tmp_path, capsys):
-    (tmp_path / "fit.toml").write_text(FILE.replace("tilt_deg", "tilt"))
+def test_a_search_without_a_fit_is_not_boasted_of(made, tmp_path):
+    given = tables(tmp_path, parameters=PARAMETERS[:1])
+    (tmp_path / "drift.csv").write_text(
+        "box.length,c_x_cm_s,error\n41,-50,0.1\n43,60,0.1\n46,60,0.1\n"
+    )
+    told = search_text(search(expand(given, BASE, tmp_path), tmp_path / "runs.db", workers=1))
+    assert "warning: the scene does not fit the data" in told
+    assert "reaches an end of its range, 0.1 to 0.6" in told
+
+
+@pytest.mark.parametrize("name", ["tilt", "phases"])  # unknown; a list
+def test_a_result_that_no_run_has_is_refused(tmp_path, capsys, name):
+    (tmp_path / "fit.toml").write_text(FILE.replace("tilt_deg", name))
     assert (
         main(
             [
