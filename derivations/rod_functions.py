@@ -44,6 +44,14 @@ FUNCTIONS: tuple[Function, ...] = (
         rules=(recast("positive denominator", "no sign to lose", mu=X * Z / (k**2 + Z**2)),),
     ),
     Function(
+        name="painleve_friction",
+        summary="Friction from which a slipping contact is pressed into the plate.",
+        detail=r"For $XZ \ge 0$ and slip towards $-x$.",
+        arguments=(X, Z, k),
+        derived=lambda: {mu: optimum.painleve_friction()},
+        rules=(),
+    ),
+    Function(
         name="critical_tangents",
         summary=r"Critical tilts of a thin rod: $\tan(lower) = a/b$ and $\tan(upper) = b/c$; Eq. "
         "(23).",

@@ -8,7 +8,7 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "c3fa391cc116eb07"  # sha256 of all generated functions, first 16 digits
+DIGEST = "0ec6c81fab3df5cc"  # sha256 of all generated functions, first 16 digits
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
@@ -158,6 +158,14 @@ def critical_friction(X, Z, k):
     return X * Z / (Z * Z + k * k)
 
 
+def painleve_friction(X, Z, k):
+    """Friction from which a slipping contact is pressed into the plate.
+
+    For XZ >= 0 and slip towards -x. Operations: as derived 5.
+    """
+    return (X * X + k * k) / (X * Z)
+
+
 def critical_tangents(mu, root):
     """Critical tilts of a thin rod: tan(lower) = a/b and tan(upper) = b/c; Eq. (23).
 
@@ -282,6 +290,53 @@ def flat_rod(l, d, s, sin, cos):
     weight = 4 + 3 * s * s
     gyration = weight / 48
     return X, Z, gyration
+
+
+def transport_cost(x, z, epsilon, grip):
+    """Work of the plate per weight and distance, with the grip of `drift_grips`.
+
+    Lengths in units of k: x = |X|/k, z = |Z|/k. Operations: as derived 32, divide by x 8.
+    """
+    return (2 * x + (1 - epsilon) / x) / ((1 + epsilon) * (grip + z))
+
+
+def response_stick(X, Z, k, epsilon):
+    """Response of a stationary landing in slip-stick to a deviation.
+
+    1 - tr + det, 1 + tr + det, 1 - det; the difference of the diagonal entries; -4 times the
+    product of the others. For XZ >= 0. Operations: as derived 74, sums of positive terms 39.
+    """
+    lost = 1 - epsilon
+    gained = 1 + epsilon
+    K = X * X + Z * Z + k * k
+    steady = (2 * X * X + lost * k * k) / K
+    alternating = gained * (k * k + 2 * Z * Z) / K
+    shrinking = (X * X + k * k + lost * Z * Z) / K
+    apart = (X * X + lost * Z * Z - epsilon * k * k) / K
+    tilt = X * Z / K
+    coupling = 4 * gained * tilt * tilt
+    return steady, alternating, shrinking, apart, coupling
+
+
+def response_back(X, Z, k, mu, epsilon):
+    """Response of a stationary landing in slip reversal to a deviation.
+
+    1 - tr + det, 1 + tr + det, 1 - det; the difference of the diagonal entries; -4 times the
+    product of the others. For XZ >= 0. Operations: as derived 193, sums of positive terms 68.
+    """
+    lost = 1 - epsilon
+    gained = 1 + epsilon
+    R = k * k + X * (X - Z * mu)
+    S = X * Z + mu * (Z * Z + k * k)
+    rest = 2 * X * Z * (X * X - mu * mu * (Z * Z + k * k)) + Z * lost * k * k * (X + Z * mu)
+    push = gained * mu * k * k * k * k
+    steady = 2 * mu * k * k * (2 * X * X + lost * k * k) / (R * S)
+    alternating = 2 * Z * gained * k * k * (X + Z * mu) / (R * S)
+    shrinking = (push + rest) / (R * S)
+    apart = (rest - push) / (R * S)
+    pull = mu * k * k / R
+    coupling = 8 * X * Z * gained * pull * pull / S
+    return steady, alternating, shrinking, apart, coupling
 
 
 def pair_mobility(s_1, x_1, z_1, s_2, x_2, z_2):
