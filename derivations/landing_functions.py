@@ -80,8 +80,7 @@ FUNCTIONS: tuple[Function, ...] = (
                 gained=1 + epsilon,
                 R=k**2 + X * (X - mu * Z),
                 S=X * Z + mu * (k**2 + Z**2),
-                rest=2 * X * Z * (X**2 - mu**2 * (k**2 + Z**2))
-                + _lost * k**2 * Z * (X + mu * Z),
+                rest=2 * X * Z * (X**2 - mu**2 * (k**2 + Z**2)) + _lost * k**2 * Z * (X + mu * Z),
                 push=_gained * mu * k**4,
                 steady=2 * mu * k**2 * (_lost * k**2 + 2 * X**2) / (_R * _S),
                 alternating=2 * _gained * k**2 * Z * (X + mu * Z) / (_R * _S),

@@ -18,7 +18,7 @@ from ._arguments import (
     result_dtype,
 )
 from ._impacts import Regime, as_regime
-from .geometry import ContactGeometry, lengths_of
+from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
 class Drift(NamedTuple):
@@ -27,6 +27,14 @@ class Drift(NamedTuple):
     c_x: Any  # along the plate, in the unit of its velocity
     c_z: Any  # after a landing, upwards; before it -c_z
     regime: Any  # `Regime`, or an int8 array of its values
+
+
+def _grip(X: Any, Z: Any, k: Any, mu: Any) -> tuple[Any, ...]:
+    """|X|/k and |Z|/k, what friction adds to the latter in the drift, and where it holds."""
+    x, z = np.abs(X) / k, np.abs(Z) / k
+    stick, back = closed.drift_grips(x, z, mu)
+    sticks = ~(back < stick)
+    return x, z, np.where(sticks, stick, back), sticks
 
 
 def drift(
@@ -60,10 +68,8 @@ def drift(
     """
 
     def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any, V_z: Any) -> tuple[Any, ...]:
-        x, z = np.abs(X) / k, np.abs(Z) / k
-        stick, back = closed.drift_grips(x, z, mu)
-        sticks = ~(back < stick)
-        along, up = closed.drift(x, z, epsilon, np.where(sticks, stick, back))
+        x, z, grip, sticks = _grip(X, Z, k, mu)
+        along, up = closed.drift(x, z, epsilon, grip)
         # 0/0 where a vertical rod bounces without loss: 2 (1 + epsilon) z/(2 x) -> infinity
         along = np.where((x == 0) & (epsilon == 1) & (z > 0), np.inf, along)
         c_x = np.copysign(1.0, X) * np.copysign(1.0, Z) * along * V_z
@@ -79,6 +85,97 @@ def drift(
     }
     c_x, c_z, regime = evaluated(block, given, (None, None, np.int8))
     return Drift(c_x, c_z, as_regime(regime))
+
+
+def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Any:
+    """Cost of transport of the stationary drift: work of the plate per weight and distance.
+
+    It is V_z/|c_x| of `drift`, whatever the rod and the plate's velocity: the fastest rod is the
+    cheapest. Not in the paper; derived in `derivations.transport`.
+
+    Parameters
+    ----------
+    geometry : any X, Z, and k > 0
+    friction : Coulomb coefficient, >= 0
+    restitution : between 0 and 1 (kinematic)
+
+    Returns
+    -------
+    Dimensionless; inf where nothing drifts (XZ = 0), 0 in the limit of a vertical rod at
+        restitution 1, nan without friction, where the drift is not determined.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain.
+
+    Examples
+    --------
+    >>> float(transport_cost((0.1, 0.5, 0.3), friction=0.3, restitution=0.65).round(4))
+    0.3121
+    """
+
+    def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any) -> tuple[Any, ...]:
+        x, z, grip, _ = _grip(X, Z, k, mu)
+        cost = closed.transport_cost(x, z, epsilon, grip)
+        cost = np.where((x == 0) & (epsilon == 1) & (z > 0), 0.0, cost)
+        return (np.where(mu > 0, cost, np.nan),)
+
+    given = {"friction": (friction, FRICTION), "restitution": (restitution, RESTITUTION)}
+    return evaluated(block, {**lengths_of(geometry), **given})[0]
+
+
+def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Any:
+    """Number of landings in which a small deviation from the stationary drift falls by e.
+
+    -1/ln(rho), with rho the largest modulus of the eigenvalues of what one landing makes of
+    (c_x, c_z), by the closure of `drift`. Never negative: the stationary landing is stable. Not in
+    the paper; derived in `derivations.optimum`.
+
+    Parameters
+    ----------
+    geometry : any X, Z, and k > 0
+    friction : Coulomb coefficient, >= 0
+    restitution : between 0 and 1 (kinematic)
+
+    Returns
+    -------
+    Landings, in the mean over many: a deviation may also turn as it falls. inf where one stays:
+        without friction, and for a vertical rod at restitution 1.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain.
+
+    Notes
+    -----
+    Continuous over tilt and friction. Where two eigenvalues meet it has a corner with a vertical
+    side, at which half of the digits are left.
+
+    Examples
+    --------
+    >>> float(relaxation((0.1, 0.5, 0.3), friction=0.3, restitution=0.65).round(3))
+    2.607
+    """
+
+    def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any) -> tuple[Any, ...]:
+        sticks = _grip(X, Z, k, mu)[-1]
+        x, z, k = unit_lengths(np.abs(X), np.abs(Z), k)
+        stick = closed.response_stick(x, z, k, epsilon)
+        back = closed.response_back(x, z, k, mu, epsilon)
+        steady, alternating, shrinking, apart, coupling = (
+            np.where(sticks, held, slipped) for held, slipped in zip(stick, back, strict=True)
+        )
+        turn, apart = np.sqrt(coupling), np.abs(apart)
+        least = np.minimum(steady, alternating)  # 1 - tr + det where the larger is positive
+        root = np.sqrt((apart - turn) * (apart + turn))
+        gap = np.where(apart < turn, shrinking, 2 * least / (least + shrinking + root))
+        landings = np.where(apart < turn, -2.0, -1.0) / np.log1p(-np.minimum(gap, 1.0))
+        return (np.where(mu > 0, landings, np.inf),)
+
+    given = {"friction": (friction, FRICTION), "restitution": (restitution, RESTITUTION)}
+    return evaluated(block, {**lengths_of(geometry), **given})[0]
 
 
 class Optimum(NamedTuple):
