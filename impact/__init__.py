@@ -25,7 +25,7 @@ geometry                            where the centre of mass stands over the con
 _impacts, _twofold                  regimes, arguments of impacts; numbers in twice the digits
 collision                           the impact map: `collide`, `classify`
 pairs                               two bodies of any masses that meet: `collide_pair`
-boundaries, translation             boundaries of the regimes; the drift
+boundaries, translation             boundaries of the regimes; the drift, its stability and cost
 compiled                            the map as Numba kernels, the same bits
 flight, bouncing, falling           exact flights over the plate, and rods that make them
 _jit, _interrupt                    Numba's compiler; signals that wait until it is done

@@ -140,7 +140,7 @@ def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) ->
 
     Returns
     -------
-    Landings, in the mean over many: a deviation may also turn as it falls. inf where one stays:
+    Landings, in the mean over many: a deviation may oscillate as it falls. inf where one stays:
         without friction, and for a vertical rod at restitution 1.
 
     Raises
