@@ -41,7 +41,7 @@ measures, statistics                what a run measures, with errors
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy, calibration               `run`: step and length from a tolerance; bias of the step
 sweep, store                        many runs and their results; `Point.key` says which is stale
-search                              parameters from measured results, by many runs
+search, surface                     parameters from measured results, by many runs
 sources                             digest of the sources of a run, a part of that key
 cache, interrupt, errors            compiled kernels kept, signals, errors
 result_text, command_line, __main__  results as text; the commands

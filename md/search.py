@@ -48,7 +48,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
 from functools import cached_property
-from itertools import combinations_with_replacement, product
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -59,6 +59,7 @@ from .domains import finite, positive, whole
 from .errors import InputError, RunError
 from .scene import from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
+from .surface import ENOUGH, Surface
 from .sweep import Point, Sweep, Tally, execute
 
 __all__ = [
@@ -67,7 +68,6 @@ __all__ = [
     "Found",
     "Parameter",
     "Search",
-    "Surface",
     "Target",
     "expand",
     "load_search",
@@ -88,8 +88,6 @@ _KEYS = (
 )
 _SEARCHES = Path(__file__).parent / "searches"
 _SAMPLES = 2**14  # of the parameters, for their estimate
-_DEGREES = 3, 2, 1  # of the polynomials that are tried
-_ENOUGH = 1.5  # points a coefficient that a polynomial needs
 
 
 @dataclass(frozen=True)
@@ -252,48 +250,6 @@ def _misfit(targets: Sequence[Target], results: np.ndarray, variance: np.ndarray
     return np.sum(np.where(np.isnan(error), 0, off**2 / (error**2 + variance)), axis=-1)
 
 
-class Surface:
-    """A polynomial of coordinates within -1 and 1, fitted to a result.
-
-    Its degree is the one with which each point is best told from the others.
-
-    Parameters
-    ----------
-    places : (n, coordinates)
-    results : (n,)
-    """
-
-    def __init__(self, places: np.ndarray, results: np.ndarray) -> None:
-        found = []
-        for degree in _DEGREES:
-            terms = _terms(places, degree)
-            if degree == 1 or len(results) >= _ENOUGH * terms.shape[1]:
-                inverse = np.linalg.pinv(terms)
-                left = 1 - np.einsum("ij,ji->i", terms, inverse)
-                off = (results - terms @ (inverse @ results)) / np.maximum(left, 1e-9)
-                found.append((float(np.sqrt(np.mean(off**2))), degree, inverse))
-        self.scatter, self.degree, inverse = min(found, key=lambda one: one[0])
-        self.weights, self.spread = inverse @ results, inverse @ inverse.T
-
-    def __call__(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values and their variances, (n,) each.
-
-        Parameters
-        ----------
-        places : (n, coordinates)
-        """
-        terms = _terms(places, self.degree)
-        variance = self.scatter**2 * np.einsum("ij,jk,ik->i", terms, self.spread, terms)
-        return terms @ self.weights, variance
-
-
-def _terms(places: np.ndarray, degree: int) -> np.ndarray:
-    """Products of up to `degree` coordinates, a column each."""
-    n, k = places.shape
-    powers = [c for d in range(1, degree + 1) for c in combinations_with_replacement(range(k), d)]
-    return np.column_stack([np.ones(n), *(places[:, list(c)].prod(axis=1) for c in powers)])
-
-
 def _box(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
     """Lowest and highest parts of the best quarter of the points, and a tenth more on each side."""
     few = max(len(parts) // 4, 2 * (parts.shape[1] + 1))
@@ -318,7 +274,7 @@ def _estimates(found: Found) -> Estimates:
     search, near = found.search, _near(found)
     chosen = search.values(found.parts[found.best])
     free = [i for i, p in enumerate(search.parameters) if not p.choices and p.changes(chosen)]
-    if not free or near.sum() < _ENOUGH * (len(free) + 1):
+    if not free or near.sum() < ENOUGH * (len(free) + 1):
         return Estimates({}, np.empty((0, 0)), [])
     parts = found.parts[near][:, free]
     low, size = parts.min(axis=0), np.ptp(parts, axis=0)

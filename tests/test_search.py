@@ -9,7 +9,8 @@ import pytest
 from md import sweep
 from md.__main__ import main
 from md.scene import from_tables, put, read_tables
-from md.search import Found, Surface, expand, load_search, search
+from md.search import Found, expand, load_search, search
+from md.surface import Surface
 
 TRUE = {"friction": 0.3, "restitution": 0.65}
 ERROR = 0.05
