@@ -31,7 +31,7 @@ mutants                             deliberate mistakes: the proofs can fail
 registry                            all entries in the paper's order
 rewrites                            rules that make a form compute well, each one proved
 map_functions, rod_functions        which functions are generated, by which rules
-landing_functions, pair_functions   and those of stationary landings, of two bodies
+pair_functions                      and those of two bodies
 routines, arithmetic                assignments; the arithmetics in which they are proved
 kernel, contacts, error_free        one impact as assignments (kernel.toml), and their proofs
 codegen                             expressions as functions

@@ -9,16 +9,11 @@ from functools import cache
 
 import sympy as sp
 
-from . import landing_functions, map_functions, pair_functions, rod_functions
+from . import map_functions, pair_functions, rod_functions
 from .rewrites import Body, Function, Step
 from .sentences import to_text
 
-FUNCTIONS = (
-    *map_functions.FUNCTIONS,
-    *rod_functions.FUNCTIONS,
-    *landing_functions.FUNCTIONS,
-    *pair_functions.FUNCTIONS,
-)
+FUNCTIONS = (*map_functions.FUNCTIONS, *rod_functions.FUNCTIONS, *pair_functions.FUNCTIONS)
 
 
 def text_of(expr: sp.Expr) -> str:

@@ -3,12 +3,12 @@
 import sympy as sp
 
 from . import bodies, drift, laws, optimum, thin_rod
-from .rewrites import Function, recast, single_fraction
+from .rewrites import Body, Function, recast, single_fraction
 from .symbols import V_z, X, Z, diameter, epsilon, k, length, mu, phi
 
 _x, _z, _s, _g = sp.symbols("x z s g", positive=True)  # |X|/k, |Z|/k, d/l, (1 + epsilon) r
 _grip, _sin, _cos, _root = sp.symbols("grip sin cos root", positive=True)
-_tangent = sp.Symbol("tangent", positive=True)
+_tangent, _held = sp.symbols("tangent held", positive=True)
 _root_a, _root_b, _root_c, _root_d = sp.symbols("root_a root_b root_c root_d", positive=True)
 
 
@@ -32,6 +32,15 @@ def _grip_of(case: str) -> sp.Expr:
     """c_x/(x c_z') - z."""
     along, up = drift.stationary(case)
     return sp.simplify(_thin(along / up) / _x - _z)
+
+
+def _response() -> Body:
+    """What a response's eigenvalues are made of; at the critical friction that of slip-stick."""
+    a, b, c, d = optimum.jacobian("back")
+    forms = (*optimum.stability_margins("back"), a - d, -4 * b * c)
+    names = ("steady", "alternating", "shrinking", "apart", "coupling")
+    friction = _held * thin_rod.critical_friction()
+    return {_name(n): form.subs(mu, friction) for n, form in zip(names, forms, strict=True)}
 
 
 FUNCTIONS: tuple[Function, ...] = (
@@ -196,6 +205,37 @@ FUNCTIONS: tuple[Function, ...] = (
                 * _name("gained")
                 * _tangent
                 / (_name("lost") + (7 - epsilon) * _tangent**2),
+            ),
+        ),
+    ),
+    Function(
+        name="landing_response",
+        summary="Response of a stationary landing to a deviation.",
+        detail="$1 - tr + det$, $1 + tr + det$, $1 - det$; the difference of the diagonal entries; "
+        "$-4$ times the product of the others. $held$: friction over the critical one, 1 in "
+        r"slip-stick. For $XZ \ge 0$.",
+        arguments=(X, Z, k, epsilon, _held),
+        derived=_response,
+        rules=(
+            recast(
+                "sums of positive terms",
+                "a slow return keeps its digits; $XZ$ drops out of all denominators",
+                lost=1 - epsilon,
+                gained=1 + epsilon,
+                square=k**2 + Z**2,
+                side=k**2 + (1 - _held) * Z**2,
+                more=_name("square") + _held * Z**2,
+                R=_name("square") * k**2 + X**2 * _name("side"),
+                D=(1 + _held) * _name("R"),
+                steady=2 * _held * k**2 * (_name("lost") * k**2 + 2 * X**2) / _name("D"),
+                alternating=2 * _name("gained") * k**2 * _name("more") / _name("D"),
+                push=_name("gained") * _held * k**4,
+                rest=2 * X**2 * (k**2 + (1 - _held) * (1 + _held) * Z**2)
+                + _name("lost") * k**2 * _name("more"),
+                shrinking=(_name("rest") + _name("push")) / _name("D"),
+                apart=(_name("rest") - _name("push")) / _name("D"),
+                slant=_held * k**2 * X * Z / _name("R"),
+                coupling=8 * _name("gained") * _name("slant") ** 2 / (1 + _held),
             ),
         ),
     ),

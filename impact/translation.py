@@ -29,14 +29,6 @@ class Drift(NamedTuple):
     regime: Any  # `Regime`, or an int8 array of its values
 
 
-def _grip(X: Any, Z: Any, k: Any, mu: Any) -> tuple[Any, ...]:
-    """|X|/k and |Z|/k, what friction adds to the latter in the drift, and where it holds."""
-    x, z = np.abs(X) / k, np.abs(Z) / k
-    stick, back = closed.drift_grips(x, z, mu)
-    sticks = ~(back < stick)
-    return x, z, np.where(sticks, stick, back), sticks
-
-
 def drift(
     geometry: ContactGeometry, *, friction: Any, restitution: Any, plate_velocity: Any = 1.0
 ) -> Drift:
@@ -68,8 +60,10 @@ def drift(
     """
 
     def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any, V_z: Any) -> tuple[Any, ...]:
-        x, z, grip, sticks = _grip(X, Z, k, mu)
-        along, up = closed.drift(x, z, epsilon, grip)
+        x, z = np.abs(X) / k, np.abs(Z) / k
+        stick, back = closed.drift_grips(x, z, mu)
+        sticks = ~(back < stick)
+        along, up = closed.drift(x, z, epsilon, np.where(sticks, stick, back))
         # 0/0 where a vertical rod bounces without loss: 2 (1 + epsilon) z/(2 x) -> infinity
         along = np.where((x == 0) & (epsilon == 1) & (z > 0), np.inf, along)
         c_x = np.copysign(1.0, X) * np.copysign(1.0, Z) * along * V_z
@@ -114,15 +108,8 @@ def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any
     >>> float(transport_cost((0.1, 0.5, 0.3), friction=0.3, restitution=0.65).round(4))
     0.3121
     """
-
-    def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any) -> tuple[Any, ...]:
-        x, z, grip, _ = _grip(X, Z, k, mu)
-        cost = closed.transport_cost(x, z, epsilon, grip)
-        cost = np.where((x == 0) & (epsilon == 1) & (z > 0), 0.0, cost)
-        return (np.where(mu > 0, cost, np.nan),)
-
-    given = {"friction": (friction, FRICTION), "restitution": (restitution, RESTITUTION)}
-    return evaluated(block, {**lengths_of(geometry), **given})[0]
+    with np.errstate(all="ignore"):
+        return 1 / np.abs(drift(geometry, friction=friction, restitution=restitution).c_x)
 
 
 def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Any:
@@ -160,13 +147,11 @@ def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) ->
     """
 
     def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any) -> tuple[Any, ...]:
-        sticks = _grip(X, Z, k, mu)[-1]
         x, z, k = unit_lengths(np.abs(X), np.abs(Z), k)
-        stick = closed.response_stick(x, z, k, epsilon)
-        back = closed.response_back(x, z, k, mu, epsilon)
-        steady, alternating, shrinking, apart, coupling = (
-            np.where(sticks, held, slipped) for held, slipped in zip(stick, back, strict=True)
-        )
+        k = np.maximum(k, 1e-70)  # k^4 stays; there the contact sticks, or a deviation does
+        held = np.minimum(mu / closed.critical_friction(x, z, k), 1.0)
+        response = closed.landing_response(x, z, k, epsilon, held)
+        steady, alternating, shrinking, apart, coupling = response
         turn, apart = np.sqrt(coupling), np.abs(apart)
         least = np.minimum(steady, alternating)  # 1 - tr + det where the larger is positive
         root = np.sqrt((apart - turn) * (apart + turn))

@@ -204,9 +204,9 @@ def test_levers_of_any_length():
     assert impact.critical_friction((1.0, 1e-200, 1e-200)) == pytest.approx(5e199, rel=1e-14)
     tiny = impact.painleve_friction((1e-200, 1.0, 1e-200))
     assert tiny * 1e200 == pytest.approx(2, rel=1e-14)
-    assert impact.relaxation((1e200, 3e200, 1e200), friction=0.1, restitution=0.5) == pytest.approx(
-        impact.relaxation((1.0, 3.0, 1.0), friction=0.1, restitution=0.5), rel=1e-14
-    )
+    how = {"friction": 1.0, "restitution": 0.5}
+    far, near = (impact.relaxation((x, 3 * x, 1.0), **how) for x in (1e200, 1e20))
+    assert far == pytest.approx(near, rel=1e-14)
     far, near = (impact.energy_restitution((1.0, 1.0, k), 0.1) for k in (1e-100, 1e-70))
     assert far == pytest.approx(near, rel=1e-14)
 
