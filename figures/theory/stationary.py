@@ -39,7 +39,7 @@ RESTITUTIONS = np.array([0.5, 0.65, 0.8])
 FRICTIONS = np.array([0.1, 0.3, 0.5])
 RESTITUTION = 0.65
 _LOOKS = ((BLUE, "--"), (BLACK, "-"), (RED, "-."))
-_REVERSED = (BLUE, RED, GREEN)
+_REVERSED = ((BLUE, "--"), (RED, "-."), (GREEN, ":"))
 
 
 def alpha_of_fall(fall: np.ndarray) -> np.ndarray:
@@ -61,6 +61,8 @@ def data(quick: bool = False) -> Data:
     slower = np.interp(bounce, slow / alpha_of_fall(slow), alpha_of_fall(slow))
     half = np.arcsin(np.sqrt(function("V: tilt of one half")(RESTITUTIONS)))
     setting = {"friction": np.append(FRICTIONS, np.inf)[:, None], "restitution": RESTITUTION}
+    shown = drift(rod, **setting).regime == Regime.SLIP_REVERSAL
+    shown[-1] = True  # the last friction holds at every tilt
     best = optimal_tilt(friction=FRICTIONS, restitution=RESTITUTION)
     shapes = (rod, spherocylinder(tilt, 9.5), spherocylinder(tilt, 3.0), flat_ended_rod(tilt, 8.0))
     return {
@@ -72,9 +74,8 @@ def data(quick: bool = False) -> Data:
         "consistent": np.where(bounce >= least, consistent, np.nan),
         "slower": np.where((bounce < least) & (bounce >= 1), slower, np.nan),
         "half": half,
-        "regime": drift(rod, **setting).regime,
-        "landings": relaxation(rod, **setting),
-        "cost": transport_cost(rod, **setting),
+        "landings": np.where(shown, relaxation(rod, **setting), np.nan),
+        "cost": np.where(shown, transport_cost(rod, **setting), np.nan),
         "best_tilt": best.tilt,
         "best_cost": 1 / best.c_x,
         "painleve": np.stack([painleve_friction(shape) for shape in shapes]),
@@ -101,8 +102,8 @@ def _alpha(ax: Axes, d: Data) -> None:
 
 def _closure(ax: Axes, d: Data) -> None:
     tilt_deg, half = np.degrees(d["tilt"]), np.degrees(d["half"])
-    for row, (e, (colour, _)) in enumerate(zip(RESTITUTIONS, _LOOKS, strict=True)):
-        label = f"{e:g}, 1/2 at {half[row]:.1f}°"
+    for row, colour in enumerate((BLUE, BLACK, RED)):
+        label = f"{RESTITUTIONS[row]:g}, 1/2 at {half[row]:.1f}°"
         ax.plot(tilt_deg, d["consistent"][row], color=colour, label=label)
         ax.plot(tilt_deg, d["slower"][row], "--", color=colour)
         ax.plot(half[row], 0.5, "o", color=colour)
@@ -115,27 +116,21 @@ def _regimes(ax: Axes, d: Data, name: str, frictions: int) -> None:
     """Slip-stick in black; in colour the smallest frictions where they reverse."""
     tilt_deg = np.degrees(d["tilt"])
     ax.plot(tilt_deg, d[name][-1], color=BLACK, label="slip-stick")
-    for row, colour in enumerate(_REVERSED[:frictions]):
-        label = rf"reversal, $\mu={FRICTIONS[row]:g}$"
-        slips = np.where(d["regime"][row] == Regime.SLIP_REVERSAL, d[name][row], np.nan)
-        ax.plot(tilt_deg, slips, ("--", "-.", ":")[row], color=colour, label=label)
+    for mu, y, (colour, form) in zip(FRICTIONS[:frictions], d[name], _REVERSED, strict=False):
+        ax.plot(tilt_deg, y, form, color=colour, label=rf"reversal, $\mu={mu:g}$")
     tilt_axis(ax)
+    ax.legend()
 
 
 def _landings(ax: Axes, d: Data) -> None:
     _regimes(ax, d, "landings", 2)
     ax.set(ylabel="landings to fall by $e$", ylim=(0, 11))
-    ax.legend()
 
 
 def _cost(ax: Axes, d: Data) -> None:
     _regimes(ax, d, "cost", 3)
-    for tilt, cost, colour in zip(
-        d["best_tilt"], d["best_cost"], (BLUE, BLACK, BLACK), strict=True
-    ):
-        ax.plot(np.degrees(tilt), cost, "o", color=colour)
+    ax.scatter(np.degrees(d["best_tilt"]), d["best_cost"], s=16, c=[BLUE, BLACK, BLACK], zorder=3)
     ax.set(ylabel="work / (weight × distance)", yscale="log", ylim=(0.2, 100))
-    ax.legend()
 
 
 def _painleve(ax: Axes, d: Data) -> None:
