@@ -288,18 +288,20 @@ class RowEngine(Engine):
 
     def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
         i, j, image, _ = self.state.listed.index[self.state.listed.turn[0], where]
-        return i, j, max(self.overlaps(rods, i, j, image))
+        return i, j, max(self.overlaps(rods, i, j, image)[0])
 
     def _speeds(self, rods: np.ndarray) -> np.ndarray:
         return np.abs(rods[:, ROW_VELOCITY]) @ (1, 1, self.half_length)
 
-    def overlaps(self, rods: np.ndarray, i: int, j: int, image: int) -> list[float]:
-        """Overlap at each end contact of a pair, in d."""
+    def overlaps(self, rods: np.ndarray, i: int, j: int, image: int) -> tuple[list[float], ...]:
+        """Overlaps of a pair, in d: of each end contact, and of ends that may meet each other."""
         dx = rods[i, X] - rods[j, X] - image * (self.effects.period or 0.0)
         dz, alone = rods[i, Z] - rods[j, Z], self.effects.alone
-        a, b = tuple(rods[i, ROW_DIRECTION]), tuple(rods[j, ROW_DIRECTION])
-        ends = (places(dx, dz, a, b, alone.half_length, k) for k in range(meetings(alone.upper)))
-        return [1 - hypot(*apart(dx, dz, a, b, s, t)) for s, t in ends]
+        half, a, b = alone.half_length, tuple(rods[i, ROW_DIRECTION]), tuple(rods[j, ROW_DIRECTION])
+        ends = [places(dx, dz, a, b, half, k) for k in range(meetings(alone.upper))]
+        joints = [(s, half if t > 0 else -half) for s, t in ends[:2]] if alone.upper else []
+        deep = ([1 - hypot(*apart(dx, dz, a, b, s, t)) for s, t in of] for of in (ends, joints))
+        return tuple(deep)
 
     def energy(self) -> float:
         """Kinetic, potential and elastic energy half a step ago, in m g d."""
@@ -323,8 +325,8 @@ class RowEngine(Engine):
         if listed:
             now, stiffness = listed.turn[0], self.effects.between.normal.stiffness
             for i, j, image, _ in listed.index[now, : listed.start[now, -1]]:
-                deep = np.maximum(self.overlaps(rods, i, j, image), 0)
-                total += 0.4 * stiffness * (deep**2.5).sum()
+                ends, joints = (np.maximum(of, 0) for of in self.overlaps(rods, i, j, image))
+                total += 0.4 * stiffness * ((ends**2.5).sum() - (joints**2.5).sum())
         return float(total)
 
 

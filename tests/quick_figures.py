@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import figures
-from figures.checks import landing_census
+from figures.checks import landing_census, which_law
 from figures.claims import measure_rows
 from figures.cost import (
     accuracy_cost_drift,
@@ -38,6 +38,7 @@ FEW = {
     **{"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2], "periods": MOST_PERIODS},
 }
 SIZES = {
+    which_law: {"SIZE": {True: {"periods": MOST_PERIODS, "seeds": (1, 2), "points": 2}}},
     runs: {"SEEDS": {"start.seed": [1, 2]}},
     fig02: {"MAP_COUNTS": {True: (34, 24)}, "MAP_GAMMAS": {True: (1.2, 3.3)}},
     fig04: {

@@ -1,5 +1,6 @@
 """Cheap soft scenes of many rods for the tests, and forces by brute force."""
 
+from itertools import product
 from math import cos, pi, sin
 
 import numpy as np
@@ -100,16 +101,29 @@ def images(rods: np.ndarray, half: float, period: float | None):
                     yield i, j, image
 
 
+def corners(rods: np.ndarray, half: float, i: int, j: int, shift: float = 0.0):
+    """(overlap, normal towards i, end of i, end of j) of every two ends."""
+    tails = rods[i, ROW_PLACE], rods[j, ROW_PLACE] + (shift, 0.0)
+    for mine, theirs in product((-half, half), repeat=2):
+        p, q = tails[0] + mine * rods[i, ROW_DIRECTION], tails[1] + theirs * rods[j, ROW_DIRECTION]
+        yield 1 - np.hypot(*(p - q)), (p - q) / np.hypot(*(p - q)), p, q
+
+
 def elastic(rods: np.ndarray, half: float, light: float, stiffness: float, period=None):
-    """Accelerations and energy of all pairs without dashpots, by brute force."""
+    """Accelerations and energy of all pairs without dashpots, by brute force.
+
+    The contacts of all ends with the other axis, less those of all ends with each other.
+    """
     total, energy = np.zeros((len(rods), 3)), 0.0
     for i, j, image in images(rods, half, period):
         shift = np.array((image * period if image else 0.0, 0.0))
-        for overlap, normal, p, q in ends(rods, half, i, j, shift[0]):
+        contacts = [(1, *found) for found in ends(rods, half, i, j, shift[0])]
+        contacts += [(-1, *found) for found in corners(rods, half, i, j, shift[0])]
+        for count, overlap, normal, p, q in contacts:
             if overlap <= 0:
                 continue
-            force = stiffness * overlap**1.5 * normal
-            energy += 0.4 * stiffness * overlap**2.5
+            force = count * stiffness * overlap**1.5 * normal
+            energy += count * 0.4 * stiffness * overlap**2.5
             touch = (p + q) / 2
             for rod, centre, sign in (
                 (i, rods[i, ROW_PLACE], 1),

@@ -19,11 +19,12 @@ from md.kernels.codes import (
     TURN,
     VELOCITY,
 )
-from md.kernels.contact import ContactForces, Motion
+from md.kernels.contact import ContactForces, Friction, Motion
 from md.kernels.space import geometry
 from md.kernels.space.forces import Wall
 from md.kernels.space.pairs import nearest
 
+from .rows import LIGHT, free
 from .space import (
     ELASTIC,
     HALF,
@@ -31,6 +32,7 @@ from .space import (
     ROUGH,
     SMOOTH,
     Rods,
+    effects,
     meeting,
     states,
     tuples,
@@ -98,7 +100,10 @@ def total_force(scene, rods):
     return one.state.scratch[0]
 
 
-@pytest.mark.parametrize("path", ["through parallel", "off the end", "past the inner wall"])
+@pytest.mark.parametrize(
+    "path",
+    ["through parallel", "off the end", "end past end", "round an end", "past the inner wall"],
+)
 def test_no_force_jumps(path):
     """Ten times finer steps along the path: changes from place to place ten times smaller."""
     biggest = []
@@ -111,6 +116,12 @@ def test_no_force_jumps(path):
             elif path == "off the end":
                 other = (0, -0.98, 5.6 + 2 * x), (-0.7, 0, 1)
                 rods = states(((0, 0, 0), (0.7, 0, 1)), other)
+            elif path == "end past end":
+                rods = states(((0, 0, 0), (0, 0.001, 1)), ((0, -0.98, 8.5 + x), (0, 0, 1)))
+            elif path == "round an end":
+                end = (0.1, 0.98 * np.sin(5 * x), 4.25 + 0.98 * np.cos(5 * x))
+                director = unit((0.3, 0, 1))
+                rods = states(((0, 0, 0), (0, 0, 1)), (end + HALF * director, director))
             else:
                 scene = within(inner=Wall(5.0, ELASTIC, SMOOTH))
                 rods = states(((5.49, 0, 0), (0.001, x, 1)))
@@ -150,6 +161,34 @@ def test_elastic_rods_keep_their_energy(seed):
     scene = Rods(meeting(ELASTIC, SMOOTH), two(seed), dt=5e-5)
     scene.go(80_000)
     assert scene.kinetic() == pytest.approx(energy, rel=1e-6)
+
+
+@pytest.mark.parametrize("length", [1.0, 3.0])
+def test_caps_head_on_have_the_restitution_asked_for(length):
+    """Ends that meet are one contact, as spheres are."""
+    half, velocity = (length - 1) / 2, (0, 0, 0.5)
+    rods = states(
+        ((0, 0, 0), (0, 0, 1), velocity), ((0, 0, length), (0, 0, 1), np.negative(velocity))
+    )
+    scene = Rods(effects(half, between=ContactForces(LOSSY.normal, None)), rods, dt=6e-5).go(3000)
+    assert scene.rods[1, VELOCITY + 2] - scene.rods[0, VELOCITY + 2] == pytest.approx(
+        0.65, abs=2e-3
+    )
+
+
+def test_rods_in_a_plane_do_in_space_as_in_the_plane():
+    """Two that slide past each other's end under losses and friction, to rounding."""
+    ends_meet = [(0, 0, 0, 0, 0, 0), (1.001, 8.38, 1e-3, -2.0, 10.0, 0)]
+    law = md.constant_restitution(stiffness=1e5)
+    plane = free(law, ends_meet, dt=1e-4, friction=0.3)
+    rods = [((x, 0, z), (np.sin(t), 0, np.cos(t)), (u, 0, w)) for x, z, t, u, w, _ in ends_meet]
+    between = ContactForces(law.normal, Friction(0.3, law.spring))
+    scene = Rods(effects(lightness=LIGHT, between=between), states(*rods), dt=1e-4)
+    for _ in range(6):
+        plane.go(50)
+        scene.go(50)
+        np.testing.assert_allclose(scene.rods[:, [6, 8, 10]], plane.rods[:, 4:], atol=1e-9)
+    assert np.abs(plane.rods[:, 6]).min() > 0.1
 
 
 def test_a_free_top_precesses_as_it_should():

@@ -1,9 +1,10 @@
 """Compiled kernels of the molecular dynamics.
 
 `codes` holds stop codes, columns and phases; `contact` the forces of one contact; `single` one rod
-and the plate; `plane`, `neighbours` and `touches` a row; `space` an annulus; `rates` the equations
-of `md.reference`. A kernel takes named tuples whose fields name their units; a field that is `None`
-is an absent effect: Numba sees the type and leaves its code out.
+and the plate; `plane`, `neighbours` and `touches` a row; `joints` two ends that meet; `space` an
+annulus; `rates` the equations of `md.reference`. A kernel takes named tuples whose fields name
+their units; a field that is `None` is an absent effect: Numba sees the type and leaves its code
+out.
 
 A new effect that acts on a rod, say the drag of air, takes one function, one key of the scene and
 one line where it is called:

@@ -3,10 +3,9 @@
 Two rods touch where an end of one comes close to the axis of the other. Each of the four ends of
 a pair is a contact of its own, with its own spring: two parallel rods that lie against each other
 touch at two places, and as they turn the force passes from one place to the other without a jump,
-which the single closest point of two segments could not do. Each contact force derives from the
-distance of its end, so that without dashpots energy is kept. The price is that a place where two
-ends meet counts twice, from either rod: twice the stiffness, and cap on cap head on less
-restitution than was asked (0.555 for 0.65).
+which the single closest point of two segments could not do. Where two ends meet, their contacts are
+one place and count once (`joints`). All forces derive from distances of ends, so that without
+dashpots energy is kept.
 
 Velocities are kept half a step before the places. The dashpots see them extrapolated to the step by
 the last accelerations: with velocities half a step old, the drift of strongly tilted rods would be
@@ -67,6 +66,7 @@ from .contact import (
     term,
     vector,
 )
+from .joints import joint
 from .neighbours import (
     Listed,
     apart,
@@ -135,6 +135,31 @@ def pair_friction(friction, springs, place, overlap, force, slip, dt):
 
 
 @kernel
+def one_spring(springs, pair, end, other, first, second):
+    """Keep one spring at the contacts of two ends where one has no foot of its own."""
+    if springs is None or (first > 0.0 and second > 0.0):
+        return
+    now, k = pair
+    length = springs[now, k, end]
+    if first == 0.0:
+        length = springs[now, k, other]
+        if second == 0.0:
+            length = 0.5 * (length + springs[now, k, end])
+    springs[now, k, end] = springs[now, k, other] = length
+
+
+@kernel
+def repel(total, light, pair, s, t, force):
+    """Add a force that drives a place on one axis and a place on the other apart."""
+    i, j, dx, dz, a, b = pair
+    r_x, r_z = apart(dx, dz, a, b, s, t)
+    force /= sqrt(r_x * r_x + r_z * r_z)
+    f_x, f_z = force * r_x, force * r_z
+    add(total, i, 0, (f_x, f_z, s * (a[1] * f_x - a[0] * f_z) * light))
+    add(total, j, 0, (-f_x, -f_z, t * (b[0] * f_z - b[1] * f_x) * light))
+
+
+@kernel
 def forgotten(kept, now, k, first, last):
     """Clear what is kept of a contact that has opened."""
     if kept is not None:
@@ -157,12 +182,121 @@ def pair_accounted(ledger, kept, place, forces, velocities, dt):
         kept[now, k, 2 * end], kept[now, k, 2 * end + 1] = lost, rub
 
 
+@kernel
+def joined(effects, stiffness, state, k, pair, end):
+    """Shares of two ends that meet in their place; adds the forces that keep energy.
+
+    `pair`: both rods, from the second's centre to the first's, both directions; `end`: of the first
+    rod. Third, which end of the second rod.
+    """
+    _, _, dx, dz, a, b = pair
+    half, light, total = effects.half_length, effects.lightness, state.scratch.total
+    s, foot = places(dx, dz, a, b, half, end)
+    other = 3 if foot > 0 else 2
+    back, t = places(dx, dz, a, b, half, other)
+    first, second = abs(t - foot), abs(s - back)
+    r_x, r_z = apart(dx, dz, a, b, s, t)
+    met = joint(r_x * r_x + r_z * r_z, first, second)
+    one_spring(state.listed.springs, (state.listed.turn[0], k), end, other, first, second)
+    if first > 0.0 and second > 0.0:
+        force = stiffness * met.force
+        repel(total, light, pair, s, foot, met.part * force)
+        repel(total, light, pair, back, t, (1.0 - met.part) * force)
+        repel(total, light, pair, s, t, -force)
+    return met.first, met.second, other
+
+
+@kernel
+def meets(upper, end, square, foot, half):
+    """Whether an end of the first rod, near its foot on the second, touches the second's end.
+
+    `square`: squared distance from end to foot.
+    """
+    if upper is None:
+        return False
+    beyond = half - abs(foot)
+    return end < 2 and square + beyond * beyond < 1.0
+
+
+@kernel
+def opened(listed, k, end):
+    """Clear what is kept of a contact that is open."""
+    now = listed.turn[0]
+    forgotten(listed.springs, now, k, end, end + 1)
+    forgotten(listed.losses, now, k, 2 * end, 2 * end + 2)
+
+
+@kernel
+def touch(effects, state, ledger, place, pair, near, share, dt):
+    """Add the accelerations by the contact of one end, or its share of them.
+
+    `place`: of what is kept of the contact; `near`: places along both axes, and the vector between.
+    """
+    i, j, _, _, a, b = pair
+    s, t, r_x, r_z = near
+    between, light = effects.between, effects.alone.lightness
+    rods, before, total = state.rods, state.before, state.scratch.total
+    springs, kept = state.listed.springs, state.listed.losses
+    r = sqrt(r_x * r_x + r_z * r_z)
+    n_x, n_z, overlap = r_x / r, r_z / r, 1.0 - r
+    p_x, p_z = s * a[0] - 0.5 * r_x, s * a[1] - 0.5 * r_z  # arms to the contact point
+    q_x, q_z = t * b[0] + 0.5 * r_x, t * b[1] + 0.5 * r_z
+    v_x = rods[i, C_X] + rods[i, OMEGA] * p_z - rods[j, C_X] - rods[j, OMEGA] * q_z
+    v_z = rods[i, C_Z] - rods[i, OMEGA] * p_x - rods[j, C_Z] + rods[j, OMEGA] * q_x
+    lever_i, lever_j = p_z * n_x - p_x * n_z, q_z * n_x - q_x * n_z
+    mass = 1 / (2 + (lever_i * lever_i + lever_j * lever_j) * light)
+    rate, slip = v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x  # tangent (n_z, -n_x)
+    v_x += (before[i, 0] + before[i, 2] * p_z - before[j, 0] - before[j, 2] * q_z) * dt / 2
+    v_z += (before[i, 1] - before[i, 2] * p_x - before[j, 1] + before[j, 2] * q_x) * dt / 2
+    force = normal_force(between.normal, overlap, v_x * n_x + v_z * n_z, mass, dt)
+    across_i, across_j = p_z * n_z + p_x * n_x, q_z * n_z + q_x * n_x
+    mass = 1 / (2 + (across_i * across_i + across_j * across_j) * light)
+    seen = Slip(slip, v_x * n_z - v_z * n_x, 0.0, mass)
+    rub = share * pair_friction(between.friction, springs, place, overlap, force, seen, dt)
+    lost = share * (between.normal.stiffness * overlap * sqrt(overlap) - force)
+    force *= share
+    pair_accounted(ledger, kept, place, (lost, rub), (rate, slip), dt)
+    f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
+    add(total, i, 0, (f_x, f_z, (p_z * f_x - p_x * f_z) * light))
+    add(total, j, 0, (-f_x, -f_z, (q_x * f_z - q_z * f_x) * light))
+
+
 @kernel(inline=False)
-def pair_forces(effects, between, state, ledger, dt):
+def joined_ends(effects, state, ledger, k, pair, first, dt):
+    """Add the accelerations by the ends from the `first` on, which meets another one.
+
+    Whether one is too deep.
+    """
+    alone, listed, now = effects.alone, state.listed, state.listed.turn[0]
+    half, stiffness = alone.half_length, effects.between.normal.stiffness
+    _, _, dx, dz, a, b = pair
+    lower = upper = 1.0  # shares left to the ends of the second rod
+    for end in range(first, 4):
+        s, t = places(dx, dz, a, b, half, end)
+        r_x, r_z = apart(dx, dz, a, b, s, t)
+        square = r_x * r_x + r_z * r_z
+        if square >= 1.0:
+            opened(listed, k, end)
+            continue
+        if square < (1 - DEEP) ** 2:
+            return True
+        share = (1.0, 1.0, lower, upper)[end]
+        if meets(alone.upper, end, square, t, half):
+            share, left, other = joined(alone, stiffness, state, k, pair, end)
+            if other == 2:
+                lower += left - 1.0
+            else:
+                upper += left - 1.0
+        place, near = (now, k, end), (s, t, r_x, r_z)
+        touch(effects, state, ledger, place, pair, near, share, dt)
+    return False
+
+
+@kernel(inline=False)
+def pair_forces(effects, state, ledger, dt):
     """Add the accelerations by all touching pairs; number of a pair that is too deep, or -1."""
-    half, light = effects.alone.half_length, effects.alone.lightness
-    rods, before, listed, total = state.rods, state.before, state.listed, state.scratch.total
-    now, index, springs, kept = listed.turn[0], listed.index, listed.springs, listed.losses
+    alone, rods, listed = effects.alone, state.rods, state.listed
+    half, now, index = alone.half_length, listed.turn[0], listed.index
     for k in range(listed.start[now, rods.shape[0]]):
         i, j = index[now, k, 0], index[now, k, 1]
         dx = rods[i, X] - rods[j, X] - term(effects.period, index[now, k, 2])
@@ -170,39 +304,23 @@ def pair_forces(effects, between, state, ledger, dt):
         a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
         if index[now, k, 3] == 0 and clear(dx, dz, a, b, half):
             continue
-        index[now, k, 3] = 0
-        for end in range(meetings(effects.alone.upper)):
+        index[now, k, 3], pair = 0, (i, j, dx, dz, a, b)
+        for end in range(meetings(alone.upper)):
             s, t = places(dx, dz, a, b, half, end)
             r_x, r_z = apart(dx, dz, a, b, s, t)
             square = r_x * r_x + r_z * r_z
             if square >= 1.0:
-                forgotten(springs, now, k, end, end + 1)
-                forgotten(kept, now, k, 2 * end, 2 * end + 2)
+                opened(listed, k, end)
                 continue
             if square < (1 - DEEP) ** 2:
                 return k
             index[now, k, 3] = 1
-            r = sqrt(square)
-            n_x, n_z, overlap = r_x / r, r_z / r, 1.0 - r
-            p_x, p_z = s * a[0] - 0.5 * r_x, s * a[1] - 0.5 * r_z  # arms to the contact point
-            q_x, q_z = t * b[0] + 0.5 * r_x, t * b[1] + 0.5 * r_z
-            v_x = rods[i, C_X] + rods[i, OMEGA] * p_z - rods[j, C_X] - rods[j, OMEGA] * q_z
-            v_z = rods[i, C_Z] - rods[i, OMEGA] * p_x - rods[j, C_Z] + rods[j, OMEGA] * q_x
-            lever_i, lever_j = p_z * n_x - p_x * n_z, q_z * n_x - q_x * n_z
-            mass = 1 / (2 + (lever_i * lever_i + lever_j * lever_j) * light)
-            rate, slip = v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x  # tangent (n_z, -n_x)
-            v_x += (before[i, 0] + before[i, 2] * p_z - before[j, 0] - before[j, 2] * q_z) * dt / 2
-            v_z += (before[i, 1] - before[i, 2] * p_x - before[j, 1] + before[j, 2] * q_x) * dt / 2
-            force = normal_force(between.normal, overlap, v_x * n_x + v_z * n_z, mass, dt)
-            across_i, across_j = p_z * n_z + p_x * n_x, q_z * n_z + q_x * n_x
-            mass = 1 / (2 + (across_i * across_i + across_j * across_j) * light)
-            place, seen = (now, k, end), Slip(slip, v_x * n_z - v_z * n_x, 0.0, mass)
-            rub = pair_friction(between.friction, springs, place, overlap, force, seen, dt)
-            lost = between.normal.stiffness * overlap * sqrt(overlap) - force
-            pair_accounted(ledger, kept, place, (lost, rub), (rate, slip), dt)
-            f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
-            add(total, i, 0, (f_x, f_z, (p_z * f_x - p_x * f_z) * light))
-            add(total, j, 0, (-f_x, -f_z, (q_x * f_z - q_z * f_x) * light))
+            if meets(alone.upper, end, square, t, half):
+                if joined_ends(effects, state, ledger, k, pair, end, dt):
+                    return k
+                break
+            place, near = (now, k, end), (s, t, r_x, r_z)
+            touch(effects, state, ledger, place, pair, near, 1.0, dt)
     return -1
 
 
@@ -214,7 +332,7 @@ def between_rods(between, effects, state, ledger, dt):
     half, scratch = effects.alone.half_length, state.scratch
     if not current(state.rods, half, effects.period, state.listed, scratch.place, scratch.found):
         return FULL_LIST, 0
-    deep = pair_forces(effects, between, state, ledger, dt)
+    deep = pair_forces(effects, state, ledger, dt)
     return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
 
 

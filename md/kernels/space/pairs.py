@@ -7,7 +7,8 @@ import numpy as np
 
 from ...cache import kernel
 from ..codes import CROSSING, DEEP, DIRECTOR, DONE, PAIR_TOO_DEEP, PLACE, SKIN
-from ..contact import ZERO, add, along, normal_force, vector
+from ..contact import ZERO, add, along, normal_force, put, vector
+from ..joints import joint
 from .forces import (
     Pairs,
     Rubbing,
@@ -98,10 +99,10 @@ def met(effects, state, pair, near, share, slot, dt):
     turned = across_normal(effects.lightness, s, a, normal)
     turned += across_normal(effects.lightness, t, b, normal)
     mass = 1.0 / (2.0 + turned)
-    force = share * normal_force(between.normal, overlap, dot(now, normal), mass, dt)
+    force = normal_force(between.normal, overlap, dot(now, normal), mass, dt)
     rubbing, bodies, at = Rubbing(normal, overlap, force, v, now), ((p, a), (q, b)), (number, slot)
     f = friction_force(between.friction, effects, bodies, state.pair_springs, at, rubbing, dt)
-    f = along(f, force, normal)
+    f = along(ZERO, share, along(f, force, normal))
     act(state.scratch, i, p, f)
     act(state.scratch, j, q, along(ZERO, -1.0, f))
 
@@ -165,10 +166,58 @@ def end_gaps(apart, a, b, half):
 
 
 @kernel
+def one_spring(springs, number, end, other, first, second):
+    """Keep one spring at the contacts of two ends where one has no foot of its own."""
+    if springs is None or (first > 0.0 and second > 0.0):
+        return
+    own = springs[number]
+    length = vector(own, end, 0)
+    if first == 0.0:
+        length = vector(own, other, 0)
+        if second == 0.0:
+            length = along(along(ZERO, 0.5, length), 0.5, vector(own, end, 0))
+    put(own, end, 0, length)
+    put(own, other, 0, length)
+
+
+@kernel
+def repel(total, pair, s, t, gap, force):
+    """Add a force that drives a place on one axis and a place on the other apart."""
+    i, j, _, a, b = pair
+    f = along(ZERO, force / sqrt(dot(gap, gap)), gap)
+    add(total, i, 0, f)
+    add(total, i, 3, cross(a, along(ZERO, s, f)))
+    add(total, j, 0, along(ZERO, -1.0, f))
+    add(total, j, 3, cross(along(ZERO, t, f), b))
+
+
+@kernel(inline=False)
+def joined(effects, state, pair, ends, end):
+    """Shares of two ends that meet in their place; adds the forces that keep energy.
+
+    `end`: of the first rod. Third, which end of the second rod.
+    """
+    total = state.scratch
+    s, foot, gap, _ = ends[end]
+    other = 3 if foot > 0.0 else 2
+    back, t, second_gap, _ = ends[other]
+    first, second, across = abs(t - foot), abs(s - back), along(gap, foot - t, pair.b)
+    met = joint(dot(across, across), first, second)
+    one_spring(state.pair_springs, pair.number, end, other, first, second)
+    if first > 0.0 and second > 0.0:
+        force = effects.between.normal.stiffness * met.force
+        repel(total, pair, s, foot, gap, met.part * force)
+        repel(total, pair, back, t, second_gap, (1.0 - met.part) * force)
+        repel(total, pair, s, t, across, -force)
+    return met.first, met.second, other
+
+
+@kernel
 def ends_met(effects, state, pair, ends, was, dt):
-    """Contacts of four ends: what touches, whether too deep."""
-    touches = 0
-    for end in range(4):
+    """Contacts of four ends: what touches, whether too deep. Spheres have one."""
+    touches, half = 0, effects.half_length
+    lower = upper = 1.0  # shares left to the ends of the second rod
+    for end in range(4 if half > 0.0 else 1):
         s, t, r, square = ends[end]
         if square >= 1.0:
             if was & ENDS:
@@ -176,8 +225,14 @@ def ends_met(effects, state, pair, ends, was, dt):
             continue
         if square < (1.0 - DEEP) ** 2:
             return touches, True
-        touches = ENDS
-        met(effects, state, pair, Closest(s, t, r, sqrt(square)), 1.0, end, dt)
+        touches, share, beyond = ENDS, (1.0, 1.0, lower, upper)[end], half - abs(t)
+        if end < 2 and half > 0.0 and square + beyond * beyond < 1.0:
+            share, left, other = joined(effects, state, pair, ends, end)
+            if other == 2:
+                lower += left - 1.0
+            else:
+                upper += left - 1.0
+        met(effects, state, pair, Closest(s, t, r, sqrt(square)), share, end, dt)
     return touches, False
 
 
