@@ -3,12 +3,12 @@
 import sympy as sp
 
 from . import bodies, drift, laws, optimum, thin_rod
-from .rewrites import Function, recast, single_fraction
+from .rewrites import Body, Function, recast, single_fraction
 from .symbols import V_z, X, Z, diameter, epsilon, k, length, mu, phi
 
 _x, _z, _s, _g = sp.symbols("x z s g", positive=True)  # |X|/k, |Z|/k, d/l, (1 + epsilon) r
 _grip, _sin, _cos, _root = sp.symbols("grip sin cos root", positive=True)
-_tangent = sp.Symbol("tangent", positive=True)
+_tangent, _held = sp.symbols("tangent held", positive=True)
 _root_a, _root_b, _root_c, _root_d = sp.symbols("root_a root_b root_c root_d", positive=True)
 
 
@@ -34,6 +34,15 @@ def _grip_of(case: str) -> sp.Expr:
     return sp.simplify(_thin(along / up) / _x - _z)
 
 
+def _response() -> Body:
+    """What a response's eigenvalues are made of; at the critical friction that of slip-stick."""
+    a, b, c, d = optimum.jacobian("back")
+    forms = (*optimum.stability_margins("back"), a - d, -4 * b * c)
+    names = ("steady", "alternating", "shrinking", "apart", "coupling")
+    friction = _held * thin_rod.critical_friction()
+    return {_name(n): form.subs(mu, friction) for n, form in zip(names, forms, strict=True)}
+
+
 FUNCTIONS: tuple[Function, ...] = (
     Function(
         name="critical_friction",
@@ -42,6 +51,14 @@ FUNCTIONS: tuple[Function, ...] = (
         arguments=(X, Z, k),
         derived=lambda: {mu: thin_rod.critical_friction()},
         rules=(recast("positive denominator", "no sign to lose", mu=X * Z / (k**2 + Z**2)),),
+    ),
+    Function(
+        name="painleve_friction",
+        summary="Friction from which a slipping contact is pressed into the plate.",
+        detail=r"For $XZ \ge 0$ and slip towards $-x$.",
+        arguments=(X, Z, k),
+        derived=lambda: {mu: optimum.painleve_friction()},
+        rules=(),
     ),
     Function(
         name="critical_tangents",
@@ -188,6 +205,33 @@ FUNCTIONS: tuple[Function, ...] = (
                 * _name("gained")
                 * _tangent
                 / (_name("lost") + (7 - epsilon) * _tangent**2),
+            ),
+        ),
+    ),
+    Function(
+        name="landing_response",
+        summary="Response of a stationary landing to a deviation.",
+        detail="$1 - tr + det$, $1 + tr + det$, $1 - det$; the difference of the diagonal entries; "
+        "$-4$ times that of the others. $held$: friction over the critical one, at most 1.",
+        arguments=(X, Z, k, epsilon, _held),
+        derived=_response,
+        rules=(
+            recast(
+                "sums of positive terms",
+                "a slow return keeps its digits; $XZ$ drops out of all denominators",
+                lost=1 - epsilon,
+                less=k**2 + (1 - _held) * Z**2,
+                more=k**2 + (1 + _held) * Z**2,
+                D=(1 + _held) * ((k**2 + Z**2) * k**2 + X**2 * _name("less")),
+                steady=2 * _held * k**2 * (_name("lost") * k**2 + 2 * X**2) / _name("D"),
+                alternating=2 * (1 + epsilon) * k**2 * _name("more") / _name("D"),
+                push=(1 + epsilon) * _held * k**4,
+                rest=2 * X**2 * (k**2 + (1 - _held) * (1 + _held) * Z**2)
+                + _name("lost") * k**2 * _name("more"),
+                shrinking=(_name("rest") + _name("push")) / _name("D"),
+                apart=(_name("rest") - _name("push")) / _name("D"),
+                slant=_held * k**2 * X * Z / _name("D"),
+                coupling=8 * (1 + epsilon) * (1 + _held) * _name("slant") ** 2,
             ),
         ),
     ),

@@ -25,7 +25,7 @@ geometry                            where the centre of mass stands over the con
 _impacts, _twofold                  regimes, arguments of impacts; numbers in twice the digits
 collision                           the impact map: `collide`, `classify`
 pairs                               two bodies of any masses that meet: `collide_pair`
-boundaries, translation             boundaries of the regimes; the drift
+boundaries, translation             boundaries of the regimes; the drift, its stability and cost
 compiled                            the map as Numba kernels, the same bits
 flight, bouncing, falling           exact flights over the plate, and rods that make them
 _jit, _interrupt                    Numba's compiler; signals that wait until it is done
@@ -42,7 +42,13 @@ To add a function
 
 from ._arguments import InputError
 from ._impacts import Regime
-from .boundaries import critical_friction, critical_tilts, energy_restitution, slide_friction
+from .boundaries import (
+    critical_friction,
+    critical_tilts,
+    energy_restitution,
+    painleve_friction,
+    slide_friction,
+)
 from .collision import Collision, classify, collide
 from .geometry import ContactGeometry, flat_ended_rod, spherocylinder, thin_rod
 from .pairs import Body, PairCollision, collide_pair
@@ -53,6 +59,8 @@ from .translation import (
     landing_density,
     mean_plate_velocity,
     optimal_tilt,
+    relaxation,
+    transport_cost,
 )
 
 __all__ = [
@@ -75,7 +83,10 @@ __all__ = [
     "landing_density",
     "mean_plate_velocity",
     "optimal_tilt",
+    "painleve_friction",
+    "relaxation",
     "slide_friction",
     "spherocylinder",
     "thin_rod",
+    "transport_cost",
 ]

@@ -60,6 +60,35 @@ def critical_friction(geometry: ContactGeometry) -> Any:
     return evaluated(block, lengths_of(geometry))[0]
 
 
+def painleve_friction(geometry: ContactGeometry) -> Any:
+    """Friction from which on a slipping contact is pressed into the plate: Painleve's paradox.
+
+    (k^2 + X^2)/|X Z|, for the slip that friction opposes towards the centre of mass: to -x where
+    X Z > 0. Not in the paper; derived in `derivations.optimum`.
+
+    Parameters
+    ----------
+    geometry : any X, Z, and k > 0
+
+    Returns
+    -------
+    Dimensionless; inf where XZ = 0, nan for array elements out of their domain. For a thin rod
+        never below 4/3, which it is at a tilt of arctan(1/2).
+
+    Raises
+    ------
+    ValueError
+        If k is a scalar <= 0.
+    """
+
+    def block(X: Any, Z: Any, k: Any) -> tuple[Any, ...]:
+        _, exponent = np.frexp(np.maximum(np.abs(X), k))  # Z may be larger by any factor
+        lengths = (np.ldexp(np.abs(length), -exponent) for length in (X, Z, k))
+        return (closed.painleve_friction(*lengths),)
+
+    return evaluated(block, lengths_of(geometry))[0]
+
+
 def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitution: Any) -> Any:
     """Largest friction at which the contact slides until it separates: u_* = 0 in Eq. (14).
 

@@ -18,7 +18,7 @@ from ._arguments import (
     result_dtype,
 )
 from ._impacts import Regime, as_regime
-from .geometry import ContactGeometry, lengths_of
+from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
 class Drift(NamedTuple):
@@ -79,6 +79,88 @@ def drift(
     }
     c_x, c_z, regime = evaluated(block, given, (None, None, np.int8))
     return Drift(c_x, c_z, as_regime(regime))
+
+
+def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Any:
+    """Cost of transport of the stationary drift: work of the plate per weight and distance.
+
+    It is V_z/|c_x| of `drift`, whatever the rod and the plate's velocity: the fastest rod is the
+    cheapest. Not in the paper; derived in `derivations.transport`.
+
+    Parameters
+    ----------
+    geometry : any X, Z, and k > 0
+    friction : Coulomb coefficient, >= 0
+    restitution : between 0 and 1 (kinematic)
+
+    Returns
+    -------
+    Dimensionless; inf where nothing drifts (XZ = 0), 0 in the limit of a vertical rod at
+        restitution 1, nan without friction, where the drift is not determined.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain.
+
+    Examples
+    --------
+    >>> float(transport_cost((0.1, 0.5, 0.3), friction=0.3, restitution=0.65).round(4))
+    0.3121
+    """
+    with np.errstate(all="ignore"):
+        return 1 / np.abs(drift(geometry, friction=friction, restitution=restitution).c_x)
+
+
+def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Any:
+    """Number of landings in which a small deviation from the stationary drift falls by e.
+
+    -1/ln(rho), with rho the largest modulus of the eigenvalues of what one landing makes of
+    (c_x, c_z), by the closure of `drift`. Never negative: the stationary landing is stable. Not in
+    the paper; derived in `derivations.optimum`.
+
+    Parameters
+    ----------
+    geometry : any X, Z, and k > 0
+    friction : Coulomb coefficient, >= 0
+    restitution : between 0 and 1 (kinematic)
+
+    Returns
+    -------
+    Landings, in the mean over many: a deviation may oscillate as it falls. inf where one stays:
+        without friction, and for a vertical rod at restitution 1.
+
+    Raises
+    ------
+    ValueError
+        If a scalar argument is out of its domain.
+
+    Notes
+    -----
+    Continuous over tilt and friction. Where two eigenvalues meet it has a corner with a vertical
+    side, at which half of the digits are left.
+
+    Examples
+    --------
+    >>> float(relaxation((0.1, 0.5, 0.3), friction=0.3, restitution=0.65).round(3))
+    2.607
+    """
+
+    def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any) -> tuple[Any, ...]:
+        x, z, k = unit_lengths(np.abs(X), np.abs(Z), k)
+        k = np.maximum(k, 1e-70)  # k^4 stays; there the contact sticks, or a deviation does
+        held = np.minimum(mu / closed.critical_friction(x, z, k), 1.0)
+        response = closed.landing_response(x, z, k, epsilon, held)
+        steady, alternating, shrinking, apart, coupling = response
+        turn, apart = np.sqrt(coupling), np.abs(apart)
+        least = np.minimum(steady, alternating)  # 1 - tr + det where the larger is positive
+        root = np.sqrt((apart - turn) * (apart + turn))
+        gap = np.where(apart < turn, shrinking, 2 * least / (least + shrinking + root))
+        landings = np.where(apart < turn, -2.0, -1.0) / np.log1p(-np.minimum(gap, 1.0))
+        return (np.where(mu > 0, landings, np.inf),)
+
+    given = {"friction": (friction, FRICTION), "restitution": (restitution, RESTITUTION)}
+    return evaluated(block, {**lengths_of(geometry), **given})[0]
 
 
 class Optimum(NamedTuple):

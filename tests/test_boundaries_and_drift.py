@@ -10,6 +10,7 @@ from derivations import function
 from impact import ContactGeometry, Regime
 
 from . import sampling
+from .reference import reference_collide
 
 EPS = np.finfo(float).eps
 
@@ -81,6 +82,24 @@ def test_critical_friction_separates_stick_from_reversal():
             0.0, -1.0, geometry=geometry, friction=factor * critical, restitution=0.5
         )
         assert (got[critical > 1e-12] == regime).all()
+
+
+def test_painleve_friction_is_where_an_impact_needs_no_approach():
+    """Beyond it slip towards -x presses the contact in, as far as the slip goes; any geometry."""
+    rng = np.random.default_rng(7)
+    X, Z, k = sampling.geometries(rng, 2000)
+    geometry = ContactGeometry(X, Z, k)
+    friction = impact.painleve_friction(geometry)
+    with mpmath.workdps(50):
+        for got, x, z, r in zip(friction, *(map(mpf, part) for part in geometry), strict=True):
+            assert x == 0 or ulps(got, (r * r + x * x) / abs(x * z)) <= 3
+    ways, backwards = {"geometry": geometry, "restitution": 0.5}, -np.sign(X * Z)
+    for factor, pressed in ((1.01, True), (0.99, False)):
+        hit = impact.collide(backwards, -1e-9, friction=factor * friction, **ways)
+        np.testing.assert_array_equal((hit.P_z > 1e-5)[friction < 1e3], pressed)
+    assert impact.painleve_friction((-0.0, 0.5, 0.3)) == np.inf
+    least = impact.painleve_friction(impact.thin_rod(np.arctan(0.5)))
+    assert least == pytest.approx(4 / 3, rel=4 * EPS)
 
 
 def test_slide_friction_is_where_the_slide_ends():
@@ -179,6 +198,11 @@ def test_levers_of_any_length():
         assert huge.regime == small.regime == Regime.SLIP_REVERSAL
     assert impact.critical_friction((1e300, 1.0, 1.0)) == pytest.approx(5e299, rel=1e-14)
     assert impact.critical_friction((1.0, 1e-200, 1e-200)) == pytest.approx(5e199, rel=1e-14)
+    tiny = impact.painleve_friction((1e-200, 1.0, 1e-200))
+    assert tiny * 1e200 == pytest.approx(2, rel=1e-14)
+    how = {"friction": 1.0, "restitution": 0.5}
+    far, near = (impact.relaxation((x, 3 * x, 1.0), **how) for x in (1e200, 1e20))
+    assert far == pytest.approx(near, rel=1e-14)
     far, near = (impact.energy_restitution((1.0, 1.0, k), 0.1) for k in (1e-100, 1e-70))
     assert far == pytest.approx(near, rel=1e-14)
 
@@ -236,6 +260,69 @@ def test_optimal_tilt_at_the_ends():
     assert impact.optimal_tilt(friction=0.8, restitution=0.65).tilt == np.arctan(
         np.sqrt(0.35) / np.sqrt(6.35)
     )
+
+
+def exact_relaxation(geometry, **how):
+    """The same from whole impacts at 50 digits, and how far apart the eigenvalues are."""
+    start = impact.drift(geometry, **how)
+    c_x, c_z, step = mpf(float(start.c_x)), -mpf(float(start.c_z)), mpf(10) ** -12
+    after = []
+    for moved in ((c_x, c_z), (c_x + step, c_z), (c_x, c_z + step)):
+        hit = reference_collide(*moved, 0, **geometry._asdict(), **how, plate_velocity=1, dps=50)
+        after.append(mpmath.matrix([hit.c_x, -hit.c_z]))
+    a, c, b, d = (x / step for moved in after[1:] for x in moved - after[0])
+    root = mpmath.sqrt((a - d) ** 2 + 4 * b * c)
+    largest = max(abs(a + d + root), abs(a + d - root)) / 2
+    return -1 / mpmath.log(largest), abs(root)
+
+
+@pytest.mark.parametrize("kind", ["any", "slippery", "lossless"])
+def test_relaxation_by_whole_impacts(kind):
+    """Also where a deviation lasts for millions of landings."""
+    rng = np.random.default_rng(8)
+    n = 60
+    geometry = ContactGeometry(*sampling.geometries(rng, n))
+    friction, restitution = rng.uniform(0.01, 1.5, n), rng.uniform(0, 1, n)
+    if kind == "slippery":
+        friction *= 1e-9
+    elif kind == "lossless":
+        restitution = 1 - 1e-12 * restitution
+        geometry = impact.thin_rod(10 ** rng.uniform(-9, -6, n))
+    how = {"friction": friction, "restitution": restitution}
+    got = impact.relaxation(geometry, **how)
+    with mpmath.workdps(60):
+        for found, mu, e, *lengths in zip(got, friction, restitution, *geometry, strict=True):
+            rod = ContactGeometry(*map(float, lengths))
+            want, apart = exact_relaxation(rod, friction=float(mu), restitution=float(e))
+            assert abs(found - want) <= 8 * EPS * want / apart
+    assert kind == "any" or got.min() > 1e6
+    mirrored = impact.relaxation(geometry._replace(X=-geometry.X), **how)
+    np.testing.assert_array_equal(mirrored, got)
+
+
+def test_relaxation_and_cost_at_the_ends():
+    tilt, friction, restitution = np.transpose(
+        [(0, 0.3, 0.65), (0, 0.3, 1), (0, 0, 0.6), (1, 0, 1)]
+    )
+    rod, how = impact.thin_rod(tilt), {"friction": friction, "restitution": restitution}
+    kept = [1 / np.log(4 / 3), np.inf, np.inf, np.inf]
+    np.testing.assert_allclose(impact.relaxation(rod, **how), kept, rtol=4 * EPS)
+    np.testing.assert_array_equal(impact.transport_cost(rod, **how), [np.inf, 0, np.nan, np.nan])
+    assert impact.transport_cost((0.5, 0.0, 0.3), friction=0.3, restitution=0.65) == np.inf
+    e, k = np.random.default_rng(10).uniform(0.1, 1, (2, 1000))  # a lying rod forgets at once
+    at_once = impact.relaxation((np.sqrt(e) * k, 0.0, k), friction=0.3, restitution=e)
+    assert ((at_once >= 0) & (at_once < 0.04)).all()
+
+
+def test_cost_is_the_work_of_the_plate_on_the_way_of_a_flight():
+    rng = np.random.default_rng(9)
+    geometry = ContactGeometry(*sampling.geometries(rng, 2000))
+    friction, restitution = rng.uniform(0.01, 2, 2000), rng.uniform(0, 0.99, 2000)
+    how = {"geometry": geometry, "friction": friction, "restitution": restitution}
+    found = impact.drift(**how)
+    work = impact.collide(found.c_x, -found.c_z, plate_velocity=1.0, **how).P_z
+    way = np.abs(2 * found.c_x * found.c_z)  # times the acceleration of gravity
+    np.testing.assert_allclose(impact.transport_cost(**how), work / way, rtol=128 * EPS)
 
 
 def test_sphere_does_not_drift():

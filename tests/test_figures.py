@@ -140,6 +140,18 @@ def test_laws_differ_only_where_the_slip_stops():
     assert newton_to_poisson.max() == pytest.approx(d["difference"][row].max(), rel=0.05)
 
 
+def test_the_stationary_landing_where_its_dots_stand():
+    """1/2 is where a rod falls as fast as the plate moves; the best tilt is the cheapest."""
+    d = data("stationary")
+    for half, fast, slow in zip(d["half"], d["consistent"], d["slower"], strict=True):
+        whole = np.where(np.isnan(slow), fast, slow)
+        assert np.interp(half, d["tilt"], whole) == pytest.approx(0.5, abs=1e-4)
+        assert np.nanmax(fast) < 0.5 < np.nanmin(slow)
+    cheapest = np.nanmin(d["cost"][[0, -1]], axis=1)  # slip reversal, slip-stick
+    np.testing.assert_allclose(cheapest, d["best_cost"][[0, -1]], rtol=1e-3)
+    assert d["painleve"][0].min() == pytest.approx(4 / 3, rel=1e-3)
+
+
 @pytest.mark.parametrize(("side", "name"), [(1, "ahead"), (-1, "behind")])
 def test_smooth_rods_of_a_row_hand_on_what_their_ends_bring(side, name):
     """Along the normal of parallel rods, by the masses that their ends have there."""

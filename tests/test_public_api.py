@@ -25,9 +25,12 @@ SENSIBLE = {
     "flat_ended_rod": {"tilt": 0.4, "length": 8.0},
     "critical_tilts": {"friction": 0.3},
     "critical_friction": {"geometry": ROD},
+    "painleve_friction": {"geometry": ROD},
     "slide_friction": {"geometry": ROD, "approach_ratio": 2.0, "restitution": 0.8},
     "energy_restitution": {"geometry": ROD, "friction": 0.3},
     "drift": HIT,
+    "relaxation": HIT,
+    "transport_cost": HIT,
     "optimal_tilt": {"friction": 0.3, "restitution": 0.65},
     "mean_plate_velocity": {},
     "landing_density": {"phase": 1.0},
@@ -49,6 +52,7 @@ BAD = {
     "flat_ended_rod": {"tilt": [2.0], "length": [0.0], "diameter": [0.0]},
     "critical_tilts": {"friction": [-0.1]},
     "critical_friction": {"geometry": [INSIDE_OUT]},
+    "painleve_friction": {"geometry": [INSIDE_OUT]},
     "slide_friction": {"approach_ratio": [0.0, -2.0], "restitution": [1.1], "geometry": [FLAT]},
     "energy_restitution": {"friction": [-1.0], "geometry": [FLAT]},
     "drift": {
@@ -57,6 +61,8 @@ BAD = {
         "plate_velocity": [0.0, -1.0],
         "geometry": [FLAT],
     },
+    "relaxation": {"friction": [-0.3], "restitution": [1.01], "geometry": [FLAT]},
+    "transport_cost": {"friction": [-0.3], "restitution": [1.01], "geometry": [FLAT]},
     "landing_density": {"fall_speed": [0.0, -1.0]},
     "optimal_tilt": {"friction": [-0.3], "restitution": [1.01]},
     "mean_plate_velocity": {"points": [0, 1.5]},
@@ -172,6 +178,9 @@ def test_no_warning_ever():
         impact.drift(geometry, **setting)
         impact.critical_tilts(friction)
         impact.critical_friction(geometry)
+        impact.painleve_friction(geometry)
+        impact.relaxation(geometry, friction=friction, restitution=restitution)
+        impact.transport_cost(geometry, friction=friction, restitution=restitution)
         impact.slide_friction(geometry, approach_ratio=c_x, restitution=restitution)
         impact.energy_restitution(geometry, friction)
         for shape in (impact.thin_rod, impact.spherocylinder, impact.flat_ended_rod):

@@ -1,0 +1,157 @@
+"""The stationary landing: its phase, the plate's velocity there, its stability, its cost.
+
+Derived, not in the paper; for a thin rod but in (f); in (d) and (e) epsilon = 0.65. (a) Landing
+phases in proportion to the velocity of approach, of rods that fall at q times the plate's largest
+velocity V_0; the paper's density is q = 1. (b) The mean velocity of the plate at landing, which
+follows: 1/2 of V_0 at q = 1 alone. (c) The same of a thin rod that falls as fast as the closure has
+it rise, q = V_z/V_0 c_z'/V_z: solid where it is faster than the plate, dots where they are equally
+fast, so that 1/2 holds; the dashed lines end where the rod is hit again at once. Look how far from
+1/2 upright rods are. (d) How many landings it takes until a small deviation has fallen by the
+factor e: in slip-stick (black, whatever the friction) and between the critical tilts of a friction
+in slip reversal; corners with a vertical side are where it begins, or ceases, to oscillate. (e)
+Work of the plate per weight and distance: friction makes transport cheaper up to where the contact
+holds; dots: the best tilt, one for 0.3 and 0.5. (f) Friction from which on the contact of a
+slipping rod is pressed into the plate, Painleve's paradox; dot: the least of a thin rod, 4/3.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+from derivations import function
+from impact import (
+    Regime,
+    drift,
+    flat_ended_rod,
+    landing_density,
+    optimal_tilt,
+    painleve_friction,
+    relaxation,
+    spherocylinder,
+    thin_rod,
+    transport_cost,
+)
+
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style, tilt_axis
+
+FALLS = np.array([0.5, 1.0, 2.0])  # over the plate's largest velocity
+RESTITUTIONS = np.array([0.5, 0.65, 0.8])
+FRICTIONS = np.array([0.1, 0.3, 0.5])
+RESTITUTION = 0.65
+_LOOKS = ((BLUE, "--"), (BLACK, "-"), (RED, "-."))
+_REVERSED = ((BLUE, "--"), (RED, "-."), (GREEN, ":"))
+
+
+def alpha_of_fall(fall: np.ndarray) -> np.ndarray:
+    """V_z/V_0 of rods that fall with `fall` times V_0, on both branches."""
+    fast = function("V: alpha by flux")(np.maximum(fall, 1))
+    slow = function("V: alpha by flux, slow")(np.arccos(-np.minimum(fall, 1)))
+    return np.where(fall >= 1, fast, slow)
+
+
+def data(quick: bool = False) -> Data:
+    """Phases in rad over fall speeds; the rest over tilt in rad, of thin rods but for (f)."""
+    n = 181 if quick else 1081
+    phase, fall = np.linspace(-np.pi, np.pi, n), np.linspace(0.01, 3, n)
+    tilt = np.radians(np.linspace(0, 90, n))
+    rod = thin_rod(tilt)
+    bounce = drift(rod, friction=1.0, restitution=RESTITUTIONS[:, None]).c_z
+    consistent, least = function("V: alpha and closure")(bounce)
+    slow = np.linspace(0.01, 1, 2001)
+    slower = np.interp(bounce, slow / alpha_of_fall(slow), alpha_of_fall(slow))
+    half = np.arcsin(np.sqrt(function("V: tilt of one half")(RESTITUTIONS)))
+    setting = {"friction": np.append(FRICTIONS, np.inf)[:, None], "restitution": RESTITUTION}
+    shown = drift(rod, **setting).regime == Regime.SLIP_REVERSAL
+    shown[-1] = True  # the last friction holds at every tilt
+    best = optimal_tilt(friction=FRICTIONS, restitution=RESTITUTION)
+    shapes = (rod, spherocylinder(tilt, 9.5), spherocylinder(tilt, 3.0), flat_ended_rod(tilt, 8.0))
+    return {
+        "phase": phase,
+        "density": landing_density(phase, fall_speed=FALLS[:, None]),
+        "fall": fall,
+        "alpha": alpha_of_fall(fall),
+        "tilt": tilt,
+        "consistent": np.where(bounce >= least, consistent, np.nan),
+        "slower": np.where((bounce < least) & (bounce >= 1), slower, np.nan),
+        "half": half,
+        "landings": np.where(shown, relaxation(rod, **setting), np.nan),
+        "cost": np.where(shown, transport_cost(rod, **setting), np.nan),
+        "best_tilt": best.tilt,
+        "best_cost": 1 / best.c_x,
+        "painleve": np.stack([painleve_friction(shape) for shape in shapes]),
+    }
+
+
+def _density(ax: Axes, d: Data) -> None:
+    for q, density, (colour, form) in zip(FALLS, d["density"], _LOOKS, strict=True):
+        ax.plot(np.degrees(d["phase"]), density, form, color=colour, label=f"{q:g}")
+    ax.set(xlabel=r"phase $\theta$ (deg)", ylabel=r"density $H$ (1/rad)", ylim=(0, 0.6))
+    ax.set(xlim=(-180, 180), xticks=[-180, -90, 0, 90, 180])
+    ax.legend(title=r"fall speed $q=|c_z|/V_0$", ncols=3, loc="upper center")
+
+
+def _alpha(ax: Axes, d: Data) -> None:
+    slow = d["fall"] <= 1
+    ax.plot(d["fall"][slow], d["alpha"][slow], "--", color=BLUE, label="slower than the plate")
+    ax.plot(d["fall"][~slow], d["alpha"][~slow], color=BLACK, label="faster, $1/(2q)$")
+    ax.plot(1, 0.5, "o", color=RED, label="the paper's 1/2")
+    ax.set(xlabel=r"fall speed $q=|c_z|/V_0$", ylabel=r"$\alpha=V_z/V_0$", xlim=(0, 3))
+    ax.set(ylim=(0, 1))
+    ax.legend()
+
+
+def _closure(ax: Axes, d: Data) -> None:
+    tilt_deg, half = np.degrees(d["tilt"]), np.degrees(d["half"])
+    for row, colour in enumerate((BLUE, BLACK, RED)):
+        label = f"{RESTITUTIONS[row]:g}, 1/2 at {half[row]:.1f}°"
+        ax.plot(tilt_deg, d["consistent"][row], color=colour, label=label)
+        ax.plot(tilt_deg, d["slower"][row], "--", color=colour)
+        ax.plot(half[row], 0.5, "o", color=colour)
+    tilt_axis(ax, 0, 60)
+    ax.set(ylabel=r"$\alpha=V_z/V_0$", ylim=(0, 0.8))
+    ax.legend(title=r"restitution $\epsilon$", loc="lower right")
+
+
+def _regimes(ax: Axes, d: Data, name: str, frictions: int) -> None:
+    """Slip-stick in black; in colour the smallest frictions where they reverse."""
+    tilt_deg = np.degrees(d["tilt"])
+    ax.plot(tilt_deg, d[name][-1], color=BLACK, label="slip-stick")
+    for mu, y, (colour, form) in zip(FRICTIONS[:frictions], d[name], _REVERSED, strict=False):
+        ax.plot(tilt_deg, y, form, color=colour, label=rf"reversal, $\mu={mu:g}$")
+    tilt_axis(ax)
+    ax.legend()
+
+
+def _landings(ax: Axes, d: Data) -> None:
+    _regimes(ax, d, "landings", 2)
+    ax.set(ylabel="landings to fall by $e$", ylim=(0, 11))
+
+
+def _cost(ax: Axes, d: Data) -> None:
+    _regimes(ax, d, "cost", 3)
+    ax.scatter(np.degrees(d["best_tilt"]), d["best_cost"], s=16, c=[BLUE, BLACK, BLACK], zorder=3)
+    ax.set(ylabel="work / (weight × distance)", yscale="log", ylim=(0.2, 100))
+
+
+def _painleve(ax: Axes, d: Data) -> None:
+    names = ("thin rod", "round, $l=9.5d$", "round, $l=3d$", "flat ends, $l=8d$")
+    looks = ((BLACK, "-"), (BLUE, "--"), (RED, "-."), (ORANGE, "-"))
+    for name, friction, (colour, form) in zip(names, d["painleve"], looks, strict=True):
+        ax.plot(np.degrees(d["tilt"]), friction, form, color=colour, label=name)
+    ax.plot(np.degrees(np.arctan(0.5)), 4 / 3, "o", color=BLACK)
+    tilt_axis(ax)
+    ax.set(ylabel=r"friction $\mu_P$", ylim=(0, 8))
+    ax.legend(loc="upper center", handlelength=1.6)
+
+
+@style
+def draw(d: Data) -> plt.Figure:
+    panels = {
+        "landing phases": _density,
+        "plate at landing": _alpha,
+        "thin rods by the closure": _closure,
+        "approach to the drift": _landings,
+        "cost of transport": _cost,
+        "Painlevé's friction": _painleve,
+    }
+    return painted(d, panels, rows=2, figsize=(7.0, 5.2))
