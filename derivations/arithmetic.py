@@ -144,7 +144,7 @@ ROUNDED: Primitives = {
     **_SHARED,
     "sqrt": Rounded.sqrt,
     "two_sum": lambda a, b: a.plus(b).parted(),
-    "two_product": lambda a, b: a.times(b).parted(),
+    "two_product": lambda a, b: Rounded.of(a).times(b).parted(),
 }
 # Seven digits part into three and three, as a sign is a digit, too: 53 into 26 and 26.
 SHORT: Primitives = {"SPLIT": Short(2.0**4 + 1)}

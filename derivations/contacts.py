@@ -53,11 +53,21 @@ def mirrored() -> Iterator[Situation]:
         elif kind in (8, 9) and n * t > 0:  # the slip stops late
             at["v_0"] = -at["u_0"] * n / (t * (1 + at["epsilon"] / 2))
         yield at
+    yield from ON_EDGES
+
+
+def _upright(**letters: float) -> Situation:
+    """A rod that stands upright, with k = 1."""
+    return {x: mpmath.mpf(value) for x, value in {"X": 0, "Z": -1, "k": 1, **letters}.items()}
 
 
 # Nothing slips and nothing makes it: a contact that neither slides nor slips back.
-AT_REST: Situation = dict.fromkeys(("X", "mu", "u_0", "epsilon"), mpmath.mpf(0)) | dict.fromkeys(
-    ("Z", "k", "v_0"), mpmath.mpf(-1)
+AT_REST = _upright(mu=0, u_0=0, v_0=-1, epsilon=0)
+# To the last digit: no approach; u_* = 0; v_1 = 0.
+ON_EDGES = (
+    _upright(mu=0.5, u_0=1, v_0=0, epsilon=0.5),
+    _upright(mu=0.5, u_0=1, v_0=-0.5, epsilon=1),
+    _upright(mu=0.5, u_0=1, v_0=-1, epsilon=0.5),
 )
 
 
@@ -72,3 +82,4 @@ def whole() -> Iterator[Situation]:
         at["c_x"] = side * at["u_0"] + at["omega"] * at["Z"]
         at["c_z"] = at["v_0"] + at["V_z"] - at["omega"] * at["X"]
         yield at
+    yield at | {"mu": mpmath.mpf(2) ** 970}  # as good as infinite

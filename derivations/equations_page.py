@@ -10,11 +10,10 @@ TARGET = Path(__file__).with_name("EQUATIONS.md")
 
 
 def table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
-    """Return a table in Markdown."""
+    """Return a table in Markdown; a cell is one line."""
     lines = [header, tuple("---" for _ in header), *rows]
-    return "\n".join(
-        "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines
-    )
+    cells = ([" ".join(cell.replace("|", "\\|").split()) for cell in row] for row in lines)
+    return "\n".join(f"| {' | '.join(row)} |" for row in cells)
 
 
 def source() -> str:

@@ -24,7 +24,7 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "{digest}"  # sha256 of all generated functions, first 16 digits
+DIGEST = "{digest}"  # sha256 of all generated functions and constants, first 16 digits
 '''
 
 _KERNEL = '''"""One impact: error-free sums, branch rule, three laws; for arrays and compiled.
@@ -58,7 +58,7 @@ def sources(progress: Callable[[Iterable], Iterable] = iter) -> dict[Path, str]:
     forms = "\n\n\n".join(map(codegen.text, progress(codegen.FUNCTIONS))) + "\n"
     routines = "\n\n\n".join(routine.source() for routine in ROUTINES) + "\n"
     constants = "\n".join(f"{name} = {value}" for name, value in CONSTANTS.items())
-    digest = hashlib.sha256((forms + routines).encode()).hexdigest()[:16]
+    digest = hashlib.sha256((forms + constants + routines).encode()).hexdigest()[:16]
     return {
         CLOSED_FORMS: _HEAD.format(digest=digest) + "\n\n" + forms,
         KERNEL: _KERNEL.format(called=",\n    ".join(_called()), constants=constants)

@@ -56,7 +56,7 @@ _MIRRORED = {
     "given": _ALL,
     **{"u": _U, "v_0": _V, "u_0": sp.Abs(_U)},
     "side": sp.Piecewise((1, _U > 0), (-1, _U < 0), (1, X * Z >= 0), (-1, True)),
-    **{"mu": mu, "ahead": _side * X},
+    **{"mu": sp.Min(mu, 2**960), "ahead": _side * X},
     **{name: form.subs(X, _ahead) for name, form in _RESPONSES.items()},
     "velocities": (sp.Abs(_U), _V, 0, 0),
     "contact": (*(form.subs(X, _ahead) for form in _RESPONSES.values()), 0, 0),
@@ -98,8 +98,8 @@ _REGIME = sp.Piecewise((0, sp.Not(_hits)), (1, _slides), (2, _sticks), (3, True)
 def _one_history(routine: Routine) -> bool:
     """Whether just one history of each impact obeys all laws, that which the branch rule names.
 
-    A slide that ends before the slip does; a slip that stops, and sticks within the cone of
-    friction; or one that stops and then slips back, driven by more than friction can hold.
+    A slide that ends before the slip does, or with it; a slip that stops, and sticks within the
+    cone of friction; or one that stops and then slips back, driven by more than friction can hold.
     """
     mobility = sp.lambdify((X, Z, k), [laws.mobility()[x] for x in (laws.A, laws.B, laws.C)])
     for at in values(routine):
@@ -108,7 +108,7 @@ def _one_history(routine: Routine) -> bool:
         gain = -(1 + at["epsilon"]) * v
         end = gain / (A + friction * B)
         stop = u / (B + friction * C) if u else u
-        stops = stop >= 0 and (A + friction * B) * stop <= gain
+        stops = stop >= 0 and (A + friction * B) * stop < gain
         histories = (
             u > 0 and end > 0 and u >= (B + friction * C) * end,
             stops and abs(B) <= friction * C and B * B < A * C,
@@ -145,7 +145,7 @@ _SLOPES = laws.slopes()
 _SLOPE_AFTER = sp.Piecewise((_SLOPES["stick"], _sticks), (_SLOPES["back"], True))
 _AT_STOP = {
     **_BRANCHES,
-    "sliding": (_v_slide, _gain_slide, sp.S.Zero, _slides, _sticks),
+    "sliding": (_v_slide, _gain_slide, low(_gain_slide), _slides, _sticks),
     "stopped": (_J_STOP, _RISE, low(_RISE)),
     "v_1": slide.stop()[2],
     "soon": _v_1 < 0,
@@ -265,6 +265,7 @@ def _impact(law: str) -> Meanings:
         **{"regime": _REGIME, "P_x": _side * _P_ahead, "slip_after": _side * _u_f},
         **{"c_x_after": c_x + _P_x, "c_z_after": c_z + _P_z},
         **{"omega_after": omega + _side * _spin, "energy": energies[0] - energies[1]},
+        "returned": (*after, *sp.symbols("regime P_x P_z slip_after v_f energy")),
     }
 
 
@@ -276,7 +277,7 @@ def _added(law: str) -> Meanings:
 
 
 _WHOLE = (
-    read("phases", _phases, contacts.mirrored, laws=LAWS),
+    read("phases", _phases, lambda: (*contacts.mirrored(), contacts.AT_REST), laws=LAWS),
     read(
         "added",
         _added,

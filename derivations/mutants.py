@@ -158,7 +158,8 @@ def trials() -> list[Callable[[], Iterator[Mutant]]]:
 
 def digest() -> str:
     """Digest of the sources that derive and prove, first 16 digits."""
-    files = sorted(Path(__file__).parent.glob("*.py"))
+    here = Path(__file__).parent
+    files = [*sorted(here.glob("*.py")), here / "kernel.toml"]
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:16]
 
 

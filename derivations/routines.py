@@ -3,7 +3,15 @@
 The text of a routine, in kernel.toml, keeps to the part of Python that every language has: names,
 numbers, + - * /, comparisons, `&`, groups, and calls of primitives (`arithmetic`), of generated
 functions and of other routines. A name is assigned once. It may have a meaning: the value it has
-where nothing is rounded, derived elsewhere; that of a low part is zero.
+where nothing is rounded, derived elsewhere; that of a low part is zero. So may `returned`, the
+group of what is returned.
+
+A proof runs the text twice in each situation. Once nothing is rounded: every name has the value
+that it means. Then every rounding is followed to first order, and what is claimed to be accurate
+must have no more of them left than it says. Neither is a bound for all numbers: a mistake is not
+seen if it shows in no situation, in terms of second order alone, in a clamp that acts on rounding
+errors, or beyond the range of floating-point numbers. The order of arguments and of results is
+proved by the routines that call, so a kernel is proved by all its routines together.
 """
 
 import ast
@@ -56,7 +64,7 @@ class Routine:
     returned: str  # names
     means: Callable[[str], Mapping[str, Meaning]]  # of a law: the value of each name
     situations: Callable[[], Iterable[Situation]]  # in which it is tried
-    accurate: tuple[str, ...] = ()  # "sum: roundings left of its own size [of another sum]"
+    accurate: tuple[str, ...] = ()  # "sum of names: roundings left, of its size [of another sum]"
     laws: tuple[str, ...] = ("",)  # under which it is proved
     check: Callable[["Routine"], bool] | None = None  # another part of the proof
     verdict: Verdict = "new"  # of all
@@ -90,12 +98,12 @@ class Routine:
 
     @cached_property
     def _code(self) -> CodeType:
-        return compile(self.tree, self.tag, "exec")
+        return compile(f"{ast.unparse(self.tree)}\nreturned = {self.returned}", self.tag, "exec")
 
     def source(self) -> str:
         """Text of the function."""
-        note = textwrap.fill(to_text(self.note), 92)
-        doc = f"{to_text(self.what)}\n\n{note}\n" if note else to_text(self.what)
+        what, note = f"{to_text(self.what)}.", textwrap.fill(f"{to_text(self.note)}.", 92)
+        doc = f"{what}\n\n{note}\n" if self.note else what
         text = textwrap.dedent(self.text).strip()
         body = f'"""{doc}"""\n{text}\nreturn {self.returned}'
         head = f"def {self.name}({', '.join(self.arguments.split())}):\n"
@@ -104,7 +112,7 @@ class Routine:
     def prove(self) -> Proof:
         """Test every assignment, and how many roundings are left of what is accurate."""
         try:
-            names = _assigned(self.tree)
+            names = [*_assigned(self.tree), "returned"]
             with mpmath.workdps(DIGITS + 20):
                 wrong = [text for law in self.laws if (text := self._wrong(names, law))]
             if self.check is not None and not self.check(self):
@@ -137,8 +145,8 @@ class Routine:
             for claim in self.accurate:
                 whole, _, left_of_it = claim.partition(": ")
                 most, _, unit = left_of_it.partition(" of ")
-                errors = _total([left[name] for name in whole.split(" + ")]).errors.values()
-                size = sum(abs(exact[name]) for name in (unit or whole).split(" + "))
+                errors = _total(_parts(left, whole)).errors.values()
+                size = sum(map(abs, _parts(exact, unit or whole)))
                 if sum(map(abs, errors)) > (int(most) + mpmath.mpf("1e-6")) * size:
                     return f"{whole} has more than {most} roundings left"
         return ""
@@ -168,6 +176,8 @@ class Routine:
 
     def says_the_same(self, other: "Routine") -> bool:
         """Whether two routines have the same values, with roundings of the same size.
+
+        This is tested in the situations of the proof, so a change that shows in none is the same.
 
         Parameters
         ----------
@@ -205,8 +215,9 @@ def read(
 
 def _assigned(tree: ast.AST) -> list[str]:
     """Names that are assigned, in order; `_` is none."""
-    names = [node for node in ast.walk(tree) if isinstance(node, ast.Name) and node.id != "_"]
-    return [node.id for node in names if isinstance(node.ctx, ast.Store)]
+    lines = ast.iter_child_nodes(tree)
+    names = [node for line in lines for node in ast.walk(line) if isinstance(node, ast.Name)]
+    return [node.id for node in names if isinstance(node.ctx, ast.Store) and node.id != "_"]
 
 
 def _changed(node: ast.AST) -> Iterator[ast.AST]:
@@ -257,7 +268,10 @@ def _values(
             letters = sorted(map(str, form.free_symbols))
             evaluate = sp.lambdify(letters, form, "mpmath", cse=True)
             for values in found:
-                values[name] = evaluate(*(values[letter] for letter in letters))
+                try:
+                    values[name] = evaluate(*(values[letter] for letter in letters))
+                except ZeroDivisionError:  # 0/0 without slip and friction: any value
+                    values[name] = mpmath.nan
     return found
 
 
@@ -277,7 +291,7 @@ def _sizes(found: Mapping[str, Any]) -> dict[str, Any]:
 
 def _same(a: Any, b: Any) -> bool:
     """Whether a number, a condition or a group of them is what it stands for."""
-    if isinstance(a, tuple):
+    if isinstance(b, tuple):
         return len(a) == len(b) and all(map(_same, a, b))
     if mpmath.isnan(b):
         return True
@@ -296,6 +310,12 @@ def _rounded(meant: Meaning, value: Any, parted: dict[sp.Expr, Any]) -> Any:
         parted[meant] = Rounded(value).parted()
         return parted[meant][0]
     return Rounded.of(value)
+
+
+def _parts(found: Mapping[str, Any], whole: str) -> list[Any]:
+    """Values in a sum of names; a group counts as the sum of its parts."""
+    values = [found[name] for name in whole.split(" + ")]
+    return [part for x in values for part in (x if isinstance(x, tuple) else [x])]
 
 
 def _total(parts: list[Any]) -> Rounded:

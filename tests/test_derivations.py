@@ -268,6 +268,7 @@ def test_generated_files_are_what_the_derivations_give():
 def test_the_page_of_equations_is_that_of_the_registry():
     text = equations_page.source()
     assert equations_page.TARGET.read_text(encoding="utf-8") == text
+    assert all(line.endswith("|") for line in text.splitlines() if line.startswith("|"))
     assert all(f"| ({tag}) |" in text for tag in NUMBERED)
     assert all(f"| {entry.tag} |" in text for entry in registry.mistakes())
 

@@ -74,6 +74,25 @@ def test_sums_that_lose_digits_are_seen(name, old, new):
     assert "roundings left" in proof.evidence or "binary digits" in proof.evidence
 
 
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("impact", "P_x, P_z", "P_z, P_x"),
+        ("responses", "K_z, N_low, T_low", "K_z, T_low, N_low"),
+        ("branches", "v_0 < 0", "v_0 <= 0"),
+        ("mirrored", "smaller(friction, HUGE_FRICTION)", "friction"),
+        ("phases", "select(slips, T, 1.0)", "T"),
+    ],
+)
+def test_a_mistake_is_seen_in_its_routine_or_in_an_impact(monkeypatch, name, old, new):
+    right = BY_NAME[name]
+    assert old in right.text + right.returned
+    text, returned = (part.replace(old, new) for part in (right.text, right.returned))
+    monkeypatch.setitem(routines._known, name, replace(right, text=text, returned=returned))
+    monkeypatch.setattr(routines, "_functions", routines._functions.__wrapped__)
+    assert not all(routines._known[changed].prove().ok for changed in (name, "impact"))
+
+
 def test_a_wrong_branch_rule_names_a_history_that_breaks_a_law():
     """A contact that always sticks: its meaning changed, too, so that only the laws tell."""
     rule = BY_NAME["branches"]

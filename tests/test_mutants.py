@@ -2,6 +2,7 @@
 
 import random
 from itertools import chain
+from pathlib import Path
 
 import pytest
 import sympy as sp
@@ -88,6 +89,13 @@ def test_what_an_equation_rests_on_is_computed():
     assert used == {axiom.tag for axiom in axioms.AXIOMS}
     trace.forget()
     assert set(EQUATIONS[10].rests_on) == rests[EQUATIONS[10].tag]
+
+
+def test_the_record_is_stale_after_an_edit_of_any_proof_or_routine(monkeypatch):
+    read = []
+    monkeypatch.setattr(Path, "read_bytes", lambda path: read.append(path.name) or b"")
+    mutants.digest()
+    assert {"kernel.toml", "kernel.py"} <= set(read)
 
 
 def test_changes_are_changes():
