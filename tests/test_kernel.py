@@ -6,7 +6,7 @@ from dataclasses import replace
 import mpmath
 import pytest
 
-from derivations import routines
+from derivations import files, routines
 from derivations.kernel import ROUTINES
 
 BY_NAME = {routine.name: routine for routine in ROUTINES}
@@ -81,6 +81,7 @@ def test_sums_that_lose_digits_are_seen(name, old, new):
         ("responses", "K_z, N_low, T_low", "K_z, T_low, N_low"),
         ("branches", "v_0 < 0", "v_0 <= 0"),
         ("mirrored", "smaller(friction, HUGE_FRICTION)", "friction"),
+        ("mirrored", "side * u_low", "u_low"),
         ("phases", "select(slips, T, 1.0)", "T"),
     ],
 )
@@ -107,3 +108,13 @@ def test_a_call_of_anything_unknown_is_no_proof():
     proof = replace(BY_NAME["lacking"], text="missing = unknown(q)").prove()
     assert not proof.ok
     assert "NameError" in proof.evidence
+
+
+def test_a_changed_constant_changes_the_digest(monkeypatch):
+    """Which says whether figures are of the present theory."""
+    before = files.sources()[files.CLOSED_FORMS]
+    monkeypatch.setitem(files.CONSTANTS, "SPLIT", "2.0**26 + 1")
+    after = files.sources()[files.CLOSED_FORMS]
+    assert [a != b for a, b in zip(before.splitlines(), after.splitlines(), strict=True)].count(
+        True
+    ) == 1
