@@ -126,10 +126,15 @@ def _chosen(condition: bool, a: Number, b: Number) -> Number:
     return a if condition else b
 
 
+def _tied(a: Number, b: Number) -> Number:
+    """Of two equal numbers the one with more roundings, whichever comes first."""
+    return max(a, b, key=lambda x: sum(map(abs, Rounded.of(x).errors.values())))
+
+
 _SHARED: Primitives = {
     "select": _chosen,
-    "larger": lambda a, b: _chosen(a > b, a, b),
-    "smaller": lambda a, b: _chosen(a < b, a, b),
+    "larger": lambda a, b: _tied(a, b) if a == b else _chosen(a > b, a, b),
+    "smaller": lambda a, b: _tied(a, b) if a == b else _chosen(a < b, a, b),
     "copysign": lambda size, sign: _chosen(sign < 0, -size, size),
     "abs": abs,
     "split": lambda a: a,
