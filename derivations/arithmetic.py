@@ -128,7 +128,12 @@ def _chosen(condition: bool, a: Number, b: Number) -> Number:
 
 def _tied(a: Number, b: Number) -> Number:
     """Of two equal numbers the one with more roundings, whichever comes first."""
-    return max(a, b, key=lambda x: sum(map(abs, Rounded.of(x).errors.values())))
+
+    def roundings(x: Number) -> tuple[bool, Number]:
+        known = isinstance(x, Rounded)  # else a number of the text
+        return known, sum(map(abs, x.errors.values())) if known else 0
+
+    return max(a, b, key=roundings)
 
 
 _SHARED: Primitives = {

@@ -282,7 +282,7 @@ def values(routine: Routine, law: str = "") -> list[dict[str, Any]]:
 
 def _sizes(found: Mapping[str, Any]) -> dict[str, Any]:
     """Values and roundings that are left, as text of 30 digits."""
-    numbers = {n: Rounded.of(x) for n, x in found.items() if isinstance(x, (Rounded, float))}
+    numbers = {name: x for name, x in found.items() if isinstance(x, Rounded)}
     return {
         name: [mpmath.nstr(part, 30) for part in (x.value, sum(map(abs, x.errors.values())))]
         for name, x in numbers.items()
