@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 import impact
 import md
 from impact import ContactGeometry
+from md.kernels.contact import Spring, tangential_constants
 from md.laws import damping_ratio, head_on_restitution
 
 TILTS = np.radians(np.arange(5, 90, 5))
@@ -253,3 +254,16 @@ def test_grazing(law, speed):
     assert 0 <= hit.restitution <= 1 + 1e-3
     assert abs(hit.c_x - 1.0) <= 0.3 * (1 + hit.restitution) * speed
     assert hit.regime == "slide"
+
+
+@pytest.mark.parametrize(
+    ("dashpots", "expected"),
+    [
+        ({"constant_dashpot": 3.0}, 3.0),
+        ({"proportional_dashpot": 4.0}, 2.0),
+        ({"constant_dashpot": 3.0, "proportional_dashpot": 4.0}, 5.0),
+    ],
+)
+def test_tangential_dashpots_add_up(dashpots, expected):
+    """A constant one, and one in proportion to the overlap of 0.5 d; the spring beside them."""
+    assert tangential_constants(Spring(2.0, **dashpots), 0.5, 1.0) == (1.0, expected)
