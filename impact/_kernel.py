@@ -259,7 +259,7 @@ def phases(law, velocities, contact, k, epsilon):
     sliding = (v_slide, gain_slide, slide_low, slides, sticks)
     stopped = (j_stop, rise, rise_low)
     v_closing, gain, gain_low = law(velocities, contact, k, epsilon, sliding, stopped)
-    # v_f - v_1: nothing pulls, though rounding may; so P_z > 0, and the way back is back
+    # v_f - v_1: nothing pulls, though rounding may; so P_z > 0, and no slip back is forward
     rest = larger((gain - rise) + (gain_low - rise_low), 0.0)
     j_after, u_back = reverse(rest, select(sticks, K, N_back), larger(T_back, 0.0))
     j_1 = select(slides, j_slide, j_stop)
