@@ -43,6 +43,9 @@ Between the points each result is a polynomial of the parameters (`Surface`). Fr
 estimate of each parameter, with weights exp(-misfit/2), and what is predicted with its uncertainty.
 Errors hold only if the scene can fit the data, and within the ranges: the least misfit is told, and
 should be no more than about the number of data. Choices are those of the best point.
+
+With few rounds the polynomial spans too much, and the errors can be too small by a factor of three:
+add rounds until the estimates stay.
 """
 
 import math
