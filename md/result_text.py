@@ -162,7 +162,7 @@ def search_text(found: "Found") -> str:
     """The best points of a search, the estimates, and the results at the targets."""
     told = search_json(found)
     names = [parameter.name for parameter in found.search.parameters]
-    rows = [[_short(point[name]) for name in (*names, "misfit")] for point in told["points"][:8]]
+    rows = [[_cell(point[name], 4) for name in (*names, "misfit")] for point in told["points"][:8]]
     lines = [tally_text(found.tally), "", "best points", *_columns([*names, "misfit"], rows)]
     if told["estimates"]:
         lines += ["", "estimates, with standard errors"]
@@ -178,7 +178,7 @@ def search_text(found: "Found") -> str:
         lines += ["", "too few points near the best one for estimates: more points or rounds"]
     heads = [key for key in told["targets"][0] if key not in ("low", "high", "error")]
     shown = [
-        [_short(target.get(key, "")) for key in heads] + [_asked(target)]
+        [_cell(target.get(key), 4) for key in heads] + [_asked(target)]
         for target in told["targets"]
     ]
     return "\n".join([*lines, "", "targets", *_columns([*heads, "asked"], shown)])
@@ -199,10 +199,6 @@ def _asked(target: dict[str, Any]) -> str:
         return ""
     value = f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
     return f"{value} +- {error:.2g}"
-
-
-def _short(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _columns(heads: list[str], rows: list[list[str]]) -> list[str]:
@@ -236,14 +232,13 @@ def store_text(columns: Iterable[str], rows: Sequence[dict[str, Any]], cm: bool)
     differing = [c for c in of_scene if len({row.get(c) for row in rows}) > 1]
     brief = [*differing, *drift, "tilt_deg", "periods", "seconds", "accuracy.state", "error"]
     brief = [c for c in brief if any(row.get(c) is not None for row in rows)]
-    cells = [brief, *([_cell(row.get(c)) for c in brief] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    lines = (zip(line, widths, strict=True) for line in cells)
-    return "\n".join("  ".join(cell.rjust(width) for cell, width in line) for line in lines)
+    return "\n".join(_columns(brief, [[_cell(row.get(c)) for c in brief] for row in rows]))
 
 
-def _cell(value: object) -> str:
-    return "" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
+def _cell(value: object, digits: int = 5) -> str:
+    if value is None:
+        return ""
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
 def result_json(r: Result) -> dict[str, Any]:

@@ -195,16 +195,17 @@ class Search:
         axes = {"point": [*range(len(parts))]}, {"place": [*range(len(self.places))]}
         return Sweep((*axes, {"start.seed": [*self.seeds]}), tuple(runs))
 
-    def draw(self, box: np.ndarray, number: int) -> np.ndarray:
+    def draw(self, number: int = 0, box: np.ndarray | None = None) -> np.ndarray:
         """Parts of the ranges of a round's points, (points, parameters).
 
         Parameters
         ----------
-        box : (2, parameters), lowest and highest parts
         number : of the round
+        box : (2, parameters), lowest and highest parts; None: the whole ranges
         """
+        low, high = (0.0, 1.0) if box is None else box
         sobol = qmc.Sobol(len(self.parameters), seed=self.seed + number)
-        return box[0] + sobol.random(self.points) * (box[1] - box[0])
+        return low + sobol.random(self.points) * (high - low)
 
 
 class Estimate(NamedTuple):
@@ -331,10 +332,10 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     ------
     As `md.sweep.execute`, and RunError if no point has results at all targets.
     """
-    box, parts, results = np.array([[0.0], [1.0]]).repeat(len(given.parameters), 1), [], []
-    whole_tally, variances = Tally(0, 0, 0), []
+    box, whole_tally = None, Tally(0, 0, 0)
+    parts, results, variances = [], [], []
     for number in range(given.rounds):
-        parts.append(given.draw(box, number))
+        parts.append(given.draw(number, box))
         sweep = given.sweep(parts[-1])
         tally = execute(sweep, store, **how)
         whole_tally = Tally(

@@ -159,7 +159,7 @@ def test_choices_and_what_has_no_meaning_under_one(made, tmp_path):
     }
     rough = {**PARAMETERS[0], "when": {"gas": "rough"}}
     given = expand(tables(tmp_path, parameters=[law, rough, PARAMETERS[1]]), BASE, tmp_path)
-    for row in given.draw(np.array([[0.0] * 3, [1.0] * 3]), 0):
+    for row in given.draw():
         scene, values = given.sweep([row]).points[0].scene, given.values(row)
         asked = values["friction"] if values["gas"] == "rough" else 0.3
         assert scene.contacts.plate.friction == asked

@@ -15,12 +15,11 @@ from md.host import step_of
 def made():
     """Made-up numbers of a few laws: the first holds all, the last nothing."""
     given = replace(which_law.search(), points=32)
-    whole = np.array([[0.0], [1.0]]).repeat(len(given.parameters), axis=1)
     laws, tilts, random = 32, 7, np.random.default_rng(3)
     grades = random.integers(0, 3, (laws, len(COLUMNS))).astype(float)
     grades[0], grades[-1] = 2, 0
     return {
-        "parts": given.draw(whole, 0),
+        "parts": given.draw(),
         "value": random.random((laws, len(COLUMNS))),
         "grade": grades,
         "nominal": np.linspace(9, 60, tilts),
@@ -32,8 +31,7 @@ def made():
 
 def test_every_law_is_a_scene_that_runs_with_a_resolved_spring():
     given = replace(which_law.search(), points=16, seeds=(1,), places=({"box.length": 43.0},))
-    whole = np.array([[0.0], [1.0]]).repeat(len(given.parameters), axis=1)
-    parts = given.draw(whole, 0)
+    parts = given.draw()
     for row, point in zip(parts, given.sweep(parts).points, strict=True):
         values, plate = given.values(row), point.scene.contacts.plate
         assert step_of(point.scene)[0] > 0  # refused, if the step does not resolve the contact

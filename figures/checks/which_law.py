@@ -10,6 +10,7 @@ right of the gap are held out: they have no part in the score. Thin rods, l = 9.
 mu = 0.3; steps of a fiftieth of a contact, tangential springs resolved.
 """
 
+import math
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -71,30 +72,29 @@ def search(quick: bool = False) -> Search:
     return Search(base, {}, parameters=PARAMETERS, places=places, targets=(), **SIZE[quick])
 
 
-def _parts(given: Search) -> np.ndarray:
-    whole = np.array([[0.0], [1.0]]).repeat(len(given.parameters), axis=1)
-    return given.draw(whole, 0)
+def _by_law(whole: Sweep) -> list[Sweep]:
+    """The runs of each law: over tilt, then over starts."""
+    _, *axes = whole.axes
+    each = math.prod(whole.shape[1:])
+    starts = range(0, len(whole.points), each)
+    return [Sweep(tuple(axes), whole.points[i : i + each]) for i in starts]
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Of each law: over tilt."""
+    """All runs."""
     given = search(quick)
-    whole = given.sweep(_parts(given))
-    each = len(given.places) * len(given.seeds)
-    axes = whole.axes[1:]
-    runs = (whole.points[i : i + each] for i in range(0, len(whole.points), each))
-    return {str(i): Sweep(axes, points) for i, points in enumerate(runs)}
+    return {"laws": given.sweep(given.draw())}
 
 
 def data(quick: bool = False) -> Data:
     """Of each law: parameters as parts of their ranges, numbers, grades, drift over tilt."""
-    given, nominal = search(quick), np.array(QUICK_DEG if quick else LAW_TILTS_DEG)
-    computed(given.sweep(_parts(given)))
-    tables = [over_tilt.table(sweep, nominal) for sweep in sweeps(quick).values()]
+    nominal = np.array(QUICK_DEG if quick else LAW_TILTS_DEG)
+    whole = computed(sweeps(quick)["laws"])
+    tables = [over_tilt.table(sweep, nominal) for sweep in _by_law(whole)]
     value = np.array([[NUMBERS[name](d) for name in COLUMNS] for d in tables])
     grades = [[grade(v, c) for v, c in zip(row, COLUMNS.values(), strict=True)] for row in value]
     return {
-        "parts": _parts(given),
+        "parts": search(quick).draw(),
         "value": value,
         "grade": np.array(grades, float),  # None, of a run that failed: nan
         "nominal": nominal,
