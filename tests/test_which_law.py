@@ -63,7 +63,7 @@ def test_the_picture_and_the_words_show_the_best_law_first(made):
     best = np.argsort(-which_law.scores(made), kind="stable")[: which_law.BEST]
     assert best[0] == 0
     assert sum("/" in label for label in labels) == which_law.BEST
-    assert len(figure.axes) == 10
+    assert len(figure.axes) == 12
     plt.close(figure)
     first = which_law.summary(made).splitlines()
     assert "32 laws" in first[0]

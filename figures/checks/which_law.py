@@ -18,13 +18,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 
+from md.laws import STIFFNESS
 from md.scene import both, put
 from md.search import Parameter, Search
 from md.sweep import Sweep
 
 from ..claims import over_tilt
 from ..claims.judge import grade
-from ..lib.runs import ROW, boxes, computed
+from ..lib.runs import LENGTH, ROW, boxes, computed
 from ..lib.style import BLACK, BLUE, Data, style
 from ..lib.tables import table, text_of
 from .contact_laws import COLUMNS, LAW_TILTS_DEG, NUMBERS, QUICK_DEG
@@ -41,11 +42,23 @@ _FORMS = {
     APPENDIX: both(law="appendix_a", restitution="none"),
 }
 _FACTOR = {"with": both(overlap_factor=True), "without": both(overlap_factor=False)}
-_RANGES = {  # option of a contact: form of the law, ends, whether evenly in log
-    "restitution": (CONSTANT, 0.4, 1.0, False),
-    "tangential_ratio": (CONSTANT, 0.3, 300.0, True),
-    "tangential_damping": (CONSTANT, 0.0, 1.0, False),
-    "damping": (APPENDIX, 100.0, 3e5, True),
+_SPHERE = 1 / (1 + 1.5 * (LENGTH - 1))  # mass of the tip's sphere in masses of the rod
+_MASS = {
+    "rod": {},
+    "sphere": both(stiffness=STIFFNESS * _SPHERE, reduced_mass=_SPHERE / 2),
+}
+_RANGES = {  # name: option of a contact, where it has a meaning, ends, whether evenly in log
+    "restitution": ("restitution", {"form": CONSTANT}, 0.4, 1.0, False),
+    "tangential ratio": ("tangential_ratio", {"form": CONSTANT}, 0.3, 300.0, True),
+    "tangential damping": ("tangential_damping", {"form": CONSTANT}, 0.0, 1.0, False),
+    "damping": ("damping", {"form": APPENDIX, "overlap factor": "without"}, 5.0, 600.0, True),
+    "damping by overlap": (
+        "damping",
+        {"form": APPENDIX, "overlap factor": "with"},
+        400.0,
+        4e5,
+        True,
+    ),
 }
 
 
@@ -54,11 +67,12 @@ def _parameters() -> tuple[Parameter, ...]:
     found = [
         Parameter("form", choices=_FORMS),
         Parameter("overlap factor", choices=_FACTOR, when={"form": APPENDIX}),
+        Parameter("mass", choices=_MASS, when={"form": APPENDIX}),
     ]
-    for option, (form, low, high, log) in _RANGES.items():
+    for name, (option, when, low, high, log) in _RANGES.items():
         for part in ("plate", "rods"):
-            keys, name = (f"contacts.{part}.{option}",), f"{option.replace('_', ' ')}, {part}"
-            found.append(Parameter(name, keys, low, high, log, None, {"form": form}))
+            keys = (f"contacts.{part}.{option}",)
+            found.append(Parameter(f"{name}, {part}", keys, low, high, log, None, when))
     return tuple(found)
 
 
@@ -146,8 +160,9 @@ def _draw_parameters(axes: np.ndarray, d: Data) -> None:
 def _short(law: dict[str, float | str]) -> str:
     """Form, then the values as plate/rods."""
     if law["form"] == APPENDIX:
-        pair = "/".join(f"{law[f'damping, {part}']:.2g}" for part in ("plate", "rods"))
-        return f"A {law['overlap factor']}, {pair}"
+        damping = "damping by overlap" if law["overlap factor"] == "with" else "damping"
+        pair = "/".join(f"{law[f'{damping}, {part}']:.2g}" for part in ("plate", "rods"))
+        return f"A {law['overlap factor']}, {law['mass']}, {pair}"
     names = "restitution", "tangential ratio", "tangential damping"
     pairs = ("/".join(f"{law[f'{n}, {part}']:.2g}" for part in ("plate", "rods")) for n in names)
     return ", ".join(pairs)
@@ -183,7 +198,7 @@ def draw(d: Data) -> plt.Figure:
     figure = plt.figure(figsize=(7.4, 8.2))
     top, bottom = figure.subfigures(2, 1, height_ratios=(1, 1))
     left, right = top.subfigures(1, 2, width_ratios=(2.2, 1))
-    _draw_parameters(left.subplots(2, 4, sharey=True), d)
+    _draw_parameters(left.subplots(2, 5, sharey=True), d)
     best = np.argsort(-scores(d), kind="stable")[:BEST]
     ax = right.subplots()
     for n, law in enumerate(best[:3]):

@@ -112,10 +112,7 @@ def S15_soft_impact(data: Evidence) -> Numbers:
 def S16_theory(data: Evidence) -> Numbers:
     d = data.figure("fig13")
     tilt, line = d["a_tilt"], d["thin"] * d["speed"] / 2
-    f = fig13.fits(d)
     return {
-        "peak": resampled(d, lambda d: d["a_c_x"].max() / line.max()),
-        "bump": standard(f["bump"], f["bump_error"]),
         "peak_tilt": resampled(d, lambda d: tilt[d["a_c_x"].argmax()]),
         "peak_theory": Number(np.degrees(d["fine"])[line.argmax()]),
     }
