@@ -10,14 +10,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..claims.over_laws import FITTED, HEADED, JUDGED, KEPT_DEG, data, sweeps, verdicts
 from ..lib.style import BLUE, ORANGE, Data, style
 from ..lib.tables import table
-from . import which_law
-from .which_law import FITTED, HEADED, JUDGED, KEPT_DEG, sweeps, verdicts
 
 __all__ = ["data", "draw", "summary", "sweeps"]
 HOLDS, PARTLY, OTHER = "#9CD3A0", "#E4F3DF", "0.72"
-data = which_law.data
 
 
 def _ends(values: np.ndarray, limits: dict) -> tuple[float, float]:
@@ -66,8 +64,8 @@ def draw(d: Data) -> plt.Figure:
     shown = np.flatnonzero(HEADED)
     rows = -(-len(shown) // 2)
     figure, axes = plt.subplots(rows, 2, figsize=(7.4, 0.42 * rows))
-    for ax in axes.flat[len(shown) :]:
-        ax.set_axis_off()
+    for ax in axes.T.flat[len(shown) :]:
+        figure.delaxes(ax)
     for ax, j in zip(axes.T.flat, shown, strict=False):
         _strip(ax, d, j)
     return figure

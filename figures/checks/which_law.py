@@ -16,198 +16,29 @@ errors; then the score that it had in the search. Thin rods, l = 9.5 d, Gamma = 
 springs are resolved: steps are at most a fiftieth of a contact.
 """
 
-import math
-from collections.abc import Sequence
-from dataclasses import replace
 from itertools import combinations
-from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 
-from md.host import step_of
-from md.laws import STIFFNESS
-from md.scene import both, put
-from md.search import Parameter, Search
-from md.sweep import Point, Sweep
-
-from ..claims import over_tilt
-from ..claims.judge import claim_of, grade, read
-from ..lib.runs import LENGTH, ROW, boxes, computed
+from ..claims.over_laws import (
+    APPENDIX,
+    FITTED,
+    HEADED,
+    JUDGED,
+    KNOWN,
+    PARAMETERS,
+    data,
+    laws_of,
+    sweeps,
+)
 from ..lib.style import BLACK, BLUE, Data, style
 from ..lib.tables import table, text_of
-from .contact_laws import LAW_TILTS_DEG, NUMBERS, QUICK_DEG
 
-JUDGED = {  # numbers with limits that every law has
-    name: row
-    for claim in read()
-    for row in claim["numbers"]
-    if "holds" in row and (name := f"{claim['id']}.{row['key']}") in NUMBERS
-}
-HEADED = np.array(["head" in row for row in JUDGED.values()])  # numbers of the matrix
-FITTED = HEADED & [claim_of(name)["fitted"] for name in JUDGED]  # and of the score
-BEST, EIGHTHS, DRAWS = 10, 8, 100  # laws that are confirmed; parts of a range; of a score
-KEPT_DEG = 2  # a row that keeps its tilt is as near to acos(dN/L), at every tilt
-TILTS_DEG = (3, *range(9, 76, 6))  # where the best laws are confirmed
-CONFIRMED: dict[bool, dict[str, Any]] = {  # runs of the best laws, in full and quick
-    False: {"periods": 300, "seeds": (3, 4), "tilts": TILTS_DEG, "best": BEST},
-    True: {"periods": 40, "seeds": (3, 4), "tilts": QUICK_DEG, "best": 2},
-}
-SIZE: dict[bool, dict[str, Any]] = {  # of the search: in full, and quick
-    False: {"periods": 150, "seeds": (1, 2), "points": 256},
-    True: {"periods": 40, "seeds": (1, 2), "points": 4},
-}
-CONSTANT, APPENDIX = "constant restitution", "Appendix A"
-_FORMS = {
-    CONSTANT: {},
-    APPENDIX: both(law="appendix_a", restitution="none"),
-}
-_FACTOR = {"with": both(overlap_factor=True), "without": both(overlap_factor=False)}
-_SPHERE = 1 / (1 + 1.5 * (LENGTH - 1))  # mass of the tip's sphere in masses of the rod
-_MASS = {
-    "rod": {},
-    "sphere": both(stiffness=STIFFNESS * _SPHERE, reduced_mass=_SPHERE / 2),
-}
-_RANGES = {  # name: option of a contact, where it has a meaning, ends, whether evenly in log
-    "restitution": ("restitution", {"form": CONSTANT}, 0.4, 1.0, False),
-    "tangential ratio": ("tangential_ratio", {"form": CONSTANT}, 0.3, 300.0, True),
-    "tangential damping": ("tangential_damping", {"form": CONSTANT}, 0.0, 1.0, False),
-    "damping": ("damping", {"form": APPENDIX, "overlap factor": "without"}, 5.0, 600.0, True),
-    "damping by overlap": (
-        "damping",
-        {"form": APPENDIX, "overlap factor": "with"},
-        400.0,
-        4e5,
-        True,
-    ),
-}
-
-
-def _parameters() -> tuple[Parameter, ...]:
-    """Form of the law, then options of both contacts under it."""
-    found = [
-        Parameter("form", choices=_FORMS),
-        Parameter("overlap factor", choices=_FACTOR, when={"form": APPENDIX}),
-        Parameter("mass", choices=_MASS, when={"form": APPENDIX}),
-    ]
-    for name, (option, when, low, high, log) in _RANGES.items():
-        for part in ("plate", "rods"):
-            keys = (f"contacts.{part}.{option}",)
-            found.append(Parameter(f"{name}, {part}", keys, low, high, log, None, when))
-    return tuple(found)
-
-
-PARAMETERS = _parameters()
-
-
-def search(quick: bool = False) -> Search:
-    """The search, without targets of its own."""
-    places = tuple({"box.length": box} for box in boxes(QUICK_DEG if quick else LAW_TILTS_DEG))
-    base = put(ROW, {"step.size": "none", "step.coarse": "none"})
-    return Search(base, {}, parameters=PARAMETERS, places=places, targets=(), **SIZE[quick])
-
-
-def _by_law(whole: Sweep) -> list[Sweep]:
-    """The runs of each law: over tilt, then over starts."""
-    _, *axes = whole.axes
-    each = math.prod(whole.shape[1:])
-    starts = range(0, len(whole.points), each)
-    return [Sweep(tuple(axes), whole.points[i : i + each]) for i in starts]
-
-
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Runs of the search; the best laws are known behind them."""
-    given = search(quick)
-    return {"laws": given.sweep(given.draw())}
-
-
-def _two_digits(parameter: Parameter, part: float) -> float:
-    """The part of a range whose value is that of `part`, rounded to two digits."""
-    if parameter.choices is not None:
-        return part
-    value, low, high = float(f"{parameter.value(part):.2g}"), parameter.low, parameter.high
-    if parameter.log:
-        return math.log(value / low) / math.log(high / low)
-    return (value - low) / (high - low)
-
-
-def confirming(parts: np.ndarray, quick: bool = False) -> Sweep:
-    """Runs of laws from other starts, longer, at more tilts, with half the step."""
-    given = CONFIRMED[quick]
-    places = tuple({"box.length": box} for box in boxes(given["tilts"]))
-    again = replace(search(quick), places=places, seeds=given["seeds"], periods=given["periods"])
-
-    def halved(point: Point) -> Point:
-        scene = point.scene
-        half = replace(scene.step, size=step_of(scene)[0] / 2)
-        return replace(point, scene=replace(scene, step=half))
-
-    whole = again.sweep(parts)
-    return replace(whole, points=tuple(map(halved, whole.points)))
-
-
-def _judged(whole: Sweep, tilts: Sequence[int], prefix: str = "") -> Data:
-    """Of each law: numbers, grades, score with its spread, drift over tilt."""
-    nominal = np.array(tilts)
-    tables = [over_tilt.table(sweep, nominal) for sweep in _by_law(computed(whole))]
-    value = np.array([[NUMBERS[name](d) for name in JUDGED] for d in tables])
-    grades = np.array([_grades(row) for row in value])
-    random = np.random.default_rng(1)
-    found = {
-        "value": value,
-        "grade": grades,
-        "score": score_of(grades),
-        "spread": np.array(
-            [np.std([score_of(_varied(d, random)) for _ in range(DRAWS)]) for d in tables]
-        ),
-        "nominal": nominal,
-        "theory": over_tilt.theory(nominal),
-        "c_x": np.array([d["c_x"] for d in tables]),
-        "c_x_error": np.array([d["c_x_error"] for d in tables]),
-        "tilt_off": np.array([np.abs(d["tilt"] - nominal).max() for d in tables]),
-    }
-    return {prefix + name: values for name, values in found.items()}
-
-
-def _grades(values: np.ndarray) -> np.ndarray:
-    """Of each number; nan where it is not known."""
-    return np.array([grade(v, c) for v, c in zip(values, JUDGED.values(), strict=True)], float)
-
-
-def _varied(d: Data, random: np.random.Generator) -> np.ndarray:
-    """Grades, if the measured means of one law vary within their errors."""
-    measured = [name for name in d if f"{name}_error" in d]
-    moved = {n: random.normal(d[n], np.nan_to_num(d[f"{n}_error"])) for n in measured}
-    return _grades(np.array([NUMBERS[name]({**d, **moved}) for name in JUDGED]))
-
-
-def score_of(grades: np.ndarray) -> np.ndarray:
-    """Numbers of the fitted claims that hold, those in part counted half; (..., numbers)."""
-    return np.nan_to_num(grades)[..., FITTED].sum(axis=-1) / 2
-
-
-def data(quick: bool = False) -> Data:
-    """Of all laws, then of the best ones: parameters as parts of their ranges, and `_judged`."""
-    parts = search(quick).draw()
-    found = _judged(sweeps(quick)["laws"], QUICK_DEG if quick else LAW_TILTS_DEG)
-    given = CONFIRMED[quick]
-    best = np.argsort(-found["score"], kind="stable")[: given["best"]]
-    rounded = np.array(
-        [[_two_digits(p, x) for p, x in zip(PARAMETERS, row, strict=True)] for row in parts[best]]
-    )
-    again = _judged(confirming(rounded, quick), given["tilts"], "best_")
-    return {"parts": parts, **found, "best": best, "best_parts": rounded, **again}
-
-
-def laws_of(parts: np.ndarray) -> list[dict[str, float | str]]:
-    """Values of the parameters that have a meaning in each law."""
-    every = [{p.name: p.value(x) for p, x in zip(PARAMETERS, row, strict=True)} for row in parts]
-    return [
-        {p.name: v[p.name] for p in PARAMETERS if (p.when or {}).items() <= v.items()}
-        for v in every
-    ]
+__all__ = ["data", "draw", "summary", "sweeps"]
+EIGHTHS = 8  # parts of a range, whose means are drawn
 
 
 def _draw_parameters(axes: np.ndarray, d: Data) -> None:
@@ -244,6 +75,17 @@ def short(law: dict[str, float | str]) -> str:
     return ", ".join(pairs)
 
 
+def names_of(d: Data) -> list[str]:
+    """Of the confirmed laws."""
+    found = [short(law) for law in laws_of(d["best_parts"])]
+    return [*found[: len(d["best"])], *KNOWN]
+
+
+def _searched(d: Data, law: int) -> str:
+    """The score that a confirmed law had in the search, if it comes from there."""
+    return f"{d['score'][d['best'][law]]:g}" if law < len(d["best"]) else ""
+
+
 def _order(d: Data) -> np.ndarray:
     """Places of the confirmed laws, the best first."""
     return np.argsort(-d["best_score"], kind="stable")
@@ -263,13 +105,12 @@ def _draw_matrix(ax: Axes, d: Data) -> None:
             ax.text(x, i, text, ha="center", va="center", fontsize=5)
     for i, law in enumerate(rows):
         scores = f"{d['best_score'][law]:g}±{d['best_spread'][law]:.1f}"
-        before = f"{d['score'][d['best'][law]]:g}"
         ax.text(at[-1] + 0.8, i, scores, ha="left", va="center", fontsize=5.5)
-        ax.text(at[-1] + 3.2, i, before, ha="left", va="center", fontsize=5.5)
-    laws = laws_of(d["best_parts"])
-    ax.set_yticks(range(len(rows)), [short(laws[i]) for i in rows], fontsize=5.5)
-    names = list(JUDGED)
-    heads = [f"{names[j].partition('.')[0]} {JUDGED[names[j]]['head']}" for j in columns]
+        ax.text(at[-1] + 3.2, i, _searched(d, law), ha="left", va="center", fontsize=5.5)
+    names = names_of(d)
+    ax.set_yticks(range(len(rows)), [names[i] for i in rows], fontsize=5.5)
+    numbers = list(JUDGED.items())
+    heads = [f"{numbers[j][0].partition('.')[0]} {numbers[j][1]['head']}" for j in columns]
     heads += ["score", "in the search"]
     ax.set_xticks(
         [*at, at[-1] + 1.4, at[-1] + 3.4],
@@ -294,14 +135,14 @@ def draw(d: Data) -> plt.Figure:
     top, bottom = figure.subfigures(2, 1, height_ratios=(1, 1))
     left, right = top.subfigures(1, 2, width_ratios=(2.2, 1))
     _draw_parameters(left.subplots(2, 5, sharey=True), d)
-    ax, laws = right.subplots(), laws_of(d["best_parts"])
+    ax, names = right.subplots(), names_of(d)
     for n, law in enumerate(_order(d)[:3]):
         ax.errorbar(
             d["best_nominal"],
             d["best_c_x"][law],
             d["best_c_x_error"][law],
             fmt="os^"[n],
-            label=short(laws[law]),
+            label=names[law],
         )
     ax.plot(d["best_nominal"], d["best_theory"], color=BLACK, label="theory, $V_z=V_0/2$")
     ax.set_title("(b)", loc="left")
@@ -311,28 +152,6 @@ def draw(d: Data) -> plt.Figure:
     ax.legend(fontsize=5)
     _draw_matrix(bottom.subplots(), d)
     return figure
-
-
-def verdicts(d: Data) -> dict[str, dict[str, Any]]:
-    """Of each claim with such numbers: which ones, and under how many laws it has which verdict.
-
-    `all`: counts of laws under which these numbers hold, hold in part, do not; `kept`: the same of
-    the laws under which the row keeps its tilt.
-    """
-    kept, found = d["tilt_off"] <= KEPT_DEG, {}
-    for claim in read():
-        mine = [j for j, name in enumerate(JUDGED) if name.startswith(f"{claim['id']}.")]
-        if not mine:
-            continue
-        known = d["grade"][:, mine]
-        of = np.where(known.min(axis=1) == 2, 0, np.where(known.max(axis=1) == 0, 2, 1))
-        of[np.isnan(known).any(axis=1)] = -1
-        found[claim["id"]] = {
-            "numbers": [list(JUDGED)[j].partition(".")[2] for j in mine],
-            "all": [int((of == k).sum()) for k in range(3)],
-            "kept": [int((of[kept] == k).sum()) for k in range(3)],
-        }
-    return found
 
 
 def excluded(d: Data) -> list[tuple[str, str]]:
@@ -348,13 +167,9 @@ def excluded(d: Data) -> list[tuple[str, str]]:
 
 def summary(d: Data) -> str:
     """The best laws with their scores; in how many laws each number holds; what excludes what."""
-    laws = laws_of(d["best_parts"])
+    names = names_of(d)
     rows = [
-        [
-            f"{d['best_score'][i]:g}±{d['best_spread'][i]:.1f}",
-            f"{d['score'][d['best'][i]]:g}±{d['spread'][d['best'][i]]:.1f}",
-            short(laws[i]),
-        ]
+        [f"{d['best_score'][i]:g}±{d['best_spread'][i]:.1f}", _searched(d, i), names[i]]
         for i in _order(d)
     ]
     shares = [
