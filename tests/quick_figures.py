@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import figures
-from figures.checks import landing_census, which_law
+from figures.checks import landing_census, small_tilts, which_law
 from figures.claims import measure_rows
 from figures.cost import (
     accuracy_cost_drift,
@@ -39,6 +39,7 @@ FEW = {
 }
 SIZES = {
     which_law: {"SIZE": {True: {"periods": MOST_PERIODS, "seeds": (1, 2), "points": 2}}},
+    small_tilts: {"SMALL_TILTS_DEG": {True: (9,)}},
     runs: {"SEEDS": {"start.seed": [1, 2]}},
     fig02: {"MAP_COUNTS": {True: (34, 24)}, "MAP_GAMMAS": {True: (1.2, 3.3)}},
     fig04: {
