@@ -73,6 +73,7 @@ def test_a_run_has_the_state_of_its_second_half():
     state, changed = small_tilts.settled(np.array(runs))
     assert state.tolist() == [BLOCK, ZIGZAG, SINGLE, -1]
     assert changed.tolist() == [False, True, True, False]
+    assert small_tilts.last_change(np.array(runs)).tolist() == [3, 4, 5, 0]
     missing = {name: np.full((1, 6), np.nan) for name in small_tilts.FOLLOWED}
     assert (small_tilts.states(missing) == -1).all()
 
@@ -85,6 +86,8 @@ def mixed():
     state[1, 1], state[2] = ZIGZAG, SINGLE
     changed = np.zeros_like(state)
     changed[2, 1] = 1
+    over_time = np.repeat(state[..., None], parts, axis=-1)
+    over_time[2, 1, 0, :5] = BLOCK
     random = np.random.default_rng(2)
     return {
         "nominal_deg": np.array([3.0, 7.0, 14.0]),
@@ -93,6 +96,7 @@ def mixed():
         "lower_ends": random.normal(size=(tilts, starts, 1, RODS)),
         "middle": 10.0 * np.arange(parts) + 5,
         "state": state,
+        "state_over_time": over_time,
         "changed": changed,
         "c_x": np.array([[[1.0], [3.0]], [[4.0], [5.0]], [[6.0], [8.0]]]),
         "c_x_error": np.full((tilts, starts, 1), 0.1),
@@ -121,7 +125,7 @@ def test_the_table_counts_the_runs_of_each_state(mixed):
     assert first[4:] == ["1.00", "3.00", "0", "-", "-", "0", "-", "-", "0"]
     assert second[1:3] == ["1", "4.00"]
     assert third[-1] == "1"
-    assert lines[-1].split() == ["14", "single", "rods", "single", "rods"]
+    assert lines[-1].split() == ["14", "single", "rods", "0", "single", "rods", "55"]
 
 
 @pytest.fixture

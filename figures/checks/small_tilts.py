@@ -94,6 +94,17 @@ def settled(state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.where(late[..., 0] < 0, -1, most), (late != late[..., :1]).any(axis=-1)
 
 
+def last_change(state: np.ndarray) -> np.ndarray:
+    """Index of the part from which on each run is in the state of its end.
+
+    Parameters
+    ----------
+    state : (..., parts), from `states`
+    """
+    other = state != state[..., -1:]
+    return np.where(other.any(axis=-1), other.shape[-1] - other[..., ::-1].argmax(axis=-1), 0)
+
+
 def data(quick: bool = False) -> Data:
     """Runs along tilt, start, seed: how rods move and the states over time; drift of the end."""
     sweep = sweeps(quick)["starts"]
@@ -172,8 +183,18 @@ def draw(d: Data) -> plt.Figure:
     return figure
 
 
+def _at_end(of_start: np.ndarray, middle: np.ndarray) -> str:
+    """State at the end of each run of a start, and the period since which it holds."""
+    found = [
+        f"{STATES[state[-1]]} {middle[at] if at else 0:.0f}"
+        for state, at in zip(of_start, last_change(of_start), strict=True)
+        if state[-1] >= 0
+    ]
+    return ", ".join(found) or "-"
+
+
 def summary(d: Data) -> str:
-    """Runs in each state and their drift, tilt by tilt; states start by start."""
+    """Runs in each state and their drift, tilt by tilt; states at the end, start by start."""
     common, order, spread = (f"{limit:g}" for limit in STATE_RULES.values())
     lines = [
         f"States in the second half of runs of {COUNT} rods; c_x in cm/s, phi and tilt in degrees",
@@ -188,9 +209,12 @@ def summary(d: Data) -> str:
             pair = larger_error(d["c_x"][i][some], d["c_x_error"][i][some])
             row += [int(some.sum()), tuple(map(float, pair)), over_seeds(d["tilt_deg"][i][some])[0]]
         rows.append((*row, int(d["changed"][i].sum())))
-        names = [[STATES[each] for each in of if each >= 0] for of in d["state"][i]]
-        of_start.append((f"{tilt:g}", *(", ".join(of) or "-" for of in names)))
+        ends = (_at_end(state, d["middle"]) for state in d["state_over_time"][i])
+        of_start.append((f"{tilt:g}", *ends))
     heads = [head for name in STATES for head in (name, "c_x", "phi")]
     lines.append(table(("tilt", *heads, "changed"), rows))
-    lines += ["states, start by start", table(("tilt", *d["start"].tolist()), of_start)]
+    lines += [
+        "states at the end, and since which period they hold",
+        table(("tilt", *d["start"].tolist()), of_start),
+    ]
     return "\n".join(lines)
