@@ -74,6 +74,7 @@ def test_a_run_has_the_state_of_its_second_half():
     assert state.tolist() == [BLOCK, ZIGZAG, SINGLE, -1]
     assert changed.tolist() == [False, True, True, False]
     assert small_tilts.last_change(np.array(runs)).tolist() == [3, 4, 5, 0]
+    assert small_tilts.last_change(np.array([BLOCK, SINGLE, BLOCK, BLOCK])) == 2
     missing = {name: np.full((1, 6), np.nan) for name in small_tilts.FOLLOWED}
     assert (small_tilts.states(missing) == -1).all()
 
