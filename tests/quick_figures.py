@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import figures
-from figures.checks import landing_census
+from figures.checks import landing_census, small_tilts
 from figures.claims import measure_rows, over_laws
 from figures.cost import (
     accuracy_cost_drift,
@@ -44,6 +44,7 @@ SIZES = {
         "CONFIRMED": {True: {**FEW_STARTS, "tilts": (9, 28, 45), "best": 1}},
         "KNOWN": {},
     },
+    small_tilts: {"SMALL_TILTS_DEG": {True: (9,)}},
     runs: {"SEEDS": {"start.seed": [1, 2]}},
     fig02: {"MAP_COUNTS": {True: (34, 24)}, "MAP_GAMMAS": {True: (1.2, 3.3)}},
     fig04: {
