@@ -10,8 +10,9 @@ import pytest
 import md
 from figures import FIGURES
 from figures.__main__ import main
-from figures.checks import contact_laws, phase_friction
+from figures.checks import contact_laws, phase_friction, which_law
 from figures.claims import judge, over_tilt
+from figures.claims.evidence import Evidence
 from figures.claims.uncertainty import Number, onset, resampled
 from figures.lib import runs as rows
 from figures.lib.data import keep
@@ -129,6 +130,33 @@ def test_flights_change_half_way():
 # Pages
 
 
+LAWS = {
+    name: {"numbers": ["rms"], "all": of, "kept": kept}
+    for name, of, kept in (
+        ("S1", [0, 2, 6], [0, 1, 4]),
+        ("S2", [8, 0, 0], [5, 0, 0]),
+        ("S3", [6, 1, 1], [5, 0, 0]),
+        ("S10", [2, 1, 5], [1, 1, 3]),
+        ("S11", [2, 1, 5], [0, 1, 4]),
+    )
+}
+UNDER = {  # beginning of what the page says
+    "S1": "under none (holds under 0, in part under 2, not under 6;",
+    "S2": "under every one (",
+    "S3": "under every law with the tilt kept (",
+    "S10": "under some laws with the tilt kept (",
+    "S11": "only where the tilt is not kept (",
+    "S4": "",
+}
+
+
+@pytest.mark.parametrize("name", UNDER)
+def test_a_claim_says_under_which_laws_it_holds(name):
+    words = judge.over_laws({"id": name, "laws": LAWS.get(name)})
+    assert words.startswith(UNDER[name])
+    assert bool(words) == bool(UNDER[name])
+
+
 def test_a_claim_without_data_leaves_the_others(monkeypatch):
     def middle(row):
         low, high = (np.clip(x, -1e3, 1e3) for x in row.get("holds", (0, 0)))
@@ -142,6 +170,8 @@ def test_a_claim_without_data_leaves_the_others(monkeypatch):
 
     troubles = {"S2": np.linalg.LinAlgError("no such\nrun")}
     monkeypatch.setattr(judge, "measure", measure)
+    monkeypatch.setattr(Evidence, "figure", lambda *_: {})
+    monkeypatch.setattr(which_law, "verdicts", lambda _: LAWS)
     report = judge.judge(quick=True)
     found = {claim["id"]: claim["verdict"] for claim in report["claims"]}
     missing = dict.fromkeys(("S2", "S24"), "not measured")

@@ -35,8 +35,13 @@ NO_DATA = (md.RunError, np.linalg.LinAlgError)  # a run has failed; a fit throug
 def read() -> list[dict[str, Any]]:
     """The claims, in the order of their numbers."""
     text = Path(__file__).with_name("claims.toml").read_text(encoding="utf-8")
-    empty = {"figure": "", "remark": ""}
+    empty = {"figure": "", "remark": "", "fitted": False}
     return [{**empty, **claim} for claim in tomllib.loads(text)["claims"]]
+
+
+def claim_of(number: str) -> dict[str, Any]:
+    """The claim of a number, as "S13.small"."""
+    return next(claim for claim in read() if claim["id"] == number.partition(".")[0])
 
 
 def measure(claim: str, evidence: Any) -> dict[str, Number]:
@@ -118,14 +123,16 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
 
     from impact.benchmark import machine
 
+    from ..checks.which_law import verdicts
     from .evidence import Evidence  # late, as in `measure`
 
     evidence, judged = Evidence(quick, out), []
+    laws = verdicts(evidence.figure("which_law"))
     look = {"desc": "judging", "unit": "claim", "leave": False}
     bar = tqdm(read(), disable=None if progress else True, **look)
     for claim in bar:
         bar.set_postfix_str(claim["id"])
-        judged.append(_judged(claim, evidence))
+        judged.append({**_judged(claim, evidence), "laws": laws.get(claim["id"])})
     made = {name: value for name, value in machine().items() if name != "threads"}
     made |= {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
     return {"provenance": {**made, "impact": DIGEST, "quick": quick}, "claims": judged}
@@ -198,6 +205,32 @@ def counts(report: dict[str, Any]) -> str:
     found = Counter(claim["verdict"] for claim in report["claims"])
     kinds = (*reversed(GRADES), MISSING)
     return ", ".join(f"{kind}: {found[kind]}" for kind in kinds if found[kind])
+
+
+def over_laws(claim: dict[str, Any]) -> str:
+    """Under which of the contact laws a claim holds, by its numbers that every law has."""
+    if not (laws := claim.get("laws")):
+        return ""
+    holds, partly, fails = laws["all"]
+    kept, whole = laws["kept"][0], sum(laws["kept"])
+    if holds == 0:
+        under = "under none"
+    elif holds == holds + partly + fails:
+        under = "under every one"
+    else:
+        every = "every law" if kept == whole else "some laws"
+        under = f"under {every} with the tilt kept" if kept else "only where the tilt is not kept"
+    counted = f"holds under {holds}, in part under {partly}, not under {fails}"
+    return f"{under} ({counted}; where the tilt is kept: {kept} of {whole})"
+
+
+def halves(claim: dict[str, Any]) -> list[tuple[str, str]]:
+    """Names of the numbers that hold, that hold in part and that do not."""
+    rows, found = judged_rows(claim), []
+    for grade in reversed(range(len(GRADES))):
+        if names := "; ".join(row["name"] for row in rows if row["grade"] == grade):
+            found.append((GRADES[grade], names))
+    return found
 
 
 def judged_rows(claim: dict[str, Any]) -> list[dict[str, Any]]:
