@@ -18,7 +18,7 @@ from md.scene import both, put
 from md.search import Parameter, Search
 from md.sweep import Point, Sweep
 
-from ..lib.runs import LENGTH, ROW, boxes, computed
+from ..lib.runs import LENGTH, SIMPLE_ROW, boxes, computed
 from ..lib.style import Data
 from . import over_tilt
 from .limits import claim_of, grade, read
@@ -106,7 +106,7 @@ KNOWN: dict[
 def search(quick: bool = False) -> Search:
     """The search, without targets of its own."""
     places = tuple({"box.length": box} for box in boxes(QUICK_DEG if quick else LAW_TILTS_DEG))
-    base = put(ROW, {"step.size": "none", "step.coarse": "none"})
+    base = put(SIMPLE_ROW, {"step.size": "none", "step.coarse": "none"})
     return Search(base, {}, parameters=PARAMETERS, places=places, targets=(), **SIZE[quick])
 
 
