@@ -15,12 +15,11 @@ from md.scene import both
 from md.sweep import Sweep
 
 from ..claims import over_tilt
-from ..claims.judge import grade, read
+from ..claims.limits import grade, read
+from ..claims.over_laws import LAW_TILTS_DEG, NUMBERS, QUICK_DEG
 from ..lib.runs import FRICTION, GAMMA, boxes, planned
 from ..lib.style import Data, style
 from ..lib.tables import columned, pairs, table, text_of
-
-LAW_TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
 
 
 def _printed(**options: object) -> dict:
@@ -44,7 +43,6 @@ CONTACT_LAWS = {  # what a law changes in `rows.ROW`
     },
 }
 QUICK_LAWS = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
-NUMBERS = {"S1.mean": lambda d: d["restitution"].mean(), **over_tilt.NUMBERS}  # of touches
 COLUMNS = {  # numbers that claims.toml gives a head
     f"{claim['id']}.{row['key']}": row
     for claim in read()
