@@ -43,6 +43,7 @@ SIZES = {
         "SIZE": {True: {**FEW_STARTS, "points": 2}},
         "CONFIRMED": {True: {**FEW_STARTS, "tilts": (9, 28, 45), "best": 1}},
         "KNOWN": {},
+        "CLOSER": {True: 1},
     },
     small_tilts: {"SMALL_TILTS_DEG": {True: (9,)}},
     runs: {"SEEDS": {"start.seed": [1, 2]}},

@@ -38,6 +38,7 @@ def made():
     parts = replace(over_laws.search(), points=LAWS).draw()
     best = {f"best_{name}": values for name, values in of(BEST + 2, 13).items()}
     made = {"parts": parts, **of(LAWS, 7), **best, "best": np.arange(BEST)}
+    made["round"] = np.zeros(LAWS, int)
     return {**made, "best_parts": parts[: BEST + 2]}
 
 
@@ -73,6 +74,18 @@ def test_the_best_are_run_with_half_the_step_and_rounded_values():
     assert after.step.size == pytest.approx(step_of(before)[0] / 2)
     assert after.start.seed not in given.seeds
     assert after.contacts == before.contacts
+
+
+def test_a_second_round_lies_between_the_best_of_one_form():
+    parts = replace(over_laws.search(), points=LAWS).draw()
+    forms = np.array([law["form"] for law in over_laws.laws_of(parts)])
+    score = np.where(forms == over_laws.CONSTANT, parts[:, 3], 0)  # restitution of the plate
+    near = over_laws.closer(parts, score, 8)
+    assert near.shape == (8, parts.shape[1])
+    assert {law["form"] for law in over_laws.laws_of(near)} == {over_laws.CONSTANT}
+    best = np.sort(score)[-over_laws.BEST :]
+    assert (near[:, 3] >= best[0]).all()
+    assert (near[:, 3] <= best[-1]).all()
 
 
 def test_laws_known_without_search_are_those_of_their_names():

@@ -30,7 +30,8 @@ def _ends(values: np.ndarray, limits: dict) -> tuple[float, float]:
 
 def _strip(ax: Axes, d: Data, j: int) -> None:
     name, limits = list(JUDGED.items())[j]
-    values, kept = d["value"][:, j], d["tilt_off"] <= KEPT_DEG
+    even = d["round"] == 0
+    values, kept = d["value"][even, j], d["tilt_off"][even] <= KEPT_DEG
     low, high = _ends(values, limits)
     for key, colour in (("partly", PARTLY), ("holds", HOLDS)):
         ends = np.clip(limits[key], low, high)

@@ -2,7 +2,7 @@
 
 Laws are drawn evenly from ranges of their parameters (`PARAMETERS`), simulated at seven tilts
 (`search`), and scored by those numbers of the claims that claims.toml marks as fitted; the best are
-simulated again (`confirming`).
+simulated again (`confirming`). A second round lies closer around the best ones (`closer`).
 """
 
 import math
@@ -34,10 +34,10 @@ JUDGED = {  # numbers with limits that every law has
 HEADED = np.array(["head" in row for row in JUDGED.values()])  # numbers of the matrix
 FITTED = HEADED & [claim_of(name)["fitted"] for name in JUDGED]  # and of the score
 BEST, DRAWS = 10, 100  # laws that are confirmed; draws of a score
+CLOSER = {False: 64, True: 2}  # laws of the second round, in full and quick
 KEPT_DEG = 2  # a row that keeps its tilt is as near to acos(dN/L), at every tilt
-TILTS_DEG = (3, *range(9, 76, 6))  # where the best laws are confirmed
 CONFIRMED: dict[bool, dict[str, Any]] = {  # runs of the best laws, in full and quick
-    False: {"periods": 300, "seeds": (3, 4), "tilts": TILTS_DEG, "best": BEST},
+    False: {"periods": 300, "seeds": (3, 4), "tilts": LAW_TILTS_DEG, "best": BEST},
     True: {"periods": 40, "seeds": (3, 4), "tilts": QUICK_DEG, "best": 2},
 }
 SIZE: dict[bool, dict[str, Any]] = {  # of the search: in full, and quick
@@ -119,9 +119,21 @@ def _by_law(whole: Sweep) -> list[Sweep]:
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Runs of the search; the best laws are known behind them."""
+    """Runs of the first round; what follows depends on them."""
     given = search(quick)
     return {"laws": given.sweep(given.draw())}
+
+
+def closer(parts: np.ndarray, score: np.ndarray, number: int) -> np.ndarray:
+    """Laws between the best ones of the form of the best one; a power of two of them."""
+    forms = np.array([law["form"] for law in laws_of(parts)])
+    best = parts[np.argmax(score)]
+    same = np.flatnonzero(forms == forms[np.argmax(score)])
+    near = parts[same[np.argsort(-score[same], kind="stable")[:BEST]]]
+    box = np.array([near.min(axis=0), near.max(axis=0)])
+    chosen = [p.choices is not None for p in PARAMETERS]
+    box[:, chosen] = best[chosen]
+    return replace(search(), points=number).draw(1, box)
 
 
 def _part(parameter: Parameter, value: float | str) -> float:
@@ -197,13 +209,25 @@ def score_of(grades: np.ndarray) -> np.ndarray:
 
 def data(quick: bool = False) -> Data:
     """Of all laws, then of the best ones: parameters as parts of their ranges, and `_judged`."""
-    parts = search(quick).draw()
-    found = _judged(sweeps(quick)["laws"], QUICK_DEG if quick else LAW_TILTS_DEG)
-    given = CONFIRMED[quick]
-    best = np.argsort(-found["score"], kind="stable")[: given["best"]]
+    given, again, tilts = search(quick), CONFIRMED[quick], QUICK_DEG if quick else LAW_TILTS_DEG
+    parts, found = given.draw(), _judged(sweeps(quick)["laws"], tilts)
+    near = closer(parts, found["score"], CLOSER[quick])
+    late = _judged(given.sweep(near), tilts)
+    parts = np.concatenate([parts, near])
+    same = {"nominal", "theory"}
+    found = {n: v if n in same else np.concatenate([v, late[n]]) for n, v in found.items()}
+    best = np.argsort(-found["score"], kind="stable")[: again["best"]]
     chosen = np.array([rounded(law) for law in (*laws_of(parts[best]), *KNOWN.values())])
-    again = _judged(confirming(chosen, quick), given["tilts"], "best_")
-    return {"parts": parts, **found, "best": best, "best_parts": chosen, **again}
+    confirmed = _judged(confirming(chosen, quick), again["tilts"], "best_")
+    rounds = np.repeat([0, 1], [len(parts) - len(near), len(near)])
+    return {
+        "parts": parts,
+        "round": rounds,
+        **found,
+        "best": best,
+        "best_parts": chosen,
+        **confirmed,
+    }
 
 
 def laws_of(parts: np.ndarray) -> list[dict[str, float | str]]:
@@ -219,14 +243,16 @@ def verdicts(d: Data) -> dict[str, dict[str, Any]]:
     """Of each claim with such numbers: which ones, and under how many laws it has which verdict.
 
     `all`: counts of laws under which these numbers hold, hold in part, do not; `kept`: the same of
-    the laws under which the row keeps its tilt.
+    the laws under which the row keeps its tilt. The laws are those of the first round, which are
+    drawn evenly.
     """
-    kept, found = d["tilt_off"] <= KEPT_DEG, {}
+    even, found = d["round"] == 0, {}
+    kept = d["tilt_off"][even] <= KEPT_DEG
     for claim in read():
         mine = [j for j, name in enumerate(JUDGED) if name.startswith(f"{claim['id']}.")]
         if not mine:
             continue
-        known = d["grade"][:, mine]
+        known = d["grade"][even][:, mine]
         of = np.where(known.min(axis=1) == 2, 0, np.where(known.max(axis=1) == 0, 2, 1))
         of[np.isnan(known).any(axis=1)] = -1
         found[claim["id"]] = {
