@@ -41,15 +41,15 @@ of the means over the starts together.
 
 Between the points each result is a polynomial of the parameters (`Surface`). From it follow the
 estimate of each parameter, with weights exp(-misfit/2), and what is predicted with its uncertainty.
-The misfit of these counts, besides the errors of the data, by how much the polynomial misses points
-beyond the scatter of their starts; with one start that scatter counts as well. Further rounds look
-closer, and make the errors smaller.
+For these the error is that of the data and the distance by which the polynomial misses a point, the
+scatter of its runs included. So errors are rather too large; further rounds, which look closer, and
+longer runs make them smaller.
 
-What the errors hold for: the scene can fit the data (the least misfit is told, and should be no
-more than about the number of data), the truth is within the ranges, and results are equally rough
-all over the points near the best one: where they jump, an estimate can be off by three errors. Runs
+They hold if the scene can fit the data, if the truth is within the ranges, and if results are as
+rough there as at the other points near the best one: beside a jump an estimate can be off by three
+errors. The least misfit is told, and should be no more than about the number of data. Runs that are
 much shorter than those of the data bring their transient in. Choices are not weighed against each
-other: the estimates are those of the best point's, and the least misfit of each choice is told.
+other: estimates are those of the best point's choices, and the least misfit of each choice is told.
 """
 
 import math
@@ -264,7 +264,7 @@ def _estimates(found: Found) -> Estimates:
         return Estimates({}, np.empty((0, 0)), [], math.nan)
     low, size = box[0][free], np.ptp(box, axis=0)[free]
     parts = 2 * (found.parts[near][:, free] - low) / size - 1
-    fit = Fit(parts, found.results[near], found.errors, search.limits)
+    fit = Fit(parts, found.results[near], search.limits)
     drawn = fit.draw(search.seed)
     results, variances, misfits = fit(drawn)
     drawn_parts = zip(free, (low + (drawn + 1) / 2 * size).T, strict=True)

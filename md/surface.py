@@ -16,17 +16,17 @@ _AS_GOOD = 10.0  # more misfit than the best point has: it may be chance
 class Surface:
     """A polynomial of coordinates within -1 and 1, fitted to a result.
 
-    Its degree is the one with which each point is best told from the others. By how much it misses
-    these points, beyond their noise, is its lack of fit: at every place it may be off by as much.
+    Its degree is the one with which each point is best told from the others. It may be off at any
+    place by as much as it misses these points then: how far a result is from a polynomial does not
+    average out, and what else scatters them is not told from that.
 
     Parameters
     ----------
     places : (n, coordinates)
     results : (n,)
-    noise : standard error of each result; 0: unknown, all that is missed is lack of fit
     """
 
-    def __init__(self, places: np.ndarray, results: np.ndarray, noise: float = 0.0) -> None:
+    def __init__(self, places: np.ndarray, results: np.ndarray) -> None:
         found = []
         for degree in _DEGREES:
             terms = _terms(places, degree)
@@ -37,18 +37,17 @@ class Surface:
                 found.append((float(np.sqrt(np.mean(off**2))), degree, inverse))
         self.scatter, self.degree, inverse = min(found, key=lambda one: one[0])
         self.weights, self.spread = inverse @ results, inverse @ inverse.T
-        self.lack = max(self.scatter**2 - noise**2, 0.0)
 
     def __call__(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values and their variances, lack of fit included, (n,) each.
+        """Values and their variances, (n,) each.
 
         Parameters
         ----------
         places : (n, coordinates)
         """
         terms = _terms(places, self.degree)
-        variance = self.scatter**2 * np.sum(terms @ self.spread * terms, axis=1)
-        return terms @ self.weights, variance + self.lack
+        variance = self.scatter**2 * (1 + np.sum(terms @ self.spread * terms, axis=1))
+        return terms @ self.weights, variance
 
 
 def _terms(places: np.ndarray, degree: int) -> np.ndarray:
@@ -79,15 +78,11 @@ class Fit:
     ----------
     places : (n, coordinates), within -1 and 1
     results : (n, targets)
-    noise : (targets,), standard error of each result
     limits : (targets, 3): lower limit, upper limit, error
     """
 
-    def __init__(
-        self, places: np.ndarray, results: np.ndarray, noise: np.ndarray, limits: np.ndarray
-    ) -> None:
-        columns = zip(results.T, noise, strict=True)
-        self.surfaces, self.limits = [Surface(places, *column) for column in columns], limits
+    def __init__(self, places: np.ndarray, results: np.ndarray, limits: np.ndarray) -> None:
+        self.surfaces, self.limits = [Surface(places, column) for column in results.T], limits
         self.errors = np.where(limits[:, 0] == limits[:, 1], limits[:, 2], np.inf)
         self.coordinates = places.shape[1]
 

@@ -47,7 +47,17 @@ from .simulation import MOST_PERIODS
 from .sources import digest
 from .store import Store
 
-__all__ = ["Interrupted", "Measure", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
+__all__ = [
+    "Interrupted",
+    "Measure",
+    "Point",
+    "Sweep",
+    "Tally",
+    "execute",
+    "expand",
+    "load_sweep",
+    "named",
+]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
 _MOST_POINTS = 10**6

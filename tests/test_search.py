@@ -191,11 +191,10 @@ def test_a_surface_takes_the_degree_that_predicts_best():
         assert Surface(places, result).degree >= power + 1
     few = places[:8]  # of which a quadratic form would take almost all
     assert Surface(few, few[:, 0] + noise[:8]).degree == 1
-    straight = Surface(places, places[:, 0] + noise, 0.012)
-    value, variance = straight(np.array([[0.5, 0.0], [3.0, 0.0]]))
-    assert abs(value[0] - 0.5) < 4 * np.sqrt(variance[0]) < 0.02
+    value, variance = Surface(places, places[:, 0] + noise)(np.array([[0.5, 0.0], [9.0, 0.0]]))
+    assert abs(value[0] - 0.5) < 4 * np.sqrt(variance[0]) < 0.05
     assert variance[1] > 4 * variance[0]  # beyond all points
-    _, variance = Surface(places, np.sign(places[:, 0]) + noise, 0.01)(places)
+    _, variance = Surface(places, np.sign(places[:, 0]))(places)
     assert (variance > 0.2**2).all()  # a jump is not a polynomial
 
 
