@@ -83,10 +83,17 @@ def list_figures() -> None:
     metavar="N",
     help="Processes; figures that take all cores or measure times come last, one at a time.",
 )
+@_path("--data", "Draw what a folder holds as NAME.npz; compute nothing.", metavar="DIR")
 @_out
 @_store
 def draw(
-    names: tuple[str, ...], every: bool, quick: bool, jobs: int, out: Path, store: Path | None
+    names: tuple[str, ...],
+    every: bool,
+    quick: bool,
+    jobs: int,
+    data: Path | None,
+    out: Path,
+    store: Path | None,
 ) -> None:
     """Compute and draw figures; without names: a first look.
 
@@ -96,12 +103,17 @@ def draw(
     \b
     python -m figures draw fig10 fig11 --out pictures
     python -m figures draw --all --quick            # every figure, on coarse grids
+    python -m figures draw which_law --data figures/gallery
     """
     for name in names:
         if name not in FIGURES:
             raise InputError(f"there is no figure {name!r}; known: {', '.join(FIGURES)}")
     if every and names:
         raise InputError(f"--all draws every figure and takes no names, got {names[0]}")
+    if data:
+        for name in names:
+            if not (data / f"{name}.npz").is_file():
+                raise InputError(f"--data must be a folder that holds {name}.npz, got {data}")
     quick_set = [name for name, entry in FIGURES.items() if entry.quick]
     wanted = list(FIGURES) if every else list(dict.fromkeys(names)) or quick_set
     quick = quick or not (every or names)
@@ -110,7 +122,7 @@ def draw(
     from .lib.files import storing
 
     with storing(out, store, *files_of(*wanted)):
-        failed = draw_all(wanted, out, quick, jobs)
+        failed = draw_all(wanted, out, quick, jobs, data)
     if failed:
         raise click.ClickException(f"{len(failed)} of {len(wanted)} failed: {', '.join(failed)}")
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import figures
-from figures.checks import landing_census, which_law
-from figures.claims import measure_rows
+from figures.checks import landing_census, small_tilts
+from figures.claims import measure_rows, over_laws
 from figures.cost import (
     accuracy_cost_drift,
     accuracy_cost_ladder,
@@ -37,8 +37,14 @@ FEW = {
     **{"count": [24, 34, 40], "gamma": [1.6, 2.0, 3.3], "wall": [0.1, 0.3], "plate": [0.1, 0.3]},
     **{"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2], "periods": MOST_PERIODS},
 }
+FEW_STARTS = {"periods": MOST_PERIODS, "seeds": (1, 2)}
 SIZES = {
-    which_law: {"SIZE": {True: {"periods": MOST_PERIODS, "seeds": (1, 2), "points": 2}}},
+    over_laws: {
+        "SIZE": {True: {**FEW_STARTS, "points": 2}},
+        "CONFIRMED": {True: {**FEW_STARTS, "tilts": (9, 28, 45), "best": 1}},
+        "KNOWN": {},
+    },
+    small_tilts: {"SMALL_TILTS_DEG": {True: (9,)}},
     runs: {"SEEDS": {"start.seed": [1, 2]}},
     fig02: {"MAP_COUNTS": {True: (34, 24)}, "MAP_GAMMAS": {True: (1.2, 3.3)}},
     fig04: {

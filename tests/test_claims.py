@@ -11,7 +11,8 @@ import md
 from figures import FIGURES
 from figures.__main__ import main
 from figures.checks import contact_laws, phase_friction
-from figures.claims import judge, over_tilt
+from figures.claims import judge, limits, over_laws, over_tilt
+from figures.claims.evidence import Evidence
 from figures.claims.uncertainty import Number, onset, resampled
 from figures.lib import runs as rows
 from figures.lib.data import keep
@@ -21,10 +22,10 @@ from md.store import Store
 
 from .quick_figures import data, tiny
 
-CLAIMS = judge.read()
+CLAIMS = limits.read()
 IDS = [*(f"S{i}" for i in range(1, 27)), "E1", "E2", "E3"]
 FIGURES_OF_CLAIMS = ("appendix_a", "contact_laws", "fig04", "fig05", "fig08", "fig12", "fig13")
-FIGURES_OF_CLAIMS += ("phase_friction", "tip_shape")
+FIGURES_OF_CLAIMS += ("phase_friction", "tip_shape", "which_law")
 KNOWN = {  # numbers that do not depend on how long the runs are
     ("E2", "slower"): 1,
     ("E3", "threshold"): pytest.approx(np.degrees(np.arctan(1 / 8))),
@@ -42,7 +43,7 @@ def test_every_claim_says_what_and_where_and_how_it_is_judged():
     """And is there once; the contact laws are judged by the limits of the claims."""
     heads = contact_laws.COLUMNS
     assert [claim["id"] for claim in CLAIMS] == IDS
-    assert {*heads} <= {*contact_laws.NUMBERS}
+    assert {*heads} <= {*over_laws.NUMBERS}
     for claim in CLAIMS:
         assert all(claim[part] for part in ("says", "section", "scene", "why"))
         assert claim["figure"] in FIGURES or claim["id"] == "S25"
@@ -63,10 +64,10 @@ LIMITS = {"holds": [0.4, 0.6], "partly": [0.2, 0.8]}
 
 def test_grade():
     values = (0.5, 0.4, 0.6, 0.39, 0.2, 0.8, 0.81, -1.0, np.inf, -np.inf, np.nan)
-    found = [judge.grade(value, LIMITS) for value in values]
+    found = [limits.grade(value, LIMITS) for value in values]
     assert found == [2, 2, 2, 1, 1, 1, 0, 0, 0, 0, None]
-    assert judge.grade(0.5, {}) is None
-    assert judge.grade(1e300, {"holds": [0, np.inf], "partly": [-np.inf, np.inf]}) == 2
+    assert limits.grade(0.5, {}) is None
+    assert limits.grade(1e300, {"holds": [0, np.inf], "partly": [-np.inf, np.inf]}) == 2
 
 
 VERDICTS = {
@@ -129,6 +130,33 @@ def test_flights_change_half_way():
 # Pages
 
 
+LAWS = {
+    name: {"numbers": ["rms"], "all": of, "kept": kept}
+    for name, of, kept in (
+        ("S1", [0, 2, 6], [0, 1, 4]),
+        ("S2", [8, 0, 0], [5, 0, 0]),
+        ("S3", [6, 1, 1], [5, 0, 0]),
+        ("S10", [2, 1, 5], [1, 1, 3]),
+        ("S11", [2, 1, 5], [0, 1, 4]),
+    )
+}
+UNDER = {  # beginning of what the page says
+    "S1": "under none (holds under 0, in part under 2, not under 6;",
+    "S2": "under every one (",
+    "S3": "under every law with the tilt kept (",
+    "S10": "under some laws with the tilt kept (",
+    "S11": "only where the tilt is not kept (",
+    "S4": "",
+}
+
+
+@pytest.mark.parametrize("name", UNDER)
+def test_a_claim_says_under_which_laws_it_holds(name):
+    words = judge.over_laws({"id": name, "laws": LAWS.get(name)})
+    assert words.startswith(UNDER[name])
+    assert bool(words) == bool(UNDER[name])
+
+
 def test_a_claim_without_data_leaves_the_others(monkeypatch):
     def middle(row):
         low, high = (np.clip(x, -1e3, 1e3) for x in row.get("holds", (0, 0)))
@@ -142,6 +170,8 @@ def test_a_claim_without_data_leaves_the_others(monkeypatch):
 
     troubles = {"S2": np.linalg.LinAlgError("no such\nrun")}
     monkeypatch.setattr(judge, "measure", measure)
+    monkeypatch.setattr(Evidence, "figure", lambda *_: {})
+    monkeypatch.setattr(over_laws, "verdicts", lambda _: LAWS)
     report = judge.judge(quick=True)
     found = {claim["id"]: claim["verdict"] for claim in report["claims"]}
     missing = dict.fromkeys(("S2", "S24"), "not measured")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import md
+from figures.__main__ import main
 from figures.lib import data as kept
 from figures.lib import runs
 from figures.paper import fig10
@@ -82,3 +83,12 @@ def test_a_measure_is_stored_by_its_sources(monkeypatch, tmp_path):
     monkeypatch.setattr(runs, "sources_of", lambda _: "others")
     again = runs.planned([{"start.seed": [1, 2]}], 3, measure=of_start)
     assert not {point.key for point in again.points} & {*keys}
+
+
+def test_a_figure_is_drawn_from_the_data_of_a_folder(stored, tmp_path, capsys):
+    """Of whatever sources; nothing is computed, the data are not written again."""
+    out = tmp_path / "out"
+    assert main(["draw", "fig10", "--data", str(stored), "--out", str(out)]) == 0
+    assert {path.name for path in out.iterdir()} == {"fig10.png", "fig10.pdf"}
+    assert main(["draw", "fig10", "--data", str(out)]) == 2
+    assert "--data must be a folder that holds fig10.npz" in capsys.readouterr().err

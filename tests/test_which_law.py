@@ -6,64 +6,132 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from figures.checks import which_law
-from figures.checks.contact_laws import COLUMNS
+from figures.checks import law_strips, which_law
+from figures.claims import over_laws
+from figures.claims.over_laws import FITTED, JUDGED
 from md.host import step_of
+from md.laws import STIFFNESS, appendix_a, constant_restitution
+
+LAWS, BEST = 32, 10
 
 
 @pytest.fixture(scope="module")
 def made():
     """Made-up numbers of a few laws: the first holds all, the last nothing."""
-    given = replace(which_law.search(), points=32)
-    laws, tilts, random = 32, 7, np.random.default_rng(3)
-    grades = random.integers(0, 3, (laws, len(COLUMNS))).astype(float)
-    grades[0], grades[-1] = 2, 0
-    return {
-        "parts": given.draw(),
-        "value": random.random((laws, len(COLUMNS))),
-        "grade": grades,
-        "nominal": np.linspace(9, 60, tilts),
-        "theory": np.linspace(12, 3, tilts),
-        "c_x": random.random((laws, tilts)),
-        "c_x_error": np.full((laws, tilts), 0.1),
-    }
+    random = np.random.default_rng(3)
+
+    def of(laws, tilts):
+        grades = random.integers(0, 2, (laws, len(JUDGED))).astype(float)
+        grades[0], grades[-1] = 2, 0
+        return {
+            "value": random.random((laws, len(JUDGED))),
+            "grade": grades,
+            "score": over_laws.score_of(grades),
+            "spread": np.full(laws, 0.5),
+            "nominal": np.linspace(9, 60, tilts),
+            "theory": np.linspace(12, 3, tilts),
+            "c_x": random.random((laws, tilts)),
+            "c_x_error": np.full((laws, tilts), 0.1),
+            "tilt_off": np.linspace(0, 4, laws),
+        }
+
+    parts = replace(over_laws.search(), points=LAWS).draw()
+    best = {f"best_{name}": values for name, values in of(BEST + 2, 13).items()}
+    made = {"parts": parts, **of(LAWS, 7), **best, "best": np.arange(BEST)}
+    return {**made, "best_parts": parts[: BEST + 2]}
 
 
 def test_every_law_is_a_scene_that_runs_with_a_resolved_spring():
-    given = replace(which_law.search(), points=16, seeds=(1,), places=({"box.length": 43.0},))
+    given = replace(over_laws.search(), points=16, seeds=(1,), places=({"box.length": 43.0},))
     parts = given.draw()
     for row, point in zip(parts, given.sweep(parts).points, strict=True):
         values, plate = given.values(row), point.scene.contacts.plate
         assert step_of(point.scene)[0] > 0  # refused, if the step does not resolve the contact
         assert not point.scene.step.coarse
-        if values["form"] == which_law.CONSTANT:
+        if values["form"] == over_laws.CONSTANT:
             assert plate.law.restitution == values["restitution, plate"]
         else:
             assert plate.law.name == "appendix_a"
+            assert plate.law.spring.proportional == 95 * plate.law.normal.stiffness  # as printed
             damped = plate.law.normal.constant if values["overlap factor"] == "without" else None
             assert (damped is not None) == (values["overlap factor"] == "without")
 
 
+def test_the_best_are_run_with_half_the_step_and_rounded_values():
+    given = over_laws.search(quick=True)
+    parts = given.draw()
+    laws = over_laws.laws_of(parts)
+    rounded = over_laws.laws_of(np.array([over_laws.rounded(law) for law in laws]))
+    for law, exact in zip(rounded, laws, strict=True):
+        assert law.keys() == exact.keys()
+        for name, value in law.items():
+            if isinstance(value, float):
+                assert value == pytest.approx(float(f"{value:.2g}"), rel=1e-12)
+                assert value == pytest.approx(exact[name], rel=0.06)
+    before = given.sweep(parts).points[0].scene
+    after = over_laws.confirming(parts, quick=True).points[0].scene
+    assert after.step.size == pytest.approx(step_of(before)[0] / 2)
+    assert after.start.seed not in given.seeds
+    assert after.contacts == before.contacts
+
+
+def test_laws_known_without_search_are_those_of_their_names():
+    known = np.array([over_laws.rounded(law) for law in over_laws.KNOWN.values()])
+    one, printed = (over_laws.search().sweep(row[None]).points[0].scene.contacts for row in known)
+    assert one.plate.law == one.rods.law
+    assert one.plate.law.spring.root == pytest.approx(3 * STIFFNESS, rel=1e-12)
+    assert one.plate.law.normal == constant_restitution(0.65).normal
+    assert printed.plate.law == printed.rods.law == appendix_a()
+
+
 def test_the_score_counts_the_fitted_claims_alone(made):
-    fitted = [name for name in COLUMNS if name.partition(".")[0] not in which_law.HELD_OUT]
-    assert len(fitted) < len(COLUMNS)
-    score = which_law.scores(made)
-    assert score[0] == len(fitted)
-    assert score[-1] == 0
-    held_out = np.array([name not in fitted for name in COLUMNS])
-    changed = {**made, "grade": np.where(held_out, 0, made["grade"])}
-    assert np.array_equal(which_law.scores(changed), score)
-    failed = {**made, "grade": np.full_like(made["grade"], np.nan)}
-    assert (which_law.scores(failed) == 0).all()
+    held_out = {name.partition(".")[0] for name in np.array(list(JUDGED))[~FITTED]}
+    assert {"S2", "S3"} <= held_out
+    assert made["score"][0] == FITTED.sum() < len(JUDGED)
+    assert made["score"][-1] == 0
+    changed = np.where(FITTED, made["grade"], 0)
+    assert np.array_equal(over_laws.score_of(changed), made["score"])
+    assert (over_laws.score_of(np.full_like(changed, np.nan)) == 0).all()
+
+
+def test_verdicts_over_laws_count_all_and_those_that_keep_the_tilt(made):
+    found = over_laws.verdicts(made)
+    assert found["S13"]["numbers"] == ["small", "large", "change", "sharp"]
+    for of in found.values():
+        assert sum(of["all"]) == LAWS
+        assert sum(of["kept"]) == np.sum(made["tilt_off"] <= over_laws.KEPT_DEG)
+        assert of["all"][0] == 1  # the first law
+        assert of["all"][2] >= 1  # the last
+    none = {**made, "grade": np.zeros_like(made["grade"])}
+    assert all(of["all"] == [0, 0, LAWS] for of in over_laws.verdicts(none).values())
+
+
+def test_numbers_that_exclude_each_other_are_told(made):
+    grades = np.zeros_like(made["grade"])
+    grades[:8, 0] = grades[8:16, 1] = grades[8:16, 2] = 2
+    names = list(JUDGED)
+    assert which_law.excluded({**made, "grade": grades}) == [
+        (names[0], names[1]),
+        (names[0], names[2]),
+    ]
 
 
 def test_the_picture_and_the_words_show_the_best_law_first(made):
     figure = which_law.draw(made)
     labels = [text.get_text() for ax in figure.axes for text in ax.get_yticklabels()]
-    best = np.argsort(-which_law.scores(made), kind="stable")[: which_law.BEST]
-    assert best[0] == 0
-    assert sum("/" in label for label in labels) == which_law.BEST
+    assert sum("/" in label for label in labels) == BEST
+    assert set(over_laws.KNOWN) < set(labels)
     assert len(figure.axes) == 12
     plt.close(figure)
-    first = which_law.summary(made).splitlines()
-    assert "32 laws" in first[0]
+    lines = which_law.summary(made).splitlines()
+    assert "32 laws" in lines[0]
+    assert which_law.short(over_laws.laws_of(made["best_parts"])[0]) in lines[2]
+
+
+def test_strips_hold_every_law_and_mark_the_best(made):
+    figure = law_strips.draw(made)
+    shown = [ax for ax in figure.axes if ax.lines]
+    assert len(shown) == over_laws.HEADED.sum()
+    assert all(sum(len(line.get_xdata()) for line in ax.lines) == LAWS + 1 for ax in shown)
+    plt.close(figure)
+    assert len(law_strips.summary(made).splitlines()) == len(over_laws.verdicts(made)) + 1

@@ -15,23 +15,23 @@ from md.scene import both
 from md.sweep import Sweep
 
 from ..claims import over_tilt
-from ..claims.judge import grade, read
-from ..lib.runs import FRICTION, GAMMA, boxes, planned
+from ..claims.limits import grade, read
+from ..claims.over_laws import LAW_TILTS_DEG, NUMBERS, QUICK_DEG
+from ..lib.runs import FRICTION, GAMMA, LAW, LAW_NAME, SIMPLE, SIMPLE_ROW, boxes, planned
 from ..lib.style import Data, style
 from ..lib.tables import columned, pairs, table, text_of
-
-LAW_TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
 
 
 def _printed(**options: object) -> dict:
     return both(law="appendix_a", restitution="none", tangential_ratio="none", **options)
 
 
-CONTACT_LAWS = {  # what a law changes in `rows.ROW`
+CONTACT_LAWS = {  # what a law changes in `rows.SIMPLE_ROW`
+    LAW_NAME: LAW,
     "App. A as printed": _printed(),
     "A, no overlap factor": _printed(overlap_factor=False),
     "A, damping 1.9e5": _printed(damping=1.9e5),
-    "0.65, spring 3": both(),
+    "0.65, spring 3": SIMPLE,
     "0.65, spring 3, undamped": both(tangential_damping=0),
     "0.65, spring 30": both(tangential_ratio=30),
     "0.65, spring 30, undamped": both(tangential_ratio=30, tangential_damping=0),
@@ -44,7 +44,6 @@ CONTACT_LAWS = {  # what a law changes in `rows.ROW`
     },
 }
 QUICK_LAWS = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
-NUMBERS = {"S1.mean": lambda d: d["restitution"].mean(), **over_tilt.NUMBERS}  # of touches
 COLUMNS = {  # numbers that claims.toml gives a head
     f"{claim['id']}.{row['key']}": row
     for claim in read()
@@ -66,7 +65,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     names, periods = QUICK_LAWS if quick else tuple(CONTACT_LAWS), 40 if quick else 150
     axes = [{"box.length": boxes(QUICK_DEG if quick else LAW_TILTS_DEG)}]
     axes.append({"start.seed": [1, 2]})
-    return {name: planned(axes, periods, CONTACT_LAWS[name]) for name in names}
+    return {name: planned(axes, periods, CONTACT_LAWS[name], SIMPLE_ROW) for name in names}
 
 
 def data(quick: bool = False) -> Data:

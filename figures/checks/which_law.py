@@ -1,141 +1,48 @@
 """Which contact law gives what the paper says of its row: a search over laws.
 
-Laws are drawn evenly from ranges of their parameters: a dashpot of constant restitution, or
-Appendix A's, with and without its factor of the overlap, of plate and rods apart. Each is simulated
-at seven tilts and scored by the claims that are fitted: a number within the limits of its claim
-counts one, one that holds in part a half. (a) Score over each parameter; the line is the mean of an
-eighth of the laws. (b) Drift of the best laws over tilt, with standard errors, and the theory.
-(c) The numbers of the best laws, the best on top: green holds, yellow in part, red does not. Those
-right of the gap are held out: they have no part in the score. Thin rods, l = 9.5 d, Gamma = 3.3,
-mu = 0.3; steps of a fiftieth of a contact, tangential springs resolved.
+Laws are drawn evenly from ranges of their parameters, of plate and rods apart: a dashpot of
+constant restitution with tangential spring and dashpot, or Appendix A's, with and without its
+factor of the overlap, in masses of the rod or of the tip's sphere (its M_e is a factor of the
+damping). Each law is simulated at seven tilts and scored by the numbers that are fitted: one that
+lies within the limits of its claim counts one, one that does in part a half. The best laws, their
+parameters rounded to two digits, are simulated again from other starts, twice as long, at more
+tilts and with half the step; what is said of them comes from these runs alone.
+
+(a) Score over each parameter; the line is the mean of an eighth of the laws. (b) Drift of the best
+laws over tilt, with standard errors, and the theory. (c) The numbers of the best laws, the best on
+top: green holds, yellow in part, red does not. Those right of the gap are held out: they have no
+part in the score. After each law its score, with its spread as the numbers vary within their
+errors; then the score that it had in the search. Thin rods, l = 9.5 d, Gamma = 3.3, mu = 0.3;
+springs are resolved: steps are at most a fiftieth of a contact.
 """
 
-import math
-from typing import Any
+from itertools import combinations
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 
-from md.laws import STIFFNESS
-from md.scene import both, put
-from md.search import Parameter, Search
-from md.sweep import Sweep
-
-from ..claims import over_tilt
-from ..claims.judge import grade
-from ..lib.runs import LENGTH, ROW, boxes, computed
+from ..claims.over_laws import (
+    APPENDIX,
+    FITTED,
+    HEADED,
+    JUDGED,
+    KNOWN,
+    PARAMETERS,
+    data,
+    laws_of,
+    sweeps,
+)
 from ..lib.style import BLACK, BLUE, Data, style
 from ..lib.tables import table, text_of
-from .contact_laws import COLUMNS, LAW_TILTS_DEG, NUMBERS, QUICK_DEG
 
-HELD_OUT = ("S2", "S3")  # of the claims that a law is judged by; all others are fitted
-BEST, EIGHTHS = 10, 8
-SIZE: dict[bool, dict[str, Any]] = {  # of the search: in full, and quick
-    False: {"periods": 150, "seeds": (1, 2), "points": 256},
-    True: {"periods": 40, "seeds": (1, 2), "points": 4},
-}
-CONSTANT, APPENDIX = "constant restitution", "Appendix A"
-_FORMS = {
-    CONSTANT: {},
-    APPENDIX: both(law="appendix_a", restitution="none"),
-}
-_FACTOR = {"with": both(overlap_factor=True), "without": both(overlap_factor=False)}
-_SPHERE = 1 / (1 + 1.5 * (LENGTH - 1))  # mass of the tip's sphere in masses of the rod
-_MASS = {
-    "rod": {},
-    "sphere": both(stiffness=STIFFNESS * _SPHERE, reduced_mass=_SPHERE / 2),
-}
-_RANGES = {  # name: option of a contact, where it has a meaning, ends, whether evenly in log
-    "restitution": ("restitution", {"form": CONSTANT}, 0.4, 1.0, False),
-    "tangential ratio": ("tangential_ratio", {"form": CONSTANT}, 0.3, 300.0, True),
-    "tangential damping": ("tangential_damping", {"form": CONSTANT}, 0.0, 1.0, False),
-    "damping": ("damping", {"form": APPENDIX, "overlap factor": "without"}, 5.0, 600.0, True),
-    "damping by overlap": (
-        "damping",
-        {"form": APPENDIX, "overlap factor": "with"},
-        400.0,
-        4e5,
-        True,
-    ),
-}
-
-
-def _parameters() -> tuple[Parameter, ...]:
-    """Form of the law, then options of both contacts under it."""
-    found = [
-        Parameter("form", choices=_FORMS),
-        Parameter("overlap factor", choices=_FACTOR, when={"form": APPENDIX}),
-        Parameter("mass", choices=_MASS, when={"form": APPENDIX}),
-    ]
-    for name, (option, when, low, high, log) in _RANGES.items():
-        for part in ("plate", "rods"):
-            keys = (f"contacts.{part}.{option}",)
-            found.append(Parameter(f"{name}, {part}", keys, low, high, log, None, when))
-    return tuple(found)
-
-
-PARAMETERS = _parameters()
-
-
-def search(quick: bool = False) -> Search:
-    """The search, without targets of its own."""
-    places = tuple({"box.length": box} for box in boxes(QUICK_DEG if quick else LAW_TILTS_DEG))
-    base = put(ROW, {"step.size": "none", "step.coarse": "none"})
-    return Search(base, {}, parameters=PARAMETERS, places=places, targets=(), **SIZE[quick])
-
-
-def _by_law(whole: Sweep) -> list[Sweep]:
-    """The runs of each law: over tilt, then over starts."""
-    _, *axes = whole.axes
-    each = math.prod(whole.shape[1:])
-    starts = range(0, len(whole.points), each)
-    return [Sweep(tuple(axes), whole.points[i : i + each]) for i in starts]
-
-
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """All runs."""
-    given = search(quick)
-    return {"laws": given.sweep(given.draw())}
-
-
-def data(quick: bool = False) -> Data:
-    """Of each law: parameters as parts of their ranges, numbers, grades, drift over tilt."""
-    nominal = np.array(QUICK_DEG if quick else LAW_TILTS_DEG)
-    whole = computed(sweeps(quick)["laws"])
-    tables = [over_tilt.table(sweep, nominal) for sweep in _by_law(whole)]
-    value = np.array([[NUMBERS[name](d) for name in COLUMNS] for d in tables])
-    grades = [[grade(v, c) for v, c in zip(row, COLUMNS.values(), strict=True)] for row in value]
-    return {
-        "parts": search(quick).draw(),
-        "value": value,
-        "grade": np.array(grades, float),  # None, of a run that failed: nan
-        "nominal": nominal,
-        "theory": over_tilt.theory(nominal),
-        "c_x": np.array([d["c_x"] for d in tables]),
-        "c_x_error": np.array([d["c_x_error"] for d in tables]),
-    }
-
-
-_FITTED = np.array([name.partition(".")[0] not in HELD_OUT for name in COLUMNS])
-
-
-def scores(d: Data) -> np.ndarray:
-    """Of each law: numbers of the fitted claims that hold, those in part counted half."""
-    return np.nan_to_num(d["grade"][:, _FITTED]).sum(axis=1) / 2
-
-
-def _laws(d: Data) -> list[dict[str, float | str]]:
-    """Values of the parameters that have a meaning in each law."""
-    every = [
-        {p.name: p.value(x) for p, x in zip(PARAMETERS, row, strict=True)} for row in d["parts"]
-    ]
-    return [{p.name: v[p.name] for p in PARAMETERS if p.choices or p.changes(v)} for v in every]
+__all__ = ["data", "draw", "summary", "sweeps"]
+EIGHTHS = 8  # parts of a range, whose means are drawn
 
 
 def _draw_parameters(axes: np.ndarray, d: Data) -> None:
-    laws, score = _laws(d), scores(d)
+    laws, score = laws_of(d["parts"]), d["score"]
     numbers = [p for p in PARAMETERS if p.choices is None]
     for ax, parameter in zip(axes.flat, numbers, strict=True):
         of = np.array([parameter.name in law for law in laws])
@@ -149,15 +56,15 @@ def _draw_parameters(axes: np.ndarray, d: Data) -> None:
         )
         ax.set_xscale("log" if parameter.log else "linear")
         ax.set_xlim(parameter.low, parameter.high)
-        ax.set_xlabel(parameter.name.replace(" ", "\n", 1), fontsize=6.5)
-        ax.set_ylim(0, _FITTED.sum())
+        ax.set_xlabel(parameter.name.replace(", ", ",\n", 1), fontsize=6)
+        ax.set_ylim(0, FITTED.sum())
         ax.tick_params(labelsize=6)
     for ax in axes[:, 0]:
-        ax.set_ylabel(f"score of {_FITTED.sum()}", fontsize=6.5)
+        ax.set_ylabel(f"score of {FITTED.sum()}", fontsize=6.5)
     axes[0, 0].set_title("(a)", loc="left")
 
 
-def _short(law: dict[str, float | str]) -> str:
+def short(law: dict[str, float | str]) -> str:
     """Form, then the values as plate/rods."""
     if law["form"] == APPENDIX:
         damping = "damping by overlap" if law["overlap factor"] == "with" else "damping"
@@ -168,24 +75,53 @@ def _short(law: dict[str, float | str]) -> str:
     return ", ".join(pairs)
 
 
-def _draw_matrix(ax: Axes, d: Data, best: np.ndarray) -> None:
+def names_of(d: Data) -> list[str]:
+    """Of the confirmed laws."""
+    found = [short(law) for law in laws_of(d["best_parts"])]
+    return [*found[: len(d["best"])], *KNOWN]
+
+
+def _searched(d: Data, law: int) -> str:
+    """The score that a confirmed law had in the search, if it comes from there."""
+    return f"{d['score'][d['best'][law]]:g}" if law < len(d["best"]) else ""
+
+
+def _order(d: Data) -> np.ndarray:
+    """Places of the confirmed laws, the best first."""
+    return np.argsort(-d["best_score"], kind="stable")
+
+
+def _draw_matrix(ax: Axes, d: Data) -> None:
     """Grades of the best laws; fitted numbers, a gap, numbers that are held out."""
-    order = [*np.flatnonzero(_FITTED), *np.flatnonzero(~_FITTED)]
-    at = np.arange(len(order)) + 0.6 * ~_FITTED[order]
-    colours = ListedColormap(["#EDA677", "#FBF5BE", "#A6DBA0"])
-    for j, x in zip(order, at, strict=True):
-        column = d["grade"][best, j][:, None]
-        ends = [x - 0.5, x + 0.5], np.arange(len(best) + 1) - 0.5
+    columns = [*np.flatnonzero(FITTED), *np.flatnonzero(HEADED & ~FITTED)]
+    at = np.arange(len(columns)) + 0.6 * ~FITTED[columns]
+    colours, rows = ListedColormap(["#EDA677", "#FBF5BE", "#A6DBA0"]), _order(d)
+    for j, x in zip(columns, at, strict=True):
+        ends = [x - 0.5, x + 0.5], np.arange(len(rows) + 1) - 0.5
+        column = d["best_grade"][rows, j][:, None]
         ax.pcolormesh(*ends, column, cmap=colours, vmin=-0.5, vmax=2.5, edgecolors="white")
-        for i, law in enumerate(best):
-            ax.text(x, i, text_of(d["value"][law, j], ".2g"), ha="center", va="center", fontsize=5)
-    laws = _laws(d)
-    ax.set_yticks(range(len(best)), [_short(laws[i]) for i in best], fontsize=5.5)
-    heads = [f"{name.partition('.')[0]} {column['head']}" for name, column in COLUMNS.items()]
+        for i, law in enumerate(rows):
+            text = text_of(d["best_value"][law, j], ".2g")
+            ax.text(x, i, text, ha="center", va="center", fontsize=5)
+    for i, law in enumerate(rows):
+        scores = f"{d['best_score'][law]:g}±{d['best_spread'][law]:.1f}"
+        ax.text(at[-1] + 0.8, i, scores, ha="left", va="center", fontsize=5.5)
+        ax.text(at[-1] + 3.2, i, _searched(d, law), ha="left", va="center", fontsize=5.5)
+    names = names_of(d)
+    ax.set_yticks(range(len(rows)), [names[i] for i in rows], fontsize=5.5)
+    numbers = list(JUDGED.items())
+    heads = [f"{numbers[j][0].partition('.')[0]} {numbers[j][1]['head']}" for j in columns]
+    heads += ["score", "in the search"]
     ax.set_xticks(
-        at, [heads[j] for j in order], fontsize=5, rotation=60, ha="left", rotation_mode="anchor"
+        [*at, at[-1] + 1.4, at[-1] + 3.4],
+        heads,
+        fontsize=5,
+        rotation=60,
+        ha="left",
+        rotation_mode="anchor",
     )
     ax.tick_params(length=0, labelbottom=False, labeltop=True)
+    ax.set_xlim(-0.5, at[-1] + 4.2)
     ax.invert_yaxis()
     ax.spines[:].set_visible(False)
     ax.set_xlabel(
@@ -199,40 +135,67 @@ def draw(d: Data) -> plt.Figure:
     top, bottom = figure.subfigures(2, 1, height_ratios=(1, 1))
     left, right = top.subfigures(1, 2, width_ratios=(2.2, 1))
     _draw_parameters(left.subplots(2, 5, sharey=True), d)
-    best = np.argsort(-scores(d), kind="stable")[:BEST]
-    ax = right.subplots()
-    for n, law in enumerate(best[:3]):
+    ax, names = right.subplots(), names_of(d)
+    for n, law in enumerate(_order(d)[:3]):
         ax.errorbar(
-            d["nominal"], d["c_x"][law], d["c_x_error"][law], fmt="os^"[n], label=f"best, {n + 1}"
+            d["best_nominal"],
+            d["best_c_x"][law],
+            d["best_c_x_error"][law],
+            fmt="os^"[n],
+            label=names[law],
         )
-    ax.plot(d["nominal"], d["theory"], color=BLACK, label="theory, $V_z=V_0/2$")
+    ax.plot(d["best_nominal"], d["best_theory"], color=BLACK, label="theory, $V_z=V_0/2$")
     ax.set_title("(b)", loc="left")
     ax.set_xlabel(r"tilt $\phi$ (degrees)")
     ax.set_ylabel(r"drift $c_x$ (cm/s)")
-    ax.legend(fontsize=6)
-    _draw_matrix(bottom.subplots(), d, best)
+    ax.set_ylim(top=1.45 * d["best_theory"].max())
+    ax.legend(fontsize=5)
+    _draw_matrix(bottom.subplots(), d)
     return figure
 
 
+def excluded(d: Data) -> list[tuple[str, str]]:
+    """Pairs of numbers that hold each in a twentieth of the laws and more, together in none."""
+    holds, names = d["grade"] == 2, list(JUDGED)
+    often = np.flatnonzero(holds.mean(axis=0) >= 0.05)
+    return [
+        (names[i], names[j])
+        for i, j in combinations(often, 2)
+        if not (holds[:, i] & holds[:, j]).any()
+    ]
+
+
 def summary(d: Data) -> str:
-    """The best laws with their scores; how many laws each number holds in."""
-    laws, score = _laws(d), scores(d)
-    best = np.argsort(-score, kind="stable")[:BEST]
-    rows = [[f"{score[i]:g}", _short(laws[i])] for i in best]
+    """The best laws with their scores; in how many laws each number holds; what excludes what."""
+    names = names_of(d)
+    rows = [
+        [f"{d['best_score'][i]:g}±{d['best_spread'][i]:.1f}", _searched(d, i), names[i]]
+        for i in _order(d)
+    ]
     shares = [
         [
             name,
-            "held out" if not fitted else "fitted",
+            "in the score" if fitted else "held out",
             f"{np.mean(column == 2):.2f}",
             f"{np.mean(column == 0):.2f}",
         ]
-        for name, fitted, column in zip(COLUMNS, _FITTED, d["grade"].T, strict=True)
+        for name, fitted, column in zip(JUDGED, FITTED, d["grade"].T, strict=True)
     ]
-    heads = "number", "in the search", "laws in which it holds", "in which it does not"
+    heads = "number", "", "laws in which it holds", "in which it does not"
+    of = [
+        [p.name, choice, f"{score.max():.1f}", f"{score.mean():.1f}"]
+        for p in PARAMETERS
+        if p.choices
+        for choice in p.choices
+        if len(score := d["score"][[law.get(p.name) == choice for law in laws_of(d["parts"])]])
+    ]
     return "\n".join(
         [
-            f"{len(laws)} laws; best scores of {_FITTED.sum()}",
-            table(("score", "restitution, ratio, damping; plate/rods"), rows),
+            f"{len(d['parts'])} laws; scores of {FITTED.sum()}",
+            table(("confirmed", "in the search", "restitution, ratio, damping; plate/rods"), rows),
+            table(("choice", "", "best score", "mean"), of),
             table(heads, shares),
+            "numbers that never hold together: "
+            + (", ".join(f"{a} and {b}" for a, b in excluded(d)) or "none"),
         ]
     )

@@ -1,8 +1,6 @@
 """Verdicts on the paper's claims: grades of measured numbers by the limits of claims.toml.
 
 >>> from figures.claims import judge
->>> len(judge.read())
-29
 >>> judge.verdict([2, 1, 2])  # of a claim, from the grades of its numbers
 'holds in part'
 
@@ -13,7 +11,6 @@ A claim holds if all its judged numbers lie within `holds`, does not hold if non
 import json
 import math
 import platform
-import tomllib
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -24,19 +21,13 @@ import md
 from impact._generated import DIGEST
 from md.sources import digest
 
+from .limits import grade, read
 from .uncertainty import Number, resampled
 
 GRADES = ("does not hold", "holds in part", "holds")
 MISSING = "not measured"
 MARKS = {None: "", 0: "-", 1: "~", 2: "+"}
 NO_DATA = (md.RunError, np.linalg.LinAlgError)  # a run has failed; a fit through missing points
-
-
-def read() -> list[dict[str, Any]]:
-    """The claims, in the order of their numbers."""
-    text = Path(__file__).with_name("claims.toml").read_text(encoding="utf-8")
-    empty = {"figure": "", "remark": ""}
-    return [{**empty, **claim} for claim in tomllib.loads(text)["claims"]]
 
 
 def measure(claim: str, evidence: Any) -> dict[str, Number]:
@@ -57,17 +48,6 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
         if name.startswith(f"{claim}_"):
             found |= function(evidence)
     return found
-
-
-def grade(value: float, limits: dict[str, Any]) -> int | None:
-    """2 within `holds`, 1 within `partly`, else 0; None for what is not judged or not known."""
-    if "holds" not in limits or math.isnan(value):
-        return None
-    return 2 if _within(value, limits["holds"]) else int(_within(value, limits["partly"]))
-
-
-def _within(value: float, limits: list[float]) -> bool:
-    return limits[0] <= value <= limits[1]
 
 
 def close(number: Number, limits: dict[str, Any]) -> bool:
@@ -119,13 +99,15 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
     from impact.benchmark import machine
 
     from .evidence import Evidence  # late, as in `measure`
+    from .over_laws import verdicts
 
     evidence, judged = Evidence(quick, out), []
+    laws = verdicts(evidence.figure("which_law"))
     look = {"desc": "judging", "unit": "claim", "leave": False}
     bar = tqdm(read(), disable=None if progress else True, **look)
     for claim in bar:
         bar.set_postfix_str(claim["id"])
-        judged.append(_judged(claim, evidence))
+        judged.append({**_judged(claim, evidence), "laws": laws.get(claim["id"])})
     made = {name: value for name, value in machine().items() if name != "threads"}
     made |= {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
     return {"provenance": {**made, "impact": DIGEST, "quick": quick}, "claims": judged}
@@ -198,6 +180,32 @@ def counts(report: dict[str, Any]) -> str:
     found = Counter(claim["verdict"] for claim in report["claims"])
     kinds = (*reversed(GRADES), MISSING)
     return ", ".join(f"{kind}: {found[kind]}" for kind in kinds if found[kind])
+
+
+def over_laws(claim: dict[str, Any]) -> str:
+    """Under which of the contact laws a claim holds, by its numbers that every law has."""
+    if not (laws := claim.get("laws")):
+        return ""
+    holds, partly, fails = laws["all"]
+    kept, whole = laws["kept"][0], sum(laws["kept"])
+    if holds == 0:
+        under = "under none"
+    elif holds == holds + partly + fails:
+        under = "under every one"
+    else:
+        every = "every law" if kept == whole else "some laws"
+        under = f"under {every} with the tilt kept" if kept else "only where the tilt is not kept"
+    counted = f"holds under {holds}, in part under {partly}, not under {fails}"
+    return f"{under} ({counted}; where the tilt is kept: {kept} of {whole})"
+
+
+def halves(claim: dict[str, Any]) -> list[tuple[str, str]]:
+    """Names of the numbers that hold, that hold in part and that do not."""
+    rows, found = judged_rows(claim), []
+    for n, words in reversed(list(enumerate(GRADES))):
+        if names := "; ".join(row["name"] for row in rows if row["grade"] == n):
+            found.append((words, names))
+    return found
 
 
 def judged_rows(claim: dict[str, Any]) -> list[dict[str, Any]]:

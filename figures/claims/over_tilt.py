@@ -12,7 +12,7 @@ import numpy as np
 from impact import drift, thin_rod
 from md.sweep import Sweep
 
-from ..lib.runs import SETTING, means, plate_speed_cm_s
+from ..lib.runs import SETTING, drift_and_tilt, means, plate_speed_cm_s
 from .uncertainty import crossing, rms
 
 SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one above the other
@@ -40,6 +40,8 @@ Table = Mapping[str, np.ndarray]
 def table(sweep: Sweep, nominal: np.ndarray) -> dict[str, np.ndarray]:
     """Means over the starts of a sweep over tilt, with their standard errors.
 
+    The errors of drift and tilt are those between the starts or within them, whichever is larger.
+
     Parameters
     ----------
     sweep : rows over the length of the box, then over starts
@@ -47,7 +49,7 @@ def table(sweep: Sweep, nominal: np.ndarray) -> dict[str, np.ndarray]:
     """
     scene = sweep.points[0].scene
     size = {"half_length": np.array(scene.rods.length / 2), "speed": np.array(scene.plate_speed)}
-    return {"nominal": nominal, **size, **means(sweep, STORED)}
+    return {"nominal": nominal, **size, **means(sweep, STORED), **drift_and_tilt(sweep)}
 
 
 @cache

@@ -20,7 +20,7 @@ from md.kernels.space.march import march
 from md.kernels.space.pairs import no_pairs
 from md.scene import from_tables, put
 
-from ..lib.runs import ANNULUS_SCENE, ROW
+from ..lib.runs import ANNULUS_SCENE, SIMPLE_ROW
 from ..lib.timing import onward
 
 NAMES = "plane kernel", "space kernel, the same rods", "annulus"
@@ -32,7 +32,7 @@ SETTLE_PERIODS, ANNULUS_PERIODS = 3.0, 12.0  # before: of the row, of the annulu
 def _settled() -> Engine:
     """The row without its box, after some landings, when it is still a crowd."""
     changes = {"box": "none", "start.tilt_deg": 20.0, "start.drop": 0.01}
-    engine = prepare(from_tables(put(ROW, changes)))
+    engine = prepare(from_tables(put(SIMPLE_ROW, changes)))
     engine.go(round(SETTLE_PERIODS * engine.per))
     return engine
 

@@ -26,7 +26,7 @@ from md.host import prepare
 from md.scene import from_tables, put
 from md.sweep import execute, expand
 
-from ..lib.runs import ROW
+from ..lib.runs import SIMPLE_ROW
 from ..lib.style import BLACK, BLUE, ORANGE, RED, Data, painted, style
 from ..lib.tables import columned
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady, waited
@@ -37,7 +37,7 @@ ROW_SIZES = {
     False: (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000),
 }
 LEAST = 320  # rods a sample is about, with one period each
-SPACING = ROW["box"]["length"] / ROW["rods"]["count"]
+SPACING = SIMPLE_ROW["box"]["length"] / SIMPLE_ROW["rods"]["count"]
 RUNS_PER_CORE, SWEEP_PERIODS = 4, 40  # of each core, and of each run
 CORE_LEVELS = 5  # numbers of cores, at most
 SCALING_BLOCKS, SCALING_SETTLE = {True: 9, False: 31}, {True: 10, False: 40}
@@ -46,7 +46,7 @@ REPEATS = {True: 5, False: 15}  # of a sweep
 
 def _row(count: int) -> md.Scene:
     """The row with another number of rods."""
-    return from_tables(put(ROW, {"rods.count": count, "box.length": count * SPACING}))
+    return from_tables(put(SIMPLE_ROW, {"rods.count": count, "box.length": count * SPACING}))
 
 
 def _periods(count: int, settle: int) -> Callable[[int], float]:
@@ -76,7 +76,7 @@ def _meet(folder: str, workers: int) -> None:
 def _sweeping(workers: int) -> Callable[[int], float]:
     """Time of a step of a rod in as many runs at once as there are workers."""
     seeds = list(range(1, RUNS_PER_CORE * workers + 1))
-    sweep = expand({"periods": SWEEP_PERIODS, "axes": [{"start.seed": seeds}]}, ROW)
+    sweep = expand({"periods": SWEEP_PERIODS, "axes": [{"start.seed": seeds}]}, SIMPLE_ROW)
     engine = prepare(sweep.points[0].scene)
     work = len(seeds) * SWEEP_PERIODS * engine.per * len(engine.rods)
 

@@ -16,11 +16,11 @@ from typing import Any, NamedTuple
 from md.host import Engine, prepare, step_of
 from md.scene import Scene, from_tables, put
 
-from ..lib.runs import FRICTION, GAMMA, RESTITUTION, ROW
+from ..lib.runs import FRICTION, GAMMA, RESTITUTION, SIMPLE_ROW
 
 DIAGNOSTICS = frozenset(("ledger", "touches", "series"))
-STEP_SIZE = step_of(from_tables(ROW))[0]  # of all variants
-TILT_DEG = degrees(from_tables(ROW).tilt)
+STEP_SIZE = step_of(from_tables(SIMPLE_ROW))[0]  # of all variants
+TILT_DEG = degrees(from_tables(SIMPLE_ROW).tilt)
 Changes = Mapping[str, Any]
 
 
@@ -33,7 +33,7 @@ class Variant(NamedTuple):
     @property
     def scene(self) -> Scene:
         """The scene itself."""
-        return from_tables(put(ROW, deepcopy({"step.size": STEP_SIZE, **self.changes})))
+        return from_tables(put(SIMPLE_ROW, deepcopy({"step.size": STEP_SIZE, **self.changes})))
 
     def engine(self) -> Engine:
         """Engine of the scene, at its start."""
@@ -130,7 +130,9 @@ EFFECTS = {
     "rods": _effect(RODS_SCENE, NOTHING, {"contacts.rods": "none"}, drifts=False),
     **_contacts("rods", RODS_SCENE),
     # A row that is open falls over.
-    "periodic box": _effect(RODS_SCENE | {"box": ROW["box"]}, RODS_SCENE, OPEN, drifts=False),
+    "periodic box": _effect(
+        RODS_SCENE | {"box": SIMPLE_ROW["box"]}, RODS_SCENE, OPEN, drifts=False
+    ),
     "energy ledger": _diagnostic("ledger", RODS_SCENE),
     "record of landings": _diagnostic("touches", PLATE_SCENE),
     "series of means": _diagnostic("series", NOTHING),

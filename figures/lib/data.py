@@ -128,6 +128,12 @@ def stored_data(name: str, quick: bool, out: Path) -> dict[str, np.ndarray] | No
         made = json.loads(str(stored["provenance"])) if "provenance" in stored else {}
         if (made.get("sources"), made.get("quick")) != (sources(name), quick):
             return None
+    return kept_data(name, out)
+
+
+def kept_data(name: str, folder: Path) -> dict[str, np.ndarray]:
+    """Data of a figure that lie in a folder as NAME.npz, of whatever sources and size."""
+    with np.load(folder / f"{name}.npz") as stored:
         return {key: stored[key] for key in stored if key != "provenance"}
 
 

@@ -20,7 +20,7 @@ from md.files import replacing
 
 from .. import FIGURES, load
 from . import runs
-from .data import keep
+from .data import keep, kept_data
 
 KINDS = "npz", "png", "pdf"
 
@@ -40,29 +40,33 @@ def files_of(*names: str) -> list[str]:
     return [f"{name}.{kind}" for name in names for kind in KINDS]
 
 
-def produce(name: str, out: Path, quick: bool) -> Drawn:
-    """Compute and draw one figure: NAME.npz, NAME.png and NAME.pdf in the folder `out`."""
+def produce(name: str, out: Path, quick: bool, kept: Path | None = None) -> Drawn:
+    """Compute and draw one figure: NAME.npz, NAME.png and NAME.pdf in the folder `out`.
+
+    Data that are `kept` in a folder are drawn as they are; NAME.npz is not written.
+    """
     module = load(name)
-    data = module.data(quick=quick)
+    data = module.data(quick=quick) if kept is None else kept_data(name, kept)
     picture = module.draw(data)
     stamp = {"Title": f"{FIGURES[name].title} (impact {DIGEST})"}
     npz, png, pdf = (out / file for file in files_of(name))
     try:
-        with replacing(npz) as part:
-            keep(part, name, quick, data)
+        if kept is None:
+            with replacing(npz) as part:
+                keep(part, name, quick, data)
         for path in (png, pdf):
             with replacing(path) as part:
                 picture.savefig(part, dpi=200, metadata=stamp)
     finally:
         plt.close(picture)
     words = module.summary(data) if hasattr(module, "summary") else ""
-    return Drawn(name, f"{png}  {pdf.name}  {npz.name}", words)
+    return Drawn(name, f"{png}  {pdf.name}" + ("" if kept else f"  {npz.name}"), words)
 
 
-def _tried(name: str, out: Path, quick: bool) -> Drawn:
+def _tried(name: str, out: Path, quick: bool, kept: Path | None = None) -> Drawn:
     """The same; what a figure fails with is kept, so that the others go on."""
     try:
-        return produce(name, out, quick)
+        return produce(name, out, quick, kept)
     except Exception as error:
         foreseen = isinstance(error, OSError) or hasattr(error, "exit_code")
         return Drawn(name, failure=str(error) if foreseen else traceback.format_exc().rstrip())
@@ -96,7 +100,9 @@ def _pool(names: Sequence[str], out: Path, quick: bool, jobs: int) -> Iterator[I
     get_reusable_executor().shutdown()  # a sweep would take over workers grown by Matplotlib
 
 
-def draw_all(names: Sequence[str], out: Path, quick: bool, jobs: int) -> list[str]:
+def draw_all(
+    names: Sequence[str], out: Path, quick: bool, jobs: int, kept: Path | None = None
+) -> list[str]:
     """Draw figures and say so; returns the names of those that failed.
 
     Parameters
@@ -105,10 +111,11 @@ def draw_all(names: Sequence[str], out: Path, quick: bool, jobs: int) -> list[st
     out : folder
     quick : whether on coarse grids
     jobs : processes
+    kept : folder of data to draw as they are, one after the other; None: compute
     """
     mpl.use("Agg")
     out.mkdir(parents=True, exist_ok=True)
-    beside = [name for name in names if not FIGURES[name].alone]
+    beside = [name for name in names if not FIGURES[name].alone and kept is None]
     beside = beside if min(len(beside), jobs) > 1 else []
     failed = []
     with tqdm(total=len(names), desc="drawing", unit="figure", disable=None, leave=False) as bar:
@@ -130,5 +137,5 @@ def draw_all(names: Sequence[str], out: Path, quick: bool, jobs: int) -> list[st
         for name in names:
             if name not in beside:
                 bar.set_postfix_str(name)
-                told(_tried(name, out, quick))
+                told(_tried(name, out, quick, kept))
     return failed

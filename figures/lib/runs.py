@@ -32,8 +32,11 @@ if TYPE_CHECKING:
 COUNT, LENGTH, GAMMA, FRICTION, RESTITUTION = 40, 9.5, 3.3, 0.3, 0.65  # of Figs. 6-8 and 13
 SETTING: dict[str, Any] = {"friction": FRICTION, "restitution": RESTITUTION}  # of the theory
 BOX = 43.0  # length of the box where the tilt is not varied
-_STEP = {"step.size": 1.2e-4, "step.coarse": True}  # a fiftieth of a contact; some are stiffer
-ROW = put(read_tables("quasi2d"), {**_STEP, "start.speed": 0.3, **both(tangential_ratio=3)})
+_COARSE = {"step.size": 1.2e-4, "step.coarse": True}  # a fiftieth of a contact
+SIMPLE = both(restitution=RESTITUTION, tangential_ratio=3)  # one law for plate and rods
+SIMPLE_ROW = put(read_tables("quasi2d"), {**_COARSE, "start.speed": 0.3, **SIMPLE})  # of prices
+LAW = SIMPLE  # of plate and rods, in all figures of simulated rows and annuli
+ROW = put(SIMPLE_ROW, LAW)
 LAW_NAME = "constant_restitution 0.65, tangential ratio 3"
 TILT_SCAN_WORDS = (
     rf"$l={LENGTH}\,d$, thin inertia, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}"

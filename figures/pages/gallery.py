@@ -45,6 +45,7 @@ templates = Environment(
 templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limits_shown}
 templates.globals |= {"grades": judge.GRADES, "counts": judge.counts, "pm": plus_minus}
 templates.globals |= {"judged_rows": judge.judged_rows, "checked": CHECKED}
+templates.globals |= {"over_laws": judge.over_laws, "halves": judge.halves}
 
 
 def claims_page(report: dict[str, Any]) -> str:

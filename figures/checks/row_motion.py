@@ -1,0 +1,101 @@
+"""How the rods of a row move among each other, period by period: measures for `runs.planned`.
+
+Four times a period the row is looked at. `common`: share of its vertical motion that all rods have
+in common, the square of the mean vertical velocity over the mean square; 1 if the row bounces as
+one block. `height_spread`, `tilt_spread`: departures of lower ends' heights and of tilts from the
+row's mean, root mean squares in d, tilts times half the length between the caps' centres.
+`height_order`, `tilt_order`: correlations of neighbours' departures; -1 if they alternate.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from md.host import prepare
+from md.kernels.codes import C_Z, COSINE, SINE, X, Z
+from md.scene import Scene
+from md.statistics import standard_error, transient
+
+LOOKS = 4  # at the row in a period
+WINDOW = 10  # periods that `followed` takes together
+SEEN = "common", "height_spread", "height_order", "tilt_spread", "tilt_order", "tilt_deg"
+
+
+def departures(values: np.ndarray) -> tuple[float, float]:
+    """Spread of values around the row's mean, and correlation of neighbours.
+
+    Parameters
+    ----------
+    values : (looks, rods), rods in the order in which they stand; the last is beside the first
+    """
+    off = values - values.mean(axis=-1, keepdims=True)
+    square = (off**2).mean()
+    together = (off * np.roll(off, 1, axis=-1)).mean()
+    return float(np.sqrt(square)), float(together / max(square, 1e-300))
+
+
+def lower_ends(rods: np.ndarray, half: float) -> np.ndarray:
+    """Heights of the lowest points of rods.
+
+    Parameters
+    ----------
+    rods : (..., rods, columns), state of a row
+    half : length between the caps' centres, halved
+    """
+    return rods[..., Z] - half * np.abs(rods[..., COSINE]) - 0.5
+
+
+def seen(states: np.ndarray, half: float) -> tuple[float, ...]:
+    """What `SEEN` names, of some looks at a row.
+
+    Parameters
+    ----------
+    states : (looks, rods, columns)
+    half : length between the caps' centres, halved
+    """
+    rise, tilt = states[..., C_Z], np.arctan2(states[..., SINE], states[..., COSINE])
+    common = (rise.mean(axis=-1) ** 2).mean() / max((rise**2).mean(), 1e-300)
+    found = departures(lower_ends(states, half)), departures(half * tilt)
+    return float(common), *found[0], *found[1], float(np.degrees(tilt.mean()))
+
+
+def watched(scene: Scene, periods: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Drift `c_x` [cm/s] and what `SEEN` names of each period of a run; the rods at its end."""
+    engine = prepare(scene, ledger=False, touches=False)
+    half, places, rows = engine.half_length, [engine.rods[:, X].mean()], []
+    for period in range(periods):
+        states = []
+        for look in range(1, LOOKS + 1):
+            engine.go(period * engine.per + look * engine.per // LOOKS - engine.step)
+            states.append(engine.rods.copy())
+        rows.append(seen(np.array(states), half))
+        places.append(engine.rods[:, X].mean())
+    drift = np.diff(places) / (engine.dt * engine.per) * scene.cm_per_s
+    return dict(zip(SEEN, np.array(rows).T, strict=True)) | {"c_x": drift}, engine.rods
+
+
+def averaged(scene: Scene, periods: int) -> dict[str, Any]:
+    """Means over a run behind its transient, and fluctuations from period to period."""
+    found, _ = watched(scene, periods)
+    late = {name: values[transient(periods) :] for name, values in found.items()}
+    return {
+        **{name: float(values.mean()) for name, values in late.items()},
+        **{f"{name}_stderr": standard_error(late[name]) for name in ("c_x", "tilt_deg")},
+        **{f"{name}_fluctuation": float(late[name].std()) for name in ("c_x", "tilt_deg")},
+    }
+
+
+def followed(scene: Scene, periods: int) -> dict[str, Any]:
+    """Means over windows of a run, standard error of the second half's drift, the rods at the end.
+
+    `lower_ends` are heights over their mean.
+    """
+    found, rods = watched(scene, periods)
+    parts = np.array_split(np.arange(periods), max(periods // WINDOW, 1))
+    ends = lower_ends(rods, (scene.rods.length - 1) / 2)
+    return {
+        **{name: [float(values[part].mean()) for part in parts] for name, values in found.items()},
+        "middle": [float(part.mean()) + 0.5 for part in parts],
+        "late_c_x_stderr": standard_error(found["c_x"][periods // 2 :]),
+        "lower_ends": (ends - ends.mean()).tolist(),
+    }

@@ -1,0 +1,158 @@
+"""How large a row is large enough: its drift over the number of rods, at equal density.
+
+Box and rods grow together, so that the rods can lean alike. Starts times periods fall as the rods
+grow in number: all sizes take about as long, and their errors are alike. (a) Drift over that of the
+largest row, with standard errors of the quotient; grey: what the rule takes for alike, whatever the
+errors. (b) Share of the rods' vertical motion that all have in common: 1 if the row bounces as one
+block. (c) Standard deviation of the row's mean tilt, from period to period, times the root of the
+number of rods, which would not depend on that number if rods moved by themselves.
+
+The rule of the summary: a row is large enough if it and all larger ones drift like the largest one,
+but for a small part or for the errors.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+from md.sweep import Sweep
+
+from ..lib.runs import (
+    GAMMA,
+    LAW_NAME,
+    LENGTH,
+    boxes,
+    gathered,
+    larger_error,
+    over_seeds,
+    planned,
+)
+from ..lib.style import BLACK, BLUE, RED, Data, legend_above, painted, points, style
+from ..lib.tables import pairs, table
+from .row_motion import averaged
+
+NEAR, SURE = 0.05, 2.0  # part of the largest row's drift; standard errors
+SIZE_TILTS_DEG = {True: (28,), False: (15, 28, 45)}
+PLANS = {  # rods: starts, periods
+    True: {5: (2, 120), 10: (2, 60), 20: (2, 30)},
+    False: {10: (4, 4800), 20: (4, 2400), 40: (4, 1200), 80: (2, 1200), 160: (2, 600)},
+}
+LOOKS = ((BLACK, "o-"), (RED, "s-"), (BLUE, "^-"))  # of the tilts
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Rows of each size, over tilt."""
+    return {
+        str(count): planned(
+            [
+                {"box.length": boxes(SIZE_TILTS_DEG[quick], count)},
+                {"start.seed": [*range(1, starts + 1)]},
+            ],
+            periods,
+            {"rods.count": count},
+            measure=averaged,
+        )
+        for count, (starts, periods) in PLANS[quick].items()
+    }
+
+
+def data(quick: bool = False) -> Data:
+    """Drift [cm/s], tilt [deg] and how rods move, (sizes, tilts) each, with standard errors."""
+    found: dict[str, list[np.ndarray]] = {}
+
+    def add(name: str, mean: np.ndarray, error: np.ndarray) -> None:
+        found.setdefault(name, []).append(mean)
+        found.setdefault(f"{name}_error", []).append(error)
+
+    for sweep in sweeps(quick).values():
+        for name in ("c_x", "tilt_deg"):
+            add(name, *larger_error(*gathered(sweep, name, f"{name}_stderr")))
+        for name in ("common", "tilt_deg_fluctuation"):
+            add(name, *over_seeds(*gathered(sweep, name)))
+    return {
+        "count": np.array([*PLANS[quick]]),
+        "nominal_deg": np.array(SIZE_TILTS_DEG[quick], float),
+        **{name: np.array(rows) for name, rows in found.items()},
+    }
+
+
+def over_largest(d: Data) -> tuple[np.ndarray, np.ndarray]:
+    """Drift over that of the largest row, with the standard error of the quotient."""
+    last, last_error = d["c_x"][-1], d["c_x_error"][-1]
+    part = d["c_x"] / last
+    error = np.hypot(d["c_x_error"], part * last_error) / np.abs(last)
+    error[-1] = np.nan  # of 1, which is exact
+    return part, error
+
+
+def enough(d: Data) -> np.ndarray:
+    """Smallest number of rods, tilt by tilt, from which on the drift is that of the largest row."""
+    part, error = over_largest(d)
+    near = np.abs(part - 1) <= np.fmax(NEAR, SURE * error)
+    from_here_on = np.logical_and.accumulate(near[::-1])[::-1]
+    from_here_on[-1] = True
+    return d["count"][from_here_on.argmax(axis=0)]
+
+
+def _over_count(ax: Axes, d: Data, y: np.ndarray, error: np.ndarray) -> None:
+    """A line for each tilt."""
+    for i, (colour, form) in zip(range(len(d["nominal_deg"])), LOOKS, strict=False):
+        label = f"{d['nominal_deg'][i]:g}°"
+        points(ax, d["count"], y[:, i], error[:, i], colour, form=form, label=label)
+    ax.set(xscale="log", xlabel="number of rods")
+    ax.set_xticks(d["count"], d["count"], minor=False)
+    ax.set_xticks([], minor=True)
+
+
+def _draw_drift(ax: Axes, d: Data) -> None:
+    ax.axhspan(1 - NEAR, 1 + NEAR, color="0.9", lw=0)
+    _over_count(ax, d, *over_largest(d))
+    ax.set(ylabel=r"$c_x$ / largest row's")
+
+
+def _draw_common(ax: Axes, d: Data) -> None:
+    _over_count(ax, d, d["common"], d["common_error"])
+    ax.set(ylabel="share of vertical motion", ylim=(0, 1.05))
+
+
+def _draw_fluctuation(ax: Axes, d: Data) -> None:
+    root = np.sqrt(d["count"])[:, None]
+    name = "tilt_deg_fluctuation"
+    _over_count(ax, d, root * d[name], root * d[f"{name}_error"])
+    ax.set(ylabel=r"$\sqrt{N}$ fluctuation (deg)", ylim=(0, None))
+
+
+@style
+def draw(d: Data) -> plt.Figure:
+    panels = {
+        "drift over the largest row's": _draw_drift,
+        "motion in common": _draw_common,
+        "fluctuation of the mean tilt": _draw_fluctuation,
+    }
+    figure = painted(d, panels, rows=3, figsize=(3.4, 5.6), sharex=True)
+    for ax in figure.axes[:-1]:
+        ax.set(xlabel="")
+    legend_above(figure, figure.axes[0], ncols=3)
+    figure.supxlabel(rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, 60 Hz;" f"\n{LAW_NAME}")
+    return figure
+
+
+def summary(d: Data) -> str:
+    """Drift over the number of rods, and from which one on it is that of the largest row."""
+    part, error = over_largest(d)
+    lines = [
+        "Rows of equal density; from N on: this row and all larger ones drift like the largest "
+        f"one, within {NEAR:.0%} or {SURE:g} s.e. of the difference"
+    ]
+    heads = ("tilt", "N", "c_x (cm/s)", "over largest", f"{SURE:g} s.e. (%)", "phi (deg)", "common")
+    rows = []
+    for i, tilt in enumerate(d["nominal_deg"]):
+        for j, count in enumerate(d["count"]):
+            both = [pairs(d, name, (slice(None), i))[j] for name in ("c_x", "tilt_deg", "common")]
+            quotient = part[j, i], error[j, i]
+            told = 100 * SURE * error[j, i]
+            rows.append((f"{tilt:g}", count, both[0], quotient, told, both[1], both[2]))
+    lines.append(table(heads, rows, (0, 0, 3, 3, 1, 2, 3)))
+    found = zip(d["nominal_deg"], enough(d), strict=True)
+    lines.append(table(("tilt", "from N on"), [(f"{tilt:g}", count) for tilt, count in found]))
+    return "\n".join(lines)

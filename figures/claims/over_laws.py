@@ -1,0 +1,237 @@
+"""Contact laws that are searched, and the claims judged under each of them.
+
+Laws are drawn evenly from ranges of their parameters (`PARAMETERS`), simulated at seven tilts
+(`search`), and scored by those numbers of the claims that claims.toml marks as fitted; the best are
+simulated again (`confirming`).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from md.host import step_of
+from md.laws import STIFFNESS
+from md.scene import both, put
+from md.search import Parameter, Search
+from md.sweep import Point, Sweep
+
+from ..lib.runs import LENGTH, SIMPLE_ROW, boxes, computed
+from ..lib.style import Data
+from . import over_tilt
+from .limits import claim_of, grade, read
+
+LAW_TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
+NUMBERS = {"S1.mean": lambda d: d["restitution"].mean(), **over_tilt.NUMBERS}  # of touches
+JUDGED = {  # numbers with limits that every law has
+    name: row
+    for claim in read()
+    for row in claim["numbers"]
+    if "holds" in row and (name := f"{claim['id']}.{row['key']}") in NUMBERS
+}
+HEADED = np.array(["head" in row for row in JUDGED.values()])  # numbers of the matrix
+FITTED = HEADED & [claim_of(name)["fitted"] for name in JUDGED]  # and of the score
+BEST, DRAWS = 10, 100  # laws that are confirmed; draws of a score
+KEPT_DEG = 2  # a row that keeps its tilt is as near to acos(dN/L), at every tilt
+TILTS_DEG = (3, *range(9, 76, 6))  # where the best laws are confirmed
+CONFIRMED: dict[bool, dict[str, Any]] = {  # runs of the best laws, in full and quick
+    False: {"periods": 300, "seeds": (3, 4), "tilts": TILTS_DEG, "best": BEST},
+    True: {"periods": 40, "seeds": (3, 4), "tilts": QUICK_DEG, "best": 2},
+}
+SIZE: dict[bool, dict[str, Any]] = {  # of the search: in full, and quick
+    False: {"periods": 150, "seeds": (1,), "points": 256},
+    True: {"periods": 40, "seeds": (1,), "points": 4},
+}
+CONSTANT, APPENDIX = "constant restitution", "Appendix A"
+_FORMS = {
+    CONSTANT: {},
+    APPENDIX: both(law="appendix_a", restitution="none", tangential_ratio="none"),
+}
+_FACTOR = {"with": both(overlap_factor=True), "without": both(overlap_factor=False)}
+_SPHERE = 1 / (1 + 1.5 * (LENGTH - 1))  # mass of the tip's sphere in masses of the rod
+_MASS = {
+    "rod": {},
+    "sphere": both(stiffness=STIFFNESS * _SPHERE, reduced_mass=_SPHERE / 2),
+}
+_RANGES = {  # name: option of a contact, where it has a meaning, ends, whether evenly in log
+    "restitution": ("restitution", {"form": CONSTANT}, 0.4, 1.0, False),
+    "tangential ratio": ("tangential_ratio", {"form": CONSTANT}, 0.3, 300.0, True),
+    "tangential damping": ("tangential_damping", {"form": CONSTANT}, 0.0, 1.0, False),
+    "damping": ("damping", {"form": APPENDIX, "overlap factor": "without"}, 5.0, 600.0, True),
+    "damping by overlap": (
+        "damping",
+        {"form": APPENDIX, "overlap factor": "with"},
+        400.0,
+        4e5,
+        True,
+    ),
+}
+
+
+def _parameters() -> tuple[Parameter, ...]:
+    """Form of the law, then options of both contacts under it."""
+    found = [
+        Parameter("form", choices=_FORMS),
+        Parameter("overlap factor", choices=_FACTOR, when={"form": APPENDIX}),
+        Parameter("mass", choices=_MASS, when={"form": APPENDIX}),
+    ]
+    for name, (option, when, low, high, log) in _RANGES.items():
+        for part in ("plate", "rods"):
+            keys = (f"contacts.{part}.{option}",)
+            found.append(Parameter(f"{name}, {part}", keys, low, high, log, None, when))
+    return tuple(found)
+
+
+PARAMETERS = _parameters()
+KNOWN: dict[
+    str, dict[str, float | str]
+] = {  # laws that are confirmed besides, known without search
+    "0.65, spring 3": {
+        "form": CONSTANT,
+        **{f"restitution, {part}": 0.65 for part in ("plate", "rods")},
+        **{f"tangential ratio, {part}": 3.0 for part in ("plate", "rods")},
+        **{f"tangential damping, {part}": 1.0 for part in ("plate", "rods")},
+    },
+    "App. A as printed": {
+        "form": APPENDIX,
+        "overlap factor": "with",
+        "mass": "rod",
+        **{f"damping by overlap, {part}": 400.0 for part in ("plate", "rods")},
+    },
+}
+
+
+def search(quick: bool = False) -> Search:
+    """The search, without targets of its own."""
+    places = tuple({"box.length": box} for box in boxes(QUICK_DEG if quick else LAW_TILTS_DEG))
+    base = put(SIMPLE_ROW, {"step.size": "none", "step.coarse": "none"})
+    return Search(base, {}, parameters=PARAMETERS, places=places, targets=(), **SIZE[quick])
+
+
+def _by_law(whole: Sweep) -> list[Sweep]:
+    """The runs of each law: over tilt, then over starts."""
+    _, *axes = whole.axes
+    each = math.prod(whole.shape[1:])
+    starts = range(0, len(whole.points), each)
+    return [Sweep(tuple(axes), whole.points[i : i + each]) for i in starts]
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Runs of the search; the best laws are known behind them."""
+    given = search(quick)
+    return {"laws": given.sweep(given.draw())}
+
+
+def _part(parameter: Parameter, value: float | str) -> float:
+    """The part of a range at which a parameter has this value."""
+    if parameter.choices is not None:
+        return (list(parameter.choices).index(str(value)) + 0.5) / len(parameter.choices)
+    low, high = parameter.low, parameter.high
+    if parameter.log:
+        return math.log(float(value) / low) / math.log(high / low)
+    return (float(value) - low) / (high - low)
+
+
+def rounded(values: dict[str, float | str]) -> np.ndarray:
+    """Parts of the ranges of a law, numbers rounded to two digits; what is not named: anything."""
+    digits = {n: v if isinstance(v, str) else float(f"{v:.2g}") for n, v in values.items()}
+    return np.array([_part(p, digits[p.name]) if p.name in digits else 0.0 for p in PARAMETERS])
+
+
+def confirming(parts: np.ndarray, quick: bool = False) -> Sweep:
+    """Runs of laws from other starts, longer, at more tilts, with half the step."""
+    given = CONFIRMED[quick]
+    places = tuple({"box.length": box} for box in boxes(given["tilts"]))
+    again = replace(search(quick), places=places, seeds=given["seeds"], periods=given["periods"])
+
+    def halved(point: Point) -> Point:
+        scene = point.scene
+        half = replace(scene.step, size=step_of(scene)[0] / 2)
+        return replace(point, scene=replace(scene, step=half))
+
+    whole = again.sweep(parts)
+    return replace(whole, points=tuple(map(halved, whole.points)))
+
+
+def _judged(whole: Sweep, tilts: Sequence[int], prefix: str = "") -> Data:
+    """Of each law: numbers, grades, score with its spread, drift over tilt."""
+    nominal = np.array(tilts)
+    tables = [over_tilt.table(sweep, nominal) for sweep in _by_law(computed(whole))]
+    value = np.array([[NUMBERS[name](d) for name in JUDGED] for d in tables])
+    grades = np.array([_grades(row) for row in value])
+    random = np.random.default_rng(1)
+    found = {
+        "value": value,
+        "grade": grades,
+        "score": score_of(grades),
+        "spread": np.array(
+            [np.std([score_of(_varied(d, random)) for _ in range(DRAWS)]) for d in tables]
+        ),
+        "nominal": nominal,
+        "theory": over_tilt.theory(nominal),
+        "c_x": np.array([d["c_x"] for d in tables]),
+        "c_x_error": np.array([d["c_x_error"] for d in tables]),
+        "tilt_off": np.array([np.abs(d["tilt"] - nominal).max() for d in tables]),
+    }
+    return {prefix + name: values for name, values in found.items()}
+
+
+def _grades(values: np.ndarray) -> np.ndarray:
+    """Of each number; nan where it is not known."""
+    return np.array([grade(v, c) for v, c in zip(values, JUDGED.values(), strict=True)], float)
+
+
+def _varied(d: Data, random: np.random.Generator) -> np.ndarray:
+    """Grades, if the measured means of one law vary within their errors."""
+    measured = [name for name in d if f"{name}_error" in d]
+    moved = {n: random.normal(d[n], np.nan_to_num(d[f"{n}_error"])) for n in measured}
+    return _grades(np.array([NUMBERS[name]({**d, **moved}) for name in JUDGED]))
+
+
+def score_of(grades: np.ndarray) -> np.ndarray:
+    """Numbers of the fitted claims that hold, those in part counted half; (..., numbers)."""
+    return np.nan_to_num(grades)[..., FITTED].sum(axis=-1) / 2
+
+
+def data(quick: bool = False) -> Data:
+    """Of all laws, then of the best ones: parameters as parts of their ranges, and `_judged`."""
+    parts = search(quick).draw()
+    found = _judged(sweeps(quick)["laws"], QUICK_DEG if quick else LAW_TILTS_DEG)
+    given = CONFIRMED[quick]
+    best = np.argsort(-found["score"], kind="stable")[: given["best"]]
+    chosen = np.array([rounded(law) for law in (*laws_of(parts[best]), *KNOWN.values())])
+    again = _judged(confirming(chosen, quick), given["tilts"], "best_")
+    return {"parts": parts, **found, "best": best, "best_parts": chosen, **again}
+
+
+def laws_of(parts: np.ndarray) -> list[dict[str, float | str]]:
+    """Values of the parameters that have a meaning in each law."""
+    every = [{p.name: p.value(x) for p, x in zip(PARAMETERS, row, strict=True)} for row in parts]
+    return [
+        {p.name: v[p.name] for p in PARAMETERS if (p.when or {}).items() <= v.items()}
+        for v in every
+    ]
+
+
+def verdicts(d: Data) -> dict[str, dict[str, Any]]:
+    """Of each claim with such numbers: which ones, and under how many laws it has which verdict.
+
+    `all`: counts of laws under which these numbers hold, hold in part, do not; `kept`: the same of
+    the laws under which the row keeps its tilt.
+    """
+    kept, found = d["tilt_off"] <= KEPT_DEG, {}
+    for claim in read():
+        mine = [j for j, name in enumerate(JUDGED) if name.startswith(f"{claim['id']}.")]
+        if not mine:
+            continue
+        known = d["grade"][:, mine]
+        of = np.where(known.min(axis=1) == 2, 0, np.where(known.max(axis=1) == 0, 2, 1))
+        of[np.isnan(known).any(axis=1)] = -1
+        found[claim["id"]] = {
+            "numbers": [list(JUDGED)[j].partition(".")[2] for j in mine],
+            "all": [int((of == k).sum()) for k in range(3)],
+            "kept": [int((of[kept] == k).sum()) for k in range(3)],
+        }
+    return found

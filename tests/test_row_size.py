@@ -1,0 +1,191 @@
+"""How large a row must be, and its states at small tilts: made-up motions and numbers."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import md
+from figures.checks import row_motion, row_size, small_tilts
+from figures.checks.small_tilts import BLOCK, SINGLE, ZIGZAG
+from md.kernels.codes import C_Z, COSINE, ROW_COLUMNS, SINE, Z
+
+from .quick_figures import data
+
+HALF, RODS, LOOKS = 4.25, 40, 400
+
+
+def motion(kind: str, amplitude: float = 0.05) -> np.ndarray:
+    """States (looks, rods, columns) of a row that bounces in one of the ways."""
+    random, states = np.random.default_rng(4), np.zeros((LOOKS, RODS, ROW_COLUMNS))
+    phase = 2 * np.pi * np.arange(LOOKS)[:, None] / 37
+    turns = (-1.0) ** np.arange(RODS)
+    shift = random.uniform(0, 2 * np.pi, RODS) if kind == "independent" else 0.0
+    tilt = np.radians(9) + np.zeros((LOOKS, RODS))
+    if kind == "leaning by turns":
+        tilt += amplitude / HALF * turns
+    states[..., SINE], states[..., COSINE] = np.sin(tilt), np.cos(tilt)
+    states[..., Z] = HALF * np.cos(tilt) + 0.5 + 0.2 * np.sin(phase + shift)
+    states[..., Z] += amplitude * turns * (kind == "standing by turns")
+    states[..., C_Z] = 0.2 * np.cos(phase + shift)
+    return states
+
+
+def state_of(states: np.ndarray) -> int:
+    """State by the rule of the figure."""
+    found = dict(zip(row_motion.SEEN, row_motion.seen(states, HALF), strict=True))
+    return int(small_tilts.states(found))
+
+
+@pytest.mark.parametrize(
+    ("kind", "state"),
+    [
+        ("together", BLOCK),
+        ("independent", SINGLE),
+        ("standing by turns", ZIGZAG),
+        ("leaning by turns", ZIGZAG),
+    ],
+)
+def test_the_state_of_a_made_up_row(kind, state):
+    assert state_of(motion(kind)) == state
+
+
+def test_a_zigzag_too_small_to_be_seen_is_a_block():
+    assert state_of(motion("standing by turns", 1e-3)) == BLOCK
+
+
+def test_departures_are_those_of_the_rods_from_the_row():
+    """Of the mean height and tilt nothing is left; neighbours by turns are opposite."""
+    found = row_motion.seen(motion("standing by turns"), HALF)
+    common, spread, order, tilt_spread, _, tilt_deg = found
+    assert common == pytest.approx(1)
+    assert (spread, order) == pytest.approx((0.05, -1))
+    assert tilt_spread == pytest.approx(0, abs=1e-12)
+    assert tilt_deg == pytest.approx(9)
+    assert row_motion.seen(motion("independent"), HALF)[0] < 0.1
+    np.testing.assert_allclose(
+        row_motion.lower_ends(motion("standing by turns"), HALF)[0, 1], -0.05
+    )
+
+
+def test_a_run_has_the_state_of_its_second_half():
+    """As most parts of it; a change in the first half does not count, a missing run has none."""
+    runs = [[2, 2, 2, 0, 0, 0], [0, 0, 0, 0, 1, 1], [1, 1, 1, 2, 2, 0], [-1] * 6]
+    state, changed = small_tilts.settled(np.array(runs))
+    assert state.tolist() == [BLOCK, ZIGZAG, SINGLE, -1]
+    assert changed.tolist() == [False, True, True, False]
+    assert small_tilts.last_change(np.array(runs)).tolist() == [3, 4, 5, 0]
+    assert small_tilts.last_change(np.array([BLOCK, SINGLE, BLOCK, BLOCK])) == 2
+    missing = {name: np.full((1, 6), np.nan) for name in small_tilts.FOLLOWED}
+    assert (small_tilts.states(missing) == -1).all()
+
+
+@pytest.fixture
+def mixed():
+    """Made-up runs at three tilts, two starts, one seed: states differ at the second tilt."""
+    tilts, starts, parts = 3, 2, 8
+    state = np.zeros((tilts, starts, 1), int)
+    state[1, 1], state[2] = ZIGZAG, SINGLE
+    changed = np.zeros_like(state)
+    changed[2, 1] = 1
+    over_time = np.repeat(state[..., None], parts, axis=-1)
+    over_time[2, 1, 0, :5] = BLOCK
+    random = np.random.default_rng(2)
+    return {
+        "nominal_deg": np.array([3.0, 7.0, 14.0]),
+        "start": np.array(["still", "fast"]),
+        "common": random.random((tilts, starts, 1, parts)),
+        "lower_ends": random.normal(size=(tilts, starts, 1, RODS)),
+        "middle": 10.0 * np.arange(parts) + 5,
+        "state": state,
+        "state_over_time": over_time,
+        "changed": changed,
+        "c_x": np.array([[[1.0], [3.0]], [[4.0], [5.0]], [[6.0], [8.0]]]),
+        "c_x_error": np.full((tilts, starts, 1), 0.1),
+        "tilt_deg": np.array([3.0, 7, 14])[:, None, None] + np.zeros((tilts, starts, 1)),
+    }
+
+
+def test_the_picture_shows_each_run_once_and_the_mixed_tilt(mixed):
+    figure = small_tilts.draw(mixed)
+    drift, time, ends = figure.axes
+    shown = [line for line in drift.lines if len(line.get_xdata()) and line.get_marker() != "None"]
+    assert sum(len(line.get_xdata()) for line in shown) == mixed["c_x"].size
+    hollow = [line for line in shown if line.get_markerfacecolor() == "white"]
+    assert [line.get_ydata().tolist() for line in hollow] == [[8.0]]
+    assert "7°" in time.get_title(loc="left")
+    np.testing.assert_array_equal(time.lines[0].get_ydata(), mixed["common"][1, 0, 0])
+    assert len(ends.lines) == 3  # a run of each state
+    np.testing.assert_array_equal(ends.lines[1].get_ydata(), mixed["lower_ends"][1, 1, 0])
+    plt.close(figure)
+
+
+def test_the_table_counts_the_runs_of_each_state(mixed):
+    lines = small_tilts.summary(mixed).splitlines()
+    first, second, third = (line.split() for line in lines[3:6])
+    assert first[:4] == ["3", "2", "2.00", "±"]
+    assert first[4:] == ["1.00", "3.00", "0", "-", "-", "0", "-", "-", "0"]
+    assert second[1:3] == ["1", "4.00"]
+    assert third[-1] == "1"
+    assert lines[-1].split() == ["14", "single", "rods", "0", "single", "rods", "55"]
+
+
+@pytest.fixture
+def sizes():
+    """Made-up drifts of two tilts: one reaches the largest row's within the part, one by error."""
+    c_x = np.array([[14.0, 9.0], [10.4, 12.0], [10.2, 9.0], [10.0, 10.0]])
+    error = np.array([[0.1, 0.9], [0.1, 0.1], [0.1, 0.9], [0.1, 0.1]])
+    flat = np.ones((4, 2))
+    names = ("tilt_deg", "common", "tilt_deg_fluctuation")
+    return {
+        "count": np.array([10, 20, 40, 80]),
+        "nominal_deg": np.array([15.0, 45.0]),
+        **{"c_x": c_x, "c_x_error": error},
+        **dict.fromkeys(names, 0.5 * flat),
+        **{f"{name}_error": 0.01 * flat for name in names},
+    }
+
+
+def test_from_where_on_a_row_is_large_enough(sizes):
+    """All larger rows must agree as well; a drift that is missing does not."""
+    part, error = row_size.over_largest(sizes)
+    assert part[0] == pytest.approx([1.4, 0.9])
+    assert error[0, 0] == pytest.approx(np.hypot(0.1, 1.4 * 0.1) / 10)
+    assert np.isnan(error[-1]).all()
+    assert row_size.enough(sizes).tolist() == [20, 40]
+    lost = sizes["c_x"].copy()
+    lost[2, 0] = np.nan
+    assert row_size.enough({**sizes, "c_x": lost}).tolist() == [80, 40]
+
+
+def test_the_sizes_in_picture_and_words(sizes):
+    figure = row_size.draw(sizes)
+    assert len(figure.axes) == 3
+    np.testing.assert_allclose(figure.axes[0].lines[0].get_ydata(), sizes["c_x"][:, 0] / 10)
+    plt.close(figure)
+    lines = [line.split() for line in row_size.summary(sizes).splitlines()]
+    assert lines[-2:] == [["15", "20"], ["45", "40"]]
+    assert sum(line[0] == "45" for line in lines) == 5
+
+
+def test_rows_of_all_sizes_are_equally_dense():
+    for count, sweep in row_size.sweeps().items():
+        scenes = [point.scene for point in sweep.points]
+        assert {scene.rods.count for scene in scenes} == {int(count)}
+        tilts = sorted({round(float(np.degrees(scene.tilt)), 6) for scene in scenes})
+        assert tilts == [*row_size.SIZE_TILTS_DEG[False]]
+    work = {
+        p.periods * int(n) * s.shape[-1] for n, s in row_size.sweeps().items() for p in s.points
+    }
+    assert len(work) == 1  # rods x starts x periods
+
+
+def test_a_followed_row_drifts_as_a_run_does():
+    """The tiny runs of the figures, beside `md.run`."""
+    d = data("row_size")
+    scene = row_size.sweeps(True)["5"].points[0].scene
+    result = md.run(scene, periods=8, ledger=False)
+    found, rods = row_motion.watched(scene, 8)
+    np.testing.assert_allclose(found["c_x"], result.c_x_series * scene.cm_per_s, rtol=1e-9)
+    np.testing.assert_array_equal(rods[:, Z], result.rods[:, Z])
+    assert found["tilt_deg"] == pytest.approx(result.tilt_series, abs=0.3)
+    assert d["c_x"].shape == (3, 1)
