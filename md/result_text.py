@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from itertools import combinations, count
-from math import isnan, sqrt
+from math import inf, isnan, sqrt
 from typing import TYPE_CHECKING, Any
 
 from .accuracy import in_words
@@ -176,6 +176,14 @@ def search_text(found: "Found") -> str:
             lines.append("warning: the scene does not fit the data; the errors do not hold")
     else:
         lines += ["", "too few points near the best one for estimates: more points or rounds"]
+    for choice in found.search.parameters:
+        if choice.choices is None:
+            continue
+        least = dict.fromkeys(choice.choices, inf)
+        for point in told["points"]:
+            least[point[choice.name]] = min(least[point[choice.name]], point["misfit"])
+        each = ", ".join(f"{name} {value:.3g}" for name, value in least.items())
+        lines.append(f"least misfit by {choice.name}  {each}; the best alone is estimated")
     heads = [key for key in told["targets"][0] if key not in ("low", "high", "error")]
     shown = [
         [_cell(target.get(key), 4) for key in heads] + [_asked(target)]

@@ -12,7 +12,7 @@
     [[parameters]]
     keys = ["contacts.plate.friction", "contacts.rods.friction"]   # which take the same value
     from = 0.1
-    to = 0.6                          # log = true: evenly in log
+    to = 0.6                          # log = true: evenly in log; integer = true: rounded
 
     [[parameters]]
     name = "law"                      # a choice: what each changes
@@ -41,18 +41,22 @@ of the means over the starts together.
 
 Between the points each result is a polynomial of the parameters (`Surface`). From it follow the
 estimate of each parameter, with weights exp(-misfit/2), and what is predicted with its uncertainty.
-Errors hold only if the scene can fit the data, and within the ranges: the least misfit is told, and
-should be no more than about the number of data. Choices are those of the best point.
+For these the error is that of the data and the distance by which the polynomial misses a point, the
+scatter of its runs included. So errors are rather too large; further rounds, which look closer, and
+longer runs make them smaller.
 
-With few rounds the polynomial spans too much, and the errors can be too small by a factor of three:
-add rounds until the estimates stay.
+They hold if the scene can fit the data, if the truth is within the ranges, and if results are as
+rough there as at the other points near the best one: beside a jump an estimate can be off by three
+errors. The least misfit is told, and should be no more than about the number of data. Runs that are
+much shorter than those of the data bring their transient in. Choices are not weighed against each
+other: estimates are those of the best point's choices, and the least misfit of each choice is told.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
-from itertools import product
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -63,9 +67,9 @@ from .domains import finite, held, positive, whole
 from .errors import InputError, RunError
 from .measured_table import read_rows
 from .scene import from_tables, put, read_tables, scene_beside
-from .simulation import MOST_PERIODS
-from .surface import ENOUGH, Surface, draws
-from .sweep import Point, Sweep, Tally, execute
+from .simulation import MOST_PERIODS, run
+from .surface import ENOUGH, Fit, box_around, misfit_of
+from .sweep import Point, Sweep, Tally, execute, named
 
 __all__ = [
     "Estimate",
@@ -79,21 +83,9 @@ __all__ = [
     "search",
 ]
 
-_KEYS = (
-    "scene",
-    "periods",
-    "seeds",
-    "points",
-    "rounds",
-    "seed",
-    "set",
-    "parameters",
-    "data",
-    "targets",
-)
+_KEYS = {"scene", "periods", "seeds", "points", "rounds", "seed"}
+_KEYS |= {"set", "parameters", "data", "targets"}
 _SEARCHES = Path(__file__).parent / "searches"
-_SAMPLES = 2**12  # of the parameters, of which the best are where draws begin
-_AS_GOOD = 10.0  # more misfit than the best point has: it may be chance
 
 
 @dataclass(frozen=True)
@@ -107,6 +99,7 @@ class Parameter:
     log: bool = False  # whether values lie evenly in log
     choices: Mapping[str, Mapping[str, Any]] | None = None  # what each changes in the scene
     when: Mapping[str, str] | None = None  # choices without which the parameter has no meaning
+    integer: bool = False  # whether values of the range are rounded to whole numbers
 
     def value(self, part: float) -> float | str:
         """The value at a part of the range, from 0 to 1.
@@ -118,8 +111,10 @@ class Parameter:
         if self.choices is not None:
             return list(self.choices)[int(part * len(self.choices))]
         if self.log:
-            return float(self.low * (self.high / self.low) ** part)
-        return float(self.low + (self.high - self.low) * part)
+            value = self.low * (self.high / self.low) ** part
+        else:
+            value = self.low + (self.high - self.low) * part
+        return round(value) if self.integer else float(value)
 
     def changes(self, values: Mapping[str, float | str]) -> dict[str, Any]:
         """What it changes in the scene.
@@ -158,6 +153,11 @@ class Search:
     points: int  # a round
     rounds: int = 1  # each later one closer around the best
     seed: int = 1  # of the Sobol sequence
+
+    @property
+    def limits(self) -> np.ndarray:
+        """Lower limit, upper limit and error of each target, (targets, 3)."""
+        return np.array([(t.low, t.high, t.error) for t in self.targets])
 
     def values(self, parts: np.ndarray) -> dict[str, float | str]:
         """Values of the parameters.
@@ -237,7 +237,7 @@ class Found:
     @cached_property
     def misfits(self) -> np.ndarray:
         """Of each point; inf where a run failed."""
-        found = _misfit(self.search.targets, self.results, self.errors**2)
+        found = misfit_of(self.search.limits, self.results, self.errors**2)
         return np.where(np.isnan(found), np.inf, found)
 
     @property
@@ -251,31 +251,8 @@ class Found:
         return _estimates(self)
 
 
-def _misfit(targets: Sequence[Target], results: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    """Sum over the targets of the squared distances from their limits, in errors."""
-    low, high, error = np.array([(t.low, t.high, t.error) for t in targets]).T
-    off = np.maximum(np.maximum(low - results, results - high), 0)
-    return np.sum(np.where(np.isnan(error), 0, off**2 / (error**2 + variance)), axis=-1)
-
-
-def _box(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
-    """Lowest and highest parts of the best quarter of the points, and the gaps around them.
-
-    Points that are as good as the best one belong to it, however many they are.
-    """
-    few = max(len(parts) // 4, 2 * (parts.shape[1] + 1), np.sum(misfits < misfits.min() + _AS_GOOD))
-    near = parts[np.argsort(misfits)[:few]]
-    low, high = near.min(axis=0), near.max(axis=0)
-    gap = max(0.1, 2 / len(near)) * (high - low)
-    ends = [
-        np.where(parts < low, parts, 0).max(axis=0),
-        np.where(parts > high, parts, 1).min(axis=0),
-    ]
-    return np.clip([np.minimum(low - gap, ends[0]), np.maximum(high + gap, ends[1])], 0, 1 - 1e-12)
-
-
 def _estimates(found: Found) -> Estimates:
-    search, box = found.search, _box(found.parts, found.misfits)
+    search, box = found.search, box_around(found.parts, found.misfits)
     chosen = search.values(found.parts[found.best])
     near = ((found.parts >= box[0]) & (found.parts <= box[1])).all(axis=1)
     near &= np.isfinite(found.results).all(axis=1)
@@ -287,25 +264,13 @@ def _estimates(found: Found) -> Estimates:
         return Estimates({}, np.empty((0, 0)), [], math.nan)
     low, size = box[0][free], np.ptp(box, axis=0)[free]
     parts = 2 * (found.parts[near][:, free] - low) / size - 1
-    surfaces = [Surface(parts, column) for column in found.results[near].T]
-
-    errors = np.array([t.error if t.low == t.high else np.inf for t in search.targets])
-
-    def told(places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        results, variances = np.array([s(places) for s in surfaces]).transpose(1, 2, 0)
-        return results, variances, _misfit(search.targets, results, variances)
-
-    def unlikely(places: np.ndarray) -> np.ndarray:
-        """The misfit, and more where little is known, which would fit anything."""
-        _, variances, misfits = told(places)
-        return misfits + np.log1p(variances / errors**2).sum(axis=1)
-
-    samples = 2 * qmc.Sobol(len(free), seed=search.seed).random(_SAMPLES) - 1
-    best = samples[np.argsort(unlikely(samples))[: _SAMPLES // 8]]
-    drawn = draws(unlikely, best, np.random.default_rng(search.seed))
-    results, variances, misfits = told(drawn)
-    columns = zip(free, (low + (drawn + 1) / 2 * size).T, strict=True)
-    numbers = np.array([[search.parameters[i].value(x) for x in column] for i, column in columns])
+    fit = Fit(parts, found.results[near], search.limits)
+    drawn = fit.draw(search.seed)
+    results, variances, misfits = fit(drawn)
+    drawn_parts = zip(free, (low + (drawn + 1) / 2 * size).T, strict=True)
+    numbers = np.array(
+        [[search.parameters[i].value(x) for x in column] for i, column in drawn_parts]
+    )
     names = [search.parameters[i].name for i in free]
     spread = np.sqrt(results.var(axis=0) + variances.mean(axis=0))
     return Estimates(
@@ -330,13 +295,16 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
 
     Raises
     ------
-    As `md.sweep.execute`, and RunError if no point has results at all targets.
+    As `md.sweep.execute`, ValueError if a target is not a number in the results of a run, RunError
+    if no point has results at all targets.
     """
     box, whole_tally = None, Tally(0, 0, 0)
     parts, results, variances = [], [], []
     for number in range(given.rounds):
         parts.append(given.draw(number, box))
         sweep = given.sweep(parts[-1])
+        if number == 0:
+            _check_results(given, sweep.points[0])
         tally = execute(sweep, store, **how)
         whole_tally = Tally(
             *(a + b for a, b in zip(astuple(whole_tally), astuple(tally), strict=True))
@@ -350,21 +318,34 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
         found = Found(given, np.concatenate(parts), np.concatenate(results), errors, whole_tally)
         if not np.isfinite(found.misfits).any():
             raise RunError(f"no point has all results at the targets; {tally.failed} runs failed")
-        box = _box(found.parts, found.misfits)
+        box = box_around(found.parts, found.misfits)
     return found
+
+
+def _check_results(given: Search, point: Point) -> None:
+    """Refuse a target that is not a number in the results of a run; a period of one shows it."""
+    try:
+        shown = run(point.scene, periods=1)
+    except RunError:
+        return
+    if not shown.finished:
+        raise KeyboardInterrupt
+    results = shown.as_dict()
+    for name in sorted({target.result for target in given.targets}):
+        try:
+            fine = np.asarray(named(results, name), float).ndim == 0
+        except (KeyError, TypeError, ValueError):
+            fine = False
+        if not fine:
+            raise InputError(
+                f"targets ask for {name}, which is not a number in the results of a run"
+            )
 
 
 def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
     """Results at the targets, (points, targets, starts)."""
     names = sorted({target.result for target in given.targets})
-    try:
-        tables = dict(zip(names, sweep.gather(store, *names), strict=True))
-        if any(table.ndim != 3 for table in tables.values()):
-            raise ValueError("a list")
-    except (KeyError, TypeError, ValueError):
-        raise InputError(
-            f"targets ask for {', '.join(names)}: not all are results of a run that are a number"
-        ) from None
+    tables = dict(zip(names, sweep.gather(store, *names), strict=True))
     return np.stack([tables[t.result][:, t.place] for t in given.targets], axis=1)
 
 
@@ -374,7 +355,7 @@ def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
 def _parameter(name: str, table: object) -> Parameter:
     """A parameter from its table."""
     plain = {"name", "choices", "when"}
-    known = plain | {"keys", "from", "to", "log"}
+    known = plain | {"keys", "from", "to", "log", "integer"}
     if not isinstance(table, Mapping) or not set(table) <= known:
         raise InputError(
             f"{name} must be a table with keys of {', '.join(sorted(known))}, got {table!r}"
@@ -388,7 +369,8 @@ def _parameter(name: str, table: object) -> Parameter:
             raise InputError(f"{name}.choices must be two tables or more, no range, got {table!r}")
         choices = {c: _changes(f"{name}.choices.{c}", x) for c, x in choices.items()}
         return Parameter(str(table.get("name", name)), choices=choices, when=when)
-    log, keys = held(f"{name}.log", table.get("log", False), bool), table["keys"]
+    log, integer = (held(f"{name}.{x}", table.get(x, False), bool) for x in ("log", "integer"))
+    keys = table["keys"]
     if not isinstance(keys, list) or not keys or not all(isinstance(key, str) for key in keys):
         raise InputError(f"{name}.keys must be a list of keys of the scene, got {keys!r}")
     low, high = (
@@ -396,7 +378,8 @@ def _parameter(name: str, table: object) -> Parameter:
     )
     if not low < high:
         raise InputError(f"{name}.from must be less than to, got {low:g} and {high:g}")
-    return Parameter(str(table.get("name", keys[0])), tuple(keys), low, high, log, None, when)
+    title = str(table.get("name", keys[0]))
+    return Parameter(title, tuple(keys), low, high, log, None, when, integer)
 
 
 def _changes(name: str, table: object) -> dict[str, Any]:
@@ -474,6 +457,10 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
                 raise InputError(f"{parameter.name}: when.{name} = {choice!r} is not a choice")
         if taken & set(parameter.keys):
             raise InputError(f"{parameter.name} varies a key that data, targets or seeds set")
+    for one, other in combinations(parameters, 2):
+        when, where, shared = one.when or {}, other.when or {}, {*one.keys} & {*other.keys}
+        if shared and all(where.get(name, choice) == choice for name, choice in when.items()):
+            raise InputError(f"{min(shared)} is varied by {one.name} and {other.name} at once")
     if any("start.seed" in place for place in places):
         raise InputError("start.seed must not stand in data or targets: seeds names the starts")
     seeds = tables.get("seeds", [1, 2])

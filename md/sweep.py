@@ -47,7 +47,17 @@ from .simulation import MOST_PERIODS
 from .sources import digest
 from .store import Store
 
-__all__ = ["Interrupted", "Measure", "Point", "Sweep", "Tally", "execute", "expand", "load_sweep"]
+__all__ = [
+    "Interrupted",
+    "Measure",
+    "Point",
+    "Sweep",
+    "Tally",
+    "execute",
+    "expand",
+    "load_sweep",
+    "named",
+]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
 _MOST_POINTS = 10**6
@@ -146,7 +156,7 @@ class Sweep:
         """
         with Store(store, write=False) as database:
             results = [database.result(point.key) for point in self.points]
-        return tuple(self._array([_named(result, name) for result in results]) for name in names)
+        return tuple(self._array([named(result, name) for result in results]) for name in names)
 
     def _array(self, values: list) -> np.ndarray:
         inner = next((np.shape(v) for v in values if v is not None), ())
@@ -155,8 +165,14 @@ class Sweep:
         return flat.reshape(self.shape + inner)
 
 
-def _named(result: dict | None, name: str) -> Any:
-    """A result by its dotted name; None without one."""
+def named(result: dict | None, name: str) -> Any:
+    """A result by its dotted name; None without one.
+
+    Parameters
+    ----------
+    result : results of a run, or None
+    name : such as "landings.plate_velocity.mean"
+    """
     return reduce(lambda found, part: found and found[part], name.split("."), result)
 
 

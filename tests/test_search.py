@@ -28,6 +28,7 @@ PARAMETERS = [
     }
     for part, low, high in (("friction", 0.1, 0.6), ("restitution", 0.4, 0.95))
 ]
+COUNT = {"keys": ["rods.count"], "from": 10, "to": 30, "integer": True}
 BASE = put(read_tables("quasi2d"), {"contacts.rods.restitution": 0.5})
 
 
@@ -164,8 +165,11 @@ def test_choices_and_what_has_no_meaning_under_one(made, tmp_path):
         asked = values["friction"] if values["gas"] == "rough" else 0.3
         assert scene.contacts.plate.friction == asked
         assert (scene.contacts.rods.friction == 0) == (values["gas"] == "smooth")
+    smooth = {**rough, "name": "smooth", "when": {"gas": "smooth"}}  # which never meets it
+    assert expand(tables(tmp_path, parameters=[law, rough, smooth]), BASE, tmp_path)
     told = search(given, tmp_path / "runs.db", workers=1).estimates
     assert "gas" not in told.parameters
+    assert "least misfit by gas  rough " in search_text(search(given, tmp_path / "runs.db"))
 
 
 def test_limits_are_kept_anywhere_between_them(made, tmp_path):
@@ -187,9 +191,11 @@ def test_a_surface_takes_the_degree_that_predicts_best():
         assert Surface(places, result).degree >= power + 1
     few = places[:8]  # of which a quadratic form would take almost all
     assert Surface(few, few[:, 0] + noise[:8]).degree == 1
-    value, variance = Surface(places, places[:, 0] + noise)(np.array([[0.5, 0.0], [3.0, 0.0]]))
-    assert abs(value[0] - 0.5) < 4 * np.sqrt(variance[0]) < 0.02
+    value, variance = Surface(places, places[:, 0] + noise)(np.array([[0.5, 0.0], [9.0, 0.0]]))
+    assert abs(value[0] - 0.5) < 4 * np.sqrt(variance[0]) < 0.05
     assert variance[1] > 4 * variance[0]  # beyond all points
+    _, variance = Surface(places, np.sign(places[:, 0]))(places)
+    assert (variance > 0.2**2).all()  # a jump is not a polynomial
 
 
 @pytest.mark.parametrize(
@@ -227,6 +233,10 @@ def test_a_surface_takes_the_degree_that_predicts_best():
         ),
         ({"targets": [{**LIMITS, "at": {"start.seed": 3}}]}, "start.seed must not stand in data"),
         ({"seeds": [[1], [2]]}, "seeds must be a whole number"),
+        (
+            {"parameters": [PARAMETERS[0], {**PARAMETERS[0], "name": "mu"}]},
+            "contacts.plate.friction is varied by friction and mu at once",
+        ),
     ],
 )
 def test_what_cannot_be_searched_is_refused(tmp_path, changes, message):
@@ -266,6 +276,13 @@ def test_a_number_that_is_none_is_refused_with_its_line(tmp_path):
         expand(given, BASE, tmp_path)
 
 
+def test_a_range_of_whole_numbers_is_rounded(tmp_path):
+    given = expand(tables(tmp_path, parameters=[COUNT]), BASE, tmp_path)
+    counts = {point.scene.rods.count for point in given.sweep(given.draw()).points}
+    assert counts <= set(range(10, 31))
+    assert len(counts) > 8
+
+
 def test_a_point_that_is_no_scene_is_named(tmp_path):
     wrong = [{"name": "size", "keys": ["rods.length"], "from": -3.0, "to": -2.0}]
     given = expand(tables(tmp_path, parameters=wrong), BASE, tmp_path)
@@ -295,17 +312,15 @@ error = 1
 """
 
 
+def command(folder):
+    files = str(folder / "fit.toml"), "--store", str(folder / "runs.db")
+    return ["search", *files, "--workers", "1"]
+
+
 def test_the_command_searches_a_file(tmp_path, capsys):
     (tmp_path / "fit.toml").write_text(FILE)
     assert load_search(tmp_path / "fit.toml").points == 4
-    asked = [
-        "search",
-        str(tmp_path / "fit.toml"),
-        "--store",
-        str(tmp_path / "runs.db"),
-        "--workers",
-        "1",
-    ]
+    asked = command(tmp_path)
     assert main([*asked, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     misfits = [point["misfit"] for point in told["points"]]
@@ -329,20 +344,9 @@ def test_a_search_without_a_fit_is_not_boasted_of(made, tmp_path):
 @pytest.mark.parametrize("name", ["tilt", "phases"])  # unknown; a list
 def test_a_result_that_no_run_has_is_refused(tmp_path, capsys, name):
     (tmp_path / "fit.toml").write_text(FILE.replace("tilt_deg", name))
-    assert (
-        main(
-            [
-                "search",
-                str(tmp_path / "fit.toml"),
-                "--store",
-                str(tmp_path / "runs.db"),
-                "--workers",
-                "1",
-            ]
-        )
-        == 2
-    )
-    assert "not all are results of a run" in capsys.readouterr().err
+    assert main(command(tmp_path)) == 2
+    assert f"targets ask for {name}, which is not a number in" in capsys.readouterr().err
+    assert not (tmp_path / "runs.db").exists()  # before any run
 
 
 @pytest.mark.slow
@@ -366,9 +370,9 @@ def test_friction_and_restitution_of_a_simulated_row_are_recovered(tmp_path):
         at = point.scene.box.length, point.scene.plate.acceleration
         error = max(starts.std(ddof=1) / 2, 0.05)
         lines.append(",".join(map(str, [*at, starts.mean(), error])))
-    given = tables(tmp_path, periods=100)
+    given = tables(tmp_path, periods=100, rounds=3)
     (tmp_path / "drift.csv").write_text("\n".join(lines) + "\n")
     parameters = search(expand(given, base, tmp_path), tmp_path / "runs.db").estimates.parameters
     for name, true in TRUE.items():
-        assert abs(parameters[name].value - true) < 3 * parameters[name].error < 0.1
+        assert abs(parameters[name].value - true) < 3 * parameters[name].error < 0.12
     assert from_tables(base).contacts.plate.friction == TRUE["friction"]
