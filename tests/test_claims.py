@@ -25,7 +25,14 @@ from .quick_figures import data, tiny
 CLAIMS = limits.read()
 IDS = [*(f"S{i}" for i in range(1, 27)), "E1", "E2", "E3"]
 FIGURES_OF_CLAIMS = ("appendix_a", "contact_laws", "fig04", "fig05", "fig08", "fig12", "fig13")
-FIGURES_OF_CLAIMS += ("phase_friction", "tip_shape", "which_law")
+FIGURES_OF_CLAIMS += (
+    "phase_friction",
+    "tip_shape",
+    "which_law",
+    "closure",
+    "energy_flow",
+    "row_size",
+)
 KNOWN = {  # numbers that do not depend on how long the runs are
     ("E2", "slower"): 1,
     ("E3", "threshold"): pytest.approx(np.degrees(np.arctan(1 / 8))),

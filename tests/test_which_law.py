@@ -77,10 +77,11 @@ def test_the_best_are_run_with_half_the_step_and_rounded_values():
 
 
 def test_a_second_round_lies_between_the_best_of_one_form():
-    parts = replace(over_laws.search(), points=LAWS).draw()
+    given = replace(over_laws.search(), points=8)
+    parts = replace(given, points=LAWS).draw()
     forms = np.array([law["form"] for law in over_laws.laws_of(parts)])
     score = np.where(forms == over_laws.CONSTANT, parts[:, 3], 0)  # restitution of the plate
-    near = over_laws.closer(parts, score, 8)
+    near = over_laws.closer(given, parts, score)
     assert near.shape == (8, parts.shape[1])
     assert {law["form"] for law in over_laws.laws_of(near)} == {over_laws.CONSTANT}
     best = np.sort(score)[-over_laws.BEST :]

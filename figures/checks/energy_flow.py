@@ -28,8 +28,12 @@ from md.scene import both
 from md.sweep import Sweep
 
 from ..lib.runs import (
+    LAW,
+    LAW_NAME,
     SEEDS,
     SETTING,
+    SIMPLE,
+    SIMPLE_ROW,
     TILT_SCAN_WORDS,
     boxes,
     gathered,
@@ -56,21 +60,11 @@ from ..lib.tables import columned, pairs
 from .contact_laws import LAW_TILTS_DEG, QUICK_DEG
 from .flows import LOSSES, WAYS, flows
 
-_OPTIONS = "restitution", "tangential_ratio", "tangential_damping"
-_OPTIONS += "damping", "reduced_mass", "overlap_factor"
-_BARE = both(**dict.fromkeys(_OPTIONS, "none"))
-FLOW_LAWS = {  # what a law changes in `runs.ROW`; beyond the first one, whatever stands there
-    "the row's law": {},
-    "Appendix A as printed": _BARE | both(law="appendix_a"),
-    "plate 0.7/30, rods 0.9/3 undamped": {
-        **_BARE,
-        **both(law="constant_restitution"),
-        "contacts.plate.restitution": 0.7,
-        "contacts.plate.tangential_ratio": 30,
-        "contacts.rods.restitution": 0.9,
-        "contacts.rods.tangential_ratio": 3,
-        "contacts.rods.tangential_damping": 0,
-    },
+_PRINTED = both(law="appendix_a", restitution="none", tangential_ratio="none")
+FLOW_LAWS = {  # what a law changes in `runs.SIMPLE_ROW`
+    LAW_NAME: LAW,
+    "Appendix A as printed": _PRINTED,
+    "0.65, ratio 3": SIMPLE,
 }
 MEASURED = ("power", *LOSSES, "rods", *WAYS, "together", "carried", "mobilised", "free_touches")
 MEASURED += ("c_x", "tilt", "V_z", "flight")
@@ -98,7 +92,8 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     axes = [{"box.length": boxes(QUICK_DEG if quick else LAW_TILTS_DEG)}, SEEDS]
     periods = periods_of(quick)
     return {
-        law: planned(axes, periods, changes, measure=flows) for law, changes in FLOW_LAWS.items()
+        law: planned(axes, periods, changes, SIMPLE_ROW, flows)
+        for law, changes in FLOW_LAWS.items()
     }
 
 

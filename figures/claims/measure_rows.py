@@ -9,7 +9,7 @@ import numpy as np
 from impact import collide, drift, flat_ended_rod, landing_density, spherocylinder
 from md.sweep import Sweep
 
-from ..checks import appendix_a, phase_friction
+from ..checks import appendix_a, closure, phase_friction
 from ..cost.accuracy_cost_impact import gear_from_leapfrog
 from ..lib import runs as rows
 from ..lib import soft_impacts as soft
@@ -32,6 +32,7 @@ from .uncertainty import (
 )
 
 Numbers = dict[str, Number]
+LEFT = "printed", "V_z", "turned", "restitution", "soft", "pushed"  # of `closure.STEPS`
 
 
 def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
@@ -110,9 +111,12 @@ def S15_soft_impact(data: Evidence) -> Numbers:
 
 
 def S16_theory(data: Evidence) -> Numbers:
-    d = data.figure("fig13")
+    d, of, size = (data.figure(name) for name in ("fig13", "closure", "row_size"))
     tilt, line = d["a_tilt"], d["thin"] * d["speed"] / 2
+    steps, usual = list(closure.STEPS), int(np.argmin(np.abs(size["count"] - rows.COUNT)))
     return {
+        **{f"left_{name}": entry(of, "left", steps.index(name)) for name in LEFT},
+        "size": resampled(size, lambda d: (d["c_x"][usual] / d["c_x"][-1]).mean()),
         "peak_tilt": resampled(d, lambda d: tilt[d["a_c_x"].argmax()]),
         "peak_theory": Number(np.degrees(d["fine"])[line.argmax()]),
     }
@@ -152,7 +156,11 @@ def S21_slides(data: Evidence) -> Numbers:
 
 
 def S22_isolated(data: Evidence) -> Numbers:
+    flow = data.figure("energy_flow")
+    at = 0, int(np.argmin(np.abs(flow["nominal"] - 28)))  # of the figures' law
     return {
+        "lost_between": entry(flow, "rods", at),
+        "carried_alone": entry(flow, "carried", at),
         "map": standard(*data.census["residual"]),
         "map_isolated": standard(*data.census["isolated_residual"]),
     }

@@ -124,8 +124,8 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     return {"laws": given.sweep(given.draw())}
 
 
-def closer(parts: np.ndarray, score: np.ndarray, number: int) -> np.ndarray:
-    """Laws between the best ones of the form of the best one; a power of two of them."""
+def closer(given: Search, parts: np.ndarray, score: np.ndarray) -> np.ndarray:
+    """Laws between the best ones of the form of the best one, as many as a round of `given`."""
     forms = np.array([law["form"] for law in laws_of(parts)])
     best = parts[np.argmax(score)]
     same = np.flatnonzero(forms == forms[np.argmax(score)])
@@ -133,7 +133,7 @@ def closer(parts: np.ndarray, score: np.ndarray, number: int) -> np.ndarray:
     box = np.array([near.min(axis=0), near.max(axis=0)])
     chosen = [p.choices is not None for p in PARAMETERS]
     box[:, chosen] = best[chosen]
-    return replace(search(), points=number).draw(1, box)
+    return given.draw(1, box)
 
 
 def _part(parameter: Parameter, value: float | str) -> float:
@@ -211,7 +211,7 @@ def data(quick: bool = False) -> Data:
     """Of all laws, then of the best ones: parameters as parts of their ranges, and `_judged`."""
     given, again, tilts = search(quick), CONFIRMED[quick], QUICK_DEG if quick else LAW_TILTS_DEG
     parts, found = given.draw(), _judged(sweeps(quick)["laws"], tilts)
-    near = closer(parts, found["score"], CLOSER[quick])
+    near = closer(replace(given, points=CLOSER[quick]), parts, found["score"])
     late = _judged(given.sweep(near), tilts)
     parts = np.concatenate([parts, near])
     same = {"nominal", "theory"}
