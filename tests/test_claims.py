@@ -147,6 +147,7 @@ LAWS = {
         ("S11", [2, 1, 5], [0, 1, 4]),
     )
 }
+SEARCHED = {"laws": 9, "of": 5, "score": 3.0, "spread": 0.5, "as_good": 1, "known": {"simple": 2.0}}
 UNDER = {  # beginning of what the page says
     "S1": "under none (holds under 0, in part under 2, not under 6;",
     "S2": "under every one (",
@@ -179,6 +180,7 @@ def test_a_claim_without_data_leaves_the_others(monkeypatch):
     monkeypatch.setattr(judge, "measure", measure)
     monkeypatch.setattr(Evidence, "figure", lambda *_: {})
     monkeypatch.setattr(over_laws, "verdicts", lambda _: LAWS)
+    monkeypatch.setattr(over_laws, "outcome", lambda _: SEARCHED)
     report = judge.judge(quick=True)
     found = {claim["id"]: claim["verdict"] for claim in report["claims"]}
     missing = dict.fromkeys(("S2", "S24"), "not measured")

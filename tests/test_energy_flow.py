@@ -9,11 +9,9 @@ import pytest
 
 from figures.checks import energy_flow
 from figures.checks.flows import LOSSES, WAYS, flows, gains
-from figures.lib.runs import ROW
 from md.host import prepare
 from md.kernels import touches
 from md.kernels.codes import C_X
-from md.scene import both, from_tables, put
 
 from .quick_figures import data
 from .rows import row
@@ -103,14 +101,6 @@ def test_forces_along_x_cancel(followed):
     mean, error = found["together"]
     assert mean == pytest.approx(sum(found[way][0] for way in WAYS))
     assert abs(mean) < 3 * error < found["free"][0]
-
-
-@pytest.mark.parametrize("law", list(energy_flow.FLOW_LAWS)[1:])
-def test_a_law_takes_nothing_from_that_of_the_row(law):
-    other = put(ROW, both(law="appendix_a", damping=10.0, restitution="none"))
-    other = put(other, both(tangential_ratio=5.0, overlap_factor=False))
-    changes = energy_flow.FLOW_LAWS[law]
-    assert from_tables(put(other, changes)) == from_tables(put(ROW, changes))
 
 
 def test_bars_hold_the_whole_work():

@@ -99,10 +99,11 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
     from impact.benchmark import machine
 
     from .evidence import Evidence  # late, as in `measure`
-    from .over_laws import verdicts
+    from .over_laws import outcome, verdicts
 
     evidence, judged = Evidence(quick, out), []
-    laws = verdicts(evidence.figure("which_law"))
+    searched = evidence.figure("which_law")
+    laws = verdicts(searched)
     look = {"desc": "judging", "unit": "claim", "leave": False}
     bar = tqdm(read(), disable=None if progress else True, **look)
     for claim in bar:
@@ -110,7 +111,8 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
         judged.append({**_judged(claim, evidence), "laws": laws.get(claim["id"])})
     made = {name: value for name, value in machine().items() if name != "threads"}
     made |= {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
-    return {"provenance": {**made, "impact": DIGEST, "quick": quick}, "claims": judged}
+    made |= {"impact": DIGEST, "quick": quick}
+    return {"provenance": made, "search": outcome(searched), "claims": judged}
 
 
 TEXTS = ("id", "verdict", "says", "figure", "trouble")

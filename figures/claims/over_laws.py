@@ -261,3 +261,17 @@ def verdicts(d: Data) -> dict[str, dict[str, Any]]:
             "kept": [int((of[kept] == k).sum()) for k in range(3)],
         }
     return found
+
+
+def outcome(d: Data) -> dict[str, Any]:
+    """How many laws were searched, the best confirmed score with its spread, those of `KNOWN`."""
+    score, spread, best = d["best_score"], d["best_spread"], int(np.argmax(d["best_score"]))
+    known = score[len(score) - len(KNOWN) :]
+    return {
+        "laws": len(d["parts"]),
+        "of": int(FITTED.sum()),
+        "score": float(score[best]),
+        "spread": float(spread[best]),
+        "as_good": int((score >= score[best] - spread[best]).sum() - 1),
+        "known": dict(zip(KNOWN, known.tolist(), strict=True)),
+    }

@@ -63,10 +63,13 @@ def pages() -> dict[Path, str]:
     ValueError
         If the README lacks the markers of a part.
     """
+    from ..lib.runs import LAW_NAME  # late: it compiles
+
     prices = json.loads((GALLERY / "prices.json").read_text(encoding="utf-8"))
     report = judge.load(GALLERY / "claims.json")
     given = {"prices": prices, "report": report, "number": _numbers(report)}
     given["ladder"] = {rung["label"]: rung for rung in prices["ladder"]}
+    given["law"] = LAW_NAME
     given["verdict"] = {claim["id"]: claim["verdict"] for claim in report["claims"]}
     made = {GALLERY / "claims.md": claims_page(report)}
     for name in ("costs.md", "effects.md"):
