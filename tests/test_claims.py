@@ -147,7 +147,8 @@ LAWS = {
         ("S11", [2, 1, 5], [0, 1, 4]),
     )
 }
-SEARCHED = {"laws": 9, "of": 5, "score": 3.0, "spread": 0.5, "as_good": 1, "known": {"simple": 2.0}}
+SEARCHED = {"laws": 9, "of": 5, "best": 3.0, "score": 3.0, "spread": 0.5, "as_good": 1}
+SEARCHED["known"] = {"simple": 2.0}
 UNDER = {  # beginning of what the page says
     "S1": "under none (holds under 0, in part under 2, not under 6;",
     "S2": "under every one (",

@@ -39,7 +39,7 @@ def made():
     best = {f"best_{name}": values for name, values in of(BEST + 2, 13).items()}
     made = {"parts": parts, **of(LAWS, 7), **best, "best": np.arange(BEST)}
     made["round"] = np.zeros(LAWS, int)
-    return {**made, "best_parts": parts[: BEST + 2]}
+    return {**made, "best_parts": parts[: BEST + 2], "best_step": np.ones(BEST + 2)}
 
 
 def test_every_law_is_a_scene_that_runs_with_a_resolved_spring():
@@ -118,6 +118,17 @@ def test_verdicts_over_laws_count_all_and_those_that_keep_the_tilt(made):
         assert of["all"][2] >= 1  # the last
     none = {**made, "grade": np.zeros_like(made["grade"])}
     assert all(of["all"] == [0, 0, LAWS] for of in over_laws.verdicts(none).values())
+
+
+def test_of_equal_laws_the_cheapest_is_singled_out(made):
+    score = np.full(BEST + 2, 5.0)
+    score[[1, 4, 7]] = 9.8, 10.0, 9.4
+    step = np.ones(BEST + 2)
+    step[[0, 1, 7]] = 4, 2, 3
+    d = {**made, "best_score": score, "best_step": step}
+    assert over_laws.singled_out(d) == 1  # within 0.5 of the best one, of larger steps
+    told = over_laws.outcome(d)
+    assert (told["best"], told["score"], told["as_good"]) == (10, 9.8, 2)
 
 
 def test_numbers_that_exclude_each_other_are_told(made):

@@ -1,16 +1,17 @@
 """The numbers of the claims under every contact law that was searched.
 
 A strip is a number with limits, a dot a law of the search (figure which_law): blue where the tilt
-of the row stays within two degrees of acos(dN/L), grey elsewhere; the diamond is the law that did
-best. In the dark band the claim holds, in the light one in part. An asterisk: the number had a part
-in the choice of that law; all others the law predicts. Dots beyond the ends of a strip stand there.
+of the row stays within two degrees of acos(dN/L), grey elsewhere; the diamond is the law that was
+singled out. In the dark band the claim holds, in the light one in part. An asterisk: the number had
+a part in the choice of that law; all others the law predicts. Dots beyond the ends of a strip stand
+there.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..claims.over_laws import FITTED, HEADED, JUDGED, KEPT_DEG, data, sweeps, verdicts
+from ..claims.over_laws import FITTED, HEADED, JUDGED, KEPT_DEG, data, singled_out, sweeps, verdicts
 from ..lib.style import BLUE, ORANGE, Data, style
 from ..lib.tables import table
 
@@ -42,7 +43,7 @@ def _strip(ax: Axes, d: Data, j: int) -> None:
     for which, colour in ((~kept, OTHER), (kept, BLUE)):
         x = np.clip(np.nan_to_num(values[which], posinf=high, neginf=low), low, high)
         ax.plot(x, height[which], ".", color=colour, markersize=2)
-    best = d["best_value"][np.argmax(d["best_score"]), j]
+    best = d["best_value"][singled_out(d), j]
     ax.plot(np.clip(best, low, high), 0, "D", color=ORANGE, markeredgecolor="black", markersize=4)
     ax.set_xlim(low, high)
     ax.set_ylim(-1, 1)

@@ -33,6 +33,7 @@ from ..claims.over_laws import (
     PARAMETERS,
     data,
     laws_of,
+    singled_out,
     sweeps,
 )
 from ..lib.style import BLACK, BLUE, ORANGE, Data, style
@@ -195,6 +196,7 @@ def summary(d: Data) -> str:
             table(("confirmed", "in the search", "restitution, ratio, damping; plate/rods"), rows),
             table(("choice", "", "best score", "mean"), of),
             table(heads, shares),
+            f"singled out, of those within the spread of the best: {names[singled_out(d)]}",
             "numbers that never hold together: "
             + (", ".join(f"{a} and {b}" for a, b in excluded(d)) or "none"),
         ]

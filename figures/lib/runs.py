@@ -35,9 +35,21 @@ BOX = 43.0  # length of the box where the tilt is not varied
 _COARSE = {"step.size": 1.2e-4, "step.coarse": True}  # a fiftieth of a contact
 SIMPLE = both(restitution=RESTITUTION, tangential_ratio=3)  # one law for plate and rods
 SIMPLE_ROW = put(read_tables("quasi2d"), {**_COARSE, "start.speed": 0.3, **SIMPLE})  # of prices
-LAW = SIMPLE  # of plate and rods, in all figures of simulated rows and annuli
+LAW_OF = {  # plate, rods: what figure which_law singles out; of all simulated rows and annuli
+    "restitution": (0.75, 0.86),
+    "tangential_ratio": (7.2, 0.68),
+    "tangential_damping": (0.43, 0.28),
+}
+PARTS = "plate", "rods"
+LAW = {
+    f"contacts.{part}.{name}": value
+    for name, pair in LAW_OF.items()
+    for part, value in zip(PARTS, pair, strict=True)
+}
 ROW = put(SIMPLE_ROW, LAW)
-LAW_NAME = "constant_restitution 0.65, tangential ratio 3"
+LAW_NAME = "plate/rods: " + ", ".join(
+    f"{name.replace('_', ' ')} {plate:g}/{rods:g}" for name, (plate, rods) in LAW_OF.items()
+)
 TILT_SCAN_WORDS = (
     rf"$l={LENGTH}\,d$, thin inertia, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}"
 )
