@@ -57,7 +57,7 @@ def _draw_parameters(axes: np.ndarray, d: Data) -> None:
         ax.set_xscale("log" if parameter.log else "linear")
         ax.set_xlim(parameter.low, parameter.high)
         ax.set_xlabel(parameter.name.replace(", ", ",\n", 1), fontsize=6)
-        ax.set_ylim(0, FITTED.sum())
+        ax.set_ylim(score.min() - 1, score.max() + 1)
         ax.tick_params(labelsize=6)
     for ax in axes[:, 0]:
         ax.set_ylabel(f"score of {FITTED.sum()}", fontsize=6.5)
@@ -148,7 +148,7 @@ def draw(d: Data) -> plt.Figure:
     ax.set_title("(b)", loc="left")
     ax.set_xlabel(r"tilt $\phi$ (degrees)")
     ax.set_ylabel(r"drift $c_x$ (cm/s)")
-    ax.set_ylim(top=1.45 * d["best_theory"].max())
+    ax.set_ylim(min(0, d["best_c_x"].min()), 1.3 * d["best_theory"].max())
     ax.legend(fontsize=5)
     _draw_matrix(bottom.subplots(), d)
     return figure
