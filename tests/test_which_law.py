@@ -6,9 +6,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+from figures.__main__ import main
 from figures.checks import law_strips, which_law
 from figures.claims import over_laws
 from figures.claims.over_laws import FITTED, JUDGED
+from figures.lib import runs
+from figures.lib.data import kept_data
+from figures.pages import gallery
 from md.host import step_of
 from md.laws import STIFFNESS, appendix_a, constant_restitution
 
@@ -160,3 +164,21 @@ def test_strips_hold_every_law_and_mark_the_best(made):
     assert all(sum(len(line.get_xdata()) for line in ax.lines) == LAWS + 1 for ax in shown)
     plt.close(figure)
     assert len(law_strips.summary(made).splitlines()) == len(over_laws.verdicts(made)) + 1
+
+
+def test_the_law_of_the_figures_is_the_one_singled_out():
+    d = kept_data("which_law", gallery.GALLERY)
+    law = over_laws.laws_of(d["best_parts"])[over_laws.singled_out(d)]
+    asked = {
+        f"{option.replace('_', ' ')}, {part}": value
+        for option, pair in runs.LAW_OF.items()
+        for part, value in zip(runs.PARTS, pair, strict=True)
+    }
+    assert law == {"form": over_laws.CONSTANT, **{k: pytest.approx(v) for k, v in asked.items()}}
+
+
+def test_the_search_of_the_gallery_is_drawn(tmp_path, capsys):
+    command = ["draw", "which_law", "law_strips", "--data", str(gallery.GALLERY)]
+    assert main([*command, "--out", str(tmp_path)]) == 0
+    assert "256 laws" in capsys.readouterr().out
+    assert (gallery.GALLERY / "which_law.npz").stat().st_size < 500_000

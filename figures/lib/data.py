@@ -128,12 +128,21 @@ def stored_data(name: str, quick: bool, out: Path) -> dict[str, np.ndarray] | No
         made = json.loads(str(stored["provenance"])) if "provenance" in stored else {}
         if (made.get("sources"), made.get("quick")) != (sources(name), quick):
             return None
-    return kept_data(name, out)
+    return _arrays(path)
+
+
+def file_of(name: str) -> str:
+    """Name of the file of a figure's data."""
+    return f"{FIGURES[name].data or name}.npz"
 
 
 def kept_data(name: str, folder: Path) -> dict[str, np.ndarray]:
-    """Data of a figure that lie in a folder as NAME.npz, of whatever sources and size."""
-    with np.load(folder / f"{name}.npz") as stored:
+    """Data of a figure that lie in a folder as `file_of` it, of whatever sources and size."""
+    return _arrays(folder / file_of(name))
+
+
+def _arrays(path: Path) -> dict[str, np.ndarray]:
+    with np.load(path) as stored:
         return {key: stored[key] for key in stored if key != "provenance"}
 
 
