@@ -17,7 +17,7 @@ from md.sweep import Sweep
 from ..claims import over_tilt
 from ..claims.limits import grade, read
 from ..claims.over_laws import LAW_TILTS_DEG, NUMBERS, QUICK_DEG
-from ..lib.runs import FRICTION, GAMMA, LAW, LAW_NAME, SIMPLE, SIMPLE_ROW, boxes, planned
+from ..lib.runs import FRICTION, GAMMA, LAW, SIMPLE, SIMPLE_ROW, boxes, planned
 from ..lib.style import Data, style
 from ..lib.tables import columned, pairs, table, text_of
 
@@ -27,7 +27,7 @@ def _printed(**options: object) -> dict:
 
 
 CONTACT_LAWS = {  # what a law changes in `rows.SIMPLE_ROW`
-    LAW_NAME: LAW,
+    "law of the figures": LAW,
     "App. A as printed": _printed(),
     "A, no overlap factor": _printed(overlap_factor=False),
     "A, damping 1.9e5": _printed(damping=1.9e5),

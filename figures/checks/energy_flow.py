@@ -29,7 +29,6 @@ from md.sweep import Sweep
 
 from ..lib.runs import (
     LAW,
-    LAW_NAME,
     SEEDS,
     SETTING,
     SIMPLE,
@@ -62,7 +61,7 @@ from .flows import LOSSES, WAYS, flows
 
 _PRINTED = both(law="appendix_a", restitution="none", tangential_ratio="none")
 FLOW_LAWS = {  # what a law changes in `runs.SIMPLE_ROW`
-    LAW_NAME: LAW,
+    "law of the figures": LAW,
     "Appendix A as printed": _PRINTED,
     "0.65, ratio 3": SIMPLE,
 }
@@ -180,7 +179,7 @@ def draw(d: Data) -> plt.Figure:
         _draw_across(ax, d, name)
     legend_above(parts[2], bottom[0], ncols=len(laws))
     name_panels([*losses, *momentum, *bottom], [*laws, *laws, *[""] * len(bottom)])
-    figure.supxlabel(f"{TILT_SCAN_WORDS} (the row's law)")
+    figure.supxlabel(f"{TILT_SCAN_WORDS} (the law of the figures)")
     return figure
 
 
