@@ -81,16 +81,26 @@ def test_the_best_are_run_with_half_the_step_and_rounded_values():
 
 
 def test_a_second_round_lies_between_the_best_of_one_form():
+    """With the choices of the best one; laws of the other form that are as good have no part."""
     given = replace(over_laws.search(), points=8)
     parts = replace(given, points=LAWS).draw()
-    forms = np.array([law["form"] for law in over_laws.laws_of(parts)])
-    score = np.where(forms == over_laws.CONSTANT, parts[:, 3], 0)  # restitution of the plate
+    laws, at = over_laws.laws_of(parts), 3  # restitution of the plate
+    of = {
+        form: [law["form"] == form for law in laws]
+        for form in ("constant restitution", "Appendix A")
+    }
+    score = np.where(of[over_laws.CONSTANT], parts[:, at], 0.99 * parts[:, at].max())
+    score[np.argmax(np.where(of[over_laws.CONSTANT], score, 0))] = 1
     near = over_laws.closer(given, parts, score)
     assert near.shape == (8, parts.shape[1])
     assert {law["form"] for law in over_laws.laws_of(near)} == {over_laws.CONSTANT}
-    best = np.sort(score)[-over_laws.BEST :]
-    assert (near[:, 3] >= best[0]).all()
-    assert (near[:, 3] <= best[-1]).all()
+    best = np.sort(parts[of[over_laws.CONSTANT], at])[-over_laws.BEST :]
+    assert (near[:, at] >= best[0]).all()
+    assert (near[:, at] <= best[-1]).all()
+    score = np.where(of[over_laws.APPENDIX], 1.0, 0)
+    score[chosen := int(np.argmax(score))] = 2
+    for law in over_laws.laws_of(over_laws.closer(given, parts, score)):
+        assert all(law[name] == laws[chosen][name] for name in ("form", "overlap factor", "mass"))
 
 
 def test_laws_known_without_search_are_those_of_their_names():
@@ -120,6 +130,10 @@ def test_verdicts_over_laws_count_all_and_those_that_keep_the_tilt(made):
         assert sum(of["kept"]) == np.sum(made["tilt_off"] <= over_laws.KEPT_DEG)
         assert of["all"][0] == 1  # the first law
         assert of["all"][2] >= 1  # the last
+    mixed = made["grade"].copy()
+    mixed[1] = np.where(np.arange(len(JUDGED)) % 2, 1, 2)  # of S13 some hold, some in part
+    partly = over_laws.verdicts({**made, "grade": mixed})["S13"]["all"]
+    assert partly[0] == 1
     none = {**made, "grade": np.zeros_like(made["grade"])}
     assert all(of["all"] == [0, 0, LAWS] for of in over_laws.verdicts(none).values())
 
