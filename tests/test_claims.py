@@ -137,6 +137,12 @@ def test_flights_change_half_way():
 # Pages
 
 
+@pytest.mark.parametrize(("c_x", "rise"), [([9, 7, 4, 6, 5, 9], 2), ([9, 8, 7, 5, 4, 9], -1)])
+def test_a_bump_is_a_rise_between_20_and_45_degrees(c_x, rise):
+    d = {"nominal": np.array([15, 22, 28, 34, 45, 60]), "c_x": np.array(c_x, float)}
+    assert over_tilt.NUMBERS["S16.bump"](d) == rise
+
+
 LAWS = {
     name: {"numbers": ["rms"], "all": of, "kept": kept}
     for name, of, kept in (
