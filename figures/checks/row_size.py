@@ -19,7 +19,7 @@ from md.sweep import Sweep
 
 from ..lib.runs import (
     GAMMA,
-    LAW_NAME,
+    LAW_LINES,
     LENGTH,
     boxes,
     gathered,
@@ -133,7 +133,7 @@ def draw(d: Data) -> plt.Figure:
     for ax in figure.axes[:-1]:
         ax.set(xlabel="")
     legend_above(figure, figure.axes[0], ncols=3)
-    figure.supxlabel(rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, 60 Hz;" f"\n{LAW_NAME}")
+    figure.supxlabel(rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, 60 Hz;" f"\n{LAW_LINES}")
     return figure
 
 

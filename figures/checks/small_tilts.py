@@ -23,7 +23,7 @@ from md.sweep import Sweep
 from ..lib.runs import (
     COUNT,
     GAMMA,
-    LAW_NAME,
+    LAW_LINES,
     LENGTH,
     boxes,
     gathered,
@@ -179,7 +179,7 @@ def draw(d: Data) -> plt.Figure:
     }
     figure = painted(d, panels, rows=3, figsize=(3.4, 5.8))
     legend_above(figure, figure.axes[0], ncols=3)
-    figure.supxlabel(rf"$N={COUNT}$, $l={LENGTH}\,d$, $\Gamma={GAMMA}$, 60 Hz;" f"\n{LAW_NAME}")
+    figure.supxlabel(rf"$N={COUNT}$, $l={LENGTH}\,d$, $\Gamma={GAMMA}$, 60 Hz;" f"\n{LAW_LINES}")
     return figure
 
 

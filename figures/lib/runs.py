@@ -50,6 +50,7 @@ ROW = put(SIMPLE_ROW, LAW)
 LAW_NAME = "plate/rods: " + ", ".join(
     f"{name.replace('_', ' ')} {plate:g}/{rods:g}" for name, (plate, rods) in LAW_OF.items()
 )
+LAW_LINES = LAW_NAME.replace(", ", ",\n")  # for a narrow figure
 TILT_SCAN_WORDS = (
     rf"$l={LENGTH}\,d$, thin inertia, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}"
 )
@@ -59,7 +60,7 @@ ANNULUS_SCENE = from_tables(ANNULUS)
 ANNULUS_COUNT = ANNULUS_SCENE.rods.count  # of Fig. 5(b), and of all that is not over this number
 ANNULUS_WORDS = (
     rf"experiment's annulus, $l={ANNULUS_SCENE.rods.length:g}\,d$, $d=0.635$ cm, solid inertia, "
-    f"60 Hz; {LAW_NAME} (assumed);\nfriction of plate, walls and rods "
+    f"60 Hz;\n{LAW_NAME};\nfriction of plate, walls and rods "
     f"{ANNULUS['contacts']['plate']['friction']} (assumed), where it is not varied"
 )
 SEEDS = {"start.seed": [1, 2, 3, 4]}

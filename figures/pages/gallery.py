@@ -70,6 +70,8 @@ def pages() -> dict[Path, str]:
     given = {"prices": prices, "report": report, "number": _numbers(report)}
     given["ladder"] = {rung["label"]: rung for rung in prices["ladder"]}
     given["law"] = LAW_NAME
+    laws = {claim["id"]: claim["laws"] for claim in report["claims"] if claim["laws"]}
+    given["nowhere"] = [name for name, of in laws.items() if of["all"][0] == 0]
     given["verdict"] = {claim["id"]: claim["verdict"] for claim in report["claims"]}
     made = {GALLERY / "claims.md": claims_page(report)}
     for name in ("costs.md", "effects.md"):
