@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import md
 from figures.claims import measure_annulus
 from figures.lib import arrangement as order
 from figures.lib import runs
 from figures.paper import fig04
 from md.host import prepare
+from md.scene import from_tables, put
 
 from .quick_figures import MOST_PERIODS, data, tiny
 
@@ -105,7 +105,8 @@ def test_rolling_and_friction_are_varied_and_nothing_else():
 
 
 def test_the_arrangement_is_followed_in_time():
-    d, engine = data("fig05"), prepare(md.load("annulus", ["rods.count=32"]))
+    d, scene = data("fig05"), from_tables(put(runs.ANNULUS, {"rods.count": 32}))
+    engine = prepare(scene)
     engine.go(MOST_PERIODS * engine.per)
     np.testing.assert_array_equal(d["rods_32"], engine.rods[:, :6])
     assert d["time"].tolist() == [2, 4, 6, 8]

@@ -26,7 +26,7 @@ from md.kernels.codes import C_Z, Z
 from md.kernels.plane import Series
 from md.sweep import Sweep
 
-from ..lib.runs import means, planned
+from ..lib.runs import SIMPLE_ROW, means, planned
 from ..lib.style import BLUE, ORANGE, Data, style
 from ..lib.tables import table
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady, waited
@@ -118,7 +118,9 @@ def sweeps(quick: bool = False) -> dict[int, Sweep]:
     wanted |= {i: effect.changed for i, effect in enumerate(rows().values(), 1) if effect.drifts}
     seeds = [{"start.seed": list(range(1, DRIFT_SEEDS[quick] + 1))}]
     return {
-        i: planned(seeds, DRIFT_PERIODS[quick], {"step.size": STEP_SIZE, **variant.changes})
+        i: planned(
+            seeds, DRIFT_PERIODS[quick], {"step.size": STEP_SIZE, **variant.changes}, SIMPLE_ROW
+        )
         for i, variant in wanted.items()
     }
 
