@@ -41,7 +41,7 @@ FEW_STARTS = {"periods": MOST_PERIODS, "seeds": (1, 2)}
 SIZES = {
     over_laws: {
         "SIZE": {True: {**FEW_STARTS, "points": 2}},
-        "CONFIRMED": {True: {**FEW_STARTS, "tilts": (9, 28, 45), "best": 1}},
+        "CONFIRMED": {True: {**FEW_STARTS, "best": 1}},
         "KNOWN": {},
         "CLOSER": {True: 1},
     },

@@ -87,7 +87,7 @@ VERDICTS = {
 
 @pytest.mark.parametrize("expected", VERDICTS)
 def test_verdict(expected):
-    assert {judge.verdict(grades) for grades in VERDICTS[expected]} == {expected}
+    assert {limits.verdict(grades) for grades in VERDICTS[expected]} == {expected}
 
 
 def test_close_calls():
@@ -285,7 +285,7 @@ def test_the_committed_report_is_of_these_claims():
     assert not report["quick"]
     parts = "key", "name", "unit", "holds", "partly"
     for found, claim in zip(report["claims"], CLAIMS, strict=True):
-        assert found["verdict"] in judge.GRADES
+        assert found["verdict"] in limits.GRADES
         rows, known = ([[r.get(p) for p in parts] for r in c["numbers"]] for c in (found, claim))
         assert rows == known, f"{claim['id']}: judge the claims again"
         words = {part: claim[part] for part in claim if part != "numbers"}

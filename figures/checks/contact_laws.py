@@ -15,22 +15,17 @@ from md.scene import both
 from md.sweep import Sweep
 
 from ..claims import over_tilt
-from ..claims.limits import grade, read
-from ..claims.over_laws import LAW_TILTS_DEG, NUMBERS, QUICK_DEG
-from ..lib.runs import FRICTION, GAMMA, LAW, SIMPLE, SIMPLE_ROW, boxes, planned
+from ..claims.limits import grade
+from ..claims.over_laws import JUDGED, LAW_TILTS_DEG, NUMBERS, QUICK_DEG
+from ..lib.runs import FRICTION, GAMMA, LAW, PRINTED, SIMPLE, SIMPLE_ROW, boxes, planned
 from ..lib.style import Data, style
 from ..lib.tables import columned, pairs, table, text_of
 
-
-def _printed(**options: object) -> dict:
-    return both(law="appendix_a", restitution="none", tangential_ratio="none", **options)
-
-
 CONTACT_LAWS = {  # what a law changes in `rows.SIMPLE_ROW`
     "law of the figures": LAW,
-    "App. A as printed": _printed(),
-    "A, no overlap factor": _printed(overlap_factor=False),
-    "A, damping 1.9e5": _printed(damping=1.9e5),
+    "App. A as printed": PRINTED,
+    "A, no overlap factor": PRINTED | both(overlap_factor=False),
+    "A, damping 1.9e5": PRINTED | both(damping=1.9e5),
     "0.65, spring 3": SIMPLE,
     "0.65, spring 3, undamped": both(tangential_damping=0),
     "0.65, spring 30": both(tangential_ratio=30),
@@ -44,12 +39,7 @@ CONTACT_LAWS = {  # what a law changes in `rows.SIMPLE_ROW`
     },
 }
 QUICK_LAWS = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
-COLUMNS = {  # numbers that claims.toml gives a head
-    f"{claim['id']}.{row['key']}": row
-    for claim in read()
-    for row in claim["numbers"]
-    if "head" in row
-}
+COLUMNS = {name: row for name, row in JUDGED.items() if "head" in row}
 
 
 def _shown(value: float) -> str:

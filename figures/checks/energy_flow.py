@@ -24,11 +24,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from impact import drift
-from md.scene import both
 from md.sweep import Sweep
 
 from ..lib.runs import (
     LAW,
+    PRINTED,
     SEEDS,
     SETTING,
     SIMPLE,
@@ -59,10 +59,9 @@ from ..lib.tables import columned, pairs
 from .contact_laws import LAW_TILTS_DEG, QUICK_DEG
 from .flows import LOSSES, WAYS, flows
 
-_PRINTED = both(law="appendix_a", restitution="none", tangential_ratio="none")
 FLOW_LAWS = {  # what a law changes in `runs.SIMPLE_ROW`
     "law of the figures": LAW,
-    "Appendix A as printed": _PRINTED,
+    "Appendix A as printed": PRINTED,
     "0.65, ratio 3": SIMPLE,
 }
 MEASURED = ("power", *LOSSES, "rods", *WAYS, "together", "carried", "mobilised", "free_touches")

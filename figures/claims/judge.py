@@ -1,9 +1,5 @@
 """Verdicts on the paper's claims: grades of measured numbers by the limits of claims.toml.
 
->>> from figures.claims import judge
->>> judge.verdict([2, 1, 2])  # of a claim, from the grades of its numbers
-'holds in part'
-
 A claim holds if all its judged numbers lie within `holds`, does not hold if none lies even within
 `partly`, else it holds in part. A number that cannot be had leaves its claim, and no other, open.
 """
@@ -21,11 +17,9 @@ import md
 from impact._generated import DIGEST
 from md.sources import digest
 
-from .limits import grade, read
+from .limits import GRADES, MISSING, grade, read, verdict
 from .uncertainty import Number, resampled
 
-GRADES = ("does not hold", "holds in part", "holds")
-MISSING = "not measured"
 MARKS = {None: "", 0: "-", 1: "~", 2: "+"}
 NO_DATA = (md.RunError, np.linalg.LinAlgError)  # a run has failed; a fit through missing points
 
@@ -55,14 +49,6 @@ def close(number: Number, limits: dict[str, Any]) -> bool:
     reach = (2 if number.notion == "standard error" else 1) * number.error
     borders = (*limits.get("holds", ()), *limits.get("partly", ()))
     return any(abs(number.value - border) <= reach for border in borders if math.isfinite(border))
-
-
-def verdict(grades: list[int | None]) -> str:
-    """Verdict on a claim, from the grades of its judged numbers."""
-    known = [grade for grade in grades if grade is not None]
-    if not grades or len(known) < len(grades):
-        return MISSING
-    return GRADES[2 if min(known) == 2 else 0 if max(known) == 0 else 1]
 
 
 def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:

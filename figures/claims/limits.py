@@ -1,14 +1,20 @@
-"""The claims and their limits, claims.toml, and the grade of a number by them.
+"""The claims and their limits, claims.toml; grades of numbers by them, verdicts by the grades.
 
 >>> from figures.claims import limits
 >>> len(limits.read())
 29
+>>> limits.verdict([2, 1, 2])  # of a claim, from the grades of its numbers
+'holds in part'
 """
 
 import math
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+GRADES = ("does not hold", "holds in part", "holds")
+MISSING = "not measured"
 
 
 def read() -> list[dict[str, Any]]:
@@ -32,3 +38,11 @@ def grade(value: float, limits: dict[str, Any]) -> int | None:
 
 def _within(value: float, limits: list[float]) -> bool:
     return limits[0] <= value <= limits[1]
+
+
+def verdict(grades: Sequence[float | None]) -> str:
+    """Verdict on a claim, from the grades of its judged numbers."""
+    known = [grade for grade in grades if grade is not None]
+    if not grades or len(known) < len(grades):
+        return MISSING
+    return GRADES[2 if min(known) == 2 else 0 if max(known) == 0 else 1]

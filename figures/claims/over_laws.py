@@ -18,11 +18,13 @@ from md.scene import both, put
 from md.search import Parameter, Search
 from md.sweep import Point, Sweep
 
-from ..lib.runs import LENGTH, SIMPLE_ROW, boxes, computed
+from ..lib.runs import LENGTH, PARTS, PRINTED, SIMPLE_ROW, boxes, computed
 from ..lib.style import Data
 from . import over_tilt
-from .limits import claim_of, grade, read
+from .limits import GRADES, claim_of, grade, read, verdict
+from .uncertainty import varied
 
+Values = dict[str, float | str]  # of the parameters of a law, by name
 LAW_TILTS_DEG, QUICK_DEG = (9, 15, 22, 28, 34, 45, 60), (9, 28, 45)
 NUMBERS = {"S1.mean": lambda d: d["restitution"].mean(), **over_tilt.NUMBERS}  # of touches
 JUDGED = {  # numbers with limits that every law has
@@ -37,8 +39,8 @@ BEST, DRAWS = 10, 100  # laws that are confirmed; draws of a score
 CLOSER = {False: 64, True: 2}  # laws of the second round, in full and quick
 KEPT_DEG = 2  # a row that keeps its tilt is as near to acos(dN/L), at every tilt
 CONFIRMED: dict[bool, dict[str, Any]] = {  # runs of the best laws, in full and quick
-    False: {"periods": 300, "seeds": (3, 4), "tilts": LAW_TILTS_DEG, "best": BEST},
-    True: {"periods": 40, "seeds": (3, 4), "tilts": QUICK_DEG, "best": 2},
+    False: {"periods": 300, "seeds": (3, 4), "best": BEST},
+    True: {"periods": 40, "seeds": (3, 4), "best": 2},
 }
 SIZE: dict[bool, dict[str, Any]] = {  # of the search: in full, and quick
     False: {"periods": 150, "seeds": (1,), "points": 256},
@@ -47,7 +49,7 @@ SIZE: dict[bool, dict[str, Any]] = {  # of the search: in full, and quick
 CONSTANT, APPENDIX = "constant restitution", "Appendix A"
 _FORMS = {
     CONSTANT: {},
-    APPENDIX: both(law="appendix_a", restitution="none", tangential_ratio="none"),
+    APPENDIX: PRINTED,
 }
 _FACTOR = {"with": both(overlap_factor=True), "without": both(overlap_factor=False)}
 _SPHERE = 1 / (1 + 1.5 * (LENGTH - 1))  # mass of the tip's sphere in masses of the rod
@@ -78,27 +80,25 @@ def _parameters() -> tuple[Parameter, ...]:
         Parameter("mass", choices=_MASS, when={"form": APPENDIX}),
     ]
     for name, (option, when, low, high, log) in _RANGES.items():
-        for part in ("plate", "rods"):
+        for part in PARTS:
             keys = (f"contacts.{part}.{option}",)
             found.append(Parameter(f"{name}, {part}", keys, low, high, log, None, when))
     return tuple(found)
 
 
 PARAMETERS = _parameters()
-KNOWN: dict[
-    str, dict[str, float | str]
-] = {  # laws that are confirmed besides, known without search
+KNOWN: dict[str, Values] = {  # laws that are confirmed besides, known without search
     "0.65, spring 3": {
         "form": CONSTANT,
-        **{f"restitution, {part}": 0.65 for part in ("plate", "rods")},
-        **{f"tangential ratio, {part}": 3.0 for part in ("plate", "rods")},
-        **{f"tangential damping, {part}": 1.0 for part in ("plate", "rods")},
+        **{f"restitution, {part}": 0.65 for part in PARTS},
+        **{f"tangential ratio, {part}": 3.0 for part in PARTS},
+        **{f"tangential damping, {part}": 1.0 for part in PARTS},
     },
     "App. A as printed": {
         "form": APPENDIX,
         "overlap factor": "with",
         "mass": "rod",
-        **{f"damping by overlap, {part}": 400.0 for part in ("plate", "rods")},
+        **{f"damping by overlap, {part}": 400.0 for part in PARTS},
     },
 }
 
@@ -146,17 +146,16 @@ def _part(parameter: Parameter, value: float | str) -> float:
     return (float(value) - low) / (high - low)
 
 
-def rounded(values: dict[str, float | str]) -> np.ndarray:
+def rounded(values: Values) -> np.ndarray:
     """Parts of the ranges of a law, numbers rounded to two digits; what is not named: anything."""
     digits = {n: v if isinstance(v, str) else float(f"{v:.2g}") for n, v in values.items()}
     return np.array([_part(p, digits[p.name]) if p.name in digits else 0.0 for p in PARAMETERS])
 
 
 def confirming(parts: np.ndarray, quick: bool = False) -> Sweep:
-    """Runs of laws from other starts, longer, at more tilts, with half the step."""
+    """Runs of laws from other starts, longer, with half the step."""
     given = CONFIRMED[quick]
-    places = tuple({"box.length": box} for box in boxes(given["tilts"]))
-    again = replace(search(quick), places=places, seeds=given["seeds"], periods=given["periods"])
+    again = replace(search(quick), seeds=given["seeds"], periods=given["periods"])
 
     def halved(point: Point) -> Point:
         scene = point.scene
@@ -197,9 +196,8 @@ def _grades(values: np.ndarray) -> np.ndarray:
 
 def _varied(d: Data, random: np.random.Generator) -> np.ndarray:
     """Grades, if the measured means of one law vary within their errors."""
-    measured = [name for name in d if f"{name}_error" in d]
-    moved = {n: random.normal(d[n], np.nan_to_num(d[f"{n}_error"])) for n in measured}
-    return _grades(np.array([NUMBERS[name]({**d, **moved}) for name in JUDGED]))
+    moved = varied(d, [name for name in d if f"{name}_error" in d], random)
+    return _grades(np.array([NUMBERS[name](moved) for name in JUDGED]))
 
 
 def score_of(grades: np.ndarray) -> np.ndarray:
@@ -209,17 +207,17 @@ def score_of(grades: np.ndarray) -> np.ndarray:
 
 def data(quick: bool = False) -> Data:
     """Of all laws, then of the best ones: parameters as parts of their ranges, and `_judged`."""
-    given, again, tilts = search(quick), CONFIRMED[quick], QUICK_DEG if quick else LAW_TILTS_DEG
+    given, tilts = search(quick), QUICK_DEG if quick else LAW_TILTS_DEG
     parts, found = given.draw(), _judged(sweeps(quick)["laws"], tilts)
     near = closer(replace(given, points=CLOSER[quick]), parts, found["score"])
     late = _judged(given.sweep(near), tilts)
     parts = np.concatenate([parts, near])
     same = {"nominal", "theory"}
     found = {n: v if n in same else np.concatenate([v, late[n]]) for n, v in found.items()}
-    best = np.argsort(-found["score"], kind="stable")[: again["best"]]
+    best = np.argsort(-found["score"], kind="stable")[: CONFIRMED[quick]["best"]]
     chosen = np.array([rounded(law) for law in (*laws_of(parts[best]), *KNOWN.values())])
     runs = confirming(chosen, quick)
-    confirmed = _judged(runs, again["tilts"], "best_")
+    confirmed = _judged(runs, tilts, "best_")
     rounds = np.repeat([0, 1], [len(parts) - len(near), len(near)])
     return {
         "parts": parts,
@@ -232,13 +230,17 @@ def data(quick: bool = False) -> Data:
     }
 
 
-def laws_of(parts: np.ndarray) -> list[dict[str, float | str]]:
+def laws_of(parts: np.ndarray) -> list[Values]:
     """Values of the parameters that have a meaning in each law."""
     every = [{p.name: p.value(x) for p, x in zip(PARAMETERS, row, strict=True)} for row in parts]
     return [
         {p.name: v[p.name] for p in PARAMETERS if (p.when or {}).items() <= v.items()}
         for v in every
     ]
+
+
+def _verdict(grades: np.ndarray) -> str:
+    return verdict([None if np.isnan(x) else x for x in grades])
 
 
 def verdicts(d: Data) -> dict[str, dict[str, Any]]:
@@ -254,13 +256,11 @@ def verdicts(d: Data) -> dict[str, dict[str, Any]]:
         mine = [j for j, name in enumerate(JUDGED) if name.startswith(f"{claim['id']}.")]
         if not mine:
             continue
-        known = d["grade"][even][:, mine]
-        of = np.where(known.min(axis=1) == 2, 0, np.where(known.max(axis=1) == 0, 2, 1))
-        of[np.isnan(known).any(axis=1)] = -1
+        of = np.array([_verdict(grades) for grades in d["grade"][even][:, mine]])
         found[claim["id"]] = {
             "numbers": [list(JUDGED)[j].partition(".")[2] for j in mine],
-            "all": [int((of == k).sum()) for k in range(3)],
-            "kept": [int((of[kept] == k).sum()) for k in range(3)],
+            "all": [int((of == words).sum()) for words in reversed(GRADES)],
+            "kept": [int((of[kept] == words).sum()) for words in reversed(GRADES)],
         }
     return found
 

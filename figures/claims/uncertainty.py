@@ -1,6 +1,6 @@
 """A measured number with its error; how errors of arrays carry over to what is made of them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,6 +46,12 @@ class _Watched(dict):
         return super().__getitem__(name)
 
 
+def varied(d: Mapping, names: Iterable[str], random: np.random.Generator) -> dict:
+    """The same arrays, those of these names moved within their standard errors."""
+    moved = {n: random.normal(d[n], np.nan_to_num(d[f"{n}_error"])) for n in names}
+    return {**d, **moved}
+
+
 def resampled(d: Mapping, function: Callable[[Mapping], float], *names: str) -> Number:
     """Value of `function(d)`; its spread as measured arrays vary within their standard errors.
 
@@ -59,10 +65,7 @@ def resampled(d: Mapping, function: Callable[[Mapping], float], *names: str) -> 
     value = function(watched)
     names = names or tuple(name for name in watched.seen if f"{name}_error" in d)
 
-    def varied() -> dict:
-        return {n: random.normal(d[n], np.nan_to_num(d[f"{n}_error"])) for n in names}
-
-    found = [function({**d, **varied()}) for _ in range(200)]
+    found = [function(varied(d, names, random)) for _ in range(200)]
     return standard(value, float(np.std(found)) if np.isfinite(found).all() else np.nan)
 
 

@@ -34,6 +34,7 @@ SETTING: dict[str, Any] = {"friction": FRICTION, "restitution": RESTITUTION}  # 
 BOX = 43.0  # length of the box where the tilt is not varied
 _COARSE = {"step.size": 1.2e-4, "step.coarse": True}  # a fiftieth of a contact
 SIMPLE = both(restitution=RESTITUTION, tangential_ratio=3)  # one law for plate and rods
+PRINTED = both(law="appendix_a", restitution="none", tangential_ratio="none")  # in its place
 SIMPLE_ROW = put(read_tables("quasi2d"), {**_COARSE, "start.speed": 0.3, **SIMPLE})  # of prices
 LAW_OF = {  # plate, rods: what figure which_law singles out; of all simulated rows and annuli
     "restitution": (0.75, 0.86),

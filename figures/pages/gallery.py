@@ -17,7 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from impact import InputError
 
-from ..claims import judge
+from ..claims import judge, limits
 from ..cost.effect_prices import plus_minus
 from ..cost.price_page import CHECKED
 
@@ -43,7 +43,7 @@ templates = Environment(
     keep_trailing_newline=True,
 )
 templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limits_shown}
-templates.globals |= {"grades": judge.GRADES, "counts": judge.counts, "pm": plus_minus}
+templates.globals |= {"grades": limits.GRADES, "counts": judge.counts, "pm": plus_minus}
 templates.globals |= {"judged_rows": judge.judged_rows, "checked": CHECKED}
 templates.globals |= {"over_laws": judge.over_laws, "halves": judge.halves}
 
@@ -63,13 +63,10 @@ def pages() -> dict[Path, str]:
     ValueError
         If the README lacks the markers of a part.
     """
-    from ..lib.runs import LAW_NAME  # late: it compiles
-
     prices = json.loads((GALLERY / "prices.json").read_text(encoding="utf-8"))
     report = judge.load(GALLERY / "claims.json")
     given = {"prices": prices, "report": report, "number": _numbers(report)}
     given["ladder"] = {rung["label"]: rung for rung in prices["ladder"]}
-    given["law"] = LAW_NAME
     laws = {claim["id"]: claim["laws"] for claim in report["claims"] if claim["laws"]}
     given["nowhere"] = [name for name, of in laws.items() if of["all"][0] == 0]
     given["verdict"] = {claim["id"]: claim["verdict"] for claim in report["claims"]}
