@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from . import accuracy, soft_impact
+from . import accuracy, bias, soft_impact
 from .command_line import Commands
 from .errors import InputError
 from .files import NotWritten, distinct, replacing, writable
@@ -32,7 +32,7 @@ from .scene import keys, load
 from .simulation import finite
 from .store import table, write_csv
 
-_ENDS = {"reached": 0, "bias unknown": 3, "not reached": 4}  # exit codes of --tolerance
+_ENDS = {"reached": 0, "not reached": 4}  # exit codes of --tolerance
 _WIDTH = max(len(key) for key, _ in keys())
 _KEYS = """\b
 Keys and their defaults; what a scene does not name is not there. A key in cm
@@ -147,6 +147,10 @@ def _law(given: dict[str, Any]) -> Law:
 @_number("--confidence", help="Of the interval that --tolerance asks for (default 0.95).")
 @_number("--floor", help="Slower drifts count as this fast (default a twentieth of V_0).")
 @_number("--max-seconds", help="Longest time that --tolerance may take (default 600).")
+@click.option(
+    "--workers", type=int, help="Starts at once, for --tolerance, one a core (default 1)."
+)
+@click.option("--plan", is_flag=True, help="Say what --tolerance will take, and do not run.")
 @click.option("--trajectory", metavar="FILE", help="Write extended XYZ, for OVITO.")
 @click.option("--frames", type=int, help="Of the trajectory, per period (default 1).")
 @click.option("--checkpoint", metavar="FILE", help="Save here; go on from it if it is there.")
@@ -156,6 +160,7 @@ def run(
     changes: tuple[str, ...],
     trajectory: str | None,
     checkpoint: str | None,
+    plan: bool,
     as_json: bool,
     **given: Any,
 ) -> int:
@@ -168,14 +173,15 @@ def run(
     \b
     python -m md run quasi2d --periods 200
     python -m md run quasi2d --tolerance 0.01         # until the drift is within 1 % of its value
+    python -m md run quasi2d --tolerance 0.01 --plan  # what that takes
     python -m md run my_rods --set rods.length_cm=4 --set plate.amplitude_cm=0.03
     python -m md run quasi2d --set plate.acceleration=2 --set contacts.plate.law=coulomb --json
     python -m md run quasi2d --set contacts.plate.law=appendix_a --set contacts.plate.restitution=none
     python -m md run mine.toml --periods 10000 --checkpoint mine.npz       # Ctrl-C, and go on later
     python -m md run quasi2d --periods 5 --trajectory row.xyz --frames 24  # for OVITO
 
-    Exit codes of --tolerance: 0 reached; 3 statistically reached, bias of the step unknown; 4 not
-    reached. In JSON: accuracy.state, which is "reached", "bias unknown" or "not reached".
+    Exit codes of --tolerance: 0 reached; 4 not reached. In JSON: accuracy.state, which is "reached"
+    or "not reached".
     """  # noqa: E501  (an example)
     distinct(scene=scene, trajectory=trajectory, checkpoint=checkpoint)
     chosen = _given(given, *given)
@@ -183,6 +189,13 @@ def run(
         raise InputError("frames has no meaning without trajectory")
     if of_tolerance := _given(given, "tolerance", "confidence", "floor", "max_seconds"):
         accuracy.checked(**of_tolerance)
+    if plan:
+        if other := {"tolerance", *chosen} - {"tolerance", "confidence", "workers"}:
+            raise InputError(f"{min(other)} has no meaning with plan")
+        if "tolerance" not in chosen:
+            raise InputError("plan has no meaning without tolerance")
+        print(accuracy.plan_in_words(accuracy.plan(load(scene, changes), **chosen)))
+        return 0
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotWritten)  # said after the result
         result = accuracy.run(
@@ -257,7 +270,7 @@ def search(search: str, store: str, as_json: bool, **how: Any) -> None:
 @click.option("--store", required=True, metavar="FILE", help="SQLite file; it goes on from there.")
 @click.option("--out", metavar="FILE", help="JSON file (the one that --tolerance reads).")
 def calibrate(store: str, out: str | None) -> None:
-    """Measure what --tolerance knows of the step's bias (20 min).
+    """Measure what --tolerance knows of the step's bias (30 min).
 
     \b
     python -m md calibrate --store calibration.db
@@ -265,7 +278,7 @@ def calibrate(store: str, out: str | None) -> None:
     """
     from . import calibration  # late: help needs no joblib
 
-    path = Path(out or accuracy.CALIBRATION)  # beside the sources, perhaps read-only
+    path = Path(out or bias.CALIBRATION)  # beside the sources, perhaps read-only
     distinct(store=store, out=path)
     writable("out", path, calibration.is_calibration, "one of a calibration")
     found = calibration.calibrate(store, progress=True)

@@ -1,36 +1,32 @@
 """Runs to a tolerance: step and length follow from the error that the drift may have.
 
-The error has two parts. The statistical one is estimated as the run goes on, which ends as soon as
-it is small enough. The bias of the step comes from a calibration (`calibration.py`): for scenes
-that span a range, the drift at long steps against that at a short one. It is bounded by
-
-    |bias| <= scale (10/n)^order |c_x|,    n steps per contact at twice the plate's peak velocity,
-
-with the largest scale of all scenes. Of a tolerance r, the step gets r/(1 + 2 order), which makes
-the run cheapest where the number of periods goes as 1/(r - bias)^2 and their price as n.
+The error has two parts, which add in squares. The statistical one is estimated as the run goes on,
+which ends as soon as both are small enough. The bias of a long step is known from a calibration
+(`bias.py`) and is taken off; its error is the other part. Where the calibration does not hold, the
+bias is measured: a second run with steps twice as long tells it.
 """
 
-import json
-from dataclasses import dataclass, replace
-from functools import cache
-from math import inf, isfinite, nan
-from pathlib import Path
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from functools import partial
+from math import hypot, inf, isfinite, nan, sqrt
+from threading import Lock
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import chdtrc, ndtri, stdtrit
 
 from . import simulation
-from .domains import number
+from .bias import Choice, calibrated, choose, steps_per_contact, unknown
+from .domains import number, whole
 from .errors import InputError
-from .laws import contact_time
+from .host import step_of
 from .scene import Scene, Step
 from .simulation import Accuracy, Result
-from .sources import digest
-from .statistics import transient
+from .statistics import FEWEST, standard_error, transient
 
-CALIBRATION = Path(__file__).with_name("calibration.json")
 DOMAINS = {
     "tolerance": (1e-5, 0.5),
     "confidence": (0.5, 0.999),
@@ -40,153 +36,149 @@ DOMAINS = {
 CONFIDENCE = 0.95
 FLOOR = 0.05  # of the plate's peak velocity: slower drifts are judged as if they were this fast
 MAX_SECONDS = 600.0
+MOST_WORKERS = 64
 LONGEST = 10**6  # periods of a run
 FIRST_LOOK = 128  # periods
 GROWTH = 1.1, 2.0  # least and largest, of the run from one look to the next
-PARTS = 8, 16, 32  # of the run: the widest of three intervals counts
-_SAID = {"bias unknown": "statistically reached, bias unknown", "not reached": "NOT REACHED"}
+CUT = 400  # most periods that are left out at the start of a run to a tolerance
+PER_FREEDOM = 20  # periods that tell as much of a standard error as one independent number
+UNLIKELY = 1e-3  # chance below which starts that differ are in different states
+PATIENCE = 0.3  # seconds after which one of several starts asks again
+SEED_GAP = 10**6  # between the seeds of starts
+IN_PLACE = 3.0  # tolerances that a bias is measured to
+ORDER = 2.0  # of the bias, where it is measured: at twice the step it is 2^ORDER times as large
 
 
-@cache
-def calibrated() -> dict[str, Any]:
-    """Calibration in use: order, scale, ranges of what was varied, laws, `code` of its sources."""
-    return json.loads(CALIBRATION.read_text(encoding="utf-8"))
+class Interval(NamedTuple):
+    """Mean of one or several stationary series, and how sure it is."""
+
+    mean: float
+    half: float  # of the interval
+    cut: int  # values left out at the start of the first series
+    chance: float  # that starts differ as they do, if they are in one state; nan: of one start
 
 
-def steps_per_contact(scene: Scene, dt: float) -> float:
-    """Steps in the shortest contact at twice the plate's peak velocity."""
-    found = [c for c in (scene.contacts.plate, scene.contacts.rods) if c is not None]
-    return min(contact_time(c.law, 2 * scene.plate_speed) for c in found) / dt
+NONE = Interval(nan, inf, 0, nan)
 
 
-def described(scene: Scene) -> dict[str, list]:
-    """Values of all that the bias of a step may depend on in a scene."""
-    pair = scene.contacts.plate, scene.contacts.rods
-    both = [contact for contact in pair if contact is not None]
-    springs = [(c.law.spring, c.law.normal.stiffness) for c in both]
-    return {
-        "plate.acceleration": [scene.plate.acceleration if scene.plate else 0.0],
-        "tilt_deg": [abs(float(np.degrees(scene.tilt)))],
-        "rods.length": [scene.rods.length],
-        "friction": [contact.friction for contact in both],
-        "restitution": [c.law.restitution for c in both if c.law.restitution is not None],
-        "tangential_ratio": [s.root / k for s, k in springs if s and s.root is not None],
-        "contact time in periods": [steps_per_contact(scene, 1 / scene.frequency)],
-        "laws": ["/".join(contact.law.name if contact else "none" for contact in pair)],
-    }
+def interval(series: list[np.ndarray], confidence: float = CONFIDENCE) -> Interval:
+    """Pool the drifts of independent starts behind their transients.
 
+    The standard error is that of `statistics.standard_error`, of an autoregressive model, whose
+    variance is as uncertain as that of n/(2 order) independent numbers. Where starts differ by more
+    than it explains, the scatter between them counts.
 
-def outside(scene: Scene) -> tuple[str, ...]:
-    """Properties of a scene that lie outside of the calibration, in words."""
-    known, values = calibrated(), described(scene)
-    (laws,) = values.pop("laws")
-    found = []
-    if scene.gravity is None or (scene.gravity.x, scene.gravity.z) != (0.0, -1.0):
-        found.append("gravity is not 1, downwards")
-    for name, (low, high) in known["ranges"].items():
-        for one in values[name]:
-            if not low * (1 - 1e-9) <= one <= high * (1 + 1e-9):
-                found.append(f"{name} {one:.4g} is outside of {low:.4g} to {high:.4g}")
-    if laws not in known["laws"]:
-        found.append(f"laws {laws} were not calibrated ({', '.join(known['laws'])})")
-    return tuple(dict.fromkeys(found))
-
-
-def unknown_bias(scene: Scene) -> tuple[str, ...]:
-    """Reasons why the bias of the step is unknown, in words; none where the calibration holds."""
-    made_with = calibrated()["code"]
-    if made_with == digest():
-        return outside(scene)
-    return *outside(scene), f"calibrated for other sources ({made_with}, these are {digest()})"
-
-
-def chosen_step(scene: Scene, tolerance: float) -> tuple[Scene, float]:
-    """The scene with the cheapest step for a tolerance, and the bound of its relative bias.
-
-    Outside of the calibration the scene gets the step that `md.run` takes if none is named, and
-    the bound is nan.
-
-    Raises
-    ------
-    ValueError
-        If nothing vibrates, no plate is touched, or rods stand in an annulus.
+    Parameters
+    ----------
+    series : drift of each start, period by period
+    confidence : of the interval
     """
-    if not isinstance(scene, Scene):
-        raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
-    if scene.annulus is not None:
-        raise InputError(
-            "tolerance has no meaning in an annulus: rods keep the arrangement of their start, so "
-            "that one run cannot tell its error; use periods, and several start.seed"
-        )
-    if not scene.vibrates or scene.contacts.plate is None:
-        raise InputError("tolerance needs a plate that vibrates and a contact with it")
-    if outside(scene):
-        return replace(scene, step=Step()), nan
-    known = calibrated()
-    order, scale = known["order"], known["scale"]
-    share = tolerance / (1 + 2 * order)
-    n = max(10 * (scale / share) ** (1 / order), known["fewest"])
-    step = Step(steps_per_contact(scene, 1.0) / n, coarse=True)
-    return replace(scene, step=step), scale * (10 / n) ** order
+    cuts = [min(transient(len(one)), CUT) for one in series]
+    rest = [one[cut:] for one, cut in zip(series, cuts, strict=True)]
+    sizes = np.array([len(one) for one in rest])
+    if sizes.min() < FEWEST:
+        mean = float(np.concatenate(rest).mean()) if sizes.sum() else nan
+        return Interval(mean, inf, cuts[0], nan)
+    means = np.array([one.mean() for one in rest])
+    errors = np.array([standard_error(one) for one in rest])
+    part = sizes / sizes.sum()
+    mean, error = float(part @ means), float(np.sqrt(np.sum((part * errors) ** 2)))
+    freedom, chance, others = int(sizes.sum()) // PER_FREEDOM, nan, len(series) - 1
+    if others:
+        off = (means - mean) / np.maximum(errors, 1e-300)
+        chance = float(chdtrc(others, np.sum(off**2)))
+        if chance < UNLIKELY:
+            error, freedom = float(means.std(ddof=1) / np.sqrt(others + 1)), others
+    half = float(stdtrit(freedom, (1 + confidence) / 2) * error)
+    return Interval(mean, half, cuts[0], chance)
 
 
-def interval(drift: np.ndarray, confidence: float = CONFIDENCE) -> tuple[float, float, int]:
-    """Mean of a stationary series after its transient, half of its interval, the transient.
+class Correction(NamedTuple):
+    """What the step does to the drift; velocities."""
 
-    The run is judged several times as it goes on, so the interval is a wide one: the series is cut
-    into 8, 16 and 32 parts, whose means give three intervals by Student's t; the widest counts.
-    """
-    cut = transient(len(drift))
-    rest, half = drift[cut:], 0.0
-    for parts in PARTS:
-        if len(rest) < parts:
-            return float(rest.mean()) if len(rest) else nan, inf, cut
-        means = rest[len(rest) % parts :].reshape(parts, -1).mean(axis=1)
-        error = means.std(ddof=1) / np.sqrt(parts)
-        half = max(half, float(stdtrit(parts - 1, (1 + confidence) / 2) * error))
-    return float(rest.mean()), half, cut
+    bias: float  # to be taken off
+    error: float  # half of its interval
 
 
 @dataclass
 class _Goal:
-    """Goal of a run: looks at the drift now and then, until it is accurate enough."""
+    """Goal of one or several starts: looks at their drifts until these are accurate enough."""
 
     tolerance: float
     confidence: float
     floor: float
-    bias: float  # relative; 0 where it is unknown
     max_seconds: float
+    correct: Callable[[float], Correction]  # of a mean
+    starts: int = 1
+    series: list[np.ndarray] = field(default_factory=list)  # as it was last judged
     began: float = nan  # by the clock
-    mean: float = nan
-    half: float = inf  # of the interval
-    reached: bool = False
+    due: int = FIRST_LOOK  # periods of each start at the next look
+    found: Interval = NONE
+    over: bool = False
     needed: float = nan  # seconds in all
+    lock: Any = field(default_factory=Lock)
+
+    def __post_init__(self) -> None:
+        self.series = [np.zeros(0)] * self.starts
+
+    @property
+    def correction(self) -> Correction:
+        """Of the mean found."""
+        return self.correct(self.found.mean)
+
+    @property
+    def mean(self) -> float:
+        """Without the bias."""
+        return self.found.mean - self.correction.bias
 
     @property
     def size(self) -> float:
         """Velocity that errors are relative to."""
         return max(abs(self.mean), self.floor)
 
-    def __call__(self, drift: np.ndarray) -> int:
-        """Periods to make in all, given the drift of each one made so far."""
-        made = len(drift)
-        if not made:
-            self.began = perf_counter()
-            return FIRST_LOOK
-        seconds = perf_counter() - self.began
-        self.mean, self.half, cut = interval(drift, self.confidence)
-        if made < FIRST_LOOK:  # ended by Ctrl-C: too short to be judged
-            self.half = inf
-        room = (self.tolerance - self.bias) * self.size
-        self.reached = self.half <= room
-        wanted = cut + (made - cut) * (self.half / room) ** 2
+    @property
+    def error(self) -> float:
+        """Half of the interval, of bias and statistics together."""
+        return hypot(self.found.half, self.correction.error)
+
+    @property
+    def reached(self) -> bool:
+        """Whether the tolerance is kept."""
+        return self.error <= self.tolerance * self.size
+
+    def ask(self, start: int, drift: np.ndarray) -> int:
+        """Periods that a start is to make in all, given the drift of each one made so far."""
+        with self.lock:
+            made = len(drift)
+            if self.over:
+                return made
+            self.series[start] = drift
+            if not np.isfinite(self.began):
+                self.began = perf_counter()
+            if min(map(len, self.series)) >= self.due:
+                self.judge()
+            if self.over:
+                return made
+            if self.starts == 1 or not made:
+                return self.due
+            seconds = max(perf_counter() - self.began, 1e-3)
+            slowly = made + max(int(made * PATIENCE / seconds), 1)
+            return slowly if made >= self.due else min(slowly, self.due)
+
+    def judge(self) -> None:
+        """Whether it is over, and if not, when to look again."""
+        made, seconds = min(map(len, self.series)), perf_counter() - self.began
+        self.found = interval(self.series, self.confidence)
+        room = (self.tolerance * self.size) ** 2 - self.correction.error**2
+        wanted = inf if room <= 0 else made * self.found.half**2 / room
         self.needed = seconds * wanted / made
         affordable = made * self.max_seconds / seconds
         hopeless = self.needed > 2 * self.max_seconds and made >= 2 * FIRST_LOOK
-        if self.reached or hopeless or affordable < GROWTH[0] * made:
-            return made
+        if self.reached or hopeless or affordable < GROWTH[0] * made or made >= LONGEST:
+            self.over = True
+            return
         grown = np.clip(wanted, GROWTH[0] * made, GROWTH[1] * made) + 1
-        return int(min(grown, affordable, LONGEST))
+        self.due = int(min(grown, affordable, LONGEST))
 
 
 def run(
@@ -196,6 +188,7 @@ def run(
     confidence: float = CONFIDENCE,
     floor: float | None = None,
     max_seconds: float = MAX_SECONDS,
+    workers: int = 1,
     **options: Any,
 ) -> Result:
     """Run a scene and measure it: for a number of periods, or until its drift is accurate.
@@ -211,12 +204,15 @@ def run(
         twentieth of the plate's peak velocity)
     max_seconds : of the run, without compiling; where it will take more than twice as long, it
         ends early, with `accuracy.state` "not reached"
+    workers : independent starts, 1 to 64, which run at once, one a thread; their drifts are pooled,
+        all else that is measured is of the first start. With a tolerance alone
     options : as of `simulation.run`: `periods` (200; without tolerance alone), `ledger`, `observe`,
         `trajectory`, `frames`, `checkpoint`, `progress`
 
     Returns
     -------
-    Result; its `accuracy` is None without a tolerance
+    Result; its `accuracy` is None without a tolerance. With one, `c_x` is the mean over all starts,
+    less the bias of the step; other means keep theirs
 
     Raises
     ------
@@ -226,15 +222,79 @@ def run(
         As `simulation.run`.
     """
     if tolerance is None:
+        if workers != 1:
+            raise InputError("workers has no meaning without tolerance")
         return simulation.run(scene, **options)
     own = {"confidence": confidence, "floor": floor, "max_seconds": max_seconds}
     checked(tolerance=tolerance, periods=options.get("periods"), **own)
-    chosen, bias = chosen_step(scene, tolerance)
+    workers = whole("workers", workers, 1, MOST_WORKERS)
+    chosen = choose(scene, tolerance, confidence)
     floor = FLOOR * scene.plate_speed if floor is None else floor
-    goal = _Goal(tolerance, confidence, floor, bias if isfinite(bias) else 0.0, max_seconds)
-    result = simulation.run(chosen, **{**options, "periods": LONGEST}, goal=goal)
-    goal(result.c_x_series)  # where Ctrl-C ended it
-    return replace(result, accuracy=_accuracy(goal, scene, result, bias))
+    how: dict[str, Any] = {"confidence": confidence, "floor": floor, "max_seconds": max_seconds}
+    correct = _corrected(chosen, tolerance, how, workers)
+    goal = _Goal(tolerance, **how, correct=correct, starts=workers)
+    result = _started(chosen.scene, goal, options)
+    return replace(
+        result, c_x=goal.mean, c_x_stderr=_one_error(goal), accuracy=_accuracy(goal, scene, result)
+    )
+
+
+def _one_error(goal: _Goal) -> float:
+    """Standard error of the mean, as far as it is statistical."""
+    return goal.found.half / float(ndtri((1 + goal.confidence) / 2))
+
+
+def _started(scene: Scene, goal: _Goal, options: dict[str, Any]) -> Result:
+    """Run all starts until the goal is over; the result of the first one."""
+
+    def other(start: int) -> None:
+        begin = replace(scene.start, seed=scene.start.seed + SEED_GAP * start)
+        mine = partial(goal.ask, start)
+        simulation.run(replace(scene, start=begin), periods=LONGEST, ledger=False, goal=mine)
+
+    with ThreadPoolExecutor(max(goal.starts - 1, 1)) as pool:
+        others = [pool.submit(other, start) for start in range(1, goal.starts)]
+        try:
+            how = {**options, "periods": LONGEST, "goal": partial(goal.ask, 0)}
+            result = simulation.run(scene, **how)
+            if not result.finished:  # ended by Ctrl-C
+                goal.series[0] = result.c_x_series
+                goal.found = interval(goal.series, goal.confidence)
+        finally:
+            goal.over = True
+        for one in others:
+            one.result()
+    return result
+
+
+def _corrected(
+    chosen: Choice, tolerance: float, how: dict[str, Any], workers: int
+) -> Callable[[float], Correction]:
+    """How the bias of the chosen step follows from the mean: calibrated, or measured in place."""
+    if (bias := chosen.bias) is not None:
+        z = float(ndtri((1 + how["confidence"]) / 2))
+
+        def known(mean: float) -> Correction:
+            true = mean / (1 + bias.value)
+            return Correction(mean - true, z * bias.error * abs(true))
+
+        return known
+    dt, _ = step_of(chosen.scene)
+    longer = replace(chosen.scene, step=Step(2 * dt, coarse=True))
+    rough = _Goal(
+        min(IN_PLACE * tolerance, 0.5),
+        **how,
+        correct=lambda _: Correction(0.0, 0.0),
+        starts=workers,
+    )
+    _started(longer, rough, {"ledger": False})
+    share = 1 / (2**ORDER - 1)
+
+    def measured(mean: float) -> Correction:
+        bias = share * (rough.found.mean - mean)
+        return Correction(bias, hypot(share * rough.found.half, bias))
+
+    return measured
 
 
 def checked(*, periods: int | None = None, **options: float | None) -> None:
@@ -248,26 +308,31 @@ def checked(*, periods: int | None = None, **options: float | None) -> None:
             number(name, value, *DOMAINS[name])
 
 
-def _accuracy(goal: _Goal, scene: Scene, result: Result, bias: float) -> Accuracy:
-    finer, rest = chosen_step(scene, goal.tolerance / 10)
-    room = goal.tolerance / 10 - (rest if isfinite(bias) else 0.0)
-    dearer = result.dt / (finer.step.size or result.dt)  # outside of the calibration, no dearer
-    length = (goal.half / (room * goal.size)) ** 2
-    reasons = unknown_bias(scene)
-    bias = nan if reasons else bias
+def _accuracy(goal: _Goal, scene: Scene, result: Result) -> Accuracy:
+    correction, reasons = goal.correction, unknown(scene)
+    finer = choose(scene, goal.tolerance / 10, goal.confidence)
+    dearer, room, seconds = 1.0, (goal.tolerance / 10) ** 2, result.run_seconds
+    if finer.bias is not None:
+        dearer = finer.per_contact / steps_per_contact(scene, result.dt)
+        room -= (float(ndtri((1 + goal.confidence) / 2)) * finer.bias.error) ** 2
+    longer = (goal.found.half / goal.size) ** 2 / room if room > 0 else inf
     return Accuracy(
         tolerance=goal.tolerance,
         confidence=goal.confidence,
         floor=goal.floor,
-        error=goal.half + bias * goal.size,
-        statistical=goal.half,
-        bias=bias * goal.size,
+        error=goal.error,
+        statistical=goal.found.half,
+        bias=correction.bias,
+        bias_error=correction.error,
         per_contact=steps_per_contact(scene, result.dt),
+        starts=goal.starts,
+        made=sum(map(len, goal.series)),
+        chance=goal.found.chance,
         outside=reasons,
-        state="not reached" if not goal.reached else "bias unknown" if reasons else "reached",
-        seconds=result.run_seconds,
+        state="reached" if goal.reached else "not reached",
+        seconds=seconds,
         needed_seconds=goal.needed,
-        next_digit_seconds=result.run_seconds * length * dearer,
+        next_digit_seconds=seconds * dearer * longer,
     )
 
 
@@ -276,26 +341,88 @@ def in_words(result: Result) -> list[str]:
     a, unit = result.accuracy, result.scene.cm_per_s
     if a is None:
         return []
+    verdict = f"accuracy     {'NOT REACHED' if a.state == 'not reached' else a.state}"
+    if not isfinite(a.error):
+        return [f"{verdict}: ended before {FIRST_LOOK} periods, error unknown"]
     size = max(abs(result.c_x), a.floor)
     of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
-    error = a.statistical if a.outside else a.error
-    verdict = f"accuracy     {_SAID.get(a.state, a.state)}"
-    if not isfinite(error):
-        return [f"{verdict}: ended before {FIRST_LOOK} periods, error unknown"]
-    apart, bias = "", f": bias at most {a.bias / size:.2g}, by calibration; the other "
-    bias += f"{a.statistical / size:.2g} of the error are statistical"
-    if a.outside:
-        apart, bias = ", bias of the step apart", f"; its bias is unknown: {'; '.join(a.outside)}"
+    known = "calibrated" if not a.outside else f"measured in place: {'; '.join(a.outside)}"
     lines = [
-        f"{verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within {error:.2g} sqrt(g d) = "
-        f"{error * unit:.2g} cm/s, {error / size:.2g} of it, at {a.confidence:.4g} confidence"
-        + apart,
-        f"step         dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact{bias}",
+        f"{verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within {a.error:.2g} sqrt(g d) = "
+        f"{a.error * unit:.2g} cm/s, {a.error / size:.2g} of it, at {a.confidence:.4g} confidence",
+        f"step         dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact; its bias "
+        f"{a.bias / size:+.2g}({a.bias_error / size:.1g}) is taken off ({known}); the statistical "
+        f"error is {a.statistical / size:.2g}",
     ]
+    if a.starts > 1:
+        lines.append(f"starts       {a.starts}, {a.made} periods in all")
+        if a.chance < UNLIKELY:
+            lines.append(
+                "             they differ: the scene has several states; their scatter counts"
+            )
     if a.state == "not reached":
-        lines.append(f"             this would take about {a.needed_seconds:.3g} s of run")
-    if error / size > a.tolerance / 10:
+        never = "the bias alone is known no better"
+        takes = f"this would take about {a.needed_seconds:.3g} s of run"
+        lines.append(f"             {takes if isfinite(a.needed_seconds) else never}")
+    if a.error / size > a.tolerance / 10 and isfinite(a.next_digit_seconds):
         lines.append(
             f"next digit   {a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
         )
     return lines
+
+
+class Plan(NamedTuple):
+    """What a tolerance will take."""
+
+    tolerance: float
+    choice: Choice
+    periods: float  # of all starts; nan where the calibration does not hold
+    seconds: float  # of the run with these workers on idle cores, without compiling
+    outside: tuple[str, ...]  # why the calibration does not hold
+
+
+def plan(
+    scene: Scene, *, tolerance: float, confidence: float = CONFIDENCE, workers: int = 1
+) -> Plan:
+    """Step, length and price of a run to a tolerance, which is not made; a short one is timed.
+
+    Parameters
+    ----------
+    scene : Scene
+    tolerance, confidence, workers : as of `run`
+
+    Raises
+    ------
+    ValueError
+        As `run`.
+    """
+    checked(tolerance=tolerance, confidence=confidence)
+    chosen, reasons = choose(scene, tolerance, confidence), unknown(scene)
+    if chosen.bias is None:
+        return Plan(tolerance, chosen, nan, nan, reasons)
+    z = float(ndtri((1 + confidence) / 2))
+    room = sqrt(tolerance**2 - (z * chosen.bias.error) ** 2)
+    kept = (z * calibrated()["noise"] / room) ** 2
+    each = max(kept / workers, 0.8 * FIRST_LOOK)
+    made = workers * max(min(1.25 * each, each + CUT), FIRST_LOOK)
+    simulation.run(chosen.scene, periods=1, ledger=False)  # compiles
+    timed = simulation.run(chosen.scene, periods=20, ledger=False)
+    seconds = made / workers * timed.run_seconds / timed.periods
+    return Plan(tolerance, chosen, made, seconds, reasons)
+
+
+def plan_in_words(planned: Plan) -> str:
+    """Lines that say what a run to a tolerance will take."""
+    dt, per = step_of(planned.choice.scene)
+    lines = [f"step         dt = {dt:.3g}, {per} a period"]
+    if (bias := planned.choice.bias) is None:
+        lines.append(f"bias         measured in place: {'; '.join(planned.outside)}")
+        lines.append("price        unknown before it runs")
+        return "\n".join(lines)
+    lines[0] += f", {planned.choice.per_contact:.3g} steps a contact"
+    lines.append(f"bias         {bias.value:+.2g}({bias.error:.1g}), taken off")
+    lines.append(
+        f"price        {planned.tolerance:.3g} of c_x takes about {planned.periods:.3g} periods, "
+        f"{planned.seconds:.2g} s"
+    )
+    return "\n".join(lines)

@@ -111,7 +111,8 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
 
 def _dispatcher(function: Callable, **options: bool) -> Any:
     """Numba's, with the cache of this module."""
-    found = numba.njit(error_model="numpy", _nrt=False, no_cfunc_wrapper=True, **options)(function)
+    how = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True, "nogil": True}
+    found = numba.njit(**how, **options)(function)
     usual, folder = numba.config.CACHE_DIR, directory()
     numba.config.CACHE_DIR = str(folder or "")  # read when a cache is made, not later
     try:

@@ -219,14 +219,15 @@ def _columns(heads: list[str], rows: list[list[str]]) -> list[str]:
 
 
 def calibration_text(found: dict[str, Any]) -> str:
-    """Order and scale of the bias of a step, scene by scene."""
-    order = f"{found['order']:.3g} +- {found['order_error']:.2g}"
-    rows = zip(found["scenes"], found["scales"], found["scale_errors"], strict=True)
+    """Order and size of the bias of a step."""
+    scenes = len(found["drift"])
+    step = f"{found['step']:+.3f}, scene to scene +- {found['step_scatter']:.3f}"
     return "\n".join(
         [
-            f"order     {order}, chi^2 a degree of freedom {found['chi_squared']:.3g}",
-            f"scale     {found['scale']:.3g}, bias at ten steps a contact; largest of the scenes:",
-            *(f"  {name:22} {scale:+.4f} +- {error:.4f}" for name, scale, error in rows),
+            f"order     {found['order']:.3g} +- {found['order_error']:.2g}, of {scenes} scenes",
+            f"bias      at ten steps a contact and 30 degrees: {step}",
+            f"          e times larger every {found['growth_deg']:.3g} degrees; steps count as "
+            f"longer where\n          the plate's tangential ratio is above {found['ratio']:.3g}",
         ]
     )
 

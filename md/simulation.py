@@ -39,13 +39,14 @@ class Accuracy:
     tolerance : asked for, of |c_x| or of the floor, whichever is larger
     confidence : of the interval
     floor : drifts below it are judged as if they were this fast
-    error : bound of the bias and half of the interval, together; nan where the bias is unknown
-    statistical : half of the interval that holds the long-run mean with this confidence
-    bias : bound of what the step does; nan where it is unknown
+    error : half of the interval that holds the true drift with this confidence
+    statistical : what of it is statistical; it and `bias_error` add in squares
+    bias : of the step, taken off the drift; `bias_error` : what is left of it
     per_contact : steps a contact
+    starts, made : that were pooled, and their periods in all
+    chance : that starts differ as they do if they are in one state; nan of one start
     outside : why the calibration does not hold for the run, in words; empty where it does
-    state : "reached" if error <= tolerance max(|c_x|, floor); "bias unknown" if the statistical
-        error alone is that small and the bias of the step is unknown; else "not reached"
+    state : "reached" if error <= tolerance max(|c_x|, floor), else "not reached"
     seconds : of the run, without compiling
     needed_seconds, next_digit_seconds : estimated for this tolerance, and for a tenth of it
     """
@@ -56,7 +57,11 @@ class Accuracy:
     error: float
     statistical: float
     bias: float
+    bias_error: float
     per_contact: float
+    starts: int
+    made: int
+    chance: float
     outside: tuple[str, ...]
     state: str
     seconds: float

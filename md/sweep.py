@@ -38,7 +38,8 @@ from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
-from .accuracy import CALIBRATION, MAX_SECONDS, checked, chosen_step, in_words, run
+from .accuracy import CONFIDENCE, MAX_SECONDS, checked, in_words, run
+from .bias import CALIBRATION, choose
 from .domains import finite, held, positive, whole
 from .errors import InputError, RunError
 from .host import step_of
@@ -243,7 +244,7 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
         changes = {key: value for part in place for key, value in part.items()}
         try:
             scene = from_tables(put(base, {**common, **changes}))
-            step_of(chosen_step(scene, chosen["tolerance"])[0] if chosen else scene)
+            step_of(choose(scene, chosen["tolerance"], CONFIDENCE).scene if chosen else scene)
         except InputError as error:
             at = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
             raise InputError(f"{error} (at {at})" if at else str(error)) from None
