@@ -115,10 +115,10 @@ def _draw_matrix(ax: Axes, d: Data) -> None:
     ax.set_xticks(
         [*at, at[-1] + 1.4, at[-1] + 3.4],
         heads,
-        fontsize=5,
-        rotation=60,
-        ha="left",
-        rotation_mode="anchor",
+        fontsize=5.5,
+        rotation=90,
+        ha="center",
+        linespacing=1,
     )
     ax.tick_params(length=0, labelbottom=False, labeltop=True)
     ax.set_xlim(-0.5, at[-1] + 4.2)

@@ -4,9 +4,8 @@ Symbols: simulated rows, mean and standard error over independent starts; as in 
 the inertia of a thin rod in (a) and (b), of the uniform body in (c). Lines: the theory's drift
 (24)-(29) for the rod without thickness and for the simulated one, with the assumed V_z = V_0/2 and
 with the V_z that the same runs have at their landings, where it is positive (else the closure has
-no impact).
-Green in (b): fitted line from 2 on; inset: tilt. Open in (c): started side by side almost at rest,
-rods of 2 to 5 d bounce as one block, which hardly drifts; those thrown at the start do not.
+no impact). Inset of (b): tilt. Open in (c): started side by side almost at rest, rods of 2 to 5 d
+bounce as one block, which hardly drifts; those thrown at the start do not.
 """
 
 import matplotlib.pyplot as plt
@@ -120,11 +119,13 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], color=BLUE, **THIN)
     fit = fits(d)
     x = np.array([fit["line_start"], d["gamma"][-1]])
-    ax.plot(x, fit["line_slope"] * (x - fit["line_from"]), color=GREEN, lw=0.8)
+    line = fit["line_slope"] * (x - fit["line_from"])
+    ax.plot(x, line, color=GREEN, lw=1.2, label="fit from 2 on")
+    ax.legend(loc="upper right", fontsize=6)
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
     inset = ax.inset_axes([0.1, 0.64, 0.25, 0.24])
-    curve(inset, d, "gamma", "b_tilt", GREEN, ms=2, **POINTS)
+    curve(inset, d, "gamma", "b_tilt", ms=2, **POINTS)
     nominal = np.degrees(np.arccos(COUNT / BOX))
     inset.axhline(nominal, color="0.5", lw=0.6)
     inset.set(ylim=(nominal - 3, nominal + 3), xlim=(1, None))
