@@ -1,9 +1,13 @@
 """Files of the commands: what could not be written in the end is refused before the work."""
 
+import json
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
 
 from impact import InputError
 
@@ -18,6 +22,7 @@ SIGNATURES = {  # what a file of each kind has near its beginning
     ".html": [b"<title>Rods on a vibrated plate"],
 }
 HEAD_BYTES = 300  # bytes
+BROKEN = (OSError, EOFError, SyntaxError, ValueError, LookupError, BadZipFile)  # of NumPy, Pillow
 
 
 def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
@@ -79,3 +84,12 @@ def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
         yield out
     finally:
         runs.STORE = usual
+
+
+def first_look(npz: Path) -> bool:
+    """Whether a figure's numbers are those of `--quick`."""
+    try:
+        with npz.open("rb") as file:  # np.load(npz) leaves one open that is no archive
+            return bool(json.loads(str(np.load(file)["provenance"]))["quick"])
+    except BROKEN:
+        return False

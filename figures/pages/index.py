@@ -10,16 +10,13 @@ the page, so that the folder needs nothing else and may be moved. The page is `t
 in the look of the derivations' report, with `templates/index.css`.
 """
 
-import json
 import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
-from zipfile import BadZipFile
 
-import numpy as np
 from markupsafe import Markup
 from PIL import Image
 
@@ -31,6 +28,7 @@ from impact import InputError
 from .. import FIGURES, load
 from ..claims import judge
 from ..cost.price_page import PRICE_PANELS
+from ..lib.files import BROKEN, first_look
 from .gallery import GALLERY, templates
 
 TITLE = "Rods on a vibrated plate: derivations, pictures, prices, claims"
@@ -40,7 +38,6 @@ ABOUT = (
 )
 BADGES = {"holds": "agrees", "holds in part": "rewritten", "does not hold": "erratum"}
 TAGS = {entry.tag for entry in ENTRIES}
-BROKEN = (OSError, EOFError, SyntaxError, ValueError, LookupError, BadZipFile)  # of NumPy, Pillow
 
 
 class Item(NamedTuple):
@@ -107,15 +104,6 @@ def _size(picture: Path) -> tuple[int, int] | None:
     return size
 
 
-def _first_look(npz: Path) -> bool:
-    """Whether a figure's numbers are those of `--quick`."""
-    try:
-        with npz.open("rb") as file:  # np.load(npz) leaves one open that is no archive
-            return bool(json.loads(str(np.load(file)["provenance"]))["quick"])
-    except BROKEN:
-        return False
-
-
 def _read(path: Path) -> str:
     return path.read_text(encoding="utf-8", errors="replace")
 
@@ -133,7 +121,7 @@ def _figure(folder: Folder, name: str) -> dict[str, Any]:
     end = start.end() if start else len(body)
     found |= {"alt": first, "start": body[:end], "more": [*filter(None, (body[end:], *more))]}
     return found | {
-        "first_look": item.own and _first_look(folder.path / f"{name}.npz"),
+        "first_look": item.own and first_look(folder.path / f"{name}.npz"),
         "links": folder.links(name, pdf="PDF", npz="numbers") if item.own else {},
     }
 
