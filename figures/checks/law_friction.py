@@ -2,11 +2,11 @@
 
 Laws of constant restitution, drawn evenly from ranges of the restitution and the friction of plate
 and rods; tangential springs and dashpots are those of the figures' law, which matter little (figure
-which_law). Score: numbers of the fitted claims that hold, those in part counted half, as there; the
-theory that some of them compare with keeps the friction 0.3 of the plate. (a) to (d): score over
-each parameter; the line is the mean of an eighth of the laws; the diamond the law of the figures,
-which has the paper's friction, 0.3 everywhere. (e): the same laws over both frictions, score by
-colour. Thin rods, l = 9.5 d, Gamma = 3.3.
+`which_law`). Score: numbers of the fitted claims that hold, those in part counted half, as there;
+the theory that some of them compare with keeps the friction 0.3 of the plate. (a) to (d): score
+over each parameter; the line is the mean of an eighth of the laws; the diamond the law of the
+figures, which has the paper's friction, 0.3 everywhere. (e): the same laws over both frictions,
+score by colour. Thin rods, l = 9.5 d, Gamma = 3.3.
 """
 
 from dataclasses import replace

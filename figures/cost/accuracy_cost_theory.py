@@ -4,7 +4,7 @@ Random impacts under Newton's law, velocities and friction log-uniform over six 
 relative to the largest velocity that takes part. Vertical line: the bytes in and out of an impact,
 copied once. The compiled loop fills given arrays, `collide` makes fresh ones; float32 saves memory
 only, since the work is done in float64. "As printed": the paper's formulas, mistakes corrected.
-solve_ivp integrates the impulse equations, with stop and separation located as events, or with
+`solve_ivp` integrates the impulse equations, with stop and separation located as events, or with
 Coulomb's law smoothed over a range of slip (the chain of symbols: ever narrower, and with a smaller
 tolerance). mpmath takes about as long for 100 digits, whose error is that much smaller, as for 15.
 """

@@ -37,6 +37,9 @@ ABOUT = (
     "L. S. Tsimring, “Anisotropy driven dynamics in vibrated granular rods”."
 )
 BADGES = {"holds": "agrees", "holds in part": "rewritten", "does not hold": "erratum"}
+LETTERS = {"alpha": "α", "gamma": "γ", "delta": "δ", "epsilon": "ε", "theta": "θ", "mu": "μ"}
+LETTERS |= {"phi": "φ", "omega": "ω", "pi": "π", "Gamma": "Γ", "sqrt": "√"}
+_AS_IT_IS = re.compile(r"(<math.*?</math>|<code>.*?</code>|<[^>]+>)")
 TAGS = {entry.tag for entry in ENTRIES}
 
 
@@ -47,6 +50,7 @@ class Item(NamedTuple):
     address: str  # seen from the page
     own: bool  # made here, not lent
     size: tuple[int, int]  # of a picture
+    width: int  # as drawn, at 96 pixels an inch
 
 
 @dataclass
@@ -60,8 +64,8 @@ class Folder:
     def find(self, name: str, picture: bool = False) -> Item | None:
         """The folder's own file, else the gallery's; a picture only if it can be read."""
         for path in (self.path / name, GALLERY / name):
-            if path.is_file() and (size := _size(path) if picture else (0, 0)):
-                return Item(path, self.address(path), path.parent == self.path, size)
+            if path.is_file() and (size := _size(path) if picture else ((0, 0), 0)):
+                return Item(path, self.address(path), path.parent == self.path, *size)
         return None
 
     def picture(self, name: str) -> Item | None:
@@ -91,21 +95,43 @@ class Folder:
         def link(tag: str) -> str:
             return f"report.html#{report.anchor(tag)}" if there and tag in TAGS else ""
 
-        return Markup(to_html(" ".join(sentence.split()), link))
+        return Markup(lettered(to_html(" ".join(sentence.split()), link)))
 
 
-def _size(picture: Path) -> tuple[int, int] | None:
+def lettered(text: str) -> str:
+    """HTML of a sentence with letters, indices and powers set: mu, c_x', k_n^(-2/5)."""
+
+    def plain(part: str) -> str:
+        part = re.sub(rf"\b({'|'.join(LETTERS)})(?![a-z])", lambda found: LETTERS[found[1]], part)
+        part = re.sub(r"\b([^\W\d_])_(\w+|\*)(’?)", r"<i>\1</i><sub>\2</sub>\3", part)
+        return re.sub(r"\^(?:\((.*?)\)|(\w+))", r"<sup>\1\2</sup>", part)
+
+    parts = _AS_IT_IS.split(text)  # at odd places, what stays
+    return "".join(part if i % 2 else plain(part) for i, part in enumerate(parts))
+
+
+def _size(picture: Path) -> tuple[tuple[int, int], int] | None:
+    """Pixels, and the width as drawn; None if it cannot be read."""
     try:
         with Image.open(picture, formats=["PNG", "GIF"]) as image:
-            size = image.size
+            size, (dots, _) = image.size, image.info.get("dpi", (96, 96))
             image.verify()
     except BROKEN:
         return None
-    return size
+    return size, round(96 * size[0] / dots)
 
 
 def _read(path: Path) -> str:
     return path.read_text(encoding="utf-8", errors="replace")
+
+
+def caption(name: str) -> dict[str, Any]:
+    """What the module of a figure says of it: in a line, its first sentence, the rest."""
+    first, *rest = (" ".join(part.split()) for part in load(name).__doc__.strip().split("\n\n"))
+    body, *more = rest or [""]
+    start = re.match(r'.{90,}?(?<!Eq)\.(?= [A-Z("])', body)
+    end = start.end() if start else len(body)
+    return {"alt": first, "start": body[:end], "more": [*filter(None, (body[end:], *more))]}
 
 
 def _figure(folder: Folder, name: str) -> dict[str, Any]:
@@ -115,12 +141,8 @@ def _figure(folder: Folder, name: str) -> dict[str, Any]:
     found["time"] = "minutes" if FIGURES[name].alone else "seconds to minutes"
     if not item:
         return found
-    first, *rest = (" ".join(part.split()) for part in load(name).__doc__.strip().split("\n\n"))
-    body, *more = rest or [""]
-    start = re.match(r'.{90,}?(?<!Eq)\.(?= [A-Z("])', body)
-    end = start.end() if start else len(body)
-    found |= {"alt": first, "start": body[:end], "more": [*filter(None, (body[end:], *more))]}
     return found | {
+        **caption(name),
         "first_look": item.own and first_look(folder.path / f"{name}.npz"),
         "links": folder.links(name, pdf="PDF", npz="numbers") if item.own else {},
     }

@@ -125,7 +125,7 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     fit = fits(d)
     x = np.array([fit["line_start"], d["gamma"][-1]])
     line = fit["line_slope"] * (x - fit["line_from"])
-    ax.plot(x, line, color=GREEN, lw=1.2, label="fit from 2 on")
+    ax.plot(x, line, color="0.5", label="fit from 2 on")
     ax.legend(loc="upper right", fontsize=6)
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
