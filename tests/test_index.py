@@ -111,6 +111,13 @@ def test_every_figure_is_there_with_its_command(half):
         assert text in page.text["prices" if name in PRICE_PANELS else "pictures"]
 
 
+def test_figures_are_counted_once(half):
+    _, source, page = half
+    drawn = len(list(FIGURES)[::2])
+    assert re.findall(r"\d+ of \d+ figures", source) == [f"{drawn} of {len(FIGURES)} figures"]
+    assert {*FIGURES} <= set(page.ids)
+
+
 def test_what_is_not_drawn_is_no_broken_picture(half):
     out, _, page = half
     missing = [n for n in list(FIGURES)[1::2] if n not in LENT]

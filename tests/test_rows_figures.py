@@ -112,7 +112,7 @@ def test_fits_find_what_was_put_in():
         "a": 10 - 0.1 * tilt + 2 * np.exp(-(((tilt - 30) / 3) ** 2)),
         "c": np.where(length <= 2, 6 * (length - 1.1), 5.0),
     }
-    d = {"gamma": gamma, "a_tilt": tilt, "length": length}
+    d = {"gamma": gamma, "a_tilt": tilt, "tilt_deg": tilt, "length": length}
     for name, curve in curves.items():
         d[f"{name}_c_x"], d[f"{name}_c_x_error"] = curve, np.full(len(curve), 1e-3)
     f = fig13.fits(d)

@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from impact import drift, spherocylinder, thin_rod
 from md.sweep import Sweep
 
+from ..claims.over_tilt import bump
 from ..lib.runs import (
     BOX,
     COUNT,
@@ -200,14 +201,12 @@ def fits(d: Data) -> dict[str, float]:
     line = _slope(gamma[far], c_x[far], d["b_c_x_error"][far])
     grows, long = (d["length"] > 1.25) & (d["length"] <= 2), d["c_c_x"][d["length"] >= 2.5]
     growth = _slope(d["length"][grows], d["c_c_x"][grows], d["c_c_x_error"][grows])
-    inner = np.flatnonzero((d["a_tilt"] > 20) & (d["a_tilt"] < 45))
-    rises = [(d["a_c_x"][j] - d["a_c_x"][i], i, j) for n, j in enumerate(inner) for i in inner[:n]]
-    bump, i, j = max(rises)
+    rise, i, j = bump(d["tilt_deg"], d["a_c_x"])
     return {
         **{"power": power, "power_error": power_error, "line_start": float(gamma[far][0])},
         **dict(zip(("line_slope", "line_slope_error", "line_from"), line, strict=True)),
         **dict(zip(("growth", "growth_error", "growth_from"), growth, strict=True)),
-        **{"long_mean": long.mean(), "long_spread": np.ptp(long), "bump": bump},
+        **{"long_mean": long.mean(), "long_spread": np.ptp(long), "bump": rise},
         "bump_error": float(np.hypot(d["a_c_x_error"][i], d["a_c_x_error"][j])),
         "bump_tilt": float(d["a_tilt"][j]),
     }
