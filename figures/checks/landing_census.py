@@ -143,11 +143,11 @@ def _draw_regimes(ax, d) -> None:
     for name, colour in (("slip-stick", BLACK), ("slip reversal", RED), ("slide", BLUE)):
         _curve(ax, x, d[f"constraint_{name.split('-')[-1].split()[-1]}"], colour, name)
     ax.set(**SHARE)
-    ax.legend(loc="center right", bbox_to_anchor=(1, 0.55))
+    ax.legend(loc="center right", fontsize=6)
 
 
 def _draw_company(ax, d) -> None:
-    """Curves with their names above them, beyond the middle."""
+    """Curves with their names above them, from about 28 degrees on."""
     curves = {
         "pushed": ("constraint", "shared", GREEN),
         f"kicked > {DISTURBED:.0%}": ("constraint", "disturbed", PINK),
@@ -156,7 +156,8 @@ def _draw_company(ax, d) -> None:
     for name, (law, measure, colour) in curves.items():
         x, share = d[f"{law}_tilt"][:, 0], d[f"{law}_{measure}"]
         _curve(ax, x, share, colour)
-        at = (x[x.size // 2], share[x.size // 2, 0])
+        near = np.abs(x - 28).argmin()
+        at = x[near], share[near, 0]
         ax.annotate(name, at, (0, 6), color=colour, fontsize=7, textcoords="offset points")
     ax.set(**SHARE)
 
