@@ -147,7 +147,7 @@ def _draw_regimes(ax, d) -> None:
 
 
 def _draw_company(ax, d) -> None:
-    """Curves with their names above them, from about 28 degrees on."""
+    """Curves with their names beside them, from about 28 degrees on."""
     curves = {
         "pushed": ("constraint", "shared", GREEN),
         f"kicked > {DISTURBED:.0%}": ("constraint", "disturbed", PINK),
@@ -158,7 +158,8 @@ def _draw_company(ax, d) -> None:
         _curve(ax, x, share, colour)
         near = np.abs(x - 28).argmin()
         at = x[near], share[near, 0]
-        ax.annotate(name, at, (0, 6), color=colour, fontsize=7, textcoords="offset points")
+        beside = {"textcoords": "offset points", "color": colour, "fontsize": 7}
+        ax.annotate(name, at, (0, -11 if colour == PINK else 6), **beside)
     ax.set(**SHARE)
 
 
@@ -211,7 +212,7 @@ def draw(d: Data) -> plt.Figure:
     *over_tilt, gamma, _, lossy = figure.axes
     gamma.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6))
     lossy.set(xlabel="restitution between rods", xlim=(0.2, 1.05))
-    for ax, top in zip(over_tilt, (1, 1, 0.74), strict=True):  # up to the legend
+    for ax, top in zip(over_tilt, (1, 1, 0.7), strict=True):  # up to the legend
         tilt_axis(ax, 0, 65)
         ax.axvline(d["reversal_tilt_deg"], 0, top, color="0.4", lw=0.8, ls=":")
     return figure

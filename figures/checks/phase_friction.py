@@ -80,7 +80,7 @@ def draw(d: Data) -> plt.Figure:
     c.plot(d["fine_friction"], d["fine_theory"], color=ORANGE, label=r"theory, $V_0/2$")
     scaled = d["theory"][:, cut] * 2 * d["V_z"][:, cut]
     c.plot(d["friction"], scaled, "s-", ms=2.5, lw=0.8, color=BLUE, label=r"theory, measured $V_z$")
-    c.axvline(d["critical"], 0, 0.72, color=BLACK, lw=0.8)
+    c.axvline(d["critical"], 0, 0.67, color=BLACK, lw=0.8)
     c.axhline(0, color="0.6", lw=0.6)
     c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")
     c.set_ylim(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(scaled.max(), top))

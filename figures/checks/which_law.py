@@ -36,6 +36,7 @@ from ..claims.over_laws import (
     singled_out,
     sweeps,
 )
+from ..lib.runs import PARTS
 from ..lib.style import BLACK, BLUE, ORANGE, Data, name_panels, style
 from ..lib.tables import table, text_of
 
@@ -71,11 +72,15 @@ def short(law: dict[str, float | str]) -> str:
     """Form, then the values as plate/rods."""
     if law["form"] == APPENDIX:
         damping = "damping by overlap" if law["overlap factor"] == "with" else "damping"
-        pair = "/".join(f"{law[f'{damping}, {part}']:.2g}" for part in ("plate", "rods"))
-        return f"A {law['overlap factor']}, {law['mass']}, {pair}"
+        return f"A {law['overlap factor']}, {law['mass']}, {_pair(law, damping)}"
     names = "restitution", "tangential ratio", "tangential damping"
-    pairs = ("/".join(f"{law[f'{n}, {part}']:.2g}" for part in ("plate", "rods")) for n in names)
-    return ", ".join(pairs)
+    return ", ".join(_pair(law, name) for name in names)
+
+
+def _pair(law: dict[str, float | str], name: str) -> str:
+    """Values of plate and rods to two digits: 120/1.1."""
+    values = (float(f"{law[f'{name}, {part}']:.2g}") for part in PARTS)
+    return "/".join(f"{value:g}" for value in values)
 
 
 def names_of(d: Data) -> list[str]:

@@ -91,7 +91,7 @@ def bump(nominal: np.ndarray, c_x: np.ndarray) -> tuple[float, int, int]:
 
     It is negative where the drift only falls.
     """
-    inner = np.flatnonzero((nominal > 20) & (nominal <= 45))
+    inner = np.flatnonzero((nominal > 20) & (nominal <= 45)).tolist()
     return max((c_x[j] - c_x[i], i, j) for n, j in enumerate(inner) for i in inner[:n])
 
 

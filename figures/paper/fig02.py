@@ -181,7 +181,7 @@ def draw(d: Data) -> plt.Figure:
     _rows(axes[0], d)
     _annuli(axes[1], d)
     axes[0, 0].plot([], [], ":", color=BLACK, lw=0.8, label="the paper's rods begin to move")
-    clear = {axes[0, 1]: (0.25, 1), axes[1, 1]: (0, 0.78)}  # of the legends
+    clear = {axes[0, 1]: (0.25, 1), axes[1, 1]: (0, 0.74)}  # of the legends
     for ax in axes.flat:
         ax.axvline(ONSET, *clear.get(ax, (0, 1)), color=BLACK, lw=0.8, ls=":")
         ax.set_xlabel(r"acceleration $\Gamma$")

@@ -102,7 +102,7 @@ def _over_tilt(axes, d: Data) -> None:
     ax.plot(d["deg"], steady * d["tilt_alpha_impulse"], "-", color=RED, label=label)
     ax.plot(d["deg"], steady / 2, ":", color=BLACK, label=r"(24), (27), $\alpha=1/2$")
     ax.set(ylabel=r"drift / $V_0$", ylim=(0, 4.6))
-    for ax, top in zip(axes, (0.7, 1, 0.72), strict=True):  # up to the legend
+    for ax, top in zip(axes, (0.68, 1, 0.66), strict=True):  # up to the legend
         tilt_axis(ax, 0, 75)
         ax.axvline(again, 0, top, color=BLACK, lw=0.8, ls="--")
         ax.legend(loc="upper right", **LEGEND_BOX)

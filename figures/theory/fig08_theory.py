@@ -70,7 +70,7 @@ def draw(d: Data) -> plt.Figure:
     curve(last, {**d, "deg": np.degrees(d["sweep_tilt"])}, "deg", "falling", BLUE)
     again = np.degrees(d["again_tilt"])
     name = rf"$X^2=\epsilon k^2$: {again:.1f}°"
-    last.axvline(again, 0, 0.78, color=BLACK, lw=0.8, ls="--", label=name)  # up to the legend
+    last.axvline(again, 0, 0.73, color=BLACK, lw=0.8, ls="--", label=name)  # up to the legend
     last.set(ylim=(-0.02, 1))
     last.legend(loc="upper right")
     return figure

@@ -117,7 +117,7 @@ def draw(d: Data) -> plt.Figure:
     ax.set_yticks(range(0, 91, 15))
     handles, labels = ax.get_legend_handles_labels()
     unlike = dict(zip(labels, handles, strict=True))
-    ax.legend(unlike.values(), unlike.keys(), loc="lower right", handlelength=1.5)
+    ax.legend(unlike.values(), unlike.keys(), loc="lower right", handlelength=1.2, fontsize=6)
 
     ax, tilt_deg = axes[1], np.degrees(d["tilt"])
     for gamma, time, colour in zip(d["gamma"], d["time"], COLOURS, strict=True):
@@ -132,8 +132,8 @@ def draw(d: Data) -> plt.Figure:
     for name, (colour, label) in looks.items():
         points(ax, tilt_deg, *d[name].T, colour, label=label, ms=2)
     ax.axhline(0, color="0.5", lw=0.6)
-    ax.set(ylabel=r"drift / $V_0$")
-    ax.legend()
+    ax.set(ylabel=r"drift / $V_0$", ylim=(None, 1.4 * d["held_drift"].max()))
+    ax.legend(loc="upper right")
     name_panels(axes, (rf"$\Gamma={GAMMA:g}$", "", rf"$\Gamma={GAMMA:g}$"))
     for ax in axes[1:]:
         tilt_axis(ax, 0, 80, 20)
