@@ -130,7 +130,7 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     ax.legend(loc="upper right", fontsize=6)
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
-    inset = ax.inset_axes([0.1, 0.64, 0.25, 0.24])
+    inset = ax.inset_axes([0.14, 0.64, 0.25, 0.24])
     curve(inset, d, "gamma", "b_tilt", ms=2, **POINTS)
     nominal = np.degrees(np.arccos(COUNT / BOX))
     inset.axhline(nominal, color="0.5", lw=0.6)
@@ -167,7 +167,7 @@ def draw(d: Data) -> plt.Figure:
     name_panels((a, b, c), (rf"$\Gamma={GAMMA}$", rf"$L={BOX:g}\,d$", third))
     for ax in (a, b, c):
         ax.axhline(0, color="0.7", lw=0.6)
-    legend_above(figure, a, ncols=4, fontsize=6.5)
+    legend_above(figure, a, ncols=3, fontsize=6.5)
     figure.supxlabel(
         rf"$N={COUNT}$, (a, b) $l={LENGTH}\,d$, $d=0.6$ cm, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}",
     )
