@@ -30,7 +30,7 @@ Python, a full grid of two axes and what came of it as labelled arrays:
 >>> (c_x,) = sweep.gather("grid.db", "c_x_cm_s")
 >>> c_x.shape
 (2, 3)
->>> found = sweep.labelled("grid.db", "c_x_cm_s")  # with xarray, found["c_x_cm_s"].plot() draws it
+>>> found = sweep.labelled("grid.db", "c_x_cm_s")  # by xarray, with coordinates
 """
 
 import hashlib
