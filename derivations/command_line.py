@@ -23,7 +23,6 @@ class Commands(click.Group):
         shown = {"max_content_width": 100, "show_default": True}
         options |= {"no_args_is_help": False, "context_settings": shown}
         super().__init__(*arguments, **options)
-        click.version_option(package_name="rod-impact", message="%(package)s %(version)s")(self)
 
     def list_commands(self, _: click.Context) -> list[str]:
         """Names of the commands, in the order of their definitions."""

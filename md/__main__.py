@@ -44,6 +44,7 @@ _json = click.option("--json", "as_json", is_flag=True, help="One JSON object on
 
 
 @click.group(cls=Commands, name="python -m md")
+@click.version_option(package_name="rod-impact", message="%(package)s %(version)s")
 def main() -> None:
     """Molecular dynamics of rods on a plate: one impact, a scene, a sweep of scenes.
 
