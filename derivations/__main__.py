@@ -66,6 +66,7 @@ def _examples(*lines: str) -> str:
     invoke_without_command=True,
     epilog=_examples("check        # so does python -m derivations alone", "report"),
 )
+@click.version_option(package_name="rod-impact", message="%(package)s %(version)s")
 @click.pass_context
 def main(context: click.Context) -> int | None:
     """Prove every equation, generate the functions, write the report."""

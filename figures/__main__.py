@@ -51,6 +51,7 @@ _quick = click.option("--quick", is_flag=True, help="Coarse grids, short runs, f
 
 
 @click.group(cls=Commands, name="python -m figures")
+@click.version_option(package_name="rod-impact", message="%(package)s %(version)s")
 def main() -> None:
     """List and draw the figures, animate a scene, judge the claims, show all of it.
 
