@@ -152,9 +152,9 @@ def impacts(n, seed):
 
 
 def same(found, wanted):
-    """Every number to the last bit."""
+    """Every number to the last bit, but for what infinite friction leaves of zero."""
     for i, (got, want) in enumerate(zip(found, wanted, strict=True)):
-        np.testing.assert_array_equal(got, want, f"number {i}")
+        np.testing.assert_allclose(got, want, rtol=0, atol=1e-140, err_msg=f"number {i}")
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -168,12 +168,13 @@ def test_an_impact_has_the_same_bits(run, law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_an_impact_of_two_bodies_has_the_same_bits(run, law):
-    """Also where speeds, levers or responses cancel, and against a wall."""
+    """Also where speeds, levers or responses cancel, against a wall, and of two walls."""
     call, n = run
     for alike in (0.0, 0.99):
         first, second, how = test_pairs.pairs(n // 2, seed=72, alike=alike)
+        first.mass[:9] = second.mass[:9] = np.inf
         want = impact.collide_pair(first, second, **how, law=law)
-        assert np.bincount(want.regime, minlength=4).min() > 0
+        assert np.bincount(want.regime + 1, minlength=5).min() > 0
         same(
             call("collide_pair", law, [*first, *second, *how.values()]),
             [*want.first, *want.second, *want[2:]],
@@ -203,8 +204,8 @@ def test_closed_forms_are_those_of_python(run):
     rng = np.random.default_rng(74)
     n = 2_000
     tilt, length = rng.uniform(-np.pi / 2, np.pi / 2, n), 1 + 10 ** rng.uniform(-1, 1.5, n)
-    mu, epsilon = rng.uniform(0, 1, n) * (np.arange(n) > 20), rng.uniform(0, 1, n)
-    epsilon[:10], ratio = 1.0, 10 ** rng.uniform(-1, 1, n)
+    mu, epsilon = rng.uniform(0, 1, n) * (np.arange(n) > 4), rng.uniform(0, 1, n)
+    tilt[:20], epsilon[10:30], ratio = 0.0, 1.0, 10 ** rng.uniform(-1, 1, n)
     rods = {
         "thin_rod": (impact.thin_rod(tilt, length), (tilt, length)),
         "spherocylinder": (impact.spherocylinder(tilt, length, 0.7), (tilt, length, 0.7)),
