@@ -249,6 +249,13 @@ def test_the_example_of_the_header_prints_what_python_finds(header):
     )
 
 
+@pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler")
+def test_the_header_is_cpp_as_well(header):
+    (header / "all.cpp").write_text('#include "rod_impact.h"\n')
+    command = ["c++", "-Wall", "-Wextra", "-pedantic", "-Werror", "-fsyntax-only", "all.cpp"]
+    subprocess.run(command, cwd=header, check=True)
+
+
 def test_the_script_refuses_an_unknown_law():
     quickjs = pytest.importorskip("quickjs", reason="there is no JavaScript engine")
     engine = quickjs.Context()
