@@ -97,7 +97,7 @@ def summary(d: Data) -> str:
         moving, back = kind[i] != 0, kind[i] < 0
         agree = np.mean((kind[i] > 0)[moving] == ~down[i][moving]) if moving.any() else np.nan
         counts = (n.sum() for n in (back, back & down[i], down[i], moving))
-        rows.append([law, *counts, agree, d["c_x"][i].min(), d["V_z"][i].min()])
+        rows.append([law, *counts, agree, np.nanmin(d["c_x"][i]), np.nanmin(d["V_z"][i])])
     heads = ("law", "backwards", "with V_z < 0", "V_z < 0", "drift at all", "signs agree")
     count = d["c_x"][0].size
     return "\n".join(
