@@ -177,6 +177,7 @@ def files(out: Path) -> dict[str, bytes]:
     known = {f"{name}.png" for name in (*FIGURES, "prices")}
     tables = folder.find("prices.txt")
     shown = {
+        "played": folder.find("explore.html"),
         "proofs": _proofs(folder),
         "pictures": [_figure(folder, name) for name in FIGURES if name not in PRICE_PANELS],
         "prices": [_figure(folder, name) for name in PRICE_PANELS],
