@@ -20,6 +20,7 @@ from .command_line import Commands
 from .sentences import to_text
 
 NAME = "python -m derivations"
+_FILE = click.Path(dir_okay=False, path_type=Path)
 
 
 def _bar(what: str) -> Callable[..., tqdm]:
@@ -84,15 +85,26 @@ def check(as_json: bool = False) -> int:
     return _code(rows)
 
 
-@main.command(epilog=_examples("generate"))
-def generate() -> int:
+@main.command(epilog=_examples("generate", "generate --language c --out rod_impact.h"))
+@click.option("--language", help="c or javascript: print the impact map as a header or a script.")
+@click.option("--out", type=_FILE, help="File for it, instead of standard output.")
+def generate(language: str | None, out: Path | None) -> int:
     """Write the generated functions and tables (5 s).
 
     They are impact/_generated.py, impact/_kernel.py and derivations/EQUATIONS.md of a source
-    checkout.
+    checkout. With --language nothing of these is written.
     """
-    from . import equations_page, files  # for a quick --help
+    from . import equations_page, files, languages  # for a quick --help
 
+    if language is not None:
+        text = languages.source(language)
+        if out is None:
+            print(text, end="")
+        else:
+            print(f"{out}: {'written' if files.write(text, out) else 'unchanged'}")
+        return 0
+    if out is not None:
+        raise click.UsageError("--out needs --language")
     root = files.KERNEL.parent.parent
     if not (root / "README.md").is_file():
         raise click.UsageError(f"generate needs a source checkout; {root} has no README.md")
