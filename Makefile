@@ -13,11 +13,9 @@ figures: .venv/ready
 	$(BIN)/python -m derivations report
 	$(BIN)/python -m derivations generate
 	$(BIN)/python -m figures draw
-	$(BIN)/python -m figures explore --html out/explore.html
 	$(BIN)/python -m figures index
 
 paper: .venv/ready
-	$(BIN)/python -m figures explore --html out/explore.html
 	$(BIN)/python -m figures paper
 
 test: .venv/ready

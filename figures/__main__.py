@@ -18,7 +18,7 @@ from . import FIGURES
 from .lib.tables import plain
 
 PRICES = "prices.txt", "prices.json", "prices.png"
-CLAIMS, PAGE = ("claims.json", "claims.md"), "index.html"
+CLAIMS, PAGES = ("claims.json", "claims.md"), ("impact.html", "index.html")
 
 
 def _replacing(path: Path) -> AbstractContextManager[Path]:
@@ -208,7 +208,7 @@ def paper(estimate: bool, out: Path, store: Path | None) -> int:
     from .lib.files import storing
     from .pages import everything
 
-    made = *files_of(*FIGURES), "quasi2d.gif", "quasi2d.mp4", *CLAIMS, PAGE
+    made = *files_of(*FIGURES), "quasi2d.gif", "quasi2d.mp4", *CLAIMS, *PAGES
     with storing(out, store, *made):
         print(everything.estimate(out), flush=True)
         names = everything.left(out)
@@ -275,7 +275,7 @@ def index(out: Path) -> None:
     for name, content in files.items():
         with _replacing(out / name) as part:
             part.write_bytes(content)
-    print(out / PAGE)
+    print(out / PAGES[-1])
 
 
 @main.command()
@@ -312,7 +312,7 @@ def explore(out: Path | None, html: Path | None, **given: Any) -> None:
     \b
     python -m figures explore
     python -m figures explore --tilt-deg 40 --friction 0.5 --out setting.png
-    python -m figures explore --html impact.html    # as a page, and the impact as it goes on
+    python -m figures explore --html setting.html   # and the impact as it goes on
     """
     if out or html:
         import matplotlib as mpl

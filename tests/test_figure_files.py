@@ -15,7 +15,7 @@ from .test_help import GROUPS
 
 WORK = (  # what takes the time of the commands
     *("claims.judge.judge", "cost.effect_prices.data", "pages.everything.estimate"),
-    *("pages.explore.write", "pages.explore_page.page", "pages.movie.record", "paper.fig10.data"),
+    *("pages.explore.write", "pages.movie.record", "paper.fig10.data"),
 )
 
 

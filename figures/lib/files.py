@@ -20,9 +20,7 @@ SIGNATURES = {  # what a file of each kind has near its beginning
 HEAD_BYTES = 300  # bytes
 
 
-def ready(
-    out: Path, *names: str, store: Path | None = None, option: str = "out"
-) -> list[Path]:
+def ready(out: Path, *names: str, store: Path | None = None, option: str = "out") -> list[Path]:
     """Paths of the files `names` in the folder `out`, which need not be there yet.
 
     Parameters
