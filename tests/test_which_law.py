@@ -145,6 +145,7 @@ def test_of_equal_laws_the_cheapest_is_singled_out(made):
     step[[0, 1, 7]] = 4, 2, 3
     d = {**made, "best_score": score, "best_step": step}
     assert over_laws.singled_out(d) == 1  # within 0.5 of the best one, of larger steps
+    assert over_laws.as_good(d).tolist() == [1, 4]
     told = over_laws.outcome(d)
     assert (told["best"], told["score"], told["as_good"]) == (10, 9.8, 2)
 
@@ -180,12 +181,13 @@ def test_strips_hold_every_law_and_mark_the_best(made):
     assert len(law_strips.summary(made).splitlines()) == len(over_laws.verdicts(made)) + 1
 
 
-def test_the_law_of_the_figures_is_the_one_singled_out():
+@pytest.mark.parametrize(("place", "of"), enumerate((runs.LAW_OF, runs.SECOND_OF)))
+def test_the_laws_of_the_figures_are_the_cheapest_of_the_best(place, of):
     d = kept_data("which_law", gallery.GALLERY)
-    law = over_laws.laws_of(d["best_parts"])[over_laws.singled_out(d)]
+    law = over_laws.laws_of(d["best_parts"])[over_laws.as_good(d)[place]]
     asked = {
         f"{option.replace('_', ' ')}, {part}": value
-        for option, pair in runs.LAW_OF.items()
+        for option, pair in of.items()
         for part, value in zip(runs.PARTS, pair, strict=True)
     }
     assert law == {"form": over_laws.CONSTANT, **{k: pytest.approx(v) for k, v in asked.items()}}

@@ -43,6 +43,12 @@ __all__ = ["data", "draw", "summary", "sweeps"]
 EIGHTHS = 8  # parts of a range, whose means are drawn
 
 
+def eighths(x: np.ndarray, score: np.ndarray) -> np.ndarray:
+    """Medians of x and mean scores of an eighth of the laws each, in the order of x."""
+    parts = np.array_split(np.argsort(x), EIGHTHS)
+    return np.transpose([(np.median(x[of]), score[of].mean()) for of in parts if of.size])
+
+
 def _draw_parameters(axes: np.ndarray, d: Data) -> None:
     laws, score, even = laws_of(d["parts"]), d["score"], d["round"] == 0
     numbers = [p for p in PARAMETERS if p.choices is None]
@@ -51,9 +57,7 @@ def _draw_parameters(axes: np.ndarray, d: Data) -> None:
         known = np.flatnonzero(even & np.isfinite(x))
         ax.plot(x[~even], score[~even], ".", color=ORANGE, markersize=2.5)
         ax.plot(x[known], score[known], ".", color=BLUE, markersize=2.5)
-        eighths = np.array_split(known[np.argsort(x[known])], EIGHTHS)
-        middle = [(np.median(x[of]), score[of].mean()) for of in eighths if of.size]
-        ax.plot(*np.transpose(middle), color=BLACK)
+        ax.plot(*eighths(x[known], score[known]), color=BLACK)
         ax.set_xscale("log" if parameter.log else "linear")
         ax.set_xlim(parameter.low, parameter.high)
         ax.set_xlabel(parameter.name.replace(", ", ",\n", 1), fontsize=6)

@@ -18,7 +18,7 @@ from md.scene import both, put
 from md.search import Parameter, Search
 from md.sweep import Point, Sweep
 
-from ..lib.runs import LENGTH, PARTS, PRINTED, SIMPLE_ROW, boxes, computed
+from ..lib.runs import LENGTH, PARTS, PRINTED, RESOLVED, SIMPLE_ROW, boxes, computed
 from ..lib.style import Data
 from . import over_tilt
 from .limits import GRADES, claim_of, grade, read, verdict
@@ -106,7 +106,7 @@ KNOWN: dict[str, Values] = {  # laws that are confirmed besides, known without s
 def search(quick: bool = False) -> Search:
     """The search, without targets of its own."""
     places = tuple({"box.length": box} for box in boxes(QUICK_DEG if quick else LAW_TILTS_DEG))
-    base = put(SIMPLE_ROW, {"step.size": "none", "step.coarse": "none"})
+    base = put(SIMPLE_ROW, RESOLVED)
     return Search(base, {}, parameters=PARAMETERS, places=places, targets=(), **SIZE[quick])
 
 
@@ -136,7 +136,7 @@ def closer(given: Search, parts: np.ndarray, score: np.ndarray) -> np.ndarray:
     return given.draw(1, box)
 
 
-def _part(parameter: Parameter, value: float | str) -> float:
+def part_of(parameter: Parameter, value: float | str) -> float:
     """The part of a range at which a parameter has this value."""
     if parameter.choices is not None:
         return (list(parameter.choices).index(str(value)) + 0.5) / len(parameter.choices)
@@ -149,7 +149,7 @@ def _part(parameter: Parameter, value: float | str) -> float:
 def rounded(values: Values) -> np.ndarray:
     """Parts of the ranges of a law, numbers rounded to two digits; what is not named: anything."""
     digits = {n: v if isinstance(v, str) else float(f"{v:.2g}") for n, v in values.items()}
-    return np.array([_part(p, digits[p.name]) if p.name in digits else 0.0 for p in PARAMETERS])
+    return np.array([part_of(p, digits[p.name]) if p.name in digits else 0.0 for p in PARAMETERS])
 
 
 def confirming(parts: np.ndarray, quick: bool = False) -> Sweep:
@@ -166,7 +166,7 @@ def confirming(parts: np.ndarray, quick: bool = False) -> Sweep:
     return replace(whole, points=tuple(map(halved, whole.points)))
 
 
-def _judged(whole: Sweep, tilts: Sequence[int], prefix: str = "") -> Data:
+def judged(whole: Sweep, tilts: Sequence[int], prefix: str = "") -> Data:
     """Of each law: numbers, grades, score with its spread, drift over tilt."""
     nominal = np.array(tilts)
     tables = [over_tilt.table(sweep, nominal) for sweep in _by_law(computed(whole))]
@@ -206,18 +206,18 @@ def score_of(grades: np.ndarray) -> np.ndarray:
 
 
 def data(quick: bool = False) -> Data:
-    """Of all laws, then of the best ones: parameters as parts of their ranges, and `_judged`."""
+    """Of all laws, then of the best ones: parameters as parts of their ranges, and `judged`."""
     given, tilts = search(quick), QUICK_DEG if quick else LAW_TILTS_DEG
-    parts, found = given.draw(), _judged(sweeps(quick)["laws"], tilts)
+    parts, found = given.draw(), judged(sweeps(quick)["laws"], tilts)
     near = closer(replace(given, points=CLOSER[quick]), parts, found["score"])
-    late = _judged(given.sweep(near), tilts)
+    late = judged(given.sweep(near), tilts)
     parts = np.concatenate([parts, near])
     same = {"nominal", "theory"}
     found = {n: v if n in same else np.concatenate([v, late[n]]) for n, v in found.items()}
     best = np.argsort(-found["score"], kind="stable")[: CONFIRMED[quick]["best"]]
     chosen = np.array([rounded(law) for law in (*laws_of(parts[best]), *KNOWN.values())])
     runs = confirming(chosen, quick)
-    confirmed = _judged(runs, tilts, "best_")
+    confirmed = judged(runs, tilts, "best_")
     rounds = np.repeat([0, 1], [len(parts) - len(near), len(near)])
     return {
         "parts": parts,
@@ -265,14 +265,19 @@ def verdicts(d: Data) -> dict[str, dict[str, Any]]:
     return found
 
 
-def singled_out(d: Data) -> int:
-    """Number of a confirmed law: of those within the spread of the best, that of the largest step.
+def as_good(d: Data) -> np.ndarray:
+    """Numbers of the confirmed laws whose score is within the spread of the best, cheapest first.
 
     Scores so near to each other do not differ, and the larger the step, the cheaper is a run.
     """
     score, best = d["best_score"], np.argmax(d["best_score"])
-    near = score >= score[best] - d["best_spread"][best]
-    return int(np.argmax(np.where(near, d["best_step"], 0)))
+    near = np.flatnonzero(score >= score[best] - d["best_spread"][best])
+    return near[np.argsort(-d["best_step"][near], kind="stable")]
+
+
+def singled_out(d: Data) -> int:
+    """Number of the confirmed law that the figures take."""
+    return int(as_good(d)[0])
 
 
 def outcome(d: Data) -> dict[str, Any]:
@@ -285,6 +290,6 @@ def outcome(d: Data) -> dict[str, Any]:
         "score": float(score[singled_out(d)]),
         "best": float(score[best]),
         "spread": float(spread[best]),
-        "as_good": int((score >= score[best] - spread[best]).sum()),
+        "as_good": len(as_good(d)),
         "known": dict(zip(KNOWN, known.tolist(), strict=True)),
     }
