@@ -46,10 +46,12 @@ function impactOf(s) {
   const corners = hit.regime > 1 ? [[0, 0], stop, end] : [[0, 0], end];
   const after = { ...hit, spin: k * hit.omega, u: hit.slip_velocity, v: hit.normal_velocity };
   const speeds = corners.map((P) => at(P).v), found = speeds.findIndex((v) => v >= 0);
-  const i = found > 0 ? found : corners.length - 1, part = Math.min(speeds[i - 1] / (speeds[i - 1] - speeds[i]), 1) || 0;
+  const i = found > 0 ? found : corners.length - 1;
+  const part = Math.min(speeds[i - 1] / (speeds[i - 1] - speeds[i]), 1) || 0;
   const deepest = corners[i - 1][1] + part * (corners[i][1] - corners[i - 1][1]);
-  const moments = [0, corners[1][1], deepest, end[1]].map((P_z) => IN + ((OUT - IN) * P_z) / (end[1] || 1));
-  return { rod, at, ends, hit, corners, before: at([0, 0]), after, drift: driftOf(s, rod), moments: [0, ...moments.sort(), 1] };
+  const inside = [0, corners[1][1], deepest, end[1]].map((P_z) => IN + ((OUT - IN) * P_z) / (end[1] || 1));
+  const moments = [0, ...inside, 1].sort((a, b) => a - b);
+  return { rod, at, ends, hit, corners, before: at([0, 0]), after, drift: driftOf(s, rod), moments };
 }
 
 /** Point of the path at which the impulse across the plate is P_z, and whether slip has stopped. */
@@ -72,14 +74,14 @@ const text = (x, y, words, anchor = "middle", more = {}) =>
   tag("text", { x: px(x), y: px(y), "text-anchor": anchor, ...more }, words);
 const ring = (x, y, look = "here", r = 5.5) => tag("circle", { class: look, cx: px(x), cy: px(y), r });
 
-function head(x, y, angle, look) {
-  const corner = (turn, size) => [x + size * Math.cos(angle + turn), y + size * Math.sin(angle + turn)];
-  return line([corner(0, 6), corner(2.4, 6), corner(-2.4, 6), corner(0, 6)], `head ${look}`);
+function head(x, y, angle, look, size = 6) {
+  const corner = (turn) => [x + size * Math.cos(angle + turn), y + size * Math.sin(angle + turn)];
+  return line([corner(0), corner(2.4), corner(-2.4)], `head ${look}`);
 }
 
-function arrow(x, y, dx, dy, look) {
+function arrow(x, y, dx, dy, look, size) {
   if (Math.hypot(dx, dy) < 3) return "";
-  return line([[x, y], [x + dx, y + dy]], `arrow ${look}`) + head(x + dx, y + dy, Math.atan2(dy, dx), look);
+  return line([[x, y], [x + dx, y + dy]], `arrow ${look}`) + head(x + dx, y + dy, Math.atan2(dy, dx), look, size);
 }
 
 function turning(x, y, spin) {
@@ -94,7 +96,8 @@ function ticks(low, high, most = 6) {
   const power = 10 ** Math.floor(Math.log10((high - low) / most));
   const step = power * [1, 2, 5, 10].find((n) => (high - low) / (n * power) <= most);
   const first = Math.ceil(low / step - 1e-9);
-  return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, i) => +((first + i) * step).toPrecision(9));
+  const count = Math.floor(high / step + 1e-9) - first + 1;
+  return Array.from({ length: count }, (_, i) => +((first + i) * step).toPrecision(9));
 }
 
 /** Axes: places of values, and the frame with ticks and words. */
@@ -103,10 +106,10 @@ function axes(id, [x0, x1], [y0, y1], xWords, yWords, xTicks = ticks(x0, x1), bo
   const x = (value) => left + ((value - x0) / (x1 - x0)) * (right - left);
   const y = (value) => bottom - ((value - y0) / (y1 - y0)) * (bottom - top);
   const area = { x: left, y: top, width: right - left, height: bottom - top };
-  const short = (value) => `${value}`.replace("-", "−");
+  const yTicks = ticks(y0, y1), short = (value) => `${value}`.replace("-", "−");
   const marks = [
     ...xTicks.map((v) => line([[x(v), bottom], [x(v), bottom + 5]], "tick") + text(x(v), bottom + 19, short(v))),
-    ...ticks(y0, y1).map((v) => line([[left - 5, y(v)], [left, y(v)]], "tick") + text(left - 8, y(v) + 4, short(v), "end")),
+    ...yTicks.map((v) => line([[left - 5, y(v)], [left, y(v)]], "tick") + text(left - 8, y(v) + 4, short(v), "end")),
     text((left + right) / 2, bottom + 37, xWords),
     text(0, 0, yWords, "middle", { transform: `translate(13 ${(top + bottom) / 2}) rotate(-90)` }),
     tag("rect", { class: "frame", ...area }),
@@ -141,30 +144,30 @@ function flight(state, way) {
 
 function drawRod(now, point) {
   const { before, after, rod } = shown, speed = 62, begin = flight(before, -1), finish = flight(after, 1);
-  const place = ([x, z]) => [125 + ROD * x, 252 - ROD * z];
+  const place = ([x, z]) => [140 + ROD * x, 252 - ROD * z];
   const body = (state, time, look) => {
     const flight = flown(state, time), width = ROD * Math.max(rod.thick, 0.02);
     const turn = setting.tilt_deg + (flight[2] * 180) / Math.PI;
-    return tag("rect", {
-      class: look, x: px(-width / 2), y: -ROD / 2, width: px(width), height: ROD, rx: rod.round ? px(width / 2) : 0,
-      transform: `translate(${place(flight).map(px)}) rotate(${px(turn)})`,
-    });
+    const shape = { x: px(-width / 2), y: -ROD / 2, width: px(width), height: ROD, rx: rod.round ? px(width / 2) : 0 };
+    return tag("rect", { class: look, ...shape, transform: `translate(${place(flight).map(px)}) rotate(${px(turn)})` });
   };
-  const velocity = (state, time, look) => arrow(...place(flown(state, time)), speed * state.c_x, -speed * state.c_z, look);
+  const velocity = (state, time, look) =>
+    arrow(...place(flown(state, time)), speed * state.c_x, -speed * state.c_z, look);
   const ghost = (state, time, look) => {
-    const [x, z, turn] = flown(state, time), tilt = radians(setting.tilt_deg) + turn, side = look === "after" ? 1 : -1;
-    const [X, Z] = place([x + 0.5 * Math.sin(tilt), z + 0.5 * Math.cos(tilt)]);
+    const [x, z, turn] = flown(state, time), tilt = radians(setting.tilt_deg) + turn;
+    const side = look === "after" ? 1 : -1, [X, Z] = place([x + 0.5 * Math.sin(tilt), z + 0.5 * Math.cos(tilt)]);
     const word = time ? text(X + 8 * side, Z - 5, look, side > 0 ? "start" : "end") : "";
     return body(state, time, `ghost ${look}`) + velocity(state, time, "centre pale") + word;
   };
   const part = moment < IN ? 1 - moment / IN : Math.max(0, (moment - OUT) / (1 - OUT));
   const time = part * (moment < IN ? begin : finish);
   const centre = place(flown(now, time)), [foot, ground] = place([0, 0]);
-  let pieces = ghost(before, begin, "before") + ghost(after, finish, "after") + line([[8, ground], [392, ground]], "plate");
-  pieces += body(now, time, "body") + ring(...centre, "dot", 3.5) + velocity(now, time, "centre") + turning(...centre, now.spin);
+  let pieces = ghost(before, begin, "before") + ghost(after, finish, "after");
+  pieces += line([[8, ground], [392, ground]], "plate") + body(now, time, "body") + ring(...centre, "dot", 3.5);
+  pieces += velocity(now, time, "centre") + turning(...centre, now.spin);
   if (point) {
-    const size = 34 / (Math.hypot(...point.way) || Infinity), [X, Z] = point.way.map((part) => part * size);
-    pieces += arrow(foot - 1.2 * X, ground + 1.2 * Z + 3, X, -Z, "force");
+    const size = 30 / (Math.hypot(...point.way) || Infinity), [X, Z] = point.way.map((part) => part * size);
+    pieces += arrow(foot - 1.4 * X, ground + 1.4 * Z, X, -Z, "force", 9);
     pieces += arrow(foot, ground, speed * now.u, -speed * now.v, "contact");
   }
   $("rod").innerHTML = pieces;
@@ -175,16 +178,17 @@ function drawRod(now, point) {
 const impulse = (letter) => `P<tspan dy="3" font-size="9">${letter}</tspan><tspan dy="-3"> / (mass × speed)</tspan>`;
 
 function drawPlane(point) {
-  const { at, corners, ends, before } = shown, all = [...corners, ...Object.values(ends).map((end) => [end.P_x, end.P_z])];
-  const top = 1.2 * Math.max(...all.map(([, z]) => z)) || 1, wide = 1.2 * Math.max(...all.map(([x]) => Math.abs(x)));
-  const scale = Math.min(248 / top, 170 / (wide || 1e-9)), size = { x: 170 / scale, z: 248 / scale };
+  const { at, corners, ends, before } = shown;
+  const all = [...corners, ...Object.values(ends).map((end) => [end.P_x, end.P_z])];
+  const top = Math.max(...all.map(([, z]) => z)) || 1, wide = Math.max(...all.map(([x]) => Math.abs(x)));
+  const scale = Math.min(248 / top, 170 / (wide || 1e-9)) / 1.2, size = { x: 170 / scale, z: 248 / scale };
   const { x, y, draw } = axes("plane", [-size.x, size.x], [0, size.z], impulse("x"), impulse("z"));
   const straight = (name, look) => {
     const f = before[name], a = at([1, 0])[name] - f, b = at([0, 1])[name] - f, far = 9 * (size.x + size.z);
     const foot = [(-f * a) / (a * a + b * b), (-f * b) / (a * a + b * b)], norm = Math.hypot(a, b);
     return line([-far, far].map((t) => [x(foot[0] - (t * b) / norm), y(foot[1] + (t * a) / norm)]), look);
   };
-  const mu = setting.friction, high = size.z, cone = [[x(-mu * high), y(high)], [x(0), y(0)], [x(mu * high), y(high)]];
+  const high = size.z, edge = setting.friction * high, cone = [[x(-edge), y(high)], [x(0), y(0)], [x(edge), y(high)]];
   const marks = Object.entries(ends).map(([law, end], i) => {
     const look = `end${law === setting.law ? " chosen" : ""}`, X = x(end.P_x), Y = y(end.P_z);
     if (i === 0) return ring(X, Y, look, 5);
@@ -192,11 +196,9 @@ function drawPlane(point) {
     return line(shape.map(([dx, dy]) => [X + dx, Y + dy]), look);
   });
   const P = point ? point.P : moment < IN ? [0, 0] : corners.at(-1);
-  draw(
-    line(cone, "inside") + line(cone, "cone") + line([[x(0), y(0)], [x(0), y(high)]], "zero") +
-      straight("u", "stick") + straight("v", "deepest") + line(corners.map(([X, Z]) => [x(X), y(Z)]), "path") + marks.join(""),
-    ring(x(P[0]), y(P[1])),
-  );
+  const way = line(corners.map(([X, Z]) => [x(X), y(Z)]), "path");
+  const lines = line([[x(0), y(0)], [x(0), y(high)]], "zero") + straight("u", "stick") + straight("v", "deepest");
+  draw(line(cone, "inside") + line(cone, "cone") + lines + way + marks.join(""), ring(x(P[0]), y(P[1])));
 }
 
 // ---- (c), (d): over tilt ------------------------------------------------------------------
@@ -215,7 +217,7 @@ function runs(values) {
 }
 
 const rect = (left, top, right, height, regime) =>
-  tag("rect", { class: `r${regime}`, x: px(left), y: px(top), width: px(right - left), height: px(height) });
+  tag("rect", { class: `r${regime}`, x: px(left), y: px(top), width: px(right - left + 0.4), height: px(height) });
 const colours = { key: "", rects: "" };
 
 /** The regimes as rectangles; kept as long as only tilt, friction and law change. */
@@ -223,7 +225,8 @@ function regimeRects(x, y) {
   const key = JSON.stringify({ ...setting, tilt_deg: 0, friction: 0, law: "" });
   if (key === colours.key) return colours.rects;
   const step = 90 / COLUMNS;
-  const given = Array.from({ length: COLUMNS }, (_, i) => givenOf(setting, rodOf(setting, radians((i + 0.5) * step))));
+  const rods = Array.from({ length: COLUMNS }, (_, i) => rodOf(setting, radians((i + 0.5) * step)));
+  const given = rods.map((rod) => givenOf(setting, rod));
   const rows = Array.from({ length: ROWS }, (_, row) => {
     const high = y((row + 1) / ROWS), height = y(row / ROWS) - high + 0.4;
     const regimes = given.map((one) => rodImpact.collide("newton", { ...one, friction: (row + 0.5) / ROWS }).regime);
@@ -236,18 +239,21 @@ function regimeRects(x, y) {
 function drawMap() {
   const { x, y, area, draw } = axes("map", [0, 90], [0, 1], "tilt φ (deg)", "friction μ", TILT_TICKS);
   const X = x(setting.tilt_deg), Y = y(setting.friction);
-  const critical = line(TILTS.map((deg) => [x(deg), y(rodImpact.critical_friction(rodOf(setting, radians(deg))))]), "critical");
+  const least = (deg) => rodImpact.critical_friction(rodOf(setting, radians(deg)));
+  const critical = line(TILTS.map((deg) => [x(deg), y(least(deg))]), "critical");
   const cross = line([[X, y(0)], [X, y(1)]], "guide") + line([[x(0), Y], [x(90), Y]], "guide");
   draw(regimeRects(x, y) + critical + cross, ring(X, Y) + tag("rect", { class: "pad", ...area }));
 }
 
 function drawDrift() {
   const rods = TILTS.map((deg) => rodOf(setting, radians(deg)));
-  const moves = rods.map((rod) => driftOf(setting, rod)), sticking = rods.map((rod) => driftOf(setting, rod, Infinity));
+  const moves = rods.map((rod) => driftOf(setting, rod));
+  const sticking = rods.map((rod) => driftOf(setting, rod, Infinity));
   const here = shown.drift.c_x, finite = moves.map(({ c_x }) => c_x).filter(Number.isFinite);
   const end = (size) => PAGE.steps.find((step) => size <= step) ?? PAGE.steps.at(-1);
   const low = -end(-Math.min(0, ...finite)), high = end(Math.max(0.5, ...finite));
-  const { x, y, area, draw } = axes("drift", [0, 90], [low, high], "tilt φ (deg)", "drift / plate velocity", TILT_TICKS);
+  const words = ["tilt φ (deg)", "drift / plate velocity"];
+  const { x, y, area, draw } = axes("drift", [0, 90], [low, high], ...words, TILT_TICKS);
   const curve = (values, look) =>
     line(values.map(({ c_x }, i) => [x(TILTS[i]), y(c_x)]).filter(([, Y]) => Number.isFinite(Y)), look);
   const shades = runs(moves.map(({ regime }) => regime)).map(([from, to, regime]) =>
@@ -270,7 +276,7 @@ function words() {
   const moves = Math.abs(c_x) < 5e-4 ? "none" : `${size}, ${way}`;
   return [
     `${PAGE.words[hit.regime]} ${hit.regime > 0 ? `${energy}.` : ""}`,
-    `Once stopped, it slips back below friction ${number(rodImpact.critical_friction(rod))} at this tilt.`,
+    `At this tilt a contact that has stopped slips back below friction ${number(rodImpact.critical_friction(rod))}.`,
     `Drift: ${Number.isNaN(c_x) ? "not determined without friction" : moves}.`,
   ].join(" ");
 }
@@ -281,7 +287,8 @@ function phase(now, point) {
   const stopped = point.piece > 1, side = now.u > 0 ? "right" : "left", slips = Math.abs(now.u) > 1e-9;
   const motion = stopped && shown.hit.regime === 2 ? "friction holds the contact point"
     : !slips ? "the contact point stands" : `the contact point slips ${stopped ? "back " : ""}to the ${side}`;
-  return `${now.v < 0 ? "Compression" : "Restitution"}: ${motion}.`;
+  const part = Math.abs(now.v) < 1e-9 ? "Largest compression" : now.v < 0 ? "Compression" : "Restitution";
+  return `${part}: ${motion}.`;
 }
 
 /** Show the moment: rod, point in the plane of impulses, numbers of now. */
@@ -315,7 +322,8 @@ function show() {
 function set(changes, from = "") {
   for (const [name, value] of Object.entries(changes)) {
     const [low, high] = PAGE.ranges[name] ?? [], given = `${value}`.trim();
-    if (names.includes(name) && given !== "" && Number.isFinite(+given)) setting[name] = Math.max(low, Math.min(high, +given));
+    const wanted = given === "" ? NaN : Number(given);
+    if (names.includes(name) && Number.isFinite(wanted)) setting[name] = Math.max(low, Math.min(high, wanted));
     if (choices.includes(name) && Object.hasOwn(PAGE.choices[name], given)) setting[name] = given;
   }
   for (const name of names) {
@@ -374,6 +382,7 @@ $("clock").addEventListener("input", () => go(+$("clock").value));
 for (const kind of ["pointerdown", "pointermove"]) {
   $("map").addEventListener(kind, (event) => {
     if (!event.buttons) return;
+    $("map").setPointerCapture(event.pointerId);
     const place = new DOMPoint(event.clientX, event.clientY).matrixTransform($("map").getScreenCTM().inverse());
     const { x, y } = axes("map", [0, 1], [0, 1], "", "");
     const part = (low, high, value) => Math.max(0, Math.min(1, (value - low) / (high - low)));
