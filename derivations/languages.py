@@ -2,8 +2,9 @@
 
 `impact/_generated.py` and `impact/_kernel.py` are written in a small language: assignments, calls,
 tuples, a choice of two numbers. So are the functions of `languages.toml`, which engines and pages
-call. Here their syntax trees become functions of another language, line by line; no formula is
-written a second time, and the order of operations, on which the last digit rests, stays.
+call. Here each of the latter becomes one function of another language: what it calls is put in its
+place, so that only numbers are left, and no line that nothing reads. No formula is written a second
+time, and the order of operations, on which the last digit rests, stays.
 
 The interface has the names of Python in both languages; C puts `rod_impact_` before each one, in
 JavaScript they are members of one object, `rodImpact`. Angles are in rad; lengths in one unit,
@@ -21,7 +22,7 @@ velocities in that unit per time. Records are structs in C and plain objects in 
     optimum             tilt c_x regime
 
     collide(law, given)                                         -> collision
-    path(law, given)                                            -> impulse_path
+    path(given)                                                 -> impulse_path
     collide_pair(law, first, second, friction, restitution)     -> pair_collision
     thin_rod(tilt, length)                                      -> geometry
     spherocylinder(tilt, length, diameter)                      -> geometry
@@ -34,9 +35,10 @@ velocities in that unit per time. Records are structs in C and plain objects in 
     drift(geometry, friction, restitution, plate_velocity)      -> stationary
     optimal_tilt(friction, restitution)                         -> optimum
 
-All fields and arguments must be given. A law is "newton", "poisson" or "stronge" in JavaScript,
-ROD_IMPACT_NEWTON and so on in C. A regime is one of INVALID = -1, NO_IMPACT = 0, SLIDE = 1,
-SLIP_STICK = 2, SLIP_REVERSAL = 3: `rodImpact.Regime.SLIDE`, ROD_IMPACT_SLIDE.
+All fields and arguments must be given; nothing but the law's name is checked. A law is "newton",
+"poisson" or "stronge" in JavaScript, ROD_IMPACT_NEWTON and so on in C. A regime is one of
+INVALID = -1, NO_IMPACT = 0, SLIDE = 1, SLIP_STICK = 2, SLIP_REVERSAL = 3:
+`rodImpact.Regime.SLIDE`, ROD_IMPACT_SLIDE.
 
 `path`: in the plane of the impulse (P_x, P_z) over the mass the state goes from 0 in a straight
 line, with P_x = -+friction P_z, to the point that `path` returns, and from there straight to
@@ -47,88 +49,31 @@ normal + A P_z - B P_x all the way: zero slip and the end of compression are str
 import ast
 import textwrap
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
 from importlib import resources
+from itertools import chain, count
 from typing import Any, ClassVar
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from . import files
+from . import error_free, files
 from .routines import CONSTANTS
 
 _TEXTS = tomllib.loads(resources.files(__package__).joinpath("languages.toml").read_text("utf-8"))
 RECORDS: Mapping[str, Mapping[str, str]] = _TEXTS["records"]
+FUNCTIONS: Mapping[str, Mapping[str, str]] = _TEXTS["functions"]
 LAWS = "newton", "poisson", "stronge"
+REGIMES = {"INVALID": -1, "NO_IMPACT": 0, "SLIDE": 1, "SLIP_STICK": 2, "SLIP_REVERSAL": 3}
+_PREFIX = "rod_impact_"  # of all names in C
 _CONSTANTS = {**CONSTANTS, "MOST_FRICTION": "2.0**500"}  # of bodies; beyond it nothing changes
-_WIDTH = 100
+# Steps of one sum or product: not worth a comment, and their names give way to those of callers.
+_SMALL = {
+    *(routine.name for routine in error_free.ROUTINES),
+    *(name for name, about in _TEXTS["called"].items() if "twofold" not in about),
+}
 
-
-@dataclass(frozen=True)
-class Group:
-    """Several values of one name; a record has a name of its own, and names for its values."""
-
-    parts: tuple["Kind", ...]
-    name: str = ""
-    fields: tuple[str, ...] = ()
-
-
-Kind = str | Group  # or "number", "flag", "law", "regime"
-_PAIR = Group(("number", "number"))
-
-
-def _record(name: str) -> Group:
-    """A record as a group; a field named as a body is one."""
-    special: dict[str, Kind] = {"regime": "regime"}
-    if name == "pair_collision":
-        special |= dict.fromkeys(("first", "second"), _record("body"))
-    fields = tuple(RECORDS[name])
-    return Group(tuple(special.get(field, "number") for field in fields), name, fields)
-
-
-@dataclass(frozen=True)
-class Function:
-    """A function of the small language."""
-
-    tree: ast.FunctionDef
-    record: str = ""  # that it returns
-    shown: bool = False  # to callers
-    twofold: bool = False  # all its numbers are in twice the digits
-
-    @property
-    def name(self) -> str:
-        """Name in Python."""
-        return self.tree.name
-
-    @property
-    def arguments(self) -> list[str]:
-        """Names of the arguments."""
-        return [argument.arg for argument in self.tree.args.args]
-
-    @property
-    def lines(self) -> list[ast.Assign | ast.AnnAssign]:
-        """Assignments."""
-        return [line for line in self.tree.body if isinstance(line, ast.Assign | ast.AnnAssign)]
-
-    @property
-    def returned(self) -> ast.expr:
-        """What it returns."""
-        last = self.tree.body[-1]
-        assert isinstance(last, ast.Return)
-        assert last.value is not None
-        return last.value
-
-    @property
-    def used(self) -> set[str]:
-        """Names that are read."""
-        names = (node for node in ast.walk(self.tree) if isinstance(node, ast.Name))
-        return {node.id for node in names if isinstance(node.ctx, ast.Load)}
-
-    @property
-    def doc(self) -> str:
-        """First sentence on what it does."""
-        return (ast.get_docstring(self.tree) or "").partition("\n\n")[0].replace("\n", " ")
+Value = ast.expr | list["Value"]  # a number, a flag, or a group of them
 
 
 class _InTwiceTheDigits(ast.NodeTransformer):
@@ -136,113 +81,155 @@ class _InTwiceTheDigits(ast.NodeTransformer):
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.Call:
         left, right = self.visit(node.left), self.visit(node.right)
-        match node.op:
-            case ast.Mult():
-                return _call("product_of", left, right)
-            case ast.Sub():
-                return _call("sum_of", left, _call("negative", right))
-            case ast.Add():
-                return _call("sum_of", left, right)
-        raise ValueError(f"not in twice the digits: {ast.unparse(node)}")
+        if isinstance(node.op, ast.Mult):
+            return _call("product_of", left, right)
+        return _call("sum_of" if isinstance(node.op, ast.Add) else "difference_of", left, right)
 
 
 def _call(name: str, *arguments: ast.expr) -> ast.Call:
-    return ast.Call(ast.Name(name, ast.Load()), list(arguments), [])
+    return ast.Call(ast.Name(name), list(arguments), [])
 
 
 def _parsed(text: str) -> Iterator[ast.FunctionDef]:
     yield from (node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef))
 
 
-def _own(name: str, about: Mapping[str, Any]) -> ast.FunctionDef:
+def _written(name: str, about: Mapping[str, str]) -> ast.FunctionDef:
     """A function of languages.toml."""
-    doc = f"{about['what']} {about.get('note', '')}".strip()
-    body = f"'''{doc}'''\n{about['text'].strip()}\nreturn {about['returned']}"
-    (tree,) = _parsed(f"def {name}({about['arguments']}):\n{textwrap.indent(body, '    ')}")
+    lines = f"{about.get('text', '').strip()}\nreturn {about['returned']}".strip()
+    (tree,) = _parsed(f"def {name}({about['arguments']}):\n{textwrap.indent(lines, '    ')}")
     return tree
 
 
-def functions() -> list[Function]:
-    """All functions, each after those that it calls."""
+def _called(own: Mapping[str, Mapping[str, str]]) -> dict[str, ast.FunctionDef]:
+    """All functions that others call, some as a language has them."""
     texts = (path.read_text(encoding="utf-8") for path in (files.CLOSED_FORMS, files.KERNEL))
-    found = [Function(tree) for text in texts for tree in _parsed(text)]
-    known = {function.name: function.tree for function in found}
-    for name, about in _TEXTS["functions"].items():
-        tree = deepcopy(known[about["of"]]) if "of" in about else _own(name, about)
-        tree.name = name
-        if twofold := "twofold" in about:
-            tree = _InTwiceTheDigits().visit(tree)
-        record = about.get("record", "")
-        found.append(Function(tree, record, bool(record) or "number" in about, twofold))
+    found = {tree.name: tree for text in texts for tree in _parsed(text)}
+    for name, about in (*_TEXTS["called"].items(), *own.items()):
+        tree = deepcopy(found[about["of"]]) if "of" in about else _written(name, about)
+        found[name] = _InTwiceTheDigits().visit(tree) if "twofold" in about else tree
     return found
 
 
-class _Kinds:
-    """What kind of value each name and each expression is; one word means one thing."""
+class _Inlined:
+    """A function in which every call of another one is replaced by what that does."""
 
-    def __init__(self, functions: Sequence[Function]):
-        self.returned: dict[str, Kind] = {}
-        self.functions = functions
-        lines = [line for function in functions for line in function.lines]
-        flags = (line for line in lines if _is_flag(line.value))
-        self.flags = {
-            ast.unparse(line.targets[0]) for line in flags if isinstance(line, ast.Assign)
-        }
-        self.groups = {
-            name: group
-            for function in functions
-            for name, group in self._unpacked(function).items()
-            if name in function.arguments
-        }
+    def __init__(self, called: Mapping[str, ast.FunctionDef], taken: Iterable[str]):
+        self.called = called
+        self.taken = set(taken)  # names
+        self.lines: list[tuple[str, ast.Name, ast.expr]] = []  # routine, name, value
+        self.routine = ""
+        self.known: dict[str, Value] = {}  # what calls returned
+        self.steps: set[ast.Name] = set()  # names given in small functions
 
-    def _unpacked(self, function: Function) -> dict[str, Kind]:
-        """Names that a function takes apart."""
-        found: dict[str, Kind] = {}
-        for line in function.lines:
-            match line:
-                case ast.Assign([ast.Tuple(parts)], ast.Name(name)):
-                    found[name] = Group(tuple(self._plain(ast.unparse(part)) for part in parts))
-        return found
-
-    def _plain(self, name: str) -> Kind:
-        return "flag" if name in self.flags else "number"
-
-    def arguments(self, function: Function) -> dict[str, Kind]:
-        """Kinds of a function's arguments."""
-        unpacked = self._unpacked(function)
-        found: dict[str, Kind] = {}
-        for argument in function.tree.args.args:
-            name = argument.arg
-            said = ast.unparse(argument.annotation) if argument.annotation else name
-            if said in RECORDS:
-                found[name] = _record(said)
-            elif name == "law":
-                found[name] = "law"
-            elif function.twofold:
-                found[name] = _PAIR
-            else:
-                found[name] = unpacked.get(name) or self.groups.get(name) or self._plain(name)
-        return found
-
-    def of(self, node: ast.expr, known: Mapping[str, Kind]) -> Kind:
-        """Kind of an expression, of names whose kinds are known."""
+    def value(self, node: ast.expr, names: Mapping[str, Value]) -> Value:
+        """What an expression is, in the new names."""
         match node:
             case ast.Name(name):
-                return known.get(name, "number")
+                return names.get(name, node)
             case ast.Tuple(parts):
-                return Group(tuple(self.of(part, known) for part in parts))
-            case ast.Call(ast.Name("law")):
-                return self.returned[LAWS[0]]
-            case ast.Call(ast.Name(name)):
-                return self.returned.get(name, "number")
-        return "flag" if _is_flag(node) else "number"
+                return [self.value(part, names) for part in parts]
+            case ast.Call(ast.Name("law"), parts):
+                given = [self.value(part, names) for part in parts]
+                return _selected(*(self.call(law, given) for law in LAWS))
+            case ast.Call(ast.Name(name), parts):
+                given = [self.value(part, names) for part in parts]
+                if name in self.called:
+                    return self.call(name, given)
+                return _call(name, *map(_number, given))
+        made = deepcopy(node)
+        for field, old in ast.iter_fields(node):
+            match old:
+                case ast.expr():
+                    setattr(made, field, self.value(old, names))
+                case [ast.expr() as one]:
+                    setattr(made, field, [self.value(one, names)])
+        return made
+
+    def call(self, name: str, given: Sequence[Value]) -> Value:
+        """What a function returns."""
+        key = f"{name} {[_dumped(value) for value in given]}"
+        if key not in self.known:
+            before = self.routine
+            self.routine = before if name in _SMALL else name
+            self.known[key] = self.run(self.called[name], given)
+            self.routine = before
+        return self.known[key]
+
+    def run(self, tree: ast.FunctionDef, given: Sequence[Value]) -> Value:
+        """Take over the lines of a function; returns what it returns."""
+        names: dict[str, Value] = {}
+        for argument, value in zip(tree.args.args, given, strict=True):
+            self.bind(ast.Name(argument.arg), value, names)
+        for line in tree.body:
+            match line:
+                case ast.Assign([target], value):
+                    self.bind(target, self.value(value, names), names, tree.name in _SMALL)
+                case ast.Return(ast.expr() as value):
+                    return self.value(value, names)
+        raise ValueError(f"{tree.name} returns nothing")
+
+    def bind(
+        self, target: ast.expr, value: Value, names: dict[str, Value], small: bool = True
+    ) -> None:
+        """Give a value its names; `small`: if it is a step of a sum or product."""
+        if isinstance(target, ast.Tuple):
+            assert isinstance(value, list)
+            for one, part in zip(target.elts, value, strict=True):
+                self.bind(one, part, names, small)
+            return
+        assert isinstance(target, ast.Name)
+        if not isinstance(value, list | ast.Name | ast.Constant):
+            self.lines.append((self.routine, name := ast.Name(self.fresh(target.id)), value))
+            self.steps |= {name} if small else set()
+            value = name
+        elif isinstance(value, ast.Name) and value in self.steps and not small:
+            value.id = self.fresh(target.id)
+            self.steps.remove(value)
+        names[target.id] = value
+
+    def fresh(self, name: str) -> str:
+        """A name that nothing has so far."""
+        found = next(
+            x for x in chain([name], (f"{name}_{i}" for i in count(2))) if x not in self.taken
+        )
+        self.taken.add(found)
+        return found
+
+    def needed(self, returned: Value) -> list[tuple[str, str, ast.expr]]:
+        """Lines on which what is returned depends."""
+        read, kept = _read(returned), []
+        for routine, name, value in reversed(self.lines):
+            if name.id in read:
+                read |= _read(value)
+                kept.append((routine, name.id, value))
+        return kept[::-1]
 
 
-def _is_flag(node: ast.expr | None) -> bool:
-    match node:
-        case ast.Compare() | ast.BinOp(op=ast.BitAnd()):
-            return True
-    return False
+def _number(value: Value) -> ast.expr:
+    assert isinstance(value, ast.expr)
+    return value
+
+
+def _dumped(value: Value) -> str:
+    return str(list(map(_dumped, value))) if isinstance(value, list) else ast.dump(value)
+
+
+def _read(value: Value) -> set[str]:
+    """Names in a value."""
+    if isinstance(value, list):
+        return set().union(*map(_read, value))
+    return {node.id for node in ast.walk(value) if isinstance(node, ast.Name)}
+
+
+def _selected(newton: Value, poisson: Value, stronge: Value) -> Value:
+    """What holds under the law that is asked for."""
+    if isinstance(newton, list):
+        assert isinstance(poisson, list)
+        assert isinstance(stronge, list)
+        return list(map(_selected, newton, poisson, stronge))
+    others = _call("select", ast.Name("by_poisson"), _number(poisson), _number(stronge))
+    return _call("select", ast.Name("by_newton"), newton, others)
 
 
 class _Words(ast.NodeTransformer):
@@ -252,158 +239,187 @@ class _Words(ast.NodeTransformer):
     the order of operations, are printed around it.
     """
 
-    def __init__(self, language: "Language"):
-        self.language = language
+    def __init__(self, names: Mapping[str, str]):
+        self.names = names
 
     def visit_Name(self, node: ast.Name) -> ast.Name:
-        return ast.Name(self.language.constants.get(node.id, node.id))
+        return ast.Name(self.names.get(node.id, node.id))
 
     def visit_Constant(self, node: ast.Constant) -> ast.Name:
         return ast.Name(repr(float(ast.unparse(node))))
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
-        assert isinstance(node.func, ast.Name)
         parts = [self.visit(argument) for argument in node.args]
-        if node.func.id == "select":
-            condition, first, second = map(ast.unparse, parts)
-            return ast.Name(f"({condition} ? {first} : {second})")
-        return ast.Call(ast.Name(self.language.called(node.func.id)), parts, [])
+        if ast.unparse(node.func) != "select":
+            return ast.Call(self.visit(node.func), parts, [])
+        condition, first, second = map(ast.unparse, parts)
+        return ast.Name(f"({condition} ? {first} : {second})")
 
 
 class Language:
-    """How assignments, groups and functions are written."""
+    """How a function, its lines and its records are written."""
 
-    own_constants: ClassVar[Mapping[str, str]]
-    names: ClassVar[Mapping[str, str]]  # of functions that the language has
+    names: ClassVar[Mapping[str, str]]  # of constants and functions that the language has
+    own: ClassVar[Mapping[str, Mapping[str, str]]] = {}  # functions that it does in its own way
 
     def __init__(self) -> None:
-        self.functions = functions()
-        self.kinds = _Kinds(self.functions)
         values = {name: repr(float(eval(text))) for name, text in _CONSTANTS.items()}
-        self.constants = values | dict(self.own_constants)
+        self.words = _Words(values | dict(self.names))
+        self.called = _called(self.own)
 
-    def called(self, name: str) -> str:
-        """Name of a function that others call."""
-        return self.names.get(name, name)
-
-    def text(self, node: ast.expr) -> str:
+    def text(self, value: ast.expr) -> str:
         """An expression."""
-        return ast.unparse(_Words(self).visit(deepcopy(node)))
+        return ast.unparse(self.words.visit(deepcopy(value)))
 
-    def texts(self) -> tuple[list[str], list[str]]:
-        """Functions that others call, and those that callers see."""
-        inner: list[str] = []
-        shown: list[str] = []
-        for function in self.functions:
-            (shown if function.shown else inner).append(self.function(function))
-        return inner, shown
+    def functions(self) -> dict[str, str]:
+        """Texts of all functions of languages.toml that callers see."""
+        return {name: self.function(name, about) for name, about in FUNCTIONS.items()}
 
-    def function(self, function: Function) -> str:
-        """Text of a function."""
-        known = self.kinds.arguments(function)
-        head, lines = dict(known), []
-        for line in function.lines:
-            lines += self.assigned(line, known, function.used)
-        kind = self.kinds.of(function.returned, known)
-        if function.record:
-            kind = _record(function.record)
-        if not function.shown:
-            self.kinds.returned[function.name] = kind
-        lines += self._given_back(function.returned, kind)
-        return self._whole(function, head, kind, lines)
+    def function(self, name: str, about: Mapping[str, str]) -> str:
+        """Text of one of them."""
+        tree = _written(name, about)
+        given: dict[str, str] = {}  # record of each argument
+        for argument in tree.args.args:
+            said = ast.unparse(argument.annotation) if argument.annotation else argument.arg
+            given[argument.arg] = said if said in RECORDS else ""
+        inlined = _Inlined(self.called, [*given, *self.words.names])
+        values: list[Value] = [
+            [ast.Name(f"{argument}.{field}") for field in RECORDS[record]]
+            if record
+            else ast.Name(argument)
+            for argument, record in given.items()
+        ]
+        returned = inlined.run(tree, values)
+        lines, routine = self._begun(given), ""
+        for of, variable, value in inlined.needed(returned):
+            if of != routine:
+                lines.append(self._comment(of))
+            routine = of
+            match value:
+                case ast.Compare() | ast.BinOp(op=ast.BitAnd()):
+                    lines.append(self._flag(variable, self.text(value)))
+                case _:
+                    lines.append(self._declared(variable, self.text(value)))
+        record = about.get("record", "")
+        lines += self._given_back(self._made(record, returned), record)
+        wrapper = textwrap.TextWrapper(100, "    ", " " * 8)
+        wrapper.break_long_words = wrapper.break_on_hyphens = False
+        return self._whole(name, given, record, "\n".join(map(wrapper.fill, lines)))
 
-    def assigned(self, line: ast.stmt, known: dict[str, Kind], used: set[str]) -> list[str]:
-        """Lines of an assignment, whose names become known; what nothing reads is left out."""
-        match line:
-            case ast.AnnAssign(ast.Name(name), ast.Name(record), value=ast.Tuple() as value):
-                known[name] = _record(record)
-                return [self._declared(name, known[name], self._made(value, known[name]))]
-            case ast.Assign([ast.Tuple(targets)], value):
-                group = self.kinds.of(value, known)
-                names = [target.id for target in targets if isinstance(target, ast.Name)]
-                assert isinstance(group, Group)
-                known |= zip(names, group.parts, strict=True)
-                kept = [name if name in used else "" for name in names]
-                return self._unpacked(kept, group, self.text(value)) if any(kept) else []
-            case ast.Assign([ast.Name(name)], value):
-                kind = known[name] = self.kinds.of(value, known)
-                made = isinstance(value, ast.Tuple)
-                text = self._made(value, kind) if made else self.text(value)
-                return [self._declared(name, kind, text)] if name in used else []
-        raise ValueError(f"not in the language: {ast.unparse(line)}")
-
-    def _declared(self, name: str, kind: Kind, text: str) -> str:
-        """A value with a name."""
+    def _begun(self, given: Mapping[str, str]) -> list[str]:
+        """First lines of a function."""
         raise NotImplementedError
 
-    def _made(self, node: ast.expr, kind: Kind) -> str:
-        """A group, made of values."""
+    def _comment(self, text: str) -> str:
+        return f"/* {text} */"
+
+    def _flag(self, name: str, text: str) -> str:
         raise NotImplementedError
 
-    def _unpacked(self, names: Sequence[str], group: Group, text: str) -> list[str]:
-        """A group, taken apart into those values that have a name."""
+    def _declared(self, name: str, text: str) -> str:
         raise NotImplementedError
 
-    def _given_back(self, node: ast.expr, kind: Kind) -> list[str]:
-        """Last lines of a function."""
+    def _made(self, record: str, value: Value) -> str:
+        """What is returned: a number, or a record of its parts."""
         raise NotImplementedError
 
-    def _whole(
-        self, function: Function, head: Mapping[str, Kind], kind: Kind, lines: list[str]
-    ) -> str:
+    def _given_back(self, text: str, record: str) -> list[str]:
+        raise NotImplementedError
+
+    def _whole(self, name: str, given: Mapping[str, str], record: str, body: str) -> str:
         """A function, of its arguments, what it returns and its lines."""
         raise NotImplementedError
 
 
-def _folded(lines: Sequence[str]) -> str:
-    """Lines of a body, none too long."""
-    wrapper = textwrap.TextWrapper(_WIDTH, "    ", " " * 8)
-    wrapper.break_long_words = wrapper.break_on_hyphens = False
-    return "\n".join(map(wrapper.fill, lines))
-
-
 class JavaScript(Language):
-    """Functions of arrays and objects."""
+    """Members of an object."""
 
-    own_constants: ClassVar = {"inf": "Infinity", "nan": "NaN"}
     names: ClassVar = {
+        **{"inf": "Infinity", "nan": "NaN", "arctan": "Math.atan", "arctan2": "Math.atan2"},
         **{name: f"Math.{name}" for name in ("abs", "sqrt", "sin", "cos", "hypot")},
-        **{"arctan": "Math.atan", "arctan2": "Math.atan2", "law": "restitutionOf(law)"},
     }
 
-    def _declared(self, name: str, kind: Kind, text: str) -> str:
+    def _begun(self, given: Mapping[str, str]) -> list[str]:
+        if "law" not in given:
+            return []
+        flags = [f'const by_{law} = law === "{law}";' for law in LAWS[:2]]
+        return ["check(law);", *flags]
+
+    def _flag(self, name: str, text: str) -> str:
+        return self._declared(name, text)
+
+    def _declared(self, name: str, text: str) -> str:
         return f"const {name} = {text};"
 
-    def _made(self, node: ast.expr, kind: Kind) -> str:
-        assert isinstance(node, ast.Tuple)
-        assert isinstance(kind, Group)
-        parts = list(map(self.text, node.elts))
-        if not kind.fields:
-            return f"[{', '.join(parts)}]"
-        pairs = zip(kind.fields, parts, strict=True)
-        return f"{{ {', '.join(a if a == b else f'{a}: {b}' for a, b in pairs)} }}"
+    def _made(self, record: str, value: Value) -> str:
+        if not isinstance(value, list):
+            return self.text(value)
+        parts = (self._made("body", part) for part in value)
+        pairs = zip(RECORDS[record], parts, strict=True)
+        return f"{{ {', '.join(f'{field}: {part}' for field, part in pairs)} }}"
 
-    def _unpacked(self, names: Sequence[str], group: Group, text: str) -> list[str]:
-        if not group.fields:
-            return [f"const [{', '.join(names).rstrip(', ')}] = {text};"]
-        pairs = zip(group.fields, names, strict=True)
-        kept = [a if a == b else f"{a}: {b}" for a, b in pairs if b]
-        return [f"const {{ {', '.join(kept)} }} = {text};"]
-
-    def _given_back(self, node: ast.expr, kind: Kind) -> list[str]:
-        text = self._made(node, kind) if isinstance(node, ast.Tuple) else self.text(node)
+    def _given_back(self, text: str, record: str) -> list[str]:
         return [f"return {text};"]
 
-    def _whole(
-        self, function: Function, head: Mapping[str, Kind], kind: Kind, lines: list[str]
-    ) -> str:
-        keyword = "" if function.shown else "function "
-        text = f"{keyword}{function.name}({', '.join(head)}) {{\n{_folded(lines)}\n}}"
-        return f"/** {function.doc} */\n{text}" + ("," if function.shown else "")
+    def _whole(self, name: str, given: Mapping[str, str], record: str, body: str) -> str:
+        return f"{name}({', '.join(given)}) {{\n{body}\n}},"
+
+
+class C(Language):
+    """Functions and structs with a common prefix."""
+
+    own: ClassVar = _TEXTS["c"]
+    names: ClassVar = {
+        **{
+            "inf": "(double)INFINITY",
+            "nan": "(double)NAN",
+            "abs": "fabs",
+            "arctan": "atan",
+            "arctan2": "atan2",
+        },
+        **{name: f"{_PREFIX}{name}" for name in ("larger", "smaller", "product_error")},
+        **{name: name for name in ("copysign", "sqrt", "sin", "cos", "hypot")},
+    }
+
+    def product_error(self) -> str:
+        """Function that finds what a product lacks without a product and sum in one rounding."""
+        plain = C()
+        plain.called = _called({})
+        return plain.function("product_error", _TEXTS["product_error"])
+
+    def _begun(self, given: Mapping[str, str]) -> list[str]:
+        laws = LAWS[:2] if "law" in given else ()
+        return [f"const int by_{law} = law == {f'{_PREFIX}{law}'.upper()};" for law in laws]
+
+    def _flag(self, name: str, text: str) -> str:
+        return f"const int {name} = {text};"
+
+    def _declared(self, name: str, text: str) -> str:
+        return f"const double {name} = {text};"
+
+    def _made(self, record: str, value: Value) -> str:
+        if not isinstance(value, list):
+            return self.text(value)
+        parts = [self._made("body", part) for part in value]
+        pairs = zip(RECORDS[record], parts, strict=True)
+        regime = f"({_PREFIX}regime)"
+        return f"{{{', '.join(regime * (field == 'regime') + part for field, part in pairs)}}}"
+
+    def _given_back(self, text: str, record: str) -> list[str]:
+        made = f"const {_PREFIX}{record} found = {text};"
+        return [made, "return found;"] if record else [f"return {text};"]
+
+    def _whole(self, name: str, given: Mapping[str, str], record: str, body: str) -> str:
+        kinds = (f"{_PREFIX}{record}" if record else "double" for record in given.values())
+        parts = ", ".join(f"{kind} {name}" for kind, name in zip(kinds, given, strict=True))
+        parts = parts.replace("double law", f"{_PREFIX}law law")
+        kind = f"{_PREFIX}{record}" if record else "double"
+        return f"static inline {kind} {_PREFIX}{name}({parts}) {{\n{body}\n}}"
 
 
 LANGUAGES: Mapping[str, tuple[type[Language], str]] = {
-    "javascript": (JavaScript, "rod_impact.js"),
+    "c": (C, "rod_impact.h.jinja"),
+    "javascript": (JavaScript, "rod_impact.js.jinja"),
 }
 
 
@@ -412,24 +428,14 @@ def source(language: str) -> str:
 
     Parameters
     ----------
-    language : "c" (a C99 header) or "javascript" (a script; a module as well)
+    language : "c" (a C99 header) or "javascript" (a script)
     """
     made, template = LANGUAGES[language]
     translated = made()
-    inner, shown = translated.texts()
     environment = Environment(
         loader=PackageLoader(__package__), undefined=StrictUndefined, keep_trailing_newline=True
     )
-    (digest,) = (
-        line.split('"')[1]
-        for line in files.CLOSED_FORMS.read_text(encoding="utf-8").splitlines()
-        if line.startswith("DIGEST")
-    )
-    return environment.get_template(f"{template}.jinja").render(
-        inner="\n\n".join(inner),
-        shown="\n\n".join(shown),
-        digest=digest,
-        records=RECORDS,
-        laws=LAWS,
-        regimes={"INVALID": -1, "NO_IMPACT": 0, "SLIDE": 1, "SLIP_STICK": 2, "SLIP_REVERSAL": 3},
+    values: dict[str, Any] = {"records": RECORDS, "regimes": REGIMES, "laws": LAWS}
+    return environment.get_template(template).render(
+        language=translated, about=FUNCTIONS, **values, digest=files.digest()
     )
