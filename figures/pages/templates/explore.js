@@ -32,7 +32,7 @@ const driftOf = (s, rod, friction = s.friction) => rodImpact.drift(rod, friction
 /** The impact of a setting: its path, the states along it, the ends under all laws. */
 function impactOf(s) {
   const rod = rodOf(s, radians(s.tilt_deg)), given = givenOf(s, rod), { X, Z, k } = rod;
-  const path = rodImpact.path(s.law, given), { A, B, C } = rodImpact.mobilities(rod);
+  const path = rodImpact.path(given), { A, B, C } = rodImpact.mobilities(rod);
   const laws = Object.keys(PAGE.choices.law);
   const ends = Object.fromEntries(laws.map((law) => [law, rodImpact.collide(law, given)]));
   const hit = ends[s.law], stop = [path.P_x, path.P_z], end = [hit.P_x, hit.P_z];
