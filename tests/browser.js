@@ -1,5 +1,5 @@
 // As much of a browser as the page of sliders asks for: node browser.js PAGE CHANGES
-// For each change of the setting, what the page then shows; last, how it plays.
+// For each change of the setting, what the page then shows; last, how it plays and steps.
 const { readFileSync } = require("fs");
 const { runInThisContext } = require("vm");
 
@@ -45,5 +45,10 @@ elements.play.heard.click();
 for (now of [0, 4700, 90000]) {
   frame(now); // 8 s in all, in tenths where motion is to be reduced
   look();
+}
+elements.reset.heard.click();
+for (let i = 0; i < 6; i += 1) {
+  elements.step.heard.click(); // from the end to the beginning, and on
+  seen.push([elements.phase.textContent, elements["u-now"].textContent, elements["v-now"].textContent]);
 }
 console.log(JSON.stringify(seen));

@@ -39,6 +39,14 @@ CHANGES = [
     {"law": "poisson"},
     {"law": "stronge", "restitution": 0.3, "ratio": 6.0},
 ]
+PHASES = (
+    "Before: the rod comes to the plate.",
+    "Compression: the contact point slips to the right.",
+    "Compression: the contact point stands.",
+    "Largest compression: the contact point slips back to the left.",
+    "Restitution: the contact point slips back to the left.",
+    "After: the rod leaves the plate.",
+)
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +98,10 @@ def test_a_slider_shows_what_impact_says(path):
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     *lines, played = map(json.loads, done.stdout.splitlines())
-    assert played == [0, "Pause", 0.5, "Pause", 1, "Play"]
+    assert played[:6] == [0, "Pause", 0.5, "Pause", 1, "Play"]
+    phases, slips, falls = zip(*played[6:], strict=True)
+    assert phases == PHASES
+    assert slips[1] == slips[0] != slips[2] == falls[3] == "0.000"
     for changes, shown in zip(CHANGES, lines, strict=True):
         check(changes, shown)
         pictures = [shown[name] for name in ("rod", "plane", "map", "drift")]
