@@ -101,7 +101,7 @@ function ticks(low, high, most = 6) {
 }
 
 /** Axes: places of values, and the frame with ticks and words. */
-function axes(id, [x0, x1], [y0, y1], xWords, yWords, xTicks = ticks(x0, x1), box = [50, 10, 390, 258]) {
+function axes(id, [x0, x1], [y0, y1], xWords, yWords, xTicks = ticks(x0, x1), box = [60, 10, 390, 258]) {
   const [left, top, right, bottom] = box;
   const x = (value) => left + ((value - x0) / (x1 - x0)) * (right - left);
   const y = (value) => bottom - ((value - y0) / (y1 - y0)) * (bottom - top);
@@ -181,7 +181,7 @@ function drawPlane(point) {
   const { at, corners, ends, before } = shown;
   const all = [...corners, ...Object.values(ends).map((end) => [end.P_x, end.P_z])];
   const top = Math.max(...all.map(([, z]) => z)) || 1, wide = Math.max(...all.map(([x]) => Math.abs(x)));
-  const scale = Math.min(248 / top, 170 / (wide || 1e-9)) / 1.2, size = { x: 170 / scale, z: 248 / scale };
+  const scale = Math.min(248 / top, 165 / (wide || 1e-9)) / 1.2, size = { x: 165 / scale, z: 248 / scale };
   const { x, y, draw } = axes("plane", [-size.x, size.x], [0, size.z], impulse("x"), impulse("z"));
   const straight = (name, look) => {
     const f = before[name], a = at([1, 0])[name] - f, b = at([0, 1])[name] - f, far = 9 * (size.x + size.z);
