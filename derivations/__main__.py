@@ -86,7 +86,11 @@ def check(as_json: bool = False) -> int:
 
 
 @main.command(epilog=_examples("generate", "generate --language c --out rod_impact.h"))
-@click.option("--language", help="c or javascript: print the impact map as a header or a script.")
+@click.option(
+    "--language",
+    type=click.Choice(["c", "javascript"]),
+    help="Print the impact map as a C99 header or as a script.",
+)
 @click.option("--out", type=_FILE, help="File for it, instead of standard output.")
 def generate(language: str | None, out: Path | None) -> int:
     """Write the generated functions and tables (5 s).

@@ -429,7 +429,14 @@ def source(language: str) -> str:
     Parameters
     ----------
     language : "c" (a C99 header) or "javascript" (a script)
+
+    Raises
+    ------
+    ValueError
+        If there is no such language.
     """
+    if language not in LANGUAGES:
+        raise ValueError(f"language must be one of {', '.join(LANGUAGES)}, got {language!r}")
     made, template = LANGUAGES[language]
     translated = made()
     environment = Environment(
