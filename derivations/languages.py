@@ -51,9 +51,9 @@ import textwrap
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import dataclass
 from importlib import resources
-from itertools import chain, count
-from typing import Any, ClassVar
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
@@ -65,25 +65,45 @@ RECORDS: Mapping[str, Mapping[str, str]] = _TEXTS["records"]
 FUNCTIONS: Mapping[str, Mapping[str, str]] = _TEXTS["functions"]
 LAWS = "newton", "poisson", "stronge"
 REGIMES = {"INVALID": -1, "NO_IMPACT": 0, "SLIDE": 1, "SLIP_STICK": 2, "SLIP_REVERSAL": 3}
-_PREFIX = "rod_impact_"  # of all names in C
+LANGUAGES: Mapping[str, str] = {"c": "rod_impact.h.jinja", "javascript": "rod_impact.js.jinja"}
 _CONSTANTS = {**CONSTANTS, "MOST_FRICTION": "2.0**500"}  # of bodies; beyond it nothing changes
+_VALUES = {name: repr(float(eval(text))) for name, text in _CONSTANTS.items()}
 # Steps of one sum or product: not worth a comment, and their names give way to those of callers.
-_SMALL = {
+_STEPS = {
     *(routine.name for routine in error_free.ROUTINES),
     *(name for name, about in _TEXTS["called"].items() if "twofold" not in about),
 }
 
-Value = ast.expr | list["Value"]  # a number, a flag, or a group of them
+Value = Any  # expression of a number or a flag, or a list of them
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A value with a name, in another language."""
+
+    routine: str  # from which it comes
+    name: str
+    flag: bool  # or a number
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function in another language, as the template of that language writes it."""
+
+    name: str
+    about: Mapping[str, str]  # of languages.toml
+    arguments: Mapping[str, str]  # the record that each one is; "law", or "" for a number
+    lines: list[Line]
+    returned: Any  # text of a number, or a list for a record
 
 
 class _InTwiceTheDigits(ast.NodeTransformer):
     """Operations on numbers in twice the digits."""
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.Call:
-        left, right = self.visit(node.left), self.visit(node.right)
-        if isinstance(node.op, ast.Mult):
-            return _call("product_of", left, right)
-        return _call("sum_of" if isinstance(node.op, ast.Add) else "difference_of", left, right)
+        names = {ast.Mult: "product_of", ast.Add: "sum_of", ast.Sub: "difference_of"}
+        return _call(names[type(node.op)], self.visit(node.left), self.visit(node.right))
 
 
 def _call(name: str, *arguments: ast.expr) -> ast.Call:
@@ -120,7 +140,7 @@ class _Inlined:
         self.lines: list[tuple[str, ast.Name, ast.expr]] = []  # routine, name, value
         self.routine = ""
         self.known: dict[str, Value] = {}  # what calls returned
-        self.steps: set[ast.Name] = set()  # names given in small functions
+        self.steps: set[ast.Name] = set()  # names given in steps
 
     def value(self, node: ast.expr, names: Mapping[str, Value]) -> Value:
         """What an expression is, in the new names."""
@@ -129,29 +149,25 @@ class _Inlined:
                 return names.get(name, node)
             case ast.Tuple(parts):
                 return [self.value(part, names) for part in parts]
-            case ast.Call(ast.Name("law"), parts):
-                given = [self.value(part, names) for part in parts]
-                return _selected(*(self.call(law, given) for law in LAWS))
             case ast.Call(ast.Name(name), parts):
                 given = [self.value(part, names) for part in parts]
-                if name in self.called:
-                    return self.call(name, given)
-                return _call(name, *map(_number, given))
-        made = deepcopy(node)
-        for field, old in ast.iter_fields(node):
-            match old:
-                case ast.expr():
-                    setattr(made, field, self.value(old, names))
-                case [ast.expr() as one]:
-                    setattr(made, field, [self.value(one, names)])
-        return made
+                if name == "law":
+                    return _selected(*(self.call(law, given) for law in LAWS))
+                return self.call(name, given) if name in self.called else _call(name, *given)
+            case ast.BinOp(left, operation, right):
+                return ast.BinOp(self.value(left, names), operation, self.value(right, names))
+            case ast.Compare(left, comparison, [right]):
+                return ast.Compare(self.value(left, names), comparison, [self.value(right, names)])
+            case ast.UnaryOp(operation, operand):
+                return ast.UnaryOp(operation, self.value(operand, names))
+        return node
 
     def call(self, name: str, given: Sequence[Value]) -> Value:
         """What a function returns."""
-        key = f"{name} {[_dumped(value) for value in given]}"
+        key = f"{name} {_nested(ast.unparse, list(given))}"
         if key not in self.known:
             before = self.routine
-            self.routine = before if name in _SMALL else name
+            self.routine = before if name in _STEPS else name
             self.known[key] = self.run(self.called[name], given)
             self.routine = before
         return self.known[key]
@@ -160,75 +176,66 @@ class _Inlined:
         """Take over the lines of a function; returns what it returns."""
         names: dict[str, Value] = {}
         for argument, value in zip(tree.args.args, given, strict=True):
-            self.bind(ast.Name(argument.arg), value, names)
+            self.bind(ast.Name(argument.arg), value, names, step=True)
         for line in tree.body:
             match line:
                 case ast.Assign([target], value):
-                    self.bind(target, self.value(value, names), names, tree.name in _SMALL)
+                    self.bind(target, self.value(value, names), names, step=tree.name in _STEPS)
                 case ast.Return(ast.expr() as value):
                     return self.value(value, names)
         raise ValueError(f"{tree.name} returns nothing")
 
-    def bind(
-        self, target: ast.expr, value: Value, names: dict[str, Value], small: bool = True
-    ) -> None:
-        """Give a value its names; `small`: if it is a step of a sum or product."""
-        if isinstance(target, ast.Tuple):
-            assert isinstance(value, list)
-            for one, part in zip(target.elts, value, strict=True):
-                self.bind(one, part, names, small)
-            return
-        assert isinstance(target, ast.Name)
-        if not isinstance(value, list | ast.Name | ast.Constant):
-            self.lines.append((self.routine, name := ast.Name(self.fresh(target.id)), value))
-            self.steps |= {name} if small else set()
-            value = name
-        elif isinstance(value, ast.Name) and value in self.steps and not small:
-            value.id = self.fresh(target.id)
-            self.steps.remove(value)
-        names[target.id] = value
+    def bind(self, target: ast.expr, value: Value, names: dict[str, Value], *, step: bool) -> None:
+        """Give a value its names."""
+        match target, value:
+            case ast.Tuple(parts), _:
+                for part, one in zip(parts, value, strict=True):
+                    self.bind(part, one, names, step=step)
+            case ast.Name(name), list() | ast.Name() | ast.Constant():
+                if not step and isinstance(value, ast.Name) and value in self.steps:
+                    value.id = self.fresh(name)
+                    self.steps.remove(value)
+                names[name] = value
+            case ast.Name(name), _:
+                names[name] = ast.Name(self.fresh(name))
+                self.lines.append((self.routine, names[name], value))
+                self.steps |= {names[name]} if step else set()
 
     def fresh(self, name: str) -> str:
         """A name that nothing has so far."""
-        found = next(
-            x for x in chain([name], (f"{name}_{i}" for i in count(2))) if x not in self.taken
-        )
+        found, number = name, 1
+        while found in self.taken:
+            number += 1
+            found = f"{name}_{number}"
         self.taken.add(found)
         return found
 
-    def needed(self, returned: Value) -> list[tuple[str, str, ast.expr]]:
-        """Lines on which what is returned depends."""
-        read, kept = _read(returned), []
-        for routine, name, value in reversed(self.lines):
-            if name.id in read:
-                read |= _read(value)
-                kept.append((routine, name.id, value))
-        return kept[::-1]
+    def needed(self, returned: Value) -> Iterator[tuple[str, ast.Name, ast.expr]]:
+        """Lines on which what is returned depends, the last first."""
+        read: set[str] = set()
+
+        def reads(value: ast.expr) -> None:
+            read.update(node.id for node in ast.walk(value) if isinstance(node, ast.Name))
+
+        _nested(reads, returned)
+        for line in reversed(self.lines):
+            if line[1].id in read:
+                reads(line[2])
+                yield line
 
 
-def _number(value: Value) -> ast.expr:
-    assert isinstance(value, ast.expr)
-    return value
-
-
-def _dumped(value: Value) -> str:
-    return str(list(map(_dumped, value))) if isinstance(value, list) else ast.dump(value)
-
-
-def _read(value: Value) -> set[str]:
-    """Names in a value."""
+def _nested(function: Any, value: Value) -> Any:
+    """A function of an expression, or of each in a list."""
     if isinstance(value, list):
-        return set().union(*map(_read, value))
-    return {node.id for node in ast.walk(value) if isinstance(node, ast.Name)}
+        return [_nested(function, part) for part in value]
+    return function(value)
 
 
 def _selected(newton: Value, poisson: Value, stronge: Value) -> Value:
     """What holds under the law that is asked for."""
     if isinstance(newton, list):
-        assert isinstance(poisson, list)
-        assert isinstance(stronge, list)
         return list(map(_selected, newton, poisson, stronge))
-    others = _call("select", ast.Name("by_poisson"), _number(poisson), _number(stronge))
+    others = _call("select", ast.Name("by_poisson"), poisson, stronge)
     return _call("select", ast.Name("by_newton"), newton, others)
 
 
@@ -239,8 +246,8 @@ class _Words(ast.NodeTransformer):
     the order of operations, are printed around it.
     """
 
-    def __init__(self, names: Mapping[str, str]):
-        self.names = names
+    def __init__(self, language: str):
+        self.names = _VALUES | _TEXTS["names"][language]
 
     def visit_Name(self, node: ast.Name) -> ast.Name:
         return ast.Name(self.names.get(node.id, node.id))
@@ -255,172 +262,49 @@ class _Words(ast.NodeTransformer):
         condition, first, second = map(ast.unparse, parts)
         return ast.Name(f"({condition} ? {first} : {second})")
 
-
-class Language:
-    """How a function, its lines and its records are written."""
-
-    names: ClassVar[Mapping[str, str]]  # of constants and functions that the language has
-    own: ClassVar[Mapping[str, Mapping[str, str]]] = {}  # functions that it does in its own way
-
-    def __init__(self) -> None:
-        values = {name: repr(float(eval(text))) for name, text in _CONSTANTS.items()}
-        self.words = _Words(values | dict(self.names))
-        self.called = _called(self.own)
-
     def text(self, value: ast.expr) -> str:
-        """An expression."""
-        return ast.unparse(self.words.visit(deepcopy(value)))
-
-    def functions(self) -> dict[str, str]:
-        """Texts of all functions of languages.toml that callers see."""
-        return {name: self.function(name, about) for name, about in FUNCTIONS.items()}
-
-    def function(self, name: str, about: Mapping[str, str]) -> str:
-        """Text of one of them."""
-        tree = _written(name, about)
-        given: dict[str, str] = {}  # record of each argument
-        for argument in tree.args.args:
-            said = ast.unparse(argument.annotation) if argument.annotation else argument.arg
-            given[argument.arg] = said if said in RECORDS else ""
-        inlined = _Inlined(self.called, [*given, *self.words.names])
-        values: list[Value] = [
-            [ast.Name(f"{argument}.{field}") for field in RECORDS[record]]
-            if record
-            else ast.Name(argument)
-            for argument, record in given.items()
-        ]
-        returned = inlined.run(tree, values)
-        lines, routine = self._begun(given), ""
-        for of, variable, value in inlined.needed(returned):
-            if of != routine:
-                lines.append(self._comment(of))
-            routine = of
-            match value:
-                case ast.Compare() | ast.BinOp(op=ast.BitAnd()):
-                    lines.append(self._flag(variable, self.text(value)))
-                case _:
-                    lines.append(self._declared(variable, self.text(value)))
-        record = about.get("record", "")
-        lines += self._given_back(self._made(record, returned), record)
-        wrapper = textwrap.TextWrapper(100, "    ", " " * 8)
-        wrapper.break_long_words = wrapper.break_on_hyphens = False
-        return self._whole(name, given, record, "\n".join(map(wrapper.fill, lines)))
-
-    def _begun(self, given: Mapping[str, str]) -> list[str]:
-        """First lines of a function."""
-        raise NotImplementedError
-
-    def _comment(self, text: str) -> str:
-        return f"/* {text} */"
-
-    def _flag(self, name: str, text: str) -> str:
-        raise NotImplementedError
-
-    def _declared(self, name: str, text: str) -> str:
-        raise NotImplementedError
-
-    def _made(self, record: str, value: Value) -> str:
-        """What is returned: a number, or a record of its parts."""
-        raise NotImplementedError
-
-    def _given_back(self, text: str, record: str) -> list[str]:
-        raise NotImplementedError
-
-    def _whole(self, name: str, given: Mapping[str, str], record: str, body: str) -> str:
-        """A function, of its arguments, what it returns and its lines."""
-        raise NotImplementedError
+        """An expression as text."""
+        return ast.unparse(self.visit(deepcopy(value)))
 
 
-class JavaScript(Language):
-    """Members of an object."""
+def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Function:
+    """Translate a function of languages.toml.
 
-    names: ClassVar = {
-        **{"inf": "Infinity", "nan": "NaN", "arctan": "Math.atan", "arctan2": "Math.atan2"},
-        **{name: f"Math.{name}" for name in ("abs", "sqrt", "sin", "cos", "hypot")},
-    }
-
-    def _begun(self, given: Mapping[str, str]) -> list[str]:
-        if "law" not in given:
-            return []
-        flags = [f'const by_{law} = law === "{law}";' for law in LAWS[:2]]
-        return ["check(law);", *flags]
-
-    def _flag(self, name: str, text: str) -> str:
-        return self._declared(name, text)
-
-    def _declared(self, name: str, text: str) -> str:
-        return f"const {name} = {text};"
-
-    def _made(self, record: str, value: Value) -> str:
-        if not isinstance(value, list):
-            return self.text(value)
-        parts = (self._made("body", part) for part in value)
-        pairs = zip(RECORDS[record], parts, strict=True)
-        return f"{{ {', '.join(f'{field}: {part}' for field, part in pairs)} }}"
-
-    def _given_back(self, text: str, record: str) -> list[str]:
-        return [f"return {text};"]
-
-    def _whole(self, name: str, given: Mapping[str, str], record: str, body: str) -> str:
-        return f"{name}({', '.join(given)}) {{\n{body}\n}},"
+    Parameters
+    ----------
+    language : one of `LANGUAGES`
+    name, about : of the function
+    own : functions that the language does in its own way, as those of languages.toml
+    """
+    tree, words = _written(name, about), _Words(language)
+    arguments = {}
+    for argument in tree.args.args:
+        record = ast.unparse(argument.annotation) if argument.annotation else argument.arg
+        arguments[argument.arg] = record if record in (*RECORDS, "law") else ""
+    inlined = _Inlined(_called(own), [*arguments, *words.names])
+    values: list[Value] = [
+        [ast.Name(f"{argument}.{field}") for field in RECORDS[record]]
+        if record in RECORDS
+        else ast.Name(argument)
+        for argument, record in arguments.items()
+    ]
+    returned = inlined.run(tree, values)
+    lines = [
+        Line(of, variable.id, isinstance(value, ast.Compare) or _is_and(value), words.text(value))
+        for of, variable, value in inlined.needed(returned)
+    ]
+    return Function(name, about, arguments, lines[::-1], _nested(words.text, returned))
 
 
-class C(Language):
-    """Functions and structs with a common prefix."""
-
-    own: ClassVar = _TEXTS["c"]
-    names: ClassVar = {
-        **{
-            "inf": "(double)INFINITY",
-            "nan": "(double)NAN",
-            "abs": "fabs",
-            "arctan": "atan",
-            "arctan2": "atan2",
-        },
-        **{name: f"{_PREFIX}{name}" for name in ("larger", "smaller", "product_error")},
-        **{name: name for name in ("copysign", "sqrt", "sin", "cos", "hypot")},
-    }
-
-    def product_error(self) -> str:
-        """Function that finds what a product lacks without a product and sum in one rounding."""
-        plain = C()
-        plain.called = _called({})
-        return plain.function("product_error", _TEXTS["product_error"])
-
-    def _begun(self, given: Mapping[str, str]) -> list[str]:
-        laws = LAWS[:2] if "law" in given else ()
-        return [f"const int by_{law} = law == {f'{_PREFIX}{law}'.upper()};" for law in laws]
-
-    def _flag(self, name: str, text: str) -> str:
-        return f"const int {name} = {text};"
-
-    def _declared(self, name: str, text: str) -> str:
-        return f"const double {name} = {text};"
-
-    def _made(self, record: str, value: Value) -> str:
-        if not isinstance(value, list):
-            return self.text(value)
-        parts = [self._made("body", part) for part in value]
-        pairs = zip(RECORDS[record], parts, strict=True)
-        regime = f"({_PREFIX}regime)"
-        return f"{{{', '.join(regime * (field == 'regime') + part for field, part in pairs)}}}"
-
-    def _given_back(self, text: str, record: str) -> list[str]:
-        made = f"const {_PREFIX}{record} found = {text};"
-        return [made, "return found;"] if record else [f"return {text};"]
-
-    def _whole(self, name: str, given: Mapping[str, str], record: str, body: str) -> str:
-        kinds = (f"{_PREFIX}{record}" if record else "double" for record in given.values())
-        parts = ", ".join(f"{kind} {name}" for kind, name in zip(kinds, given, strict=True))
-        parts = parts.replace("double law", f"{_PREFIX}law law")
-        kind = f"{_PREFIX}{record}" if record else "double"
-        return f"static inline {kind} {_PREFIX}{name}({parts}) {{\n{body}\n}}"
+def _is_and(value: ast.expr) -> bool:
+    return isinstance(value, ast.BinOp) and isinstance(value.op, ast.BitAnd)
 
 
-LANGUAGES: Mapping[str, tuple[type[Language], str]] = {
-    "c": (C, "rod_impact.h.jinja"),
-    "javascript": (JavaScript, "rod_impact.js.jinja"),
-}
+def _folded(text: str) -> str:
+    """A line of a body, on several if it is long."""
+    wrapper = textwrap.TextWrapper(100, "    ", " " * 8)
+    wrapper.break_long_words = wrapper.break_on_hyphens = False
+    return wrapper.fill(text)
 
 
 def source(language: str) -> str:
@@ -437,12 +321,17 @@ def source(language: str) -> str:
     """
     if language not in LANGUAGES:
         raise ValueError(f"language must be one of {', '.join(LANGUAGES)}, got {language!r}")
-    made, template = LANGUAGES[language]
-    translated = made()
     environment = Environment(
-        loader=PackageLoader(__package__), undefined=StrictUndefined, keep_trailing_newline=True
+        loader=PackageLoader(__package__),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
     )
-    values: dict[str, Any] = {"records": RECORDS, "regimes": REGIMES, "laws": LAWS}
-    return environment.get_template(template).render(
-        language=translated, about=FUNCTIONS, **values, digest=files.digest()
+    environment.filters["folded"] = _folded
+    own = _TEXTS["own"][language]
+    return environment.get_template(LANGUAGES[language]).render(
+        functions=[function(language, name, about, own) for name, about in FUNCTIONS.items()],
+        product_error=function(language, "product_error", _TEXTS["product_error"], {}),
+        **{"records": RECORDS, "regimes": REGIMES, "laws": LAWS, "digest": files.digest()},
     )
