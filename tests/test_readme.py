@@ -95,7 +95,7 @@ def test_commands_run(command, tmp_path):
     done = run(command, tmp_path)
     if command == "python -m figures explore":  # there is no display
         assert done.returncode == 2
-        assert "--out FILE.png" in done.stderr
+        assert "--html FILE.html" in done.stderr
         return
     # 3: the tolerance is reached, but the accuracy is calibrated for other sources
     assert done.returncode in ((0, 3) if "--tolerance" in command else (0,)), done.stderr

@@ -32,6 +32,7 @@ COMMANDS = {
     "generate": ("-m derivations generate", 2, "needs a source checkout"),
     "impact": ("-m md impact --tilt-deg 20 --c-x 0.5 --c-z -1", 0, "slip-stick"),
     "pages": ("-m figures pages", 2, "needs a source checkout"),
+    "explore": ("-m figures explore --html out/impact.html", 0, "impact.html"),
     "draw": ("-m figures draw fig10 --quick", 0, "fig10.png"),
 }
 
@@ -67,7 +68,18 @@ def wheel(tmp_path_factory) -> Path:
 
 
 def test_the_wheel_holds_all_sources_and_data_and_nothing_else(wheel):
-    kept = (".py", ".toml", ".json", ".csv", ".mplstyle", ".typed", ".html", ".css", ".jinja")
+    kept = (
+        ".py",
+        ".toml",
+        ".json",
+        ".csv",
+        ".mplstyle",
+        ".typed",
+        ".html",
+        ".css",
+        ".js",
+        ".jinja",
+    )
     wanted = {
         path.relative_to(ROOT).as_posix()
         for package in PACKAGES

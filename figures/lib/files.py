@@ -25,7 +25,7 @@ HEAD_BYTES = 300  # bytes
 BROKEN = (OSError, EOFError, SyntaxError, ValueError, LookupError, BadZipFile)  # of NumPy, Pillow
 
 
-def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
+def ready(out: Path, *names: str, store: Path | None = None, option: str = "out") -> list[Path]:
     """Paths of the files `names` in the folder `out`, which need not be there yet.
 
     Parameters
@@ -33,6 +33,7 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
     out : folder
     names : of the files that a command is about to write there
     store : that the command uses; it must be none of them
+    option : that names the folder or the file
 
     Raises
     ------
@@ -50,9 +51,9 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
             distinct(out=path, store=store)
         for path in paths:
             if path.exists():
-                writable("out", path, _replaceable, f"a {path.suffix} file made here")
+                writable(option, path, _replaceable, f"a {path.suffix} file made here")
     except OSError as error:
-        raise InputError(f"out must be a folder that takes files: {error}") from None
+        raise InputError(f"{option} must be a folder that takes files: {error}") from None
     return paths
 
 
