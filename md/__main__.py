@@ -148,7 +148,7 @@ def _law(given: dict[str, Any]) -> Law:
 @_number("--confidence", help="Of the interval that --tolerance asks for (default 0.95).")
 @_number("--floor", help="Slower drifts count as this fast (default a twentieth of V_0).")
 @_number("--max-seconds", help="Longest time that --tolerance may take (default 600).")
-@click.option("--trajectory", metavar="FILE", help="Write extended XYZ, for OVITO.")
+@click.option("--trajectory", metavar="FILE", help="Write extended XYZ, for OVITO and ASE.")
 @click.option("--frames", type=int, help="Of the trajectory, per period (default 1).")
 @click.option("--checkpoint", metavar="FILE", help="Save here; go on from it if it is there.")
 @_json

@@ -34,6 +34,7 @@
     holds = [20.0, 23.0]              # limits
     error = 0.5                       # of them
 
+No two parameters may set one key at once, the tables of choices included; `when` keeps them apart.
 Parameters are drawn from a Sobol sequence; every point is run at all places of the data and targets
 with all starts, by `md.sweep` into its store, so that a search goes on where it stopped. The misfit
 of a point is the sum of squares of (result - limit)/error, where the error is that of the data and

@@ -181,7 +181,7 @@ def test_strips_hold_every_law_and_mark_the_best(made):
     assert len(law_strips.summary(made).splitlines()) == len(over_laws.verdicts(made)) + 1
 
 
-@pytest.mark.parametrize(("place", "of"), enumerate((runs.LAW_OF, runs.SECOND_OF)))
+@pytest.mark.parametrize(("place", "of"), [*enumerate((runs.LAW_OF, runs.SECOND_OF))])
 def test_the_laws_of_the_figures_are_the_cheapest_of_the_best(place, of):
     d = kept_data("which_law", gallery.GALLERY)
     law = over_laws.laws_of(d["best_parts"])[over_laws.as_good(d)[place]]
