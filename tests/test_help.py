@@ -89,7 +89,7 @@ def test_bad_usage_begins_with_the_command(name, capsys):
     refused(lambda: GROUPS[package]([*command, "--nonsense"]), f"python -m {name}: No such", capsys)
 
 
-@pytest.mark.parametrize("package", ["derivations", "figures", "md"])
+@pytest.mark.parametrize("package", PACKAGES)
 def test_every_command_line_tells_the_version(package, capsys):
     assert GROUPS[package](["--version"]) == 0
     assert capsys.readouterr().out == f"rod-impact {md.__version__}\n"

@@ -23,6 +23,7 @@ assert len(claims.read()) == 29
 assert md.accuracy.calibrated()["scale"] > 0
 for package in ({", ".join(PACKAGES)}):
     assert package.__file__.startswith(os.environ["PYTHONPATH"])
+assert impact.__version__ == md.__version__
 print(md.__version__)
 """
 # What comes after `python`, its exit code and what it prints, on stderr if it fails.
