@@ -35,6 +35,7 @@ pair_functions                      and those of two bodies
 routines, arithmetic                assignments; the arithmetics in which they are proved
 kernel, contacts, error_free        one impact as assignments (kernel.toml), and their proofs
 codegen                             expressions as functions
+languages                           the impact map in C and JavaScript (languages.toml)
 files, equations_page               impact/_generated.py, impact/_kernel.py; EQUATIONS.md
 typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
 lecture, letters, exercises         the report's text and references; letters; exercises, answered

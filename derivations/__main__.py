@@ -20,6 +20,7 @@ from .command_line import Commands
 from .sentences import to_text
 
 NAME = "python -m derivations"
+_FILE = click.Path(dir_okay=False, path_type=Path)
 
 
 def _bar(what: str) -> Callable[..., tqdm]:
@@ -66,6 +67,7 @@ def _examples(*lines: str) -> str:
     invoke_without_command=True,
     epilog=_examples("check        # so does python -m derivations alone", "report"),
 )
+@click.version_option(package_name="rod-impact", message="%(package)s %(version)s")
 @click.pass_context
 def main(context: click.Context) -> int | None:
     """Prove every equation, generate the functions, write the report."""
@@ -84,15 +86,30 @@ def check(as_json: bool = False) -> int:
     return _code(rows)
 
 
-@main.command(epilog=_examples("generate"))
-def generate() -> int:
+@main.command(epilog=_examples("generate", "generate --language c --out rod_impact.h"))
+@click.option(
+    "--language",
+    type=click.Choice(["c", "javascript"]),
+    help="Print the impact map as a C99 header or as a script.",
+)
+@click.option("--out", type=_FILE, help="File for it, instead of standard output.")
+def generate(language: str | None, out: Path | None) -> int:
     """Write the generated functions and tables (5 s).
 
     They are impact/_generated.py, impact/_kernel.py and derivations/EQUATIONS.md of a source
-    checkout.
+    checkout. With --language nothing of these is written.
     """
-    from . import equations_page, files  # for a quick --help
+    from . import equations_page, files, languages  # for a quick --help
 
+    if language is not None:
+        text = languages.source(language)
+        if out is None:
+            print(text, end="")
+        else:
+            print(f"{out}: {'written' if files.write(text, out) else 'unchanged'}")
+        return 0
+    if out is not None:
+        raise click.UsageError("--out needs --language")
     root = files.KERNEL.parent.parent
     if not (root / "README.md").is_file():
         raise click.UsageError(f"generate needs a source checkout; {root} has no README.md")

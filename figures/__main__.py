@@ -18,7 +18,7 @@ from . import FIGURES
 from .lib.tables import plain
 
 PRICES = "prices.txt", "prices.json", "prices.png"
-CLAIMS, PAGE = ("claims.json", "claims.md"), "index.html"
+CLAIMS, PAGES = ("claims.json", "claims.md"), ("impact.html", "index.html")
 
 
 def _replacing(path: Path) -> AbstractContextManager[Path]:
@@ -51,6 +51,7 @@ _quick = click.option("--quick", is_flag=True, help="Coarse grids, short runs, f
 
 
 @click.group(cls=Commands, name="python -m figures")
+@click.version_option(package_name="rod-impact", message="%(package)s %(version)s")
 def main() -> None:
     """List and draw the figures, animate a scene, judge the claims, show all of it.
 
@@ -208,7 +209,7 @@ def paper(estimate: bool, out: Path, store: Path | None) -> int:
     from .lib.files import storing
     from .pages import everything
 
-    made = *files_of(*FIGURES), "quasi2d.gif", "quasi2d.mp4", *CLAIMS, PAGE
+    made = *files_of(*FIGURES), "quasi2d.gif", "quasi2d.mp4", *CLAIMS, *PAGES
     with storing(out, store, *made):
         print(everything.estimate(out), flush=True)
         names = everything.left(out)
@@ -275,7 +276,7 @@ def index(out: Path) -> None:
     for name, content in files.items():
         with _replacing(out / name) as part:
             part.write_bytes(content)
-    print(out / PAGE)
+    print(out / PAGES[-1])
 
 
 @main.command()
@@ -305,14 +306,16 @@ def pages() -> None:
 @click.option("--shape", help="thin, round (default) or flat.")
 @click.option("--law", help="newton (default), poisson or stronge.")
 @_path("--out", "Draw into this file; no window.", metavar="FILE.png")
-def explore(out: Path | None, **given: Any) -> None:
+@_path("--html", "Write a page that moves, for any browser; no window.", metavar="FILE.html")
+def explore(out: Path | None, html: Path | None, **given: Any) -> None:
     """Open a window of sliders: one impact and the drift.
 
     \b
     python -m figures explore
     python -m figures explore --tilt-deg 40 --friction 0.5 --out setting.png
+    python -m figures explore --html setting.html   # and the impact as it goes on
     """
-    if out:
+    if out or html:
         import matplotlib as mpl
 
         mpl.use("Agg")
@@ -320,15 +323,22 @@ def explore(out: Path | None, **given: Any) -> None:
     from .pages import explore as window
 
     start = window.Setting(**{name: value for name, value in given.items() if value is not None})
-    if out and out.suffix != ".png":
-        raise InputError(f"out must be a file that ends in .png, got {out}")
+    for name, path, ending in (("out", out, ".png"), ("html", html, ".html")):
+        if path and path.suffix != ending:
+            raise InputError(f"{name} must be a file that ends in {ending}, got {path}")
+        if path:
+            ready(path.parent, path.name, option=name)
+    if html:
+        from .pages import explore_page  # SymPy
+
+        _write_text(html, explore_page.page(start))
+        print(html)
     if out:
-        ready(out.parent, out.name)
         with _replacing(out) as part:
             window.write(start, part)
         print(out)
-    elif not window.run(start):
-        raise InputError("no display to open a window on; --out FILE.png draws it")
+    if not (out or html) and not window.run(start):
+        raise InputError("no display to open a window on; --html FILE.html or --out FILE.png")
 
 
 def _stop(*_: object) -> NoReturn:

@@ -90,3 +90,12 @@ __all__ = [
     "thin_rod",
     "transport_cost",
 ]
+
+
+def __getattr__(name: str) -> str:
+    """Version, found only when asked for."""
+    if name == "__version__":
+        from importlib.metadata import version  # late: a fifth of the time of import impact
+
+        return version("rod-impact")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

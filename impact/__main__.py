@@ -8,6 +8,7 @@ from ._command_line import Commands
 
 
 @click.group(cls=Commands, name="python -m impact")
+@click.version_option(package_name="rod-impact", message="%(package)s %(version)s")
 def main() -> None:
     """The theory of rigid impacts: the time of one impact on this machine.
 

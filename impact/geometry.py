@@ -110,7 +110,7 @@ def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     ----------
     tilt : angle from the vertical, rad, between -pi/2 and pi/2; any shape
     length : overall length, caps included (the paper's l = h_0 + d), >= `diameter`
-    diameter : > 0
+    diameter : > 0, in the unit of `length`; 1 suits lengths in diameters alone
 
     Returns
     -------
@@ -147,7 +147,7 @@ def flat_ended_rod(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     ----------
     tilt : angle from the vertical, rad, between -pi/2 and pi/2; any shape
     length : > 0
-    diameter : > 0
+    diameter : > 0, in the unit of `length`; 1 suits lengths in diameters alone
 
     Returns
     -------

@@ -1,5 +1,6 @@
 """Molecular dynamics of rods on a plate: soft contacts with friction, only the effects asked for.
 
+>>> from dataclasses import replace
 >>> from math import radians
 >>> import md
 >>> hit = md.impact(radians(20), 0.5, -1.0, friction=0.4, law=md.coulomb(restitution=0.65))
@@ -19,9 +20,23 @@ Your rods, in cm and Hz (`md/scenes/my_rods.toml`: copy it, change its numbers):
 >>> print(f"{drift:.2f} +- {error:.2f} cm/s")  # doctest: +ELLIPSIS
 5... +- 0... cm/s
 
+A contact law of your own is a `Law` of terms that the kernels know, a `Normal` force and a
+tangential `Spring`. It is numbers alone, so a store knows it and other processes run it:
+
+>>> law = md.Law("mine", md.Normal(5e6, constant=300.0), md.Spring(root=1.5e7, damping_ratio=1.0))
+>>> hit = md.impact(radians(20), 0.5, -1.0, friction=0.4, law=law)
+>>> own = replace(scene, contacts=replace(scene.contacts, plate=md.Contact(law, friction=0.4)))
+>>> result = md.run(own, periods=20)
+
+After `md.LAWS["mine"] = function`, which returns a `Law`, "mine" is a value of the key
+`contacts.plate.law` in this process, and the arguments of the function are keys beside it: in
+`md.load`, `md.sweep` and `md.search`, whatever processes make their runs, but not in the commands.
+A force that is no sum of such terms, with another power of the overlap, say, needs a change of
+the kernels (`md.laws`).
+
 `LAWS` holds the contact laws and `INTEGRATORS` the names of the methods, both for one impact. Many
 runs along axes are `md.sweep`, parameters from measurements `md.search`, results in `md.store`, the
-frames of a run `md.trajectory`.
+touches of a run one by one `md.records`, its frames `md.trajectory`.
 
 Reduced units throughout: rod diameter d, mass of a rod and gravity are 1; scenes take cm, cm/s and
 Hz as well, and `Scene.cm_per_s` is one unit of velocity. Nothing here is taken from the theory of
@@ -38,7 +53,7 @@ kernels/joints                      compiled: two ends that meet, one contact
 kernels/space                       compiled: an annulus; `pairs` has the forces between its rods
 rod, reference, soft_impact         `impact`: every switch located, or fixed steps
 host, placement                     a scene under way: constants and arrays of the kernels
-measures, statistics                what a run measures, with errors
+measures, records, statistics       what a run measures, with errors; its touches one by one
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy, calibration               `run`: step and length from a tolerance; bias of the step
 sweep, store                        many runs and their results; `Point.key` says which is stale
@@ -50,8 +65,13 @@ result_text, command_line, __main__  results as text; the commands
 To add a contact law: `md.laws`. To add an effect: `md.kernels`.
 """
 
+from importlib import import_module
+from importlib.metadata import version
+from typing import Any
+
 from .accuracy import run
 from .errors import InputError, RunError
+from .kernels.contact import Normal, Spring
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
 from .rod import Rod
@@ -71,12 +91,14 @@ __all__ = [
     "Impact",
     "InputError",
     "Law",
+    "Normal",
     "Plate",
     "Result",
     "Rod",
     "Rods",
     "RunError",
     "Scene",
+    "Spring",
     "Start",
     "Step",
     "Vibration",
@@ -87,3 +109,12 @@ __all__ = [
     "load",
     "run",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Version, and modules that need joblib or SciPy's statistics: found only when asked for."""
+    if name == "__version__":
+        return version("rod-impact")
+    if name in ("records", "search", "store", "sweep"):
+        return import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -44,6 +44,7 @@ _json = click.option("--json", "as_json", is_flag=True, help="One JSON object on
 
 
 @click.group(cls=Commands, name="python -m md")
+@click.version_option(package_name="rod-impact", message="%(package)s %(version)s")
 def main() -> None:
     """Molecular dynamics of rods on a plate: one impact, a scene, a sweep of scenes.
 
@@ -147,11 +148,9 @@ def _law(given: dict[str, Any]) -> Law:
 @_number("--confidence", help="Of the interval that --tolerance asks for (default 0.95).")
 @_number("--floor", help="Slower drifts count as this fast (default a twentieth of V_0).")
 @_number("--max-seconds", help="Longest time that --tolerance may take (default 600).")
-@click.option(
-    "--workers", type=int, help="Starts at once, for --tolerance, one a core (default 1)."
-)
+@click.option("--workers", type=int, help="With --tolerance: starts at once (default 1).")
 @click.option("--plan", is_flag=True, help="Say what --tolerance will take, and do not run.")
-@click.option("--trajectory", metavar="FILE", help="Write extended XYZ, for OVITO.")
+@click.option("--trajectory", metavar="FILE", help="Write extended XYZ, for OVITO and ASE.")
 @click.option("--frames", type=int, help="Of the trajectory, per period (default 1).")
 @click.option("--checkpoint", metavar="FILE", help="Save here; go on from it if it is there.")
 @_json

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from .errors import InputError
-from .laws import contact_time
+from .laws import contact_time, coulomb
 from .scene import Scene, Step
 from .sources import digest
 
@@ -103,10 +103,14 @@ def outside(scene: Scene) -> tuple[str, ...]:
             found.append(f"{name} {value:.4g} is outside of {low:.4g} to {high:.4g}")
     if (named := laws(scene)) not in known["laws"]:
         found.append(f"laws {named} were not calibrated ({', '.join(known['laws'])})")
-    else:
-        pair = scene.contacts.plate, scene.contacts.rods
-        if len({contact.law.normal.stiffness for contact in pair if contact}) > 1:
-            found.append("contacts of plate and rods differ in stiffness")
+        return tuple(found)
+    pair = [contact.law for contact in (scene.contacts.plate, scene.contacts.rods) if contact]
+    if len({law.normal.stiffness for law in pair}) > 1:
+        found.append("contacts of plate and rods differ in stiffness")
+    for law in pair:  # somebody's own may have the name of another one
+        e = law.restitution
+        if e is None or law.normal != coulomb(e, law.normal.stiffness).normal:
+            found.append(f"a law named {law.name} is not that of the calibration")
     return tuple(found)
 
 

@@ -244,6 +244,11 @@ def _contact(name: str, table: Mapping) -> Contact:
     law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
     if not isinstance(law, str) or law not in LAWS:
         raise InputError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
+    for known, make in LAWS.items():
+        if not callable(make):
+            raise InputError(
+                f"md.LAWS[{known!r}] must be a function that returns a Law, got {make!r}"
+            )
     takes = {known: inspect.signature(make).parameters for known, make in LAWS.items()}
     for key in (key for key in options if key not in takes[law]):
         if any(key in known for known in takes.values()):

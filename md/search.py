@@ -34,6 +34,7 @@
     holds = [20.0, 23.0]              # limits
     error = 0.5                       # of them
 
+No two parameters may set one key at once, the tables of choices included; `when` keeps them apart.
 Parameters are drawn from a Sobol sequence; every point is run at all places of the data and targets
 with all starts, by `md.sweep` into its store, so that a search goes on where it stopped. The misfit
 of a point is the sum of squares of (result - limit)/error, where the error is that of the data and
@@ -65,9 +66,11 @@ from scipy.stats import qmc
 
 from .domains import finite, held, positive, whole
 from .errors import InputError, RunError
+from .files import empty
 from .measured_table import read_rows
 from .scene import from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS, run
+from .store import Store
 from .surface import ENOUGH, Fit, box_around, misfit_of
 from .sweep import Point, Sweep, Tally, execute, named
 
@@ -115,6 +118,14 @@ class Parameter:
         else:
             value = self.low + (self.high - self.low) * part
         return round(value) if self.integer else float(value)
+
+    @property
+    def settings(self) -> list[tuple[dict[str, str], set[str]]]:
+        """Keys of the scene that it changes, with the choices under which it does."""
+        when = dict(self.when or {})
+        if self.choices is None:
+            return [(when, {*self.keys})]
+        return [(when | {self.name: one}, {*table}) for one, table in self.choices.items()]
 
     def changes(self, values: Mapping[str, float | str]) -> dict[str, Any]:
         """What it changes in the scene.
@@ -304,7 +315,7 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
         parts.append(given.draw(number, box))
         sweep = given.sweep(parts[-1])
         if number == 0:
-            _check_results(given, sweep.points[0])
+            _check_results(given, sweep.points[0], store)
         tally = execute(sweep, store, **how)
         whole_tally = Tally(
             *(a + b for a, b in zip(astuple(whole_tally), astuple(tally), strict=True))
@@ -322,24 +333,26 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     return found
 
 
-def _check_results(given: Search, point: Point) -> None:
-    """Refuse a target that is not a number in the results of a run; a period of one shows it."""
-    try:
-        shown = run(point.scene, periods=1)
-    except RunError:
-        return
-    if not shown.finished:
-        raise KeyboardInterrupt
-    results = shown.as_dict()
-    for name in sorted({target.result for target in given.targets}):
+def _check_results(given: Search, point: Point, store: str | Path) -> None:
+    """Refuse a target that is not a number in the results of a run.
+
+    What the store holds shows it, else one period, before a search of hours.
+    """
+    results = None
+    if not empty(store):
+        with Store(store, write=False) as database:
+            results = database.result(point.key)
+    if results is None:
         try:
-            fine = np.asarray(named(results, name), float).ndim == 0
-        except (KeyError, TypeError, ValueError):
-            fine = False
-        if not fine:
-            raise InputError(
-                f"targets ask for {name}, which is not a number in the results of a run"
-            )
+            shown = run(point.scene, periods=1)
+        except RunError:
+            return
+        if not shown.finished:
+            raise KeyboardInterrupt
+        results = shown.as_dict()
+    for name in sorted({target.result for target in given.targets}):
+        if not isinstance(named(results, name), int | float | None):
+            raise InputError(f"targets ask for {name}, which is no number in the results of a run")
 
 
 def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
@@ -427,11 +440,8 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     for key in tables:
         if key not in _KEYS:
             raise InputError(f"{key} is not a key of a search; known: {', '.join(sorted(_KEYS))}")
-    asked = (
-        [(*row[:3], row[2], row[3]) for row in _data(tables["data"], folder)]
-        if "data" in tables
-        else []
-    )
+    rows = _data(tables["data"], folder) if "data" in tables else []
+    asked = [(*row[:3], row[2], row[3]) for row in rows]
     asked += [
         _limits(f"targets[{i}]", t)
         for i, t in enumerate(held("targets", tables.get("targets", []), list))
@@ -455,12 +465,16 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
             known = {p.name: [*p.choices] for p in parameters if p.choices}
             if choice not in known.get(name, []):
                 raise InputError(f"{parameter.name}: when.{name} = {choice!r} is not a choice")
-        if taken & set(parameter.keys):
-            raise InputError(f"{parameter.name} varies a key that data, targets or seeds set")
+        for _, changed in parameter.settings:
+            if shared := taken & changed:
+                raise InputError(
+                    f"{parameter.name} varies a key that data, targets or seeds set: {min(shared)}"
+                )
     for one, other in combinations(parameters, 2):
-        when, where, shared = one.when or {}, other.when or {}, {*one.keys} & {*other.keys}
-        if shared and all(where.get(name, choice) == choice for name, choice in when.items()):
-            raise InputError(f"{min(shared)} is varied by {one.name} and {other.name} at once")
+        for (when, keys), (where, others) in product(one.settings, other.settings):
+            together = all(where.get(name, choice) == choice for name, choice in when.items())
+            if together and (shared := keys & others):
+                raise InputError(f"{min(shared)} is varied by {one.name} and {other.name} at once")
     if any("start.seed" in place for place in places):
         raise InputError("start.seed must not stand in data or targets: seeds names the starts")
     seeds = tables.get("seeds", [1, 2])

@@ -357,8 +357,8 @@ def run(
     scene : Scene
     periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
     ledger : whether to account for the energy
-    observe : called now and then with new touches, (n, touches.WIDTH); they are not kept; not in an
-        annulus
+    observe : called now and then with new touches, (n, touches.WIDTH), which `md.records.touches`
+        gives names; they are not kept; not in an annulus
     trajectory : file for extended XYZ, a new one or one of frames, which are replaced; when a
         checkpoint is resumed, the file that was written with it, which goes on behind the frames
         that the checkpoint knows of

@@ -16,7 +16,21 @@
     [[axes]]
     "start.seed" = [1, 2, 3]
 
-The axes multiply. joblib runs the points; this process alone writes the store.
+The axes multiply. joblib runs the points; this process alone writes the store. The same from
+Python, a full grid of two axes and what came of it as labelled arrays:
+
+>>> import md
+>>> grid = {
+...     "scene": "single_rod",
+...     "periods": 20,
+...     "axes": [{"plate.acceleration": [2, 3]}, {"contacts.plate.friction": [0.2, 0.3, 0.4]}],
+... }
+>>> sweep = md.sweep.expand(grid)
+>>> tally = md.sweep.execute(sweep, "grid.db", workers=1)
+>>> (c_x,) = sweep.gather("grid.db", "c_x_cm_s")
+>>> c_x.shape
+(2, 3)
+>>> found = sweep.labelled("grid.db", "c_x_cm_s")  # by xarray, with coordinates
 """
 
 import hashlib
@@ -159,6 +173,38 @@ class Sweep:
             results = [database.result(point.key) for point in self.points]
         return tuple(self._array([named(result, name) for result in results]) for name in names)
 
+    def labelled(self, store: str | Path, *names: str) -> Any:
+        """Results with their coordinates, as an `xarray.Dataset` where xarray is installed.
+
+        Parameters
+        ----------
+        store : path of the store
+        names : of results, as in `gather`
+
+        Returns
+        -------
+        Dataset with a dimension for each axis, which has the name of the axis' first key; its other
+        keys are coordinates along it. Without xarray the dictionary from which
+        `xarray.Dataset.from_dict` makes it: in "coords" and "data_vars" by their names
+        {"dims": names of dimensions, "data": array}.
+        """
+        dims = [next(iter(axis)) for axis in self.axes]
+        coords = {
+            key: {"dims": (dim,), "data": np.array(values)}
+            for dim, axis in zip(dims, self.axes, strict=True)
+            for key, values in axis.items()
+        }
+        variables = {}
+        for name, array in zip(names, self.gather(store, *names), strict=True):
+            inner = [f"{name}.{i}" for i in range(array.ndim - len(dims))]
+            variables[name] = {"dims": (*dims, *inner), "data": array}
+        found = {"coords": coords, "data_vars": variables}
+        try:
+            from xarray import Dataset  # late: only here, and only if it is installed
+        except ImportError:
+            return found
+        return Dataset.from_dict(found)
+
     def _array(self, values: list) -> np.ndarray:
         inner = next((np.shape(v) for v in values if v is not None), ())
         blank = np.full(inner, np.nan)
@@ -173,8 +219,16 @@ def named(result: dict | None, name: str) -> Any:
     ----------
     result : results of a run, or None
     name : such as "landings.plate_velocity.mean"
+
+    Raises
+    ------
+    ValueError
+        If the results have no such name.
     """
-    return reduce(lambda found, part: found and found[part], name.split("."), result)
+    try:
+        return reduce(lambda found, part: found and found[part], name.split("."), result)
+    except (KeyError, TypeError):
+        raise InputError(f"{name} is not in the results: {', '.join(result or ())}") from None
 
 
 def _values(name: str, given: object) -> list:
@@ -208,13 +262,14 @@ def _axis(number: int, table: object) -> dict[str, list]:
     return axis
 
 
-def expand(tables: Mapping, base: Mapping) -> Sweep:
+def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
     """A sweep from its tables and those of its scene.
 
     Parameters
     ----------
-    tables : of the sweep: periods, or tolerance and max_seconds; set; axes
-    base : tables of the scene, as `md.scene.read_tables` gives them
+    tables : of the sweep: scene; periods, or tolerance and max_seconds; set; axes
+    base : tables of the scene, as `md.scene.read_tables` gives them; None: of the one that `tables`
+        names
 
     Raises
     ------
@@ -222,6 +277,7 @@ def expand(tables: Mapping, base: Mapping) -> Sweep:
         If an axis is empty or holds nan, or a point is not a scene that can run; the message names
         the point.
     """
+    base = scene_beside("", tables) if base is None else base
     known = {"scene", "periods", "tolerance", "max_seconds", "set", "axes"}
     for key in tables:
         if key not in known:

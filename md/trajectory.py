@@ -1,11 +1,16 @@
-"""Trajectories as extended XYZ, with shape and orientation: OVITO draws spherocylinders from it."""
+"""Trajectories as extended XYZ, with shape and orientation, for OVITO and ASE.
+
+In OVITO choose, under Particles, the standard shape Spherocylinder; orientation and size come from
+the file. In ASE `ase.io.read("row.xyz", index=":")` gives the frames, each with the columns as
+`arrays` and times and units as `info`; ASE knows no species but elements, and calls a rod X.
+"""
 
 import hashlib
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from math import acos, atan2, cos, degrees, hypot, sin, sqrt
+from math import acos, atan2, cos, degrees, hypot, sin
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -13,11 +18,14 @@ import numpy as np
 
 from .errors import InputError
 from .files import empty, same
+from .kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from .scene import Scene
 
 __all__ = ["Trajectory", "check_continues", "is_trajectory", "read_frames"]
 
-_COLUMNS = "id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3:velo:R:3:omega:R:1:tilt:R:1"
+# Names that OVITO knows, but for tilt; Z = 0, no element, lets ASE read a species that is none.
+_COLUMNS = "species:S:1:pos:R:3:Z:I:1:id:I:1:orientation:R:4:aspherical_shape:R:3:velo:R:3"
+_COLUMNS += ":omega:R:3:tilt:R:1"
 _LAST = 2**20  # bytes before its end that hold the head of the last frame
 _TAIL = 2**16  # bytes before its end by which a file is known again
 
@@ -50,22 +58,24 @@ class Trajectory:
         height : of the plate, in d
 
         Lengths are in d, velocities in sqrt(g d); beside the time stand d in cm and sqrt(g d) in
-        cm/s. Columns: number; place x, y, z; orientation as a quaternion x, y, z, w that turns the
-        z axis into the rod's; radius, radius and length of the cylinder between the caps (OVITO:
-        particle shape spherocylinder); velocity; angular velocity; tilt in degrees.
+        cm/s. Columns: species (rod); place x, y, z; 0 (no element); number; orientation as a
+        quaternion x, y, z, w that turns the z axis into the rod's; radius, radius and length of the
+        cylinder between the caps; velocity; angular velocity; tilt in degrees.
         """
-        wide, deep = scene.box.length if scene.box else 1e3, 1.0
+        wide, deep, left = scene.box.length if scene.box else 1e3, 1.0, 0.0
         if scene.annulus is not None:
-            wide = deep = 2 * scene.annulus.outer
+            left = -scene.annulus.outer
+            wide = deep = -2 * left
         cell = f"{wide!r} 0 0 0 {deep!r} 0 0 0 {scene.rods.length + 10!r}"
+        corner = f"{left!r} {-deep / 2!r} 0"
         self.file.write(
-            f'{len(rods)}\nLattice="{cell}" Properties={_COLUMNS} '
+            f'{len(rods)}\nLattice="{cell}" Origin="{corner}" Properties={_COLUMNS} '
             f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} '
             f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
         )
         for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
-            numbers = [*place, *turn, 0.5, 0.5, scene.rods.length - 1, *velocity, omega, tilt]
-            self.file.write(f"{i} {' '.join(f'{number:.9g}' for number in numbers)}\n")
+            numbers = [*turn, 0.5, 0.5, scene.rods.length - 1, *velocity, *omega, tilt]
+            self.file.write(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
         self.count += 1
 
     def state(self) -> dict[str, Any]:
@@ -79,6 +89,10 @@ class Trajectory:
         """Close the file; a full disk is no error here."""
         with suppress(OSError):
             self.file.close()
+
+
+def _text(numbers: Iterable[float]) -> str:
+    return " ".join(f"{number:.9g}" for number in numbers)
 
 
 def _tail(path: Path, size: int) -> str:
@@ -156,14 +170,13 @@ def _in_space(rods: np.ndarray) -> Iterator[tuple]:
             x, z, sine, cosine, c_x, c_z, omega = row
             phi = atan2(sine, cosine)
             turn = 0.0, sin(phi / 2), 0.0, cos(phi / 2)
-            yield (x, 0.0, z), turn, (c_x, 0.0, c_z), omega, degrees(phi)
+            yield (x, 0.0, z), turn, (c_x, 0.0, c_z), (0.0, omega, 0.0), degrees(phi)
             continue
-        x, y, z, a, b, c, c_x, c_y, c_z, w_x, w_y, w_z = row
+        a, b, c = row[DIRECTOR:VELOCITY]
         phi, across = acos(min(max(c, -1.0), 1.0)), hypot(a, b) or 1.0
         part = sin(phi / 2) / across
         turn = -b * part, a * part, 0.0, cos(phi / 2)
-        size = sqrt(w_x * w_x + w_y * w_y + w_z * w_z)
-        yield (x, y, z), turn, (c_x, c_y, c_z), size, degrees(phi)
+        yield row[PLACE:DIRECTOR], turn, row[VELOCITY:TURN], row[TURN:], degrees(phi)
 
 
 def read_frames(path: str | Path) -> list[dict]:
@@ -200,11 +213,11 @@ def _frame(count: int, file: TextIO) -> dict:
     lines = [file.readline() for _ in range(count)]
     if not lines[-1].endswith("\n"):
         raise InputError("cut short")
-    table = np.loadtxt(lines, ndmin=2)
+    table = np.loadtxt(lines, ndmin=2, usecols=(1, 3, -1))
     return {
         "time": float(after.split()[0]),
         "plate": float(after.split("plate=")[1]),
-        "x": table[:, 1],
-        "z": table[:, 3],
-        "tilt": np.radians(table[:, -1]),
+        "x": table[:, 0],
+        "z": table[:, 1],
+        "tilt": np.radians(table[:, 2]),
     }

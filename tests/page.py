@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 
 from derivations.sentences import to_html
 
-VOID = {"meta", "wbr", "br", "img"}
+VOID = {"meta", "wbr", "br", "img", "input"}
 
 
 class Page(HTMLParser):

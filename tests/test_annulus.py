@@ -9,7 +9,6 @@ import md
 from md.__main__ import main
 from md.host import prepare
 from md.kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
-from md.trajectory import read_frames
 
 from .test_row_resume import bits
 
@@ -112,24 +111,6 @@ def test_the_plate_counts_its_touches():
     assert result.touches["per_rod_and_period"]["mean"] == len(found) / 4 > 0.2
     mean = np.mean(found) / scene.plate_speed
     assert result.touches["plate_velocity"]["mean"] == pytest.approx(mean)
-
-
-def test_frames_hold_place_and_direction(whole, tmp_path):
-    """The quaternion turns the z axis into the rod's."""
-    path = tmp_path / "ring.xyz"
-    result = md.run(whole.scene, periods=2, trajectory=path)
-    frames = read_frames(path)
-    assert len(frames) == 2
-    wide = repr(2 * result.scene.annulus.outer)
-    assert f'Lattice="{wide} 0 0 0 {wide} 0 0 0 ' in path.read_text()
-    table = np.loadtxt(path.read_text().splitlines()[2:8])
-    x, y, z, w = table[:, 4:8].T
-    turned = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]).T
-    tilt = np.degrees(np.arccos(turned[:, 2]))
-    np.testing.assert_allclose(tilt, table[:, -1], atol=1e-5)
-    engine = prepare(result.scene)
-    np.testing.assert_allclose(table[:, 1:4], engine.rods[:, PLACE:DIRECTOR], atol=1e-8)
-    np.testing.assert_allclose(turned, engine.rods[:, DIRECTOR:VELOCITY], atol=1e-6)
 
 
 def test_the_command(capsys):

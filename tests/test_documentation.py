@@ -20,7 +20,7 @@ PUBLIC = [
     "derivations",
     *("derivations.registry", "figures"),
     *("impact", "impact.bouncing", "impact.compiled", "impact.falling"),
-    *("md", "md.search", "md.store", "md.sweep", "md.trajectory"),
+    *("md", "md.records", "md.search", "md.store", "md.sweep", "md.trajectory"),
 ]
 
 

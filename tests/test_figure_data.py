@@ -1,15 +1,17 @@
 """Data of figures that a folder keeps: read if they are of the present sources, else not."""
 
 import shutil
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import md
 from figures.__main__ import main
 from figures.lib import data as kept
-from figures.lib import runs
+from figures.lib import drawing, runs
 from figures.paper import fig10
 
 HOUSE = Path(__file__).parents[1]
@@ -83,6 +85,24 @@ def test_a_measure_is_stored_by_its_sources(monkeypatch, tmp_path):
     monkeypatch.setattr(runs, "sources_of", lambda _: "others")
     again = runs.planned([{"start.seed": [1, 2]}], 3, measure=of_start)
     assert not {point.key for point in again.points} & {*keys}
+
+
+def test_quick_pictures_say_so_and_full_ones_do_not(stored, tmp_path, monkeypatch):
+    """Computed, or drawn from data that are kept."""
+    said = []
+    monkeypatch.setattr(
+        Figure, "savefig", lambda self, path, **_: said.append({t.get_text() for t in self.texts})
+    )
+    monkeypatch.setattr(drawing, "replacing", nullcontext)
+    monkeypatch.setattr(drawing, "keep", lambda *_: None)
+    whole = kept.kept_data("fig10", stored)
+    monkeypatch.setattr(fig10, "data", lambda quick: whole)
+    kept.keep(tmp_path / "full.npz", "fig10", False, whole)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full.npz").rename(tmp_path / "full" / "fig10.npz")
+    for quick, folder in ((True, None), (True, stored), (False, None), (False, tmp_path / "full")):
+        drawing.produce("fig10", tmp_path, quick, folder)
+        assert ["quick" in texts for texts in said[-2:]] == [quick, quick]
 
 
 def test_a_figure_is_drawn_from_the_data_of_a_folder(stored, tmp_path, capsys):

@@ -34,6 +34,7 @@ def idle(monkeypatch):
         *("figures movie quasi2d --out /proc", "figures movie quasi2d --out /proc/a.gif"),
         *("figures paper --out /proc", "figures paper --estimate --out /proc"),
         *("figures prices --out /proc", "figures explore --out /proc/a.png"),
+        "figures explore --html /proc/a.html",
         *("figures index --out /proc", "derivations report --out /proc"),
     ],
 )
@@ -59,6 +60,7 @@ def test_nowhere_to_write_is_noticed_at_the_start(command, idle, monkeypatch, ca
         ("paper --estimate --out .", "quasi2d.gif"),
         ("prices --out .", "prices.png"),
         ("explore --out a.png", "a.png"),
+        ("explore --html a.html", "a.html"),
         ("index --out .", "index.html"),
     ],
 )

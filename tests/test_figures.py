@@ -1,11 +1,14 @@
 """The figures' numbers and the command that draws them; never pixels."""
 
 import json
+import re
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.colors import rgb_to_hsv, to_rgba
+from matplotlib.figure import Figure
 
 import figures
 from figures.__main__ import main
@@ -24,7 +27,28 @@ from impact._generated import DIGEST
 
 from .quick_figures import data, tiny
 
+HUES = {"red": (0, 33), "orange": (33, 50), "yellow": (50, 65), "green": (80, 175)}  # degrees
+HUES["blue"] = (190, 260)
+COLOURS = {*HUES, "black", "grey"}
 TOO_FEW = {"fig04", "landing_census", "small_tilts"}  # tiny runs leave some of their numbers open
+
+
+def drawn_colours(picture: Figure) -> set[str]:
+    """Words of `COLOURS` for what is drawn in the panels; their frames and words do not count."""
+    found = []
+    for ax in picture.axes:
+        for line in ax.lines:
+            found += [line.get_color(), line.get_markerfacecolor()]
+        for many in ax.collections:
+            found += [*many.get_facecolor(), *many.get_edgecolor()]
+        found += [patch.get_facecolor() for patch in ax.patches]
+    rgba = np.array([to_rgba(colour) for colour in found])
+    hue, strong, light = rgb_to_hsv(rgba[rgba[:, 3] > 0, :3]).T
+    grey = strong < 0.05
+    seen = {"black": grey & (light < 0.1), "grey": grey & (light > 0.2) & (light < 0.98)}
+    for word, (low, high) in HUES.items():
+        seen[word] = (360 * hue >= low) & (360 * hue < high) & (strong > 0.15)
+    return {word for word, there in seen.items() if there.any()}
 
 
 @pytest.mark.parametrize("name", figures.FIGURES)
@@ -32,7 +56,7 @@ def test_every_figure(name):
     """Numbers without objects, axes with names, words made of the numbers, which stay as they are.
 
     Numbers are not all nan; a .npz file need not pickle them; times are positive. Words change with
-    the numbers.
+    the numbers. Colours that the caption names are drawn.
     """
     d, module = data(name), figures.load(name)
     for key, value in d.items():
@@ -46,6 +70,8 @@ def test_every_figure(name):
         try:
             assert all(ax.get_xlabel() or ax.get_ylabel() for ax in picture.axes)
             picture.canvas.draw()
+            named = {word for word in COLOURS if re.search(rf"\b{word}\b", module.__doc__)}
+            assert named <= drawn_colours(picture)
         finally:
             plt.close(picture)
         if hasattr(module, "summary"):

@@ -89,6 +89,12 @@ def test_bad_usage_begins_with_the_command(name, capsys):
     refused(lambda: GROUPS[package]([*command, "--nonsense"]), f"python -m {name}: No such", capsys)
 
 
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_command_line_tells_the_version(package, capsys):
+    assert GROUPS[package](["--version"]) == 0
+    assert capsys.readouterr().out == f"rod-impact {md.__version__}\n"
+
+
 ENDS = [(KeyboardInterrupt, 130, "interrupted"), (MemoryError, 1, "not enough memory")]
 DONE = {  # a command, and the function that does its work
     "derivations check": "derivations.registry.check",

@@ -4,6 +4,7 @@ import json
 import math
 import os
 import re
+from html import unescape
 from pathlib import Path
 from urllib.parse import unquote, unquote_to_bytes
 
@@ -21,15 +22,21 @@ from figures.lib import tables
 from figures.pages import everything, index
 
 from .command_line import refused
-from .page import Page, plain
+from .page import Page
 
 LENT = [name for name in FIGURES if (index.GALLERY / f"{name}.png").is_file()]
 STRANGE = ("a <b>&\"' %23?#.png", "javascript:alert(1).png", "mu_0^2.png", f"{'x' * 200}.png")
+BARE = "alpha|gamma|delta|epsilon|theta|mu|phi|omega|pi|Gamma|sqrt"  # no words of a caption
 UNICODE = "Größe \u202e.png"
 
 
 def picture(path: Path, size=(30, 20)) -> None:
     Image.new("RGB", size, "white").save(path)
+
+
+def as_read(source: str) -> str:
+    """HTML without its marks."""
+    return unescape(re.sub(r"<[^>]+>", "", source))
 
 
 def made(out: Path) -> tuple[str, Page]:
@@ -85,11 +92,12 @@ def test_what_a_folder_lacks_is_lent(tmp_path):
     for path in (out / "gallery").iterdir():
         assert path.read_bytes() == (index.GALLERY / path.name).read_bytes()
         lent.add(f"gallery/{path.name}")
-    assert lent == {link for link in page.links if not link.startswith("#")}
+    own = {"impact.html"}
+    assert lent | own == {link for link in page.links if not link.startswith("#")}
     assert {"gallery/row.gif", "gallery/claims.md", "gallery/claims.json"} < lent
     assert {f"gallery/{name}.png" for name in LENT} < lent
     assert "others" not in page.ids
-    assert {path.name for path in out.iterdir()} == {"gallery", "index.html", "prices.txt"}
+    assert {p.name for p in out.iterdir()} == {"gallery", "impact.html", "index.html", "prices.txt"}
 
 
 def test_every_figure_is_there_with_its_command(half):
@@ -102,6 +110,13 @@ def test_every_figure_is_there_with_its_command(half):
         assert ("From the project’s gallery." in text) == (name in LENT and not own)
         assert ("A first look" in text) == (name == "fig02")
         assert text in page.text["prices" if name in PRICE_PANELS else "pictures"]
+
+
+def test_figures_are_counted_once(half):
+    _, source, page = half
+    drawn = len(list(FIGURES)[::2])
+    assert re.findall(r"\d+ of \d+ figures", source) == [f"{drawn} of {len(FIGURES)} figures"]
+    assert {*FIGURES} <= set(page.ids)
 
 
 def test_what_is_not_drawn_is_no_broken_picture(half):
@@ -173,6 +188,18 @@ def test_without_a_gallery_the_page_does_without(tmp_path, monkeypatch):
     assert all(f"python -m figures draw {name}" in page.text[name] for name in FIGURES)
 
 
+@pytest.mark.parametrize("name", FIGURES)
+def test_captions_are_set_as_words(name, tmp_path):
+    """No name of a constant, and letters and indices as such; code stands between backquotes."""
+    known = index.caption(name)
+    for text in (FIGURES[name].title, known["start"], *known["more"]):
+        shown = index.Folder(tmp_path).text(text)
+        read = as_read(re.sub("<code>.*?</code>", "", shown))
+        assert not re.search(rf"[_^`$\\]|\b({BARE})\b", read), read
+        assert not re.search("[A-Z]{2,}_", shown)
+    assert not re.search("[A-Z]{2,}_", known["alt"])
+
+
 # Claims
 
 
@@ -199,7 +226,7 @@ def test_claims_of_the_folder_come_first(tmp_path):
     assert "✗ onset: never" in text
     assert "? rate: no data" in text
     assert "aside" not in text
-    assert "_z &lt; 0 &amp; more." in source
+    assert "<i>V</i><sub>z</sub> &lt; 0 &amp; more." in source
     assert "claims.json" in page.links
     assert not any("claims" in link for link in page.links if link.startswith("gallery"))
 
@@ -229,10 +256,12 @@ def test_claims_that_cannot_be_read_cost_a_line(text, tmp_path):
 def test_all_claims_of_the_gallery_are_shown(tmp_path):
     (tmp_path / "prices.txt").touch()
     _, page = made(tmp_path)
+    words = index.Folder(tmp_path).text
     for claim in judge.load(index.GALLERY / "claims.json")["claims"]:
         assert claim["id"] in page.text["claims"]
         for row in judge.judged_rows(claim):
-            assert f"{plain(row['name'])}: {plain(judge.shown(row))}" in page.text["claims"]
+            shown = f"{words(row['name'])}: {words(judge.shown(row))}"
+            assert as_read(shown) in page.text["claims"]
 
 
 # The command

@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -277,12 +278,18 @@ def test_advice_names_the_cheapest_and_what_fails():
     assert {m for m, (seconds, _) in found.items() if np.isinf(seconds)} == {
         "leapfrog", "verlet", "gear",
     }  # fmt: skip
-    text = accuracy_cost_impact.summary(d)
-    assert "1e-10: dop853" in text
-    assert "too coarse: leapfrog (" in text
+    first, *_, last = accuracy_cost_impact._advice(d)
+    assert [cell.startswith("no, ") for cell in last[1:]] == [True, True, True, False]
     coarse = accuracy_cost_impact.choices(d, 1e-2)
     assert all(np.isfinite(seconds) for seconds, _ in coarse.values())
-    assert min(coarse, key=lambda method: coarse[method][0]) != "dop853"
+    best = min(coarse, key=lambda method: coarse[method][0])
+    assert best != "dop853"
+    picture = accuracy_cost_impact.draw(d)
+    cells = picture.axes[-1].tables[0].get_celld()
+    bold = {row: j for (row, j), cell in cells.items() if cell.get_text().get_weight() == "bold"}
+    assert (bold[1], bold[4]) == (1 + [*coarse].index(best), 4)
+    assert cells[1, bold[1]].get_text().get_text().replace("$", "") == first[bold[1]]
+    plt.close(picture)
 
 
 def test_a_tolerance_that_happens_to_do_is_not_advised():

@@ -238,33 +238,3 @@ def test_a_checkpoint_that_is_not_finished_leaves_the_old_one(whole, tmp_path, m
             md.run(row(*SCENE), periods=3, checkpoint=path)
     assert path.read_bytes() == old
     assert bits(md.run(row(*SCENE), periods=PERIODS, checkpoint=path)) == whole[0]
-
-
-# Trajectories
-
-
-def test_frames_hold_the_rods(tmp_path):
-    """Extended XYZ: count, comment with cell, columns and time, a line a rod with its shape."""
-    path, scene = tmp_path / "row.xyz", row(*SCENE)
-    result = md.run(scene, periods=2, trajectory=path, frames=1)
-    lines, n = path.read_text().splitlines(), scene.rods.count
-    assert len(lines) == 2 * (n + 2)
-    for frame in (0, 1):
-        count, comment, *rods = lines[frame * (n + 2) : (frame + 1) * (n + 2)]
-        assert int(count) == n
-        assert f'Lattice="{scene.box.length!r} 0 0 ' in comment
-        assert f"Time={float(frame)}" in comment
-        assert "=id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3:velo:R:3:omega:R:1" in comment
-        table = np.loadtxt(rods)
-        np.testing.assert_array_equal(table[:, 0], np.arange(n))
-        np.testing.assert_array_equal(table[:, 8:11], [[0.5, 0.5, scene.rods.length - 1]] * n)
-        x, y, z, w = table[:, 4:8].T
-        np.testing.assert_allclose(x * x + y * y + z * z + w * w, 1, rtol=1e-8)
-        # the z axis turned by the quaternion: the rod's, in the plane x, z
-        axis = 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)
-        tilt = np.radians(table[:, -1])
-        np.testing.assert_allclose(axis, (np.sin(tilt), 0 * tilt, np.cos(tilt)), atol=1e-8)
-    read = read_frames(path)
-    assert [frame["time"] for frame in read] == [0.0, 1.0]
-    assert read[0]["tilt"] == pytest.approx(scene.tilt, abs=1e-9)
-    assert np.abs(read[1]["x"] - result.rods[:, 0]).max() < 2

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from figures.checks import onset
 from figures.lib import runs
 from figures.paper import fig02, fig07, fig08, fig13
 from impact import ContactGeometry, drift, landing_density, spherocylinder
@@ -112,7 +113,7 @@ def test_fits_find_what_was_put_in():
         "a": 10 - 0.1 * tilt + 2 * np.exp(-(((tilt - 30) / 3) ** 2)),
         "c": np.where(length <= 2, 6 * (length - 1.1), 5.0),
     }
-    d = {"gamma": gamma, "a_tilt": tilt, "length": length}
+    d = {"gamma": gamma, "a_tilt": tilt, "tilt_deg": tilt, "length": length}
     for name, curve in curves.items():
         d[f"{name}_c_x"], d[f"{name}_c_x_error"] = curve, np.full(len(curve), 1e-3)
     f = fig13.fits(d)
@@ -123,3 +124,18 @@ def test_fits_find_what_was_put_in():
     assert f["bump_tilt"] == 30
     assert fig13.fits({**d, "a_c_x": 10 - 0.1 * tilt})["bump"] == pytest.approx(-0.3)
     assert (f["long_mean"], f["long_spread"]) == (5, 0)
+
+
+def test_reverse_drift_is_counted_with_the_sign_of_the_plate():
+    """A law forward, one backwards with V_z < 0, one backwards with V_z > 0, one at rest."""
+    c_x = np.array([1.0, -1.0, -1.0, 0.0])[:, None, None]
+    V_z = np.array([1.0, -1.0, 1.0, -1.0])[:, None, None]
+    d = {"c_x": c_x, "c_x_error": np.full_like(c_x, 0.1), "V_z": V_z}
+    rows = onset.summary(d).splitlines()[2:]
+    found = [row.split()[-7:-2] for row in rows]  # backwards, with V_z < 0, V_z < 0, moving, agree
+    assert found == [
+        ["0", "0", "0", "1", "1.00"],
+        ["1", "1", "1", "1", "1.00"],
+        ["1", "0", "0", "1", "0.00"],
+        ["0", "0", "1", "0", "-"],
+    ]

@@ -28,6 +28,9 @@ PARAMETERS = [
     }
     for part, low, high in (("friction", 0.1, 0.6), ("restitution", 0.4, 0.95))
 ]
+GAS = {"name": "gas", "choices": {"rough": {}, "smooth": {"contacts.rods.friction": "none"}}}
+SMOOTH = {**PARAMETERS[0], "when": {"gas": "smooth"}}
+BOX = {"choices": {"a": {}, "b": {"box.length": 41}}}
 COUNT = {"keys": ["rods.count"], "from": 10, "to": 30, "integer": True}
 BASE = put(read_tables("quasi2d"), {"contacts.rods.restitution": 0.5})
 
@@ -143,7 +146,8 @@ def test_a_later_round_looks_closer(found):
     assert found.best >= len(first)
 
 
-def test_a_search_goes_on_where_it_stopped(found, tmp_path):
+def test_a_search_goes_on_where_it_stopped(found, tmp_path, monkeypatch):
+    monkeypatch.delattr("md.search.run")  # nothing runs, also to see what results a run has
     again = search(found.search, tmp_path / "runs.db", workers=1)
     assert (again.tally.computed, again.tally.there) == (0, found.tally.computed)
     assert np.array_equal(again.results, found.results)
@@ -151,22 +155,16 @@ def test_a_search_goes_on_where_it_stopped(found, tmp_path):
 
 def test_choices_and_what_has_no_meaning_under_one(made, tmp_path):
     """The friction of rods is a parameter under one choice alone."""
-    law = {
-        "name": "gas",
-        "choices": {
-            "rough": {"contacts.rods.friction": 0.5},
-            "smooth": {"contacts.rods.friction": "none", "contacts.plate.friction": 0.3},
-        },
-    }
     rough = {**PARAMETERS[0], "when": {"gas": "rough"}}
-    given = expand(tables(tmp_path, parameters=[law, rough, PARAMETERS[1]]), BASE, tmp_path)
+    given = expand(tables(tmp_path, parameters=[GAS, rough, PARAMETERS[1]]), BASE, tmp_path)
     for row in given.draw():
         scene, values = given.sweep([row]).points[0].scene, given.values(row)
         asked = values["friction"] if values["gas"] == "rough" else 0.3
         assert scene.contacts.plate.friction == asked
         assert (scene.contacts.rods.friction == 0) == (values["gas"] == "smooth")
-    smooth = {**rough, "name": "smooth", "when": {"gas": "smooth"}}  # which never meets it
-    assert expand(tables(tmp_path, parameters=[law, rough, smooth]), BASE, tmp_path)
+    smooth = {"name": "smooth", "keys": ["contacts.plate.friction"], "from": 0, "to": 1}
+    smooth["when"] = {"gas": "smooth"}  # which never meets the other range
+    assert expand(tables(tmp_path, parameters=[GAS, rough, smooth]), BASE, tmp_path)
     told = search(given, tmp_path / "runs.db", workers=1).estimates
     assert "gas" not in told.parameters
     assert "least misfit by gas  rough " in search_text(search(given, tmp_path / "runs.db"))
@@ -237,6 +235,10 @@ def test_a_surface_takes_the_degree_that_predicts_best():
             {"parameters": [PARAMETERS[0], {**PARAMETERS[0], "name": "mu"}]},
             "contacts.plate.friction is varied by friction and mu at once",
         ),
+        ({"parameters": [GAS, PARAMETERS[0]]}, "rods.friction is varied by gas and friction"),
+        ({"parameters": [SMOOTH, GAS]}, "rods.friction is varied by friction and gas at once"),
+        ({"parameters": [GAS, {**GAS, "name": "x"}]}, "rods.friction is varied by gas and x"),
+        ({"parameters": [BOX]}, "varies a key that .*: box.length"),
     ],
 )
 def test_what_cannot_be_searched_is_refused(tmp_path, changes, message):
@@ -341,11 +343,14 @@ def test_a_search_without_a_fit_is_not_boasted_of(made, tmp_path):
     assert "reaches an end of its range, 0.1 to 0.6" in told
 
 
-@pytest.mark.parametrize("name", ["tilt", "phases"])  # unknown; a list
-def test_a_result_that_no_run_has_is_refused(tmp_path, capsys, name):
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("tilt", "tilt is not in the results: c_x"), ("law", "law, which is no number")],
+)
+def test_a_result_that_no_run_has_is_refused(tmp_path, capsys, name, words):
     (tmp_path / "fit.toml").write_text(FILE.replace("tilt_deg", name))
     assert main(command(tmp_path)) == 2
-    assert f"targets ask for {name}, which is not a number in" in capsys.readouterr().err
+    assert words in capsys.readouterr().err
     assert not (tmp_path / "runs.db").exists()  # before any run
 
 

@@ -2,15 +2,18 @@
 
 import json
 import signal
+import sys
 import threading
 import time
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import psutil
 import pytest
 from joblib.externals.loky import get_reusable_executor
 
+import md
 from md.__main__ import main
 from md.scene import from_tables, read_tables
 from md.soft_impact import RunError
@@ -94,6 +97,15 @@ def test_the_example_sweep_can_run():
     assert len(sweep.points) == np.prod(sweep.shape) > 1
 
 
+def test_a_sweep_from_python_names_its_scene():
+    axis = {"start.seed": [1, 2]}
+    assert expand({"scene": "quasi2d", "axes": [axis]}) == expand(
+        {"axes": [axis]}, read_tables("quasi2d")
+    )
+    with pytest.raises(ValueError, match="scene must be the name of a file"):
+        expand({"axes": [axis]})
+
+
 # Runs
 
 
@@ -113,10 +125,92 @@ def test_what_is_there_is_not_computed_again(sweep_file, tmp_path):
         assert (tally.there, tally.computed) == (6 - computed, computed)
 
 
+@pytest.mark.parametrize("there", [True, False])
+def test_results_come_back_with_their_coordinates(tmp_path, reference, monkeypatch, there):
+    """As a Dataset of xarray, and, without it, as the dictionary from which that is made."""
+    axis = {"start.tilt_deg": [10, 20, 30], "contacts.plate.law": ["coulomb", "appendix_a", "x"]}
+    sweep, _ = reference
+    zipped = replace(sweep, axes=(axis, sweep.axes[1]))
+    if there:
+        pytest.importorskip("xarray")
+    else:
+        monkeypatch.setitem(sys.modules, "xarray", None)
+    execute(sweep, tmp_path / "a.db", workers=1)
+    names = "c_x", "phases"
+    found, arrays = (
+        zipped.labelled(tmp_path / "a.db", *names),
+        sweep.gather(tmp_path / "a.db", *names),
+    )
+    if there:
+        one = found["c_x"].sel({"start.tilt_deg": 20, "start.seed": 2})
+        assert (one == arrays[0][1, 1], one["contacts.plate.law"]) == (True, "appendix_a")
+        found = found.to_dict(data="array")
+    dims = "start.tilt_deg", "start.seed"
+    for name, array, inner in zip(names, arrays, ((), ("phases.0",)), strict=True):
+        assert found["data_vars"][name]["dims"] == dims + inner
+        assert np.array_equal(found["data_vars"][name]["data"], array)
+    for dim, axis in zip(dims, zipped.axes, strict=True):
+        for key, values in axis.items():
+            assert found["coords"][key]["dims"] == (dim,)
+            assert list(found["coords"][key]["data"]) == values
+
+
+def test_a_result_that_no_run_has_is_named(tmp_path, reference):
+    sweep, _ = reference
+    execute(sweep, tmp_path / "a.db", workers=1)
+    for name in ("c_xx", "c_x.mean", "touches.speed.mean"):
+        with pytest.raises(ValueError, match=f"{name} is not in the results: c_x, c_x_stderr"):
+            sweep.gather(tmp_path / "a.db", name)
+
+
 def test_two_workers_give_the_same_bits(tmp_path, reference):
     sweep, wanted = reference
     execute(sweep, tmp_path / "a.db", workers=2)
     assert gathered(sweep, tmp_path / "a.db") == wanted
+
+
+def viscous(stiffness=5e6, dashpot=300.0):
+    """A law that md has not."""
+    spring = md.Spring(root=3 * stiffness, damping_ratio=1.0)
+    return md.Law("viscous", md.Normal(stiffness, constant=dashpot), spring)
+
+
+def test_a_law_of_ones_own_runs_in_processes_that_do_not_know_it(tmp_path, monkeypatch):
+    """A store knows it by its numbers: a function changed under the same name runs again."""
+    monkeypatch.setitem(md.LAWS, "mine", viscous)
+    contact = {"plate": {"law": "mine", "friction": 0.3}}
+    axis = {"contacts.plate.dashpot": [100.0, 300.0]}
+    own = expand({"periods": 5, "axes": [axis]}, BASE | {"contacts": contact})
+    assert execute(own, tmp_path / "a.db", workers=2).computed == 2
+    (c_x,) = own.gather(tmp_path / "a.db", "c_x")
+    for found, dashpot in zip(c_x, (100.0, 300.0), strict=True):
+        plate = md.Contact(viscous(dashpot=dashpot), 0.3)
+        scene = replace(own.points[0].scene, contacts=md.Contacts(plate=plate))
+        assert md.run(scene, periods=5).c_x == found
+        assert md.sweep.Point(scene, 5).key in {point.key for point in own.points}
+    monkeypatch.setitem(md.LAWS, "mine", lambda dashpot: viscous(2e6, dashpot))
+    again = expand({"periods": 5, "axes": [axis]}, BASE | {"contacts": contact})
+    assert execute(again, tmp_path / "a.db", workers=1).there == 0
+    monkeypatch.delitem(md.LAWS, "mine")
+    assert main(["results", str(tmp_path / "a.db")]) == 0
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: md.Normal(5e6), "contacts.plate.law must be of the type Law, got Normal"),
+        (lambda: md.Law("x", md.Normal(abs), None), "stiffness must be a number, got <built-in"),
+        (lambda: md.Law("x", abs, None), "law.normal must be of the type Normal, got <built-in"),
+        (lambda: md.Law("x", md.Normal(5e6), md.Spring()), "spring must have a stiffness"),
+    ],
+)
+def test_what_is_no_law_is_refused(monkeypatch, make, message):
+    """A force as a function of the overlap, above all: kernels know no more than their terms."""
+    monkeypatch.setitem(md.LAWS, "mine", make)
+    with pytest.raises(ValueError, match=message):
+        expand({}, BASE | {"contacts": {"plate": {"law": "mine"}}})
+    with pytest.raises(ValueError, match="law must be made by a function of"):
+        md.impact(0.3, 0.5, -1.0, friction=0.4, law=make)
 
 
 def test_a_dask_cluster_gives_the_same_bits(tmp_path, reference):

@@ -149,6 +149,14 @@ def test_what_lies_outside_of_the_calibration_is_said(change, words):
     assert chosen.scene.step == md.Step()
 
 
+def test_a_law_of_ones_own_is_outside_whatever_its_name():
+    contact = INSIDE.contacts.rods
+    own = replace(contact.law, normal=md.Normal(contact.law.normal.stiffness, constant=1.0))
+    contacts = replace(INSIDE.contacts, rods=replace(contact, law=own))
+    assert bias.outside(INSIDE) == ()
+    assert "is not that of the calibration" in bias.outside(replace(INSIDE, contacts=contacts))[0]
+
+
 def test_other_sources_are_outside(monkeypatch):
     scene = INSIDE
     monkeypatch.setattr(bias, "digest", lambda: bias.calibrated()["code"])

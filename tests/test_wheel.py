@@ -18,20 +18,22 @@ PACKAGES = ("derivations", "figures", "impact", "md")
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
 WHERE = f"""
 import os, {", ".join(PACKAGES)}
-from importlib.metadata import version
 from figures.claims import judge as claims
 assert len(claims.read()) == 29
 assert md.accuracy.calibrated()["scale"] > 0
 for package in ({", ".join(PACKAGES)}):
     assert package.__file__.startswith(os.environ["PYTHONPATH"])
-print(version("rod-impact"))
+assert impact.__version__ == md.__version__
+print(md.__version__)
 """
 # What comes after `python`, its exit code and what it prints, on stderr if it fails.
 COMMANDS = {
     "import": (f"-c {shlex.quote(WHERE)}", 0, VERSION),
+    "version": ("-m md --version", 0, f"rod-impact {VERSION}\n"),
     "generate": ("-m derivations generate", 2, "needs a source checkout"),
     "impact": ("-m md impact --tilt-deg 20 --c-x 0.5 --c-z -1", 0, "slip-stick"),
     "pages": ("-m figures pages", 2, "needs a source checkout"),
+    "explore": ("-m figures explore --html out/impact.html", 0, "impact.html"),
     "draw": ("-m figures draw fig10 --quick", 0, "fig10.png"),
 }
 
@@ -40,8 +42,11 @@ def test_the_version_stands_in_one_place_and_others_agree():
     """In `pyproject.toml`; the citation and the newest heading of the change log repeat it."""
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert re.findall(r"^version: (.+)$", citation, re.M) == [VERSION]
+    (released,) = re.findall(r"^date-released: (\d{4}-\d\d-\d\d)$", citation, re.M)
     changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    assert re.search(r"^## ([\d.]+)", changes, re.M)[1] == VERSION
+    newest, date = re.search(r"^## ([\d.]+), (.+)$", changes, re.M).groups()
+    assert newest == VERSION
+    assert date in ("unreleased", released)
 
 
 def _called(*command: object, **options) -> subprocess.CompletedProcess:
@@ -52,7 +57,7 @@ def _called(*command: object, **options) -> subprocess.CompletedProcess:
 def wheel(tmp_path_factory) -> Path:
     """Built from a copy of the checkout, without network."""
     source = tmp_path_factory.mktemp("source")
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
+    for name in ("pyproject.toml", "README.md", "LICENSE", "CITATION.cff"):
         shutil.copy(ROOT / name, source)
     for package in PACKAGES:
         shutil.copytree(ROOT / package, source / package)
@@ -64,7 +69,18 @@ def wheel(tmp_path_factory) -> Path:
 
 
 def test_the_wheel_holds_all_sources_and_data_and_nothing_else(wheel):
-    kept = (".py", ".toml", ".json", ".csv", ".mplstyle", ".typed", ".html", ".css", ".jinja")
+    kept = (
+        ".py",
+        ".toml",
+        ".json",
+        ".csv",
+        ".mplstyle",
+        ".typed",
+        ".html",
+        ".css",
+        ".js",
+        ".jinja",
+    )
     wanted = {
         path.relative_to(ROOT).as_posix()
         for package in PACKAGES
@@ -75,7 +91,7 @@ def test_the_wheel_holds_all_sources_and_data_and_nothing_else(wheel):
         names = set(archive.namelist())
     about = {name for name in names if name.startswith(f"rod_impact-{VERSION}.dist-info/")}
     assert names - about == wanted
-    assert any(name.endswith("LICENSE") for name in about)
+    assert {"LICENSE", "CITATION.cff"} <= {name.rpartition("/")[2] for name in about}
 
 
 @pytest.fixture(scope="module")

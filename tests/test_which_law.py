@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from figures.__main__ import main
-from figures.checks import law_strips, which_law
+from figures.checks import law_friction, law_strips, which_law
 from figures.claims import over_laws
 from figures.claims.over_laws import FITTED, JUDGED
 from figures.lib import runs
@@ -15,6 +15,7 @@ from figures.lib.data import kept_data
 from figures.pages import gallery
 from md.host import step_of
 from md.laws import STIFFNESS, appendix_a, constant_restitution
+from md.scene import from_tables
 
 LAWS, BEST = 32, 10
 
@@ -181,7 +182,7 @@ def test_strips_hold_every_law_and_mark_the_best(made):
     assert len(law_strips.summary(made).splitlines()) == len(over_laws.verdicts(made)) + 1
 
 
-@pytest.mark.parametrize(("place", "of"), enumerate((runs.LAW_OF, runs.SECOND_OF)))
+@pytest.mark.parametrize(("place", "of"), [*enumerate((runs.LAW_OF, runs.SECOND_OF))])
 def test_the_laws_of_the_figures_are_the_cheapest_of_the_best(place, of):
     d = kept_data("which_law", gallery.GALLERY)
     law = over_laws.laws_of(d["best_parts"])[over_laws.as_good(d)[place]]
@@ -198,3 +199,23 @@ def test_the_search_of_the_gallery_is_drawn(tmp_path, capsys):
     assert main([*command, "--out", str(tmp_path)]) == 0
     assert "256 laws" in capsys.readouterr().out
     assert (gallery.GALLERY / "which_law.npz").stat().st_size < 500_000
+
+
+def test_with_friction_free_the_last_law_is_that_of_the_figures():
+    given, parts = law_friction._search(quick=True)
+    assert len(parts) == law_friction.POINTS[True] + 1
+    points = given.sweep(parts).points
+    plate, rods = points[-1].scene.contacts.plate, points[-1].scene.contacts.rods
+    usual = from_tables(runs.ROW).contacts
+    assert plate.law == usual.plate.law
+    assert rods.law == usual.rods.law
+    assert plate.friction == rods.friction == pytest.approx(runs.FRICTION)
+    assert len({point.scene.contacts.plate.friction for point in points}) == len(parts)
+
+
+def test_the_best_laws_with_friction_free_are_told_without_that_of_the_figures(made):
+    d = {name: made[name][:9] for name in ("score", "spread", "grade")}
+    d["score"], d["parameters"] = np.arange(9.0), np.full((9, 4), 0.5)
+    lines = law_friction.summary(d).splitlines()
+    assert lines[0].startswith("8 laws")
+    assert [line.split("±")[0] for line in lines[2:8]] == ["7", "6", "5", "4", "3", "8"]

@@ -246,7 +246,7 @@ def _draw_distances(ax: Axes, d: Data) -> None:
             ax.plot(at_constant, at_measured, marker, color=colour, mfc="none", mew=1)
         ax.plot([], [], marker, color="0.3", mfc="none", label=where)
     ax.plot([0.02, 1], [0.02, 1], "-", color="0.7", lw=0.6)
-    ax.set(xscale="log", yscale="log", xlim=(0.03, 0.7), ylim=(4e-4, 0.5))
+    ax.set(xscale="log", yscale="log", xlim=(0.03, 0.7), ylim=(3e-5, 0.5))
     ax.set_xticks([0.05, 0.1, 0.2, 0.5], labels=["0.05", "0.1", "0.2", "0.5"])
     ax.set_xticks([], minor=True)
     ax.set(xlabel=r"RMS, $\epsilon=0.65$", ylabel=r"RMS, measured $\epsilon$")
@@ -258,7 +258,7 @@ def _draw_why(ax: Axes, d: Data) -> None:
         ax.plot(d["ratio"], row, color=colour, label=f"{z:g}")
     printed = d["compared"][0, 0, 0, 2]
     ax.plot(d["printed_ratio"], printed, "k*", ms=8, label="printed")
-    ax.set(xscale="log", yscale="log", ylabel=r"RMS, measured $\epsilon$")
+    ax.set(xscale="log", yscale="log", ylim=(3e-5, 0.5), ylabel=r"RMS, measured $\epsilon$")
     ax.set_xlabel(r"$k_t\delta/(k_n\delta^{1/2})$, deepest overlap")
     ax.legend(fontsize=5.5, title="damping ratio", title_fontsize=5.5, loc="lower left")
 

@@ -201,7 +201,8 @@ def _draw_assumed(ax: Axes, d: Data) -> None:
         ax.axhline(value, color=colour, ls="--", lw=0.7)
         curve(ax, d, "tilt", name, colour, label, form=form, ms=2.5)
     tilt_axis(ax, 0, 65)
-    ax.set(ylabel="assumed, measured", ylim=(-0.2, 1.75), yticks=np.arange(0, 1.1, 0.25))
+    low = min(-0.2, *(1.1 * np.nanmin(d[name]) for name in ASSUMED))
+    ax.set(ylabel="assumed, measured", ylim=(low, 1.75), yticks=np.arange(-0.25, 1.1, 0.25))
     ax.legend(**LEGEND)
 
 

@@ -78,15 +78,15 @@ def data(quick: bool = False) -> Data:
 @style
 def draw(d: Data) -> plt.Figure:
     n, m = d["value"].shape
-    figure, ax = plt.subplots(figsize=(7.4, 1.6 + 0.24 * n))
+    figure, ax = plt.subplots(figsize=(7.4, 1.8 + 0.24 * n))
     colours = ListedColormap(["#EDA677", "#FBF5BE", "#A6DBA0"])
     look = {"cmap": colours, "vmin": -0.5, "vmax": 2.5, "edgecolors": "white", "linewidth": 1}
     ax.pcolormesh(np.arange(m), np.arange(n), d["verdict"], **look)
     for (i, j), value in np.ndenumerate(d["value"]):
         ax.text(j, i, _shown(value), ha="center", va="center", fontsize=5.5)
     ax.set_yticks(range(n), _names(d), fontsize=6.5)
-    heads = [f"{n.partition('.')[0]} {c['head']}\n[{c['paper']}]" for n, c in COLUMNS.items()]
-    ax.set_xticks(range(m), heads, fontsize=5.5, rotation=60, ha="left", rotation_mode="anchor")
+    heads = [f"{n.partition('.')[0]} {c['head']} [{c['paper']}]" for n, c in COLUMNS.items()]
+    ax.set_xticks(range(m), heads, fontsize=6, rotation=90, linespacing=1)
     ax.tick_params(length=0, labelbottom=False, labeltop=True)
     ax.invert_yaxis()
     ax.spines[:].set_visible(False)

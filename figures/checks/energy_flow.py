@@ -14,9 +14,8 @@ touch and length of flights over the part of the work that is lost between rods,
 of the tilt, the smallest one open. If this part decided, all laws would lie on one curve. Flights:
 touches less than 0.2 periods apart taken as one landing.
 
-V_0 is the largest velocity of the plate. A law is named by restitution/tangential ratio; undamped:
-no tangential dashpot between rods. Tilts are measured. All is behind the transient: means over
-independent starts, with standard errors.
+V_0 is the largest velocity of the plate. Tilts are measured. All is behind the transient: means
+over independent starts, with standard errors.
 """
 
 import matplotlib.pyplot as plt

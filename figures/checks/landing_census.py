@@ -2,15 +2,15 @@
 
 The map is fed what was measured at each touch (velocities, arms, plate velocity) and the measured
 restitution -v_f/v_0, cut to [0, 1]. 40 rods, l = 9.5 d, epsilon = 0.65 head on, mu = 0.3; friction
-of the plate as a constraint, unless the law is named. Each touch weighs what it changes of
-(c_x, c_z, k omega), or, by number, as much as any other, grazing touches and rests included.
-"Pushed": another rod pushes at some time during the touch; isolated: none does. "Kicked": other
-rods gave more than a tenth of the change as a turn about the contact point, which the plate cannot
-give.
+of the plate as a constraint, unless the law is named. Each touch weighs what it changes of (c_x,
+c_z, k omega). "Pushed": another rod pushes at some time during the touch; isolated: none does.
+"Kicked": other rods gave more than a tenth of the change as a turn about the contact point, which
+the plate cannot give.
 
-(a) Regimes over tilt; (b) touches that are pushed, kicked; (c) error of the map, with open symbols
-where gravity and the plate's acceleration during the contact are allowed for; (d) over Gamma; (e)
-over the stiffness, as the duration of a contact; (f) over what rods lose when they meet.
+(a) Regimes over tilt; (b) touches that are pushed, kicked; (c) error of the map, in isolated
+touches also with gravity and the plate's acceleration during the contact allowed for; (d) over
+Gamma; (e) over the stiffness, as the duration of a contact; (f) over what rods lose when they meet.
+Dotted in (a) to (c): the tilt beyond which friction cannot hold a tip.
 """
 
 from collections.abc import Iterable, Iterator
@@ -121,75 +121,81 @@ def data(quick: bool = False) -> Data:
     return found
 
 
+SHARE = {"ylabel": "share of touches", "ylim": (0, 1.03)}
+PINK = "#CC79A7"
+KINDS = {"pushed_residual": "s:", "isolated_residual": "o-", "isolated_allowed": "^--"}  # of errors
+KIND_NAMES = "pushed", "isolated", "allowed for"
+
+
 def _curve(ax, x, pairs, colour, label=None, form="o-") -> None:
-    """Points with their errors, joined; those with broken lines are hollow."""
-    points(ax, x, *pairs.T, colour, label=label, form=form, hollow="--" in form)
+    """Points with their errors, joined."""
+    points(ax, x, *pairs.T, colour, label=label, form=form)
 
 
-SHARE = {"ylabel": "share of touches", "ylim": (0, 1.5), "yticks": np.arange(0, 1.1, 0.25)}
-ABOVE = {"loc": "upper center", "ncols": 2, "fontsize": 6, "columnspacing": 0.8}
-ABOVE |= {"handlelength": 1.4, "handletextpad": 0.5, "borderaxespad": 0.2}
-OPEN = ("allowed for", "o", "white")
+def _name_kinds(ax) -> None:
+    """Entries of the legend for the lines of `KINDS`."""
+    for form, name in zip(KINDS.values(), KIND_NAMES, strict=True):
+        ax.plot([], [], form, color="0.4", ms=3, lw=0.7, label=name)
 
 
 def _draw_regimes(ax, d) -> None:
     x = d["constraint_tilt"][:, 0]
-    _curve(ax, x, d["constraint_stick"], BLACK, "slip-stick", form="s-")
-    _curve(ax, x, d["constraint_reversal"], RED, "slip reversal", form="^-")
-    _curve(ax, x, d["constraint_slide"], BLUE, "slide")
-    _curve(ax, x, d["constraint_slide_number"], BLUE, "slide, by number", form="o--")
+    for name, colour in (("slip-stick", BLACK), ("slip reversal", RED), ("slide", BLUE)):
+        _curve(ax, x, d[f"constraint_{name.split('-')[-1].split()[-1]}"], colour, name)
     ax.set(**SHARE)
-    ax.legend(**ABOVE)
+    ax.legend(loc="center right", fontsize=6)
 
 
 def _draw_company(ax, d) -> None:
-    x = d["constraint_tilt"][:, 0]
-    _curve(ax, x, d["constraint_shared"], BLACK, "pushed")
-    _curve(ax, x, d["constraint_shared_number"], BLACK, "by number", form="o--")
-    _curve(ax, x, d["constraint_disturbed"], BLUE, f"kicked > {DISTURBED:.0%}", form="s-")
-    x = d["appendix_a_tilt"][:, 0]
-    _curve(ax, x, d["appendix_a_shared"], ORANGE, "Appendix A", form="^-")
+    """Curves with their names beside them, from about 28 degrees on."""
+    curves = {
+        "pushed": ("constraint", "shared", GREEN),
+        f"kicked > {DISTURBED:.0%}": ("constraint", "disturbed", PINK),
+        "pushed, Appendix A": ("appendix_a", "shared", ORANGE),
+    }
+    for name, (law, measure, colour) in curves.items():
+        x, share = d[f"{law}_tilt"][:, 0], d[f"{law}_{measure}"]
+        _curve(ax, x, share, colour)
+        near = np.abs(x - 28).argmin()
+        at = x[near], share[near, 0]
+        beside = {"textcoords": "offset points", "color": colour, "fontsize": 7}
+        ax.annotate(name, at, (0, -11 if colour == PINK else 6), **beside)
     ax.set(**SHARE)
-    ax.legend(**ABOVE)
 
 
 def _draw_residual(ax, d) -> None:
-    for law, colour in zip(CONTACTS, (BLACK, GREEN, ORANGE), strict=True):
+    for law, colour in zip(CONTACTS, (BLACK, BLUE, ORANGE), strict=True):
         tilt, some = d[f"{law}_tilt"][:, 0], d[f"{law}_isolated_count"] >= FEWEST_ISOLATED
-        _curve(ax, tilt, d[f"{law}_pushed_residual"], colour, form="s-")
-        _curve(ax, tilt[some], d[f"{law}_isolated_residual"][some], colour)
-        _curve(ax, tilt[some], d[f"{law}_isolated_allowed"][some], colour, form="o--")
+        for kind, form in KINDS.items():
+            here = some | (kind == "pushed_residual")
+            _curve(ax, tilt[here], d[f"{law}_{kind}"][here], colour, form=form)
         ax.plot([], [], color=colour, label=law.replace("_a", " A").replace("app", "App"))
-    for label, marker, fill in (("pushed", "s", "0.4"), ("isolated", "o", "0.4"), OPEN):
-        ax.plot([], [], ls="", marker=marker, ms=3, mec="0.4", mfc=fill, label=label)
-    ax.set(ylabel="error / change", yscale="log", ylim=(1e-6, 100))
-    ax.legend(**ABOVE)
+    _name_kinds(ax)
+    ax.set(ylabel="error / change", yscale="log", ylim=(1e-6, 1e2))
+    ax.legend(loc="upper center", ncols=2, fontsize=6, columnspacing=1)
 
 
 def _draw_shares(ax, d, sweep: str) -> None:
     """Shares of landings and errors over what a sweep changes."""
     x = d[sweep]
-    _curve(ax, x, d[f"{sweep}_shared"], GREEN, "pushed", form="^-")
+    _curve(ax, x, d[f"{sweep}_shared"], GREEN, "pushed")
     _curve(ax, x, d[f"{sweep}_slide"], BLUE, "slide")
-    _curve(ax, x, d[f"{sweep}_slide_number"], BLUE, "slide, by number", form="o--")
-    _curve(ax, x, d[f"{sweep}_pushed_residual"], BLACK, "error, pushed", form="s-")
-    _curve(ax, x, d[f"{sweep}_isolated_residual"], BLACK, "error, isolated")
-    ax.set(**SHARE)
-    ax.set(ylabel="share; error / change", ylim=(0, 1.75))
-    ax.legend(**ABOVE)
+    for kind, name in zip(KINDS, KIND_NAMES[:2], strict=False):
+        _curve(ax, x, d[f"{sweep}_{kind}"], BLACK, f"error, {name}", form=KINDS[kind])
+    ax.set(**SHARE | {"ylabel": "share; error / change"})
+    ax.legend(fontsize=6)
 
 
 def _draw_duration(ax, d) -> None:
-    looks = {"lone_": (BLUE, "lone rods"), "stiff_isolated_": (BLACK, "row, isolated")}
-    for part, look in looks.items():
-        x = d[f"{part}duration"][:, 0]
-        _curve(ax, x, d[f"{part}residual"], *look)
-        _curve(ax, x, d[f"{part}allowed"], look[0], form="o--")
-    x = d["stiff_pushed_duration"][:, 0]
-    _curve(ax, x, d["stiff_pushed_residual"], BLACK, "row, pushed", form="s-")
+    for sweep, colour, label in (("lone", RED, "lone rods"), ("stiff", BLACK, "row")):
+        for kind, form in KINDS.items():
+            x = d[f"{sweep}_{kind.partition('_')[0]}_duration"][:, 0]
+            _curve(ax, x, d[f"{sweep}_{kind}"], colour, form=form)
+        ax.plot([], [], color=colour, label=label)
+    _name_kinds(ax)
     ax.set(xlabel="contact / period", ylabel="error / change", xscale="log", yscale="log")
-    ax.set(xlim=(1e-3, 0.2), ylim=(1e-7, 2))
-    ax.legend(loc="lower right")
+    ax.set(xlim=(1e-3, 0.2), ylim=(1e-6, 1e2))
+    ax.legend(loc="upper center", ncols=2, fontsize=6, columnspacing=1)
 
 
 @style
@@ -206,9 +212,9 @@ def draw(d: Data) -> plt.Figure:
     *over_tilt, gamma, _, lossy = figure.axes
     gamma.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6))
     lossy.set(xlabel="restitution between rods", xlim=(0.2, 1.05))
-    for ax in over_tilt:
+    for ax, top in zip(over_tilt, (1, 1, 0.7), strict=True):  # up to the legend
         tilt_axis(ax, 0, 65)
-        ax.axvline(d["reversal_tilt_deg"], color="0.4", lw=0.8, ls=":")
+        ax.axvline(d["reversal_tilt_deg"], 0, top, color="0.4", lw=0.8, ls=":")
     return figure
 
 

@@ -2,11 +2,11 @@
 
 Laws of constant restitution, drawn evenly from ranges of the restitution and the friction of plate
 and rods; tangential springs and dashpots are those of the figures' law, which matter little (figure
-which_law). Score: numbers of the fitted claims that hold, those in part counted half, as there; the
-theory that some of them compare with keeps the friction 0.3 of the plate. (a) to (d): score over
-each parameter; the line is the mean of an eighth of the laws; the diamond the law of the figures,
-which has the paper's friction, 0.3 everywhere. (e): the same laws over both frictions, score by
-colour. Thin rods, l = 9.5 d, Gamma = 3.3.
+`which_law`). Score: numbers of the fitted claims that hold, those in part counted half, as there;
+the theory that some of them compare with keeps the friction 0.3 of the plate. (a) to (d): score
+over each parameter; the line is the mean of an eighth of the laws; the diamond the law of the
+figures, which has the paper's friction, 0.3 everywhere. (e): the same laws over both frictions,
+score by colour. Thin rods, l = 9.5 d, Gamma = 3.3.
 """
 
 from dataclasses import replace
@@ -20,7 +20,7 @@ from md.sweep import Sweep
 
 from ..claims.over_laws import FITTED, JUDGED, LAW_TILTS_DEG, QUICK_DEG, judged, part_of, search
 from ..lib.runs import FRICTION, LAW_OF, PARTS, RESOLVED, ROW
-from ..lib.style import BLACK, BLUE, ORANGE, Data, style
+from ..lib.style import BLACK, BLUE, ORANGE, Data, name_panels, style
 from ..lib.tables import table
 from .which_law import eighths
 
@@ -68,8 +68,7 @@ def draw(d: Data) -> plt.Figure:
         ax.plot(*eighths(x[:-1], score[:-1]), color=BLACK)
         ax.plot(x[-1], score[-1], "D", color=ORANGE, markeredgecolor=BLACK, markersize=4)
         ax.set_xscale("log" if parameter.log else "linear")
-        ax.set_xlabel(parameter.name)
-        ax.set_title(f"({'abcd'[n]})", loc="left")
+        ax.set(xlabel=parameter.name, xlim=(parameter.low, parameter.high))
     for ax in axes[:, 0]:
         ax.set_ylabel(f"score of {FITTED.sum()}")
     ax = right.subplots()
@@ -77,7 +76,8 @@ def draw(d: Data) -> plt.Figure:
     ax.plot(*values[-1, 2:], "D", mfc="none", mec=ORANGE, markersize=7)
     right.colorbar(shown, ax=ax, label="score", pad=0.02)
     ax.set(xscale="log", yscale="log", xlabel=FREE[2].name, ylabel=FREE[3].name)
-    ax.set_title("(e)", loc="left")
+    ax.set(xlim=(FREE[2].low, FREE[2].high), ylim=(FREE[3].low, FREE[3].high))
+    name_panels([*axes.flat, ax], [""] * 5)
     return figure
 
 

@@ -1,6 +1,6 @@
 """The numbers of the claims under every contact law that was searched.
 
-A strip is a number with limits, a dot a law of the search (figure which_law): blue where the tilt
+A strip is a number with limits, a dot a law of the search (figure `which_law`): blue where the tilt
 of the row stays within two degrees of acos(dN/L), grey elsewhere; the diamond is the law that was
 singled out. In the dark band the claim holds, in the light one in part. An asterisk: the number had
 a part in the choice of that law; all others the law predicts. Dots beyond the ends of a strip stand

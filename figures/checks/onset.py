@@ -25,7 +25,7 @@ from ..lib.runs import (
     means,
     planned,
 )
-from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, legend_above, style
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, legend_above, name_panels, style
 from ..lib.tables import table
 from ..paper.fig02 import AT_TOUCH, FLOOR_CM_S, ONSET, classify
 
@@ -69,14 +69,16 @@ def data(quick: bool = False) -> Data:
 def draw(d: Data) -> plt.Figure:
     columns = len(d["nominal_deg"])
     figure, axes = plt.subplots(2, columns, figsize=(7.0, 4.2), sharex=True, sharey="row")
-    for j, tilt in enumerate(d["nominal_deg"]):
+    for j in range(columns):
         for i, (law, (colour, form)) in enumerate(zip(LAWS, LOOKS, strict=True)):
             for ax, name in zip(axes[:, j], ("c_x", "V_z"), strict=True):
                 curve(ax, d, "gamma", name, colour, law, at=(i, ..., j), form=form, ms=3)
-        axes[0, j].set_title(rf"$\phi={tilt:g}$°", fontsize=8)
-        axes[1, j].set_xlabel(r"acceleration $\Gamma$")
+    for ax in axes.flat:
+        ax.set_xlabel(r"acceleration $\Gamma$")
+    name_panels(axes.flat, [rf"$\phi={tilt:g}$°" for tilt in d["nominal_deg"]] * 2)
     for ax in axes[0]:
         ax.set_yscale("symlog", linthresh=FLOOR_CM_S)
+        ax.set_yticks([-1, -0.1, -0.01, 0, 0.01, 0.1, 1, 10])
         ax.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
     for ax in axes[1]:
         ax.axhline(0, color="0.6", lw=0.6)
@@ -95,7 +97,7 @@ def summary(d: Data) -> str:
         moving, back = kind[i] != 0, kind[i] < 0
         agree = np.mean((kind[i] > 0)[moving] == ~down[i][moving]) if moving.any() else np.nan
         counts = (n.sum() for n in (back, back & down[i], down[i], moving))
-        rows.append([law, *counts, agree, d["c_x"][i].min(), d["V_z"][i].min()])
+        rows.append([law, *counts, agree, np.nanmin(d["c_x"][i]), np.nanmin(d["V_z"][i])])
     heads = ("law", "backwards", "with V_z < 0", "V_z < 0", "drift at all", "signs agree")
     count = d["c_x"][0].size
     return "\n".join(

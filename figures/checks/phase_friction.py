@@ -15,7 +15,7 @@ import numpy as np
 from impact import critical_friction, drift, spherocylinder
 from md.sweep import Sweep
 
-from ..lib.runs import BOX, COUNT, GAMMA, LENGTH, ROW, means, planned, plate_speed_cm_s
+from ..lib.runs import BOX, COUNT, GAMMA, LAW_NAME, LENGTH, ROW, means, planned, plate_speed_cm_s
 from ..lib.style import BLACK, BLUE, ORANGE, WARM, Data, curve, name_panels, style
 from ..lib.tables import table
 
@@ -68,7 +68,9 @@ def draw(d: Data) -> plt.Figure:
             ax.text(i, j, f"{value:.1f}", ha="center", va="center", fontsize=5)
         ax.set_xticks(columns, [f"{mu:g}" for mu in d["friction"]], rotation=60)
         ax.set_yticks(rows, [f"{e:g}" for e in d["restitution"]])
-        ax.axvline(np.interp(np.log(d["critical"]), np.log(d["friction"]), columns), color=BLACK)
+        ax.axvline(
+            np.interp(np.log(d["critical"]), np.log(d["friction"]), columns), color=BLACK, lw=0.8
+        )
         ax.set(xlabel=r"friction $\mu$ of the plate")
         ax.tick_params(top=False, right=False)
     a.set_ylabel(r"restitution $\epsilon$")
@@ -78,14 +80,14 @@ def draw(d: Data) -> plt.Figure:
     c.plot(d["fine_friction"], d["fine_theory"], color=ORANGE, label=r"theory, $V_0/2$")
     scaled = d["theory"][:, cut] * 2 * d["V_z"][:, cut]
     c.plot(d["friction"], scaled, "s-", ms=2.5, lw=0.8, color=BLUE, label=r"theory, measured $V_z$")
-    c.axvline(d["critical"], color=BLACK, lw=0.8)
+    c.axvline(d["critical"], 0, 0.67, color=BLACK, lw=0.8)
     c.axhline(0, color="0.6", lw=0.6)
     c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")
     c.set_ylim(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(scaled.max(), top))
     c.legend(loc="upper left")
     figure.supxlabel(
         rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$, "
-        "60 Hz; constant_restitution, tangential ratio 3",
+        f"60 Hz; {LAW_NAME}",
     )
     return figure
 

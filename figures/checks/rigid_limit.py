@@ -117,7 +117,7 @@ def draw(d: Data) -> plt.Figure:
     anchor = 0.4 * d["error"][0, 0] * (d["k_n"] / d["k_n"][0]) ** -0.4
     left.plot(d["k_n"], anchor, "-", color="0.6", lw=0.8)
     left.text(1e11, 9e-7, r"$k_n^{-2/5}$", ha="center", color="0.4")
-    left.set(xscale="log", yscale="log", ylim=(1e-7, 1))
+    left.set(xscale="log", yscale="log", ylim=(1e-10, 1))
     left.set(xlabel=r"stiffness $k_n$ ($mg/d^{3/2}$)", ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$")
     series = zip(SPRING_SERIES, d["error_by_ratio"], d["slope_by_ratio"], strict=True)
     looks = (GREEN, "^--"), (BLUE, "s-"), (RED, "D-.")

@@ -36,7 +36,8 @@ from ..claims.over_laws import (
     singled_out,
     sweeps,
 )
-from ..lib.style import BLACK, BLUE, ORANGE, Data, style
+from ..lib.runs import PARTS
+from ..lib.style import BLACK, BLUE, ORANGE, Data, name_panels, style
 from ..lib.tables import table, text_of
 
 __all__ = ["data", "draw", "summary", "sweeps"]
@@ -65,18 +66,21 @@ def _draw_parameters(axes: np.ndarray, d: Data) -> None:
         ax.tick_params(labelsize=6)
     for ax in axes[:, 0]:
         ax.set_ylabel(f"score of {FITTED.sum()}", fontsize=6.5)
-    axes[0, 0].set_title("(a)", loc="left")
 
 
 def short(law: dict[str, float | str]) -> str:
     """Form, then the values as plate/rods."""
     if law["form"] == APPENDIX:
         damping = "damping by overlap" if law["overlap factor"] == "with" else "damping"
-        pair = "/".join(f"{law[f'{damping}, {part}']:.2g}" for part in ("plate", "rods"))
-        return f"A {law['overlap factor']}, {law['mass']}, {pair}"
+        return f"A {law['overlap factor']}, {law['mass']}, {_pair(law, damping)}"
     names = "restitution", "tangential ratio", "tangential damping"
-    pairs = ("/".join(f"{law[f'{n}, {part}']:.2g}" for part in ("plate", "rods")) for n in names)
-    return ", ".join(pairs)
+    return ", ".join(_pair(law, name) for name in names)
+
+
+def _pair(law: dict[str, float | str], name: str) -> str:
+    """Values of plate and rods to two digits: 120/1.1."""
+    values = (float(f"{law[f'{name}, {part}']:.2g}") for part in PARTS)
+    return "/".join(f"{value:g}" for value in values)
 
 
 def names_of(d: Data) -> list[str]:
@@ -119,10 +123,10 @@ def _draw_matrix(ax: Axes, d: Data) -> None:
     ax.set_xticks(
         [*at, at[-1] + 1.4, at[-1] + 3.4],
         heads,
-        fontsize=5,
-        rotation=60,
-        ha="left",
-        rotation_mode="anchor",
+        fontsize=5.5,
+        rotation=90,
+        ha="center",
+        linespacing=1,
     )
     ax.tick_params(length=0, labelbottom=False, labeltop=True)
     ax.set_xlim(-0.5, at[-1] + 4.2)
@@ -138,8 +142,10 @@ def draw(d: Data) -> plt.Figure:
     figure = plt.figure(figsize=(7.4, 8.2))
     top, bottom = figure.subfigures(2, 1, height_ratios=(1, 1))
     left, right = top.subfigures(1, 2, width_ratios=(2.2, 1))
-    _draw_parameters(left.subplots(2, 5, sharey=True), d)
+    axes = left.subplots(2, 5, sharey=True)
+    _draw_parameters(axes, d)
     ax, names = right.subplots(), names_of(d)
+    name_panels((axes[0, 0], ax), ("", ""))
     for n, law in enumerate(_order(d)[:3]):
         ax.errorbar(
             d["best_nominal"],
@@ -149,8 +155,7 @@ def draw(d: Data) -> plt.Figure:
             label=names[law],
         )
     ax.plot(d["best_nominal"], d["best_theory"], color=BLACK, label="theory, $V_z=V_0/2$")
-    ax.set_title("(b)", loc="left")
-    ax.set_xlabel(r"tilt $\phi$ (degrees)")
+    ax.set_xlabel(r"tilt $\phi$ (deg)")
     ax.set_ylabel(r"drift $c_x$ (cm/s)")
     ax.set_ylim(min(0, d["best_c_x"].min()), 1.3 * d["best_theory"].max())
     ax.legend(fontsize=5)

@@ -86,10 +86,13 @@ def _sharp(d: Table) -> float:
     return (before - after) / (d["flight"].max() - 1)
 
 
-def _rise(d: Table) -> float:
-    """Largest rise of the drift with tilt between 20 and 45 degrees [cm/s]; < 0: it only falls."""
-    c_x = d["c_x"][(d["nominal"] > 20) & (d["nominal"] <= 45)]
-    return max(b - a for n, b in enumerate(c_x) for a in c_x[:n])
+def bump(nominal: np.ndarray, c_x: np.ndarray) -> tuple[float, int, int]:
+    """Largest rise of the drift with tilt between 20 and 45 degrees, and the places of its ends.
+
+    It is negative where the drift only falls.
+    """
+    inner = np.flatnonzero((nominal > 20) & (nominal <= 45)).tolist()
+    return max((c_x[j] - c_x[i], i, j) for n, j in enumerate(inner) for i in inner[:n])
 
 
 def _turned(kind: str) -> Callable[[Table], np.ndarray]:
@@ -125,7 +128,7 @@ NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.to
     "S14.less": lambda d: _small(d, "falling") - _large(d, "falling"),
     "S16.distance": lambda d: rms(d["c_x"] - theory(d["tilt"])) / rms(theory(d["tilt"])),
     "S16.peak": lambda d: d["c_x"].max() / _theory()[1].max(),
-    "S16.bump": _rise,
+    "S16.bump": lambda d: bump(d["nominal"], d["c_x"])[0],
     "S21.largest": lambda d: d["slide"].max(),
     "S21.mean": lambda d: d["slide"][d["nominal"] > 12].mean(),
     "S22.contact": lambda d: d["contact"].mean(),

@@ -8,7 +8,8 @@ far that at 1e-13 is from it. Filled symbols: largest over six tilts, two in eac
 the touch is not located, order 5/4 is the most there is. (c) Model: RMS over 17 tilts against the
 rigid map at the restitution of each run, with Verlet at the longest step at which this error has
 come within a tenth of its limit. A stiffer plate costs nothing here, but in a long run its step
-shrinks as k_n^(-2/5). The two errors add.
+shrinks as k_n^(-2/5). The two errors add. The table: what each method takes for a largest error, by
+time and setting (step as a part of the contact time t_c, or tolerance), the cheapest in bold.
 """
 
 import os
@@ -23,7 +24,7 @@ from md.laws import contact_time
 from ..claims.uncertainty import rms
 from ..lib.impact_times import impact_call, price, rigid_seconds
 from ..lib.soft_impacts import TABLE_TILTS
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
 from ..lib.tables import columned, table
 from ..lib.timing import machine_line
 from .impact_errors import (
@@ -146,23 +147,20 @@ def choices(d: Data, target: float) -> dict[str, tuple[float, str]]:
 
 def _time(seconds: float) -> str:
     if seconds < 9.95e-6:
-        return f"{seconds * 1e6:.1f} us"
-    return f"{seconds * 1e6:.0f} us" if seconds < 1e-3 else f"{seconds * 1e3:.1f} ms"
+        return f"{seconds * 1e6:.1f} µs"
+    return f"{seconds * 1e6:.0f} µs" if seconds < 1e-3 else f"{seconds * 1e3:.1f} ms"
 
 
-def _advice(d: Data) -> list[str]:
-    """Which method to use for how much accuracy, what else does, and what fails."""
-    lines = []
-    for target in TARGETS:
-        found = choices(d, target)
-        best = min(found, key=lambda method: found[method][0])
-        seconds, how = found.pop(best)
-        also = [f"{m} {_time(cost)}" for m, (cost, _) in found.items() if cost < np.inf]
-        fails = [f"{m} ({text})" for m, (cost, text) in found.items() if cost == np.inf]
-        parts = [f"{best}, {how}, {_time(seconds)}", ", ".join(also)]
-        parts.append(f"too coarse: {', '.join(fails)}" if fails else "")
-        lines.append(f"{target:.0e}: {'; '.join(filter(None, parts))}")
-    return lines
+def _advice(d: Data) -> list[list[str]]:
+    """Error wanted, and what each method takes for it: time and setting, or how far it comes."""
+    return [
+        [f"{target:.0e}"]
+        + [
+            f"{_time(cost)}, {how.partition(',')[0]}" if cost < np.inf else f"no, {how}"
+            for cost, how in choices(d, target).values()
+        ]
+        for target in TARGETS
+    ]
 
 
 def summary(d: Data) -> str:
@@ -187,8 +185,8 @@ def summary(d: Data) -> str:
     part = contact_time(LAW, 1.0) / PAPER_STEP
     return "\n".join([
         f"{machine_line(d['load'])}; 1 core used; medians of {d['runs']} runs",
-        "integration error wanted (largest of 6 tilts and 24 offsets): cheapest way (others)",
-        *_advice(d),
+        "integration error wanted (largest of 6 tilts and 24 offsets), and what it takes",
+        table(("error", *METHODS, "dop853"), _advice(d)),
         "1e-3 in the median: " + ", ".join(middle),
         f"1e-12: dop853, {reach}; the references at 1e-13 and 1e-14 differ by {d['floor']:.0e}",
         table(("law", *heads), rows),
@@ -221,14 +219,15 @@ def _draw_steps(ax: Axes, d: Data) -> None:
     small = {"fontsize": 6.5}
     for i, (method, (colour, _)) in enumerate(_LOOKS.items()):
         at = 0.8 / d["parts"][-1], lift[method] * d["fixed_error"][0, i, -1]
-        ax.text(*at, f"{d['order'][i]:.2f}", color=colour, ha="right", va="center", **small)
+        words = f"order {d['order'][i]:.2f}"
+        ax.text(*at, words, color=colour, ha="right", va="center", **small)
     ax.axvline(1 / 50, color="0.55", lw=0.8, ls="-.")
     ax.text(1 / 60, 1e-8, r"$t_c/50$", ha="right", **small)
     ax.text(4e-6, 2 * d["floor"], "the reference's own error", **small)
     ax.text(4e-6, 2e-16, "half an ulp", **small)
     ax.set(xlabel=r"step $\Delta t/t_c$", xlim=(1.5e-6, 0.3))
     ax.set_ylabel(r"$|\Delta\mathbf{c}'|/|c_z|$, integration")
-    words = "order at each curve;\nfilled: largest, open: median"
+    words = "filled: largest\nopen: median"
     ax.text(0.03, 0.97, words, transform=ax.transAxes, va="top", **small)
 
 
@@ -254,18 +253,37 @@ def _draw_models(ax: Axes, d: Data) -> None:
             digits = rf"$10^{{{np.log10(value[j]):.0f}}}$" if word == "k_n" else f"{value[j]:g}"
             look = {"ha": "left" if side > 0 else "right", "color": colour, **BESIDE}
             ax.annotate(digits, (time[j], error[j]), (4 * side, 0), **look)
-    ax.axvline(1e6 * d["rigid_seconds"], color="0.55", lw=0.8, ls="--")
+    ax.axvline(1e6 * d["rigid_seconds"], 0, 0.82, color="0.55", lw=0.8, ls="--")
     upright = {"fontsize": 6.5, "rotation": 90, "ha": "right"}
-    ax.text(0.97e6 * d["rigid_seconds"], 2e-5, "rigid map, compiled", **upright)
-    ax.set(xscale="log", yscale="log", xlabel="time per impact (µs)", ylim=(1e-7, 10))
+    ax.text(0.93e6 * d["rigid_seconds"], 2e-5, "rigid map, compiled", **upright)
+    ax.set(xscale="log", yscale="log", xlabel="time per impact (µs)", ylim=(1e-7, 100))
     ax.set(xlim=(0.007, 300), ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$, model")
     ax.legend(loc="upper center", fontsize=6, labelspacing=0.3)
 
 
+def _draw_advice(ax: Axes, d: Data) -> None:
+    """Table of what each method takes for an error, the cheapest in bold."""
+    heads, look = ("largest error", *METHODS, "dop853, events"), {"cellLoc": "center"}
+    rows = [[cell.replace("t_c", "$t_c$") for cell in row] for row in _advice(d)]
+    told = ax.table(rows, colLabels=heads, edges="horizontal", bbox=(0, 0, 1, 1), **look)
+    told.auto_set_font_size(False)
+    told.set_fontsize(6.5)
+    for (i, j), cell in told.get_celld().items():
+        cell.set_linewidth(0.4)
+        times = [seconds for seconds, _ in choices(d, TARGETS[i - 1]).values()] if i else []
+        if i and j == 1 + int(np.argmin(times)):
+            cell.get_text().set_weight("bold")
+    ax.set(xticks=[], yticks=[])
+    ax.spines[:].set_visible(False)
+    ax.set_xlabel("what each method takes for a largest error in (a, b); the cheapest in bold")
+
+
 @style
 def draw(d: Data) -> plt.Figure:
-    panels = {"integration, steps": _draw_steps, "integration, time": _draw_time}
-    figure = painted(d, panels | {"model, time": _draw_models}, figsize=(7.0, 3.9))
-    words = ["cheapest way to an integration error (a, b); others that do; others that do not"]
-    figure.supxlabel("\n".join(words + _advice(d)), fontsize=6)
+    figure, axes = plt.subplot_mosaic("abc;ddd", figsize=(7.0, 4.2), height_ratios=(3.2, 1))
+    *panels, below = axes.values()
+    for ax, panel in zip(panels, (_draw_steps, _draw_time, _draw_models), strict=True):
+        panel(ax, d)
+    name_panels(panels, ("integration, steps", "integration, time", "model, time"))
+    _draw_advice(below, d)
     return figure

@@ -173,7 +173,7 @@ def _name_points(ax: Axes, x: np.ndarray, y: np.ndarray, d: Data) -> None:
     points = ax.transData.transform(np.column_stack([x, y]))
     taken = [Bbox.from_bounds(*(point - 4), 8, 8) for point in points]
     beside = {"textcoords": "offset points", "va": "center", "fontsize": 5}
-    sides = [(dx, dy) for dy in (0, 6, -6, 13) for dx in (5, -5)] + [(0, 9), (0, -9)]
+    sides = [(dx, dy) for dy in (0, 6, -6, 13, -13) for dx in (5, -5)] + [(0, 9), (0, -9)]
     for at, label, group in zip(zip(x, y, strict=True), d["label"], d["group"], strict=True):
         name = ax.annotate(label, at, (0, 0), color=LOOKS[str(group)][0], **beside)
         hidden = []

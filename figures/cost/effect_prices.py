@@ -1,11 +1,11 @@
 """What each effect of a scene costs in a step of a rod, and what leaving it out does to the drift.
 
-All of `scene_variants` go on from the same places of one settled run, a short way from each, at one
-step, so that who touches whom is nearly the same. Where the plate is at rest the places are taken
-in its frame; without a plate the rods fall freely. Alone: an effect on top of the barest scene in
-which it makes sense. Within: the full scene less the full scene without the effect and what needs
-it. Below them one thing in the place of another, then effects of the size zero against a scene that
-does not name them: the same compiled kernel, so that these bars show the error of all.
+All scenes go on from the same places of one settled run, a short way from each, at one step, so
+that who touches whom is nearly the same. Where the plate is at rest the places are taken in its
+frame; without a plate the rods fall freely. Alone: an effect on top of the barest scene in which it
+makes sense. Within: the full scene less the full scene without the effect and what needs it. Below
+them one thing in the place of another, then effects of the size zero against a scene that does not
+name them: the same compiled kernel, so that these bars show the error of all.
 
 Drift: that of the changed scene less that of the full one, over seeds. Without gravity, plate, box
 or contacts of rods no row is left to drift; what only measures does not change the rods by a bit.

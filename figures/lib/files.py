@@ -1,9 +1,13 @@
 """Files of the commands: what could not be written in the end is refused before the work."""
 
+import json
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
 
 from impact import InputError
 
@@ -18,9 +22,10 @@ SIGNATURES = {  # what a file of each kind has near its beginning
     ".html": [b"<title>Rods on a vibrated plate"],
 }
 HEAD_BYTES = 300  # bytes
+BROKEN = (OSError, EOFError, SyntaxError, ValueError, LookupError, BadZipFile)  # of NumPy, Pillow
 
 
-def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
+def ready(out: Path, *names: str, store: Path | None = None, option: str = "out") -> list[Path]:
     """Paths of the files `names` in the folder `out`, which need not be there yet.
 
     Parameters
@@ -28,6 +33,7 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
     out : folder
     names : of the files that a command is about to write there
     store : that the command uses; it must be none of them
+    option : that names the folder or the file
 
     Raises
     ------
@@ -45,9 +51,9 @@ def ready(out: Path, *names: str, store: Path | None = None) -> list[Path]:
             distinct(out=path, store=store)
         for path in paths:
             if path.exists():
-                writable("out", path, _replaceable, f"a {path.suffix} file made here")
+                writable(option, path, _replaceable, f"a {path.suffix} file made here")
     except OSError as error:
-        raise InputError(f"out must be a folder that takes files: {error}") from None
+        raise InputError(f"{option} must be a folder that takes files: {error}") from None
     return paths
 
 
@@ -79,3 +85,12 @@ def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
         yield out
     finally:
         runs.STORE = usual
+
+
+def first_look(npz: Path) -> bool:
+    """Whether a figure's numbers are those of `--quick`."""
+    try:
+        with npz.open("rb") as file:  # np.load(npz) leaves one open that is no archive
+            return bool(json.loads(str(np.load(file)["provenance"]))["quick"])
+    except BROKEN:
+        return False

@@ -7,19 +7,17 @@ True
 What the folder holds is shown, what it lacks is listed with its command. Where nothing was made
 here, the project's gallery stands in, and the page says so; copies of it go to `gallery/` beside
 the page, so that the folder needs nothing else and may be moved. The page is `templates/index.html`
-in the look of the derivations' report, with `templates/index.css`.
+in the look of the derivations' report, with `templates/index.css`; `impact.html`, beside it, is
+that of `explore_page`.
 """
 
-import json
 import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
-from zipfile import BadZipFile
 
-import numpy as np
 from markupsafe import Markup
 from PIL import Image
 
@@ -31,6 +29,9 @@ from impact import InputError
 from .. import FIGURES, load
 from ..claims import judge
 from ..cost.price_page import PRICE_PANELS
+from ..lib.files import BROKEN, first_look
+from . import explore_page
+from .explore import Setting
 from .gallery import GALLERY, templates
 
 TITLE = "Rods on a vibrated plate: derivations, pictures, prices, claims"
@@ -39,8 +40,10 @@ ABOUT = (
     "L. S. Tsimring, “Anisotropy driven dynamics in vibrated granular rods”."
 )
 BADGES = {"holds": "agrees", "holds in part": "rewritten", "does not hold": "erratum"}
+LETTERS = {"alpha": "α", "gamma": "γ", "delta": "δ", "epsilon": "ε", "theta": "θ", "mu": "μ"}
+LETTERS |= {"phi": "φ", "omega": "ω", "pi": "π", "Gamma": "Γ", "sqrt": "√"}
+_AS_IT_IS = re.compile(r"(<math.*?</math>|<code>.*?</code>|<[^>]+>)")
 TAGS = {entry.tag for entry in ENTRIES}
-BROKEN = (OSError, EOFError, SyntaxError, ValueError, LookupError, BadZipFile)  # of NumPy, Pillow
 
 
 class Item(NamedTuple):
@@ -50,6 +53,7 @@ class Item(NamedTuple):
     address: str  # seen from the page
     own: bool  # made here, not lent
     size: tuple[int, int]  # of a picture
+    width: int  # as drawn, at 96 pixels an inch
 
 
 @dataclass
@@ -63,8 +67,8 @@ class Folder:
     def find(self, name: str, picture: bool = False) -> Item | None:
         """The folder's own file, else the gallery's; a picture only if it can be read."""
         for path in (self.path / name, GALLERY / name):
-            if path.is_file() and (size := _size(path) if picture else (0, 0)):
-                return Item(path, self.address(path), path.parent == self.path, size)
+            if path.is_file() and (size := _size(path) if picture else ((0, 0), 0)):
+                return Item(path, self.address(path), path.parent == self.path, *size)
         return None
 
     def picture(self, name: str) -> Item | None:
@@ -94,30 +98,43 @@ class Folder:
         def link(tag: str) -> str:
             return f"report.html#{report.anchor(tag)}" if there and tag in TAGS else ""
 
-        return Markup(to_html(" ".join(sentence.split()), link))
+        return Markup(lettered(to_html(" ".join(sentence.split()), link)))
 
 
-def _size(picture: Path) -> tuple[int, int] | None:
+def lettered(text: str) -> str:
+    """HTML of a sentence with letters, indices and powers set: mu, c_x', k_n^(-2/5)."""
+
+    def plain(part: str) -> str:
+        part = re.sub(rf"\b({'|'.join(LETTERS)})(?![a-z])", lambda found: LETTERS[found[1]], part)
+        part = re.sub(r"\b([^\W\d_])_(\w+|\*)(’?)", r"<i>\1</i><sub>\2</sub>\3", part)
+        return re.sub(r"\^(?:\((.*?)\)|(\w+))", r"<sup>\1\2</sup>", part)
+
+    parts = _AS_IT_IS.split(text)  # at odd places, what stays
+    return "".join(part if i % 2 else plain(part) for i, part in enumerate(parts))
+
+
+def _size(picture: Path) -> tuple[tuple[int, int], int] | None:
+    """Pixels, and the width as drawn; None if it cannot be read."""
     try:
         with Image.open(picture, formats=["PNG", "GIF"]) as image:
-            size = image.size
+            size, (dots, _) = image.size, image.info.get("dpi", (96, 96))
             image.verify()
     except BROKEN:
         return None
-    return size
-
-
-def _first_look(npz: Path) -> bool:
-    """Whether a figure's numbers are those of `--quick`."""
-    try:
-        with npz.open("rb") as file:  # np.load(npz) leaves one open that is no archive
-            return bool(json.loads(str(np.load(file)["provenance"]))["quick"])
-    except BROKEN:
-        return False
+    return size, round(96 * size[0] / dots)
 
 
 def _read(path: Path) -> str:
     return path.read_text(encoding="utf-8", errors="replace")
+
+
+def caption(name: str) -> dict[str, Any]:
+    """What the module of a figure says of it: in a line, its first sentence, the rest."""
+    first, *rest = (" ".join(part.split()) for part in load(name).__doc__.strip().split("\n\n"))
+    body, *more = rest or [""]
+    start = re.match(r'.{90,}?(?<!Eq)\.(?= [A-Z("])', body)
+    end = start.end() if start else len(body)
+    return {"alt": first, "start": body[:end], "more": [*filter(None, (body[end:], *more))]}
 
 
 def _figure(folder: Folder, name: str) -> dict[str, Any]:
@@ -127,13 +144,9 @@ def _figure(folder: Folder, name: str) -> dict[str, Any]:
     found["time"] = "minutes" if FIGURES[name].alone else "seconds to minutes"
     if not item:
         return found
-    first, *rest = (" ".join(part.split()) for part in load(name).__doc__.strip().split("\n\n"))
-    body, *more = rest or [""]
-    start = re.match(r'.{90,}?(?<!Eq)\.(?= [A-Z("])', body)
-    end = start.end() if start else len(body)
-    found |= {"alt": first, "start": body[:end], "more": [*filter(None, (body[end:], *more))]}
     return found | {
-        "first_look": item.own and _first_look(folder.path / f"{name}.npz"),
+        **caption(name),
+        "first_look": item.own and first_look(folder.path / f"{name}.npz"),
         "links": folder.links(name, pdf="PDF", npz="numbers") if item.own else {},
     }
 
@@ -195,4 +208,5 @@ def files(out: Path) -> dict[str, bytes]:
     style = templates.get_template("index.css").render()
     page = report.document(TITLE, ABOUT, main, style)
     copies = {f"gallery/{name}": (GALLERY / name).read_bytes() for name in folder.borrowed}
-    return copies | {"index.html": page.encode("utf-8", "replace")}
+    pages = {"impact.html": explore_page.page(Setting()), "index.html": page}
+    return copies | {name: text.encode("utf-8", "replace") for name, text in pages.items()}

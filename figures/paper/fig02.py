@@ -1,13 +1,12 @@
 """Fig. 2, simulated: forward, no and reverse drift over acceleration and tilt, row and annulus.
 
-(a): the row; forward (full red), reverse (full blue) where the drift is beyond 3 standard errors
-and beyond 0.003 cm/s, else none (open). Colours: drift of one rigid rod at fixed tilt, exact
-flights and impacts, with the theory's closure omega = 0; dashed: there the mean plate velocity at a
-touch, V_z weighted by impulse, is zero, and negative to the left. (b): the drift over Gamma at
-three tilts; lines: the theory at V_z = V_0/2. (c): near Gamma = 1, linear within the floor (grey),
-logarithmic beyond. (d, e, f): the same in the experiment's annulus, where the number of rods sets
-the tilt; arrows in (d): V_z at a touch, weighted by the speed of approach, up where positive.
-Dotted: where the paper's rods begin to move. The row has no walls and no curvature.
+(a): the row; the drift counts as forward or reverse beyond 3 standard errors and 0.003 cm/s.
+Shades: drift of one rigid rod at fixed tilt, exact flights and impacts, with the theory's closure
+omega = 0; on the dashed line its mean plate velocity at a touch, V_z weighted by impulse, is zero,
+and negative to the left. (b): the drift over Gamma at three tilts; dashed: the theory at V_z =
+V_0/2. (c): near Gamma = 1; linear within the grey band, logarithmic beyond. (d, e, f): the same in
+the experiment's annulus, where the number of rods sets the tilt; arrows in (d): V_z at a touch,
+weighted by the speed of approach, up where positive. The row has no walls and no curvature.
 """
 
 import matplotlib.pyplot as plt
@@ -54,6 +53,7 @@ MAP_GAMMAS = {
 }
 NOMINAL_DEG = {True: (9, 20, 45), False: (5, 12, 20, 30, 45, 60)}
 CHOSEN = {True: (0, 1, 2), False: (1, 2, 4)}  # tilts of (b)
+COLOURS = {20: BLUE, 30: BLACK, 45: RED, 60: ORANGE}  # of tilts in (b) and (c); others: green
 MAP_COUNTS = {True: (44, 36), False: (50, 44, 36)}
 MAP_PERIODS = {True: (30, 12), False: (150, 300)}  # of rows, of annuli
 AT_TOUCH = "touches.plate_velocity_by_speed.mean"
@@ -127,15 +127,16 @@ def _map(ax: Axes, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray) -> Non
     ax.set(ylabel=r"tilt $\phi$ (deg)", ylim=(0, 66), xlim=(0.95, 4.1))
 
 
-def _near_onset(ax: Axes, d: Data, prefix: str, columns: np.ndarray, labels: list[str]) -> None:
-    """Drift below the onset, a curve a column, linear and logarithmic."""
+def _near_onset(ax: Axes, d: Data, prefix: str, looks: dict[int, tuple[str, str]]) -> None:
+    """Drift below the onset, linear and logarithmic; colours and names of curves by column."""
     early = d["gamma"] <= ONSET
-    for i, colour, label in zip(columns, (BLUE, BLACK, RED, ORANGE), labels, strict=False):
+    for i, (colour, label) in looks.items():
         drifts = (d[f"{prefix}c_x{kind}"][early, i] for kind in ("", "_error"))
         points(ax, d["gamma"][early], *drifts, colour, label=label)
     ax.set_yscale("symlog", linthresh=FLOOR_CM_S)
     ax.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
-    ax.set(xlim=(1, ONSET + 0.05), ylim=(-0.1, 60))
+    ax.text(1.22, FLOOR_CM_S / 2, "counts as none", va="center", fontsize=6)
+    ax.set(xlim=(1, ONSET + 0.05), ylim=(-0.1, 60), yticks=(-0.1, -0.01, 0, 0.01, 0.1, 1, 10))
     ax.legend(loc="upper left", fontsize=6, ncols=2, columnspacing=1, handlelength=1.2)
 
 
@@ -148,14 +149,16 @@ def _rows(axes: np.ndarray, d: Data) -> None:
     a.figure.colorbar(mesh, ax=a, label="one rigid rod (cm/s)", pad=0.02)
     alpha = np.nan_to_num(d["lone_alpha"].T, nan=-1.0)
     a.contour(d["fine_gamma"], d["fine_deg"], alpha, [0.0], colors=BLACK, linestyles="--")
+    a.plot([], [], "--", color=BLACK, label="$V_z=0$, one rigid rod")
     _map(a, d["gamma"], np.broadcast_to(d["nominal_deg"], d["kind"].shape), d["kind"])
-    names = [rf"$\phi={tilt:.0f}$°" for tilt in d["nominal_deg"]]
-    for i, colour, line in zip(d["chosen"], (GREEN, BLUE, RED), d["closure"], strict=True):
-        curve(b, d, "gamma", "c_x", colour, names[i], at=(..., i))
-        b.plot(d["fine_gamma"], line, color=colour, lw=0.8, ls="--")
-    b.set_ylim(None, 1.15 * max(np.nanmax(d["c_x"]), 1))
-    steep = np.flatnonzero(d["nominal_deg"] >= 20)
-    _near_onset(c, d, "", steep, [names[i] for i in steep])
+    looks = [(COLOURS.get(tilt, GREEN), rf"$\phi={tilt:.0f}$°") for tilt in d["nominal_deg"]]
+    for i, line in zip(d["chosen"], d["closure"], strict=True):
+        curve(b, d, "gamma", "c_x", *looks[i], at=(..., i))
+        b.plot(d["fine_gamma"], line, color=looks[i][0], lw=0.8, ls="--")
+    b.plot([], [], "--", color="0.4", lw=0.8, label="theory")
+    top = max(np.nanmax(d["c_x"]), 1)
+    b.set_ylim(-0.45 * top, 1.15 * top)
+    _near_onset(c, d, "", {i: looks[i] for i in np.flatnonzero(d["nominal_deg"] >= 20)})
 
 
 def _annuli(axes: np.ndarray, d: Data) -> None:
@@ -165,10 +168,11 @@ def _annuli(axes: np.ndarray, d: Data) -> None:
     look = {"angles": "xy", "scale_units": "xy", "scale": 1, "color": "0.45", "width": 0.006}
     a.quiver(gamma, d["ring_tilt"], 0 * size, size, **look)
     _map(a, d["gamma"], d["ring_tilt"], d["ring_kind"])
-    names = [rf"$N={count}$" for count in d["ring_count"]]
-    for i, (name, colour) in enumerate(zip(names, (BLUE, BLACK, RED), strict=False)):
-        curve(b, d, "gamma", "ring_c_x", colour, name, at=(..., i))
-    _near_onset(c, d, "ring_", np.arange(len(names)), names)
+    colours = (BLUE, BLACK, RED)[-len(d["ring_count"]) :]
+    looks = dict(enumerate(zip(colours, (rf"$N={n}$" for n in d["ring_count"]), strict=True)))
+    for i, look in looks.items():
+        curve(b, d, "gamma", "ring_c_x", *look, at=(..., i))
+    _near_onset(c, d, "ring_", looks)
 
 
 @style
@@ -176,13 +180,15 @@ def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 5.4), width_ratios=(1.35, 1, 1))
     _rows(axes[0], d)
     _annuli(axes[1], d)
-    legend_above(figure, axes[0, 0], ncols=3)
+    axes[0, 0].plot([], [], ":", color=BLACK, lw=0.8, label="the paper's rods begin to move")
+    clear = {axes[0, 1]: (0.25, 1), axes[1, 1]: (0, 0.74)}  # of the legends
     for ax in axes.flat:
-        ax.axvline(ONSET, color=BLACK, lw=0.8, ls=":")
+        ax.axvline(ONSET, *clear.get(ax, (0, 1)), color=BLACK, lw=0.8, ls=":")
         ax.set_xlabel(r"acceleration $\Gamma$")
+    legend_above(figure, axes[0, 0], ncols=5, columnspacing=1.2)
     for ax, place in zip(axes[:, 1], ("lower right", "upper left"), strict=True):
         ax.set(ylabel=r"drift $c_x$ (cm/s)", xlim=(1, None))
-        ax.legend(loc=place, fontsize=6)
+        ax.legend(loc=place, fontsize=6, ncols=1 + (ax is axes[0, 1]), columnspacing=1)
     for ax in axes[:, 1:].flat:
         ax.axhline(0, color="0.6", lw=0.6)
     name_panels(axes.flat, ("row", "", "near onset", "annulus", "", "near onset"))

@@ -93,7 +93,7 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     for i, colour in enumerate((BLUE, BLACK, ORANGE)):
         label = rf"$N={d['few'][i]}$, {d['gamma_tilt'][at, i]:.0f}° at {d['gamma'][at]:g}"
         curve(ax, d, "gamma", "gamma_c_x", colour, label, at=(..., i))
-    ax.axvline(ONSET_FIG4, color="0.5", lw=0.8, ls=":")
+    ax.axvline(ONSET_FIG4, 0, 0.66, color="0.5", lw=0.8, ls=":")  # up to the legend
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.legend(fontsize=6.5, loc="upper left")
 

@@ -3,10 +3,10 @@
 (a, b): a line from the lower to the upper cap's centre, with a dot at the upper one; colour: tilt;
 circles: the walls. The paper shows 55 and 44 rods; an odd number cannot be a perfect zig-zag, and
 56 rods have the tilt of the paper's 55. All start as a zig-zag. (c): order of the zig-zag (1
-perfect, 0 none) and share of rods that lean `MORE_DEG` more than the mean; green: how much more the
-place around the annulus that leans most does than the one that leans least, tilts smoothed over
-three rods; each point a number of rods, means over the second half of a run. (d): tilts around the
-annulus, over the rods in order of azimuth.
+perfect, 0 none) and share of rods that lean more than the mean by the angle of the legend; green:
+how much more the place around the annulus that leans most does than the one that leans least, tilts
+smoothed over three rods; each point a number of rods, means over the second half of a run. (d):
+tilts around the annulus, over the rods in order of azimuth.
 """
 
 import matplotlib.pyplot as plt

@@ -1,6 +1,6 @@
 """Fig. 7: tips of rods over the plate at two tilts, and how long flights last.
 
-(a), (b): lowest points of three rods of the row (coloured) and the plate (grey, filled), in cm.
+(a), (b): lowest points of three rods of the row, and the plate (grey); the scales differ.
 (c): flights over tilt, over independent starts. Dots: from touch to touch; squares: touches less
 than 0.2 periods apart taken as one landing; line: one rigid rod at fixed tilt, exact flights and
 impacts. Dotted: where the paper sees flights change from several periods to one.
@@ -16,7 +16,7 @@ from md.scene import from_tables, put
 from md.sweep import Sweep
 
 from ..lib.runs import ROW, TILT_SCAN_WORDS, boxes, lone, means, tilt_plan
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panels, style, tilt_axis
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style, tilt_axis
 from ..lib.tables import columned, pairs
 from ..pages import movie
 
@@ -60,22 +60,24 @@ def data(quick: bool = False) -> Data:
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplot_mosaic("ac;bc", figsize=(7.0, 4.6), width_ratios=(1.5, 1))
     a, b, c = (axes[letter] for letter in "abc")
-    low, high = d["plate"].min(), d["tips"].max()
+    low, dashes = d["plate"].min(), ("-", (0, (6, 6)), (0, (2, 4)))  # rods on one line: all show
     for i, ax in enumerate((a, b)):
         ax.fill_between(d["time"], low - 0.05, d["plate"], color="0.8", lw=0)
         ax.plot(d["time"], d["plate"], color="0.45", lw=0.8)
-        for tip, colour in zip(d["tips"][i].T, (BLUE, RED, GREEN), strict=True):
-            ax.plot(d["time"], tip, color=colour, lw=1)
-        ax.set(xlim=(0, SHOWN_PERIODS), ylim=(low - 0.03, high + 0.03), ylabel="height (cm)")
+        for tip, colour, dash in zip(d["tips"][i].T, (BLUE, RED, GREEN), dashes, strict=True):
+            ax.plot(d["time"], tip, color=colour, ls=dash)
+        high = 1.1 * d["tips"][i].max()
+        ax.set(xlim=(0, SHOWN_PERIODS), ylim=(low - 0.03, high), ylabel="height (cm)")
         ax.set_xlabel("time (periods of the plate)")
-    c.plot(d["lone_deg"], d["lone_flight"], color=ORANGE, label="one rigid rod")
+    c.plot(d["lone_deg"], d["lone_flight"], color=BLUE, lw=0.8, label="one rigid rod")
     curve(c, d, "tilt_deg", "flight", BLACK, "touch to touch")
     left_out = {"form": "s-", "hollow": True}
     curve(c, d, "tilt_deg", "landing_flight", BLACK, "hops < 0.2 periods left out", **left_out)
     c.axhline(1, color="0.5", lw=0.6)
-    c.axvline(CHANGE_DEG, color=BLACK, ls=":", lw=0.8)
+    c.axvline(CHANGE_DEG, 0, 0.78, color=BLACK, ls=":", lw=0.8)
     tilt_axis(c, 0, 80, 20)
-    c.set(ylabel="mean flight (periods)", ylim=(0, None))
+    top = 1.3 * max(d["lone_flight"].max(), np.nanmax(d["landing_flight"]))
+    c.set(ylabel="mean flight (periods)", ylim=(0, top))
     c.legend(loc="upper right")
     tilted = (rf"$\phi={tilt}$°" for tilt in TIP_TILTS_DEG)
     name_panels((a, b, c), (*tilted, "length of flights"))

@@ -1,9 +1,9 @@
 """Fig. 8: phases of the plate at which rods of the row land, at five tilts.
 
 The phase theta is that of the plate's velocity V_0 cos(theta). Steps: every touch, mean and
-standard error over independent starts. Line: the paper's H = (1 + cos(theta))/2 pi. Shaded: the
-plate falls. (f): part of the landings there; squares: touches less than 0.2 periods apart taken as
-one landing, at the first of them; orange: one rigid rod at fixed tilt, exact flights and impacts.
+standard error over independent starts. H: the paper's (1 + cos(theta))/2 pi. Shaded: the plate
+falls. (f): part of the landings there; in "landings" touches less than 0.2 periods apart are taken
+as one, at the first of them; one rigid rod: at fixed tilt, exact flights and impacts.
 """
 
 import matplotlib.pyplot as plt
@@ -23,7 +23,7 @@ from ..lib.runs import (
     tilt_plan,
     tilts,
 )
-from ..lib.style import BLACK, ORANGE, Data, curve, style
+from ..lib.style import BLACK, BLUE, Data, curve, style
 from ..lib.tables import columned, pairs
 
 BINS_DRAWN = 32  # drawn; the store has 64
@@ -79,9 +79,9 @@ def draw(d: Data) -> plt.Figure:
     last = share_panel(figure, d["shown_deg"], 80, 20)
     curve(last, d, "tilt_deg", "falling", BLACK, "touches")
     curve(last, d, "tilt_deg", "landing_falling", BLACK, "landings", form="s-", hollow=True)
-    last.plot(d["lone_deg"], d["lone_falling"], color=ORANGE, label="one rigid rod")
-    last.set(ylim=(-0.02, None))
-    last.legend(loc="upper right")
+    last.plot(d["lone_deg"], d["lone_falling"], color=BLUE, lw=0.8, label="one rigid rod")
+    last.set_ylim(-0.02, 1.8 * max(d["lone_falling"].max(), d["landing_falling"].max()))
+    last.legend(loc="upper right", ncols=2, columnspacing=1, fontsize=6)
     figure.supxlabel(TILT_SCAN_WORDS)
     return figure
 

@@ -4,11 +4,9 @@ Symbols: simulated rows, mean and standard error over independent starts; as in 
 the inertia of a thin rod in (a) and (b), of the uniform body in (c). Lines: the theory's drift
 (24)-(29) for the rod without thickness and for the simulated one, with the assumed V_z = V_0/2 and
 with the V_z that the same runs have at their landings, where it is positive (else the closure has
-no impact).
-Triangles in (a): the same rows under another contact law, one that obeys as many of the paper's
-claims (figure which_law). Green in (b): fitted line from 2 on; inset: tilt. Open in (c): started
-side by side almost at rest, rods of 2 to 5 d bounce as one block, which hardly drifts; those thrown
-at the start do not.
+no impact). Triangles in (a): the same rows under another contact law, one that obeys as many of the
+paper's claims (figure `which_law`). Inset of (b): tilt. Open in (c): started side by side almost at
+rest, rods of 2 to 5 d bounce as one block, which hardly drifts; those thrown at the start do not.
 """
 
 import matplotlib.pyplot as plt
@@ -18,6 +16,7 @@ from matplotlib.axes import Axes
 from impact import drift, spherocylinder, thin_rod
 from md.sweep import Sweep
 
+from ..claims.over_tilt import bump
 from ..lib.runs import (
     BOX,
     COUNT,
@@ -126,11 +125,13 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], color=BLUE, **THIN)
     fit = fits(d)
     x = np.array([fit["line_start"], d["gamma"][-1]])
-    ax.plot(x, fit["line_slope"] * (x - fit["line_from"]), color=GREEN, lw=0.8)
+    line = fit["line_slope"] * (x - fit["line_from"])
+    ax.plot(x, line, color="0.5", label="fit from 2 on")
+    ax.legend(loc="upper right", fontsize=6)
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
-    inset = ax.inset_axes([0.1, 0.64, 0.25, 0.24])
-    curve(inset, d, "gamma", "b_tilt", GREEN, ms=2, **POINTS)
+    inset = ax.inset_axes([0.14, 0.64, 0.25, 0.24])
+    curve(inset, d, "gamma", "b_tilt", ms=2, **POINTS)
     nominal = np.degrees(np.arccos(COUNT / BOX))
     inset.axhline(nominal, color="0.5", lw=0.6)
     inset.set(ylim=(nominal - 3, nominal + 3), xlim=(1, None))
@@ -166,7 +167,7 @@ def draw(d: Data) -> plt.Figure:
     name_panels((a, b, c), (rf"$\Gamma={GAMMA}$", rf"$L={BOX:g}\,d$", third))
     for ax in (a, b, c):
         ax.axhline(0, color="0.7", lw=0.6)
-    legend_above(figure, a, ncols=4, fontsize=6.5)
+    legend_above(figure, a, ncols=3, fontsize=6.5)
     figure.supxlabel(
         rf"$N={COUNT}$, (a, b) $l={LENGTH}\,d$, $d=0.6$ cm, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}",
     )
@@ -200,14 +201,12 @@ def fits(d: Data) -> dict[str, float]:
     line = _slope(gamma[far], c_x[far], d["b_c_x_error"][far])
     grows, long = (d["length"] > 1.25) & (d["length"] <= 2), d["c_c_x"][d["length"] >= 2.5]
     growth = _slope(d["length"][grows], d["c_c_x"][grows], d["c_c_x_error"][grows])
-    inner = np.flatnonzero((d["a_tilt"] > 20) & (d["a_tilt"] < 45))
-    rises = [(d["a_c_x"][j] - d["a_c_x"][i], i, j) for n, j in enumerate(inner) for i in inner[:n]]
-    bump, i, j = max(rises)
+    rise, i, j = bump(d["tilt_deg"], d["a_c_x"])
     return {
         **{"power": power, "power_error": power_error, "line_start": float(gamma[far][0])},
         **dict(zip(("line_slope", "line_slope_error", "line_from"), line, strict=True)),
         **dict(zip(("growth", "growth_error", "growth_from"), growth, strict=True)),
-        **{"long_mean": long.mean(), "long_spread": np.ptp(long), "bump": bump},
+        **{"long_mean": long.mean(), "long_spread": np.ptp(long), "bump": rise},
         "bump_error": float(np.hypot(d["a_c_x_error"][i], d["a_c_x_error"][j])),
         "bump_tilt": float(d["a_tilt"][j]),
     }

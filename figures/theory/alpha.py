@@ -94,7 +94,7 @@ def _over_tilt(axes, d: Data) -> None:
     ax.pcolormesh(d["deg"], length, np.sqrt(share), **shading)
     curve(ax, d, "deg", "tilt_flight", BLUE, "mean", ms=2)
     ax.set(ylabel="flight (periods)", ylim=(0, 3.2))
-    ax.text(again + 1.5, 2.6, rf"$X^2=\epsilon k^2$:" f"\n{again:.1f}°", va="center")
+    ax.text(again + 8, 1.9, rf"$X^2=\epsilon k^2$: {again:.1f}°", va="center")
 
     ax = axes[2]
     curve(ax, d, "deg", "tilt_drift", BLUE, "computed", ms=2)
@@ -102,9 +102,9 @@ def _over_tilt(axes, d: Data) -> None:
     ax.plot(d["deg"], steady * d["tilt_alpha_impulse"], "-", color=RED, label=label)
     ax.plot(d["deg"], steady / 2, ":", color=BLACK, label=r"(24), (27), $\alpha=1/2$")
     ax.set(ylabel=r"drift / $V_0$", ylim=(0, 4.6))
-    for ax in axes:
+    for ax, top in zip(axes, (0.68, 1, 0.66), strict=True):  # up to the legend
         tilt_axis(ax, 0, 75)
-        ax.axvline(again, color=BLACK, lw=0.8, ls="--")
+        ax.axvline(again, 0, top, color=BLACK, lw=0.8, ls="--")
         ax.legend(loc="upper right", **LEGEND_BOX)
 
 

@@ -14,7 +14,7 @@ from impact import spherocylinder
 
 from ..lib.phases import estimates, middles, phase_panels, share_panel
 from ..lib.runs import GAMMA, LENGTH, RESTITUTION, SETTING, SHOWN_DEG
-from ..lib.style import BLACK, BLUE, LEGEND_BOX, Data, curve, hit_again_tilt, style
+from ..lib.style import BLACK, BLUE, Data, curve, hit_again_tilt, style
 
 PHASE_BINS = 36
 SPREAD_DEG = 3.0
@@ -69,7 +69,8 @@ def draw(d: Data) -> plt.Figure:
     last = share_panel(figure, np.degrees(d["tilt"]), 60, 15)
     curve(last, {**d, "deg": np.degrees(d["sweep_tilt"])}, "deg", "falling", BLUE)
     again = np.degrees(d["again_tilt"])
-    last.axvline(again, color=BLACK, lw=0.8, ls="--", label=rf"$X^2=\epsilon k^2$: {again:.1f}°")
+    name = rf"$X^2=\epsilon k^2$: {again:.1f}°"
+    last.axvline(again, 0, 0.73, color=BLACK, lw=0.8, ls="--", label=name)  # up to the legend
     last.set(ylim=(-0.02, 1))
-    last.legend(loc="upper right", **LEGEND_BOX)
+    last.legend(loc="upper right")
     return figure

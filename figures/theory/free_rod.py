@@ -1,12 +1,13 @@
 """A rod that is let go: how soon it falls, and its drift until then, beside the closure's.
 
 The spherocylinder of the paper's Figs. 6-8 (l = 9.5 d, d = 0.6 cm, 60 Hz), epsilon = 0.65, mu =
-0.3, bounces at held tilt and is then released; it keeps its spin from impact to impact. (a) Tilt of
-single rods over time at Gamma = 3.3, points where the tip lands; dashed: let go at rest on a plate
-at rest. (b) Time until the other end touches the plate, median and 5th to 95th percentile; dashed
-as in (a). (c) Drift until then against the closure, which holds the tilt and with whose velocity
-the fall begins; the drift is that of the tip, since the centre of a falling rod moves ahead of it
-without any drift.
+0.3, bounces at held tilt and is then released; it keeps its spin from impact to impact. A colour
+is a Gamma. (a) Tilt of single rods over time, where the tip lands and where the other end does,
+which ends the fall: beyond 90 degrees if it comes down while the tip is in the air. The thin lines
+only join the points of a rod. Dashed: let go at rest on a plate at rest. (b) Time of the fall,
+median and 5th to 95th percentile (bands); dashed as in (a). (c) Drift until then against the
+closure, which holds the tilt and with whose velocity the fall begins; the drift is that of the tip,
+since the centre of a falling rod moves ahead of it without any drift.
 """
 
 import matplotlib.pyplot as plt
@@ -15,12 +16,13 @@ import numpy as np
 from impact import spherocylinder
 
 from ..lib.runs import GAMMA, SETTING
-from ..lib.style import BLACK, BLUE, GREEN, RED, Data, name_panels, points, style, tilt_axis
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, points, style, tilt_axis
 from ..lib.tables import columned
 
 UNIT = 981 / (2 * np.pi * 60) ** 2  # g/Omega^2, cm
 FALLING_ROD = {"length": 5.7 / UNIT, "diameter": 0.6 / UNIT}
 FALL_GAMMAS = (1.5, GAMMA, 5.0)
+COLOURS = (GREEN, BLUE, RED)  # of `FALL_GAMMAS` in all panels
 STILL = 1e-6  # gamma of a plate all but at rest
 SINGLE_DEG = (5, 20, 40)
 SINGLES = 5  # rods drawn of each
@@ -100,32 +102,38 @@ def summary(d: Data) -> str:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.6))
-    still = {"ls": "--", "color": BLACK, "lw": 1}
-    ax = axes[0]
-    for deg, colour in zip(SINGLE_DEG, (GREEN, BLUE, RED), strict=True):
+    figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.8))
+    still = {"ls": "--", "color": BLACK, "lw": 1, "label": "at rest"}
+    free = COLOURS[FALL_GAMMAS.index(GAMMA)]
+    ax, mark = axes[0], {"color": free, "ms": 3, "mew": 0.7}
+    for deg in SINGLE_DEG:
         for time, tilt in zip(d[f"time_{deg}"], np.degrees(d[f"tilt_{deg}"]), strict=True):
-            there = ~np.isnan(time)
-            ax.plot(time[there], tilt[there], "o-", color=colour, ms=2, lw=0.8)
+            *landed, fallen = zip(time[there := ~np.isnan(time)], tilt[there], strict=True)
+            ax.plot(time[there], tilt[there], color=free, lw=0.5, alpha=0.4)
+            ax.plot(*zip(*landed[1:], strict=True), "o", label="lands", **mark)
+            ax.plot(*fallen, "o", mfc="white", label="has fallen", **mark)
         ax.plot(d[f"still_time_{deg}"], np.degrees(d[f"still_tilt_{deg}"]), **still)
     ax.set(xlabel="time (periods)", ylabel=r"tilt $\phi$ (deg)", xlim=(0, 15), ylim=(0, 105))
     ax.set_yticks(range(0, 91, 15))
+    handles, labels = ax.get_legend_handles_labels()
+    unlike = dict(zip(labels, handles, strict=True))
+    ax.legend(unlike.values(), unlike.keys(), loc="lower right", handlelength=1.2, fontsize=6)
 
     ax, tilt_deg = axes[1], np.degrees(d["tilt"])
-    for gamma, time, colour in zip(d["gamma"], d["time"], (GREEN, BLUE, RED), strict=True):
+    for gamma, time, colour in zip(d["gamma"], d["time"], COLOURS, strict=True):
         ax.fill_between(tilt_deg, time[:, 0], time[:, 2], color=colour, alpha=0.15, lw=0)
         ax.plot(tilt_deg, time[:, 1], color=colour, label=rf"$\Gamma={gamma:g}$")
-    ax.plot(tilt_deg, d["still_time"], label="at rest", **still)
+    ax.plot(tilt_deg, d["still_time"], **still)
     ax.set(ylabel="time to fall (periods)", ylim=(0, 16))
     ax.legend()
 
     ax = axes[2]
-    looks = {"held_drift": (BLACK, "closure: held"), "drift": (BLUE, "free, its tip")}
+    looks = {"held_drift": (ORANGE, "closure: held"), "drift": (free, "free, its tip")}
     for name, (colour, label) in looks.items():
         points(ax, tilt_deg, *d[name].T, colour, label=label, ms=2)
     ax.axhline(0, color="0.5", lw=0.6)
-    ax.set(ylabel=r"drift / $V_0$")
-    ax.legend()
+    ax.set(ylabel=r"drift / $V_0$", ylim=(None, 1.4 * d["held_drift"].max()))
+    ax.legend(loc="upper right")
     name_panels(axes, (rf"$\Gamma={GAMMA:g}$", "", rf"$\Gamma={GAMMA:g}$"))
     for ax in axes[1:]:
         tilt_axis(ax, 0, 80, 20)

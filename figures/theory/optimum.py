@@ -92,9 +92,9 @@ def _lengths(ax: Axes, d: Data) -> None:
         ax.plot(d["lengths"], c_x, color=colour, label=f"{np.degrees(tilt):g}°")
         ax.plot(length, best, "o", color=colour, ms=4)
     ax.set(xscale="log", xlabel="length $l/d$", ylabel=r"drift $c_x/V_z$", xlim=(1, 20))
-    ax.set(xticks=[1, 2, 5, 10, 20], xticklabels=["1", "2", "5", "10", "20"], ylim=(0, 4.6))
+    ax.set(xticks=[1, 2, 5, 10, 20], xticklabels=["1", "2", "5", "10", "20"], ylim=(0, 5.6))
     ax.minorticks_off()
-    ax.legend(title="tilt", ncols=2, loc="lower right")
+    ax.legend(title="tilt", ncols=2, loc="upper right")
 
 
 @style

@@ -1,0 +1,338 @@
+"""The impact map as text in C99 and in JavaScript, translated from the generated Python.
+
+`impact/_generated.py` and `impact/_kernel.py` are written in a small language: assignments, calls,
+tuples, a choice of two numbers. So are the functions of `languages.toml`, which engines and pages
+call. Here each of the latter becomes one function of another language: what it calls is put in its
+place, so that only numbers are left, and no line that nothing reads. No formula is written a second
+time, and the order of operations, on which the last digit rests, stays.
+
+The interface has the names of Python in both languages; C puts `rod_impact_` before each one, in
+JavaScript they are members of one object, `rodImpact`. Angles are in rad; lengths in one unit,
+velocities in that unit per time. Records are structs in C and plain objects in JavaScript:
+
+    given               c_x c_z omega plate_velocity X Z k friction restitution
+    collision           c_x c_z omega regime P_x P_z slip_velocity normal_velocity energy_change
+    impulse_path        slip_velocity normal_velocity P_x P_z
+    body                mass k X Z c_x c_z omega
+    pair_collision      first second (bodies) regime P_x P_z energy_change
+    geometry            X Z k
+    mobility            A B C
+    critical            lower upper
+    stationary          c_x c_z regime
+    optimum             tilt c_x regime
+
+    collide(law, given)                                         -> collision
+    path(given)                                                 -> impulse_path
+    collide_pair(law, first, second, friction, restitution)     -> pair_collision
+    thin_rod(tilt, length)                                      -> geometry
+    spherocylinder(tilt, length, diameter)                      -> geometry
+    flat_ended_rod(tilt, length, diameter)                      -> geometry
+    mobilities(geometry)                                        -> mobility
+    critical_tilts(friction)                                    -> critical
+    critical_friction(geometry)                                 -> number
+    painleve_friction(geometry)                                 -> number
+    slide_friction(geometry, approach_ratio, restitution)       -> number
+    drift(geometry, friction, restitution, plate_velocity)      -> stationary
+    optimal_tilt(friction, restitution)                         -> optimum
+
+All fields and arguments must be given; nothing but the law's name is checked. A law is "newton",
+"poisson" or "stronge" in JavaScript, ROD_IMPACT_NEWTON and so on in C. A regime is one of
+INVALID = -1, NO_IMPACT = 0, SLIDE = 1, SLIP_STICK = 2, SLIP_REVERSAL = 3:
+`rodImpact.Regime.SLIDE`, ROD_IMPACT_SLIDE.
+
+`path`: in the plane of the impulse (P_x, P_z) over the mass the state goes from 0 in a straight
+line, with P_x = -+friction P_z, to the point that `path` returns, and from there straight to
+(P_x, P_z) of `collide`. With `mobilities` the contact velocity is slip + C P_x - B P_z and
+normal + A P_z - B P_x all the way: zero slip and the end of compression are straight lines.
+"""
+
+import ast
+import textwrap
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from importlib import resources
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from . import error_free, files
+from .routines import CONSTANTS
+
+_TEXTS = tomllib.loads(resources.files(__package__).joinpath("languages.toml").read_text("utf-8"))
+RECORDS: Mapping[str, Mapping[str, str]] = _TEXTS["records"]
+FUNCTIONS: Mapping[str, Mapping[str, str]] = _TEXTS["functions"]
+LAWS = "newton", "poisson", "stronge"
+REGIMES = {"INVALID": -1, "NO_IMPACT": 0, "SLIDE": 1, "SLIP_STICK": 2, "SLIP_REVERSAL": 3}
+LANGUAGES: Mapping[str, str] = {"c": "rod_impact.h.jinja", "javascript": "rod_impact.js.jinja"}
+# Friction beyond 2^500 gives the same impact, and squares of lengths may stand beside it.
+_CONSTANTS = {**CONSTANTS, "HUGE_FRICTION": "2.0**500"}
+_VALUES = {name: repr(float(eval(text))) for name, text in _CONSTANTS.items()}
+# Steps of one sum or product: not worth a comment, and their names give way to those of callers.
+_STEPS = {
+    *(routine.name for routine in error_free.ROUTINES),
+    *(name for name, about in _TEXTS["called"].items() if "twofold" not in about),
+}
+
+Value = Any  # expression of a number or a flag, or a list of them
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A value with a name, in another language."""
+
+    routine: str  # from which it comes
+    name: str
+    flag: bool  # or a number
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function in another language, as the template of that language writes it."""
+
+    name: str
+    about: Mapping[str, str]  # of languages.toml
+    arguments: Mapping[str, str]  # the record that each one is; "law", or "" for a number
+    lines: list[Line]
+    returned: Any  # text of a number, or a list for a record
+
+
+class _InTwiceTheDigits(ast.NodeTransformer):
+    """Operations on numbers in twice the digits."""
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.Call:
+        names = {ast.Mult: "product_of", ast.Add: "sum_of", ast.Sub: "difference_of"}
+        return _call(names[type(node.op)], self.visit(node.left), self.visit(node.right))
+
+
+def _call(name: str, *arguments: ast.expr) -> ast.Call:
+    return ast.Call(ast.Name(name), list(arguments), [])
+
+
+def _parsed(text: str) -> Iterator[ast.FunctionDef]:
+    yield from (node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef))
+
+
+def _written(name: str, about: Mapping[str, str]) -> ast.FunctionDef:
+    """A function of languages.toml."""
+    lines = f"{about.get('text', '').strip()}\nreturn {about['returned']}".strip()
+    (tree,) = _parsed(f"def {name}({about['arguments']}):\n{textwrap.indent(lines, '    ')}")
+    return tree
+
+
+def _called(own: Mapping[str, Mapping[str, str]]) -> dict[str, ast.FunctionDef]:
+    """All functions that others call, some as a language has them."""
+    texts = (path.read_text(encoding="utf-8") for path in (files.CLOSED_FORMS, files.KERNEL))
+    found = {tree.name: tree for text in texts for tree in _parsed(text)}
+    for name, about in (*_TEXTS["called"].items(), *own.items()):
+        tree = deepcopy(found[about["of"]]) if "of" in about else _written(name, about)
+        found[name] = _InTwiceTheDigits().visit(tree) if "twofold" in about else tree
+    return found
+
+
+class _Inlined:
+    """A function in which every call of another one is replaced by what that does."""
+
+    def __init__(self, called: Mapping[str, ast.FunctionDef], taken: Iterable[str]):
+        self.called = called
+        self.taken = set(taken)  # names
+        self.lines: list[tuple[str, ast.Name, ast.expr]] = []  # routine, name, value
+        self.routine = ""
+        self.known: dict[str, Value] = {}  # what calls returned
+        self.steps: set[ast.Name] = set()  # names given in steps
+
+    def value(self, node: ast.expr, names: Mapping[str, Value]) -> Value:
+        """What an expression is, in the new names."""
+        match node:
+            case ast.Name(name):
+                return names.get(name, node)
+            case ast.Tuple(parts):
+                return [self.value(part, names) for part in parts]
+            case ast.Call(ast.Name(name), parts):
+                given = [self.value(part, names) for part in parts]
+                if name == "law":
+                    return _selected(*(self.call(law, given) for law in LAWS))
+                return self.call(name, given) if name in self.called else _call(name, *given)
+            case ast.BinOp(left, operation, right):
+                return ast.BinOp(self.value(left, names), operation, self.value(right, names))
+            case ast.Compare(left, comparison, [right]):
+                return ast.Compare(self.value(left, names), comparison, [self.value(right, names)])
+            case ast.UnaryOp(operation, operand):
+                return ast.UnaryOp(operation, self.value(operand, names))
+        return node
+
+    def call(self, name: str, given: Sequence[Value]) -> Value:
+        """What a function returns."""
+        key = f"{name} {_nested(ast.unparse, list(given))}"
+        if key not in self.known:
+            before = self.routine
+            self.routine = before if name in _STEPS else name
+            self.known[key] = self.run(self.called[name], given)
+            self.routine = before
+        return self.known[key]
+
+    def run(self, tree: ast.FunctionDef, given: Sequence[Value]) -> Value:
+        """Take over the lines of a function; returns what it returns."""
+        names: dict[str, Value] = {}
+        for argument, value in zip(tree.args.args, given, strict=True):
+            self.bind(ast.Name(argument.arg), value, names, step=True)
+        for line in tree.body:
+            match line:
+                case ast.Assign([target], value):
+                    self.bind(target, self.value(value, names), names, step=tree.name in _STEPS)
+                case ast.Return(ast.expr() as value):
+                    return self.value(value, names)
+        raise ValueError(f"{tree.name} returns nothing")
+
+    def bind(self, target: ast.expr, value: Value, names: dict[str, Value], *, step: bool) -> None:
+        """Give a value its names."""
+        match target, value:
+            case ast.Tuple(parts), _:
+                for part, one in zip(parts, value, strict=True):
+                    self.bind(part, one, names, step=step)
+            case ast.Name(name), list() | ast.Name() | ast.Constant():
+                if not step and isinstance(value, ast.Name) and value in self.steps:
+                    value.id = self.fresh(name)
+                    self.steps.remove(value)
+                names[name] = value
+            case ast.Name(name), _:
+                names[name] = ast.Name(self.fresh(name))
+                self.lines.append((self.routine, names[name], value))
+                self.steps |= {names[name]} if step else set()
+
+    def fresh(self, name: str) -> str:
+        """A name that nothing has so far."""
+        found, number = name, 1
+        while found in self.taken:
+            number += 1
+            found = f"{name}_{number}"
+        self.taken.add(found)
+        return found
+
+    def needed(self, returned: Value) -> Iterator[tuple[str, ast.Name, ast.expr]]:
+        """Lines on which what is returned depends, the last first."""
+        read: set[str] = set()
+
+        def reads(value: ast.expr) -> None:
+            read.update(node.id for node in ast.walk(value) if isinstance(node, ast.Name))
+
+        _nested(reads, returned)
+        for line in reversed(self.lines):
+            if line[1].id in read:
+                reads(line[2])
+                yield line
+
+
+def _nested(function: Any, value: Value) -> Any:
+    """A function of an expression, or of each in a list."""
+    if isinstance(value, list):
+        return [_nested(function, part) for part in value]
+    return function(value)
+
+
+def _selected(newton: Value, poisson: Value, stronge: Value) -> Value:
+    """What holds under the law that is asked for."""
+    if isinstance(newton, list):
+        return list(map(_selected, newton, poisson, stronge))
+    others = _call("select", ast.Name("by_poisson"), poisson, stronge)
+    return _call("select", ast.Name("by_newton"), newton, others)
+
+
+class _Words(ast.NodeTransformer):
+    """Expressions with the names, numbers and choices of another language.
+
+    What is no longer Python stands in them as a name, so that Python's own parentheses, which keep
+    the order of operations, are printed around it.
+    """
+
+    def __init__(self, language: str):
+        self.names = _VALUES | _TEXTS["names"][language]
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        return ast.Name(self.names.get(node.id, node.id))
+
+    def visit_Constant(self, node: ast.Constant) -> ast.Name:
+        return ast.Name(repr(float(ast.unparse(node))))
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        parts = [self.visit(argument) for argument in node.args]
+        if ast.unparse(node.func) != "select":
+            return ast.Call(self.visit(node.func), parts, [])
+        condition, first, second = map(ast.unparse, parts)
+        return ast.Name(f"({condition} ? {first} : {second})")
+
+    def text(self, value: ast.expr) -> str:
+        """An expression as text."""
+        return ast.unparse(self.visit(deepcopy(value)))
+
+
+def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Function:
+    """Translate a function of languages.toml.
+
+    Parameters
+    ----------
+    language : one of `LANGUAGES`
+    name, about : of the function
+    own : functions that the language does in its own way, as those of languages.toml
+    """
+    tree, words = _written(name, about), _Words(language)
+    arguments = {}
+    for argument in tree.args.args:
+        record = ast.unparse(argument.annotation) if argument.annotation else argument.arg
+        arguments[argument.arg] = record if record in (*RECORDS, "law") else ""
+    inlined = _Inlined(_called(own), [*arguments, *words.names])
+    values: list[Value] = [
+        [ast.Name(f"{argument}.{field}") for field in RECORDS[record]]
+        if record in RECORDS
+        else ast.Name(argument)
+        for argument, record in arguments.items()
+    ]
+    returned = inlined.run(tree, values)
+    lines = [
+        Line(of, variable.id, isinstance(value, ast.Compare) or _is_and(value), words.text(value))
+        for of, variable, value in inlined.needed(returned)
+    ]
+    return Function(name, about, arguments, lines[::-1], _nested(words.text, returned))
+
+
+def _is_and(value: ast.expr) -> bool:
+    return isinstance(value, ast.BinOp) and isinstance(value.op, ast.BitAnd)
+
+
+def _folded(text: str) -> str:
+    """A line of a body, on several if it is long."""
+    wrapper = textwrap.TextWrapper(100, "    ", " " * 8)
+    wrapper.break_long_words = wrapper.break_on_hyphens = False
+    return wrapper.fill(text)
+
+
+def source(language: str) -> str:
+    """Text of the impact map in another language.
+
+    Parameters
+    ----------
+    language : "c" (a C99 header) or "javascript" (a script)
+
+    Raises
+    ------
+    ValueError
+        If there is no such language.
+    """
+    if language not in LANGUAGES:
+        raise ValueError(f"language must be one of {', '.join(LANGUAGES)}, got {language!r}")
+    environment = Environment(
+        loader=PackageLoader(__package__),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["folded"] = _folded
+    own = _TEXTS["own"][language]
+    return environment.get_template(LANGUAGES[language]).render(
+        functions=[function(language, name, about, own) for name, about in FUNCTIONS.items()],
+        product_error=function(language, "product_error", _TEXTS["product_error"], {}),
+        **{"records": RECORDS, "regimes": REGIMES, "laws": LAWS, "digest": files.digest()},
+    )

@@ -1,0 +1,119 @@
+"""Every touch of the plate by the rods of a row, and every landing, as structured arrays.
+
+A run hands its touches to `observe` as they end; kept in a list they become one array:
+
+>>> import md
+>>> rows = []
+>>> result = md.run(md.load("my_rods"), periods=20, observe=rows.append)
+>>> touches = md.records.touches(rows, result)
+>>> touches.dtype.names[:4]
+('rod', 'time', 'cap', 'flight')
+>>> stuck = touches[touches["regime"] == "slip-stick"]["c_x_after"]  # in sqrt(g d)
+>>> landings = md.records.landings(rows, result)
+>>> len(landings) < len(touches)
+True
+
+=============================  ===================================================================
+column                         what it is
+=============================  ===================================================================
+rod                            number of the rod
+time                           when the touch begins, in periods since the start of the run
+cap                            which end touches: -1 or 1, along the axis (-1: the lower one of a
+                               rod that has not fallen over)
+flight                         periods since the last touch of this rod ended; nan before its first
+a_x, a_z                       contact point seen from the centre of mass, in d: X = -a_x, Z = -a_z
+c_x_before, c_z_before         velocity of the centre of mass before, in sqrt(g d)
+omega_before                   spin before, in sqrt(g/d)
+c_x_after, c_z_after           the same after: of a landing, after its last touch
+omega_after
+plate_velocity                 V_z as the touch begins, in sqrt(g d)
+v_before                       normal velocity of the contact point against the plate, in sqrt(g d)
+v_after                        the same as the force ends; -v_after/v_before is the restitution
+duration                       periods from the first force to the last
+regime                         "slide", "slip-stick" or "slip-reversal"
+pushed_by_others               part of the touch during which another rod pushes this one, 0 to 1
+max_overlap                    deepest overlap, in d
+touches                        of a landing alone, in place of the five above: how many it has
+=============================  ===================================================================
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .kernels import touches as columns
+from .kernels.codes import REGIMES
+from .measures import HOP, merged
+from .simulation import Result
+
+__all__ = ["landings", "touches"]
+
+_BOTH = {  # columns of `kernels.touches` by their names here
+    "rod": columns.ROD,
+    "time": columns.STEP,
+    "cap": columns.CAP,
+    "flight": columns.FLIGHT,
+    "a_x": columns.A_X,
+    "a_z": columns.A_Z,
+    **{f"{name}_before": columns.BEFORE + i for i, name in enumerate(("c_x", "c_z", "omega"))},
+    **{f"{name}_after": columns.AFTER + i for i, name in enumerate(("c_x", "c_z", "omega"))},
+    "plate_velocity": columns.PLATE,
+    "v_before": columns.APPROACH,
+}
+_TOUCH = _BOTH | {
+    "v_after": columns.LEAVING,
+    "duration": columns.DURATION,
+    "regime": columns.REGIME,
+    "pushed_by_others": columns.PUSHED,
+    "max_overlap": columns.DEEPEST,
+}
+_LANDING = _BOTH | {"touches": columns.WIDTH}
+_TYPES = {"rod": np.int64, "cap": np.int8, "touches": np.int64, "regime": "U13"}
+_IN_STEPS = "time", "flight", "duration"
+_NONE = np.empty((0, columns.WIDTH))
+
+
+def touches(rows: Sequence[np.ndarray], result: Result) -> np.ndarray:
+    """Touches of a run as a structured array, in the order of their ends.
+
+    Parameters
+    ----------
+    rows : what the run handed to `observe`, one array after the other
+    result : of the run
+
+    Returns
+    -------
+    Array of the columns that `md.records` names, from the start of the run on:
+    `touches[touches["time"] >= result.discarded]` are those behind the transient.
+    """
+    return _structured(np.concatenate([_NONE, *rows]), _TOUCH, result)
+
+
+def landings(rows: Sequence[np.ndarray], result: Result) -> np.ndarray:
+    """Landings of a run: touches less than `measures.HOP` periods apart, merged.
+
+    The last landing of each rod, which may go on, is left out.
+
+    Parameters
+    ----------
+    rows, result : as of `touches`
+
+    Returns
+    -------
+    Array of the columns that `md.records` names.
+    """
+    all_rows = np.concatenate([_NONE, *rows])
+    counted = np.column_stack([all_rows, np.ones(len(all_rows))])
+    over, _ = merged(counted, HOP * result.steps_per_period)
+    return _structured(over, _LANDING, result)
+
+
+def _structured(rows: np.ndarray, names: dict[str, int], result: Result) -> np.ndarray:
+    """Rows with named columns, times in periods."""
+    found = np.empty(len(rows), [(name, _TYPES.get(name, np.float64)) for name in names])
+    for name, column in names.items():
+        values = rows[:, column]
+        if name in _IN_STEPS:
+            values = values / result.steps_per_period
+        found[name] = [REGIMES[code] for code in values] if name == "regime" else values
+    return found

@@ -1,0 +1,103 @@
+"""Trajectories as other programs read them: columns by their names, rods as spherocylinders."""
+
+import re
+
+import numpy as np
+import pytest
+
+import md
+from md.host import prepare
+from md.kernels.codes import (
+    DIRECTOR,
+    ROW_DIRECTION,
+    ROW_PLACE,
+    ROW_VELOCITY,
+    TURN,
+    VELOCITY,
+)
+from md.trajectory import read_frames
+
+from .rows import row
+from .test_annulus import ring
+
+SCENES = {"row": row(), "annulus": ring()}
+
+
+def parsed(path):
+    """Frames of an extended XYZ file: values of the head by key, columns by name."""
+    lines, frames = path.read_text().splitlines(), []
+    while lines:
+        count, head, *rest = lines
+        pairs = re.findall(r'(\w+)=(?:"([^"]*)"|(\S+))', head)
+        about = {key: quoted or plain for key, quoted, plain in pairs}
+        fields = re.findall(r"(\w+):([SRI]):(\d+)", about["Properties"])
+        words = np.array([line.split() for line in rest[: int(count)]])
+        assert words.shape == (int(count), sum(int(width) for *_, width in fields))
+        for name, kind, width in fields:
+            part, words = words[:, : int(width)], words[:, int(width) :]
+            about[name] = part.astype({"S": str, "R": float, "I": int}[kind])
+        frames.append(about)
+        lines = rest[int(count) :]
+    return frames
+
+
+@pytest.fixture(params=SCENES)
+def written(request, tmp_path):
+    """A scene, the state of its rods at the start, and the file of its run."""
+    scene, path = SCENES[request.param], tmp_path / "a.xyz"
+    md.run(scene, periods=2, trajectory=path)
+    rods = prepare(scene).rods
+    if scene.annulus:
+        return scene, np.split(rods, (DIRECTOR, VELOCITY, TURN), axis=1), path
+    place, direction, velocity = (rods[:, x] for x in (ROW_PLACE, ROW_DIRECTION, ROW_VELOCITY))
+    (x, z), (sine, cosine), (c_x, c_z, omega) = place.T, direction.T, velocity.T
+    zero = np.zeros_like(x)
+    vectors = (x, zero, z), (sine, zero, cosine), (c_x, zero, c_z), (zero, omega, zero)
+    return scene, [np.transpose(vector) for vector in vectors], path
+
+
+def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
+    """The quaternion turns the z axis into the rod's; shape: radius twice, length between caps."""
+    scene, (place, director, velocity, omega), path = written
+    first, second = parsed(path)
+    assert (first["species"] == "rod").all()
+    assert (first["Z"] == 0).all()
+    assert first["id"][:, 0].tolist() == list(range(len(place)))
+    np.testing.assert_allclose(first["pos"], place, atol=1e-8)
+    x, y, z, w = first["orientation"].T
+    turned = np.transpose([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+    np.testing.assert_allclose(turned, director, atol=1e-6)
+    assert (first["aspherical_shape"] == [0.5, 0.5, scene.rods.length - 1]).all()
+    np.testing.assert_allclose(first["velo"], velocity, atol=1e-8)
+    np.testing.assert_allclose(first["omega"], omega, atol=1e-8)
+    np.testing.assert_allclose(first["tilt"][:, 0], np.degrees(np.arccos(turned[:, 2])), atol=1e-5)
+    low = np.array(first["Origin"].split(), float)
+    high = low + np.array(first["Lattice"].split(), float)[::4]
+    assert (low <= place).all()
+    assert (place <= high).all()
+    assert first["pbc"] == ("F F F" if scene.annulus else "T F F")
+    assert (first["Time"], second["Time"]) == ("0.0", "1.0")
+    for frame, found in zip((first, second), read_frames(path), strict=True):
+        assert (float(frame["Time"]), float(frame["plate"])) == (found["time"], found["plate"])
+        assert np.array_equal(frame["pos"][:, 0], found["x"])
+        assert np.array_equal(frame["pos"][:, 2], found["z"])
+
+
+def test_the_spin_of_a_frame_is_how_the_tilt_changes(tmp_path):
+    """About y: a positive one turns the top of the rod the way it leans."""
+    md.run(row(), periods=3, trajectory=tmp_path / "a.xyz", frames=500)
+    frames = parsed(tmp_path / "a.xyz")
+    spin = np.array([frame["omega"][:, 1] for frame in frames])
+    tilt = np.radians([frame["tilt"][:, 0] for frame in frames])
+    slope, spin = np.diff(tilt, axis=0).ravel(), spin[1:].ravel()
+    assert np.corrcoef(slope, spin)[0, 1] > 0.9
+
+
+def test_ase_reads_it(written):
+    """Its species are elements: a rod is X, which is none."""
+    io = pytest.importorskip("ase.io")
+    _, (place, *_), path = written
+    first, _ = io.read(path, index=":")
+    np.testing.assert_allclose(first.positions, place, atol=1e-8)
+    assert set(first.get_chemical_symbols()) == {"X"}
+    assert {"id", "orientation", "aspherical_shape", "velo", "omega", "tilt"} <= set(first.arrays)
