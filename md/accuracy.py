@@ -197,8 +197,9 @@ def run(
     ----------
     scene : Scene
     tolerance : total error of the drift over its size, 1e-5 to 0.5; the step and the length of the
-        run follow (128 periods at least), the scene's own step is not used; not in an annulus.
-        None: `periods` are made, at the scene's step
+        run follow (128 periods at least; a fifth of them, 400 at most, are left out of the drift),
+        the scene's own step is not used; not in an annulus. None: `periods` are made, at the
+        scene's step
     confidence : with which the interval holds the long-run drift, 0.5 to 0.999
     floor : drifts below it, in sqrt(g d), are judged as if they were this fast (default: a
         twentieth of the plate's peak velocity)
@@ -347,12 +348,12 @@ def in_words(result: Result) -> list[str]:
     size = max(abs(result.c_x), a.floor)
     of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
     known = "calibrated" if not a.outside else f"measured in place: {'; '.join(a.outside)}"
+    taken = f"{a.bias / size:+.2g} +- {a.bias_error / size:.1g} is taken off ({known})"
     lines = [
         f"{verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within {a.error:.2g} sqrt(g d) = "
         f"{a.error * unit:.2g} cm/s, {a.error / size:.2g} of it, at {a.confidence:.4g} confidence",
         f"step         dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact; its bias "
-        f"{a.bias / size:+.2g}({a.bias_error / size:.1g}) is taken off ({known}); the statistical "
-        f"error is {a.statistical / size:.2g}",
+        f"{taken}; the statistical error is {a.statistical / size:.2g}",
     ]
     if a.starts > 1:
         lines.append(f"starts       {a.starts}, {a.made} periods in all")
@@ -376,6 +377,7 @@ class Plan(NamedTuple):
 
     tolerance: float
     choice: Choice
+    bias_error: float  # half of the interval of the bias, relative
     periods: float  # of all starts; nan where the calibration does not hold
     seconds: float  # of the run with these workers on idle cores, without compiling
     outside: tuple[str, ...]  # why the calibration does not hold
@@ -399,16 +401,17 @@ def plan(
     checked(tolerance=tolerance, confidence=confidence)
     chosen, reasons = choose(scene, tolerance, confidence), unknown(scene)
     if chosen.bias is None:
-        return Plan(tolerance, chosen, nan, nan, reasons)
+        return Plan(tolerance, chosen, nan, nan, nan, reasons)
     z = float(ndtri((1 + confidence) / 2))
-    room = sqrt(tolerance**2 - (z * chosen.bias.error) ** 2)
+    left = z * chosen.bias.error
+    room = sqrt(tolerance**2 - left**2)
     kept = (z * calibrated()["noise"] / room) ** 2
     each = max(kept / workers, 0.8 * FIRST_LOOK)
     made = workers * max(min(1.25 * each, each + CUT), FIRST_LOOK)
     simulation.run(chosen.scene, periods=1, ledger=False)  # compiles
     timed = simulation.run(chosen.scene, periods=20, ledger=False)
     seconds = made / workers * timed.run_seconds / timed.periods
-    return Plan(tolerance, chosen, made, seconds, reasons)
+    return Plan(tolerance, chosen, left, made, seconds, reasons)
 
 
 def plan_in_words(planned: Plan) -> str:
@@ -420,7 +423,7 @@ def plan_in_words(planned: Plan) -> str:
         lines.append("price        unknown before it runs")
         return "\n".join(lines)
     lines[0] += f", {planned.choice.per_contact:.3g} steps a contact"
-    lines.append(f"bias         {bias.value:+.2g}({bias.error:.1g}), taken off")
+    lines.append(f"bias         {bias.value:+.2g} +- {planned.bias_error:.1g}, taken off")
     lines.append(
         f"price        {planned.tolerance:.3g} of c_x takes about {planned.periods:.3g} periods, "
         f"{planned.seconds:.2g} s"

@@ -173,7 +173,7 @@ def calibrate(
     noise = np.log(error / np.abs(drift) * np.sqrt(kept))
     return {
         **fitted(drift, error, *described(made)),
-        "noise": float(np.exp(noise.mean())),
+        "noise": float(np.exp(np.median(noise))),
         "fewest": STEPS[0],
         "ranges": {**ends, CONTACT_TIME: [min(times), max(times)]},
         "laws": sorted({laws(scene) for scene in made}),

@@ -392,7 +392,7 @@ def test_runs_are_off_by_as_much_as_they_say(capsys):
     for scene in scenes_between(20):
         found = md.run(scene, tolerance=0.03, max_seconds=60, ledger=False)
         fine = replace(scene, step=md.Step(bias.steps_per_contact(scene, 1.0) / 48, coarse=True))
-        truth = accuracy._Goal(0.0075, 0.95, 0.0, 120.0, lambda _: NONE)
+        truth = accuracy._Goal(0.0075, 0.95, 0.0, 120.0, lambda _: NONE, 2)
         accuracy._started(fine, truth, {"ledger": False})
         off.append((found.c_x - truth.mean) / found.accuracy.error)
         with capsys.disabled():
