@@ -19,7 +19,7 @@ import numpy as np
 from scipy.special import chdtrc, ndtri, stdtrit
 
 from . import simulation
-from .bias import Choice, calibrated, choose, steps_per_contact, unknown
+from .bias import Choice, calibrated, choose, steps_per_contact, unknown, within
 from .domains import number, whole
 from .errors import InputError
 from .host import step_of
@@ -38,11 +38,12 @@ FLOOR = 0.05  # of the plate's peak velocity: slower drifts are judged as if the
 MAX_SECONDS = 600.0
 MOST_WORKERS = 64
 LONGEST = 10**6  # periods of a run
-FIRST_LOOK = 128  # periods
+FIRST_LOOK = 320  # periods
 GROWTH = 1.1, 2.0  # least and largest, of the run from one look to the next
-CUT = 400  # most periods that are left out at the start of a run to a tolerance
-PER_FREEDOM = 20  # periods that tell as much of a standard error as one independent number
+CUT = 150, 400  # least and most periods that are left out at the start, of a fifth
+PER_FREEDOM = 30  # periods that tell as much of a standard error as one independent number
 UNLIKELY = 1e-3  # chance below which starts that differ are in different states
+UNSETTLED = 2.5  # standard errors by which the halves of a run may differ
 PATIENCE = 0.3  # seconds after which one of several starts asks again
 SEED_GAP = 10**6  # between the seeds of starts
 IN_PLACE = 3.0  # tolerances that a bias is measured to
@@ -65,22 +66,23 @@ def interval(series: list[np.ndarray], confidence: float = CONFIDENCE) -> Interv
     """Pool the drifts of independent starts behind their transients.
 
     The standard error is that of `statistics.standard_error`, of an autoregressive model, whose
-    variance is as uncertain as that of n/(2 order) independent numbers. Where starts differ by more
-    than it explains, the scatter between them counts.
+    variance is as uncertain as that of n/(2 order) independent numbers. Where the halves of a run
+    differ by more than it explains, their difference counts; where starts do, the scatter between
+    them.
 
     Parameters
     ----------
     series : drift of each start, period by period
     confidence : of the interval
     """
-    cuts = [min(transient(len(one)), CUT) for one in series]
+    cuts = [min(int(np.clip(transient(len(one)), *CUT)), len(one)) for one in series]
     rest = [one[cut:] for one, cut in zip(series, cuts, strict=True)]
     sizes = np.array([len(one) for one in rest])
     if sizes.min() < FEWEST:
         mean = float(np.concatenate(rest).mean()) if sizes.sum() else nan
         return Interval(mean, inf, cuts[0], nan)
     means = np.array([one.mean() for one in rest])
-    errors = np.array([standard_error(one) for one in rest])
+    errors = np.array([_error(one) for one in rest])
     part = sizes / sizes.sum()
     mean, error = float(part @ means), float(np.sqrt(np.sum((part * errors) ** 2)))
     freedom, chance, others = int(sizes.sum()) // PER_FREEDOM, nan, len(series) - 1
@@ -91,6 +93,14 @@ def interval(series: list[np.ndarray], confidence: float = CONFIDENCE) -> Interv
             error, freedom = float(means.std(ddof=1) / np.sqrt(others + 1)), others
     half = float(stdtrit(freedom, (1 + confidence) / 2) * error)
     return Interval(mean, half, cuts[0], chance)
+
+
+def _error(series: np.ndarray) -> float:
+    """Standard error of the mean of a series that may not have settled, or changes its state."""
+    error = standard_error(series)
+    first, second = (half.mean() for half in np.array_split(series, 2))
+    off = abs(first - second) / 2  # the standard error, if the halves are all that is known
+    return float(off) if off > UNSETTLED * error else error
 
 
 class Correction(NamedTuple):
@@ -197,7 +207,7 @@ def run(
     ----------
     scene : Scene
     tolerance : total error of the drift over its size, 1e-5 to 0.5; the step and the length of the
-        run follow (128 periods at least; a fifth of them, 400 at most, are left out of the drift),
+        run follow (320 periods at least; a fifth of them, 150 to 400, is left out of the drift),
         the scene's own step is not used; not in an annulus. None: `periods` are made, at the
         scene's step
     confidence : with which the interval holds the long-run drift, 0.5 to 0.999
@@ -273,7 +283,7 @@ def _corrected(
 ) -> Callable[[float], Correction]:
     """How the bias of the chosen step follows from the mean: calibrated, or measured in place."""
     if (bias := chosen.bias) is not None:
-        z = float(ndtri((1 + how["confidence"]) / 2))
+        z = within(how["confidence"])
 
         def known(mean: float) -> Correction:
             true = mean / (1 + bias.value)
@@ -315,7 +325,7 @@ def _accuracy(goal: _Goal, scene: Scene, result: Result) -> Accuracy:
     dearer, room, seconds = 1.0, (goal.tolerance / 10) ** 2, result.run_seconds
     if finer.bias is not None:
         dearer = finer.per_contact / steps_per_contact(scene, result.dt)
-        room -= (float(ndtri((1 + goal.confidence) / 2)) * finer.bias.error) ** 2
+        room -= (within(goal.confidence) * finer.bias.error) ** 2
     longer = (goal.found.half / goal.size) ** 2 / room if room > 0 else inf
     return Accuracy(
         tolerance=goal.tolerance,
@@ -403,11 +413,11 @@ def plan(
     if chosen.bias is None:
         return Plan(tolerance, chosen, nan, nan, nan, reasons)
     z = float(ndtri((1 + confidence) / 2))
-    left = z * chosen.bias.error
+    left = within(confidence) * chosen.bias.error
     room = sqrt(tolerance**2 - left**2)
     kept = (z * calibrated()["noise"] / room) ** 2
-    each = max(kept / workers, 0.8 * FIRST_LOOK)
-    made = workers * max(min(1.25 * each, each + CUT), FIRST_LOOK)
+    each = kept / workers
+    made = workers * max(each + float(np.clip(each / 4, *CUT)), FIRST_LOOK)
     simulation.run(chosen.scene, periods=1, ledger=False)  # compiles
     timed = simulation.run(chosen.scene, periods=20, ledger=False)
     seconds = made / workers * timed.run_seconds / timed.periods

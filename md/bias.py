@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import ndtri
+from scipy.special import stdtrit
 
 from .errors import InputError
 from .laws import contact_time, coulomb
@@ -27,6 +27,7 @@ from .sources import digest
 
 CALIBRATION = Path(__file__).with_name("calibration.json")
 CONTACT_TIME = "contact time in periods"  # instead of a stiffness
+_FREEDOM = 10  # of the scatter over scenes
 _NUMBERS = np.geomspace(1, 100, 200)  # steps a contact over the fewest ones
 
 
@@ -93,6 +94,14 @@ def bias_at(scene: Scene, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return known["step"] * shape, np.hypot(known["step_error"], of_order) * shape
 
 
+def within(confidence: float) -> float:
+    """Standard errors of a bias that hold it with this confidence.
+
+    A scatter over scenes need not be normal: Student's t, of few degrees of freedom.
+    """
+    return float(stdtrit(_FREEDOM, (1 + confidence) / 2))
+
+
 def outside(scene: Scene) -> tuple[str, ...]:
     """Properties of a scene that lie outside of the calibration, in words."""
     known, values, found = calibrated(), properties(scene), []
@@ -147,7 +156,7 @@ def choose(scene: Scene, tolerance: float, confidence: float) -> Choice:
         return Choice(replace(scene, step=Step()), np.nan, None)
     n = calibrated()["fewest"] * _NUMBERS
     value, error = bias_at(scene, n)
-    room = tolerance**2 - (ndtri((1 + confidence) / 2) * error) ** 2
+    room = tolerance**2 - (within(confidence) * error) ** 2
     at = np.where(room > 0, n / np.where(room > 0, room, 1.0), np.inf).argmin()
     step = Step(steps_per_contact(scene, 1.0) / n[at], coarse=True)
     return Choice(replace(scene, step=step), float(n[at]), Bias(float(value[at]), float(error[at])))

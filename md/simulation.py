@@ -41,7 +41,8 @@ class Accuracy:
     floor : drifts below it are judged as if they were this fast
     error : half of the interval that holds the true drift with this confidence
     statistical : what of it is statistical; it and `bias_error` add in squares
-    bias : of the step, taken off the drift; `bias_error` : what is left of it
+    bias : of the step, which is taken off the drift
+    bias_error : half of its interval
     per_contact : steps a contact
     starts, made : that were pooled, and their periods in all
     chance : that starts differ as they do if they are in one state; nan of one start

@@ -107,7 +107,7 @@ def test_what_a_command_wrote_it_may_replace(folder, monkeypatch, capsys):
         assert main(["results", "a.db", "--csv", "to"]) == 0
     assert Path("to").is_symlink()
     assert len(Path("b.csv").read_text().splitlines()) == 2
-    measured = json.loads(md.accuracy.CALIBRATION.read_text())
+    measured = json.loads(md.bias.CALIBRATION.read_text())
     monkeypatch.setattr(calibration, "calibrate", lambda *_, **__: measured)
     for _ in range(2):
         assert main(["calibrate", "--store", "a.db", "--out", "c.json"]) == 0

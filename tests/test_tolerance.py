@@ -41,7 +41,9 @@ def test_the_interval_of_one_start_is_students():
     found = accuracy.interval([series], 0.9)
     rest = series[200:]
     assert (found.mean, found.cut) == (pytest.approx(rest.mean()), 200)
-    assert found.half == pytest.approx(student.ppf(0.95, 40) * standard_error(rest), rel=1e-12)
+    assert found.half == pytest.approx(
+        student.ppf(0.95, 800 // 30) * standard_error(rest), rel=1e-12
+    )
     assert np.isnan(found.chance)
 
 
@@ -57,10 +59,13 @@ def test_starts_in_one_state_are_pooled():
     random = np.random.default_rng(2)
     series = [autoregressive(random, n, 0.3) for n in (1000, 500)]
     found = accuracy.interval(series)
-    rest = [one[len(one) // 5 :] for one in series]
-    assert found.mean == pytest.approx((2 * rest[0].mean() + rest[1].mean()) / 3)
-    error = np.hypot(2 * standard_error(rest[0]), standard_error(rest[1])) / 3
-    assert found.half == pytest.approx(student.ppf(0.975, 60) * error, rel=1e-12)
+    rest = series[0][200:], series[1][150:]
+    n = np.array([800, 350])
+    assert found.mean == pytest.approx(np.concatenate(rest).mean())
+    error = np.hypot(*n * [standard_error(one) for one in rest]) / n.sum()
+    assert found.half == pytest.approx(
+        student.ppf(0.975, len(np.concatenate(rest)) // 30) * error, rel=1e-12
+    )
     assert found.chance > accuracy.UNLIKELY
 
 
@@ -72,6 +77,16 @@ def test_starts_in_several_states_are_told_and_their_scatter_counts():
     assert found.half == pytest.approx(
         student.ppf(0.975, 2) * np.sqrt(1 / 3) / np.sqrt(3), rel=0.05
     )
+
+
+def test_a_run_that_has_not_settled_is_told_by_its_halves():
+    """The difference of the halves, of a small step, is the standard error."""
+    random = np.random.default_rng(4)
+    rest = np.repeat([1.0, 1.05], 320) + 0.1 * random.normal(size=640)
+    found = accuracy.interval([np.concatenate([np.ones(160), rest])])
+    off = (rest[320:].mean() - rest[:320].mean()) / 2
+    assert off > accuracy.UNSETTLED * standard_error(rest)
+    assert found.half == pytest.approx(student.ppf(0.975, 640 // 30) * off)
 
 
 def followed(series, tolerance, confidence=0.95):
@@ -119,7 +134,7 @@ def test_the_step_is_the_cheapest(tolerance, monkeypatch):
     shape = grown * (10 * stiff / n) ** known["order"]
     off_by = known["step"] * np.log(10 * stiff / n) * known["order_error"]
     error = shape * np.hypot(known["step_error"], off_by)
-    room = tolerance**2 - (ndtri(0.975) * error) ** 2
+    room = tolerance**2 - (student.ppf(0.975, 10) * error) ** 2
     price = np.where(room > 0, n / np.abs(room), np.inf)
     assert chosen.per_contact == pytest.approx(n[np.argmin(price)], rel=0.025)
     steps = bias.steps_per_contact(scene, chosen.scene.step.size)
@@ -179,7 +194,7 @@ def test_a_run_that_was_ended_early_is_not_judged():
     found = accuracy._accuracy(goal, row("plate.acceleration=5"), result)
     assert found.state == "not reached"
     words = accuracy.in_words(replace(result, accuracy=found))
-    assert words == ["accuracy     NOT REACHED: ended before 128 periods, error unknown"]
+    assert words == ["accuracy     NOT REACHED: ended before 320 periods, error unknown"]
 
 
 def test_a_run_ends_as_soon_as_it_is_accurate(monkeypatch):
@@ -193,10 +208,10 @@ def test_a_run_ends_as_soon_as_it_is_accurate(monkeypatch):
     plain = md.run(reached.scene, periods=reached.periods)
     np.testing.assert_array_equal(plain.c_x_series, reached.c_x_series)
     found = accuracy.interval([reached.c_x_series])
-    assert (a.statistical, found.cut) == (found.half, reached.discarded)
+    assert a.statistical == found.half
     assert reached.c_x == pytest.approx(found.mean / 0.9)
     assert a.bias == pytest.approx(-0.1 * reached.c_x)
-    assert a.bias_error == pytest.approx(ndtri(0.975) * 0.02 * abs(reached.c_x))
+    assert a.bias_error == pytest.approx(student.ppf(0.975, 10) * 0.02 * abs(reached.c_x))
     assert a.error == pytest.approx(np.hypot(a.statistical, a.bias_error))
     assert a.error <= 0.2 * max(abs(reached.c_x), 0.05) * (1 + 1e-12)
     assert a.next_digit_seconds > 50 * (a.error / (0.2 * abs(reached.c_x))) ** 2 * a.seconds
@@ -301,13 +316,12 @@ def test_a_sweep_takes_a_tolerance(tmp_path):
     """Each point has a length of its own; what was not reached is a failure that says so."""
     store = tmp_path / "a.db"
     base = put(read_tables("quasi2d"), dict(map(_parsed, ROW)))
-    axes = [{"plate.acceleration": [4, 5]}]
-    tables = {"tolerance": 0.4, "max_seconds": 30, "axes": axes}
+    tables = {"tolerance": 0.4, "max_seconds": 30, "axes": [{"plate.acceleration": [4, 5]}]}
     tally = execute(expand(tables, base), store, workers=1)
     assert (tally.computed, tally.failed) == (2, 0)
     assert execute(expand(tables, base), store, workers=1).there == 2
     (periods,) = expand(tables, base).gather(store, "periods")
-    assert (periods >= 128).all()
+    assert (periods >= accuracy.FIRST_LOOK).all()
     _, rows = table(store)
     assert {row["accuracy.state"] for row in rows} == {"reached"}
     hard = {**tables, "tolerance": 1e-4, "max_seconds": 0.05}
@@ -375,30 +389,31 @@ def test_the_calibration_is_a_command(tmp_path, monkeypatch, capsys):
 # Long
 
 
-def scenes_between(count, seed=11):
-    """Scenes drawn from the calibrated ranges, none of which was calibrated."""
-    drawn = calibration.qmc.Sobol(len(calibration.PARAMETERS), seed=seed).random(64)
-    return [from_tables(calibration.tables_of(part)) for part in drawn[:count]]
-
-
 @pytest.mark.slow
 def test_runs_are_off_by_as_much_as_they_say(capsys):
     """Twenty scenes to 3 %, against finer and four times more accurate runs.
 
-    The true error is within the stated one in 17 or more, and neither padded nor boastful: its root
-    mean square is 0.3 to 0.7 of the stated one.
+    The true error is within the stated one in 17 or more. Where the reference is known to 1 %, which
+    it is not where a scene has several states, stated errors are neither padded nor boastful: the
+    root mean square of true over stated ones, which 95 % make 0.51, is 0.3 to 0.75.
     """
-    off = []
-    for scene in scenes_between(20):
+    drawn, within, off = (
+        calibration.qmc.Sobol(len(calibration.PARAMETERS), seed=11).random(32),
+        0,
+        [],
+    )
+    for scene in map(from_tables, map(calibration.tables_of, drawn[:20])):
         found = md.run(scene, tolerance=0.03, max_seconds=60, ledger=False)
         fine = replace(scene, step=md.Step(bias.steps_per_contact(scene, 1.0) / 48, coarse=True))
-        truth = accuracy._Goal(0.0075, 0.95, 0.0, 120.0, lambda _: NONE, 2)
+        truth = accuracy._Goal(0.0075, 0.95, 0.0, 150.0, lambda _: NONE, 2)
         accuracy._started(fine, truth, {"ledger": False})
-        off.append((found.c_x - truth.mean) / found.accuracy.error)
+        one = (found.c_x - truth.mean) / found.accuracy.error
+        within += abs(one) <= 1
+        off += [one] if truth.error < 0.01 * truth.size else []
         with capsys.disabled():
-            print(f"{off[-1]:+.2f} {found.accuracy.state} {truth.error / truth.size:.4f}")
-    assert np.sum(np.abs(off) <= 1) >= 17
-    assert 0.3 <= np.sqrt(np.mean(np.square(off))) <= 0.7
+            print(f"{one:+.2f} {found.accuracy.state} {truth.error / truth.size:.4f}")
+    assert within >= 17
+    assert 0.3 <= np.sqrt(np.mean(np.square(off))) <= 0.75
 
 
 @pytest.mark.slow

@@ -5,12 +5,12 @@ The paper's row, N = 40, L = 43 d, Gamma = 3.3, tangential springs 30 times as s
 of one long run, against the mean of the fine steps. The curves fall as time^(-1/2) (guide), until
 they come to the bias of their step (short lines at the right; dotted where it is less than three
 times its own error, which is then what the line shows). Diamond: the paper's own step at the
-length that gives 1 %. (b) Bias over the steps a contact lasts, against the shortest step there, all
-scenes of the calibration, in grey, with the bound that `--tolerance` takes from them; coloured, the
-row of (a). The line that stays high is a rough plate (friction 0.6), where rows have two states,
-and one start at the finest step found the other. (c) Runs to a tolerance: the one asked for, 95 %
-confidence, against the time it took; dots: the error that the run then had. The broken lines are
-the prices of fixed steps; times are of this machine, without compiling.
+length that gives 1 %. (b) Bias over the steps a contact lasts: grey, scenes of the calibration,
+against the shortest step there; black, with its standard error, what `--tolerance` takes off the
+row of (a), which is coloured. A grey line that stays high is a scene with two states. (c) Runs to a
+tolerance: the one asked for, 95 % confidence, against the time it took; dots: the error that the
+run then had. The broken lines are the prices of fixed steps; times are of this machine, without
+compiling.
 """
 
 import os
@@ -21,7 +21,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import md
-from md.accuracy import calibrated, steps_per_contact
+from md.bias import bias_at, calibrated, steps_per_contact
 from md.statistics import standard_error
 from md.sweep import Point, Sweep
 
@@ -37,6 +37,7 @@ CUT = 100  # periods at the start
 LONG_PERIODS = {True: 2500, False: 20000}  # quick or not; a third of it at the paper's step
 CLEAR_BIAS = 3  # its own errors: a smaller bias is taken for none
 DRIFT_TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
+FINE_STEPS = np.geomspace(12, 100, 40)  # a contact, where the bias taken off is drawn
 PART_LENGTHS = np.unique(np.geomspace(4, 2500, 14).astype(int))  # of the parts, periods
 
 
@@ -93,6 +94,7 @@ def data(quick: bool = False) -> Data:
     names = "run_seconds", "accuracy.per_contact", "c_x", "periods"
     spent, per_contact, c_x, periods = gathered(computed(plan["asked"], workers=1), *names)
     known = calibrated()
+    taken, taken_error = bias_at(md.load("quasi2d"), FINE_STEPS)
     return {
         "load": np.float64(load),
         "per_contact": n,
@@ -115,8 +117,9 @@ def data(quick: bool = False) -> Data:
         "known_steps": np.array(known["steps"], float),
         "known_drift": np.array(known["drift"]),
         "known_error": np.array(known["drift_error"]),
-        "scale": np.float64(known["scale"]),
-        "order": np.float64(known["order"]),
+        "fine_steps": FINE_STEPS,
+        "taken": taken,
+        "taken_error": taken_error,
     }
 
 
@@ -177,8 +180,10 @@ def _draw_bias(ax: Axes, d: Data) -> None:
     grey = {"color": "0.7", "lw": 0.6, "elinewidth": 0.4}
     for one, spread in zip(bias, error, strict=True):
         ax.errorbar(d["known_steps"][:-1], np.fmax(one, 1e-4), spread, **grey)
-    n = np.geomspace(10, 110, 50)
-    ax.plot(n, d["scale"] * (10 / n) ** d["order"], color=BLACK, lw=1, label="bound taken")
+    ax.plot(d["fine_steps"], np.abs(d["taken"]), color=BLACK, lw=1, label="taken off")
+    size = np.abs(d["taken"])
+    ends = size + d["taken_error"], np.fmax(size - d["taken_error"], 1e-5)
+    ax.fill_between(d["fine_steps"], *ends, color=BLACK, alpha=0.15, lw=0)
     for i, colour in enumerate(_COLOURS[:-1]):
         at = d["per_contact"][i], max(abs(d["bias"][i]), 1e-4)
         ax.errorbar(*at, d["bias_error"][i], fmt="o", color=colour, ms=3.5, zorder=3)
