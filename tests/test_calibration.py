@@ -105,9 +105,7 @@ def test_the_interval_is_as_wide_as_it_says(workers):
 
     The long run's own error is added, and two standard deviations of so many hits.
     """
-    scene = bias.choose(
-        replace(INSIDE, start=md.load("quasi2d", ["start.speed=0.3"]).start), 0.05, 0.95
-    ).scene
+    scene = bias.choose(md.load("quasi2d", [*RATIOS, "start.speed=0.3"]), 0.05, 0.95).scene
     long = md.run(scene, periods=60000, ledger=False)
     hits = 0
     for seed in range(100, 500):
