@@ -12,7 +12,7 @@ from md import accuracy, bias, calibration
 from md.__main__ import main
 from md.scene import from_tables, put
 
-from .test_tolerance import NONE
+from .test_tolerance import NONE, RATIOS
 
 
 def made_drifts(scatter, noise, scenes=64, order=2.6, step=-0.08):
