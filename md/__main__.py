@@ -189,7 +189,9 @@ def run(
     if of_tolerance := _given(given, "tolerance", "confidence", "floor", "max_seconds"):
         accuracy.checked(**of_tolerance)
     if plan:
-        if other := {"tolerance", *chosen} - {"tolerance", "confidence", "workers"}:
+        files = {"trajectory": trajectory, "checkpoint": checkpoint, "json": as_json}
+        chosen_files = {name for name, value in files.items() if value}
+        if other := {*chosen, *chosen_files} - {"tolerance", "confidence", "workers"}:
             raise InputError(f"{min(other)} has no meaning with plan")
         if "tolerance" not in chosen:
             raise InputError("plan has no meaning without tolerance")

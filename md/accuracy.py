@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import hypot, inf, isfinite, nan, sqrt
+from os import cpu_count
 from threading import Lock
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -19,7 +20,7 @@ import numpy as np
 from scipy.special import chdtrc, ndtri, stdtrit
 
 from . import simulation
-from .bias import Choice, calibrated, choose, steps_per_contact, unknown, within
+from .bias import Bias, Choice, calibrated, choose, steps_per_contact, student, unknown
 from .domains import number, whole
 from .errors import InputError
 from .host import step_of
@@ -75,7 +76,7 @@ def interval(series: list[np.ndarray], confidence: float = CONFIDENCE) -> Interv
     series : drift of each start, period by period
     confidence : of the interval
     """
-    cuts = [min(int(np.clip(transient(len(one)), *CUT)), len(one)) for one in series]
+    cuts = [min(int(np.clip(transient(len(one)), *CUT)), len(one) // 2) for one in series]
     rest = [one[cut:] for one, cut in zip(series, cuts, strict=True)]
     sizes = np.array([len(one) for one in rest])
     if sizes.min() < FEWEST:
@@ -108,6 +109,7 @@ class Correction(NamedTuple):
 
     bias: float  # to be taken off
     error: float  # half of its interval
+    gain: float = 1.0  # of the statistical error, where the bias follows from the mean itself
 
 
 @dataclass
@@ -120,8 +122,9 @@ class _Goal:
     max_seconds: float
     correct: Callable[[float], Correction]  # of a mean
     starts: int = 1
-    series: list[np.ndarray] = field(default_factory=list)  # as it was last judged
+    series: list[np.ndarray] = field(default_factory=list)  # drift of each start so far
     began: float = nan  # by the clock
+    before: int = 0  # periods that the first start had then, from a checkpoint
     due: int = FIRST_LOOK  # periods of each start at the next look
     found: Interval = NONE
     over: bool = False
@@ -147,9 +150,14 @@ class _Goal:
         return max(abs(self.mean), self.floor)
 
     @property
+    def statistical(self) -> float:
+        """Half of the interval, of statistics alone."""
+        return self.correction.gain * self.found.half
+
+    @property
     def error(self) -> float:
         """Half of the interval, of bias and statistics together."""
-        return hypot(self.found.half, self.correction.error)
+        return hypot(self.statistical, self.correction.error)
 
     @property
     def reached(self) -> bool:
@@ -163,32 +171,46 @@ class _Goal:
             if self.over:
                 return made
             self.series[start] = drift
-            if not np.isfinite(self.began):
-                self.began = perf_counter()
+            if not isfinite(self.began):
+                self.began, self.before = perf_counter(), made
             if min(map(len, self.series)) >= self.due:
                 self.judge()
             if self.over:
                 return made
             if self.starts == 1 or not made:
                 return self.due
-            seconds = max(perf_counter() - self.began, 1e-3)
-            slowly = made + max(int(made * PATIENCE / seconds), 1)
-            return slowly if made >= self.due else min(slowly, self.due)
+            pace = made / max(perf_counter() - self.began, 1e-3)  # periods a second
+            slowly = made + max(int(pace * PATIENCE), 1)
+            return min(slowly, self.due) if made < self.due else min(slowly, 2 * self.due)
 
     def judge(self) -> None:
-        """Whether it is over, and if not, when to look again."""
-        made, seconds = min(map(len, self.series)), perf_counter() - self.began
+        """Whether it is over, and if not, when to look again.
+
+        Starts are judged by as many periods each, whichever thread was faster.
+        """
+        made, seconds = self.due, perf_counter() - self.began
+        if self.starts == 1:
+            made = len(self.series[0])
+        self.series = [one[:made] for one in self.series]
         self.found = interval(self.series, self.confidence)
         room = (self.tolerance * self.size) ** 2 - self.correction.error**2
-        wanted = inf if room <= 0 else made * self.found.half**2 / room
-        self.needed = seconds * wanted / made
-        affordable = made * self.max_seconds / seconds
+        wanted = inf if room <= 0 else made * self.statistical**2 / room
+        pace = max(made - self.before, 1) / max(seconds, 1e-6)
+        self.needed = wanted / pace
+        affordable = self.before + pace * self.max_seconds
         hopeless = self.needed > 2 * self.max_seconds and made >= 2 * FIRST_LOOK
         if self.reached or hopeless or affordable < GROWTH[0] * made or made >= LONGEST:
             self.over = True
             return
         grown = np.clip(wanted, GROWTH[0] * made, GROWTH[1] * made) + 1
         self.due = int(min(grown, affordable, LONGEST))
+
+    def interrupt(self, drift: np.ndarray) -> None:
+        """End early, by Ctrl-C, with what the first start has."""
+        with self.lock:
+            if not self.over:
+                self.over, self.series = True, [drift, *self.series[1:]]
+                self.found = interval(self.series, self.confidence)
 
 
 def run(
@@ -232,27 +254,58 @@ def run(
     RunError
         As `simulation.run`.
     """
-    if tolerance is None:
-        if workers != 1:
-            raise InputError("workers has no meaning without tolerance")
-        return simulation.run(scene, **options)
     own = {"confidence": confidence, "floor": floor, "max_seconds": max_seconds}
+    if tolerance is None:
+        usual = {"confidence": CONFIDENCE, "floor": None, "max_seconds": MAX_SECONDS, "workers": 1}
+        for name, value in (own | {"workers": workers}).items():
+            if value != usual[name]:
+                raise InputError(f"{name} has no meaning without tolerance")
+        return simulation.run(scene, **options)
     checked(tolerance=tolerance, periods=options.get("periods"), **own)
     workers = whole("workers", workers, 1, MOST_WORKERS)
+    if workers > 1 and options.get("checkpoint") is not None:
+        raise InputError("checkpoint must be None with several workers: it holds one start alone")
     chosen = choose(scene, tolerance, confidence)
     floor = FLOOR * scene.plate_speed if floor is None else floor
-    how: dict[str, Any] = {"confidence": confidence, "floor": floor, "max_seconds": max_seconds}
-    correct = _corrected(chosen, tolerance, how, workers)
-    goal = _Goal(tolerance, **how, correct=correct, starts=workers)
+    how: dict[str, Any] = {"confidence": confidence, "floor": floor, "starts": workers}
+    spent = 0.0
+    if chosen.bias is None:
+        rough = _Goal(
+            min(IN_PLACE * tolerance, DOMAINS["tolerance"][1]),
+            max_seconds=max_seconds / 2,
+            correct=lambda _: Correction(0.0, 0.0),
+            **how,
+        )
+        dt, _ = step_of(chosen.scene)
+        longer = replace(chosen.scene, step=Step(2 * dt, coarse=True))
+        first = _started(longer, rough, {"ledger": False})
+        if not first.finished:
+            return first
+        spent, correct = first.run_seconds, partial(_measured, rough.found)
+    else:
+        correct = partial(_known, chosen.bias, confidence)
+    goal = _Goal(tolerance, max_seconds=max(max_seconds - spent, 1e-3), correct=correct, **how)
     result = _started(chosen.scene, goal, options)
-    return replace(
-        result, c_x=goal.mean, c_x_stderr=_one_error(goal), accuracy=_accuracy(goal, scene, result)
-    )
+    found = _accuracy(goal, scene, result, spent)
+    return replace(result, c_x=goal.mean, c_x_stderr=_one_error(goal), accuracy=found)
+
+
+def _known(bias: Bias, confidence: float, mean: float) -> Correction:
+    """By the calibration."""
+    true = mean / (1 + bias.value)
+    return Correction(mean - true, student(confidence) * bias.error * abs(true))
+
+
+def _measured(rough: Interval, mean: float) -> Correction:
+    """By a run with steps twice as long; as the order is not known here, its size is its error."""
+    share = 1 / (2**ORDER - 1)
+    bias = share * (rough.mean - mean)
+    return Correction(bias, hypot(share * rough.half, bias), 1 + share)
 
 
 def _one_error(goal: _Goal) -> float:
     """Standard error of the mean, as far as it is statistical."""
-    return goal.found.half / float(ndtri((1 + goal.confidence) / 2))
+    return goal.statistical / float(ndtri((1 + goal.confidence) / 2))
 
 
 def _started(scene: Scene, goal: _Goal, options: dict[str, Any]) -> Result:
@@ -261,51 +314,24 @@ def _started(scene: Scene, goal: _Goal, options: dict[str, Any]) -> Result:
     def other(start: int) -> None:
         begin = replace(scene.start, seed=scene.start.seed + SEED_GAP * start)
         mine = partial(goal.ask, start)
-        simulation.run(replace(scene, start=begin), periods=LONGEST, ledger=False, goal=mine)
+        try:
+            simulation.run(replace(scene, start=begin), periods=LONGEST, ledger=False, goal=mine)
+        except BaseException:
+            goal.over = True  # nobody waits for this one
+            raise
 
     with ThreadPoolExecutor(max(goal.starts - 1, 1)) as pool:
         others = [pool.submit(other, start) for start in range(1, goal.starts)]
         try:
             how = {**options, "periods": LONGEST, "goal": partial(goal.ask, 0)}
             result = simulation.run(scene, **how)
-            if not result.finished:  # ended by Ctrl-C
-                goal.series[0] = result.c_x_series
-                goal.found = interval(goal.series, goal.confidence)
+            if not result.finished:
+                goal.interrupt(result.c_x_series)
         finally:
             goal.over = True
         for one in others:
             one.result()
     return result
-
-
-def _corrected(
-    chosen: Choice, tolerance: float, how: dict[str, Any], workers: int
-) -> Callable[[float], Correction]:
-    """How the bias of the chosen step follows from the mean: calibrated, or measured in place."""
-    if (bias := chosen.bias) is not None:
-        z = within(how["confidence"])
-
-        def known(mean: float) -> Correction:
-            true = mean / (1 + bias.value)
-            return Correction(mean - true, z * bias.error * abs(true))
-
-        return known
-    dt, _ = step_of(chosen.scene)
-    longer = replace(chosen.scene, step=Step(2 * dt, coarse=True))
-    rough = _Goal(
-        min(IN_PLACE * tolerance, 0.5),
-        **how,
-        correct=lambda _: Correction(0.0, 0.0),
-        starts=workers,
-    )
-    _started(longer, rough, {"ledger": False})
-    share = 1 / (2**ORDER - 1)
-
-    def measured(mean: float) -> Correction:
-        bias = share * (rough.found.mean - mean)
-        return Correction(bias, hypot(share * rough.found.half, bias))
-
-    return measured
 
 
 def checked(*, periods: int | None = None, **options: float | None) -> None:
@@ -319,20 +345,20 @@ def checked(*, periods: int | None = None, **options: float | None) -> None:
             number(name, value, *DOMAINS[name])
 
 
-def _accuracy(goal: _Goal, scene: Scene, result: Result) -> Accuracy:
+def _accuracy(goal: _Goal, scene: Scene, result: Result, spent: float = 0.0) -> Accuracy:
     correction, reasons = goal.correction, unknown(scene)
     finer = choose(scene, goal.tolerance / 10, goal.confidence)
-    dearer, room, seconds = 1.0, (goal.tolerance / 10) ** 2, result.run_seconds
+    dearer, room, seconds = inf, 0.0, spent + result.run_seconds
     if finer.bias is not None:
         dearer = finer.per_contact / steps_per_contact(scene, result.dt)
-        room -= (within(goal.confidence) * finer.bias.error) ** 2
+        room = (goal.tolerance / 10) ** 2 - (student(goal.confidence) * finer.bias.error) ** 2
     longer = (goal.found.half / goal.size) ** 2 / room if room > 0 else inf
     return Accuracy(
         tolerance=goal.tolerance,
         confidence=goal.confidence,
         floor=goal.floor,
         error=goal.error,
-        statistical=goal.found.half,
+        statistical=goal.statistical,
         bias=correction.bias,
         bias_error=correction.error,
         per_contact=steps_per_contact(scene, result.dt),
@@ -342,7 +368,7 @@ def _accuracy(goal: _Goal, scene: Scene, result: Result) -> Accuracy:
         outside=reasons,
         state="reached" if goal.reached else "not reached",
         seconds=seconds,
-        needed_seconds=goal.needed,
+        needed_seconds=spent + goal.needed,
         next_digit_seconds=seconds * dearer * longer,
     )
 
@@ -354,7 +380,7 @@ def in_words(result: Result) -> list[str]:
         return []
     verdict = f"accuracy     {'NOT REACHED' if a.state == 'not reached' else a.state}"
     if not isfinite(a.error):
-        return [f"{verdict}: ended before {FIRST_LOOK} periods, error unknown"]
+        return [f"{verdict}: ended too early to tell the error"]
     size = max(abs(result.c_x), a.floor)
     of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
     known = "calibrated" if not a.outside else f"measured in place: {'; '.join(a.outside)}"
@@ -366,14 +392,16 @@ def in_words(result: Result) -> list[str]:
         f"{taken}; the statistical error is {a.statistical / size:.2g}",
     ]
     if a.starts > 1:
-        lines.append(f"starts       {a.starts}, {a.made} periods in all")
+        lines.append(
+            f"starts       {a.starts}, {a.made} periods in all, for c_x; all else is of the first"
+        )
         if a.chance < UNLIKELY:
             lines.append(
                 "             they differ: the scene has several states; their scatter counts"
             )
     if a.state == "not reached":
         never = "the bias alone is known no better"
-        takes = f"this would take about {a.needed_seconds:.3g} s of run"
+        takes = f"this would take about {a.needed_seconds:.3g} s of run time"
         lines.append(f"             {takes if isfinite(a.needed_seconds) else never}")
     if a.error / size > a.tolerance / 10 and isfinite(a.next_digit_seconds):
         lines.append(
@@ -409,18 +437,19 @@ def plan(
         As `run`.
     """
     checked(tolerance=tolerance, confidence=confidence)
+    workers = whole("workers", workers, 1, MOST_WORKERS)
     chosen, reasons = choose(scene, tolerance, confidence), unknown(scene)
     if chosen.bias is None:
         return Plan(tolerance, chosen, nan, nan, nan, reasons)
     z = float(ndtri((1 + confidence) / 2))
-    left = within(confidence) * chosen.bias.error
+    left = student(confidence) * chosen.bias.error
     room = sqrt(tolerance**2 - left**2)
     kept = (z * calibrated()["noise"] / room) ** 2
     each = kept / workers
     made = workers * max(each + float(np.clip(each / 4, *CUT)), FIRST_LOOK)
     simulation.run(chosen.scene, periods=1, ledger=False)  # compiles
     timed = simulation.run(chosen.scene, periods=20, ledger=False)
-    seconds = made / workers * timed.run_seconds / timed.periods
+    seconds = made / min(workers, cpu_count() or 1) * timed.run_seconds / timed.periods
     return Plan(tolerance, chosen, left, made, seconds, reasons)
 
 

@@ -27,12 +27,13 @@ from .sources import digest
 
 CALIBRATION = Path(__file__).with_name("calibration.json")
 CONTACT_TIME = "contact time in periods"  # instead of a stiffness
+FEWEST_RODS = 20  # rows of as many drift as larger ones do; the calibration has 40
 _FREEDOM = 10  # of the scatter over scenes
 _NUMBERS = np.geomspace(1, 100, 200)  # steps a contact over the fewest ones
 
 
 class Bias(NamedTuple):
-    """Of a drift, relative to the true one."""
+    """What a step does to a drift, relative to the true drift."""
 
     value: float
     error: float  # standard error
@@ -42,7 +43,7 @@ class Choice(NamedTuple):
     """Step that a tolerance leads to."""
 
     scene: Scene  # that runs
-    per_contact: float  # steps a contact
+    per_contact: float  # steps a contact; nan where the bias is not known
     bias: Bias | None  # None: not known from the calibration
 
 
@@ -94,10 +95,10 @@ def bias_at(scene: Scene, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return known["step"] * shape, np.hypot(known["step_error"], of_order) * shape
 
 
-def within(confidence: float) -> float:
+def student(confidence: float) -> float:
     """Standard errors of a bias that hold it with this confidence.
 
-    A scatter over scenes need not be normal: Student's t, of few degrees of freedom.
+    Student's t of ten degrees of freedom: a scatter over scenes need not be normal.
     """
     return float(stdtrit(_FREEDOM, (1 + confidence) / 2))
 
@@ -110,6 +111,10 @@ def outside(scene: Scene) -> tuple[str, ...]:
     for name, (low, high) in known["ranges"].items():
         if not low * (1 - 1e-9) <= (value := values.get(name, low)) <= high * (1 + 1e-9):
             found.append(f"{name} {value:.4g} is outside of {low:.4g} to {high:.4g}")
+    if scene.rods.count < FEWEST_RODS:
+        found.append(f"rods.count {scene.rods.count} is below {FEWEST_RODS}")
+    if scene.box is None:
+        found.append("there is no box: the row is open")
     if (named := laws(scene)) not in known["laws"]:
         found.append(f"laws {named} were not calibrated ({', '.join(known['laws'])})")
         return tuple(found)
@@ -156,7 +161,7 @@ def choose(scene: Scene, tolerance: float, confidence: float) -> Choice:
         return Choice(replace(scene, step=Step()), np.nan, None)
     n = calibrated()["fewest"] * _NUMBERS
     value, error = bias_at(scene, n)
-    room = tolerance**2 - (within(confidence) * error) ** 2
+    room = tolerance**2 - (student(confidence) * error) ** 2
     at = np.where(room > 0, n / np.where(room > 0, room, 1.0), np.inf).argmin()
     step = Step(steps_per_contact(scene, 1.0) / n[at], coarse=True)
     return Choice(replace(scene, step=step), float(n[at]), Bias(float(value[at]), float(error[at])))

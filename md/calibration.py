@@ -162,10 +162,10 @@ def calibrate(
     """
     whole = sweep(count, periods)
     execute(whole, store, progress=progress)
-    drifts, within = whole.gather(store, "c_x", "c_x_stderr")
+    drifts, of_run = whole.gather(store, "c_x", "c_x_stderr")
     drift = drifts.mean(axis=2)
     between = drifts.var(axis=2, ddof=1)
-    error = np.sqrt(np.maximum((within**2).mean(axis=2), between) / len(SEEDS))
+    error = np.sqrt(np.maximum((of_run**2).mean(axis=2), between) / len(SEEDS))
     made = [from_tables(tables) for tables in drawn(count)]
     ends = {p.name: [p.low, p.high] for p in PARAMETERS if p.name not in ("law", "stiffness")}
     times = [properties(scene)[CONTACT_TIME] for scene in made]

@@ -112,6 +112,8 @@ def _touches(r: Result) -> list[str]:
 def _cost(r: Result) -> list[str]:
     seconds = r.periods / r.scene.frequency * r.scene.rods.diameter_cm / r.scene.cm_per_s
     span = f"{r.periods} = {seconds:.4g} s, of which the first {r.discarded} are not in the means"
+    if r.accuracy is not None:
+        span += " but c_x"
     ended = "" if r.finished else "; interrupted"
     lines = [labelled("periods" if r.scene.vibrates else "sqrt(d/g)", span, ended)]
     if r.scene.annulus is not None and r.periods < SETTLING:

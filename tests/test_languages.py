@@ -272,3 +272,12 @@ def test_the_command_prints_a_text_and_no_other_file(capsys, monkeypatch, tmp_pa
         assert main(["generate", "--language", language]) == 0
         assert capsys.readouterr().out == languages.source(language)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_of_another_kind_is_not_replaced(tmp_path, capsys):
+    mine = tmp_path / "mine.h"
+    for text, code in (("my own", 2), (languages.source("c"), 0)):
+        mine.write_text(text, encoding="utf-8")
+        assert main(["generate", "--language", "c", "--out", str(mine)]) == code
+        assert mine.read_text(encoding="utf-8") == text
+    assert "--out must be a new file or a generated one" in capsys.readouterr().err

@@ -151,12 +151,14 @@ def test_the_step_is_the_cheapest(tolerance, monkeypatch):
         ("contacts.rods.restitution=0.99", "restitution of rods 0.99 is outside of"),
         ("contacts.rods.stiffness=6e6", "contacts of plate and rods differ in stiffness"),
         ("box.length=200", "tilt_deg 78.46 is outside of"),
+        ("rods.count=10", "rods.count 10 is below 20"),
+        ("box=none start.tilt_deg=30", "there is no box: the row is open"),
         ("contacts.rods=none", "laws constant_restitution/none were not calibrated"),
         ("gravity.x=0.1", "gravity is not 1, downwards"),
     ],
 )
 def test_what_lies_outside_of_the_calibration_is_said(change, words):
-    scene = md.load("quasi2d", [change])
+    scene = md.load("quasi2d", change.split())
     assert any(words in one for one in bias.outside(scene))
     chosen = bias.choose(scene, 0.01, 0.95)
     assert chosen.bias is None
@@ -193,7 +195,7 @@ def test_a_run_that_was_ended_early_is_not_judged():
     found = accuracy._accuracy(goal, row("plate.acceleration=5"), result)
     assert found.state == "not reached"
     words = accuracy.in_words(replace(result, accuracy=found))
-    assert words == ["accuracy     NOT REACHED: ended before 320 periods, error unknown"]
+    assert words == ["accuracy     NOT REACHED: ended too early to tell the error"]
 
 
 def test_a_run_ends_as_soon_as_it_is_accurate(monkeypatch):
@@ -225,7 +227,7 @@ def test_outside_of_the_calibration_the_bias_is_measured():
     assert a.outside
     dt, _ = md.host.step_of(replace(scene, step=md.Step()))
     longer = replace(scene, step=md.Step(2 * dt, coarse=True))
-    rough = accuracy._Goal(0.5, 0.95, 0.05, 600.0, lambda _: NONE)
+    rough = accuracy._Goal(0.5, 0.95, 0.05, 300.0, lambda _: NONE)
     accuracy._started(longer, rough, {})
     mean = result.c_x + a.bias
     assert a.bias == pytest.approx((rough.found.mean - mean) / 3)
@@ -327,3 +329,68 @@ def test_a_sweep_takes_a_tolerance(tmp_path):
     assert execute(expand(hard, base), store, workers=1).failed == 2
     with Store(store, write=False) as database:
         assert "NOT REACHED" in [run["error"] for run in database.rows()][-1]
+
+
+def test_a_start_that_fails_later_ends_the_others(monkeypatch):
+    """Before the first look, which would have to wait for it."""
+    calibrated(monkeypatch)
+    usual = accuracy.simulation.run
+
+    def failing(scene, **how):
+        if scene.start.seed > accuracy.SEED_GAP:
+            how["goal"](np.zeros(0))
+            how["goal"](np.zeros(20))
+            raise md.RunError("no longer finite")
+        return usual(scene, **how)
+
+    monkeypatch.setattr(accuracy.simulation, "run", failing)
+    with pytest.raises(md.RunError, match="no longer finite"):
+        md.run(row("plate.acceleration=5"), tolerance=1e-4, workers=2)
+
+
+def test_a_run_to_a_tolerance_goes_on_from_its_checkpoint(tmp_path, monkeypatch):
+    """And says at once what it has; several starts have no checkpoint."""
+    calibrated(monkeypatch)
+    scene, file = row("plate.acceleration=5"), tmp_path / "a.npz"
+    how = {"tolerance": 0.2, "floor": 0.05, "checkpoint": file}
+    first, again = md.run(scene, **how), md.run(scene, **how)
+    assert again.periods == first.periods
+    assert again.c_x == first.c_x
+    with pytest.raises(md.InputError, match="checkpoint must be None with several workers"):
+        md.run(scene, **how, workers=2)
+
+
+def test_several_starts_give_the_same_numbers_whichever_thread_is_faster(monkeypatch):
+    calibrated(monkeypatch)
+    scene = row("plate.acceleration=5")
+    one, two = (md.run(scene, tolerance=0.2, floor=0.05, workers=2) for _ in range(2))
+    assert (one.c_x, one.accuracy.made) == (two.c_x, two.accuracy.made)
+
+
+def test_what_is_pressed_while_the_bias_is_measured_ends_the_run(monkeypatch):
+    usual = accuracy.simulation.run
+
+    def pressed(scene, **how):
+        return replace(usual(scene, periods=5), finished=False)
+
+    monkeypatch.setattr(accuracy.simulation, "run", pressed)
+    result = md.run(row("plate.acceleration=5"), tolerance=0.3)
+    assert not result.finished
+    assert result.accuracy is None
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"workers": 2}, "workers has no meaning without tolerance"),
+        ({"confidence": 0.9}, "confidence has no meaning without tolerance"),
+        ({"tolerance": 0.1, "workers": 0}, "workers must be"),
+        ({"tolerance": 0.1, "workers": 65}, "workers must be"),
+    ],
+)
+def test_options_of_a_tolerance_are_refused(options, words):
+    with pytest.raises(md.InputError, match=words):
+        md.run(INSIDE, **options)
+    if "tolerance" in options:
+        with pytest.raises(md.InputError, match=words):
+            accuracy.plan(INSIDE, **options)
