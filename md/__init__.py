@@ -55,7 +55,7 @@ rod, reference, soft_impact         `impact`: every switch located, or fixed ste
 host, placement                     a scene under way: constants and arrays of the kernels
 measures, records, statistics       what a run measures, with errors; its touches one by one
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
-accuracy, bias, calibration         `run`: step and length from a tolerance; bias of the step
+accuracy, bias, calibration, plans  `run`: step and length from a tolerance; bias of the step
 sweep, store                        many runs and their results; `Point.key` says which is stale
 search, surface, measured_table     parameters from measured results, by many runs
 sources                             digest of the sources of a run, a part of that key

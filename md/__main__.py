@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from . import accuracy, bias, soft_impact
+from . import accuracy, bias, plans, soft_impact
 from .command_line import Commands
 from .errors import InputError
 from .files import NotWritten, distinct, replacing, writable
@@ -195,7 +195,7 @@ def run(
             raise InputError(f"{min(other)} has no meaning with plan")
         if "tolerance" not in chosen:
             raise InputError("plan has no meaning without tolerance")
-        print(accuracy.plan_in_words(accuracy.plan(load(scene, changes), **chosen)))
+        print(plans.plan_in_words(plans.plan(load(scene, changes), **chosen)))
         return 0
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotWritten)  # said after the result

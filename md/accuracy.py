@@ -10,8 +10,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import hypot, inf, isfinite, nan, sqrt
-from os import cpu_count
+from math import hypot, inf, isfinite, nan
 from threading import Lock
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -20,7 +19,7 @@ import numpy as np
 from scipy.special import chdtrc, ndtri, stdtrit
 
 from . import simulation
-from .bias import Bias, Choice, calibrated, choose, steps_per_contact, student, unknown
+from .bias import Bias, choose, steps_per_contact, student, unknown
 from .domains import number, whole
 from .errors import InputError
 from .host import step_of
@@ -408,63 +407,3 @@ def in_words(result: Result) -> list[str]:
             f"next digit   {a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
         )
     return lines
-
-
-class Plan(NamedTuple):
-    """What a tolerance will take."""
-
-    tolerance: float
-    choice: Choice
-    bias_error: float  # half of the interval of the bias, relative
-    periods: float  # of all starts; nan where the calibration does not hold
-    seconds: float  # of the run with these workers on idle cores, without compiling
-    outside: tuple[str, ...]  # why the calibration does not hold
-
-
-def plan(
-    scene: Scene, *, tolerance: float, confidence: float = CONFIDENCE, workers: int = 1
-) -> Plan:
-    """Step, length and price of a run to a tolerance, which is not made; a short one is timed.
-
-    Parameters
-    ----------
-    scene : Scene
-    tolerance, confidence, workers : as of `run`
-
-    Raises
-    ------
-    ValueError
-        As `run`.
-    """
-    checked(tolerance=tolerance, confidence=confidence)
-    workers = whole("workers", workers, 1, MOST_WORKERS)
-    chosen, reasons = choose(scene, tolerance, confidence), unknown(scene)
-    if chosen.bias is None:
-        return Plan(tolerance, chosen, nan, nan, nan, reasons)
-    z = float(ndtri((1 + confidence) / 2))
-    left = student(confidence) * chosen.bias.error
-    room = sqrt(tolerance**2 - left**2)
-    kept = (z * calibrated()["noise"] / room) ** 2
-    each = kept / workers
-    made = workers * max(each + float(np.clip(each / 4, *CUT)), FIRST_LOOK)
-    simulation.run(chosen.scene, periods=1, ledger=False)  # compiles
-    timed = simulation.run(chosen.scene, periods=20, ledger=False)
-    seconds = made / min(workers, cpu_count() or 1) * timed.run_seconds / timed.periods
-    return Plan(tolerance, chosen, left, made, seconds, reasons)
-
-
-def plan_in_words(planned: Plan) -> str:
-    """Lines that say what a run to a tolerance will take."""
-    dt, per = step_of(planned.choice.scene)
-    lines = [f"step         dt = {dt:.3g}, {per} a period"]
-    if (bias := planned.choice.bias) is None:
-        lines.append(f"bias         measured in place: {'; '.join(planned.outside)}")
-        lines.append("price        unknown before it runs")
-        return "\n".join(lines)
-    lines[0] += f", {planned.choice.per_contact:.3g} steps a contact"
-    lines.append(f"bias         {bias.value:+.2g} +- {planned.bias_error:.1g}, taken off")
-    lines.append(
-        f"price        {planned.tolerance:.3g} of c_x takes about {planned.periods:.3g} periods, "
-        f"{planned.seconds:.2g} s"
-    )
-    return "\n".join(lines)

@@ -9,7 +9,7 @@ from scipy.special import ndtri
 from scipy.stats import t as student
 
 import md
-from md import accuracy, bias
+from md import accuracy, bias, plans
 from md.__main__ import main
 from md.scene import _parsed, put, read_tables
 from md.statistics import standard_error
@@ -393,4 +393,4 @@ def test_options_of_a_tolerance_are_refused(options, words):
         md.run(INSIDE, **options)
     if "tolerance" in options:
         with pytest.raises(md.InputError, match=words):
-            accuracy.plan(INSIDE, **options)
+            plans.plan(INSIDE, **options)
