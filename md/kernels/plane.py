@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cache import kernel
+from .batch import MOST, Batch, act, collect
 from .codes import (
     C_X,
     C_Z,
@@ -33,8 +34,6 @@ from .codes import (
     MEAN_X,
     NOT_FINITE,
     OMEGA,
-    PAIR_FRICTION,
-    PAIR_NORMAL,
     PAIR_TOO_DEEP,
     PLATE_FRICTION,
     PLATE_NORMAL,
@@ -53,16 +52,12 @@ from .contact import (
     ContactForces,
     Effects,
     Moving,
-    Slip,
     accelerations,
     add,
     along,
     field,
-    normal_force,
     plate_at,
     put,
-    spring_friction,
-    tangential_constants,
     term,
     vector,
 )
@@ -70,9 +65,9 @@ from .joints import joint
 from .neighbours import (
     Listed,
     apart,
-    clear,
+    clearance,
     current,
-    meetings,
+    gap,
     places,
     too_fast,
 )
@@ -94,6 +89,7 @@ class Scratch(NamedTuple):
     total: np.ndarray  # (rods, 3): accelerations of a step, in g and g/d
     place: np.ndarray | None  # (rods,): for a list of pairs
     found: np.ndarray | None  # (capacity, 3): the same
+    batch: Batch | None  # contacts of rods with each other
 
 
 class State(NamedTuple):
@@ -121,17 +117,6 @@ class Watchers(NamedTuple):
     ledger: np.ndarray | None  # (5,), m g d: to add to, columns of `codes`
     record: Record | None
     series: Any | None  # `Series`, or `space.march.Series` in an annulus
-
-
-@kernel
-def pair_friction(friction, springs, place, overlap, force, slip, dt):
-    """F_t between two rods; its spring is kept at `place`."""
-    if friction is None:
-        return 0.0
-    k, g = tangential_constants(friction.spring, overlap, slip.mass)
-    limit = friction.coefficient * force
-    rub, springs[place] = spring_friction(k, g, springs[place], slip, limit, dt)
-    return rub
 
 
 @kernel
@@ -168,21 +153,6 @@ def forgotten(kept, now, k, first, last):
 
 
 @kernel
-def pair_accounted(ledger, kept, place, forces, velocities, dt):
-    """Add half of this step's losses and half of the last one's, with the velocity between them.
-
-    `forces`: lost normal force and friction; `velocities`: opening rate and slip half a step ago.
-    """
-    if ledger is not None:
-        now, k, end = place
-        lost, rub = forces
-        rate, slip = velocities
-        ledger[PAIR_NORMAL] += 0.5 * dt * rate * (lost + kept[now, k, 2 * end])
-        ledger[PAIR_FRICTION] -= 0.5 * dt * slip * (rub + kept[now, k, 2 * end + 1])
-        kept[now, k, 2 * end], kept[now, k, 2 * end + 1] = lost, rub
-
-
-@kernel
 def joined(effects, stiffness, state, k, pair, end):
     """Shares of two ends that meet in their place; adds the forces that keep energy.
 
@@ -207,120 +177,123 @@ def joined(effects, stiffness, state, k, pair, end):
 
 
 @kernel
-def meets(upper, end, square, foot, half):
-    """Whether an end of the first rod, near its foot on the second, touches the second's end.
-
-    `square`: squared distance from end to foot.
-    """
-    if upper is None:
-        return False
-    beyond = half - abs(foot)
-    return end < 2 and square + beyond * beyond < 1.0
+def meets(near, end, half):
+    """Whether an end of the first rod, near its foot on the second, touches the second's end."""
+    beyond = half - abs(near[1])
+    return end < 2 and near[4] + beyond * beyond < 1.0
 
 
 @kernel
-def opened(listed, k, end):
+def any_meet(upper, ends, half):
+    """Whether two ends meet."""
+    if upper is None:
+        return False
+    return meets(ends[0], 0, half) or meets(ends[1], 1, half)
+
+
+@kernel
+def ends_met(upper, state, n, pair, now, k, ends):
+    """Collect the contacts of a pair; their number with those before."""
+    n = end_met(state, n, pair, now, k, 0, ends[0])
+    if upper is None:
+        return n
+    n = end_met(state, n, pair, now, k, 1, ends[1])
+    n = end_met(state, n, pair, now, k, 2, ends[2])
+    return end_met(state, n, pair, now, k, 3, ends[3])
+
+
+@kernel
+def opened(listed, now, k, end):
     """Clear what is kept of a contact that is open."""
-    now = listed.turn[0]
     forgotten(listed.springs, now, k, end, end + 1)
     forgotten(listed.losses, now, k, 2 * end, 2 * end + 2)
 
 
-@kernel
-def touch(effects, state, ledger, place, pair, near, share, dt):
-    """Add the accelerations by the contact of one end, or its share of them.
-
-    `place`: of what is kept of the contact; `near`: places along both axes, and the vector between.
-    """
-    i, j, _, _, a, b = pair
-    s, t, r_x, r_z = near
-    between, light = effects.between, effects.alone.lightness
-    rods, before, total = state.rods, state.before, state.scratch.total
-    springs, kept = state.listed.springs, state.listed.losses
-    r = sqrt(r_x * r_x + r_z * r_z)
-    n_x, n_z, overlap = r_x / r, r_z / r, 1.0 - r
-    p_x, p_z = s * a[0] - 0.5 * r_x, s * a[1] - 0.5 * r_z  # arms to the contact point
-    q_x, q_z = t * b[0] + 0.5 * r_x, t * b[1] + 0.5 * r_z
-    v_x = rods[i, C_X] + rods[i, OMEGA] * p_z - rods[j, C_X] - rods[j, OMEGA] * q_z
-    v_z = rods[i, C_Z] - rods[i, OMEGA] * p_x - rods[j, C_Z] + rods[j, OMEGA] * q_x
-    lever_i, lever_j = p_z * n_x - p_x * n_z, q_z * n_x - q_x * n_z
-    mass = 1 / (2 + (lever_i * lever_i + lever_j * lever_j) * light)
-    rate, slip = v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x  # tangent (n_z, -n_x)
-    v_x += (before[i, 0] + before[i, 2] * p_z - before[j, 0] - before[j, 2] * q_z) * dt / 2
-    v_z += (before[i, 1] - before[i, 2] * p_x - before[j, 1] + before[j, 2] * q_x) * dt / 2
-    force = normal_force(between.normal, overlap, v_x * n_x + v_z * n_z, mass, dt)
-    across_i, across_j = p_z * n_z + p_x * n_x, q_z * n_z + q_x * n_x
-    mass = 1 / (2 + (across_i * across_i + across_j * across_j) * light)
-    seen = Slip(slip, v_x * n_z - v_z * n_x, 0.0, mass)
-    rub = share * pair_friction(between.friction, springs, place, overlap, force, seen, dt)
-    lost = share * (between.normal.stiffness * overlap * sqrt(overlap) - force)
-    force *= share
-    pair_accounted(ledger, kept, place, (lost, rub), (rate, slip), dt)
-    f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
-    add(total, i, 0, (f_x, f_z, (p_z * f_x - p_x * f_z) * light))
-    add(total, j, 0, (-f_x, -f_z, (q_x * f_z - q_z * f_x) * light))
-
-
 @kernel(inline=False)
-def joined_ends(effects, state, ledger, k, pair, first, dt):
-    """Add the accelerations by the ends from the `first` on, which meets another one.
-
-    Whether one is too deep.
-    """
+def joined_ends(effects, state, ledger, k, pair, dt):
+    """Add the accelerations by a pair of which two ends meet, one contact after the other."""
     alone, listed, now = effects.alone, state.listed, state.listed.turn[0]
     half, stiffness = alone.half_length, effects.between.normal.stiffness
     _, _, dx, dz, a, b = pair
     lower = upper = 1.0  # shares left to the ends of the second rod
-    for end in range(first, 4):
-        s, t = places(dx, dz, a, b, half, end)
-        r_x, r_z = apart(dx, dz, a, b, s, t)
-        square = r_x * r_x + r_z * r_z
-        if square >= 1.0:
-            opened(listed, k, end)
+    for end in range(4):
+        near = gap(dx, dz, a, b, half, end)
+        if near[4] >= 1.0:
+            opened(listed, now, k, end)
             continue
-        if square < (1 - DEEP) ** 2:
-            return True
         share = (1.0, 1.0, lower, upper)[end]
-        if meets(alone.upper, end, square, t, half):
+        if meets(near, end, half):
             share, left, other = joined(alone, stiffness, state, k, pair, end)
             if other == 2:
                 lower += left - 1.0
             else:
                 upper += left - 1.0
-        place, near = (now, k, end), (s, t, r_x, r_z)
-        touch(effects, state, ledger, place, pair, near, share, dt)
-    return False
+        collect(state, 0, pair, now, k, end, near, share)
+        act(effects, state, ledger, 1, dt)
+
+
+@kernel
+def end_met(state, n, pair, now, k, end, near):
+    """Collect the contact of an end if it touches; number of contacts."""
+    if near[4] >= 1.0:
+        opened(state.listed, now, k, end)
+        return n
+    collect(state, n, pair, now, k, end, near, 1.0)
+    return n + 1
+
+
+@kernel
+def gaps(dx, dz, a, b, half):
+    """Gaps at all four ends."""
+    return (
+        gap(dx, dz, a, b, half, 0),
+        gap(dx, dz, a, b, half, 1),
+        gap(dx, dz, a, b, half, 2),
+        gap(dx, dz, a, b, half, 3),
+    )
+
+
+@kernel
+def nearest(upper, ends):
+    """Least squared distance of all ends."""
+    if upper is None:
+        return ends[0][4]
+    return min(min(ends[0][4], ends[1][4]), min(ends[2][4], ends[3][4]))
 
 
 @kernel(inline=False)
 def pair_forces(effects, state, ledger, dt):
     """Add the accelerations by all touching pairs; number of a pair that is too deep, or -1."""
     alone, rods, listed = effects.alone, state.rods, state.listed
-    half, now, index = alone.half_length, listed.turn[0], listed.index
+    half, now, index, n = alone.half_length, listed.turn[0], listed.index, 0
+    travelled = listed.travelled[0]
     for k in range(listed.start[now, rods.shape[0]]):
-        i, j = index[now, k, 0], index[now, k, 1]
+        if travelled < listed.asleep[k]:
+            continue
+        i, j = np.uint64(index[now, k, 0]), np.uint64(index[now, k, 1])  # never negative
         dx = rods[i, X] - rods[j, X] - term(effects.period, index[now, k, 2])
         dz = rods[i, Z] - rods[j, Z]
         a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
-        if index[now, k, 3] == 0 and clear(dx, dz, a, b, half):
-            continue
-        index[now, k, 3], pair = 0, (i, j, dx, dz, a, b)
-        for end in range(meetings(alone.upper)):
-            s, t = places(dx, dz, a, b, half, end)
-            r_x, r_z = apart(dx, dz, a, b, s, t)
-            square = r_x * r_x + r_z * r_z
-            if square >= 1.0:
-                opened(listed, k, end)
+        if index[now, k, 3] == 0:
+            gap_width = clearance(dx, dz, a, b, half)
+            if gap_width >= 0.0:  # each of the two may come half of it closer
+                listed.asleep[k] = travelled + 0.5 * gap_width
                 continue
-            if square < (1 - DEEP) ** 2:
-                return k
-            index[now, k, 3] = 1
-            if meets(alone.upper, end, square, t, half):
-                if joined_ends(effects, state, ledger, k, pair, end, dt):
-                    return k
-                break
-            place, near = (now, k, end), (s, t, r_x, r_z)
-            touch(effects, state, ledger, place, pair, near, 1.0, dt)
+        pair, ends = (i, j, dx, dz, a, b), gaps(dx, dz, a, b, half)
+        least = nearest(alone.upper, ends)
+        index[now, k, 3] = 1 if least < 1.0 else 0
+        if least < (1 - DEEP) ** 2:
+            return k
+        if n > MOST:
+            act(effects, state, ledger, n, dt)
+            n = 0
+        if any_meet(alone.upper, ends, half):
+            act(effects, state, ledger, n, dt)
+            n = 0
+            joined_ends(effects, state, ledger, k, pair, dt)
+        else:
+            n = ends_met(alone.upper, state, n, pair, now, k, ends)
+    act(effects, state, ledger, n, dt)
     return -1
 
 
