@@ -156,16 +156,27 @@ def accounted(ledger, kept, numbers, c, place, dt):
 
 
 @kernel(inline=False)
-def act(effects, state, ledger, count, dt):
-    """Add the accelerations by the first contacts of the batch."""
-    total, listed, (numbers, places) = state.scratch.total, state.listed, state.scratch.batch
-    between, light, now = effects.between, effects.alone.lightness, listed.turn[0]
+def act(between, light, total, batch, kept, ledger, count, dt):
+    """Add the accelerations by the first contacts of the batch.
+
+    `kept`: list in use, springs and losses.
+    """
+    (numbers, places), (now, springs, losses) = batch, kept
     for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # the last ones are idle
         contact(between, light, ledger, numbers, c, dt)
     for c in range(count):
-        i, j, place = places[c, 0], places[c, 1], (now, places[c, 2], places[c, 3])
+        i, j = np.uint64(places[c, 0]), np.uint64(places[c, 1])
         f_x, f_z = get(numbers, FORCE, c), get(numbers, FORCE + 1, c)
         add(total, i, 0, (f_x, f_z, get(numbers, TORQUE, c)))
         add(total, j, 0, (-f_x, -f_z, get(numbers, OTHER_TORQUE, c)))
-        spring_kept(listed.springs, numbers, c, place)
-        accounted(ledger, listed.losses, numbers, c, place, dt)
+        place = now, places[c, 2], places[c, 3]
+        spring_kept(springs, numbers, c, place)
+        accounted(ledger, losses, numbers, c, place, dt)
+
+
+@kernel
+def acted(effects, state, ledger, count, dt):
+    """The same for a row."""
+    kept = state.listed.turn[0], state.listed.springs, state.listed.losses
+    scratch, light = state.scratch, effects.alone.lightness
+    act(effects.between, light, scratch.total, scratch.batch, kept, ledger, count, dt)

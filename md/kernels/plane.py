@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .batch import MOST, Batch, act, collect
+from .batch import MOST, Batch, acted, collect
 from .codes import (
     C_X,
     C_Z,
@@ -229,7 +229,7 @@ def joined_ends(effects, state, ledger, k, pair, dt):
             else:
                 upper += left - 1.0
         collect(state, 0, pair, now, k, end, near, share)
-        act(effects, state, ledger, 1, dt)
+        acted(effects, state, ledger, 1, dt)
 
 
 @kernel
@@ -261,7 +261,7 @@ def nearest(upper, ends):
     return min(min(ends[0][4], ends[1][4]), min(ends[2][4], ends[3][4]))
 
 
-@kernel(inline=False)
+@kernel
 def pair_forces(effects, state, ledger, dt):
     """Add the accelerations by all touching pairs; number of a pair that is too deep, or -1."""
     alone, rods, listed = effects.alone, state.rods, state.listed
@@ -285,15 +285,15 @@ def pair_forces(effects, state, ledger, dt):
         if least < (1 - DEEP) ** 2:
             return k
         if n > MOST:
-            act(effects, state, ledger, n, dt)
+            acted(effects, state, ledger, n, dt)
             n = 0
         if any_meet(alone.upper, ends, half):
-            act(effects, state, ledger, n, dt)
+            acted(effects, state, ledger, n, dt)
             n = 0
             joined_ends(effects, state, ledger, k, pair, dt)
         else:
             n = ends_met(alone.upper, state, n, pair, now, k, ends)
-    act(effects, state, ledger, n, dt)
+    acted(effects, state, ledger, n, dt)
     return -1
 
 
