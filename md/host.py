@@ -385,10 +385,10 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
     box = scene.box.length if scene.box and pair is not None else None
     state = plane.State(
         rods=_row_of_rods(scene, motion.height[0] if motion else 0.0),
-        before=np.zeros((n, 3)),
-        springs=np.zeros((n, 2)) if alone.friction and alone.friction.spring else None,
+        before=np.zeros((n, 3), order="F"),
+        springs=np.zeros((n, 2), order="F") if alone.friction and alone.friction.spring else None,
         listed=listed,
-        scratch=plane.Scratch(np.zeros((n, 3)), place, found, batch),
+        scratch=plane.Scratch(np.zeros((n, 3), order="F"), np.zeros(n), place, found, batch),
     )
     record = new_record(n, 4096) if touches and plate is not None else None
     watchers = plane.Watchers(np.zeros(LEDGER_COLUMNS) if ledger else None, record, None)
@@ -403,7 +403,7 @@ def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
     touching = min(1 / max(cos(tilt), 1e-9), 2 * half * abs(sin(tilt)) + 1)
     spacing = scene.box.length / n if scene.box else touching
     random = np.random.default_rng(scene.start.seed)
-    rods = np.zeros((n, ROW_COLUMNS))
+    rods = np.zeros((n, ROW_COLUMNS), order="F")
     rods[:, X] = (np.arange(n) + 0.5) * spacing
     rods[:, Z] = lowest + 0.5 + half * abs(cos(tilt)) + scene.start.drop
     rods[:, ROW_DIRECTION] = sin(tilt), cos(tilt)

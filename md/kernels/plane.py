@@ -87,6 +87,7 @@ class Scratch(NamedTuple):
     """Arrays that hold nothing from one step to the next."""
 
     total: np.ndarray  # (rods, 3): accelerations of a step, in g and g/d
+    speed: np.ndarray  # (rods,)
     place: np.ndarray | None  # (rods,): for a list of pairs
     found: np.ndarray | None  # (capacity, 3): the same
     batch: Batch | None  # contacts of rods with each other
@@ -383,6 +384,32 @@ def sample(series, rods, step):
     rows[row, SAMPLED] += 1
 
 
+@kernel
+def fastest_rod(rods, total, speed, half_length, dt):
+    """Upper bound of all speeds after the step, and a rod that has none, or -1."""
+    for i in range(rods.shape[0]):
+        c_x, c_z, omega = along(vector(rods, i, C_X), dt, vector(total, i, 0))
+        speed[i] = abs(c_x) + abs(c_z) + half_length * abs(omega)
+    fastest = 0.0
+    for i in range(rods.shape[0]):
+        if not speed[i] < 1e100:
+            return fastest, i
+        fastest = max(fastest, speed[i])
+    return fastest, -1
+
+
+@kernel
+def move(rods, before, total, i, dt):
+    """Kick and drift of rod i."""
+    a = vector(total, i, 0)
+    c_x, c_z, omega = along(vector(rods, i, C_X), dt, a)
+    rods[i, X] += dt * c_x
+    rods[i, Z] += dt * c_z
+    rods[i, SINE], rods[i, COSINE] = turned((rods[i, SINE], rods[i, COSINE]), omega * dt)
+    put(rods, i, C_X, (c_x, c_z, omega))
+    put(before, i, 0, a)
+
+
 @kernel(inline=False)
 def march(effects, state, watchers, clock, steps):
     """Up to `steps` steps of all rods of a row; steps made, why it ended, where.
@@ -408,22 +435,17 @@ def march(effects, state, watchers, clock, steps):
         if why != DONE:
             return n, why, where
         sample(watchers.series, rods, now.step)
-        fastest = 0.0
         for i in range(rods.shape[0]):
             others = vector(total, i, 0)
             a, deep = on_plate(alone.normal, alone, state, watchers, i, others, plate, now)
             if deep:
                 return n, TOO_DEEP, i
-            c_x, c_z, omega = along(vector(rods, i, C_X), dt, a)
-            speed = abs(c_x) + abs(c_z) + alone.half_length * abs(omega)
-            if not speed < 1e100:
-                return n, NOT_FINITE, i
-            fastest = max(fastest, speed)
-            rods[i, X] += dt * c_x
-            rods[i, Z] += dt * c_z
-            rods[i, SINE], rods[i, COSINE] = turned((rods[i, SINE], rods[i, COSINE]), omega * dt)
-            put(rods, i, C_X, (c_x, c_z, omega))
-            put(before, i, 0, a)
+            put(total, i, 0, a)
+        fastest, unfit = fastest_rod(rods, total, state.scratch.speed, alone.half_length, dt)
+        if unfit >= 0:
+            return n, NOT_FINITE, unfit
+        for i in range(rods.shape[0]):
+            move(rods, before, total, i, dt)
         if too_fast(effects.between, state.listed, fastest * dt):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0
