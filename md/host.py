@@ -283,7 +283,7 @@ class RowEngine(Engine):
         }
         found = np.zeros((longer["index"].shape[1], 3), np.int64)
         self.state = self.state._replace(
-            listed=self.state.listed._replace(asleep=np.zeros(len(found)), **longer),
+            listed=self.state.listed._replace(asleep=np.zeros((len(found), 5)), **longer),
             scratch=self.state.scratch._replace(found=found),
         )
 

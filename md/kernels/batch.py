@@ -1,7 +1,7 @@
 """Contacts of two rods of a row, computed side by side.
 
 The contacts of a step are collected first, number by number, and their forces found in a loop
-without a branch or a place that depends on a number: the compiler puts four or eight contacts into
+without a branch or a place that depends on a number: the compiler puts several contacts into
 one instruction. Then each is added to its rods, in the order in which it was found.
 """
 
@@ -16,7 +16,7 @@ from .contact import Slip, add, normal_force, spring_friction, tangential_consta
 
 SIZE = 64  # contacts; a fixed number, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 4  # that may be there before a pair is looked at
-WIDTH = 8  # contacts that one instruction may hold, at most
+WIDTH = 4  # contacts that one instruction may hold, at most
 
 # Numbers of a contact: given,
 R = 0  # vector from the place on the second axis to the one on the first
@@ -99,8 +99,10 @@ def pair_friction(friction, numbers, c, overlap, force, slip, dt):
 def noted(ledger, numbers, c, found):
     """Keep what the ledger needs."""
     if ledger is not None:
-        for q in range(4):
-            keep(numbers, LOST + q, c, found[q])
+        keep(numbers, LOST, c, found[0])
+        keep(numbers, RUB, c, found[1])
+        keep(numbers, RATE, c, found[2])
+        keep(numbers, SLIP, c, found[3])
 
 
 @kernel

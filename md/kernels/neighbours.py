@@ -14,6 +14,9 @@ import numpy as np
 from ..cache import kernel
 from .codes import COSINE, DEEP, SINE, SKIN, X, Z
 
+PAIR = 4  # column of `Listed.asleep`, after those of the four ends
+CHORD = 0.4142  # less than sqrt(2) - 1
+
 
 class Listed(NamedTuple):
     """The list in use stands at `turn[0]` along the first axis, the one before it at the other.
@@ -24,7 +27,8 @@ class Listed(NamedTuple):
     turn: np.ndarray  # (1,): 0 or 1
     travelled: np.ndarray  # (1,), d: how far any rod may have moved since the list was built
     start: np.ndarray  # (2, rods + 1)
-    asleep: np.ndarray  # (capacity,), d: until a rod may have travelled so far, no touch
+    # (capacity, 5), d: until rods may have travelled so far, an end or the pair does not touch
+    asleep: np.ndarray
     # (2, capacity, 4): first rod, second >= first, image of the second: its x plus so many
     # periods, whether they touch
     index: np.ndarray  # type: ignore[assignment]
@@ -40,7 +44,7 @@ def nothing_listed(rods: int, capacity: int, springs: bool, losses: bool) -> Lis
         np.zeros(1, np.int64),
         np.full(1, np.inf),
         np.zeros((2, rods + 1), np.int64),
-        np.zeros(capacity),
+        np.zeros((capacity, 5)),
         np.zeros((2, capacity, 4), np.int64),
         np.zeros((2, capacity, 4)) if springs else None,
         np.zeros((2, capacity, 8)) if losses else None,
@@ -97,6 +101,12 @@ def clearance(dx, dz, a, b, half):
     """How far beyond 1 all of the second axis is off the first one's line: a quick bound."""
     off = abs(dx * a[1] - dz * a[0])
     return off - half * abs(a[0] * b[1] - a[1] * b[0]) - 1.0
+
+
+@kernel
+def open_at_least(square):
+    """A lower bound of a distance beyond 1, given its square >= 1: a chord of the root."""
+    return CHORD * (min(square, 2.0) - 1.0)
 
 
 @kernel

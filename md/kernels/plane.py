@@ -63,11 +63,14 @@ from .contact import (
 )
 from .joints import joint
 from .neighbours import (
+    PAIR,
     Listed,
     apart,
     clearance,
     current,
     gap,
+    meetings,
+    open_at_least,
     places,
     too_fast,
 )
@@ -178,29 +181,12 @@ def joined(effects, stiffness, state, k, pair, end):
 
 
 @kernel
-def meets(near, end, half):
+def meets(upper, end, near, half):
     """Whether an end of the first rod, near its foot on the second, touches the second's end."""
-    beyond = half - abs(near[1])
-    return end < 2 and near[4] + beyond * beyond < 1.0
-
-
-@kernel
-def any_meet(upper, ends, half):
-    """Whether two ends meet."""
     if upper is None:
         return False
-    return meets(ends[0], 0, half) or meets(ends[1], 1, half)
-
-
-@kernel
-def ends_met(upper, state, n, pair, now, k, ends):
-    """Collect the contacts of a pair; their number with those before."""
-    n = end_met(state, n, pair, now, k, 0, ends[0])
-    if upper is None:
-        return n
-    n = end_met(state, n, pair, now, k, 1, ends[1])
-    n = end_met(state, n, pair, now, k, 2, ends[2])
-    return end_met(state, n, pair, now, k, 3, ends[3])
+    beyond = half - abs(near[1])
+    return end < 2 and near[4] + beyond * beyond < 1.0
 
 
 @kernel
@@ -211,19 +197,24 @@ def opened(listed, now, k, end):
 
 
 @kernel(inline=False)
-def joined_ends(effects, state, ledger, k, pair, dt):
-    """Add the accelerations by a pair of which two ends meet, one contact after the other."""
+def joined_ends(effects, state, ledger, k, pair, first, dt):
+    """Add the accelerations by the ends from the `first` on, which meets another one.
+
+    Whether one is too deep.
+    """
     alone, listed, now = effects.alone, state.listed, state.listed.turn[0]
     half, stiffness = alone.half_length, effects.between.normal.stiffness
     _, _, dx, dz, a, b = pair
     lower = upper = 1.0  # shares left to the ends of the second rod
-    for end in range(4):
+    for end in range(first, 4):
         near = gap(dx, dz, a, b, half, end)
         if near[4] >= 1.0:
             opened(listed, now, k, end)
             continue
+        if near[4] < (1 - DEEP) ** 2:
+            return True
         share = (1.0, 1.0, lower, upper)[end]
-        if meets(near, end, half):
+        if meets(alone.upper, end, near, half):
             share, left, other = joined(alone, stiffness, state, k, pair, end)
             if other == 2:
                 lower += left - 1.0
@@ -231,69 +222,50 @@ def joined_ends(effects, state, ledger, k, pair, dt):
                 upper += left - 1.0
         collect(state, 0, pair, now, k, end, near, share)
         acted(effects, state, ledger, 1, dt)
-
-
-@kernel
-def end_met(state, n, pair, now, k, end, near):
-    """Collect the contact of an end if it touches; number of contacts."""
-    if near[4] >= 1.0:
-        opened(state.listed, now, k, end)
-        return n
-    collect(state, n, pair, now, k, end, near, 1.0)
-    return n + 1
-
-
-@kernel
-def gaps(dx, dz, a, b, half):
-    """Gaps at all four ends."""
-    return (
-        gap(dx, dz, a, b, half, 0),
-        gap(dx, dz, a, b, half, 1),
-        gap(dx, dz, a, b, half, 2),
-        gap(dx, dz, a, b, half, 3),
-    )
-
-
-@kernel
-def nearest(upper, ends):
-    """Least squared distance of all ends."""
-    if upper is None:
-        return ends[0][4]
-    return min(min(ends[0][4], ends[1][4]), min(ends[2][4], ends[3][4]))
+    return False
 
 
 @kernel
 def pair_forces(effects, state, ledger, dt):
     """Add the accelerations by all touching pairs; number of a pair that is too deep, or -1."""
     alone, rods, listed = effects.alone, state.rods, state.listed
-    half, now, index, n = alone.half_length, listed.turn[0], listed.index, 0
-    travelled = listed.travelled[0]
+    half, now, index, asleep = alone.half_length, listed.turn[0], listed.index, listed.asleep
+    travelled, n = listed.travelled[0], 0
     for k in range(listed.start[now, rods.shape[0]]):
-        if travelled < listed.asleep[k]:
+        if travelled < asleep[k, PAIR]:
             continue
         i, j = np.uint64(index[now, k, 0]), np.uint64(index[now, k, 1])  # never negative
         dx = rods[i, X] - rods[j, X] - term(effects.period, index[now, k, 2])
         dz = rods[i, Z] - rods[j, Z]
         a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
         if index[now, k, 3] == 0:
-            gap_width = clearance(dx, dz, a, b, half)
-            if gap_width >= 0.0:  # each of the two may come half of it closer
-                listed.asleep[k] = travelled + 0.5 * gap_width
+            open_by = clearance(dx, dz, a, b, half)
+            if open_by >= 0.0:
+                asleep[k, PAIR] = travelled + 0.5 * open_by
                 continue
-        pair, ends = (i, j, dx, dz, a, b), gaps(dx, dz, a, b, half)
-        least = nearest(alone.upper, ends)
-        index[now, k, 3] = 1 if least < 1.0 else 0
-        if least < (1 - DEEP) ** 2:
-            return k
+        index[now, k, 3], pair = 0, (i, j, dx, dz, a, b)
         if n > MOST:
             acted(effects, state, ledger, n, dt)
             n = 0
-        if any_meet(alone.upper, ends, half):
-            acted(effects, state, ledger, n, dt)
-            n = 0
-            joined_ends(effects, state, ledger, k, pair, dt)
-        else:
-            n = ends_met(alone.upper, state, n, pair, now, k, ends)
+        for end in range(meetings(alone.upper)):
+            if travelled < asleep[k, end]:
+                continue
+            near = gap(dx, dz, a, b, half, end)
+            if near[4] >= 1.0:
+                opened(listed, now, k, end)
+                asleep[k, end] = travelled + 0.5 * open_at_least(near[4])
+                continue
+            if near[4] < (1 - DEEP) ** 2:
+                return k
+            index[now, k, 3] = 1
+            if meets(alone.upper, end, near, half):
+                acted(effects, state, ledger, n, dt)
+                n = 0
+                if joined_ends(effects, state, ledger, k, pair, end, dt):
+                    return k
+                break
+            collect(state, n, pair, now, k, end, near, 1.0)
+            n += 1
     acted(effects, state, ledger, n, dt)
     return -1
 
