@@ -27,7 +27,8 @@ SHARE = 18  # of the contact, if ends are joined
 SPRING = 19  # its length, before and after
 # and found.
 FORCE, TORQUE, OTHER_TORQUE = 20, 22, 23  # on the first rod; angular accelerations
-LOST, RUB, RATE, SLIP = 24, 25, 26, 27  # for the ledger
+LOST, RUB = 24, 25  # normal force by dashpots and friction force, before and after
+NORMAL_LOSS, FRICTION_LOSS = 26, 27  # of this step
 NUMBERS = 28
 
 
@@ -45,14 +46,14 @@ def no_contacts() -> Batch:
 
 @kernel
 def get(numbers, what, c):
-    """A number of contact c."""
-    return numbers[what * SIZE + c]
+    """A number of contact c; without a sign, the place needs no check for one below zero."""
+    return numbers[np.uint64(what * SIZE + c)]
 
 
 @kernel
 def keep(numbers, what, c, value):
     """Put a number of contact c."""
-    numbers[what * SIZE + c] = value
+    numbers[np.uint64(what * SIZE + c)] = value
 
 
 @kernel
@@ -62,12 +63,21 @@ def kept_spring(springs, now, k, end):
 
 
 @kernel
+def past_losses(losses, numbers, n, now, k, end):
+    """Put the losses of the step before at place n."""
+    if losses is not None:
+        keep(numbers, LOST, n, losses[now, k, 2 * end])
+        keep(numbers, RUB, n, losses[now, k, 2 * end + 1])
+
+
+@kernel
 def collect(state, n, pair, now, k, end, near, share):
     """Put a contact at place n of the batch."""
     i, j, _, _, a, b = pair
     s, t, r_x, r_z, _ = near
     rods, before, (numbers, place) = state.rods, state.before, state.scratch.batch
-    place[n, 0], place[n, 1], place[n, 2], place[n, 3] = i, j, k, end
+    at = np.uint64(n)
+    place[at, 0], place[at, 1], place[at, 2], place[at, 3] = i, j, k, end
     keep(numbers, R, n, r_x)
     keep(numbers, R + 1, n, r_z)
     keep(numbers, ARM, n, s * a[0] - 0.5 * r_x)
@@ -79,6 +89,7 @@ def collect(state, n, pair, now, k, end, near, share):
         keep(numbers, SECOND + c, n, rods[j, C_X + c])
         keep(numbers, GAIN + c, n, before[i, c])
         keep(numbers, OTHER_GAIN + c, n, before[j, c])
+    past_losses(state.listed.losses, numbers, n, now, k, end)
     keep(numbers, SHARE, n, share)
     keep(numbers, SPRING, n, kept_spring(state.listed.springs, now, k, end))
 
@@ -96,13 +107,17 @@ def pair_friction(friction, numbers, c, overlap, force, slip, dt):
 
 
 @kernel
-def noted(ledger, numbers, c, found):
-    """Keep what the ledger needs."""
+def accounted(ledger, numbers, c, forces, velocities, dt):
+    """Half of this step's losses and half of the last one's, with the velocity between them.
+
+    `forces`: lost normal force and friction; `velocities`: opening rate and slip half a step ago.
+    """
     if ledger is not None:
-        keep(numbers, LOST, c, found[0])
-        keep(numbers, RUB, c, found[1])
-        keep(numbers, RATE, c, found[2])
-        keep(numbers, SLIP, c, found[3])
+        (lost, rub), (rate, slip) = forces, velocities
+        keep(numbers, NORMAL_LOSS, c, 0.5 * dt * rate * (lost + get(numbers, LOST, c)))
+        keep(numbers, FRICTION_LOSS, c, 0.5 * dt * slip * (rub + get(numbers, RUB, c)))
+        keep(numbers, LOST, c, lost)
+        keep(numbers, RUB, c, rub)
 
 
 @kernel
@@ -130,7 +145,7 @@ def contact(between, light, ledger, numbers, c, dt):
     rub = share * pair_friction(between.friction, numbers, c, overlap, force, seen, dt)
     lost = share * (between.normal.stiffness * overlap * sqrt(overlap) - force)
     force *= share
-    noted(ledger, numbers, c, (lost, rub, rate, slip))
+    accounted(ledger, numbers, c, (lost, rub), (rate, slip), dt)
     f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
     keep(numbers, FORCE, c, f_x)
     keep(numbers, FORCE + 1, c, f_z)
@@ -146,15 +161,23 @@ def spring_kept(springs, numbers, c, place):
 
 
 @kernel
-def accounted(ledger, kept, numbers, c, place, dt):
-    """Add half of this step's losses and half of the last one's, with the velocity between them."""
-    if ledger is not None:
+def losses_kept(losses, numbers, c, place):
+    """Keep the losses for the next step."""
+    if losses is not None:
         now, k, end = place
-        lost, rub = get(numbers, LOST, c), get(numbers, RUB, c)
-        rate, slip = get(numbers, RATE, c), get(numbers, SLIP, c)
-        ledger[PAIR_NORMAL] += 0.5 * dt * rate * (lost + kept[now, k, 2 * end])
-        ledger[PAIR_FRICTION] -= 0.5 * dt * slip * (rub + kept[now, k, 2 * end + 1])
-        kept[now, k, 2 * end], kept[now, k, 2 * end + 1] = lost, rub
+        losses[now, k, 2 * end] = get(numbers, LOST, c)
+        losses[now, k, 2 * end + 1] = get(numbers, RUB, c)
+
+
+@kernel
+def booked(ledger, numbers, count):
+    """Add the losses of this step."""
+    if ledger is not None:
+        normal, friction = ledger[PAIR_NORMAL], ledger[PAIR_FRICTION]
+        for c in range(count):
+            normal += get(numbers, NORMAL_LOSS, c)
+            friction -= get(numbers, FRICTION_LOSS, c)
+        ledger[PAIR_NORMAL], ledger[PAIR_FRICTION] = normal, friction
 
 
 @kernel(inline=False)
@@ -173,7 +196,8 @@ def act(between, light, total, batch, kept, ledger, count, dt):
         add(total, j, 0, (-f_x, -f_z, get(numbers, OTHER_TORQUE, c)))
         place = now, places[c, 2], places[c, 3]
         spring_kept(springs, numbers, c, place)
-        accounted(ledger, losses, numbers, c, place, dt)
+        losses_kept(losses, numbers, c, place)
+    booked(ledger, numbers, count)
 
 
 @kernel
