@@ -16,7 +16,6 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-import llvmlite.binding
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
 
@@ -86,9 +85,6 @@ class _Cache(FunctionCache):
             yield
         except OSError as error:
             _warn_once(f"compiled kernels cannot be kept in {directory()}: {error.strerror}")
-
-
-llvmlite.binding.set_option("", "-runtime-memory-check-threshold=200")
 
 
 def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable:

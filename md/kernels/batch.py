@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .codes import C_X, C_Z, OMEGA, PAIR_FRICTION, PAIR_NORMAL
+from .codes import C_X, PAIR_FRICTION, PAIR_NORMAL
 from .contact import Slip, add, normal_force, spring_friction, tangential_constants
 
-SIZE = 64  # contacts; a fixed number, so that the compiler knows how far apart numbers lie
+SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 4  # that may be there before a pair is looked at
 WIDTH = 4  # contacts that one instruction may hold, at most
 
@@ -202,7 +202,7 @@ def act(between, light, total, batch, kept, ledger, count, dt):
 
 @kernel
 def acted(effects, state, ledger, count, dt):
-    """The same for a row."""
+    """Add the accelerations by the contacts that are collected."""
     kept = state.listed.turn[0], state.listed.springs, state.listed.losses
     scratch, light = state.scratch, effects.alone.lightness
     act(effects.between, light, scratch.total, scratch.batch, kept, ledger, count, dt)

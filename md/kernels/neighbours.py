@@ -5,6 +5,9 @@ of an axis has moved by half of SKIN. A bound on that, the sum of the largest sp
 at every rod in every step. A periodic box repeats the closest points, not the centres: an entry is
 a pair with the image of its second rod, so that two rods of a short box may stand in the list
 several times, and a rod beside its own image.
+
+What cannot touch is not looked at: a pair and an end of a touching pair sleep until rods may have
+travelled half of their gap.
 """
 
 from typing import NamedTuple

@@ -24,7 +24,6 @@ from ..cache import kernel
 from .batch import MOST, Batch, acted, collect
 from .codes import (
     C_X,
-    C_Z,
     COSINE,
     DEEP,
     DONE,
@@ -33,7 +32,6 @@ from .codes import (
     FULL_RECORD,
     MEAN_X,
     NOT_FINITE,
-    OMEGA,
     PAIR_TOO_DEEP,
     PLATE_FRICTION,
     PLATE_NORMAL,
