@@ -455,12 +455,12 @@ def _annulus(scene: Scene, gap: Annulus, ledger: bool, touches: bool) -> Annulus
     random = np.random.default_rng(scene.start.seed)
     rods[:, VELOCITY:TURN] = scene.start.speed * random.uniform(-1, 1, (n, 3))
     pairs, springs = n * (n - 1) // 2, effects.between and effects.between.friction
-    rub = effects.friction, effects.inner and effects.inner.friction
+    rubs = effects.friction or (effects.inner and effects.inner.friction)
     record = new_record(n, 4096) if touches and effects.normal else None
     state = State(
         rods=rods,
         before=np.zeros((n, 6)),
-        springs=np.zeros((n, SLOTS, 3)) if any(f and f.spring for f in rub) else None,
+        springs=np.zeros((n, SLOTS, 3)) if rubs else None,
         pairs=no_pairs(n) if effects.between else None,
         pair_springs=np.zeros((pairs, PAIR_SLOTS, 3)) if springs else None,
         scratch=np.zeros((n, 6)),

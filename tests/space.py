@@ -71,8 +71,8 @@ class Rods:
 
     def __init__(self, scene, rods, dt=1e-4, kernel=march, watched=False):
         n, self.effects, self.dt, self.step, self.kernel = len(rods), scene, dt, 0, kernel
-        rubs = any(f and f.spring for f in (scene.friction, scene.inner and scene.inner.friction))
-        springs = np.zeros((n, SLOTS, 3)) if rubs else None
+        rubs = any(part and part.friction for part in (scene.inner, scene.outer))
+        springs = np.zeros((n, SLOTS, 3)) if rubs or scene.friction else None
         between = scene.between and np.zeros((max(n * (n - 1) // 2, 1), PAIR_SLOTS, 3))
         pairs = no_pairs(n) if scene.between else None
         lost, flat = np.zeros((ANNULUS_LEDGER, n, 6)), np.zeros((n, FLAT))

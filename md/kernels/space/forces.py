@@ -75,7 +75,8 @@ class State(NamedTuple):
 
     rods: np.ndarray  # (N, 12): columns PLACE to TURN of `codes`, in d, sqrt(g d), sqrt(g/d)
     before: np.ndarray  # (N, 6): accelerations of the step before, of the centre and of w
-    springs: np.ndarray | None  # (N, SLOTS, 3), d: of plate and walls
+    # (N, SLOTS, 3), d: of plate and walls; of a constraint the force at the upper cap, m g
+    springs: np.ndarray | None
     pairs: Pairs | None
     pair_springs: np.ndarray | None  # (pairs, PAIR_SLOTS, 3), d
     scratch: np.ndarray  # (N, 6): force and torque of a step, in m g and m g d

@@ -4,7 +4,7 @@ from math import sqrt
 
 from ...cache import kernel
 from ..codes import DIRECTOR, PLACE, PLATE_CAPS, PLATE_FRICTION, PLATE_NORMAL, TURN, VELOCITY
-from ..contact import ZERO, along, vector
+from ..contact import ZERO, along, put, vector
 from .forces import At, Rubbing, across, act, forget, lose, surface, tangential, turning
 from .geometry import UP, cross
 
@@ -39,9 +39,10 @@ def constraint_friction(compliance, slip, drive, limit, dt):
     `compliance`: xx, xy, yy of the accelerations by a force of one; `drive`: by all else.
     """
     x, y = stopping(compliance, slip[0] / dt + drive[0], slip[1] / dt + drive[1])
-    square = x * x + y * y
-    if square <= limit * limit:  # leaves no slip at the end of the step
-        return (x, y, 0.0), sqrt(square)
+    size, (u, v) = sqrt(x * x + y * y), stopping(compliance, drive[0], drive[1])
+    holds = sqrt(u * u + v * v)
+    if max(size, holds) <= limit:  # leaves no slip at the end of the step
+        return (x, y, 0.0), size
     speed, slides, a, b = sqrt(slip[0] * slip[0] + slip[1] * slip[1]), 0.0, 0.0, 0.0
     if speed > 0.0:
         a, b = slip[0] / speed, slip[1] / speed
@@ -50,28 +51,45 @@ def constraint_friction(compliance, slip, drive, limit, dt):
         slides = speed / (slower * dt) if speed < slower * dt else 1.0  # part of the step
     if slides == 1.0:
         return (-limit * a, -limit * b, 0.0), limit
-    x, y = stopping(compliance, drive[0], drive[1])  # then it sticks, or slips with the drive
-    rest = (1.0 - slides) * min(limit / max(sqrt(x * x + y * y), 1e-300), 1.0)
-    x, y = rest * x - slides * limit * a, rest * y - slides * limit * b
+    rest = (1.0 - slides) * min(limit / max(holds, 1e-300), 1.0)  # sticks, or slips with the drive
+    x, y = rest * u - slides * limit * a, rest * v - slides * limit * b
     return (x, y, 0.0), sqrt(x * x + y * y)
 
 
 @kernel
-def hold(friction, effects, state, i, s, touch, plate, dt):
-    """Add friction of the plate at place s of the axis if it is a constraint; the touch with it."""
+def hold(friction, effects, state, i, touch, plate, dt):
+    """Both touches with the plate's friction, which is added, if it is a constraint."""
     if friction is None:
         return touch
-    return held(friction.spring, friction.coefficient, effects, state, i, s, touch, plate, dt)
+    return held(friction.spring, friction.coefficient, effects, state, i, touch, plate, dt)
 
 
 @kernel
-def held(spring, coefficient, effects, state, i, s, touch, plate, dt):
-    """The same, of any friction."""
+def held(spring, coefficient, effects, state, i, touch, plate, dt):
+    """The same, of any friction.
+
+    What holds one end of a rod that lies turns the other: without the upper cap's force of the step
+    before, kept as its spring, the rod would creep.
+    """
     if spring is not None:
         return touch
+    (lower, upper), half, kept = touch, effects.half_length, ZERO
+    if lower[1].force > 0.0 and upper[1].force > 0.0:
+        kept = vector(state.springs[i], PLATE_CAPS + 1, 0)
+    act(state.scratch, i, upper[0], kept)
+    lower, _ = held_at(coefficient, effects, state, i, -half, lower, plate, dt)
+    act(state.scratch, i, upper[0], along(ZERO, -1.0, kept))
+    upper, f = held_at(coefficient, effects, state, i, half, upper, plate, dt)
+    put(state.springs[i], PLATE_CAPS + 1, 0, f)
+    return lower, upper
+
+
+@kernel
+def held_at(coefficient, effects, state, i, s, touch, plate, dt):
+    """Add a constraint's force at place s of the axis; the touch with it, and the force."""
     arm, rubbing, _ = touch
     if rubbing.force <= 0.0:
-        return touch
+        return touch, ZERO
     rods, total = state.rods, state.scratch
     director, w = vector(rods, i, DIRECTOR), vector(rods, i, TURN)
     moved = cross(w, director)
@@ -85,7 +103,7 @@ def held(spring, coefficient, effects, state, i, s, touch, plate, dt):
     f, size = constraint_friction((x[0], x[1], y[1]), slip, drive, limit, dt)
     act(total, i, arm, f)
     lose(state.lost, PLATE_FRICTION, i, arm, f)
-    return arm, rubbing, size
+    return (arm, rubbing, size), f
 
 
 @kernel
@@ -108,6 +126,4 @@ def on_plate(law, effects, state, i, plate, dt):
     lower, upper = at_cap(law, effects, state, i, -half, PLATE_CAPS, plate, dt), closed
     if half > 0.0:
         upper = at_cap(law, effects, state, i, half, PLATE_CAPS + 1, plate, dt)
-    lower = hold(effects.friction, effects, state, i, -half, lower, plate, dt)
-    upper = hold(effects.friction, effects, state, i, half, upper, plate, dt)
-    return lower, upper
+    return hold(effects.friction, effects, state, i, (lower, upper), plate, dt)
