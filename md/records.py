@@ -37,8 +37,8 @@ max_overlap                    deepest overlap, in d
 touches                        of a landing alone, in place of the five above: how many it has
 =============================  ===================================================================
 
-In an annulus x lies in the vertical plane through the rod's axis as the touch begins, horizontal and
-counter-clockwise around the annulus (`md.kernels.space.touches`); for an upright rod it is the
+In an annulus x lies in the vertical plane through the rod's axis as the touch begins, horizontally
+and counter-clockwise around the annulus (`md.kernels.space.touches`); for an upright rod it is the
 direction around the annulus itself. Velocities and spin are their parts in that plane.
 """
 
