@@ -62,7 +62,8 @@ def test_rods_that_lean_the_other_way_drift_the_other_way():
     assert found[0] > 0 > found[1]
 
 
-def test_the_ledger_closes_as_the_step_shrinks():
+@pytest.mark.parametrize("law", ["constant_restitution", "coulomb"])
+def test_the_ledger_closes_as_the_step_shrinks(law):
     """Residual over turnover: second order to a quarter, as in a row (`test_row_run`)."""
     found, lost = [], {}
     for size in (4e-4, 1e-4):
@@ -72,6 +73,7 @@ def test_the_ledger_closes_as_the_step_shrinks():
             "rods.rolling=true",
             "step.coarse=true",
         )
+        thrown += ("contacts.plate.tangential_ratio=none", f"contacts.plate.law={law}")
         lost = md.run(ring(*thrown, f"step.size={size}"), periods=3).energy
         found.append(abs(lost["residual"]) / sum(map(abs, lost.values())))
     assert all(value > 1e-3 for name, value in lost.items() if name not in ("change", "residual"))
