@@ -99,13 +99,10 @@ def _touches(r: Result) -> list[str]:
     mean = {name: pair["mean"] for name, pair in r.touches.items()}
     often = f"{mean['per_rod_and_period']:.3g} per rod and period"
     speed = f"V_z/V_0 = {mean['plate_velocity']:.3g}"
-    if "slide" in mean:  # touches are recorded one by one in a row alone
-        often += f": slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip "
-        often += (
-            f"reversal {mean['slip_reversal']:.0%}; pushed by others {mean['pushed_by_others']:.0%}"
-        )
-        speed += f", restitution {mean['restitution']:.3g}, flight {mean['flight_periods']:.3g}"
-        speed += f" and contact {mean['contact_periods']:.2g} periods"
+    often += f": slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip reversal "
+    often += f"{mean['slip_reversal']:.0%}; pushed by others {mean['pushed_by_others']:.0%}"
+    speed += f", restitution {mean['restitution']:.3g}, flight {mean['flight_periods']:.3g}"
+    speed += f" and contact {mean['contact_periods']:.2g} periods"
     return [labelled("touches", often), labelled("at touch", speed)]
 
 

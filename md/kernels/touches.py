@@ -1,4 +1,4 @@
-"""Every touch of the plate by every rod of a row, compiled: from the first force to the last.
+"""Every touch of the plate by every rod, compiled: from the first force to the last.
 
 A touch begins with the first step in which the plate presses the rod and ends with the first in
 which it no longer does. A row of the record holds what the theory of one impact needs, before and
