@@ -9,6 +9,7 @@ import md
 from md.__main__ import main
 from md.host import prepare
 from md.kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
+from md.kernels.touches import A_X, BEFORE, FLIGHT
 from md.placement import placed
 from md.result_text import result_text
 
@@ -78,6 +79,21 @@ def test_the_ledger_closes_as_the_step_shrinks():
     assert all(value > 1e-3 for name, value in lost.items() if name not in ("change", "residual"))
     assert np.log2(found[0] / found[1]) / 2 > 1.75, found
     assert found[0] < 2e-3, found
+
+
+@pytest.mark.parametrize("lean", [0, 1e-9, -1e-9, 0.1, -0.1])
+def test_a_touch_is_seen_in_the_plane_of_the_rod(lean):
+    """x leads around the annulus, for an upright rod as for one that leans either way."""
+    engine = prepare(ring("plate.acceleration=5", "rods.count=1", "start.speed=0"))
+    up = np.cos(lean)
+    engine.rods[0] = 1.9, 0, engine.plate_height + 2.1, 0, np.sin(lean), up, 0.1, 0.3, -1, 0, 0, 0
+    while not engine.record.count[0]:
+        engine.go(100)
+    touch = engine.record.rows[0]
+    assert touch[BEFORE] == pytest.approx(0.3, abs=1e-12)
+    assert touch[A_X] == pytest.approx(-1.5 * np.sin(lean), abs=1e-12)
+    assert np.isfinite(touch[:FLIGHT]).all()
+    assert np.abs(touch[BEFORE:]).max() < 20
 
 
 def axial(rods):
