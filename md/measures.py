@@ -6,7 +6,7 @@ of the plate, and over touches merged into one landing where less than `HOP` lie
 annulus has the lean along it besides.
 """
 
-from math import nan
+from math import inf, nan, pi
 from typing import Any
 
 import numpy as np
@@ -15,11 +15,21 @@ from .host import AnnulusEngine, Engine
 from .kernels import codes
 from .kernels import touches as columns
 from .kernels.codes import SLIDING, SLIP_REVERSAL, SLIP_STICK
+from .scene import Scene
 from .statistics import ratio, standard_error
 
 _PARTS = 64  # of a period
 HOP = 0.2  # periods; a shorter flight does not part two landings
 _MERGED = columns.WIDTH  # column behind those of a touch: how many touches a landing has
+
+
+def wedged_periods(scene: Scene) -> float:
+    """Periods without a touch after which a rod counts as wedged: 20 flights that begin at V_0.
+
+    Rods of rings that do not wedge, 23 to 56 rods, touch again within 6 such flights; of 54 rods
+    that wedged, 46 never did.
+    """
+    return 20 * max(scene.plate.acceleration / pi, 1.0) if scene.plate else inf
 
 
 def quantities(rows: np.ndarray, per: int, speed: float) -> dict[str, Any]:
@@ -226,7 +236,16 @@ class AnnulusTables(Tables):
             part = self.series.rows[first:periods]
             lean = np.degrees(part[:, codes.LEAN_SUM])
             found["annulus"] = {"lean_deg": self.quotient(lean, part[:, codes.SAMPLED])}
+            found["annulus"]["wedged"] = {"mean": self._wedged(), "stderr": nan}
         return found
+
+    def _wedged(self) -> float:
+        """Share of rods that have long not touched the plate at the end; nan without a record."""
+        engine = self.engine
+        if engine.record is None:
+            return nan
+        since = columns.since_touch(engine.record, engine.step)
+        return float((since > wedged_periods(engine.scene) * self.per).mean())
 
 
 def tables_of(engine: Engine, periods: int) -> Tables:

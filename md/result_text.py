@@ -6,6 +6,7 @@ from math import inf, isnan, sqrt
 from typing import TYPE_CHECKING, Any
 
 from .accuracy import in_words
+from .measures import wedged_periods
 from .scene import Scene, as_dict
 from .simulation import Result, finite
 from .soft_impact import Impact
@@ -116,6 +117,9 @@ def _cost(r: Result) -> list[str]:
     if r.scene.annulus is not None and r.periods < SETTLING:
         few = f"not equilibrated: an annulus needs {SETTLING} periods or more"
         lines += [labelled("warning", few)]
+    if r.annulus and (share := r.annulus["wedged"]["mean"]) > 0:
+        since = f"the plate for {wedged_periods(r.scene):.0f} periods"
+        lines += [labelled("warning", f"wedged: {share:.0%} of the rods have not touched {since}")]
     n, each = r.scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
     steps = f"{r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g) "
     rods = f"({n} rod{'s' * (n > 1)}, {r.steps_per_period} steps each) "

@@ -89,7 +89,8 @@ class Result:
         `measures.MEANS`, and touches per rod and period; None without a plate
     landings : those of `measures.OF_LANDINGS`, touches less than `measures.HOP` periods apart
         merged into one landing; None without a plate
-    annulus : mean lean along the annulus, `lean_deg`; None in a row
+    annulus : mean lean along the annulus, `lean_deg`, and the share of the rods that are wedged
+        between the walls at the end, `wedged`; None in a row
     turned : times that a rod fell past the horizontal, and passed the vertical
     phases : touches behind the transient in each of 64 equal parts of the plate's cycle, which
         begins where it rises through its mean height; empty without a plate

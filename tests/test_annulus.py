@@ -10,6 +10,8 @@ from md.__main__ import main
 from md.host import prepare
 from md.kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from md.kernels.touches import A_X, BEFORE, FLIGHT
+from md.placement import placed
+from md.result_text import result_text
 
 from .test_row_resume import bits
 
@@ -139,6 +141,26 @@ def test_the_command(capsys):
     assert main(["run", "annulus", *sets, "--periods", "3", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["annulus"]["lean_deg"]["mean"] is not None
     assert main(["run", "annulus", "--set", "contacts.wall=none"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("gravity", "gamma", "share"), [(-1, 3.3, 0.0), (-1, 0, 0.0), (0, 3.3, 1.0)]
+)
+def test_a_wedged_ring_is_reported(gravity, gamma, share):
+    """Rods that hang over the plate for good, as between walls that hold them."""
+    changes = f"gravity.z={gravity}", f"start.drop={gravity + 1}", "start.speed=0"
+    changes += (f"plate.acceleration={gamma}",)
+    result = md.run(ring(*changes), periods=24)
+    assert result.as_dict()["annulus"]["wedged"]["mean"] == share
+    said = "wedged: 100% of the rods have not touched the plate for 21 periods"
+    assert (said in result_text(result)) == (share == 1)
+
+
+def test_an_odd_ring_starts_tilted_as_an_even_one():
+    """It is no zig-zag all around: one rod stands between the walls, with more room beside it."""
+    gap = md.load("annulus").annulus
+    tilts = [np.arccos(placed(gap, count, 8.0)[:, 5]).mean() for count in (51, 52)]
+    assert tilts[0] > tilts[1] > 0.2
 
 
 def test_too_deep_in_a_wall_is_an_error():

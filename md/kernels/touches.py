@@ -61,6 +61,12 @@ def new_record(rods: int, capacity: int) -> Record:
     return Record(rows, np.zeros(1, np.int64), under_way, np.zeros((rods, WATCHED)))
 
 
+def since_touch(record: Record, step: int) -> np.ndarray:
+    """Steps since the last touch of each rod, or since the start; 0 of one that touches."""
+    left = np.nan_to_num(record.open[:, _LEFT])
+    return np.where(record.watch[:, WATCH_TOUCHED] > 0, 0, step - left)
+
+
 @kernel
 def full(record):
     """Whether the record might not hold another step."""
