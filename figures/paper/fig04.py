@@ -125,8 +125,9 @@ def _over_tilt(ax: Axes, d: Data) -> None:
     narrow = {"form": "^:", "both": True}
     curve(ax, d, "narrow_tilt", "narrow_c_x", GREEN, "gap for 53° at most", **narrow)
     for tilt in MAXIMA_DEG:
-        ax.axvline(tilt, color="0.5", lw=0.8, ls=":")
+        ax.axvline(tilt, 0, 0.6, color="0.5", lw=0.8, ls=":")  # up to the legend
     tilt_axis(ax, 0, 60)
+    ax.set_ylim(None, 1.4 * d["rolling_c_x"].max())
     ax.legend(fontsize=6.5)
 
 
