@@ -177,6 +177,15 @@ def test_numbers_find_what_was_put_in():
     assert values == pytest.approx(expected, abs=1e-9)
 
 
+def test_rolling_rods_are_compared_at_equal_numbers():
+    still = np.array([9.0, 4, 3, 5, 5])
+    d = {"count": np.array([56, 48, 44, 40, 36]), "still_tilt": np.array([9.0, 19, 23, 28, 34])}
+    d |= {"rolling": np.array([48, 44, 40]), "rolling_tilt": np.array([20.0, 24, 29])}
+    d |= {"still_c_x": still, "rolling_c_x": 2 * still[1:4]}
+    d |= {f"{name}_error": np.full_like(d[name], 1e-6) for name in d if name != "count"}
+    assert measure_annulus.S20_rolling(made_up(d))["faster"].value == pytest.approx(2)
+
+
 def test_a_region_is_said_to_appear_where_its_contrast_does():
     d = {"count": np.array([56, 50, 44]), "mean": np.array([10.0, 16, 24])}
     d |= {"zigzag": np.array([1, 0.8, 0.2]), "contrast": np.array([1.0, 3, 9])}
