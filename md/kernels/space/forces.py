@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...cache import kernel
+from ..batch import Batch
 from ..codes import (
     DIRECTOR,
     INNER,
@@ -34,7 +35,7 @@ from ..contact import (
     tangential_constants,
     vector,
 )
-from .geometry import NEARER, UP, beyond, cross, dot, from_axis, passes, rise
+from .geometry import NEARER, UP, beyond, cross, dot, from_axis, passes, rise, times
 
 
 class Wall(NamedTuple):
@@ -68,6 +69,7 @@ class Pairs(NamedTuple):
     asleep: np.ndarray  # (N (N - 1)/2,), d: until so much was travelled, the entry cannot touch
     touched: np.ndarray  # (N (N - 1)/2,)
     travelled: np.ndarray  # (1,), d: how far any rod may have moved since the list was made
+    batch: Batch  # contacts of a step
 
 
 class State(NamedTuple):
@@ -214,44 +216,51 @@ def spring_friction(constants, limit, length, stretched, slip, dt):
     Vectors; `stretched` is the `length` after the slip of a step.
     """
     k, g = constants
-    f = along(along(ZERO, -k, stretched), -g, slip)
+    f = along(times(-k, stretched), -g, slip)
     square = dot(f, f)
     if square <= limit * limit:
         return f, sqrt(square), stretched
-    f = along(ZERO, limit / sqrt(square), f)
+    f = times(limit / sqrt(square), f)
     relaxed = 1.0 / (g + k * dt)
-    return f, limit, along(along(ZERO, g * relaxed, length), -dt * relaxed, f)
+    return f, limit, along(times(g * relaxed, length), -dt * relaxed, f)
 
 
 @kernel
 def friction_force(friction, effects, bodies, springs, at, rubbing, dt):
-    """Friction force between a fixed surface and a body, or on the first of two, and its size.
+    """Friction force between a fixed surface and a body, and its size.
 
-    `bodies`: arm and director of each; `at`: where the contact's spring is kept.
+    `bodies`: arm and director; `at`: where the contact's spring is kept. None where friction is a
+    constraint, which comes later (`plate.held`).
     """
     if friction is None:
         return ZERO, 0.0
-    return sprung(friction.spring, friction.coefficient, effects, bodies, springs, at, rubbing, dt)
+    return sprung(friction.spring, friction, effects, bodies, springs, at, rubbing, dt)
 
 
 @kernel
-def sprung(spring, coefficient, effects, bodies, springs, at, rubbing, dt):
-    """The same; none where friction is a constraint, which comes later (`plate.held`)."""
+def sprung(spring, friction, effects, bodies, springs, at, rubbing, dt):
+    """The same, of any friction."""
     if spring is None:
         return ZERO, 0.0
-    n, row, place = rubbing.normal, at[0], at[1]
-    length = tangential(vector(springs[row], place, 0), n)
+    own = springs[at[0]]
+    f, size, length = spring_force(friction, effects, bodies, vector(own, at[1], 0), rubbing, dt)
+    put(own, at[1], 0, length)
+    return f, size
+
+
+@kernel
+def spring_force(friction, effects, bodies, length, rubbing, dt):
+    """Friction force on the first of one or two bodies, its size and the spring's new length."""
+    n = rubbing.normal
+    length = tangential(length, n)
     stretched = along(length, dt, tangential(rubbing.half, n))
     square, light, turned = dot(stretched, stretched), 1.0 * len(bodies), 0.0
     for arm, director in bodies:
         turned += inverse(effects.rolling, effects.lightness, arm, director, stretched)
     mass = square / (light * square + turned) if square > 0.0 else 1.0 / light
-    slip = tangential(rubbing.now, n)
-    constants = tangential_constants(spring, rubbing.overlap, mass)
-    limit = coefficient * rubbing.force
-    f, size, length = spring_friction(constants, limit, length, stretched, slip, dt)
-    put(springs[row], place, 0, length)
-    return f, size
+    constants = tangential_constants(friction.spring, rubbing.overlap, mass)
+    limit = friction.coefficient * rubbing.force
+    return spring_friction(constants, limit, length, stretched, tangential(rubbing.now, n), dt)
 
 
 @kernel
@@ -259,7 +268,7 @@ def surface(normal, friction, effects, state, i, at, dt):
     """Add what a fixed surface does to rod i at the place `at`; the arm, `Rubbing`, F_t's size."""
     overlap = max(0.5 - at.reach, 0.0)  # a rounding may have told a touch
     director = vector(state.rods, i, DIRECTOR)
-    arm = along(along(ZERO, at.s, director), -at.reach, at.out)
+    arm = along(times(at.s, director), -at.reach, at.out)
     v = along(moving(effects, state, i, director, arm), -at.climb, UP)
     now = along(v, dt / 2, gaining(effects, state, i, director, arm))
     mass = 1.0 / (1.0 + across_normal(effects.lightness, at.s, director, at.out))
@@ -268,7 +277,7 @@ def surface(normal, friction, effects, state, i, at, dt):
     f, size = friction_force(friction, effects, bodies, state.springs, (i, at.slot), rubbing, dt)
     act(state.scratch, i, arm, along(f, force, at.out))
     elastic = at.share * normal.stiffness * overlap * sqrt(overlap)
-    lose(state.lost, at.kind, i, arm, along(ZERO, force - elastic, at.out))
+    lose(state.lost, at.kind, i, arm, times(force - elastic, at.out))
     lose(state.lost, at.kind + 1, i, arm, f)
     lifted(state.lost, i, force, elastic, at.climb)
     return arm, rubbing, size
@@ -337,5 +346,5 @@ def beside(wall, effects, state, i, s, dt):
 @kernel
 def attracted(state, i, s, normal, force):
     """Add a force along a normal at place s of the axis of rod i."""
-    arm = along(ZERO, s, vector(state.rods, i, DIRECTOR))
-    act(state.scratch, i, arm, along(ZERO, force, normal))
+    arm = times(s, vector(state.rods, i, DIRECTOR))
+    act(state.scratch, i, arm, times(force, normal))

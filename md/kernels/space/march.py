@@ -36,7 +36,7 @@ from ..contact import ZERO, Clock, along, plate_at, put, vector
 from ..neighbours import too_fast
 from ..touches import full
 from .forces import across, at_caps, at_inner, settle, turning
-from .geometry import cross, dot, from_above
+from .geometry import cross, dot, from_above, times
 from .pairs import between_rods
 from .plate import on_plate, waits
 from .touches import recorded_in_space
@@ -155,7 +155,7 @@ def march(effects, state, watchers, clock, steps):
             )  # fmt: skip
             director = vector(rods, i, DIRECTOR)
             gain_c = vector(total, i, 0)
-            gain_w = across(rolling, along(ZERO, effects.lightness, vector(total, i, 3)), director)
+            gain_w = across(rolling, times(effects.lightness, vector(total, i, 3)), director)
             c, w = vector(rods, i, VELOCITY), vector(rods, i, TURN)
             spin = turning(rolling, along(w, dt / 2, gain_w), director)
             settle(watchers.ledger, state.lost, i, along(c, dt / 2, gain_c), spin, dt)

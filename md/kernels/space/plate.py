@@ -6,7 +6,7 @@ from ...cache import kernel
 from ..codes import DIRECTOR, PLACE, PLATE_CAPS, PLATE_FRICTION, PLATE_NORMAL, TURN, VELOCITY
 from ..contact import ZERO, along, put, vector
 from .forces import At, Rubbing, across, act, forget, lose, surface, tangential, turning
-from .geometry import UP, cross
+from .geometry import UP, cross, times
 
 
 @kernel
@@ -20,7 +20,7 @@ def waits(friction):
 @kernel
 def gained(effects, arm, director, force, torque):
     """Acceleration of a point of the rod by force and torque, but for that towards the centre."""
-    alpha = across(effects.rolling, along(ZERO, effects.lightness, torque), director)
+    alpha = across(effects.rolling, times(effects.lightness, torque), director)
     return along(force, 1.0, cross(turning(effects.rolling, alpha, director), arm))
 
 
@@ -78,7 +78,7 @@ def held(spring, coefficient, effects, state, i, touch, plate, dt):
         kept = vector(state.springs[i], PLATE_CAPS + 1, 0)
     act(state.scratch, i, upper[0], kept)
     lower, _ = held_at(coefficient, effects, state, i, -half, lower, plate, dt)
-    act(state.scratch, i, upper[0], along(ZERO, -1.0, kept))
+    act(state.scratch, i, upper[0], times(-1.0, kept))
     upper, f = held_at(coefficient, effects, state, i, half, upper, plate, dt)
     put(state.springs[i], PLATE_CAPS + 1, 0, f)
     return lower, upper
