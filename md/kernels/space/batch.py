@@ -15,7 +15,7 @@ from .geometry import cross, dot, times
 S, T, R, SHARE = 0, 1, 2, 5  # places on both axes; vector from the second to the first
 SPRING = 6  # before and after
 FIRST, SECOND = 9, 24  # of each rod: director, velocity, w, and both accelerations
-GIVEN, STATE, GAIN = 39, 9, 6  # columns of a rod and of what it gained
+STATE, GAIN = 9, 6  # columns of a rod and of what it gained
 # and found: force, torques on the first and the second rod; of all, and of what takes off energy.
 FORCE, NORMAL_LOST, FRICTION_LOST = 39, 48, 57
 NUMBERS = 66
@@ -55,22 +55,26 @@ def spring_kept(springs, numbers, c, number, slot):
 
 
 @kernel
+def given_rod(state, numbers, what, n, i):
+    """Put a rod at place n."""
+    for c in range(STATE):
+        keep(numbers, what + c, n, state.rods[i, DIRECTOR + c])
+    for c in range(GAIN):
+        keep(numbers, what + STATE + c, n, state.before[i, c])
+
+
+@kernel
 def collect(state, n, pair, near, share, slot):
     """Put a contact at place n of the batch; the number of contacts then."""
-    rods, before, (numbers, place) = state.rods, state.before, state.pairs.batch
-    at, i, j = np.uint64(n), pair.i, pair.j
-    place[at, 0], place[at, 1], place[at, 2], place[at, 3] = i, j, pair.number, slot
+    (numbers, place), at = state.batch, np.uint64(n)
+    place[at, 0], place[at, 1], place[at, 2], place[at, 3] = pair.i, pair.j, pair.number, slot
     keep(numbers, S, n, near.s)
     keep(numbers, T, n, near.t)
     keep_three(numbers, R, n, near.gap)
     keep(numbers, SHARE, n, share)
     given_spring(state.pair_springs, numbers, n, pair.number, slot)
-    for c in range(STATE):
-        keep(numbers, FIRST + c, n, rods[i, DIRECTOR + c])
-        keep(numbers, SECOND + c, n, rods[j, DIRECTOR + c])
-    for c in range(GAIN):
-        keep(numbers, FIRST + STATE + c, n, before[i, c])
-        keep(numbers, SECOND + STATE + c, n, before[j, c])
+    given_rod(state, numbers, FIRST, n, pair.i)
+    given_rod(state, numbers, SECOND, n, pair.j)
     return n + 1
 
 
@@ -85,8 +89,8 @@ def moves(rolling, numbers, rod, c, arm):
 
 
 @kernel
-def pair_friction(friction, effects, bodies, numbers, c, rubbing, dt):
-    """Friction force between two rods."""
+def friction_force(friction, effects, bodies, numbers, c, rubbing, dt):
+    """Friction force of contact c."""
     if friction is None:
         return 0.0, 0.0, 0.0
     length = three(numbers, SPRING, c)
@@ -118,7 +122,7 @@ def contact(between, effects, lost, numbers, c, dt):
     turned = across_normal(light, s, a, normal) + across_normal(light, t, b, normal)
     force = normal_force(between.normal, overlap, dot(now, normal), 1.0 / (2.0 + turned), dt)
     rubbing, bodies = Rubbing(normal, overlap, force, v, now), ((p, a), (q, b))
-    rub = pair_friction(between.friction, effects, bodies, numbers, c, rubbing, dt)
+    rub = friction_force(between.friction, effects, bodies, numbers, c, rubbing, dt)
     share = get(numbers, SHARE, c)
     found(numbers, FORCE, c, (p, q), times(share, along(rub, force, normal)))
     force -= between.normal.stiffness * overlap * sqrt(overlap)
@@ -149,7 +153,7 @@ def lost_by_both(lost, i, j, numbers, c):
 @kernel(inline=False)
 def acted(between, effects, state, count, dt):
     """Add what the first contacts of the batch do; none is left."""
-    (numbers, place), lost = state.pairs.batch, state.lost
+    (numbers, place), lost = state.batch, state.lost
     for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # the last ones are idle
         contact(between, effects, lost, numbers, c, dt)
     for c in range(count):

@@ -18,7 +18,7 @@ from ..codes import (
 )
 from ..contact import add, along, put, vector
 from ..joints import joint
-from .batch import acted, collect, no_contacts
+from .batch import acted, collect
 from .forces import Pairs, forget
 from .geometry import NEARER, at_end, between_ends, cross, dot, gap_vector, rise, times
 
@@ -29,9 +29,9 @@ SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a con
 class Pair(NamedTuple):
     """Two rods."""
 
-    i: int
-    j: int
-    number: int  # of the pair: row of its springs
+    i: np.uint64
+    j: np.uint64
+    number: np.uint64  # of the pair: row of its springs
     a: tuple[float, float, float]  # director of the first
     b: tuple[float, float, float]
 
@@ -50,7 +50,7 @@ def no_pairs(rods: int) -> Pairs:
     most = max(rods * (rods - 1) // 2, 1)
     return Pairs(
         np.zeros(1, np.int64), np.zeros((most, 3), np.int64), np.zeros(most),
-        np.zeros(most, np.int8), np.full(1, np.inf), no_contacts(),
+        np.zeros(most, np.int8), np.full(1, np.inf),
     )  # fmt: skip
 
 

@@ -3,18 +3,10 @@
 from math import sqrt
 
 from ...cache import kernel
-from ..codes import DIRECTOR, PLACE, PLATE_CAPS, PLATE_FRICTION, PLATE_NORMAL, TURN, VELOCITY
+from ..codes import DIRECTOR, PLACE, PLATE_CAPS, PLATE_FRICTION, TURN, VELOCITY
 from ..contact import ZERO, along, put, vector
 from .forces import At, Rubbing, across, act, forget, lose, surface, tangential, turning
 from .geometry import UP, cross, times
-
-
-@kernel
-def waits(friction):
-    """Whether friction is a constraint: it needs all other forces on the rod."""
-    if friction is None:
-        return False
-    return friction.spring is None
 
 
 @kernel
@@ -113,7 +105,7 @@ def at_cap(law, effects, state, i, s, slot, plate, dt):
     if reach >= 0.5:
         forget(state.springs, i, slot)
         return ZERO, Rubbing(UP, 0.5 - reach, 0.0, ZERO, ZERO), 0.0
-    at = At(s, reach, UP, plate[1], 1.0, slot, PLATE_NORMAL)
+    at = At(s, reach, UP, plate[1], 1.0, slot)
     return surface(law, effects.friction, effects, state, i, at, dt)
 
 
