@@ -15,17 +15,15 @@ from matplotlib.axes import Axes
 
 from impact import drift, flat_ended_rod, spherocylinder, thin_rod
 
-from ..lib.style import BLACK, BLUE, GREEN, RED, SHAPES, Data, painted, style, tilt_axis
+from ..lib.style import ARROW, BLACK, BLUE, GREEN, RED, SHAPES, Data, painted, style, tilt_axis
 
+LENGTH, FRICTION, RESTITUTION = 8.0, 0.3, 0.65
 OBSERVED_DEG = 8.0  # experiment: flat-ended rods drift only above this tilt
-ARROW = {"arrowstyle": "->", "lw": 0.6}
 IN_RED = {"va": "center", "color": RED, "arrowprops": {**ARROW, "color": RED}}
 _KINDS = (("thin", BLACK, "-."), ("round", BLUE, "-"), ("flat", RED, "-"))
 
 
-def data(
-    quick: bool = False, friction: float = 0.3, restitution: float = 0.65, length: float = 8.0
-) -> Data:
+def data(quick: bool = False) -> Data:
     """Drift in units of V_z, over tilt [rad] and over length; lengths in diameters."""
     n = 61 if quick else 601
     # The sign of a zero tilt says which edge of a flat end touches: both are there, in a row.
@@ -33,17 +31,17 @@ def data(
     tilt, fixed, lengths = np.radians(tilt_deg), np.radians(15), np.geomspace(1, 20, n)
 
     def c_x(rod):
-        return drift(rod, friction=friction, restitution=restitution).c_x
+        return drift(rod, friction=FRICTION, restitution=RESTITUTION).c_x
 
     return {
-        "friction": np.float64(friction),
-        "restitution": np.float64(restitution),
-        "length": np.float64(length),
+        "friction": np.float64(FRICTION),
+        "restitution": np.float64(RESTITUTION),
+        "length": np.float64(LENGTH),
         "tilt": tilt,
         "thin": c_x(thin_rod(tilt)),
-        "round": c_x(spherocylinder(tilt, length)),
-        "flat": c_x(flat_ended_rod(tilt, length)),
-        "flat_threshold": np.arctan(1 / length),
+        "round": c_x(spherocylinder(tilt, LENGTH)),
+        "flat": c_x(flat_ended_rod(tilt, LENGTH)),
+        "flat_threshold": np.arctan(1 / LENGTH),
         "fixed_tilt": np.float64(fixed),
         "lengths": lengths,
         "thin_by_length": np.full(n, c_x(thin_rod(fixed))),
