@@ -72,7 +72,7 @@ def draw(d: Data) -> plt.Figure:
     name_panels(axes.flat, [rf"$\phi={tilt:g}$°" for tilt in d["nominal_deg"]] * 2)
     for above, below in axes.T:
         above.set_yscale("symlog", linthresh=FLOOR_CM_S)
-        above.set(xlabel=r"$\Gamma$", yticks=[-1, -0.1, -0.01, 0, 0.01, 0.1, 1, 10])
+        above.set(xlabel=r"acceleration $\Gamma$", yticks=[-1, -0.1, -0.01, 0, 0.01, 0.1, 1, 10])
         above.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
         below.axhline(0, color="0.6", lw=0.6)
         below.set(xlabel=r"acceleration $\Gamma$")
