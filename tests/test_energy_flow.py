@@ -74,18 +74,15 @@ def test_touches_tell_who_gave_the_momentum(followed):
     rod, begun = rows[:, touches.ROD].astype(int), rows[:, touches.STEP].astype(int)
     ended, free = begun + rows[:, touches.DURATION].astype(int), rows[:, touches.PUSHED] == 0
     assert 0.1 < free.mean() < 0.9
-    plate, neighbours = (
-        given[ended, rod] - given[begun, rod] for given in (followed.plate, followed.neighbours)
-    )
+    both = followed.plate, followed.neighbours
+    plate, neighbours = (given[ended, rod] - given[begun, rod] for given in both)
     np.testing.assert_allclose(gained["free"], np.where(free, plate, 0), **CLOSE)
     np.testing.assert_allclose(neighbours[free], 0, **CLOSE)
     np.testing.assert_allclose(gained["pushed"], np.where(free, 0, plate + neighbours), **CLOSE)
     assert np.abs(neighbours[~free]).max() > 0.01
     last = np.flatnonzero(np.diff(rod) == 0)
-    plate, neighbours = (
-        given[begun[last + 1], rod[last]] - given[ended[last], rod[last]]
-        for given in (followed.plate, followed.neighbours)
-    )
+    start, end, rod = ended[last], begun[last + 1], rod[last]
+    plate, neighbours = (given[end, rod] - given[start, rod] for given in both)
     np.testing.assert_allclose(plate, 0, **CLOSE)
     np.testing.assert_allclose(gained["aloft"][last + 1], neighbours, **CLOSE)
 
