@@ -329,7 +329,7 @@ def _of_run(point: Point) -> dict:
     done = run(point.scene, **point.length)
     if not done.finished:
         raise KeyboardInterrupt
-    if done.accuracy and done.accuracy.state == "not reached":
+    if done.accuracy and done.accuracy.state != "reached":
         raise RunError(" ".join(" ".join(in_words(done)).split()))
     found = done.as_dict() | {"phases": done.phases}
     del found["scene"]
