@@ -285,10 +285,11 @@ def calibrate(
     out: str | None,
     periods: int | None,
 ) -> None:
-    """Measure the step's bias, for --tolerance: of SCENE, or of all (30 min).
+    """Measure the step's bias, of SCENE or of all (an hour).
 
-    SCENE is a TOML file or the name of an example. Of a scene that the shipped calibration does not
-    cover, this takes minutes; runs made are kept in --store (default: beside FILE, ending in .db).
+    SCENE is a TOML file, or the name of an example, that the calibration in use does not cover:
+    this takes minutes, and --tolerance needs no second run for the bias then. Runs made are kept in
+    --store (default: beside FILE, ending in .db).
 
     \b
     python -m md calibrate mine.toml --out mine.json

@@ -9,7 +9,8 @@ both by hand to what `md.sources.digest(annulus=...)` gives; after any other edi
 A scene of your own, for `md.run(scene, tolerance=..., calibration=...)`:
 
 >>> import md
->>> found = md.calibration.of_scene(md.load("my_rods"), "mine.db", periods=400)
+>>> scene = md.load("my_rods", ["rods.count=10", "box.length_cm=7.5"])
+>>> found = md.calibration.of_scene(scene, "mine.db", periods=400)
 >>> md.calibration.write("mine.json", found)
 """
 
@@ -299,6 +300,12 @@ def of_annuli(
     }
 
 
+def _own_sweep(scene: Scene, periods: int) -> Sweep:
+    """Steps and starts of one scene."""
+    fewest = FIRST_LOOK * slower(scene.annulus is not None)
+    return sweep([scene], whole("periods", periods, fewest, simulation.MOST_PERIODS))
+
+
 def of_scene(
     scene: Scene, store: str | Path, *, periods: int = OWN_PERIODS, progress: bool = False
 ) -> dict[str, Any]:
@@ -320,11 +327,9 @@ def of_scene(
     RunError
         If a run fails or does not settle, or the drift cannot be told from none.
     """
-    fewest = FIRST_LOOK * slower(scene.annulus is not None)
-    periods = whole("periods", periods, fewest, simulation.MOST_PERIODS)
     order, order_error = OWN_ORDER
     known = {"order": order, "order_error": order_error, "ratio": FLAT, "growth_deg": FLAT}
-    drift, error = drifts(sweep([scene], periods), store, progress, strict=True)
+    drift, error = drifts(_own_sweep(scene, periods), store, progress, strict=True)
     if not in_one_state(drift, error).all():
         raise RunError(
             f"the drift is too small to calibrate: {drift[0, -1]:.2g} +- {error[0, -1]:.1g}"
@@ -344,7 +349,7 @@ def of_scene(
 
 def seconds_of(scene: Scene, periods: int = OWN_PERIODS) -> float:
     """Processor seconds that `of_scene` takes; a short run is timed."""
-    first, *_ = sweep([scene], 1).points
+    first, *_ = _own_sweep(scene, periods).points
     simulation.run(first.scene, periods=1, ledger=False)  # compiles
     timed = simulation.run(first.scene, periods=20, ledger=False)
     return timed.run_seconds / 20 * periods * len(SEEDS) * sum(STEPS) / STEPS[0]

@@ -206,7 +206,8 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
         with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
         about = json.loads(str(arrays.pop("about")))
-        other = [key for key, value in mine.items() if about.pop(key, None) != value]
+        about.setdefault("but_step", "")  # older ones have none
+        other = [key for key, value in mine.items() if about.pop(key) != value]
     except OSError as error:
         raise InputError(f"checkpoint {path} cannot be read: {error}") from None
     except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):

@@ -11,6 +11,7 @@ from scipy.stats import t as student
 import md
 from md import accuracy, bias, plans
 from md.__main__ import main
+from md.result_text import result_text
 from md.scene import _parsed, put, read_tables
 from md.statistics import standard_error
 from md.store import Store, table
@@ -317,6 +318,44 @@ def test_the_command_has_two_ends(capsys, monkeypatch):
     assert (found["finished"], found["accuracy"]["state"]) == (True, "not reached")
     assert found["periods"] < 5000
     assert found["accuracy"]["needed_seconds"] > 0.05
+
+
+def test_a_run_that_does_not_settle_ends_as_one_that_is_not_reached(capsys, monkeypatch):
+    calibrated(monkeypatch)
+    monkeypatch.setattr(accuracy, "settled", lambda series, first: None)
+    asked = ["run", "quasi2d", *SMALL, "--tolerance", "0.5", "--max-seconds", "1"]
+    assert main(asked) == 4
+    out = capsys.readouterr().out
+    assert "accuracy     NOT SETTLED" in out
+    assert "the drift still trends" in out
+    assert main([*asked, "--json"]) == 4
+    found = json.loads(capsys.readouterr().out)
+    assert (found["settled"], found["accuracy"]["state"]) == (False, "not settled")
+
+
+@pytest.mark.parametrize(("slope", "periods"), [(0, 124), (0, 123), (1, 200)])
+def test_a_run_says_whether_its_drift_trends(slope, periods):
+    """Without a tolerance: behind a fifth, if there are 100 periods; in JSON and in a line."""
+    noise = 0.01 * np.random.default_rng(9).normal(size=periods)
+    result = md.run(row(), periods=2)
+    series = noise + slope * np.linspace(0, 1, periods)
+    result = replace(result, c_x_series=series, periods=periods, discarded=periods // 5)
+    expected = None if periods == 123 else slope == 0
+    assert result.as_dict()["settled"] is expected
+    assert ("not settled: the drift still trends" in result_text(result)) == (expected is False)
+
+
+@pytest.mark.slow
+def test_an_annulus_is_seen_to_settle():
+    """The one that ships: 600 periods trend behind a fifth, and not behind what is left out."""
+    scene = md.load("annulus", ["start.seed=3"])
+    step = md.Step(bias.steps_per_contact(scene, 1.0) / 16, coarse=True)
+    result = md.run(replace(scene, step=step), periods=1500)
+    short = replace(result, c_x_series=result.c_x_series[:600], discarded=120)
+    assert short.settled is False
+    found = accuracy.interval([result.c_x_series], annulus=True)
+    assert found.settled
+    assert found.mean == pytest.approx(0.139, rel=0.02)
 
 
 def test_the_plan_is_told_and_not_run(capsys, monkeypatch):
