@@ -177,6 +177,7 @@ def run(
     python -m md run quasi2d --periods 200
     python -m md run quasi2d --tolerance 0.01         # until the drift is within 1 % of its value
     python -m md run quasi2d --tolerance 0.01 --plan  # what that takes
+    python -m md run annulus --tolerance 0.03 --workers 2  # of two arrangements of the rods
     python -m md run my_rods --set rods.length_cm=4 --set plate.amplitude_cm=0.03
     python -m md run quasi2d --set plate.acceleration=2 --set contacts.plate.law=coulomb --json
     python -m md run quasi2d --set contacts.plate.law=appendix_a --set contacts.plate.restitution=none

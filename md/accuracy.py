@@ -47,12 +47,10 @@ PER_FREEDOM = 30  # periods that tell as much of a standard error as one indepen
 # Chance below which starts that differ are in different states, of rows and of annuli, where each
 # start has an arrangement of its own.
 UNLIKELY = 1e-3, 5e-2
-NOTHING = 1e-6  # of the plate's peak velocity: a slower drift is none
 UNSETTLED = 1.5  # growth of a run that has not settled
 PATIENCE = 0.3  # seconds after which one of several starts asks again
 SEED_GAP = 10**6  # between the seeds of starts
 IN_PLACE = 3.0  # tolerances that a bias is measured to
-CALIBRATE = "calibrate SCENE --out FILE, and --calibration FILE: bias measured once, for all runs"
 ORDER = 2.0  # of the bias, where it is measured: at twice the step it is 2^ORDER times as large
 
 
@@ -392,51 +390,3 @@ def _accuracy(goal: _Goal, finer: Choice, result: Result, spent: float = 0.0) ->
         needed_seconds=spent + goal.needed,
         next_digit_seconds=seconds * dearer * longer,
     )
-
-
-def in_words(result: Result) -> list[str]:
-    """Lines on step and error of a run with a tolerance, and on the price of the next digit."""
-    a, unit = result.accuracy, result.scene.cm_per_s
-    if a is None:
-        return []
-    verdict = f"accuracy     {a.state if a.state == 'reached' else a.state.upper()}"
-    if not isfinite(a.error):
-        return [f"{verdict}: ended too early to tell the error"]
-    if abs(result.c_x) + a.error < NOTHING * result.scene.plate_speed:
-        return [f"{verdict}: nothing drifts; c_x is below {NOTHING:g} of the plate's velocity"]
-    size = max(abs(result.c_x), a.floor)
-    of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
-    known = "calibrated" if not a.outside else f"measured in place: {'; '.join(a.outside)}"
-    taken = f"{a.bias / size:+.2g} +- {a.bias_error / size:.1g} is taken off ({known})"
-    lines = [
-        f"{verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within {a.error:.2g} sqrt(g d) = "
-        f"{a.error * unit:.2g} cm/s, {a.error / size:.2g} of it, at {a.confidence:.4g} confidence",
-        f"step         dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact; its bias "
-        f"{taken}; the statistical error is {a.statistical / size:.2g}",
-    ]
-    if a.outside:
-        lines.append(f"             {CALIBRATE}")
-    annulus = result.scene.annulus is not None
-    if a.starts > 1:
-        lines.append(
-            f"starts       {a.starts}, {a.made} periods in all, for c_x; all else is of the first"
-        )
-        if a.chance < UNLIKELY[annulus]:
-            lines.append(
-                "             they differ: the scene has several states; their scatter counts"
-            )
-    elif annulus:
-        lines.append(
-            "starts       1: the error is about its arrangement of rods; --workers pools more"
-        )
-    if a.state == "not settled":
-        lines.append("             the drift still trends; the error is the change that is seen")
-    if a.state == "not reached":
-        never = "the bias alone is known no better"
-        takes = f"this would take about {a.needed_seconds:.3g} s of run time"
-        lines.append(f"             {takes if isfinite(a.needed_seconds) else never}")
-    if a.error / size > a.tolerance / 10 and isfinite(a.next_digit_seconds):
-        lines.append(
-            f"next digit   {a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
-        )
-    return lines

@@ -5,7 +5,7 @@ from itertools import combinations, count
 from math import inf, isnan, sqrt
 from typing import TYPE_CHECKING, Any
 
-from .accuracy import in_words
+from .plans import in_words
 from .scene import Scene, as_dict
 from .simulation import Result, finite
 from .soft_impact import Impact

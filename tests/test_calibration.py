@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import md
-from md import accuracy, bias, calibration
+from md import accuracy, bias, calibration, plans
 from md.__main__ import main
 from md.scene import _parsed, from_tables, put
 
@@ -144,7 +144,7 @@ def test_an_annulus_runs_to_a_tolerance(monkeypatch):
     assert result.periods >= 2 * accuracy.FIRST_LOOK
     found = accuracy.interval([result.c_x_series], annulus=True)
     assert result.accuracy.statistical == found.half
-    words = " ".join(accuracy.in_words(result))
+    words = " ".join(plans.in_words(result))
     assert "about its arrangement of rods" in words
 
 
