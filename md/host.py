@@ -13,6 +13,7 @@ import numpy as np
 
 from .errors import InputError, RunError
 from .kernels import plane
+from .kernels.batch import no_contacts
 from .kernels.codes import (
     ANNULUS_SERIES,
     C_X,
@@ -282,7 +283,7 @@ class RowEngine(Engine):
         }
         found = np.zeros((longer["index"].shape[1], 3), np.int64)
         self.state = self.state._replace(
-            listed=self.state.listed._replace(**longer),
+            listed=self.state.listed._replace(asleep=np.zeros((len(found), 5)), **longer),
             scratch=self.state.scratch._replace(found=found),
         )
 
@@ -376,18 +377,18 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
     law, friction = (plate.law, plate.friction) if plate else (None, 0.0)
     motion = plate_motion(scene, per)
     alone = effects_of(_rod(scene), law, friction, gravity, motion)
-    between, listed, place, found = _forces(pair), None, None, None
+    between, listed, place, found, batch = _forces(pair), None, None, None, None
     if between is not None:
         capacity = 8 * n + 56
         listed = nothing_listed(n, capacity, between.friction is not None, ledger)
-        place, found = np.zeros(n), np.zeros((capacity, 3), np.int64)
+        place, found, batch = np.zeros(n), np.zeros((capacity, 3), np.int64), no_contacts()
     box = scene.box.length if scene.box and pair is not None else None
     state = plane.State(
         rods=_row_of_rods(scene, motion.height[0] if motion else 0.0),
-        before=np.zeros((n, 3)),
-        springs=np.zeros((n, 2)) if alone.friction and alone.friction.spring else None,
+        before=np.zeros((n, 3), order="F"),
+        springs=np.zeros((n, 2), order="F") if alone.friction and alone.friction.spring else None,
         listed=listed,
-        scratch=plane.Scratch(np.zeros((n, 3)), place, found),
+        scratch=plane.Scratch(np.zeros((n, 3), order="F"), np.zeros(n), place, found, batch),
     )
     record = new_record(n, 4096) if touches and plate is not None else None
     watchers = plane.Watchers(np.zeros(LEDGER_COLUMNS) if ledger else None, record, None)
@@ -402,7 +403,7 @@ def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
     touching = min(1 / max(cos(tilt), 1e-9), 2 * half * abs(sin(tilt)) + 1)
     spacing = scene.box.length / n if scene.box else touching
     random = np.random.default_rng(scene.start.seed)
-    rods = np.zeros((n, ROW_COLUMNS))
+    rods = np.zeros((n, ROW_COLUMNS), order="F")
     rods[:, X] = (np.arange(n) + 0.5) * spacing
     rods[:, Z] = lowest + 0.5 + half * abs(cos(tilt)) + scene.start.drop
     rods[:, ROW_DIRECTION] = sin(tilt), cos(tilt)
