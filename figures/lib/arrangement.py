@@ -50,7 +50,7 @@ def arrangement(rods: np.ndarray) -> tuple[float, ...]:
 
 def followed(scene: Scene, periods: int) -> dict[str, Any]:
     """Arrangement every few periods of a run, and its final state; a measure for `runs.planned`."""
-    engine, seen = prepare(scene), []
+    engine, seen = prepare(scene, ledger=False, touches=False), []
     for _ in range(periods // EVERY):
         engine.go(EVERY * engine.per)
         seen.append(arrangement(engine.rods))
