@@ -246,11 +246,7 @@ _tex = _environment(
     comment_start_string="<#",
     comment_end_string="#>",
 )
-_tex.filters |= {
-    "label": _label,
-    "named": lambda tag: to_latex(_named(tag)),
-    "sentence": to_latex,
-}
+_tex.filters |= {"label": _label, "named": lambda tag: to_latex(_named(tag)), "sentence": to_latex}
 
 
 def latex(rows: Sequence[Row]) -> dict[str, str]:

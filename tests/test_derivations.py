@@ -69,6 +69,12 @@ def test_every_numbered_equation_is_there_once():
     assert all(BY_TAG[tag].printed is not None for tag in NUMBERED)
 
 
+def test_no_words_are_left_over():
+    equations = {entry.tag for entry in registry.ENTRIES if isinstance(entry, Equation)}
+    assert equations == set(proof.WORDS)
+    assert {function.name for function in codegen.FUNCTIONS} == set(rewrites.WORDS)
+
+
 def test_known_mistakes_are_reported_with_what_contradicts_them():
     found = {entry.tag for entry in registry.mistakes() if isinstance(entry, Equation)}
     assert found == ERRATA
@@ -255,7 +261,7 @@ def test_derived_laws_agree_with_an_independent_integration(law):
 
 
 def test_rewriting_that_changes_a_value_is_refused():
-    wrong = rewrites.recast("wrong", "a slip of the pen", v_1=s.v_0 - rewrites.N * s.u_0)
+    wrong = rewrites.Rule("wrong", "", lambda _: {s.v_1: s.v_0 - rewrites.N * s.u_0})
     with pytest.raises(rewrites.RewriteError, match="wrong"):
         rewrites.rewrite({s.v_1: slide.stop()[2]}, (wrong,), rewrites.RESPONSES)
 
