@@ -57,13 +57,12 @@ AXIOMS = (NEWTON, EULER, RIGID, IMPULSIVE, SLIP, STICK, RESTITUTION, CLOSURE, LA
 @contextmanager
 def assuming(axiom: Axiom, form: Form) -> Iterator[None]:
     """Put another form in an axiom's place, for a trial; what rests on it is derived again."""
-    usual, axiom.form = axiom.form, form
-    trace.forget("axiom", axiom.tag)
-    try:
-        yield
-    finally:
-        axiom.form = usual
-        trace.forget("axiom", axiom.tag)
+    with trace.derived_again("axiom", axiom.tag):
+        usual, axiom.form = axiom.form, form
+        try:
+            yield
+        finally:
+            axiom.form = usual
 
 
 def _euler_checks(form: sp.Expr) -> list[sp.Expr]:

@@ -6,7 +6,7 @@ Text is set as paths, so that a drawing needs no font; `DRAWINGS` holds them all
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from io import StringIO
 from typing import Any
 
@@ -40,7 +40,7 @@ FRICTION = 0.3
 MAP = {"approach": 2.0, "restitution": 0.65}  # -c_z/c_x, and restitution, of the map
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Drawing:
     """One drawing, with the words that go with it."""
 
@@ -49,7 +49,7 @@ class Drawing:
     caption: str  # sentence with formulas between dollar signs
     draw: Callable[[], Figure]
 
-    @property
+    @cached_property
     def svg(self) -> str:
         """The drawing as an element of a page, its ids begun with its name."""
         with mpl.rc_context(STYLE), StringIO() as file:
