@@ -120,6 +120,7 @@ def _by_parts() -> tuple[sp.Expr, sp.Expr]:
     )
 
 
+_cubic = 20 * length**3 - 20 * length**2 * diameter + 25 * length * diameter**2 - 9 * diameter**3
 _printed_inertia = (
     sp.Rational(1, 10) + sp.Rational(15, 32) * h_0 + h_0**2 + sp.Rational(1, 8) * h_0**3
 )
@@ -151,16 +152,7 @@ EQUATIONS = (
     Equation.read(
         "bodies: gyration radius",
         derive=lambda: (spherocylinder_gyration(), cylinder_gyration()),
-        shown=(
-            (
-                20 * length**3
-                - 20 * length**2 * diameter
-                + 25 * length * diameter**2
-                - 9 * diameter**3
-            )
-            / (80 * (3 * length - diameter)),
-            length**2 / 12 + diameter**2 / 16,
-        ),
+        shown=(_cubic / (80 * (3 * length - diameter)), length**2 / 12 + diameter**2 / 16),
         check=_gyration_checks,
     ),
     Equation.read(

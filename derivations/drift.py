@@ -156,13 +156,15 @@ def _onset_flight(form: sp.Expr) -> list[sp.Expr]:
 
 _denominator = k**2 * (1 - epsilon) + 2 * X**2
 _thin_denominator = 1 - epsilon + 6 * sp.sin(phi) ** 2
+_flat_denominator = 4 * (1 - epsilon) * length**2 + 3 * (9 - epsilon) * diameter**2
+_stop, _reverse = mu * (k**2 + Z**2) + X * Z, k**2 + X**2 - mu * X * Z
 _sc = sp.sin(phi) * sp.cos(phi)
 _printed_24 = 2 * (1 + epsilon) * X * Z * V_z / _denominator
 _printed_27 = ((1 + epsilon) * mu * (k**2 + Z**2) * V_z + (1 + epsilon) * X * Z * V_z) / (
     _denominator
 )
 _printed_29 = (1 + epsilon) * (mu * (1 + 3 * sp.cos(phi) ** 2) + 3 * _sc) / _thin_denominator * V_z
-_EXAMPLE_29 = {epsilon: sp.Rational(13, 20), phi: 89 * sp.pi / 180}
+_printed_integral = sp.Integral(sp.cos(theta) * (1 + sp.cos(theta)), (theta, 0, 2 * sp.pi))
 _printed_28 = (1 + epsilon) * k**2 * V_z / _denominator
 
 
@@ -211,13 +213,7 @@ EQUATIONS = (
         printed=sp.S.One,
         derive=lambda: sp.integrate(LANDING_PHASES({}), (theta, 0, 2 * sp.pi)),
     ),
-    Equation.read(
-        "31",
-        printed=V_0
-        / (2 * sp.pi)
-        * sp.Integral(sp.cos(theta) * (1 + sp.cos(theta)), (theta, 0, 2 * sp.pi)),
-        derive=plate_velocity,
-    ),
+    Equation.read("31", printed=V_0 / (2 * sp.pi) * _printed_integral, derive=plate_velocity),
     Equation.read("31: value", printed=V_0 / 2, derive=plate_velocity),
     Equation.read("V: V_z at onset", printed=sp.S.One, derive=lambda: _exponent(V_0 * (Gamma - 1))),
     Equation.read(
@@ -242,15 +238,7 @@ EQUATIONS = (
     Equation.read(
         "V: relaxation",
         derive=lambda: (relaxation("stick"), relaxation("back")),
-        shown=(
-            Z**2 / (k**2 + X**2 + Z**2),
-            1
-            - 2
-            * mu
-            * k**2
-            * (k**2 + X**2)
-            / ((mu * (k**2 + Z**2) + X * Z) * (k**2 + X**2 - mu * X * Z)),
-        ),
+        shown=(Z**2 / (k**2 + X**2 + Z**2), 1 - 2 * mu * k**2 * (k**2 + X**2) / (_stop * _reverse)),
         check=_left_of_a_deviation,
     ),
     Equation.read(
@@ -267,12 +255,7 @@ EQUATIONS = (
     Equation.read(
         "V: flat end at tilt 0",
         derive=flat_start,
-        shown=-24
-        * (1 + epsilon)
-        * diameter
-        * length
-        * V_z
-        / (4 * (1 - epsilon) * length**2 + 3 * (9 - epsilon) * diameter**2),
+        shown=-24 * (1 + epsilon) * diameter * length * V_z / _flat_denominator,
         check=_flat_landing,
     ),
 )

@@ -115,8 +115,6 @@ EQUATIONS = (
         / (2 * (sp.sin(theta_0) - theta_0 * sp.cos(theta_0))),
         check=lambda form: _quadrature(form, theta_0, "2.3"),
     ),
-    Equation.read(
-        "V: alpha and closure", derive=lambda: consistent_alpha(), check=_consistent_checks
-    ),
+    Equation.read("V: alpha and closure", derive=consistent_alpha, check=_consistent_checks),
     Equation.read("V: tilt of one half", derive=tilt_of_one_half, check=_half_checks),
 )

@@ -298,7 +298,7 @@ EQUATIONS = (
         shown=epsilon**2 * v_0**2,
         check=_one_line,
     ),
-    Equation.read("laws: impact without collision", derive=lambda: limits(), check=_thrown_up),
+    Equation.read("laws: impact without collision", derive=limits, check=_thrown_up),
     Equation.read(
         "laws: energy, slip-stick",
         derive=lambda: energy_threshold("stick"),

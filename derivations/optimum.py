@@ -182,7 +182,7 @@ EQUATIONS = (
     ),
     Equation.read(
         "V: optimum, corner",
-        derive=lambda: corner_frictions(),
+        derive=corner_frictions,
         shown=(
             3 * sp.sqrt(2 * _b * (_corner - 81 + 9 * epsilon)) / (_corner - 25 + epsilon),
             3 * sp.sqrt(_a * _b) / (29 - 5 * epsilon),
@@ -222,7 +222,5 @@ EQUATIONS = (
         shown=(k**2 + X**2) / (X * Z),
         check=_pressed_in,
     ),
-    Equation.read(
-        "Painleve: thin rod", derive=lambda: least_painleve_friction(), check=_least_pressed_in
-    ),
+    Equation.read("Painleve: thin rod", derive=least_painleve_friction, check=_least_pressed_in),
 )

@@ -175,7 +175,7 @@ EQUATIONS = (
     ),
     Equation.read(
         "IV: largest slide friction",
-        derive=lambda: largest_slide_friction(),
+        derive=largest_slide_friction,
         shown=((1 + 2 * gain) / (2 - gain), (4 + 3 * gain) / (4 * gain - 3), 4 / gain),
         check=_slide_friction_checks,
     ),
@@ -185,7 +185,7 @@ EQUATIONS = (
         derive=lambda: sp.Lt(stick_margin().subs(THIN), 0),
     ),
     Equation.read("23", printed=_printed_23, derive=critical_tilt),
-    Equation.read("23: both roots", derive=lambda: critical_tangents(), check=_root_checks),
+    Equation.read("23: both roots", derive=critical_tangents, check=_root_checks),
     Equation.read(
         "23: small friction",
         printed=sp.Rational(4, 3) * mu,
