@@ -340,10 +340,3 @@ def test_output_that_nobody_takes_ends_without_a_traceback(arguments):
             assert process.wait() == code, errors
             assert "Traceback" not in errors
             assert "Exception ignored" not in errors
-
-
-@pytest.mark.parametrize("words", [["prove"], ["check", "--fast"]])
-def test_nonsense_on_the_command_line_gives_exit_code_two(words, capsys):
-    assert cli.main(words) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("python -m derivations")
