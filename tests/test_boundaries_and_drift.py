@@ -37,8 +37,8 @@ def test_critical_tilts_to_2_ulp_for_every_friction():
         ]
     )
     lower, upper = impact.critical_tilts(friction)
-    with mpmath.workdps(700):
-        for mu, *got in zip(friction, lower, upper, strict=True):
+    for mu, *got in zip(friction, lower, upper, strict=True):
+        with mpmath.workdps(700 if mu < 1e-15 else 60):  # a small root cancels
             assert max(map(ulps, got, exact_tangents(mpf(float(mu))))) <= 2, mu
 
 
