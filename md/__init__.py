@@ -48,7 +48,7 @@ scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; t
 kernels/codes, rates                stop codes, columns, regimes; rates of an exact contact
 kernels/contact, single             compiled: forces of one contact; one rod on the plate
 kernels/plane                       compiled: a row, forces between its rods, its steps
-kernels/neighbours, touches         compiled: which rods may touch; touches of the plate
+kernels/neighbours, batch, touches  compiled: which rods may touch; contacts; touches of the plate
 kernels/joints                      compiled: two ends that meet, one contact
 kernels/space                       compiled: an annulus; `pairs` has the forces between its rods
 rod, reference, soft_impact         `impact`: every switch located, or fixed steps

@@ -70,6 +70,12 @@ def main() -> None:
 @click.option(
     "--inertia", type=click.Choice(["solid", "thin"]), default="solid", help="Of the rod."
 )
+@click.option(
+    "--ends",
+    type=click.Choice(["round", "flat"]),
+    default="round",
+    help="Of the rod; a flat one lands on a corner.",
+)
 @click.option("--law", type=click.Choice([*LAWS]), default="coulomb", help="Of the contact.")
 @_number("--stiffness", help="k_n in m g/d (default 5e6).")
 @_number("--tangential-ratio", help="Stiffness of the tangential spring over k_n.")
@@ -83,7 +89,7 @@ def main() -> None:
 @_number("--tolerance", help="Of dop853 (default 1e-13).")
 @_json
 def impact(as_json: bool, **given: Any) -> None:
-    """One soft impact of a rod's lower cap.
+    """One soft impact of a rod's lower cap or corner.
 
     The plate is at rest, gravity is left out. Units are reduced: rod diameter d, rod mass and
     gravity g are 1, velocities are in sqrt(g d), times in sqrt(d/g); sqrt(g d) is 25 cm/s for rods
@@ -104,7 +110,7 @@ def impact(as_json: bool, **given: Any) -> None:
         given["c_x"],
         given["c_z"],
         given["omega"],
-        rod=Rod(given["length"], given["inertia"]),
+        rod=Rod(given["length"], given["inertia"], given["ends"]),
         law=law,
         **_given(given, "friction", "integrator", "dt", "tolerance"),
     )

@@ -13,7 +13,9 @@ import numpy as np
 
 from .errors import InputError, RunError
 from .kernels import plane
+from .kernels.batch import no_contacts
 from .kernels.codes import (
+    ANNULUS_LEDGER,
     ANNULUS_SERIES,
     C_X,
     C_Z,
@@ -48,8 +50,10 @@ from .kernels.codes import (
 from .kernels.contact import Clock, ContactForces, Motion
 from .kernels.neighbours import apart, meetings, nothing_listed, places
 from .kernels.space import march as space
+from .kernels.space.energy import energy
 from .kernels.space.forces import SpaceEffects, State, Wall
 from .kernels.space.pairs import nearest, no_pairs
+from .kernels.space.touches import FLAT
 from .kernels.touches import Record, new_record
 from .laws import contact_time, deepest_overlap, friction_of, largest_step
 from .placement import placed
@@ -171,6 +175,12 @@ class Engine:
         """Height of the plate at this step, in d."""
         return float(self.plate.height[self.step % self.per]) if self.plate else 0.0
 
+    def _height_between(self) -> float:
+        """Height of the plate half a step ago."""
+        if not self.plate:
+            return 0.0
+        return float(sum(self.plate.height[(self.step + s) % self.per] for s in (-1, 0)) / 2)
+
     def series(self, periods: int) -> Any:
         """Empty series for the samples of so many periods."""
         raise NotImplementedError
@@ -238,7 +248,7 @@ class Engine:
         return _rod(self.scene).half_length
 
     def energy(self) -> float:
-        """Energy half a step ago, in m g d; only of a row."""
+        """Energy half a step ago, in m g d."""
         raise NotImplementedError
 
     def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
@@ -282,7 +292,7 @@ class RowEngine(Engine):
         }
         found = np.zeros((longer["index"].shape[1], 3), np.int64)
         self.state = self.state._replace(
-            listed=self.state.listed._replace(**longer),
+            listed=self.state.listed._replace(asleep=np.zeros((len(found), 5)), **longer),
             scratch=self.state.scratch._replace(found=found),
         )
 
@@ -315,10 +325,7 @@ class RowEngine(Engine):
         if effects.gravity:
             total -= effects.gravity[0] * rods[:, X].sum() + effects.gravity[1] * rods[:, Z].sum()
         if effects.normal:
-            height = 0.0
-            if self.plate:
-                before, now = (self.plate.height[(self.step + s) % self.per] for s in (-1, 0))
-                height = (before + now) / 2
+            height = self._height_between()
             for cap in (-1, 1) if effects.upper else (-1,):
                 deep = height + 0.5 - rods[:, Z] - cap * effects.half_length * rods[:, COSINE]
                 total += 0.4 * effects.normal.stiffness * (np.maximum(deep, 0) ** 2.5).sum()
@@ -331,7 +338,7 @@ class RowEngine(Engine):
 
 
 class AnnulusEngine(Engine):
-    """Rods in an annulus under way; energy is not accounted for, and touches are only counted."""
+    """Rods in an annulus under way."""
 
     kernels: ClassVar[Any] = space
     height = PLACE + 2, DIRECTOR + 2
@@ -339,9 +346,12 @@ class AnnulusEngine(Engine):
     def series(self, periods: int) -> space.Series:
         """Empty series for the samples of so many periods."""
         x, y = self.rods[:, PLACE], self.rods[:, PLACE + 1]
-        rows, resting = np.zeros((periods + 1, ANNULUS_SERIES)), np.zeros(len(x), np.int8)
-        every = max(self.per // SAMPLES_A_PERIOD, 1)
-        return space.Series(rows, np.arctan2(y, x), resting, self.per, every)
+        rows, every = np.zeros((periods + 1, ANNULUS_SERIES)), max(self.per // SAMPLES_A_PERIOD, 1)
+        return space.Series(rows, np.arctan2(y, x), self.per, every)
+
+    def energy(self) -> float:
+        """Kinetic, potential and elastic energy half a step ago, in m g d."""
+        return energy(self.effects, self.rods, self._height_between(), self.dt)
 
     def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
         i, j, _ = self.state.pairs.index[where]
@@ -360,8 +370,8 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
     Parameters
     ----------
     scene : Scene
-    ledger : whether to account for the energy; not in an annulus
-    touches : whether to record the touches of the plate; not in an annulus
+    ledger : whether to account for the energy
+    touches : whether to record the touches of the plate
 
     Raises
     ------
@@ -369,25 +379,25 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
         If the rods do not fit into the annulus, or the step is not stable.
     """
     if scene.annulus is not None:
-        return _annulus(scene, scene.annulus)
+        return _annulus(scene, scene.annulus, ledger, touches)
     dt, per = step_of(scene)
     n, pair, plate = scene.rods.count, scene.contacts.rods, scene.contacts.plate
     gravity = (scene.gravity.x, scene.gravity.z) if scene.gravity is not None else None
     law, friction = (plate.law, plate.friction) if plate else (None, 0.0)
     motion = plate_motion(scene, per)
     alone = effects_of(_rod(scene), law, friction, gravity, motion)
-    between, listed, place, found = _forces(pair), None, None, None
+    between, listed, place, found, batch = _forces(pair), None, None, None, None
     if between is not None:
         capacity = 8 * n + 56
         listed = nothing_listed(n, capacity, between.friction is not None, ledger)
-        place, found = np.zeros(n), np.zeros((capacity, 3), np.int64)
+        place, found, batch = np.zeros(n), np.zeros((capacity, 3), np.int64), no_contacts()
     box = scene.box.length if scene.box and pair is not None else None
     state = plane.State(
         rods=_row_of_rods(scene, motion.height[0] if motion else 0.0),
-        before=np.zeros((n, 3)),
-        springs=np.zeros((n, 2)) if alone.friction and alone.friction.spring else None,
+        before=np.zeros((n, 3), order="F"),
+        springs=np.zeros((n, 2), order="F") if alone.friction and alone.friction.spring else None,
         listed=listed,
-        scratch=plane.Scratch(np.zeros((n, 3)), place, found),
+        scratch=plane.Scratch(np.zeros((n, 3), order="F"), np.zeros(n), place, found, batch),
     )
     record = new_record(n, 4096) if touches and plate is not None else None
     watchers = plane.Watchers(np.zeros(LEDGER_COLUMNS) if ledger else None, record, None)
@@ -402,7 +412,7 @@ def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
     touching = min(1 / max(cos(tilt), 1e-9), 2 * half * abs(sin(tilt)) + 1)
     spacing = scene.box.length / n if scene.box else touching
     random = np.random.default_rng(scene.start.seed)
-    rods = np.zeros((n, ROW_COLUMNS))
+    rods = np.zeros((n, ROW_COLUMNS), order="F")
     rods[:, X] = (np.arange(n) + 0.5) * spacing
     rods[:, Z] = lowest + 0.5 + half * abs(cos(tilt)) + scene.start.drop
     rods[:, ROW_DIRECTION] = sin(tilt), cos(tilt)
@@ -431,7 +441,7 @@ def space_effects(scene: Scene, gap: Annulus, per: int) -> SpaceEffects:
     )
 
 
-def _annulus(scene: Scene, gap: Annulus) -> AnnulusEngine:
+def _annulus(scene: Scene, gap: Annulus, ledger: bool, touches: bool) -> AnnulusEngine:
     n = scene.rods.count
     if n > _MOST_RODS:
         raise InputError(f"rods.count must be at most {_MOST_RODS} in an annulus, got {n}")
@@ -447,6 +457,7 @@ def _annulus(scene: Scene, gap: Annulus) -> AnnulusEngine:
     rods[:, VELOCITY:TURN] = scene.start.speed * random.uniform(-1, 1, (n, 3))
     pairs, springs = n * (n - 1) // 2, effects.between and effects.between.friction
     rubs = effects.friction or (effects.inner and effects.inner.friction)
+    record = new_record(n, 4096) if touches and effects.normal else None
     state = State(
         rods=rods,
         before=np.zeros((n, 6)),
@@ -454,6 +465,8 @@ def _annulus(scene: Scene, gap: Annulus) -> AnnulusEngine:
         pairs=no_pairs(n) if effects.between else None,
         pair_springs=np.zeros((pairs, PAIR_SLOTS, 3)) if springs else None,
         scratch=np.zeros((n, 6)),
+        lost=np.zeros((ANNULUS_LEDGER, n, 6)) if ledger else None,
+        flat=np.zeros((n, FLAT)) if record else None,
     )
-    watchers = plane.Watchers(None, None, None)
+    watchers = plane.Watchers(np.zeros(ANNULUS_LEDGER) if ledger else None, record, None)
     return AnnulusEngine(scene, effects, state, watchers, effects.plate, dt, per)

@@ -1,12 +1,12 @@
 """What a run adds up over its touches and samples, a row a period, and means of it.
 
 A rod that leaves the plate slower than the plate rises is hit again at once. Flight lengths fall
-into two groups, below 0.1 and above 0.4 periods, so a row has two kinds of mean: over every touch
-of the plate, and over touches merged into one landing where less than `HOP` lies between them. In
-an annulus touches are only counted; what an annulus has instead is the lean along it.
+into two groups, below 0.1 and above 0.4 periods, so there are two kinds of mean: over every touch
+of the plate, and over touches merged into one landing where less than `HOP` lies between them. An
+annulus has the lean along it besides.
 """
 
-from math import nan
+from math import inf, nan, pi
 from typing import Any
 
 import numpy as np
@@ -15,11 +15,21 @@ from .host import AnnulusEngine, Engine
 from .kernels import codes
 from .kernels import touches as columns
 from .kernels.codes import SLIDING, SLIP_REVERSAL, SLIP_STICK
+from .scene import Scene
 from .statistics import ratio, standard_error
 
 _PARTS = 64  # of a period
 HOP = 0.2  # periods; a shorter flight does not part two landings
 _MERGED = columns.WIDTH  # column behind those of a touch: how many touches a landing has
+
+
+def wedged_periods(scene: Scene) -> float:
+    """Periods without a touch after which a rod counts as wedged: 20 flights that begin at V_0.
+
+    Rods of rings that do not wedge, 23 to 56 rods, touch again within 6 such flights; of 54 rods
+    that wedged, 46 never did.
+    """
+    return 20 * max(scene.plate.acceleration / pi, 1.0) if scene.plate else inf
 
 
 def quantities(rows: np.ndarray, per: int, speed: float) -> dict[str, Any]:
@@ -112,14 +122,19 @@ class Tables:
         _, *of_rods, _, _ = zip(self.series._fields, self.series, strict=True)
         self.of_period = {"series": self.series.rows}  # arrays with a row a period
         self.of_rods: dict[str, np.ndarray] = dict(of_rods)  # arrays with a row a rod
+        self.sums = np.zeros((periods + 1, 2, len(SUMS)))  # over touches, over landings
+        self.phases = np.zeros((periods + 1, _PARTS), np.uint16)
+        self.of_period |= {"sums": self.sums, "phases": self.phases}
+        self.under_way = np.zeros((0, _MERGED + 1))  # landings that may not be over
 
     def arrays(self, periods: int) -> dict[str, np.ndarray]:
         """All that a checkpoint needs, by name."""
         of_period = {name: rows[: periods + 1] for name, rows in self.of_period.items()}
-        return of_period | self.of_rods
+        return of_period | self.of_rods | {"under_way": self.under_way}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Restore from the arrays of a checkpoint, which are taken out."""
+        self.under_way = arrays.pop("under_way")
         for name, array in (self.of_period | self.of_rods).items():
             part = arrays.pop(name)
             array[: len(part)] = part
@@ -137,50 +152,20 @@ class Tables:
         part = self.series.rows[:periods]
         return np.degrees(part[:, codes.TILT_SUM] / part[:, codes.SAMPLED])
 
-    def results(self, first: int, periods: int) -> dict[str, Any]:
-        """What a `Result` tells of the periods behind the transient but for drift and tilt."""
-        return {"touches": None, "landings": None, "annulus": None, "turned": {}, "phases": []}
-
-    def add(self, rows: np.ndarray) -> None:
-        """Add touches as they end."""
-
-
-class RowTables(Tables):
-    """Samples of each period of a row and sums over its touches and landings."""
-
-    def __init__(self, engine: Engine, periods: int):
-        super().__init__(engine, periods)
-        self.sums = np.zeros((periods + 1, 2, len(SUMS)))  # over touches, over landings
-        self.phases = np.zeros((periods + 1, _PARTS), np.uint16)
-        self.of_period |= {"sums": self.sums, "phases": self.phases}
-        self.under_way = np.zeros((0, _MERGED + 1))  # landings that may not be over
-
-    def arrays(self, periods: int) -> dict[str, np.ndarray]:
-        """All that a checkpoint needs, by name."""
-        return super().arrays(periods) | {"under_way": self.under_way}
-
-    def restore(self, arrays: dict[str, np.ndarray]) -> None:
-        """Restore from the arrays of a checkpoint, which are taken out."""
-        self.under_way = arrays.pop("under_way")
-        super().restore(arrays)
-
-    def drift(self, periods: int) -> np.ndarray:
-        """Mean drift of each period made."""
-        engine, places = self.engine, self.series.rows[: periods + 1, codes.MEAN_X].copy()
-        if engine.step == periods * self.per:  # the next period's first sample is not yet made
-            places[-1] = engine.rods[:, codes.X].mean()
-        return np.diff(places) / (engine.dt * self.per)
+    def quotient(self, over: np.ndarray, under: np.ndarray) -> dict[str, float]:
+        """Quotient of two sums, given period by period, and its standard error."""
+        return dict(zip(("mean", "stderr"), ratio(over, under), strict=True))
 
     def results(self, first: int, periods: int) -> dict[str, Any]:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""
-        fell, upright = self.series.rows[:, [codes.FELL, codes.UPRIGHT]].sum(axis=0)
-        found: dict[str, Any] = {"turned": {"fell": int(fell), "passed_upright": int(upright)}}
+        found: dict[str, Any] = dict.fromkeys(("touches", "landings", "annulus"))
+        found |= {"turned": {}, "phases": []}
         if self.engine.record is not None:
             found["phases"] = self.cycle(first, periods)
             if periods > 0:
                 found["touches"] = self._means(0, MEANS, first, periods)
                 found["landings"] = self._means(1, OF_LANDINGS, first, periods)
-        return super().results(first, periods) | found
+        return found
 
     def add(self, rows: np.ndarray) -> None:
         """Add touches as they end."""
@@ -200,10 +185,9 @@ class RowTables(Tables):
 
     def _means(self, kind: int, names: dict, first: int, last: int) -> dict[str, Any]:
         part = dict(zip(SUMS, self.sums[first:last, kind].T, strict=True))
-        found = {name: ratio(part[top], part[base]) for name, (top, base) in names.items()}
-        rods = np.full(last - first, self.engine.scene.rods.count)
-        found["per_rod_and_period"] = ratio(part["count"], rods)
-        return {name: {"mean": m, "stderr": e} for name, (m, e) in found.items()}
+        part["rods"] = np.full(last - first, self.engine.scene.rods.count)
+        pairs = names | {"per_rod_and_period": ("count", "rods")}
+        return {name: self.quotient(part[top], part[base]) for name, (top, base) in pairs.items()}
 
     def cycle(self, first: int, last: int) -> list[int]:
         """Touches over the plate's cycle; a run begins at its lowest place, a quarter before."""
@@ -211,8 +195,25 @@ class RowTables(Tables):
         return np.roll(counts, -(_PARTS // 4)).tolist()
 
 
+class RowTables(Tables):
+    """Samples of each period of a row and sums over its touches and landings."""
+
+    def drift(self, periods: int) -> np.ndarray:
+        """Mean drift of each period made."""
+        engine, places = self.engine, self.series.rows[: periods + 1, codes.MEAN_X].copy()
+        if engine.step == periods * self.per:  # the next period's first sample is not yet made
+            places[-1] = engine.rods[:, codes.X].mean()
+        return np.diff(places) / (engine.dt * self.per)
+
+    def results(self, first: int, periods: int) -> dict[str, Any]:
+        """What a `Result` tells of the periods behind the transient but for drift and tilt."""
+        fell, upright = self.series.rows[:, [codes.FELL, codes.UPRIGHT]].sum(axis=0)
+        turned = {"fell": int(fell), "passed_upright": int(upright)}
+        return super().results(first, periods) | {"turned": turned}
+
+
 class AnnulusTables(Tables):
-    """Samples of each period of an annulus, and its touches, which are counted."""
+    """Samples of each period of an annulus and sums over its touches and landings."""
 
     def drift(self, periods: int) -> np.ndarray:
         """Mean velocity around the annulus, at its middle radius, of each period made."""
@@ -224,29 +225,27 @@ class AnnulusTables(Tables):
         """Unknown from one run: the rods keep their arrangement, another one at each start."""
         return nan
 
+    def quotient(self, over: np.ndarray, under: np.ndarray) -> dict[str, float]:
+        """Quotient of two sums; its error is unknown, as that of a mean."""
+        return super().quotient(over, under) | {"stderr": nan}
+
     def results(self, first: int, periods: int) -> dict[str, Any]:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""
         found = super().results(first, periods)
-        if not periods:
-            return found
-        part = self.series.rows[first:periods].sum(axis=0)
-        count, n = part[codes.TOUCHES], self.engine.scene.rods.count * (periods - first)
-        approach = part[codes.APPROACH_SUM]
-        touches = {
-            "plate_velocity": (part[codes.PLATE_SUM] / self.speed, count),
-            "plate_velocity_by_speed": (part[codes.PUSHING] / self.speed, approach),
-            "per_rod_and_period": (count, n),
-        }
-        lean = {"lean_deg": (np.degrees(part[codes.LEAN_SUM]), part[codes.SAMPLED])}
-        return found | {"touches": _without_error(touches), "annulus": _without_error(lean)}
+        if periods:
+            part = self.series.rows[first:periods]
+            lean = np.degrees(part[:, codes.LEAN_SUM])
+            found["annulus"] = {"lean_deg": self.quotient(lean, part[:, codes.SAMPLED])}
+            found["annulus"]["wedged"] = {"mean": self._wedged(), "stderr": nan}
+        return found
 
-
-def _without_error(found: dict[str, tuple[float, float]]) -> dict[str, Any]:
-    """Quotients whose error one run cannot tell."""
-    return {
-        name: {"mean": float(top / base) if base > 0 else nan, "stderr": nan}
-        for name, (top, base) in found.items()
-    }
+    def _wedged(self) -> float:
+        """Share of rods that have long not touched the plate at the end; nan without a record."""
+        engine = self.engine
+        if engine.record is None:
+            return nan
+        since = columns.since_touch(engine.record, engine.step)
+        return float((since > wedged_periods(engine.scene) * self.per).mean())
 
 
 def tables_of(engine: Engine, periods: int) -> Tables:

@@ -101,12 +101,18 @@ def placed(
 def _zigzag(
     gap: Annulus, count: int, half: float, lean: float, random: np.random.Generator
 ) -> np.ndarray:
-    """Rods evenly around the gap, by turns as near to either wall as their tilt allows."""
+    """Rods around the gap, by turns as near to either wall as their tilt allows.
+
+    An odd one stands in the middle, with as much more room beside it as it needs there: two rods
+    that are apart by `across` need sqrt(1 - across^2) along the gap, two at one wall a diameter.
+    """
     low, high = _swing(gap, half, lean)
+    beside, turn = (sqrt(1 - min(across, 1) ** 2) for across in ((high - low) / 2, high - low))
+    wider = count % 2 * max(beside / max(turn, 0.5) - 1, 0.0)  # in distances of the others
     rods = np.zeros((count, SPACE_COLUMNS))
     for i in range(count):
-        azimuth = 2 * pi * i / count
         odd_one = count % 2 == 1 and i == count - 1
+        azimuth = 2 * pi * (i + odd_one * wider) / (count + 2 * wider)
         radius = (low + high) / 2 if odd_one else (low, high)[i % 2]
         angle = lean + 1e-3 * random.uniform(-1, 1)
         rods[i, :2] = radius * cos(azimuth), radius * sin(azimuth)

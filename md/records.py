@@ -1,4 +1,4 @@
-"""Every touch of the plate by the rods of a row, and every landing, as structured arrays.
+"""Every touch of the plate by the rods of a run, and every landing, as structured arrays.
 
 A run hands its touches to `observe` as they end; kept in a list they become one array:
 
@@ -31,10 +31,15 @@ v_before                       normal velocity of the contact point against the 
 v_after                        the same as the force ends; -v_after/v_before is the restitution
 duration                       periods from the first force to the last
 regime                         "slide", "slip-stick" or "slip-reversal"
-pushed_by_others               part of the touch during which another rod pushes this one, 0 to 1
+pushed_by_others               part of the touch during which another rod, or a wall, pushes this
+                               one, 0 to 1
 max_overlap                    deepest overlap, in d
 touches                        of a landing alone, in place of the five above: how many it has
 =============================  ===================================================================
+
+In an annulus x lies in the vertical plane through the rod's axis as the touch begins, horizontally
+and counter-clockwise around the annulus (`md.kernels.space.touches`); for an upright rod it is the
+direction around the annulus itself. Velocities and spin are their parts in that plane.
 """
 
 from collections.abc import Sequence

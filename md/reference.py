@@ -18,6 +18,7 @@ from .errors import InputError, RunError
 from .kernels.codes import BACK, FORWARD, FREE, SLIDE, STICK, STUCK, TURNED
 from .kernels.contact import Effects
 from .kernels.rates import plate_after, rates
+from .rod import height_of_second, lower_end
 
 _SWITCHES = 10_000  # of one contact; a soft spring that rattles at the force's end makes hundreds
 LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed
@@ -64,9 +65,11 @@ class _Contact:
         speed: float,
         tolerance: float,
     ):
-        height = effects.half_length * cos(tilt) + 0.5
+        end = lower_end(effects, tilt)  # a corner is a cap of no radius that leans otherwise
+        lean, height = tilt + end.offset, -end.arm(tilt)[1]
         assert effects.normal is not None
-        self.setting = effects, vibration, (sin(tilt), cos(tilt), height)
+        longer = effects._replace(half_length=end.reach)
+        self.setting = longer, vibration, (sin(lean), cos(lean), height)
         self.friction, self.gravity = effects.friction, effects.gravity
         self.rigid = effects.friction is not None and effects.friction.spring is None
         self.mode, self.evaluations, self.rest = FREE, 0, 0.0
@@ -162,7 +165,7 @@ def follow(
     tolerance: float = 1e-13,
     longest: float = 1e3,
 ) -> Contact:
-    """Integrate one contact of the lower cap from its touch to the end of its force.
+    """Integrate one contact of the lower cap or corner from its touch to the end of its force.
 
     Parameters
     ----------
@@ -176,7 +179,7 @@ def follow(
     Raises
     ------
     ValueError
-        If the upper cap touches too, a tangential spring has no dashpot beside it, or the
+        If another cap or corner touches too, a tangential spring has no dashpot beside it, or the
         coefficient of friction is beyond LARGE.
     RunError
         If the contact does not end, or friction switches without an end.
@@ -186,7 +189,7 @@ def follow(
         raise InputError("dop853 needs a dashpot beside the tangential spring")
     if effects.friction and effects.friction.coefficient > LARGE:
         raise InputError(f"dop853 needs a friction of at most {LARGE:g}")
-    a_x = -effects.half_length * sin(tilt)
+    a_x = lower_end(effects, tilt).arm(tilt)[0]
     speed = abs(velocity[1] - velocity[2] * a_x - plate_after(vibration, 0.0)[1])
     contact = _Contact(effects, vibration, tilt, speed, tolerance)
     s, y = 0.0, np.array([0.0, 0.0, 0.0, *velocity, 0.0, 0.0])
@@ -207,8 +210,10 @@ def follow(
             solver.step()
             signals = left, *_, overlap = contact.signals(solver.t, solver.y)
             deepest = max(deepest, overlap)
-            if effects.upper and overlap > 2 * effects.half_length * cos(tilt + solver.y[2]):
-                raise InputError("dop853 follows one cap, and here the second touches the plate")
+            if effects.upper and overlap > height_of_second(effects, tilt + solver.y[2]):
+                raise InputError(
+                    "dop853 follows one cap or corner, and here the second touches the plate"
+                )
             going = left >= 0 and all(signals[i] >= 0 for i in others)
         if left < 0 and solver.t - begin < 1e-5 * solver.t:
             others = ()  # the spring rattles as the force ends: a last 1e-10 of its impulse

@@ -6,6 +6,7 @@ from math import inf, isnan, sqrt
 from typing import TYPE_CHECKING, Any
 
 from .accuracy import in_words
+from .measures import wedged_periods
 from .scene import Scene, as_dict
 from .simulation import Result, finite
 from .soft_impact import Impact
@@ -99,13 +100,10 @@ def _touches(r: Result) -> list[str]:
     mean = {name: pair["mean"] for name, pair in r.touches.items()}
     often = f"{mean['per_rod_and_period']:.3g} per rod and period"
     speed = f"V_z/V_0 = {mean['plate_velocity']:.3g}"
-    if "slide" in mean:  # touches are recorded one by one in a row alone
-        often += f": slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip "
-        often += (
-            f"reversal {mean['slip_reversal']:.0%}; pushed by others {mean['pushed_by_others']:.0%}"
-        )
-        speed += f", restitution {mean['restitution']:.3g}, flight {mean['flight_periods']:.3g}"
-        speed += f" and contact {mean['contact_periods']:.2g} periods"
+    often += f": slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip reversal "
+    often += f"{mean['slip_reversal']:.0%}; pushed by others {mean['pushed_by_others']:.0%}"
+    speed += f", restitution {mean['restitution']:.3g}, flight {mean['flight_periods']:.3g}"
+    speed += f" and contact {mean['contact_periods']:.2g} periods"
     return [labelled("touches", often), labelled("at touch", speed)]
 
 
@@ -119,6 +117,9 @@ def _cost(r: Result) -> list[str]:
     if r.scene.annulus is not None and r.periods < SETTLING:
         few = f"not equilibrated: an annulus needs {SETTLING} periods or more"
         lines += [labelled("warning", few)]
+    if r.annulus and (share := r.annulus["wedged"]["mean"]) > 0:
+        since = f"the plate for {wedged_periods(r.scene):.0f} periods"
+        lines += [labelled("warning", f"wedged: {share:.0%} of the rods have not touched {since}")]
     n, each = r.scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
     steps = f"{r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g) "
     rods = f"({n} rod{'s' * (n > 1)}, {r.steps_per_period} steps each) "

@@ -157,10 +157,10 @@ class Scene(Part):
         for name in ("plate", "rods", "wall"):
             contact = getattr(self.contacts, name)
             constraint = contact and contact.friction > 0 and contact.law.spring is None
-            if constraint and (name == "rods" or self.annulus):
+            if constraint and name != "plate":
                 raise InputError(
                     f"contacts.{name}.law must have a tangential spring, got {contact.law.name!r}: "
-                    "friction as a constraint is for the plate, and not in an annulus"
+                    "friction as a constraint is for the plate"
                 )
         if self.annulus is None:
             if self.start.tilt_deg is None and self.box is None:

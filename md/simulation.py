@@ -29,6 +29,7 @@ from .statistics import transient
 from .trajectory import Trajectory, check_continues, is_trajectory
 
 MOST_PERIODS = 10**7  # of a run
+LOSSES = tuple(f"{at}_{by}" for at in ("plate", "rods", "walls") for by in ("normal", "friction"))
 _SAVED = 60.0  # seconds from one checkpoint to the next
 
 
@@ -85,11 +86,11 @@ class Result:
     run_seconds, compile_seconds : of the clock
     energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
     touches : mean and standard error over all touches of the plate of each quantity of
-        `measures.MEANS`, and touches per rod and period; None without a plate. In an annulus they
-        are only counted, with the velocity of the plate
+        `measures.MEANS`, and touches per rod and period; None without a plate
     landings : those of `measures.OF_LANDINGS`, touches less than `measures.HOP` periods apart
-        merged into one landing; None without a plate and in an annulus
-    annulus : mean lean along the annulus, `lean_deg`; None in a row
+        merged into one landing; None without a plate
+    annulus : mean lean along the annulus, `lean_deg`, and the share of the rods that are wedged
+        between the walls at the end, `wedged`; None in a row
     turned : times that a rod fell past the horizontal, and passed the vertical
     phases : touches behind the transient in each of 64 equal parts of the plate's cycle, which
         begins where it rises through its mean height; empty without a plate
@@ -309,8 +310,8 @@ class _Run:
             return None
         change = self.engine.energy() - self.began["energy"]
         work, *losses = map(float, self.engine.ledger)
-        names = ("plate_normal", "plate_friction", "rods_normal", "rods_friction")
-        found = {"plate_work": work, **dict(zip(names, losses, strict=True)), "change": change}
+        lost = dict(zip(LOSSES, losses, strict=False))
+        found = {"plate_work": work, **lost, "change": change}
         return found | {"residual": work - sum(losses) - change}
 
     def result(self, finished: bool) -> Result:
@@ -359,7 +360,7 @@ def run(
     periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
     ledger : whether to account for the energy
     observe : called now and then with new touches, (n, touches.WIDTH), which `md.records.touches`
-        gives names; they are not kept; not in an annulus
+        gives names; they are not kept
     trajectory : file for extended XYZ, a new one or one of frames, which are replaced; when a
         checkpoint is resumed, the file that was written with it, which goes on behind the frames
         that the checkpoint knows of
@@ -386,8 +387,6 @@ def run(
         raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
     periods = whole("periods", periods, 1, MOST_PERIODS)
     frames = whole("frames", frames, 1, 10**6)
-    if observe is not None and scene.annulus is not None:
-        raise InputError("observe must be None in an annulus: touches are counted, not kept")
     distinct(trajectory=trajectory, checkpoint=checkpoint)
     if trajectory is not None:
         writable("trajectory", trajectory, is_trajectory, "one of frames")

@@ -5,7 +5,7 @@ are in sqrt(g d) and times in sqrt(d/g).
 """
 
 from collections.abc import Sequence
-from math import cos, nan, pi, sin
+from math import nan, pi, sin
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -39,7 +39,7 @@ from .laws import (
     largest_step,
 )
 from .reference import Contact, Vibration
-from .rod import Rod, effects_of
+from .rod import LowerEnd, Rod, effects_of, height_of_second, lower_end
 from .scene import Rods
 
 INTEGRATORS = (*single.METHODS, "dop853")
@@ -56,7 +56,7 @@ class Impact(NamedTuple):
     c_x: float  # along the plate, sqrt(g d)
     c_z: float  # across, sqrt(g d)
     omega: float  # sqrt(g/d)
-    restitution: float  # -v_f/v_0 of the contact point of the lower cap against the plate
+    restitution: float  # -v_f/v_0 of the contact point that touched first, against the plate
     regime: str  # one of `kernels.codes.REGIMES`
     phases: dict[str, float]  # durations by name in `kernels.codes.PHASES`, sqrt(d/g)
     max_overlap: float  # in d
@@ -69,7 +69,7 @@ class Impact(NamedTuple):
 def _checked_rod(rod: Rod) -> Rod:
     if not isinstance(rod, Rod):
         raise InputError(f"rod must be a md.Rod, got {rod!r}")
-    allowed = hints(Rods)
+    allowed = hints(Rod) | hints(Rods)
     return Rod(*(held(name, value, allowed[name]) for name, value in rod._asdict().items()))
 
 
@@ -116,10 +116,9 @@ def _step(
         raise InputError(
             f"the plate is too soft for an impact at {speed:g}: overlap {deepest:.2g} d"
         )
-    rise = effects.half_length * cos(tilt)
-    arms = np.array([rise + 0.5, effects.half_length * sin(tilt)])
-    along, across = arms**2 * effects.lightness
-    caps, rubs = 2 if rise < deepest else 1, effects.friction is not None
+    across, along = np.square(lower_end(effects, tilt).arm(tilt)) * effects.lightness
+    caps = 2 if height_of_second(effects, tilt) < 2 * deepest else 1
+    rubs = effects.friction is not None
     largest = largest_step(law, rubs, speed, along, across, method, caps)
     whole = contact_time(law, speed)
     if dt is None:
@@ -176,17 +175,17 @@ def impact(
     gravity: tuple[float, float] | None = None,
     tolerance: float = 1e-13,
 ) -> Impact:
-    """One impact of the lower cap, from its touch to the end of its force.
+    """One impact of the lower cap or corner, from its touch to the end of its force.
 
     Parameters
     ----------
     tilt : from the vertical, rad, -pi/2 to pi/2
     c_x, c_z, omega : velocities at the touch, sqrt(g d) and sqrt(g/d)
     friction : Coulomb coefficient, >= 0; 0: none is simulated, inf: no slip
-    rod : length and inertia
+    rod : length, inertia and ends
     law : contact law; default `coulomb(restitution=0.65)`
     integrator : "leapfrog", "verlet", "gear", or the adaptive "dop853" with located events, which
-        follows one cap only
+        follows one cap or corner only
     dt : step, sqrt(d/g); default a hundredth of the contact time or a quarter of the stable step
     offset : part of a step that is left at the first step until the touch, 0 to 1
     vibration : of the plate, whose phase is that of the touch; None: at rest
@@ -210,12 +209,13 @@ def impact(
         raise InputError(f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}")
     offset = number("offset", offset, 0.0, 1.0, "between 0 and 1")
     plate = plate_after(vibration, 0.0)[1]
-    speed = -(velocity[1] + velocity[2] * rod.half_length * sin(tilt) - plate)
+    effects = effects_of(rod, law, friction, gravity, None)
+    end = lower_end(effects, tilt)
+    speed = -(velocity[1] - velocity[2] * end.arm(tilt)[0] - plate)
     if not speed > 0:
         raise InputError(
             f"c_z must bring the contact point towards the plate: it moves away at {-speed:g}"
         )
-    effects = effects_of(rod, law, friction, gravity, None)
     method = "leapfrog" if integrator == "dop853" else integrator
     step = _step(law, effects, speed, tilt, dt, method)
     early = vibration
@@ -225,7 +225,7 @@ def impact(
         early = vibration._replace(phase=vibration.phase - before)
     effects = effects._replace(plate=plate_table(early, step))
     longest = _LONGEST * contact_time(law, speed)
-    case = _Case(effects, vibration, tilt, velocity, speed, longest)
+    case = _Case(effects, end, vibration, tilt, velocity, speed, longest)
     if integrator == "dop853":
         return _to_the_digits(case, tolerance)
     return _by_steps(case, integrator, step, offset)
@@ -235,6 +235,7 @@ class _Case(NamedTuple):
     """An impact to compute."""
 
     effects: Effects
+    end: LowerEnd
     vibration: Vibration | None
     tilt: float  # rad
     velocity: tuple[float, ...]  # c_x, c_z, omega
@@ -244,7 +245,7 @@ class _Case(NamedTuple):
     def impact(self, done: Contact, dt: float, seconds: float) -> Impact:
         """What the contact did to the rod."""
         c_x, c_z, omega = map(float, done.velocity)
-        a_x = -self.effects.half_length * sin(done.position[2])
+        a_x, _ = self.end.arm(done.position[2])
         v_f = c_z - omega * a_x - plate_after(self.vibration, done.end)[1]
         stuck, turned = done.impulses[STUCK], done.impulses[TURNED]
         return Impact(
@@ -264,7 +265,7 @@ class _Case(NamedTuple):
 
 def _by_steps(case: _Case, method: str, dt: float, offset: float) -> Impact:
     """One impact with a fixed step, whose first begins `offset` steps before the touch."""
-    effects, height = case.effects, case.effects.half_length * cos(case.tilt) + 0.5
+    effects, height = case.effects, -case.end.arm(case.tilt)[1]
     if case.vibration is not None:
         height += case.vibration.amplitude * sin(case.vibration.phase)
     position, velocity = np.array([0.0, height, case.tilt]), np.array(case.velocity)

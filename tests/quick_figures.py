@@ -34,8 +34,10 @@ FEW_TOUCHES = {"gamma": 2.0, "stiff": 5e5, "lossy": 0.5, "lone": 5e5}
 ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
 RIGID = SimpleNamespace(flight=ESTIMATE, falling=ESTIMATE)
 FEW = {
-    **{"count": [24, 34, 40], "gamma": [1.6, 2.0, 3.3], "wall": [0.1, 0.3], "plate": [0.1, 0.3]},
-    **{"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2], "periods": MOST_PERIODS},
+    **{"count": [24, 32, 40], "rolling": [24, 40], "narrow": [24]},
+    **{"gamma": [1.6, 2.0, 3.3], "wall": [0.1, 0.3], "plate": [0.1, 0.3]},
+    **{"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2]},
+    **dict.fromkeys(("periods", "gamma_periods"), MOST_PERIODS),
 }
 FEW_STARTS = {"periods": MOST_PERIODS, "seeds": (1, 2)}
 SIZES = {
@@ -54,7 +56,7 @@ SIZES = {
         "ANNULUS_COUNT": 32,
     },
     arrangement: {"EVERY": 2},
-    fig05: {"EVERY": 2, "SHOWN_COUNTS": (32, 24), "SNAPSHOT_COUNTS": {True: (32, 24)}},
+    fig05: {"EVERY": 2, "SHOWN_COUNTS": (32, 24)},
     fig07: {"TRANSIENT": 2, "lone": lambda _: (np.array([0.0]), [RIGID])},
     fig08: {"lone": lambda _: (np.array([0.0]), [RIGID])},
     measure_rows: {"FREQUENCY_TILTS_DEG": (21, 40)},

@@ -3,12 +3,24 @@
 import numpy as np
 
 import md
-from md.kernels.codes import DONE, PAIR_SLOTS, PLACE, SLOTS, SPACE_COLUMNS, TURN, VELOCITY
+from md.kernels.codes import (
+    ANNULUS_LEDGER,
+    DONE,
+    PAIR_SLOTS,
+    PLACE,
+    SLOTS,
+    SPACE_COLUMNS,
+    TURN,
+    VELOCITY,
+)
 from md.kernels.contact import Clock, ContactForces, Friction, Motion, Normal
 from md.kernels.plane import Watchers
+from md.kernels.space.energy import energy
 from md.kernels.space.forces import SpaceEffects, State, Wall
 from md.kernels.space.march import march
 from md.kernels.space.pairs import no_pairs
+from md.kernels.space.touches import FLAT
+from md.kernels.touches import new_record
 
 HALF, LIGHT = 4.25, 12 / 9.5**2
 LOSSY = md.constant_restitution(0.65, 1e5, tangential_ratio=3)
@@ -57,13 +69,17 @@ def states(*rods):
 class Rods:
     """Rods under way."""
 
-    def __init__(self, scene, rods, dt=1e-4, kernel=march):
+    def __init__(self, scene, rods, dt=1e-4, kernel=march, watched=False):
         n, self.effects, self.dt, self.step, self.kernel = len(rods), scene, dt, 0, kernel
         rubs = any(part and part.friction for part in (scene.inner, scene.outer))
         springs = np.zeros((n, SLOTS, 3)) if rubs or scene.friction else None
         between = scene.between and np.zeros((max(n * (n - 1) // 2, 1), PAIR_SLOTS, 3))
         pairs = no_pairs(n) if scene.between else None
-        self.state = State(rods, np.zeros((n, 6)), springs, pairs, between, np.zeros((n, 6)))
+        lost, flat = np.zeros((ANNULUS_LEDGER, n, 6)), np.zeros((n, FLAT))
+        seen = (lost, flat) if watched else (None, None)
+        self.state = State(rods, np.zeros((n, 6)), springs, pairs, between, np.zeros((n, 6)), *seen)
+        record = new_record(n, 4096) if scene.normal else None
+        self.watchers = Watchers(np.zeros(ANNULUS_LEDGER), record, None) if watched else NOBODY
 
     @property
     def rods(self):
@@ -72,13 +88,18 @@ class Rods:
     def march(self, steps):
         """Steps made, and why they ended."""
         clock = Clock(self.step, self.dt)
-        done, why, _ = self.kernel(self.effects, self.state, NOBODY, clock, steps)
+        done, why, _ = self.kernel(self.effects, self.state, self.watchers, clock, steps)
         self.step += done
         return done, why
 
     def go(self, steps):
         assert self.march(steps) == (steps, DONE)
         return self
+
+    def energy(self):
+        """Half a step ago; the plate is at rest."""
+        height = self.effects.plate.height[0] if self.effects.plate else 0.0
+        return energy(self.effects, self.rods, height, self.dt)
 
     def moments(self):
         """Momentum, and angular momentum about the origin, half a step ago."""

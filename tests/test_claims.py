@@ -2,7 +2,6 @@
 
 import json
 import os
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -252,6 +251,8 @@ def test_the_command_judges_claims(small, tmp_path, monkeypatch, capsys):
     for claim in CLAIMS:
         assert not found[claim["id"]]["trouble"] or claim["id"] == "S4"  # of too few tilts
         assert {row["key"] for row in claim["numbers"]} == keys[claim["id"]].keys()
+    two = {name for name, claim in found.items() if "assumed" in claim}
+    assert two == {"S4", "S5", "S6", "S8", "S18", "S20", "E1"}
     numbers = {(c["id"], row["key"]): row for c in report["claims"] for row in c["numbers"]}
     assert numbers["S12", "mean"]["error"] > 0
     assert 0 <= numbers["S22", "pushed"]["value"] <= 1
@@ -261,6 +262,7 @@ def test_the_command_judges_claims(small, tmp_path, monkeypatch, capsys):
     page = (tmp_path / "claims.md").read_text(encoding="utf-8")
     assert "`--quick`" in page
     assert all(claim["says"] in page for claim in CLAIMS)
+    assert f"Under {rows.ASSUMED_NAME}: {found['S18']['assumed']['verdict']}. drift" in page
     printed = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in printed[:-1]] == list(found)
 
@@ -312,7 +314,7 @@ def test_estimate_counts_what_the_store_lacks(small, tmp_path, monkeypatch):
     monkeypatch.setattr(rows, "STORE", tmp_path / "rows.db")
     monkeypatch.setattr(everything, "FIGURES", {"phase_friction": FIGURES["phase_friction"]})
     monkeypatch.setattr(everything, "load", lambda name: phase_friction)
-    monkeypatch.setattr(everything, "measure_rows", SimpleNamespace())
+    monkeypatch.setattr(everything, "OF_CLAIMS", ())
     monkeypatch.setattr(everything, "timed", lambda scene: 1e-6)
     some = phase_friction.sweeps(quick=True)
     monkeypatch.setattr(phase_friction, "sweeps", lambda: some)

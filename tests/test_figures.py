@@ -213,6 +213,12 @@ def test_flat_end_turns_at_arctan_d_over_l():
     before, after = flat[tilt == 0]
     assert before == -after > 2
     assert np.sum(np.sign(d["round"]) != np.sign(tilt)) == 0
+    np.testing.assert_array_equal(
+        d["flat_bounced"] > 3 * d["flat_bounced_error"], d["bounced_tilt"] > d["flat_threshold"]
+    )
+    landed = np.sign(d["soft_tilt"]) * d["soft"]  # upright on both corners: nothing
+    np.testing.assert_array_equal(landed > 0, np.abs(d["soft_tilt"]) > d["flat_threshold"])
+    assert d["soft"][d["soft_tilt"] == 0] == pytest.approx(0, abs=1e-12)
 
 
 def test_drift_over_length():

@@ -117,7 +117,8 @@ def test_a_law_of_ones_own():
 
 
 def test_all_options_at_once(capsys):
-    options = {"omega": "0.1", "length": "8", "inertia": "thin", "stiffness": "1e7", "dt": "1e-5"}
+    options = {"omega": "0.1", "length": "8", "inertia": "thin", "ends": "flat"}
+    options |= {"stiffness": "1e7", "dt": "1e-5"}
     code, out, _ = run(
         capsys, "--json", law="constant_restitution", tangential_ratio="100", **options
     )
@@ -125,7 +126,7 @@ def test_all_options_at_once(capsys):
     law = md.constant_restitution(0.65, 1e7, tangential_ratio=100.0)
     hit = md.impact(
         *(radians(20), 0.5, -1.0, 0.1),
-        **{"friction": 0.4, "law": law, "rod": md.Rod(8.0, "thin"), "dt": 1e-5},
+        **{"friction": 0.4, "law": law, "rod": md.Rod(8.0, "thin", "flat"), "dt": 1e-5},
     )
     found = json.loads(out)
     assert [found[key] for key in ("c_x", "c_z", "omega")] == list(hit[:3])

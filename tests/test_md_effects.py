@@ -46,6 +46,7 @@ EFFECTS = {  # the loop with them, without them; arguments, and an instruction t
         {},
         {"effects.friction": "fdiv", "effects.plate": "[su]rem (?:<.*> )?i64"},
     ),
+    "flat ends": ({"rod": md.Rod(8.0, ends="flat")}, {}, {"effects.flat": ""}),
     "tangential spring": (
         RUBBING | UNDAMPED,
         RUBBING,
@@ -84,6 +85,7 @@ def test_absent_effects_have_no_memory():
     scene = scene_of()
     assert scene.plate is scene.friction is scene.gravity is None
     assert scene.normal[1:] == (None, None, None, None)
+    assert scene.flat is None
     assert scene_of(rod=md.Rod(1.0)).upper is None
     plate = scene_of(vibration=VIBRATION).plate
     assert plate.height.size == plate.velocity.size == 1000

@@ -14,11 +14,13 @@ from md.laws import damping_ratio, head_on_restitution
 
 TILTS = np.radians(np.arange(5, 90, 5))
 STIFF = 1e9  # k_n in m g/d
-ROD = md.Rod()
+ROD, FLAT = md.Rod(), md.Rod(8.0, ends="flat")
 REGIMES = {"slide": 1, "slip-stick": 2, "slip-reversal": 3}
 
 
 def geometry(rod, tilt):
+    if rod.ends == "flat":
+        return impact.flat_ended_rod(tilt, rod.length)
     return ContactGeometry(
         rod.half_length * sin(tilt),
         rod.half_length * cos(tilt) + 0.5,
@@ -70,9 +72,10 @@ APPROACHES = [  # c_x, c_z, omega: slip of both signs, fast, slow and none to sp
 
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("velocity", APPROACHES)
-@pytest.mark.parametrize("friction", [0.3, 0.4])
-def test_rigid_limit(friction, velocity, side):
-    meets_the_theory(velocity, side * TILTS, friction=friction)
+@pytest.mark.parametrize(("friction", "rod"), [(0.3, ROD), (0.4, ROD), (0.4, FLAT)])
+def test_rigid_limit(friction, rod, velocity, side):
+    """Flat ends on either side of 7.1 degrees too, where their centre of mass passes the edge."""
+    meets_the_theory(velocity, side * TILTS, friction=friction, rod=rod)
 
 
 def step(per_contact):
@@ -89,6 +92,10 @@ def step(per_contact):
         {"rod": md.Rod(1.5), "tilts": TILTS[::2]},
         {"rod": md.Rod(40.0), "tilts": TILTS[::2]},  # its arms are longer, its errors are not
         {"rod": md.Rod(9.5, "thin"), "tilts": TILTS[::2]},
+        {"rod": FLAT, "integrator": "verlet", "dt": step(100)},
+        {"rod": FLAT, "integrator": "gear", "dt": step(800)},
+        {"rod": FLAT, "integrator": "dop853", "tilts": TILTS[::4]},
+        {"rod": md.Rod(1.5, ends="flat"), "tilts": TILTS[::2]},
         {"friction": 0.0, "velocity": (0.3, -1.0, 0.2)},
         {"friction": np.inf, "velocity": (0.5, -1.0, 0.1)},
         {"restitution": 0.0},
@@ -100,21 +107,25 @@ def test_extremes_and_every_integrator_meet_the_theory(how):
     meets_the_theory(**{"velocity": (0.5, -1.0, 0.0)} | how)
 
 
-def test_all_three_regimes_are_met():
+@pytest.mark.parametrize("rod", [ROD, FLAT])
+def test_all_three_regimes_are_met(rod):
     """At the paper's -c_z/c_x = 2 and friction 0.4; there is no vacuous agreement."""
-    regimes = {md.impact(tilt, 0.5, -1.0, friction=0.4).regime for tilt in TILTS}
+    regimes = {md.impact(tilt, 0.5, -1.0, friction=0.4, rod=rod).regime for tilt in TILTS}
     assert regimes == set(REGIMES)
 
 
-@pytest.mark.parametrize("velocity", [(0.5, -1.0, 0.0), (0.5, -1.0, 0.1)])
-def test_error_falls_as_overlap(velocity):
+@pytest.mark.parametrize(
+    ("velocity", "rod"),
+    [((0.5, -1.0, 0.0), ROD), ((0.5, -1.0, 0.1), ROD), ((0.5, -1.0, 0.0), FLAT)],
+)
+def test_error_falls_as_overlap(velocity, rod):
     """As k_n^(-2/5), the overlap by which the arms of the forces change.
 
     The next term is smaller by another overlap, 2e-3 d at k_n = 1e7, and bends the slope over six
     decades by no more than a few of these.
     """
     powers = np.arange(7, 14)
-    errors = [against_theory(velocity, stiffness=10.0**power)[0] for power in powers]
+    errors = [against_theory(velocity, rod=rod, stiffness=10.0**power)[0] for power in powers]
     slope, _ = np.polyfit(powers, np.log10(errors), 1)
     assert slope == pytest.approx(-0.4, abs=0.005)
     assert errors[-1] < 3e-6
@@ -220,7 +231,9 @@ def test_damping_ratio_inverts_restitution():
 
 @pytest.mark.parametrize("length", [1.0, 1.001, 2.0, 8.0, 9.5, 100.0])
 def test_moment_of_inertia(length):
-    """The gyration radius of the solid and of the thin rod, each found here a second time."""
+    """The gyration radius of the solids and of the thin rod, each found here a second time."""
+    flat = impact.flat_ended_rod(0.0, length).k
+    assert sqrt(md.Rod(length, ends="flat").gyration_squared) == pytest.approx(flat, rel=1e-14)
     solid = impact.spherocylinder(0.0, length).k
     assert sqrt(md.Rod(length).gyration_squared) == pytest.approx(solid, rel=1e-14)
     thin = impact.thin_rod(0.0, length).k
@@ -230,14 +243,17 @@ def test_moment_of_inertia(length):
 # Both caps, grazing
 
 
-def test_both_caps_at_once():
-    """Lying flat: no turn, twice the stiffness, so less overlap by 2^(2/5), friction at the ends.
+@pytest.mark.parametrize(
+    ("tilt", "rod"), [(pi / 2, ROD), (pi / 2, FLAT), (0.0, FLAT), (-0.0, FLAT)]
+)
+def test_both_caps_at_once(tilt, rod):
+    """Lying, or upright on a flat end: no turn, twice the stiffness, so less overlap by 2^(2/5).
 
-    The rod that comes down flat shows its whole mass to both contacts together; friction below
+    A rod that comes down on both shows its whole mass to both contacts together; friction below
     acts at half a diameter and turns it only as far as the plate lets it.
     """
     law = md.coulomb(1.0)
-    flat = md.impact(pi / 2, 0.0, -1.0, friction=0.3, law=law)
+    flat = md.impact(tilt, 0.0, -1.0, friction=0.3, law=law, rod=rod)
     alone = md.impact(0.0, 0.0, -1.0, friction=0.3, law=law)
     assert flat.omega == pytest.approx(0.0, abs=1e-12)
     assert flat.c_x == pytest.approx(0.0, abs=1e-12)

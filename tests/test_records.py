@@ -6,12 +6,13 @@ import pytest
 import md
 
 from .rows import row
+from .test_annulus import ring
 
 
-@pytest.fixture(scope="module")
-def made():
+@pytest.fixture(scope="module", params=[row, ring])
+def made(request):
     rows = []
-    result = md.run(row("plate.acceleration=5"), periods=30, observe=rows.append)
+    result = md.run(request.param("plate.acceleration=5"), periods=30, observe=rows.append)
     return rows, result
 
 

@@ -5,11 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import md
 from figures.claims import measure_annulus
 from figures.lib import arrangement as order
 from figures.lib import runs
 from figures.paper import fig04
 from md.host import prepare
+from md.placement import largest_tilt
 from md.scene import from_tables, put
 
 from .quick_figures import MOST_PERIODS, data, tiny
@@ -80,13 +82,32 @@ def test_one_maximum_has_no_slowdown():
 # Runs
 
 
-def test_the_drift_is_that_of_the_store_in_cm_s():
-    d = data("fig04")
-    with tiny():
-        (drift,) = runs.gathered(fig04.sweeps(True)["still"], "c_x")
-    np.testing.assert_allclose(d["still_c_x"], drift.mean(axis=-1) * np.sqrt(981 * 0.635))
+def test_drift_and_tilt_are_those_of_a_run():
+    d, scene = data("fig04"), from_tables(put(runs.ANNULUS, {"rods.count": 32}))
+    result = md.run(scene, periods=MOST_PERIODS)
+    found = order.followed(scene, MOST_PERIODS)
+    assert found["c_x_cm_s"] == pytest.approx(result.c_x * np.sqrt(981 * 0.635))
+    assert found["tilt_deg"] == result.tilt_deg
     assert (d["still_c_x_error"] > 0).all()
     assert (np.diff(d["still_tilt"]) < 0).all()  # more rods lean less
+
+
+def test_a_rod_in_the_narrow_gap_leans_by_53_degrees():
+    gap = from_tables(put(runs.ANNULUS, fig04.NARROW)).annulus
+    assert np.degrees(largest_tilt(gap, 8.0)) == pytest.approx(53, abs=0.01)
+
+
+@pytest.mark.parametrize("assumed", [False, True])
+def test_the_assumed_law_differs_in_the_contacts_alone(assumed):
+    """Restitution 0.65 of plate, rods and walls, those of the plane row as well."""
+    with tiny():
+        plans = fig04.sweeps(True, assumed)
+    simple = from_tables(runs.SIMPLE_ANNULUS).contacts.plate.law
+    assert simple.restitution == 0.65
+    for name, sweep in plans.items():
+        contacts = sweep.points[0].scene.contacts
+        parts = (contacts.plate, contacts.rods, *([] if name == "plane" else [contacts.wall]))
+        assert ({part.law for part in parts} == {simple}) == assumed
 
 
 def test_rolling_and_friction_are_varied_and_nothing_else():
@@ -110,7 +131,7 @@ def test_the_arrangement_is_followed_in_time():
     engine.go(MOST_PERIODS * engine.per)
     np.testing.assert_array_equal(d["rods_32"], engine.rods[:, :6])
     assert d["time"].tolist() == [2, 4, 6, 8]
-    assert d["series"].shape == (2, 2, len(d["time"]), len(order.MEASURED))
+    assert d["series"].shape == (3, 2, len(d["time"]), len(order.MEASURED))
     np.testing.assert_allclose(d["mean"], d["series"][:, :, 2:, 0].mean(axis=(1, 2)))
     radius = np.hypot(*d["rods_32"][:, :2].T)
     gap = runs.ANNULUS_SCENE.annulus
@@ -154,6 +175,15 @@ def test_numbers_find_what_was_put_in():
         "zero": 1.5,
     }
     assert values == pytest.approx(expected, abs=1e-9)
+
+
+def test_rolling_rods_are_compared_at_equal_numbers():
+    still = np.array([9.0, 4, 3, 5, 5])
+    d = {"count": np.array([56, 48, 44, 40, 36]), "still_tilt": np.array([9.0, 19, 23, 28, 34])}
+    d |= {"rolling": np.array([48, 44, 40]), "rolling_tilt": np.array([20.0, 24, 29])}
+    d |= {"still_c_x": still, "rolling_c_x": 2 * still[1:4]}
+    d |= {f"{name}_error": np.full_like(d[name], 1e-6) for name in d if name != "count"}
+    assert measure_annulus.S20_rolling(made_up(d))["faster"].value == pytest.approx(2)
 
 
 def test_a_region_is_said_to_appear_where_its_contrast_does():

@@ -63,6 +63,7 @@ EFFECTS = {
             "state.listed": "",
             "state.scratch.place": "",
             "state.scratch.found": "",
+            "state.scratch.batch": "",
         },
         GROUND,
     ),
@@ -127,7 +128,7 @@ def test_what_is_absent_everywhere_needs_next_to_nothing():
     """Of a million rods that only fly: places, directions, velocities and accelerations."""
     engine, _ = started()
     state, watchers = engine.state, engine.watchers
-    assert [state.springs, state.listed, *state.scratch[1:], *watchers] == [None] * 7
+    assert [state.springs, state.listed, *state.scratch[2:], *watchers] == [None] * 8
     assert list(engine.arrays()) == ["rods", "before"]
     assert (engine.effects.between, engine.effects.period) == (None, None)
 

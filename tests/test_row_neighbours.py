@@ -189,6 +189,34 @@ def test_springs_and_losses_survive_a_rebuild():
     np.testing.assert_array_equal(often.ledger, usual.ledger)
 
 
+TURN = 0.5 / HALF  # about a lower end at rest
+CLOSING = {  # as fast as rods of a largest speed of 1 may, from a gap of 0.05 d
+    "pair": [(0.0, 9.0, 0.0, 1.0, 0.0, 0.0), (1.05, 9.0, 0.0, -1.0, 0.0, 0.0)],
+    "end of a touching pair": [
+        (-0.004 * HALF, HALF, -0.004, 0.5, 0.0, TURN),
+        (0.9915 + 0.004 * HALF, HALF + 2.0, 0.004, -0.5, 0.0, -TURN),
+    ],
+}
+
+
+@pytest.mark.parametrize("states", CLOSING.values(), ids=CLOSING)
+def test_what_sleeps_wakes_in_time(states):
+    """To the bits of a run in which nothing sleeps."""
+    usual, often = (free(ELASTIC, states) for _ in range(2))
+    slept, wide = 0, []
+    for _ in range(400):
+        often.state.listed.asleep[:] = 0.0
+        for engine in (usual, often):
+            engine.go(1)
+        listed = usual.state.listed
+        slept += np.count_nonzero(listed.asleep[0, [1, 4]] > listed.travelled)
+        wide.append(usual.overlaps(usual.rods, 0, 1, 0)[0][1])
+    assert slept > 50
+    assert min(wide) < -0.04
+    assert max(wide) > 0.001
+    np.testing.assert_array_equal(usual.rods, often.rods)
+
+
 def test_a_list_that_is_full_grows():
     """From one entry on, and once more while contacts are open; to the same bits."""
     usual, small = lively(), lively()

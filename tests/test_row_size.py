@@ -135,7 +135,7 @@ def sizes():
     c_x = np.array([[14.0, 9.0], [10.4, 12.0], [10.2, 9.0], [10.0, 10.0]])
     error = np.array([[0.1, 0.9], [0.1, 0.1], [0.1, 0.9], [0.1, 0.1]])
     flat = np.ones((4, 2))
-    names = ("tilt_deg", "common", "tilt_deg_fluctuation")
+    names = ("tilt_deg", "common", "tilt_deg_fluctuation", "spread_deg")
     return {
         "count": np.array([10, 20, 40, 80]),
         "nominal_deg": np.array([15.0, 45.0]),
@@ -159,12 +159,15 @@ def test_from_where_on_a_row_is_large_enough(sizes):
 
 def test_the_sizes_in_picture_and_words(sizes):
     figure = row_size.draw(sizes)
-    assert len(figure.axes) == 3
+    assert len(figure.axes) == 4
     np.testing.assert_allclose(figure.axes[0].lines[0].get_ydata(), sizes["c_x"][:, 0] / 10)
     plt.close(figure)
     lines = [line.split() for line in row_size.summary(sizes).splitlines()]
     assert lines[-2:] == [["15", "20"], ["45", "40"]]
     assert sum(line[0] == "45" for line in lines) == 5
+    sizes["spread_deg"][2:, 1] = 8
+    last = row_size.summary(sizes).splitlines()[-1]
+    assert last == "45 deg: rows of 40, 80 rods separate into two tilts"
 
 
 def test_rows_of_all_sizes_are_equally_dense():
@@ -182,10 +185,13 @@ def test_rows_of_all_sizes_are_equally_dense():
 def test_a_followed_row_drifts_as_a_run_does():
     """The tiny runs of the figures, beside `md.run`."""
     d = data("row_size")
-    scene = row_size.sweeps(True)["5"].points[0].scene
+    points = row_size.sweeps(True)["5"].points
+    scene = points[0].scene
     result = md.run(scene, periods=8, ledger=False)
     found, rods = row_motion.watched(scene, 8)
     np.testing.assert_allclose(found["c_x"], result.c_x_series * scene.cm_per_s, rtol=1e-9)
     np.testing.assert_array_equal(rods[:, Z], result.rods[:, Z])
     assert found["tilt_deg"] == pytest.approx(result.tilt_series, abs=0.3)
     assert d["c_x"].shape == (3, 1)
+    spread = np.mean([row_motion.averaged(point.scene, 8)["tilt_spread"] for point in points])
+    assert d["spread_deg"][0, 0] == pytest.approx(np.degrees(spread / HALF))

@@ -1,5 +1,6 @@
 """Rods in space: closest points, conserved quantities, the plane found again, placement."""
 
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -12,9 +13,9 @@ from md import placement
 from md.host import prepare
 from md.kernels.codes import (
     DIRECTOR,
-    PAIR_NORMAL,
+    LEDGER_COLUMNS,
     PLACE,
-    PLATE_NORMAL,
+    REGIMES,
     SPACE_COLUMNS,
     TURN,
     VELOCITY,
@@ -23,6 +24,7 @@ from md.kernels.contact import ContactForces, Friction, Motion
 from md.kernels.space import geometry
 from md.kernels.space.forces import Wall
 from md.kernels.space.pairs import nearest
+from md.kernels.touches import REGIME
 
 from .rows import LIGHT, free
 from .space import (
@@ -41,6 +43,7 @@ from .space import (
 )
 from .test_annulus import ring
 
+INNER_RADIUS = 5.0
 GAP = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
 
 
@@ -233,35 +236,128 @@ def test_turning_the_whole_scene_changes_nothing():
     np.testing.assert_allclose(other.rods, expected, atol=1e-7)
 
 
-def test_rods_in_a_plane_do_what_the_plane_kernel_says():
-    """A row that falls onto the vibrated plate, with friction and losses; y stays zero."""
+def lifted(*changes):
+    """A row that falls onto a plate, and the same rods in space where x leads around the axis."""
     flat = md.load(
         "quasi2d",
         [
             *("rods.count=6", "box=none", "start.tilt_deg=20", "start.speed=0.3"),
             *("start.drop=0.01", "step.size=1e-4", "step.coarse=true", "plate.acceleration=5"),
             *(f"contacts.{part}.stiffness=1e5" for part in ("plate", "rods")),
+            *changes,
         ],
     )
     engine = prepare(flat)
-    engine.rods[:, 0] *= 1.001  # else some touch just so, and rounding decides
-    engine.rods[:, 0] += 100  # from the inner wall
-    alone, plane = engine.effects.alone, engine.rods
-    rods = np.zeros((6, SPACE_COLUMNS))
-    places = [0, 2, 3, 5, 6, 8, 10]
-    rods[:, places] = plane
+    alone, rods = engine.effects.alone, np.zeros((6, SPACE_COLUMNS))
+    rods[:, 1] = -500.0  # between the walls
     acting = within(
         **{"gravity": alone.gravity[1], "plate": alone.plate, "normal": alone.normal},
         **{"friction": alone.friction, "between": engine.effects.between},
     )
-    scene = Rods(acting, rods, engine.dt)
-    for _ in range(30):
+    return engine, Rods(acting, rods, engine.dt, watched=True)
+
+
+IN_PLANE = [0, 2, 3, 5, 6, 8, 10]
+CONSTRAINT = "contacts.plate.law=coulomb", "contacts.plate.tangential_ratio=none"
+
+
+@pytest.mark.parametrize("regimes", [False, True], ids=["crowd", "regimes"])
+@pytest.mark.parametrize("law", [(), CONSTRAINT], ids=["spring", "constraint"])
+def test_rods_in_a_plane_do_what_the_plane_kernel_says(law, regimes):
+    """With friction and losses, in a crowd or each alone at its own tilt; y stays as it is.
+
+    Motion, ledger and records are those of the row.
+    """
+    engine, scene = lifted(*law)
+    engine.rods[:, 0] *= 30 if regimes else 1.001  # else some touch just so, and rounding decides
+    if regimes:
+        tilts = np.radians([-5, 10, 30, 50, 70, 85])
+        engine.rods[:, 1] += HALF * (np.cos(tilts) - engine.rods[:, 3])
+        engine.rods[:, 2:5] = np.array([np.sin(tilts), np.cos(tilts), [0.7, 0.5, 0.3, 0, 1, -1]]).T
+    scene.rods[:, IN_PLANE] = engine.rods
+    for _ in range(60):
         engine.go(100)
         scene.go(100)
-    assert engine.ledger[PAIR_NORMAL] > 1e-4  # they met
-    assert engine.ledger[PLATE_NORMAL] > 1e-4
-    np.testing.assert_allclose(rods[:, places], plane, rtol=0, atol=1e-9)
-    assert np.abs(rods[:, [1, 4, 7, 9, 11]]).max() < 1e-12
+    assert (engine.ledger[: 3 if regimes else 4] > 1e-4).all()  # they met
+    np.testing.assert_allclose(scene.rods[:, IN_PLANE], engine.rods, rtol=0, atol=1e-8)
+    assert np.abs(scene.rods[:, [1, 4, 7, 9, 11]] - (-500, 0, 0, 0, 0)).max() < 1e-12
+    ledger = scene.watchers.ledger
+    np.testing.assert_allclose(ledger[:LEDGER_COLUMNS], engine.ledger, rtol=0, atol=1e-4)
+    assert (ledger[LEDGER_COLUMNS:] == 0).all()
+    records = (record.rows[: record.count[0]] for record in (engine.record, scene.watchers.record))
+    of_row, in_space = records
+    assert len(of_row) > 6
+    assert not regimes or set(of_row[:, REGIME]) == set(REGIMES)
+    np.testing.assert_allclose(in_space, of_row, rtol=1e-7, atol=1e-8)
+
+
+def elastic_crowd():
+    """Rods thrown about between walls and over a plate at rest, without losses."""
+    walls = {n: Wall(r, ELASTIC, SMOOTH) for n, r in (("inner", GAP.inner), ("outer", GAP.outer))}
+    at_rest, rods = Motion(np.zeros(1), np.zeros(1)), annulus()[1]
+    rods[:, PLACE + 2] += 0.01
+    rods[:, VELOCITY:TURN] *= 2
+    above = {"plate": at_rest, "normal": ELASTIC, "friction": SMOOTH, "gravity": -1.0}
+    return within(**walls, **above, between=ContactForces(ELASTIC, SMOOTH), rolling=15.0), rods
+
+
+def elastic_two(height, slant):
+    """Two rods within each other's reach, near their ends."""
+    first, second = [0, 0, 0], [0, -0.985, height]
+    rods = (first, (slant, 0, 1), (0, -0.1, 0.3)), (second, (-slant, 0.001, 1), (0.4, 0.1, -0.3))
+    return meeting(ELASTIC, SMOOTH), states(*rods)
+
+
+def elastic_along():
+    """A rod nearly along the convex wall, whose ends share the contact between them."""
+    scene, _ = elastic_crowd()
+    rod = (GAP.inner + 0.49, 0, 10), (0.001, 0.05, 1), (-0.3, 0.5, 0)
+    return scene, states(rod)
+
+
+@pytest.mark.parametrize(
+    "begin",
+    [
+        elastic_crowd,
+        elastic_along,
+        partial(elastic_two, 8.45, 0.01),
+        partial(elastic_two, 5.6, 0.7),
+    ],
+    ids=["all", "along the wall", "ends that meet", "crossing at an end"],
+)
+def test_m15_elastic_contacts_keep_the_energy(begin):
+    """In the middle of contacts too: second order in the step."""
+    found = []
+    for dt in (4e-4, 1e-4):
+        crowd = Rods(*begin(), dt, watched=True)
+        first, off, kinetic = crowd.energy(), [], []
+        for _ in range(20):
+            crowd.go(round(0.004 / dt))
+            off.append(crowd.energy() - first)
+            kinetic.append(crowd.kinetic())
+        assert np.abs(crowd.watchers.ledger).max() < 1e-12
+        assert np.ptp(kinetic) > 0.03  # the contacts hold energy
+        found.append(np.abs(off).max())
+    assert found[0] < 1e-2 * first
+    assert np.log2(found[0] / found[-1]) / 2 > 1.7, found
+
+
+def test_m5_a_lying_rod_that_a_wall_pushes_does_not_creep():
+    """With a third of the friction there is: less than 1e-10 d in 1e3 units of time."""
+    force, held = 0.1, Friction(0.3, None)
+    deep, pressed = (force / 1e5) ** (2 / 3), (0.5 / 1e5) ** (2 / 3)
+    x = INNER_RADIUS + 0.5 - deep
+    rods = states(((x, 0, 0.5 - pressed), (0, 1, 0)))
+    still = Motion(np.zeros(1), np.zeros(1))
+    walls = {"inner": Wall(INNER_RADIUS, ELASTIC, None), "outer": Wall(1e3, ELASTIC, None)}
+    scene = within(**walls, plate=still, gravity=-1.0, friction=held, normal=LOSSY.normal)
+    lying = Rods(scene, rods.copy(), dt=1e-3).go(1000)
+    before = lying.rods.copy()
+    lying.go(1_000_000)
+    assert np.abs(lying.rods - before).max() < 1e-10
+    assert np.abs(lying.rods[:, :2] - rods[:, :2]).max() < 1e-6
+    slips = scene._replace(friction=Friction(0.9 * force, None))
+    assert Rods(slips, rods, dt=1e-3).go(1000).rods[0, 0] > x + 5e-6
 
 
 # Placement

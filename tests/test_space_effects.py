@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from md.kernels.codes import DIRECTOR, PLACE, SPACE_COLUMNS, TURN, VELOCITY
-from md.kernels.contact import ContactForces
+from md.kernels.contact import ContactForces, Friction
 from md.kernels.space.forces import Wall
 from md.kernels.space.march import march
 
@@ -21,8 +21,14 @@ PAIRS, PLATED = ContactForces(NORMAL, None), {"inner": INNER, "normal": NORMAL}
 EFFECTS = {
     "inner wall and plate": (PLATED, {}, "sqrt|fdiv", False),
     "friction on both": ({"inner": ROUGH_INNER, "friction": ROUGH}, PLATED, "fdiv", False),
+    "friction as a constraint": ({"friction": Friction(0.3, None)}, PLATED, "fdiv", False),
     "outer wall and rods": ({"outer": OUTER, "between": PAIRS}, {}, "sqrt|pair_forces", False),
     "gravity and rolling": ({"gravity": -1.0, "rolling": 15.0}, PLATED, "fmul", True),
+    "ledger and record": ({"watched": True}, PLATED, "sitofp|fmul", False),
+}
+PATHS = {  # of what stands deeper
+    "innerfriction": ["effects.inner.friction", "effects.friction"],
+    "watched": ["watchers.ledger", "watchers.record", "state.lost", "state.flat"],
 }
 
 
@@ -38,17 +44,19 @@ def marched(kernel, parts):
     rods[:, PLACE:DIRECTOR] = (20, 1, 9), (-20, 3, 9)
     rods[:, DIRECTOR:VELOCITY] = (0.6, 0, 0.8), (0, 0, 1)
     rods[:, VELOCITY:TURN], rods[:, TURN:] = 0.1, ((0.3, 0.2, 0), (0.1, 0, 0))
-    flying = Rods(effects(half_length=3.5, lightness=0.2, **parts), rods, 1e-3, kernel).go(50)
-    return flying, llvm.text(kernel, effects=flying.effects, state=flying.state)
+    watched, acting = "watched" in parts, {k: v for k, v in parts.items() if k != "watched"}
+    scene = effects(half_length=3.5, lightness=0.2, **acting)
+    flying = Rods(scene, rods, 1e-3, kernel, watched).go(50)
+    names = ("effects", "state", "watchers")
+    return flying, llvm.text(kernel, **{name: getattr(flying, name) for name in names})
 
 
 @pytest.mark.parametrize(("extra", "base", "marks", "moves"), EFFECTS.values(), ids=EFFECTS)
 def test_absent_effects_have_no_code(kernel, extra, base, marks, moves):
     """Nothing reads their numbers and their instructions are not there; the rest is the same."""
     (with_it, text), (without, bare) = marched(kernel, base | extra), marched(kernel, base)
-    rough = {"inner.friction": "", "friction": ""}
-    paths = rough if "friction" in extra else extra
-    llvm.assert_absent(text, bare, {f"effects.{path}": "" for path in paths})
+    paths = PATHS.get("".join(extra)) or [f"effects.{path}" for path in extra]
+    llvm.assert_absent(text, bare, dict.fromkeys(paths, ""))
     for mark in marks.split("|"):
         assert text.body.count(mark) > bare.body.count(mark)
     assert (np.abs(with_it.rods - without.rods).max() > 1e-4) == moves

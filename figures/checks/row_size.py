@@ -5,7 +5,10 @@ grow in number: all sizes take about as long, and their errors are alike. (a) Dr
 largest row, with standard errors of the quotient; grey: what the rule takes for alike, whatever the
 errors. (b) Share of the rods' vertical motion that all have in common: 1 if the row bounces as one
 block. (c) Standard deviation of the row's mean tilt, from period to period, times the root of the
-number of rods, which would not depend on that number if rods moved by themselves.
+number of rods, which would not depend on that number if rods moved by themselves. (d) Standard
+deviation of the tilts of a row's rods among each other, mean over time; dotted: beyond it the row
+has separated into two tilts, most rods and a stretch of some thirty that lean much more; its mean
+tilt falls, its drift does not change.
 
 The rule of the summary: a row is large enough if it and all larger ones drift like the largest one,
 but for a small part or for the errors.
@@ -32,6 +35,7 @@ from ..lib.tables import pairs, table
 from .row_motion import averaged
 
 NEAR, SURE = 0.05, 2.0  # part of the largest row's drift; standard errors
+SEPARATED_DEG = 3.0  # spread of tilts of a row that has separated
 SIZE_TILTS_DEG = {True: (28,), False: (15, 28, 45)}
 PLANS = {  # rods: starts, periods
     True: {5: (2, 120), 10: (2, 60), 20: (2, 30)},
@@ -69,6 +73,9 @@ def data(quick: bool = False) -> Data:
             add(name, *larger_error(*gathered(sweep, name, f"{name}_stderr")))
         for name in ("common", "tilt_deg_fluctuation"):
             add(name, *over_seeds(*gathered(sweep, name)))
+        (spread,) = gathered(sweep, "tilt_spread")  # as a length
+        half = (sweep.points[0].scene.rods.length - 1) / 2
+        add("spread_deg", *over_seeds(np.degrees(spread / half)))
     return {
         "count": np.array([*PLANS[quick]]),
         "nominal_deg": np.array(SIZE_TILTS_DEG[quick], float),
@@ -122,14 +129,21 @@ def _draw_fluctuation(ax: Axes, d: Data) -> None:
     ax.set(ylabel=r"$\sqrt{N}$ fluctuation (deg)", ylim=(0, None))
 
 
+def _draw_spread(ax: Axes, d: Data) -> None:
+    _over_count(ax, d, d["spread_deg"], d["spread_deg_error"])
+    ax.axhline(SEPARATED_DEG, color="0.5", lw=0.8, ls=":")
+    ax.set(ylabel="spread of tilts (deg)", yscale="log")
+
+
 @style
 def draw(d: Data) -> plt.Figure:
     panels = {
         "drift over the largest row's": _draw_drift,
         "motion in common": _draw_common,
         "fluctuation of the mean tilt": _draw_fluctuation,
+        "rods that lean unlike": _draw_spread,
     }
-    figure = painted(d, panels, rows=3, figsize=(3.4, 5.6), sharex=True)
+    figure = painted(d, panels, rows=4, figsize=(3.4, 7.0), sharex=True)
     for ax in figure.axes[:-1]:
         ax.set(xlabel="")
     legend_above(figure, figure.axes[0], ncols=3)
@@ -144,15 +158,22 @@ def summary(d: Data) -> str:
         "Rows of equal density; from N on: this row and all larger ones drift like the largest "
         f"one, within {NEAR:.0%} or {SURE:g} s.e. of the difference"
     ]
+    names = ("c_x", "tilt_deg", "common", "spread_deg")
     heads = ("tilt", "N", "c_x (cm/s)", "over largest", f"{SURE:g} s.e. (%)", "phi (deg)", "common")
+    heads += ("spread (deg)",)
     rows = []
     for i, tilt in enumerate(d["nominal_deg"]):
         for j, count in enumerate(d["count"]):
-            both = [pairs(d, name, (slice(None), i))[j] for name in ("c_x", "tilt_deg", "common")]
+            c_x, *others = (pairs(d, name, (slice(None), i))[j] for name in names)
             quotient = part[j, i], error[j, i]
             told = 100 * SURE * error[j, i]
-            rows.append((f"{tilt:g}", count, both[0], quotient, told, both[1], both[2]))
-    lines.append(table(heads, rows, (0, 0, 3, 3, 1, 2, 3)))
+            rows.append((f"{tilt:g}", count, c_x, quotient, told, *others))
+    lines.append(table(heads, rows, (0, 0, 3, 3, 1, 2, 3, 2)))
     found = zip(d["nominal_deg"], enough(d), strict=True)
     lines.append(table(("tilt", "from N on"), [(f"{tilt:g}", count) for tilt, count in found]))
+    for i, tilt in enumerate(d["nominal_deg"]):
+        apart = d["count"][d["spread_deg"][:, i] > SEPARATED_DEG]
+        if apart.size:
+            which = ", ".join(map(str, apart))
+            lines.append(f"{tilt:g} deg: rows of {which} rods separate into two tilts")
     return "\n".join(lines)

@@ -9,7 +9,10 @@ import numpy as np
 from ..checks import landing_census
 from ..lib import runs
 from ..lib.data import figure_data
+from ..paper import fig04, fig05
 from . import over_tilt
+
+ASSUMED = {"fig04": fig04.data, "fig05": fig05.data}  # figures that two laws have
 
 
 @dataclass
@@ -41,3 +44,13 @@ class Evidence:
         names = "slide", "residual", "isolated_residual"
         found = runs.gathered(landing_census.one_row(self.quick), *names)
         return dict(zip(names, found, strict=True))
+
+
+class Assumed(Evidence):
+    """The same of the annulus under the simple law, from few starts."""
+
+    def figure(self, name: str) -> dict[str, np.ndarray]:
+        """Data of one of the `ASSUMED` figures."""
+        if name not in self._figures:
+            self._figures[name] = ASSUMED[name](self.quick, assumed=True)
+        return self._figures[name]

@@ -69,6 +69,15 @@ def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
     return {**claim, "numbers": rows, "verdict": of, "trouble": trouble}
 
 
+def _told(claim: dict[str, Any]) -> dict[str, str]:
+    """Verdict and judged numbers in words."""
+    numbers = (
+        f"{row['name']}: {shown(row)} ({MISSING if row['grade'] is None else GRADES[row['grade']]})"
+        for row in judged_rows(claim)
+    )
+    return {"verdict": claim["verdict"], "numbers": "; ".join(numbers)}
+
+
 def judge(quick: bool = False, progress: bool = False, out: Path | None = None) -> dict[str, Any]:
     """Judge all claims: what was measured, the verdicts, and where they come from.
 
@@ -84,17 +93,20 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
 
     from impact.benchmark import machine
 
-    from .evidence import Evidence  # late, as in `measure`
+    from .evidence import ASSUMED, Assumed, Evidence  # late, as in `measure`
     from .over_laws import outcome, verdicts
 
-    evidence, judged = Evidence(quick, out), []
+    evidence, simple, judged = Evidence(quick, out), Assumed(quick), []
     searched = evidence.figure("which_law")
     laws = verdicts(searched)
     look = {"desc": "judging", "unit": "claim", "leave": False}
     bar = tqdm(read(), disable=None if progress else True, **look)
     for claim in bar:
         bar.set_postfix_str(claim["id"])
-        judged.append({**_judged(claim, evidence), "laws": laws.get(claim["id"])})
+        found = {**_judged(claim, evidence), "laws": laws.get(claim["id"])}
+        if claim["figure"] in ASSUMED:
+            found["assumed"] = _told(_judged(claim, simple))
+        judged.append(found)
     made = {name: value for name, value in machine().items() if name != "threads"}
     made |= {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
     made |= {"impact": DIGEST, "quick": quick}

@@ -7,6 +7,7 @@ claims.toml gives them.
 import numpy as np
 
 from md.placement import largest_tilt
+from md.sweep import Sweep
 
 from ..lib import runs
 from ..paper import fig02, fig04
@@ -20,14 +21,20 @@ UPRIGHT_DEG, HALF_ORDER = 11.0, 0.5  # the small tilt of Fig. 5(a), generously; 
 REGION_DEG = 5.0  # contrast of tilts that makes a region
 
 
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Runs that no figure shows: under the simple law."""
+    return fig04.sweeps(quick, assumed=True)
+
+
 def _shape(d: dict, name: str, key: str) -> Number:
     """A number that `fig04.shape` gives of the drift over tilt."""
     return resampled(d, lambda d: fig04.shape(d[f"{name}_tilt"], d[f"{name}_c_x"])[key])
 
 
 def S4_drift_over_tilt(data: Evidence) -> Numbers:
-    keys = ("bend", "slope", "early", "late", "dip", "end")
-    return {key: _shape(data.figure("fig04"), "still", key) for key in keys}
+    keys, d = ("bend", "slope", "early", "late", "dip", "end"), data.figure("fig04")
+    narrow = _shape(d, "narrow", "end") if "narrow_c_x" in d else count(np.nan)
+    return {**{key: _shape(d, "still", key) for key in keys}, "narrow": narrow}
 
 
 def S5_drift_over_gamma(data: Evidence) -> Numbers:
@@ -100,7 +107,8 @@ def S18_plane_to_annulus(data: Evidence) -> Numbers:
 
 def S20_rolling(data: Evidence) -> Numbers:
     d = data.figure("fig04")
-    tilt = d["still_tilt"]
+    alike = np.isin(d["count"], d["rolling"])
+    tilt = d["still_tilt"][alike]
     between = (tilt > fig04.MAXIMA_DEG[0]) & (tilt < fig04.MAXIMA_DEG[1])
 
     def kept(d):
@@ -110,7 +118,7 @@ def S20_rolling(data: Evidence) -> Numbers:
         return rolling / still if still > 0 else np.nan
 
     def faster(d):
-        return d["rolling_c_x"][between].mean() / d["still_c_x"][between].mean()
+        return d["rolling_c_x"][between].mean() / d["still_c_x"][alike][between].mean()
 
     still_dip = _shape(d, "still", "dip")
     return {

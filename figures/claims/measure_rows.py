@@ -275,9 +275,12 @@ def E3_flat_end(data: Evidence) -> Numbers:
     pair = (make(at, length) for make in (flat_ended_rod, spherocylinder))
     flat, whole = (drift(rod, **rows.SETTING).c_x for rod in pair)
     beyond, below = tilt > edge, (tilt > 0) & (tilt < edge)
+    at_28 = int(np.argmin(np.abs(d["bounced_tilt"] - at)))
     return {
         "threshold": Number(np.degrees(edge)),
         "slower": Number(flat / whole),
         "always": Number((d["flat"] / np.where(beyond, d["round"], np.inf)).max()),
         "below": Number(d["flat"][below].min()),
+        "bounced": resampled(d, lambda d: d["flat_bounced"][at_28] / d["round_bounced"][at_28]),
+        "reverse": resampled(d, lambda d: d["flat_bounced"].min()),
     }

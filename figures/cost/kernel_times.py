@@ -76,7 +76,7 @@ def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
 
 def calls() -> list[Callable[[int], float]]:
     """Times of a step of a rod, as `NAMES` says."""
-    row, annulus = _settled(), prepare(ANNULUS_SCENE)
+    row, annulus = _settled(), prepare(ANNULUS_SCENE, ledger=False, touches=False)
     annulus.go(round(ANNULUS_PERIODS * annulus.per))
     above = lifted(row)
     found = [_again(row), lambda place: above(place)[0], _again(annulus)]

@@ -5,7 +5,9 @@ from typing import Any
 import numpy as np
 
 from md.host import prepare
+from md.measures import tables_of
 from md.scene import Scene
+from md.statistics import transient
 
 MORE_DEG = 3.0  # beyond the mean tilt: rods that `share` counts
 EVERY = 5  # periods from one look to the next
@@ -49,9 +51,21 @@ def arrangement(rods: np.ndarray) -> tuple[float, ...]:
 
 
 def followed(scene: Scene, periods: int) -> dict[str, Any]:
-    """Arrangement every few periods of a run, and its final state; a measure for `runs.planned`."""
-    engine, seen = prepare(scene), []
-    for _ in range(periods // EVERY):
-        engine.go(EVERY * engine.per)
+    """Drift, tilt, arrangement every few periods, final state; a measure for `runs.planned`.
+
+    Drift and tilt are those of `md.run`.
+    """
+    engine, seen = prepare(scene, ledger=False, touches=False), []
+    tables, cut = tables_of(engine, periods), transient(periods)
+    for period in range(EVERY, periods + EVERY, EVERY):
+        engine.go(min(period, periods) * engine.per - engine.step, tables.series)
         seen.append(arrangement(engine.rods))
-    return {"series": seen, "rods": engine.rods[:, :6].tolist()}
+    c_x, tilt_deg = tables.drift(periods)[cut:], tables.tilt_deg(periods)[cut:]
+    return {
+        "c_x_cm_s": float(c_x.mean()) * scene.cm_per_s,
+        "c_x_stderr": tables.error(c_x),
+        "tilt_deg": float(tilt_deg.mean()),
+        "tilt_stderr_deg": tables.error(tilt_deg),
+        "series": seen,
+        "rods": engine.rods[:, :6].tolist(),
+    }

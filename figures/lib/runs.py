@@ -65,7 +65,9 @@ TILT_SCAN_WORDS = (
     rf"$l={LENGTH}\,d$, thin inertia, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}"
 )
 _WALLS = {k.replace(".plate.", ".wall."): v for k, v in LAW.items() if ".plate." in k}
-ANNULUS = put(read_tables("annulus"), {**LAW, **_WALLS})  # walls are like the plate
+ASSUMED_NAME = "restitution 0.65, tangential ratio 3 of plate, rods and walls"  # before the search
+SIMPLE_ANNULUS = read_tables("annulus")  # under that law
+ANNULUS = put(SIMPLE_ANNULUS, {**LAW, **_WALLS})  # walls are like the plate
 ANNULUS_SCENE = from_tables(ANNULUS)
 ANNULUS_COUNT = ANNULUS_SCENE.rods.count  # of Fig. 5(b), and of all that is not over this number
 ANNULUS_WORDS = (

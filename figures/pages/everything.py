@@ -13,10 +13,11 @@ from md.store import Store
 from md.sweep import Point
 
 from .. import FIGURES, load
-from ..claims import measure_rows
+from ..claims import measure_annulus, measure_rows
 from ..lib.data import stored_data
 from ..lib.runs import store
 
+OF_CLAIMS = (measure_rows, measure_annulus)  # runs that no figure shows
 CLAIMS_SECONDS = 30  # processor seconds of movie and claims, runs of the store apart
 SAMPLES, SETTLE, TIMED = 12, 3, 12  # runs that are timed of each kind; periods of each
 
@@ -33,7 +34,7 @@ def left(out: Path) -> list[str]:
 
 def missing() -> list[Point]:
     """Runs of the figures and claims that the store does not hold, none twice."""
-    modules = [*map(load, FIGURES), measure_rows]
+    modules = [*map(load, FIGURES), *OF_CLAIMS]
     sweeps = [sweep for m in modules if hasattr(m, "sweeps") for sweep in m.sweeps().values()]
     with Store(store()) as database:
         points = {point.key: point for sweep in sweeps for point in sweep.points}

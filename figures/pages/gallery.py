@@ -50,9 +50,10 @@ templates.globals |= {"over_laws": judge.over_laws, "halves": judge.halves}
 
 def claims_page(report: dict[str, Any]) -> str:
     """The verdicts as a page: a table, then a section for each claim."""
-    from ..lib.runs import LAW_NAME  # late: it compiles
+    from ..lib.runs import ASSUMED_NAME, LAW_NAME  # late: it compiles
 
-    return templates.get_template("claims.md.jinja").render(report=report, law=LAW_NAME)
+    words = {"report": report, "law": LAW_NAME, "assumed": ASSUMED_NAME}
+    return templates.get_template("claims.md.jinja").render(words)
 
 
 def pages() -> dict[Path, str]:

@@ -3,10 +3,13 @@
 Means over independent starts; errors are the larger of those between and within the runs. (a): the
 number of rods sets the tilt; without (full) and with (open) rotation about the rods' own axes;
 squares: plane rows of the same rods without walls, reduced 2.5-fold, which is the paper's ratio;
-dotted: the paper's maxima. (b): dotted: where the paper's rods begin to move. (c, d): drift, and
-tilt (green), of 44 rods; the row of (d) is logarithmic but for its first point, no friction.
+triangles: a narrower gap in which a rod leans by the paper's 53 degrees at most: there rods wedge
+between the walls and stand still; dotted: the paper's maxima. (b): dotted: where the paper's rods
+begin to move. (c, d): drift, and tilt (green), of 44 rods; the row of (d) is logarithmic but for
+its first point, no friction.
 """
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -16,12 +19,16 @@ from matplotlib.axes import Axes
 from md.sweep import Sweep
 
 from ..claims.uncertainty import bend
+from ..lib.arrangement import followed
 from ..lib.runs import (
     ANNULUS,
     ANNULUS_COUNT,
     ANNULUS_SCENE,
     ANNULUS_WORDS,
     GAMMA,
+    ROW,
+    SIMPLE_ANNULUS,
+    SIMPLE_ROW,
     boxes,
     drift_and_tilt,
     planned,
@@ -32,46 +39,79 @@ from ..lib.tables import columned, pairs
 MAXIMA_DEG, ONSET_FIG4, REDUCTION = (18, 35), 1.5, 2.5  # the paper's
 GAMMA_COUNTS = (50, 44, 36)  # numbers of rods of (b)
 WALL_KEY, PLATE_KEY = "contacts.wall.friction", "contacts.plate.friction"
+NARROW = {"annulus.outer": 7.3304}  # largest tilt 53 degrees, as the paper says of its annulus
 SIZES = {  # in full, quick
     "count": ([23, 26, 29, 32, *range(34, 57, 2)], [26, 36, 44, 50, 56]),
-    "gamma": ([1.2, 1.4, 1.6, 2.0, 3.0, 4.0], [1.3, 1.8, 3.3]),
+    "rolling": ([23, 29, *range(34, 53, 2)], [26, 36, 44, 50]),  # denser ones jam
+    "narrow": ([22, 23, 24, 26, 29, 32, 36, 40, 44], [23, 26, 36]),
+    "gamma": ([1.05, 1.4, 1.6, 1.8, 2.0, 3.0, 4.0], [1.3, 1.8, 3.3]),
     "wall": ([0, 0.03, 0.1, 0.3, 0.5, 1.0], [0.03, 0.3, 1.0]),  # none at all: another kernel
     "plate": ([0, 0.01, 0.03, 0.1, 0.3, 1.0], [0.01, 0.1, 0.3]),
     "plane": ([*range(5, 51, 5)], [10, 20, 30, 40]),
-    "seeds": ([1, 2, 3], [1, 2]),
+    "seeds": ([1, 2, 3, 4, 5], [1, 2]),
     "few_seeds": ([1, 2], [1, 2]),
-    "periods": (400, 12),  # a region of larger tilt (Fig. 5) takes hundreds to grow
+    "periods": (400, 20),  # a region of larger tilt (Fig. 5) takes hundreds to grow
+    "gamma_periods": (200, 20),
 }
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Over the number of rods, Gamma and the frictions; rows over tilt."""
+def over_count(
+    counts: Sequence[int],
+    seeds: Sequence[int],
+    periods: int,
+    base: Mapping[str, Any] = ANNULUS,
+    changes: Mapping[str, Any] | None = None,
+) -> Sweep:
+    """Annuli over the number of rods, which sets the tilt, and starts."""
+    axes = [{"rods.count": [*counts]}, {"start.seed": [*seeds]}]
+    return planned(axes, periods, changes, base, measure=followed)
+
+
+def sweeps(quick: bool = False, assumed: bool = False) -> dict[str, Sweep]:
+    """Over the number of rods, Gamma and the frictions; rows over tilt.
+
+    Parameters
+    ----------
+    quick : the small size
+    assumed : under the simple law, with few starts, and without what no claim needs
+    """
     size: dict[str, Any] = {name: both[quick] for name, both in SIZES.items()}
-    seeds, few = ({"start.seed": size[name]} for name in ("seeds", "few_seeds"))
-    number, accelerations = {"rods.count": size["count"]}, {"plate.acceleration": size["gamma"]}
+    base, row = (SIMPLE_ANNULUS, SIMPLE_ROW) if assumed else (ANNULUS, ROW)
+    few, periods = {"start.seed": size["few_seeds"]}, size["periods"]
+    seeds = size["few_seeds" if assumed else "seeds"]
     many, alike = {"rods.count": ANNULUS_COUNT}, ("length", "inertia", "diameter_cm")
 
-    def around(*axes: dict[str, list], **changes: object) -> Sweep:
-        return planned([*axes], size["periods"], changes, ANNULUS)
+    def around(*axes: dict[str, list], periods: int = periods, **changes: object) -> Sweep:
+        return planned([*axes], periods, changes, base)
 
-    rows = [{"box.length": boxes(size["plane"])}, seeds]
     of_rods = {f"rods.{name}": ANNULUS["rods"][name] for name in alike}
-    return {
-        "still": around(number, seeds),
-        "rolling": around(number, seeds, **{"rods.rolling": True}),
-        "gamma": around(accelerations, {"rods.count": [*GAMMA_COUNTS]}, few),
+    found = {
+        "still": over_count(size["count"], seeds, periods, base),
+        "rolling": around({"rods.count": size["rolling"]}, few, **{"rods.rolling": True}),
+        "gamma": around(
+            {"plate.acceleration": size["gamma"]},
+            {"rods.count": [*GAMMA_COUNTS]},
+            few,
+            periods=size["gamma_periods"],
+        ),
         "wall": around({WALL_KEY: size["wall"]}, few, **many),
+        "plane": planned([{"box.length": boxes(size["plane"])}, few], periods, of_rods, row),
+    }
+    if assumed:
+        return found
+    return found | {
         "plate": around({PLATE_KEY: size["plate"]}, few, **many),
-        "plane": planned(rows, size["periods"], of_rods),
+        "narrow": over_count(size["narrow"], size["few_seeds"], periods, changes=NARROW),
     }
 
 
-def data(quick: bool = False) -> Data:
+def data(quick: bool = False, assumed: bool = False) -> Data:
     """Drifts in cm/s and tilts in degrees with their errors."""
-    runs = sweeps(quick)
+    runs = sweeps(quick, assumed)
     axes = {"gamma": "plate.acceleration", "wall": WALL_KEY, "plate": PLATE_KEY}
     found = {"count": runs["still"].values("rods.count"), "few": np.array(GAMMA_COUNTS)}
-    found |= {name: runs[name].values(key) for name, key in axes.items()}
+    found["rolling"] = runs["rolling"].values("rods.count")
+    found |= {name: runs[name].values(key) for name, key in axes.items() if name in runs}
     for name, sweep in runs.items():
         found |= drift_and_tilt(sweep, f"{name}_")
     return found
@@ -82,9 +122,12 @@ def _over_tilt(ax: Axes, d: Data) -> None:
     curve(ax, d, "rolling_tilt", "rolling_c_x", RED, "rods roll", both=True, hollow=True)
     row = {"form": "s--", "scale": 1 / REDUCTION, "both": True}
     curve(ax, d, "plane_tilt", "plane_c_x", BLUE, f"row / {REDUCTION}", **row)
+    narrow = {"form": "^:", "both": True}
+    curve(ax, d, "narrow_tilt", "narrow_c_x", GREEN, "gap for 53° at most", **narrow)
     for tilt in MAXIMA_DEG:
-        ax.axvline(tilt, color="0.5", lw=0.8, ls=":")
+        ax.axvline(tilt, 0, 0.6, color="0.5", lw=0.8, ls=":")  # up to the legend
     tilt_axis(ax, 0, 60)
+    ax.set_ylim(None, 1.4 * d["rolling_c_x"].max())
     ax.legend(fontsize=6.5)
 
 
@@ -161,13 +204,13 @@ def summary(d: Data) -> str:
         lines.append(f"{name}: " + ", ".join(f"{key} {value:.3f}" for key, value in found.items()))
 
     columns = {"rods": d["count"], "tilt": pairs(d, "still_tilt"), "drift": pairs(d, "still_c_x")}
-    columns["rods roll: tilt"] = pairs(d, "rolling_tilt")
-    columns["rods roll: drift"] = pairs(d, "rolling_c_x")
-    lines.append(columned(columns, ("g", 3, 3, 3, 3)))
+    lines.append(columned(columns, ("g", 3, 3)))
+    for name, head in (("rolling", "rods roll"), ("narrow", "narrow gap"), ("plane", "row")):
+        columns = {f"{head}: tilt": pairs(d, f"{name}_tilt"), "drift": pairs(d, f"{name}_c_x")}
+        lines.append(columned(columns, 3))
     columns = {f"{n} rods": pairs(d, "gamma_c_x", (..., i)) for i, n in enumerate(d["few"])}
     lines.append(columned({"Gamma": d["gamma"], **columns}, ("g", *[3] * len(columns))))
     for name in ("wall", "plate"):
         columns = {f"friction of the {name}": d[name], "tilt": pairs(d, f"{name}_tilt")}
         lines.append(columned(columns | {"drift": pairs(d, f"{name}_c_x")}, ("g", 3, 3)))
-    columns = {"row: tilt": pairs(d, "plane_tilt"), "drift": pairs(d, "plane_c_x")}
-    return "\n".join([*lines, columned(columns, 3)])
+    return "\n".join(lines)

@@ -16,35 +16,33 @@ from matplotlib.collections import LineCollection
 
 from md.sweep import Sweep
 
-from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, followed, in_order, tilts_deg
-from ..lib.runs import ANNULUS, ANNULUS_SCENE, ANNULUS_WORDS, gathered, over_seeds, planned
+from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, in_order, tilts_deg
+from ..lib.runs import ANNULUS_SCENE, ANNULUS_WORDS, gathered, over_seeds
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style
 from ..lib.tables import columned, pairs
+from . import fig04
 
 SHOWN_COUNTS = (56, 44)  # numbers of rods of (a) and (b)
-SNAPSHOT_COUNTS = {True: (56, 50, 44, 40), False: (56, 54, 52, 50, 48, 46, 44, 42, 40, 36, 32)}
-SNAPSHOT_PERIODS, SNAPSHOT_SEEDS = {True: 20, False: 400}, 2
 TILT_COLOURS = plt.get_cmap("viridis_r")  # of tilts
 
 
-def _plan(counts: tuple[int, ...], quick: bool, seeds: int) -> Sweep:
-    axes = [{"rods.count": [*counts]}, {"start.seed": [*range(1, 1 + seeds)]}]
-    return planned(axes, SNAPSHOT_PERIODS[quick], base=ANNULUS, measure=followed)
-
-
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Arrangements over the number of rods."""
-    return {"annulus": _plan(SNAPSHOT_COUNTS[quick], quick, SNAPSHOT_SEEDS)}
+    """Arrangements over the number of rods: runs of Fig. 4(a)."""
+    return {"annulus": fig04.sweeps(quick)["still"]}
 
 
-def data(quick: bool = False) -> Data:
-    """Final states of the numbers shown, and measures (number of rods, seed, time, measure)."""
-    sweep = sweeps(quick)["annulus"]
+def data(quick: bool = False, assumed: bool = False) -> Data:
+    """Final states of the numbers shown, and measures (number of rods, seed, time, measure).
+
+    Under the assumed law no final states.
+    """
+    sweep = fig04.sweeps(quick, assumed)["still"]
     (series,), counts = gathered(sweep, "series"), sweep.values("rods.count")
     late = series[:, :, series.shape[2] // 2 :].mean(axis=2)  # over time
     found = {"count": counts, "time": EVERY * (1 + np.arange(series.shape[2])), "series": series}
-    for n in SHOWN_COUNTS:
-        found[f"rods_{n}"] = gathered(_plan((n,), quick, 1), "rods")[0][0, 0]
+    for n in () if assumed else SHOWN_COUNTS:
+        plan = fig04.over_count([n], [1], sweep.points[0].periods)
+        found[f"rods_{n}"] = gathered(plan, "rods")[0][0, 0]
     for i, name in enumerate(MEASURED):
         found[name], found[f"{name}_error"] = over_seeds(late[..., i])
     return found

@@ -34,15 +34,15 @@ PAIR_SLOTS = 5
 # Columns of the energy ledger, m g d.
 PLATE_WORK, PLATE_NORMAL, PLATE_FRICTION, PAIR_NORMAL, PAIR_FRICTION = range(5)
 LEDGER_COLUMNS = 5
+WALL_NORMAL, WALL_FRICTION = 5, 6  # in an annulus alone
+ANNULUS_LEDGER = 7
 
 # Columns of the series, a row a period: those of both arrangements, of a row, of an annulus.
 TILT_SUM, SAMPLED = 0, 1  # sum over samples of the mean tilt, rad; number of samples
 MEAN_X, FELL, UPRIGHT = 2, 3, 4  # mean x at the start; rods past the horizontal, the vertical
 ROW_SERIES = 5
 ADVANCE, LEAN_SUM = 2, 3  # sums over samples of mean advance about the axis and mean lean, rad
-TOUCHES, PLATE_SUM = 4, 5  # touches of the plate; sum of the plate's velocity at them
-PUSHING, APPROACH_SUM = 6, 7  # the same weighted by the speed of approach; sum of that speed
-ANNULUS_SERIES = 8
+ANNULUS_SERIES = 4
 
 # Phases of a contact: before its slip first stopped, while it stuck, while it slipped after that.
 SLIDE, STUCK, TURNED = 0, 1, 2

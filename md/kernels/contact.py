@@ -69,6 +69,7 @@ class Effects(NamedTuple):
     gravity: tuple[float, float] | None  # along x and z, g
     plate: Motion | None  # None: at rest at z = 0
     upper: bool | None = True  # None: a sphere, which has no second cap
+    flat: bool | None = None  # True: flat ends, half_length to them; None: round ones
 
 
 class Clock(NamedTuple):
@@ -216,12 +217,29 @@ def friction_force(spring, limit, overlap, length, slip, dt):
 
 
 @kernel
+def end_at(effects, cap, direction):
+    """Centre of a cap from the centre of mass, and its radius; or a corner of a flat end.
+
+    `cap` is -1 or 1: of round ends along the axis, of the corners of the lower flat end across it.
+    Of a flat-ended rod that lies rather than stands the other corner is the upper end's.
+    """
+    sine, cosine = direction
+    half = effects.half_length
+    if effects.flat is None:
+        return cap * half * sine, cap * half * cosine, 0.5
+    along_axis, across = -half, 0.5 * cap
+    if cap * sine < 0 and abs(sine) > 2 * half * cosine:
+        along_axis, across = half, -across
+    return along_axis * sine + across * cosine, along_axis * cosine - across * sine, 0.0
+
+
+@kernel
 def pressed(effects, rod, plate, cap, dt):
-    """Normal contact of the cap `cap` = -1 or 1 along the axis, before its friction."""
+    """Normal contact of the cap or corner `cap` of `end_at`, before its friction."""
     height, velocity = plate
-    sine, cosine = rod.direction
-    a_x, a_z = cap * effects.half_length * sine, height - rod.z
-    overlap = height + 0.5 - (rod.z + cap * effects.half_length * cosine)
+    a_x, rise, radius = end_at(effects, cap, rod.direction)
+    a_z = height - rod.z
+    overlap = height + radius - (rod.z + rise)
     rate = rod.now[1] - rod.now[2] * a_x - velocity
     force = 0.0
     if overlap > 0:

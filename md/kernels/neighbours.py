@@ -5,6 +5,9 @@ of an axis has moved by half of SKIN. A bound on that, the sum of the largest sp
 at every rod in every step. A periodic box repeats the closest points, not the centres: an entry is
 a pair with the image of its second rod, so that two rods of a short box may stand in the list
 several times, and a rod beside its own image.
+
+What cannot touch is not looked at: a pair and an end of a touching pair sleep until rods may have
+travelled half of their gap.
 """
 
 from typing import NamedTuple
@@ -13,6 +16,9 @@ import numpy as np
 
 from ..cache import kernel
 from .codes import COSINE, DEEP, SINE, SKIN, X, Z
+
+PAIR = 4  # column of `Listed.asleep`, after those of the four ends
+CHORD = 0.4142  # less than sqrt(2) - 1
 
 
 class Listed(NamedTuple):
@@ -24,6 +30,8 @@ class Listed(NamedTuple):
     turn: np.ndarray  # (1,): 0 or 1
     travelled: np.ndarray  # (1,), d: how far any rod may have moved since the list was built
     start: np.ndarray  # (2, rods + 1)
+    # (capacity, 5), d: until rods may have travelled so far, an end or the pair does not touch
+    asleep: np.ndarray
     # (2, capacity, 4): first rod, second >= first, image of the second: its x plus so many
     # periods, whether they touch
     index: np.ndarray  # type: ignore[assignment]
@@ -39,6 +47,7 @@ def nothing_listed(rods: int, capacity: int, springs: bool, losses: bool) -> Lis
         np.zeros(1, np.int64),
         np.full(1, np.inf),
         np.zeros((2, rods + 1), np.int64),
+        np.zeros((capacity, 5)),
         np.zeros((2, capacity, 4), np.int64),
         np.zeros((2, capacity, 4)) if springs else None,
         np.zeros((2, capacity, 8)) if losses else None,
@@ -83,10 +92,24 @@ def apart(dx, dz, a, b, s, t):
 
 
 @kernel
-def clear(dx, dz, a, b, half):
-    """Whether all of the second axis is 1 or more off the first one's line: a quick way out."""
+def gap(dx, dz, a, b, half, end):
+    """Places of the contact at one end, vector between them, its square."""
+    s, t = places(dx, dz, a, b, half, end)
+    r_x, r_z = apart(dx, dz, a, b, s, t)
+    return s, t, r_x, r_z, r_x * r_x + r_z * r_z
+
+
+@kernel
+def clearance(dx, dz, a, b, half):
+    """How far beyond 1 all of the second axis is off the first one's line: a quick bound."""
     off = abs(dx * a[1] - dz * a[0])
-    return off - half * abs(a[0] * b[1] - a[1] * b[0]) >= 1.0
+    return off - half * abs(a[0] * b[1] - a[1] * b[0]) - 1.0
+
+
+@kernel
+def open_at_least(square):
+    """A lower bound of a distance beyond 1, given its square >= 1: a chord of the root."""
+    return CHORD * (min(square, 2.0) - 1.0)
 
 
 @kernel
@@ -214,9 +237,10 @@ def farthest(rods, built, half):
 
 @kernel
 def current(rods, half, period, listed, place, found):
-    """Renew the list if it may miss a pair; whether it holds all."""
+    """Renew the list if it may miss a pair; whether it holds all. All its pairs are awake then."""
     if listed.travelled[0] < 0.5 * SKIN:
         return True
+    listed.asleep[:] = 0.0
     listed.travelled[0] = farthest(rods, listed.built, half)
     if listed.travelled[0] < 0.5 * SKIN:
         return True

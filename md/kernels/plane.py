@@ -21,9 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cache import kernel
+from .batch import MOST, Batch, acted, collect
 from .codes import (
     C_X,
-    C_Z,
     COSINE,
     DEEP,
     DONE,
@@ -32,9 +32,6 @@ from .codes import (
     FULL_RECORD,
     MEAN_X,
     NOT_FINITE,
-    OMEGA,
-    PAIR_FRICTION,
-    PAIR_NORMAL,
     PAIR_TOO_DEEP,
     PLATE_FRICTION,
     PLATE_NORMAL,
@@ -53,26 +50,25 @@ from .contact import (
     ContactForces,
     Effects,
     Moving,
-    Slip,
     accelerations,
     add,
     along,
     field,
-    normal_force,
     plate_at,
     put,
-    spring_friction,
-    tangential_constants,
     term,
     vector,
 )
 from .joints import joint
 from .neighbours import (
+    PAIR,
     Listed,
     apart,
-    clear,
+    clearance,
     current,
+    gap,
     meetings,
+    open_at_least,
     places,
     too_fast,
 )
@@ -92,8 +88,10 @@ class Scratch(NamedTuple):
     """Arrays that hold nothing from one step to the next."""
 
     total: np.ndarray  # (rods, 3): accelerations of a step, in g and g/d
+    speed: np.ndarray  # (rods,)
     place: np.ndarray | None  # (rods,): for a list of pairs
     found: np.ndarray | None  # (capacity, 3): the same
+    batch: Batch | None  # contacts of rods with each other
 
 
 class State(NamedTuple):
@@ -121,17 +119,6 @@ class Watchers(NamedTuple):
     ledger: np.ndarray | None  # (5,), m g d: to add to, columns of `codes`
     record: Record | None
     series: Any | None  # `Series`, or `space.march.Series` in an annulus
-
-
-@kernel
-def pair_friction(friction, springs, place, overlap, force, slip, dt):
-    """F_t between two rods; its spring is kept at `place`."""
-    if friction is None:
-        return 0.0
-    k, g = tangential_constants(friction.spring, overlap, slip.mass)
-    limit = friction.coefficient * force
-    rub, springs[place] = spring_friction(k, g, springs[place], slip, limit, dt)
-    return rub
 
 
 @kernel
@@ -168,21 +155,6 @@ def forgotten(kept, now, k, first, last):
 
 
 @kernel
-def pair_accounted(ledger, kept, place, forces, velocities, dt):
-    """Add half of this step's losses and half of the last one's, with the velocity between them.
-
-    `forces`: lost normal force and friction; `velocities`: opening rate and slip half a step ago.
-    """
-    if ledger is not None:
-        now, k, end = place
-        lost, rub = forces
-        rate, slip = velocities
-        ledger[PAIR_NORMAL] += 0.5 * dt * rate * (lost + kept[now, k, 2 * end])
-        ledger[PAIR_FRICTION] -= 0.5 * dt * slip * (rub + kept[now, k, 2 * end + 1])
-        kept[now, k, 2 * end], kept[now, k, 2 * end + 1] = lost, rub
-
-
-@kernel
 def joined(effects, stiffness, state, k, pair, end):
     """Shares of two ends that meet in their place; adds the forces that keep energy.
 
@@ -207,58 +179,19 @@ def joined(effects, stiffness, state, k, pair, end):
 
 
 @kernel
-def meets(upper, end, square, foot, half):
-    """Whether an end of the first rod, near its foot on the second, touches the second's end.
-
-    `square`: squared distance from end to foot.
-    """
+def meets(upper, end, near, half):
+    """Whether an end of the first rod, near its foot on the second, touches the second's end."""
     if upper is None:
         return False
-    beyond = half - abs(foot)
-    return end < 2 and square + beyond * beyond < 1.0
+    beyond = half - abs(near[1])
+    return end < 2 and near[4] + beyond * beyond < 1.0
 
 
 @kernel
-def opened(listed, k, end):
+def opened(listed, now, k, end):
     """Clear what is kept of a contact that is open."""
-    now = listed.turn[0]
     forgotten(listed.springs, now, k, end, end + 1)
     forgotten(listed.losses, now, k, 2 * end, 2 * end + 2)
-
-
-@kernel
-def touch(effects, state, ledger, place, pair, near, share, dt):
-    """Add the accelerations by the contact of one end, or its share of them.
-
-    `place`: of what is kept of the contact; `near`: places along both axes, and the vector between.
-    """
-    i, j, _, _, a, b = pair
-    s, t, r_x, r_z = near
-    between, light = effects.between, effects.alone.lightness
-    rods, before, total = state.rods, state.before, state.scratch.total
-    springs, kept = state.listed.springs, state.listed.losses
-    r = sqrt(r_x * r_x + r_z * r_z)
-    n_x, n_z, overlap = r_x / r, r_z / r, 1.0 - r
-    p_x, p_z = s * a[0] - 0.5 * r_x, s * a[1] - 0.5 * r_z  # arms to the contact point
-    q_x, q_z = t * b[0] + 0.5 * r_x, t * b[1] + 0.5 * r_z
-    v_x = rods[i, C_X] + rods[i, OMEGA] * p_z - rods[j, C_X] - rods[j, OMEGA] * q_z
-    v_z = rods[i, C_Z] - rods[i, OMEGA] * p_x - rods[j, C_Z] + rods[j, OMEGA] * q_x
-    lever_i, lever_j = p_z * n_x - p_x * n_z, q_z * n_x - q_x * n_z
-    mass = 1 / (2 + (lever_i * lever_i + lever_j * lever_j) * light)
-    rate, slip = v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x  # tangent (n_z, -n_x)
-    v_x += (before[i, 0] + before[i, 2] * p_z - before[j, 0] - before[j, 2] * q_z) * dt / 2
-    v_z += (before[i, 1] - before[i, 2] * p_x - before[j, 1] + before[j, 2] * q_x) * dt / 2
-    force = normal_force(between.normal, overlap, v_x * n_x + v_z * n_z, mass, dt)
-    across_i, across_j = p_z * n_z + p_x * n_x, q_z * n_z + q_x * n_x
-    mass = 1 / (2 + (across_i * across_i + across_j * across_j) * light)
-    seen = Slip(slip, v_x * n_z - v_z * n_x, 0.0, mass)
-    rub = share * pair_friction(between.friction, springs, place, overlap, force, seen, dt)
-    lost = share * (between.normal.stiffness * overlap * sqrt(overlap) - force)
-    force *= share
-    pair_accounted(ledger, kept, place, (lost, rub), (rate, slip), dt)
-    f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
-    add(total, i, 0, (f_x, f_z, (p_z * f_x - p_x * f_z) * light))
-    add(total, j, 0, (-f_x, -f_z, (q_x * f_z - q_z * f_x) * light))
 
 
 @kernel(inline=False)
@@ -272,55 +205,66 @@ def joined_ends(effects, state, ledger, k, pair, first, dt):
     _, _, dx, dz, a, b = pair
     lower = upper = 1.0  # shares left to the ends of the second rod
     for end in range(first, 4):
-        s, t = places(dx, dz, a, b, half, end)
-        r_x, r_z = apart(dx, dz, a, b, s, t)
-        square = r_x * r_x + r_z * r_z
-        if square >= 1.0:
-            opened(listed, k, end)
+        near = gap(dx, dz, a, b, half, end)
+        if near[4] >= 1.0:
+            opened(listed, now, k, end)
             continue
-        if square < (1 - DEEP) ** 2:
+        if near[4] < (1 - DEEP) ** 2:
             return True
         share = (1.0, 1.0, lower, upper)[end]
-        if meets(alone.upper, end, square, t, half):
+        if meets(alone.upper, end, near, half):
             share, left, other = joined(alone, stiffness, state, k, pair, end)
             if other == 2:
                 lower += left - 1.0
             else:
                 upper += left - 1.0
-        place, near = (now, k, end), (s, t, r_x, r_z)
-        touch(effects, state, ledger, place, pair, near, share, dt)
+        collect(state, 0, pair, now, k, end, near, share)
+        acted(effects, state, ledger, 1, dt)
     return False
 
 
-@kernel(inline=False)
+@kernel
 def pair_forces(effects, state, ledger, dt):
     """Add the accelerations by all touching pairs; number of a pair that is too deep, or -1."""
     alone, rods, listed = effects.alone, state.rods, state.listed
-    half, now, index = alone.half_length, listed.turn[0], listed.index
+    half, now, index, asleep = alone.half_length, listed.turn[0], listed.index, listed.asleep
+    travelled, n = listed.travelled[0], 0
     for k in range(listed.start[now, rods.shape[0]]):
-        i, j = index[now, k, 0], index[now, k, 1]
+        if travelled < asleep[k, PAIR]:
+            continue
+        i, j = np.uint64(index[now, k, 0]), np.uint64(index[now, k, 1])  # never negative
         dx = rods[i, X] - rods[j, X] - term(effects.period, index[now, k, 2])
         dz = rods[i, Z] - rods[j, Z]
         a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
-        if index[now, k, 3] == 0 and clear(dx, dz, a, b, half):
-            continue
-        index[now, k, 3], pair = 0, (i, j, dx, dz, a, b)
-        for end in range(meetings(alone.upper)):
-            s, t = places(dx, dz, a, b, half, end)
-            r_x, r_z = apart(dx, dz, a, b, s, t)
-            square = r_x * r_x + r_z * r_z
-            if square >= 1.0:
-                opened(listed, k, end)
+        if index[now, k, 3] == 0:
+            open_by = clearance(dx, dz, a, b, half)
+            if open_by >= 0.0:
+                asleep[k, PAIR] = travelled + 0.5 * open_by
                 continue
-            if square < (1 - DEEP) ** 2:
+        index[now, k, 3], pair = 0, (i, j, dx, dz, a, b)
+        if n > MOST:
+            acted(effects, state, ledger, n, dt)
+            n = 0
+        for end in range(meetings(alone.upper)):
+            if travelled < asleep[k, end]:
+                continue
+            near = gap(dx, dz, a, b, half, end)
+            if near[4] >= 1.0:
+                opened(listed, now, k, end)
+                asleep[k, end] = travelled + 0.5 * open_at_least(near[4])
+                continue
+            if near[4] < (1 - DEEP) ** 2:
                 return k
             index[now, k, 3] = 1
-            if meets(alone.upper, end, square, t, half):
+            if meets(alone.upper, end, near, half):
+                acted(effects, state, ledger, n, dt)
+                n = 0
                 if joined_ends(effects, state, ledger, k, pair, end, dt):
                     return k
                 break
-            place, near = (now, k, end), (s, t, r_x, r_z)
-            touch(effects, state, ledger, place, pair, near, 1.0, dt)
+            collect(state, n, pair, now, k, end, near, 1.0)
+            n += 1
+    acted(effects, state, ledger, n, dt)
     return -1
 
 
@@ -410,6 +354,32 @@ def sample(series, rods, step):
     rows[row, SAMPLED] += 1
 
 
+@kernel
+def fastest_rod(rods, total, speed, half_length, dt):
+    """Upper bound of all speeds after the step, and a rod that has none, or -1."""
+    for i in range(rods.shape[0]):
+        c_x, c_z, omega = along(vector(rods, i, C_X), dt, vector(total, i, 0))
+        speed[i] = abs(c_x) + abs(c_z) + half_length * abs(omega)
+    fastest = 0.0
+    for i in range(rods.shape[0]):
+        if not speed[i] < 1e100:
+            return fastest, i
+        fastest = max(fastest, speed[i])
+    return fastest, -1
+
+
+@kernel
+def move(rods, before, total, i, dt):
+    """Kick and drift of rod i."""
+    a = vector(total, i, 0)
+    c_x, c_z, omega = along(vector(rods, i, C_X), dt, a)
+    rods[i, X] += dt * c_x
+    rods[i, Z] += dt * c_z
+    rods[i, SINE], rods[i, COSINE] = turned((rods[i, SINE], rods[i, COSINE]), omega * dt)
+    put(rods, i, C_X, (c_x, c_z, omega))
+    put(before, i, 0, a)
+
+
 @kernel(inline=False)
 def march(effects, state, watchers, clock, steps):
     """Up to `steps` steps of all rods of a row; steps made, why it ended, where.
@@ -435,22 +405,17 @@ def march(effects, state, watchers, clock, steps):
         if why != DONE:
             return n, why, where
         sample(watchers.series, rods, now.step)
-        fastest = 0.0
         for i in range(rods.shape[0]):
             others = vector(total, i, 0)
             a, deep = on_plate(alone.normal, alone, state, watchers, i, others, plate, now)
             if deep:
                 return n, TOO_DEEP, i
-            c_x, c_z, omega = along(vector(rods, i, C_X), dt, a)
-            speed = abs(c_x) + abs(c_z) + alone.half_length * abs(omega)
-            if not speed < 1e100:
-                return n, NOT_FINITE, i
-            fastest = max(fastest, speed)
-            rods[i, X] += dt * c_x
-            rods[i, Z] += dt * c_z
-            rods[i, SINE], rods[i, COSINE] = turned((rods[i, SINE], rods[i, COSINE]), omega * dt)
-            put(rods, i, C_X, (c_x, c_z, omega))
-            put(before, i, 0, a)
+            put(total, i, 0, a)
+        fastest, unfit = fastest_rod(rods, total, state.scratch.speed, alone.half_length, dt)
+        if unfit >= 0:
+            return n, NOT_FINITE, unfit
+        for i in range(rods.shape[0]):
+            move(rods, before, total, i, dt)
         if too_fast(effects.between, state.listed, fastest * dt):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

@@ -1,4 +1,4 @@
-"""Every touch of the plate by every rod of a row, compiled: from the first force to the last.
+"""Every touch of the plate by every rod, compiled: from the first force to the last.
 
 A touch begins with the first step in which the plate presses the rod and ends with the first in
 which it no longer does. A row of the record holds what the theory of one impact needs, before and
@@ -59,6 +59,12 @@ def new_record(rods: int, capacity: int) -> Record:
     under_way[:, _LEFT] = np.nan
     rows = np.zeros((max(capacity, 2 * rods), WIDTH))
     return Record(rows, np.zeros(1, np.int64), under_way, np.zeros((rods, WATCHED)))
+
+
+def since_touch(record: Record, step: int) -> np.ndarray:
+    """Steps since the last touch of each rod, or since the start; 0 of one that touches."""
+    left = np.nan_to_num(record.open[:, _LEFT])
+    return np.where(record.watch[:, WATCH_TOUCHED] > 0, 0, step - left)
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Contact forces in space, compiled: friction, plate, cylindrical walls. Pairs: `pairs`.
+"""Contact forces in space, compiled: friction, cylindrical walls. Pairs: `pairs`; plate: `plate`.
 
 Forces are those of `kernels.contact`. A tangential spring is a vector that stays in the tangent
 plane of its contact. Every function adds force and torque to the total.
@@ -10,7 +10,17 @@ from typing import NamedTuple
 import numpy as np
 
 from ...cache import kernel
-from ..codes import DIRECTOR, INNER, OUTER, PLACE, PLATE_CAPS, TURN, VELOCITY
+from ..codes import (
+    DIRECTOR,
+    INNER,
+    OUTER,
+    PLACE,
+    PLATE_NORMAL,
+    PLATE_WORK,
+    TURN,
+    VELOCITY,
+    WALL_NORMAL,
+)
 from ..contact import (
     ZERO,
     ContactForces,
@@ -65,10 +75,14 @@ class State(NamedTuple):
 
     rods: np.ndarray  # (N, 12): columns PLACE to TURN of `codes`, in d, sqrt(g d), sqrt(g/d)
     before: np.ndarray  # (N, 6): accelerations of the step before, of the centre and of w
-    springs: np.ndarray | None  # (N, SLOTS, 3), d: of plate and walls
+    # (N, SLOTS, 3), d: of plate and walls; of a constraint the force at the upper cap, m g
+    springs: np.ndarray | None
     pairs: Pairs | None
     pair_springs: np.ndarray | None  # (pairs, PAIR_SLOTS, 3), d
     scratch: np.ndarray  # (N, 6): force and torque of a step, in m g and m g d
+    # (ANNULUS_LEDGER, N, 6): of them, what takes off energy; see `lose`. None: no ledger
+    lost: np.ndarray | None = None
+    flat: np.ndarray | None = None  # (N, touches.FLAT): rods as of a row. None: no record
 
 
 class At(NamedTuple):
@@ -80,6 +94,7 @@ class At(NamedTuple):
     climb: float  # sqrt(g d); the surface's velocity along z
     share: float  # weight of the contact, 0 to 1
     slot: int  # of the contact's spring
+    kind: int  # column of the ledger of what the normal force loses; the next: friction
 
 
 class Rubbing(NamedTuple):
@@ -100,11 +115,52 @@ def act(total, i, arm, f):
 
 
 @kernel
+def lose(lost, kind, i, arm, f):
+    """Note a force at an arm that takes energy off rod i; `settle` accounts for it."""
+    if lost is not None:
+        act(lost[kind], i, arm, f)
+        lost[PLATE_WORK, i, 0] = 1.0  # there is something to settle
+
+
+@kernel
+def lifted(lost, i, force, elastic, climb):
+    """Note what a surface that moves along its normal works, and its part of what is lost."""
+    if lost is not None:
+        lost[PLATE_WORK, i, 1] += force * climb
+        lost[PLATE_WORK, i, 2] += (elastic - force) * climb
+
+
+@kernel
+def settle(ledger, lost, i, velocity, omega, dt):
+    """Add to the ledger what rod i lost in a step, with the velocities of its moment."""
+    if ledger is None or lost is None:
+        return
+    if lost[PLATE_WORK, i, 0] == 0.0:
+        return
+    ledger[PLATE_WORK] += dt * lost[PLATE_WORK, i, 1]
+    ledger[PLATE_NORMAL] -= dt * lost[PLATE_WORK, i, 2]
+    for kind in range(PLATE_WORK, lost.shape[0]):
+        if kind != PLATE_WORK:
+            power = dot(vector(lost[kind], i, 0), velocity) + dot(vector(lost[kind], i, 3), omega)
+            ledger[kind] -= dt * power
+        put(lost[kind], i, 0, ZERO)
+        put(lost[kind], i, 3, ZERO)
+
+
+@kernel
 def turning(rolling, w, director):
     """Angular velocity."""
     if rolling is None:
         return w
     return along(w, rolling * dot(w, director), director)
+
+
+@kernel
+def across(rolling, w, director):
+    """Without rolling w stays across the director."""
+    if rolling is None:
+        return along(w, -dot(w, director), director)
+    return w
 
 
 @kernel
@@ -152,45 +208,55 @@ def gaining(effects, state, i, director, arm):
 
 
 @kernel
-def spring_friction(friction, mass, spring, stretched, slip, rubbing, dt):
-    """Friction force and the new spring, as `contact.spring_friction` has them, for vectors.
+def spring_friction(constants, limit, length, stretched, slip, dt):
+    """Friction force, its size and the spring's new length, as `contact.spring_friction` has.
 
-    `stretched` is the `spring` after the slip of a step.
+    Vectors; `stretched` is the `length` after the slip of a step.
     """
-    k, g = tangential_constants(friction.spring, rubbing.overlap, mass)
+    k, g = constants
     f = along(along(ZERO, -k, stretched), -g, slip)
-    limit, square = friction.coefficient * rubbing.force, dot(f, f)
+    square = dot(f, f)
     if square <= limit * limit:
-        return f, stretched
+        return f, sqrt(square), stretched
     f = along(ZERO, limit / sqrt(square), f)
     relaxed = 1.0 / (g + k * dt)
-    return f, along(along(ZERO, g * relaxed, spring), -dt * relaxed, f)
+    return f, limit, along(along(ZERO, g * relaxed, length), -dt * relaxed, f)
 
 
 @kernel
 def friction_force(friction, effects, bodies, springs, at, rubbing, dt):
-    """Friction force between a fixed surface and a body, or on the first of two.
+    """Friction force between a fixed surface and a body, or on the first of two, and its size.
 
     `bodies`: arm and director of each; `at`: where the contact's spring is kept.
     """
     if friction is None:
-        return ZERO
+        return ZERO, 0.0
+    return sprung(friction.spring, friction.coefficient, effects, bodies, springs, at, rubbing, dt)
+
+
+@kernel
+def sprung(spring, coefficient, effects, bodies, springs, at, rubbing, dt):
+    """The same; none where friction is a constraint, which comes later (`plate.held`)."""
+    if spring is None:
+        return ZERO, 0.0
     n, row, place = rubbing.normal, at[0], at[1]
-    spring = tangential(vector(springs[row], place, 0), n)
-    stretched = along(spring, dt, tangential(rubbing.half, n))
+    length = tangential(vector(springs[row], place, 0), n)
+    stretched = along(length, dt, tangential(rubbing.half, n))
     square, light, turned = dot(stretched, stretched), 1.0 * len(bodies), 0.0
     for arm, director in bodies:
         turned += inverse(effects.rolling, effects.lightness, arm, director, stretched)
     mass = square / (light * square + turned) if square > 0.0 else 1.0 / light
     slip = tangential(rubbing.now, n)
-    f, spring = spring_friction(friction, mass, spring, stretched, slip, rubbing, dt)
-    put(springs[row], place, 0, spring)
-    return f
+    constants = tangential_constants(spring, rubbing.overlap, mass)
+    limit = coefficient * rubbing.force
+    f, size, length = spring_friction(constants, limit, length, stretched, slip, dt)
+    put(springs[row], place, 0, length)
+    return f, size
 
 
 @kernel
 def surface(normal, friction, effects, state, i, at, dt):
-    """Add what a fixed surface does to rod i at the place `at`."""
+    """Add what a fixed surface does to rod i at the place `at`; the arm, `Rubbing`, F_t's size."""
     overlap = max(0.5 - at.reach, 0.0)  # a rounding may have told a touch
     director = vector(state.rods, i, DIRECTOR)
     arm = along(along(ZERO, at.s, director), -at.reach, at.out)
@@ -199,26 +265,19 @@ def surface(normal, friction, effects, state, i, at, dt):
     mass = 1.0 / (1.0 + across_normal(effects.lightness, at.s, director, at.out))
     force = at.share * normal_force(normal, overlap, dot(now, at.out), mass, dt)
     rubbing, bodies = Rubbing(at.out, overlap, force, v, now), ((arm, director),)
-    f = friction_force(friction, effects, bodies, state.springs, (i, at.slot), rubbing, dt)
+    f, size = friction_force(friction, effects, bodies, state.springs, (i, at.slot), rubbing, dt)
     act(state.scratch, i, arm, along(f, force, at.out))
+    elastic = at.share * normal.stiffness * overlap * sqrt(overlap)
+    lose(state.lost, at.kind, i, arm, along(ZERO, force - elastic, at.out))
+    lose(state.lost, at.kind + 1, i, arm, f)
+    lifted(state.lost, i, force, elastic, at.climb)
+    return arm, rubbing, size
 
 
 @kernel
-def on_plate(law, effects, state, i, plate, dt):
-    """Add the plate's forces at both caps; the deepest overlap."""
-    if law is None:
-        return 0.0
-    deepest, rods = 0.0, state.rods
-    for cap in range(2):
-        s = effects.half_length if cap else -effects.half_length
-        reach = rods[i, PLACE + 2] + s * rods[i, DIRECTOR + 2] - plate[0]
-        if reach >= 0.5:
-            forget(state.springs, i, PLATE_CAPS + cap)
-            continue
-        at = At(s, reach, UP, plate[1], 1.0, PLATE_CAPS + cap)
-        surface(law, effects.friction, effects, state, i, at, dt)
-        deepest = max(deepest, 0.5 - reach)
-    return deepest
+def ends(half):
+    """How many ends a rod has; a sphere has one."""
+    return 2 if half > 0.0 else 1
 
 
 @kernel
@@ -228,14 +287,14 @@ def at_caps(wall, effects, state, i, seen, side, dt):
         return 0.0
     deepest, rods, slot = 0.0, state.rods, INNER if side > 0 else OUTER
     touching = wall.radius + 0.5 * side
-    for cap in range(2):
+    for cap in range(ends(effects.half_length)):
         s = effects.half_length if cap else -effects.half_length
         if side * (beyond(seen, s) - touching**2) >= 0:
             forget(state.springs, i, slot + cap)
             continue
         rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
         out = side * out[0], side * out[1], 0.0
-        at = At(s, side * (rho - wall.radius), out, 0.0, 1.0, slot + cap)
+        at = At(s, side * (rho - wall.radius), out, 0.0, 1.0, slot + cap, WALL_NORMAL)
         surface(wall.normal, wall.friction, effects, state, i, at, dt)
         deepest = max(deepest, 0.5 - at.reach)
     return deepest
@@ -263,7 +322,7 @@ def beside(wall, effects, state, i, s, dt):
     upper, out_u = from_axis(along(place, half, director))
     w_l, slope_l = rise((lower - rho) * (1 / NEARER))
     w_u, slope_u = rise((upper - rho) * (1 / NEARER))
-    at = At(s, rho - wall.radius, out, 0.0, w_l * w_u, INNER + 2)
+    at = At(s, rho - wall.radius, out, 0.0, w_l * w_u, INNER + 2, WALL_NORMAL)
     surface(wall.normal, wall.friction, effects, state, i, at, dt)
     overlap = max(0.5 - at.reach, 0.0)
     if slope_l + slope_u == 0.0:

@@ -17,37 +17,36 @@ import numpy as np
 from ...cache import kernel
 from ..codes import (
     ADVANCE,
-    APPROACH_SUM,
     DEEP,
     DIRECTOR,
     DONE,
+    FULL_RECORD,
     LEAN_SUM,
     NOT_FINITE,
     PLACE,
-    PLATE_SUM,
-    PUSHING,
     SAMPLED,
     TILT_SUM,
     TOO_DEEP,
     TOO_FAST,
-    TOUCHES,
     TURN,
     VELOCITY,
     WALL_TOO_DEEP,
 )
-from ..contact import ZERO, along, plate_at, put, vector
+from ..contact import ZERO, Clock, along, plate_at, put, vector
 from ..neighbours import too_fast
-from .forces import at_caps, at_inner, on_plate, turning
-from .geometry import UP, cross, dot, from_above
+from ..touches import full
+from .forces import across, at_caps, at_inner, settle, turning
+from .geometry import cross, dot, from_above
 from .pairs import between_rods
+from .plate import on_plate, waits
+from .touches import recorded_in_space
 
 
 class Series(NamedTuple):
-    """What is sampled, a row a period, and the touches of the plate."""
+    """What is sampled, a row a period."""
 
     rows: np.ndarray  # (periods + 1, ANNULUS_SERIES): columns of `codes`
     azimuth: np.ndarray  # (N,), rad, at the last sample
-    resting: np.ndarray  # (N,): whether the plate pushed in the last step
     per: int  # steps of a row
     every: int  # steps between two samples
 
@@ -66,14 +65,6 @@ def rotated(v, w, dt):
     first = cross(w, v)
     v = along(along(v, one, first), two, cross(w, first))
     return along(v, 0.5 * (1.0 - dot(v, v)), v)
-
-
-@kernel
-def across(rolling, w, director):
-    """Without rolling w stays across the director."""
-    if rolling is None:
-        return along(w, -dot(w, director), director)
-    return w
 
 
 @kernel
@@ -104,22 +95,13 @@ def sample(series, rods, step):
 
 
 @kernel
-def count_touch(series, effects, rods, i, deepest, plate, step):
-    """Count a new touch of the plate."""
-    if series is None:
-        return
-    if deepest > 0.0 and series.resting[i] == 0:
-        director = vector(rods, i, DIRECTOR)
-        s = -effects.half_length if director[2] > 0.0 else effects.half_length
-        arm = along(along(ZERO, s, director), -0.5, UP)
-        swing = cross(turning(effects.rolling, vector(rods, i, TURN), director), arm)
-        approach = plate[1] - rods[i, VELOCITY + 2] - swing[2]
-        row, rows = step // series.per, series.rows
-        rows[row, TOUCHES] += 1.0
-        rows[row, PLATE_SUM] += plate[1]
-        rows[row, PUSHING] += approach * plate[1]
-        rows[row, APPROACH_SUM] += approach
-    series.resting[i] = deepest > 0.0
+def within_walls(effects, state, i, dt):
+    """Add the forces of both walls; the deepest overlap."""
+    seen = from_above(vector(state.rods, i, PLACE), vector(state.rods, i, DIRECTOR))
+    return max(
+        at_inner(effects.inner, effects, state, i, seen, dt),
+        at_caps(effects.outer, effects, state, i, seen, -1, dt),
+    )
 
 
 @kernel
@@ -136,14 +118,17 @@ def march(effects, state, watchers, clock, steps):
     ----------
     effects : forces.SpaceEffects
     state : forces.State, which is changed
-    watchers : plane.Watchers, of which the series is added to
+    watchers : plane.Watchers, to which is added
     clock : contact.Clock of the first step
     steps : int
     """
     rods, before, total = state.rods, state.before, state.scratch
     g, rolling, dt = gravity(effects.gravity), effects.rolling, clock.dt
+    last = waits(effects.friction)  # whether the plate's forces come last
     for n in range(steps):
         step = clock.step + n
+        if full(watchers.record):
+            return n, FULL_RECORD, 0
         plate = plate_at(effects.plate, step)
         for i in range(rods.shape[0]):
             put(total, i, 0, (0.0, 0.0, g))
@@ -154,22 +139,27 @@ def march(effects, state, watchers, clock, steps):
         sample(watchers.series, rods, step)
         fastest, quickest = 0.0, 0.0  # squared
         for i in range(rods.shape[0]):
-            deepest = on_plate(effects.normal, effects, state, i, plate, dt)
-            if not deepest <= DEEP:
+            pushed, in_walls = vector(total, i, 0) != (0.0, 0.0, g), 0.0
+            if last:
+                in_walls = within_walls(effects, state, i, dt)
+            touch = on_plate(effects.normal, effects, state, i, plate, dt)
+            if not max(touch[0][1].overlap, touch[1][1].overlap) <= DEEP:
                 return n, TOO_DEEP, i
-            count_touch(watchers.series, effects, rods, i, deepest, plate, step)
-            seen = from_above(vector(rods, i, PLACE), vector(rods, i, DIRECTOR))
-            deepest = max(
-                at_inner(effects.inner, effects, state, i, seen, dt),
-                at_caps(effects.outer, effects, state, i, seen, -1, dt),
-            )
-            if not deepest <= DEEP:
+            if not last:
+                in_walls = within_walls(effects, state, i, dt)
+            if not in_walls <= DEEP:
                 return n, WALL_TOO_DEEP, i
+            recorded_in_space(
+                watchers.record, effects, state, i, pushed or in_walls > 0.0, touch, plate,
+                Clock(step, dt),
+            )  # fmt: skip
             director = vector(rods, i, DIRECTOR)
             gain_c = vector(total, i, 0)
             gain_w = across(rolling, along(ZERO, effects.lightness, vector(total, i, 3)), director)
-            c = along(vector(rods, i, VELOCITY), dt, gain_c)
-            w = across(rolling, along(vector(rods, i, TURN), dt, gain_w), director)
+            c, w = vector(rods, i, VELOCITY), vector(rods, i, TURN)
+            spin = turning(rolling, along(w, dt / 2, gain_w), director)
+            settle(watchers.ledger, state.lost, i, along(c, dt / 2, gain_c), spin, dt)
+            c, w = along(c, dt, gain_c), across(rolling, along(w, dt, gain_w), director)
             travel, turn = dot(c, c), dot(w, w)
             if not travel + turn < 1e200:
                 return n, NOT_FINITE, i

@@ -6,7 +6,17 @@ from typing import NamedTuple
 import numpy as np
 
 from ...cache import kernel
-from ..codes import CROSSING, DEEP, DIRECTOR, DONE, PAIR_TOO_DEEP, PLACE, SKIN
+from ..codes import (
+    CROSSING,
+    DEEP,
+    DIRECTOR,
+    DONE,
+    PAIR_FRICTION,
+    PAIR_NORMAL,
+    PAIR_TOO_DEEP,
+    PLACE,
+    SKIN,
+)
 from ..contact import ZERO, add, along, normal_force, put, vector
 from ..joints import joint
 from .forces import (
@@ -17,6 +27,7 @@ from .forces import (
     forget,
     friction_force,
     gaining,
+    lose,
     moving,
 )
 from .geometry import NEARER, at_end, between_ends, cross, dot, gap_vector, rise
@@ -101,10 +112,15 @@ def met(effects, state, pair, near, share, slot, dt):
     mass = 1.0 / (2.0 + turned)
     force = normal_force(between.normal, overlap, dot(now, normal), mass, dt)
     rubbing, bodies, at = Rubbing(normal, overlap, force, v, now), ((p, a), (q, b)), (number, slot)
-    f = friction_force(between.friction, effects, bodies, state.pair_springs, at, rubbing, dt)
-    f = along(ZERO, share, along(f, force, normal))
+    rub, _ = friction_force(between.friction, effects, bodies, state.pair_springs, at, rubbing, dt)
+    f = along(ZERO, share, along(rub, force, normal))
     act(state.scratch, i, p, f)
     act(state.scratch, j, q, along(ZERO, -1.0, f))
+    force -= between.normal.stiffness * overlap * sqrt(overlap)
+    lose(state.lost, PAIR_NORMAL, i, p, along(ZERO, share * force, normal))
+    lose(state.lost, PAIR_NORMAL, j, q, along(ZERO, -share * force, normal))
+    lose(state.lost, PAIR_FRICTION, i, p, along(ZERO, share, rub))
+    lose(state.lost, PAIR_FRICTION, j, q, along(ZERO, -share, rub))
 
 
 @kernel
