@@ -22,6 +22,7 @@ from figures.cost import (
 from figures.cost.scene_variants import GROUPS
 from figures.lib import arrangement, runs
 from figures.paper import fig02, fig04, fig05, fig07, fig08
+from md.scene import load
 from md.sweep import execute, expand
 
 MOST_PERIODS = 8  # of a run of the paper's figures
@@ -73,7 +74,8 @@ SIZES = {
             "PER_CONTACT": (16, 18, 25, 36, 40),
             "PAPER_STEP": 1e-4,
         },
-        **{"DRIFT_TOLERANCES": (0.4,)},
+        **{"DRIFT_TOLERANCES": (0.4,), "PLANNED": 0.2},
+        "asked": lambda: dict.fromkeys(("row", "other", "mine", "annulus"), load("quasi2d")),
         "seconds_per_period": lambda scenes: np.array([1e-3 / s.step.size for s in scenes]),
     },
     accuracy_cost_ladder: {
