@@ -437,6 +437,7 @@ def space_effects(scene: Scene, gap: Annulus, per: int) -> SpaceEffects:
         friction=plate.friction if plate else None,
         inner=Wall(gap.inner, wall.normal, wall.friction),
         outer=Wall(gap.outer, wall.normal, wall.friction),
+        shaken=gap.shaken or None,
         between=_forces(scene.contacts.rods),
     )
 

@@ -60,6 +60,7 @@ class Annulus(Part):
 
     inner: Annotated[float, 1e-3, 1e6]  # radius of its surface, in d
     outer: Annotated[float, 1e-3, 1e6]  # at least a diameter more
+    shaken: bool = False  # both walls move with the plate; else they are at rest
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -169,6 +170,8 @@ class Scene(Part):
             raise InputError("box must be absent from an annulus, which closes on itself")
         elif self.gravity is not None and self.gravity.x != 0:
             raise InputError(f"gravity.x must be 0 in an annulus, got {self.gravity.x:g}")
+        elif self.annulus.shaken and not self.vibrates:
+            raise InputError("annulus.shaken must be false without a plate that vibrates, got true")
         self._fit()
 
     def _fit(self) -> None:

@@ -85,7 +85,8 @@ class Result:
     discarded : periods of the transient, a fifth of the run
     steps_per_period, dt : the step, in sqrt(d/g)
     run_seconds, compile_seconds : of the clock
-    energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
+    energy : work of the plate and of shaken walls, losses by kind, change and what is left over, in
+        m g d; None if not asked
     touches : mean and standard error over all touches of the plate of each quantity of
         `measures.MEANS`, and touches per rod and period; None without a plate
     landings : those of `measures.OF_LANDINGS`, touches less than `measures.HOP` periods apart

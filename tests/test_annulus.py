@@ -64,8 +64,9 @@ def test_rods_that_lean_the_other_way_drift_the_other_way():
     assert found[0] > 0 > found[1]
 
 
+@pytest.mark.parametrize("shaken", ["false", "true"])
 @pytest.mark.parametrize("law", ["constant_restitution", "coulomb"])
-def test_the_ledger_closes_as_the_step_shrinks(law):
+def test_the_ledger_closes_as_the_step_shrinks(law, shaken):
     """Residual over turnover: second order to a quarter, as in a row (`test_row_run`)."""
     found, lost = [], {}
     for size in (4e-4, 1e-4):
@@ -74,6 +75,7 @@ def test_the_ledger_closes_as_the_step_shrinks(law):
             "start.speed=0.5",
             "rods.rolling=true",
             "step.coarse=true",
+            f"annulus.shaken={shaken}",
         )
         thrown += ("contacts.plate.tangential_ratio=none", f"contacts.plate.law={law}")
         lost = md.run(ring(*thrown, f"step.size={size}"), periods=3).energy
@@ -129,6 +131,7 @@ def test_what_no_effect_needs_is_not_there():
     alone = prepare(ring("contacts.rods=none", "rods.count=1", "start.tilt_deg=10"))
     assert alone.state.pairs is None
     assert alone.effects.between is None
+    assert prepare(ring("annulus.shaken=false")).effects.shaken is None
 
 
 def test_the_command(capsys):
@@ -149,7 +152,7 @@ def test_the_command(capsys):
 def test_a_wedged_ring_is_reported(gravity, gamma, share):
     """Rods that hang over the plate for good, as between walls that hold them."""
     changes = f"gravity.z={gravity}", f"start.drop={gravity + 1}", "start.speed=0"
-    changes += (f"plate.acceleration={gamma}",)
+    changes += (f"plate.acceleration={gamma}", f"annulus.shaken={'true' if gamma else 'false'}")
     result = md.run(ring(*changes), periods=24)
     assert result.as_dict()["annulus"]["wedged"]["mean"] == share
     said = "wedged: 100% of the rods have not touched the plate for 21 periods"

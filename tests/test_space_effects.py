@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from md.kernels.codes import DIRECTOR, PLACE, SPACE_COLUMNS, TURN, VELOCITY
-from md.kernels.contact import ContactForces, Friction
+from md.kernels.contact import ContactForces, Friction, Motion
 from md.kernels.space.forces import Wall
 from md.kernels.space.march import march
 
@@ -17,11 +17,14 @@ NORMAL = LOSSY.normal
 INNER, OUTER = Wall(5.0, NORMAL, None), Wall(1e3, NORMAL, None)
 ROUGH_INNER = INNER._replace(friction=ROUGH)
 PAIRS, PLATED = ContactForces(NORMAL, None), {"inner": INNER, "normal": NORMAL}
+PLATE = Motion(np.zeros(4), np.full(4, 0.1))
+SHAKEN = {**PLATED, "inner": ROUGH_INNER, "plate": PLATE, "watched": True}
 # Effects: what is there, to what it is added, what its code has; does it move rods that fly?
 EFFECTS = {
     "inner wall and plate": (PLATED, {}, "sqrt|fdiv", False),
     "friction on both": ({"inner": ROUGH_INNER, "friction": ROUGH}, PLATED, "fdiv", False),
     "friction as a constraint": ({"friction": Friction(0.3, None)}, PLATED, "fdiv", False),
+    "shaken walls": ({"shaken": True}, SHAKEN, "fsub|fmul", False),
     "outer wall and rods": ({"outer": OUTER, "between": PAIRS}, {}, "sqrt|pair_forces", False),
     "gravity and rolling": ({"gravity": -1.0, "rolling": 15.0}, PLATED, "fmul", True),
     "ledger and record": ({"watched": True}, PLATED, "sitofp|fmul", False),

@@ -5,8 +5,8 @@ import pytest
 
 import md
 from md.host import prepare
-from md.kernels.codes import DEEP, DIRECTOR, DONE, PLACE, TURN, VELOCITY
-from md.kernels.contact import Motion
+from md.kernels.codes import DEEP, DIRECTOR, DONE, PLACE, PLATE_WORK, TURN, VELOCITY
+from md.kernels.contact import Friction, Motion
 from md.kernels.space import geometry
 from md.kernels.space.forces import Wall
 from md.laws import deepest_overlap
@@ -127,6 +127,35 @@ def test_a_gap_barely_wider_than_a_rod():
     assert result.tilt_deg < 10
     with pytest.raises(ValueError, match=r"annulus.outer must be at least a diameter beyond"):
         ring("annulus.outer=2.98", "annulus.inner=1.99")
+
+
+@pytest.mark.parametrize(
+    ("place", "director"),
+    [((5.499, 0, 0), (0, 0, 1)), ((5.499, 0, 0), (0, 0.6, 0.8)), ((7.501, 0, 0), (0, 0, 1))],
+    ids=["caps, inner wall", "beside the inner wall", "caps, outer wall"],
+)
+@pytest.mark.parametrize("shaken", [True, None])
+def test_a_rod_that_rises_with_shaken_walls_feels_no_friction(place, director, shaken):
+    """Exactly, as long as it touches; walls at rest slow it."""
+    walls = {n: Wall(r, LOSSY.normal, ROUGH) for n, r in (("inner", 5.0), ("outer", 8.0))}
+    scene = within(**walls, plate=Motion(np.full(1, -1e3), np.full(1, 0.1)), shaken=shaken)
+    rod = Rods(scene, states((place, director, (0, 0, 0.1)))).go(30)
+    assert abs(rod.rods[0, VELOCITY]) > 1e-3
+    assert (rod.rods[0, VELOCITY + 2] == 0.1) == bool(shaken)
+
+
+@pytest.mark.parametrize("rough", ["inner", "outer"])
+def test_a_rod_pressed_between_shaken_walls_moves_with_them(rough):
+    """Without the plate, by friction of one wall, whose work is the rod's kinetic energy."""
+    radii, friction = {"inner": 5.0, "outer": 5.99}, Friction(10.0, ROUGH.spring)
+    walls = {n: Wall(r, LOSSY.normal, friction if n == rough else None) for n, r in radii.items()}
+    quarter, dt = 20_000, 1e-4
+    turn = np.arange(4 * quarter) * np.pi / 2 / quarter
+    plate = Motion(np.full(4 * quarter, -1e3), 0.2 * np.sin(turn))
+    still = states(((5.495, 0, 0), (0, 0, 1)))
+    rod = Rods(within(**walls, plate=plate, shaken=True), still, dt, watched=True).go(quarter)
+    assert rod.rods[0, VELOCITY + 2] == pytest.approx(0.2, rel=2e-3)
+    assert rod.watchers.ledger[PLATE_WORK] == pytest.approx(0.2**2 / 2, rel=4e-3)
 
 
 def test_rods_that_lie_down_and_rods_that_cross_go_on():

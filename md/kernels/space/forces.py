@@ -19,6 +19,7 @@ from ..codes import (
     PLATE_WORK,
     TURN,
     VELOCITY,
+    WALL_FRICTION,
     WALL_NORMAL,
 )
 from ..contact import (
@@ -57,6 +58,7 @@ class SpaceEffects(NamedTuple):
     friction: Friction | None = None
     inner: Wall | None = None
     outer: Wall | None = None
+    shaken: bool | None = None  # True: both walls move with the plate; None: they are at rest
     between: ContactForces | None = None
 
 
@@ -131,7 +133,23 @@ def lifted(lost, i, force, elastic, climb):
 
 
 @kernel
-def settle(ledger, lost, i, velocity, omega, dt):
+def carried(shaken, lost, i, power):
+    """Note what a wall that moves along its surface works, all of it by friction."""
+    if shaken is None:
+        return
+    if lost is not None:
+        lost[PLATE_WORK, i, 1] += power
+        lost[PLATE_WORK, i, 3] += power
+
+
+@kernel
+def climbing(shaken, climb):
+    """Velocity of the walls along z, that of the plate or none."""
+    return 0.0 if shaken is None else climb
+
+
+@kernel
+def settle(shaken, ledger, lost, i, velocity, omega, dt):
     """Add to the ledger what rod i lost in a step, with the velocities of its moment."""
     if ledger is None or lost is None:
         return
@@ -139,6 +157,8 @@ def settle(ledger, lost, i, velocity, omega, dt):
         return
     ledger[PLATE_WORK] += dt * lost[PLATE_WORK, i, 1]
     ledger[PLATE_NORMAL] -= dt * lost[PLATE_WORK, i, 2]
+    if shaken is not None:
+        ledger[WALL_FRICTION] += dt * lost[PLATE_WORK, i, 3]
     for kind in range(PLATE_WORK, lost.shape[0]):
         if kind != PLATE_WORK:
             power = dot(vector(lost[kind], i, 0), velocity) + dot(vector(lost[kind], i, 3), omega)
@@ -270,7 +290,8 @@ def surface(normal, friction, effects, state, i, at, dt):
     elastic = at.share * normal.stiffness * overlap * sqrt(overlap)
     lose(state.lost, at.kind, i, arm, along(ZERO, force - elastic, at.out))
     lose(state.lost, at.kind + 1, i, arm, f)
-    lifted(state.lost, i, force, elastic, at.climb)
+    lifted(state.lost, i, force, elastic, at.climb * at.out[2])
+    carried(effects.shaken, state.lost, i, at.climb * f[2])
     return arm, rubbing, size
 
 
@@ -281,7 +302,7 @@ def ends(half):
 
 
 @kernel
-def at_caps(wall, effects, state, i, seen, side, dt):
+def at_caps(wall, effects, state, i, seen, side, climb, dt):
     """Add a wall's forces at both caps; the deepest overlap. `side`: 1 convex wall, -1 concave."""
     if wall is None:
         return 0.0
@@ -294,26 +315,26 @@ def at_caps(wall, effects, state, i, seen, side, dt):
             continue
         rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
         out = side * out[0], side * out[1], 0.0
-        at = At(s, side * (rho - wall.radius), out, 0.0, 1.0, slot + cap, WALL_NORMAL)
+        at = At(s, side * (rho - wall.radius), out, climb, 1.0, slot + cap, WALL_NORMAL)
         surface(wall.normal, wall.friction, effects, state, i, at, dt)
         deepest = max(deepest, 0.5 - at.reach)
     return deepest
 
 
 @kernel
-def at_inner(wall, effects, state, i, seen, dt):
+def at_inner(wall, effects, state, i, seen, climb, dt):
     """Add the forces of the convex wall, on caps and between them; the deepest overlap."""
     if wall is None:
         return 0.0
-    deepest = at_caps(wall, effects, state, i, seen, 1, dt)
+    deepest = at_caps(wall, effects, state, i, seen, 1, climb, dt)
     if not passes(seen, effects.half_length, wall.radius + 0.5):
         forget(state.springs, i, INNER + 2)
         return deepest
-    return max(deepest, beside(wall, effects, state, i, -seen[1] / seen[2], dt))
+    return max(deepest, beside(wall, effects, state, i, -seen[1] / seen[2], climb, dt))
 
 
 @kernel
-def beside(wall, effects, state, i, s, dt):
+def beside(wall, effects, state, i, s, climb, dt):
     """Add the forces of the convex wall at a place between the ends; the overlap."""
     rods, half = state.rods, effects.half_length
     place, director = vector(rods, i, PLACE), vector(rods, i, DIRECTOR)
@@ -322,7 +343,7 @@ def beside(wall, effects, state, i, s, dt):
     upper, out_u = from_axis(along(place, half, director))
     w_l, slope_l = rise((lower - rho) * (1 / NEARER))
     w_u, slope_u = rise((upper - rho) * (1 / NEARER))
-    at = At(s, rho - wall.radius, out, 0.0, w_l * w_u, INNER + 2, WALL_NORMAL)
+    at = At(s, rho - wall.radius, out, climb, w_l * w_u, INNER + 2, WALL_NORMAL)
     surface(wall.normal, wall.friction, effects, state, i, at, dt)
     overlap = max(0.5 - at.reach, 0.0)
     if slope_l + slope_u == 0.0:

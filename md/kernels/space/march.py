@@ -35,7 +35,7 @@ from ..codes import (
 from ..contact import ZERO, Clock, along, plate_at, put, vector
 from ..neighbours import too_fast
 from ..touches import full
-from .forces import across, at_caps, at_inner, settle, turning
+from .forces import across, at_caps, at_inner, climbing, settle, turning
 from .geometry import cross, dot, from_above
 from .pairs import between_rods
 from .plate import on_plate, waits
@@ -95,12 +95,13 @@ def sample(series, rods, step):
 
 
 @kernel
-def within_walls(effects, state, i, dt):
-    """Add the forces of both walls; the deepest overlap."""
+def within_walls(effects, state, i, climb, dt):
+    """Add the forces of both walls; the deepest overlap. `climb`: of the plate."""
+    climb = climbing(effects.shaken, climb)
     seen = from_above(vector(state.rods, i, PLACE), vector(state.rods, i, DIRECTOR))
     return max(
-        at_inner(effects.inner, effects, state, i, seen, dt),
-        at_caps(effects.outer, effects, state, i, seen, -1, dt),
+        at_inner(effects.inner, effects, state, i, seen, climb, dt),
+        at_caps(effects.outer, effects, state, i, seen, -1, climb, dt),
     )
 
 
@@ -141,12 +142,12 @@ def march(effects, state, watchers, clock, steps):
         for i in range(rods.shape[0]):
             pushed, in_walls = vector(total, i, 0) != (0.0, 0.0, g), 0.0
             if last:
-                in_walls = within_walls(effects, state, i, dt)
+                in_walls = within_walls(effects, state, i, plate[1], dt)
             touch = on_plate(effects.normal, effects, state, i, plate, dt)
             if not max(touch[0][1].overlap, touch[1][1].overlap) <= DEEP:
                 return n, TOO_DEEP, i
             if not last:
-                in_walls = within_walls(effects, state, i, dt)
+                in_walls = within_walls(effects, state, i, plate[1], dt)
             if not in_walls <= DEEP:
                 return n, WALL_TOO_DEEP, i
             recorded_in_space(
@@ -158,7 +159,9 @@ def march(effects, state, watchers, clock, steps):
             gain_w = across(rolling, along(ZERO, effects.lightness, vector(total, i, 3)), director)
             c, w = vector(rods, i, VELOCITY), vector(rods, i, TURN)
             spin = turning(rolling, along(w, dt / 2, gain_w), director)
-            settle(watchers.ledger, state.lost, i, along(c, dt / 2, gain_c), spin, dt)
+            settle(
+                effects.shaken, watchers.ledger, state.lost, i, along(c, dt / 2, gain_c), spin, dt
+            )
             c, w = along(c, dt, gain_c), across(rolling, along(w, dt, gain_w), director)
             travel, turn = dot(c, c), dot(w, w)
             if not travel + turn < 1e200:
