@@ -26,11 +26,12 @@ laws, pairs, appendix               other restitutions, energy; any two bodies; 
 optimum, transport                  best tilt, stability; short rods, energy of transport
 landing_phases                      landing phases by the flux of impacts, and V_z with them
 statements, references              sentences of the text; cited figures and equations
+                                    (statements.toml)
 second_routes                       whole impacts from conservation laws, for the proofs
 mutants                             deliberate mistakes: the proofs can fail
-registry                            all entries in the paper's order
+registry                            all entries in the paper's order (equations.toml: in words)
 rewrites                            rules that make a form compute well, each one proved
-map_functions, rod_functions        which functions are generated, by which rules
+map_functions, rod_functions        what generated functions compute (functions.toml: how)
 pair_functions                      and those of two bodies
 routines, arithmetic                assignments; the arithmetics in which they are proved
 kernel, contacts, error_free        one impact as assignments (kernel.toml), and their proofs
@@ -46,14 +47,15 @@ report, __main__, command_line      the report, from templates/; the commands
 To add an equation
 ------------------
 1. A function beside its relatives (`drift.py`, `laws.py`, ...) derives it from what is there.
-2. An `Equation` in that module's `EQUATIONS` says what is claimed: `printed` holds what the paper
-   prints, with the verdict "agrees", or "erratum" with the `repair` that makes it right and what
-   contradicts it; a result that the paper does not have is "new" and needs a second route, `check`
-   (module `proof`). A form that reads better than the derived one goes into `shown`. Formulas in
-   sentences stand between dollar signs. A step that is worth a name is marked `@derived`, which
-   caches it and notes the axioms that it used.
-3. If it should be a function: a `Function` in `map_functions.py` or its like names its
-   outputs and the rules that make them compute well (module `rewrites`).
+2. An `Equation` in that module's `EQUATIONS` holds its forms: `printed` what the paper prints,
+   `shown` one that reads better than the derived one. Its words and its verdict stand under its tag
+   in equations.toml: "agrees" if there is none, or "erratum" with the `repair` that makes the
+   printed form right and what contradicts it; a result that the paper does not have is "new" and
+   needs a second route, `check` (module `proof`). Formulas in sentences stand between dollar signs.
+   A step that is worth a name is marked `@derived`, which caches it and notes the axioms that it
+   used.
+3. If it should be a function: a `Function` in `map_functions.py` or its like derives its outputs;
+   functions.toml has its words, and the assignments that make it compute well (module `rewrites`).
 
 4. An algorithm goes into kernel.toml as assignments, and what its names stand for into `kernel.py`.
 

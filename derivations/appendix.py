@@ -52,75 +52,41 @@ def _normal_part(first: sp.Expr, second: sp.Expr) -> sp.Expr:
 _LENGTHS = {M: sp.Integer(1), L: sp.Integer(4), T: sp.Integer(1)}
 
 EQUATIONS = (
-    Equation(
-        tag="A: unit of k_n",
-        what=r"unit of $k_n$, given as $m g/D$, that $F_n = k_n \delta^{3/2}$ needs",
-        symbol="[k_n]",
+    Equation.read(
+        "A: unit of k_n",
         printed=MASS * GRAVITY / DIAMETER,
         derive=normal_stiffness,
-        verdict="erratum",
-        contradicted_by=r"$F_n = k_n \delta^{3/2}$ with $m g/d^{3/2}$",
         contradiction=lambda: MASS * GRAVITY / DIAMETER ** sp.Rational(3, 2),
         mistaken=lambda: _constant(lambda q: q * OVERLAP),
-        mistake="the spring is taken for a linear one",
         at=_LENGTHS,
-        note="$m g/d^{3/2}$; the printed unit is that of a linear spring (and $D$ stands for $d$). "
-        "In reduced units, $d = m = g = 1$, the number is the same",
     ),
-    Equation(
-        tag="A: k_t = 95 k_n",
-        what="dimension of $k_t$ over that of $k_n$",
-        symbol="[k_t/k_n]",
+    Equation.read(
+        "A: k_t = 95 k_n",
         printed=sp.S.One,
         derive=lambda: sp.simplify(tangential_stiffness() / normal_stiffness()),
-        verdict="erratum",
-        contradicted_by=r"$F_t = -k_t \delta s$ with $F_n = k_n \delta^{3/2}$",
         contradiction=lambda: sp.simplify(
             (FORCE / (OVERLAP * SPRING)) / (FORCE / OVERLAP ** sp.Rational(3, 2))
         ),
         mistaken=lambda: sp.simplify(
             _constant(lambda q: q * sp.sqrt(OVERLAP) * SPRING) / normal_stiffness()
         ),
-        mistake=r"as if the tangential force were $-k_t \delta^{1/2} s$",
         at=_LENGTHS,
-        note=r"$k_t \delta s$ is a force only if $k_t$ is in $m g/d^2$; 95 is $k_t d^{1/2}/k_n$",
     ),
-    Equation(
-        tag="A: unit of gamma",
-        what=r"unit of $\gamma_n$, given as $(g/D)^{1/2}$, that $\gamma_n M_e \delta v_n$ needs",
-        symbol="[\\gamma_n]",
+    Equation.read(
+        "A: unit of gamma",
         printed=sp.sqrt(GRAVITY / DIAMETER),
         derive=damping,
-        verdict="erratum",
-        contradicted_by=r"$\gamma_n M_e \delta v_n$ with $(g/d^3)^{1/2}$",
         contradiction=lambda: sp.sqrt(GRAVITY / DIAMETER**3),
         mistaken=lambda: _constant(lambda q: q * REDUCED_MASS * SPEED),
-        mistake="as if the damping force had no factor of overlap",
         at=_LENGTHS,
-        note="$(g/d^3)^{1/2}$: the overlap in the damping term asks for another length",
     ),
-    Equation(
-        tag="A: time step",
-        what="unit of the time step, $(d/g)^{1/2}$",
-        symbol="[\\Delta t]",
-        printed=sp.sqrt(DIAMETER / GRAVITY),
-        derive=lambda: T,
-    ),
-    Equation(
-        tag="A: v_n",
-        what=r"normal velocity printed as $v_i \cdot n_{ij}$: what a common velocity $v$ adds to "
-        '"$v_n$"',
-        symbol="\\delta v_n",
+    Equation.read("A: time step", printed=sp.sqrt(DIAMETER / GRAVITY), derive=lambda: T),
+    Equation.read(
+        "A: v_n",
         printed=_common,
         derive=lambda: _normal_part(_common, _common),
         at={_common: sp.Integer(1)},
-        verdict="erratum",
-        contradicted_by=r'"relative velocity" of the same sentence, $v_{ij} \cdot n_{ij} = 0$ for '
-        "$v_i = v_j$",
         contradiction=lambda: sp.S.Zero,
         mistaken=lambda: _normal_part(_common, sp.S.Zero),
-        mistake="the second grain's velocity is left out",
-        note=r"it must be $v_{ij} \cdot n_{ij}$; as printed two grains that travel together damp "
-        "each other",
     ),
 )

@@ -51,29 +51,18 @@ RESTITUTION = Axiom("IV: restitution", -epsilon * v_0)
 CLOSURE = Axiom("V: closure", sp.Matrix([omega, after_x - c_x, after_z + c_z]), "zero")
 LANDING_PHASES = Axiom("V: H(theta)", (1 + sp.cos(theta)) / (2 * sp.pi))
 
-AXIOMS = (
-    NEWTON,
-    EULER,
-    RIGID,
-    IMPULSIVE,
-    SLIP,
-    STICK,
-    RESTITUTION,
-    CLOSURE,
-    LANDING_PHASES,
-)
+AXIOMS = (NEWTON, EULER, RIGID, IMPULSIVE, SLIP, STICK, RESTITUTION, CLOSURE, LANDING_PHASES)
 
 
 @contextmanager
 def assuming(axiom: Axiom, form: Form) -> Iterator[None]:
     """Put another form in an axiom's place, for a trial; what rests on it is derived again."""
-    usual, axiom.form = axiom.form, form
-    trace.forget("axiom", axiom.tag)
-    try:
-        yield
-    finally:
-        axiom.form = usual
-        trace.forget("axiom", axiom.tag)
+    with trace.derived_again("axiom", axiom.tag):
+        usual, axiom.form = axiom.form, form
+        try:
+            yield
+        finally:
+            axiom.form = usual
 
 
 def _euler_checks(form: sp.Expr) -> list[sp.Expr]:
@@ -98,86 +87,21 @@ def _rigid_checks(form: sp.Matrix) -> list[sp.Expr]:
 
 
 EQUATIONS = (
-    Equation(
-        tag=NEWTON.tag,
-        what="Newton's law for the centre of mass, one component",
-        symbol="m\\,dc",
-        printed=P,
-        as_printed=r"d\mathbf{P}",
-        derive=lambda: m * NEWTON({}),
-        verdict="assumed",
+    Equation.read(NEWTON.tag, printed=P, derive=lambda: m * NEWTON({})),
+    Equation.read(EULER.tag, derive=lambda: EULER({}), check=_euler_checks),
+    Equation.read(RIGID.tag, derive=lambda: RIGID({}), check=_rigid_checks),
+    Equation.read(IMPULSIVE.tag, printed=P / tau, derive=lambda: IMPULSIVE({})),
+    Equation.read(SLIP.tag, printed=-mu * sigma * F_z, derive=lambda: SLIP({})),
+    Equation.read(
+        STICK.tag, derive=lambda: STICK({}), check=lambda form: (form.subs(q, mu), form.diff(q) + 1)
     ),
-    Equation(
-        tag=EULER.tag,
-        what="Euler's law: the moment of the impulse about the centre of mass turns the body; "
-        "$x$, $z$ from the centre to the contact point",
-        symbol="d\\omega",
-        derive=lambda: EULER({}),
-        check=_euler_checks,
-        verdict="assumed",
-        note="(2) is this for the lower tip of a rod",
+    Equation.read(RESTITUTION.tag, printed=-epsilon * v_0, derive=lambda: RESTITUTION({})),
+    Equation.read(
+        CLOSURE.tag, printed=(omega, after_x - c_x, after_z + c_z), derive=lambda: CLOSURE({})
     ),
-    Equation(
-        tag=RIGID.tag,
-        what=r"place of the point $(\xi, \zeta)$ of a rigid body that has turned by $\vartheta$, "
-        "from the centre of mass",
-        symbol="(x, z)",
-        derive=lambda: RIGID({}),
-        check=_rigid_checks,
-        verdict="assumed",
-        note='"uniform rigid rod": the impact bends nothing',
-    ),
-    Equation(
-        tag=IMPULSIVE.tag,
-        what=r"the impact is short and its force large: $\tau \to 0$ with the impulse kept",
-        symbol="F",
-        printed=P / tau,
-        derive=lambda: IMPULSIVE({}),
-        verdict="assumed",
-        note="place and tilt of the rod, gravity and the plate's velocity do not change meanwhile",
-    ),
-    Equation(
-        tag=SLIP.tag,
-        what=r"friction of a contact that slips in the direction $\sigma = \pm 1$",
-        symbol="F_x",
-        printed=-mu * sigma * F_z,
-        derive=lambda: SLIP({}),
-        verdict="assumed",
-        note="static and dynamic friction are equal",
-    ),
-    Equation(
-        tag=STICK.tag,
-        what="friction holds a contact at rest as long as this is positive, $q = |F_x|/F_z$",
-        symbol=r"\mu - \frac{|F_x|}{F_z}",
-        derive=lambda: STICK({}),
-        check=lambda form: (form.subs(q, mu), form.diff(q) + 1),
-        verdict="assumed",
-    ),
-    Equation(
-        tag=RESTITUTION.tag,
-        what="kinematic restitution",
-        symbol="v_f",
-        printed=-epsilon * v_0,
-        derive=lambda: RESTITUTION({}),
-        verdict="assumed",
-        note="constant; other laws stand in a section of their own",
-    ),
-    Equation(
-        tag=CLOSURE.tag,
-        what="stationary translation: what is zero in the mean landing",
-        symbol="(0, 0, 0)",
-        printed=sp.Matrix([omega, after_x - c_x, after_z + c_z]),
-        derive=lambda: CLOSURE({}),
-        verdict="assumed",
-        note="the paper's closure for what happens between two landings; $V_z$ is left open by it",
-    ),
-    Equation(
-        tag=LANDING_PHASES.tag,
-        what="density of landing phases",
-        symbol="H(\\theta)",
+    Equation.read(
+        LANDING_PHASES.tag,
         printed=(1 + sp.cos(theta)) / (2 * sp.pi),
         derive=lambda: LANDING_PHASES({}),
-        verdict="assumed",
-        note="a fit to simulations",
     ),
 )

@@ -120,83 +120,51 @@ def _by_parts() -> tuple[sp.Expr, sp.Expr]:
     )
 
 
+_cubic = 20 * length**3 - 20 * length**2 * diameter + 25 * length * diameter**2 - 9 * diameter**3
 _printed_inertia = (
     sp.Rational(1, 10) + sp.Rational(15, 32) * h_0 + h_0**2 + sp.Rational(1, 8) * h_0**3
 )
 
 EQUATIONS = (
-    Equation(
-        tag="IV: thin rod",
-        what="$X$, $Z$, $k$ and $I$ of a thin rod",
-        symbol="(X, Z, k, I)",
-        printed=sp.Matrix(
-            [
-                length * sp.sin(phi) / 2,
-                length * sp.cos(phi) / 2,
-                length / (2 * sp.sqrt(3)),
-                m * length**2 / 12,
-            ]
+    Equation.read(
+        "IV: thin rod",
+        printed=(
+            length * sp.sin(phi) / 2,
+            length * sp.cos(phi) / 2,
+            length / (2 * sp.sqrt(3)),
+            m * length**2 / 12,
         ),
-        derive=lambda: sp.Matrix([*thin_contact(), sp.sqrt(thin_gyration()), m * thin_gyration()]),
+        derive=lambda: (*thin_contact(), sp.sqrt(thin_gyration()), m * thin_gyration()),
     ),
-    Equation(
-        tag="[12]: mass",
-        what="mass of a spherocylinder, in virtual spheres",
-        symbol="M",
-        printed=1 + sp.Rational(3, 2) * h_0,
-        derive=lambda: spherocylinder()[0],
+    Equation.read(
+        "[12]: mass", printed=1 + sp.Rational(3, 2) * h_0, derive=lambda: spherocylinder()[0]
     ),
-    Equation(
-        tag="[12]: inertia",
-        what="moment of inertia of a spherocylinder",
-        symbol="I",
+    Equation.read(
+        "[12]: inertia",
         printed=_printed_inertia,
         derive=lambda: spherocylinder()[1],
-        verdict="erratum",
-        contradicted_by="[12]'s own mass, split into cylinder and caps, with Steiner's theorem",
         contradiction=lambda: _by_parts()[1],
         repair=(
             Repair("15/32 to 9/32", sp.Rational(15, 32), sp.Rational(9, 32)),
             Repair("a factor 1/4 of $h_0^2$", h_0**2, h_0**2 / 4),
         ),
-        note=r"integration gives $9/32\,h_0$ and $h_0^2/4$ where $15/32\,h_0$ and $h_0^2$ are "
-        "printed; only the first and the last term are right",
     ),
-    Equation(
-        tag="bodies: gyration radius",
-        what="$k^2$ of a solid spherocylinder and of a solid cylinder",
-        symbol="(k^2_{round}, k^2_{flat})",
-        derive=lambda: sp.Matrix([spherocylinder_gyration(), cylinder_gyration()]),
-        shown=sp.Matrix(
-            [
-                (
-                    20 * length**3
-                    - 20 * length**2 * diameter
-                    + 25 * length * diameter**2
-                    - 9 * diameter**3
-                )
-                / (80 * (3 * length - diameter)),
-                length**2 / 12 + diameter**2 / 16,
-            ]
-        ),
+    Equation.read(
+        "bodies: gyration radius",
+        derive=lambda: (spherocylinder_gyration(), cylinder_gyration()),
+        shown=(_cubic / (80 * (3 * length - diameter)), length**2 / 12 + diameter**2 / 16),
         check=_gyration_checks,
-        verdict="new",
     ),
-    Equation(
-        tag="bodies: contact",
-        what="$(X, Z)$ of a spherocylinder and of a flat-ended rod on its edge",
-        symbol="(X_{round}, Z_{round}, X_{flat}, Z_{flat})",
-        derive=lambda: sp.Matrix([*round_contact(), *flat_contact()]),
-        shown=sp.Matrix(
-            [
-                (length - diameter) * sp.sin(phi) / 2,
-                ((length - diameter) * sp.cos(phi) + diameter) / 2,
-                (length * sp.sin(phi) - diameter * sp.cos(phi)) / 2,
-                (length * sp.cos(phi) + diameter * sp.sin(phi)) / 2,
-            ]
+    Equation.read(
+        "bodies: contact",
+        derive=lambda: (*round_contact(), *flat_contact()),
+        shown=(
+            (length - diameter) * sp.sin(phi) / 2,
+            ((length - diameter) * sp.cos(phi) + diameter) / 2,
+            (length * sp.sin(phi) - diameter * sp.cos(phi)) / 2,
+            (length * sp.cos(phi) + diameter * sp.sin(phi)) / 2,
         ),
         check=_contact_checks,
-        verdict="new",
     ),
 )
 

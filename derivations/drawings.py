@@ -6,7 +6,7 @@ Text is set as paths, so that a drawing needs no font; `DRAWINGS` holds them all
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from io import StringIO
 from typing import Any
 
@@ -19,6 +19,7 @@ from matplotlib.patches import Arc
 
 from . import laws, slide, slip_stick, thin_rod
 from .bodies import THIN
+from .lecture import TEXTS
 from .newton import contact_change
 from .symbols import NAMED, P_1, F_z, P_x, P_z, epsilon, k, length, m, mu, phi, u_0, v_0
 
@@ -40,7 +41,7 @@ FRICTION = 0.3
 MAP = {"approach": 2.0, "restitution": 0.65}  # -c_z/c_x, and restitution, of the map
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Drawing:
     """One drawing, with the words that go with it."""
 
@@ -49,7 +50,7 @@ class Drawing:
     caption: str  # sentence with formulas between dollar signs
     draw: Callable[[], Figure]
 
-    @property
+    @cached_property
     def svg(self) -> str:
         """The drawing as an element of a page, its ids begun with its name."""
         with mpl.rc_context(STYLE), StringIO() as file:
@@ -240,54 +241,21 @@ def regimes() -> Figure:
     return figure
 
 
-_PATHS = (
-    rf"Thin rod, $\mu = {FRICTION}$, $\epsilon = {RESTITUTION}$. The path runs up the left edge "
-    rf"of the "
-    "friction cone"
-)
-_ALL = (
-    Drawing(
-        "geometry",
-        "A tilted rod touches the plate at its lower end",
-        r"The rod at the moment of impact. The contact point is the origin, the centre of mass "
-        r"stands "
-        r"at $(X, Z)$, and a positive $\omega$ turns the top towards $+x$.",
-        geometry,
-    ),
-    Drawing(
-        "cone",
-        "The friction cone in the plane of forces",
-        rf"The friction cone for $\mu = {FRICTION}$ and the force (17) that would hold the "
-        rf"contact point "
-        "of a thin rod at two tilts.",
-        cone,
-    ),
-    Drawing(
-        "path-slide",
-        "Path of a slide in the plane of impulses",
-        f"{_PATHS}, and separation comes before it meets $u = 0$; all three laws end at one point.",
-        partial(impulses, "slide"),
-    ),
-    Drawing(
-        "path-slip-stick",
-        "Path of slip-stick in the plane of impulses",
-        f"{_PATHS} to $u = 0$ and then along it.",
-        partial(impulses, "slip-stick"),
-    ),
-    Drawing(
-        "path-slip-reversal",
-        "Path of slip reversal in the plane of impulses",
-        f"{_PATHS} to $u = 0$ and then up in parallel to the right edge.",
-        partial(impulses, "slip reversal"),
-    ),
-    Drawing(
-        "regimes",
-        "Regions of slide, slip-stick and slip reversal over tilt and friction",
-        rf"Regimes of a thin rod without spin that lands with $-c_z/c_x = {MAP['approach']:g}$, "
-        rf"$\epsilon = {MAP['restitution']}$. Orange: sticking just holds (23). Blue: the slip "
-        rf"just "
-        "reaches the end of the impact (14); there is a second region of slide at small tilt.",
-        regimes,
-    ),
-)
-DRAWINGS = {drawing.name: drawing for drawing in _ALL}
+_DRAWN: dict[str, Callable[[], Figure]] = {
+    "geometry": geometry,
+    "cone": cone,
+    "path-slide": partial(impulses, "slide"),
+    "path-slip-stick": partial(impulses, "slip-stick"),
+    "path-slip-reversal": partial(impulses, "slip reversal"),
+    "regimes": regimes,
+}
+_NUMBERS = {
+    "friction": FRICTION,
+    "restitution": RESTITUTION,
+    "approach": MAP["approach"],
+    "landing": MAP["restitution"],
+}
+DRAWINGS = {
+    name: Drawing(name, words["title"], words["caption"] % _NUMBERS, _DRAWN[name])
+    for name, words in TEXTS["drawings"].items()
+}

@@ -156,13 +156,15 @@ def _onset_flight(form: sp.Expr) -> list[sp.Expr]:
 
 _denominator = k**2 * (1 - epsilon) + 2 * X**2
 _thin_denominator = 1 - epsilon + 6 * sp.sin(phi) ** 2
+_flat_denominator = 4 * (1 - epsilon) * length**2 + 3 * (9 - epsilon) * diameter**2
+_stop, _reverse = mu * (k**2 + Z**2) + X * Z, k**2 + X**2 - mu * X * Z
 _sc = sp.sin(phi) * sp.cos(phi)
 _printed_24 = 2 * (1 + epsilon) * X * Z * V_z / _denominator
 _printed_27 = ((1 + epsilon) * mu * (k**2 + Z**2) * V_z + (1 + epsilon) * X * Z * V_z) / (
     _denominator
 )
 _printed_29 = (1 + epsilon) * (mu * (1 + 3 * sp.cos(phi) ** 2) + 3 * _sc) / _thin_denominator * V_z
-_EXAMPLE_29 = {epsilon: sp.Rational(13, 20), phi: 89 * sp.pi / 180}
+_printed_integral = sp.Integral(sp.cos(theta) * (1 + sp.cos(theta)), (theta, 0, 2 * sp.pi))
 _printed_28 = (1 + epsilon) * k**2 * V_z / _denominator
 
 
@@ -171,225 +173,89 @@ def _thin(form: sp.Expr) -> sp.Expr:
 
 
 EQUATIONS = (
-    Equation(
-        tag="V: no slide",
-        what='"the sliding regime cannot be realized": $c_x\' - c_x$ of a slide',
-        symbol="c_x'-c_x",
+    Equation.read(
+        "V: no slide",
         derive=slide_loss,
         check=lambda form: (second_routes.impact("slide")[0].subs(omega, 0) - c_x - form,),
-        verdict="new",
-        note=r"negative for every $\mu > 0$ ($v_0 < 0$, $u_0 > 0$), so the closure excludes slide "
-        "in the stationary landing itself; it does not exclude single slides in a scatter of "
-        "landings, and without friction nothing is excluded",
     ),
-    Equation(
-        tag="24",
-        what="drift in slip-stick",
-        symbol="c_x'",
-        printed=_printed_24,
-        derive=lambda: stationary("stick")[0],
-    ),
-    Equation(
-        tag="25",
-        what="vertical velocity in slip-stick",
-        symbol="c_z'",
-        printed=_printed_28,
-        derive=lambda: stationary("stick")[1],
-    ),
-    Equation(
-        tag="26",
-        what="drift of a thin rod in slip-stick",
-        symbol="c_x'",
+    Equation.read("24", printed=_printed_24, derive=lambda: stationary("stick")[0]),
+    Equation.read("25", printed=_printed_28, derive=lambda: stationary("stick")[1]),
+    Equation.read(
+        "26",
         printed=6 * (1 + epsilon) * _sc / _thin_denominator * V_z,
         derive=lambda: _thin(stationary("stick")[0]),
     ),
-    Equation(
-        tag="27",
-        what="drift in slip reversal",
-        symbol="c_x'",
-        printed=_printed_27,
-        derive=lambda: stationary("back")[0],
-    ),
-    Equation(
-        tag="28",
-        what="vertical velocity in slip reversal",
-        symbol="c_z'",
-        printed=_printed_28,
-        derive=lambda: stationary("back")[1],
-    ),
-    Equation(
-        tag="V: continuity",
-        what=r"(27) minus (24) where $XZ = \mu (k^2 + Z^2)$",
-        symbol="c_x'(27) - c_x'(24)",
+    Equation.read("27", printed=_printed_27, derive=lambda: stationary("back")[0]),
+    Equation.read("28", printed=_printed_28, derive=lambda: stationary("back")[1]),
+    Equation.read(
+        "V: continuity",
         printed=sp.S.Zero,
         derive=lambda: sp.cancel(
             (stationary("back")[0] - stationary("stick")[0]).subs(mu, critical_friction())
         ),
-        note="the drift is continuous at both critical tilts; its slope is not",
     ),
-    Equation(
-        tag="29",
-        what="drift of a thin rod in slip reversal",
-        symbol="c_x'",
-        printed=_printed_29,
-        derive=lambda: _thin(stationary("back")[0]),
-        note="holds between the two critical tilts only; beyond the upper one (26) holds again",
-    ),
-    Equation(
-        tag="30",
-        what="vertical velocity of a thin rod, both regimes",
-        symbol="c_z'",
+    Equation.read("29", printed=_printed_29, derive=lambda: _thin(stationary("back")[0])),
+    Equation.read(
+        "30",
         printed=sp.Matrix([(1 + epsilon) / _thin_denominator * V_z] * 2),
-        derive=lambda: sp.Matrix([_thin(stationary(case)[1]) for case in CASES]),
+        derive=lambda: tuple(_thin(stationary(case)[1]) for case in CASES),
     ),
-    Equation(
-        tag="V: range of (29)",
-        what=r'"in the slip-reversal regime ($\phi > \phi_c$)": where (27), (29) hold up to',
-        symbol="\\phi_{max}",
+    Equation.read(
+        "V: range of (29)",
         printed=sp.pi / 2,
         derive=largest_reversal_tilt,
         at={mu: sp.Rational(3, 10)},
-        verdict="erratum",
-        contradicted_by=r"condition for $\phi_c$: its larger root",
         contradiction=printed_upper_tilt,
         mistaken=overlooking_the_second_root,
-        mistake="the second root of the condition is overlooked",
-        note="above arctan of the larger root (84.04 degrees for Fig. 11) the contact sticks and "
-        "(26) holds: the drift goes to zero at 90 degrees, where (29) would leave "
-        r"$(1 + \epsilon) \mu/(7 - \epsilon)$",
     ),
-    Equation(
-        tag="V: H(theta), normalised",
-        what="the approximate density of landing phases is normalised",
-        symbol="\\int H d\\theta",
+    Equation.read(
+        "V: H(theta), normalised",
         printed=sp.S.One,
         derive=lambda: sp.integrate(LANDING_PHASES({}), (theta, 0, 2 * sp.pi)),
     ),
-    Equation(
-        tag="31",
-        what="mean plate velocity at landing",
-        symbol="V_z",
-        printed=V_0
-        / (2 * sp.pi)
-        * sp.Integral(sp.cos(theta) * (1 + sp.cos(theta)), (theta, 0, 2 * sp.pi)),
-        derive=plate_velocity,
-        note="for the assumed $H$; the density itself is a fit to simulations",
-    ),
-    Equation(
-        tag="31: value",
-        what="mean plate velocity at landing, integrated",
-        symbol="V_z",
-        printed=V_0 / 2,
-        derive=plate_velocity,
-    ),
-    Equation(
-        tag="V: V_z at onset",
-        what=r'"one can expect that $V_z$ is proportional to $\Gamma - 1$ at small $\Gamma$": the '
-        "exponent",
-        symbol="d\\ln V_z/d\\ln(\\Gamma - 1)",
-        printed=sp.S.One,
-        derive=lambda: _exponent(V_0 * (Gamma - 1)),
-        verdict="assumed",
-        note="an expectation for many rods, not derived; a single perfectly inelastic rod has "
-        "another exponent, see the next entry",
-    ),
-    Equation(
-        tag="V: exponent at onset",
-        what="exponent of $V_z$ of a single perfectly inelastic rod",
-        symbol="d\\ln V_z/d\\ln(\\Gamma - 1)",
+    Equation.read("31", printed=V_0 / (2 * sp.pi) * _printed_integral, derive=plate_velocity),
+    Equation.read("31: value", printed=V_0 / 2, derive=plate_velocity),
+    Equation.read("V: V_z at onset", printed=sp.S.One, derive=lambda: _exponent(V_0 * (Gamma - 1))),
+    Equation.read(
+        "V: exponent at onset",
         derive=lambda: _exponent(V_0 * onset_velocity().subs(eta, sp.sqrt(Gamma - 1))),
         # take-off and landing phase scale alike: x^2/(Gamma - 1) is a number
         check=lambda form: (sp.diff((Gamma - 1) ** (2 * form) / (Gamma - 1), Gamma),),
-        verdict="new",
     ),
-    Equation(
-        tag="V: inelastic onset",
-        what="$V_z/V_0$ of the first landing of a perfectly inelastic rod, "
-        r"$\eta = \sqrt{\Gamma - 1}$",
-        symbol="V_z/V_0",
-        derive=onset_velocity,
-        check=_onset_flight,
-        verdict="new",
-        note="negative, and a square root, not a line: a landing on the falling plate, which the "
-        "closure cannot turn into a drift",
-    ),
-    Equation(
-        tag="V: landing",
-        what="$v_0$ of the stationary landing",
-        symbol="v_0",
+    Equation.read("V: inelastic onset", derive=onset_velocity, check=_onset_flight),
+    Equation.read(
+        "V: landing",
         derive=lambda: landing_velocity("stick"),
         shown=-2 * (k**2 + X**2) * V_z / _denominator,
         check=lambda form: _landed(form + V_z),
-        verdict="new",
-        note=r"negative only for $V_z > 0$: with $V_z \le 0$ the closure has no impact at all, so "
-        "a small negative $V_z$ cannot by itself explain the reverse drift (Section VI)",
     ),
-    Equation(
-        tag="V: hit again at once",
-        what="$c_z' - V_z$ of the stationary landing: does the centre leave faster than the plate?",
-        symbol="c_z'-V_z",
+    Equation.read(
+        "V: hit again at once",
         derive=lambda: sp.factor(stationary("stick")[1] - V_z),
         shown=2 * (epsilon * k**2 - X**2) * V_z / _denominator,
         check=lambda form: _landed(-form - V_z),
-        verdict="new",
-        note=r"negative from $X^2 = \epsilon k^2$ on (27.7 degrees for a thin rod at "
-        r"$\epsilon = 0.65$): there the rod separates only because it spins, and without spin it "
-        "is hit again at once; beyond it (24)-(30) hold formally, not as one isolated landing a "
-        "flight",
     ),
-    Equation(
-        tag="V: relaxation",
-        what="what a landing leaves of a deviation in $c_x$: slip-stick, slip reversal",
-        symbol="([\\partial c_x'/\\partial c_x]_{stick}, [\\partial c_x'/\\partial c_x]_{back})",
-        derive=lambda: sp.Matrix([relaxation("stick"), relaxation("back")]),
-        shown=sp.Matrix(
-            [
-                Z**2 / (k**2 + X**2 + Z**2),
-                1
-                - 2
-                * mu
-                * k**2
-                * (k**2 + X**2)
-                / ((mu * (k**2 + Z**2) + X * Z) * (k**2 + X**2 - mu * X * Z)),
-            ]
-        ),
+    Equation.read(
+        "V: relaxation",
+        derive=lambda: (relaxation("stick"), relaxation("back")),
+        shown=(Z**2 / (k**2 + X**2 + Z**2), 1 - 2 * mu * k**2 * (k**2 + X**2) / (_stop * _reverse)),
         check=_left_of_a_deviation,
-        verdict="new",
-        note=r"as $\mu \to 0$ the drift (29) tends to half of (26), not to zero, but the number of "
-        r"landings needed to reach it grows as $XZ/(2 \mu k^2)$",
     ),
-    Equation(
-        tag="V: friction to zero",
-        what=r"(27) at $\mu \to 0$ over (24)",
-        symbol="c_x'(27)/c_x'(24)",
+    Equation.read(
+        "V: friction to zero",
         derive=lambda: sp.cancel(stationary("back")[0].subs(mu, 0) / stationary("stick")[0]),
         check=_balance_of_impulses,
-        verdict="new",
     ),
-    Equation(
-        tag="V: flat end",
-        what="tilt below which a flat-ended rod drifts against its tilt",
-        symbol="\\phi_{flat}",
+    Equation.read(
+        "V: flat end",
         derive=flat_tilt,
         shown=sp.atan(diameter / length),
-        check=lambda form: (flat_contact()[1].diff(phi).subs(phi, form),),  # highest there
-        verdict="new",
-        note=r"$\arctan(d/l)$, from $X = 0$: 7.1 degrees for the experiment's $l = 8 d$, which "
-        "reports motion from 8 degrees on",
+        check=lambda form: (flat_contact()[1].diff(phi).subs(phi, form),),
     ),
-    Equation(
-        tag="V: flat end at tilt 0",
-        what="drift of a flat-ended rod in slip-stick as its tilt goes to 0 from above",
-        symbol="c_x'",
+    Equation.read(
+        "V: flat end at tilt 0",
         derive=flat_start,
-        shown=-24
-        * (1 + epsilon)
-        * diameter
-        * length
-        * V_z
-        / (4 * (1 - epsilon) * length**2 + 3 * (9 - epsilon) * diameter**2),
+        shown=-24 * (1 + epsilon) * diameter * length * V_z / _flat_denominator,
         check=_flat_landing,
-        verdict="new",
-        note="finite and backwards; it changes sign as the contact jumps from edge to edge",
     ),
 )

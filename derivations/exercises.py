@@ -7,7 +7,7 @@ import sympy as sp
 
 from .bodies import THIN
 from .laws import a_1, a_2
-from .lecture import QUESTIONS
+from .lecture import TEXTS
 from .lookup import equation
 from .newton import approach
 from .symbols import P_1, V_z, c_x, c_z, diameter, epsilon, length, m, mu, omega, phi, u_0, v_0
@@ -126,4 +126,4 @@ _ANSWERS = (
     _best,
     _flat,
 )
-EXERCISES = tuple(Exercise(QUESTIONS[of.__name__.strip("_")], of) for of in _ANSWERS)
+EXERCISES = tuple(Exercise(TEXTS["exercises"][of.__name__.strip("_")], of) for of in _ANSWERS)

@@ -305,17 +305,4 @@ def _by_mobilities(form: sp.Matrix) -> list[sp.Expr]:
     return [form[0] * B + k**2 * (A * C - B**2), form[1] * C - k**2 * (A * C - B**2)]
 
 
-EQUATIONS = (
-    Equation(
-        tag="kernel: one way on",
-        what="$T$ at the friction where $N = 0$, $N_{back}$ at the friction where $T_{back} = 0$",
-        symbol="(T, N_{back})",
-        derive=ways_on,
-        check=_by_mobilities,
-        verdict="new",
-        note="both positive, as the first needs $XZ < 0$ and the second $XZ > 0$. $T$ rises with "
-        "friction: where friction outweighs what presses the contact apart ($N \\le 0$), the slip "
-        "stops. $N_{back}$ falls with friction: where the slip turns back ($T_{back} > 0$), the "
-        "contact is still pressed apart",
-    ),
-)
+EQUATIONS = (Equation.read("kernel: one way on", derive=ways_on, check=_by_mobilities),)

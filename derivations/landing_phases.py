@@ -97,54 +97,24 @@ def _density_checks(form: sp.Expr) -> list[sp.Expr]:
 
 
 EQUATIONS = (
-    Equation(
-        tag="V: flux of impacts",
-        what="density of landing phases in proportion to the velocity of approach, "
-        "$q = |c_z|/V_0 \\ge 1$",
-        symbol="H(\\theta)",
+    Equation.read(
+        "V: flux of impacts",
         derive=density,
         shown=(1 + sp.cos(theta) / q) / (2 * sp.pi),
         check=_density_checks,
-        verdict="new",
-        note="the paper's $H$ is that of rods which fall as fast as the plate moves, $q = 1$",
     ),
-    Equation(
-        tag="V: alpha by flux",
-        what=r"$\alpha = V_z/V_0$ with that density, $q \ge 1$",
-        symbol="\\alpha",
+    Equation.read(
+        "V: alpha by flux",
         derive=lambda: flux(False)[1],
         check=lambda form: _quadrature(form, q, "1.7"),
-        verdict="new",
     ),
-    Equation(
-        tag="V: alpha by flux, slow",
-        what=r"the same for $q < 1$, $\theta_0 = \arccos(-q)$",
-        symbol="\\alpha",
+    Equation.read(
+        "V: alpha by flux, slow",
         derive=lambda: flux(True)[1],
         shown=(theta_0 - sp.sin(theta_0) * sp.cos(theta_0))
         / (2 * (sp.sin(theta_0) - theta_0 * sp.cos(theta_0))),
         check=lambda form: _quadrature(form, theta_0, "2.3"),
-        verdict="new",
-        note=r"1/2 at $q = 1$, $\pi/4$ for $q \to 0$",
     ),
-    Equation(
-        tag="V: alpha and closure",
-        what=r"$\alpha$ if the rod falls as fast as the closure has it rise, $q = b \alpha$ with "
-        "$b = c_z'/V_z$; and the smallest $b$ for which that holds",
-        symbol="(\\alpha, b_{min})",
-        derive=lambda: sp.Matrix(consistent_alpha()),
-        check=_consistent_checks,
-        verdict="new",
-        note="what is left of $V_z = V_0/2$: it holds where $b = 2$; for the paper's restitution, "
-        r"0.65, $\alpha$ is 0.33 for upright rods",
-    ),
-    Equation(
-        tag="V: tilt of one half",
-        what=r"$\sin^2\phi$ of a thin rod at which $V_z = V_0/2$ is consistent with the closure",
-        symbol="\\sin^2\\phi",
-        derive=tilt_of_one_half,
-        check=_half_checks,
-        verdict="new",
-        note="16.3 degrees for the paper's restitution, 0.65",
-    ),
+    Equation.read("V: alpha and closure", derive=consistent_alpha, check=_consistent_checks),
+    Equation.read("V: tilt of one half", derive=tilt_of_one_half, check=_half_checks),
 )

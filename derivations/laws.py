@@ -259,112 +259,65 @@ _all_loss = (1 + epsilon) * (A - 2 * mu * B + mu**2 * C)
 _mixed = (1 + epsilon) * (A + mu * B) * (B - mu * C) + 2 * B * _back
 
 EQUATIONS = (
-    Equation(
-        tag="laws: slopes",
-        what="$m\\,dv/dP_z$ while slipping forward, sticking and slipping back",
-        symbol="(a_{slip}, a_{stick}, a_{back})",
-        derive=lambda: sp.Matrix([slopes()[name] for name in ("slip", "stick", "back")]),
+    Equation.read(
+        "laws: slopes",
+        derive=lambda: tuple(slopes()[name] for name in ("slip", "stick", "back")),
         check=_slopes_by_spin,
-        verdict="new",
     ),
-    Equation(
-        tag="laws: energy",
-        what="energy change of any impact from the impulse and the contact velocities",
-        symbol="\\Delta E",
-        derive=energy_of_impulse,
-        check=_kinetic_energy,
-        verdict="new",
-        note="the mean contact velocity times the impulse; equal to the change of kinetic energy",
-    ),
-    Equation(
-        tag="laws: energy of a stopped slip",
-        what="energy change under Newton's law, per unit mass: slip-stick, slip reversal",
-        symbol="(\\Delta E_{stick}, \\Delta E_{back})",
-        derive=lambda: sp.Matrix([energy_change("stick"), energy_change("back")]),
-        shown=sp.Matrix(
-            [
-                -(A * u_0**2 + 2 * B * u_0 * v_0 + (1 - epsilon**2) * C * v_0**2)
-                / (2 * (A * C - B**2)),
-                (1 + epsilon) * (_all_loss - 2 * _back) * v_0**2 / (2 * _back**2)
-                - mu * _mixed * u_0 * v_0 / (_back**2 * _stop)
-                - 2 * mu * A * B * (A - mu**2 * C) * u_0**2 / (_back**2 * _stop**2),
-            ]
+    Equation.read("laws: energy", derive=energy_of_impulse, check=_kinetic_energy),
+    Equation.read(
+        "laws: energy of a stopped slip",
+        derive=lambda: (energy_change("stick"), energy_change("back")),
+        shown=(
+            -(A * u_0**2 + 2 * B * u_0 * v_0 + (1 - epsilon**2) * C * v_0**2)
+            / (2 * (A * C - B**2)),
+            (1 + epsilon) * (_all_loss - 2 * _back) * v_0**2 / (2 * _back**2)
+            - mu * _mixed * u_0 * v_0 / (_back**2 * _stop)
+            - 2 * mu * A * B * (A - mu**2 * C) * u_0**2 / (_back**2 * _stop**2),
         ),
         check=_kinetic_energies,
-        verdict="new",
     ),
-    Equation(
-        tag="laws: Poisson",
-        what="$v_f$ under Poisson's restitution: slip stops early, late",
-        symbol="(v_{f, early}, v_{f, late})",
-        derive=lambda: sp.Matrix([final_velocity("poisson", o) for o in ("early", "late")]),
-        shown=sp.Matrix([epsilon * (a_2 * P_1 - V_1), V_1 - a_2 / a_1 * (V_1 + epsilon * v_0)]),
+    Equation.read(
+        "laws: Poisson",
+        derive=lambda: tuple(final_velocity("poisson", o) for o in ("early", "late")),
+        shown=(epsilon * (a_2 * P_1 - V_1), V_1 - a_2 / a_1 * (V_1 + epsilon * v_0)),
         check=_impulses_in_proportion,
-        verdict="new",
     ),
-    Equation(
-        tag="laws: Stronge",
-        what="$v_f$ under Stronge's restitution: slip stops early, late",
-        symbol="(v_{f, early}, v_{f, late})",
-        derive=lambda: sp.Matrix([final_velocity("stronge", o) for o in ("early", "late")]),
-        shown=sp.Matrix(
-            [
-                epsilon * sp.sqrt(V_1**2 - a_2 * P_1 * (v_0 + V_1)),
-                sp.sqrt(V_1**2 + a_2 / a_1 * (epsilon**2 * v_0**2 - V_1**2)),
-            ]
+    Equation.read(
+        "laws: Stronge",
+        derive=lambda: tuple(final_velocity("stronge", o) for o in ("early", "late")),
+        shown=(
+            epsilon * sp.sqrt(V_1**2 - a_2 * P_1 * (v_0 + V_1)),
+            sp.sqrt(V_1**2 + a_2 / a_1 * (epsilon**2 * v_0**2 - V_1**2)),
         ),
         check=_triangles,
-        verdict="new",
     ),
-    Equation(
-        tag="laws: slide",
-        what="without a corner the three laws say the same",
-        symbol="v_f^2",
+    Equation.read(
+        "laws: slide",
         derive=lambda: final_velocity("stronge", "late").subs(a_2, a_1) ** 2,
         shown=epsilon**2 * v_0**2,
         check=_one_line,
-        verdict="new",
-        note="so the condition of continuous slide (14) holds for all three",
     ),
-    Equation(
-        tag="laws: impact without collision",
-        what=r"$v_f$ as $v_0 \to 0-$ in the Painlevé region, $a = -a_1$: Newton, Poisson, Stronge",
-        symbol="(v_{f, Newton}, v_{f, Poisson}, v_{f, Stronge})",
-        derive=lambda: sp.Matrix(limits()),
-        check=_thrown_up,
-        verdict="new",
-        note="the rod is thrown up by friction alone; the impulse stays finite under every law",
-    ),
-    Equation(
-        tag="laws: energy, slip-stick",
-        what=r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below this",
-        symbol="\\kappa_c",
+    Equation.read("laws: impact without collision", derive=limits, check=_thrown_up),
+    Equation.read(
+        "laws: energy, slip-stick",
         derive=lambda: energy_threshold("stick"),
         shown=(sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2,
         check=lambda form: (
             _created("stick", form),
             _created("stick", (1 - sticking_threshold()) / (1 + sticking_threshold())),
         ),
-        verdict="new",
     ),
-    Equation(
-        tag="laws: energy, slip reversal",
-        what=r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below this",
-        symbol="\\kappa_c",
+    Equation.read(
+        "laws: energy, slip reversal",
         derive=lambda: energy_threshold("back"),
         shown=(sp.sqrt(A) - sp.sqrt(A - mu**2 * C)) ** 2 / (mu * B),
         check=lambda form: (_created("back", form),),
-        verdict="new",
     ),
-    Equation(
-        tag="laws: energy, thin rod",
-        what="restitution above which Newton's law can create energy in slip-stick, thin rod",
-        symbol="\\epsilon_c",
+    Equation.read(
+        "laws: energy, thin rod",
         derive=thin_threshold,
         shown=4 / sp.sqrt(16 + 9 * sp.sin(2 * phi) ** 2),
         check=lambda form: (_created("stick", (1 - form) / (1 + form)).subs(_THIN_LENGTHS),),
-        verdict="new",
-        note="never below 4/5, reached at 45 degrees: with the paper's 0.65 no energy is created, "
-        "and its 0.8 of Fig. 10 is exactly the edge",
     ),
 )

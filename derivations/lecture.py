@@ -1,4 +1,4 @@
-"""The report's connecting text, from lecture.toml: of each section, references, exercises."""
+"""The report's words, from lecture.toml: connecting text, letters, drawings, exercises."""
 
 import tomllib
 from importlib import resources
@@ -12,8 +12,7 @@ class Part(NamedTuple):
     drawings: tuple[str, ...] = ()
 
 
-_TEXT = resources.files(__package__).joinpath("lecture.toml").read_text(encoding="utf-8")
-_FOUND = tomllib.loads(_TEXT)
+TEXTS = tomllib.loads(resources.files(__package__).joinpath("lecture.toml").read_text("utf-8"))
 
 
 def _paragraphs(text: str) -> tuple[str, ...]:
@@ -22,7 +21,6 @@ def _paragraphs(text: str) -> tuple[str, ...]:
 
 PARTS = {
     title: Part(_paragraphs(part["text"]), tuple(part.get("drawings", ())))
-    for title, part in _FOUND["parts"].items()
+    for title, part in TEXTS["parts"].items()
 }
-REFERENCES = tuple(_FOUND["references"])
-QUESTIONS = dict(_FOUND["exercises"])
+REFERENCES = tuple(TEXTS["references"])

@@ -159,7 +159,7 @@ def trials() -> list[Callable[[], Iterator[Mutant]]]:
 def digest() -> str:
     """Digest of the sources that derive and prove, first 16 digits."""
     here = Path(__file__).parent
-    files = [*sorted(here.glob("*.py")), here / "kernel.toml"]
+    files = sorted((*here.glob("*.py"), *here.glob("*.toml")))
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:16]
 
 

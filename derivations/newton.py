@@ -145,82 +145,48 @@ def _dropped_by_vectors(form: sp.Matrix) -> list[sp.Expr]:
 
 
 EQUATIONS = (
-    Equation(
-        tag="2",
-        what="Euler's law about the centre of mass",
-        symbol="I\\,d\\omega",
+    Equation.read(
+        "2",
         printed=(-length / 2 * _u.cross(_impulse))[1],
-        as_printed=r"- \frac{l}{2} \mathbf{u} \times d\mathbf{P}",
         derive=lambda: moment * spin_change(P_x, P_z, TO_TIP, moment),
-        note="the moment of $dP$ at the lower tip; only for a contact on the rod's axis (thin rod)",
     ),
-    Equation(
-        tag="3",
-        what="velocity of the contact point",
-        symbol="\\mathbf v",
+    Equation.read(
+        "3",
         printed=_in_plane(
             sp.Matrix([c_x, 0, c_z])
             - length / 2 * sp.Matrix([0, omega, 0]).cross(_u)
             - sp.Matrix([0, 0, V_z])
         ),
-        as_printed=r"\mathbf{c} - \frac{l}{2} \boldsymbol{\omega} \times \mathbf{u} - \mathbf{V}",
         derive=lambda: contact_velocity(TO_TIP),
-        note="derived by differentiating the place of the rod's tip",
     ),
-    Equation(
-        tag="4",
-        what="acceleration of the contact point, vector form",
-        symbol="m\\,d\\mathbf v/dt",
+    Equation.read(
+        "4",
         printed=_in_plane(_force + alpha * (_force - _u * _force.dot(_u))),
-        as_printed=r"\mathbf{F} + \alpha [\mathbf{F} - \mathbf{u} (\mathbf{F} \cdot \mathbf{u})]",
         derive=lambda: tip_acceleration().subs(moment, m * length**2 / (4 * alpha)),
-        note=r"with $\alpha = m l^2/(4 I)$, which the text does not define; another $\alpha$ "
-        "follows (30)",
     ),
-    Equation(
-        tag="IV: dropped in (4)",
-        what="what (4) leaves out: the rod's rotation, gravity and the acceleration of the plate",
-        symbol="(\\delta(m\\dot v_x), \\delta(m\\dot v_z))",
+    Equation.read(
+        "IV: dropped in (4)",
         derive=dropped_terms,
-        shown=sp.Matrix(
-            [
-                m * omega**2 * length / 2 * sp.sin(phi),
-                m * omega**2 * length / 2 * sp.cos(phi) - m * (g + plate_rate),
-            ]
+        shown=(
+            m * omega**2 * length / 2 * sp.sin(phi),
+            m * omega**2 * length / 2 * sp.cos(phi) - m * (g + plate_rate),
         ),
         check=_dropped_by_vectors,
-        verdict="new",
-        note="finite, while the force of a short impact is not; the text names the plate alone",
     ),
-    Equation(
-        tag="IV: alpha",
-        what=r"the constant $\alpha$ of (4)",
-        symbol="\\alpha",
-        derive=alpha_of_4,
-        check=_alpha_by_energy,
-        verdict="new",
-        note="$m l^2/(4 I)$, 3 for a thin rod; the paper leaves it undefined",
-    ),
-    Equation(
-        tag="IV: spin",
-        what="change of spin under an impulse at the contact point",
-        symbol="\\omega' - \\omega",
+    Equation.read("IV: alpha", derive=alpha_of_4, check=_alpha_by_energy),
+    Equation.read(
+        "IV: spin",
         derive=lambda: spin_jump(P_x, P_z),
         # the impulse passes through the contact point and keeps the spin about it
         check=lambda form: (k**2 * form + Z * velocity_change(P_x) - X * velocity_change(P_z),),
-        verdict="new",
     ),
-    Equation(
-        tag="5",
-        what="acceleration of the contact point along the plate",
-        symbol="m\\dot v_x",
+    Equation.read(
+        "5",
         printed=-X * Z / k**2 * F_z + (k**2 + Z**2) / k**2 * F_x,
         derive=lambda: m * contact_change(F_x, F_z)[0],
     ),
-    Equation(
-        tag="6",
-        what="acceleration of the contact point across the plate",
-        symbol="m\\dot v_z",
+    Equation.read(
+        "6",
         printed=(k**2 + X**2) / k**2 * F_z - X * Z / k**2 * F_x,
         derive=lambda: m * contact_change(F_x, F_z)[1],
     ),

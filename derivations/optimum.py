@@ -165,106 +165,62 @@ _root = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
 _corner = sp.sqrt(97 * epsilon**2 - 1586 * epsilon + 6673)
 
 EQUATIONS = (
-    Equation(
-        tag="V: optimum, slip-stick",
-        what=r"$\tan\phi$ of the largest drift (26) of a thin rod, and that drift over $V_z$",
-        symbol="(\\tan\\phi, c_x/V_z)",
-        derive=lambda: sp.Matrix(optimum("stick")),
-        shown=sp.Matrix([sp.sqrt(_a / _b), 3 * (1 + epsilon) / sp.sqrt(_a * _b)]),
+    Equation.read(
+        "V: optimum, slip-stick",
+        derive=lambda: optimum("stick"),
+        shown=(sp.sqrt(_a / _b), 3 * (1 + epsilon) / sp.sqrt(_a * _b)),
         check=lambda form: _is_largest("stick", form),
-        verdict="new",
-        note="13.2 degrees and 3.32 for the paper's restitution, 0.65",
     ),
-    Equation(
-        tag="V: optimum, slip reversal",
-        what=r"$\tan\phi$ of the largest drift (29) of a thin rod, and that drift over $V_z$",
-        symbol="(\\tan\\phi, c_x/V_z)",
-        derive=lambda: sp.Matrix(optimum("back")),
-        shown=sp.Matrix(
-            [
-                _a / (mu * (9 - epsilon) + _root),
-                (1 + epsilon) * (mu * (29 - 5 * epsilon) + 3 * _root) / (2 * _a * _b),
-            ]
+    Equation.read(
+        "V: optimum, slip reversal",
+        derive=lambda: optimum("back"),
+        shown=(
+            _a / (mu * (9 - epsilon) + _root),
+            (1 + epsilon) * (mu * (29 - 5 * epsilon) + 3 * _root) / (2 * _a * _b),
         ),
         check=lambda form: _is_largest("back", form),
-        verdict="new",
     ),
-    Equation(
-        tag="V: optimum, corner",
-        what="between these two frictions the best tilt is the critical one, $\\phi_c$; below them "
-        "it is that of slip reversal, above that of slip-stick",
-        symbol="(\\mu_{back}, \\mu_{stick})",
-        derive=lambda: sp.Matrix(corner_frictions()),
-        shown=sp.Matrix(
-            [
-                3 * sp.sqrt(2 * _b * (_corner - 81 + 9 * epsilon)) / (_corner - 25 + epsilon),
-                3 * sp.sqrt(_a * _b) / (29 - 5 * epsilon),
-            ]
+    Equation.read(
+        "V: optimum, corner",
+        derive=corner_frictions,
+        shown=(
+            3 * sp.sqrt(2 * _b * (_corner - 81 + 9 * epsilon)) / (_corner - 25 + epsilon),
+            3 * sp.sqrt(_a * _b) / (29 - 5 * epsilon),
         ),
         check=_corners,
-        verdict="new",
-        note="0.102 and 0.174 for the paper's restitution, 0.65",
     ),
-    Equation(
-        tag="V: stability",
-        what="stability of the stationary landing: $1 - tr + det$, $1 + tr + det$, $1 - det$ of "
-        "the landing map $(c_x, c_z) \\to (c_x', -c_z')$ in slip-stick, then in slip reversal",
-        symbol="([1 - tr + det]_{stick}, [1 + tr + det]_{stick}, [1 - det]_{stick}, "
-        "[1 - tr + det]_{back}, [1 + tr + det]_{back}, [1 - det]_{back})",
-        derive=lambda: sp.Matrix([part for case in CASES for part in stability_margins(case)]),
-        shown=sp.Matrix(
-            [
-                _lossy / _all,
-                (1 + epsilon) * (k**2 + 2 * Z**2) / _all,
-                (k**2 + X**2 + (1 - epsilon) * Z**2) / _all,
-                2 * mu * k**2 * _lossy / (_reverse * _stop),
-                2 * (1 + epsilon) * k**2 * Z * (X + mu * Z) / (_reverse * _stop),
-                (
-                    2 * X * Z * (X**2 - mu**2 * (k**2 + Z**2))
-                    + (1 - epsilon) * k**2 * Z * (X + mu * Z)
-                    + (1 + epsilon) * mu * k**4
-                )
-                / (_reverse * _stop),
-            ]
+    Equation.read(
+        "V: stability",
+        derive=lambda: tuple(part for case in CASES for part in stability_margins(case)),
+        shown=(
+            _lossy / _all,
+            (1 + epsilon) * (k**2 + 2 * Z**2) / _all,
+            (k**2 + X**2 + (1 - epsilon) * Z**2) / _all,
+            2 * mu * k**2 * _lossy / (_reverse * _stop),
+            2 * (1 + epsilon) * k**2 * Z * (X + mu * Z) / (_reverse * _stop),
+            (
+                2 * X * Z * (X**2 - mu**2 * (k**2 + Z**2))
+                + (1 - epsilon) * k**2 * Z * (X + mu * Z)
+                + (1 + epsilon) * mu * k**4
+            )
+            / (_reverse * _stop),
         ),
         check=_margins,
-        verdict="new",
-        note="all positive, so that it is stable wherever its regime holds: where "
-        r"$XZ > \mu (k^2 + Z^2)$, also $X^2 > \mu^2 (k^2 + Z^2)$",
     ),
-    Equation(
-        tag="V: slip stops",
-        what="$u_*$ of the stationary landing: slip-stick, slip reversal",
-        symbol="(u_{*, stick}, u_{*, back})",
-        derive=lambda: sp.Matrix([slip_left(case) for case in CASES]),
-        shown=sp.Matrix(
-            [
-                -2 * (1 + epsilon) * mu * k**2 * _all * V_z / (_lossy * _forward),
-                -(1 + epsilon) * _reverse * _stop * V_z / (_lossy * _forward),
-            ]
+    Equation.read(
+        "V: slip stops",
+        derive=lambda: tuple(slip_left(case) for case in CASES),
+        shown=(
+            -2 * (1 + epsilon) * mu * k**2 * _all * V_z / (_lossy * _forward),
+            -(1 + epsilon) * _reverse * _stop * V_z / (_lossy * _forward),
         ),
         check=_slide_from_the_landing,
-        verdict="new",
-        note="negative in both: the closure never lands in a slide, and is consistent with itself",
     ),
-    Equation(
-        tag="Painleve: friction",
-        what="friction from which a contact that slips towards $-x$ is pressed into the plate, "
-        "$XZ > 0$",
-        symbol="\\mu_P",
+    Equation.read(
+        "Painleve: friction",
         derive=painleve_friction,
         shown=(k**2 + X**2) / (X * Z),
         check=_pressed_in,
-        verdict="new",
-        note="from there on $dv/dP_z < 0$: the impact begins even with $v_0 = 0$",
     ),
-    Equation(
-        tag="Painleve: thin rod",
-        what=r"$\tan\phi$ at which that friction is least for a thin rod, and that friction",
-        symbol="(\\tan\\phi, \\mu_P)",
-        derive=lambda: sp.Matrix(least_painleve_friction()),
-        check=_least_pressed_in,
-        verdict="new",
-        note="4/3 at 26.6 degrees; over tilt $\\mu_P = (1 + 4 T^2)/(3 T)$, $T = \\tan\\phi$",
-    ),
+    Equation.read("Painleve: thin rod", derive=least_painleve_friction, check=_least_pressed_in),
 )

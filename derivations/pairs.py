@@ -140,65 +140,32 @@ def _sum(form: sp.Expr) -> sp.Expr:
 
 _cross = FIRST[X] * SECOND[Z] - SECOND[X] * FIRST[Z]
 EQUATIONS = (
-    Equation(
-        tag="pairs: response",
-        what="change of the contact velocity of the first of two bodies relative to the second",
-        symbol="(\\Delta u, \\Delta v)",
+    Equation.read(
+        "pairs: response",
         derive=response,
-        shown=sp.Matrix(
-            [
-                (_s + _sum(Z**2)) * P_x - _sum(X * Z) * P_z,
-                (_s + _sum(X**2)) * P_z - _sum(X * Z) * P_x,
-            ]
+        shown=(
+            (_s + _sum(Z**2)) * P_x - _sum(X * Z) * P_z,
+            (_s + _sum(X**2)) * P_z - _sum(X * Z) * P_x,
         ),
         # the gradient of the kinetic energy in P, here and without the impulse
         check=lambda form: sp.Matrix(_ends()) - sp.Matrix(START) - form,
-        verdict="new",
-        note="with mobilities $A$, $B$, $C$ as for a rod: $C P_x - B P_z$ and $A P_z - B P_x$",
     ),
-    Equation(
-        tag="pairs: determinant",
-        what="$A C - B^2$ of two bodies as a sum of positive terms",
-        symbol="A C - B^2",
+    Equation.read(
+        "pairs: determinant",
         derive=determinant,
         shown=_s**2 + _s * _sum(X**2 + Z**2) + _a[0] * _a[1] * _cross**2,
         check=_minors,
-        verdict="new",
-        note="nothing cancels, whatever the masses and sizes",
     ),
-    Equation(
-        tag="pairs: equivalent rod",
-        what="the rod that two bodies of mobilities $A$, $B$, $C$ are at the contact point",
-        symbol="(m, X/k, Z/k)",
+    Equation.read(
+        "pairs: equivalent rod",
         derive=equivalent_rod,
-        shown=sp.Matrix(
-            [
-                2 / (A + C - _root),
-                sp.sqrt(A - C + _root) / sp.sqrt(A + C - _root),
-                2 * B / sp.sqrt((A - C + _root) * (A + C - _root)),
-            ]
+        shown=(
+            2 / (A + C - _root),
+            sp.sqrt(A - C + _root) / sp.sqrt(A + C - _root),
+            2 * B / sp.sqrt((A - C + _root) * (A + C - _root)),
         ),
         check=_along_and_across,
-        verdict="new",
-        note="there is one for every pair, with $k$ of choice; its $1/m$ is the smaller eigenvalue",
     ),
-    Equation(
-        tag="pairs: impulse",
-        what="$(P_x, P_z)$ of two bodies if the slip stops: sticking, then slipping back; $v_f$ by "
-        "any law",
-        symbol="(P_x, P_z, P_x, P_z)",
-        derive=impulses,
-        check=_by_conservation,
-        verdict="new",
-        note="the impulse of the equivalent rod",
-    ),
-    Equation(
-        tag="pairs: energy",
-        what="change of the kinetic energy of both bodies",
-        symbol="\\Delta E",
-        derive=laws.energy_of_impulse,
-        check=_kinetic_energies,
-        verdict="new",
-        note="as for a rod, so that the work in Stronge's law is that on both bodies",
-    ),
+    Equation.read("pairs: impulse", derive=impulses, check=_by_conservation),
+    Equation.read("pairs: energy", derive=laws.energy_of_impulse, check=_kinetic_energies),
 )

@@ -13,11 +13,13 @@ new        not in the paper; proved by a second route (expressions that must van
 """
 
 import random
+import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from importlib import resources
 from math import prod
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import mpmath
 import sympy as sp
@@ -31,6 +33,7 @@ Verdict = Literal["agrees", "rewritten", "erratum", "assumed", "new"]
 
 DIGITS = 40
 POINTS = 5
+WORDS = tomllib.loads(resources.files(__package__).joinpath("equations.toml").read_text("utf-8"))
 
 # Where random points are drawn; what is not named lies in (-2, 2), or in (1/2, 2) if positive.
 DOMAIN = {
@@ -90,9 +93,17 @@ class Repair:
         return nodes(self.old) if factor.has(sp.Add) else min(nodes(self.old), nodes(factor))
 
 
+def _column(form: Form | tuple[sp.Expr, ...] | None) -> Form | None:
+    """A form; of a tuple the column of its components."""
+    return sp.Matrix(form) if isinstance(form, tuple) else form
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Equation:
-    """One equation or number-bearing statement, with the verdict that `prove` tests."""
+    """One equation or number-bearing statement, with the verdict that `prove` tests.
+
+    A form that is a column of several values may be given as a tuple of them.
+    """
 
     tag: str  # the paper's equation number, or the section and a key word
     what: str  # it is about
@@ -111,10 +122,18 @@ class Equation:
     at: Mapping[sp.Symbol, sp.Expr] | None = None  # replaces values of EXAMPLE
     check: Callable[[Form], Iterable[sp.Expr]] | None = None  # second route: zero for a true form
 
+    @classmethod
+    def read(cls, tag: str, **forms: Any) -> "Equation":
+        """An entry of equations.toml, with its forms."""
+        return cls(tag=tag, **WORDS[tag], **forms)
+
     def __post_init__(self) -> None:
         if self.printed is None and self.verdict not in ("new", "assumed"):
             raise ValueError(f"{self.tag}: the verdict {self.verdict!r} needs a printed form")
-        object.__setattr__(self, "derive", trace.remembered(self.derive))
+        derive = self.derive
+        object.__setattr__(self, "derive", trace.remembered(lambda: _column(derive())))
+        object.__setattr__(self, "printed", _column(self.printed))
+        object.__setattr__(self, "shown", _column(self.shown))
 
     def prove(self) -> Proof:
         """Test the verdict, and that the form shown as derived has the derived value.

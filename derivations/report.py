@@ -30,17 +30,7 @@ from .steps import Line, lines, with_formulas
 
 Progress = Callable[[Iterable], Iterable]
 
-TITLE = "Rods on a vibrated plate: the theory, derived again"
-ABOUT = (
-    "Every equation of Sections IV and V and of Appendix B of D. Volfson, A. Kudrolli and "
-    'L. S. Tsimring, "Anisotropy driven dynamics in vibrated granular rods", is derived here from '
-    "the laws of Newton and Euler by computation, and so is what the text says there in numbers; "
-    "of Appendix A the dimensions are checked. "
-    "Each has a verdict that a proof has tested. Where the printed form agrees with the derived "
-    "one, it is shown alone; elsewhere both are shown. "
-    "Our copy is a transcription, so a mistake in it need not be in the paper. "
-    "Terms and factors are put in one order, which changes no value."
-)
+TITLE, ABOUT = lecture.TEXTS["title"], lecture.TEXTS["about"]
 VERDICTS = {  # sign, and what the word means
     "agrees": ("✓", "the difference of both forms simplifies to zero"),
     "rewritten": ("≈", "both forms are equal to 40 digits at random points"),
@@ -246,11 +236,7 @@ _tex = _environment(
     comment_start_string="<#",
     comment_end_string="#>",
 )
-_tex.filters |= {
-    "label": _label,
-    "named": lambda tag: to_latex(_named(tag)),
-    "sentence": to_latex,
-}
+_tex.filters |= {"label": _label, "named": lambda tag: to_latex(_named(tag)), "sentence": to_latex}
 
 
 def latex(rows: Sequence[Row]) -> dict[str, str]:

@@ -5,24 +5,31 @@ equality after every rule, with all abbreviations written out again, and records
 count; a rule that changed a value raises `RewriteError`.
 """
 
-from collections.abc import Callable, Mapping
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import resources
+from typing import Any
 
 import sympy as sp
 
 from . import slide, slip_reversal
-from .laws import V_1, a_1, a_2
+from .laws import V_1, A, B, C, a_1, a_2
 from .proof import is_zero
-from .symbols import P_1, P_z, X, Z, k, m, mu, u_0, v_0, v_1
+from .symbols import NAMED, P_1, P_z, X, Z, k, m, mu, u_0, v_0, v_1
 
 Body = dict[sp.Symbol, sp.Expr]
+
+WORDS = tomllib.loads(resources.files(__package__).joinpath("functions.toml").read_text("utf-8"))
 
 # Abbreviations of the generated code. N and T are k^2 times what a unit of normal impulse adds to
 # v and takes from u in forward slip; N_back, T_back the same in backward slip.
 N, T, N_back, T_back = sp.symbols("N T N_back T_back", real=True)
 K, K_z = sp.symbols("K K_z", positive=True)  # k^2 + X^2 + Z^2 and k^2 + Z^2
 w, r = sp.symbols("w r", real=True)  # a_2 P_1 and a_2/a_1
+_OWN = N, T, N_back, T_back, K, K_z, w, r, A, B, C
+_LETTERS = NAMED | {letter.name: letter for letter in _OWN}
 
 
 def _responses() -> dict[sp.Symbol, sp.Expr]:
@@ -94,45 +101,26 @@ def rewrite(
     return body, tuple(steps)
 
 
-def single_fraction() -> Rule:
-    """Bring every output to one fraction; what does not matter (mu in sticking) drops out."""
-    return Rule(
-        "single fraction",
-        "one division; quantities that do not matter drop out",
-        lambda body: {symbol: sp.cancel(sp.together(expr)) for symbol, expr in body.items()},
-    )
+SINGLE_FRACTION = Rule(
+    "single fraction",
+    "one division; quantities that do not matter drop out",  # as mu in sticking
+    lambda body: {symbol: sp.cancel(sp.together(expr)) for symbol, expr in body.items()},
+)
+COLLECT_FRICTION = Rule(
+    "collect friction",
+    r"one product less, and $\mu$ multiplies a sum of squares",
+    lambda body: {symbol: sp.collect(expr, mu) for symbol, expr in body.items()},
+)
 
 
-def name_responses() -> Rule:
-    """Write N, T, N_back, T_back where they stand as sums of lengths."""
-
-    def shorten(body: Body) -> Body:
-        short = {meaning: symbol for symbol, meaning in RESPONSES.items()}
-        short |= {-meaning: -symbol for symbol, meaning in RESPONSES.items()}
-        return {symbol: sp.factor(expr).subs(short) for symbol, expr in body.items()}
-
-    return Rule("name responses", "computed once, compensated in one place", shorten)
+def _shortened(body: Body) -> Body:
+    """Assignments with N, T, N_back, T_back where these stand as sums of lengths."""
+    short = {meaning: symbol for symbol, meaning in RESPONSES.items()}
+    short |= {-meaning: -symbol for symbol, meaning in RESPONSES.items()}
+    return {symbol: sp.factor(expr).subs(short) for symbol, expr in body.items()}
 
 
-def recast(name: str, why: str, **assignments: sp.Expr) -> Rule:
-    """Replace the body by one that rounds better; locals come before what uses them."""
-
-    def replace(body: Body) -> Body:
-        known = {symbol.name: symbol for symbol in body}
-        return {
-            known.get(key, sp.Symbol(key, real=True)): expr for key, expr in assignments.items()
-        }
-
-    return Rule(name, why, replace)
-
-
-def collect_friction() -> Rule:
-    """Collect the friction: mu (k^2 + Z^2) instead of two products."""
-    return Rule(
-        "collect friction",
-        r"one product less, and $\mu$ multiplies a sum of squares",
-        lambda body: {symbol: sp.collect(expr, mu) for symbol, expr in body.items()},
-    )
+NAME_RESPONSES = Rule("name responses", "computed once, compensated in one place", _shortened)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,6 +136,50 @@ class Function:
     meaning: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
     returned: tuple[str, ...] = ()  # if not the outputs
     unused: tuple[str, ...] = ()  # assignments that only the proof needs
+
+    @classmethod
+    def read(
+        cls,
+        name: str,
+        derived: Callable[[], Mapping[Any, sp.Expr]],
+        *rules: Rule,
+        meaning: Mapping[sp.Symbol, sp.Expr] | None = None,
+        letters: Iterable[sp.Symbol] = (),
+    ) -> "Function":
+        """A function of functions.toml, with what its outputs are.
+
+        Parameters
+        ----------
+        name : of the function
+        derived : gives the outputs by their names
+        rules : that come before the one of functions.toml
+        meaning : what abbreviations among its letters stand for
+        letters : of its own; others that are not known stand for any number
+        """
+        words = dict(WORDS[name])
+        known = _LETTERS | {letter.name: letter for letter in letters}
+
+        def letter(name: Any) -> sp.Symbol:
+            return known.setdefault(str(name), sp.Symbol(str(name), real=True))
+
+        arguments = tuple(map(letter, words["arguments"].split()))
+        if "rule" in words:
+            body = {}
+            for line in words["text"].strip().splitlines():
+                assigned, _, form = line.partition(" = ")
+                body[letter(assigned)] = sp.sympify(eval(form, {}, known))
+            rules += (Rule(words["rule"], words["why"], lambda _: body),)
+        return cls(
+            name=name,
+            summary=words["summary"],
+            detail=words["detail"],
+            arguments=arguments,
+            derived=lambda: {letter(output): form for output, form in derived().items()},
+            rules=rules,
+            meaning=meaning or {},
+            returned=tuple(words.get("returned", "").split()),
+            unused=tuple(words.get("unused", "").split()),
+        )
 
     @cached_property
     def outputs(self) -> Body:

@@ -63,79 +63,32 @@ omega_x = sp.Symbol("omega_x", real=True)
 _denominator = Repair("the denominator of (15) to that of (8)", _stop, _slope)
 
 EQUATIONS = (
-    Equation(
-        tag="7",
-        what="slip velocity left at separation",
-        symbol="u_*",
-        printed=u_0 - (X * Z + mu * (k**2 + Z**2)) / (m * k**2) * P_z,
-        derive=slip_velocity,
+    Equation.read(
+        "7", printed=u_0 - (X * Z + mu * (k**2 + Z**2)) / (m * k**2) * P_z, derive=slip_velocity
     ),
-    Equation(
-        tag="8",
-        what="normal impulse of a slide",
-        symbol="P_z(t_f)",
-        printed=_printed_8,
-        derive=lambda: impulse()[1],
-    ),
-    Equation(
-        tag="9",
-        what="tangential impulse of a slide",
-        symbol="P_x(t_f)",
-        printed=_printed_9,
-        derive=lambda: impulse()[0],
-    ),
-    Equation(
-        tag="10",
-        what="horizontal CM velocity from the impulse",
-        symbol="c_x'",
-        printed=c_x + P_x / m,
-        derive=lambda: cm_velocity(P_x, P_z)[0],
-    ),
-    Equation(
-        tag="11",
-        what="vertical CM velocity from the impulse",
-        symbol="c_z'",
-        printed=c_z + P_z / m,
-        derive=lambda: cm_velocity(P_x, P_z)[1],
-    ),
-    Equation(
-        tag="12",
-        what="horizontal CM velocity after a slide",
-        symbol="c_x'",
+    Equation.read("8", printed=_printed_8, derive=lambda: impulse()[1]),
+    Equation.read("9", printed=_printed_9, derive=lambda: impulse()[0]),
+    Equation.read("10", printed=c_x + P_x / m, derive=lambda: cm_velocity(P_x, P_z)[0]),
+    Equation.read("11", printed=c_z + P_z / m, derive=lambda: cm_velocity(P_x, P_z)[1]),
+    Equation.read(
+        "12",
         printed=c_x + mu * (1 + epsilon) * k**2 * (c_z - V_z + omega * X) / _stop,
         derive=lambda: cm_velocity(*impulse())[0],
-        verdict="erratum",
-        contradicted_by="(9) with (10)",
         contradiction=lambda: (c_x + _printed_9 / m).subs(approach()),
         repair=(_denominator,),
-        note=r"the denominator belongs to (15); it must be $k^2 + X^2 + \mu X Z$",
     ),
-    Equation(
-        tag="13",
-        what="vertical CM velocity after a slide",
-        symbol="c_z'",
+    Equation.read(
+        "13",
         printed=c_z - (c_z + omega_x - V_z) * (1 + epsilon) * k**2 / _stop,
         derive=lambda: cm_velocity(*impulse())[1],
-        verdict="erratum",
-        contradicted_by="(8) with (11)",
         contradiction=lambda: (c_z + _printed_8 / m).subs(approach()),
         at={omega_x: sp.Rational(1, 10)},
         repair=(_denominator, Repair(r"$\omega_x$ to $\omega X$", omega_x, omega * X)),
-        note=r"the denominator must be $k^2 + X^2 + \mu X Z$, and $\omega_x$ must be $\omega X$ (a "
-        "spin cannot be added to a velocity)",
     ),
-    Equation(
-        tag="14",
-        what="condition of continuous slide",
-        symbol="0 < u_*",
+    Equation.read(
+        "14",
         printed=u_0 + (X * Z + mu * (k**2 + Z**2)) / _slope * v_0 * (1 + epsilon),
         derive=slide_excess,
     ),
-    Equation(
-        tag="15",
-        what="normal contact velocity when the slip stops",
-        symbol="v_1",
-        printed=v_0 + _slope / _stop * u_0,
-        derive=lambda: stop()[2],
-    ),
+    Equation.read("15", printed=v_0 + _slope / _stop * u_0, derive=lambda: stop()[2]),
 )

@@ -42,82 +42,48 @@ _bounce_21 = _v * mu * k**2 * (1 + epsilon) / _back
 _printed_b12 = v_0 + u_0 * k**2 / _stop - k**2 / _back * _bracket + V_z - omega * X
 
 EQUATIONS = (
-    Equation(
-        tag="20",
-        what="condition of slip reversal",
-        symbol="XZ - \\mu(k^2+Z^2) > 0",
-        printed=sp.Lt(mu * (k**2 + Z**2), X * Z),
-        derive=lambda: sp.Lt(stick_margin(), 0),
-        note="for $u_0 > 0$; for either sign of the slip $XZ$ becomes $|XZ|$",
+    Equation.read(
+        "20", printed=sp.Lt(mu * (k**2 + Z**2), X * Z), derive=lambda: sp.Lt(stick_margin(), 0)
     ),
-    Equation(
-        tag="B6",
-        what="slip velocity at separation after reversal",
-        symbol="u_f",
+    Equation.read(
+        "B6",
         printed=(mu * (k**2 + Z**2) - X * Z) / (m * k**2) * (P_z - P_1),
         derive=lambda: reversed_change(P_z - P_1)[0],
     ),
-    Equation(
-        tag="B7",
-        what="normal contact velocity at separation after reversal",
-        symbol="v_f",
+    Equation.read(
+        "B7",
         printed=v_1 + _back / (m * k**2) * (P_z - P_1),
         derive=lambda: v_1 + reversed_change(P_z - P_1)[1],
     ),
-    Equation(
-        tag="B8",
-        what="normal impulse of slip reversal",
-        symbol="P_z(t_f)",
+    Equation.read(
+        "B8",
         printed=u_0 * m * k**2 / _stop - m * k**2 / _back * _bracket,
         derive=lambda: impulse()[1],
-        note='the text before it says "the impulse during the reversal phase"; it is the impulse '
-        "of the whole contact",
     ),
-    Equation(
-        tag="B9",
-        what="tangential impulse of slip reversal",
-        symbol="P_x(t_f)",
+    Equation.read(
+        "B9",
         printed=-u_0 * mu * m * k**2 / _stop - mu * m * k**2 / _back * _bracket,
         derive=lambda: impulse()[0],
     ),
-    Equation(
-        tag="B10",
-        what="slip velocity at separation after reversal",
-        symbol="u_f",
-        printed=-(mu * (k**2 + Z**2) - X * Z) / _back * _bracket,
-        derive=final_slip,
+    Equation.read(
+        "B10", printed=-(mu * (k**2 + Z**2) - X * Z) / _back * _bracket, derive=final_slip
     ),
-    Equation(
-        tag="B11",
-        what="horizontal CM velocity after slip reversal",
-        symbol="c_x'",
-        printed=_printed_b11.subs(approach()),
-        derive=lambda: cm_velocity(*impulse())[0],
+    Equation.read(
+        "B11", printed=_printed_b11.subs(approach()), derive=lambda: cm_velocity(*impulse())[0]
     ),
-    Equation(
-        tag="B12",
-        what="vertical CM velocity after slip reversal",
-        symbol="c_z'",
-        printed=_printed_b12.subs(approach()),
-        derive=lambda: cm_velocity(*impulse())[1],
+    Equation.read(
+        "B12", printed=_printed_b12.subs(approach()), derive=lambda: cm_velocity(*impulse())[1]
     ),
-    Equation(
-        tag="21",
-        what="horizontal CM velocity after slip reversal",
-        symbol="c_x'",
+    Equation.read(
+        "21",
         printed=c_x + _slip_21 - _bounce_21,
         shown=c_x - _slip_21 - _bounce_21,
         derive=lambda: cm_velocity(*impulse())[0],
-        verdict="erratum",
-        contradicted_by="(B11)",
         contradiction=lambda: _printed_b11.subs(approach()),
         repair=(Repair("the sign of the second term", _slip_21, -_slip_21),),
-        note="the second term must carry a minus sign: friction takes the slip away",
     ),
-    Equation(
-        tag="22",
-        what="vertical CM velocity after slip reversal",
-        symbol="c_z'",
+    Equation.read(
+        "22",
         printed=c_z
         - _u * 2 * mu * k**2 * X * Z / (_stop * _back)
         - _v * k**2 * (1 + epsilon) / _back,

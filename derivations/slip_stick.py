@@ -66,89 +66,48 @@ _slip = _all / (k**2 + Z**2)
 _printed_b3 = v_0 + (k**2 + X**2 + mu * X * Z) / _stop * u_0 + _slip / m * (P_z - P_1)
 
 EQUATIONS = (
-    Equation(
-        tag="16",
-        what="condition of sticking",
-        symbol="\\mu(k^2+Z^2) - XZ > 0",
-        printed=sp.Gt(mu * (k**2 + Z**2), X * Z),
-        derive=lambda: sp.Gt(stick_margin(), 0),
-        note="for $u_0 > 0$; for either sign of the slip $XZ$ becomes $|XZ|$",
+    Equation.read(
+        "16", printed=sp.Gt(mu * (k**2 + Z**2), X * Z), derive=lambda: sp.Gt(stick_margin(), 0)
     ),
-    Equation(
-        tag="17",
-        what="friction force while sticking",
-        symbol="F_x",
-        printed=X * Z / (k**2 + Z**2) * F_z,
-        derive=sticking_force,
-    ),
-    Equation(
-        tag="B1",
-        what="normal impulse until the slip stops",
-        symbol="P_z(t_1)",
-        printed=u_0 * m * k**2 / _stop,
-        derive=lambda: stop()[1],
-    ),
-    Equation(
-        tag="B2",
-        what="tangential impulse until the slip stops",
-        symbol="P_x(t_1)",
-        printed=-u_0 * m * mu * k**2 / _stop,
-        derive=lambda: stop()[0],
-    ),
-    Equation(
-        tag="B3",
-        what="normal contact velocity at separation, first line",
-        symbol="v_f",
+    Equation.read("17", printed=X * Z / (k**2 + Z**2) * F_z, derive=sticking_force),
+    Equation.read("B1", printed=u_0 * m * k**2 / _stop, derive=lambda: stop()[1]),
+    Equation.read("B2", printed=-u_0 * m * mu * k**2 / _stop, derive=lambda: stop()[0]),
+    Equation.read(
+        "B3",
         printed=v_1 + _slip * (P_z - P_1),
         derive=lambda: v_1 + sticking_velocity(P_z - P_1),
-        verdict="erratum",
         at={m: sp.Integer(2), v_1: sp.Integer(0), P_1: sp.Integer(0), P_z: sp.Integer(1)},
-        contradicted_by="second line of (B3)",
         repair=(Repair("a factor $1/m$", P_z - P_1, (P_z - P_1) / m),),
         contradiction=lambda: v_1 + _printed_b3 - _printed_b3.subs(P_z, P_1),
-        note="the integral of $F_z$ lacks the factor $1/m$ (and its $dt$) that the second line has",
     ),
-    Equation(
-        tag="B3: second line",
-        what="normal contact velocity at separation, second line",
-        symbol="v_f",
+    Equation.read(
+        "B3: second line",
         printed=_printed_b3,
         derive=lambda: stop()[2] + sticking_velocity(P_z - P_1),
     ),
-    Equation(
-        tag="B4",
-        what="normal impulse of slip-stick",
-        symbol="P_z(t_f)",
+    Equation.read(
+        "B4",
         printed=u_0 * m * k**2 / _stop - _bracket * m * (k**2 + Z**2) / _all,
         derive=lambda: impulse()[1],
     ),
-    Equation(
-        tag="B5",
-        what="tangential impulse of slip-stick",
-        symbol="P_x(t_f)",
+    Equation.read(
+        "B5",
         printed=-u_0 * m * mu * k**2 / _stop - _bracket * m * X * Z / _all,
         derive=lambda: impulse()[0],
     ),
-    Equation(
-        tag="18",
-        what="horizontal CM velocity after slip-stick",
-        symbol="c_x'",
+    Equation.read(
+        "18",
         printed=(_u * Z**2 - _v * (1 + epsilon) * X * Z) / _all + omega * Z,
         derive=lambda: cm_velocity(*impulse())[0],
     ),
-    Equation(
-        tag="19",
-        what="vertical CM velocity after slip-stick",
-        symbol="c_z'",
+    Equation.read(
+        "19",
         printed=(_v * (X**2 - (k**2 + Z**2) * epsilon) - _u * X * Z) / _all + V_z - omega * X,
         derive=lambda: cm_velocity(*impulse())[1],
     ),
-    Equation(
-        tag="IV: stick without mu",
-        what=r"$d/d\mu$ of the velocities (18), (19) after slip-stick",
-        symbol="\\partial(c_x', c_z')/\\partial\\mu",
-        printed=sp.Matrix([0, 0]),
-        derive=lambda: sp.Matrix([sp.cancel(c).diff(mu) for c in cm_velocity(*impulse())]),
-        note='"the post-collisional velocities are independent of the friction coefficient"',
+    Equation.read(
+        "IV: stick without mu",
+        printed=(0, 0),
+        derive=lambda: tuple(sp.cancel(c).diff(mu) for c in cm_velocity(*impulse())),
     ),
 )

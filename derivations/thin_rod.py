@@ -158,23 +158,13 @@ _mu_c = -c_x / (4 * c_z * (1 + epsilon))
 _reversal = sp.Lt(mu * (1 + 3 * sp.cos(phi) ** 2), 3 * sp.sin(phi) * sp.cos(phi))
 
 EQUATIONS = (
-    Equation(
-        tag="IV: mu_c",
-        what="largest friction of continuous slide at small tilt",
-        symbol="\\mu_c",
-        printed=_mu_c,
-        derive=lambda: sp.factor(thin_slide_friction().subs(phi, 0)),
-        note="the limit of tilt 0",
+    Equation.read(
+        "IV: mu_c", printed=_mu_c, derive=lambda: sp.factor(thin_slide_friction().subs(phi, 0))
     ),
-    Equation(
-        tag="IV: slide only below mu_c",
-        what=r'"sliding can only be observed for small $\mu < \mu_c$": largest friction over all '
-        "tilts",
-        symbol="\\max_\\phi \\mu_{slide}",
+    Equation.read(
+        "IV: slide only below mu_c",
         printed=_mu_c,
         derive=lambda: sp.factor(thin_slide_friction().subs(phi, sp.pi / 2)),
-        verdict="erratum",
-        contradicted_by="(14) for a thin rod at 90 degrees",
         contradiction=lambda: sp.solve(
             (u_0 + mu * k**2 / (k**2 + X**2) * v_0 * (1 + epsilon))
             .subs(THIN)
@@ -182,86 +172,44 @@ EQUATIONS = (
             mu,
         )[0],
         mistaken=lambda: thin_slide_friction().subs(phi, 0),
-        mistake="the value at tilt 0 is taken for the largest",
-        note=r"near 90 degrees the rod slides up to $16 \mu_c$; the largest friction of all stands "
-        "in the next entry",
     ),
-    Equation(
-        tag="IV: largest slide friction",
-        what="continuous slide of a thin rod over all tilts: tangent of the inner tilt where its "
-        r"friction is largest, that friction, and the one at 90 degrees; "
-        r"$g = (1 + \epsilon)(-c_z/c_x)$",
-        symbol="(\\tan\\phi, \\mu_{inner}, \\mu_{90})",
-        derive=lambda: sp.Matrix(largest_slide_friction()),
-        shown=sp.Matrix([(1 + 2 * gain) / (2 - gain), (4 + 3 * gain) / (4 * gain - 3), 4 / gain]),
+    Equation.read(
+        "IV: largest slide friction",
+        derive=largest_slide_friction,
+        shown=((1 + 2 * gain) / (2 - gain), (4 + 3 * gain) / (4 * gain - 3), 4 / gain),
         check=_slide_friction_checks,
-        verdict="new",
-        note=r"for $g \ge 2$ the largest is the one at 90 degrees, $4/g = 16 \mu_c$; for "
-        r"$3/4 < g < 2$ the inner one is larger (Fig. 10(a): $g = 1.8$, 2.24 at 87.5 degrees); "
-        r"for $g \le 3/4$ there is none: some tilt slides at every friction",
     ),
-    Equation(
-        tag="IV: condition for phi_c",
-        what="condition of slip reversal for a thin rod",
-        symbol="3\\sin\\phi\\cos\\phi - \\mu(1+3\\cos^2\\phi)",
+    Equation.read(
+        "IV: condition for phi_c",
         printed=_reversal,
         derive=lambda: sp.Lt(stick_margin().subs(THIN), 0),
     ),
-    Equation(
-        tag="23",
-        what="critical tilt between slip-stick and slip reversal",
-        symbol="\\phi_c",
-        printed=_printed_23,
-        derive=critical_tilt,
-        note="one of two roots: beyond the larger one the contact sticks again",
-    ),
-    Equation(
-        tag="23: both roots",
-        what=r"$\tan(\phi)$ at the lower and the upper critical tilt",
-        symbol="(\\tan\\phi_{lower}, \\tan\\phi_{upper})",
-        derive=lambda: sp.Matrix(critical_tangents()),
-        check=_root_checks,
-        verdict="new",
-        note="the product of the two tangents is 4, whatever the friction",
-    ),
-    Equation(
-        tag="23: small friction",
-        what=r"$\phi_c$ to $O(\mu^3)$",
-        symbol="\\phi_c",
+    Equation.read("23", printed=_printed_23, derive=critical_tilt),
+    Equation.read("23: both roots", derive=critical_tangents, check=_root_checks),
+    Equation.read(
+        "23: small friction",
         printed=sp.Rational(4, 3) * mu,
         derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 3).removeO(),
     ),
-    Equation(
-        tag="23: next order",
-        what=r"$\phi_c$ to $O(\mu^5)$",
-        symbol="\\phi_c",
+    Equation.read(
+        "23: next order",
         derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 5).removeO(),
         check=lambda form: (
             sp.series(3 * sp.tan(form) - mu * (4 + sp.tan(form) ** 2), mu, 0, 5).removeO(),
         ),
-        verdict="new",
     ),
-    Equation(
-        tag="IV: phi_c at mu = 3/5",
-        what=r'"becomes $\pi/2$ at $\mu = 3/5$"',
-        symbol="\\phi_c(3/5)",
+    Equation.read(
+        "IV: phi_c at mu = 3/5",
         printed=sp.pi / 2,
         derive=lambda: critical_tilt().subs(mu, sp.Rational(3, 5)),
-        verdict="erratum",
-        contradicted_by="(23)",
         contradiction=lambda: _printed_23.subs(mu, sp.Rational(3, 5)),
         repair=(Repair(r"$2 \phi_c$ is meant: a factor 1/2", sp.pi / 2, sp.pi / 4),),
-        note=r"it is $2 \phi_c$ that becomes $\pi/2$ there; $\phi_c$ is 45 degrees",
     ),
-    Equation(
-        tag="IV: no reversal above 3/5",
-        what=r'"at larger $\mu$, the slip-reversal scenario does not occur at any tilt angle"',
-        symbol="\\max_\\phi \\mu_{reversal}",
+    Equation.read(
+        "IV: no reversal above 3/5",
         printed=sp.Rational(3, 5),
         derive=lambda: largest_reversal_friction()[0],
         check=_last_reversal_checks,
-        verdict="erratum",
-        contradicted_by=r"condition for $\phi_c$ at $\tan(\phi) = 2$",
         contradiction=lambda: sp.solve(
             (_reversal.gts - _reversal.lts)
             .subs({sp.sin(phi): 2 * sp.cos(phi)})
@@ -269,33 +217,20 @@ EQUATIONS = (
             mu,
         )[0],
         mistaken=lambda: critical_friction().subs(THIN).subs(phi, sp.pi / 4),
-        mistake=r"the friction whose $\phi_c$ is 45 degrees is taken for the largest of all tilts",
-        note=r"reversal ends at $\mu = 3/4$, where both critical tilts meet at $\arctan 2$ = 63.4 "
-        "degrees",
     ),
-    Equation(
-        tag="IV: reversal at larger angles",
-        what='"at larger angles there is the slip reversal regime": largest tilt of reversal',
-        symbol="\\phi_{max}",
+    Equation.read(
+        "IV: reversal at larger angles",
         printed=sp.pi / 2,
         derive=largest_reversal_tilt,
         at={mu: sp.Rational(3, 10)},
-        verdict="erratum",
-        contradicted_by=r"condition for $\phi_c$: its larger root",
         contradiction=printed_upper_tilt,
         mistaken=overlooking_the_second_root,
-        mistake="the second root of the condition is overlooked",
-        note="beyond the second root of the same condition the contact sticks again (84.04 degrees "
-        r"at $\mu = 0.3$, the friction of Fig. 11); Section V repeats it as $\phi > \phi_c$",
     ),
-    Equation(
-        tag="IV: slide boundary",
-        what="$u_* = 0$ solved for the friction, any geometry, $r = -v_0/u_0$",
-        symbol="\\mu_{slide}",
+    Equation.read(
+        "IV: slide boundary",
         derive=slide_friction,
         shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
         / ((1 + epsilon) * ratio * (k**2 + Z**2) - X * Z),
         check=_slide_boundary_checks,
-        verdict="new",
     ),
 )

@@ -106,21 +106,38 @@ def solve(forms: Any, unknowns: Any, meant: str = "") -> Any:
     return sp.solve(forms, unknowns)
 
 
-def forget(kind: str = "", name: str = "") -> None:
-    """Empty the caches of all derivations, or of those that take the step of a name."""
+def forget(kind: str = "", name: str = "") -> list[tuple[dict, dict]]:
+    """Empty the caches of all derivations, or of those that take the step of a name.
+
+    Returns each cache, with what it held of these.
+    """
+    lost = []
     for results in _caches:
-        for given, (_, steps) in list(results.items()):
-            if not kind or name in names(steps, kind):
-                del results[given]
+        taken = {x: held for x, held in results.items() if not kind or name in names(held[1], kind)}
+        for given in taken:
+            del results[given]
+        lost.append((results, taken))
+    return lost
+
+
+@contextmanager
+def derived_again(kind: str, name: str) -> Iterator[None]:
+    """Derive anew, inside, what takes the step of a name; afterwards it is what it was."""
+    known = forget(kind, name)
+    try:
+        yield
+    finally:
+        forget(kind, name)
+        for results, taken in known:
+            results.update(taken)
 
 
 @contextmanager
 def bent(name: str, change: Callable[[Any], Any]) -> Iterator[None]:
     """Change what one step of `STEPS` gives, for a trial; what takes it is derived again."""
-    forget("derived", name)
-    _bent[name] = change
-    try:
-        yield
-    finally:
-        del _bent[name]
-        forget("derived", name)
+    with derived_again("derived", name):
+        _bent[name] = change
+        try:
+            yield
+        finally:
+            del _bent[name]

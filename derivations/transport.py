@@ -129,21 +129,14 @@ _spin_up = -(1 + epsilon) * k**2 * X / _lossy
 _up = (1 + epsilon) * k**2 * V_z / _lossy
 
 EQUATIONS = (
-    Equation(
-        tag="V: short rods",
-        what="drift of a spherocylinder as its length goes to its diameter, $h_0 = l/d - 1$",
-        symbol="c_x/(V_z h_0)",
+    Equation.read(
+        "V: short rods",
         derive=slope_of_short_rods,
         shown=5 * (1 + epsilon) / (1 - epsilon) * sp.sin(phi),
         check=_short_checks,
-        verdict="new",
-        note="24 $\\sin\\phi$ for the paper's restitution, 0.65: steep, as in Fig. 13(c)",
     ),
-    Equation(
-        tag="V: best length",
-        what="the drift of a spherocylinder in slip-stick is largest where this is zero, "
-        "$h_0 = l/d - 1$",
-        symbol="p(h_0)",
+    Equation.read(
+        "V: best length",
         derive=best_length,
         shown=1
         + (3 + 2 * sp.cos(phi)) * h_0
@@ -151,56 +144,31 @@ EQUATIONS = (
         + ((135 * sp.cos(phi) - 40) / 16 - 15 * _slant) * h_0**3
         + (5 * (4 * sp.cos(phi) - 3) / 8 - sp.Rational(45, 4) * _slant) * h_0**4,
         check=_length_checks,
-        verdict="new",
-        note="short rods drift faster than long ones: at 30 degrees and restitution 0.65 the best "
-        "is $l = 1.9 d$, with 1.44 times the drift of a thin rod that sticks",
     ),
-    Equation(
-        tag="V: landing with spin",
-        what=r"what a spin $\omega$ at every landing adds to $c_x'$ and $c_z'$, over $\omega$: "
-        "slip-stick, then slip reversal",
-        symbol=r"([\partial c_x'/\partial\omega]_{stick}, [\partial c_z'/\partial\omega]_{stick}, "
-        r"[\partial c_x'/\partial\omega]_{back}, [\partial c_z'/\partial\omega]_{back})",
-        derive=lambda: sp.Matrix([part for case in CASES for part in spin_response(case)]),
-        shown=sp.Matrix(
-            [
-                Z * ((1 - epsilon) * k**2 - 2 * epsilon * X**2) / _lossy,
-                _spin_up,
-                ((1 - epsilon) * Z * (k**2 + X**2) - (1 + epsilon) * mu * X * (k**2 + Z**2))
-                / _lossy,
-                _spin_up,
-            ]
+    Equation.read(
+        "V: landing with spin",
+        derive=lambda: tuple(part for case in CASES for part in spin_response(case)),
+        shown=(
+            Z * ((1 - epsilon) * k**2 - 2 * epsilon * X**2) / _lossy,
+            _spin_up,
+            ((1 - epsilon) * Z * (k**2 + X**2) - (1 + epsilon) * mu * X * (k**2 + Z**2)) / _lossy,
+            _spin_up,
         ),
         check=_spin_checks,
-        verdict="new",
-        note="a rod that sticks and still turns forward when it lands drifts faster where "
-        r"$2 \epsilon X^2 < (1 - \epsilon) k^2$, at small tilt, and slower beyond",
     ),
-    Equation(
-        tag="V: energy of a landing",
-        what="per unit mass in a stationary landing: work $W$ of the plate and energy $E$ of "
-        "the spin, in slip-stick, then in slip reversal",
-        symbol="(W_{stick}, E_{stick}, W_{back}, E_{back})",
-        derive=lambda: sp.Matrix([part for case in CASES for part in energies(case)]),
+    Equation.read(
+        "V: energy of a landing",
+        derive=lambda: tuple(part for case in CASES for part in energies(case)),
         shown=sp.Matrix([2 * _up * V_z, 2 * X**2 * _up**2 / k**2] * 2),
         check=_energy_checks,
-        verdict="new",
-        note="the closure takes the spin away in flight; all else is lost at the contact",
     ),
-    Equation(
-        tag="V: cost of transport",
-        what="work of the plate per weight and distance travelled: slip-stick, slip reversal",
-        symbol="([W/(m g s)]_{stick}, [W/(m g s)]_{back})",
-        derive=lambda: sp.Matrix([cost_of_transport(case) for case in CASES]),
-        shown=sp.Matrix(
-            [
-                _lossy / (2 * (1 + epsilon) * X * Z),
-                _lossy / ((1 + epsilon) * (X * Z + mu * (k**2 + Z**2))),
-            ]
+    Equation.read(
+        "V: cost of transport",
+        derive=lambda: tuple(cost_of_transport(case) for case in CASES),
+        shown=(
+            _lossy / (2 * (1 + epsilon) * X * Z),
+            _lossy / ((1 + epsilon) * (X * Z + mu * (k**2 + Z**2))),
         ),
         check=_cost_checks,
-        verdict="new",
-        note="$V_z/c_x$ whatever the rod: the fastest rod is the cheapest. The drift grows with "
-        "friction up to the one at which the contact holds, and not beyond",
     ),
 )

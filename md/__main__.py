@@ -14,7 +14,7 @@ import click
 from . import accuracy, bias, plans, soft_impact
 from .command_line import Commands
 from .errors import InputError
-from .files import NotWritten, distinct, replacing, writable
+from .files import NotWritten, distinct, writable
 from .laws import LAWS, Law
 from .result_text import (
     calibration_text,
@@ -32,7 +32,14 @@ from .scene import keys, load
 from .simulation import finite
 from .store import table, write_csv
 
-_ENDS = {"reached": 0, "not reached": 4}  # exit codes of --tolerance
+_ENDS = {"reached": 0, "not reached": 4, "not settled": 4}  # exit codes of --tolerance
+_changes = click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Change a key of the scene; VALUE none takes it out.",
+)
 _WIDTH = max(len(key) for key, _ in keys())
 _KEYS = """\b
 Keys and their defaults; what a scene does not name is not there. A key in cm
@@ -138,13 +145,7 @@ def _law(given: dict[str, Any]) -> Law:
 
 @main.command(epilog=_KEYS)
 @click.argument("scene")
-@click.option(
-    "--set",
-    "changes",
-    multiple=True,
-    metavar="KEY=VALUE",
-    help="Change a key of the scene; VALUE none takes it out.",
-)
+@_changes
 @click.option("--periods", type=int, help="Of the plate (default 200); not with --tolerance.")
 @_number(
     "--tolerance",
@@ -155,6 +156,9 @@ def _law(given: dict[str, Any]) -> Law:
 @_number("--floor", help="Slower drifts count as this fast (default a twentieth of V_0).")
 @_number("--max-seconds", help="Longest time that --tolerance may take (default 600).")
 @click.option("--workers", type=int, help="With --tolerance: starts at once (default 1).")
+@click.option(
+    "--calibration", metavar="FILE", help="Of this scene, by calibrate; --tolerance uses it."
+)
 @click.option("--plan", is_flag=True, help="Say what --tolerance will take, and do not run.")
 @click.option("--trajectory", metavar="FILE", help="Write extended XYZ, for OVITO and ASE.")
 @click.option("--frames", type=int, help="Of the trajectory, per period (default 1).")
@@ -179,14 +183,15 @@ def run(
     python -m md run quasi2d --periods 200
     python -m md run quasi2d --tolerance 0.01         # until the drift is within 1 % of its value
     python -m md run quasi2d --tolerance 0.01 --plan  # what that takes
+    python -m md run annulus --tolerance 0.03 --workers 2  # of two arrangements of the rods
     python -m md run my_rods --set rods.length_cm=4 --set plate.amplitude_cm=0.03
     python -m md run quasi2d --set plate.acceleration=2 --set contacts.plate.law=coulomb --json
     python -m md run quasi2d --set contacts.plate.law=appendix_a --set contacts.plate.restitution=none
     python -m md run mine.toml --periods 10000 --checkpoint mine.npz       # Ctrl-C, and go on later
     python -m md run quasi2d --periods 5 --trajectory row.xyz --frames 24  # for OVITO
 
-    Exit codes of --tolerance: 0 reached; 4 not reached. In JSON: accuracy.state, which is "reached"
-    or "not reached".
+    Exit codes of --tolerance: 0 reached; 4 not reached, or not settled. In JSON: accuracy.state,
+    which is "reached", "not reached" or "not settled".
     """  # noqa: E501  (an example)
     distinct(scene=scene, trajectory=trajectory, checkpoint=checkpoint)
     chosen = _given(given, *given)
@@ -197,7 +202,8 @@ def run(
     if plan:
         files = {"trajectory": trajectory, "checkpoint": checkpoint, "json": as_json}
         chosen_files = {name for name, value in files.items() if value}
-        if other := {*chosen, *chosen_files} - {"tolerance", "confidence", "workers"}:
+        known = {"tolerance", "confidence", "workers", "calibration"}
+        if other := {*chosen, *chosen_files} - known:
             raise InputError(f"{min(other)} has no meaning with plan")
         if "tolerance" not in chosen:
             raise InputError("plan has no meaning without tolerance")
@@ -274,23 +280,49 @@ def search(search: str, store: str, as_json: bool, **how: Any) -> None:
 
 
 @main.command()
-@click.option("--store", required=True, metavar="FILE", help="SQLite file; it goes on from there.")
-@click.option("--out", metavar="FILE", help="JSON file (the one that --tolerance reads).")
-def calibrate(store: str, out: str | None) -> None:
-    """Measure what --tolerance knows of the step's bias (30 min).
+@click.argument("scene", required=False)
+@_changes
+@click.option("--store", metavar="FILE", help="SQLite file; it goes on from there.")
+@click.option("--out", metavar="FILE", help="JSON file for --calibration.")
+@click.option("--periods", type=int, help="Of each run of SCENE (default 6000).")
+def calibrate(
+    scene: str | None,
+    changes: tuple[str, ...],
+    store: str | None,
+    out: str | None,
+    periods: int | None,
+) -> None:
+    """Measure the step's bias, of SCENE or of all (an hour).
+
+    SCENE is a TOML file, or the name of an example, that the calibration in use does not cover:
+    this takes minutes, and --tolerance needs no second run for the bias then. Runs made are kept in
+    --store (default: beside FILE, ending in .db).
 
     \b
-    python -m md calibrate --store calibration.db
-    python -m md calibrate --store calibration.db --out mine.json    # keep the one in use
+    python -m md calibrate mine.toml --out mine.json
+    python -m md run mine.toml --tolerance 0.01 --calibration mine.json
+    python -m md calibrate --store calibration.db                  # the one that ships
     """
     from . import calibration  # late: help needs no joblib
 
+    if scene is None and (changes or periods is not None):
+        raise InputError(f"{'set' if changes else 'periods'} has no meaning without SCENE")
+    if not (scene or store):
+        raise InputError("store is missing: without SCENE, runs of half an hour are kept there")
+    if scene and out is None:
+        raise InputError("out is missing: the file of a calibration of SCENE")
     path = Path(out or bias.CALIBRATION)  # beside the sources, perhaps read-only
-    distinct(store=store, out=path)
-    writable("out", path, calibration.is_calibration, "one of a calibration")
-    found = calibration.calibrate(store, progress=True)
-    with replacing(path) as part:
-        part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    kept = Path(store) if store else path.with_suffix(".db")
+    distinct(scene=scene, store=kept, out=path)
+    writable("out", path, bias.is_calibration, "one of a calibration")
+    if scene is None:
+        found = calibration.calibrate(kept, progress=True)
+    else:
+        own, how = load(scene, changes), _given({"periods": periods}, "periods")
+        spent = calibration.seconds_of(own, **how)
+        print(f"price     {spent:.2g} s of processor time, less what {kept} holds", flush=True)
+        found = calibration.of_scene(own, kept, progress=True, **how)
+    calibration.write(path, found)
     print(f"{calibration_text(found)}\nwritten   {path}")
 
 

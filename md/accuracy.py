@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import hypot, inf, isfinite, nan
+from pathlib import Path
 from threading import Lock
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -19,13 +20,13 @@ import numpy as np
 from scipy.special import chdtrc, ndtri, stdtrit
 
 from . import simulation
-from .bias import Bias, choose, steps_per_contact, student, unknown
+from .bias import Bias, Choice, choose, steps_per_contact, student
 from .domains import number, whole
 from .errors import InputError
 from .host import step_of
 from .scene import Scene, Step
 from .simulation import Accuracy, Result
-from .statistics import FEWEST, standard_error, transient
+from .statistics import FEWEST, settled, standard_error, transient
 
 DOMAINS = {
     "tolerance": (1e-5, 0.5),
@@ -40,10 +41,13 @@ MOST_WORKERS = 64
 LONGEST = 10**6  # periods of a run
 FIRST_LOOK = 320  # periods
 GROWTH = 1.1, 2.0  # least and largest, of the run from one look to the next
-CUT = 150, 400  # least and most periods that are left out at the start, of a fifth
+CUT = 150, 400  # least and most periods that are left out at the start, of a fifth, if settled
+SLOWER = 2  # an annulus settles so many times slower than a row
 PER_FREEDOM = 30  # periods that tell as much of a standard error as one independent number
-UNLIKELY = 1e-3  # chance below which starts that differ are in different states
-UNSETTLED = 2.5  # standard errors by which the halves of a run may differ
+# Chance below which starts that differ are in different states, of rows and of annuli, where each
+# start has an arrangement of its own.
+UNLIKELY = 1e-3, 5e-2
+UNSETTLED = 1.5  # growth of a run that has not settled
 PATIENCE = 0.3  # seconds after which one of several starts asks again
 SEED_GAP = 10**6  # between the seeds of starts
 IN_PLACE = 3.0  # tolerances that a bias is measured to
@@ -51,56 +55,64 @@ ORDER = 2.0  # of the bias, where it is measured: at twice the step it is 2^ORDE
 
 
 class Interval(NamedTuple):
-    """Mean of one or several stationary series, and how sure it is."""
+    """Mean of one or several series behind their transients, and how sure it is."""
 
     mean: float
     half: float  # of the interval
-    cut: int  # values left out at the start of the first series
+    error: float  # standard error
     chance: float  # that starts differ as they do, if they are in one state; nan: of one start
+    settled: bool  # whether no series has a trend left
 
 
-NONE = Interval(nan, inf, 0, nan)
+NONE = Interval(nan, inf, inf, nan, False)
 
 
-def interval(series: list[np.ndarray], confidence: float = CONFIDENCE) -> Interval:
+def slower(annulus: bool) -> int:
+    """How many times slower than a row the rods settle."""
+    return SLOWER if annulus else 1
+
+
+def interval(
+    series: list[np.ndarray], confidence: float = CONFIDENCE, *, annulus: bool = False
+) -> Interval:
     """Pool the drifts of independent starts behind their transients.
 
     The standard error is that of `statistics.standard_error`, of an autoregressive model, whose
-    variance is as uncertain as that of n/(2 order) independent numbers. Where the halves of a run
-    differ by more than it explains, their difference counts; where starts do, the scatter between
-    them.
+    variance is as uncertain as that of n/(2 order) independent numbers. A series with a trend
+    (`statistics.settled`) counts from its middle, and the difference of what is left is its error.
+    Where starts differ by more than the errors explain, the scatter between them is the error.
 
     Parameters
     ----------
     series : drift of each start, period by period
     confidence : of the interval
+    annulus : whether the rods are in one: it settles later, and starts differ sooner
     """
-    cuts = [min(int(np.clip(transient(len(one)), *CUT)), len(one) // 2) for one in series]
-    rest = [one[cut:] for one, cut in zip(series, cuts, strict=True)]
+    least, most = (slower(annulus) * cut for cut in CUT)
+    firsts = [min(int(np.clip(transient(len(x)), least, most)), len(x) // 2) for x in series]
+    cuts = [settled(one, first) for one, first in zip(series, firsts, strict=True)]
+    calm = None not in cuts
+    rest = [x[len(x) // 2 if cut is None else cut :] for x, cut in zip(series, cuts, strict=True)]
     sizes = np.array([len(one) for one in rest])
     if sizes.min() < FEWEST:
         mean = float(np.concatenate(rest).mean()) if sizes.sum() else nan
-        return Interval(mean, inf, cuts[0], nan)
+        return NONE._replace(mean=mean)
     means = np.array([one.mean() for one in rest])
-    errors = np.array([_error(one) for one in rest])
+    errors = np.array([standard_error(one) for one in rest])
+    if not calm:
+        halves = (np.array_split(one, 2) for one in rest)
+        off = [abs(one.mean() - two.mean()) / 2 for one, two in halves]
+        errors = np.maximum(errors, off)
     part = sizes / sizes.sum()
     mean, error = float(part @ means), float(np.sqrt(np.sum((part * errors) ** 2)))
     freedom, chance, others = int(sizes.sum()) // PER_FREEDOM, nan, len(series) - 1
     if others:
         off = (means - mean) / np.maximum(errors, 1e-300)
         chance = float(chdtrc(others, np.sum(off**2)))
-        if chance < UNLIKELY:
+        if chance < UNLIKELY[annulus]:
             error, freedom = float(means.std(ddof=1) / np.sqrt(others + 1)), others
     half = float(stdtrit(freedom, (1 + confidence) / 2) * error)
-    return Interval(mean, half, cuts[0], chance)
-
-
-def _error(series: np.ndarray) -> float:
-    """Standard error of the mean of a series that may not have settled, or changes its state."""
-    error = standard_error(series)
-    first, second = (half.mean() for half in np.array_split(series, 2))
-    off = abs(first - second) / 2  # the standard error, if the halves are all that is known
-    return float(off) if off > UNSETTLED * error else error
+    return Interval(mean, half, error, chance, calm)
 
 
 class Correction(NamedTuple):
@@ -121,10 +133,11 @@ class _Goal:
     max_seconds: float
     correct: Callable[[float], Correction]  # of a mean
     starts: int = 1
+    annulus: bool = False
     series: list[np.ndarray] = field(default_factory=list)  # drift of each start so far
     began: float = nan  # by the clock
     before: int = 0  # periods that the first start had then, from a checkpoint
-    due: int = FIRST_LOOK  # periods of each start at the next look
+    due: int = 0  # periods of each start at the next look
     found: Interval = NONE
     over: bool = False
     needed: float = nan  # seconds in all
@@ -132,6 +145,7 @@ class _Goal:
 
     def __post_init__(self) -> None:
         self.series = [np.zeros(0)] * self.starts
+        self.due = self.first = FIRST_LOOK * slower(self.annulus)
 
     @property
     def correction(self) -> Correction:
@@ -160,8 +174,8 @@ class _Goal:
 
     @property
     def reached(self) -> bool:
-        """Whether the tolerance is kept."""
-        return self.error <= self.tolerance * self.size
+        """Whether the tolerance is kept, by series that have settled."""
+        return self.found.settled and self.error <= self.tolerance * self.size
 
     def ask(self, start: int, drift: np.ndarray) -> int:
         """Periods that a start is to make in all, given the drift of each one made so far."""
@@ -191,16 +205,19 @@ class _Goal:
         if self.starts == 1:
             made = len(self.series[0])
         self.series = [one[:made] for one in self.series]
-        self.found = interval(self.series, self.confidence)
+        self.found = interval(self.series, self.confidence, annulus=self.annulus)
         room = (self.tolerance * self.size) ** 2 - self.correction.error**2
         wanted = inf if room <= 0 else made * self.statistical**2 / room
         pace = max(made - self.before, 1) / max(seconds, 1e-6)
         self.needed = wanted / pace
         affordable = self.before + pace * self.max_seconds
-        hopeless = self.needed > 2 * self.max_seconds and made >= 2 * FIRST_LOOK
+        hopeless = self.needed > 2 * self.max_seconds and made >= 2 * self.first
+        hopeless = hopeless and (self.found.settled or room <= 0)
         if self.reached or hopeless or affordable < GROWTH[0] * made or made >= LONGEST:
             self.over = True
             return
+        if not self.found.settled:
+            wanted = UNSETTLED * made
         grown = np.clip(wanted, GROWTH[0] * made, GROWTH[1] * made) + 1
         self.due = int(min(grown, affordable, LONGEST))
 
@@ -209,7 +226,7 @@ class _Goal:
         with self.lock:
             if not self.over:
                 self.over, self.series = True, [drift, *self.series[1:]]
-                self.found = interval(self.series, self.confidence)
+                self.found = interval(self.series, self.confidence, annulus=self.annulus)
 
 
 def run(
@@ -220,6 +237,7 @@ def run(
     floor: float | None = None,
     max_seconds: float = MAX_SECONDS,
     workers: int = 1,
+    calibration: str | Path | None = None,
     **options: Any,
 ) -> Result:
     """Run a scene and measure it: for a number of periods, or until its drift is accurate.
@@ -228,16 +246,19 @@ def run(
     ----------
     scene : Scene
     tolerance : total error of the drift over its size, 1e-5 to 0.5; the step and the length of the
-        run follow (320 periods at least; a fifth of them, 150 to 400, is left out of the drift),
-        the scene's own step is not used; not in an annulus. None: `periods` are made, at the
-        scene's step
+        run follow (320 periods at least, of which the first 150 to 400, or more where the drift
+        still trends then, are left out of the drift; in an annulus twice as many), the scene's own
+        step is not used. None: `periods` are made, at the scene's step
     confidence : with which the interval holds the long-run drift, 0.5 to 0.999
     floor : drifts below it, in sqrt(g d), are judged as if they were this fast (default: a
         twentieth of the plate's peak velocity)
     max_seconds : of the run, without compiling; where it will take more than twice as long, it
-        ends early, with `accuracy.state` "not reached"
+        ends early, with `accuracy.state` "not reached", or "not settled" if the drift still trends
     workers : independent starts, 1 to 64, which run at once, one a thread; their drifts are pooled,
-        all else that is measured is of the first start. With a tolerance alone
+        all else that is measured is of the first start. In an annulus, where rods keep their
+        arrangement, the error of one start is about its arrangement. With a tolerance alone
+    calibration : file of the bias of the step for this scene, by `md.calibration.of_scene`; None:
+        the shipped one, and where it does not hold, the bias is measured by a second run
     options : as of `simulation.run`: `periods` (200; without tolerance alone), `ledger`, `observe`,
         `trajectory`, `frames`, `checkpoint`, `progress`
 
@@ -255,18 +276,19 @@ def run(
     """
     own = {"confidence": confidence, "floor": floor, "max_seconds": max_seconds}
     if tolerance is None:
-        usual = {"confidence": CONFIDENCE, "floor": None, "max_seconds": MAX_SECONDS, "workers": 1}
-        for name, value in (own | {"workers": workers}).items():
-            if value != usual[name]:
+        usual = {"confidence": CONFIDENCE, "max_seconds": MAX_SECONDS, "workers": 1}
+        for name, value in (own | {"workers": workers, "calibration": calibration}).items():
+            if value != usual.get(name):
                 raise InputError(f"{name} has no meaning without tolerance")
         return simulation.run(scene, **options)
     checked(tolerance=tolerance, periods=options.get("periods"), **own)
     workers = whole("workers", workers, 1, MOST_WORKERS)
     if workers > 1 and options.get("checkpoint") is not None:
         raise InputError("checkpoint must be None with several workers: it holds one start alone")
-    chosen = choose(scene, tolerance, confidence)
+    chosen = choose(scene, tolerance, confidence, calibration)
     floor = FLOOR * scene.plate_speed if floor is None else floor
     how: dict[str, Any] = {"confidence": confidence, "floor": floor, "starts": workers}
+    how["annulus"] = scene.annulus is not None
     spent = 0.0
     if chosen.bias is None:
         rough = _Goal(
@@ -285,8 +307,10 @@ def run(
         correct = partial(_known, chosen.bias, confidence)
     goal = _Goal(tolerance, max_seconds=max(max_seconds - spent, 1e-3), correct=correct, **how)
     result = _started(chosen.scene, goal, options)
-    found = _accuracy(goal, scene, result, spent)
-    return replace(result, c_x=goal.mean, c_x_stderr=_one_error(goal), accuracy=found)
+    finer = choose(scene, tolerance / 10, confidence, calibration)
+    stderr = goal.statistical / float(ndtri((1 + confidence) / 2))
+    found = _accuracy(goal, finer, result, spent)
+    return replace(result, c_x=goal.mean, c_x_stderr=stderr, accuracy=found)
 
 
 def _known(bias: Bias, confidence: float, mean: float) -> Correction:
@@ -300,11 +324,6 @@ def _measured(rough: Interval, mean: float) -> Correction:
     share = 1 / (2**ORDER - 1)
     bias = share * (rough.mean - mean)
     return Correction(bias, hypot(share * rough.half, bias), 1 + share)
-
-
-def _one_error(goal: _Goal) -> float:
-    """Standard error of the mean, as far as it is statistical."""
-    return goal.statistical / float(ndtri((1 + goal.confidence) / 2))
 
 
 def _started(scene: Scene, goal: _Goal, options: dict[str, Any]) -> Result:
@@ -344,12 +363,13 @@ def checked(*, periods: int | None = None, **options: float | None) -> None:
             number(name, value, *DOMAINS[name])
 
 
-def _accuracy(goal: _Goal, scene: Scene, result: Result, spent: float = 0.0) -> Accuracy:
-    correction, reasons = goal.correction, unknown(scene)
-    finer = choose(scene, goal.tolerance / 10, goal.confidence)
+def _accuracy(goal: _Goal, finer: Choice, result: Result, spent: float = 0.0) -> Accuracy:
+    """What a goal has found; `finer`: step for a tenth of its tolerance."""
+    correction, per_contact = goal.correction, steps_per_contact(result.scene, result.dt)
+    states = {(False, False): "not settled", (True, False): "not reached"}
     dearer, room, seconds = inf, 0.0, spent + result.run_seconds
     if finer.bias is not None:
-        dearer = finer.per_contact / steps_per_contact(scene, result.dt)
+        dearer = finer.per_contact / per_contact
         room = (goal.tolerance / 10) ** 2 - (student(goal.confidence) * finer.bias.error) ** 2
     longer = (goal.found.half / goal.size) ** 2 / room if room > 0 else inf
     return Accuracy(
@@ -360,50 +380,13 @@ def _accuracy(goal: _Goal, scene: Scene, result: Result, spent: float = 0.0) -> 
         statistical=goal.statistical,
         bias=correction.bias,
         bias_error=correction.error,
-        per_contact=steps_per_contact(scene, result.dt),
+        per_contact=per_contact,
         starts=goal.starts,
         made=sum(map(len, goal.series)),
         chance=goal.found.chance,
-        outside=reasons,
-        state="reached" if goal.reached else "not reached",
+        outside=finer.outside,
+        state=states.get((goal.found.settled, goal.reached), "reached"),
         seconds=seconds,
         needed_seconds=spent + goal.needed,
         next_digit_seconds=seconds * dearer * longer,
     )
-
-
-def in_words(result: Result) -> list[str]:
-    """Lines on step and error of a run with a tolerance, and on the price of the next digit."""
-    a, unit = result.accuracy, result.scene.cm_per_s
-    if a is None:
-        return []
-    verdict = f"accuracy     {'NOT REACHED' if a.state == 'not reached' else a.state}"
-    if not isfinite(a.error):
-        return [f"{verdict}: ended too early to tell the error"]
-    size = max(abs(result.c_x), a.floor)
-    of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
-    known = "calibrated" if not a.outside else f"measured in place: {'; '.join(a.outside)}"
-    taken = f"{a.bias / size:+.2g} +- {a.bias_error / size:.1g} is taken off ({known})"
-    lines = [
-        f"{verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within {a.error:.2g} sqrt(g d) = "
-        f"{a.error * unit:.2g} cm/s, {a.error / size:.2g} of it, at {a.confidence:.4g} confidence",
-        f"step         dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact; its bias "
-        f"{taken}; the statistical error is {a.statistical / size:.2g}",
-    ]
-    if a.starts > 1:
-        lines.append(
-            f"starts       {a.starts}, {a.made} periods in all, for c_x; all else is of the first"
-        )
-        if a.chance < UNLIKELY:
-            lines.append(
-                "             they differ: the scene has several states; their scatter counts"
-            )
-    if a.state == "not reached":
-        never = "the bias alone is known no better"
-        takes = f"this would take about {a.needed_seconds:.3g} s of run time"
-        lines.append(f"             {takes if isfinite(a.needed_seconds) else never}")
-    if a.error / size > a.tolerance / 10 and isfinite(a.next_digit_seconds):
-        lines.append(
-            f"next digit   {a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
-        )
-    return lines

@@ -5,7 +5,9 @@ With n steps a contact, at twice the plate's peak velocity, the drift is off by 
     bias = step (10 f/n)^order exp((tilt - 30 degrees)/growth),    f^2 = max(1, ratio/ratio_0),
 
 as tangential springs of the plate that are stiffer than ratio_0 need shorter steps, and the drift
-is small at large tilts. It was measured for scenes drawn evenly from ranges (`calibration.py`).
+is small at large tilts. It was measured for rows and annuli drawn evenly from ranges
+(`calibration.py`); in annuli, and for a scene with a calibration of its own, f and the tilt do not
+count.
 `step` scatters from scene to scene: its mean is taken off, its scatter is the error that is left.
 Contacts softer than asked for would be cheaper still; but they change the drift by anything up to
 twice its value.
@@ -13,7 +15,6 @@ twice its value.
 
 import json
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,7 +23,7 @@ from scipy.special import stdtrit
 
 from .errors import InputError
 from .laws import contact_time, coulomb
-from .scene import Scene, Step
+from .scene import Scene, Step, as_dict
 from .sources import digest
 
 CALIBRATION = Path(__file__).with_name("calibration.json")
@@ -45,6 +46,7 @@ class Choice(NamedTuple):
     scene: Scene  # that runs
     per_contact: float  # steps a contact; nan where the bias is not known
     bias: Bias | None  # None: not known from the calibration
+    outside: tuple[str, ...]  # why not, in words
 
 
 def steps_per_contact(scene: Scene, dt: float) -> float:
@@ -61,6 +63,9 @@ def properties(scene: Scene) -> dict[str, float]:
         "rods.length": scene.rods.length,
         CONTACT_TIME: steps_per_contact(scene, 1 / scene.frequency),
     }
+    if scene.annulus is not None:
+        found |= {f"annulus.{name}": value for name, value in vars(scene.annulus).items()}
+        found["rods.count"] = scene.rods.count
     for name in ("plate", "rods"):
         if (contact := getattr(scene.contacts, name)) is None:
             continue
@@ -79,19 +84,79 @@ def laws(scene: Scene) -> str:
     return "/".join(contact.law.name if contact else "none" for contact in pair)
 
 
-@cache
-def calibrated() -> dict[str, Any]:
-    """Calibration in use: the bias, noise, ranges of what was varied, `code` of its sources."""
-    return json.loads(CALIBRATION.read_text(encoding="utf-8"))
+def _read(path: Path) -> dict[str, Any]:
+    """Content of the file of a calibration."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        if {"order", "step", "ranges"} <= set(found):
+            return found
+    except (OSError, TypeError, ValueError) as error:
+        raise InputError(f"calibration {path} cannot be read: {error}") from None
+    raise InputError(f"calibration {path} is not one, as `md calibrate` writes it")
 
 
-def bias_at(scene: Scene, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and standard errors over steps a contact."""
-    known, has = calibrated(), properties(scene)
+def is_calibration(path: Path) -> bool:
+    """Whether a file holds what `calibrate` gives."""
+    try:
+        return bool(_read(path))
+    except InputError:
+        return False
+
+
+def own_tables(scene: Scene) -> dict[str, Any]:
+    """All of a scene that its calibration is for, by dotted names: not its step, nor its seed."""
+    found: dict[str, Any] = {}
+
+    def flat(part: Any, prefix: str) -> None:
+        for name, value in part.items():
+            if isinstance(value, dict):
+                flat(value, f"{prefix}{name}.")
+            else:
+                found[prefix + name] = value
+
+    flat(json.loads(json.dumps(as_dict(replace(scene, step=Step())))), "")
+    return {name: x for name, x in found.items() if name not in ("start.seed", "step.coarse")}
+
+
+def calibrated(scene: Scene | None = None, path: str | Path | None = None) -> dict[str, Any]:
+    """Calibration for a scene: the bias, noise, ranges of what was varied, `code` of its sources.
+
+    Parameters
+    ----------
+    scene : what it is for; None: a row
+    path : of its file; None: the shipped one
+
+    Raises
+    ------
+    ValueError
+        If the file is none, or of another scene.
+    """
+    known = _read(Path(path or CALIBRATION))
+    if scene is None:
+        return known
+    if "scene" in known:
+        there, here = known["scene"], own_tables(scene)
+        for name in sorted({*there, *here}):
+            if there.get(name) != here.get(name):
+                raise InputError(
+                    f"calibration {path} is of another scene: {name} was "
+                    f"{there.get(name, 'none')}, it is {here.get(name, 'none')}"
+                )
+    return known | (known.get("annulus", {}) if scene.annulus is not None else {})
+
+
+def shape_of(scene: Scene, n: np.ndarray, known: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Bias over steps a contact n, without its size `step`, and 10 f/n."""
+    has = properties(scene)
     stiff = np.sqrt(max(has.get("tangential ratio of plate", 0.0) / known["ratio"], 1))
-    grown = np.exp((has["tilt_deg"] - 30) / known["growth_deg"])
-    shape = grown * (10 * stiff / n) ** known["order"]
-    of_order = known["step"] * np.log(10 * stiff / n) * known["order_error"]
+    grown, length = np.exp((has["tilt_deg"] - 30) / known["growth_deg"]), 10 * stiff / n
+    return grown * length ** known["order"], length
+
+
+def bias_at(scene: Scene, n: np.ndarray, known: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Values and standard errors over steps a contact, from a calibration."""
+    shape, length = shape_of(scene, n, known)
+    of_order = known["step"] * np.log(length) * known["order_error"]
     return known["step"] * shape, np.hypot(known["step_error"], of_order) * shape
 
 
@@ -103,22 +168,30 @@ def student(confidence: float) -> float:
     return float(stdtrit(_FREEDOM, (1 + confidence) / 2))
 
 
-def outside(scene: Scene) -> tuple[str, ...]:
-    """Properties of a scene that lie outside of the calibration, in words."""
-    known, values, found = calibrated(), properties(scene), []
+def outside(scene: Scene, known: dict[str, Any]) -> tuple[str, ...]:
+    """Properties of a scene that lie outside of a calibration, in words."""
+    values, found, contacts = properties(scene), [], scene.contacts
+    if "scene" in known:  # `calibrated` has compared all
+        return ()
     if scene.gravity is None or (scene.gravity.x, scene.gravity.z) != (0.0, -1.0):
         found.append("gravity is not 1, downwards")
     for name, (low, high) in known["ranges"].items():
         if not low * (1 - 1e-9) <= (value := values.get(name, low)) <= high * (1 + 1e-9):
             found.append(f"{name} {value:.4g} is outside of {low:.4g} to {high:.4g}")
-    if scene.rods.count < FEWEST_RODS:
-        found.append(f"rods.count {scene.rods.count} is below {FEWEST_RODS}")
-    if scene.box is None:
-        found.append("there is no box: the row is open")
+    if scene.annulus is not None:
+        if contacts.wall != contacts.plate:
+            found.append("contacts of wall and plate differ")
+        if scene.rods.rolling:
+            found.append("rods roll about their axes")
+    else:
+        if scene.rods.count < FEWEST_RODS:
+            found.append(f"rods.count {scene.rods.count} is below {FEWEST_RODS}")
+        if scene.box is None:
+            found.append("there is no box: the row is open")
     if (named := laws(scene)) not in known["laws"]:
         found.append(f"laws {named} were not calibrated ({', '.join(known['laws'])})")
         return tuple(found)
-    pair = [contact.law for contact in (scene.contacts.plate, scene.contacts.rods) if contact]
+    pair = [contact.law for contact in (contacts.plate, contacts.rods) if contact]
     if len({law.normal.stiffness for law in pair}) > 1:
         found.append("contacts of plate and rods differ in stiffness")
     for law in pair:  # somebody's own may have the name of another one
@@ -128,40 +201,47 @@ def outside(scene: Scene) -> tuple[str, ...]:
     return tuple(found)
 
 
-def unknown(scene: Scene) -> tuple[str, ...]:
-    """Reasons why the calibration does not hold for a scene, in words; none where it does."""
-    made_with = calibrated()["code"]
-    if made_with == digest():
-        return outside(scene)
-    return *outside(scene), f"calibrated for other sources ({made_with}, these are {digest()})"
+def unknown(scene: Scene, known: dict[str, Any]) -> tuple[str, ...]:
+    """Reasons why a calibration does not hold for a scene, in words; none where it does."""
+    made_with, here = known["code"], digest(annulus=scene.annulus is not None)
+    if made_with == here:
+        return outside(scene, known)
+    return *outside(scene, known), f"calibrated for other sources ({made_with}, these are {here})"
 
 
-def choose(scene: Scene, tolerance: float, confidence: float) -> Choice:
+def choose(
+    scene: Scene, tolerance: float, confidence: float, path: str | Path | None = None
+) -> Choice:
     """The cheapest step for a tolerance of the drift.
 
     The error of the bias takes its part of the tolerance; what is left is for statistics, and the
     number of periods goes as one over its square. Where the calibration does not hold, the scene
     gets the step that `md.run` takes if none is named.
 
+    Parameters
+    ----------
+    scene, tolerance, confidence : as of `md.run`
+    path : of a calibration for this scene; None: the shipped one
+
     Raises
     ------
     ValueError
-        If nothing vibrates, no plate is touched, or rods stand in an annulus.
+        If nothing vibrates, no plate is touched, or `path` holds no calibration for this scene and
+        these sources.
     """
     if not isinstance(scene, Scene):
         raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
-    if scene.annulus is not None:
-        raise InputError(
-            "tolerance has no meaning in an annulus: rods keep the arrangement of their start, so "
-            "that one run cannot tell its error; use periods, and several start.seed"
-        )
     if not scene.vibrates or scene.contacts.plate is None:
         raise InputError("tolerance needs a plate that vibrates and a contact with it")
-    if unknown(scene):
-        return Choice(replace(scene, step=Step()), np.nan, None)
-    n = calibrated()["fewest"] * _NUMBERS
-    value, error = bias_at(scene, n)
+    known = calibrated(scene, path)
+    if reasons := unknown(scene, known):
+        if path is not None:
+            raise InputError(f"calibration {path} does not hold for the scene: {reasons[0]}")
+        return Choice(replace(scene, step=Step()), np.nan, None, reasons)
+    n = known["fewest"] * _NUMBERS
+    value, error = bias_at(scene, n, known)
     room = tolerance**2 - (student(confidence) * error) ** 2
     at = np.where(room > 0, n / np.where(room > 0, room, 1.0), np.inf).argmin()
     step = Step(steps_per_contact(scene, 1.0) / n[at], coarse=True)
-    return Choice(replace(scene, step=step), float(n[at]), Bias(float(value[at]), float(error[at])))
+    bias = Bias(float(value[at]), float(error[at]))
+    return Choice(replace(scene, step=step), float(n[at]), bias, ())

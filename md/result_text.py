@@ -5,8 +5,8 @@ from itertools import combinations, count
 from math import inf, isnan, sqrt
 from typing import TYPE_CHECKING, Any
 
-from .accuracy import in_words
 from .measures import wedged_periods
+from .plans import in_words
 from .scene import Scene, as_dict
 from .simulation import Result, finite
 from .soft_impact import Impact
@@ -114,9 +114,13 @@ def _cost(r: Result) -> list[str]:
         span += " but c_x"
     ended = "" if r.finished else "; interrupted"
     lines = [labelled("periods" if r.scene.vibrates else "sqrt(d/g)", span, ended)]
-    if r.scene.annulus is not None and r.periods < SETTLING:
-        few = f"not equilibrated: an annulus needs {SETTLING} periods or more"
-        lines += [labelled("warning", few)]
+    if r.scene.vibrates and r.accuracy is None:
+        if r.settled is False:
+            few = "not settled: the drift still trends behind the transient; ask for more periods"
+            lines += [labelled("warning", few)]
+        elif r.scene.annulus is not None and r.periods < SETTLING:
+            few = f"an annulus needs {SETTLING} periods or more to settle"
+            lines += [labelled("warning", few)]
     if r.annulus and (share := r.annulus["wedged"]["mean"]) > 0:
         since = f"the plate for {wedged_periods(r.scene):.0f} periods"
         lines += [labelled("warning", f"wedged: {share:.0%} of the rods have not touched {since}")]
@@ -224,6 +228,15 @@ def _columns(heads: list[str], rows: list[list[str]]) -> list[str]:
 def calibration_text(found: dict[str, Any]) -> str:
     """Order and size of the bias of a step."""
     scenes = len(found["drift"])
+    if "scene" in found:
+        size = ", ".join(
+            f"{c:.4g} +- {e:.1g}"
+            for c, e in zip(found["drift"][0], found["drift_error"][0], strict=True)
+        )
+        return (
+            f"drift     {size} sqrt(g d) at {', '.join(map(str, found['steps']))} steps a contact\n"
+            f"bias      at ten steps a contact: {found['step']:+.3f} +- {found['step_error']:.3f}"
+        )
     step = f"{found['step']:+.3f}, scene to scene +- {found['step_scatter']:.3f}"
     return "\n".join(
         [

@@ -6,8 +6,8 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass
-from math import nan
+from dataclasses import asdict, dataclass, replace
+from math import isnan, nan
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -23,9 +23,9 @@ from .files import NotWritten, distinct, replacing, warn, writable
 from .host import prepare
 from .interrupt import SIGNALS
 from .measures import tables_of
-from .scene import Scene, as_dict
+from .scene import Scene, Step, as_dict
 from .sources import digest
-from .statistics import transient
+from .statistics import TREND, transient, trend
 from .trajectory import Trajectory, check_continues, is_trajectory
 
 MOST_PERIODS = 10**7  # of a run
@@ -48,7 +48,8 @@ class Accuracy:
     starts, made : that were pooled, and their periods in all
     chance : that starts differ as they do if they are in one state; nan of one start
     outside : why the calibration does not hold for the run, in words; empty where it does
-    state : "reached" if error <= tolerance max(|c_x|, floor), else "not reached"
+    state : "not settled" if the drift still trends; else "reached" if error <= tolerance
+        max(|c_x|, floor), else "not reached"
     seconds : of the run, without compiling
     needed_seconds, next_digit_seconds : estimated for this tolerance, and for a tenth of it
     """
@@ -84,7 +85,8 @@ class Result:
     discarded : periods of the transient, a fifth of the run
     steps_per_period, dt : the step, in sqrt(d/g)
     run_seconds, compile_seconds : of the clock
-    energy : plate work, losses by kind, change and what is left over, in m g d; None if not asked
+    energy : work of the plate and of shaken walls, losses by kind, change and what is left over, in
+        m g d; None if not asked
     touches : mean and standard error over all touches of the plate of each quantity of
         `measures.MEANS`, and touches per rod and period; None without a plate
     landings : those of `measures.OF_LANDINGS`, touches less than `measures.HOP` periods apart
@@ -126,6 +128,14 @@ class Result:
     accuracy: Accuracy | None = None
 
     @property
+    def settled(self) -> bool | None:
+        """False if the drift still trends behind the transient; None if the run is too short."""
+        if self.accuracy is not None:
+            return self.accuracy.state != "not settled"
+        found = trend(self.c_x_series[self.discarded :])
+        return None if isnan(found) else found <= TREND
+
+    @property
     def rod_steps(self) -> int:
         """Steps times rods."""
         return self.periods * self.steps_per_period * self.scene.rods.count
@@ -141,6 +151,7 @@ class Result:
                 **plain,
                 "c_x_cm_s": self.c_x * self.scene.cm_per_s,
                 "rod_steps": self.rod_steps,
+                "settled": self.settled,
                 "scene": as_dict(self.scene),
                 "scene_digest": self.scene.digest(),
                 "law": contact.law.name if contact else None,
@@ -184,21 +195,30 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
             signal.signal(number, usual)
 
 
+def _names(scene: Scene) -> dict[str, str]:
+    """Digests by which a checkpoint knows its run."""
+    but_step = replace(scene, step=Step()).digest()
+    return {"code": code(scene), "scene": scene.digest(), "but_step": but_step}
+
+
 def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     """A checkpoint of this scene: what it tells, and its arrays."""
-    mine = {"code": code(scene), "scene": scene.digest()}
+    mine = _names(scene)
     try:
         with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
         about = json.loads(str(arrays.pop("about")))
+        about.setdefault("but_step", "")  # older ones have none
         other = [key for key, value in mine.items() if about.pop(key) != value]
     except OSError as error:
         raise InputError(f"checkpoint {path} cannot be read: {error}") from None
     except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
         raise InputError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
-        scene_alone = other == ["scene"]
-        whose = "another scene" if scene_alone else "an earlier version of md or other sources"
+        whose = "an earlier version of md or other sources"
+        if "code" not in other:
+            another = "another scene"
+            whose = another if "but_step" in other else "another step (step.size, or the tolerance)"
         raise InputError(f"checkpoint {path} belongs to {whose}; remove it to start again")
     return about, arrays
 
@@ -273,7 +293,7 @@ class _Run:
             self.lost["checkpoint"] = f"checkpoint {self.checkpoint}: behind, as the trajectory is"
             return
         scene, step = self.engine.scene, self.engine.step
-        about = {"scene": scene.digest(), "code": code(scene), "step": step, **self.began}
+        about = {**_names(scene), "step": step, **self.began}
         arrays: dict[str, Any] = self.tables.arrays(self.made) | self.engine.arrays()
         with self._noting_failure("checkpoint", self.checkpoint, last):
             with replacing(self.checkpoint) as part, part.open("wb") as file:

@@ -52,11 +52,12 @@ from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
-from .accuracy import CONFIDENCE, MAX_SECONDS, checked, in_words, run
+from .accuracy import CONFIDENCE, MAX_SECONDS, checked, run
 from .bias import CALIBRATION, choose
 from .domains import finite, held, positive, whole
 from .errors import InputError, RunError
 from .host import step_of
+from .plans import in_words
 from .scene import Scene, as_dict, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
 from .sources import digest
@@ -329,7 +330,7 @@ def _of_run(point: Point) -> dict:
     done = run(point.scene, **point.length)
     if not done.finished:
         raise KeyboardInterrupt
-    if done.accuracy and done.accuracy.state == "not reached":
+    if done.accuracy and done.accuracy.state != "reached":
         raise RunError(" ".join(" ".join(in_words(done)).split()))
     found = done.as_dict() | {"phases": done.phases}
     del found["scene"]

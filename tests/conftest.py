@@ -16,11 +16,12 @@ from impact._generated import DIGEST
 from md.sources import digest
 
 TOGETHER = {  # files that one process works through, as they share what it has computed
-    "derivations": ("derivations", "generated", "lookup", "mutants", "report"),
+    "derivations": ("derivations", "generated", "kernel", "lookup", "mutants", "report"),
     "quick figures": (
         *("figures", "accuracy_figures", "claims", "drift_figures", "md_figures", "price_figures"),
         *("ring_figures", "row_figures", "rows_figures"),
     ),
+    "flights": ("bouncing", "documentation", "falling", "flight", "tip_flights"),
     "space": ("annulus", "space", "space_hard_cases"),
 }
 

@@ -4,12 +4,7 @@ import re
 
 import sympy as sp
 
-FUNCTIONS = {
-    "\\sin": sp.sin,
-    "\\cos": sp.cos,
-    "\\arccos": sp.acos,
-    "\\arctan": sp.atan,
-}
+FUNCTIONS = {"\\sin": sp.sin, "\\cos": sp.cos, "\\arccos": sp.acos, "\\arctan": sp.atan}
 ENDS = {"+", "-", "}", "\\right", "\\,", ","}
 
 

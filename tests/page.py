@@ -52,3 +52,15 @@ class Page(HTMLParser):
 def plain(sentence: str) -> str:
     """A sentence as it can be read on the page."""
     return unescape(re.sub(r"<[^>]+>", "", to_html(sentence)))
+
+
+def stands_alone(source: str, page: Page) -> None:
+    """Fail unless a page needs nothing from outside, and its ids and headings are in order."""
+    assert source.startswith('<!DOCTYPE html>\n<html lang="en">')
+    assert '<meta name="viewport"' in source
+    assert not page.tags & {"script", "link", "iframe", "object", "base"}
+    assert not re.search(r"https?:|url\((?!#)|@import|<[^>]*\son\w+=", source)
+    assert len(page.ids) == len(set(page.ids))
+    assert page.headings[0] == page.headings.count(1) == 1
+    pairs = zip(page.headings, page.headings[1:], strict=False)
+    assert all(after <= before + 1 for before, after in pairs), "a level is left out"

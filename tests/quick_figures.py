@@ -22,6 +22,7 @@ from figures.cost import (
 from figures.cost.scene_variants import GROUPS
 from figures.lib import arrangement, runs
 from figures.paper import fig02, fig04, fig05, fig07, fig08
+from md.scene import load
 from md.sweep import execute, expand
 
 MOST_PERIODS = 8  # of a run of the paper's figures
@@ -34,7 +35,7 @@ FEW_TOUCHES = {"gamma": 2.0, "stiff": 5e5, "lossy": 0.5, "lone": 5e5}
 ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
 RIGID = SimpleNamespace(flight=ESTIMATE, falling=ESTIMATE)
 FEW = {
-    **{"count": [24, 32, 40], "rolling": [24, 40], "narrow": [24]},
+    **{"count": [24, 32, 40], "rolling": [24, 40], "narrow": [24], "rest": [24, 40]},
     **{"gamma": [1.6, 2.0, 3.3], "wall": [0.1, 0.3], "plate": [0.1, 0.3]},
     **{"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2]},
     **dict.fromkeys(("periods", "gamma_periods"), MOST_PERIODS),
@@ -73,7 +74,8 @@ SIZES = {
             "PER_CONTACT": (16, 18, 25, 36, 40),
             "PAPER_STEP": 1e-4,
         },
-        **{"DRIFT_TOLERANCES": (0.4,)},
+        **{"DRIFT_TOLERANCES": (0.4,), "PLANNED": 0.2},
+        "asked": lambda: dict.fromkeys(("row", "other", "mine", "annulus"), load("quasi2d")),
         "seconds_per_period": lambda scenes: np.array([1e-3 / s.step.size for s in scenes]),
     },
     accuracy_cost_ladder: {

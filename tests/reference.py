@@ -28,8 +28,7 @@ Phase = namedtuple("Phase", "ratio begin end v slope")
 Margins = namedtuple("Margins", "slide stick")
 # Outcome of an impact, with guard digits; energy_change is taken in the frame of the plate.
 Reference = namedtuple(
-    "Reference",
-    "c_x c_z omega regime P_x P_z slip_velocity normal_velocity energy_change margins",
+    "Reference", "c_x c_z omega regime P_x P_z slip_velocity normal_velocity energy_change margins"
 )
 
 

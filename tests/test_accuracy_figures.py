@@ -9,7 +9,7 @@ import pytest
 from figures.__main__ import main as draw
 from figures.cost import accuracy_cost_theory, accuracy_map
 from figures.cost import exact_impacts as precise
-from impact import Regime, collide
+from impact import Regime, collide, thin_rod
 from impact.__main__ import main
 from impact.benchmark import random_impacts, table
 from impact.compiled import KERNELS as LAWS
@@ -26,11 +26,10 @@ def test_exact_values_are_those_of_the_integration(law):
     assert set(true.regime) == {1, 2, 3}
     for i, row in enumerate(zip(*(column.tolist() for column in impacts), strict=True)):
         names = ("plate_velocity", "X", "Z", "k", "friction", "restitution")
+        given = dict(zip(names, row[3:], strict=True))
         with mpmath.workdps(50):
             regime, values = precise.exact([mpmath.mpf(x) for x in row], law)
-            expected = reference_collide(
-                *row[:3], **dict(zip(names, row[3:], strict=True)), law=law, dps=50
-            )
+            expected = reference_collide(*row[:3], **given, law=law, dps=50)
             assert regime == true.regime[i] == expected.regime
             for value, field, scale in zip(values, precise.FIELDS, true.scale[:, i], strict=True):
                 assert abs(value - getattr(expected, field)) < mpmath.mpf(10) ** -40 * scale
@@ -103,15 +102,9 @@ def test_boundaries_on_the_map_part_the_regimes():
         drawn = np.isfinite(d[line]) & (d[line] < 1e3)
         assert drawn.sum() > 50
         for factor, labels in ((1 - 1e-6, (below,)), (1 + 1e-6, above)):
-            regime = collide(
-                1.0,
-                -1.0,
-                0.7,
-                geometry=accuracy_map.thin_rod(d["line_tilt"][drawn]),
-                friction=d[line][drawn] * factor,
-                restitution=0.8,
-            ).regime
-            assert np.mean(np.isin(regime, labels)) > 0.98
+            how = {"friction": d[line][drawn] * factor, "restitution": 0.8}
+            hit = collide(1.0, -1.0, 0.7, geometry=thin_rod(d["line_tilt"][drawn]), **how)
+            assert np.mean(np.isin(hit.regime, labels)) > 0.98
 
 
 def test_cost():

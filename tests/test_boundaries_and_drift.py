@@ -20,29 +20,8 @@ def ulps(got, want) -> float:
     return float(abs(mpf(float(got)) - want) / mpf(np.spacing(abs(float(want)))))
 
 
-def exact_tilts(mu):
-    """Both roots of mu (1 + 3 cos^2) = 3 sin cos by bisection-free Newton at 50 digits."""
-
-    def excess(tilt):
-        return mu * (1 + 3 * mpmath.cos(tilt) ** 2) - 3 * mpmath.sin(tilt) * mpmath.cos(tilt)
-
-    top = mpmath.atan(2)  # friction that reverses is largest there
-    return [
-        mpmath.findroot(excess, ends, solver="anderson")
-        for ends in ((0, top), (top, mpmath.pi / 2))
-    ]
-
-
-@pytest.mark.parametrize("mu", [1e-12, 1e-4, 0.01, 0.3, 0.6, 0.74, 0.7499])
-def test_critical_tilts_solve_the_condition(mu):
-    with mpmath.workdps(50):
-        exact = exact_tilts(mpf(mu))
-        got = impact.critical_tilts(mu)
-        assert all(ulps(a, b) <= 2 for a, b in zip(got, exact, strict=True))
-
-
 def exact_tangents(mu):
-    """The same roots through the quadratic in the tangent, for friction of any size."""
+    """Both roots of mu (1 + 3 cos^2) = 3 sin cos, a quadratic in the tangent."""
     root = mpmath.sqrt(9 - 16 * mu**2)
     return mpmath.atan((3 - root) / (2 * mu)), mpmath.atan((3 + root) / (2 * mu))
 
@@ -58,8 +37,8 @@ def test_critical_tilts_to_2_ulp_for_every_friction():
         ]
     )
     lower, upper = impact.critical_tilts(friction)
-    with mpmath.workdps(700):
-        for mu, *got in zip(friction, lower, upper, strict=True):
+    for mu, *got in zip(friction, lower, upper, strict=True):
+        with mpmath.workdps(700 if mu < 1e-15 else 60):  # a small root cancels
             assert max(map(ulps, got, exact_tangents(mpf(float(mu))))) <= 2, mu
 
 

@@ -3,16 +3,18 @@
 import json
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import md
-from md import accuracy, bias, calibration
+from md import accuracy, bias, calibration, plans
 from md.__main__ import main
-from md.scene import from_tables, put
+from md.scene import _parsed, from_tables, put
 
-from .test_tolerance import NONE, RATIOS
+from .rows import ROW, row
+from .test_tolerance import NONE, RATIOS, calibrated
 
 
 def made_drifts(scatter, noise, scenes=64, order=2.6, step=-0.08):
@@ -48,24 +50,102 @@ def test_what_is_stored_follows_from_its_drifts():
     for name in found:
         assert found[name] == pytest.approx(known[name], rel=1e-4)
     assert known["steps"] == list(calibration.STEPS)
-    assert all(bias.outside(scene) == () for scene in scenes)
+    assert all(bias.outside(scene, known) == () for scene in scenes)
+
+
+@pytest.mark.parametrize("scenes", [1, 64])
+def test_the_size_alone_is_found(scenes):
+    """For the shapes that `made_drifts` puts in: of many scenes with their scatter, of one."""
+    scatter = 0.03 if scenes > 1 else 0.0
+    drift, error, tilt, ratio = made_drifts(scatter, 0.002, scenes)
+    stiff = np.sqrt(np.maximum(ratio / 5, 1))[:, None] * 10 / np.array(calibration.STEPS)
+    shape = stiff**2.6 * np.exp((tilt[:, None] - 30) / 25)
+    step, found, of_one = calibration.size_alone(drift, error, shape)
+    assert abs(step + 0.08) < 4 * of_one * scenes**-0.5
+    assert of_one < 0.04
+    assert found == pytest.approx(scatter, rel=0.35)
+
+
+TINY = ["rods.count=10", "rods.length=4", "annulus.inner=2", "annulus.outer=3.7"]
+SOFT = [f"contacts.{part}.stiffness=1e5" for part in ("plate", "rods", "wall")]
 
 
 def test_the_calibration_is_a_command(tmp_path, monkeypatch, capsys):
-    """Four tiny scenes; the file is what `--tolerance` reads."""
-    usual = calibration.drawn
+    """Two tiny rows and an annulus; the file is what `--tolerance` reads."""
+    usual, annuli = calibration.drawn, calibration.annuli
     small = {"rods.count": 3, "box.length": 3.225}
+    tiny = dict(map(_parsed, [*TINY, *SOFT]))
     monkeypatch.setattr(calibration, "drawn", lambda count: [put(t, small) for t in usual(count)])
-    how = {"count": 4, "periods": 124}
+    monkeypatch.setattr(calibration, "annuli", lambda count: [put(t, tiny) for t in annuli(1)[:1]])
+    how = {"count": 2, "periods": 320}
     monkeypatch.setattr(calibration, "calibrate", partial(calibration.calibrate, **how))
+    monkeypatch.setattr(calibration, "of_annuli", partial(calibration.of_annuli, periods=640))
     out = tmp_path / "calibration.json"
     asked = ["calibrate", "--store", str(tmp_path / "a.db"), "--out", str(out)]
     assert main(asked) == 0
     assert "order" in capsys.readouterr().out
     found = json.loads(out.read_text())
-    assert np.shape(found["drift"]) == (4, 3)
-    assert calibration.is_calibration(out)
+    assert np.shape(found["drift"]) == (2, 3)
+    assert np.shape(found["annulus"]["drift"]) == (1, 3)
+    assert bias.is_calibration(out)
     assert found["fewest"] == calibration.STEPS[0]
+
+
+def test_a_scene_has_a_calibration_of_its_own(tmp_path, monkeypatch, capsys):
+    """Measured, used, and refused to a scene of other physics and under other sources."""
+    monkeypatch.chdir(tmp_path)
+    asked = ["quasi2d", *(part for one in ROW for part in ("--set", one))]
+    assert main(["calibrate", *asked, "--out", "own.json", "--periods", "1000"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("price")
+    assert "bias      at ten steps a contact" in told
+    here = json.loads(Path("own.json").read_text())
+    how = {"tolerance": 0.3, "calibration": "own.json"}
+    result = md.run(row("start.seed=5"), **how)
+    value, error = bias.bias_at(row(), np.array([result.accuracy.per_contact]), here)
+    assert result.accuracy.outside == ()
+    assert result.accuracy.bias == pytest.approx(value[0] * result.c_x, rel=1e-2)
+    assert result.accuracy.bias_error == pytest.approx(
+        bias.student(0.95) * error[0] * abs(result.c_x), rel=1e-2
+    )
+    with pytest.raises(md.InputError, match=r"plate\.acceleration was 3\.3, it is 4"):
+        md.run(row("plate.acceleration=4"), **how)
+    monkeypatch.setattr(bias, "digest", lambda annulus: "an edit")
+    with pytest.raises(md.InputError, match="does not hold for the scene: calibrated for"):
+        md.run(row(), **how)
+
+
+def test_annuli_have_a_part_of_their_own():
+    """As far as the bias does not depend on tilt; outside are other walls and other radii."""
+    scene, row_of = md.load("annulus"), bias.calibrated()
+    known = bias.calibrated(scene)
+    assert known["code"] == row_of["annulus"]["code"]
+    assert known["order"] == row_of["order"]
+    assert bias.outside(scene, known) == ()
+    n = np.array([16.0])
+    assert bias.bias_at(scene, n, known)[0] == pytest.approx(
+        known["step"] * (10 / 16) ** known["order"]
+    )
+    for change, words in {
+        "annulus.outer=7.5": "annulus.outer 7.5 is outside of",
+        "contacts.wall.friction=0.2": "contacts of wall and plate differ",
+        "rods.rolling=true": "rods roll about their axes",
+        "rods.count=20": "rods.count 20 is outside of 32 to 56",
+    }.items():
+        found = bias.outside(md.load("annulus", [change]), known)
+        assert any(words in one for one in found)
+
+
+def test_an_annulus_runs_to_a_tolerance(monkeypatch):
+    """A tiny one, taken for calibrated: 640 periods at least, and about its own arrangement."""
+    calibrated(monkeypatch)
+    scene = md.load("annulus", [*TINY, *SOFT])
+    result = md.run(scene, tolerance=0.5)
+    assert result.periods >= 2 * accuracy.FIRST_LOOK
+    found = accuracy.interval([result.c_x_series], annulus=True)
+    assert result.accuracy.statistical == found.half
+    words = " ".join(plans.in_words(result))
+    assert "about its arrangement of rods" in words
 
 
 # Long

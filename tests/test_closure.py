@@ -28,13 +28,8 @@ def touched(before, plate, rod, restitution=runs.RESTITUTION, kick=0.0, pushed=0
     """
     n = len(before)
     rows = np.zeros((n, touches.WIDTH))
-    hit = collide(
-        *before.T,
-        geometry=rod,
-        friction=runs.FRICTION,
-        restitution=restitution,
-        plate_velocity=plate,
-    )
+    how = {"friction": runs.FRICTION, "restitution": restitution, "plate_velocity": plate}
+    hit = collide(*before.T, geometry=rod, **how)
     after = np.column_stack([hit.c_x + kick, hit.c_z, hit.omega])
     rows[:, touches.ROD] = np.arange(n) % rods
     rows[:, touches.STEP] = 100 * (np.arange(n) // rods)

@@ -12,6 +12,8 @@ from figures.checks.flows import LOSSES, WAYS, flows, gains
 from md.host import prepare
 from md.kernels import touches
 from md.kernels.codes import C_X
+from md.kernels.neighbours import current
+from md.kernels.plane import pair_forces
 
 from .quick_figures import data
 from .rows import row
@@ -29,15 +31,22 @@ def of_few_rods(periods=PERIODS, step="none"):
 def followed():
     """A row step by step: touches, and what plate and neighbours give each rod along x until then.
 
-    The kernel leaves the accelerations of its last step, and what of them is not by the plate. Sums
-    over steps begin with 0, before the first one.
+    The kernel leaves the accelerations of its last step; those between rods are computed from the
+    same state beforehand. Sums over steps begin with 0, before the first one.
     """
     engine = prepare(row("box.length=6.5"))
+    effects, (*_, listed, scratch) = engine.effects, engine.state
     start, every, others, kept = engine.rods[:, C_X].sum(), [], [], []
     for _ in range(PERIODS * engine.per):
+        place = effects.alone.half_length, effects.period, listed, scratch.place, scratch.found
+        assert current(engine.rods, *place)  # the list of pairs
+        springs = listed.springs.copy()
+        scratch.total[:] = 0
+        pair_forces(effects, engine.state, None, engine.dt)
+        others.append(scratch.total[:, 0] * engine.dt)
+        listed.springs[:] = springs
         engine.go(1)
         every.append(engine.state.before[:, 0] * engine.dt)
-        others.append(engine.state.scratch.total[:, 0] * engine.dt)
         kept.append(engine.record.rows[: engine.record.count[0]].copy())
         engine.record.count[0] = 0
     given = np.array([np.subtract(every, others), others]).cumsum(axis=1)
@@ -74,18 +83,15 @@ def test_touches_tell_who_gave_the_momentum(followed):
     rod, begun = rows[:, touches.ROD].astype(int), rows[:, touches.STEP].astype(int)
     ended, free = begun + rows[:, touches.DURATION].astype(int), rows[:, touches.PUSHED] == 0
     assert 0.1 < free.mean() < 0.9
-    plate, neighbours = (
-        given[ended, rod] - given[begun, rod] for given in (followed.plate, followed.neighbours)
-    )
+    both = followed.plate, followed.neighbours
+    plate, neighbours = (given[ended, rod] - given[begun, rod] for given in both)
     np.testing.assert_allclose(gained["free"], np.where(free, plate, 0), **CLOSE)
     np.testing.assert_allclose(neighbours[free], 0, **CLOSE)
     np.testing.assert_allclose(gained["pushed"], np.where(free, 0, plate + neighbours), **CLOSE)
     assert np.abs(neighbours[~free]).max() > 0.01
     last = np.flatnonzero(np.diff(rod) == 0)
-    plate, neighbours = (
-        given[begun[last + 1], rod[last]] - given[ended[last], rod[last]]
-        for given in (followed.plate, followed.neighbours)
-    )
+    start, end, rod = ended[last], begun[last + 1], rod[last]
+    plate, neighbours = (given[end, rod] - given[start, rod] for given in both)
     np.testing.assert_allclose(plate, 0, **CLOSE)
     np.testing.assert_allclose(gained["aloft"][last + 1], neighbours, **CLOSE)
 

@@ -17,27 +17,19 @@ from figures.__main__ import main
 from figures.pages import explore_page
 from figures.pages.explore import CHOICES, RANGES, WORDS, Setting
 
+from . import test_explore
 from .page import Page
 
 NODE = shutil.which("node")
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
-RODS = {"thin": impact.thin_rod, "round": impact.spherocylinder, "flat": impact.flat_ended_rod}
 ENDS = RANGES | explore_page.SPIN
 START = asdict(Setting()) | {"spin": 0.0}
 CHANGES = [
-    {},
-    {"tilt_deg": 71.5},
-    {"friction": 0.62},
+    *test_explore.CHANGES,
     {"friction": 0.0},
-    {"restitution": 0.9},
     {"ratio": 0.4, "tilt_deg": 60.0},
-    {"length": 2.5},
     {"spin": -1.5},
     {"spin": 2.0, "ratio": 0.2, "tilt_deg": 80.0},  # no impact
-    {"shape": "thin"},
-    {"shape": "flat", "tilt_deg": 4.0, "friction": 0.05},
-    {"law": "poisson"},
-    {"law": "stronge", "restitution": 0.3, "ratio": 6.0},
 ]
 PHASES = (
     "Before: the rod comes to the plate.",
@@ -65,7 +57,7 @@ def check(changes: dict, shown: dict[str, str]) -> None:
     """Numbers and words of the page, against calls of `impact`."""
     s = START | changes
     tilt, size = math.radians(s["tilt_deg"]), math.hypot(1, s["ratio"])
-    rod = RODS[s["shape"]](tilt, s["length"])
+    rod = test_explore.RODS[s["shape"]](tilt, s["length"])
     before = 1 / size, -s["ratio"] / size, s["spin"] / rod.k
     losses = {name: s[name] for name in ("friction", "restitution", "law")}
     hit = impact.collide(*before, geometry=rod, **losses)

@@ -98,6 +98,20 @@ def test_long_flight(speed):
         assert _certify(*map(np.atleast_1d, (speed, phase, gamma)))[1] == 0
 
 
+def around_the_jump(lands):
+    """Neighbouring take-off velocities between which the time of the landing jumps."""
+    speeds = np.linspace(0.5, 6, 400)
+    times = np.array([lands(speed)[0] for speed in speeds])
+    jump = np.argmax(np.diff(times))
+    low, high = speeds[jump : jump + 2]
+    early, late = times[jump : jump + 2]
+    assert late - early > 0.5
+    while np.nextafter(low, high) < high:
+        middle = (low + high) / 2
+        low, high = (middle, high) if lands(middle)[0] < (early + late) / 2 else (low, middle)
+    return low, high
+
+
 def test_grazing():
     """Across the take-off velocity at which the rod just misses the plate, time jumps, state not.
 
@@ -109,16 +123,7 @@ def test_grazing():
     def lands(speed):
         return landing(departure(speed, phase, gamma), phase, gamma)
 
-    speeds = np.linspace(0.5, 6, 400)
-    times = np.array([lands(speed)[0] for speed in speeds])
-    jump = np.argmax(np.diff(times))
-    low, high = speeds[jump], speeds[jump + 1]
-    early = times[jump]
-    assert times[jump + 1] - early > 0.5
-    while np.nextafter(low, high) < high:
-        middle = (low + high) / 2
-        t, _ = lands(middle)
-        low, high = (middle, high) if t < (early + times[jump + 1]) / 2 else (low, middle)
+    low, high = around_the_jump(lands)
     touch, v = lands(low)
     miss, _ = lands(high)
     limit = 10 * sqrt(np.finfo(float).eps * gamma * touch * 2 * (1 + gamma))

@@ -9,78 +9,11 @@ import sympy as sp
 from numba import njit
 
 import impact
-from derivations import codegen, files, newton, rewrites, slide, slip_reversal, slip_stick
-from derivations import symbols as s
-from derivations.proof import is_zero, random_point, vanishes
+from derivations import codegen, files, rewrites
+from derivations.proof import is_zero, random_point
 from impact import _generated, compiled
 
 from . import sampling
-from .reference import reference_collide
-
-MASSLESS = {s.m: sp.Integer(1)}
-LENGTHS = (s.X, s.Z, s.k)
-
-
-V_F = -s.epsilon * s.v_0
-SUM = s.k**2 + s.X**2 + s.Z**2
-
-
-def _forward_and_back():
-    forward = _generated.slip_response(*LENGTHS, s.mu)
-    back = _generated.slip_response(*LENGTHS, -s.mu)
-    return *forward, *back
-
-
-def _forward(j_1):
-    """Impulse and spin of the first phase."""
-    push, lift, turn, _ = _generated.slip(*LENGTHS, s.mu)
-    return -push * j_1, lift * j_1, turn * j_1
-
-
-def _stopped():
-    """The first phase, if the slip stops, and what is left of the gain in normal velocity."""
-    N, T, _, _ = _forward_and_back()
-    j_1, rise = _generated.stop(s.u_0, N, T)
-    return _forward(j_1), V_F - (s.v_0 + rise)
-
-
-def _sum(first, second):
-    return (a + b for a, b in zip(first, second, strict=True))
-
-
-def _slide():
-    N, T, _, _ = _forward_and_back()
-    j_1, u_f = _generated.slide(V_F - s.v_0, s.u_0, N, T)
-    return *_forward(j_1), u_f, V_F
-
-
-def _stick():
-    first, rest = _stopped()
-    parts = _generated.stick(s.X, s.Z, s.k**2 + s.Z**2)
-    return *_sum(first, (part * rest / SUM for part in parts)), 0, V_F
-
-
-def _reverse():
-    _, _, N_back, T_back = _forward_and_back()
-    first, rest = _stopped()
-    j_2, u_f = _generated.reverse(rest, N_back, T_back)
-    push, lift, _, back = _generated.slip(*LENGTHS, s.mu)
-    return *_sum(first, (push * j_2, lift * j_2, back * j_2)), u_f, V_F
-
-
-@pytest.mark.parametrize(
-    ("generated", "derived"), [(_slide, slide), (_stick, slip_stick), (_reverse, slip_reversal)]
-)
-def test_generated_text_on_symbols_is_the_derivation(generated, derived):
-    """The committed Python, called with symbols, gives the impulses derived from Newton's laws."""
-    P_x, P_z, spin, u_f, v_f = generated()
-    want_x, want_z = (part.subs(MASSLESS) for part in derived.impulse())
-    assert vanishes(P_x - want_x)
-    assert vanishes(P_z - want_z)
-    assert vanishes(spin - newton.spin_jump(want_x, want_z).subs(MASSLESS))
-    du, dv = (part.subs(MASSLESS) for part in newton.contact_change(want_x, want_z))
-    assert vanishes(s.u_0 + du - u_f)
-    assert vanishes(s.v_0 + dv - v_f)
 
 
 def _outputs(function, generated):
@@ -161,24 +94,6 @@ def test_a_change_of_1e_12_in_any_generated_line_is_seen():
         line.value = ast.BinOp(usual, ast.Mult(), ast.Constant(1 + 1e-12))
         assert not right(name), f"{name}, line {line.lineno}"
         line.value = usual
-
-
-def test_generated_text_runs_on_multiple_precision_numbers():
-    """50 digits in, 45 out: the same text, against the integration."""
-    with mpmath.workdps(50):
-        X, Z, k, mu, e = (mpmath.mpf(n) / 7 for n in (2, 3, 2, 10, 5))
-        c_x, c_z = mpmath.mpf(1), mpmath.mpf(-2)
-        N, T = _generated.slip_response(X, Z, k, mu)
-        j_1, rise = _generated.stop(c_x, N, T)
-        j_2 = (-e * c_z - c_z - rise) / (k * k + X * X + Z * Z)
-        slipping = _generated.slip(X, Z, k, mu)
-        sticking = _generated.stick(X, Z, k * k + Z * Z)
-        want = reference_collide(
-            c_x, c_z, mpmath.mpf(0), X=X, Z=Z, k=k, friction=mu, restitution=e, dps=50
-        )
-        assert want.regime == impact.Regime.SLIP_STICK
-        assert abs(sticking[0] * j_2 - slipping[0] * j_1 - want.P_x) < mpmath.mpf(10) ** -45
-        assert abs(sticking[1] * j_2 + slipping[1] * j_1 - want.P_z) < mpmath.mpf(10) ** -45
 
 
 def test_generated_text_is_plain_arithmetic():

@@ -67,7 +67,7 @@ def test_examples_are_commands(words):
     """Each parses, and those that read a scene or a figure name one that is there."""
     package, name, *arguments = words
     given = ALL[f"{package} {name}"].make_context(name, arguments).params
-    if given.get("scene", "mine.toml") != "mine.toml":
+    if (given.get("scene") or "mine.toml") != "mine.toml":
         assert md.load(given["scene"], given.get("changes", ()))
     assert set(given.get("names", ())) <= set(figures.FIGURES)
 

@@ -116,6 +116,8 @@ def test_rolling_and_friction_are_varied_and_nothing_else():
     still, rolling = (plans[name].points[0].scene for name in ("still", "rolling"))
     assert (still.rods.rolling, rolling.rods.rolling) == (False, True)
     assert still.contacts == rolling.contacts
+    shaken = {n: {p.scene.annulus.shaken for p in plans[n].points} for n in plans if n != "plane"}
+    assert {n for n in shaken if shaken[n] == {False}} == {"rest", "rest_gamma"}
     wall = [point.scene.contacts for point in plans["wall"].points]
     assert [c.wall.friction for c in wall] == [0.1, 0.1, 0.3, 0.3]
     assert {c.plate.friction for c in wall} == {c.rods.friction for c in wall} == {0.3}
@@ -162,6 +164,7 @@ def test_numbers_find_what_was_put_in():
     d = {"wall": mu, "wall_c_x": np.array([10, 4, 0.5]), "wall_c_x_error": np.full(3, 1e-3)}
     d |= {"gamma": gamma, "gamma_c_x": np.stack([moving] * 3, axis=1)}
     d["gamma_c_x_error"] = np.full((5, 3), 1e-3)
+    d |= {"rest_gamma_c_x": np.clip(gamma - 1.7, 0, None), "rest_gamma_c_x_error": np.full(5, 1e-3)}
     walls = measure_annulus.S6_walls(made_up(d))
     values = {key: number.value for key, number in walls.items()}
     assert values == pytest.approx({"rise": -0.35, "all": 0.05, "paper": 2.5})
@@ -170,6 +173,7 @@ def test_numbers_find_what_was_put_in():
     values = {key: number.value for key, number in over.items()}
     expected = {
         **dict.fromkeys(("onset", "first", "last"), 1.4),
+        "rest": 1.8,
         "bend": 0,
         "slope": 2,
         "zero": 1.5,

@@ -102,6 +102,8 @@ def test_a_longer_run_begins_with_a_shorter_one(whole, tmp_path):
         md.run(row(*SCENE), periods=3, checkpoint=path)
     with pytest.raises(ValueError, match="belongs to another scene"):
         md.run(row("start.seed=5"), periods=PERIODS, checkpoint=path)
+    with pytest.raises(ValueError, match=r"belongs to another step \(step\.size, or the tolerance"):
+        md.run(row(*SCENE), tolerance=0.1, checkpoint=path)
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from md.statistics import ratio, standard_error, transient
+from md.statistics import TREND, ratio, settled, standard_error, transient, trend
 
 
 def autoregressive(random, n, memory):
@@ -89,3 +89,44 @@ def test_ratio_of_sums():
     assert np.isnan(ratio(sums[:9], counts[:9])[1])
     empty = ratio(np.zeros(8), np.zeros(8))
     assert np.isnan(empty).all()
+
+
+@pytest.mark.parametrize("n", [320, 2000])
+@pytest.mark.parametrize(("memory", "alarms"), [(0.0, 0.02), (0.5, 0.02), (0.9, 0.06)])
+def test_stationary_series_have_no_trend(memory, alarms, n):
+    """Of 400: as many false alarms as `trend` says, and two standard deviations of so many."""
+    random = np.random.default_rng(n)
+    series = [autoregressive(random, n, memory) for _ in range(400)]
+    found = np.mean([trend(one) > TREND for one in series])
+    assert found <= alarms + 2 * np.sqrt(alarms / 400)
+    never = np.mean([settled(one, n // 5) is None for one in series])
+    assert never <= 0.3 * alarms + 0.005
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9])
+def test_a_transient_is_left_out(memory):
+    """An exponential one with a decay time of a fifth: what is left of it is below the error."""
+    random, n, left = np.random.default_rng(7), 3000, []
+    error = exact_error(n // 2, memory)
+    transients = 60 * error * np.exp(-np.arange(n) / (n / 10))
+    for _ in range(100):
+        cut = settled(autoregressive(random, n, memory) + transients, n // 10)
+        left.append(np.nan if cut is None else transients[cut:].mean() / error)
+    assert np.isnan(left).mean() < 0.05
+    assert np.nanmax(left) < 3
+    assert np.nanmean(left) < 1.5
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9])
+def test_a_slow_trend_never_settles(memory):
+    """A straight line, over the series 60 times its standard error."""
+    random, n = np.random.default_rng(8), 2000
+    line = 60 * exact_error(n, memory) * np.linspace(0, 1, n)
+    series = (autoregressive(random, n, memory) + line for _ in range(100))
+    assert np.mean([settled(one, n // 5) is None for one in series]) > 0.95
+
+
+def test_too_few_values_have_no_trend():
+    assert np.isnan(trend(np.zeros(99)))
+    assert np.isnan(trend(np.zeros(0)))
+    assert trend(1e-15 * np.arange(100)) < TREND  # rounding

@@ -10,6 +10,8 @@ from numba import njit
 from impact.falling import _gaps, _Swing, _touch
 from impact.flight import TURN, departure
 
+from .test_flight import around_the_jump
+
 
 def _gaps_with(sin, cos):
     """Both gaps as one would write them: centre over the tips' heights, in the laboratory."""
@@ -111,15 +113,7 @@ def test_grazing():
     def lands(speed):
         return _touch(departure(speed, phase, gamma), swing, bend, 1e-3)
 
-    speeds = np.linspace(0.5, 6, 400)
-    times = np.array([lands(speed)[0] for speed in speeds])
-    jump = np.argmax(np.diff(times))
-    low, high = speeds[jump], speeds[jump + 1]
-    early, late = times[jump : jump + 2]
-    assert late - early > 0.5
-    while np.nextafter(low, high) < high:
-        middle = (low + high) / 2
-        low, high = (middle, high) if lands(middle)[0] < (early + late) / 2 else (low, middle)
+    low, high = around_the_jump(lands)
     t, slope, _ = lands(low)
     assert abs(slope) < 10 * sqrt(np.finfo(float).eps * bend * reach)
     assert abs(_plain_gaps(high, phase, gamma, reach, tilt, omega, t)[0]) < 1e-12

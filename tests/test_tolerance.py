@@ -5,19 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.special import ndtri
 from scipy.stats import t as student
 
 import md
 from md import accuracy, bias, plans
 from md.__main__ import main
+from md.result_text import result_text
 from md.scene import _parsed, put, read_tables
-from md.statistics import standard_error
 from md.store import Store, table
 from md.sweep import execute, expand
 
 from .rows import ROW, row
-from .test_statistics import autoregressive
 
 NONE = accuracy.Correction(0.0, 0.0)
 RATIOS = [f"contacts.{part}.tangential_ratio=3" for part in ("plate", "rods")]
@@ -26,95 +24,9 @@ INSIDE = md.load("quasi2d", RATIOS)  # of the calibration
 
 def calibrated(monkeypatch, value=0.0, error=0.0):
     """Take every scene for a calibrated one, with this bias at all steps."""
-    monkeypatch.setattr(bias, "unknown", lambda scene: ())
-    monkeypatch.setattr(accuracy, "unknown", lambda scene: ())
-    same = lambda _, n: (np.full(n.shape, value), np.full(n.shape, error))  # noqa: E731
+    monkeypatch.setattr(bias, "unknown", lambda *_: ())
+    same = lambda _, n, known: (np.full(n.shape, value), np.full(n.shape, error))  # noqa: E731
     monkeypatch.setattr(bias, "bias_at", same)
-
-
-# Interval
-
-
-def test_the_interval_of_one_start_is_students():
-    series = autoregressive(np.random.default_rng(1), 1000, 0.5)
-    found = accuracy.interval([series], 0.9)
-    rest = series[200:]
-    assert (found.mean, found.cut) == (pytest.approx(rest.mean()), 200)
-    assert found.half == pytest.approx(
-        student.ppf(0.95, 800 // 30) * standard_error(rest), rel=1e-12
-    )
-    assert np.isnan(found.chance)
-
-
-def test_a_long_run_leaves_out_no_more_than_its_transient():
-    series = np.concatenate([np.full(400, 9.0), np.random.default_rng(1).normal(size=4600)])
-    found = accuracy.interval([series])
-    assert found.cut == 400
-    assert abs(found.mean) < found.half
-
-
-def test_starts_in_one_state_are_pooled():
-    """Weights as their lengths; the error is that of one series as long as all."""
-    random = np.random.default_rng(2)
-    series = [autoregressive(random, n, 0.3) for n in (1000, 500)]
-    found = accuracy.interval(series)
-    rest = series[0][200:], series[1][150:]
-    n = np.array([800, 350])
-    assert found.mean == pytest.approx(np.concatenate(rest).mean())
-    error = np.hypot(*n * [standard_error(one) for one in rest]) / n.sum()
-    assert found.half == pytest.approx(
-        student.ppf(0.975, len(np.concatenate(rest)) // 30) * error, rel=1e-12
-    )
-    assert found.chance > accuracy.UNLIKELY
-
-
-def test_starts_in_several_states_are_told_and_their_scatter_counts():
-    random = np.random.default_rng(3)
-    series = [level + 0.1 * random.normal(size=500) for level in (1.0, 1.0, 2.0)]
-    found = accuracy.interval(series)
-    assert found.chance < accuracy.UNLIKELY
-    assert found.half == pytest.approx(
-        student.ppf(0.975, 2) * np.sqrt(1 / 3) / np.sqrt(3), rel=0.05
-    )
-
-
-def test_a_run_that_has_not_settled_is_told_by_its_halves():
-    """The difference of the halves, of a small step, is the standard error."""
-    random = np.random.default_rng(4)
-    rest = np.repeat([1.0, 1.05], 320) + 0.1 * random.normal(size=640)
-    found = accuracy.interval([np.concatenate([np.ones(160), rest])])
-    off = (rest[320:].mean() - rest[:320].mean()) / 2
-    assert off > accuracy.UNSETTLED * standard_error(rest)
-    assert found.half == pytest.approx(student.ppf(0.975, 640 // 30) * off)
-
-
-def followed(series, tolerance, confidence=0.95):
-    """The goal of a run with this drift, as it ends."""
-    goal = accuracy._Goal(tolerance, confidence, 0.0, 1e9, lambda _: NONE)
-    made = goal.ask(0, series[0][:0])
-    while not goal.over:
-        made = goal.ask(0, series[0][:made])
-    return goal
-
-
-@pytest.mark.parametrize("memory", [0.0, 0.5, 0.7])
-@pytest.mark.parametrize("length", [300, 1500])
-def test_runs_that_end_by_their_own_interval_hold_the_mean_as_often_as_they_say(memory, length):
-    """Of 400; within 92 and 98 in a hundred, and two standard deviations of so many more."""
-    random, hits = np.random.default_rng(5), 0
-    tolerance = ndtri(0.975) / (1 - memory) / np.sqrt(length)
-    for _ in range(400):
-        series = 1 + autoregressive(random, 20 * length, memory)
-        goal = followed([series], tolerance)
-        assert goal.reached
-        hits += abs(goal.mean - 1) <= goal.error
-    spread = 2 * np.sqrt(0.05 * 0.95 / 400)
-    assert 0.92 - spread <= hits / 400 <= 0.98 + spread
-
-
-@pytest.mark.parametrize("n", [0, 1, 7, 99])
-def test_few_values_have_no_interval(n):
-    assert accuracy.interval([np.ones(n)]).half == np.inf
 
 
 # Choice of the step
@@ -123,7 +35,7 @@ def test_few_values_have_no_interval(n):
 @pytest.mark.parametrize("tolerance", [0.5, 0.05, 0.01, 0.001])
 def test_the_step_is_the_cheapest(tolerance, monkeypatch):
     """Of those no longer than the longest measured: n over what the bias leaves for statistics."""
-    monkeypatch.setattr(bias, "unknown", lambda scene: ())
+    monkeypatch.setattr(bias, "unknown", lambda *_: ())
     scene = md.load("quasi2d", ["contacts.plate.tangential_ratio=29"])
     chosen = bias.choose(scene, tolerance, 0.95)
     known = bias.calibrated()
@@ -140,6 +52,11 @@ def test_the_step_is_the_cheapest(tolerance, monkeypatch):
     assert steps == pytest.approx(chosen.per_contact)
     assert chosen.bias.value == pytest.approx(np.interp(steps, n, known["step"] * shape), rel=1e-5)
     assert chosen.bias.error == pytest.approx(np.interp(steps, n, error), rel=1e-5)
+
+
+def outside(scene):
+    """By the shipped calibration."""
+    return bias.outside(scene, bias.calibrated(scene))
 
 
 @pytest.mark.parametrize(
@@ -159,7 +76,7 @@ def test_the_step_is_the_cheapest(tolerance, monkeypatch):
 )
 def test_what_lies_outside_of_the_calibration_is_said(change, words):
     scene = md.load("quasi2d", change.split())
-    assert any(words in one for one in bias.outside(scene))
+    assert any(words in one for one in outside(scene))
     chosen = bias.choose(scene, 0.01, 0.95)
     assert chosen.bias is None
     assert chosen.scene.step == md.Step()
@@ -169,16 +86,16 @@ def test_a_law_of_ones_own_is_outside_whatever_its_name():
     contact = INSIDE.contacts.rods
     own = replace(contact.law, normal=md.Normal(contact.law.normal.stiffness, constant=1.0))
     contacts = replace(INSIDE.contacts, rods=replace(contact, law=own))
-    assert bias.outside(INSIDE) == ()
-    assert "is not that of the calibration" in bias.outside(replace(INSIDE, contacts=contacts))[0]
+    assert outside(INSIDE) == ()
+    assert "is not that of the calibration" in outside(replace(INSIDE, contacts=contacts))[0]
 
 
 def test_other_sources_are_outside(monkeypatch):
-    scene = INSIDE
-    monkeypatch.setattr(bias, "digest", lambda: bias.calibrated()["code"])
-    assert bias.unknown(scene) == ()
-    monkeypatch.setattr(bias, "digest", lambda: "an edit")
-    assert "calibrated for other sources" in bias.unknown(scene)[0]
+    known = bias.calibrated()
+    monkeypatch.setattr(bias, "digest", lambda annulus: known["code"])
+    assert bias.unknown(INSIDE, known) == ()
+    monkeypatch.setattr(bias, "digest", lambda annulus: "an edit")
+    assert "calibrated for other sources" in bias.unknown(INSIDE, known)[0]
 
 
 # Runs
@@ -192,10 +109,10 @@ def test_a_run_that_was_ended_early_is_not_judged():
     goal.found = accuracy.interval(goal.series)
     assert (goal.found.half, goal.reached) == (np.inf, False)
     result = md.run(row("plate.acceleration=5"), periods=46)
-    found = accuracy._accuracy(goal, row("plate.acceleration=5"), result)
-    assert found.state == "not reached"
-    words = accuracy.in_words(replace(result, accuracy=found))
-    assert words == ["accuracy     NOT REACHED: ended too early to tell the error"]
+    found = accuracy._accuracy(goal, bias.choose(row("plate.acceleration=5"), 0.5, 0.95), result)
+    assert found.state == "not settled"
+    words = plans.in_words(replace(result, accuracy=found))
+    assert words == ["accuracy     NOT SETTLED: ended too early to tell the error"]
 
 
 def test_a_run_ends_as_soon_as_it_is_accurate(monkeypatch):
@@ -216,7 +133,7 @@ def test_a_run_ends_as_soon_as_it_is_accurate(monkeypatch):
     assert a.error == pytest.approx(np.hypot(a.statistical, a.bias_error))
     assert a.error <= 0.2 * max(abs(reached.c_x), 0.05) * (1 + 1e-12)
     assert a.next_digit_seconds > 50 * (a.error / (0.2 * abs(reached.c_x))) ** 2 * a.seconds
-    assert "is taken off (calibrated)" in " ".join(accuracy.in_words(reached))
+    assert "is taken off (calibrated)" in " ".join(plans.in_words(reached))
 
 
 def test_outside_of_the_calibration_the_bias_is_measured():
@@ -232,7 +149,7 @@ def test_outside_of_the_calibration_the_bias_is_measured():
     mean = result.c_x + a.bias
     assert a.bias == pytest.approx((rough.found.mean - mean) / 3)
     assert a.bias_error == pytest.approx(np.hypot(rough.found.half / 3, a.bias))
-    assert "measured in place: contact time" in " ".join(accuracy.in_words(result))
+    assert "measured in place: contact time" in " ".join(plans.in_words(result))
 
 
 def test_starts_at_once_are_pooled(monkeypatch):
@@ -246,7 +163,7 @@ def test_starts_at_once_are_pooled(monkeypatch):
     assert 0 <= a.chance <= 1
     one = md.run(result.scene, periods=accuracy.FIRST_LOOK)
     np.testing.assert_array_equal(one.c_x_series, result.c_x_series[: accuracy.FIRST_LOOK])
-    assert "starts       2" in " ".join(accuracy.in_words(result))
+    assert "starts       2" in " ".join(plans.in_words(result))
 
 
 def test_one_start_that_fails_ends_all(monkeypatch):
@@ -269,7 +186,7 @@ def test_slow_drifts_are_judged_by_the_floor():
     assert result.accuracy.state == "reached"
     assert abs(result.c_x) < 0.2
     assert result.accuracy.error <= 0.5 * 0.2
-    assert "of the floor 0.2" in accuracy.in_words(result)[0]
+    assert "of the floor 0.2" in plans.in_words(result)[0]
 
 
 SMALL = [part for change in (*ROW, "plate.acceleration=5") for part in ("--set", change)]
@@ -285,6 +202,7 @@ def test_the_command_has_two_ends(capsys, monkeypatch):
     assert "accuracy     reached" in capsys.readouterr().out
     still = ["--set", "plate.acceleration=0.5"]  # nothing moves
     assert main(["run", "quasi2d", *SMALL, *still, *how]) == 0
+    assert "accuracy     reached: nothing drifts" in capsys.readouterr().out
     hard = ["--tolerance", "1e-4", "--max-seconds", "0.05"]  # known after the second look
     assert main(["run", "quasi2d", *SMALL, *hard]) == 4
     assert "the bias alone is known no better" in capsys.readouterr().out
@@ -300,9 +218,47 @@ def test_the_command_has_two_ends(capsys, monkeypatch):
     assert found["accuracy"]["needed_seconds"] > 0.05
 
 
+def test_a_run_that_does_not_settle_ends_as_one_that_is_not_reached(capsys, monkeypatch):
+    calibrated(monkeypatch)
+    monkeypatch.setattr(accuracy, "settled", lambda series, first: None)
+    asked = ["run", "quasi2d", *SMALL, "--tolerance", "0.5", "--max-seconds", "1"]
+    assert main(asked) == 4
+    out = capsys.readouterr().out
+    assert "accuracy     NOT SETTLED" in out
+    assert "the drift still trends" in out
+    assert main([*asked, "--json"]) == 4
+    found = json.loads(capsys.readouterr().out)
+    assert (found["settled"], found["accuracy"]["state"]) == (False, "not settled")
+
+
+@pytest.mark.parametrize(("slope", "periods"), [(0, 124), (0, 123), (1, 200)])
+def test_a_run_says_whether_its_drift_trends(slope, periods):
+    """Without a tolerance: behind a fifth, if there are 100 periods; in JSON and in a line."""
+    noise = 0.01 * np.random.default_rng(9).normal(size=periods)
+    result = md.run(row(), periods=2)
+    series = noise + slope * np.linspace(0, 1, periods)
+    result = replace(result, c_x_series=series, periods=periods, discarded=periods // 5)
+    expected = None if periods == 123 else slope == 0
+    assert result.as_dict()["settled"] is expected
+    assert ("not settled: the drift still trends" in result_text(result)) == (expected is False)
+
+
+@pytest.mark.slow
+def test_an_annulus_is_seen_to_settle():
+    """The one that ships: 600 periods trend behind a fifth, and not behind what is left out."""
+    scene = md.load("annulus", ["start.seed=3"])
+    step = md.Step(bias.steps_per_contact(scene, 1.0) / 16, coarse=True)
+    result = md.run(replace(scene, step=step), periods=1500)
+    short = replace(result, c_x_series=result.c_x_series[:600], discarded=120)
+    assert short.settled is False
+    found = accuracy.interval([result.c_x_series], annulus=True)
+    assert found.settled
+    assert found.mean == pytest.approx(0.139, rel=0.02)
+
+
 def test_the_plan_is_told_and_not_run(capsys, monkeypatch):
     how = ["run", "quasi2d", "--tolerance", "0.05", "--plan"]
-    monkeypatch.setattr(bias, "digest", lambda: bias.calibrated()["code"])
+    monkeypatch.setattr(bias, "digest", lambda annulus: bias.calibrated()["code"])
     assert main([*how, *(part for one in RATIOS for part in ("--set", one))]) == 0
     step, taken, price = capsys.readouterr().out.splitlines()
     chosen = bias.choose(INSIDE, 0.05, 0.95)

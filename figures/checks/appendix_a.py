@@ -95,10 +95,8 @@ def _needed(where: str, claimed: float, mass: str, speed: float) -> float:
 def _at_both(law: md.Law, rod: md.Rod) -> tuple[float, float, float, float]:
     """RMS from theory at 0.65, regimes right there; the same at the measured restitution."""
     soft = simulate(TABLE_TILTS, law, rod=rod)
-    at_constant, at_measured = (
-        compared(soft, rigid(TABLE_TILTS, e, rod)) for e in (0.65, soft.restitution)
-    )
-    return *at_constant, *at_measured
+    at_constant = compared(soft, rigid(TABLE_TILTS, 0.65, rod))
+    return *at_constant, *compared(soft, rigid(TABLE_TILTS, soft.restitution, rod))
 
 
 def _readings(speeds: np.ndarray) -> Data:
@@ -153,8 +151,7 @@ def data(quick: bool = False) -> Data:
 
 def miss(restitution: np.ndarray, axes) -> np.ndarray:
     """Root-mean-square distance from the claimed range."""
-    low, high = CLAIMED
-    off = np.maximum(np.maximum(low - restitution, restitution - high), 0)
+    off = restitution - np.clip(restitution, *CLAIMED)
     return np.sqrt(np.mean(off**2, axis=axes))
 
 
@@ -276,8 +273,6 @@ def draw(d: Data) -> plt.Figure:
     name_panels(axes.flat, titles)
     words = r"unit of mass (rod or virtual sphere) and $M_e$ ($M$ rod, $m$ sphere)"
     legend_above(figure, axes[0, 0], ncols=6, title=words, title_fontsize=7)
-    figure.supxlabel(
-        rf"appendix_a: $k_n=5\times10^6$, $k_t=95\,k_n$, $\gamma=400$; {SCENE_WORDS};"
-        " grey: the claimed 0.65-0.7"
-    )
+    law = r"appendix_a: $k_n=5\times10^6$, $k_t=95\,k_n$, $\gamma=400$"
+    figure.supxlabel(f"{law}; {SCENE_WORDS}; grey: the claimed 0.65-0.7")
     return figure

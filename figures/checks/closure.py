@@ -216,16 +216,10 @@ def _draw_alone(ax: Axes, d: Data) -> None:
 def _draw_left(ax: Axes, d: Data) -> None:
     y, names = np.arange(len(STEPS)), list(STEPS.values())
     sets = ((-0.2, "left", BLACK, "all tilts"), (0.2, "left_larger", BLUE, f"> {SMALL_DEG}°"))
+    error_kw = {"elinewidth": 0.7, "ecolor": "0.6"}
     for off, name, colour, label in sets:
-        ax.barh(
-            y + off,
-            d[name],
-            0.4,
-            xerr=d[f"{name}_error"],
-            color=colour,
-            label=label,
-            error_kw={"elinewidth": 0.7, "ecolor": "0.6"},
-        )
+        bars = {"xerr": d[f"{name}_error"], "color": colour, "label": label, "error_kw": error_kw}
+        ax.barh(y + off, d[name], 0.4, **bars)
     look = {"form": "D", "hollow": True, "label": "it alone", "xerr": d["left_single_error"]}
     points(ax, d["left_single"], FIRST + np.arange(len(ASSUMED)), None, RED, **look)
     ax.set_yticks(y, [names[0], *(f"+ {name}" for name in names[1:])], fontsize=6)

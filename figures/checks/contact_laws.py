@@ -63,9 +63,8 @@ def data(quick: bool = False) -> Data:
     nominal, runs = np.array(QUICK_DEG if quick else LAW_TILTS_DEG), sweeps(quick)
     tables = [over_tilt.table(sweep, nominal) for sweep in runs.values()]
     value = np.array([[NUMBERS[name](d) for name in COLUMNS] for d in tables])
-    grades = [
-        [grade(v, c) or 0 for v, c in zip(row, COLUMNS.values(), strict=True)] for row in value
-    ]
+    limits = COLUMNS.values()
+    grades = [[grade(v, c) or 0 for v, c in zip(row, limits, strict=True)] for row in value]
     return {
         "law": np.array([list(CONTACT_LAWS).index(name) for name in runs]),
         "value": value,
@@ -90,12 +89,10 @@ def draw(d: Data) -> plt.Figure:
     ax.tick_params(length=0, labelbottom=False, labeltop=True)
     ax.invert_yaxis()
     ax.spines[:].set_visible(False)
-    ax.set_xlabel(
-        "green: holds, yellow: in part, red: does not; in brackets the paper's statement. Thin "
-        rf"rods, $\Gamma={GAMMA}$, $\mu={FRICTION}$, tilts {d['nominal'][0].min()}-"
-        rf"{d['nominal'][0].max()}°",
-        fontsize=6.5,
-    )
+    tilt = d["nominal"][0]
+    words = "green: holds, yellow: in part, red: does not; in brackets the paper's statement."
+    row = rf"Thin rods, $\Gamma={GAMMA}$, $\mu={FRICTION}$, tilts {tilt.min()}-{tilt.max()}°"
+    ax.set_xlabel(f"{words} {row}", fontsize=6.5)
     return figure
 
 

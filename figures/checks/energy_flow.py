@@ -87,11 +87,8 @@ ACROSS = {
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Of each law: flows over tilt, and over starts."""
     axes = [{"box.length": boxes(QUICK_DEG if quick else LAW_TILTS_DEG)}, SEEDS]
-    periods = periods_of(quick)
-    return {
-        law: planned(axes, periods, changes, SIMPLE_ROW, flows)
-        for law, changes in FLOW_LAWS.items()
-    }
+    how = SIMPLE_ROW, flows
+    return {law: planned(axes, periods_of(quick), of, *how) for law, of in FLOW_LAWS.items()}
 
 
 def data(quick: bool = False) -> Data:
@@ -159,7 +156,7 @@ def _draw_across(ax: Axes, d: Data, name: str) -> None:
 def draw(d: Data) -> plt.Figure:
     laws = d["law"].tolist()
     figure = plt.figure(figsize=(7.2, 6.8))
-    parts = figure.subfigures(3, 1, height_ratios=(1, 1, 1))
+    parts = figure.subfigures(3, 1)
     shared = {"sharex": True, "sharey": True, "squeeze": False}
     losses, momentum = (part.subplots(1, len(laws), **shared)[0] for part in parts[:2])
     for n in range(len(laws)):

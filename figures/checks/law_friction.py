@@ -21,7 +21,7 @@ from md.sweep import Sweep
 from ..claims.over_laws import FITTED, JUDGED, LAW_TILTS_DEG, QUICK_DEG, judged, part_of, search
 from ..lib.runs import FRICTION, LAW_OF, PARTS, RESOLVED, ROW
 from ..lib.style import BLACK, BLUE, ORANGE, Data, name_panels, style
-from ..lib.tables import table
+from ..lib.tables import columned, table
 from .which_law import eighths
 
 _RANGES = {"restitution": (0.6, 1.0, False), "friction": (0.03, 1.0, True)}
@@ -83,22 +83,16 @@ def draw(d: Data) -> plt.Figure:
 
 def summary(d: Data) -> str:
     """The best laws; in how many laws each fitted number holds."""
-    order = np.argsort(-d["score"][:-1], kind="stable")[:5]
-    laws = [*order, len(d["score"]) - 1]
-    rows = [
-        [f"{d['score'][i]:g}±{d['spread'][i]:.1f}", *(f"{x:.2f}" for x in d["parameters"][i])]
-        for i in laws
-    ]
     grades = d["grade"][:-1]
-    shares = [
-        [name, f"{np.mean(column == 2):.2f}", f"{np.mean(column > 0):.2f}"]
-        for name, column, fitted in zip(JUDGED, grades.T, FITTED, strict=True)
-        if fitted
+    best = np.argsort(-d["score"][:-1], kind="stable")[:5]
+    rows = [
+        [f"{d['score'][i]:g}±{d['spread'][i]:.1f}", *d["parameters"][i]]
+        for i in (*best, len(grades))
     ]
-    return "\n".join(
-        [
-            f"{len(grades)} laws; the best five, then that of the figures",
-            table((f"score of {FITTED.sum()}", *(p.name for p in FREE)), rows),
-            table(("number", "laws in which it holds", "or holds in part"), shares),
-        ]
-    )
+    holds, partly = (np.mean(grades >= grade, axis=0)[FITTED] for grade in (2, 1))
+    names = np.array([*JUDGED])[FITTED]
+    return "\n".join([
+        f"{len(grades)} laws; the best five, then that of the figures",
+        table((f"score of {FITTED.sum()}", *(p.name for p in FREE)), rows),
+        columned({"number": names, "laws in which it holds": holds, "or holds in part": partly}),
+    ])  # fmt: skip

@@ -21,10 +21,9 @@ HOLDS, PARTLY, OTHER = "#9CD3A0", "#E4F3DF", "0.72"
 
 def _ends(values: np.ndarray, limits: dict) -> tuple[float, float]:
     """What a row shows: nineteen of twenty laws, and all limits."""
-    known = values[np.isfinite(values)]
-    shown = [*np.percentile(known, [2.5, 97.5]), *limits["holds"], *limits["partly"]]
-    finite = [x for x in shown if np.isfinite(x)]
-    low, high = min(finite), max(finite)
+    laws = np.percentile(values[np.isfinite(values)], [2.5, 97.5])
+    shown = np.array([*laws, *limits["holds"], *limits["partly"]])
+    low, high = shown[np.isfinite(shown)].min(), shown[np.isfinite(shown)].max()
     room = 0.04 * (high - low or 1.0)
     return low - room, high + room
 
@@ -45,20 +44,12 @@ def _strip(ax: Axes, d: Data, j: int) -> None:
         ax.plot(x, height[which], ".", color=colour, markersize=2)
     best = d["best_value"][singled_out(d), j]
     ax.plot(np.clip(best, low, high), 0, "D", color=ORANGE, markeredgecolor="black", markersize=4)
-    ax.set_xlim(low, high)
-    ax.set_ylim(-1, 1)
-    ax.set_yticks([])
+    ax.set(xlim=(low, high), ylim=(-1, 1), yticks=[])
     ax.tick_params(labelsize=5.5, pad=1, length=2, top=False)
     ax.spines[["left", "right", "top"]].set_visible(False)
     words = limits.get("head", limits["name"]).replace("\n", " ")
-    mark = "*" if FITTED[j] else ""
-    ax.set_ylabel(
-        f"{name.partition('.')[0]}{mark} {words}",
-        rotation=0,
-        ha="right",
-        va="center",
-        fontsize=5.5,
-    )
+    label = f"{name.partition('.')[0]}{'*' if FITTED[j] else ''} {words}"
+    ax.set_ylabel(label, rotation=0, ha="right", va="center", fontsize=5.5)
 
 
 @style

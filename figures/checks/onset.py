@@ -37,10 +37,7 @@ LAWS = {  # what a law changes in `runs.SIMPLE_ROW`
 }
 LOOKS = ((BLACK, "o-"), (GREEN, "^-"), (BLUE, "s-"), (RED, "D-"))
 ONSET_DEG = {True: (20, 40), False: (9, 20, 40)}
-ONSET_GAMMAS = {
-    True: (1.05, 1.2, 1.6),
-    False: (1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, ONSET),
-}
+ONSET_GAMMAS = {True: (1.05, 1.2, 1.6), False: (1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, ONSET)}
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
@@ -55,9 +52,8 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 
 def data(quick: bool = False) -> Data:
     """Drift [cm/s] and V_z/V_0 with standard errors, (laws, Gamma, tilt)."""
-    of_laws = [
-        drift_and_tilt(sweep) | means(sweep, {"V_z": AT_TOUCH}) for sweep in sweeps(quick).values()
-    ]
+    runs = sweeps(quick).values()
+    of_laws = [drift_and_tilt(sweep) | means(sweep, {"V_z": AT_TOUCH}) for sweep in runs]
     return {
         "gamma": np.array(ONSET_GAMMAS[quick]),
         "nominal_deg": np.array(ONSET_DEG[quick], float),
@@ -73,15 +69,13 @@ def draw(d: Data) -> plt.Figure:
         for i, (law, (colour, form)) in enumerate(zip(LAWS, LOOKS, strict=True)):
             for ax, name in zip(axes[:, j], ("c_x", "V_z"), strict=True):
                 curve(ax, d, "gamma", name, colour, law, at=(i, ..., j), form=form, ms=3)
-    for ax in axes.flat:
-        ax.set_xlabel(r"acceleration $\Gamma$")
     name_panels(axes.flat, [rf"$\phi={tilt:g}$°" for tilt in d["nominal_deg"]] * 2)
-    for ax in axes[0]:
-        ax.set_yscale("symlog", linthresh=FLOOR_CM_S)
-        ax.set_yticks([-1, -0.1, -0.01, 0, 0.01, 0.1, 1, 10])
-        ax.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
-    for ax in axes[1]:
-        ax.axhline(0, color="0.6", lw=0.6)
+    for above, below in axes.T:
+        above.set_yscale("symlog", linthresh=FLOOR_CM_S)
+        above.set(xlabel=r"acceleration $\Gamma$", yticks=[-1, -0.1, -0.01, 0, 0.01, 0.1, 1, 10])
+        above.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
+        below.axhline(0, color="0.6", lw=0.6)
+        below.set(xlabel=r"acceleration $\Gamma$")
     axes[0, 0].set_ylabel(r"drift $c_x$ (cm/s)")
     axes[1, 0].set_ylabel(r"plate at a touch $V_z/V_0$")
     legend_above(figure, axes[0, 0], ncols=2)
@@ -99,10 +93,6 @@ def summary(d: Data) -> str:
         counts = (n.sum() for n in (back, back & down[i], down[i], moving))
         rows.append([law, *counts, agree, np.nanmin(d["c_x"][i]), np.nanmin(d["V_z"][i])])
     heads = ("law", "backwards", "with V_z < 0", "V_z < 0", "drift at all", "signs agree")
-    count = d["c_x"][0].size
-    return "\n".join(
-        [
-            f"{count} points a law; backwards: beyond 3 standard errors and {FLOOR_CM_S} cm/s",
-            table((*heads, "lowest c_x (cm/s)", "lowest V_z/V_0"), rows, (0, 0, 0, 0, 0, 2, 4, 3)),
-        ]
-    )
+    heads += ("lowest c_x (cm/s)", "lowest V_z/V_0")
+    title = f"points a law; backwards: beyond 3 standard errors and {FLOOR_CM_S} cm/s"
+    return f"{d['c_x'][0].size} {title}\n{table(heads, rows, (0, 0, 0, 0, 0, 2, 4, 3))}"

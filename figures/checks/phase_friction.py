@@ -18,10 +18,10 @@ from md.sweep import Sweep
 from ..lib.runs import BOX, COUNT, GAMMA, LAW_NAME, LENGTH, ROW, means, planned, plate_speed_cm_s
 from ..lib.style import BLACK, BLUE, ORANGE, WARM, Data, curve, name_panels, style
 from ..lib.tables import table
+from ..paper.fig02 import AT_TOUCH
 
 OF_LAW = ROW["contacts"]["plate"]["restitution"]
-FRICTION_MEANS = {"c_x": "c_x_cm_s", "tilt_deg": "tilt_deg"}
-FRICTION_MEANS["V_z"] = "touches.plate_velocity_by_speed.mean"
+FRICTION_MEANS = {"c_x": "c_x_cm_s", "tilt_deg": "tilt_deg", "V_z": AT_TOUCH}
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
@@ -68,9 +68,8 @@ def draw(d: Data) -> plt.Figure:
             ax.text(i, j, f"{value:.1f}", ha="center", va="center", fontsize=5)
         ax.set_xticks(columns, [f"{mu:g}" for mu in d["friction"]], rotation=60)
         ax.set_yticks(rows, [f"{e:g}" for e in d["restitution"]])
-        ax.axvline(
-            np.interp(np.log(d["critical"]), np.log(d["friction"]), columns), color=BLACK, lw=0.8
-        )
+        critical = np.interp(np.log(d["critical"]), np.log(d["friction"]), columns)
+        ax.axvline(critical, color=BLACK, lw=0.8)
         ax.set(xlabel=r"friction $\mu$ of the plate")
         ax.tick_params(top=False, right=False)
     a.set_ylabel(r"restitution $\epsilon$")
@@ -85,10 +84,8 @@ def draw(d: Data) -> plt.Figure:
     c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")
     c.set_ylim(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(scaled.max(), top))
     c.legend(loc="upper left")
-    figure.supxlabel(
-        rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$, "
-        f"60 Hz; {LAW_NAME}",
-    )
+    row = rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$"
+    figure.supxlabel(f"{row}, 60 Hz; {LAW_NAME}")
     return figure
 
 

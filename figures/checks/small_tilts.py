@@ -212,9 +212,7 @@ def summary(d: Data) -> str:
         ends = (_at_end(state, d["middle"]) for state in d["state_over_time"][i])
         of_start.append((f"{tilt:g}", *ends))
     heads = [head for name in STATES for head in (name, "c_x", "phi")]
-    lines.append(table(("tilt", *heads, "changed"), rows))
-    lines += [
-        "states at the end, and since which period they hold",
-        table(("tilt", *d["start"].tolist()), of_start),
-    ]
+    lines += [table(("tilt", *heads, "changed"), rows)]
+    lines += ["states at the end, and since which period they hold"]
+    lines += [table(("tilt", *d["start"].tolist()), of_start)]
     return "\n".join(lines)

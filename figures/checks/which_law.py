@@ -120,21 +120,14 @@ def _draw_matrix(ax: Axes, d: Data) -> None:
     numbers = list(JUDGED.items())
     heads = [f"{numbers[j][0].partition('.')[0]} {numbers[j][1]['head']}" for j in columns]
     heads += ["score", "in the search"]
-    ax.set_xticks(
-        [*at, at[-1] + 1.4, at[-1] + 3.4],
-        heads,
-        fontsize=5.5,
-        rotation=90,
-        ha="center",
-        linespacing=1,
-    )
+    words = {"fontsize": 5.5, "rotation": 90, "ha": "center", "linespacing": 1}
+    ax.set_xticks([*at, at[-1] + 1.4, at[-1] + 3.4], heads, **words)
     ax.tick_params(length=0, labelbottom=False, labeltop=True)
     ax.set_xlim(-0.5, at[-1] + 4.2)
     ax.invert_yaxis()
     ax.spines[:].set_visible(False)
-    ax.set_xlabel(
-        "(c) law: restitution, tangential ratio, tangential damping, as plate/rods", fontsize=6.5
-    )
+    label = "(c) law: restitution, tangential ratio, tangential damping, as plate/rods"
+    ax.set_xlabel(label, fontsize=6.5)
 
 
 @style
@@ -146,17 +139,11 @@ def draw(d: Data) -> plt.Figure:
     _draw_parameters(axes, d)
     ax, names = right.subplots(), names_of(d)
     name_panels((axes[0, 0], ax), ("", ""))
-    for n, law in enumerate(_order(d)[:3]):
-        ax.errorbar(
-            d["best_nominal"],
-            d["best_c_x"][law],
-            d["best_c_x_error"][law],
-            fmt="os^"[n],
-            label=names[law],
-        )
+    for law, form in zip(_order(d), "os^", strict=False):
+        error = d["best_c_x_error"][law]
+        ax.errorbar(d["best_nominal"], d["best_c_x"][law], error, fmt=form, label=names[law])
     ax.plot(d["best_nominal"], d["best_theory"], color=BLACK, label="theory, $V_z=V_0/2$")
-    ax.set_xlabel(r"tilt $\phi$ (deg)")
-    ax.set_ylabel(r"drift $c_x$ (cm/s)")
+    ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"drift $c_x$ (cm/s)")
     ax.set_ylim(min(0, d["best_c_x"].min()), 1.3 * d["best_theory"].max())
     ax.legend(fontsize=5)
     _draw_matrix(bottom.subplots(), d)
@@ -167,11 +154,8 @@ def excluded(d: Data) -> list[tuple[str, str]]:
     """Pairs of numbers that hold each in a twentieth of the laws and more, together in none."""
     holds, names = d["grade"][d["round"] == 0] == 2, list(JUDGED)
     often = np.flatnonzero(holds.mean(axis=0) >= 0.05)
-    return [
-        (names[i], names[j])
-        for i, j in combinations(often, 2)
-        if not (holds[:, i] & holds[:, j]).any()
-    ]
+    never = [(i, j) for i, j in combinations(often, 2) if not (holds[:, i] & holds[:, j]).any()]
+    return [(names[i], names[j]) for i, j in never]
 
 
 def summary(d: Data) -> str:
@@ -182,31 +166,21 @@ def summary(d: Data) -> str:
         [f"{d['best_score'][i]:g}±{d['best_spread'][i]:.1f}", _searched(d, i), names[i]]
         for i in _order(d)
     ]
-    shares = [
-        [
-            name,
-            "in the score" if fitted else "held out",
-            f"{np.mean(column == 2):.2f}",
-            f"{np.mean(column == 0):.2f}",
-        ]
-        for name, fitted, column in zip(JUDGED, FITTED, d["grade"][even].T, strict=True)
-    ]
+    role = np.where(FITTED, "in the score", "held out")
+    shares = (np.mean(d["grade"][even] == grade, axis=0) for grade in (2, 0))
     heads = "number", "", "laws in which it holds", "in which it does not"
     of = [
-        [p.name, choice, f"{score.max():.1f}", f"{score.mean():.1f}"]
+        [p.name, choice, score.max(), score.mean()]
         for p in PARAMETERS
-        if p.choices
-        for choice in p.choices
+        for choice in p.choices or ()
         if len(score := d["score"][even][[law.get(p.name) == choice for law in laws]])
     ]
-    return "\n".join(
-        [
-            f"{even.sum()} laws, then {(~even).sum()} around the best; scores of {FITTED.sum()}",
-            table(("confirmed", "in the search", "restitution, ratio, damping; plate/rods"), rows),
-            table(("choice", "", "best score", "mean"), of),
-            table(heads, shares),
-            f"singled out, of those within the spread of the best: {names[singled_out(d)]}",
-            "numbers that never hold together: "
-            + (", ".join(f"{a} and {b}" for a, b in excluded(d)) or "none"),
-        ]
-    )
+    never = ", ".join(f"{a} and {b}" for a, b in excluded(d)) or "none"
+    return "\n".join([
+        f"{even.sum()} laws, then {(~even).sum()} around the best; scores of {FITTED.sum()}",
+        table(("confirmed", "in the search", "restitution, ratio, damping; plate/rods"), rows),
+        table(("choice", "", "best score", "mean"), of, 1),
+        table(heads, zip(JUDGED, role, *shares, strict=True)),
+        f"singled out, of those within the spread of the best: {names[singled_out(d)]}",
+        f"numbers that never hold together: {never}",
+    ])  # fmt: skip

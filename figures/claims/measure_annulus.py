@@ -33,15 +33,23 @@ def _shape(d: dict, name: str, key: str) -> Number:
 
 def S4_drift_over_tilt(data: Evidence) -> Numbers:
     keys, d = ("bend", "slope", "early", "late", "dip", "end"), data.figure("fig04")
-    narrow = _shape(d, "narrow", "end") if "narrow_c_x" in d else count(np.nan)
-    return {**{key: _shape(d, "still", key) for key in keys}, "narrow": narrow}
+    more = {"narrow": ("narrow", "end"), "rest_dip": ("rest", "dip"), "rest_late": ("rest", "late")}
+    return {
+        **{key: _shape(d, "still", key) for key in keys},
+        **{k: _shape(d, *of) if f"{of[0]}_c_x" in d else count(np.nan) for k, of in more.items()},
+    }
 
 
 def S5_drift_over_gamma(data: Evidence) -> Numbers:
     d = data.figure("fig04")
-    gamma, c_x = d["gamma"], d["gamma_c_x"]
-    seen = (c_x > CLEAR * d["gamma_c_x_error"]) & (c_x > VISIBLE * c_x[-1])
-    begins = [onset(gamma, moves) for moves in seen.T]
+    gamma = d["gamma"]
+
+    def seen(name):
+        c_x = d[name]
+        return (c_x > CLEAR * d[f"{name}_error"]) & (c_x > VISIBLE * c_x[-1])
+
+    begins = [onset(gamma, moves) for moves in seen("gamma_c_x").T]
+    at_rest = "rest_gamma_c_x" in d
     values, far = [number.value for number in begins], gamma >= 2
 
     def lines(d):
@@ -52,6 +60,7 @@ def S5_drift_over_gamma(data: Evidence) -> Numbers:
         "onset": Number(np.mean(values), half, "half interval"),
         "first": count(min(values)),
         "last": count(max(values)),
+        "rest": onset(gamma, seen("rest_gamma_c_x")) if at_rest else count(np.nan),
         "bend": resampled(d, lambda d: max(bend(gamma[far], y) for y in d["gamma_c_x"][far].T)),
         "slope": resampled(d, lambda d: lines(d)[0].mean()),
         "zero": resampled(d, lambda d: np.mean(-lines(d)[1] / lines(d)[0])),

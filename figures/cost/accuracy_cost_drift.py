@@ -1,4 +1,4 @@
-"""What the accuracy of the row's drift costs in time, step by step, and by tolerance.
+"""What the accuracy of the drift costs in time, step by step for the row, and by tolerance.
 
 The paper's row, N = 40, L = 43 d, Gamma = 3.3, tangential springs 30 times as stiff as the contact.
 (a) Error of a run's drift against its time, a curve per step: root mean square over disjoint parts
@@ -8,8 +8,9 @@ times its own error, which is then what the line shows). Diamond: the paper's ow
 length that gives 1 %. (b) Bias over the steps a contact lasts: grey, scenes of the calibration,
 against the shortest step there; black, with its standard error, what `--tolerance` takes off the
 row of (a), which is coloured. A grey line that stays high is a scene with two states. (c) Runs to a
-tolerance: the one asked for, 95 % confidence, against the time it took; dots: the error that the
-run then had. The broken lines are the prices of fixed steps; times are of this machine, without
+tolerance: the one asked for, 95 % confidence, against the time it took, scene by scene; where a
+line ends in an open mark, that is the price by `--plan`. Dots: the error that the runs of the row
+then had. The broken lines are the prices of fixed steps; times are of this machine, without
 compiling.
 """
 
@@ -22,10 +23,12 @@ from matplotlib.axes import Axes
 
 import md
 from md.bias import bias_at, calibrated, steps_per_contact
+from md.plans import plan
+from md.scene import from_tables
 from md.statistics import standard_error
 from md.sweep import Point, Sweep
 
-from ..lib.runs import computed, gathered, measured_by
+from ..lib.runs import ROW, computed, gathered, measured_by
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style
 from ..lib.tables import columned
 from ..lib.timing import machine_line, seconds_per_period
@@ -36,7 +39,9 @@ FINE = 30  # steps a contact from which on runs are taken as the truth
 CUT = 100  # periods at the start
 LONG_PERIODS = {True: 2500, False: 20000}  # quick or not; a third of it at the paper's step
 CLEAR_BIAS = 3  # its own errors: a smaller bias is taken for none
-DRIFT_TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
+DRIFT_TOLERANCES = (0.05, 0.03, 0.01)
+PLANNED = 0.005  # tolerance whose price is estimated
+ASKED_SEED = 5
 FINE_STEPS = np.geomspace(12, 100, 40)  # a contact, where the bias taken off is drawn
 PART_LENGTHS = np.unique(np.geomspace(4, 2500, 14).astype(int))  # of the parts, periods
 
@@ -71,30 +76,42 @@ def steps() -> list[float]:
     return [*(contact / n for n in PER_CONTACT), PAPER_STEP]
 
 
+def asked() -> dict[str, md.Scene]:
+    """Scenes that run to a tolerance; the truth is known of the first."""
+    return {
+        "row of the paper": _scene(PAPER_STEP, ASKED_SEED),
+        "row, law of the search": from_tables(ROW),
+        "my_rods": md.load("my_rods"),
+        "annulus": md.load("annulus"),
+    }
+
+
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Long runs over the step; runs to a tolerance."""
-    sizes, tolerances = steps(), DRIFT_TOLERANCES[: 3 if quick else None]
+    sizes = steps()
     made = [LONG_PERIODS[quick] // (1 if dt > PAPER_STEP else 3) for dt in sizes]
     long = [Point(_scene(dt), CUT + n) for dt, n in zip(sizes, made, strict=True)]
-    asked = [Point(_scene(PAPER_STEP, 5), 0, tolerance) for tolerance in tolerances]
+    scenes = asked()
+    points = [Point(one, 0, tolerance) for one in scenes.values() for tolerance in DRIFT_TOLERANCES]
+    axes = {"scene": [*scenes]}, {"tolerance": [*DRIFT_TOLERANCES]}
     return {
         "long": measured_by(Sweep(({"step.size": sizes},), tuple(long)), long_run),
-        "asked": Sweep(({"tolerance": [*tolerances]},), tuple(asked)),
+        "asked": Sweep(axes, tuple(points)),
     }
 
 
 def data(quick: bool = False) -> Data:
     """Long runs at several steps, prices of a period, runs to a tolerance."""
-    load, plan, dt = os.getloadavg()[0], sweeps(quick), np.array(steps())
+    load, planned, dt = os.getloadavg()[0], sweeps(quick), np.array(steps())
     seconds = seconds_per_period([_scene(size) for size in dt])
-    mean, error, made, of_parts = gathered(plan["long"], "mean", "error", "made", "parts")
+    mean, error, made, of_parts = gathered(planned["long"], "mean", "error", "made", "parts")
     n = steps_per_contact(md.load("quasi2d"), 1.0) / dt
     weight = (n >= FINE) / error**2
     truth, truth_error = (weight * mean).sum() / weight.sum(), weight.sum() ** -0.5
     names = "run_seconds", "accuracy.per_contact", "c_x", "periods"
-    spent, per_contact, c_x, periods = gathered(computed(plan["asked"], workers=1), *names)
+    spent, per_contact, c_x, periods = gathered(computed(planned["asked"], workers=1), *names)
     known = calibrated()
-    taken, taken_error = bias_at(md.load("quasi2d"), FINE_STEPS)
+    taken, taken_error = bias_at(md.load("quasi2d"), FINE_STEPS, known)
     return {
         "load": np.float64(load),
         "per_contact": n,
@@ -109,10 +126,13 @@ def data(quick: bool = False) -> Data:
         "noise": error * np.sqrt(made) / truth,
         "lengths": PART_LENGTHS,
         "rms": rms_of_parts(of_parts, truth) / truth,
-        "tolerance": plan["asked"].values("tolerance"),
+        "scene": planned["asked"].values("scene"),
+        "tolerance": planned["asked"].values("tolerance"),
+        "planned": np.float64(PLANNED),
+        "planned_seconds": np.array([plan(s, tolerance=PLANNED).seconds for s in asked().values()]),
         "run_seconds": spent,
         "run_per_contact": per_contact,
-        "run_error": np.abs(c_x / truth - 1),
+        "run_error": np.abs(c_x[0] / truth - 1),
         "run_periods": periods,
         "known_steps": np.array(known["steps"], float),
         "known_drift": np.array(known["drift"]),
@@ -121,6 +141,19 @@ def data(quick: bool = False) -> Data:
         "taken": taken,
         "taken_error": taken_error,
     }
+
+
+def runs(d: Data) -> list[dict[str, Any]]:
+    """Runs to a tolerance, and the price of a smaller one; nan or None: not known."""
+    found = []
+    for i, scene in enumerate(d["scene"].tolist()):
+        for j, tolerance in enumerate(d["tolerance"].tolist()):
+            one = {"scene": scene, "tolerance": tolerance}
+            one |= {k: float(d[f"run_{k}"][i, j]) for k in ("per_contact", "periods", "seconds")}
+            found.append(one | {"error": float(d["run_error"][j]) if i == 0 else None})
+        planned = {"per_contact": np.nan, "periods": np.nan, "seconds": d["planned_seconds"][i]}
+        found.append({"scene": scene, "tolerance": float(d["planned"]), **planned, "error": None})
+    return found
 
 
 def rms_of_parts(of_parts: np.ndarray, truth: float) -> np.ndarray:
@@ -199,11 +232,20 @@ def _draw_runs(ax: Axes, d: Data) -> None:
     for i in (1, 3, 5):
         time = np.array([to_reach(d, r / 1.96)[i] for r in wanted])
         ax.plot(time, wanted, "--", color=_COLOURS[i], lw=0.7, label=_labels(d)[i])
-    ax.plot(d["run_seconds"], d["tolerance"], "s-", color=BLACK, ms=3, lw=0.9, label="asked for")
-    ax.plot(d["run_seconds"], np.fmax(d["run_error"], 1e-4), "o", color=RED, ms=3, label="had")
-    ax.set(xscale="log", yscale="log", xlabel="time of the run (s)", ylim=(2e-4, 0.5))
+    for i, (name, (colour, mark)) in enumerate(zip(d["scene"], _MARKS, strict=True)):
+        time, look = d["run_seconds"][i], {"color": colour, "ms": 3}
+        ax.plot(time, d["tolerance"], f"{mark}-", lw=0.9, label=name, **look)
+        ends = [time[-1], d["planned_seconds"][i]], [d["tolerance"][-1], d["planned"]]
+        ax.plot(*ends, ":", lw=0.7, color=colour)
+        ax.plot(d["planned_seconds"][i], d["planned"], mark, mfc="white", **look)
+    had = np.fmax(d["run_error"], 1e-4)
+    ax.plot(d["run_seconds"][0], had, "x", color=BLACK, ms=4, label="had, of the row")
+    ax.set(xscale="log", yscale="log", xlabel="time of the run (s)", ylim=(1e-4, 0.12))
     ax.set_ylabel(r"error of $c_x$, relative")
-    ax.legend(fontsize=5.5, loc="lower left")
+    ax.legend(fontsize=5, loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2)
+
+
+_MARKS = (BLACK, "s"), (BLUE, "^"), (GREEN, "D"), (RED, "v")
 
 
 @style
@@ -223,12 +265,13 @@ def summary(d: Data) -> str:
     steps = {"step": d["dt"], "a contact": d["per_contact"], "ms/period": 1e3 * d["seconds"]}
     steps |= {"noise of a period": [f"{x:.1%}" for x in d["noise"]], "bias": bias}
     steps |= {"1 % takes, s": to_reach(d, 0.01), "0.3 %": to_reach(d, 0.003)}
-    asked, had = ([f"{x:.2%}" for x in d[name]] for name in ("tolerance", "run_error"))
-    runs = {"tolerance, 95 %": asked, "steps a contact": d["run_per_contact"]}
-    runs |= {"periods": d["run_periods"], "seconds": d["run_seconds"], "error it had": had}
+    told = runs(d)
+    table = {key: [run[key] for run in told] for key in told[0]}
+    for name in ("tolerance", "error"):
+        table[name] = ["" if x is None else f"{x:.2%}" for x in table[name]]
     return "\n".join([
         f"{machine_line(d['load'])}; 1 core used",
         f"c_x = {d['truth']:.5f} ± {d['truth_error']:.5f} sqrt(g d)",
         columned(steps, ".3g"),
-        columned(runs, (2, 1, 0, 2, 2)),
+        columned(table, (0, 2, 1, 0, 2, 2)),
     ])  # fmt: skip

@@ -89,8 +89,7 @@ def data(quick: bool = False) -> Data:
     parts = 10.0 * (4 ** np.arange(6) if quick else 2 ** np.arange(14))
     tolerances = 10.0 ** -np.arange(3, 14, 2 if quick else 1)
     load = os.getloadavg()[0]
-    located = [velocities(LAW, integrator="dop853", tolerance=t)[0] for t in (1e-14, 1e-13)]
-    true = located[0]
+    true, near = (velocities(LAW, integrator="dop853", tolerance=t)[0] for t in (1e-14, 1e-13))
     fixed = fixed_steps(LAW, parts, true)
     whole = contact_time(LAW, 1.0)
     calls = [
@@ -106,7 +105,7 @@ def data(quick: bool = False) -> Data:
         "fixed_seconds": seconds,
         "fixed_steps": steps,
         "order": np.array([order(parts, row) for row in fixed[0]]),
-        "floor": np.hypot(*(located[1] - true).T).max(),
+        "floor": np.hypot(*(near - true).T).max(),
         "tolerance": tolerances,
         **adaptive(LAW, tolerances, true, runs),
         **_other_laws(parts[parts < 3e3]),
@@ -137,9 +136,9 @@ def choices(d: Data, target: float) -> dict[str, tuple[float, str]]:
             found[method] = float(cost), f"t_c/{enough:.0f}"
     # Not for a tolerance that only happens to do: all smaller ones have to as well.
     enough = np.logical_and.accumulate((d["adaptive_error"][0] <= target)[::-1])[::-1]
-    j = int(np.argmax(enough))
     found["dop853"] = np.inf, "at every tolerance"
     if enough.any():
+        j = enough.argmax()
         text = f"tolerance {d['tolerance'][j]:.0e}, {d['evaluations'][j]} evaluations"
         found["dop853"] = float(d["adaptive_seconds"][j]), text
     return found
@@ -153,14 +152,11 @@ def _time(seconds: float) -> str:
 
 def _advice(d: Data) -> list[list[str]]:
     """Error wanted, and what each method takes for it: time and setting, or how far it comes."""
-    return [
-        [f"{target:.0e}"]
-        + [
-            f"{_time(cost)}, {how.partition(',')[0]}" if cost < np.inf else f"no, {how}"
-            for cost, how in choices(d, target).values()
-        ]
-        for target in TARGETS
-    ]
+
+    def told(cost: float, how: str) -> str:
+        return f"{_time(cost)}, {how.partition(',')[0]}" if cost < np.inf else f"no, {how}"
+
+    return [[f"{t:.0e}", *(told(*how) for how in choices(d, t).values())] for t in TARGETS]
 
 
 def summary(d: Data) -> str:

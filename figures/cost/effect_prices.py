@@ -116,13 +116,9 @@ def sweeps(quick: bool = False) -> dict[int, Sweep]:
     """Over seeds: of the full scene, 0, then of each scene whose drift is asked for, by its row."""
     wanted = {0: FULL}
     wanted |= {i: effect.changed for i, effect in enumerate(rows().values(), 1) if effect.drifts}
-    seeds = [{"start.seed": list(range(1, DRIFT_SEEDS[quick] + 1))}]
-    return {
-        i: planned(
-            seeds, DRIFT_PERIODS[quick], {"step.size": STEP_SIZE, **variant.changes}, SIMPLE_ROW
-        )
-        for i, variant in wanted.items()
-    }
+    seeds, step = [*range(1, DRIFT_SEEDS[quick] + 1)], {"step.size": STEP_SIZE}
+    how = [{"start.seed": seeds}], DRIFT_PERIODS[quick]
+    return {i: planned(*how, {**step, **one.changes}, SIMPLE_ROW) for i, one in wanted.items()}
 
 
 def _drifts(quick: bool) -> np.ndarray:
@@ -138,8 +134,7 @@ def data(quick: bool = False) -> Data:
     """Prices in ns per step of a rod, (value, error, interquartile range) of each row."""
     load, effects, begin = os.getloadavg()[0], rows().values(), perf_counter()
     every = variants([*effects, Effect((BARE, BARE), (FULL, FULL))])
-    engines = [variant.engine() for variant in every]
-    couples = list(zip(engines, every, strict=True))
+    couples = [(variant.engine(), variant) for variant in every]
     for engine, variant in waited(couples, "compiling"):
         engine.go(0, _series(engine, variant))
     compiled = perf_counter() - begin

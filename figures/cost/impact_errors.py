@@ -66,12 +66,9 @@ def adaptive(
         times = [np.mean([hit.seconds for hit in hits]) for _, hits in samples]
         evaluations = max(hit.steps for hit in hits)
         rows.append((length.max(), np.median(length), evaluations, np.median(times)))
-    worst, middle, evaluations, seconds = np.array(rows).T
-    return {
-        "adaptive_error": np.array([worst, middle]),
-        "evaluations": evaluations.astype(int),
-        "adaptive_seconds": seconds,
-    }
+    *error, evaluations, seconds = np.array(rows).T
+    times = {"evaluations": evaluations.astype(int), "adaptive_seconds": seconds}
+    return {"adaptive_error": np.array(error), **times}
 
 
 def reached(parts: np.ndarray, error: np.ndarray, target: float) -> float:

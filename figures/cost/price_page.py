@@ -11,7 +11,7 @@ from impact.benchmark import benchmark
 from .. import FIGURES, load
 from ..lib.style import RESTITUTION_LAWS, name_panels, style
 from ..lib.timing import machine_line
-from . import accuracy_cost_ladder, accuracy_map, effect_prices, kernel_times
+from . import accuracy_cost_drift, accuracy_cost_ladder, accuracy_map, effect_prices, kernel_times
 
 PRICE_PANELS = {name: entry.panel for name, entry in FIGURES.items() if entry.panel}
 IMPACTS, CHECKED = 200_000, 20_000  # timed; compared with many digits
@@ -54,9 +54,7 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
         off = accuracy_cost_ladder.deviations(d)
         made["ladder"] = _rows(keys, d["group"], d["label"], d["seconds"], *off)
     if d := found.get("accuracy_cost_drift"):
-        keys = "per_contact", "periods", "seconds", "error"
-        columns = d["tolerance"], *(d[f"run_{key}"] for key in keys)
-        made["tolerance"] = _rows(("tolerance", *keys), *columns)
+        made["tolerance"] = accuracy_cost_drift.runs(d)
     if d := found.get("effect_prices"):
         prices, changes = (d["alone"][:, :2], d["within"][:, :2]), effect_prices._changes(d)
         keys = "name", "alone", "within", "drift"

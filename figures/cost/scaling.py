@@ -32,10 +32,8 @@ from ..lib.tables import columned
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady, waited
 from . import kernel_times
 
-ROW_SIZES = {
-    True: (10, 40, 160, 640, 2500, 5000),
-    False: (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000),
-}
+_SIZES = (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000)
+ROW_SIZES = {True: (10, 40, 160, 640, 2500, 5000), False: _SIZES}
 LEAST = 320  # rods a sample is about, with one period each
 SPACING = SIMPLE_ROW["box"]["length"] / SIMPLE_ROW["rods"]["count"]
 RUNS_PER_CORE, SWEEP_PERIODS = 4, 40  # of each core, and of each run
@@ -52,13 +50,11 @@ def _row(count: int) -> md.Scene:
 def _periods(count: int, settle: int) -> Callable[[int], float]:
     """Processor time of a step of a rod in a settled row, over whole periods."""
     engine = prepare(_row(count))
-    times = max(1, LEAST // count)
 
-    def sample(_: int, periods: int = times) -> float:
+    def sample(_: int, periods: int = max(1, LEAST // count)) -> float:
         engine.step %= engine.per
-        series = engine.series(periods)
         steps = periods * engine.per
-        return onward(engine, steps, series) / steps / count
+        return onward(engine, steps, engine.series(periods)) / steps / count
 
     sample(0, settle)
     return sample

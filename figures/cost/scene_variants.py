@@ -96,6 +96,7 @@ SPRING = {
 }
 DAMPED = SPRING | {"tangential_damping": 1.0}
 PRINTED = {"contacts.plate": {"law": "appendix_a", "friction": FRICTION}}  # Appendix A
+EVERYWHERE = PRINTED | {"contacts.rods": PRINTED["contacts.plate"]}
 CONSTRAINT = {"contacts.plate": LOSSY | {"friction": FRICTION}}
 SOLID = {"rods.inertia": "solid"}
 
@@ -107,41 +108,35 @@ RODS_SCENE = NOTHING | {"contacts.rods": SMOOTH}
 def _contacts(part: str, base: Changes) -> dict[str, Effect]:
     """Losses and friction of the plate, or between rods."""
     name = f"contacts.{part}"
-    spring = base | {name: SPRING}
+    lossy, spring, damped = (base | {name: law} for law in (LOSSY, SPRING, DAMPED))
+    undamped = {f"{name}.tangential_damping": 0.0}
     return {
-        f"{part}: dashpot": _effect(base | {name: LOSSY}, base, {f"{name}.restitution": 1.0}),
+        f"{part}: dashpot": _effect(lossy, base, {f"{name}.restitution": 1.0}),
         f"{part}: friction, a spring": _effect(spring, base, {f"{name}.friction": 0.0}),
-        f"{part}: dashpot of friction": _effect(
-            base | {name: DAMPED}, spring, {f"{name}.tangential_damping": 0.0}
-        ),
+        f"{part}: dashpot of friction": _effect(damped, spring, undamped),
     }
 
 
+NO_PLATE = {"plate": "none", "contacts.plate": "none"}
+VIBRATED = PLATE_SCENE | {"plate.acceleration": GAMMA}
+BOXED = RODS_SCENE | {"box": SIMPLE_ROW["box"]}
 ROUGH = PLATE_SCENE | {"contacts.plate": DAMPED | {"restitution": RESTITUTION}}
 EFFECTS = {
     "gravity": _effect(FALLING, NOTHING, {"gravity": "none"}, drifts=False),
-    "plate": _effect(
-        PLATE_SCENE, FALLING, {"plate": "none", "contacts.plate": "none"}, drifts=False
-    ),
-    "plate: vibration": _effect(
-        PLATE_SCENE | {"plate.acceleration": GAMMA}, PLATE_SCENE, {"plate.acceleration": "none"}
-    ),
+    "plate": _effect(PLATE_SCENE, FALLING, NO_PLATE, drifts=False),
+    "plate: vibration": _effect(VIBRATED, PLATE_SCENE, {"plate.acceleration": "none"}),
     **_contacts("plate", PLATE_SCENE),
     "rods": _effect(RODS_SCENE, NOTHING, {"contacts.rods": "none"}, drifts=False),
     **_contacts("rods", RODS_SCENE),
     # A row that is open falls over.
-    "periodic box": _effect(
-        RODS_SCENE | {"box": SIMPLE_ROW["box"]}, RODS_SCENE, OPEN, drifts=False
-    ),
+    "periodic box": _effect(BOXED, RODS_SCENE, OPEN, drifts=False),
     "energy ledger": _diagnostic("ledger", RODS_SCENE),
     "record of landings": _diagnostic("touches", PLATE_SCENE),
     "series of means": _diagnostic("series", NOTHING),
 }
 INSTEAD = {
     "friction of the plate: constraint": _instead(CONSTRAINT, ROUGH),
-    "contact law: Appendix A": _instead(
-        PRINTED, ROUGH, PRINTED | {"contacts.rods": PRINTED["contacts.plate"]}
-    ),
+    "contact law: Appendix A": _instead(PRINTED, ROUGH, EVERYWHERE),
     "inertia: solid": _instead(SOLID, PLATE_SCENE),
 }
 OFF = {

@@ -31,11 +31,11 @@ def repeated_impact(effects, state, dt, times, watch):
     return velocity, steps
 
 
-def impact_call(tilt: float, law: md.Law, integrator: str, dt: float, speed: float = 1.0):
+def impact_call(tilt: float, law: md.Law, integrator: str, dt: float):
     """The impact of `soft_impacts.simulate`, as often as asked; touch in the middle of a step."""
     effects = effects_of(ROD, law, IMPACT_FRICTION, None, None)
     position = np.array([0.0, ROD.half_length * cos(tilt) + 0.5, tilt])
-    velocity = np.array([speed / APPROACH_RATIO, -speed, 0.0])
+    velocity = np.array([1 / APPROACH_RATIO, -1.0, 0.0])
     start = position - dt / 2 * velocity
     state, watch = integrators.started(integrator, start, velocity, None, dt), np.zeros(WATCHED)
     return lambda times=1: repeated_impact(effects, state, dt, times, watch)

@@ -28,6 +28,7 @@ _REGIMES: Look = {"cmap": REGIME_MAP, "norm": REGIME_NORM, "rasterized": True, "
 
 LEGEND_BOX = {"frameon": True, "edgecolor": "none", "framealpha": 0.9, "borderpad": 0.2}
 RESTITUTION_LAWS = ("newton", "poisson", "stronge")
+ARROW: Look = {"arrowstyle": "->", "lw": 0.6}
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
 
 # White to vermilion: light enough for black lines everywhere.

@@ -47,10 +47,8 @@ from ..lib.tables import table
 FLOOR_CM_S = 0.003  # half a hundredth of a diameter a second
 SIGNIFICANT = 3.0  # standard errors
 ONSET = 1.6  # Gamma, Fig. 2(b, c)
-MAP_GAMMAS = {
-    True: (1.2, 1.5, 1.8, 3.3),
-    False: (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5),
-}
+_GAMMAS = (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5)
+MAP_GAMMAS = {True: (1.2, 1.5, 1.8, 3.3), False: _GAMMAS}
 NOMINAL_DEG = {True: (9, 20, 45), False: (5, 12, 20, 30, 45, 60)}
 CHOSEN = {True: (0, 1, 2), False: (1, 2, 4)}  # tilts of (b)
 COLOURS = {20: BLUE, 30: BLACK, 45: RED, 60: ORANGE}  # of tilts in (b) and (c); others: green
@@ -80,9 +78,9 @@ def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> tuple[np.ndarray,
     """Drift [V_0] and alpha of one rigid rod, (gamma, tilt)."""
     from impact.bouncing import bounce  # compiles
 
-    rods, landings, transient = (20, 60, 100) if quick else (60, 300, 150)
-    how = {**SETTING, "shortest_flight": 0.01, "rods": rods, "landings": landings}
-    how["transient"] = transient
+    size = (20, 60, 100) if quick else (60, 300, 150)
+    how = dict(zip(("rods", "landings", "transient"), size, strict=True))
+    how |= {**SETTING, "shortest_flight": 0.01}
     runs = [[bounce(spherocylinder(phi, LENGTH), gamma=g, **how) for phi in tilt] for g in gamma]
     found = [[(run.drift.mean, run.alpha_impulse.mean) for run in row] for row in runs]
     return tuple(np.moveaxis(found, -1, 0))
@@ -192,11 +190,8 @@ def draw(d: Data) -> plt.Figure:
     for ax in axes[:, 1:].flat:
         ax.axhline(0, color="0.6", lw=0.6)
     name_panels(axes.flat, ("row", "", "near onset", "annulus", "", "near onset"))
-    figure.supxlabel(
-        rf"row: $l={LENGTH}\,d$, $d=0.6$ cm; annulus: the experiment's, $l=8\,d$, $d=0.635$ cm; "
-        rf"60 Hz, $\mu={FRICTION}$, solid inertia;"
-        f"\n{LAW_NAME}",
-    )
+    rods = rf"row: $l={LENGTH}\,d$, $d=0.6$ cm; annulus: the experiment's, $l=8\,d$, $d=0.635$ cm"
+    figure.supxlabel(rf"{rods}; 60 Hz, $\mu={FRICTION}$, solid inertia;" f"\n{LAW_NAME}")
     return figure
 
 

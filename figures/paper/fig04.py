@@ -5,7 +5,8 @@ number of rods sets the tilt; without (full) and with (open) rotation about the 
 squares: plane rows of the same rods without walls, reduced 2.5-fold, which is the paper's ratio;
 triangles: a narrower gap in which a rod leans by the paper's 53 degrees at most: there rods wedge
 between the walls and stand still; dotted: the paper's maxima. (b): dotted: where the paper's rods
-begin to move. (c, d): drift, and tilt (green), of 44 rods; the row of (d) is logarithmic but for
+begin to move; open: 44 rods between walls at rest, while else walls and plate shake as one piece.
+(c, d): drift, and tilt (green), of 44 rods; the row of (d) is logarithmic but for
 its first point, no friction.
 """
 
@@ -39,10 +40,12 @@ from ..lib.tables import columned, pairs
 MAXIMA_DEG, ONSET_FIG4, REDUCTION = (18, 35), 1.5, 2.5  # the paper's
 GAMMA_COUNTS = (50, 44, 36)  # numbers of rods of (b)
 WALL_KEY, PLATE_KEY = "contacts.wall.friction", "contacts.plate.friction"
+AT_REST = {"annulus.shaken": False}
 NARROW = {"annulus.outer": 7.3304}  # largest tilt 53 degrees, as the paper says of its annulus
 SIZES = {  # in full, quick
     "count": ([23, 26, 29, 32, *range(34, 57, 2)], [26, 36, 44, 50, 56]),
     "rolling": ([23, 29, *range(34, 53, 2)], [26, 36, 44, 50]),  # denser ones jam
+    "rest": ([23, 29, *range(34, 57, 2)], [26, 36, 44]),
     "narrow": ([22, 23, 24, 26, 29, 32, 36, 40, 44], [23, 26, 36]),
     "gamma": ([1.05, 1.4, 1.6, 1.8, 2.0, 3.0, 4.0], [1.3, 1.8, 3.3]),
     "wall": ([0, 0.03, 0.1, 0.3, 0.5, 1.0], [0.03, 0.3, 1.0]),  # none at all: another kernel
@@ -99,7 +102,10 @@ def sweeps(quick: bool = False, assumed: bool = False) -> dict[str, Sweep]:
     }
     if assumed:
         return found
+    gamma = {"plate.acceleration": size["gamma"]}
     return found | {
+        "rest": over_count(size["rest"], size["few_seeds"], periods, changes=AT_REST),
+        "rest_gamma": around(gamma, few, periods=size["gamma_periods"], **many, **AT_REST),
         "plate": around({PLATE_KEY: size["plate"]}, few, **many),
         "narrow": over_count(size["narrow"], size["few_seeds"], periods, changes=NARROW),
     }
@@ -136,7 +142,9 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     for i, colour in enumerate((BLUE, BLACK, ORANGE)):
         label = rf"$N={d['few'][i]}$, {d['gamma_tilt'][at, i]:.0f}° at {d['gamma'][at]:g}"
         curve(ax, d, "gamma", "gamma_c_x", colour, label, at=(..., i))
-    ax.axvline(ONSET_FIG4, 0, 0.66, color="0.5", lw=0.8, ls=":")  # up to the legend
+    resting = {"form": "o--", "hollow": True}
+    curve(ax, d, "gamma", "rest_gamma_c_x", BLACK, f"$N={ANNULUS_COUNT}$, walls at rest", **resting)
+    ax.axvline(ONSET_FIG4, 0, 0.55, color="0.5", lw=0.8, ls=":")  # up to the legend
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.legend(fontsize=6.5, loc="upper left")
 
@@ -199,16 +207,22 @@ def shape(tilt: np.ndarray, c_x: np.ndarray) -> dict[str, float]:
 def summary(d: Data) -> str:
     """The shape of (a), and the curves."""
     lines = ["Fig. 4. drift in cm/s, tilt in deg, ± one s.e."]
-    for name in ("still", "rolling"):
+    for name in ("still", "rolling", "rest"):
         found = shape(d[f"{name}_tilt"], d[f"{name}_c_x"])
         lines.append(f"{name}: " + ", ".join(f"{key} {value:.3f}" for key, value in found.items()))
 
     columns = {"rods": d["count"], "tilt": pairs(d, "still_tilt"), "drift": pairs(d, "still_c_x")}
     lines.append(columned(columns, ("g", 3, 3)))
-    for name, head in (("rolling", "rods roll"), ("narrow", "narrow gap"), ("plane", "row")):
+    for name, head in (
+        ("rolling", "rods roll"),
+        ("rest", "walls at rest"),
+        ("narrow", "narrow gap"),
+        ("plane", "row"),
+    ):
         columns = {f"{head}: tilt": pairs(d, f"{name}_tilt"), "drift": pairs(d, f"{name}_c_x")}
         lines.append(columned(columns, 3))
     columns = {f"{n} rods": pairs(d, "gamma_c_x", (..., i)) for i, n in enumerate(d["few"])}
+    columns[f"{ANNULUS_COUNT} rods, walls at rest"] = pairs(d, "rest_gamma_c_x")
     lines.append(columned({"Gamma": d["gamma"], **columns}, ("g", *[3] * len(columns))))
     for name in ("wall", "plate"):
         columns = {f"friction of the {name}": d[name], "tilt": pairs(d, f"{name}_tilt")}

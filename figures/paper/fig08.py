@@ -89,9 +89,8 @@ def draw(d: Data) -> plt.Figure:
 def summary(d: Data) -> str:
     """Share on the way down and distance from H."""
     off = np.abs(d["density"] - landing_density(d["phase"])).mean(axis=1) * np.pi
-    shares = {"tilt": d["tilt_deg"], "touches": pairs(d, "falling")}
-    shares["landings"] = pairs(d, "landing_falling")
-    lines = [f"Fig. 8. Share of landings while the plate falls; that of H: {EXPECTED:.3f}"]
-    lines.append(columned(shares, (1, 3, 3)))
+    touches, landings = pairs(d, "falling"), pairs(d, "landing_falling")
+    shares = {"tilt": d["tilt_deg"], "touches": touches, "landings": landings}
     far = {"tilt": d["shown_deg"], "half of the integrated distance from H": off}
-    return "\n".join([*lines, columned(far)])
+    head = f"Fig. 8. Share of landings while the plate falls; that of H: {EXPECTED:.3f}"
+    return f"{head}\n{columned(shares, (1, 3, 3))}\n{columned(far)}"

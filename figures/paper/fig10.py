@@ -12,6 +12,7 @@ import numpy as np
 from impact import classify, critical_tilts, slide_friction, thin_rod
 
 from ..lib.style import (
+    ARROW,
     Data,
     map_regimes,
     name_panels,
@@ -69,8 +70,7 @@ def draw(d: Data) -> plt.Figure:
             ax.text(x, y, word, ha="center", va="center")
         tilt_axis(ax)
     name_panels(axes, [rf"$-c_z/c_x={ratio:g}$" for ratio in d["approach_ratio"]])
-    arrow = {"arrowstyle": "->", "lw": 0.6}
-    axes[2].annotate("slide", (88.5, 0.07), (70, 0.07), va="center", arrowprops=arrow)
+    axes[2].annotate("slide", (88.5, 0.07), (70, 0.07), va="center", arrowprops=ARROW)
     axes[0].set(ylabel=r"friction $\mu$", ylim=(0, 1))
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure

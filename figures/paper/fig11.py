@@ -15,7 +15,7 @@ from derivations.drift import stationary
 from derivations.symbols import V_z, epsilon, length, mu, phi
 from impact import critical_tilts, drift, thin_rod
 
-from ..lib.style import BLACK, BLUE, GREEN, RED, Data, style, tilt_axis
+from ..lib.style import ARROW, BLACK, BLUE, GREEN, RED, Data, style, tilt_axis
 
 
 def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) -> Data:
@@ -71,7 +71,7 @@ def draw(d: Data) -> plt.Figure:
     inset.set(xlim=(78, 90), ylim=(0, 0.4), xticks=(80, 85, 90), yticks=(0, 0.2, 0.4))
     inset.tick_params(labelsize=6)
     place = 86.5, np.interp(86.5, np.degrees(d["tilt"]), d["c_x"])
-    arrow = {"arrowprops": {"arrowstyle": "->", "lw": 0.6}, "fontsize": 6}
-    inset.annotate("sticks\nagain", place, (82, 0.07), ha="center", va="center", **arrow)
+    look = {"ha": "center", "va": "center", "arrowprops": ARROW, "fontsize": 6}
+    inset.annotate("sticks\nagain", place, (82, 0.07), **look)
     ax.indicate_inset_zoom(inset, edgecolor="0.5", lw=0.6)
     return figure

@@ -43,11 +43,7 @@ SOFT = {  # all with k_n = 5e6
 }
 _DASHES = {1: "--", 2: "-", 3: "-."}  # the paper's: slide, slip-stick, slip reversal
 _COLOURS = {"coulomb": BLACK, "constant_restitution": BLUE, "appendix_a": RED}
-_LAWS = (
-    ("Newton, 0.65", ORANGE, "-."),
-    ("Poisson, 0.65", GREEN, "-."),
-    ("Stronge, 0.65", GREEN, ":"),
-)
+_LAWS = ("Newton", ORANGE, "-."), ("Poisson", GREEN, "-."), ("Stronge", GREEN, ":")
 
 
 def _fitted(law: str, soft: Soft) -> float:
@@ -127,8 +123,8 @@ def summary(d: Data) -> str:
     ]
     lines.append(table(heads, rows, 4))
     columns = {"velocities": 1, "-v_f/v_0": 2, "velocities, fitted": 4, "-v_f/v_0, fitted": 5}
-    rows = [(name, *(RESTITUTION_LAWS[d["table"][i][:, at].argmin()] for at in columns.values()))
-            for i, name in enumerate(SOFT)]  # fmt: skip
+    nearest = np.array(RESTITUTION_LAWS)[d["table"].argmin(axis=1)]
+    rows = [(name, *row[[*columns.values()]]) for name, row in zip(SOFT, nearest, strict=True)]
     lines.append(table(("nearest law in", *columns), rows))
     lines.append(f"halving the step moves velocities by at most {d['step_error'].max():.0e} (RMS)")
     return "\n".join(lines)
@@ -162,7 +158,7 @@ def _draw_restitution(ax: Axes, d: Data) -> None:
         dashes = "-" if name != "constant_restitution" else (0, (4, 1.5))
         ax.plot(np.degrees(d["tilt"]), e, ls=dashes, color=colour, label=f"MD, {name}")
     for (label, colour, dashes), e in zip(_LAWS, d["line_restitution"], strict=True):
-        ax.plot(line_deg, e, dashes, color=colour, lw=1, label=label)
+        ax.plot(line_deg, e, dashes, color=colour, lw=1, label=f"{label}, {EPSILON}")
     ax.set(ylabel=r"restitution $-v_f/v_0$", ylim=(0.45, 1.25))
     ax.legend(ncols=2, loc="upper center", fontsize=6, handlelength=1.8, columnspacing=1)
     tilt_axis(ax)
@@ -171,7 +167,7 @@ def _draw_restitution(ax: Axes, d: Data) -> None:
 def _draw_off(ax: Axes, d: Data) -> None:
     deg = np.degrees(d["tilt"])
     for (label, colour, dashes), off in zip(_LAWS, d["off"], strict=True):
-        ax.plot(deg, off, dashes, color=colour, label=label)
+        ax.plot(deg, off, dashes, color=colour, label=f"{label}, {EPSILON}")
     ax.plot(deg, d["off_measured"], "-", color=BLACK, label="Newton, measured")
     ax.set(yscale="log", ylim=(3e-5, 1), ylabel=r"$|\Delta\mathbf{c}'|/|c_z|$")
     ax.legend(ncols=2, loc="upper center", fontsize=6)

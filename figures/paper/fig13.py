@@ -49,6 +49,7 @@ from ..lib.style import (
     tilt_axis,
 )
 from ..lib.tables import columned, pairs, table
+from .fig02 import AT_TOUCH
 
 BOX_OF_LENGTHS, GAMMA_OF_LENGTHS = 41.4, 2.5  # panel (c)
 GAMMAS = (1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.3, 4, 5)
@@ -57,9 +58,8 @@ ROD_LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
 
 def _measured(sweep: Sweep, prefix: str) -> Data:
     """Drift [cm/s], tilt [deg] and V_z/V_0 with their errors."""
-    by = "touches.plate_velocity"
-    names = {"c_x": "c_x_cm_s", "tilt": "tilt_deg"}
-    names |= {"V_z": f"{by}_by_speed.mean", "V_z_alike": f"{by}.mean"}
+    alike = "touches.plate_velocity.mean"
+    names = {"c_x": "c_x_cm_s", "tilt": "tilt_deg", "V_z": AT_TOUCH, "V_z_alike": alike}
     return means(sweep, {f"{prefix}_{name}": result for name, result in names.items()})
 
 
@@ -71,13 +71,12 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     periods, two = periods_of(quick), {"start.seed": [1, 2]}
     seeds = two if quick else SEEDS
     row = {"box.length": BOX_OF_LENGTHS, "plate.acceleration": GAMMA_OF_LENGTHS}
-    row["rods.inertia"] = "solid"
-    at_rest = {**row, "start.speed": 1e-3}
+    row |= {"rods.inertia": "solid"}
     return {
         "tilt": tilt_plan(quick),
         "gamma": planned([{"plate.acceleration": gamma}, seeds], periods),
         "length": planned([{"rods.length": length}, seeds], periods, row),
-        "jammed": planned([{"rods.length": jammed}, two], periods, at_rest),
+        "jammed": planned([{"rods.length": jammed}, two], periods, row | {"start.speed": 1e-3}),
         "second": tilt_plan(quick, SECOND | RESOLVED),
     }
 
@@ -168,9 +167,8 @@ def draw(d: Data) -> plt.Figure:
     for ax in (a, b, c):
         ax.axhline(0, color="0.7", lw=0.6)
     legend_above(figure, a, ncols=3, fontsize=6.5)
-    figure.supxlabel(
-        rf"$N={COUNT}$, (a, b) $l={LENGTH}\,d$, $d=0.6$ cm, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}",
-    )
+    rods = rf"$N={COUNT}$, (a, b) $l={LENGTH}\,d$, $d=0.6$ cm"
+    figure.supxlabel(rf"{rods}, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}")
     return figure
 
 
@@ -230,9 +228,8 @@ def summary(d: Data) -> str:
         "(c) largest less smallest from 2.5 on": ("long_spread", "cm/s"),
     }
 
-    rows = [
-        (name, (f[key], f.get(f"{key}_error", np.nan)), unit) for name, (key, unit) in words.items()
-    ]
+    found = {key: (value, f.get(f"{key}_error", np.nan)) for key, value in f.items()}
+    rows = [(name, found[key], unit) for name, (key, unit) in words.items()]
     lines = [f"Fig. 13, ± one s.e.; acos dN/L {np.degrees(np.arccos(COUNT / BOX)):.1f} deg in (b)"]
     lines.append(table(("fits", "", ""), rows))
     for x, names in (

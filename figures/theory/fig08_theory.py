@@ -14,7 +14,7 @@ from impact import spherocylinder
 
 from ..lib.phases import estimates, middles, phase_panels, share_panel
 from ..lib.runs import GAMMA, LENGTH, RESTITUTION, SETTING, SHOWN_DEG
-from ..lib.style import BLACK, BLUE, Data, curve, hit_again_tilt, style
+from ..lib.style import ARROW, BLACK, BLUE, Data, curve, hit_again_tilt, style
 
 PHASE_BINS = 36
 SPREAD_DEG = 3.0
@@ -64,8 +64,7 @@ def draw(d: Data) -> plt.Figure:
         peak = np.argmax(density)
         if density[peak] > top:
             at, beside = (phase_deg[peak], 0.99 * top), (phase_deg[peak] + 25, 0.9 * top)
-            arrow = {"arrowstyle": "->", "lw": 0.6}
-            ax.annotate(f"up to {density[peak]:.1f}", at, beside, arrowprops=arrow)
+            ax.annotate(f"up to {density[peak]:.1f}", at, beside, arrowprops=ARROW)
     last = share_panel(figure, np.degrees(d["tilt"]), 60, 15)
     curve(last, {**d, "deg": np.degrees(d["sweep_tilt"])}, "deg", "falling", BLUE)
     again = np.degrees(d["again_tilt"])

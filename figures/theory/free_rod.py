@@ -93,10 +93,8 @@ def summary(d: Data) -> str:
     lines = [f"{GAMMA = :g}", columned(columns)]
     for deg in SINGLE_DEG:
         tilt, share = d[f"second_{deg}"]
-        lines.append(
-            f"released at {deg} deg: second landing at {np.degrees(tilt):.0f} deg, omega X takes"
-            f" {100 * share:.0f} % off the approach"
-        )
+        landing = f"released at {deg} deg: second landing at {np.degrees(tilt):.0f} deg"
+        lines.append(f"{landing}, omega X takes {100 * share:.0f} % off the approach")
     return "\n".join(lines)
 
 

@@ -15,56 +15,49 @@ from matplotlib.axes import Axes
 from derivations import function
 from impact import Regime, critical_tilts, drift, optimal_tilt, spherocylinder
 
+from ..lib.runs import SETTING
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style
 
 RESTITUTIONS = (0.5, 0.65, 0.8)
 TILTS_DEG = (10.0, 20.0, 30.0, 45.0)
-_PIECES = (
-    (BLUE, "of slip reversal"),
-    (ORANGE, r"the critical tilt $\phi_c$"),
-    (BLACK, "of slip-stick"),
-)
+_PIECES = {BLUE: "of slip reversal", ORANGE: r"the critical tilt $\phi_c$", BLACK: "of slip-stick"}
 
 
 def _best_length(tilt: float, restitution: float) -> float:
     """Length over diameter of the largest drift of a spherocylinder in slip-stick."""
-    polynomial = np.polynomial.Polynomial.fit(
-        nodes := np.linspace(0, 1, 5),
-        function("V: best length")(epsilon=restitution, phi=tilt, h_0=nodes),
-        4,
-    )
-    roots = polynomial.roots()
+    nodes = np.linspace(0, 1, 5)
+    values = function("V: best length")(epsilon=restitution, phi=tilt, h_0=nodes)
+    roots = np.polynomial.Polynomial.fit(nodes, values, 4).roots()
     return 1 + float(min(x.real for x in roots if abs(x.imag) < 1e-9 and x.real > 0))
 
 
-def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) -> Data:
+def data(quick: bool = False) -> Data:
     """Optimum over friction, shape (restitutions, n), tilt in rad; drift over length at tilts."""
     n = 121 if quick else 601
     mu = np.linspace(0.4, 0, n, endpoint=False)[::-1]
     best = optimal_tilt(friction=mu, restitution=np.array(RESTITUTIONS)[:, None])
     corner = np.isclose(best.tilt, critical_tilts(mu)[0], rtol=1e-12)
     tilts, lengths = np.radians(TILTS_DEG), np.geomspace(1, 20, n)
-    setting = {"friction": friction, "restitution": restitution}
-    best_length = np.array([_best_length(tilt, restitution) for tilt in tilts])
+    best_length = np.array([_best_length(tilt, SETTING["restitution"]) for tilt in tilts])
     return {
         "friction": mu,
         "restitution": np.array(RESTITUTIONS),
         "tilt": best.tilt,
         "c_x": best.c_x,
         "kind": np.where(best.regime == Regime.SLIP_REVERSAL, 0, np.where(corner, 1, 2)),
-        "length_friction": np.float64(friction),
-        "length_restitution": np.float64(restitution),
+        "length_friction": np.float64(SETTING["friction"]),
+        "length_restitution": np.float64(SETTING["restitution"]),
         "tilts": tilts,
         "lengths": lengths,
-        "c_x_by_length": drift(spherocylinder(tilts[:, None], lengths), **setting).c_x,
+        "c_x_by_length": drift(spherocylinder(tilts[:, None], lengths), **SETTING).c_x,
         "best_length": best_length,
-        "best_c_x": drift(spherocylinder(tilts, best_length), **setting).c_x,
+        "best_c_x": drift(spherocylinder(tilts, best_length), **SETTING).c_x,
     }
 
 
 def _over_friction(ax: Axes, d: Data, y: np.ndarray) -> None:
     for row, values in enumerate(y):
-        for kind, (colour, label) in enumerate(_PIECES):
+        for kind, (colour, label) in enumerate(_PIECES.items()):
             here = np.where(d["kind"][row] == kind, values, np.nan)
             ax.plot(d["friction"], here, color=colour, label=None if row else label)
         place = d["friction"][-1], values[-1]
@@ -84,13 +77,10 @@ def _drifts(ax: Axes, d: Data) -> None:
 
 
 def _lengths(ax: Axes, d: Data) -> None:
-    for colour, tilt, c_x, length, best in zip(
-        (BLACK, BLUE, GREEN, RED),
-        d["tilts"], d["c_x_by_length"], d["best_length"], d["best_c_x"],
-        strict=True,
-    ):  # fmt: skip
-        ax.plot(d["lengths"], c_x, color=colour, label=f"{np.degrees(tilt):g}°")
-        ax.plot(length, best, "o", color=colour, ms=4)
+    for i, colour in enumerate((BLACK, BLUE, GREEN, RED)):
+        label = f"{np.degrees(d['tilts'][i]):g}°"
+        ax.plot(d["lengths"], d["c_x_by_length"][i], color=colour, label=label)
+        ax.plot(d["best_length"][i], d["best_c_x"][i], "o", color=colour, ms=4)
     ax.set(xscale="log", xlabel="length $l/d$", ylabel=r"drift $c_x/V_z$", xlim=(1, 20))
     ax.set(xticks=[1, 2, 5, 10, 20], xticklabels=["1", "2", "5", "10", "20"], ylim=(0, 5.6))
     ax.minorticks_off()

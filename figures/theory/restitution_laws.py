@@ -32,6 +32,7 @@ from ..lib.style import (
 )
 
 GOURAUD = {"shading": "gouraud", "rasterized": True}
+LINE_FRICTION = 0.5  # of panel (c)
 RESTITUTIONS = (0.8, 0.85, 0.9, 0.95, 0.99)
 
 
@@ -78,25 +79,20 @@ def _after(tilt, friction, restitution, approach_ratio) -> np.ndarray:
     return np.array([[hit.c_x for hit in hits], [hit.c_z for hit in hits]])
 
 
-def data(
-    quick: bool = False,
-    friction: float = 0.5,
-    restitution: float = 0.8,
-    approach_ratio: float = 1.0,
-) -> Data:
+def data(quick: bool = False) -> Data:
     """Thresholds and what the search found; outcomes of three laws in units of |c_z|."""
     n, dots = (46, (15, 10)) if quick else (361, (45, 30))
     d = _creation(n, dots)
-    setting = {"approach_ratio": approach_ratio, "restitution": restitution}
+    setting = {"approach_ratio": 1.0, "restitution": 0.8}
     reversal = reversal_boundary(4 * n)
-    d["c_x"], d["c_z"] = _after(d["tilt"], friction, **setting)
+    d["c_x"], d["c_z"] = _after(d["tilt"], LINE_FRICTION, **setting)
     everywhere = _after(d["tilt"], d["friction"][:, None], **setting)
     apart = np.hypot(*(everywhere[:, :, None] - everywhere[:, None]))  # each law from each
     return {
         **d,
-        "line_friction": np.float64(friction),
-        "line_restitution": np.float64(restitution),
-        "approach_ratio": np.float64(approach_ratio),
+        "line_friction": np.float64(LINE_FRICTION),
+        "line_restitution": np.float64(setting["restitution"]),
+        "approach_ratio": np.float64(setting["approach_ratio"]),
         "difference": apart.max(axis=(0, 1)),
         "slide_friction": slide_friction(thin_rod(d["tilt"]), **setting),
         **reversal,

@@ -20,10 +20,21 @@ from matplotlib.axes import Axes
 import md
 from impact import collide, drift, flat_ended_rod, spherocylinder, thin_rod
 
-from ..lib.style import BLACK, BLUE, GREEN, RED, SHAPES, Data, painted, points, style, tilt_axis
+from ..lib.style import (
+    ARROW,
+    BLACK,
+    BLUE,
+    GREEN,
+    RED,
+    SHAPES,
+    Data,
+    painted,
+    points,
+    style,
+    tilt_axis,
+)
 
 OBSERVED_DEG = 8.0  # experiment: flat-ended rods drift only above this tilt
-ARROW = {"arrowstyle": "->", "lw": 0.6}
 IN_RED = {"va": "center", "color": RED, "arrowprops": {**ARROW, "color": RED}}
 _KINDS = (("thin", BLACK, "-."), ("round", BLUE, "-"), ("flat", RED, "-"))
 

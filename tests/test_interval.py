@@ -1,0 +1,108 @@
+"""Intervals of drifts: cuts, pooled starts, trends, and how often runs that end by them hold."""
+
+import numpy as np
+import pytest
+from scipy.special import ndtri
+from scipy.stats import t as student
+
+from md import accuracy
+from md.statistics import standard_error
+
+from .test_statistics import autoregressive
+from .test_tolerance import NONE
+
+
+def test_the_interval_of_one_start_is_students():
+    series = autoregressive(np.random.default_rng(1), 1000, 0.5)
+    found = accuracy.interval([series], 0.9)
+    rest = series[200:]
+    assert (found.mean, found.settled) == (pytest.approx(rest.mean()), True)
+    assert found.half == pytest.approx(
+        student.ppf(0.95, 800 // 30) * standard_error(rest), rel=1e-12
+    )
+    assert np.isnan(found.chance)
+
+
+def test_a_long_run_leaves_out_no_more_than_its_transient():
+    series = np.concatenate([np.full(400, 9.0), np.random.default_rng(1).normal(size=4600)])
+    found = accuracy.interval([series])
+    assert found.mean == series[400:].mean()
+    assert abs(found.mean) < found.half
+
+
+def test_starts_in_one_state_are_pooled():
+    """Weights as their lengths; the error is that of one series as long as all."""
+    random = np.random.default_rng(2)
+    series = [autoregressive(random, n, 0.3) for n in (1000, 500)]
+    found = accuracy.interval(series)
+    rest = series[0][200:], series[1][150:]
+    n = np.array([800, 350])
+    assert found.mean == pytest.approx(np.concatenate(rest).mean())
+    error = np.hypot(*n * [standard_error(one) for one in rest]) / n.sum()
+    assert found.half == pytest.approx(
+        student.ppf(0.975, len(np.concatenate(rest)) // 30) * error, rel=1e-12
+    )
+    assert found.chance > accuracy.UNLIKELY[False]
+
+
+@pytest.mark.parametrize(("annulus", "apart"), [(False, 1.0), (True, 0.019)])
+def test_starts_in_several_states_are_told_and_their_scatter_counts(annulus, apart):
+    """In an annulus sooner: by a chance of 1 %, which a row takes for one state."""
+    random = np.random.default_rng(3)
+    series = [apart * level + 0.1 * random.normal(size=900) for level in (0, 0, 1)]
+    found = accuracy.interval(series, annulus=annulus)
+    means = [one[300 if annulus else 180 :].mean() for one in series]
+    assert found.chance < accuracy.UNLIKELY[annulus]
+    assert annulus == (accuracy.interval(series).chance > accuracy.UNLIKELY[False])
+    assert found.half == pytest.approx(student.ppf(0.975, 2) * np.std(means, ddof=1) / np.sqrt(3))
+
+
+def test_a_run_that_has_not_settled_is_told():
+    """It is never reached; the error is the difference of the halves of its second half."""
+    trending = np.linspace(1, 2, 800) + 0.1 * np.random.default_rng(4).normal(size=800)
+    found, rest = accuracy.interval([trending]), trending[400:]
+    assert not found.settled
+    assert found.error == pytest.approx((rest[200:].mean() - rest[:200].mean()) / 2)
+    goal = accuracy._Goal(0.5, 0.95, 0.0, 1e9, lambda _: NONE)
+    goal.found = found
+    assert goal.error < 0.5 * goal.size
+    assert not goal.reached
+
+
+def test_a_longer_transient_is_left_out():
+    """Of 1000 periods, whose first 250 drift three times as fast."""
+    series = 1 + 0.1 * np.random.default_rng(6).normal(size=1000)
+    series[:250] += 2
+    found = accuracy.interval([series])
+    assert found.settled
+    assert found.mean == pytest.approx(series[300:].mean())
+
+
+def followed(series, tolerance, confidence=0.95):
+    """The goal of a run with this drift, as it ends."""
+    goal = accuracy._Goal(tolerance, confidence, 0.0, 1e9, lambda _: NONE)
+    made = goal.ask(0, series[0][:0])
+    while not goal.over:
+        made = goal.ask(0, series[0][:made])
+    return goal
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.5, 0.7])
+@pytest.mark.parametrize("length", [300, 1500])
+def test_runs_that_end_by_their_own_interval_hold_the_mean_as_often_as_they_say(memory, length):
+    """Of 400; within 92 and 98 in a hundred, and two standard deviations of so many more."""
+    random, hits, unsettled = np.random.default_rng(5), 0, 0
+    tolerance = ndtri(0.975) / (1 - memory) / np.sqrt(length)
+    for _ in range(400):
+        series = 1 + autoregressive(random, 20 * length, memory)
+        goal = followed([series], tolerance)
+        hits += abs(goal.mean - 1) <= goal.error
+        unsettled += not goal.reached
+    assert unsettled <= 4
+    spread = 2 * np.sqrt(0.05 * 0.95 / 400)
+    assert 0.92 - spread <= hits / 400 <= 0.98 + spread
+
+
+@pytest.mark.parametrize("n", [0, 1, 7, 99])
+def test_few_values_have_no_interval(n):
+    assert accuracy.interval([np.ones(n)]).half == np.inf
