@@ -50,6 +50,7 @@ from .kernels.codes import (
 from .kernels.contact import Clock, ContactForces, Motion
 from .kernels.neighbours import apart, meetings, nothing_listed, places
 from .kernels.space import march as space
+from .kernels.space.batch import no_contacts as no_contacts_in_space
 from .kernels.space.energy import energy
 from .kernels.space.forces import SpaceEffects, State, Wall
 from .kernels.space.pairs import nearest, no_pairs
@@ -468,6 +469,7 @@ def _annulus(scene: Scene, gap: Annulus, ledger: bool, touches: bool) -> Annulus
         scratch=np.zeros((n, 6)),
         lost=np.zeros((ANNULUS_LEDGER, n, 6)) if ledger else None,
         flat=np.zeros((n, FLAT)) if record else None,
+        batch=no_contacts_in_space(),
     )
     watchers = plane.Watchers(np.zeros(ANNULUS_LEDGER) if ledger else None, record, None)
     return AnnulusEngine(scene, effects, state, watchers, effects.plate, dt, per)

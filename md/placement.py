@@ -9,6 +9,7 @@ from .errors import InputError
 from .kernels.codes import DIRECTOR, DONE, SPACE_COLUMNS, TOO_FAST, TURN, VELOCITY
 from .kernels.contact import Clock, ContactForces, Normal
 from .kernels.plane import Watchers
+from .kernels.space.batch import no_contacts
 from .kernels.space.forces import SpaceEffects, State, Wall
 from .kernels.space.geometry import beyond, from_above, passes
 from .kernels.space.march import march
@@ -154,7 +155,7 @@ def _relax(gap: Annulus, rods: np.ndarray, half: float) -> float:
     between = ContactForces(soft, None)
     effects = SpaceEffects(half, light, inner=inner, outer=outer, between=between)
     force = np.zeros((n, 6))
-    state = State(rods, np.zeros((n, 6)), None, no_pairs(n), None, force)
+    state = State(rods, np.zeros((n, 6)), None, no_pairs(n), None, force, batch=no_contacts())
     for step in range(_STEPS):
         rods[:, 2] = 0.5 + half * np.abs(rods[:, DIRECTOR + 2])
         rods[:, VELOCITY + 2] = 0

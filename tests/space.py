@@ -15,6 +15,7 @@ from md.kernels.codes import (
 )
 from md.kernels.contact import Clock, ContactForces, Friction, Motion, Normal
 from md.kernels.plane import Watchers
+from md.kernels.space.batch import no_contacts
 from md.kernels.space.energy import energy
 from md.kernels.space.forces import SpaceEffects, State, Wall
 from md.kernels.space.march import march
@@ -77,7 +78,8 @@ class Rods:
         pairs = no_pairs(n) if scene.between else None
         lost, flat = np.zeros((ANNULUS_LEDGER, n, 6)), np.zeros((n, FLAT))
         seen = (lost, flat) if watched else (None, None)
-        self.state = State(rods, np.zeros((n, 6)), springs, pairs, between, np.zeros((n, 6)), *seen)
+        own = rods, np.zeros((n, 6)), springs, pairs, between, np.zeros((n, 6)), *seen
+        self.state = State(*own, batch=no_contacts())
         record = new_record(n, 4096) if scene.normal else None
         self.watchers = Watchers(np.zeros(ANNULUS_LEDGER), record, None) if watched else NOBODY
 

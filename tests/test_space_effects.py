@@ -61,7 +61,7 @@ def test_absent_effects_have_no_code(kernel, extra, base, marks, moves):
     paths = PATHS.get("".join(extra)) or [f"effects.{path}" for path in extra]
     llvm.assert_absent(text, bare, dict.fromkeys(paths, ""))
     for mark in marks.split("|"):
-        assert text.body.count(mark) > bare.body.count(mark)
+        assert text.whole.count(mark) > bare.whole.count(mark)
     assert (np.abs(with_it.rods - without.rods).max() > 1e-4) == moves
     assert moves or (with_it.rods == without.rods).all()
 

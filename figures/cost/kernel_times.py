@@ -15,6 +15,7 @@ from md.host import Engine, prepare
 from md.kernels.codes import PAIR_SLOTS, PLATE_CAPS, SLOTS, SPACE_COLUMNS
 from md.kernels.contact import Clock
 from md.kernels.plane import Watchers
+from md.kernels.space.batch import no_contacts
 from md.kernels.space.forces import SpaceEffects, State
 from md.kernels.space.march import march
 from md.kernels.space.pairs import no_pairs
@@ -64,7 +65,7 @@ def lifted(engine: Engine) -> Callable[[int], tuple[float, np.ndarray]]:
     def sample(_: int) -> tuple[float, np.ndarray]:
         pair_springs = np.zeros((n * (n - 1) // 2, PAIR_SLOTS, 3))
         own = first.copy(), before.copy(), springs.copy()
-        state = State(*own, no_pairs(n), pair_springs, np.zeros((n, 6)))
+        state = State(*own, no_pairs(n), pair_springs, np.zeros((n, 6)), batch=no_contacts())
         nobody = Watchers(None, None, None)
         march(effects, state, nobody, Clock(step, dt), 1)
         begin = thread_time()

@@ -1,6 +1,6 @@
 """Energy of rods in space, compiled: all forces but dashpots and friction derive from it.
 
-Weights are those of the forces: of places between two ends (`pairs.shared`, `forces.beside`), and
+Weights are those of the forces: of places between two ends (`pairs.shared`, `walls.beside`), and
 of two ends that meet (`pairs.joined`).
 """
 

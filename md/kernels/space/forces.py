@@ -1,4 +1,4 @@
-"""Contact forces in space, compiled: friction, cylindrical walls. Pairs: `pairs`; plate: `plate`.
+"""Contact forces in space, compiled: friction, fixed surfaces, and what takes off energy.
 
 Forces are those of `kernels.contact`. A tangential spring is a vector that stays in the tangent
 plane of its contact. Every function adds force and torque to the total.
@@ -10,17 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ...cache import kernel
+from ..batch import Batch
 from ..codes import (
     DIRECTOR,
-    INNER,
-    OUTER,
-    PLACE,
+    PLATE_FRICTION,
     PLATE_NORMAL,
     PLATE_WORK,
     TURN,
     VELOCITY,
     WALL_FRICTION,
-    WALL_NORMAL,
 )
 from ..contact import (
     ZERO,
@@ -35,7 +33,7 @@ from ..contact import (
     tangential_constants,
     vector,
 )
-from .geometry import NEARER, UP, beyond, cross, dot, from_axis, passes, rise
+from .geometry import UP, cross, dot, times
 
 
 class Wall(NamedTuple):
@@ -85,6 +83,7 @@ class State(NamedTuple):
     # (ANNULUS_LEDGER, N, 6): of them, what takes off energy; see `lose`. None: no ledger
     lost: np.ndarray | None = None
     flat: np.ndarray | None = None  # (N, touches.FLAT): rods as of a row. None: no record
+    batch: Batch | None = None  # contacts of a step
 
 
 class At(NamedTuple):
@@ -96,7 +95,6 @@ class At(NamedTuple):
     climb: float  # sqrt(g d); the surface's velocity along z
     share: float  # weight of the contact, 0 to 1
     slot: int  # of the contact's spring
-    kind: int  # column of the ledger of what the normal force loses; the next: friction
 
 
 class Rubbing(NamedTuple):
@@ -234,64 +232,78 @@ def spring_friction(constants, limit, length, stretched, slip, dt):
     Vectors; `stretched` is the `length` after the slip of a step.
     """
     k, g = constants
-    f = along(along(ZERO, -k, stretched), -g, slip)
+    f = along(times(-k, stretched), -g, slip)
     square = dot(f, f)
     if square <= limit * limit:
         return f, sqrt(square), stretched
-    f = along(ZERO, limit / sqrt(square), f)
+    f = times(limit / sqrt(square), f)
     relaxed = 1.0 / (g + k * dt)
-    return f, limit, along(along(ZERO, g * relaxed, length), -dt * relaxed, f)
+    return f, limit, along(times(g * relaxed, length), -dt * relaxed, f)
 
 
 @kernel
 def friction_force(friction, effects, bodies, springs, at, rubbing, dt):
-    """Friction force between a fixed surface and a body, or on the first of two, and its size.
+    """Friction force between a fixed surface and a body, and its size.
 
-    `bodies`: arm and director of each; `at`: where the contact's spring is kept.
+    `bodies`: arm and director; `at`: where the contact's spring is kept. None where friction is a
+    constraint, which comes later (`plate.held`).
     """
     if friction is None:
         return ZERO, 0.0
-    return sprung(friction.spring, friction.coefficient, effects, bodies, springs, at, rubbing, dt)
+    return sprung(friction.spring, friction, effects, bodies, springs, at, rubbing, dt)
 
 
 @kernel
-def sprung(spring, coefficient, effects, bodies, springs, at, rubbing, dt):
-    """The same; none where friction is a constraint, which comes later (`plate.held`)."""
+def sprung(spring, friction, effects, bodies, springs, at, rubbing, dt):
+    """The same, of any friction."""
     if spring is None:
         return ZERO, 0.0
-    n, row, place = rubbing.normal, at[0], at[1]
-    length = tangential(vector(springs[row], place, 0), n)
+    own = springs[at[0]]
+    f, size, length = spring_force(friction, effects, bodies, vector(own, at[1], 0), rubbing, dt)
+    put(own, at[1], 0, length)
+    return f, size
+
+
+@kernel
+def spring_force(friction, effects, bodies, length, rubbing, dt):
+    """Friction force on the first of one or two bodies, its size and the spring's new length."""
+    n = rubbing.normal
+    length = tangential(length, n)
     stretched = along(length, dt, tangential(rubbing.half, n))
     square, light, turned = dot(stretched, stretched), 1.0 * len(bodies), 0.0
     for arm, director in bodies:
         turned += inverse(effects.rolling, effects.lightness, arm, director, stretched)
     mass = square / (light * square + turned) if square > 0.0 else 1.0 / light
-    slip = tangential(rubbing.now, n)
-    constants = tangential_constants(spring, rubbing.overlap, mass)
-    limit = coefficient * rubbing.force
-    f, size, length = spring_friction(constants, limit, length, stretched, slip, dt)
-    put(springs[row], place, 0, length)
-    return f, size
+    constants = tangential_constants(friction.spring, rubbing.overlap, mass)
+    limit = friction.coefficient * rubbing.force
+    return spring_friction(constants, limit, length, stretched, tangential(rubbing.now, n), dt)
+
+
+@kernel
+def pressed(normal, effects, at, director, v, gain, dt):
+    """What friction acts on at a fixed surface; `v`, `gain`: of the contact against it."""
+    overlap = max(0.5 - at.reach, 0.0)  # a rounding may have told a touch
+    now = along(v, dt / 2, gain)
+    mass = 1.0 / (1.0 + across_normal(effects.lightness, at.s, director, at.out))
+    force = at.share * normal_force(normal, overlap, dot(now, at.out), mass, dt)
+    return Rubbing(at.out, overlap, force, v, now)
 
 
 @kernel
 def surface(normal, friction, effects, state, i, at, dt):
-    """Add what a fixed surface does to rod i at the place `at`; the arm, `Rubbing`, F_t's size."""
-    overlap = max(0.5 - at.reach, 0.0)  # a rounding may have told a touch
+    """Add what the plate does to rod i at the place `at`; the arm, `Rubbing`, F_t's size."""
     director = vector(state.rods, i, DIRECTOR)
-    arm = along(along(ZERO, at.s, director), -at.reach, at.out)
+    arm = along(times(at.s, director), -at.reach, at.out)
     v = along(moving(effects, state, i, director, arm), -at.climb, UP)
-    now = along(v, dt / 2, gaining(effects, state, i, director, arm))
-    mass = 1.0 / (1.0 + across_normal(effects.lightness, at.s, director, at.out))
-    force = at.share * normal_force(normal, overlap, dot(now, at.out), mass, dt)
-    rubbing, bodies = Rubbing(at.out, overlap, force, v, now), ((arm, director),)
+    gain = gaining(effects, state, i, director, arm)
+    rubbing, bodies = pressed(normal, effects, at, director, v, gain, dt), ((arm, director),)
+    force, overlap = rubbing.force, rubbing.overlap
     f, size = friction_force(friction, effects, bodies, state.springs, (i, at.slot), rubbing, dt)
     act(state.scratch, i, arm, along(f, force, at.out))
     elastic = at.share * normal.stiffness * overlap * sqrt(overlap)
-    lose(state.lost, at.kind, i, arm, along(ZERO, force - elastic, at.out))
-    lose(state.lost, at.kind + 1, i, arm, f)
-    lifted(state.lost, i, force, elastic, at.climb * at.out[2])
-    carried(effects.shaken, state.lost, i, at.climb * f[2])
+    lose(state.lost, PLATE_NORMAL, i, arm, times(force - elastic, at.out))
+    lose(state.lost, PLATE_FRICTION, i, arm, f)
+    lifted(state.lost, i, force, elastic, at.climb)
     return arm, rubbing, size
 
 
@@ -299,64 +311,3 @@ def surface(normal, friction, effects, state, i, at, dt):
 def ends(half):
     """How many ends a rod has; a sphere has one."""
     return 2 if half > 0.0 else 1
-
-
-@kernel
-def at_caps(wall, effects, state, i, seen, side, climb, dt):
-    """Add a wall's forces at both caps; the deepest overlap. `side`: 1 convex wall, -1 concave."""
-    if wall is None:
-        return 0.0
-    deepest, rods, slot = 0.0, state.rods, INNER if side > 0 else OUTER
-    touching = wall.radius + 0.5 * side
-    for cap in range(ends(effects.half_length)):
-        s = effects.half_length if cap else -effects.half_length
-        if side * (beyond(seen, s) - touching**2) >= 0:
-            forget(state.springs, i, slot + cap)
-            continue
-        rho, out = from_axis(along(vector(rods, i, PLACE), s, vector(rods, i, DIRECTOR)))
-        out = side * out[0], side * out[1], 0.0
-        at = At(s, side * (rho - wall.radius), out, climb, 1.0, slot + cap, WALL_NORMAL)
-        surface(wall.normal, wall.friction, effects, state, i, at, dt)
-        deepest = max(deepest, 0.5 - at.reach)
-    return deepest
-
-
-@kernel
-def at_inner(wall, effects, state, i, seen, climb, dt):
-    """Add the forces of the convex wall, on caps and between them; the deepest overlap."""
-    if wall is None:
-        return 0.0
-    deepest = at_caps(wall, effects, state, i, seen, 1, climb, dt)
-    if not passes(seen, effects.half_length, wall.radius + 0.5):
-        forget(state.springs, i, INNER + 2)
-        return deepest
-    return max(deepest, beside(wall, effects, state, i, -seen[1] / seen[2], climb, dt))
-
-
-@kernel
-def beside(wall, effects, state, i, s, climb, dt):
-    """Add the forces of the convex wall at a place between the ends; the overlap."""
-    rods, half = state.rods, effects.half_length
-    place, director = vector(rods, i, PLACE), vector(rods, i, DIRECTOR)
-    rho, out = from_axis(along(place, s, director))
-    lower, out_l = from_axis(along(place, -half, director))
-    upper, out_u = from_axis(along(place, half, director))
-    w_l, slope_l = rise((lower - rho) * (1 / NEARER))
-    w_u, slope_u = rise((upper - rho) * (1 / NEARER))
-    at = At(s, rho - wall.radius, out, climb, w_l * w_u, INNER + 2, WALL_NORMAL)
-    surface(wall.normal, wall.friction, effects, state, i, at, dt)
-    overlap = max(0.5 - at.reach, 0.0)
-    if slope_l + slope_u == 0.0:
-        return overlap
-    energy = 0.4 * wall.normal.stiffness * overlap * overlap * sqrt(overlap) * (1 / NEARER)
-    attracted(state, i, s, out, energy * (slope_l * w_u + w_l * slope_u))
-    attracted(state, i, -half, out_l, -energy * slope_l * w_u)
-    attracted(state, i, half, out_u, -energy * w_l * slope_u)
-    return overlap
-
-
-@kernel
-def attracted(state, i, s, normal, force):
-    """Add a force along a normal at place s of the axis of rod i."""
-    arm = along(ZERO, s, vector(state.rods, i, DIRECTOR))
-    act(state.scratch, i, arm, along(ZERO, force, normal))

@@ -17,6 +17,12 @@ UP = (0.0, 0.0, 1.0)
 
 
 @kernel
+def times(s, a):
+    """s a."""
+    return s * a[0], s * a[1], s * a[2]
+
+
+@kernel
 def dot(a, b):
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -35,11 +35,12 @@ from ..codes import (
 from ..contact import ZERO, Clock, along, plate_at, put, vector
 from ..neighbours import too_fast
 from ..touches import full
-from .forces import across, at_caps, at_inner, climbing, settle, turning
-from .geometry import cross, dot, from_above
+from .forces import across, climbing, settle, turning
+from .geometry import cross, dot, times
 from .pairs import between_rods
-from .plate import on_plate, waits
+from .plate import on_plate
 from .touches import recorded_in_space
+from .walls import wall_forces
 
 
 class Series(NamedTuple):
@@ -95,14 +96,11 @@ def sample(series, rods, step):
 
 
 @kernel
-def within_walls(effects, state, i, climb, dt):
-    """Add the forces of both walls; the deepest overlap. `climb`: of the plate."""
+def within_walls(effects, state, climb, dt):
+    """Add the forces of both walls; a rod that is too deep, or -1. `climb`: of the plate."""
     climb = climbing(effects.shaken, climb)
-    seen = from_above(vector(state.rods, i, PLACE), vector(state.rods, i, DIRECTOR))
-    return max(
-        at_inner(effects.inner, effects, state, i, seen, climb, dt),
-        at_caps(effects.outer, effects, state, i, seen, -1, climb, dt),
-    )
+    deep = wall_forces(effects.inner, effects, state, 1, climb, dt)
+    return max(deep, wall_forces(effects.outer, effects, state, -1, climb, dt))
 
 
 @kernel
@@ -125,7 +123,6 @@ def march(effects, state, watchers, clock, steps):
     """
     rods, before, total = state.rods, state.before, state.scratch
     g, rolling, dt = gravity(effects.gravity), effects.rolling, clock.dt
-    last = waits(effects.friction)  # whether the plate's forces come last
     for n in range(steps):
         step = clock.step + n
         if full(watchers.record):
@@ -137,26 +134,23 @@ def march(effects, state, watchers, clock, steps):
         why, where = between_rods(effects.between, effects, state, dt)
         if why != DONE:
             return n, why, where
+        where = within_walls(effects, state, plate[1], dt)
+        if where >= 0:
+            return n, WALL_TOO_DEEP, where
         sample(watchers.series, rods, step)
         fastest, quickest = 0.0, 0.0  # squared
         for i in range(rods.shape[0]):
-            pushed, in_walls = vector(total, i, 0) != (0.0, 0.0, g), 0.0
-            if last:
-                in_walls = within_walls(effects, state, i, plate[1], dt)
+            pushed = vector(total, i, 0) != (0.0, 0.0, g)
             touch = on_plate(effects.normal, effects, state, i, plate, dt)
             if not max(touch[0][1].overlap, touch[1][1].overlap) <= DEEP:
                 return n, TOO_DEEP, i
-            if not last:
-                in_walls = within_walls(effects, state, i, plate[1], dt)
-            if not in_walls <= DEEP:
-                return n, WALL_TOO_DEEP, i
             recorded_in_space(
-                watchers.record, effects, state, i, pushed or in_walls > 0.0, touch, plate,
+                watchers.record, effects, state, i, pushed, touch, plate,
                 Clock(step, dt),
             )  # fmt: skip
             director = vector(rods, i, DIRECTOR)
             gain_c = vector(total, i, 0)
-            gain_w = across(rolling, along(ZERO, effects.lightness, vector(total, i, 3)), director)
+            gain_w = across(rolling, times(effects.lightness, vector(total, i, 3)), director)
             c, w = vector(rods, i, VELOCITY), vector(rods, i, TURN)
             spin = turning(rolling, along(w, dt / 2, gain_w), director)
             settle(

@@ -6,31 +6,21 @@ from typing import NamedTuple
 import numpy as np
 
 from ...cache import kernel
+from ..batch import MOST
 from ..codes import (
     CROSSING,
     DEEP,
     DIRECTOR,
     DONE,
-    PAIR_FRICTION,
-    PAIR_NORMAL,
     PAIR_TOO_DEEP,
     PLACE,
     SKIN,
 )
-from ..contact import ZERO, add, along, normal_force, put, vector
+from ..contact import add, along, put, vector
 from ..joints import joint
-from .forces import (
-    Pairs,
-    Rubbing,
-    across_normal,
-    act,
-    forget,
-    friction_force,
-    gaining,
-    lose,
-    moving,
-)
-from .geometry import NEARER, at_end, between_ends, cross, dot, gap_vector, rise
+from .batch import acted, collect
+from .forces import Pairs, forget
+from .geometry import NEARER, at_end, between_ends, cross, dot, gap_vector, rise, times
 
 ENDS, BETWEEN_ENDS = 1, 2  # bits: what of two rods touches
 SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a contact between ends
@@ -39,9 +29,9 @@ SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a con
 class Pair(NamedTuple):
     """Two rods."""
 
-    i: int
-    j: int
-    number: int  # of the pair: row of its springs
+    i: np.uint64
+    j: np.uint64
+    number: np.uint64  # of the pair: row of its springs
     a: tuple[float, float, float]  # director of the first
     b: tuple[float, float, float]
 
@@ -98,32 +88,6 @@ def list_pairs(rods, half, pairs):
 
 
 @kernel
-def met(effects, state, pair, near, share, slot, dt):
-    """Add what two rods do to each other at their closest points."""
-    i, j, number, a, b = pair
-    s, t, r, distance = near
-    between, normal, overlap = effects.between, along(ZERO, 1.0 / distance, r), 1.0 - distance
-    p, q = along(along(ZERO, s, a), -0.5, r), along(along(ZERO, t, b), 0.5, r)
-    v = along(moving(effects, state, i, a, p), -1.0, moving(effects, state, j, b, q))
-    gain = along(gaining(effects, state, i, a, p), -1.0, gaining(effects, state, j, b, q))
-    now = along(v, dt / 2, gain)
-    turned = across_normal(effects.lightness, s, a, normal)
-    turned += across_normal(effects.lightness, t, b, normal)
-    mass = 1.0 / (2.0 + turned)
-    force = normal_force(between.normal, overlap, dot(now, normal), mass, dt)
-    rubbing, bodies, at = Rubbing(normal, overlap, force, v, now), ((p, a), (q, b)), (number, slot)
-    rub, _ = friction_force(between.friction, effects, bodies, state.pair_springs, at, rubbing, dt)
-    f = along(ZERO, share, along(rub, force, normal))
-    act(state.scratch, i, p, f)
-    act(state.scratch, j, q, along(ZERO, -1.0, f))
-    force -= between.normal.stiffness * overlap * sqrt(overlap)
-    lose(state.lost, PAIR_NORMAL, i, p, along(ZERO, share * force, normal))
-    lose(state.lost, PAIR_NORMAL, j, q, along(ZERO, -share * force, normal))
-    lose(state.lost, PAIR_FRICTION, i, p, along(ZERO, share, rub))
-    lose(state.lost, PAIR_FRICTION, j, q, along(ZERO, -share, rub))
-
-
-@kernel
 def shared(law, total, pair, near, ends):
     """Weight of a contact near an end, or of nearly parallel rods; adds what keeps energy.
 
@@ -143,15 +107,15 @@ def shared(law, total, pair, near, ends):
         energy * pull_3 * w_2 * first,
     )
     towards = (pulls[0] + pulls[1] + pulls[2] + pulls[3]) / distance
-    f = along(ZERO, towards, r)
-    at_i, at_j = along(ZERO, s, f), along(ZERO, t, f)
+    f = times(towards, r)
+    at_i, at_j = times(s, f), times(t, f)
     for end in range(4):
         x, y, e, square = ends[end]
-        away = along(ZERO, -pulls[end] / sqrt(square), e)
+        away = times(-pulls[end] / sqrt(square), e)
         f, at_i, at_j = along(f, 1.0, away), along(at_i, x, away), along(at_j, y, away)
     add(total, i, 0, f)
     add(total, i, 3, cross(a, at_i))
-    add(total, j, 0, along(ZERO, -1.0, f))
+    add(total, j, 0, times(-1.0, f))
     add(total, j, 3, cross(at_j, b))
     return first * second
 
@@ -191,7 +155,7 @@ def one_spring(springs, number, end, other, first, second):
     if first == 0.0:
         length = vector(own, other, 0)
         if second == 0.0:
-            length = along(along(ZERO, 0.5, length), 0.5, vector(own, end, 0))
+            length = along(times(0.5, length), 0.5, vector(own, end, 0))
     put(own, end, 0, length)
     put(own, other, 0, length)
 
@@ -200,11 +164,11 @@ def one_spring(springs, number, end, other, first, second):
 def repel(total, pair, s, t, gap, force):
     """Add a force that drives a place on one axis and a place on the other apart."""
     i, j, _, a, b = pair
-    f = along(ZERO, force / sqrt(dot(gap, gap)), gap)
+    f = times(force / sqrt(dot(gap, gap)), gap)
     add(total, i, 0, f)
-    add(total, i, 3, cross(a, along(ZERO, s, f)))
-    add(total, j, 0, along(ZERO, -1.0, f))
-    add(total, j, 3, cross(along(ZERO, t, f), b))
+    add(total, i, 3, cross(a, times(s, f)))
+    add(total, j, 0, times(-1.0, f))
+    add(total, j, 3, cross(times(t, f), b))
 
 
 @kernel(inline=False)
@@ -229,8 +193,11 @@ def joined(effects, state, pair, ends, end):
 
 
 @kernel
-def ends_met(effects, state, pair, ends, was, dt):
-    """Contacts of four ends: what touches, whether too deep. Spheres have one."""
+def ends_met(effects, state, pair, ends, was, n, dt):
+    """Contacts of four ends: what touches, whether too deep, how many there are now.
+
+    Spheres have one.
+    """
     touches, half = 0, effects.half_length
     lower = upper = 1.0  # shares left to the ends of the second rod
     for end in range(4 if half > 0.0 else 1):
@@ -240,7 +207,7 @@ def ends_met(effects, state, pair, ends, was, dt):
                 forget(state.pair_springs, pair.number, end)
             continue
         if square < (1.0 - DEEP) ** 2:
-            return touches, True
+            return touches, True, n
         touches, share, beyond = ENDS, (1.0, 1.0, lower, upper)[end], half - abs(t)
         if end < 2 and half > 0.0 and square + beyond * beyond < 1.0:
             share, left, other = joined(effects, state, pair, ends, end)
@@ -248,8 +215,8 @@ def ends_met(effects, state, pair, ends, was, dt):
                 lower += left - 1.0
             else:
                 upper += left - 1.0
-        met(effects, state, pair, Closest(s, t, r, sqrt(square)), share, end, dt)
-    return touches, False
+        n = collect(state, n, pair, Closest(s, t, r, sqrt(square)), share, end)
+    return touches, False, n
 
 
 @kernel(inline=False)
@@ -260,11 +227,12 @@ def pair_forces(between, effects, state, dt):
     contact, the ends need no look.
     """
     rods, pairs, springs, half = state.rods, state.pairs, state.pair_springs, effects.half_length
-    travelled = pairs.travelled[0]
+    travelled, n = pairs.travelled[0], 0
     for k in range(pairs.count[0]):
         if travelled < pairs.asleep[k]:
             continue
-        i, j, number = pairs.index[k, 0], pairs.index[k, 1], pairs.index[k, 2]
+        i, j = np.uint64(pairs.index[k, 0]), np.uint64(pairs.index[k, 1])  # never negative
+        number = np.uint64(pairs.index[k, 2])
         apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
         a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
         pair, was, now = Pair(i, j, number, a, b), pairs.touched[number], 0
@@ -278,7 +246,7 @@ def pair_forces(between, effects, state, dt):
             ends = end_gaps(apart, a, b, half)
             least = min(ends[0][3], ends[1][3], ends[2][3], ends[3][3])
             if least < 1.0 or was & ENDS:
-                now, deep = ends_met(effects, state, pair, ends, was, dt)
+                now, deep, n = ends_met(effects, state, pair, ends, was, n, dt)
                 if deep:
                     return k
         elif was & ENDS:
@@ -291,7 +259,7 @@ def pair_forces(between, effects, state, dt):
             share, near = 1.0, Closest(s, t, r, sqrt(nearest))
             if not clear and least < (near.distance + NEARER) ** 2:
                 share = shared(between.normal, state.scratch, pair, near, ends)
-            met(effects, state, pair, near, share, CROSSING, dt)
+            n = collect(state, n, pair, near, share, CROSSING)
         elif was & BETWEEN_ENDS:
             forget(springs, number, CROSSING)
         if not clear:
@@ -299,6 +267,9 @@ def pair_forces(between, effects, state, dt):
         pairs.touched[number] = now
         if nearest > 1.0:  # each of the two may come half of the gap closer
             pairs.asleep[k] = travelled + 0.5 * (sqrt(nearest) - 1.0)
+        if n >= MOST:
+            n = acted(between, effects, state, n, dt)
+    acted(between, effects, state, n, dt)
     return -1
 
 

@@ -3,24 +3,16 @@
 from math import sqrt
 
 from ...cache import kernel
-from ..codes import DIRECTOR, PLACE, PLATE_CAPS, PLATE_FRICTION, PLATE_NORMAL, TURN, VELOCITY
+from ..codes import DIRECTOR, PLACE, PLATE_CAPS, PLATE_FRICTION, TURN, VELOCITY
 from ..contact import ZERO, along, put, vector
 from .forces import At, Rubbing, across, act, forget, lose, surface, tangential, turning
-from .geometry import UP, cross
-
-
-@kernel
-def waits(friction):
-    """Whether friction is a constraint: it needs all other forces on the rod."""
-    if friction is None:
-        return False
-    return friction.spring is None
+from .geometry import UP, cross, times
 
 
 @kernel
 def gained(effects, arm, director, force, torque):
     """Acceleration of a point of the rod by force and torque, but for that towards the centre."""
-    alpha = across(effects.rolling, along(ZERO, effects.lightness, torque), director)
+    alpha = across(effects.rolling, times(effects.lightness, torque), director)
     return along(force, 1.0, cross(turning(effects.rolling, alpha, director), arm))
 
 
@@ -78,7 +70,7 @@ def held(spring, coefficient, effects, state, i, touch, plate, dt):
         kept = vector(state.springs[i], PLATE_CAPS + 1, 0)
     act(state.scratch, i, upper[0], kept)
     lower, _ = held_at(coefficient, effects, state, i, -half, lower, plate, dt)
-    act(state.scratch, i, upper[0], along(ZERO, -1.0, kept))
+    act(state.scratch, i, upper[0], times(-1.0, kept))
     upper, f = held_at(coefficient, effects, state, i, half, upper, plate, dt)
     put(state.springs[i], PLATE_CAPS + 1, 0, f)
     return lower, upper
@@ -113,7 +105,7 @@ def at_cap(law, effects, state, i, s, slot, plate, dt):
     if reach >= 0.5:
         forget(state.springs, i, slot)
         return ZERO, Rubbing(UP, 0.5 - reach, 0.0, ZERO, ZERO), 0.0
-    at = At(s, reach, UP, plate[1], 1.0, slot, PLATE_NORMAL)
+    at = At(s, reach, UP, plate[1], 1.0, slot)
     return surface(law, effects.friction, effects, state, i, at, dt)
 
 
