@@ -9,7 +9,7 @@ from md.kernels.codes import ROW_COLUMNS, SPACE_COLUMNS, Z
 from . import rows
 from .space import LOSSY, ROUGH, Rods, Wall, effects, meeting, states
 
-COPIES, APART = 30, 64.0  # d; along z
+COPIES, APART = 100, 64.0  # d; along z
 STEPS = 300
 HEIGHT = {"row": np.eye(ROW_COLUMNS)[Z], "space": np.eye(SPACE_COLUMNS)[2]}
 
@@ -36,7 +36,6 @@ def space(copies):
 @pytest.mark.parametrize("arrangement", [row, space])
 def test_contacts_of_rods_beyond_a_batch(arrangement):
     (few, few_ledger), (many, ledger) = arrangement(1), arrangement(COPIES)
-    assert 2 * COPIES > SIZE - 5  # contacts in a step: at least two of each copy
     assert np.abs(ledger).max() > 1
     np.testing.assert_allclose(ledger, COPIES * few_ledger, rtol=1e-9, atol=1e-9)
     height = APART * np.arange(COPIES)[:, None, None] * HEIGHT[arrangement.__name__]
