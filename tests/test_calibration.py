@@ -77,6 +77,7 @@ def test_the_calibration_is_a_command(tmp_path, monkeypatch, capsys):
     tiny = dict(map(_parsed, [*TINY, *SOFT]))
     monkeypatch.setattr(calibration, "drawn", lambda count: [put(t, small) for t in usual(count)])
     monkeypatch.setattr(calibration, "annuli", lambda count: [put(t, tiny) for t in annuli(1)[:1]])
+    monkeypatch.setattr(calibration, "execute", partial(calibration.execute, workers=1))
     how = {"count": 2, "periods": 320}
     monkeypatch.setattr(calibration, "calibrate", partial(calibration.calibrate, **how))
     monkeypatch.setattr(calibration, "of_annuli", partial(calibration.of_annuli, periods=640))

@@ -119,7 +119,7 @@ def test_what_is_absent_does_as_what_is_naught(absent, naught):
     assert without[-1, 4] > 0  # it has met the plate
 
 
-@pytest.mark.parametrize("law", [md.coulomb(), md.constant_restitution(), md.appendix_a()])
+@pytest.mark.parametrize("law", [md.coulomb(), md.appendix_a()])
 @pytest.mark.parametrize("integrator", single.METHODS)
 def test_no_friction_no_tangential_impulse(integrator, law):
     """Not a bit of c_x changes; Gear's method multiplies and divides it by dt in every step."""

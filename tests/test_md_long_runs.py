@@ -73,8 +73,9 @@ def residual(law, steps, part, friction, contacts):
     return work - sum(losses) - (engine.energy() - before)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(
+    ("law", "friction"), [*((law, 0.3) for law in LAWS), ("coulomb", 0.0), ("elastic", 0.0)]
+)
 def test_m15_energy_ledger_closes_to_second_order(law, friction):
     """Against the energy before, (1 + 0.5^2)/2, at the worst of 16 places of the touch.
 

@@ -109,14 +109,14 @@ def test_forces_are_those_of_all_pairs(period):
 
 
 def test_a_rod_touches_its_own_image():
-    """One rod in a box of 1.005: leaning, the images on both sides turn it upright.
+    """In a box of 2.01, leaning: the images on both sides turn it upright; another rod is far.
 
     Their forces cancel, their torques do not.
     """
-    engine = free(ELASTIC, [(0.3, 5, 0)], period=1.005)
-    tilted = forces(engine, [(0.3, 5, 0.2)])
-    rods = np.array([(0.3, 5, np.sin(0.2), np.cos(0.2), 0, 0, 0)])
-    want, _ = elastic(rods, HALF, LIGHT, SOFT, 1.005)
+    states = [(0.3, 5, 1.06), (0.3, 50, 0.0)]
+    tilted = forces(free(ELASTIC, states, period=2.01), states)
+    rods = np.array([(x, z, np.sin(tilt), np.cos(tilt), 0, 0, 0) for x, z, tilt in states])
+    want, _ = elastic(rods, HALF, LIGHT, SOFT, 2.01)
     assert tilted[0, 2] < -1
     np.testing.assert_allclose(tilted, want, atol=1e-8)
     assert np.abs(tilted[0, :2]).max() < 1e-9

@@ -6,7 +6,7 @@ import pytest
 import md
 from md.host import prepare
 from md.kernels.codes import DEEP, DIRECTOR, DONE, PLACE, PLATE_WORK, TURN, VELOCITY
-from md.kernels.contact import Friction, Motion
+from md.kernels.contact import Motion
 from md.kernels.space import geometry
 from md.kernels.space.forces import Wall
 from md.laws import deepest_overlap
@@ -147,8 +147,8 @@ def test_a_rod_that_rises_with_shaken_walls_feels_no_friction(place, director, s
 @pytest.mark.parametrize("rough", ["inner", "outer"])
 def test_a_rod_pressed_between_shaken_walls_moves_with_them(rough):
     """Without the plate, by friction of one wall, whose work is the rod's kinetic energy."""
-    radii, friction = {"inner": 5.0, "outer": 5.99}, Friction(10.0, ROUGH.spring)
-    walls = {n: Wall(r, LOSSY.normal, friction if n == rough else None) for n, r in radii.items()}
+    radii, friction = {"inner": 5.0, "outer": 5.99}, ROUGH._replace(coefficient=10.0)
+    walls = {n: Wall(r, LOSSY.normal, friction if n == rough else SMOOTH) for n, r in radii.items()}
     quarter, dt = 20_000, 1e-4
     turn = np.arange(4 * quarter) * np.pi / 2 / quarter
     plate = Motion(np.full(4 * quarter, -1e3), 0.2 * np.sin(turn))
