@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import md
 from md.kernels.batch import SIZE
 from md.kernels.codes import ROW_COLUMNS, SPACE_COLUMNS, Z
 
@@ -19,7 +20,7 @@ def row(copies):
     three = (0.0, 0.0, 0.1, 0.0, 0.0, 0.0), (0.99, 0.2, 0.1, -1.0, 0.0, 0.0)
     three = *three, (1.98, 0.1, 0.12, -2.0, 0.5, 0.0)
     placed = [(x, z + APART * k, *rest) for k in range(copies) for x, z, *rest in three]
-    engine = rows.free(rows.md.constant_restitution(0.65, 1e5), placed, friction=0.3)
+    engine = rows.free(md.constant_restitution(0.65, 1e5), placed, friction=0.3)
     engine.go(STEPS)
     return engine.rods, engine.ledger
 
@@ -45,9 +46,7 @@ def test_contacts_of_rods_beyond_a_batch(arrangement):
 def test_contacts_of_a_wall_beyond_a_batch():
     """Rods that do not see each other, all at one place."""
     pressed = states(((0, 1.49, 0.0), (0.6, 0, 1), (0, -1, 0)))
-    wall = effects(
-        **{"inner": Wall(1.0, LOSSY.normal, ROUGH), "outer": Wall(40.0, LOSSY.normal, ROUGH)}
-    )
+    wall = effects(inner=Wall(1.0, LOSSY.normal, ROUGH), outer=Wall(40.0, LOSSY.normal, ROUGH))
     one, many = (Rods(wall, np.repeat(pressed, n, axis=0)).go(STEPS).rods for n in (1, 2 * SIZE))
     assert one[0, 7] > 1  # the wall has thrown it back
     np.testing.assert_array_equal(many, np.repeat(one, 2 * SIZE, axis=0))

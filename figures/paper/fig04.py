@@ -44,7 +44,10 @@ AT_REST = {"annulus.shaken": False}
 NARROW = {"annulus.outer": 7.3304}  # largest tilt 53 degrees, as the paper says of its annulus
 SIZES = {  # in full, quick
     "count": ([23, 26, 29, 32, *range(34, 57, 2)], [26, 36, 44, 50, 56]),
-    "rolling": ([23, 29, *range(34, 53, 2)], [26, 36, 44, 50]),  # denser ones jam
+    "rolling": (
+        [23, 29, *range(34, 53, 2)],
+        [26, 36, 44, 50],
+    ),  # denser ones jam between walls at rest
     "rest": ([23, 29, *range(34, 57, 2)], [26, 36, 44]),
     "narrow": ([22, 23, 24, 26, 29, 32, 36, 40, 44], [23, 26, 36]),
     "gamma": ([1.05, 1.4, 1.6, 1.8, 2.0, 3.0, 4.0], [1.3, 1.8, 3.3]),
@@ -82,6 +85,7 @@ def sweeps(quick: bool = False, assumed: bool = False) -> dict[str, Sweep]:
     base, row = (SIMPLE_ANNULUS, SIMPLE_ROW) if assumed else (ANNULUS, ROW)
     few, periods = {"start.seed": size["few_seeds"]}, size["periods"]
     seeds = size["few_seeds" if assumed else "seeds"]
+    gamma, gamma_periods = {"plate.acceleration": size["gamma"]}, size["gamma_periods"]
     many, alike = {"rods.count": ANNULUS_COUNT}, ("length", "inertia", "diameter_cm")
 
     def around(*axes: dict[str, list], periods: int = periods, **changes: object) -> Sweep:
@@ -91,21 +95,15 @@ def sweeps(quick: bool = False, assumed: bool = False) -> dict[str, Sweep]:
     found = {
         "still": over_count(size["count"], seeds, periods, base),
         "rolling": around({"rods.count": size["rolling"]}, few, **{"rods.rolling": True}),
-        "gamma": around(
-            {"plate.acceleration": size["gamma"]},
-            {"rods.count": [*GAMMA_COUNTS]},
-            few,
-            periods=size["gamma_periods"],
-        ),
+        "gamma": around(gamma, {"rods.count": [*GAMMA_COUNTS]}, few, periods=gamma_periods),
         "wall": around({WALL_KEY: size["wall"]}, few, **many),
         "plane": planned([{"box.length": boxes(size["plane"])}, few], periods, of_rods, row),
     }
     if assumed:
         return found
-    gamma = {"plate.acceleration": size["gamma"]}
     return found | {
         "rest": over_count(size["rest"], size["few_seeds"], periods, changes=AT_REST),
-        "rest_gamma": around(gamma, few, periods=size["gamma_periods"], **many, **AT_REST),
+        "rest_gamma": around(gamma, few, periods=gamma_periods, **many, **AT_REST),
         "plate": around({PLATE_KEY: size["plate"]}, few, **many),
         "narrow": over_count(size["narrow"], size["few_seeds"], periods, changes=NARROW),
     }

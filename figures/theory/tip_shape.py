@@ -8,7 +8,7 @@ Look at 8 degrees, where flat-ended rods began to move in the experiment; at the
 turns into slip reversal. (b) Over rod length at 15 degrees, the tilt arccos(N d/L) of the paper's
 Fig. 13(c): a sphere does not drift; look whether the drift saturates near l = 3 d, as it did there.
 (c) The exact map, landing by landing at held tilt, mean over Gamma from 2 to 4, with its standard
-error: the same threshold, reverse drift below it, flat ends slower up to 22 degrees.
+error: the same threshold, reverse drift below it, flat ends slower just beyond it.
 (d) One impact, straight down: the soft impact of `md` has the map's sign at each tilt; upright both
 corners touch and push each other's way, so that a rod that stands on its end does not drift.
 """
