@@ -302,43 +302,27 @@ def pages() -> None:
 @click.option("--friction", type=float, metavar="MU", help="0 to 1 (default 0.3).")
 @click.option("--restitution", type=float, metavar="E", help="0 to 1 (default 0.65).")
 @click.option("--ratio", type=float, help="-c_z/c_x before, 0.1 to 10 (default 2).")
+@click.option("--spin", type=float, help="k omega before, -2 to 2 (default 0).")
 @click.option("--length", type=float, help="In diameters, 1 to 20 (default 8).")
 @click.option("--shape", help="thin, round (default) or flat.")
 @click.option("--law", help="newton (default), poisson or stronge.")
-@_path("--out", "Draw into this file; no window.", metavar="FILE.png")
-@_path("--html", "Write a page that moves, for any browser; no window.", metavar="FILE.html")
-def explore(out: Path | None, html: Path | None, **given: Any) -> None:
-    """Open a window of sliders: one impact and the drift.
+@_path("--html", "Page to write.", "out/impact.html", "FILE.html")
+def explore(html: Path, **given: Any) -> None:
+    """Write a page of sliders: one impact as it goes on, and the drift.
 
     \b
     python -m figures explore
-    python -m figures explore --tilt-deg 40 --friction 0.5 --out setting.png
-    python -m figures explore --html setting.html   # and the impact as it goes on
+    python -m figures explore --tilt-deg 40 --friction 0.5 --html setting.html
     """
-    if out or html:
-        import matplotlib as mpl
-
-        mpl.use("Agg")
     from .lib.files import ready
-    from .pages import explore as window
+    from .pages import explore as moving
 
-    start = window.Setting(**{name: value for name, value in given.items() if value is not None})
-    for name, path, ending in (("out", out, ".png"), ("html", html, ".html")):
-        if path and path.suffix != ending:
-            raise InputError(f"{name} must be a file that ends in {ending}, got {path}")
-        if path:
-            ready(path.parent, path.name, option=name)
-    if html:
-        from .pages import explore_page  # SymPy
-
-        _write_text(html, explore_page.page(start))
-        print(html)
-    if out:
-        with _replacing(out) as part:
-            window.write(start, part)
-        print(out)
-    if not (out or html) and not window.run(start):
-        raise InputError("no display to open a window on; --html FILE.html or --out FILE.png")
+    start = {name: value for name, value in given.items() if value is not None}
+    if html.suffix != ".html":
+        raise InputError(f"html must be a file that ends in .html, got {html}")
+    ready(html.parent, html.name, option="html")
+    _write_text(html, moving.page(moving.Setting(**start)))
+    print(html)
 
 
 def _stop(*_: object) -> NoReturn:

@@ -1,20 +1,27 @@
-"""The window of sliders: what is drawn is what `impact` says where the controls stand."""
+"""The page of sliders: whole in one file, labelled, and its numbers are those of `impact`."""
 
-import itertools
-from dataclasses import replace
+import json
+import math
+import re
+import shutil
+import subprocess
+from dataclasses import asdict
+from html import unescape
+from pathlib import Path
 
-import matplotlib as mpl
-import matplotlib.pyplot as plt
-import numpy as np
 import pytest
 
 import impact
+from derivations import languages
 from figures.__main__ import main
-from figures.pages import explore
-from figures.pages.explore import CHOICES, RANGES, TILT, Setting, Window, data, words
+from figures.pages.explore import CHOICES, RANGES, ROWS, WORDS, Setting
 
+from .page import Page
+
+NODE = shutil.which("node")
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
 RODS = {"thin": impact.thin_rod, "round": impact.spherocylinder, "flat": impact.flat_ended_rod}
-START = Setting()
+START = asdict(Setting())
 CHANGES = [
     {},
     {"tilt_deg": 71.5},
@@ -26,178 +33,147 @@ CHANGES = [
     {"shape": "flat", "tilt_deg": 4.0, "friction": 0.05},
     {"law": "poisson"},
     {"law": "stronge", "restitution": 0.3, "ratio": 6.0},
+    {"friction": 0.0},
+    {"length": 1.0},
+    {"tilt_deg": 0.0, "restitution": 1.0},
+    {"shape": "thin", "restitution": 1.0, "ratio": 10.0, "friction": 0.6},
+    {"ratio": 0.4, "tilt_deg": 60.0},
+    {"spin": -1.5},
+    {"spin": 2.0, "ratio": 0.2, "tilt_deg": 80.0},  # no impact
 ]
+PHASES = (
+    "Before: the rod comes to the plate.",
+    "Compression: the contact point slips to the right.",
+    "Compression: the contact point stands.",
+    "Largest compression: the contact point slips back to the left.",
+    "Restitution: the contact point slips back to the left.",
+    "After: the rod leaves the plate.",
+)
 
 
 @pytest.fixture(scope="module")
-def window():
-    opened = Window(START)
-    yield opened
-    plt.close(opened.figure)
+def path(tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "new" / "here.html"
+    assert main(["explore", "--html", str(path)]) == 0
+    assert [other.name for other in path.parent.iterdir()] == ["here.html"]
+    return path
 
 
-def changed(**changes) -> Setting:
-    return replace(START, **changes)
+def number(text: str) -> float:
+    return float(text.replace("\N{MINUS SIGN}", "-"))
 
 
-def hit(s: Setting, tilt: float, friction: float) -> impact.Collision:
-    """One impact of a rod that comes with speed 1."""
-    rod, way = RODS[s.shape](tilt, s.length), np.arctan(s.ratio)
-    given = {"geometry": rod, "friction": friction, "restitution": s.restitution, "law": s.law}
-    return impact.collide(np.cos(way), -np.sin(way), **given)
+def check(changes: dict, shown: dict[str, str]) -> None:
+    """Numbers and words of the page, against calls of `impact`."""
+    s = START | changes
+    tilt, size = math.radians(s["tilt_deg"]), math.hypot(1, s["ratio"])
+    rod = RODS[s["shape"]](tilt, s["length"])
+    before = 1 / size, -s["ratio"] / size, s["spin"] / rod.k
+    losses = {name: s[name] for name in ("friction", "restitution", "law")}
+    hit = impact.collide(*before, geometry=rod, **losses)
+    slip, fall = before[0] - before[2] * rod.Z, before[1] + before[2] * rod.X
+    expected = {"before": (*before[:2], s["spin"], slip, fall)}
+    after = hit.c_x, hit.c_z, hit.omega * rod.k, hit.slip_velocity, hit.normal_velocity
+    expected |= {"after": after, "now": after}
+    for column, values in expected.items():
+        for name, value in zip(ROWS, values, strict=True):
+            assert number(shown[f"{name}-{column}"]) == pytest.approx(value, abs=5.1e-4), name
+    words = shown["words"]
+    assert words.startswith(WORDS[hit.regime])
+    lost = -200 * hit.energy_change / (1 + s["spin"] ** 2)
+    if hit.regime > 0:
+        assert float(re.search(r"([\d.]+) % of the energy", words)[1]) == pytest.approx(
+            abs(lost), abs=0.051
+        )
+        assert ("GAINED" in words) == (lost < -0.05)
+    critical = impact.critical_friction(rod)
+    assert float(re.search(r"friction (\d\.\d+)", words)[1]) == pytest.approx(critical, abs=5.1e-4)
+    c_x = impact.drift(rod, friction=s["friction"], restitution=s["restitution"]).c_x
+    way = "the way the rod leans" if c_x > 0 else "against the way the rod leans"
+    if math.isnan(c_x):
+        drifts = "not determined without friction"
+    elif math.isinf(c_x):
+        drifts = f"without bound, {way}"
+    else:
+        drifts = f"{abs(c_x):.3f} of the plate’s velocity, {way}" if abs(c_x) >= 5e-4 else "none"
+    assert words.endswith(f"Drift: {drifts}.")
 
 
-@pytest.mark.parametrize("changes", CHANGES, ids=str)
-def test_drawn_is_what_impact_says(window, changes):
-    """Each control moves what it should: curves, rings, colours, by calls for one point each."""
-    s = changed(**changes)
-    window.move(START)
-    for name, value in changes.items():
+@pytest.mark.skipif(not NODE, reason="no node to run the script")
+def test_a_slider_shows_what_impact_says(path):
+    words = [NODE, str(Path(__file__).with_name("browser.js")), str(path), json.dumps(CHANGES)]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    *lines, played = map(json.loads, done.stdout.splitlines())
+    assert played[:6] == [0, "Pause", 0.5, "Pause", 1, "Play"]
+    phases, slips, falls = zip(*played[6:], strict=True)
+    assert phases == PHASES
+    assert slips[1] == slips[0] != slips[2] == falls[3] == "0.000"
+    for changes, shown in zip(CHANGES, lines, strict=True):
+        check(changes, shown)
+        pictures = [shown[name] for name in ("rod", "plane", "map", "drift")]
+        assert not re.search("NaN|undefined|Infinity", "".join(pictures))
+        assert all(picture.startswith("<") for picture in pictures)
+        told = dict(part.split("=") for part in shown["hash"].strip("#").split("&") if part)
+        assert told == {
+            name: f"{value:g}" if name in RANGES else value for name, value in changes.items()
+        }
+    heard = " ".join(shown["words"] for shown in lines)
+    ends = "GAINED", "not determined", "without bound", "Drift: none", "leans.", "against the way"
+    assert all(text in heard for text in (*WORDS.values(), *ends))
+
+
+@pytest.mark.skipif(not CHROMIUM, reason="no Chromium")
+@pytest.mark.parametrize("changes", CHANGES[:3], ids=str)
+def test_a_browser_shows_the_setting_of_the_address(changes, path, tmp_path):
+    address = path.as_uri() + "#" + "&".join(f"{name}={value}" for name, value in changes.items())
+    options = "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path}"
+    words = [CHROMIUM, *options, "--force-prefers-reduced-motion", "--dump-dom", address]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+    found = re.findall(r'<(?:td|p) id="([\w-]+)"[^>]*>([^<]*)<', done.stdout)
+    shown = {name: unescape(text) for name, text in found}
+    assert shown["phase"]
+    shown |= {f"{name}-now": shown[f"{name}-after"] for name in ROWS}
+    check(changes, shown)
+
+
+def test_it_is_whole_in_one_file(path):
+    source = path.read_text(encoding="utf-8")
+    assert languages.source("javascript") in source
+    assert not re.search(
+        r"https?:|\bsrc=|@import|url\((?!#)|\bfetch\(|XMLHttp|import[ (]\W", source
+    )
+    page = Page(source)
+    assert page.links == page.images == []
+    assert not page.tags & {"link", "iframe", "object", "base"}
+    assert len(page.ids) == len(set(page.ids))
+
+
+def test_every_control_is_labelled_and_has_its_range(path):
+    source = path.read_text(encoding="utf-8")
+    labelled = set(re.findall(r'<label[^>]* for="([^"]+)"', source))
+    labelled |= set(re.findall(r'<label><input [^>]*id="([^"]+)"', source))
+    inputs = [
+        dict(re.findall(r'([\w-]+)="([^"]*)"', one))
+        for one in re.findall("<input ([^>]*)>", source)
+    ]
+    assert len(inputs) == 2 * len(RANGES) + sum(map(len, CHOICES.values())) + 1
+    for one in inputs:
+        by = one.get("aria-labelledby")
+        assert one["id"] in labelled or one.get("aria-label") or f'id="{by}"' in source
+        name = one["id"].removesuffix("-number")
         if name in RANGES:
-            window.sliders[name].set_val(value)
-        else:
-            window.buttons[name].set_active([*CHOICES[name]].index(value))
-    assert window.setting() == s
-    for i in (1, 300, 900, 1500, 1800):
-        one, rod = hit(s, TILT[i], s.friction), RODS[s.shape](TILT[i], s.length)
-        moves = impact.drift(rod, friction=s.friction, restitution=s.restitution)
-        slide = impact.slide_friction(rod, approach_ratio=s.ratio, restitution=s.restitution)
-        expected = {"c_x": one.c_x, "c_z": one.c_z, "spin": one.omega * rod.k, "drift": moves.c_x}
-        expected |= {"critical_friction": impact.critical_friction(rod), "slide_friction": slide}
-        for name, value in expected.items():
-            drawn = window.curves[name].get_data()
-            assert drawn[0][i] == pytest.approx(np.degrees(TILT[i]))
-            assert drawn[1][i] == pytest.approx(value, rel=1e-9, abs=1e-12), name
-        if i % 10 == 0:
-            assert window.shades["regime"].get_array()[0, i // 10] == one.regime
-            assert window.shades["drift_regime"].get_array()[0, i // 10] == moves.regime
-            for row in (3, 40, 95):
-                regime = hit(s, TILT[i], row / 100).regime
-                assert window.map.get_array().reshape(101, 181)[row, i // 10] == regime
-    tilt = np.radians(s.tilt_deg)
-    here, rod = hit(s, tilt, s.friction), RODS[s.shape](tilt, s.length)
-    rings = {"c_x": here.c_x, "c_z": here.c_z, "spin": here.omega * rod.k}
-    for name, value in rings.items():
-        (tilt_deg,), (height,) = window.rings[name].get_data()
-        assert (tilt_deg, height) == pytest.approx((s.tilt_deg, value), rel=1e-9)
-    assert window.here.get_data() == ([s.tilt_deg], [s.friction])
-    numbers = ",  ".join(f"{value:.3f}" for value in rings.values())
-    assert window.numbers[1].get_text() == numbers
-    text, lost = window.words.get_text(), -200 * here.energy_change
-    name = {1: "Slide:", 2: "Slip-stick:", 3: "Slip reversal:"}[here.regime]
-    assert text.startswith(name)
-    assert f"{lost:.1f} % of the energy lost" in text
-    assert f"{here.c_x:+.3f} along" in text
-    assert f"{abs(here.c_z):.3f} {'up' if here.c_z >= 0 else 'down'}" in text
+            assert (float(one["min"]), float(one["max"])) == RANGES[name][:2]
+    assert all(re.findall(r"<button[^>]*>([^<]*)</button>", source))
+    assert "prefers-reduced-motion" in source
 
 
-def test_every_regime_is_among_the_settings():
-    assert {data(changed(**changes))["regime"][-1] for changes in CHANGES} == {1, 2, 3}
-
-
-@pytest.mark.parametrize("friction", [0.01, 0.3, 0.6, 0.7, 0.745, 0.76])
-def test_critical_tilts(window, friction):
-    """Those of a thin rod are the closed form's; diamonds stand on them, words name them."""
-    window.move(changed(shape="thin", friction=friction))
-    exact = np.degrees(impact.critical_tilts(friction))
-    exact = exact[np.isfinite(exact)]
-    for marks in window.corners:
-        np.testing.assert_allclose(marks.get_xdata(), exact, atol=1e-4)
-    named = ", ".join(f"{tilt:.2f}°" for tilt in exact) or "none"
-    assert f"Critical tilts at this friction: {named}." in window.words.get_text()
-
-
-def test_critical_tilts_of_a_flat_end():
-    """Around arctan(d/l) friction holds a stopped contact, however small it is."""
-    d = data(changed(shape="flat", length=3.0, friction=0.2))
-    rod = impact.flat_ended_rod(d["critical_tilts"], 3.0)
-    np.testing.assert_allclose(impact.critical_friction(rod), 0.2, atol=1e-6)
-    first, second = d["critical_tilts"]
-    assert first < np.arctan(1 / 3) < second
-
-
-@pytest.mark.parametrize(
-    ("said", "changes"),
-    [
-        ("against the way", {"shape": "flat", "tilt_deg": 4.0}),
-        ("GAINED", {"shape": "thin", "restitution": 1.0, "ratio": 10, "friction": 0.6}),
-        ("not determined without friction", {"friction": 0.0}),
-        ("without bound", {"tilt_deg": 0.0, "restitution": 1.0}),
-        ("Drift: none", {"length": 1.0}),
-        ("slides through at every friction", {"tilt_deg": 80, "ratio": 0.3}),
-        ("slides through at no value of the friction", {}),
-    ],
-)
-def test_words_at_the_ends(said, changes):
-    assert said in words(data(changed(**changes)))
-
-
-def test_ends_of_all_sliders(window):
-    """No warning (they are errors here), finite axes, and numbers in every curve."""
-    ends = {name: (low, high) for name, (low, high, *_) in RANGES.items()}
-    for values in itertools.product(*ends.values(), CHOICES["shape"]):
-        s = changed(**dict(zip((*ends, "shape"), values, strict=True)))
-        d = data(s)
-        assert np.isfinite([d["c_x"], d["c_z"], d["spin"], d["critical_friction"]]).all()
-        assert set(np.unique(d["regimes"])) <= {1, 2, 3}
-    for low_or_high in (0, 1):
-        window.move(changed(**{name: pair[low_or_high] for name, pair in ends.items()}))
-        window.figure.canvas.draw()
-        for ax in window.figure.axes:
-            assert np.isfinite([*ax.get_xlim(), *ax.get_ylim()]).all()
-
-
-def test_ends_of_the_drift_axis(window):
-    window.move(changed(friction=0.0))
-    assert window.panels[2].get_ylim() == (-0.05, 0.5)
-    window.move(changed(shape="flat", restitution=1.0))
-    assert window.panels[2].get_ylim() == (-10, 10)
-    window.move(START)
-    assert window.panels[2].get_ylim() == (-0.05, 4)
-
-
-def test_no_redraw_leaves_a_trace(window):
-    """What is painted onto the picture of the still parts is a full draw, but for ticks' roots."""
-    canvas = window.figure.canvas
-    for s in (changed(tilt_deg=70.0), changed(shape="flat", restitution=0.9, law="poisson")):
-        window.move(START)
-        window.move(s)
-        assert window.still is not None
-        painted = np.array(canvas.buffer_rgba()).astype(int)
-        canvas.draw()
-        assert window.still is None
-        difference = np.abs(painted - np.array(canvas.buffer_rgba())).max(axis=-1)
-        assert difference.max() <= 40
-        assert np.count_nonzero(difference) < 100
-
-
-def test_mouse_drags_a_slider_and_a_key_goes_back_to_the_start(window):
-    window.move(changed(law="stronge", shape="flat"))
-    canvas, slider = window.figure.canvas, window.sliders["friction"]
-    x, y = slider.ax.transAxes.transform((0.2, 0.5))
-    for name in ("button_press_event", "button_release_event"):
-        canvas.callbacks.process(name, mpl.backend_bases.MouseEvent(name, canvas, x, y, 1))
-    assert window.here.get_ydata() == pytest.approx([0.2])
-    for key, friction in (("x", 0.2), ("r", START.friction)):
-        canvas.callbacks.process("key_press_event", mpl.backend_bases.KeyEvent("", canvas, key))
-        assert window.setting().friction == pytest.approx(friction)
-    assert window.setting() == START
-
-
-def test_out_writes_a_picture(tmp_path, capsys):
-    path, before = tmp_path / "new" / "here.png", plt.get_fignums()
-    assert main(["explore", "--tilt-deg", "12", "--shape", "flat", "--out", str(path)]) == 0
-    assert capsys.readouterr().out == f"{path}\n"
-    assert plt.imread(path).shape == (1320, 2200, 4)
-    assert [p.name for p in path.parent.iterdir()] == ["here.png"]
-    assert plt.get_fignums() == before
-
-
-def test_options_are_the_start(monkeypatch):
-    seen = []
-    monkeypatch.setattr(explore, "run", lambda start: not seen.append(start))
-    names = [f"--{name.replace('_', '-')}" for name in (*RANGES, *CHOICES)]
-    values = ("1", "0.2", "0.3", "4", "5", "flat", "stronge")
-    assert main(["explore", *itertools.chain(*zip(names, values, strict=True))]) == 0
-    assert main(["explore"]) == 0
-    assert seen == [Setting(1, 0.2, 0.3, 4, 5, "flat", "stronge"), START]
+def test_the_options_are_the_start(tmp_path):
+    path = tmp_path / "a.html"
+    given = START | {name: low for name, (low, *_) in RANGES.items()} | {"shape": "flat"}
+    given["law"] = "stronge"
+    words = [f"--{name.replace('_', '-')}={value}" for name, value in given.items()]
+    assert main(["explore", *words, "--html", str(path)]) == 0
+    start = json.loads(re.search(r"const PAGE = (.*);\n", path.read_text())[1])["start"]
+    assert start == given

@@ -8,7 +8,7 @@ What the folder holds is shown, what it lacks is listed with its command. Where 
 here, the project's gallery stands in, and the page says so; copies of it go to `gallery/` beside
 the page, so that the folder needs nothing else and may be moved. The page is `templates/index.html`
 in the look of the derivations' report, with `templates/index.css`; `impact.html`, beside it, is
-that of `explore_page`.
+that of `explore`.
 """
 
 import os
@@ -30,8 +30,7 @@ from .. import FIGURES, load
 from ..claims import judge
 from ..cost.price_page import PRICE_PANELS
 from ..lib.files import BROKEN, first_look
-from . import explore_page
-from .explore import Setting
+from . import explore
 from .gallery import GALLERY, templates
 
 TITLE = "Rods on a vibrated plate: derivations, pictures, prices, claims"
@@ -208,5 +207,5 @@ def files(out: Path) -> dict[str, bytes]:
     style = templates.get_template("index.css").render()
     page = report.document(TITLE, ABOUT, main, style)
     copies = {f"gallery/{name}": (GALLERY / name).read_bytes() for name in folder.borrowed}
-    pages = {"impact.html": explore_page.page(Setting()), "index.html": page}
+    pages = {"impact.html": explore.page(explore.Setting()), "index.html": page}
     return copies | {name: text.encode("utf-8", "replace") for name, text in pages.items()}
