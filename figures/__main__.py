@@ -7,6 +7,7 @@ import json
 import os
 from contextlib import AbstractContextManager
 from pathlib import Path
+from time import perf_counter
 from typing import Any, NoReturn
 
 import click
@@ -209,6 +210,7 @@ def paper(estimate: bool, out: Path, store: Path | None) -> int:
     from .lib.files import storing
     from .pages import everything
 
+    begin = perf_counter()
     made = *files_of(*FIGURES), "quasi2d.gif", "quasi2d.mp4", *CLAIMS, *PAGES
     with storing(out, store, *made):
         print(everything.estimate(out), flush=True)
@@ -219,7 +221,9 @@ def paper(estimate: bool, out: Path, store: Path | None) -> int:
     commands = [["draw", *names, *runs]] if names else []
     commands += [["movie", "quasi2d", "--periods", "4"], ["claims", *runs], ["index"]]
     codes = (main([*command, *where]) for command in commands)
-    return next((code for code in codes if code), 0)
+    code = next((code for code in codes if code), 0)
+    print(f"took {everything.in_words(perf_counter() - begin)}")
+    return code
 
 
 @main.command()

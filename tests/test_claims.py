@@ -1,12 +1,10 @@
 """Judging the paper's claims: limits, verdicts, pages; on made-up numbers and tiny runs."""
 
 import json
-import os
 
 import numpy as np
 import pytest
 
-import md
 from figures import FIGURES
 from figures.__main__ import main
 from figures.checks import contact_laws, phase_friction
@@ -338,15 +336,3 @@ def test_rows_and_annulus_are_estimated_each_at_its_rate(monkeypatch):
     )
     assert everything.run_seconds(points) == pytest.approx(expected)
     assert everything.run_seconds([]) == 0
-
-
-@pytest.mark.slow
-def test_runs_take_the_time_that_was_estimated(tmp_path):
-    """Processor seconds of rows that differ in friction; the two have compiled before."""
-    axes = [{"contacts.plate.friction": [0.1, 0.3]}, {"start.seed": [1, 2, 3, 4]}]
-    sweep = rows.planned(axes, 300)
-    seconds, before = everything.run_seconds(list(sweep.points)), os.times()
-    for point in sweep.points:
-        md.run(point.scene, periods=point.periods)
-    spent = sum(os.times()[:2]) - sum(before[:2])
-    assert seconds == pytest.approx(spent, rel=0.3)

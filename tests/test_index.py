@@ -261,7 +261,7 @@ def test_all_claims_of_the_gallery_are_shown(tmp_path):
 # The command
 
 
-def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
+def test_the_page_comes_last_of_all(tmp_path, monkeypatch, capsys):
     done = []
     for name in ("draw", "movie", "claims"):
         monkeypatch.setattr(main.commands[name], "callback", lambda n=name, **_: done.append(n))
@@ -270,6 +270,7 @@ def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
     monkeypatch.setattr(index, "files", lambda out: done.append("index") or {})
     assert main(["paper", "--out", str(tmp_path)]) == 0
     assert done == ["draw", "movie", "claims", "index"]
+    assert capsys.readouterr().out.endswith("took 0 s\n")
     rule = (Path(__file__).parent.parent / "Makefile").read_text().split("\nfigures:")[1]
     assert rule.split("\n\n")[0].endswith("-m figures index")
 

@@ -249,15 +249,20 @@ def test_a_run_says_whether_its_drift_trends(slope, periods):
 
 @pytest.mark.slow
 def test_an_annulus_is_seen_to_settle():
-    """The one that ships: 600 periods trend behind a fifth, and not behind what is left out."""
-    scene = md.load("annulus", ["start.seed=3"])
+    """The one that ships: 600 periods trend behind a fifth, and not behind what is left out.
+
+    Two starts agree within their intervals.
+    """
+    scene = md.load("annulus")
     step = md.Step(bias.steps_per_contact(scene, 1.0) / 16, coarse=True)
-    result = md.run(replace(scene, step=step), periods=1500)
-    short = replace(result, c_x_series=result.c_x_series[:600], discarded=120)
+    starts = (replace(scene, step=step, start=replace(scene.start, seed=i)) for i in (3, 4))
+    results = [md.run(start, periods=1500) for start in starts]
+    short = replace(results[0], c_x_series=results[0].c_x_series[:600], discarded=120)
     assert short.settled is False
-    found = accuracy.interval([result.c_x_series], annulus=True)
-    assert found.settled
-    assert found.mean == pytest.approx(0.139, rel=0.02)
+    one, other = (accuracy.interval([result.c_x_series], annulus=True) for result in results)
+    assert one.settled
+    assert other.settled
+    assert abs(one.mean - other.mean) < np.hypot(one.half, other.half)
 
 
 def test_the_plan_is_told_and_not_run(capsys, monkeypatch):

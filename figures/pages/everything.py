@@ -77,17 +77,18 @@ def run_seconds(points: list[Point]) -> float:
     return total
 
 
+def in_words(seconds: float) -> str:
+    """Seconds, or whole minutes from 90 seconds on."""
+    return f"{seconds / 60:.0f} min" if seconds > 90 else f"{seconds:.0f} s"
+
+
 def estimate(out: Path) -> str:
     """Sentence on what is left and how long it takes."""
     points, names, cores = missing(), left(out), cpu_count()
     runs = run_seconds(points) / cores
     others = sum(FIGURES[name].seconds for name in names) + CLAIMS_SECONDS
     return (
-        f"{len(points)} runs that the store lacks: {_minutes(runs)} on {cores} cores; "
-        f"{len(names)} figures of {len(FIGURES)}, movie and claims: {_minutes(others)}; "
-        f"in all about {_minutes(runs + others)} and the time to compile, if nothing else runs"
+        f"{len(points)} runs that the store lacks: {in_words(runs)} on {cores} cores; "
+        f"{len(names)} figures of {len(FIGURES)}, movie and claims: {in_words(others)}; "
+        f"in all about {in_words(runs + others)} and the time to compile, if nothing else runs"
     )
-
-
-def _minutes(seconds: float) -> str:
-    return f"{seconds / 60:.0f} min" if seconds > 90 else f"{seconds:.0f} s"
