@@ -7,7 +7,7 @@ from joblib import Parallel, delayed
 import md
 from md.statistics import standard_error, transient
 
-STARTS, LENGTHS = 50, (60, 128, 400, 2000)
+STARTS, LENGTHS = 50, (60, 128, 400, 1000)
 COARSE = ["step.size=2.4e-4", "step.coarse=true"]
 SOFT = [*COARSE, "contacts.plate.tangential_ratio=3", "contacts.rods.tangential_ratio=3"]
 PRINTED = [
@@ -70,7 +70,7 @@ def test_errors_are_as_large_as_the_scatter_between_starts(name, capsys):
 
 @pytest.mark.slow
 def test_an_annulus_does_not_forget_its_start():
-    """Twelve runs of 2000 periods scatter by far more than each of them lets one think."""
+    """Twelve runs of 1000 periods scatter by far more than each of them lets one think."""
     drifts = Parallel(n_jobs=-1)(delayed(_drift)(*SCENES["annulus"], i) for i in range(1, 13))
     ratio, _ = _ratio(np.array(drifts), LENGTHS[-1])
     assert ratio > 2
