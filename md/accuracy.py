@@ -13,7 +13,7 @@ from functools import partial
 from math import hypot, inf, isfinite, nan
 from pathlib import Path
 from threading import Lock
-from time import perf_counter
+from time import perf_counter, sleep
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -192,9 +192,12 @@ class _Goal:
                 return made
             if self.starts == 1 or not made:
                 return self.due
-            pace = made / max(perf_counter() - self.began, 1e-3)  # periods a second
-            slowly = made + max(int(pace * PATIENCE), 1)
-            return min(slowly, self.due) if made < self.due else min(slowly, 2 * self.due)
+            if made < 2 * self.due:
+                pace = made / max(perf_counter() - self.began, 1e-3)  # periods a second
+                slowly = made + max(int(pace * PATIENCE), 1)
+                return min(slowly, self.due if made < self.due else 2 * self.due)
+        sleep(PATIENCE)  # another start is late, and may share the core with this one
+        return made + 1
 
     def judge(self) -> None:
         """Whether it is over, and if not, when to look again.

@@ -1,6 +1,7 @@
 """Accuracy: intervals, choice of the step, runs that end when they are accurate enough."""
 
 import json
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -313,6 +314,24 @@ def test_several_starts_give_the_same_numbers_whichever_thread_is_faster(monkeyp
     scene = row("plate.acceleration=5")
     one, two = (md.run(scene, tolerance=0.2, floor=0.05, workers=2) for _ in range(2))
     assert (one.c_x, one.accuracy.made) == (two.c_x, two.accuracy.made)
+
+
+def test_starts_wait_for_one_that_is_late(monkeypatch):
+    """Far behind, as where it compiles or shares its core, it changes no number."""
+    calibrated(monkeypatch)
+    usual, scene = accuracy.simulation.run, row("plate.acceleration=5")
+    how = {"tolerance": 0.05, "floor": 0.05, "workers": 2}
+    expected = md.run(scene, **how)
+
+    def late(scene, **options):
+        if scene.start.seed > accuracy.SEED_GAP:
+            time.sleep(1)
+        return usual(scene, **options)
+
+    monkeypatch.setattr(accuracy.simulation, "run", late)
+    found = md.run(scene, **how)
+    assert (found.c_x, found.accuracy.made) == (expected.c_x, expected.accuracy.made)
+    assert found.accuracy.made > 2 * accuracy.FIRST_LOOK
 
 
 def test_what_is_pressed_while_the_bias_is_measured_ends_the_run(monkeypatch):
