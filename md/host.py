@@ -89,8 +89,13 @@ def step_of(scene: Scene) -> tuple[float, int]:
     rod, speed, coarse, found = _rod(scene), scene.impact_speed, scene.step.coarse, []
     light, half = 1 / rod.gyration_squared, rod.half_length
     alone = (half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1
-    # Across, a rod of a row turns or shifts against both neighbours, each at one end or two.
-    between = 1 + 2 * alone[0], (8 if half > 0 else 4) * max(1.0, alone[1]) - 1, 1
+    # A rod turns or shifts against both neighbours, which it touches at one end or two.
+    pressed = 4 if half > 0 else 2
+    between = 1 + 2 * alone[0], 2 * pressed * max(1.0, alone[1]) - 1, 1
+    if scene.annulus is not None:  # there they also rub as it leans across the row, and rolls
+        axial = rod.axial_gyration_squared if scene.rods.rolling else np.inf
+        turns = max(1.0, alone[1], (1 + alone[0]) / pressed, 0.25 * light, 0.25 / axial)
+        between = 2 * turns - 1, pressed * max(1.0, alone[1]), pressed
     for name, (along, across, caps) in {"plate": alone, "wall": alone, "rods": between}.items():
         if (contact := getattr(scene.contacts, name)) is None:
             continue
@@ -453,7 +458,7 @@ def _annulus(scene: Scene, gap: Annulus, ledger: bool, touches: bool) -> Annulus
     rods = np.zeros((n, SPACE_COLUMNS))
     rods[:, :VELOCITY] = placed(gap, n, scene.rods.length, tilt=tilt, seed=scene.start.seed)
     if scene.start.tilt_deg is not None and scene.tilt < 0:
-        rods[:, DIRECTOR : DIRECTOR + 2] *= -1
+        rods[:, [PLACE + 1, DIRECTOR + 1]] *= -1  # its mirror image
     rods[:, PLACE + 2] += (effects.plate.height[0] if effects.plate else 0.0) + scene.start.drop
     random = np.random.default_rng(scene.start.seed)
     rods[:, VELOCITY:TURN] = scene.start.speed * random.uniform(-1, 1, (n, 3))

@@ -215,7 +215,7 @@ def largest_step(
     speed : of the approach, > 0
     along, across : largest Z^2/k^2 and X^2/k^2 of a contact
     method : "leapfrog", "verlet" or "gear"
-    caps : how many are pressed at once, 1 or 2; two push and turn the rod together
+    caps : how many are pressed at once; several push and turn the rod together
     """
     normal, d = law.normal, deepest_overlap(law, speed)
     light = 1 + across if caps == 1 else 2 * max(1.0, across)

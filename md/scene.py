@@ -30,7 +30,11 @@ _NEEDS |= {other: one for one, other in _NEEDS.items()} | {"rods.rolling": "annu
 
 @dataclass(frozen=True)
 class Rods(Part):
-    """Spherocylinders of one kind."""
+    """Spherocylinders of one kind.
+
+    A rod longer than 1 by less than two overlaps touches with both ends at once, and bounces less
+    than the restitution asked for: 0.56 for 0.65 at length 1.001.
+    """
 
     count: Annotated[int, 1, 10**6] = 1  # of rods
     length: Annotated[float, 1.0, 1000.0] = 9.5  # overall, caps included

@@ -10,7 +10,7 @@ from md.__main__ import main
 from md.host import prepare
 from md.kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from md.kernels.touches import A_X, BEFORE, FLIGHT
-from md.placement import placed
+from md.placement import overlap, placed
 from md.result_text import result_text
 
 from .test_row_resume import bits
@@ -69,6 +69,14 @@ def test_rods_that_lean_the_other_way_drift_the_other_way():
     assert found[0] > 0 > found[1]
 
 
+@pytest.mark.parametrize("tilt", [30, -30])
+def test_rods_that_lean_either_way_start_clear_of_each_other(tilt):
+    scene = md.load("annulus", [f"start.tilt_deg={tilt}"])
+    rods = prepare(scene).rods
+    assert overlap(scene.annulus, rods, 3.5) < 1e-4
+    assert (np.sign(rods[:, 0] * rods[:, 4] - rods[:, 1] * rods[:, 3]) == np.sign(tilt)).all()
+
+
 @pytest.mark.parametrize("differs", [(), ROLLING], ids=["shaken walls", "rolling"])
 def test_the_ledger_closes_as_the_step_shrinks(differs):
     """Residual over turnover: second order to a quarter, as in a row (`test_row_run`)."""
@@ -108,6 +116,24 @@ def test_rolling_is_an_effect(whole):
     assert axial(whole.rods) < 1e-12
     assert prepare(ring(*ROLLING)).effects.rolling > 0
     assert axial(md.run(ring(*ROLLING, "plate.acceleration=5"), periods=6).rods) > 1e-6
+
+
+def test_a_cap_that_friction_holds_does_not_slip_as_its_rod_rolls():
+    """On a plate at rest, while the rod turns about the vertical and rolls: second order."""
+    still = "rods.count=1", "start.speed=0", "step.size=2e-4", "contacts.plate.friction=50"
+    engine = prepare(ring(*ROLLING, *still, "plate.acceleration=5"))
+    for motion in engine.plate:
+        motion[:] = 0
+    half, rolling, rod = engine.half_length, engine.effects.rolling, engine.rods[0]
+    up, a = np.array([0, 0, 1]), np.array([0, 0.3, 1]) / np.hypot(0.3, 1)
+    w = up - a * (up @ a) + a * 3 / (1 + rolling)
+    height = 0.5 - 1e5 ** (-2 / 3) + half * a[2]
+    rod[:] = 1.9, 0, height, *a, *np.cross(up, half * a), *w
+    engine.go(300, engine.series(1))
+    a, w = rod[DIRECTOR:VELOCITY], rod[TURN:]
+    arm = -half * a + (0, 0, half * a[2] - rod[PLACE + 2])
+    slip = rod[VELOCITY:TURN] + np.cross(w + rolling * (w @ a) * a, arm)
+    assert np.abs(slip[:2]).max() < 1e-7
 
 
 def test_axial_inertia():

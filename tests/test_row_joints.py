@@ -9,7 +9,7 @@ import pytest
 import md
 from md.kernels.codes import PAIR_FRICTION, PAIR_NORMAL
 
-from .rows import ELASTIC, HALF, SOFT, corners, ends, forces, free
+from .rows import ELASTIC, HALF, LIGHT, SOFT, corners, elastic, ends, forces, free
 
 LOSSY = md.constant_restitution(stiffness=SOFT)
 DEEP = 0.02  # overlap; ends reach each other up to 0.2 along the axes
@@ -45,6 +45,15 @@ def test_rods_side_by_side_touch_at_two_places_in_full():
     for place in (0.1, 0.6, 1.1):  # neither end has a foot on the other rod
         found = forces(engine, round_the_end(place))
         assert np.hypot(*found[1, :2]) == pytest.approx(one, rel=1e-9)
+
+
+def test_ends_a_diameter_apart_to_rounding_push_as_ends_that_are_not_near():
+    """Their squared distance is less than 1 as the sum of two squares, and not as it is found."""
+    other = 0, 0, 0.2853928232566878
+    states = [(0.9494358832968327, -0.9836358090748183, 0.1728756875894829), other]
+    engine = free(ELASTIC, states)
+    expected = elastic(engine.rods, HALF, LIGHT, SOFT)[0]
+    assert forces(engine, states) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("beyond", [1e-3, 0.05, 0.15, 0.5])

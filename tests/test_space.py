@@ -25,6 +25,7 @@ from md.kernels.space import geometry
 from md.kernels.space.forces import Wall
 from md.kernels.space.pairs import nearest
 from md.kernels.touches import REGIME
+from md.laws import deepest_overlap
 
 from .rows import LIGHT, free
 from .space import (
@@ -42,6 +43,7 @@ from .space import (
     within,
 )
 from .test_annulus import ring
+from .test_row_limits import largest
 
 INNER_RADIUS = 5.0
 GAP = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
@@ -358,6 +360,24 @@ def test_m5_a_lying_rod_that_a_wall_pushes_does_not_creep():
     assert np.abs(lying.rods[:, :2] - rods[:, :2]).max() < 1e-6
     slips = scene._replace(friction=Friction(0.9 * force, None))
     assert Rods(slips, rods, dt=1e-3).go(1000).rods[0, 0] > x + 5e-6
+
+
+@pytest.mark.parametrize("rolling", [False, True])
+def test_the_largest_step_is_stable_for_rods_side_by_side(rolling):
+    """Upright, touching both neighbours at both ends, as deep as impacts go; friction holds."""
+    tables = [f"contacts.{part}.stiffness=1e5" for part in ("plate", "rods", "wall")]
+    tables += ["rods.length=9.5", "rods.inertia=thin", f"rods.rolling={str(rolling).lower()}"]
+    asked = md.load("annulus", [*tables, "step.coarse=false"])
+    deep = deepest_overlap(LOSSY, asked.impact_speed)
+    rods = states(*(((i * (1 - deep), 0, 0), (0, 0, 1)) for i in range(5)))
+    rods[:, VELOCITY:] = np.random.default_rng(2).uniform(-1e-6, 1e-6, (5, 6))
+    rods[:, TURN + 2] *= rolling
+    top = 1 / (LIGHT * md.Rod(9.5).axial_gyration_squared) - 1 if rolling else None
+    scene = Rods(meeting(friction=Friction(1e3, LOSSY.spring), rolling=top), rods, largest(asked))
+    for _ in range(100):
+        scene.go(1)
+        rods[:, PLACE], rods[:, VELOCITY] = np.arange(5) * (1 - deep), 0  # they are held
+    assert np.abs(rods[:, VELOCITY:]).max() < 1e-5
 
 
 # Placement

@@ -21,6 +21,8 @@ from typing import NamedTuple
 
 from ..cache import kernel
 
+BELOW_ONE = 1.0 - 2.0**-53  # next to 1
+
 
 class Joint(NamedTuple):
     """An end of a rod near an end of another."""
@@ -38,6 +40,7 @@ def joint(square, first, second):
     `first`, `second`: how far the foot of the first rod's end lies from the other end along the
     second axis, and the reverse, in d.
     """
+    square = min(square, BELOW_ONE)  # a rounding may have told that they touch
     first, second = first * first, second * second
     total = first + second
     part = second / total if total > 0.0 else 0.5

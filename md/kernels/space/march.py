@@ -104,6 +104,26 @@ def within_walls(effects, state, climb, dt):
 
 
 @kernel
+def kicked(rolling, rods, i, gain_c, gain_w, dt):
+    """Velocity and w of rod i after a step."""
+    w = along(vector(rods, i, TURN), dt, gain_w)
+    return (
+        along(vector(rods, i, VELOCITY), dt, gain_c),
+        across(rolling, w, vector(rods, i, DIRECTOR)),
+    )
+
+
+@kernel
+def move(rolling, rods, before, i, dt):
+    """Kick and drift of rod i."""
+    c, w = kicked(rolling, rods, i, vector(before, i, 0), vector(before, i, 3), dt)
+    put(rods, i, PLACE, along(vector(rods, i, PLACE), dt, c))
+    put(rods, i, DIRECTOR, rotated(vector(rods, i, DIRECTOR), w, dt))
+    put(rods, i, VELOCITY, c)
+    put(rods, i, TURN, w)
+
+
+@kernel
 def gravity(g):
     """Acceleration along z."""
     return 0.0 if g is None else g
@@ -156,17 +176,15 @@ def march(effects, state, watchers, clock, steps):
             settle(
                 effects.shaken, watchers.ledger, state.lost, i, along(c, dt / 2, gain_c), spin, dt
             )
-            c, w = along(c, dt, gain_c), across(rolling, along(w, dt, gain_w), director)
+            c, w = kicked(rolling, rods, i, gain_c, gain_w, dt)
             travel, turn = dot(c, c), dot(w, w)
             if not travel + turn < 1e200:
                 return n, NOT_FINITE, i
             fastest, quickest = max(fastest, travel), max(quickest, turn)
-            put(rods, i, PLACE, along(vector(rods, i, PLACE), dt, c))
-            put(rods, i, DIRECTOR, rotated(director, w, dt))
-            put(rods, i, VELOCITY, c)
-            put(rods, i, TURN, w)
             put(before, i, 0, gain_c)
             put(before, i, 3, gain_w)
+        for i in range(rods.shape[0]):  # none before all are found fit
+            move(rolling, rods, before, i, dt)
         way = (sqrt(fastest) + effects.half_length * sqrt(quickest)) * dt
         if too_fast(effects.between, state.pairs, way):
             return n + 1, TOO_FAST, 0

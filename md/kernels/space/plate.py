@@ -6,7 +6,7 @@ from ...cache import kernel
 from ..codes import DIRECTOR, PLACE, PLATE_CAPS, PLATE_FRICTION, TURN, VELOCITY
 from ..contact import ZERO, along, put, vector
 from .forces import At, Rubbing, across, act, forget, lose, surface, tangential, turning
-from .geometry import UP, cross, times
+from .geometry import UP, cross, dot, times
 
 
 @kernel
@@ -14,6 +14,14 @@ def gained(effects, arm, director, force, torque):
     """Acceleration of a point of the rod by force and torque, but for that towards the centre."""
     alpha = across(effects.rolling, times(effects.lightness, torque), director)
     return along(force, 1.0, cross(turning(effects.rolling, alpha, director), arm))
+
+
+@kernel
+def swept(rolling, gain, w, director, arm):
+    """Acceleration of a point of a rod, and that by which its rolling turns with the director."""
+    if rolling is None:
+        return gain
+    return along(gain, rolling * dot(w, director), cross(cross(w, director), arm))
 
 
 @kernel
@@ -88,6 +96,7 @@ def held_at(coefficient, effects, state, i, s, touch, plate, dt):
     rate = s * moved[0], s * moved[1], plate[1] - rods[i, VELOCITY + 2]  # of the arm
     drive = gained(effects, arm, director, vector(total, i, 0), vector(total, i, 3))
     drive = along(drive, 1.0, cross(turning(effects.rolling, w, director), rate))
+    drive = swept(effects.rolling, drive, w, director, arm)
     x, y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
     x = gained(effects, arm, director, x, cross(arm, x))
     y = gained(effects, arm, director, y, cross(arm, y))
