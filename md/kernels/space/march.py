@@ -104,23 +104,16 @@ def within_walls(effects, state, climb, dt):
 
 
 @kernel
-def kicked(rolling, rods, i, gain_c, gain_w, dt):
-    """Velocity and w of rod i after a step."""
-    w = along(vector(rods, i, TURN), dt, gain_w)
-    return (
-        along(vector(rods, i, VELOCITY), dt, gain_c),
-        across(rolling, w, vector(rods, i, DIRECTOR)),
-    )
-
-
-@kernel
 def move(rolling, rods, before, i, dt):
-    """Kick and drift of rod i."""
-    c, w = kicked(rolling, rods, i, vector(before, i, 0), vector(before, i, 3), dt)
+    """Kick and drift of rod i; squares of its velocity and w."""
+    director = vector(rods, i, DIRECTOR)
+    c = along(vector(rods, i, VELOCITY), dt, vector(before, i, 0))
+    w = across(rolling, along(vector(rods, i, TURN), dt, vector(before, i, 3)), director)
     put(rods, i, PLACE, along(vector(rods, i, PLACE), dt, c))
-    put(rods, i, DIRECTOR, rotated(vector(rods, i, DIRECTOR), w, dt))
+    put(rods, i, DIRECTOR, rotated(director, w, dt))
     put(rods, i, VELOCITY, c)
     put(rods, i, TURN, w)
+    return dot(c, c), dot(w, w)
 
 
 @kernel
@@ -158,7 +151,6 @@ def march(effects, state, watchers, clock, steps):
         if where >= 0:
             return n, WALL_TOO_DEEP, where
         sample(watchers.series, rods, step)
-        fastest, quickest = 0.0, 0.0  # squared
         for i in range(rods.shape[0]):
             pushed = vector(total, i, 0) != (0.0, 0.0, g)
             touch = on_plate(effects.normal, effects, state, i, plate, dt)
@@ -176,15 +168,14 @@ def march(effects, state, watchers, clock, steps):
             settle(
                 effects.shaken, watchers.ledger, state.lost, i, along(c, dt / 2, gain_c), spin, dt
             )
-            c, w = kicked(rolling, rods, i, gain_c, gain_w, dt)
-            travel, turn = dot(c, c), dot(w, w)
-            if not travel + turn < 1e200:
+            if not dot(c, c) + dot(w, w) + dot(gain_c, gain_c) + dot(gain_w, gain_w) < 1e200:
                 return n, NOT_FINITE, i
-            fastest, quickest = max(fastest, travel), max(quickest, turn)
             put(before, i, 0, gain_c)
             put(before, i, 3, gain_w)
+        fastest, quickest = 0.0, 0.0  # squared
         for i in range(rods.shape[0]):  # none before all are found fit
-            move(rolling, rods, before, i, dt)
+            travel, turn = move(rolling, rods, before, i, dt)
+            fastest, quickest = max(fastest, travel), max(quickest, turn)
         way = (sqrt(fastest) + effects.half_length * sqrt(quickest)) * dt
         if too_fast(effects.between, state.pairs, way):
             return n + 1, TOO_FAST, 0
