@@ -67,6 +67,7 @@ from scipy.stats import qmc
 from .domains import finite, held, positive, whole
 from .errors import InputError, RunError
 from .files import empty
+from .host import step_of
 from .measured_table import read_rows
 from .scene import changes_of, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS, run
@@ -199,6 +200,7 @@ class Search:
                 whole_change = {**self.common, **changes, **place, "start.seed": seed}
                 try:
                     scene = from_tables(put(self.base, whole_change))
+                    step_of(scene)
                 except InputError as error:
                     at = ", ".join(f"{k} = {v!r}" for k, v in {**values, **place}.items())
                     raise InputError(f"{error} (at {at})") from None
@@ -345,7 +347,7 @@ def _check_results(given: Search, point: Point, store: str | Path) -> None:
     if results is None:
         try:
             shown = run(point.scene, periods=1)
-        except RunError:
+        except (InputError, RunError):
             return
         if not shown.finished:
             raise KeyboardInterrupt

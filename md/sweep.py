@@ -345,7 +345,7 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
     begin, result, error, measure = perf_counter(), None, None, point.measure
     try:
         result = measure.function(point.scene, point.periods) if measure else _of_run(point)
-    except RunError as failure:
+    except (InputError, RunError) as failure:
         error = str(failure)
     return point.key, result, error, perf_counter() - begin
 
