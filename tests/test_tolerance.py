@@ -55,6 +55,18 @@ def test_the_step_is_the_cheapest(tolerance, monkeypatch):
     assert chosen.bias.error == pytest.approx(np.interp(steps, n, error), rel=1e-5)
 
 
+@pytest.mark.parametrize("change", ["start.drop=20", "start.speed=50"])
+def test_a_fall_at_the_start_takes_no_step_that_is_not_stable(change, monkeypatch):
+    """Of the stable ones, which are shorter than the cheapest without it, the longest."""
+    monkeypatch.setattr(bias, "unknown", lambda *_: ())
+    chosen = bias.choose(md.load("quasi2d", [change]), 0.3, 0.95)
+    assert chosen.per_contact > bias.choose(md.load("quasi2d"), 0.3, 0.95).per_contact
+    assert md.host.step_of(chosen.scene)[0] <= chosen.scene.step.size
+    longer = replace(chosen.scene.step, size=1.05 * chosen.scene.step.size)
+    with pytest.raises(md.InputError, match="to be stable"):
+        md.host.step_of(replace(chosen.scene, step=longer))
+
+
 def outside(scene):
     """By the shipped calibration."""
     return bias.outside(scene, bias.calibrated(scene))
