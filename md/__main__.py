@@ -47,6 +47,7 @@ or cm/s takes the place of the one above it, also under --set; it needs
 rods.diameter_cm, and in the plate's part plate.frequency_hz:
 """ + "\n".join(f"  {key:{_WIDTH}}  {default}" for key, default in keys())
 _number = partial(click.option, type=float)
+_dumps = partial(json.dumps, allow_nan=False)
 _json = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 
 
@@ -123,7 +124,7 @@ def impact(as_json: bool, **given: Any) -> None:
     )
     if as_json:
         found = hit._asdict() | {"stiffness": law.normal.stiffness, "arguments": given}
-        print(json.dumps(finite(found)))
+        print(_dumps(finite(found)))
     else:
         words = f"{law.name}, k_n = {law.normal.stiffness:g} m g/d, {integrator}"
         print(impact_text(hit, words))
@@ -219,7 +220,7 @@ def run(
             **chosen,
         )
     if as_json:
-        print(json.dumps(result_json(result)))
+        print(_dumps(result_json(result)))
     else:
         print(f"{scene_text(result.scene)}\n{result_text(result)}")
     if result.unwritten:
@@ -251,7 +252,7 @@ def sweep(sweep: str, store: str, as_json: bool, **how: Any) -> None:
 
     distinct(sweep=sweep, store=store)
     tally = sweeps.execute(sweeps.load_sweep(sweep), store, progress=not as_json, **how)
-    print(json.dumps(vars(tally)) if as_json else tally_text(tally))
+    print(_dumps(vars(tally)) if as_json else tally_text(tally))
 
 
 @main.command()
@@ -276,7 +277,7 @@ def search(search: str, store: str, as_json: bool, **how: Any) -> None:
 
     distinct(search=search, store=store)
     found = searches.search(searches.load_search(search), store, progress=not as_json, **how)
-    print(json.dumps(finite(search_json(found))) if as_json else search_text(found))
+    print(_dumps(finite(search_json(found))) if as_json else search_text(found))
 
 
 @main.command()

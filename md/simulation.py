@@ -172,6 +172,8 @@ def finite(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: finite(inner) for key, inner in value.items()}
     if isinstance(value, float) and not np.isfinite(value):
+    if isinstance(value, list | tuple):
+        return [finite(inner) for inner in value]
         return None
     return value
 

@@ -12,7 +12,7 @@ from md.__main__ import main
 from md.errors import InputError, RunError
 from md.result_text import search_text
 from md.scene import from_tables, put, read_tables
-from md.search import Found, expand, load_search, search
+from md.search import Found, expand, search
 from md.surface import Surface, draws
 
 LIMITS = {"result": "c_x_cm_s", "holds": [1, 2], "error": 1}
@@ -322,11 +322,12 @@ def command(folder):
 
 
 def test_the_command_searches_a_file(tmp_path, capsys):
-    (tmp_path / "fit.toml").write_text(FILE)
-    assert load_search(tmp_path / "fit.toml").points == 4
+    """A place without data is predicted; its limits, which JSON lacks, are null."""
+    (tmp_path / "drift.csv").write_text("box.length,c_x,error\n3.0,,\n")
+    (tmp_path / "fit.toml").write_text(f'{FILE}[data]\nfile = "drift.csv"\nresult = "c_x"\n')
     asked = command(tmp_path)
     assert main([*asked, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
+    told = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     misfits = [point["misfit"] for point in told["points"]]
     assert len(misfits) == 4
     assert misfits == sorted(misfits)
