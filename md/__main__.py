@@ -155,7 +155,11 @@ def _law(given: dict[str, Any]) -> Law:
 )
 @_number("--confidence", help="Of the interval that --tolerance asks for (default 0.95).")
 @_number("--floor", help="Slower drifts count as this fast (default a twentieth of V_0).")
-@_number("--max-seconds", help="Longest time that --tolerance may take (default 600).")
+@_number(
+    "--max-seconds",
+    help="Longest time that --tolerance may take (default 600), but for the first 320 periods, in "
+    "an annulus 640, which are made in any case.",
+)
 @click.option("--workers", type=int, help="With --tolerance: starts at once (default 1).")
 @click.option(
     "--calibration", metavar="FILE", help="Of this scene, by calibrate; --tolerance uses it."

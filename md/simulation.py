@@ -51,7 +51,8 @@ class Accuracy:
     state : "not settled" if the drift still trends; else "reached" if error <= tolerance
         max(|c_x|, floor), else "not reached"
     seconds : of the run, without compiling
-    needed_seconds, next_digit_seconds : estimated for this tolerance, and for a tenth of it
+    needed_seconds, next_digit_seconds : estimated for this tolerance, nan where the pace is not
+        known, and for a tenth of it
     """
 
     tolerance: float
