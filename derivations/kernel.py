@@ -56,7 +56,7 @@ _MIRRORED = {
     "given": _ALL,
     **{"u": _U, "v_0": _V, "u_0": sp.Abs(_U)},
     "side": sp.Piecewise((1, _U > 0), (-1, _U < 0), (1, X * Z >= 0), (-1, True)),
-    **{"mu": sp.Min(mu, 2**960), "ahead": _side * X},
+    **{"mu": sp.Min(mu, 2**500), "ahead": _side * X},
     **{name: form.subs(X, _ahead) for name, form in _RESPONSES.items()},
     "velocities": (sp.Abs(_U), _V, 0, 0),
     "contact": (*(form.subs(X, _ahead) for form in _RESPONSES.values()), 0, 0),

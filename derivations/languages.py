@@ -66,9 +66,7 @@ FUNCTIONS: Mapping[str, Mapping[str, str]] = _TEXTS["functions"]
 LAWS = "newton", "poisson", "stronge"
 REGIMES = {"INVALID": -1, "NO_IMPACT": 0, "SLIDE": 1, "SLIP_STICK": 2, "SLIP_REVERSAL": 3}
 LANGUAGES: Mapping[str, str] = {"c": "rod_impact.h.jinja", "javascript": "rod_impact.js.jinja"}
-# Friction beyond 2^500 gives the same impact, and squares of lengths may stand beside it.
-_CONSTANTS = {**CONSTANTS, "HUGE_FRICTION": "2.0**500"}
-_VALUES = {name: repr(float(eval(text))) for name, text in _CONSTANTS.items()}
+_VALUES = {name: repr(float(eval(text))) for name, text in CONSTANTS.items()}
 # Steps of one sum or product: not worth a comment, and their names give way to those of callers.
 _STEPS = {
     *(routine.name for routine in error_free.ROUTINES),

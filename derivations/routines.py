@@ -39,7 +39,8 @@ Situation = Mapping[str, Any]  # a value of every letter
 
 low = sp.Function("low")  # what the rounded value of an argument lacks
 ANY = sp.Symbol("any")  # a value that no branch takes
-CONSTANTS = {"SPLIT": "2.0**27 + 1", "HUGE_FRICTION": "2.0**960"}
+# Friction beyond 2^500 gives the same impact, and squares of lengths may stand beside it.
+CONSTANTS = {"SPLIT": "2.0**27 + 1", "HUGE_FRICTION": "2.0**500"}
 
 _ALLOWED = (
     *(ast.Module, ast.Assign, ast.Tuple, ast.Name, ast.Constant, ast.Call, ast.BinOp, ast.UnaryOp),

@@ -185,11 +185,11 @@ def in_blocks(
     `dtypes` belong to the results; beside them a few blocks are in memory. Scalars stay scalars, so
     that a term common to all elements is computed once a block; scalars alone give scalars.
     """
-    numbers = [value.astype(np.float64)[()] if value.ndim == 0 else None for value in inputs]
     arrays = [value for value in inputs if value.ndim > 0]
     read_only: list[Any] = [["readonly"]] * len(arrays)
     made: list[Any] = [["writeonly", "allocate"]] * len(dtypes)
     with np.errstate(all="ignore"):
+        numbers = [value.astype(np.float64)[()] if value.ndim == 0 else None for value in inputs]
         if not arrays:
             results = zip(function(*numbers), dtypes, strict=True)
             return tuple(np.asarray(value).astype(dtype)[()] for value, dtype in results)

@@ -59,5 +59,5 @@ def ordinary(given: Any) -> Any:
     c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = given
     size = np.abs(X) + np.abs(Z) + k
     speed = np.abs(c_x) + np.abs(c_z) + np.abs(V_z) + np.abs(omega) * size
-    sized = (k > 0) & (size > SMALL) & (size < LARGE) & (speed > SMALL) & (speed < LARGE)
+    sized = (k > SMALL) & (size < LARGE) & (speed > SMALL) & (speed < LARGE)
     return sized & (mu >= 0) & (mu < LARGE_FRICTION) & (epsilon >= 0) & (epsilon <= 1)

@@ -25,7 +25,7 @@ from ._generated import (
 )
 
 SPLIT = 2.0**27 + 1
-HUGE_FRICTION = 2.0**960
+HUGE_FRICTION = 2.0**500
 
 
 def split(a):
@@ -174,8 +174,9 @@ def regime_of(hits, slides, sticks):
 def mirrored(given):
     """An impact mirrored to u_0 >= 0: side, X, friction, velocities, contact.
 
-    Where u_0 = 0 the mirror is chosen such that XZ >= 0. Friction beyond the constant gives the
-    same impact to the last digit: it stands for infinity, the limit.
+    Where u_0 = 0 the mirror is chosen such that XZ >= 0. Friction beyond the constant, which
+    stands for infinity, gives the same impact to the last digit, but where v_0 is that much
+    smaller than u_0, or k^2 + Z^2 than X^2.
     """
     c_x, c_z, omega, V_z, X, Z, k, friction, epsilon = given
     u, v_0, u_low, v_low = contact_velocity(c_x, c_z, omega, V_z, X, Z)

@@ -33,9 +33,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._arguments import FRICTION, RESTITUTION, Domain, InputError, count, evaluated, number
+from ._arguments import FRICTION, RESTITUTION, Domain, count, evaluated, number
 from ._impacts import LARGE_FRICTION
 from ._jit import kernel
+from .collision import law_of
 from .compiled import KERNELS, Impacts
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
 from .geometry import ContactGeometry, lengths_of, unit_lengths
@@ -209,8 +210,7 @@ def _checked(
     geometry, gamma, friction, restitution, law, shortest_flight, counts: tuple[Any, ...]
 ) -> tuple[_Held, list[int]]:
     """Rod and plate, and landings, rods, seed and transient; all in their domains."""
-    if law not in KERNELS:
-        raise InputError(f"law must be one of {', '.join(KERNELS)}, got {law!r}")
+    law_of(law)
     lengths = (number(name, *length) for name, length in lengths_of(geometry).items())
     gamma = number("gamma", gamma, _GAMMA)
     X, Z, k = map(float, unit_lengths(*lengths))

@@ -141,13 +141,13 @@ def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
     """
 
     def block(X: Any, Z: Any, k: Any, mu: Any) -> tuple[Any, ...]:
-        x, z = np.abs(X) / k, np.abs(Z) / k
-        A, B, C, D = 1 + x * x, x * z, 1 + z * z, 1 + x * x + z * z
+        x, z, k = unit_lengths(np.abs(X), np.abs(Z), k)  # A, B, C are times k^2, D times k^4
+        A, B, C = k * k + x * x, x * z, k * k + z * z
         reverses = mu * C < B
         mu = np.where(reverses, mu, 0.0)
-        root = np.sqrt(A)
-        sticking = closed.energy_restitution_stick(root, np.sqrt(C), np.sqrt(D))
-        kappa = closed.energy_threshold_back(B, C, mu, root, np.sqrt(A - mu * mu * C))
+        root_a, root_c = np.hypot(k, x), np.hypot(k, z)
+        sticking = closed.energy_restitution_stick(root_a, root_c, k * np.hypot(root_a, z))
+        kappa = closed.energy_threshold_back(B, C, mu, root_a, np.sqrt(A - mu * mu * C))
         return (np.where(reverses, (1 - kappa) / (1 + kappa), sticking),)
 
     return evaluated(block, {**lengths_of(geometry), "friction": (friction, FRICTION)})[0]

@@ -39,22 +39,23 @@ class Collision(NamedTuple):
     energy_change: Any
 
 
-def _exponent(*values: Any) -> Any:
-    """Power of two just above the largest magnitude."""
-    return np.frexp(reduce(np.maximum, map(np.abs, values)))[1]
+def exponent(*values: Any) -> Any:
+    """Power of two just above the largest magnitude; of zero, less than of any other number."""
+    powers = [np.where(value == 0, -5000, np.frexp(value)[1]) for value in values]
+    return reduce(np.maximum, powers)
 
 
 def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     """Evaluate a function with lengths and speeds scaled by powers of two: exact, and in range."""
     c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = block
-    length = _exponent(X, Z, k)
-    spin, spin_exponent = np.frexp(omega)
-    speed = np.maximum(_exponent(c_x, c_z, V_z), np.where(spin == 0, -5000, spin_exponent + length))
+    length = exponent(X, Z, k)
+    speed = np.maximum(exponent(c_x, c_z, V_z), exponent(omega) + length)
     c = [np.ldexp(value, -speed) for value in (c_x, c_z)]
     plate = np.ldexp(V_z, -speed)
-    turn = np.ldexp(spin, spin_exponent + length - speed)
-    sizes = [np.ldexp(value, -length) for value in (X, Z, k)]
-    results = list(function(*c, turn, plate, *sizes, mu, epsilon))
+    turn = np.ldexp(omega, length - speed)
+    X, Z, k = (np.ldexp(value, -length) for value in (X, Z, k))
+    k = np.maximum(k, 2.0**-500)  # so that its square does not vanish
+    results = list(function(*c, turn, plate, X, Z, k, mu, epsilon))
     if len(results) == 1:  # the regime alone
         return tuple(results)
     powers = {0: speed, 1: speed, 2: speed - length, 4: speed, 5: speed, 6: speed, 7: speed}
@@ -133,7 +134,8 @@ def from_arrays(
 
 def collision(results: Sequence[Any], dtype: DTypeLike) -> Collision:
     """Results as a `Collision`, scalars as scalars."""
-    fields = [result.astype(dtype, copy=False)[()] for result in results]
+    with np.errstate(all="ignore"):
+        fields = [result.astype(dtype, copy=False)[()] for result in results]
     fields[3] = as_regime(results[3][()])
     return Collision(*fields)
 
@@ -159,7 +161,7 @@ def collide(
     c_x, c_z : velocity of the centre of mass along and across the plate, any finite number
     omega : angular velocity, positive turns the rod's top towards +x
     geometry : X, Z, k, in the unit of length of the velocities (cm for cm/s); k > 0
-    friction : Coulomb coefficient, >= 0; inf is the limit of large friction
+    friction : Coulomb coefficient, >= 0; inf is the limit of large friction, and counts as 3e150
     restitution : between 0 and 1, in the sense of `law`
     plate_velocity : V_z of the plate, across itself
     law : "newton" (the paper's kinematic restitution, v_f = -restitution v_0), "poisson"

@@ -186,7 +186,8 @@ def collide(
     arrays, dtype = plain.prepare(
         c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law
     )
-    arrays = [array.astype(np.float64, copy=False) for array in arrays]
+    with np.errstate(all="ignore"):
+        arrays = [array.astype(np.float64, copy=False) for array in arrays]
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     size = int(np.prod(shape))
     given = [

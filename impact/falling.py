@@ -37,11 +37,10 @@ from ._jit import kernel
 from .bouncing import record
 from .compiled import KERNELS, Impacts
 from .flight import TURN, advance, departure, gap
-from .geometry import ContactGeometry, spherocylinder, thin_rod
+from .geometry import ContactGeometry, spherocylinder, thin_rod, tilt_domain
 
 __all__ = ["Falls", "fall"]
 
-_TILT = Domain(-np.pi / 2, np.pi / 2, "between -pi/2 and pi/2")
 _LENGTH = Domain(1e-3, 1e9, "between 1e-3 and 1e9 (g/Omega^2)")
 _DIAMETER = Domain(0.0, 1e9, ">= 0 and at most length")
 _FLIGHTS_A_CALL = 20_000  # some 40 ms: signals are seen between calls
@@ -262,7 +261,8 @@ def fall(
     Not in the paper, whose rods are many. With restitution 1, or exactly upright, a rod need not
     fall; it is then left after `landings` or `periods`, with `fallen` false.
     """
-    tilt, length = number("tilt", tilt, _TILT), number("length", length, _LENGTH)
+    tilt = float(np.clip(number("tilt", tilt, tilt_domain(tilt)), -np.pi / 2, np.pi / 2))
+    length = number("length", length, _LENGTH)
     diameter = number("diameter", diameter, _DIAMETER)
     landings, transient = count("landings", landings, 1), count("transient", transient, 1)
     periods = number("periods", periods, POSITIVE)

@@ -16,6 +16,7 @@ from ._arguments import (
     evaluated,
     labels_of,
     real_array,
+    result_dtype,
 )
 
 
@@ -54,15 +55,20 @@ def unit_lengths(X: Any, Z: Any, k: Any) -> tuple[Any, Any, Any]:
     return np.ldexp(X, -exponent), np.ldexp(Z, -exponent), np.ldexp(k, -exponent)
 
 
-def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
-    """Contact geometry from `contact(sin, cos, *sizes)`; arguments held to their domains."""
-    # 90 degrees in the tilt's own precision
+def tilt_domain(tilt: Any) -> Domain:
+    """-90 to 90 degrees in the precision of the tilt; in single that is 4e-8 more."""
     single = real_array("tilt", tilt).dtype == np.float32
     right = float(np.float32(np.pi / 2)) if single else np.pi / 2
-    tilts = Domain(-right, right, "between -pi/2 and pi/2")
-    given = {"tilt": (tilt, tilts), **{name: (value, POSITIVE) for name, value in sizes.items()}}
+    return Domain(-right, right, "between -pi/2 and pi/2")
+
+
+def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
+    """Contact geometry from `contact(sin, cos, *sizes)`; arguments held to their domains."""
+    given = {"tilt": (tilt, tilt_domain(tilt))}
+    given |= {name: (value, POSITIVE) for name, value in sizes.items()}
 
     def block(phi: Any, *lengths: Any) -> tuple[Any, ...]:
+        phi = np.clip(phi, -np.pi / 2, np.pi / 2)  # cos >= 0
         return contact(np.sin(phi), np.cos(phi), *lengths)
 
     parts = evaluated(block, given, (None,) * 3)
@@ -129,13 +135,19 @@ def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     """
     whole = real_array("length", length, POSITIVE)
     thick = real_array("diameter", diameter, POSITIVE)
-    if whole.ndim == thick.ndim == 0 and whole < thick:
+    dtype = result_dtype([tilt, length, diameter])
+
+    def too_thick(length: Any, diameter: Any) -> Any:
+        with np.errstate(all="ignore"):
+            return diameter.astype(dtype) > length.astype(dtype)
+
+    if whole.ndim == thick.ndim == 0 and too_thick(whole, thick):
         raise InputError(f"length must be >= diameter ({diameter!r}), got {length!r}")
 
     def contact(sin: Any, cos: Any, length: Any, diameter: Any) -> tuple[Any, ...]:
+        length = np.where(too_thick(length, diameter), np.nan, np.maximum(length, diameter))
         X, Z, gyration = closed.round_rod(length, diameter, diameter / length, sin, cos)
-        k = length * np.sqrt(np.where(diameter <= length, gyration, np.nan))
-        return np.where(np.isnan(k), k, X), np.where(np.isnan(k), k, Z), k
+        return X, Z, length * np.sqrt(gyration)
 
     return _rod(contact, tilt, length=length, diameter=diameter)
 

@@ -1,6 +1,5 @@
 """The frictional impact of any two bodies that meet at a point; a rod on a plate is one of them."""
 
-from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,11 +18,10 @@ from ._arguments import (
 )
 from ._impacts import Regime, as_regime
 from ._twofold import Twofold, quotient
-from .collision import law_of
+from .collision import exponent, law_of
 
 MASS = Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True, infinite=True)
-# Beyond these the impact has the same digits: friction, and a gyration radius over the lever.
-MOST_FRICTION, SHORT = 2.0**500, 2.0**-100
+SHORT = 2.0**-100  # gyration radius over the lever; a shorter one gives the same digits
 IMMOVABLE = -2  # code of two bodies that close and cannot move
 
 
@@ -78,12 +76,6 @@ def _arguments(name: str, body: Body) -> dict[str, Argument]:
     return {f"{name}.{field}": (value, domain) for field, value, domain in given}
 
 
-def _exponent(*values: Any) -> Any:
-    """Power of two just above the largest magnitude; of zero, less than of any other number."""
-    powers = [np.where(value == 0, -5000, np.frexp(value)[1]) for value in values]
-    return reduce(np.maximum, powers)
-
-
 def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     """Velocities of both bodies, regime code, impulse and energy change.
 
@@ -92,8 +84,8 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     """
     *given, mu, epsilon = np.broadcast_arrays(*block)
     both = Body(*np.stack(given).reshape(2, 7, *mu.shape).swapaxes(0, 1))
-    size = _exponent(both.X, both.Z, both.k)
-    speed = np.maximum(_exponent(both.c_x, both.c_z), _exponent(both.omega) + size).max(0)
+    size = exponent(both.X, both.Z, both.k)
+    speed = np.maximum(exponent(both.c_x, both.c_z), exponent(both.omega) + size).max(0)
     fixed, (mass, power) = np.isinf(both.mass), np.frexp(both.mass)
     mass, power = np.where(fixed, 1.0, mass), np.where(fixed, power[::-1], power)
     light = np.where(fixed, 0.0, np.ldexp(mass, power - power.max(0))[::-1])  # 1/mass, up to 1
@@ -109,7 +101,7 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     levers = Twofold(light), quotient(X, k), quotient(Z, k)
     A, B, C, D = closed.pair_mobility(*(part[i] for i in range(2) for part in levers))
     side = np.copysign(1.0, np.where(u.high == 0, B.high, u.high))
-    B, mu = B * Twofold(side), np.minimum(mu, MOST_FRICTION)
+    B, mu = B * Twofold(side), np.minimum(mu, kernel.HUGE_FRICTION)
     (N, T), (N_back, T_back) = ((A + f * B, B + f * C) for f in (Twofold(mu), Twofold(-mu)))
     contact = *(part.high for part in (N, T, N_back, T_back, D, C)), N.low, T.low
     velocities = np.abs(u.high), v.high, side * u.low, v.low
@@ -190,7 +182,7 @@ def collide_pair(
     )
     if np.ndim(code) == 0 and code == IMMOVABLE:
         raise InputError("first.mass and second.mass must not both be inf where they close")
-    code = np.maximum(code, Regime.INVALID)  # and all else is nan, as nothing can give way
+    code = np.maximum(code, np.int8(Regime.INVALID))  # and all else is nan, as nothing can give way
     names = Body._fields[4:]
     before_after = (first, velocities[:3]), (second, velocities[3:])
     one, other = (

@@ -60,7 +60,9 @@ def drift(
     """
 
     def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any, V_z: Any) -> tuple[Any, ...]:
-        x, z = np.abs(X) / k, np.abs(Z) / k
+        x, z, k = unit_lengths(np.abs(X), np.abs(Z), k)
+        k = np.maximum(k, 1e-153)  # x^2 stays; below it c_x is the same and c_z next to nothing
+        x, z = x / k, z / k
         stick, back = closed.drift_grips(x, z, mu)
         sticks = ~(back < stick)
         along, up = closed.drift(x, z, epsilon, np.where(sticks, stick, back))
@@ -255,6 +257,7 @@ def landing_density(phase: Any, *, fall_speed: Any = 1.0) -> Any:
     """
 
     def block(theta: Any, q: Any) -> tuple[Any, ...]:
+        q = np.minimum(q, 1e300)  # beyond, all phases alike
         end = np.arccos(np.maximum(-q, -1.0))  # beyond it the plate runs away from the rod
         total = 2 * (q * end + np.sin(end))
         return (np.maximum(q + np.cos(theta), 0.0) / total,)

@@ -47,6 +47,7 @@ or cm/s takes the place of the one above it, also under --set; it needs
 rods.diameter_cm, and in the plate's part plate.frequency_hz:
 """ + "\n".join(f"  {key:{_WIDTH}}  {default}" for key, default in keys())
 _number = partial(click.option, type=float)
+_dumps = partial(json.dumps, allow_nan=False)
 _json = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 
 
@@ -123,7 +124,7 @@ def impact(as_json: bool, **given: Any) -> None:
     )
     if as_json:
         found = hit._asdict() | {"stiffness": law.normal.stiffness, "arguments": given}
-        print(json.dumps(finite(found)))
+        print(_dumps(finite(found)))
     else:
         words = f"{law.name}, k_n = {law.normal.stiffness:g} m g/d, {integrator}"
         print(impact_text(hit, words))
@@ -154,7 +155,11 @@ def _law(given: dict[str, Any]) -> Law:
 )
 @_number("--confidence", help="Of the interval that --tolerance asks for (default 0.95).")
 @_number("--floor", help="Slower drifts count as this fast (default a twentieth of V_0).")
-@_number("--max-seconds", help="Longest time that --tolerance may take (default 600).")
+@_number(
+    "--max-seconds",
+    help="Longest time that --tolerance may take (default 600), but for the first 320 periods, in "
+    "an annulus 640, which are made in any case.",
+)
 @click.option("--workers", type=int, help="With --tolerance: starts at once (default 1).")
 @click.option(
     "--calibration", metavar="FILE", help="Of this scene, by calibrate; --tolerance uses it."
@@ -219,7 +224,7 @@ def run(
             **chosen,
         )
     if as_json:
-        print(json.dumps(result_json(result)))
+        print(_dumps(result_json(result)))
     else:
         print(f"{scene_text(result.scene)}\n{result_text(result)}")
     if result.unwritten:
@@ -251,7 +256,7 @@ def sweep(sweep: str, store: str, as_json: bool, **how: Any) -> None:
 
     distinct(sweep=sweep, store=store)
     tally = sweeps.execute(sweeps.load_sweep(sweep), store, progress=not as_json, **how)
-    print(json.dumps(vars(tally)) if as_json else tally_text(tally))
+    print(_dumps(vars(tally)) if as_json else tally_text(tally))
 
 
 @main.command()
@@ -276,7 +281,7 @@ def search(search: str, store: str, as_json: bool, **how: Any) -> None:
 
     distinct(search=search, store=store)
     found = searches.search(searches.load_search(search), store, progress=not as_json, **how)
-    print(json.dumps(finite(search_json(found))) if as_json else search_text(found))
+    print(_dumps(finite(search_json(found))) if as_json else search_text(found))
 
 
 @main.command()

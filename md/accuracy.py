@@ -48,6 +48,7 @@ PER_FREEDOM = 30  # periods that tell as much of a standard error as one indepen
 # start has an arrangement of its own.
 UNLIKELY = 1e-3, 5e-2
 UNSETTLED = 1.5  # growth of a run that has not settled
+FEW = 5  # periods to the first answer, where nothing is known of a start's pace
 PATIENCE = 0.3  # seconds after which one of several starts asks again
 SEED_GAP = 10**6  # between the seeds of starts
 IN_PLACE = 3.0  # tolerances that a bias is measured to
@@ -190,8 +191,10 @@ class _Goal:
                 self.judge()
             if self.over:
                 return made
-            if self.starts == 1 or not made:
+            if self.starts == 1:
                 return self.due
+            if not made:
+                return FEW
             if made < 2 * self.due:
                 pace = made / max(perf_counter() - self.began, 1e-3)  # periods a second
                 slowly = made + max(int(pace * PATIENCE), 1)
@@ -209,9 +212,12 @@ class _Goal:
             made = len(self.series[0])
         self.series = [one[:made] for one in self.series]
         self.found = interval(self.series, self.confidence, annulus=self.annulus)
+        if made == self.before:  # at once after a resume: the pace is not known
+            self.over, self.due = self.reached, made + FEW
+            return
         room = (self.tolerance * self.size) ** 2 - self.correction.error**2
         wanted = inf if room <= 0 else made * self.statistical**2 / room
-        pace = max(made - self.before, 1) / max(seconds, 1e-6)
+        pace = (made - self.before) / max(seconds, 1e-6)
         self.needed = wanted / pace
         affordable = self.before + pace * self.max_seconds
         hopeless = self.needed > 2 * self.max_seconds and made >= 2 * self.first
@@ -255,8 +261,9 @@ def run(
     confidence : with which the interval holds the long-run drift, 0.5 to 0.999
     floor : drifts below it, in sqrt(g d), are judged as if they were this fast (default: a
         twentieth of the plate's peak velocity)
-    max_seconds : of the run, without compiling; where it will take more than twice as long, it
-        ends early, with `accuracy.state` "not reached", or "not settled" if the drift still trends
+    max_seconds : of the run, without compiling, but for the first 320 periods, in an annulus 640,
+        which are made in any case; where it will take more than twice as long, it ends early, with
+        `accuracy.state` "not reached", or "not settled" if the drift still trends
     workers : independent starts, 1 to 64, which run at once, one a thread; their drifts are pooled,
         all else that is measured is of the first start. In an annulus, where rods keep their
         arrangement, the error of one start is about its arrangement. With a tolerance alone
@@ -276,6 +283,8 @@ def run(
         As `simulation.run`, if no plate vibrates, or an argument is out of its domain.
     RunError
         As `simulation.run`.
+    KeyboardInterrupt
+        On Ctrl-C while the bias is measured, of which nothing is kept.
     """
     own = {"confidence": confidence, "floor": floor, "max_seconds": max_seconds}
     if tolerance is None:
@@ -304,7 +313,7 @@ def run(
         longer = replace(chosen.scene, step=Step(2 * dt, coarse=True))
         first = _started(longer, rough, {"ledger": False})
         if not first.finished:
-            return first
+            raise KeyboardInterrupt("the bias of the step was being measured, nothing is kept")
         spent, correct = first.run_seconds, partial(_measured, rough.found)
     else:
         correct = partial(_known, chosen.bias, confidence)
@@ -312,6 +321,7 @@ def run(
     result = _started(chosen.scene, goal, options)
     finer = choose(scene, tolerance / 10, confidence, calibration)
     stderr = goal.statistical / float(ndtri((1 + confidence) / 2))
+    stderr = stderr if isfinite(stderr) else nan
     found = _accuracy(goal, finer, result, spent)
     return replace(result, c_x=goal.mean, c_x_stderr=stderr, accuracy=found)
 
@@ -331,12 +341,13 @@ def _measured(rough: Interval, mean: float) -> Correction:
 
 def _started(scene: Scene, goal: _Goal, options: dict[str, Any]) -> Result:
     """Run all starts until the goal is over; the result of the first one."""
+    seeds = (scene.start.seed + SEED_GAP * start for start in range(goal.starts))
+    scenes = [replace(scene, start=replace(scene.start, seed=seed)) for seed in seeds]
 
     def other(start: int) -> None:
-        begin = replace(scene.start, seed=scene.start.seed + SEED_GAP * start)
         mine = partial(goal.ask, start)
         try:
-            simulation.run(replace(scene, start=begin), periods=LONGEST, ledger=False, goal=mine)
+            simulation.run(scenes[start], periods=LONGEST, ledger=False, goal=mine)
         except BaseException:
             goal.over = True  # nobody waits for this one
             raise

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from .errors import InputError
+from .host import stable_step
 from .laws import contact_time, coulomb
 from .scene import Scene, Step, as_dict
 from .sources import digest
@@ -50,7 +51,15 @@ class Choice(NamedTuple):
 
 
 def steps_per_contact(scene: Scene, dt: float) -> float:
-    """Steps in the shortest contact at twice the plate's peak velocity."""
+    """Steps in the shortest contact at twice the plate's peak velocity.
+
+    Raises
+    ------
+    ValueError
+        If nothing vibrates.
+    """
+    if not scene.vibrates:
+        raise InputError("tolerance and calibrate need plate.acceleration > 0: nothing vibrates")
     found = [c for c in (scene.contacts.plate, scene.contacts.rods) if c is not None]
     return min(contact_time(c.law, 2 * scene.plate_speed) for c in found) / dt
 
@@ -212,7 +221,7 @@ def unknown(scene: Scene, known: dict[str, Any]) -> tuple[str, ...]:
 def choose(
     scene: Scene, tolerance: float, confidence: float, path: str | Path | None = None
 ) -> Choice:
-    """The cheapest step for a tolerance of the drift.
+    """The cheapest stable step for a tolerance of the drift.
 
     The error of the bias takes its part of the tolerance; what is left is for statistics, and the
     number of periods goes as one over its square. Where the calibration does not hold, the scene
@@ -226,22 +235,21 @@ def choose(
     Raises
     ------
     ValueError
-        If nothing vibrates, no plate is touched, or `path` holds no calibration for this scene and
-        these sources.
+        If nothing vibrates, or `path` holds no calibration for this scene and these sources.
     """
     if not isinstance(scene, Scene):
         raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
-    if not scene.vibrates or scene.contacts.plate is None:
-        raise InputError("tolerance needs a plate that vibrates and a contact with it")
     known = calibrated(scene, path)
     if reasons := unknown(scene, known):
         if path is not None:
             raise InputError(f"calibration {path} does not hold for the scene: {reasons[0]}")
         return Choice(replace(scene, step=Step()), np.nan, None, reasons)
-    n = known["fewest"] * _NUMBERS
+    n, contact = known["fewest"] * _NUMBERS, steps_per_contact(scene, 1.0)
+    longest, _ = stable_step(replace(scene, step=Step(coarse=True)))
     value, error = bias_at(scene, n, known)
     room = tolerance**2 - (student(confidence) * error) ** 2
-    at = np.where(room > 0, n / np.where(room > 0, room, 1.0), np.inf).argmin()
-    step = Step(steps_per_contact(scene, 1.0) / n[at], coarse=True)
+    fine = (room > 0) & (contact / n <= longest)
+    at = np.where(fine, n / np.where(fine, room, 1.0), np.inf).argmin()
+    step = Step(contact / n[at], coarse=True)
     bias = Bias(float(value[at]), float(error[at]))
     return Choice(replace(scene, step=step), float(n[at]), bias, ())

@@ -78,13 +78,13 @@ def _forces(contact: Contact | None) -> ContactForces | None:
     return ContactForces(contact.law.normal, friction_of(contact.law, contact.friction))
 
 
-def step_of(scene: Scene) -> tuple[float, int]:
-    """Step and steps a period: the step asked for, or a good one, as a whole part of the period.
+def stable_step(scene: Scene) -> tuple[float, float]:
+    """Longest stable step of a scene, and its shortest contact.
 
     Raises
     ------
     ValueError
-        If the step is not stable, or a contact too soft.
+        If a contact is too soft.
     """
     rod, speed, coarse, found = _rod(scene), scene.impact_speed, scene.step.coarse, []
     light, half = 1 / rod.gyration_squared, rod.half_length
@@ -108,14 +108,25 @@ def step_of(scene: Scene) -> tuple[float, int]:
         friction = contact.friction > 0 and not coarse
         limit = largest_step(law, friction, speed, along, across, "verlet", caps)
         found.append((limit, contact_time(law, speed)))
-    largest = min((limit for limit, _ in found), default=np.inf)
-    whole = min((time for _, time in found), default=0.05)
+    limits, times = zip(*found or [(np.inf, 0.05)], strict=True)
+    return min(limits), min(times)
+
+
+def step_of(scene: Scene) -> tuple[float, int]:
+    """Step and steps a period: the step asked for, or a good one, as a whole part of the period.
+
+    Raises
+    ------
+    ValueError
+        If the step is not stable, or a contact too soft.
+    """
+    largest, whole = stable_step(scene)
     dt = scene.step.size or min(whole / 50, largest / 2)
     if dt > largest:
         raise InputError(
             f"step.size must be at most {0.995 * largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} "
             f"of the contact time {whole:.3g}, to be stable; got {dt!r}"
-            + ("" if coarse else " (step.coarse allows more)")
+            + ("" if scene.step.coarse else " (step.coarse allows more)")
         )
     per = ceil(1 / (scene.frequency * dt) - 1e-9)
     if per > _MOST_STEPS:
@@ -183,9 +194,8 @@ class Engine:
 
     def _height_between(self) -> float:
         """Height of the plate half a step ago."""
-        if not self.plate:
-            return 0.0
-        return float(sum(self.plate.height[(self.step + s) % self.per] for s in (-1, 0)) / 2)
+        near = ((self.step + s) % self.per for s in (-1, 0))
+        return float(sum(self.plate.height[i] for i in near) / 2) if self.plate else 0.0
 
     def series(self, periods: int) -> Any:
         """Empty series for the samples of so many periods."""
@@ -212,8 +222,7 @@ class Engine:
             if why == FULL_LIST:
                 self._grow()
             elif why not in (DONE, FULL_RECORD):
-                message, state = self._stopped(why, where)
-                raise RunError(message, state)
+                raise RunError(*self._stopped(why, where))
             elif why == FULL_RECORD or made == steps:
                 return made
 
@@ -428,15 +437,14 @@ def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
 
 def space_effects(scene: Scene, gap: Annulus, per: int) -> SpaceEffects:
     """All that acts on rods in an annulus."""
-    rod, rolling = _rod(scene), None
+    rod = _rod(scene)
+    squared = rod.gyration_squared
     plate, wall = _forces(scene.contacts.plate), _forces(scene.contacts.wall)
     assert wall is not None
-    if scene.rods.rolling:
-        rolling = rod.gyration_squared / rod.axial_gyration_squared - 1
     return SpaceEffects(
         half_length=rod.half_length,
-        lightness=1 / rod.gyration_squared,
-        rolling=rolling,
+        lightness=1 / squared,
+        rolling=squared / rod.axial_gyration_squared - 1 if scene.rods.rolling else None,
         gravity=scene.gravity.z if scene.gravity else None,
         plate=plate_motion(scene, per),
         normal=plate.normal if plate else None,

@@ -123,7 +123,7 @@ class Tables:
         self.of_period = {"series": self.series.rows}  # arrays with a row a period
         self.of_rods: dict[str, np.ndarray] = dict(of_rods)  # arrays with a row a rod
         self.sums = np.zeros((periods + 1, 2, len(SUMS)))  # over touches, over landings
-        self.phases = np.zeros((periods + 1, _PARTS), np.uint16)
+        self.phases = np.zeros((periods + 1, _PARTS), np.uint32)
         self.of_period |= {"sums": self.sums, "phases": self.phases}
         self.under_way = np.zeros((0, _MERGED + 1))  # landings that may not be over
 

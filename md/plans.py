@@ -1,6 +1,6 @@
 """What a run to a tolerance will take, and in words what it has reached and taken."""
 
-from math import isfinite, nan, sqrt
+from math import isfinite, isnan, nan, sqrt
 from os import cpu_count
 from pathlib import Path
 from typing import NamedTuple
@@ -123,7 +123,7 @@ def in_words(result: Result) -> list[str]:
         )
     if a.state == "not settled":
         lines.append("             the drift still trends; the error is the change that is seen")
-    if a.state == "not reached":
+    if a.state == "not reached" and not isnan(a.needed_seconds):
         never = "the bias alone is known no better"
         takes = f"this would take about {a.needed_seconds:.3g} s of run time"
         lines.append(f"             {takes if isfinite(a.needed_seconds) else never}")

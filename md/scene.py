@@ -354,6 +354,13 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
     return changed
 
 
+def changes_of(name: str, table: object) -> dict[str, Any]:
+    """Changes for `put` from a table; a table in place of a value would drop the keys beside it."""
+    if not isinstance(table, Mapping) or any(isinstance(x, Mapping) for x in table.values()):
+        raise InputError(f'{name} must hold "key" = value, keys in quotes, got {table!r}')
+    return dict(table)
+
+
 def both(**options: Any) -> dict[str, Any]:
     """Changes for `put` that give the contacts of plate and rods the same options."""
     return {f"contacts.{part}.{key}": v for part in ("plate", "rods") for key, v in options.items()}

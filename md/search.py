@@ -67,8 +67,9 @@ from scipy.stats import qmc
 from .domains import finite, held, positive, whole
 from .errors import InputError, RunError
 from .files import empty
+from .host import step_of
 from .measured_table import read_rows
-from .scene import from_tables, put, read_tables, scene_beside
+from .scene import changes_of, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS, run
 from .store import Store
 from .surface import ENOUGH, Fit, box_around, misfit_of
@@ -199,6 +200,7 @@ class Search:
                 whole_change = {**self.common, **changes, **place, "start.seed": seed}
                 try:
                     scene = from_tables(put(self.base, whole_change))
+                    step_of(scene)
                 except InputError as error:
                     at = ", ".join(f"{k} = {v!r}" for k, v in {**values, **place}.items())
                     raise InputError(f"{error} (at {at})") from None
@@ -345,7 +347,7 @@ def _check_results(given: Search, point: Point, store: str | Path) -> None:
     if results is None:
         try:
             shown = run(point.scene, periods=1)
-        except RunError:
+        except (InputError, RunError):
             return
         if not shown.finished:
             raise KeyboardInterrupt
@@ -375,12 +377,12 @@ def _parameter(name: str, table: object) -> Parameter:
         )
     if ("choices" in table) == ("keys" in table):
         raise InputError(f"{name} must have either choices or keys, with from and to")
-    when = _changes(f"{name}.when", table.get("when", {}))
+    when = changes_of(f"{name}.when", table.get("when", {}))
     if "choices" in table:
         choices = table["choices"]
         if not isinstance(choices, Mapping) or len(choices) < 2 or not set(table) <= plain:
             raise InputError(f"{name}.choices must be two tables or more, no range, got {table!r}")
-        choices = {c: _changes(f"{name}.choices.{c}", x) for c, x in choices.items()}
+        choices = {c: changes_of(f"{name}.choices.{c}", x) for c, x in choices.items()}
         return Parameter(str(table.get("name", name)), choices=choices, when=when)
     log, integer = (held(f"{name}.{x}", table.get(x, False), bool) for x in ("log", "integer"))
     keys = table["keys"]
@@ -393,13 +395,6 @@ def _parameter(name: str, table: object) -> Parameter:
         raise InputError(f"{name}.from must be less than to, got {low:g} and {high:g}")
     title = str(table.get("name", keys[0]))
     return Parameter(title, tuple(keys), low, high, log, None, when, integer)
-
-
-def _changes(name: str, table: object) -> dict[str, Any]:
-    """Values of keys of the scene; a table in place of a value would drop the keys beside it."""
-    if not isinstance(table, Mapping) or any(isinstance(x, Mapping) for x in table.values()):
-        raise InputError(f'{name} must hold "key" = value, keys in quotes, got {table!r}')
-    return dict(table)
 
 
 def _data(table: object, folder: Path) -> list[tuple[dict[str, Any], str, float, float]]:
@@ -419,7 +414,7 @@ def _limits(name: str, table: object) -> tuple[dict[str, Any], str, float, float
     if not fine or len(holds) != 2 or not holds[0] <= holds[1]:
         raise InputError(f"{name}.holds must be two numbers, the lower one first, got {holds!r}")
     error = positive(f"{name}.error", table["error"])
-    place = _changes(f"{name}.at", table.get("at", {}))
+    place = changes_of(f"{name}.at", table.get("at", {}))
     return place, str(table["result"]), float(holds[0]), float(holds[1]), error
 
 
@@ -487,7 +482,7 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
         )
     return Search(
         base=base,
-        common=_changes("set", tables.get("set", {})),
+        common=changes_of("set", tables.get("set", {})),
         periods=whole("periods", tables.get("periods", 200), 1, MOST_PERIODS),
         seeds=tuple(whole("seeds", seed, 0, 2**32) for seed in seeds),
         parameters=parameters,

@@ -20,7 +20,7 @@ from tqdm import tqdm
 from .domains import whole
 from .errors import InputError
 from .files import NotWritten, distinct, replacing, warn, writable
-from .host import prepare
+from .host import prepare, step_of
 from .interrupt import SIGNALS
 from .measures import tables_of
 from .scene import Scene, Step, as_dict
@@ -51,7 +51,8 @@ class Accuracy:
     state : "not settled" if the drift still trends; else "reached" if error <= tolerance
         max(|c_x|, floor), else "not reached"
     seconds : of the run, without compiling
-    needed_seconds, next_digit_seconds : estimated for this tolerance, and for a tenth of it
+    needed_seconds, next_digit_seconds : estimated for this tolerance, nan where the pace is not
+        known, and for a tenth of it
     """
 
     tolerance: float
@@ -171,6 +172,8 @@ def finite(value: Any) -> Any:
     """JSON has neither nan nor inf."""
     if isinstance(value, dict):
         return {key: finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(inner) for inner in value]
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value
@@ -234,7 +237,6 @@ class _Run:
         self.tables = tables_of(engine, periods)
         self.checkpoint = checkpoint
         self.trajectory: Trajectory | None = None
-        self.gap = 1  # steps from frame to frame
         self.lost: dict[str, str] = {}  # why a file is not whole
         begin = perf_counter()
         engine.go(0, self.tables.series)  # compiles
@@ -257,6 +259,11 @@ class _Run:
             raise InputError(
                 f"checkpoint {self.checkpoint} is {step // self.engine.per} periods long already: "
                 "ask for more, or remove it"
+            )
+        if self.engine.ledger is not None and "ledger" not in arrays:
+            raise InputError(
+                f"ledger must be False, as checkpoint {self.checkpoint} was saved without it; "
+                "or remove it to start again"
             )
         self.tables.restore(arrays)
         self.engine.restore(arrays, step)
@@ -305,11 +312,12 @@ class _Run:
         engine, saved = self.engine, perf_counter()
         while engine.step < goal and not pressed():
             steps = min(engine.pace, goal - engine.step)
-            if self.trajectory is not None:
-                since = engine.step % self.gap
-                if since == 0:
-                    self._frame(self.trajectory)
-                steps = min(steps, self.gap - since)
+            if (trajectory := self.trajectory) is not None:
+                frames = trajectory.per_period
+                number, since = divmod(engine.step * frames, engine.per)
+                if since < frames:  # the first step at or behind `number` parts of the period
+                    self._frame(trajectory)
+                steps = min(steps, -(-(number + 1) * engine.per // frames) - engine.step)
             begin, before = perf_counter(), self.made
             engine.go(steps, self.tables.series)
             self.began["seconds"] += perf_counter() - begin
@@ -384,7 +392,7 @@ def run(
     trajectory : file for extended XYZ, a new one or one of frames, which are replaced; when a
         checkpoint is resumed, the file that was written with it, which goes on behind the frames
         that the checkpoint knows of
-    frames : of the trajectory, per period
+    frames : of the trajectory, per period, evenly, at most one a step
     checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
         it and gives bit for bit the numbers of a run that never stopped
     progress : whether to show a progress bar, on a terminal, after two seconds
@@ -406,7 +414,7 @@ def run(
     if not isinstance(scene, Scene):
         raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
     periods = whole("periods", periods, 1, MOST_PERIODS)
-    frames = whole("frames", frames, 1, 10**6)
+    frames = whole("frames", frames, 1, step_of(scene)[1])
     distinct(trajectory=trajectory, checkpoint=checkpoint)
     if trajectory is not None:
         writable("trajectory", trajectory, is_trajectory, "one of frames")
@@ -426,7 +434,6 @@ def run(
         if trajectory is not None:
             running.trajectory = Trajectory(trajectory, frames, running.began["trajectory"])
             stack.callback(running.trajectory.close)
-            running.gap = max(per // frames, 1)
         bar = stack.enter_context(
             tqdm(total=periods, unit=" periods", delay=2, disable=None if progress else True)
         )

@@ -45,6 +45,7 @@ from .scene import Rods
 INTEGRATORS = (*single.METHODS, "dop853")
 _FINE = 100  # default steps per head-on contact time
 _FINEST = 1e8  # steps of a contact that are as many as anybody waits for
+_MOST_STEPS = 1e7  # of a period of the plate: they are in memory
 _SLOWEST = 1e-30  # speed of an impact below which numbers run out
 _STEPS_A_CALL = 10**6  # some 50 ms: signals are seen between calls
 _LONGEST = 1e5  # contact times after which a contact that goes on is an error
@@ -79,9 +80,10 @@ def _checked_law(law: Law | None) -> Law:
     return law or coulomb()
 
 
-def _numbers(name: str, values: object, count: int) -> tuple:
+def _numbers(name: str, values: Any, count: int) -> tuple:
     """A sequence of so many values."""
-    if not isinstance(values, Sequence | np.ndarray) or len(values) != count:
+    some = isinstance(values, Sequence | np.ndarray) and getattr(values, "ndim", 1) == 1
+    if not some or len(values) != count:
         raise InputError(f"{name} must be {count} numbers, got {values!r}")
     return tuple(values)
 
@@ -220,6 +222,12 @@ def impact(
     step = _step(law, effects, speed, tilt, dt, method)
     early = vibration
     if vibration is not None:
+        least = 1 / (_MOST_STEPS * step)
+        if vibration.frequency < least:
+            raise InputError(
+                f"frequency of the vibration must be at least {least:.3g} sqrt(g/d), which is "
+                f"{_MOST_STEPS:g} steps a period; got {vibration.frequency!r}"
+            )
         step = 1 / (vibration.frequency * _steps_per_period(vibration, step))
         before = 2 * pi * vibration.frequency * offset * step
         early = vibration._replace(phase=vibration.phase - before)

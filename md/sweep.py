@@ -58,7 +58,7 @@ from .domains import finite, held, positive, whole
 from .errors import InputError, RunError
 from .host import step_of
 from .plans import in_words
-from .scene import Scene, as_dict, from_tables, put, read_tables, scene_beside
+from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
 from .sources import digest
 from .store import Store
@@ -288,17 +288,20 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
     if chosen:
         checked(periods=tables.get("periods"), **chosen)
         periods = 0
-    axes = tuple(_axis(i, table) for i, table in enumerate(tables.get("axes", [])))
+    given = tables.get("axes", [])
+    if not isinstance(given, list | tuple):
+        raise InputError(f"axes must be a list of tables, [[axes]], got {given!r}")
+    axes = tuple(_axis(i, table) for i, table in enumerate(given))
     keys = [key for axis in axes for key in axis]
     if len(set(keys)) < len(keys):
         raise InputError(f"a key may stand on one axis alone, got {keys}")
     size = math.prod(len(next(iter(axis.values()))) for axis in axes)
     if size > _MOST_POINTS:
         raise InputError(f"a sweep may have {_MOST_POINTS} points, got {size}")
-    common, points = dict(tables.get("set", {})), []
+    common, points = changes_of("set", tables.get("set", {})), []
     along = [[dict(zip(a, v, strict=True)) for v in zip(*a.values(), strict=True)] for a in axes]
     for place in itertools.product(*along):
-        changes = {key: value for part in place for key, value in part.items()}
+        changes = changes_of("axes", {key: value for part in place for key, value in part.items()})
         try:
             scene = from_tables(put(base, {**common, **changes}))
             step_of(choose(scene, chosen["tolerance"], CONFIDENCE).scene if chosen else scene)
@@ -342,7 +345,7 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
     begin, result, error, measure = perf_counter(), None, None, point.measure
     try:
         result = measure.function(point.scene, point.periods) if measure else _of_run(point)
-    except RunError as failure:
+    except (InputError, RunError) as failure:
         error = str(failure)
     return point.key, result, error, perf_counter() - begin
 

@@ -251,7 +251,7 @@ BAD = {  # of `bounce` and of `fall`
     "seed": (-1,),
     "transient": (-1,),
     "shortest_flight": (0.0, 1e-13),
-    "law": ("hooke",),
+    "law": ("hooke", ["newton"]),
 }
 NO_GEOMETRY = ContactGeometry(0.1, 0.4, 0.0), ContactGeometry(np.nan, 0.4, 0.3), 3.0
 BAD_HERE = {"bins": (0,), "geometry": (*NO_GEOMETRY, thin_rod(np.array([0.1, 0.2])))}

@@ -368,3 +368,16 @@ def test_mean_plate_velocity():
     assert impact.mean_plate_velocity(np.ones_like) == pytest.approx(0, abs=1e-15)
     upstroke = impact.mean_plate_velocity(lambda phase: (np.cos(phase) > 0).astype(float))
     assert upstroke == pytest.approx(2 / np.pi, abs=1e-6)
+
+
+def test_extreme_numbers_have_the_answer_of_large_ones():
+    """Where a power of a number of the answer is too large or too small for one."""
+    rods = [ContactGeometry(0.3, 0.4, k) for k in (1e-60, 1e-155, 1e-320)]
+    for friction in (0.0, 0.3, 5.0):
+        found = [impact.energy_restitution(rod, friction) for rod in rods]
+        assert found == pytest.approx([found[0]] * 3, rel=4 * EPS, abs=1e-59)
+    found = [impact.drift(rod, friction=0.3, restitution=0.65)[:2] for rod in rods]
+    np.testing.assert_allclose(found, [(1.54, 0.0)] * 3, rtol=4 * EPS, atol=1e-110)
+    for fall in (1e200, 1e308, 1.7e308):
+        density = impact.landing_density(0.0, fall_speed=fall)
+        assert density == pytest.approx(1 / (2 * np.pi), rel=4 * EPS)

@@ -143,6 +143,12 @@ def test_scalar_kernel_gives_the_same_bits(law):
         assert got == tuple(part[n] for part in want)
 
 
+@pytest.mark.parametrize(("size", "c_z"), [(1e-70, -1.0), (1.0, -1e-40), (1e70, -1e-10)])
+def test_scalar_kernel_takes_infinite_friction(size, c_z):
+    given = compiled.Impacts(3.0, c_z, 0.0, 0.0, size, size, size, np.inf, 0.5)
+    assert compiled.collide_newton(given)[4] == pytest.approx(1.5 * c_z, rel=1e-15, abs=0)
+
+
 def test_kernel_keeps_its_bits_in_a_loop_that_may_reorder_its_own_sums():
     """As in the benchmark: the loop's flags are not the kernel's, though it is inlined."""
     kernel = compiled.collide_newton
@@ -176,8 +182,12 @@ def test_compiled_map_keeps_the_contract_on_odd_arguments():
         ((1.0, -1.0, odd), {**usual, "friction": np.abs(odd)}),
         ((1.0, -1.0), {**usual, "restitution": odd}),
         ((1.0, -1.0), {**usual, "geometry": impact.ContactGeometry(odd, odd[:, None], 1.0)}),
+        ((1.0, -1.0), {**usual, "geometry": impact.ContactGeometry(0.0, 1.0, np.abs(odd))}),
+        ((np.float32(1e25), np.full(2, -1e25, np.float32)), single),
+        ((np.longdouble("1e400"), -1.0), usual),
     ):
-        _same_bits(compiled.collide(*args, **kwargs), impact.collide(*args, **kwargs))
+        with np.errstate(all="raise"):
+            _same_bits(compiled.collide(*args, **kwargs), impact.collide(*args, **kwargs))
     with pytest.raises(ValueError, match="friction must be >= 0, got -1"):
         compiled.collide(1.0, -1.0, geometry=rod, friction=-1, restitution=0.5)
 

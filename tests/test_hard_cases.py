@@ -290,6 +290,36 @@ def t18_rounding_at_the_edge_of_a_slide(theirs):
     assert (hit.P_z >= 0.99 * k**2 * c_x / T).all()
 
 
+def t19_infinite_friction(theirs):
+    """Of an impact that grazes, hardly approaches, or begins at rest but for that: the limit."""
+    for c_x, geometry in ((0.0, PLAIN), (1.0, PLAIN), (1.0, PLAIN._replace(X=0.0)), (1.0, ROD)):
+        for c_z in (-1e-15, -1e-40, -1e-100):
+            for law in laws_of(theirs):
+                rest = {"geometry": geometry, "friction": np.inf, "restitution": 0.5, "law": law}
+                hit, want = theirs.collide(c_x, c_z, **rest), exact(c_x, c_z, **rest)
+                assert hit.regime == want.regime
+                got = hit.P_x, hit.omega, hit.normal_velocity
+                wanted = map(float, (want.P_x, want.omega, want.normal_velocity))
+                assert got == pytest.approx(tuple(wanted), rel=8 * EPS, abs=0)
+
+
+def t20_a_mass_in_a_point(theirs):
+    """k against the lever and the speed down to the smallest number: a regime, and no nan."""
+    slide = theirs.collide(
+        1.0, -1.0, geometry=ContactGeometry(0.0, 1.0, 1e-155), friction=0.0, restitution=0.5
+    )
+    assert (slide.regime, slide.c_z, slide.P_z) == (Regime.SLIDE, 0.5, 1.5)
+    rng = np.random.default_rng(34)
+    odd = np.array([0.0, 1.0, -1.0, 1e-5, -1e-60, 1e60, 1e-155, -1e-300])
+    c_x, c_z, omega, X, Z = rng.choice(odd, (5, 20_000))
+    k = rng.choice([5e-324, 1e-300, 1e-155, 1e-80, 1e-60, 1.0], 20_000)
+    friction = rng.choice([0.0, 0.3, 1e-20, 1e40, 1e300, np.inf], 20_000)
+    rest = {"geometry": ContactGeometry(X, Z, k), "friction": friction, "restitution": 0.5}
+    for law in laws_of(theirs):
+        hit = theirs.collide(c_x, c_z, omega, **rest, law=law)
+        assert not any(np.isnan(part).any() for part in hit)
+
+
 CASES = [value for name, value in list(globals().items()) if name[0] == "t" and name[1].isdigit()]
 # where the straightforward formulas are good enough, or (t17) Newton's law is not the hard one
 PASSES = {t14_long_levers, t17_friction_that_hardly_stops_the_slip}

@@ -8,6 +8,7 @@ import sys
 from inspect import signature
 from math import radians
 
+import numpy as np
 import pytest
 
 import md
@@ -84,8 +85,16 @@ def test_arguments_of_a_wrong_type_are_named():
         md.impact(0.1, 0.0, -1.0, friction=0.3, law="coulomb")
     with pytest.raises(TypeError, match="rod must be a"):
         md.impact(0.1, 0.0, -1.0, friction=0.3, rod=5.0)
-    with pytest.raises(TypeError, match="gravity must be 2 numbers, got -1"):
-        md.impact(0.1, 0.0, -1.0, friction=0.3, gravity=-1)
+    for name, count in {"gravity": 2, "vibration": 3}.items():
+        for value in (-1, np.array(1.0), (1.0,)):
+            with pytest.raises(TypeError, match=f"{name} must be {count} numbers, got"):
+                md.impact(0.1, 0.0, -1.0, friction=0.3, **{name: value})
+
+
+@pytest.mark.parametrize("frequency", [1e-7, 1e-320])
+def test_a_period_with_too_many_steps_is_refused(frequency):
+    with pytest.raises(md.InputError, match="frequency of the vibration must be at least"):
+        md.impact(0.3, 1.0, -1.0, friction=0.3, vibration=(0.1, frequency, 0.0))
 
 
 @pytest.mark.parametrize(

@@ -109,6 +109,12 @@ def test_means_of_a_run_are_those_of_its_record():
     assert each["omega_after"]["mean"] == pytest.approx(whole[:, columns.AFTER + 2].mean())
 
 
+def test_touches_of_one_phase_are_counted_whatever_their_number():
+    tables, many = RowTables(md.host.prepare(row()), 1), 2**16 + 1
+    tables.add(touches(0, np.full(many, 1), 5)[:, :-1])
+    assert max(tables.cycle(0, 1)) == many
+
+
 def test_a_goal_is_asked_until_it_is_reached():
     """It sees the drift of each period so far; the run is the same as one of that length."""
     seen = []

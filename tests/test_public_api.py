@@ -212,9 +212,14 @@ def test_non_contiguous_arrays_give_the_same():
 
 def test_dtypes():
     rod = impact.thin_rod(np.float32(0.4))
-    hit = call("collide", c_x=np.ones(3, np.float32), geometry=rod)
-    assert {part.dtype for part in hit if part is not hit.regime} == {np.dtype(np.float32)}
-    assert hit.regime.dtype == np.int8
+    bodies = {name: impact.Body(*map(np.float32, body)) for name, body in BODIES.items()}
+    bodies["first"] = bodies["first"]._replace(c_x=np.ones(3, np.float32))
+    for hit in (
+        call("collide", c_x=np.ones(3, np.float32), geometry=rod),
+        call("collide_pair", **bodies),
+    ):
+        assert hit.P_x.dtype == hit.P_z.dtype == hit.energy_change.dtype == np.float32
+        assert hit.regime.dtype == np.int8
     assert {part.dtype for part in rod} == {np.dtype(np.float32)}
     assert impact.critical_tilts(np.float32(0.3))[0].dtype == np.float32
     assert call("drift", geometry=rod, restitution=np.float32(1)).c_x.dtype == np.float32
@@ -223,6 +228,22 @@ def test_dtypes():
     assert call("collide", c_x=np.ones(2, np.float32)).c_x.dtype == np.float64  # ROD is float64
     assert call("collide", c_x=np.ones(2, np.longdouble)).c_x.dtype == np.float64
     assert call("thin_rod", tilt=np.float32(np.pi / 2)).X.dtype == np.float32
+
+
+@pytest.mark.parametrize("tilt", [np.float32(np.pi / 2), np.full(2, np.pi / 2, np.float32)])
+def test_a_lying_rod_in_single_precision_is_not_below_the_plate(tilt):
+    rod = impact.thin_rod(tilt)
+    assert np.all(rod.Z >= 0)
+    assert np.all(call("drift", geometry=rod).c_x > 0)
+
+
+@pytest.mark.parametrize("size", [(np.float32(0.7), 0.7), (0.7, np.float32(0.7)), (0.7, 0.7)])
+def test_a_sphere_is_one_in_the_precision_of_the_result(size):
+    """The number 0.7 lies between two of single precision."""
+    ball = impact.spherocylinder(np.float32(0.3), *size)
+    assert ball == pytest.approx((0.0, 0.35, 0.7 / np.sqrt(10)), rel=1e-7, abs=1e-8)
+    row = impact.spherocylinder(np.full(2, 0.3, np.float32), *size)
+    assert np.all(np.transpose(row) == ball)
 
 
 def test_masked_elements_are_invalid():

@@ -15,6 +15,7 @@ from .command_line import ended
 from .rows import ROW, row
 
 PERIODS = 4
+LEDGER = "ledger", "listed.losses"
 SCENE = ("step.size=3e-4", "plate.acceleration=5")
 
 
@@ -152,6 +153,18 @@ def test_another_trajectory_is_refused_and_nothing_changes(begun, change, option
     with pytest.raises(ValueError, match=f"{words}.* remove (the )?checkpoint"):
         md.run(own(), periods=30, **{"checkpoint": "w.npz", **options})
     assert contents(begun) == before
+
+
+def test_an_account_of_the_energy_cannot_begin_late(tmp_path):
+    """A checkpoint without one, as ledger=False leaves it, is refused, and stays as it is."""
+    path = tmp_path / "row.npz"
+    md.run(row(*SCENE), periods=1, checkpoint=path)
+    with np.load(path) as saved:
+        np.savez(path, **{name: saved[name] for name in saved if name not in LEDGER})
+    before = contents(tmp_path)
+    with pytest.raises(md.InputError, match=r"ledger must be False, .*; or remove it"):
+        md.run(row(*SCENE), periods=2, checkpoint=path)
+    assert contents(tmp_path) == before
 
 
 def test_a_moved_folder_goes_on(begun):

@@ -9,10 +9,10 @@ import pytest
 
 from md import sweep
 from md.__main__ import main
-from md.errors import RunError
+from md.errors import InputError, RunError
 from md.result_text import search_text
 from md.scene import from_tables, put, read_tables
-from md.search import Found, expand, load_search, search
+from md.search import Found, expand, search
 from md.surface import Surface, draws
 
 LIMITS = {"result": "c_x_cm_s", "holds": [1, 2], "error": 1}
@@ -130,10 +130,11 @@ def test_draws_follow_a_ridge_and_leave_a_lesser_minimum():
 
 
 def test_a_search_of_which_all_runs_fail_ends_in_one_line(monkeypatch, tmp_path):
-    def fails(point):
-        raise RunError("rods overlap")
+    def fails(*_, **__):
+        raise InputError("rods.count is too large")  # as the run alone can see
 
     monkeypatch.setattr(sweep, "_of_run", fails)
+    monkeypatch.setattr("md.search.run", fails)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with pytest.raises(RunError, match="no point has all results at the targets; 160 runs"):
@@ -285,10 +286,11 @@ def test_a_range_of_whole_numbers_is_rounded(tmp_path):
     assert len(counts) > 8
 
 
-def test_a_point_that_is_no_scene_is_named(tmp_path):
-    wrong = [{"name": "size", "keys": ["rods.length"], "from": -3.0, "to": -2.0}]
+@pytest.mark.parametrize(("key", "low"), [("rods.length", -3.0), ("step.size", 0.1)])
+def test_a_point_that_cannot_run_is_named(tmp_path, key, low):
+    wrong = [{"name": "x", "keys": [key], "from": low, "to": low + 0.5}]
     given = expand(tables(tmp_path, parameters=wrong), BASE, tmp_path)
-    with pytest.raises(ValueError, match=r"rods.length .* \(at size = -"):
+    with pytest.raises(ValueError, match=rf"{key} .* \(at x = "):
         search(given, tmp_path / "runs.db", workers=1)
 
 
@@ -320,11 +322,12 @@ def command(folder):
 
 
 def test_the_command_searches_a_file(tmp_path, capsys):
-    (tmp_path / "fit.toml").write_text(FILE)
-    assert load_search(tmp_path / "fit.toml").points == 4
+    """A place without data is predicted; its limits, which JSON lacks, are null."""
+    (tmp_path / "drift.csv").write_text("box.length,c_x,error\n3.0,,\n")
+    (tmp_path / "fit.toml").write_text(f'{FILE}[data]\nfile = "drift.csv"\nresult = "c_x"\n')
     asked = command(tmp_path)
     assert main([*asked, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
+    told = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     misfits = [point["misfit"] for point in told["points"]]
     assert len(misfits) == 4
     assert misfits == sorted(misfits)

@@ -239,6 +239,14 @@ def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path):
     assert list(np.isnan(c_x)) == [True, False]
 
 
+def test_a_scene_that_is_refused_as_it_begins_stops_no_other(tmp_path):
+    """More rods than an annulus takes are seen by the run alone."""
+    sweep = expand({"axes": [{"rods.count": [2001, 2002]}]}, read_tables("annulus"))
+    assert execute(sweep, tmp_path / "a.db", workers=1).failed == 2
+    with Store(tmp_path / "a.db", write=False) as store:
+        assert all("rods.count must be at most" in row["error"] for row in store.rows())
+
+
 def test_a_dead_worker_costs_nothing_but_time(tmp_path, reference):
     sweep, wanted = reference
     get_reusable_executor().shutdown(wait=True)

@@ -55,6 +55,18 @@ def test_the_step_is_the_cheapest(tolerance, monkeypatch):
     assert chosen.bias.error == pytest.approx(np.interp(steps, n, error), rel=1e-5)
 
 
+@pytest.mark.parametrize("change", ["start.drop=20", "start.speed=50"])
+def test_a_fall_at_the_start_takes_no_step_that_is_not_stable(change, monkeypatch):
+    """Of the stable ones, which are shorter than the cheapest without it, the longest."""
+    monkeypatch.setattr(bias, "unknown", lambda *_: ())
+    chosen = bias.choose(md.load("quasi2d", [change]), 0.3, 0.95)
+    assert chosen.per_contact > bias.choose(md.load("quasi2d"), 0.3, 0.95).per_contact
+    assert md.host.step_of(chosen.scene)[0] <= chosen.scene.step.size
+    longer = replace(chosen.scene.step, size=1.05 * chosen.scene.step.size)
+    with pytest.raises(md.InputError, match="to be stable"):
+        md.host.step_of(replace(chosen.scene, step=longer))
+
+
 def outside(scene):
     """By the shipped calibration."""
     return bias.outside(scene, bias.calibrated(scene))
@@ -114,6 +126,23 @@ def test_a_run_that_was_ended_early_is_not_judged():
     assert found.state == "not settled"
     words = plans.in_words(replace(result, accuracy=found))
     assert words == ["accuracy     NOT SETTLED: ended too early to tell the error"]
+
+
+def test_several_starts_answer_soon():
+    """So that Ctrl-C, or one that fails, need not wait for the first look of the others."""
+    goals = [accuracy._Goal(0.5, 0.95, 0.05, 600.0, lambda _: NONE, starts) for starts in (1, 2)]
+    asked = [goal.ask(0, np.zeros(0)) for goal in goals]
+    assert asked == [accuracy.FIRST_LOOK, accuracy.FEW]
+
+
+def test_the_pace_is_not_known_at_once_after_a_resume():
+    """A run that is accurate enough ends there; another one makes a few periods more."""
+    drift = 1 + 0.1 * np.random.default_rng(3).normal(size=400)
+    ends = []
+    for tolerance in (0.5, 1e-4):
+        goal = accuracy._Goal(tolerance, 0.95, 0.05, 600.0, lambda _: NONE)
+        ends.append((goal.ask(0, drift), goal.over, np.isnan(goal.needed)))
+    assert ends == [(400, True, True), (400 + accuracy.FEW, False, True)]
 
 
 def test_a_run_ends_as_soon_as_it_is_accurate(monkeypatch):
@@ -334,16 +363,39 @@ def test_starts_wait_for_one_that_is_late(monkeypatch):
     assert found.accuracy.made > 2 * accuracy.FIRST_LOOK
 
 
-def test_what_is_pressed_while_the_bias_is_measured_ends_the_run(monkeypatch):
+def pressed(monkeypatch, periods):
+    """Ctrl-C after so many periods of the first run."""
     usual = accuracy.simulation.run
 
-    def pressed(scene, **how):
-        return replace(usual(scene, periods=5), finished=False)
+    def stopped(scene, **_):
+        return replace(usual(scene, periods=periods), finished=False)
 
-    monkeypatch.setattr(accuracy.simulation, "run", pressed)
-    result = md.run(row("plate.acceleration=5"), tolerance=0.3)
+    monkeypatch.setattr(accuracy.simulation, "run", stopped)
+
+
+def test_what_is_pressed_while_the_bias_is_measured_ends_the_command(monkeypatch, capsys):
+    """Of the run with the longer step nothing is told or kept."""
+    pressed(monkeypatch, 5)
+    assert main(["run", "quasi2d", *SMALL, "--tolerance", "0.3"]) == 130
+    told = "interrupted: the bias of the step was being measured, nothing is kept\n"
+    assert capsys.readouterr() == ("", f"python -m md run: {told}")
+
+
+@pytest.mark.parametrize("periods", [5, 300])
+def test_what_an_interrupted_run_does_not_know_is_not_told(monkeypatch, periods):
+    """The error of a few periods; how long it would have taken, before the first look."""
+    calibrated(monkeypatch)
+    pressed(monkeypatch, periods)
+    result = md.run(row("plate.acceleration=5"), tolerance=1e-4)
     assert not result.finished
-    assert result.accuracy is None
+    assert np.isnan(result.c_x_stderr) == (periods == 5)
+    assert "inf" not in result_text(result)
+    assert "known no better" not in result_text(result)
+
+
+def test_a_seed_that_leaves_none_for_the_other_starts_is_refused():
+    with pytest.raises(md.InputError, match=r"start\.seed must be between"):
+        md.run(row(f"start.seed={2**63 - 1}"), tolerance=0.05, workers=2)
 
 
 @pytest.mark.parametrize(

@@ -93,6 +93,19 @@ def test_the_spin_of_a_frame_is_how_the_tilt_changes(tmp_path):
     assert np.corrcoef(slope, spin)[0, 1] > 0.9
 
 
+def test_frames_stand_at_the_same_phases_of_all_periods(tmp_path):
+    """Where a period is no whole number of gaps: at the first step behind each part of it."""
+    per, path, kept = prepare(row()).per, tmp_path / "a.xyz", tmp_path / "a.npz"
+    frames = next(n for n in range(24, per) if per % n)
+    for periods in (1, 3):
+        md.run(row(), periods=periods, trajectory=path, frames=frames, checkpoint=kept)
+    steps = [round(frame["time"] * per) for frame in read_frames(path)]
+    assert steps == [k * per - (-i * per // frames) for k in range(3) for i in range(frames)]
+    with pytest.raises(md.InputError, match=f"frames must be between 1 and {per}, got {per + 1}"):
+        md.run(row(), periods=1, trajectory=tmp_path / "b.xyz", frames=per + 1)
+    assert not (tmp_path / "b.xyz").exists()
+
+
 def test_ase_reads_it(written):
     """Its species are elements: a rod is X, which is none."""
     io = pytest.importorskip("ase.io")

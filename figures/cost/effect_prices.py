@@ -24,6 +24,7 @@ from matplotlib.axes import Axes
 from md.host import Engine
 from md.kernels.codes import C_Z, Z
 from md.kernels.plane import Series
+from md.scene import put
 from md.sweep import Sweep
 
 from ..lib.runs import SIMPLE_ROW, means, planned
@@ -118,7 +119,7 @@ def sweeps(quick: bool = False) -> dict[int, Sweep]:
     wanted |= {i: effect.changed for i, effect in enumerate(rows().values(), 1) if effect.drifts}
     seeds, step = [*range(1, DRIFT_SEEDS[quick] + 1)], {"step.size": STEP_SIZE}
     how = [{"start.seed": seeds}], DRIFT_PERIODS[quick]
-    return {i: planned(*how, {**step, **one.changes}, SIMPLE_ROW) for i, one in wanted.items()}
+    return {i: planned(*how, step, put(SIMPLE_ROW, one.changes)) for i, one in wanted.items()}
 
 
 def _drifts(quick: bool) -> np.ndarray:
