@@ -351,6 +351,8 @@ def test_estimate_counts_what_the_store_lacks(small, tmp_path, monkeypatch):
     rows.computed(some["grid"])
     assert everything.missing() == []
     assert everything.estimate(tmp_path).startswith("0 runs that the store lacks: 0 s")
+    monkeypatch.setattr(phase_friction, "later", lambda: [*some["grid"].points[:1]], raising=False)
+    assert everything.estimate(tmp_path).startswith("1 runs")
 
 
 def test_rows_and_annulus_are_estimated_each_at_its_rate(monkeypatch):
