@@ -5,12 +5,14 @@ import json
 import numpy as np
 import pytest
 
+import md
 from figures import FIGURES
 from figures.__main__ import main
 from figures.checks import contact_laws, phase_friction
 from figures.claims import judge, limits, over_laws, over_tilt
-from figures.claims.evidence import Evidence
-from figures.claims.uncertainty import Number, onset, resampled
+from figures.claims.evidence import Evidence, Whole
+from figures.claims.measure_annulus import begins
+from figures.claims.uncertainty import Number, onset, peak, resampled
 from figures.lib import runs as rows
 from figures.lib.data import keep
 from figures.pages import everything, gallery
@@ -32,11 +34,12 @@ FIGURES_OF_CLAIMS += (
 )
 KNOWN = {  # numbers that do not depend on how long the runs are
     ("E2", "slower"): 1,
-    ("E3", "threshold"): pytest.approx(np.degrees(np.arctan(1 / 8))),
+    ("E3", "threshold"): pytest.approx(np.degrees(np.arctan(1 / 8)), abs=0.01),
     ("S15", "coulomb_regimes"): 17,
     ("S23", "lone_drift"): 2,
     ("S26", "limit"): pytest.approx(0.5, abs=1e-6),
     ("S26", "rate"): pytest.approx(1, abs=0.02),
+    ("E3", "bounced_threshold"): pytest.approx(np.degrees(np.arctan(1 / 8)), abs=1),
 }
 
 
@@ -88,10 +91,10 @@ def test_verdict(expected):
 
 
 def test_close_calls():
-    """Two standard errors from a limit, or one error of another notion."""
+    """Two standard errors from a limit, or one error of another notion; an error not known."""
     one_sided, other = {"holds": [-np.inf, 1], "partly": [-np.inf, 2]}, "half interval"
-    near = [(0.5, 0.051), (0.7, 0.051), (0.9, 0.051), (0.5, 0.11, other)]
-    far = [(0.5, 0.049), (0.5, 0.09, other), (0.4, np.nan), (np.nan, 0.1), (np.inf, 0.1)]
+    near = [(0.5, 0.051), (0.7, 0.051), (0.9, 0.051), (0.5, 0.11, other), (0.4, np.nan)]
+    far = [(0.5, 0.049), (0.5, 0.09, other), (0.4, np.nan, "count"), (np.nan, 0.1), (np.inf, 0.1)]
     for numbers, expected in ((near, True), (far, False)):
         for value, error, *notion in numbers:
             number = Number(value, error, *(notion or ["standard error"]))
@@ -123,6 +126,33 @@ def test_arrays_that_are_read_vary_within_their_errors():
     both = resampled(d, lambda d: (d["z"] + d["y"]).mean())
     assert both.error == pytest.approx(0.1 * 2**0.5, rel=0.15)
     assert np.isnan(resampled(d, lambda d: np.nan, "y").error)
+    d["y_error"] = np.full(4, np.nan)
+    assert np.isnan(resampled(d, lambda d: d["y"].mean()).error)
+
+
+def test_a_place_among_others_is_no_better_known_than_they_lie_apart():
+    d = {"x": np.array([3.0, 1.0, 2.0]), "y": np.array([0.0, 1.0, 9.0])}
+    assert peak(d, "x", "y")[:2] == (2.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("c_x", "error"),
+    [([1.0, np.nan, 3.0], [0.1, np.nan, 0.1]), ([1.0, 2.0, 3.0], [0.1, np.nan, 0.1])],
+    ids=["all starts", "all but one"],
+)
+def test_what_has_not_run_is_not_taken_for_no_drift(c_x, error):
+    d = {"gamma": np.array([1.1, 2, 3]), "c_x": np.array(c_x), "c_x_error": np.array(error)}
+    whole = Whole(d)
+    for read in (begins, lambda d, name: resampled(d, lambda d: np.mean(d[name] > 0))):
+        with pytest.raises(md.RunError, match="c_x: runs are missing"):
+            read(whole, "c_x")
+    ran = Whole(d | {"c_x": np.array([0, 1, 9.0]), "c_x_error": np.full(3, 0.1)})
+    assert begins(ran, "c_x")["onset"][:2] == pytest.approx((1.55, 0.45))
+
+
+def test_the_error_within_runs_is_that_of_those_that_ran():
+    _, error = rows.larger_error(np.array([[2.0, np.nan]]), np.array([[0.1, np.nan]]))
+    assert error == pytest.approx(0.1)
 
 
 def test_flights_change_half_way():
@@ -321,6 +351,8 @@ def test_estimate_counts_what_the_store_lacks(small, tmp_path, monkeypatch):
     rows.computed(some["grid"])
     assert everything.missing() == []
     assert everything.estimate(tmp_path).startswith("0 runs that the store lacks: 0 s")
+    monkeypatch.setattr(phase_friction, "later", lambda: [*some["grid"].points[:1]], raising=False)
+    assert everything.estimate(tmp_path).startswith("1 runs")
 
 
 def test_rows_and_annulus_are_estimated_each_at_its_rate(monkeypatch):

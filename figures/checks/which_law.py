@@ -32,6 +32,7 @@ from ..claims.over_laws import (
     KNOWN,
     PARAMETERS,
     data,
+    later,
     laws_of,
     singled_out,
     sweeps,
@@ -40,7 +41,7 @@ from ..lib.runs import PARTS
 from ..lib.style import BLACK, BLUE, ORANGE, Data, name_panels, style
 from ..lib.tables import table, text_of
 
-__all__ = ["data", "draw", "summary", "sweeps"]
+__all__ = ["data", "draw", "later", "summary", "sweeps"]
 EIGHTHS = 8  # parts of a range, whose means are drawn
 
 

@@ -6,11 +6,29 @@ from pathlib import Path
 
 import numpy as np
 
+from md import RunError
+
 from ..checks import landing_census
 from ..lib import runs
 from ..lib.data import figure_data
 from ..paper import fig04, fig05
 from . import over_tilt
+
+
+class Whole(dict):
+    """Data of runs; an array that lacks some of them cannot be read.
+
+    Else a drift that is not known would count as none. Errors may be unknown everywhere.
+    """
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        value, error = super().__getitem__(name), self.get(f"{name}_error")
+        if error is not None:
+            unknown = np.isnan(error)
+            if np.isnan(value).any() or (unknown.any() and not unknown.all()):
+                raise RunError(f"{name}: runs are missing or have failed")
+        return value
+
 
 ASSUMED = {"fig04": fig04.data, "fig05": fig05.data}  # figures that two laws have
 
@@ -30,13 +48,13 @@ class Evidence:
     def figure(self, name: str) -> dict[str, np.ndarray]:
         """Data of a figure."""
         if name not in self._figures:
-            self._figures[name] = figure_data(name, self.quick, self.out)
+            self._figures[name] = Whole(figure_data(name, self.quick, self.out))
         return self._figures[name]
 
     @cached_property
     def over_tilt(self) -> dict[str, np.ndarray]:
         """The paper's row over tilt."""
-        return over_tilt.table(runs.tilt_plan(self.quick), runs.tilts(self.quick))
+        return Whole(over_tilt.table(runs.tilt_plan(self.quick), runs.tilts(self.quick)))
 
     @cached_property
     def census(self) -> dict[str, np.ndarray]:
@@ -52,5 +70,5 @@ class Assumed(Evidence):
     def figure(self, name: str) -> dict[str, np.ndarray]:
         """Data of one of the `ASSUMED` figures."""
         if name not in self._figures:
-            self._figures[name] = ASSUMED[name](self.quick, assumed=True)
+            self._figures[name] = Whole(ASSUMED[name](self.quick, assumed=True))
         return self._figures[name]

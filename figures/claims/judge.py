@@ -46,8 +46,11 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
 
 def close(number: Number, limits: dict[str, Any]) -> bool:
     """Whether a limit is as near as two standard errors, or one error of another notion."""
-    reach = (2 if number.notion == "standard error" else 1) * number.error
+    random = number.notion == "standard error"
     borders = (*limits.get("holds", ()), *limits.get("partly", ()))
+    if random and borders and math.isfinite(number.value) and math.isnan(number.error):
+        return True  # in some draws the value is not there
+    reach = (2 if random else 1) * number.error
     return any(abs(number.value - border) <= reach for border in borders if math.isfinite(border))
 
 
@@ -180,6 +183,12 @@ def counts(report: dict[str, Any]) -> str:
     found = Counter(claim["verdict"] for claim in report["claims"])
     kinds = (*reversed(GRADES), MISSING)
     return ", ".join(f"{kind}: {found[kind]}" for kind in kinds if found[kind])
+
+
+def score(report: dict[str, Any]) -> float:
+    """Numbers of the search's score that the report's law obeys, those in part counted half."""
+    rows = (row for claim in report["claims"] if claim["fitted"] for row in claim["numbers"])
+    return sum(row["grade"] or 0 for row in rows if "head" in row and "value" in row) / 2
 
 
 def over_laws(claim: dict[str, Any]) -> str:

@@ -5,19 +5,21 @@ claims.toml gives them.
 """
 
 import numpy as np
+from scipy.stats import norm
 
 from md.placement import largest_tilt
 from md.sweep import Sweep
 
 from ..lib import runs
+from ..lib.arrangement import MORE_DEG
 from ..paper import fig02, fig04
 from .evidence import Evidence
-from .over_tilt import CLEAR
-from .uncertainty import Number, bend, count, crossing, entry, onset, resampled, standard
+from .uncertainty import Number, among, bend, count, crossing, entry, onset, resampled, standard
 
 Numbers = dict[str, Number]
 VISIBLE = 0.02  # of the drift at the largest Gamma: what can be seen to move in a figure
 UPRIGHT_DEG, HALF_ORDER = 11.0, 0.5  # the small tilt of Fig. 5(a), generously; a broken zig-zag
+REGION_TILT_DEG = 25.0  # mean tilt at which the region of larger tilt holds half of the rods
 REGION_DEG = 5.0  # contrast of tilts that makes a region
 
 
@@ -28,7 +30,8 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 
 def _shape(d: dict, name: str, key: str) -> Number:
     """A number that `fig04.shape` gives of the drift over tilt."""
-    return resampled(d, lambda d: fig04.shape(d[f"{name}_tilt"], d[f"{name}_c_x"])[key])
+    found = resampled(d, lambda d: fig04.shape(d[f"{name}_tilt"], d[f"{name}_c_x"])[key])
+    return among(found, d[f"{name}_tilt"]) if key in ("early", "late") else found
 
 
 def S4_drift_over_tilt(data: Evidence) -> Numbers:
@@ -40,27 +43,31 @@ def S4_drift_over_tilt(data: Evidence) -> Numbers:
     }
 
 
+def begins(d: dict, name: str) -> Numbers:
+    """Smallest Gamma from which on rods drift: beyond errors, and so that one sees it in a figure.
+
+    The mean over further axes.
+    """
+    gamma, c_x = d["gamma"], d[name].reshape(len(d["gamma"]), -1)
+    forward = fig02.classify(c_x, d[f"{name}_error"].reshape(c_x.shape)) == 1
+    found = {}
+    for key, moves in ("onset", forward), ("visible", forward & (c_x > VISIBLE * c_x[-1])):
+        value, half, notion = zip(*(onset(gamma, one) for one in moves.T), strict=True)
+        found[key] = Number(np.mean(value), np.mean(half), notion[0])
+    return found
+
+
 def S5_drift_over_gamma(data: Evidence) -> Numbers:
     d = data.figure("fig04")
     gamma = d["gamma"]
-
-    def seen(name):
-        c_x = d[name]
-        return (c_x > CLEAR * d[f"{name}_error"]) & (c_x > VISIBLE * c_x[-1])
-
-    begins = [onset(gamma, moves) for moves in seen("gamma_c_x").T]
-    at_rest = "rest_gamma_c_x" in d
-    values, far = [number.value for number in begins], gamma >= 2
+    far, at_rest = gamma >= 2, "rest_gamma_c_x" in d
 
     def lines(d):
         return np.polyfit(gamma[far], d["gamma_c_x"][far], 1)
 
-    half = np.mean([number.error for number in begins])
     return {
-        "onset": Number(np.mean(values), half, "half interval"),
-        "first": count(min(values)),
-        "last": count(max(values)),
-        "rest": onset(gamma, seen("rest_gamma_c_x")) if at_rest else count(np.nan),
+        **begins(d, "gamma_c_x"),
+        "rest": begins(d, "rest_gamma_c_x")["visible"] if at_rest else count(np.nan),
         "bend": resampled(d, lambda d: max(bend(gamma[far], y) for y in d["gamma_c_x"][far].T)),
         "slope": resampled(d, lambda d: lines(d)[0].mean()),
         "zero": resampled(d, lambda d: np.mean(-lines(d)[1] / lines(d)[0])),
@@ -80,7 +87,7 @@ def S8_zigzag(data: Evidence) -> Numbers:
     d = data.figure("fig05")
     low, order = d["mean"] <= UPRIGHT_DEG, d["zigzag"]
     best = int(np.argmax(np.where(low, order, -np.inf)))
-    at = int(np.argmin(np.abs(d["count"] - runs.ANNULUS_COUNT)))
+    at = int(np.argmin(np.abs(d["mean"] - REGION_TILT_DEG)))
 
     def first(d, values):
         """Tilt at which the values first become negative, between two numbers of rods."""
@@ -92,8 +99,10 @@ def S8_zigzag(data: Evidence) -> Numbers:
         "tilt": entry(d, "mean", best),
         "broken": resampled(d, lambda d: first(d, d["zigzag"] - HALF_ORDER), "mean", "zigzag"),
         "appears": resampled(d, lambda d: first(d, REGION_DEG - d["contrast"]), "mean", "contrast"),
+        "rods": count(d["count"][at]),
         "leaning": entry(d, "mean", at),
         **{name: entry(d, name, at) for name in ("share", "contrast", "spread")},
+        "normal": resampled(d, lambda d: norm.sf(MORE_DEG / d["spread"][at])),
     }
 
 

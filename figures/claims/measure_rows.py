@@ -15,8 +15,8 @@ from ..lib import runs as rows
 from ..lib import soft_impacts as soft
 from ..paper import fig12, fig13
 from . import over_tilt
-from .evidence import Evidence
-from .measure_annulus import reverse_drift
+from .evidence import Evidence, Whole
+from .measure_annulus import begins, reverse_drift
 from .over_tilt import CLEAR
 from .uncertainty import (
     Number,
@@ -26,6 +26,7 @@ from .uncertainty import (
     entry,
     off_line,
     onset,
+    peak,
     resampled,
     rms,
     standard,
@@ -37,7 +38,7 @@ LEFT = "printed", "V_z", "turned", "restitution", "soft", "pushed"  # of `closur
 
 def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
     """Means over the starts of results of the store, by name, with their errors."""
-    return rows.means(sweep, names)
+    return Whole(rows.means(sweep, names))
 
 
 def S1_restitution(data: Evidence) -> Numbers:
@@ -65,8 +66,10 @@ def _cut(data: Evidence) -> dict[str, np.ndarray]:
 
 
 def S7_friction(data: Evidence) -> Numbers:
-    d = _cut(data)
+    d, ring = _cut(data), data.figure("fig04")
     return {
+        "ring_change": resampled(ring, lambda d: d["plate_c_x"][-1] / d["plate_c_x"][-2] - 1),
+        "ring_without": resampled(ring, lambda d: d["plate_c_x"][0] / d["plate_c_x"].max()),
         "change": resampled(d, lambda d: d["c_x"][-1] / d["c_x"][-2] - 1),
         "without": resampled(d, lambda d: d["c_x"][0] / d["c_x"].max()),
         "friction": count(d["friction"][d["c_x"].argmax()]),
@@ -78,7 +81,7 @@ def S9_over_gamma(data: Evidence) -> Numbers:
     f, far = fig13.fits(d), d["gamma"] >= 2
     return {
         "power": standard(f["power"], f["power_error"]),
-        "onset": onset(d["gamma"], d["b_c_x"] > CLEAR * d["b_c_x_error"]),
+        **begins(d, "b_c_x"),
         "bend": resampled(d, lambda d: bend(d["gamma"][far], d["b_c_x"][far])),
         "slope": standard(f["line_slope"], f["line_slope_error"]),
         "zero": resampled(d, lambda d: fig13.fits(d)["line_from"], "b_c_x"),
@@ -112,12 +115,12 @@ def S15_soft_impact(data: Evidence) -> Numbers:
 
 def S16_theory(data: Evidence) -> Numbers:
     d, of, size = (data.figure(name) for name in ("fig13", "closure", "row_size"))
-    tilt, line = d["a_tilt"], d["thin"] * d["speed"] / 2
+    line = d["thin"] * d["speed"] / 2
     steps, usual = list(closure.STEPS), int(np.argmin(np.abs(size["count"] - rows.COUNT)))
     return {
         **{f"left_{name}": entry(of, "left", steps.index(name)) for name in LEFT},
         "size": resampled(size, lambda d: (d["c_x"][usual] / d["c_x"][-1]).mean()),
-        "peak_tilt": resampled(d, lambda d: tilt[d["a_c_x"].argmax()]),
+        "peak_tilt": peak(d, "a_tilt", "a_c_x"),
         "peak_theory": Number(np.degrees(d["fine"])[line.argmax()]),
     }
 
@@ -142,7 +145,7 @@ def S17_over_length(data: Evidence) -> Numbers:
         "bend": resampled(d, off),
         "saturation": resampled(d, saturation),
         "spread": resampled(d, lambda d: np.ptp(d["c_c_x"][long]) / d["c_c_x"][long].mean()),
-        "peak": resampled(d, lambda d: length[d["c_c_x"].argmax()]),
+        "peak": peak(d, "length", "c_c_x"),
     }
 
 
@@ -275,9 +278,11 @@ def E3_flat_end(data: Evidence) -> Numbers:
     pair = (make(at, length) for make in (flat_ended_rod, spherocylinder))
     flat, whole = (drift(rod, **rows.SETTING).c_x for rod in pair)
     beyond, below = tilt > edge, (tilt > 0) & (tilt < edge)
-    at_28 = int(np.argmin(np.abs(d["bounced_tilt"] - at)))
+    at_28, ahead = int(np.argmin(np.abs(d["bounced_tilt"] - at))), tilt > 0
+    bounced = np.degrees(d["bounced_tilt"])
     return {
-        "threshold": Number(np.degrees(edge)),
+        "threshold": Number(crossing(np.degrees(tilt[ahead]), -d["flat"][ahead], 0)),
+        "bounced_threshold": resampled(d, lambda d: crossing(bounced, -d["flat_bounced"], 0)),
         "slower": Number(flat / whole),
         "always": Number((d["flat"] / np.where(beyond, d["round"], np.inf)).max()),
         "below": Number(d["flat"][below].min()),

@@ -166,6 +166,13 @@ def confirming(parts: np.ndarray, quick: bool = False) -> Sweep:
     return replace(whole, points=tuple(map(halved, whole.points)))
 
 
+def later() -> list[Point]:
+    """As many runs as follow the first round, of any laws: which ones is not known before."""
+    given, known = search(), BEST + len(KNOWN)
+    any_law = given.draw()
+    return [*given.sweep(any_law[: CLOSER[False]]).points, *confirming(any_law[:known]).points]
+
+
 def judged(whole: Sweep, tilts: Sequence[int], prefix: str = "") -> Data:
     """Of each law: numbers, grades, score with its spread, drift over tilt."""
     nominal = np.array(tilts)

@@ -38,22 +38,25 @@ class _Watched(dict):
 
     def __init__(self, given: Mapping):
         super().__init__(given)
+        self.given = given
         self.seen: list[str] = []
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self.seen:
             self.seen.append(name)
-        return super().__getitem__(name)
+        return self.given[name]
 
 
 def varied(d: Mapping, names: Iterable[str], random: np.random.Generator) -> dict:
     """The same arrays, those of these names moved within their standard errors."""
-    moved = {n: random.normal(d[n], np.nan_to_num(d[f"{n}_error"])) for n in names}
+    moved = {n: random.normal(d[n], d[f"{n}_error"]) for n in names}
     return {**d, **moved}
 
 
 def resampled(d: Mapping, function: Callable[[Mapping], float], *names: str) -> Number:
     """Value of `function(d)`; its spread as measured arrays vary within their standard errors.
+
+    The error is nan where an error is not known, or a value is not there in each of the draws.
 
     Parameters
     ----------
@@ -84,6 +87,17 @@ def crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:
         return np.inf
     ends = [below[0], max(below[0] - 1, 0)]
     return float(np.interp(level, y[ends], x[ends]))
+
+
+def among(number: Number, places: np.ndarray) -> Number:
+    """One of some places: half the way to the next ones is a part of its error."""
+    apart = np.sort(np.abs(places - number.value))[1:3].mean() / 2
+    return number._replace(error=float(np.hypot(number.error, apart)))
+
+
+def peak(d: Mapping, x: str, y: str) -> Number:
+    """Place of the largest value."""
+    return among(resampled(d, lambda d: d[x][d[y].argmax()]), d[x])
 
 
 def rms(values: np.ndarray) -> float:

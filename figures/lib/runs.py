@@ -144,7 +144,7 @@ def larger_error(values: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np
     """Mean over seeds; the larger of the errors between the runs and, where known, within them."""
     mean, between = over_seeds(values)
     squares, _ = over_seeds(errors**2)
-    return mean, np.fmax(between, np.sqrt(squares / values.shape[-1]))
+    return mean, np.fmax(between, np.sqrt(squares / np.isfinite(errors).sum(axis=-1)))
 
 
 def means(sweep: Sweep, names: Mapping[str, str]) -> dict[str, np.ndarray]:

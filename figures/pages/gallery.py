@@ -46,6 +46,7 @@ templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limit
 templates.globals |= {"grades": limits.GRADES, "counts": judge.counts, "pm": plus_minus}
 templates.globals |= {"judged_rows": judge.judged_rows, "checked": CHECKED}
 templates.globals |= {"over_laws": judge.over_laws, "halves": judge.halves}
+templates.globals |= {"score": judge.score}
 
 
 def claims_page(report: dict[str, Any]) -> str:

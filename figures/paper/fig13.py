@@ -189,7 +189,7 @@ def fits(d: Data) -> dict[str, float]:
     degrees, and where it ends; negative where c_x falls throughout
     """
     gamma, c_x = d["gamma"], d["b_c_x"]
-    near = (gamma < 1.5) & (c_x > 3 * d["b_c_x_error"]) & (c_x > 0.02)
+    near = (gamma < 1.5) & (c_x > 3 * d["b_c_x_error"])
     far = gamma >= 2
     power, power_error = np.nan, np.nan
     if near.sum() >= 3:
