@@ -172,7 +172,7 @@ def test_numbers_find_what_was_put_in():
     assert over["onset"].error == pytest.approx(0.2)
     values = {key: number.value for key, number in over.items()}
     expected = {
-        **dict.fromkeys(("onset", "first", "last"), 1.4),
+        **dict.fromkeys(("onset", "visible"), 1.4),
         "rest": 1.8,
         "bend": 0,
         "slope": 2,
