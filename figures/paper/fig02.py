@@ -17,6 +17,7 @@ from matplotlib.colors import TwoSlopeNorm
 from impact import drift, spherocylinder
 from md.sweep import Sweep
 
+from ..claims.over_tilt import CLEAR
 from ..lib.runs import (
     ANNULUS,
     FRICTION,
@@ -45,7 +46,6 @@ from ..lib.style import (
 from ..lib.tables import table
 
 FLOOR_CM_S = 0.003  # half a hundredth of a diameter a second
-SIGNIFICANT = 3.0  # standard errors
 ONSET = 1.6  # Gamma, Fig. 2(b, c)
 _GAMMAS = (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5)
 MAP_GAMMAS = {True: (1.2, 1.5, 1.8, 3.3), False: _GAMMAS}
@@ -59,7 +59,7 @@ AT_TOUCH = "touches.plate_velocity_by_speed.mean"
 
 def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:
     """1 forward, -1 reverse, 0 none: drifts [cm/s] with their standard errors."""
-    clear = (np.abs(mean) > SIGNIFICANT * error) & (np.abs(mean) > FLOOR_CM_S)
+    clear = (np.abs(mean) > CLEAR * error) & (np.abs(mean) > FLOOR_CM_S)
     return np.where(clear, np.sign(mean), 0).astype(int)
 
 
