@@ -81,6 +81,17 @@ def test_the_best_are_run_with_half_the_step_and_rounded_values():
     assert after.contacts == before.contacts
 
 
+def test_the_best_are_run_at_the_tilts_of_the_figures():
+    """From four starts, none of which the search has."""
+    given = over_laws.search()
+    points = over_laws.confirming(given.draw()[:1]).points
+    deg = np.degrees([point.scene.tilt for point in points]).reshape(-1, 4)
+    assert deg[:, 0] == pytest.approx(runs.tilts(False))
+    starts = {point.scene.start.seed for point in points}
+    assert len(starts) == 4
+    assert starts.isdisjoint(given.seeds)
+
+
 def test_a_second_round_lies_between_the_best_of_one_form():
     """With the choices of the best one; laws of the other form that are as good have no part."""
     given = replace(over_laws.search(), points=8)

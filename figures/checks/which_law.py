@@ -6,8 +6,8 @@ factor of the overlap, in masses of the rod or of the tip's sphere (its M_e is a
 damping). Each is simulated at seven tilts and scored by the numbers that are fitted: one within the
 limits of its claim counts one, one that holds in part a half. A second round lies between the best
 laws of the first. Of both the best, their parameters rounded to two digits, are simulated again
-from other starts, twice as long and with half the step, and two known laws with them; what is said
-of them comes from these runs alone.
+from four other starts, at the tilts of Figs. 6 to 8, twice as long and with half the step, and two
+known laws with them; what is said of them comes from these runs alone.
 
 (a) Score over each parameter; orange: second round; the line is the mean of an eighth of the laws
 of the first. (b) Drift of the best laws over tilt, with standard errors, and the theory. (c) The

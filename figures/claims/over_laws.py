@@ -1,12 +1,13 @@
 """Contact laws that are searched, and the claims judged under each of them.
 
 Laws are drawn evenly from ranges of their parameters (`PARAMETERS`), simulated at seven tilts
-(`search`), and scored by those numbers of the claims that claims.toml marks as fitted; the best are
-simulated again (`confirming`). A second round lies closer around the best ones (`closer`).
+(`search`), and scored by those numbers of the claims that claims.toml marks as fitted. A second
+round lies closer around the best ones (`closer`). Of both the best are simulated again, at all
+tilts of the figures (`confirming`).
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -18,7 +19,7 @@ from md.scene import both, put
 from md.search import Parameter, Search
 from md.sweep import Point, Sweep
 
-from ..lib.runs import LENGTH, PARTS, PRINTED, RESOLVED, SIMPLE_ROW, boxes, computed
+from ..lib.runs import LENGTH, PARTS, PRINTED, RESOLVED, SIMPLE_ROW, boxes, computed, tilts
 from ..lib.style import Data
 from . import over_tilt
 from .limits import GRADES, claim_of, grade, read, verdict
@@ -39,8 +40,8 @@ BEST, DRAWS = 10, 100  # laws that are confirmed; draws of a score
 CLOSER = {False: 64, True: 2}  # laws of the second round, in full and quick
 KEPT_DEG = 2  # a row that keeps its tilt is as near to acos(dN/L), at every tilt
 CONFIRMED: dict[bool, dict[str, Any]] = {  # runs of the best laws, in full and quick
-    False: {"periods": 300, "seeds": (3, 4), "best": BEST},
-    True: {"periods": 40, "seeds": (3, 4), "best": 2},
+    False: {"tilts": tilts(False), "periods": 300, "seeds": (3, 4, 5, 6), "best": BEST},
+    True: {"tilts": QUICK_DEG, "periods": 40, "seeds": (3, 4), "best": 2},
 }
 SIZE: dict[bool, dict[str, Any]] = {  # of the search: in full, and quick
     False: {"periods": 150, "seeds": (1,), "points": 256},
@@ -105,9 +106,13 @@ KNOWN: dict[str, Values] = {  # laws that are confirmed besides, known without s
 
 def search(quick: bool = False) -> Search:
     """The search, without targets of its own."""
-    places = tuple({"box.length": box} for box in boxes(QUICK_DEG if quick else LAW_TILTS_DEG))
-    base = put(SIMPLE_ROW, RESOLVED)
+    places, base = _places(QUICK_DEG if quick else LAW_TILTS_DEG), put(SIMPLE_ROW, RESOLVED)
     return Search(base, {}, parameters=PARAMETERS, places=places, targets=(), **SIZE[quick])
+
+
+def _places(tilt_deg: Iterable[float]) -> tuple[dict[str, float], ...]:
+    """Boxes that give these tilts."""
+    return tuple({"box.length": box} for box in boxes(tilt_deg))
 
 
 def _by_law(whole: Sweep) -> list[Sweep]:
@@ -153,9 +158,10 @@ def rounded(values: Values) -> np.ndarray:
 
 
 def confirming(parts: np.ndarray, quick: bool = False) -> Sweep:
-    """Runs of laws from other starts, longer, with half the step."""
+    """Runs of laws from other starts, at more tilts, longer, with half the step."""
     given = CONFIRMED[quick]
-    again = replace(search(quick), seeds=given["seeds"], periods=given["periods"])
+    size = {"seeds": given["seeds"], "periods": given["periods"]}
+    again = replace(search(quick), places=_places(given["tilts"]), **size)
 
     def halved(point: Point) -> Point:
         scene = point.scene
@@ -173,9 +179,9 @@ def later() -> list[Point]:
     return [*given.sweep(any_law[: CLOSER[False]]).points, *confirming(any_law[:known]).points]
 
 
-def judged(whole: Sweep, tilts: Sequence[int], prefix: str = "") -> Data:
+def judged(whole: Sweep, tilt_deg: Iterable[int], prefix: str = "") -> Data:
     """Of each law: numbers, grades, score with its spread, drift over tilt."""
-    nominal = np.array(tilts)
+    nominal = np.array([*tilt_deg])
     tables = [over_tilt.table(sweep, nominal) for sweep in _by_law(computed(whole))]
     value = np.array([[NUMBERS[name](d) for name in JUDGED] for d in tables])
     grades = np.array([_grades(row) for row in value])
@@ -214,17 +220,17 @@ def score_of(grades: np.ndarray) -> np.ndarray:
 
 def data(quick: bool = False) -> Data:
     """Of all laws, then of the best ones: parameters as parts of their ranges, and `judged`."""
-    given, tilts = search(quick), QUICK_DEG if quick else LAW_TILTS_DEG
-    parts, found = given.draw(), judged(sweeps(quick)["laws"], tilts)
+    given, tilt_deg = search(quick), QUICK_DEG if quick else LAW_TILTS_DEG
+    parts, found = given.draw(), judged(sweeps(quick)["laws"], tilt_deg)
     near = closer(replace(given, points=CLOSER[quick]), parts, found["score"])
-    late = judged(given.sweep(near), tilts)
+    late = judged(given.sweep(near), tilt_deg)
     parts = np.concatenate([parts, near])
     same = {"nominal", "theory"}
     found = {n: v if n in same else np.concatenate([v, late[n]]) for n, v in found.items()}
     best = np.argsort(-found["score"], kind="stable")[: CONFIRMED[quick]["best"]]
     chosen = np.array([rounded(law) for law in (*laws_of(parts[best]), *KNOWN.values())])
     runs = confirming(chosen, quick)
-    confirmed = judged(runs, tilts, "best_")
+    confirmed = judged(runs, CONFIRMED[quick]["tilts"], "best_")
     rounds = np.repeat([0, 1], [len(parts) - len(near), len(near)])
     return {
         "parts": parts,
