@@ -263,7 +263,7 @@ def run(
         twentieth of the plate's peak velocity)
     max_seconds : of the run, without compiling, but for the first 320 periods, in an annulus 640,
         which are made in any case; where it will take more than twice as long, it ends early, with
-        `accuracy.state` "not reached", or "not settled" if the drift still trends
+        `accuracy.state` "not reached", or "not settled" if the drift still trends or rods fall over
     workers : independent starts, 1 to 64, which run at once, one a thread; their drifts are pooled,
         all else that is measured is of the first start. In an annulus, where rods keep their
         arrangement, the error of one start is about its arrangement. With a tolerance alone
@@ -380,7 +380,9 @@ def checked(*, periods: int | None = None, **options: float | None) -> None:
 def _accuracy(goal: _Goal, finer: Choice, result: Result, spent: float = 0.0) -> Accuracy:
     """What a goal has found; `finer`: step for a tenth of its tolerance."""
     correction, per_contact = goal.correction, steps_per_contact(result.scene, result.dt)
-    states = {(False, False): "not settled", (True, False): "not reached"}
+    # Rods that fall lean the other way, and the drift dies away too slowly for one start to show.
+    calm = goal.found.settled and (goal.starts > 1 or not result.turned.get("fell"))
+    state = ("reached" if goal.reached else "not reached") if calm else "not settled"
     dearer, room, seconds = inf, 0.0, spent + result.run_seconds
     if finer.bias is not None:
         dearer = finer.per_contact / per_contact
@@ -399,7 +401,7 @@ def _accuracy(goal: _Goal, finer: Choice, result: Result, spent: float = 0.0) ->
         made=sum(map(len, goal.series)),
         chance=goal.found.chance,
         outside=finer.outside,
-        state=states.get((goal.found.settled, goal.reached), "reached"),
+        state=state,
         seconds=seconds,
         needed_seconds=spent + goal.needed,
         next_digit_seconds=seconds * dearer * longer,

@@ -121,7 +121,12 @@ def in_words(result: Result) -> list[str]:
         lines.append(
             "starts       1: the error is about its arrangement of rods; --workers pools more"
         )
-    if a.state == "not settled":
+    if fell := result.turned.get("fell"):
+        lines.append(
+            f"rods         fell over {fell} times: one that does leans the other way, and the "
+            "drift dies away slowly; other starts show by how much (--workers)"
+        )
+    elif a.state == "not settled":
         lines.append("             the drift still trends; the error is the change that is seen")
     if a.state == "not reached" and not isnan(a.needed_seconds):
         never = "the bias alone is known no better"

@@ -48,8 +48,8 @@ class Accuracy:
     starts, made : that were pooled, and their periods in all
     chance : that starts differ as they do if they are in one state; nan of one start
     outside : why the calibration does not hold for the run, in words; empty where it does
-    state : "not settled" if the drift still trends; else "reached" if error <= tolerance
-        max(|c_x|, floor), else "not reached"
+    state : "not settled" if the drift still trends, or rods of the only start fell over; else
+        "reached" if error <= tolerance max(|c_x|, floor), else "not reached"
     seconds : of the run, without compiling
     needed_seconds, next_digit_seconds : estimated for this tolerance, nan where the pace is not
         known, and for a tenth of it

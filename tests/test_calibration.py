@@ -149,6 +149,25 @@ def test_an_annulus_runs_to_a_tolerance(monkeypatch):
     assert "about its arrangement of rods" in words
 
 
+def others():
+    """Scenes drawn from the ranges of the calibration, which has others."""
+    drawn = calibration.qmc.Sobol(len(calibration.PARAMETERS), seed=11).random(32)
+    return [from_tables(calibration.tables_of(parts)) for parts in drawn]
+
+
+def test_rods_that_fall_over_are_not_settled():
+    """Lively ones, whose drift falls to a third and less within 1000 periods."""
+    lively = others()[19]
+    result = md.run(lively, tolerance=0.1)
+    assert result.turned["fell"] > 0
+    assert result.accuracy.error <= 0.1 * result.c_x
+    assert (result.settled, result.accuracy.state) == (False, "not settled")
+    assert f"fell over {result.turned['fell']} times" in "\n".join(plans.in_words(result))
+    calm = md.run(others()[0], tolerance=0.1)
+    assert calm.turned["fell"] == 0
+    assert calm.accuracy.state == "reached"
+
+
 # Long
 
 
