@@ -2,13 +2,14 @@
 
 With n steps a contact, at twice the plate's peak velocity, the drift is off by a part of itself,
 
-    bias = step (10 f/n)^order exp((tilt - 30 degrees)/growth),    f^2 = max(1, ratio/ratio_0),
+    bias = [step (10 f/n)^order + scatter (10 f/n)^scatter_order] exp((tilt - 30 degrees)/growth),
+    f^2 = max(1, ratio/ratio_0),
 
 as tangential springs of the plate that are stiffer than ratio_0 need shorter steps, and the drift
 is small at large tilts. It was measured for rows and annuli drawn evenly from ranges
 (`calibration.py`); in annuli, and for a scene with a calibration of its own, f and the tilt do not
-count.
-`step` scatters from scene to scene: its mean is taken off, its scatter is the error that is left.
+count. `step` is the same for all scenes and is taken off; `scatter` is another number in each scene
+and the error that is left. It falls more slowly than the mean as steps get shorter.
 Contacts softer than asked for would be cheaper still; but they change the drift by anything up to
 twice its value.
 """
@@ -30,7 +31,7 @@ from .sources import digest
 CALIBRATION = Path(__file__).with_name("calibration.json")
 CONTACT_TIME = "contact time in periods"  # instead of a stiffness
 FEWEST_RODS = 20  # rows of as many drift as larger ones do; the calibration has 40
-_FREEDOM = 10  # of the scatter over scenes
+FREEDOM = 5  # of Student's t, which the scatter over scenes follows better than a normal one
 _NUMBERS = np.geomspace(1, 100, 200)  # steps a contact over the fewest ones
 
 
@@ -154,27 +155,29 @@ def calibrated(scene: Scene | None = None, path: str | Path | None = None) -> di
     return known | (known.get("annulus", {}) if scene.annulus is not None else {})
 
 
-def shape_of(scene: Scene, n: np.ndarray, known: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Bias over steps a contact n, without its size `step`, and 10 f/n."""
+def lengths_of(
+    scene: Scene, n: np.ndarray, known: dict[str, Any]
+) -> tuple[np.ndarray, np.floating]:
+    """10 f/n over steps a contact n, and the factor of the tilt."""
     has = properties(scene)
     stiff = np.sqrt(max(has.get("tangential ratio of plate", 0.0) / known["ratio"], 1))
-    grown, length = np.exp((has["tilt_deg"] - 30) / known["growth_deg"]), 10 * stiff / n
-    return grown * length ** known["order"], length
+    return 10 * stiff / n, np.exp((has["tilt_deg"] - 30) / known["growth_deg"])
 
 
 def bias_at(scene: Scene, n: np.ndarray, known: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Values and standard errors over steps a contact, from a calibration."""
-    shape, length = shape_of(scene, n, known)
-    of_order = known["step"] * np.log(length) * known["order_error"]
-    return known["step"] * shape, np.hypot(known["step_error"], of_order) * shape
+    length, grown = lengths_of(scene, n, known)
+    value = known["step"] * length ** known["order"] * grown
+    scatter = known["step_error"] * length ** known["scatter_order"] * grown
+    return value, np.hypot(scatter, value * np.log(length) * known["order_error"])
 
 
 def student(confidence: float) -> float:
     """Standard errors of a bias that hold it with this confidence.
 
-    Student's t of ten degrees of freedom: a scatter over scenes need not be normal.
+    By Student's t: a scatter over scenes need not be normal.
     """
-    return float(stdtrit(_FREEDOM, (1 + confidence) / 2))
+    return float(stdtrit(FREEDOM, (1 + confidence) / 2))
 
 
 def outside(scene: Scene, known: dict[str, Any]) -> tuple[str, ...]:

@@ -28,11 +28,11 @@ from . import simulation
 from .accuracy import FIRST_LOOK, interval, slower
 from .bias import (
     CONTACT_TIME,
-    calibrated,
+    FREEDOM,
     laws,
+    lengths_of,
     own_tables,
     properties,
-    shape_of,
     steps_per_contact,
 )
 from .domains import whole
@@ -44,15 +44,16 @@ from .sources import digest
 from .statistics import transient
 from .sweep import Measure, Point, Sweep, execute
 
-STEPS = 16, 20, 32  # a contact
+STEPS = 16, 24, 64  # a contact
 PERIODS = 2000  # from each start
 SEEDS = 1, 2
 SCENES = 64  # a power of two
 ANNULI = 8  # a power of two, besides the one that ships
 ANNULUS_PERIODS = 1500
 OWN_PERIODS = 6000  # from each start, of a scene of the user
-OWN_ORDER = 2.7, 0.7  # of the bias of such a scene, and its error: from 2 to that of rows
+OWN_ORDER = 2.0, 0.7  # of the bias of such a scene, and its error: from that of scatter to rows'
 CLEAR = 10  # standard errors from which on a drift tells a bias
+SAME = 0.75  # part of the usual drift below which it is that of another state
 FLAT = 1e9  # of a ratio or an angle: the bias does not depend on it
 PARTS = "plate", "rods"
 _COULOMB = {"contacts.plate.law": "coulomb"}
@@ -176,9 +177,9 @@ def fitted(
 ) -> dict[str, float]:
     """Bias of the step, by maximum likelihood.
 
-    Of each scene ln c = ln c_0 + step (10 f/n)^order exp((tilt - 30)/growth_deg), with f^2 the
-    tangential ratio of the plate over `ratio`, or one; `step` scatters from scene to scene around
-    its mean.
+    Of each scene ln c = ln c_0 + [step l^order + scatter l^scatter_order] exp((tilt - 30)/growth),
+    where l = 10 f/n, f^2 is the tangential ratio of the plate over `ratio`, or one, and `scatter`
+    is a number of the scene, which follows Student's t, around zero, with the scale `step_scatter`.
 
     Parameters
     ----------
@@ -190,27 +191,32 @@ def fitted(
     free = np.ones((len(n), len(n)))  # variance of ln c_0: it may be anything
 
     def unlikely(parameters: np.ndarray) -> float:
-        order, step, scatter, ratio_0, growth = parameters
+        order, scatter_order, step, scatter, ratio_0, growth = parameters
         stiff = np.sqrt(np.maximum(ratio / np.exp(ratio_0), 1))
-        shape = (10 * stiff[:, None] / n) ** order * np.exp(growth * (tilt_deg[:, None] - 30))
-        spread = np.exp(scatter) * shape
+        length = 10 * stiff[:, None] / n
+        grown = np.exp(growth * (tilt_deg[:, None] - 30))
+        spread = np.exp(scatter) * length**scatter_order * grown
         cover = spread[:, :, None] * spread[:, None] + free
         cover[:, range(len(n)), range(len(n))] += noise**2
-        rest = off - step * shape
-        far = np.einsum("ij,ij->", rest, np.linalg.solve(cover, rest[:, :, None])[..., 0])
-        return float(far + np.linalg.slogdet(cover)[1].sum())
+        rest = off - step * length**order * grown
+        far = np.einsum("ij,ij->i", rest, np.linalg.solve(cover, rest[:, :, None])[..., 0])
+        tails = (FREEDOM + len(n) - 1) * np.log1p(far / FREEDOM)
+        return float((tails + np.linalg.slogdet(cover)[1]).sum())
 
-    starts = (np.array([order, -0.05, -3.0, 2.0, 0.05]) for order in (2.0, 3.0, 4.0))
-    how = {"maxfev": 5000, "xatol": 1e-6, "fatol": 1e-6}
-    bounds = (1, 6), (-2, 2), (-9, 1), (-1, 5), (1e-3, 0.3)
+    starts = (np.array([order, 1.5, -0.04, -3.5, 2.0, 0.04]) for order in (2.0, 3.0, 4.0))
+    how = {"maxfev": 8000, "xatol": 1e-6, "fatol": 1e-6}
+    bounds = (1, 6), (0.3, 6), (-2, 2), (-9, 1), (-1, 5), (1e-3, 0.3)
     fits = (minimize(unlikely, x, method="Nelder-Mead", bounds=bounds, options=how) for x in starts)
     found = min(fits, key=lambda one: one.fun)
-    h = np.array([0.2, 0, 0, 0, 0])
-    bend = (unlikely(found.x + h) - 2 * found.fun + unlikely(found.x - h)) / h[0] ** 2
-    order, step, scatter, ratio_0, growth = map(float, found.x)
+    h = np.diag([0.1, 0.1, 3e-3, 0.1, 0.1, 3e-3])
+    bend = [[unlikely(found.x + a + b) - unlikely(found.x + a - b) for b in h] for a in h]
+    back = [[unlikely(found.x - a + b) - unlikely(found.x - a - b) for b in h] for a in h]
+    variance = 8 * h[0, 0] ** 2 * np.linalg.pinv(np.subtract(bend, back))[0, 0]
+    order, scatter_order, step, scatter, ratio_0, growth = map(float, found.x)
     return {
         "order": order,
-        "order_error": float(np.sqrt(2 / bend)) if bend > 0 else 1.0,
+        "order_error": float(np.sqrt(variance)) if variance > 0 else 1.0,
+        "scatter_order": scatter_order,
         "step": step,
         "step_scatter": float(np.exp(scatter)),
         "step_error": float(np.exp(scatter) * np.sqrt(1 + 1 / len(drift))),
@@ -232,7 +238,7 @@ def in_one_state(drift: np.ndarray, error: np.ndarray) -> np.ndarray:
     Rods of an annulus may lean either way and hardly drift, or come to do so in one run of three.
     """
     usual = np.median(np.abs(drift), axis=1, keepdims=True)
-    return np.abs(drift) > np.maximum(CLEAR * error, usual / 2)
+    return np.abs(drift) > np.maximum(CLEAR * error, SAME * usual)
 
 
 def size_alone(
@@ -263,10 +269,12 @@ def size_alone(
 
 def _size(drift: np.ndarray, error: np.ndarray, scenes: list[Scene], known: dict) -> dict[str, Any]:
     """What the calibration of annuli or of one scene has in place of that of rows."""
-    shape = np.array([shape_of(scene, np.array(STEPS, float), known)[0] for scene in scenes])
+    lengths = (lengths_of(scene, np.array(STEPS, float), known) for scene in scenes)
+    shape = np.array([grown * length ** known["order"] for length, grown in lengths])
     step, scatter, of_one = size_alone(drift, error, shape)
-    found = {"step": step, "step_scatter": scatter, "step_error": of_one, "growth_deg": FLAT}
-    return found | {"drift": drift.tolist(), "drift_error": error.tolist()}
+    same = (10 / STEPS[0]) ** (known["order"] - known["scatter_order"])  # at the longest step
+    found = {"step": step, "step_scatter": same * scatter, "step_error": same * of_one}
+    return found | {"growth_deg": FLAT, "drift": drift.tolist(), "drift_error": error.tolist()}
 
 
 def _noise(drift: np.ndarray, error: np.ndarray, kept: int) -> float:
@@ -277,12 +285,13 @@ def _noise(drift: np.ndarray, error: np.ndarray, kept: int) -> float:
 
 def of_annuli(
     store: str | Path,
+    rows: dict[str, Any],
     *,
     count: int = ANNULI,
     periods: int = ANNULUS_PERIODS,
     progress: bool = False,
 ) -> dict[str, Any]:
-    """Measure the size of the bias in annuli, of one start each; its order is that of rows."""
+    """Measure the size of the bias in annuli, of one start each; its orders are those of rows."""
     scenes = [from_tables(tables) for tables in annuli(count)]
     drift, error = drifts(sweep(scenes, periods, SEEDS[:1]), store, progress)
     found = [properties(scene) for scene in scenes]
@@ -291,8 +300,7 @@ def of_annuli(
         p.name: [min(ends[p.name][0], p.low), max(ends[p.name][1], p.high)] for p in OF_ANNULUS
     }
     del ends["tilt_deg"]  # at the start alone
-    known = calibrated() | {"growth_deg": FLAT}
-    return _size(drift, error, scenes, known) | {
+    return _size(drift, error, scenes, rows | {"growth_deg": FLAT}) | {
         "noise": _noise(drift, error, periods - transient(periods)),
         "ranges": ends,
         "laws": sorted({laws(scene) for scene in scenes}),
@@ -328,7 +336,8 @@ def of_scene(
         If a run fails or does not settle, or the drift cannot be told from none.
     """
     order, order_error = OWN_ORDER
-    known = {"order": order, "order_error": order_error, "ratio": FLAT, "growth_deg": FLAT}
+    known = {"order": order, "order_error": order_error, "scatter_order": order}
+    known |= {"ratio": FLAT, "growth_deg": FLAT}
     drift, error = drifts(_own_sweep(scene, periods), store, progress, strict=True)
     if not in_one_state(drift, error).all():
         raise RunError(
@@ -382,8 +391,9 @@ def calibrate(
     drift, error = drifts(sweep(made, periods), store, progress)
     ends = {p.name: [p.low, p.high] for p in PARAMETERS if p.name not in ("law", "stiffness")}
     times = [properties(scene)[CONTACT_TIME] for scene in made]
+    found = fitted(drift, error, *described(made))
     return {
-        **fitted(drift, error, *described(made)),
+        **found,
         "noise": _noise(drift, error, (periods - transient(periods)) * len(SEEDS)),
         "fewest": STEPS[0],
         "ranges": {**ends, CONTACT_TIME: [min(times), max(times)]},
@@ -392,5 +402,5 @@ def calibrate(
         "drift": drift.tolist(),
         "drift_error": error.tolist(),
         "code": digest(),
-        "annulus": of_annuli(store, progress=progress),
+        "annulus": of_annuli(store, found, progress=progress),
     }

@@ -240,7 +240,8 @@ def calibration_text(found: dict[str, Any]) -> str:
     step = f"{found['step']:+.3f}, scene to scene +- {found['step_scatter']:.3f}"
     return "\n".join(
         [
-            f"order     {found['order']:.3g} +- {found['order_error']:.2g}, of {scenes} scenes",
+            f"order     {found['order']:.3g} +- {found['order_error']:.2g}, of {scenes} scenes; of "
+            f"their scatter {found['scatter_order']:.2g}",
             f"bias      at ten steps a contact and 30 degrees: {step}",
             f"          e times larger every {found['growth_deg']:.3g} degrees; steps count as "
             f"longer where\n          the plate's tangential ratio is above {found['ratio']:.3g}",

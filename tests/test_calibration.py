@@ -17,14 +17,14 @@ from .rows import ROW, row
 from .test_tolerance import NONE, RATIOS, calibrated
 
 
-def made_drifts(scatter, noise, scenes=64, order=2.6, step=-0.08):
+def made_drifts(scatter, noise, scenes=64, orders=(2.6, 1.5), step=-0.08):
     """Drifts of scenes with biases that scatter around a mean: arguments of `fitted`."""
     random, n = np.random.default_rng(0), np.array(calibration.STEPS, float)
     tilt, ratio = random.uniform(15, 50, scenes), np.exp(random.uniform(-1, 3.4, scenes))
-    stiff = np.sqrt(np.maximum(ratio / 5, 1))[:, None]
-    shape = (10 * stiff / n) ** order * np.exp((tilt[:, None] - 30) / 25)
-    steps = random.normal(step, scatter, (scenes, 1))
-    drift = random.uniform(0.1, 0.5, (scenes, 1)) * np.exp(steps * shape)
+    length = 10 * np.sqrt(np.maximum(ratio / 5, 1))[:, None] / n
+    mean, other = (length**order * np.exp((tilt[:, None] - 30) / 25) for order in orders)
+    own = scatter * random.standard_t(bias.FREEDOM, (scenes, 1))
+    drift = random.uniform(0.1, 0.5, (scenes, 1)) * np.exp(step * mean + own * other)
     error = noise * drift
     return drift + error * random.normal(size=drift.shape), error, tilt, ratio
 
@@ -35,6 +35,7 @@ def test_the_fit_finds_what_was_put_in(scatter):
     found = calibration.fitted(*made_drifts(scatter, 0.002))
     assert abs(found["order"] - 2.6) < 4 * found["order_error"]
     assert found["order_error"] < 0.3
+    assert found["scatter_order"] == pytest.approx(1.5, abs=0.4)
     assert abs(found["step"] + 0.08) < 4 * np.hypot(0.01, scatter / 8)
     assert found["step_scatter"] == pytest.approx(scatter, rel=0.35)
     assert found["step_error"] > found["step_scatter"]
@@ -57,13 +58,14 @@ def test_what_is_stored_follows_from_its_drifts():
 def test_the_size_alone_is_found(scenes):
     """For the shapes that `made_drifts` puts in: of many scenes with their scatter, of one."""
     scatter = 0.03 if scenes > 1 else 0.0
-    drift, error, tilt, ratio = made_drifts(scatter, 0.002, scenes)
+    drift, error, tilt, ratio = made_drifts(scatter, 0.002, scenes, orders=(2.6, 2.6))
     stiff = np.sqrt(np.maximum(ratio / 5, 1))[:, None] * 10 / np.array(calibration.STEPS)
     shape = stiff**2.6 * np.exp((tilt[:, None] - 30) / 25)
     step, found, of_one = calibration.size_alone(drift, error, shape)
     assert abs(step + 0.08) < 4 * of_one * scenes**-0.5
-    assert of_one < 0.04
-    assert found == pytest.approx(scatter, rel=0.35)
+    assert of_one < 0.06
+    deviation = scatter * (bias.FREEDOM / (bias.FREEDOM - 2)) ** 0.5
+    assert found == pytest.approx(deviation, rel=0.35)
 
 
 TINY = ["rods.count=10", "rods.length=4", "annulus.inner=2", "annulus.outer=3.7"]
@@ -177,16 +179,19 @@ def test_runs_are_off_by_as_much_as_they_say(capsys):
 
     The true error is within the stated one in 17 or more. Where the reference is known to 1 %,
     which it is not where a scene has several states, stated errors are neither padded nor boastful:
-    the root mean square of true over stated ones, which 95 % make 0.51, is 0.3 to 0.75.
+    the root mean square of true over stated ones, which 95 % make 0.51, is 0.3 to 0.7. Scenes that
+    do not settle, which have no such drift, are told and are few.
     """
-    drawn, within, off = (
-        calibration.qmc.Sobol(len(calibration.PARAMETERS), seed=11).random(32),
-        0,
-        [],
-    )
-    for scene in map(from_tables, map(calibration.tables_of, drawn[:20])):
+    within, off, told = 0, [], 0
+    drawn = iter(others())
+    while told < 20:
+        scene = next(drawn)
         found = md.run(scene, tolerance=0.03, max_seconds=60, ledger=False)
-        fine = replace(scene, step=md.Step(bias.steps_per_contact(scene, 1.0) / 48, coarse=True))
+        if found.accuracy.state == "not settled":
+            continue
+        told += 1
+        finer = max(48, 2 * found.accuracy.per_contact)
+        fine = replace(scene, step=md.Step(bias.steps_per_contact(scene, 1.0) / finer, coarse=True))
         truth = accuracy._Goal(0.0075, 0.95, 0.0, 150.0, lambda _: NONE, 2)
         accuracy._started(fine, truth, {"ledger": False})
         one = (found.c_x - truth.mean) / found.accuracy.error
@@ -194,8 +199,9 @@ def test_runs_are_off_by_as_much_as_they_say(capsys):
         off += [one] if truth.error < 0.01 * truth.size else []
         with capsys.disabled():
             print(f"{one:+.2f} {found.accuracy.state} {truth.error / truth.size:.4f}")
+    assert len([*drawn]) >= 32 - 20 - 2
     assert within >= 17
-    assert 0.3 <= np.sqrt(np.mean(np.square(off))) <= 0.75
+    assert 0.3 <= np.sqrt(np.mean(np.square(off))) <= 0.7
 
 
 @pytest.fixture(scope="module")

@@ -43,15 +43,16 @@ def test_the_step_is_the_cheapest(tolerance, monkeypatch):
     n = np.geomspace(known["fewest"], 1600, 20001)
     grown = np.exp((np.degrees(scene.tilt) - 30) / known["growth_deg"])
     stiff = np.sqrt(29 / known["ratio"])
-    shape = grown * (10 * stiff / n) ** known["order"]
-    off_by = known["step"] * np.log(10 * stiff / n) * known["order_error"]
-    error = shape * np.hypot(known["step_error"], off_by)
-    room = tolerance**2 - (student.ppf(0.975, 10) * error) ** 2
+    length = 10 * stiff / n
+    value = known["step"] * grown * length ** known["order"]
+    scatter = known["step_error"] * grown * length ** known["scatter_order"]
+    error = np.hypot(scatter, value * np.log(length) * known["order_error"])
+    room = tolerance**2 - (student.ppf(0.975, 5) * error) ** 2
     price = np.where(room > 0, n / np.abs(room), np.inf)
     assert chosen.per_contact == pytest.approx(n[np.argmin(price)], rel=0.025)
     steps = bias.steps_per_contact(scene, chosen.scene.step.size)
     assert steps == pytest.approx(chosen.per_contact)
-    assert chosen.bias.value == pytest.approx(np.interp(steps, n, known["step"] * shape), rel=1e-5)
+    assert chosen.bias.value == pytest.approx(np.interp(steps, n, value), rel=1e-5)
     assert chosen.bias.error == pytest.approx(np.interp(steps, n, error), rel=1e-5)
 
 
@@ -159,7 +160,7 @@ def test_a_run_ends_as_soon_as_it_is_accurate(monkeypatch):
     assert a.statistical == found.half
     assert reached.c_x == pytest.approx(found.mean / 0.9)
     assert a.bias == pytest.approx(-0.1 * reached.c_x)
-    assert a.bias_error == pytest.approx(student.ppf(0.975, 10) * 0.02 * abs(reached.c_x))
+    assert a.bias_error == pytest.approx(student.ppf(0.975, 5) * 0.02 * abs(reached.c_x))
     assert a.error == pytest.approx(np.hypot(a.statistical, a.bias_error))
     assert a.error <= 0.2 * max(abs(reached.c_x), 0.05) * (1 + 1e-12)
     assert a.next_digit_seconds > 50 * (a.error / (0.2 * abs(reached.c_x))) ** 2 * a.seconds
