@@ -7,9 +7,9 @@ With n steps a contact, at twice the plate's peak velocity, the drift is off by 
 
 as tangential springs of the plate that are stiffer than ratio_0 need shorter steps, and the drift
 is small at large tilts. It was measured for rows and annuli drawn evenly from ranges
-(`calibration.py`); in annuli, and for a scene with a calibration of its own, f and the tilt do not
-count. `step` is the same for all scenes and is taken off; `scatter` is another number in each scene
-and the error that is left. It falls more slowly than the mean as steps get shorter.
+(`calibration.py`); in annuli the tilt does not count, nor does f for a scene with a calibration of
+its own. `step` is the same for all scenes and is taken off; `scatter` is another number in each
+scene and the error that is left. It falls more slowly than the mean as steps get shorter.
 Contacts softer than asked for would be cheaper still; but they change the drift by anything up to
 twice its value.
 """

@@ -139,6 +139,28 @@ def test_annuli_have_a_part_of_their_own():
         assert any(words in one for one in found)
 
 
+def test_the_error_in_annuli_is_that_measured_at_the_longest_step():
+    """And falls as that of rows as steps get shorter."""
+    known, scene = bias.calibrated(md.load("annulus")) | {"order_error": 0.0}, md.load("annulus")
+    drift, error = np.array(known["drift"]), np.array(known["drift_error"])
+    n, scenes = np.array(calibration.STEPS, float), [*map(from_tables, calibration.annuli())]
+    again = calibration._size(drift, error, scenes, known)
+    assert (again["step"], again["step_error"]) == pytest.approx(
+        (known["step"], known["step_error"])
+    )
+    length = np.array([bias.lengths_of(one, n, known)[0] for one in scenes])
+    _, _, of_one = calibration.size_alone(drift, error, length ** known["order"])
+    _, found = bias.bias_at(scene, n, known)
+    assert found[0] == pytest.approx(of_one * (10 / n[0]) ** known["order"])
+    assert found[1] / found[0] == pytest.approx((n[0] / n[1]) ** known["scatter_order"])
+
+
+def test_runs_of_another_state_tell_no_bias():
+    drift = np.array([[0.1, 0.11, 0.12], [0.1, 0.11, 0.06], [0.1, 0.11, 0.005]])
+    one = calibration.in_one_state(drift, np.full((3, 3), 0.001))
+    np.testing.assert_array_equal(one, [[True] * 3, [True, True, False], [True, True, False]])
+
+
 def test_an_annulus_runs_to_a_tolerance(monkeypatch):
     """A tiny one, taken for calibrated: 640 periods at least, and about its own arrangement."""
     calibrated(monkeypatch)
