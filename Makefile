@@ -6,6 +6,7 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
+TOGETHER := -n logical --maxprocesses 8 --dist loadfile
 
 .PHONY: figures paper test slow clean
 
@@ -22,10 +23,10 @@ test: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/python -m pytest -n logical --maxprocesses 8 --dist loadfile
+	$(BIN)/python -m pytest $(TOGETHER)
 
 slow: .venv/ready
-	$(BIN)/python -m pytest -m slow --record tests/SLOW.md
+	$(BIN)/python -m pytest $(TOGETHER) -m slow --record tests/SLOW.md
 
 # The environment is built once and again whenever the dependencies change.
 .venv/ready: pyproject.toml

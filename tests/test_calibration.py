@@ -197,32 +197,35 @@ def test_rods_that_fall_over_are_not_settled():
 
 @pytest.mark.slow
 def test_runs_are_off_by_as_much_as_they_say(capsys):
-    """Twenty scenes to 3 %, against finer and four times more accurate runs.
+    """Twenty scenes to 3 %, three starts of each, against finer and four times more accurate runs.
 
-    The true error is within the stated one in 17 or more. Where the reference is known to 1 %,
-    which it is not where a scene has several states, stated errors are neither padded nor boastful:
-    the root mean square of true over stated ones, which 95 % make 0.51, is 0.3 to 0.7. Scenes that
-    do not settle, which have no such drift, are told and are few.
+    The true error is within the stated one, as far as the reference tells, in 17 of 20 or more.
+    Where the reference is known to 1 %, which it is not where a scene has several states, stated
+    errors are neither padded nor boastful: the root mean square of true over stated ones, which
+    95 % make 0.51, is 0.3 to 0.7. Scenes that do not settle, which have no such drift, are told and
+    are few.
     """
-    within, off, told = 0, [], 0
+    within, off, told = [], [], 0
     drawn = iter(others())
     while told < 20:
         scene = next(drawn)
-        found = md.run(scene, tolerance=0.03, max_seconds=60, ledger=False)
-        if found.accuracy.state == "not settled":
+        starts = [replace(scene, start=replace(scene.start, seed=seed)) for seed in (1, 2, 3)]
+        found = [md.run(s, tolerance=0.03, max_seconds=60, ledger=False) for s in starts]
+        if "not settled" in {one.accuracy.state for one in found}:
             continue
         told += 1
-        finer = max(48, 2 * found.accuracy.per_contact)
+        finer = max(48, 2 * found[0].accuracy.per_contact)
         fine = replace(scene, step=md.Step(bias.steps_per_contact(scene, 1.0) / finer, coarse=True))
         truth = accuracy._Goal(0.0075, 0.95, 0.0, 150.0, lambda _: NONE, 2)
         accuracy._started(fine, truth, {"ledger": False})
-        one = (found.c_x - truth.mean) / found.accuracy.error
-        within += abs(one) <= 1
-        off += [one] if truth.error < 0.01 * truth.size else []
+        for one in found:
+            error = one.c_x - truth.mean
+            within += [abs(error) <= np.hypot(one.accuracy.error, truth.error)]
+            off += [error / one.accuracy.error] if truth.error < 0.01 * truth.size else []
         with capsys.disabled():
-            print(f"{one:+.2f} {found.accuracy.state} {truth.error / truth.size:.4f}")
+            print(np.round(off[-3:], 2), within[-3:], f"{truth.error / truth.size:.4f}", flush=True)
     assert len([*drawn]) >= 32 - 20 - 2
-    assert within >= 17
+    assert np.mean(within) >= 17 / 20
     assert 0.3 <= np.sqrt(np.mean(np.square(off))) <= 0.7
 
 
