@@ -188,16 +188,29 @@ def test_strips_hold_every_law_and_mark_the_best(made):
     assert len(law_strips.summary(made).splitlines()) == len(over_laws.verdicts(made)) + 1
 
 
-@pytest.mark.parametrize(("place", "of"), [*enumerate((runs.LAW_OF, runs.SECOND_OF))])
-def test_the_laws_of_the_figures_are_the_cheapest_of_the_best(place, of):
+def test_the_laws_of_the_figures_are_singled_out_and_another_confirmed_one():
     d = kept_data("which_law", gallery.GALLERY)
-    law = over_laws.laws_of(d["best_parts"])[over_laws.as_good(d)[place]]
-    asked = {
-        f"{option.replace('_', ' ')}, {part}": value
-        for option, pair in of.items()
-        for part, value in zip(runs.PARTS, pair, strict=True)
-    }
-    assert law == {"form": over_laws.CONSTANT, **{k: pytest.approx(v) for k, v in asked.items()}}
+    found = over_laws.laws_of(d["best_parts"])
+    first, second = (
+        {
+            "form": over_laws.CONSTANT,
+            **{
+                f"{option.replace('_', ' ')}, {part}": pytest.approx(value)
+                for option, pair in of.items()
+                for part, value in zip(runs.PARTS, pair, strict=True)
+            },
+        }
+        for of in (runs.LAW_OF, runs.SECOND_OF)
+    )
+    assert found[over_laws.singled_out(d)] == first
+    assert second in found
+
+
+def test_the_kept_search_is_confirmed_as_the_code_asks():
+    d, given = kept_data("which_law", gallery.GALLERY), over_laws.CONFIRMED[False]
+    np.testing.assert_array_equal(d["best_nominal"], given["tilts"])
+    assert len(d["best"]) == given["best"]
+    assert len(d["best_parts"]) == given["best"] + len(over_laws.KNOWN)
 
 
 def test_the_search_of_the_gallery_is_drawn(tmp_path, capsys):

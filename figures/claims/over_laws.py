@@ -36,11 +36,11 @@ JUDGED = {  # numbers with limits that every law has
 }
 HEADED = np.array(["head" in row for row in JUDGED.values()])  # numbers of the matrix
 FITTED = HEADED & [claim_of(name)["fitted"] for name in JUDGED]  # and of the score
-BEST, DRAWS = 10, 100  # laws that are confirmed; draws of a score
+BEST, DRAWS = 10, 100  # laws between which a second round lies; draws of a score
 CLOSER = {False: 64, True: 2}  # laws of the second round, in full and quick
 KEPT_DEG = 2  # a row that keeps its tilt is as near to acos(dN/L), at every tilt
 CONFIRMED: dict[bool, dict[str, Any]] = {  # runs of the best laws, in full and quick
-    False: {"tilts": tilts(False), "periods": 300, "seeds": (3, 4, 5, 6), "best": BEST},
+    False: {"tilts": tilts(False), "periods": 300, "seeds": (3, 4, 5, 6), "best": 8},
     True: {"tilts": QUICK_DEG, "periods": 40, "seeds": (3, 4), "best": 2},
 }
 SIZE: dict[bool, dict[str, Any]] = {  # of the search: in full, and quick
@@ -174,7 +174,7 @@ def confirming(parts: np.ndarray, quick: bool = False) -> Sweep:
 
 def later() -> list[Point]:
     """As many runs as follow the first round, of any laws: which ones is not known before."""
-    given, known = search(), BEST + len(KNOWN)
+    given, known = search(), CONFIRMED[False]["best"] + len(KNOWN)
     any_law = given.draw()
     return [*given.sweep(any_law[: CLOSER[False]]).points, *confirming(any_law[:known]).points]
 

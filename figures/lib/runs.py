@@ -41,7 +41,7 @@ LAW_OF = {  # plate, rods: what figure which_law singles out; of all simulated r
     "tangential_ratio": (7.2, 0.68),
     "tangential_damping": (0.43, 0.28),
 }
-SECOND_OF = {  # plate, rods: the next one of the laws that do as well; stiffer, so dearer
+SECOND_OF = {  # plate, rods: another of the best laws; stiffer, so dearer
     "restitution": (0.68, 0.89),
     "tangential_ratio": (12, 3.1),
     "tangential_damping": (0.73, 0.89),
