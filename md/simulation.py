@@ -130,7 +130,7 @@ class Result:
 
     @property
     def settled(self) -> bool | None:
-        """False if the drift still trends behind the transient; None if the run is too short."""
+        """False if the drift still trends, or `accuracy` says so; None if the run is too short."""
         if self.accuracy is not None:
             return self.accuracy.state != "not settled"
         found = trend(self.c_x_series[self.discarded :])
