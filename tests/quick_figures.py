@@ -44,7 +44,7 @@ FEW_STARTS = {"periods": MOST_PERIODS, "seeds": (1, 2)}
 SIZES = {
     over_laws: {
         "SIZE": {True: {**FEW_STARTS, "points": 2}},
-        "CONFIRMED": {True: {**FEW_STARTS, "tilts": over_laws.QUICK_DEG, "best": 1}},
+        "CONFIRMED": {True: {**FEW_STARTS, "tilts": over_laws.QUICK_DEG, "best": 2}},
         "KNOWN": {},
         "CLOSER": {True: 1},
     },

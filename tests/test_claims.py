@@ -9,9 +9,10 @@ import md
 from figures import FIGURES
 from figures.__main__ import main
 from figures.checks import contact_laws, phase_friction
-from figures.claims import judge, limits, over_laws, over_tilt
+from figures.claims import across_laws, judge, limits, over_laws, over_tilt
 from figures.claims.evidence import Evidence, Whole
 from figures.claims.measure_annulus import begins
+from figures.claims.over_laws import FITTED
 from figures.claims.uncertainty import Number, onset, peak, resampled
 from figures.lib import runs as rows
 from figures.lib.data import keep
@@ -181,7 +182,20 @@ LAWS = {
     )
 }
 SEARCHED = {"laws": 9, "of": 5, "best": 3.0, "score": 3.0, "spread": 0.5, "as_good": 1}
+SEARCHED["next"] = [2.5, 0.4]
 SEARCHED["known"] = {"simple": 2.0}
+SPUN = {"parameter": "restitution, rods", "rank": -0.85, "middle": [0.7, 0.9]}
+TOLD = {
+    "numbers": {
+        "S2.rms": {"counts": [8, 0, 0], "follows": None},
+        "S13.small": {"counts": [38, 2, 0], "follows": None},
+        "S10.spin": {"counts": [37, 2, 1], "follows": SPUN},
+        "S21.largest": {"counts": [2, 9, 29], "follows": {**SPUN, "middle": []}},
+    },
+    "excluded": [("S10.spin", "S21.largest", 9.4)],
+    "forms": {"Appendix A": [3, 4]},
+    "over_theory": {"law": [0.5, 0.9, 1.0, 1.1], "laws": [0.6, 0.7]},
+}
 UNDER = {  # beginning of what the page says
     "S1": "under none (holds under 0, in part under 2, not under 6;",
     "S2": "under every one (",
@@ -213,7 +227,8 @@ def test_a_claim_without_data_leaves_the_others(monkeypatch):
     troubles = {"S2": np.linalg.LinAlgError("no such\nrun")}
     monkeypatch.setattr(judge, "measure", measure)
     monkeypatch.setattr(Evidence, "figure", lambda *_: {})
-    monkeypatch.setattr(over_laws, "verdicts", lambda _: LAWS)
+    monkeypatch.setattr(across_laws, "verdicts", lambda _: LAWS)
+    monkeypatch.setattr(across_laws, "told", lambda _: TOLD)
     monkeypatch.setattr(over_laws, "outcome", lambda _: SEARCHED)
     report = judge.judge(quick=True)
     found = {claim["id"]: claim["verdict"] for claim in report["claims"]}
@@ -224,6 +239,21 @@ def test_a_claim_without_data_leaves_the_others(monkeypatch):
     assert "holds: 27, not measured: 2" in page
     assert " ".join(lines[1].split()) == "S2 not measured LinAlgError: no such run"
     assert len(lines) == len(IDS) + 1
+    assert judge.score(report) == (FITTED.sum() - 1,) * 2  # S1 is of another law
+    groups = judge.trust(report)
+    assert {name: [row["id"] for row in of] for name, of in groups.items()} == {
+        "all": ["S13"],  # S2 chooses the laws
+        "some": ["S10"],
+        "none": ["S21"],
+    }
+    spin, slide = (
+        next(row for row in CLAIMS[IDS.index(claim)]["numbers"] if row["key"] == key)["name"]
+        for claim, key in (("S10", "spin"), ("S21", "largest"))
+    )
+    cells = "≤ 0.1 | 37/2/1 | restitution, rods: -0.85 | 0.7 to 0.9"
+    assert f"| S10 | {spin} | {cells} |" in page
+    assert f"- S10, {spin}; S21, {slide} (9)" in page
+    assert "3 of 4 of Appendix A" in page
     assert "no data" in next(line for line in page.splitlines() if line.startswith("| [S24]"))
     troubles["S9"] = KeyError("a mistake of ours")
     with pytest.raises(KeyError):

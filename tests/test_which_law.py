@@ -8,7 +8,7 @@ import pytest
 
 from figures.__main__ import main
 from figures.checks import law_friction, law_strips, which_law
-from figures.claims import over_laws
+from figures.claims import across_laws, over_laws
 from figures.claims.over_laws import FITTED, JUDGED
 from figures.lib import runs
 from figures.lib.data import kept_data
@@ -37,12 +37,12 @@ def made():
             "theory": np.linspace(12, 3, tilts),
             "c_x": random.random((laws, tilts)),
             "c_x_error": np.full((laws, tilts), 0.1),
-            "tilt_off": np.linspace(0, 4, laws),
+            "tilt_off": np.linspace(0, 6, laws),
         }
 
     parts = replace(over_laws.search(), points=LAWS).draw()
     best = {f"best_{name}": values for name, values in of(BEST + 2, 13).items()}
-    made = {"parts": parts, **of(LAWS, 7), **best, "best": np.arange(BEST)}
+    made = {"parts": parts, **of(LAWS, 7), **best, "best": np.arange(BEST)[::-1]}
     made["round"] = np.zeros(LAWS, int)
     return {**made, "best_parts": parts[: BEST + 2], "best_step": np.ones(BEST + 2)}
 
@@ -132,7 +132,7 @@ def test_the_score_counts_the_fitted_claims_alone(made):
 
 
 def test_verdicts_over_laws_count_all_and_those_that_keep_the_tilt(made):
-    found = over_laws.verdicts(made)
+    found = across_laws.verdicts(made)
     assert found["S13"]["numbers"] == ["small", "large", "change", "sharp"]
     for of in found.values():
         assert sum(of["all"]) == LAWS
@@ -141,10 +141,10 @@ def test_verdicts_over_laws_count_all_and_those_that_keep_the_tilt(made):
         assert of["all"][2] >= 1  # the last
     mixed = made["grade"].copy()
     mixed[1] = np.where(np.arange(len(JUDGED)) % 2, 1, 2)  # of S13 some hold, some in part
-    partly = over_laws.verdicts({**made, "grade": mixed})["S13"]["all"]
+    partly = across_laws.verdicts({**made, "grade": mixed})["S13"]["all"]
     assert partly[0] == 1
     none = {**made, "grade": np.zeros_like(made["grade"])}
-    assert all(of["all"] == [0, 0, LAWS] for of in over_laws.verdicts(none).values())
+    assert all(of["all"] == [0, 0, LAWS] for of in across_laws.verdicts(none).values())
 
 
 def test_of_equal_laws_the_cheapest_is_singled_out(made):
@@ -157,14 +157,63 @@ def test_of_equal_laws_the_cheapest_is_singled_out(made):
     assert over_laws.as_good(d).tolist() == [1, 4]
     told = over_laws.outcome(d)
     assert (told["best"], told["score"], told["as_good"]) == (10, 9.8, 2)
+    assert told["next"] == [9.8, 0.5]
 
 
 def test_numbers_that_exclude_each_other_are_told(made):
+    """If they never hold together, and by chance would: under eight of 32 laws."""
     grades = np.zeros_like(made["grade"])
-    grades[:8, 0] = grades[8:16, 1] = grades[8:16, 2] = 2
+    grades[:16, 0] = grades[16:, 1] = grades[16:, 2] = grades[:15, 3] = 2
     first, second, third, *_ = JUDGED
-    found = which_law.excluded({**made, "grade": grades})
-    assert found == [(first, second), (first, third)]
+    found = across_laws.excluded({**made, "grade": grades})
+    assert found == [(first, second, 8), (first, third, 8)]
+    grades[0, 1] = 2
+    found = across_laws.excluded({**made, "grade": grades})
+    assert found == [(first, third, 8)]
+
+
+def test_what_a_number_follows_is_told_with_the_values_where_it_holds(made):
+    """Among laws of constant restitution that keep the tilt, which here are all of that form."""
+    laws = over_laws.laws_of(made["parts"])
+    constant = np.array([law["form"] == over_laws.CONSTANT for law in laws])
+    rods = np.array([float(law.get("restitution, rods", np.nan)) for law in laws])
+    d = {key: made[key].copy() for key in ("parts", "round", "value", "grade", "tilt_off")}
+    d["tilt_off"][:] = np.where(constant, 0, 9)
+    d["value"][:, 0], d["value"][:, 1] = -rods, np.random.default_rng(4).random(LAWS)
+    d["grade"][:, 0] = np.where(rods > 0.7, 2, 1)
+    of_all = across_laws.numbers(d)
+    assert constant.sum() < across_laws.FEW  # too few
+    assert all(of["follows"] is None for of in of_all.values())
+    d = {key: np.concatenate([x, x]) for key, x in d.items()}
+    first, second, *_ = across_laws.numbers(d).values()
+    high = rods[rods > 0.7]
+    assert first["counts"] == [2 * len(high), 2 * (constant.sum() - len(high)), 0]
+    assert first["follows"] == {
+        "parameter": "restitution, rods",
+        "rank": pytest.approx(-1),
+        "middle": pytest.approx(np.percentile(np.concatenate([high, high]), [25, 75])),
+    }
+    assert second["follows"] is None  # it follows none
+    d["grade"][:, 0] = 1
+    assert next(iter(across_laws.numbers(d).values()))["follows"]["middle"] == []
+    half = constant.sum(), len(constant)
+    assert across_laws.forms(d)[over_laws.CONSTANT] == [2 * half[0]] * 2
+    assert across_laws.forms(d)[over_laws.APPENDIX] == [0, 2 * (half[1] - half[0])]
+
+
+def test_drift_over_that_of_the_theory_is_told_on_both_sides_of_30_degrees(made):
+    lean = made["best_nominal"] > 30
+    d = {**made, "best_score": np.arange(BEST + 2.0)}
+    chosen = over_laws.singled_out(d)
+    assert chosen == BEST + 1
+    ratio = np.where(lean, 2.0, 0.5)
+    ratio[[0, -1]] = 0.25, 3
+    drift = made["best_c_x"].copy()
+    drift[chosen] = ratio * made["best_theory"]
+    few = {"c_x": np.where(made["nominal"] > 30, 0.75, 0.5) * made["theory"] * np.ones((LAWS, 1))}
+    found = across_laws.over_theory({**d, **few, "best_c_x": drift})
+    assert found["law"] == pytest.approx([0.25, 0.5, 2, 3])
+    assert found["laws"] == pytest.approx([0.5, 0.75])
 
 
 def test_the_picture_and_the_words_show_the_best_law_first(made):
@@ -183,9 +232,17 @@ def test_strips_hold_every_law_and_mark_the_best(made):
     figure = law_strips.draw(made)
     shown = [ax for ax in figure.axes if ax.lines]
     assert len(shown) == over_laws.HEADED.sum()
-    assert all(sum(len(line.get_xdata()) for line in ax.lines) == LAWS + 1 for ax in shown)
+    assert all(sum(len(line.get_xdata()) for line in ax.lines) == LAWS + 2 for ax in shown)
+    heads = {row.get("head", "").replace("\n", " "): j for j, row in enumerate(JUDGED.values())}
+    for ax in shown:
+        j = next(j for head, j in heads.items() if head and ax.get_ylabel().endswith(f" {head}"))
+        confirmed, searched = (line.get_xdata()[0] for line in ax.lines[-2:])
+        low, high = ax.get_xlim()
+        chosen = over_laws.singled_out(made)
+        assert confirmed == np.clip(made["best_value"][chosen, j], low, high)
+        assert searched == np.clip(made["value"][made["best"][chosen], j], low, high)
     plt.close(figure)
-    assert len(law_strips.summary(made).splitlines()) == len(over_laws.verdicts(made)) + 1
+    assert len(law_strips.summary(made).splitlines()) == len(across_laws.verdicts(made)) + 1
 
 
 def test_the_laws_of_the_figures_are_singled_out_and_another_confirmed_one():

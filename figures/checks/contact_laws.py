@@ -26,19 +26,19 @@ CONTACT_LAWS = {  # what a law changes in `rows.SIMPLE_ROW`
     "App. A as printed": PRINTED,
     "A, no overlap factor": PRINTED | both(overlap_factor=False),
     "A, damping 1.9e5": PRINTED | both(damping=1.9e5),
-    "0.65, spring 3": SIMPLE,
-    "0.65, spring 3, undamped": both(tangential_damping=0),
-    "0.65, spring 30": both(tangential_ratio=30),
-    "0.65, spring 30, undamped": both(tangential_ratio=30, tangential_damping=0),
-    "0.8, spring 3": both(restitution=0.8),
-    "0.9, spring 3": both(restitution=0.9),
-    "0.9, spring 3, undamped": both(restitution=0.9, tangential_damping=0),
+    "0.65, ratio 3": SIMPLE,
+    "0.65, ratio 3, undamped": both(tangential_damping=0),
+    "0.65, ratio 30": both(tangential_ratio=30),
+    "0.65, ratio 30, undamped": both(tangential_ratio=30, tangential_damping=0),
+    "0.8, ratio 3": both(restitution=0.8),
+    "0.9, ratio 3": both(restitution=0.9),
+    "0.9, ratio 3, undamped": both(restitution=0.9, tangential_damping=0),
     "0.65, Coulomb on plate": {
         "contacts.plate.law": "coulomb",
         "contacts.plate.tangential_ratio": "none",
     },
 }
-QUICK_LAWS = ("App. A as printed", "0.65, spring 3", "0.9, spring 3")
+QUICK_LAWS = ("App. A as printed", "0.65, ratio 3", "0.9, ratio 3")
 COLUMNS = {name: row for name, row in JUDGED.items() if "head" in row}
 
 

@@ -1,9 +1,10 @@
 """The numbers of the claims under every contact law that was searched.
 
 A strip is a number with limits, a dot a law of the search (figure `which_law`): blue where the tilt
-of the row stays within two degrees of acos(dN/L), grey elsewhere; the diamond is the law that was
-singled out. In the dark band the claim holds, in the light one in part. An asterisk: the number had
-a part in the choice of that law; all others the law predicts. Dots beyond the ends of a strip stand
+of the row stays within two degrees of acos(dN/L), grey elsewhere. The diamond is the law that was
+singled out, in the search as all dots; the open one is the same law as it was confirmed, at more
+tilts. In the dark band the claim holds, in the light one in part. An asterisk: the number had a
+part in the choice of that law; all others the law predicts. Dots beyond the ends of a strip stand
 there.
 """
 
@@ -11,7 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..claims.over_laws import FITTED, HEADED, JUDGED, KEPT_DEG, data, singled_out, sweeps, verdicts
+from ..claims.across_laws import verdicts
+from ..claims.over_laws import FITTED, HEADED, JUDGED, KEPT_DEG, data, singled_out, sweeps
 from ..lib.style import BLUE, ORANGE, Data, style
 from ..lib.tables import table
 
@@ -42,8 +44,12 @@ def _strip(ax: Axes, d: Data, j: int) -> None:
     for which, colour in ((~kept, OTHER), (kept, BLUE)):
         x = np.clip(np.nan_to_num(values[which], posinf=high, neginf=low), low, high)
         ax.plot(x, height[which], ".", color=colour, markersize=2)
-    best = d["best_value"][singled_out(d), j]
-    ax.plot(np.clip(best, low, high), 0, "D", color=ORANGE, markeredgecolor="black", markersize=4)
+    chosen = singled_out(d)
+    of_search = d["best"][chosen : chosen + 1]  # none, if it is a law known without it
+    confirmed, searched = d["best_value"][chosen, j], d["value"][of_search, j]
+    for value, face in ((confirmed, "white"), (searched, ORANGE)):
+        place = np.clip(value, low, high)
+        ax.plot(place, 0, "D", color=face, markeredgecolor="black", markersize=4)
     ax.set(xlim=(low, high), ylim=(-1, 1), yticks=[])
     ax.tick_params(labelsize=5.5, pad=1, length=2, top=False)
     ax.spines[["left", "right", "top"]].set_visible(False)

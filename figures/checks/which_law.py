@@ -17,13 +17,12 @@ the numbers vary within their errors; then the score that it had in the search. 
 l = 9.5 d, Gamma = 3.3, mu = 0.3; springs are resolved: steps are at most a fiftieth of a contact.
 """
 
-from itertools import combinations
-
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 
+from ..claims.across_laws import excluded
 from ..claims.over_laws import (
     APPENDIX,
     FITTED,
@@ -151,14 +150,6 @@ def draw(d: Data) -> plt.Figure:
     return figure
 
 
-def excluded(d: Data) -> list[tuple[str, str]]:
-    """Pairs of numbers that hold each in a twentieth of the laws and more, together in none."""
-    holds, names = d["grade"][d["round"] == 0] == 2, list(JUDGED)
-    often = np.flatnonzero(holds.mean(axis=0) >= 0.05)
-    never = [(i, j) for i, j in combinations(often, 2) if not (holds[:, i] & holds[:, j]).any()]
-    return [(names[i], names[j]) for i, j in never]
-
-
 def summary(d: Data) -> str:
     """The best laws with their scores; in how many laws each number holds; what excludes what."""
     names, even = names_of(d), d["round"] == 0
@@ -176,7 +167,7 @@ def summary(d: Data) -> str:
         for choice in p.choices or ()
         if len(score := d["score"][even][[law.get(p.name) == choice for law in laws]])
     ]
-    never = ", ".join(f"{a} and {b}" for a, b in excluded(d)) or "none"
+    never = ", ".join(f"{a} and {b}" for a, b, _ in excluded(d)) or "none"
     return "\n".join([
         f"{even.sum()} laws, then {(~even).sum()} around the best; scores of {FITTED.sum()}",
         table(("confirmed", "in the search", "restitution, ratio, damping; plate/rods"), rows),

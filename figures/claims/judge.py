@@ -21,6 +21,8 @@ from .limits import GRADES, MISSING, grade, read, verdict
 from .uncertainty import Number, resampled
 
 MARKS = {None: "", 0: "-", 1: "~", 2: "+"}
+NEARLY = 0.95  # part of the laws that is nearly all
+CHOOSES = "S2"  # the claim by which laws that keep the tilt are chosen
 NO_DATA = (md.RunError, np.linalg.LinAlgError)  # a run has failed; a fit through missing points
 
 
@@ -96,12 +98,13 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
 
     from impact.benchmark import machine
 
-    from .evidence import ASSUMED, Assumed, Evidence  # late, as in `measure`
-    from .over_laws import outcome, verdicts
+    from . import across_laws  # late, as in `measure`
+    from .evidence import ASSUMED, Assumed, Evidence
+    from .over_laws import outcome
 
     evidence, simple, judged = Evidence(quick, out), Assumed(quick), []
     searched = evidence.figure("which_law")
-    laws = verdicts(searched)
+    laws = across_laws.verdicts(searched)
     look = {"desc": "judging", "unit": "claim", "leave": False}
     bar = tqdm(read(), disable=None if progress else True, **look)
     for claim in bar:
@@ -113,7 +116,8 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
     made = {name: value for name, value in machine().items() if name != "threads"}
     made |= {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
     made |= {"impact": DIGEST, "quick": quick}
-    return {"provenance": made, "search": outcome(searched), "claims": judged}
+    search = {**outcome(searched), **across_laws.told(searched)}
+    return {"provenance": made, "search": search, "claims": judged}
 
 
 TEXTS = ("id", "verdict", "says", "figure", "trouble")
@@ -185,10 +189,11 @@ def counts(report: dict[str, Any]) -> str:
     return ", ".join(f"{kind}: {found[kind]}" for kind in kinds if found[kind])
 
 
-def score(report: dict[str, Any]) -> float:
-    """Numbers of the search's score that the report's law obeys, those in part counted half."""
-    rows = (row for claim in report["claims"] if claim["fitted"] for row in claim["numbers"])
-    return sum(row["grade"] or 0 for row in rows if "head" in row and "value" in row) / 2
+def score(report: dict[str, Any]) -> tuple[float, int]:
+    """Numbers of the search's score that the report's law obeys, those in part half; how many."""
+    fitted = (c for c in report["claims"] if c["fitted"] and not c["own_law"])
+    grades = [row["grade"] or 0 for c in fitted for row in judged_rows(c) if "head" in row]
+    return sum(grades) / 2, len(grades)
 
 
 def over_laws(claim: dict[str, Any]) -> str:
@@ -208,6 +213,29 @@ def over_laws(claim: dict[str, Any]) -> str:
     return f"{under} ({counted}; where the tilt is kept: {kept} of {whole})"
 
 
+def trust(report: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
+    """Numbers that hold under nearly all contact laws, under some, under hardly any.
+
+    Each with its claim's `id` and what the search says of it. Without those of the claim by which
+    the laws were chosen.
+    """
+    found: dict[str, list[dict[str, Any]]] = {"all": [], "some": [], "none": []}
+    for claim in report["claims"]:
+        for row in claim["numbers"]:
+            of = report["search"]["numbers"].get(f"{claim['id']}.{row['key']}")
+            if of is None or claim["id"] == CHOOSES:
+                continue
+            part = of["counts"][0] / sum(of["counts"])
+            group = "all" if part >= NEARLY else "none" if part <= 1 - NEARLY else "some"
+            found[group].append({"id": claim["id"], **row, **of})
+    return found
+
+
+def slashed(counts: list[int]) -> str:
+    """Counts of laws under which a number holds, holds in part, does not."""
+    return "/".join(map(str, counts))
+
+
 def halves(claim: dict[str, Any]) -> list[tuple[str, str]]:
     """Names of the numbers that hold, that hold in part and that do not."""
     rows, found = judged_rows(claim), []
@@ -215,6 +243,12 @@ def halves(claim: dict[str, Any]) -> list[tuple[str, str]]:
         if names := "; ".join(row["name"] for row in rows if row["grade"] == n):
             found.append((words, names))
     return found
+
+
+def share(claim: dict[str, Any]) -> str:
+    """How many of the judged numbers hold, of a claim that holds in part."""
+    grades = [row["grade"] for row in judged_rows(claim)]
+    return f" ({grades.count(2)} of {len(grades)})" if claim["verdict"] == GRADES[1] else ""
 
 
 def judged_rows(claim: dict[str, Any]) -> list[dict[str, Any]]:

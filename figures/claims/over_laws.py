@@ -22,7 +22,7 @@ from md.sweep import Point, Sweep
 from ..lib.runs import LENGTH, PARTS, PRINTED, RESOLVED, SIMPLE_ROW, boxes, computed, tilts
 from ..lib.style import Data
 from . import over_tilt
-from .limits import GRADES, claim_of, grade, read, verdict
+from .limits import claim_of, grade, read
 from .uncertainty import varied
 
 Values = dict[str, float | str]  # of the parameters of a law, by name
@@ -40,7 +40,7 @@ BEST, DRAWS = 10, 100  # laws between which a second round lies; draws of a scor
 CLOSER = {False: 64, True: 2}  # laws of the second round, in full and quick
 KEPT_DEG = 2  # a row that keeps its tilt is as near to acos(dN/L), at every tilt
 CONFIRMED: dict[bool, dict[str, Any]] = {  # runs of the best laws, in full and quick
-    False: {"tilts": tilts(False), "periods": 300, "seeds": (3, 4, 5, 6), "best": 8},
+    False: {"tilts": tilts(False), "periods": 300, "seeds": (3, 4, 5, 6), "best": 10},
     True: {"tilts": QUICK_DEG, "periods": 40, "seeds": (3, 4), "best": 2},
 }
 SIZE: dict[bool, dict[str, Any]] = {  # of the search: in full, and quick
@@ -89,7 +89,7 @@ def _parameters() -> tuple[Parameter, ...]:
 
 PARAMETERS = _parameters()
 KNOWN: dict[str, Values] = {  # laws that are confirmed besides, known without search
-    "0.65, spring 3": {
+    "0.65, ratio 3": {
         "form": CONSTANT,
         **{f"restitution, {part}": 0.65 for part in PARTS},
         **{f"tangential ratio, {part}": 3.0 for part in PARTS},
@@ -252,32 +252,6 @@ def laws_of(parts: np.ndarray) -> list[Values]:
     ]
 
 
-def _verdict(grades: np.ndarray) -> str:
-    return verdict([None if np.isnan(x) else x for x in grades])
-
-
-def verdicts(d: Data) -> dict[str, dict[str, Any]]:
-    """Of each claim with such numbers: which ones, and under how many laws it has which verdict.
-
-    `all`: counts of laws under which these numbers hold, hold in part, do not; `kept`: the same of
-    the laws under which the row keeps its tilt. The laws are those of the first round, which are
-    drawn evenly.
-    """
-    even, found = d["round"] == 0, {}
-    kept = d["tilt_off"][even] <= KEPT_DEG
-    for claim in read():
-        mine = [j for j, name in enumerate(JUDGED) if name.startswith(f"{claim['id']}.")]
-        if not mine:
-            continue
-        of = np.array([_verdict(grades) for grades in d["grade"][even][:, mine]])
-        found[claim["id"]] = {
-            "numbers": [list(JUDGED)[j].partition(".")[2] for j in mine],
-            "all": [int((of == words).sum()) for words in reversed(GRADES)],
-            "kept": [int((of[kept] == words).sum()) for words in reversed(GRADES)],
-        }
-    return found
-
-
 def as_good(d: Data) -> np.ndarray:
     """Numbers of the confirmed laws whose score is within the spread of the best, cheapest first.
 
@@ -294,8 +268,9 @@ def singled_out(d: Data) -> int:
 
 
 def outcome(d: Data) -> dict[str, Any]:
-    """How many laws were searched; the score of the law singled out, of the best, of `KNOWN`."""
-    score, spread, best = d["best_score"], d["best_spread"], int(np.argmax(d["best_score"]))
+    """How many laws were searched; scores of the law singled out, the two best ones, `KNOWN`."""
+    score, spread = d["best_score"], d["best_spread"]
+    best, second = np.argsort(-score, kind="stable")[:2]
     known = score[len(score) - len(KNOWN) :]
     return {
         "laws": len(d["parts"]),
@@ -303,6 +278,7 @@ def outcome(d: Data) -> dict[str, Any]:
         "score": float(score[singled_out(d)]),
         "best": float(score[best]),
         "spread": float(spread[best]),
+        "next": [float(score[second]), float(spread[second])],
         "as_good": len(as_good(d)),
         "known": dict(zip(KNOWN, known.tolist(), strict=True)),
     }

@@ -46,7 +46,8 @@ templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limit
 templates.globals |= {"grades": limits.GRADES, "counts": judge.counts, "pm": plus_minus}
 templates.globals |= {"judged_rows": judge.judged_rows, "checked": CHECKED}
 templates.globals |= {"over_laws": judge.over_laws, "halves": judge.halves}
-templates.globals |= {"score": judge.score}
+templates.globals |= {"score": judge.score, "trust": judge.trust, "slashed": judge.slashed}
+templates.globals |= {"share": judge.share}
 
 
 def claims_page(report: dict[str, Any]) -> str:
@@ -54,6 +55,11 @@ def claims_page(report: dict[str, Any]) -> str:
     from ..lib.runs import ASSUMED_NAME, LAW_NAME  # late: it compiles
 
     words = {"report": report, "law": LAW_NAME, "assumed": ASSUMED_NAME}
+    words["names"] = {
+        f"{claim['id']}.{row['key']}": f"{claim['id']}, {row['name']}"
+        for claim in report["claims"]
+        for row in claim["numbers"]
+    }
     return templates.get_template("claims.md.jinja").render(words)
 
 
@@ -69,8 +75,6 @@ def pages() -> dict[Path, str]:
     report = judge.load(GALLERY / "claims.json")
     given = {"prices": prices, "report": report, "number": _numbers(report)}
     given["ladder"] = {rung["label"]: rung for rung in prices["ladder"]}
-    laws = {claim["id"]: claim["laws"] for claim in report["claims"] if claim["laws"]}
-    given["nowhere"] = [name for name, of in laws.items() if of["all"][0] == 0]
     given["verdict"] = {claim["id"]: claim["verdict"] for claim in report["claims"]}
     made = {GALLERY / "claims.md": claims_page(report)}
     for name in ("costs.md", "effects.md"):
