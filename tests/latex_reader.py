@@ -78,8 +78,12 @@ class Reader:
         if token == "\\frac":
             return self.group() / self.group()
         if token == "\\sqrt":
-            index = self.take() and (self.take(), self.take())[0] if self.next("[") else 2
-            return sp.root(self.group(), int(index))
+            index = 2
+            if self.next("["):
+                self.take()
+                index = int(self.take())
+                self.take("]")
+            return sp.root(self.group(), index)
         if token == "\\pi":
             return sp.pi
         if token == "\\left":

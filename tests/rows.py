@@ -28,7 +28,7 @@ def row(*assignments: str) -> Scene:
     return md.load("quasi2d", [*ROW, *assignments])
 
 
-def free(law, states, *, length=9.5, dt=1e-4, friction=0.0, period=None, ledger=True) -> Engine:
+def free(law, states, *, length=9.5, dt=1e-4, friction=0.0, period=None) -> Engine:
     """Rods without plate and gravity, each (x, z, tilt, c_x, c_z, omega), under a contact law."""
     scene = Scene(
         rods=Rods(len(states), length),
@@ -37,7 +37,7 @@ def free(law, states, *, length=9.5, dt=1e-4, friction=0.0, period=None, ledger=
         start=Start(tilt_deg=0.0, speed=0.5),
         step=Step(dt),
     )
-    engine = prepare(scene, ledger=ledger)
+    engine = prepare(scene)
     put(engine, states)
     return engine
 

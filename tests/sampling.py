@@ -35,9 +35,9 @@ class Impacts(NamedTuple):
         """Arguments of one of them, as the integration takes them."""
         return {name: float(column[index]) for name, column in self._asdict().items()}
 
-    def reference(self, index: int, law="newton", dps=40) -> Reference:
+    def reference(self, index: int, law="newton") -> Reference:
         """What the integration says about one of them."""
-        return reference_collide(**self.row(index), law=law, dps=dps)
+        return reference_collide(**self.row(index), law=law)
 
 
 def geometries(rng: np.random.Generator, n: int) -> tuple[np.ndarray, ...]:
@@ -70,10 +70,10 @@ def wide(n: int, seed: int) -> Impacts:
     return Impacts(c_x, c_z, spin / k, X, Z, k, sizes[4], rng.uniform(0, 1, n), plate)
 
 
-def compare(impacts: Impacts, law="newton", *, rounding=1e-13) -> tuple[np.ndarray, list[int]]:
+def compare(impacts: Impacts, law="newton") -> tuple[np.ndarray, list[int]]:
     """Largest error of each impact in ulp, and the indices of wrong regimes.
 
-    A regime within `rounding` of a boundary is not counted as wrong; values are, everywhere.
+    A regime within 1e-13 of a boundary is not counted as wrong; values are, everywhere.
     """
     got = impacts.collide(law)
     errors, wrong = np.zeros(len(impacts.c_x)), []
@@ -83,6 +83,6 @@ def compare(impacts: Impacts, law="newton", *, rounding=1e-13) -> tuple[np.ndarr
         del row["friction"], row["restitution"]
         values = {name: getattr(got, name)[index] for name in got._fields if name != "regime"}
         errors[index] = error_in_ulp(values, reference, **row)["maximum"]
-        if got.regime[index] != reference.regime and min(reference.margins) > rounding:
+        if got.regime[index] != reference.regime and min(reference.margins) > 1e-13:
             wrong.append(index)
     return errors, wrong

@@ -6,7 +6,6 @@ import mpmath
 import numpy as np
 import pytest
 
-from figures.__main__ import main as draw
 from figures.cost import accuracy_cost_theory, accuracy_map
 from figures.cost import exact_impacts as precise
 from impact import Regime, collide, thin_rod
@@ -124,15 +123,6 @@ def test_cost():
     assert worst[0] > 1e3 * worst[-1]
     assert np.all(middle <= worst)
     assert np.all(d["events_error"][0] < 1e-12)
-
-
-def test_command_prints_the_table(tmp_path, capsys, monkeypatch):
-    d = data("accuracy_map")
-    monkeypatch.setattr(accuracy_map, "data", lambda quick: d)
-    assert draw(["draw", "accuracy_map", "--quick", "--out", str(tmp_path)]) == 0
-    printed = capsys.readouterr().out.splitlines()
-    assert printed[0].endswith("accuracy_map.npz")
-    assert printed[1:] == accuracy_map.summary(d).splitlines()
 
 
 def test_benchmark(capsys):

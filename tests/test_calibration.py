@@ -17,14 +17,14 @@ from .rows import ROW, row
 from .test_tolerance import NONE, RATIOS, calibrated
 
 
-def made_drifts(scatter, noise, scenes=64, orders=(2.6, 1.5), step=-0.08):
+def made_drifts(scatter, noise, scenes=64, orders=(2.6, 1.5)):
     """Drifts of scenes with biases that scatter around a mean: arguments of `fitted`."""
     random, n = np.random.default_rng(0), np.array(calibration.STEPS, float)
     tilt, ratio = random.uniform(15, 50, scenes), np.exp(random.uniform(-1, 3.4, scenes))
     length = 10 * np.sqrt(np.maximum(ratio / 5, 1))[:, None] / n
     mean, other = (length**order * np.exp((tilt[:, None] - 30) / 25) for order in orders)
     own = scatter * random.standard_t(bias.FREEDOM, (scenes, 1))
-    drift = random.uniform(0.1, 0.5, (scenes, 1)) * np.exp(step * mean + own * other)
+    drift = random.uniform(0.1, 0.5, (scenes, 1)) * np.exp(-0.08 * mean + own * other)
     error = noise * drift
     return drift + error * random.normal(size=drift.shape), error, tilt, ratio
 

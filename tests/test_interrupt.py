@@ -197,7 +197,12 @@ def test_a_long_contact_is_made_in_calls(monkeypatch):
     """With the numbers of one call."""
     given, calls, run = {"friction": 0.4, "dt": 1e-5}, [], single.run
     whole = md.impact(0.3, 0.5, -1.0, **given)
-    monkeypatch.setattr(single, "run", lambda *all: (calls.append(all[3]), run(*all))[1])
+
+    def counted(*arguments):
+        calls.append(arguments[3])
+        return run(*arguments)
+
+    monkeypatch.setattr(single, "run", counted)
     monkeypatch.setattr(md.soft_impact, "_STEPS_A_CALL", 100)
     assert md.impact(0.3, 0.5, -1.0, **given)[:-1] == whole[:-1]
     assert calls == [0, *[100] * (whole.steps // 100 + 1)]
@@ -207,7 +212,12 @@ def test_a_march_is_made_in_calls_that_grow(monkeypatch):
     """Each up to four times as long, but none beyond its time."""
     calls, engine = [], prepare(row("start.drop=0.1"))
     march = engine._march
-    monkeypatch.setattr(engine, "_march", lambda n, series: (calls.append(n), march(n, series))[1])
+
+    def counted(n, series):
+        calls.append(n)
+        return march(n, series)
+
+    monkeypatch.setattr(engine, "_march", counted)
     monkeypatch.setattr(md.host, "CALL_SECONDS", 1e9)
     for _ in range(6):
         engine.go(engine.pace)

@@ -52,11 +52,12 @@ def test_letters_are_those_of_symbols_and_can_be_put_in(entry):
             assert letter not in form.subs(symbols.NAMED.get(letter.name, letter), 0.3).free_symbols
 
 
-def test_symbols_are_there_with_the_package():
+def test_letters_are_under_the_names_that_are_printed():
     assert derivations.symbols.mu is symbols.NAMED["mu"]
-    assert [symbols.NAMED[name] for name in "Ild"] == [
-        *(symbols.moment, symbols.length, symbols.diameter)
-    ]
+    for name, letter in zip("Ild", (symbols.moment, symbols.length, symbols.diameter), strict=True):
+        assert symbols.NAMED[name] is getattr(derivations.symbols, name) is letter
+    with pytest.raises(AttributeError, match="there is no letter 'q'"):
+        derivations.symbols.q  # noqa: B018
 
 
 def test_own_rods():
@@ -125,10 +126,3 @@ def test_constants_have_the_shape_of_the_arguments():
     assert all(isinstance(part, float) for part in stuck)
     inner, _, at_90 = derivations.function("IV: largest slide friction")(g=[1.0, 1.5])
     assert inner.shape == at_90.shape == (2,)
-
-
-def test_letters_are_under_the_names_that_are_printed():
-    assert derivations.symbols.l is derivations.symbols.length
-    assert derivations.symbols.I is derivations.symbols.NAMED["I"]
-    with pytest.raises(AttributeError, match="there is no letter 'q'"):
-        derivations.symbols.q  # noqa: B018

@@ -23,10 +23,8 @@ def velocities(case, law, integrator, steps=100, offset=0.5, friction=0.4):
     """(c_x, c_z, omega) after an impact with so many steps a contact."""
     tilt, velocity = case
     dt = None if integrator == "dop853" else CONTACT / steps
-    hit = md.impact(
-        *(tilt, *velocity),
-        **{"friction": friction, "law": law, "integrator": integrator, "dt": dt, "offset": offset},
-    )
+    how = {"law": law, "integrator": integrator, "dt": dt, "offset": offset}
+    hit = md.impact(tilt, *velocity, friction=friction, **how)
     return np.array(hit[:3])
 
 
@@ -191,7 +189,7 @@ def test_m6_too_large_a_step_is_refused_with_the_largest(law, integrator):
         md.impact(tilt, *velocity, dt=1.001 * largest, **how)
 
 
-def rests(law, integrator, part, tilt, friction, steps=20_000):
+def rests(law, integrator, part, tilt, friction):
     """Whether a rod pressed to the overlap of an impact at speed 1 stays there.
 
     `part`: of the step that is called the largest. Upright on one cap, or flat on both.
@@ -205,7 +203,7 @@ def rests(law, integrator, part, tilt, friction, steps=20_000):
     start = 0.0, ROD.half_length * cos(tilt) + 0.5 - deep, tilt
     state = single.started(integrator, start, (0.0, 0.0, 0.0), None, dt)
     state = state._replace(velocity=(1e-7 if friction else 0.0, 1e-7, 1e-7 if tilt else 0.0))
-    state, _, why = single.run(scene, state, 0, steps, dt, None)
+    state, _, why = single.run(scene, state, 0, 20_000, dt, None)
     away = np.abs(np.subtract(State(*state).position, start))
     return why == DONE and away.max() < 1e-3 * deep
 

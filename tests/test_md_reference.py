@@ -155,12 +155,10 @@ def test_tolerance_is_kept(law, tilt_deg, velocity, friction, regime):
 
     The errors of some forty steps add up, and a switch that moves carries them on.
     """
+    how = {"friction": friction, "law": law, "integrator": "dop853"}
 
     def hit(tolerance):
-        return md.impact(
-            *(radians(tilt_deg), *velocity),
-            **{"friction": friction, "law": law, "integrator": "dop853", "tolerance": tolerance},
-        )
+        return md.impact(radians(tilt_deg), *velocity, **how, tolerance=tolerance)
 
     best = hit(1e-13)
     for tolerance in (1e-11, 1e-9, 1e-7, 1e-5):
@@ -175,10 +173,8 @@ def test_every_contact_ends():
     for law, tilt, friction, tolerance in product(
         laws, (0, 5, 20, 45, 76), (0.1, 0.4, 1e4), (1e-12, 1e-9, 1e-6)
     ):
-        hit = md.impact(
-            *(radians(tilt), 0.5, -1.0),
-            **{"friction": friction, "law": law, "integrator": "dop853", "tolerance": tolerance},
-        )
+        how = {"law": law, "integrator": "dop853", "tolerance": tolerance}
+        hit = md.impact(radians(tilt), 0.5, -1.0, friction=friction, **how)
         assert 0.3 < hit.restitution < 1
 
 

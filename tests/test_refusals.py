@@ -98,7 +98,7 @@ def test_functions_are_guarded_as_commands_are(folder):
     assert contents(folder) == before
 
 
-def test_what_a_command_wrote_it_may_replace(folder, monkeypatch, capsys):
+def test_what_a_command_wrote_it_may_replace(folder, monkeypatch):
     """A table, of no runs as well, and a calibration; behind a link, the file itself."""
     Store("none.db").database.close()
     Path("to").symlink_to("b.csv")

@@ -22,13 +22,14 @@ def beside(beyond, turn=0.0, overlap=DEEP):
     return [(0.0, 0.0, 0.0), (x, z, turn)]
 
 
-def round_the_end(place, lean=2.0, overlap=DEEP):
-    """A rod along z, and one that leans and goes round its upper end at a constant overlap.
+def round_the_end(place):
+    """A rod along z, and one that leans and goes round its upper end at the overlap DEEP.
 
-    First its end is on the first one's side, `place` < 0 from the end; then end on end, over an arc
-    of `lean` - pi/2 < `place` more; then the first one's end is on its side.
+    First its end is on the first one's side, `place` < 0 from the end; then end on end, over an
+    arc; then the first one's end is on its side.
     """
-    reach, arc = 1 - overlap, (1 - overlap) * (pi - lean)
+    lean, reach = 2.0, 1 - DEEP
+    arc = reach * (pi - lean)
     angle = pi / 2 - min(max(place, 0.0), arc) / reach
     x, z = reach * sin(angle), HALF + reach * cos(angle) + min(place, 0.0)
     along = HALF - max(place - arc, 0.0)

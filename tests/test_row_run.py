@@ -35,16 +35,17 @@ def turnover(result):
     return sum(abs(value) for kind, value in result.energy.items() if kind != "residual")
 
 
-def closed(result, part=2e-3):
-    """All is finite, and the energy accounts for itself to a part of its turnover.
+def closed(result):
+    """All is finite, and the energy accounts for itself to 2e-3 of its turnover.
 
     The ledger is of second order in the step, a fiftieth of a contact: 50^-2 = 4e-4, a few times.
     """
     assert np.isfinite(result.rods).all()
     assert np.isfinite(result.c_x_series).all()
-    assert abs(result.energy["residual"]) <= part * turnover(result) + 1e-9, result.energy
+    part = 2e-3 * turnover(result)
+    assert abs(result.energy["residual"]) <= part + 1e-9, result.energy
     for kind in ("plate_normal", "rods_normal"):
-        assert result.energy[kind] >= -part * turnover(result)
+        assert result.energy[kind] >= -part
     return result
 
 

@@ -126,7 +126,7 @@ def test_a_sweep_that_says_it_twice_is_refused():
         expand({"axes": [{"rods.length_cm": [4, 0.1]}]}, TABLES)
 
 
-def test_results_in_cm(swept, tmp_path, capsys):
+def test_results_in_cm(swept, capsys):
     """The table in either unit; all columns in both."""
     _, store = swept
     assert main(["results", str(store)]) == 0
