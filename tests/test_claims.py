@@ -246,10 +246,7 @@ def test_a_claim_without_data_leaves_the_others(monkeypatch):
         "some": ["S10"],
         "none": ["S21"],
     }
-    spin, slide = (
-        next(row for row in CLAIMS[IDS.index(claim)]["numbers"] if row["key"] == key)["name"]
-        for claim, key in (("S10", "spin"), ("S21", "largest"))
-    )
+    spin, slide = (judge.numbers(report)[key][1]["name"] for key in ("S10.spin", "S21.largest"))
     cells = "≤ 0.1 | 37/2/1 | restitution, rods: -0.85 | 0.7 to 0.9"
     assert f"| S10 | {spin} | {cells} |" in page
     assert f"- S10, {spin}; S21, {slide} (9)" in page

@@ -61,7 +61,7 @@ def numbers(d: Data) -> dict[str, dict[str, Any]]:
     none if no law obeys the number. None if the correlation is weak or the laws are few.
     """
     even, kept = _even(d)
-    laws = [laws_of(d["parts"])[i] for i in even[kept]]
+    laws = laws_of(d["parts"][even[kept]])
     constant = [i for i, law in enumerate(laws) if law["form"] == CONSTANT]
     names = [p.name for p in PARAMETERS if (p.when or {}).get("form") == CONSTANT]
     parameters = {name: np.array([float(laws[i][name]) for i in constant]) for name in names}

@@ -220,15 +220,19 @@ def trust(report: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
     the laws were chosen.
     """
     found: dict[str, list[dict[str, Any]]] = {"all": [], "some": [], "none": []}
-    for claim in report["claims"]:
-        for row in claim["numbers"]:
-            of = report["search"]["numbers"].get(f"{claim['id']}.{row['key']}")
-            if of is None or claim["id"] == CHOOSES:
-                continue
-            part = of["counts"][0] / sum(of["counts"])
-            group = "all" if part >= NEARLY else "none" if part <= 1 - NEARLY else "some"
-            found[group].append({"id": claim["id"], **row, **of})
+    for name, (claim, row) in numbers(report).items():
+        of = report["search"]["numbers"].get(name)
+        if of is None or claim["id"] == CHOOSES:
+            continue
+        part = of["counts"][0] / sum(of["counts"])
+        group = "all" if part >= NEARLY else "none" if part <= 1 - NEARLY else "some"
+        found[group].append({"id": claim["id"], **row, **of})
     return found
+
+
+def numbers(report: dict[str, Any]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
+    """All numbers of a report, by claim and key ("S16.peak"): the claim, the number."""
+    return {f"{c['id']}.{row['key']}": (c, row) for c in report["claims"] for row in c["numbers"]}
 
 
 def slashed(counts: list[int]) -> str:

@@ -45,9 +45,10 @@ templates = Environment(
 templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limits_shown}
 templates.globals |= {"grades": limits.GRADES, "counts": judge.counts, "pm": plus_minus}
 templates.globals |= {"judged_rows": judge.judged_rows, "checked": CHECKED}
-templates.globals |= {"over_laws": judge.over_laws, "halves": judge.halves}
-templates.globals |= {"score": judge.score, "trust": judge.trust, "slashed": judge.slashed}
-templates.globals |= {"share": judge.share}
+templates.globals |= {
+    name: getattr(judge, name)
+    for name in ("over_laws", "halves", "score", "trust", "slashed", "share")
+}
 
 
 def claims_page(report: dict[str, Any]) -> str:
@@ -55,11 +56,7 @@ def claims_page(report: dict[str, Any]) -> str:
     from ..lib.runs import ASSUMED_NAME, LAW_NAME  # late: it compiles
 
     words = {"report": report, "law": LAW_NAME, "assumed": ASSUMED_NAME}
-    words["names"] = {
-        f"{claim['id']}.{row['key']}": f"{claim['id']}, {row['name']}"
-        for claim in report["claims"]
-        for row in claim["numbers"]
-    }
+    words["numbers"] = judge.numbers(report)
     return templates.get_template("claims.md.jinja").render(words)
 
 
@@ -88,11 +85,7 @@ def pages() -> dict[Path, str]:
 
 def _numbers(report: dict[str, Any]) -> dict[str, str]:
     """Measured numbers for sentences, by claim and key: S16.peak."""
-    return {
-        f"{claim['id']}.{row['key']}": _short(row)
-        for claim in report["claims"]
-        for row in claim["numbers"]
-    }
+    return {name: _short(row) for name, (_, row) in judge.numbers(report).items()}
 
 
 def _short(row: dict[str, Any]) -> str:
