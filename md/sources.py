@@ -2,9 +2,9 @@
 
 `md.sweep.Point.key` is that key, and decides whether a stored run is stale.
 
-A stored run, a checkpoint and the calibration carry the `digest` of their run. It is taken of
-syntax trees without docstrings, comments, annotations and the words of errors and warnings: an edit
-of these keeps what is stored, an edit of a formula or of a constant does not.
+A stored run and a checkpoint carry the `digest` of their run. It is taken of syntax trees without
+docstrings, comments, annotations and the text of exceptions: an edit of these keeps what is stored,
+an edit of a formula, of a constant or of any other string does not.
 """
 
 import ast
@@ -69,10 +69,7 @@ def used(*roots: str, annulus: bool = True) -> tuple[str, ...]:
 
 
 def essence(node: object) -> str:
-    """What of a syntax tree decides what it computes, alike in all versions of Python.
-
-    A string with a space in it is taken for words: names are not written as "one two".split().
-    """
+    """What of a syntax tree decides what it computes, alike in all versions of Python."""
     match node:
         case ast.Expr(value=ast.Constant(value=str())) | ast.If(test=ast.Name(id="TYPE_CHECKING")):
             return ""
@@ -80,14 +77,10 @@ def essence(node: object) -> str:
             return f"Raise({essence(kind)})"
         case ast.Assert(test=test):
             return f"Assert({essence(test)})"
-        case ast.Call(func=ast.Name(id="warn") | ast.Attribute(attr="warn")):
-            return "warn"
         case ast.AnnAssign(target=target, value=value):
             return f"Assign({essence([target])}, {essence(value)})" if value else ""
         case ast.Assign(targets=targets, value=value):
             return f"Assign({essence(targets)}, {essence(value)})"
-        case ast.Constant(value=str(text)) if " " in text:
-            return "words"
         case ast.AST():
             parts = [
                 (name, essence(x)) for name, x in ast.iter_fields(node) if name not in _LEFT_OUT

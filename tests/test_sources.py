@@ -46,8 +46,7 @@ def half(x: float) -> float:
     \"\"\"Return a half.\"\"\"
     if not x < LIMIT:
         raise ValueError(f"x must be below {LIMIT}, got {x}")  # twice
-    warn(f"{x} is given")
-    return x / 2
+    return x / 2 * SHARE.get("ratio of plate", 1)
 """
 
 
@@ -60,11 +59,11 @@ def half(x: float) -> float:
         ("x: float)", "x: int)", True),
         ("LIMIT = 2.0", "LIMIT: float = 2.0", True),
         ("x must be below {LIMIT}, got {x}", "x is too large: {x:g}", True),
-        ("is given", "was given", True),
         ("    from .store import Store", "    from .store import Store as Kept", True),
-        ("return x / 2", "return (x / 2)", True),
+        ("return x / 2", "return (x) / 2", True),
         ("LIMIT = 2.0", "LIMIT = 2.5", False),
         ("x / 2", "x / 3", False),
+        ("ratio of plate", "ratio of rods", False),
         ("x / 2", "x * 2", False),
         ("x < LIMIT", "x <= LIMIT", False),
         ("ValueError", "TypeError", False),
