@@ -59,7 +59,7 @@ from .kernels.touches import Record, new_record
 from .laws import contact_time, deepest_overlap, friction_of, largest_step
 from .placement import placed
 from .rod import Rod, effects_of
-from .scene import Annulus, Contact, Scene
+from .scene import GAP, Annulus, Contact, Scene
 
 _MOST_STEPS = 10**7  # of a period
 _MOST_RODS = 2000  # of an annulus: every two have springs of their own
@@ -421,17 +421,21 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
 
 
 def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
-    """Rods side by side, alike in tilt, their lower caps `drop` over the plate."""
+    """Rods side by side, alike in tilt, the lower caps over the plate; at rest on average along it.
+
+    A mean velocity along the plate would stay: where friction is small it is all that is measured.
+    """
     n, tilt = scene.rods.count, scene.tilt
     half = _rod(scene).half_length
     touching = min(1 / max(cos(tilt), 1e-9), 2 * half * abs(sin(tilt)) + 1)
-    spacing = scene.box.length / n if scene.box else touching
+    spacing = scene.box.length / n if scene.box else touching * (1 + GAP)
     random = np.random.default_rng(scene.start.seed)
     rods = np.zeros((n, ROW_COLUMNS), order="F")
     rods[:, X] = (np.arange(n) + 0.5) * spacing
-    rods[:, Z] = lowest + 0.5 + half * abs(cos(tilt)) + scene.start.drop
+    rods[:, Z] = lowest + 0.5 + half * abs(cos(tilt)) + GAP + scene.start.drop
     rods[:, ROW_DIRECTION] = sin(tilt), cos(tilt)
     rods[:, C_X : C_Z + 1] = scene.start.speed * random.uniform(-1, 1, (n, 2))
+    rods[:, C_X] -= rods[:, C_X].mean()
     return rods
 
 
@@ -467,9 +471,15 @@ def _annulus(scene: Scene, gap: Annulus, ledger: bool, touches: bool) -> Annulus
     rods[:, :VELOCITY] = placed(gap, n, scene.rods.length, tilt=tilt, seed=scene.start.seed)
     if scene.start.tilt_deg is not None and scene.tilt < 0:
         rods[:, [PLACE + 1, DIRECTOR + 1]] *= -1  # its mirror image
-    rods[:, PLACE + 2] += (effects.plate.height[0] if effects.plate else 0.0) + scene.start.drop
+    lowest = effects.plate.height[0] if effects.plate else 0.0
+    rods[:, PLACE + 2] += lowest + GAP + scene.start.drop
     random = np.random.default_rng(scene.start.seed)
     rods[:, VELOCITY:TURN] = scene.start.speed * random.uniform(-1, 1, (n, 3))
+    around = np.zeros((n, 3))  # unit vectors
+    around[:, :2] = np.column_stack([-rods[:, PLACE + 1], rods[:, PLACE]])
+    around /= np.linalg.norm(around, axis=1, keepdims=True)
+    mean = (rods[:, VELOCITY:TURN] * around).sum(axis=1).mean()
+    rods[:, VELOCITY:TURN] -= mean * around
     pairs, springs = n * (n - 1) // 2, effects.between and effects.between.friction
     rubs = effects.friction or (effects.inner and effects.inner.friction)
     record = new_record(n, 4096) if touches and effects.normal else None

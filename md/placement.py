@@ -1,23 +1,18 @@
 """Where rods can be in the gap of an annulus: the largest tilt of one, and a start for many."""
 
 from math import asin, cos, hypot, pi, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq, minimize, minimize_scalar
+from scipy.spatial import cKDTree
 
 from .errors import InputError
-from .kernels.codes import DIRECTOR, DONE, SPACE_COLUMNS, TOO_FAST, TURN, VELOCITY
-from .kernels.contact import Clock, ContactForces, Normal
-from .kernels.plane import Watchers
-from .kernels.space.batch import no_contacts
-from .kernels.space.forces import SpaceEffects, State, Wall
-from .kernels.space.geometry import beyond, from_above, passes
-from .kernels.space.march import march
-from .kernels.space.pairs import nearest, no_pairs
-from .scene import Annulus
+from .kernels.codes import DIRECTOR, SPACE_COLUMNS, VELOCITY
+from .scene import GAP, Annulus
 
-_TOUCHING = 1e-4  # d; so deep, the paper's contacts push with five times a rod's weight
-_STEPS = 8_000
+_ROOM = 1e-5  # d; so much farther than touching rods are pushed apart
+_STEPS = 2_000  # of a relaxation
 
 
 def largest_tilt(gap: Annulus, length: float, *, flat: bool = False) -> float:
@@ -68,8 +63,8 @@ def placed(
     """Centres and directors of `count` rods around the gap, none in another or in a wall.
 
     The rods lean along the annulus and stand by turns at the inner and the outer wall, as far as
-    their tilt leaves room (zig-zag); what overlaps then is relaxed, with soft contacts and no
-    friction, the lower caps at one height.
+    their tilt leaves room (zig-zag); what overlaps then is pushed apart, the lower caps at one
+    height, until nothing is nearer than `scene.GAP`.
 
     Parameters
     ----------
@@ -91,12 +86,15 @@ def placed(
     lean = min(_filling(gap, count, half, most) if tilt is None else tilt, 0.98 * most)
     for part in (1.0, 0.97, 0.93, 0.85, 0.7, 0.4, 0.0):  # what does not fit is tried steeper
         rods = _zigzag(gap, count, half, part * lean, np.random.default_rng(seed))
-        left = _relax(gap, rods, half)
-        if left < _TOUCHING:
+        _push_apart(gap, rods, half)
+        left = overlap(gap, rods, half)
+        if left <= -GAP:
             return rods[:, :VELOCITY]
     radii = f"{gap.inner:g} and {gap.outer:g}"
-    why = f": overlaps of {left:.2g} d are left after relaxation" if np.isfinite(left) else ""
-    raise InputError(f"rods.count {count} do not fit into the annulus of radii {radii}{why}")
+    raise InputError(
+        f"rods.count {count} do not fit into the annulus of radii {radii}: pushed apart as far as "
+        f"they go, overlaps of {max(left, 0.0):.2g} d are left"
+    )
 
 
 def _zigzag(
@@ -144,47 +142,82 @@ def _filling(gap: Annulus, count: int, half: float, most: float) -> float:
     return float(brentq(excess, 0.0, 0.999 * most))
 
 
-def _relax(gap: Annulus, rods: np.ndarray, half: float) -> float:
-    """Push overlapping rods apart, downhill; the largest overlap left.
+class _Meeting(NamedTuple):
+    """Overlaps of axes with something, and how they change; a row a meeting."""
 
-    Velocities are dropped whenever they lead up.
-    """
-    soft, n = Normal(100.0), len(rods)
-    light = 1 / (0.1 + (2 * half + 1) ** 2 / 12)
-    inner, outer = (Wall(radius, soft, None) for radius in (gap.inner, gap.outer))
-    between = ContactForces(soft, None)
-    effects = SpaceEffects(half, light, inner=inner, outer=outer, between=between)
-    force = np.zeros((n, 6))
-    state = State(rods, np.zeros((n, 6)), None, no_pairs(n), None, force, batch=no_contacts())
-    for step in range(_STEPS):
-        rods[:, 2] = 0.5 + half * np.abs(rods[:, DIRECTOR + 2])
-        rods[:, VELOCITY + 2] = 0
-        if step % 100 == 0 and (left := overlap(gap, rods, half)) < _TOUCHING:
-            break
-        _, why, _ = march(effects, state, Watchers(None, None, None), Clock(step, 0.02), 1)
-        if why not in (DONE, TOO_FAST):
-            return np.inf
-        velocity, turn = rods[:, VELOCITY:TURN], rods[:, TURN:]
-        if (force[:, :3] * velocity).sum() + (force[:, 3:] * turn).sum() < 0:
-            rods[:, VELOCITY:] = 0
-    rods[:, VELOCITY:] = 0
-    return left
+    rods: np.ndarray  # numbers of the rods
+    overlap: np.ndarray  # d
+    outward: np.ndarray  # unit vectors, along which the rods come free
+    lever: np.ndarray  # d; from the centres along the axes to the closest points
+
+
+def _meetings(
+    gap: Annulus, place: np.ndarray, director: np.ndarray, half: float, pairs: np.ndarray
+) -> list[_Meeting]:
+    """Each rod with each wall, and the first and the second rods of the pairs."""
+    everyone, flat = np.arange(len(place)), np.array([1.0, 1.0, 0.0])
+    found = []
+    seen, along = place * flat, director * flat
+    nearest = -(seen * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
+    for side, lever in (1, np.clip(nearest, -half, half)), (-1, half), (-1, -half):
+        lever = np.broadcast_to(lever, len(place))
+        point = seen + lever[:, None] * along
+        radius = np.linalg.norm(point, axis=1)
+        deep = gap.inner + 0.5 - radius if side > 0 else radius + 0.5 - gap.outer
+        found.append(_Meeting(everyone, deep, side * point / radius[:, None], lever))
+    i, j = pairs.T
+    a, b, apart = director[i], director[j], place[i] - place[j]
+    across, p, q = ((x * y).sum(axis=1) for x, y in ((a, b), (apart, a), (apart, b)))
+    s = np.clip((across * q - p) / np.maximum(1 - across**2, 1e-12), -half, half)
+    t = np.clip(q + s * across, -half, half)
+    s = np.clip(t * across - p, -half, half)
+    apart = apart + s[:, None] * a - t[:, None] * b
+    distance = np.linalg.norm(apart, axis=1)
+    outward = apart / np.maximum(distance, 1e-12)[:, None]
+    found.append(_Meeting(i, 1 - distance, outward, s))
+    found.append(_Meeting(j, 1 - distance, -outward, t))
+    return found
+
+
+def _near(place: np.ndarray, half: float) -> np.ndarray:
+    """Pairs of rods that may touch, also once they have moved by a diameter."""
+    return cKDTree(place).query_pairs(2 * half + 3, output_type="ndarray")
+
+
+def _push_apart(gap: Annulus, rods: np.ndarray, half: float) -> None:
+    """Minimise the squares of all overlaps, the lower caps on the plate."""
+    n, pairs = len(rods), _near(rods[:, :DIRECTOR], half)
+
+    def parts(unknown: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Places, directors and the lengths of what is to become the directors."""
+        flat, axis = unknown[: 2 * n].reshape(n, 2), unknown[2 * n :].reshape(n, 3)
+        length = np.linalg.norm(axis, axis=1, keepdims=True)
+        director = axis / length
+        height = 0.5 + half * np.abs(director[:, 2])
+        return np.column_stack([flat, height]), director, length
+
+    def energy(unknown: np.ndarray) -> tuple[float, np.ndarray]:
+        """Sum of the squares, and its gradient."""
+        place, director, length = parts(unknown)
+        total, force, turn = 0.0, np.zeros((n, 3)), np.zeros((n, 3))
+        for rod, overlap, outward, lever in _meetings(gap, place, director, half, pairs):
+            deep = np.maximum(overlap + _ROOM, 0)
+            total += (deep**2).sum()
+            push = 2 * deep[:, None] * outward
+            np.add.at(force, rod, push)
+            np.add.at(turn, rod, lever[:, None] * push)
+        turn[:, 2] += force[:, 2] * half * np.sign(director[:, 2])
+        turn -= (turn * director).sum(axis=1, keepdims=True) * director
+        return total, -np.concatenate([force[:, :2].ravel(), (turn / length).ravel()])
+
+    start = np.concatenate([rods[:, :2].ravel(), rods[:, DIRECTOR:VELOCITY].ravel()])
+    options = {"maxiter": _STEPS, "maxfun": 2 * _STEPS, "ftol": 0.0, "gtol": 1e-9}
+    found = minimize(energy, start, jac=True, method="L-BFGS-B", options=options)
+    rods[:, :DIRECTOR], rods[:, DIRECTOR:VELOCITY], _ = parts(found.x)
 
 
 def overlap(gap: Annulus, rods: np.ndarray, half: float) -> float:
-    """Largest overlap of rods with each other and with the walls, in diameters."""
-    parts = [(tuple(rod[:DIRECTOR]), tuple(rod[DIRECTOR:VELOCITY])) for rod in rods.tolist()]
-    deepest = -np.inf
-    for i, (x, a) in enumerate(parts):
-        seen = from_above(x, a)
-        squares = [beyond(seen, side * half) for side in (-1, 1)]
-        outermost = np.sqrt(max(squares))
-        if passes(seen, half, np.sqrt(min(squares))):
-            squares.append(max(beyond(seen, -seen[1] / seen[2]), 0.0))
-        innermost = np.sqrt(min(squares))
-        deepest = max(deepest, gap.inner + 0.5 - innermost, outermost - gap.outer + 0.5)
-        for y, b in parts[:i]:
-            apart = x[0] - y[0], x[1] - y[1], x[2] - y[2]
-            if apart[0] ** 2 + apart[1] ** 2 + apart[2] ** 2 < (2 * half + 1) ** 2:
-                deepest = max(deepest, 1 - nearest(apart, a, b, half))
-    return deepest
+    """Largest overlap of rods with each other and with the walls, in d; negative: all are apart."""
+    place, director = rods[:, :DIRECTOR], rods[:, DIRECTOR:VELOCITY]
+    found = _meetings(gap, place, director, half, _near(place, half))
+    return float(max(one.overlap.max(initial=-np.inf) for one in found))

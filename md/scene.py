@@ -22,6 +22,7 @@ from .laws import LAWS, Law
 from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, reduced, rivals, twins
 
 SCENES = Path(__file__).parent / "scenes"
+GAP = 1e-6  # d, between rods and over the plate at the start: if they touched, rounding would push
 _Angle = Annotated[float, -90.0, 90.0]
 _FORMER = {"rods.spin": "rods.rolling"}  # keys of earlier versions, and their names today
 _NEEDS = {"plate": "contacts.plate", "annulus": "contacts.wall"}  # each the other
@@ -105,7 +106,10 @@ class Contacts(Part):
 
 @dataclass(frozen=True)
 class Start(Part):
-    """Rods in a row, alike in tilt, the lower caps on the plate, with small random velocities."""
+    """Rods in a row, alike in tilt, with small random velocities whose mean along the plate is 0.
+
+    They start a millionth of a diameter over the plate and, where the box sets the tilt, apart.
+    """
 
     tilt_deg: _Angle | None = None  # None: acos(count/length of the box), side by side
     seed: Annotated[int, 0, 2**63 - 1] = 0  # of the velocities
@@ -201,7 +205,7 @@ class Scene(Part):
             return radians(self.start.tilt_deg)
         if self.box is None:
             return 0.0
-        return acos(min(self.rods.count / self.box.length, 1.0))
+        return acos(min((1 + GAP) * self.rods.count / self.box.length, 1.0))
 
     @property
     def vibrates(self) -> bool:

@@ -22,6 +22,7 @@ from md.kernels.codes import (
     ROW_VELOCITY,
     SINE,
     UPRIGHT,
+    VELOCITY,
     X,
     Z,
 )
@@ -64,6 +65,30 @@ def test_the_ledger_closes_as_the_step_shrinks():
         found.append(abs(result.energy["residual"]) / turnover(result))
     assert np.log2(found[0] / found[-1]) / 3 > 1.75, found
     assert found[0] < 1e-3, found
+
+
+STARTS = {"row": row(), "open row": row("box=none", "start.tilt_deg=30"), "annulus": "annulus"}
+
+
+@pytest.mark.parametrize("kind", STARTS)
+def test_rods_start_apart_and_with_no_momentum(kind):
+    """In the first step nothing but gravity acts: where rods touch, rounding pushes them.
+
+    Seeded velocities have no mean along the plate, or around the annulus.
+    """
+    scene = md.load("annulus") if kind == "annulus" else STARTS[kind]
+    scene = replace(scene, gravity=None, start=replace(scene.start, speed=0.3))
+    engine = prepare(scene)
+    before = engine.rods.copy()
+    engine.go(1)
+    velocity = slice(VELOCITY, None) if kind == "annulus" else ROW_VELOCITY
+    np.testing.assert_array_equal(engine.rods[:, velocity], before[:, velocity])
+    along = before[:, C_X]
+    if kind == "annulus":
+        x, y = before[:, 0], before[:, 1]
+        along = (x * before[:, VELOCITY + 1] - y * before[:, VELOCITY]) / np.hypot(x, y)
+    assert np.abs(along).max() > 0.1
+    assert abs(along.mean()) < EPS
 
 
 def lone(restitution, stiffness, size, gravity=0.0, acceleration=1e-12, **start):
