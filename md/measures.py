@@ -23,6 +23,11 @@ HOP = 0.2  # periods; a shorter flight does not part two landings
 _MERGED = columns.WIDTH  # column behind those of a touch: how many touches a landing has
 
 
+def phase_at(time: Any) -> Any:
+    """Phase of the plate, rad, 0 to 2 pi, so many periods after the start, at its lowest point."""
+    return 2 * pi * ((time - 0.25) % 1)
+
+
 def wedged_periods(scene: Scene) -> float:
     """Periods without a touch after which a rod counts as wedged: 20 flights that begin at V_0.
 

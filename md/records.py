@@ -7,7 +7,7 @@ A run hands its touches to `observe` as they end; kept in a list they become one
 >>> result = md.run(md.load("my_rods"), periods=20, observe=rows.append)
 >>> touches = md.records.touches(rows, result)
 >>> touches.dtype.names[:4]
-('rod', 'time', 'cap', 'flight')
+('rod', 'time', 'phase', 'cap')
 >>> stuck = touches[touches["regime"] == "slip-stick"]["c_x_after"]  # in sqrt(g d)
 >>> landings = md.records.landings(rows, result)
 >>> len(landings) < len(touches)
@@ -17,7 +17,10 @@ True
 column                         what it is
 =============================  ===================================================================
 rod                            number of the rod
-time                           when the touch begins, in periods since the start of the run
+time                           when the touch begins, in periods since the start of the run, when
+                               the plate is at its lowest point
+phase                          of the plate as the touch begins, rad, 0 to 2 pi; its velocity is
+                               V_0 cos(phase), as in the paper's (31)
 cap                            which end touches: -1 or 1, along the axis (-1: the lower one of a
                                rod that has not fallen over)
 flight                         periods since the last touch of this rod ended; nan before its first
@@ -48,7 +51,7 @@ import numpy as np
 
 from .kernels import touches as columns
 from .kernels.codes import REGIMES
-from .measures import HOP, merged
+from .measures import HOP, merged, phase_at
 from .simulation import Result
 
 __all__ = ["landings", "touches"]
@@ -56,6 +59,7 @@ __all__ = ["landings", "touches"]
 _BOTH = {  # columns of `kernels.touches` by their names here
     "rod": columns.ROD,
     "time": columns.STEP,
+    "phase": columns.STEP,
     "cap": columns.CAP,
     "flight": columns.FLIGHT,
     "a_x": columns.A_X,
@@ -120,5 +124,7 @@ def _structured(rows: np.ndarray, names: dict[str, int], result: Result) -> np.n
         values = rows[:, column]
         if name in _IN_STEPS:
             values = values / result.steps_per_period
+        elif name == "phase":
+            values = phase_at(values / result.steps_per_period)
         found[name] = [REGIMES[code] for code in values] if name == "regime" else values
     return found

@@ -46,7 +46,10 @@ class Rods(Part):
 
 @dataclass(frozen=True)
 class Plate(Part):
-    """Horizontal plate at A sin(2 pi f t); without acceleration it is at rest."""
+    """Horizontal plate, which vibrates as a sine; without acceleration it is at rest.
+
+    Its velocity is V_0 cos(phase). A run starts at its lowest point: phase = 2 pi f t - pi/2.
+    """
 
     acceleration: Annotated[float, 0.0, 1000.0] = 0.0  # peak, in g: the paper's Gamma
     frequency_hz: Frequency = 60.0  # of the plate

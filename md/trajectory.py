@@ -19,6 +19,7 @@ import numpy as np
 from .errors import InputError
 from .files import empty, same
 from .kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
+from .measures import phase_at
 from .scene import Scene
 
 __all__ = ["Trajectory", "check_continues", "is_trajectory", "read_frames"]
@@ -54,13 +55,13 @@ class Trajectory:
         ----------
         scene : of the run
         rods : (N, 7), columns as in `kernels.codes`, or (N, 12) in an annulus
-        time : periods since the start
+        time : periods since the start, at which the plate is at its lowest point
         height : of the plate, in d
 
-        Lengths are in d, velocities in sqrt(g d); beside the time stand d in cm and sqrt(g d) in
-        cm/s. Columns: species (rod); place x, y, z; 0 (no element); number; orientation as a
-        quaternion x, y, z, w that turns the z axis into the rod's; radius, radius and length of the
-        cylinder between the caps; velocity; angular velocity; tilt in degrees.
+        Lengths are in d, velocities in sqrt(g d); beside the time stand the plate's phase in rad, d
+        in cm and sqrt(g d) in cm/s. Columns: species (rod); place x, y, z; 0 (no element); number;
+        orientation as a quaternion x, y, z, w that turns the z axis into the rod's; radius, radius
+        and length of the cylinder between the caps; velocity; angular velocity; tilt in degrees.
         """
         wide, deep, left = scene.box.length if scene.box else 1e3, 1.0, 0.0
         if scene.annulus is not None:
@@ -70,7 +71,7 @@ class Trajectory:
         corner = f"{left!r} {-deep / 2!r} 0"
         self.file.write(
             f'{len(rods)}\nLattice="{cell}" Origin="{corner}" Properties={_COLUMNS} '
-            f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} '
+            f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} phase={phase_at(time):.9g} '
             f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
         )
         for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):

@@ -50,3 +50,19 @@ def test_a_touch_is_an_impact_at_its_contact_point(made):
 def test_a_run_without_touches_has_empty_arrays(made):
     for kind in (md.records.touches, md.records.landings):
         assert kind([], made[1]).shape == (0,)
+
+
+@pytest.mark.parametrize("kind", ["touches", "landings"])
+def test_phases_are_those_of_the_plate_s_velocity(made, kind):
+    """V_0 cos(phase); counts over the cycle are those of the run."""
+    rows, result = made
+    found = getattr(md.records, kind)(rows, result)
+    speed = result.scene.plate_speed
+    step = 2 * np.pi / result.steps_per_period  # in which the plate's velocity is taken once
+    np.testing.assert_allclose(
+        found["plate_velocity"], speed * np.cos(found["phase"]), atol=1.01 * step * speed
+    )
+    if kind == "touches":
+        part = found[(found["time"] >= result.discarded) & np.isfinite(found["flight"])]
+        counts, _ = np.histogram(part["phase"], len(result.phases), (0, 2 * np.pi))
+        np.testing.assert_array_equal(counts, result.phases)
