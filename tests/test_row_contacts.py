@@ -1,12 +1,15 @@
 """Two rods: conservation, the rigid limit, continuity, and what must not happen."""
 
+import re
 from functools import cache
 from math import cos, pi, sin
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import md
+from md.host import prepare
 from md.kernels.codes import C_X, C_Z, OMEGA, PAIR_FRICTION, PAIR_NORMAL, ROW_VELOCITY
 
 from .rows import ELASTIC, EPS, HALF, LIGHT, SOFT, ends, free, put, tip_on_side
@@ -211,3 +214,37 @@ def test_no_rod_passes_through_another_one():
         except md.RunError:
             stopped += 1
     assert stopped > 30
+
+
+GUIDE = Path(md.__file__).parents[1] / "figures/gallery/GUIDE.md"
+OF_PAIRS = re.search(r"\| restitution of the law \|(.*)\n.*\n((?:\|.*\n)+)", GUIDE.read_text())
+OVERLAPPED = {"end on": 0, "side by side": 1, "3/4": 3 / 4, "1/2": 1 / 2, "1/4": 1 / 4}
+
+
+def restitution_of_rods(law: float, overlapped: float) -> float:
+    """Of two upright rods that meet along a part of their axes; 0: end on."""
+    changes = [
+        *("plate=none", "contacts.plate=none", "gravity=none", "box=none", "rods.count=2"),
+        *("start.tilt_deg=0", "start.speed=0", "step.size=none", "contacts.rods.friction=0"),
+    ]
+    scene = md.load("quasi2d", [*changes, f"contacts.rods.restitution={law}"])
+    engine, axis = prepare(scene), scene.rods.length - 1
+    shift, speed = (1 - overlapped) * axis, 0.35
+    across, along = (1 + 1e-6, shift) if overlapped else (0.0, axis + 1 + 1e-6)
+    engine.rods[:] = [(0, 0, 0, 1, 0, 0, 0), (across, along, 0, 1, 0, 0, 0)]
+    moves = C_X if overlapped else C_Z
+    engine.rods[:, moves] = speed, -speed
+    engine.go(3000)
+    apart = engine.rods[1] - engine.rods[0]
+    turned = shift / 2 * engine.rods[:, OMEGA].sum() if overlapped else 0.0
+    return float(apart[moves] - turned) / (2 * speed)
+
+
+@pytest.mark.parametrize("place", OF_PAIRS[1].strip(" |").split(" | "))
+def test_the_restitution_of_a_law_is_that_of_one_contact_point(place):
+    """As the guide's table says, to its last digit."""
+    column = OF_PAIRS[1].strip(" |").split(" | ").index(place) + 1
+    (overlapped,) = (part for name, part in OVERLAPPED.items() if place.startswith(name))
+    for line in OF_PAIRS[2].splitlines():
+        law, *_ = told = [float(cell) for cell in line.strip(" |").split(" | ")]
+        assert restitution_of_rods(law, overlapped) == pytest.approx(told[column], abs=0.0075)
