@@ -1,11 +1,14 @@
 """Stationary translation of bouncing rods, Section V, Eqs. (24)-(31)."""
 
+from typing import Any
+
+import mpmath
 import sympy as sp
 
 from . import second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
 from .bodies import THIN, cylinder_gyration, flat_contact, flat_tilt
-from .proof import Equation
+from .proof import DIGITS, Equation
 from .symbols import (
     V_0,
     Gamma,
@@ -75,6 +78,14 @@ def slide_loss() -> sp.Expr:
 
 
 @derived
+def from_printed() -> sp.Expr:
+    """c_x' by the closure from (21) and (22) as they are printed."""
+    printed: dict[str, Any] = {e.tag: e.printed for e in slip_reversal.EQUATIONS}
+    along, across = (printed[tag].subs(omega, spin_at_landing()) for tag in ("21", "22"))
+    return sp.factor(solve([along - c_x, across + c_z], [c_x, c_z])[0])
+
+
+@derived
 def plate_velocity() -> sp.Expr:
     """Mean of V_0 cos(theta) over the density of landing phases."""
     return sp.integrate(V_0 * sp.cos(theta) * LANDING_PHASES({}), (theta, 0, 2 * sp.pi))
@@ -140,6 +151,15 @@ def _balance_of_impulses(form: sp.Expr) -> list[sp.Expr]:
     return [form - back / stick]
 
 
+def _by_the_wrong_sign(form: sp.Expr) -> list[sp.Expr]:
+    """A whole impact, with what it takes of c_x put in twice the other way."""
+    v_x, v_z, _ = (part.subs(omega, 0) for part in second_routes.impact("back"))
+    (fall,) = sp.solve(v_z + c_z, c_z)
+    taken = 1 - v_x.diff(c_x)
+    landed = (v_x + 2 * taken * c_x - c_x).subs(c_z, fall)
+    return [landed.subs(c_x, form)]
+
+
 def _flat_landing(form: sp.Expr) -> list[sp.Expr]:
     """c_x of a landing on the edge at (-d/2, l/2), from whole impacts."""
     gyration = sp.sqrt(length**2 / 12 + diameter**2 / 16)
@@ -147,11 +167,20 @@ def _flat_landing(form: sp.Expr) -> list[sp.Expr]:
     return [second_routes.landing("stick")[0].subs(edge) - form]
 
 
-def _onset_flight(form: sp.Expr) -> list[sp.Expr]:
-    """Gap at the landing phase x = -form by one integration: zero where the flight ends."""
-    x, start = sp.Symbol("x", positive=True), -sp.sqrt(2) * eta
-    weight = (-form - x) * (eta**2 - x**2 / 2)  # double integral by parts
-    return [sp.integrate(sp.expand(weight), (x, start, -form))]
+def _onset_by_numbers(form: sp.Expr) -> list[sp.Expr]:
+    """One flight just above Gamma = 1, on the plate's sine and the parabola, without a series."""
+    with mpmath.workdps(200):
+        small = mpmath.mpf(10) ** -30
+        gamma = 1 + small**2
+        start = mpmath.asin(1 / gamma)  # where the plate's acceleration is -g
+
+        def gap(flown: mpmath.mpf) -> mpmath.mpf:
+            rod = mpmath.sin(start) + mpmath.cos(start) * flown - flown**2 / (2 * gamma)
+            return rod - mpmath.sin(start + flown)
+
+        flown = mpmath.findroot(gap, (small, 100 * small), solver="bisect", maxsteps=500)
+        number = sp.Float(str(mpmath.cos(start + flown) / small), DIGITS + 25)
+    return [form / eta - number]
 
 
 _denominator = k**2 * (1 - epsilon) + 2 * X**2
@@ -186,6 +215,7 @@ EQUATIONS = (
         derive=lambda: _thin(stationary("stick")[0]),
     ),
     Equation.read("27", printed=_printed_27, derive=lambda: stationary("back")[0]),
+    Equation.read("V: (27) from (21)", derive=from_printed, check=_by_the_wrong_sign),
     Equation.read("28", printed=_printed_28, derive=lambda: stationary("back")[1]),
     Equation.read(
         "V: continuity",
@@ -222,7 +252,7 @@ EQUATIONS = (
         # take-off and landing phase scale alike: x^2/(Gamma - 1) is a number
         check=lambda form: (sp.diff((Gamma - 1) ** (2 * form) / (Gamma - 1), Gamma),),
     ),
-    Equation.read("V: inelastic onset", derive=onset_velocity, check=_onset_flight),
+    Equation.read("V: inelastic onset", derive=onset_velocity, check=_onset_by_numbers),
     Equation.read(
         "V: landing",
         derive=lambda: landing_velocity("stick"),

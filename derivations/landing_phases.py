@@ -1,8 +1,11 @@
 """Beyond the paper: landing phases weighted by the flux of impacts, and V_z with them.
 
-A rod that falls with velocity w meets the plate at the phase theta in proportion to the velocity
-at which they approach each other, w + V_0 cos(theta), where that is positive. With q = w/V_0:
-below q = 1 the plate runs away from the rod beyond theta_0 = arccos(-q). The paper's H is q = 1.
+Rods that fall with the velocity q V_0, one after the other at equal distances, fill a strip of
+height 2 pi q (in V_0 over the angular frequency) each period. The plate, at sin(theta), sweeps it
+at the velocity of approach, q + cos(theta), wherever no rod has been met before: a rod lands at its
+first contact. From q = 1 on every phase is met, and the paper's H is q = 1. Below, the plate runs
+away from the rods beyond theta_0 = arccos(-q), and what it meets next lies in the shadow of theta_0
+until it is back among rods that it has not met, at 2 pi + theta_s.
 """
 
 import mpmath
@@ -15,33 +18,39 @@ from .symbols import V_z, epsilon, phi, theta
 from .trace import derived, solve
 
 q = sp.Symbol("q", positive=True)  # |c_z|/V_0
-theta_0 = sp.Symbol("theta_0", positive=True)  # arccos(-q)
+theta_0, theta_s = sp.symbols("theta_0 theta_s", real=True)  # end and start of the landing phases
 bounce = sp.Symbol("b", positive=True)  # c_z'/V_z by the closure
 
 
-@derived
-def flux(closed: bool) -> tuple[sp.Expr, sp.Expr]:
-    """Total flux over a period, in V_0, and alpha = V_z/V_0.
+def swept(start: sp.Expr, end: sp.Expr, power: int = 0) -> sp.Expr:
+    """Height of the strip that is swept between two phases, weighted with cos(theta)^power."""
+    return sp.integrate((q + sp.cos(theta)) * sp.cos(theta) ** power, (theta, start, end))
 
-    `closed` where the plate runs away from the rod in a part of the period.
-    """
-    end = theta_0 if closed else sp.pi
-    speed = (-sp.cos(theta_0) if closed else q) + sp.cos(theta)
-    total = sp.integrate(speed, (theta, -end, end))
-    return total, sp.simplify(sp.integrate(speed * sp.cos(theta), (theta, -end, end)) / total)
+
+@derived
+def shadow() -> sp.Expr:
+    """What is zero at the end of the shadow: the strip swept from theta_s to theta_0 is whole."""
+    return swept(theta_s, theta_0) - 2 * sp.pi * q
+
+
+@derived
+def mean_speed(slow: bool) -> sp.Expr:
+    """Mean of cos(theta) over the rods of a period, V_z/V_0; `slow` where q < 1."""
+    start, end = (theta_s, theta_0) if slow else (-sp.pi, sp.pi)
+    return sp.simplify(swept(start, end, 1) / (2 * sp.pi * q))
 
 
 @derived
 def density() -> sp.Expr:
-    """H(theta) for q >= 1."""
-    return sp.factor((q + sp.cos(theta)) / flux(False)[0])
+    """H(theta) at the phases that are met: one landing a rod."""
+    return sp.factor((q + sp.cos(theta)) / (2 * sp.pi * q))
 
 
 @derived
 def consistent_alpha() -> tuple[sp.Expr, sp.Expr]:
     """alpha with q = b alpha, q >= 1; and the least b for which that holds."""
     fitting = sp.Symbol("alpha", positive=True)
-    (alpha,) = solve(flux(False)[1].subs(q, bounce * fitting) - fitting, fitting)
+    (alpha,) = solve(mean_speed(False).subs(q, bounce * fitting) - fitting, fitting)
     (least,) = solve(bounce * alpha - 1, bounce)
     return alpha, least
 
@@ -56,20 +65,69 @@ def tilt_of_one_half() -> sp.Expr:
     return sp.factor(value)
 
 
-def _quadrature(form: sp.Expr, letter: sp.Symbol, value: str) -> list[sp.Expr]:
-    """alpha as a mean over the phases in which the two approach, by numbers."""
-    with mpmath.workdps(DIGITS + 30):
-        at = mpmath.mpf(value)
-        ratio = at if letter == q else -mpmath.cos(at)
-        end = mpmath.pi if letter == q else at
+def _first_contact(fall: mpmath.mpf, line: mpmath.mpf, before: mpmath.mpf) -> mpmath.mpf:
+    """Phase after `before` at which a rod at line - fall theta first meets the plate, sin(theta).
 
-        def mean(power: int) -> mpmath.mpf:
-            return mpmath.quad(
-                lambda x: (ratio + mpmath.cos(x)) * mpmath.cos(x) ** power, [-end, end]
+    Between neighbouring turning points of the gap it has one sign or one root.
+    """
+
+    def gap(phase: mpmath.mpf) -> mpmath.mpf:
+        return line - fall * phase - mpmath.sin(phase)
+
+    turn = mpmath.acos(-fall)
+    period = int(mpmath.floor(before / (2 * mpmath.pi))) - 1
+    turns = [2 * mpmath.pi * n + x for n in range(period, period + 200) for x in (turn, -turn)]
+    for after in sorted(x for x in turns if x > before):
+        if gap(after) < 0:
+            return mpmath.findroot(
+                gap, (before, after), solver="bisect", maxsteps=300, verify=False
             )
+        before = after
+    raise ValueError("this rod meets no plate")
 
-        number = sp.Float(str(mean(1) / mean(0)), DIGITS + 25)
-    return [form.subs(letter, sp.Rational(value)) - number]
+
+def _shadow_of_a_rod(form: sp.Expr) -> list[sp.Expr]:
+    """The rod that the plate just touches as it turns away is met next by theta_s of one later."""
+    with mpmath.workdps(DIGITS + 30):
+        fall = mpmath.mpf(3) / 5
+        end = mpmath.acos(-fall)
+        line = fall * end + mpmath.sin(end)
+        start = _first_contact(fall, line, end) - 2 * mpmath.pi
+        phases = {theta_0: sp.Float(str(end), 60), theta_s: sp.Float(str(start), 60)}
+    return [form.subs({**phases, q: sp.Rational(3, 5)})]
+
+
+def _rods_counted(form: sp.Expr) -> list[sp.Expr]:
+    """Rods one by one, those between two that are just touched: the plate's velocity at each.
+
+    Each is searched for from a height that no plate reaches; to ten digits.
+    """
+    with mpmath.workdps(20):
+        fall = mpmath.mpf(1) / 5
+        end = mpmath.acos(-fall)
+        line = fall * end + mpmath.sin(end)
+        start = _first_contact(fall, line, end) - 2 * mpmath.pi
+
+        def met(height: mpmath.mpf) -> mpmath.mpf:
+            return mpmath.cos(_first_contact(fall, height, (height - 1) / fall - mpmath.pi))
+
+        strip = 2 * mpmath.pi * fall
+        counted = mpmath.quad(met, [line, line + strip]) / strip
+        phases = {theta_0: sp.Float(str(end), 20), theta_s: sp.Float(str(start), 20)}
+        residual = form.subs({**phases, q: sp.Rational(1, 5)}) - sp.Float(str(counted), 20)
+    return [sp.S.Zero if abs(residual) < sp.Float("1e-10") else residual]
+
+
+def _fast_quadrature(form: sp.Expr) -> list[sp.Expr]:
+    """The mean over all phases of a rod that falls faster than the plate, by numbers."""
+    with mpmath.workdps(DIGITS + 30):
+        speed = mpmath.mpf("1.7")
+        mean = [
+            mpmath.quad(lambda x, n=n: (speed + mpmath.cos(x)) * mpmath.cos(x) ** n, [0, mpmath.pi])
+            for n in (0, 1)
+        ]
+        number = sp.Float(str(mean[1] / mean[0]), DIGITS + 25)
+    return [form.subs(q, sp.Rational(17, 10)) - number]
 
 
 def _consistent_checks(form: sp.Matrix) -> list[sp.Expr]:
@@ -103,17 +161,24 @@ EQUATIONS = (
         shown=(1 + sp.cos(theta) / q) / (2 * sp.pi),
         check=_density_checks,
     ),
+    Equation.read("V: alpha by flux", derive=lambda: mean_speed(False), check=_fast_quadrature),
     Equation.read(
-        "V: alpha by flux",
-        derive=lambda: flux(False)[1],
-        check=lambda form: _quadrature(form, q, "1.7"),
+        "V: shadow",
+        derive=shadow,
+        shown=sp.sin(theta_0) - sp.sin(theta_s) - q * (2 * sp.pi + theta_s - theta_0),
+        check=_shadow_of_a_rod,
     ),
     Equation.read(
         "V: alpha by flux, slow",
-        derive=lambda: flux(True)[1],
-        shown=(theta_0 - sp.sin(theta_0) * sp.cos(theta_0))
-        / (2 * (sp.sin(theta_0) - theta_0 * sp.cos(theta_0))),
-        check=lambda form: _quadrature(form, theta_0, "2.3"),
+        derive=lambda: mean_speed(True),
+        shown=(
+            2 * (theta_0 - theta_s)
+            + sp.sin(2 * theta_0)
+            - sp.sin(2 * theta_s)
+            + 4 * q * (sp.sin(theta_0) - sp.sin(theta_s))
+        )
+        / (8 * sp.pi * q),
+        check=_rods_counted,
     ),
     Equation.read("V: alpha and closure", derive=consistent_alpha, check=_consistent_checks),
     Equation.read("V: tilt of one half", derive=tilt_of_one_half, check=_half_checks),

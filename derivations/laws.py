@@ -45,6 +45,7 @@ a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point, per unit mass: du = C P_x - B P_z, dv = A P_z - B P_x.
 A, B, C = sp.symbols("A B C", positive=True)
 slope = sp.Symbol("a", positive=True)  # -a_1 in the Painleve region
+P_c = sp.Symbol("P_c", positive=True)  # normal impulse at the end of compression
 kappa = sp.Symbol("kappa", nonnegative=True)  # (1 - epsilon)/(1 + epsilon)
 
 V_1 = v_0 + a_1 * P_1  # normal velocity when the slip stops
@@ -171,6 +172,32 @@ def limits() -> tuple[sp.Expr, ...]:
     )
 
 
+@derived
+def friction_work(regime: str) -> sp.Expr:
+    """Work of friction in an impact whose slip stops at P_1, per unit mass."""
+    p = sp.Symbol("p")
+    slipping = -(mu * C + B) * (p - P_1)  # u, under du = C dP_x - B dP_z with dP_x = -mu dP_z
+    work = sp.integrate(-mu * slipping, (p, 0, P_1))
+    if regime == "back":
+        work += sp.integrate(mu * (mu * C - B) * (p - P_1), (p, P_1, P_z))
+    return sp.factor(work)
+
+
+@derived
+def energy_by_poisson(regime: str, order: str) -> sp.Expr:
+    """Energy change under Poisson's law, per unit mass, by P_1 and the end of compression P_c."""
+    slope_2 = A - B * (mu if regime == "back" else B / C)
+    first = P_1 if order == "early" else P_c
+    known = {a_1: A + mu * B, a_2: slope_2}
+    v_start = -known[a_1] * first - slope_2 * (P_c - first)
+    v_end = final_velocity("poisson", order).subs({**known, v_0: v_start}, simultaneous=True)
+    u_start = (mu * C + B) * P_1
+    p_x, p_z = impulse_at(regime, v_end, P_1)
+    p_x, p_z = (part.subs(v_0, v_start) for part in (p_x, p_z))
+    ends = {u_0: u_start, v_0: v_start, u_f: u_start + C * p_x - B * p_z, v_f: v_end}
+    return sp.factor(energy_of_impulse().subs({**ends, P_x: p_x, P_z: p_z}, simultaneous=True))
+
+
 # ---- second routes ----------------------------------------------------------------------------
 
 _MOBILITIES = {A: 1 + X**2 / k**2, B: X * Z / k**2, C: 1 + Z**2 / k**2}
@@ -213,6 +240,49 @@ def _impulses_in_proportion(form: sp.Matrix) -> list[sp.Expr]:
     compressed = P_1 - V_1 / a_2, -v_0 / a_1
     whole = [P_1 + (v - V_1) / a_2 for v in form]
     return [p - (1 + epsilon) * p_c for p, p_c in zip(whole, compressed, strict=True)]
+
+
+def _balance(p_x: sp.Expr, p_z: sp.Expr, u: sp.Expr, v: sp.Expr) -> sp.Expr:
+    """Energy that an impulse gives a contact point of velocity (u, v), by its mobilities."""
+    return u * p_x + v * p_z + (C * p_x**2 - 2 * B * p_x * p_z + A * p_z**2) / 2
+
+
+def _all_but_normal_work(form: sp.Matrix) -> list[sp.Expr]:
+    """The whole energy less the areas under the broken line of v over P_z."""
+    checks = []
+    for held, work in zip((B / C, mu), form, strict=True):
+        more = P_z - P_1
+        corner = v_0 + (A + mu * B) * P_1
+        areas = (v_0 + corner) / 2 * P_1 + corner * more + (A - B * held) * more**2 / 2
+        whole = _balance(-mu * P_1 + held * more, P_z, (mu * C + B) * P_1, v_0)
+        checks.append(whole - areas - work)
+    return checks
+
+
+def _poisson_from_impulses(form: sp.Matrix) -> list[sp.Expr]:
+    """The impulse is 1 + epsilon times P_c; and no term of the energy is positive.
+
+    What is not negative: C, what the stop needs, mu C + B, what holds or turns the contact, the
+    impulse after the corner, P_2, and where the slip stops late, P_1 - P_2.
+    """
+    whole, (b, s, after, rest) = (1 + epsilon) * P_c, sp.symbols("b s P_2 r", nonnegative=True)
+    checks = []
+    for part, (held, early) in zip(
+        form, ((B / C, True), (mu, True), (B / C, False), (mu, False)), strict=True
+    ):
+        slope_1, slope_2 = A + mu * B, A - B * held
+        start = -slope_1 * (P_1 if early else P_c) - (slope_2 * (P_c - P_1) if early else 0)
+        p_x = -mu * P_1 + held * (whole - P_1)
+        checks.append(_balance(p_x, whole, (mu * C + B) * P_1, start) - part)
+        lost = (1 - epsilon**2) * P_c**2 / 2 * (slope_2 if early else slope_1)
+        left = (part + lost).subs(epsilon, (P_1 + after) / P_c - 1)
+        cases = [{B: mu * C + s}] if held == mu else [{B: b, mu: (b + s) / C}]
+        cases += [{B: -b, mu: (b + s) / C}] if held != mu else []
+        for case in cases:
+            signs = left.subs(case, simultaneous=True)
+            signs = sp.expand(sp.cancel(signs if early else signs.subs(P_1, after + rest)))
+            checks += [sp.S.One for term in sp.Add.make_args(signs) if not term.is_nonpositive]
+    return checks
 
 
 def _one_line(form: sp.Expr) -> list[sp.Expr]:
@@ -258,6 +328,9 @@ _back, _stop = A - mu * B, B + mu * C
 _all_loss = (1 + epsilon) * (A - 2 * mu * B + mu**2 * C)
 _mixed = (1 + epsilon) * (A + mu * B) * (B - mu * C) + 2 * B * _back
 
+_kept = (1 - epsilon**2) * P_c**2
+_more = (1 + epsilon) * P_c - P_1
+
 EQUATIONS = (
     Equation.read(
         "laws: slopes",
@@ -299,6 +372,36 @@ EQUATIONS = (
         check=_one_line,
     ),
     Equation.read("laws: impact without collision", derive=limits, check=_thrown_up),
+    Equation.read(
+        "laws: work of friction",
+        derive=lambda: (friction_work("stick"), friction_work("back")),
+        shown=(
+            -mu * (mu * C + B) * P_1**2 / 2,
+            -mu * (mu * C + B) * P_1**2 / 2 - mu * (B - mu * C) * (P_z - P_1) ** 2 / 2,
+        ),
+        check=_all_but_normal_work,
+    ),
+    Equation.read(
+        "laws: energy, Poisson",
+        derive=lambda: tuple(
+            energy_by_poisson(regime, order)
+            for order in ("early", "late")
+            for regime in ("stick", "back")
+        ),
+        shown=(
+            -_kept * (A - B**2 / C) / 2 - (mu * C + B) ** 2 * P_1**2 / (2 * C),
+            -_kept * (A - mu * B) / 2
+            - mu * (mu * C + 3 * B) * P_1**2 / 2
+            - mu * (B - mu * C) * _more**2 / 2,
+            -_kept * (A + mu * B) / 2
+            - mu * (mu * C + B) * P_1**2 / 2
+            - B * (mu * C + B) * _more**2 / (2 * C),
+            -_kept * (A + mu * B) / 2
+            - mu * (mu * C + B) * P_1**2 / 2
+            - mu * (3 * B - mu * C) * _more**2 / 2,
+        ),
+        check=_poisson_from_impulses,
+    ),
     Equation.read(
         "laws: energy, slip-stick",
         derive=lambda: energy_threshold("stick"),

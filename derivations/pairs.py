@@ -52,10 +52,11 @@ def determinant() -> sp.Expr:
 @derived
 def equivalent_rod() -> sp.Matrix:
     """m, X/k and Z/k of the rod that has the mobilities A, B, C on a plate."""
-    rod = {letter: _light * form - letter for letter, form in laws.mobility().items()}
-    x = max(solve(rod[A], X), key=lambda root: root.subs({A: 2, _light: 1, k: 1}))
-    (z,) = solve(rod[B].subs(X, x), Z)
-    roots = solve(sp.numer(sp.cancel(rod[C].subs(Z, z))), _light, r"$\lambda = 1/m$")
+    rod = {letter: _light * form for letter, form in laws.mobility().items()}
+    x = max(solve(rod[A] - A, X), key=lambda root: root.subs({A: 2, _light: 1, k: 1}))
+    z = max(solve(rod[C] - C, Z), key=lambda root: root.subs({C: 2, _light: 1, k: 1}))
+    coupled = sp.expand((rod[B] ** 2 - B**2).subs({X: x, Z: z}))
+    roots = solve(coupled, _light, r"$\lambda = 1/m$")
     light = min(roots, key=lambda root: root.subs({A: 3, B: 1, C: 2}).evalf())
     return sp.Matrix([1 / light, *((length / k).subs(_light, light) for length in (x, z))])
 
@@ -162,7 +163,7 @@ EQUATIONS = (
         shown=(
             2 / (A + C - _root),
             sp.sqrt(A - C + _root) / sp.sqrt(A + C - _root),
-            2 * B / sp.sqrt((A - C + _root) * (A + C - _root)),
+            sp.sqrt(C - A + _root) / sp.sqrt(A + C - _root),
         ),
         check=_along_and_across,
     ),

@@ -224,8 +224,10 @@ def vanishes(expr: sp.Expr) -> bool:
 def is_zero(expr: sp.Expr) -> bool:
     """Whether `expr` vanishes at random points, and identically where it is rational."""
     trigonometric = {sp.sin(s.phi), sp.cos(s.phi)}
-    rational = expr.atoms(sp.Function) <= trigonometric and all(
-        power.exp.is_Integer for power in expr.atoms(sp.Pow)
+    rational = (
+        not expr.has(sp.Float)
+        and expr.atoms(sp.Function) <= trigonometric
+        and all(power.exp.is_Integer for power in expr.atoms(sp.Pow))
     )
     return vanishes(expr) if rational else equal_at_random_points(expr, sp.S.Zero)
 

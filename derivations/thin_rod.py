@@ -219,6 +219,11 @@ EQUATIONS = (
         mistaken=lambda: critical_friction().subs(THIN).subs(phi, sp.pi / 4),
     ),
     Equation.read(
+        "VI: slip-stick at any tilt",
+        printed=sp.S.One,
+        derive=lambda: sp.sign(sp.limit(mu - largest_reversal_friction()[0], mu, sp.oo)),
+    ),
+    Equation.read(
         "IV: reversal at larger angles",
         printed=sp.pi / 2,
         derive=largest_reversal_tilt,

@@ -232,12 +232,25 @@ def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
     return Optimum(tilt, c_x, as_regime(regime))
 
 
+def landing_phases(q: Any) -> tuple[Any, Any]:
+    """First and last phase at which rods that fall with q <= 1 are met."""
+    away = np.arcsin(q)  # the last is pi/2 + away
+    low, high = away, np.pi + away  # of pi/2 less the first phase
+    for _ in range(60):
+        middle = (low + high) / 2
+        swept = 2 * np.sin((middle - away) / 2) * np.sin((middle + away) / 2)
+        short = swept < q * (2 * np.pi - middle - away)
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    return np.pi / 2 - high, np.pi / 2 + away
+
+
 def landing_density(phase: Any, *, fall_speed: Any = 1.0) -> Any:
     """Density of landing phases in proportion to the velocity of approach, (31), Fig. 8.
 
-    A rod that falls with q times the plate's largest velocity meets it in proportion to
-    q + cos(theta), where that is positive. At q = 1 it is the paper's H = (1 + cos(theta))/(2 pi);
-    the rest is derived in `derivations.landing_phases`.
+    Rods that fall with q times the plate's largest velocity meet it in proportion to
+    q + cos(theta), each at its first contact: below q = 1 the plate runs away from them and
+    overtakes them again, and no rod lands between. At q = 1 it is the paper's
+    H = (1 + cos(theta))/(2 pi); the rest is derived in `derivations.landing_phases`.
 
     Parameters
     ----------
@@ -258,9 +271,10 @@ def landing_density(phase: Any, *, fall_speed: Any = 1.0) -> Any:
 
     def block(theta: Any, q: Any) -> tuple[Any, ...]:
         q = np.minimum(q, 1e300)  # beyond, all phases alike
-        end = np.arccos(np.maximum(-q, -1.0))  # beyond it the plate runs away from the rod
-        total = 2 * (q * end + np.sin(end))
-        return (np.maximum(q + np.cos(theta), 0.0) / total,)
+        start, end = landing_phases(np.minimum(q, 1.0))
+        since = np.mod(theta - start, 2 * np.pi)
+        met = (q >= 1) | (since <= end - start)
+        return (np.where(met | ~np.isfinite(theta), (1 + np.cos(theta) / q) / (2 * np.pi), 0.0),)
 
     return evaluated(block, {"phase": (phase, ANY), "fall_speed": (fall_speed, POSITIVE)})[0]
 

@@ -1,17 +1,19 @@
 """The stationary landing: its phase, the plate's velocity there, its stability, its cost.
 
 Derived, not in the paper; for a thin rod but in (f); in (d) and (e) epsilon = 0.65. (a) Landing
-phases in proportion to the velocity of approach, of rods that fall at q times the plate's largest
-velocity V_0; the paper's density is q = 1. (b) The mean velocity of the plate at landing, which
-follows: 1/2 of V_0 at q = 1 alone. (c) The same of a thin rod that falls as fast as the closure has
-it rise, q = V_z/V_0 c_z'/V_z: solid where it is faster than the plate, dots where they are equally
-fast, so that 1/2 holds; the dashed lines end where the rod is hit again at once. Look how far from
-1/2 upright rods are. (d) How many landings it takes until a small deviation has fallen by the
-factor e: in slip-stick (black, whatever the friction) and between the critical tilts of a friction
-in slip reversal; corners with a vertical side are where it begins, or ceases, to oscillate. (e)
-Work of the plate per weight and distance: friction makes transport cheaper up to where the contact
-holds; dots: the best tilt, one for 0.3 and 0.5. (f) Friction from which on the contact of a
-slipping rod is pressed into the plate, Painleve's paradox; dot: the least of a thin rod, 4/3.
+phases in proportion to the velocity of approach, of rods that fall at q times the plate's
+largest velocity V_0; the paper's density is q = 1. (b) The mean velocity of the plate at
+landing, which follows: 1/2 of V_0 at q = 1 alone; a rod lands at its first contact, and slow
+rods near the top. (c) The same of a thin rod that falls as fast as the closure has it rise, q =
+V_z/V_0 c_z'/V_z: solid where it is faster than the plate, dots where they are equally fast, so
+that 1/2 holds; the dashed lines end where the rod is hit again at once. Look how far from 1/2
+upright rods are. (d) How many landings it takes until a small deviation has fallen by the
+factor e: in slip-stick (black, whatever the friction) and between the critical tilts of a
+friction in slip reversal; corners with a vertical side are where it begins, or ceases, to
+oscillate. (e) Work of the plate per weight and distance: friction makes transport cheaper up to
+where the contact holds; dots: the best tilt, one for 0.3 and 0.5. (f) Friction from which on
+the contact of a slipping rod is pressed into the plate, Painleve's paradox; dot: the least of a
+thin rod, 4/3.
 """
 
 import matplotlib.pyplot as plt
@@ -31,6 +33,7 @@ from impact import (
     thin_rod,
     transport_cost,
 )
+from impact.translation import landing_phases
 
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style, tilt_axis
 
@@ -44,8 +47,10 @@ _REVERSED = ((BLUE, "--"), (RED, "-."), (GREEN, ":"))
 
 def alpha_of_fall(fall: np.ndarray) -> np.ndarray:
     """V_z/V_0 of rods that fall with `fall` times V_0, on both branches."""
+    speed = np.minimum(fall, 1)
+    start, end = landing_phases(speed)
     fast = function("V: alpha by flux")(np.maximum(fall, 1))
-    slow = function("V: alpha by flux, slow")(np.arccos(-np.minimum(fall, 1)))
+    slow = function("V: alpha by flux, slow")(q=speed, theta_0=end, theta_s=start)
     return np.where(fall >= 1, fast, slow)
 
 
