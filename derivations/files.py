@@ -1,11 +1,14 @@
-"""The files that are generated: `impact/_generated.py`, `impact/_kernel.py`.
+"""The files that are generated: `impact/_generated.py`, `impact/_kernel.py`; and how one is written.
 
 Both are committed; a test generates them again and compares bytes.
 """
 
 import hashlib
+import os
 import re
-from collections.abc import Callable, Iterable
+import stat
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from . import codegen
@@ -14,6 +17,7 @@ from .routines import CONSTANTS
 
 _IMPACT = Path(__file__).resolve().parent.parent / "impact"
 CLOSED_FORMS, KERNEL = _IMPACT / "_generated.py", _IMPACT / "_kernel.py"
+_KINDS = {"b": "device", "c": "device", "d": "folder", "p": "FIFO", "s": "socket"}
 
 _HEAD = '''"""Closed forms of frictional impacts: of a rod on a plate, of any two bodies.
 
@@ -75,15 +79,48 @@ def digest() -> str:
     return found[1]
 
 
-def write(text: str, target: Path) -> bool:
-    """Write beside the target and rename; return whether the file changed."""
-    if target.exists() and target.read_text(encoding="utf-8") == text:
-        return False
-    target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(f".{target.stem}.part{target.suffix}")
+def plain(path: str | Path) -> Path:
+    """The file that a path leads to, through links: a plain file, or none yet.
+
+    The same stands in `derivations.files` and in `md.files`: neither package imports the other.
+
+    Raises
+    ------
+    OSError
+        If it is a folder, a device, a FIFO or a socket: none may be replaced, and reading may hang.
+    """
+    with suppress(FileNotFoundError):
+        kind = stat.filemode(Path(path).stat().st_mode)[0]
+        if kind in _KINDS:
+            raise OSError(f"{path} is a {_KINDS[kind]}, not a plain file")
+    return Path(os.path.realpath(path))
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """Temporary file beside `path`, which takes its place when it is whole; links are followed.
+
+    Its name is always the same, so that the file of a killed process is replaced by the next one.
+    Missing folders are made. The same stands in `derivations.files` and in `md.files`.
+
+    Parameters
+    ----------
+    path : of the file to replace, a plain one; the temporary one has the same ending
+    """
+    whole = plain(path)
+    part = whole.with_name(f".{whole.stem}.part{whole.suffix}")
+    whole.parent.mkdir(parents=True, exist_ok=True)
     try:
-        part.write_text(text, encoding="utf-8")
-        part.replace(target)
+        yield part
+        part.replace(whole)
     finally:
         part.unlink(missing_ok=True)
+
+
+def write(text: str, target: Path) -> bool:
+    """Write beside the target and rename; return whether the file changed."""
+    if plain(target).exists() and target.read_text(encoding="utf-8") == text:
+        return False
+    with replacing(target) as part:
+        part.write_text(text, encoding="utf-8")
     return True

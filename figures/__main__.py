@@ -26,7 +26,6 @@ def _replacing(path: Path) -> AbstractContextManager[Path]:
     """A file to write beside `path`, which takes its place once it is whole."""
     from md.files import replacing
 
-    path.parent.mkdir(parents=True, exist_ok=True)
     return replacing(path)
 
 

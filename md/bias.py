@@ -23,6 +23,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from .errors import InputError
+from .files import plain
 from .host import stable_step
 from .laws import contact_time, coulomb
 from .scene import Scene, Step, as_dict
@@ -97,7 +98,7 @@ def laws(scene: Scene) -> str:
 def _read(path: Path) -> dict[str, Any]:
     """Content of the file of a calibration."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(plain(path).read_text(encoding="utf-8"))
         if {"order", "step", "ranges"} <= set(found):
             return found
     except (OSError, TypeError, ValueError) as error:

@@ -2,15 +2,18 @@
 
 import itertools
 import os
+import stat
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 
 from .errors import InputError
 
-__all__ = ["NotWritten", "distinct", "empty", "replacing", "same", "warn", "writable"]
+__all__ = ["NotWritten", "distinct", "empty", "plain", "replacing", "same", "warn", "writable"]
+
+_KINDS = {"b": "device", "c": "device", "d": "folder", "p": "FIFO", "s": "socket"}
 
 
 class NotWritten(RuntimeWarning):
@@ -51,10 +54,29 @@ def empty(path: str | Path) -> bool:
     return not Path(path).exists() or Path(path).stat().st_size == 0
 
 
+def plain(path: str | Path) -> Path:
+    """The file that a path leads to, through links: a plain file, or none yet.
+
+    The same stands in `derivations.files` and in `md.files`: neither package imports the other.
+
+    Raises
+    ------
+    OSError
+        If it is a folder, a device, a FIFO or a socket: none may be replaced, and reading may hang.
+    """
+    with suppress(FileNotFoundError):
+        kind = stat.filemode(Path(path).stat().st_mode)[0]
+        if kind in _KINDS:
+            raise OSError(f"{path} is a {_KINDS[kind]}, not a plain file")
+    return Path(os.path.realpath(path))
+
+
 def writable(
     name: str, path: str | Path, kind: Callable[[Path], bool] | None = None, what: str = ""
 ) -> None:
     """Refuse an output file that cannot be written, or that holds data of another kind.
+
+    Missing folders are no reason: they are made when the file is.
 
     Parameters
     ----------
@@ -66,23 +88,19 @@ def writable(
     Raises
     ------
     ValueError
-        If the path does not name a file, or the file is of another kind or cannot be written.
+        If the path does not lead to a plain file, or the file is of another kind or cannot be
+        written.
     """
     path = Path(path)
     try:
-        if path.is_dir():
-            raise InputError(f"{name} must be a file, got the folder {str(path)!r}")
-        if path.exists() and not path.is_file():
-            raise InputError(f"{name} must be a plain file, got {str(path)!r}")
-        folder = Path(os.path.realpath(path)).parent
-        if not folder.is_dir():
-            raise InputError(f"{name} must be in a folder that exists, got {str(path)!r}")
-        with tempfile.TemporaryFile(dir=folder), path.open("a") if path.exists() else nullcontext():
+        there = next(folder for folder in plain(path).parents if folder.exists())
+        with tempfile.TemporaryFile(dir=there), path.open("a") if path.exists() else nullcontext():
             pass
         fits = kind is None or empty(path) or kind(path)
     except OSError as error:
         raise InputError(
-            f"{name} must be a file that can be written, got {str(path)!r}: {error.strerror}"
+            f"{name} must be a file that can be written, got {str(path)!r}: "
+            f"{error.strerror or error}"
         ) from None
     if not fits:
         raise InputError(f"{name} must be a new file or {what}, got {str(path)!r}")
@@ -93,13 +111,15 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """Temporary file beside `path`, which takes its place when it is whole; links are followed.
 
     Its name is always the same, so that the file of a killed process is replaced by the next one.
+    Missing folders are made. The same stands in `derivations.files` and in `md.files`.
 
     Parameters
     ----------
-    path : of the file to replace; the temporary one has the same ending
+    path : of the file to replace, a plain one; the temporary one has the same ending
     """
-    whole = Path(os.path.realpath(path))
+    whole = plain(path)
     part = whole.with_name(f".{whole.stem}.part{whole.suffix}")
+    whole.parent.mkdir(parents=True, exist_ok=True)
     try:
         yield part
         part.replace(whole)

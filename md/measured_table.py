@@ -8,6 +8,7 @@ from typing import Any
 
 from .domains import finite, positive
 from .errors import InputError
+from .files import plain
 
 
 def read_rows(path: Path, result: str) -> list[tuple[dict[str, Any], str, float, float]]:
@@ -24,7 +25,7 @@ def read_rows(path: Path, result: str) -> list[tuple[dict[str, Any], str, float,
         If the file cannot be read or a cell is not what it must be; the message names its line.
     """
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = plain(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as failure:
         reason = getattr(failure, "strerror", None) or failure
         raise InputError(f"data.file: {path} cannot be read ({reason})") from None

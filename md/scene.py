@@ -18,6 +18,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from .domains import Part, hints
 from .errors import InputError
+from .files import plain
 from .laws import LAWS, Law
 from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, reduced, rivals, twins
 
@@ -385,7 +386,7 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     if not path.exists() and (examples / f"{source}.toml").exists():
         path = examples / f"{source}.toml"
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        return tomllib.loads(plain(path).read_text(encoding="utf-8-sig"))
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source}: {error}") from None
     except (OSError, UnicodeDecodeError) as error:

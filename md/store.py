@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError
-from .files import empty, replacing, writable
+from .files import empty, plain, replacing, writable
 from .units import cm_per_s, in_cm
 
 __all__ = ["Store", "StoreError", "table", "write_csv"]
@@ -51,7 +51,7 @@ class StoreError(InputError):
 
 
 class Store:
-    """Store of runs, open; a new one if there is no such file.
+    """Store of runs, open; a new one, in folders that are made, if there is no such file.
 
     Parameters
     ----------
@@ -66,13 +66,14 @@ class Store:
 
     def __init__(self, path: str | Path, write: bool = True):
         self.path = Path(path)
-        if self.path.is_dir():
-            raise StoreError(f"store {str(path)!r} must be a file, not a folder")
-        fresh = empty(path)
+        try:
+            fresh = empty(plain(path))
+            if write:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise StoreError(f"store {str(path)!r} cannot be used: {error}") from None
         if fresh and not write:
             raise StoreError(f"store {path}: no such file")
-        if fresh and not self.path.parent.is_dir():
-            raise StoreError(f"store {path}: no such folder")
         how = "mode=rwc" if fresh else self._readable()
         with self._failing("cannot be opened"):
             self.database = self._connected("mode=rwc" if write else how)

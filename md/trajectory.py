@@ -17,7 +17,7 @@ from typing import Any, TextIO
 import numpy as np
 
 from .errors import InputError
-from .files import empty, same
+from .files import empty, plain, same
 from .kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from .measures import phase_at
 from .scene import Scene
@@ -42,8 +42,9 @@ class Trajectory:
     """
 
     def __init__(self, path: str | Path, per_period: int, kept: dict[str, Any] | None = None):
-        self.path, self.per_period = Path(os.path.realpath(path)), per_period
+        self.path, self.per_period = plain(path), per_period
         self.count = kept["frames"] if kept else 0
+        self.path.parent.mkdir(parents=True, exist_ok=True)
         self.path.touch()
         self.file = self.path.open("r+", encoding="utf-8")
         self.file.truncate(self.file.seek(kept["size"] if kept else 0))
@@ -198,7 +199,7 @@ def read_frames(path: str | Path) -> list[dict]:
     """
     frames: list[dict] = []
     try:
-        with Path(path).open(encoding="utf-8") as file:
+        with plain(path).open(encoding="utf-8") as file:
             while line := file.readline():
                 frames.append(_frame(int(line), file))
     except (ValueError, IndexError):

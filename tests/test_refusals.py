@@ -1,6 +1,7 @@
 """What commands refuse, in one line and before any work: no file is changed."""
 
 import json
+import os
 import socket
 import tomllib
 from contextlib import chdir
@@ -55,8 +56,14 @@ def fill():
     Path("cut.npz").write_bytes(b"PK\x03\x04 cut short")
     Path("link").symlink_to("a.db")
     Path("hard").hardlink_to("a.db")
-    with socket.socket(socket.AF_UNIX) as device:  # as /dev/null, without the harm
-        device.bind("socket")
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind("socket")
+    Path("odd").mkdir()
+    for pipe in ("pipe", "odd/report.html", "odd/fig10.pdf"):
+        os.mkfifo(pipe)
+    _, device = os.openpty()  # as /dev/null, without the harm
+    for name in ("tty", "tty.html"):
+        Path(name).symlink_to(os.ttyname(device))
     Path("broken.toml").write_text("[rods\ncount = 3\n")
     Path("twice.toml").write_text("[rods]\ncount = 3\ncount = 4\n")
 

@@ -71,15 +71,15 @@ def versioned(path, version):
     database(path, f"PRAGMA user_version={version}")
 
 
-def test_a_folder_that_is_missing_or_a_file_to_read_that_is(tmp_path):
-    with pytest.raises(StoreError, match="no such folder"):
-        Store(tmp_path / "nowhere" / "a.db")
+def test_a_folder_or_a_file_to_read_that_is_missing(tmp_path):
     with pytest.raises(StoreError, match="no such file"):
-        Store(tmp_path / "a.db", write=False)
+        Store(tmp_path / "no" / "a.db", write=False)
     for folder in (str(tmp_path), ""):
-        with pytest.raises(StoreError, match="must be a file, not a folder"):
+        with pytest.raises(StoreError, match="is a folder, not a plain file"):
             Store(folder)
     assert list(tmp_path.iterdir()) == []
+    Store(tmp_path / "new" / "a.db").database.close()  # it is made to be written
+    assert (tmp_path / "new" / "a.db").is_file()
 
 
 def test_a_store_opened_for_reading_cannot_be_written(tmp_path):

@@ -117,7 +117,6 @@ def draw_all(
     kept : folder of data to draw as they are, one after the other; None: compute
     """
     mpl.use("Agg")
-    out.mkdir(parents=True, exist_ok=True)
     beside = [name for name in names if not FIGURES[name].alone and kept is None]
     beside = beside if min(len(beside), jobs) > 1 else []
     failed = []

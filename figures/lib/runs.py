@@ -82,8 +82,7 @@ STORE = Path("out/rows.db")  # of all runs; what `--store` of the commands sets
 
 
 def store() -> Path:
-    """Path of the store of all runs; its folder is made."""
-    STORE.parent.mkdir(parents=True, exist_ok=True)
+    """Path of the store of all runs."""
     return STORE
 
 
