@@ -1,4 +1,4 @@
-"""The files that are generated: `impact/_generated.py`, `impact/_kernel.py`; and how one is written.
+"""The generated files, `impact/_generated.py` and `impact/_kernel.py`, and how files are written.
 
 Both are committed; a test generates them again and compares bytes.
 """

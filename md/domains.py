@@ -3,8 +3,11 @@
 import re
 from functools import cache
 from math import inf
+from operator import index
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+import numpy as np
 
 from .errors import InputError
 
@@ -12,7 +15,7 @@ from .errors import InputError
 def number(name: str, value: Any, low: float, high: float, domain: str = "") -> float:
     """`value` as a float in [low, high]; `domain` says in words what is allowed."""
     try:
-        if isinstance(value, bool | str):
+        if isinstance(value, bool | np.bool_ | str):
             raise TypeError
         found = float(value)
     except (TypeError, ValueError):
@@ -38,12 +41,25 @@ def finite(name: str, value: object) -> float:
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:
-    """`value` if it is a whole number in [low, high]."""
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise InputError(f"{name} must be a whole number, got {value!r}")
-    if not low <= value <= high:
+    """`value` as an int in [low, high]."""
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        found = index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise InputError(f"{name} must be a whole number, got {value!r}") from None
+    if not low <= found <= high:
         raise InputError(f"{name} must be {_between(low, high)}, got {value!r}")
-    return value
+    return found
+
+
+def listed(value: Any) -> list | None:
+    """Values of a list, tuple, range or array as Python's own numbers; None for anything else."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if not isinstance(value, list | tuple | range):
+        return None
+    return [x.item() if isinstance(x, np.generic) else x for x in value]
 
 
 def held(name: str, value: Any, hint: Any) -> Any:
@@ -52,11 +68,13 @@ def held(name: str, value: Any, hint: Any) -> Any:
     if NoneType in allowed:
         return None if value is None else held(name, value, kind)
     if get_origin(hint) is Literal:
-        if value not in get_args(hint):
+        if not isinstance(value, str) or value not in get_args(hint):
             raise InputError(f"{name} must be {' or '.join(get_args(hint))}, got {value!r}")
-        return value
+        return str(value)
     if kind in (int, float):
         return (whole if kind is int else number)(name, value, *allowed)
+    if kind is bool and isinstance(value, np.bool_):
+        return bool(value)
     if not isinstance(value, kind):
         wanted = "true or false" if kind is bool else f"of the type {kind.__name__}"
         raise InputError(f"{name} must be {wanted}, got {value!r}")

@@ -64,7 +64,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import qmc
 
-from .domains import finite, held, positive, whole
+from .domains import finite, held, listed, positive, whole
 from .errors import InputError, RunError
 from .files import empty
 from .host import step_of
@@ -385,9 +385,9 @@ def _parameter(name: str, table: object) -> Parameter:
         choices = {c: changes_of(f"{name}.choices.{c}", x) for c, x in choices.items()}
         return Parameter(str(table.get("name", name)), choices=choices, when=when)
     log, integer = (held(f"{name}.{x}", table.get(x, False), bool) for x in ("log", "integer"))
-    keys = table["keys"]
-    if not isinstance(keys, list) or not keys or not all(isinstance(key, str) for key in keys):
-        raise InputError(f"{name}.keys must be a list of keys of the scene, got {keys!r}")
+    keys = listed(table["keys"])
+    if not keys or not all(isinstance(key, str) for key in keys):
+        raise InputError(f"{name}.keys must be a list of keys of the scene, got {table['keys']!r}")
     low, high = (
         (positive if log else finite)(f"{name}.{end}", table.get(end)) for end in ("from", "to")
     )
@@ -409,10 +409,12 @@ def _limits(name: str, table: object) -> tuple[dict[str, Any], str, float, float
     needed = {"result", "holds", "error"}
     if not isinstance(table, Mapping) or not needed <= set(table) <= needed | {"at"}:
         raise InputError(f"{name} must have result, holds, error and at, got {table!r}")
-    holds = table["holds"]
-    fine = isinstance(holds, list) and all(type(end) in (int, float) for end in holds)
-    if not fine or len(holds) != 2 or not holds[0] <= holds[1]:
-        raise InputError(f"{name}.holds must be two numbers, the lower one first, got {holds!r}")
+    holds = listed(table["holds"]) or []
+    numbers = all(type(end) in (int, float) for end in holds)
+    if not numbers or len(holds) != 2 or not holds[0] <= holds[1]:
+        raise InputError(
+            f"{name}.holds must be two numbers, the lower one first, got {table['holds']!r}"
+        )
     error = positive(f"{name}.error", table["error"])
     place = changes_of(f"{name}.at", table.get("at", {}))
     return place, str(table["result"]), float(holds[0]), float(holds[1]), error
@@ -472,9 +474,9 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
                 raise InputError(f"{min(shared)} is varied by {one.name} and {other.name} at once")
     if any("start.seed" in place for place in places):
         raise InputError("start.seed must not stand in data or targets: seeds names the starts")
-    seeds = tables.get("seeds", [1, 2])
-    if not isinstance(seeds, list) or not seeds or len(set(map(str, seeds))) < len(seeds):
-        raise InputError(f"seeds must be a list of different starts, got {seeds!r}")
+    seeds = listed(tables.get("seeds", [1, 2]))
+    if not seeds or len(set(map(str, seeds))) < len(seeds):
+        raise InputError(f"seeds must be a list of different starts, got {tables['seeds']!r}")
     points = whole("points", tables.get("points", 32), 4, 2**16)
     if points & (points - 1):
         raise InputError(

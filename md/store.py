@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError
-from .files import empty, plain, replacing, writable
+from .files import empty, plain, replacing, warn, writable
 from .units import cm_per_s, in_cm
 
 __all__ = ["Store", "StoreError", "table", "write_csv"]
@@ -29,7 +29,6 @@ _WAIT = 60.0  # seconds for another writer
 _CANNOT_WRITE = {sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY}  # beside the store
 _CANNOT_WRITE |= {sqlite3.SQLITE_IOERR, sqlite3.SQLITE_FULL}
 _OF_RUN = "periods", "seed", "code", "error", "seconds", "written"  # columns of all tables
-_NAMES = "scene", "result", *_OF_RUN
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS runs (
@@ -65,18 +64,19 @@ class Store:
     """
 
     def __init__(self, path: str | Path, write: bool = True):
-        self.path = Path(path)
         try:
+            self.path = Path(path)
             fresh = empty(plain(path))
             if write:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
+        except (OSError, TypeError) as error:
             raise StoreError(f"store {str(path)!r} cannot be used: {error}") from None
         if fresh and not write:
             raise StoreError(f"store {path}: no such file")
         how = "mode=rwc" if fresh else self._readable()
         with self._failing("cannot be opened"):
             self.database = self._connected("mode=rwc" if write else how)
+        self.unreadable: set[str] = set()  # keys of rows that were edited to nonsense
         if write:
             self._begin()
 
@@ -145,18 +145,18 @@ class Store:
         self.database.close()
 
     def has(self, key: str, failed: bool = True) -> bool:
-        """Whether the store holds a run.
+        """Whether the store holds a run; a row that cannot be read is named in a warning.
 
         Parameters
         ----------
         key : of the run, as `md.sweep.Point.key`
         failed : whether a run that failed counts as well
         """
-        found = self._found(key)
-        return bool(found) and (failed or found[0] is not None)
+        scene, result = self._found(key)
+        return result is not None or (failed and scene is not None)
 
     def put(self, key: str, about: dict[str, Any], result: dict | None, error: str | None) -> None:
-        """Write a run, to the disk when this returns; a result is never replaced.
+        """Write a run, to the disk when this returns; no result that can be read is replaced.
 
         Parameters
         ----------
@@ -171,7 +171,9 @@ class Store:
         names = ", ".join(row)
         values = ", ".join(f":{name}" for name in row)
         with self._failing("cannot be written"), self.database:
-            self.database.execute("DELETE FROM runs WHERE key = ? AND result IS NULL", (key,))
+            self.database.execute("BEGIN IMMEDIATE")
+            if self.result(key) is None:
+                self.database.execute("DELETE FROM runs WHERE key = ?", (key,))
             self.database.execute(f"INSERT OR IGNORE INTO runs ({names}) VALUES ({values})", row)
 
     def result(self, key: str) -> dict | None:
@@ -181,22 +183,35 @@ class Store:
         ----------
         key : of the run, as `md.sweep.Point.key`
         """
-        found = self._found(key)
-        return json.loads(found[0]) if found and found[0] else None
+        return self._found(key)[1]
 
-    def _found(self, key: str) -> tuple:
-        """Result of a run, as JSON or None, in a tuple; empty without the run."""
+    def _found(self, key: str) -> tuple[dict | None, dict | None]:
+        """Scene and result of a run; without a result it failed, without a scene it is missing."""
         with self._failing("cannot be read"):
-            query = "SELECT result FROM runs WHERE key = ?"
-            return self.database.execute(query, (key,)).fetchone() or ()
+            query = "SELECT key, scene, result FROM runs WHERE key = ?"
+            row = self.database.execute(query, (key,)).fetchone()
+        return self._parsed(*row) if row else (None, None)
+
+    def _parsed(self, key: str, scene: str, result: str | None) -> tuple[dict | None, dict | None]:
+        """Scene and result of a row; None where an edit by hand has left no JSON objects."""
+        with contextlib.suppress(TypeError, ValueError):
+            found = json.loads(scene), None if result is None else json.loads(result)
+            if isinstance(found[0], dict) and isinstance(found[1], dict | None):
+                return found
+        if key not in self.unreadable:
+            warn(f"store {self.path}: run {key} cannot be read; it counts as missing")
+            self.unreadable.add(key)
+        return None, None
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """All runs, in the order in which they were written."""
+        """All runs that can be read, in the order in which they were written."""
         with self._failing("cannot be read"):
-            query = f"SELECT {', '.join(_NAMES)} FROM runs ORDER BY rowid"
-            for scene, result, *rest in self.database.execute(query):
-                found = dict(zip(_OF_RUN, rest, strict=True))
-                yield {"scene": json.loads(scene), "result": json.loads(result or "null"), **found}
+            query = f"SELECT key, scene, result, {', '.join(_OF_RUN)} FROM runs ORDER BY rowid"
+            for key, *texts in self.database.execute(query):
+                scene, result = self._parsed(key, *texts[:2])
+                if scene is not None:
+                    about = dict(zip(_OF_RUN, texts[2:], strict=True))
+                    yield {"scene": scene, "result": result, **about}
 
 
 def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:

@@ -42,7 +42,7 @@ from collections import ChainMap
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -54,7 +54,7 @@ from tqdm import tqdm
 
 from .accuracy import CONFIDENCE, MAX_SECONDS, checked, run
 from .bias import CALIBRATION, choose
-from .domains import finite, held, positive, whole
+from .domains import finite, held, listed, positive, whole
 from .errors import InputError, RunError
 from .host import step_of
 from .plans import in_words
@@ -168,11 +168,19 @@ class Sweep:
 
         Returns
         -------
-        Arrays of the shape of the sweep, with further axes where a result is a list.
+        Arrays of the shape of the sweep, with further axes where a result is a list. Of texts they
+        are arrays of texts, empty where a run is missing.
+
+        Raises
+        ------
+        ValueError
+            If the results have no such name, or differ in shape from run to run.
         """
         with Store(store, write=False) as database:
             results = [database.result(point.key) for point in self.points]
-        return tuple(self._array([named(result, name) for result in results]) for name in names)
+        return tuple(
+            self._array(name, [named(result, name) for result in results]) for name in names
+        )
 
     def labelled(self, store: str | Path, *names: str) -> Any:
         """Results with their coordinates, as an `xarray.Dataset` where xarray is installed.
@@ -206,11 +214,18 @@ class Sweep:
             return found
         return Dataset.from_dict(found)
 
-    def _array(self, values: list) -> np.ndarray:
-        inner = next((np.shape(v) for v in values if v is not None), ())
-        blank = np.full(inner, np.nan)
-        flat = np.array([blank if v is None else np.asarray(v, float) for v in values])
-        return flat.reshape(self.shape + inner)
+    def _array(self, name: str, values: list) -> np.ndarray:
+        there = [value for value in values if value is not None]
+        inner = np.shape(there[0]) if there else ()
+        texts = bool(there) and all(isinstance(value, str) for value in there)
+        blank = "" if texts else np.full(inner, np.nan)
+        try:
+            flat = np.array([blank if v is None else v for v in values], str if texts else float)
+            return flat.reshape(self.shape + inner)
+        except (TypeError, ValueError):
+            raise InputError(
+                f"{name} must hold numbers of one shape in all runs, got {values!r:.200}"
+            ) from None
 
 
 def named(result: dict | None, name: str) -> Any:
@@ -224,12 +239,28 @@ def named(result: dict | None, name: str) -> Any:
     Raises
     ------
     ValueError
-        If the results have no such name.
+        If the results have no such name, or a table of that name; the message names what there is.
     """
-    try:
-        return reduce(lambda found, part: found and found[part], name.split("."), result)
-    except (KeyError, TypeError):
-        raise InputError(f"{name} is not in the results: {', '.join(result or ())}") from None
+    held("names", name, str)
+    found, path = result, ""
+    for part in name.split("."):
+        if found is None:
+            return None
+        if not isinstance(found, dict) or part not in found:
+            raise InputError(f"{name} is not in the results: {', '.join(_leaves(result or {}))}")
+        found, path = found[part], f"{path}{part}."
+    if isinstance(found, dict):
+        raise InputError(f"{name} is a table of results: {', '.join(_leaves(found, path))}")
+    return found
+
+
+def _leaves(table: dict, path: str = "") -> list[str]:
+    """Dotted names of what stands in nested tables."""
+    names = []
+    for key, value in table.items():
+        whole_name = f"{path}{key}"
+        names += _leaves(value, f"{whole_name}.") if isinstance(value, dict) else [whole_name]
+    return names
 
 
 def _values(name: str, given: object) -> list:
@@ -243,13 +274,16 @@ def _values(name: str, given: object) -> list:
         count = whole(f"{name}.count", given["count"], 1, _MOST_POINTS)
         low, high = given["from"], given["to"]
         values = (np.geomspace if log else np.linspace)(low, high, count).tolist()
-        integers = not log and isinstance(low, int) and all(x == round(x) for x in values)
+        integers = (
+            not log and isinstance(low, int | np.integer) and all(x == round(x) for x in values)
+        )
         return [round(x) for x in values] if integers else values
-    if not isinstance(given, list) or not given:
+    values = listed(given)
+    if not values:
         raise InputError(f"{name} must be a list of values, not empty, or a range, got {given!r}")
-    if any(isinstance(value, float) and not math.isfinite(value) for value in given):
+    if any(isinstance(value, float) and not math.isfinite(value) for value in values):
         raise InputError(f"{name} must hold finite values, got {given!r}")
-    return given
+    return values
 
 
 def _axis(number: int, table: object) -> dict[str, list]:
@@ -426,6 +460,7 @@ def execute(
     Interrupted
         On Ctrl-C; what was finished is in the store.
     """
+    held("sweep", sweep, Sweep)
     if whole("workers", workers, -1, 10**4) == 0:
         raise InputError("workers must be at least 1, or -1 for one a core, got 0")
     held("scheduler", scheduler, str | None)

@@ -65,9 +65,7 @@ def test_all_packages_do_the_same():
     """None imports another."""
     assert inspect.getsource(_interrupt.deferred) == inspect.getsource(interrupt.deferred)
     for name in ("plain", "replacing"):
-        assert inspect.getsource(getattr(files, name)) == inspect.getsource(
-            getattr(md.files, name)
-        )
+        assert inspect.getsource(getattr(files, name)) == inspect.getsource(getattr(md.files, name))
     copies = (impact._command_line, command_line, derivations.command_line)
     assert len({inspect.getsource(copy) for copy in copies}) == 1
 

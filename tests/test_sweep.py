@@ -21,6 +21,7 @@ from md.store import Store
 from md.sweep import Point, execute, expand, load_sweep
 
 from .command_line import ended
+from .test_store import database
 
 SCENE = """
 [rods]
@@ -92,6 +93,31 @@ def test_axes_multiply_and_keys_of_one_axis_go_together():
     assert (axes().shape, len(axes().points)) == ((), 1)
 
 
+@pytest.mark.parametrize(
+    "values",
+    [(2, 3), range(2, 4), np.array([2, 3]), np.array([2, 3], np.int8), [np.int64(2), np.uint8(3)]],
+    ids=repr,
+)
+def test_numbers_of_numpy_are_numbers(values):
+    """As axes, counts and texts, with the keys that plain ones have in a store."""
+    found = axes({"rods.count": values}, {"start.tilt_deg": np.array([10.0, 20.0])})
+    wanted = axes({"rods.count": [2, 3]}, {"start.tilt_deg": [10.0, 20.0]})
+    assert found == wanted
+    assert [point.key for point in found.points] == [point.key for point in wanted.points]
+    first = values[0]
+    assert md.Rods(count=first, inertia=np.str_("thin")) == md.Rods(count=2, inertia="thin")
+    assert repr(md.Rods(count=first, inertia=np.str_("thin"))) == repr(md.Rods(2, inertia="thin"))
+    assert expand({"periods": first}, BASE).points == expand({"periods": 2}, BASE).points
+    span = {"from": first, "to": values[1], "count": first}
+    assert axes({"start.seed": span}).axes == ({"start.seed": [2, 3]},)
+
+
+@pytest.mark.parametrize("value", [np.float64(2), np.bool_(True), np.array([2, 3]), "2", True])
+def test_what_is_no_whole_number_is_refused(value):
+    with pytest.raises(ValueError, match=r"^rods.count must be a whole number, got"):
+        md.Rods(count=value)
+
+
 def test_the_example_sweep_can_run():
     sweep = load_sweep("drift")
     assert len(sweep.points) == np.prod(sweep.shape) > 1
@@ -159,8 +185,57 @@ def test_a_result_that_no_run_has_is_named(tmp_path, reference):
     sweep, _ = reference
     execute(sweep, tmp_path / "a.db", workers=1)
     for name in ("c_xx", "c_x.mean", "touches.speed.mean"):
-        with pytest.raises(ValueError, match=f"{name} is not in the results: c_x, c_x_stderr"):
+        with pytest.raises(ValueError, match=f"{name} is not in the results: c_x, c_x_stderr") as e:
             sweep.gather(tmp_path / "a.db", name)
+    offered = str(e.value).partition(": ")[2].split(", ")
+    with pytest.raises(ValueError, match=r"^touches is a table of results: touches\.") as e:
+        sweep.gather(tmp_path / "a.db", "touches")
+    assert set(str(e.value).partition(": ")[2].split(", ")) < set(offered)
+    found = sweep.labelled(tmp_path / "a.db", *offered)
+    assert set(found["law"].data.flat) == {"coulomb"}
+    assert set(found) == set(offered)
+
+
+def test_arguments_in_the_wrong_place_are_named(tmp_path, reference):
+    sweep, _ = reference
+    execute(sweep, tmp_path / "a.db", workers=1)
+    with pytest.raises(ValueError, match="names must be of the type str, got 3"):
+        sweep.gather(tmp_path / "a.db", 3)
+    with pytest.raises(ValueError, match=r"store .3. cannot be used"):
+        sweep.gather(3, "c_x")
+    with pytest.raises(ValueError, match="sweep must be of the type Sweep, got 3"):
+        execute(3, tmp_path / "a.db")
+
+
+@pytest.mark.parametrize(
+    ("column", "text"), [("result", "oops"), ("result", ""), ("result", "3"), ("scene", "{")]
+)
+def test_a_row_edited_to_nonsense_is_named_and_run_again(tmp_path, reference, column, text, capsys):
+    sweep, wanted = reference
+    execute(sweep, tmp_path / "a.db", workers=1)
+    key = sweep.points[2].key
+    database(tmp_path / "a.db", f"UPDATE runs SET {column} = '{text}' WHERE key = '{key}'")
+    named = pytest.warns(RuntimeWarning, match=f"run {key} cannot be read; it counts as missing")
+    with named as told:
+        (c_x,) = sweep.gather(tmp_path / "a.db", "c_x")
+    assert len(told) == 1
+    assert np.isnan(c_x).sum() == np.isnan(c_x[1, 0]) == 1
+    with pytest.warns(RuntimeWarning, match=key):
+        assert main(["results", str(tmp_path / "a.db")]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 6
+    with pytest.warns(RuntimeWarning, match=key) as told:
+        assert execute(sweep, tmp_path / "a.db", workers=1).computed == 1
+    assert len(told) == 1
+    assert gathered(sweep, tmp_path / "a.db") == wanted
+
+
+def test_results_of_different_shapes_are_named(tmp_path, reference):
+    sweep, _ = reference
+    execute(sweep, tmp_path / "a.db", workers=1)
+    edit = "UPDATE runs SET result = json_set(result, '$.c_x', 'fast') WHERE key ="
+    database(tmp_path / "a.db", f"{edit} '{sweep.points[0].key}'")
+    with pytest.raises(ValueError, match=r"^c_x must hold numbers of one shape in all runs"):
+        sweep.gather(tmp_path / "a.db", "c_x")
 
 
 def test_two_workers_give_the_same_bits(tmp_path, reference):
