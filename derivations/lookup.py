@@ -13,11 +13,13 @@ from .registry import ENTRIES
 from .symbols import NAMED
 
 _ENTRIES = {entry.tag: entry for entry in ENTRIES}
+_BY_LETTERS = {tag.lower(): entry for tag, entry in _ENTRIES.items()}
 
 
-def _entry(tag: str) -> Equation:
-    """Find the equation of a tag; raise `ValueError` if there is none."""
-    entry = _ENTRIES.get(tag) if isinstance(tag, str) else None
+def _entry(tag: str | int) -> Equation:
+    """Find the equation of a tag, however it is written; raise `ValueError` if there is none."""
+    written = str(tag).strip().lower()
+    entry = _BY_LETTERS.get(written) or _BY_LETTERS.get(written.removeprefix("(").removesuffix(")"))
     if entry is None:
         near = ", ".join(map(repr, get_close_matches(str(tag), _ENTRIES, cutoff=0.4)))
         raise ValueError(
@@ -29,12 +31,13 @@ def _entry(tag: str) -> Equation:
     return entry
 
 
-def equation(tag: str, *, printed: bool = False) -> Form:
+def equation(tag: str | int, *, printed: bool = False) -> Form:
     """Right-hand side of one equation, as derived from Newton's laws or as the paper prints it.
 
     Parameters
     ----------
-    tag : the paper's number ("21", "B4"), or another tag of `derivations.registry.ENTRIES`
+    tag : the paper's number ("21", "(21)", 21, "B4", "b4"), or another tag of
+        `derivations.registry.ENTRIES`
     printed : the form in our copy of the paper, mistakes included, instead of the derived one
 
     Returns
@@ -85,7 +88,7 @@ def _spread(value: Any, shape: tuple[int, ...]) -> Any:
     return value
 
 
-def function(tag: str) -> Callable[..., Any]:
+def function(tag: str | int) -> Callable[..., Any]:
     """Make a NumPy function of one derived equation.
 
     Parameters
@@ -121,7 +124,7 @@ def function(tag: str) -> Callable[..., Any]:
     >>> drift(X=X, Z=Z, k=0.3, mu=0.3, epsilon=0.65, V_z=1.0).round(3)
     array([2.588, 1.748])
     """
-    form = equation(tag).doit()
+    form, tag = equation(tag).doit(), _entry(tag).tag
     order = [*NAMED.values(), *sorted(form.free_symbols, key=str)]
     letters = sorted(form.free_symbols, key=order.index)
     vector = isinstance(form, sp.MatrixBase)

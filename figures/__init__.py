@@ -24,12 +24,16 @@ To add a figure: write its module in a room, and its line in figures.toml.
 """
 
 import tomllib
+from collections.abc import Iterable
 from dataclasses import dataclass
+from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
-__all__ = ["FIGURES", "Entry", "load"]
+from impact import InputError
+
+__all__ = ["FIGURES", "Entry", "check", "load"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +55,38 @@ FIGURES = {
 }
 
 
+def check(names: Iterable[str]) -> None:
+    """Refuse names of which one is not in `FIGURES`.
+
+    Parameters
+    ----------
+    names : of figures
+
+    Raises
+    ------
+    ValueError
+        With the names that are like it.
+    """
+    for name in names:
+        if name not in [*FIGURES]:
+            near = ", ".join(get_close_matches(str(name), FIGURES, cutoff=0.4))
+            raise InputError(
+                f"there is no figure {name!r}{near and f'; near it: {near}'}; "
+                "`python -m figures list` lists all"
+            )
+
+
 def load(name: str) -> ModuleType:
     """Module of a figure, with its `data(quick)` and `draw(data)`.
 
     Parameters
     ----------
     name : one of `FIGURES`
+
+    Raises
+    ------
+    ValueError
+        If there is no figure of that name.
     """
+    check([name])
     return import_module(f".{FIGURES[name].room}.{name}", __name__)

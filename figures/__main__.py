@@ -15,7 +15,7 @@ import click
 from impact import InputError
 from impact._command_line import Commands
 
-from . import FIGURES
+from . import FIGURES, check
 from .lib.tables import plain
 
 PRICES = "prices.txt", "prices.json", "prices.png"
@@ -106,9 +106,7 @@ def draw(
     python -m figures draw --all --quick            # every figure, on coarse grids
     python -m figures draw which_law --data figures/gallery
     """
-    for name in names:
-        if name not in FIGURES:
-            raise InputError(f"there is no figure {name!r}; known: {', '.join(FIGURES)}")
+    check(names)
     if every and names:
         raise InputError(f"--all draws every figure and takes no names, got {names[0]}")
     if data:

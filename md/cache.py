@@ -5,6 +5,7 @@ cache lives outside the checkout, in a folder named after the bytes of all files
 what these use; an edit of any of them compiles all kernels again.
 """
 
+import math
 import multiprocessing
 import os
 import shutil
@@ -101,12 +102,19 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
         return partial(kernel, inline=inline)
     found = _dispatcher(function, forceinline=inline, no_cpython_wrapper=inline)
     if numba.config.DISABLE_JIT:
+        if "sqrt" in function.__globals__:
+            function.__globals__["sqrt"] = _root
         return found
     if inline:
         called = cache(partial(_dispatcher, function))
         found._insert = lambda *_: None  # what has no entry cannot be called, and crashes
         found._compile_for_args = lambda *_, **__: called()
     return found
+
+
+def _root(x: float) -> float:
+    """Square root as compiled code has it: Python's own raises for a negative number."""
+    return math.sqrt(x) if x >= 0.0 else math.nan
 
 
 def _dispatcher(function: Callable, **options: bool) -> Any:

@@ -374,6 +374,11 @@ def both(**options: Any) -> dict[str, Any]:
     return {f"contacts.{part}.{key}": v for part in ("plate", "rods") for key, v in options.items()}
 
 
+def _examples(folder: Path) -> list[str]:
+    """Names of the examples in a folder."""
+    return sorted(path.stem for path in folder.glob("*.toml"))
+
+
 def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     """Tables of a TOML file, or of the example of that name.
 
@@ -390,7 +395,7 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source}: {error}") from None
     except (OSError, UnicodeDecodeError) as error:
-        names = ", ".join(sorted(p.stem for p in examples.glob("*.toml")))
+        names = ", ".join(_examples(examples))
         reason = getattr(error, "strerror", None) or error
         what = "cannot be read" if path.exists() else "no such scene"
         raise InputError(f"{source}: {what} ({reason}); examples: {names}") from None
@@ -413,6 +418,11 @@ def from_tables(tables: Mapping) -> Scene:
     ValueError, TypeError
         If they do not make a scene.
     """
+    if not tables:
+        raise InputError(
+            "the scene is empty: name what there is, such as rods, plate, box, gravity, contacts, "
+            f"and start.tilt_deg or box.length; examples: {', '.join(_examples(SCENES))}"
+        )
     tables, said = reduced(tables)
     try:
         return _build(Scene, "", tables)

@@ -30,7 +30,7 @@ Python, a full grid of two axes and what came of it as labelled arrays:
 >>> (c_x,) = sweep.gather("grid.db", "c_x_cm_s")
 >>> c_x.shape
 (2, 3)
->>> found = sweep.labelled("grid.db", "c_x_cm_s")  # by xarray, with coordinates
+>>> found = sweep.labelled("grid.db", "c_x_cm_s")  # by xarray, the extra [md]
 """
 
 import hashlib
@@ -183,7 +183,7 @@ class Sweep:
         )
 
     def labelled(self, store: str | Path, *names: str) -> Any:
-        """Results with their coordinates, as an `xarray.Dataset` where xarray is installed.
+        """Results with their coordinates, by xarray (`pip install 'rod-impact[md]'`).
 
         Parameters
         ----------
@@ -192,27 +192,29 @@ class Sweep:
 
         Returns
         -------
-        Dataset with a dimension for each axis, which has the name of the axis' first key; its other
-        keys are coordinates along it. Without xarray the dictionary from which
-        `xarray.Dataset.from_dict` makes it: in "coords" and "data_vars" by their names
-        {"dims": names of dimensions, "data": array}.
+        `xarray.Dataset` with a dimension for each axis, which has the name of the axis' first key;
+        its other keys are coordinates along it.
+
+        Raises
+        ------
+        ValueError
+            As `gather`, and without xarray.
         """
+        try:
+            from xarray import Dataset  # late: an extra that no run needs
+        except ImportError:
+            raise InputError("labelled needs xarray: pip install 'rod-impact[md]'") from None
         dims = [next(iter(axis)) for axis in self.axes]
         coords = {
-            key: {"dims": (dim,), "data": np.array(values)}
+            key: (dim, np.array(values))
             for dim, axis in zip(dims, self.axes, strict=True)
             for key, values in axis.items()
         }
         variables = {}
         for name, array in zip(names, self.gather(store, *names), strict=True):
             inner = [f"{name}.{i}" for i in range(array.ndim - len(dims))]
-            variables[name] = {"dims": (*dims, *inner), "data": array}
-        found = {"coords": coords, "data_vars": variables}
-        try:
-            from xarray import Dataset  # late: only here, and only if it is installed
-        except ImportError:
-            return found
-        return Dataset.from_dict(found)
+            variables[name] = (*dims, *inner), array
+        return Dataset(variables, coords)
 
     def _array(self, name: str, values: list) -> np.ndarray:
         there = [value for value in values if value is not None]

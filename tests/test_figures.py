@@ -51,6 +51,13 @@ def drawn_colours(picture: Figure) -> set[str]:
     return {word for word, there in seen.items() if there.any()}
 
 
+@pytest.mark.parametrize("name", ["nosuch", "fig1", 11, ["fig11"]])
+def test_a_figure_that_is_not_there_is_named(name):
+    near = r"; near it: fig1\d" if name == "fig1" else ""
+    with pytest.raises(ValueError, match=rf"^there is no figure {re.escape(repr(name))}{near}"):
+        figures.load(name)
+
+
 @pytest.mark.parametrize("name", figures.FIGURES)
 def test_every_figure(name):
     """Numbers without objects, axes with names, words made of the numbers, which stay as they are.

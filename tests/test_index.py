@@ -292,6 +292,11 @@ def test_the_old_page_stays_until_the_new_one_is_whole(tmp_path, monkeypatch, ca
     assert {path.name for path in tmp_path.iterdir()} == {"index.html", "prices.txt"}
 
 
+def test_a_page_of_sliders_alone_is_something_to_show(tmp_path):
+    (tmp_path / "impact.html").touch()
+    assert b"impact.html" in index.files(tmp_path)["index.html"]
+
+
 def test_folders_that_are_left_alone(tmp_path, monkeypatch, capsys):
     """Without anything to show, or that of the gallery itself."""
     refused(lambda: main(["index", "--out", str(tmp_path / "typo")]), "typo", capsys)

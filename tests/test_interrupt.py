@@ -342,6 +342,7 @@ def test_no_table_and_no_report_are_half_written(tmp_path, monkeypatch):
         ("impact benchmark", 2),
         ("figures draw alpha", 1),  # as any figure that fails
         ("md impact --tilt-deg 20 --c-x 0.5 --c-z -1", 0),
+        ("md run my_rods --periods 1 --set rods.count=2 --set box.length=2.2", 0),
     ],
 )
 def test_without_the_compiler(command, code, tmp_path):
@@ -352,7 +353,7 @@ def test_without_the_compiler(command, code, tmp_path):
         env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT)},
     )
     assert done.returncode == code
-    assert ("regime" in done.stdout) == (code == 0)
+    assert bool(done.stdout) == (code == 0)
     assert ("NUMBA_DISABLE_JIT is set" in done.stderr) == (code > 0)
     assert "Traceback" not in done.stderr
 

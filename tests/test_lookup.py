@@ -85,9 +85,19 @@ def test_whole_numbers_and_single_precision():
     assert drift(*np.ones((5, 3), np.float32)).dtype == np.float32
 
 
+@pytest.mark.parametrize(
+    ("tag", "given"),
+    [("21", "(21)"), ("21", 21), ("21", np.int64(21)), ("B4", "b4"), ("B4", "(B4)")],
+)
+def test_a_tag_is_taken_as_it_is_written(tag, given):
+    """In parentheses, as a number, in either case."""
+    assert derivations.equation(given) == derivations.equation(tag)
+    assert derivations.function(given).__name__ == f"equation_{tag}"
+
+
 WRONG = [
     ("210", "tag must be .* got '210'; near it: '21', '20', .* lists all"),
-    (21, "tag must be .* got 21; near it: '21'"),
+    (210, "tag must be .* got 210; near it: '21'"),
     (["21"], r"tag must be .* got \['21'\]"),
     ("III: Fig. 3(c)", r"'III: Fig. 3\(c\)' is a statement in words"),
 ]

@@ -151,34 +151,31 @@ def test_what_is_there_is_not_computed_again(sweep_file, tmp_path):
         assert (tally.there, tally.computed) == (6 - computed, computed)
 
 
-@pytest.mark.parametrize("there", [True, False])
-def test_results_come_back_with_their_coordinates(tmp_path, reference, monkeypatch, there):
-    """As a Dataset of xarray, and, without it, as the dictionary from which that is made."""
+def test_results_come_back_with_their_coordinates(tmp_path, reference):
+    """As a Dataset of xarray."""
     axis = {"start.tilt_deg": [10, 20, 30], "contacts.plate.law": ["coulomb", "appendix_a", "x"]}
     sweep, _ = reference
     zipped = replace(sweep, axes=(axis, sweep.axes[1]))
-    if there:
-        pytest.importorskip("xarray")
-    else:
-        monkeypatch.setitem(sys.modules, "xarray", None)
     execute(sweep, tmp_path / "a.db", workers=1)
     names = "c_x", "phases"
-    found, arrays = (
-        zipped.labelled(tmp_path / "a.db", *names),
-        sweep.gather(tmp_path / "a.db", *names),
-    )
-    if there:
-        one = found["c_x"].sel({"start.tilt_deg": 20, "start.seed": 2})
-        assert (one == arrays[0][1, 1], one["contacts.plate.law"]) == (True, "appendix_a")
-        found = found.to_dict(data="array")
+    found = zipped.labelled(tmp_path / "a.db", *names)
+    arrays = sweep.gather(tmp_path / "a.db", *names)
+    one = found["c_x"].sel({"start.tilt_deg": 20, "start.seed": 2})
+    assert (one == arrays[0][1, 1], one["contacts.plate.law"]) == (True, "appendix_a")
     dims = "start.tilt_deg", "start.seed"
     for name, array, inner in zip(names, arrays, ((), ("phases.0",)), strict=True):
-        assert found["data_vars"][name]["dims"] == dims + inner
-        assert np.array_equal(found["data_vars"][name]["data"], array)
+        assert found[name].dims == dims + inner
+        assert np.array_equal(found[name].data, array)
     for dim, axis in zip(dims, zipped.axes, strict=True):
         for key, values in axis.items():
-            assert found["coords"][key]["dims"] == (dim,)
-            assert list(found["coords"][key]["data"]) == values
+            assert found[key].dims == (dim,)
+            assert list(found[key].data) == values
+
+
+def test_without_xarray_the_extra_is_named(tmp_path, reference, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(ValueError, match=r"labelled needs xarray: pip install 'rod-impact\[md\]'"):
+        reference[0].labelled(tmp_path / "a.db", "c_x")
 
 
 def test_a_result_that_no_run_has_is_named(tmp_path, reference):

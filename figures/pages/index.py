@@ -198,7 +198,7 @@ def files(out: Path) -> dict[str, bytes]:
         "movies": _movies(folder),
         "others": [*filter(None, map(folder.picture, set(folder.names(".png")) - known))],
     }
-    if not folder.own:
+    if not (folder.own or folder.find("impact.html")):
         raise InputError(f"out must be a folder that holds something to show, got {out}")
     if (out / "gallery").resolve() == GALLERY:
         raise InputError(f"out must not be the folder of the project's gallery, got {out}")
