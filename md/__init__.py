@@ -36,8 +36,7 @@ the kernels (`md.laws`).
 
 `LAWS` holds the contact laws and `INTEGRATORS` the names of the methods, both for one impact. Many
 runs along axes are `md.sweep`, parameters from measurements `md.search`, results in `md.store`, the
-touches of a run one by one `md.records`, its frames `md.trajectory`, what a scene of your own needs
-for `run(scene, tolerance=...)` `md.calibration`.
+touches of a run one by one `md.records`, its frames `md.trajectory`.
 
 Reduced units throughout: rod diameter d, mass of a rod and gravity are 1; scenes take cm, cm/s and
 Hz as well, and `Scene.cm_per_s` is one unit of velocity. Nothing here is taken from the theory of
@@ -56,7 +55,7 @@ rod, reference, soft_impact         `impact`: every switch located, or fixed ste
 host, placement                     a scene under way: constants and arrays of the kernels
 measures, records, statistics       what a run measures, with errors; its touches one by one
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
-accuracy, bias, calibration, plans  `run`: step and length from a tolerance; bias of the step
+accuracy                            `run`: step and length from a tolerance
 sweep, store                        many runs and their results; `Point.key` says which is stale
 search, surface, measured_table     parameters from measured results, by many runs
 sources                             digest of the sources of a run, a part of that key
@@ -116,6 +115,6 @@ def __getattr__(name: str) -> Any:
     """Version, and modules that need joblib or SciPy's statistics: found only when asked for."""
     if name == "__version__":
         return version("rod-impact")
-    if name in ("calibration", "records", "search", "store", "sweep"):
+    if name in ("records", "search", "store", "sweep"):
         return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

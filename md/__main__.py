@@ -6,18 +6,16 @@ import sys
 import warnings
 from functools import partial
 from math import radians
-from pathlib import Path
 from typing import Any
 
 import click
 
-from . import accuracy, bias, plans, soft_impact
+from . import accuracy, soft_impact
 from .command_line import Commands
 from .errors import InputError
-from .files import NotWritten, distinct, writable
+from .files import NotWritten, distinct
 from .laws import LAWS, Law
 from .result_text import (
-    calibration_text,
     impact_text,
     result_json,
     result_text,
@@ -160,11 +158,12 @@ def _law(given: dict[str, Any]) -> Law:
     help="Longest time that --tolerance may take (default 600), but for the first 320 periods, in "
     "an annulus 640, which are made in any case.",
 )
-@click.option("--workers", type=int, help="With --tolerance: starts at once (default 1).")
+@click.option("--workers", type=int, help="With --tolerance: starts at once (default 2).")
 @click.option(
-    "--calibration", metavar="FILE", help="Of this scene, by calibrate; --tolerance uses it."
+    "--measure-bias",
+    is_flag=True,
+    help="With --tolerance: measure what the step does to the drift, by steps twice as long.",
 )
-@click.option("--plan", is_flag=True, help="Say what --tolerance will take, and do not run.")
 @click.option("--trajectory", metavar="FILE", help="Write extended XYZ, for OVITO and ASE.")
 @click.option("--frames", type=int, help="Of the trajectory, per period (default 1).")
 @click.option("--checkpoint", metavar="FILE", help="Save here; go on from it if it is there.")
@@ -174,7 +173,7 @@ def run(
     changes: tuple[str, ...],
     trajectory: str | None,
     checkpoint: str | None,
-    plan: bool,
+    measure_bias: bool,
     as_json: bool,
     **given: Any,
 ) -> int:
@@ -187,8 +186,7 @@ def run(
     \b
     python -m md run quasi2d --periods 200
     python -m md run quasi2d --tolerance 0.01         # until the drift is within 1 % of its value
-    python -m md run quasi2d --tolerance 0.01 --plan  # what that takes
-    python -m md run annulus --tolerance 0.03 --workers 2  # of two arrangements of the rods
+    python -m md run annulus --tolerance 0.03 --workers 4  # of four arrangements of the rods
     python -m md run my_rods --set rods.length_cm=4 --set plate.amplitude_cm=0.03
     python -m md run quasi2d --set plate.acceleration=2 --set contacts.plate.law=coulomb --json
     python -m md run quasi2d --set contacts.plate.law=appendix_a --set contacts.plate.restitution=none
@@ -204,22 +202,13 @@ def run(
         raise InputError("frames has no meaning without trajectory")
     if of_tolerance := _given(given, "tolerance", "confidence", "floor", "max_seconds"):
         accuracy.checked(**of_tolerance)
-    if plan:
-        files = {"trajectory": trajectory, "checkpoint": checkpoint, "json": as_json}
-        chosen_files = {name for name, value in files.items() if value}
-        known = {"tolerance", "confidence", "workers", "calibration"}
-        if other := {*chosen, *chosen_files} - known:
-            raise InputError(f"{min(other)} has no meaning with plan")
-        if "tolerance" not in chosen:
-            raise InputError("plan has no meaning without tolerance")
-        print(plans.plan_in_words(plans.plan(load(scene, changes), **chosen)))
-        return 0
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotWritten)  # said after the result
         result = accuracy.run(
             load(scene, changes),
             trajectory=trajectory,
             checkpoint=checkpoint,
+            measure_bias=measure_bias,
             progress=not as_json,
             **chosen,
         )
@@ -282,53 +271,6 @@ def search(search: str, store: str, as_json: bool, **how: Any) -> None:
     distinct(search=search, store=store)
     found = searches.search(searches.load_search(search), store, progress=not as_json, **how)
     print(_dumps(finite(search_json(found))) if as_json else search_text(found))
-
-
-@main.command()
-@click.argument("scene", required=False)
-@_changes
-@click.option("--store", metavar="FILE", help="SQLite file; it goes on from there.")
-@click.option("--out", metavar="FILE", help="JSON file for --calibration.")
-@click.option("--periods", type=int, help="Of each run of SCENE (default 6000).")
-def calibrate(
-    scene: str | None,
-    changes: tuple[str, ...],
-    store: str | None,
-    out: str | None,
-    periods: int | None,
-) -> None:
-    """Measure the step's bias, of SCENE or of all (an hour).
-
-    SCENE is a TOML file, or the name of an example, that the calibration in use does not cover:
-    this takes minutes, and --tolerance needs no second run for the bias then. Runs made are kept in
-    --store (default: beside FILE, ending in .db).
-
-    \b
-    python -m md calibrate mine.toml --out mine.json
-    python -m md run mine.toml --tolerance 0.01 --calibration mine.json
-    python -m md calibrate --store calibration.db                  # the one that ships
-    """
-    from . import calibration  # late: help needs no joblib
-
-    if scene is None and (changes or periods is not None):
-        raise InputError(f"{'set' if changes else 'periods'} has no meaning without SCENE")
-    if not (scene or store):
-        raise InputError("store is missing: without SCENE, runs of half an hour are kept there")
-    if scene and out is None:
-        raise InputError("out is missing: the file of a calibration of SCENE")
-    path = Path(out or bias.CALIBRATION)  # beside the sources, perhaps read-only
-    kept = Path(store) if store else path.with_suffix(".db")
-    distinct(scene=scene, store=kept, out=path)
-    writable("out", path, bias.is_calibration, "one of a calibration")
-    if scene is None:
-        found = calibration.calibrate(kept, progress=True)
-    else:
-        own, how = load(scene, changes), _given({"periods": periods}, "periods")
-        spent = calibration.seconds_of(own, **how)
-        print(f"price     {spent:.2g} s of processor time, less what {kept} holds", flush=True)
-        found = calibration.of_scene(own, kept, progress=True, **how)
-    calibration.write(path, found)
-    print(f"{calibration_text(found)}\nwritten   {path}")
 
 
 @main.command()

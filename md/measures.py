@@ -148,6 +148,10 @@ class Tables:
         """Mean drift of each period made."""
         raise NotImplementedError
 
+    def fell(self, periods: int) -> np.ndarray:
+        """Rods that fell over in each period made; it is not counted in an annulus."""
+        return np.zeros(periods)
+
     def error(self, series: np.ndarray) -> float:
         """Standard error of the mean of one value a period."""
         return standard_error(series)
@@ -209,6 +213,10 @@ class RowTables(Tables):
         if engine.step == periods * self.per:  # the next period's first sample is not yet made
             places[-1] = engine.rods[:, codes.X].mean()
         return np.diff(places) / (engine.dt * self.per)
+
+    def fell(self, periods: int) -> np.ndarray:
+        """Rods that fell over in each period made."""
+        return self.series.rows[:periods, codes.FELL].copy()
 
     def results(self, first: int, periods: int) -> dict[str, Any]:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""

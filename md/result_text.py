@@ -1,12 +1,12 @@
-"""Results as text: one impact, a run of a scene, a sweep, a calibration, the table of a store."""
+"""Results as text: one impact, a run of a scene, a sweep, the table of a store."""
 
 from collections.abc import Iterable, Sequence
 from itertools import combinations, count
-from math import inf, isnan, sqrt
+from math import inf, isfinite, isnan, sqrt
 from typing import TYPE_CHECKING, Any
 
+from .accuracy import UNLIKELY
 from .measures import wedged_periods
-from .plans import in_words
 from .scene import Scene, as_dict
 from .simulation import Result, finite
 from .soft_impact import Impact
@@ -17,6 +17,7 @@ if TYPE_CHECKING:  # help needs no joblib
     from .search import Found
     from .sweep import Tally
 
+NOTHING = 1e-6  # of the plate's peak velocity: a slower drift is none
 SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
 _OF_RESULT = "accuracy.", "annulus.", "energy.", "landings.", "touches.", "turned.", "versions."
 
@@ -71,7 +72,7 @@ def result_text(result: Result) -> str:
         balance = f"gained {energy['change']:.3g}, residual {energy['residual']:.1e} m g d"
         plate = f"plate {energy['plate_work']:.4g}, lost {lost:.4g}, "
         lines += [labelled("energy", plate, balance)]
-    return "\n".join([*lines, *_cost(result), *in_words(result)])
+    return "\n".join([*lines, *_cost(result), *accuracy_lines(result)])
 
 
 def _with_error(value: float, error: float) -> str:
@@ -116,7 +117,7 @@ def _cost(r: Result) -> list[str]:
     lines = [labelled("periods" if r.scene.vibrates else "sqrt(d/g)", span, ended)]
     if r.scene.vibrates and r.accuracy is None:
         if r.settled is False:
-            few = "not settled: the drift still trends behind the transient; ask for more periods"
+            few = "not settled: drift or falls trend behind the transient; ask for more periods"
             lines += [labelled("warning", few)]
         elif r.scene.annulus is not None and r.periods < SETTLING:
             few = f"an annulus needs {SETTLING} periods or more to settle"
@@ -129,6 +130,58 @@ def _cost(r: Result) -> list[str]:
     rods = f"({n} rod{'s' * (n > 1)}, {r.steps_per_period} steps each) "
     time = f"in {r.run_seconds:.3g} s, {each:.3g} ns each; compiled in {r.compile_seconds:.2g} s"
     return [*lines, labelled("cost", steps, rods, time)]
+
+
+def accuracy_lines(result: Result) -> list[str]:
+    """Lines on step and error of a run with a tolerance, and on the price of the next digit."""
+    a, unit = result.accuracy, result.scene.cm_per_s
+    if a is None:
+        return []
+    verdict = a.state if a.state == "reached" else a.state.upper()
+    if not isfinite(a.error):
+        return [labelled("accuracy", f"{verdict}: ended too early to tell the error")]
+    if abs(result.c_x) + a.error < NOTHING * result.scene.plate_speed:
+        still = f"nothing drifts; c_x is below {NOTHING:g} of the plate's velocity"
+        return [labelled("accuracy", f"{verdict}: {still}")]
+    size = max(abs(result.c_x), a.floor)
+    of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
+    bias = f"its bias is within {a.bias_error / size:.1g}"
+    if a.bias_measured:
+        taken = f"{a.bias / size:+.2g} +- {a.bias_error / size:.1g}"
+        bias = f"its bias {taken}, measured by steps twice as long, is taken off"
+    lines = [
+        labelled(
+            "accuracy",
+            f"{verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within ",
+            f"{a.error:.2g} sqrt(g d) = {a.error * unit:.2g} cm/s, {a.error / size:.2g} of it, ",
+            f"at {a.confidence:.4g} confidence",
+        ),
+        labelled(
+            "step",
+            f"dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact; {bias}; ",
+            f"the statistical error is {a.statistical / size:.2g}",
+        ),
+        labelled(
+            "starts", f"{a.starts}, {a.made} periods in all, for c_x; all else is of the first"
+        ),
+    ]
+    if a.chance < UNLIKELY[result.scene.annulus is not None]:
+        several = "they differ: the scene has several states; their scatter counts; "
+        lines.append(labelled("", several, "more --workers tell it better"))
+    if a.fell:
+        unseen = "a decay of the drift that is slower than the run cannot be seen"
+        lines.append(labelled("warning", f"rods fell over {a.fell} times: {unseen}"))
+    if a.state == "not settled":
+        why = "drift or falls still trend; the error is the change that is seen"
+        lines.append(labelled("", why))
+    if a.state == "not reached" and not isnan(a.needed_seconds):
+        never = "the bias alone is known no better"
+        takes = f"this would take about {a.needed_seconds:.3g} s of run time"
+        lines.append(labelled("", takes if isfinite(a.needed_seconds) else never))
+    if a.error / size > a.tolerance / 10 and isfinite(a.next_digit_seconds):
+        dearer = f"{a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
+        lines.append(labelled("next digit", dearer))
+    return lines
 
 
 def tally_text(tally: "Tally") -> str:
@@ -223,30 +276,6 @@ def _columns(heads: list[str], rows: list[list[str]]) -> list[str]:
         "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
         for row in (heads, *rows)
     ]
-
-
-def calibration_text(found: dict[str, Any]) -> str:
-    """Order and size of the bias of a step."""
-    scenes = len(found["drift"])
-    if "scene" in found:
-        size = ", ".join(
-            f"{c:.4g} +- {e:.1g}"
-            for c, e in zip(found["drift"][0], found["drift_error"][0], strict=True)
-        )
-        return (
-            f"drift     {size} sqrt(g d) at {', '.join(map(str, found['steps']))} steps a contact\n"
-            f"bias      at ten steps a contact: {found['step']:+.3f} +- {found['step_error']:.3f}"
-        )
-    step = f"{found['step']:+.3f}, scene to scene +- {found['step_scatter']:.3f}"
-    return "\n".join(
-        [
-            f"order     {found['order']:.3g} +- {found['order_error']:.2g}, of {scenes} scenes; of "
-            f"their scatter {found['scatter_order']:.2g}",
-            f"bias      at ten steps a contact and 30 degrees: {step}",
-            f"          e times larger every {found['growth_deg']:.3g} degrees; steps count as "
-            f"longer where\n          the plate's tangential ratio is above {found['ratio']:.3g}",
-        ]
-    )
 
 
 def store_text(columns: Iterable[str], rows: Sequence[dict[str, Any]], cm: bool) -> str:

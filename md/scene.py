@@ -127,8 +127,7 @@ class Step(Part):
 
     size : in sqrt(d/g); None: a fiftieth of a contact at twice the plate's peak velocity
     coarse : allow steps too long for the tangential springs, whose force then chatters within
-        mu F_n, up to the limit of the normal force; what it does to the drift is measured
-        (`md.calibration`)
+        mu F_n, up to the limit of the normal force (what it does to the drift: `md.accuracy`)
     """
 
     size: Annotated[float, 1e-12, 1000.0] | None = None

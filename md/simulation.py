@@ -25,7 +25,7 @@ from .interrupt import SIGNALS
 from .measures import tables_of
 from .scene import Scene, Step, as_dict
 from .sources import digest
-from .statistics import TREND, transient, trend
+from .statistics import TREND, steady, transient, trend
 from .trajectory import Trajectory, check_continues, is_trajectory
 
 MOST_PERIODS = 10**7  # of a run
@@ -44,12 +44,13 @@ class Accuracy:
     statistical : what of it is statistical; it and `bias_error` add in squares
     bias : of the step, which is taken off the drift
     bias_error : half of its interval
+    bias_measured : whether by starts with steps twice as long; else it is a flat allowance
     per_contact : steps a contact
-    starts, made : that were pooled, and their periods in all
-    chance : that starts differ as they do if they are in one state; nan of one start
-    outside : why the calibration does not hold for the run, in words; empty where it does
-    state : "not settled" if the drift still trends, or rods of the only start fell over; else
-        "reached" if error <= tolerance max(|c_x|, floor), else "not reached"
+    starts, made : that were run, and their periods in all
+    chance : that starts differ as they do if they are in one state
+    fell : rods that fell over behind the transients, of all starts
+    state : "not settled" if the drift of a start still trends, or the rate at which its rods fall
+        over; else "reached" if error <= tolerance max(|c_x|, floor), else "not reached"
     seconds : of the run, without compiling
     needed_seconds, next_digit_seconds : estimated for this tolerance, nan where the pace is not
         known, and for a tenth of it
@@ -62,11 +63,12 @@ class Accuracy:
     statistical: float
     bias: float
     bias_error: float
+    bias_measured: bool
     per_contact: float
     starts: int
     made: int
     chance: float
-    outside: tuple[str, ...]
+    fell: int
     state: str
     seconds: float
     needed_seconds: float
@@ -97,7 +99,7 @@ class Result:
     turned : times that a rod fell past the horizontal, and passed the vertical
     phases : touches behind the transient in each of 64 equal parts of the plate's cycle, which
         begins where it rises through its mean height; empty without a plate
-    c_x_series, tilt_series : period by period, transient included
+    c_x_series, tilt_series, fell_series : period by period, transient included; rods that fell over
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
     finished : False if the run was interrupted
     unwritten : files asked for that are not whole, and why; empty if all is written
@@ -123,6 +125,7 @@ class Result:
     phases: list[int]
     c_x_series: np.ndarray
     tilt_series: np.ndarray
+    fell_series: np.ndarray
     rods: np.ndarray
     finished: bool
     unwritten: tuple[str, ...]
@@ -130,11 +133,11 @@ class Result:
 
     @property
     def settled(self) -> bool | None:
-        """False if the drift still trends, or `accuracy` says so; None if the run is too short."""
+        """False if the drift or the rate of falls still trends; None if the run is too short."""
         if self.accuracy is not None:
             return self.accuracy.state != "not settled"
-        found = trend(self.c_x_series[self.discarded :])
-        return None if isnan(found) else found <= TREND
+        drift, fell = (x[self.discarded :] for x in (self.c_x_series, self.fell_series))
+        return None if isnan(trend(drift)) else trend(drift) <= TREND and steady(fell)
 
     @property
     def rod_steps(self) -> int:
@@ -144,7 +147,7 @@ class Result:
     def as_dict(self) -> dict[str, Any]:
         """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""
         contact = self.scene.contacts.plate or self.scene.contacts.rods
-        skip = ("scene", "phases", "c_x_series", "tilt_series", "rods", "accuracy")
+        skip = ("scene", "phases", "c_x_series", "tilt_series", "fell_series", "rods", "accuracy")
         plain = {key: value for key, value in vars(self).items() if key not in skip}
         versions = {"md": code(self.scene), "numpy": np.__version__, "numba": numba.__version__}
         return finite(
@@ -362,6 +365,7 @@ class _Run:
             **tables.results(cut, periods),
             c_x_series=c_x,
             tilt_series=tilt,
+            fell_series=tables.fell(periods),
             rods=engine.rods.copy(),
             finished=finished,
             unwritten=tuple(self.lost.values()),
@@ -378,7 +382,7 @@ def run(
     frames: int = 1,
     checkpoint: str | Path | None = None,
     progress: bool = False,
-    goal: Callable[[np.ndarray], int] | None = None,
+    goal: Callable[[np.ndarray, np.ndarray], int] | None = None,
 ) -> Result:
     """Run a scene and measure it.
 
@@ -396,8 +400,8 @@ def run(
     checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
         it and gives bit for bit the numbers of a run that never stopped
     progress : whether to show a progress bar, on a terminal, after two seconds
-    goal : says how many periods to make in all, given the drift of each one made so far; asked
-        again when they are made, until that is enough; `periods` is then the most
+    goal : says how many periods to make in all, given the drift and the falls of each one made so
+        far; asked again when they are made, until that is enough; `periods` is then the most
 
     Ctrl-C ends the run: the result has `finished` False and covers the whole periods made. A file
     that takes no more, on a full disk, does not: it is told by a warning, and in `unwritten`.
@@ -441,8 +445,10 @@ def run(
         going = True
         while going:
             before = running.made
-            drift = running.tables.drift(before)
-            aim = bar.total = periods if goal is None else min(goal(drift), periods)
+            aim = bar.total = periods
+            if goal is not None:
+                seen = running.tables.drift(before), running.tables.fell(before)
+                aim = bar.total = min(goal(*seen), periods)
             running.march(aim * per, observe, bar, pressed)
             going = before < aim <= running.made and goal is not None
         running.save(last=True)

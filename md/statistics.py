@@ -6,6 +6,8 @@ import numpy as np
 
 FEWEST = 100  # values for a standard error
 TREND = 0.743  # of `trend`; of long stationary series, one in a hundred is above
+_BLOCKS = 8  # of counts whose order tells a trend
+_ORDERED = 19  # of 28 pairs, ordered less reversed ones; of steady counts, one in 70 is above
 _ROUNDING = 1e-12  # smaller standard errors are rounding
 
 
@@ -58,20 +60,37 @@ def trend(series: np.ndarray) -> float:
     return float(np.mean(bridge**2)) if n >= FEWEST else nan
 
 
-def settled(series: np.ndarray, first: int) -> int | None:
+def steady(counts: np.ndarray) -> bool:
+    """Whether events come at a steady rate.
+
+    Not if their counts trend, nor if they rise or fall from block to block (Mann, 1945): a rate
+    that grows from nothing has an error as large as itself, by which `trend` excuses it.
+
+    Parameters
+    ----------
+    counts : of events, a value a period
+    """
+    blocks = np.array([part.sum() for part in np.array_split(counts, _BLOCKS)])
+    order = np.triu(np.sign(blocks - blocks[:, None]), 1).sum()
+    return not (abs(order) > _ORDERED or trend(counts) > TREND)
+
+
+def settled(first: int, series: np.ndarray, events: np.ndarray | None = None) -> int | None:
     """Values to leave out so that the rest shows no trend; None if half of them is not enough.
 
     Parameters
     ----------
-    series : with its transient
     first : the fewest to leave out; more by tenths of the series
+    series : with its transient
+    events : counts beside it, whose rate is to be steady as well
 
     A cut that is free, as that of MSER-5, keeps the part that looks constant, and standard errors
     come out too small; this one is the first of at most six.
     """
     n = len(series)
     cuts = range(first, max(n // 2, first) + 1, max(n // 10, 1))
-    return next((cut for cut in cuts if not trend(series[cut:]) > TREND), None)
+    calm = (cut for cut in cuts if not trend(series[cut:]) > TREND)
+    return next((cut for cut in calm if events is None or steady(events[cut:])), None)
 
 
 def ratio(

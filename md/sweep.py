@@ -52,12 +52,11 @@ from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
-from .accuracy import CONFIDENCE, MAX_SECONDS, checked, run
-from .bias import CALIBRATION, choose
+from .accuracy import MAX_SECONDS, checked, run, stepped
 from .domains import finite, held, listed, positive, whole
 from .errors import InputError, RunError
 from .host import step_of
-from .plans import in_words
+from .result_text import accuracy_lines
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
 from .sources import digest
@@ -122,15 +121,13 @@ class Point:
     def key(self) -> str:
         """Key of the run in a store, which holds no other one for it.
 
-        Digest of the scene, the length, the sources (`code`), with a tolerance of the calibration,
-        and of the measure: a stored run is stale, and computed again, where one of these has
-        changed.
+        Digest of the scene, the length, the sources (`code`) and the measure: a stored run is
+        stale, and computed again, where one of these has changed.
         """
-        known = CALIBRATION.read_bytes() if self.tolerance is not None else b""
+        said = f"{self.scene!r} {self.length} {self.code} "
         if self.measure is not None:
-            known += f"{self.measure.function.__qualname__} {self.measure.code}".encode()
-        said = f"{self.scene!r} {self.length} {self.code} ".encode()
-        return hashlib.sha256(said + known).hexdigest()[:24]
+            said += f"{self.measure.function.__qualname__} {self.measure.code}"
+        return hashlib.sha256(said.encode()).hexdigest()[:24]
 
 
 @dataclass(frozen=True)
@@ -340,7 +337,7 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
         changes = changes_of("axes", {key: value for part in place for key, value in part.items()})
         try:
             scene = from_tables(put(base, {**common, **changes}))
-            step_of(choose(scene, chosen["tolerance"], CONFIDENCE).scene if chosen else scene)
+            step_of(stepped(scene, chosen["tolerance"])[0] if chosen else scene)
         except InputError as error:
             at = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
             raise InputError(f"{error} (at {at})" if at else str(error)) from None
@@ -370,7 +367,7 @@ def _of_run(point: Point) -> dict:
     if not done.finished:
         raise KeyboardInterrupt
     if done.accuracy and done.accuracy.state != "reached":
-        raise RunError(" ".join(" ".join(in_words(done)).split()))
+        raise RunError(" ".join(" ".join(accuracy_lines(done)).split()))
     found = done.as_dict() | {"phases": done.phases}
     del found["scene"]
     return found

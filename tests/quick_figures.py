@@ -74,7 +74,7 @@ SIZES = {
             "PER_CONTACT": (16, 18, 25, 36, 40),
             "PAPER_STEP": 1e-4,
         },
-        **{"DRIFT_TOLERANCES": (0.4,), "PLANNED": 0.2},
+        **{"DRIFT_TOLERANCES": (0.4,)},
         "asked": lambda: dict.fromkeys(("row", "other", "mine", "annulus"), load("quasi2d")),
         "seconds_per_period": lambda scenes: np.array([1e-3 / s.step.size for s in scenes]),
     },

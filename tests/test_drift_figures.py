@@ -50,8 +50,7 @@ def test_accuracy_against_time(monkeypatch):
     assert 0.2 < d["truth"] < 0.4
     assert np.nanmin(d["rms"]) > 0
     assert (d["run_per_contact"] > 10).all()
-    assert [run["tolerance"] for run in drift_figure.runs(d)] == 4 * [0.4, 0.2]
-    assert (d["planned_seconds"] > 0).all()
+    assert [run["tolerance"] for run in drift_figure.runs(d)] == 4 * [0.4]
     monkeypatch.setattr(md, "run", None)  # all is in the store
     with tiny():
         np.testing.assert_array_equal(drift_figure.data(quick=True)["rms"], d["rms"])

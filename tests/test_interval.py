@@ -6,15 +6,21 @@ from scipy.special import ndtri
 from scipy.stats import t as student
 
 from md import accuracy
+from md.accuracy import History
 from md.statistics import standard_error
 
 from .test_statistics import autoregressive
-from .test_tolerance import NONE
+
+
+def interval(series, *how, fell=0, **more):
+    """Of starts with these drifts, in which the same rods fall over in each period."""
+    starts = [History(one, np.broadcast_to(fell, len(one)).astype(float)) for one in series]
+    return accuracy.interval(starts, *how, **more)
 
 
 def test_the_interval_of_one_start_is_students():
     series = autoregressive(np.random.default_rng(1), 1000, 0.5)
-    found = accuracy.interval([series], 0.9)
+    found = interval([series], 0.9)
     rest = series[200:]
     assert (found.mean, found.settled) == (pytest.approx(rest.mean()), True)
     assert found.half == pytest.approx(
@@ -25,7 +31,7 @@ def test_the_interval_of_one_start_is_students():
 
 def test_a_long_run_leaves_out_no_more_than_its_transient():
     series = np.concatenate([np.full(400, 9.0), np.random.default_rng(1).normal(size=4600)])
-    found = accuracy.interval([series])
+    found = interval([series])
     assert found.mean == series[400:].mean()
     assert abs(found.mean) < found.half
 
@@ -34,7 +40,7 @@ def test_starts_in_one_state_are_pooled():
     """Weights as their lengths; the error is that of one series as long as all."""
     random = np.random.default_rng(2)
     series = [autoregressive(random, n, 0.3) for n in (1000, 500)]
-    found = accuracy.interval(series)
+    found = interval(series)
     rest = series[0][200:], series[1][150:]
     n = np.array([800, 350])
     assert found.mean == pytest.approx(np.concatenate(rest).mean())
@@ -50,40 +56,74 @@ def test_starts_in_several_states_are_told_and_their_scatter_counts(annulus, apa
     """In an annulus sooner: by a chance of 1 %, which a row takes for one state."""
     random = np.random.default_rng(3)
     series = [apart * level + 0.1 * random.normal(size=900) for level in (0, 0, 1)]
-    found = accuracy.interval(series, annulus=annulus)
+    found = interval(series, annulus=annulus)
     means = [one[300 if annulus else 180 :].mean() for one in series]
     assert found.chance < accuracy.UNLIKELY[annulus]
-    assert annulus == (accuracy.interval(series).chance > accuracy.UNLIKELY[False])
+    assert annulus == (interval(series).chance > accuracy.UNLIKELY[False])
     assert found.half == pytest.approx(student.ppf(0.975, 2) * np.std(means, ddof=1) / np.sqrt(3))
 
 
 def test_a_run_that_has_not_settled_is_told():
-    """It is never reached; the error is the difference of the halves of its second half."""
+    """It is never reached; the change between the halves of its second half is an error."""
     trending = np.linspace(1, 2, 800) + 0.1 * np.random.default_rng(4).normal(size=800)
-    found, rest = accuracy.interval([trending]), trending[400:]
+    found, rest = interval([trending]), trending[400:]
     assert not found.settled
-    assert found.error == pytest.approx((rest[200:].mean() - rest[:200].mean()) / 2)
-    goal = accuracy._Goal(0.5, 0.95, 0.0, 1e9, lambda _: NONE)
-    goal.found = found
-    assert goal.error < 0.5 * goal.size
+    change = (rest[200:].mean() - rest[:200].mean()) / 2
+    assert found.error == pytest.approx(np.hypot(change, standard_error(rest)))
+    goal = accuracy._Goal(0.5, 0.95, 0.0, 1e9)
+    goal.found = accuracy.allowed(found)
+    assert goal.found.error < 0.5 * goal.size
     assert not goal.reached
+
+
+NOISE = 1 + 0.1 * np.random.default_rng(8).normal(size=(2, 1000))
+SOMETIMES = np.random.default_rng(9).poisson(0.2, 1000)
+LATE, EARLY = (
+    np.where(part, SOMETIMES, 0) for part in (np.arange(1000) > 700, np.arange(1000) < 150)
+)
+
+
+@pytest.mark.parametrize(
+    ("fell", "settled"),
+    [(0, True), (SOMETIMES, True), (EARLY, True), (LATE, False), (np.linspace(0, 3, 1000), False)],
+    ids=["none", "steadily", "in the transient", "late", "ever more"],
+)
+def test_starts_that_agree_while_ever_more_rods_fall_have_not_settled(fell, settled):
+    """All of them decay together: their scatter shows nothing. A steady rate is settled."""
+    found = interval(NOISE, fell=fell)
+    assert found.settled == settled
+    assert found.chance > 0.01
+    quiet = interval(NOISE)
+    assert (found.error > quiet.error) == bool(found.fell)
+
+
+def test_where_rods_fall_the_change_between_the_halves_is_an_error():
+    """A decay so slow that the trend is lost in noise, by the same amount in each start."""
+    slow = NOISE + np.linspace(0, 0.02, 1000)
+    found = interval(slow, fell=SOMETIMES)
+    assert found.settled
+    means = [abs(one[200:600].mean() - one[600:].mean()) / 2 for one in slow]
+    errors = np.hypot(means, [standard_error(one[200:]) for one in slow])
+    assert found.error == pytest.approx(np.hypot(*errors) / 2)
 
 
 def test_a_longer_transient_is_left_out():
     """Of 1000 periods, whose first 250 drift three times as fast."""
     series = 1 + 0.1 * np.random.default_rng(6).normal(size=1000)
     series[:250] += 2
-    found = accuracy.interval([series])
+    found = interval([series])
     assert found.settled
     assert found.mean == pytest.approx(series[300:].mean())
 
 
-def followed(series, tolerance, confidence=0.95):
-    """The goal of a run with this drift, as it ends."""
-    goal = accuracy._Goal(tolerance, confidence, 0.0, 1e9, lambda _: NONE)
-    made = goal.ask(0, series[0][:0])
+def followed(starts, tolerance, confidence=0.95):
+    """The goal of starts with these drifts, as it ends."""
+    goal = accuracy._Goal(tolerance, confidence, 0.0, 1e9, len(starts))
+    made = [0] * len(starts)
     while not goal.over:
-        made = goal.ask(0, series[0][:made])
+        for i, drift in enumerate(starts):
+            made[i] = max(goal.due, 1)
+            goal.ask(i, drift[: made[i]], np.zeros(made[i]))
     return goal
 
 
@@ -94,9 +134,9 @@ def test_runs_that_end_by_their_own_interval_hold_the_mean_as_often_as_they_say(
     random, hits, unsettled = np.random.default_rng(5), 0, 0
     tolerance = ndtri(0.975) / (1 - memory) / np.sqrt(length)
     for _ in range(400):
-        series = 1 + autoregressive(random, 20 * length, memory)
-        goal = followed([series], tolerance)
-        hits += abs(goal.mean - 1) <= goal.error
+        starts = [1 + autoregressive(random, 10 * length, memory) for _ in range(2)]
+        goal = followed(starts, tolerance)
+        hits += abs(goal.found.mean - 1) <= goal.found.statistical
         unsettled += not goal.reached
     assert unsettled <= 4
     spread = 2 * np.sqrt(0.05 * 0.95 / 400)
@@ -105,4 +145,4 @@ def test_runs_that_end_by_their_own_interval_hold_the_mean_as_often_as_they_say(
 
 @pytest.mark.parametrize("n", [0, 1, 7, 99])
 def test_few_values_have_no_interval(n):
-    assert accuracy.interval([np.ones(n)]).half == np.inf
+    assert interval([np.ones(n)]).half == np.inf

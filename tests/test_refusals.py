@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import md
-from md import calibration
 from md.__main__ import main
 from md.store import Store, table, write_csv
 
@@ -75,9 +74,8 @@ def contents(folder):
 
 
 @pytest.mark.parametrize(("command", "words"), REFUSALS.items(), ids=REFUSALS)
-def test_nonsense_is_refused_in_one_line(folder, monkeypatch, capsys, command, words):
+def test_nonsense_is_refused_in_one_line(folder, capsys, command, words):
     """It names command, option or key, value and domain; exit code 2, and no file is changed."""
-    monkeypatch.setattr(calibration, "calibrate", lambda *_, **__: pytest.fail("work begun"))
     package, *rest = command.split()
     name = " ".join([package, *rest[:1]])
     before = contents(folder)
@@ -105,8 +103,8 @@ def test_functions_are_guarded_as_commands_are(folder):
     assert contents(folder) == before
 
 
-def test_what_a_command_wrote_it_may_replace(folder, monkeypatch):
-    """A table, of no runs as well, and a calibration; behind a link, the file itself."""
+def test_what_a_command_wrote_it_may_replace(folder):
+    """A table, of no runs as well; behind a link, the file itself."""
     Store("none.db").database.close()
     Path("to").symlink_to("b.csv")
     for _ in range(2):
@@ -114,9 +112,4 @@ def test_what_a_command_wrote_it_may_replace(folder, monkeypatch):
         assert main(["results", "a.db", "--csv", "to"]) == 0
     assert Path("to").is_symlink()
     assert len(Path("b.csv").read_text().splitlines()) == 2
-    measured = json.loads(md.bias.CALIBRATION.read_text())
-    monkeypatch.setattr(calibration, "calibrate", lambda *_, **__: measured)
-    for _ in range(2):
-        assert main(["calibrate", "--store", "a.db", "--out", "c.json"]) == 0
-    assert json.loads(Path("c.json").read_text()) == measured
     assert not list(folder.glob("*.part*"))

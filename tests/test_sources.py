@@ -88,7 +88,7 @@ def test_each_module_counts_for_the_runs_that_use_it(edited, module):
 
 
 def test_runs_do_not_depend_on_commands_stores_and_sweeps():
-    outside = {"__init__", "__main__", "accuracy", "calibration", "cache", "files", "store"}
+    outside = {"__init__", "__main__", "accuracy", "cache", "files", "store"}
     outside.add("sweep")
     assert outside <= sources.SOURCES.keys() - set(ROW) - ANNULUS
     assert {"kernels.plane", "kernels.touches", "laws", "measures", "statistics"} <= set(ROW)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from md.statistics import TREND, ratio, settled, standard_error, transient, trend
+from md.statistics import TREND, ratio, settled, standard_error, steady, transient, trend
 
 
 def autoregressive(random, n, memory):
@@ -99,7 +99,7 @@ def test_stationary_series_have_no_trend(memory, alarms, n):
     series = [autoregressive(random, n, memory) for _ in range(400)]
     found = np.mean([trend(one) > TREND for one in series])
     assert found <= alarms + 2 * np.sqrt(alarms / 400)
-    never = np.mean([settled(one, n // 5) is None for one in series])
+    never = np.mean([settled(n // 5, one) is None for one in series])
     assert never <= 0.3 * alarms + 0.005
 
 
@@ -110,7 +110,7 @@ def test_a_transient_is_left_out(memory):
     error = exact_error(n // 2, memory)
     transients = 60 * error * np.exp(-np.arange(n) / (n / 10))
     for _ in range(100):
-        cut = settled(autoregressive(random, n, memory) + transients, n // 10)
+        cut = settled(n // 10, autoregressive(random, n, memory) + transients)
         left.append(np.nan if cut is None else transients[cut:].mean() / error)
     assert np.isnan(left).mean() < 0.05
     assert np.nanmax(left) < 3
@@ -123,10 +123,32 @@ def test_a_slow_trend_never_settles(memory):
     random, n = np.random.default_rng(8), 2000
     line = 60 * exact_error(n, memory) * np.linspace(0, 1, n)
     series = (autoregressive(random, n, memory) + line for _ in range(100))
-    assert np.mean([settled(one, n // 5) is None for one in series]) > 0.95
+    assert np.mean([settled(n // 5, one) is None for one in series]) > 0.95
 
 
 def test_too_few_values_have_no_trend():
     assert np.isnan(trend(np.zeros(99)))
     assert np.isnan(trend(np.zeros(0)))
     assert trend(1e-15 * np.arange(100)) < TREND  # rounding
+
+
+@pytest.mark.parametrize(
+    ("rates", "expected"),
+    [
+        ((0, 0, 0, 0, 30, 64, 106, 220), False),
+        ((220, 106, 64, 30, 0, 0, 0, 0), False),
+        ((60,) * 8, True),
+        ((0,) * 8, True),
+    ],
+)
+def test_a_rate_that_grows_or_dies_is_not_steady(rates, expected):
+    """Also from nothing, where its error is as large as itself and `trend` sees none."""
+    random = np.random.default_rng(1)
+    counts = np.concatenate([random.poisson(rate / 40, 40) for rate in rates])
+    assert steady(counts) == expected
+
+
+def test_steady_events_are_hardly_ever_taken_for_others():
+    """Of 1000 series: one in 70 by the order of blocks, one in 100 by the trend."""
+    counts = np.random.default_rng(2).poisson(0.5, (1000, 320))
+    assert np.mean([steady(one) for one in counts]) > 0.95

@@ -5,12 +5,10 @@ The paper's row, N = 40, L = 43 d, Gamma = 3.3, tangential springs 30 times as s
 of one long run, against the mean of the fine steps. The curves fall as time^(-1/2) (guide), until
 they come to the bias of their step (short lines at the right; dotted where it is less than three
 times its own error, which is then what the line shows). Diamond: the paper's own step at the
-length that gives 1 %. (b) Bias over the steps a contact lasts: grey, scenes of the calibration,
-against the shortest step there; black, with its standard error, what `--tolerance` takes off the
-row of (a), which is coloured. A grey line that stays high is a scene with two states. (c) Runs to a
-tolerance: the one asked for, 95 % confidence, against the time it took, scene by scene; where a
-line ends in an open mark, that is the price by `--plan`. Dots: the error that the runs of the row
-then had. The broken lines are the prices of fixed steps; times are of this machine, without
+length that gives 1 %. (b) Bias of the row of (a) over the steps a contact lasts; grey: what
+`--tolerance` allows for it, at the steps that it takes. (c) Runs to a tolerance: the one asked for,
+95 % confidence, against the time it took, scene by scene. Crosses: the error that the runs of the
+row then had. The broken lines are the prices of fixed steps; times are of this machine, without
 compiling.
 """
 
@@ -22,8 +20,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import md
-from md.bias import bias_at, calibrated, steps_per_contact
-from md.plans import plan
+from md.accuracy import ALLOWANCE, STEPS_PER_CONTACT, steps_per_contact
 from md.scene import from_tables
 from md.statistics import standard_error
 from md.sweep import Point, Sweep
@@ -40,9 +37,7 @@ CUT = 100  # periods at the start
 LONG_PERIODS = {True: 2500, False: 20000}  # quick or not; a third of it at the paper's step
 CLEAR_BIAS = 3  # its own errors: a smaller bias is taken for none
 DRIFT_TOLERANCES = (0.05, 0.03, 0.01)
-PLANNED = 0.005  # tolerance whose price is estimated
 ASKED_SEED = 5
-FINE_STEPS = np.geomspace(12, 100, 40)  # a contact, where the bias taken off is drawn
 PART_LENGTHS = np.unique(np.geomspace(4, 2500, 14).astype(int))  # of the parts, periods
 
 
@@ -110,8 +105,6 @@ def data(quick: bool = False) -> Data:
     truth, truth_error = (weight * mean).sum() / weight.sum(), weight.sum() ** -0.5
     names = "run_seconds", "accuracy.per_contact", "c_x", "periods"
     spent, per_contact, c_x, periods = gathered(computed(planned["asked"], workers=1), *names)
-    known = calibrated()
-    taken, taken_error = bias_at(md.load("quasi2d"), FINE_STEPS, known)
     return {
         "load": np.float64(load),
         "per_contact": n,
@@ -128,31 +121,22 @@ def data(quick: bool = False) -> Data:
         "rms": rms_of_parts(of_parts, truth) / truth,
         "scene": planned["asked"].values("scene"),
         "tolerance": planned["asked"].values("tolerance"),
-        "planned": np.float64(PLANNED),
-        "planned_seconds": np.array([plan(s, tolerance=PLANNED).seconds for s in asked().values()]),
         "run_seconds": spent,
         "run_per_contact": per_contact,
         "run_error": np.abs(c_x[0] / truth - 1),
         "run_periods": periods,
-        "known_steps": np.array(known["steps"], float),
-        "known_drift": np.array(known["drift"]),
-        "known_error": np.array(known["drift_error"]),
-        "fine_steps": FINE_STEPS,
-        "taken": taken,
-        "taken_error": taken_error,
+        "rule": np.array([STEPS_PER_CONTACT, ALLOWANCE]),
     }
 
 
 def runs(d: Data) -> list[dict[str, Any]]:
-    """Runs to a tolerance, and the price of a smaller one; nan or None: not known."""
+    """Runs to a tolerance; the error is None where the true drift is not known."""
     found = []
     for i, scene in enumerate(d["scene"].tolist()):
         for j, tolerance in enumerate(d["tolerance"].tolist()):
             one = {"scene": scene, "tolerance": tolerance}
             one |= {k: float(d[f"run_{k}"][i, j]) for k in ("per_contact", "periods", "seconds")}
             found.append(one | {"error": float(d["run_error"][j]) if i == 0 else None})
-        planned = {"per_contact": np.nan, "periods": np.nan, "seconds": d["planned_seconds"][i]}
-        found.append({"scene": scene, "tolerance": float(d["planned"]), **planned, "error": None})
     return found
 
 
@@ -207,16 +191,9 @@ def panel(ax: Axes, d: Data) -> None:
 
 
 def _draw_bias(ax: Axes, d: Data) -> None:
-    fine = d["known_drift"][:, -1:]
-    bias = np.abs(d["known_drift"] / fine - 1)[:, :-1]
-    error = np.hypot(d["known_error"] / d["known_drift"], d["known_error"][:, -1:] / fine)[:, :-1]
-    grey = {"color": "0.7", "lw": 0.6, "elinewidth": 0.4}
-    for one, spread in zip(bias, error, strict=True):
-        ax.errorbar(d["known_steps"][:-1], np.fmax(one, 1e-4), spread, **grey)
-    ax.plot(d["fine_steps"], np.abs(d["taken"]), color=BLACK, lw=1, label="taken off")
-    size = np.abs(d["taken"])
-    ends = size + d["taken_error"], np.fmax(size - d["taken_error"], 1e-5)
-    ax.fill_between(d["fine_steps"], *ends, color=BLACK, alpha=0.15, lw=0)
+    rule, allowance = d["rule"]
+    ax.plot([rule, 110], [allowance, allowance], color="0.5", lw=1, label="allowed for")
+    ax.plot([rule, rule], [1e-4, allowance], color="0.5", lw=1)
     for i, colour in enumerate(_COLOURS[:-1]):
         at = d["per_contact"][i], max(abs(d["bias"][i]), 1e-4)
         ax.errorbar(*at, d["bias_error"][i], fmt="o", color=colour, ms=3.5, zorder=3)
@@ -235,9 +212,6 @@ def _draw_runs(ax: Axes, d: Data) -> None:
     for i, (name, (colour, mark)) in enumerate(zip(d["scene"], _MARKS, strict=True)):
         time, look = d["run_seconds"][i], {"color": colour, "ms": 3}
         ax.plot(time, d["tolerance"], f"{mark}-", lw=0.9, label=name, **look)
-        ends = [time[-1], d["planned_seconds"][i]], [d["tolerance"][-1], d["planned"]]
-        ax.plot(*ends, ":", lw=0.7, color=colour)
-        ax.plot(d["planned_seconds"][i], d["planned"], mark, mfc="white", **look)
     had = np.fmax(d["run_error"], 1e-4)
     ax.plot(d["run_seconds"][0], had, "x", color=BLACK, ms=4, label="had, of the row")
     ax.set(xscale="log", yscale="log", xlabel="time of the run (s)", ylim=(1e-4, 0.12))
