@@ -119,7 +119,7 @@ def test_a_goal_is_asked_until_it_is_reached():
     """It sees the drift of each period so far; the run is the same as one of that length."""
     seen = []
 
-    def goal(drift):
+    def goal(drift, fell):
         seen.append(drift)
         return (3, 5, 5)[len(seen) - 1]
 
@@ -130,4 +130,4 @@ def test_a_goal_is_asked_until_it_is_reached():
     plain = md.run(row(), periods=5)
     np.testing.assert_array_equal(result.c_x_series, plain.c_x_series)
     np.testing.assert_array_equal(seen[1], plain.c_x_series[:3])
-    assert md.run(row(), periods=4, goal=lambda drift: 10**6).periods == 4
+    assert md.run(row(), periods=4, goal=lambda *_: 10**6).periods == 4
