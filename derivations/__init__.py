@@ -41,6 +41,7 @@ files, equations_page               impact/_generated.py, impact/_kernel.py; EQU
 typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
 lecture, letters, exercises         the report's text and references; letters; exercises, answered
 steps, drawings                     the steps of a derivation for a reader; drawings as SVG
+early_signals                       signals during imports
 lookup                              `equation`, `function`: one entry by its tag
 report, __main__, command_line      the report, from templates/; the commands
 
@@ -64,6 +65,9 @@ impact/_kernel.py and EQUATIONS.md, `report` shows it.
 How it becomes public stands in `help(impact)`.
 """
 
+from . import early_signals  # noqa: F401  (before what takes long)
+
+# isort: split
 from . import symbols
 from .lookup import equation, function
 

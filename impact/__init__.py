@@ -28,6 +28,7 @@ pairs                               two bodies of any masses that meet: `collide
 boundaries, translation             boundaries of the regimes; the drift, its stability and cost
 compiled                            the map as Numba kernels, the same bits
 flight, bouncing, falling           exact flights over the plate, and rods that make them
+_early_signals                      signals during imports
 _jit, _interrupt                    Numba's compiler; signals that wait until it is done
 benchmark, __main__, _command_line  time per impact; its command
 
@@ -40,6 +41,9 @@ To add a function
 4. Give `tests/test_public_api.py` its arguments and what it refuses.
 """
 
+from . import _early_signals  # noqa: F401  (before what takes long)
+
+# isort: split
 from ._arguments import InputError
 from ._impacts import Regime
 from .boundaries import (

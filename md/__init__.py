@@ -59,12 +59,16 @@ accuracy                            `run`: step and length from a tolerance
 sweep, store                        many runs and their results; `Point.key` says which is stale
 search, surface, measured_table     parameters from measured results, by many runs
 sources                             digest of the sources of a run, a part of that key
-cache, interrupt, errors            compiled kernels kept, signals, errors
+early_signals, interrupt            signals during imports, and during compiled code
+cache, errors                       compiled kernels kept, errors
 result_text, command_line, __main__  results as text; the commands
 
 To add a contact law: `md.laws`. To add an effect: `md.kernels`.
 """
 
+from . import early_signals  # noqa: F401  (before what takes long)
+
+# isort: split
 from importlib import import_module
 from importlib.metadata import version
 from typing import Any

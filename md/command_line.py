@@ -50,12 +50,22 @@ class Commands(click.Group):
 
     def program(self, interrupt: Callable[..., Any] = signal.default_int_handler) -> NoReturn:
         """Run the command of this process and end with its exit code; SIGTERM is Ctrl-C."""
-        for number in (signal.SIGINT, signal.SIGTERM):
-            if signal.getsignal(number) != signal.SIG_IGN:
-                signal.signal(number, interrupt)
-        code = self.main()
+        try:
+            _handle(interrupt)
+            code = self.main()
+            _handle(signal.SIG_IGN)  # what is left takes a moment
+        except KeyboardInterrupt:  # at the first or the last moment
+            code = 130
+            print(f"{self.name}: interrupted", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # unread output is dropped without a traceback
         sys.exit(code)
+
+
+def _handle(handler: Any) -> None:
+    """Handler of Ctrl-C and SIGTERM, unless they are ignored from the start, as under nohup."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, handler)
 
 
 def _foreseen(error: BaseException) -> tuple[str, int]:

@@ -40,7 +40,7 @@ import math
 import warnings
 from collections import ChainMap
 from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -56,6 +56,7 @@ from .accuracy import MAX_SECONDS, checked, run, stepped
 from .domains import finite, held, listed, positive, whole
 from .errors import InputError, RunError
 from .host import step_of
+from .interrupt import deferred
 from .result_text import accuracy_lines
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
@@ -388,15 +389,15 @@ def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]
 
     Of one worker, the runs are made in this process.
     """
-    how = {"batch_size": 1, "pre_dispatch": "2*n_jobs", "return_as": "generator_unordered"}
     left, deaths = {point.key: point for point in points}, 0
     while left:
         try:
             tasks = [delayed(_one)(point) for point in left.values()]
-            for done in Parallel(n_jobs=workers, **how)(tasks):
-                left.pop(done[0], None)
-                deaths = 0
-                yield done
+            with _pool(tasks, workers) as results:
+                for done in results:
+                    left.pop(done[0], None)
+                    deaths = 0
+                    yield done
         except TerminatedWorkerError:
             deaths += 1
             if deaths == _CRASHES:
@@ -404,14 +405,19 @@ def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]
 
 
 @contextmanager
-def _stopping(results: Generator[tuple, None, None]) -> Iterator[None]:
-    """Stop the runs under way, without joblib's warnings, if an exception ends the sweep."""
+def _pool(tasks: list, workers: int) -> Iterator[Generator[tuple, None, None]]:
+    """Results as they arrive; an exception stops the runs under way, without joblib's warnings."""
+    how = {"batch_size": 1, "pre_dispatch": "2*n_jobs", "return_as": "generator_unordered"}
+    results: Any = None
     try:
-        yield
+        with deferred():  # half a pool would leave semaphores behind
+            results = Parallel(n_jobs=workers, **how)(tasks)
+        yield results
     except BaseException:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            results.close()
+            if results is not None:
+                results.close()
         raise
 
 
@@ -474,7 +480,7 @@ def execute(
         processes = min(cpu_count() if workers == -1 else workers, max(len(wanted), 1))
         results = _survived(wanted, -1 if scheduler else processes)
         try:
-            with bar, _stopping(results):
+            with bar, closing(results):
                 for key, result, error, seconds in results:
                     point = points[key]
                     about = {

@@ -17,6 +17,7 @@ from tqdm import tqdm
 
 from impact._generated import DIGEST
 from md.files import replacing
+from md.interrupt import deferred
 
 from .. import FIGURES, load
 from . import runs
@@ -87,10 +88,11 @@ def _in_a_process(name: str, out: Path, quick: bool, store: Path) -> Drawn:
 @contextmanager
 def _pool(names: Sequence[str], out: Path, quick: bool, jobs: int) -> Iterator[Iterator[Drawn]]:
     """Figures as they are drawn by `jobs` processes, which end with this context."""
-    results = Parallel(jobs, batch_size=1, pre_dispatch="all", return_as="generator_unordered")(
-        delayed(_in_a_process)(name, out, quick, runs.STORE) for name in names
-    )
+    how = {"batch_size": 1, "pre_dispatch": "all", "return_as": "generator_unordered"}
+    tasks = [delayed(_in_a_process)(name, out, quick, runs.STORE) for name in names]
     try:
+        with deferred():  # half a pool would leave semaphores behind
+            results = Parallel(jobs, **how)(tasks)
         yield results
     except BaseException:
         with warnings.catch_warnings():

@@ -1,0 +1,22 @@
+"""Ctrl-C and SIGTERM while a command is being imported: one line, exit code 130.
+
+The first import of each package. The same file stands in `derivations`, `impact` and `md`, of which
+none imports another.
+"""
+
+import os
+import signal
+import sys
+
+
+def _end(*_: object) -> None:
+    """Say so and end at once: nothing was begun."""
+    name = sys.orig_argv[-len(sys.argv)].removeprefix("-m")
+    os.write(2, f"python -m {name}: interrupted: nothing was begun\n".encode())
+    os._exit(130)
+
+
+if sys.argv[:1] == ["-m"]:  # Python imports the package of a command; `Commands` takes over
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, _end)
