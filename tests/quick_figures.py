@@ -79,7 +79,8 @@ SIZES = {
         "seconds_per_period": lambda scenes: np.array([1e-3 / s.step.size for s in scenes]),
     },
     accuracy_cost_ladder: {
-        **{"LADDER_PERIODS": {True: 4}, "LANDINGS": (30,), "USUAL_STEPS": 13, "TRUSTED": (13, {})},
+        **{"LADDER_PERIODS": {True: 4}, "TRUSTED_PERIODS": {True: 4}, "LANDINGS": (30,)},
+        **{"STEPS_PER_CONTACT": 13, "TRUSTED_STEPS": 13, "TRUSTED_STARTS": 3},
         **{"STEPS": (13,), "ROWS": {"rods": {"N=5": {"rods.count": 5, "box.length": 5.375}}}},
     },
     effect_prices: {

@@ -79,7 +79,7 @@ def test_the_ladder():
     assert d["error"][-1] == pytest.approx(np.std(starts, ddof=1) / np.sqrt(8))
 
 
-@pytest.mark.parametrize("changes", [{}, ladder.PRINTED, ladder.TRUSTED[1]])
+@pytest.mark.parametrize("changes", [{}, ladder.PRINTED, ladder.CONSTRAINT])
 def test_steps_of_the_ladder_are_parts_of_a_contact(changes):
     scene = ladder.scene(20, changes)
     assert steps_per_contact(scene, scene.step.size) == pytest.approx(20)

@@ -1,13 +1,13 @@
 """One question, the drift of the row, and every way to answer it: deviation against time.
 
-N = 40 thin rods of 9.5 d at 21.5 degrees, Gamma = 3.3, mu = 0.3, restitution 0.65 head on. From
-left to right: the closed form (24) with the assumed V_z = V_0/2, in an array and by itself; one
-rigid rod that bounces at fixed tilt, 30 to 100,000 landings; rows of rods over several lengths of
-time (in periods), steps (in parts of a contact), stiffnesses, contact laws and numbers of rods.
-Height: deviation of the mean over independent starts from the most trusted answer, long runs with
-friction as a constraint on the plate, contacts ten times as stiff as the paper's and a step of
-t_c/36. Bars: one standard error, of both, from the scatter between starts; where it exceeds the
-deviation the symbol is open. The time is that of one start.
+N = 40 thin rods of 9.5 d at 21.5 degrees, Gamma = 3.3, mu = 0.3, restitution 0.65 head on.
+(a) Errors of the computation: rows of rods over several lengths of time (in periods), steps (in
+parts of a contact) and numbers of rods. (b) What another model makes of the same question: the
+closed form (24) with the assumed V_z = V_0/2, in an array and by itself; one rigid rod that bounces
+at fixed tilt, 30 to 100,000 landings; other stiffnesses and contact laws. Height: deviation of the
+mean over independent starts from the trusted answer, long runs of many starts of the same law with
+a fine step. Bars: one standard error, of both, from the scatter between starts; where it exceeds
+the deviation the symbol is open. The time is that of one start.
 """
 
 import os
@@ -20,7 +20,7 @@ from matplotlib.transforms import Bbox
 
 import md
 from impact import drift
-from md.accuracy import steps_per_contact
+from md.accuracy import STEPS_PER_CONTACT, steps_per_contact
 from md.scene import Scene, both, from_tables, put, read_tables
 from md.sweep import Point, Sweep
 
@@ -40,12 +40,9 @@ from ..lib.tables import columned
 from ..lib.timing import machine_line, medians, repeated, seconds_per_period
 
 ROW_TILT = np.arccos(COUNT / BOX)
-USUAL_STEPS = 36  # steps a contact
-
-
 PRINTED = both(law="appendix_a", restitution="none")
 CONSTRAINT = {"contacts.plate.law": "coulomb"}
-STEPS = (13, 18, 25, USUAL_STEPS, 72)  # steps a contact
+STEPS = (8, 12, 16, 24, 48)  # a contact
 ROWS = {  # group: label: what the scene changes, at the usual step
     "stiffness": {rf"$k_n=5\cdot10^{n}$": both(stiffness=5.0 * 10**n) for n in (3, 4, 5, 7)},
     "contact law": {
@@ -56,8 +53,9 @@ ROWS = {  # group: label: what the scene changes, at the usual step
 }
 RUN_LENGTHS = (3, 30)  # periods, at the usual step
 STARTS = 8  # of each row: its error is known to a quarter
-LADDER_PERIODS = {True: 400, False: 1000}  # quick or not; also of each start of the trusted answer
-TRUSTED = (USUAL_STEPS, {**both(stiffness=5e7), **CONSTRAINT})
+LADDER_PERIODS = {True: 400, False: 1000}  # quick or not
+TRUSTED_STEPS, TRUSTED_STARTS = 72, 12  # the drift of their means is known to 0.2 %
+TRUSTED_PERIODS = {True: 400, False: 4000}
 LANDINGS = (30, 300, 3000, 100_000)  # of one rigid rod
 
 
@@ -72,23 +70,24 @@ def scene(per_contact: float, changes: dict, seed: int = 1) -> Scene:
 def rungs(quick: bool) -> dict[tuple[str, str], tuple[float, dict, int]]:
     """Rows by group and label: steps a contact, changes of the scene, periods."""
     periods = LADDER_PERIODS[quick]
-    found = {("length", f"{n} periods"): (USUAL_STEPS, {}, n) for n in RUN_LENGTHS}
+    found = {("length", f"{n} periods"): (STEPS_PER_CONTACT, {}, n) for n in RUN_LENGTHS}
     found |= {("step", rf"$t_c/{n}$"): (n, {}, periods) for n in STEPS}
     for group, rows in ROWS.items():
-        found |= {(group, label): (USUAL_STEPS, to, periods) for label, to in rows.items()}
+        found |= {(group, label): (STEPS_PER_CONTACT, to, periods) for label, to in rows.items()}
     return found
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Starts of every row, and of the trusted answer."""
-    seeds = list(range(1, STARTS + 1))
 
-    def starts(rows: list[tuple[float, dict, int]]) -> Sweep:
+    def starts(rows: list[tuple[float, dict, int]], count: int) -> Sweep:
+        seeds = list(range(1, count + 1))
         points = [Point(scene(n, to, seed), periods) for n, to, periods in rows for seed in seeds]
         return Sweep(({"row": rows}, {"start.seed": seeds}), tuple(points))
 
-    trusted = [(*TRUSTED, LADDER_PERIODS[quick])]
-    return {"rows": starts(list(rungs(quick).values())), "trusted": starts(trusted)}
+    trusted = [(TRUSTED_STEPS, {}, TRUSTED_PERIODS[quick])]
+    every = list(rungs(quick).values())
+    return {"rows": starts(every, STARTS), "trusted": starts(trusted, TRUSTED_STARTS)}
 
 
 def _closed(speed: float, calls: int) -> tuple[float, ...]:
@@ -113,18 +112,18 @@ def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
 def data(quick: bool = False) -> Data:
     """Answers [sqrt(g d)] with errors and the scatter of one start, seconds, group and label."""
     load, speed = os.getloadavg()[0], md.load("quasi2d").plate_speed
-    entries = [("theory", "(24), $V_0/2$", *_closed(speed, 1))]
-    entries.append(("theory", "in an array", *_closed(speed, 100_000)))
-    entries += [("one rigid rod", f"{n} landings", *_bouncing(n, speed)) for n in LANDINGS]
+    entries = [("theory", "(24), $V_0/2$", *_closed(speed, 1), 0)]
+    entries.append(("theory", "in an array", *_closed(speed, 100_000), 0))
+    entries += [("one rigid rod", f"{n} landings", *_bouncing(n, speed), 0) for n in LANDINGS]
     plan, every = sweeps(quick), rungs(quick)
     means, errors = over_seeds(gathered(plan["rows"], "c_x")[0])
     periods = np.array([how[2] for how in every.values()])
     seconds = periods * seconds_per_period([scene(*how[:2]) for how in every.values()])
-    for name, mean, error, spent in zip(every, means, errors, seconds, strict=True):
-        entries.append((*name, mean, error, error * np.sqrt(STARTS), spent))
+    for name, mean, error, *cost in zip(every, means, errors, seconds, periods, strict=True):
+        entries.append((*name, mean, error, error * np.sqrt(STARTS), *cost))
     drifts, spent = gathered(plan["trusted"], "c_x", "run_seconds")
     (truth,), (spread,) = over_seeds(drifts)
-    names = "group", "label", "answer", "error", "scatter", "seconds"
+    names = "group", "label", "answer", "error", "scatter", "seconds", "periods"
     columns = map(np.array, zip(*entries, strict=True))
     return {
         "load": np.float64(load),
@@ -134,14 +133,15 @@ def data(quick: bool = False) -> Data:
 
 
 LOOKS = {
-    "theory": (BLACK, "*"),
-    "one rigid rod": (ORANGE, "D"),
     "length": ("#CC79A7", "P"),
     "step": (BLUE, "o"),
+    "rods": ("0.45", "v"),
+    "theory": (BLACK, "*"),
+    "one rigid rod": (ORANGE, "D"),
     "stiffness": (GREEN, "s"),
     "contact law": (RED, "^"),
-    "rods": ("0.45", "v"),
 }
+COMPUTATION = ("length", "step", "rods")  # the other groups are of another model
 
 
 def deviations(d: Data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -150,11 +150,14 @@ def deviations(d: Data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return d["answer"] / truth - 1, np.hypot(d["error"], spread) / truth, d["scatter"] / truth
 
 
-def panel(ax: Axes, d: Data) -> None:
+def panel(ax: Axes, d: Data, *, of_model: bool) -> None:
     """Deviation against time, a colour a group."""
     off, error, _ = deviations(d)
     size = np.fmax(np.abs(off), 3e-4)
+    shown = np.isin(d["group"], COMPUTATION) != of_model
     for group, (colour, marker) in LOOKS.items():
+        if (group in COMPUTATION) == of_model:
+            continue
         here = d["group"] == group
         bars = np.fmin(error, 0.9 * size)[here], error[here]
         look = {"color": colour, "ms": 4, "elinewidth": 0.6, "label": group}
@@ -162,9 +165,10 @@ def panel(ax: Axes, d: Data) -> None:
         unclear, face = here & (np.abs(off) <= error), {"mfc": "white", "zorder": 3}
         ax.plot(d["seconds"][unclear], size[unclear], marker, color=colour, ms=4, **face)
     ax.set(xscale="log", yscale="log", ylim=(2e-4, 3), xlabel="time (s)")
-    _name_points(ax, d["seconds"], size, d)
-    ax.set_ylabel(r"deviation of $c_x$ from the trusted answer")
-    ax.legend(fontsize=6, loc="lower left", title="varied", title_fontsize=6)
+    named = {name: d[name][shown] for name in ("label", "group")}
+    _name_points(ax, d["seconds"][shown], size[shown], named)
+    title = "model" if of_model else "computation"
+    ax.legend(fontsize=6, loc="lower left", title=title, title_fontsize=6)
 
 
 def _name_points(ax: Axes, x: np.ndarray, y: np.ndarray, d: Data) -> None:
@@ -193,10 +197,12 @@ def _put(name: Annotation, side: tuple[int, int]) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, ax = plt.subplots(figsize=(7.0, 4.2))
-    panel(ax, d)
+    figure, axes = plt.subplots(1, 2, figsize=(7.0, 3.8), sharey=True)
     truth, spread, seconds = d["trusted"]
-    ax.axvline(seconds, color="0.6", lw=0.8, ls=":")
+    for ax, of_model in zip(axes, (False, True), strict=True):
+        panel(ax, d, of_model=of_model)
+        ax.axvline(seconds, color="0.6", lw=0.8, ls=":")
+    axes[0].set_ylabel(r"deviation of $c_x$ from the trusted answer")
     figure.supxlabel(
         rf"trusted: $c_x={truth:.4f}\pm{spread:.4f}\,\sqrt{{gd}}$, {seconds:.0f} s (dotted); "
         rf"$L={BOX:g}\,d$, $N={COUNT}$, $\Gamma={GAMMA}$, $\mu={FRICTION}$, "

@@ -50,9 +50,10 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
     """
     made: dict[str, Any] = {"machine": machine_line(max(float(d["load"]) for d in found.values()))}
     if d := found.get("accuracy_cost_ladder"):
-        keys = "group", "label", "seconds", "deviation", "error", "scatter"
+        keys = "group", "label", "seconds", "periods", "deviation", "error", "scatter"
         off = accuracy_cost_ladder.deviations(d)
-        made["ladder"] = _rows(keys, d["group"], d["label"], d["seconds"], *off)
+        told = [d[name] for name in keys[:4]]
+        made["ladder"] = _rows(keys, *told, *off)
     if d := found.get("accuracy_cost_drift"):
         made["tolerance"] = accuracy_cost_drift.runs(d)
     if d := found.get("effect_prices"):

@@ -71,7 +71,9 @@ def pages() -> dict[Path, str]:
     prices = json.loads((GALLERY / "prices.json").read_text(encoding="utf-8"))
     report = judge.load(GALLERY / "claims.json")
     given = {"prices": prices, "report": report, "number": _numbers(report)}
-    given["ladder"] = {rung["label"]: rung for rung in prices["ladder"]}
+    given["ladder"] = ladder = {rung["label"]: rung for rung in prices["ladder"]}
+    steps = [label for label, rung in ladder.items() if rung["group"] == "step"]
+    given["middle"] = steps[-2]  # of the steps: its row is the plain one
     given["verdict"] = {claim["id"]: claim["verdict"] for claim in report["claims"]}
     made = {GALLERY / "claims.md": claims_page(report)}
     for name in ("costs.md", "effects.md"):
