@@ -33,11 +33,11 @@ registry                            all entries in the paper's order (equations.
 rewrites                            rules that make a form compute well, each one proved
 map_functions, rod_functions        what generated functions compute (functions.toml: how)
 pair_functions                      and those of two bodies
-routines, arithmetic                assignments; the arithmetics in which they are proved
-kernel, contacts, error_free        one impact as assignments (kernel.toml), and their proofs
+kernel, contacts, rounded           one impact, impact/_kernel.py: run on letters and on numbers
+                                    that know their roundings, and proved
 codegen                             expressions as functions
 languages                           the impact map in C and JavaScript (languages.toml)
-files, equations_page               impact/_generated.py, impact/_kernel.py; EQUATIONS.md
+files, equations_page               impact/_generated.py; EQUATIONS.md
 typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
 lecture, letters, exercises         the report's text and references; letters; exercises, answered
 steps, drawings                     the steps of a derivation for a reader; drawings as SVG
@@ -58,10 +58,10 @@ To add an equation
 3. If it should be a function: a `Function` in `map_functions.py` or its like derives its outputs;
    functions.toml has its words, and the assignments that make it compute well (module `rewrites`).
 
-4. An algorithm goes into kernel.toml as assignments, and what its names stand for into `kernel.py`.
+4. An impact is computed with it in impact/_kernel.py, which `kernel` runs and proves.
 
-`check` proves it, `mutate` tries to fool the proof, `generate` writes impact/_generated.py,
-impact/_kernel.py and EQUATIONS.md, `report` shows it.
+`check` proves it, `mutate` tries to fool the proof, `generate` writes impact/_generated.py and
+EQUATIONS.md, `report` shows it.
 How it becomes public stands in `help(impact)`.
 """
 

@@ -96,8 +96,8 @@ def check(as_json: bool = False) -> int:
 def generate(language: str | None, out: Path | None) -> int:
     """Write the generated functions and tables (5 s).
 
-    They are impact/_generated.py, impact/_kernel.py and derivations/EQUATIONS.md of a source
-    checkout. With --language nothing of these is written.
+    They are impact/_generated.py and derivations/EQUATIONS.md of a source checkout. With --language
+    neither is written.
     """
     from . import equations_page, files, languages  # for a quick --help
 
@@ -115,11 +115,11 @@ def generate(language: str | None, out: Path | None) -> int:
         return 0
     if out is not None:
         raise click.UsageError("--out needs --language")
-    root = files.KERNEL.parent.parent
+    root = files.CLOSED_FORMS.parent.parent
     if not (root / "README.md").is_file():
         raise click.UsageError(f"generate needs a source checkout; {root} has no README.md")
-    texts = files.sources(_bar("generating"))
-    changed = {path: files.write(text, path) for path, text in texts.items()}
+    text = files.source(_bar("generating"))
+    changed = {files.CLOSED_FORMS: files.write(text, files.CLOSED_FORMS)}
     changed[equations_page.TARGET] = equations_page.refresh()
     for path, new in changed.items():
         print(f"{path.name}: {'written' if new else 'unchanged'}")

@@ -1,4 +1,4 @@
-"""The impact map as text in C99 and in JavaScript, translated from the generated Python.
+"""The impact map as text in C99 and in JavaScript, translated from Python.
 
 `impact/_generated.py` and `impact/_kernel.py` are written in a small language: assignments, calls,
 tuples, a choice of two numbers. So are the functions of `languages.toml`, which engines and pages
@@ -57,21 +57,21 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from . import error_free, files
-from .routines import CONSTANTS
+from . import files
+from .kernel import CODE, KERNEL, LAWS, functions, loaded
 
 _TEXTS = tomllib.loads(resources.files(__package__).joinpath("languages.toml").read_text("utf-8"))
 RECORDS: Mapping[str, Mapping[str, str]] = _TEXTS["records"]
 FUNCTIONS: Mapping[str, Mapping[str, str]] = _TEXTS["functions"]
-LAWS = "newton", "poisson", "stronge"
 REGIMES = {"INVALID": -1, "NO_IMPACT": 0, "SLIDE": 1, "SLIP_STICK": 2, "SLIP_REVERSAL": 3}
 LANGUAGES: Mapping[str, str] = {"c": "rod_impact.h.jinja", "javascript": "rod_impact.js.jinja"}
-_VALUES = {name: repr(float(eval(text))) for name, text in CONSTANTS.items()}
 # Steps of one sum or product: not worth a comment, and their names give way to those of callers.
 _STEPS = {
-    *(routine.name for routine in error_free.ROUTINES),
+    *(name for code in CODE[:2] for name in code.shown),
+    "lacking",
     *(name for name, about in _TEXTS["called"].items() if "twofold" not in about),
 }
+_OPERATIONS = ast.Add, ast.Sub, ast.Mult, ast.Div, ast.BitAnd
 
 Value = Any  # expression of a number or a flag, or a list of them
 
@@ -109,21 +109,17 @@ def _call(name: str, *arguments: ast.expr) -> ast.Call:
     return ast.Call(ast.Name(name), list(arguments), [])
 
 
-def _parsed(text: str) -> Iterator[ast.FunctionDef]:
-    yield from (node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef))
-
-
 def _written(name: str, about: Mapping[str, str]) -> ast.FunctionDef:
     """A function of languages.toml."""
     lines = f"{about.get('text', '').strip()}\nreturn {about['returned']}".strip()
-    (tree,) = _parsed(f"def {name}({about['arguments']}):\n{textwrap.indent(lines, '    ')}")
+    (tree,) = ast.parse(f"def {name}({about['arguments']}):\n{textwrap.indent(lines, '    ')}").body
+    assert isinstance(tree, ast.FunctionDef)
     return tree
 
 
 def _called(own: Mapping[str, Mapping[str, str]]) -> dict[str, ast.FunctionDef]:
     """All functions that others call, some as a language has them."""
-    texts = (path.read_text(encoding="utf-8") for path in (files.CLOSED_FORMS, files.KERNEL))
-    found = {tree.name: tree for text in texts for tree in _parsed(text)}
+    found = {tree.name: tree for tree in functions(KERNEL.read_text(encoding="utf-8"))}
     for name, about in (*_TEXTS["called"].items(), *own.items()):
         tree = deepcopy(found[about["of"]]) if "of" in about else _written(name, about)
         found[name] = _InTwiceTheDigits().visit(tree) if "twofold" in about else tree
@@ -153,13 +149,15 @@ class _Inlined:
                 if name == "law":
                     return _selected(*(self.call(law, given) for law in LAWS))
                 return self.call(name, given) if name in self.called else _call(name, *given)
-            case ast.BinOp(left, operation, right):
+            case ast.BinOp(left, operation, right) if isinstance(operation, _OPERATIONS):
                 return ast.BinOp(self.value(left, names), operation, self.value(right, names))
             case ast.Compare(left, comparison, [right]):
                 return ast.Compare(self.value(left, names), comparison, [self.value(right, names)])
-            case ast.UnaryOp(operation, operand):
+            case ast.UnaryOp(ast.USub() as operation, operand):
                 return ast.UnaryOp(operation, self.value(operand, names))
-        return node
+            case ast.Constant():
+                return node
+        raise ValueError(f"{ast.unparse(node)!r} is not in the language")
 
     def call(self, name: str, given: Sequence[Value]) -> Value:
         """What a function returns."""
@@ -182,6 +180,10 @@ class _Inlined:
                     self.bind(target, self.value(value, names), names, step=tree.name in _STEPS)
                 case ast.Return(ast.expr() as value):
                     return self.value(value, names)
+                case ast.Expr(ast.Constant()):  # its docstring
+                    continue
+                case _:
+                    raise ValueError(f"{ast.unparse(line)!r} is not in the language")
         raise ValueError(f"{tree.name} returns nothing")
 
     def bind(self, target: ast.expr, value: Value, names: dict[str, Value], *, step: bool) -> None:
@@ -246,7 +248,9 @@ class _Words(ast.NodeTransformer):
     """
 
     def __init__(self, language: str):
-        self.names = _VALUES | _TEXTS["names"][language]
+        known = loaded(KERNEL.read_text(encoding="utf-8"), {})
+        constants = {name: repr(x) for name, x in known.items() if isinstance(x, float)}
+        self.names = constants | _TEXTS["names"][language]
 
     def visit_Name(self, node: ast.Name) -> ast.Name:
         return ast.Name(self.names.get(node.id, node.id))

@@ -3,8 +3,7 @@
 Every entry's printed and derived form, and every axiom, is changed in small ways: a factor 8/7, a
 term's sign turned, a symbol replaced by another of the same form, a denominator scaled, one side
 of an inequality scaled. An entry with a changed form must lose its verdict, and a changed axiom
-must cost some entry that rests on it its proof. In the text of a routine an operation, a sign, a
-comparison or the order of two arguments is changed. Changes that say the same are counted apart.
+must cost some entry that rests on it its proof. Changes that say the same are counted apart.
 """
 
 import hashlib
@@ -22,7 +21,6 @@ from . import axioms
 from .files import write
 from .proof import Equation, Form, components, equal_at_random_points
 from .registry import ENTRIES
-from .routines import Routine
 
 Relational = sp.core.relational.Relational
 Outcome = Literal["caught", "equivalent", "survived"]
@@ -36,7 +34,7 @@ class Mutant:
     """A changed form, and what became of the proofs."""
 
     tag: str  # of the entry or axiom
-    side: str  # printed, derived, axiom or text
+    side: str  # printed, derived or axiom
     change: str  # in words
     outcome: Outcome
 
@@ -137,22 +135,12 @@ def of_axiom(axiom: axioms.Axiom) -> Iterator[Mutant]:
         yield Mutant(axiom.tag, "axiom", what, outcome)
 
 
-def of_routine(routine: Routine) -> Iterator[Mutant]:
-    """Try every change of one operation, comparison or order of arguments in a routine's text."""
-    for what, changed in routine.mistakes():
-        outcome: Outcome = "caught"
-        if changed.prove().ok:
-            outcome = "equivalent" if changed.says_the_same(routine) else "survived"
-        yield Mutant(routine.tag, "text", what, outcome)
-
-
 def trials() -> list[Callable[[], Iterator[Mutant]]]:
-    """One for each entry that is an equation, each axiom, and each routine."""
+    """One for each entry that is an equation, and each axiom."""
     entries = [entry for entry in ENTRIES if isinstance(entry, Equation)]
     return [
         *(partial(of_entry, entry) for entry in entries),
         *(partial(of_axiom, axiom) for axiom in axioms.AXIOMS),
-        *(partial(of_routine, entry) for entry in ENTRIES if isinstance(entry, Routine)),
     ]
 
 

@@ -33,9 +33,9 @@ from . import (
     thin_rod,
     transport,
 )
+from .kernel import Code
 from .proof import Equation, Verdict
 from .references import Citation
-from .routines import Routine
 from .sentences import to_text
 from .statements import Reading
 
@@ -43,15 +43,15 @@ __all__ = [
     "ENTRIES",
     "SECTIONS",
     "Citation",
+    "Code",
     "Equation",
     "Reading",
-    "Routine",
     "Row",
     "check",
     "mistakes",
 ]
 
-Entry: TypeAlias = Equation | Citation | Reading | Routine
+Entry: TypeAlias = Equation | Citation | Reading | Code
 
 # section title, entries
 SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
@@ -64,7 +64,7 @@ SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("Regime boundaries and the thin rod", thin_rod.EQUATIONS),
     ("Other laws of restitution, and energy", laws.EQUATIONS),
     ("Two bodies that meet", pairs.EQUATIONS),
-    ("One impact as assignments", (*kernel.EQUATIONS, *kernel.ROUTINES)),
+    ("One impact as assignments", (*kernel.EQUATIONS, *kernel.CODE)),
     ("Stationary translation", drift.EQUATIONS),
     ("Best tilt, stability, Painlevé's paradox", optimum.EQUATIONS),
     ("Landing phases by the flux of impacts", landing_phases.EQUATIONS),

@@ -6,7 +6,6 @@ exercises, references. `latex` holds the entries alone.
 """
 
 import re
-import textwrap
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
@@ -24,7 +23,7 @@ from .exercises import EXERCISES
 from .files import write as write_file
 from .letters import LETTERS
 from .proof import Equation, Form
-from .registry import SECTIONS, Entry, Routine, Row
+from .registry import SECTIONS, Code, Entry, Row
 from .sentences import to_html, to_latex
 from .steps import Line, lines, with_formulas
 
@@ -74,12 +73,8 @@ def _tex_of(entry: Entry, label: str) -> str:
 
 
 def _program(entry: Entry) -> str:
-    """Text of a routine, under the line of its arguments; of other entries nothing."""
-    if not isinstance(entry, Routine):
-        return ""
-    head = f"{entry.name}({', '.join(entry.arguments.split())})"
-    body = f"{textwrap.dedent(entry.text).strip()}\nreturn {entry.returned}"
-    return f"{head}:\n{textwrap.indent(body, '    ')}"
+    """Text of the code that an entry proves; of other entries nothing."""
+    return entry.text if isinstance(entry, Code) else ""
 
 
 def _parts(symbol: str) -> list[str]:

@@ -18,8 +18,9 @@ rod that is let go).
 
 Files, as one reads them
 ------------------------
-_generated, _kernel                 closed forms; one impact, as one text for arrays and for Numba.
-                                    Both written by `derivations`, never edited
+_generated                          closed forms, written by `derivations`, never edited
+_kernel                             one impact, as one text for arrays and for Numba; `derivations`
+                                    proves it and makes C and JavaScript of it
 _arguments                          arguments of all functions: domains, dtypes, blocks
 geometry                            where the centre of mass stands over the contact point
 _impacts, _twofold                  regimes, arguments of impacts; numbers in twice the digits
