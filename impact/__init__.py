@@ -13,8 +13,7 @@ in m/s spins are in rad per millisecond. Arrays are paired by position; labelled
 xarray) are refused where their labels differ, and results are plain arrays.
 
 Closed forms derived from Newton's laws by `derivations`; needs NumPy alone. On request, with Numba:
-`impact.compiled` (the map as kernels), `impact.bouncing` (a rod at fixed tilt), `impact.falling` (a
-rod that is let go).
+`impact.compiled` (the map as kernels), `impact.bouncing` (a rod at fixed tilt).
 
 Files, as one reads them
 ------------------------
@@ -28,7 +27,7 @@ collision                           the impact map: `collide`, `classify`
 pairs                               two bodies of any masses that meet: `collide_pair`
 boundaries, translation             boundaries of the regimes; the drift, its stability and cost
 compiled                            the map as Numba kernels, the same bits
-flight, bouncing, falling           exact flights over the plate, and rods that make them
+flight, bouncing                    exact flights over the plate, and a rod that makes them
 _early_signals                      signals during imports
 _jit, _interrupt                    Numba's compiler; signals that wait until it is done
 benchmark, __main__, _command_line  time per impact; its command

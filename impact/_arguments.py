@@ -67,28 +67,23 @@ def labels_of(value: Any) -> Labels:
     return [(None, index) for index in getattr(value, "axes", None) or ()]
 
 
-def _difference(one: Labels, other: Labels) -> tuple[Any, Any] | None:
-    """First labels that differ between axes paired as NumPy pairs them, from the last; or None."""
-    for pair in zip(one[::-1], other[::-1], strict=False):
-        (name, name_), (labels, labels_) = zip(*pair, strict=True)
-        if None not in (name, name_) and name != name_:
-            return repr(name), repr(name_)
-        if labels is not None and labels_ is not None and not labels.equals(labels_):
-            if len(labels) != len(labels_):
-                return f"{len(labels)} labels", f"{len(labels_)} labels"
-            pairs = zip(labels, labels_, strict=True)
-            return next(((repr(a), repr(b)) for a, b in pairs if a != b), (labels, labels_))
-    return None
-
-
 def _refuse_unlike(values: Mapping[str, Any]) -> None:
-    """Raise `InputError` if two labelled arguments would be paired against their labels."""
-    labelled = [(name, labels) for name, v in values.items() if (labels := labels_of(v))]
-    for (one, labels), (other, others) in combinations(labelled, 2):
-        if found := _difference(labels, others):
+    """Raise `InputError` if two labelled arguments would be paired against their labels.
+
+    Axes are paired as NumPy pairs them, from the last.
+    """
+    labelled = [(name, labels_of(value)[::-1]) for name, value in values.items()]
+    for (one, axes), (other, axes_) in combinations(labelled, 2):
+        for (name, labels), (name_, labels_) in zip(axes, axes_, strict=False):
+            if None not in (name, name_) and name != name_:
+                unlike = name, name_
+            elif labels is not None and labels_ is not None and not labels.equals(labels_):
+                unlike = list(labels), list(labels_)
+            else:
+                continue
             raise InputError(
-                f"{one} and {other} must have equal labels, got {found[0]} where the other has "
-                f"{found[1]}; align them, or pass plain arrays"
+                f"{one} and {other} must have equal labels, got {unlike[0]!r:.60} where the other "
+                f"has {unlike[1]!r:.60}; align them, or pass plain arrays"
             )
 
 

@@ -21,7 +21,7 @@ TOGETHER = {  # files that one process works through, as they share what it has 
         *("figures", "accuracy_figures", "claims", "drift_figures", "md_figures", "price_figures"),
         *("ring_figures", "row_figures", "rows_figures"),
     ),
-    "flights": ("bouncing", "documentation", "falling", "flight", "tip_flights"),
+    "flights": ("bouncing", "documentation", "flight"),
     "space": ("annulus", "space", "space_hard_cases"),
 }
 

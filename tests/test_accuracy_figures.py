@@ -126,42 +126,16 @@ def test_cost():
 
 
 def test_benchmark(capsys):
-    """Every number is there and positive; the hand-written kernel is the same map."""
+    """Every time is there and positive, those of compiling apart."""
     assert main(["benchmark", "--impacts", "300", "--json"]) == 0
     printed = capsys.readouterr()
     assert printed.err == ""
     result = json.loads(printed.out)
-    ways = {f"{way} {law}" for way in ("numpy", "compiled", "loop", "scalar") for law in LAWS}
-    ways |= {"scalar handwritten", "scalar uncompensated", "scalar newton, any order", "copy"}
-    assert set(result["ns_per_impact"]) == set(result["million_per_second"]) == ways
-    for name, ns in result["ns_per_impact"].items():
-        assert ns > 0
-        assert result["million_per_second"][name] == pytest.approx(1e3 / ns)
+    ways = {f"{way} {law}" for way in ("numpy", "compiled") for law in LAWS}
+    assert set(result["ns_per_impact"]) == ways | {"copy"}
     assert set(result["compile_seconds"]) == set(LAWS)
-    assert all(seconds > 0 for seconds in result["compile_seconds"].values())
-    assert result["same_bits"] is True
-    assert result["generated_over_handwritten"] > 0
-    assert result["loop_over_floor"] > 0
-    assert (result["impacts"], result["bytes_per_impact"]) == (300, 137)
-    assert result["runs"] >= 7
-    keys = {"processor", "cores", "threads", "python", "numpy", "numba"}
-    assert set(result["machine"]) == keys
-
+    times = *result["ns_per_impact"].values(), *result["compile_seconds"].values()
+    assert all(time > 0 for time in times)
+    assert (result["impacts"], result["runs"]) == (300, 9)
     text = table(result)
     assert all(name in text for name in ways)
-
-
-def test_handwritten_kernel_bit_for_bit():
-    """In every field of many impacts, grazing and separating ones among them."""
-    from impact import benchmark, compiled
-
-    impacts = random_impacts(3000, seed=11)
-    impacts.c_z[::7] *= -1  # some pairs separate
-    impacts.c_x[::11], impacts.omega[::11] = 0, 0  # no slip
-    changed = 0
-    for row in zip(*(column.tolist() for column in impacts), strict=True):
-        given = compiled.Impacts(*row)
-        ours = np.array(compiled.collide_newton(given), float)
-        assert ours.tobytes() == np.array(benchmark.collide(given), float).tobytes()
-        changed += ours.tobytes() != np.array(benchmark.collide_plain(given), float).tobytes()
-    assert changed > 1000  # without the compensated sums the last digits differ

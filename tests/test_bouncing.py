@@ -10,7 +10,6 @@ import impact
 import impact.bouncing as bouncing
 from impact import ContactGeometry, collide, drift, thin_rod
 from impact.bouncing import TURN, bounce, hit_again_tilt, record
-from impact.falling import fall
 from impact.flight import slide_to_lift
 
 SPHERE = ContactGeometry(0.0, 0.5, sqrt(0.1))
@@ -242,7 +241,8 @@ def test_scale_of_lengths_cancels(law):
         np.testing.assert_array_equal(run.c_x_after, runs[0].c_x_after)
 
 
-BAD = {  # of `bounce` and of `fall`
+NO_GEOMETRY = ContactGeometry(0.1, 0.4, 0.0), ContactGeometry(np.nan, 0.4, 0.3), 3.0
+BAD = {
     "gamma": (0.0, np.nan, np.inf, np.array([2.0, 3.0]), "high"),
     "friction": (-0.1,),
     "restitution": (1.1, np.nan),
@@ -252,34 +252,18 @@ BAD = {  # of `bounce` and of `fall`
     "transient": (-1,),
     "shortest_flight": (0.0, 1e-13),
     "law": ("hooke", ["newton"]),
+    "bins": (0,),
+    "geometry": (*NO_GEOMETRY, thin_rod(np.array([0.1, 0.2]))),
 }
-NO_GEOMETRY = ContactGeometry(0.1, 0.4, 0.0), ContactGeometry(np.nan, 0.4, 0.3), 3.0
-BAD_HERE = {"bins": (0,), "geometry": (*NO_GEOMETRY, thin_rod(np.array([0.1, 0.2])))}
-BAD_FALL = {
-    "tilt": (1.6, np.nan, np.array([0.1, 0.2])),
-    "length": (0.0, np.inf, 0.5),
-    "diameter": (-1.0,),
-    "transient": (0,),
-    "periods": (0.0, np.nan),
-    "shortest_flight": (1e-6,),
-}
-HERE = {"geometry": thin_rod(0.3), "gamma": 2.0, **PAPER, "landings": 5}
-FALLING = {"tilt": 0.3, "length": 100.0, "diameter": 1.0, "gamma": 2.0, **PAPER}
 
 
 @pytest.mark.parametrize(
-    ("function", "setting", "name", "value"),
-    [
-        (function, setting, name, value)
-        for function, setting, own in ((bounce, HERE, BAD_HERE), (fall, FALLING, BAD_FALL))
-        for bad in (BAD, own)
-        for name, values in bad.items()
-        for value in values
-    ],
+    ("name", "value"), [(name, value) for name, values in BAD.items() for value in values]
 )
-def test_bad_input(function, setting, name, value):
+def test_bad_input(name, value):
+    setting = {"geometry": thin_rod(0.3), "gamma": 2.0, **PAPER, "landings": 5}
     with pytest.raises(impact.InputError, match=rf"{name}(\.\w)? must be "):
-        function(**{**setting, name: value})
+        bounce(**{**setting, name: value})
 
 
 def test_friction_has_its_limits():

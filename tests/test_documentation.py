@@ -19,7 +19,7 @@ PACKAGES = ("derivations", "figures", "impact", "md")
 PUBLIC = [
     "derivations",
     *("derivations.registry", "figures"),
-    *("impact", "impact.bouncing", "impact.compiled", "impact.falling"),
+    *("impact", "impact.bouncing", "impact.compiled"),
     *("md", "md.records", "md.search", "md.store", "md.sweep", "md.trajectory"),
 ]
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import figures
 from figures.__main__ import main
-from figures.theory import free_rod, pairs
+from figures.theory import pairs
 from figures.theory.restitution_laws import largest_gain
 from impact import (
     Regime,
@@ -286,20 +286,3 @@ def test_a_figure_that_fails_leaves_the_others(jobs, tmp_path, monkeypatch, caps
     assert printed.err.endswith("figures draw: 1 of 3 failed: no_such_module\n")
     assert {path.stem for path in tmp_path.iterdir()} == {"fig10", "tip_shape"}
     assert printed.out.count(".png") == 2
-
-
-def test_free_rods_fall_much_as_on_a_plate_at_rest():
-    """And their tips drift less than under the closure."""
-    d = data("free_rod")
-    assert np.all(d["fallen"] == 1)
-    assert np.all(d["landings"] >= 1)
-    ratio = d["time"][..., 1] / d["still_time"]
-    assert np.all((ratio > 0.75) & (ratio < 1.3))
-    leans = (d["tilt"] > 0.1) & (d["tilt"] < 1.3)
-    assert np.all(d["drift"][leans, 0] > 0)
-    assert np.all(d["drift"][leans, 0] < d["held_drift"][leans, 0])
-    for deg in (20, 40):
-        tilt, share = d[f"second_{deg}"]
-        assert np.degrees(tilt) > 1.2 * deg
-        assert 0.2 < share < 0.8
-    assert "40 deg: second landing at 61 deg" in free_rod.summary(d)

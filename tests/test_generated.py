@@ -150,7 +150,7 @@ def test_scalar_kernel_takes_infinite_friction(size, c_z):
 
 
 def test_kernel_keeps_its_bits_in_a_loop_that_may_reorder_its_own_sums():
-    """As in the benchmark: the loop's flags are not the kernel's, though it is inlined."""
+    """The loop's flags are not the kernel's, though it is inlined."""
     kernel = compiled.collide_newton
 
     @njit(error_model="numpy", fastmath={"reassoc"})

@@ -19,7 +19,7 @@ import figures.__main__
 import impact
 import md
 from derivations import files
-from impact import _interrupt, _jit, benchmark, bouncing, compiled, falling
+from impact import _interrupt, _jit, benchmark, bouncing, compiled
 from md import cache, command_line, interrupt
 from md.files import replacing
 from md.host import prepare
@@ -169,7 +169,6 @@ def test_no_kernel_builds_its_result_by_calling_python():
 
 
 HELD = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65}
-FREE = {"length": 30.0, "diameter": 3.0, "gamma": 0.5, "friction": 0.3, "restitution": 0.5}
 
 
 def resting(n):
@@ -181,15 +180,11 @@ def bouncing_long(n):
     bouncing.bounce(impact.thin_rod(0.3), **HELD, landings=1, rods=1, transient=n)
 
 
-def lying_long(n):
-    falling.fall(0.0, **FREE, periods=n, shortest_flight=1e-5)
-
-
 def marching(n):
     prepare(row(), touches=False).go(n)
 
 
-@pytest.mark.parametrize("last", [resting, bouncing_long, lying_long, marching])
+@pytest.mark.parametrize("last", [resting, bouncing_long, marching])
 def test_what_lasts_for_hours_can_be_stopped(last, alarm):
     last(1)  # compiles
     alarm(0.1)
@@ -396,7 +391,7 @@ def test_a_signal_during_the_imports_costs_one_line(package, number, tmp_path):
 LONG = {
     "run": ["md", "run", "quasi2d", "--periods", "1000000", "--checkpoint", "a.npz"],
     "claims": ["figures", "claims", "--quick"],
-    "draw": ["figures", "draw", "alpha", "fig08_theory", "free_rod", "--jobs", "2"],
+    "draw": ["figures", "draw", "alpha", "fig08_theory", "--jobs", "2"],
 }
 
 

@@ -45,7 +45,8 @@ PAIRED = [
 @pytest.mark.parametrize(("function", "one", "other"), PAIRED)
 def test_labels_that_differ_are_refused_and_equal_ones_are_not(function, one, other):
     """Whichever two arguments bear them: none are paired by position against their labels."""
-    with pytest.raises(ValueError, match=r"must have equal labels, got [89] .* [89];") as error:
+    unlike = r"must have equal labels, got \[7, [89]\] .* \[7, [89]\];"
+    with pytest.raises(ValueError, match=unlike) as error:
         call(function, **{one: pair(one, 7, 8), other: pair(other, 7, 9)})
     assert one in str(error.value)
     assert other in str(error.value)
@@ -63,7 +64,7 @@ def test_labels_are_compared_as_axes_are_paired():
     across = labelled([0.3, 0.4], dims=["y"])
     turned = labelled(np.ones((2, 2)), dims=["x", "y"])
     for unlike in (across, turned, labelled([0.3, 0.4], axes=[Index("ac")])):
-        with pytest.raises(ValueError, match=r"c_x and friction must .* got '[xb]'"):
+        with pytest.raises(ValueError, match=r"c_x and friction must .* got ('x'|\['a', 'b'\])"):
             call("collide", c_x=along, friction=unlike)
-    with pytest.raises(ValueError, match="got 3 labels where the other has 2 labels"):
+    with pytest.raises(ValueError, match=r"got \['a', 'b', 'c'\] where the other has \['a', 'b'\]"):
         call("collide", c_x=labelled([1.0] * 3, axes=[Index("abc")]), friction=along)

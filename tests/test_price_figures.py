@@ -166,7 +166,7 @@ def test_the_command_writes_the_page_and_the_figures(small, tmp_path):
     assert [effect["alone"] for effect in made["effects"]] == alone
     assert [kernel["name"] for kernel in made["kernels"]] == list(kernel_times.NAMES)
     assert made["cores"][0] == {"count": 1, "gain": 1.0}
-    assert made["impact_ns"]["numpy newton"] > made["impact_ns"]["loop newton"] > 0
+    assert made["impact_ns"]["numpy newton"] > made["impact_ns"]["compiled newton"] > 0
     assert [law["law"] for law in made["impact_ulp"]] == ["newton", "poisson", "stronge"]
     assert all(0 < ulp < 6 for law in made["impact_ulp"] for ulp in law["largest"])
     assert "numba" in made["machine"]

@@ -113,8 +113,7 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
         if claim["figure"] in ASSUMED:
             found["assumed"] = _told(_judged(claim, simple))
         judged.append(found)
-    made = {name: value for name, value in machine().items() if name != "threads"}
-    made |= {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
+    made = machine() | {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
     made |= {"impact": DIGEST, "quick": quick}
     search = {**outcome(searched), **across_laws.told(searched)}
     return {"provenance": made, "search": search, "claims": judged}
