@@ -10,13 +10,13 @@
 Files, as one reads them
 ------------------------
 paper, theory, checks, cost         rooms: one module for each of `FIGURES`, and what they share
-lib                                 style, runs of rows and annuli, soft impacts, timing, files
+lib                                 style, runs of rows and annuli, soft impacts, printing, files
 claims                              the paper's claims, the numbers behind them, the verdicts
 pages                               one page of everything, README, animation, window of sliders
 __main__                            the commands
 
 A module of a figure has `data(quick)`, which computes arrays by name, and `draw(data)`; perhaps
-`summary(data)` in words, and `sweeps(quick)`, the runs it needs. Only `__main__` writes files: what
+`sweeps(quick)`, the runs it needs. Only `__main__` writes files: what
 `data` returns as .npz, what `draw` returns as .png and .pdf. Runs are kept in the store of
 `lib.runs`; of a command that is `--store`, or rows.db in `--out`.
 

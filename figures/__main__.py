@@ -16,7 +16,7 @@ from impact import InputError
 from impact._command_line import Commands
 
 from . import FIGURES, check
-from .lib.tables import plain
+from .lib.printing import plain, printed
 
 PRICES = "prices.txt", "prices.json", "prices.png"
 CLAIMS, PAGES = ("claims.json", "claims.md"), ("impact.html", "index.html")
@@ -85,6 +85,7 @@ def list_figures() -> None:
     help="Processes; figures that take all cores or measure times come last, one at a time.",
 )
 @_path("--data", "Draw what a folder holds as NAME.npz; compute nothing.", metavar="DIR")
+@click.option("--numbers", is_flag=True, help="Print the numbers of each figure as tables.")
 @_out
 @_store
 def draw(
@@ -93,6 +94,7 @@ def draw(
     quick: bool,
     jobs: int,
     data: Path | None,
+    numbers: bool,
     out: Path,
     store: Path | None,
 ) -> None:
@@ -104,7 +106,7 @@ def draw(
     \b
     python -m figures draw fig10 fig11 --out pictures
     python -m figures draw --all --quick            # every figure, on coarse grids
-    python -m figures draw which_law --data figures/gallery
+    python -m figures draw which_law --data figures/gallery --numbers
     """
     check(names)
     if every and names:
@@ -123,7 +125,7 @@ def draw(
     from .lib.files import storing
 
     with storing(out, store, *files_of(*wanted)):
-        failed = draw_all(wanted, out, quick, jobs, data)
+        failed = draw_all(wanted, out, quick, jobs, data, numbers)
     if failed:
         raise click.ClickException(f"{len(failed)} of {len(wanted)} failed: {', '.join(failed)}")
 
@@ -250,7 +252,8 @@ def prices(out: Path, store: Path | None) -> None:
             bar.set_postfix_str(name)
             bar.write(produce(name, out, quick=True).files)
             found[name] = stored_data(name, True, out)
-    words, picture = price_page.summary(found), price_page.draw(found)
+    words = "\n\n".join(f"{FIGURES[name].title}\n{printed(d)}" for name, d in found.items())
+    picture = price_page.draw(found)
     text, numbers, png = (out / name for name in PRICES)
     _write_text(text, words + "\n")
     _write_text(numbers, _json_text(price_page.numbers(found)))

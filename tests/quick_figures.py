@@ -31,7 +31,7 @@ FEW_EFFECTS = {
     "instead": ("inertia: solid",),
     "off": ("off: acceleration of the plate",),
 }
-FEW_TOUCHES = {"gamma": 2.0, "stiff": 5e5, "lossy": 0.5, "lone": 5e5}
+FEW_TOUCHES = {"gamma": 2.0, "lossy": 0.5}
 ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
 RIGID = SimpleNamespace(flight=ESTIMATE, falling=ESTIMATE)
 FEW = {
@@ -63,8 +63,8 @@ SIZES = {
     measure_rows: {"FREQUENCY_TILTS_DEG": (21, 40)},
     landing_census: {
         "VARIED": {
-            name: (keys, (), (FEW_TOUCHES.get(name, 40.15),))
-            for name, (keys, *_) in landing_census.VARIED.items()
+            name: (key, (), (FEW_TOUCHES.get(name, 40.15),))
+            for name, (key, *_) in landing_census.VARIED.items()
         }
     },
     accuracy_cost_drift: {

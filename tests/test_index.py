@@ -18,7 +18,7 @@ from figures import FIGURES
 from figures.__main__ import main
 from figures.claims import judge
 from figures.cost.price_page import PRICE_PANELS
-from figures.lib import tables
+from figures.lib.printing import plain
 from figures.pages import everything, index
 
 from .command_line import refused
@@ -200,7 +200,7 @@ def test_captions_are_set_as_words(name, tmp_path):
 def told(numbers, **changes) -> str:
     claim = {"id": "S<1>", "verdict": "holds in part", "says": "V_z < 0 & more.", "figure": ""}
     claim |= {"numbers": numbers, "trouble": "", **changes}
-    return json.dumps(tables.plain({"provenance": {"quick": True}, "claims": [claim]}))
+    return json.dumps(plain({"provenance": {"quick": True}, "claims": [claim]}))
 
 
 def test_claims_of_the_folder_come_first(tmp_path):

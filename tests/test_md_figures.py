@@ -108,10 +108,8 @@ def test_no_reading_does_what_the_paper_says():
     assert not np.any(np.all((e > 0.65 - 0.02) & (e < 0.7 + 0.02), axis=-1))
     assert np.all(d["compared"][0, ..., 2] > 0.1)  # as printed
     assert np.all(d["compared"][2, ..., 2] < 0.03)  # the units' reading: near the rigid theory
-    best = appendix_a.best(d)
-    assert best["theory at 0.65"] == (2, list(appendix_a.MASSES).index("sphere, m"))
-    assert best["both, added in squares"][0] == 2
-    assert "neither; sphere, m" in appendix_a.summary(d)
+    nearest = np.unravel_index(d["compared"][:, :, 0, 0].argmin(), shape[:2])
+    assert nearest == (2, list(appendix_a.MASSES).index("sphere, m"))
 
 
 def test_why_the_printed_law_fails():
@@ -122,17 +120,6 @@ def test_why_the_printed_law_fails():
     assert np.all(np.diff(d["why"], axis=0) < 0)
     stiff = d["why"][0, -3:]
     np.testing.assert_allclose(stiff[1:] / stiff[:-1], 10**-0.5, rtol=0.25)
-
-
-def test_gamma_that_would_do():
-    d = data("appendix_a")
-    np.testing.assert_allclose(d["mended_head_on"][:, 1], 0.65, atol=1e-3)
-    assert np.all(np.diff(d["mended_head_on"][0]) < -0.05)  # with the overlap's factor
-    assert np.all(np.diff(d["mended_head_on"][1]) > 0.02)
-    assert d["mended_gamma"][0] > 100 * d["mended_gamma"][1]
-    low, high = np.moveaxis(d["needed"], 1, 0)
-    assert np.all(low > high)
-    assert np.all(low > 5e3)  # 400 is printed
 
 
 # Rigid limit
@@ -146,7 +133,6 @@ def test_coulomb_goes_to_the_rigid_theory_as_predicted():
     np.testing.assert_allclose(d["located"], d["error"][0, ::3], rtol=2e-3)
     assert d["error"][0, -1] < 1e-6
     assert np.all(d["half_step"] < 2e-2)
-    assert "k_n = 1.0e+07 on" in rigid_limit.summary(d)
 
 
 def test_springs_stop_at_floors_that_fall_as_the_root_of_their_stiffness():

@@ -21,10 +21,7 @@ from md.kernels import touches
 from md.rod import Rod
 from md.statistics import ratio
 
-REST = 0.1  # periods: a longer contact is no impact
-SHORT_HOP = 0.01  # periods: a shorter flight is no flight
 DISTURBED = 0.1  # kick over jump from which other rods had a say
-CLOSE = 0.1  # residual over jump up to which the map is said to hold
 
 
 class Census(NamedTuple):
@@ -43,7 +40,6 @@ class Census(NamedTuple):
     mapped_allowed: np.ndarray
     restitution: np.ndarray  # -v_f/v_0 as measured, not clipped; -inf if nothing approached
     duration: np.ndarray  # periods
-    flight: np.ndarray  # periods; nan before a rod's first touch
 
 
 def _mapped(rows, arms, k, friction, plate, v_f, pull):
@@ -96,7 +92,6 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
         "mapped_allowed": mapped_allowed,
         "restitution": restitution,
         "duration": rows[:, touches.DURATION] / per,
-        "flight": rows[:, touches.FLIGHT] / per,
     }
 
 
@@ -116,16 +111,11 @@ def census(scene: md.Scene, periods: int, *, by_rod: bool = False) -> tuple[Cens
 
 
 def counted(scene: md.Scene, periods: int) -> dict[str, Any]:
-    """Measures of the touches of a run, (value, standard error) each, for `runs.planned`.
-
-    A scene without contacts between rods is one of lone rods.
-    """
-    found, result = census(scene, periods, by_rod=scene.contacts.rods is None)
+    """Measures of the touches of a run, (value, standard error) each, for `runs.planned`."""
+    found, result = census(scene, periods)
     return {
         **measures(found),
         "tilt": (result.tilt_deg, result.tilt_stderr_deg),
-        "c_x": (result.c_x, result.c_x_stderr),
-        "count": len(found.jump),
         "isolated_count": int(found.isolated.sum()),
     }
 
@@ -145,22 +135,13 @@ def measures(c: Census) -> dict[str, tuple[float, float]]:
         found[name] = _share(c, what, c.jump * members)
         found[f"{name}_number"] = _share(c, what, members)
 
-    for name, which in (
-        ("shared", ~c.isolated),
-        ("disturbed", c.kick > DISTURBED * c.jump),
-        ("rest", c.duration > REST),
-        ("hop", c.flight < SHORT_HOP),
-        ("below", c.restitution < 0),  # pressed on as it left, or not approaching at all
-        ("above", c.restitution > 1),
-    ):
-        both(name, which, each)
+    both("shared", ~c.isolated, each)
+    both("disturbed", c.kick > DISTURBED * c.jump, each)
     for part, members in (("", each), ("isolated_", c.isolated), ("pushed_", ~c.isolated)):
         for regime, name in enumerate(("slide", "stick", "reversal"), start=1):
             both(part + name, c.seen == regime, members)
         both(f"{part}agree", c.seen == c.mapped, members)
         both(f"{part}agree_allowed", c.seen == c.mapped_allowed, members)
-        both(f"{part}close", c.residual < CLOSE * c.jump, members)
-        both(f"{part}duration", c.duration, members)
         for name in ("residual", "allowed", "kick"):
             found[part + name] = _share(c, getattr(c, name) / size, c.jump * members)
     return found

@@ -2,32 +2,31 @@
 
 The theory: all landings are one impact of a rod without thickness, without spin, with the plate at
 V_0/2, that keeps c_x and turns c_z round. Black: drift of the simulated row over tilt. Each line
-replaces one assumption more, in the order of the bars, and says at which c_x the impact map keeps
-its balance; c_x is the mean of before and after. (a) As printed; the rod as simulated; V_z; the
-ratio -c_z/c_z', from which c_z follows. (b) The change of c_x in a touch, which the row undoes
-between touches; the spin before a touch; the restitution, mean of v_f over that of -v_0 where no
-other rod pushes. These means are over touches, each alike: where the contact sticks, the map is
-linear, and the map of the means is the mean of the maps. (c) Every touch by itself, with its own
-velocities, arms and plate; then what the map misses where no other rod pushes, in parts of the
-change of c_z (a soft contact takes time, and its friction yields); then what it misses where they
-do, so that c_x is that of the touches; then every flight and touch weighted by the time that it
-takes. Where hardly any touch is unpushed, the restitution is that of all touches and a soft contact
-changes nothing. (d) What is assumed (broken lines) and what is measured. (e) Pushed touches left
-out: c_x of unpushed touches, and that of the map for them alone, each by itself, with one
-restitution. (f) What is left of the misfit: rms distance from the row over tilt over the row's rms,
-with standard errors; open: with this assumption alone replaced, the rod as simulated. Where a step
-adds to the misfit, two errors of the theory cancelled.
+replaces one assumption more, in the order of the bars, by its mean over touches, each alike, and
+says at which c_x the impact map keeps its balance; c_x is the mean of before and after. (a) As
+printed; the rod as simulated; V_z; the ratio -c_z/c_z', from which c_z follows. (b) The change of
+c_x in a touch, which the row undoes between touches; the spin before a touch; the restitution, mean
+of v_f over that of -v_0 where no other rod pushes, or of all touches where hardly any is unpushed.
+(c) What is assumed (broken lines) and what is measured. (d) What is left of the misfit: rms
+distance from the row over tilt over the row's rms, with standard errors; open: with this assumption
+alone replaced, the rod as simulated. Where a step adds to the misfit, two errors of the theory
+cancelled.
 """
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from scipy.optimize import brentq
 
-from impact import thin_rod
+import md
+from impact import ContactGeometry, collide, thin_rod
+from md.kernels import touches
 from md.scene import from_tables
+from md.statistics import ratio
 from md.sweep import Sweep
 
 from ..claims.over_tilt import SMALL_DEG
@@ -59,14 +58,12 @@ from ..lib.style import (
     style,
     tilt_axis,
 )
-from ..lib.tables import columned, pairs
-from .balance import balanced, mean_drift
 
+ENOUGH = 30  # touches in which nobody pushes, for the mean restitution over them
 CLOSURE_TILTS_DEG = (9, 12, 15, 18, 21, 24, 27, 30, 34, 40, 45, 50, 60)
 QUICK_TILTS_DEG = (9, 15, 21, 30, 45, 60)
 ASSUMED = {"V_z": 0.5, "turned": 1.0, "gain": 0.0, "spin": 0.0, "restitution": RESTITUTION}
 FIRST = 2  # of `STEPS` that replaces one of `ASSUMED`
-DISTRIBUTED = ("each", "soft", "pushed", "in_time")
 STEPS = {  # in order; each keeps what the ones before replaced
     "printed": "as printed",
     "thick": "thick rod",
@@ -75,16 +72,99 @@ STEPS = {  # in order; each keeps what the ones before replaced
     "gain": "$c_x'-c_x$",
     "spin": r"$\omega$",
     "restitution": r"$\epsilon$",
-    "each": "each touch",
-    "soft": "soft contact",
-    "pushed": "pushes",
-    "in_time": "over time",
 }
-MEANS = (
-    *("drift", "tilt", "V_z", "restitution", "alone"),
-    *(f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")),
-)
-ALONE = ("isolated", "isolated_pushed")
+SIDES = [f"{name}_{side}" for side in ("before", "after") for name in ("c_x", "c_z", "omega")]
+MEANS = ("drift", "tilt", "V_z", "restitution", "alone", *SIDES)
+
+
+def mean_drift(
+    rod: ContactGeometry,
+    friction: float,
+    *,
+    restitution: float,
+    V_z: float,
+    turned: float = 1.0,
+    gain: float = 0.0,
+    spin: float = 0.0,
+) -> float:
+    """Drift of the theory, of all landings alike, under any closure.
+
+    In a row that neither speeds up nor turns over, the mean change of a velocity in a touch is
+    undone between touches; the map says at which c_x it makes the change of c_x that is asked for.
+
+    Parameters
+    ----------
+    rod : contact geometry
+    friction, restitution : of the plate
+    V_z : velocity of the plate at the landing
+    turned : -c_z/c_z', before over after
+    gain : change of c_x in a landing, which is undone between landings
+    spin : omega before the landing
+
+    Returns
+    -------
+    Mean of c_x before and after; nan where there is no such landing.
+    """
+    x, z = rod.X / rod.k, rod.Z / rod.k
+    # v_f = -restitution v_0 with both impulses known: P_x = gain, P_z = (1 + turned) c_z'
+    driven = (1 + restitution) * (V_z - spin * rod.X) + x * z * gain
+    rise = driven / (1 - restitution * turned + (1 + turned) * x**2)
+    given = {"geometry": rod, "friction": friction, "restitution": restitution}
+
+    def excess(c_x: float) -> float:
+        hit = collide(c_x, -turned * rise, spin, plate_velocity=V_z, **given)
+        return float(hit.c_x) - c_x - gain
+
+    far = 1e3 * (abs(rise) + abs(V_z) + abs(spin) * rod.k)
+    if not (excess(-far) > 0 > excess(far)):
+        return np.nan
+    return float(brentq(excess, -far, far, xtol=1e-13)) + gain / 2
+
+
+def measures(rows: np.ndarray, per: int) -> dict[str, tuple[float, float]]:
+    """Means over touches, each alike, (value, standard error), periods being the blocks.
+
+    Parameters
+    ----------
+    rows : touches behind the transient, as `md.run` hands them to `observe`
+    per : steps of a period
+
+    Returns
+    -------
+    Velocities before and after (`SIDES`), V_z of the plate, the restitution of touches in which
+    nobody pushes (of all, if there are fewer than `ENOUGH`), `alone`: share of these touches.
+    """
+    rows = rows[np.isfinite(rows[:, touches.FLIGHT])]
+    alone = rows[:, touches.PUSHED] == 0
+    among = alone if alone.sum() >= ENOUGH else np.ones(len(rows), bool)
+    block = (rows[:, touches.STEP] // per).astype(int)
+    block -= block.min()
+    every = np.ones(len(rows))
+
+    def mean(top: np.ndarray, base: np.ndarray = every) -> tuple[float, float]:
+        return ratio(np.bincount(block, top), np.bincount(block, base))
+
+    return {
+        **{name: mean(rows[:, touches.BEFORE + i]) for i, name in enumerate(SIDES)},
+        "V_z": mean(rows[:, touches.PLATE]),
+        "restitution": mean(rows[:, touches.LEAVING] * among, -rows[:, touches.APPROACH] * among),
+        "alone": mean(alone.astype(float)),
+    }
+
+
+def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
+    """`measures` of a run, its drift and its tilt, for `runs.planned`."""
+    kept: list[np.ndarray] = []
+    result = md.run(scene, periods=periods, observe=kept.append, ledger=False)
+    if not result.finished:
+        raise KeyboardInterrupt
+    rows = np.concatenate(kept)
+    rows = rows[rows[:, touches.STEP] >= result.discarded * result.steps_per_period]
+    return {
+        **measures(rows, result.steps_per_period),
+        "drift": (result.c_x, result.c_x_stderr),
+        "tilt": (result.tilt_deg, result.tilt_stderr_deg),
+    }
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
@@ -98,7 +178,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 def replaced(tilt_deg: float, known: dict[str, float]) -> list[float]:
     """Drifts of a mean landing, in the units of what is known.
 
-    After each of the first steps; then with each of `ASSUMED` alone replaced, the rod as simulated.
+    After each of `STEPS`; then with each of `ASSUMED` alone replaced, the rod as simulated.
 
     Parameters
     ----------
@@ -106,17 +186,15 @@ def replaced(tilt_deg: float, known: dict[str, float]) -> list[float]:
     known : measured values of `ASSUMED`, and `speed`, the plate's peak velocity
     """
     if not np.isfinite([tilt_deg, *known.values()]).all():  # of a run that failed
-        return [np.nan] * (FIRST + 2 * len(ASSUMED))
+        return [np.nan] * (len(STEPS) + len(ASSUMED))
     tilt = np.radians(tilt_deg)
     rod, given = paper_rod(tilt), {**ASSUMED, "V_z": known["speed"] / 2}
     closures = [given]
     for name in ASSUMED:
         closures.append(closures[-1] | {name: known[name]})
     closures += [given | {name: known[name]} for name in ASSUMED]
-    return [
-        mean_drift(rod if i else thin_rod(tilt, LENGTH), FRICTION, **closure)
-        for i, closure in enumerate([given, *closures])
-    ]
+    thin = mean_drift(thin_rod(tilt, LENGTH), FRICTION, **given)
+    return [thin, *(mean_drift(rod, FRICTION, **closure) for closure in closures)]
 
 
 def left(row: np.ndarray, drift: np.ndarray) -> np.ndarray:
@@ -124,8 +202,8 @@ def left(row: np.ndarray, drift: np.ndarray) -> np.ndarray:
     return np.sqrt(np.mean((drift - row) ** 2, axis=-2) / np.mean(row**2, axis=-2))
 
 
-def _closures(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Measured values of `ASSUMED`."""
+def closures_of(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Measured values of `ASSUMED`, from the `MEANS` with their errors in the last axis."""
     mean = {name: of[name][..., 0] for name in MEANS}
     return {
         "V_z": mean["V_z"],
@@ -142,18 +220,15 @@ def data(quick: bool = False) -> Data:
     Velocities of `ASSUMED` are in units of the plate's peak velocity, the spin times half a rod.
     """
     sweep, scene = sweeps(quick)["tilt"], from_tables(ROW)
-    names = (*MEANS, *DISTRIBUTED, *ALONE)
-    of = dict(zip(names, gathered(sweep, *names), strict=True))
-    for name in ("drift", *DISTRIBUTED, *ALONE):
-        of[name] = of[name] * scene.cm_per_s
+    of = dict(zip(MEANS, gathered(sweep, *MEANS), strict=True))
+    of["drift"] = of["drift"] * scene.cm_per_s
     row, tilt = of["drift"][..., 0], of["tilt"][..., 0]
-    measured, speed = _closures(of), scene.plate_speed
-    first = np.empty((FIRST + 2 * len(ASSUMED), *tilt.shape))
+    measured, speed = closures_of(of), scene.plate_speed
+    drifts = np.empty((len(STEPS) + len(ASSUMED), *tilt.shape))
     for at in np.ndindex(tilt.shape):
         known = {name: float(array[at]) for name, array in measured.items()}
-        first[(..., *at)] = replaced(float(tilt[at]), {**known, "speed": speed})
-    together, single = np.split(scene.cm_per_s * first, [FIRST + len(ASSUMED)])
-    steps = np.stack([*together, *(of[name] for name in DISTRIBUTED)])
+        drifts[(..., *at)] = replaced(float(tilt[at]), {**known, "speed": speed})
+    steps, single = np.split(scene.cm_per_s * drifts, [len(STEPS)])
 
     nominal = np.degrees(np.arccos(scene.rods.count / sweep.values("box.length")))
     found: Data = {"nominal_deg": nominal}
@@ -163,7 +238,6 @@ def data(quick: bool = False) -> Data:
     larger = nominal > SMALL_DEG
     for name, values in {
         **{name: array / units.get(name, 1.0) for name, array in measured.items()},
-        **{name: of[name] for name in ALONE},
         "step": steps,
         "left": left(row, steps),
         "left_single": left(row, single),
@@ -178,20 +252,16 @@ LEGEND |= {"handlelength": 1.6, "handletextpad": 0.5, "borderaxespad": 0.2}
 LOOKS = ((RED, "s-"), (ORANGE, "^-"), (BLUE, "v-"), (GREEN, "D-"))
 
 
-def _row(ax: Axes, d: Data, roof: float) -> None:
-    """The row's drift, and room for the legend."""
-    curve(ax, d, "tilt", "drift", label="row", ms=3.5, lw=1.2)
-    tilt_axis(ax, 0, 65)
-    ax.set(ylabel=r"drift $c_x$ (cm/s)", ylim=(min(0, 1.1 * d["drift"].min()), 1.55 * roof))
-    ax.legend(**LEGEND)
-
-
 def _draw_steps(ax: Axes, d: Data, names: tuple[str, ...]) -> None:
     at = [[*STEPS].index(name) for name in names]
     for i, name, (colour, form) in zip(at, names, LOOKS, strict=False):
         label = STEPS[name] if name == "printed" else f"+ {STEPS[name]}"
         curve(ax, d, "tilt", "step", colour, label, at=i, form=form, ms=2.5)
-    _row(ax, d, max(np.nanmax(d["step"][at]), d["drift"].max()))
+    curve(ax, d, "tilt", "drift", label="row", ms=3.5, lw=1.2)
+    roof = max(np.nanmax(d["step"][at]), d["drift"].max())
+    tilt_axis(ax, 0, 65)
+    ax.set(ylabel=r"drift $c_x$ (cm/s)", ylim=(min(0, 1.1 * d["drift"].min()), 1.55 * roof))
+    ax.legend(**LEGEND)
 
 
 def _draw_assumed(ax: Axes, d: Data) -> None:
@@ -204,13 +274,6 @@ def _draw_assumed(ax: Axes, d: Data) -> None:
     low = min(-0.2, *(1.1 * np.nanmin(d[name]) for name in ASSUMED))
     ax.set(ylabel="assumed, measured", ylim=(low, 1.75), yticks=np.arange(-0.25, 1.1, 0.25))
     ax.legend(**LEGEND)
-
-
-def _draw_alone(ax: Axes, d: Data) -> None:
-    look = {"form": "s-", "hollow": True, "ms": 2.5}
-    curve(ax, d, "tilt", "isolated_pushed", BLUE, "unpushed", form="v-", ms=2.5)
-    curve(ax, d, "tilt", "isolated", RED, "map, for them alone", **look)
-    _row(ax, d, np.nanmax([np.nanmax(d["isolated"]), d["drift"].max()]))
 
 
 def _draw_left(ax: Axes, d: Data) -> None:
@@ -234,33 +297,10 @@ def draw(d: Data) -> plt.Figure:
     names = tuple(STEPS)
     panels: dict[str, Callable[[Axes, Data], None]] = {
         "theory, plate, bounce": partial(_draw_steps, names=names[:4]),
-        "mean touch": partial(_draw_steps, names=names[4:7]),
-        "each touch": partial(_draw_steps, names=names[7:]),
+        "mean touch": partial(_draw_steps, names=names[4:]),
         "assumptions": _draw_assumed,
-        "unpushed touches": _draw_alone,
         "what is left": _draw_left,
     }
     figure = painted(d, panels, rows=2, figsize=(7.0, 5.0))
     figure.supxlabel(TILT_SCAN_WORDS)
     return figure
-
-
-def summary(d: Data) -> str:
-    """Drifts step by step, what was measured, and what is left of the misfit."""
-    plain = {name: label.replace("$", "").replace("\\", "") for name, label in STEPS.items()}
-    heads = {"tilt": pairs(d, "tilt"), "row": pairs(d, "drift")}
-    drifts = {name: pairs(d, "step", i) for i, name in enumerate(plain.values())}
-    measured = {name: pairs(d, name) for name in (*ASSUMED, "alone", *ALONE)}
-    lines = ["drift (cm/s) after each step, ± standard error", columned({**heads, **drifts})]
-    lines += ["measured (gain: c_x'-c_x over V_0; spin: omega l/2V_0; alone: share of touches;"]
-    lines += ["isolated: c_x of the map for these alone, isolated_pushed: theirs, cm/s)"]
-    lines += [columned({"tilt": heads["tilt"], **measured}, 3)]
-    single = pairs(d, "left_single")
-    columns = {
-        "step": plain.values(),
-        "all tilts": pairs(d, "left"),
-        f"beyond {SMALL_DEG} deg": pairs(d, "left_larger"),
-        "all tilts, it alone": [np.nan] * FIRST + single + [np.nan] * len(DISTRIBUTED),
-    }
-    lines += ["rms misfit over the row's rms, left after each step", columned(columns, 3)]
-    return "\n".join(lines)

@@ -87,8 +87,6 @@ def _momentum(rows: np.ndarray, scene: Scene, engine: Engine, first: int) -> dic
     found = {way: ratio(summed(values), time) for way, values in gained.items()}
     found["together"] = ratio(summed(sum(gained.values(), np.zeros(len(rows)))), time)
     found["carried"] = ratio(summed(lift * free), time)
-    found["mobilised"] = ratio(summed(gained["free"]), summed(lift * free))
-    found["free_touches"] = ratio(summed(1.0 * free), summed(np.ones(len(rows))))
     return found
 
 
@@ -102,38 +100,25 @@ def flows(scene: Scene, periods: int) -> dict[str, Any]:
 
     Returns
     -------
-    power : work of the plate over weight and V_0: its velocity in the mean over its force
     `LOSSES` : parts of that work; `rods`: both between rods
     change, residual : of the energy, and what the ledger misses; parts of the work, no error
     `WAYS` : mean force along x on a rod, in its weight; `together`: their sum
     carried : part of the weight that free touches carry
-    mobilised : friction over normal force in free touches
-    free_touches : part of the touches that is free
-    c_x, tilt, V_z, flight : drift in V_0, deg; over touches in V_0, of landings in periods
+    tilt : of the rods, deg
     """
     engine = prepare(scene)
-    tables, cut, speed = tables_of(engine, periods), transient(periods), scene.plate_speed
+    tables, cut = tables_of(engine, periods), transient(periods)
     early, _ = marched(engine, tables, cut)
     before = engine.energy()
     rows, ledger = marched(engine, tables, periods - cut)
     work, *lost = ledger.T
-    time = np.full(periods - cut, scene.rods.count / scene.frequency)
-    found: dict[str, Any] = {"power": ratio(work, time * speed)}
+    found: dict[str, Any] = {}
     for name, loss in zip(LOSSES, lost, strict=True):
         found[name] = ratio(loss, work)
     found["rods"] = ratio(lost[2] + lost[3], work)
     found["change"] = float((engine.energy() - before) / work.sum())
     found["residual"] = float(1 - sum(lost).sum() / work.sum() - found["change"])
     found |= _momentum(np.concatenate([early, rows]), scene, engine, cut)
-    for name, series in (
-        ("c_x", tables.drift(periods) / speed),
-        ("tilt", tables.tilt_deg(periods)),
-    ):
-        found[name] = float(series[cut:].mean()), tables.error(series[cut:])
-    means = tables.results(cut, periods)
-    for name, of in (
-        ("V_z", means["touches"]["plate_velocity"]),
-        ("flight", means["landings"]["flight_periods"]),
-    ):
-        found[name] = of["mean"], of["stderr"]
+    tilt_deg = tables.tilt_deg(periods)[cut:]
+    found["tilt"] = float(tilt_deg.mean()), tables.error(tilt_deg)
     return found

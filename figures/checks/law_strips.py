@@ -12,12 +12,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..claims.across_laws import verdicts
 from ..claims.over_laws import FITTED, HEADED, JUDGED, KEPT_DEG, data, singled_out, sweeps
 from ..lib.style import BLUE, ORANGE, Data, style
-from ..lib.tables import table
 
-__all__ = ["data", "draw", "summary", "sweeps"]
+__all__ = ["data", "draw", "sweeps"]
 HOLDS, PARTLY, OTHER = "#9CD3A0", "#E4F3DF", "0.72"
 
 
@@ -68,13 +66,3 @@ def draw(d: Data) -> plt.Figure:
     for ax, j in zip(axes.T.flat, shown, strict=False):
         _strip(ax, d, j)
     return figure
-
-
-def summary(d: Data) -> str:
-    """Of each claim: under how many laws it holds, in part, does not."""
-    rows = [
-        [name, ", ".join(of["numbers"]), *map(str, of["all"]), *map(str, of["kept"])]
-        for name, of in verdicts(d).items()
-    ]
-    heads = "claim", "numbers", "holds", "in part", "not", "tilt kept: holds", "in part", "not"
-    return table(heads, rows)

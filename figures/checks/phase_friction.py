@@ -17,7 +17,6 @@ from md.sweep import Sweep
 
 from ..lib.runs import BOX, COUNT, GAMMA, LAW_NAME, LENGTH, ROW, means, planned, plate_speed_cm_s
 from ..lib.style import BLACK, BLUE, ORANGE, WARM, Data, curve, name_panels, style
-from ..lib.tables import table
 from ..paper.fig02 import AT_TOUCH
 
 OF_LAW = ROW["contacts"]["plate"]["restitution"]
@@ -87,14 +86,3 @@ def draw(d: Data) -> plt.Figure:
     row = rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$"
     figure.supxlabel(f"{row}, 60 Hz; {LAW_NAME}")
     return figure
-
-
-def summary(d: Data) -> str:
-    """Drift on the grid, simulated and by the theory."""
-    values = (d[name] for name in ("c_x", "c_x_error", "theory"))
-    cells = np.vectorize("{:.2f} ± {:.2f} ({:.2f})".format)(*values)
-    rows = [[mu, *row] for mu, row in zip(d["friction"], cells, strict=True)]
-    heads = [f"restitution {e:g}" for e in d["restitution"]]
-    title = "Drift (cm/s) simulated (theory with V_0/2)"
-    last = f"a stopped contact slips back below mu = {d['critical']:.3f}"
-    return "\n".join([title, table(("mu", *heads), rows, "g"), last])

@@ -9,7 +9,6 @@ over the root of the tangential stiffness ratio, without damping as well; dampin
 times lower. Crosses: every switch located (DOP853).
 """
 
-from collections.abc import Iterable
 from functools import partial
 
 import matplotlib.pyplot as plt
@@ -19,7 +18,6 @@ import md
 
 from ..lib.soft_impacts import SCENE_WORDS, from_theory
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
-from ..lib.tables import columned, table
 
 TANGENTIAL_RATIOS = (3.0, 30.0, 300.0, 3000.0)  # tangential ratios of panel (a)
 SPRING_SERIES = (5e6, 1.0), (1e12, 1.0), (1e12, 0.0)  # k_n, tangential damping of panel (b)
@@ -75,31 +73,6 @@ def data(quick: bool = False) -> Data:
         "right_by_ratio": right_by_ratio,
         "slope_by_ratio": np.array([_slope(ratios[stiff], row[stiff]) for row in by_ratio]),
     }
-
-
-def summary(d: Data) -> str:
-    """Errors, regimes and slopes as text."""
-
-    def part(head: str, values: np.ndarray, names: Iterable[str], kind: str = "") -> str:
-        cells = np.vectorize("{:.2e}, {}".format)(d[f"error{kind}"], d[f"right{kind}"])
-        rows = [[name, *row] for name, row in zip(names, cells, strict=True)]
-        return table((head, *values), rows, ".3g")
-
-    series = [f"k_n {k:.0e}, damping {damping:g}" for k, damping in SPRING_SERIES]
-    over_ratio = f"over ratios from {FITTED:g} on; predicted -0.5"
-    fits = ["coulomb over k_n; predicted -0.4", *(f"{name}, {over_ratio}" for name in series)]
-    slopes = map(tuple, [d["slope"], *d["slope_by_ratio"]])
-    enough = d["k_n"][0] * (GOAL / d["error"][0, 0]) ** (1 / d["slope"][0])
-    off = np.max(abs(d["located"] / d["error"][0, ::3] - 1))
-    return "\n".join([
-        "RMS of (c_x', c_z')/|c_z| from theory at measured restitution, regimes right of 17",
-        part("k_n", d["k_n"], BY_STIFFNESS),
-        part("tangential ratio", d["ratio"], series, "_by_ratio"),
-        columned({"slope in log-log": fits, "": slopes}, 5),
-        f"coulomb: at most {GOAL:g} from k_n = {enough:.1e} on",
-        f"half the step changes these errors by at most {d['half_step'].max():.0e} of themselves;"
-        f" DOP853 with located switches (coulomb) by {off:.0e}",
-    ])  # fmt: skip
 
 
 @style

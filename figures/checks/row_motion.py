@@ -75,27 +75,19 @@ def watched(scene: Scene, periods: int) -> tuple[dict[str, np.ndarray], np.ndarr
 
 
 def averaged(scene: Scene, periods: int) -> dict[str, Any]:
-    """Means over a run behind its transient, and fluctuations from period to period."""
+    """Means over a run behind its transient."""
     found, _ = watched(scene, periods)
     late = {name: values[transient(periods) :] for name, values in found.items()}
-    return {
-        **{name: float(values.mean()) for name, values in late.items()},
-        **{f"{name}_stderr": standard_error(late[name]) for name in ("c_x", "tilt_deg")},
-        **{f"{name}_fluctuation": float(late[name].std()) for name in ("c_x", "tilt_deg")},
-    }
+    errors = {f"{name}_stderr": standard_error(late[name]) for name in ("c_x", "tilt_deg")}
+    return {name: float(values.mean()) for name, values in late.items()} | errors
 
 
 def followed(scene: Scene, periods: int) -> dict[str, Any]:
-    """Means over windows of a run, standard error of the second half's drift, the rods at the end.
-
-    `lower_ends` are heights over their mean.
-    """
-    found, rods = watched(scene, periods)
+    """Means over windows of a run, standard error of the second half's drift."""
+    found, _ = watched(scene, periods)
     parts = np.array_split(np.arange(periods), max(periods // WINDOW, 1))
-    ends = lower_ends(rods, (scene.rods.length - 1) / 2)
     return {
         **{name: [float(values[part].mean()) for part in parts] for name, values in found.items()},
         "middle": [float(part.mean()) + 0.5 for part in parts],
         "late_c_x_stderr": standard_error(found["c_x"][periods // 2 :]),
-        "lower_ends": (ends - ends.mean()).tolist(),
     }

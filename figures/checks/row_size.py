@@ -2,16 +2,10 @@
 
 Box and rods grow together, so that the rods can lean alike. Starts times periods fall as the rods
 grow in number: all sizes take about as long, and their errors are alike. (a) Drift over that of the
-largest row, with standard errors of the quotient; grey: what the rule takes for alike, whatever the
-errors. (b) Share of the rods' vertical motion that all have in common: 1 if the row bounces as one
-block. (c) Standard deviation of the row's mean tilt, from period to period, times the root of the
-number of rods, which would not depend on that number if rods moved by themselves. (d) Standard
-deviation of the tilts of a row's rods among each other, mean over time; dotted: beyond it the row
-has separated into two tilts, most rods and a stretch of some thirty that lean much more; its mean
-tilt falls, its drift does not change.
-
-The rule of the summary: a row is large enough if it and all larger ones drift like the largest one,
-but for a small part or for the errors.
+largest row, with standard errors of the quotient; grey: a part of it that counts as alike. (b)
+Standard deviation of the tilts of a row's rods among each other, mean over time; dotted: beyond it
+the row has separated into two tilts, most rods and a stretch of some thirty that lean much more;
+its mean tilt falls, its drift does not change.
 """
 
 import matplotlib.pyplot as plt
@@ -31,10 +25,9 @@ from ..lib.runs import (
     planned,
 )
 from ..lib.style import BLACK, BLUE, RED, Data, legend_above, painted, points, style
-from ..lib.tables import pairs, table
 from .row_motion import averaged
 
-NEAR, SURE = 0.05, 2.0  # part of the largest row's drift; standard errors
+NEAR = 0.05  # part of the largest row's drift
 SEPARATED_DEG = 3.0  # spread of tilts of a row that has separated
 SIZE_TILTS_DEG = {True: (28,), False: (15, 28, 45)}
 PLANS = {  # rods: starts, periods
@@ -71,8 +64,6 @@ def data(quick: bool = False) -> Data:
     for sweep in sweeps(quick).values():
         for name in ("c_x", "tilt_deg"):
             add(name, *larger_error(*gathered(sweep, name, f"{name}_stderr")))
-        for name in ("common", "tilt_deg_fluctuation"):
-            add(name, *over_seeds(*gathered(sweep, name)))
         (spread,) = gathered(sweep, "tilt_spread")  # as a length
         half = (sweep.points[0].scene.rods.length - 1) / 2
         add("spread_deg", *over_seeds(np.degrees(spread / half)))
@@ -92,15 +83,6 @@ def over_largest(d: Data) -> tuple[np.ndarray, np.ndarray]:
     return part, error
 
 
-def enough(d: Data) -> np.ndarray:
-    """Smallest number of rods, tilt by tilt, from which on the drift is that of the largest row."""
-    part, error = over_largest(d)
-    near = np.abs(part - 1) <= np.fmax(NEAR, SURE * error)
-    from_here_on = np.logical_and.accumulate(near[::-1])[::-1]
-    from_here_on[-1] = True
-    return d["count"][from_here_on.argmax(axis=0)]
-
-
 def _over_count(ax: Axes, d: Data, y: np.ndarray, error: np.ndarray) -> None:
     """A line for each tilt."""
     for i, (colour, form) in zip(range(len(d["nominal_deg"])), LOOKS, strict=False):
@@ -117,18 +99,6 @@ def _draw_drift(ax: Axes, d: Data) -> None:
     ax.set(ylabel=r"$c_x$ / largest row's")
 
 
-def _draw_common(ax: Axes, d: Data) -> None:
-    _over_count(ax, d, d["common"], d["common_error"])
-    ax.set(ylabel="share of vertical motion", ylim=(0, 1.05))
-
-
-def _draw_fluctuation(ax: Axes, d: Data) -> None:
-    root = np.sqrt(d["count"])[:, None]
-    name = "tilt_deg_fluctuation"
-    _over_count(ax, d, root * d[name], root * d[f"{name}_error"])
-    ax.set(ylabel=r"$\sqrt{N}$ fluctuation (deg)", ylim=(0, None))
-
-
 def _draw_spread(ax: Axes, d: Data) -> None:
     _over_count(ax, d, d["spread_deg"], d["spread_deg_error"])
     ax.axhline(SEPARATED_DEG, color="0.5", lw=0.8, ls=":")
@@ -139,41 +109,11 @@ def _draw_spread(ax: Axes, d: Data) -> None:
 def draw(d: Data) -> plt.Figure:
     panels = {
         "drift over the largest row's": _draw_drift,
-        "motion in common": _draw_common,
-        "fluctuation of the mean tilt": _draw_fluctuation,
         "rods that lean unlike": _draw_spread,
     }
-    figure = painted(d, panels, rows=4, figsize=(3.4, 7.0), sharex=True)
+    figure = painted(d, panels, rows=2, figsize=(3.4, 4.0), sharex=True)
     for ax in figure.axes[:-1]:
         ax.set(xlabel="")
     legend_above(figure, figure.axes[0], ncols=3)
     figure.supxlabel(rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, 60 Hz;" f"\n{LAW_LINES}")
     return figure
-
-
-def summary(d: Data) -> str:
-    """Drift over the number of rods, and from which one on it is that of the largest row."""
-    part, error = over_largest(d)
-    lines = [
-        "Rows of equal density; from N on: this row and all larger ones drift like the largest "
-        f"one, within {NEAR:.0%} or {SURE:g} s.e. of the difference"
-    ]
-    names = ("c_x", "tilt_deg", "common", "spread_deg")
-    heads = ("tilt", "N", "c_x (cm/s)", "over largest", f"{SURE:g} s.e. (%)", "phi (deg)", "common")
-    heads += ("spread (deg)",)
-    rows = []
-    for i, tilt in enumerate(d["nominal_deg"]):
-        for j, count in enumerate(d["count"]):
-            c_x, *others = (pairs(d, name, (slice(None), i))[j] for name in names)
-            quotient = part[j, i], error[j, i]
-            told = 100 * SURE * error[j, i]
-            rows.append((f"{tilt:g}", count, c_x, quotient, told, *others))
-    lines.append(table(heads, rows, (0, 0, 3, 3, 1, 2, 3, 2)))
-    found = zip(d["nominal_deg"], enough(d), strict=True)
-    lines.append(table(("tilt", "from N on"), [(f"{tilt:g}", count) for tilt, count in found]))
-    for i, tilt in enumerate(d["nominal_deg"]):
-        apart = d["count"][d["spread_deg"][:, i] > SEPARATED_DEG]
-        if apart.size:
-            which = ", ".join(map(str, apart))
-            lines.append(f"{tilt:g} deg: rows of {which} rods separate into two tilts")
-    return "\n".join(lines)

@@ -2,16 +2,15 @@
 
 In a block all rods go up and down together; in a zig-zag neighbours depart from the row's mean by
 turns to either side, in height or in tilt; else the rods move by themselves, or in groups. The rule
-for each part of a run, with the limits that the summary states: a zig-zag if neighbours' departures
-are opposite and large enough to be seen, else a block if nearly all of the vertical motion is
-common to all rods, else single rods. A run's state is the one of most parts of its second half.
-Runs begin with rods side by side, with small or with large random velocities, on the plate or
+for each part of a run: a zig-zag if neighbours' departures are opposite and large enough to be seen,
+else a block if nearly all of the vertical motion is common to all rods, else single rods. A run's
+state is the one of most parts of its second half. Runs begin with rods side by side, with small or with large random velocities, on the plate or
 dropped on it.
 
 (a) Drift over tilt, both as measured in the second half, a symbol a run, with standard errors;
 open: the state changed in that half. (b) Share of the vertical motion that is common to all rods
 over time, a line a run, coloured by state, at the tilt where the runs differ most in state; dotted:
-limit of the rule. (c) Lower ends of the rods at the end of a run of each state, over their mean.
+limit of the rule.
 """
 
 import matplotlib.pyplot as plt
@@ -27,12 +26,9 @@ from ..lib.runs import (
     LENGTH,
     boxes,
     gathered,
-    larger_error,
-    over_seeds,
     planned,
 )
 from ..lib.style import BLUE, GREEN, RED, Data, legend_above, painted, points, style
-from ..lib.tables import table
 from .row_motion import followed
 
 STATES = "block", "zig-zag", "single rods"
@@ -94,21 +90,10 @@ def settled(state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.where(late[..., 0] < 0, -1, most), (late != late[..., :1]).any(axis=-1)
 
 
-def last_change(state: np.ndarray) -> np.ndarray:
-    """Index of the part from which on each run is in the state of its end.
-
-    Parameters
-    ----------
-    state : (..., parts), from `states`
-    """
-    other = state != state[..., -1:]
-    return np.where(other.any(axis=-1), other.shape[-1] - other[..., ::-1].argmax(axis=-1), 0)
-
-
 def data(quick: bool = False) -> Data:
     """Runs along tilt, start, seed: how rods move and the states over time; drift of the end."""
     sweep = sweeps(quick)["starts"]
-    names = (*FOLLOWED, "c_x", "tilt_deg", "middle", "lower_ends", "late_c_x_stderr")
+    names = (*FOLLOWED, "c_x", "tilt_deg", "middle", "late_c_x_stderr")
     found = dict(zip(names, gathered(sweep, *names), strict=True))
     state = states(found)
     of_run, changed = settled(state)
@@ -116,7 +101,7 @@ def data(quick: bool = False) -> Data:
     return {
         "nominal_deg": np.array(SMALL_TILTS_DEG[quick], float),
         "start": np.array([*STARTS]),
-        **{name: found[name] for name in (*FOLLOWED, "lower_ends")},
+        **{name: found[name] for name in FOLLOWED},
         "middle": np.nanmax(found["middle"].reshape(-1, state.shape[-1]), axis=0),
         "state_over_time": state,
         "state": of_run,
@@ -159,60 +144,14 @@ def _draw_time(ax: Axes, d: Data) -> None:
     ax.set(xlabel="time (periods of the plate)", ylabel="share in common", ylim=(0, 1.05))
 
 
-def _draw_ends(ax: Axes, d: Data) -> None:
-    order = np.roll(np.arange(len(d["state"])), -most_mixed(d["state"]))
-    for each, (colour, form) in enumerate(LOOKS):
-        found = d["lower_ends"][order][d["state"][order] == each]
-        if len(found):
-            number = np.arange(1, found.shape[-1] + 1)
-            ax.plot(number, found[0], f"{form}-", color=colour, ms=2, lw=0.7)
-    ax.set(xlabel="rod", ylabel=r"lower end ($d$)")
-
-
 @style
 def draw(d: Data) -> plt.Figure:
     tilt = d["nominal_deg"][most_mixed(d["state"])]
     panels = {
         "drift in the second half": _draw_drift,
         f"motion in common at {tilt:g}°": _draw_time,
-        "lower ends over their mean": _draw_ends,
     }
-    figure = painted(d, panels, rows=3, figsize=(3.4, 5.8))
+    figure = painted(d, panels, rows=2, figsize=(3.4, 4.2))
     legend_above(figure, figure.axes[0], ncols=3)
     figure.supxlabel(rf"$N={COUNT}$, $l={LENGTH}\,d$, $\Gamma={GAMMA}$, 60 Hz;" f"\n{LAW_LINES}")
     return figure
-
-
-def _at_end(of_start: np.ndarray, middle: np.ndarray) -> str:
-    """State at the end of each run of a start, and the period since which it holds."""
-    found = [
-        f"{STATES[state[-1]]} {middle[at] if at else 0:.0f}"
-        for state, at in zip(of_start, last_change(of_start), strict=True)
-        if state[-1] >= 0
-    ]
-    return ", ".join(found) or "-"
-
-
-def summary(d: Data) -> str:
-    """Runs in each state and their drift, tilt by tilt; states at the end, start by start."""
-    common, order, spread = (f"{limit:g}" for limit in STATE_RULES.values())
-    lines = [
-        f"States in the second half of runs of {COUNT} rods; c_x in cm/s, phi and tilt in degrees",
-        f"zig-zag: correlation of neighbours up to {order} where the spread is {spread} d or more; "
-        f"block: from {common} of the vertical motion in common on; changed: runs that did",
-    ]
-    rows, of_start = [], []
-    for i, tilt in enumerate(d["nominal_deg"]):
-        row = [f"{tilt:g}"]
-        for each in range(len(STATES)):
-            some = d["state"][i] == each
-            pair = larger_error(d["c_x"][i][some], d["c_x_error"][i][some])
-            row += [int(some.sum()), tuple(map(float, pair)), over_seeds(d["tilt_deg"][i][some])[0]]
-        rows.append((*row, int(d["changed"][i].sum())))
-        ends = (_at_end(state, d["middle"]) for state in d["state_over_time"][i])
-        of_start.append((f"{tilt:g}", *ends))
-    heads = [head for name in STATES for head in (name, "c_x", "phi")]
-    lines += [table(("tilt", *heads, "changed"), rows)]
-    lines += ["states at the end, and since which period they hold"]
-    lines += [table(("tilt", *d["start"].tolist()), of_start)]
-    return "\n".join(lines)

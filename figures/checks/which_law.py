@@ -22,7 +22,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 
-from ..claims.across_laws import excluded
 from ..claims.over_laws import (
     APPENDIX,
     FITTED,
@@ -33,14 +32,12 @@ from ..claims.over_laws import (
     data,
     later,
     laws_of,
-    singled_out,
     sweeps,
 )
 from ..lib.runs import PARTS
 from ..lib.style import BLACK, BLUE, ORANGE, Data, name_panels, style
-from ..lib.tables import table, text_of
 
-__all__ = ["data", "draw", "later", "summary", "sweeps"]
+__all__ = ["data", "draw", "later", "sweeps"]
 EIGHTHS = 8  # parts of a range, whose means are drawn
 
 
@@ -109,7 +106,7 @@ def _draw_matrix(ax: Axes, d: Data) -> None:
         column = d["best_grade"][rows, j][:, None]
         ax.pcolormesh(*ends, column, cmap=colours, vmin=-0.5, vmax=2.5, edgecolors="white")
         for i, law in enumerate(rows):
-            text = text_of(d["best_value"][law, j], ".2g")
+            text = f"{d['best_value'][law, j]:.2g}"
             ax.text(x, i, text, ha="center", va="center", fontsize=5)
     for i, law in enumerate(rows):
         scores = f"{d['best_score'][law]:g}±{d['best_spread'][law]:.1f}"
@@ -148,31 +145,3 @@ def draw(d: Data) -> plt.Figure:
     ax.legend(fontsize=5)
     _draw_matrix(bottom.subplots(), d)
     return figure
-
-
-def summary(d: Data) -> str:
-    """The best laws with their scores; in how many laws each number holds; what excludes what."""
-    names, even = names_of(d), d["round"] == 0
-    laws = laws_of(d["parts"][even])
-    rows = [
-        [f"{d['best_score'][i]:g}±{d['best_spread'][i]:.1f}", _searched(d, i), names[i]]
-        for i in _order(d)
-    ]
-    role = np.where(FITTED, "in the score", "held out")
-    shares = (np.mean(d["grade"][even] == grade, axis=0) for grade in (2, 0))
-    heads = "number", "", "laws in which it holds", "in which it does not"
-    of = [
-        [p.name, choice, score.max(), score.mean()]
-        for p in PARAMETERS
-        for choice in p.choices or ()
-        if len(score := d["score"][even][[law.get(p.name) == choice for law in laws]])
-    ]
-    never = ", ".join(f"{a} and {b}" for a, b, _ in excluded(d)) or "none"
-    return "\n".join([
-        f"{even.sum()} laws, then {(~even).sum()} around the best; scores of {FITTED.sum()}",
-        table(("confirmed", "in the search", "restitution, ratio, damping; plate/rods"), rows),
-        table(("choice", "", "best score", "mean"), of, 1),
-        table(heads, zip(JUDGED, role, *shares, strict=True)),
-        f"singled out, of those within the spread of the best: {names[singled_out(d)]}",
-        f"numbers that never hold together: {never}",
-    ])  # fmt: skip

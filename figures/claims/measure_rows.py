@@ -33,7 +33,7 @@ from .uncertainty import (
 )
 
 Numbers = dict[str, Number]
-LEFT = "printed", "V_z", "turned", "restitution", "soft", "pushed"  # of `closure.STEPS`
+LEFT = "printed", "V_z", "turned", "restitution"  # of `closure.STEPS`
 
 
 def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
@@ -45,7 +45,7 @@ def S1_restitution(data: Evidence) -> Numbers:
     d = data.figure("appendix_a")
     one = int(np.argmin(abs(d["speed"] - 1)))
     e, step = d["restitution"][0, 0, 0, one], float(d["step_error"])
-    nearest = appendix_a.miss(d["restitution"][..., one, :], -1).min()
+    nearest = appendix_a.miss(d["restitution"][..., one, :]).min()
     found = {"mean": e.mean(), "spread": np.ptp(e), "head_on": e[0], "nearest": nearest}
     return {key: Number(value, step, "halved step") for key, value in found.items()}
 

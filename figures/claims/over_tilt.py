@@ -1,6 +1,6 @@
 """Numbers of a row over its tilt under one contact law: claims S2, S3, S10-S14, S16, S21 and S22.
 
-`judge` takes them of the paper's row, `checks.contact_laws` of every contact law.
+`judge` takes them of the paper's row, `over_laws` of every contact law.
 """
 
 from collections.abc import Callable, Mapping

@@ -27,8 +27,7 @@ from md.sweep import Point, Sweep
 
 from ..lib.runs import ROW, computed, gathered, measured_by
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style
-from ..lib.tables import columned
-from ..lib.timing import machine_line, seconds_per_period
+from ..lib.timing import seconds_per_period
 
 PAPER_STEP = 2e-5  # sqrt(d/g)
 PER_CONTACT = (16, 20, 26, 40, 80)  # and the paper's
@@ -231,21 +230,3 @@ def draw(d: Data) -> plt.Figure:
     words = f"an error of 1 % (one standard error): {', '.join(one)}".replace("inf s", "never")
     figure.supxlabel(words, fontsize=5.5)
     return figure
-
-
-def summary(d: Data) -> str:
-    """Prices, biases, what 1 % and 0.3 % take, what runs to a tolerance took."""
-    bias = [f"{b:+.2%} ± {e:.2%}" for b, e in zip(d["bias"], d["bias_error"], strict=True)]
-    steps = {"step": d["dt"], "a contact": d["per_contact"], "ms/period": 1e3 * d["seconds"]}
-    steps |= {"noise of a period": [f"{x:.1%}" for x in d["noise"]], "bias": bias}
-    steps |= {"1 % takes, s": to_reach(d, 0.01), "0.3 %": to_reach(d, 0.003)}
-    told = runs(d)
-    table = {key: [run[key] for run in told] for key in told[0]}
-    for name in ("tolerance", "error"):
-        table[name] = ["" if x is None else f"{x:.2%}" for x in table[name]]
-    return "\n".join([
-        f"{machine_line(d['load'])}; 1 core used",
-        f"c_x = {d['truth']:.5f} ± {d['truth_error']:.5f} sqrt(g d)",
-        columned(steps, ".3g"),
-        columned(table, (0, 2, 1, 0, 2, 2)),
-    ])  # fmt: skip

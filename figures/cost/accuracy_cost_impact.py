@@ -25,8 +25,6 @@ from ..claims.uncertainty import rms
 from ..lib.impact_times import impact_call, price, rigid_seconds
 from ..lib.soft_impacts import TABLE_TILTS
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
-from ..lib.tables import columned, table
-from ..lib.timing import machine_line
 from .impact_errors import (
     LADDERS,
     METHODS,
@@ -157,40 +155,6 @@ def _advice(d: Data) -> list[list[str]]:
         return f"{_time(cost)}, {how.partition(',')[0]}" if cost < np.inf else f"no, {how}"
 
     return [[f"{t:.0e}", *(told(*how) for how in choices(d, t).values())] for t in TARGETS]
-
-
-def summary(d: Data) -> str:
-    """Advice, orders, prices, models; all generated from the numbers."""
-    steps = [reached(d["parts"], row, 1e-3) for row in d["fixed_error"][1]]
-    middle = (f"{m} t_c/{x:.0f}" for m, x in zip(METHODS, steps, strict=True))
-    small = np.flatnonzero(d["adaptive_error"][0] <= 1e-12)
-    reach = f"{d['evaluations'][small[0]]} evaluations" if small.size else "not reached"
-    orders = np.array([d["order"], *d["other_order"]])
-    cells = np.stack([orders, 1e9 * d["step_seconds"]], axis=-1).reshape(len(orders), -1)
-    rows = [(name, *row) for name, row in zip(("coulomb", *OTHERS), cells, strict=True)]
-    heads = [f"{method}: {what}" for method in METHODS for what in ("order", "ns a step")]
-    rms, largest = d["gear_from_leapfrog"].T
-    apart = {"law": ("coulomb", "appendix_a"), "RMS": rms, "largest": largest}
-    ladders = [
-        (name, f"{word} {value:.0e}", error, int(hits), f"t_c/{parts:.3g}", _time(seconds))
-        for name, (_, _, word) in LADDERS.items()
-        for value, error, hits, parts, seconds in np.transpose(
-            [d[f"{name}_{key}"] for key in ("value", "error", "right", "parts", "seconds")]
-        )
-    ]
-    part = contact_time(LAW, 1.0) / PAPER_STEP
-    return "\n".join([
-        f"{machine_line(d['load'])}; 1 core used; medians of {d['runs']} runs",
-        "integration error wanted (largest of 6 tilts and 24 offsets), and what it takes",
-        table(("error", *METHODS, "dop853"), _advice(d)),
-        "1e-3 in the median: " + ", ".join(middle),
-        f"1e-12: dop853, {reach}; the references at 1e-13 and 1e-14 differ by {d['floor']:.0e}",
-        table(("law", *heads), rows),
-        f"Gear from leapfrog at the paper's step, {PAPER_STEP:g} = t_c/{part:.0f}",
-        columned(apart, ".1e"),
-        table(("model", "", "RMS", "regimes of 17", "step", "per impact"), ladders, ".1e"),
-        f"rigid map, compiled, in arrays: {1e9 * d['rigid_seconds']:.0f} ns",
-    ])  # fmt: skip
 
 
 BESIDE = {"textcoords": "offset points", "va": "center", "fontsize": 6.5}

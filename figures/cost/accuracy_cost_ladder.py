@@ -36,8 +36,7 @@ from ..lib.runs import (
     paper_rod,
 )
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, style
-from ..lib.tables import columned
-from ..lib.timing import machine_line, medians, repeated, seconds_per_period
+from ..lib.timing import medians, repeated, seconds_per_period
 
 ROW_TILT = np.arccos(COUNT / BOX)
 PRINTED = both(law="appendix_a", restitution="none")
@@ -209,19 +208,3 @@ def draw(d: Data) -> plt.Figure:
         rf"$\epsilon={RESTITUTION}$",
     )
     return figure
-
-
-def summary(d: Data) -> str:
-    """A line a rung."""
-    off, error, scatter = deviations(d)
-    truth, spread, seconds = d["trusted"]
-    labels = [str(x).replace("$", "").replace("\\epsilon", "restitution ") for x in d["label"]]
-    columns = {"varied": map(str, d["group"]), "": labels, "seconds": d["seconds"]}
-    columns["c_x"] = zip(d["answer"], d["error"], strict=True)
-    columns["deviation"] = [f"{a:+.1%} ± {b:.1%}" for a, b in zip(off, error, strict=True)]
-    columns["scatter of one start"] = [f"{x:.1%}" for x in scatter]
-    return "\n".join([
-        f"{machine_line(float(d['load']))}; 1 core used",
-        f"trusted: {truth:.5f} ± {spread:.5f} sqrt(g d) in {seconds:.1f} s",
-        columned(columns, (0, 0, ".1e", 4, 0, 0)),
-    ])  # fmt: skip

@@ -17,7 +17,6 @@ from impact import collide, critical_friction, slide_friction, thin_rod
 from impact.benchmark import random_impacts
 
 from ..lib.style import RESTITUTION_LAWS, Data, name_panels, style, tilt_axis
-from ..lib.tables import table as text_table
 from .exact_impacts import SLIP_REGIMES, Impacts, literal, painleve_sum, reference
 
 ULP_LEVELS = (0, 0.5, 1, 2, 4, 16, 256, 1e4, 1e8, 1e16)  # of the colours, ulp
@@ -119,14 +118,6 @@ def _rows(d: Data) -> list[list[str]]:
         [name, *(_cell(x) for pair in zip(high, mean, strict=True) for x in pair)]
         for name, high, mean in rows
     ]
-
-
-def summary(d: Data) -> str:
-    """The table as text."""
-    heads = [f"{name} ({n}): largest" for name, n in zip(_NAMES, d["count"], strict=True)]
-    heads = [head for pair in zip(heads, ["mean"] * 3, strict=True) for head in pair]
-    title = f"error in ulp, largest and mean over {d['count'].sum()} random impacts"
-    return f"{title}\n{text_table(('', *heads), _rows(d))}"
 
 
 def _draw_table(ax: plt.Axes, d: Data) -> None:

@@ -29,7 +29,6 @@ from md.sweep import Sweep
 
 from ..lib.runs import SIMPLE_ROW, means, planned
 from ..lib.style import BLUE, ORANGE, Data, style
-from ..lib.tables import table
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady, waited
 from .scene_variants import FULL, GROUPS, NOTHING, STEP_SIZE, Effect, Variant, variants
 
@@ -190,29 +189,6 @@ def _changes(d: Data) -> list[str]:
         else:
             words.append("0, same bits" if d["same_rods"][i] else "-")
     return words
-
-
-def summary(d: Data) -> str:
-    """Table of the prices and of the changes of the drift."""
-    (full, error, spread), bare = d["full"], d["bare"][0]
-    blocks, rounds, places, number = d["samples"].shape
-    lines = [
-        f"{machine_line(d['load'])}; 1 core used",
-        f"medians of {blocks * rounds} rounds of {number} variants from {places} places, with"
-        f" errors and (interquartile ranges); compiling {d['compile_seconds']:.0f} s, apart",
-        f"full scene {full:.2f} ± {error:.2f} ({spread:.2f}) ns per step of a rod, rods that only"
-        f" fly {bare:.2f}; drift {d['drift'][0, 0]:.2f} ± {d['drift'][1, 0]:.2f} cm/s",
-    ]
-    prices = zip(rows(), d["alone"], d["within"], _changes(d), strict=True)
-    cells = []
-    for name, alone, within, change in prices:
-        pair = (f"{plus_minus(v, e)} ({s:.2f})" for v, e, s in (alone, within))
-        cells.append((name, *pair, f"{round(within[0] / full, 3) + 0.0:.1%}", change))
-    heads = "alone", "within", "share", "change of c_x"
-    for group, effects in GROUPS.items():
-        part = [cells.pop(0) for _ in effects]
-        lines.append(table((f"{group}, ns per step of a rod", *heads), part))
-    return "\n".join(lines)
 
 
 _LOOKS = (("alone", ORANGE, "alone, on the barest scene"), ("within", BLUE, "in the full scene"))

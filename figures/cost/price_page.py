@@ -35,13 +35,6 @@ def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
     return figure
 
 
-def summary(found: Mapping[str, Mapping[str, np.ndarray]]) -> str:
-    """What the figures say in words and tables, one after the other."""
-    return "\n\n".join(
-        f"{FIGURES[name].title}\n{load(name).summary(d)}" for name, d in found.items()
-    )
-
-
 def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
     """What the figures measured, for other programs, and what one impact costs.
 

@@ -14,7 +14,6 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic, perf_counter, sleep
-from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -28,7 +27,6 @@ from md.sweep import execute, expand
 
 from ..lib.runs import SIMPLE_ROW
 from ..lib.style import BLACK, BLUE, ORANGE, RED, Data, painted, style
-from ..lib.tables import columned
 from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady, waited
 from . import kernel_times
 
@@ -135,24 +133,6 @@ def _ms(d: Data) -> tuple[np.ndarray, np.ndarray]:
     """Milliseconds of a period, and half of the interquartile range."""
     value, _, spread = d["row"].T * d["counts"] * d["steps_per_period"] * 1e-6
     return value, spread / 2
-
-
-def summary(d: Data) -> str:
-    """Tables of both."""
-    (rate, error), period = _throughput(d), d["steps_per_period"]
-
-    def times(name: str) -> dict[str, Any]:
-        value, error, spread = d[name].T
-        return {"ns per step of a rod": zip(value, error, strict=True), "iqr": spread}
-
-    cores = {"cores": d["workers"], "million steps of a rod/s": zip(rate, error, strict=True)}
-    return "\n".join([
-        machine_line(d["load"]),
-        f"medians of {len(d['row_samples'])} samples, with errors; period of {period} steps",
-        columned({"rods": d["counts"], "ms a period": _ms(d)[0], **times("row")}),
-        columned({"kernel": kernel_times.NAMES, **times("kernels")}),
-        columned(cores | {"times one core": rate / rate[0]}),
-    ])  # fmt: skip
 
 
 def panel(ax: Axes, d: Data) -> None:

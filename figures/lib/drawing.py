@@ -23,6 +23,7 @@ from .. import FIGURES, load
 from . import runs
 from .data import file_of, keep, kept_data
 from .files import first_look
+from .printing import printed
 
 KINDS = "npz", "png", "pdf"
 
@@ -32,7 +33,7 @@ class Drawn(NamedTuple):
 
     name: str
     files: str = ""  # their names, in a line
-    summary: str = ""  # the figure in words, if it has any
+    numbers: str = ""  # of the figure, as tables
     failure: str = ""  # why there are no files
     said: str = ""  # on standard error, while it was computed
 
@@ -63,8 +64,8 @@ def produce(name: str, out: Path, quick: bool, kept: Path | None = None) -> Draw
                 picture.savefig(part, dpi=200, metadata=stamp)
     finally:
         plt.close(picture)
-    words = module.summary(data) if hasattr(module, "summary") else ""
-    return Drawn(name, f"{png}  {pdf.name}" + ("" if kept else f"  {npz.name}"), words)
+    files = f"{png}  {pdf.name}" + ("" if kept else f"  {npz.name}")
+    return Drawn(name, files, printed(data))
 
 
 def _tried(name: str, out: Path, quick: bool, kept: Path | None = None) -> Drawn:
@@ -106,7 +107,12 @@ def _pool(names: Sequence[str], out: Path, quick: bool, jobs: int) -> Iterator[I
 
 
 def draw_all(
-    names: Sequence[str], out: Path, quick: bool, jobs: int, kept: Path | None = None
+    names: Sequence[str],
+    out: Path,
+    quick: bool,
+    jobs: int,
+    kept: Path | None = None,
+    numbers: bool = False,
 ) -> list[str]:
     """Draw figures and say so; returns the names of those that failed.
 
@@ -117,6 +123,7 @@ def draw_all(
     quick : whether on coarse grids
     jobs : processes
     kept : folder of data to draw as they are, one after the other; None: compute
+    numbers : whether to print the numbers of each figure
     """
     mpl.use("Agg")
     beside = [name for name in names if not FIGURES[name].alone and kept is None]
@@ -125,7 +132,7 @@ def draw_all(
     with tqdm(total=len(names), desc="drawing", unit="figure", disable=None, leave=False) as bar:
 
         def told(drawn: Drawn) -> None:
-            for words in filter(None, (drawn.files, drawn.summary)):
+            for words in filter(None, (drawn.files, drawn.numbers if numbers else "")):
                 bar.write(words)
             if drawn.said:
                 bar.write(drawn.said.rstrip(), file=sys.stderr)

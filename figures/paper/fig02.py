@@ -43,7 +43,6 @@ from ..lib.style import (
     points,
     style,
 )
-from ..lib.tables import table
 
 FLOOR_CM_S = 0.003  # half a hundredth of a diameter a second
 ONSET = 1.6  # Gamma, Fig. 2(b, c)
@@ -193,24 +192,3 @@ def draw(d: Data) -> plt.Figure:
     rods = rf"row: $l={LENGTH}\,d$, $d=0.6$ cm; annulus: the experiment's, $l=8\,d$, $d=0.635$ cm"
     figure.supxlabel(rf"{rods}; 60 Hz, $\mu={FRICTION}$, solid inertia;" f"\n{LAW_NAME}")
     return figure
-
-
-def summary(d: Data) -> str:
-    """The maps, a row a Gamma: f forward, - none, r reverse; drifts with errors."""
-    place = np.abs(d["fine_deg"][:, None] - d["nominal_deg"]).argmin(axis=0)
-    near = np.abs(d["fine_gamma"][:, None] - d["gamma"]).argmin(axis=0)
-
-    def part(prefix: str, heads: list[str], more: np.ndarray) -> str:
-        values = (d[f"{prefix}{name}"] for name in ("kind", "c_x", "c_x_error"))
-        cells = np.vectorize(lambda k, c, e, m: f"{'-fr'[k]} {c:.4f} ± {e:.4f} {m}")(*values, more)
-        rows = [[gamma, *row] for gamma, row in zip(d["gamma"], cells, strict=True)]
-        return table(["Gamma", *heads], rows)
-
-    lone = np.vectorize("({:.1f})".format)(d["lone_c_x"][np.ix_(near, place)])
-    beside = np.vectorize("{:4.1f}; {:5.2f}".format)(d["ring_tilt"], d["ring_V_z"])
-    return "\n".join([
-        "Fig. 2. f forward, - none, r reverse; drift in cm/s ± one s.e.; (one rigid rod)",
-        part("", [f"{tilt} deg" for tilt in d["nominal_deg"]], lone),
-        "annulus: drift; tilt; V_z/V_0 at a touch",
-        part("ring_", [f"{count} rods" for count in d["ring_count"]], beside),
-    ])  # fmt: skip

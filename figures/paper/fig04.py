@@ -35,7 +35,6 @@ from ..lib.runs import (
     planned,
 )
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panels, style, tilt_axis
-from ..lib.tables import columned, pairs
 
 MAXIMA_DEG, ONSET_FIG4, REDUCTION = (18, 35), 1.5, 2.5  # the paper's
 GAMMA_COUNTS = (50, 44, 36)  # numbers of rods of (b)
@@ -200,29 +199,3 @@ def shape(tilt: np.ndarray, c_x: np.ndarray) -> dict[str, float]:
     found = {"early": tilt[i], "late": tilt[j], "dip": 1 - lowest / smaller}
     found |= {"bend": bent, "slope": slope, "end": c_x[-1] / c_x.max()}
     return {key: float(value) for key, value in found.items()}
-
-
-def summary(d: Data) -> str:
-    """The shape of (a), and the curves."""
-    lines = ["Fig. 4. drift in cm/s, tilt in deg, ± one s.e."]
-    for name in ("still", "rolling", "rest"):
-        found = shape(d[f"{name}_tilt"], d[f"{name}_c_x"])
-        lines.append(f"{name}: " + ", ".join(f"{key} {value:.3f}" for key, value in found.items()))
-
-    columns = {"rods": d["count"], "tilt": pairs(d, "still_tilt"), "drift": pairs(d, "still_c_x")}
-    lines.append(columned(columns, ("g", 3, 3)))
-    for name, head in (
-        ("rolling", "rods roll"),
-        ("rest", "walls at rest"),
-        ("narrow", "narrow gap"),
-        ("plane", "row"),
-    ):
-        columns = {f"{head}: tilt": pairs(d, f"{name}_tilt"), "drift": pairs(d, f"{name}_c_x")}
-        lines.append(columned(columns, 3))
-    columns = {f"{n} rods": pairs(d, "gamma_c_x", (..., i)) for i, n in enumerate(d["few"])}
-    columns[f"{ANNULUS_COUNT} rods, walls at rest"] = pairs(d, "rest_gamma_c_x")
-    lines.append(columned({"Gamma": d["gamma"], **columns}, ("g", *[3] * len(columns))))
-    for name in ("wall", "plate"):
-        columns = {f"friction of the {name}": d[name], "tilt": pairs(d, f"{name}_tilt")}
-        lines.append(columned(columns | {"drift": pairs(d, f"{name}_c_x")}, ("g", 3, 3)))
-    return "\n".join(lines)

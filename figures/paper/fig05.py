@@ -19,7 +19,6 @@ from md.sweep import Sweep
 from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, in_order, tilts_deg
 from ..lib.runs import ANNULUS_SCENE, ANNULUS_WORDS, gathered, over_seeds
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style
-from ..lib.tables import columned, pairs
 from . import fig04
 
 SHOWN_COUNTS = (56, 44)  # numbers of rods of (a) and (b)
@@ -94,10 +93,3 @@ def draw(d: Data) -> plt.Figure:
     name_panels((a, b, c, e), (*titles, "", ""))
     figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {ANNULUS_WORDS}")
     return figure
-
-
-def summary(d: Data) -> str:
-    """Measures over the number of rods."""
-    columns = {"rods": d["count"], **{name: pairs(d, name) for name in MEASURED}}
-    head = "Fig. 5. second half of the runs, ± one s.e. over seeds"
-    return f"{head}; mean tilt, spread, contrast: deg\n{columned(columns, 3)}"

@@ -28,7 +28,6 @@ from ..lib.runs import (
     tilts,
 )
 from ..lib.style import BLACK, BLUE, RED, Data, curve, name_panels, style, tilt_axis
-from ..lib.tables import columned, pairs
 
 VELOCITIES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
 VELOCITY_MEANS = {  # name here: name in the store
@@ -96,16 +95,3 @@ def draw(d: Data) -> plt.Figure:
     name_panels(axes.flat, [""] * 4)
     figure.supxlabel(TILT_SCAN_WORDS)
     return figure
-
-
-def summary(d: Data) -> str:
-    """Means over touches and over landings, a row a tilt."""
-    names = "omega_before", "omega_after", "c_x_before", "c_x_after"
-    columns = {"omega": names[0], "omega'": names[1], "c_x (cm/s)": names[2], "c_x'": names[3]}
-    columns |= {f"{head}, landings": f"landing_{name}" for head, name in [*columns.items()][2:]}
-    cells = {"tilt": d["tilt_deg"], **{head: pairs(d, name) for head, name in columns.items()}}
-    for head, prefix in (("-c_z/c_z'", ""), ("the same, landings", "landing_")):
-        cells[head] = -d[f"{prefix}c_z_before"] / d[f"{prefix}c_z_after"]
-    cells |= {"V_z/V_0": pairs(d, "plate"), "V_z/V_0, landings": pairs(d, "landing_plate")}
-    head = "Fig. 6. Over touches, and landings (touches within 0.2 periods as one); ± one s.e."
-    return f"{head}\n{columned(cells, (1, *[2] * (len(cells) - 1)))}"

@@ -17,7 +17,6 @@ from md.sweep import Sweep
 
 from ..lib.runs import ROW, TILT_SCAN_WORDS, boxes, lone, means, tilt_plan
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style, tilt_axis
-from ..lib.tables import columned, pairs
 from ..pages import movie
 
 TIP_TILTS_DEG, SHOWN_PERIODS, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
@@ -83,10 +82,3 @@ def draw(d: Data) -> plt.Figure:
     name_panels((a, b, c), (*tilted, "length of flights"))
     figure.supxlabel(TILT_SCAN_WORDS)
     return figure
-
-
-def summary(d: Data) -> str:
-    """Flights, a row a tilt."""
-    columns = {"tilt": d["tilt_deg"], "touch to touch": pairs(d, "flight")}
-    columns |= {"hops left out": pairs(d, "landing_flight"), "touches a landing": d["touches"]}
-    return f"Fig. 7. Mean flight in periods\n{columned(columns, (1, 2, 2, 2))}"

@@ -9,10 +9,9 @@ as one, at the first of them; one rigid rod: at fixed tilt, exact flights and im
 import matplotlib.pyplot as plt
 import numpy as np
 
-from impact import landing_density
 from md.sweep import Sweep
 
-from ..lib.phases import EXPECTED, middles, phase_panels, share_panel
+from ..lib.phases import middles, phase_panels, share_panel
 from ..lib.runs import (
     SHOWN_DEG,
     TILT_SCAN_WORDS,
@@ -24,7 +23,6 @@ from ..lib.runs import (
     tilts,
 )
 from ..lib.style import BLACK, BLUE, Data, curve, style
-from ..lib.tables import columned, pairs
 
 BINS_DRAWN = 32  # drawn; the store has 64
 
@@ -84,13 +82,3 @@ def draw(d: Data) -> plt.Figure:
     last.legend(loc="upper right", ncols=2, columnspacing=1, fontsize=6)
     figure.supxlabel(TILT_SCAN_WORDS)
     return figure
-
-
-def summary(d: Data) -> str:
-    """Share on the way down and distance from H."""
-    off = np.abs(d["density"] - landing_density(d["phase"])).mean(axis=1) * np.pi
-    touches, landings = pairs(d, "falling"), pairs(d, "landing_falling")
-    shares = {"tilt": d["tilt_deg"], "touches": touches, "landings": landings}
-    far = {"tilt": d["shown_deg"], "half of the integrated distance from H": off}
-    head = f"Fig. 8. Share of landings while the plate falls; that of H: {EXPECTED:.3f}"
-    return f"{head}\n{columned(shares, (1, 3, 3))}\n{columned(far)}"

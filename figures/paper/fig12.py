@@ -33,7 +33,6 @@ from ..lib.style import (
     style,
     tilt_axis,
 )
-from ..lib.tables import table
 
 EPSILON = 0.65
 SOFT = {  # all with k_n = 5e6
@@ -105,29 +104,6 @@ def data(quick: bool = False) -> Data:
         "table_restitution": np.array([s.restitution for s in coarse]),
         "table": np.array([_table(s) for s in coarse]),
     }
-
-
-def summary(d: Data) -> str:
-    """RMS over 17 tilts, 5 to 85 degrees, of (c_x', c_z')/|c_z| and of -v_f/v_0."""
-    e, names = d["table_restitution"], ["rms_constant", "rms_measured", "regimes_right"]
-    ranges = [f"{low:.3f} to {high:.3f}" for low, high in zip(e.min(1), e.max(1), strict=True)]
-    rows = zip(SOFT, ranges, *(d[name] for name in names), strict=True)
-    heads = "contact law", "-v_f/v_0", "at 0.65", "at the measured", "regimes of 17"
-    lines = ["17 tilts from 5 to 85 degrees, RMS of (c_x', c_z')/|c_z|, Newton's law"]
-    lines += [table(heads, rows, 5), "One constant: RMS of velocities, of -v_f/v_0"]
-    heads = "contact law", "restitution law", "head on", "vel", "rest", "fitted", "vel", "rest"
-    rows = [
-        (name, law, *map(float, row))
-        for name, block in zip(SOFT, d["table"], strict=True)
-        for law, row in zip(RESTITUTION_LAWS, block, strict=True)
-    ]
-    lines.append(table(heads, rows, 4))
-    columns = {"velocities": 1, "-v_f/v_0": 2, "velocities, fitted": 4, "-v_f/v_0, fitted": 5}
-    nearest = np.array(RESTITUTION_LAWS)[d["table"].argmin(axis=1)]
-    rows = [(name, *row[[*columns.values()]]) for name, row in zip(SOFT, nearest, strict=True)]
-    lines.append(table(("nearest law in", *columns), rows))
-    lines.append(f"halving the step moves velocities by at most {d['step_error'].max():.0e} (RMS)")
-    return "\n".join(lines)
 
 
 def _draw_velocities(ax: Axes, d: Data, i: int) -> None:

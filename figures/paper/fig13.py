@@ -48,7 +48,6 @@ from ..lib.style import (
     style,
     tilt_axis,
 )
-from ..lib.tables import columned, pairs, table
 from .fig02 import AT_TOUCH
 
 BOX_OF_LENGTHS, GAMMA_OF_LENGTHS = 41.4, 2.5  # panel (c)
@@ -208,37 +207,3 @@ def fits(d: Data) -> dict[str, float]:
         "bump_error": float(np.hypot(d["a_c_x_error"][i], d["a_c_x_error"][j])),
         "bump_tilt": float(d["a_tilt"][j]),
     }
-
-
-def summary(d: Data) -> str:
-    """Fits, and the three curves."""
-    f = fits(d)
-    theory = d["speed"] / 2 * np.interp(d["a_tilt"], np.degrees(d["fine"]), d["thin"])
-    f["distance"] = np.sqrt(np.mean((d["a_c_x"] - theory) ** 2))
-    words = {
-        "(a) rms distance from the theory at V_0/2": ("distance", "cm/s"),
-        "(a) largest rise from 20 to 45 deg": ("bump", "cm/s"),
-        "(a) its end": ("bump_tilt", "deg"),
-        "(b) power of Gamma - 1, below 1.5": ("power", ""),
-        "(b) slope of the line from 2 on": ("line_slope", "cm/s"),
-        "(b) its zero": ("line_from", ""),
-        "(c) slope up to l = 2": ("growth", "cm/s a d"),
-        "(c) its zero": ("growth_from", "d"),
-        "(c) mean from 2.5 on": ("long_mean", "cm/s"),
-        "(c) largest less smallest from 2.5 on": ("long_spread", "cm/s"),
-    }
-
-    found = {key: (value, f.get(f"{key}_error", np.nan)) for key, value in f.items()}
-    rows = [(name, found[key], unit) for name, (key, unit) in words.items()]
-    lines = [f"Fig. 13, ± one s.e.; acos dN/L {np.degrees(np.arccos(COUNT / BOX)):.1f} deg in (b)"]
-    lines.append(table(("fits", "", ""), rows))
-    for x, names in (
-        ("a_tilt", ("a_c_x", "a_V_z")),
-        ("gamma", ("b_c_x", "b_V_z", "b_V_z_alike", "b_tilt")),
-        ("length", ("c_c_x", "c_V_z", "c_tilt")),
-        ("second_tilt", ("second_c_x", "second_V_z")),
-        ("jammed_length", ("jammed_c_x", "jammed_tilt")),
-    ):
-        columns = {x: d[x], **{name: pairs(d, name) for name in names}}
-        lines.append(columned(columns, (2, *[3] * len(names))))
-    return "\n".join(lines)
