@@ -2,10 +2,10 @@
 
 In a block all rods go up and down together; in a zig-zag neighbours depart from the row's mean by
 turns to either side, in height or in tilt; else the rods move by themselves, or in groups. The rule
-for each part of a run: a zig-zag if neighbours' departures are opposite and large enough to be seen,
-else a block if nearly all of the vertical motion is common to all rods, else single rods. A run's
-state is the one of most parts of its second half. Runs begin with rods side by side, with small or with large random velocities, on the plate or
-dropped on it.
+for each part of a run: a zig-zag if neighbours' departures are opposite and large enough to be
+seen, else a block if nearly all of the vertical motion is common to all rods, else single rods. A
+run's state is the one of most parts of its second half. Runs begin with rods side by side, with
+small or with large random velocities, on the plate or dropped on it.
 
 (a) Drift over tilt, both as measured in the second half, a symbol a run, with standard errors;
 open: the state changed in that half. (b) Share of the vertical motion that is common to all rods
