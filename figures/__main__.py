@@ -145,7 +145,6 @@ def movie(scene: str, changes: tuple[str, ...], periods: int, frames: int, out: 
     python -m figures movie quasi2d --periods 4
     python -m figures movie my_rods --set plate.amplitude_cm=0.03 --out row.gif
     """
-    import matplotlib as mpl
     from matplotlib.animation import FFMpegWriter
 
     import md
@@ -153,7 +152,6 @@ def movie(scene: str, changes: tuple[str, ...], periods: int, frames: int, out: 
     from .lib.files import ready
     from .pages import movie as movies
 
-    mpl.use("Agg")
     kinds = ("gif", "mp4") if FFMpegWriter.isAvailable() else ("gif",)
     names = [f"{Path(scene).stem}.{kind}" for kind in kinds]
     if out.suffix == ".gif":
@@ -234,7 +232,6 @@ def prices(out: Path, store: Path | None) -> None:
     \b
     python -m figures prices
     """
-    import matplotlib as mpl
     import matplotlib.pyplot as plt
     from tqdm import tqdm
 
@@ -243,7 +240,6 @@ def prices(out: Path, store: Path | None) -> None:
     from .lib.drawing import files_of, produce
     from .lib.files import storing
 
-    mpl.use("Agg")
     found: dict[str, Any] = {}
     names = [*price_page.PRICE_PANELS]
     bar = tqdm(names, desc="prices", unit="figure", disable=None, leave=False)

@@ -50,6 +50,7 @@ class Commands(click.Group):
 
     def program(self, interrupt: Callable[..., Any] = signal.default_int_handler) -> NoReturn:
         """Run the command of this process and end with its exit code; SIGTERM is Ctrl-C."""
+        os.environ["MPLBACKEND"] = "agg"  # pictures go to files, whatever a notebook has set
         try:
             _handle(interrupt)
             code = self.main()

@@ -1,6 +1,9 @@
 """Files of the figures' commands: refused before the work, and nothing else is ever replaced."""
 
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -10,7 +13,7 @@ from figures.__main__ import main
 from figures.pages import index
 from md.scene import SCENES
 
-from .command_line import refused
+from .command_line import ROOT, refused
 from .test_help import GROUPS
 
 WORK = (  # what takes the time of the commands
@@ -82,3 +85,32 @@ def test_a_movie_is_not_written_over_its_scene(idle, tmp_path, capsys):
         refused(lambda out=out: main(["movie", str(scene), "--out", str(out)]), "mine.gif", capsys)
     assert scene.read_text() == (SCENES / "quasi2d.toml").read_text()
     assert list(tmp_path.iterdir()) == [scene]
+
+
+@pytest.mark.parametrize(
+    ("command", "backend"),
+    [
+        ("figures draw fig10 fig11 --quick --jobs 2", "module://no.such.notebook"),
+        ("figures movie single_rod --periods 1 --frames 1", "nonsense"),
+    ],
+)
+def test_commands_need_no_window(command, backend, tmp_path):
+    """Whatever the environment says, in their processes as well."""
+    done = subprocess.run(
+        [sys.executable, "-m", *command.split()],
+        **{"cwd": tmp_path, "capture_output": True, "text": True, "check": False},
+        env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": backend},
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_figures_keep_the_backend_that_was_chosen(tmp_path):
+    """As a notebook's own."""
+    code = "import figures; f = figures.load('fig11'); p = f.draw(f.data(quick=True)); "
+    code += "print(type(p.canvas).__module__)"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        **{"cwd": tmp_path, "capture_output": True, "text": True, "check": True},
+        env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "svg"},
+    )
+    assert done.stdout.strip() == "matplotlib.backends.backend_svg"

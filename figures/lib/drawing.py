@@ -9,7 +9,6 @@ from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
 from typing import NamedTuple
 
-import matplotlib as mpl
 import matplotlib.pyplot as plt
 from joblib import Parallel, delayed
 from joblib.externals.loky import get_reusable_executor
@@ -79,7 +78,6 @@ def _tried(name: str, out: Path, quick: bool, kept: Path | None = None) -> Drawn
 
 def _in_a_process(name: str, out: Path, quick: bool, store: Path) -> Drawn:
     """The same in a process of its own, where nothing may write onto the terminal."""
-    mpl.use("Agg")
     runs.STORE = store
     with redirect_stderr(io.StringIO()) as said:
         drawn = _tried(name, out, quick)
@@ -125,7 +123,6 @@ def draw_all(
     kept : folder of data to draw as they are, one after the other; None: compute
     numbers : whether to print the numbers of each figure
     """
-    mpl.use("Agg")
     beside = [name for name in names if not FIGURES[name].alone and kept is None]
     beside = beside if min(len(beside), jobs) > 1 else []
     failed = []
