@@ -31,8 +31,7 @@ second_routes                       whole impacts from conservation laws, for th
 mutants                             deliberate mistakes: the proofs can fail
 registry                            all entries in the paper's order (equations.toml: in words)
 rewrites                            rules that make a form compute well, each one proved
-map_functions, rod_functions        what generated functions compute (functions.toml: how)
-pair_functions                      and those of two bodies
+closed_forms                        what generated functions compute (functions.toml: how)
 kernel, contacts, rounded           one impact, impact/_kernel.py: run on letters and on numbers
                                     that know their roundings, and proved
 codegen                             expressions as functions
@@ -55,7 +54,7 @@ To add an equation
    needs a second route, `check` (module `proof`). Formulas in sentences stand between dollar signs.
    A step that is worth a name is marked `@derived`, which caches it and notes the axioms that it
    used.
-3. If it should be a function: a `Function` in `map_functions.py` or its like derives its outputs;
+3. If it should be a function: a `Function` in `closed_forms.py` derives its outputs;
    functions.toml has its words, and the assignments that make it compute well (module `rewrites`).
 
 4. An impact is computed with it in impact/_kernel.py, which `kernel` runs and proves.

@@ -9,11 +9,9 @@ from functools import cache
 
 import sympy as sp
 
-from . import map_functions, pair_functions, rod_functions
+from .closed_forms import FUNCTIONS
 from .rewrites import Body, Function, Step
 from .sentences import to_text
-
-FUNCTIONS = (*map_functions.FUNCTIONS, *rod_functions.FUNCTIONS, *pair_functions.FUNCTIONS)
 
 
 def text_of(expr: sp.Expr) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from . import codegen
+from . import closed_forms, codegen
 from .kernel import CLOSED_FORMS as CLOSED_FORMS
 from .kernel import KERNEL
 
@@ -33,7 +33,7 @@ DIGEST = "{digest}"  # sha256 of these functions and the kernel, first 16 digits
 
 def source(progress: Callable[[Iterable], Iterable] = iter) -> str:
     """Text of the closed forms."""
-    forms = "\n\n\n".join(map(codegen.text, progress(codegen.FUNCTIONS))) + "\n"
+    forms = "\n\n\n".join(map(codegen.text, progress(closed_forms.FUNCTIONS))) + "\n"
     whole = forms + KERNEL.read_text(encoding="utf-8")
     digest = hashlib.sha256(whole.encode()).hexdigest()[:16]
     return _HEAD.format(digest=digest) + "\n\n" + forms

@@ -17,7 +17,7 @@ import sympy as sp
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from . import codegen, lecture, mutants, typeset
+from . import closed_forms, codegen, lecture, mutants, typeset
 from .drawings import DRAWINGS
 from .exercises import EXERCISES
 from .files import write as write_file
@@ -198,7 +198,7 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
         trial=mutants.recorded(),
         counts=Counter(row.verdict for row in rows),
         sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
-        functions=[(f, *codegen.body(f.name)) for f in codegen.FUNCTIONS],
+        functions=[(f, *codegen.body(f.name)) for f in closed_forms.FUNCTIONS],
         steps=_steps(SECTIONS),
         parts=lecture.PARTS,
         drawings=DRAWINGS,
@@ -243,7 +243,7 @@ def latex(rows: Sequence[Row]) -> dict[str, str]:
         slug = re.sub(r"[^a-z]+", "-", title.lower()).strip("-")
         pairs = [(entry, by_tag[entry.tag]) for entry in entries]
         files[f"{n:02d}-{slug}.tex"] = render(title=title, entries=pairs)
-    functions = [(f, *codegen.body(f.name)) for f in codegen.FUNCTIONS]
+    functions = [(f, *codegen.body(f.name)) for f in closed_forms.FUNCTIONS]
     name = f"{len(files) + 1:02d}-functions.tex"
     files[name] = render(title="Generated functions", functions=functions)
     whole = _tex.get_template("all.tex.jinja")

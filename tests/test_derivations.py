@@ -15,6 +15,7 @@ from mpmath import mpf, workdps
 
 from derivations import __main__ as cli
 from derivations import (
+    closed_forms,
     codegen,
     equations_page,
     files,
@@ -52,7 +53,7 @@ def test_every_numbered_equation_is_there_once():
 def test_no_words_are_left_over():
     equations = {entry.tag for entry in registry.ENTRIES if isinstance(entry, Equation)}
     assert equations == set(proof.WORDS)
-    assert {function.name for function in codegen.FUNCTIONS} == set(rewrites.WORDS)
+    assert {function.name for function in closed_forms.FUNCTIONS} == set(rewrites.WORDS)
 
 
 def test_mistakes_are_reported_with_what_contradicts_them():

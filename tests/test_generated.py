@@ -9,7 +9,7 @@ import sympy as sp
 from numba import njit
 
 import impact
-from derivations import codegen, files, rewrites
+from derivations import closed_forms, codegen, files, rewrites
 from derivations.proof import is_zero, random_point
 from impact import _generated, compiled
 
@@ -29,7 +29,7 @@ def _outputs(function, generated):
     return dict(zip(function.returned or names, given, strict=True)), meant
 
 
-@pytest.mark.parametrize("function", codegen.FUNCTIONS, ids=lambda function: function.name)
+@pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
 def test_every_generated_function_on_symbols_is_its_derivation(function):
     found, meant = _outputs(function, getattr(_generated, function.name))
     for name, expr in found.items():
@@ -78,7 +78,7 @@ def _computing_lines(tree):
 def test_a_change_of_1e_12_in_any_generated_line_is_seen():
     """Numerically, at 50 digits: no comparison of text takes part."""
     tree = ast.parse(files.CLOSED_FORMS.read_text(encoding="utf-8"))
-    functions = {function.name: function for function in codegen.FUNCTIONS}
+    functions = {function.name: function for function in closed_forms.FUNCTIONS}
     numbers = {name: list(_numbers(function)) for name, function in functions.items()}
 
     def right(name):

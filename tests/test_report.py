@@ -8,6 +8,7 @@ import pytest
 import sympy as sp
 
 from derivations import (
+    closed_forms,
     codegen,
     drawings,
     exercises,
@@ -213,7 +214,7 @@ def test_what_can_be_read_is_what_is_meant(entry):
             assert equal_at_random_points(read.doit(), part.doit())
 
 
-@pytest.mark.parametrize("function", codegen.FUNCTIONS, ids=lambda function: function.name)
+@pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
 def test_what_can_be_read_of_a_function_is_what_is_generated(function):
     body, _ = codegen.body(function.name)
     for expr in body.values():
@@ -230,7 +231,7 @@ def test_an_erratum_shows_the_difference():
     assert derived == printed.replace(r" + \frac{2", r" - \frac{2", 1) != printed
 
 
-@pytest.mark.parametrize("function", codegen.FUNCTIONS, ids=lambda function: function.name)
+@pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
 def test_functions_show_rules_reasons_and_operations(page, function):
     _, steps = function.body()
     text = page.text[f"function-{function.name.replace('_', '-')}"]
@@ -379,7 +380,7 @@ def test_latex_has_every_tag(fragments):
 def test_writes_everything_and_leaves_no_temporary_file(tmp_path, rows, source, fragments):
     seen = []
     paths = report.write(tmp_path / "new", rows, lambda items: (seen.append(i) or i for i in items))
-    assert len(seen) == len(registry.ENTRIES) + len(codegen.FUNCTIONS)
+    assert len(seen) == len(registry.ENTRIES) + len(closed_forms.FUNCTIONS)
     assert (tmp_path / "new" / "report.html").read_text(encoding="utf-8") == source
     assert {path.name for path in paths[1:]} == set(fragments)
     assert sorted(p for p in (tmp_path / "new").rglob("*") if p.is_file()) == sorted(paths)

@@ -1,0 +1,259 @@
+"""Generated functions, in functions.toml's words: derived outputs and rewriting rules."""
+
+from functools import partial
+
+import sympy as sp
+
+from . import bodies, drift, laws, optimum, pairs, slide, slip_reversal, thin_rod
+from .newton import approach, spin_jump, velocity_change
+from .pairs import FIRST, SECOND
+from .rewrites import (
+    COLLECT_FRICTION,
+    CONTACT,
+    GENERAL,
+    NAME_RESPONSES,
+    RESPONSES,
+    SINGLE_FRACTION,
+    SQUARES,
+    Function,
+    K_z,
+    N,
+    T,
+)
+from .slide import stop
+from .slip_stick import sticking_force
+from .symbols import (
+    F_z,
+    P_x,
+    P_z,
+    V_z,
+    X,
+    Z,
+    diameter,
+    epsilon,
+    k,
+    length,
+    m,
+    mu,
+    phi,
+    u_0,
+    u_f,
+    v_0,
+    v_f,
+)
+
+_one = {m: sp.Integer(1)}  # impulses per unit mass
+_gain, _rest, _j_1, _N_after = sp.symbols("gain rest j_1 N_after", real=True)
+
+
+def _until_v_f(part: sp.Expr) -> sp.Expr:
+    """A form under kinematic restitution, for any final normal velocity instead."""
+    return part.subs(epsilon, -v_f / v_0)
+
+
+def _sticking() -> dict[str, sp.Expr]:
+    """Impulse and spin of j = 1."""
+    lift = SQUARES[K_z]
+    push = sticking_force().subs(F_z, lift)
+    return {"push": push, "lift": lift, "turn": spin_jump(push, lift).subs(_one)}
+
+
+_POSITIVE = sp.symbols(
+    "x z s g grip sin cos root tangent held root_a root_b root_c root_d", positive=True
+)
+_x, _z, _s, _g, _grip, _sin, _cos, _root, _tangent, _held, _root_a, _root_b, _root_c, _root_d = (
+    _POSITIVE
+)
+_read = partial(Function.read, letters=_POSITIVE)
+
+
+def _thin(expr: sp.Expr) -> sp.Expr:
+    """Per length k, for positive X and Z."""
+    return sp.simplify(expr.subs({X: _x * k, Z: _z * k}))
+
+
+def _of_tilt(expr: sp.Expr) -> sp.Expr:
+    return expr.subs({sp.sin(phi): _sin, sp.cos(phi): _cos})
+
+
+def _grip_of(case: str) -> sp.Expr:
+    """c_x/(x c_z') - z."""
+    along, up = drift.stationary(case)
+    return sp.simplify(_thin(along / up) / _x - _z)
+
+
+def _response() -> dict[str, sp.Expr]:
+    """What a response's eigenvalues are made of; at the critical friction that of slip-stick."""
+    a, b, c, d = optimum.jacobian("back")
+    forms = (*optimum.stability_margins("back"), a - d, -4 * b * c)
+    names = ("steady", "alternating", "shrinking", "apart", "coupling")
+    friction = _held * thin_rod.critical_friction()
+    return {name: form.subs(mu, friction) for name, form in zip(names, forms, strict=True)}
+
+
+def _critical_tangents() -> dict[str, sp.Expr]:
+    root = sp.sqrt(9 - 16 * mu**2)
+    lower, upper = (tangent.subs(root, _root) for tangent in thin_rod.critical_tangents())
+    return {"lower": lower, "upper": upper}
+
+
+def _of_levers(form: sp.Expr) -> sp.Expr:
+    """A form of a rod or of two bodies, in inverse masses and levers over k."""
+    for letters, names in (
+        ({x: x for x in (m, k, X, Z)}, "s x z"),
+        (FIRST, "s_1 x_1 z_1"),
+        (SECOND, "s_2 x_2 z_2"),
+    ):
+        K, (s, x, z) = letters[k], sp.symbols(names, real=True)
+        form = form.subs({letters[m]: 1 / s, letters[X]: x * K, letters[Z]: z * K})
+    return sp.expand(form)
+
+
+FUNCTIONS: tuple[Function, ...] = (
+    # ---- the impact map ----
+    Function.read("approach", approach),
+    Function.read(
+        "slip_response", lambda: {"N": RESPONSES[N], "T": RESPONSES[T]}, COLLECT_FRICTION
+    ),
+    Function.read(
+        "slide",
+        lambda: {
+            "j_1": slide.impulse()[1].subs(_one) / k**2,
+            "u_f": slide.slide_excess().subs(_one),
+        },
+        NAME_RESPONSES,
+        meaning={**CONTACT, _gain: -(1 + epsilon) * v_0},
+    ),
+    Function.read(
+        "stop",
+        lambda: {"j_1": stop()[1].subs(_one) / k**2, "rise": stop()[2] - v_0},
+        meaning=RESPONSES,
+    ),
+    Function.read(
+        "reverse",
+        lambda: {
+            "j_2": (_until_v_f(slip_reversal.impulse()[1]) - stop()[1]).subs(_one) / k**2,
+            "u_f": _until_v_f(slip_reversal.final_slip()).subs(_one),
+        },
+        meaning={**CONTACT, _rest: v_f - stop()[2]},
+    ),
+    Function.read(
+        "slip",
+        lambda: {
+            "push": mu * k**2,
+            "lift": k**2,
+            "turn": spin_jump(-mu * k**2, k**2).subs(_one),
+            "back": spin_jump(mu * k**2, k**2).subs(_one),
+        },
+    ),
+    Function.read("stick", _sticking, meaning=SQUARES),
+    Function.read(
+        "stick_response", lambda: {"N_stick": k**2 * laws.slopes()["stick"]}, meaning=SQUARES
+    ),
+    Function.read(
+        "slopes",
+        lambda: {"w": laws.a_2 * stop()[1].subs(_one), "r": laws.a_2 / laws.slopes()["slip"]},
+        meaning={**RESPONSES, _N_after: k**2 * laws.a_2, _j_1: stop()[1].subs(_one) / k**2},
+    ),
+    Function.read(
+        "poisson_early", lambda: {"v_f": laws.final_velocity("poisson", "early")}, meaning=GENERAL
+    ),
+    Function.read(
+        "poisson_late", lambda: {"v_f": laws.final_velocity("poisson", "late")}, meaning=GENERAL
+    ),
+    Function.read(
+        "stronge_early",
+        lambda: {"square": laws.final_velocity("stronge", "early") ** 2},
+        meaning=GENERAL,
+    ),
+    Function.read(
+        "stronge_late",
+        lambda: {"square": laws.final_velocity("stronge", "late") ** 2},
+        meaning=GENERAL,
+    ),
+    Function.read(
+        "energy_change", lambda: {"energy": P_x * (u_0 + u_f) / 2 + P_z * (v_0 + v_f) / 2}
+    ),
+    # ---- rods, regime boundaries, drift ----
+    _read("critical_friction", lambda: {"mu": thin_rod.critical_friction()}),
+    _read("painleve_friction", lambda: {"mu": optimum.painleve_friction()}),
+    _read("critical_tangents", _critical_tangents, meaning={mu: sp.sqrt(9 - _root**2) / 4}),
+    _read(
+        "slide_friction",
+        lambda: {"quotient": thin_rod.slide_friction().subs(thin_rod.ratio, _g / (1 + epsilon))},
+        SINGLE_FRACTION,
+    ),
+    _read("drift_grips", lambda: {"stick": _grip_of("stick"), "back": _grip_of("back")}),
+    _read(
+        "drift",
+        lambda: {
+            "along": _thin(drift.stationary("back")[0] / V_z).subs(mu, _grip * _x / (1 + _z**2)),
+            "up": _thin(drift.stationary("back")[1] / V_z),
+        },
+    ),
+    _read(
+        "optimum_stick",
+        lambda: {"along": optimum.optimum("stick")[1]},
+        meaning={_root_a: sp.sqrt(1 - epsilon), _root_b: sp.sqrt(7 - epsilon)},
+    ),
+    _read(
+        "optimum_back",
+        lambda: {"tangent": optimum.optimum("back")[0], "along": optimum.optimum("back")[1]},
+        meaning={_root: sp.sqrt(mu**2 * (9 - epsilon) ** 2 + (1 - epsilon) * (7 - epsilon))},
+    ),
+    _read(
+        "thin_drift_stick",
+        lambda: {"along": optimum.drift_over_tangent("stick").subs(bodies.T, _tangent)},
+    ),
+    _read("landing_response", _response),
+    _read(
+        "energy_restitution_stick",
+        lambda: {"restitution": laws.sticking_threshold()},
+        meaning={
+            laws.A: _root_a**2,
+            laws.C: _root_c**2,
+            laws.B: sp.sqrt(_root_a**2 * _root_c**2 - _root_d**2),
+        },
+    ),
+    _read(
+        "energy_threshold_back",
+        lambda: {"kappa": laws.energy_threshold("back")},
+        meaning={laws.A: _root_a**2, laws.C: (_root_a**2 - _root_b**2) / mu**2},
+    ),
+    _read(
+        "round_rod",
+        lambda: {
+            "X": _of_tilt(bodies.round_contact()[0]),
+            "Z": _of_tilt(bodies.round_contact()[1]),
+            "gyration": sp.factor(
+                bodies.spherocylinder_gyration().subs(diameter, _s * length) / length**2
+            ),
+        },
+    ),
+    _read(
+        "flat_rod",
+        lambda: {
+            "X": _of_tilt(bodies.flat_contact()[0]),
+            "Z": _of_tilt(bodies.flat_contact()[1]),
+            "gyration": sp.expand(
+                bodies.cylinder_gyration().subs(diameter, _s * length) / length**2
+            ),
+        },
+    ),
+    # ---- two bodies that meet ----
+    Function.read(
+        "pair_mobility",
+        lambda: {
+            letter: _of_levers(form)
+            for letter, form in {**pairs.mobility(), "D": pairs.determinant()}.items()
+        },
+    ),
+    Function.read(
+        "pair_change",
+        lambda: {
+            "dc_x": _of_levers(velocity_change(P_x)),
+            "dc_z": _of_levers(velocity_change(P_z)),
+            "turn": _of_levers(k * spin_jump(P_x, P_z)),
+        },
+    ),
+)
