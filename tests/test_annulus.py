@@ -10,8 +10,10 @@ from md.__main__ import main
 from md.host import prepare
 from md.kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from md.kernels.touches import A_X, BEFORE, FLIGHT
-from md.placement import overlap, placed
+from md.placement import largest_tilt, overlap, placed
 from md.result_text import result_text
+from md.scene import GAP
+from md.sources import imported
 
 from .test_row_resume import bits
 
@@ -73,8 +75,24 @@ def test_rods_that_lean_the_other_way_drift_the_other_way():
 def test_rods_that_lean_either_way_start_clear_of_each_other(tilt):
     scene = md.load("annulus", [f"start.tilt_deg={tilt}"])
     rods = prepare(scene).rods
-    assert overlap(scene.annulus, rods, 3.5) < 1e-4
+    assert overlap(scene.annulus, rods, 3.5) <= -GAP
     assert (np.sign(rods[:, 0] * rods[:, 4] - rods[:, 1] * rods[:, 3]) == np.sign(tilt)).all()
+
+
+def test_rods_are_placed_without_a_kernel():
+    """So that what compiles is the march of the run, whose time is told apart."""
+    assert {name for name in imported("placement") if "kernels" in name} == {"kernels.codes"}
+
+
+@pytest.mark.parametrize("count", [23, 40, 56])
+def test_rods_start_apart_from_each_other_and_the_walls(count):
+    """By `GAP` at least, the lower caps on one plane; none leans more than a rod can."""
+    gap, length = md.load("annulus").annulus, 8.0
+    rods = placed(gap, count, length)
+    half = (length - 1) / 2
+    assert overlap(gap, rods, half) <= -GAP
+    np.testing.assert_allclose(rods[:, 2] - half * rods[:, 5], 0.5, atol=1e-12)
+    assert np.arccos(rods[:, 5]).max() < largest_tilt(gap, length)
 
 
 @pytest.mark.parametrize("differs", [(), ROLLING], ids=["shaken walls", "rolling"])

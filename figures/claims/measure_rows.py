@@ -5,7 +5,9 @@ claims.toml gives them. What the paper's row over tilt tells is in `over_tilt`.
 """
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
+import md
 from impact import collide, drift, flat_ended_rod, landing_density, spherocylinder
 from md.sweep import Sweep
 
@@ -71,7 +73,7 @@ def S7_friction(data: Evidence) -> Numbers:
         "ring_change": resampled(ring, lambda d: d["plate_c_x"][-1] / d["plate_c_x"][-2] - 1),
         "ring_without": resampled(ring, lambda d: d["plate_c_x"][0] / d["plate_c_x"].max()),
         "change": resampled(d, lambda d: d["c_x"][-1] / d["c_x"][-2] - 1),
-        "without": resampled(d, lambda d: d["c_x"][0] / d["c_x"].max()),
+        "without": resampled(_slippery(data), lambda d: d["stationary"][0] / d["largest"]),
         "friction": count(d["friction"][d["c_x"].argmax()]),
     }
 
@@ -205,7 +207,7 @@ def S24_tilt_over_gamma(data: Evidence) -> Numbers:
 
 
 FREQUENCIES_HZ, FREQUENCY_TILTS_DEG = (50, 60, 75, 100), (10, 21, 40)
-SLIPPERY = 2e-3  # friction of the plate
+SLIPPERY = 2e-3, 4e-3  # frictions of the plate
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
@@ -214,11 +216,56 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     axes = [{"plate.frequency_hz": frequencies}, {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)}]
     axes.append({"start.seed": seeds})
     long = {"box.length": phase_friction.BOX, "rods.inertia": "solid"}
-    long["contacts.plate.friction"] = SLIPPERY
+    starts = [1, 2] if quick else [1, 2, 3, 4]
+    slippery = [{"contacts.plate.friction": [*SLIPPERY]}, {"start.seed": starts}]
+    found = rows.planned(slippery, 200 if quick else 3000, long)
     return {
         "frequency": rows.planned(axes, 50 if quick else 150),
-        "slippery": rows.planned([{"start.seed": [1, 2]}], 200 if quick else 1500, long),
+        "slippery": rows.measured_by(found, slow_start),
     }
+
+
+def relaxation(series: np.ndarray) -> tuple[float, float]:
+    """Stationary value c and time T of c [1 - exp(-t/T)], fitted to a series that begins at 0.
+
+    T is at most three times as long as the series: beyond, only c/T is known.
+    """
+    time = np.arange(len(series)) + 0.5
+
+    def fitted(log_time: float) -> tuple[float, float]:
+        shape = -np.expm1(-time / np.exp(log_time))
+        value = (shape @ series) / (shape @ shape)
+        return ((series - value * shape) ** 2).sum(), value
+
+    bounds = 0.0, np.log(3 * len(series))
+    best = minimize_scalar(lambda x: fitted(x)[0], bounds=bounds, method="bounded").x
+    return float(fitted(best)[1]), float(np.exp(best))
+
+
+def slow_start(scene: md.Scene, periods: int) -> dict[str, float]:
+    """How the drift of a row begins: stationary value [cm/s], periods to it, what lands how often.
+
+    Starts carry no momentum along the plate, so that it begins at 0.
+    """
+    run = md.run(scene, periods=periods, ledger=False)
+    if not run.finished:
+        raise KeyboardInterrupt
+    stationary, time = relaxation(run.c_x_series)
+    return {
+        "stationary": stationary * scene.cm_per_s,
+        "relaxation": time,
+        "V_z": run.touches["plate_velocity_by_speed"]["mean"],
+        "often": run.landings["per_rod_and_period"]["mean"],
+    }
+
+
+def _slippery(data: Evidence) -> dict[str, np.ndarray]:
+    """Of rows on a slippery plate, over friction, and the largest drift over friction [cm/s]."""
+    names = "stationary", "relaxation", "V_z", "often"
+    found = over(sweeps(data.quick)["slippery"], **{name: name for name in names})
+    cut = _cut(data)
+    at = cut["c_x"].argmax()
+    return {**found, "largest": cut["c_x"][at], "largest_error": cut["c_x_error"][at]}
 
 
 def S25_frequency(data: Evidence) -> Numbers:
@@ -253,22 +300,20 @@ def _landings_of_closure(rod, friction: float, landings: int) -> float:
 
 
 def S26_without_friction(data: Evidence) -> Numbers:
-    d, sweep = _cut(data), sweeps(data.quick)["slippery"]
-    by_speed, often = "touches.plate_velocity_by_speed.mean", "landings.per_rod_and_period.mean"
-    long = over(sweep, c_x="c_x_cm_s", V_z=by_speed, often=often)
+    d, least = _slippery(data), SLIPPERY[0]
     rod = spherocylinder(np.arccos(rows.COUNT / phase_friction.BOX), rows.LENGTH)
     low, middle, high = (
-        drift(rod, friction=mu, restitution=rows.RESTITUTION).c_x for mu in (1e-9, SLIPPERY, np.inf)
+        drift(rod, friction=mu, restitution=rows.RESTITUTION).c_x for mu in (1e-9, least, np.inf)
     )
-    speed, largest = rows.plate_speed_cm_s(), d["c_x"].max()
-    needed = int(rod.X * rod.Z / (2 * SLIPPERY * rod.k**2))
+    speed, needed = rows.plate_speed_cm_s(), rod.X * rod.Z / (2 * least * rod.k**2)
     return {
-        "short": resampled(d, lambda d: d["c_x"][0] / d["c_x"].max()),
-        "long": resampled(long, lambda d: d["c_x"] / (d["V_z"] * speed * middle)),
-        "largest": resampled(long, lambda d: d["c_x"] / largest),
-        "rate": Number(_landings_of_closure(rod, SLIPPERY, needed) / needed),
+        "stationary": resampled(d, lambda d: d["stationary"][0] / d["largest"]),
+        "theory": resampled(d, lambda d: d["stationary"][0] / (d["V_z"][0] * speed * middle)),
+        "twice": resampled(d, lambda d: d["stationary"][1] / d["stationary"][0]),
+        "relaxation": resampled(d, lambda d: d["relaxation"][0] * d["often"][0] / needed),
+        "faster": resampled(d, lambda d: d["relaxation"][0] / d["relaxation"][1]),
+        "rate": Number(_landings_of_closure(rod, least, int(needed)) / needed),
         "limit": Number(low / high),
-        "made": count(long["often"] * sweep.points[0].periods / needed),
     }
 
 
