@@ -191,7 +191,7 @@ def claims(quick: bool, out: Path, store: Path | None) -> None:
 
 
 @main.command()
-@click.option("--estimate", is_flag=True, help="Say how long it takes, no more (20 s).")
+@click.option("--estimate", is_flag=True, help="Say how long it takes, no more.")
 @_out
 @_store
 def paper(estimate: bool, out: Path, store: Path | None) -> int:

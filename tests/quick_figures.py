@@ -15,7 +15,6 @@ from figures.cost import (
     accuracy_cost_drift,
     accuracy_cost_ladder,
     effect_prices,
-    kernel_times,
     price_page,
     scaling,
 )
@@ -84,16 +83,15 @@ SIZES = {
         **{"STEPS": (13,), "ROWS": {"rods": {"N=5": {"rods.count": 5, "box.length": 5.375}}}},
     },
     effect_prices: {
-        **{"PLACES": 2, "PART": 400, "WARM_STEPS": 1, "PRICE_BLOCKS": {True: 3}},
-        **{"ROUNDS": {True: 2}, "PRICE_SETTLE": {True: 1, False: 4}},
+        **{"PLACES": 2, "PART": 400, "WARM_STEPS": 1},
+        **{"ROUNDS": {True: 6}, "PRICE_SETTLE": {True: 1, False: 4}},
         **{"DRIFT_SEEDS": {True: 2}, "DRIFT_PERIODS": {True: 4}},
         "GROUPS": {group: {n: GROUPS[group][n] for n in few} for group, few in FEW_EFFECTS.items()},
     },
     scaling: {
         **{"ROW_SIZES": {True: (4, 8)}, "LEAST": 8, "RUNS_PER_CORE": 1, "SWEEP_PERIODS": 1},
-        **{"SCALING_BLOCKS": {True: 3}, "SCALING_SETTLE": {True: 1}, "REPEATS": {True: 2}},
+        **{"SCALING_ROUNDS": {True: 3}, "SCALING_SETTLE": {True: 1}, "REPEATS": {True: 2}},
     },
-    kernel_times: {"SAMPLE_STEPS": 20, "ANNULUS_PERIODS": 0.01},
     price_page: {"IMPACTS": 1000, "CHECKED": 200},
 }
 

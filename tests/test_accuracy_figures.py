@@ -105,7 +105,7 @@ def test_boundaries_on_the_map_part_the_regimes():
 
 
 def test_cost():
-    """Errors are where each way's digits end; the ODE gets better with its tolerance."""
+    """Errors are where each way's digits end; stop and separation are found."""
     d = data("accuracy_cost_theory")
     errors = dict(zip(accuracy_cost_theory.ARRAYS, d["array_error"][0], strict=True))
     for name, error in errors.items():
@@ -116,10 +116,6 @@ def test_cost():
     assert errors["as printed, float64"] > 1e-3
     for digits, error in zip(accuracy_cost_theory.DIGITS, d["mpmath_error"][0], strict=True):
         assert 10.0 ** (-digits - 4) < error < 10.0 ** (3 - digits)
-    worst, middle = d["smooth_error"]
-    assert np.all(np.diff(np.log10(worst)) < -0.3)
-    assert worst[0] > 1e3 * worst[-1]
-    assert np.all(middle <= worst)
     assert np.all(d["events_error"][0] < 1e-12)
 
 

@@ -373,7 +373,6 @@ def test_estimate_counts_what_the_store_lacks(small, tmp_path, monkeypatch):
     monkeypatch.setattr(everything, "FIGURES", {"phase_friction": FIGURES["phase_friction"]})
     monkeypatch.setattr(everything, "load", lambda name: phase_friction)
     monkeypatch.setattr(everything, "OF_CLAIMS", ())
-    monkeypatch.setattr(everything, "timed", lambda scene: 1e-6)
     some = phase_friction.sweeps(quick=True)
     monkeypatch.setattr(phase_friction, "sweeps", lambda: some)
     assert len(everything.missing()) == len(some["grid"].points)
@@ -385,18 +384,15 @@ def test_estimate_counts_what_the_store_lacks(small, tmp_path, monkeypatch):
     assert everything.estimate(tmp_path).startswith("1 runs")
 
 
-def test_rows_and_annulus_are_estimated_each_at_its_rate(monkeypatch):
-    rates = {True: 130e-9, False: 30e-9}  # seconds a step of a rod, in the annulus and not
-    monkeypatch.setattr(everything, "timed", lambda scene: rates[scene.annulus is not None])
-    monkeypatch.setattr(everything, "delayed", lambda function: lambda *given: function(*given))
-    monkeypatch.setattr(everything, "Parallel", lambda **_: list)
+def test_rows_and_annulus_are_estimated_each_at_its_rate():
     seeds = [{"start.seed": list(range(60))}]
-    points = [*rows.planned(seeds, 300).points, *rows.planned(seeds, 400, base=rows.ANNULUS).points]
+    row, ring = rows.planned(seeds, 300).points, rows.planned(seeds, 400, base=rows.ANNULUS).points
     expected = sum(
-        p.periods * step_of(p.scene)[1] * p.scene.rods.count * rates[p.scene.annulus is not None]
+        p.periods * step_of(p.scene)[1] * p.scene.rods.count * ns * 1e-9
+        for points, ns in ((row, 20), (ring, 60))
         for p in points
     )
-    assert everything.run_seconds(points) == pytest.approx(expected)
+    assert everything.run_seconds([*row, *ring]) == pytest.approx(expected)
     assert everything.run_seconds([]) == 0
 
 

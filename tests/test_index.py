@@ -65,7 +65,7 @@ def half(tmp_path_factory):
         (out / f"{name}.pdf").touch()
     np.savez(out / "fig02.npz", provenance=json.dumps({"quick": True}))
     np.savez(out / "fig05.npz", provenance=json.dumps({"quick": False}))
-    (out / "fig08_theory.npz").write_bytes(b"PK\x03\x04 no archive")
+    (out / "fig08.npz").write_bytes(b"PK\x03\x04 no archive")
     for name in (*STRANGE, UNICODE, ".fig04.123.png", "prices.png"):
         picture(out / name)
     (out / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\n")

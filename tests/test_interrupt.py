@@ -391,7 +391,7 @@ def test_a_signal_during_the_imports_costs_one_line(package, number, tmp_path):
 LONG = {
     "run": ["md", "run", "quasi2d", "--periods", "1000000", "--checkpoint", "a.npz"],
     "claims": ["figures", "claims", "--quick"],
-    "draw": ["figures", "draw", "alpha", "fig08_theory", "--jobs", "2"],
+    "draw": ["figures", "draw", "alpha", "tip_shape", "--jobs", "2"],
 }
 
 

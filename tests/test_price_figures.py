@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-from contextlib import suppress
 from unittest.mock import Mock
 
 import numpy as np
@@ -11,10 +10,9 @@ import pytest
 import figures
 import md
 from figures.__main__ import main
-from figures.cost import effect_prices, kernel_times, price_page, scaling
+from figures.cost import effect_prices, price_page, scaling
 from figures.cost.scene_variants import EFFECTS, FULL, GROUPS, NOTHING, OFF, Variant, variants
 from figures.lib import timing
-from md.kernels import plane as row
 from md.scene import Scene, Start
 
 from .quick_figures import FEW_EFFECTS, SIZES, data, tiny
@@ -89,8 +87,8 @@ class Machine:
         self.times, self.slowed = times, slowed
         self.now, self.random = 0, np.random.default_rng(5)
 
-    def calls(self, _):
-        return [lambda place, time=time: self.pass_by(time * (1 + place)) for time in self.times]
+    def calls(self):
+        return [lambda time=time: self.pass_by(time) for time in self.times]
 
     def pass_by(self, time):
         self.now += 1
@@ -99,8 +97,8 @@ class Machine:
 
 
 TIMES = (30.0, 29.6, 30.0, 8.0, 5.0)
-BLOCKS, ROUNDS, PLACES = 30, 5, 2
-ALL = BLOCKS * ROUNDS * PLACES * len(TIMES)
+ROUNDS = 300
+ALL = ROUNDS * len(TIMES)
 
 
 @pytest.mark.parametrize(
@@ -116,38 +114,25 @@ ALL = BLOCKS * ROUNDS * PLACES * len(TIMES)
 def test_differences_are_found_on_a_machine_that_slows_down(slowed, scale):
     """Each within its own error, which is small; in proportion to what is left of the speed."""
     machine = Machine(TIMES, slowed)
-    samples = timing.interleaved(machine.calls, BLOCKS, ROUNDS, PLACES, seed=3)
-    assert samples.shape == (BLOCKS, ROUNDS, PLACES, len(TIMES))
+    samples = timing.in_turn(machine.calls(), ROUNDS, seed=3)
+    assert samples.shape == (ROUNDS, len(TIMES))
     times = timing.steady(samples)
-    left = timing.estimate(times[..., 0]).value / 45  # mean of both places
+    left = timing.estimate(times[:, 0]).value / TIMES[0]
     assert left == pytest.approx(scale, rel=0.03)
     for first in range(len(TIMES)):
         for second in range(first):
-            true = 1.5 * (TIMES[first] - TIMES[second]) * left
-            value, error, spread = timing.estimate(times[..., first] - times[..., second])
+            true = (TIMES[first] - TIMES[second]) * left
+            value, error, spread = timing.estimate(times[:, first] - times[:, second])
             assert abs(value - true) < 4 * error + 2e-3 * abs(true)
             assert error < 0.5
             assert spread > error
 
 
-def test_error_counts_blocks():
-    """What shifts a whole block is no more certain for many rounds of it."""
-    random = np.random.default_rng(2)
-    shifts = random.normal(0, 1, (40, 1, 1))
-    few = timing.estimate(shifts + random.normal(0, 0.1, (40, 2, 3)))
-    many = timing.estimate(shifts + random.normal(0, 0.1, (40, 200, 3)))
-    assert few.error == pytest.approx(many.error, rel=0.3)
-    assert many.error == pytest.approx(1.25 / 40**0.5, rel=0.4)
-
-
-def test_code_comes_back_after_reloading():
-    """Whatever happens meanwhile."""
-    usual = row.march
-    with suppress(ZeroDivisionError), timing.reloading() as again:
-        again()
-        assert row.march is not usual
-        raise ZeroDivisionError
-    assert row.march is usual
+def test_the_error_of_a_median():
+    """That of medians of many draws of as many normal values."""
+    draws = np.random.default_rng(2).normal(5, 2, (400, 200))
+    errors = [timing.estimate(values).error for values in draws]
+    assert np.mean(errors) == pytest.approx(np.median(draws, axis=1).std(), rel=0.1)
 
 
 def test_the_command_writes_the_page_and_the_figures(small, tmp_path):
@@ -159,12 +144,11 @@ def test_the_command_writes_the_page_and_the_figures(small, tmp_path):
     assert (tmp_path / "prices.png").read_bytes().startswith(b"\x89PNG")
     words = (tmp_path / "prices.txt").read_text(encoding="utf-8")
     titles = [figures.FIGURES[name].title for name in NAMES]
-    for word in (*titles, "numba", "gravity", "inertia: solid", "same kernel", "times one core"):
+    for word in (*titles, "alone[0]", "within[0]", "row[0]", "sweep[0]"):
         assert word in words
     made = json.loads((tmp_path / "prices.json").read_text(encoding="utf-8"))
     alone = data("effect_prices")["alone"][:, :2].tolist()
     assert [effect["alone"] for effect in made["effects"]] == alone
-    assert [kernel["name"] for kernel in made["kernels"]] == list(kernel_times.NAMES)
     assert made["cores"][0] == {"count": 1, "gain": 1.0}
     assert made["impact_ns"]["numpy newton"] > made["impact_ns"]["compiled newton"] > 0
     assert [law["law"] for law in made["impact_ulp"]] == ["newton", "poisson", "stronge"]
@@ -178,7 +162,7 @@ def test_prices_belong_to_what_they_say():
     names = [name for group in FEW_EFFECTS.values() for name in group]
     number = len(variants(effect for group in groups.values() for effect in group.values()))
     assert d["alone"].shape == d["within"].shape == (len(names), 3)
-    assert d["samples"].shape == (3, 2, 2, number)
+    assert d["samples"].shape == (6, number)
     for key, name, expected in (
         ("same_rods", "series of means", 1),
         ("same_rods", "gravity", 0),
@@ -223,24 +207,13 @@ def test_places_are_seen_from_the_plate(monkeypatch):
         np.testing.assert_array_equal(there["springs"], seen["springs"])
 
 
-def test_rods_lifted_into_space_do_the_same(monkeypatch):
-    """But for the springs between rods, which they left behind."""
-    monkeypatch.setattr(kernel_times, "SAMPLE_STEPS", 200)
-    engine = kernel_times._settled()
-    before = engine.rods.copy()
-    rods = kernel_times.lifted(engine)(0)[1][:, kernel_times.PLANE_COLUMNS]
-    engine.go(201)
-    assert np.abs(engine.rods - before).max() > 0.05
-    assert np.abs(rods - engine.rods).max() < 5e-3
-
-
 def test_scaling_is_of_whole_rows():
     d = data("scaling")
     np.testing.assert_array_equal(d["counts"], [4, 8])
-    assert d["row_samples"].shape == (3, 1, 1, 2)
     assert d["workers"][0] == 1
     assert np.all(np.diff(d["workers"]) > 0)
-    assert d["sweep_samples"].shape == (2, 1, 1, len(d["workers"]))
+    assert d["row"].shape == (2, 3)
+    assert d["sweep"].shape == (len(d["workers"]), 3)
     one = scaling._row(80)
     assert one.rods.count / one.box.length == pytest.approx(40 / 43)
     assert one.tilt == pytest.approx(scaling._row(5000).tilt)

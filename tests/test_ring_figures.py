@@ -150,7 +150,7 @@ def made_up(d):
 
 
 def test_the_geometry_is_that_of_the_gap():
-    found = measure_annulus.E1_geometry(made_up(data("fig04")))
+    found = measure_annulus.geometry(made_up(data("fig04")))
     flat, round_ends = found["flat"], found["round"]
     gap, half = runs.ANNULUS_SCENE.annulus, (runs.ANNULUS_SCENE.rods.length - 1) / 2
     reach = np.sqrt((gap.outer - 0.5) ** 2 - (gap.inner + 0.5) ** 2)
@@ -165,7 +165,7 @@ def test_numbers_find_what_was_put_in():
     d |= {"gamma": gamma, "gamma_c_x": np.stack([moving] * 3, axis=1)}
     d["gamma_c_x_error"] = np.full((5, 3), 1e-3)
     d |= {"rest_gamma_c_x": np.clip(gamma - 1.7, 0, None), "rest_gamma_c_x_error": np.full(5, 1e-3)}
-    walls = measure_annulus.S6_walls(made_up(d))
+    walls = measure_annulus.walls(made_up(d))
     values = {key: number.value for key, number in walls.items()}
     assert values == pytest.approx({"rise": -0.35, "all": 0.05, "paper": 2.5})
     over = measure_annulus.S5_drift_over_gamma(made_up(d))
@@ -187,7 +187,7 @@ def test_rolling_rods_are_compared_at_equal_numbers():
     d |= {"rolling": np.array([48, 44, 40]), "rolling_tilt": np.array([20.0, 24, 29])}
     d |= {"still_c_x": still, "rolling_c_x": 2 * still[1:4]}
     d |= {f"{name}_error": np.full_like(d[name], 1e-6) for name in d if name != "count"}
-    assert measure_annulus.S20_rolling(made_up(d))["faster"].value == pytest.approx(2)
+    assert measure_annulus.rolling(made_up(d))["faster"].value == pytest.approx(2)
 
 
 def test_a_region_is_said_to_appear_where_its_contrast_does():
@@ -195,7 +195,7 @@ def test_a_region_is_said_to_appear_where_its_contrast_does():
     d |= {"zigzag": np.array([1, 0.8, 0.2]), "contrast": np.array([1.0, 3, 9])}
     d |= {"share": np.array([0, 0.1, 0.5]), "spread": np.array([1.0, 2, 6])}
     d |= {f"{name}_error": np.full(3, 1e-6) for name in order.MEASURED}
-    numbers = measure_annulus.S8_zigzag(made_up(d))
+    numbers = measure_annulus.zigzag(made_up(d))
     found = {key: number.value for key, number in numbers.items()}
     assert (found["order"], found["tilt"], found["leaning"]) == (1, 10, 24)
     assert found["broken"] == pytest.approx(20)

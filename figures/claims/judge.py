@@ -18,7 +18,7 @@ from impact._generated import DIGEST
 from md.sources import digest
 
 from .limits import GRADES, MISSING, grade, read, verdict
-from .uncertainty import Number, resampled
+from .uncertainty import MEASURES, Number, resampled
 
 MARKS = {None: "", 0: "-", 1: "~", 2: "+"}
 NEARLY = 0.95  # part of the laws that is nearly all
@@ -27,22 +27,22 @@ NO_DATA = (md.RunError, np.linalg.LinAlgError)  # a run has failed; a fit throug
 
 
 def measure(claim: str, evidence: Any) -> dict[str, Number]:
-    """Numbers of a claim by key: those of the row over tilt, and what the claim's function gives.
+    """Numbers of a claim by key: those of the row over tilt, and those of its `MEASURES`.
 
     Parameters
     ----------
     claim : as "S13"
     evidence : the data, `evidence.Evidence`
     """
-    from . import measure_annulus, measure_rows, over_tilt  # late: pages need no compiled code
+    # Late: pages need no compiled code; the modules fill `MEASURES`.
+    from . import measure_annulus, measure_rows, over_tilt  # noqa: F401
 
     found = {}
     for name, number in over_tilt.NUMBERS.items():
         if name.startswith(f"{claim}."):
             found[name.partition(".")[2]] = resampled(evidence.over_tilt, number)
-    for name, function in {**vars(measure_rows), **vars(measure_annulus)}.items():
-        if name.startswith(f"{claim}_"):
-            found |= function(evidence)
+    for function in MEASURES.get(claim, ()):
+        found |= function(evidence)
     return found
 
 

@@ -1,7 +1,6 @@
 """Numbers of the claims on the annulus, on the experiment's geometry (E1) and on Fig. 2 (E2).
 
-A function that measures a claim begins with its name, and returns numbers by the keys that
-claims.toml gives them.
+A function that `measures` a claim returns numbers by the keys that claims.toml gives them.
 """
 
 import numpy as np
@@ -14,7 +13,18 @@ from ..lib import runs
 from ..lib.arrangement import MORE_DEG
 from ..paper import fig02, fig04
 from .evidence import Evidence
-from .uncertainty import Number, among, bend, count, crossing, entry, onset, resampled, standard
+from .uncertainty import (
+    Number,
+    among,
+    bend,
+    count,
+    crossing,
+    entry,
+    measures,
+    onset,
+    resampled,
+    standard,
+)
 
 Numbers = dict[str, Number]
 VISIBLE = 0.02  # of the drift at the largest Gamma: what can be seen to move in a figure
@@ -34,7 +44,8 @@ def _shape(d: dict, name: str, key: str) -> Number:
     return among(found, d[f"{name}_tilt"]) if key in ("early", "late") else found
 
 
-def S4_drift_over_tilt(data: Evidence) -> Numbers:
+@measures("S4")
+def drift_over_tilt(data: Evidence) -> Numbers:
     keys, d = ("bend", "slope", "early", "late", "dip", "end"), data.figure("fig04")
     more = {"narrow": ("narrow", "end"), "rest_dip": ("rest", "dip"), "rest_late": ("rest", "late")}
     return {
@@ -57,7 +68,8 @@ def begins(d: dict, name: str) -> Numbers:
     return found
 
 
-def S5_drift_over_gamma(data: Evidence) -> Numbers:
+@measures("S5")
+def drift_over_gamma(data: Evidence) -> Numbers:
     d = data.figure("fig04")
     gamma = d["gamma"]
     far, at_rest = gamma >= 2, "rest_gamma_c_x" in d
@@ -74,7 +86,8 @@ def S5_drift_over_gamma(data: Evidence) -> Numbers:
     }
 
 
-def S6_walls(data: Evidence) -> Numbers:
+@measures("S6")
+def walls(data: Evidence) -> Numbers:
     d = data.figure("fig04")
     return {
         "rise": resampled(d, lambda d: np.diff(d["wall_c_x"]).max() / d["wall_c_x"].max()),
@@ -83,7 +96,8 @@ def S6_walls(data: Evidence) -> Numbers:
     }
 
 
-def S8_zigzag(data: Evidence) -> Numbers:
+@measures("S8")
+def zigzag(data: Evidence) -> Numbers:
     d = data.figure("fig05")
     low, order = d["mean"] <= UPRIGHT_DEG, d["zigzag"]
     best = int(np.argmax(np.where(low, order, -np.inf)))
@@ -106,7 +120,8 @@ def S8_zigzag(data: Evidence) -> Numbers:
     }
 
 
-def S18_plane_to_annulus(data: Evidence) -> Numbers:
+@measures("S18")
+def plane_to_annulus(data: Evidence) -> Numbers:
     d = data.figure("fig04")
     plane_tilt, tilt, smooth_tilt = d["plane_tilt"], d["still_tilt"], d["wall_tilt"][0]
     low, high = plane_tilt.min(), min(plane_tilt.max(), 45)
@@ -123,7 +138,8 @@ def S18_plane_to_annulus(data: Evidence) -> Numbers:
     return {"ratio": resampled(d, ratio), "smooth": resampled(d, smooth)}
 
 
-def S20_rolling(data: Evidence) -> Numbers:
+@measures("S20")
+def rolling(data: Evidence) -> Numbers:
     d = data.figure("fig04")
     alike = np.isin(d["count"], d["rolling"])
     tilt = d["still_tilt"][alike]
@@ -147,7 +163,8 @@ def S20_rolling(data: Evidence) -> Numbers:
     }
 
 
-def E1_geometry(data: Evidence) -> Numbers:
+@measures("E1")
+def geometry(data: Evidence) -> Numbers:
     scene, d = runs.ANNULUS_SCENE, data.figure("fig04")
     gap, length = scene.annulus, scene.rods.length
     return {
@@ -158,7 +175,8 @@ def E1_geometry(data: Evidence) -> Numbers:
     }
 
 
-def E2_map_of_drift(data: Evidence) -> Numbers:
+@measures("E2")
+def map_of_drift(data: Evidence) -> Numbers:
     d = data.figure("fig02")
     gamma, kind = d["gamma"], d["kind"]
     row, annulus = reverse_drift(d), reverse_drift(d, "ring_")

@@ -1,14 +1,14 @@
 """Numbers of the claims on one impact and on plane rows, and of E3, from the figures' own data.
 
-A function that measures a claim begins with its name, and returns numbers by the keys that
-claims.toml gives them. What the paper's row over tilt tells is in `over_tilt`.
+A function that `measures` a claim returns numbers by the keys that claims.toml gives them. What the
+paper's row over tilt tells is in `over_tilt`.
 """
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 import md
-from impact import collide, drift, flat_ended_rod, landing_density, spherocylinder
+from impact import collide, drift, flat_ended_rod, spherocylinder
 from md.sweep import Sweep
 
 from ..checks import appendix_a, closure, phase_friction
@@ -26,6 +26,7 @@ from .uncertainty import (
     count,
     crossing,
     entry,
+    measures,
     off_line,
     onset,
     peak,
@@ -43,7 +44,8 @@ def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
     return Whole(rows.means(sweep, names))
 
 
-def S1_restitution(data: Evidence) -> Numbers:
+@measures("S1")
+def restitution(data: Evidence) -> Numbers:
     d = data.figure("appendix_a")
     one = int(np.argmin(abs(d["speed"] - 1)))
     e, step = d["restitution"][0, 0, 0, one], float(d["step_error"])
@@ -52,7 +54,8 @@ def S1_restitution(data: Evidence) -> Numbers:
     return {key: Number(value, step, "halved step") for key, value in found.items()}
 
 
-def S3_forward(data: Evidence) -> Numbers:
+@measures("S3")
+def forward(data: Evidence) -> Numbers:
     grid = data.figure("fig02")
     return {
         "forward": count(over_tilt.NUMBERS["S3.forward"](data.over_tilt)),  # not resampled
@@ -67,7 +70,8 @@ def _cut(data: Evidence) -> dict[str, np.ndarray]:
     return {"friction": d["friction"], **{name: d[name][:, at] for name in ("c_x", "c_x_error")}}
 
 
-def S7_friction(data: Evidence) -> Numbers:
+@measures("S7")
+def friction(data: Evidence) -> Numbers:
     d, ring = _cut(data), data.figure("fig04")
     return {
         "ring_change": resampled(ring, lambda d: d["plate_c_x"][-1] / d["plate_c_x"][-2] - 1),
@@ -78,7 +82,8 @@ def S7_friction(data: Evidence) -> Numbers:
     }
 
 
-def S9_over_gamma(data: Evidence) -> Numbers:
+@measures("S9")
+def over_gamma(data: Evidence) -> Numbers:
     d = data.figure("fig13")
     f, far = fig13.fits(d), d["gamma"] >= 2
     return {
@@ -90,7 +95,8 @@ def S9_over_gamma(data: Evidence) -> Numbers:
     }
 
 
-def S11_turned_round(data: Evidence) -> Numbers:
+@measures("S11")
+def turned_round(data: Evidence) -> Numbers:
     sweep = fig13.sweeps(data.quick)["gamma"]
     names = {side: f"landings.c_z_{side}.mean" for side in ("before", "after")}
     far, found = sweep.values("plate.acceleration") >= 2, rows.means(sweep, names)
@@ -98,13 +104,8 @@ def S11_turned_round(data: Evidence) -> Numbers:
     return {"driven": resampled(d, lambda d: np.abs(1 + d["before"] / d["after"]).max())}
 
 
-def S14_phases(data: Evidence) -> Numbers:
-    d = data.figure("fig08")
-    H = landing_density(d["phase"])
-    return {"distance": resampled(d, lambda d: np.pi * np.abs(d["density"] - H).mean())}
-
-
-def S15_soft_impact(data: Evidence) -> Numbers:
+@measures("S15")
+def soft_impact(data: Evidence) -> Numbers:
     d = data.figure("fig12")
     some = np.isclose(d["tilt"], soft.TABLE_TILTS[:, None]).any(axis=0)
     theory = soft.rigid(d["tilt"][some], fig12.EPSILON).regime
@@ -116,7 +117,8 @@ def S15_soft_impact(data: Evidence) -> Numbers:
     return {**found, "seen": count(len(set(d["regime"][i, some])))}
 
 
-def S16_theory(data: Evidence) -> Numbers:
+@measures("S16")
+def theory(data: Evidence) -> Numbers:
     d, of, size = (data.figure(name) for name in ("fig13", "closure", "row_size"))
     line = d["thin"] * d["speed"] / 2
     steps, usual = list(closure.STEPS), int(np.argmin(np.abs(size["count"] - rows.COUNT)))
@@ -128,7 +130,8 @@ def S16_theory(data: Evidence) -> Numbers:
     }
 
 
-def S17_over_length(data: Evidence) -> Numbers:
+@measures("S17")
+def over_length(data: Evidence) -> Numbers:
     d = data.figure("fig13")
     length = d["length"]
     grows, long = length <= 2, length >= 3
@@ -152,16 +155,19 @@ def S17_over_length(data: Evidence) -> Numbers:
     }
 
 
-def S19_gear(_: Evidence) -> Numbers:
+@measures("S19")
+def gear(_: Evidence) -> Numbers:
     (_, coulomb), (_, printed) = gear_from_leapfrog()
     return {"coulomb": Number(coulomb), "printed": Number(printed)}
 
 
-def S21_slides(data: Evidence) -> Numbers:
+@measures("S21")
+def slides(data: Evidence) -> Numbers:
     return {"weighted": standard(*data.census["slide"])}
 
 
-def S22_isolated(data: Evidence) -> Numbers:
+@measures("S22")
+def isolated(data: Evidence) -> Numbers:
     flow = data.figure("energy_flow")
     at = 0, int(np.argmin(np.abs(flow["nominal"] - 28)))  # of the figures' law
     return {
@@ -172,7 +178,8 @@ def S22_isolated(data: Evidence) -> Numbers:
     }
 
 
-def S23_onset(data: Evidence) -> Numbers:
+@measures("S23")
+def near_onset(data: Evidence) -> Numbers:
     d, grid, lone = (data.figure(name) for name in ("fig13", "fig02", "alpha"))
     gamma, near = d["gamma"], d["gamma"] <= 1.4
 
@@ -197,7 +204,8 @@ def S23_onset(data: Evidence) -> Numbers:
     return found
 
 
-def S24_tilt_over_gamma(data: Evidence) -> Numbers:
+@measures("S24")
+def tilt_over_gamma(data: Evidence) -> Numbers:
     d = data.figure("fig13")
     return {
         "spread": resampled(d, lambda d: np.ptp(d["b_tilt"])),
@@ -268,7 +276,8 @@ def _slippery(data: Evidence) -> dict[str, np.ndarray]:
     return {**found, "largest": cut["c_x"][at], "largest_error": cut["c_x_error"][at]}
 
 
-def S25_frequency(data: Evidence) -> Numbers:
+@measures("S25")
+def frequency(data: Evidence) -> Numbers:
     sweep = sweeps(data.quick)["frequency"]
     regimes = {name: f"touches.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")}
     d, scenes = over(sweep, c_x="c_x", **regimes), [point.scene for point in sweep.points]
@@ -299,7 +308,8 @@ def _landings_of_closure(rod, friction: float, landings: int) -> float:
     return (landings - 1 - half) / np.log(left[half] / left[-1])
 
 
-def S26_without_friction(data: Evidence) -> Numbers:
+@measures("S26")
+def without_friction(data: Evidence) -> Numbers:
     d, least = _slippery(data), SLIPPERY[0]
     rod = spherocylinder(np.arccos(rows.COUNT / phase_friction.BOX), rows.LENGTH)
     low, middle, high = (
@@ -317,7 +327,8 @@ def S26_without_friction(data: Evidence) -> Numbers:
     }
 
 
-def E3_flat_end(data: Evidence) -> Numbers:
+@measures("E3")
+def flat_end(data: Evidence) -> Numbers:
     d = data.figure("tip_shape")
     tilt, edge = d["tilt"], float(d["flat_threshold"])
     length, at = float(d["length"]), np.radians(28)

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from impact import drift, thin_rod
+from impact import drift, landing_density, thin_rod
 from md.sweep import Sweep
 
 from ..lib.runs import SETTING, drift_and_tilt, means, plate_speed_cm_s
-from .uncertainty import crossing, rms
+from .uncertainty import Number, crossing, measures, resampled, rms
 
 SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one above the other
 CLEAR = 3.0  # standard errors from which on a drift counts as one
@@ -104,6 +104,16 @@ def _kept(kind: str) -> Callable[[Table], float]:
 
 
 _touches, _landings = _turned(""), _turned("landing_")
+
+
+@measures("S14")
+def phases(data: Any) -> dict[str, Number]:
+    """Share of the touches that would have to move to give the paper's density of phases."""
+    d = data.figure("fig08")
+    H = landing_density(d["phase"])
+    return {"distance": resampled(d, lambda d: np.pi * np.abs(d["density"] - H).mean())}
+
+
 NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.toml
     "S2.rms": lambda d: rms(d["tilt"] - d["nominal"]),
     "S2.largest": lambda d: np.abs(d["tilt"] - d["nominal"]).max(),

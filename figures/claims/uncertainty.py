@@ -5,6 +5,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+MEASURES: dict[str, list[Callable]] = {}  # of each claim, functions of `evidence.Evidence`
+
+
+def measures(claim: str) -> Callable[[Callable], Callable]:
+    """Register a function of `evidence.Evidence` that returns numbers of a claim by their keys."""
+
+    def register(function: Callable) -> Callable:
+        MEASURES.setdefault(claim, []).append(function)
+        return function
+
+    return register
+
 
 class Number(NamedTuple):
     """A measured value: nan if there is no data, inf where what was looked for never happens.

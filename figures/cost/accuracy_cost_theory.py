@@ -4,9 +4,8 @@ Random impacts under Newton's law, velocities and friction log-uniform over six 
 relative to the largest velocity that takes part. Vertical line: the bytes in and out of an impact,
 copied once. The compiled loop fills given arrays, `collide` makes fresh ones; float32 saves memory
 only, since the work is done in float64. "As printed": the paper's formulas, mistakes corrected.
-`solve_ivp` integrates the impulse equations, with stop and separation located as events, or with
-Coulomb's law smoothed over a range of slip (the chain of symbols: ever narrower, and with a smaller
-tolerance). mpmath takes about as long for 100 digits, whose error is that much smaller, as for 15.
+`solve_ivp` integrates the impulse equations, with stop and separation located as events. mpmath
+takes about as long for 100 digits, whose error is that much smaller, as for 15.
 """
 
 from statistics import median
@@ -26,10 +25,8 @@ from ..lib.timing import medians, repeated
 from .exact_impacts import FIELDS, Impacts, exact, literal, reference
 
 DIGITS = (15, 30, 60, 100)
-SMOOTH_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of the smoothed friction
 EVENT_TOLERANCES = (1e-3, 1e-6, 1e-10)
 TIMED_RUNS = 7
-PURPLE = "#CC79A7"
 _SERIES = (  # label, colour, marker, where the numbers are
     ("NumPy, float64", BLACK, "o", "array", 0),
     ("NumPy, float32 in and out", BLACK, "s", "array", 1),
@@ -39,7 +36,6 @@ _SERIES = (  # label, colour, marker, where the numbers are
     ("as printed, float64", RED, "^", "array", 5),
     (f"mpmath, {DIGITS[0]} digits", GREEN, "v", "mpmath", slice(None)),
     ("solve_ivp, events", ORANGE, "P", "events", slice(None)),
-    ("solve_ivp, smoothed friction", PURPLE, "X", "smooth", slice(None)),
 )
 ARRAYS = [label for label, *_, group, _ in _SERIES if group == "array"]
 
@@ -54,12 +50,10 @@ class Outcome(NamedTuple):
     omega: Any
 
 
-def integrate(row: Any, tolerance: float, width: float = 0.0) -> Outcome:
+def integrate(row: Any, tolerance: float) -> Outcome:
     """One impact by `solve_ivp`: u, v, P_x over the normal impulse p, one phase after the other.
 
-    With `width` zero the phases end at events, u = 0 and v = -epsilon v_0. Otherwise Coulomb's law
-    is smoothed, F_x = -mu F_z u/sqrt(u^2 + w^2) with w = `width` times the velocity scale, and only
-    the separation is an event.
+    The phases end at events, u = 0 and v = -epsilon v_0.
     """
     c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = map(float, row)
     u_0, v_0 = c_x - omega * Z, c_z - V_z + omega * X
@@ -80,24 +74,20 @@ def integrate(row: Any, tolerance: float, width: float = 0.0) -> Outcome:
     separates.direction = 1
     setting = {"rtol": tolerance, "atol": 1e-3 * tolerance}
 
-    def run(rhs, y, events=separates, method="RK45"):
-        done = solve_ivp(rhs, (0, 1e12), y, method=method, events=events, **setting)
+    def run(slope, y, events=separates):
+        done = solve_ivp(lambda p, y: slope, (0, 1e12), y, events=events, **setting)
         return done.t[-1], done.y[:, -1]
 
-    y = [u_0, v_0, 0.0]
-    if width:
-        p, y = run(lambda p, y: rates(-mu * y[0] / np.hypot(y[0], width)), y, method="LSODA")
-    else:
-        slope = rates(-mu * np.sign(u_0))
-        slows = slope[0] * u_0 < 0
-        p, y = run(lambda p, y: slope, y, (stops, separates) if slows else separates)
-        if separates(p, y) < -1e-12:  # not yet: it stopped
-            hold = X * Z / (k * k + Z * Z)
-            after = rates(hold if abs(hold) <= mu else mu * np.sign(hold))
-            if abs(hold) <= mu:
-                after[0], y[0] = 0.0, 0.0
-            more, y = run(lambda p, y: after, y)
-            p += more
+    y, slope = [u_0, v_0, 0.0], rates(-mu * np.sign(u_0))
+    slows = slope[0] * u_0 < 0
+    p, y = run(slope, y, (stops, separates) if slows else separates)
+    if separates(p, y) < -1e-12:  # not yet: it stopped
+        hold = X * Z / (k * k + Z * Z)
+        after = rates(hold if abs(hold) <= mu else mu * np.sign(hold))
+        if abs(hold) <= mu:
+            after[0], y[0] = 0.0, 0.0
+        more, y = run(after, y)
+        p += more
     P_x, P_z = unit * y[2], unit * p
     return Outcome(c_x + P_x, c_z + P_z, P_x, P_z, omega + (X * P_z - Z * P_x) / (k * k))
 
@@ -174,18 +164,14 @@ def _integrated(n: int) -> Data:
     """The impulse equations as ordinary differential equations."""
     impacts = random_impacts(n, seed=7)
     rows, true = list(zip(*impacts, strict=True)), reference(impacts)
-    found = {}
-    for name, tolerances in (("events", EVENT_TOLERANCES), ("smooth", SMOOTH_TOLERANCES)):
-        seconds, errors = [], []
-        for tolerance in tolerances:
-            start = perf_counter()
-            got = [integrate(row, tolerance, tolerance * (name == "smooth")) for row in rows]
-            seconds.append((perf_counter() - start) / n)
-            error = true.error(Outcome(*map(np.array, zip(*got, strict=True))))
-            errors.append((error.max(), np.median(error)))
-        found[f"{name}_seconds"] = np.array(seconds)
-        found[f"{name}_error"] = np.array(errors).T
-    return found
+    seconds, errors = [], []
+    for tolerance in EVENT_TOLERANCES:
+        start = perf_counter()
+        got = [integrate(row, tolerance) for row in rows]
+        seconds.append((perf_counter() - start) / n)
+        error = true.error(Outcome(*map(np.array, zip(*got, strict=True))))
+        errors.append((error.max(), np.median(error)))
+    return {"events_seconds": np.array(seconds), "events_error": np.array(errors).T}
 
 
 def data(quick: bool = False) -> Data:

@@ -29,14 +29,14 @@ from md.sweep import Sweep
 
 from ..lib.runs import SIMPLE_ROW, means, planned
 from ..lib.style import BLUE, ORANGE, Data, style
-from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady, waited
+from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
 from .scene_variants import FULL, GROUPS, NOTHING, STEP_SIZE, Effect, Variant, variants
 
 Place = tuple[dict[str, np.ndarray], int]  # all that changes in a run, and the number of its step
 PLACES = 8  # evenly over the plate's cycle, more than a period apart
 PART = 16  # of a period: how far each variant goes from each place
 WARM_STEPS = 32  # steps before, that bring all into the cache
-PRICE_BLOCKS, ROUNDS = {True: 30, False: 100}, {True: 5, False: 8}  # quick or not
+ROUNDS = {True: 150, False: 800}  # quick or not
 PRICE_SETTLE = {True: 10, False: 50}  # periods
 DRIFT_SEEDS, DRIFT_PERIODS = {True: 8, False: 16}, {True: 100, False: 300}  # of the drift
 BARE = Variant(NOTHING, frozenset())
@@ -71,39 +71,25 @@ def _settled(settle: int) -> tuple[list[Place], list[Place]]:
     return moving, still
 
 
-def _call(engine: Engine, variant: Variant, places: list[Place], steps: int) -> Callable:
-    """Time of a step of a rod, from a place on; the call itself and the restart do not count."""
-    series, work = _series(engine, variant), steps * len(engine.rods)
+def _call(variant: Variant, places: list[Place]) -> Callable[[], float]:
+    """Time of a step of a rod, mean over the places; the call and the restart do not count."""
+    engine = variant.engine()
+    series, steps = _series(engine, variant), engine.per // PART
 
-    def sample(place: int) -> float:
-        engine.restore(*places[place])
-        engine.go(WARM_STEPS, series)
-        begin = perf_counter()
-        engine.go(0, series)
-        between = perf_counter()
-        engine.go(steps, series)
-        return (perf_counter() - between - (between - begin)) / work
+    def sample() -> float:
+        seconds = 0.0
+        for place in places:
+            engine.restore(*place)
+            engine.go(WARM_STEPS, series)
+            begin = perf_counter()
+            engine.go(0, series)
+            between = perf_counter()
+            engine.go(steps, series)
+            seconds += perf_counter() - between - (between - begin)
+        return seconds / (steps * len(engine.rods) * len(places))
 
+    sample()  # compiles
     return sample
-
-
-def _samples(every: list[Variant], moving: list[Place], still: list[Place], quick: bool):
-    """Times of all variants, of which each block has its own copy of code and arrays."""
-    steps = FULL.engine().per // PART
-
-    def anew(random: np.random.Generator) -> list[Callable]:
-        again()
-        calls, gaps = [None] * len(every), []
-        for number in random.permutation(len(every)):
-            gaps.append(bytearray(random.integers(1, 4096)))
-            engine, variant = every[number].engine(), every[number]
-            places = moving if engine.scene.vibrates else still
-            calls[number] = _call(engine, variant, places, steps)
-            calls[number](0)
-        return calls
-
-    with reloading() as again:
-        return interleaved(anew, PRICE_BLOCKS[quick], ROUNDS[quick], PLACES)
 
 
 def _kernel(engine: Engine, variant: Variant) -> tuple:
@@ -139,7 +125,8 @@ def data(quick: bool = False) -> Data:
         engine.go(0, _series(engine, variant))
     compiled = perf_counter() - begin
     moving, still = _settled(PRICE_SETTLE[quick])
-    samples = _samples(every, moving, still, quick)
+    calls = [_call(one, moving if one.engine().scene.vibrates else still) for one in every]
+    samples = in_turn(calls, ROUNDS[quick])
     times = 1e9 * steady(samples)
 
     def price(*pair: Variant) -> tuple[float, ...]:

@@ -11,7 +11,7 @@ from impact.benchmark import benchmark
 from .. import FIGURES, load
 from ..lib.style import RESTITUTION_LAWS, name_panels, style
 from ..lib.timing import machine_line
-from . import accuracy_cost_drift, accuracy_cost_ladder, accuracy_map, effect_prices, kernel_times
+from . import accuracy_cost_drift, accuracy_cost_ladder, accuracy_map, effect_prices
 
 PRICE_PANELS = {name: entry.panel for name, entry in FIGURES.items() if entry.panel}
 IMPACTS, CHECKED = 200_000, 20_000  # timed; compared with many digits
@@ -56,7 +56,6 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
         made |= {"full": d["full"][:2], "bare": d["bare"][:2], "drift_cm_s": d["drift"][:, 0]}
     if d := found.get("scaling"):
         made["rods"] = _rows(("count", "ns"), d["counts"], d["row"][:, :2])
-        made["kernels"] = _rows(("name", "ns"), kernel_times.NAMES, d["kernels"][:, :2])
         gain = d["sweep"][0, 0] / d["sweep"][:, 0]
         made["cores"] = _rows(("count", "gain"), d["workers"], gain)
     made["impact_ns"] = benchmark(IMPACTS)["ns_per_impact"]

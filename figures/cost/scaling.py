@@ -1,12 +1,11 @@
 """Time of a period over the number of rods, and work done at once over the number of cores.
 
 (a), (b) The row of the other figures with all that a run measures, settled, at the same tilt and
-density: the length of the box grows with the number of rods. Lines in (b): the row without box or
-measurement, the same rods by the kernel of motion in space, and rods in the annulus. (c)
-Independent runs of a sweep, four for each core, from the call to the last result in the store,
-processes already there; the broken line is the first point times the number of cores. Medians of
-samples taken in turn. (a) and (b) are times of the processor; (c) is by the clock: a machine that
-does other work meanwhile has less to give.
+density: the length of the box grows with the number of rods. (c) Independent runs of a sweep, four
+for each core, from the call to the last result in the store, processes already there; the broken
+line is the first point times the number of cores. Medians of samples taken in turn. (a) and (b) are
+times of the processor; (c) is by the clock: a machine that does other work meanwhile has less to
+give.
 """
 
 import os
@@ -26,9 +25,8 @@ from md.scene import from_tables, put
 from md.sweep import execute, expand
 
 from ..lib.runs import SIMPLE_ROW
-from ..lib.style import BLACK, BLUE, ORANGE, RED, Data, painted, style
-from ..lib.timing import estimate, interleaved, machine_line, onward, reloading, steady, waited
-from . import kernel_times
+from ..lib.style import BLACK, BLUE, Data, painted, style
+from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
 
 _SIZES = (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000)
 ROW_SIZES = {True: (10, 40, 160, 640, 2500, 5000), False: _SIZES}
@@ -36,7 +34,7 @@ LEAST = 320  # rods a sample is about, with one period each
 SPACING = SIMPLE_ROW["box"]["length"] / SIMPLE_ROW["rods"]["count"]
 RUNS_PER_CORE, SWEEP_PERIODS = 4, 40  # of each core, and of each run
 CORE_LEVELS = 5  # numbers of cores, at most
-SCALING_BLOCKS, SCALING_SETTLE = {True: 9, False: 31}, {True: 10, False: 40}
+SCALING_ROUNDS, SCALING_SETTLE = {True: 9, False: 31}, {True: 10, False: 40}
 REPEATS = {True: 5, False: 15}  # of a sweep
 
 
@@ -45,16 +43,16 @@ def _row(count: int) -> md.Scene:
     return from_tables(put(SIMPLE_ROW, {"rods.count": count, "box.length": count * SPACING}))
 
 
-def _periods(count: int, settle: int) -> Callable[[int], float]:
+def _periods(count: int, settle: int) -> Callable[[], float]:
     """Processor time of a step of a rod in a settled row, over whole periods."""
     engine = prepare(_row(count))
 
-    def sample(_: int, periods: int = max(1, LEAST // count)) -> float:
+    def sample(periods: int = max(1, LEAST // count)) -> float:
         engine.step %= engine.per
         steps = periods * engine.per
         return onward(engine, steps, engine.series(periods)) / steps / count
 
-    sample(0, settle)
+    sample(settle)
     return sample
 
 
@@ -67,14 +65,14 @@ def _meet(folder: str, workers: int) -> None:
         sleep(0.01)
 
 
-def _sweeping(workers: int) -> Callable[[int], float]:
+def _sweeping(workers: int) -> Callable[[], float]:
     """Time of a step of a rod in as many runs at once as there are workers."""
     seeds = list(range(1, RUNS_PER_CORE * workers + 1))
     sweep = expand({"periods": SWEEP_PERIODS, "axes": [{"start.seed": seeds}]}, SIMPLE_ROW)
     engine = prepare(sweep.points[0].scene)
     work = len(seeds) * SWEEP_PERIODS * engine.per * len(engine.rods)
 
-    def sample(_: int) -> float:
+    def sample() -> float:
         with TemporaryDirectory() as folder:
             ready = [delayed(_meet)(folder, workers)] * workers
             with parallel_config("loky"):
@@ -98,27 +96,17 @@ def data(quick: bool = False) -> Data:
     counts = ROW_SIZES[quick]
     rows = [_periods(count, SCALING_SETTLE[quick]) for count in waited(counts, "settling", "row")]
 
-    def anew(_) -> list[Callable]:
-        again()
-        return rows
-
-    with reloading() as again:
-        by_count = interleaved(anew, SCALING_BLOCKS[quick])
-    kernels = kernel_times.calls()
-    by_kernel = interleaved(lambda _: kernels, 3 * SCALING_BLOCKS[quick])
+    by_count = in_turn(rows, SCALING_ROUNDS[quick])
     cores = cpu_count()
     workers = np.unique(np.geomspace(1, cores, min(cores, CORE_LEVELS)).round().astype(int))
     sweeps = [_sweeping(int(count)) for count in workers]
-    by_workers = interleaved(lambda _: sweeps, REPEATS[quick])
+    by_workers = in_turn(sweeps, REPEATS[quick])
     return {
         "counts": np.array(counts),
         "row": _estimates(by_count),
         "steps_per_period": np.int64(prepare(_row(40)).per),
         "workers": workers,
         "sweep": _estimates(by_workers),
-        "kernels": _estimates(by_kernel),
-        "row_samples": by_count,
-        "sweep_samples": by_workers,
         "load": np.float64(load),
     }
 
@@ -154,10 +142,7 @@ def _draw_steps(ax: Axes, d: Data) -> None:
     value, error, spread = d["row"].T
     ax.errorbar(d["counts"], value, spread / 2, fmt="none", color="0.6", lw=2, label="middle half")
     ax.errorbar(d["counts"], value, error, fmt="o", color=BLUE, ms=3, lw=0.8, label="median, error")
-    looks = zip(kernel_times.NAMES, d["kernels"][:, 0], (BLACK, ORANGE, RED), strict=True)
-    for name, ns, colour in looks:
-        ax.axhline(ns, color=colour, lw=0.8, ls="--", label=f"{name}: {ns:.0f}")
-    ax.set(xscale="log", xlabel="number of rods $N$", ylim=(0, 1.8 * d["kernels"].max()))
+    ax.set(xscale="log", xlabel="number of rods $N$", ylim=(0, 1.4 * value.max()))
     ax.set_ylabel("time (ns per step of a rod)")
     ax.legend(loc="upper left", fontsize=6)
 

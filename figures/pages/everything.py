@@ -1,14 +1,10 @@
-"""Work that `figures paper` has left to do, and about how long it takes."""
+"""Work that `figures paper` has left to do, and about how long it takes on the machine of prices."""
 
 from pathlib import Path
-from time import thread_time
 
-import numpy as np
-from joblib import Parallel, cpu_count, delayed
+from joblib import cpu_count
 
-import md
 from md.host import step_of
-from md.scene import Scene
 from md.store import Store
 from md.sweep import Point
 
@@ -19,7 +15,7 @@ from ..lib.runs import store
 
 OF_CLAIMS = (measure_rows, measure_annulus)  # runs that no figure shows
 CLAIMS_SECONDS = 30  # processor seconds of movie and claims, runs of the store apart
-SAMPLES, SETTLE, TIMED = 12, 3, 12  # runs that are timed of each kind; periods of each
+STEP_SECONDS = {True: 20e-9, False: 60e-9}  # of a step of a rod, in the plane and in an annulus
 
 
 def left(out: Path) -> list[str]:
@@ -41,40 +37,15 @@ def missing() -> list[Point]:
         return [point for key, point in points.items() if not database.has(key)]
 
 
-def rod_steps(point: Point) -> int:
-    """Steps times rods of a run; 0 where a tolerance says how long it is."""
-    return point.periods * step_of(point.scene)[1] * point.scene.rods.count
-
-
-def timed(scene: Scene) -> float:
-    """Processor seconds of a step of a rod in a run under way; 0 for a run that fails."""
-    seconds = []
-    try:
-        md.run(scene, periods=1)  # compiles
-        for periods in (SETTLE, SETTLE + TIMED):
-            begin = thread_time()
-            md.run(scene, periods=periods)
-            seconds.append(thread_time() - begin)
-    except md.RunError:
-        return 0.0
-    return max(seconds[1] - seconds[0], 0.0) / (TIMED * step_of(scene)[1] * scene.rods.count)
-
-
 def run_seconds(points: list[Point]) -> float:
-    """Processor seconds of runs, but for compiling: rows and annuli, each kind by a sample.
-
-    A run is drawn as often as its part of the work, so that the mean over the sample is the mean
-    over all steps. All cores time at once, as they will run.
-    """
-    random, total = np.random.default_rng(1), 0.0
-    for plane in (True, False):
-        alike = [point for point in points if (point.scene.annulus is None) is plane]
-        work = np.array([rod_steps(point) for point in alike])
-        if work.sum():
-            drawn = random.choice(len(alike), SAMPLES, p=work / work.sum())
-            step = Parallel(n_jobs=-1)(delayed(timed)(alike[i].scene) for i in drawn)
-            total += work.sum() * float(np.mean(step))
-    return total
+    """Processor seconds of runs, by their rods and steps; a run to a tolerance counts as none."""
+    return sum(
+        STEP_SECONDS[point.scene.annulus is None]
+        * point.periods
+        * step_of(point.scene)[1]
+        * point.scene.rods.count
+        for point in points
+    )
 
 
 def in_words(seconds: float) -> str:

@@ -9,9 +9,9 @@ as one, at the first of them; one rigid rod: at fixed tilt, exact flights and im
 import matplotlib.pyplot as plt
 import numpy as np
 
+from impact import landing_density
 from md.sweep import Sweep
 
-from ..lib.phases import middles, phase_panels, share_panel
 from ..lib.runs import (
     SHOWN_DEG,
     TILT_SCAN_WORDS,
@@ -22,9 +22,10 @@ from ..lib.runs import (
     tilt_plan,
     tilts,
 )
-from ..lib.style import BLACK, BLUE, Data, curve, style
+from ..lib.style import BLACK, BLUE, RED, Data, curve, name_panels, style, tilt_axis
 
 BINS_DRAWN = 32  # drawn; the store has 64
+EXPECTED = 0.5 - 1 / np.pi  # part of H = (1 + cos(theta))/2 pi while the plate falls
 
 
 def densities(counts: np.ndarray, bins: int = BINS_DRAWN) -> np.ndarray:
@@ -54,7 +55,7 @@ def data(quick: bool = False) -> Data:
     lone_deg, bounces = lone(quick)
     return {
         "shown_deg": np.array(SHOWN_DEG),
-        "phase": middles(BINS_DRAWN),
+        "phase": 2 * np.pi * (np.arange(BINS_DRAWN) + 0.5) / BINS_DRAWN,
         "density": density,
         "density_error": error,
         "falling": down,
@@ -69,16 +70,28 @@ def data(quick: bool = False) -> Data:
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.4))
     degrees, top = np.degrees(d["phase"]), 1.12 * (d["density"] + d["density_error"]).max()
-    edges = np.linspace(0, 360, BINS_DRAWN + 1)
-    for i, ax in enumerate(phase_panels(axes, top)):
-        ax.stairs(d["density"][i], edges, color=BLACK, lw=0.9)
-        bars = {"fmt": "none", "ecolor": BLACK, "elinewidth": 0.6}
-        ax.errorbar(degrees, d["density"][i], d["density_error"][i], **bars)
-    last = share_panel(figure, d["shown_deg"], 80, 20)
+    edges, fine = np.linspace(0, 360, BINS_DRAWN + 1), np.linspace(0, 360, 361)
+    *panels, last = axes.flat
+    for ax, density, error in zip(panels, d["density"], d["density_error"], strict=True):
+        ax.axvspan(90, 270, color="0.93", lw=0)
+        ax.stairs(density, edges, color=BLACK, lw=0.9)
+        ax.errorbar(degrees, density, error, fmt="none", ecolor=BLACK, elinewidth=0.6)
+        ax.plot(fine, landing_density(np.radians(fine)), color=RED, label=r"$H(\theta)$")
+        ax.set(xlim=(0, 360), ylim=(0, top), xticks=range(0, 361, 90))
+        ax.set(xlabel=r"phase $\theta$ of the plate (deg)")
+    for ax in axes[:, 0]:
+        ax.set_ylabel("density of landings (1/rad)")
+    panels[0].text(180, 0.95 * top, "plate falls", ha="center", va="top", color="0.3")
+    panels[0].legend(loc="upper center", bbox_to_anchor=(0.5, 0.9))
+    last.axhline(EXPECTED, color=RED, label=r"$H(\theta)$")
     curve(last, d, "tilt_deg", "falling", BLACK, "touches")
     curve(last, d, "tilt_deg", "landing_falling", BLACK, "landings", form="s-", hollow=True)
     last.plot(d["lone_deg"], d["lone_falling"], color=BLUE, lw=0.8, label="one rigid rod")
+    tilt_axis(last, 0, 80, 20)
     last.set_ylim(-0.02, 1.8 * max(d["lone_falling"].max(), d["landing_falling"].max()))
+    last.set_ylabel("landings while the plate falls")
     last.legend(loc="upper right", ncols=2, columnspacing=1, fontsize=6)
+    titles = [rf"$\phi={tilt:.0f}$°" for tilt in d["shown_deg"]]
+    name_panels(axes.flat, [*titles, "share on the way down"])
     figure.supxlabel(TILT_SCAN_WORDS)
     return figure

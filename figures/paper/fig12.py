@@ -13,7 +13,6 @@ from functools import partial
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from scipy.optimize import minimize_scalar
 
 import md
 from impact import Collision
@@ -43,31 +42,6 @@ SOFT = {  # all with k_n = 5e6
 _DASHES = {1: "--", 2: "-", 3: "-."}  # the paper's: slide, slip-stick, slip reversal
 _COLOURS = {"coulomb": BLACK, "constant_restitution": BLUE, "appendix_a": RED}
 _LAWS = ("Newton", ORANGE, "-."), ("Poisson", GREEN, "-."), ("Stronge", GREEN, ":")
-
-
-def _fitted(law: str, soft: Soft) -> float:
-    """The one constant that brings the theory's velocities nearest."""
-
-    def off(constant: float) -> float:
-        return distance(soft, rigid(TABLE_TILTS, constant, law=law))
-
-    return minimize_scalar(off, bounds=(0.2, 1), method="bounded").x
-
-
-def _table(soft: Soft) -> np.ndarray:
-    """Rows Newton, Poisson, Stronge; columns (constant, RMS of velocity, RMS of -v_f/v_0) twice.
-
-    First with the constant of the head-on impact, then with the fitted one.
-    """
-
-    def entries(law: str, constant: float) -> tuple[float, ...]:
-        theory = rigid(TABLE_TILTS, constant, law=law)
-        off = np.sqrt(np.mean((theory.normal_velocity - soft.restitution) ** 2))
-        return constant, distance(soft, theory), off
-
-    return np.array(
-        [(*entries(law, EPSILON), *entries(law, _fitted(law, soft))) for law in RESTITUTION_LAWS]
-    )
 
 
 def data(quick: bool = False) -> Data:
@@ -101,8 +75,6 @@ def data(quick: bool = False) -> Data:
         "rms_constant": np.array([distance(s, rigid(TABLE_TILTS, EPSILON)) for s in coarse]),
         "rms_measured": measured[:, 0],
         "regimes_right": measured[:, 1].astype(int),
-        "table_restitution": np.array([s.restitution for s in coarse]),
-        "table": np.array([_table(s) for s in coarse]),
     }
 
 

@@ -16,7 +16,6 @@ from matplotlib.axes import Axes
 from impact import drift, spherocylinder, thin_rod
 from md.sweep import Sweep
 
-from ..claims.over_tilt import bump
 from ..lib.runs import (
     BOX,
     COUNT,
@@ -181,11 +180,9 @@ def _slope(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> tuple[float, floa
 
 
 def fits(d: Data) -> dict[str, float]:
-    """What the paper says of the three curves, as numbers.
+    """What the paper says of the drift over Gamma, as numbers.
 
     power : exponent of c_x over Gamma - 1 below 1.5; line_ : c_x(Gamma) from 2 on
-    growth_ : c_x(l) below 2, from where it grows; bump : largest rise with tilt between 20 and 45
-    degrees, and where it ends; negative where c_x falls throughout
     """
     gamma, c_x = d["gamma"], d["b_c_x"]
     near = (gamma < 1.5) & (c_x > 3 * d["b_c_x_error"])
@@ -196,14 +193,5 @@ def fits(d: Data) -> dict[str, float]:
         x, y = np.log(gamma[near] - 1), np.log(c_x[near])
         power, power_error, _ = _slope(x, y, relative)
     line = _slope(gamma[far], c_x[far], d["b_c_x_error"][far])
-    grows, long = (d["length"] > 1.25) & (d["length"] <= 2), d["c_c_x"][d["length"] >= 2.5]
-    growth = _slope(d["length"][grows], d["c_c_x"][grows], d["c_c_x_error"][grows])
-    rise, i, j = bump(d["tilt_deg"], d["a_c_x"])
-    return {
-        **{"power": power, "power_error": power_error, "line_start": float(gamma[far][0])},
-        **dict(zip(("line_slope", "line_slope_error", "line_from"), line, strict=True)),
-        **dict(zip(("growth", "growth_error", "growth_from"), growth, strict=True)),
-        **{"long_mean": long.mean(), "long_spread": np.ptp(long), "bump": rise},
-        "bump_error": float(np.hypot(d["a_c_x_error"][i], d["a_c_x_error"][j])),
-        "bump_tilt": float(d["a_tilt"][j]),
-    }
+    found = {"power": power, "power_error": power_error, "line_start": float(gamma[far][0])}
+    return found | dict(zip(("line_slope", "line_slope_error", "line_from"), line, strict=True))

@@ -15,7 +15,6 @@ import numpy as np
 
 from impact import drift, spherocylinder
 
-from ..lib.phases import estimates
 from ..lib.runs import GAMMA, LENGTH, RESTITUTION, SETTING
 from ..lib.style import (
     BLACK,
@@ -41,7 +40,9 @@ def _sweep(prefix: str, runs: list) -> Data:
     """Means and errors of several runs, one array a field."""
     found = {}
     for field in MEASURED_FIELDS:
-        found |= estimates(f"{prefix}_{field}", [getattr(run, field) for run in runs])
+        mean, error = zip(*(getattr(run, field) for run in runs), strict=True)
+        found[f"{prefix}_{field}"] = np.array(mean)
+        found[f"{prefix}_{field}_error"] = np.array(error)
     return found
 
 
