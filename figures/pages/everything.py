@@ -1,4 +1,4 @@
-"""Work that `figures paper` has left to do, and about how long it takes on the machine of prices."""
+"""Work that `figures paper` has left to do; about how long it takes on the machine of prices."""
 
 from pathlib import Path
 
