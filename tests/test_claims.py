@@ -30,7 +30,6 @@ FIGURES_OF_CLAIMS += (
     "tip_shape",
     "which_law",
     "closure",
-    "energy_flow",
     "row_size",
 )
 KNOWN = {  # numbers that do not depend on how long the runs are

@@ -13,15 +13,12 @@ from matplotlib.figure import Figure
 import figures
 from figures.__main__ import main
 from figures.lib.printing import printed
-from figures.theory import pairs
 from figures.theory.restitution_laws import largest_gain
 from impact import (
     Regime,
-    collide,
     critical_friction,
     energy_restitution,
     slide_friction,
-    spherocylinder,
     thin_rod,
 )
 from impact._generated import DIGEST
@@ -201,32 +198,6 @@ def test_the_stationary_landing_where_its_dots_stand():
     cheapest = np.nanmin(d["cost"][[0, -1]], axis=1)  # slip reversal, slip-stick
     np.testing.assert_allclose(cheapest, d["best_cost"][[0, -1]], rtol=1e-3)
     assert d["painleve"][0].min() == pytest.approx(4 / 3, rel=1e-3)
-
-
-@pytest.mark.parametrize(("side", "name"), [(1, "ahead"), (-1, "behind")])
-def test_smooth_rods_of_a_row_hand_on_what_their_ends_bring(side, name):
-    """Along the normal of parallel rods, by the masses that their ends have there."""
-    d = data("pairs")
-    rod = spherocylinder(d["tilt"], pairs.LENGTH)
-    landed = collide(0.0, -1.0, geometry=rod, **pairs.PLATE)
-    sin, cos, end = np.sin(d["tilt"]), np.cos(d["tilt"]), (pairs.LENGTH - 1) / 2
-    closing = side * (landed.c_x * cos - (landed.c_z + 1) * sin) + landed.omega * end
-    levers = end**2 + (end - np.tan(d["tilt"])) ** 2
-    impulse = (1 + pairs.RODS_RESTITUTION) * closing / (2 + levers / rod.k**2)
-    np.testing.assert_allclose(d[name][0], side * cos * np.maximum(impulse, 0), atol=1e-14)
-
-
-def test_a_ball_in_the_middle_of_a_bat_and_a_curve_ball():
-    d = data("pairs")
-    share = pairs.BAT[0] / (pairs.BAT[0] + pairs.BALL[0])
-    ball, bat = pairs.SPEEDS
-    gain = (1 + pairs.BAT_RESTITUTION) * (ball + bat) * share
-    slant = d["offset"] / (pairs.BALL[1] + pairs.BAT[1])  # of the line of centres; nothing along it
-    speed = np.hypot((gain - ball) * np.sqrt(1 - slant**2), ball * slant)
-    np.testing.assert_allclose(d["smooth_speed"], speed)
-    np.testing.assert_allclose(d["smooth_backspin"], 0, atol=1e-12)
-    assert np.all(d["curve_backspin"] > d["fast_backspin"] + 50)
-    assert np.all(np.diff(d["fast_angle"]) > 0)
 
 
 def test_flat_end_turns_at_arctan_d_over_l():

@@ -21,7 +21,6 @@ from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, styl
 
 TANGENTIAL_RATIOS = (3.0, 30.0, 300.0, 3000.0)  # tangential ratios of panel (a)
 SPRING_SERIES = (5e6, 1.0), (1e12, 1.0), (1e12, 0.0)  # k_n, tangential damping of panel (b)
-GOAL = 4e-4  # the best published engine's error over tilts
 FITTED = 100.0  # from this ratio on
 
 

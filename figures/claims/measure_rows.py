@@ -168,11 +168,7 @@ def slides(data: Evidence) -> Numbers:
 
 @measures("S22")
 def isolated(data: Evidence) -> Numbers:
-    flow = data.figure("energy_flow")
-    at = 0, int(np.argmin(np.abs(flow["nominal"] - 28)))  # of the figures' law
     return {
-        "lost_between": entry(flow, "rods", at),
-        "carried_alone": entry(flow, "carried", at),
         "map": standard(*data.census["residual"]),
         "map_isolated": standard(*data.census["isolated_residual"]),
     }
