@@ -168,7 +168,7 @@ def test_numbers_find_what_was_put_in():
     walls = measure_annulus.walls(made_up(d))
     values = {key: number.value for key, number in walls.items()}
     assert values == pytest.approx({"rise": -0.35, "all": 0.05, "paper": 2.5})
-    over = measure_annulus.S5_drift_over_gamma(made_up(d))
+    over = measure_annulus.drift_over_gamma(made_up(d))
     assert over["onset"].error == pytest.approx(0.2)
     values = {key: number.value for key, number in over.items()}
     expected = {

@@ -39,9 +39,6 @@ ABOUT = (
     "L. S. Tsimring, “Anisotropy driven dynamics in vibrated granular rods”."
 )
 BADGES = {"holds": "agrees", "holds in part": "rewritten", "does not hold": "erratum"}
-LETTERS = {"alpha": "α", "gamma": "γ", "delta": "δ", "epsilon": "ε", "theta": "θ", "mu": "μ"}
-LETTERS |= {"phi": "φ", "omega": "ω", "pi": "π", "Gamma": "Γ", "sqrt": "√"}
-_AS_IT_IS = re.compile(r"(<math.*?</math>|<code>.*?</code>|<[^>]+>)")
 TAGS = {entry.tag for entry in ENTRIES}
 
 
@@ -80,11 +77,6 @@ class Folder:
         (self.own if own else self.borrowed).add(path.name)
         return f"{'' if own else 'gallery/'}{quote(os.fsencode(path.name))}"
 
-    def names(self, ending: str) -> list[str]:
-        """Names of its own files, but for those just being written."""
-        names = sorted(path.name for path in self.path.glob(f"*{ending}") if path.is_file())
-        return [name for name in names if not name.startswith(".")]
-
     def links(self, stem: str, **labels: str) -> dict[str, str]:
         """Labels by address of the files STEM.KIND that are there; `labels` by kind."""
         names = {f"{stem}.{kind}": label for kind, label in labels.items()}
@@ -97,19 +89,7 @@ class Folder:
         def link(tag: str) -> str:
             return f"report.html#{report.anchor(tag)}" if there and tag in TAGS else ""
 
-        return Markup(lettered(to_html(" ".join(sentence.split()), link)))
-
-
-def lettered(text: str) -> str:
-    """HTML of a sentence with letters, indices and powers set: mu, c_x', k_n^(-2/5)."""
-
-    def plain(part: str) -> str:
-        part = re.sub(rf"\b({'|'.join(LETTERS)})(?![a-z])", lambda found: LETTERS[found[1]], part)
-        part = re.sub(r"\b([^\W\d_])_(\w+|\*)(’?)", r"<i>\1</i><sub>\2</sub>\3", part)
-        return re.sub(r"\^(?:\((.*?)\)|(\w+))", r"<sup>\1\2</sup>", part)
-
-    parts = _AS_IT_IS.split(text)  # at odd places, what stays
-    return "".join(part if i % 2 else plain(part) for i, part in enumerate(parts))
+        return Markup(to_html(" ".join(sentence.split()), link))
 
 
 def _size(picture: Path) -> tuple[tuple[int, int], int] | None:
@@ -165,7 +145,8 @@ def _claims(folder: Folder) -> dict[str, Any]:
 
 
 def _movies(folder: Folder) -> list[Item]:
-    found = [*filter(None, map(folder.picture, folder.names(".gif")))]
+    films = (path.name for path in sorted(folder.path.glob("[!.]*.gif")))  # whole ones
+    found = [*filter(None, map(folder.picture, films))]
     return found or [*filter(None, [folder.picture("row.gif")])]
 
 
@@ -186,7 +167,6 @@ def files(out: Path) -> dict[str, bytes]:
         If the folder is not there or holds nothing to show, or holds the project's gallery itself.
     """
     folder = Folder(out)
-    known = {f"{name}.png" for name in (*FIGURES, "prices")}
     tables = folder.find("prices.txt")
     shown = {
         "proofs": _proofs(folder),
@@ -196,7 +176,6 @@ def files(out: Path) -> dict[str, bytes]:
         "price_tables": _read(tables.path) if tables else "",
         "claims": _claims(folder),
         "movies": _movies(folder),
-        "others": [*filter(None, map(folder.picture, set(folder.names(".png")) - known))],
     }
     if not (folder.own or folder.find("impact.html")):
         raise InputError(f"out must be a folder that holds something to show, got {out}")
