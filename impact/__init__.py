@@ -22,7 +22,7 @@ _kernel                             one impact, as one text for arrays and for N
                                     proves it and makes C and JavaScript of it
 _arguments                          arguments of all functions: domains, dtypes, blocks
 geometry                            where the centre of mass stands over the contact point
-_impacts, _twofold                  regimes, arguments of impacts; numbers in twice the digits
+_impacts, _twofold, _select         regimes, arguments of impacts; twice the digits; a choice
 collision                           the impact map: `collide`, `classify`
 pairs                               two bodies of any masses that meet: `collide_pair`
 boundaries, translation             boundaries of the regimes; the drift, its stability and cost

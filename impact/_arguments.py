@@ -6,13 +6,14 @@ position: labels (pandas, xarray) that say otherwise raise, equal ones are dropp
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import reduce
+from functools import cache, reduce
 from itertools import combinations
 from operator import index
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+LARGE = 2**22 - 2**10  # numbers: just below 32 MiB, the most that glibc learns from
 BLOCK = 8192  # elements in flight; a block's temporaries stay in the second-level cache
 
 
@@ -139,8 +140,8 @@ def count(name: str, value: Any, least: int) -> int:
 
 
 def result_dtype(values: Sequence[Any]) -> np.dtype:
-    """float32 if the arguments are, else float64; Python numbers do not decide."""
-    kinds = {np.asarray(v).dtype for v in values if type(v) not in (int, float, bool)}
+    """float32 if the arguments are, else float64; Python's and float64 numbers do not decide."""
+    kinds = {np.asarray(v).dtype for v in values if not isinstance(v, int | float)}
     single = kinds and np.result_type(*kinds) == np.float32
     return np.dtype(np.float32 if single else np.float64)
 
@@ -170,6 +171,15 @@ def evaluated(
     return in_blocks(block, arrays, [np.dtype(kind or dtype) for kind in kinds])
 
 
+@cache
+def _keep_memory() -> None:
+    """Make and drop a large array, so that glibc keeps the memory of a block for the next one.
+
+    By itself it gives it back to the system and takes it again page by page: half of a call's time.
+    """
+    np.empty(LARGE)
+
+
 def in_blocks(
     function: Callable[..., tuple[np.ndarray, ...]],
     inputs: Sequence[np.ndarray],
@@ -180,6 +190,7 @@ def in_blocks(
     `dtypes` belong to the results; beside them a few blocks are in memory. Scalars stay scalars, so
     that a term common to all elements is computed once a block; scalars alone give scalars.
     """
+    _keep_memory()
     arrays = [value for value in inputs if value.ndim > 0]
     read_only: list[Any] = [["readonly"]] * len(arrays)
     made: list[Any] = [["writeonly", "allocate"]] * len(dtypes)

@@ -12,7 +12,6 @@ normal impulse over k^2, and a name that ends in `_low` is what the rounded numb
 from numpy import copysign, sqrt
 from numpy import maximum as larger
 from numpy import minimum as smaller
-from numpy import where as select
 
 from ._generated import (
     energy_change,
@@ -28,6 +27,7 @@ from ._generated import (
     stronge_early,
     stronge_late,
 )
+from ._select import select
 
 SPLIT = 2.0**27 + 1
 HUGE_FRICTION = 2.0**500

@@ -1,5 +1,6 @@
 """The frictional impact of any two bodies that meet at a point; a rod on a plate is one of them."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,11 +18,13 @@ from ._arguments import (
     evaluated,
 )
 from ._impacts import Regime, as_regime
+from ._select import select
 from ._twofold import Twofold, quotient
 from .collision import exponent, law_of
 
 MASS = Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True, infinite=True)
 SHORT = 2.0**-100  # gyration radius over the lever; a shorter one gives the same digits
+SMALL, LARGE = 1e-15, 1e15  # lengths, speeds, masses between these need no scale
 IMMOVABLE = -2  # code of two bodies that close and cannot move
 
 
@@ -76,33 +79,55 @@ def _arguments(name: str, body: Body) -> dict[str, Argument]:
     return {f"{name}.{field}": (value, domain) for field, value, domain in given}
 
 
+def _left(value: Any, power: Any) -> Any:
+    """A number that need not be scaled."""
+    return value
+
+
+def _usual(both: Body) -> bool:
+    """Whether all is far from over- and underflow."""
+    size = np.abs(both.X) + np.abs(both.Z) + both.k
+    speed = np.abs(both.c_x) + np.abs(both.c_z) + np.abs(both.omega) * size
+    moves = np.isinf(both.mass) | (both.mass < LARGE)
+    sized = (both.mass > SMALL) & moves & (both.k > SMALL) & (size < LARGE) & (speed < LARGE)
+    return bool(np.all(sized & (speed.max(0) > SMALL)))
+
+
 def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     """Velocities of both bodies, regime code, impulse and energy change.
 
-    Lengths of each body, speeds and masses are scaled by powers of two. The contact velocity and
-    the mobilities are summed in twice the digits; what is left to the kernel is one impact.
+    Unusual lengths of each body, speeds and masses are scaled by powers of two. The contact
+    velocity and the mobilities are summed in twice the digits; the kernel is left one impact.
     """
     *given, mu, epsilon = np.broadcast_arrays(*block)
     both = Body(*np.stack(given).reshape(2, 7, *mu.shape).swapaxes(0, 1))
-    size = exponent(both.X, both.Z, both.k)
-    speed = np.maximum(exponent(both.c_x, both.c_z), exponent(both.omega) + size).max(0)
-    fixed, (mass, power) = np.isinf(both.mass), np.frexp(both.mass)
-    mass, power = np.where(fixed, 1.0, mass), np.where(fixed, power[::-1], power)
-    light = np.where(fixed, 0.0, np.ldexp(mass, power - power.max(0))[::-1])  # 1/mass, up to 1
+    scaled: Callable[[Any, Any], Any] = np.ldexp
+    fixed, mass, power, size, speed = np.isinf(both.mass), both.mass, np.zeros(2, int), 0, 0
+    if _usual(both):
+        scaled = _left
+    else:
+        size = exponent(both.X, both.Z, both.k)
+        speed = np.maximum(exponent(both.c_x, both.c_z), exponent(both.omega) + size).max(0)
+        mass, power = np.frexp(mass)
+        power = np.where(fixed, power[::-1], power)
+    mass = select(fixed, 1.0, mass)
+    light = select(fixed, 0.0, scaled(mass, power - power.max(0))[::-1])  # 1/mass, up to 1
     mass, power = mass.prod(0), power.min(0)  # in units of mass 2^power
 
-    X, Z, k = (np.ldexp(length, -size) for length in (both.X, both.Z, both.k))
-    c = np.ldexp((both.c_x, both.c_z), -speed)
-    # centres and spins apart, as bodies that move alike must not lose what is left
-    turning = 0.0, 0.0, np.ldexp(both.omega, size - speed), 0.0, X, Z
-    ends = zip(map(Twofold, c), closed.approach(*map(Twofold, turning)), strict=True)
-    u, v = ((centre[0] - centre[1]) + (spin[0] - spin[1]) for centre, spin in ends)
+    X, Z, k = (scaled(length, -size) for length in (both.X, both.Z, both.k))
     k = np.maximum(k, SHORT)
+    c_x, c_z = (Twofold(scaled(speeds, -speed)) for speeds in (both.c_x, both.c_z))
+    # centres and spins apart, as bodies that move alike must not lose what is left
+    turn = Twofold(scaled(both.omega, size - speed))
+    along, up = Twofold(-Z) * turn, Twofold(X) * turn
+    u, v = ((c[0] - c[1]) + (arm[0] - arm[1]) for c, arm in ((c_x, along), (c_z, up)))
     levers = Twofold(light), quotient(X, k), quotient(Z, k)
     A, B, C, D = closed.pair_mobility(*(part[i] for i in range(2) for part in levers))
-    side = np.copysign(1.0, np.where(u.high == 0, B.high, u.high))
-    B, mu = B * Twofold(side), np.minimum(mu, kernel.HUGE_FRICTION)
-    (N, T), (N_back, T_back) = ((A + f * B, B + f * C) for f in (Twofold(mu), Twofold(-mu)))
+    side = np.copysign(1.0, select(u.high == 0, B.high, u.high))
+    mu = np.minimum(mu, kernel.HUGE_FRICTION)
+    B = Twofold(side * B.high, side * B.low)
+    held, freed = Twofold(mu) * B, Twofold(mu) * C
+    (N, T), (N_back, T_back) = ((A + held, B + freed), (A - held, B - freed))
     contact = *(part.high for part in (N, T, N_back, T_back, D, C)), N.low, T.low
     velocities = np.abs(u.high), v.high, side * u.low, v.low
 
@@ -113,13 +138,13 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     energy = closed.energy_change(P_x, P_z, *velocities[:2], u_f, v_f)
     P_x = side * P_x
     s, x, z = (part.high for part in levers)
-    *change, turn = closed.pair_change(s, x, z, np.stack([P_x, -P_x]), np.stack([P_z, -P_z]))
-    c_x, c_z = (old + np.ldexp(d, speed) for old, d in zip(both[4:6], change, strict=True))
-    omega = both.omega + np.ldexp(turn / k, speed - size)
+    *change, turned = closed.pair_change(s, x, z, np.stack([P_x, -P_x]), np.stack([P_z, -P_z]))
+    c_x, c_z = (old + scaled(d, speed) for old, d in zip(both[4:6], change, strict=True))
+    omega = both.omega + scaled(turned / k, speed - size)
     after = (part[i] for i in range(2) for part in (c_x, c_z, omega))
     code = np.where(hits & fixed.all(0), IMMOVABLE, kernel.regime_of(*branch))
-    impulses = (np.ldexp(mass * part, power + speed) for part in (P_x, P_z))
-    return *after, code, *impulses, np.ldexp(mass * energy, power + 2 * speed)
+    impulses = (scaled(mass * part, power + speed) for part in (P_x, P_z))
+    return *after, code, *impulses, scaled(mass * energy, power + 2 * speed)
 
 
 def collide_pair(

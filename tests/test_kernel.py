@@ -144,7 +144,13 @@ ALIKE = {
     (
         "twofold_product",
         "return total(p, error + (a * b_low + a_low * b), 0.0)",
-    ): "a sum of the same three",
+    ): "one sum of three",
+    ("twofold_quotient", "return total(q, (a - p - error) / b, 0.0)"): "one sum of three",
+    ("poisson", "late = poisson_late(v_0, epsilon, v_late, r)"): "their product alone",
+    ("stronge", "late = stronge_late(v_0, epsilon, v_late, r)"): "their product alone",
+    ("poisson", "soon = v_1 <= 0"): "at v_1 = 0 early and late give the same",
+    ("stronge", "soon = v_1 <= 0"): "at v_1 = 0 early and late give the same",
+    ("branches", "slides = (u_slide >= 0) & (u_0 > 0) & (N >= 0)"): "at N = 0 T > 0: u_slide < 0",
 }
 
 

@@ -225,7 +225,9 @@ def test_dtypes():
     assert call("drift", geometry=rod, restitution=np.float32(1)).c_x.dtype == np.float32
     assert call("collide", c_x=1).c_x.dtype == np.float64
     assert call("collide", c_x=np.array([1, 2])).c_x.dtype == np.float64
-    assert call("collide", c_x=np.ones(2, np.float32)).c_x.dtype == np.float64  # ROD is float64
+    assert call("collide", c_x=np.ones(2, np.float32)).c_x.dtype == np.float32  # as ROD is no array
+    arrays = impact.thin_rod(np.array([0.4]))
+    assert call("collide", c_x=np.ones(2, np.float32), geometry=arrays).c_x.dtype == np.float64
     assert call("collide", c_x=np.ones(2, np.longdouble)).c_x.dtype == np.float64
     assert call("thin_rod", tilt=np.float32(np.pi / 2)).X.dtype == np.float32
 
