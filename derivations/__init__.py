@@ -13,23 +13,23 @@ mu*(Z**2 + k**2) > X*Z
 array([0.331, 0.652, 1.107])
 
 `derivations.registry` holds every equation as printed and as derived, with a verdict and its proof.
-From a shell: `python -m derivations check`, `report`, `generate`, `mutate`.
+From a shell: `python -m derivations check`, `report`, `generate`.
 
 Files, as one reads them
 ------------------------
-symbols, proof                      the paper's letters; an equation, its verdict, its proof
+symbols, paper                      the paper's letters; its formulas (paper.toml), read
+proof                               an equation, its verdict, its proof
+words                               numbers, signs and comparisons of the notes, computed
 axioms, trace                       what is assumed; what a derivation rests on, noted
 newton                              (1)-(6): the contact point's equations of motion
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact
 bodies, thin_rod, drift             rods; boundaries, (23); stationary translation, (24)-(31)
-laws, pairs, appendix               other restitutions, energy; any two bodies; Appendix A
 optimum, transport                  best tilt, stability; short rods, energy of transport
 landing_phases                      landing phases by the flux of impacts, and V_z with them
-statements, references              sentences of the text; cited figures and equations
-                                    (statements.toml)
+laws, pairs                         other restitutions, energy; any two bodies
+appendix, statements                dimensions of Appendix A; sentences of the text
 second_routes                       whole impacts from conservation laws, for the proofs
-mutants                             deliberate mistakes: the proofs can fail
-registry                            all entries in the paper's order (equations.toml: in words)
+registry                            all entries: the paper's way first, then what is new
 rewrites                            rules that make a form compute well, each one proved
 closed_forms                        what generated functions compute (functions.toml: how)
 kernel, contacts, rounded           one impact, impact/_kernel.py: run on letters and on numbers
@@ -37,9 +37,8 @@ kernel, contacts, rounded           one impact, impact/_kernel.py: run on letter
 codegen                             expressions as functions
 languages                           the impact map in C and JavaScript (languages.toml)
 files, equations_page               impact/_generated.py; EQUATIONS.md
-typeset, sentences                  formulas and sentences as LaTeX, MathML and plain text
-lecture, letters, exercises         the report's text and references; letters; exercises, answered
-steps, drawings                     the steps of a derivation for a reader; drawings as SVG
+typeset, lecture                    formulas as LaTeX and MathML; text, letters (lecture.toml)
+exercises, steps, drawings          exercises, answered; the steps for a reader; drawings as SVG
 early_signals                       signals during imports
 lookup                              `equation`, `function`: one entry by its tag
 report, __main__, command_line      the report, from templates/; the commands
@@ -47,20 +46,21 @@ report, __main__, command_line      the report, from templates/; the commands
 To add an equation
 ------------------
 1. A function beside its relatives (`drift.py`, `laws.py`, ...) derives it from what is there.
-2. An `Equation` in that module's `EQUATIONS` holds its forms: `printed` what the paper prints,
-   `shown` one that reads better than the derived one. Its words and its verdict stand under its tag
-   in equations.toml: "agrees" if there is none, or "erratum" with the `repair` that makes the
-   printed form right and what contradicts it; a result that the paper does not have is "new" and
-   needs a second route, `check` (module `proof`). Formulas in sentences stand between dollar signs.
-   A step that is worth a name is marked `@derived`, which caches it and notes the axioms that it
-   used.
-3. If it should be a function: a `Function` in `closed_forms.py` derives its outputs;
+   A step that is worth a name is marked `@derived` with the left sides of its values; the first
+   line of its docstring is the sentence that a reader finds there. `say` adds a line between.
+2. An `Equation` in that module's `EQUATIONS`, or `BEYOND` if the paper does not have it, holds
+   its words beside its form: what the paper prints stands under its tag in paper.toml, `shown`
+   is a form that reads better than the derived one. Its verdict is "agrees" if there is none, or
+   "erratum" with the `repair` that makes the printed form right and the formulas that contradict
+   it; a result that the paper does not have is "new" and needs a second route, `check` (module
+   `proof`). Numbers, signs and comparisons in a note are computed (module `words`). Formulas in
+   sentences stand between dollar signs.
+3. If it should be a function: a `Function` in `map_functions.py` or its like derives its outputs;
    functions.toml has its words, and the assignments that make it compute well (module `rewrites`).
+4. An algorithm goes into kernel.toml as assignments, and what its names stand for into `kernel.py`.
 
-4. An impact is computed with it in impact/_kernel.py, which `kernel` runs and proves.
-
-`check` proves it, `mutate` tries to fool the proof, `generate` writes impact/_generated.py and
-EQUATIONS.md, `report` shows it.
+`check` proves it, tests/test_mutants.py tries to fool the proof, `generate` writes
+impact/_generated.py, impact/_kernel.py and EQUATIONS.md, `report` shows it.
 How it becomes public stands in `help(impact)`.
 """
 

@@ -1,92 +1,112 @@
 """Dimensions of the material constants in Appendix A's force law.
 
-Dimensions are monomials in mass M, length L and time T; a constant's dimension is solved from the
-force law in which it stands.
+Dimensions are monomials in mass, length and time; a constant's dimension is solved from the term
+of the printed force law in which it stands.
 """
-
-from collections.abc import Callable
 
 import sympy as sp
 
+from . import paper
 from .proof import Equation
 from .trace import solve
 
-M, L, T = sp.symbols("M L T", positive=True)
+MASS, LENGTH, TIME = sp.symbols("mass length time", positive=True)
+FORCE, SPEED = MASS * LENGTH / TIME**2, LENGTH / TIME
+_NORMAL, _TANGENTIAL = "A: normal force", "A: tangential force"
+_DIMENSIONS = {
+    paper.LETTERS[name]: of
+    for of, names in (
+        (MASS, ("m", "M_e")),
+        (LENGTH, ("d", "D", r"\delta", r"\mathbf{s}")),
+        (SPEED, ("v_n", "v_t")),
+        (LENGTH / TIME**2, ("g",)),
+    )
+    for name in names
+}
+_LENGTHS = {MASS: sp.Integer(1), LENGTH: sp.Integer(4), TIME: sp.Integer(1)}
 
-FORCE, SPEED = M * L / T**2, L / T
-GRAVITY, DIAMETER, MASS = L / T**2, L, M
-OVERLAP, SPRING, REDUCED_MASS = L, L, M
+
+def _with(law: sp.Expr, name: str) -> sp.Expr:
+    """Dimension of what stands beside a constant in a force law."""
+    term = law.coeff(paper.LETTERS[name])
+    return term.subs(_DIMENSIONS, simultaneous=True).as_coeff_Mul()[1]
 
 
-def _constant(term: Callable[[sp.Expr], sp.Expr], dimension: sp.Expr = FORCE) -> sp.Expr:
-    """Dimension of the one constant in `term`, so that the term is a force."""
-    unknown = sp.Symbol("q", positive=True)
-    (value,) = solve(term(unknown) - dimension, unknown)
+def _needed(name: str, tag: str, without: sp.Expr = sp.S.One) -> sp.Expr:
+    """Dimension of a constant, so that its term, without a factor, is a force."""
+    letter = paper.LETTERS[name]
+    term = letter * _with(paper.printed(tag), name) / without
+    sentence = f"Its term is a force; solved for ${sp.latex(letter)}$"
+    (value,) = solve((term, FORCE), letter, sentence)
     return sp.simplify(value)
 
 
-def normal_stiffness() -> sp.Expr:
-    """Dimension of k_n in F_n = k_n delta^(3/2)."""
-    return _constant(lambda q: q * OVERLAP ** sp.Rational(3, 2))
+def _ratio(without: sp.Expr = sp.S.One) -> sp.Expr:
+    return sp.simplify(_needed("k_t", _TANGENTIAL, without) / _needed("k_n", _NORMAL))
 
 
-def tangential_stiffness() -> sp.Expr:
-    """Dimension of k_t in F_t = -k_t delta s."""
-    return _constant(lambda q: q * OVERLAP * SPRING)
+def _damping(without: sp.Expr = sp.S.One) -> tuple[sp.Expr, sp.Expr]:
+    laws = (("n", _NORMAL), ("t", _TANGENTIAL))
+    return tuple(_needed(rf"\gamma_{x}", tag, without) for x, tag in laws)
 
 
-def damping() -> sp.Expr:
-    """Dimension of gamma_n in F_n = -gamma_n M_e delta v_n."""
-    return _constant(lambda q: q * REDUCED_MASS * OVERLAP * SPEED)
+def _unit(tag: str) -> sp.Expr:
+    """Dimension of a printed constant."""
+    return paper.printed(tag).subs(_DIMENSIONS, simultaneous=True).as_coeff_Mul()[1]
 
-
-_common = sp.Symbol("v", real=True)
-
-
-def _normal_part(first: sp.Expr, second: sp.Expr) -> sp.Expr:
-    """Normal part of the relative velocity of two grains that move along the normal."""
-    normal = sp.Matrix([0, 0, 1])
-    return ((first - second) * normal).dot(normal)
-
-
-_LENGTHS = {M: sp.Integer(1), L: sp.Integer(4), T: sp.Integer(1)}
 
 EQUATIONS = (
-    Equation.read(
+    Equation(
         "A: unit of k_n",
-        printed=MASS * GRAVITY / DIAMETER,
-        derive=normal_stiffness,
-        contradiction=lambda: MASS * GRAVITY / DIAMETER ** sp.Rational(3, 2),
-        mistaken=lambda: _constant(lambda q: q * OVERLAP),
+        "dimension of $k_n$",
+        "[k_n]",
+        verdict="erratum",
+        said=lambda: _unit("A: unit of k_n"),
+        derive=lambda: _needed("k_n", _NORMAL),
+        mistaken=lambda: _needed("k_n", _NORMAL, sp.sqrt(LENGTH)),
+        mistake="the spring is taken for a linear one",
+        contradicted_by=(_NORMAL,),
+        contradiction=lambda law: FORCE / _with(law, "k_n"),
+        note="$m g/d^{3/2}$; the printed unit, $m g/D$, is that of a linear spring (and $D$ stands "
+        "for $d$). In reduced units, $d = m = g = 1$, the number is the same",
         at=_LENGTHS,
     ),
-    Equation.read(
+    Equation(
         "A: k_t = 95 k_n",
-        printed=sp.S.One,
-        derive=lambda: sp.simplify(tangential_stiffness() / normal_stiffness()),
-        contradiction=lambda: sp.simplify(
-            (FORCE / (OVERLAP * SPRING)) / (FORCE / OVERLAP ** sp.Rational(3, 2))
-        ),
-        mistaken=lambda: sp.simplify(
-            _constant(lambda q: q * sp.sqrt(OVERLAP) * SPRING) / normal_stiffness()
-        ),
+        "dimension of $k_t$ over that of $k_n$",
+        "[k_t/k_n]",
+        verdict="erratum",
+        said=sp.S.One,
+        derive=_ratio,
+        mistaken=lambda: _ratio(sp.sqrt(LENGTH)),
+        mistake=r"as if the tangential force were $-k_t \delta^{1/2} s$",
+        contradicted_by=(_TANGENTIAL, _NORMAL),
+        contradiction=lambda law, other: _with(other, "k_n") / _with(law, "k_t"),
+        note=r"$k_t \delta s$ is a force only if $k_t$ is in $m g/d^2$; 95 is $k_t d^{1/2}/k_n$",
         at=_LENGTHS,
     ),
-    Equation.read(
+    Equation(
         "A: unit of gamma",
-        printed=sp.sqrt(GRAVITY / DIAMETER),
-        derive=damping,
-        contradiction=lambda: sp.sqrt(GRAVITY / DIAMETER**3),
-        mistaken=lambda: _constant(lambda q: q * REDUCED_MASS * SPEED),
+        r"dimension of $\gamma_n$ and of $\gamma_t$",
+        r"([\gamma_n], [\gamma_t])",
+        verdict="erratum",
+        said=lambda: sp.Matrix([_unit("A: unit of gamma")] * 2),
+        derive=_damping,
+        mistaken=lambda: sp.Matrix(_damping(LENGTH)),
+        mistake="as if the damping force had no factor of overlap",
+        contradicted_by=(_NORMAL, _TANGENTIAL),
+        contradiction=lambda *laws: sp.Matrix(
+            [FORCE / _with(law, rf"\gamma_{x}") for x, law in zip("nt", laws, strict=True)]
+        ),
+        note="$(g/d^3)^{1/2}$: the overlap in the damping term asks for another length than the "
+        "printed $(g/D)^{1/2}$ has",
         at=_LENGTHS,
     ),
-    Equation.read("A: time step", printed=sp.sqrt(DIAMETER / GRAVITY), derive=lambda: T),
-    Equation.read(
-        "A: v_n",
-        printed=_common,
-        derive=lambda: _normal_part(_common, _common),
-        at={_common: sp.Integer(1)},
-        contradiction=lambda: sp.S.Zero,
-        mistaken=lambda: _normal_part(_common, sp.S.Zero),
+    Equation(
+        "A: time step",
+        "dimension of the time step",
+        r"[\Delta t]",
+        said=lambda: _unit("A: time step"),
+        derive=lambda: TIME,
     ),
 )

@@ -19,7 +19,7 @@ after_x, after_z = sp.symbols("cprime_x cprime_z", real=True)  # velocity of the
 sigma = sp.Symbol("sigma", real=True)  # direction of the slip, 1 or -1
 lever_x, lever_z = sp.symbols("x z", real=True)  # from the centre of mass to the contact point
 xi, zeta, turn = sp.symbols("xi zeta vartheta", real=True)  # a point of the body; its turn
-q = sp.Symbol("q", nonnegative=True)  # |F_x|/F_z
+held = sp.Symbol("f", nonnegative=True)  # |F_x|/F_z
 P, F = sp.symbols("P F", real=True)
 
 
@@ -46,9 +46,9 @@ RIGID = Axiom(
 )
 IMPULSIVE = Axiom("IV: impulsive limit", P / tau)
 SLIP = Axiom("IV: Coulomb, slip", -mu * sigma * F_z)
-STICK = Axiom("IV: Coulomb, stick", mu - q, "sign")
+STICK = Axiom("IV: Coulomb, stick", mu - held, "sign")
 RESTITUTION = Axiom("IV: restitution", -epsilon * v_0)
-CLOSURE = Axiom("V: closure", sp.Matrix([omega, after_x - c_x, after_z + c_z]), "zero")
+CLOSURE = Axiom("V: closure", sp.Matrix([omega, c_x - after_x, c_z + after_z]), "zero")
 LANDING_PHASES = Axiom("V: H(theta)", (1 + sp.cos(theta)) / (2 * sp.pi))
 
 AXIOMS = (NEWTON, EULER, RIGID, IMPULSIVE, SLIP, STICK, RESTITUTION, CLOSURE, LANDING_PHASES)
@@ -87,21 +87,83 @@ def _rigid_checks(form: sp.Matrix) -> list[sp.Expr]:
 
 
 EQUATIONS = (
-    Equation.read(NEWTON.tag, printed=P, derive=lambda: m * NEWTON({})),
-    Equation.read(EULER.tag, derive=lambda: EULER({}), check=_euler_checks),
-    Equation.read(RIGID.tag, derive=lambda: RIGID({}), check=_rigid_checks),
-    Equation.read(IMPULSIVE.tag, printed=P / tau, derive=lambda: IMPULSIVE({})),
-    Equation.read(SLIP.tag, printed=-mu * sigma * F_z, derive=lambda: SLIP({})),
-    Equation.read(
-        STICK.tag, derive=lambda: STICK({}), check=lambda form: (form.subs(q, mu), form.diff(q) + 1)
+    Equation(
+        NEWTON.tag,
+        "Newton's law for the centre of mass, along $x$ and along $z$",
+        r"m d\mathbf{c}",
+        verdict="assumed",
+        derive=lambda: (m * NEWTON({P: P_x}), m * NEWTON({P: P_z})),
     ),
-    Equation.read(RESTITUTION.tag, printed=-epsilon * v_0, derive=lambda: RESTITUTION({})),
-    Equation.read(
-        CLOSURE.tag, printed=(omega, after_x - c_x, after_z + c_z), derive=lambda: CLOSURE({})
+    Equation(
+        EULER.tag,
+        "Euler's law: the moment of the impulse about the centre of mass turns the body; $x$, $z$ "
+        "from the centre to the contact point",
+        r"d\omega",
+        verdict="assumed",
+        derive=lambda: EULER({}),
+        check=_euler_checks,
+        note="(2) is this for the lower tip of a rod",
     ),
-    Equation.read(
+    Equation(
+        RIGID.tag,
+        r"place of the point $(\xi, \zeta)$ of a rigid body that has turned by $\vartheta$, from "
+        "the "
+        "centre of mass",
+        "(x, z)",
+        verdict="assumed",
+        derive=lambda: RIGID({}),
+        check=_rigid_checks,
+        note='"uniform rigid rod": the impact bends nothing',
+    ),
+    Equation(
+        IMPULSIVE.tag,
+        r"the impact is short and its force large: $\tau \to 0$ with the impulse kept",
+        "F",
+        verdict="assumed",
+        derive=lambda: IMPULSIVE({}),
+        check=lambda form: (tau * form - P,),
+        note="place and tilt of the rod, gravity and the plate's velocity do not change meanwhile",
+    ),
+    Equation(
+        SLIP.tag,
+        "friction of a contact that slips forward, and of one that slips back",
+        "F_x",
+        verdict="assumed",
+        derive=lambda: (SLIP({sigma: 1}), SLIP({sigma: -1})),
+        formulas=("IV: friction", "IV: friction, back"),
+        note="static and dynamic friction are equal",
+    ),
+    Equation(
+        STICK.tag,
+        "friction holds a contact at rest as long as this is positive",
+        r"\mu - |F_x|/F_z",
+        verdict="assumed",
+        derive=lambda: STICK({}),
+        check=lambda form: (form.subs(held, mu), form.diff(held) + 1),
+    ),
+    Equation(
+        RESTITUTION.tag,
+        "kinematic restitution",
+        "v_f",
+        verdict="assumed",
+        derive=lambda: RESTITUTION({}),
+        note="constant; other laws stand in a section of their own",
+    ),
+    Equation(
+        CLOSURE.tag,
+        "stationary translation: what is zero in the mean landing",
+        "(0, 0, 0)",
+        verdict="assumed",
+        derive=lambda: CLOSURE({}),
+        formulas=("V: closure, spin", "V: closure, c_x", "V: closure, c_z"),
+        note="the paper's closure for what happens between two landings; $V_z$ is left open by it",
+    ),
+    Equation(
         LANDING_PHASES.tag,
-        printed=(1 + sp.cos(theta)) / (2 * sp.pi),
+        "density of landing phases",
+        r"H(\theta)",
+        verdict="assumed",
         derive=lambda: LANDING_PHASES({}),
+        note="a fit to simulations",
     ),
 )

@@ -22,7 +22,7 @@ def mass_and_inertia(profile: Profile, density: sp.Expr) -> tuple[sp.Expr, sp.Ex
     return sp.expand(mass), sp.expand(inertia)
 
 
-@derived
+@derived("m", "I")
 def spherocylinder() -> tuple[sp.Expr, sp.Expr]:
     """Mass and inertia in units of the virtual sphere: diameter 1, mass 1; length h_0 + 1."""
     half, density = h_0 / 2, 6 / sp.pi
@@ -38,7 +38,7 @@ def spherocylinder() -> tuple[sp.Expr, sp.Expr]:
     )
 
 
-@derived
+@derived("k^2")
 def spherocylinder_gyration() -> sp.Expr:
     """k^2 of a solid spherocylinder of overall length l and diameter d."""
     mass, inertia = spherocylinder()
@@ -46,7 +46,7 @@ def spherocylinder_gyration() -> sp.Expr:
     return sp.factor(diameter**2 * ratio)
 
 
-@derived
+@derived("k^2")
 def cylinder_gyration() -> sp.Expr:
     """k^2 of a solid flat-ended cylinder of length l and diameter d."""
     mass, inertia = mass_and_inertia(
@@ -55,7 +55,7 @@ def cylinder_gyration() -> sp.Expr:
     return sp.expand(sp.cancel(inertia / mass))
 
 
-@derived
+@derived("k^2")
 def thin_gyration() -> sp.Expr:
     """k^2 of a thin rod: the cylinder's with d = 0."""
     return cylinder_gyration().subs(diameter, 0)
@@ -110,9 +110,10 @@ def _gyration_checks(form: sp.Matrix) -> list[sp.Expr]:
     return [form[0] - diameter**2 * inertia / mass, form[1] - square]
 
 
-def _by_parts() -> tuple[sp.Expr, sp.Expr]:
+def _by_parts(mass: sp.Expr = 1 + 3 * h_0 / 2) -> tuple[sp.Expr, sp.Expr]:
     """Mass and inertia of the spherocylinder again: cylinder and two half-balls, shifted."""
-    cylinder, cap = 3 * h_0 / 2, sp.Rational(1, 2)
+    balls = mass.subs(h_0, 0)
+    cylinder, cap = mass - balls, balls / 2
     own = cap * sp.Rational(2, 5) / 4 - cap * sp.Rational(3, 16) ** 2  # about its own centre
     shifted = own + cap * (h_0 / 2 + sp.Rational(3, 16)) ** 2
     return cylinder + 2 * cap, sp.expand(
@@ -121,42 +122,51 @@ def _by_parts() -> tuple[sp.Expr, sp.Expr]:
 
 
 _cubic = 20 * length**3 - 20 * length**2 * diameter + 25 * length * diameter**2 - 9 * diameter**3
-_printed_inertia = (
-    sp.Rational(1, 10) + sp.Rational(15, 32) * h_0 + h_0**2 + sp.Rational(1, 8) * h_0**3
-)
-
 EQUATIONS = (
-    Equation.read(
+    Equation(
         "IV: thin rod",
-        printed=(
-            length * sp.sin(phi) / 2,
-            length * sp.cos(phi) / 2,
-            length / (2 * sp.sqrt(3)),
-            m * length**2 / 12,
-        ),
+        "$X$, $Z$, $k$ and $I$ of a thin rod",
+        "(X, Z, k, I)",
+        formulas=tuple(f"IV: thin rod, {letter}" for letter in "XZkI"),
         derive=lambda: (*thin_contact(), sp.sqrt(thin_gyration()), m * thin_gyration()),
     ),
-    Equation.read(
-        "[12]: mass", printed=1 + sp.Rational(3, 2) * h_0, derive=lambda: spherocylinder()[0]
+)
+
+BEYOND = (
+    Equation(
+        "[12]: mass",
+        "mass of a spherocylinder, in virtual spheres",
+        "m",
+        derive=lambda: spherocylinder()[0],
     ),
-    Equation.read(
+    Equation(
         "[12]: inertia",
-        printed=_printed_inertia,
+        "moment of inertia of a spherocylinder",
+        "I",
+        verdict="erratum",
         derive=lambda: spherocylinder()[1],
-        contradiction=lambda: _by_parts()[1],
+        contradicted_by=("[12]: mass",),
+        contradiction=lambda mass: _by_parts(mass)[1],
         repair=(
-            Repair("15/32 to 9/32", sp.Rational(15, 32), sp.Rational(9, 32)),
-            Repair("a factor 1/4 of $h_0^2$", h_0**2, h_0**2 / 4),
+            Repair("15/32 to 9/32", "15/32", "9/32"),
+            Repair("a factor 1/4 of $h_0^2$", "+ h_0^2", "+ 1/4h_0^2"),
         ),
+        note="its own mass, split into cylinder and caps and shifted to the centre, gives the same",
     ),
-    Equation.read(
+    Equation(
         "bodies: gyration radius",
+        "$k^2$ of a solid spherocylinder and of a solid cylinder",
+        "(k^2_{round}, k^2_{flat})",
+        verdict="new",
         derive=lambda: (spherocylinder_gyration(), cylinder_gyration()),
         shown=(_cubic / (80 * (3 * length - diameter)), length**2 / 12 + diameter**2 / 16),
         check=_gyration_checks,
     ),
-    Equation.read(
+    Equation(
         "bodies: contact",
+        "$(X, Z)$ of a spherocylinder and of a flat-ended rod on its edge",
+        "(X_{round}, Z_{round}, X_{flat}, Z_{flat})",
+        verdict="new",
         derive=lambda: (*round_contact(), *flat_contact()),
         shown=(
             (length - diameter) * sp.sin(phi) / 2,
@@ -169,15 +179,14 @@ EQUATIONS = (
 )
 
 THIN = {X: thin_contact()[0], Z: thin_contact()[1], k: sp.sqrt(thin_gyration())}
-T = sp.Symbol("T", positive=True)  # tan(phi)
-TANGENT = r"$T = \tan\phi$"
+T = sp.Symbol(r"{\tan\phi}", positive=True)
 
 
-@derived
+@derived(r"\phi_{flat}")
 def flat_tilt() -> sp.Expr:
     """Tilt at which a flat-ended rod stands on its edge with X = 0, by T = tan(phi)."""
     over_cosine = sp.cancel(flat_contact()[0].subs(sp.sin(phi), T * sp.cos(phi)) / sp.cos(phi))
-    (tangent,) = solve(over_cosine, T, TANGENT)
+    (tangent,) = solve(over_cosine, T)
     return sp.atan(tangent)
 
 

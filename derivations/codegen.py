@@ -10,8 +10,8 @@ from functools import cache
 import sympy as sp
 
 from .closed_forms import FUNCTIONS
+from .lecture import to_text
 from .rewrites import Body, Function, Step
-from .sentences import to_text
 
 
 def text_of(expr: sp.Expr) -> str:

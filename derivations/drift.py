@@ -1,11 +1,9 @@
 """Stationary translation of bouncing rods, Section V, Eqs. (24)-(31)."""
 
-from typing import Any
-
 import mpmath
 import sympy as sp
 
-from . import second_routes, slide, slip_reversal, slip_stick
+from . import paper, second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
 from .bodies import THIN, cylinder_gyration, flat_contact, flat_tilt
 from .proof import DIGITS, Equation
@@ -26,94 +24,106 @@ from .symbols import (
     phi,
     theta,
 )
-from .thin_rod import (
-    critical_friction,
-    largest_reversal_tilt,
-    overlooking_the_second_root,
-    printed_upper_tilt,
-)
-from .trace import derived, solve
+from .trace import derived, say, solve
+from .words import PAPER, compared, degrees, formula, number, sign
 
 eta = sp.Symbol("eta", positive=True)  # sqrt(Gamma - 1)
 CASES = {"stick": slip_stick.impulse, "back": slip_reversal.impulse}
+_EQUATIONS = {"stick": "(18) and (19)", "back": "(21), repaired, and (22)"}
 
 
 def spin_at_landing() -> sp.Expr:
     """Omega before the mean landing, by the closure."""
-    (spin,) = solve(CLOSURE({})[0], omega)
+    (spin,) = solve((CLOSURE({})[0], sp.S.Zero), omega, "The closure has no spin")
     return spin
 
 
-@derived
+@derived("c'_x", "c'_z")
 def landing(case: str) -> tuple[sp.Expr, sp.Expr]:
-    """(c_x', c_z') after a landing with the closure's spin."""
+    r"""The velocity after a landing without spin: $\omega = 0$ put in."""
     return tuple(c.subs(omega, spin_at_landing()) for c in slide.cm_velocity(*CASES[case]()))
 
 
-@derived
+@derived("c'_x", "c'_z")
 def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
-    """(c_x', c_z') of stationary translation: c_x' = c_x, c_z' = -c_z, omega = 0."""
-    _, along, across = CLOSURE(dict(zip((after_x, after_z), landing(case), strict=True)))
-    before_x, before_z = solve([along, across], [c_x, c_z])
+    """The landing that repeats itself, with $c'_z = -c_z$."""
+    after = dict(zip((after_x, after_z), landing(case), strict=True))
+    _, along, across = CLOSURE(after)
+    before_x, before_z = solve(
+        [(along, sp.S.Zero), (across, sp.S.Zero)],
+        [c_x, c_z],
+        f"The closure, $c_x - c'_x = 0$ and $c_z + c'_z = 0$, with {_EQUATIONS[case]} for "
+        "$\\omega = "
+        "0$, cleared of denominators; two linear equations, solved for $c_x$ and $c_z$",
+    )
     return sp.factor(before_x), sp.factor(-before_z)
 
 
-@derived
+@derived("v_0")
 def landing_velocity(case: str) -> sp.Expr:
-    """v_0 of the stationary landing; it must be negative for an impact to happen."""
+    """The contact velocity before the stationary landing, $c_z - V_z$ without spin."""
     return sp.factor(-stationary(case)[1] - V_z)
 
 
-@derived
+@derived(r"[\partial c'_x/\partial c_x]_{%(case)s}")
 def relaxation(case: str) -> sp.Expr:
-    """What one landing leaves of a deviation from the stationary drift, d c_x'/d c_x."""
+    """What one landing leaves of a deviation in $c_x$: its derivative."""
     return sp.factor(landing(case)[0].diff(c_x))
 
 
-@derived
+@derived("c'_x - c_x")
 def slide_loss() -> sp.Expr:
-    """c_x' - c_x of a continuous slide; in stationary translation it is zero."""
+    """What a slide without spin takes of $c_x$."""
     loss = slide.cm_velocity(*slide.impulse())[0] - c_x
     return sp.factor(loss.subs(omega, spin_at_landing()))
 
 
-@derived
+@derived("c'_x")
 def from_printed() -> sp.Expr:
-    """c_x' by the closure from (21) and (22) as they are printed."""
-    printed: dict[str, Any] = {e.tag: e.printed for e in slip_reversal.EQUATIONS}
-    along, across = (printed[tag].subs(omega, spin_at_landing()) for tag in ("21", "22"))
-    return sp.factor(solve([along - c_x, across + c_z], [c_x, c_z])[0])
+    """The drift that the closure gives from the printed equations."""
+    along, across = (paper.printed(tag).subs(omega, spin_at_landing()) for tag in ("21", "22"))
+    pairs = [(along - c_x, sp.S.Zero), (across + c_z, sp.S.Zero)]
+    return sp.factor(
+        solve(pairs, [c_x, c_z], "The closure with (21) and (22) as printed; solved for both")[0]
+    )
 
 
-@derived
+@derived("V_z")
 def plate_velocity() -> sp.Expr:
-    """Mean of V_0 cos(theta) over the density of landing phases."""
-    return sp.integrate(V_0 * sp.cos(theta) * LANDING_PHASES({}), (theta, 0, 2 * sp.pi))
+    r"""The mean of the plate's velocity $V_0 \cos\theta$ over the density of landing phases."""
+    mean = sp.Integral(V_0 * sp.cos(theta) * LANDING_PHASES({}), (theta, 0, 2 * sp.pi))
+    say("The integral", "V_z", mean)
+    return mean.doit()
 
 
-@derived
+@derived("V_z/V_0")
 def onset_velocity() -> sp.Expr:
-    """Leading V_z/V_0 at the first landing of a perfectly inelastic rod, eta^2 = Gamma - 1.
-
-    The rod leaves where Gamma sin(theta) = 1 and lands where height and plate meet again; close
-    to Gamma = 1 both happen near theta = pi/2, where sin is a parabola.
-    """
+    r"""It lands there, where the plate's velocity is $V_0 \cos\theta$, close to $-y V_0$."""
     y, x = sp.symbols("y x", positive=True)
     start = -sp.sqrt(2) * eta  # theta - pi/2 at take-off: 1 - x^2/2 = 1/Gamma to leading order
     falling = eta**2 - x**2 / 2  # Gamma sin(theta) - 1: plate acceleration over gravity
+    say(
+        r"The plate's acceleration over gravity less one, $\Gamma \sin\theta - 1$, to leading "
+        "order "
+        r"in $\eta$ and $x = \theta - \pi/2$; the rod leaves where it vanishes first",
+        r"\Gamma \sin\theta - 1",
+        falling,
+    )
     speed = sp.integrate(falling, (x, start, x))
     gap = sp.expand(sp.integrate(speed, (x, start, y)))
     landings = [
         root
-        for root in solve(gap, y, r"$y = \theta - \pi/2$ at the landing")
+        for root in solve(
+            (gap, sp.S.Zero), y, r"Integrated twice, the gap closes at $y = \theta - \pi/2$"
+        )
         if sp.simplify(root - start) != 0
     ]
     return -landings[0]  # cos(pi/2 + x) = -x
 
 
-@derived
+@derived("c'_x")
 def flat_start() -> sp.Expr:
-    """Drift of a flat-ended rod in slip-stick on its edge, at the smallest positive tilt."""
+    r"""The lengths of a flat-ended rod on its edge at $\phi = 0$ put into (24)."""
     contact = [part.subs(phi, 0) for part in flat_contact()]
     flat = {X: contact[0], Z: contact[1], k: sp.sqrt(cylinder_gyration())}
     return sp.factor(stationary("stick")[0].subs(flat))
@@ -183,109 +193,257 @@ def _onset_by_numbers(form: sp.Expr) -> list[sp.Expr]:
     return [form / eta - number]
 
 
-_denominator = k**2 * (1 - epsilon) + 2 * X**2
-_thin_denominator = 1 - epsilon + 6 * sp.sin(phi) ** 2
-_flat_denominator = 4 * (1 - epsilon) * length**2 + 3 * (9 - epsilon) * diameter**2
-_stop, _reverse = mu * (k**2 + Z**2) + X * Z, k**2 + X**2 - mu * X * Z
-_sc = sp.sin(phi) * sp.cos(phi)
-_printed_24 = 2 * (1 + epsilon) * X * Z * V_z / _denominator
-_printed_27 = ((1 + epsilon) * mu * (k**2 + Z**2) * V_z + (1 + epsilon) * X * Z * V_z) / (
-    _denominator
-)
-_printed_29 = (1 + epsilon) * (mu * (1 + 3 * sp.cos(phi) ** 2) + 3 * _sc) / _thin_denominator * V_z
-_printed_integral = sp.Integral(sp.cos(theta) * (1 + sp.cos(theta)), (theta, 0, 2 * sp.pi))
-_printed_28 = (1 + epsilon) * k**2 * V_z / _denominator
+_LOSSY = k**2 * (1 - epsilon) + 2 * X**2
+_FLAT = 4 * (1 - epsilon) * length**2 + 3 * (9 - epsilon) * diameter**2
+_STOP, _REVERSE = mu * (k**2 + Z**2) + X * Z, k**2 + X**2 - mu * X * Z
 
 
-def _thin(form: sp.Expr) -> sp.Expr:
+def _thin(form: sp.Expr, left: str) -> sp.Expr:
+    """A velocity of a thin rod: its lengths put in."""
+    say("With the lengths of a thin rod", left, form)
     return form.subs(THIN)
 
 
+def _edge() -> sp.Expr:
+    """Friction at the transition, by the condition as it is printed."""
+    (friction,) = sp.solve(paper.printed("V: continuity"), mu)
+    return friction
+
+
+def _witness_told() -> str:
+    at = {**PAPER, phi: sp.pi / 6}
+    wrong, right, drift = (
+        number((form / V_z).subs(THIN).subs(at), 3)
+        for form in (from_printed(), stationary("back")[0], paper.printed("27"))
+    )
+    if right != drift:
+        raise ValueError("(27) does not follow from (21), repaired")
+    return (
+        rf"not (27): at {degrees(at[phi])}, $\mu = {number(at[mu])}$, $\epsilon = "
+        rf"{number(at[epsilon])}$ it is ${wrong} V_z$, and with the sign of (21) repaired ${right} "
+        "V_z$, as (27) has it"
+    )
+
+
+def _slide_told() -> str:
+    falls = sp.Symbol("v_0", negative=True)
+    loss = slide_loss().subs(c_z, V_z + falls).subs(falls, -1).subs(X, 0)
+    return (
+        f"{sign(loss)} for every friction above zero ($v_0 < 0$), so the closure excludes slide in "
+        "the stationary landing itself; it does not exclude single slides in a scatter of "
+        "landings, "
+        "and without friction nothing is excluded"
+    )
+
+
+def _range_told() -> str:
+    left = paper.printed("29").subs(phi, sp.pi / 2) / V_z
+    held = sp.limit(paper.printed("26") / V_z, phi, sp.pi / 2)
+    return (
+        "between the two critical tilts only; beyond the upper one (26) holds again, and the drift "
+        rf"goes to {held} at 90 degrees, where (29) would leave {formula(left)} $V_z$"
+    )
+
+
+def _again_told() -> str:
+    """From which tilt on the centre leaves more slowly than the plate."""
+    excess = (stationary("stick")[1] - V_z).subs(THIN) / V_z
+    thin = excess.subs(epsilon, PAPER[epsilon])
+    tilt = sp.asin(
+        sp.sqrt(sp.solve(thin.subs(sp.sin(phi) ** 2, X).subs(sp.cos(phi) ** 2, 1 - X), X)[0])
+    )
+    slower = compared(thin.subs(phi, tilt + sp.Rational(1, 10)), 0, ("faster", "more slowly"))
+    return (
+        f"from {degrees(tilt)} on, for a thin rod and the paper's restitution, "
+        f"{number(PAPER[epsilon])}, "
+        f"the centre leaves {slower} than the plate: there the rod separates only because it "
+        "spins, "
+        "and without spin it is hit again at once; beyond it (24)-(30) hold formally, not as one "
+        "isolated landing a flight"
+    )
+
+
+def _friction_told() -> str:
+    half = sp.cancel(stationary("back")[0].subs(mu, 0) / stationary("stick")[0])
+    return rf"as $\mu \to 0$ the drift (29) tends to {half} of (26), not to zero"
+
+
+def _flat_told() -> str:
+    tilt = flat_tilt().subs({diameter: 1, length: 8})
+    return (
+        f"from $X = 0$: {degrees(tilt)} for the experiment's $l = 8 d$, which reports motion "
+        "from 8 "
+        "degrees on"
+    )
+
+
 EQUATIONS = (
-    Equation.read(
+    Equation(
         "V: no slide",
+        "change of $c_x$ in a slide",
+        "c'_x - c_x",
+        verdict="new",
         derive=slide_loss,
         check=lambda form: (second_routes.impact("slide")[0].subs(omega, 0) - c_x - form,),
+        note=_slide_told,
     ),
-    Equation.read("24", printed=_printed_24, derive=lambda: stationary("stick")[0]),
-    Equation.read("25", printed=_printed_28, derive=lambda: stationary("stick")[1]),
-    Equation.read(
+    Equation("24", "drift in slip-stick", "c'_x", derive=lambda: stationary("stick")[0]),
+    Equation(
+        "25", "vertical velocity in slip-stick", "c'_z", derive=lambda: stationary("stick")[1]
+    ),
+    Equation(
         "26",
-        printed=6 * (1 + epsilon) * _sc / _thin_denominator * V_z,
-        derive=lambda: _thin(stationary("stick")[0]),
+        "drift of a thin rod in slip-stick",
+        "c'_x",
+        derive=lambda: _thin(stationary("stick")[0], "c'_x"),
     ),
-    Equation.read("27", printed=_printed_27, derive=lambda: stationary("back")[0]),
-    Equation.read("V: (27) from (21)", derive=from_printed, check=_by_the_wrong_sign),
-    Equation.read("28", printed=_printed_28, derive=lambda: stationary("back")[1]),
-    Equation.read(
+    Equation("27", "drift in slip reversal", "c'_x", derive=lambda: stationary("back")[0]),
+    Equation(
+        "28", "vertical velocity in slip reversal", "c'_z", derive=lambda: stationary("back")[1]
+    ),
+    Equation(
+        "V: (27) from (21)",
+        "drift by the closure from (21) and (22) as they are printed",
+        "c'_x",
+        verdict="new",
+        derive=from_printed,
+        check=_by_the_wrong_sign,
+        note=_witness_told,
+    ),
+    Equation(
         "V: continuity",
-        printed=sp.S.Zero,
+        r"(27) less (24) where $XZ = \mu (k^2 + Z^2)$",
+        "c'_x(27) - c'_x(24)",
+        said=sp.S.Zero,
         derive=lambda: sp.cancel(
-            (stationary("back")[0] - stationary("stick")[0]).subs(mu, critical_friction())
+            (stationary("back")[0] - stationary("stick")[0]).subs(mu, _edge())
         ),
+        note="the drift is continuous at both critical tilts; its slope is not",
     ),
-    Equation.read("29", printed=_printed_29, derive=lambda: _thin(stationary("back")[0])),
-    Equation.read(
+    Equation(
+        "29",
+        "drift of a thin rod in slip reversal",
+        "c'_x",
+        derive=lambda: _thin(stationary("back")[0], "c'_x"),
+        note=_range_told,
+    ),
+    Equation(
         "30",
-        printed=sp.Matrix([(1 + epsilon) / _thin_denominator * V_z] * 2),
-        derive=lambda: tuple(_thin(stationary(case)[1]) for case in CASES),
+        "vertical velocity of a thin rod, slip-stick and slip reversal",
+        "c'_z",
+        formulas=("30", "30"),
+        derive=lambda: tuple(_thin(stationary(case)[1], "c'_z") for case in CASES),
     ),
-    Equation.read(
-        "V: range of (29)",
-        printed=sp.pi / 2,
-        derive=largest_reversal_tilt,
-        at={mu: sp.Rational(3, 10)},
-        contradiction=printed_upper_tilt,
-        mistaken=overlooking_the_second_root,
-    ),
-    Equation.read(
+    Equation(
         "V: H(theta), normalised",
-        printed=sp.S.One,
+        "the approximate density of landing phases is normalised",
+        r"\int H d\theta",
+        said=sp.S.One,
         derive=lambda: sp.integrate(LANDING_PHASES({}), (theta, 0, 2 * sp.pi)),
     ),
-    Equation.read("31", printed=V_0 / (2 * sp.pi) * _printed_integral, derive=plate_velocity),
-    Equation.read("31: value", printed=V_0 / 2, derive=plate_velocity),
-    Equation.read("V: V_z at onset", printed=sp.S.One, derive=lambda: _exponent(V_0 * (Gamma - 1))),
-    Equation.read(
+    Equation(
+        "31",
+        "mean plate velocity at landing",
+        "V_z",
+        derive=plate_velocity,
+        note="for the assumed $H$; the density itself is a fit to simulations",
+    ),
+    Equation("31: value", "the same, integrated", "V_z", derive=plate_velocity),
+    Equation(
+        "V: V_z at onset",
+        "the exponent",
+        r"d\ln V_z/d\ln(\Gamma - 1)",
+        verdict="assumed",
+        said=sp.S.One,
+        derive=lambda: _exponent(V_0 * (Gamma - 1)),
+        note="an expectation for many rods, not derived; a single perfectly inelastic rod has "
+        "another exponent",
+    ),
+)
+
+BEYOND = (
+    Equation(
         "V: exponent at onset",
+        "exponent of $V_z$ of a single perfectly inelastic rod",
+        r"d\ln V_z/d\ln(\Gamma - 1)",
+        verdict="new",
         derive=lambda: _exponent(V_0 * onset_velocity().subs(eta, sp.sqrt(Gamma - 1))),
         # take-off and landing phase scale alike: x^2/(Gamma - 1) is a number
         check=lambda form: (sp.diff((Gamma - 1) ** (2 * form) / (Gamma - 1), Gamma),),
     ),
-    Equation.read("V: inelastic onset", derive=onset_velocity, check=_onset_by_numbers),
-    Equation.read(
+    Equation(
+        "V: inelastic onset",
+        r"$V_z/V_0$ of the first landing of a perfectly inelastic rod, $\eta = \sqrt{\Gamma - 1}$",
+        "V_z/V_0",
+        verdict="new",
+        derive=onset_velocity,
+        check=_onset_by_numbers,
+        note=lambda: (
+            f"{sign(onset_velocity().subs(eta, V_z))}, and a square root, not a line: a landing on "
+            "the falling plate, which the closure cannot turn into a drift"
+        ),
+    ),
+    Equation(
         "V: landing",
+        "$v_0$ of the stationary landing",
+        "v_0",
+        verdict="new",
         derive=lambda: landing_velocity("stick"),
-        shown=-2 * (k**2 + X**2) * V_z / _denominator,
+        shown=-2 * (k**2 + X**2) * V_z / _LOSSY,
         check=lambda form: _landed(form + V_z),
+        note=lambda: (
+            f"{sign(landing_velocity('stick'))} for $V_z > 0$ and "
+            f"{sign(-landing_velocity('stick'))} for "
+            "$V_z < 0$, where the closure has no impact: a small negative $V_z$ cannot by itself "
+            "explain a reverse drift"
+        ),
     ),
-    Equation.read(
+    Equation(
         "V: hit again at once",
+        "by what the centre leaves faster than the plate in the stationary landing",
+        "c'_z - V_z",
+        verdict="new",
         derive=lambda: sp.factor(stationary("stick")[1] - V_z),
-        shown=2 * (epsilon * k**2 - X**2) * V_z / _denominator,
+        shown=2 * (epsilon * k**2 - X**2) * V_z / _LOSSY,
         check=lambda form: _landed(-form - V_z),
+        note=_again_told,
     ),
-    Equation.read(
+    Equation(
         "V: relaxation",
+        "what a landing leaves of a deviation in $c_x$: slip-stick, slip reversal",
+        r"([\partial c'_x/\partial c_x]_{stick}, [\partial c'_x/\partial c_x]_{back})",
+        verdict="new",
         derive=lambda: (relaxation("stick"), relaxation("back")),
-        shown=(Z**2 / (k**2 + X**2 + Z**2), 1 - 2 * mu * k**2 * (k**2 + X**2) / (_stop * _reverse)),
+        shown=(Z**2 / (k**2 + X**2 + Z**2), 1 - 2 * mu * k**2 * (k**2 + X**2) / (_STOP * _REVERSE)),
         check=_left_of_a_deviation,
     ),
-    Equation.read(
+    Equation(
         "V: friction to zero",
+        r"(27) at $\mu \to 0$ over (24)",
+        "c'_x(27)/c'_x(24)",
+        verdict="new",
         derive=lambda: sp.cancel(stationary("back")[0].subs(mu, 0) / stationary("stick")[0]),
         check=_balance_of_impulses,
+        note=_friction_told,
     ),
-    Equation.read(
+    Equation(
         "V: flat end",
+        "tilt below which a flat-ended rod drifts against its tilt",
+        r"\phi_{flat}",
+        verdict="new",
         derive=flat_tilt,
         shown=sp.atan(diameter / length),
         check=lambda form: (flat_contact()[1].diff(phi).subs(phi, form),),
+        note=_flat_told,
     ),
-    Equation.read(
+    Equation(
         "V: flat end at tilt 0",
+        "drift of a flat-ended rod in slip-stick as its tilt goes to 0 from above",
+        "c'_x",
+        verdict="new",
         derive=flat_start,
-        shown=-24 * (1 + epsilon) * diameter * length * V_z / _flat_denominator,
+        shown=-24 * (1 + epsilon) * diameter * length * V_z / _FLAT,
         check=_flat_landing,
+        note="finite and backwards; it changes sign as the contact jumps from edge to edge",
     ),
 )

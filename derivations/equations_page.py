@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from .files import write
+from .proof import told
 from .registry import ENTRIES, mistakes
 
 TARGET = Path(__file__).with_name("EQUATIONS.md")
@@ -19,14 +20,19 @@ def table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
 def source() -> str:
     """Return the text of the page."""
     new = [entry for entry in ENTRIES if entry.verdict == "new"]
+    noted = [entry for entry in ENTRIES if entry.verdict == "noted"]
     numbered = [entry for entry in ENTRIES if entry.tag.removeprefix("B").isdigit()]
     tables = {
         "Mistakes as printed in our copy": table(
             ("where", "as printed", "what is right"),
-            ((entry.tag, entry.what, entry.note) for entry in mistakes()),
+            ((entry.tag, entry.what, told(entry)) for entry in mistakes()),
         ),
         "New results": table(
-            ("where", "what", "note"), ((entry.tag, entry.what, entry.note) for entry in new)
+            ("where", "what", "note"), ((entry.tag, entry.what, told(entry)) for entry in new)
+        ),
+        "Noted: words and citations": table(
+            ("where", "quoted", "what it does not fit"),
+            ((entry.tag, entry.what, told(entry)) for entry in noted),
         ),
         "Numbered equations": table(
             ("equation", "what", "verdict"),
@@ -35,8 +41,10 @@ def source() -> str:
     }
     return (
         "# Equations\n\n<!-- written by `python -m derivations generate`; do not edit -->\n\n"
-        f"{len(ENTRIES)} entries in all: {len(mistakes())} are mistakes as printed in our copy, "
-        f"{len(new)} are not in the paper. `python -m derivations check` proves every verdict; "
+        f"{len(ENTRIES)} entries in all: {len(mistakes())} are mistakes of equations, numbers and "
+        f"signs as printed in our copy, {len(new)} are not in the paper, {len(noted)} are words "
+        "and "
+        "citations, quoted and not proved. `python -m derivations check` proves the others; "
         "`python -m derivations report` writes all formulas.\n"
         + "".join(f"\n## {title}\n\n{text}\n" for title, text in tables.items())
     )

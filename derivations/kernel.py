@@ -428,7 +428,7 @@ CODE = (
 )
 
 
-@derived
+@derived("T", "N_{back}")
 def ways_on() -> sp.Matrix:
     """T at the friction that makes N zero, and N_back at the one that makes T_back zero."""
     (lifts,), (holds,) = (solve(RESPONSES[letter], mu) for letter in (N, T_back))
@@ -442,4 +442,19 @@ def _by_mobilities(form: sp.Matrix) -> list[sp.Expr]:
     return [form[0] * B + k**2 * (A * C - B**2), form[1] * C - k**2 * (A * C - B**2)]
 
 
-EQUATIONS = (Equation.read("kernel: one way on", derive=ways_on, check=_by_mobilities),)
+EQUATIONS = (
+    Equation(
+        "kernel: one way on",
+        ("$T$ at the friction where $N = 0$, $N_{back}$ at the friction where $T_{back} = 0$"),
+        "(T, N_{back})",
+        verdict="new",
+        derive=ways_on,
+        check=_by_mobilities,
+        note=(
+            "both positive, as the first needs $XZ < 0$ and the second $XZ > 0$. $T$ rises "
+            r"with friction: where friction outweighs what presses the contact apart ($N \le"
+            " 0$), the slip stops. $N_{back}$ falls with friction: where the slip turns "
+            "back ($T_{back} > 0$), the contact is still pressed apart"
+        ),
+    ),
+)

@@ -11,11 +11,13 @@ until it is back among rods that it has not met, at 2 pi + theta_s.
 import mpmath
 import sympy as sp
 
+from . import paper
 from .bodies import THIN
 from .drift import stationary
 from .proof import DIGITS, Equation
 from .symbols import V_z, epsilon, phi, theta
 from .trace import derived, solve
+from .words import PAPER, degrees, number
 
 q = sp.Symbol("q", positive=True)  # |c_z|/V_0
 theta_0, theta_s = sp.symbols("theta_0 theta_s", real=True)  # end and start of the landing phases
@@ -27,35 +29,35 @@ def swept(start: sp.Expr, end: sp.Expr, power: int = 0) -> sp.Expr:
     return sp.integrate((q + sp.cos(theta)) * sp.cos(theta) ** power, (theta, start, end))
 
 
-@derived
+@derived(r"s(\theta_s)")
 def shadow() -> sp.Expr:
     """What is zero at the end of the shadow: the strip swept from theta_s to theta_0 is whole."""
     return swept(theta_s, theta_0) - 2 * sp.pi * q
 
 
-@derived
+@derived("V_z/V_0")
 def mean_speed(slow: bool) -> sp.Expr:
     """Mean of cos(theta) over the rods of a period, V_z/V_0; `slow` where q < 1."""
     start, end = (theta_s, theta_0) if slow else (-sp.pi, sp.pi)
     return sp.simplify(swept(start, end, 1) / (2 * sp.pi * q))
 
 
-@derived
+@derived(r"H(\theta)")
 def density() -> sp.Expr:
     """H(theta) at the phases that are met: one landing a rod."""
     return sp.factor((q + sp.cos(theta)) / (2 * sp.pi * q))
 
 
-@derived
+@derived("V_z/V_0", "b_{min}")
 def consistent_alpha() -> tuple[sp.Expr, sp.Expr]:
-    """alpha with q = b alpha, q >= 1; and the least b for which that holds."""
-    fitting = sp.Symbol("alpha", positive=True)
+    r"""The fall that the closure asks for, $q = b V_z/V_0$, and the least $b$ with $q \ge 1$."""
+    fitting = sp.Symbol("{V_z/V_0}", positive=True)
     (alpha,) = solve(mean_speed(False).subs(q, bounce * fitting) - fitting, fitting)
     (least,) = solve(bounce * alpha - 1, bounce)
     return alpha, least
 
 
-@derived
+@derived(r"\sin^2\phi")
 def tilt_of_one_half() -> sp.Expr:
     """sin^2 of the tilt at which a thin rod lands with V_z = V_0/2 by the closure."""
     square = sp.Symbol(r"{\sin^2\phi}", positive=True)
@@ -154,22 +156,100 @@ def _density_checks(form: sp.Expr) -> list[sp.Expr]:
     ]
 
 
+def _fall_of_the_paper() -> sp.Expr:
+    (fall,) = sp.solve((density() - paper.printed("V: H(theta)")).subs(theta, 0), q)
+    if sp.simplify(density().subs(q, fall) - paper.printed("V: H(theta)")) != 0:
+        raise ValueError("it is of no fall speed")
+    return fall
+
+
+def _slow(fall: sp.Expr) -> sp.Expr:
+    """V_z/V_0 of a fall speed below one."""
+    with mpmath.workdps(20):
+        end = mpmath.acos(-mpmath.mpf(fall.p) / fall.q)
+        last = sp.Float(str(end), 20)
+        zero = sp.lambdify(theta_s, shadow().subs({q: fall, theta_0: last}), "mpmath")
+        first = mpmath.findroot(zero, (-end, end), solver="bisect", maxsteps=80, verify=False)
+        return mean_speed(True).subs({q: fall, theta_0: last, theta_s: sp.Float(str(first), 20)})
+
+
+def _slow_told() -> str:
+    """Three values, and how they go to zero."""
+    falls = [sp.Rational(3, 5), sp.Rational(2, 5), sp.Rational(1, 20)]
+    values = ", ".join(f"{number(_slow(fall), 3)} at $q = {number(fall)}$" for fall in falls)
+    tiny = sp.Rational(1, 10**8)
+    square = sp.nsimplify(number((_slow(tiny) ** 2 / (sp.pi * tiny)).evalf(), 3), rational=True)
+    if abs(square - sp.Rational(16, 9)) > sp.Rational(1, 100):
+        raise ValueError("it goes to zero otherwise")
+    return (
+        f"{values}: a rod that falls slowly is met near the top of the plate, and $V_z/V_0$ goes "
+        "to 0 "
+        r"as $(4/3) \sqrt{\pi q}$"
+    )
+
+
+def _closure_told() -> str:
+    upright = (stationary("stick")[1] / V_z).subs(THIN).subs(phi, 0).subs(PAPER)
+    alpha, least = consistent_alpha()
+    half = sp.solve(alpha - sp.S.Half, bounce)[0]
+    return (
+        f"what is left of $V_z = V_0/2$: it holds where $b = {half}$, the least; for the paper's "
+        f"restitution, {number(PAPER[epsilon])}, it is {number(alpha.subs(bounce, upright))} for "
+        "upright "
+        "rods"
+        if half == least
+        else ""
+    )
+
+
 EQUATIONS = (
-    Equation.read(
+    Equation(
         "V: flux of impacts",
+        (
+            "density of landing phases in proportion to the velocity of approach, $q = "
+            r"|c_z|/V_0$, at the phases that are met: all for $q \ge 1$, else from "
+            r"$\theta_s$ to $\theta_0$"
+        ),
+        r"H(\theta)",
+        verdict="new",
         derive=density,
         shown=(1 + sp.cos(theta) / q) / (2 * sp.pi),
         check=_density_checks,
+        note=lambda: (
+            "the paper's $H$ is that of rods which fall as fast as the plate moves, $q = "
+            f"{_fall_of_the_paper()}$"
+        ),
     ),
-    Equation.read("V: alpha by flux", derive=lambda: mean_speed(False), check=_fast_quadrature),
-    Equation.read(
+    Equation(
+        "V: alpha by flux",
+        r"$V_z/V_0$ with that density, $q \ge 1$",
+        "V_z/V_0",
+        verdict="new",
+        derive=lambda: mean_speed(False),
+        check=_fast_quadrature,
+    ),
+    Equation(
         "V: shadow",
+        (
+            r"where this is zero the shadow ends, $q < 1$: beyond $\theta_0 = \arccos(-q)$ "
+            r"the plate runs away from the rods, and until $2\pi + \theta_s$ it meets none "
+            "that it has not met"
+        ),
+        r"s(\theta_s)",
+        verdict="new",
         derive=shadow,
         shown=sp.sin(theta_0) - sp.sin(theta_s) - q * (2 * sp.pi + theta_s - theta_0),
         check=_shadow_of_a_rod,
+        note=(
+            r"a rod lands at its first contact; the plate meets rods from $\theta_s$ to "
+            r"$\theta_0$"
+        ),
     ),
-    Equation.read(
+    Equation(
         "V: alpha by flux, slow",
+        "$V_z/V_0$ of first contacts, $q < 1$",
+        "V_z/V_0",
+        verdict="new",
         derive=lambda: mean_speed(True),
         shown=(
             2 * (theta_0 - theta_s)
@@ -179,7 +259,34 @@ EQUATIONS = (
         )
         / (8 * sp.pi * q),
         check=_rods_counted,
+        note=_slow_told,
     ),
-    Equation.read("V: alpha and closure", derive=consistent_alpha, check=_consistent_checks),
-    Equation.read("V: tilt of one half", derive=tilt_of_one_half, check=_half_checks),
+    Equation(
+        "V: alpha and closure",
+        (
+            "$V_z/V_0$ if the rod falls as fast as the closure has it rise, $q = b V_z/V_0$ "
+            "with $b = c_z'/V_z$; and the smallest $b$ for which that holds"
+        ),
+        "(V_z/V_0, b_{min})",
+        verdict="new",
+        derive=consistent_alpha,
+        check=_consistent_checks,
+        note=_closure_told,
+    ),
+    Equation(
+        "V: tilt of one half",
+        (
+            r"$\sin^2\phi$ of a thin rod at which $V_z = V_0/2$ is consistent with the "
+            "closure"
+        ),
+        r"\sin^2\phi",
+        verdict="new",
+        derive=tilt_of_one_half,
+        check=_half_checks,
+        note=lambda: (
+            f"{degrees(sp.asin(sp.sqrt(tilt_of_one_half().subs(PAPER))))} for the paper's "
+            "restitution, "
+            f"{number(PAPER[epsilon])}"
+        ),
+    ),
 )

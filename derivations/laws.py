@@ -40,6 +40,7 @@ from .symbols import (
     v_f,
 )
 from .trace import derived, solve
+from .words import PAPER, compared, degrees, number
 
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point, per unit mass: du = C P_x - B P_z, dv = A P_z - B P_x.
@@ -51,14 +52,14 @@ kappa = sp.Symbol("kappa", nonnegative=True)  # (1 - epsilon)/(1 + epsilon)
 V_1 = v_0 + a_1 * P_1  # normal velocity when the slip stops
 
 
-@derived
+@derived()
 def mobility() -> dict[sp.Symbol, sp.Expr]:
     """A, B, C in terms of X, Z, k, read off the contact velocity's response, (5) and (6)."""
     du, dv = (sp.expand(m * part) for part in contact_change(P_x, P_z))
     return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
 
 
-@derived
+@derived()
 def slopes() -> dict[str, sp.Expr]:
     """Slope m dv/dP_z while slipping forward, sticking and slipping back."""
     p = sp.Symbol("p", positive=True)
@@ -75,7 +76,7 @@ def _velocity(p: sp.Expr) -> sp.Expr:
     return V_1 + a_2 * (p - P_1)
 
 
-@derived
+@derived("P_c")
 def compression(order: str) -> sp.Expr:
     """Normal impulse at the end of compression."""
     line = _velocity(P_z) if order == "early" else v_0 + a_1 * P_z
@@ -83,7 +84,7 @@ def compression(order: str) -> sp.Expr:
     return p_c
 
 
-@derived
+@derived("W_c", "W_r")
 def work(order: str, p_f: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Work of the normal impulse during compression and restitution, ended at p_f > P_1."""
     p, p_c = sp.Symbol("p"), compression(order)
@@ -97,7 +98,7 @@ def work(order: str, p_f: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     return sp.expand(taken), sp.expand(given)
 
 
-@derived
+@derived("v_f")
 def final_velocity(law: str, order: str) -> sp.Expr:
     """v_f of an impact in which the slip stops; a function of v_0, a_1, a_2 and P_1."""
     if law == "newton":
@@ -111,7 +112,7 @@ def final_velocity(law: str, order: str) -> sp.Expr:
     return sp.sqrt(sp.factor(value))
 
 
-@derived
+@derived("P_x", "P_z")
 def impulse_at(regime: str, v_f: sp.Expr, p_1: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Impulse (P_x, P_z) per unit mass, in A, B, C, of an impact that stops at p_1."""
     back = mu if regime == "back" else B / C
@@ -120,13 +121,13 @@ def impulse_at(regime: str, v_f: sp.Expr, p_1: sp.Expr) -> tuple[sp.Expr, sp.Exp
     return -mu * p_1 + back * extra, p_1 + extra
 
 
-@derived
+@derived(r"\Delta E")
 def energy_of_impulse() -> sp.Expr:
     """Energy change of any impact: the impulse times the mean contact velocity."""
     return P_x * (u_0 + u_f) / 2 + P_z * (v_0 + v_f) / 2
 
 
-@derived
+@derived(r"\Delta E_{%(regime)s}")
 def energy_change(regime: str) -> sp.Expr:
     """Kinetic energy after minus before under Newton's law, per unit mass, in A, B, C."""
     p_x, p_z = impulse_at(regime, RESTITUTION({}), u_0 / (mu * C + B))
@@ -134,7 +135,7 @@ def energy_change(regime: str) -> sp.Expr:
     return sp.factor(energy_of_impulse().subs(end, simultaneous=True))
 
 
-@derived
+@derived(r"\kappa_c")
 def energy_threshold(regime: str) -> sp.Expr:
     """kappa_c: Newton's law can create energy exactly where (1-eps)/(1+eps) < kappa_c.
 
@@ -149,7 +150,7 @@ def energy_threshold(regime: str) -> sp.Expr:
     return sp.simplify(inside[0])
 
 
-@derived
+@derived(r"\epsilon_c")
 def sticking_threshold() -> sp.Expr:
     """epsilon_c of slip-stick: the same threshold, solved for epsilon."""
     quadratic = sp.Poly(sp.numer(energy_change("stick")).subs(v_0, -1), u_0)
@@ -157,13 +158,13 @@ def sticking_threshold() -> sp.Expr:
     return max(roots, key=lambda root: root.subs({A: 3, B: 1, C: 2}).evalf())
 
 
-@derived
+@derived(r"\epsilon_c")
 def thin_threshold() -> sp.Expr:
     """epsilon_c of a sticking thin rod."""
     return sticking_threshold().subs(mobility()).subs(THIN)
 
 
-@derived
+@derived("v_{f, Newton}", "v_{f, Poisson}", "v_{f, Stronge}")
 def limits() -> tuple[sp.Expr, ...]:
     """v_f of the three laws as v_0 -> 0- inside the Painleve region (a_1 < 0)."""
     return tuple(
@@ -172,7 +173,7 @@ def limits() -> tuple[sp.Expr, ...]:
     )
 
 
-@derived
+@derived("W_{%(regime)s}")
 def friction_work(regime: str) -> sp.Expr:
     """Work of friction in an impact whose slip stops at P_1, per unit mass."""
     p = sp.Symbol("p")
@@ -183,7 +184,7 @@ def friction_work(regime: str) -> sp.Expr:
     return sp.factor(work)
 
 
-@derived
+@derived(r"\Delta E_{%(regime)s, %(order)s}")
 def energy_by_poisson(regime: str, order: str) -> sp.Expr:
     """Energy change under Poisson's law, per unit mass, by P_1 and the end of compression P_c."""
     slope_2 = A - B * (mu if regime == "back" else B / C)
@@ -331,15 +332,44 @@ _mixed = (1 + epsilon) * (A + mu * B) * (B - mu * C) + 2 * B * _back
 _kept = (1 - epsilon**2) * P_c**2
 _more = (1 + epsilon) * P_c - P_1
 
+
+def _thin_told() -> str:
+    """The least threshold, where, and on which side of it the paper's two values lie."""
+    threshold = thin_threshold()
+    least = threshold.subs(phi, sp.pi / 4)
+    neighbours = [threshold.subs(phi, sp.pi / 4 + x) - least for x in (-sp.pi / 90, sp.pi / 90)]
+    (bound,) = {compared(x, 0, ("below", "above")) for x in neighbours}
+    paper = compared(least, PAPER[epsilon], ("no energy", "energy"))
+    edge = "exactly the edge" if sp.simplify(least - sp.Rational(4, 5)) == 0 else "off the edge"
+    return (
+        f"never {bound} {sp.nsimplify(least)}, reached at {degrees(sp.pi / 4)}: with the paper's "
+        f"{number(PAPER[epsilon])} {paper} is created, and its 0.8 of Fig. 10 is {edge}"
+    )
+
+
 EQUATIONS = (
-    Equation.read(
+    Equation(
         "laws: slopes",
+        r"$m\,dv/dP_z$ while slipping forward, sticking and slipping back",
+        "(a_{slip}, a_{stick}, a_{back})",
+        verdict="new",
         derive=lambda: tuple(slopes()[name] for name in ("slip", "stick", "back")),
         check=_slopes_by_spin,
     ),
-    Equation.read("laws: energy", derive=energy_of_impulse, check=_kinetic_energy),
-    Equation.read(
+    Equation(
+        "laws: energy",
+        "energy change of any impact from the impulse and the contact velocities",
+        r"\Delta E",
+        verdict="new",
+        derive=energy_of_impulse,
+        check=_kinetic_energy,
+        note=("the mean contact velocity times the impulse; equal to the change of kinetic energy"),
+    ),
+    Equation(
         "laws: energy of a stopped slip",
+        "energy change under Newton's law, per unit mass: slip-stick, slip reversal",
+        r"(\Delta E_{stick}, \Delta E_{back})",
+        verdict="new",
         derive=lambda: (energy_change("stick"), energy_change("back")),
         shown=(
             -(A * u_0**2 + 2 * B * u_0 * v_0 + (1 - epsilon**2) * C * v_0**2)
@@ -350,14 +380,20 @@ EQUATIONS = (
         ),
         check=_kinetic_energies,
     ),
-    Equation.read(
+    Equation(
         "laws: Poisson",
+        "$v_f$ under Poisson's restitution: slip stops early, late",
+        "(v_{f, early}, v_{f, late})",
+        verdict="new",
         derive=lambda: tuple(final_velocity("poisson", o) for o in ("early", "late")),
         shown=(epsilon * (a_2 * P_1 - V_1), V_1 - a_2 / a_1 * (V_1 + epsilon * v_0)),
         check=_impulses_in_proportion,
     ),
-    Equation.read(
+    Equation(
         "laws: Stronge",
+        "$v_f$ under Stronge's restitution: slip stops early, late",
+        "(v_{f, early}, v_{f, late})",
+        verdict="new",
         derive=lambda: tuple(final_velocity("stronge", o) for o in ("early", "late")),
         shown=(
             epsilon * sp.sqrt(V_1**2 - a_2 * P_1 * (v_0 + V_1)),
@@ -365,24 +401,56 @@ EQUATIONS = (
         ),
         check=_triangles,
     ),
-    Equation.read(
+    Equation(
         "laws: slide",
+        "without a corner the three laws say the same",
+        "v_f^2",
+        verdict="new",
         derive=lambda: final_velocity("stronge", "late").subs(a_2, a_1) ** 2,
         shown=epsilon**2 * v_0**2,
         check=_one_line,
+        note="so the condition of continuous slide (14) holds for all three",
     ),
-    Equation.read("laws: impact without collision", derive=limits, check=_thrown_up),
-    Equation.read(
+    Equation(
+        "laws: impact without collision",
+        (
+            r"$v_f$ as $v_0 \to 0-$ in the Painlevé region, $a = -a_1$: Newton, Poisson, "
+            "Stronge"
+        ),
+        "(v_{f, Newton}, v_{f, Poisson}, v_{f, Stronge})",
+        verdict="new",
+        derive=limits,
+        check=_thrown_up,
+        note=("the rod is thrown up by friction alone; the impulse stays finite under every law"),
+    ),
+    Equation(
         "laws: work of friction",
+        ("work of friction if the slip stops at $P_1$, per unit mass: slip-stick, slip reversal"),
+        "(W_{stick}, W_{back})",
+        verdict="new",
         derive=lambda: (friction_work("stick"), friction_work("back")),
         shown=(
             -mu * (mu * C + B) * P_1**2 / 2,
             -mu * (mu * C + B) * P_1**2 / 2 - mu * (B - mu * C) * (P_z - P_1) ** 2 / 2,
         ),
         check=_all_but_normal_work,
+        note=(
+            r"never positive, as $\mu C + B > 0$ where a slip stops and $B > \mu C$ where it"
+            r" turns back. Under Stronge's law the normal work is $-(1 - \epsilon^2)$ times "
+            "that of compression, so that no impact gains energy"
+        ),
     ),
-    Equation.read(
+    Equation(
         "laws: energy, Poisson",
+        (
+            "energy change under Poisson's law, per unit mass: slip stops early "
+            "(slip-stick, slip reversal), late (the same)"
+        ),
+        (
+            r"(\Delta E_{stick, early}, \Delta E_{back, early}, \Delta E_{stick, late}, "
+            r"\Delta E_{back, late})"
+        ),
+        verdict="new",
         derive=lambda: tuple(
             energy_by_poisson(regime, order)
             for order in ("early", "late")
@@ -401,9 +469,20 @@ EQUATIONS = (
             - mu * (3 * B - mu * C) * _more**2 / 2,
         ),
         check=_poisson_from_impulses,
+        note=(
+            "never positive: every term is negative but the last one of slip-stick, late, "
+            r"for $B < 0$, and that is smaller than the one before it, as $\mu C \ge -B$ "
+            "holds the contact and the impulse after the corner is at most $P_1$"
+        ),
     ),
-    Equation.read(
+    Equation(
         "laws: energy, slip-stick",
+        (
+            r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below "
+            "this"
+        ),
+        r"\kappa_c",
+        verdict="new",
         derive=lambda: energy_threshold("stick"),
         shown=(sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2,
         check=lambda form: (
@@ -411,16 +490,26 @@ EQUATIONS = (
             _created("stick", (1 - sticking_threshold()) / (1 + sticking_threshold())),
         ),
     ),
-    Equation.read(
+    Equation(
         "laws: energy, slip reversal",
+        (
+            r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below "
+            "this"
+        ),
+        r"\kappa_c",
+        verdict="new",
         derive=lambda: energy_threshold("back"),
         shown=(sp.sqrt(A) - sp.sqrt(A - mu**2 * C)) ** 2 / (mu * B),
         check=lambda form: (_created("back", form),),
     ),
-    Equation.read(
+    Equation(
         "laws: energy, thin rod",
+        "restitution above which Newton's law can create energy in slip-stick, thin rod",
+        r"\epsilon_c",
+        verdict="new",
         derive=thin_threshold,
         shown=4 / sp.sqrt(16 + 9 * sp.sin(2 * phi) ** 2),
         check=lambda form: (_created("stick", (1 - form) / (1 + form)).subs(_THIN_LENGTHS),),
+        note=_thin_told,
     ),
 )

@@ -18,6 +18,7 @@ from .symbols import (
     V_z,
     X,
     Z,
+    alpha,
     c_x,
     c_z,
     k,
@@ -29,7 +30,8 @@ from .symbols import (
     u_0,
     v_0,
 )
-from .trace import derived, solve
+from .trace import derived, say, solve
+from .typeset import latex
 
 Lever = tuple[sp.Expr, sp.Expr]  # (x, z) from the centre of mass to the contact point
 
@@ -50,82 +52,86 @@ def spin_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> s
     return EULER({P_x: p_x, P_z: p_z, lever_x: x, lever_z: z, moment: inertia})
 
 
-@derived
+@derived(r"\omega' - \omega")
 def spin_jump(p_x: sp.Expr, p_z: sp.Expr) -> sp.Expr:
-    """Change of omega under the impulse (p_x, p_z) at the contact point."""
+    """The impulse at the contact point changes the spin."""
     return spin_change(p_x, p_z, TO_CONTACT, m * k**2)
 
 
 def _turned(lever: Lever, order: int) -> sp.Matrix:
     """Derivative of a body point's place with respect to the turn of the body."""
     place = RIGID({xi: lever[0], zeta: lever[1]})
-    return place.diff(turn, order).subs(turn, 0)
+    rate = place.diff(turn, order).subs(turn, 0)
+    power = "" if order == 1 else f"^{order}"
+    lefts = (rf"d{power}{x}/d\vartheta{power}" for x in "xz")
+    say(r"Its derivative by the turn, at $\vartheta = 0$", *lefts, tuple(rate))
+    return rate
 
 
-@derived
+@derived("u", "v")
 def contact_velocity(lever: Lever) -> sp.Matrix:
-    """Velocity of the contact point relative to the plate, (u, v)."""
+    r"""The centre's velocity, plus $\omega$ times that, less the plate's $(0, V_z)$."""
     return sp.Matrix([c_x, c_z - V_z]) + omega * _turned(lever, 1)
 
 
-@derived
+@derived(r"\dot v_x", r"\dot v_z")
 def contact_acceleration(f_x: sp.Expr, f_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
-    """Acceleration of the contact point relative to the plate under the force (f_x, f_z) there."""
+    r"""Acceleration of the contact point: centre, plus $\dot\omega$ and $\omega^2$ times these."""
     centre = sp.Matrix([velocity_change(f_x), velocity_change(f_z) - g - plate_rate])
+    say(
+        "The centre accelerates against the plate",
+        r"\dot c_x",
+        r"\dot c_z - \dot V_z",
+        tuple(centre),
+    )
     spin_rate = spin_change(f_x, f_z, lever, inertia)
+    say("The moment of the force turns the body", r"\dot\omega", spin_rate)
     return centre + spin_rate * _turned(lever, 1) + omega**2 * _turned(lever, 2)
 
 
-@derived
+@derived("du", "dv")
 def impulsive_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
-    """Change of the contact point's velocity in the limit of a short and violent impact."""
+    r"""That acceleration times $\tau$, for a force $P/\tau$ and $\tau \to 0$."""
     force = [IMPULSIVE({P: p}) for p in (P_x, P_z)]
     change = tau * contact_acceleration(*force, lever, inertia)
     return change.expand().subs(tau, 0).xreplace({P_x: p_x, P_z: p_z})
 
 
-@derived
+@derived("du", "dv")
 def contact_change(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """Change (du, dv) of the contact point's velocity under the impulse (p_x, p_z)."""
+    """Change of the contact velocity under an impulse, for a lever $(-X, -Z)$ and $I = m k^2$."""
     du, dv = impulsive_change(p_x, p_z, TO_CONTACT, m * k**2)
     return sp.expand(du), sp.expand(dv)
 
 
-@derived
+@derived()
 def approach() -> Mapping[sp.Symbol, sp.Expr]:
-    """u_0 and v_0, the contact point's velocity before the impact, by Eq. (3)."""
+    """The contact velocity before the impact, (3) with the lever $(-X, -Z)$."""
     u, v = contact_velocity(TO_CONTACT)
     return {u_0: u, v_0: v}
 
 
-alpha = sp.Symbol("alpha", positive=True)  # of Eq. (4)
 _u = sp.Matrix([sp.sin(phi), 0, sp.cos(phi)])  # from the contact point up the rod
 _force = sp.Matrix([F_x, 0, F_z])
-_impulse = sp.Matrix([P_x, 0, P_z])
 
 
-def _in_plane(vector: sp.Matrix) -> sp.Matrix:
-    """(x, z) of a vector of that plane."""
-    return sp.Matrix([vector[0], vector[2]])
-
-
-@derived
+@derived(r"m \dot v_x", r"m \dot v_z")
 def tip_acceleration() -> sp.Matrix:
-    """Mass times acceleration of the rod's tip under a force there, in the impulsive limit."""
+    """Mass times acceleration of the rod's tip under a force there, in that limit."""
     return (m * impulsive_change(F_x, F_z, TO_TIP, moment)).expand()
 
 
-@derived
+@derived(r"\alpha")
 def alpha_of_4() -> sp.Expr:
-    """alpha of Eq. (4), solved from its component along x."""
+    r"""The $\alpha$ of (4), from its component along $x$."""
     printed = _force + alpha * (_force - _u * _force.dot(_u))
-    (value,) = solve(printed[0] - tip_acceleration()[0], alpha)
+    (value,) = solve((printed[0], tip_acceleration()[0]), alpha)
     return sp.simplify(value)
 
 
-@derived
+@derived(r"\delta(m \dot v_x)", r"\delta(m \dot v_z)")
 def dropped_terms() -> sp.Matrix:
-    """What the impulsive limit leaves out: terms that stay finite."""
+    """What the limit leaves out: terms that stay finite."""
     whole = m * contact_acceleration(F_x, F_z, TO_TIP, moment)
     return (whole - tip_acceleration()).expand()
 
@@ -140,54 +146,77 @@ def _alpha_by_energy(form: sp.Expr) -> list[sp.Expr]:
 def _dropped_by_vectors(form: sp.Matrix) -> list[sp.Expr]:
     """omega x (omega x r), gravity and the plate, by vector products."""
     spin, tip = sp.Matrix([0, omega, 0]), -length / 2 * _u
-    centripetal = _in_plane(spin.cross(spin.cross(tip)))
-    return list(form - m * (centripetal - sp.Matrix([0, g + plate_rate])))
+    centripetal = spin.cross(spin.cross(tip))[::2]
+    return list(form - m * (sp.Matrix(centripetal) - sp.Matrix([0, g + plate_rate])))
 
 
 EQUATIONS = (
-    Equation.read(
+    Equation(
         "2",
-        printed=(-length / 2 * _u.cross(_impulse))[1],
+        "Euler's law about the centre of mass",
+        r"I d\boldsymbol{\omega}",
         derive=lambda: moment * spin_change(P_x, P_z, TO_TIP, moment),
+        note="the moment of $dP$ at the lower tip; only for a contact on the rod's axis (thin rod)",
     ),
-    Equation.read(
+    Equation(
         "3",
-        printed=_in_plane(
-            sp.Matrix([c_x, 0, c_z])
-            - length / 2 * sp.Matrix([0, omega, 0]).cross(_u)
-            - sp.Matrix([0, 0, V_z])
-        ),
+        "velocity of the contact point",
+        r"\mathbf{v}",
         derive=lambda: contact_velocity(TO_TIP),
+        note="the lever runs from the centre of mass down to the tip",
     ),
-    Equation.read(
+    Equation(
         "4",
-        printed=_in_plane(_force + alpha * (_force - _u * _force.dot(_u))),
+        "acceleration of the contact point, vector form",
+        r"m \frac{d\mathbf{v}}{dt}",
         derive=lambda: tip_acceleration().subs(moment, m * length**2 / (4 * alpha)),
+        note=lambda: (
+            rf"with $\alpha = {latex(alpha_of_4())}$, which the text does not define; after (30) "
+            "it "
+            "uses the letter for another ratio"
+        ),
     ),
-    Equation.read(
+    Equation(
         "IV: dropped in (4)",
+        "what (4) leaves out: the rod's rotation, gravity and the acceleration of the plate",
+        r"(\delta(m \dot v_x), \delta(m \dot v_z))",
+        verdict="new",
         derive=dropped_terms,
         shown=(
             m * omega**2 * length / 2 * sp.sin(phi),
             m * omega**2 * length / 2 * sp.cos(phi) - m * (g + plate_rate),
         ),
         check=_dropped_by_vectors,
+        note="finite, while the force of a short impact is not; the text names the plate alone",
     ),
-    Equation.read("IV: alpha", derive=alpha_of_4, check=_alpha_by_energy),
-    Equation.read(
+    Equation(
+        "IV: alpha",
+        r"the constant $\alpha$ of (4)",
+        r"\alpha",
+        verdict="new",
+        derive=alpha_of_4,
+        check=_alpha_by_energy,
+        note=lambda: f"{latex(alpha_of_4().subs(moment, m * length**2 / 12))} for a thin rod",
+    ),
+    Equation(
         "IV: spin",
+        "change of spin under an impulse at the contact point",
+        r"\omega' - \omega",
+        verdict="new",
         derive=lambda: spin_jump(P_x, P_z),
         # the impulse passes through the contact point and keeps the spin about it
         check=lambda form: (k**2 * form + Z * velocity_change(P_x) - X * velocity_change(P_z),),
     ),
-    Equation.read(
+    Equation(
         "5",
-        printed=-X * Z / k**2 * F_z + (k**2 + Z**2) / k**2 * F_x,
+        "acceleration of the contact point along the plate",
+        r"m \dot{v}_x",
         derive=lambda: m * contact_change(F_x, F_z)[0],
     ),
-    Equation.read(
+    Equation(
         "6",
-        printed=(k**2 + X**2) / k**2 * F_z - X * Z / k**2 * F_x,
+        "acceleration of the contact point across the plate",
+        r"m \dot{v}_z",
         derive=lambda: m * contact_change(F_x, F_z)[1],
     ),
 )

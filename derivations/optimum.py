@@ -8,7 +8,7 @@ slip-stick, the one of slip reversal, or the critical tilt between them (the cor
 import sympy as sp
 
 from . import second_routes
-from .bodies import TANGENT, T, over_tangent
+from .bodies import T, over_tangent
 from .drift import CASES, landing, landing_velocity, stationary
 from .laws import slopes
 from .proof import Equation
@@ -16,25 +16,26 @@ from .slide import slide_excess
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, u_0, v_0
 from .thin_rod import critical_friction, critical_tangents
 from .trace import derived, solve
+from .words import PAPER, compared, degrees, formula, number, sign
 
 
-@derived
+@derived("c_x/V_z")
 def drift_over_tangent(case: str) -> sp.Expr:
     """c_x/V_z of a thin rod as a function of T = tan(phi)."""
     return sp.factor(over_tangent(stationary(case)[0] / V_z))
 
 
-@derived
+@derived(r"\tan\phi", "c_x/V_z")
 def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
     """Tangent of the tilt of the largest drift in one regime, and that drift over V_z."""
     drift = drift_over_tangent(case)
-    roots = solve(sp.numer(sp.together(drift.diff(T))), T, TANGENT)
+    roots = solve(sp.numer(sp.together(drift.diff(T))), T)
     at = {mu: sp.Rational(3, 10), epsilon: sp.Rational(1, 2)}
     (best,) = (root for root in roots if root.subs(at).evalf() > 0)
     return best, drift.subs(T, best)
 
 
-@derived
+@derived(r"\mu_{back}", r"\mu_{stick}")
 def corner_frictions() -> tuple[sp.Expr, sp.Expr]:
     """Friction at which the lower critical tilt is the best one of slip reversal, of slip-stick."""
     square = sp.Symbol("T^2", positive=True)
@@ -53,14 +54,19 @@ def corner_frictions() -> tuple[sp.Expr, sp.Expr]:
     return tuple(ends)
 
 
-@derived
+@derived(
+    r"\partial c'_x/\partial c_x",
+    r"\partial c'_x/\partial c_z",
+    r"-\partial c'_z/\partial c_x",
+    r"-\partial c'_z/\partial c_z",
+)
 def jacobian(case: str) -> sp.Matrix:
     """Derivatives of (c_x', -c_z') by (c_x, c_z): one landing of the closure's map."""
     after_x, after_z = landing(case)
     return sp.Matrix([after_x, -after_z]).jacobian([c_x, c_z]).applyfunc(sp.factor)
 
 
-@derived
+@derived("[1 - tr + det]_{%(case)s}", "[1 + tr + det]_{%(case)s}", "[1 - det]_{%(case)s}")
 def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """1 - tr + det, 1 + tr + det and 1 - det of the landing map: stable where all are positive."""
     a, b, c, d = jacobian(case)
@@ -69,25 +75,25 @@ def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     return tuple(sp.factor(margin) for margin in margins)
 
 
-@derived
+@derived("u_{*, %(case)s}")
 def slip_left(case: str) -> sp.Expr:
     """u_* of the stationary landing: the slip stops where it is negative, as the regime assumes."""
     at = {u_0: stationary(case)[0], v_0: landing_velocity(case)}
     return sp.factor(slide_excess().subs(at))
 
 
-@derived
+@derived(r"\mu_P")
 def painleve_friction() -> sp.Expr:
     """Friction at which slip towards -x presses the contact into the plate, XZ > 0."""
     (friction,) = solve(slopes()["back"], mu)
     return friction
 
 
-@derived
+@derived(r"\tan\phi", r"\mu_P")
 def least_painleve_friction() -> tuple[sp.Expr, sp.Expr]:
     """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
     friction = over_tangent(painleve_friction())
-    (best,) = solve(friction.diff(T), T, TANGENT)
+    (best,) = solve(friction.diff(T), T)
     return best, friction.subs(T, best)
 
 
@@ -164,15 +170,78 @@ _a, _b = 1 - epsilon, 7 - epsilon
 _root = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
 _corner = sp.sqrt(97 * epsilon**2 - 1586 * epsilon + 6673)
 
+_HERE = f"the paper's restitution, {number(PAPER[epsilon])}"
+
+
+def _stick_told() -> str:
+    tangent, along = (part.subs(PAPER) for part in optimum("stick"))
+    return f"{degrees(sp.atan(tangent))} and {number(along, 3)} for {_HERE}"
+
+
+def _corners_told() -> str:
+    """The best tilt of slip reversal is one below the first friction only; above, it is too low."""
+    low, high = (friction.subs(PAPER) for friction in corner_frictions())
+    critical = critical_tangents()[0].subs(PAPER)
+    words = []
+    for case, friction in (
+        ("back", low * sp.Rational(9, 10)),
+        ("stick", high * sp.Rational(11, 10)),
+    ):
+        best = optimum(case)[0].subs(mu, friction).subs(PAPER)
+        at = critical_tangents()[0].subs(mu, friction).subs(PAPER)
+        words.append(compared(best, at))
+    if words != ["above", "below"]:
+        raise ValueError(f"the corner lies otherwise: {words}, {critical}")
+    return f"{number(low, 3)} and {number(high, 3)} for {_HERE}"
+
+
+def _stability_told() -> str:
+    """The last margin is a sum of terms that are positive where reversal holds."""
+    margins = [*stability_margins("stick"), *stability_margins("back")]
+    room = sp.Symbol(
+        "room", positive=True
+    )  # XZ - mu (k^2 + Z^2) > 0, so X = mu (k^2 + Z^2)/Z + room
+    holds = mu * (k**2 + Z**2) / Z + room
+    signs = {sign(x) for x in margins[:3]} | {sign(x, {X: holds}) for x in margins[3:]}
+    (word,) = signs
+    return f"all {word} wherever the regime holds, so that the landing is stable there"
+
+
+def _stops_told() -> str:
+    left = [slip_left(case) for case in CASES]
+    room = mu * (k**2 + Z**2) / Z + sp.Symbol("room", positive=True)
+    (word,) = {sign(left[0]), sign(left[1], {X: room})}
+    return f"{word} in both: the closure never lands in a slide, and is consistent with itself"
+
+
+def _pressed_told() -> str:
+    more = {mu: painleve_friction() * sp.Rational(11, 10)}
+    word = compared(slopes()["back"].subs(more).subs({X: 1, Z: 1, k: 1}), 0, (">", "<"))
+    return f"from there on $dv/dP_z {word} 0$: the impact begins even with $v_0 = 0$"
+
+
+def _least_told() -> str:
+    tangent, friction = least_painleve_friction()
+    over = formula(sp.factor(over_tangent(painleve_friction())))
+    return rf"${friction}$ at {degrees(sp.atan(tangent))}; over tilt $\mu_P$ is {over}"
+
+
 EQUATIONS = (
-    Equation.read(
+    Equation(
         "V: optimum, slip-stick",
+        r"$\tan\phi$ of the largest drift (26) of a thin rod, and that drift over $V_z$",
+        r"(\tan\phi, c_x/V_z)",
+        verdict="new",
         derive=lambda: optimum("stick"),
         shown=(sp.sqrt(_a / _b), 3 * (1 + epsilon) / sp.sqrt(_a * _b)),
         check=lambda form: _is_largest("stick", form),
+        note=_stick_told,
     ),
-    Equation.read(
+    Equation(
         "V: optimum, slip reversal",
+        r"$\tan\phi$ of the largest drift (29) of a thin rod, and that drift over $V_z$",
+        r"(\tan\phi, c_x/V_z)",
+        verdict="new",
         derive=lambda: optimum("back"),
         shown=(
             _a / (mu * (9 - epsilon) + _root),
@@ -180,17 +249,34 @@ EQUATIONS = (
         ),
         check=lambda form: _is_largest("back", form),
     ),
-    Equation.read(
+    Equation(
         "V: optimum, corner",
+        (
+            r"between these two frictions the best tilt is the critical one, $\phi_c$; below"
+            " them it is that of slip reversal, above that of slip-stick"
+        ),
+        r"(\mu_{back}, \mu_{stick})",
+        verdict="new",
         derive=corner_frictions,
         shown=(
             3 * sp.sqrt(2 * _b * (_corner - 81 + 9 * epsilon)) / (_corner - 25 + epsilon),
             3 * sp.sqrt(_a * _b) / (29 - 5 * epsilon),
         ),
         check=_corners,
+        note=_corners_told,
     ),
-    Equation.read(
+    Equation(
         "V: stability",
+        (
+            "stability of the stationary landing: $1 - tr + det$, $1 + tr + det$, $1 - det$"
+            r" of the landing map $(c_x, c_z) \to (c_x', -c_z')$ in slip-stick, then in slip"
+            " reversal"
+        ),
+        (
+            "([1 - tr + det]_{stick}, [1 + tr + det]_{stick}, [1 - det]_{stick}, [1 - tr + "
+            "det]_{back}, [1 + tr + det]_{back}, [1 - det]_{back})"
+        ),
+        verdict="new",
         derive=lambda: tuple(part for case in CASES for part in stability_margins(case)),
         shown=(
             _lossy / _all,
@@ -206,21 +292,41 @@ EQUATIONS = (
             / (_reverse * _stop),
         ),
         check=_margins,
+        note=_stability_told,
     ),
-    Equation.read(
+    Equation(
         "V: slip stops",
+        "$u_*$ of the stationary landing: slip-stick, slip reversal",
+        "(u_{*, stick}, u_{*, back})",
+        verdict="new",
         derive=lambda: tuple(slip_left(case) for case in CASES),
         shown=(
             -2 * (1 + epsilon) * mu * k**2 * _all * V_z / (_lossy * _forward),
             -(1 + epsilon) * _reverse * _stop * V_z / (_lossy * _forward),
         ),
         check=_slide_from_the_landing,
+        note=_stops_told,
     ),
-    Equation.read(
+    Equation(
         "Painleve: friction",
+        (
+            "friction from which a contact that slips towards $-x$ is pressed into the "
+            "plate, $XZ > 0$"
+        ),
+        r"\mu_P",
+        verdict="new",
         derive=painleve_friction,
         shown=(k**2 + X**2) / (X * Z),
         check=_pressed_in,
+        note=_pressed_told,
     ),
-    Equation.read("Painleve: thin rod", derive=least_painleve_friction, check=_least_pressed_in),
+    Equation(
+        "Painleve: thin rod",
+        r"$\tan\phi$ at which that friction is least for a thin rod, and that friction",
+        r"(\tan\phi, \mu_P)",
+        verdict="new",
+        derive=least_painleve_friction,
+        check=_least_pressed_in,
+        note=_least_told,
+    ),
 )

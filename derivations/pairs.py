@@ -29,27 +29,27 @@ FIRST, SECOND = (
 _light = sp.Symbol("lambda", positive=True)  # 1/m of the equivalent rod
 
 
-@derived
+@derived(r"\Delta u", r"\Delta v")
 def response() -> sp.Matrix:
     """Change (du, dv) of the relative contact velocity under the impulse P."""
     first = sp.Matrix(contact_change(P_x, P_z)).subs(FIRST)
     return (first - sp.Matrix(contact_change(-P_x, -P_z)).subs(SECOND)).expand()
 
 
-@derived
+@derived()
 def mobility() -> dict[sp.Symbol, sp.Expr]:
     """A, B, C of two bodies, read off du = C P_x - B P_z, dv = A P_z - B P_x."""
     du, dv = response()
     return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
 
 
-@derived
+@derived("A C - B^2")
 def determinant() -> sp.Expr:
     """A C - B^2 of two bodies."""
     return sp.expand((A * C - B**2).subs(mobility()))
 
 
-@derived
+@derived("m", "X/k", "Z/k")
 def equivalent_rod() -> sp.Matrix:
     """m, X/k and Z/k of the rod that has the mobilities A, B, C on a plate."""
     rod = {letter: _light * form for letter, form in laws.mobility().items()}
@@ -61,7 +61,7 @@ def equivalent_rod() -> sp.Matrix:
     return sp.Matrix([1 / light, *((length / k).subs(_light, light) for length in (x, z))])
 
 
-@derived
+@derived("P_x", "P_z", "P_x", "P_z")
 def impulses() -> sp.Matrix:
     """P if the slip stops, under any law: P_x, P_z of slip-stick, then of slip reversal."""
     stop = u_0 / (mu * C + B)
@@ -141,24 +141,34 @@ def _sum(form: sp.Expr) -> sp.Expr:
 
 _cross = FIRST[X] * SECOND[Z] - SECOND[X] * FIRST[Z]
 EQUATIONS = (
-    Equation.read(
+    Equation(
         "pairs: response",
+        ("change of the contact velocity of the first of two bodies relative to the second"),
+        r"(\Delta u, \Delta v)",
+        verdict="new",
         derive=response,
         shown=(
             (_s + _sum(Z**2)) * P_x - _sum(X * Z) * P_z,
             (_s + _sum(X**2)) * P_z - _sum(X * Z) * P_x,
         ),
-        # the gradient of the kinetic energy in P, here and without the impulse
         check=lambda form: sp.Matrix(_ends()) - sp.Matrix(START) - form,
+        note=("with mobilities $A$, $B$, $C$ as for a rod: $C P_x - B P_z$ and $A P_z - B P_x$"),
     ),
-    Equation.read(
+    Equation(
         "pairs: determinant",
+        "$A C - B^2$ of two bodies as a sum of positive terms",
+        "A C - B^2",
+        verdict="new",
         derive=determinant,
         shown=_s**2 + _s * _sum(X**2 + Z**2) + _a[0] * _a[1] * _cross**2,
         check=_minors,
+        note="nothing cancels, whatever the masses and sizes",
     ),
-    Equation.read(
+    Equation(
         "pairs: equivalent rod",
+        "the rod that two bodies of mobilities $A$, $B$, $C$ are at the contact point",
+        "(m, X/k, Z/k)",
+        verdict="new",
         derive=equivalent_rod,
         shown=(
             2 / (A + C - _root),
@@ -166,7 +176,30 @@ EQUATIONS = (
             sp.sqrt(C - A + _root) / sp.sqrt(A + C - _root),
         ),
         check=_along_and_across,
+        note=(
+            "there is one for every pair, with $k$ of choice; its $1/m$ is the smaller eigenvalue. "
+            "For $B < 0$ the rod leans the other way, $-Z$"
+        ),
     ),
-    Equation.read("pairs: impulse", derive=impulses, check=_by_conservation),
-    Equation.read("pairs: energy", derive=laws.energy_of_impulse, check=_kinetic_energies),
+    Equation(
+        "pairs: impulse",
+        (
+            "$(P_x, P_z)$ of two bodies if the slip stops: sticking, then slipping back; "
+            "$v_f$ by any law"
+        ),
+        "(P_x, P_z, P_x, P_z)",
+        verdict="new",
+        derive=impulses,
+        check=_by_conservation,
+        note="the impulse of the equivalent rod",
+    ),
+    Equation(
+        "pairs: energy",
+        "change of the kinetic energy of both bodies",
+        r"\Delta E",
+        verdict="new",
+        derive=laws.energy_of_impulse,
+        check=_kinetic_energies,
+        note="as for a rod, so that the work in Stronge's law is that on both bodies",
+    ),
 )

@@ -5,35 +5,38 @@ Verdicts
 agrees     the difference of both forms simplifies to zero; what is meant where none is given
 rewritten  both forms are equal to 40 digits at random points (no simplification closes them)
 erratum    the forms differ: a point where they do, and either the repair, a named change of the
-           printed form that gives the derived one, or, for a statement in words, the mistake by
-           which the printed value comes out; where the paper contradicts itself, also the other
-           equations whose printed forms give the derived one
+           printed LaTeX that gives the derived form, or, for a sentence, the mistake by which its
+           value comes out; where the paper contradicts itself, also the other formulas whose
+           printed forms give the derived one
 assumed    an axiom or closure: nothing to derive it from
 new        not in the paper; proved by a second route (expressions that must vanish)
+noted      words or a citation of the paper, quoted; nothing is proved of it
+
+A printed form is the paper's LaTeX (module `paper`), read; its left side must be that of the entry,
+and the entry's that of the step which derives it. The words of a note are computed with its proof.
 """
 
 import random
-import tomllib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
+from difflib import SequenceMatcher
 from functools import cache
-from importlib import resources
 from math import prod
+from types import FunctionType
 from typing import Any, Literal, TypeAlias
 
 import mpmath
 import sympy as sp
 from sympy.polys.rings import PolyRing
 
+from . import paper, trace
 from . import symbols as s
-from . import trace
 
 Form: TypeAlias = sp.Expr | sp.MatrixBase | sp.core.relational.Relational
-Verdict = Literal["agrees", "rewritten", "erratum", "assumed", "new"]
+Verdict = Literal["agrees", "rewritten", "erratum", "assumed", "new", "noted"]
 
 DIGITS = 40
 POINTS = 5
-WORDS = tomllib.loads(resources.files(__package__).joinpath("equations.toml").read_text("utf-8"))
 
 # Where random points are drawn; what is not named lies in (-2, 2), or in (1/2, 2) if positive.
 DOMAIN = {
@@ -74,23 +77,23 @@ class Proof:
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """One named change after which a printed form is right."""
+    """One named change of the printed LaTeX after which a form is right."""
 
     what: str  # is changed
-    old: sp.Expr  # stands once in the printed form
-    new: sp.Expr
+    old: str  # stands once in the LaTeX
+    new: str
 
-    def of(self, form: Form) -> Form:
-        """Return the form with the change made; ValueError if it cannot be."""
-        if sum(part == self.old for part in sp.preorder_traversal(form)) != 1:
+    def of(self, tex: str) -> str:
+        """Return the LaTeX with the change made; ValueError if it cannot be."""
+        if tex.count(self.old) != 1:
             raise ValueError(f"what the repair changes does not stand once in it: {self.what}")
-        return form.xreplace({self.old: self.new})
+        return tex.replace(self.old, self.new)
 
     @property
     def size(self) -> int:
-        """Nodes of what changes, or of the factor between old and new if it is a simple one."""
-        factor = sp.cancel(self.new / self.old)
-        return nodes(self.old) if factor.has(sp.Add) else min(nodes(self.old), nodes(factor))
+        """Characters that differ: without what both begin and end with."""
+        changed = SequenceMatcher(None, self.old, self.new, autojunk=False).get_opcodes()
+        return sum(max(b - a, d - c) for kind, a, b, c, d in changed if kind != "equal")
 
 
 def _column(form: Form | tuple[sp.Expr, ...] | None) -> Form | None:
@@ -98,7 +101,7 @@ def _column(form: Form | tuple[sp.Expr, ...] | None) -> Form | None:
     return sp.Matrix(form) if isinstance(form, tuple) else form
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Equation:
     """One equation or number-bearing statement, with the verdict that `prove` tests.
 
@@ -106,49 +109,102 @@ class Equation:
     """
 
     tag: str  # the paper's equation number, or the section and a key word
-    what: str  # it is about
-    symbol: str  # left-hand side, LaTeX
+    about: str  # what it is about, after the sentence of the paper that it judges
+    left: str  # left-hand side, LaTeX
+    _: KW_ONLY
     derive: Callable[[], Form]  # from the axioms
     verdict: Verdict = "agrees"  # on the printed form
     shown: Form | None = None  # the derived form, written to be read
-    printed: Form | None = None  # in our copy of the paper
-    as_printed: str = ""  # LaTeX of the printed form, where `printed` holds its components
-    note: str = ""  # what is right, where the paper is not
+    formulas: tuple[str, ...] = ()  # of the paper (paper.toml), if not the one of its tag
+    said: Form | Callable[[], Form] | None = None  # what a sentence says, or stands for a formula
+    put: Callable[[], Mapping] | None = None  # what letters of the printed form stand for
+    note: str | Callable[[], str] = ""  # what is right, where the paper is not
     repair: tuple[Repair, ...] = ()  # of an erratum: changes that make the printed form right
     mistaken: Callable[[], Form] | None = None  # or the printed value, computed as `mistake` says
     mistake: str = ""  # in words
-    contradicted_by: str = ""  # tags of the printed equations that give the derived form
-    contradiction: Callable[[], Form] | None = None  # what those printed equations give
+    contradicted_by: tuple[str, ...] = ()  # formulas of the paper that give the derived form
+    contradiction: Callable[..., Form] | None = None  # what they give, of their printed forms
     at: Mapping[sp.Symbol, sp.Expr] | None = None  # replaces values of EXAMPLE
     check: Callable[[Form], Iterable[sp.Expr]] | None = None  # second route: zero for a true form
 
-    @classmethod
-    def read(cls, tag: str, **forms: Any) -> "Equation":
-        """An entry of equations.toml, with its forms."""
-        return cls(tag=tag, **WORDS[tag], **forms)
-
     def __post_init__(self) -> None:
-        if self.printed is None and self.verdict not in ("new", "assumed"):
-            raise ValueError(f"{self.tag}: the verdict {self.verdict!r} needs a printed form")
         derive = self.derive
         object.__setattr__(self, "derive", trace.remembered(lambda: _column(derive())))
-        object.__setattr__(self, "printed", _column(self.printed))
+        if not isinstance(self.said, FunctionType):
+            object.__setattr__(self, "said", _column(self.said))
         object.__setattr__(self, "shown", _column(self.shown))
+        own = (self.tag,) if self.tag in paper.EQUATIONS else ()
+        object.__setattr__(self, "formulas", self.formulas or own)
+
+    @property
+    def what(self) -> str:
+        """What it is about, the paper's own sentence first."""
+        quoted = paper.SENTENCES.get(self.tag)
+        return f'"{quoted.tex}": {self.about}' if quoted else self.about
+
+    @property
+    def printed(self) -> Form | None:
+        """The form in our copy of the paper; nothing of what is not in it."""
+        if self.said is not None or not self.formulas:
+            return self.said() if isinstance(self.said, FunctionType) else self.said
+        return self._meant([paper.printed(tag) for tag in self.formulas])
+
+    def _meant(self, forms: list[Form]) -> Form:
+        """Printed forms with what their letters stand for; several as a column."""
+        put = {} if self.put is None else self.put()
+        forms = [form.subs(put, simultaneous=True) if put else form for form in forms]
+        return forms[0] if len(forms) == 1 else sp.Matrix(forms)
+
+    @property
+    def repaired(self) -> Form:
+        """The printed form with all repairs made."""
+        texts = [paper.EQUATIONS[tag].right for tag in self.formulas]
+        for repair in self.repair:
+            texts = [repair.of(tex) for tex in texts]
+        return self._meant([paper.read(tex, paper.LETTERS) for tex in texts])
 
     def prove(self) -> Proof:
-        """Test the verdict, and that the form shown as derived has the derived value.
+        """Test the verdict, the left side, and that the form shown has the derived value.
 
-        A derivation or check that fails to compute is a proof that failed.
+        A derivation, check or note that fails to compute is a proof that failed.
         """
         try:
-            if self.shown is not None and not _equal(self.shown, self.derive()):
-                return Proof(ok=False, evidence="the form shown as derived has another value")
+            if failed := self._failed():
+                return Proof(ok=False, evidence=failed)
             second = None if self.check is None else self._second_route(self.check)
             if second is not None and (self.verdict == "new" or not second.ok):
                 return second  # of a new result it is the whole proof
             return _PROOFS[self.verdict](self)
         except Exception as error:  # whatever stops a computation, the verdict has no proof
             return Proof(ok=False, evidence=f"{type(error).__name__}: {error}", computed=False)
+
+    def _failed(self) -> str:
+        """What is wrong with the entry itself; nothing if all is well."""
+        if not paper.sealed():
+            return "paper.toml is not what was compared with our copy of the paper"
+        if self.verdict not in ("new", "assumed") and self.printed is None:
+            return f"the verdict {self.verdict!r} needs a printed form"
+        if self.shown is not None and not _equal(self.shown, self.derive()):
+            return "the form shown as derived has another value"
+        own = [tag for tag in self.formulas if tag not in paper.TWO_SUMS]
+        if self.said is not None or self.tag in paper.SENTENCES:
+            own = []
+        lefts = [paper.EQUATIONS[tag].left for tag in own] or self._lefts_of_steps()
+        given = paper.parts(self.left)
+        if len(lefts) != len(given):
+            given = [self.left] * len(lefts)
+        for left, mine in zip(lefts, given, strict=True):
+            if left and paper.bare(left) != paper.bare(mine):
+                return f"the left side is {left}, not {mine}"
+        return "" if told(self).count("$") % 2 == 0 else "a formula of the note does not end"
+
+    def _lefts_of_steps(self) -> list[str]:
+        """Left side that the steps give to the derived form, if it is one of their values."""
+        form = self.derive()
+        if not isinstance(form, sp.Expr) or not form.free_symbols:
+            return []
+        steps = [step for step in self.steps if step.kind == "derived"]
+        return [left for step in steps for left, value in step.values if value == form][:1]
 
     def _second_route(self, check: Callable[[Form], Iterable[sp.Expr]]) -> Proof:
         residuals = [sp.sympify(r) for r in check(self.derive())]
@@ -179,7 +235,36 @@ class Equation:
             return self.shown
         if self.printed is not None and self.verdict != "erratum":
             return self.printed
-        return repaired(self) if self.repair else self.derive()
+        return self.repaired if self.repair else self.derive()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Noted:
+    """A sentence or a citation of the paper, quoted beside what it does not fit.
+
+    It is shown and never counted: not among the proofs, not among the mistakes.
+    """
+
+    tag: str
+    quote: str
+    note: str
+    verdict: Verdict = "noted"
+    printed: None = None  # no equation
+    contradicted_by: tuple[str, ...] = ()
+
+    @property
+    def what(self) -> str:
+        """The quotation."""
+        return f'"{self.quote}"'
+
+    def prove(self) -> Proof:
+        """Nothing is proved but that the quotation is that of our copy."""
+        return Proof(ok=paper.sealed(), evidence="quoted, not proved")
+
+
+def told(entry: Any) -> str:
+    """The note of an entry; what is computed in it is computed now."""
+    return entry.note if isinstance(entry.note, str) else entry.note()
 
 
 def components(form: Form) -> tuple[sp.Expr, ...]:
@@ -189,19 +274,6 @@ def components(form: Form) -> tuple[sp.Expr, ...]:
     if isinstance(form, sp.core.relational.Relational):
         return (form.gts - form.lts,)
     return (sp.sympify(form),)
-
-
-def nodes(form: Form) -> int:
-    """Number of nodes of a form's tree."""
-    return sum(1 for _ in sp.preorder_traversal(form))
-
-
-def repaired(entry: Equation) -> Form:
-    """Return the printed form with all repairs made."""
-    form = entry.printed
-    for repair in entry.repair:
-        form = repair.of(form)
-    return form
 
 
 @cache
@@ -316,7 +388,8 @@ def _erratum(eq: Equation) -> Proof:
     differs = any(sp.Abs(sp.N(value(x) - value(y), 30)) > sp.Float("1e-20") for x, y in pairs)
     evidence = "; ".join(f"printed ${_number(x)}$, derived ${_number(y)}$" for x, y in pairs)
     where = ", ".join(f"${sp.latex(x)} = {_number(point[x])}$" for x in sorted(free, key=str))
-    contradicted = eq.contradiction is None or _equal(eq.contradiction(), derived)
+    others = [paper.printed(tag) for tag in eq.contradicted_by]
+    contradicted = eq.contradiction is None or _equal(eq.contradiction(*others), derived)
     return Proof(
         ok=differs and contradicted and _explained(eq),
         evidence=evidence + (f" at {where}" if where else ""),
@@ -326,8 +399,9 @@ def _erratum(eq: Equation) -> Proof:
 def _explained(eq: Equation) -> bool:
     """Whether the named repair gives the derived form, or the named mistake the printed one."""
     if eq.repair:
-        small = all(2 * repair.size < nodes(eq.printed) for repair in eq.repair)
-        return small and _equal(repaired(eq), eq.derive())
+        length = sum(len(paper.EQUATIONS[tag].right) for tag in eq.formulas)
+        small = all(2 * repair.size < length for repair in eq.repair)
+        return small and _equal(eq.repaired, eq.derive())
     return (
         eq.mistaken is not None
         and bool(eq.mistake)

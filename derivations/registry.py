@@ -1,4 +1,4 @@
-"""Every equation and every checked statement, in the order in which the paper brings them.
+"""Every equation and every checked statement: the paper's way first, then what is new.
 
 `ENTRIES` holds them all, `SECTIONS` the same under titles.
 
@@ -25,7 +25,7 @@ from . import (
     newton,
     optimum,
     pairs,
-    references,
+    paper,
     slide,
     slip_reversal,
     slip_stick,
@@ -34,45 +34,39 @@ from . import (
     transport,
 )
 from .kernel import Code
-from .proof import Equation, Verdict
-from .references import Citation
-from .sentences import to_text
-from .statements import Reading
+from .lecture import to_text
+from .proof import Equation, Noted, Verdict, told
 
-__all__ = [
-    "ENTRIES",
-    "SECTIONS",
-    "Citation",
-    "Code",
-    "Equation",
-    "Reading",
-    "Row",
-    "check",
-    "mistakes",
-]
+__all__ = ["ENTRIES", "SECTIONS", "Code", "Equation", "Noted", "Row", "check", "mistakes"]
 
-Entry: TypeAlias = Equation | Citation | Reading | Code
+Entry: TypeAlias = Equation | Noted | Code
 
-# section title, entries
-SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
+# The way from the assumptions to (31); the sentences on it stand in a section of their own.
+_PATH: tuple[tuple[str, tuple[Equation, ...]], ...] = (
     ("Assumptions", axioms.EQUATIONS),
     ("Newton's laws and the contact point", newton.EQUATIONS),
     ("Slide", slide.EQUATIONS),
     ("Slip-stick", slip_stick.EQUATIONS),
     ("Slip reversal", slip_reversal.EQUATIONS),
-    ("Bodies", bodies.EQUATIONS),
-    ("Regime boundaries and the thin rod", thin_rod.EQUATIONS),
-    ("Other laws of restitution, and energy", laws.EQUATIONS),
-    ("Two bodies that meet", pairs.EQUATIONS),
-    ("One impact as assignments", (*kernel.EQUATIONS, *kernel.CODE)),
+    ("Regime boundaries of a thin rod", (*bodies.EQUATIONS, *thin_rod.EQUATIONS)),
     ("Stationary translation", drift.EQUATIONS),
+)
+_SENTENCES = tuple(e for _, group in _PATH for e in group if e.tag in paper.SENTENCES)
+
+# section title, entries
+SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
+    *((title, tuple(e for e in group if e not in _SENTENCES)) for title, group in _PATH),
+    ("More of regimes and landings", (*thin_rod.BEYOND, *drift.BEYOND)),
     ("Best tilt, stability, Painlevé's paradox", optimum.EQUATIONS),
     ("Landing phases by the flux of impacts", landing_phases.EQUATIONS),
     ("Short rods, and energy", transport.EQUATIONS),
+    ("Other laws of restitution, and energy", laws.EQUATIONS),
+    ("Bodies", bodies.BEYOND),
+    ("Two bodies that meet", pairs.EQUATIONS),
+    ("One impact as assignments", (*kernel.EQUATIONS, *kernel.CODE)),
+    ("Sentences of the text", (*_SENTENCES, *statements.EQUATIONS)),
     ("Appendix A: dimensions", appendix.EQUATIONS),
-    ("Sentences of the text", statements.EQUATIONS),
-    ("Readings: places of the text that differ", statements.READINGS),
-    ("Cross references", references.CITATIONS),
+    ("Noted", tuple(Noted(tag=x["tag"], quote=x["quote"], note=x["note"]) for x in paper.NOTED)),
 )
 
 ENTRIES: tuple[Entry, ...] = tuple(e for _, group in SECTIONS for e in group)
@@ -85,14 +79,19 @@ class Row:
     tag: str  # the paper's equation number, or the section and a key word
     what: str  # is stated
     verdict: Verdict  # on the printed form
-    proved: bool  # whether the verdict stood
+    proved: bool  # whether the verdict stood; never of what is noted
     note: str  # what is right, where the paper is not
     evidence: str  # what the proof found
     computed: bool  # whether nothing stopped its computation
-    contradicted_by: str  # tags of printed equations that give the derived form
+    contradicted_by: tuple[str, ...]  # printed formulas that give the derived form
     repair: str  # what makes the printed form right
     mistake: str  # or by which the printed value comes out
     rests_on: tuple[str, ...]  # tags of the axioms that the derivation used
+
+    @property
+    def failed(self) -> bool:
+        """Whether the verdict should have been proved, and was not."""
+        return not self.proved and self.verdict != "noted"
 
     def as_dict(self) -> dict[str, str | bool | tuple[str, ...]]:
         """Return the fields for JSON, the sentences as plain text."""
@@ -116,23 +115,25 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
     rows = []
     for entry in progress(ENTRIES):
         proof = entry.prove()
-        same = ("tag", "what", "verdict", "note", "contradicted_by")
-        told = {name: getattr(entry, name) for name in same}
         equation = isinstance(entry, Equation)
         rows.append(
             Row(
-                proved=proof.ok,
+                tag=entry.tag,
+                what=entry.what,
+                verdict=entry.verdict,
+                proved=proof.ok and entry.verdict != "noted",
+                note=told(entry) if proof.computed else "",
                 evidence=proof.evidence,
                 computed=proof.computed,
+                contradicted_by=entry.contradicted_by if equation else (),
                 repair="; ".join(repair.what for repair in entry.repair) if equation else "",
                 mistake=entry.mistake if equation else "",
                 rests_on=entry.rests_on if equation and proof.ok else (),
-                **told,
             )
         )
     return rows
 
 
 def mistakes() -> tuple[Entry, ...]:
-    """The entries whose printed form is wrong."""
+    """The equations, numbers and signs that are printed wrong; nothing that is only noted."""
     return tuple(entry for entry in ENTRIES if entry.verdict == "erratum")

@@ -17,15 +17,14 @@ import sympy as sp
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from . import closed_forms, codegen, lecture, mutants, typeset
+from . import closed_forms, codegen, lecture, paper, typeset
 from .drawings import DRAWINGS
 from .exercises import EXERCISES
 from .files import write as write_file
-from .letters import LETTERS
+from .lecture import LETTERS, to_html, to_latex
 from .proof import Equation, Form
 from .registry import SECTIONS, Code, Entry, Row
-from .sentences import to_html, to_latex
-from .steps import Line, lines, with_formulas
+from .steps import Line, Reader
 
 Progress = Callable[[Iterable], Iterable]
 
@@ -36,6 +35,7 @@ VERDICTS = {  # sign, and what the word means
     "erratum": ("✗", "a mistake as printed in our copy: a point where both forms differ"),
     "assumed": ("◇", "an axiom or a closure: nothing to derive it from"),
     "new": ("★", "not in the paper; proved by a second route"),
+    "noted": ("✎", "words or a citation of the paper, quoted; nothing is proved of it"),
 }
 PRINTED = "As printed in our copy"
 _NUMBERED = re.compile(r"(B?\d+)(?:: (.*))?")
@@ -52,8 +52,7 @@ def _named(tag: str) -> str:
     found = _NUMBERED.fullmatch(tag)
     if found:
         return f"({found[1]})" + (f", {found[2]}" if found[2] else "")
-    section, colon, words = tag.partition(": ")
-    return tag if "Fig" in tag else section + colon + with_formulas(words)
+    return tag
 
 
 def forms(entry: Entry) -> list[tuple[str, Form]]:
@@ -67,9 +66,16 @@ def forms(entry: Entry) -> list[tuple[str, Form]]:
     return found
 
 
-def _tex_of(entry: Entry, label: str) -> str:
-    """LaTeX of a printed vector form; the components are for the proof."""
-    return entry.as_printed if isinstance(entry, Equation) and label == PRINTED else ""
+def _lines_of(entry: Equation, label: str, form: Form, align: str = "") -> list[list[str]]:
+    """LaTeX of a form of an entry: the paper's own where it is printed, with the repairs made."""
+    own = entry.formulas and entry.said is None and entry.tag not in paper.SENTENCES
+    if own and (label == PRINTED or entry.repair):
+        texts = [paper.EQUATIONS[tag].tex for tag in dict.fromkeys(entry.formulas)]
+        if label != PRINTED:
+            for repair in entry.repair:
+                texts = [repair.of(tex) for tex in texts]
+        return [[paper.aligned(tex, align)] for tex in texts]
+    return equations(entry.left, form, align)
 
 
 def _program(entry: Entry) -> str:
@@ -77,34 +83,23 @@ def _program(entry: Entry) -> str:
     return entry.text if isinstance(entry, Code) else ""
 
 
-def _parts(symbol: str) -> list[str]:
-    """Letters of a left-hand side such as (X, k_{a, b}), split at the commas outside of braces."""
-    inside = re.fullmatch(r"\((.*)\)", symbol)
-    return re.split(r",\s*(?![^{(]*[})])", inside[1]) if inside else []
-
-
-def equations(
-    symbol: str | sp.Symbol, form: Form, align: str = "", tex: str = ""
-) -> list[list[str]]:
+def equations(left: str | sp.Symbol, form: Form, align: str = "") -> list[list[str]]:
     """LaTeX of a form with its left-hand side; a column of values as one equation each."""
-    if tex or not isinstance(form, sp.MatrixBase):
-        return [equation(symbol, form, align, tex)]
-    parts = _parts(str(symbol))
+    if not isinstance(form, sp.MatrixBase):
+        return [equation(left, form, align)]
+    parts = paper.parts(str(left))
     if len(parts) == len(form):
         return [equation(part, x, align) for part, x in zip(parts, form, strict=True)]
-    return [equation(symbol, form[0] if len(set(form)) == 1 else form, align)]
+    return [equation(left, form[0] if len(set(form)) == 1 else form, align)]
 
 
-def equation(symbol: str | sp.Symbol, form: Form, align: str = "", tex: str = "") -> list[str]:
-    """LaTeX of a form with its left-hand side, in pieces between which a line may break.
-
-    `tex` stands for the form where its components are not what is to be read.
-    """
-    first, *more = [tex] if tex else typeset.pieces(form)
+def equation(left: str | sp.Symbol, form: Form, align: str = "") -> list[str]:
+    """LaTeX of a form with its left-hand side, in pieces between which a line may break."""
+    first, *more = typeset.pieces(form)
     if isinstance(form, sp.core.relational.Relational):
         return [align + first, *more]
-    left = typeset.words(symbol) if isinstance(symbol, str) else typeset.latex(symbol)
-    return [f"{left} {align}= {first}", *more]
+    shown = typeset.words(left) if isinstance(left, str) else typeset.latex(left)
+    return [f"{shown} {align}= {first}", *more]
 
 
 def _remarks(row: Row) -> list[tuple[str, str]]:
@@ -112,7 +107,7 @@ def _remarks(row: Row) -> list[tuple[str, str]]:
     found = {
         "Repair": row.repair,
         "Mistake": row.mistake,
-        "Contradicted by": row.contradicted_by,
+        "Contradicted by": ", ".join(map(_named, row.contradicted_by)),
         "Note": row.note,
     }
     return [(label, text) for label, text in found.items() if text]
@@ -130,12 +125,14 @@ def _proof(row: Row) -> list[tuple[str, str]]:
 def _steps(sections: Iterable[tuple[str, Iterable[Entry]]]) -> dict[str, list[Line] | str]:
     """Steps of each entry; the tag of an entry of the same section that has the same ones."""
     found: dict[str, list[Line] | str] = {}
+    equations = [x for _, entries in sections for x in entries if isinstance(x, Equation)]
+    reader = Reader(equations)
     for _, entries in sections:
-        seen: list[tuple[list[Line], str]] = []
+        seen: list[tuple[tuple, str]] = []
         for entry in entries:
-            taken = lines(entry) if isinstance(entry, Equation) else []
+            taken = entry.steps if isinstance(entry, Equation) else ()
             same = next((tag for known, tag in seen if known == taken and taken), "")
-            found[entry.tag] = same or taken
+            found[entry.tag] = same or (reader.lines(entry) if isinstance(entry, Equation) else [])
             seen.append((taken, entry.tag))
     return found
 
@@ -152,8 +149,8 @@ def _environment(**options: Any) -> Environment:
     """Jinja environment over the templates of this package."""
     loader = PackageLoader(__package__)
     made = Environment(loader=loader, undefined=StrictUndefined, **options)
-    made.globals |= {"forms": forms, "equations": equations, "remarks": _remarks, "proof": _proof}
-    made.globals |= {"tex_of": _tex_of, "program": _program}
+    made.globals |= {"forms": forms, "lines_of": _lines_of, "equations": equations}
+    made.globals |= {"remarks": _remarks, "proof": _proof, "program": _program}
     return made
 
 
@@ -188,14 +185,13 @@ def counted(verdicts: Iterable[str]) -> str:
 def html(rows: Sequence[Row], progress: Progress = iter) -> str:
     """Return the page; `progress` may wrap the iteration over entries and functions."""
     by_tag = {row.tag: row for row in rows}
-    failed = sum(not row.proved for row in rows)
+    failed = sum(row.failed for row in rows)
     return _page(
         "report.html",
         TITLE,
         ABOUT,
         rows=rows,
-        outcome=f"{failed} of them not proved." if failed else "All of them are proved.",
-        trial=mutants.recorded(),
+        outcome=f"{failed} of them not proved." if failed else "All verdicts are proved.",
         counts=Counter(row.verdict for row in rows),
         sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
         functions=[(f, *codegen.body(f.name)) for f in closed_forms.FUNCTIONS],

@@ -4,9 +4,10 @@ import sympy as sp
 
 from .axioms import RESTITUTION, SLIP, sigma
 from .newton import approach, contact_change, velocity_change
+from .paper import LETTERS
 from .proof import Equation, Repair
-from .symbols import F_z, P_x, P_z, V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, u_0, v_0
-from .trace import derived, solve
+from .symbols import F_z, P_x, P_z, c_x, c_z, u_0, v_0
+from .trace import derived, say, solve
 
 
 def friction(p_z: sp.Expr, direction: int) -> sp.Expr:
@@ -14,81 +15,107 @@ def friction(p_z: sp.Expr, direction: int) -> sp.Expr:
     return SLIP({F_z: p_z, sigma: sp.Integer(direction)})
 
 
-@derived
+@derived("u")
 def slip_velocity(p_z: sp.Expr = P_z) -> sp.Expr:
-    """Tangential contact velocity after the normal impulse p_z in forward slip, Eq. (7)."""
+    """Slip velocity in forward slip: $u_0$ plus its change, by (5)."""
     return u_0 + contact_change(friction(p_z, 1), p_z)[0]
 
 
-@derived
+@derived("v")
 def normal_velocity(p_z: sp.Expr = P_z) -> sp.Expr:
-    """Normal contact velocity after the normal impulse p_z in forward slip."""
+    """Normal contact velocity in forward slip: $v_0$ plus its change, by (6)."""
     return v_0 + contact_change(friction(p_z, 1), p_z)[1]
 
 
-@derived
+@derived("P_x(t_f)", "P_z(t_f)")
 def impulse() -> tuple[sp.Expr, sp.Expr]:
-    """Total impulse (P_x, P_z) of a slide under kinematic restitution, Eqs. (9), (8)."""
-    (p_z,) = solve(normal_velocity() - RESTITUTION({}), P_z)
+    """The total impulse of a slide."""
+    parting = normal_velocity(), RESTITUTION({})
+    (p_z,) = solve(parting, P_z, r"The contact parts at $v = -\epsilon v_0$; solved for $P_z$")
     return friction(p_z, 1), p_z
 
 
-@derived
+@derived("P_x(t_1)", "P_z(t_1)", "v_1")
 def stop() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """Impulse (P_x, P_z) at which the slip stops, and v_1 there; (B2), (B1), (15)."""
-    (p_z,) = solve(slip_velocity(), P_z)
+    """The impulse at which the slip stops, put into the normal velocity."""
+    (p_z,) = solve((slip_velocity(), sp.S.Zero), P_z, "The slip stops at $u = 0$; solved for $P_z$")
     return friction(p_z, 1), p_z, sp.factor(normal_velocity(p_z))
 
 
-@derived
+@derived("c'_x", "c'_z")
 def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """Velocity (c_x', c_z') of the centre of mass after the impulse, Eqs. (10), (11)."""
+    """Velocity of the centre of mass after this impulse, by (10) and (11)."""
     dc_x, dc_z = velocity_change(p_x), velocity_change(p_z)
     after = c_x + dc_x, c_z + dc_z
-    return tuple(c.subs(approach()) if c.has(u_0, v_0) else c for c in after)
+    if not any(c.has(u_0, v_0) for c in after):
+        return after
+    say("The impulse put into (10) and (11)", "c'_x", "c'_z", after)
+    say("With the contact velocity before the impact", "u_0", "v_0", tuple(approach().values()))
+    return tuple(c.subs(approach()) for c in after)
 
 
-@derived
+@derived("u_*")
 def slide_excess() -> sp.Expr:
-    """What is left of the slip velocity when the contact separates, u_*, (14)."""
+    """What is left of the slip when the contact parts: the impulse (8) put into (7)."""
     return sp.factor(slip_velocity(impulse()[1]))
 
 
-_slope = k**2 + X**2 + mu * X * Z
-_stop = mu * (k**2 + Z**2) + X * Z
-_printed_8 = -v_0 * (1 + epsilon) * m * k**2 / _slope
-_printed_9 = v_0 * (1 + epsilon) * m * mu * k**2 / _slope
-# (13) prints omega_x where omega X is meant; a symbol of its own keeps the misprint visible
-omega_x = sp.Symbol("omega_x", real=True)
-_denominator = Repair("the denominator of (15) to that of (8)", _stop, _slope)
+_REPAIR = Repair(
+    "the denominator of (15) to that of (8)",
+    r"{\mu(k^2 + Z^2) + XZ}",
+    r"{k^2 + X^2 + \mu XZ}",
+)
+
+
+def _impulse_put_in(impulse_of: sp.Expr, velocity: sp.Expr) -> sp.Expr:
+    """A printed impulse in the printed equation of a velocity of the centre."""
+    return velocity.subs({P_x: impulse_of, P_z: impulse_of}).subs(approach())
+
 
 EQUATIONS = (
-    Equation.read(
-        "7", printed=u_0 - (X * Z + mu * (k**2 + Z**2)) / (m * k**2) * P_z, derive=slip_velocity
+    Equation(
+        "7",
+        "slip velocity left at separation; the slip goes on while it is positive",
+        "u_*",
+        derive=slip_velocity,
     ),
-    Equation.read("8", printed=_printed_8, derive=lambda: impulse()[1]),
-    Equation.read("9", printed=_printed_9, derive=lambda: impulse()[0]),
-    Equation.read("10", printed=c_x + P_x / m, derive=lambda: cm_velocity(P_x, P_z)[0]),
-    Equation.read("11", printed=c_z + P_z / m, derive=lambda: cm_velocity(P_x, P_z)[1]),
-    Equation.read(
+    Equation("8", "normal impulse of a slide", "P_z(t_f)", derive=lambda: impulse()[1]),
+    Equation("9", "tangential impulse of a slide", "P_x(t_f)", derive=lambda: impulse()[0]),
+    Equation(
+        "10",
+        "horizontal velocity of the centre of mass from the impulse",
+        "c'_x",
+        derive=lambda: cm_velocity(P_x, P_z)[0],
+    ),
+    Equation(
+        "11",
+        "vertical velocity of the centre of mass from the impulse",
+        "c'_z",
+        derive=lambda: cm_velocity(P_x, P_z)[1],
+    ),
+    Equation(
         "12",
-        printed=c_x + mu * (1 + epsilon) * k**2 * (c_z - V_z + omega * X) / _stop,
+        "horizontal velocity of the centre of mass after a slide",
+        "c'_x",
+        verdict="erratum",
         derive=lambda: cm_velocity(*impulse())[0],
-        contradiction=lambda: (c_x + _printed_9 / m).subs(approach()),
-        repair=(_denominator,),
+        contradicted_by=("9", "10"),
+        contradiction=_impulse_put_in,
+        repair=(_REPAIR,),
+        note="the denominator belongs to (15)",
     ),
-    Equation.read(
+    Equation(
         "13",
-        printed=c_z - (c_z + omega_x - V_z) * (1 + epsilon) * k**2 / _stop,
+        "vertical velocity of the centre of mass after a slide",
+        "c'_z",
+        verdict="erratum",
         derive=lambda: cm_velocity(*impulse())[1],
-        contradiction=lambda: (c_z + _printed_8 / m).subs(approach()),
-        at={omega_x: sp.Rational(1, 10)},
-        repair=(_denominator, Repair(r"$\omega_x$ to $\omega X$", omega_x, omega * X)),
+        contradicted_by=("8", "11"),
+        contradiction=_impulse_put_in,
+        at={LETTERS[r"\omega_x"]: sp.Rational(1, 10)},
+        repair=(_REPAIR, Repair(r"$\omega_x$ to $\omega X$", r"\omega_x", r"\omega X")),
+        note="the denominator belongs to (15), and a spin cannot be added to a velocity",
     ),
-    Equation.read(
-        "14",
-        printed=u_0 + (X * Z + mu * (k**2 + Z**2)) / _slope * v_0 * (1 + epsilon),
-        derive=slide_excess,
-    ),
-    Equation.read("15", printed=v_0 + _slope / _stop * u_0, derive=lambda: stop()[2]),
+    Equation("14", "condition of continuous slide", "u_*", derive=slide_excess),
+    Equation("15", "normal contact velocity when the slip stops", "v_1", derive=lambda: stop()[2]),
 )

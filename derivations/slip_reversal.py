@@ -6,87 +6,115 @@ from .axioms import RESTITUTION
 from .newton import approach, contact_change
 from .proof import Equation, Repair
 from .slide import cm_velocity, friction, stop
-from .slip_stick import AFTER_STOP, stick_margin
-from .symbols import P_1, P_z, V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega, u_0, v_0, v_1
-from .trace import derived, solve
+from .slip_stick import P_2, stick_margin
+from .symbols import P_1, P_z, v_1
+from .trace import derived, say, solve
 
 
-@derived
+@derived("u - u_1", "v - v_1")
 def reversed_change(p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """Change (du, dv) of the contact velocity under p_z in backward slip."""
+    r"""Change of the contact velocity in backward slip: (5), (6) with $F_x = \mu F_z$."""
     return contact_change(friction(p_z, -1), p_z)
 
 
-@derived
+@derived("P_x(t_f)", "P_z(t_f)")
 def impulse() -> tuple[sp.Expr, sp.Expr]:
-    """Total impulse (P_x, P_z) under kinematic restitution, Eqs. (B9), (B8)."""
+    r"""The impulse until the stop and the one after it, $P_2$, with $\mu P_2$ along $x$."""
     p_x, p_z, v = stop()
-    extra = sp.Symbol("P_2")
-    (extra_z,) = solve(v + reversed_change(extra)[1] - RESTITUTION({}), extra, AFTER_STOP)
-    return p_x + friction(extra_z, -1), p_z + extra_z
+    parting = v + reversed_change(P_2)[1], RESTITUTION({})
+    (extra,) = solve(
+        parting,
+        P_2,
+        r"The contact parts at $v_f = -\epsilon v_0$; solved for $P_2 = P_z(t_f) - P_z(t_1)$",
+    )
+    say("The impulse after the stop", "P_2", extra)
+    return p_x + friction(extra, -1), p_z + extra
 
 
-@derived
+@derived("u_f")
 def final_slip() -> sp.Expr:
-    """u_f, the backward slip velocity at separation, Eq. (B10)."""
+    """Slip velocity at separation: the impulse of the reversal, (B8) less (B1), put into (B6)."""
     return sp.factor(reversed_change(impulse()[1] - stop()[1])[0])
 
 
-_stop = mu * (k**2 + Z**2) + X * Z
-_back = k**2 + X**2 - mu * X * Z
-_bracket = (1 + epsilon) * v_0 + (k**2 + X**2 + mu * X * Z) / _stop * u_0
-_u, _v = c_x - omega * Z, c_z - V_z + omega * X
-_printed_b11 = u_0 * (1 - mu * k**2 / _stop) + omega * Z - mu * k**2 / _back * _bracket
-_slip_21 = _u * 2 * mu * k**2 * (k**2 + X**2) / (_stop * _back)
-_bounce_21 = _v * mu * k**2 * (1 + epsilon) / _back
-_printed_b12 = v_0 + u_0 * k**2 / _stop - k**2 / _back * _bracket + V_z - omega * X
-
 EQUATIONS = (
-    Equation.read(
-        "20", printed=sp.Lt(mu * (k**2 + Z**2), X * Z), derive=lambda: sp.Lt(stick_margin(), 0)
+    Equation(
+        "20",
+        "condition of slip reversal",
+        "",
+        derive=lambda: sp.Lt(stick_margin(), 0),
+        note="for $u_0 > 0$; for either sign of the slip $XZ$ becomes $|XZ|$",
     ),
-    Equation.read(
+    Equation(
         "B6",
-        printed=(mu * (k**2 + Z**2) - X * Z) / (m * k**2) * (P_z - P_1),
+        "slip velocity at separation after reversal",
+        "u_f",
         derive=lambda: reversed_change(P_z - P_1)[0],
     ),
-    Equation.read(
+    Equation(
         "B7",
-        printed=v_1 + _back / (m * k**2) * (P_z - P_1),
+        "normal contact velocity at separation after reversal",
+        "v_f",
         derive=lambda: v_1 + reversed_change(P_z - P_1)[1],
     ),
-    Equation.read(
+    Equation(
         "B8",
-        printed=u_0 * m * k**2 / _stop - m * k**2 / _back * _bracket,
+        "normal impulse of slip reversal, of the whole contact",
+        "P_z(t_f)",
         derive=lambda: impulse()[1],
     ),
-    Equation.read(
-        "B9",
-        printed=-u_0 * mu * m * k**2 / _stop - mu * m * k**2 / _back * _bracket,
-        derive=lambda: impulse()[0],
-    ),
-    Equation.read(
-        "B10", printed=-(mu * (k**2 + Z**2) - X * Z) / _back * _bracket, derive=final_slip
-    ),
-    Equation.read(
-        "B11", printed=_printed_b11.subs(approach()), derive=lambda: cm_velocity(*impulse())[0]
-    ),
-    Equation.read(
-        "B12", printed=_printed_b12.subs(approach()), derive=lambda: cm_velocity(*impulse())[1]
-    ),
-    Equation.read(
-        "21",
-        printed=c_x + _slip_21 - _bounce_21,
-        shown=c_x - _slip_21 - _bounce_21,
+    Equation("B9", "tangential impulse of slip reversal", "P_x(t_f)", derive=lambda: impulse()[0]),
+    Equation("B10", "slip velocity at separation after reversal", "u_f", derive=final_slip),
+    Equation(
+        "B11",
+        "horizontal velocity of the centre of mass after slip reversal",
+        "c'_x",
+        put=approach,
         derive=lambda: cm_velocity(*impulse())[0],
-        contradiction=lambda: _printed_b11.subs(approach()),
-        repair=(Repair("the sign of the second term", _slip_21, -_slip_21),),
     ),
-    Equation.read(
-        "22",
-        printed=c_z
-        - _u * 2 * mu * k**2 * X * Z / (_stop * _back)
-        - _v * k**2 * (1 + epsilon) / _back,
+    Equation(
+        "B12",
+        "vertical velocity of the centre of mass after slip reversal",
+        "c'_z",
+        put=approach,
         derive=lambda: cm_velocity(*impulse())[1],
+    ),
+    Equation(
+        "21",
+        "horizontal velocity of the centre of mass after slip reversal",
+        "c'_x",
+        verdict="erratum",
+        derive=lambda: cm_velocity(*impulse())[0],
+        repair=(Repair("the sign of the second term", "+ (c_x", "- (c_x"),),
+        contradicted_by=("B11",),
+        contradiction=lambda whole: whole.subs(approach()),
+        note="the second term must carry a minus sign: friction takes the slip away. With the sign "
+        "as printed (27) does not follow",
+    ),
+    Equation(
+        "22",
+        "vertical velocity of the centre of mass after slip reversal",
+        "c'_z",
+        derive=lambda: cm_velocity(*impulse())[1],
+    ),
+    Equation(
+        "B8: text",
+        r"the impulse $P_z(t_f) - P_z(t_1)$",
+        "P_z(t_f) - P_z(t_1)",
+        verdict="erratum",
+        formulas=("B8",),
+        derive=lambda: impulse()[1] - stop()[1],
+        repair=(
+            Repair(
+                "without the impulse until the slip stops",
+                r"u_0 \frac{mk^2}{\mu(k^2 + Z^2) + XZ} - \frac{mk^2}{k^2 + X^2 - \mu XZ}",
+                r"- \frac{mk^2}{k^2 + X^2 - \mu XZ}",
+            ),
+        ),
+        contradicted_by=("B7", "15", "IV: restitution"),
+        contradiction=lambda end, stopped, parting: (
+            sp.solve(end.subs(v_1, stopped) - parting, P_z)[0] - P_1
+        ),
+        note="(B8) is the impulse of the whole contact, and right as such",
     ),
 )

@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from .axioms import RESTITUTION, STICK, q
+from .axioms import RESTITUTION, STICK, held
 from .newton import contact_change
 from .proof import Equation, Repair
 from .slide import cm_velocity, stop
@@ -11,103 +11,99 @@ from .symbols import (
     F_x,
     F_z,
     P_z,
-    V_z,
-    X,
-    Z,
-    c_x,
-    c_z,
-    epsilon,
-    k,
     m,
     mu,
-    omega,
-    u_0,
-    v_0,
     v_1,
 )
-from .trace import derived, solve
+from .trace import derived, say, solve
 
-AFTER_STOP = "$P_2$, the normal impulse after the slip has stopped"
+P_2 = sp.Symbol("P_2", positive=True)  # normal impulse after the slip has stopped
 
 
-@derived
+@derived("F_x")
 def sticking_force() -> sp.Expr:
-    """F_x that keeps the contact point at rest, Eq. (17)."""
-    (force,) = solve(contact_change(F_x, F_z)[0], F_x)
+    """The friction force that keeps the contact point at rest: (5) without acceleration."""
+    held_still = m * contact_change(F_x, F_z)[0], sp.S.Zero
+    (force,) = solve(
+        held_still, F_x, r"The contact point rests, $\dot v_x = 0$ in (5); solved for $F_x$"
+    )
     return force
 
 
-@derived
+@derived(r"\mu - |F_x|/F_z")
 def stick_margin() -> sp.Expr:
-    """mu - F_x/F_z while sticking, for XZ > 0: friction holds where this is positive, (16)."""
-    return sp.together(STICK({q: sticking_force() / F_z}))
+    """For $XZ > 0$ friction holds the contact where this is positive, by the force (17)."""
+    return sp.together(STICK({held: sticking_force() / F_z}))
 
 
-@derived
+@derived("v - v_1")
 def sticking_velocity(p_z: sp.Expr) -> sp.Expr:
-    """Change of the normal contact velocity under the impulse p_z while sticking."""
+    """Change of the normal contact velocity while the contact sticks: (6) with the force (17)."""
     return contact_change(sticking_force().subs(F_z, p_z), p_z)[1]
 
 
-@derived
+@derived("P_x(t_f)", "P_z(t_f)")
 def impulse() -> tuple[sp.Expr, sp.Expr]:
-    """Total impulse (P_x, P_z) under kinematic restitution, Eqs. (B5), (B4)."""
+    """The impulse until the stop and the one after it, $P_2$ times the ratio of (17) along $x$."""
     p_x, p_z, v = stop()
-    extra = sp.Symbol("P_2")
-    (extra_z,) = solve(v + sticking_velocity(extra) - RESTITUTION({}), extra, AFTER_STOP)
-    return p_x + sticking_force().subs(F_z, extra_z), p_z + extra_z
+    parting = v + sticking_velocity(P_2), RESTITUTION({})
+    (extra,) = solve(
+        parting,
+        P_2,
+        r"The contact parts at $v_f = -\epsilon v_0$; solved for $P_2 = P_z(t_f) - P_z(t_1)$",
+    )
+    say("The impulse after the stop", "P_2", extra)
+    return p_x + sticking_force().subs(F_z, extra), p_z + extra
 
-
-_stop = mu * (k**2 + Z**2) + X * Z
-_all = k**2 + X**2 + Z**2
-_bracket = v_0 * (1 + epsilon) + (k**2 + X**2 + mu * X * Z) / _stop * u_0
-_u, _v = c_x - omega * Z, c_z - V_z + omega * X
-_slip = _all / (k**2 + Z**2)
-_printed_b3 = v_0 + (k**2 + X**2 + mu * X * Z) / _stop * u_0 + _slip / m * (P_z - P_1)
 
 EQUATIONS = (
-    Equation.read(
-        "16", printed=sp.Gt(mu * (k**2 + Z**2), X * Z), derive=lambda: sp.Gt(stick_margin(), 0)
+    Equation(
+        "16",
+        "condition of sticking",
+        "",
+        derive=lambda: sp.Gt(stick_margin(), 0),
+        note="for $u_0 > 0$; for either sign of the slip $XZ$ becomes $|XZ|$",
     ),
-    Equation.read("17", printed=X * Z / (k**2 + Z**2) * F_z, derive=sticking_force),
-    Equation.read("B1", printed=u_0 * m * k**2 / _stop, derive=lambda: stop()[1]),
-    Equation.read("B2", printed=-u_0 * m * mu * k**2 / _stop, derive=lambda: stop()[0]),
-    Equation.read(
+    Equation("17", "friction force while sticking", "F_x", derive=sticking_force),
+    Equation("B1", "normal impulse until the slip stops", "P_z(t_1)", derive=lambda: stop()[1]),
+    Equation("B2", "tangential impulse until the slip stops", "P_x(t_1)", derive=lambda: stop()[0]),
+    Equation(
         "B3",
-        printed=v_1 + _slip * (P_z - P_1),
+        "normal contact velocity at separation, first line",
+        "v_f",
+        verdict="erratum",
         derive=lambda: v_1 + sticking_velocity(P_z - P_1),
         at={m: sp.Integer(2), v_1: sp.Integer(0), P_1: sp.Integer(0), P_z: sp.Integer(1)},
-        repair=(Repair("a factor $1/m$", P_z - P_1, (P_z - P_1) / m),),
-        contradiction=lambda: v_1 + _printed_b3 - _printed_b3.subs(P_z, P_1),
+        repair=(Repair("a factor $1/m$", r"\int", r"\frac{1}{m} \int"),),
+        contradicted_by=("B3: second line",),
+        contradiction=lambda line: v_1 + line - line.subs(P_z, P_1),
+        note="the integral of $F_z$ lacks the factor $1/m$ (and its $dt$) that the second line has",
     ),
-    Equation.read(
+    Equation(
         "B3: second line",
-        printed=_printed_b3,
+        "normal contact velocity at separation, second line",
+        "v_f",
         derive=lambda: stop()[2] + sticking_velocity(P_z - P_1),
     ),
-    Equation.read(
-        "B4",
-        printed=u_0 * m * k**2 / _stop - _bracket * m * (k**2 + Z**2) / _all,
-        derive=lambda: impulse()[1],
-    ),
-    Equation.read(
-        "B5",
-        printed=-u_0 * m * mu * k**2 / _stop - _bracket * m * X * Z / _all,
-        derive=lambda: impulse()[0],
-    ),
-    Equation.read(
+    Equation("B4", "normal impulse of slip-stick", "P_z(t_f)", derive=lambda: impulse()[1]),
+    Equation("B5", "tangential impulse of slip-stick", "P_x(t_f)", derive=lambda: impulse()[0]),
+    Equation(
         "18",
-        printed=(_u * Z**2 - _v * (1 + epsilon) * X * Z) / _all + omega * Z,
+        "horizontal velocity of the centre of mass after slip-stick",
+        "c'_x",
         derive=lambda: cm_velocity(*impulse())[0],
     ),
-    Equation.read(
+    Equation(
         "19",
-        printed=(_v * (X**2 - (k**2 + Z**2) * epsilon) - _u * X * Z) / _all + V_z - omega * X,
+        "vertical velocity of the centre of mass after slip-stick",
+        "c'_z",
         derive=lambda: cm_velocity(*impulse())[1],
     ),
-    Equation.read(
+    Equation(
         "IV: stick without mu",
-        printed=(0, 0),
+        r"$d/d\mu$ of (18) and (19)",
+        r"(\partial c'_x/\partial\mu, \partial c'_z/\partial\mu)",
+        said=(0, 0),
         derive=lambda: tuple(sp.cancel(c).diff(mu) for c in cm_velocity(*impulse())),
     ),
 )

@@ -1,11 +1,11 @@
-"""The steps on the way to an entry, as sentences and formulas for a reader.
+"""The steps on the way to an entry, as sentences and equations for a reader.
 
-A step is an axiom put to use, a value derived (a link, where it is an entry of its own), or an
-equation solved. Values are brought into the shortest of a few equal forms.
+A step is an axiom put to use, a value derived (a link, where it is an entry of its own), an
+equation solved, or a line that a derivation says. Each has a sentence, and an equation with a left
+side where it is short enough to be read. What one entry has shown, the next ones cite.
 """
 
 import inspect
-import re
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -15,27 +15,16 @@ from sympy.core.random import seed
 
 from . import trace
 from .proof import Equation, components
-from .registry import ENTRIES
 from .symbols import epsilon, mu
 from .trace import Step
 from .typeset import latex, moving, pieces
 
-LONGEST = 230  # characters of LaTeX; a longer value is told in words alone
-MOST = 120  # operations; a form with more is not tidied, which would take long
-_NAMES = "alpha|epsilon|eta|kappa|mu|omega|phi|theta|Gamma|cos|sin|tan"
-_ATOM = (
-    rf"(?:(?:cos|sin|tan|H)\([^)]*\)|(?:d?[a-zA-Z]|{_NAMES})_(?:[a-z]|\d|\*)'?"
-    rf"|{_NAMES}|XZ|d[uv]|[a-zA-Z]|\d+)(?:\^\d)?"
-)
-_FORMULA = re.compile(
-    rf"A, B, C|X, Z, k|(?<![\w'])-?{_ATOM}(?:(?: ?(?:->|[<>]=|[-=<>/+]) ?-?| ){_ATOM})*(?![\w'])"
-)
-_CITED = re.compile(r"[,;] (?:Eqs?\. )?\(B?\d+\)(?:, \(B?\d+\))*$")
-_WORDS = {"stick": "slip-stick", "back": "slip reversal", "slip": "slide"} | {
+LONGEST = 640  # characters of LaTeX; a longer value is told in words alone
+MOST = 150  # operations; a form with more is not tidied, which would take long
+_GAIN = sp.Symbol("gain", positive=True)  # 1 + epsilon
+_CASES = {"stick": "slip-stick", "back": "slip reversal", "slip": "slide"} | {
     law: law.title() for law in ("newton", "poisson", "stronge")
 }
-_GAIN = sp.Symbol("gain", positive=True)  # 1 + epsilon
-_EQUATIONS = {entry.tag: entry for entry in ENTRIES if isinstance(entry, Equation)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,18 +34,6 @@ class Line:
     text: str  # sentence with formulas between dollar signs
     formulas: tuple[tuple[str, ...], ...] = ()  # LaTeX, each in pieces that a line may break after
     tags: tuple[str, ...] = ()  # entries that hold the value
-
-
-def with_formulas(text: str) -> str:
-    """Plain text such as c_x' = -c_z with its formulas as LaTeX between dollar signs."""
-
-    def formula(found: re.Match) -> str:
-        if re.fullmatch(r"[aA]|[\d ]+", found[0]):
-            return found[0]
-        tex = re.sub(rf"(?<![A-Za-z])({_NAMES})(?![a-z])", r"\\\1", found[0])
-        return "$" + tex.replace(">=", r"\ge").replace("->", r"\to") + "$"
-
-    return _FORMULA.sub(formula, text)
 
 
 def _size(form: sp.Expr) -> int:
@@ -87,65 +64,38 @@ def tidy(expr: sp.Expr) -> sp.Expr:
     return min(forms, key=_size)
 
 
-def _values(value: Any) -> list[sp.Expr]:
-    """The expressions that a step gave."""
-    parts = value.values() if isinstance(value, dict) else value
-    listed = parts if isinstance(value, (tuple, dict)) else components(value)
-    return [sp.sympify(part) for part in listed]
+def _short(expr: Any) -> bool:
+    return isinstance(expr, sp.Expr) and expr.count_ops() <= MOST
 
 
-def _tidied(value: Any, end: str = "") -> tuple[tuple[str, ...], ...]:
-    """LaTeX of each component of a value; nothing if it is too long to be read."""
-    forms = _values(value)
-    if sum(form.count_ops() for form in forms) > MOST:
+def _equations(values: list[tuple[str, Any]]) -> tuple[tuple[str, ...], ...]:
+    """LaTeX of each value with its left side; nothing if it is too long to be read."""
+    if not all(_short(value) for _, value in values):
         return ()
-    found = [pieces(tidy(form)) for form in forms]
-    length = sum(len(piece) for form in found for piece in form)
-    return () if length > LONGEST else tuple((*form[:-1], form[-1] + end) for form in found)
+    found = []
+    for left, value in values:
+        first, *more = pieces(tidy(value))
+        found.append((f"{left} = {first}", *more))
+    return tuple(found) if sum(len(x) for form in found for x in form) <= LONGEST else ()
 
 
-def _is(step: Step, entry: Equation) -> bool:
-    """Whether what the entry derives is the step's value or a part of it."""
-    value = step.value
-    parts = value if isinstance(value, tuple) else (value,)
-    if any(isinstance(part, (dict, str)) for part in parts):
-        return False
-    whole = {x for part in parts for x in components(part)}
-    return set(components(entry.derive())) <= whole
+def _solved(step: Step) -> Line:
+    """An equation that was solved: both sides, or its numerator where it is to vanish."""
+    letters = ", ".join(f"${latex(x)}$" for x in step.given)
+    formulas = []
+    for left, right in step.value:
+        if right == 0 and left.is_rational_function() and left.count_ops() <= 3 * MOST:
+            left = _numerator(left, step.given)
+        if not _short(left):
+            return Line(step.what or f"Solved for {letters}")
+        sides = [pieces(tidy(side)) if side != 0 else ["0"] for side in (left, right)]
+        formulas.append((*sides[0][:-1], f"{sides[0][-1]} = {sides[1][0]}", *sides[1][1:]))
+    length = sum(len(x) for form in formulas for x in form)
+    return Line(step.what or f"Solved for {letters}", tuple(formulas) if length <= LONGEST else ())
 
 
-@cache
-def _entries() -> dict[tuple, tuple[str, ...]]:
-    """Tags of the entries that hold a step's value, by the step's name and arguments."""
-    found: dict[tuple, tuple[str, ...]] = {}
-    for tag, entry in _EQUATIONS.items():
-        steps = [step for step in entry.steps if step.kind == "derived"]
-        for step in steps:
-            values = set(_values(step.value))
-            part = any(x.free_symbols for x in values) and values <= set(components(entry.derive()))
-            if part or (len(entry.steps) == 1 and _is(step, entry)):
-                key = step.name, step.given
-                found[key] = (*found.get(key, ()), tag)
-    return found
-
-
-def _with(step: Step) -> str:
-    """What was put in: the step's arguments by their names."""
-    names = inspect.signature(trace.STEPS[step.name]).parameters
-    told, put_in = [], []
-    for name, value in zip(names, step.given, strict=False):
-        if isinstance(value, str):
-            told.append(_WORDS.get(value, value))
-        elif name.startswith("p_") and str(value).lower() != name and value.count_ops() < MOST // 8:
-            put_in.append(f"${name} = {latex(tidy(value))}$")
-    words = f" ({', '.join(told)})" if told else ""
-    return words + (f", with {' and '.join(put_in)}" if put_in else "")
-
-
-def _left_side(form: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> sp.Expr:
-    """Numerator of an equation's left side, without the factors that no unknown stands in."""
-    if form.count_ops() > 3 * MOST or not form.is_rational_function():
-        return form
+def _numerator(form: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> sp.Expr:
+    """Numerator of a form that vanishes, without the factors that no unknown stands in."""
     # not by factoring, which now and then takes minutes for so many letters
     left = sp.Poly(sp.numer(sp.cancel(form)), *unknowns).primitive()[1]
     terms = [(tidy(c) if c.count_ops() < MOST // 4 else c, powers) for powers, c in left.terms()]
@@ -154,27 +104,68 @@ def _left_side(form: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> sp.Expr:
     )
 
 
-def _line(step: Step, shown_in: str) -> Line:
-    """One step of the entry of a tag."""
-    if step.kind == "axiom":
-        entry = _EQUATIONS[step.name]
-        found = _tidied(step.value) if step.value != entry.derive() else ()
-        return Line("By", found, (step.name,))
-    if step.kind == "solved":
-        letters = step.name or ", ".join(f"${latex(x)}$" for x in step.given)
-        forms = [x for part in step.value for x in _tidied(_left_side(part, step.given), " = 0")]
-        return Line(f"Solved for {letters}", tuple(forms))
-    tags = _entries().get((step.name, step.given), ())
-    found = () if tags else _tidied(step.value)
-    text = with_formulas(_CITED.sub("", step.what)) + _with(step)
-    return Line(text, found, tuple(tag for tag in tags if tag != shown_in))
+def _put_in(step: Step) -> str:
+    """The step's arguments, as far as they say something."""
+    names = inspect.signature(trace.STEPS[step.name]).parameters
+    told, put_in = [], []
+    for name, value in zip(names, step.given, strict=False):
+        if isinstance(value, str):
+            told.append(_CASES.get(value, value))
+        elif name.startswith("p_") and str(value).lower() != name and value.count_ops() < MOST // 8:
+            put_in.append(f"${name[0].upper()}{name[1:]} = {latex(tidy(value))}$")
+    words = f" ({', '.join(told)})" if told else ""
+    return words + (f", with {' and '.join(put_in)}" if put_in else "")
 
 
-def lines(entry: Equation) -> list[Line]:
-    """The steps of an entry's derivation, in their order; none of an assumption."""
-    if entry.verdict == "assumed":
-        return []
-    steps = entry.steps
-    if len(steps) == 1 and steps[0].kind == "derived" and _is(steps[0], entry):
-        steps = steps[0].inner
-    return [_line(step, entry.tag) for step in steps]
+class Reader:
+    """Lines of entries in the order in which they are read: what was shown is cited later."""
+
+    def __init__(self, entries: list[Equation]):
+        self.entries = {entry.tag: entry for entry in entries}
+        self.shown: dict[str, str] = {}  # name of a step to the entry that showed it first
+        self.own: dict[
+            tuple, list[str]
+        ] = {}  # a step's name and arguments to the entries of its values
+        for entry in entries:
+            form = set(components(entry.derive()))
+            for step in entry.steps:
+                values = {value for _, value in step.values} if step.kind == "derived" else set()
+                if any(x.free_symbols for x in form) and form <= values:
+                    self.own.setdefault((step.name, step.given), []).append(entry.tag)
+
+    def lines(self, entry: Equation) -> list[Line]:
+        """The steps of an entry's derivation, in their order; none of an assumption."""
+        if entry.verdict == "assumed":
+            return []
+        found = [line for step in entry.steps for line in self._lines(step, entry)]
+        return list(dict.fromkeys(found))
+
+    def _lines(self, step: Step, entry: Equation) -> list[Line]:
+        """The lines of one step, those on the way to it first if nothing has shown them."""
+        if step.kind == "axiom":
+            axiom = self.entries[step.name]
+            values = [step.value] if isinstance(step.value, sp.Expr) else list(step.value)
+            lefts = axiom.left.strip("()").split(", ")
+            put_in = step.value != axiom.derive() and len(lefts) == len(values)
+            return [
+                Line(
+                    "By",
+                    _equations(list(zip(lefts, values, strict=False))) if put_in else (),
+                    (step.name,),
+                )
+            ]
+        if step.kind == "solved":
+            return [_solved(step)]
+        if step.kind == "said":
+            return [Line(step.what, _equations(step.values))]
+        own = self.own.get((step.name, step.given), [])
+        sentence = step.what + _put_in(step)
+        if own and entry.tag not in own:
+            return [Line(sentence, (), tuple(own))]
+        cited = self.shown.setdefault(step.name, entry.tag)
+        before = (
+            [] if cited != entry.tag else [x for y in step.inner for x in self._lines(y, entry)]
+        )
+        last = Line(sentence, _equations(step.values), () if cited == entry.tag else (cited,))
+        is_result = entry.tag in own and len(step.values) == 1
+        return [*before, Line(sentence) if is_result else last]

@@ -9,6 +9,7 @@ import sympy as sp
 
 m, moment, k, length, diameter = sp.symbols("m I k l d", positive=True)
 h_0 = sp.Symbol("h_0", nonnegative=True)
+alpha = sp.Symbol("alpha", positive=True)  # m l^2/(4 I), of Eq. (4)
 mu, epsilon = sp.symbols("mu epsilon", nonnegative=True)
 
 X, Z = sp.symbols("X Z", real=True)

@@ -3,73 +3,92 @@
 import sympy as sp
 
 from . import second_routes
-from .bodies import TANGENT, THIN, T, over_tangent
+from .bodies import THIN, T, over_tangent
 from .newton import approach
-from .proof import Equation, Repair
+from .proof import Equation
 from .slide import slide_excess
 from .slip_stick import stick_margin
-from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, phi, u_0, v_0
-from .trace import derived, solve
+from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, length, mu, omega, phi, u_0, v_0
+from .trace import derived, say, solve
+from .words import PAPER, compared, degrees, number
 
-gain = sp.Symbol("g", positive=True)  # (1 + epsilon) ratio
+gain = sp.Symbol("G", positive=True)  # (1 + epsilon) ratio
 ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 and V_z = 0
 
 
-@derived
+@derived(r"\mu")
 def critical_friction() -> sp.Expr:
-    """Friction at which stick turns into reversal, any geometry, XZ > 0."""
-    (value,) = solve(stick_margin(), mu)
+    """The friction at which sticking just holds, any geometry, $XZ > 0$."""
+    (value,) = solve((stick_margin(), sp.S.Zero), mu, r"The edge of (16), solved for $\mu$")
     return value
 
 
-@derived
+@derived(r"\mu_{slide}")
 def slide_friction() -> sp.Expr:
-    """Friction at which u_* = 0, any geometry; the approach ratio is r = -v_0/u_0."""
-    numerator = sp.numer(sp.together(slide_excess().subs({u_0: 1, v_0: -ratio})))
-    (value,) = solve(numerator, mu)
+    """The friction at which the slip just reaches the end, any geometry, with $r = -v_0/u_0$."""
+    excess = slide_excess().subs({u_0: 1, v_0: -ratio})
+    say("(14) over $u_0$", "u_*/u_0", excess)
+    (value,) = solve(sp.numer(sp.together(excess)), mu, r"Its numerator, solved for $\mu$")
     return sp.factor(value)
 
 
-@derived
+@derived(r"\mu_{slide}")
 def thin_slide_friction() -> sp.Expr:
-    """u_* = 0 solved for mu: a thin rod without spin on a plate at rest."""
+    """That of a thin rod without spin on a plate at rest, $r = -c_z/c_x$."""
     rate = {ratio: (-v_0 / u_0).subs(approach()).subs({omega: 0, V_z: 0})}
     return slide_friction().subs(rate).subs(THIN)
 
 
-@derived
+def _reversal() -> sp.Expr:
+    """XZ - mu (k^2 + Z^2) of a thin rod, times 12/l^2."""
+    short = (X * Z - mu * (k**2 + Z**2)).subs(THIN)
+    return sp.expand(12 * short / length**2)
+
+
+@derived(r"\cos 2\phi_c", r"\cos 2\phi_{upper}")
 def critical_cosines() -> tuple[sp.Expr, sp.Expr]:
-    """cos(2 phi) at the two critical tilts (lower, upper), from the squared condition."""
+    r"""The two roots; the larger one belongs to the lower tilt, $\phi_c$."""
     double = sp.Symbol(r"{\cos 2\phi}")
     sine_squared, cosine_squared = (1 - double) / 2, (1 + double) / 2
-    condition = sp.numer(sp.together(stick_margin().subs(THIN)))  # a mu + b sin cos, a by cos^2
-    parts = sp.collect(sp.expand(condition), mu, evaluate=False)
+    margin = sp.numer(sp.together(stick_margin().subs(THIN)))
+    say(
+        "The lengths of a thin rod put into (16), over common factors, vanish at its edge",
+        "0",
+        margin,
+    )
+    parts = sp.collect(sp.expand(margin), mu, evaluate=False)
     slope = parts[mu].subs(sp.cos(phi) ** 2, cosine_squared)
-    product = parts[sp.S.One]
-    factor = product / (sp.sin(phi) * sp.cos(phi))
-    squared = mu**2 * slope**2 - factor**2 * sine_squared * cosine_squared
-    roots = solve(squared, double)
+    factor = parts[sp.S.One] / (sp.sin(phi) * sp.cos(phi))
+    squared = mu**2 * slope**2, factor**2 * sine_squared * cosine_squared
+    roots = solve(
+        squared,
+        double,
+        r"The terms with and without $\mu$ on two sides, both squared, with $\cos^2\phi = (1 + "
+        r"\cos 2\phi)/2$; solved for $\cos 2\phi$",
+    )
     return tuple(sorted(roots, key=lambda r: -r.subs(mu, sp.Rational(1, 2))))
 
 
-@derived
+@derived(r"\tan\phi_{lower}", r"\tan\phi_{upper}")
 def critical_tangents() -> tuple[sp.Expr, sp.Expr]:
-    """tan(phi) at the two critical tilts: roots of a quadratic, no squaring needed."""
-    roots = solve(sp.numer(sp.together(over_tangent(stick_margin()))), T, TANGENT)
+    """The edge of (16) is a quadratic in the tangent: its two roots, no squaring needed."""
+    edge = sp.numer(sp.together(over_tangent(stick_margin())))
+    roots = solve((edge, sp.S.Zero), T, r"Solved for $\tan\phi$")
     return tuple(sorted(roots, key=lambda r: r.subs(mu, sp.Rational(1, 2))))
 
 
-@derived
+@derived(r"\phi_c")
 def critical_tilt() -> sp.Expr:
-    """phi_c, the lower critical tilt, (23)."""
+    """Half of the angle."""
     return sp.acos(critical_cosines()[0]) / 2
 
 
-@derived
+@derived(r"\mu", r"\tan\phi")
 def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
-    """Largest friction at which a thin rod reverses, and the tangent of its tilt."""
+    """The largest friction at which a thin rod slips back, and the tangent of its tilt."""
     mu_of = over_tangent(critical_friction())
-    (best,) = solve(mu_of.diff(T), T, TANGENT)
+    say("The edge of (16) over the tangent", r"\mu", mu_of)
+    (best,) = solve((mu_of.diff(T), sp.S.Zero), T, "Its derivative vanishes where it is largest")
     return mu_of.subs(T, best), best
 
 
@@ -80,9 +99,9 @@ def _rationalised(expr: sp.Expr) -> sp.Expr:
     return expr.subs(root, 3 * (1 - w**2) / (1 + w**2)).subs(mu, 3 * w / (2 * (1 + w**2)))
 
 
-@derived
+@derived(r"\phi_{max}")
 def largest_reversal_tilt() -> sp.Expr:
-    """Largest tilt at which a thin rod reverses."""
+    """The larger root is the largest tilt at which a thin rod slips back."""
     return _end_of_reversal(critical_tangents())
 
 
@@ -91,20 +110,13 @@ def _end_of_reversal(tangents: tuple[sp.Expr, ...]) -> sp.Expr:
     return sp.atan(tangents[1]) if len(tangents) > 1 else sp.pi / 2
 
 
-def overlooking_the_second_root() -> sp.Expr:
-    """Largest tilt of reversal, computed with the first critical tilt alone."""
-    return _end_of_reversal(critical_tangents()[:1])
-
-
-@derived
+@derived(r"\tan\phi", r"\mu_{inner}", r"\mu_{90}")
 def largest_slide_friction() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """Tangent of the inner tilt of largest slide friction, the friction there, and at 90 degrees.
-
-    g = (1 + epsilon)(-c_z/c_x); in T = tan(phi) the friction is a quotient of two quadratics.
-    """
+    """The inner tilt of the largest friction of a slide, the friction there, and at 90 degrees."""
     mu_of = over_tangent(thin_slide_friction().subs(c_x, -(1 + epsilon) * c_z / gain))
     mu_of = sp.factor(mu_of)
-    extrema = solve(sp.numer(sp.together(mu_of.diff(T))), T, TANGENT)
+    say(r"With $G = -(1 + \epsilon) c_z/c_x$", r"\mu_{slide}", mu_of)
+    extrema = solve(sp.numer(sp.together(mu_of.diff(T))), T, "Its derivative vanishes")
     (inner,) = (x for x in extrema if mu_of.diff(T, 2).subs(T, x).subs(gain, 1) < 0)
     return inner, sp.factor(mu_of.subs(T, inner)), sp.limit(mu_of, T, sp.oo)
 
@@ -147,95 +159,209 @@ def _slide_boundary_checks(form: sp.Expr) -> list[sp.Expr]:
     return [v_x - spin * Z]
 
 
-def printed_upper_tilt() -> sp.Expr:
+def _upper_tilt_of(condition: sp.Expr) -> sp.Expr:
     """Largest tilt of the printed condition, which is a quadratic in the tangent."""
-    quadratic = 3 * T - mu * (1 + T**2 + 3)  # over cos^2
+    over_cosine = sp.expand(condition / sp.cos(phi) ** 2).subs(sp.sin(phi), T * sp.cos(phi))
+    quadratic = sp.expand(over_cosine).subs(sp.cos(phi), 1 / sp.sqrt(1 + T**2))
     return sp.atan(max(sp.solve(quadratic, T), key=lambda r: r.subs(mu, sp.Rational(1, 2))))
 
 
-_printed_23 = sp.acos((sp.sqrt(9 - 16 * mu**2) - 5 * mu**2) / (3 * (1 + mu**2))) / 2
-_mu_c = -c_x / (4 * c_z * (1 + epsilon))
-_reversal = sp.Lt(mu * (1 + 3 * sp.cos(phi) ** 2), 3 * sp.sin(phi) * sp.cos(phi))
+def _at_two(condition: sp.Expr) -> sp.Expr:
+    """Friction that the printed condition gives where the tangent is 2."""
+    there = condition.subs({sp.sin(phi): 2 * sp.cos(phi)}).subs(sp.cos(phi), 1 / sp.sqrt(5))
+    return sp.solve(there, mu)[0]
+
+
+def _upright_slide(condition: sp.Expr) -> sp.Expr:
+    """Friction at which the printed (14) ends for a thin rod at 90 degrees."""
+    flat = condition.subs(THIN).subs({phi: sp.pi / 2, u_0: c_x, v_0: c_z})
+    return sp.solve(flat, mu)[0]
+
+
+_MU_C = -c_x / (4 * c_z * (1 + epsilon))
+_FIG_12 = {mu: sp.Rational(2, 5), epsilon: sp.Rational(13, 20), c_x: 1, c_z: -2}
+
+
+def _slide_told() -> str:
+    """What is true of slides, and where the rod of Fig. 12 slides."""
+    flat = thin_slide_friction().subs(phi, sp.pi / 2)
+    edge = over_tangent(thin_slide_friction()).subs(_FIG_12) - _FIG_12[mu]
+    tilts = [sp.atan(root) for root in sp.solve(sp.numer(sp.together(edge)), T) if root.is_real]
+    left = slide_excess().subs(THIN).subs({u_0: c_x, v_0: c_z}).subs(_FIG_12)
+    slides = compared(left.subs(phi, tilts[-1] + sp.Rational(1, 50)), sp.S.Zero)
+    return (
+        rf"near 90 degrees the rod slides up to ${sp.cancel(flat / _MU_C)} \mu_c$. In Fig. 12 "
+        rf"$\mu_c$ is {number(_MU_C.subs(_FIG_12))} and $\mu$ is {number(_FIG_12[mu])}, and the "
+        "rod "
+        f"slides {slides} {degrees(tilts[-1])}, as the text says of it"
+    )
+
+
+def _largest_told() -> str:
+    """Which of the two frictions is the larger one."""
+    inner, at_90 = largest_slide_friction()[1:]
+    equal = sp.solve(inner - at_90, gain)[0]
+    none = sp.solve(1 / inner, gain)[0]
+    fig_10 = {gain: sp.Rational(9, 5)}  # (1 + 0.8) 1
+    tilt = sp.atan(largest_slide_friction()[0].subs(fig_10))
+    between = compared((inner - at_90).subs(fig_10), 0, ("larger", "smaller"))
+    return (
+        f"from $G = {equal}$ on the largest is the one at 90 degrees, "
+        f"${sp.cancel(at_90 / (1 / gain))}"
+        rf"/G$; between $G = {none}$ and {equal} the inner one is {between} (Fig. 10(a): $G$ is "
+        f"{number(fig_10[gain])}, {number(inner.subs(fig_10), 3)} at {degrees(tilt)}); below there "
+        "is none: some tilt slides at every friction"
+    )
+
+
+def _upper_told() -> str:
+    """Where the contact sticks again, and what (29) would leave at 90 degrees."""
+    upper = sp.atan(critical_tangents()[1]).subs(PAPER)
+    return (
+        f"beyond the second root the contact sticks again (from {degrees(upper, 2)} on at "
+        rf"$\mu = {number(PAPER[mu])}$, the friction of Fig. 11): there (26) holds, not (27) and "
+        r"(29), which Section V claims for all of $\phi > \phi_c$"
+    )
+
 
 EQUATIONS = (
-    Equation.read(
-        "IV: mu_c", printed=_mu_c, derive=lambda: sp.factor(thin_slide_friction().subs(phi, 0))
-    ),
-    Equation.read(
-        "IV: slide only below mu_c",
-        printed=_mu_c,
-        derive=lambda: sp.factor(thin_slide_friction().subs(phi, sp.pi / 2)),
-        contradiction=lambda: sp.solve(
-            (u_0 + mu * k**2 / (k**2 + X**2) * v_0 * (1 + epsilon))
-            .subs(THIN)
-            .subs({phi: sp.pi / 2, u_0: c_x, v_0: c_z}),
-            mu,
-        )[0],
-        mistaken=lambda: thin_slide_friction().subs(phi, 0),
-    ),
-    Equation.read(
-        "IV: largest slide friction",
-        derive=largest_slide_friction,
-        shown=((1 + 2 * gain) / (2 - gain), (4 + 3 * gain) / (4 * gain - 3), 4 / gain),
-        check=_slide_friction_checks,
-    ),
-    Equation.read(
+    Equation(
         "IV: condition for phi_c",
-        printed=_reversal,
-        derive=lambda: sp.Lt(stick_margin().subs(THIN), 0),
+        "edge of slip reversal for a thin rod",
+        "0",
+        derive=_reversal,
     ),
-    Equation.read("23", printed=_printed_23, derive=critical_tilt),
-    Equation.read("23: both roots", derive=critical_tangents, check=_root_checks),
-    Equation.read(
+    Equation(
+        "23",
+        "critical tilt between slip-stick and slip reversal",
+        r"\phi_c",
+        derive=critical_tilt,
+        note="one of two roots: beyond the larger one the contact sticks again",
+    ),
+    Equation(
         "23: small friction",
-        printed=sp.Rational(4, 3) * mu,
+        r"$\phi_c$ to $O(\mu^3)$",
+        r"\phi_c",
         derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 3).removeO(),
     ),
-    Equation.read(
+    Equation(
+        "IV: mu_c",
+        "largest friction of continuous slide at small tilt",
+        r"\mu_c",
+        derive=lambda: sp.factor(thin_slide_friction().subs(phi, 0)),
+        note="the limit of tilt 0",
+    ),
+    Equation(
+        "IV: slide only below mu_c",
+        "largest friction over all tilts",
+        r"\max_\phi \mu_{slide}",
+        verdict="erratum",
+        said=_MU_C,
+        derive=lambda: sp.factor(thin_slide_friction().subs(phi, sp.pi / 2)),
+        contradicted_by=("14",),
+        contradiction=_upright_slide,
+        mistaken=lambda: thin_slide_friction().subs(phi, 0),
+        mistake="the value at tilt 0 is taken for the largest",
+        note=_slide_told,
+    ),
+    Equation(
+        "IV: phi_c at mu = 3/5",
+        "what (23) gives there",
+        r"\phi_c(3/5)",
+        verdict="erratum",
+        said=sp.pi / 2,
+        derive=lambda: critical_tilt().subs(mu, sp.Rational(3, 5)),
+        contradicted_by=("23",),
+        contradiction=lambda tilt: tilt.subs(mu, sp.Rational(3, 5)),
+        mistaken=lambda: 2 * critical_tilt().subs(mu, sp.Rational(3, 5)),
+        mistake=r"$2 \phi_c$ is taken for $\phi_c$",
+        note=lambda: rf"$\phi_c$ is {degrees(critical_tilt().subs(mu, sp.Rational(3, 5)))} there",
+    ),
+    Equation(
+        "IV: no reversal above 3/5",
+        "largest friction of a reversal",
+        r"\max_\phi \mu",
+        verdict="erratum",
+        said=sp.Rational(3, 5),
+        derive=lambda: largest_reversal_friction()[0],
+        check=_last_reversal_checks,
+        contradicted_by=("IV: condition for phi_c",),
+        contradiction=_at_two,
+        mistaken=lambda: critical_friction().subs(THIN).subs(phi, sp.pi / 4),
+        mistake=r"the friction whose $\phi_c$ is 45 degrees is taken for the largest of all tilts",
+        note=lambda: (
+            rf"reversal ends at $\mu = {largest_reversal_friction()[0]}$, where both critical "
+            "tilts "
+            f"meet at {degrees(sp.atan(largest_reversal_friction()[1]))}"
+        ),
+    ),
+    Equation(
+        "VI: slip-stick at any tilt",
+        r"sign of the least of $\mu - |F_x|/F_z$ over all tilts of a thin rod as $\mu \to \infty$",
+        r"\mathrm{sgn}",
+        said=sp.S.One,
+        derive=lambda: sp.sign(sp.limit(mu - largest_reversal_friction()[0], mu, sp.oo)),
+        note=lambda: rf"large is $\mu \ge {largest_reversal_friction()[0]}$",
+    ),
+    Equation(
+        "IV: reversal at larger angles",
+        "largest tilt of a reversal",
+        r"\phi_{max}",
+        verdict="erratum",
+        said=sp.pi / 2,
+        derive=largest_reversal_tilt,
+        at={mu: PAPER[mu]},
+        contradicted_by=("IV: condition for phi_c",),
+        contradiction=_upper_tilt_of,
+        mistaken=lambda: _end_of_reversal(critical_tangents()[:1]),
+        mistake="the second root of the condition is overlooked",
+        note=_upper_told,
+    ),
+)
+
+BEYOND = (
+    Equation(
+        "23: both roots",
+        r"$\tan\phi$ at the lower and the upper critical tilt",
+        r"(\tan\phi_{lower}, \tan\phi_{upper})",
+        verdict="new",
+        derive=critical_tangents,
+        check=_root_checks,
+        note=lambda: (
+            f"the product of the two tangents is {sp.simplify(sp.prod(critical_tangents()))}, "
+            "whatever the friction"
+        ),
+    ),
+    Equation(
         "23: next order",
+        r"$\phi_c$ to $O(\mu^5)$",
+        r"\phi_c",
+        verdict="new",
         derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 5).removeO(),
         check=lambda form: (
             sp.series(3 * sp.tan(form) - mu * (4 + sp.tan(form) ** 2), mu, 0, 5).removeO(),
         ),
     ),
-    Equation.read(
-        "IV: phi_c at mu = 3/5",
-        printed=sp.pi / 2,
-        derive=lambda: critical_tilt().subs(mu, sp.Rational(3, 5)),
-        contradiction=lambda: _printed_23.subs(mu, sp.Rational(3, 5)),
-        repair=(Repair(r"$2 \phi_c$ is meant: a factor 1/2", sp.pi / 2, sp.pi / 4),),
-    ),
-    Equation.read(
-        "IV: no reversal above 3/5",
-        printed=sp.Rational(3, 5),
-        derive=lambda: largest_reversal_friction()[0],
-        check=_last_reversal_checks,
-        contradiction=lambda: sp.solve(
-            (_reversal.gts - _reversal.lts)
-            .subs({sp.sin(phi): 2 * sp.cos(phi)})
-            .subs(sp.cos(phi), 1 / sp.sqrt(5)),
-            mu,
-        )[0],
-        mistaken=lambda: critical_friction().subs(THIN).subs(phi, sp.pi / 4),
-    ),
-    Equation.read(
-        "VI: slip-stick at any tilt",
-        printed=sp.S.One,
-        derive=lambda: sp.sign(sp.limit(mu - largest_reversal_friction()[0], mu, sp.oo)),
-    ),
-    Equation.read(
-        "IV: reversal at larger angles",
-        printed=sp.pi / 2,
-        derive=largest_reversal_tilt,
-        at={mu: sp.Rational(3, 10)},
-        contradiction=printed_upper_tilt,
-        mistaken=overlooking_the_second_root,
-    ),
-    Equation.read(
+    Equation(
         "IV: slide boundary",
+        "$u_* = 0$ solved for the friction, any geometry, $r = -v_0/u_0$",
+        r"\mu_{slide}",
+        verdict="new",
         derive=slide_friction,
         shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
         / ((1 + epsilon) * ratio * (k**2 + Z**2) - X * Z),
         check=_slide_boundary_checks,
+    ),
+    Equation(
+        "IV: largest slide friction",
+        "continuous slide of a thin rod over all tilts: tangent of the inner tilt where its "
+        r"friction is largest, that friction, and the one at 90 degrees; $G = -(1 + \epsilon) "
+        "c_z/c_x$",
+        r"(\tan\phi, \mu_{inner}, \mu_{90})",
+        verdict="new",
+        derive=largest_slide_friction,
+        shown=((1 + 2 * gain) / (2 - gain), (4 + 3 * gain) / (4 * gain - 3), 4 / gain),
+        check=_slide_friction_checks,
+        note=_largest_told,
     ),
 )

@@ -4,6 +4,7 @@ An axiom notes its use (`note`), `solve` an equation that was solved. `derived` 
 together with its steps, so that a cached result hands the note on.
 """
 
+import inspect
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,21 +19,37 @@ from sympy.core.random import seed
 class Step:
     """One step of a derivation: an axiom put to use, a value derived, an equation solved."""
 
-    kind: str  # "axiom", "derived" or "solved"
-    name: str  # tag of the axiom, name of the step; of "solved" what the unknowns mean
-    given: tuple[Any, ...] = ()  # arguments; of "solved" the unknowns
-    value: Any = None  # what it gave; of "solved" what was set to zero
+    kind: str  # "axiom", "derived", "solved" or "said"
+    name: str  # tag of the axiom, name of the step; of the others its sentence
+    given: tuple[Any, ...] = ()  # arguments; of "solved" the unknowns; of "said" the left side
+    value: Any = None  # what it gave; of "solved" both sides
     inner: tuple["Step", ...] = ()  # the steps on the way to it
 
     @property
     def what(self) -> str:
-        """First line of the step's docstring."""
+        """Its sentence: of a derived value the first line of the docstring."""
+        if self.kind != "derived":
+            return self.name
         return (STEPS[self.name].__doc__ or "").partition("\n")[0].rstrip(".")
+
+    @property
+    def values(self) -> list[tuple[str, sp.Expr]]:
+        """What a derived value consists of, each with its left side."""
+        if isinstance(self.value, dict):
+            return [
+                (sp.latex(x) if isinstance(x, sp.Basic) else x, v) for x, v in self.value.items()
+            ]
+        listed = self.value if isinstance(self.value, tuple | sp.MatrixBase) else (self.value,)
+        names = inspect.signature(STEPS[self.name]).parameters if self.kind == "derived" else ()
+        put = dict(zip(names, self.given, strict=False))
+        lefts = self.given if self.kind == "said" else LEFTS[self.name]
+        return [(left % put, value) for left, value in zip(lefts, listed, strict=True)]
 
 
 _open: list[list[Step]] = []  # steps of the derivations now being computed, the inner one last
 
 STEPS: dict[str, Callable[..., Any]] = {}  # every derivation step, by module and name
+LEFTS: dict[str, tuple[str, ...]] = {}  # left sides of what each gives, LaTeX with %(argument)s
 _caches: list[dict] = []
 _bent: dict[str, Callable[[Any], Any]] = {}  # steps whose result is changed, for a trial
 
@@ -80,30 +97,54 @@ def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., An
     return cached
 
 
-def derived(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Register a derivation step, and cache it as `remembered` does."""
-    name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
+def derived(*lefts: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Register a derivation step with the left sides of its values, and cache it.
 
-    @wraps(function)
-    def step(*given: Any) -> Any:
-        value = function(*given)
-        return _bent[name](value) if name in _bent else value
+    The first line of its docstring is the sentence that a reader finds before them.
+    """
 
-    STEPS[name] = function
-    return remembered(step, name)
+    def registered(function: Callable[..., Any]) -> Callable[..., Any]:
+        name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
+
+        @wraps(function)
+        def step(*given: Any) -> Any:
+            value = function(*given)
+            return _bent[name](value) if name in _bent else value
+
+        STEPS[name], LEFTS[name] = function, lefts
+        return remembered(step, name)
+
+    return registered
+
+
+def say(sentence: str, *lefts_and_value: Any) -> None:
+    """Note a line of the derivation: a sentence, and an equation of what was computed.
+
+    The left sides, LaTeX, and the value come last; several values are a tuple.
+    """
+    *lefts, value = lefts_and_value
+    note(Step("said", sentence, tuple(lefts), value))
 
 
 def solve(forms: Any, unknowns: Any, meant: str = "") -> Any:
     """Solve one equation for a letter, or several linear ones; it is noted as a step.
 
-    `meant` says what a letter is that only this step has, as LaTeX between dollar signs.
+    An equation is an expression that vanishes, or a pair of sides. `meant` is the sentence that
+    says what it is; without one it says what it was solved for.
     """
-    listed = [tuple(x) if isinstance(x, list) else (x,) for x in (unknowns, forms)]
-    note(Step("solved", meant, *listed))
-    if isinstance(forms, list):
-        (found,) = sp.linsolve(forms, unknowns)
+    several = isinstance(unknowns, list)
+    letters = tuple(unknowns) if several else (unknowns,)
+    pairs = (
+        [form if isinstance(form, tuple) else (form, sp.S.Zero) for form in forms]
+        if several
+        else [forms if isinstance(forms, tuple) else (forms, sp.S.Zero)]
+    )
+    note(Step("solved", meant, letters, tuple(pairs)))
+    differences = [left - right for left, right in pairs]
+    if several:
+        (found,) = sp.linsolve(differences, *letters)
         return found
-    return sp.solve(forms, unknowns)
+    return sp.solve(differences[0], unknowns)
 
 
 def forget(kind: str = "", name: str = "") -> list[tuple[dict, dict]]:

@@ -167,7 +167,7 @@ _printer = _Printer(
 
 def latex(form: Form) -> str:
     """LaTeX of a form."""
-    return _printer.doprint(form)
+    return re.sub(r"\{\\tan\\phi\}(\^\{\d\})", r"\\tan\1\\phi", _printer.doprint(form))
 
 
 def pieces(form: Form) -> list[str]:

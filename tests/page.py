@@ -4,7 +4,7 @@ import re
 from html import unescape
 from html.parser import HTMLParser
 
-from derivations.sentences import to_html
+from derivations.lecture import to_html
 
 VOID = {"meta", "wbr", "br", "img", "input"}
 

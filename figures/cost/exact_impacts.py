@@ -138,12 +138,11 @@ def _printed(module: str) -> dict[str, Callable]:
     from derivations import slide, slip_reversal, slip_stick
     from derivations import symbols as s
     from derivations.newton import approach
-    from derivations.proof import repaired
 
     equations = (*slide.EQUATIONS, *slip_stick.EQUATIONS, *slip_reversal.EQUATIONS)
     arguments = (s.c_x, s.c_z, s.omega, s.V_z, s.X, s.Z, s.k, s.mu, s.epsilon)
     return {
-        equation.tag: sp.lambdify(arguments, repaired(equation).subs(approach()), modules=module)
+        equation.tag: sp.lambdify(arguments, equation.repaired.subs(approach()), modules=module)
         for equation in equations
         if equation.tag in ("12", "13", "14", "16", "18", "19", "21", "22")
     }

@@ -17,7 +17,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from derivations import languages, report
-from derivations.sentences import to_html
+from derivations.lecture import to_html
 from impact import InputError, Regime
 
 from ..lib.style import REGIME_MAP, RESTITUTION_LAWS, SHAPES

@@ -22,8 +22,8 @@ from markupsafe import Markup
 from PIL import Image
 
 from derivations import report
+from derivations.lecture import to_html
 from derivations.registry import ENTRIES
-from derivations.sentences import to_html
 from impact import InputError
 
 from .. import FIGURES, load

@@ -6,26 +6,20 @@ of an inequality scaled. An entry with a changed form must lose its verdict, and
 must cost some entry that rests on it its proof. Changes that say the same are counted apart.
 """
 
-import hashlib
-import json
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Literal
 
 import sympy as sp
 
-from . import axioms
-from .files import write
-from .proof import Equation, Form, components, equal_at_random_points
-from .registry import ENTRIES
+from derivations import axioms
+from derivations.proof import Equation, Form, components, equal_at_random_points
+from derivations.registry import ENTRIES
 
 Relational = sp.core.relational.Relational
 Outcome = Literal["caught", "equivalent", "survived"]
 
-RECORD = Path(__file__).with_name("mutants.json")  # what the last whole trial found
 FACTOR = sp.Rational(8, 7)
 
 
@@ -108,7 +102,7 @@ def says_the_same(a: Form, b: Form, up_to: str = "") -> bool:
 
 def _tried(entry: Equation, side: str, form: Form) -> Iterator[Mutant]:
     for what, new in changes(form):
-        given = {"printed": new} if side == "printed" else {"derive": lambda new=new: new}
+        given = {"said": new} if side == "printed" else {"derive": lambda new=new: new}
         outcome: Outcome = "caught"
         if replace(entry, **given).prove().ok:
             outcome = "equivalent" if says_the_same(new, form) else "survived"
@@ -117,7 +111,7 @@ def _tried(entry: Equation, side: str, form: Form) -> Iterator[Mutant]:
 
 def of_entry(entry: Equation) -> Iterator[Mutant]:
     """Try every change of both sides of one entry."""
-    if entry.printed is not None:
+    if entry.printed is not None and not entry.repair:  # which is a change of the LaTeX itself
         yield from _tried(entry, "printed", entry.printed)
     yield from _tried(entry, "derived", entry.derive())
 
@@ -142,33 +136,3 @@ def trials() -> list[Callable[[], Iterator[Mutant]]]:
         *(partial(of_entry, entry) for entry in entries),
         *(partial(of_axiom, axiom) for axiom in axioms.AXIOMS),
     ]
-
-
-def digest() -> str:
-    """Digest of the sources that derive and prove, first 16 digits."""
-    here = Path(__file__).parent
-    files = sorted((*here.glob("*.py"), *here.glob("*.toml")))
-    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:16]
-
-
-def run(progress: Callable[[Iterable], Iterable] = iter) -> list[Mutant]:
-    """Try all mutants and record what became of them."""
-    found = [mutant for trial in progress(trials()) for mutant in trial()]
-    counts = Counter(mutant.outcome for mutant in found)
-    kept = [asdict(mutant) for mutant in found if mutant.outcome != "caught"]
-    record = {"sources": digest(), "tried": len(found), **counts, "not caught": kept}
-    write(json.dumps(record, indent=1) + "\n", RECORD)
-    return found
-
-
-def recorded() -> str:
-    """What the last whole trial found, as a sentence."""
-    if not RECORD.exists():
-        return "No trial of the proofs by deliberate mistakes is recorded."
-    found = json.loads(RECORD.read_text(encoding="utf-8"))
-    sources = "" if found["sources"] == digest() else " (of earlier sources)"
-    return (
-        f"The proofs were tried on {found['tried']} deliberate mistakes{sources}: "
-        f"{found.get('caught', 0)} lost their verdict, {found.get('equivalent', 0)} say the same "
-        f"as what they replace, {found.get('survived', 0)} kept it."
-    )
