@@ -245,12 +245,12 @@ class Noted:
     It is shown and never counted: not among the proofs, not among the mistakes.
     """
 
-    tag: str
-    quote: str
-    note: str
-    verdict: Verdict = "noted"
+    tag: str  # section and key word
+    quote: str  # the paper's words
+    note: str  # what they do not fit
+    verdict: Verdict = "noted"  # of all
     printed: None = None  # no equation
-    contradicted_by: tuple[str, ...] = ()
+    contradicted_by: tuple[str, ...] = ()  # nothing is proved
 
     @property
     def what(self) -> str:
