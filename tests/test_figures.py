@@ -13,9 +13,11 @@ from matplotlib.figure import Figure
 import figures
 from figures.__main__ import main
 from figures.lib.printing import printed
+from figures.theory import tip_shape
 from figures.theory.restitution_laws import largest_gain
 from impact import (
     Regime,
+    classify,
     critical_friction,
     energy_restitution,
     slide_friction,
@@ -54,6 +56,66 @@ def test_a_figure_that_is_not_there_is_named(name):
     near = r"; near it: fig1\d" if name == "fig1" else ""
     with pytest.raises(ValueError, match=rf"^there is no figure {re.escape(repr(name))}{near}"):
         figures.load(name)
+
+
+PAIRS = [(0.05, 0.0), (0.2, 0.3), (0.5, 0.65), (0.8, 0.9), (1.2, 1.0)]  # friction, restitution
+
+
+@pytest.mark.parametrize(("friction", "restitution"), PAIRS)
+def test_fig11_follows_its_values(friction, restitution):
+    """The drift is within the panel; an arrow leads to where the contact sticks again."""
+    module = figures.load("fig11")
+    d = module.data(quick=True, friction=friction, restitution=restitution)
+    picture = module.draw(d)
+    (ax,) = picture.axes
+    top, upper = ax.get_ylim()[1], np.degrees(d["critical_tilt"][1])
+    assert top > d["c_x"].max() or (restitution == 1 and top > module.HIGHEST)
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert any("(26)" in text for text in words) == np.isfinite(upper)
+    assert f"{restitution:g}$, $\\mu={friction:g}$" in ax.get_legend().get_title().get_text()
+    assert len(ax.child_axes) == np.isfinite(upper)
+    for inset in ax.child_axes:
+        tilt_deg, c_x = inset.texts[0].xy
+        assert inset.get_xlim()[0] < upper < tilt_deg < 90
+        assert 0 < c_x < inset.get_ylim()[1]
+        assert c_x == pytest.approx(np.interp(tilt_deg, np.degrees(d["tilt"]), d["c_x"]))
+    plt.close(picture)
+
+
+@pytest.mark.parametrize("restitution", [restitution for _, restitution in PAIRS])
+def test_fig10_names_each_regime_where_it_is(restitution):
+    module = figures.load("fig10")
+    d = module.data(quick=True, restitution=restitution)
+    picture = module.draw(d)
+    end, tilts_deg = thin_rod(d["reversal_end"][0]), np.degrees(d["tilt"])
+    for ax, ratio, regime in zip(picture.axes, d["approach_ratio"], d["regime"], strict=True):
+        named = {}
+        for text in ax.texts:
+            tilt_deg, friction = getattr(text, "xy", None) or text.get_position()
+            row, column = abs(d["friction"] - friction).argmin(), abs(tilts_deg - tilt_deg).argmin()
+            named[regime[row, column]] = re.sub(r"\W", "_", text.get_text()).upper()
+        assert named == {number: Regime(number).name for number in np.unique(regime)}
+        assert rf"\epsilon={restitution:g}" in ax.get_title(loc="left")
+        how = {"friction": 0.75, "restitution": restitution}
+        stops = classify(1.0, -ratio, geometry=end, **how) != Regime.SLIDE
+        assert any("3/4" in str(line.get_label()) for line in ax.lines) == stops
+    plt.close(picture)
+
+
+@pytest.mark.parametrize(("friction", "restitution"), PAIRS)
+def test_tip_shape_cuts_no_drift(friction, restitution, monkeypatch):
+    quick = data("tip_shape")
+    monkeypatch.setattr(tip_shape, "_bounced", lambda *_: {})
+    monkeypatch.setattr(tip_shape, "_one_impact", lambda *_: {})
+    d = {**quick, **tip_shape.data(True, friction, restitution)}
+    drifts = np.abs([*d["thin"], *d["round"], *d["flat"], *d["flat_by_length"]])
+    picture = tip_shape.draw(d)
+    for ax in picture.axes[:2]:
+        top = ax.get_ylim()[1]
+        assert top > drifts.max() or (restitution == 1 and top > tip_shape.HIGHEST)
+        assert top < 2 * drifts.max()
+        assert all(abs(text.get_position()[1]) < top for text in ax.texts)
+    plt.close(picture)
 
 
 @pytest.mark.parametrize("name", figures.FIGURES)

@@ -11,8 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
+from scipy.ndimage import distance_transform_edt, minimum_filter
+from scipy.ndimage import label as regions
 
-from impact import critical_tilts, slide_friction, spherocylinder, thin_rod
+from impact import Regime, critical_tilts, slide_friction, spherocylinder, thin_rod
 
 Data = dict[str, np.ndarray]  # of a figure: arrays by name
 Look = dict[str, Any]  # options of Matplotlib
@@ -26,9 +28,15 @@ REGIME_MAP = ListedColormap(["#A9D8F5", "#FBF5BE", "#EDA677"])
 REGIME_NORM = BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3)
 _REGIMES: Look = {"cmap": REGIME_MAP, "norm": REGIME_NORM, "rasterized": True, "zorder": 0}
 
+REGIME_WORDS = {
+    Regime.SLIDE: "slide",
+    Regime.SLIP_STICK: "slip-stick",
+    Regime.SLIP_REVERSAL: "slip reversal",
+}
 LEGEND_BOX = {"frameon": True, "edgecolor": "none", "framealpha": 0.9, "borderpad": 0.2}
 RESTITUTION_LAWS = ("newton", "poisson", "stronge")
 ARROW: Look = {"arrowstyle": "->", "lw": 0.6}
+ASIDE: Look = {"ha": "center", "va": "center", "arrowprops": ARROW}
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
 
 # White to vermilion: light enough for black lines everywhere.
@@ -61,6 +69,36 @@ def map_regimes(
 ) -> QuadMesh:
     """Colour the panel by regime over tilt and friction."""
     return ax.pcolormesh(tilt_deg, friction, regime, shading="nearest", **_REGIMES)
+
+
+def name_regimes(ax: Axes, tilt_deg: np.ndarray, friction: np.ndarray, regime: np.ndarray) -> None:
+    """Name each regime of a map where it is widest; one that is too narrow gets an arrow.
+
+    Parameters
+    ----------
+    tilt_deg, friction : (columns,), (rows,), evenly spaced over the whole panel
+    regime : (rows, columns)
+    """
+    for number, name in REGIME_WORDS.items():
+        parts, count = regions(np.pad(regime == number, 1))
+        if not count:
+            continue
+        there = parts == 1 + np.argmax(np.bincount(parts.flat)[1:])  # the largest part
+        depth, word = distance_transform_edt(there), ax.text(0, 0, name, ha="center", va="center")
+        for words in (name, name.replace(" ", "\n")):
+            word.set_text(words)
+            room = np.divide(word.get_window_extent().size, ax.get_window_extent().size)
+            fits = minimum_filter(there, np.ceil(1.15 * room[::-1] * there.shape).astype(int))
+            if fits.any():
+                depth = depth * fits
+                break
+        row, column = np.unravel_index(np.argmax(depth), depth.shape)
+        place = tilt_deg[column - 1], friction[row - 1]
+        word.set_position(place)
+        if not fits.any():
+            word.remove()
+            aside = place[0] + (18 if place[0] < 45 else -18)
+            ax.annotate(words, place, (aside, np.clip(place[1], 0.07, 0.93)), **ASIDE)
 
 
 def shade(ax: Axes, edges_deg: np.ndarray, regime: np.ndarray) -> QuadMesh:

@@ -12,10 +12,10 @@ import numpy as np
 from impact import classify, critical_tilts, slide_friction, thin_rod
 
 from ..lib.style import (
-    ARROW,
     Data,
     map_regimes,
     name_panels,
+    name_regimes,
     reversal_boundary,
     style,
     tilt_axis,
@@ -23,11 +23,6 @@ from ..lib.style import (
 )
 
 APPROACH_RATIOS = (1.0, 2.0, 10.0)  # -c_z/c_x of panels (a), (b), (c)
-_LABELS = (  # regime names at (tilt in degrees, friction), one row a panel
-    (("slide", 77, 0.5), ("slip-stick", 22, 0.75), ("slip\nreversal", 38, 0.36)),
-    (("slide", 81.5, 0.08), ("slip-stick", 22, 0.75), ("slip reversal", 50, 0.36)),
-    (("slip-stick", 22, 0.75), ("slip reversal", 50, 0.30)),
-)
 
 
 def data(quick: bool = False, restitution: float = 0.8) -> Data:
@@ -58,19 +53,20 @@ def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.9), sharey=True)
     tilt_deg = np.degrees(d["tilt"])
     end_deg, end_friction = np.degrees(d["reversal_end"][0]), d["reversal_end"][1]
-    for i, (ax, labels) in enumerate(zip(axes, _LABELS, strict=True)):
+    for i, ax in enumerate(axes):
         map_regimes(ax, tilt_deg, d["friction"], d["regime"][i])
         slide = np.where(np.isfinite(d["slide_friction"][i]), d["slide_friction"][i], np.nan)
         ax.plot(np.degrees(d["slide_tilt"]), slide, "k-", label=r"$u_*=0$, Eq. (14)")
         critical_deg = np.degrees(d["critical_tilt"][i])
         ax.plot(critical_deg, d["critical_friction"], "k--", label="both roots of Eq. (23)")
-        ax.plot(end_deg, end_friction, "ko", label=r"$\mu=3/4$, $\phi=\arctan 2$")
+        if np.interp(end_deg, np.degrees(d["slide_tilt"]), d["slide_friction"][i]) <= end_friction:
+            ax.plot(end_deg, end_friction, "ko", label=r"$\mu=3/4$, $\phi=\arctan 2$")
         ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90°")
-        for word, x, y in labels:
-            ax.text(x, y, word, ha="center", va="center")
         tilt_axis(ax)
-    name_panels(axes, [rf"$-c_z/c_x={ratio:g}$" for ratio in d["approach_ratio"]])
-    axes[2].annotate("slide", (88.5, 0.07), (70, 0.07), va="center", arrowprops=ARROW)
-    axes[0].set(ylabel=r"friction $\mu$", ylim=(0, 1))
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        ax.set(ylim=(0, 1))
+        name_regimes(ax, tilt_deg, d["friction"], d["regime"][i])
+    setting = rf"$\epsilon={d['restitution']:g}$"
+    name_panels(axes, [rf"$-c_z/c_x={ratio:g}$, {setting}" for ratio in d["approach_ratio"]])
+    axes[0].set(ylabel=r"friction $\mu$")
+    figure.legend(*axes[2].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure

@@ -34,6 +34,7 @@ from ..lib.style import (
     tilt_axis,
 )
 
+HIGHEST = 20.0  # V_z; without losses a drift has no bound
 OBSERVED_DEG = 8.0  # experiment: flat-ended rods drift only above this tilt
 IN_RED = {"va": "center", "color": RED, "arrowprops": {**ARROW, "color": RED}}
 _KINDS = (("thin", BLACK, "-."), ("round", BLUE, "-"), ("flat", RED, "-"))
@@ -99,8 +100,16 @@ def data(
     }
 
 
+def _limit(d: Data) -> float:
+    """Largest drift shown in (a) and (b), with room for words."""
+    drifts = np.abs(
+        np.concatenate([d[name] for kind, *_ in _KINDS for name in (kind, f"{kind}_by_length")])
+    )
+    return 1.45 * min(drifts[np.isfinite(drifts)].max(), HIGHEST)
+
+
 def _over_tilt(ax: Axes, d: Data) -> None:
-    negative = np.signbit(d["tilt"])
+    limit, negative = _limit(d), np.signbit(d["tilt"])
     tilt_deg, threshold_deg = np.degrees(d["tilt"]), np.degrees(d["flat_threshold"])
     for kind, colour, line in _KINDS:
         for side in (negative, ~negative):
@@ -109,26 +118,29 @@ def _over_tilt(ax: Axes, d: Data) -> None:
     ax.plot([0, 0], edges, ":", color=RED, lw=1)
     ax.plot([0, 0], edges, "o", color=RED, ms=3, mfc="w")
     words = "contact jumps\nfrom edge to edge"
-    ax.annotate(words, (0, edges.max()), (-19, 3.9), va="center", fontsize=7, arrowprops=ARROW)
+    ax.annotate(
+        words, (0, edges.max()), (-19, 0.8 * limit), va="center", fontsize=7, arrowprops=ARROW
+    )
     ax.axvspan(-threshold_deg, threshold_deg, color=RED, alpha=0.1, lw=0)
-    ax.text(0, -4.6, "flat ends\nbackwards", color=RED, ha="center", fontsize=7)
+    ax.text(0, -0.94 * limit, "flat ends\nbackwards", color=RED, ha="center", fontsize=7)
     ax.plot(threshold_deg, 0, "o", color=RED, ms=4)
     words = rf"$\arctan(d/l)$ = {threshold_deg:.3f}°"
-    ax.annotate(words, (threshold_deg, 0), (16, -1.6), **IN_RED)
+    ax.annotate(words, (threshold_deg, 0), (16, -0.33 * limit), **IN_RED)
     ax.axvline(OBSERVED_DEG, color=GREEN, lw=0.8)
-    ax.text(OBSERVED_DEG + 1, -4.6, "experiment: flat\nends drift above 8°", color=GREEN)
+    ax.text(OBSERVED_DEG + 1, -0.94 * limit, "experiment: flat\nends drift above 8°", color=GREEN)
     ax.set_ylabel(r"drift $c_x/V_z$")
     tilt_axis(ax, -20, 60, 10)
 
 
 def _over_length(ax: Axes, d: Data) -> None:
+    limit = _limit(d)
     for kind, colour, line in _KINDS:
         ax.plot(d["lengths"], d[f"{kind}_by_length"], line, color=colour, label=SHAPES[kind])
     ax.plot(d["flat_length"], 0, "o", color=RED, ms=4)
     words = rf"$l=d/\tan\phi={d['flat_length']:.2f}\,d$"
-    ax.annotate(words, (d["flat_length"], 0), (6.2, -0.8), **IN_RED)
+    ax.annotate(words, (d["flat_length"], 0), (6.2, -0.16 * limit), **IN_RED)
     ax.axvline(3, color="0.5", lw=0.6, ls=":")
-    ax.text(3.2, 4.2, "Fig. 13(c):\nsaturates", color="0.3", va="center")
+    ax.text(3.2, 0.86 * limit, "Fig. 13(c):\nsaturates", color="0.3", va="center")
     ax.set(xlabel="length $l/d$", xlim=(0, 20), xticks=(1, 3, 5, 10, 15, 20))
     ax.legend(loc="lower right")
 
@@ -166,7 +178,7 @@ def draw(d: Data) -> plt.Figure:
     for ax in figure.axes:
         ax.axhline(0, color="0.5", lw=0.6, zorder=1)
     for ax in (left, right):
-        ax.set_ylim(-4.9, 4.9)
+        ax.set_ylim(-_limit(d), _limit(d))
     words = rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$"
     right.text(0.98, 0.97, words, transform=right.transAxes, ha="right", va="top")
     return figure
