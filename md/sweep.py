@@ -37,14 +37,16 @@ import hashlib
 import itertools
 import logging
 import math
+import threading
 import warnings
+from _thread import interrupt_main
 from collections import ChainMap
 from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, sleep
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -55,6 +57,7 @@ from tqdm import tqdm
 from .accuracy import MAX_SECONDS, checked, run, stepped
 from .domains import finite, held, listed, positive, whole
 from .errors import InputError, RunError
+from .files import warn
 from .host import step_of
 from .interrupt import deferred
 from .result_text import accuracy_lines
@@ -77,6 +80,7 @@ __all__ = [
 
 _SWEEPS = Path(__file__).parent / "sweeps"
 _MOST_POINTS = 10**6
+PATIENCE = 60.0  # seconds without a worker of a cluster, after which it is said
 _CRASHES = 3  # deaths of a worker in a row before the sweep gives up
 
 
@@ -450,7 +454,8 @@ def execute(
     sweep : Sweep
     store : path of the store; each result is written as it arrives
     workers : processes on this machine; -1: one for each core
-    scheduler : address of a Dask cluster, which has workers of its own
+    scheduler : address of a Dask cluster, which has workers of its own; the sweep waits for some,
+        and says so after a minute
     retry : whether to run again what has failed before
     progress : whether to show a progress bar, on a terminal
 
@@ -461,7 +466,7 @@ def execute(
     ValueError, TypeError
         If `workers` is not a number of processes, `scheduler` not a cluster, or both are given.
     RunError
-        If a worker dies three times in a row.
+        If a worker dies three times in a row, or the scheduler of the cluster is gone.
     Interrupted
         On Ctrl-C; what was finished is in the store.
     """
@@ -513,12 +518,44 @@ def _backend(scheduler: str | None) -> Iterator[None]:
         from distributed import Client  # late: an extra that a sweep on one machine does not need
     except ImportError:
         raise InputError("scheduler needs dask.distributed: pip install distributed") from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs what it raises
+    for logger in ("distributed", "distributed.client"):  # they log what is raised
+        logging.getLogger(logger).setLevel(logging.CRITICAL)
     try:
         client = Client(scheduler, timeout=10)
     except (OSError, ValueError) as error:
         raise InputError(
             f"scheduler must be the address of a Dask cluster, got {scheduler!r}: {error}"
         ) from None
-    with client, parallel_config("dask", client=client):
-        yield
+    over = threading.Event()
+    with client:
+        threading.Thread(target=_watch, args=(client, scheduler, over), daemon=True).start()
+        try:
+            while not client.ncores():
+                sleep(0.1)
+            with parallel_config("dask", client=client):
+                yield
+        except (Exception, KeyboardInterrupt) as error:
+            if client.status != "running":
+                gone = f"the scheduler {scheduler} is gone; what was finished is kept"
+                raise RunError(gone) from None
+            if type(error).__module__.startswith("distributed"):
+                why = str(error).splitlines()[0]
+                raise RunError(f"the cluster {scheduler} failed: {why}") from None
+            raise
+        finally:
+            over.set()
+
+
+def _watch(client: Any, scheduler: str, over: threading.Event) -> None:
+    """Say that a cluster has no workers; interrupt the sweep, which would wait, if it is gone."""
+    seen = perf_counter()
+    while not over.wait(1.0):
+        with suppress(Exception):  # of a connection that is being made again
+            if client.ncores():
+                seen = perf_counter()
+        if client.status == "closed":
+            interrupt_main()
+            return
+        if perf_counter() - seen > PATIENCE:
+            seen = math.inf
+            warn(f"the cluster {scheduler} has had no worker for {PATIENCE:g} s; the sweep waits")

@@ -294,6 +294,41 @@ def test_a_dask_cluster_gives_the_same_bits(tmp_path, reference):
     assert gathered(sweep, tmp_path / "a.db") == wanted
 
 
+class Cluster:
+    """Client of a cluster without workers, whose scheduler dies after a while."""
+
+    def __init__(self, *_, **__):
+        self.end, self.status = time.monotonic() + 2.5, "running"
+
+    def ncores(self):
+        self.status = "running" if time.monotonic() < self.end else "closed"
+        return {}
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+
+def test_a_cluster_without_workers_and_one_that_is_gone_are_said(tmp_path, reference, monkeypatch):
+    """In one line each; what was finished is kept."""
+    distributed = pytest.importorskip("distributed")
+    sweep, _ = reference
+    execute(replace(sweep, points=sweep.points[:2]), tmp_path / "a.db", workers=1)
+    monkeypatch.setattr(distributed, "Client", Cluster)
+    monkeypatch.setattr("md.sweep.PATIENCE", 0.5)
+    with (
+        pytest.warns(
+            RuntimeWarning, match=r"a:1 has had no worker for 0.5 s; the sweep waits$"
+        ) as told,
+        pytest.raises(RunError, match=r"^the scheduler a:1 is gone; what was finished is kept$"),
+    ):
+        execute(sweep, tmp_path / "a.db", scheduler="a:1")
+    assert len(told) == 1
+    assert execute(sweep, tmp_path / "a.db", workers=1).there == 2
+
+
 def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path):
     """A plate that is stiff enough for the impacts to expect, and too soft for thirty times g."""
     soft = {"plate": {"law": "coulomb", "friction": 0.3, "stiffness": 20.0}}
