@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from itertools import combinations, count
 from math import inf, isfinite, isnan, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .accuracy import UNLIKELY
 from .measures import wedged_periods
@@ -12,10 +12,6 @@ from .simulation import Result, finite
 from .soft_impact import Impact
 from .statistics import FEWEST, transient
 from .units import TWINS, in_cm
-
-if TYPE_CHECKING:  # help needs no joblib
-    from .search import Found
-    from .sweep import Tally
 
 NOTHING = 1e-6  # of the plate's peak velocity: a slower drift is none
 SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
@@ -184,7 +180,7 @@ def accuracy_lines(result: Result) -> list[str]:
     return lines
 
 
-def tally_text(tally: "Tally") -> str:
+def tally_text(tally: Any) -> str:
     """What a sweep has computed."""
     same = "" if tally.distinct == tally.points else f", {tally.distinct} of them different"
     time = f"{tally.seconds:.3g} s ({tally.run_seconds:.3g} s of runs)"
@@ -194,7 +190,7 @@ def tally_text(tally: "Tally") -> str:
     )
 
 
-def search_json(found: "Found") -> dict[str, Any]:
+def search_json(found: Any) -> dict[str, Any]:
     """Points of a search with their misfits, best first; estimates; what is told of each target."""
     search, told = found.search, found.estimates
     order = sorted(range(len(found.parts)), key=lambda i: found.misfits[i])
@@ -218,7 +214,7 @@ def search_json(found: "Found") -> dict[str, Any]:
     }
 
 
-def search_text(found: "Found") -> str:
+def search_text(found: Any) -> str:
     """The best points of a search, the estimates, and the results at the targets."""
     told = search_json(found)
     names = [parameter.name for parameter in found.search.parameters]
@@ -252,7 +248,7 @@ def search_text(found: "Found") -> str:
     return "\n".join([*lines, "", "targets", *_columns([*heads, "asked"], shown)])
 
 
-def _end(found: "Found", name: str) -> str:
+def _end(found: Any, name: str) -> str:
     """Note on an estimate that an end of its range cuts off."""
     value, error = found.estimates.parameters[name]
     one = next(one for one in found.search.parameters if one.name == name)
