@@ -1,6 +1,7 @@
 """Values held to their types and domains; a message names key, value and what is allowed."""
 
 import re
+from collections.abc import Mapping
 from functools import cache
 from math import inf
 from operator import index
@@ -60,6 +61,18 @@ def listed(value: Any) -> list | None:
     if not isinstance(value, list | tuple | range):
         return None
     return [x.item() if isinstance(x, np.generic) else x for x in value]
+
+
+def tabled(name: str, value: Any, needed: tuple[str, ...], also: tuple[str, ...] = ()) -> Mapping:
+    """`value` as a table that has all keys of `needed`, and at most those of `also` besides."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name} must be a table, got {value!r}")
+    for key in value:
+        if key not in needed + also:
+            raise InputError(f"{key} is not a key of {name}; known: {', '.join(needed + also)}")
+    if not {*needed} <= set(value):
+        raise InputError(f"{name} must have {', '.join(needed)}, got {value!r}")
+    return value
 
 
 def held(name: str, value: Any, hint: Any) -> Any:

@@ -53,6 +53,7 @@ much shorter than those of the data bring their transient in. Choices are not we
 other: estimates are those of the best point's choices, and the least misfit of each choice is told.
 """
 
+import csv
 import math
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass
@@ -64,16 +65,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import qmc
 
-from .domains import finite, held, listed, positive, whole
+from .domains import finite, held, listed, positive, tabled, whole
 from .errors import InputError, RunError
-from .files import empty
-from .host import step_of
-from .measured_table import read_rows
-from .scene import changes_of, from_tables, put, read_tables, scene_beside
+from .files import empty, plain
+from .scene import changes_of, read_tables, scene_beside
 from .simulation import MOST_PERIODS, run
 from .store import Store
 from .surface import ENOUGH, Fit, box_around, misfit_of
-from .sweep import Point, Sweep, Tally, execute, named
+from .sweep import Point, Sweep, Tally, execute, named, point_at
 
 __all__ = [
     "Estimate",
@@ -87,8 +86,8 @@ __all__ = [
     "search",
 ]
 
-_KEYS = {"scene", "periods", "seeds", "points", "rounds", "seed"}
-_KEYS |= {"set", "parameters", "data", "targets"}
+_OF_RUNS = "scene", "periods", "seeds", "points", "rounds", "seed", "set"
+_KEYS = (*_OF_RUNS, "parameters", "data", "targets")
 _SEARCHES = Path(__file__).parent / "searches"
 
 
@@ -195,16 +194,12 @@ class Search:
         runs = []
         for row in parts:
             values = self.values(row)
-            changes = {k: v for p in self.parameters for k, v in p.changes(values).items()}
+            changes = dict(self.common)
+            for parameter in self.parameters:
+                changes |= parameter.changes(values)
             for place, seed in product(self.places, self.seeds):
-                whole_change = {**self.common, **changes, **place, "start.seed": seed}
-                try:
-                    scene = from_tables(put(self.base, whole_change))
-                    step_of(scene)
-                except InputError as error:
-                    at = ", ".join(f"{k} = {v!r}" for k, v in {**values, **place}.items())
-                    raise InputError(f"{error} (at {at})") from None
-                runs.append(Point(scene, self.periods))
+                changed = {**changes, **place, "start.seed": seed}
+                runs.append(point_at(self.base, changed, {**values, **place}, self.periods))
         axes = {"point": [*range(len(parts))]}, {"place": [*range(len(self.places))]}
         return Sweep((*axes, {"start.seed": [*self.seeds]}), tuple(runs))
 
@@ -261,40 +256,37 @@ class Found:
     @cached_property
     def estimates(self) -> Estimates:
         """Means near the best point, of draws with weights exp(-misfit/2)."""
-        return _estimates(self)
-
-
-def _estimates(found: Found) -> Estimates:
-    search, box = found.search, box_around(found.parts, found.misfits)
-    chosen = search.values(found.parts[found.best])
-    near = ((found.parts >= box[0]) & (found.parts <= box[1])).all(axis=1)
-    near &= np.isfinite(found.results).all(axis=1)
-    for parameter, column in zip(search.parameters, found.parts.T, strict=True):
-        if parameter.choices:
-            near &= np.array([parameter.value(x) == chosen[parameter.name] for x in column])
-    free = [i for i, p in enumerate(search.parameters) if not p.choices and p.changes(chosen)]
-    if not free or near.sum() < ENOUGH * (len(free) + 1):
-        return Estimates({}, np.empty((0, 0)), [], math.nan)
-    low, size = box[0][free], np.ptp(box, axis=0)[free]
-    parts = 2 * (found.parts[near][:, free] - low) / size - 1
-    fit = Fit(parts, found.results[near], search.limits)
-    drawn = fit.draw(search.seed)
-    results, variances, misfits = fit(drawn)
-    drawn_parts = zip(free, (low + (drawn + 1) / 2 * size).T, strict=True)
-    numbers = np.array(
-        [[search.parameters[i].value(x) for x in column] for i, column in drawn_parts]
-    )
-    names = [search.parameters[i].name for i in free]
-    spread = np.sqrt(results.var(axis=0) + variances.mean(axis=0))
-    return Estimates(
-        {
-            name: Estimate(float(x.mean()), float(x.std()))
-            for name, x in zip(names, numbers, strict=True)
-        },
-        np.atleast_2d(np.corrcoef(numbers)),
-        [Estimate(float(x), float(e)) for x, e in zip(results.mean(axis=0), spread, strict=True)],
-        float(misfits.min()),
-    )
+        search, box = self.search, box_around(self.parts, self.misfits)
+        chosen = search.values(self.parts[self.best])
+        near = ((self.parts >= box[0]) & (self.parts <= box[1])).all(axis=1)
+        near &= np.isfinite(self.results).all(axis=1)
+        free = []
+        for i, parameter in enumerate(search.parameters):
+            if parameter.choices:
+                values = [parameter.value(part) for part in self.parts[:, i]]
+                near &= np.array(values) == chosen[parameter.name]
+            elif parameter.changes(chosen):
+                free.append(i)
+        if not free or near.sum() < ENOUGH * (len(free) + 1):
+            return Estimates({}, np.empty((0, 0)), [], math.nan)
+        low, size = box[0][free], np.ptp(box, axis=0)[free]
+        fit = Fit(
+            2 * (self.parts[near][:, free] - low) / size - 1, self.results[near], search.limits
+        )
+        places = fit.draw(search.seed)
+        results, variances, misfits = fit(places)
+        parts = low + (places + 1) / 2 * size
+        numbers = {
+            search.parameters[i].name: np.array([search.parameters[i].value(x) for x in column])
+            for i, column in zip(free, parts.T, strict=True)
+        }
+        spread = np.sqrt(results.var(axis=0) + variances.mean(axis=0))
+        return Estimates(
+            {name: Estimate(float(x.mean()), float(x.std())) for name, x in numbers.items()},
+            np.atleast_2d(np.corrcoef([*numbers.values()])),
+            [Estimate(*pair) for pair in np.column_stack([results.mean(axis=0), spread]).tolist()],
+            float(misfits.min()),
+        )
 
 
 def search(given: Search, store: str | Path, **how: Any) -> Found:
@@ -367,48 +359,78 @@ def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
 # ---- reading ----------------------------------------------------------------------------------
 
 
-def _parameter(name: str, table: object) -> Parameter:
+_Asked = tuple[dict[str, Any], str, float, float, float]  # place, result, limits, error
+
+
+def _parameter(name: str, table: Any) -> Parameter:
     """A parameter from its table."""
-    plain = {"name", "choices", "when"}
-    known = plain | {"keys", "from", "to", "log", "integer"}
-    if not isinstance(table, Mapping) or not set(table) <= known:
-        raise InputError(
-            f"{name} must be a table with keys of {', '.join(sorted(known))}, got {table!r}"
-        )
-    if ("choices" in table) == ("keys" in table):
-        raise InputError(f"{name} must have either choices or keys, with from and to")
+    if isinstance(table, Mapping) and "choices" in table:
+        tabled(name, table, ("choices",), ("name", "when"))
+    else:
+        tabled(name, table, ("keys", "from", "to"), ("name", "when", "log", "integer"))
     when = changes_of(f"{name}.when", table.get("when", {}))
     if "choices" in table:
         choices = table["choices"]
-        if not isinstance(choices, Mapping) or len(choices) < 2 or not set(table) <= plain:
-            raise InputError(f"{name}.choices must be two tables or more, no range, got {table!r}")
+        if not isinstance(choices, Mapping) or len(choices) < 2:
+            raise InputError(f"{name}.choices must be two tables or more, got {choices!r}")
         choices = {c: changes_of(f"{name}.choices.{c}", x) for c, x in choices.items()}
         return Parameter(str(table.get("name", name)), choices=choices, when=when)
     log, integer = (held(f"{name}.{x}", table.get(x, False), bool) for x in ("log", "integer"))
     keys = listed(table["keys"])
     if not keys or not all(isinstance(key, str) for key in keys):
         raise InputError(f"{name}.keys must be a list of keys of the scene, got {table['keys']!r}")
-    low, high = (
-        (positive if log else finite)(f"{name}.{end}", table.get(end)) for end in ("from", "to")
-    )
+    limited = positive if log else finite
+    low, high = limited(f"{name}.from", table["from"]), limited(f"{name}.to", table["to"])
     if not low < high:
         raise InputError(f"{name}.from must be less than to, got {low:g} and {high:g}")
     title = str(table.get("name", keys[0]))
     return Parameter(title, tuple(keys), low, high, log, None, when, integer)
 
 
-def _data(table: object, folder: Path) -> list[tuple[dict[str, Any], str, float, float]]:
-    """Rows of the CSV that a table names."""
-    if not isinstance(table, Mapping) or set(table) != {"file", "result"}:
-        raise InputError(f"data must have file and result, got {table!r}")
-    return read_rows(folder / str(table["file"]), str(table["result"]))
+def _measured(path: Path, result: str) -> list[_Asked]:
+    """Rows of a CSV with measured results; lines that begin with # are comments.
+
+    A row without a result is predicted: its limits and its error are nan.
+    """
+    try:
+        lines = plain(path).read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as failure:
+        reason = getattr(failure, "strerror", None) or failure
+        raise InputError(f"data.file: {path} cannot be read ({reason})") from None
+    rows = csv.reader("" if line.startswith("#") else line.strip() for line in lines)
+    heads = [cell.strip() for cell in next(filter(None, rows), [])]
+    asked = []
+    for row in filter(None, rows):
+        where = f"{path}, line {rows.line_num}"
+        if len(row) > len(heads):
+            raise InputError(f"{where} must have at most {len(heads)} cells, got {len(row)}")
+        cells = dict.fromkeys(heads, "") | dict(zip(heads, row, strict=False))
+        numbers = {key: _number(f"{where}, {key}", text.strip()) for key, text in cells.items()}
+        value, error = numbers.pop(result, math.nan), numbers.pop("error", math.nan)
+        error = math.nan if math.isnan(value) else positive(f"{where}, error", error)
+        place = {key: int(x) if x.is_integer() else x for key, x in numbers.items()}
+        asked.append((place, result, value, value, error))
+    if not asked or not {result, "error"} < set(heads) or len(set(heads)) < len(heads):
+        raise InputError(
+            f"{path} must have columns {result}, error and keys of the scene, each once, with "
+            f"commas between them, and rows; got {', '.join(heads) or 'nothing'}"
+        )
+    return asked
 
 
-def _limits(name: str, table: object) -> tuple[dict[str, Any], str, float, float, float]:
-    """Place, result, limits and error of a target."""
-    needed = {"result", "holds", "error"}
-    if not isinstance(table, Mapping) or not needed <= set(table) <= needed | {"at"}:
-        raise InputError(f"{name} must have result, holds, error and at, got {table!r}")
+def _number(name: str, text: str) -> float:
+    """A cell; nan if it is empty."""
+    try:
+        return finite(name, float(text)) if text else math.nan
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{name} must be a number or empty, got {text!r}") from None
+
+
+def _target(name: str, table: Any) -> _Asked:
+    """A target from its table."""
+    tabled(name, table, ("result", "holds", "error"), ("at",))
     holds = listed(table["holds"]) or []
     numbers = all(type(end) in (int, float) for end in holds)
     if not numbers or len(holds) != 2 or not holds[0] <= holds[1]:
@@ -418,6 +440,23 @@ def _limits(name: str, table: object) -> tuple[dict[str, Any], str, float, float
     error = positive(f"{name}.error", table["error"])
     place = changes_of(f"{name}.at", table.get("at", {}))
     return place, str(table["result"]), float(holds[0]), float(holds[1]), error
+
+
+def _check_apart(parameters: tuple[Parameter, ...], places: list[dict[str, Any]]) -> None:
+    """Refuse a key that is set twice under some choices, and a choice that is none."""
+    choices = {p.name: [*p.choices] for p in parameters if p.choices}
+    for parameter in parameters:
+        for name, choice in (parameter.when or {}).items():
+            if choice not in choices.get(name, []):
+                raise InputError(f"{parameter.name}: when.{name} = {choice!r} is not a choice")
+    given = {"start.seed", *(key for place in places for key in place)}
+    data: list[tuple[dict[str, str], set[str]]] = [({}, given)]
+    settings = [("data, targets or seeds", data), *((p.name, p.settings) for p in parameters)]
+    for (one, first), (other, second) in combinations(settings, 2):
+        for (when, keys), (where, others) in product(first, second):
+            together = all(where.get(name, choice) == choice for name, choice in when.items())
+            if together and (shared := keys & others):
+                raise InputError(f"{min(shared)} is set by {one} and by {other} at once")
 
 
 def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
@@ -434,46 +473,27 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     ValueError, TypeError
         If something is missing or out of its domain; the message names it.
     """
-    for key in tables:
-        if key not in _KEYS:
-            raise InputError(f"{key} is not a key of a search; known: {', '.join(sorted(_KEYS))}")
-    rows = _data(tables["data"], folder) if "data" in tables else []
-    asked = [(*row[:3], row[2], row[3]) for row in rows]
-    asked += [
-        _limits(f"targets[{i}]", t)
-        for i, t in enumerate(held("targets", tables.get("targets", []), list))
-    ]
+    tabled("a search", tables, (), _KEYS)
+    asked = []
+    if "data" in tables:
+        data = tabled("data", tables["data"], ("file", "result"))
+        asked += _measured(folder / str(data["file"]), str(data["result"]))
+    for i, table in enumerate(held("targets", tables.get("targets", []), list)):
+        asked.append(_target(f"targets[{i}]", table))
     if all(math.isnan(error) for *_, error in asked):
         raise InputError("a search needs data, or targets: there are none")
     places: list[dict[str, Any]] = []
     for place, *_ in asked:
+        if "start.seed" in place:
+            raise InputError("start.seed must not stand in data or targets: seeds names the starts")
         if place not in places:
             places.append(place)
-    parameters = tuple(
-        _parameter(f"parameters[{i}]", p)
-        for i, p in enumerate(held("parameters", tables.get("parameters", []), list))
-    )
+    ranges = held("parameters", tables.get("parameters", []), list)
+    parameters = tuple(_parameter(f"parameters[{i}]", table) for i, table in enumerate(ranges))
     names = [parameter.name for parameter in parameters]
     if not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be there, with different names, got {names}")
-    taken = {"start.seed", *(key for place in places for key in place)}
-    for parameter in parameters:
-        for name, choice in (parameter.when or {}).items():
-            known = {p.name: [*p.choices] for p in parameters if p.choices}
-            if choice not in known.get(name, []):
-                raise InputError(f"{parameter.name}: when.{name} = {choice!r} is not a choice")
-        for _, changed in parameter.settings:
-            if shared := taken & changed:
-                raise InputError(
-                    f"{parameter.name} varies a key that data, targets or seeds set: {min(shared)}"
-                )
-    for one, other in combinations(parameters, 2):
-        for (when, keys), (where, others) in product(one.settings, other.settings):
-            together = all(where.get(name, choice) == choice for name, choice in when.items())
-            if together and (shared := keys & others):
-                raise InputError(f"{min(shared)} is varied by {one.name} and {other.name} at once")
-    if any("start.seed" in place for place in places):
-        raise InputError("start.seed must not stand in data or targets: seeds names the starts")
+    _check_apart(parameters, places)
     seeds = listed(tables.get("seeds", [1, 2]))
     if not seeds or len(set(map(str, seeds))) < len(seeds):
         raise InputError(f"seeds must be a list of different starts, got {tables['seeds']!r}")

@@ -4,12 +4,14 @@ from collections.abc import Callable
 from itertools import combinations_with_replacement
 
 import numpy as np
+from emcee import EnsembleSampler, State
 from scipy.stats import qmc
 
 _DEGREES = 3, 2, 1  # of the polynomials that are tried
 ENOUGH = 1.5  # points a coefficient that a polynomial needs
-_STEPS = 300  # of draws, of which the first half is forgotten
-_SAMPLES = 2**12  # of the places, of which the best are where draws begin
+_SAMPLES, _WALKERS = 2**12, 2**8  # places, and how many of the best are where walkers begin
+_WARM_UPS, _WARM_UP, _STEPS = 6, 25, 150  # steps before draws, and of draws
+_THIN = 10  # steps from draw to draw
 _AS_GOOD = 10.0  # more misfit than the best point has: it may be chance
 
 
@@ -113,9 +115,7 @@ class Fit:
         ----------
         seed : of the random numbers
         """
-        samples = 2 * qmc.Sobol(self.coordinates, seed=seed).random(_SAMPLES) - 1
-        best = samples[np.argsort(self.unlikely(samples))[: _SAMPLES // 8]]
-        return draws(self.unlikely, best, np.random.default_rng(seed))
+        return draws(self.unlikely, self.coordinates, seed)
 
 
 def box_around(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
@@ -134,36 +134,33 @@ def box_around(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
     return np.clip([np.minimum(low - gap, ends[0]), np.maximum(high + gap, ends[1])], 0, 1 - 1e-12)
 
 
-def draws(
-    misfit: Callable[[np.ndarray], np.ndarray], walkers: np.ndarray, random: np.random.Generator
-) -> np.ndarray:
+def draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int, seed: int) -> np.ndarray:
     """Places within -1 and 1 drawn with weights exp(-misfit/2), (n, coordinates).
 
-    Each walker moves along the line to another one, so that a ridge needs no smaller moves
-    (Goodman and Weare, Commun. Appl. Math. Comput. Sci. 5, 65, 2010).
+    By emcee's stretch move, which needs no smaller moves along a ridge (Goodman and Weare, Commun.
+    Appl. Math. Comput. Sci. 5, 65, 2010). Walkers begin at the best of evenly spread places; before
+    draws begin, those that are held in lesser minima go to where others are.
 
     Parameters
     ----------
     misfit : of places, (n, coordinates) to (n,)
-    walkers : (an even number, coordinates), where they begin
-    random : source of random numbers
+    coordinates : their number
+    seed : of the random numbers
     """
-    places, now, found = walkers.copy(), misfit(walkers), []
-    half, dimensions = len(walkers) // 2, walkers.shape[1]
-    first, second = slice(None, half), slice(half, None)
-    for step in range(_STEPS):
-        for moving, others in ((first, second), (second, first)):
-            stretch = (1 + random.random(half)) ** 2 / 2
-            ends = random.permutation(places[others])
-            moved = ends + stretch[:, None] * (places[moving] - ends)
-            then = np.where((np.abs(moved) <= 1).all(axis=1), misfit(moved), np.inf)
-            odds = (dimensions - 1) * np.log(stretch) + (now[moving] - then) / 2
-            taken = np.log(random.random(half)) < odds
-            places[moving][taken], now[moving][taken] = moved[taken], then[taken]
-        if step < _STEPS // 2 and step % 25 == 0:  # out of lesser minima
-            lost = now > max(np.median(now), now.min() + 25)
-            other = random.choice(np.flatnonzero(~lost), lost.sum())
-            places[lost], now[lost] = places[other], now[other]
-        if step >= _STEPS // 2 and step % 10 == 0:
-            found.append(places.copy())
-    return np.concatenate(found)
+
+    def log_weight(places: np.ndarray) -> np.ndarray:
+        return np.where((np.abs(places) <= 1).all(axis=1), -misfit(places) / 2, -np.inf)
+
+    samples = 2 * qmc.Sobol(coordinates, seed=seed).random(_SAMPLES) - 1
+    best = samples[np.argsort(misfit(samples))[:_WALKERS]]
+    random, begin = np.random.default_rng(seed), np.random.RandomState(seed).get_state()
+    walkers = State(best, random_state=begin)
+    sampler = EnsembleSampler(_WALKERS, coordinates, log_weight, vectorize=True)
+    for _ in range(_WARM_UPS):
+        walkers = sampler.run_mcmc(walkers, _WARM_UP, store=False, skip_initial_state_check=True)
+        weights = walkers.log_prob
+        lost = weights < min(np.median(weights), weights.max() - 12.5)
+        others = random.choice(np.flatnonzero(~lost), lost.sum())
+        walkers.coords[lost], walkers.log_prob[lost] = walkers.coords[others], weights[others]
+    sampler.run_mcmc(walkers, _STEPS, skip_initial_state_check=True)
+    return sampler.get_chain(thin=_THIN, flat=True)

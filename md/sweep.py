@@ -55,12 +55,11 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from .accuracy import MAX_SECONDS, checked, run, stepped
-from .domains import finite, held, listed, positive, whole
+from .domains import finite, held, listed, positive, tabled, whole
 from .errors import InputError, RunError
 from .files import warn
 from .host import step_of
 from .interrupt import deferred
-from .result_text import accuracy_lines
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
 from .sources import digest
@@ -79,6 +78,7 @@ __all__ = [
 ]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
+_KEYS = "scene", "periods", "tolerance", "max_seconds", "set", "axes"
 _MOST_POINTS = 10**6
 PATIENCE = 60.0  # seconds without a worker of a cluster, after which it is said
 _CRASHES = 3  # deaths of a worker in a row before the sweep gives up
@@ -270,8 +270,7 @@ def _leaves(table: dict, path: str = "") -> list[str]:
 def _values(name: str, given: object) -> list:
     """Values of one key along its axis."""
     if isinstance(given, Mapping):
-        if not {"from", "to", "count"} <= set(given) <= {"from", "to", "count", "log"}:
-            raise InputError(f"{name} must have from, to, count and at most log, got {dict(given)}")
+        tabled(name, given, ("from", "to", "count"), ("log",))
         log = given.get("log", False)
         for end in ("from", "to"):
             (positive if log else finite)(f"{name}.{end}", given[end])
@@ -317,10 +316,7 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
         the point.
     """
     base = scene_beside("", tables) if base is None else base
-    known = {"scene", "periods", "tolerance", "max_seconds", "set", "axes"}
-    for key in tables:
-        if key not in known:
-            raise InputError(f"{key} is not a key of a sweep; known: {', '.join(sorted(known))}")
+    tabled("a sweep", tables, (), _KEYS)
     periods = whole("periods", tables.get("periods", 200), 1, MOST_PERIODS)
     chosen = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
     if chosen:
@@ -340,14 +336,27 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
     along = [[dict(zip(a, v, strict=True)) for v in zip(*a.values(), strict=True)] for a in axes]
     for place in itertools.product(*along):
         changes = changes_of("axes", {key: value for part in place for key, value in part.items()})
-        try:
-            scene = from_tables(put(base, {**common, **changes}))
-            step_of(stepped(scene, chosen["tolerance"])[0] if chosen else scene)
-        except InputError as error:
-            at = ", ".join(f"{key} = {value!r}" for key, value in changes.items())
-            raise InputError(f"{error} (at {at})" if at else str(error)) from None
-        points.append(Point(scene, periods, **chosen))
+        points.append(point_at(base, {**common, **changes}, changes, periods, **chosen))
     return Sweep(axes, tuple(points))
+
+
+def point_at(base: Mapping, changes: Mapping, place: Mapping, periods: int, **chosen: Any) -> Point:
+    """A point of a sweep or a search; one that cannot run is refused by its place.
+
+    Parameters
+    ----------
+    base : tables of the scene
+    changes : of the scene
+    place : values that tell the point from others, for the message
+    periods, chosen : as `Point` has them
+    """
+    try:
+        scene = from_tables(put(base, changes))
+        step_of(stepped(scene, chosen["tolerance"])[0] if chosen else scene)
+    except InputError as error:
+        at = ", ".join(f"{key} = {value!r}" for key, value in place.items())
+        raise InputError(f"{error} (at {at})" if at else str(error)) from None
+    return Point(scene, periods, **chosen)
 
 
 def load_sweep(path: str | Path) -> Sweep:
@@ -371,11 +380,15 @@ def _of_run(point: Point) -> dict:
     done = run(point.scene, **point.length)
     if not done.finished:
         raise KeyboardInterrupt
-    if done.accuracy and done.accuracy.state != "reached":
-        raise RunError(" ".join(" ".join(accuracy_lines(done)).split()))
-    found = done.as_dict() | {"phases": done.phases}
-    del found["scene"]
-    return found
+    if (found := done.accuracy) and found.state != "reached":
+        raise RunError(
+            f"{found.state.upper()}: {found.tolerance:.3g} of the drift asked for; c_x is "
+            f"{done.c_x:.4g} +- {found.error:.2g} sqrt(g d) after {found.made} periods; "
+            f"this would take about {found.needed_seconds:.3g} s"
+        )
+    results = done.as_dict() | {"phases": done.phases}
+    del results["scene"]
+    return results
 
 
 def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
