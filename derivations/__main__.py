@@ -89,8 +89,8 @@ def check(as_json: bool = False) -> int:
 @main.command(epilog=_examples("generate", "generate --language c --out rod_impact.h"))
 @click.option(
     "--language",
-    type=click.Choice(["c", "javascript"]),
-    help="Print the impact map as a C99 header or as a script.",
+    type=click.Choice(["c", "javascript", "module", "typescript"]),
+    help="Print the impact map as a C99 header, a script or a module, or the types of these two.",
 )
 @click.option("--out", type=_FILE, help="File for it, instead of standard output.")
 def generate(language: str | None, out: Path | None) -> int:

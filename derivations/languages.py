@@ -10,12 +10,12 @@ The interface has the names of Python in both languages; C puts `rod_impact_` be
 JavaScript they are members of one object, `rodImpact`. Angles are in rad; lengths in one unit,
 velocities in that unit per time. Records are structs in C and plain objects in JavaScript:
 
-    given               c_x c_z omega plate_velocity X Z k friction restitution
+    geometry            X Z k
+    given               c_x c_z omega plate_velocity geometry friction restitution
     collision           c_x c_z omega regime P_x P_z slip_velocity normal_velocity energy_change
     impulse_path        slip_velocity normal_velocity P_x P_z
     body                mass k X Z c_x c_z omega
     pair_collision      first second (bodies) regime P_x P_z energy_change
-    geometry            X Z k
     mobility            A B C
     critical            lower upper
     stationary          c_x c_z regime
@@ -35,10 +35,11 @@ velocities in that unit per time. Records are structs in C and plain objects in 
     drift(geometry, friction, restitution, plate_velocity)      -> stationary
     optimal_tilt(friction, restitution)                         -> optimum
 
-All fields and arguments must be given; nothing but the law's name is checked. A law is "newton",
-"poisson" or "stronge" in JavaScript, ROD_IMPACT_NEWTON and so on in C. A regime is one of
-INVALID = -1, NO_IMPACT = 0, SLIDE = 1, SLIP_STICK = 2, SLIP_REVERSAL = 3:
-`rodImpact.Regime.SLIDE`, ROD_IMPACT_SLIDE.
+All fields and arguments must be given. An impact of what is out of its domain, or not a number, is
+INVALID and nan as in Python; other functions check nothing. A law is "newton", "poisson" or
+"stronge" in JavaScript, ROD_IMPACT_NEWTON and so on in C. A regime is one of INVALID = -1,
+NO_IMPACT = 0, SLIDE = 1, SLIP_STICK = 2, SLIP_REVERSAL = 3: `rodImpact.Regime.SLIDE`,
+ROD_IMPACT_SLIDE.
 
 `path`: in the plane of the impulse (P_x, P_z) over the mass the state goes from 0 in a straight
 line, with P_x = -+friction P_z, to the point that `path` returns, and from there straight to
@@ -64,7 +65,13 @@ _TEXTS = tomllib.loads(resources.files(__package__).joinpath("languages.toml").r
 RECORDS: Mapping[str, Mapping[str, str]] = _TEXTS["records"]
 FUNCTIONS: Mapping[str, Mapping[str, str]] = _TEXTS["functions"]
 REGIMES = {"INVALID": -1, "NO_IMPACT": 0, "SLIDE": 1, "SLIP_STICK": 2, "SLIP_REVERSAL": 3}
-LANGUAGES: Mapping[str, str] = {"c": "rod_impact.h.jinja", "javascript": "rod_impact.js.jinja"}
+LANGUAGES: Mapping[str, str] = {
+    "c": "rod_impact.h.jinja",
+    "javascript": "rod_impact.js.jinja",
+    "module": "rod_impact.js.jinja",
+    "typescript": "rod_impact.d.ts.jinja",
+}
+_RECORD_OF = {name: name for name in RECORDS} | {"first": "body", "second": "body"}  # of a field
 # Steps of one sum or product: not worth a comment, and their names give way to those of callers.
 _STEPS = {
     *(name for code in CODE[:2] for name in code.shown),
@@ -275,7 +282,7 @@ def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Fu
 
     Parameters
     ----------
-    language : one of `LANGUAGES`
+    language : "c" or "javascript"
     name, about : of the function
     own : functions that the language does in its own way, as those of languages.toml
     """
@@ -285,18 +292,24 @@ def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Fu
         record = ast.unparse(argument.annotation) if argument.annotation else argument.arg
         arguments[argument.arg] = record if record in (*RECORDS, "law") else ""
     inlined = _Inlined(_called(own), [*arguments, *words.names])
-    values: list[Value] = [
-        [ast.Name(f"{argument}.{field}") for field in RECORDS[record]]
-        if record in RECORDS
-        else ast.Name(argument)
-        for argument, record in arguments.items()
-    ]
+    values: list[Value] = []
+    for given, record in arguments.items():
+        numbers: Value = [ast.Name(number) for number in numbers_of(given, record)]
+        values.append(numbers if record in RECORDS else ast.Name(given))
     returned = inlined.run(tree, values)
     lines = [
         Line(of, variable.id, isinstance(value, ast.Compare) or _is_and(value), words.text(value))
         for of, variable, value in inlined.needed(returned)
     ]
     return Function(name, about, arguments, lines[::-1], _nested(words.text, returned))
+
+
+def numbers_of(name: str, record: str) -> Iterator[str]:
+    """Names of all numbers in a record, and of a number its own."""
+    if record not in RECORDS:
+        yield name
+    for field in RECORDS.get(record, ()):
+        yield from numbers_of(f"{name}.{field}", _RECORD_OF.get(field, ""))
 
 
 def _is_and(value: ast.expr) -> bool:
@@ -315,7 +328,8 @@ def source(language: str) -> str:
 
     Parameters
     ----------
-    language : "c" (a C99 header) or "javascript" (a script)
+    language : "c" (a C99 header), "javascript" (a script), "module" (the same as an ES module) or
+        "typescript" (declarations of either)
 
     Raises
     ------
@@ -332,9 +346,12 @@ def source(language: str) -> str:
         keep_trailing_newline=True,
     )
     environment.filters["folded"] = _folded
-    own = _TEXTS["own"][language]
+    words = "c" if language == "c" else "javascript"
+    own = _TEXTS["own"][words]
     return environment.get_template(LANGUAGES[language]).render(
-        functions=[function(language, name, about, own) for name, about in FUNCTIONS.items()],
-        product_error=function(language, "product_error", _TEXTS["product_error"], {}),
+        functions=[function(words, name, about, own) for name, about in FUNCTIONS.items()],
+        product_error=function(words, "product_error", _TEXTS["product_error"], {}),
+        module=language == "module",
+        record_of=_RECORD_OF,
         **{"records": RECORDS, "regimes": REGIMES, "laws": LAWS, "digest": files.digest()},
     )

@@ -20,34 +20,51 @@ from . import sampling, test_pairs
 
 CC = shutil.which("cc")
 STRICT = "-std=c99 -pedantic -Wall -Wextra -Wconversion -Wshadow -Wdouble-promotion -Werror -O2"
-CONTRACTING = "-O3 -march=native"  # one rounding of product and sum, but for the header's word
+FUSING = (
+    "-O3 -march=native -ffp-contract=off -DROD_IMPACT_UNCONTRACTED"  # fma where it is asked for
+)
 
 
 def flat(record, name):
     """Numbers of a record, and of the records in it, as both languages name them."""
-    if not record:
-        return [name]
-    bodies = {"first": "body", "second": "body"}
-    return [x for f in RECORDS[record] for x in flat(bodies.get(f, ""), f"{name}.{f}")]
+    return list(languages.numbers_of(name, record))
 
 
 def numbers(name):
-    """Lines that make the arguments of a function of an array `a`, and those arguments."""
+    """Arguments of a function: each one's name, record, and numbers of an array `a`."""
     made, given = [], FUNCTIONS[name]["arguments"].replace("law, ", "").split(", ")
     for argument in given:
         part, _, record = argument.partition(": ")
         record = record or part if (record or part) in RECORDS else ""
-        first = sum(size for *_, size in made)
-        size = len(RECORDS.get(record, "1"))
-        made.append((part, record, [f"a[{first + i}]" for i in range(size)], size))
+        first = sum(len(values) for *_, values in made)
+        made.append((part, record, [f"a[{first + i}]" for i in range(len(flat(record, "")))]))
     return made
+
+
+def assigned(record, values):
+    """Fields of a record by name, in JavaScript; in C without the names."""
+    fields = {}
+    for field in RECORDS[record]:
+        own = len(flat(field, "")) if field in RECORDS else 1
+        part, values = values[:own], values[own:]
+        fields[field] = assigned(field, part) if field in RECORDS else part[0]
+    return fields
+
+
+def in_braces(fields):
+    """An initializer in C."""
+    parts = (in_braces(x) if isinstance(x, dict) else x for x in fields.values())
+    return f"{{{', '.join(parts)}}}"
 
 
 def in_c(name):
     """A loop over the rows of arrays."""
     made, record = numbers(name), FUNCTIONS[name].get("record", "")
-    kinds = {part: f"rod_impact_{kind}" if kind else "double" for part, kind, *_ in made}
-    lines = [f"const {kinds[p]} {p} = {{{', '.join(values)}}};" for p, _, values, _ in made]
+    kinds = {part: f"rod_impact_{kind}" if kind else "double" for part, kind, _ in made}
+    lines = [
+        f"const {kinds[part]} {part} = {in_braces(assigned(kind, of)) if kind else of[0]};"
+        for part, kind, of in made
+    ]
     law = ["(rod_impact_law)law"] if "law" in FUNCTIONS[name]["arguments"] else []
     call = f"rod_impact_{name}({', '.join([*law, *kinds])})"
     found = flat(record, "found")
@@ -55,7 +72,7 @@ def in_c(name):
     return f"""
 void {name}(int law, int n, const double *a, double *r) {{
     (void)law;
-    for (int i = 0; i < n; i++, a += {sum(size for *_, size in made)}, r += {len(found)}) {{
+    for (int i = 0; i < n; i++, a += {sum(len(of) for *_, of in made)}, r += {len(found)}) {{
         {" ".join(lines)}
         const {f"rod_impact_{record}" if record else "double"} found = {call};
         {" ".join(stored)}
@@ -66,9 +83,9 @@ void {name}(int law, int n, const double *a, double *r) {{
 def in_javascript(name):
     """A function of a row; numbers go back as text, as JSON knows no nan."""
     lines = []
-    for part, record, values, _ in numbers(name):
-        pairs = ", ".join(map(": ".join, zip(RECORDS.get(record, []), values, strict=False)))
-        lines.append(f"const {part} = {f'{{{pairs}}}' if record else values[0]};")
+    for part, record, values in numbers(name):
+        fields = json.dumps(assigned(record, values)).replace('"', "") if record else values[0]
+        lines.append(f"const {part} = {fields};")
     given = FUNCTIONS[name]["arguments"].replace(": body", "")
     found = ", ".join(flat(FUNCTIONS[name].get("record", ""), "found"))
     call = f"const found = rodImpact.{name}({given});"
@@ -128,12 +145,12 @@ def javascript_runner():
     return run
 
 
-@pytest.fixture(scope="module", params=["c", "contracting c", "javascript"])
+@pytest.fixture(scope="module", params=["c", "fusing c", "javascript"])
 def run(request):
     """Call a function of one of the languages for many rows, as `run.many` are quick."""
     if request.param == "javascript":
         return javascript_runner(), 10_000
-    flags = STRICT if request.param == "c" else CONTRACTING
+    flags = STRICT if request.param == "c" else FUSING
     return c_runner(request.getfixturevalue("header"), flags), 100_000
 
 
@@ -151,6 +168,12 @@ def impacts(n, seed):
     return i
 
 
+def columns(i):
+    """Numbers of impacts in the order of the record `given`."""
+    names = ["c_x", "c_z", "omega", "plate_velocity", "X", "Z", "k", "friction", "restitution"]
+    return [getattr(i, name) for name in names]
+
+
 def same(found, wanted):
     """Every number to the last bit, but for what infinite friction leaves of zero."""
     for i, (got, want) in enumerate(zip(found, wanted, strict=True)):
@@ -163,7 +186,7 @@ def test_an_impact_has_the_same_bits(run, law):
     i = impacts(n, seed=71)
     want = i.collide(law)
     assert np.bincount(want.regime, minlength=4).min() > n / 100
-    same(call("collide", law, [getattr(i, name) for name in RECORDS["given"]]), want)
+    same(call("collide", law, columns(i)), want)
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -185,7 +208,7 @@ def test_the_path_turns_where_forward_slip_ends(run):
     """Straight on in a slide; at no slip else, and as far as all laws go together."""
     call, n = run
     i = impacts(n, seed=73)
-    u, v, P_x, P_z = call("path", LAWS[0], [getattr(i, name) for name in RECORDS["given"]])
+    u, v, P_x, P_z = call("path", LAWS[0], columns(i))
     hit, finite = i.collide(), np.isfinite(i.friction)
     slides, stops = (finite & (hit.regime == code) for code in (1, 2))
     np.testing.assert_array_equal(P_z[slides], hit.P_z[slides])
@@ -249,6 +272,96 @@ def test_the_example_of_the_header_prints_what_python_finds(header):
     )
 
 
+@pytest.mark.parametrize("law", LAWS)
+def test_what_is_out_of_its_domain_is_invalid_as_in_python(run, law):
+    call, _ = run
+    i = impacts(2_000, seed=75)
+    odd = {"k": (0, -1, np.nan), "friction": (-1, np.nan), "restitution": (-0.1, 1.1, np.nan)}
+    odd |= dict.fromkeys(("c_x", "c_z", "omega", "plate_velocity", "X", "Z"), (np.nan, np.inf))
+    for n, (name, value) in enumerate((name, x) for name, values in odd.items() for x in values):
+        getattr(i, name)[n::40] = value
+    want = i.collide(law)
+    assert np.mean(want.regime == impact.Regime.INVALID) > 0.4
+    same(call("collide", law, columns(i)), want)
+    first, second, how = test_pairs.pairs(2_000, seed=76)
+    for n, name in enumerate(impact.Body._fields):
+        getattr(first, name)[n::20] = np.nan
+        getattr(second, name)[n + 7 :: 20] = -np.inf
+    how["friction"][15::20], how["restitution"][16::20], second.k[17::20] = -1, 2, 0
+    want = impact.collide_pair(first, second, **how, law=law)
+    assert np.mean(want.regime == impact.Regime.INVALID) > 0.5
+    found = call("collide_pair", law, [*first, *second, *how.values()])
+    same(found, [*want.first, *want.second, *want[2:]])
+
+
+FLAGS = "-O2 -march=haswell"  # which can fuse a product and a sum
+CALL = '#include "rod_impact.h"\nint main(void) { return rod_impact_is_exact(); }\n'
+
+
+@pytest.mark.parametrize(
+    "flag",
+    [
+        *("-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-freciprocal-math"),
+        *("-fassociative-math -fno-signed-zeros -fno-trapping-math", "-ffinite-math-only"),
+        *("-mfpmath=387", FLAGS),
+    ],
+)
+def test_flags_that_break_sums_are_refused(header, flag):
+    (header / "call.c").write_text(CALL)
+    command = [CC, *flag.split(), "-c", "-o", "/dev/null", "call.c"]
+    done = subprocess.run(command, cwd=header, capture_output=True, text=True)
+    assert done.returncode != 0
+    assert "#error" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("flags", "exact"),
+    [
+        ("-std=c99", 1),
+        (f"{FLAGS} -std=c99", 1),
+        (f"{FLAGS} -DROD_IMPACT_UNCONTRACTED -ffp-contract=off", 1),
+        (f"{FLAGS} -DROD_IMPACT_UNCONTRACTED -ffp-contract=fast", 0),  # what only a run can tell
+        ("-ffast-math -U__FAST_MATH__", 0),
+    ],
+)
+def test_a_run_tells_whether_sums_are_exact(header, flags, exact):
+    text = CALL
+    if "-U" in flags:  # a compiler that does not tell
+        names = re.findall(r"defined\((__[A-Z_]+__)\)", (header / "rod_impact.h").read_text())
+        text = "".join(f"#undef {name}\n" for name in names if "GNUC" not in name) + CALL
+    done = subprocess.run([built(header, "exact", text, flags)])
+    assert done.returncode == exact
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="there is no Node")
+def test_the_module_exports_what_the_script_holds(tmp_path):
+    (tmp_path / "rod_impact.mjs").write_text(languages.source("module"))
+    (tmp_path / "use.mjs").write_text(
+        'import rodImpact, { collide, Regime, thin_rod } from "./rod_impact.mjs";\n'
+        "const before = { c_x: 1, c_z: -2, omega: 0, plate_velocity: 0, "
+        "geometry: thin_rod(0.4, 1), friction: 0.3, restitution: 0.65 };\n"
+        'const hit = collide("newton", before);\n'
+        "console.log(hit.c_x === rodImpact.collide('newton', before).c_x, hit.regime, "
+        "Regime.SLIP_STICK, Object.keys(rodImpact).join());\n"
+    )
+    done = subprocess.run(["node", "use.mjs"], cwd=tmp_path, capture_output=True, text=True)
+    hit = impact.collide(1.0, -2.0, geometry=impact.thin_rod(0.4), friction=0.3, restitution=0.65)
+    names = ",".join(["Regime", *FUNCTIONS])
+    assert done.stdout == f"true {hit.regime:d} 2 {names}\n", done.stderr
+
+
+def test_the_types_name_every_field_and_function():
+    text = languages.source("typescript")
+    for name, about in FUNCTIONS.items():
+        assert len(re.findall(rf"^export function {name}\(", text, re.M)) == 1
+        assert f"readonly {name}: typeof {name};" in text
+        record = about.get("record", "").title().replace("_", "")
+        assert re.search(rf"^export function {name}\(.*\): {record or 'number'};$", text, re.M)
+    for record, fields in RECORDS.items():
+        body = re.search(rf"interface {record.title().replace('_', '')} {{(.*?)\n}}", text, re.S)[1]
+        assert re.findall(r"^    (\w+): ", body, re.M) == list(fields)
+
+
 @pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler")
 def test_the_header_is_cpp_as_well(header):
     (header / "all.cpp").write_text('#include "rod_impact.h"\n')
@@ -262,7 +375,7 @@ def test_the_script_refuses_an_unknown_law():
     engine.eval(languages.source("javascript"))
     with pytest.raises(quickjs.JSException, match="law must be one of newton, poisson, stronge"):
         engine.eval("rodImpact.collide('hooke', {})")
-    with pytest.raises(ValueError, match="language must be one of c, javascript, got 'fortran'"):
+    with pytest.raises(ValueError, match=r"one of c, javascript, .*, got 'fortran'"):
         languages.source("fortran")
 
 

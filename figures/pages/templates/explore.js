@@ -22,9 +22,9 @@ function rodOf({ shape, length }, tilt) {
 
 /** What the impact is given: a rod of a setting that comes with speed 1. */
 function givenOf(s, rod) {
-  const speed = Math.hypot(1, s.ratio), { X, Z, k } = rod;
-  const velocities = { c_x: 1 / speed, c_z: -s.ratio / speed, omega: s.spin / k, plate_velocity: 0 };
-  return { ...velocities, X, Z, k, friction: s.friction, restitution: s.restitution };
+  const speed = Math.hypot(1, s.ratio);
+  const velocities = { c_x: 1 / speed, c_z: -s.ratio / speed, omega: s.spin / rod.k, plate_velocity: 0 };
+  return { ...velocities, geometry: rod, friction: s.friction, restitution: s.restitution };
 }
 
 const driftOf = (s, rod, friction = s.friction) => rodImpact.drift(rod, friction, s.restitution, 1);
