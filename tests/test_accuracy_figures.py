@@ -1,6 +1,7 @@
 """Figures of accuracy and cost, their many digits, and the benchmark; no test asserts a time."""
 
 import json
+from types import SimpleNamespace
 
 import mpmath
 import numpy as np
@@ -59,11 +60,11 @@ def test_error_is_counted_in_units_in_the_last_place():
     moved = true.high + 3 * np.spacing(true.scale)
     for j, field in enumerate(precise.FIELDS):
         got = dict(zip(precise.FIELDS, true.high.copy(), strict=True)) | {field: moved[j]}
-        error = true.ulp(accuracy_cost_theory.Outcome(**got))
+        error = true.ulp(SimpleNamespace(**got))
         rounding = 2 if field == "omega" else 0.51  # omega' may be larger than its scale
         np.testing.assert_allclose(error, 3, atol=rounding)
     got["c_z"] = np.full(50, np.nan)
-    assert np.all(np.isinf(true.ulp(accuracy_cost_theory.Outcome(**got), ("c_z",))))
+    assert np.all(np.isinf(true.ulp(SimpleNamespace(**got), ("c_z",))))
 
 
 def test_map_is_right_everywhere_and_printed_formulas_are_not():
@@ -105,7 +106,7 @@ def test_boundaries_on_the_map_part_the_regimes():
 
 
 def test_cost():
-    """Errors are where each way's digits end; stop and separation are found."""
+    """Errors are where each way's digits end."""
     d = data("accuracy_cost_theory")
     errors = dict(zip(accuracy_cost_theory.ARRAYS, d["array_error"][0], strict=True))
     for name, error in errors.items():
@@ -116,7 +117,6 @@ def test_cost():
     assert errors["as printed, float64"] > 1e-3
     for digits, error in zip(accuracy_cost_theory.DIGITS, d["mpmath_error"][0], strict=True):
         assert 10.0 ** (-digits - 4) < error < 10.0 ** (3 - digits)
-    assert np.all(d["events_error"][0] < 1e-12)
 
 
 def test_benchmark(capsys):

@@ -130,22 +130,6 @@ def test_the_score_counts_the_fitted_claims_alone(made):
     assert (over_laws.score_of(np.full_like(changed, np.nan)) == 0).all()
 
 
-def test_verdicts_over_laws_count_all_and_those_that_keep_the_tilt(made):
-    found = across_laws.verdicts(made)
-    assert found["S13"]["numbers"] == ["small", "large", "change", "sharp"]
-    for of in found.values():
-        assert sum(of["all"]) == LAWS
-        assert sum(of["kept"]) == np.sum(made["tilt_off"] <= over_laws.KEPT_DEG)
-        assert of["all"][0] == 1  # the first law
-        assert of["all"][2] >= 1  # the last
-    mixed = made["grade"].copy()
-    mixed[1] = np.where(np.arange(len(JUDGED)) % 2, 1, 2)  # of S13 some hold, some in part
-    partly = across_laws.verdicts({**made, "grade": mixed})["S13"]["all"]
-    assert partly[0] == 1
-    none = {**made, "grade": np.zeros_like(made["grade"])}
-    assert all(of["all"] == [0, 0, LAWS] for of in across_laws.verdicts(none).values())
-
-
 def test_of_equal_laws_the_cheapest_is_singled_out(made):
     score = np.full(BEST + 2, 5.0)
     score[[1, 4, 7]] = 9.8, 10.0, 9.4

@@ -10,7 +10,6 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from ..lib.style import Data
-from .limits import GRADES, read, verdict
 from .over_laws import CONSTANT, JUDGED, KEPT_DEG, PARAMETERS, laws_of, singled_out
 
 FOLLOWS = 0.5  # rank correlation from which on a number is said to follow a parameter
@@ -27,29 +26,6 @@ def _even(d: Data) -> tuple[np.ndarray, np.ndarray]:
     """Places of the laws that are drawn evenly; which of them keep the tilt of the row."""
     even = np.flatnonzero(d["round"] == 0)
     return even, d["tilt_off"][even] <= KEPT_DEG
-
-
-def verdicts(d: Data) -> dict[str, dict[str, Any]]:
-    """Of each claim with such numbers: which ones, and under how many laws it has which verdict.
-
-    `all`: counts of laws under which these numbers hold, hold in part, do not; `kept`: the same of
-    the laws under which the row keeps its tilt.
-    """
-    (even, kept), found = _even(d), {}
-    for claim in read():
-        mine = [j for j, name in enumerate(JUDGED) if name.startswith(f"{claim['id']}.")]
-        if not mine:
-            continue
-        of = np.array([
-            GRADES.index(verdict([None if np.isnan(x) else x for x in grades]))
-            for grades in d["grade"][even][:, mine]
-        ])  # fmt: skip
-        found[claim["id"]] = {
-            "numbers": [list(JUDGED)[j].partition(".")[2] for j in mine],
-            "all": _counts(of),
-            "kept": _counts(of[kept]),
-        }
-    return found
 
 
 def numbers(d: Data) -> dict[str, dict[str, Any]]:

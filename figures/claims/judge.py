@@ -104,12 +104,11 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
 
     evidence, simple, judged = Evidence(quick, out), Assumed(quick), []
     searched = evidence.figure("which_law")
-    laws = across_laws.verdicts(searched)
     look = {"desc": "judging", "unit": "claim", "leave": False}
     bar = tqdm(read(), disable=None if progress else True, **look)
     for claim in bar:
         bar.set_postfix_str(claim["id"])
-        found = {**_judged(claim, evidence), "laws": laws.get(claim["id"])}
+        found = _judged(claim, evidence)
         if claim["figure"] in ASSUMED:
             found["assumed"] = _told(_judged(claim, simple))
         judged.append(found)
@@ -195,23 +194,6 @@ def score(report: dict[str, Any]) -> tuple[float, int]:
     return sum(grades) / 2, len(grades)
 
 
-def over_laws(claim: dict[str, Any]) -> str:
-    """Under which of the contact laws a claim holds, by its numbers that every law has."""
-    if not (laws := claim.get("laws")):
-        return ""
-    holds, partly, fails = laws["all"]
-    kept, whole = laws["kept"][0], sum(laws["kept"])
-    if holds == 0:
-        under = "under none"
-    elif holds == holds + partly + fails:
-        under = "under every one"
-    else:
-        every = "every law" if kept == whole else "some laws"
-        under = f"under {every} with the tilt kept" if kept else "only where the tilt is not kept"
-    counted = f"holds under {holds}, in part under {partly}, not under {fails}"
-    return f"{under} ({counted}; where the tilt is kept: {kept} of {whole})"
-
-
 def trust(report: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
     """Numbers that hold under nearly all contact laws, under some, under hardly any.
 
@@ -234,18 +216,14 @@ def numbers(report: dict[str, Any]) -> dict[str, tuple[dict[str, Any], dict[str,
     return {f"{c['id']}.{row['key']}": (c, row) for c in report["claims"] for row in c["numbers"]}
 
 
+def ids(claim: dict[str, Any]) -> list[str]:
+    """Names of the numbers of a claim, as "S16.peak"."""
+    return [f"{claim['id']}.{row['key']}" for row in claim["numbers"]]
+
+
 def slashed(counts: list[int]) -> str:
     """Counts of laws under which a number holds, holds in part, does not."""
     return "/".join(map(str, counts))
-
-
-def halves(claim: dict[str, Any]) -> list[tuple[str, str]]:
-    """Names of the numbers that hold, that hold in part and that do not."""
-    rows, found = judged_rows(claim), []
-    for n, words in reversed(list(enumerate(GRADES))):
-        if names := "; ".join(row["name"] for row in rows if row["grade"] == n):
-            found.append((words, names))
-    return found
 
 
 def share(claim: dict[str, Any]) -> str:

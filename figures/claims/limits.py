@@ -20,7 +20,7 @@ MISSING = "not measured"
 def read() -> list[dict[str, Any]]:
     """The claims, in the order of their numbers."""
     text = Path(__file__).with_name("claims.toml").read_text(encoding="utf-8")
-    empty = {"figure": "", "remark": "", "fitted": False, "own_law": False, "under": ""}
+    empty = {"figure": "", "remark": "", "fitted": False, "own_law": False}
     return [{**empty, **claim} for claim in tomllib.loads(text)["claims"]]
 
 

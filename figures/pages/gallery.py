@@ -46,8 +46,7 @@ templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limit
 templates.globals |= {"grades": limits.GRADES, "counts": judge.counts, "pm": plus_minus}
 templates.globals |= {"judged_rows": judge.judged_rows, "checked": CHECKED}
 templates.globals |= {
-    name: getattr(judge, name)
-    for name in ("over_laws", "halves", "score", "trust", "slashed", "share")
+    name: getattr(judge, name) for name in ("score", "trust", "slashed", "share", "ids")
 }
 
 
