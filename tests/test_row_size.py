@@ -1,6 +1,5 @@
 """How large a row must be, and its states at small tilts: made-up motions and numbers."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -77,78 +76,26 @@ def test_a_run_has_the_state_of_its_second_half():
     assert (small_tilts.states(missing) == -1).all()
 
 
-@pytest.fixture
-def mixed():
-    """Made-up runs at three tilts, two starts, one seed: states differ at the second tilt."""
-    tilts, starts, parts = 3, 2, 8
-    state = np.zeros((tilts, starts, 1), int)
-    state[1, 1], state[2] = ZIGZAG, SINGLE
-    changed = np.zeros_like(state)
-    changed[2, 1] = 1
-    over_time = np.repeat(state[..., None], parts, axis=-1)
-    over_time[2, 1, 0, :5] = BLOCK
-    random = np.random.default_rng(2)
-    return {
-        "nominal_deg": np.array([3.0, 7.0, 14.0]),
-        "start": np.array(["still", "fast"]),
-        "common": random.random((tilts, starts, 1, parts)),
-        "middle": 10.0 * np.arange(parts) + 5,
-        "state": state,
-        "state_over_time": over_time,
-        "changed": changed,
-        "c_x": np.array([[[1.0], [3.0]], [[4.0], [5.0]], [[6.0], [8.0]]]),
-        "c_x_error": np.full((tilts, starts, 1), 0.1),
-        "tilt_deg": np.array([3.0, 7, 14])[:, None, None] + np.zeros((tilts, starts, 1)),
-    }
+def test_the_tilt_is_shown_at_which_runs_differ_most_in_state():
+    """The first of equals; states of two starts of three seeds each."""
+    alike, few, many = [[0, 0, 0], [0, 0, 0]], [[0, 0, 1], [0, 0, 0]], [[0, 1, 2], [0, 0, 1]]
+    assert small_tilts.most_mixed(np.array([alike, few, many, many])) == 2
 
 
-def test_the_picture_shows_each_run_once_and_the_mixed_tilt(mixed):
-    figure = small_tilts.draw(mixed)
-    drift, time = figure.axes
-    shown = [line for line in drift.lines if len(line.get_xdata()) and line.get_marker() != "None"]
-    assert sum(len(line.get_xdata()) for line in shown) == mixed["c_x"].size
-    hollow = [line for line in shown if line.get_markerfacecolor() == "white"]
-    assert [line.get_ydata().tolist() for line in hollow] == [[8.0]]
-    assert "7°" in time.get_title(loc="left")
-    np.testing.assert_array_equal(time.lines[0].get_ydata(), mixed["common"][1, 0, 0])
-    plt.close(figure)
-
-
-@pytest.fixture
-def sizes():
-    """Made-up drifts of two tilts."""
+def test_drifts_are_over_that_of_the_largest_row():
     c_x = np.array([[14.0, 9.0], [10.4, 12.0], [10.2, 9.0], [10.0, 10.0]])
     error = np.array([[0.1, 0.9], [0.1, 0.1], [0.1, 0.9], [0.1, 0.1]])
-    flat = np.ones((4, 2))
-    names = ("tilt_deg", "spread_deg")
-    return {
-        "count": np.array([10, 20, 40, 80]),
-        "nominal_deg": np.array([15.0, 45.0]),
-        **{"c_x": c_x, "c_x_error": error},
-        **dict.fromkeys(names, 0.5 * flat),
-        **{f"{name}_error": 0.01 * flat for name in names},
-    }
-
-
-def test_drifts_are_over_that_of_the_largest_row(sizes):
-    part, error = row_size.over_largest(sizes)
+    part, off = row_size.over_largest({"c_x": c_x, "c_x_error": error})
     assert part[0] == pytest.approx([1.4, 0.9])
-    assert error[0, 0] == pytest.approx(np.hypot(0.1, 1.4 * 0.1) / 10)
-    assert np.isnan(error[-1]).all()
-
-
-def test_the_sizes_in_the_picture(sizes):
-    figure = row_size.draw(sizes)
-    assert len(figure.axes) == 2
-    np.testing.assert_allclose(figure.axes[0].lines[0].get_ydata(), sizes["c_x"][:, 0] / 10)
-    plt.close(figure)
+    assert off[0, 0] == pytest.approx(np.hypot(0.1, 1.4 * 0.1) / 10)
+    assert np.isnan(off[-1]).all()
 
 
 def test_rows_of_all_sizes_are_equally_dense():
     for count, sweep in row_size.sweeps().items():
         scenes = [point.scene for point in sweep.points]
         assert {scene.rods.count for scene in scenes} == {int(count)}
-        tilts = sorted({round(float(np.degrees(scene.tilt)), 6) for scene in scenes})
+        tilts = sorted({round(float(np.degrees(scene.tilt)), 2) for scene in scenes})
         assert tilts == [*row_size.SIZE_TILTS_DEG[False]]
     work = {
         p.periods * int(n) * s.shape[-1] for n, s in row_size.sweeps().items() for p in s.points
@@ -165,7 +112,7 @@ def test_a_followed_row_drifts_as_a_run_does():
     found, rods = row_motion.watched(scene, 8)
     np.testing.assert_allclose(found["c_x"], result.c_x_series * scene.cm_per_s, rtol=1e-9)
     np.testing.assert_array_equal(rods[:, Z], result.rods[:, Z])
-    assert found["tilt_deg"] == pytest.approx(result.tilt_series, abs=0.3)
+    assert found["tilt_deg"] == pytest.approx(result.tilt_series, abs=0.5)
     assert d["c_x"].shape == (3, 1)
     spread = np.mean([row_motion.averaged(point.scene, 8)["tilt_spread"] for point in points])
     assert d["spread_deg"][0, 0] == pytest.approx(np.degrees(spread / HALF))

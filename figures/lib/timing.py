@@ -4,7 +4,8 @@ In a round every call is timed once, in a new random order, so that no call alwa
 one. Differences are those of one round: what slows the machine down for longer than a round falls
 on both. What is left of it, a speed that changes from round to round, is divided out: the speed of
 a round is the median over all calls of their time over its own lower quartile, so that times are
-those of the quieter rounds.
+those of the quieter rounds. Where code and arrays lie in memory moves times by up to three per
+cent; this is no part of the errors.
 """
 
 from collections.abc import Callable, Iterable, Sequence
