@@ -130,6 +130,7 @@ def test_benchmark(capsys):
     assert set(result["compile_seconds"]) == set(LAWS)
     times = *result["ns_per_impact"].values(), *result["compile_seconds"].values()
     assert all(time > 0 for time in times)
+    assert result["ns_per_impact"]["numpy newton"] > 1
     assert (result["impacts"], result["runs"]) == (300, 9)
     text = table(result)
     assert all(name in text for name in ways)
