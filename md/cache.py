@@ -1,8 +1,8 @@
 """Compile once, and never run a stale kernel.
 
-Numba's disk cache looks at the file of a function, not at the files of what it calls. Here the
-cache lives outside the checkout, in a folder named after the bytes of all files with kernels and of
-what these use; an edit of any of them compiles all kernels again.
+Numba's disk cache looks at the file of a function, not at the files of what it calls. Here it is
+given a folder named after the bytes of all files with kernels and of what these use; an edit of any
+of them compiles all kernels again. The folder is below NUMBA_CACHE_DIR, else in the user's cache.
 """
 
 import math
@@ -11,14 +11,13 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
+from numba.core.caching import NullCache
 
 from .files import warn
 from .interrupt import deferred
@@ -31,7 +30,8 @@ _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
 def directory() -> Path | None:
     """Folder of the compiled kernels; a temporary one where the user's takes no files, or None."""
     try:
-        home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "rod-impact"
+        chosen = numba.config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME")
+        home = Path(chosen or Path.home() / ".cache") / "rod-impact"
         folder = _usable(home)
         for other in home.iterdir():
             if other != folder and time.time() - other.stat().st_mtime > _KEPT:
@@ -64,30 +64,6 @@ def _warn_once(message: str) -> None:
         warn(message)
 
 
-class _Kernels(CompileResultCacheImpl):
-    _locator_classes = (UserProvidedCacheLocator,)  # never beside the sources, where it goes stale
-
-
-class _Cache(FunctionCache):
-    """Numba's cache of one function; what cannot be read or kept is compiled each time."""
-
-    _impl_class = _Kernels
-
-    def __init__(self, function: Callable, options: dict[str, Any]) -> None:
-        super().__init__(function)
-        self._options = tuple(sorted(options.items()))
-
-    def _index_key(self, sig: Any, codegen: Any) -> tuple:
-        return *super()._index_key(sig, codegen), self._options
-
-    @contextmanager
-    def _guard_against_spurious_io_errors(self) -> Iterator[None]:  # Numba's own is for Windows
-        try:
-            yield
-        except OSError as error:
-            _warn_once(f"compiled kernels cannot be kept in {directory()}: {error.strerror}")
-
-
 def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable:
     """Compile on first call and keep the result; IEEE arithmetic, no exception on a division.
 
@@ -96,7 +72,8 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
     of a step. In return a kernel cannot allocate, and Numba refuses one that would.
 
     What is inlined has no entry for calls from Python: a third of the time to compile would go into
-    these. Where Python calls such a function, a twin with an entry is compiled.
+    these. Where Python calls such a function, a twin with an entry is compiled; Numba's public
+    options cannot say so, and two private methods of its dispatcher are replaced.
     """
     if function is None:
         return partial(kernel, inline=inline)
@@ -118,18 +95,41 @@ def _root(x: float) -> float:
 
 
 def _dispatcher(function: Callable, **options: bool) -> Any:
-    """Numba's, with the cache of this module."""
+    """Numba's, with a cache in our folder; what cannot be read or kept is compiled each time."""
     how = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True, "nogil": True}
-    found = numba.njit(**how, **options)(function)
-    usual, folder = numba.config.CACHE_DIR, directory()
-    numba.config.CACHE_DIR = str(folder or "")  # read when a cache is made, not later
+    made = _cached(function, how | options) or numba.njit(**how, **options)(function)
+    if numba.config.DISABLE_JIT:
+        return made
+    usual = made.compile
+
+    def compiled(signature: Any) -> Any:
+        with deferred():
+            try:
+                return usual(signature)
+            except OSError as error:
+                _warn_once(f"compiled kernels cannot be kept in {directory()}: {error.strerror}")
+                made._cache = NullCache()
+                return usual(signature)
+
+    made.compile = compiled
+    return made
+
+
+def _cached(function: Callable, options: dict[str, Any]) -> Any:
+    """Numba's dispatcher that keeps what it compiles in our folder; None where it would not."""
+    folder, usual = directory(), numba.config.CACHE_DIR
+    if folder is None or numba.config.DISABLE_JIT:
+        return None
+    # Numba tells kept functions apart by their names, not by their options.
+    part = folder / ("inlined" if options.get("forceinline") else "called")
     try:
-        if folder is not None:
-            found._cache = _Cache(function, options)  # as `enable_caching` does with its own
-    except (OSError, RuntimeError):  # RuntimeError: no locator
-        _warn_once(f"compiled kernels cannot be kept in {folder}")
+        numba.config.CACHE_DIR = str(part)  # read when a function is decorated, not later
+        made = numba.njit(cache=True, **options)(function)
+        if Path(made.stats.cache_path).is_relative_to(part):  # else it is beside the sources
+            return made
+    except (OSError, RuntimeError):  # RuntimeError: no place at all
+        pass
     finally:
         numba.config.CACHE_DIR = usual
-    if not numba.config.DISABLE_JIT:
-        found.compile = deferred()(found.compile)
-    return found
+    _warn_once(f"compiled kernels cannot be kept in {folder}")
+    return None

@@ -146,8 +146,10 @@ def test_the_command_says_it_in_one_line(tmp_path):
     assert "kernels cannot be kept in the user's cache" in done.stderr
 
 
-def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+@pytest.mark.parametrize("chosen", [False, True], ids=["the user's", "NUMBA_CACHE_DIR"])
+def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch, chosen):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "away" if chosen else tmp_path))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path) if chosen else "")
     old, recent = (tmp_path / "rod-impact" / name for name in ("0" * 12, "1" * 12))
     for folder in (old, recent):
         folder.mkdir(parents=True)
