@@ -58,7 +58,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
-from itertools import combinations, product
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -118,14 +118,6 @@ class Parameter:
         else:
             value = self.low + (self.high - self.low) * part
         return round(value) if self.integer else float(value)
-
-    @property
-    def settings(self) -> list[tuple[dict[str, str], set[str]]]:
-        """Keys of the scene that it changes, with the choices under which it does."""
-        when = dict(self.when or {})
-        if self.choices is None:
-            return [(when, {*self.keys})]
-        return [(when | {self.name: one}, {*table}) for one, table in self.choices.items()]
 
     def changes(self, values: Mapping[str, float | str]) -> dict[str, Any]:
         """What it changes in the scene.
@@ -449,14 +441,16 @@ def _check_apart(parameters: tuple[Parameter, ...], places: list[dict[str, Any]]
         for name, choice in (parameter.when or {}).items():
             if choice not in choices.get(name, []):
                 raise InputError(f"{parameter.name}: when.{name} = {choice!r} is not a choice")
-    given = {"start.seed", *(key for place in places for key in place)}
-    data: list[tuple[dict[str, str], set[str]]] = [({}, given)]
-    settings = [("data, targets or seeds", data), *((p.name, p.settings) for p in parameters)]
-    for (one, first), (other, second) in combinations(settings, 2):
-        for (when, keys), (where, others) in product(first, second):
-            together = all(where.get(name, choice) == choice for name, choice in when.items())
-            if together and (shared := keys & others):
-                raise InputError(f"{min(shared)} is set by {one} and by {other} at once")
+    given = ["start.seed", *(key for place in places for key in place)]
+    for chosen in product(*choices.values()):
+        values = {p.name: p.low for p in parameters} | dict(zip(choices, chosen, strict=True))
+        setters = dict.fromkeys(given, "data, targets or seeds")
+        for parameter in parameters:
+            for key in parameter.changes(values):
+                if key in setters:
+                    both = f"{setters[key]} and by {parameter.name}"
+                    raise InputError(f"{key} is set by {both} at once")
+                setters[key] = parameter.name
 
 
 def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
