@@ -405,7 +405,7 @@ CODE = (
     Code(
         tag="kernel: twice the digits",
         what="Sum, product and quotient in twice the digits: no rounding is left of first order",
-        shown=("total", "twofold_sum", "twofold_product", "twofold_quotient"),
+        shown=("total", "carried", "twofold_sum", "twofold_product", "twofold_quotient"),
         wrong=wrong_twofold,
         tried="every rounding followed to first order",
     ),

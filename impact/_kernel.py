@@ -2,7 +2,8 @@
 
 This is the source, and `derivations.kernel` proves it: that module runs this file on SymPy symbols
 and on 60 digits with every rounding followed. `derivations.languages` makes C and JavaScript of it.
-So it keeps to assignments, calls, + - * /, comparisons, `&` and tuples; a name is assigned once.
+So it keeps to assignments, calls, + - * /, comparisons, `&` and tuples; a name is assigned once;
+a function stands before those that call it.
 
 No branch is there to mispredict: both ways on from a stop are computed, and the right one selected.
 N, T and their like are k^2 times the response of the contact velocity to a normal impulse, j is a
@@ -67,13 +68,17 @@ def two_sum(a, b):
     return s, error
 
 
-def total(a, b, rest):
-    """a + b + rest for a small rest: the rounded sum and what it lacks."""
-    s, error = two_sum(a, b)
-    small = error + rest
+def carried(s, small):
+    """s + small, rounded, and what it lacks, where `small` is about a rounding of s."""
     whole = s + small
     lack = small - (whole - s)
     return whole, lack
+
+
+def total(a, b, rest):
+    """a + b + rest for a small rest: the rounded sum and what it lacks."""
+    s, error = two_sum(a, b)
+    return carried(s, error + rest)
 
 
 def twofold_sum(a, a_low, b, b_low):
@@ -84,14 +89,14 @@ def twofold_sum(a, a_low, b, b_low):
 def twofold_product(a, a_low, b, b_low):
     """Product of two numbers in twice the digits."""
     p, error = two_product(split(a), split(b))
-    return total(p, 0.0, error + (a * b_low + a_low * b))
+    return carried(p, error + (a * b_low + a_low * b))
 
 
 def twofold_quotient(a, b):
     """Quotient of two rounded numbers in twice the digits."""
     q = a / b
     p, error = two_product(split(q), split(b))
-    return total(q, 0.0, ((a - p) - error) / b)
+    return carried(q, ((a - p) - error) / b)
 
 
 def lacking(q, a_low, b, b_low):

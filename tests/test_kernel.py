@@ -124,7 +124,7 @@ def out_of_bounds(code):
 def caught(name, old, new):
     """What the proofs, or bounds, say of a mistake; nothing where they do not see it."""
     code = with_mistake(name, old, new)
-    tries = [proof.wrong for proof in kernel.CODE[:2] if name in proof.shown or name == "total"]
+    tries = [proof.wrong for proof in kernel.CODE[:2] if name in proof.shown]
     if name not in kernel.CODE[0].shown and not name.startswith("twofold"):
         tries += [out_of_bounds, kernel.wrong_impacts]
     for wrong in tries:
@@ -141,11 +141,6 @@ ALIKE = {
     ("mirrored", "side = copysign(1.0, select(u == 0, X * Z * 2, u))"): "a sign alone",
     ("phases", "T_slip = select(slips, T, 2.0)"): "u_0 = 0 over any number",
     ("gained", "gain = v_stopped - v_0"): "a slide does not ask for it",
-    (
-        "twofold_product",
-        "return total(p, error + (a * b_low + a_low * b), 0.0)",
-    ): "one sum of three",
-    ("twofold_quotient", "return total(q, (a - p - error) / b, 0.0)"): "one sum of three",
     ("poisson", "late = poisson_late(v_0, epsilon, v_late, r)"): "their product alone",
     ("stronge", "late = stronge_late(v_0, epsilon, v_late, r)"): "their product alone",
     ("poisson", "soon = v_1 <= 0"): "at v_1 = 0 early and late give the same",
