@@ -27,9 +27,8 @@ DISTURBED = 0.1  # kick over jump from which other rods had a say
 class Census(NamedTuple):
     """One value a touch; `block` numbers what is averaged together for the standard error."""
 
-    block: np.ndarray  # period of the touch, or rod
+    block: np.ndarray  # period of the touch
     blocks: int
-    independent: bool  # whether the blocks are rods, each by itself
     isolated: np.ndarray  # no other rod pushes meanwhile
     jump: np.ndarray
     residual: np.ndarray
@@ -95,19 +94,17 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
     }
 
 
-def census(scene: md.Scene, periods: int, *, by_rod: bool = False) -> tuple[Census, md.Result]:
-    """Touches of a run behind its transient, or, `by_rod`, all of them, a block a rod."""
+def census(scene: md.Scene, periods: int) -> tuple[Census, md.Result]:
+    """Touches of a run behind its transient, a block a period."""
     kept = []
     result = md.run(scene, periods=periods, observe=kept.append, ledger=False)
     if not result.finished:
         raise KeyboardInterrupt
     rows, per = np.concatenate(kept), result.steps_per_period
-    first = 0 if by_rod else result.discarded
+    first = result.discarded
     rows = rows[rows[:, touches.STEP] >= first * per]
-    blocks = scene.rods.count if by_rod else periods - first
-    block = rows[:, touches.ROD] if by_rod else rows[:, touches.STEP] // per - first
-    found = compared(rows, scene, result.dt, per)
-    return Census(block.astype(int), blocks, by_rod, **found), result
+    block = (rows[:, touches.STEP] // per - first).astype(int)
+    return Census(block, periods - first, **compared(rows, scene, result.dt, per)), result
 
 
 def counted(scene: md.Scene, periods: int) -> dict[str, Any]:
@@ -123,7 +120,7 @@ def counted(scene: md.Scene, periods: int) -> dict[str, Any]:
 def _share(c: Census, what: np.ndarray, of: np.ndarray) -> tuple[float, float]:
     """Mean of `what` with the weights `of`, and its standard error over blocks."""
     top, base = (np.bincount(c.block, weights, c.blocks) for weights in (what * of, 1.0 * of))
-    return ratio(top, base, independent=c.independent)
+    return ratio(top, base)
 
 
 def measures(c: Census) -> dict[str, tuple[float, float]]:
