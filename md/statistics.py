@@ -93,20 +93,15 @@ def settled(first: int, series: np.ndarray, events: np.ndarray | None = None) ->
     return next((cut for cut in calm if events is None or steady(events[cut:])), None)
 
 
-def ratio(
-    sums: np.ndarray, counts: np.ndarray, *, independent: bool = False
-) -> tuple[float, float]:
+def ratio(sums: np.ndarray, counts: np.ndarray) -> tuple[float, float]:
     """Mean of a quantity from its sums and counts in blocks, and its standard error.
 
     Parameters
     ----------
     sums, counts : of each block, in the order of time
-    independent : whether the blocks are, else they are a correlated series
     """
     if not counts.sum() > 0:
         return nan, nan
     mean = sums.sum() / counts.sum()
     off = (sums - mean * counts) / counts.mean()
-    if independent:
-        return float(mean), float(off.std(ddof=1) / sqrt(len(off)))
     return float(mean), standard_error(off)
