@@ -12,7 +12,7 @@ from md.__main__ import main
 from md.errors import InputError, RunError
 from md.result_text import search_text
 from md.scene import from_tables, put, read_tables
-from md.search import Found, expand, search
+from md.search import expand, search
 from md.surface import Surface, draws
 
 LIMITS = {"result": "c_x_cm_s", "holds": [1, 2], "error": 1}
@@ -63,12 +63,23 @@ def tables(folder, **changes):
     return {"parameters": PARAMETERS, "data": data, "points": 16, "rounds": 2} | changes
 
 
-@pytest.fixture
-def found(made, tmp_path):
-    return search(expand(tables(tmp_path), BASE, tmp_path), tmp_path / "runs.db", workers=1)
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    return tmp_path_factory.mktemp("search") / "runs.db"
+
+
+@pytest.fixture(scope="module")
+def found(store):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sweep, "_of_run", made_run)
+        return search(expand(tables(store.parent), BASE, store.parent), store, workers=1)
 
 
 def test_parameters_are_recovered_and_carried_to_what_is_predicted(found):
+    """And the second round looks closer."""
+    first, second = np.split(found.parts, 2)
+    assert (np.ptp(second, axis=0) < np.ptp(first, axis=0)).all()
+    assert found.best >= len(first)
     parameters, correlation, results, misfit = found.estimates
     assert misfit < len(BOXES)
     for name, true in TRUE.items():
@@ -83,22 +94,17 @@ def test_parameters_are_recovered_and_carried_to_what_is_predicted(found):
 def test_stated_errors_are_those_of_many_data_sets(found):
     """Data that scatter by their errors: estimates scatter by theirs."""
     random, off = np.random.default_rng(4), []
-    for _ in range(60):
+    for _ in range(40):
         moved = tuple(
             target._replace(low=value, high=value)
             for target in found.search.targets
             for value in [target.low + ERROR * random.standard_normal()]
         )
-        again = Found(replace(found.search, targets=moved), *found_parts(found))
-        told = again.estimates.parameters
+        told = replace(found, search=replace(found.search, targets=moved)).estimates.parameters
         off.append([(told[name].value - true) / told[name].error for name, true in TRUE.items()])
     spread = np.sqrt(np.mean(np.square(off), axis=0))
     assert (spread > 0.7).all()
     assert (spread < 1.4).all()
-
-
-def found_parts(found):
-    return found.parts, found.results, found.errors, found.tally
 
 
 @pytest.mark.parametrize(
@@ -140,15 +146,9 @@ def test_a_search_of_which_all_runs_fail_ends_in_one_line(monkeypatch, tmp_path)
             search(expand(tables(tmp_path), BASE, tmp_path), tmp_path / "runs.db", workers=1)
 
 
-def test_a_later_round_looks_closer(found):
-    first, second = np.split(found.parts, 2)
-    assert (np.ptp(second, axis=0) < np.ptp(first, axis=0)).all()
-    assert found.best >= len(first)
-
-
-def test_a_search_goes_on_where_it_stopped(found, tmp_path, monkeypatch):
+def test_a_search_goes_on_where_it_stopped(found, store, monkeypatch):
     monkeypatch.delattr("md.search.run")  # nothing runs, also to see what results a run has
-    again = search(found.search, tmp_path / "runs.db", workers=1)
+    again = search(found.search, store, workers=1)
     assert (again.tally.computed, again.tally.there) == (0, found.tally.computed)
     assert np.array_equal(again.results, found.results)
 

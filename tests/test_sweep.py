@@ -73,6 +73,13 @@ def reference(tmp_path_factory):
     return sweep, gathered(sweep, folder / "a.db")
 
 
+@pytest.fixture
+def store(tmp_path, reference):
+    """A store of one's own with the runs of `reference`."""
+    execute(reference[0], tmp_path / "a.db", workers=1)
+    return tmp_path / "a.db"
+
+
 # Axes
 
 
@@ -151,15 +158,14 @@ def test_what_is_there_is_not_computed_again(sweep_file, tmp_path):
         assert (tally.there, tally.computed) == (6 - computed, computed)
 
 
-def test_results_come_back_with_their_coordinates(tmp_path, reference):
+def test_results_come_back_with_their_coordinates(store, reference):
     """As a Dataset of xarray."""
     axis = {"start.tilt_deg": [10, 20, 30], "contacts.plate.law": ["coulomb", "appendix_a", "x"]}
     sweep, _ = reference
     zipped = replace(sweep, axes=(axis, sweep.axes[1]))
-    execute(sweep, tmp_path / "a.db", workers=1)
     names = "c_x", "phases"
-    found = zipped.labelled(tmp_path / "a.db", *names)
-    arrays = sweep.gather(tmp_path / "a.db", *names)
+    found = zipped.labelled(store, *names)
+    arrays = sweep.gather(store, *names)
     one = found["c_x"].sel({"start.tilt_deg": 20, "start.seed": 2})
     assert (one == arrays[0][1, 1], one["contacts.plate.law"]) == (True, "appendix_a")
     dims = "start.tilt_deg", "start.seed"
@@ -172,67 +178,68 @@ def test_results_come_back_with_their_coordinates(tmp_path, reference):
             assert list(found[key].data) == values
 
 
-def test_without_xarray_the_extra_is_named(tmp_path, reference, monkeypatch):
-    monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(ValueError, match=r"labelled needs xarray: pip install 'rod-impact\[md\]'"):
-        reference[0].labelled(tmp_path / "a.db", "c_x")
-
-
-def test_a_result_that_no_run_has_is_named(tmp_path, reference):
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("c_xx", "c_xx is not in the results: c_x, c_x_stderr"),
+        ("c_x.mean", "c_x.mean is not in the results: c_x, c_x_stderr"),
+        ("touches.speed.mean", "touches.speed.mean is not in the results: c_x, c_x_stderr"),
+        ("touches", r"touches is a table of results: touches\."),
+        ("c_x", "c_x must hold numbers of one shape in all runs"),
+        (3, "names must be of the type str, got 3"),
+    ],
+)
+def test_a_result_that_cannot_be_gathered_is_named(store, reference, name, message):
+    """Also one of which a run has a text, and others numbers."""
     sweep, _ = reference
-    execute(sweep, tmp_path / "a.db", workers=1)
-    for name in ("c_xx", "c_x.mean", "touches.speed.mean"):
-        with pytest.raises(ValueError, match=f"{name} is not in the results: c_x, c_x_stderr") as e:
-            sweep.gather(tmp_path / "a.db", name)
-    offered = str(e.value).partition(": ")[2].split(", ")
-    with pytest.raises(ValueError, match=r"^touches is a table of results: touches\.") as e:
-        sweep.gather(tmp_path / "a.db", "touches")
-    assert set(str(e.value).partition(": ")[2].split(", ")) < set(offered)
-    found = sweep.labelled(tmp_path / "a.db", *offered)
+    edit = "UPDATE runs SET result = json_set(result, '$.c_x', 'fast') WHERE key ="
+    database(store, f"{edit} '{sweep.points[0].key}'")
+    with pytest.raises(ValueError, match=f"^{message}"):
+        sweep.gather(store, name)
+
+
+def test_results_that_a_message_offers_are_there(store, reference):
+    sweep, _ = reference
+    with pytest.raises(ValueError, match="not in the results") as error:
+        sweep.gather(store, "c_xx")
+    offered = str(error.value).partition(": ")[2].split(", ")
+    found = sweep.labelled(store, *offered)
     assert set(found["law"].data.flat) == {"coulomb"}
     assert set(found) == set(offered)
 
 
 def test_arguments_in_the_wrong_place_are_named(tmp_path, reference):
-    sweep, _ = reference
-    execute(sweep, tmp_path / "a.db", workers=1)
-    with pytest.raises(ValueError, match="names must be of the type str, got 3"):
-        sweep.gather(tmp_path / "a.db", 3)
     with pytest.raises(ValueError, match=r"store .3. cannot be used"):
-        sweep.gather(3, "c_x")
+        reference[0].gather(3, "c_x")
     with pytest.raises(ValueError, match="sweep must be of the type Sweep, got 3"):
         execute(3, tmp_path / "a.db")
+
+
+def test_without_xarray_the_extra_is_named(reference, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(ValueError, match=r"labelled needs xarray: pip install 'rod-impact\[md\]'"):
+        reference[0].labelled("a.db", "c_x")
 
 
 @pytest.mark.parametrize(
     ("column", "text"), [("result", "oops"), ("result", ""), ("result", "3"), ("scene", "{")]
 )
-def test_a_row_edited_to_nonsense_is_named_and_run_again(tmp_path, reference, column, text, capsys):
+def test_a_row_edited_to_nonsense_is_named_and_run_again(store, reference, column, text, capsys):
     sweep, wanted = reference
-    execute(sweep, tmp_path / "a.db", workers=1)
     key = sweep.points[2].key
-    database(tmp_path / "a.db", f"UPDATE runs SET {column} = '{text}' WHERE key = '{key}'")
+    database(store, f"UPDATE runs SET {column} = '{text}' WHERE key = '{key}'")
     named = pytest.warns(RuntimeWarning, match=f"run {key} cannot be read; it counts as missing")
     with named as told:
-        (c_x,) = sweep.gather(tmp_path / "a.db", "c_x")
+        (c_x,) = sweep.gather(store, "c_x")
     assert len(told) == 1
     assert np.isnan(c_x).sum() == np.isnan(c_x[1, 0]) == 1
     with pytest.warns(RuntimeWarning, match=key):
-        assert main(["results", str(tmp_path / "a.db")]) == 0
+        assert main(["results", str(store)]) == 0
     assert len(capsys.readouterr().out.splitlines()) == 6
     with pytest.warns(RuntimeWarning, match=key) as told:
-        assert execute(sweep, tmp_path / "a.db", workers=1).computed == 1
+        assert execute(sweep, store, workers=1).computed == 1
     assert len(told) == 1
-    assert gathered(sweep, tmp_path / "a.db") == wanted
-
-
-def test_results_of_different_shapes_are_named(tmp_path, reference):
-    sweep, _ = reference
-    execute(sweep, tmp_path / "a.db", workers=1)
-    edit = "UPDATE runs SET result = json_set(result, '$.c_x', 'fast') WHERE key ="
-    database(tmp_path / "a.db", f"{edit} '{sweep.points[0].key}'")
-    with pytest.raises(ValueError, match=r"^c_x must hold numbers of one shape in all runs"):
-        sweep.gather(tmp_path / "a.db", "c_x")
+    assert gathered(sweep, store) == wanted
 
 
 def test_two_workers_give_the_same_bits(tmp_path, reference):
