@@ -6,7 +6,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from math import isnan, nan
 from pathlib import Path
 from time import perf_counter
@@ -23,7 +23,7 @@ from .files import NotWritten, distinct, replacing, warn, writable
 from .host import prepare, step_of
 from .interrupt import SIGNALS
 from .measures import tables_of
-from .scene import Scene, Step, as_dict
+from .scene import Scene, as_dict
 from .sources import digest
 from .statistics import TREND, steady, transient, trend
 from .trajectory import Trajectory, check_continues, is_trajectory
@@ -203,8 +203,7 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
 
 def _names(scene: Scene) -> dict[str, str]:
     """Digests by which a checkpoint knows its run."""
-    but_step = replace(scene, step=Step()).digest()
-    return {"code": code(scene), "scene": scene.digest(), "but_step": but_step}
+    return {"code": code(scene), "scene": scene.digest()}
 
 
 def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
@@ -214,17 +213,14 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
         with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
         about = json.loads(str(arrays.pop("about")))
-        about.setdefault("but_step", "")  # older ones have none
         other = [key for key, value in mine.items() if about.pop(key) != value]
     except OSError as error:
         raise InputError(f"checkpoint {path} cannot be read: {error}") from None
     except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
         raise InputError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
-        whose = "an earlier version of md or other sources"
-        if "code" not in other:
-            another = "another scene"
-            whose = another if "but_step" in other else "another step (step.size, or the tolerance)"
+        earlier = "an earlier version of md or other sources"
+        whose = earlier if "code" in other else "another scene, or to another step of it"
         raise InputError(f"checkpoint {path} belongs to {whose}; remove it to start again")
     return about, arrays
 
