@@ -75,6 +75,7 @@ __all__ = [
     "expand",
     "load_sweep",
     "named",
+    "point_at",
 ]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
