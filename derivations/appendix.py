@@ -9,6 +9,7 @@ import sympy as sp
 from . import paper
 from .proof import Equation
 from .trace import solve
+from .words import formula
 
 MASS, LENGTH, TIME = sp.symbols("mass length time", positive=True)
 FORCE, SPEED = MASS * LENGTH / TIME**2, LENGTH / TIME
@@ -41,6 +42,17 @@ def _needed(name: str, tag: str, without: sp.Expr = sp.S.One) -> sp.Expr:
     return sp.simplify(value)
 
 
+def _of_d_g_m(constant: str, tag: str) -> str:
+    """The unit that a constant needs, in d, g and m."""
+    powers = _needed(constant, tag).as_powers_dict()
+    gravity = -powers[TIME] / 2
+    size = powers[LENGTH] - gravity
+    letters = [paper.LETTERS[name] for name in ("m", "g", "d")]
+    return formula(
+        sp.Mul(*(x**n for x, n in zip(letters, (powers[MASS], gravity, size), strict=True)))
+    )
+
+
 def _ratio(without: sp.Expr = sp.S.One) -> sp.Expr:
     return sp.simplify(_needed("k_t", _TANGENTIAL, without) / _needed("k_n", _NORMAL))
 
@@ -67,8 +79,11 @@ EQUATIONS = (
         mistake="the spring is taken for a linear one",
         contradicted_by=(_NORMAL,),
         contradiction=lambda law: FORCE / _with(law, "k_n"),
-        note="$m g/d^{3/2}$; the printed unit, $m g/D$, is that of a linear spring (and $D$ stands "
-        "for $d$). In reduced units, $d = m = g = 1$, the number is the same",
+        note=lambda: (
+            f"{_of_d_g_m('k_n', _NORMAL)}; the printed unit is that of a linear spring (and $D$ "
+            "stands "
+            "for $d$). In reduced units, $d = m = g = 1$, the number is the same"
+        ),
         at=_LENGTHS,
     ),
     Equation(
@@ -82,7 +97,11 @@ EQUATIONS = (
         mistake=r"as if the tangential force were $-k_t \delta^{1/2} s$",
         contradicted_by=(_TANGENTIAL, _NORMAL),
         contradiction=lambda law, other: _with(other, "k_n") / _with(law, "k_t"),
-        note=r"$k_t \delta s$ is a force only if $k_t$ is in $m g/d^2$; 95 is $k_t d^{1/2}/k_n$",
+        note=lambda: (
+            rf"$k_t \delta s$ is a force if $k_t$ is in {_of_d_g_m('k_t', _TANGENTIAL)}; the "
+            "number is "
+            f"$k_t/k_n$ times {formula(1 / _ratio())} only"
+        ),
         at=_LENGTHS,
     ),
     Equation(
@@ -98,8 +117,10 @@ EQUATIONS = (
         contradiction=lambda *laws: sp.Matrix(
             [FORCE / _with(law, rf"\gamma_{x}") for x, law in zip("nt", laws, strict=True)]
         ),
-        note="$(g/d^3)^{1/2}$: the overlap in the damping term asks for another length than the "
-        "printed $(g/D)^{1/2}$ has",
+        note=lambda: (
+            rf"{_of_d_g_m(chr(92) + 'gamma_n', _NORMAL)}: the overlap in the damping term asks for "
+            "another length than the printed unit has"
+        ),
         at=_LENGTHS,
     ),
     Equation(

@@ -28,30 +28,37 @@ class Axiom:
     """An assumption as a form in letters; calling it with values for them notes its use."""
 
     tag: str
+    left: tuple[str, ...]  # left sides of the form's parts, LaTeX
     form: Form
     compared: str = ""  # with zero: "sign" if its sign counts alone, "zero" if it vanishes
 
     def __call__(self, values: Mapping[sp.Symbol, sp.Expr]) -> Form:
         """Return the form with `values` for its letters."""
         value = self.form.subs(values, simultaneous=True)
-        trace.note(trace.Step("axiom", self.tag, value=value))
+        trace.note(trace.Step("axiom", self.tag, self.left, value))
         return value
 
 
-NEWTON = Axiom("1", P / m)
-EULER = Axiom("IV: Euler", (lever_z * P_x - lever_x * P_z) / moment)
+NEWTON = Axiom("1", ("dc",), P / m)
+EULER = Axiom("IV: Euler", (r"d\omega",), (lever_z * P_x - lever_x * P_z) / moment)
 RIGID = Axiom(
     "IV: rigid body",
+    ("x", "z"),
     sp.Matrix([xi * sp.cos(turn) + zeta * sp.sin(turn), zeta * sp.cos(turn) - xi * sp.sin(turn)]),
 )
-IMPULSIVE = Axiom("IV: impulsive limit", P / tau)
-SLIP = Axiom("IV: Coulomb, slip", -mu * sigma * F_z)
-STICK = Axiom("IV: Coulomb, stick", mu - held, "sign")
-RESTITUTION = Axiom("IV: restitution", -epsilon * v_0)
-CLOSURE = Axiom("V: closure", sp.Matrix([omega, c_x - after_x, c_z + after_z]), "zero")
-LANDING_PHASES = Axiom("V: H(theta)", (1 + sp.cos(theta)) / (2 * sp.pi))
+IMPULSIVE = Axiom("IV: impulsive limit", ("F",), P / tau)
+SLIP = Axiom("IV: Coulomb, slip", ("F_x",), -mu * sigma * F_z)
+STICK = Axiom("IV: Coulomb, stick", (r"\mu - |F_x|/F_z",), mu - held, "sign")
+RESTITUTION = Axiom("IV: restitution", ("v_f",), -epsilon * v_0)
+CLOSURE = Axiom(
+    "V: closure", ("0", "0", "0"), sp.Matrix([omega, c_x - after_x, c_z + after_z]), "zero"
+)
+LANDING_PHASES = Axiom("V: H(theta)", (r"H(\theta)",), (1 + sp.cos(theta)) / (2 * sp.pi))
 
 AXIOMS = (NEWTON, EULER, RIGID, IMPULSIVE, SLIP, STICK, RESTITUTION, CLOSURE, LANDING_PHASES)
+
+
+BY_TAG = {axiom.tag: axiom for axiom in AXIOMS}
 
 
 @contextmanager

@@ -38,7 +38,7 @@ def spherocylinder() -> tuple[sp.Expr, sp.Expr]:
     )
 
 
-@derived("k^2")
+@derived("k^2_{round}")
 def spherocylinder_gyration() -> sp.Expr:
     """k^2 of a solid spherocylinder of overall length l and diameter d."""
     mass, inertia = spherocylinder()
@@ -46,7 +46,7 @@ def spherocylinder_gyration() -> sp.Expr:
     return sp.factor(diameter**2 * ratio)
 
 
-@derived("k^2")
+@derived("k^2_{flat}")
 def cylinder_gyration() -> sp.Expr:
     """k^2 of a solid flat-ended cylinder of length l and diameter d."""
     mass, inertia = mass_and_inertia(
@@ -76,11 +76,13 @@ def thin_contact() -> tuple[sp.Expr, sp.Expr]:
     return _stand(-length / 2 * _axis)
 
 
+@derived("X_{round}", "Z_{round}")
 def round_contact() -> tuple[sp.Expr, sp.Expr]:
     """(X, Z) of a spherocylinder: straight below the centre of its lower cap."""
     return _stand(-(length - diameter) / 2 * _axis + diameter / 2 * _down)
 
 
+@derived("X_{flat}", "Z_{flat}")
 def flat_contact() -> tuple[sp.Expr, sp.Expr]:
     """(X, Z) of a flat-ended rod on the lower edge of its end, for positive tilt."""
     return _stand(-length / 2 * _axis + diameter / 2 * _across)

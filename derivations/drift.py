@@ -29,6 +29,7 @@ from .words import PAPER, compared, degrees, formula, number, sign
 
 eta = sp.Symbol("eta", positive=True)  # sqrt(Gamma - 1)
 CASES = {"stick": slip_stick.impulse, "back": slip_reversal.impulse}
+NAMES = {"stick": "slip-stick", "back": "slip reversal"}
 _EQUATIONS = {"stick": "(18) and (19)", "back": "(21), repaired, and (22)"}
 
 
@@ -63,6 +64,18 @@ def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
 def landing_velocity(case: str) -> sp.Expr:
     """The contact velocity before the stationary landing, $c_z - V_z$ without spin."""
     return sp.factor(-stationary(case)[1] - V_z)
+
+
+@derived("c'_z - V_z")
+def centre_excess() -> sp.Expr:
+    """By what the centre leaves faster than the plate."""
+    return sp.factor(stationary("stick")[1] - V_z)
+
+
+@derived("c'_x(27)/c'_x(24)")
+def without_friction() -> sp.Expr:
+    r"""(27) at $\mu = 0$ over (24)."""
+    return sp.cancel(stationary("back")[0].subs(mu, 0) / stationary("stick")[0])
 
 
 @derived(r"[\partial c'_x/\partial c_x]_{%(case)s}")
@@ -247,7 +260,7 @@ def _range_told() -> str:
 
 def _again_told() -> str:
     """From which tilt on the centre leaves more slowly than the plate."""
-    excess = (stationary("stick")[1] - V_z).subs(THIN) / V_z
+    excess = centre_excess().subs(THIN) / V_z
     thin = excess.subs(epsilon, PAPER[epsilon])
     tilt = sp.asin(
         sp.sqrt(sp.solve(thin.subs(sp.sin(phi) ** 2, X).subs(sp.cos(phi) ** 2, 1 - X), X)[0])
@@ -264,8 +277,16 @@ def _again_told() -> str:
 
 
 def _friction_told() -> str:
-    half = sp.cancel(stationary("back")[0].subs(mu, 0) / stationary("stick")[0])
-    return rf"as $\mu \to 0$ the drift (29) tends to {half} of (26), not to zero"
+    return rf"as $\mu \to 0$ the drift (29) tends to {without_friction()} of (26), not to zero"
+
+
+def _against_told() -> str:
+    """On which side of that tilt the centre stands behind the contact."""
+    at = {diameter: 1, length: 8}
+    edge = flat_tilt().subs(at)
+    sides = (edge * sp.Rational(9, 10), edge * sp.Rational(11, 10))
+    (behind,) = [x for x in sides if flat_contact()[0].subs(at).subs(phi, x) < 0]
+    return compared(behind, edge)
 
 
 def _flat_told() -> str:
@@ -403,7 +424,7 @@ BEYOND = (
         "by what the centre leaves faster than the plate in the stationary landing",
         "c'_z - V_z",
         verdict="new",
-        derive=lambda: sp.factor(stationary("stick")[1] - V_z),
+        derive=centre_excess,
         shown=2 * (epsilon * k**2 - X**2) * V_z / _LOSSY,
         check=lambda form: _landed(-form - V_z),
         note=_again_told,
@@ -422,13 +443,13 @@ BEYOND = (
         r"(27) at $\mu \to 0$ over (24)",
         "c'_x(27)/c'_x(24)",
         verdict="new",
-        derive=lambda: sp.cancel(stationary("back")[0].subs(mu, 0) / stationary("stick")[0]),
+        derive=without_friction,
         check=_balance_of_impulses,
         note=_friction_told,
     ),
     Equation(
         "V: flat end",
-        "tilt below which a flat-ended rod drifts against its tilt",
+        lambda: f"tilt {_against_told()} which a flat-ended rod drifts against its tilt",
         r"\phi_{flat}",
         verdict="new",
         derive=flat_tilt,

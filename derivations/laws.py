@@ -40,7 +40,7 @@ from .symbols import (
     v_f,
 )
 from .trace import derived, solve
-from .words import PAPER, compared, degrees, number
+from .words import PAPER, compared, degrees, number, sign
 
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point, per unit mass: du = C P_x - B P_z, dv = A P_z - B P_x.
@@ -59,7 +59,7 @@ def mobility() -> dict[sp.Symbol, sp.Expr]:
     return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
 
 
-@derived()
+@derived("a_{%s}")
 def slopes() -> dict[str, sp.Expr]:
     """Slope m dv/dP_z while slipping forward, sticking and slipping back."""
     p = sp.Symbol("p", positive=True)
@@ -98,7 +98,7 @@ def work(order: str, p_f: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     return sp.expand(taken), sp.expand(given)
 
 
-@derived("v_f")
+@derived("v_{f, %(order)s}")
 def final_velocity(law: str, order: str) -> sp.Expr:
     """v_f of an impact in which the slip stops; a function of v_0, a_1, a_2 and P_1."""
     if law == "newton":
@@ -333,6 +333,39 @@ _kept = (1 - epsilon**2) * P_c**2
 _more = (1 + epsilon) * P_c - P_1
 
 
+def _energy_told(regime: str, letter: sp.Symbol) -> tuple[str, str]:
+    """On which side of the threshold an impact can gain energy: of kappa, and of epsilon."""
+    point = {A: 3, B: sp.Rational(3, 2), C: 2, mu: sp.Rational(1, 5), v_0: -1}
+    edge = energy_threshold(regime).subs(point)
+    change = energy_change(regime).subs(epsilon, (1 - letter) / (1 + letter)).subs(point)
+    gains = {}
+    for side in (sp.Rational(9, 10), sp.Rational(11, 10)):
+        curve = sp.Poly(sp.numer(sp.together(change.subs(letter, edge * side))), u_0)
+        gains[curve.discriminant().evalf() > 0] = side
+    side = compared(gains[True], sp.S.One)
+    return side, {"below": "above", "above": "below"}[side]
+
+
+def _threshold_told(regime: str) -> str:
+    side, _ = _energy_told(regime, kappa)
+    return rf"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is {side} this"
+
+
+def _work_told() -> str:
+    """The sign of friction's work, with what a stop and a reversal need."""
+    turned = {B: mu * C + sp.Symbol("s", positive=True)}  # B > mu C
+    held = {B: sp.Symbol("s", positive=True) - mu * C}  # mu C + B > 0
+    more = {P_z: P_1 + sp.Symbol("P_2", positive=True)}
+    signs = {sign(friction_work("stick"), held), sign(friction_work("back").subs(more), turned)}
+    never = {"negative": "positive", "positive": "negative"}[signs.pop()]
+    return (
+        rf"never {never}, as $\mu C + B > 0$ where a slip stops and $B > \mu C$ where it turns "
+        "back. "
+        r"Under Stronge's law the normal work is $-(1 - \epsilon^2)$ times that of compression, so "
+        "that no impact gains energy"
+    )
+
+
 def _thin_told() -> str:
     """The least threshold, where, and on which side of it the paper's two values lie."""
     threshold = thin_threshold()
@@ -434,11 +467,7 @@ EQUATIONS = (
             -mu * (mu * C + B) * P_1**2 / 2 - mu * (B - mu * C) * (P_z - P_1) ** 2 / 2,
         ),
         check=_all_but_normal_work,
-        note=(
-            r"never positive, as $\mu C + B > 0$ where a slip stops and $B > \mu C$ where it"
-            r" turns back. Under Stronge's law the normal work is $-(1 - \epsilon^2)$ times "
-            "that of compression, so that no impact gains energy"
-        ),
+        note=_work_told,
     ),
     Equation(
         "laws: energy, Poisson",
@@ -477,10 +506,7 @@ EQUATIONS = (
     ),
     Equation(
         "laws: energy, slip-stick",
-        (
-            r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below "
-            "this"
-        ),
+        lambda: _threshold_told("stick"),
         r"\kappa_c",
         verdict="new",
         derive=lambda: energy_threshold("stick"),
@@ -492,10 +518,7 @@ EQUATIONS = (
     ),
     Equation(
         "laws: energy, slip reversal",
-        (
-            r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below "
-            "this"
-        ),
+        lambda: _threshold_told("back"),
         r"\kappa_c",
         verdict="new",
         derive=lambda: energy_threshold("back"),
@@ -504,7 +527,11 @@ EQUATIONS = (
     ),
     Equation(
         "laws: energy, thin rod",
-        "restitution above which Newton's law can create energy in slip-stick, thin rod",
+        lambda: (
+            f"restitution {_energy_told('stick', kappa)[1]} which Newton's law can create energy "
+            "in "
+            "slip-stick, thin rod"
+        ),
         r"\epsilon_c",
         verdict="new",
         derive=thin_threshold,

@@ -89,11 +89,30 @@ def contact_acceleration(f_x: sp.Expr, f_z: sp.Expr, lever: Lever, inertia: sp.E
     return centre + spin_rate * _turned(lever, 1) + omega**2 * _turned(lever, 2)
 
 
+def _say_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> None:
+    """The same change, part by part, as it is told."""
+    x, z = lever
+    centre, spin = (
+        (velocity_change(p_x), velocity_change(p_z)),
+        spin_change(p_x, p_z, lever, inertia),
+    )
+    say("The impulse moves the centre", "dc_x", "dc_z", centre)
+    say("and turns the body about it", r"d\omega", spin)
+    share = centre[0] + z * spin, centre[1] - x * spin
+    say(
+        f"so that the point at $({latex(x)}, {latex(z)})$ from it changes its velocity by both",
+        rf"dc_x + \left({latex(z)}\right) d\omega",
+        rf"dc_z - \left({latex(x)}\right) d\omega",
+        share,
+    )
+
+
 @derived("du", "dv")
 def impulsive_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
     r"""That acceleration times $\tau$, for a force $P/\tau$ and $\tau \to 0$."""
     force = [IMPULSIVE({P: p}) for p in (P_x, P_z)]
     change = tau * contact_acceleration(*force, lever, inertia)
+    _say_change(p_x, p_z, lever, inertia)
     return change.expand().subs(tau, 0).xreplace({P_x: p_x, P_z: p_z})
 
 

@@ -9,14 +9,14 @@ import sympy as sp
 
 from . import second_routes
 from .bodies import T, over_tangent
-from .drift import CASES, landing, landing_velocity, stationary
+from .drift import CASES, NAMES, landing, landing_velocity, stationary
 from .laws import slopes
 from .proof import Equation
 from .slide import slide_excess
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, u_0, v_0
 from .thin_rod import critical_friction, critical_tangents
 from .trace import derived, solve
-from .words import PAPER, compared, degrees, formula, number, sign
+from .words import PAPER, compared, degrees, extreme, formula, number, sign
 
 
 @derived("c_x/V_z")
@@ -173,26 +173,29 @@ _corner = sp.sqrt(97 * epsilon**2 - 1586 * epsilon + 6673)
 _HERE = f"the paper's restitution, {number(PAPER[epsilon])}"
 
 
+def _extreme(case: str) -> str:
+    return extreme(drift_over_tangent(case), T, optimum(case)[0], PAPER)
+
+
 def _stick_told() -> str:
     tangent, along = (part.subs(PAPER) for part in optimum("stick"))
     return f"{degrees(sp.atan(tangent))} and {number(along, 3)} for {_HERE}"
 
 
 def _corners_told() -> str:
-    """The best tilt of slip reversal is one below the first friction only; above, it is too low."""
-    low, high = (friction.subs(PAPER) for friction in corner_frictions())
-    critical = critical_tangents()[0].subs(PAPER)
+    """On which side of the two frictions the best tilt is that of a regime."""
     words = []
-    for case, friction in (
-        ("back", low * sp.Rational(9, 10)),
-        ("stick", high * sp.Rational(11, 10)),
-    ):
-        best = optimum(case)[0].subs(mu, friction).subs(PAPER)
-        at = critical_tangents()[0].subs(mu, friction).subs(PAPER)
-        words.append(compared(best, at))
-    if words != ["above", "below"]:
-        raise ValueError(f"the corner lies otherwise: {words}, {critical}")
-    return f"{number(low, 3)} and {number(high, 3)} for {_HERE}"
+    for case, friction in zip(("back", "stick"), corner_frictions(), strict=True):
+        sides = {}
+        for side in (sp.Rational(9, 10), sp.Rational(11, 10)):
+            at = {mu: (friction * side).subs(PAPER), epsilon: PAPER[epsilon]}
+            best, critical = optimum(case)[0].subs(at), critical_tangents()[0].subs(at)
+            holds = compared(
+                best, critical, ("back", "stick")
+            )  # beyond the critical tilt: reversal
+            sides[holds == case] = compared(side, sp.S.One)
+        words.append(f"{sides[True]} {number(friction.subs(PAPER), 3)} it is that of {NAMES[case]}")
+    return f"{', '.join(words)}, for {_HERE}"
 
 
 def _stability_told() -> str:
@@ -220,6 +223,11 @@ def _pressed_told() -> str:
     return f"from there on $dv/dP_z {word} 0$: the impact begins even with $v_0 = 0$"
 
 
+def _extreme_friction() -> str:
+    friction = over_tangent(painleve_friction())
+    return extreme(friction, T, least_painleve_friction()[0], PAPER)
+
+
 def _least_told() -> str:
     tangent, friction = least_painleve_friction()
     over = formula(sp.factor(over_tangent(painleve_friction())))
@@ -229,7 +237,9 @@ def _least_told() -> str:
 EQUATIONS = (
     Equation(
         "V: optimum, slip-stick",
-        r"$\tan\phi$ of the largest drift (26) of a thin rod, and that drift over $V_z$",
+        lambda: (
+            rf"$\tan\phi$ of the {_extreme('stick')} drift (26) of a thin rod, and it over $V_z$"
+        ),
         r"(\tan\phi, c_x/V_z)",
         verdict="new",
         derive=lambda: optimum("stick"),
@@ -239,7 +249,9 @@ EQUATIONS = (
     ),
     Equation(
         "V: optimum, slip reversal",
-        r"$\tan\phi$ of the largest drift (29) of a thin rod, and that drift over $V_z$",
+        lambda: (
+            rf"$\tan\phi$ of the {_extreme('back')} drift (29) of a thin rod, and it over $V_z$"
+        ),
         r"(\tan\phi, c_x/V_z)",
         verdict="new",
         derive=lambda: optimum("back"),
@@ -251,10 +263,7 @@ EQUATIONS = (
     ),
     Equation(
         "V: optimum, corner",
-        (
-            r"between these two frictions the best tilt is the critical one, $\phi_c$; below"
-            " them it is that of slip reversal, above that of slip-stick"
-        ),
+        "between these two frictions the best tilt is the critical one",
         r"(\mu_{back}, \mu_{stick})",
         verdict="new",
         derive=corner_frictions,
@@ -322,7 +331,10 @@ EQUATIONS = (
     ),
     Equation(
         "Painleve: thin rod",
-        r"$\tan\phi$ at which that friction is least for a thin rod, and that friction",
+        lambda: (
+            rf"$\tan\phi$ at which that friction is {_extreme_friction()} for a thin rod, and that "
+            "friction"
+        ),
         r"(\tan\phi, \mu_P)",
         verdict="new",
         derive=least_painleve_friction,

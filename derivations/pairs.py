@@ -17,6 +17,7 @@ from .newton import contact_change
 from .proof import Equation
 from .symbols import P_x, P_z, X, Z, c_x, c_z, k, m, mu, omega, u_0, u_f, v_0, v_f
 from .trace import derived, solve
+from .words import compared
 
 # The letters of a rod, and what stands for them in each body.
 FIRST, SECOND = (
@@ -139,6 +140,27 @@ def _sum(form: sp.Expr) -> sp.Expr:
     return _a[0] * form.subs(FIRST) + _a[1] * form.subs(SECOND)
 
 
+def _terms_told() -> str:
+    """The one sign of all terms, for bodies in any place."""
+    squares = {x: sp.Symbol(str(x), real=True) for body in (FIRST, SECOND) for x in body.values()}
+    squares |= {
+        body[x]: sp.Symbol(str(body[x]), positive=True) for body in (FIRST, SECOND) for x in (m, k)
+    }
+    terms = sp.Add.make_args(_shown_determinant().subs(squares))
+    (word,) = {"positive" if term.is_nonnegative else "negative" for term in terms}
+    return word
+
+
+def _eigenvalue_told() -> str:
+    one = 1 / equivalent_rod()[0]
+    at = {A: 3, B: 1, C: 2}
+    return compared(one.subs(at), (A + C - one).subs(at), ("larger", "smaller"))
+
+
+def _shown_determinant() -> sp.Expr:
+    return _s**2 + _s * _sum(X**2 + Z**2) + _a[0] * _a[1] * _cross**2
+
+
 _cross = FIRST[X] * SECOND[Z] - SECOND[X] * FIRST[Z]
 EQUATIONS = (
     Equation(
@@ -156,11 +178,11 @@ EQUATIONS = (
     ),
     Equation(
         "pairs: determinant",
-        "$A C - B^2$ of two bodies as a sum of positive terms",
+        lambda: f"$A C - B^2$ of two bodies as a sum of {_terms_told()} terms",
         "A C - B^2",
         verdict="new",
         derive=determinant,
-        shown=_s**2 + _s * _sum(X**2 + Z**2) + _a[0] * _a[1] * _cross**2,
+        shown=_shown_determinant(),
         check=_minors,
         note="nothing cancels, whatever the masses and sizes",
     ),
@@ -176,9 +198,10 @@ EQUATIONS = (
             sp.sqrt(C - A + _root) / sp.sqrt(A + C - _root),
         ),
         check=_along_and_across,
-        note=(
-            "there is one for every pair, with $k$ of choice; its $1/m$ is the smaller eigenvalue. "
-            "For $B < 0$ the rod leans the other way, $-Z$"
+        note=lambda: (
+            "there is one for every pair, with $k$ of choice; its $1/m$ is the "
+            f"{_eigenvalue_told()} "
+            "eigenvalue. For $B < 0$ the rod leans the other way, $-Z$"
         ),
     ),
     Equation(

@@ -109,7 +109,7 @@ class Equation:
     """
 
     tag: str  # the paper's equation number, or the section and a key word
-    about: str  # what it is about, after the sentence of the paper that it judges
+    about: str | Callable[[], str]  # what it is about, after the sentence that it judges
     left: str  # left-hand side, LaTeX
     _: KW_ONLY
     derive: Callable[[], Form]  # from the axioms
@@ -140,7 +140,8 @@ class Equation:
     def what(self) -> str:
         """What it is about, the paper's own sentence first."""
         quoted = paper.SENTENCES.get(self.tag)
-        return f'"{quoted.tex}": {self.about}' if quoted else self.about
+        about = self.about if isinstance(self.about, str) else _computed(self.about)
+        return f'"{quoted.tex}": {about}' if quoted else about
 
     @property
     def printed(self) -> Form | None:
@@ -182,6 +183,8 @@ class Equation:
         """What is wrong with the entry itself; nothing if all is well."""
         if not paper.sealed():
             return "paper.toml is not what was compared with our copy of the paper"
+        if self.verdict == "assumed" and any(step.name != self.tag for step in self.steps):
+            return "what is assumed is not derived"
         if self.verdict not in ("new", "assumed") and self.printed is None:
             return f"the verdict {self.verdict!r} needs a printed form"
         if self.shown is not None and not _equal(self.shown, self.derive()):
@@ -189,22 +192,34 @@ class Equation:
         own = [tag for tag in self.formulas if tag not in paper.TWO_SUMS]
         if self.said is not None or self.tag in paper.SENTENCES:
             own = []
-        lefts = [paper.EQUATIONS[tag].left for tag in own] or self._lefts_of_steps()
+        lefts = [paper.EQUATIONS[tag].left for tag in own]
+        if not any(lefts):
+            lefts = self._lefts_of_steps()
+        if self.said is None and set(self.formulas) & set(paper.TWO_SUMS):
+            lefts = ["0"] * len(self.formulas)
         given = paper.parts(self.left)
         if len(lefts) != len(given):
             given = [self.left] * len(lefts)
         for left, mine in zip(lefts, given, strict=True):
             if left and paper.bare(left) != paper.bare(mine):
                 return f"the left side is {left}, not {mine}"
-        return "" if told(self).count("$") % 2 == 0 else "a formula of the note does not end"
+        return (
+            ""
+            if (self.what + told(self)).count("$") % 2 == 0
+            else "a formula of the note does not end"
+        )
 
     def _lefts_of_steps(self) -> list[str]:
-        """Left side that the steps give to the derived form, if it is one of their values."""
+        """Left sides that axioms and steps give to the derived values; "" where they give none."""
         form = self.derive()
-        if not isinstance(form, sp.Expr) or not form.free_symbols:
-            return []
-        steps = [step for step in self.steps if step.kind == "derived"]
-        return [left for step in steps for left, value in step.values if value == form][:1]
+        values = tuple(form) if isinstance(form, sp.MatrixBase) else (form,)
+        named = [pair for step in self.steps if step.kind != "solved" for pair in step.values]
+        lefts: list[str] = []
+        for value in values:  # of equal values each has its own
+            same = [left for left, one in named if one == value]
+            free = [left for left in same if left not in lefts]
+            lefts += (free or same or [""])[:1]
+        return lefts
 
     def _second_route(self, check: Callable[[Form], Iterable[sp.Expr]]) -> Proof:
         residuals = [sp.sympify(r) for r in check(self.derive())]
@@ -262,9 +277,14 @@ class Noted:
         return Proof(ok=paper.sealed(), evidence="quoted, not proved")
 
 
+@cache
+def _computed(words: Callable[[], str]) -> str:
+    return words()
+
+
 def told(entry: Any) -> str:
     """The note of an entry; what is computed in it is computed now."""
-    return entry.note if isinstance(entry.note, str) else entry.note()
+    return entry.note if isinstance(entry.note, str) else _computed(entry.note)
 
 
 def components(form: Form) -> tuple[sp.Expr, ...]:

@@ -13,14 +13,14 @@ from typing import Any
 import sympy as sp
 from sympy.core.random import seed
 
-from . import trace
+from . import axioms, trace
 from .proof import Equation, components
 from .symbols import epsilon, mu
 from .trace import Step
 from .typeset import latex, moving, pieces
 
-LONGEST = 640  # characters of LaTeX; a longer value is told in words alone
-MOST = 150  # operations; a form with more is not tidied, which would take long
+LONGEST = 900  # characters of LaTeX; a longer value is told in words alone
+MOST = 220  # operations; a form with more is not tidied, which would take long
 _GAIN = sp.Symbol("gain", positive=True)  # 1 + epsilon
 _CASES = {"stick": "slip-stick", "back": "slip reversal", "slip": "slide"} | {
     law: law.title() for law in ("newton", "poisson", "stronge")
@@ -121,8 +121,9 @@ class Reader:
     """Lines of entries in the order in which they are read: what was shown is cited later."""
 
     def __init__(self, entries: list[Equation]):
-        self.entries = {entry.tag: entry for entry in entries}
-        self.shown: dict[str, str] = {}  # name of a step to the entry that showed it first
+        self.shown: dict[
+            tuple, str
+        ] = {}  # name and case of a step to the entry that showed it first
         self.own: dict[
             tuple, list[str]
         ] = {}  # a step's name and arguments to the entries of its values
@@ -143,17 +144,8 @@ class Reader:
     def _lines(self, step: Step, entry: Equation) -> list[Line]:
         """The lines of one step, those on the way to it first if nothing has shown them."""
         if step.kind == "axiom":
-            axiom = self.entries[step.name]
-            values = [step.value] if isinstance(step.value, sp.Expr) else list(step.value)
-            lefts = axiom.left.strip("()").split(", ")
-            put_in = step.value != axiom.derive() and len(lefts) == len(values)
-            return [
-                Line(
-                    "By",
-                    _equations(list(zip(lefts, values, strict=False))) if put_in else (),
-                    (step.name,),
-                )
-            ]
+            used = step.value != axioms.BY_TAG[step.name].form
+            return [Line("By", _equations(step.values) if used else (), (step.name,))]
         if step.kind == "solved":
             return [_solved(step)]
         if step.kind == "said":
@@ -162,10 +154,11 @@ class Reader:
         sentence = step.what + _put_in(step)
         if own and entry.tag not in own:
             return [Line(sentence, (), tuple(own))]
-        cited = self.shown.setdefault(step.name, entry.tag)
-        before = (
-            [] if cited != entry.tag else [x for y in step.inner for x in self._lines(y, entry)]
-        )
-        last = Line(sentence, _equations(step.values), () if cited == entry.tag else (cited,))
+        words = tuple(x for x in step.given if isinstance(x, str))
+        cited = self.shown.setdefault((step.name, words), entry.tag)
+        fresh = cited == entry.tag
+        inner = step.inner if fresh else [x for x in step.inner if x.kind in ("said", "solved")]
+        before = [line for x in inner for line in self._lines(x, entry)]
+        last = Line(sentence, _equations(step.values), () if fresh else (cited,))
         is_result = entry.tag in own and len(step.values) == 1
         return [*before, Line(sentence) if is_result else last]

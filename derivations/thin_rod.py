@@ -40,9 +40,15 @@ def thin_slide_friction() -> sp.Expr:
 
 
 def _reversal() -> sp.Expr:
-    """XZ - mu (k^2 + Z^2) of a thin rod, times 12/l^2."""
-    short = (X * Z - mu * (k**2 + Z**2)).subs(THIN)
-    return sp.expand(12 * short / length**2)
+    """XZ - mu (k^2 + Z^2) of a thin rod, from (16), times 12/l^2."""
+    margin = sp.cancel(-stick_margin() * (k**2 + Z**2))
+    say(
+        "(16) times $k^2 + Z^2$ vanishes at its edge; with the lengths of a thin rod, times "
+        "$12/l^2$",
+        "0",
+        margin,
+    )
+    return sp.expand(sp.cancel(12 * margin.subs(THIN) / length**2))
 
 
 @derived(r"\cos 2\phi_c", r"\cos 2\phi_{upper}")
@@ -83,7 +89,7 @@ def critical_tilt() -> sp.Expr:
     return sp.acos(critical_cosines()[0]) / 2
 
 
-@derived(r"\mu", r"\tan\phi")
+@derived(r"\max_\phi \mu", r"\tan\phi")
 def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
     """The largest friction at which a thin rod slips back, and the tangent of its tilt."""
     mu_of = over_tangent(critical_friction())
@@ -182,6 +188,17 @@ _MU_C = -c_x / (4 * c_z * (1 + epsilon))
 _FIG_12 = {mu: sp.Rational(2, 5), epsilon: sp.Rational(13, 20), c_x: 1, c_z: -2}
 
 
+def _roots_told() -> str:
+    """Where the margin of (16) is positive, beside both roots."""
+    lower, upper = (root.subs(PAPER) for root in critical_tangents())
+    margin = over_tangent(stick_margin()).subs(PAPER)
+    sticks = [x for x in (lower * 0.9, (lower + upper) / 2, upper * 1.1) if margin.subs(T, x) > 0]
+    if sticks != [lower * 0.9, upper * 1.1]:
+        raise ValueError("the contact sticks elsewhere")
+    beyond = compared(upper, lower, ("larger", "smaller"))
+    return f"one of two roots: beyond the {beyond} one the contact sticks again"
+
+
 def _slide_told() -> str:
     """What is true of slides, and where the rod of Fig. 12 slides."""
     flat = thin_slide_friction().subs(phi, sp.pi / 2)
@@ -236,7 +253,7 @@ EQUATIONS = (
         "critical tilt between slip-stick and slip reversal",
         r"\phi_c",
         derive=critical_tilt,
-        note="one of two roots: beyond the larger one the contact sticks again",
+        note=_roots_told,
     ),
     Equation(
         "23: small friction",

@@ -21,7 +21,7 @@ class Step:
 
     kind: str  # "axiom", "derived", "solved" or "said"
     name: str  # tag of the axiom, name of the step; of the others its sentence
-    given: tuple[Any, ...] = ()  # arguments; of "solved" the unknowns; of "said" the left side
+    given: tuple[Any, ...] = ()  # arguments; of "solved" the unknowns; else the left sides
     value: Any = None  # what it gave; of "solved" both sides
     inner: tuple["Step", ...] = ()  # the steps on the way to it
 
@@ -36,13 +36,15 @@ class Step:
     def values(self) -> list[tuple[str, sp.Expr]]:
         """What a derived value consists of, each with its left side."""
         if isinstance(self.value, dict):
-            return [
-                (sp.latex(x) if isinstance(x, sp.Basic) else x, v) for x, v in self.value.items()
-            ]
+            named = {
+                x: sp.latex(x) if isinstance(x, sp.Basic) else LEFTS[self.name][0] % x
+                for x in self.value
+            }
+            return [(named[x], value) for x, value in self.value.items()]
         listed = self.value if isinstance(self.value, tuple | sp.MatrixBase) else (self.value,)
         names = inspect.signature(STEPS[self.name]).parameters if self.kind == "derived" else ()
         put = dict(zip(names, self.given, strict=False))
-        lefts = self.given if self.kind == "said" else LEFTS[self.name]
+        lefts = LEFTS[self.name] if self.kind == "derived" else self.given
         return [(left % put, value) for left, value in zip(lefts, listed, strict=True)]
 
 

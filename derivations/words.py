@@ -40,6 +40,14 @@ def compared(one: sp.Expr, other: sp.Expr, words: tuple[str, str] = ("above", "b
     return words[0] if difference > 0 else words[1]
 
 
+def extreme(form: sp.Expr, letter: sp.Symbol, there: sp.Expr, at: Mapping) -> str:
+    """`largest` or `least`: what a form of a letter is there, beside both its neighbours."""
+    value = form.subs(letter, there).subs(at)
+    beside = [form.subs(letter, there * x).subs(at) - value for x in (0.9, 1.1)]
+    (word,) = {compared(x, sp.S.Zero, ("least", "largest")) for x in beside}
+    return word
+
+
 def sign(form: sp.Expr | sp.MatrixBase, put: Mapping = {}) -> str:
     """`negative` or `positive`: what a form is for any positive lengths, speeds, friction.
 

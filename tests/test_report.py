@@ -340,10 +340,10 @@ def test_steps_lead_to_the_entry(page, lines):
     assert not lines["IV: restitution"]
 
 
-@pytest.mark.parametrize("tag", [str(n) for n in range(2, 32)])
-def test_every_step_of_the_path_has_a_sentence_and_an_equation(tag, lines):
+@pytest.mark.parametrize("tag", [entry.tag for entry in EQUATIONS])
+def test_every_step_has_a_sentence_and_an_equation(tag, lines):
     """A step cites an entry, or shows an equation with a left side; the last may be the result."""
-    assert lines[tag]
+    assert lines[tag] or not tag.isdigit() or tag == "1"
     for line in lines[tag]:
         assert line.text
         assert line.tags or all("=" in "".join(tex) for tex in line.formulas)
