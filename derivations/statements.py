@@ -122,6 +122,10 @@ def damping_needed(restitution: float, reduced_mass: sp.Expr) -> float:
 
 
 def _damping_told() -> str:
+    lightest = _MASSES["two virtual spheres"]
+    small = (1 - 0.999) / float(restitution_lost().subs(_APPENDIX_A).subs(mass, lightest))
+    if abs(damping_needed(0.999, lightest) / small - 1) > 2e-3:
+        raise ValueError("the motion loses something else at small damping")
     loss = restitution_lost().subs(_APPENDIX_A).subs(mass, _MASSES["two virtual spheres"])
     times = [damping_needed(0.65, of) for of in _MASSES.values()]
     needed = ", ".join(

@@ -60,6 +60,8 @@ def sign(form: sp.Expr | sp.MatrixBase, put: Mapping = {}) -> str:
     signs = set()
     for part in components(form):
         whole = sp.factor(sp.cancel(sp.together(part.subs(put).subs(letters))))
+        if whole == 0:
+            raise ValueError(f"{part} is zero")
         terms = [
             term
             for side in sp.fraction(whole)
