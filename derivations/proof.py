@@ -193,8 +193,13 @@ class Equation:
         if self.said is not None or self.tag in paper.SENTENCES:
             own = []
         lefts = [paper.EQUATIONS[tag].left for tag in own]
+        stepped = self._lefts_of_steps()
+        if any(lefts) and len(lefts) == len(stepped):
+            for left, step in zip(lefts, stepped, strict=True):
+                if not paper.bare(left).startswith(paper.bare(step)):  # u of a step is u_* in (7)
+                    return f"a step calls {step} what is {left}"
         if not any(lefts):
-            lefts = self._lefts_of_steps()
+            lefts = stepped
         if self.said is None and set(self.formulas) & set(paper.TWO_SUMS):
             lefts = ["0"] * len(self.formulas)
         given = paper.parts(self.left)

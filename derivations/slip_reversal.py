@@ -11,7 +11,7 @@ from .symbols import P_1, P_z, v_1
 from .trace import derived, say, solve
 
 
-@derived("u - u_1", "v - v_1")
+@derived("u_f", "v_f - v_1")
 def reversed_change(p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     r"""Change of the contact velocity in backward slip: (5), (6) with $F_x = \mu F_z$."""
     return contact_change(friction(p_z, -1), p_z)

@@ -7,7 +7,7 @@ from . import paper, second_routes
 from .bodies import THIN
 from .drift import relaxation, stationary
 from .proof import DIGITS, Equation
-from .symbols import X, Z, c_x, k, mu, omega, phi
+from .symbols import X, Z, c_x, h_0, k, mu, omega, phi
 from .trace import derived, solve
 from .words import degrees, formula, number
 
@@ -89,7 +89,9 @@ _APPENDIX_A = {  # in d, g and virtual spheres
     speed: 1,
 }
 _MASSES = {"two virtual spheres": sp.Rational(1, 2), "one": sp.S.One}
-_MASSES["a rod of note [12] with $l = 9.5 d$"] = 1 + sp.Rational(3, 2) * sp.Rational(17, 2)
+_MASSES["a rod of note [12] with $l = 9.5 d$"] = paper.printed("[12]: mass").subs(
+    h_0, 17 / sp.Integer(2)
+)
 
 
 def _restitution(drag: float) -> float:
