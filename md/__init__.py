@@ -46,7 +46,8 @@ Files, as one reads them
 ------------------------
 scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; the contact laws
 kernels/codes, rates                stop codes, columns, regimes; rates of an exact contact
-kernels/contact, single             compiled: forces of one contact; one rod on the plate
+kernels/vectors, contact            compiled: the forces of every contact, in the plane and in space
+kernels/plate, single               compiled: one rod on the plate
 kernels/plane                       compiled: a row, forces between its rods, its steps
 kernels/neighbours, batch, touches  compiled: which rods may touch; contacts; touches of the plate
 kernels/joints                      compiled: two ends that meet, one contact

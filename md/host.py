@@ -47,13 +47,14 @@ from .kernels.codes import (
     X,
     Z,
 )
-from .kernels.contact import Clock, ContactForces, Motion
+from .kernels.contact import ContactForces, Motion
 from .kernels.neighbours import apart, meetings, nothing_listed, places
+from .kernels.plate import Clock
 from .kernels.space import march as space
 from .kernels.space.batch import no_contacts as no_contacts_in_space
 from .kernels.space.energy import energy
-from .kernels.space.forces import SpaceEffects, State, Wall
-from .kernels.space.pairs import nearest, no_pairs
+from .kernels.space.forces import Scratch, SpaceEffects, State, Wall
+from .kernels.space.pairs import nearest
 from .kernels.space.touches import FLAT
 from .kernels.touches import Record, new_record
 from .laws import contact_time, deepest_overlap, friction_of, largest_step
@@ -62,7 +63,6 @@ from .rod import Rod, effects_of
 from .scene import GAP, Annulus, Contact, Scene
 
 _MOST_STEPS = 10**7  # of a period
-_MOST_RODS = 2000  # of an annulus: every two have springs of their own
 CALL_SECONDS = 0.02  # of a call of the kernel: so long may a signal wait
 _MOST_A_CALL = 500_000  # steps times rods; a flight says little about the contact behind it
 
@@ -96,7 +96,8 @@ def stable_step(scene: Scene) -> tuple[float, float]:
         axial = rod.axial_gyration_squared if scene.rods.rolling else np.inf
         turns = max(1.0, alone[1], (1 + alone[0]) / pressed, 0.25 * light, 0.25 / axial)
         between = 2 * turns - 1, pressed * max(1.0, alone[1]), pressed
-    for name, (along, across, caps) in {"plate": alone, "wall": alone, "rods": between}.items():
+    near = {"plate": (*alone, None), "wall": (*alone, alone[2]), "rods": (*between, pressed)}
+    for name, (along, across, caps, late) in near.items():
         if (contact := getattr(scene.contacts, name)) is None:
             continue
         law, deepest = contact.law, deepest_overlap(contact.law, speed)
@@ -106,7 +107,7 @@ def stable_step(scene: Scene) -> tuple[float, float]:
                 f"{speed:.3g}: overlap {deepest:.2g} d"
             )
         friction = contact.friction > 0 and not coarse
-        limit = largest_step(law, friction, speed, along, across, "verlet", caps)
+        limit = largest_step(law, friction, speed, along, across, "verlet", caps, late)
         found.append((limit, contact_time(law, speed)))
     limits, times = zip(*found or [(np.inf, 0.05)], strict=True)
     return min(limits), min(times)
@@ -236,7 +237,16 @@ class Engine:
 
     def _grow(self) -> None:
         """Make the list of pairs twice as long."""
-        raise NotImplementedError
+        longer = {
+            name: np.concatenate([array, np.zeros_like(array)], axis=1)
+            for name in ("index", "springs", "forces")
+            if (array := getattr(self.state.listed, name)) is not None
+        }
+        found = np.zeros((longer["index"].shape[1], 3), np.int64)
+        self.state = self.state._replace(
+            listed=self.state.listed._replace(asleep=np.zeros((len(found), 5)), **longer),
+            scratch=self.state.scratch._replace(found=found),
+        )
 
     def _stopped(self, why: int, where: int) -> tuple[str, np.ndarray]:
         """What ended the run early, in words, and the state."""
@@ -298,19 +308,6 @@ class RowEngine(Engine):
         sides, every = self.rods[:, ROW_DIRECTION].copy(), max(self.per // SAMPLES_A_PERIOD, 1)
         return plane.Series(np.zeros((periods + 1, ROW_SERIES)), sides, self.per, every)
 
-    def _grow(self) -> None:
-        """Make the list of pairs twice as long."""
-        longer = {
-            name: np.concatenate([array, np.zeros_like(array)], axis=1)
-            for name in ("index", "springs", "losses")
-            if (array := getattr(self.state.listed, name)) is not None
-        }
-        found = np.zeros((longer["index"].shape[1], 3), np.int64)
-        self.state = self.state._replace(
-            listed=self.state.listed._replace(asleep=np.zeros((len(found), 5)), **longer),
-            scratch=self.state.scratch._replace(found=found),
-        )
-
     def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
         i, j, image, _ = self.state.listed.index[self.state.listed.turn[0], where]
         return i, j, max(self.overlaps(rods, i, j, image)[0])
@@ -369,7 +366,7 @@ class AnnulusEngine(Engine):
         return energy(self.effects, self.rods, self._height_between(), self.dt)
 
     def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
-        i, j, _ = self.state.pairs.index[where]
+        i, j, *_ = self.state.listed.index[self.state.listed.turn[0], where]
         (x, a), (y, b) = ((rods[k, PLACE:DIRECTOR], rods[k, DIRECTOR:VELOCITY]) for k in (i, j))
         vectors = (tuple(v.tolist()) for v in (x - y, a, b))
         return i, j, 1 - nearest(*vectors, self.half_length)
@@ -404,13 +401,14 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
     between, listed, place, found, batch = _forces(pair), None, None, None, None
     if between is not None:
         capacity = 8 * n + 56
-        listed = nothing_listed(n, capacity, between.friction is not None, ledger)
+        listed = nothing_listed(n, capacity, between.friction is not None)
         place, found, batch = np.zeros(n), np.zeros((capacity, 3), np.int64), no_contacts()
     box = scene.box.length if scene.box and pair is not None else None
     state = plane.State(
         rods=_row_of_rods(scene, motion.height[0] if motion else 0.0),
         before=np.zeros((n, 3), order="F"),
-        springs=np.zeros((n, 2), order="F") if alone.friction and alone.friction.spring else None,
+        forces=np.zeros((n, 4)) if alone.friction else None,
+        springs=np.zeros((n, 2)) if alone.friction and alone.friction.spring else None,
         listed=listed,
         scratch=plane.Scratch(np.zeros((n, 3), order="F"), np.zeros(n), place, found, batch),
     )
@@ -462,8 +460,6 @@ def space_effects(scene: Scene, gap: Annulus, per: int) -> SpaceEffects:
 
 def _annulus(scene: Scene, gap: Annulus, ledger: bool, touches: bool) -> AnnulusEngine:
     n = scene.rods.count
-    if n > _MOST_RODS:
-        raise InputError(f"rods.count must be at most {_MOST_RODS} in an annulus, got {n}")
     dt, per = step_of(scene)
     effects = space_effects(scene, gap, per)
     tilt = None if scene.start.tilt_deg is None else abs(scene.tilt)
@@ -480,19 +476,21 @@ def _annulus(scene: Scene, gap: Annulus, ledger: bool, touches: bool) -> Annulus
     around /= np.linalg.norm(around, axis=1, keepdims=True)
     mean = (rods[:, VELOCITY:TURN] * around).sum(axis=1).mean()
     rods[:, VELOCITY:TURN] -= mean * around
-    pairs, springs = n * (n - 1) // 2, effects.between and effects.between.friction
-    rubs = effects.friction or (effects.inner and effects.inner.friction)
+    listed, place, found, capacity = None, None, None, 8 * n + 56
+    if effects.between is not None:
+        kept, springs = ((PAIR_SLOTS, 4), (PAIR_SLOTS, 3)), effects.between.friction is not None
+        listed = nothing_listed(n, capacity, springs, kept)
+        place, found = np.zeros(n), np.zeros((capacity, 3), np.int64)
+    rubs = any(f and f.spring for f in (effects.friction, effects.inner and effects.inner.friction))
     record = new_record(n, 4096) if touches and effects.normal else None
     state = State(
         rods=rods,
         before=np.zeros((n, 6)),
+        forces=np.zeros((n, SLOTS, 4)),
         springs=np.zeros((n, SLOTS, 3)) if rubs else None,
-        pairs=no_pairs(n) if effects.between else None,
-        pair_springs=np.zeros((pairs, PAIR_SLOTS, 3)) if springs else None,
-        scratch=np.zeros((n, 6)),
-        lost=np.zeros((ANNULUS_LEDGER, n, 6)) if ledger else None,
+        listed=listed,
+        scratch=Scratch(np.zeros((n, 6)), place, found, no_contacts_in_space()),
         flat=np.zeros((n, FLAT)) if record else None,
-        batch=no_contacts_in_space(),
     )
     watchers = plane.Watchers(np.zeros(ANNULUS_LEDGER) if ledger else None, record, None)
     return AnnulusEngine(scene, effects, state, watchers, effects.plate, dt, per)

@@ -31,7 +31,7 @@ from scipy.optimize import brentq
 
 from .domains import Part, held, not_negative, number, positive
 from .errors import InputError
-from .kernels.contact import Friction, Normal, Spring
+from .kernels.contact import PHASE, Friction, Normal, Spring
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d
 _STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more than zero
@@ -202,14 +202,17 @@ def largest_step(
     across: float,
     method: str = "leapfrog",
     caps: int = 1,
+    late: int | None = None,
 ) -> float:
     """Largest stable step for an impact at this speed, in sqrt(d/g).
 
     With stiffness K and dashpot C of the contact per mass, at the deepest overlap, a step is stable
-    up to K dt^2 + 2 C dt = 4 under leapfrog, K dt^2 + 4 C dt = 4 under Verlet, whose dashpots see
-    an extrapolated velocity, and K dt^2 + 4 C dt = 0.64 under Gear's method (which, without any
-    dashpot, still gains 1e-3 in amplitude a step there). Normal and tangential parts are added,
-    which is exact without a tangential spring and on the safe side with one.
+    up to K dt^2 + 2 C dt = 4 under leapfrog and K dt^2 + 4 C dt = 0.64 under Gear's method (which,
+    without any dashpot, still gains 1e-3 in amplitude a step there). Verlet's dashpots and part of
+    its tangential spring are solved for: of n contacts that see each other a step late the others'
+    parts are left, as extrapolated, and with P = `kernels.contact.PHASE` a step is stable up to
+    K_n dt^2 + (1 + P - 2 P/n) K_t dt^2 + 4 (1 - 1/n) C dt = 4. Normal and tangential parts are
+    added, which is exact without a tangential spring and on the safe side with one.
 
     Parameters
     ----------
@@ -219,8 +222,13 @@ def largest_step(
     along, across : largest Z^2/k^2 and X^2/k^2 of a contact
     method : "leapfrog", "verlet" or "gear"
     caps : how many are pressed at once; several push and turn the rod together
+    late : n, contacts that see each other a step late; None: of caps over a plate only the lower
+        one does, as 4/3 contacts would
     """
-    normal, d = law.normal, deepest_overlap(law, speed)
+    normal, d, others, part = law.normal, deepest_overlap(law, speed), 1.0, 1.0
+    if method == "verlet":
+        own = 1 / late if late else 3 / (2 + caps)
+        others, part = 1 - own, 1 + PHASE - 2 * PHASE * own
     light = 1 + across if caps == 1 else 2 * max(1.0, across)
     stiff = 1.5 * normal.stiffness * sqrt(d) * light
     dash = (normal.quarter or 0.0) * sqrt(sqrt(d) / (1 + across)) * light
@@ -228,10 +236,10 @@ def largest_step(
     if friction and law.spring is not None:
         spring, light = law.spring, caps * (1 + along)
         k = (spring.proportional or 0.0) * d + (spring.root or 0.0) * sqrt(d)
-        stiff += k * light
+        stiff += part * k * light
         rubbing = (spring.proportional_dashpot or 0.0) * d + (spring.constant_dashpot or 0.0)
         dash += rubbing * light
         dash += 2 * (spring.damping_ratio or 0.0) * sqrt(k / (1 + along)) * light
     a, b = _STABLE[method]
-    dash *= a / 2
+    dash *= others * a / 2
     return b / (dash + sqrt(dash * dash + b * stiff))

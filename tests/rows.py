@@ -48,6 +48,7 @@ def put(engine: Engine, states) -> None:
         rod[:] = x, z, sin(tilt), cos(tilt), *(velocity or (0.0, 0.0, 0.0))
     engine.state.before[:] = 0
     engine.state.listed.travelled[:] = np.inf
+    engine.state.listed.forces[:] = 0
 
 
 def tip_on_side(lean, place, gap=1e-12):

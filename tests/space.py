@@ -13,13 +13,14 @@ from md.kernels.codes import (
     TURN,
     VELOCITY,
 )
-from md.kernels.contact import Clock, ContactForces, Friction, Motion, Normal
+from md.kernels.contact import ContactForces, Friction, Motion, Normal
+from md.kernels.neighbours import nothing_listed
 from md.kernels.plane import Watchers
+from md.kernels.plate import Clock
 from md.kernels.space.batch import no_contacts
 from md.kernels.space.energy import energy
-from md.kernels.space.forces import SpaceEffects, State, Wall
+from md.kernels.space.forces import Scratch, SpaceEffects, State, Wall
 from md.kernels.space.march import march
-from md.kernels.space.pairs import no_pairs
 from md.kernels.space.touches import FLAT
 from md.kernels.touches import new_record
 
@@ -74,12 +75,12 @@ class Rods:
         n, self.effects, self.dt, self.step, self.kernel = len(rods), scene, dt, 0, kernel
         rubs = any(part and part.friction for part in (scene.inner, scene.outer))
         springs = np.zeros((n, SLOTS, 3)) if rubs or scene.friction else None
-        between = scene.between and np.zeros((max(n * (n - 1) // 2, 1), PAIR_SLOTS, 3))
-        pairs = no_pairs(n) if scene.between else None
-        lost, flat = np.zeros((ANNULUS_LEDGER, n, 6)), np.zeros((n, FLAT))
-        seen = (lost, flat) if watched else (None, None)
-        own = rods, np.zeros((n, 6)), springs, pairs, between, np.zeros((n, 6)), *seen
-        self.state = State(*own, batch=no_contacts())
+        most, kept = 20 * n + 20, ((PAIR_SLOTS, 4), (PAIR_SLOTS, 3))
+        listed = nothing_listed(n, most, True, kept) if scene.between else None
+        place, found = (np.zeros(n), np.zeros((most, 3), int)) if scene.between else (None, None)
+        own = rods, np.zeros((n, 6)), np.zeros((n, SLOTS, 4)), springs, listed
+        flat = np.zeros((n, FLAT)) if watched else None
+        self.state = State(*own, Scratch(np.zeros((n, 6)), place, found, no_contacts()), flat)
         record = new_record(n, 4096) if scene.normal else None
         self.watchers = Watchers(np.zeros(ANNULUS_LEDGER), record, None) if watched else NOBODY
 

@@ -164,11 +164,11 @@ def test_what_no_effect_needs_is_not_there():
     smooth = [f"contacts.{part}.friction=0" for part in ("plate", "rods", "wall")]
     engine = prepare(ring(*smooth))
     assert engine.state.springs is None
-    assert engine.state.pair_springs is None
+    assert engine.state.listed.springs is None
     bare = prepare(ring(), ledger=False, touches=False)
-    assert [*bare.watchers, bare.state.lost, bare.state.flat] == [None] * 5
+    assert [*bare.watchers, bare.state.flat] == [None] * 4
     alone = prepare(ring("contacts.rods=none", "rods.count=1", "start.tilt_deg=10"))
-    assert alone.state.pairs is None
+    assert alone.state.listed is None
     assert alone.effects.between is None
     assert prepare(ring("annulus.shaken=false")).effects.shaken is None
 

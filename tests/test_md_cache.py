@@ -27,10 +27,10 @@ def half(x):
 
 CALL = """
 import json, md
-from md.kernels.contact import Slip, Spring
+from md.kernels.contact import Spring
 from md.kernels.codes import STICK
-from md.kernels.rates import held
-force = held(Spring(root=1.0), STICK, 1.0, 0.3, 0.1, Slip(0.0, 0.0, 0.0, 1.0))[0]
+from md.kernels.rates import Slip, held
+force = held(Spring(root=1.0), STICK, 1.0, 0.3, 0.1, Slip(0.0, 0.0, 1.0))[0]
 stats = held._compile_for_args().stats  # of the twin that Python calls
 counts = [sum(found.values()) for found in (stats.cache_hits, stats.cache_misses)]
 print(json.dumps([md.__file__, force, *counts]))

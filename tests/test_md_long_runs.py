@@ -10,7 +10,7 @@ import md
 from md.host import prepare
 from md.kernels import single
 from md.kernels.codes import C_X, DONE, NOT_FINITE, OMEGA, Z
-from md.kernels.contact import plate_at
+from md.kernels.plate import plate_at
 from md.kernels.single import State
 from md.soft_impact import plate_table, stopped_run
 

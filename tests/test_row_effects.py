@@ -46,13 +46,13 @@ EFFECTS = {
     "plate's vibration and friction": (
         SHAKEN,
         REST,
-        {"effects.alone.plate": "[su]rem i64", "effects.alone.friction": "= fdiv"},
+        {"effects.alone.plate": "[su]rem i64", "effects.alone.friction": "copysign"},
         ALOFT,
     ),
     "plate's spring and dissipation": (
         SHAKEN | {"contacts": Contacts(Contact(LOSSY, 0.3))},
         SHAKEN,
-        {"state.springs": "copysign", "effects.alone.normal.quarter": ""},
+        {"state.springs": "", "effects.alone.normal.quarter": ""},
         ALOFT,
     ),
     "rod-rod contact": (
@@ -128,7 +128,8 @@ def test_what_is_absent_everywhere_needs_next_to_nothing():
     """Of a million rods that only fly: places, directions, velocities and accelerations."""
     engine, _ = started()
     state, watchers = engine.state, engine.watchers
-    assert [state.springs, state.listed, *state.scratch[2:], *watchers] == [None] * 8
+    absent = state.forces, state.springs, state.listed, *state.scratch[2:], *watchers
+    assert [*absent] == [None] * 9
     assert list(engine.arrays()) == ["rods", "before"]
     assert (engine.effects.between, engine.effects.period) == (None, None)
 

@@ -131,14 +131,16 @@ def test_the_ledger_closes_on_the_way():
 def test_one_spring_goes_round_the_end():
     """As end on side becomes end on end, and that side on end, friction neither ends nor doubles.
 
-    The rods are at rest: the spring keeps its length.
+    The rods are at rest: the spring keeps its length. In a step of 1e-7 they stay so, to the 2e-4
+    by which a dashpot lessens the force.
     """
     places, stretched = np.linspace(-0.3, 1.4, 1701), 1e-3
-    engine = free(LOSSY, round_the_end(places[0]), friction=10.0)
+    engine = free(LOSSY, round_the_end(places[0]), friction=10.0, dt=1e-7)
     forces(engine, round_the_end(places[0]))
     listed = engine.state.listed
     touching = [overlap > 0 for overlap, *_ in ends(engine.rods, HALF, 0, 1)]
     listed.springs[listed.turn[0], 0] = stretched * np.array(touching)
     found = np.array([forces(engine, round_the_end(place)) for place in places])
     one = np.hypot(SOFT * DEEP**1.5, LOSSY.spring.root * DEEP**0.5 * stretched)
-    assert np.hypot(*found[:, 0, :2].T) == pytest.approx(one, rel=1e-6)
+    assert np.hypot(*found[:, 0, :2].T) == pytest.approx(one, rel=3e-4)
+    assert np.ptp(np.hypot(*found[:, 0, :2].T)) < 3e-4 * one

@@ -16,7 +16,7 @@ def build(rods, half, period, listed=None):
     """Entries (first, second, image) of the list of these rods."""
     n = len(rods)
     capacity = 60 * n
-    listed = listed or neighbours.nothing_listed(n, capacity, False, False)
+    listed = listed or neighbours.nothing_listed(n, capacity, False)
     found = np.zeros((capacity, 3), np.int64)
     count = neighbours.build(rods, half, period, listed, np.zeros(n), found)
     assert count >= 0
@@ -222,7 +222,7 @@ def test_a_list_that_is_full_grows():
     usual, small = lively(), lively()
     n = len(small.rods)
     small.state = small.state._replace(
-        listed=neighbours.nothing_listed(n, 1, True, True),
+        listed=neighbours.nothing_listed(n, 1, True),
         scratch=small.state.scratch._replace(found=np.zeros((1, 3), np.int64)),
     )
     usual.go(800)

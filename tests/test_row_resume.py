@@ -15,7 +15,7 @@ from .command_line import ended
 from .rows import ROW, row
 
 PERIODS = 4
-LEDGER = "ledger", "listed.losses"
+LEDGER = ("ledger",)
 SCENE = ("step.size=3e-4", "plate.acceleration=5")
 
 

@@ -56,8 +56,8 @@ def closed(result):
 def test_the_ledger_closes_as_the_step_shrinks():
     """Residual over turnover, five rods for two periods: second order.
 
-    Halves of a step's losses go with the velocity between two forces. The runs part ways at
-    contacts, which scatters single halvings; over three of them the order holds to a quarter.
+    Losses go with the velocities of their step. The runs part ways at contacts, which scatters
+    single halvings; over three of them the order holds to a quarter.
     """
     found = []
     for step in (3.6e-4, 1.8e-4, 9e-5, 4.5e-5):

@@ -16,6 +16,7 @@ from md.kernels.codes import (
     LEDGER_COLUMNS,
     PLACE,
     REGIMES,
+    SKIN,
     SPACE_COLUMNS,
     TURN,
     VELOCITY,
@@ -23,7 +24,7 @@ from md.kernels.codes import (
 from md.kernels.contact import ContactForces, Friction, Motion
 from md.kernels.space import geometry
 from md.kernels.space.forces import Wall
-from md.kernels.space.pairs import nearest
+from md.kernels.space.pairs import nearest, pair_up
 from md.kernels.touches import REGIME
 from md.laws import deepest_overlap
 
@@ -351,7 +352,7 @@ def test_m5_a_lying_rod_that_a_wall_pushes_does_not_creep():
     rods = states(((x, 0, 0.5 - pressed), (0, 1, 0)))
     walls = {"inner": Wall(INNER_RADIUS, ELASTIC, None), "outer": Wall(1e3, ELASTIC, None)}
     scene = within(**walls, plate=None, gravity=-1.0, friction=held, normal=LOSSY.normal)
-    lying = Rods(scene, rods.copy(), dt=1e-3).go(1000)
+    lying = Rods(scene, rods.copy(), dt=1e-3).go(3000)  # settles
     before = lying.rods.copy()
     lying.go(1_000_000)
     assert np.abs(lying.rods - before).max() < 1e-10
@@ -416,3 +417,29 @@ def test_what_does_not_fit_is_refused():
         prepare(ring("rods.count=60"))
     with pytest.raises(ValueError, match="length must be at least 1"):
         placement.largest_tilt(GAP, 0.5)
+
+
+@pytest.mark.parametrize(("radius", "count"), [(30.0, 60), (3.0, 12)])
+def test_neighbours_by_azimuth_are_all_close_pairs(radius, count):
+    """Against brute force; in the second case a rod spans more than half of the circle."""
+    random = np.random.default_rng(4)
+    azimuth = random.uniform(-np.pi, np.pi, count)
+    rods = np.zeros((count, SPACE_COLUMNS))
+    rods[:, 0], rods[:, 1] = radius * np.cos(azimuth), radius * np.sin(azimuth)
+    rods[:, 2] = random.uniform(0, 5, count)
+    rods[:, DIRECTOR:VELOCITY] = [unit(v) for v in random.normal(size=(count, 3))]
+    found = np.zeros((count**2, 3), np.int64)
+    listed = pair_up(rods, HALF, np.arange(count), np.zeros(count), found)
+    close = {
+        (i, j)
+        for i, j in combinations(range(count), 2)
+        if nearest(
+            *tuples(
+                rods[i, :3] - rods[j, :3], rods[i, DIRECTOR:VELOCITY], rods[j, DIRECTOR:VELOCITY]
+            ),
+            HALF,
+        )
+        < 1 + SKIN
+    }
+    assert len(close) > 10
+    assert sorted(map(tuple, found[:listed, :2])) == sorted(close)

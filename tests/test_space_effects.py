@@ -31,7 +31,7 @@ EFFECTS = {
 }
 PATHS = {  # of what stands deeper
     "innerfriction": ["effects.inner.friction", "effects.friction"],
-    "watched": ["watchers.ledger", "watchers.record", "state.lost", "state.flat"],
+    "watched": ["watchers.ledger", "watchers.record", "state.flat"],
 }
 
 

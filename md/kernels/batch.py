@@ -12,7 +12,8 @@ import numpy as np
 
 from ..cache import kernel
 from .codes import C_X, PAIR_FRICTION, PAIR_NORMAL
-from .contact import Slip, add, normal_force, spring_friction, tangential_constants
+from .contact import Inertia, Meeting, contact, losses, total
+from .vectors import add, along, dot, swing, times, torque
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 4  # that may be there before a pair is looked at
@@ -27,7 +28,7 @@ SHARE = 18  # of the contact, if ends are joined
 SPRING = 19  # its length, before and after
 # and found.
 FORCE, TORQUE, OTHER_TORQUE = 20, 22, 23  # on the first rod; angular accelerations
-LOST, RUB = 24, 25  # normal force by dashpots and friction force, before and after
+LAST = 24  # F_n and F_t, before and after, as if the contact had all of its share
 NORMAL_LOSS, FRICTION_LOSS = 26, 27  # of this step
 NUMBERS = 28
 
@@ -63,14 +64,6 @@ def kept_spring(springs, now, k, end):
 
 
 @kernel
-def past_losses(losses, numbers, n, now, k, end):
-    """Put the losses of the step before at place n."""
-    if losses is not None:
-        keep(numbers, LOST, n, losses[now, k, 2 * end])
-        keep(numbers, RUB, n, losses[now, k, 2 * end + 1])
-
-
-@kernel
 def collect(state, n, pair, now, k, end, near, share):
     """Put a contact at place n of the batch."""
     i, j, _, _, a, b = pair
@@ -89,68 +82,61 @@ def collect(state, n, pair, now, k, end, near, share):
         keep(numbers, SECOND + c, n, rods[j, C_X + c])
         keep(numbers, GAIN + c, n, before[i, c])
         keep(numbers, OTHER_GAIN + c, n, before[j, c])
-    past_losses(state.listed.losses, numbers, n, now, k, end)
+    keep(numbers, LAST, n, state.listed.forces[now, k, 2 * end])
+    keep(numbers, LAST + 1, n, state.listed.forces[now, k, 2 * end + 1])
     keep(numbers, SHARE, n, share)
     keep(numbers, SPRING, n, kept_spring(state.listed.springs, now, k, end))
 
 
 @kernel
-def pair_friction(friction, numbers, c, overlap, force, slip, dt):
-    """F_t between two rods, and its spring."""
-    if friction is None:
-        return 0.0
-    k, g = tangential_constants(friction.spring, overlap, slip.mass)
-    limit = friction.coefficient * force
-    rub, length = spring_friction(k, g, get(numbers, SPRING, c), slip, limit, dt)
-    keep(numbers, SPRING, c, length)
-    return rub
+def two(numbers, what, c):
+    """A vector of contact c."""
+    return get(numbers, what, c), get(numbers, what + 1, c)
 
 
 @kernel
-def accounted(ledger, numbers, c, forces, velocities, dt):
-    """Half of this step's losses and half of the last one's, with the velocity between them.
+def keep_two(numbers, what, c, v):
+    """Put a vector of contact c."""
+    keep(numbers, what, c, v[0])
+    keep(numbers, what + 1, c, v[1])
 
-    `forces`: lost normal force and friction; `velocities`: opening rate and slip half a step ago.
-    """
+
+@kernel
+def moving(numbers, what, c, arm):
+    """Velocity of a point of a rod, or its acceleration but for that towards the centre."""
+    return along(two(numbers, what, c), 1.0, swing((get(numbers, what + 2, c),), arm))
+
+
+@kernel
+def accounted(ledger, law, numbers, c, meeting, found, dt):
+    """What is lost in this step."""
     if ledger is not None:
-        (lost, rub), (rate, slip) = forces, velocities
-        keep(numbers, NORMAL_LOSS, c, 0.5 * dt * rate * (lost + get(numbers, LOST, c)))
-        keep(numbers, FRICTION_LOSS, c, 0.5 * dt * slip * (rub + get(numbers, RUB, c)))
-        keep(numbers, LOST, c, lost)
-        keep(numbers, RUB, c, rub)
+        share = get(numbers, SHARE, c)
+        normal, friction = losses(law, meeting, found, dt)
+        keep(numbers, NORMAL_LOSS, c, share * normal)
+        keep(numbers, FRICTION_LOSS, c, share * friction)
 
 
 @kernel
-def contact(between, light, ledger, numbers, c, dt):
+def act_on(between, light, ledger, numbers, c, dt):
     """What acts in contact c."""
-    r_x, r_z = get(numbers, R, c), get(numbers, R + 1, c)
-    p_x, p_z = get(numbers, ARM, c), get(numbers, ARM + 1, c)
-    q_x, q_z = get(numbers, OTHER_ARM, c), get(numbers, OTHER_ARM + 1, c)
-    r = sqrt(r_x * r_x + r_z * r_z)
-    n_x, n_z, overlap = r_x / r, r_z / r, 1.0 - r
-    spin, other = get(numbers, FIRST + 2, c), get(numbers, SECOND + 2, c)
-    v_x = get(numbers, FIRST, c) + spin * p_z - get(numbers, SECOND, c) - other * q_z
-    v_z = get(numbers, FIRST + 1, c) - spin * p_x - get(numbers, SECOND + 1, c) + other * q_x
-    lever_i, lever_j = p_z * n_x - p_x * n_z, q_z * n_x - q_x * n_z
-    mass = 1 / (2 + (lever_i * lever_i + lever_j * lever_j) * light)
-    rate, slip = v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x  # tangent (n_z, -n_x)
-    spin, other = get(numbers, GAIN + 2, c), get(numbers, OTHER_GAIN + 2, c)
-    gain_x = get(numbers, GAIN, c) + spin * p_z - get(numbers, OTHER_GAIN, c) - other * q_z
-    gain_z = get(numbers, GAIN + 1, c) - spin * p_x - get(numbers, OTHER_GAIN + 1, c) + other * q_x
-    v_x, v_z = v_x + gain_x * dt / 2, v_z + gain_z * dt / 2
-    force = normal_force(between.normal, overlap, v_x * n_x + v_z * n_z, mass, dt)
-    across_i, across_j = p_z * n_z + p_x * n_x, q_z * n_z + q_x * n_x
-    mass = 1 / (2 + (across_i * across_i + across_j * across_j) * light)
-    seen, share = Slip(slip, v_x * n_z - v_z * n_x, 0.0, mass), get(numbers, SHARE, c)
-    rub = share * pair_friction(between.friction, numbers, c, overlap, force, seen, dt)
-    lost = share * (between.normal.stiffness * overlap * sqrt(overlap) - force)
-    force *= share
-    accounted(ledger, numbers, c, (lost, rub), (rate, slip), dt)
-    f_x, f_z = force * n_x + rub * n_z, force * n_z - rub * n_x
-    keep(numbers, FORCE, c, f_x)
-    keep(numbers, FORCE + 1, c, f_z)
-    keep(numbers, TORQUE, c, (p_z * f_x - p_x * f_z) * light)
-    keep(numbers, OTHER_TORQUE, c, (q_x * f_z - q_z * f_x) * light)
+    r, p, q = two(numbers, R, c), two(numbers, ARM, c), two(numbers, OTHER_ARM, c)
+    distance = sqrt(dot(r, r))
+    half = along(moving(numbers, FIRST, c, p), -1.0, moving(numbers, SECOND, c, q))
+    gain = along(moving(numbers, GAIN, c, p), -1.0, moving(numbers, OTHER_GAIN, c, q))
+    meeting = Meeting(
+        ((p, p), (q, q)), times(1 / distance, r), 1.0 - distance, half, gain,
+        get(numbers, LAST, c), (get(numbers, LAST + 1, c),), (get(numbers, SPRING, c),),
+        None, None, half,
+    )  # fmt: skip
+    found = contact(between.normal, between.friction, Inertia(light, None), meeting, dt)
+    accounted(ledger, between.normal, numbers, c, meeting, found, dt)
+    keep(numbers, SPRING, c, found.spring[0])
+    keep_two(numbers, LAST, c, (found.normal, found.rub[0]))
+    f = times(get(numbers, SHARE, c), total(found, meeting.out))
+    keep_two(numbers, FORCE, c, f)
+    keep(numbers, TORQUE, c, light * torque(p, f)[0])
+    keep(numbers, OTHER_TORQUE, c, -light * torque(q, f)[0])
 
 
 @kernel
@@ -161,48 +147,40 @@ def spring_kept(springs, numbers, c, place):
 
 
 @kernel
-def losses_kept(losses, numbers, c, place):
-    """Keep the losses for the next step."""
-    if losses is not None:
-        now, k, end = place
-        losses[now, k, 2 * end] = get(numbers, LOST, c)
-        losses[now, k, 2 * end + 1] = get(numbers, RUB, c)
-
-
-@kernel
 def booked(ledger, numbers, count):
     """Add the losses of this step."""
     if ledger is not None:
         normal, friction = ledger[PAIR_NORMAL], ledger[PAIR_FRICTION]
         for c in range(count):
             normal += get(numbers, NORMAL_LOSS, c)
-            friction -= get(numbers, FRICTION_LOSS, c)
+            friction += get(numbers, FRICTION_LOSS, c)
         ledger[PAIR_NORMAL], ledger[PAIR_FRICTION] = normal, friction
 
 
 @kernel(inline=False)
-def act(between, light, total, batch, kept, ledger, count, dt):
+def act(between, light, accelerations, batch, kept, ledger, count, dt):
     """Add the accelerations by the first contacts of the batch.
 
-    `kept`: list in use, springs and losses.
+    `kept`: list in use, springs and forces.
     """
-    (numbers, places), (now, springs, losses) = batch, kept
+    (numbers, places), (now, springs, forces) = batch, kept
     for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # the last ones are idle
-        contact(between, light, ledger, numbers, c, dt)
+        act_on(between, light, ledger, numbers, c, dt)
     for c in range(count):
         i, j = np.uint64(places[c, 0]), np.uint64(places[c, 1])
         f_x, f_z = get(numbers, FORCE, c), get(numbers, FORCE + 1, c)
-        add(total, i, 0, (f_x, f_z, get(numbers, TORQUE, c)))
-        add(total, j, 0, (-f_x, -f_z, get(numbers, OTHER_TORQUE, c)))
-        place = now, places[c, 2], places[c, 3]
-        spring_kept(springs, numbers, c, place)
-        losses_kept(losses, numbers, c, place)
+        add(accelerations, i, 0, (f_x, f_z, get(numbers, TORQUE, c)))
+        add(accelerations, j, 0, (-f_x, -f_z, get(numbers, OTHER_TORQUE, c)))
+        k, end = np.uint64(places[c, 2]), np.uint64(places[c, 3])
+        spring_kept(springs, numbers, c, (now, k, end))
+        forces[now, k, 2 * end] = get(numbers, LAST, c)
+        forces[now, k, 2 * end + 1] = get(numbers, LAST + 1, c)
     booked(ledger, numbers, count)
 
 
 @kernel
 def acted(effects, state, ledger, count, dt):
     """Add the accelerations by the contacts that are collected."""
-    kept = state.listed.turn[0], state.listed.springs, state.listed.losses
+    kept = state.listed.turn[0], state.listed.springs, state.listed.forces
     scratch, light = state.scratch, effects.alone.lightness
     act(effects.between, light, scratch.total, scratch.batch, kept, ledger, count, dt)

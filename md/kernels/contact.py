@@ -1,21 +1,29 @@
-"""Forces of one contact and of a rod on the plate, and vectors, compiled.
+"""One contact, compiled: its normal force, dashpots, friction and what it takes off the energy.
 
-Reduced units: d = m = g = 1, m the mass of the rod. A parameter that is `None` says that its term
-is absent: Numba sees the type and leaves its code out.
+Written once for rod on plate, rod on rod and rod on wall, in the plane and in space: vectors are
+tuples of two numbers or three (`vectors`). Reduced units: d = m = g = 1, m the mass of the rod. A
+parameter that is `None` says that its term is absent: Numba sees the type and leaves its code out.
+
+Places are known at a step, velocities half a step before it. A dashpot's force belongs to the
+velocity of the step, which it changes itself: it is solved for that velocity,
+
+    F = (elastic - c v)/(1 + c dt/(2 M)),
+
+v the velocity without the force in it and M the mass that the contact shows to it. All other forces
+on the two bodies are in v as of the step before, or as far as they are known in this one.
 
 The tangential element is a spring with a dashpot beside it, both in series with a slider that
 gives way at mu F_n (`spring_friction`), or no element at all but the constraint that the slip stays
-zero as long as |F_t| <= mu F_n (`constraint_friction`). It acts on two velocities: `half`, that of
-half a step before the force, from which a step leads to half a step behind it, and `now`, that of
-the moment of the force, as good as the integrator knows it.
+zero as long as |F_t| <= mu F_n (`constraint_friction`).
 """
 
 from math import copysign, inf, sqrt
 from typing import Any, NamedTuple
 
 from ..cache import kernel
+from .vectors import across, along, dot, spread, swing, times, torque
 
-ZERO = (0.0, 0.0, 0.0)
+PHASE = 1 / 3  # part of a spring's change in a step that its force sees (`spring_friction`)
 
 
 class Normal(NamedTuple):
@@ -72,69 +80,46 @@ class Effects(NamedTuple):
     flat: bool | None = None  # True: flat ends, half_length to them; None: round ones
 
 
-class Clock(NamedTuple):
-    """Number of a step, and its size."""
+class Inertia(NamedTuple):
+    """How a rod turns."""
 
-    step: int
-    dt: float  # sqrt(d/g)
+    lightness: float  # 1/k^2, 1/d^2
+    rolling: float | None  # I/I_axial - 1; None: no rotation of a rod about its axis
 
 
-class Moving(NamedTuple):
-    """A rod over the plate in one step; velocities (c_x, c_z, omega) in sqrt(g d), sqrt(g/d)."""
+class Meeting(NamedTuple):
+    """A body and another one, or a surface, in a contact."""
 
-    z: float  # d
-    direction: tuple[float, float]  # sin, cos of the tilt
-    half: tuple[float, float, float]  # velocities half a step before
-    now: tuple[float, float, float]  # velocities at the step
-    springs: tuple[float, float]  # d; lengths of those of the lower (-) and the upper (+) cap
+    bodies: tuple  # of each, the arm from its centre to the contact, d, and its director
+    out: tuple  # unit vector from the second body or the surface to the first
+    overlap: float  # d, > 0
+    half: tuple  # sqrt(g d); velocity of the first against the second half a step before
+    gain: tuple  # g; its acceleration, as far as it is known, by the contact's last forces too
+    pressed: float  # m g; F_n of the step before, or as it is known
+    rubbed: tuple  # m g; F_t, across `out`
+    spring: tuple  # d; length of the tangential spring, across `out`
+    swept: tuple | None  # g; by which the slip changes as the arm does; None: neglected
+    explicit: bool | None  # True: dashpots see `now`; None: the velocity of their step
+    now: tuple  # sqrt(g d)
 
 
 class Slip(NamedTuple):
-    """What friction acts on in a contact."""
+    """A contact with its normal force of the step and without its friction."""
 
-    half: float  # sqrt(g d), half a step before
-    now: float  # sqrt(g d), at the step
-    drive: float  # g; its acceleration without friction
-    mass: float  # m; the contact's tangential mass
+    velocity: tuple  # sqrt(g d), at the step
+    drive: tuple  # g; its acceleration
+    since: float  # sqrt(d/g); part of the last step since the touch
+    implicit: float  # sqrt(d/g); for which friction acts on that velocity
 
 
-class Touch(NamedTuple):
-    """What acts at one cap."""
+class Force(NamedTuple):
+    """What acts in a contact on the first body."""
 
-    overlap: float  # d
     normal: float  # F_n, m g
+    rub: tuple  # F_t, m g: across `out`
+    spring: tuple  # d; its new length
     rate: float  # sqrt(g d), at which the contact opens (+) or closes (-)
-    a_x: float  # d; arm from the centre of mass to the contact point
-    a_z: float
-    tangential: float  # F_t, m g
-    spring: float  # its length, d
-    slip: float  # sqrt(g d), half a step before
-
-
-@kernel
-def along(a, s, b):
-    """a + s b."""
-    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
-
-
-@kernel
-def vector(array, i, first):
-    """Three numbers of row i."""
-    return array[i, first], array[i, first + 1], array[i, first + 2]
-
-
-@kernel
-def add(array, i, first, v):
-    """Add a vector to row i."""
-    array[i, first] += v[0]
-    array[i, first + 1] += v[1]
-    array[i, first + 2] += v[2]
-
-
-@kernel
-def put(array, i, first, v):
-    """Put a vector into row i."""
-    array[i, first], array[i, first + 1], array[i, first + 2] = v
+    slip: tuple  # sqrt(g d), at the step, across `out`
 
 
 @kernel
@@ -151,19 +136,84 @@ def dashpot(normal, overlap, root, mass):
 
 
 @kernel
-def largest(plastic, rate, mass, dt):
-    """Largest F_n of a step; a plastic contact does no more than stop."""
-    if plastic is None:
-        return inf
-    return -rate * mass / dt
+def elastic(normal, overlap):
+    """k_n delta^(3/2)."""
+    return normal.stiffness * overlap * sqrt(overlap)
 
 
 @kernel
-def normal_force(normal, overlap, rate, mass, dt):
-    """F_n >= 0 of a contact with overlap > 0 that opens with the velocity `rate`."""
-    root = sqrt(overlap)
-    force = normal.stiffness * overlap * root - dashpot(normal, overlap, root, mass) * rate
-    return max(min(force, largest(normal.plastic, rate, mass, dt)), 0.0)
+def largest(plastic, half, free, light, dt):
+    """Largest F_n of a step; a plastic contact does no more than stop at its end."""
+    if plastic is None:
+        return inf
+    return -(2 * free - half) / (light * dt)
+
+
+@kernel
+def normal_force(normal, overlap, half, free, light, implicit, dt):
+    """F_n >= 0 of a contact with overlap > 0, solved for the velocity of its own moment.
+
+    `half`, `free`: velocity at which it opens, half a step before and at the step without F_n in
+    it; `light`: 1/M; `implicit`: dt/2, for which F_n acts on that velocity, or 0.
+    """
+    c = dashpot(normal, overlap, sqrt(overlap), 1 / light)
+    force = (elastic(normal, overlap) - c * free) / (1 + c * implicit * light)
+    return max(min(force, largest(normal.plastic, half, free, light, dt)), 0.0)
+
+
+@kernel
+def turned_by(inertia, arm, director, force):
+    """Angular acceleration by a force at an arm: in space, of the vector w (`space.march`)."""
+    t = times(inertia.lightness, torque(arm, force))
+    if len(arm) == 2:
+        return t
+    return free_turn(inertia.rolling, t, director)
+
+
+@kernel
+def free_turn(rolling, w, director):
+    """Without rolling nothing turns a rod about its axis."""
+    if rolling is None:
+        return along(w, -dot(w, director), director)
+    return w
+
+
+@kernel
+def turning(rolling, w, director):
+    """Angular velocity of a rod, given its w."""
+    if rolling is None:
+        return w
+    return along(w, rolling * dot(w, director), director)
+
+
+@kernel
+def swung(rolling, w, director, arm):
+    """Velocity of the end of an arm, given the rod's w."""
+    if len(arm) == 2:
+        return swing(w, arm)
+    return swing(turning(rolling, w, director), arm)
+
+
+@kernel
+def moved(inertia, bodies, force):
+    """Acceleration of the first body against the second at the contact, by a force on the first."""
+    total = times(1.0 * len(bodies), force)
+    for arm, director in bodies:
+        w = turned_by(inertia, arm, director, force)
+        total = along(total, 1.0, swung(inertia.rolling, w, director, arm))
+    return total
+
+
+@kernel
+def tangential_light(inertia, bodies, out, pull):
+    """1/M of a contact for a force across `out`, in space one along `pull`."""
+    if len(out) == 2:
+        e = spread((1.0,), out)
+        return dot(moved(inertia, bodies, e), e)
+    square = dot(pull, pull)
+    if square == 0.0:
+        return 1.0 * len(bodies)
+    return dot(moved(inertia, bodies, pull), pull) / square
 
 
 @kernel
@@ -175,145 +225,191 @@ def tangential_constants(spring, overlap, mass):
 
 
 @kernel
-def spring_friction(k, g, length, slip, limit, dt):
+def touching(overlap, rate, dt):
+    """Part of the last step since the touch, a time: all of it but in a contact's first step."""
+    return overlap / -rate if -rate * dt > overlap else dt
+
+
+@kernel
+def size(v):
+    """Length of a vector; of one number, its size."""
+    return abs(v[0]) if len(v) == 1 else sqrt(dot(v, v))
+
+
+@kernel
+def cut(force, limit):
+    """A force with the size `limit`."""
+    if len(force) == 1:
+        return (copysign(limit, force[0]),)
+    return times(limit / size(force), force)
+
+
+@kernel
+def spring_friction(constants, light, limit, length, stretched, slips, implicit, dt):
     """F_t of spring and dashpot in series with a slider, and the spring's new length.
 
-    Without slip the spring follows the contact point, s' = u. With slip |F_t| = limit and the
-    element relaxes, g s' = -F_t - k s; one step of backward Euler, stable for any g >= 0 and, for
-    g = 0, the spring that alone carries the limit.
+    Without slip the spring follows the contact point, s' = u; `stretched` is its `length` then.
+    Spring k and dashpot g are solved for the slip u of their own moment; of the spring's change by
+    it they see the part PHASE, with which an oscillation keeps its phase to fourth order:
+
+        F_t = -(k (s + PHASE dt/2 (u - half)) + g u),  u = free + F_t dt/(2 M),
+
+    `slips`: half a step before, and free of F_t. With slip |F_t| = limit and the element relaxes,
+    g s' = -F_t - k s; one step of backward Euler, stable for any g >= 0 and, for g = 0, the spring
+    that alone carries the limit.
     """
-    stretched = length + slip.half * dt
-    force = -(k * stretched + g * slip.now)
-    if abs(force) <= limit:
+    (k, g), (half, free), part = constants, slips, PHASE * implicit
+    force = along(times(-k, along(stretched, part, along(free, -1.0, half))), -g, free)
+    force = times(1 / (1 + (g + k * part) * implicit * light), force)
+    if size(force) <= limit:
         return force, stretched
-    force = copysign(limit, force)
-    return force, (g * length - force * dt) / (g + k * dt)
+    force, relaxed = cut(force, limit), 1 / (g + k * dt)
+    return force, along(times(g * relaxed, length), -dt * relaxed, force)
 
 
 @kernel
-def constraint_friction(slip, limit, dt):
+def stopping(compliance, a):
+    """Force across the normal that undoes an acceleration `a` of the slip.
+
+    `compliance`: accelerations by forces of one: in the plane (xx,), in space (xx, xy, yy).
+    """
+    if len(compliance) == 1:
+        return (-a[0] / compliance[0],)
+    xx, xy, yy = compliance
+    scale = 1.0 / (xx * yy - xy * xy)
+    return scale * (xy * a[1] - yy * a[0]), scale * (xy * a[0] - xx * a[1])
+
+
+@kernel
+def slowing(compliance, a):
+    """Acceleration along a unit vector `a` by a force of one along it."""
+    if len(compliance) == 1:
+        return compliance[0]
+    xx, xy, yy = compliance
+    return xx * a[0] * a[0] + 2.0 * xy * a[0] * a[1] + yy * a[1] * a[1]
+
+
+@kernel
+def constraint_friction(compliance, slip, drive, limit, dt):
     """Mean F_t over a step in which all else is constant: slip, its stop, then stick or slip back.
 
-    Without friction the slip of the contact's mass would gain `slip.drive` per time.
+    `slip`: half a step before; `drive`: its acceleration without friction.
     """
-    side = 1.0 if slip.half > 0 else -1.0
-    momentum, drive = side * slip.mass * slip.half / dt, side * slip.mass * slip.drive
-    stop = -momentum - drive  # leaves no slip at the end of the step
-    if stop <= -limit:
-        return -side * limit
-    if -drive <= limit:
-        return side * stop
-    slides = momentum / (limit - drive)  # part of the step
-    return side * limit * (1 - 2 * slides)
+    stop, hold = stopping(compliance, along(drive, 1 / dt, slip)), stopping(compliance, drive)
+    holds = size(hold)
+    if max(size(stop), holds) <= limit:  # leaves no slip at the end of the step
+        return stop
+    speed, slides, a = size(slip), 0.0, times(0.0, slip)
+    if speed > 0.0:
+        a = cut(slip, 1.0)
+        slower = limit * slowing(compliance, a) - dot(a, drive)
+        slides = speed / (slower * dt) if speed < slower * dt else 1.0  # part of the step
+    if slides == 1.0:
+        return times(-limit, a)
+    rest = (1.0 - slides) * min(limit / max(holds, 1e-300), 1.0)  # sticks, or slips with the drive
+    return along(times(rest, hold), -slides * limit, a)
 
 
 @kernel
-def friction_force(spring, limit, overlap, length, slip, dt):
-    """F_t up to `limit`, and the spring's new length; a constraint has none."""
-    if spring is not None:
-        k, g = tangential_constants(spring, overlap, slip.mass)
-        return spring_friction(k, g, length, slip, limit, dt)
-    return constraint_friction(slip, limit, dt), 0.0
+def held(inertia, bodies, out, half, limit, drive, dt):
+    """Friction as a constraint, of a body on a level surface; arguments as of `Meeting`."""
+    if len(out) == 2:
+        e = spread((1.0,), out)
+        compliance = (dot(moved(inertia, bodies, e), e),)
+        return constraint_friction(compliance, across(half, out), across(drive, out), limit, dt)
+    x = moved(inertia, bodies, (1.0, 0.0, 0.0))
+    y = moved(inertia, bodies, (0.0, 1.0, 0.0))
+    slip, drive = (half[0], half[1]), (drive[0], drive[1])
+    f = constraint_friction((x[0], x[1], y[1]), slip, drive, limit, dt)
+    return f[0], f[1], 0.0
 
 
 @kernel
-def end_at(effects, cap, direction):
-    """Centre of a cap from the centre of mass, and its radius; or a corner of a flat end.
+def along_surface(length, out):
+    """A spring's length, which stays across the normal as that turns."""
+    if len(out) == 2:
+        return length
+    return across(length, out)
 
-    `cap` is -1 or 1: of round ends along the axis, of the corners of the lower flat end across it.
-    Of a flat-ended rod that lies rather than stands the other corner is the upper end's.
+
+@kernel
+def arm_moved(swept, drive):
+    """Acceleration of a slip with that by a moving arm."""
+    return drive if swept is None else along(drive, 1.0, swept)
+
+
+@kernel
+def rubbing(spring, inertia, meeting, slip, limit, dt):
+    """F_t up to `limit`, and the spring's new length; a constraint has none.
+
+    Both ends of rods side by side slip alike: a pair's spring counts on as much friction again.
     """
-    sine, cosine = direction
-    half = effects.half_length
-    if effects.flat is None:
-        return cap * half * sine, cap * half * cosine, 0.5
-    along_axis, across = -half, 0.5 * cap
-    if cap * sine < 0 and abs(sine) > 2 * half * cosine:
-        along_axis, across = half, -across
-    return along_axis * sine + across * cosine, along_axis * cosine - across * sine, 0.0
+    n, bodies = meeting.out, meeting.bodies
+    if spring is None:
+        drive = arm_moved(meeting.swept, slip.drive)
+        return held(inertia, bodies, n, meeting.half, limit, drive, dt), meeting.spring
+    half, free, many = across(meeting.half, n), across(slip.velocity, n), len(bodies)
+    length = along_surface(meeting.spring, n)
+    stretched = along(length, slip.since, half)
+    light = tangential_light(inertia, bodies, n, along(stretched, dt, free))
+    constants = tangential_constants(spring, meeting.overlap, 1 / light)
+    free = along(free, -slip.implicit * (many - 1) * light, meeting.rubbed)
+    light *= many
+    return spring_friction(
+        constants, light, limit, length, stretched, (half, free), slip.implicit, dt
+    )
 
 
 @kernel
-def pressed(effects, rod, plate, cap, dt):
-    """Normal contact of the cap or corner `cap` of `end_at`, before its friction."""
-    height, velocity = plate
-    a_x, rise, radius = end_at(effects, cap, rod.direction)
-    a_z = height - rod.z
-    overlap = height + radius - (rod.z + rise)
-    rate = rod.now[1] - rod.now[2] * a_x - velocity
-    force = 0.0
-    if overlap > 0:
-        mass = 1 / (1 + a_x * a_x * effects.lightness)
-        force = normal_force(effects.normal, overlap, rate, mass, dt)
-    return Touch(overlap, force, rate, a_x, a_z, 0.0, 0.0, rod.half[0] + rod.half[2] * a_z)
-
-
-@kernel
-def pressed_above(upper, effects, rod, plate, dt):
-    """Normal contact of the upper cap, which stays open if there is none."""
-    if upper is None:
-        a_z = plate[0] - rod.z
-        return Touch(-1.0, 0.0, 0.0, 0.0, a_z, 0.0, 0.0, rod.half[0] + rod.half[2] * a_z)
-    return pressed(effects, rod, plate, 1.0, dt)
-
-
-@kernel
-def rubbed(friction, lightness, rod, touch, length, others, climb, dt):
-    """The touch of one cap with F_t and its spring.
-
-    `others`: horizontal and angular acceleration by all else so far; `climb`: velocity of the plate
-    against the rod, at which the arm shortens.
-    """
+def friction_force(friction, inertia, meeting, slip, force, dt):
+    """The same of any friction under a normal force; none where there is none."""
     if friction is None:
-        return touch
-    overlap, normal, rate, a_x, a_z, _, _, slip = touch
-    if normal <= 0:
-        return touch
-    drive = others[0] + others[1] * a_z + rod.half[2] * climb
-    mass = 1 / (1 + a_z * a_z * lightness)
-    seen = Slip(slip, rod.now[0] + rod.now[2] * a_z, drive, mass)
-    limit = friction.coefficient * normal
-    force, length = friction_force(friction.spring, limit, overlap, length, seen, dt)
-    return Touch(overlap, normal, rate, a_x, a_z, force, length, slip)
+        return times(0.0, meeting.spring), meeting.spring
+    return rubbing(friction.spring, inertia, meeting, slip, friction.coefficient * force, dt)
 
 
 @kernel
-def gravity(g):
-    """Accelerations by gravity."""
-    if g is None:
-        return 0.0, 0.0, 0.0
-    return g[0], g[1], 0.0
+def moved_by(friction, inertia, meeting, rub):
+    """Acceleration of the contact by friction."""
+    if friction is None:
+        return times(0.0, meeting.out)
+    return moved(inertia, meeting.bodies, spread(rub, meeting.out))
 
 
 @kernel
-def field(effects, velocity):
-    """Accelerations (x, z, angular) of a rod by all but contacts; `velocity`: c_x, c_z, omega."""
-    return gravity(effects.gravity)
+def seen(explicit, now, half, gain, dt):
+    """Velocity that dashpots see as far as it is known, and the time a force acts on it."""
+    if explicit is None:
+        return along(half, dt / 2, gain), dt / 2
+    return now, 0.0
 
 
 @kernel
-def plate_at(plate, step):
-    """Height and velocity of the plate after any number of steps, without rounding."""
-    if plate is None:
-        return 0.0, 0.0
-    i = step % plate.height.size
-    return plate.height[i], plate.velocity[i]
+def contact(normal, friction, inertia, meeting, dt):
+    """`Force` of a `Meeting`: F_n is solved first, with F_t as of `last`, then F_t under it."""
+    n, overlap = meeting.out, meeting.overlap
+    velocity, implicit = seen(meeting.explicit, meeting.now, meeting.half, meeting.gain, dt)
+    push = moved(inertia, meeting.bodies, n)  # of the contact, by a normal force of one
+    light, closing = dot(push, n), dot(meeting.half, n)
+    free = dot(velocity, n) - implicit * light * meeting.pressed
+    force = normal_force(normal, overlap, closing, free, light, implicit, dt)
+    change = times(force - meeting.pressed, push)
+    change = along(change, -1.0, moved_by(friction, inertia, meeting, meeting.rubbed))
+    velocity, drive = along(velocity, implicit, change), along(meeting.gain, 1.0, change)
+    slip = Slip(velocity, drive, touching(overlap, closing, dt), implicit)
+    rub, spring = friction_force(friction, inertia, meeting, slip, force, dt)
+    now = along(velocity, implicit, moved_by(friction, inertia, meeting, rub))
+    return Force(force, rub, spring, dot(now, n), across(now, n))
 
 
 @kernel
-def accelerations(effects, rod, plate, others, dt):
-    """(a_x, a_z, angular), and what acts at the lower (-) and at the upper (+) cap.
+def total(found, out):
+    """The whole force."""
+    return along(spread(found.rub, out), found.normal, out)
 
-    `rod` is a `Moving`, `plate` height and velocity of the plate, `others` the accelerations by all
-    but the plate. A spring is forgotten as its contact opens.
-    """
-    a_x, a_z, angular = others
-    light, climb = effects.lightness, plate[1] - rod.half[1]
-    low = pressed(effects, rod, plate, -1.0, dt)
-    high = pressed_above(effects.upper, effects, rod, plate, dt)
-    angular -= (low.a_x * low.normal + high.a_x * high.normal) * light
-    low = rubbed(effects.friction, light, rod, low, rod.springs[0], (a_x, angular), climb, dt)
-    a_x, angular = a_x + low.tangential, angular + low.a_z * low.tangential * light
-    high = rubbed(effects.friction, light, rod, high, rod.springs[1], (a_x, angular), climb, dt)
-    a_x, angular = a_x + high.tangential, angular + high.a_z * high.tangential * light
-    return (a_x, a_z + low.normal + high.normal, angular), low, high
+
+@kernel
+def losses(normal, meeting, found, dt):
+    """Energies that the dashpot across a contact and its friction take off in a step."""
+    lost = elastic(normal, meeting.overlap) - found.normal
+    return dt * found.rate * lost, -dt * dot(found.rub, found.slip)

@@ -2,9 +2,10 @@
 
 The list holds every pair whose axes come closer than 1 + SKIN; it is built again before any point
 of an axis has moved by half of SKIN. A bound on that, the sum of the largest speeds, saves looking
-at every rod in every step. A periodic box repeats the closest points, not the centres: an entry is
-a pair with the image of its second rod, so that two rods of a short box may stand in the list
-several times, and a rod beside its own image.
+at every rod in every step. Rods are sorted along the box, or by azimuth around an annulus. A
+periodic box repeats the closest points, not the centres: an entry is a pair with the image of its
+second rod, so that two rods of a short box may stand in the list several times, and a rod beside
+its own image.
 
 What cannot touch is not looked at: a pair and an end of a touching pair sleep until rods may have
 travelled half of their gap.
@@ -35,22 +36,27 @@ class Listed(NamedTuple):
     # (2, capacity, 4): first rod, second >= first, image of the second: its x plus so many
     # periods, whether they touch
     index: np.ndarray  # type: ignore[assignment]
-    springs: np.ndarray | None  # (2, capacity, 4): first rod's lower and upper end, second rod's
-    losses: np.ndarray | None  # (2, capacity, 8): lost normal force and friction, end by end
+    # (2, capacity, 4): first rod's lower and upper end, second rod's; in space (.., PAIR_SLOTS, 3)
+    springs: np.ndarray | None
+    # (2, capacity, 8), m g: F_n and F_t a step before, end by end; in space (.., PAIR_SLOTS, 4)
+    forces: np.ndarray
     built: np.ndarray  # (rods, 4): place and direction of the rods when the list was built
-    order: np.ndarray  # (rods,): by place in the box
+    order: np.ndarray  # (rods,): by place in the box, or by azimuth
 
 
-def nothing_listed(rods: int, capacity: int, springs: bool, losses: bool) -> Listed:
-    """A list that is out of date."""
+def nothing_listed(
+    rods: int, capacity: int, springs: bool, kept: tuple[tuple[int, ...], ...] = ((8,), (4,))
+) -> Listed:
+    """A list that is out of date; `kept`: numbers of an entry's forces and springs."""
+    forces, lengths = kept
     return Listed(
         np.zeros(1, np.int64),
         np.full(1, np.inf),
         np.zeros((2, rods + 1), np.int64),
         np.zeros((capacity, 5)),
         np.zeros((2, capacity, 4), np.int64),
-        np.zeros((2, capacity, 4)) if springs else None,
-        np.zeros((2, capacity, 8)) if losses else None,
+        np.zeros((2, capacity, *lengths)) if springs else None,
+        np.zeros((2, capacity, *forces)),
         np.full((rods, 4), 1e300),  # far away; inf times no length would be nan
         np.arange(rods),
     )
@@ -180,23 +186,20 @@ def carry(kept, old, before, new, k):
     """Take over what an entry kept; nothing if there was none."""
     if kept is not None:
         for c in range(kept.shape[2]):
-            kept[new, k, c] = kept[old, before, c] if before >= 0 else 0.0
+            if kept.ndim == 3:
+                kept[new, k, c] = kept[old, before, c] if before >= 0 else 0.0
+            else:
+                for d in range(kept.shape[3]):
+                    kept[new, k, c, d] = kept[old, before, c, d] if before >= 0 else 0.0
 
 
 @kernel(inline=False)
-def build(rods, half, period, listed, place, found):
-    """Renew the list, with what its entries keep; number of entries, -1 if they are too many.
-
-    `place`, (rods,), and `found`, (capacity, 3), are scratch.
-    """
-    n, old = rods.shape[0], listed.turn[0]
+def listed_anew(n, listed, found, count):
+    """Renew the list of n rods by the pairs `found`, with what its entries keep."""
+    old = listed.turn[0]
     new, start, index = 1 - old, listed.start, listed.index
-    for i in range(n):
-        place[i] = wrapped(rods[i, X], period)
+    for i in range(n + 1):
         start[new, i] = 0
-    start[new, n] = 0
-    sort_along(listed.order, place)
-    count = pair_up(rods, half, period, listed.order, place, found)
     for m in range(count):
         start[new, found[m, 0]] += 1
     total = 0
@@ -214,10 +217,24 @@ def build(rods, half, period, listed, place, found):
             if index[old, o, 1] == found[m, 1] and index[old, o, 2] == found[m, 2]:
                 before, index[new, k, 3] = o, index[old, o, 3]
         carry(listed.springs, old, before, new, k)
-        carry(listed.losses, old, before, new, k)
-    listed.turn[0] = new if count >= 0 else old
+        carry(listed.forces, old, before, new, k)
+    listed.turn[0] = new
+    listed.travelled[0] = 0.0
+
+
+@kernel(inline=False)
+def build(rods, half, period, listed, place, found):
+    """Renew the list of a row; number of entries, -1 if they are too many.
+
+    `place`, (rods,), and `found`, (capacity, 3), are scratch.
+    """
+    n = rods.shape[0]
+    for i in range(n):
+        place[i] = wrapped(rods[i, X], period)
+    sort_along(listed.order, place)
+    count = pair_up(rods, half, period, listed.order, place, found)
     if count >= 0:
-        listed.travelled[0] = 0.0
+        listed_anew(n, listed, found, count)
         for i in range(n):
             for c in range(4):
                 listed.built[i, c] = rods[i, c]

@@ -7,9 +7,9 @@ which the single closest point of two segments could not do. Where two ends meet
 one place and count once (`joints`). All forces derive from distances of ends, so that without
 dashpots energy is kept.
 
-Velocities are kept half a step before the places. The dashpots see them extrapolated to the step by
-the last accelerations: with velocities half a step old, the drift of strongly tilted rods would be
-off by more than a tenth at 20 steps a contact, and in the first order of the step.
+Velocities are kept half a step before the places. A contact sees them at the step: with its own
+force of that step, and all else as of the step before (`contact`). With velocities half a step old,
+the drift of strongly tilted rods would be off by more than a tenth at 20 steps a contact.
 
 An effect is an argument that may be `None`; each has one function that does nothing then, and that
 Numba compiles to nothing. The guide to a new effect is in `md.kernels`.
@@ -45,20 +45,7 @@ from .codes import (
     X,
     Z,
 )
-from .contact import (
-    Clock,
-    ContactForces,
-    Effects,
-    Moving,
-    accelerations,
-    add,
-    along,
-    field,
-    plate_at,
-    put,
-    term,
-    vector,
-)
+from .contact import ContactForces, Effects, term
 from .joints import joint
 from .neighbours import (
     PAIR,
@@ -72,8 +59,10 @@ from .neighbours import (
     places,
     too_fast,
 )
+from .plate import FORGOTTEN, Clock, Kept, Moving, field, keeps, plate_at, plate_forces
 from .single import turned
 from .touches import Record, cleared, full, recorded
+from .vectors import ZERO, add, along, put, vector
 
 
 class RowEffects(NamedTuple):
@@ -99,6 +88,9 @@ class State(NamedTuple):
 
     rods: np.ndarray  # (rods, 7): columns X to OMEGA of `codes`, in d, sqrt(g d), sqrt(g/d)
     before: np.ndarray  # (rods, 3): accelerations of the step before, in g and g/d
+    forces: (
+        np.ndarray | None
+    )  # (rods, 4), m g: F_t and F_n of the plate, cap by cap; no friction: None
     springs: np.ndarray | None  # (rods, 2), d: of the plate's contacts
     listed: Listed | None
     scratch: Scratch
@@ -191,7 +183,7 @@ def meets(upper, end, near, half):
 def opened(listed, now, k, end):
     """Clear what is kept of a contact that is open."""
     forgotten(listed.springs, now, k, end, end + 1)
-    forgotten(listed.losses, now, k, 2 * end, 2 * end + 2)
+    forgotten(listed.forces, now, k, 2 * end, 2 * end + 2)
 
 
 @kernel(inline=False)
@@ -281,30 +273,35 @@ def between_rods(between, effects, state, ledger, dt):
 
 
 @kernel
-def plate_accounted(ledger, effects, touch, plate, velocity, dt):
-    """Plate work and losses at one cap, with the velocity of the moment of its force."""
-    if ledger is not None and touch.overlap > 0:
-        opens = velocity[1] - velocity[2] * touch.a_x - plate[1]
-        spring = effects.normal.stiffness * touch.overlap * sqrt(touch.overlap)
-        slip = velocity[0] + velocity[2] * touch.a_z
-        ledger[PLATE_WORK] += touch.normal * plate[1] * dt
-        ledger[PLATE_NORMAL] += (spring - touch.normal) * opens * dt
-        ledger[PLATE_FRICTION] -= touch.tangential * slip * dt
+def plate_accounted(ledger, touch, plate, dt):
+    """Plate work and losses at one cap."""
+    if ledger is not None:
+        ledger[PLATE_WORK] += touch.force[1] * plate[1] * dt
+        ledger[PLATE_NORMAL] += touch.lost[0]
+        ledger[PLATE_FRICTION] += touch.lost[1]
 
 
 @kernel
-def kept_springs(springs, i):
-    """Springs of the plate's contacts of rod i."""
-    if springs is None:
-        return 0.0, 0.0
-    return springs[i, 0], springs[i, 1]
+def kept_of(forces, springs, i, cap):
+    """What a cap of rod i keeps."""
+    if forces is None:
+        return FORGOTTEN
+    return Kept((forces[i, 2 * cap], forces[i, 2 * cap + 1]), (kept_spring(springs, i, cap),))
 
 
 @kernel
-def keep_springs(springs, i, lower, upper):
-    """Keep them for the next step."""
+def kept_spring(springs, i, cap):
+    """Length of the spring of a cap."""
+    return 0.0 if springs is None else springs[i, cap]
+
+
+@kernel
+def keep_of(forces, springs, i, cap, kept):
+    """Keep it for the next step."""
+    if forces is not None:
+        forces[i, 2 * cap], forces[i, 2 * cap + 1] = kept.force
     if springs is not None:
-        springs[i, 0], springs[i, 1] = lower, upper
+        springs[i, cap] = kept.spring[0]
 
 
 @kernel
@@ -312,20 +309,21 @@ def on_plate(normal, effects, state, watchers, i, others, plate, clock):
     """Accelerations of rod i with those by the plate; whether it is too deep."""
     if normal is None:
         return others, False
-    rods, before, ledger, record = state.rods, state.before, watchers.ledger, watchers.record
+    rods, ledger, record = state.rods, watchers.ledger, watchers.record
     direction = (rods[i, SINE], rods[i, COSINE])
     if rods[i, Z] - abs(direction[1]) * effects.half_length - 0.5 >= plate[0]:
-        keep_springs(state.springs, i, 0.0, 0.0)
+        keep_of(state.forces, state.springs, i, 0, FORGOTTEN)
+        keep_of(state.forces, state.springs, i, 1, FORGOTTEN)
         cleared(record, effects, rods, i, plate, clock.step)
         return others, False
-    half = vector(rods, i, C_X)
-    now = along(half, clock.dt / 2, vector(before, i, 0))
-    rod = Moving(rods[i, Z], direction, half, now, kept_springs(state.springs, i))
-    a, lower, upper = accelerations(effects, rod, plate, others, clock.dt)
-    keep_springs(state.springs, i, lower.spring, upper.spring)
-    now = along(half, clock.dt / 2, a)
-    plate_accounted(ledger, effects, lower, plate, now, clock.dt)
-    plate_accounted(ledger, effects, upper, plate, now, clock.dt)
+    forces, springs = state.forces, state.springs
+    kept = kept_of(forces, springs, i, 0), kept_of(forces, springs, i, 1)
+    rod = Moving(rods[i, Z], direction, vector(rods, i, C_X), kept, None, ZERO)
+    a, lower, upper = plate_forces(effects, rod, plate, others, clock.dt)
+    keep_of(forces, springs, i, 0, keeps(lower))
+    keep_of(forces, springs, i, 1, keeps(upper))
+    plate_accounted(ledger, lower, plate, clock.dt)
+    plate_accounted(ledger, upper, plate, clock.dt)
     recorded(record, effects, rods, i, others, (lower, upper), plate, clock)
     return a, not max(lower.overlap, upper.overlap) <= DEEP
 

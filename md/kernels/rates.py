@@ -1,10 +1,20 @@
 """Equations of one contact between two switches, compiled, for `md.reference`."""
 
 from math import cos, pi, sin, sqrt
+from typing import NamedTuple
 
 from ..cache import kernel
 from .codes import STICK
-from .contact import Slip, dashpot, gravity, tangential_constants
+from .contact import dashpot, tangential_constants
+from .plate import gravity
+
+
+class Slip(NamedTuple):
+    """What friction acts on in a contact."""
+
+    now: float  # sqrt(g d)
+    drive: float  # g; its acceleration without friction
+    mass: float  # m; the contact's tangential mass
 
 
 @kernel
@@ -73,7 +83,7 @@ def rates(effects, vibration, start, mode, t, y, out):
         force = max(normal.stiffness * root * left, 0.0)
         left = end_of(normal.plastic, left, rate)
         drive = g_x + -a_x * force * effects.lightness * a_z + y[5] * (plate - y[4])
-        seen = Slip(slip, slip, drive, 1 / (1 + a_z * a_z * effects.lightness))
+        seen = Slip(slip, drive, 1 / (1 + a_z * a_z * effects.lightness))
         rub, stretch, spare = rubbing(effects.friction, mode, overlap, force, y[6], seen)
     out[0], out[1], out[2] = y[3], y[4], y[5]
     out[3], out[4] = g_x + rub, g_z + force

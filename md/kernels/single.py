@@ -7,7 +7,7 @@ velocity that the dashpots of that force see:
 name       positions and velocities kept                  velocity in the dashpots
 =========  =============================================  ==========================
 leapfrog   positions at n, velocities at n - 1/2          n - 1/2, as it stands
-verlet     the same (velocity Verlet, one force a step)   extrapolated from there to n
+verlet     the same (velocity Verlet, one force a step)   that of n, solved for
 gear       positions and five derivatives at n            predicted at n
 =========  =============================================  ==========================
 
@@ -41,8 +41,10 @@ from .codes import (
     WATCH_STOPPED,
     WATCH_TOUCHED,
 )
-from .contact import ZERO, Moving, accelerations, along, field, plate_at
+from .plate import FORGOTTEN, Kept, Moving, field, keeps, plate_at, plate_forces
+from .vectors import ZERO, along
 
+NEARLY = 1 - 1e-12  # of a limit that rounding may have missed
 METHODS = ("leapfrog", "verlet", "gear")
 
 # Gear's fifth-order corrector for second-order equations with velocities in the force.
@@ -50,7 +52,7 @@ _C0, _C1, _C3, _C4, _C5 = 3 / 16, 251 / 360, 11 / 18, 1 / 6, 1 / 60
 
 
 class State(NamedTuple):
-    """Where a method stands; `higher` tells Gear's method by its type, `extrapolate` Verlet's.
+    """Where a method stands; `higher` tells Gear's method by its type, `explicit` Verlet's.
 
     Velocities are those at n - 1/2, or, for Gear's method, everything is at n - 1.
     """
@@ -59,9 +61,9 @@ class State(NamedTuple):
     direction: tuple[float, float]  # sin and cos of the tilt, turned along with it
     velocity: tuple[float, float, float]  # c_x, c_z in sqrt(g d), omega in sqrt(g/d)
     acceleration: tuple[float, float, float]  # at n - 1, in g and g/d
-    springs: tuple[float, float]  # d; lengths of those of the lower (-) and the upper (+) cap
+    kept: tuple[Kept, Kept]  # of the lower (-) and the upper (+) cap
     higher: tuple | None  # derivatives i = 3, 4, 5 times dt^i/i!
-    extrapolate: bool | None
+    explicit: bool | None
 
 
 @kernel
@@ -78,23 +80,22 @@ def turned(direction, angle):
 @kernel
 def leap(effects, state, step, dt):
     """Step n: forces, kick, drift; returns the velocity at n as well."""
-    position, direction, half, before, springs, higher, extrapolate = state
-    now = half if extrapolate is None else along(half, dt / 2, before)
-    rod = Moving(position[1], direction, half, now, springs)
+    position, direction, half, _, kept, higher, explicit = state
     plate, others = plate_at(effects.plate, step), field(effects, half)
-    a, lower, upper = accelerations(effects, rod, plate, others, dt)
+    rod = Moving(position[1], direction, half, kept, explicit, half)
+    a, lower, upper = plate_forces(effects, rod, plate, others, dt)
     velocity = along(half, dt, a)
-    springs = (lower.spring, upper.spring)
+    kept = keeps(lower), keeps(upper)
     direction = turned(direction, velocity[2] * dt)
     following = along(position, dt, velocity)
-    after = State(following, direction, velocity, a, springs, higher, extrapolate)
+    after = State(following, direction, velocity, a, kept, higher, explicit)
     return after, along(half, dt / 2, a), lower, upper
 
 
 @kernel
 def gear(effects, state, higher, step, dt):
     """Predict to step n, evaluate, correct; returns the velocity at n as well."""
-    r0, direction, r1, r2, springs, _, extrapolate = state
+    r0, direction, r1, r2, kept, _, explicit = state
     tilt = r0[2]
     r1, r2 = along(ZERO, dt, r1), along(ZERO, dt * dt / 2, r2)
     r3, r4, r5 = higher
@@ -106,15 +107,15 @@ def gear(effects, state, higher, step, dt):
     r4 = along(r4, 5, r5)
     now = along(ZERO, 1 / dt, r1)
     half = along(along(now, -1 / dt, r2), 0.75 / dt, r3)
-    rod = Moving(r0[1], direction, half, now, springs)
+    rod = Moving(r0[1], direction, half, kept, True, now)
     plate, others = plate_at(effects.plate, step), field(effects, half)
-    a, lower, upper = accelerations(effects, rod, plate, others, dt)
+    a, lower, upper = plate_forces(effects, rod, plate, others, dt)
     change = along(along(ZERO, dt * dt / 2, a), -1, r2)
     r0, velocity = along(r0, _C0, change), along(now, _C1 / dt, change)
     r3, r4, r5 = along(r3, _C3, change), along(r4, _C4, change), along(r5, _C5, change)
-    springs = (lower.spring, upper.spring)
+    kept = keeps(lower), keeps(upper)
     direction = turned(direction, change[2] * _C0)
-    state = State(r0, direction, velocity, a, springs, (r3, r4, r5), extrapolate)
+    state = State(r0, direction, velocity, a, kept, (r3, r4, r5), explicit)
     return state, velocity, lower, upper
 
 
@@ -131,7 +132,7 @@ def at_limit(friction, touch):
     """Whether friction is fully used; without friction there is nothing to use."""
     if friction is None:
         return True
-    return abs(touch.tangential) >= friction.coefficient * touch.normal
+    return abs(touch.force[0]) >= NEARLY * friction.coefficient * touch.force[1]
 
 
 @kernel
@@ -149,16 +150,16 @@ def spent(plastic, touch, dt):
         return True
     if plastic is not None:
         return touch.rate * dt >= -1e-12 * touch.overlap
-    return touch.normal <= 0 and touch.rate > 0
+    return touch.force[1] <= 0 and touch.rate > 0
 
 
 @kernel
 def watched(watch, effects, lower, upper, dt):
     """Add a step to the record of a contact; whether the contact is over."""
-    touch = lower if lower.normal >= upper.normal else upper
+    touch = lower if lower.force[1] >= upper.force[1] else upper
     if spent(effects.normal.plastic, lower, dt) and spent(effects.normal.plastic, upper, dt):
         return watch[WATCH_TOUCHED] > 0
-    if touch.normal <= 0:
+    if touch.force[1] <= 0:
         return False
     if watch[WATCH_TOUCHED] == 0:
         watch[WATCH_TOUCHED], watch[WATCH_SIDE] = 1, np.sign(touch.slip)
@@ -169,7 +170,7 @@ def watched(watch, effects, lower, upper, dt):
     if watch[WATCH_STOPPED] > 0:
         phase = TURNED if at_limit(effects.friction, touch) else STUCK
     watch[phase] += dt
-    watch[IMPULSE + phase] += touch.normal * dt
+    watch[IMPULSE + phase] += touch.force[1] * dt
     if stops(effects.friction, touch):  # the little slip that is left has any sign
         watch[WATCH_STOPPED] = 1
     return False
@@ -189,8 +190,8 @@ def regime_of(stopped, stuck, turned):
 @kernel
 def plain(state):
     """The fields of a state; Numba would make a `State` by calling Python, with its handlers."""
-    position, direction, velocity, acceleration, springs, higher, extrapolate = state
-    return position, direction, velocity, acceleration, springs, higher, extrapolate
+    position, direction, velocity, acceleration, kept, higher, explicit = state
+    return position, direction, velocity, acceleration, kept, higher, explicit
 
 
 @kernel(inline=False)
@@ -225,5 +226,5 @@ def started(method: str, position: Any, velocity: Any, g: Any, dt: float) -> Sta
     else:
         velocity = along(velocity, -dt / 2, fall)
     direction = sin(position[2]), cos(position[2])
-    extrapolate = True if method == "verlet" else None
-    return State(position, direction, velocity, fall, (0.0, 0.0), higher, extrapolate)
+    explicit = None if method == "verlet" else True
+    return State(position, direction, velocity, fall, (FORGOTTEN, FORGOTTEN), higher, explicit)

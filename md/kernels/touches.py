@@ -21,8 +21,9 @@ from .codes import (
     WATCH_TOUCHED,
     WATCHED,
 )
-from .contact import field, put, vector
+from .plate import field
 from .single import regime_of, watched
+from .vectors import put, vector
 
 # Columns of a row.
 ROD = 0
@@ -134,7 +135,7 @@ def recorded(record, effects, rods, i, others, touch, plate, clock):
         ended(record, effects.half_length, rods, i, plate, clock.step)
     elif record.watch[i, WATCH_TOUCHED] > 0:
         if before == 0:
-            cap = -1.0 if lower.normal >= upper.normal else 1.0
-            begun(record, effects.half_length, rods, i, cap, lower.a_z, plate, clock.step)
+            cap = -1.0 if lower.force[1] >= upper.force[1] else 1.0
+            begun(record, effects.half_length, rods, i, cap, lower.arm[1], plate, clock.step)
         if pushed_by_others(others, effects, rods, i):
             record.open[i, PUSHED] += 1

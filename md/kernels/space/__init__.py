@@ -1,7 +1,7 @@
 """Rods in space, compiled: on a plate, between cylindrical walls.
 
 `pairs` has the forces between rods, `walls` those of the walls, `batch` what both compute side by
-side, `forces` friction and what acts at a fixed surface, `plate` the plate's forces, `touches` its
+side, `forces` effects, state and the motion of points, `plate` the plate's forces, `touches` its
 record, `energy` what elastic forces derive from, `geometry` the closest points, `march` the steps
 and the samples.
 """

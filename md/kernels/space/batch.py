@@ -6,19 +6,19 @@ import numpy as np
 
 from ...cache import kernel
 from ..batch import SIZE, WIDTH, Batch, get, keep
-from ..codes import DIRECTOR, PAIR_FRICTION, PAIR_NORMAL, PLATE_WORK
-from ..contact import add, along, normal_force, put, vector
-from .forces import Rubbing, across_normal, spring_force, turning
-from .geometry import cross, dot, times
+from ..codes import DIRECTOR, PAIR_FRICTION, PAIR_NORMAL
+from ..contact import Meeting, contact, losses, swung, total
+from ..vectors import ZERO, add, along, cross, dot, put, times, vector
+from .forces import inertia_of, keeps, keeps_forces, kept, kept_number
 
 # Numbers of a contact: given,
 S, T, R, SHARE = 0, 1, 2, 5  # places on both axes; vector from the second to the first
-SPRING = 6  # before and after
-FIRST, SECOND = 9, 24  # of each rod: director, velocity, w, and both accelerations
+SPRING, LAST, RUB = 6, 9, 10  # before and after: length of the spring; F_n, F_t of all of it
+FIRST, SECOND = 13, 28  # of each rod: director, velocity, w, and both accelerations
 STATE, GAIN = 9, 6  # columns of a rod and of what it gained
-# and found: force, torques on the first and the second rod; of all, and of what takes off energy.
-FORCE, NORMAL_LOST, FRICTION_LOST = 39, 48, 57
-NUMBERS = 66
+# and found: force, torques on the first and the second rod, losses.
+FORCE, NORMAL_LOSS, FRICTION_LOSS, WORK = 43, 52, 53, 54
+NUMBERS = 55
 
 
 def no_contacts() -> Batch:
@@ -41,17 +41,32 @@ def keep_three(numbers, what, c, v):
 
 
 @kernel
-def given_spring(springs, numbers, n, number, slot):
-    """Put a spring at place n."""
-    if springs is not None:
-        keep_three(numbers, SPRING, n, vector(springs[number], slot, 0))
+def given(forces, springs, numbers, n, row, slot):
+    """Put what is kept of a contact at place n."""
+    keep(numbers, LAST, n, kept_number(forces, row, slot))
+    keep_three(numbers, RUB, n, kept(forces, row, slot, 1))
+    keep_three(numbers, SPRING, n, kept(springs, row, slot, 0))
 
 
 @kernel
-def spring_kept(springs, numbers, c, number, slot):
+def taken(forces, springs, numbers, c, row, slot):
+    """Keep it for the next step."""
+    keeps_forces(forces, row, slot, get(numbers, LAST, c), three(numbers, RUB, c))
+    keeps(springs, row, slot, three(numbers, SPRING, c))
+
+
+@kernel
+def given_spring(springs, numbers, n, now, k, slot):
+    """Put the spring of two rods at place n."""
+    length = ZERO if springs is None else vector(springs[now, k], slot, 0)
+    keep_three(numbers, SPRING, n, length)
+
+
+@kernel
+def taken_spring(springs, numbers, c, now, k, slot):
     """Keep it for the next step."""
     if springs is not None:
-        put(springs[number], slot, 0, three(numbers, SPRING, c))
+        put(springs[now, k], slot, 0, three(numbers, SPRING, c))
 
 
 @kernel
@@ -66,13 +81,16 @@ def given_rod(state, numbers, what, n, i):
 @kernel
 def collect(state, n, pair, near, share, slot):
     """Put a contact at place n of the batch; the number of contacts then."""
-    (numbers, place), at = state.batch, np.uint64(n)
-    place[at, 0], place[at, 1], place[at, 2], place[at, 3] = pair.i, pair.j, pair.number, slot
+    (numbers, place), at, listed = state.scratch.batch, np.uint64(n), state.listed
+    place[at, 0], place[at, 1], place[at, 2], place[at, 3] = pair.i, pair.j, pair.entry, slot
     keep(numbers, S, n, near.s)
     keep(numbers, T, n, near.t)
     keep_three(numbers, R, n, near.gap)
     keep(numbers, SHARE, n, share)
-    given_spring(state.pair_springs, numbers, n, pair.number, slot)
+    now = listed.turn[0]
+    keep(numbers, LAST, n, listed.forces[now, pair.entry, slot, 0])
+    keep_three(numbers, RUB, n, vector(listed.forces[now, pair.entry], slot, 1))
+    given_spring(listed.springs, numbers, n, now, pair.entry, slot)
     given_rod(state, numbers, FIRST, n, pair.i)
     given_rod(state, numbers, SECOND, n, pair.j)
     return n + 1
@@ -82,83 +100,72 @@ def collect(state, n, pair, near, share, slot):
 def moves(rolling, numbers, rod, c, arm):
     """Velocity of a point of a rod half a step before, and its acceleration in the last step."""
     director = three(numbers, rod, c)
-    omega = turning(rolling, three(numbers, rod + 6, c), director)
-    alpha = turning(rolling, three(numbers, rod + 12, c), director)
-    v = along(three(numbers, rod + 3, c), 1.0, cross(omega, arm))
-    return v, along(three(numbers, rod + 9, c), 1.0, cross(alpha, arm))
+    v = swung(rolling, three(numbers, rod + 6, c), director, arm)
+    gain = swung(rolling, three(numbers, rod + 12, c), director, arm)
+    velocity, acceleration = three(numbers, rod + 3, c), three(numbers, rod + 9, c)
+    return along(velocity, 1.0, v), along(acceleration, 1.0, gain)
 
 
 @kernel
-def friction_force(friction, effects, bodies, numbers, c, rubbing, dt):
-    """Friction force of contact c."""
-    if friction is None:
-        return 0.0, 0.0, 0.0
-    length = three(numbers, SPRING, c)
-    f, _, length = spring_force(friction, effects, bodies, length, rubbing, dt)
-    keep_three(numbers, SPRING, c, length)
-    return f
+def accounted(ledger, law, numbers, c, meeting, found, dt):
+    """What is lost in this step."""
+    if ledger is not None:
+        share = get(numbers, SHARE, c)
+        normal, friction = losses(law, meeting, found, dt)
+        keep(numbers, NORMAL_LOSS, c, share * normal)
+        keep(numbers, FRICTION_LOSS, c, share * friction)
 
 
 @kernel
-def found(numbers, what, c, arms, f):
-    """Keep a force and its torques."""
-    keep_three(numbers, what, c, f)
-    keep_three(numbers, what + 3, c, cross(arms[0], f))
-    keep_three(numbers, what + 6, c, cross(f, arms[1]))
-
-
-@kernel
-def contact(between, effects, lost, numbers, c, dt):
+def act_on(between, effects, ledger, numbers, c, dt):
     """What acts in contact c."""
-    s, t, r = get(numbers, S, c), get(numbers, T, c), three(numbers, R, c)
-    a, b, light = three(numbers, FIRST, c), three(numbers, SECOND, c), effects.lightness
+    r, a, b = three(numbers, R, c), three(numbers, FIRST, c), three(numbers, SECOND, c)
     distance = sqrt(dot(r, r))
-    normal, overlap = times(1.0 / distance, r), 1.0 - distance
-    p, q = along(times(s, a), -0.5, r), along(times(t, b), 0.5, r)
+    p = along(times(get(numbers, S, c), a), -0.5, r)
+    q = along(times(get(numbers, T, c), b), 0.5, r)
     v, gain = moves(effects.rolling, numbers, FIRST, c, p)
     u, other = moves(effects.rolling, numbers, SECOND, c, q)
-    v, gain = along(v, -1.0, u), along(gain, -1.0, other)
-    now = along(v, dt / 2, gain)
-    turned = across_normal(light, s, a, normal) + across_normal(light, t, b, normal)
-    force = normal_force(between.normal, overlap, dot(now, normal), 1.0 / (2.0 + turned), dt)
-    rubbing, bodies = Rubbing(normal, overlap, force, v, now), ((p, a), (q, b))
-    rub = friction_force(between.friction, effects, bodies, numbers, c, rubbing, dt)
-    share = get(numbers, SHARE, c)
-    found(numbers, FORCE, c, (p, q), times(share, along(rub, force, normal)))
-    force -= between.normal.stiffness * overlap * sqrt(overlap)
-    if lost is not None:
-        found(numbers, NORMAL_LOST, c, (p, q), times(share * force, normal))
-        found(numbers, FRICTION_LOST, c, (p, q), times(share, rub))
+    half, gain = along(v, -1.0, u), along(gain, -1.0, other)
+    meeting = Meeting(
+        ((p, a), (q, b)), times(1.0 / distance, r), 1.0 - distance, half, gain,
+        get(numbers, LAST, c), three(numbers, RUB, c), three(numbers, SPRING, c), None, None, half,
+    )  # fmt: skip
+    found = contact(between.normal, between.friction, inertia_of(effects), meeting, dt)
+    accounted(ledger, between.normal, numbers, c, meeting, found, dt)
+    keep_three(numbers, SPRING, c, found.spring)
+    keep(numbers, LAST, c, found.normal)
+    keep_three(numbers, RUB, c, found.rub)
+    f = times(get(numbers, SHARE, c), total(found, meeting.out))
+    keep_three(numbers, FORCE, c, f)
+    keep_three(numbers, FORCE + 3, c, cross(p, f))
+    keep_three(numbers, FORCE + 6, c, cross(f, q))
 
 
 @kernel
-def act_on_both(total, i, j, numbers, what, c):
-    """Add a force and its torques to two rods."""
-    f = three(numbers, what, c)
-    add(total, i, 0, f)
-    add(total, i, 3, three(numbers, what + 3, c))
-    add(total, j, 0, times(-1.0, f))
-    add(total, j, 3, three(numbers, what + 6, c))
-
-
-@kernel
-def lost_by_both(lost, i, j, numbers, c):
-    """Note the forces that take off energy, as `forces.lose` does."""
-    if lost is not None:
-        act_on_both(lost[PAIR_NORMAL], i, j, numbers, NORMAL_LOST, c)
-        act_on_both(lost[PAIR_FRICTION], i, j, numbers, FRICTION_LOST, c)
-        lost[PLATE_WORK, i, 0] = lost[PLATE_WORK, j, 0] = 1.0
+def booked(ledger, numbers, normal, friction, count):
+    """Add the losses of this step to two columns."""
+    if ledger is not None:
+        for c in range(count):
+            ledger[normal] += get(numbers, NORMAL_LOSS, c)
+            ledger[friction] += get(numbers, FRICTION_LOSS, c)
 
 
 @kernel(inline=False)
-def acted(between, effects, state, count, dt):
+def acted(between, effects, state, ledger, count, dt):
     """Add what the first contacts of the batch do; none is left."""
-    (numbers, place), lost = state.batch, state.lost
+    (numbers, place), sums, listed = state.scratch.batch, state.scratch.total, state.listed
+    now = listed.turn[0]
     for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # the last ones are idle
-        contact(between, effects, lost, numbers, c, dt)
+        act_on(between, effects, ledger, numbers, c, dt)
     for c in range(count):
         i, j = np.uint64(place[c, 0]), np.uint64(place[c, 1])
-        act_on_both(state.scratch, i, j, numbers, FORCE, c)
-        spring_kept(state.pair_springs, numbers, c, np.uint64(place[c, 2]), np.uint64(place[c, 3]))
-        lost_by_both(lost, i, j, numbers, c)
+        f = three(numbers, FORCE, c)
+        add(sums, i, 0, f)
+        add(sums, i, 3, three(numbers, FORCE + 3, c))
+        add(sums, j, 0, times(-1.0, f))
+        add(sums, j, 3, three(numbers, FORCE + 6, c))
+        k, slot = np.uint64(place[c, 2]), np.uint64(place[c, 3])
+        keeps_forces(listed.forces[now], k, slot, get(numbers, LAST, c), three(numbers, RUB, c))
+        taken_spring(listed.springs, numbers, c, now, k, slot)
+    booked(ledger, numbers, PAIR_NORMAL, PAIR_FRICTION, count)
     return 0

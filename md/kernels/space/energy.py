@@ -8,9 +8,9 @@ from math import sqrt
 
 from ...cache import kernel
 from ..codes import DIRECTOR, PLACE, TURN, VELOCITY
-from ..contact import along, vector
+from ..vectors import along, dot, vector
 from .forces import ends
-from .geometry import NEARER, between_ends, dot, from_above, from_axis, gap_vector, passes, rise
+from .geometry import NEARER, between_ends, from_above, from_axis, gap_vector, passes, rise
 from .march import rotated
 from .pairs import end_gaps, nearer
 

@@ -10,28 +10,9 @@ contact becomes one with an end's, and counts by how much nearer it is than each
 from math import sqrt
 
 from ...cache import kernel
-from ..contact import along
+from ..vectors import along, dot
 
 NEARER = 0.1  # d; by so much nearer than all ends, a contact between them counts in full
-UP = (0.0, 0.0, 1.0)
-
-
-@kernel
-def times(s, a):
-    """s a."""
-    return s * a[0], s * a[1], s * a[2]
-
-
-@kernel
-def dot(a, b):
-    """Scalar product."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@kernel
-def cross(a, b):
-    """Vector product."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @kernel

@@ -32,11 +32,11 @@ from ..codes import (
     VELOCITY,
     WALL_TOO_DEEP,
 )
-from ..contact import ZERO, Clock, along, plate_at, put, vector
+from ..contact import free_turn
 from ..neighbours import too_fast
+from ..plate import Clock, plate_at, plate_before
 from ..touches import full
-from .forces import across, climbing, settle, turning
-from .geometry import cross, dot, times
+from ..vectors import ZERO, along, cross, dot, put, times, vector
 from .pairs import between_rods
 from .plate import on_plate
 from .touches import recorded_in_space
@@ -96,11 +96,10 @@ def sample(series, rods, step):
 
 
 @kernel
-def within_walls(effects, state, climb, dt):
-    """Add the forces of both walls; a rod that is too deep, or -1. `climb`: of the plate."""
-    climb = climbing(effects.shaken, climb)
-    deep = wall_forces(effects.inner, effects, state, 1, climb, dt)
-    return max(deep, wall_forces(effects.outer, effects, state, -1, climb, dt))
+def within_walls(effects, state, ledger, climb, dt):
+    """Add the forces of both walls; a rod that is too deep, or -1. `climb`: of shaken ones."""
+    deep = wall_forces(effects.inner, effects, state, ledger, 1, climb, dt)
+    return max(deep, wall_forces(effects.outer, effects, state, ledger, -1, climb, dt))
 
 
 @kernel
@@ -108,7 +107,7 @@ def move(rolling, rods, before, i, dt):
     """Kick and drift of rod i; squares of its velocity and w."""
     director = vector(rods, i, DIRECTOR)
     c = along(vector(rods, i, VELOCITY), dt, vector(before, i, 0))
-    w = across(rolling, along(vector(rods, i, TURN), dt, vector(before, i, 3)), director)
+    w = free_turn(rolling, along(vector(rods, i, TURN), dt, vector(before, i, 3)), director)
     put(rods, i, PLACE, along(vector(rods, i, PLACE), dt, c))
     put(rods, i, DIRECTOR, rotated(director, w, dt))
     put(rods, i, VELOCITY, c)
@@ -131,11 +130,11 @@ def march(effects, state, watchers, clock, steps):
     effects : forces.SpaceEffects
     state : forces.State, which is changed
     watchers : plane.Watchers, to which is added
-    clock : contact.Clock of the first step
+    clock : plate.Clock of the first step
     steps : int
     """
-    rods, before, total = state.rods, state.before, state.scratch
-    g, rolling, dt = gravity(effects.gravity), effects.rolling, clock.dt
+    rods, before, total = state.rods, state.before, state.scratch.total
+    g, rolling, dt, ledger = gravity(effects.gravity), effects.rolling, clock.dt, watchers.ledger
     for n in range(steps):
         step = clock.step + n
         if full(watchers.record):
@@ -144,30 +143,26 @@ def march(effects, state, watchers, clock, steps):
         for i in range(rods.shape[0]):
             put(total, i, 0, (0.0, 0.0, g))
             put(total, i, 3, ZERO)
-        why, where = between_rods(effects.between, effects, state, dt)
+        why, where = between_rods(effects.between, effects, state, ledger, dt)
         if why != DONE:
             return n, why, where
-        where = within_walls(effects, state, plate[1], dt)
+        climb = plate_before(effects.plate, step), plate[1]
+        where = within_walls(effects, state, ledger, climb, dt)
         if where >= 0:
             return n, WALL_TOO_DEEP, where
         sample(watchers.series, rods, step)
         for i in range(rods.shape[0]):
             pushed = vector(total, i, 0) != (0.0, 0.0, g)
-            touch = on_plate(effects.normal, effects, state, i, plate, dt)
-            if not max(touch[0][1].overlap, touch[1][1].overlap) <= DEEP:
+            touch = on_plate(effects.normal, effects, state, ledger, i, plate, dt)
+            if not max(touch[0].overlap, touch[1].overlap) <= DEEP:
                 return n, TOO_DEEP, i
             recorded_in_space(
                 watchers.record, effects, state, i, pushed, touch, plate,
                 Clock(step, dt),
             )  # fmt: skip
-            director = vector(rods, i, DIRECTOR)
-            gain_c = vector(total, i, 0)
-            gain_w = across(rolling, times(effects.lightness, vector(total, i, 3)), director)
+            gain_c, turned = vector(total, i, 0), times(effects.lightness, vector(total, i, 3))
+            gain_w = free_turn(rolling, turned, vector(rods, i, DIRECTOR))
             c, w = vector(rods, i, VELOCITY), vector(rods, i, TURN)
-            spin = turning(rolling, along(w, dt / 2, gain_w), director)
-            settle(
-                effects.shaken, watchers.ledger, state.lost, i, along(c, dt / 2, gain_c), spin, dt
-            )
             if not dot(c, c) + dot(w, w) + dot(gain_c, gain_c) + dot(gain_w, gain_w) < 1e200:
                 return n, NOT_FINITE, i
             put(before, i, 0, gain_c)
@@ -177,6 +172,6 @@ def march(effects, state, watchers, clock, steps):
             travel, turn = move(rolling, rods, before, i, dt)
             fastest, quickest = max(fastest, travel), max(quickest, turn)
         way = (sqrt(fastest) + effects.half_length * sqrt(quickest)) * dt
-        if too_fast(effects.between, state.pairs, way):
+        if too_fast(effects.between, state.listed, way):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

@@ -1,6 +1,6 @@
 """Pairs of rods in space, compiled: which may touch, and the forces between them."""
 
-from math import sqrt
+from math import asin, atan2, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -12,15 +12,17 @@ from ..codes import (
     DEEP,
     DIRECTOR,
     DONE,
+    FULL_LIST,
     PAIR_TOO_DEEP,
     PLACE,
     SKIN,
 )
-from ..contact import add, along, put, vector
 from ..joints import joint
+from ..neighbours import listed_anew, sort_along
+from ..vectors import add, along, cross, dot, put, times, vector
 from .batch import acted, collect
-from .forces import Pairs, forget
-from .geometry import NEARER, at_end, between_ends, cross, dot, gap_vector, rise, times
+from .forces import opened
+from .geometry import NEARER, at_end, between_ends, gap_vector, rise
 
 ENDS, BETWEEN_ENDS = 1, 2  # bits: what of two rods touches
 SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a contact between ends
@@ -31,7 +33,7 @@ class Pair(NamedTuple):
 
     i: np.uint64
     j: np.uint64
-    number: np.uint64  # of the pair: row of its springs
+    entry: np.uint64  # of the list
     a: tuple[float, float, float]  # director of the first
     b: tuple[float, float, float]
 
@@ -43,15 +45,6 @@ class Closest(NamedTuple):
     t: float  # d; on the second
     gap: tuple[float, float, float]  # d; from the second place to the first
     distance: float  # d
-
-
-def no_pairs(rods: int) -> Pairs:
-    """A list that is out of date."""
-    most = max(rods * (rods - 1) // 2, 1)
-    return Pairs(
-        np.zeros(1, np.int64), np.zeros((most, 3), np.int64), np.zeros(most),
-        np.zeros(most, np.int8), np.full(1, np.inf),
-    )  # fmt: skip
 
 
 @kernel
@@ -69,22 +62,61 @@ def nearest(apart, a, b, half):
     return sqrt(least)
 
 
+@kernel
+def window(rods, reach):
+    """Azimuths farther apart than that belong to centres more than `reach` apart."""
+    least = np.inf
+    for i in range(rods.shape[0]):
+        least = min(least, rods[i, PLACE] ** 2 + rods[i, PLACE + 1] ** 2)
+    if 4.0 * least <= reach * reach:
+        return pi
+    return 2.0 * asin(reach / (2.0 * sqrt(least)))
+
+
 @kernel(inline=False)
-def list_pairs(rods, half, pairs):
-    """Make the list again; every pair is looked at."""
-    n, count, number = rods.shape[0], 0, 0
+def pair_up(rods, half, order, place, found):
+    """All pairs of axes closer than 1 + SKIN, into `found`; their number, -1 if there are more."""
+    n, count, reach = rods.shape[0], 0, 2.0 * half + 1.0 + SKIN
     for i in range(n):
-        for j in range(i + 1, n):
+        place[i] = atan2(rods[i, PLACE + 1], rods[i, PLACE])
+    sort_along(order, place)
+    most = window(rods, reach)
+    for p in range(n):
+        i = order[p]
+        for step in range(1, n):
+            q = p + step
+            ahead = 0.0 if q < n else 2.0 * pi
+            j = order[q if q < n else q - n]
+            gap = place[j] - place[i] + ahead
+            if gap > most:
+                break
+            if gap == pi and i > j:  # found from the other one
+                continue
             apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
-            if dot(apart, apart) < (2.0 * half + 1.0 + SKIN) ** 2:
-                a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
-                if nearest(apart, a, b, half) < 1.0 + SKIN:
-                    pairs.index[count, 0], pairs.index[count, 1] = i, j
-                    pairs.index[count, 2], pairs.asleep[count] = number, 0.0
-                    count += 1
-            number += 1
-    pairs.count[0] = count
-    pairs.travelled[0] = 0.0
+            if dot(apart, apart) >= reach * reach:
+                continue
+            if (
+                nearest(apart, vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR), half)
+                < 1.0 + SKIN
+            ):
+                if count == found.shape[0]:
+                    return -1
+                found[count, 0], found[count, 1], found[count, 2] = min(i, j), max(i, j), 0
+                count += 1
+    return count
+
+
+@kernel
+def current(rods, half, listed, place, found):
+    """Renew the list if it may miss a pair; whether it holds all."""
+    if listed.travelled[0] < 0.5 * SKIN:
+        return True
+    count = pair_up(rods, half, listed.order, place, found)
+    if count < 0:
+        return False
+    listed_anew(rods.shape[0], listed, found, count)
+    listed.asleep[:] = 0.0
+    return True
 
 
 @kernel
@@ -146,11 +178,11 @@ def end_gaps(apart, a, b, half):
 
 
 @kernel
-def one_spring(springs, number, end, other, first, second):
+def one_spring(springs, now, k, end, other, first, second):
     """Keep one spring at the contacts of two ends where one has no foot of its own."""
     if springs is None or (first > 0.0 and second > 0.0):
         return
-    own = springs[number]
+    own = springs[now, k]
     length = vector(own, end, 0)
     if first == 0.0:
         length = vector(own, other, 0)
@@ -177,13 +209,14 @@ def joined(effects, state, pair, ends, end):
 
     `end`: of the first rod. Third, which end of the second rod.
     """
-    total = state.scratch
+    total = state.scratch.total
     s, foot, gap, _ = ends[end]
     other = 3 if foot > 0.0 else 2
     back, t, second_gap, _ = ends[other]
     first, second, across = abs(t - foot), abs(s - back), along(gap, foot - t, pair.b)
     met = joint(dot(across, across), first, second)
-    one_spring(state.pair_springs, pair.number, end, other, first, second)
+    listed = state.listed
+    one_spring(listed.springs, listed.turn[0], pair.entry, end, other, first, second)
     if first > 0.0 and second > 0.0:
         force = effects.between.normal.stiffness * met.force
         repel(total, pair, s, foot, gap, met.part * force)
@@ -204,7 +237,7 @@ def ends_met(effects, state, pair, ends, was, n, dt):
         s, t, r, square = ends[end]
         if square >= 1.0:
             if was & ENDS:
-                forget(state.pair_springs, pair.number, end)
+                opened(state.listed, pair.entry, end)
             continue
         if square < (1.0 - DEEP) ** 2:
             return touches, True, n
@@ -220,22 +253,21 @@ def ends_met(effects, state, pair, ends, was, n, dt):
 
 
 @kernel(inline=False)
-def pair_forces(between, effects, state, dt):
+def pair_forces(between, effects, state, ledger, dt):
     """Forces of all listed pairs; number of a pair that is too deep, or -1.
 
     Where two axes are closest between their ends, by so much that no end can touch or share the
     contact, the ends need no look.
     """
-    rods, pairs, springs, half = state.rods, state.pairs, state.pair_springs, effects.half_length
-    travelled, n = pairs.travelled[0], 0
-    for k in range(pairs.count[0]):
-        if travelled < pairs.asleep[k]:
+    rods, listed, half = state.rods, state.listed, effects.half_length
+    travelled, now, index, n = listed.travelled[0], listed.turn[0], listed.index, 0
+    for k in range(listed.start[now, rods.shape[0]]):
+        if travelled < listed.asleep[k, 0]:
             continue
-        i, j = np.uint64(pairs.index[k, 0]), np.uint64(pairs.index[k, 1])  # never negative
-        number = np.uint64(pairs.index[k, 2])
+        i, j = np.uint64(index[now, k, 0]), np.uint64(index[now, k, 1])  # never negative
         apart = along(vector(rods, i, PLACE), -1.0, vector(rods, j, PLACE))
         a, b = vector(rods, i, DIRECTOR), vector(rods, j, DIRECTOR)
-        pair, was, now = Pair(i, j, number, a, b), pairs.touched[number], 0
+        pair, was, touches = Pair(i, j, np.uint64(k), a, b), index[now, k, 3], 0
         s, t, skew, inside = between_ends(apart, a, b, half)
         r = gap_vector(apart, a, b, s, t)
         nearest, clear = dot(r, r), False
@@ -246,39 +278,40 @@ def pair_forces(between, effects, state, dt):
             ends = end_gaps(apart, a, b, half)
             least = min(ends[0][3], ends[1][3], ends[2][3], ends[3][3])
             if least < 1.0 or was & ENDS:
-                now, deep, n = ends_met(effects, state, pair, ends, was, n, dt)
+                touches, deep, n = ends_met(effects, state, pair, ends, was, n, dt)
                 if deep:
                     return k
         elif was & ENDS:
             for end in range(4):
-                forget(springs, number, end)
+                opened(listed, k, end)
         if inside and nearest < 1.0:
             if nearest < (1.0 - DEEP) ** 2:
                 return k
-            now |= BETWEEN_ENDS
+            touches |= BETWEEN_ENDS
             share, near = 1.0, Closest(s, t, r, sqrt(nearest))
             if not clear and least < (near.distance + NEARER) ** 2:
-                share = shared(between.normal, state.scratch, pair, near, ends)
+                share = shared(between.normal, state.scratch.total, pair, near, ends)
             n = collect(state, n, pair, near, share, CROSSING)
         elif was & BETWEEN_ENDS:
-            forget(springs, number, CROSSING)
+            opened(listed, k, CROSSING)
         if not clear:
             nearest = min(nearest, least) if inside else least
-        pairs.touched[number] = now
+        index[now, k, 3] = touches
         if nearest > 1.0:  # each of the two may come half of the gap closer
-            pairs.asleep[k] = travelled + 0.5 * (sqrt(nearest) - 1.0)
+            listed.asleep[k, 0] = travelled + 0.5 * (sqrt(nearest) - 1.0)
         if n >= MOST:
-            n = acted(between, effects, state, n, dt)
-    acted(between, effects, state, n, dt)
+            n = acted(between, effects, state, ledger, n, dt)
+    acted(between, effects, state, ledger, n, dt)
     return -1
 
 
 @kernel
-def between_rods(between, effects, state, dt):
+def between_rods(between, effects, state, ledger, dt):
     """Pair forces from a list kept up to date; why the run cannot go on, and where."""
     if between is None:
         return DONE, 0
-    if state.pairs.travelled[0] >= 0.5 * SKIN:
-        list_pairs(state.rods, effects.half_length, state.pairs)
-    deep = pair_forces(between, effects, state, dt)
+    listed, scratch = state.listed, state.scratch
+    if not current(state.rods, effects.half_length, listed, scratch.place, scratch.found):
+        return FULL_LIST, 0
+    deep = pair_forces(between, effects, state, ledger, dt)
     return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)

@@ -1,130 +1,132 @@
 """Forces of the plate in space, compiled; its friction may be a constraint."""
 
-from math import sqrt
+from typing import NamedTuple
 
 from ...cache import kernel
-from ..codes import DIRECTOR, PLACE, PLATE_CAPS, PLATE_FRICTION, TURN, VELOCITY
-from ..contact import ZERO, along, put, vector
-from .forces import At, Rubbing, across, act, forget, lose, surface, tangential, turning
-from .geometry import UP, cross, dot, times
+from ..codes import (
+    DIRECTOR,
+    PLACE,
+    PLATE_CAPS,
+    PLATE_FRICTION,
+    PLATE_NORMAL,
+    PLATE_WORK,
+    TURN,
+    VELOCITY,
+)
+from ..contact import Meeting, contact, free_turn, losses, swung, turning
+from ..vectors import UP, ZERO, along, cross, dot, times, vector
+from .forces import act, forget, inertia_of, keeps, keeps_forces, kept, kept_number, moving
+
+
+class Cap(NamedTuple):
+    """What acts at a cap."""
+
+    s: float  # d; its place on the axis
+    overlap: float  # d
+    arm: tuple[float, float, float]  # d, from the centre to the contact
+    half: tuple[float, float, float]  # sqrt(g d); velocity against the plate half a step before
+    force: float  # F_n, m g
+    rub: tuple[float, float, float]  # F_t, m g
+    spring: tuple[float, float, float]  # d
+    rate: float  # sqrt(g d), at which the contact opens (+) or closes (-)
+    lost: tuple[float, float]  # m g d; by the dashpot of F_n and by friction in this step
+
+
+OPEN = Cap(0.0, -1.0, ZERO, ZERO, 0.0, ZERO, ZERO, 0.0, (0.0, 0.0))
 
 
 @kernel
-def gained(effects, arm, director, force, torque):
-    """Acceleration of a point of the rod by force and torque, but for that towards the centre."""
-    alpha = across(effects.rolling, times(effects.lightness, torque), director)
-    return along(force, 1.0, cross(turning(effects.rolling, alpha, director), arm))
-
-
-@kernel
-def swept(rolling, gain, w, director, arm):
-    """Acceleration of a point of a rod, and that by which its rolling turns with the director."""
-    if rolling is None:
-        return gain
-    return along(gain, rolling * dot(w, director), cross(cross(w, director), arm))
-
-
-@kernel
-def stopping(compliance, u, v):
-    """Force along the plate that undoes an acceleration (u, v) of the contact."""
-    xx, xy, yy = compliance
-    scale = 1.0 / (xx * yy - xy * xy)
-    return scale * (xy * v - yy * u), scale * (xy * u - xx * v)
-
-
-@kernel
-def constraint_friction(compliance, slip, drive, limit, dt):
-    """Mean F_t over a step, as `contact.constraint_friction` has it, for vectors; and its size.
-
-    `compliance`: xx, xy, yy of the accelerations by a force of one; `drive`: by all else.
-    """
-    x, y = stopping(compliance, slip[0] / dt + drive[0], slip[1] / dt + drive[1])
-    size, (u, v) = sqrt(x * x + y * y), stopping(compliance, drive[0], drive[1])
-    holds = sqrt(u * u + v * v)
-    if max(size, holds) <= limit:  # leaves no slip at the end of the step
-        return (x, y, 0.0), size
-    speed, slides, a, b = sqrt(slip[0] * slip[0] + slip[1] * slip[1]), 0.0, 0.0, 0.0
-    if speed > 0.0:
-        a, b = slip[0] / speed, slip[1] / speed
-        xx, xy, yy = compliance
-        slower = limit * (xx * a * a + 2.0 * xy * a * b + yy * b * b) - a * drive[0] - b * drive[1]
-        slides = speed / (slower * dt) if speed < slower * dt else 1.0  # part of the step
-    if slides == 1.0:
-        return (-limit * a, -limit * b, 0.0), limit
-    rest = (1.0 - slides) * min(limit / max(holds, 1e-300), 1.0)  # sticks, or slips with the drive
-    x, y = rest * u - slides * limit * a, rest * v - slides * limit * b
-    return (x, y, 0.0), sqrt(x * x + y * y)
-
-
-@kernel
-def hold(friction, effects, state, i, touch, plate, dt):
-    """Both touches with the plate's friction, which is added, if it is a constraint."""
-    if friction is None:
-        return touch
-    return held(friction.spring, friction.coefficient, effects, state, i, touch, plate, dt)
-
-
-@kernel
-def held(spring, coefficient, effects, state, i, touch, plate, dt):
-    """The same, of any friction.
-
-    What holds one end of a rod that lies turns the other: without the upper cap's force of the step
-    before, kept as its spring, the rod would creep.
-    """
-    if spring is not None:
-        return touch
-    (lower, upper), half, kept = touch, effects.half_length, ZERO
-    if lower[1].force > 0.0 and upper[1].force > 0.0:
-        kept = vector(state.springs[i], PLATE_CAPS + 1, 0)
-    act(state.scratch, i, upper[0], kept)
-    lower, _ = held_at(coefficient, effects, state, i, -half, lower, plate, dt)
-    act(state.scratch, i, upper[0], times(-1.0, kept))
-    upper, f = held_at(coefficient, effects, state, i, half, upper, plate, dt)
-    put(state.springs[i], PLATE_CAPS + 1, 0, f)
-    return lower, upper
-
-
-@kernel
-def held_at(coefficient, effects, state, i, s, touch, plate, dt):
-    """Add a constraint's force at place s of the axis; the touch with it, and the force."""
-    arm, rubbing, _ = touch
-    if rubbing.force <= 0.0:
-        return touch, ZERO
-    rods, total = state.rods, state.scratch
-    director, w = vector(rods, i, DIRECTOR), vector(rods, i, TURN)
-    moved = cross(w, director)
-    rate = s * moved[0], s * moved[1], plate[1] - rods[i, VELOCITY + 2]  # of the arm
-    drive = gained(effects, arm, director, vector(total, i, 0), vector(total, i, 3))
-    drive = along(drive, 1.0, cross(turning(effects.rolling, w, director), rate))
-    drive = swept(effects.rolling, drive, w, director, arm)
-    x, y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
-    x = gained(effects, arm, director, x, cross(arm, x))
-    y = gained(effects, arm, director, y, cross(arm, y))
-    slip, limit = tangential(rubbing.half, UP), coefficient * rubbing.force
-    f, size = constraint_friction((x[0], x[1], y[1]), slip, drive, limit, dt)
-    act(total, i, arm, f)
-    lose(state.lost, PLATE_FRICTION, i, arm, f)
-    return (arm, rubbing, size), f
-
-
-@kernel
-def at_cap(law, effects, state, i, s, slot, plate, dt):
-    """Add the plate's forces at a cap; its arm, what friction acts on, the size of friction."""
-    reach = state.rods[i, PLACE + 2] + s * state.rods[i, DIRECTOR + 2] - plate[0]
+def facing(effects, state, i, s, slot, plate):
+    """How the cap at place s of the axis stands to the plate, with its force of the step before."""
+    director = vector(state.rods, i, DIRECTOR)
+    reach = state.rods[i, PLACE + 2] + s * director[2] - plate[0]
     if reach >= 0.5:
-        forget(state.springs, i, slot)
-        return ZERO, Rubbing(UP, 0.5 - reach, 0.0, ZERO, ZERO), 0.0
-    at = At(s, reach, UP, plate[1], 1.0, slot)
-    return surface(law, effects.friction, effects, state, i, at, dt)
+        forget(state.forces, state.springs, i, slot)
+        return Cap(s, 0.5 - reach, ZERO, ZERO, 0.0, ZERO, ZERO, 0.0, (0.0, 0.0))
+    arm = along(times(s, director), -reach, UP)
+    half = along(moving(effects, state, i, director, arm), -plate[1], UP)
+    force, rub = kept_number(state.forces, i, slot), kept(state.forces, i, slot, 1)
+    spring = kept(state.springs, i, slot, 0)
+    return Cap(s, 0.5 - reach, arm, half, force, rub, spring, half[2], (0.0, 0.0))
 
 
 @kernel
-def on_plate(law, effects, state, i, plate, dt):
-    """Add the plate's forces at both caps; what acts at each."""
-    half, closed = effects.half_length, (ZERO, Rubbing(UP, -1.0, 0.0, ZERO, ZERO), 0.0)
+def arm_sweeps(effects, state, i, s, arm, plate):
+    """Acceleration of a slip by the motion of its arm, rolling that turns with the rod included."""
+    director, w = vector(state.rods, i, DIRECTOR), vector(state.rods, i, TURN)
+    turned = cross(w, director)
+    rate = s * turned[0], s * turned[1], plate[1] - state.rods[i, VELOCITY + 2]
+    return rolled(
+        effects.rolling, cross(turning(effects.rolling, w, director), rate), w, director, arm
+    )
+
+
+@kernel
+def rolled(rolling, sweep, w, director, arm):
+    """The same with that by which the rolling turns with the director."""
+    if rolling is None:
+        return sweep
+    return along(sweep, rolling * dot(w, director), cross(cross(w, director), arm))
+
+
+@kernel
+def whole(cap):
+    """The plate's force at a cap."""
+    return along(cap.rub, cap.force, UP)
+
+
+@kernel
+def pressed(effects, state, i, cap, other, others, plate, dt):
+    """A cap with its force of the step; `others`: force and torque by all but the plate."""
+    s, overlap, arm, half, force, rub, spring, _, _ = cap
+    if overlap <= 0.0:
+        return cap
+    director = vector(state.rods, i, DIRECTOR)
+    total = along(along(others[0], 1.0, whole(cap)), 1.0, whole(other))
+    torque = along(others[1], 1.0, cross(arm, whole(cap)))
+    torque = along(torque, 1.0, cross(other.arm, whole(other)))
+    w = free_turn(effects.rolling, times(effects.lightness, torque), director)
+    gain = along(total, 1.0, swung(effects.rolling, w, director, arm))
+    swept = arm_sweeps(effects, state, i, s, arm, plate)
+    meeting = Meeting(
+        ((arm, director),), UP, overlap, half, gain, force, rub, spring, swept, None, half
+    )
+    found = contact(effects.normal, effects.friction, inertia_of(effects), meeting, dt)
+    lost = losses(effects.normal, meeting, found, dt)
+    return Cap(s, overlap, arm, half, found.normal, found.rub, found.spring, found.rate, lost)
+
+
+@kernel
+def kept_cap(state, ledger, i, slot, cap, plate, dt):
+    """Add the force of a cap, and keep it for the next step."""
+    if cap.overlap <= 0.0:
+        return
+    act(state.scratch.total, i, cap.arm, whole(cap))
+    keeps_forces(state.forces, i, slot, cap.force, cap.rub)
+    keeps(state.springs, i, slot, cap.spring)
+    if ledger is not None:
+        ledger[PLATE_WORK] += dt * cap.force * plate[1]
+        ledger[PLATE_NORMAL] += cap.lost[0]
+        ledger[PLATE_FRICTION] += cap.lost[1]
+
+
+@kernel
+def on_plate(law, effects, state, ledger, i, plate, dt):
+    """Add the plate's forces at both caps; what acts at each.
+
+    Each force sees the others of its rod, as in the plane (`kernels.plate.plate_forces`).
+    """
     if law is None:
-        return closed, closed
-    lower, upper = at_cap(law, effects, state, i, -half, PLATE_CAPS, plate, dt), closed
+        return OPEN, OPEN
+    half, total = effects.half_length, state.scratch.total
+    others = vector(total, i, 0), vector(total, i, 3)
+    low, high = facing(effects, state, i, -half, PLATE_CAPS, plate), OPEN
     if half > 0.0:
-        upper = at_cap(law, effects, state, i, half, PLATE_CAPS + 1, plate, dt)
-    return hold(effects.friction, effects, state, i, (lower, upper), plate, dt)
+        high = facing(effects, state, i, half, PLATE_CAPS + 1, plate)
+    if low.overlap <= 0.0 and high.overlap <= 0.0:
+        return low, high
+    lower = pressed(effects, state, i, low, high, others, plate, dt)
+    upper = pressed(effects, state, i, high, lower, others, plate, dt)
+    kept_cap(state, ledger, i, PLATE_CAPS, lower, plate, dt)
+    kept_cap(state, ledger, i, PLATE_CAPS + 1, upper, plate, dt)
+    return lower, upper

@@ -21,10 +21,10 @@ from ..codes import (
     VELOCITY,
     WATCH_TOUCHED,
 )
-from ..contact import ZERO, Effects, Touch, along, vector
+from ..contact import Effects, size, turning
+from ..plate import Touch
 from ..touches import CAP, LEAVING, recorded
-from .forces import turning
-from .geometry import cross
+from ..vectors import ZERO, along, cross, vector
 
 ALONG = ROW_COLUMNS  # and the next: x and y of the plane's direction
 FLAT = ROW_COLUMNS + 2  # columns of `forces.State.flat`: those of a row, then these
@@ -54,11 +54,11 @@ def flatten(flat, effects, rods, i):
 
 
 @kernel
-def in_plane(flat, i, touch, a_z):
+def in_plane(flat, i, cap, a_z):
     """What acts at a cap, as a row has it."""
-    _, rubbing, size = touch
-    slip = rubbing.half[0] * flat[i, ALONG] + rubbing.half[1] * flat[i, ALONG + 1]
-    return Touch(rubbing.overlap, rubbing.force, rubbing.now[2], 0.0, a_z, size, 0.0, slip)
+    slip = cap.half[0] * flat[i, ALONG] + cap.half[1] * flat[i, ALONG + 1]
+    force = size(cap.rub), cap.force
+    return Touch(cap.overlap, (0.0, a_z), force, (0.0,), cap.rate, slip, cap.lost)
 
 
 @kernel
@@ -68,7 +68,7 @@ def recorded_in_space(record, effects, state, i, pushed, touch, plate, clock):
         return
     (lower, upper), rods, flat = touch, state.rods, state.flat
     if record.watch[i, WATCH_TOUCHED] == 0:
-        if lower[1].overlap <= 0.0 and upper[1].overlap <= 0.0:
+        if lower.overlap <= 0.0 and upper.overlap <= 0.0:
             return
         plane_of(flat, rods, i)
     omega, count = flatten(flat, effects, rods, i), record.count[0]

@@ -1,114 +1,144 @@
 """Forces of cylindrical walls in space, compiled: contacts computed side by side."""
 
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from ...cache import kernel
 from ..batch import MOST, SIZE, WIDTH, get, keep
 from ..codes import DEEP, DIRECTOR, INNER, OUTER, PLACE, PLATE_WORK, WALL_FRICTION, WALL_NORMAL
-from ..contact import add, along, vector
+from ..contact import Meeting, contact, losses, total
+from ..vectors import UP, add, along, cross, times, vector
 from .batch import (
     FIRST,
     FORCE,
-    FRICTION_LOST,
-    NORMAL_LOST,
+    FRICTION_LOSS,
+    LAST,
+    NORMAL_LOSS,
+    RUB,
     SHARE,
+    SPRING,
+    WORK,
     R,
     S,
     T,
-    friction_force,
+    booked,
+    given,
     given_rod,
-    given_spring,
     keep_three,
     moves,
-    spring_kept,
+    taken,
     three,
 )
-from .forces import At, act, carried, ends, forget, pressed
-from .geometry import NEARER, UP, beyond, cross, from_above, from_axis, passes, rise, times
+from .forces import act, ends, forget, inertia_of
+from .geometry import NEARER, beyond, from_above, from_axis, passes, rise
 
 REACH = T  # of a contact with a wall; its `R` is the unit vector from the wall to the rod
+
+
+class At(NamedTuple):
+    """Where a wall may touch a rod."""
+
+    s: float  # d; place on the axis, from the centre
+    reach: float  # d; from there to the wall
+    out: tuple[float, float, float]  # unit vector from the wall to the rod
+    share: float  # weight of the contact, 0 to 1
+    slot: int  # of what is kept of it
 
 
 @kernel
 def collect(state, n, i, at):
     """Put a contact of rod i at place n of the batch; the number of contacts then."""
-    numbers, place = state.batch
+    numbers, place = state.scratch.batch
     place[np.uint64(n), 0], place[np.uint64(n), 1] = i, at.slot
     keep(numbers, S, n, at.s)
     keep(numbers, REACH, n, at.reach)
     keep_three(numbers, R, n, at.out)
     keep(numbers, SHARE, n, at.share)
-    given_spring(state.springs, numbers, n, i, at.slot)
+    given(state.forces, state.springs, numbers, n, i, at.slot)
     given_rod(state, numbers, FIRST, n, i)
     return n + 1
 
 
 @kernel
-def found(numbers, what, c, arm, f):
-    """Keep a force and its torque."""
-    keep_three(numbers, what, c, f)
-    keep_three(numbers, what + 3, c, cross(arm, f))
+def against(shaken, v, gain, climb, dt):
+    """Velocity and acceleration against a wall that climbs, or is at rest.
+
+    `climb`: its velocity half a step before, and at the step.
+    """
+    if shaken is None:
+        return v, gain
+    before, now = climb
+    return along(v, -before, UP), along(gain, (before - now) * 2 / dt, UP)
 
 
 @kernel
-def against(shaken, v, climb):
-    """Velocity against a wall that climbs, or is at rest."""
-    return v if shaken is None else along(v, -climb, UP)
+def accounted(ledger, law, numbers, c, meeting, found, climb, dt):
+    """What is lost in this step, and what a wall that moves along itself works by friction."""
+    if ledger is not None:
+        share, rub = get(numbers, SHARE, c), found.rub[2]  # the normal is level
+        normal, friction = losses(law, meeting, found, dt)
+        keep(numbers, NORMAL_LOSS, c, share * normal)
+        keep(numbers, FRICTION_LOSS, c, share * friction)
+        keep(numbers, WORK, c, share * dt * climb[1] * rub)
 
 
 @kernel
-def contact(wall, effects, lost, numbers, climb, c, dt):
+def act_on(wall, effects, ledger, numbers, climb, c, dt):
     """What acts in contact c."""
     out, director = (get(numbers, R, c), get(numbers, R + 1, c), 0.0), three(numbers, FIRST, c)
-    at = At(get(numbers, S, c), get(numbers, REACH, c), out, climb, get(numbers, SHARE, c), 0)
-    arm = along(times(at.s, director), -at.reach, out)
+    reach = get(numbers, REACH, c)
+    arm = along(times(get(numbers, S, c), director), -reach, out)
     v, gain = moves(effects.rolling, numbers, FIRST, c, arm)
-    v = against(effects.shaken, v, climb)
-    rubbing = pressed(wall.normal, effects, at, director, v, gain, dt)
-    bodies = ((arm, director),)
-    f = friction_force(wall.friction, effects, bodies, numbers, c, rubbing, dt)
-    found(numbers, FORCE, c, arm, along(f, rubbing.force, out))
-    elastic = at.share * wall.normal.stiffness * rubbing.overlap * sqrt(rubbing.overlap)
-    if lost is not None:
-        found(numbers, NORMAL_LOST, c, arm, times(rubbing.force - elastic, out))
-        found(numbers, FRICTION_LOST, c, arm, f)
+    overlap = max(0.5 - reach, 0.0)  # a rounding may have told a touch
+    half, gain = against(effects.shaken, v, gain, climb, dt)
+    pressed, rubbed, spring = (
+        get(numbers, LAST, c),
+        three(numbers, RUB, c),
+        three(numbers, SPRING, c),
+    )
+    meeting = Meeting(
+        ((arm, director),), out, overlap, half, gain, pressed, rubbed, spring, None, None, half
+    )
+    found = contact(wall.normal, wall.friction, inertia_of(effects), meeting, dt)
+    accounted(ledger, wall.normal, numbers, c, meeting, found, climb, dt)
+    keep_three(numbers, SPRING, c, found.spring)
+    keep(numbers, LAST, c, found.normal)
+    keep_three(numbers, RUB, c, found.rub)
+    f = times(get(numbers, SHARE, c), total(found, out))
+    keep_three(numbers, FORCE, c, f)
+    keep_three(numbers, FORCE + 3, c, cross(arm, f))
 
 
 @kernel
-def act_on(total, i, numbers, what, c):
-    """Add a force and its torque."""
-    add(total, i, 0, three(numbers, what, c))
-    add(total, i, 3, three(numbers, what + 3, c))
-
-
-@kernel
-def lost_on(shaken, lost, i, numbers, climb, c):
-    """Note the forces that take off energy, as `forces.lose` does."""
-    if lost is not None:
-        act_on(lost[WALL_NORMAL], i, numbers, NORMAL_LOST, c)
-        act_on(lost[WALL_FRICTION], i, numbers, FRICTION_LOST, c)
-        lost[PLATE_WORK, i, 0] = 1.0
-        carried(shaken, lost, i, climb * get(numbers, FRICTION_LOST + 2, c))
+def worked(shaken, ledger, numbers, count):
+    """Add the work of the shaken walls."""
+    if shaken is None:
+        return
+    if ledger is not None:
+        for c in range(count):
+            ledger[PLATE_WORK] += get(numbers, WORK, c)
 
 
 @kernel(inline=False)
-def acted(wall, effects, state, climb, count, dt):
+def acted(wall, effects, state, ledger, climb, count, dt):
     """Add what the first contacts of the batch do; none is left."""
-    numbers, place = state.batch
+    numbers, place = state.scratch.batch
     for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # the last ones are idle
-        contact(wall, effects, state.lost, numbers, climb, c, dt)
+        act_on(wall, effects, ledger, numbers, climb, c, dt)
     for c in range(count):
         i = np.uint64(place[c, 0])
-        act_on(state.scratch, i, numbers, FORCE, c)
-        spring_kept(state.springs, numbers, c, i, np.uint64(place[c, 1]))
-        lost_on(effects.shaken, state.lost, i, numbers, climb, c)
+        add(state.scratch.total, i, 0, three(numbers, FORCE, c))
+        add(state.scratch.total, i, 3, three(numbers, FORCE + 3, c))
+        taken(state.forces, state.springs, numbers, c, i, np.uint64(place[c, 1]))
+    booked(ledger, numbers, WALL_NORMAL, WALL_FRICTION, count)
+    worked(effects.shaken, ledger, numbers, count)
     return 0
 
 
 @kernel
-def wall_forces(wall, effects, state, side, climb, dt):
+def wall_forces(wall, effects, state, ledger, side, climb, dt):
     """Add the forces of a wall; a rod that is too deep, or -1. `side`: 1 convex, -1 concave."""
     if wall is None:
         return -1
@@ -120,14 +150,14 @@ def wall_forces(wall, effects, state, side, climb, dt):
         for cap in range(ends(half)):
             s = half if cap else -half
             if side * (beyond(seen, s) - touching**2) >= 0:
-                forget(state.springs, i, slot + cap)
+                forget(state.forces, state.springs, i, slot + cap)
                 continue
             rho, out = from_axis(along(place, s, director))
             reach = side * (rho - wall.radius)
             if not 0.5 - reach <= DEEP:
                 return i
             out = side * out[0], side * out[1], 0.0
-            n = collect(state, n, i, At(s, reach, out, climb, 1.0, slot + cap))
+            n = collect(state, n, i, At(s, reach, out, 1.0, slot + cap))
         if side > 0:
             if passes(seen, half, touching):
                 at = beside(wall, state, i, half, -seen[1] / seen[2])
@@ -135,10 +165,10 @@ def wall_forces(wall, effects, state, side, climb, dt):
                     return i
                 n = collect(state, n, i, at)
             else:
-                forget(state.springs, i, slot + 2)
+                forget(state.forces, state.springs, i, slot + 2)
         if n > MOST:
-            n = acted(wall, effects, state, climb, n, dt)
-    acted(wall, effects, state, climb, n, dt)
+            n = acted(wall, effects, state, ledger, climb, n, dt)
+    acted(wall, effects, state, ledger, climb, n, dt)
     return -1
 
 
@@ -151,7 +181,7 @@ def beside(wall, state, i, half, s):
     upper, out_u = from_axis(along(place, half, director))
     w_l, slope_l = rise((lower - rho) * (1 / NEARER))
     w_u, slope_u = rise((upper - rho) * (1 / NEARER))
-    at = At(s, rho - wall.radius, out, 0.0, w_l * w_u, INNER + 2)
+    at = At(s, rho - wall.radius, out, w_l * w_u, INNER + 2)
     if slope_l + slope_u != 0.0:
         overlap = max(0.5 - at.reach, 0.0)
         energy = 0.4 * wall.normal.stiffness * overlap * overlap * sqrt(overlap) * (1 / NEARER)
@@ -165,4 +195,4 @@ def beside(wall, state, i, half, s):
 def attracted(state, i, s, normal, force):
     """Add a force along a normal at place s of the axis of rod i."""
     arm = times(s, vector(state.rods, i, DIRECTOR))
-    act(state.scratch, i, arm, times(force, normal))
+    act(state.scratch.total, i, arm, times(force, normal))
