@@ -19,7 +19,7 @@ from .symbols import epsilon, mu
 from .trace import Step
 from .typeset import latex, moving, pieces
 
-LONGEST = 900  # characters of LaTeX; a longer value is told in words alone
+LONGEST = 1600  # characters of LaTeX; a longer value is told in words alone
 MOST = 220  # operations; a form with more is not tidied, which would take long
 _GAIN = sp.Symbol("gain", positive=True)  # 1 + epsilon
 _CASES = {"stick": "slip-stick", "back": "slip reversal", "slip": "slide"} | {
@@ -51,6 +51,8 @@ def tidy(expr: sp.Expr) -> sp.Expr:
     """Return the shortest of a few equal forms: as it is, factored, sorted by its speeds."""
     if not expr.is_rational_function():
         return expr  # to factor roots and sines can take minutes
+    if expr.count_ops() > MOST // 3:
+        return sp.factor(expr)
     seed(0)  # as for a derivation
     speeds = [x for x in sorted(expr.free_symbols, key=str) if moving(x)]
     forms = [expr, sp.factor(expr)]
