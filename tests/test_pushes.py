@@ -26,11 +26,11 @@ def followed():
     for _ in range(PERIODS * engine.per):
         place = effects.alone.half_length, effects.period, listed, scratch.place, scratch.found
         assert current(engine.rods, *place)  # the list of pairs
-        springs = listed.springs.copy()
+        springs, forces = listed.springs.copy(), listed.forces.copy()
         scratch.total[:] = 0
         pair_forces(effects, engine.state, None, engine.dt)
         others.append(scratch.total[:, 0] * engine.dt)
-        listed.springs[:] = springs
+        listed.springs[:], listed.forces[:] = springs, forces
         engine.go(1)
         every.append(engine.state.before[:, 0] * engine.dt)
         kept.append(engine.record.rows[: engine.record.count[0]].copy())

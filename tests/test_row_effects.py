@@ -46,13 +46,13 @@ EFFECTS = {
     "plate's vibration and friction": (
         SHAKEN,
         REST,
-        {"effects.alone.plate": "[su]rem i64", "effects.alone.friction": "copysign"},
+        {"effects.alone.plate": "[su]rem i64", "effects.alone.friction": "= fdiv"},
         ALOFT,
     ),
     "plate's spring and dissipation": (
         SHAKEN | {"contacts": Contacts(Contact(LOSSY, 0.3))},
         SHAKEN,
-        {"state.springs": "", "effects.alone.normal.quarter": ""},
+        {"state.springs": "copysign", "effects.alone.normal.quarter": ""},
         ALOFT,
     ),
     "rod-rod contact": (

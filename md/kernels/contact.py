@@ -150,14 +150,31 @@ def largest(plastic, half, free, light, dt):
 
 
 @kernel
+def damped(normal, overlap, free, light, implicit):
+    """The force with its dashpots; `light`: 1/M, `implicit`: for which it acts on `free`."""
+    c = dashpot(normal, overlap, sqrt(overlap), 1 / light)
+    return (elastic(normal, overlap) - c * free) / (1 + c * implicit * light)
+
+
+@kernel
+def with_dashpots(quarter, proportional, constant, normal, overlap, free, light, implicit):
+    """The same, of a contact that may have none; Numba drops a branch by a test of one argument."""
+    if quarter is None:  # noqa: SIM102
+        if proportional is None:  # noqa: SIM102
+            if constant is None:
+                return elastic(normal, overlap)
+    return damped(normal, overlap, free, light, implicit)
+
+
+@kernel
 def normal_force(normal, overlap, half, free, light, implicit, dt):
     """F_n >= 0 of a contact with overlap > 0, solved for the velocity of its own moment.
 
     `half`, `free`: velocity at which it opens, half a step before and at the step without F_n in
     it; `light`: 1/M; `implicit`: dt/2, for which F_n acts on that velocity, or 0.
     """
-    c = dashpot(normal, overlap, sqrt(overlap), 1 / light)
-    force = (elastic(normal, overlap) - c * free) / (1 + c * implicit * light)
+    dashpots = normal.quarter, normal.proportional, normal.constant
+    force = with_dashpots(*dashpots, normal, overlap, free, light, implicit)
     return max(min(force, largest(normal.plastic, half, free, light, dt)), 0.0)
 
 
@@ -237,6 +254,14 @@ def size(v):
 
 
 @kernel
+def unit(v):
+    """Direction of a vector other than zero."""
+    if len(v) == 1:
+        return (1.0 if v[0] > 0.0 else -1.0,)
+    return times(1 / size(v), v)
+
+
+@kernel
 def cut(force, limit):
     """A force with the size `limit`."""
     if len(force) == 1:
@@ -301,7 +326,7 @@ def constraint_friction(compliance, slip, drive, limit, dt):
         return stop
     speed, slides, a = size(slip), 0.0, times(0.0, slip)
     if speed > 0.0:
-        a = cut(slip, 1.0)
+        a = unit(slip)
         slower = limit * slowing(compliance, a) - dot(a, drive)
         slides = speed / (slower * dt) if speed < slower * dt else 1.0  # part of the step
     if slides == 1.0:
