@@ -61,7 +61,7 @@ class State(NamedTuple):
     direction: tuple[float, float]  # sin and cos of the tilt, turned along with it
     velocity: tuple[float, float, float]  # c_x, c_z in sqrt(g d), omega in sqrt(g/d)
     acceleration: tuple[float, float, float]  # at n - 1, in g and g/d
-    kept: tuple[Kept, Kept]  # of the lower (-) and the upper (+) cap
+    kept: tuple[tuple, tuple]  # the fields of `Kept` of the lower (-) and the upper (+) cap
     higher: tuple | None  # derivatives i = 3, 4, 5 times dt^i/i!
     explicit: bool | None
 
@@ -78,14 +78,28 @@ def turned(direction, angle):
 
 
 @kernel
+def known(kept):
+    """What both caps keep, by name."""
+    (lower, low), (upper, high) = kept
+    return Kept(lower, low), Kept(upper, high)
+
+
+@kernel
+def bare(touch):
+    """What a cap keeps of a touch, without names: a state that leaves Numba is of plain tuples."""
+    force, spring = keeps(touch)
+    return force, spring
+
+
+@kernel
 def leap(effects, state, step, dt):
     """Step n: forces, kick, drift; returns the velocity at n as well."""
     position, direction, half, _, kept, higher, explicit = state
     plate, others = plate_at(effects.plate, step), field(effects, half)
-    rod = Moving(position[1], direction, half, kept, explicit, half)
+    rod = Moving(position[1], direction, half, known(kept), explicit, half)
     a, lower, upper = plate_forces(effects, rod, plate, others, dt)
     velocity = along(half, dt, a)
-    kept = keeps(lower), keeps(upper)
+    kept = bare(lower), bare(upper)
     direction = turned(direction, velocity[2] * dt)
     following = along(position, dt, velocity)
     after = State(following, direction, velocity, a, kept, higher, explicit)
@@ -107,13 +121,13 @@ def gear(effects, state, higher, step, dt):
     r4 = along(r4, 5, r5)
     now = along(ZERO, 1 / dt, r1)
     half = along(along(now, -1 / dt, r2), 0.75 / dt, r3)
-    rod = Moving(r0[1], direction, half, kept, True, now)
+    rod = Moving(r0[1], direction, half, known(kept), True, now)
     plate, others = plate_at(effects.plate, step), field(effects, half)
     a, lower, upper = plate_forces(effects, rod, plate, others, dt)
     change = along(along(ZERO, dt * dt / 2, a), -1, r2)
     r0, velocity = along(r0, _C0, change), along(now, _C1 / dt, change)
     r3, r4, r5 = along(r3, _C3, change), along(r4, _C4, change), along(r5, _C5, change)
-    kept = keeps(lower), keeps(upper)
+    kept = bare(lower), bare(upper)
     direction = turned(direction, change[2] * _C0)
     state = State(r0, direction, velocity, a, kept, (r3, r4, r5), explicit)
     return state, velocity, lower, upper
@@ -227,4 +241,5 @@ def started(method: str, position: Any, velocity: Any, g: Any, dt: float) -> Sta
         velocity = along(velocity, -dt / 2, fall)
     direction = sin(position[2]), cos(position[2])
     explicit = None if method == "verlet" else True
-    return State(position, direction, velocity, fall, (FORGOTTEN, FORGOTTEN), higher, explicit)
+    forgotten = tuple(FORGOTTEN)
+    return State(position, direction, velocity, fall, (forgotten, forgotten), higher, explicit)
