@@ -34,8 +34,8 @@ DOMAINS = {
     "floor": (1e-12, 1e12),
     "max_seconds": (1e-3, 1e9),
 }
-STEPS_PER_CONTACT = 24  # at twice the plate's peak velocity
-ALLOWANCE = 0.005  # of the drift, for the bias at so many steps
+STEPS_PER_CONTACT = 48  # at twice the plate's peak velocity
+ALLOWANCE = 0.01  # of the drift, for the bias at so many steps
 CONFIDENCE = 0.95
 FLOOR = 0.05  # of the plate's peak velocity: slower drifts are judged as if they were this fast
 MAX_SECONDS = 600.0
@@ -328,7 +328,7 @@ def run(
     workers : independent starts, 2 (the default) to 64, which run at once, one a thread; their
         drifts are pooled, all else that is measured is of the first start. With a tolerance alone
     measure_bias : measure the bias of the step, by as many starts again with steps twice as long,
-        also where the allowance of 0.5 % would do
+        also where the allowance of 1 % would do
     options : as of `simulation.run`: `periods` (200; without tolerance alone), `ledger`, `observe`,
         `trajectory`, `frames`, `checkpoint` (without tolerance alone), `progress`
 
