@@ -82,6 +82,10 @@ def placed(
     ValueError
         If the rods cannot be placed.
     """
+    radii = f"{gap.inner:g} and {gap.outer:g}"
+    refused = f"rods.count {count} do not fit into the annulus of radii {radii}"
+    if count > 4 * (gap.outer**2 - gap.inner**2):
+        raise InputError(f"{refused}: upright ones fill its area")
     half, most = (length - 1) / 2, largest_tilt(gap, length)
     lean = min(_filling(gap, count, half, most) if tilt is None else tilt, 0.98 * most)
     for part in (1.0, 0.97, 0.93, 0.85, 0.7, 0.4, 0.0):  # what does not fit is tried steeper
@@ -90,10 +94,8 @@ def placed(
         left = overlap(gap, rods, half)
         if left <= -GAP:
             return rods[:, :VELOCITY]
-    radii = f"{gap.inner:g} and {gap.outer:g}"
     raise InputError(
-        f"rods.count {count} do not fit into the annulus of radii {radii}: pushed apart as far as "
-        f"they go, overlaps of {max(left, 0.0):.2g} d are left"
+        f"{refused}: pushed apart as far as they go, overlaps of {max(left, 0.0):.2g} d are left"
     )
 
 

@@ -356,7 +356,7 @@ def test_a_scene_that_is_refused_as_it_begins_stops_no_other(tmp_path):
     sweep = expand({"axes": [{"rods.count": [2001, 2002]}]}, read_tables("annulus"))
     assert execute(sweep, tmp_path / "a.db", workers=1).failed == 2
     with Store(tmp_path / "a.db", write=False) as store:
-        assert all("rods.count must be at most" in row["error"] for row in store.rows())
+        assert all("do not fit into the annulus" in row["error"] for row in store.rows())
 
 
 def test_a_dead_worker_costs_nothing_but_time(tmp_path, reference):
