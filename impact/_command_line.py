@@ -59,9 +59,9 @@ class Commands(click.Group):
             code = 130
             print(f"{self.name}: interrupted", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # unread output is dropped without a traceback
-        exec(
-            ""
-        )  # else Python, stopped in code of a string (a dataclass), dies of the signal at exit
+        # Python that was stopped in code of a string, as of a dataclass, ends by the signal itself
+        # unless other such code has run since.
+        exec("")
         sys.exit(code)
 
 
