@@ -35,13 +35,13 @@ from ..lib.runs import (
     over_seeds,
     paper_rod,
 )
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, style
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
 from ..lib.timing import medians, repeated, seconds_per_period
 
 ROW_TILT = np.arccos(COUNT / BOX)
 PRINTED = both(law="appendix_a", restitution="none")
 CONSTRAINT = {"contacts.plate.law": "coulomb"}
-STEPS = (8, 12, 16, 24, 48)  # a contact
+STEPS = (12, 16, 24, STEPS_PER_CONTACT, 96)  # a contact
 ROWS = {  # group: label: what the scene changes, at the usual step
     "stiffness": {rf"$k_n=5\cdot10^{n}$": both(stiffness=5.0 * 10**n) for n in (3, 4, 5, 7)},
     "contact law": {
@@ -201,6 +201,7 @@ def draw(d: Data) -> plt.Figure:
     for ax, of_model in zip(axes, (False, True), strict=True):
         panel(ax, d, of_model=of_model)
         ax.axvline(seconds, color="0.6", lw=0.8, ls=":")
+    name_panels(axes, ("error of the computation", "another model"))
     axes[0].set_ylabel(r"deviation of $c_x$ from the trusted answer")
     figure.supxlabel(
         rf"trusted: $c_x={truth:.4f}\pm{spread:.4f}\,\sqrt{{gd}}$, {seconds:.0f} s (dotted); "
