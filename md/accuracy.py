@@ -2,9 +2,9 @@
 
 A contact lasts `STEPS_PER_CONTACT` steps, whatever the scene. The error of the drift has two parts,
 which add in squares. The statistical one is estimated as the starts go on. The bias of the step is
-a flat `ALLOWANCE`, which was measured over scenes (`tests/test_allowance.py`); where the tolerance
-is too small for that, the law is somebody's own, or it is asked for, as many starts again take
-steps twice as long, and the bias follows from the difference.
+a flat `ALLOWANCE`, which `tests/test_allowance.py` tries over drawn scenes; where the tolerance is
+too small for that, the law is somebody's own, or it is asked for, as many starts again take steps
+twice as long, and the bias follows from the difference.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -41,7 +41,7 @@ FLOOR = 0.05  # of the plate's peak velocity: slower drifts are judged as if the
 MAX_SECONDS = 600.0
 STARTS = 2  # at least: one start does not show that there are several states
 MOST_STARTS = 64
-MOST_PERIODS = 10**6  # of a start
+MOST_PERIODS_OF_A_START = 10**6
 FIRST_LOOK = 320  # periods
 GROWTH = 1.1, 2.0  # least and largest, of the starts from one look to the next
 UNSETTLED = 1.5  # growth of starts that have not settled
@@ -252,13 +252,13 @@ class _Goal:
         hopeless = self.needed > 2 * self.max_seconds and made >= 2 * self.first
         hopeless = hopeless and (self.found.settled or room <= 0)
         late = seconds > self.max_seconds
-        if self.reached or hopeless or late or made >= MOST_PERIODS:
+        if self.reached or hopeless or late or made >= MOST_PERIODS_OF_A_START:
             self.over = True
             return
         if not self.found.settled:
             wanted = UNSETTLED * made
         grown = np.clip(wanted, GROWTH[0] * made, GROWTH[1] * made) + 1
-        self.due = int(min(grown, MOST_PERIODS))
+        self.due = int(min(grown, MOST_PERIODS_OF_A_START))
 
     def interrupt(self, first: History) -> None:
         """End early, by Ctrl-C, with what the starts have."""
@@ -380,7 +380,7 @@ def _started(scene: Scene, goal: _Goal, options: dict[str, Any]) -> Result:
     def other(start: int) -> None:
         asked = partial(goal.ask, start)
         try:
-            simulation.run(scenes[start], periods=MOST_PERIODS, ledger=False, goal=asked)
+            simulation.run(scenes[start], periods=MOST_PERIODS_OF_A_START, ledger=False, goal=asked)
         except BaseException:
             goal.over = True  # nobody waits for this one
             raise
@@ -388,7 +388,7 @@ def _started(scene: Scene, goal: _Goal, options: dict[str, Any]) -> Result:
     with ThreadPoolExecutor(max(len(scenes) - 1, 1)) as pool:
         others = [pool.submit(other, start) for start in range(1, len(scenes))]
         try:
-            how = {**options, "periods": MOST_PERIODS, "goal": partial(goal.ask, 0)}
+            how = {**options, "periods": MOST_PERIODS_OF_A_START, "goal": partial(goal.ask, 0)}
             result = simulation.run(scene, **how)
             if not result.finished:
                 goal.interrupt(History(result.c_x_series, result.fell_series))

@@ -137,7 +137,8 @@ class Result:
         if self.accuracy is not None:
             return self.accuracy.state != "not settled"
         drift, fell = (x[self.discarded :] for x in (self.c_x_series, self.fell_series))
-        return None if isnan(trend(drift)) else trend(drift) <= TREND and steady(fell)
+        found = trend(drift)
+        return None if isnan(found) else found <= TREND and steady(fell)
 
     @property
     def rod_steps(self) -> int:
