@@ -58,7 +58,7 @@ measures, records, statistics       what a run measures, with errors; its touche
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy                            `run`: step and length from a tolerance
 sweep, store                        many runs and their results; `Point.key` says which is stale
-search, surface                     parameters from measured results, by many runs
+search                              parameters from measured results, by many runs
 sources                             digest of the sources of a run, a part of that key
 early_signals, interrupt            signals during imports, and during compiled code
 cache, errors                       compiled kernels kept, errors

@@ -258,9 +258,8 @@ def sweep(sweep: str, store: str, as_json: bool, **how: Any) -> None:
 def search(search: str, store: str, as_json: bool, **how: Any) -> None:
     """Find the parameters of a scene that give what was measured.
 
-    SEARCH is a TOML file, or the name of an example (friction), with scene, parameters, and data or
-    targets (help(md.search)). The same command goes on where it stopped. Of choices, the best one
-    alone is followed.
+    SEARCH is a TOML file, or the name of an example (friction), with scene, parameters and data
+    (help(md.search)). The same command goes on where it stopped.
 
     \b
     python -m md search friction --store fit.db

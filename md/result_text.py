@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from itertools import combinations, count
-from math import inf, isfinite, isnan, sqrt
+from math import isfinite, isnan, sqrt
 from typing import Any
 
 from .accuracy import UNLIKELY
@@ -195,17 +195,13 @@ def search_json(found: Any) -> dict[str, Any]:
     search, told = found.search, found.estimates
     order = sorted(range(len(found.parts)), key=lambda i: found.misfits[i])
     points = [{**search.values(found.parts[i]), "misfit": float(found.misfits[i])} for i in order]
-    targets = [
-        {**search.places[target.place], "result": target.result}
-        | {"low": target.low, "high": target.high, "error": target.error}
-        | {"best": float(found.results[found.best, i])}
-        | (
-            {"predicted": told.results[i].value, "uncertainty": told.results[i].error}
-            if told.results
-            else {}
-        )
-        for i, target in enumerate(search.targets)
-    ]
+    targets = []
+    for i, target in enumerate(search.targets):
+        table = {**target.place, **target._asdict(), "best": float(found.results[found.best, i])}
+        del table["place"]
+        if told.results:
+            table |= {"predicted": told.results[i].value, "uncertainty": told.results[i].error}
+        targets.append(table)
     estimates = {name: estimate._asdict() for name, estimate in told.parameters.items()}
     return {"points": points, "estimates": estimates, "correlation": told.correlation.tolist()} | {
         "least_misfit": told.misfit,
@@ -227,25 +223,14 @@ def search_text(found: Any) -> str:
         for (i, a), (j, b) in combinations(enumerate(found.estimates.parameters), 2):
             lines.append(f"correlation of {a} and {b}  {found.estimates.correlation[i, j]:.2f}")
         data = sum(target.error > 0 for target in found.search.targets)
-        lines.append(f"least misfit  {found.estimates.misfit:.3g}, of {data} data or limits")
+        lines.append(f"least misfit  {found.estimates.misfit:.3g}, of {data} data")
         if found.estimates.misfit > data + 4 * sqrt(2 * data):
             lines.append("warning: the scene does not fit the data; the errors do not hold")
     else:
         lines += ["", "too few points near the best one for estimates: more points or rounds"]
-    for choice in found.search.parameters:
-        if choice.choices is None:
-            continue
-        least = dict.fromkeys(choice.choices, inf)
-        for point in told["points"]:
-            least[point[choice.name]] = min(least[point[choice.name]], point["misfit"])
-        each = ", ".join(f"{name} {value:.3g}" for name, value in least.items())
-        lines.append(f"least misfit by {choice.name}  {each}; the best alone is estimated")
-    heads = [key for key in told["targets"][0] if key not in ("low", "high", "error")]
-    shown = [
-        [_cell(target.get(key), 4) for key in heads] + [_asked(target)]
-        for target in told["targets"]
-    ]
-    return "\n".join([*lines, "", "targets", *_columns([*heads, "asked"], shown)])
+    heads = [*told["targets"][0]]
+    targets = [[_cell(target.get(key), 4) for key in heads] for target in told["targets"]]
+    return "\n".join([*lines, "", "data", *_columns(heads, targets)])
 
 
 def _end(found: Any, name: str) -> str:
@@ -254,15 +239,6 @@ def _end(found: Any, name: str) -> str:
     one = next(one for one in found.search.parameters if one.name == name)
     within = one.low + 2 * error < value < one.high - 2 * error
     return "" if within else f"  (reaches an end of its range, {one.low:g} to {one.high:g})"
-
-
-def _asked(target: dict[str, Any]) -> str:
-    """Limits of a target, or a measured value, with the error."""
-    low, high, error = target["low"], target["high"], target["error"]
-    if isnan(low):
-        return ""
-    value = f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
-    return f"{value} +- {error:.2g}"
 
 
 def _columns(heads: list[str], rows: list[list[str]]) -> list[str]:
@@ -287,7 +263,7 @@ def store_text(columns: Iterable[str], rows: Sequence[dict[str, Any]], cm: bool)
 
 
 def _cell(value: object, digits: int = 5) -> str:
-    if value is None:
+    if value is None or value != value:  # nan: a datum that is asked for
         return ""
     return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 

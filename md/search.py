@@ -1,4 +1,4 @@
-"""Searches: which parameters of a scene give what was measured, or what is asked for.
+"""Searches: which parameters of a scene give what was measured.
 
     scene = "my_rods"                 # a file beside this one, or an example
     periods = 300
@@ -12,35 +12,19 @@
     [[parameters]]
     keys = ["contacts.plate.friction", "contacts.rods.friction"]   # which take the same value
     from = 0.1
-    to = 0.6                          # log = true: evenly in log; integer = true: rounded
+    to = 0.6                          # log = true: evenly in log
 
-    [[parameters]]
-    name = "law"                      # a choice: what each changes
-    choices = { viscous = { "contacts.plate.law" = "constant_restitution" }, ... }
-
-    [[parameters]]
-    keys = ["contacts.plate.restitution"]
-    from = 0.4
-    to = 1.0
-    when = { law = "viscous" }        # it has no meaning else
-
-    [data]
+    [data]                            # or several, each [[data]]
     file = "drift.csv"                # columns: keys of the scene, the result, and `error`
     result = "c_x_cm_s"               # a row without it asks for it: it is predicted
 
-    [[targets]]                       # besides data, or in their place
-    result = "tilt_deg"
-    at = { "box.length" = 43.0 }
-    holds = [20.0, 23.0]              # limits
-    error = 0.5                       # of them
+Parameters are drawn from a Sobol sequence; every point is run at all places of the data with
+all starts, by `md.sweep` into its store, so that a search goes on where it stopped. The misfit of a
+point is the sum of squares of (result - datum)/error, where the error is that of the data and of
+the means over the starts together. Of two contact laws, say, the one whose search ends with the
+smaller misfit fits better.
 
-No two parameters may set one key at once, the tables of choices included; `when` keeps them apart.
-Parameters are drawn from a Sobol sequence; every point is run at all places of the data and targets
-with all starts, by `md.sweep` into its store, so that a search goes on where it stopped. The misfit
-of a point is the sum of squares of (result - limit)/error, where the error is that of the data and
-of the means over the starts together.
-
-Between the points each result is a polynomial of the parameters (`Surface`). From it follow the
+Between the points each result is a polynomial of the parameters. From it follow the
 estimate of each parameter, with weights exp(-misfit/2), and what is predicted with its uncertainty.
 For these the error is that of the data and the distance by which the polynomial misses a point, the
 scatter of its runs included. So errors are rather too large; further rounds, which look closer, and
@@ -49,29 +33,27 @@ longer runs make them smaller.
 They hold if the scene can fit the data, if the truth is within the ranges, and if results are as
 rough there as at the other points near the best one: beside a jump an estimate can be off by three
 errors. The least misfit is told, and should be no more than about the number of data. Runs that are
-much shorter than those of the data bring their transient in. Choices are not weighed against each
-other: estimates are those of the best point's choices, and the least misfit of each choice is told.
+much shorter than those of the data bring their transient in.
 """
 
 import csv
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
-from itertools import product
+from itertools import combinations_with_replacement, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from emcee import EnsembleSampler, State
 from scipy.stats import qmc
 
 from .domains import finite, held, listed, positive, tabled, whole
 from .errors import InputError, RunError
-from .files import empty, plain
-from .scene import changes_of, read_tables, scene_beside
+from .files import plain
+from .scene import changes_of, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS, run
-from .store import Store
-from .surface import ENOUGH, Fit, box_around, misfit_of
 from .sweep import Point, Sweep, Tally, execute, named, point_at
 
 __all__ = [
@@ -87,59 +69,44 @@ __all__ = [
 ]
 
 _OF_RUNS = "scene", "periods", "seeds", "points", "rounds", "seed", "set"
-_KEYS = (*_OF_RUNS, "parameters", "data", "targets")
+_KEYS = (*_OF_RUNS, "parameters", "data")
 _SEARCHES = Path(__file__).parent / "searches"
+_DEGREES = 3, 2, 1  # of the polynomials that are tried
+_ENOUGH = 1.5  # points a coefficient that a polynomial needs
+_SAMPLES, _WALKERS = 2**12, 2**8  # places, and how many of the best are where walkers begin
+_WARM_UPS, _WARM_UP, _STEPS = 6, 25, 150  # steps before draws, and of draws
+_THIN = 10  # steps from draw to draw
+_AS_GOOD = 10.0  # more misfit than the best point has: it may be chance
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """A range of numbers, or a choice."""
+class Parameter(NamedTuple):
+    """A range of numbers."""
 
     name: str  # in messages and tables
-    keys: tuple[str, ...] = ()  # of the scene, which all take the value
-    low: float = 0.0  # end of the range
-    high: float = 1.0  # the other
+    keys: tuple[str, ...]  # of the scene, which all take the value
+    low: float  # end of the range
+    high: float  # the other
     log: bool = False  # whether values lie evenly in log
-    choices: Mapping[str, Mapping[str, Any]] | None = None  # what each changes in the scene
-    when: Mapping[str, str] | None = None  # choices without which the parameter has no meaning
-    integer: bool = False  # whether values of the range are rounded to whole numbers
 
-    def value(self, part: float) -> float | str:
+    def value(self, part: Any) -> Any:
         """The value at a part of the range, from 0 to 1.
 
         Parameters
         ----------
-        part : 0 <= part < 1
+        part : 0 <= part < 1, a number or an array
         """
-        if self.choices is not None:
-            return list(self.choices)[int(part * len(self.choices))]
         if self.log:
-            value = self.low * (self.high / self.low) ** part
-        else:
-            value = self.low + (self.high - self.low) * part
-        return round(value) if self.integer else float(value)
-
-    def changes(self, values: Mapping[str, float | str]) -> dict[str, Any]:
-        """What it changes in the scene.
-
-        Parameters
-        ----------
-        values : of all parameters, by name
-        """
-        if any(values[name] != choice for name, choice in (self.when or {}).items()):
-            return {}
-        value = values[self.name]
-        return dict(self.choices[str(value)]) if self.choices else dict.fromkeys(self.keys, value)
+            return self.low * (self.high / self.low) ** part
+        return self.low + (self.high - self.low) * part
 
 
 class Target(NamedTuple):
-    """What a result should be at one place; without limits it is only predicted."""
+    """What a result was measured to be at one place."""
 
+    place: Mapping[str, Any]  # changes of the scene
     result: str  # such as "c_x_cm_s"
-    place: int  # number of its place
-    low: float  # limit; nan: none
-    high: float  # the other
-    error: float  # standard error of both
+    value: float  # nan: it is only predicted
+    error: float  # standard error
 
 
 @dataclass(frozen=True)
@@ -147,29 +114,34 @@ class Search:
     """A search, read and checked."""
 
     base: Mapping[str, Any]  # tables of the scene
-    common: Mapping[str, Any]  # changes of all points
     periods: int  # of each run
     seeds: tuple[int, ...]  # starts
     parameters: tuple[Parameter, ...]  # that are varied
-    places: tuple[Mapping[str, Any], ...]  # changes of the scene at each place of the targets
     targets: tuple[Target, ...]  # what is asked for
     points: int  # a round
     rounds: int = 1  # each later one closer around the best
     seed: int = 1  # of the Sobol sequence
 
-    @property
-    def limits(self) -> np.ndarray:
-        """Lower limit, upper limit and error of each target, (targets, 3)."""
-        return np.array([(t.low, t.high, t.error) for t in self.targets])
+    @cached_property
+    def places(self) -> list[Mapping[str, Any]]:
+        """Different places of the targets."""
+        found: list[Mapping[str, Any]] = []
+        found += (t.place for t in self.targets if t.place not in found)
+        return found
 
-    def values(self, parts: np.ndarray) -> dict[str, float | str]:
+    @property
+    def measured(self) -> np.ndarray:
+        """Value and error of each target, (targets, 2)."""
+        return np.array([(target.value, target.error) for target in self.targets])
+
+    def values(self, parts: np.ndarray) -> dict[str, float]:
         """Values of the parameters.
 
         Parameters
         ----------
         parts : (parameters,), of their ranges
         """
-        return {p.name: p.value(part) for p, part in zip(self.parameters, parts, strict=True)}
+        return {p.name: float(p.value(x)) for p, x in zip(self.parameters, parts, strict=True)}
 
     def sweep(self, parts: np.ndarray) -> Sweep:
         """Points times places times starts.
@@ -186,9 +158,7 @@ class Search:
         runs = []
         for row in parts:
             values = self.values(row)
-            changes = dict(self.common)
-            for parameter in self.parameters:
-                changes |= parameter.changes(values)
+            changes = {key: values[p.name] for p in self.parameters for key in p.keys}
             for place, seed in product(self.places, self.seeds):
                 changed = {**changes, **place, "start.seed": seed}
                 runs.append(point_at(self.base, changed, {**values, **place}, self.periods))
@@ -218,7 +188,7 @@ class Estimate(NamedTuple):
 class Estimates(NamedTuple):
     """What follows from the misfits of all points near the best one; empty if these are too few."""
 
-    parameters: dict[str, Estimate]  # those that are numbers
+    parameters: dict[str, Estimate]  # by their names
     correlation: np.ndarray  # of them
     results: list[Estimate]  # of each target
     misfit: float  # the least; without a fit, far beyond the number of data
@@ -230,14 +200,21 @@ class Found:
 
     search: Search  # that was made
     parts: np.ndarray  # (n, parameters): of the ranges, all rounds
-    results: np.ndarray  # (n, targets): means over the starts
-    errors: np.ndarray  # (targets,): standard errors of these means
+    runs: np.ndarray  # (n, targets, starts): results; nan where a run failed
     tally: Tally  # of all rounds
+
+    @property
+    def results(self) -> np.ndarray:
+        """Means over the starts, (n, targets)."""
+        return self.runs.mean(axis=-1)
 
     @cached_property
     def misfits(self) -> np.ndarray:
         """Of each point; inf where a run failed."""
-        found = misfit_of(self.search.limits, self.results, self.errors**2)
+        starts = self.runs.shape[-1]
+        known = self.runs[np.isfinite(self.runs).all(axis=(1, 2))]
+        variance = known.var(axis=-1, ddof=1).mean(axis=0) / starts if starts > 1 else 0.0
+        found = _misfit(self.search.measured, self.results, variance)
         return np.where(np.isnan(found), np.inf, found)
 
     @property
@@ -248,34 +225,22 @@ class Found:
     @cached_property
     def estimates(self) -> Estimates:
         """Means near the best point, of draws with weights exp(-misfit/2)."""
-        search, box = self.search, box_around(self.parts, self.misfits)
-        chosen = search.values(self.parts[self.best])
-        near = ((self.parts >= box[0]) & (self.parts <= box[1])).all(axis=1)
+        search, (low, high) = self.search, _box_around(self.parts, self.misfits)
+        near = ((self.parts >= low) & (self.parts <= high)).all(axis=1)
         near &= np.isfinite(self.results).all(axis=1)
-        free = []
-        for i, parameter in enumerate(search.parameters):
-            if parameter.choices:
-                values = [parameter.value(part) for part in self.parts[:, i]]
-                near &= np.array(values) == chosen[parameter.name]
-            elif parameter.changes(chosen):
-                free.append(i)
-        if not free or near.sum() < ENOUGH * (len(free) + 1):
+        if near.sum() < _ENOUGH * (len(search.parameters) + 1):
             return Estimates({}, np.empty((0, 0)), [], math.nan)
-        low, size = box[0][free], np.ptp(box, axis=0)[free]
-        fit = Fit(
-            2 * (self.parts[near][:, free] - low) / size - 1, self.results[near], search.limits
-        )
-        places = fit.draw(search.seed)
+        inside = 2 * (self.parts[near] - low) / (high - low) - 1
+        fit = _Fit(inside, self.results[near], search.measured)
+        places = _draws(fit.unlikely, len(low), search.seed)
         results, variances, misfits = fit(places)
-        parts = low + (places + 1) / 2 * size
-        numbers = {
-            search.parameters[i].name: np.array([search.parameters[i].value(x) for x in column])
-            for i, column in zip(free, parts.T, strict=True)
-        }
+        parts = low + (places + 1) / 2 * (high - low)
+        pairs = zip(search.parameters, parts.T, strict=True)
+        values = {parameter.name: parameter.value(part) for parameter, part in pairs}
         spread = np.sqrt(results.var(axis=0) + variances.mean(axis=0))
         return Estimates(
-            {name: Estimate(float(x.mean()), float(x.std())) for name, x in numbers.items()},
-            np.atleast_2d(np.corrcoef([*numbers.values()])),
+            {name: Estimate(float(x.mean()), float(x.std())) for name, x in values.items()},
+            np.atleast_2d(np.corrcoef([*values.values()])),
             [Estimate(*pair) for pair in np.column_stack([results.mean(axis=0), spread]).tolist()],
             float(misfits.min()),
         )
@@ -295,79 +260,196 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     As `md.sweep.execute`, ValueError if a target is not a number in the results of a run, RunError
     if no point has results at all targets.
     """
-    box, whole_tally = None, Tally(0, 0, 0)
-    parts, results, variances = [], [], []
+    box = None
+    parts, runs, tallies = [], [], []
     for number in range(given.rounds):
         parts.append(given.draw(number, box))
         sweep = given.sweep(parts[-1])
         if number == 0:
-            _check_results(given, sweep.points[0], store)
-        tally = execute(sweep, store, **how)
-        whole_tally = Tally(
-            *(a + b for a, b in zip(astuple(whole_tally), astuple(tally), strict=True))
-        )
-        runs = _at_targets(given, sweep, store)
-        results.append(runs.mean(axis=-1))
-        variances.append(runs.var(axis=-1, ddof=1) if len(given.seeds) > 1 else 0 * results[-1])
-        known = np.concatenate(variances)
-        count = np.maximum(np.isfinite(known).sum(axis=0), 1) * len(given.seeds)
-        errors = np.sqrt(np.nansum(known, axis=0) / count)
-        found = Found(given, np.concatenate(parts), np.concatenate(results), errors, whole_tally)
-        if not np.isfinite(found.misfits).any():
+            _check_results(given, sweep.points[0])
+        tallies.append(execute(sweep, store, **how))
+        runs.append(_at_targets(given, sweep, store))
+        tally = Tally(*map(sum, zip(*map(astuple, tallies), strict=True)))
+        found = Found(given, np.concatenate(parts), np.concatenate(runs), tally)
+        if not np.isfinite(found.results).all(axis=1).any():
             raise RunError(f"no point has all results at the targets; {tally.failed} runs failed")
-        box = box_around(found.parts, found.misfits)
+        box = _box_around(found.parts, found.misfits)
     return found
 
 
-def _check_results(given: Search, point: Point, store: str | Path) -> None:
-    """Refuse a target that is not a number in the results of a run.
-
-    What the store holds shows it, else one period, before a search of hours.
-    """
-    results = None
-    if not empty(store):
-        with Store(store, write=False) as database:
-            results = database.result(point.key)
-    if results is None:
-        try:
-            shown = run(point.scene, periods=1)
-        except (InputError, RunError):
-            return
-        if not shown.finished:
-            raise KeyboardInterrupt
-        results = shown.as_dict()
+def _check_results(given: Search, point: Point) -> None:
+    """Refuse data of what is no number in the results of a run: by one, before hours of them."""
+    try:
+        shown = run(point.scene, periods=1)
+    except (InputError, RunError):
+        return
+    if not shown.finished:
+        raise KeyboardInterrupt
+    results = shown.as_dict()
     for name in sorted({target.result for target in given.targets}):
         if not isinstance(named(results, name), int | float | None):
-            raise InputError(f"targets ask for {name}, which is no number in the results of a run")
+            raise InputError(f"data ask for {name}, which is no number in the results of a run")
 
 
 def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
     """Results at the targets, (points, targets, starts)."""
     names = sorted({target.result for target in given.targets})
     tables = dict(zip(names, sweep.gather(store, *names), strict=True))
-    return np.stack([tables[t.result][:, t.place] for t in given.targets], axis=1)
+    at = given.places.index
+    return np.stack([tables[t.result][:, at(t.place)] for t in given.targets], axis=1)
+
+
+# ---- from results to estimates ------------------------------------------------------------------
+
+
+class _Surface:
+    """A polynomial of coordinates within -1 and 1, fitted to a result.
+
+    Its degree is the one with which each point is best told from the others. It may be off at any
+    place by as much as it misses these points then: how far a result is from a polynomial does not
+    average out, and what else scatters them is not told from that.
+
+    Parameters
+    ----------
+    places : (n, coordinates)
+    results : (n,)
+    """
+
+    def __init__(self, places: np.ndarray, results: np.ndarray) -> None:
+        found = []
+        for degree in _DEGREES:
+            terms = _terms(places, degree)
+            if degree == 1 or len(results) >= _ENOUGH * terms.shape[1]:
+                inverse = np.linalg.pinv(terms)
+                left = 1 - np.einsum("ij,ji->i", terms, inverse)
+                off = (results - terms @ (inverse @ results)) / np.maximum(left, 1e-9)
+                found.append((float(np.sqrt(np.mean(off**2))), degree, inverse))
+        self.scatter, self.degree, inverse = min(found, key=lambda one: one[0])
+        self.weights, self.spread = inverse @ results, inverse @ inverse.T
+
+    def __call__(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values and their variances, (n,) each.
+
+        Parameters
+        ----------
+        places : (n, coordinates)
+        """
+        terms = _terms(places, self.degree)
+        variance = self.scatter**2 * (1 + np.sum(terms @ self.spread * terms, axis=1))
+        return terms @ self.weights, variance
+
+
+def _terms(places: np.ndarray, degree: int) -> np.ndarray:
+    """Products of up to `degree` coordinates, a column each."""
+    n, k = places.shape
+    powers = [c for d in range(1, degree + 1) for c in combinations_with_replacement(range(k), d)]
+    return np.column_stack([np.ones(n), *(places[:, list(c)].prod(axis=1) for c in powers)])
+
+
+def _misfit(measured: np.ndarray, results: np.ndarray, variance: Any) -> np.ndarray:
+    """Sum over the targets of the squared distances from the data, in errors.
+
+    Parameters
+    ----------
+    measured : (targets, 2): value and error; nan: it does not count
+    results : (..., targets)
+    variance : of the results
+    """
+    value, error = measured.T
+    counts = ~np.isnan(value)
+    return np.sum((results - value) ** 2 / (error**2 + variance), axis=-1, where=counts)
+
+
+class _Fit:
+    """Surfaces of all targets, and the misfit that follows from them.
+
+    Parameters
+    ----------
+    places : (n, coordinates), within -1 and 1
+    results : (n, targets)
+    measured : (targets, 2): value and error, or nan
+    """
+
+    def __init__(self, places: np.ndarray, results: np.ndarray, measured: np.ndarray) -> None:
+        self.surfaces = [_Surface(places, column) for column in results.T]
+        self.measured = measured
+
+    def __call__(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Results and their variances, (n, targets) each, and the misfits, (n,).
+
+        Parameters
+        ----------
+        places : (n, coordinates)
+        """
+        results, variances = np.array([s(places) for s in self.surfaces]).transpose(1, 2, 0)
+        return results, variances, _misfit(self.measured, results, variances)
+
+    def unlikely(self, places: np.ndarray) -> np.ndarray:
+        """The misfit, and more where little is known, which would fit anything, (n,).
+
+        Parameters
+        ----------
+        places : (n, coordinates)
+        """
+        _, variances, misfits = self(places)
+        return misfits + np.nansum(np.log1p(variances / self.measured[:, 1] ** 2), axis=1)
+
+
+def _box_around(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
+    """Lowest and highest parts of the best quarter of the points, and the gaps around them.
+
+    Points that are as good as the best one belong to it, however many they are.
+    """
+    few = max(len(parts) // 4, 2 * (parts.shape[1] + 1), np.sum(misfits < misfits.min() + _AS_GOOD))
+    near = parts[np.argsort(misfits)[:few]]
+    low, high = near.min(axis=0), near.max(axis=0)
+    gap = max(0.1, 2 / len(near)) * (high - low)
+    ends = [
+        np.where(parts < low, parts, 0).max(axis=0),
+        np.where(parts > high, parts, 1).min(axis=0),
+    ]
+    return np.clip([np.minimum(low - gap, ends[0]), np.maximum(high + gap, ends[1])], 0, 1 - 1e-12)
+
+
+def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int, seed: int) -> np.ndarray:
+    """Places within -1 and 1 drawn with weights exp(-misfit/2), (n, coordinates).
+
+    By emcee's stretch move, which needs no smaller moves along a ridge (Goodman and Weare, Commun.
+    Appl. Math. Comput. Sci. 5, 65, 2010). Walkers begin at the best of evenly spread places; before
+    draws begin, those that are held in lesser minima go to where others are.
+
+    Parameters
+    ----------
+    misfit : of places, (n, coordinates) to (n,)
+    coordinates : their number
+    seed : of the random numbers
+    """
+
+    def log_weight(places: np.ndarray) -> np.ndarray:
+        return np.where((np.abs(places) <= 1).all(axis=1), -misfit(places) / 2, -np.inf)
+
+    samples = 2 * qmc.Sobol(coordinates, seed=seed).random(_SAMPLES) - 1
+    best = samples[np.argsort(misfit(samples))[:_WALKERS]]
+    random, begin = np.random.default_rng(seed), np.random.RandomState(seed).get_state()
+    walkers = State(best, random_state=begin)
+    sampler = EnsembleSampler(_WALKERS, coordinates, log_weight, vectorize=True)
+    for _ in range(_WARM_UPS):
+        walkers = sampler.run_mcmc(walkers, _WARM_UP, store=False, skip_initial_state_check=True)
+        weights = walkers.log_prob
+        lost = weights < min(np.median(weights), weights.max() - 12.5)
+        others = random.choice(np.flatnonzero(~lost), lost.sum())
+        walkers.coords[lost], walkers.log_prob[lost] = walkers.coords[others], weights[others]
+    sampler.run_mcmc(walkers, _STEPS, skip_initial_state_check=True)
+    return sampler.get_chain(thin=_THIN, flat=True)
 
 
 # ---- reading ----------------------------------------------------------------------------------
 
 
-_Asked = tuple[dict[str, Any], str, float, float, float]  # place, result, limits, error
-
-
 def _parameter(name: str, table: Any) -> Parameter:
     """A parameter from its table."""
-    if isinstance(table, Mapping) and "choices" in table:
-        tabled(name, table, ("choices",), ("name", "when"))
-    else:
-        tabled(name, table, ("keys", "from", "to"), ("name", "when", "log", "integer"))
-    when = changes_of(f"{name}.when", table.get("when", {}))
-    if "choices" in table:
-        choices = table["choices"]
-        if not isinstance(choices, Mapping) or len(choices) < 2:
-            raise InputError(f"{name}.choices must be two tables or more, got {choices!r}")
-        choices = {c: changes_of(f"{name}.choices.{c}", x) for c, x in choices.items()}
-        return Parameter(str(table.get("name", name)), choices=choices, when=when)
-    log, integer = (held(f"{name}.{x}", table.get(x, False), bool) for x in ("log", "integer"))
+    tabled(name, table, ("keys", "from", "to"), ("name", "log"))
+    log = held(f"{name}.log", table.get("log", False), bool)
     keys = listed(table["keys"])
     if not keys or not all(isinstance(key, str) for key in keys):
         raise InputError(f"{name}.keys must be a list of keys of the scene, got {table['keys']!r}")
@@ -375,14 +457,13 @@ def _parameter(name: str, table: Any) -> Parameter:
     low, high = limited(f"{name}.from", table["from"]), limited(f"{name}.to", table["to"])
     if not low < high:
         raise InputError(f"{name}.from must be less than to, got {low:g} and {high:g}")
-    title = str(table.get("name", keys[0]))
-    return Parameter(title, tuple(keys), low, high, log, None, when, integer)
+    return Parameter(str(table.get("name", keys[0])), tuple(keys), low, high, log)
 
 
-def _measured(path: Path, result: str) -> list[_Asked]:
+def _measured(path: Path, result: str) -> list[Target]:
     """Rows of a CSV with measured results; lines that begin with # are comments.
 
-    A row without a result is predicted: its limits and its error are nan.
+    A row without a result is predicted: its value and its error are nan.
     """
     try:
         lines = plain(path).read_text(encoding="utf-8-sig").splitlines()
@@ -401,7 +482,7 @@ def _measured(path: Path, result: str) -> list[_Asked]:
         value, error = numbers.pop(result, math.nan), numbers.pop("error", math.nan)
         error = math.nan if math.isnan(value) else positive(f"{where}, error", error)
         place = {key: int(x) if x.is_integer() else x for key, x in numbers.items()}
-        asked.append((place, result, value, value, error))
+        asked.append(Target(place, result, value, error))
     if not asked or not {result, "error"} < set(heads) or len(set(heads)) < len(heads):
         raise InputError(
             f"{path} must have columns {result}, error and keys of the scene, each once, with "
@@ -413,44 +494,22 @@ def _measured(path: Path, result: str) -> list[_Asked]:
 def _number(name: str, text: str) -> float:
     """A cell; nan if it is empty."""
     try:
-        return finite(name, float(text)) if text else math.nan
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
+        value = float(text or "nan")
+    except ValueError:
         raise InputError(f"{name} must be a number or empty, got {text!r}") from None
+    return value if math.isnan(value) else finite(name, value)
 
 
-def _target(name: str, table: Any) -> _Asked:
-    """A target from its table."""
-    tabled(name, table, ("result", "holds", "error"), ("at",))
-    holds = listed(table["holds"]) or []
-    numbers = all(type(end) in (int, float) for end in holds)
-    if not numbers or len(holds) != 2 or not holds[0] <= holds[1]:
-        raise InputError(
-            f"{name}.holds must be two numbers, the lower one first, got {table['holds']!r}"
-        )
-    error = positive(f"{name}.error", table["error"])
-    place = changes_of(f"{name}.at", table.get("at", {}))
-    return place, str(table["result"]), float(holds[0]), float(holds[1]), error
-
-
-def _check_apart(parameters: tuple[Parameter, ...], places: list[dict[str, Any]]) -> None:
-    """Refuse a key that is set twice under some choices, and a choice that is none."""
-    choices = {p.name: [*p.choices] for p in parameters if p.choices}
+def _check_apart(parameters: tuple[Parameter, ...], targets: list[Target]) -> None:
+    """Refuse a key that is set twice."""
+    given = ["start.seed", *(key for target in targets for key in target.place)]
+    setters = dict.fromkeys(given, "data or seeds")
     for parameter in parameters:
-        for name, choice in (parameter.when or {}).items():
-            if choice not in choices.get(name, []):
-                raise InputError(f"{parameter.name}: when.{name} = {choice!r} is not a choice")
-    given = ["start.seed", *(key for place in places for key in place)]
-    for chosen in product(*choices.values()):
-        values = {p.name: p.low for p in parameters} | dict(zip(choices, chosen, strict=True))
-        setters = dict.fromkeys(given, "data, targets or seeds")
-        for parameter in parameters:
-            for key in parameter.changes(values):
-                if key in setters:
-                    both = f"{setters[key]} and by {parameter.name}"
-                    raise InputError(f"{key} is set by {both} at once")
-                setters[key] = parameter.name
+        for key in parameter.keys:
+            if key in setters:
+                both = f"{setters[key]} and by {parameter.name}"
+                raise InputError(f"{key} is set by {both} at once")
+            setters[key] = parameter.name
 
 
 def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
@@ -468,26 +527,21 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
         If something is missing or out of its domain; the message names it.
     """
     tabled("a search", tables, (), _KEYS)
-    asked = []
-    if "data" in tables:
-        data = tabled("data", tables["data"], ("file", "result"))
-        asked += _measured(folder / str(data["file"]), str(data["result"]))
-    for i, table in enumerate(held("targets", tables.get("targets", []), list)):
-        asked.append(_target(f"targets[{i}]", table))
-    if all(math.isnan(error) for *_, error in asked):
-        raise InputError("a search needs data, or targets: there are none")
-    places: list[dict[str, Any]] = []
-    for place, *_ in asked:
-        if "start.seed" in place:
-            raise InputError("start.seed must not stand in data or targets: seeds names the starts")
-        if place not in places:
-            places.append(place)
+    asked: list[Target] = []
+    data = tables.get("data", [])
+    for table in data if isinstance(data, list) else [data]:
+        tabled("data", table, ("file", "result"))
+        asked += _measured(folder / str(table["file"]), str(table["result"]))
+    if all(math.isnan(target.error) for target in asked):
+        raise InputError("a search needs data: there are none")
+    if any("start.seed" in target.place for target in asked):
+        raise InputError("start.seed must not stand in data: seeds names the starts")
     ranges = held("parameters", tables.get("parameters", []), list)
     parameters = tuple(_parameter(f"parameters[{i}]", table) for i, table in enumerate(ranges))
     names = [parameter.name for parameter in parameters]
     if not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be there, with different names, got {names}")
-    _check_apart(parameters, places)
+    _check_apart(parameters, asked)
     seeds = listed(tables.get("seeds", [1, 2]))
     if not seeds or len(set(map(str, seeds))) < len(seeds):
         raise InputError(f"seeds must be a list of different starts, got {tables['seeds']!r}")
@@ -497,13 +551,11 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
             f"points must be a power of two, as a Sobol sequence is even in these, got {points}"
         )
     return Search(
-        base=base,
-        common=changes_of("set", tables.get("set", {})),
+        base=put(base, changes_of("set", tables.get("set", {}))),
         periods=whole("periods", tables.get("periods", 200), 1, MOST_PERIODS),
         seeds=tuple(whole("seeds", seed, 0, 2**32) for seed in seeds),
         parameters=parameters,
-        places=tuple(places),
-        targets=tuple(Target(r, places.index(p), low, high, e) for p, r, low, high, e in asked),
+        targets=tuple(asked),
         points=points,
         rounds=whole("rounds", tables.get("rounds", 1), 1, 100),
         seed=whole("seed", tables.get("seed", 1), 0, 2**32),

@@ -4,11 +4,13 @@ The file is in WAL mode and every row is a transaction of its own: rows that wer
 stay when the process is killed, and two sweeps may write to one file.
 
 The columns of a result are those of `simulation.Result`: "c_x" is its `c_x`, the mean over the
-periods behind the transient of `measures.RowTables.drift`, in an annulus `AnnulusTables.drift`.
+periods behind the transient of `measures.RowTables.drift`, in an annulus `AnnulusTables.drift`. In
+the file a result has a key more, "check", by which a row that somebody edited is found.
 """
 
 import contextlib
 import csv
+import hashlib
 import json
 import os
 import sqlite3
@@ -45,6 +47,11 @@ CREATE TABLE IF NOT EXISTS runs (
 """
 
 
+def _check(scene: dict, result: dict) -> str:
+    """Twelve hexadecimal digits that stand for a row."""
+    return hashlib.sha256(json.dumps([scene, result]).encode()).hexdigest()[:12]
+
+
 class StoreError(InputError):
     """A file that cannot be used as a store; it is left as it is."""
 
@@ -76,7 +83,7 @@ class Store:
         how = "mode=rwc" if fresh else self._readable()
         with self._failing("cannot be opened"):
             self.database = self._connected("mode=rwc" if write else how)
-        self.unreadable: set[str] = set()  # keys of rows that were edited to nonsense
+        self.unreadable: set[str] = set()  # keys of rows that were edited
         if write:
             self._begin()
 
@@ -166,6 +173,8 @@ class Store:
         error : why it failed; None if it did not
         """
         row = about | {"key": key, "scene": json.dumps(about["scene"]), "error": error}
+        if result is not None:
+            result = {**result, "check": _check(about["scene"], result)}
         row["result"] = None if result is None else json.dumps(result)
         row["written"] = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
         names = ", ".join(row)
@@ -193,13 +202,15 @@ class Store:
         return self._parsed(*row) if row else (None, None)
 
     def _parsed(self, key: str, scene: str, result: str | None) -> tuple[dict | None, dict | None]:
-        """Scene and result of a row; None where an edit by hand has left no JSON objects."""
-        with contextlib.suppress(TypeError, ValueError):
-            found = json.loads(scene), None if result is None else json.loads(result)
-            if isinstance(found[0], dict) and isinstance(found[1], dict | None):
-                return found
+        """Scene and result of a row; None where somebody has edited it."""
+        with contextlib.suppress(ValueError):
+            said, found = json.loads(scene), json.loads("{}" if result is None else result)
+            if isinstance(said, dict) and isinstance(found, dict):
+                check = found.pop("check", None)  # none: it failed, or is of an earlier version
+                if check is None or check == _check(said, found):
+                    return said, None if result is None else found
         if key not in self.unreadable:
-            warn(f"store {self.path}: run {key} cannot be read; it counts as missing")
+            warn(f"store {self.path}: run {key} was edited; it counts as missing")
             self.unreadable.add(key)
         return None, None
 

@@ -1,42 +1,52 @@
 """Scenes drawn evenly from ranges in which rows keep their tilt, and annuli, for long tests."""
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.stats import qmc
 
 import md
 from md.scene import put, read_tables
-from md.search import Parameter
 
-PARTS = "plate", "rods"
 COULOMB = {"contacts.plate.law": "coulomb"} | dict.fromkeys(
     (f"contacts.plate.tangential_{name}" for name in ("ratio", "damping")), "none"
 )
 
 
-def of_contacts(name: str, low: float, high: float, log: bool = False) -> list[Parameter]:
+class Range(NamedTuple):
+    """Values of some keys of a scene, evenly from `low` to `high`, or evenly in log."""
+
+    keys: tuple[str, ...]
+    low: float
+    high: float
+    log: bool = False
+
+    def value(self, part: float) -> float:
+        """At a part of the range."""
+        if self.log:
+            return self.low * (self.high / self.low) ** part
+        return self.low + (self.high - self.low) * part
+
+
+def of_contacts(name: str, low: float, high: float, log: bool = False) -> list[Range]:
     """An option of the contacts of plate and rods, each by itself; walls are like the plate."""
-    walls = {"plate": ("plate", "wall"), "rods": ("rods",)}
-    return [
-        Parameter(
-            f"{name} of {part}", tuple(f"contacts.{one}.{name}" for one in of), low, high, log
-        )
-        for part, of in walls.items()
-    ]
+    plate = f"contacts.plate.{name}", f"contacts.wall.{name}"
+    return [Range(keys, low, high, log) for keys in (plate, (f"contacts.rods.{name}",))]
 
 
 ROW = (
-    Parameter("law", ("law",), 0, 1),  # the last quarter: friction of the plate as a constraint
-    Parameter("tilt_deg", ("tilt_deg",), 15, 50),
-    Parameter("plate.acceleration", ("plate.acceleration",), 1.8, 5),
-    Parameter("rods.length", ("rods.length",), 5, 10),
+    Range(("law",), 0, 1),  # the last quarter: friction of the plate as a constraint
+    Range(("tilt_deg",), 15, 50),
+    Range(("plate.acceleration",), 1.8, 5),
+    Range(("rods.length",), 5, 10),
     *of_contacts("friction", 0.1, 0.6),
     *of_contacts("restitution", 0.5, 0.95),
     *of_contacts("tangential_ratio", 0.5, 30, True),
     *of_contacts("tangential_damping", 0, 1),
 )
 ANNULUS = (
-    Parameter("rods.count", ("rods.count",), 32, 56, integer=True),
-    Parameter("plate.acceleration", ("plate.acceleration",), 2, 5),
+    Range(("rods.count",), 32, 56),
+    Range(("plate.acceleration",), 2, 5),
     *of_contacts("friction", 0.1, 0.6),
     *of_contacts("restitution", 0.65, 0.9),
     *of_contacts("tangential_ratio", 0.5, 10, True),
@@ -44,20 +54,18 @@ ANNULUS = (
 )
 
 
-def changes(parameters: tuple[Parameter, ...], parts: np.ndarray) -> dict:
-    """Values at these parts of the ranges, by keys."""
-    pairs = zip(parameters, parts, strict=True)
-    return {key: one.value(part) for one, part in pairs for key in one.keys}
-
-
 def drawn(count: int, seed: int, annulus: bool = False) -> list[md.Scene]:
     """Scenes, drawn evenly."""
-    parameters = ANNULUS if annulus else ROW
-    every = qmc.Sobol(len(parameters), seed=seed).random(count)
-    return [(_annulus if annulus else _row)(changes(parameters, parts)) for parts in every]
+    ranges, make = (ANNULUS, _annulus) if annulus else (ROW, _row)
+    scenes = []
+    for parts in qmc.Sobol(len(ranges), seed=seed).random(count):
+        pairs = zip(ranges, parts, strict=True)
+        scenes.append(make({key: one.value(float(x)) for one, x in pairs for key in one.keys}))
+    return scenes
 
 
 def _annulus(to: dict) -> md.Scene:
+    to["rods.count"] = round(to["rods.count"])
     return md.scene.from_tables(put(read_tables("annulus"), {"step": "none", **to}))
 
 

@@ -12,10 +12,8 @@ from md.__main__ import main
 from md.errors import InputError, RunError
 from md.result_text import search_text
 from md.scene import from_tables, put, read_tables
-from md.search import expand, search
-from md.surface import Surface, draws
+from md.search import _draws, _Surface, expand, search
 
-LIMITS = {"result": "c_x_cm_s", "holds": [1, 2], "error": 1}
 TRUE = {"friction": 0.3, "restitution": 0.65}
 ERROR = 0.05
 BOXES = 41.0, 43.0, 46.0, 50.0
@@ -28,10 +26,6 @@ PARAMETERS = [
     }
     for part, low, high in (("friction", 0.1, 0.6), ("restitution", 0.4, 0.95))
 ]
-GAS = {"name": "gas", "choices": {"rough": {}, "smooth": {"contacts.rods.friction": "none"}}}
-SMOOTH = {**PARAMETERS[0], "when": {"gas": "smooth"}}
-BOX = {"choices": {"a": {}, "b": {"box.length": 41}}}
-COUNT = {"keys": ["rods.count"], "from": 10, "to": 30, "integer": True}
 BASE = put(read_tables("quasi2d"), {"contacts.rods.restitution": 0.5})
 
 
@@ -96,9 +90,8 @@ def test_stated_errors_are_those_of_many_data_sets(found):
     random, off = np.random.default_rng(4), []
     for _ in range(40):
         moved = tuple(
-            target._replace(low=value, high=value)
+            target._replace(value=target.value + ERROR * random.standard_normal())
             for target in found.search.targets
-            for value in [target.low + ERROR * random.standard_normal()]
         )
         told = replace(found, search=replace(found.search, targets=moved)).estimates.parameters
         off.append([(told[name].value - true) / told[name].error for name, true in TRUE.items()])
@@ -128,7 +121,7 @@ def test_draws_follow_a_ridge_and_leave_a_lesser_minimum():
         ridge = ((x[:, 0] + x[:, 1]) / 1e-3) ** 2 + ((x[:, 0] - x[:, 1]) / 0.1) ** 2
         return np.minimum(ridge + (x[:, 2] / 0.1) ** 2, 200 + 10 * ((x - 0.7) ** 2).sum(axis=1))
 
-    drawn = draws(misfit, 3, seed=5)
+    drawn = _draws(misfit, 3, seed=5)
     assert np.std(drawn[:, 0] + drawn[:, 1]) == pytest.approx(1e-3, rel=0.2)
     assert np.std(drawn[:, 0] - drawn[:, 1]) == pytest.approx(0.1, rel=0.2)
     assert np.std(drawn[:, 2]) == pytest.approx(0.1, rel=0.2)
@@ -146,38 +139,10 @@ def test_a_search_of_which_all_runs_fail_ends_in_one_line(monkeypatch, tmp_path)
             search(expand(tables(tmp_path), BASE, tmp_path), tmp_path / "runs.db", workers=1)
 
 
-def test_a_search_goes_on_where_it_stopped(found, store, monkeypatch):
-    monkeypatch.delattr("md.search.run")  # nothing runs, also to see what results a run has
+def test_a_search_goes_on_where_it_stopped(found, store):
     again = search(found.search, store, workers=1)
     assert (again.tally.computed, again.tally.there) == (0, found.tally.computed)
     assert np.array_equal(again.results, found.results)
-
-
-def test_choices_and_what_has_no_meaning_under_one(made, tmp_path):
-    """The friction of rods is a parameter under one choice alone."""
-    rough = {**PARAMETERS[0], "when": {"gas": "rough"}}
-    given = expand(tables(tmp_path, parameters=[GAS, rough, PARAMETERS[1]]), BASE, tmp_path)
-    for row in given.draw():
-        scene, values = given.sweep([row]).points[0].scene, given.values(row)
-        asked = values["friction"] if values["gas"] == "rough" else 0.3
-        assert scene.contacts.plate.friction == asked
-        assert (scene.contacts.rods.friction == 0) == (values["gas"] == "smooth")
-    smooth = {"name": "smooth", "keys": ["contacts.plate.friction"], "from": 0, "to": 1}
-    smooth["when"] = {"gas": "smooth"}  # which never meets the other range
-    assert expand(tables(tmp_path, parameters=[GAS, rough, smooth]), BASE, tmp_path)
-    told = search(given, tmp_path / "runs.db", workers=1).estimates
-    assert "gas" not in told.parameters
-    assert "least misfit by gas  rough " in search_text(search(given, tmp_path / "runs.db"))
-
-
-def test_limits_are_kept_anywhere_between_them(made, tmp_path):
-    target = {"result": "c_x_cm_s", "at": {"box.length": 43.0}, "holds": [6.0, 7.0], "error": 0.1}
-    given = tables(tmp_path, targets=[target])
-    del given["data"]
-    told = search(expand(given, BASE, tmp_path), tmp_path / "runs.db", workers=1)
-    inside = (told.results[:, 0] > 6) & (told.results[:, 0] < 7)
-    assert (told.misfits[inside] == 0).all()
-    assert (told.misfits[~inside] > 0).all()
 
 
 def test_a_surface_takes_the_degree_that_predicts_best():
@@ -186,13 +151,13 @@ def test_a_surface_takes_the_degree_that_predicts_best():
     noise = 0.01 * random.standard_normal(60)
     for power in (1, 2):
         result = places[:, 0] ** power * places[:, 1] + noise
-        assert Surface(places, result).degree >= power + 1
+        assert _Surface(places, result).degree >= power + 1
     few = places[:8]  # of which a quadratic form would take almost all
-    assert Surface(few, few[:, 0] + noise[:8]).degree == 1
-    value, variance = Surface(places, places[:, 0] + noise)(np.array([[0.5, 0.0], [9.0, 0.0]]))
+    assert _Surface(few, few[:, 0] + noise[:8]).degree == 1
+    value, variance = _Surface(places, places[:, 0] + noise)(np.array([[0.5, 0.0], [9.0, 0.0]]))
     assert abs(value[0] - 0.5) < 4 * np.sqrt(variance[0]) < 0.05
     assert variance[1] > 4 * variance[0]  # beyond all points
-    _, variance = Surface(places, np.sign(places[:, 0]))(places)
+    _, variance = _Surface(places, np.sign(places[:, 0]))(places)
     assert (variance > 0.2**2).all()  # a jump is not a polynomial
 
 
@@ -205,42 +170,22 @@ def test_a_surface_takes_the_degree_that_predicts_best():
         ({"parameters": [{"keys": ["a.b"], "from": 1, "to": 1}]}, "from must be less than to"),
         ({"parameters": [{"keys": ["a.b"], "from": 0, "to": 1, "log": True}]}, "from must be > 0"),
         ({"parameters": [{"name": "x"}]}, "parameters.0. must have keys, from, to"),
-        ({"parameters": [{**PARAMETERS[0], "when": {"law": "x"}}]}, "when.law = 'x' is not"),
         ({"seeds": [1, 1]}, "seeds must be a list of different starts"),
         ({"data": {"file": "none.csv", "result": "c_x"}}, "none.csv cannot be read"),
         ({"data": {"file": "drift.csv", "result": "c_z"}}, "must have columns c_z, error"),
-        ({"targets": [{"result": "c_x"}]}, "targets.0. must have result, holds, error, got"),
-        (
-            {"targets": [{"result": "c_x", "holds": [2, 1], "error": 1}]},
-            "holds must be two numbers, the lower one first",
-        ),
-        ({"targets": [{**LIMITS, "holds": [1, "b"]}]}, "holds must be two numbers"),
-        ({"targets": [{**LIMITS, "eror": 1}]}, "eror is not a key of targets.0.; known: result"),
-        ({"targets": [{**LIMITS, "at": {"box": {"length": 43}}}]}, "at must hold .* in quotes"),
-        ({"targets": LIMITS}, "targets must be of the type list"),
         ({"set": {"rods": {"count": 20}}}, "set must hold .* in quotes"),
-        ({"parameters": [{**PARAMETERS[0], "when": "x"}]}, "when must hold"),
         ({"parameters": [{**PARAMETERS[0], "log": "no"}]}, "log must be true or false"),
-        (
-            {"parameters": [{"choices": {"a": {}, "b": {}}, "from": 1}]},
-            "from is not a key of parameters.0.; known: choices",
-        ),
-        ({"parameters": [{"choices": {"a": {}}}]}, "choices must be two tables or more"),
         ({"parameters": [3]}, "parameters.0. must be a table, got 3"),
         (
             {"parameters": [{"keys": ["box.length"], "from": 41, "to": 60}]},
-            "box.length is set by data, targets or seeds and by box.length at once",
+            "box.length is set by data or seeds and by box.length at once",
         ),
-        ({"targets": [{**LIMITS, "at": {"start.seed": 3}}]}, "start.seed must not stand in data"),
+        ({"data": []}, "a search needs data"),
         ({"seeds": [[1], [2]]}, "seeds must be a whole number"),
         (
             {"parameters": [PARAMETERS[0], {**PARAMETERS[0], "name": "mu"}]},
             "contacts.plate.friction is set by friction and by mu at once",
         ),
-        ({"parameters": [GAS, PARAMETERS[0]]}, "rods.friction is set by gas and by friction"),
-        ({"parameters": [SMOOTH, GAS]}, "rods.friction is set by friction and by gas at once"),
-        ({"parameters": [GAS, {**GAS, "name": "x"}]}, "rods.friction is set by gas and by x"),
-        ({"parameters": [BOX]}, "box.length is set by data, targets or seeds and by parameters.0."),
     ],
 )
 def test_what_cannot_be_searched_is_refused(tmp_path, changes, message):
@@ -273,13 +218,6 @@ def test_a_row_that_cannot_be_is_refused_with_its_line(tmp_path, row, message):
         expand(given, BASE, tmp_path)
 
 
-def test_a_range_of_whole_numbers_is_rounded(tmp_path):
-    given = expand(tables(tmp_path, parameters=[COUNT]), BASE, tmp_path)
-    counts = {point.scene.rods.count for point in given.sweep(given.draw()).points}
-    assert counts <= set(range(10, 31))
-    assert len(counts) > 8
-
-
 @pytest.mark.parametrize(("key", "low"), [("rods.length", -3.0), ("step.size", 0.1)])
 def test_a_point_that_cannot_run_is_named(tmp_path, key, low):
     wrong = [{"name": "x", "keys": [key], "from": low, "to": low + 0.5}]
@@ -303,23 +241,24 @@ keys = ["contacts.plate.tangential_ratio", "contacts.rods.tangential_ratio"]
 from = 1
 to = 9
 log = true
-[[targets]]
+[[data]]
+file = "tilt_deg.csv"
 result = "tilt_deg"
-holds = [40, 50]
-error = 1
 """
 
 
-def command(folder):
+def command(folder, text):
+    (folder / "fit.toml").write_text(text)
+    (folder / "drift.csv").write_text("box.length,c_x,error\n3.0,,\n")
+    for name in ("tilt_deg", "tilt", "law"):
+        (folder / f"{name}.csv").write_text(f"box.length,{name},error\n3.0,45,5\n")
     files = str(folder / "fit.toml"), "--store", str(folder / "runs.db")
     return ["search", *files, "--workers", "1"]
 
 
 def test_the_command_searches_a_file(tmp_path, capsys):
-    """A place without data is predicted; its limits, which JSON lacks, are null."""
-    (tmp_path / "drift.csv").write_text("box.length,c_x,error\n3.0,,\n")
-    (tmp_path / "fit.toml").write_text(f'{FILE}[data]\nfile = "drift.csv"\nresult = "c_x"\n')
-    asked = command(tmp_path)
+    """Of two files; a place without data is predicted, its value, which JSON lacks, is null."""
+    asked = command(tmp_path, f'{FILE}[[data]]\nfile = "drift.csv"\nresult = "c_x"\n')
     assert main([*asked, "--json"]) == 0
     told = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     misfits = [point["misfit"] for point in told["points"]]
@@ -327,7 +266,10 @@ def test_the_command_searches_a_file(tmp_path, capsys):
     assert misfits == sorted(misfits)
     assert told["tally"]["computed"] == 4
     assert main(asked) == 0
-    assert "best points" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "best points" in out
+    assert [target["value"] for target in told["targets"]] == [45, None]
+    assert out.splitlines()[-1].split()[:2] == ["3", "c_x"]  # and no value or error
 
 
 def test_a_search_without_a_fit_is_not_boasted_of(made, tmp_path):
@@ -345,8 +287,7 @@ def test_a_search_without_a_fit_is_not_boasted_of(made, tmp_path):
     [("tilt", "tilt is not in the results: c_x"), ("law", "law, which is no number")],
 )
 def test_a_result_that_no_run_has_is_refused(tmp_path, capsys, name, words):
-    (tmp_path / "fit.toml").write_text(FILE.replace("tilt_deg", name))
-    assert main(command(tmp_path)) == 2
+    assert main(command(tmp_path, FILE.replace("tilt_deg", name))) == 2
     assert words in capsys.readouterr().err
     assert not (tmp_path / "runs.db").exists()  # before any run
 

@@ -192,8 +192,8 @@ def test_results_come_back_with_their_coordinates(store, reference):
 def test_a_result_that_cannot_be_gathered_is_named(store, reference, name, message):
     """Also one of which a run has a text, and others numbers."""
     sweep, _ = reference
-    edit = "UPDATE runs SET result = json_set(result, '$.c_x', 'fast') WHERE key ="
-    database(store, f"{edit} '{sweep.points[0].key}'")
+    edit = "json_remove(json_set(result, '$.c_x', 'fast'), '$.check')"
+    database(store, f"UPDATE runs SET result = {edit} WHERE key = '{sweep.points[0].key}'")
     with pytest.raises(ValueError, match=f"^{message}"):
         sweep.gather(store, name)
 
@@ -222,13 +222,18 @@ def test_without_xarray_the_extra_is_named(reference, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("column", "text"), [("result", "oops"), ("result", ""), ("result", "3"), ("scene", "{")]
+    "edit",
+    [
+        *("result = 'oops'", "result = ''", "result = '3'", "scene = '{'", "scene = '3'"),
+        *("result = json_set(result, '$.c_x', 'fast')", "result = json_set(result, '$.c_x', 0.5)"),
+    ],
 )
-def test_a_row_edited_to_nonsense_is_named_and_run_again(store, reference, column, text, capsys):
+def test_an_edited_row_is_named_and_run_again(store, reference, edit, capsys):
+    """Also one that is valid JSON still, of text in place of a number or of another number."""
     sweep, wanted = reference
     key = sweep.points[2].key
-    database(store, f"UPDATE runs SET {column} = '{text}' WHERE key = '{key}'")
-    named = pytest.warns(RuntimeWarning, match=f"run {key} cannot be read; it counts as missing")
+    database(store, f"UPDATE runs SET {edit} WHERE key = '{key}'")
+    named = pytest.warns(RuntimeWarning, match=f"run {key} was edited; it counts as missing")
     with named as told:
         (c_x,) = sweep.gather(store, "c_x")
     assert len(told) == 1
