@@ -1,5 +1,6 @@
 // As much of a browser as the page of sliders asks for: node browser.js PAGE CHANGES
-// For each change of the setting, what the page then shows; last, how it plays and steps.
+// For each change of the setting, what the page then shows; then how it plays and steps; last what
+// the arrow keys of the map set, and whether a thin rod has a length.
 const { readFileSync } = require("fs");
 const { runInThisContext } = require("vm");
 
@@ -52,3 +53,12 @@ for (let i = 0; i < 6; i += 1) {
   seen.push([elements.phase.textContent, elements["u-now"].textContent, elements["v-now"].textContent]);
 }
 console.log(JSON.stringify(seen));
+
+elements.reset.heard.click();
+const press = (key) => elements.map.heard.keydown({ key, preventDefault() {} });
+["ArrowRight", "ArrowRight", "ArrowUp", "ArrowLeft", "ArrowDown", "ArrowDown", "Tab"].forEach(press);
+const fields = ["tilt_deg", "friction", "length"].map((name) => elements[`${name}-number`]);
+const [tilt, friction, length] = fields;
+const before = length.disabled;
+elements["shape-thin"].heard.change();
+console.log(JSON.stringify([tilt.value, friction.value, before, length.disabled]));

@@ -105,7 +105,8 @@ def test_a_slider_shows_what_impact_says(path):
     done = subprocess.run(words, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
-    *lines, played = map(json.loads, done.stdout.splitlines())
+    *lines, played, keys = map(json.loads, done.stdout.splitlines())
+    assert keys == [START["tilt_deg"] + 0.5, START["friction"] - 0.01, False, True]
     assert played[:6] == [0, "Pause", 0.5, "Pause", 1, "Play"]
     phases, slips, falls = zip(*played[6:], strict=True)
     assert phases == PHASES

@@ -323,14 +323,18 @@ function set(changes, from = "") {
   for (const [name, value] of Object.entries(changes)) {
     const [low, high] = PAGE.ranges[name] ?? [], given = `${value}`.trim();
     const wanted = given === "" ? NaN : Number(given);
-    if (names.includes(name) && Number.isFinite(wanted)) setting[name] = Math.max(low, Math.min(high, wanted));
+    // What a field shows is what it holds.
+    if (names.includes(name) && Number.isFinite(wanted)) {
+      setting[name] = +Math.max(low, Math.min(high, wanted)).toPrecision(6);
+    }
     if (choices.includes(name) && Object.hasOwn(PAGE.choices[name], given)) setting[name] = given;
   }
   for (const name of names) {
     $(name).value = setting[name];
-    if (from !== `${name}-number`) $(`${name}-number`).value = +setting[name].toPrecision(6);
+    if (from !== `${name}-number`) $(`${name}-number`).value = setting[name];
   }
   for (const name of choices) $(`${name}-${setting[name]}`).checked = true;
+  for (const id of ["length", "length-number"]) $(id).disabled = setting.shape === "thin"; // changes nothing there
   show();
 }
 
@@ -391,6 +395,14 @@ for (const kind of ["pointerdown", "pointermove"]) {
   });
 }
 $("map").addEventListener("pointerup", remember);
+const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
+$("map").addEventListener("keydown", (event) => {
+  const way = KEYS[event.key];
+  if (!way) return;
+  event.preventDefault(); // the page does not scroll
+  set({ tilt_deg: setting.tilt_deg + 0.5 * way[0], friction: setting.friction + 0.01 * way[1] });
+  remember();
+});
 addEventListener("hashchange", recall);
 moment = REDUCED.matches ? 0.5 : 0;
 recall();
