@@ -218,7 +218,6 @@ def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
         corner = closed.thin_drift_stick(epsilon, tangent)
         along_stick = closed.optimum_stick(epsilon, np.sqrt(a), np.sqrt(b))
         along = np.where(reverses, along_back, np.where(stick < critical, along_stick, corner))
-        along = np.where(a == 0, np.inf, along)
         regime = np.where(reverses, Regime.SLIP_REVERSAL, Regime.SLIP_STICK)
         known = mu > 0
         return (
@@ -270,7 +269,6 @@ def landing_density(phase: Any, *, fall_speed: Any = 1.0) -> Any:
     """
 
     def block(theta: Any, q: Any) -> tuple[Any, ...]:
-        q = np.minimum(q, 1e300)  # beyond, all phases alike
         start, end = landing_phases(np.minimum(q, 1.0))
         since = np.mod(theta - start, 2 * np.pi)
         met = (q >= 1) | (since <= end - start)

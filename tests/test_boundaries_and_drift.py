@@ -43,11 +43,10 @@ def test_critical_tilts_to_2_ulp_for_every_friction():
 
 
 def test_critical_tilts_at_the_ends():
-    assert impact.critical_tilts(0.0) == (0.0, np.pi / 2)
-    lower, upper = impact.critical_tilts(0.75)
-    assert lower == upper == np.arctan(2)
-    assert np.isnan(impact.critical_tilts(np.nextafter(0.75, 1))).all()
-    assert impact.critical_tilts(0.6)[0] == pytest.approx(np.pi / 4, rel=4 * EPS)
+    np.testing.assert_array_equal(
+        impact.critical_tilts(np.array([0.0, 0.75, np.nextafter(0.75, 1)])),
+        [[0.0, np.arctan(2), np.nan], [np.pi / 2, np.arctan(2), np.nan]],
+    )
 
 
 def test_critical_friction_separates_stick_from_reversal():
@@ -77,42 +76,28 @@ def test_painleve_friction_is_where_an_impact_needs_no_approach():
         hit = impact.collide(backwards, -1e-9, friction=factor * friction, **ways)
         np.testing.assert_array_equal((hit.P_z > 1e-5)[friction < 1e3], pressed)
     assert impact.painleve_friction((-0.0, 0.5, 0.3)) == np.inf
-    least = impact.painleve_friction(impact.thin_rod(np.arctan(0.5)))
-    assert least == pytest.approx(4 / 3, rel=4 * EPS)
 
 
 def test_slide_friction_is_where_the_slide_ends():
+    """Of all shapes and tilts, upright and lying rods among them."""
     rng = np.random.default_rng(3)
     n = 5000
     X, Z, k = sampling.geometries(rng, n)
-    geometry = ContactGeometry(X, Z, k)
+    X[:50], Z[50:100] = 0, 0
     ratio, restitution = 10 ** rng.uniform(-2, 2, n), rng.uniform(0, 1, n)
-    edge = impact.slide_friction(geometry, approach_ratio=ratio, restitution=restitution)
+    setting = {"geometry": ContactGeometry(X, Z, k), "restitution": restitution}
+    edge = impact.slide_friction(**setting, approach_ratio=ratio)
 
-    def regime(friction):
-        return impact.classify(
-            1.0, -ratio, geometry=geometry, friction=friction, restitution=restitution
-        )
+    def slides(friction):
+        return impact.classify(1.0, -ratio, friction=friction, **setting) == Regime.SLIDE
 
-    inside = (edge > 1e-9) & np.isfinite(edge)
-    assert inside.sum() > 1000
-    assert (regime(edge * (1 - 1e-9))[inside] == Regime.SLIDE).all()
-    assert (regime(edge * (1 + 1e-9))[inside] != Regime.SLIDE).all()
-    always = np.isinf(edge)
-    assert always.sum() > 20
-    assert (regime(1e6)[always] == Regime.SLIDE).all()
-    assert (regime(np.inf)[always] == Regime.SLIDE).all()
-    never = edge == 0
-    assert never.sum() > 20
-    assert (regime(1e-12)[never] != Regime.SLIDE).all()
-
-
-def test_slide_friction_of_the_paper_at_small_and_large_tilt():
-    """mu_c = -c_x/(4 c_z (1 + epsilon)) at tilt 0, and sixteen times that at 90 degrees."""
-    mu_c = 1 / (4 * 10 * 1.8)
-    for tilt, factor in ((0.0, 1), (np.pi / 2, 16)):
-        got = impact.slide_friction(impact.thin_rod(tilt), approach_ratio=10, restitution=0.8)
-        assert got == pytest.approx(factor * mu_c, rel=1e-14)
+    always, never = np.isinf(edge), edge == 0
+    inside = (edge > 1e-9) & ~always
+    assert min(inside.sum(), always.sum(), never.sum()) > 20
+    assert slides(edge * (1 - 1e-9))[inside].all()
+    assert not slides(edge * (1 + 1e-9))[inside].any()
+    assert (slides(1e6) & slides(np.inf))[always].all()
+    assert not slides(1e-12)[never].any()
 
 
 @pytest.mark.parametrize("shape", [impact.thin_rod, impact.spherocylinder, impact.flat_ended_rod])
@@ -120,7 +105,8 @@ def test_drift_repeats_itself(shape):
     """One landing gives back c_x and turns c_z round: the definition, through `collide`."""
     rng = np.random.default_rng(4)
     n = 2000
-    geometry = shape(rng.uniform(-1.5, 1.5, n), 1 + 10 ** rng.uniform(-1, 1, n))
+    tilt = np.append(rng.uniform(-1.5, 1.5, n - 3), [0.0, -np.pi / 2, np.pi / 2])
+    geometry = shape(tilt, 1 + 10 ** rng.uniform(-1, 1, n))
     settings = {"friction": rng.uniform(0.01, 2, n), "restitution": rng.uniform(0, 0.99, n)}
     found = impact.drift(geometry, plate_velocity=0.7, **settings)
     hit = impact.collide(found.c_x, -found.c_z, geometry=geometry, plate_velocity=0.7, **settings)
@@ -132,47 +118,69 @@ def test_drift_repeats_itself(shape):
     assert not (hit.regime == Regime.SLIDE).any()
 
 
-def test_drift_of_the_paper_thin_rod():
-    """Eqs. (26), (29), (30) typed from the paper."""
-    e, mu = 0.65, 0.3
-    tilt = np.radians([0.0, 10.0, 22.0, 23.0, 45.0, 84.0, 85.0, 89.0])
-    s, c = np.sin(tilt), np.cos(tilt)
-    stick = 6 * (1 + e) * s * c / (1 - e + 6 * s**2)
-    back = (1 + e) * (mu * (1 + 3 * c**2) + 3 * s * c) / (1 - e + 6 * s**2)
-    lower, upper = np.degrees(impact.critical_tilts(mu))
-    reverses = (np.degrees(tilt) > lower) & (np.degrees(tilt) < upper)
-    found = impact.drift(impact.thin_rod(tilt), friction=mu, restitution=e)
-    np.testing.assert_allclose(found.c_x, np.where(reverses, back, stick), rtol=1e-14, atol=1e-16)
-    np.testing.assert_allclose(found.c_z, (1 + e) / (1 - e + 6 * s**2), rtol=1e-14)
-    np.testing.assert_array_equal(found.regime == Regime.SLIP_REVERSAL, reverses)
-
-
 def test_drift_without_friction_is_undetermined():
-    found = impact.drift(impact.thin_rod(0.4), friction=0.0, restitution=0.65)
-    assert np.isnan(found.c_x)
-    assert np.isfinite(found.c_z)
-    assert found.regime == Regime.INVALID
-    little = impact.drift(impact.thin_rod(0.4), friction=1e-12, restitution=0.65).c_x
-    sticking = impact.drift(impact.thin_rod(0.4), friction=10.0, restitution=0.65).c_x
-    assert little == pytest.approx(sticking / 2, rel=1e-11)
+    rod = impact.thin_rod(0.4)
+    none, little, much = (impact.drift(rod, friction=f, restitution=0.65) for f in (0, 1e-12, 10))
+    assert np.isnan(none.c_x)
+    assert np.isfinite(none.c_z)
+    assert none.regime == Regime.INVALID
+    assert little.c_x == pytest.approx(much.c_x / 2, rel=1e-11)
 
 
-def test_levers_of_any_length():
-    """Squares of lengths far beyond k neither over- nor underflow."""
-    small = impact.drift((1e100, 1e100, 1.0), friction=0.3, restitution=0.5)
-    for length in (1e155, 1e200):
-        huge = impact.drift((length, length, 1.0), friction=0.3, restitution=0.5)
-        assert huge.c_x == pytest.approx(small.c_x, rel=1e-14)
-        assert huge.regime == small.regime == Regime.SLIP_REVERSAL
-    assert impact.critical_friction((1e300, 1.0, 1.0)) == pytest.approx(5e299, rel=1e-14)
-    assert impact.critical_friction((1.0, 1e-200, 1e-200)) == pytest.approx(5e199, rel=1e-14)
-    tiny = impact.painleve_friction((1e-200, 1.0, 1e-200))
-    assert tiny * 1e200 == pytest.approx(2, rel=1e-14)
-    how = {"friction": 1.0, "restitution": 0.5}
-    far, near = (impact.relaxation((x, 3 * x, 1.0), **how) for x in (1e200, 1e20))
-    assert far == pytest.approx(near, rel=1e-14)
-    far, near = (impact.energy_restitution((1.0, 1.0, k), 0.1) for k in (1e-100, 1e-70))
-    assert far == pytest.approx(near, rel=1e-14)
+def steady(X, Z, k, e):
+    return tuple(impact.drift((X, Z, k), friction=0.3, restitution=e))
+
+
+def energy(X, Z, k, mu):
+    return impact.energy_restitution((X, Z, k), mu)
+
+
+EXTREME = [
+    *((steady, (far, far, 1, 0.5), steady(1e100, 1e100, 1, 0.5)) for far in (1e155, 1e200)),
+    *(
+        (steady, (0.3, 0.4, k, 0.65), (1.54, 0, Regime.SLIP_REVERSAL))
+        for k in (1e-60, 1e-155, 1e-320)
+    ),
+    (lambda *rod: impact.critical_friction(rod), (1e300, 1.0, 1.0), 5e299),
+    (lambda *rod: impact.critical_friction(rod), (1.0, 1e-200, 1e-200), 5e199),
+    (lambda *rod: 1e200 * impact.painleve_friction(rod), (1e-200, 1.0, 1e-200), 2),
+    *(
+        (energy, (X, Z, k, mu), energy(X, Z, 1e-60, mu))
+        for X, Z, mu in ((1.0, 1.0, 0.1), (0.3, 0.4, 0.0), (0.3, 0.4, 0.3), (0.3, 0.4, 5.0))
+        for k in (1e-70, 1e-100, 1e-155, 1e-320)
+    ),
+    (
+        lambda x: impact.relaxation((x, 3 * x, 1.0), friction=1.0, restitution=0.5),
+        (1e200,),
+        impact.relaxation((1e20, 3e20, 1.0), friction=1.0, restitution=0.5),
+    ),
+    *(
+        (lambda q: impact.landing_density(0.0, fall_speed=q), (q,), 1 / (2 * np.pi))
+        for q in (1e200, 1e308, 1.7e308)
+    ),
+]
+
+
+@pytest.mark.parametrize(("function", "extreme", "wanted"), EXTREME)
+def test_extreme_numbers_have_the_answer_of_large_ones(function, extreme, wanted):
+    """Where squares of levers far beyond k, or of k far below them, are no numbers."""
+    assert function(*extreme) == pytest.approx(wanted, rel=1e-14, abs=1e-59)
+
+
+@pytest.mark.parametrize("unit", [2.0**-900, 2.0**900])
+def test_units_of_length_cancel(unit):
+    """Bit for bit."""
+    rod, scaled = np.array([0.3, 0.4, 0.2]), unit * np.array([0.3, 0.4, 0.2])
+    setting = {"friction": 0.1, "restitution": 0.5}
+    for function, how in (
+        (impact.drift, setting),
+        (impact.relaxation, setting),
+        (impact.critical_friction, {}),
+        (impact.painleve_friction, {}),
+        (impact.slide_friction, {"approach_ratio": 2.0, "restitution": 0.5}),
+        (impact.energy_restitution, {"friction": 0.1}),
+    ):
+        assert function(scaled, **how) == function(rod, **how), function
 
 
 def test_no_tilt_drifts_faster_than_the_optimal_one():
@@ -187,15 +195,10 @@ def test_no_tilt_drifts_faster_than_the_optimal_one():
     assert (other.c_x.max(axis=1) > best.c_x * (1 - 1e-3)).all()
     found = impact.drift(impact.thin_rod(best.tilt), **settings)
     np.testing.assert_allclose(found.c_x, best.c_x, rtol=32 * EPS)
-    kinds = {
-        (int(r), bool(t < c - 1e-9))
-        for r, t, c in zip(
-            best.regime, best.tilt, impact.critical_tilts(settings["friction"])[0], strict=True
-        )
-    }
-    assert kinds == {(2, True), (2, False), (3, False)}  # slip-stick, the corner, slip reversal
-    inside = np.abs(best.tilt - impact.critical_tilts(settings["friction"])[0]) > 1e-6
-    np.testing.assert_array_equal(found.regime[inside], best.regime[inside])
+    corner = np.abs(best.tilt - impact.critical_tilts(settings["friction"])[0]) < 1e-6
+    assert set(best.regime[~corner]) == {Regime.SLIP_STICK, Regime.SLIP_REVERSAL}
+    assert set(best.regime[corner]) == {Regime.SLIP_STICK}
+    np.testing.assert_array_equal(found.regime[~corner], best.regime[~corner])
 
 
 @pytest.mark.parametrize("friction", [1e-3, 0.05, 0.09, 0.12, 0.16, 0.2, 0.75, 0.8, np.inf])
@@ -225,9 +228,6 @@ def test_optimal_tilt_at_the_ends():
     undetermined = impact.optimal_tilt(friction=0.0, restitution=0.5)
     assert np.isnan(undetermined.c_x)
     assert undetermined.regime == Regime.INVALID
-    assert impact.optimal_tilt(friction=0.8, restitution=0.65).tilt == np.arctan(
-        np.sqrt(0.35) / np.sqrt(6.35)
-    )
 
 
 def exact_relaxation(geometry, **how):
@@ -305,32 +305,20 @@ def test_flat_end_drifts_backwards_below_its_threshold():
     assert edges == [-0.5, 0.5]
 
 
-@pytest.mark.parametrize(
-    ("shape", "inertia"),
-    [
-        (impact.spherocylinder, lambda h: mpf(1) / 10 + 9 * h / 32 + h**2 / 4 + h**3 / 8),
-        (impact.flat_ended_rod, None),
-    ],
-)
-def test_gyration_radius(shape, inertia):
+@pytest.mark.parametrize("shape", [impact.spherocylinder, impact.flat_ended_rod])
+def test_gyration_radius(shape):
     """Against numerical integration over the solid, at 30 digits."""
-    length = 5.5
     with mpmath.workdps(30):
-        half = mpf(length) / 2
+        half = mpf("2.75")
 
         def radius(z):
-            if inertia is None:
-                return mpf(1) / 2
-            past = max(abs(z) - (half - mpf(1) / 2), 0)
+            past = max(abs(z) - (half - mpf(1) / 2), 0) if shape is impact.spherocylinder else 0
             return mpmath.sqrt(mpf(1) / 4 - past**2)
 
         nodes = [-half, -half + 0.5, 0, half - 0.5, half]
         mass = mpmath.quad(lambda z: radius(z) ** 2, nodes)
         moment = mpmath.quad(lambda z: radius(z) ** 2 * z**2 + radius(z) ** 4 / 4, nodes)
-        assert ulps(shape(0.3, length).k, mpmath.sqrt(moment / mass)) <= 4
-        if inertia is not None:
-            h = mpf(length) - 1
-            assert abs(inertia(h) / (1 + 3 * h / 2) - moment / mass) < mpf(10) ** -12
+        assert ulps(shape(0.3, 5.5).k, mpmath.sqrt(moment / mass)) <= 4
 
 
 def first_contacts(fall, rods):
@@ -376,16 +364,3 @@ def test_mean_plate_velocity():
     assert impact.mean_plate_velocity(np.ones_like) == pytest.approx(0, abs=1e-15)
     upstroke = impact.mean_plate_velocity(lambda phase: (np.cos(phase) > 0).astype(float))
     assert upstroke == pytest.approx(2 / np.pi, abs=1e-6)
-
-
-def test_extreme_numbers_have_the_answer_of_large_ones():
-    """Where a power of a number of the answer is too large or too small for one."""
-    rods = [ContactGeometry(0.3, 0.4, k) for k in (1e-60, 1e-155, 1e-320)]
-    for friction in (0.0, 0.3, 5.0):
-        found = [impact.energy_restitution(rod, friction) for rod in rods]
-        assert found == pytest.approx([found[0]] * 3, rel=4 * EPS, abs=1e-59)
-    found = [impact.drift(rod, friction=0.3, restitution=0.65)[:2] for rod in rods]
-    np.testing.assert_allclose(found, [(1.54, 0.0)] * 3, rtol=4 * EPS, atol=1e-110)
-    for fall in (1e200, 1e308, 1.7e308):
-        density = impact.landing_density(0.0, fall_speed=fall)
-        assert density == pytest.approx(1 / (2 * np.pi), rel=4 * EPS)
