@@ -57,9 +57,9 @@ host, placement                     a scene under way: constants and arrays of t
 measures, records, statistics       what a run measures, with errors; its touches one by one
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy                            `run`: step and length from a tolerance
-sweep, store                        many runs and their results; `Point.key` says which is stale
+sweep, store                        many runs and their results; what a store's columns are
 search                              parameters from measured results, by many runs
-sources                             digest of the sources of a run, a part of that key
+sources                             what decides whether something that was kept is stale
 early_signals, interrupt            signals during imports, and during compiled code
 cache, errors                       compiled kernels kept, errors
 result_text, command_line, __main__  results as text; the commands

@@ -194,7 +194,8 @@ def search_json(found: Any) -> dict[str, Any]:
     """Points of a search with their misfits, best first; estimates; what is told of each target."""
     search, told = found.search, found.estimates
     order = sorted(range(len(found.parts)), key=lambda i: found.misfits[i])
-    points = [{**search.values(found.parts[i]), "misfit": float(found.misfits[i])} for i in order]
+    parts, misfits = found.parts.tolist(), found.misfits.tolist()
+    points = [{**search.values(parts[i]), "misfit": misfits[i]} for i in order]
     targets = []
     for i, target in enumerate(search.targets):
         table = {**target.place, **target._asdict(), "best": float(found.results[found.best, i])}

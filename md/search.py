@@ -38,7 +38,7 @@ much shorter than those of the data bring their transient in.
 
 import csv
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple, dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement, product
@@ -80,24 +80,40 @@ _AS_GOOD = 10.0  # more misfit than the best point has: it may be chance
 
 
 class Parameter(NamedTuple):
-    """A range of numbers."""
+    """A range of numbers; or a choice, of which points are drawn, but nothing is estimated."""
 
     name: str  # in messages and tables
-    keys: tuple[str, ...]  # of the scene, which all take the value
-    low: float  # end of the range
-    high: float  # the other
+    keys: tuple[str, ...] = ()  # of the scene, which all take the value
+    low: float = 0.0  # end of the range
+    high: float = 1.0  # the other
     log: bool = False  # whether values lie evenly in log
+    choices: Mapping[str, Mapping[str, Any]] | None = None  # what each changes in the scene
+    when: Mapping[str, str] = {}  # choices without which the parameter has no meaning
 
     def value(self, part: Any) -> Any:
         """The value at a part of the range, from 0 to 1.
 
         Parameters
         ----------
-        part : 0 <= part < 1, a number or an array
+        part : 0 <= part < 1, a number or, of numbers, an array
         """
+        if self.choices is not None:
+            return list(self.choices)[int(part * len(self.choices))]
         if self.log:
             return self.low * (self.high / self.low) ** part
         return self.low + (self.high - self.low) * part
+
+    def changes(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
+        """What it changes in the scene.
+
+        Parameters
+        ----------
+        values : of all parameters, by name
+        """
+        if not self.when.items() <= values.items():
+            return {}
+        value = values[self.name]
+        return self.choices[value] if self.choices else dict.fromkeys(self.keys, value)
 
 
 class Target(NamedTuple):
@@ -134,14 +150,14 @@ class Search:
         """Value and error of each target, (targets, 2)."""
         return np.array([(target.value, target.error) for target in self.targets])
 
-    def values(self, parts: np.ndarray) -> dict[str, float]:
+    def values(self, parts: Sequence[float]) -> dict[str, Any]:
         """Values of the parameters.
 
         Parameters
         ----------
         parts : (parameters,), of their ranges
         """
-        return {p.name: float(p.value(x)) for p, x in zip(self.parameters, parts, strict=True)}
+        return {p.name: p.value(x) for p, x in zip(self.parameters, parts, strict=True)}
 
     def sweep(self, parts: np.ndarray) -> Sweep:
         """Points times places times starts.
@@ -156,9 +172,11 @@ class Search:
             If a point is not a scene that can run; the message names the point.
         """
         runs = []
-        for row in parts:
+        for row in parts.tolist():
             values = self.values(row)
-            changes = {key: values[p.name] for p in self.parameters for key in p.keys}
+            changes: dict[str, Any] = {}
+            for parameter in self.parameters:
+                changes |= parameter.changes(values)
             for place, seed in product(self.places, self.seeds):
                 changed = {**changes, **place, "start.seed": seed}
                 runs.append(point_at(self.base, changed, {**values, **place}, self.periods))
@@ -260,6 +278,7 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     As `md.sweep.execute`, ValueError if a target is not a number in the results of a run, RunError
     if no point has results at all targets.
     """
+    names, at = sorted({target.result for target in given.targets}), given.places.index
     box = None
     parts, runs, tallies = [], [], []
     for number in range(given.rounds):
@@ -268,7 +287,8 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
         if number == 0:
             _check_results(given, sweep.points[0])
         tallies.append(execute(sweep, store, **how))
-        runs.append(_at_targets(given, sweep, store))
+        gathered = dict(zip(names, sweep.gather(store, *names), strict=True))
+        runs.append(np.stack([gathered[t.result][:, at(t.place)] for t in given.targets], axis=1))
         tally = Tally(*map(sum, zip(*map(astuple, tallies), strict=True)))
         found = Found(given, np.concatenate(parts), np.concatenate(runs), tally)
         if not np.isfinite(found.results).all(axis=1).any():
@@ -289,14 +309,6 @@ def _check_results(given: Search, point: Point) -> None:
     for name in sorted({target.result for target in given.targets}):
         if not isinstance(named(results, name), int | float | None):
             raise InputError(f"data ask for {name}, which is no number in the results of a run")
-
-
-def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
-    """Results at the targets, (points, targets, starts)."""
-    names = sorted({target.result for target in given.targets})
-    tables = dict(zip(names, sweep.gather(store, *names), strict=True))
-    at = given.places.index
-    return np.stack([tables[t.result][:, at(t.place)] for t in given.targets], axis=1)
 
 
 # ---- from results to estimates ------------------------------------------------------------------
@@ -404,11 +416,9 @@ def _box_around(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
     near = parts[np.argsort(misfits)[:few]]
     low, high = near.min(axis=0), near.max(axis=0)
     gap = max(0.1, 2 / len(near)) * (high - low)
-    ends = [
-        np.where(parts < low, parts, 0).max(axis=0),
-        np.where(parts > high, parts, 1).min(axis=0),
-    ]
-    return np.clip([np.minimum(low - gap, ends[0]), np.maximum(high + gap, ends[1])], 0, 1 - 1e-12)
+    below = np.where(parts < low, parts, 0).max(axis=0)
+    above = np.where(parts > high, parts, 1).min(axis=0)
+    return np.clip([np.minimum(low - gap, below), np.maximum(high + gap, above)], 0, 1 - 1e-12)
 
 
 def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int, seed: int) -> np.ndarray:
@@ -484,10 +494,8 @@ def _measured(path: Path, result: str) -> list[Target]:
         place = {key: int(x) if x.is_integer() else x for key, x in numbers.items()}
         asked.append(Target(place, result, value, error))
     if not asked or not {result, "error"} < set(heads) or len(set(heads)) < len(heads):
-        raise InputError(
-            f"{path} must have columns {result}, error and keys of the scene, each once, with "
-            f"commas between them, and rows; got {', '.join(heads) or 'nothing'}"
-        )
+        columns = f"columns {result}, error and keys of the scene, each once"
+        raise InputError(f"{path} must have {columns}, and rows; got {', '.join(heads)}")
     return asked
 
 
@@ -547,9 +555,7 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
         raise InputError(f"seeds must be a list of different starts, got {tables['seeds']!r}")
     points = whole("points", tables.get("points", 32), 4, 2**16)
     if points & (points - 1):
-        raise InputError(
-            f"points must be a power of two, as a Sobol sequence is even in these, got {points}"
-        )
+        raise InputError(f"points must be a power of two, for a Sobol sequence, got {points}")
     return Search(
         base=put(base, changes_of("set", tables.get("set", {}))),
         periods=whole("periods", tables.get("periods", 200), 1, MOST_PERIODS),
@@ -574,8 +580,6 @@ def load_search(path: str | Path) -> Search:
     ValueError, TypeError
         As `expand`, and if a file cannot be read.
     """
-    found = Path(path)
-    if not found.exists() and (_SEARCHES / f"{path}.toml").exists():
-        found = _SEARCHES / f"{path}.toml"
-    tables = read_tables(found, _SEARCHES)
-    return expand(tables, scene_beside(found, tables), found.parent)
+    folder = Path(path).parent if Path(path).exists() else _SEARCHES
+    tables = read_tables(path, _SEARCHES)
+    return expand(tables, scene_beside(path, tables), folder)

@@ -24,7 +24,7 @@ from .host import prepare, step_of
 from .interrupt import SIGNALS
 from .measures import tables_of
 from .scene import Scene, as_dict
-from .sources import digest
+from .sources import code
 from .statistics import TREND, steady, transient, trend
 from .trajectory import Trajectory, check_continues, is_trajectory
 
@@ -165,11 +165,6 @@ class Result:
                 **({"accuracy": asdict(self.accuracy)} if self.accuracy else {}),
             }
         )
-
-
-def code(scene: Scene) -> str:
-    """Digest of the sources that decide what a run of the scene gives."""
-    return digest(annulus=scene.annulus is not None)
 
 
 def finite(value: Any) -> Any:

@@ -1,16 +1,19 @@
-"""Which sources a run uses, and their digest: a part of the key of a stored run.
+"""What decides whether something that was kept is stale: all of it stands here.
 
-`md.sweep.Point.key` is that key, and decides whether a stored run is stale.
+A run in a store is found by its `key`, of the scene, the length and the sources; a checkpoint is
+of the same scene and the same `code`; compiled kernels lie in a folder named after
+`digest_of_kernels`; data of figures carry `code_of` the files of `md` (`figures.lib.data`).
 
-A stored run and a checkpoint carry the `digest` of their run. It is taken of syntax trees without
-docstrings, comments, annotations and the text of exceptions: an edit of these keeps what is stored,
-an edit of a formula, of a constant or of any other string does not.
+A `digest` is taken of syntax trees without docstrings, comments, annotations and the text of
+exceptions: an edit of these keeps what is stored, an edit of a formula, of a constant or of any
+other string does not. It covers the modules that a run imports, and those which they import.
 """
 
 import ast
 import hashlib
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 RUN, WITH_TOLERANCE = "simulation", "accuracy"  # modules where a run begins
 OF_ANNULUS = ("kernels.space", "placement")  # a row does not use them
@@ -113,6 +116,29 @@ def digest(*, annulus: bool = False, tolerance: bool = False) -> str:
     for module in used(WITH_TOLERANCE if tolerance else RUN, annulus=annulus):
         content.update(f"{module}\0{code_of(SOURCES[module])}\0".encode())
     return content.hexdigest()[:12]
+
+
+def code(scene: Any, *, tolerance: bool = False) -> str:
+    """Digest of the sources that decide what a run of the scene gives."""
+    return digest(annulus=scene.annulus is not None, tolerance=tolerance)
+
+
+def key(scene: Any, length: dict[str, Any], measure: Any = None) -> str:
+    """Key of a run in a store, which holds no other one for it.
+
+    Digest of the scene, the length, the sources (`code`) and the measure: a stored run is stale,
+    and computed again, where one of these has changed.
+
+    Parameters
+    ----------
+    scene : of the run
+    length : arguments of `md.run` that say how long it is
+    measure : `sweep.Measure`; None: the results of `md.run`
+    """
+    said = f"{scene!r} {length} {code(scene, tolerance='tolerance' in length)} "
+    if measure is not None:
+        said += f"{measure.function.__qualname__} {measure.code}"
+    return hashlib.sha256(said.encode()).hexdigest()[:24]
 
 
 @cache

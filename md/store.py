@@ -1,7 +1,7 @@
-"""Results of runs in one SQLite file: a row a run, found again by its key (`md.sweep.Point.key`).
+"""Results of runs in one SQLite file: a row a run, found again by its key (`md.sources.key`).
 
-The file is in WAL mode and every row is a transaction of its own: rows that were written
-stay when the process is killed, and two sweeps may write to one file.
+Every row is a transaction of its own: rows that were written stay when the process is killed, and
+two sweeps may write to one file.
 
 The columns of a result are those of `simulation.Result`: "c_x" is its `c_x`, the mean over the
 periods behind the transient of `measures.RowTables.drift`, in an annulus `AnnulusTables.drift`. In
@@ -12,7 +12,6 @@ import contextlib
 import csv
 import hashlib
 import json
-import os
 import sqlite3
 import time
 from collections.abc import Iterator
@@ -28,13 +27,11 @@ __all__ = ["Store", "StoreError", "table", "write_csv"]
 _VERSION = 2  # 1: other names of keys and columns
 _APPLICATION = 0x726F6473  # "rods"
 _WAIT = 60.0  # seconds for another writer
-_CANNOT_WRITE = {sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY}  # beside the store
-_CANNOT_WRITE |= {sqlite3.SQLITE_IOERR, sqlite3.SQLITE_FULL}
 _OF_RUN = "periods", "seed", "code", "error", "seconds", "written"  # columns of all tables
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS runs (
-    key TEXT PRIMARY KEY,    -- as md.sweep.Point.key
+    key TEXT PRIMARY KEY,    -- as md.sources.key
     scene TEXT NOT NULL,     -- JSON
     periods INTEGER NOT NULL,
     seed INTEGER NOT NULL,
@@ -80,38 +77,26 @@ class Store:
             raise StoreError(f"store {str(path)!r} cannot be used: {error}") from None
         if fresh and not write:
             raise StoreError(f"store {path}: no such file")
-        how = "mode=rwc" if fresh else self._readable()
+        uri = f"{self.path.absolute().as_uri()}?mode={'rwc' if write else 'ro'}"
         with self._failing("cannot be opened"):
-            self.database = self._connected("mode=rwc" if write else how)
-        self.unreadable: set[str] = set()  # keys of rows that were edited
-        if write:
-            self._begin()
+            self.database = sqlite3.connect(uri, uri=True, timeout=_WAIT)
+        self.edited: set[str] = set()  # keys of rows that do not hold what was written
+        try:
+            if not fresh:
+                self._recognise()
+            if write:
+                self._begin()
+        except StoreError:
+            self.database.close()
+            raise
 
-    def _connected(self, how: str) -> sqlite3.Connection:
-        uri = f"{self.path.absolute().as_uri()}?{how}"
-        return sqlite3.connect(uri, uri=True, timeout=_WAIT)
-
-    def _readable(self) -> str:
-        """Mode in which SQLite can read the file; refuses one that is not a store of this version.
-
-        In WAL mode SQLite reads with the help of files beside the store. Where it cannot make them,
-        the store can be read as a file that does not change, if no rows are left in its log.
-        """
+    def _recognise(self) -> None:
+        """Refuse a file that is not a store of this version."""
+        names = "application_id", "user_version"
         with self._failing("is not a store"):
-            how = "mode=ro"
-            try:
-                mark, version = self._identity(how)
-            except sqlite3.OperationalError as error:
-                if error.sqlite_errorcode & 0xFF not in _CANNOT_WRITE:
-                    raise
-                log = f"{os.path.realpath(self.path)}-wal"
-                if not empty(log):
-                    raise StoreError(
-                        f"store {self.path} cannot be read in a folder that cannot be written: "
-                        f"rows are still in {log}; copy both files to another folder"
-                    ) from None
-                how = "immutable=1"
-                mark, version = self._identity(how)
+            mark, version = (
+                self.database.execute(f"PRAGMA {name}").fetchone()[0] for name in names
+            )
         if mark != _APPLICATION:
             raise StoreError(f"store {self.path} is a database, but not one of runs")
         if version != _VERSION:
@@ -119,18 +104,10 @@ class Store:
                 f"store {self.path} is of another version of md ({version}, not {_VERSION}), which "
                 "named keys and columns differently: name a new file"
             )
-        return how
-
-    def _identity(self, how: str) -> list[int]:
-        """Application and version that the database is of."""
-        names = "application_id", "user_version"
-        with contextlib.closing(self._connected(how)) as look:
-            return [look.execute(f"PRAGMA {name}").fetchone()[0] for name in names]
 
     def _begin(self) -> None:
         execute = self.database.execute
         with self._failing("cannot be written"), self.database:
-            execute("PRAGMA journal_mode=WAL")
             execute("PRAGMA synchronous=FULL")
             execute("BEGIN IMMEDIATE")
             execute(f"PRAGMA application_id={_APPLICATION}")
@@ -209,9 +186,9 @@ class Store:
                 check = found.pop("check", None)  # none: it failed, or is of an earlier version
                 if check is None or check == _check(said, found):
                     return said, None if result is None else found
-        if key not in self.unreadable:
+        if key not in self.edited:
             warn(f"store {self.path}: run {key} was edited; it counts as missing")
-            self.unreadable.add(key)
+            self.edited.add(key)
         return None, None
 
     def rows(self) -> Iterator[dict[str, Any]]:

@@ -33,7 +33,6 @@ Python, a full grid of two axes and what came of it as labelled arrays:
 >>> found = sweep.labelled("grid.db", "c_x_cm_s")  # by xarray, the extra [md]
 """
 
-import hashlib
 import itertools
 import logging
 import math
@@ -54,6 +53,7 @@ from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
+from . import sources
 from .accuracy import MAX_SECONDS, checked, run, stepped
 from .domains import finite, held, listed, positive, tabled, whole
 from .errors import InputError, RunError
@@ -62,7 +62,6 @@ from .host import step_of
 from .interrupt import deferred
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
-from .sources import digest
 from .store import Store
 
 __all__ = [
@@ -113,8 +112,8 @@ class Point:
 
     @property
     def code(self) -> str:
-        """Digest of the sources that decide what the run gives (`md.sources`)."""
-        return digest(annulus=self.scene.annulus is not None, tolerance=self.tolerance is not None)
+        """Digest of the sources that decide what the run gives."""
+        return sources.code(self.scene, tolerance=self.tolerance is not None)
 
     @property
     def length(self) -> dict[str, Any]:
@@ -125,15 +124,8 @@ class Point:
 
     @cached_property  # which goes along to the worker
     def key(self) -> str:
-        """Key of the run in a store, which holds no other one for it.
-
-        Digest of the scene, the length, the sources (`code`) and the measure: a stored run is
-        stale, and computed again, where one of these has changed.
-        """
-        said = f"{self.scene!r} {self.length} {self.code} "
-        if self.measure is not None:
-            said += f"{self.measure.function.__qualname__} {self.measure.code}"
-        return hashlib.sha256(said.encode()).hexdigest()[:24]
+        """Key of the run in a store: `md.sources.key`, which says when it is stale."""
+        return sources.key(self.scene, self.length, self.measure)
 
 
 @dataclass(frozen=True)

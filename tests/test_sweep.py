@@ -484,5 +484,5 @@ def test_a_key_says_what_is_computed(monkeypatch):
     before = keys()
     assert len(set(before)) == 9
     assert keys() == before
-    monkeypatch.setattr("md.sweep.digest", lambda **_: "other sources")
+    monkeypatch.setattr("md.sources.digest", lambda **_: "other sources")
     assert not set(keys()) & set(before)

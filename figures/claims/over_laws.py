@@ -9,6 +9,7 @@ tilts of the figures (`confirming`).
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from md.host import step_of
 from md.laws import STIFFNESS
 from md.scene import both, put
-from md.search import Parameter, Search
+from md.search import Parameter, Search, Target
 from md.sweep import Point, Sweep
 
 from ..lib.runs import LENGTH, PARTS, PRINTED, RESOLVED, SIMPLE_ROW, boxes, computed, tilts
@@ -105,14 +106,14 @@ KNOWN: dict[str, Values] = {  # laws that are confirmed besides, known without s
 
 
 def search(quick: bool = False) -> Search:
-    """The search, without targets of its own."""
-    places, base = _places(QUICK_DEG if quick else LAW_TILTS_DEG), put(SIMPLE_ROW, RESOLVED)
-    return Search(base, {}, parameters=PARAMETERS, places=places, targets=(), **SIZE[quick])
+    """The search, without data of its own."""
+    targets, base = _targets(QUICK_DEG if quick else LAW_TILTS_DEG), put(SIMPLE_ROW, RESOLVED)
+    return Search(base, parameters=PARAMETERS, targets=targets, **SIZE[quick])
 
 
-def _places(tilt_deg: Iterable[float]) -> tuple[dict[str, float], ...]:
-    """Boxes that give these tilts."""
-    return tuple({"box.length": box} for box in boxes(tilt_deg))
+def _targets(tilt_deg: Iterable[float]) -> tuple[Target, ...]:
+    """The drift in boxes that give these tilts."""
+    return tuple(Target({"box.length": box}, "c_x", nan, nan) for box in boxes(tilt_deg))
 
 
 def _by_law(whole: Sweep) -> list[Sweep]:
@@ -161,7 +162,7 @@ def confirming(parts: np.ndarray, quick: bool = False) -> Sweep:
     """Runs of laws from other starts, at more tilts, longer, with half the step."""
     given = CONFIRMED[quick]
     size = {"seeds": given["seeds"], "periods": given["periods"]}
-    again = replace(search(quick), places=_places(given["tilts"]), **size)
+    again = replace(search(quick), targets=_targets(given["tilts"]), **size)
 
     def halved(point: Point) -> Point:
         scene = point.scene
@@ -246,10 +247,7 @@ def data(quick: bool = False) -> Data:
 def laws_of(parts: np.ndarray) -> list[Values]:
     """Values of the parameters that have a meaning in each law."""
     every = [{p.name: p.value(x) for p, x in zip(PARAMETERS, row, strict=True)} for row in parts]
-    return [
-        {p.name: v[p.name] for p in PARAMETERS if (p.when or {}).items() <= v.items()}
-        for v in every
-    ]
+    return [{p.name: v[p.name] for p in PARAMETERS if p.when.items() <= v.items()} for v in every]
 
 
 def as_good(d: Data) -> np.ndarray:
