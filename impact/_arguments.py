@@ -6,6 +6,7 @@ position: labels (pandas, xarray) that say otherwise raise, equal ones are dropp
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from enum import IntEnum
 from functools import cache, reduce
 from itertools import combinations
 from operator import index
@@ -27,24 +28,23 @@ class InputError(ValueError, TypeError):
 
 
 class Domain(NamedTuple):
-    """Interval of permitted values, closed or open at its lower end, with its text for messages."""
+    """Interval of permitted values, open at its lower end or closed, and its text for messages."""
 
     low: float
     high: float
     text: str
     open_low: bool = False
-    infinite: bool = False
 
     def holds(self, value: np.ndarray) -> np.ndarray:
-        """Where finite values (or a permitted infinity) lie in the domain."""
+        """Where values lie in the domain; a nan is in none."""
         above = value > self.low if self.open_low else value >= self.low
-        inside = above & (value <= self.high)
-        return inside if self.infinite else inside & np.isfinite(value)
+        return above & (value <= self.high)
 
 
-ANY = Domain(-np.inf, np.inf, "any finite number")
-POSITIVE = Domain(0.0, np.inf, "> 0", open_low=True)
-FRICTION = Domain(0.0, np.inf, ">= 0", infinite=True)
+LARGEST = np.finfo(np.float64).max  # what is larger is infinite
+ANY = Domain(-LARGEST, LARGEST, "any finite number")
+POSITIVE = Domain(0.0, LARGEST, "> 0", open_low=True)
+FRICTION = Domain(0.0, np.inf, ">= 0")
 RESTITUTION = Domain(0.0, 1.0, "between 0 and 1")
 
 Argument: TypeAlias = tuple[Any, Domain]  # a value as it came, and its domain
@@ -109,13 +109,16 @@ def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
 def real_arrays(arguments: Mapping[str, Argument]) -> tuple[list[np.ndarray], np.dtype]:
     """Arguments of a call as real arrays, and the dtype of the results.
 
-    Labelled arguments whose labels differ raise `InputError`.
+    It is float32 if the arguments are, but for Python's and float64 numbers, which do not decide;
+    else float64. Labelled arguments whose labels differ raise `InputError`.
     """
     values = [value for value, _ in arguments.values()]
     if not _PLAIN.issuperset(map(type, values)):
         _refuse_unlike(dict(zip(arguments, values, strict=True)))
     arrays = [real_array(name, value, domain) for name, (value, domain) in arguments.items()]
-    return arrays, result_dtype(values)
+    kinds = {np.asarray(value).dtype for value in values if not isinstance(value, int | float)}
+    single = kinds and np.result_type(*kinds) == np.float32
+    return arrays, np.dtype(np.float32 if single else np.float64)
 
 
 def number(name: str, value: Any, domain: Domain) -> float:
@@ -139,17 +142,10 @@ def count(name: str, value: Any, least: int) -> int:
     return whole
 
 
-def result_dtype(values: Sequence[Any]) -> np.dtype:
-    """float32 if the arguments are, else float64; Python's and float64 numbers do not decide."""
-    kinds = {np.asarray(v).dtype for v in values if not isinstance(v, int | float)}
-    single = kinds and np.result_type(*kinds) == np.float32
-    return np.dtype(np.float32 if single else np.float64)
-
-
 def evaluated(
     function: Callable[..., tuple[Any, ...]],
     arguments: Mapping[str, Argument],
-    kinds: Sequence[type | None] = (None,),
+    kinds: Sequence[type[IntEnum] | None] = (None,),
 ) -> tuple[Any, ...]:
     """Results of a function of broadcast arguments; nan, or -1, where one is out of its domain.
 
@@ -157,18 +153,26 @@ def evaluated(
     ----------
     function : of blocks of float64, in the order of `arguments`; returns one array for each kind
     arguments : by name, with their domains
-    kinds : dtypes of the results; None is float64, or float32 if the arguments are
+    kinds : of the results: codes as int8, a single one as what it stands for; None is float64, or
+        float32 if the arguments are
     """
     arrays, dtype = real_arrays(arguments)
     domains = [domain for _, domain in arguments.values()]
 
     def block(*values: Any) -> tuple[Any, ...]:
+        parts = function(*values)
         held = (domain.holds(value) for domain, value in zip(domains, values, strict=True))
         valid = reduce(np.logical_and, held)
-        parts = zip(function(*values), kinds, strict=True)
-        return tuple(np.where(valid, part, -1 if kind else np.nan) for part, kind in parts)
+        if np.all(valid):
+            return parts
+        invalid = [-1 if kind else np.nan for kind in kinds]
+        return tuple(np.where(valid, *pair) for pair in zip(parts, invalid, strict=True))
 
-    return in_blocks(block, arrays, [np.dtype(kind or dtype) for kind in kinds])
+    results = _in_blocks(block, arrays, [np.dtype(np.int8) if kind else dtype for kind in kinds])
+    return tuple(
+        kind(int(result)) if kind and np.ndim(result) == 0 else result
+        for kind, result in zip(kinds, results, strict=True)
+    )
 
 
 @cache
@@ -180,7 +184,7 @@ def _keep_memory() -> None:
     np.empty(LARGE)
 
 
-def in_blocks(
+def _in_blocks(
     function: Callable[..., tuple[np.ndarray, ...]],
     inputs: Sequence[np.ndarray],
     dtypes: Sequence[np.dtype],

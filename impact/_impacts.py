@@ -23,11 +23,6 @@ class Regime(IntEnum):
     SLIP_REVERSAL = 3  # stops and slips back
 
 
-def as_regime(codes: Any) -> Any:
-    """One code as a `Regime`; an array of them as it is."""
-    return Regime(int(codes)) if np.ndim(codes) == 0 else codes
-
-
 class Impacts(NamedTuple):
     """Arguments of one impact, or of many as arrays; a unit of length and one of time of choice."""
 

@@ -18,7 +18,8 @@ What is assumed:
 - Where an impact leaves the centre slower than the plate moves (c_z' < V_z: the contact point
   separates only because the rod spins), the rod is hit again at once, with omega = 0, at the same
   phase, until it leaves or has come to rest on the plate. In the stationary translation of
-  Eqs. (25), (28) this begins at X^2 = restitution k^2 (`hit_again_tilt`).
+  Eqs. (25), (28) this begins at X^2 = restitution k^2, for a thin rod at sin^2(phi) =
+  restitution/3, whatever the friction.
 - Hops shorter than `shortest_flight` are no flights: the rod rests. At rest the tilt is held, the
   plate presses with g - A Omega^2 sin(theta) per unit mass and Coulomb friction slows c_x down,
   which is what infinitely many small impacts do too. It takes off where Gamma sin(theta) = 1.
@@ -33,7 +34,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._arguments import FRICTION, RESTITUTION, Domain, count, evaluated, number
+from ._arguments import FRICTION, RESTITUTION, Domain, count, number
 from ._impacts import LARGE_FRICTION
 from ._jit import kernel
 from .collision import law_of
@@ -41,13 +42,12 @@ from .compiled import KERNELS, Impacts
 from .flight import TURN, advance, departure, landing, lift_off, slide_to_lift
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
-__all__ = ["Bouncing", "Estimate", "Landings", "bounce", "hit_again_tilt", "record"]
+__all__ = ["Bouncing", "Estimate", "Landings", "bounce", "record"]
 
-_GAMMA = Domain(0.0, 1e6, "> 0 and at most 1e6", open_low=True)
+_GAMMA = Domain(1.0, 1e6, "> 1, which throws a rod up, and at most 1e6", open_low=True)
 _SHORTEST = Domain(1e-12, 0.1, "between 1e-12 and 0.1 (periods)")
 _AT_ONCE = 1000  # impacts on the spot at most; what approach is left then, the plate absorbs
 _STILL = 2.0**-44  # of the approach: slower, an impact on the spot has come to rest
-_BLOCK = 1 << 18  # landings in memory at once
 _LANDINGS_A_CALL = 1000  # 0.1 s at most: signals are seen between calls
 _FLIGHT_BINS = 64  # of 1/16 period; locked flights of whole periods lie in the middle of one
 
@@ -79,11 +79,7 @@ class Estimate(NamedTuple):
 
 
 class Bouncing(NamedTuple):
-    """Means over the landings of many independent rods; every field an `Estimate`.
-
-    Without landings (gamma <= 1: the plate never falls away from a rod at rest) drift is 0, rest
-    is 1 and all else nan.
-    """
+    """Means over the landings of many independent rods; every field an `Estimate`."""
 
     alpha: Estimate  # mean plate velocity at landing over V_0; every landing counts alike
     alpha_impulse: Estimate  # the same, landings weighted by their vertical impulse
@@ -100,31 +96,8 @@ class Bouncing(NamedTuple):
     flights: Estimate  # density of flight lengths per period, bins around i/16, i < 64
 
 
-def hit_again_tilt(restitution: Any) -> Any:
-    """Tilt above which a thin rod in stationary translation is hit again at once, rad.
-
-    Eq. (30) gives c_z' >= V_z only up to sin^2(phi) = restitution/3, whatever the friction; for any
-    geometry the limit of Eqs. (25), (28) is X^2 = restitution k^2. At 0.65: 27.7 degrees. A rod
-    with c_x = 0 is hit again where X^2 > restitution (k^2 + Z^2) if friction holds the contact.
-
-    Parameters
-    ----------
-    restitution : between 0 and 1; any shape
-
-    Returns
-    -------
-    Tilt in rad, of the shape of `restitution`; nan for array elements out of the domain.
-
-    Raises
-    ------
-    ValueError
-        If a scalar restitution is out of its domain.
-    """
-
-    def block(epsilon: Any) -> tuple[Any, ...]:
-        return (np.arcsin(np.sqrt(epsilon / 3)),)
-
-    return evaluated(block, {"restitution": (restitution, RESTITUTION)})[0]
+# Of `Landings`: whole numbers where they are counted.
+_KINDS = [np.int64, *[float] * 8, np.int64, np.int8]
 
 
 class _Held(NamedTuple):
@@ -206,10 +179,10 @@ def _loop(law: str):
     return whole
 
 
-def _checked(
+def _runs(
     geometry, gamma, friction, restitution, law, shortest_flight, counts: tuple[Any, ...]
-) -> tuple[_Held, list[int]]:
-    """Rod and plate, and landings, rods, seed and transient; all in their domains."""
+) -> Iterator[Landings]:
+    """Landings of one rod after another, once all arguments are in their domains."""
     law_of(law)
     lengths = (number(name, *length) for name, length in lengths_of(geometry).items())
     gamma = number("gamma", gamma, _GAMMA)
@@ -218,8 +191,12 @@ def _checked(
     epsilon = number("restitution", restitution, RESTITUTION)
     shortest = number("shortest_flight", shortest_flight, _SHORTEST) * TURN
     least = {"landings": 1, "rods": 1, "seed": 0, "transient": 0}
+    landings, rods, seed, transient = map(count, least, counts, least.values())
     held = _Held(gamma, X, Z, k, mu, epsilon, shortest)
-    return held, [*map(count, least, counts, least.values())]
+    for rod in range(rods):
+        out = np.empty((landings, len(Landings._fields)))
+        _loop(law)(_start(seed, rod, gamma), held, transient, out)
+        yield Landings(*(column.astype(kind) for column, kind in zip(out.T, _KINDS, strict=True)))
 
 
 def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
@@ -229,66 +206,38 @@ def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
     return TURN * phase, 2 * gamma * speed, gamma * (2 * c_x - 1)
 
 
-def _blocks(held: _Held, law: str, counts: list[int]) -> Iterator[Landings]:
-    """Yield the landings of a few rods at a time; none where the plate throws no rod."""
-    landings, total, seed, transient = counts
-    together = max(1, _BLOCK // landings)
-    for first in range(0, total, together):
-        rods = range(first, min(first + together, total))
-        out = np.empty((len(rods), landings if held.gamma > 1 else 0, len(Landings._fields)))
-        if out.size:
-            for row, rod in zip(out, rods, strict=True):
-                _loop(law)(_start(seed, rod, held.gamma), held, transient, row)
-        columns = list(np.moveaxis(out, -1, 0))
-        for column, kind in ((0, np.int64), (9, np.int64), (10, np.int8)):
-            columns[column] = columns[column].astype(kind)
-        yield Landings(*columns)
-
-
 def _density(values: np.ndarray, bins: int, high: float) -> np.ndarray:
-    """Histogram of every row over [0, high), per unit; what lies above is counted nowhere."""
-    rods, landings = values.shape
-    column = np.floor(values * (bins / high)).astype(np.int64)
-    cell = np.where(column < bins, column + bins * np.arange(rods)[:, None], rods * bins)
-    counts = np.bincount(cell.ravel(), minlength=rods * bins + 1)[:-1]
-    return counts.reshape(rods, bins) * (bins / (high * landings))
+    """Histogram over [0, high), per unit; what lies above is counted nowhere."""
+    cells = np.floor(values * (bins / high)).astype(np.int64)
+    return np.bincount(cells[cells < bins], minlength=bins) * (bins / (high * values.size))
 
 
-def _summary(runs: Landings, bins: int) -> dict[str, np.ndarray]:
-    """Means for each rod, rods along the first axis; names as in `Bouncing`."""
-    plate, impulse = np.cos(runs.phase), runs.c_z_after - runs.c_z
-    time = runs.flight.sum(1) + runs.rest.sum(1)
-    c_z = runs.c_z_after.mean(1)
+def _summary(run: Landings, bins: int) -> dict[str, Any]:
+    """Means of one rod; names as in `Bouncing`."""
+    plate, impulse = np.cos(run.phase), run.c_z_after - run.c_z
+    time, c_z = run.flight.sum() + run.rest.sum(), run.c_z_after.mean()
     return {
-        "alpha": plate.mean(1),
-        "alpha_impulse": (plate * impulse).sum(1) / impulse.sum(1),
-        "falling": (plate < 0).mean(1),
-        "drift": runs.travel.sum(1) / time,
-        "c_x": runs.c_x_after.mean(1),
+        "alpha": plate.mean(),
+        "alpha_impulse": (plate * impulse).sum() / impulse.sum(),
+        "falling": (plate < 0).mean(),
+        "drift": run.travel.sum() / time,
+        "c_x": run.c_x_after.mean(),
         "c_z": c_z,
-        "ratio": -runs.c_z.mean(1) / c_z,
-        "flight": runs.flight.mean(1),
-        "rest": runs.rest.sum(1) / time,
-        "again": (runs.hits > 1).mean(1),
-        "regimes": np.stack([(runs.regime == code).mean(1) for code in range(4)], axis=1),
-        "phases": _density(runs.phase, bins, TURN),
-        "flights": _density(runs.flight + 1 / 32, _FLIGHT_BINS, _FLIGHT_BINS / 16),
+        "ratio": -run.c_z.mean() / c_z,
+        "flight": run.flight.mean(),
+        "rest": run.rest.sum() / time,
+        "again": (run.hits > 1).mean(),
+        "regimes": np.bincount(run.regime, minlength=4) / run.regime.size,
+        "phases": _density(run.phase, bins, TURN),
+        "flights": _density(run.flight + 1 / 32, _FLIGHT_BINS, _FLIGHT_BINS / 16),
     }
 
 
 def _estimate(values: np.ndarray) -> Estimate:
     """Mean over the first axis and its standard error."""
-    rods = values.shape[0]
-    error = values.std(0, ddof=1) / np.sqrt(rods) if rods > 1 else np.full(values.shape[1:], np.nan)
+    rods = len(values)
+    error = values.std(0, ddof=1) / np.sqrt(rods) if rods > 1 else np.full_like(values[0], np.nan)
     return Estimate(values.mean(0)[()], error[()])
-
-
-def _no_flight(bins: int) -> Bouncing:
-    """Result for a rod that the plate never throws: no landings."""
-    empty = {name: Estimate(np.nan, np.nan) for name in Bouncing._fields}
-    for name, size in (("regimes", 4), ("phases", bins), ("flights", _FLIGHT_BINS)):
-        empty[name] = Estimate(*np.full((2, size), np.nan))
-    return Bouncing(**{**empty, "drift": Estimate(0.0, 0.0), "rest": Estimate(1.0, 0.0)})
 
 
 def record(
@@ -314,16 +263,16 @@ def record(
     Returns
     -------
     Landings
-        Arrays of shape (rods, landings), (rods, 0) where gamma <= 1.
+        Arrays of shape (rods, landings).
 
     Raises
     ------
     ValueError, TypeError
         As `bounce`.
     """
-    given = landings, rods, seed, transient
-    held, counts = _checked(geometry, gamma, friction, restitution, law, shortest_flight, given)
-    return Landings(*map(np.concatenate, zip(*_blocks(held, law, counts), strict=True)))
+    counts = landings, rods, seed, transient
+    runs = _runs(geometry, gamma, friction, restitution, law, shortest_flight, counts)
+    return Landings(*map(np.stack, zip(*runs, strict=True)))
 
 
 def bounce(
@@ -345,7 +294,7 @@ def bounce(
     Parameters
     ----------
     geometry : X, Z, k in any unit of length (it cancels); k > 0
-    gamma : A Omega^2/g, > 0 and at most 1e6; no rod leaves the plate up to 1
+    gamma : A Omega^2/g, > 1 and at most 1e6; up to 1 the plate never falls away from a rod at rest
     friction : Coulomb coefficient, >= 0, inf allowed
     restitution : between 0 and 1, in the sense of `law`
     landings : landings of each rod that count, >= 1
@@ -364,7 +313,7 @@ def bounce(
     -------
     Bouncing
         Means over rods with standard errors; where rods settle on different orbits, the error
-        says how well their mix is known. For gamma <= 1 no drift, said at once.
+        says how well their mix is known.
 
     Raises
     ------
@@ -377,17 +326,14 @@ def bounce(
     -----
     Section V closes Eqs. (24)-(30) by c_z' = -c_z and V_z = alpha V_0; here only omega = 0 is kept
     of the closure. At restitution 1 a vertical rod has no stationary state: it gains height without
-    end, as in Fermi's accelerator. For gamma <= 1 a rod at rest stays there, and that is what is
-    returned; a rod that is thrown could still bounce without end, once a period (a vertical one
-    from gamma = pi (1 - restitution)/(1 + restitution) on). Such orbits coexist with rest a
-    little above gamma = 1 too, where some of the rods, thrown at the start, find them.
+    end, as in Fermi's accelerator. A rod that is thrown may bounce without end, once a period (a
+    vertical one from gamma = pi (1 - restitution)/(1 + restitution) on). Such orbits coexist with
+    rest a little above gamma = 1, where some of the rods, thrown at the start, find them.
     """
     bins = count("bins", bins, 1)
-    given = landings, rods, seed, transient
-    held, counts = _checked(geometry, gamma, friction, restitution, law, shortest_flight, given)
-    if held.gamma <= 1:
-        return _no_flight(bins)
-    parts = [_summary(block, bins) for block in _blocks(held, law, counts)]
+    counts = landings, rods, seed, transient
+    runs = _runs(geometry, gamma, friction, restitution, law, shortest_flight, counts)
+    means = [_summary(run, bins) for run in runs]
     return Bouncing(
-        **{name: _estimate(np.concatenate([part[name] for part in parts])) for name in parts[0]}
+        **{name: _estimate(np.array([mean[name] for mean in means])) for name in means[0]}
     )

@@ -1,15 +1,14 @@
 """The impact map: one frictional impact of a rigid body with a heavy plate, three laws."""
 
-from collections.abc import Callable, Sequence
-from functools import reduce
+from collections.abc import Callable
+from functools import partial, reduce
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from . import _kernel as kernel
-from ._arguments import ANY, FRICTION, RESTITUTION, InputError, in_blocks, real_arrays
-from ._impacts import Regime, as_regime, ordinary
+from ._arguments import ANY, FRICTION, RESTITUTION, Argument, InputError, evaluated
+from ._impacts import Regime, ordinary
 from .geometry import ContactGeometry, lengths_of
 
 LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.stronge}
@@ -66,25 +65,17 @@ def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     return tuple(results)
 
 
-def _guarded(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
-    """Evaluate a function on a block; unusual elements scaled, invalid ones nan and INVALID."""
+def _in_range(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
+    """Evaluate a function on a block, elements of unusual size scaled."""
     usual = ordinary(block)
     if np.all(usual):
         return function(*block)
     block = np.broadcast_arrays(*block)
-    *moving, mu, epsilon = block
-    valid = (moving[-1] > 0) & FRICTION.holds(mu) & RESTITUTION.holds(epsilon)
-    for value in moving:
-        valid = valid & np.isfinite(value)
-    unusual = valid & ~usual
     parts = function(*(value[usual] for value in block))
-    others = _scaled(function, *(value[unusual] for value in block))
-    results = []
-    for part, other in zip(parts, others, strict=True):
-        floating = part.dtype.kind == "f"
-        whole = np.full(valid.shape, np.nan if floating else Regime.INVALID, part.dtype)
-        whole[usual], whole[unusual] = part, other
-        results.append(whole)
+    others = _scaled(function, *(value[~usual] for value in block))
+    results = [np.empty(usual.shape, part.dtype) for part in parts]
+    for result, part, other in zip(results, parts, others, strict=True):
+        result[usual], result[~usual] = part, other
     return tuple(results)
 
 
@@ -95,7 +86,7 @@ def law_of(name: str) -> Callable[..., tuple]:
     return LAWS[name]
 
 
-def prepare(
+def arguments(
     c_x: Any,
     c_z: Any,
     omega: Any,
@@ -103,41 +94,26 @@ def prepare(
     friction: Any,
     restitution: Any,
     plate_velocity: Any,
-    law: str,
-) -> tuple[list[np.ndarray], np.dtype]:
-    """Arguments of `collide` as arrays in the kernel's order, and the dtype of the results."""
-    law_of(law)
-    return real_arrays(
-        {
-            "c_x": (c_x, ANY),
-            "c_z": (c_z, ANY),
-            "omega": (omega, ANY),
-            "plate_velocity": (plate_velocity, ANY),
-            **lengths_of(geometry),
-            "friction": (friction, FRICTION),
-            "restitution": (restitution, RESTITUTION),
-        }
-    )
+) -> dict[str, Argument]:
+    """Arguments of `collide` in the kernel's order, with their domains."""
+    return {
+        "c_x": (c_x, ANY),
+        "c_z": (c_z, ANY),
+        "omega": (omega, ANY),
+        "plate_velocity": (plate_velocity, ANY),
+        **lengths_of(geometry),
+        "friction": (friction, FRICTION),
+        "restitution": (restitution, RESTITUTION),
+    }
 
 
-def from_arrays(
-    arrays: Sequence[np.ndarray], law: str, dtype: DTypeLike = np.float64
-) -> tuple[Any, ...]:
-    """Results of `collide` for arguments that `prepare` has seen."""
-
-    def one_law(*block: Any) -> tuple[Any, ...]:
-        return kernel.impact(LAWS[law], block)
-
-    dtypes = [np.dtype(dtype)] * 3 + [np.dtype(np.int8)] + [np.dtype(dtype)] * 5
-    return in_blocks(lambda *block: _guarded(one_law, *block), arrays, dtypes)
+def impacts(law: str) -> Callable[..., tuple[Any, ...]]:
+    """Impacts under a law of a block of numbers, whatever their sizes; fields of `Collision`."""
+    restitution = law_of(law)
+    return partial(_in_range, lambda *block: kernel.impact(restitution, block))
 
 
-def collision(results: Sequence[Any], dtype: DTypeLike) -> Collision:
-    """Results as a `Collision`, scalars as scalars."""
-    with np.errstate(all="ignore"):
-        fields = [result.astype(dtype, copy=False)[()] for result in results]
-    fields[3] = as_regime(results[3][()])
-    return Collision(*fields)
+KINDS = [Regime if field == "regime" else None for field in Collision._fields]
 
 
 def collide(
@@ -197,8 +173,8 @@ def collide(
     >>> hit.regime.name
     'SLIP_STICK'
     """
-    arrays, dtype = prepare(c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law)
-    return collision(from_arrays(arrays, law, dtype), dtype)
+    given = arguments(c_x, c_z, omega, geometry, friction, restitution, plate_velocity)
+    return Collision(*evaluated(impacts(law), given, KINDS))
 
 
 def classify(
@@ -226,14 +202,10 @@ def classify(
     ValueError, TypeError
         As `collide`.
     """
-    arrays, _ = prepare(
-        c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law="newton"
-    )
 
     def regime_alone(*block: Any) -> tuple[Any, ...]:
         *_, velocities, contact = kernel.mirrored(block)
         return (kernel.regime_of(*kernel.branches(velocities, contact, block[-1])[-3:]),)
 
-    code = np.dtype(np.int8)
-    (regime,) = in_blocks(lambda *block: _guarded(regime_alone, *block), arrays, [code])
-    return as_regime(regime)
+    given = arguments(c_x, c_z, omega, geometry, friction, restitution, plate_velocity)
+    return evaluated(partial(_in_range, regime_alone), given, [Regime])[0]

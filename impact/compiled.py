@@ -18,7 +18,8 @@ from numba.extending import intrinsic
 
 from . import _generated, _kernel
 from . import collision as plain
-from ._impacts import Impacts, ordinary
+from ._arguments import real_arrays
+from ._impacts import Impacts, Regime, ordinary
 from ._jit import kernel
 from .geometry import ContactGeometry
 
@@ -148,11 +149,10 @@ def _loop(law: str):
 
 def _empty(size: int) -> plain.Collision:
     """Room for the results of impacts."""
-    kinds = [np.int8 if name == "regime" else float for name in plain.Collision._fields]
-    return plain.Collision(*(np.empty(size, kind) for kind in kinds))
+    return plain.Collision(*(np.empty(size, np.int8 if kind else float) for kind in plain.KINDS))
 
 
-def _part_of(group: Any, part: slice) -> Any:
+def _part_of(group: Any, part: Any) -> Any:
     """Part of every array of a named tuple."""
     return group._make(array[part] for array in group)
 
@@ -183,21 +183,24 @@ def collide(
     ValueError, TypeError
         As `impact.collide`.
     """
-    arrays, dtype = plain.prepare(
-        c_x, c_z, omega, geometry, friction, restitution, plate_velocity, law
-    )
-    with np.errstate(all="ignore"):
-        arrays = [array.astype(np.float64, copy=False) for array in arrays]
+    plain.law_of(law)
+    given = plain.arguments(c_x, c_z, omega, geometry, friction, restitution, plate_velocity)
+    arrays, dtype = real_arrays(given)
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
-    size = int(np.prod(shape))
-    given = [
-        np.broadcast_to(array, size if array.ndim == 0 else shape).reshape(size) for array in arrays
-    ]
-    results = _empty(size)
-    parts = [slice(first, first + _IMPACTS_A_CALL) for first in range(0, size, _IMPACTS_A_CALL)]
-    if sum(_loop(law)(_part_of(Impacts(*given), part), _part_of(results, part)) for part in parts):
+    with np.errstate(all="ignore"):
+        arrays = [array.astype(float, copy=False) for array in arrays]
+    impacts = Impacts(*(np.ravel(x if x.shape == shape else np.full(shape, x)) for x in arrays))
+    results = _empty(impacts.c_x.size)
+    parts = (slice(i, i + _IMPACTS_A_CALL) for i in range(0, impacts.c_x.size, _IMPACTS_A_CALL))
+    if sum(_loop(law)(_part_of(impacts, part), _part_of(results, part)) for part in parts):
         left = results.regime == _LEFT
-        rest = plain.from_arrays([column[left] for column in given], law)
-        for result, part in zip(results, rest, strict=True):
-            result[left] = part
-    return plain.collision([result.reshape(shape) for result in results], dtype)
+        rest = _part_of(impacts, left).collide(plain.collide, law)
+        for result, values in zip(results, rest, strict=True):
+            result[left] = values
+    with np.errstate(all="ignore"):
+        fields = [
+            (x if kind else x.astype(dtype, copy=False)).reshape(shape)[()]
+            for x, kind in zip(results, plain.KINDS, strict=True)
+        ]
+    after = plain.Collision(*fields)
+    return after if shape else after._replace(regime=Regime(int(after.regime)))

@@ -15,8 +15,6 @@ from ._arguments import (
     Labelled,
     evaluated,
     labels_of,
-    real_array,
-    result_dtype,
 )
 
 
@@ -55,16 +53,14 @@ def unit_lengths(X: Any, Z: Any, k: Any) -> tuple[Any, Any, Any]:
     return np.ldexp(X, -exponent), np.ldexp(Z, -exponent), np.ldexp(k, -exponent)
 
 
-def tilt_domain(tilt: Any) -> Domain:
-    """-90 to 90 degrees in the precision of the tilt; in single that is 4e-8 more."""
-    single = real_array("tilt", tilt).dtype == np.float32
-    right = float(np.float32(np.pi / 2)) if single else np.pi / 2
-    return Domain(-right, right, "between -pi/2 and pi/2")
+# Right angles and spheres of single precision, which may lie beyond those of double.
+RIGHT, ROUND = float(np.float32(np.pi / 2)), 1 + 2.0**-23
+TILT = Domain(-RIGHT, RIGHT, "between -pi/2 and pi/2")
 
 
 def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
     """Contact geometry from `contact(sin, cos, *sizes)`; arguments held to their domains."""
-    given = {"tilt": (tilt, tilt_domain(tilt))}
+    given = {"tilt": (tilt, TILT)}
     given |= {name: (value, POSITIVE) for name, value in sizes.items()}
 
     def block(phi: Any, *lengths: Any) -> tuple[Any, ...]:
@@ -133,19 +129,12 @@ def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     Exact moment of inertia of the uniform solid, by integration; the one printed in note [12] of
     our copy of the paper is wrong in two of its four terms.
     """
-    whole = real_array("length", length, POSITIVE)
-    thick = real_array("diameter", diameter, POSITIVE)
-    dtype = result_dtype([tilt, length, diameter])
-
-    def too_thick(length: Any, diameter: Any) -> Any:
-        with np.errstate(all="ignore"):
-            return diameter.astype(dtype) > length.astype(dtype)
-
-    if whole.ndim == thick.ndim == 0 and too_thick(whole, thick):
-        raise InputError(f"length must be >= diameter ({diameter!r}), got {length!r}")
 
     def contact(sin: Any, cos: Any, length: Any, diameter: Any) -> tuple[Any, ...]:
-        length = np.where(too_thick(length, diameter), np.nan, np.maximum(length, diameter))
+        short = diameter > ROUND * length
+        if np.ndim(short) == 0 and short:
+            raise InputError(f"length must be >= diameter ({diameter:g}), got {length:g}")
+        length = np.where(short, np.nan, np.maximum(length, diameter))
         X, Z, gyration = closed.round_rod(length, diameter, diameter / length, sin, cos)
         return X, Z, length * np.sqrt(gyration)
 

@@ -17,15 +17,14 @@ from ._arguments import (
     InputError,
     evaluated,
 )
-from ._impacts import Regime, as_regime
+from ._impacts import Regime
 from ._select import select
 from ._twofold import Twofold, quotient
 from .collision import exponent, law_of
 
-MASS = Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True, infinite=True)
+MASS = Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True)
 SHORT = 2.0**-100  # gyration radius over the lever; a shorter one gives the same digits
 SMALL, LARGE = 1e-15, 1e15  # lengths, speeds, masses between these need no scale
-IMMOVABLE = -2  # code of two bodies that close and cannot move
 
 
 class Body(NamedTuple):
@@ -142,7 +141,10 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     c_x, c_z = (old + scaled(d, speed) for old, d in zip(both[4:6], change, strict=True))
     omega = both.omega + scaled(turned / k, speed - size)
     after = (part[i] for i in range(2) for part in (c_x, c_z, omega))
-    code = np.where(hits & fixed.all(0), IMMOVABLE, kernel.regime_of(*branch))
+    stuck = hits & fixed.all(0)  # and all else is nan, as nothing can give way
+    if np.ndim(stuck) == 0 and stuck:
+        raise InputError("first.mass and second.mass must not both be inf where they close")
+    code = np.where(stuck, Regime.INVALID, kernel.regime_of(*branch))
     impulses = (scaled(mass * part, power + speed) for part in (P_x, P_z))
     return *after, code, *impulses, scaled(mass * energy, power + 2 * speed)
 
@@ -202,15 +204,13 @@ def collide_pair(
         "friction": (friction, FRICTION),
         "restitution": (restitution, RESTITUTION),
     }
-    *velocities, code, P_x, P_z, energy = evaluated(
-        lambda *block: _impact(final_velocity, *block), given, [None] * 6 + [np.int8] + [None] * 3
+    kinds = [None] * 6 + [Regime] + [None] * 3
+    *velocities, regime, P_x, P_z, energy = evaluated(
+        lambda *block: _impact(final_velocity, *block), given, kinds
     )
-    if np.ndim(code) == 0 and code == IMMOVABLE:
-        raise InputError("first.mass and second.mass must not both be inf where they close")
-    code = np.maximum(code, np.int8(Regime.INVALID))  # and all else is nan, as nothing can give way
     names = Body._fields[4:]
     before_after = (first, velocities[:3]), (second, velocities[3:])
     one, other = (
         Body(*body)._replace(**dict(zip(names, part, strict=True))) for body, part in before_after
     )
-    return PairCollision(one, other, as_regime(code), P_x, P_z, energy)
+    return PairCollision(one, other, regime, P_x, P_z, energy)

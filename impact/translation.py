@@ -15,9 +15,8 @@ from ._arguments import (
     count,
     evaluated,
     real_array,
-    result_dtype,
 )
-from ._impacts import Regime, as_regime
+from ._impacts import Regime
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
@@ -79,8 +78,7 @@ def drift(
         "restitution": (restitution, RESTITUTION),
         "plate_velocity": (plate_velocity, POSITIVE),
     }
-    c_x, c_z, regime = evaluated(block, given, (None, None, np.int8))
-    return Drift(c_x, c_z, as_regime(regime))
+    return Drift(*evaluated(block, given, (None, None, Regime)))
 
 
 def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Any:
@@ -227,8 +225,7 @@ def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
         )
 
     given = {"friction": (friction, FRICTION), "restitution": (restitution, RESTITUTION)}
-    tilt, c_x, regime = evaluated(block, given, (None, None, np.int8))
-    return Optimum(tilt, c_x, as_regime(regime))
+    return Optimum(*evaluated(block, given, (None, None, Regime)))
 
 
 def landing_phases(q: Any) -> tuple[Any, Any]:
@@ -302,7 +299,6 @@ def mean_plate_velocity(
     ValueError
         If the density is negative, not finite, or zero everywhere, or `points` < 1.
     """
-    speed = real_array("plate_speed", plate_speed)
     nodes = count("points", points, 1)
     phase = 2 * np.pi * (np.arange(nodes) + 0.5) / nodes
     weight = np.broadcast_to(real_array("density", density(phase)), phase.shape)
@@ -310,5 +306,4 @@ def mean_plate_velocity(
         raise InputError("density must be finite, not negative, and not zero everywhere")
     weight = weight / weight.max()
     mean = np.sum(weight * np.cos(phase)) / weight.sum()
-    known = np.where(np.isfinite(speed), speed, np.nan)
-    return (known * mean).astype(result_dtype([plate_speed]))[()]
+    return evaluated(lambda speed: (speed * mean,), {"plate_speed": (plate_speed, ANY)})[0]

@@ -184,7 +184,7 @@ def test_compiled_map_keeps_the_contract_on_odd_arguments():
         ((1.0, -1.0), {**usual, "geometry": impact.ContactGeometry(odd, odd[:, None], 1.0)}),
         ((1.0, -1.0), {**usual, "geometry": impact.ContactGeometry(0.0, 1.0, np.abs(odd))}),
         ((np.float32(1e25), np.full(2, -1e25, np.float32)), single),
-        ((np.longdouble("1e400"), -1.0), usual),
+        ((np.array(["1e400"], np.longdouble), -1.0), usual),
     ):
         with np.errstate(all="raise"):
             _same_bits(compiled.collide(*args, **kwargs), impact.collide(*args, **kwargs))

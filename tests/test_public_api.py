@@ -243,6 +243,7 @@ def test_a_lying_rod_in_single_precision_is_not_below_the_plate(tilt):
 def test_a_sphere_is_one_in_the_precision_of_the_result(size):
     """The number 0.7 lies between two of single precision."""
     ball = impact.spherocylinder(np.float32(0.3), *size)
+    assert ball.X == 0
     assert ball == pytest.approx((0.0, 0.35, 0.7 / np.sqrt(10)), rel=1e-7, abs=1e-8)
     row = impact.spherocylinder(np.full(2, 0.3, np.float32), *size)
     assert np.all(np.transpose(row) == ball)
