@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import figures
-from figures.checks import landing_census, small_tilts
+from figures.checks import landing_census, states
 from figures.claims import measure_rows, over_laws
 from figures.cost import (
     accuracy_cost_drift,
@@ -47,7 +47,7 @@ SIZES = {
         "KNOWN": {},
         "CLOSER": {True: 1},
     },
-    small_tilts: {"SMALL_TILTS_DEG": {True: (9,)}},
+    states: {"MAP": {True: ((9,), (runs.GAMMA,), 12)}, "LIVES": {True: ((9,), 2, 20)}},
     runs: {"SEEDS": {"start.seed": [1, 2]}},
     fig02: {"MAP_COUNTS": {True: (34, 24)}, "MAP_GAMMAS": {True: (1.2, 3.3)}},
     fig04: {

@@ -30,7 +30,7 @@ from .quick_figures import data, tiny
 HUES = {"red": (0, 33), "orange": (33, 50), "yellow": (50, 65), "green": (80, 175)}  # degrees
 HUES["blue"] = (190, 260)
 COLOURS = {*HUES, "black", "grey"}
-TOO_FEW = {"fig04", "landing_census", "small_tilts"}  # tiny runs leave some of their numbers open
+TOO_FEW = {"fig04", "landing_census", "states"}  # tiny runs leave some of their numbers open
 
 
 def drawn_colours(picture: Figure) -> set[str]:

@@ -5,20 +5,24 @@ in common, the square of the mean vertical velocity over the mean square; 1 if t
 one block. `height_spread`, `tilt_spread`: departures of lower ends' heights and of tilts from the
 row's mean, root mean squares in d, tilts times half the length between the caps' centres.
 `height_order`, `tilt_order`: correlations of neighbours' departures; -1 if they alternate.
+`fallen`: share of the rods that lean against the row or lie with their upper end down.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from md.host import prepare
+from md.host import Engine, prepare
 from md.kernels.codes import C_Z, COSINE, SINE, X, Z
 from md.scene import Scene
 from md.statistics import standard_error, transient
 
 LOOKS = 4  # at the row in a period
 WINDOW = 10  # periods that `followed` takes together
-SEEN = "common", "height_spread", "height_order", "tilt_spread", "tilt_order", "tilt_deg"
+SEEN = "common", "height_spread", "height_order", "tilt_spread", "tilt_order", "tilt_deg", "fallen"
+FOLLOWED = "common", "height_spread", "height_order", "tilt_spread", "tilt_order", "fallen"
+ENDS_DEG = 3.0, 75.0  # tilts between which `driven` goes
 
 
 def departures(values: np.ndarray) -> tuple[float, float]:
@@ -56,22 +60,41 @@ def seen(states: np.ndarray, half: float) -> tuple[float, ...]:
     rise, tilt = states[..., C_Z], np.arctan2(states[..., SINE], states[..., COSINE])
     common = (rise.mean(axis=-1) ** 2).mean() / max((rise**2).mean(), 1e-300)
     found = departures(lower_ends(states, half)), departures(half * tilt)
-    return float(common), *found[0], *found[1], float(np.degrees(tilt.mean()))
+    fallen = ((tilt < 0) | (tilt > np.pi / 2)).mean()
+    return float(common), *found[0], *found[1], float(np.degrees(tilt.mean())), float(fallen)
 
 
-def watched(scene: Scene, periods: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Drift `c_x` [cm/s] and what `SEEN` names of each period of a run; the rods at its end."""
+def stretched(engine: Engine, box: float) -> None:
+    """Give a row another length of its box: places scale with it, velocities and springs stay."""
+    engine.rods[:, X] *= box / engine.effects.period
+    engine.effects = engine.effects._replace(period=box)
+    engine.state.listed.travelled[0] = np.inf  # neighbours are looked for again
+
+
+def watched(
+    scene: Scene, periods: int, box: Callable[[int], float] | None = None
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Drift `c_x` [cm/s] and what `SEEN` names of each period of a run; the rods at its end.
+
+    Parameters
+    ----------
+    scene : a row in a periodic box
+    periods : of the plate
+    box : length of the box in each period; None: that of the scene
+    """
     engine = prepare(scene, ledger=False, touches=False)
-    half, places, rows = engine.half_length, [engine.rods[:, X].mean()], []
+    half, drift, rows = engine.half_length, [], []
     for period in range(periods):
-        states = []
+        if box is not None:
+            stretched(engine, box(period))
+        before, states = engine.rods[:, X].mean(), []
         for look in range(1, LOOKS + 1):
             engine.go(period * engine.per + look * engine.per // LOOKS - engine.step)
             states.append(engine.rods.copy())
         rows.append(seen(np.array(states), half))
-        places.append(engine.rods[:, X].mean())
-    drift = np.diff(places) / (engine.dt * engine.per) * scene.cm_per_s
-    return dict(zip(SEEN, np.array(rows).T, strict=True)) | {"c_x": drift}, engine.rods
+        drift.append(engine.rods[:, X].mean() - before)
+    c_x = np.array(drift) / (engine.dt * engine.per) * scene.cm_per_s
+    return dict(zip(SEEN, np.array(rows).T, strict=True)) | {"c_x": c_x}, engine.rods
 
 
 def averaged(scene: Scene, periods: int) -> dict[str, Any]:
@@ -82,12 +105,22 @@ def averaged(scene: Scene, periods: int) -> dict[str, Any]:
     return {name: float(values.mean()) for name, values in late.items()} | errors
 
 
-def followed(scene: Scene, periods: int) -> dict[str, Any]:
-    """Means over windows of a run, standard error of the second half's drift."""
-    found, _ = watched(scene, periods)
+def followed(
+    scene: Scene, periods: int, box: Callable[[int], float] | None = None
+) -> dict[str, Any]:
+    """Means over windows of a run, standard error of the second half's drift; as `watched`."""
+    found, _ = watched(scene, periods, box)
     parts = np.array_split(np.arange(periods), max(periods // WINDOW, 1))
     return {
         **{name: [float(values[part].mean()) for part in parts] for name, values in found.items()},
         "middle": [float(part.mean()) + 0.5 for part in parts],
         "late_c_x_stderr": standard_error(found["c_x"][periods // 2 :]),
     }
+
+
+def driven(scene: Scene, periods: int) -> dict[str, Any]:
+    """`followed` while the box takes the row from its tilt to the farther one of `ENDS_DEG`."""
+    first = np.degrees(np.arccos(scene.rods.count / scene.box.length))
+    last = max(ENDS_DEG, key=lambda end: abs(end - first))
+    tilt = np.radians(np.linspace(first, last, periods))
+    return followed(scene, periods, lambda period: scene.rods.count / np.cos(tilt[period]))

@@ -1,0 +1,263 @@
+"""States of a row over tilt and acceleration: how often, how long, and whether they hang on.
+
+In a block all rods go up and down together; in a zig-zag neighbours depart from the row's mean by
+turns to either side, in height or in tilt; else the rods move by themselves, or in groups. A row
+has fallen where rods lie or lean against the others. The rule for each part of a run: fallen, then
+zig-zag if neighbours' departures are opposite and large enough to be seen, then block if nearly all
+of the vertical motion is common to all rods, else single rods. A run's state is the one of most
+parts of its second half. The share in common is a number between 0 and 1 and changes smoothly
+beyond 20 degrees, where the rule cuts it; at small tilts it jumps.
+
+(a) States over tilt and acceleration, a symbol a start; open: the state changed in the second half.
+(b) Drift over tilt at the figures' acceleration, by state. (c) Starts that are still in the state
+in which they began, over time, by tilt. (d) Drift over tilt while the box takes the row slowly up
+and down, with standard errors over starts; where the two differ, the row remembers.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+from md.sweep import Sweep
+
+from ..lib.runs import (
+    COUNT,
+    GAMMA,
+    LAW_LINES,
+    LENGTH,
+    boxes,
+    gathered,
+    over_seeds,
+    planned,
+)
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, points, style
+from .row_motion import ENDS_DEG, FOLLOWED, driven, followed
+
+STATES = "block", "zig-zag", "single rods", "fallen"
+BLOCK, ZIGZAG, SINGLE, FALLEN = range(4)
+MISSING = -1  # state of a run that was lost
+STATE_RULES = {
+    "common": 0.9,  # share of the vertical motion from which on a row is a block
+    "order": -0.5,  # correlation of neighbours up to which they stand by turns
+    "spread": 0.01,  # departures [d] from which on they are seen
+    "fallen": 0.02,  # share of rods from which on a row has fallen
+}
+LOOKS = ((BLUE, "s"), (GREEN, "^"), (RED, "o"), (BLACK, "x"))  # of the states
+STARTS = {  # largest component of a velocity, height over the plate
+    "start.seed": [1, 2, 3, 4],
+    "start.speed": [1e-3, 0.3, 0.3, 0.3],
+    "start.drop": [0.0, 0.0, 1.0, 3.0],
+}
+MAP = {  # tilts [deg], accelerations, periods
+    True: ((9, 45), (GAMMA,), 40),
+    False: (
+        (3, 5, 7, 9, 11, 13, 16, 20, 28, 36, 45, 54, 62, 70, 78),
+        (1.3, 1.8, 2.4, GAMMA, 4.2, 5.0, 6.0),
+        400,
+    ),
+}
+LIVES = {  # tilts [deg], starts, periods
+    True: ((9,), 2, 40),
+    False: ((7, 9, 11, 13), 20, 2000),
+}
+DRIVEN = {True: (2, 40), False: (4, 3000)}  # starts, periods from one end to the other
+PARTS = 24  # of the time from one end to the other, over which (d) takes the mean
+COLOURS = BLUE, GREEN, ORANGE, RED  # of tilts
+WAYS = (RED, "o-", "up"), (BLUE, "s-", "down")  # of the tilt
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """Rows over tilt, acceleration and start; long ones; up and down."""
+    tilts, gammas, periods = MAP[quick]
+    some, starts, long = LIVES[quick]
+    seeds, slow = DRIVEN[quick]
+    return {
+        "map": planned(
+            [
+                {"box.length": boxes(tilts)},
+                {"plate.acceleration": [*gammas]},
+                STARTS,
+            ],
+            periods,
+            measure=followed,
+        ),
+        "lives": planned(
+            [{"box.length": boxes(some)}, {"start.seed": [*range(1, starts + 1)]}],
+            long,
+            measure=followed,
+        ),
+        "driven": planned(
+            [{"box.length": boxes(ENDS_DEG)}, {"start.seed": [*range(1, seeds + 1)]}],
+            slow,
+            measure=driven,
+        ),
+    }
+
+
+def states(d: Data) -> np.ndarray:
+    """Index into `STATES` of each part of a run by `STATE_RULES`; `MISSING` where it was lost.
+
+    Parameters
+    ----------
+    d : arrays of one shape by the names of `FOLLOWED`
+    """
+    zigzag = np.zeros(np.shape(d["common"]), bool)
+    for name in ("height", "tilt"):
+        by_turns = d[f"{name}_order"] <= STATE_RULES["order"]
+        zigzag |= by_turns & (d[f"{name}_spread"] >= STATE_RULES["spread"])
+    fallen = d["fallen"] >= STATE_RULES["fallen"]
+    block = d["common"] >= STATE_RULES["common"]
+    found = np.select([fallen, zigzag, block], [FALLEN, ZIGZAG, BLOCK], SINGLE)
+    return np.where(np.isfinite(d["common"]), found, MISSING)
+
+
+def settled(state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """State of most parts of the second half of each run, and whether it changed in that half.
+
+    Parameters
+    ----------
+    state : (..., parts), from `states`
+    """
+    late = state[..., state.shape[-1] // 2 :]
+    most = np.stack([(late == each).sum(axis=-1) for each in range(len(STATES))]).argmax(axis=0)
+    changed = (late != late[..., :1]).any(axis=-1)
+    return np.where(late[..., 0] == MISSING, MISSING, most), changed
+
+
+def life_times(state: np.ndarray, window: float) -> tuple[np.ndarray, np.ndarray]:
+    """Periods spent in each state for each time it was left, and how often it was left.
+
+    A state that was never left has lived for ever: inf, or nan if it was never seen.
+
+    Parameters
+    ----------
+    state : (tilts, starts, parts), from `states`
+    window : periods of a part
+    """
+    times, exits = [], []
+    for each in range(len(STATES)):
+        there = state[..., :-1] == each
+        left = (there & (state[..., 1:] != each)).sum(axis=(1, 2))
+        exits.append(left)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            times.append(window * there.sum(axis=(1, 2)) / left)
+    return np.array(times).T, np.array(exits).T
+
+
+def still_there(state: np.ndarray) -> np.ndarray:
+    """Share of the starts that have not yet left the state of their first part, over the parts.
+
+    Parameters
+    ----------
+    state : (tilts, starts, parts), from `states`
+    """
+    return np.logical_and.accumulate(state == state[..., :1], axis=-1).mean(axis=1)
+
+
+def _followed(sweep: Sweep) -> tuple[Data, np.ndarray]:
+    """What was followed along a sweep, and the states over time."""
+    names = (*FOLLOWED, "c_x", "tilt_deg", "middle", "late_c_x_stderr")
+    found = dict(zip(names, gathered(sweep, *names), strict=True))
+    return found, states(found)
+
+
+def _in_parts(values: np.ndarray) -> np.ndarray:
+    """Means of at most `PARTS` parts of the time; the last axis is split."""
+    parts = np.array_split(values, min(PARTS, values.shape[-1]), axis=-1)
+    return np.stack([part.mean(axis=-1) for part in parts], axis=-1)
+
+
+def data(quick: bool = False) -> Data:
+    """States, drift [cm/s] and tilt [deg] of each run of (a); numbers of (c) and (d)."""
+    runs = sweeps(quick)
+    tilts, gammas, _ = MAP[quick]
+    found, state = _followed(runs["map"])
+    of_run, changed = settled(state)
+    half = state.shape[-1] // 2
+    long, lived = _followed(runs["lives"])
+    times, exits = life_times(lived, LIVES[quick][2] / lived.shape[-1])
+    slow, _ = _followed(runs["driven"])
+    drift, error = over_seeds(np.moveaxis(_in_parts(slow["c_x"]), 1, -1))
+    return {
+        "nominal_deg": np.array(tilts, float),
+        "gamma": np.array(gammas),
+        "state": of_run,
+        "changed": changed.astype(int),
+        "c_x": found["c_x"][..., half:].mean(axis=-1),
+        "c_x_error": found["late_c_x_stderr"],
+        "tilt_deg": found["tilt_deg"][..., half:].mean(axis=-1),
+        "lives_deg": np.array(LIVES[quick][0], float),
+        "middle": np.nanmax(long["middle"].reshape(-1, lived.shape[-1]), axis=0),
+        "still_there": still_there(lived),
+        "first": np.array([(lived[..., 0] == each).sum(axis=1) for each in range(len(STATES))]).T,
+        "life_time": times,
+        "exits": exits,
+        "driven_deg": _in_parts(slow["tilt_deg"]).mean(axis=1),
+        "driven_c_x": drift,
+        "driven_c_x_error": error,
+    }
+
+
+def _draw_map(ax: Axes, d: Data) -> None:
+    starts = d["state"].shape[-1]
+    beside = np.linspace(-1, 1, starts) * 0.3 * np.diff(d["nominal_deg"]).min()
+    tilt = d["nominal_deg"][:, None, None] + beside
+    gamma = d["gamma"][:, None]
+    tilt, gamma, _ = np.broadcast_arrays(tilt, gamma, d["state"])
+    for each, (colour, form) in enumerate(LOOKS):
+        some = d["state"] == each
+        if some.any():
+            ax.plot([], [], form, color=colour, ms=3, label=STATES[each])
+        for changed in (False, True):
+            here = some & (d["changed"] == changed)
+            face = "white" if changed else colour
+            ax.plot(tilt[here], gamma[here], form, color=colour, mfc=face, ms=2.2, mew=0.5)
+    ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"acceleration $\Gamma$")
+    ax.legend(loc="lower right")
+
+
+def _draw_drift(ax: Axes, d: Data) -> None:
+    at = int(np.abs(d["gamma"] - GAMMA).argmin())
+    for each, (colour, form) in enumerate(LOOKS):
+        for changed in (0, 1):
+            some = (d["state"][:, at] == each) & (d["changed"][:, at] == changed)
+            what = (d[name][:, at][some] for name in ("tilt_deg", "c_x", "c_x_error"))
+            points(ax, *what, colour, form=form, hollow=bool(changed))
+    ax.axhline(0, color="0.6", lw=0.6)
+    ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"drift $c_x$ (cm/s)")
+
+
+def _draw_lives(ax: Axes, d: Data) -> None:
+    for tilt, share, colour in zip(d["lives_deg"], d["still_there"], COLOURS, strict=False):
+        ax.plot(d["middle"], share, color=colour, drawstyle="steps-post", label=f"{tilt:g}°")
+    ax.set(
+        xlabel="time (periods of the plate)",
+        ylabel="share not yet changed",
+        xscale="log",
+        ylim=(0, 1.05),
+    )
+    ax.legend()
+
+
+def _draw_driven(ax: Axes, d: Data) -> None:
+    for way, (colour, form, name) in enumerate(WAYS):
+        what = (d[f"driven_{part}"][way] for part in ("deg", "c_x", "c_x_error"))
+        points(ax, *what, colour, form=form, label=name)
+    ax.axhline(0, color="0.6", lw=0.6)
+    ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"drift $c_x$ (cm/s)")
+    ax.legend()
+
+
+@style
+def draw(d: Data) -> plt.Figure:
+    panels = {
+        "states": _draw_map,
+        rf"drift by state, $\Gamma={GAMMA}$": _draw_drift,
+        "how long the first state lasts": _draw_lives,
+        "tilt changed slowly": _draw_driven,
+    }
+    figure = painted(d, panels, rows=2, figsize=(7.0, 5.0))
+    figure.supxlabel(
+        rf"$N={COUNT}$, $l={LENGTH}\,d$, 60 Hz; (c), (d): $\Gamma={GAMMA}$;" f"\n{LAW_LINES}"
+    )
+    return figure
