@@ -46,7 +46,6 @@ class Entry:
     quick: bool = True  # part of the set that is drawn, on coarse grids, when no name is given
     alone: bool = False  # takes all cores or measures times: nothing is drawn beside it
     panel: str = ""  # what its main panel is called on the page of prices, if it is there
-    data: str = ""  # the figure whose data it draws, if they are not its own
     seconds: int = 5  # of the processor, in full, but for runs that the store holds
 
 

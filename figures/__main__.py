@@ -106,17 +106,15 @@ def draw(
     \b
     python -m figures draw fig10 fig11 --out pictures
     python -m figures draw --all --quick            # every figure, on coarse grids
-    python -m figures draw which_law --data figures/gallery --numbers
+    python -m figures draw fig10 --numbers
     """
     check(names)
     if every and names:
         raise InputError(f"--all draws every figure and takes no names, got {names[0]}")
     if data:
-        from .lib.data import file_of
-
-        for file in map(file_of, names):
-            if not (data / file).is_file():
-                raise InputError(f"--data must be a folder that holds {file}, got {data}")
+        for name in names:
+            if not (data / f"{name}.npz").is_file():
+                raise InputError(f"--data must be a folder that holds {name}.npz, got {data}")
     quick_set = [name for name, entry in FIGURES.items() if entry.quick]
     wanted = list(FIGURES) if every else list(dict.fromkeys(names)) or quick_set
     quick = quick or not (every or names)

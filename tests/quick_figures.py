@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import figures
-from figures.checks import landing_census, states
-from figures.claims import measure_rows, over_laws
+from figures.checks import landing_census, row_motion, states
+from figures.claims import any_rods, measure_rows
 from figures.cost import (
     accuracy_cost_drift,
     accuracy_cost_ladder,
@@ -39,14 +39,9 @@ FEW = {
     **{"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2]},
     **dict.fromkeys(("periods", "gamma_periods"), MOST_PERIODS),
 }
-FEW_STARTS = {"periods": MOST_PERIODS, "seeds": (1, 2)}
 SIZES = {
-    over_laws: {
-        "SIZE": {True: {**FEW_STARTS, "points": 2}},
-        "CONFIRMED": {True: {**FEW_STARTS, "tilts": over_laws.QUICK_DEG, "best": 2}},
-        "KNOWN": {},
-        "CLOSER": {True: 1},
-    },
+    any_rods: {"SETS": {True: 2}, "PERIODS": {True: MOST_PERIODS}},
+    row_motion: {"ENDS_DEG": (20.0, 20.8), "WINDOW": 2},
     states: {"MAP": {True: ((9,), (runs.GAMMA,), 12)}, "LIVES": {True: ((9,), 2, 20)}},
     runs: {"SEEDS": {"start.seed": [1, 2]}},
     fig02: {"MAP_COUNTS": {True: (34, 24)}, "MAP_GAMMAS": {True: (1.2, 3.3)}},

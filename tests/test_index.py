@@ -191,27 +191,28 @@ def test_captions_are_words(name, tmp_path):
 
 
 def told(numbers, **changes) -> str:
-    claim = {"id": "S<1>", "verdict": "holds in part", "says": "V_z < 0 & more.", "figure": ""}
+    claim = {"id": "S<1>", "says": "V_z < 0 & more.", "figure": ""}
     claim |= {"numbers": numbers, "trouble": "", **changes}
     return json.dumps(plain({"provenance": {"quick": True}, "claims": [claim]}))
 
 
 def test_claims_of_the_folder_come_first(tmp_path):
-    row = {"key": "a", "name": "drift", "unit": "cm/s", "holds": [0, 1], "partly": [-1, 2]}
+    row = {"key": "a", "name": "drift", "unit": "cm/s", "holds": [0, 1], "notion": "exact"}
     numbers = [
-        {**row, "value": 1.234, "error": 0.1, "grade": 1, "close": True},
-        {**row, "name": "onset", "value": math.inf, "error": math.inf, "grade": 0, "close": False},
-        {**row, "name": "rate", "value": math.nan, "error": 0.0, "grade": None, "close": False},
-        {"key": "b", "name": "aside", "value": 2.0, "error": 0.0, "grade": None, "close": False},
+        {**row, "value": 1.234, "error": 0.1, "verdict": "too close to call"},
+        {**row, "name": "onset", "value": math.inf, "error": math.inf, "verdict": "does not hold"},
+        {**row, "name": "rate", "value": math.nan, "error": 0.0, "verdict": "not measured"},
+        {"key": "b", "name": "aside", "value": 2.0, "error": 0.0},
     ]
     (tmp_path / "claims.json").write_text(told(numbers), encoding="utf-8")
     source, page = made(tmp_path)
     text = page.text["claims"]
-    assert "holds in part: 1, of short and coarse runs." in text
+    assert "does not hold: 1, too close to call: 1, not measured: 1" in text
+    assert "of short and coarse runs." in text
     assert "S<1>" in text
-    assert "~ drift: 1.23 ± 0.10 cm/s (close call)" in text
-    assert "✗ onset: never" in text
-    assert "? rate: no data" in text
+    assert "too close to call drift: 1.23 ± 0.10 cm/s" in text
+    assert "does not hold onset: never" in text
+    assert "not measured rate: no data" in text
     assert "aside" not in text
     assert "V_z &lt; 0 &amp; more." in source
     assert "claims.json" in page.links
@@ -228,7 +229,6 @@ def test_claims_of_the_folder_come_first(tmp_path):
         '{"claims": ["a"]}',
         told([], says=5),
         told([{"name": "n", "holds": [0, 1], "value": "x<y>", "close": 0}]),
-        told([], verdict=None),
     ],
 )
 def test_claims_that_cannot_be_read_cost_a_line(text, tmp_path):
@@ -246,7 +246,7 @@ def test_all_claims_of_the_gallery_are_shown(tmp_path):
     words = index.Folder(tmp_path).text
     for claim in judge.load(index.GALLERY / "claims.json")["claims"]:
         assert claim["id"] in page.text["claims"]
-        for row in judge.judged_rows(claim):
+        for row in judge.statements(claim):
             shown = f"{words(row['name'])}: {words(judge.shown(row))}"
             assert as_read(shown) in page.text["claims"]
 

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-import md
 from figures.checks import row_motion, states
 from figures.checks.states import BLOCK, FALLEN, MISSING, SINGLE, ZIGZAG
+from figures.lib import runs
 from md.kernels.codes import C_Z, COSINE, ROW_COLUMNS, SINE, X, Z
-
-from .quick_figures import data
+from md.scene import from_tables, put
 
 HALF, RODS, LOOKS = 4.25, 40, 400
 
@@ -24,7 +23,7 @@ def motion(kind: str, amplitude: float = 0.05) -> np.ndarray:
         tilt += amplitude / HALF * turns
     if kind == "fallen":
         tilt[:, 0] = np.radians(175)
-    state[..., SINE], states[..., COSINE] = np.sin(tilt), np.cos(tilt)
+    state[..., SINE], state[..., COSINE] = np.sin(tilt), np.cos(tilt)
     state[..., Z] = HALF * np.cos(tilt) + 0.5 + 0.2 * np.sin(phase + shift)
     state[..., Z] += amplitude * turns * (kind == "standing by turns")
     state[..., C_Z] = 0.2 * np.cos(phase + shift)
@@ -90,17 +89,21 @@ def test_a_life_is_the_time_in_a_state_for_each_time_it_was_left():
     np.testing.assert_allclose(states.still_there(runs)[0], [1, 2 / 3, 1 / 3, 1 / 3, 1 / 3])
 
 
-def test_a_box_that_changes_gives_the_tilt():
-    """Neither momentum nor the order of the rods is touched, and the row goes on."""
+def test_a_box_that_changes_stretches_the_row():
+    """Neither velocities nor the order of the rods change."""
     point = states.sweeps(True)["driven"].points[0]
     engine = row_motion.prepare(point.scene, ledger=False, touches=False)
     engine.go(engine.per)
     before = engine.rods.copy()
-    row_motion.stretched(engine, 41.0)
+    row_motion.stretched(engine, 1.02 * point.scene.box.length)
     np.testing.assert_array_equal(engine.rods[:, X + 1 :], before[:, X + 1 :])
-    np.testing.assert_allclose(np.ptp(engine.rods[:, X]) / np.ptp(before[:, X]), 41 / 40.05, 1e-3)
-    up, down = data("states")["driven_deg"]
-    low, high = row_motion.ENDS_DEG
-    assert up[0] < low + 15 and up[-1] > high - 15
-    assert down[0] > high - 15 and down[-1] < low + 15
-    assert (np.diff(up) > 0).all() and (np.diff(down) < 0).all()
+    box = engine.effects.period / point.scene.box.length
+    np.testing.assert_allclose(engine.rods[:, X], box * before[:, X])
+
+
+@pytest.mark.parametrize("ends", [(20.0, 26.0), (26.0, 20.0)], ids=["up", "down"])
+def test_a_row_follows_its_box(ends, monkeypatch):
+    monkeypatch.setattr(row_motion, "ENDS_DEG", ends)
+    scene = from_tables(put(runs.ROW, {"box.length": runs.boxes(ends)[0]}))
+    tilt = row_motion.driven(scene, 60)["tilt_deg"]
+    np.testing.assert_allclose(tilt, np.linspace(*ends, 13)[1::2], atol=1)

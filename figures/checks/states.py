@@ -31,7 +31,8 @@ from ..lib.runs import (
     planned,
 )
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, points, style
-from .row_motion import ENDS_DEG, FOLLOWED, driven, followed
+from . import row_motion
+from .row_motion import FOLLOWED, driven, followed
 
 STATES = "block", "zig-zag", "single rods", "fallen"
 BLOCK, ZIGZAG, SINGLE, FALLEN = range(4)
@@ -60,7 +61,7 @@ LIVES = {  # tilts [deg], starts, periods
     True: ((9,), 2, 40),
     False: ((7, 9, 11, 13), 20, 2000),
 }
-DRIVEN = {True: (2, 40), False: (4, 3000)}  # starts, periods from one end to the other
+DRIVEN = {True: (2, 400), False: (4, 3000)}  # starts, periods; faster, rods are thrown over
 PARTS = 24  # of the time from one end to the other, over which (d) takes the mean
 COLOURS = BLUE, GREEN, ORANGE, RED  # of tilts
 WAYS = (RED, "o-", "up"), (BLUE, "s-", "down")  # of the tilt
@@ -87,7 +88,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
             measure=followed,
         ),
         "driven": planned(
-            [{"box.length": boxes(ENDS_DEG)}, {"start.seed": [*range(1, seeds + 1)]}],
+            [{"box.length": boxes(row_motion.ENDS_DEG)}, {"start.seed": [*range(1, seeds + 1)]}],
             slow,
             measure=driven,
         ),

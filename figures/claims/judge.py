@@ -1,7 +1,8 @@
-"""Verdicts on the paper's claims: grades of measured numbers by the limits of claims.toml.
+"""Verdicts on the paper's claims, statement by statement: measured numbers and their limits.
 
-A claim holds if all its judged numbers lie within `holds`, does not hold if none lies even within
-`partly`, else it holds in part. A number that cannot be had leaves its claim, and no other, open.
+A statement holds if its number lies within the limits of claims.toml, does not hold if it lies
+outside, and is too close to call if a limit is as near as two standard errors. One that cannot be
+measured leaves the others as they are.
 """
 
 import json
@@ -17,12 +18,13 @@ import md
 from impact._generated import DIGEST
 from md.sources import digest
 
-from .limits import GRADES, MISSING, grade, read, verdict
+from .limits import CLOSE, FAILS, HOLDS, MISSING, VERDICTS, deviation, holds, read
 from .uncertainty import MEASURES, Number, resampled
 
-MARKS = {None: "", 0: "-", 1: "~", 2: "+"}
-NEARLY = 0.95  # part of the laws that is nearly all
-CHOOSES = "S2"  # the claim by which laws that keep the tilt are chosen
+MARKS = {HOLDS: "+", FAILS: "-", CLOSE: "~", MISSING: "?"}
+NEARLY = 0.95  # share of the kinds of rods that is nearly all
+CHOOSES = "S2"  # the claim by which rows that keep their tilt are chosen
+DIGITS = 3  # of a number, at most
 NO_DATA = (md.RunError, np.linalg.LinAlgError)  # a run has failed; a fit through missing points
 
 
@@ -49,38 +51,43 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
 def close(number: Number, limits: dict[str, Any]) -> bool:
     """Whether a limit is as near as two standard errors, or one error of another notion."""
     random = number.notion == "standard error"
-    borders = (*limits.get("holds", ()), *limits.get("partly", ()))
-    if random and borders and math.isfinite(number.value) and math.isnan(number.error):
+    borders = [x for x in limits["holds"] if math.isfinite(x)]
+    if random and math.isfinite(number.value) and math.isnan(number.error):
         return True  # in some draws the value is not there
     reach = (2 if random else 1) * number.error
-    return any(abs(number.value - border) <= reach for border in borders if math.isfinite(border))
+    return any(abs(number.value - border) <= reach for border in borders)
+
+
+def verdict(number: Number, limits: dict[str, Any]) -> str:
+    """Verdict on a statement."""
+    true = holds(number.value, limits)
+    if true is None:
+        return MISSING
+    return CLOSE if close(number, limits) else HOLDS if true else FAILS
 
 
 def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
-    """The claim with its numbers, their grades and the verdict."""
+    """The claim with its numbers and the verdicts on its statements."""
+    trouble, measured = "", {}
     try:
         measured = measure(claim["id"], evidence)
     except NO_DATA as failure:
         trouble = f"{type(failure).__name__}: {' '.join(str(failure).split())}"
-        return {**claim, "verdict": MISSING, "trouble": trouble}
     rows = []
     for limits in claim["numbers"]:
-        number = Number(*measured[limits["key"]])
+        number = Number(*measured.get(limits["key"], (math.nan,)))
         value, error = float(number.value), float(number.error)
         row = {**limits, "value": value, "error": error, "notion": number.notion}
-        rows.append({**row, "grade": grade(value, limits), "close": close(number, limits)})
-    of = verdict([row["grade"] for row in rows if "holds" in row])
-    trouble = "runs are missing or have failed" if of == MISSING else ""
-    return {**claim, "numbers": rows, "verdict": of, "trouble": trouble}
+        if "holds" in limits:
+            row["verdict"] = verdict(Number(value, error, number.notion), limits)
+            row["deviation"] = deviation(value, limits)
+        rows.append(row)
+    return {**claim, "numbers": rows, "trouble": trouble}
 
 
-def _told(claim: dict[str, Any]) -> dict[str, str]:
-    """Verdict and judged numbers in words."""
-    numbers = (
-        f"{row['name']}: {shown(row)} ({MISSING if row['grade'] is None else GRADES[row['grade']]})"
-        for row in judged_rows(claim)
-    )
-    return {"verdict": claim["verdict"], "numbers": "; ".join(numbers)}
+def _told(claim: dict[str, Any]) -> str:
+    """Statements with their verdicts, in words."""
+    return "; ".join(f"{r['name']}: {shown(r)} ({r['verdict']})" for r in statements(claim))
 
 
 def judge(quick: bool = False, progress: bool = False, out: Path | None = None) -> dict[str, Any]:
@@ -98,12 +105,11 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
 
     from impact.benchmark import machine
 
-    from . import across_laws  # late, as in `measure`
+    from . import any_rods  # late, as in `measure`
     from .evidence import ASSUMED, Assumed, Evidence
-    from .over_laws import outcome
 
     evidence, simple, judged = Evidence(quick, out), Assumed(quick), []
-    searched = evidence.figure("which_law")
+    surveyed = evidence.figure("any_rods")
     look = {"desc": "judging", "unit": "claim", "leave": False}
     bar = tqdm(read(), disable=None if progress else True, **look)
     for claim in bar:
@@ -114,12 +120,11 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
         judged.append(found)
     made = machine() | {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
     made |= {"impact": DIGEST, "quick": quick}
-    search = {**outcome(searched), **across_laws.told(searched)}
-    return {"provenance": made, "search": search, "claims": judged}
+    return {"provenance": made, "any_rods": any_rods.told(surveyed), "claims": judged}
 
 
-TEXTS = ("id", "verdict", "says", "figure", "trouble")
-OF_A_NUMBER = {"name", "value", "error", "grade", "close"}
+TEXTS = ("id", "says", "figure", "trouble")
+OF_A_STATEMENT = {"name", "value", "error", "verdict"}
 
 
 def load(path: Path) -> dict[str, Any]:
@@ -136,7 +141,7 @@ def load(path: Path) -> dict[str, Any]:
             {**c, "numbers": [_restored(row) for row in c["numbers"]]} for c in report["claims"]
         ]
         texts = [claim[key] for claim in claims for key in TEXTS]
-        whole = all(row.keys() >= OF_A_NUMBER for claim in claims for row in judged_rows(claim))
+        whole = all(row.keys() >= OF_A_STATEMENT for c in claims for row in statements(c))
         if not (texts and whole and all(isinstance(text, str) for text in texts)):
             raise TypeError("something is missing")
         return {**report, "claims": claims, "quick": report["provenance"]["quick"]}
@@ -146,28 +151,33 @@ def load(path: Path) -> dict[str, Any]:
 
 def _restored(row: dict[str, Any]) -> dict[str, Any]:
     """A number with the nan and inf that JSON lacks."""
-    known = {"value": math.nan if row.get("grade") is None else math.inf, "error": math.nan}
+    unknown = row.get("verdict", MISSING) == MISSING
+    known = {"value": math.nan if unknown else math.inf, "error": math.nan}
+    known["deviation"] = math.nan
     known |= {key: row[key] for key in known if row.get(key) is not None}
     ends = (-math.inf, math.inf)
-    limits: dict[str, Any] = {
-        key: [end if x is None else x for x, end in zip(row[key], ends, strict=True)]
-        for key in ("holds", "partly")
-        if key in row
-    }
-    return {**row, **limits, **(known if "value" in row else {})}
+    limits: dict[str, Any] = {}
+    if "holds" in row:
+        pairs = zip(row["holds"], ends, strict=True)
+        limits["holds"] = [end if x is None else x for x, end in pairs]
+    return {**row, **limits, **known}
 
 
 def shown(row: dict[str, Any]) -> str:
-    """A number with its error and unit, to two digits of the error."""
+    """A number with its error and unit: to two digits of the error, three of the number at most.
+
+    An error that these digits do not show is left out.
+    """
     value, error, unit = row["value"], row["error"], f" {row['unit']}" if "unit" in row else ""
     if not math.isfinite(value):
         return "no data" if math.isnan(value) else "never"
     if not error > 0:
-        return f"{value:.4g}{unit}"
-    digits = max(1 - math.floor(math.log10(error)), 0)
-    if digits > 6:
-        return f"{value:.4g} ± {error:.0e}{unit}"
-    return f"{value:.{digits}f} ± {error:.{digits}f}{unit}"
+        return f"{value:.{DIGITS}g}{unit}"
+    largest = max(abs(value), error)
+    digits = min(1 - math.floor(math.log10(error)), DIGITS - 1 - math.floor(math.log10(largest)))
+    digits = max(digits, 0)
+    off = f" ± {error:.{digits}f}" if error >= 0.5 * 10**-digits else ""
+    return f"{value:.{digits}f}{off}{unit}"
 
 
 def limits_shown(limits: list[float] | None) -> str:
@@ -180,67 +190,75 @@ def limits_shown(limits: list[float] | None) -> str:
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
-def counts(report: dict[str, Any]) -> str:
-    """Number of claims with each verdict."""
-    found = Counter(claim["verdict"] for claim in report["claims"])
-    kinds = (*reversed(GRADES), MISSING)
-    return ", ".join(f"{kind}: {found[kind]}" for kind in kinds if found[kind])
+def statements(claim: dict[str, Any]) -> list[dict[str, Any]]:
+    """The judged numbers of a claim."""
+    return [row for row in claim["numbers"] if "holds" in row]
 
 
-def score(report: dict[str, Any]) -> tuple[float, int]:
-    """Numbers of the search's score that the report's law obeys, those in part half; how many."""
-    fitted = (c for c in report["claims"] if c["fitted"] and not c["own_law"])
-    grades = [row["grade"] or 0 for c in fitted for row in judged_rows(c) if "head" in row]
-    return sum(grades) / 2, len(grades)
+def counted(report: dict[str, Any]) -> dict[str, dict[str, int]]:
+    """Statements with each verdict, those fitted apart from those predicted.
 
-
-def trust(report: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
-    """Numbers that hold under nearly all contact laws, under some, under hardly any.
-
-    Each with its claim's `id` and what the search says of it. Without those of the claim by which
-    the laws were chosen.
+    Fitted are those that had a part in the choice of the figures' contact law.
     """
-    found: dict[str, list[dict[str, Any]]] = {"all": [], "some": [], "none": []}
-    for name, (claim, row) in numbers(report).items():
-        of = report["search"]["numbers"].get(name)
-        if of is None or claim["id"] == CHOOSES:
-            continue
-        part = of["counts"][0] / sum(of["counts"])
-        group = "all" if part >= NEARLY else "none" if part <= 1 - NEARLY else "some"
-        found[group].append({"id": claim["id"], **row, **of})
+    rows = [row for claim in report["claims"] for row in statements(claim)]
+    found = {}
+    for kind, fitted in (("predicted", False), ("fitted", True)):
+        of = Counter(row["verdict"] for row in rows if row.get("fitted", False) == fitted)
+        found[kind] = {verdict: of[verdict] for verdict in VERDICTS}
     return found
 
 
-def numbers(report: dict[str, Any]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
-    """All numbers of a report, by claim and key ("S16.peak"): the claim, the number."""
-    return {f"{c['id']}.{row['key']}": (c, row) for c in report["claims"] for row in c["numbers"]}
+def counts(report: dict[str, Any]) -> str:
+    """Number of statements with each verdict, predicted and fitted apart."""
+    return "; ".join(
+        f"of {sum(of.values())} {kind} statements "
+        + ", ".join(f"{verdict}: {number}" for verdict, number in of.items() if number)
+        for kind, of in counted(report).items()
+    )
 
 
-def ids(claim: dict[str, Any]) -> list[str]:
-    """Names of the numbers of a claim, as "S16.peak"."""
-    return [f"{claim['id']}.{row['key']}" for row in claim["numbers"]]
+def summary(claim: dict[str, Any]) -> str:
+    """How many statements of a claim hold: "2 of 4 hold"."""
+    rows = statements(claim)
+    return f"{sum(row['verdict'] == HOLDS for row in rows)} of {len(rows)} hold"
 
 
-def slashed(counts: list[int]) -> str:
-    """Counts of laws under which a number holds, holds in part, does not."""
-    return "/".join(map(str, counts))
+def regions(report: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
+    """Statements that hold for nearly all rods, for some, for hardly any.
+
+    Each with its claim's `id` and what `any_rods` says of it. Without those of the claim by which
+    rows were chosen.
+    """
+    found: dict[str, list[dict[str, Any]]] = {"none": [], "some": [], "all": []}
+    for claim in report["claims"]:
+        for row in statements(claim):
+            of = report["any_rods"]["numbers"].get(f"{claim['id']}.{row['key']}")
+            if of is None or of["share"] is None or claim["id"] == CHOOSES:
+                continue
+            share = of["share"]
+            group = "all" if share >= NEARLY else "none" if share <= 1 - NEARLY else "some"
+            found[group].append({"id": claim["id"], **row, **of})
+    return found
 
 
-def share(claim: dict[str, Any]) -> str:
-    """How many of the judged numbers hold, of a claim that holds in part."""
-    grades = [row["grade"] for row in judged_rows(claim)]
-    return f" ({grades.count(2)} of {len(grades)})" if claim["verdict"] == GRADES[1] else ""
+def with_verdict(report: dict[str, Any], wanted: str) -> list[str]:
+    """Claims all of whose statements have this verdict."""
+    return [
+        claim["id"]
+        for claim in report["claims"]
+        if {row["verdict"] for row in statements(claim)} == {wanted}
+    ]
 
 
-def judged_rows(claim: dict[str, Any]) -> list[dict[str, Any]]:
-    """The judged numbers of a claim, if they are there."""
-    return [row for row in claim["numbers"] if "holds" in row and "value" in row]
+def numbers(report: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """All numbers of a report, by claim and key ("S16.peak")."""
+    return {f"{c['id']}.{row['key']}": row for c in report["claims"] for row in c["numbers"]}
 
 
 def brief(report: dict[str, Any]) -> str:
-    """A line a claim: verdict, and each judged number with + holds, ~ in part, - does not."""
+    """A line a claim: its statements with + holds, - does not, ~ too close, ? not measured."""
     lines = []
     for claim in report["claims"]:
-        cells = (f"{row['key']} {shown(row)} {MARKS[row['grade']]}" for row in judged_rows(claim))
-        lines.append(f"{claim['id']:4}{claim['verdict']:20}{', '.join(cells)}{claim['trouble']}")
-    return "\n".join([*(line.rstrip() for line in lines), counts(report)])
+        cells = (f"{r['key']} {shown(r)} {MARKS[r['verdict']]}" for r in statements(claim))
+        lines.append(f"{claim['id']:4}{summary(claim):14}{', '.join(cells)} {claim['trouble']}")
+    return "\n".join([*(line.rstrip() for line in lines), *counts(report).split("; ")])

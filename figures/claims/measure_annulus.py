@@ -20,6 +20,7 @@ from .uncertainty import (
     count,
     crossing,
     entry,
+    exponents,
     measures,
     onset,
     resampled,
@@ -89,8 +90,9 @@ def drift_over_gamma(data: Evidence) -> Numbers:
 @measures("S6")
 def walls(data: Evidence) -> Numbers:
     d = data.figure("fig04")
+    rough = d["wall"] > 0
     return {
-        "rise": resampled(d, lambda d: np.diff(d["wall_c_x"]).max() / d["wall_c_x"].max()),
+        "rise": resampled(d, lambda d: exponents(d["wall"][rough], d["wall_c_x"][rough]).max()),
         "all": resampled(d, lambda d: d["wall_c_x"][-1] / d["wall_c_x"][0]),
         "paper": resampled(d, lambda d: np.divide(*np.interp([0, 0.3], d["wall"], d["wall_c_x"]))),
     }
@@ -200,10 +202,9 @@ def reverse_drift(d: dict, prefix: str = "") -> Numbers:
     early, back, forward = d["gamma"] <= fig02.ONSET, kind == -1, np.median(c_x[-1])
     at = np.unravel_index(np.where(back, -c_x, -np.inf).argmax(), c_x.shape)
     drifts, same = kind[early] != 0, (kind == np.sign(V_z))[early]
-    none = standard(0, np.nan)
     return {
         "onset": onset(d["gamma"], (kind == 1).all(axis=1)),
         "back": count(back.sum()),
-        "slower": standard(-c_x[at] / forward, error[at] / forward) if back.any() else none,
+        "slower": standard(-c_x[at] / forward, error[at] / forward) if back.any() else count(0),
         "follows": count(np.mean(same[drifts]) if drifts.any() else np.nan),
     }

@@ -26,6 +26,7 @@ from .uncertainty import (
     count,
     crossing,
     entry,
+    exponents,
     measures,
     off_line,
     onset,
@@ -74,9 +75,9 @@ def _cut(data: Evidence) -> dict[str, np.ndarray]:
 def friction(data: Evidence) -> Numbers:
     d, ring = _cut(data), data.figure("fig04")
     return {
-        "ring_change": resampled(ring, lambda d: d["plate_c_x"][-1] / d["plate_c_x"][-2] - 1),
+        "ring_change": resampled(ring, lambda d: exponents(d["plate"], d["plate_c_x"])[-1]),
         "ring_without": resampled(ring, lambda d: d["plate_c_x"][0] / d["plate_c_x"].max()),
-        "change": resampled(d, lambda d: d["c_x"][-1] / d["c_x"][-2] - 1),
+        "change": resampled(d, lambda d: exponents(d["friction"], d["c_x"])[-1]),
         "without": resampled(_slippery(data), lambda d: d["stationary"][0] / d["largest"]),
         "friction": count(d["friction"][d["c_x"].argmax()]),
     }

@@ -112,6 +112,13 @@ def peak(d: Mapping, x: str, y: str) -> Number:
     return among(resampled(d, lambda d: d[x][d[y].argmax()]), d[x])
 
 
+def exponents(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """d ln y/d ln x between neighbouring points; nan where y is not positive."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        found = np.diff(np.log(y)) / np.diff(np.log(x))
+    return np.where(np.isfinite(found), found, np.nan)
+
+
 def rms(values: np.ndarray) -> float:
     """Root mean square."""
     return float(np.sqrt(np.mean(values**2)))

@@ -131,14 +131,9 @@ def stored_data(name: str, quick: bool, out: Path) -> dict[str, np.ndarray] | No
     return _arrays(path)
 
 
-def file_of(name: str) -> str:
-    """Name of the file of a figure's data."""
-    return f"{FIGURES[name].data or name}.npz"
-
-
 def kept_data(name: str, folder: Path) -> dict[str, np.ndarray]:
-    """Data of a figure that lie in a folder as `file_of` it, of whatever sources and size."""
-    return _arrays(folder / file_of(name))
+    """Data of a figure that lie in a folder as NAME.npz, of whatever sources and size."""
+    return _arrays(folder / f"{name}.npz")
 
 
 def _arrays(path: Path) -> dict[str, np.ndarray]:

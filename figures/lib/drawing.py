@@ -20,7 +20,7 @@ from md.interrupt import deferred
 
 from .. import FIGURES, load
 from . import runs
-from .data import file_of, keep, kept_data
+from .data import keep, kept_data
 from .files import first_look
 from .printing import printed
 
@@ -50,7 +50,7 @@ def produce(name: str, out: Path, quick: bool, kept: Path | None = None) -> Draw
     module = load(name)
     data = module.data(quick=quick) if kept is None else kept_data(name, kept)
     picture = module.draw(data)
-    if quick if kept is None else first_look(kept / file_of(name)):
+    if quick if kept is None else first_look(kept / f"{name}.npz"):
         picture.text(0.998, 0.004, "quick", ha="right", va="bottom", fontsize=6, color="0.5")
     stamp = {"Title": f"{FIGURES[name].title} (impact {DIGEST})"}
     npz, png, pdf = (out / file for file in files_of(name))

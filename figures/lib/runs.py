@@ -36,7 +36,7 @@ _COARSE = {"step.size": 1.2e-4, "step.coarse": True}  # a fiftieth of a contact
 SIMPLE = both(restitution=RESTITUTION, tangential_ratio=3)  # one law for plate and rods
 PRINTED = both(law="appendix_a", restitution="none", tangential_ratio="none")  # in its place
 SIMPLE_ROW = put(read_tables("quasi2d"), {**_COARSE, "start.speed": 0.3, **SIMPLE})  # of prices
-LAW_OF = {  # plate, rods: what figure which_law singles out; of all simulated rows and annuli
+LAW_OF = {  # plate, rods: of all simulated rows and annuli; chosen once among 320 laws
     "restitution": (0.75, 0.86),
     "tangential_ratio": (7.2, 0.68),
     "tangential_damping": (0.43, 0.28),

@@ -56,8 +56,6 @@ def in_words(seconds: float) -> str:
 def estimate(out: Path) -> str:
     """Sentence on what is left and how long it takes, at most."""
     points, names, cores = missing(), left(out), cpu_count()
-    for module in map(load, names):
-        points += module.later() if hasattr(module, "later") else []
     runs = run_seconds(points) / cores
     others = sum(FIGURES[name].seconds for name in names) + CLAIMS_SECONDS
     return (

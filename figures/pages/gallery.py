@@ -10,6 +10,7 @@ of the README stands between `<!-- name: begin -->` and `<!-- name: end -->`.
 
 import json
 import re
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -43,11 +44,9 @@ templates = Environment(
     keep_trailing_newline=True,
 )
 templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limits_shown}
-templates.globals |= {"grades": limits.GRADES, "counts": judge.counts, "pm": plus_minus}
-templates.globals |= {"judged_rows": judge.judged_rows, "checked": CHECKED}
-templates.globals |= {
-    name: getattr(judge, name) for name in ("score", "trust", "slashed", "share", "ids")
-}
+templates.globals |= {"verdicts": limits.VERDICTS, "fails": limits.FAILS, "pm": plus_minus}
+templates.globals |= {"checked": CHECKED, "counts": judge.counts, "counted": judge.counted}
+templates.globals |= {name: getattr(judge, name) for name in ("statements", "summary", "regions")}
 
 
 def claims_page(report: dict[str, Any]) -> str:
@@ -55,7 +54,6 @@ def claims_page(report: dict[str, Any]) -> str:
     from ..lib.runs import ASSUMED_NAME, LAW_NAME  # late: it compiles
 
     words = {"report": report, "law": LAW_NAME, "assumed": ASSUMED_NAME}
-    words["numbers"] = judge.numbers(report)
     return templates.get_template("claims.md.jinja").render(words)
 
 
@@ -73,7 +71,6 @@ def pages() -> dict[Path, str]:
     given["ladder"] = ladder = {rung["label"]: rung for rung in prices["ladder"]}
     steps = [label for label, rung in ladder.items() if rung["group"] == "step"]
     given["middle"] = steps[-2]  # of the steps: its row is the plain one
-    given["verdict"] = {claim["id"]: claim["verdict"] for claim in report["claims"]}
     made = {GALLERY / "claims.md": claims_page(report)}
     for name in ("costs.md", "effects.md"):
         made[GALLERY / name] = templates.get_template(f"{name}.jinja").render(given)
@@ -86,12 +83,14 @@ def pages() -> dict[Path, str]:
 
 def _numbers(report: dict[str, Any]) -> dict[str, str]:
     """Measured numbers for sentences, by claim and key: S16.peak."""
-    return {name: _short(row) for name, (_, row) in judge.numbers(report).items()}
+    return {name: _short(row) for name, row in judge.numbers(report).items()}
 
 
 def _short(row: dict[str, Any]) -> str:
     """A number to two digits, or three if it would else pass for a whole one; degrees to one."""
     value = row["value"]
+    if not isfinite(value):
+        return judge.shown(row)
     if row.get("unit") == "deg":
         return f"{value:.0f} degrees"
     short = f"{value:.2g}"

@@ -38,7 +38,7 @@ ABOUT = (
     "What is derived, simulated and measured here to test D. Volfson, A. Kudrolli and "
     "L. S. Tsimring, “Anisotropy driven dynamics in vibrated granular rods”."
 )
-BADGES = {"holds": "agrees", "holds in part": "rewritten", "does not hold": "erratum"}
+BADGES = {"holds": "agrees", "does not hold": "erratum"}
 TAGS = {entry.tag for entry in ENTRIES}
 
 

@@ -1,0 +1,58 @@
+"""What holds for any rods: drift and verdicts over what rods and plate are made of.
+
+A symbol is a kind of rods on a kind of plate, a row at seven tilts; all properties vary at once,
+those of plate and rods apart. Only kinds whose row keeps its tilt are shown. (a) Drift over that of
+the theory of the same friction, restitution and plate's speed, mean over tilts. (b) How many of the
+statements of (c) hold. (c) Share of the kinds for which a statement of the paper holds; beside it
+the property that the number follows most, with its rank correlation, left out below a half.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..claims.any_rods import JUDGED, data, judged, kept, sweeps, told
+from ..lib.style import BLUE, Data, name_panels, style
+
+__all__ = ["data", "draw", "sweeps"]
+RATIO_ENDS = 0.25, 4.0  # of drift over the theory's, in colour
+
+
+def _over_restitution(figure: Figure, ax: Axes, d: Data, colour: np.ndarray, **look) -> None:
+    some, label = kept(d), look.pop("label")
+    x, y = d["restitution, plate"][some], d["restitution, rods"][some]
+    shown = ax.scatter(x, y, 9, colour, linewidths=0.2, edgecolors="black", **look)
+    figure.colorbar(shown, ax=ax, label=label)
+    ax.set(xlabel="restitution of the plate", ylabel="restitution of the rods")
+
+
+@style
+def draw(d: Data) -> plt.Figure:
+    figure = plt.figure(figsize=(7.2, 6.4))
+    top, bottom = figure.subfigures(2, 1, height_ratios=(1, 1.4))
+    axes = top.subplots(1, 2)
+    ratio = (d["c_x"] / d["theory"])[kept(d)].mean(axis=1)
+    low, high = RATIO_ENDS
+    scale = {"norm": "log", "cmap": "RdBu_r"}
+    label = r"drift over the theory's"
+    _over_restitution(top, axes[0], d, np.clip(ratio, low, high), label=label, **scale)
+    axes[0].collections[0].set_clim(low, high)
+    true = judged(d)
+    hold = np.nansum([*true.values()], axis=0)
+    label = f"statements that hold, of {len(true)}"
+    _over_restitution(top, axes[1], d, hold, label=label, cmap="viridis")
+    ax = bottom.subplots()
+    found = {n: of for n, of in told(d)["numbers"].items() if of["share"] is not None}
+    names = sorted(found, key=lambda name: found[name]["share"])
+    ax.barh(range(len(names)), [found[name]["share"] for name in names], color=BLUE)
+    for i, name in enumerate(names):
+        if of := found[name]["follows"]:
+            words = f"{of['property']} ({of['rank']:+.2f})"
+            ax.text(found[name]["share"] + 0.01, i, words, va="center", fontsize=5.5)
+    labels = [f"{name.partition('.')[0]} {JUDGED[name]['name']}" for name in names]
+    ax.set_yticks(range(len(names)), labels, fontsize=5.5)
+    ax.set(xlabel="share of the kinds of rods for which it holds", xlim=(0, 1.35))
+    ax.set_xticks(np.linspace(0, 1, 6))
+    name_panels((*axes, ax), ("drift", "verdicts", "statements"))
+    return figure

@@ -1,0 +1,173 @@
+"""Rods of any kind: the numbers of the claims over what the rods, the plate and the shaking are.
+
+Sets of properties fill their ranges evenly (`PROPERTIES`, a Sobol sequence): those of the plate and
+of the rods apart, and length, number, friction and acceleration as well. Each set is a row at seven
+tilts. Its numbers are judged by the limits of claims.toml, those of the theory (S16) against the
+theory of the same friction, restitution and speed of the plate. No set is chosen: counted is under
+which of them a statement holds.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.stats import qmc, spearmanr
+
+from md.scene import put
+from md.sweep import Sweep, point_at
+
+from ..lib.runs import RESOLVED, SIMPLE_ROW, boxes, computed
+from ..lib.style import Data
+from . import over_tilt
+from .limits import holds, read
+
+TILTS_DEG = {False: (9, 15, 22, 28, 34, 45, 60), True: (9, 28, 45)}
+SETS, PERIODS = {False: 256, True: 4}, {False: 150, True: 40}
+KEPT_DEG = 2.0  # a row that keeps its tilt is as near to acos(dN/L), at every tilt
+FOLLOWS = 0.5  # rank correlation from which on a number is said to follow a property
+FEW = 20  # sets from which on a correlation is told
+
+
+class Property(NamedTuple):
+    """A range; `keys` of the scene take its values."""
+
+    keys: tuple[str, ...]
+    low: float
+    high: float
+    log: bool = False  # evenly in log
+
+    def value(self, part: np.ndarray | float) -> np.ndarray | float:
+        """Values at parts of the range, from 0 to 1."""
+        if self.log:
+            return self.low * (self.high / self.low) ** part
+        return self.low + (self.high - self.low) * part
+
+
+def _of(part: str, option: str, *ends: float, log: bool = False) -> dict[str, Property]:
+    name = f"{option.replace('_', ' ')}, {part}"
+    return {name: Property((f"contacts.{part}.{option}",), *ends, log=log)}
+
+
+PROPERTIES = {
+    **_of("plate", "restitution", 0.3, 0.97),
+    **_of("rods", "restitution", 0.3, 0.97),
+    **_of("plate", "friction", 0.05, 1.0, log=True),
+    **_of("rods", "friction", 0.05, 1.0, log=True),
+    **_of("plate", "tangential_ratio", 0.3, 30.0, log=True),
+    **_of("rods", "tangential_ratio", 0.3, 30.0, log=True),
+    **_of("plate", "tangential_damping", 0.0, 1.0),
+    **_of("rods", "tangential_damping", 0.0, 1.0),
+    "length": Property(("rods.length",), 3.0, 30.0, log=True),
+    "acceleration": Property(("plate.acceleration",), 2.0, 6.0),
+    "number of rods": Property(("rods.count",), 20, 60),
+}
+JUDGED = {  # statements on a row over tilt, which every set of properties has
+    name: row
+    for claim in read()
+    for row in claim["numbers"]
+    if "holds" in row and (name := f"{claim['id']}.{row['key']}") in over_tilt.NUMBERS
+    if name not in over_tilt.OF_MANY_TILTS
+}
+
+
+def drawn(quick: bool = False) -> dict[str, np.ndarray]:
+    """Properties of all sets."""
+    parts = qmc.Sobol(len(PROPERTIES), seed=1).random(SETS[quick])
+    found = {n: p.value(x) for (n, p), x in zip(PROPERTIES.items(), parts.T, strict=True)}
+    return found | {"number of rods": np.rint(found["number of rods"])}
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """A row of every set at every tilt."""
+    sets, tilts, points = drawn(quick), TILTS_DEG[quick], []
+    base = put(SIMPLE_ROW, RESOLVED)
+    for i in range(SETS[quick]):
+        values = {name: x[i].item() for name, x in sets.items()}
+        count = int(values["number of rods"])
+        changes = {key: values[name] for name, p in PROPERTIES.items() for key in p.keys}
+        for box in boxes(tilts, count):
+            changed = {**changes, "rods.count": count, "box.length": box}
+            points.append(point_at(base, changed, {"set": i}, PERIODS[quick]))
+    axes = {"set": [*range(SETS[quick])]}, {"tilt": [*tilts]}, {"start.seed": [1]}
+    return {"sets": Sweep(axes, tuple(points))}
+
+
+def _of_each(whole: Sweep) -> list[Sweep]:
+    """The rows of each set over tilt."""
+    _, *axes = whole.axes
+    each = len(whole.points) // whole.shape[0]
+    starts = range(0, len(whole.points), each)
+    return [Sweep(tuple(axes), whole.points[i : i + each]) for i in starts]
+
+
+def data(quick: bool = False) -> Data:
+    """Of all sets: properties, numbers of the claims, drift [cm/s] over tilt and the theory's."""
+    nominal, whole = np.array(TILTS_DEG[quick]), computed(sweeps(quick)["sets"])
+    tables = [over_tilt.table(sweep, nominal, own=True) for sweep in _of_each(whole)]
+    values = [[over_tilt.NUMBERS[name](table) for name in JUDGED] for table in tables]
+    return {
+        **drawn(quick),
+        "number": np.array([*JUDGED]),
+        "value": np.array(values, float),
+        "nominal": nominal,
+        "c_x": np.array([table["c_x"] for table in tables]),
+        "theory": np.array([over_tilt.theory(table, nominal) for table in tables]),
+        "tilt_off": np.array([np.abs(table["tilt"] - nominal).max() for table in tables]),
+    }
+
+
+def kept(d: Data) -> np.ndarray:
+    """Sets under which the row keeps its tilt; the others are no rows any more."""
+    return d["tilt_off"] <= KEPT_DEG
+
+
+def judged(d: Data) -> dict[str, np.ndarray]:
+    """Of each statement, whether it holds under each set that keeps the tilt: 1, 0, nan."""
+    values = dict(zip(d["number"].tolist(), d["value"][kept(d)].T, strict=True))
+    return {
+        name: np.array([holds(value, row) for value in values[name]], float)
+        for name, row in JUDGED.items()
+        if name in values
+    }
+
+
+def told(d: Data) -> dict[str, Any]:
+    """What the page of the claims says: sets, and where each statement holds.
+
+    `share`: of the sets that keep the tilt, those under which it holds. `follows`: the property
+    with the largest rank correlation with the number, that correlation, and between which values of
+    the property lies the middle half of the sets under which the statement holds; none if the
+    correlation is weak, or sets are few. `over_theory`: drift over the theory's, quartiles over
+    sets and tilts up to 30 degrees and beyond.
+    """
+    some = kept(d)
+    ratio, lean = d["c_x"][some] / d["theory"][some], d["nominal"] > 30
+    sides = [np.percentile(ratio[:, of], [25, 50, 75]).tolist() for of in (~lean, lean)]
+    numbers = dict(zip(d["number"].tolist(), d["value"][some].T, strict=True))
+    return {
+        "sets": len(some),
+        "kept": int(some.sum()),
+        "numbers": {
+            name: {
+                "share": float(np.nanmean(true)) if np.isfinite(true).any() else None,
+                "follows": _follows(d, some, numbers[name], true == 1),
+            }
+            for name, true in judged(d).items()
+        },
+        "over_theory": sides,
+    }
+
+
+def _follows(
+    d: Data, some: np.ndarray, value: np.ndarray, true: np.ndarray
+) -> dict[str, Any] | None:
+    """`follows` of `told`, from the numbers of the sets that keep the tilt, and where it holds."""
+    known = np.isfinite(value)
+    if known.sum() < FEW or np.ptp(value[known]) == 0:
+        return None
+    rank = {n: spearmanr(d[n][some][known], value[known]).statistic for n in PROPERTIES}
+    most = max(rank, key=lambda name: abs(rank[name]))
+    if abs(rank[most]) < FOLLOWS:
+        return None
+    where = d[most][some][true]
+    middle = np.percentile(where, [25, 75]).tolist() if where.size else []
+    return {"property": most, "rank": float(rank[most]), "middle": middle}
