@@ -63,6 +63,7 @@ LIVES = {  # tilts [deg], starts, periods
 }
 DRIVEN = {True: (2, 400), False: (4, 3000)}  # starts, periods; faster, rods are thrown over
 PARTS = 24  # of the time from one end to the other, over which (d) takes the mean
+BESIDE_DEG = 0.6  # by which symbols of one tilt stand apart
 COLOURS = BLUE, GREEN, ORANGE, RED  # of tilts
 WAYS = (RED, "o-", "up"), (BLUE, "s-", "down")  # of the tilt
 
@@ -201,7 +202,7 @@ def data(quick: bool = False) -> Data:
 
 def _draw_map(ax: Axes, d: Data) -> None:
     starts = d["state"].shape[-1]
-    beside = np.linspace(-1, 1, starts) * 0.3 * np.diff(d["nominal_deg"]).min()
+    beside = np.linspace(-BESIDE_DEG, BESIDE_DEG, starts)
     tilt = d["nominal_deg"][:, None, None] + beside
     gamma = d["gamma"][:, None]
     tilt, gamma, _ = np.broadcast_arrays(tilt, gamma, d["state"])
