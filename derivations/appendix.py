@@ -62,6 +62,13 @@ def _damping(without: sp.Expr = sp.S.One) -> tuple[sp.Expr, sp.Expr]:
     return tuple(_needed(rf"\gamma_{x}", tag, without) for x, tag in laws)
 
 
+def _duration() -> sp.Expr:
+    """Dimension of a time, which a speed makes a length."""
+    duration = sp.Symbol("Delta_t", positive=True)
+    (value,) = solve((SPEED * duration, LENGTH), duration, "A speed times it is a length")
+    return value
+
+
 def _unit(tag: str) -> sp.Expr:
     """Dimension of a printed constant."""
     return paper.printed(tag).subs(_DIMENSIONS, simultaneous=True).as_coeff_Mul()[1]
@@ -72,6 +79,7 @@ EQUATIONS = (
         "A: unit of k_n",
         "dimension of $k_n$",
         "[k_n]",
+        where=lambda: {"k_n": _needed("k_n", _NORMAL)},
         verdict="erratum",
         said=lambda: _unit("A: unit of k_n"),
         derive=lambda: _needed("k_n", _NORMAL),
@@ -90,6 +98,7 @@ EQUATIONS = (
         "A: k_t = 95 k_n",
         "dimension of $k_t$ over that of $k_n$",
         "[k_t/k_n]",
+        where=lambda: {"k_t": _needed("k_t", _TANGENTIAL), "k_n": _needed("k_n", _NORMAL)},
         verdict="erratum",
         said=sp.S.One,
         derive=_ratio,
@@ -108,6 +117,7 @@ EQUATIONS = (
         "A: unit of gamma",
         r"dimension of $\gamma_n$ and of $\gamma_t$",
         r"([\gamma_n], [\gamma_t])",
+        where=lambda: dict(zip((r"\gamma_n", r"\gamma_t"), _damping(), strict=True)),
         verdict="erratum",
         said=lambda: sp.Matrix([_unit("A: unit of gamma")] * 2),
         derive=_damping,
@@ -127,7 +137,8 @@ EQUATIONS = (
         "A: time step",
         "dimension of the time step",
         r"[\Delta t]",
+        where=lambda: {r"\Delta t": TIME},
         said=lambda: _unit("A: time step"),
-        derive=lambda: TIME,
+        derive=_duration,
     ),
 )

@@ -333,8 +333,11 @@ EQUATIONS = (
     ),
     Equation(
         "V: continuity",
-        r"(27) less (24) where $XZ = \mu (k^2 + Z^2)$",
-        "c'_x(27) - c'_x(24)",
+        r"(27) less (24) at the edge between them",
+        r"[c'_x(27) - c'_x(24)]_{\mu = XZ/(k^2 + Z^2)}",
+        where=lambda: {
+            f"c'_x({n})": stationary(case)[0] for n, case in ((24, "stick"), (27, "back"))
+        },
         said=sp.S.Zero,
         derive=lambda: sp.cancel(
             (stationary("back")[0] - stationary("stick")[0]).subs(mu, _edge())
@@ -358,7 +361,8 @@ EQUATIONS = (
     Equation(
         "V: H(theta), normalised",
         "the approximate density of landing phases is normalised",
-        r"\int H d\theta",
+        r"\int_0^{2\pi} H(\theta) d\theta",
+        where=lambda: {r"H(\theta)": LANDING_PHASES({})},
         said=sp.S.One,
         derive=lambda: sp.integrate(LANDING_PHASES({}), (theta, 0, 2 * sp.pi)),
     ),
@@ -373,7 +377,8 @@ EQUATIONS = (
     Equation(
         "V: V_z at onset",
         "the exponent",
-        r"d\ln V_z/d\ln(\Gamma - 1)",
+        r"[d\ln V_z/d\ln(\Gamma - 1)]_{\Gamma = 1}",
+        where=lambda: {"V_z": V_0 * (Gamma - 1)},
         verdict="assumed",
         said=sp.S.One,
         derive=lambda: _exponent(V_0 * (Gamma - 1)),
@@ -386,7 +391,8 @@ BEYOND = (
     Equation(
         "V: exponent at onset",
         "exponent of $V_z$ of a single perfectly inelastic rod",
-        r"d\ln V_z/d\ln(\Gamma - 1)",
+        r"[d\ln V_z/d\ln(\Gamma - 1)]_{\Gamma = 1}",
+        where=lambda: {"V_z": V_0 * onset_velocity().subs(eta, sp.sqrt(Gamma - 1))},
         verdict="new",
         derive=lambda: _exponent(V_0 * onset_velocity().subs(eta, sp.sqrt(Gamma - 1))),
         # take-off and landing phase scale alike: x^2/(Gamma - 1) is a number

@@ -440,6 +440,7 @@ EQUATIONS = (
         "v_f^2",
         verdict="new",
         derive=lambda: final_velocity("stronge", "late").subs(a_2, a_1) ** 2,
+        where=lambda: {"v_f": RESTITUTION({})},
         shown=epsilon**2 * v_0**2,
         check=_one_line,
         note="so the condition of continuous slide (14) holds for all three",

@@ -13,7 +13,8 @@ new        not in the paper; proved by a second route (expressions that must van
 noted      words or a citation of the paper, quoted; nothing is proved of it
 
 A printed form is the paper's LaTeX (module `paper`), read; its left side must be that of the entry,
-and the entry's that of the step which derives it. The words of a note are computed with its proof.
+and the entry's that of the step which derives it; another left side is read itself, and has the
+derived value. The words of a note are computed with its proof.
 """
 
 import random
@@ -113,6 +114,7 @@ class Equation:
     left: str  # left-hand side, LaTeX
     _: KW_ONLY
     derive: Callable[[], Form]  # from the axioms
+    where: Callable[[], Mapping[str, Any]] | None = None  # letters of the left side, which is read
     verdict: Verdict = "agrees"  # on the printed form
     shown: Form | None = None  # the derived form, written to be read
     formulas: tuple[str, ...] = ()  # of the paper (paper.toml), if not the one of its tag
@@ -203,6 +205,12 @@ class Equation:
         if self.said is None and set(self.formulas) & set(paper.TWO_SUMS):
             lefts = ["0"] * len(self.formulas)
         given = paper.parts(self.left)
+        if self.where is not None:
+            letters = self.where()
+            read = [paper.value_of(x, letters) for x in given or [self.left]]
+            signs = any(x.has(sp.sign) for x in read)  # of what is no number
+            if signs or not _equal(sp.Matrix(read), self.derive()):
+                return f"the left side has the value {', '.join(map(str, read))}"
         if len(lefts) != len(given):
             given = [self.left] * len(lefts)
         for left, mine in zip(lefts, given, strict=True):

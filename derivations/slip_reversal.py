@@ -103,6 +103,7 @@ EQUATIONS = (
         "P_z(t_f) - P_z(t_1)",
         verdict="erratum",
         formulas=("B8",),
+        where=lambda: {"P_z(t_f)": impulse()[1], "P_z(t_1)": stop()[1]},
         derive=lambda: impulse()[1] - stop()[1],
         repair=(
             Repair(

@@ -101,8 +101,9 @@ EQUATIONS = (
     ),
     Equation(
         "IV: stick without mu",
-        r"$d/d\mu$ of (18) and (19)",
-        r"(\partial c'_x/\partial\mu, \partial c'_z/\partial\mu)",
+        r"change of (18) and (19) with $\mu$",
+        r"(\partial_\mu c'_x, \partial_\mu c'_z)",
+        where=lambda: dict(zip(("c'_x", "c'_z"), cm_velocity(*impulse()), strict=True)),
         said=(0, 0),
         derive=lambda: tuple(sp.cancel(c).diff(mu) for c in cm_velocity(*impulse())),
     ),

@@ -22,10 +22,15 @@ def _sign(value: sp.Expr) -> sp.Expr:
     return sp.sign(sp.nsimplify(sp.N(value, DIGITS)))
 
 
+def _stationary_thin() -> list[sp.Expr]:
+    """c_x and -c_z before the stationary landing of a thin rod in slip-stick."""
+    return [part.subs(THIN) for part in stationary("stick")]
+
+
 def stationary_ratio() -> sp.Expr:
     """-c_z/c_x before the stationary landing of a thin rod in slip-stick."""
-    along, up = stationary("stick")
-    return sp.simplify((up / along).subs(THIN))
+    along, up = _stationary_thin()
+    return sp.simplify(up / along)
 
 
 def _ratio_told() -> str:
@@ -145,7 +150,8 @@ EQUATIONS = (
     Equation(
         "IV: large ratio",
         "sign of $-c_z/c_x - 1$ at 30 degrees, in stationary translation",
-        r"\mathrm{sgn}(-c_z/c_x - 1)",
+        r"[\mathrm{sgn}(-c_z/c_x - 1)]_{\phi = \pi/6}",
+        where=lambda: dict(zip(("c_x", "-c_z"), _stationary_thin(), strict=True)),
         verdict="erratum",
         said=sp.S.One,
         derive=lambda: _sign(stationary_ratio().subs(_30_DEGREES) - 1),

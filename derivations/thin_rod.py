@@ -89,6 +89,12 @@ def critical_tilt() -> sp.Expr:
     return sp.acos(critical_cosines()[0]) / 2
 
 
+@derived(r"\phi_c")
+def small_friction(order: int) -> sp.Expr:
+    """The tilt of the smaller tangent, expanded in the friction."""
+    return sp.series(sp.atan(critical_tangents()[0]), mu, 0, order).removeO()
+
+
 @derived(r"\max_\phi \mu", r"\tan\phi")
 def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
     """The largest friction at which a thin rod slips back, and the tangent of its tilt."""
@@ -259,7 +265,7 @@ EQUATIONS = (
         "23: small friction",
         r"$\phi_c$ to $O(\mu^3)$",
         r"\phi_c",
-        derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 3).removeO(),
+        derive=lambda: small_friction(3),
     ),
     Equation(
         "IV: mu_c",
@@ -270,8 +276,9 @@ EQUATIONS = (
     ),
     Equation(
         "IV: slide only below mu_c",
-        "largest friction over all tilts",
-        r"\max_\phi \mu_{slide}",
+        "friction up to which a thin rod slides at 90 degrees",
+        r"[\mu_{slide}]_{\phi = \pi/2}",
+        where=lambda: {r"\mu_{slide}": thin_slide_friction()},
         verdict="erratum",
         said=_MU_C,
         derive=lambda: sp.factor(thin_slide_friction().subs(phi, sp.pi / 2)),
@@ -284,7 +291,8 @@ EQUATIONS = (
     Equation(
         "IV: phi_c at mu = 3/5",
         "what (23) gives there",
-        r"\phi_c(3/5)",
+        r"[\phi_c]_{\mu = 3/5}",
+        where=lambda: {r"\phi_c": critical_tilt()},
         verdict="erratum",
         said=sp.pi / 2,
         derive=lambda: critical_tilt().subs(mu, sp.Rational(3, 5)),
@@ -314,10 +322,11 @@ EQUATIONS = (
     ),
     Equation(
         "VI: slip-stick at any tilt",
-        r"sign of the least of $\mu - |F_x|/F_z$ over all tilts of a thin rod as $\mu \to \infty$",
-        r"\mathrm{sgn}",
-        said=sp.S.One,
-        derive=lambda: sp.sign(sp.limit(mu - largest_reversal_friction()[0], mu, sp.oo)),
+        "the largest friction at which a thin rod slips back at some tilt, over a large friction",
+        r"[\mu_{max}/\mu]_{\mu = \infty}",
+        where=lambda: {r"\mu_{max}": largest_reversal_friction()[0], r"\infty": sp.oo},
+        said=sp.S.Zero,
+        derive=lambda: sp.limit(largest_reversal_friction()[0] / mu, mu, sp.oo),
         note=lambda: rf"large is $\mu \ge {largest_reversal_friction()[0]}$",
     ),
     Equation(
@@ -354,7 +363,7 @@ BEYOND = (
         r"$\phi_c$ to $O(\mu^5)$",
         r"\phi_c",
         verdict="new",
-        derive=lambda: sp.series(sp.atan(critical_tangents()[0]), mu, 0, 5).removeO(),
+        derive=lambda: small_friction(5),
         check=lambda form: (
             sp.series(3 * sp.tan(form) - mu * (4 + sp.tan(form) ** 2), mu, 0, 5).removeO(),
         ),

@@ -37,6 +37,7 @@ from .reference import SLIDE, SLIP_REVERSAL, SLIP_STICK, reference_collide
 
 BY_TAG = {entry.tag: entry for entry in registry.ENTRIES}
 NUMBERED = [str(n) for n in range(1, 32)] + [f"B{n}" for n in range(1, 13)]
+EQUATIONS = [entry for entry in registry.ENTRIES if isinstance(entry, Equation)]
 ERRATA = {entry.tag for entry in registry.mistakes() if isinstance(entry, Equation)}
 
 
@@ -54,9 +55,8 @@ def test_every_numbered_equation_is_there_once():
 
 def test_nothing_of_the_paper_is_left_over():
     """Every formula and sentence typed from the paper is judged, or judges another one."""
-    equations = [entry for entry in registry.ENTRIES if isinstance(entry, Equation)]
-    used = {tag for entry in equations for tag in (*entry.formulas, *entry.contradicted_by)}
-    own = {entry.tag for entry in equations}
+    used = {tag for entry in EQUATIONS for tag in (*entry.formulas, *entry.contradicted_by)}
+    own = {entry.tag for entry in EQUATIONS}
     assert set(paper.EQUATIONS) <= used | own
     assert set(paper.SENTENCES) <= own
     assert {function.name for function in closed_forms.FUNCTIONS} == set(rewrites.WORDS)
@@ -161,6 +161,44 @@ def test_the_parser_reads_what_the_paper_means():
             s.c_z + s.length / 2 * s.omega * sp.sin(s.phi) - s.V_z,
         ]
     )
+
+
+@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+def test_every_part_of_a_left_side_is_held(entry):
+    """By the paper's, by that of the step, or as it is read itself; a condition has none."""
+    given = paper.parts(entry.left) or [entry.left]
+    for place in range(len(given) if entry.left else 0):
+        changed = [*given[:place], "Q_{17}", *given[place + 1 :]]
+        left = f"({', '.join(changed)})" if len(given) > 1 else changed[0]
+        assert not replace(entry, left=left).prove().ok
+
+
+@pytest.mark.parametrize(
+    ("tag", "old", "new"),
+    [
+        ("V: continuity", "-", "+"),
+        ("V: continuity", "k^2 +", "k^2 -"),
+        ("V: H(theta), normalised", "2", "3"),
+        ("V: exponent at onset", "- 1", "+ 1"),
+        ("laws: slide", "v_f", "v_0"),
+        ("IV: stick without mu", r"\mu", r"\epsilon"),
+        ("B8: text", "-", "+"),
+        ("IV: slide only below mu_c", "2", "3"),
+        ("IV: phi_c at mu = 3/5", "3", "4"),
+        ("VI: slip-stick at any tilt", r"\mu_{max}/\mu", r"\mu/\mu_{max}"),
+        ("IV: large ratio", "-c_z/c_x", "c_z/c_x"),
+        ("A: k_t = 95 k_n", "k_t/k_n", "k_n/k_t"),
+        ("A: time step", "t", "x"),
+    ],
+)
+def test_a_left_side_that_is_read_has_the_derived_value(tag, old, new):
+    entry = BY_TAG[tag]
+    assert entry.prove().ok
+    assert not replace(entry, left=entry.left.replace(old, new, 1)).prove().ok
+
+
+def test_what_is_derived_cannot_pass_as_assumed():
+    assert not replace(BY_TAG["A: time step"], verdict="assumed").prove().ok
 
 
 @pytest.mark.parametrize("tag", sorted(paper.EQUATIONS))
