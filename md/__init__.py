@@ -44,7 +44,8 @@ rigid impacts in `impact`, which it is there to test.
 
 Files, as one reads them
 ------------------------
-scene, units, laws, domains         what is there: `Scene`, also in cm and Hz; the contact laws
+scene, units, laws                  what is there: `Scene`, also in cm and Hz; the contact laws
+domains                             values held to what is allowed; errors
 kernels/codes, rates                stop codes, columns, regimes; rates of an exact contact
 kernels/vectors, contact            compiled: the forces of every contact, in the plane and in space
 kernels/plate, single               compiled: one rod on the plate
@@ -61,7 +62,7 @@ sweep, store                        many runs and their results; what a store's 
 search                              parameters from measured results, by many runs
 sources                             what decides whether something that was kept is stale
 early_signals, interrupt            signals during imports, and during compiled code
-cache, errors                       compiled kernels kept, errors
+cache                               compiled kernels kept
 result_text, command_line, __main__  results as text; the commands
 
 To add a contact law: `md.laws`. To add an effect: `md.kernels`.
@@ -75,7 +76,7 @@ from importlib.metadata import version
 from typing import Any
 
 from .accuracy import run
-from .errors import InputError, RunError
+from .domains import InputError, RunError
 from .kernels.contact import Normal, Spring
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration

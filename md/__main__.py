@@ -4,6 +4,7 @@ import inspect
 import json
 import sys
 import warnings
+from collections.abc import Callable
 from functools import partial
 from math import radians
 from typing import Any
@@ -12,7 +13,7 @@ import click
 
 from . import accuracy, soft_impact
 from .command_line import Commands
-from .errors import InputError
+from .domains import InputError
 from .files import NotWritten, distinct
 from .laws import LAWS, Law
 from .result_text import (
@@ -47,6 +48,19 @@ rods.diameter_cm, and in the plate's part plate.frequency_hz:
 _number = partial(click.option, type=float)
 _dumps = partial(json.dumps, allow_nan=False)
 _json = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+
+
+def _many_runs(command: Callable) -> Callable:
+    """Options of a command that makes many runs, into a store."""
+    for option in (
+        _json,
+        click.option("--retry", is_flag=True, help="Run again what failed before."),
+        click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, for the runs."),
+        click.option("--workers", type=int, default=-1, help="Processes; -1: one a core."),
+        click.option("--store", required=True, metavar="FILE", help="SQLite, made if missing."),
+    ):
+        command = option(command)
+    return command
 
 
 @click.group(cls=Commands, name="python -m md")
@@ -225,11 +239,7 @@ def run(
 
 @main.command()
 @click.argument("sweep")
-@click.option("--store", required=True, metavar="FILE", help="SQLite file, made if missing.")
-@click.option("--workers", type=int, default=-1, help="Processes; -1: one a core.")
-@click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, which runs the points.")
-@click.option("--retry", is_flag=True, help="Run again what failed before.")
-@_json
+@_many_runs
 def sweep(sweep: str, store: str, as_json: bool, **how: Any) -> None:
     """Run a scene along axes, on all cores, into a store.
 
@@ -250,11 +260,7 @@ def sweep(sweep: str, store: str, as_json: bool, **how: Any) -> None:
 
 @main.command()
 @click.argument("search")
-@click.option("--store", required=True, metavar="FILE", help="SQLite file, made if missing.")
-@click.option("--workers", type=int, default=-1, help="Processes; -1: one a core.")
-@click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, which runs the points.")
-@click.option("--retry", is_flag=True, help="Run again what failed before.")
-@_json
+@_many_runs
 def search(search: str, store: str, as_json: bool, **how: Any) -> None:
     """Find the parameters of a scene that give what was measured.
 

@@ -2,9 +2,9 @@
 
 A contact lasts `STEPS_PER_CONTACT` steps, whatever the scene. The error of the drift has two parts,
 which add in squares. The statistical one is estimated as the starts go on. The bias of the step is
-a flat `ALLOWANCE`, which `tests/test_allowance.py` tries over drawn scenes; where the tolerance is
-too small for that, the law is somebody's own, or it is asked for, as many starts again take steps
-twice as long, and the bias follows from the difference.
+a flat `ALLOWANCE`, which `tests/test_allowance.py` measures over drawn scenes; where the tolerance
+is too small for that, the law is somebody's own, or it is asked for, as many starts again take
+steps twice as long, and the bias follows from the difference.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -20,8 +20,7 @@ import numpy as np
 from scipy.special import chdtrc, ndtri, stdtrit
 
 from . import simulation
-from .domains import number, whole
-from .errors import InputError
+from .domains import InputError, number, whole
 from .host import stable_step
 from .laws import LAWS, contact_time
 from .scene import Scene, Step
@@ -35,7 +34,9 @@ DOMAINS = {
     "max_seconds": (1e-3, 1e9),
 }
 STEPS_PER_CONTACT = 48  # at twice the plate's peak velocity
-ALLOWANCE = 0.01  # of the drift, for the bias at so many steps
+# Of the drift, for the bias at so many steps; on 2026-11-23 that was -0.01(11) % on average over 21
+# drawn rows against steps a third as long, and two standard deviations of it below 0.44 %.
+ALLOWANCE = 0.005
 CONFIDENCE = 0.95
 FLOOR = 0.05  # of the plate's peak velocity: slower drifts are judged as if they were this fast
 MAX_SECONDS = 600.0
@@ -328,7 +329,7 @@ def run(
     workers : independent starts, 2 (the default) to 64, which run at once, one a thread; their
         drifts are pooled, all else that is measured is of the first start. With a tolerance alone
     measure_bias : measure the bias of the step, by as many starts again with steps twice as long,
-        also where the allowance of 1 % would do
+        also where the allowance of 0.5 % would do
     options : as of `simulation.run`: `periods` (200; without tolerance alone), `ledger`, `observe`,
         `trajectory`, `frames`, `checkpoint` (without tolerance alone), `progress`
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 
-from .errors import InputError
+from .domains import InputError
 
 __all__ = ["NotWritten", "distinct", "empty", "plain", "replacing", "same", "warn", "writable"]
 

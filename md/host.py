@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from .errors import InputError, RunError
+from .domains import InputError, RunError
 from .kernels import plane
 from .kernels.batch import no_contacts
 from .kernels.codes import (

@@ -29,8 +29,7 @@ from typing import Annotated
 
 from scipy.optimize import brentq
 
-from .domains import Part, held, not_negative, number, positive
-from .errors import InputError
+from .domains import InputError, Part, held, not_negative, number, positive
 from .kernels.contact import PHASE, Friction, Normal, Spring
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d

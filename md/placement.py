@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize, minimize_scalar
 from scipy.spatial import cKDTree
 
-from .errors import InputError
+from .domains import InputError
 from .kernels.codes import DIRECTOR, SPACE_COLUMNS, VELOCITY
 from .scene import GAP, Annulus
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from .errors import InputError, RunError
+from .domains import InputError, RunError
 from .kernels.codes import BACK, FORWARD, FREE, SLIDE, STICK, STUCK, TURNED
 from .kernels.contact import Effects
 from .kernels.rates import plate_after, rates

@@ -1,7 +1,7 @@
 """Results as text: one impact, a run of a scene, a sweep, the table of a store."""
 
-from collections.abc import Iterable, Sequence
-from itertools import combinations, count
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import count
 from math import isfinite, isnan, sqrt
 from typing import Any
 
@@ -213,41 +213,37 @@ def search_json(found: Any) -> dict[str, Any]:
 
 def search_text(found: Any) -> str:
     """The best points of a search, the estimates, and the results at the targets."""
-    told = search_json(found)
-    names = [parameter.name for parameter in found.search.parameters]
-    rows = [[_cell(point[name], 4) for name in (*names, "misfit")] for point in told["points"][:8]]
-    lines = [tally_text(found.tally), "", "best points", *_columns([*names, "misfit"], rows)]
-    if told["estimates"]:
-        lines += ["", "estimates, with standard errors"]
-        for name, estimate in found.estimates.parameters.items():
-            lines.append(f"{name}  {estimate.value:.4g} +- {estimate.error:.2g}{_end(found, name)}")
-        for (i, a), (j, b) in combinations(enumerate(found.estimates.parameters), 2):
-            lines.append(f"correlation of {a} and {b}  {found.estimates.correlation[i, j]:.2f}")
-        data = sum(target.error > 0 for target in found.search.targets)
-        lines.append(f"least misfit  {found.estimates.misfit:.3g}, of {data} data")
-        if found.estimates.misfit > data + 4 * sqrt(2 * data):
+    told, data = search_json(found), sum(target.error > 0 for target in found.search.targets)
+    lines = [tally_text(found.tally), "", "best points", *_table(told["points"][:8])]
+    if estimates := told["estimates"]:
+        rows = [*map(_estimate, found.search.parameters, estimates.values())]
+        lines += ["", "estimates, with standard errors", *_table(rows)]
+        lines.append(f"least misfit  {told['least_misfit']:.3g}, of {data} data")
+        if told["least_misfit"] > data + 4 * sqrt(2 * data):
             lines.append("warning: the scene does not fit the data; the errors do not hold")
     else:
         lines += ["", "too few points near the best one for estimates: more points or rounds"]
-    heads = [*told["targets"][0]]
-    targets = [[_cell(target.get(key), 4) for key in heads] for target in told["targets"]]
-    return "\n".join([*lines, "", "data", *_columns(heads, targets)])
+    return "\n".join([*lines, "", "data", *_table(told["targets"])])
 
 
-def _end(found: Any, name: str) -> str:
-    """Note on an estimate that an end of its range cuts off."""
-    value, error = found.estimates.parameters[name]
-    one = next(one for one in found.search.parameters if one.name == name)
-    within = one.low + 2 * error < value < one.high - 2 * error
-    return "" if within else f"  (reaches an end of its range, {one.low:g} to {one.high:g})"
+def _estimate(parameter: Any, estimate: dict[str, float]) -> dict[str, Any]:
+    """Row of an estimate, with a note where an end of the range cuts it off."""
+    low, high, reach = parameter.low, parameter.high, 2 * estimate["error"]
+    within = low + reach < estimate["value"] < high - reach
+    note = "" if within else f"reaches an end of its range, {low:g} to {high:g}"
+    return {"parameter": parameter.name, **estimate, "note": note}
 
 
-def _columns(heads: list[str], rows: list[list[str]]) -> list[str]:
-    """Lines of a table."""
-    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+def _table(
+    rows: Sequence[Mapping], names: Sequence[str] | None = None, digits: int = 4
+) -> list[str]:
+    """Lines of a table with the columns `names`; None: those of the first row."""
+    names = [*rows[0]] if names is None else names
+    cells = [[*names], *([_cell(row.get(name), digits) for name in names] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     return [
-        "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
-        for row in (heads, *rows)
+        "  ".join(text.rjust(width) for text, width in zip(line, widths, strict=True))
+        for line in cells
     ]
 
 
@@ -260,10 +256,10 @@ def store_text(columns: Iterable[str], rows: Sequence[dict[str, Any]], cm: bool)
     differing = [c for c in of_scene if len({row.get(c) for row in rows}) > 1]
     brief = [*differing, *drift, "tilt_deg", "periods", "seconds", "accuracy.state", "error"]
     brief = [c for c in brief if any(row.get(c) is not None for row in rows)]
-    return "\n".join(_columns(brief, [[_cell(row.get(c)) for c in brief] for row in rows]))
+    return "\n".join(_table(rows, brief, 5))
 
 
-def _cell(value: object, digits: int = 5) -> str:
+def _cell(value: object, digits: int) -> str:
     if value is None or value != value:  # nan: a datum that is asked for
         return ""
     return f"{value:.{digits}g}" if isinstance(value, float) else str(value)

@@ -16,8 +16,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from .domains import Part, hints
-from .errors import InputError
+from .domains import InputError, Part, hints
 from .files import plain
 from .laws import LAWS, Law
 from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, reduced, rivals, twins
@@ -25,7 +24,6 @@ from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, reduced, ri
 SCENES = Path(__file__).parent / "scenes"
 GAP = 1e-6  # d, between rods and over the plate at the start: if they touched, rounding would push
 _Angle = Annotated[float, -90.0, 90.0]
-_FORMER = {"rods.spin": "rods.rolling"}  # keys of earlier versions, and their names today
 _NEEDS = {"plate": "contacts.plate", "annulus": "contacts.wall"}  # each the other
 _NEEDS |= {other: one for one, other in _NEEDS.items()} | {"rods.rolling": "annulus"}
 
@@ -258,11 +256,6 @@ def _contact(name: str, table: Mapping) -> Contact:
     law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
     if not isinstance(law, str) or law not in LAWS:
         raise InputError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
-    for known, make in LAWS.items():
-        if not callable(make):
-            raise InputError(
-                f"md.LAWS[{known!r}] must be a function that returns a Law, got {make!r}"
-            )
     takes = {known: inspect.signature(make).parameters for known, make in LAWS.items()}
     for key in (key for key in options if key not in takes[law]):
         if any(key in known for known in takes.values()):
@@ -277,9 +270,7 @@ def _contact(name: str, table: Mapping) -> Contact:
 
 
 def _unknown(key: str, known: Iterable[str]) -> InputError:
-    """Error that names an unknown key and the known ones, or what the key is called today."""
-    if key in _FORMER:
-        return InputError(f"{key} is of an earlier version: write {_FORMER[key]} in its place")
+    """Error that names an unknown key and the known ones."""
     return InputError(f"{key} is not a key of a scene; known there: {', '.join(known)}")
 
 

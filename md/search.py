@@ -49,12 +49,12 @@ import numpy as np
 from emcee import EnsembleSampler, State
 from scipy.stats import qmc
 
-from .domains import finite, held, listed, positive, tabled, whole
-from .errors import InputError, RunError
+from .domains import InputError, RunError, finite, held, listed, positive, tabled, whole
 from .files import plain
 from .scene import changes_of, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS, run
-from .sweep import Point, Sweep, Tally, execute, named, point_at
+from .store import named
+from .sweep import Point, Sweep, Tally, execute, point_at
 
 __all__ = [
     "Estimate",
@@ -68,8 +68,7 @@ __all__ = [
     "search",
 ]
 
-_OF_RUNS = "scene", "periods", "seeds", "points", "rounds", "seed", "set"
-_KEYS = (*_OF_RUNS, "parameters", "data")
+_KEYS = (*["scene", "periods", "seeds", "points", "rounds", "seed", "set", "parameters", "data"],)
 _SEARCHES = Path(__file__).parent / "searches"
 _DEGREES = 3, 2, 1  # of the polynomials that are tried
 _ENOUGH = 1.5  # points a coefficient that a polynomial needs
@@ -368,8 +367,8 @@ def _misfit(measured: np.ndarray, results: np.ndarray, variance: Any) -> np.ndar
     variance : of the results
     """
     value, error = measured.T
-    counts = ~np.isnan(value)
-    return np.sum((results - value) ** 2 / (error**2 + variance), axis=-1, where=counts)
+    squares = (results - value) ** 2 / (error**2 + variance)
+    return np.sum(squares, axis=-1, where=~np.isnan(value))
 
 
 class _Fit:

@@ -17,8 +17,7 @@ import numba
 import numpy as np
 from tqdm import tqdm
 
-from .domains import whole
-from .errors import InputError
+from .domains import InputError, whole
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import prepare, step_of
 from .interrupt import SIGNALS

@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import reference
-from .domains import held, hints, not_negative, number, positive
-from .errors import InputError, RunError
+from .domains import InputError, RunError, held, hints, not_negative, number, positive
 from .kernels import single
 from .kernels.codes import (
     DEEP,

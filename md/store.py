@@ -18,11 +18,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .errors import InputError
+from .domains import InputError, held
 from .files import empty, plain, replacing, warn, writable
 from .units import cm_per_s, in_cm
 
-__all__ = ["Store", "StoreError", "table", "write_csv"]
+__all__ = ["Store", "StoreError", "named", "table", "write_csv"]
 
 _VERSION = 2  # 1: other names of keys and columns
 _APPLICATION = 0x726F6473  # "rods"
@@ -202,13 +202,39 @@ class Store:
                     yield {"scene": scene, "result": result, **about}
 
 
+def named(result: dict | None, name: str) -> Any:
+    """A result by its dotted name; None without one.
+
+    Parameters
+    ----------
+    result : results of a run, or None
+    name : such as "landings.plate_velocity.mean"
+
+    Raises
+    ------
+    ValueError
+        If the results have no such name, or a table of that name; the message names what there is.
+    """
+    held("names", name, str)
+    found, path = result, ""
+    for part in name.split("."):
+        if found is None:
+            return None
+        if not isinstance(found, dict) or part not in found:
+            raise InputError(f"{name} is not in the results: {', '.join(_flat(result or {}))}")
+        found, path = found[part], f"{path}{part}."
+    if isinstance(found, dict):
+        raise InputError(f"{name} is a table of results: {', '.join(_flat(found, path))}")
+    return found
+
+
 def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:
     """Nested tables with dotted names."""
     found: dict[str, Any] = {}
     for key, value in tables.items():
         if isinstance(value, dict):
             found |= _flat(value, f"{prefix}{key}.")
-        elif not isinstance(value, list):
+        else:
             found[f"{prefix}{key}"] = value
     return found
 
@@ -236,7 +262,8 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
         if result.get("c_x_stderr") is not None:
             unit = cm_per_s(scene["rods"]["diameter_cm"])
             result["c_x_stderr_cm_s"] = result["c_x_stderr"] * unit
-        rows.append(_flat(scene) | in_cm(scene) | _flat(result) | found)
+        row = _flat(scene) | in_cm(scene) | _flat(result) | found
+        rows.append({name: value for name, value in row.items() if not isinstance(value, list)})
     return list(dict.fromkeys([*(name for row in rows for name in row), *_OF_RUN])), rows
 
 

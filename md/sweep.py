@@ -55,14 +55,13 @@ from tqdm import tqdm
 
 from . import sources
 from .accuracy import MAX_SECONDS, checked, run, stepped
-from .domains import finite, held, listed, positive, tabled, whole
-from .errors import InputError, RunError
+from .domains import InputError, RunError, finite, held, listed, positive, tabled, whole
 from .files import warn
 from .host import step_of
 from .interrupt import deferred
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
-from .store import Store
+from .store import Store, named
 
 __all__ = [
     "Interrupted",
@@ -73,7 +72,6 @@ __all__ = [
     "execute",
     "expand",
     "load_sweep",
-    "named",
     "point_at",
 ]
 
@@ -223,41 +221,6 @@ class Sweep:
             raise InputError(
                 f"{name} must hold numbers of one shape in all runs, got {values!r:.200}"
             ) from None
-
-
-def named(result: dict | None, name: str) -> Any:
-    """A result by its dotted name; None without one.
-
-    Parameters
-    ----------
-    result : results of a run, or None
-    name : such as "landings.plate_velocity.mean"
-
-    Raises
-    ------
-    ValueError
-        If the results have no such name, or a table of that name; the message names what there is.
-    """
-    held("names", name, str)
-    found, path = result, ""
-    for part in name.split("."):
-        if found is None:
-            return None
-        if not isinstance(found, dict) or part not in found:
-            raise InputError(f"{name} is not in the results: {', '.join(_leaves(result or {}))}")
-        found, path = found[part], f"{path}{part}."
-    if isinstance(found, dict):
-        raise InputError(f"{name} is a table of results: {', '.join(_leaves(found, path))}")
-    return found
-
-
-def _leaves(table: dict, path: str = "") -> list[str]:
-    """Dotted names of what stands in nested tables."""
-    names = []
-    for key, value in table.items():
-        whole_name = f"{path}{key}"
-        names += _leaves(value, f"{whole_name}.") if isinstance(value, dict) else [whole_name]
-    return names
 
 
 def _values(name: str, given: object) -> list:
@@ -541,12 +504,11 @@ def _backend(scheduler: str | None) -> Iterator[None]:
             with parallel_config("dask", client=client):
                 yield
         except (Exception, KeyboardInterrupt) as error:
-            if client.status != "running":
-                gone = f"the scheduler {scheduler} is gone; what was finished is kept"
-                raise RunError(gone) from None
-            if type(error).__module__.startswith("distributed"):
-                why = str(error).splitlines()[0]
-                raise RunError(f"the cluster {scheduler} failed: {why}") from None
+            gone = client.status != "running"
+            if gone or type(error).__module__.startswith("distributed"):
+                why = "is gone" if gone else f"failed ({str(error).splitlines()[0]})"
+                kept = "what was finished is kept"
+                raise RunError(f"the scheduler {scheduler} {why}; {kept}") from None
             raise
         finally:
             over.set()

@@ -16,7 +16,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from .errors import InputError
+from .domains import InputError
 from .files import empty, plain, same
 from .kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from .measures import phase_at

@@ -16,8 +16,7 @@ from copy import deepcopy
 from math import pi, sqrt
 from typing import Annotated, Any, NamedTuple
 
-from .domains import held, not_negative
-from .errors import InputError
+from .domains import InputError, held, not_negative
 
 GRAVITY_CM = 981.0  # cm/s^2
 Diameter = Annotated[float, 1e-6, 1e6]

@@ -61,8 +61,11 @@ def judged(scene: md.Scene) -> Judged | None:
 @cache
 def scenes(annulus: bool) -> list[Judged]:
     """Drawn scenes that settle in one state."""
-    every = map(judged, drawn(8 if annulus else 32, 11, annulus))
-    return [one for one in every if one is not None]
+    found = []
+    for scene in drawn(8 if annulus else 32, 11, annulus):
+        found.append(judged(scene))
+        print(found[-1] or "not settled, or not known well enough", flush=True)
+    return [one for one in found if one is not None]
 
 
 @pytest.mark.slow
@@ -77,8 +80,8 @@ def test_the_bias_of_the_step_is_within_its_allowance(annulus, capsys):
     square = np.array([one.bias**2 - one.bias_error**2 for one in every])
     mean, spread = square.mean(), square.std(ddof=1) / np.sqrt(len(square))
     with capsys.disabled():
-        biases = ", ".join(f"{one.bias:+.2%} ({one.bias_error:.2%})" for one in every)
-        print(f"\n{len(every)} scenes, rms {np.sqrt(max(mean, 0)):.2%}: {biases}", flush=True)
+        most = np.sqrt(max(mean + 2 * spread, 0))
+        print(f"\n{len(every)} scenes, two standard deviations of the bias below {2 * most:.2%}")
     assert mean - 2 * spread <= (ALLOWANCE / 2) ** 2
     assert abs(np.mean([one.bias for one in every])) <= ALLOWANCE
 

@@ -130,9 +130,3 @@ def test_what_a_run_prints(capsys):
     assert set(found["energy"]) >= {"plate_work", "plate_friction", "change", "residual"}
     assert main(["run", "single_rod", *soft, "--periods", "3"]) == 0
     assert "drift" in capsys.readouterr().out
-
-
-def test_what_is_no_law_is_named(monkeypatch):
-    monkeypatch.setitem(md.LAWS, "mine", 7)
-    with pytest.raises(md.InputError, match=r"LAWS\[.mine.\] must be a function .* got 7"):
-        md.load("quasi2d")

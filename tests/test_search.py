@@ -9,7 +9,7 @@ import pytest
 
 from md import sweep
 from md.__main__ import main
-from md.errors import InputError, RunError
+from md.domains import InputError, RunError
 from md.result_text import search_text
 from md.scene import from_tables, put, read_tables
 from md.search import _draws, _Surface, expand, search

@@ -97,7 +97,7 @@ def test_a_run_ends_as_soon_as_it_is_accurate():
     assert a.error == pytest.approx(np.hypot(a.statistical, a.bias_error))
     assert a.error <= 0.3 * max(abs(result.c_x), 0.05)
     assert a.next_digit_seconds > 50 * (a.error / (0.3 * abs(result.c_x))) ** 2 * a.seconds
-    assert "its bias is within 0.01" in " ".join(accuracy_lines(result))
+    assert "its bias is within 0.005" in " ".join(accuracy_lines(result))
 
 
 def test_the_bias_is_measured_by_steps_twice_as_long():
@@ -161,8 +161,8 @@ def test_slow_drifts_are_judged_by_the_floor():
 SMALL = [part for change in (*ROW, "plate.acceleration=5") for part in ("--set", change)]
 
 
-def test_the_command_has_two_ends(capsys):
-    """Reached: 0; not reached: 4."""
+def test_the_command_has_two_ends(capsys, monkeypatch):
+    """Reached: 0; not reached, or not settled: 4."""
     how = ["--tolerance", "0.3", "--floor", "0.05"]
     assert main(["run", "quasi2d", *SMALL, *how, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["accuracy"]
@@ -180,9 +180,6 @@ def test_the_command_has_two_ends(capsys):
     assert (found["finished"], found["accuracy"]["state"]) == (True, "not reached")
     assert found["periods"] < 5000
     assert found["accuracy"]["needed_seconds"] > 0.05
-
-
-def test_a_run_that_does_not_settle_ends_as_one_that_is_not_reached(capsys, monkeypatch):
     monkeypatch.setattr(accuracy, "settled", lambda first, *series: None)
     asked = ["run", "quasi2d", *SMALL, "--tolerance", "0.5", "--max-seconds", "1"]
     assert main(asked) == 4
