@@ -35,7 +35,8 @@ DOMAINS = {
 }
 STEPS_PER_CONTACT = 48  # at twice the plate's peak velocity
 # Of the drift, for the bias at so many steps; on 2026-11-23 that was -0.01(11) % on average over 21
-# drawn rows against steps a third as long, and two standard deviations of it below 0.44 %.
+# drawn rows against steps a third as long, and two standard deviations of it below 0.44 %. Annuli
+# take the same; of one, whose starts still trended, it was -3(3) %, which tells nothing.
 ALLOWANCE = 0.005
 CONFIDENCE = 0.95
 FLOOR = 0.05  # of the plate's peak velocity: slower drifts are judged as if they were this fast

@@ -79,40 +79,24 @@ _AS_GOOD = 10.0  # more misfit than the best point has: it may be chance
 
 
 class Parameter(NamedTuple):
-    """A range of numbers; or a choice, of which points are drawn, but nothing is estimated."""
+    """A range of numbers."""
 
     name: str  # in messages and tables
-    keys: tuple[str, ...] = ()  # of the scene, which all take the value
-    low: float = 0.0  # end of the range
-    high: float = 1.0  # the other
+    keys: tuple[str, ...]  # of the scene, which all take the value
+    low: float  # end of the range
+    high: float  # the other
     log: bool = False  # whether values lie evenly in log
-    choices: Mapping[str, Mapping[str, Any]] | None = None  # what each changes in the scene
-    when: Mapping[str, str] = {}  # choices without which the parameter has no meaning
 
     def value(self, part: Any) -> Any:
         """The value at a part of the range, from 0 to 1.
 
         Parameters
         ----------
-        part : 0 <= part < 1, a number or, of numbers, an array
+        part : 0 <= part < 1, a number or an array
         """
-        if self.choices is not None:
-            return list(self.choices)[int(part * len(self.choices))]
         if self.log:
             return self.low * (self.high / self.low) ** part
         return self.low + (self.high - self.low) * part
-
-    def changes(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
-        """What it changes in the scene.
-
-        Parameters
-        ----------
-        values : of all parameters, by name
-        """
-        if not self.when.items() <= values.items():
-            return {}
-        value = values[self.name]
-        return self.choices[value] if self.choices else dict.fromkeys(self.keys, value)
 
 
 class Target(NamedTuple):
@@ -149,7 +133,7 @@ class Search:
         """Value and error of each target, (targets, 2)."""
         return np.array([(target.value, target.error) for target in self.targets])
 
-    def values(self, parts: Sequence[float]) -> dict[str, Any]:
+    def values(self, parts: Sequence[float]) -> dict[str, float]:
         """Values of the parameters.
 
         Parameters
@@ -173,9 +157,7 @@ class Search:
         runs = []
         for row in parts.tolist():
             values = self.values(row)
-            changes: dict[str, Any] = {}
-            for parameter in self.parameters:
-                changes |= parameter.changes(values)
+            changes = {key: values[p.name] for p in self.parameters for key in p.keys}
             for place, seed in product(self.places, self.seeds):
                 changed = {**changes, **place, "start.seed": seed}
                 runs.append(point_at(self.base, changed, {**values, **place}, self.periods))
