@@ -135,7 +135,7 @@ def draw(
 @click.option("--frames", type=int, default=8, help="A period.")
 @_path("--out", "Folder, or a file that ends in .gif.", "out", "DIR|FILE.gif")
 def movie(scene: str, changes: tuple[str, ...], periods: int, frames: int, out: Path) -> None:
-    """Animate a scene: GIF, and MP4 where FFmpeg is there.
+    """Animate a scene: a GIF that repeats.
 
     SCENE is a TOML file, or the name of an example.
 
@@ -143,26 +143,22 @@ def movie(scene: str, changes: tuple[str, ...], periods: int, frames: int, out: 
     python -m figures movie quasi2d --periods 4
     python -m figures movie my_rods --set plate.amplitude_cm=0.03 --out row.gif
     """
-    from matplotlib.animation import FFMpegWriter
-
     import md
 
     from .lib.files import ready
     from .pages import movie as movies
 
-    kinds = ("gif", "mp4") if FFMpegWriter.isAvailable() else ("gif",)
-    names = [f"{Path(scene).stem}.{kind}" for kind in kinds]
+    name = f"{Path(scene).stem}.gif"
     if out.suffix == ".gif":
-        names, out = [out.name], out.parent
+        name, out = out.name, out.parent
     elif out.suffix and not out.is_dir():
         raise InputError(f"out must be a folder or a file that ends in .gif, got {out}")
     loaded = md.load(scene, changes)
-    paths = ready(out, *names)
+    (path,) = ready(out, name)
     film = movies.record(loaded, periods, frames, progress=True)
-    for path in paths:
-        with _replacing(path) as part:
-            movies.write(film, part, progress=True)
-        print(f"{path}  {film.pictures} frames")
+    with _replacing(path) as part:
+        movies.write(film, part, progress=True)
+    print(f"{path}  {film.pictures} frames")
 
 
 @main.command()
@@ -206,7 +202,7 @@ def paper(estimate: bool, out: Path, store: Path | None) -> int:
     from .pages import everything
 
     begin = perf_counter()
-    made = *files_of(*FIGURES), "quasi2d.gif", "quasi2d.mp4", *CLAIMS, *PAGES
+    made = *files_of(*FIGURES), "quasi2d.gif", *CLAIMS, *PAGES
     with storing(out, store, *made):
         print(everything.estimate(out), flush=True)
         names = everything.left(out)

@@ -70,7 +70,6 @@ def half(tmp_path_factory):
     (out / "folder.gif").mkdir()
     picture(out / "quasi2d.gif")
     (out / "broken.gif").touch()
-    (out / "quasi2d.mp4").touch()
     (out / "prices.txt").write_text(f"effect <b> & more{' far' * 99}", encoding="utf-8")
     ids = "".join(f'<i id="{report.anchor(entry.tag)}"></i>' for entry in ENTRIES)
     summary = "<h2>Verdicts</h2><p>96 entries. 2 of them not proved.</p>"
@@ -156,7 +155,7 @@ def test_derivations_prices_and_movie(half):
         assert re.search(rf"{verdict}</span></td><td>[^<]+</td><td>{count}</td>", source)
     assert "report.html#eq-26" in page.links  # named in the caption of Fig. 11
     assert "effect <b> & more" in page.text["prices"]
-    assert {"prices.png", "quasi2d.gif", "quasi2d.mp4"} <= set(page.links)
+    assert {"prices.png", "quasi2d.gif"} <= set(page.links)
     assert "gallery/row.gif" not in page.links
 
 

@@ -5,11 +5,9 @@ The paper's row, N = 40, L = 43 d, Gamma = 3.3, tangential springs 30 times as s
 of one long run, against the mean of the fine steps. The curves fall as time^(-1/2) (guide), until
 they come to the bias of their step (short lines at the right; dotted where it is less than three
 times its own error, which is then what the line shows). Diamond: the paper's own step at the
-length that gives 1 %. (b) Bias of the row of (a) over the steps a contact lasts; grey: what
-`--tolerance` allows for it, at the steps that it takes. (c) Runs to a tolerance: the one asked for,
-95 % confidence, against the time it took, scene by scene. Crosses: the error that the runs of the
-row then had. The broken lines are the prices of fixed steps; times are of this machine, without
-compiling.
+length that gives 1 %. (b) Runs to a tolerance: the one asked for, 95 % confidence, against the time
+it took, scene by scene. Crosses: the error that the runs of the row then had. The broken lines are
+the prices of fixed steps; times are of this machine, without compiling.
 """
 
 import os
@@ -20,7 +18,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import md
-from md.accuracy import ALLOWANCE, STEPS_PER_CONTACT, steps_per_contact
+from md.accuracy import steps_per_contact
 from md.scene import from_tables
 from md.statistics import standard_error
 from md.sweep import Point, Sweep
@@ -124,7 +122,6 @@ def data(quick: bool = False) -> Data:
         "run_per_contact": per_contact,
         "run_error": np.abs(c_x[0] / truth - 1),
         "run_periods": periods,
-        "rule": np.array([STEPS_PER_CONTACT, ALLOWANCE]),
     }
 
 
@@ -189,20 +186,6 @@ def panel(ax: Axes, d: Data) -> None:
     ax.legend(fontsize=5.5, loc="lower left", title="step", title_fontsize=6)
 
 
-def _draw_bias(ax: Axes, d: Data) -> None:
-    rule, allowance = d["rule"]
-    ax.plot([rule, 110], [allowance, allowance], color="0.5", lw=1, label="allowed for")
-    ax.plot([rule, rule], [1e-4, allowance], color="0.5", lw=1)
-    for i, colour in enumerate(_COLOURS[:-1]):
-        at = d["per_contact"][i], max(abs(d["bias"][i]), 1e-4)
-        ax.errorbar(*at, d["bias_error"][i], fmt="o", color=colour, ms=3.5, zorder=3)
-    ax.set(xscale="log", yscale="log", xlabel="steps a contact", ylim=(3e-4, 0.3), xlim=(11, 110))
-    ax.set_xticks([13, 18, 25, 36, 50, 100], ["13", "18", "25", "36", "50", "100"])
-    ax.minorticks_off()
-    ax.set_ylabel(r"|bias| of $c_x$, relative")
-    ax.legend(fontsize=6, loc="lower left")
-
-
 def _draw_runs(ax: Axes, d: Data) -> None:
     wanted = np.geomspace(0.003, 0.3, 60)
     for i in (1, 3, 5):
@@ -223,9 +206,8 @@ _MARKS = (BLACK, "s"), (BLUE, "^"), (GREEN, "D"), (RED, "v")
 
 @style
 def draw(d: Data) -> plt.Figure:
-    panels = {"drift of the row": panel, "bias of the step": _draw_bias}
-    panels |= {"by tolerance, 95 %": _draw_runs}
-    figure = painted(d, panels, figsize=(7.0, 3.0), width_ratios=(1.25, 1, 1))
+    panels = {"drift of the row": panel, "by tolerance, 95 %": _draw_runs}
+    figure = painted(d, panels, figsize=(7.0, 3.0))
     one = [f"{t:.2g} s at {name}" for t, name in zip(to_reach(d, 0.01), _labels(d), strict=True)]
     words = f"an error of 1 % (one standard error): {', '.join(one)}".replace("inf s", "never")
     figure.supxlabel(words, fontsize=5.5)

@@ -12,9 +12,12 @@ from typing import Any, NamedTuple
 import mpmath
 import numpy as np
 
-from impact import Regime
+from impact import Regime, collide
 from impact import _generated as closed
 from impact._impacts import Impacts
+from impact.benchmark import random_impacts
+
+from ..lib.style import RESTITUTION_LAWS
 
 SLIP_REGIMES = (Regime.SLIDE, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
 FIELDS = ("c_x", "c_z", "P_x", "P_z", "omega")
@@ -114,10 +117,14 @@ def reference(impacts: Impacts, law: str = "newton", digits: int = 50) -> Refere
     return Reference(regime, high, low, scale)
 
 
-def painleve_sum(impacts: Impacts) -> np.ndarray:
-    """k^2 + X^2 + mu X Z for the side to which the contact slips: <= 0 in the Painleve region."""
-    slip = np.sign(impacts.c_x - impacts.omega * impacts.Z)
-    return closed.slip_response(slip * impacts.X, impacts.Z, impacts.k, impacts.friction)[0]
+def largest_errors(n: int) -> np.ndarray:
+    """Largest error of `impact.collide` over n random impacts, in ulp, (laws, regimes)."""
+    impacts, found = random_impacts(n, seed=3), []
+    regime = reference(impacts).regime  # under any law
+    for law in RESTITUTION_LAWS:
+        error = reference(impacts, law).ulp(impacts.collide(collide, law))
+        found.append([error[regime == one].max() for one in SLIP_REGIMES])
+    return np.array(found)
 
 
 class Literal(NamedTuple):

@@ -11,7 +11,7 @@ from impact.benchmark import benchmark
 from .. import FIGURES, load
 from ..lib.style import RESTITUTION_LAWS, name_panels, style
 from ..lib.timing import machine_line
-from . import accuracy_cost_drift, accuracy_cost_ladder, accuracy_map, effect_prices
+from . import accuracy_cost_drift, accuracy_cost_ladder, effect_prices, exact_impacts
 
 PRICE_PANELS = {name: entry.panel for name, entry in FIGURES.items() if entry.panel}
 IMPACTS, CHECKED = 200_000, 20_000  # timed; compared with many digits
@@ -59,8 +59,8 @@ def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
         gain = d["sweep"][0, 0] / d["sweep"][:, 0]
         made["cores"] = _rows(("count", "gain"), d["workers"], gain)
     made["impact_ns"] = benchmark(IMPACTS)["ns_per_impact"]
-    errors = accuracy_map.table(CHECKED)
-    made["impact_ulp"] = _rows(("law", "largest"), RESTITUTION_LAWS, errors["table_max"])
+    largest = exact_impacts.largest_errors(CHECKED)
+    made["impact_ulp"] = _rows(("law", "largest"), RESTITUTION_LAWS, largest)
     return made
 
 

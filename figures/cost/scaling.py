@@ -1,10 +1,10 @@
 """Time of a period over the number of rods, and work done at once over the number of cores.
 
-(a), (b) The row of the other figures with all that a run measures, settled, at the same tilt and
-density: the length of the box grows with the number of rods. (c) Independent runs of a sweep, four
+(a) The row of the other figures with all that a run measures, settled, at the same tilt and
+density: the length of the box grows with the number of rods. (b) Independent runs of a sweep, four
 for each core, from the call to the last result in the store, processes already there; the broken
-line is the first point times the number of cores. Medians of samples taken in turn. (a) and (b) are
-times of the processor; (c) is by the clock: a machine that does other work meanwhile has less to
+line is the first point times the number of cores. Medians of samples taken in turn. (a) is the
+time of the processor; (b) is by the clock: a machine that does other work meanwhile has less to
 give.
 """
 
@@ -138,15 +138,6 @@ def panel(ax: Axes, d: Data) -> None:
     ax.legend(loc="upper left")
 
 
-def _draw_steps(ax: Axes, d: Data) -> None:
-    value, error, spread = d["row"].T
-    ax.errorbar(d["counts"], value, spread / 2, fmt="none", color="0.6", lw=2, label="middle half")
-    ax.errorbar(d["counts"], value, error, fmt="o", color=BLUE, ms=3, lw=0.8, label="median, error")
-    ax.set(xscale="log", xlabel="number of rods $N$", ylim=(0, 1.4 * value.max()))
-    ax.set_ylabel("time (ns per step of a rod)")
-    ax.legend(loc="upper left", fontsize=6)
-
-
 def _draw_cores(ax: Axes, d: Data) -> None:
     (rate, error), workers = _throughput(d), d["workers"]
     ends = np.array([0, workers[-1]])
@@ -160,7 +151,7 @@ def _draw_cores(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    panels = {"a period": panel, "a step": _draw_steps, "many runs": _draw_cores}
+    panels = {"a period": panel, "many runs": _draw_cores}
     figure = painted(d, panels, figsize=(7.0, 2.7))
     figure.supxlabel(machine_line(d["load"]))
     return figure

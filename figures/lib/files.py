@@ -16,7 +16,6 @@ SIGNATURES = {  # what a file of each kind has near its beginning
     ".png": [b"\x89PNG"],
     ".pdf": [b"%PDF"],
     ".gif": [b"GIF8"],
-    ".mp4": [b"ftyp"],
     ".json": [b'"provenance"', b'"machine"'],
     ".md": [b"# The paper's claims"],
     ".html": [b"<title>Rods on a vibrated plate"],

@@ -19,7 +19,6 @@ from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.animation import FFMpegWriter
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from PIL import Image
@@ -219,22 +218,15 @@ def _palette() -> Image.Image:
 
 @style
 def write(film: Film, path: str | Path, progress: bool = False) -> None:
-    """Write a film: a GIF, which repeats, or an MP4, which needs FFmpeg.
+    """Write a film as a GIF that repeats.
 
-    A GIF has one palette for all pictures: a fifth of the size of one palette each.
+    It has one palette for all pictures: a fifth of the size of one palette each.
     """
-    path, picture, palette = Path(path), Picture(film), _palette()
+    picture, palette = Picture(film), _palette()
     numbers = tqdm(range(film.pictures), unit=" frames", disable=None if progress else True)
     try:
-        if path.suffix == ".gif":
-            first, *rest = (picture.shot(number, palette) for number in numbers)
-            how = {"duration": 1000 // FPS, "loop": 0, "disposal": 1}
-            first.save(path, save_all=True, append_images=rest, **how)
-            return
-        writer = FFMpegWriter(fps=FPS)
-        with writer.saving(picture.figure, str(path), DPI):
-            for number in numbers:
-                picture.show(number)
-                writer.grab_frame()
+        first, *rest = (picture.shot(number, palette) for number in numbers)
+        how = {"duration": 1000 // FPS, "loop": 0, "disposal": 1}
+        first.save(path, save_all=True, append_images=rest, **how)
     finally:
         plt.close(picture.figure)
