@@ -25,17 +25,20 @@ P, F = sp.symbols("P F", real=True)
 
 @dataclass(slots=True)
 class Axiom:
-    """An assumption as a form in letters; calling it with values for them notes its use."""
+    """An assumption as a form in letters; calling it with values for them notes its use.
+
+    `lefts` are the left sides there, where values change what the form is: a force for an impulse.
+    """
 
     tag: str
     left: tuple[str, ...]  # left sides of the form's parts, LaTeX
     form: Form
     compared: str = ""  # with zero: "sign" if its sign counts alone, "zero" if it vanishes
 
-    def __call__(self, values: Mapping[sp.Symbol, sp.Expr]) -> Form:
+    def __call__(self, values: Mapping[sp.Symbol, sp.Expr], *lefts: str) -> Form:
         """Return the form with `values` for its letters."""
         value = self.form.subs(values, simultaneous=True)
-        trace.note(trace.Step("axiom", self.tag, self.left, value))
+        trace.note(trace.Step("axiom", self.tag, lefts or self.left, value))
         return value
 
 

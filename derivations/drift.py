@@ -213,7 +213,7 @@ _STOP, _REVERSE = mu * (k**2 + Z**2) + X * Z, k**2 + X**2 - mu * X * Z
 
 def _thin(form: sp.Expr, left: str) -> sp.Expr:
     """A velocity of a thin rod: its lengths put in."""
-    say("With the lengths of a thin rod", left, form)
+    say("Of any rod; into this the lengths of a thin rod are put", left, form)
     return form.subs(THIN)
 
 

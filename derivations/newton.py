@@ -41,15 +41,17 @@ g = sp.Symbol("g", positive=True)  # gravity
 plate_rate = sp.Symbol("Vdot_z", real=True)  # acceleration of the plate
 
 
-def velocity_change(p: sp.Expr) -> sp.Expr:
+def velocity_change(p: sp.Expr, left: str = "dc") -> sp.Expr:
     """Change of a component of the centre's velocity under that component of the impulse."""
-    return NEWTON({P: p})
+    return NEWTON({P: p}, left)
 
 
-def spin_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Expr:
+def spin_change(
+    p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr, left: str = r"d\omega"
+) -> sp.Expr:
     """Change of omega under an impulse at the end of a lever."""
     x, z = lever
-    return EULER({P_x: p_x, P_z: p_z, lever_x: x, lever_z: z, moment: inertia})
+    return EULER({P_x: p_x, P_z: p_z, lever_x: x, lever_z: z, moment: inertia}, left)
 
 
 @derived(r"\omega' - \omega")
@@ -77,30 +79,27 @@ def contact_velocity(lever: Lever) -> sp.Matrix:
 @derived(r"\dot v_x", r"\dot v_z")
 def contact_acceleration(f_x: sp.Expr, f_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
     r"""Acceleration of the contact point: centre, plus $\dot\omega$ and $\omega^2$ times these."""
-    centre = sp.Matrix([velocity_change(f_x), velocity_change(f_z) - g - plate_rate])
+    along, up = velocity_change(f_x, r"\dot c_x"), velocity_change(f_z, r"\dot c_z + g")
+    centre = sp.Matrix([along, up - g - plate_rate])
     say(
         "The centre accelerates against the plate",
         r"\dot c_x",
         r"\dot c_z - \dot V_z",
         tuple(centre),
     )
-    spin_rate = spin_change(f_x, f_z, lever, inertia)
-    say("The moment of the force turns the body", r"\dot\omega", spin_rate)
+    spin_rate = spin_change(f_x, f_z, lever, inertia, r"\dot\omega")
     return centre + spin_rate * _turned(lever, 1) + omega**2 * _turned(lever, 2)
 
 
-def _say_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> None:
+def _say_change(lever: Lever, inertia: sp.Expr) -> None:
     """The same change, part by part, as it is told."""
     x, z = lever
-    centre, spin = (
-        (velocity_change(p_x), velocity_change(p_z)),
-        spin_change(p_x, p_z, lever, inertia),
-    )
-    say("The impulse moves the centre", "dc_x", "dc_z", centre)
-    say("and turns the body about it", r"d\omega", spin)
+    centre = velocity_change(P_x, "dc_x"), velocity_change(P_z, "dc_z")
+    spin = spin_change(P_x, P_z, lever, inertia)
     share = centre[0] + z * spin, centre[1] - x * spin
     say(
-        f"so that the point at $({latex(x)}, {latex(z)})$ from it changes its velocity by both",
+        f"The impulse moves the centre and turns the body, and the point at $({latex(x)}, "
+        f"{latex(z)})$ from the centre changes its velocity by both",
         rf"dc_x + \left({latex(z)}\right) d\omega",
         rf"dc_z - \left({latex(x)}\right) d\omega",
         share,
@@ -110,9 +109,9 @@ def _say_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> N
 @derived("du", "dv")
 def impulsive_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
     r"""That acceleration times $\tau$, for a force $P/\tau$ and $\tau \to 0$."""
-    force = [IMPULSIVE({P: p}) for p in (P_x, P_z)]
+    force = IMPULSIVE({P: P_x}, "F_x"), IMPULSIVE({P: P_z}, "F_z")
     change = tau * contact_acceleration(*force, lever, inertia)
-    _say_change(p_x, p_z, lever, inertia)
+    _say_change(lever, inertia)
     return change.expand().subs(tau, 0).xreplace({P_x: p_x, P_z: p_z})
 
 
@@ -121,6 +120,17 @@ def contact_change(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Change of the contact velocity under an impulse, for a lever $(-X, -Z)$ and $I = m k^2$."""
     du, dv = impulsive_change(p_x, p_z, TO_CONTACT, m * k**2)
     return sp.expand(du), sp.expand(dv)
+
+
+def _of_forces(change: sp.Matrix) -> sp.Matrix:
+    """The change per time and times the mass: forces in the place of impulses."""
+    return (m * change).xreplace({P_x: F_x, P_z: F_z})
+
+
+@derived(r"m \dot v_x", r"m \dot v_z")
+def contact_force() -> sp.Matrix:
+    """Change of the contact velocity per time, times the mass: forces in the place of impulses."""
+    return _of_forces(sp.Matrix(contact_change(P_x, P_z)))
 
 
 @derived()
@@ -136,8 +146,8 @@ _force = sp.Matrix([F_x, 0, F_z])
 
 @derived(r"m \dot v_x", r"m \dot v_z")
 def tip_acceleration() -> sp.Matrix:
-    """Mass times acceleration of the rod's tip under a force there, in that limit."""
-    return (m * impulsive_change(F_x, F_z, TO_TIP, moment)).expand()
+    """Change of the contact velocity per time, times the mass: forces in the place of impulses."""
+    return _of_forces(impulsive_change(P_x, P_z, TO_TIP, moment)).expand()
 
 
 @derived(r"\alpha")
@@ -230,12 +240,12 @@ EQUATIONS = (
         "5",
         "acceleration of the contact point along the plate",
         r"m \dot{v}_x",
-        derive=lambda: m * contact_change(F_x, F_z)[0],
+        derive=lambda: contact_force()[0],
     ),
     Equation(
         "6",
         "acceleration of the contact point across the plate",
         r"m \dot{v}_z",
-        derive=lambda: m * contact_change(F_x, F_z)[1],
+        derive=lambda: contact_force()[1],
     ),
 )

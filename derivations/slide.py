@@ -12,7 +12,7 @@ from .trace import derived, say, solve
 
 def friction(p_z: sp.Expr, direction: int) -> sp.Expr:
     """Tangential impulse of friction under the normal impulse p_z, in a slip of one direction."""
-    return SLIP({F_z: p_z, sigma: sp.Integer(direction)})
+    return SLIP({F_z: p_z, sigma: sp.Integer(direction)}, "P_x")
 
 
 @derived("u")
@@ -45,7 +45,7 @@ def stop() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 @derived("c'_x", "c'_z")
 def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Velocity of the centre of mass after this impulse, by (10) and (11)."""
-    dc_x, dc_z = velocity_change(p_x), velocity_change(p_z)
+    dc_x, dc_z = velocity_change(p_x, "dc_x"), velocity_change(p_z, "dc_z")
     after = c_x + dc_x, c_z + dc_z
     if not any(c.has(u_0, v_0) for c in after):
         return after

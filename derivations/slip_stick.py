@@ -3,7 +3,7 @@
 import sympy as sp
 
 from .axioms import RESTITUTION, STICK, held
-from .newton import contact_change
+from .newton import contact_change, contact_force
 from .proof import Equation, Repair
 from .slide import cm_velocity, stop
 from .symbols import (
@@ -23,7 +23,7 @@ P_2 = sp.Symbol("P_2", positive=True)  # normal impulse after the slip has stopp
 @derived("F_x")
 def sticking_force() -> sp.Expr:
     """The friction force that keeps the contact point at rest: (5) without acceleration."""
-    held_still = m * contact_change(F_x, F_z)[0], sp.S.Zero
+    held_still = contact_force()[0], sp.S.Zero
     (force,) = solve(
         held_still, F_x, r"The contact point rests, $\dot v_x = 0$ in (5); solved for $F_x$"
     )

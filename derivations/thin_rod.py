@@ -36,7 +36,14 @@ def slide_friction() -> sp.Expr:
 def thin_slide_friction() -> sp.Expr:
     """That of a thin rod without spin on a plate at rest, $r = -c_z/c_x$."""
     rate = {ratio: (-v_0 / u_0).subs(approach()).subs({omega: 0, V_z: 0})}
-    return slide_friction().subs(rate).subs(THIN)
+    return sp.factor(slide_friction().subs(rate).subs(THIN))
+
+
+def _upright_friction() -> sp.Expr:
+    """The same at tilt 0."""
+    value = sp.factor(thin_slide_friction().subs(phi, 0))
+    say(r"At $\phi = 0$", r"\mu_c", value)
+    return value
 
 
 def _reversal() -> sp.Expr:
@@ -191,6 +198,7 @@ def _upright_slide(condition: sp.Expr) -> sp.Expr:
 
 
 _MU_C = -c_x / (4 * c_z * (1 + epsilon))
+_TWICE, _OVERLOOKING = sp.Integer(2), sp.pi / 4  # by which two mistakes come out
 _FIG_12 = {mu: sp.Rational(2, 5), epsilon: sp.Rational(13, 20), c_x: 1, c_z: -2}
 
 
@@ -271,7 +279,7 @@ EQUATIONS = (
         "IV: mu_c",
         "largest friction of continuous slide at small tilt",
         r"\mu_c",
-        derive=lambda: sp.factor(thin_slide_friction().subs(phi, 0)),
+        derive=_upright_friction,
         note="the limit of tilt 0",
     ),
     Equation(
@@ -298,8 +306,8 @@ EQUATIONS = (
         derive=lambda: critical_tilt().subs(mu, sp.Rational(3, 5)),
         contradicted_by=("23",),
         contradiction=lambda tilt: tilt.subs(mu, sp.Rational(3, 5)),
-        mistaken=lambda: 2 * critical_tilt().subs(mu, sp.Rational(3, 5)),
-        mistake=r"$2 \phi_c$ is taken for $\phi_c$",
+        mistaken=lambda: _TWICE * critical_tilt().subs(mu, sp.Rational(3, 5)),
+        mistake=rf"${_TWICE} \phi_c$ is taken for $\phi_c$",
         note=lambda: rf"$\phi_c$ is {degrees(critical_tilt().subs(mu, sp.Rational(3, 5)))} there",
     ),
     Equation(
@@ -312,8 +320,9 @@ EQUATIONS = (
         check=_last_reversal_checks,
         contradicted_by=("IV: condition for phi_c",),
         contradiction=_at_two,
-        mistaken=lambda: critical_friction().subs(THIN).subs(phi, sp.pi / 4),
-        mistake=r"the friction whose $\phi_c$ is 45 degrees is taken for the largest of all tilts",
+        mistaken=lambda: critical_friction().subs(THIN).subs(phi, _OVERLOOKING),
+        mistake=rf"the friction whose $\phi_c$ is {degrees(_OVERLOOKING)} is taken for the largest "
+        "of all tilts",
         note=lambda: (
             rf"reversal ends at $\mu = {largest_reversal_friction()[0]}$, where both critical "
             "tilts "
