@@ -64,6 +64,7 @@ from .symbols import (
     v_f,
 )
 from .trace import derived, remembered, solve
+from .words import sign
 
 Values = dict[str, Any]
 
@@ -436,6 +437,20 @@ def ways_on() -> sp.Matrix:
     return sp.Matrix([sp.factor(form) for form in forms])
 
 
+def _ways_told() -> str:
+    """The signs of both, and of their slopes over friction."""
+    stops, parts = ways_on()
+    (signs,) = {sign(stops, {X: -X}), sign(parts)}
+    slopes = [sign(form.diff(mu)) for form in (RESPONSES[T], RESPONSES[N_back])]
+    first, second = ({"positive": "rises", "negative": "falls"}[slope] for slope in slopes)
+    return (
+        f"both {signs}, as the first needs $XZ < 0$ and the second $XZ > 0$. $T$ {first} with "
+        r"friction: where friction outweighs what presses the contact apart ($N \le 0$), the slip "
+        f"stops. $N_{{back}}$ {second} with friction: where the slip turns back "
+        "($T_{back} > 0$), the contact is still pressed apart"
+    )
+
+
 def _by_mobilities(form: sp.Matrix) -> list[sp.Expr]:
     """T = -k^2 (A C - B^2)/B and N_back = k^2 (A C - B^2)/C."""
     A, B, C = (laws.mobility()[letter] for letter in (laws.A, laws.B, laws.C))
@@ -450,11 +465,6 @@ EQUATIONS = (
         verdict="new",
         derive=ways_on,
         check=_by_mobilities,
-        note=(
-            "both positive, as the first needs $XZ < 0$ and the second $XZ > 0$. $T$ rises "
-            r"with friction: where friction outweighs what presses the contact apart ($N \le"
-            " 0$), the slip stops. $N_{back}$ falls with friction: where the slip turns "
-            "back ($T_{back} > 0$), the contact is still pressed apart"
-        ),
+        note=_ways_told,
     ),
 )

@@ -366,6 +366,24 @@ def _work_told() -> str:
     )
 
 
+def _poisson_told() -> str:
+    """The sign of every term of the four energies, for B > 0."""
+    rest = sp.Symbol("s", positive=True)
+    more = {P_c: (P_1 + sp.Symbol("P_2", positive=True)) / (1 + epsilon)}
+    held, turned = {A: (B**2 + rest) / C}, {A: mu * B + rest}
+    signs = set()
+    for regime, margin in (("stick", held), ("back", {**turned, B: mu * C + rest})):
+        for order in ("early", "late"):
+            signs.add(sign(energy_by_poisson(regime, order), {**margin, **more}))
+    (every,) = signs
+    never = {"negative": "positive", "positive": "negative"}[every]
+    return (
+        f"never {never}: every term is {every} but the last one of slip-stick, late, for $B < 0$, "
+        r"and that is smaller than the one before it, as $\mu C \ge -B$ holds the contact and the "
+        "impulse after the corner is at most $P_1$"
+    )
+
+
 def _thin_told() -> str:
     """The least threshold, where, and on which side of it the paper's two values lie."""
     threshold = thin_threshold()
@@ -499,11 +517,7 @@ EQUATIONS = (
             - mu * (3 * B - mu * C) * _more**2 / 2,
         ),
         check=_poisson_from_impulses,
-        note=(
-            "never positive: every term is negative but the last one of slip-stick, late, "
-            r"for $B < 0$, and that is smaller than the one before it, as $\mu C \ge -B$ "
-            "holds the contact and the impulse after the corner is at most $P_1$"
-        ),
+        note=_poisson_told,
     ),
     Equation(
         "laws: energy, slip-stick",

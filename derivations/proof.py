@@ -123,7 +123,7 @@ class Equation:
     note: str | Callable[[], str] = ""  # what is right, where the paper is not
     repair: tuple[Repair, ...] = ()  # of an erratum: changes that make the printed form right
     mistaken: Callable[[], Form] | None = None  # or the printed value, computed as `mistake` says
-    mistake: str = ""  # in words
+    mistake: str | Callable[[], str] = ""  # in words
     contradicted_by: tuple[str, ...] = ()  # formulas of the paper that give the derived form
     contradiction: Callable[..., Form] | None = None  # what they give, of their printed forms
     at: Mapping[sp.Symbol, sp.Expr] | None = None  # replaces values of EXAMPLE
@@ -295,9 +295,10 @@ def _computed(words: Callable[[], str]) -> str:
     return words()
 
 
-def told(entry: Any) -> str:
-    """The note of an entry; what is computed in it is computed now."""
-    return entry.note if isinstance(entry.note, str) else _computed(entry.note)
+def told(entry: Any, field: str = "note") -> str:
+    """The note of an entry, or its `mistake`; what is computed in it is computed now."""
+    words = getattr(entry, field)
+    return words if isinstance(words, str) else _computed(words)
 
 
 def components(form: Form) -> tuple[sp.Expr, ...]:
@@ -437,7 +438,7 @@ def _explained(eq: Equation) -> bool:
         return small and _equal(eq.repaired, eq.derive())
     return (
         eq.mistaken is not None
-        and bool(eq.mistake)
+        and bool(told(eq, "mistake"))
         and eq.contradiction is not None
         and _equal(eq.mistaken(), eq.printed)
     )

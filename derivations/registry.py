@@ -127,7 +127,7 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
                 computed=proof.computed,
                 contradicted_by=entry.contradicted_by if equation else (),
                 repair="; ".join(repair.what for repair in entry.repair) if equation else "",
-                mistake=entry.mistake if equation else "",
+                mistake=told(entry, "mistake") if equation and proof.computed else "",
                 rests_on=entry.rests_on if equation and proof.ok else (),
             )
         )

@@ -14,6 +14,7 @@ from .words import degrees, formula, number
 stiffness, damping, speed, mass = sp.symbols("k_n gamma_n v m_r", positive=True)
 
 _30_DEGREES = {phi: sp.pi / 6}
+_FIG_10C = sp.Integer(10)  # -c_z/c_x there
 
 
 def _sign(value: sp.Expr) -> sp.Expr:
@@ -157,8 +158,8 @@ EQUATIONS = (
         derive=lambda: _sign(stationary_ratio().subs(_30_DEGREES) - 1),
         contradicted_by=("24", "25"),
         contradiction=lambda drift, up: _sign((up / drift).subs(THIN).subs(_30_DEGREES) - 1),
-        mistaken=lambda: _sign(sp.Integer(10) - 1),
-        mistake="the 10 of Fig. 10(c) is taken for typical",
+        mistaken=lambda: _sign(_FIG_10C - 1),
+        mistake=f"the {_FIG_10C} of Fig. 10(c) is taken for typical",
         note=_ratio_told,
     ),
     Equation(
