@@ -36,7 +36,7 @@ kernel, contacts, rounded           one impact, impact/_kernel.py: run on letter
                                     that know their roundings, and proved
 codegen                             expressions as functions
 languages                           the impact map in C and JavaScript (languages.toml)
-files, equations_page               impact/_generated.py; EQUATIONS.md
+files                               impact/_generated.py, EQUATIONS.md; writing files
 typeset, lecture                    formulas as LaTeX and MathML; text, letters (lecture.toml)
 exercises, steps, drawings          exercises, answered; the steps for a reader; drawings as SVG
 early_signals                       signals during imports

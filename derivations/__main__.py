@@ -99,7 +99,7 @@ def generate(language: str | None, out: Path | None) -> int:
     They are impact/_generated.py and derivations/EQUATIONS.md of a source checkout. With --language
     neither is written.
     """
-    from . import equations_page, files, languages  # for a quick --help
+    from . import files, languages  # for a quick --help
 
     if language is not None:
         if out is None:
@@ -120,7 +120,7 @@ def generate(language: str | None, out: Path | None) -> int:
         raise click.UsageError(f"generate needs a source checkout; {root} has no README.md")
     text = files.source(_bar("generating"))
     changed = {files.CLOSED_FORMS: files.write(text, files.CLOSED_FORMS)}
-    changed[equations_page.TARGET] = equations_page.refresh()
+    changed[files.EQUATIONS] = files.write(files.equations(), files.EQUATIONS)
     for path, new in changed.items():
         print(f"{path.name}: {'written' if new else 'unchanged'}")
     return 0

@@ -1,6 +1,6 @@
-"""The generated file, `impact/_generated.py`, and how files are written.
+"""The generated files, impact/_generated.py and EQUATIONS.md, and how files are written.
 
-It is committed; a test generates it again and compares bytes.
+They are committed; a test generates them again and compares bytes.
 """
 
 import hashlib
@@ -14,6 +14,10 @@ from pathlib import Path
 from . import closed_forms, codegen
 from .kernel import CLOSED_FORMS as CLOSED_FORMS
 from .kernel import KERNEL
+from .proof import told
+from .registry import ENTRIES, mistakes
+
+EQUATIONS = Path(__file__).with_name("EQUATIONS.md")
 
 _KINDS = {"b": "device", "c": "device", "d": "folder", "p": "FIFO", "s": "socket"}
 
@@ -44,6 +48,46 @@ def digest() -> str:
     found = re.search(r'^DIGEST = "(\w+)"', CLOSED_FORMS.read_text(encoding="utf-8"), re.MULTILINE)
     assert found is not None
     return found[1]
+
+
+def table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    """Return a table in Markdown; a cell is one line."""
+    lines = [header, tuple("---" for _ in header), *rows]
+    cells = ([" ".join(cell.replace("|", "\\|").split()) for cell in row] for row in lines)
+    return "\n".join(f"| {' | '.join(row)} |" for row in cells)
+
+
+def equations() -> str:
+    """Text of EQUATIONS.md: tables of mistakes, new results and numbered equations."""
+    new = [entry for entry in ENTRIES if entry.verdict == "new"]
+    noted = [entry for entry in ENTRIES if entry.verdict == "noted"]
+    numbered = [entry for entry in ENTRIES if entry.tag.removeprefix("B").isdigit()]
+    tables = {
+        "Mistakes as printed in our copy": table(
+            ("where", "as printed", "what is right"),
+            ((entry.tag, entry.what, told(entry)) for entry in mistakes()),
+        ),
+        "New results": table(
+            ("where", "what", "note"), ((entry.tag, entry.what, told(entry)) for entry in new)
+        ),
+        "Noted: words and citations": table(
+            ("where", "quoted", "what it does not fit"),
+            ((entry.tag, entry.what, told(entry)) for entry in noted),
+        ),
+        "Numbered equations": table(
+            ("equation", "what", "verdict"),
+            ((f"({entry.tag})", entry.what, entry.verdict) for entry in numbered),
+        ),
+    }
+    return (
+        "# Equations\n\n<!-- written by `python -m derivations generate`; do not edit -->\n\n"
+        f"{len(ENTRIES)} entries in all: {len(mistakes())} are mistakes of equations, numbers and "
+        f"signs as printed in our copy, {len(new)} are not in the paper, {len(noted)} are words "
+        "and "
+        "citations, quoted and not proved. `python -m derivations check` proves the others; "
+        "`python -m derivations report` writes all formulas.\n"
+        + "".join(f"\n## {title}\n\n{text}\n" for title, text in tables.items())
+    )
 
 
 def plain(path: str | Path) -> Path:

@@ -17,7 +17,6 @@ from derivations import __main__ as cli
 from derivations import (
     closed_forms,
     codegen,
-    equations_page,
     files,
     laws,
     newton,
@@ -357,8 +356,8 @@ def test_the_generated_file_is_what_the_derivations_give():
 
 
 def test_the_page_of_equations_is_that_of_the_registry():
-    text = equations_page.source()
-    assert equations_page.TARGET.read_text(encoding="utf-8") == text
+    text = files.equations()
+    assert files.EQUATIONS.read_text(encoding="utf-8") == text
     assert all(line.endswith("|") for line in text.splitlines() if line.startswith("|"))
     assert all(f"| ({tag}) |" in text for tag in NUMBERED)
     assert all(f"| {entry.tag} |" in text for entry in registry.mistakes())
