@@ -6,8 +6,6 @@ copied once. The compiled loop fills given arrays, `collide` makes fresh ones.
 "As printed": the paper's formulas, mistakes corrected.
 """
 
-from time import perf_counter
-
 import matplotlib.pyplot as plt
 import mpmath
 import numpy as np
@@ -36,9 +34,6 @@ def _arrays(n: int, checked: int) -> Data:
 
     impacts = random_impacts(n, seed=5)
     results = compiled._empty(n)
-    start = perf_counter()
-    Impacts(*(column[:1] for column in impacts)).collide(compiled.collide)
-    compile_seconds = perf_counter() - start
     loop = compiled._loop("newton")
 
     def bare():
@@ -65,7 +60,6 @@ def _arrays(n: int, checked: int) -> Data:
         "seconds": np.array(seconds) / n,
         "error": np.array(errors).T,
         "memory_seconds": np.float64(copy / n),
-        "compile_seconds": np.float64(compile_seconds),
     }
 
 
