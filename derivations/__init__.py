@@ -19,7 +19,6 @@ Files, as one reads them
 ------------------------
 symbols, paper                      the paper's letters; its formulas (paper.toml), read
 proof                               an equation, its verdict, its proof
-words                               numbers, signs and comparisons of the notes, computed
 axioms, trace                       what is assumed; what a derivation rests on, noted
 newton                              (1)-(6): the contact point's equations of motion
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact
@@ -27,17 +26,18 @@ bodies, thin_rod, drift             rods; boundaries, (23); stationary translati
 optimum, transport                  best tilt, stability; short rods, energy of transport
 landing_phases                      landing phases by the flux of impacts, and V_z with them
 laws, pairs                         other restitutions, energy; any two bodies
-appendix, statements                dimensions of Appendix A; sentences of the text
+statements                          sentences of the text; dimensions of Appendix A
 second_routes                       whole impacts from conservation laws, for the proofs
 registry                            all entries: the paper's way first, then what is new
 rewrites                            rules that make a form compute well, each one proved
 closed_forms                        what generated functions compute (functions.toml: how)
-kernel, contacts, rounded           one impact, impact/_kernel.py: run on letters and on numbers
+kernel, trials                      one impact, impact/_kernel.py: run on letters and on numbers
                                     that know their roundings, and proved
 codegen                             expressions as functions
 languages                           the impact map in C and JavaScript (languages.toml)
 files                               impact/_generated.py, EQUATIONS.md; writing files
-typeset, lecture                    formulas as LaTeX and MathML; text, letters (lecture.toml)
+typeset, lecture                    formulas as LaTeX and MathML; text, letters (lecture.toml);
+                                    numbers, signs and comparisons of the notes, computed
 exercises, steps, drawings          exercises, answered; the steps for a reader; drawings as SVG
 early_signals                       signals during imports
 lookup                              `equation`, `function`: one entry by its tag
@@ -53,14 +53,14 @@ To add an equation
    is a form that reads better than the derived one. Its verdict is "agrees" if there is none, or
    "erratum" with the `repair` that makes the printed form right and the formulas that contradict
    it; a result that the paper does not have is "new" and needs a second route, `check` (module
-   `proof`). Numbers, signs and comparisons in a note are computed (module `words`). Formulas in
+   `proof`). Numbers, signs and comparisons in a note are computed (module `lecture`). Formulas in
    sentences stand between dollar signs.
-3. If it should be a function: a `Function` in `map_functions.py` or its like derives its outputs;
+3. If it should be a function: a `Function` in `closed_forms.py` derives its outputs;
    functions.toml has its words, and the assignments that make it compute well (module `rewrites`).
-4. An algorithm goes into kernel.toml as assignments, and what its names stand for into `kernel.py`.
+4. An algorithm goes into impact/_kernel.py, and what it returns, as derived, into `kernel.py`.
 
 `check` proves it, tests/test_mutants.py tries to fool the proof, `generate` writes
-impact/_generated.py, impact/_kernel.py and EQUATIONS.md, `report` shows it.
+impact/_generated.py and EQUATIONS.md, `report` shows it.
 How it becomes public stands in `help(impact)`.
 """
 

@@ -118,11 +118,9 @@ def generate(language: str | None, out: Path | None) -> int:
     root = files.CLOSED_FORMS.parent.parent
     if not (root / "README.md").is_file():
         raise click.UsageError(f"generate needs a source checkout; {root} has no README.md")
-    text = files.source(_bar("generating"))
-    changed = {files.CLOSED_FORMS: files.write(text, files.CLOSED_FORMS)}
-    changed[files.EQUATIONS] = files.write(files.equations(), files.EQUATIONS)
-    for path, new in changed.items():
-        print(f"{path.name}: {'written' if new else 'unchanged'}")
+    texts = {files.CLOSED_FORMS: files.source(_bar("generating")), files.PAGE: files.page()}
+    for path, text in texts.items():
+        print(f"{path.name}: {'written' if files.write(text, path) else 'unchanged'}")
     return 0
 
 

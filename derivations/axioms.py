@@ -117,8 +117,7 @@ EQUATIONS = (
     Equation(
         RIGID.tag,
         r"place of the point $(\xi, \zeta)$ of a rigid body that has turned by $\vartheta$, from "
-        "the "
-        "centre of mass",
+        r"the centre of mass",
         "(x, z)",
         verdict="assumed",
         derive=lambda: RIGID({}),

@@ -159,7 +159,6 @@ BEYOND = (
         "bodies: gyration radius",
         "$k^2$ of a solid spherocylinder and of a solid cylinder",
         "(k^2_{round}, k^2_{flat})",
-        verdict="new",
         derive=lambda: (spherocylinder_gyration(), cylinder_gyration()),
         shown=(_cubic / (80 * (3 * length - diameter)), length**2 / 12 + diameter**2 / 16),
         check=_gyration_checks,
@@ -168,7 +167,6 @@ BEYOND = (
         "bodies: contact",
         "$(X, Z)$ of a spherocylinder and of a flat-ended rod on its edge",
         "(X_{round}, Z_{round}, X_{flat}, Z_{flat})",
-        verdict="new",
         derive=lambda: (*round_contact(), *flat_contact()),
         shown=(
             (length - diameter) * sp.sin(phi) / 2,

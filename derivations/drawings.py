@@ -13,7 +13,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import sympy as sp
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc
 
@@ -36,7 +35,6 @@ STYLE = {
 LAWS = {"newton": ("o", "Newton"), "poisson": ("s", "Poisson"), "stronge": ("^", "Stronge")}
 RESTITUTION = 0.5
 ROD = {length: 1, m: 1}  # a thin rod of length and mass one
-UPRIGHT, LEANING = 12, 45  # tilts in degrees, friction 0.3: friction holds the first alone
 FRICTION = 0.3
 MAP = {"approach": 2.0, "restitution": 0.65}  # -c_z/c_x, and restitution, of the map
 
@@ -74,102 +72,65 @@ def _number(expr: Any, **values: Any) -> float:
     return float(sp.sympify(expr).subs(THIN).subs(at))
 
 
-def _arrow(axes: Axes, start: tuple, end: tuple, color: str, **more: Any) -> None:
-    style = {"arrowstyle": "-|>", "color": color, "lw": 1.6, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", end, start, arrowprops=style | more)
-
-
 def geometry() -> Figure:
     """A tilted rod on the plate, with the letters of its place, motion and forces."""
     figure = Figure(figsize=(4.6, 3.6))
     axes = figure.subplots()
-    tilt = 30
-    x, z = (2 * _number(THIN[part], phi=tilt) for part in THIN if part != k)
+    x, z = (2 * _number(THIN[part], phi=30) for part in THIN if part != k)
     axes.plot([0, 2 * x], [0, 2 * z], color=GREY, lw=9, solid_capstyle="round", alpha=0.55)
-    axes.axhline(0, color="black", lw=2)
     axes.plot([x], [z], "o", color="black", ms=5)
     axes.plot([0, x, x], [z, z, 0], ":", color=GREY, lw=1)
-    axes.plot([0, 0], [0, 2 * z], "--", color=GREY, lw=1)
-    axes.add_patch(Arc((0, 0), 1.1, 1.1, theta1=90 - tilt, theta2=90, color="black"))
-    axes.add_patch(Arc((x, z), 0.55, 0.55, theta1=-60, theta2=95, color=PINK, lw=1.6))
-    _arrow(axes, (x + 0.1, z - 0.255), (x + 0.02, z - 0.275), PINK)
-    _arrow(axes, (0, 0), (0, 0.42), BLUE)
-    _arrow(axes, (0, 0), (-0.28, 0), BLUE)
-    _arrow(axes, (-0.75, 0.1), (-0.75, 0.5), "black", lw=1.2)
-    _arrow(axes, (-0.75, 0.1), (-0.35, 0.1), "black", lw=1.2)
-    _arrow(axes, (-0.6, -0.45), (-0.6, -0.08), ORANGE)
-    words = {
+    axes.axhline(0, color="black", lw=2)
+    axes.axvline(0, ls="--", color=GREY, lw=1)
+    axes.add_patch(Arc((0, 0), 1.1, 1.1, theta1=60, theta2=90))
+    # what an arrow shows: where it starts and ends, its colour, where its letter stands
+    for word, start, end, color, place in (
+        ("$F_z$", (0, 0), (0, 0.42), BLUE, (-0.17, 0.36)),
+        ("$F_x$", (0, 0), (-0.28, 0), BLUE, (-0.3, -0.16)),
+        ("$z$", (-0.75, 0.1), (-0.75, 0.5), "black", (-0.84, 0.5)),
+        ("$x$", (-0.75, 0.1), (-0.35, 0.1), "black", (-0.33, 0.12)),
+        ("$V_z$ (plate)", (-0.6, -0.45), (-0.6, -0.08), ORANGE, (-0.55, -0.36)),
+        (r"$\omega$", (x, z + 0.3), (x + 0.28, z + 0.1), PINK, (x + 0.3, z + 0.12)),
+    ):
+        curved = {"connectionstyle": "arc3,rad=-0.4"} if color == PINK else {}
+        style = {"arrowstyle": "-|>", "color": color, "lw": 1.6, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", end, start, arrowprops=style | curved)
+        axes.text(*place, word)
+    for place, word in {
         (0.12, 0.66): r"$\phi$",
         (x / 2, z + 0.06): "$X$",
         (x + 0.05, z / 2): "$Z$",
-        (x + 0.36, z - 0.06): r"$\omega$",
-        (x + 0.38, z + 0.22): r"$(c_x, c_z)$",
-        (-0.17, 0.36): "$F_z$",
-        (-0.3, -0.16): "$F_x$",
-        (-0.84, 0.5): "$z$",
-        (-0.33, 0.12): "$x$",
-        (-0.55, -0.36): "$V_z$ (plate)",
+        (x + 0.38, z + 0.3): r"$(c_x, c_z)$",
         (0.06, -0.17): "contact point: $u$ along $x$, $v$ along $z$",
         (2 * x + 0.06, 2 * z - 0.06): "length $l$",
-    }
-    for place, word in words.items():
-        axes.text(*place, word, va="baseline", fontsize=11)
+    }.items():
+        axes.text(*place, word)
     axes.set(aspect="equal", xlim=(-0.95, 1.75), ylim=(-0.55, 2 * z + 0.12))
     axes.set_axis_off()
     return figure
 
 
-def cone() -> Figure:
-    """Coulomb's cone in the plane of forces, and the force that sticking needs at two tilts."""
-    figure = Figure(figsize=(5.2, 3.1))
-    axes = figure.subplots()
-    normal = np.array([0, 1])
-    axes.fill_betweenx(normal, -FRICTION * normal, FRICTION * normal, color=BLUE, alpha=0.18)
-    for side, words, where in (
-        (-1, "slips forward:\n$F_x = -\\mu F_z$", "right"),
-        (1, "slips back:\n$F_x = \\mu F_z$", "left"),
-    ):
-        axes.plot(side * FRICTION * normal, normal, color=BLUE, lw=2)
-        axes.text(side * (FRICTION + 0.03), 0.99, words, color=BLUE, ha=where, va="top")
-    for tilt, color, height in ((UPRIGHT, GREEN, 0.86), (LEANING, ORANGE, 0.62)):
-        needed = height * _number(slip_stick.sticking_force().subs(F_z, 1), phi=tilt)
-        _arrow(axes, (0, 0), (needed, height), color)
-        held = "inside: sticks" if tilt == UPRIGHT else "outside: slips back"
-        axes.plot([], [], color=color, label=f"force that sticking needs\nat {tilt}°, {held}")
-    axes.legend(loc="lower right", fontsize=9, borderaxespad=0)
-    axes.set(
-        xlim=(-0.95, 1.3), ylim=(0, 1.04), xlabel="$F_x$ (any unit)", ylabel="$F_z$ (same unit)"
-    )
-    return figure
-
-
 # regime: tilt in degrees and u_0, under v_0 = -1; whether friction then holds it or it slips back
-IMPACTS = {"slide": (30, 2.2), "slip-stick": (UPRIGHT, 1.1), "slip reversal": (LEANING, 0.8)}
+IMPACTS = {"slide": (30, 2.2), "slip-stick": (12, 1.1), "slip reversal": (45, 0.8)}
 
 
 def path(regime: str) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Corner of a path in the plane of impulses, and its end under each law, for v_0 = -1."""
     tilt, slip = IMPACTS[regime]
     at = {"phi": tilt, "u_0": slip, "v_0": -1}
-    stop_x, stop_z, v_1 = (_number(part, **at) for part in slide.stop())
     if regime == "slide":
         end = np.array([_number(part, **at) for part in slide.impulse()])
         return end, dict.fromkeys(LAWS, end)
+    stop_x, stop_z, v_1 = (_number(part, **at) for part in slide.stop())
     later = "stick" if regime == "slip-stick" else "back"
-    slopes = {name: _number(slope, **at) for name, slope in laws.slopes().items()}
-    ratio = {"stick": _number(slip_stick.sticking_force() / F_z, **at)}
-    values = {
-        v_0: -1,
-        epsilon: RESTITUTION,
-        P_1: stop_z,
-        laws.a_1: slopes["slip"],
-        laws.a_2: slopes[later],
-    }
+    slip_slope, slope = (_number(laws.slopes()[phase], **at) for phase in ("slip", later))
+    held = slip_stick.sticking_force() / F_z if later == "stick" else mu
+    known = {v_0: -1, epsilon: RESTITUTION, P_1: stop_z, laws.a_1: slip_slope, laws.a_2: slope}
     ends = {}
     for law in LAWS:
-        v_f = float(laws.final_velocity(law, "early" if v_1 < 0 else "late").subs(values))
-        more = (v_f - v_1) / slopes[later]
-        ends[law] = np.array([stop_x + ratio.get(later, FRICTION) * more, stop_z + more])
+        v_f = laws.final_velocity(law, "early" if v_1 < 0 else "late").subs(known)
+        more = (float(v_f) - v_1) / slope
+        ends[law] = np.array([stop_x + _number(held, **at) * more, stop_z + more])
     return np.array([stop_x, stop_z]), ends
 
 
@@ -222,28 +183,20 @@ def regimes() -> Figure:
     axes.contour(tilt, friction, left, levels=[0], colors=BLUE, linewidths=2)
     held = np.ma.masked_where(left >= 0, margin)
     axes.contour(tilt, friction, held, levels=[0], colors=ORANGE, linewidths=2)
-    best, tangent = (float(x) for x in thin_rod.largest_reversal_friction())
-    axes.plot(np.degrees(np.arctan(tangent)), best, "o", color=ORANGE)
-    axes.annotate(
-        r"$\mu = 3/4$, $\tan\phi = 2$",
-        (np.degrees(np.arctan(tangent)), best),
-        (25, 0.95),
-        color="black",
-        arrowprops={"arrowstyle": "-", "color": GREY},
-    )
-    for place, word in (
-        ((20, 0.6), "slip-stick"),
-        ((60, 0.42), "slip reversal"),
-        ((82, 0.2), "slide"),
-    ):
-        axes.text(*place, word, ha="center", fontsize=11)
+    largest, tangent = (float(x) for x in thin_rod.largest_reversal_friction())
+    axes.plot(np.degrees(np.arctan(tangent)), largest, "o", color=ORANGE)
+    for place, word in {
+        (20, 0.6): "slip-stick",
+        (52, 0.42): "slip reversal",
+        (82, 0.2): "slide",
+    }.items():
+        axes.text(*place, word, ha="center")
     axes.set(xlabel=r"tilt $\phi$ (degrees)", ylabel=r"friction $\mu$", xlim=(0, 90), ylim=(0, 1.1))
     return figure
 
 
 _DRAWN: dict[str, Callable[[], Figure]] = {
     "geometry": geometry,
-    "cone": cone,
     "path-slide": partial(impulses, "slide"),
     "path-slip-stick": partial(impulses, "slip-stick"),
     "path-slip-reversal": partial(impulses, "slip reversal"),

@@ -6,6 +6,7 @@ import sympy as sp
 from . import paper, second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
 from .bodies import THIN, cylinder_gyration, flat_contact, flat_tilt
+from .lecture import PAPER, compared, degrees, formula, number, sign
 from .proof import DIGITS, Equation
 from .symbols import (
     V_0,
@@ -25,7 +26,6 @@ from .symbols import (
     theta,
 )
 from .trace import derived, say, solve
-from .words import PAPER, compared, degrees, formula, number, sign
 
 eta = sp.Symbol("eta", positive=True)  # sqrt(Gamma - 1)
 CASES = {"stick": slip_stick.impulse, "back": slip_reversal.impulse}
@@ -54,8 +54,7 @@ def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
         [(along, sp.S.Zero), (across, sp.S.Zero)],
         [c_x, c_z],
         f"The closure, $c_x - c'_x = 0$ and $c_z + c'_z = 0$, with {_EQUATIONS[case]} for "
-        "$\\omega = "
-        "0$, cleared of denominators; two linear equations, solved for $c_x$ and $c_z$",
+        "$\\omega = 0$, cleared of denominators; two linear equations, solved for $c_x$ and $c_z$",
     )
     return sp.factor(before_x), sp.factor(-before_z)
 
@@ -117,8 +116,7 @@ def onset_velocity() -> sp.Expr:
     falling = eta**2 - x**2 / 2  # Gamma sin(theta) - 1: plate acceleration over gravity
     say(
         r"The plate's acceleration over gravity less one, $\Gamma \sin\theta - 1$, to leading "
-        "order "
-        r"in $\eta$ and $x = \theta - \pi/2$; the rod leaves where it vanishes first",
+        r"order in $\eta$ and $x = \theta - \pi/2$; the rod leaves where it vanishes first",
         r"\Gamma \sin\theta - 1",
         falling,
     )
@@ -242,10 +240,9 @@ def _slide_told() -> str:
     falls = sp.Symbol("v_0", negative=True)
     loss = slide_loss().subs(c_z, V_z + falls).subs(falls, -1).subs(X, 0)
     return (
-        f"{sign(loss)} for every friction above zero ($v_0 < 0$), so the closure excludes slide in "
-        "the stationary landing itself; it does not exclude single slides in a scatter of "
-        "landings, "
-        "and without friction nothing is excluded"
+        f"{sign(loss)} for every friction above zero ($v_0 < 0$), so the closure excludes slide "
+        f"in the stationary landing itself; it does not exclude single slides in a scatter of "
+        f"landings, and without friction nothing is excluded"
     )
 
 
@@ -268,11 +265,9 @@ def _again_told() -> str:
     slower = compared(thin.subs(phi, tilt + sp.Rational(1, 10)), 0, ("faster", "more slowly"))
     return (
         f"from {degrees(tilt)} on, for a thin rod and the paper's restitution, "
-        f"{number(PAPER[epsilon])}, "
-        f"the centre leaves {slower} than the plate: there the rod separates only because it "
-        "spins, "
-        "and without spin it is hit again at once; beyond it (24)-(30) hold formally, not as one "
-        "isolated landing a flight"
+        f"{number(PAPER[epsilon])}, the centre leaves {slower} than the plate: there the rod "
+        f"separates only because it spins, and without spin it is hit again at once; beyond it "
+        f"(24)-(30) hold formally, not as one isolated landing a flight"
     )
 
 
@@ -292,9 +287,8 @@ def _against_told() -> str:
 def _flat_told() -> str:
     tilt = flat_tilt().subs({diameter: 1, length: 8})
     return (
-        f"from $X = 0$: {degrees(tilt)} for the experiment's $l = 8 d$, which reports motion "
-        "from 8 "
-        "degrees on"
+        f"from $X = 0$: {degrees(tilt)} for the experiment's $l = 8 d$, which reports motion from "
+        f"8 degrees on"
     )
 
 
@@ -303,7 +297,6 @@ EQUATIONS = (
         "V: no slide",
         "change of $c_x$ in a slide",
         "c'_x - c_x",
-        verdict="new",
         derive=slide_loss,
         check=lambda form: (second_routes.impact("slide")[0].subs(omega, 0) - c_x - form,),
         note=_slide_told,
@@ -326,7 +319,6 @@ EQUATIONS = (
         "V: (27) from (21)",
         "drift by the closure from (21) and (22) as they are printed",
         "c'_x",
-        verdict="new",
         derive=from_printed,
         check=_by_the_wrong_sign,
         note=_witness_told,
@@ -393,7 +385,6 @@ BEYOND = (
         "exponent of $V_z$ of a single perfectly inelastic rod",
         r"[d\ln V_z/d\ln(\Gamma - 1)]_{\Gamma = 1}",
         where=lambda: {"V_z": V_0 * onset_velocity().subs(eta, sp.sqrt(Gamma - 1))},
-        verdict="new",
         derive=lambda: _exponent(V_0 * onset_velocity().subs(eta, sp.sqrt(Gamma - 1))),
         # take-off and landing phase scale alike: x^2/(Gamma - 1) is a number
         check=lambda form: (sp.diff((Gamma - 1) ** (2 * form) / (Gamma - 1), Gamma),),
@@ -402,7 +393,6 @@ BEYOND = (
         "V: inelastic onset",
         r"$V_z/V_0$ of the first landing of a perfectly inelastic rod, $\eta = \sqrt{\Gamma - 1}$",
         "V_z/V_0",
-        verdict="new",
         derive=onset_velocity,
         check=_onset_by_numbers,
         note=lambda: (
@@ -414,22 +404,19 @@ BEYOND = (
         "V: landing",
         "$v_0$ of the stationary landing",
         "v_0",
-        verdict="new",
         derive=lambda: landing_velocity("stick"),
         shown=-2 * (k**2 + X**2) * V_z / _LOSSY,
         check=lambda form: _landed(form + V_z),
         note=lambda: (
             f"{sign(landing_velocity('stick'))} for $V_z > 0$ and "
-            f"{sign(-landing_velocity('stick'))} for "
-            "$V_z < 0$, where the closure has no impact: a small negative $V_z$ cannot by itself "
-            "explain a reverse drift"
+            f"{sign(-landing_velocity('stick'))} for $V_z < 0$, where the closure has no impact: "
+            f"a small negative $V_z$ cannot by itself explain a reverse drift"
         ),
     ),
     Equation(
         "V: hit again at once",
         "by what the centre leaves faster than the plate in the stationary landing",
         "c'_z - V_z",
-        verdict="new",
         derive=centre_excess,
         shown=2 * (epsilon * k**2 - X**2) * V_z / _LOSSY,
         check=lambda form: _landed(-form - V_z),
@@ -439,7 +426,6 @@ BEYOND = (
         "V: relaxation",
         "what a landing leaves of a deviation in $c_x$: slip-stick, slip reversal",
         r"([\partial c'_x/\partial c_x]_{stick}, [\partial c'_x/\partial c_x]_{back})",
-        verdict="new",
         derive=lambda: (relaxation("stick"), relaxation("back")),
         shown=(Z**2 / (k**2 + X**2 + Z**2), 1 - 2 * mu * k**2 * (k**2 + X**2) / (_STOP * _REVERSE)),
         check=_left_of_a_deviation,
@@ -448,7 +434,6 @@ BEYOND = (
         "V: friction to zero",
         r"(27) at $\mu \to 0$ over (24)",
         "c'_x(27)/c'_x(24)",
-        verdict="new",
         derive=without_friction,
         check=_balance_of_impulses,
         note=_friction_told,
@@ -457,7 +442,6 @@ BEYOND = (
         "V: flat end",
         lambda: f"tilt {_against_told()} which a flat-ended rod drifts against its tilt",
         r"\phi_{flat}",
-        verdict="new",
         derive=flat_tilt,
         shown=sp.atan(diameter / length),
         check=lambda form: (flat_contact()[1].diff(phi).subs(phi, form),),
@@ -467,7 +451,6 @@ BEYOND = (
         "V: flat end at tilt 0",
         "drift of a flat-ended rod in slip-stick as its tilt goes to 0 from above",
         "c'_x",
-        verdict="new",
         derive=flat_start,
         shown=-24 * (1 + epsilon) * diameter * length * V_z / _FLAT,
         check=_flat_landing,

@@ -1,6 +1,6 @@
-"""The generated files, impact/_generated.py and EQUATIONS.md, and how files are written.
+"""The generated files, `impact/_generated.py` and `EQUATIONS.md`, and how files are written.
 
-They are committed; a test generates them again and compares bytes.
+Both are committed; tests generate them again and compare bytes.
 """
 
 import hashlib
@@ -17,8 +17,7 @@ from .kernel import KERNEL
 from .proof import told
 from .registry import ENTRIES, mistakes
 
-EQUATIONS = Path(__file__).with_name("EQUATIONS.md")
-
+PAGE = Path(__file__).with_name("EQUATIONS.md")
 _KINDS = {"b": "device", "c": "device", "d": "folder", "p": "FIFO", "s": "socket"}
 
 _HEAD = '''"""Closed forms of frictional impacts: of a rod on a plate, of any two bodies.
@@ -43,51 +42,48 @@ def source(progress: Callable[[Iterable], Iterable] = iter) -> str:
     return _HEAD.format(digest=digest) + "\n\n" + forms
 
 
+def _table(head: str, rows: Iterable[tuple[str, ...]]) -> str:
+    """A table in Markdown below its title; the head is written as one, a cell is one line."""
+    title, *columns = head.split(" | ")
+    lines = [tuple(columns), tuple("---" for _ in columns), *rows]
+    cells = ([" ".join(cell.replace("|", "\\|").split()) for cell in row] for row in lines)
+    return f"\n## {title}\n\n" + "\n".join(f"| {' | '.join(row)} |" for row in cells) + "\n"
+
+
+def page() -> str:
+    """Text of EQUATIONS.md: the mistakes, the new results, what is noted, numbered equations."""
+    told_of = {
+        verdict: [(x.tag, x.what, told(x)) for x in ENTRIES if x.verdict == verdict]
+        for verdict in ("erratum", "new", "noted")
+    }
+    numbered = [x for x in ENTRIES if x.tag.removeprefix("B").isdigit()]
+    return (
+        "# Equations\n\n<!-- written by `python -m derivations generate`; do not edit -->\n\n"
+        f"{len(ENTRIES)} entries in all: {len(mistakes())} are mistakes of equations, numbers and "
+        f"signs as printed in our copy, {len(told_of['new'])} are not in the paper, "
+        f"{len(told_of['noted'])} are words and citations, quoted and not proved. `python -m "
+        "derivations check` proves the others; `python -m derivations report` writes all "
+        "formulas.\n"
+        + _table(
+            "Mistakes as printed in our copy | where | as printed | what is right",
+            told_of["erratum"],
+        )
+        + _table("New results | where | what | note", told_of["new"])
+        + _table(
+            "Noted: words and citations | where | quoted | what it does not fit", told_of["noted"]
+        )
+        + _table(
+            "Numbered equations | equation | what | verdict",
+            ((f"({x.tag})", x.what, x.verdict) for x in numbered),
+        )
+    )
+
+
 def digest() -> str:
     """Digest of the closed forms and the kernel, as the committed file has it."""
     found = re.search(r'^DIGEST = "(\w+)"', CLOSED_FORMS.read_text(encoding="utf-8"), re.MULTILINE)
     assert found is not None
     return found[1]
-
-
-def table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
-    """Return a table in Markdown; a cell is one line."""
-    lines = [header, tuple("---" for _ in header), *rows]
-    cells = ([" ".join(cell.replace("|", "\\|").split()) for cell in row] for row in lines)
-    return "\n".join(f"| {' | '.join(row)} |" for row in cells)
-
-
-def equations() -> str:
-    """Text of EQUATIONS.md: tables of mistakes, new results and numbered equations."""
-    new = [entry for entry in ENTRIES if entry.verdict == "new"]
-    noted = [entry for entry in ENTRIES if entry.verdict == "noted"]
-    numbered = [entry for entry in ENTRIES if entry.tag.removeprefix("B").isdigit()]
-    tables = {
-        "Mistakes as printed in our copy": table(
-            ("where", "as printed", "what is right"),
-            ((entry.tag, entry.what, told(entry)) for entry in mistakes()),
-        ),
-        "New results": table(
-            ("where", "what", "note"), ((entry.tag, entry.what, told(entry)) for entry in new)
-        ),
-        "Noted: words and citations": table(
-            ("where", "quoted", "what it does not fit"),
-            ((entry.tag, entry.what, told(entry)) for entry in noted),
-        ),
-        "Numbered equations": table(
-            ("equation", "what", "verdict"),
-            ((f"({entry.tag})", entry.what, entry.verdict) for entry in numbered),
-        ),
-    }
-    return (
-        "# Equations\n\n<!-- written by `python -m derivations generate`; do not edit -->\n\n"
-        f"{len(ENTRIES)} entries in all: {len(mistakes())} are mistakes of equations, numbers and "
-        f"signs as printed in our copy, {len(new)} are not in the paper, {len(noted)} are words "
-        "and "
-        "citations, quoted and not proved. `python -m derivations check` proves the others; "
-        "`python -m derivations report` writes all formulas.\n"
-        + "".join(f"\n## {title}\n\n{text}\n" for title, text in tables.items())
-    )
 
 
 def plain(path: str | Path) -> Path:

@@ -9,7 +9,7 @@ slip (`RESPONSES`) and u_* what a slide would leave of the slip, the code's bran
 
 It holds inside the Painleve region (N <= 0) too, where slip always stops and friction always
 holds. The code is plain arithmetic and choices, so it runs on whatever numbers its primitives are
-made for. A proof runs it in every situation of `contacts`, under each law, on
+made for. A proof runs it in every situation of `trials`, under each law, on
 
 numbers   of 60 digits, each with what every rounding on its way would add to it, to first order:
           the regime is that of the only history of the impact that obeys all laws, and what is
@@ -38,12 +38,11 @@ import sympy as sp
 
 from . import laws, slide, slip_reversal, slip_stick
 from .axioms import RESTITUTION
-from .contacts import SIDE, Situation, numbers, situations
 from .laws import a_1, a_2
+from .lecture import sign
 from .newton import approach, spin_jump
 from .proof import DIGITS, Equation, Proof, Verdict, is_zero
 from .rewrites import RESPONSES, N, N_back, T, T_back
-from .rounded import Rounded
 from .symbols import (
     P_1,
     P_x,
@@ -64,7 +63,7 @@ from .symbols import (
     v_f,
 )
 from .trace import derived, remembered, solve
-from .words import sign
+from .trials import SIDE, Rounded, Situation, numbers, situations
 
 Values = dict[str, Any]
 
@@ -462,7 +461,6 @@ EQUATIONS = (
         "kernel: one way on",
         ("$T$ at the friction where $N = 0$, $N_{back}$ at the friction where $T_{back} = 0$"),
         "(T, N_{back})",
-        verdict="new",
         derive=ways_on,
         check=_by_mobilities,
         note=_ways_told,

@@ -14,10 +14,10 @@ import sympy as sp
 from . import paper
 from .bodies import THIN
 from .drift import stationary
+from .lecture import PAPER, degrees, number
 from .proof import DIGITS, Equation
 from .symbols import V_z, epsilon, phi, theta
 from .trace import derived, solve
-from .words import PAPER, degrees, number
 
 q = sp.Symbol("q", positive=True)  # |c_z|/V_0
 theta_0, theta_s = sp.symbols("theta_0 theta_s", real=True)  # end and start of the landing phases
@@ -195,8 +195,7 @@ def _closure_told() -> str:
     return (
         f"what is left of $V_z = V_0/2$: it holds where $b = {half}$, the least; for the paper's "
         f"restitution, {number(PAPER[epsilon])}, it is {number(alpha.subs(bounce, upright))} for "
-        "upright "
-        "rods"
+        f"upright rods"
         if half == least
         else ""
     )
@@ -211,7 +210,6 @@ EQUATIONS = (
             r"$\theta_s$ to $\theta_0$"
         ),
         r"H(\theta)",
-        verdict="new",
         derive=density,
         shown=(1 + sp.cos(theta) / q) / (2 * sp.pi),
         check=_density_checks,
@@ -224,7 +222,6 @@ EQUATIONS = (
         "V: alpha by flux",
         r"$V_z/V_0$ with that density, $q \ge 1$",
         "V_z/V_0",
-        verdict="new",
         derive=lambda: mean_speed(False),
         check=_fast_quadrature,
     ),
@@ -236,20 +233,17 @@ EQUATIONS = (
             "that it has not met"
         ),
         r"s(\theta_s)",
-        verdict="new",
         derive=shadow,
         shown=sp.sin(theta_0) - sp.sin(theta_s) - q * (2 * sp.pi + theta_s - theta_0),
         check=_shadow_of_a_rod,
         note=(
-            r"a rod lands at its first contact; the plate meets rods from $\theta_s$ to "
-            r"$\theta_0$"
+            r"a rod lands at its first contact; the plate meets rods from $\theta_s$ to $\theta_0$"
         ),
     ),
     Equation(
         "V: alpha by flux, slow",
         "$V_z/V_0$ of first contacts, $q < 1$",
         "V_z/V_0",
-        verdict="new",
         derive=lambda: mean_speed(True),
         shown=(
             2 * (theta_0 - theta_s)
@@ -268,25 +262,19 @@ EQUATIONS = (
             "with $b = c_z'/V_z$; and the smallest $b$ for which that holds"
         ),
         "(V_z/V_0, b_{min})",
-        verdict="new",
         derive=consistent_alpha,
         check=_consistent_checks,
         note=_closure_told,
     ),
     Equation(
         "V: tilt of one half",
-        (
-            r"$\sin^2\phi$ of a thin rod at which $V_z = V_0/2$ is consistent with the "
-            "closure"
-        ),
+        (r"$\sin^2\phi$ of a thin rod at which $V_z = V_0/2$ is consistent with the closure"),
         r"\sin^2\phi",
-        verdict="new",
         derive=tilt_of_one_half,
         check=_half_checks,
         note=lambda: (
             f"{degrees(sp.asin(sp.sqrt(tilt_of_one_half().subs(PAPER))))} for the paper's "
-            "restitution, "
-            f"{number(PAPER[epsilon])}"
+            f"restitution, {number(PAPER[epsilon])}"
         ),
     ),
 )

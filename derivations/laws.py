@@ -15,6 +15,7 @@ import sympy as sp
 from . import second_routes
 from .axioms import RESTITUTION
 from .bodies import THIN
+from .lecture import PAPER, compared, degrees, number, sign
 from .newton import contact_change
 from .proof import Equation
 from .slip_reversal import reversed_change
@@ -40,7 +41,6 @@ from .symbols import (
     v_f,
 )
 from .trace import derived, solve
-from .words import PAPER, compared, degrees, number, sign
 
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point, per unit mass: du = C P_x - B P_z, dv = A P_z - B P_x.
@@ -333,21 +333,14 @@ _kept = (1 - epsilon**2) * P_c**2
 _more = (1 + epsilon) * P_c - P_1
 
 
-def _energy_told(regime: str, letter: sp.Symbol) -> tuple[str, str]:
-    """On which side of the threshold an impact can gain energy: of kappa, and of epsilon."""
-    point = {A: 3, B: sp.Rational(3, 2), C: 2, mu: sp.Rational(1, 5), v_0: -1}
-    edge = energy_threshold(regime).subs(point)
-    change = energy_change(regime).subs(epsilon, (1 - letter) / (1 + letter)).subs(point)
-    gains = {}
-    for side in (sp.Rational(9, 10), sp.Rational(11, 10)):
-        curve = sp.Poly(sp.numer(sp.together(change.subs(letter, edge * side))), u_0)
-        gains[curve.discriminant().evalf() > 0] = side
-    side = compared(gains[True], sp.S.One)
-    return side, {"below": "above", "above": "below"}[side]
+def _lossless_gains(regime: str) -> bool:
+    """Whether impacts of restitution 1 can gain energy: those on that side of the threshold."""
+    lossless = second_routes.energy_created(regime).subs(epsilon, 1)
+    return bool(lossless.subs({X: 1, Z: 1, k: 1, mu: sp.Rational(1, 5)}) > 0)
 
 
 def _threshold_told(regime: str) -> str:
-    side, _ = _energy_told(regime, kappa)
+    side = "below" if _lossless_gains(regime) else "above"
     return rf"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is {side} this"
 
 
@@ -403,7 +396,6 @@ EQUATIONS = (
         "laws: slopes",
         r"$m\,dv/dP_z$ while slipping forward, sticking and slipping back",
         "(a_{slip}, a_{stick}, a_{back})",
-        verdict="new",
         derive=lambda: tuple(slopes()[name] for name in ("slip", "stick", "back")),
         check=_slopes_by_spin,
     ),
@@ -411,7 +403,6 @@ EQUATIONS = (
         "laws: energy",
         "energy change of any impact from the impulse and the contact velocities",
         r"\Delta E",
-        verdict="new",
         derive=energy_of_impulse,
         check=_kinetic_energy,
         note=("the mean contact velocity times the impulse; equal to the change of kinetic energy"),
@@ -420,7 +411,6 @@ EQUATIONS = (
         "laws: energy of a stopped slip",
         "energy change under Newton's law, per unit mass: slip-stick, slip reversal",
         r"(\Delta E_{stick}, \Delta E_{back})",
-        verdict="new",
         derive=lambda: (energy_change("stick"), energy_change("back")),
         shown=(
             -(A * u_0**2 + 2 * B * u_0 * v_0 + (1 - epsilon**2) * C * v_0**2)
@@ -435,7 +425,6 @@ EQUATIONS = (
         "laws: Poisson",
         "$v_f$ under Poisson's restitution: slip stops early, late",
         "(v_{f, early}, v_{f, late})",
-        verdict="new",
         derive=lambda: tuple(final_velocity("poisson", o) for o in ("early", "late")),
         shown=(epsilon * (a_2 * P_1 - V_1), V_1 - a_2 / a_1 * (V_1 + epsilon * v_0)),
         check=_impulses_in_proportion,
@@ -444,7 +433,6 @@ EQUATIONS = (
         "laws: Stronge",
         "$v_f$ under Stronge's restitution: slip stops early, late",
         "(v_{f, early}, v_{f, late})",
-        verdict="new",
         derive=lambda: tuple(final_velocity("stronge", o) for o in ("early", "late")),
         shown=(
             epsilon * sp.sqrt(V_1**2 - a_2 * P_1 * (v_0 + V_1)),
@@ -456,7 +444,6 @@ EQUATIONS = (
         "laws: slide",
         "without a corner the three laws say the same",
         "v_f^2",
-        verdict="new",
         derive=lambda: final_velocity("stronge", "late").subs(a_2, a_1) ** 2,
         where=lambda: {"v_f": RESTITUTION({})},
         shown=epsilon**2 * v_0**2,
@@ -465,12 +452,8 @@ EQUATIONS = (
     ),
     Equation(
         "laws: impact without collision",
-        (
-            r"$v_f$ as $v_0 \to 0-$ in the Painlevé region, $a = -a_1$: Newton, Poisson, "
-            "Stronge"
-        ),
+        (r"$v_f$ as $v_0 \to 0-$ in the Painlevé region, $a = -a_1$: Newton, Poisson, Stronge"),
         "(v_{f, Newton}, v_{f, Poisson}, v_{f, Stronge})",
-        verdict="new",
         derive=limits,
         check=_thrown_up,
         note=("the rod is thrown up by friction alone; the impulse stays finite under every law"),
@@ -479,7 +462,6 @@ EQUATIONS = (
         "laws: work of friction",
         ("work of friction if the slip stops at $P_1$, per unit mass: slip-stick, slip reversal"),
         "(W_{stick}, W_{back})",
-        verdict="new",
         derive=lambda: (friction_work("stick"), friction_work("back")),
         shown=(
             -mu * (mu * C + B) * P_1**2 / 2,
@@ -498,7 +480,6 @@ EQUATIONS = (
             r"(\Delta E_{stick, early}, \Delta E_{back, early}, \Delta E_{stick, late}, "
             r"\Delta E_{back, late})"
         ),
-        verdict="new",
         derive=lambda: tuple(
             energy_by_poisson(regime, order)
             for order in ("early", "late")
@@ -523,7 +504,6 @@ EQUATIONS = (
         "laws: energy, slip-stick",
         lambda: _threshold_told("stick"),
         r"\kappa_c",
-        verdict="new",
         derive=lambda: energy_threshold("stick"),
         shown=(sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2,
         check=lambda form: (
@@ -535,7 +515,6 @@ EQUATIONS = (
         "laws: energy, slip reversal",
         lambda: _threshold_told("back"),
         r"\kappa_c",
-        verdict="new",
         derive=lambda: energy_threshold("back"),
         shown=(sp.sqrt(A) - sp.sqrt(A - mu**2 * C)) ** 2 / (mu * B),
         check=lambda form: (_created("back", form),),
@@ -543,12 +522,10 @@ EQUATIONS = (
     Equation(
         "laws: energy, thin rod",
         lambda: (
-            f"restitution {_energy_told('stick', kappa)[1]} which Newton's law can create energy "
-            "in "
-            "slip-stick, thin rod"
+            f"restitution {'above' if _lossless_gains('stick') else 'below'} which Newton's law "
+            "can create energy in slip-stick, thin rod"
         ),
         r"\epsilon_c",
-        verdict="new",
         derive=thin_threshold,
         shown=4 / sp.sqrt(16 + 9 * sp.sin(2 * phi) ** 2),
         check=lambda form: (_created("stick", (1 - form) / (1 + form)).subs(_THIN_LENGTHS),),

@@ -1,4 +1,4 @@
-"""The report's words, from lecture.toml, and sentences as HTML, as LaTeX and as plain text.
+"""The report's words: from lecture.toml, as HTML, LaTeX and plain text; those that are computed.
 
 In `the slip $u_0 > 0$ of (14)` the formula is LaTeX, and the number of an equation may become a
 link. Between backquotes stands code. A letter of the table has one meaning; dimensions are
@@ -8,12 +8,14 @@ monomials in mass, length and time, 1 is a number.
 import html
 import re
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from importlib import resources
 from typing import NamedTuple
 
 import sympy as sp
 
+from .proof import components
+from .symbols import V_z, X, Z, epsilon, k, mu, phi
 from .typeset import latex, mathml, words
 
 
@@ -106,3 +108,64 @@ def to_text(text: str) -> str:
     text = re.sub(r"\^\{(\w+/\w+)\}", r"^(\1)", text)
     text = re.sub(r"\\sqrt\{(.*?)\}", r"sqrt(\1)", text)
     return re.sub(r"\\mathrm|[\\${}]", "", text)
+
+
+# ---- words of the notes that are computed --------------------------------------------------------
+
+PAPER = {epsilon: sp.Rational(13, 20), mu: sp.Rational(3, 10)}  # of Figs. 11 and 13
+
+
+def number(value: sp.Expr, digits: int = 2) -> str:
+    """A value with so many digits that count, such as 0.76."""
+    return f"{float(f'{float(value):.{digits}g}'):.12g}"
+
+
+def degrees(angle: sp.Expr, digits: int = 1) -> str:
+    """An angle in rad, said in degrees."""
+    return f"{float(sp.deg(angle)):.{digits}f}".removesuffix(".0") + " degrees"
+
+
+def percent(part: sp.Expr) -> str:
+    """A ratio, said in percent."""
+    return f"{number(100 * part)} %"
+
+
+def formula(form: sp.Expr) -> str:
+    """A form between dollar signs."""
+    return f"${latex(form)}$"
+
+
+def compared(one: sp.Expr, other: sp.Expr, words: tuple[str, str] = ("above", "below")) -> str:
+    """The first word where one value is larger than the other, the second where it is smaller."""
+    difference = sp.N(one - other, 30)
+    if not difference.is_comparable or difference == 0:
+        raise ValueError(f"{one} and {other} cannot be told apart")
+    return words[0] if difference > 0 else words[1]
+
+
+def extreme(form: sp.Expr, letter: sp.Symbol, there: sp.Expr, at: Mapping) -> str:
+    """`largest` or `least`: what a form of a letter is there, beside both its neighbours."""
+    value = form.subs(letter, there).subs(at)
+    beside = [form.subs(letter, there * x).subs(at) - value for x in (0.9, 1.1)]
+    (word,) = {compared(x, sp.S.Zero, ("least", "largest")) for x in beside}
+    return word
+
+
+def sign(form: sp.Expr | sp.MatrixBase, put: Mapping = {}) -> str:
+    """`negative` or `positive`: what a form is for any positive lengths, speeds, friction.
+
+    0 < epsilon < 1; `put` says what letters stand for first. ValueError where it has no one sign.
+    """
+    inelastic = sp.Symbol("loss", positive=True)  # (1 - epsilon)/epsilon
+    letters = {x: sp.Symbol(str(x), positive=True) for x in (X, Z, k, mu, V_z)}
+    letters |= {sp.sin(phi): sp.Symbol("sin", positive=True), epsilon: 1 / (1 + inelastic)}
+    letters[sp.cos(phi)] = sp.Symbol("cos", positive=True)
+    found = set()
+    for part in components(form):
+        whole = sp.factor(sp.cancel(sp.together(part.subs(put).subs(letters))))
+        sides = (sp.Mul.make_args(side) for side in sp.fraction(whole))
+        value = sp.Mul(*(sp.expand(factor) for factors in sides for factor in factors))
+        found.add("positive" if value.is_positive else "negative" if value.is_negative else "")
+    if len(found) != 1 or "" in found:
+        raise ValueError(f"{form} has no one sign")
+    return found.pop()

@@ -16,7 +16,7 @@ _ENTRIES = {entry.tag: entry for entry in ENTRIES}
 _BY_LETTERS = {tag.lower(): entry for tag, entry in _ENTRIES.items()}
 
 
-def _entry(tag: str | int) -> Equation:
+def entry_of(tag: str | int) -> Equation:
     """Find the equation of a tag, however it is written; raise `ValueError` if there is none."""
     written = str(tag).strip().lower()
     entry = _BY_LETTERS.get(written) or _BY_LETTERS.get(written.removeprefix("(").removesuffix(")"))
@@ -67,7 +67,7 @@ def equation(tag: str | int, *, printed: bool = False) -> Form:
     >>> derivations.equation("16")
     mu*(Z**2 + k**2) > X*Z
     """
-    entry = _entry(tag)
+    entry = entry_of(tag)
     if printed and entry.printed is None:
         raise ValueError(f"printed must be False for {tag!r}: the paper does not print it")
     form = entry.printed if printed else entry.readable()
@@ -124,7 +124,7 @@ def function(tag: str | int) -> Callable[..., Any]:
     >>> drift(X=X, Z=Z, k=0.3, mu=0.3, epsilon=0.65, V_z=1.0).round(3)
     array([2.588, 1.748])
     """
-    form, tag = equation(tag).doit(), _entry(tag).tag
+    form, tag = equation(tag).doit(), entry_of(tag).tag
     order = [*NAMED.values(), *sorted(form.free_symbols, key=str)]
     letters = sorted(form.free_symbols, key=order.index)
     vector = isinstance(form, sp.MatrixBase)
@@ -142,6 +142,6 @@ def function(tag: str | int) -> Callable[..., Any]:
         return tuple(_spread(one, shape) for one in found) if vector else _spread(found, shape)
 
     evaluated.__name__ = evaluated.__qualname__ = f"equation_{tag}"
-    evaluated.__doc__ = f"{tag}, {_entry(tag).what}: {form}."
+    evaluated.__doc__ = f"{tag}, {entry_of(tag).what}: {form}."
     evaluated.__signature__ = signature  # type: ignore[attr-defined]
     return evaluated

@@ -201,15 +201,13 @@ EQUATIONS = (
         derive=lambda: tip_acceleration().subs(moment, m * length**2 / (4 * alpha)),
         note=lambda: (
             rf"with $\alpha = {latex(alpha_of_4())}$, which the text does not define; after (30) "
-            "it "
-            "uses the letter for another ratio"
+            rf"it uses the letter for another ratio"
         ),
     ),
     Equation(
         "IV: dropped in (4)",
         "what (4) leaves out: the rod's rotation, gravity and the acceleration of the plate",
         r"(\delta(m \dot v_x), \delta(m \dot v_z))",
-        verdict="new",
         derive=dropped_terms,
         shown=(
             m * omega**2 * length / 2 * sp.sin(phi),
@@ -222,7 +220,6 @@ EQUATIONS = (
         "IV: alpha",
         r"the constant $\alpha$ of (4)",
         r"\alpha",
-        verdict="new",
         derive=alpha_of_4,
         check=_alpha_by_energy,
         note=lambda: f"{latex(alpha_of_4().subs(moment, m * length**2 / 12))} for a thin rod",
@@ -231,7 +228,6 @@ EQUATIONS = (
         "IV: spin",
         "change of spin under an impulse at the contact point",
         r"\omega' - \omega",
-        verdict="new",
         derive=lambda: spin_jump(P_x, P_z),
         # the impulse passes through the contact point and keeps the spin about it
         check=lambda form: (k**2 * form + Z * velocity_change(P_x) - X * velocity_change(P_z),),

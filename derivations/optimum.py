@@ -11,12 +11,12 @@ from . import second_routes
 from .bodies import T, over_tangent
 from .drift import CASES, NAMES, landing, landing_velocity, stationary
 from .laws import slopes
+from .lecture import PAPER, compared, degrees, extreme, formula, number, sign
 from .proof import Equation
 from .slide import slide_excess
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, u_0, v_0
 from .thin_rod import critical_friction, critical_tangents
 from .trace import derived, solve
-from .words import PAPER, compared, degrees, extreme, formula, number, sign
 
 
 @derived("c_x/V_z")
@@ -241,7 +241,6 @@ EQUATIONS = (
             rf"$\tan\phi$ of the {_extreme('stick')} drift (26) of a thin rod, and it over $V_z$"
         ),
         r"(\tan\phi, c_x/V_z)",
-        verdict="new",
         derive=lambda: optimum("stick"),
         shown=(sp.sqrt(_a / _b), 3 * (1 + epsilon) / sp.sqrt(_a * _b)),
         check=lambda form: _is_largest("stick", form),
@@ -253,7 +252,6 @@ EQUATIONS = (
             rf"$\tan\phi$ of the {_extreme('back')} drift (29) of a thin rod, and it over $V_z$"
         ),
         r"(\tan\phi, c_x/V_z)",
-        verdict="new",
         derive=lambda: optimum("back"),
         shown=(
             _a / (mu * (9 - epsilon) + _root),
@@ -265,7 +263,6 @@ EQUATIONS = (
         "V: optimum, corner",
         "between these two frictions the best tilt is the critical one",
         r"(\mu_{back}, \mu_{stick})",
-        verdict="new",
         derive=corner_frictions,
         shown=(
             3 * sp.sqrt(2 * _b * (_corner - 81 + 9 * epsilon)) / (_corner - 25 + epsilon),
@@ -277,15 +274,13 @@ EQUATIONS = (
     Equation(
         "V: stability",
         (
-            "stability of the stationary landing: $1 - tr + det$, $1 + tr + det$, $1 - det$"
-            r" of the landing map $(c_x, c_z) \to (c_x', -c_z')$ in slip-stick, then in slip"
-            " reversal"
+            r"stability of the stationary landing: $1 - tr + det$, $1 + tr + det$, $1 - det$ of "
+            r"the landing map $(c_x, c_z) \to (c_x', -c_z')$ in slip-stick, then in slip reversal"
         ),
         (
             "([1 - tr + det]_{stick}, [1 + tr + det]_{stick}, [1 - det]_{stick}, [1 - tr + "
             "det]_{back}, [1 + tr + det]_{back}, [1 - det]_{back})"
         ),
-        verdict="new",
         derive=lambda: tuple(part for case in CASES for part in stability_margins(case)),
         shown=(
             _lossy / _all,
@@ -307,7 +302,6 @@ EQUATIONS = (
         "V: slip stops",
         "$u_*$ of the stationary landing: slip-stick, slip reversal",
         "(u_{*, stick}, u_{*, back})",
-        verdict="new",
         derive=lambda: tuple(slip_left(case) for case in CASES),
         shown=(
             -2 * (1 + epsilon) * mu * k**2 * _all * V_z / (_lossy * _forward),
@@ -323,7 +317,6 @@ EQUATIONS = (
             "plate, $XZ > 0$"
         ),
         r"\mu_P",
-        verdict="new",
         derive=painleve_friction,
         shown=(k**2 + X**2) / (X * Z),
         check=_pressed_in,
@@ -336,7 +329,6 @@ EQUATIONS = (
             "friction"
         ),
         r"(\tan\phi, \mu_P)",
-        verdict="new",
         derive=least_painleve_friction,
         check=_least_pressed_in,
         note=_least_told,

@@ -13,11 +13,11 @@ import sympy as sp
 
 from . import laws
 from .laws import A, B, C
+from .lecture import compared
 from .newton import contact_change
 from .proof import Equation
 from .symbols import P_x, P_z, X, Z, c_x, c_z, k, m, mu, omega, u_0, u_f, v_0, v_f
 from .trace import derived, solve
-from .words import compared
 
 # The letters of a rod, and what stands for them in each body.
 FIRST, SECOND = (
@@ -167,7 +167,6 @@ EQUATIONS = (
         "pairs: response",
         ("change of the contact velocity of the first of two bodies relative to the second"),
         r"(\Delta u, \Delta v)",
-        verdict="new",
         derive=response,
         shown=(
             (_s + _sum(Z**2)) * P_x - _sum(X * Z) * P_z,
@@ -180,7 +179,6 @@ EQUATIONS = (
         "pairs: determinant",
         lambda: f"$A C - B^2$ of two bodies as a sum of {_terms_told()} terms",
         "A C - B^2",
-        verdict="new",
         derive=determinant,
         shown=_shown_determinant(),
         check=_minors,
@@ -190,7 +188,6 @@ EQUATIONS = (
         "pairs: equivalent rod",
         "the rod that two bodies of mobilities $A$, $B$, $C$ are at the contact point",
         "(m, X/k, Z/k)",
-        verdict="new",
         derive=equivalent_rod,
         shown=(
             2 / (A + C - _root),
@@ -199,9 +196,8 @@ EQUATIONS = (
         ),
         check=_along_and_across,
         note=lambda: (
-            "there is one for every pair, with $k$ of choice; its $1/m$ is the "
-            f"{_eigenvalue_told()} "
-            "eigenvalue. For $B < 0$ the rod leans the other way, $-Z$"
+            f"there is one for every pair, with $k$ of choice; its $1/m$ is the "
+            f"{_eigenvalue_told()} eigenvalue. For $B < 0$ the rod leans the other way, $-Z$"
         ),
     ),
     Equation(
@@ -211,7 +207,6 @@ EQUATIONS = (
             "$v_f$ by any law"
         ),
         "(P_x, P_z, P_x, P_z)",
-        verdict="new",
         derive=impulses,
         check=_by_conservation,
         note="the impulse of the equivalent rod",
@@ -220,7 +215,6 @@ EQUATIONS = (
         "pairs: energy",
         "change of the kinetic energy of both bodies",
         r"\Delta E",
-        verdict="new",
         derive=laws.energy_of_impulse,
         check=_kinetic_energies,
         note="as for a rod, so that the work in Stronge's law is that on both bodies",

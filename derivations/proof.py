@@ -2,14 +2,16 @@
 
 Verdicts
 --------
-agrees     the difference of both forms simplifies to zero; what is meant where none is given
+agrees     the difference of both forms simplifies to zero; what is meant of a printed form where
+           none is given
 rewritten  both forms are equal to 40 digits at random points (no simplification closes them)
 erratum    the forms differ: a point where they do, and either the repair, a named change of the
            printed LaTeX that gives the derived form, or, for a sentence, the mistake by which its
            value comes out; where the paper contradicts itself, also the other formulas whose
            printed forms give the derived one
 assumed    an axiom or closure: nothing to derive it from
-new        not in the paper; proved by a second route (expressions that must vanish)
+new        not in the paper; proved by a second route (expressions that must vanish); what is meant
+           without a printed form where none is given
 noted      words or a citation of the paper, quoted; nothing is proved of it
 
 A printed form is the paper's LaTeX (module `paper`), read; its left side must be that of the entry,
@@ -34,7 +36,7 @@ from . import paper, trace
 from . import symbols as s
 
 Form: TypeAlias = sp.Expr | sp.MatrixBase | sp.core.relational.Relational
-Verdict = Literal["agrees", "rewritten", "erratum", "assumed", "new", "noted"]
+Verdict = Literal["", "agrees", "rewritten", "erratum", "assumed", "new", "noted"]
 
 DIGITS = 40
 POINTS = 5
@@ -115,7 +117,7 @@ class Equation:
     _: KW_ONLY
     derive: Callable[[], Form]  # from the axioms
     where: Callable[[], Mapping[str, Any]] | None = None  # letters of the left side, which is read
-    verdict: Verdict = "agrees"  # on the printed form
+    verdict: Verdict = ""  # on the printed form; "agrees" if none is given, "new" without one
     shown: Form | None = None  # the derived form, written to be read
     formulas: tuple[str, ...] = ()  # of the paper (paper.toml), if not the one of its tag
     said: Form | Callable[[], Form] | None = None  # what a sentence says, or stands for a formula
@@ -137,6 +139,9 @@ class Equation:
         object.__setattr__(self, "shown", _column(self.shown))
         own = (self.tag,) if self.tag in paper.EQUATIONS else ()
         object.__setattr__(self, "formulas", self.formulas or own)
+        if not self.verdict:
+            printed = self.said is not None or self.formulas
+            object.__setattr__(self, "verdict", "agrees" if printed else "new")
 
     @property
     def what(self) -> str:

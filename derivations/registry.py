@@ -15,7 +15,6 @@ from dataclasses import asdict, dataclass
 from typing import TypeAlias
 
 from . import (
-    appendix,
     axioms,
     bodies,
     drift,
@@ -65,7 +64,7 @@ SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("Two bodies that meet", pairs.EQUATIONS),
     ("One impact as assignments", (*kernel.EQUATIONS, *kernel.CODE)),
     ("Sentences of the text", (*_SENTENCES, *statements.EQUATIONS)),
-    ("Appendix A: dimensions", appendix.EQUATIONS),
+    ("Appendix A: dimensions", statements.DIMENSIONS),
     ("Noted", tuple(Noted(tag=x["tag"], quote=x["quote"], note=x["note"]) for x in paper.NOTED)),
 )
 

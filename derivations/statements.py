@@ -1,15 +1,21 @@
-"""Sentences of the text that state a number, a sign or an order, computed."""
+"""Sentences of the text that state a number, a sign or an order; dimensions of Appendix A.
+
+Dimensions are monomials in mass, length and time; a constant's dimension is solved from the term
+of the printed force law in which it stands.
+"""
 
 import mpmath
 import sympy as sp
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from . import paper, second_routes
 from .bodies import THIN
 from .drift import relaxation, stationary
+from .lecture import degrees, formula, number
 from .proof import DIGITS, Equation
 from .symbols import X, Z, c_x, h_0, k, mu, omega, phi
 from .trace import derived, solve
-from .words import degrees, formula, number
 
 stiffness, damping, speed, mass = sp.symbols("k_n gamma_n v m_r", positive=True)
 
@@ -101,32 +107,25 @@ _MASSES["a rod of note [12] with $l = 9.5 d$"] = paper.printed("[12]: mass").sub
 
 
 def _restitution(drag: float) -> float:
-    """e of y'' = -y^(3/2) - drag y y' from y = 0, y' = 1, in 800 steps of Runge and Kutta."""
-    step, y, v = 0.004, 0.0, 1.0
+    """Restitution by y'' = -y^(3/2) - drag y y' from y = 0, y' = 1 until y is 0 again."""
 
-    def rate(y: float, v: float) -> tuple[float, float]:
-        deep = max(y, 0.0)
-        return v, -(deep**1.5) - drag * deep * v
+    def rates(_: float, state: tuple[float, float]) -> tuple[float, float]:
+        y, v = state
+        return v, -(max(y, 0.0) ** 1.5) - drag * y * v
 
-    while y >= 0:
-        one = rate(y, v)
-        two = rate(y + step / 2 * one[0], v + step / 2 * one[1])
-        three = rate(y + step / 2 * two[0], v + step / 2 * two[1])
-        four = rate(y + step * three[0], v + step * three[1])
-        y += step / 6 * (one[0] + 2 * two[0] + 2 * three[0] + four[0])
-        v += step / 6 * (one[1] + 2 * two[1] + 2 * three[1] + four[1])
-    return -v
+    def parted(time: float, state: tuple[float, float]) -> float:
+        return state[0] if time else 1.0
+
+    parted.terminal = True  # type: ignore[attr-defined]
+    return -solve_ivp(rates, (0, 100), (0, 1), events=parted, rtol=1e-9, atol=1e-12).y[1, -1]
 
 
 def damping_needed(restitution: float, reduced_mass: sp.Expr) -> float:
     """Times Appendix A's damping constant that gives a restitution to rods that meet head on."""
-    low, high = 0.0, 5.0
-    while high - low > 1e-6:
-        middle = (low + high) / 2
-        low, high = (middle, high) if _restitution(middle) > restitution else (low, middle)
+    drag = brentq(lambda drag: _restitution(drag) - restitution, 0, 5, xtol=1e-7)
     constants = _APPENDIX_A
     overlap = (float(reduced_mass) * constants[speed] ** 2 / constants[stiffness]) ** 0.4
-    return low / (constants[damping] * overlap**2 / constants[speed])
+    return drag / (constants[damping] * overlap**2 / constants[speed])
 
 
 def _damping_told() -> str:
@@ -167,7 +166,6 @@ EQUATIONS = (
         r"$\mu$ times the number of landings after which 1/e of a deviation is left, as "
         r"$\mu \to 0$",
         r"\mu n",
-        verdict="new",
         derive=landings_to_relax,
         shown=X * Z / (2 * k**2),
         check=_relaxed,
@@ -178,7 +176,6 @@ EQUATIONS = (
         "A: restitution",
         "$1 - e$ of Appendix A's normal force at small damping, $M_e$ the reduced mass $m_r$",
         "1 - e",
-        verdict="new",
         derive=restitution_lost,
         shown=sp.Mul(
             damping,
@@ -188,5 +185,138 @@ EQUATIONS = (
         ),
         check=_lost_by_quadrature,
         note=_damping_told,
+    ),
+)
+
+
+# ---- dimensions of the material constants in Appendix A's force law ------------------------------
+
+MASS, LENGTH, TIME = sp.symbols("mass length time", positive=True)
+FORCE, SPEED = MASS * LENGTH / TIME**2, LENGTH / TIME
+_NORMAL, _TANGENTIAL = "A: normal force", "A: tangential force"
+_DIMENSIONS = {
+    paper.LETTERS[name]: of
+    for of, names in (
+        (MASS, ("m", "M_e")),
+        (LENGTH, ("d", "D", r"\delta", r"\mathbf{s}")),
+        (SPEED, ("v_n", "v_t")),
+        (LENGTH / TIME**2, ("g",)),
+    )
+    for name in names
+}
+_LENGTHS = {MASS: sp.Integer(1), LENGTH: sp.Integer(4), TIME: sp.Integer(1)}
+
+
+def _with(law: sp.Expr, name: str) -> sp.Expr:
+    """Dimension of what stands beside a constant in a force law."""
+    term = law.coeff(paper.LETTERS[name])
+    return term.subs(_DIMENSIONS, simultaneous=True).as_coeff_Mul()[1]
+
+
+def _needed(name: str, tag: str, without: sp.Expr = sp.S.One) -> sp.Expr:
+    """Dimension of a constant, so that its term, without a factor, is a force."""
+    letter = paper.LETTERS[name]
+    term = letter * _with(paper.printed(tag), name) / without
+    sentence = f"Its term is a force; solved for ${sp.latex(letter)}$"
+    (value,) = solve((term, FORCE), letter, sentence)
+    return sp.simplify(value)
+
+
+def _of_d_g_m(constant: str, tag: str) -> str:
+    """The unit that a constant needs, in d, g and m."""
+    powers = _needed(constant, tag).as_powers_dict()
+    gravity = -powers[TIME] / 2
+    size = powers[LENGTH] - gravity
+    letters = [paper.LETTERS[name] for name in ("m", "g", "d")]
+    return formula(
+        sp.Mul(*(x**n for x, n in zip(letters, (powers[MASS], gravity, size), strict=True)))
+    )
+
+
+def _ratio(without: sp.Expr = sp.S.One) -> sp.Expr:
+    return sp.simplify(_needed("k_t", _TANGENTIAL, without) / _needed("k_n", _NORMAL))
+
+
+def _damping(without: sp.Expr = sp.S.One) -> tuple[sp.Expr, sp.Expr]:
+    laws = (("n", _NORMAL), ("t", _TANGENTIAL))
+    return tuple(_needed(rf"\gamma_{x}", tag, without) for x, tag in laws)
+
+
+def _duration() -> sp.Expr:
+    """Dimension of a time, which a speed makes a length."""
+    duration = sp.Symbol("Delta_t", positive=True)
+    (value,) = solve((SPEED * duration, LENGTH), duration, "A speed times it is a length")
+    return value
+
+
+def _unit(tag: str) -> sp.Expr:
+    """Dimension of a printed constant."""
+    return paper.printed(tag).subs(_DIMENSIONS, simultaneous=True).as_coeff_Mul()[1]
+
+
+DIMENSIONS = (
+    Equation(
+        "A: unit of k_n",
+        "dimension of $k_n$",
+        "[k_n]",
+        where=lambda: {"k_n": _needed("k_n", _NORMAL)},
+        verdict="erratum",
+        said=lambda: _unit("A: unit of k_n"),
+        derive=lambda: _needed("k_n", _NORMAL),
+        mistaken=lambda: _needed("k_n", _NORMAL, sp.sqrt(LENGTH)),
+        mistake="the spring is taken for a linear one",
+        contradicted_by=(_NORMAL,),
+        contradiction=lambda law: FORCE / _with(law, "k_n"),
+        note=lambda: (
+            f"{_of_d_g_m('k_n', _NORMAL)}; the printed unit is that of a linear spring (and $D$ "
+            f"stands for $d$). In reduced units, $d = m = g = 1$, the number is the same"
+        ),
+        at=_LENGTHS,
+    ),
+    Equation(
+        "A: k_t = 95 k_n",
+        "dimension of $k_t$ over that of $k_n$",
+        "[k_t/k_n]",
+        where=lambda: {"k_t": _needed("k_t", _TANGENTIAL), "k_n": _needed("k_n", _NORMAL)},
+        verdict="erratum",
+        said=sp.S.One,
+        derive=_ratio,
+        mistaken=lambda: _ratio(sp.sqrt(LENGTH)),
+        mistake=r"as if the tangential force were $-k_t \delta^{1/2} s$",
+        contradicted_by=(_TANGENTIAL, _NORMAL),
+        contradiction=lambda law, other: _with(other, "k_n") / _with(law, "k_t"),
+        note=lambda: (
+            rf"$k_t \delta s$ is a force if $k_t$ is in {_of_d_g_m('k_t', _TANGENTIAL)}; the "
+            rf"number is $k_t/k_n$ times {formula(1 / _ratio())} only"
+        ),
+        at=_LENGTHS,
+    ),
+    Equation(
+        "A: unit of gamma",
+        r"dimension of $\gamma_n$ and of $\gamma_t$",
+        r"([\gamma_n], [\gamma_t])",
+        where=lambda: dict(zip((r"\gamma_n", r"\gamma_t"), _damping(), strict=True)),
+        verdict="erratum",
+        said=lambda: sp.Matrix([_unit("A: unit of gamma")] * 2),
+        derive=_damping,
+        mistaken=lambda: sp.Matrix(_damping(LENGTH)),
+        mistake="as if the damping force had no factor of overlap",
+        contradicted_by=(_NORMAL, _TANGENTIAL),
+        contradiction=lambda *laws: sp.Matrix(
+            [FORCE / _with(law, rf"\gamma_{x}") for x, law in zip("nt", laws, strict=True)]
+        ),
+        note=lambda: (
+            rf"{_of_d_g_m(chr(92) + 'gamma_n', _NORMAL)}: the overlap in the damping term asks for "
+            "another length than the printed unit has"
+        ),
+        at=_LENGTHS,
+    ),
+    Equation(
+        "A: time step",
+        "dimension of the time step",
+        r"[\Delta t]",
+        where=lambda: {r"\Delta t": TIME},
+        said=lambda: _unit("A: time step"),
+        derive=_duration,
     ),
 )

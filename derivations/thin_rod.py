@@ -4,13 +4,13 @@ import sympy as sp
 
 from . import second_routes
 from .bodies import THIN, T, over_tangent
+from .lecture import PAPER, compared, degrees, number
 from .newton import approach
 from .proof import Equation
 from .slide import slide_excess
 from .slip_stick import stick_margin
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, length, mu, omega, phi, u_0, v_0
 from .trace import derived, say, solve
-from .words import PAPER, compared, degrees, number
 
 gain = sp.Symbol("G", positive=True)  # (1 + epsilon) ratio
 ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 and V_z = 0
@@ -223,8 +223,7 @@ def _slide_told() -> str:
     return (
         rf"near 90 degrees the rod slides up to ${sp.cancel(flat / _MU_C)} \mu_c$. In Fig. 12 "
         rf"$\mu_c$ is {number(_MU_C.subs(_FIG_12))} and $\mu$ is {number(_FIG_12[mu])}, and the "
-        "rod "
-        f"slides {slides} {degrees(tilts[-1])}, as the text says of it"
+        rf"rod slides {slides} {degrees(tilts[-1])}, as the text says of it"
     )
 
 
@@ -237,11 +236,10 @@ def _largest_told() -> str:
     tilt = sp.atan(largest_slide_friction()[0].subs(fig_10))
     between = compared((inner - at_90).subs(fig_10), 0, ("larger", "smaller"))
     return (
-        f"from $G = {equal}$ on the largest is the one at 90 degrees, "
-        f"${sp.cancel(at_90 / (1 / gain))}"
-        rf"/G$; between $G = {none}$ and {equal} the inner one is {between} (Fig. 10(a): $G$ is "
-        f"{number(fig_10[gain])}, {number(inner.subs(fig_10), 3)} at {degrees(tilt)}); below there "
-        "is none: some tilt slides at every friction"
+        rf"from $G = {equal}$ on the largest is the one at 90 degrees, "
+        rf"${sp.cancel(at_90 / (1 / gain))}/G$; between $G = {none}$ and {equal} the inner one is "
+        rf"{between} (Fig. 10(a): $G$ is {number(fig_10[gain])}, {number(inner.subs(fig_10), 3)} "
+        rf"at {degrees(tilt)}); below there is none: some tilt slides at every friction"
     )
 
 
@@ -325,8 +323,7 @@ EQUATIONS = (
         "of all tilts",
         note=lambda: (
             rf"reversal ends at $\mu = {largest_reversal_friction()[0]}$, where both critical "
-            "tilts "
-            f"meet at {degrees(sp.atan(largest_reversal_friction()[1]))}"
+            rf"tilts meet at {degrees(sp.atan(largest_reversal_friction()[1]))}"
         ),
     ),
     Equation(
@@ -359,7 +356,6 @@ BEYOND = (
         "23: both roots",
         r"$\tan\phi$ at the lower and the upper critical tilt",
         r"(\tan\phi_{lower}, \tan\phi_{upper})",
-        verdict="new",
         derive=critical_tangents,
         check=_root_checks,
         note=lambda: (
@@ -371,7 +367,6 @@ BEYOND = (
         "23: next order",
         r"$\phi_c$ to $O(\mu^5)$",
         r"\phi_c",
-        verdict="new",
         derive=lambda: small_friction(5),
         check=lambda form: (
             sp.series(3 * sp.tan(form) - mu * (4 + sp.tan(form) ** 2), mu, 0, 5).removeO(),
@@ -381,7 +376,6 @@ BEYOND = (
         "IV: slide boundary",
         "$u_* = 0$ solved for the friction, any geometry, $r = -v_0/u_0$",
         r"\mu_{slide}",
-        verdict="new",
         derive=slide_friction,
         shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
         / ((1 + epsilon) * ratio * (k**2 + Z**2) - X * Z),
@@ -393,7 +387,6 @@ BEYOND = (
         r"friction is largest, that friction, and the one at 90 degrees; $G = -(1 + \epsilon) "
         "c_z/c_x$",
         r"(\tan\phi, \mu_{inner}, \mu_{90})",
-        verdict="new",
         derive=largest_slide_friction,
         shown=((1 + 2 * gain) / (2 - gain), (4 + 3 * gain) / (4 * gain - 3), 4 / gain),
         check=_slide_friction_checks,

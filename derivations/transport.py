@@ -5,13 +5,13 @@ import sympy as sp
 from . import second_routes
 from .bodies import round_contact, spherocylinder_gyration
 from .drift import CASES, stationary
+from .lecture import PAPER, compared, degrees, number, percent, sign
 from .newton import g, spin_jump, velocity_change
 from .proof import Equation
 from .slide import cm_velocity
 from .symbols import V_z, X, Z, c_x, c_z, diameter, epsilon, h_0, k, length, m, mu, omega, phi
 from .trace import derived, solve
 from .typeset import latex
-from .words import PAPER, compared, degrees, number, percent, sign
 
 _ROUND = {length: 1 + h_0, diameter: sp.Integer(1)}  # h_0 = l/d - 1, lengths in d
 
@@ -152,14 +152,11 @@ def _lengths_told() -> str:
     behind = _gain(10, sp.Integer(2))
     slower = compared(behind, 0, ("faster", "slower"))
     return (
-        f"for the paper's restitution, {number(PAPER[epsilon])}, from {degrees(first)} on; "
-        "below, a "
-        f"longer rod is always faster. At 30 degrees the best is $l = {number(1 + _best(30))} "
-        "d$, with "
-        f"{number(1 + _gain(30, _best(30)), 3)} times the drift of a thin rod that sticks; at 15 "
-        f"degrees, as in Fig. 13(c), the gain is {percent(_gain(15, _best(15)))}, and at 10 "
-        "degrees "
-        f"$l = 3 d$ is {percent(abs(behind))} {slower} than a thin rod"
+        f"for the paper's restitution, {number(PAPER[epsilon])}, from {degrees(first)} on; below, "
+        f"a longer rod is always faster. At 30 degrees the best is $l = {number(1 + _best(30))} "
+        f"d$, with {number(1 + _gain(30, _best(30)), 3)} times the drift of a thin rod that "
+        f"sticks; at 15 degrees, as in Fig. 13(c), the gain is {percent(_gain(15, _best(15)))}, "
+        f"and at 10 degrees $l = 3 d$ is {percent(abs(behind))} {slower} than a thin rod"
     )
 
 
@@ -183,8 +180,7 @@ def _cost_told() -> str:
         raise ValueError("the drift depends otherwise on friction")
     return (
         "$V_z/c_x$ whatever the rod: the fastest rod is the cheapest. The drift grows with "
-        "friction "
-        "up to the one at which the contact holds, and not beyond"
+        "friction up to the one at which the contact holds, and not beyond"
     )
 
 
@@ -193,14 +189,12 @@ EQUATIONS = (
         "V: short rods",
         "drift of a spherocylinder as its length goes to its diameter, $h_0 = l/d - 1$",
         "c_x/(V_z h_0)",
-        verdict="new",
         derive=slope_of_short_rods,
         shown=5 * (1 + epsilon) / (1 - epsilon) * sp.sin(phi),
         check=_short_checks,
         note=lambda: (
             rf"${number((slope_of_short_rods() / sp.sin(phi)).subs(PAPER))} \sin\phi$ for the "
-            "paper's "
-            f"restitution, {number(PAPER[epsilon])}: steep, as in Fig. 13(c)"
+            rf"paper's restitution, {number(PAPER[epsilon])}: steep, as in Fig. 13(c)"
         ),
     ),
     Equation(
@@ -210,7 +204,6 @@ EQUATIONS = (
             "$h_0 = l/d - 1$"
         ),
         "p(h_0)",
-        verdict="new",
         derive=best_length,
         shown=1
         + (3 + 2 * sp.cos(phi)) * h_0
@@ -227,11 +220,9 @@ EQUATIONS = (
             r"$\omega$: slip-stick, then slip reversal"
         ),
         (
-            r"([\partial c_x'/\partial\omega]_{stick}, [\partial "
-            r"c_z'/\partial\omega]_{stick}, [\partial c_x'/\partial\omega]_{back}, [\partial"
-            r" c_z'/\partial\omega]_{back})"
+            r"([\partial c_x'/\partial\omega]_{stick}, [\partial c_z'/\partial\omega]_{stick}, "
+            r"[\partial c_x'/\partial\omega]_{back}, [\partial c_z'/\partial\omega]_{back})"
         ),
-        verdict="new",
         derive=lambda: tuple(part for case in CASES for part in spin_response(case)),
         shown=(
             Z * ((1 - epsilon) * k**2 - 2 * epsilon * X**2) / _lossy,
@@ -249,7 +240,6 @@ EQUATIONS = (
             " the spin, in slip-stick, then in slip reversal"
         ),
         "(W_{stick}, E_{stick}, W_{back}, E_{back})",
-        verdict="new",
         derive=lambda: tuple(part for case in CASES for part in energies(case)),
         shown=sp.Matrix([2 * _up * V_z, 2 * X**2 * _up**2 / k**2] * 2),
         check=_energy_checks,
@@ -259,7 +249,6 @@ EQUATIONS = (
         "V: cost of transport",
         "work of the plate per weight and distance travelled: slip-stick, slip reversal",
         "([W/(m g s)]_{stick}, [W/(m g s)]_{back})",
-        verdict="new",
         derive=lambda: tuple(cost_of_transport(case) for case in CASES),
         shown=(
             _lossy / (2 * (1 + epsilon) * X * Z),

@@ -351,8 +351,8 @@ def test_the_generated_file_is_what_the_derivations_give():
 
 
 def test_the_page_of_equations_is_that_of_the_registry():
-    text = files.equations()
-    assert files.EQUATIONS.read_text(encoding="utf-8") == text
+    text = files.page()
+    assert files.PAGE.read_text(encoding="utf-8") == text
     assert all(line.endswith("|") for line in text.splitlines() if line.startswith("|"))
     assert all(f"| ({tag}) |" in text for tag in NUMBERED)
     assert all(f"| {entry.tag} |" in text for entry in registry.mistakes())

@@ -10,8 +10,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from derivations import contacts, files, kernel, languages
-from derivations.rounded import Rounded
+from derivations import files, kernel, languages, trials
+from derivations.trials import Rounded
 
 CODE = kernel.KERNEL.read_text(encoding="utf-8")
 TREE = ast.parse(CODE)
@@ -177,11 +177,11 @@ def test_the_situations_go_every_way():
     """All regimes, early and late stops, both sides, the Painleve region, no slip."""
     ways = set()
     with mpmath.workdps(60):
-        for at in contacts.situations():
+        for at in trials.situations():
             (_, _, _, regime, *_), found = run("poisson", at)
             time = "early" if found["after_stop"]["v_1"] < 0 else "late"
             lifted = "lifted" if found["responses"]["N"] < 0 else ""
-            ways.add((regime, time if regime > kernel.SLIDE else "", lifted, at[contacts.SIDE]))
+            ways.add((regime, time if regime > kernel.SLIDE else "", lifted, at[trials.SIDE]))
     stops = product((kernel.STICK, kernel.BACK), ("early", "late"), [""], (1, -1))
     assert ways >= {*stops, (0, "", "", 1), (kernel.SLIDE, "", "", -1)}
     assert {(kernel.STICK, "early", "lifted", side) for side in (1, -1)} <= ways
@@ -195,7 +195,7 @@ def test_claimed_roundings_hold_where_levers_are_long():
         for law, (side, row) in product(kernel.LAWS, enumerate(rows)):
             X, Z, k, mu, epsilon, u_0, v_0 = map(mpmath.mpf, row)
             fixed = X * (1 - 2 * (side % 2)), Z, k, mu, min(epsilon, 1), u_0, -v_0, 0, 0, 1
-            _, found = run(law, dict(zip(contacts.LETTERS, fixed, strict=True)))
+            _, found = run(law, dict(zip(trials.LETTERS, fixed, strict=True)))
             assert list(kernel.wrong_roundings(found)) == [], row
             if side == 0:
                 P_z = found["impact"]["P_z"]

@@ -1,0 +1,168 @@
+"""What the code of one impact is tried on: situations, and numbers that know their roundings.
+
+The letters of a situation are those of the mirror frame, in which the contact slips forward; `side`
+is the direction of slip outside of it. Its numbers are sums of few powers of two, so that edges are
+exact. A `Rounded` number knows what every rounding on its way would add to it, to first order.
+"""
+
+import random
+from collections.abc import Iterator, Mapping
+from functools import total_ordering
+from itertools import count
+from typing import Any
+
+import mpmath
+import sympy as sp
+
+from .symbols import V_z, X, Z, epsilon, k, mu, omega, u_0, v_0
+
+Situation = Mapping[sp.Symbol, Any]  # a value of each letter
+
+SIDE = sp.Symbol("side")
+LETTERS = X, Z, k, mu, epsilon, u_0, v_0, omega, V_z, SIDE
+_CLOSE = mpmath.mpf(2) ** -30  # relative distance to an edge
+
+
+def numbers(seed: int, names: str, least: float = -2, most: float = 2) -> dict[str, mpmath.mpf]:
+    """A number of each name between two bounds, the same for the same seed."""
+    draw = random.Random(f"{names} {seed}")
+    return {
+        name: draw.randrange(1, 2**30) * _CLOSE * (most - least) + least for name in names.split()
+    }
+
+
+def _contacts() -> Iterator[dict[str, Any]]:
+    """Contacts of all regimes, at the edges, in the Painleve region."""
+    for seed in range(48):
+        at = numbers(seed, "X Z v_0") | numbers(seed, "k mu u_0", 0.02)
+        at |= numbers(seed, "epsilon", 0.1, 0.9) | {"v_0": -abs(at["v_0"])}
+        kind, aside = seed % 12, 1 + (-1) ** (seed // 12) * _CLOSE
+        if kind in (1, 4, 11):
+            at["X"] = mpmath.sign(at["Z"]) * abs(at["X"])
+        if kind in (2, 3, 6):
+            at["X"] = -mpmath.sign(at["Z"]) * abs(at["X"])
+        xz = at["X"] * at["Z"]
+        across, along = (at["k"] ** 2 + at[x] ** 2 for x in "XZ")
+        if kind in (1, 10) or seed in (11, 35, 47):
+            at["u_0"] = mpmath.mpf(0)
+        if kind == 10:
+            at["Z"] = mpmath.mpf(0)
+        elif kind in (2, 6):  # N close to 0, or below it
+            at["mu"] = across / abs(xz) * (aside if kind == 2 else 2)
+        elif kind in (3, 4):  # T close to 0, or T_back
+            at["mu"] = along and abs(xz) / along * aside
+        elif kind == 11 or seed in (1, 13, 25):  # slips back
+            at["mu"] = abs(xz) / along / 2
+        elif kind == 5:
+            at["v_0"] = -at["v_0"]
+        n, t = across + at["mu"] * xz, xz + at["mu"] * along
+        if kind == 7 and n * t > 0:  # u_* close to 0
+            at["v_0"] = -at["u_0"] * n / (t * (1 + at["epsilon"])) * aside
+        elif kind in (8, 9) and n * t > 0:  # the slip stops late
+            at["v_0"] = -at["u_0"] * n / (t * (1 + at["epsilon"] / 2))
+        yield at
+    # To the last digit: no approach; u_* = 0; v_1 = 0; nothing slips and nothing makes it slip.
+    for u, v, restitution, friction in (
+        (1, 0, 0.5, 0.5),
+        (1, -0.5, 1, 0.5),
+        (1, -1, 0.5, 0.5),
+        (0, -1, 0, 0),
+    ):
+        at = {"X": 0, "Z": -1, "k": 1, "u_0": u, "v_0": v, "epsilon": restitution, "mu": friction}
+        yield {letter: mpmath.mpf(value) for letter, value in at.items()}
+    yield {**at, "mu": mpmath.mpf(2) ** 970}  # as good as infinite
+
+
+def situations() -> Iterator[Situation]:
+    """Impacts of a rod on a moving plate, of both sides, with spins that cancel."""
+    for seed, contact in enumerate(_contacts()):
+        at = contact | numbers(seed, "omega V_z") | {"side": 1 - 2 * ((seed + seed // 12) % 2)}
+        if seed % 5 == 0:
+            at["omega"] = at["omega"] / _CLOSE
+        yield {letter: at[letter.name] for letter in LETTERS}
+
+
+Number = Any  # a `Rounded` one, or one of the text itself, which is exact
+
+
+@total_ordering
+class Rounded:
+    """A number, and what each rounding, by its whole size, would add to it."""
+
+    __slots__ = ("errors", "value")
+    _names = count()
+
+    def __init__(self, value: Number, errors: Mapping[int, Number] | None = None) -> None:
+        self.value, self.errors = mpmath.mpf(value), dict(errors or {})
+
+    @classmethod
+    def of(cls, value: Number) -> "Rounded":
+        """A number as it is; one of the text is exact."""
+        return value if isinstance(value, cls) else cls(value)
+
+    @property
+    def error(self) -> Number:
+        """Most that its roundings would add, if each were as large as the number it rounds."""
+        return sum(map(abs, self.errors.values()))
+
+    def parted(self) -> tuple["Rounded", "Rounded"]:
+        """The number rounded once more, and what that took away."""
+        name = next(self._names)
+        low = Rounded(0, {name: -self.value})
+        return Rounded(self.value, {**self.errors, name: self.value}), low
+
+    def _exactly(self, own: Number, other: "Rounded", its: Number, value: Number) -> "Rounded":
+        """The number `value`, to which both numbers' errors come with these weights."""
+        errors = {name: own * size for name, size in self.errors.items()}
+        for name, size in other.errors.items():
+            errors[name] = errors.get(name, 0) + its * size
+        return Rounded(value, errors)
+
+    def plus(self, other: Number) -> "Rounded":
+        """The sum before it is rounded."""
+        other = Rounded.of(other)
+        return self._exactly(1, other, 1, self.value + other.value)
+
+    def times(self, other: Number) -> "Rounded":
+        """The product before it is rounded."""
+        other = Rounded.of(other)
+        return self._exactly(other.value, other, self.value, self.value * other.value)
+
+    def __neg__(self) -> "Rounded":
+        return Rounded(-self.value, {name: -size for name, size in self.errors.items()})
+
+    def __add__(self, other: Number) -> "Rounded":
+        return self.plus(other).parted()[0]
+
+    def __sub__(self, other: Number) -> "Rounded":
+        return self + -Rounded.of(other)
+
+    def __rsub__(self, other: Number) -> "Rounded":
+        return Rounded.of(other) - self
+
+    def __mul__(self, other: Number) -> "Rounded":
+        exact = 1 in (abs(self.value), abs(Rounded.of(other).value))
+        return self.times(other) if exact else self.times(other).parted()[0]
+
+    def __truediv__(self, other: Number) -> "Rounded":
+        other = Rounded.of(other)
+        q = self.value / other.value
+        return self._exactly(1 / other.value, other, -q / other.value, q).parted()[0]
+
+    def __rtruediv__(self, other: Number) -> "Rounded":
+        return Rounded.of(other) / self
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.value == Rounded.of(other).value)
+
+    def __lt__(self, other: Number) -> bool:
+        return bool(self.value < Rounded.of(other).value)
+
+    def sqrt(self) -> "Rounded":
+        """Square root; nan of what is no square, or of zero if that is rounded."""
+        if self.value <= 0:
+            return Rounded(0 if self.value == self.error == 0 else mpmath.nan)
+        root = mpmath.sqrt(self.value)
+        return self._exactly(1 / (2 * root), self, 0, root).parted()[0]
