@@ -16,14 +16,17 @@ from ..claims.any_rods import JUDGED, data, judged, kept, sweeps, told
 from ..lib.style import BLUE, Data, name_panels, style
 
 __all__ = ["data", "draw", "sweeps"]
-RATIO_ENDS = 0.25, 4.0  # of drift over the theory's, in colour
+RATIO_TICKS = 0.25, 0.5, 1, 2, 4  # of drift over the theory's, in colour
 
 
 def _over_restitution(figure: Figure, ax: Axes, d: Data, colour: np.ndarray, **look) -> None:
     some, label = kept(d), look.pop("label")
     x, y = d["restitution, plate"][some], d["restitution, rods"][some]
     shown = ax.scatter(x, y, 9, colour, linewidths=0.2, edgecolors="black", **look)
-    figure.colorbar(shown, ax=ax, label=label)
+    bar = figure.colorbar(shown, ax=ax, label=label)
+    if "norm" in look:
+        bar.set_ticks(RATIO_TICKS, labels=[f"{tick:g}" for tick in RATIO_TICKS])
+        bar.minorticks_off()
     ax.set(xlabel="restitution of the plate", ylabel="restitution of the rods")
 
 
@@ -33,7 +36,7 @@ def draw(d: Data) -> plt.Figure:
     top, bottom = figure.subfigures(2, 1, height_ratios=(1, 1.4))
     axes = top.subplots(1, 2)
     ratio = (d["c_x"] / d["theory"])[kept(d)].mean(axis=1)
-    low, high = RATIO_ENDS
+    low, *_, high = RATIO_TICKS
     scale = {"norm": "log", "cmap": "RdBu_r"}
     label = r"drift over the theory's"
     _over_restitution(top, axes[0], d, np.clip(ratio, low, high), label=label, **scale)

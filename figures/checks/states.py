@@ -30,7 +30,18 @@ from ..lib.runs import (
     over_seeds,
     planned,
 )
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, points, style
+from ..lib.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    LEGEND_BOX,
+    ORANGE,
+    RED,
+    Data,
+    painted,
+    points,
+    style,
+)
 from . import row_motion
 from .row_motion import FOLLOWED, driven, followed
 
@@ -63,7 +74,7 @@ LIVES = {  # tilts [deg], starts, periods
 }
 DRIVEN = {True: (2, 400), False: (4, 3000)}  # starts, periods; faster, rods are thrown over
 PARTS = 24  # of the time from one end to the other, over which (d) takes the mean
-BESIDE_DEG = 0.6  # by which symbols of one tilt stand apart
+BESIDE = 0.15  # by which symbols of one Gamma stand apart
 COLOURS = BLUE, GREEN, ORANGE, RED  # of tilts
 WAYS = (RED, "o-", "up"), (BLUE, "s-", "down")  # of the tilt
 
@@ -202,9 +213,8 @@ def data(quick: bool = False) -> Data:
 
 def _draw_map(ax: Axes, d: Data) -> None:
     starts = d["state"].shape[-1]
-    beside = np.linspace(-BESIDE_DEG, BESIDE_DEG, starts)
-    tilt = d["nominal_deg"][:, None, None] + beside
-    gamma = d["gamma"][:, None]
+    tilt = d["nominal_deg"][:, None, None]
+    gamma = d["gamma"][:, None] + np.linspace(-BESIDE, BESIDE, starts)
     tilt, gamma, _ = np.broadcast_arrays(tilt, gamma, d["state"])
     for each, (colour, form) in enumerate(LOOKS):
         some = d["state"] == each
@@ -215,7 +225,8 @@ def _draw_map(ax: Axes, d: Data) -> None:
             face = "white" if changed else colour
             ax.plot(tilt[here], gamma[here], form, color=colour, mfc=face, ms=2.2, mew=0.5)
     ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"acceleration $\Gamma$")
-    ax.legend(loc="lower right")
+    ax.set_ylim(top=d["gamma"].max() + 1.6)
+    ax.legend(loc="upper right", **LEGEND_BOX)
 
 
 def _draw_drift(ax: Axes, d: Data) -> None:
@@ -230,8 +241,9 @@ def _draw_drift(ax: Axes, d: Data) -> None:
 
 
 def _draw_lives(ax: Axes, d: Data) -> None:
-    for tilt, share, colour in zip(d["lives_deg"], d["still_there"], COLOURS, strict=False):
-        ax.plot(d["middle"], share, color=colour, drawstyle="steps-post", label=f"{tilt:g}°")
+    for i, tilt in enumerate(d["lives_deg"]):
+        look = {"color": COLOURS[i], "ls": "-" if i % 2 else (0, (5, 2)), "drawstyle": "steps-post"}
+        ax.plot(d["middle"], d["still_there"][i], label=f"{tilt:g}°", zorder=3 - i, **look)
     ax.set(
         xlabel="time (periods of the plate)",
         ylabel="share not yet changed",
