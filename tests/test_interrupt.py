@@ -73,12 +73,18 @@ def test_all_packages_do_the_same():
 
 
 @pytest.mark.usefixtures("alarm")
-def test_a_handler_runs_at_the_end_of_the_outermost():
+def test_handlers_run_at_the_end_of_the_outermost(handlers):
+    """All of them, though each raises; then they are in their places again."""
     done = []
+
+    def handle(number, _):
+        done.append(number)
+        raise RungError
 
     @interrupt.deferred()
     def inner():
-        signal.raise_signal(signal.SIGALRM)
+        for number in interrupt.SIGNALS:
+            signal.raise_signal(number)
         done.append("inner")
 
     @interrupt.deferred()
@@ -86,30 +92,14 @@ def test_a_handler_runs_at_the_end_of_the_outermost():
         inner()
         done.append("outer")
 
-    with pytest.raises(RungError):
-        outer()
-    assert done == ["inner", "outer"]
-    with pytest.raises(RungError):
-        signal.raise_signal(signal.SIGALRM)  # it is in its place again
-
-
-def test_one_that_raises_keeps_no_other_from_running(handlers):
-    ran = []
-
-    def handle(number, _):
-        ran.append(number)
-        raise RungError
-
-    @interrupt.deferred()
-    def work():
-        for number in interrupt.SIGNALS:
-            signal.raise_signal(number)
-
     for number in interrupt.SIGNALS:
         signal.signal(number, handle)
     with pytest.raises(RungError):
-        work()
-    assert sorted(ran) == sorted(interrupt.SIGNALS)
+        outer()
+    assert done[:2] == ["inner", "outer"]
+    assert sorted(done[2:]) == sorted(interrupt.SIGNALS)
+    with pytest.raises(RungError):
+        signal.raise_signal(signal.SIGALRM)
 
 
 def test_what_python_does_not_handle_is_left_alone(handlers):
@@ -196,21 +186,6 @@ def test_what_lasts_for_hours_can_be_stopped(last, alarm):
         last(10**12)
 
 
-def test_a_long_contact_is_made_in_calls(monkeypatch):
-    """With the numbers of one call."""
-    given, calls, run = {"friction": 0.4, "dt": 1e-5}, [], single.run
-    whole = md.impact(0.3, 0.5, -1.0, **given)
-
-    def counted(*arguments):
-        calls.append(arguments[3])
-        return run(*arguments)
-
-    monkeypatch.setattr(single, "run", counted)
-    monkeypatch.setattr(md.soft_impact, "_STEPS_A_CALL", 100)
-    assert md.impact(0.3, 0.5, -1.0, **given)[:-1] == whole[:-1]
-    assert calls == [0, *[100] * (whole.steps // 100 + 1)]
-
-
 def test_a_march_is_made_in_calls_that_grow(monkeypatch):
     """Each up to four times as long, but none beyond its time."""
     calls, engine = [], prepare(row("start.drop=0.1"))
@@ -232,19 +207,21 @@ def test_a_march_is_made_in_calls_that_grow(monkeypatch):
 
 
 def test_parts_give_the_bits_of_the_whole(monkeypatch):
-    """Landings, transient ones included, and impacts, those included that are left to NumPy."""
+    """Landings, transient ones included, impacts, those left to NumPy included, a soft contact."""
 
-    def found():
+    def results():
         held = bouncing.record(impact.thin_rod(0.3), **HELD, landings=60, transient=25)
         impacts = benchmark.random_impacts(50)
         impacts.restitution[::7] = np.nan
         hit = impacts.collide(compiled.collide)
-        return [array.tobytes() for array in (*held, *hit)]
+        soft = md.impact(0.3, 0.5, -1.0, friction=0.4, dt=1e-5)[:-1]
+        return [array.tobytes() for array in (*held, *hit)], soft
 
-    whole = found()
+    whole = results()
     monkeypatch.setattr(bouncing, "_LANDINGS_A_CALL", 10)
     monkeypatch.setattr(compiled, "_IMPACTS_A_CALL", 9)
-    assert found() == whole
+    monkeypatch.setattr(md.soft_impact, "_STEPS_A_CALL", 100)
+    assert results() == whole
 
 
 # SIGTERM is Ctrl-C
