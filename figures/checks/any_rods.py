@@ -10,6 +10,7 @@ the property that the number follows most, with its rank correlation, left out b
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ..claims.any_rods import JUDGED, data, judged, kept, sweeps, told
@@ -37,10 +38,9 @@ def draw(d: Data) -> plt.Figure:
     axes = top.subplots(1, 2)
     ratio = (d["c_x"] / d["theory"])[kept(d)].mean(axis=1)
     low, *_, high = RATIO_TICKS
-    scale = {"norm": "log", "cmap": "RdBu_r"}
+    scale = {"norm": LogNorm(low, high), "cmap": "RdBu_r"}
     label = r"drift over the theory's"
     _over_restitution(top, axes[0], d, np.clip(ratio, low, high), label=label, **scale)
-    axes[0].collections[0].set_clim(low, high)
     true = judged(d)
     hold = np.nansum([*true.values()], axis=0)
     label = f"statements that hold, of {len(true)}"
