@@ -1,0 +1,48 @@
+"""Words of notes follow their numbers; routes that prove by numbers tell a wrong form."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from derivations import landing_phases, lecture, transport
+from derivations.symbols import X, Z, mu
+from impact import drift, spherocylinder
+
+x = sp.Symbol("x")
+
+
+def test_words_are_those_of_the_numbers():
+    two, three = sp.Integer(2), sp.Integer(3)
+    assert lecture.compared(three, two) == "above"
+    assert lecture.compared(two, three) == "below"
+    assert lecture.compared(two, three, ("faster", "slower")) == "slower"
+    assert lecture.extreme(-((x - 1) ** 2), x, sp.S.One, {}) == "largest"
+    assert lecture.extreme((x - 1) ** 2, x, sp.S.One, {}) == "least"
+    assert lecture.sign(X * Z + mu) == "positive"
+    assert lecture.sign(-X) == "negative"
+    for vague in (lambda: lecture.compared(two, two), lambda: lecture.sign(X - Z)):
+        with pytest.raises(ValueError, match=r"cannot be told apart|no one sign"):
+            vague()
+
+
+def test_the_best_length_is_that_of_the_largest_drift():
+    """Beside `impact`, where a contact sticks; the gains are over the longest rods."""
+
+    def of(tilt, length):
+        rod = spherocylinder(np.radians(tilt), length)
+        return drift(rod, friction=np.inf, restitution=0.65).c_x
+
+    lengths = 1 + np.geomspace(0.05, 1e6, 20_001)
+    for tilt in (15, 30):
+        along = of(tilt, lengths)
+        best = float(1 + transport._best(tilt))
+        assert lengths[along.argmax()] == pytest.approx(best, rel=1e-3)
+        gain = float(transport._gain(tilt, transport._best(tilt)))
+        assert along.max() / along[-1] - 1 == pytest.approx(gain, abs=1e-5)
+    assert of(10, 3.0) / of(10, 1e6) - 1 == pytest.approx(float(transport._gain(10, 2)), abs=1e-5)
+
+
+def test_rods_counted_one_by_one_tell_a_wrong_mean():
+    form = landing_phases.mean_speed(True)
+    assert landing_phases._rods_counted(form) == [0]
+    assert landing_phases._rods_counted(form * (1 + sp.Float("1e-8", 30))) != [0]
