@@ -167,7 +167,7 @@ def test_numbers_find_what_was_put_in():
     d |= {"rest_gamma_c_x": np.clip(gamma - 1.7, 0, None), "rest_gamma_c_x_error": np.full(5, 1e-3)}
     walls = measure_annulus.walls(made_up(d))
     values = {key: number.value for key, number in walls.items()}
-    assert values == pytest.approx({"rise": -0.35, "all": 0.05, "paper": 2.5})
+    assert values == pytest.approx({"rise": np.log(8) / np.log(0.3), "all": 0.05, "paper": 2.5})
     over = measure_annulus.drift_over_gamma(made_up(d))
     assert over["onset"].error == pytest.approx(0.2)
     values = {key: number.value for key, number in over.items()}
