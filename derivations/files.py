@@ -42,10 +42,9 @@ def source(progress: Callable[[Iterable], Iterable] = iter) -> str:
     return _HEAD.format(digest=digest) + "\n\n" + forms
 
 
-def _table(head: str, rows: Iterable[tuple[str, ...]]) -> str:
-    """A table in Markdown below its title; the head is written as one, a cell is one line."""
-    title, *columns = head.split(" | ")
-    lines = [tuple(columns), tuple("---" for _ in columns), *rows]
+def _table(title: str, columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    """A table in Markdown below its title; a cell is one line."""
+    lines = [columns, tuple("---" for _ in columns), *rows]
     cells = ([" ".join(cell.replace("|", "\\|").split()) for cell in row] for row in lines)
     return f"\n## {title}\n\n" + "\n".join(f"| {' | '.join(row)} |" for row in cells) + "\n"
 
@@ -65,15 +64,19 @@ def page() -> str:
         "derivations check` proves the others; `python -m derivations report` writes all "
         "formulas.\n"
         + _table(
-            "Mistakes as printed in our copy | where | as printed | what is right",
+            "Mistakes as printed in our copy",
+            ("where", "as printed", "what is right"),
             told_of["erratum"],
         )
-        + _table("New results | where | what | note", told_of["new"])
+        + _table("New results", ("where", "what", "note"), told_of["new"])
         + _table(
-            "Noted: words and citations | where | quoted | what it does not fit", told_of["noted"]
+            "Noted: words and citations",
+            ("where", "quoted", "what it does not fit"),
+            told_of["noted"],
         )
         + _table(
-            "Numbered equations | equation | what | verdict",
+            "Numbered equations",
+            ("equation", "what", "verdict"),
             ((f"({x.tag})", x.what, x.verdict) for x in numbered),
         )
     )

@@ -6,8 +6,6 @@ of the printed force law in which it stands.
 
 import mpmath
 import sympy as sp
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from . import paper, second_routes
 from .bodies import THIN
@@ -108,6 +106,7 @@ _MASSES["a rod of note [12] with $l = 9.5 d$"] = paper.printed("[12]: mass").sub
 
 def _restitution(drag: float) -> float:
     """Restitution by y'' = -y^(3/2) - drag y y' from y = 0, y' = 1 until y is 0 again."""
+    from scipy.integrate import solve_ivp  # late: one note needs it
 
     def rates(_: float, state: tuple[float, float]) -> tuple[float, float]:
         y, v = state
@@ -122,6 +121,8 @@ def _restitution(drag: float) -> float:
 
 def damping_needed(restitution: float, reduced_mass: sp.Expr) -> float:
     """Times Appendix A's damping constant that gives a restitution to rods that meet head on."""
+    from scipy.optimize import brentq  # late, as above
+
     drag = brentq(lambda drag: _restitution(drag) - restitution, 0, 5, xtol=1e-7)
     constants = _APPENDIX_A
     overlap = (float(reduced_mass) * constants[speed] ** 2 / constants[stiffness]) ** 0.4
@@ -130,10 +131,10 @@ def damping_needed(restitution: float, reduced_mass: sp.Expr) -> float:
 
 def _damping_told() -> str:
     lightest = _MASSES["two virtual spheres"]
-    small = (1 - 0.999) / float(restitution_lost().subs(_APPENDIX_A).subs(mass, lightest))
+    loss = restitution_lost().subs(_APPENDIX_A).subs(mass, lightest)
+    small = (1 - 0.999) / float(loss)
     if abs(damping_needed(0.999, lightest) / small - 1) > 2e-3:
         raise ValueError("the motion loses something else at small damping")
-    loss = restitution_lost().subs(_APPENDIX_A).subs(mass, _MASSES["two virtual spheres"])
     times = [damping_needed(0.65, of) for of in _MASSES.values()]
     needed = ", ".join(
         f"{number(x, 3)} times for {of}" for x, of in zip(times, _MASSES, strict=True)

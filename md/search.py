@@ -68,7 +68,7 @@ __all__ = [
     "search",
 ]
 
-_KEYS = (*["scene", "periods", "seeds", "points", "rounds", "seed", "set", "parameters", "data"],)
+_KEYS = "scene", "periods", "seeds", "points", "rounds", "seed", "set", "parameters", "data"
 _SEARCHES = Path(__file__).parent / "searches"
 _DEGREES = 3, 2, 1  # of the polynomials that are tried
 _ENOUGH = 1.5  # points a coefficient that a polynomial needs

@@ -74,7 +74,7 @@ def test_a_run_has_the_state_of_its_second_half():
     state, changed = states.settled(np.array(runs))
     assert state.tolist() == [BLOCK, ZIGZAG, SINGLE, MISSING]
     assert changed.tolist() == [False, True, True, False]
-    missing = {name: np.full((1, 6), np.nan) for name in states.FOLLOWED}
+    missing = {name: np.full((1, 6), np.nan) for name in row_motion.SEEN}
     assert (states.states(missing) == MISSING).all()
 
 

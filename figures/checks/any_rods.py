@@ -7,11 +7,13 @@ statements of (c) hold. (c) Share of the kinds for which a statement of the pape
 the property that the number follows most, with its rank correlation, left out below a half.
 """
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 
 from ..claims.any_rods import JUDGED, data, judged, kept, sweeps, told
 from ..lib.style import BLUE, Data, name_panels, style
@@ -20,15 +22,12 @@ __all__ = ["data", "draw", "sweeps"]
 RATIO_TICKS = 0.25, 0.5, 1, 2, 4  # of drift over the theory's, in colour
 
 
-def _over_restitution(figure: Figure, ax: Axes, d: Data, colour: np.ndarray, **look) -> None:
-    some, label = kept(d), look.pop("label")
+def _over_restitution(ax: Axes, d: Data, colour: np.ndarray, **look: Any) -> PathCollection:
+    """Kinds of rods that keep their tilt, coloured, over restitution of plate and of rods."""
+    some = kept(d)
     x, y = d["restitution, plate"][some], d["restitution, rods"][some]
-    shown = ax.scatter(x, y, 9, colour, linewidths=0.2, edgecolors="black", **look)
-    bar = figure.colorbar(shown, ax=ax, label=label)
-    if "norm" in look:
-        bar.set_ticks(RATIO_TICKS, labels=[f"{tick:g}" for tick in RATIO_TICKS])
-        bar.minorticks_off()
     ax.set(xlabel="restitution of the plate", ylabel="restitution of the rods")
+    return ax.scatter(x, y, 9, colour, linewidths=0.2, edgecolors="black", **look)
 
 
 @style
@@ -38,13 +37,16 @@ def draw(d: Data) -> plt.Figure:
     axes = top.subplots(1, 2)
     ratio = (d["c_x"] / d["theory"])[kept(d)].mean(axis=1)
     low, *_, high = RATIO_TICKS
-    scale = {"norm": LogNorm(low, high), "cmap": "RdBu_r"}
-    label = r"drift over the theory's"
-    _over_restitution(top, axes[0], d, np.clip(ratio, low, high), label=label, **scale)
+    shown = _over_restitution(
+        axes[0], d, np.clip(ratio, low, high), norm=LogNorm(low, high), cmap="RdBu_r"
+    )
+    bar = top.colorbar(shown, ax=axes[0], label="drift over the theory's")
+    bar.set_ticks(RATIO_TICKS, labels=[f"{tick:g}" for tick in RATIO_TICKS])
+    bar.minorticks_off()
     true = judged(d)
     hold = np.nansum([*true.values()], axis=0)
-    label = f"statements that hold, of {len(true)}"
-    _over_restitution(top, axes[1], d, hold, label=label, cmap="viridis")
+    shown = _over_restitution(axes[1], d, hold, cmap="viridis")
+    top.colorbar(shown, ax=axes[1], label=f"statements that hold, of {len(true)}")
     ax = bottom.subplots()
     found = {n: of for n, of in told(d)["numbers"].items() if of["share"] is not None}
     names = sorted(found, key=lambda name: found[name]["share"])

@@ -21,7 +21,6 @@ from md.statistics import standard_error, transient
 LOOKS = 4  # at the row in a period
 WINDOW = 10  # periods that `followed` takes together
 SEEN = "common", "height_spread", "height_order", "tilt_spread", "tilt_order", "tilt_deg", "fallen"
-FOLLOWED = "common", "height_spread", "height_order", "tilt_spread", "tilt_order", "fallen"
 ENDS_DEG = 3.0, 75.0  # tilts between which `driven` goes
 
 

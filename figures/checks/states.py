@@ -43,7 +43,7 @@ from ..lib.style import (
     style,
 )
 from . import row_motion
-from .row_motion import FOLLOWED, driven, followed
+from .row_motion import SEEN, driven, followed
 
 STATES = "block", "zig-zag", "single rods", "fallen"
 BLOCK, ZIGZAG, SINGLE, FALLEN = range(4)
@@ -112,7 +112,7 @@ def states(d: Data) -> np.ndarray:
 
     Parameters
     ----------
-    d : arrays of one shape by the names of `FOLLOWED`
+    d : arrays of one shape by the names of `row_motion.SEEN`
     """
     zigzag = np.zeros(np.shape(d["common"]), bool)
     for name in ("height", "tilt"):
@@ -169,7 +169,7 @@ def still_there(state: np.ndarray) -> np.ndarray:
 
 def _followed(sweep: Sweep) -> tuple[Data, np.ndarray]:
     """What was followed along a sweep, and the states over time."""
-    names = (*FOLLOWED, "c_x", "tilt_deg", "middle", "late_c_x_stderr")
+    names = (*SEEN, "c_x", "middle", "late_c_x_stderr")
     found = dict(zip(names, gathered(sweep, *names), strict=True))
     return found, states(found)
 

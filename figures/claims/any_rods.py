@@ -7,15 +7,16 @@ theory of the same friction, restitution and speed of the plate. No set is chose
 which of them a statement holds.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.stats import qmc, spearmanr
 
 from md.scene import put
+from md.search import Parameter
 from md.sweep import Sweep, point_at
 
-from ..lib.runs import RESOLVED, SIMPLE_ROW, boxes, computed
+from ..lib.runs import PARTS, RESOLVED, SIMPLE_ROW, boxes, computed
 from ..lib.style import Data
 from . import over_tilt
 from .limits import holds, read
@@ -27,39 +28,23 @@ FOLLOWS = 0.5  # rank correlation from which on a number is said to follow a pro
 FEW = 20  # sets from which on a correlation is told
 
 
-class Property(NamedTuple):
-    """A range; `keys` of the scene take its values."""
-
-    keys: tuple[str, ...]
-    low: float
-    high: float
-    log: bool = False  # evenly in log
-
-    def value(self, part: np.ndarray | float) -> np.ndarray | float:
-        """Values at parts of the range, from 0 to 1."""
-        if self.log:
-            return self.low * (self.high / self.low) ** part
-        return self.low + (self.high - self.low) * part
-
-
-def _of(part: str, option: str, *ends: float, log: bool = False) -> dict[str, Property]:
-    name = f"{option.replace('_', ' ')}, {part}"
-    return {name: Property((f"contacts.{part}.{option}",), *ends, log=log)}
-
-
-PROPERTIES = {
-    **_of("plate", "restitution", 0.3, 0.97),
-    **_of("rods", "restitution", 0.3, 0.97),
-    **_of("plate", "friction", 0.05, 1.0, log=True),
-    **_of("rods", "friction", 0.05, 1.0, log=True),
-    **_of("plate", "tangential_ratio", 0.3, 30.0, log=True),
-    **_of("rods", "tangential_ratio", 0.3, 30.0, log=True),
-    **_of("plate", "tangential_damping", 0.0, 1.0),
-    **_of("rods", "tangential_damping", 0.0, 1.0),
-    "length": Property(("rods.length",), 3.0, 30.0, log=True),
-    "acceleration": Property(("plate.acceleration",), 2.0, 6.0),
-    "number of rods": Property(("rods.count",), 20, 60),
-}
+_OF_CONTACTS = (  # option of plate and rods, ends of its range, whether evenly in log
+    ("restitution", 0.3, 0.97, False),
+    ("friction", 0.05, 1.0, True),
+    ("tangential_ratio", 0.3, 30.0, True),
+    ("tangential_damping", 0.0, 1.0, False),
+)
+_RANGES = (
+    *(
+        Parameter(f"{option.replace('_', ' ')}, {part}", (f"contacts.{part}.{option}",), *ends)
+        for option, *ends in _OF_CONTACTS
+        for part in PARTS
+    ),
+    Parameter("length", ("rods.length",), 3.0, 30.0, log=True),
+    Parameter("acceleration", ("plate.acceleration",), 2.0, 6.0),
+    Parameter("number of rods", ("rods.count",), 20, 60),
+)
+PROPERTIES = {one.name: one for one in _RANGES}
 JUDGED = {  # statements on a row over tilt, which every set of properties has
     name: row
     for claim in read()

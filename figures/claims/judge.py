@@ -79,7 +79,7 @@ def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
         value, error = float(number.value), float(number.error)
         row = {**limits, "value": value, "error": error, "notion": number.notion}
         if "holds" in limits:
-            row["verdict"] = verdict(Number(value, error, number.notion), limits)
+            row["verdict"] = verdict(number, limits)
             row["deviation"] = deviation(value, limits)
         rows.append(row)
     return {**claim, "numbers": rows, "trouble": trouble}
@@ -239,15 +239,6 @@ def regions(report: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
             group = "all" if share >= NEARLY else "none" if share <= 1 - NEARLY else "some"
             found[group].append({"id": claim["id"], **row, **of})
     return found
-
-
-def with_verdict(report: dict[str, Any], wanted: str) -> list[str]:
-    """Claims all of whose statements have this verdict."""
-    return [
-        claim["id"]
-        for claim in report["claims"]
-        if {row["verdict"] for row in statements(claim)} == {wanted}
-    ]
 
 
 def numbers(report: dict[str, Any]) -> dict[str, dict[str, Any]]:
