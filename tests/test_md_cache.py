@@ -37,6 +37,13 @@ print(json.dumps([md.__file__, force, *counts]))
 """
 
 
+@pytest.fixture(autouse=True)
+def no_folder_chosen(monkeypatch) -> None:
+    """Whatever the environment says, here and in processes."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+
+
 @pytest.fixture
 def copy(tmp_path) -> Path:
     """The package's sources in a place where they can be edited."""

@@ -97,7 +97,7 @@ def outcomes(installed, tmp_path_factory) -> dict[str, subprocess.CompletedProce
     told = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     # Before the checkout, which this environment may hold too; the wheel's folder stays as it is.
     told |= {"PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "1"}
-    told["XDG_CACHE_HOME"] = str(cache)
+    told |= {"XDG_CACHE_HOME": str(cache), "NUMBA_CACHE_DIR": ""}
     before = set(installed.rglob("*"))
 
     def outcome(name: str) -> subprocess.CompletedProcess:
