@@ -150,10 +150,9 @@ BEYOND = (
         contradicted_by=("[12]: mass",),
         contradiction=lambda mass: _by_parts(mass)[1],
         repair=(
-            Repair("15/32 to 9/32", "15/32", "9/32"),
-            Repair("a factor 1/4 of $h_0^2$", "+ h_0^2", "+ 1/4h_0^2"),
+            Repair("15/32", "9/32"),
+            Repair("+ h_0^2", "+ 1/4h_0^2"),
         ),
-        note="its own mass, split into cylinder and caps and shifted to the centre, gives the same",
     ),
     Equation(
         "bodies: gyration radius",

@@ -1,13 +1,12 @@
 """Stationary translation of bouncing rods, Section V, Eqs. (24)-(31)."""
 
-import mpmath
 import sympy as sp
 
 from . import paper, second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
-from .bodies import THIN, cylinder_gyration, flat_contact, flat_tilt
-from .lecture import PAPER, compared, degrees, formula, number, sign
-from .proof import DIGITS, Equation
+from .bodies import THIN, flat_contact, flat_tilt
+from .lecture import PAPER, degrees, formula, negative, number, sign
+from .proof import Equation
 from .symbols import (
     V_0,
     Gamma,
@@ -27,7 +26,6 @@ from .symbols import (
 )
 from .trace import derived, say, solve
 
-eta = sp.Symbol("eta", positive=True)  # sqrt(Gamma - 1)
 CASES = {"stick": slip_stick.impulse, "back": slip_reversal.impulse}
 NAMES = {"stick": "slip-stick", "back": "slip reversal"}
 _EQUATIONS = {"stick": "(18) and (19)", "back": "(21), repaired, and (22)"}
@@ -108,38 +106,6 @@ def plate_velocity() -> sp.Expr:
     return mean.doit()
 
 
-@derived("V_z/V_0")
-def onset_velocity() -> sp.Expr:
-    r"""It lands there, where the plate's velocity is $V_0 \cos\theta$, close to $-y V_0$."""
-    y, x = sp.symbols("y x", positive=True)
-    start = -sp.sqrt(2) * eta  # theta - pi/2 at take-off: 1 - x^2/2 = 1/Gamma to leading order
-    falling = eta**2 - x**2 / 2  # Gamma sin(theta) - 1: plate acceleration over gravity
-    say(
-        r"The plate's acceleration over gravity less one, $\Gamma \sin\theta - 1$, to leading "
-        r"order in $\eta$ and $x = \theta - \pi/2$; the rod leaves where it vanishes first",
-        r"\Gamma \sin\theta - 1",
-        falling,
-    )
-    speed = sp.integrate(falling, (x, start, x))
-    gap = sp.expand(sp.integrate(speed, (x, start, y)))
-    landings = [
-        root
-        for root in solve(
-            (gap, sp.S.Zero), y, r"Integrated twice, the gap closes at $y = \theta - \pi/2$"
-        )
-        if sp.simplify(root - start) != 0
-    ]
-    return -landings[0]  # cos(pi/2 + x) = -x
-
-
-@derived("c'_x")
-def flat_start() -> sp.Expr:
-    r"""The lengths of a flat-ended rod on its edge at $\phi = 0$ put into (24)."""
-    contact = [part.subs(phi, 0) for part in flat_contact()]
-    flat = {X: contact[0], Z: contact[1], k: sp.sqrt(cylinder_gyration())}
-    return sp.factor(stationary("stick")[0].subs(flat))
-
-
 def _exponent(form: sp.Expr) -> sp.Expr:
     """Exponent of a power law in Gamma - 1."""
     return sp.limit((Gamma - 1) * form.diff(Gamma) / form, Gamma, 1, "+")
@@ -181,31 +147,8 @@ def _by_the_wrong_sign(form: sp.Expr) -> list[sp.Expr]:
     return [landed.subs(c_x, form)]
 
 
-def _flat_landing(form: sp.Expr) -> list[sp.Expr]:
-    """c_x of a landing on the edge at (-d/2, l/2), from whole impacts."""
-    gyration = sp.sqrt(length**2 / 12 + diameter**2 / 16)
-    edge = {X: -diameter / 2, Z: length / 2, k: gyration}
-    return [second_routes.landing("stick")[0].subs(edge) - form]
-
-
-def _onset_by_numbers(form: sp.Expr) -> list[sp.Expr]:
-    """One flight just above Gamma = 1, on the plate's sine and the parabola, without a series."""
-    with mpmath.workdps(200):
-        small = mpmath.mpf(10) ** -30
-        gamma = 1 + small**2
-        start = mpmath.asin(1 / gamma)  # where the plate's acceleration is -g
-
-        def gap(flown: mpmath.mpf) -> mpmath.mpf:
-            rod = mpmath.sin(start) + mpmath.cos(start) * flown - flown**2 / (2 * gamma)
-            return rod - mpmath.sin(start + flown)
-
-        flown = mpmath.findroot(gap, (small, 100 * small), solver="bisect", maxsteps=500)
-        number = sp.Float(str(mpmath.cos(start + flown) / small), DIGITS + 25)
-    return [form / eta - number]
-
-
+_LONG = {diameter: 1, length: 8}
 _LOSSY = k**2 * (1 - epsilon) + 2 * X**2
-_FLAT = 4 * (1 - epsilon) * length**2 + 3 * (9 - epsilon) * diameter**2
 _STOP, _REVERSE = mu * (k**2 + Z**2) + X * Z, k**2 + X**2 - mu * X * Z
 
 
@@ -239,57 +182,37 @@ def _witness_told() -> str:
 def _slide_told() -> str:
     falls = sp.Symbol("v_0", negative=True)
     loss = slide_loss().subs(c_z, V_z + falls).subs(falls, -1).subs(X, 0)
-    return (
-        f"{sign(loss)} for every friction above zero ($v_0 < 0$), so the closure excludes slide "
-        f"in the stationary landing itself; it does not exclude single slides in a scatter of "
-        f"landings, and without friction nothing is excluded"
-    )
+    return f"{sign(loss)} for every friction above zero ($v_0 < 0$)"
 
 
 def _range_told() -> str:
     left = paper.printed("29").subs(phi, sp.pi / 2) / V_z
     held = sp.limit(paper.printed("26") / V_z, phi, sp.pi / 2)
-    return (
-        "between the two critical tilts only; beyond the upper one (26) holds again, and the drift "
-        rf"goes to {held} at 90 degrees, where (29) would leave {formula(left)} $V_z$"
-    )
+    return f"at 90 degrees (29) would leave {formula(left)} $V_z$, and (26) leaves {held}"
 
 
 def _again_told() -> str:
     """From which tilt on the centre leaves more slowly than the plate."""
     excess = centre_excess().subs(THIN) / V_z
-    thin = excess.subs(epsilon, PAPER[epsilon])
+    thin = sp.cancel(excess.subs(epsilon, PAPER[epsilon]))
     tilt = sp.asin(
         sp.sqrt(sp.solve(thin.subs(sp.sin(phi) ** 2, X).subs(sp.cos(phi) ** 2, 1 - X), X)[0])
     )
-    slower = compared(thin.subs(phi, tilt + sp.Rational(1, 10)), 0, ("faster", "more slowly"))
     return (
-        f"from {degrees(tilt)} on, for a thin rod and the paper's restitution, "
-        f"{number(PAPER[epsilon])}, the centre leaves {slower} than the plate: there the rod "
-        f"separates only because it spins, and without spin it is hit again at once; beyond it "
-        f"(24)-(30) hold formally, not as one isolated landing a flight"
+        f"negative {negative(thin, phi, tilt)} {degrees(tilt)}, for a thin rod and the paper's "
+        f"restitution, {number(PAPER[epsilon])}"
     )
-
-
-def _friction_told() -> str:
-    return rf"as $\mu \to 0$ the drift (29) tends to {without_friction()} of (26), not to zero"
 
 
 def _against_told() -> str:
     """On which side of that tilt the centre stands behind the contact."""
-    at = {diameter: 1, length: 8}
-    edge = flat_tilt().subs(at)
-    sides = (edge * sp.Rational(9, 10), edge * sp.Rational(11, 10))
-    (behind,) = [x for x in sides if flat_contact()[0].subs(at).subs(phi, x) < 0]
-    return compared(behind, edge)
+    behind = flat_contact()[0].subs(_LONG)
+    return negative(behind, phi, flat_tilt().subs(_LONG))
 
 
 def _flat_told() -> str:
-    tilt = flat_tilt().subs({diameter: 1, length: 8})
-    return (
-        f"from $X = 0$: {degrees(tilt)} for the experiment's $l = 8 d$, which reports motion from "
-        f"8 degrees on"
-    )
+    tilt = flat_tilt().subs(_LONG)
+    return f"{degrees(tilt)} for $l = {_LONG[length]} d$"
 
 
 EQUATIONS = (
@@ -334,7 +257,6 @@ EQUATIONS = (
         derive=lambda: sp.cancel(
             (stationary("back")[0] - stationary("stick")[0]).subs(mu, _edge())
         ),
-        note="the drift is continuous at both critical tilts; its slope is not",
     ),
     Equation(
         "29",
@@ -358,13 +280,7 @@ EQUATIONS = (
         said=sp.S.One,
         derive=lambda: sp.integrate(LANDING_PHASES({}), (theta, 0, 2 * sp.pi)),
     ),
-    Equation(
-        "31",
-        "mean plate velocity at landing",
-        "V_z",
-        derive=plate_velocity,
-        note="for the assumed $H$; the density itself is a fit to simulations",
-    ),
+    Equation("31", "mean plate velocity at landing", "V_z", derive=plate_velocity),
     Equation("31: value", "the same, integrated", "V_z", derive=plate_velocity),
     Equation(
         "V: V_z at onset",
@@ -374,32 +290,10 @@ EQUATIONS = (
         verdict="assumed",
         said=sp.S.One,
         derive=lambda: _exponent(V_0 * (Gamma - 1)),
-        note="an expectation for many rods, not derived; a single perfectly inelastic rod has "
-        "another exponent",
     ),
 )
 
 BEYOND = (
-    Equation(
-        "V: exponent at onset",
-        "exponent of $V_z$ of a single perfectly inelastic rod",
-        r"[d\ln V_z/d\ln(\Gamma - 1)]_{\Gamma = 1}",
-        where=lambda: {"V_z": V_0 * onset_velocity().subs(eta, sp.sqrt(Gamma - 1))},
-        derive=lambda: _exponent(V_0 * onset_velocity().subs(eta, sp.sqrt(Gamma - 1))),
-        # take-off and landing phase scale alike: x^2/(Gamma - 1) is a number
-        check=lambda form: (sp.diff((Gamma - 1) ** (2 * form) / (Gamma - 1), Gamma),),
-    ),
-    Equation(
-        "V: inelastic onset",
-        r"$V_z/V_0$ of the first landing of a perfectly inelastic rod, $\eta = \sqrt{\Gamma - 1}$",
-        "V_z/V_0",
-        derive=onset_velocity,
-        check=_onset_by_numbers,
-        note=lambda: (
-            f"{sign(onset_velocity().subs(eta, V_z))}, and a square root, not a line: a landing on "
-            "the falling plate, which the closure cannot turn into a drift"
-        ),
-    ),
     Equation(
         "V: landing",
         "$v_0$ of the stationary landing",
@@ -408,9 +302,8 @@ BEYOND = (
         shown=-2 * (k**2 + X**2) * V_z / _LOSSY,
         check=lambda form: _landed(form + V_z),
         note=lambda: (
-            f"{sign(landing_velocity('stick'))} for $V_z > 0$ and "
-            f"{sign(-landing_velocity('stick'))} for $V_z < 0$, where the closure has no impact: "
-            f"a small negative $V_z$ cannot by itself explain a reverse drift"
+            f"{sign(landing_velocity('stick'))} for $V_z > 0$, "
+            f"{sign(-landing_velocity('stick'))} for $V_z < 0$"
         ),
     ),
     Equation(
@@ -436,7 +329,6 @@ BEYOND = (
         "c'_x(27)/c'_x(24)",
         derive=without_friction,
         check=_balance_of_impulses,
-        note=_friction_told,
     ),
     Equation(
         "V: flat end",
@@ -446,14 +338,5 @@ BEYOND = (
         shown=sp.atan(diameter / length),
         check=lambda form: (flat_contact()[1].diff(phi).subs(phi, form),),
         note=_flat_told,
-    ),
-    Equation(
-        "V: flat end at tilt 0",
-        "drift of a flat-ended rod in slip-stick as its tilt goes to 0 from above",
-        "c'_x",
-        derive=flat_start,
-        shown=-24 * (1 + epsilon) * diameter * length * V_z / _FLAT,
-        check=_flat_landing,
-        note="finite and backwards; it changes sign as the contact jumps from edge to edge",
     ),
 )

@@ -53,12 +53,13 @@ def page() -> str:
     """Text of EQUATIONS.md: the mistakes, the new results, what is noted, numbered equations."""
     told_of = {
         verdict: [(x.tag, x.what, told(x)) for x in ENTRIES if x.verdict == verdict]
-        for verdict in ("erratum", "new", "noted")
+        for verdict in ("new", "noted")
     }
+    wrong = [(x.tag, x.what, told(x) or x.repairs) for x in mistakes()]
     numbered = [x for x in ENTRIES if x.tag.removeprefix("B").isdigit()]
     return (
         "# Equations\n\n<!-- written by `python -m derivations generate`; do not edit -->\n\n"
-        f"{len(ENTRIES)} entries in all: {len(mistakes())} are mistakes of equations, numbers and "
+        f"{len(ENTRIES)} entries in all: {len(wrong)} are mistakes of equations, numbers and "
         f"signs as printed in our copy, {len(told_of['new'])} are not in the paper, "
         f"{len(told_of['noted'])} are words and citations, quoted and not proved. `python -m "
         "derivations check` proves the others; `python -m derivations report` writes all "
@@ -66,7 +67,7 @@ def page() -> str:
         + _table(
             "Mistakes as printed in our copy",
             ("where", "as printed", "what is right"),
-            told_of["erratum"],
+            wrong,
         )
         + _table("New results", ("where", "what", "note"), told_of["new"])
         + _table(

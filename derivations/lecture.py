@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
+from . import paper
 from .proof import components
 from .symbols import V_z, X, Z, epsilon, k, mu, phi
 from .typeset import latex, mathml, words
@@ -112,7 +113,7 @@ def to_text(text: str) -> str:
 
 # ---- words of the notes that are computed --------------------------------------------------------
 
-PAPER = {epsilon: sp.Rational(13, 20), mu: sp.Rational(3, 10)}  # of Figs. 11 and 13
+PAPER = paper.setting("Fig. 11")
 
 
 def number(value: sp.Expr, digits: int = 2) -> str:
@@ -141,6 +142,12 @@ def compared(one: sp.Expr, other: sp.Expr, words: tuple[str, str] = ("above", "b
     if not difference.is_comparable or difference == 0:
         raise ValueError(f"{one} and {other} cannot be told apart")
     return words[0] if difference > 0 else words[1]
+
+
+def negative(form: sp.Expr, letter: sp.Symbol, edge: sp.Expr) -> str:
+    """`above` or `below`: on which side of its zero a form of a letter is negative."""
+    (there,) = (edge * x for x in (0.9, 1.1) if form.subs(letter, edge * x) < 0)
+    return compared(there, edge)
 
 
 def extreme(form: sp.Expr, letter: sp.Symbol, there: sp.Expr, at: Mapping) -> str:

@@ -9,13 +9,12 @@ import sympy as sp
 
 from . import second_routes
 from .bodies import T, over_tangent
-from .drift import CASES, NAMES, landing, landing_velocity, stationary
+from .drift import CASES, landing, landing_velocity, stationary
 from .laws import slopes
 from .lecture import PAPER, compared, degrees, extreme, formula, number, sign
 from .proof import Equation
 from .slide import slide_excess
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, u_0, v_0
-from .thin_rod import critical_friction, critical_tangents
 from .trace import derived, solve
 
 
@@ -33,25 +32,6 @@ def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
     at = {mu: sp.Rational(3, 10), epsilon: sp.Rational(1, 2)}
     (best,) = (root for root in roots if root.subs(at).evalf() > 0)
     return best, drift.subs(T, best)
-
-
-@derived(r"\mu_{back}", r"\mu_{stick}")
-def corner_frictions() -> tuple[sp.Expr, sp.Expr]:
-    """Friction at which the lower critical tilt is the best one of slip reversal, of slip-stick."""
-    square = sp.Symbol("T^2", positive=True)
-    friction = over_tangent(critical_friction())
-    ends = []
-    for case in ("back", "stick"):
-        slope_there = sp.numer(sp.together(drift_over_tangent(case).diff(T).subs(mu, friction)))
-        even = sp.expand(sp.cancel(slope_there)).subs(T, sp.sqrt(square))
-        at = {epsilon: sp.Rational(1, 2)}
-        (best,) = (
-            root
-            for root in solve(even, square)
-            if root.subs(at).is_real and root.subs(at).evalf() > 0
-        )
-        ends.append(friction.subs(T, sp.sqrt(best)))
-    return tuple(ends)
 
 
 @derived(
@@ -110,13 +90,6 @@ def _is_largest(case: str, form: sp.Matrix) -> list[sp.Expr]:
     return [part.subs({T: form[0], level: form[1]}) for part in (curve, curve.diff(T))]
 
 
-def _corners(form: sp.Matrix) -> list[sp.Expr]:
-    """At those frictions the critical tilt and the best tilt are one."""
-    lower = critical_tangents()[0]
-    best = [optimum(case)[0] for case in ("back", "stick")]
-    return [(lower - x).subs(mu, nu) for x, nu in zip(best, form, strict=True)]
-
-
 def _response(case: str) -> sp.Matrix:
     """Landings a unit apart in c_x and in c_z, from whole impacts."""
     after = [part.subs(omega, 0) for part in second_routes.impact(case)[:2]]
@@ -168,7 +141,6 @@ _stop = mu * (k**2 + Z**2) + X * Z
 _lossy = (1 - epsilon) * k**2 + 2 * X**2
 _a, _b = 1 - epsilon, 7 - epsilon
 _root = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
-_corner = sp.sqrt(97 * epsilon**2 - 1586 * epsilon + 6673)
 
 _HERE = f"the paper's restitution, {number(PAPER[epsilon])}"
 
@@ -182,22 +154,6 @@ def _stick_told() -> str:
     return f"{degrees(sp.atan(tangent))} and {number(along, 3)} for {_HERE}"
 
 
-def _corners_told() -> str:
-    """On which side of the two frictions the best tilt is that of a regime."""
-    words = []
-    for case, friction in zip(("back", "stick"), corner_frictions(), strict=True):
-        sides = {}
-        for side in (sp.Rational(9, 10), sp.Rational(11, 10)):
-            at = {mu: (friction * side).subs(PAPER), epsilon: PAPER[epsilon]}
-            best, critical = optimum(case)[0].subs(at), critical_tangents()[0].subs(at)
-            holds = compared(
-                best, critical, ("back", "stick")
-            )  # beyond the critical tilt: reversal
-            sides[holds == case] = compared(side, sp.S.One)
-        words.append(f"{sides[True]} {number(friction.subs(PAPER), 3)} it is that of {NAMES[case]}")
-    return f"{', '.join(words)}, for {_HERE}"
-
-
 def _stability_told() -> str:
     """The last margin is a sum of terms that are positive where reversal holds."""
     margins = [*stability_margins("stick"), *stability_margins("back")]
@@ -207,20 +163,20 @@ def _stability_told() -> str:
     holds = mu * (k**2 + Z**2) / Z + room
     signs = {sign(x) for x in margins[:3]} | {sign(x, {X: holds}) for x in margins[3:]}
     (word,) = signs
-    return f"all {word} wherever the regime holds, so that the landing is stable there"
+    return f"all {word} wherever the regime holds"
 
 
 def _stops_told() -> str:
     left = [slip_left(case) for case in CASES]
     room = mu * (k**2 + Z**2) / Z + sp.Symbol("room", positive=True)
     (word,) = {sign(left[0]), sign(left[1], {X: room})}
-    return f"{word} in both: the closure never lands in a slide, and is consistent with itself"
+    return f"{word} in both"
 
 
 def _pressed_told() -> str:
     more = {mu: painleve_friction() * sp.Rational(11, 10)}
     word = compared(slopes()["back"].subs(more).subs({X: 1, Z: 1, k: 1}), 0, (">", "<"))
-    return f"from there on $dv/dP_z {word} 0$: the impact begins even with $v_0 = 0$"
+    return f"from there on $dv/dP_z {word} 0$"
 
 
 def _extreme_friction() -> str:
@@ -260,22 +216,11 @@ EQUATIONS = (
         check=lambda form: _is_largest("back", form),
     ),
     Equation(
-        "V: optimum, corner",
-        "between these two frictions the best tilt is the critical one",
-        r"(\mu_{back}, \mu_{stick})",
-        derive=corner_frictions,
-        shown=(
-            3 * sp.sqrt(2 * _b * (_corner - 81 + 9 * epsilon)) / (_corner - 25 + epsilon),
-            3 * sp.sqrt(_a * _b) / (29 - 5 * epsilon),
-        ),
-        check=_corners,
-        note=_corners_told,
-    ),
-    Equation(
         "V: stability",
         (
-            r"stability of the stationary landing: $1 - tr + det$, $1 + tr + det$, $1 - det$ of "
-            r"the landing map $(c_x, c_z) \to (c_x', -c_z')$ in slip-stick, then in slip reversal"
+            "stability of the stationary landing, by Jury's criterion: $1 - tr + det$, "
+            r"$1 + tr + det$, $1 - det$ of the landing map $(c_x, c_z) \to (c_x', -c_z')$ in "
+            "slip-stick, then in slip reversal"
         ),
         (
             "([1 - tr + det]_{stick}, [1 + tr + det]_{stick}, [1 - det]_{stick}, [1 - tr + "

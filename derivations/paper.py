@@ -21,7 +21,7 @@ from sympy.parsing.latex.lark import LarkLaTeXParser
 from . import symbols as s
 
 SOURCE = resources.files(__package__).joinpath("paper.toml").read_bytes()
-DIGEST = "2afef9949c25c801"  # of paper.toml, when it was compared with our copy of the paper
+DIGEST = "667b5f7b997c77bc"  # of paper.toml, when it was compared with our copy of the paper
 _GREEK = ("Gamma", "alpha", "epsilon", "mu", "omega", "phi", "theta")
 _WORD = r"\\(?:frac|sqrt|sin|cos|tan|arccos|arctan|int|times|cdot)(?![A-Za-z])"
 _LETTER = "[\ue000-\uf8ff]"
@@ -37,7 +37,6 @@ _VECTOR = r"d?\\(?:mathbf|boldsymbol)\{\\?\w+\}"
 class Formula(NamedTuple):
     """A formula or a sentence of the paper."""
 
-    section: str
     tex: str
 
     @property
@@ -59,8 +58,8 @@ class Formula(NamedTuple):
 
 
 _TEXTS = tomllib.loads(SOURCE.decode("utf-8"))
-EQUATIONS = {tag: Formula(*found) for tag, found in _TEXTS["equations"].items()}
-SENTENCES = {tag: Formula(*found) for tag, found in _TEXTS["sentences"].items()}
+EQUATIONS = {tag: Formula(tex) for tag, tex in _TEXTS["equations"].items()}
+SENTENCES: dict[str, str] = _TEXTS["sentences"]
 NOTED: list[dict[str, str]] = _TEXTS["noted"]
 
 
@@ -226,6 +225,12 @@ _LETTERS_OF_VECTORS = {
     r"\boldsymbol{\omega}": sp.Matrix([0, s.omega, 0]),
     r"d\mathbf{P}": sp.Matrix([s.P_x, 0, s.P_z]),
 }
+
+
+def setting(figure: str) -> dict[sp.Expr, sp.Rational]:
+    """The numbers of a caption."""
+    pairs = (text.split(" = ") for text in _TEXTS["settings"][figure])
+    return {read(left, LETTERS): sp.Rational(value) for left, value in pairs}
 
 
 TWO_SUMS = ("IV: condition for phi_c", *(tag for tag in EQUATIONS if tag.startswith("V: c")))

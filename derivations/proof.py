@@ -5,7 +5,7 @@ Verdicts
 agrees     the difference of both forms simplifies to zero; what is meant of a printed form where
            none is given
 rewritten  both forms are equal to 40 digits at random points (no simplification closes them)
-erratum    the forms differ: a point where they do, and either the repair, a named change of the
+erratum    the forms differ: a point where they do, and either the repair, a small change of the
            printed LaTeX that gives the derived form, or, for a sentence, the mistake by which its
            value comes out; where the paper contradicts itself, also the other formulas whose
            printed forms give the derived one
@@ -80,11 +80,16 @@ class Proof:
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """One named change of the printed LaTeX after which a form is right."""
+    """One change of the printed LaTeX after which a form is right."""
 
-    what: str  # is changed
     old: str  # stands once in the LaTeX
     new: str
+    name: str = ""  # what is changed, if both are too long to be read
+
+    @property
+    def what(self) -> str:
+        """What is changed, in words."""
+        return self.name or f"${self.old}$ to ${self.new}$"
 
     def of(self, tex: str) -> str:
         """Return the LaTeX with the change made; ValueError if it cannot be."""
@@ -148,7 +153,7 @@ class Equation:
         """What it is about, the paper's own sentence first."""
         quoted = paper.SENTENCES.get(self.tag)
         about = self.about if isinstance(self.about, str) else _computed(self.about)
-        return f'"{quoted.tex}": {about}' if quoted else about
+        return f'"{quoted}": {about}' if quoted else about
 
     @property
     def printed(self) -> Form | None:
@@ -162,6 +167,11 @@ class Equation:
         put = {} if self.put is None else self.put()
         forms = [form.subs(put, simultaneous=True) if put else form for form in forms]
         return forms[0] if len(forms) == 1 else sp.Matrix(forms)
+
+    @property
+    def repairs(self) -> str:
+        """All repairs in words."""
+        return "; ".join(repair.what for repair in self.repair)
 
     @property
     def repaired(self) -> Form:
@@ -295,7 +305,7 @@ class Noted:
         return Proof(ok=paper.sealed(), evidence="quoted, not proved")
 
 
-@cache
+@trace.remembered
 def _computed(words: Callable[[], str]) -> str:
     return words()
 

@@ -125,7 +125,7 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
                 evidence=proof.evidence,
                 computed=proof.computed,
                 contradicted_by=entry.contradicted_by if equation else (),
-                repair="; ".join(repair.what for repair in entry.repair) if equation else "",
+                repair=entry.repairs if equation else "",
                 mistake=told(entry, "mistake") if equation and proof.computed else "",
                 rests_on=entry.rests_on if equation and proof.ok else (),
             )
@@ -133,6 +133,7 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
     return rows
 
 
-def mistakes() -> tuple[Entry, ...]:
+def mistakes() -> tuple[Equation, ...]:
     """The equations, numbers and signs that are printed wrong; nothing that is only noted."""
-    return tuple(entry for entry in ENTRIES if entry.verdict == "erratum")
+    equations = (entry for entry in ENTRIES if isinstance(entry, Equation))
+    return tuple(entry for entry in equations if entry.verdict == "erratum")

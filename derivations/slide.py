@@ -60,11 +60,7 @@ def slide_excess() -> sp.Expr:
     return sp.factor(slip_velocity(impulse()[1]))
 
 
-_REPAIR = Repair(
-    "the denominator of (15) to that of (8)",
-    r"{\mu(k^2 + Z^2) + XZ}",
-    r"{k^2 + X^2 + \mu XZ}",
-)
+_REPAIR = Repair(r"{\mu(k^2 + Z^2) + XZ}", r"{k^2 + X^2 + \mu XZ}")
 
 
 def _impulse_put_in(impulse_of: sp.Expr, velocity: sp.Expr) -> sp.Expr:
@@ -75,7 +71,7 @@ def _impulse_put_in(impulse_of: sp.Expr, velocity: sp.Expr) -> sp.Expr:
 EQUATIONS = (
     Equation(
         "7",
-        "slip velocity left at separation; the slip goes on while it is positive",
+        "slip velocity left at separation",
         "u_*",
         derive=slip_velocity,
     ),
@@ -102,7 +98,6 @@ EQUATIONS = (
         contradicted_by=("9", "10"),
         contradiction=_impulse_put_in,
         repair=(_REPAIR,),
-        note="the denominator belongs to (15)",
     ),
     Equation(
         "13",
@@ -113,8 +108,7 @@ EQUATIONS = (
         contradicted_by=("8", "11"),
         contradiction=_impulse_put_in,
         at={LETTERS[r"\omega_x"]: sp.Rational(1, 10)},
-        repair=(_REPAIR, Repair(r"$\omega_x$ to $\omega X$", r"\omega_x", r"\omega X")),
-        note="the denominator belongs to (15), and a spin cannot be added to a velocity",
+        repair=(_REPAIR, Repair(r"\omega_x", r"\omega X")),
     ),
     Equation("14", "condition of continuous slide", "u_*", derive=slide_excess),
     Equation("15", "normal contact velocity when the slip stops", "v_1", derive=lambda: stop()[2]),

@@ -2,6 +2,7 @@
 
 import sympy as sp
 
+from . import paper
 from .axioms import RESTITUTION
 from .newton import approach, contact_change
 from .proof import Equation, Repair
@@ -37,13 +38,14 @@ def final_slip() -> sp.Expr:
     return sp.factor(reversed_change(impulse()[1] - stop()[1])[0])
 
 
+_UNTIL_STOP = "B1"  # impulse until the slip stops
+
 EQUATIONS = (
     Equation(
         "20",
         "condition of slip reversal",
         "",
         derive=lambda: sp.Lt(stick_margin(), 0),
-        note="for $u_0 > 0$; for either sign of the slip $XZ$ becomes $|XZ|$",
     ),
     Equation(
         "B6",
@@ -59,7 +61,7 @@ EQUATIONS = (
     ),
     Equation(
         "B8",
-        "normal impulse of slip reversal, of the whole contact",
+        "normal impulse of slip reversal",
         "P_z(t_f)",
         derive=lambda: impulse()[1],
     ),
@@ -85,11 +87,9 @@ EQUATIONS = (
         "c'_x",
         verdict="erratum",
         derive=lambda: cm_velocity(*impulse())[0],
-        repair=(Repair("the sign of the second term", "+ (c_x", "- (c_x"),),
+        repair=(Repair(r"+ (c_x - \omega Z)", r"- (c_x - \omega Z)"),),
         contradicted_by=("B11",),
         contradiction=lambda whole: whole.subs(approach()),
-        note="the second term must carry a minus sign: friction takes the slip away. With the sign "
-        "as printed (27) does not follow",
     ),
     Equation(
         "22",
@@ -106,16 +106,11 @@ EQUATIONS = (
         where=lambda: {"P_z(t_f)": impulse()[1], "P_z(t_1)": stop()[1]},
         derive=lambda: impulse()[1] - stop()[1],
         repair=(
-            Repair(
-                "without the impulse until the slip stops",
-                r"u_0 \frac{mk^2}{\mu(k^2 + Z^2) + XZ} - \frac{mk^2}{k^2 + X^2 - \mu XZ}",
-                r"- \frac{mk^2}{k^2 + X^2 - \mu XZ}",
-            ),
+            Repair(rf"{paper.EQUATIONS[_UNTIL_STOP].right} - ", "- ", f"without ({_UNTIL_STOP})"),
         ),
         contradicted_by=("B7", "15", "IV: restitution"),
         contradiction=lambda end, stopped, parting: (
             sp.solve(end.subs(v_1, stopped) - parting, P_z)[0] - P_1
         ),
-        note="(B8) is the impulse of the whole contact, and right as such",
     ),
 )

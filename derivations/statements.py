@@ -10,15 +10,16 @@ import sympy as sp
 from . import paper, second_routes
 from .bodies import THIN
 from .drift import relaxation, stationary
-from .lecture import degrees, formula, number
+from .lecture import PAPER, degrees, formula, number
 from .proof import DIGITS, Equation
-from .symbols import X, Z, c_x, h_0, k, mu, omega, phi
+from .symbols import X, Z, c_x, c_z, epsilon, h_0, k, mu, omega, phi
 from .trace import derived, solve
+from .typeset import latex
 
 stiffness, damping, speed, mass = sp.symbols("k_n gamma_n v m_r", positive=True)
 
-_30_DEGREES = {phi: sp.pi / 6}
-_FIG_10C = sp.Integer(10)  # -c_z/c_x there
+_TILT = {phi: sp.pi / 6}
+_FIG_10C = paper.setting("Fig. 10(c)")[-c_z / c_x]
 
 
 def _sign(value: sp.Expr) -> sp.Expr:
@@ -46,8 +47,10 @@ def _ratio_told() -> str:
     if any(sp.simplify(ratio.subs(phi, end)) != 1 for end in ends):
         raise ValueError("the ratio is not one there")
     low, high = map(degrees, ends)
-    at_30 = number(ratio.subs(_30_DEGREES))
-    return f"it is {formula(ratio)} of a thin rod: {at_30} at 30 degrees, one at {low} and {high}"
+    return (
+        f"it is {formula(ratio)} of a thin rod: {number(ratio.subs(_TILT))} at "
+        f"{degrees(_TILT[phi])}, one at {low} and {high}"
+    )
 
 
 @derived(r"\mu n")
@@ -98,66 +101,29 @@ _APPENDIX_A = {  # in d, g and virtual spheres
     damping: paper.printed("A: unit of gamma").as_coeff_Mul()[0],
     speed: 1,
 }
-_MASSES = {"two virtual spheres": sp.Rational(1, 2), "one": sp.S.One}
-_MASSES["a rod of note [12] with $l = 9.5 d$"] = paper.printed("[12]: mass").subs(
-    h_0, 17 / sp.Integer(2)
-)
-
-
-def _restitution(drag: float) -> float:
-    """Restitution by y'' = -y^(3/2) - drag y y' from y = 0, y' = 1 until y is 0 again."""
-    from scipy.integrate import solve_ivp  # late: one note needs it
-
-    def rates(_: float, state: tuple[float, float]) -> tuple[float, float]:
-        y, v = state
-        return v, -(max(y, 0.0) ** 1.5) - drag * y * v
-
-    def parted(time: float, state: tuple[float, float]) -> float:
-        return state[0] if time else 1.0
-
-    parted.terminal = True  # type: ignore[attr-defined]
-    return -solve_ivp(rates, (0, 100), (0, 1), events=parted, rtol=1e-9, atol=1e-12).y[1, -1]
-
-
-def damping_needed(restitution: float, reduced_mass: sp.Expr) -> float:
-    """Times Appendix A's damping constant that gives a restitution to rods that meet head on."""
-    from scipy.optimize import brentq  # late, as above
-
-    drag = brentq(lambda drag: _restitution(drag) - restitution, 0, 5, xtol=1e-7)
-    constants = _APPENDIX_A
-    overlap = (float(reduced_mass) * constants[speed] ** 2 / constants[stiffness]) ** 0.4
-    return drag / (constants[damping] * overlap**2 / constants[speed])
+_MASSES = sp.Rational(1, 2), sp.S.One, paper.printed("[12]: mass").subs(h_0, sp.Rational(17, 2))
 
 
 def _damping_told() -> str:
-    lightest = _MASSES["two virtual spheres"]
-    loss = restitution_lost().subs(_APPENDIX_A).subs(mass, lightest)
-    small = (1 - 0.999) / float(loss)
-    if abs(damping_needed(0.999, lightest) / small - 1) > 2e-3:
-        raise ValueError("the motion loses something else at small damping")
-    times = [damping_needed(0.65, of) for of in _MASSES.values()]
-    needed = ", ".join(
-        f"{number(x, 3)} times for {of}" for x, of in zip(times, _MASSES, strict=True)
-    )
+    lost = restitution_lost().subs(_APPENDIX_A)
+    found = ", ".join(f"{number(lost.subs(mass, x))} for $m_r = {number(x, 4)}$" for x in _MASSES)
     return (
-        rf"it grows as $v^{{3/5}}$ and in proportion to $\gamma_n$. Appendix A's constants give "
-        rf"{number(loss)} at $(d g)^{{1/2}}$ for two virtual spheres; a restitution of 0.65 needs "
-        rf"more $\gamma_n$, by what $m_r$ is that of: {needed} (the equation of motion solved, as "
-        "the damping is not small then)"
+        f"Appendix A's constants give {found} virtual spheres, at $v = {_APPENDIX_A[speed]} "
+        f"(d g)^{{1/2}}$; the paper's restitution is one less {number(1 - PAPER[epsilon])}"
     )
 
 
 EQUATIONS = (
     Equation(
         "IV: large ratio",
-        "sign of $-c_z/c_x - 1$ at 30 degrees, in stationary translation",
-        r"[\mathrm{sgn}(-c_z/c_x - 1)]_{\phi = \pi/6}",
+        f"sign of $-c_z/c_x - 1$ at {degrees(_TILT[phi])}, in stationary translation",
+        rf"[\mathrm{{sgn}}(-c_z/c_x - 1)]_{{\phi = {latex(_TILT[phi])}}}",
         where=lambda: dict(zip(("c_x", "-c_z"), _stationary_thin(), strict=True)),
         verdict="erratum",
         said=sp.S.One,
-        derive=lambda: _sign(stationary_ratio().subs(_30_DEGREES) - 1),
+        derive=lambda: _sign(stationary_ratio().subs(_TILT) - 1),
         contradicted_by=("24", "25"),
-        contradiction=lambda drift, up: _sign((up / drift).subs(THIN).subs(_30_DEGREES) - 1),
+        contradiction=lambda drift, up: _sign((up / drift).subs(THIN).subs(_TILT) - 1),
         mistaken=lambda: _sign(_FIG_10C - 1),
         mistake=f"the {_FIG_10C} of Fig. 10(c) is taken for typical",
         note=_ratio_told,
@@ -170,8 +136,6 @@ EQUATIONS = (
         derive=landings_to_relax,
         shown=X * Z / (2 * k**2),
         check=_relaxed,
-        note="the abstract calls friction crucial: with less of it the drift does not go to "
-        "zero, but takes ever longer to come; without any, $c_x$ stays what it was",
     ),
     Equation(
         "A: restitution",
@@ -205,6 +169,7 @@ _DIMENSIONS = {
     )
     for name in names
 }
+_OVERLAP = paper.LETTERS[r"\delta"]
 _LENGTHS = {MASS: sp.Integer(1), LENGTH: sp.Integer(4), TIME: sp.Integer(1)}
 
 
@@ -217,10 +182,14 @@ def _with(law: sp.Expr, name: str) -> sp.Expr:
 def _needed(name: str, tag: str, without: sp.Expr = sp.S.One) -> sp.Expr:
     """Dimension of a constant, so that its term, without a factor, is a force."""
     letter = paper.LETTERS[name]
-    term = letter * _with(paper.printed(tag), name) / without
+    term = letter * _with(paper.printed(tag), name) / without.subs(_DIMENSIONS)
     sentence = f"Its term is a force; solved for ${sp.latex(letter)}$"
     (value,) = solve((term, FORCE), letter, sentence)
     return sp.simplify(value)
+
+
+def _left_out(factor: sp.Expr) -> str:
+    return f"a factor {formula(factor)} of the force is left out"
 
 
 def _of_d_g_m(constant: str, tag: str) -> str:
@@ -264,14 +233,11 @@ DIMENSIONS = (
         verdict="erratum",
         said=lambda: _unit("A: unit of k_n"),
         derive=lambda: _needed("k_n", _NORMAL),
-        mistaken=lambda: _needed("k_n", _NORMAL, sp.sqrt(LENGTH)),
-        mistake="the spring is taken for a linear one",
+        mistaken=lambda: _needed("k_n", _NORMAL, sp.sqrt(_OVERLAP)),
+        mistake=_left_out(sp.sqrt(_OVERLAP)),
         contradicted_by=(_NORMAL,),
         contradiction=lambda law: FORCE / _with(law, "k_n"),
-        note=lambda: (
-            f"{_of_d_g_m('k_n', _NORMAL)}; the printed unit is that of a linear spring (and $D$ "
-            f"stands for $d$). In reduced units, $d = m = g = 1$, the number is the same"
-        ),
+        note=lambda: _of_d_g_m("k_n", _NORMAL),
         at=_LENGTHS,
     ),
     Equation(
@@ -282,14 +248,11 @@ DIMENSIONS = (
         verdict="erratum",
         said=sp.S.One,
         derive=_ratio,
-        mistaken=lambda: _ratio(sp.sqrt(LENGTH)),
-        mistake=r"as if the tangential force were $-k_t \delta^{1/2} s$",
+        mistaken=lambda: _ratio(sp.sqrt(_OVERLAP)),
+        mistake=_left_out(sp.sqrt(_OVERLAP)),
         contradicted_by=(_TANGENTIAL, _NORMAL),
         contradiction=lambda law, other: _with(other, "k_n") / _with(law, "k_t"),
-        note=lambda: (
-            rf"$k_t \delta s$ is a force if $k_t$ is in {_of_d_g_m('k_t', _TANGENTIAL)}; the "
-            rf"number is $k_t/k_n$ times {formula(1 / _ratio())} only"
-        ),
+        note=lambda: f"$k_t$ needs {_of_d_g_m('k_t', _TANGENTIAL)}",
         at=_LENGTHS,
     ),
     Equation(
@@ -300,16 +263,13 @@ DIMENSIONS = (
         verdict="erratum",
         said=lambda: sp.Matrix([_unit("A: unit of gamma")] * 2),
         derive=_damping,
-        mistaken=lambda: sp.Matrix(_damping(LENGTH)),
-        mistake="as if the damping force had no factor of overlap",
+        mistaken=lambda: sp.Matrix(_damping(_OVERLAP)),
+        mistake=_left_out(_OVERLAP),
         contradicted_by=(_NORMAL, _TANGENTIAL),
         contradiction=lambda *laws: sp.Matrix(
             [FORCE / _with(law, rf"\gamma_{x}") for x, law in zip("nt", laws, strict=True)]
         ),
-        note=lambda: (
-            rf"{_of_d_g_m(chr(92) + 'gamma_n', _NORMAL)}: the overlap in the damping term asks for "
-            "another length than the printed unit has"
-        ),
+        note=lambda: _of_d_g_m(r"\gamma_n", _NORMAL),
         at=_LENGTHS,
     ),
     Equation(

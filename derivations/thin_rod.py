@@ -4,7 +4,7 @@ import sympy as sp
 
 from . import second_routes
 from .bodies import THIN, T, over_tangent
-from .lecture import PAPER, compared, degrees, number
+from .lecture import PAPER, degrees, negative, number
 from .newton import approach
 from .proof import Equation
 from .slide import slide_excess
@@ -12,7 +12,6 @@ from .slip_stick import stick_margin
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, length, mu, omega, phi, u_0, v_0
 from .trace import derived, say, solve
 
-gain = sp.Symbol("G", positive=True)  # (1 + epsilon) ratio
 ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 and V_z = 0
 
 
@@ -129,33 +128,6 @@ def _end_of_reversal(tangents: tuple[sp.Expr, ...]) -> sp.Expr:
     return sp.atan(tangents[1]) if len(tangents) > 1 else sp.pi / 2
 
 
-@derived(r"\tan\phi", r"\mu_{inner}", r"\mu_{90}")
-def largest_slide_friction() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """The inner tilt of the largest friction of a slide, the friction there, and at 90 degrees."""
-    mu_of = over_tangent(thin_slide_friction().subs(c_x, -(1 + epsilon) * c_z / gain))
-    mu_of = sp.factor(mu_of)
-    say(r"With $G = -(1 + \epsilon) c_z/c_x$", r"\mu_{slide}", mu_of)
-    extrema = solve(sp.numer(sp.together(mu_of.diff(T))), T, "Its derivative vanishes")
-    (inner,) = (x for x in extrema if mu_of.diff(T, 2).subs(T, x).subs(gain, 1) < 0)
-    return inner, sp.factor(mu_of.subs(T, inner)), sp.limit(mu_of, T, sp.oo)
-
-
-def _slide_friction_checks(form: sp.Matrix) -> list[sp.Expr]:
-    """u_* = 0 as a quadratic in T: one double root at the largest friction, none beyond it."""
-    friction = sp.Symbol("nu", positive=True)
-    lengths = {X: T, Z: 1, k: sp.sqrt((1 + T**2) / 3), omega: 0, V_z: 0, epsilon: 0}
-    speed = {c_x: 1, c_z: -gain, mu: friction}
-    v_x, _, spin = (part.subs(lengths).subs(speed) for part in second_routes.impact("slide"))
-    curve = sp.Poly(sp.numer(sp.cancel(v_x - spin)), T)
-    at_most = curve.as_expr().subs(friction, form[1])
-    return [
-        sp.discriminant(curve.as_expr(), T).subs(friction, form[1]),
-        at_most.subs(T, form[0]),
-        at_most.diff(T).subs(T, form[0]),
-        curve.LC().subs(friction, form[2]),
-    ]
-
-
 def _root_checks(form: sp.Matrix) -> list[sp.Expr]:
     """Sum and product of the roots of the condition; each gives the cosine of its tilt."""
     lower, upper = form
@@ -199,58 +171,25 @@ def _upright_slide(condition: sp.Expr) -> sp.Expr:
 
 _MU_C = -c_x / (4 * c_z * (1 + epsilon))
 _TWICE, _OVERLOOKING = sp.Integer(2), sp.pi / 4  # by which two mistakes come out
-_FIG_12 = {mu: sp.Rational(2, 5), epsilon: sp.Rational(13, 20), c_x: 1, c_z: -2}
 
 
 def _roots_told() -> str:
-    """Where the margin of (16) is positive, beside both roots."""
-    lower, upper = (root.subs(PAPER) for root in critical_tangents())
+    """Where the margin of (16) is negative, beside both roots."""
     margin = over_tangent(stick_margin()).subs(PAPER)
-    sticks = [x for x in (lower * 0.9, (lower + upper) / 2, upper * 1.1) if margin.subs(T, x) > 0]
-    if sticks != [lower * 0.9, upper * 1.1]:
-        raise ValueError("the contact sticks elsewhere")
-    beyond = compared(upper, lower, ("larger", "smaller"))
-    return f"one of two roots: beyond the {beyond} one the contact sticks again"
+    lower, upper = (root.subs(PAPER) for root in critical_tangents())
+    sides = [f"{negative(margin, T, x)} {degrees(sp.atan(x), 2)}" for x in (lower, upper)]
+    return rf"at $\mu = {number(PAPER[mu])}$ the slip turns back {' and '.join(sides)}"
 
 
 def _slide_told() -> str:
-    """What is true of slides, and where the rod of Fig. 12 slides."""
     flat = thin_slide_friction().subs(phi, sp.pi / 2)
-    edge = over_tangent(thin_slide_friction()).subs(_FIG_12) - _FIG_12[mu]
-    tilts = [sp.atan(root) for root in sp.solve(sp.numer(sp.together(edge)), T) if root.is_real]
-    left = slide_excess().subs(THIN).subs({u_0: c_x, v_0: c_z}).subs(_FIG_12)
-    slides = compared(left.subs(phi, tilts[-1] + sp.Rational(1, 50)), sp.S.Zero)
-    return (
-        rf"near 90 degrees the rod slides up to ${sp.cancel(flat / _MU_C)} \mu_c$. In Fig. 12 "
-        rf"$\mu_c$ is {number(_MU_C.subs(_FIG_12))} and $\mu$ is {number(_FIG_12[mu])}, and the "
-        rf"rod slides {slides} {degrees(tilts[-1])}, as the text says of it"
-    )
-
-
-def _largest_told() -> str:
-    """Which of the two frictions is the larger one."""
-    inner, at_90 = largest_slide_friction()[1:]
-    equal = sp.solve(inner - at_90, gain)[0]
-    none = sp.solve(1 / inner, gain)[0]
-    fig_10 = {gain: sp.Rational(9, 5)}  # (1 + 0.8) 1
-    tilt = sp.atan(largest_slide_friction()[0].subs(fig_10))
-    between = compared((inner - at_90).subs(fig_10), 0, ("larger", "smaller"))
-    return (
-        rf"from $G = {equal}$ on the largest is the one at 90 degrees, "
-        rf"${sp.cancel(at_90 / (1 / gain))}/G$; between $G = {none}$ and {equal} the inner one is "
-        rf"{between} (Fig. 10(a): $G$ is {number(fig_10[gain])}, {number(inner.subs(fig_10), 3)} "
-        rf"at {degrees(tilt)}); below there is none: some tilt slides at every friction"
-    )
+    return rf"${sp.cancel(flat / _MU_C)} \mu_c$"
 
 
 def _upper_told() -> str:
-    """Where the contact sticks again, and what (29) would leave at 90 degrees."""
-    upper = sp.atan(critical_tangents()[1]).subs(PAPER)
-    return (
-        f"beyond the second root the contact sticks again (from {degrees(upper, 2)} on at "
-        rf"$\mu = {number(PAPER[mu])}$, the friction of Fig. 11): there (26) holds, not (27) and "
-        r"(29), which Section V claims for all of $\phi > \phi_c$"
-    )
+    """Where the contact sticks again."""
+    upper = largest_reversal_tilt().subs(PAPER)
+    return rf"{degrees(upper, 2)} at $\mu = {number(PAPER[mu])}$"
 
 
 EQUATIONS = (
@@ -278,7 +217,6 @@ EQUATIONS = (
         "largest friction of continuous slide at small tilt",
         r"\mu_c",
         derive=_upright_friction,
-        note="the limit of tilt 0",
     ),
     Equation(
         "IV: slide only below mu_c",
@@ -322,8 +260,8 @@ EQUATIONS = (
         mistake=rf"the friction whose $\phi_c$ is {degrees(_OVERLOOKING)} is taken for the largest "
         "of all tilts",
         note=lambda: (
-            rf"reversal ends at $\mu = {largest_reversal_friction()[0]}$, where both critical "
-            rf"tilts meet at {degrees(sp.atan(largest_reversal_friction()[1]))}"
+            rf"$\mu = {largest_reversal_friction()[0]}$, at "
+            rf"{degrees(sp.atan(largest_reversal_friction()[1]))}"
         ),
     ),
     Equation(
@@ -333,7 +271,6 @@ EQUATIONS = (
         where=lambda: {r"\mu_{max}": largest_reversal_friction()[0], r"\infty": sp.oo},
         said=sp.S.Zero,
         derive=lambda: sp.limit(largest_reversal_friction()[0] / mu, mu, sp.oo),
-        note=lambda: rf"large is $\mu \ge {largest_reversal_friction()[0]}$",
     ),
     Equation(
         "IV: reversal at larger angles",
@@ -364,15 +301,6 @@ BEYOND = (
         ),
     ),
     Equation(
-        "23: next order",
-        r"$\phi_c$ to $O(\mu^5)$",
-        r"\phi_c",
-        derive=lambda: small_friction(5),
-        check=lambda form: (
-            sp.series(3 * sp.tan(form) - mu * (4 + sp.tan(form) ** 2), mu, 0, 5).removeO(),
-        ),
-    ),
-    Equation(
         "IV: slide boundary",
         "$u_* = 0$ solved for the friction, any geometry, $r = -v_0/u_0$",
         r"\mu_{slide}",
@@ -380,16 +308,5 @@ BEYOND = (
         shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
         / ((1 + epsilon) * ratio * (k**2 + Z**2) - X * Z),
         check=_slide_boundary_checks,
-    ),
-    Equation(
-        "IV: largest slide friction",
-        "continuous slide of a thin rod over all tilts: tangent of the inner tilt where its "
-        r"friction is largest, that friction, and the one at 90 degrees; $G = -(1 + \epsilon) "
-        "c_z/c_x$",
-        r"(\tan\phi, \mu_{inner}, \mu_{90})",
-        derive=largest_slide_friction,
-        shown=((1 + 2 * gain) / (2 - gain), (4 + 3 * gain) / (4 * gain - 3), 4 / gain),
-        check=_slide_friction_checks,
-        note=_largest_told,
     ),
 )

@@ -134,5 +134,5 @@ def test_constants_have_the_shape_of_the_arguments():
     stuck = derivations.function("IV: stick without mu")()
     assert stuck == (0.0, 0.0)
     assert all(isinstance(part, float) for part in stuck)
-    inner, _, at_90 = derivations.function("IV: largest slide friction")(G=[1.0, 1.5])
-    assert inner.shape == at_90.shape == (2,)
+    fitting, least = derivations.function("V: alpha and closure")([2.0, 3.0])
+    assert fitting.shape == least.shape == (2,)

@@ -1,11 +1,15 @@
 """Words of notes follow their numbers; routes that prove by numbers tell a wrong form."""
 
+from inspect import signature
+
 import numpy as np
 import pytest
 import sympy as sp
 
-from derivations import landing_phases, lecture, transport
-from derivations.symbols import X, Z, mu
+import md
+from derivations import landing_phases, lecture, paper, transport
+from derivations.symbols import X, Z, epsilon, mu
+from figures.paper import fig11
 from impact import drift, spherocylinder
 
 x = sp.Symbol("x")
@@ -18,6 +22,8 @@ def test_words_are_those_of_the_numbers():
     assert lecture.compared(two, three, ("faster", "slower")) == "slower"
     assert lecture.extreme(-((x - 1) ** 2), x, sp.S.One, {}) == "largest"
     assert lecture.extreme((x - 1) ** 2, x, sp.S.One, {}) == "least"
+    assert lecture.negative(2 - x, x, two) == "above"
+    assert lecture.negative(x - 2, x, two) == "below"
     assert lecture.sign(X * Z + mu) == "positive"
     assert lecture.sign(-X) == "negative"
     for vague in (lambda: lecture.compared(two, two), lambda: lecture.sign(X - Z)):
@@ -37,9 +43,26 @@ def test_the_best_length_is_that_of_the_largest_drift():
         along = of(tilt, lengths)
         best = float(1 + transport._best(tilt))
         assert lengths[along.argmax()] == pytest.approx(best, rel=1e-3)
-        gain = float(transport._gain(tilt, transport._best(tilt)))
+        gain = float(transport._gain(tilt))
         assert along.max() / along[-1] - 1 == pytest.approx(gain, abs=1e-5)
-    assert of(10, 3.0) / of(10, 1e6) - 1 == pytest.approx(float(transport._gain(10, 2)), abs=1e-5)
+
+
+def defaults(function):
+    found = signature(function).parameters.items()
+    return {name: parameter.default for name, parameter in found}
+
+
+def test_numbers_of_the_paper_are_those_of_the_simulations():
+    """Past the seal: the same numbers, typed there as well."""
+    law, drawn = defaults(md.appendix_a), defaults(fig11.data)
+    for tag, name in (
+        ("A: unit of k_n", "stiffness"),
+        ("A: k_t = 95 k_n", "tangential_ratio"),
+        ("A: unit of gamma", "damping"),
+    ):
+        assert float(paper.printed(tag).as_coeff_Mul()[0]) == law[name]
+    for letter, name in ((epsilon, "restitution"), (mu, "friction")):
+        assert float(lecture.PAPER[letter]) == drawn[name]
 
 
 def test_rods_counted_one_by_one_tell_a_wrong_mean():
