@@ -47,7 +47,7 @@ def landing(case: str) -> tuple[sp.Expr, sp.Expr]:
 def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
     """The landing that repeats itself, with $c'_z = -c_z$."""
     after = dict(zip((after_x, after_z), landing(case), strict=True))
-    _, along, across = CLOSURE(after)
+    _, along, across = CLOSURE({}).subs(after)
     before_x, before_z = solve(
         [(along, sp.S.Zero), (across, sp.S.Zero)],
         [c_x, c_z],

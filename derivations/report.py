@@ -24,7 +24,7 @@ from .files import write as write_file
 from .lecture import LETTERS, to_html, to_latex
 from .proof import Equation, Form
 from .registry import SECTIONS, Code, Entry, Row
-from .steps import Line, Reader
+from .steps import Reader
 
 Progress = Callable[[Iterable], Iterable]
 
@@ -122,21 +122,6 @@ def _proof(row: Row) -> list[tuple[str, str]]:
     return [(label, text) for label, text in found.items() if text]
 
 
-def _steps(sections: Iterable[tuple[str, Iterable[Entry]]]) -> dict[str, list[Line] | str]:
-    """Steps of each entry; the tag of an entry of the same section that has the same ones."""
-    found: dict[str, list[Line] | str] = {}
-    equations = [x for _, entries in sections for x in entries if isinstance(x, Equation)]
-    reader = Reader(equations)
-    for _, entries in sections:
-        seen: list[tuple[tuple, str]] = []
-        for entry in entries:
-            taken = entry.steps if isinstance(entry, Equation) else ()
-            same = next((tag for known, tag in seen if known == taken and taken), "")
-            found[entry.tag] = same or (reader.lines(entry) if isinstance(entry, Equation) else [])
-            seen.append((taken, entry.tag))
-    return found
-
-
 # ---- HTML -------------------------------------------------------------------------------------
 
 
@@ -186,6 +171,8 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
     """Return the page; `progress` may wrap the iteration over entries and functions."""
     by_tag = {row.tag: row for row in rows}
     failed = sum(row.failed for row in rows)
+    equations = [x for _, entries in SECTIONS for x in entries if isinstance(x, Equation)]
+    reader = Reader(equations)
     return _page(
         "report.html",
         TITLE,
@@ -195,7 +182,7 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
         counts=Counter(row.verdict for row in rows),
         sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
         functions=[(f, *codegen.body(f.name)) for f in closed_forms.FUNCTIONS],
-        steps=_steps(SECTIONS),
+        steps={x.tag: reader.lines(x) for x in equations},
         parts=lecture.PARTS,
         drawings=DRAWINGS,
         letters=LETTERS,

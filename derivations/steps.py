@@ -123,12 +123,8 @@ class Reader:
     """Lines of entries in the order in which they are read: what was shown is cited later."""
 
     def __init__(self, entries: list[Equation]):
-        self.shown: dict[
-            tuple, str
-        ] = {}  # name and case of a step to the entry that showed it first
-        self.own: dict[
-            tuple, list[str]
-        ] = {}  # a step's name and arguments to the entries of its values
+        self.shown: dict[tuple, tuple] = {}  # name and case of a step: where first, its arguments
+        self.own: dict[tuple, list[str]] = {}  # name and arguments: the entries of its values
         for entry in entries:
             form = set(components(entry.derive()))
             for step in entry.steps:
@@ -154,11 +150,13 @@ class Reader:
             return [Line(step.what, _equations(step.values))]
         own = self.own.get((step.name, step.given), [])
         sentence = step.what + _put_in(step)
-        if own and entry.tag not in own:
-            return [Line(sentence, (), tuple(own))]
+        if own and entry.tag != own[0]:
+            return [Line(sentence, (), tuple(own[:1] if entry.tag in own else own))]
         words = tuple(x for x in step.given if isinstance(x, str))
-        cited = self.shown.setdefault((step.name, words), entry.tag)
+        cited, given = self.shown.setdefault((step.name, words), (entry.tag, step.given))
         fresh = cited == entry.tag
+        if not fresh and given == step.given:
+            return [Line(sentence, (), (cited,))]
         inner = step.inner if fresh else [x for x in step.inner if x.kind in ("said", "solved")]
         before = [line for x in inner for line in self._lines(x, entry)]
         last = Line(sentence, _equations(step.values), () if fresh else (cited,))

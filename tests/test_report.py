@@ -338,7 +338,11 @@ def test_steps_lead_to_the_entry(page, lines):
     assert parting.formulas[0][-1].endswith(r"= -\epsilon v_{0}")
     assert ("8", "9") in {line.tags for line in lines["12"]}
     assert "solved for" in page.text[report.anchor("8")]
-    assert "Steps as for (12)" in page.text[report.anchor("13")]
+    for tag, first in (("9", "8"), ("13", "12"), ("B1", "15"), ("B5", "B4"), ("19", "18")):
+        assert lines[tag][-1].tags == (first,)  # what the other shows is cited
+        assert not any(line.formulas for line in lines[tag])
+    cited = [line.tags for line in lines["24"]]
+    assert cited.count(("V: closure",)) == 1
     assert not lines["IV: restitution"]
 
 
