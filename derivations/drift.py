@@ -9,7 +9,6 @@ from .lecture import PAPER, degrees, formula, negative, number, sign
 from .proof import Equation
 from .symbols import (
     V_0,
-    Gamma,
     V_z,
     X,
     Z,
@@ -104,11 +103,6 @@ def plate_velocity() -> sp.Expr:
     mean = sp.Integral(V_0 * sp.cos(theta) * LANDING_PHASES({}), (theta, 0, 2 * sp.pi))
     say("The integral", "V_z", mean)
     return mean.doit()
-
-
-def _exponent(form: sp.Expr) -> sp.Expr:
-    """Exponent of a power law in Gamma - 1."""
-    return sp.limit((Gamma - 1) * form.diff(Gamma) / form, Gamma, 1, "+")
 
 
 # ---- second routes ----------------------------------------------------------------------------
@@ -282,30 +276,9 @@ EQUATIONS = (
     ),
     Equation("31", "mean plate velocity at landing", "V_z", derive=plate_velocity),
     Equation("31: value", "the same, integrated", "V_z", derive=plate_velocity),
-    Equation(
-        "V: V_z at onset",
-        "the exponent",
-        r"[d\ln V_z/d\ln(\Gamma - 1)]_{\Gamma = 1}",
-        where=lambda: {"V_z": V_0 * (Gamma - 1)},
-        verdict="assumed",
-        said=sp.S.One,
-        derive=lambda: _exponent(V_0 * (Gamma - 1)),
-    ),
 )
 
 BEYOND = (
-    Equation(
-        "V: landing",
-        "$v_0$ of the stationary landing",
-        "v_0",
-        derive=lambda: landing_velocity("stick"),
-        shown=-2 * (k**2 + X**2) * V_z / _LOSSY,
-        check=lambda form: _landed(form + V_z),
-        note=lambda: (
-            f"{sign(landing_velocity('stick'))} for $V_z > 0$, "
-            f"{sign(-landing_velocity('stick'))} for $V_z < 0$"
-        ),
-    ),
     Equation(
         "V: hit again at once",
         "by what the centre leaves faster than the plate in the stationary landing",

@@ -15,7 +15,7 @@ import sympy as sp
 from . import second_routes
 from .axioms import RESTITUTION
 from .bodies import THIN
-from .lecture import PAPER, compared, degrees, number, sign
+from .lecture import compared, degrees, extreme, sign
 from .newton import contact_change
 from .proof import Equation
 from .slip_reversal import reversed_change
@@ -40,15 +40,19 @@ from .symbols import (
     v_0,
     v_f,
 )
-from .trace import derived, solve
+from .trace import derived, remembered, solve
 
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point, per unit mass: du = C P_x - B P_z, dv = A P_z - B P_x.
 A, B, C = sp.symbols("A B C", positive=True)
-slope = sp.Symbol("a", positive=True)  # -a_1 in the Painleve region
 P_c = sp.Symbol("P_c", positive=True)  # normal impulse at the end of compression
 kappa = sp.Symbol("kappa", nonnegative=True)  # (1 - epsilon)/(1 + epsilon)
 
+HELD = {"stick": B / C, "back": mu}  # tangential per normal impulse after the slip has stopped
+_DOUBLE = (
+    r"The energy change under Newton's law, quadratic in $u_0/v_0$, has a double root; "
+    r"$\kappa = (1 - \epsilon)/(1 + \epsilon)$"
+)
 V_1 = v_0 + a_1 * P_1  # normal velocity when the slip stops
 
 
@@ -115,10 +119,8 @@ def final_velocity(law: str, order: str) -> sp.Expr:
 @derived("P_x", "P_z")
 def impulse_at(regime: str, v_f: sp.Expr, p_1: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Impulse (P_x, P_z) per unit mass, in A, B, C, of an impact that stops at p_1."""
-    back = mu if regime == "back" else B / C
-    a2 = A - B * back
-    extra = (v_f - (v_0 + (A + mu * B) * p_1)) / a2
-    return -mu * p_1 + back * extra, p_1 + extra
+    extra = (v_f - (v_0 + (A + mu * B) * p_1)) / (A - B * HELD[regime])
+    return -mu * p_1 + HELD[regime] * extra, p_1 + extra
 
 
 @derived(r"\Delta E")
@@ -127,7 +129,7 @@ def energy_of_impulse() -> sp.Expr:
     return P_x * (u_0 + u_f) / 2 + P_z * (v_0 + v_f) / 2
 
 
-@derived(r"\Delta E_{%(regime)s}")
+@remembered
 def energy_change(regime: str) -> sp.Expr:
     """Kinetic energy after minus before under Newton's law, per unit mass, in A, B, C."""
     p_x, p_z = impulse_at(regime, RESTITUTION({}), u_0 / (mu * C + B))
@@ -144,7 +146,7 @@ def energy_threshold(regime: str) -> sp.Expr:
     """
     quadratic = sp.Poly(sp.numer(energy_change(regime)).subs(v_0, -1), u_0)
     gain = quadratic.discriminant().subs(epsilon, (1 - kappa) / (1 + kappa))
-    roots = solve(sp.numer(sp.together(gain)), kappa, r"$\kappa = (1 - \epsilon)/(1 + \epsilon)$")
+    roots = solve(sp.numer(sp.together(gain)), kappa, _DOUBLE)
     point = {A: 3, B: sp.Rational(3, 2), C: 2, mu: sp.Rational(1, 5)}
     inside = [r for r in roots if 0 < r.subs(point).evalf() < 1]
     return sp.simplify(inside[0])
@@ -154,7 +156,7 @@ def energy_threshold(regime: str) -> sp.Expr:
 def sticking_threshold() -> sp.Expr:
     """epsilon_c of slip-stick: the same threshold, solved for epsilon."""
     quadratic = sp.Poly(sp.numer(energy_change("stick")).subs(v_0, -1), u_0)
-    roots = solve(quadratic.discriminant(), epsilon)
+    roots = solve(quadratic.discriminant(), epsilon, _DOUBLE)
     return max(roots, key=lambda root: root.subs({A: 3, B: 1, C: 2}).evalf())
 
 
@@ -162,15 +164,6 @@ def sticking_threshold() -> sp.Expr:
 def thin_threshold() -> sp.Expr:
     """epsilon_c of a sticking thin rod."""
     return sticking_threshold().subs(mobility()).subs(THIN)
-
-
-@derived("v_{f, Newton}", "v_{f, Poisson}", "v_{f, Stronge}")
-def limits() -> tuple[sp.Expr, ...]:
-    """v_f of the three laws as v_0 -> 0- inside the Painleve region (a_1 < 0)."""
-    return tuple(
-        sp.simplify(final_velocity(law, "early").subs(a_1, -slope).subs(v_0, 0))
-        for law in ("newton", "poisson", "stronge")
-    )
 
 
 @derived("W_{%(regime)s}")
@@ -186,17 +179,12 @@ def friction_work(regime: str) -> sp.Expr:
 
 @derived(r"\Delta E_{%(regime)s, %(order)s}")
 def energy_by_poisson(regime: str, order: str) -> sp.Expr:
-    """Energy change under Poisson's law, per unit mass, by P_1 and the end of compression P_c."""
-    slope_2 = A - B * (mu if regime == "back" else B / C)
-    first = P_1 if order == "early" else P_c
-    known = {a_1: A + mu * B, a_2: slope_2}
-    v_start = -known[a_1] * first - slope_2 * (P_c - first)
-    v_end = final_velocity("poisson", order).subs({**known, v_0: v_start}, simultaneous=True)
-    u_start = (mu * C + B) * P_1
-    p_x, p_z = impulse_at(regime, v_end, P_1)
-    p_x, p_z = (part.subs(v_0, v_start) for part in (p_x, p_z))
-    ends = {u_0: u_start, v_0: v_start, u_f: u_start + C * p_x - B * p_z, v_f: v_end}
-    return sp.factor(energy_of_impulse().subs({**ends, P_x: p_x, P_z: p_z}, simultaneous=True))
+    """Work of both forces under Poisson's law, per unit mass, by P_1 and P_c."""
+    (start,) = solve(compression(order) - P_c, v_0)
+    whole = (1 + epsilon) * P_c
+    normal = sum(work(order, whole)).subs(v_0, start)
+    known = {a_1: A + mu * B, a_2: A - B * HELD[regime]}
+    return sp.factor(normal.subs(known) + friction_work(regime).subs(P_z, whole))
 
 
 # ---- second routes ----------------------------------------------------------------------------
@@ -213,13 +201,6 @@ def _kinetic_energy(form: sp.Expr) -> list[sp.Expr]:
     u, v = c_x - Z * omega, c_z - V_z + X * omega
     contact = {u_0: u, v_0: v, u_f: u + P_x - Z * turn, v_f: v + P_z + X * turn}
     return [after - before - form.subs(contact, simultaneous=True)]
-
-
-def _kinetic_energies(form: sp.Matrix) -> list[sp.Expr]:
-    """Kinetic energies of whole impacts, without spin before, on a plate at rest."""
-    start = {**_MOBILITIES, u_0: c_x, v_0: c_z}
-    changes = [second_routes.energy_change(regime) for regime in ("stick", "back")]
-    return [part.subs(start) - change for part, change in zip(form, changes, strict=True)]
 
 
 def _triangles(form: sp.Matrix) -> list[sp.Expr]:
@@ -251,7 +232,7 @@ def _balance(p_x: sp.Expr, p_z: sp.Expr, u: sp.Expr, v: sp.Expr) -> sp.Expr:
 def _all_but_normal_work(form: sp.Matrix) -> list[sp.Expr]:
     """The whole energy less the areas under the broken line of v over P_z."""
     checks = []
-    for held, work in zip((B / C, mu), form, strict=True):
+    for held, work in zip(HELD.values(), form, strict=True):
         more = P_z - P_1
         corner = v_0 + (A + mu * B) * P_1
         areas = (v_0 + corner) / 2 * P_1 + corner * more + (A - B * held) * more**2 / 2
@@ -260,29 +241,15 @@ def _all_but_normal_work(form: sp.Matrix) -> list[sp.Expr]:
     return checks
 
 
-def _poisson_from_impulses(form: sp.Matrix) -> list[sp.Expr]:
-    """The impulse is 1 + epsilon times P_c; and no term of the energy is positive.
-
-    What is not negative: C, what the stop needs, mu C + B, what holds or turns the contact, the
-    impulse after the corner, P_2, and where the slip stops late, P_1 - P_2.
-    """
-    whole, (b, s, after, rest) = (1 + epsilon) * P_c, sp.symbols("b s P_2 r", nonnegative=True)
-    checks = []
-    for part, (held, early) in zip(
-        form, ((B / C, True), (mu, True), (B / C, False), (mu, False)), strict=True
-    ):
+def _balances(form: sp.Matrix) -> list[sp.Expr]:
+    """The whole energy of an impulse that is 1 + epsilon times P_c."""
+    whole, checks = (1 + epsilon) * P_c, []
+    for part, (regime, order) in zip(form, _ENDS, strict=True):
+        held = HELD[regime]
         slope_1, slope_2 = A + mu * B, A - B * held
-        start = -slope_1 * (P_1 if early else P_c) - (slope_2 * (P_c - P_1) if early else 0)
+        start = -slope_1 * P_c if order == "late" else -slope_1 * P_1 - slope_2 * (P_c - P_1)
         p_x = -mu * P_1 + held * (whole - P_1)
         checks.append(_balance(p_x, whole, (mu * C + B) * P_1, start) - part)
-        lost = (1 - epsilon**2) * P_c**2 / 2 * (slope_2 if early else slope_1)
-        left = (part + lost).subs(epsilon, (P_1 + after) / P_c - 1)
-        cases = [{B: mu * C + s}] if held == mu else [{B: b, mu: (b + s) / C}]
-        cases += [{B: -b, mu: (b + s) / C}] if held != mu else []
-        for case in cases:
-            signs = left.subs(case, simultaneous=True)
-            signs = sp.expand(sp.cancel(signs if early else signs.subs(P_1, after + rest)))
-            checks += [sp.S.One for term in sp.Add.make_args(signs) if not term.is_nonpositive]
     return checks
 
 
@@ -292,17 +259,6 @@ def _one_line(form: sp.Expr) -> list[sp.Expr]:
         (final_velocity(law, order) ** 2).subs(a_2, a_1) - form
         for law in ("newton", "poisson", "stronge")
         for order in ("early", "late")
-    ]
-
-
-def _thrown_up(form: sp.Matrix) -> list[sp.Expr]:
-    """From v_0 = 0 down to -a P_1 and up again to zero at p_c: impulses and triangles there."""
-    newton, poisson, stronge = form
-    p_c = P_1 * (1 + slope / a_2)
-    return [
-        newton,
-        poisson - a_2 * epsilon * p_c,
-        stronge - epsilon * sp.sqrt(a_2 * slope * P_1 * p_c),
     ]
 
 
@@ -325,22 +281,19 @@ def _slopes_by_spin(form: sp.Matrix) -> list[sp.Expr]:
     return checks
 
 
-_back, _stop = A - mu * B, B + mu * C
-_all_loss = (1 + epsilon) * (A - 2 * mu * B + mu**2 * C)
-_mixed = (1 + epsilon) * (A + mu * B) * (B - mu * C) + 2 * B * _back
-
+_ENDS = [(regime, order) for order in ("early", "late") for regime in HELD]
 _kept = (1 - epsilon**2) * P_c**2
 _more = (1 + epsilon) * P_c - P_1
 
 
-def _lossless_gains(regime: str) -> bool:
-    """Whether impacts of restitution 1 can gain energy: those on that side of the threshold."""
+def _gains_told(regime: str, words: tuple[str, str]) -> str:
+    """The first word if impacts of restitution 1 can gain energy, else the second."""
     lossless = second_routes.energy_created(regime).subs(epsilon, 1)
-    return bool(lossless.subs({X: 1, Z: 1, k: 1, mu: sp.Rational(1, 5)}) > 0)
+    return compared(lossless.subs({X: 1, Z: 1, k: 1, mu: sp.Rational(1, 5)}), 0, words)
 
 
 def _threshold_told(regime: str) -> str:
-    side = "below" if _lossless_gains(regime) else "above"
+    side = _gains_told(regime, ("below", "above"))
     return rf"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is {side} this"
 
 
@@ -349,46 +302,28 @@ def _work_told() -> str:
     turned = {B: mu * C + sp.Symbol("s", positive=True)}  # B > mu C
     held = {B: sp.Symbol("s", positive=True) - mu * C}  # mu C + B > 0
     more = {P_z: P_1 + sp.Symbol("P_2", positive=True)}
-    signs = {sign(friction_work("stick"), held), sign(friction_work("back").subs(more), turned)}
-    never = {"negative": "positive", "positive": "negative"}[signs.pop()]
-    return (
-        rf"never {never}, as $\mu C + B > 0$ where a slip stops and $B > \mu C$ where it turns "
-        "back. "
-        r"Under Stronge's law the normal work is $-(1 - \epsilon^2)$ times that of compression, so "
-        "that no impact gains energy"
-    )
+    (word,) = {sign(friction_work("stick"), held), sign(friction_work("back").subs(more), turned)}
+    return rf"{word}: $\mu C + B > 0$ where a slip stops, $B > \mu C$ where it turns back"
 
 
 def _poisson_told() -> str:
-    """The sign of every term of the four energies, for B > 0."""
-    rest = sp.Symbol("s", positive=True)
-    more = {P_c: (P_1 + sp.Symbol("P_2", positive=True)) / (1 + epsilon)}
-    held, turned = {A: (B**2 + rest) / C}, {A: mu * B + rest}
-    signs = set()
-    for regime, margin in (("stick", held), ("back", {**turned, B: mu * C + rest})):
-        for order in ("early", "late"):
-            signs.add(sign(energy_by_poisson(regime, order), {**margin, **more}))
-    (every,) = signs
-    never = {"negative": "positive", "positive": "negative"}[every]
-    return (
-        f"never {never}: every term is {every} but the last one of slip-stick, late, for $B < 0$, "
-        r"and that is smaller than the one before it, as $\mu C \ge -B$ holds the contact and the "
-        "impulse after the corner is at most $P_1$"
-    )
+    """The sign of the energy changes, term by term, for either sign of B.
 
-
-def _thin_told() -> str:
-    """The least threshold, where, and on which side of it the paper's two values lie."""
-    threshold = thin_threshold()
-    least = threshold.subs(phi, sp.pi / 4)
-    neighbours = [threshold.subs(phi, sp.pi / 4 + x) - least for x in (-sp.pi / 90, sp.pi / 90)]
-    (bound,) = {compared(x, 0, ("below", "above")) for x in neighbours}
-    paper = compared(least, PAPER[epsilon], ("no energy", "energy"))
-    edge = "exactly the edge" if sp.simplify(least - sp.Rational(4, 5)) == 0 else "off the edge"
-    return (
-        f"never {bound} {sp.nsimplify(least)}, reached at {degrees(sp.pi / 4)}: with the paper's "
-        f"{number(PAPER[epsilon])} {paper} is created, and its 0.8 of Fig. 10 is {edge}"
-    )
+    What is not negative: C, mu C + B where the slip stops, what holds or turns the contact, the
+    impulse after the corner, P_2, and P_1 - P_2 where the slip stops late.
+    """
+    b, s, after, rest = sp.symbols("b s P_2 r", nonnegative=True)
+    holds = [{B: b, mu: (b + s) / C}, {B: -b, mu: (b + s) / C}]
+    found = set()
+    for regime, order in _ENDS:
+        slope = A + mu * B if order == "late" else A - B * HELD[regime]
+        left = energy_by_poisson(regime, order) + _kept * slope / 2
+        left = left.subs(epsilon, (P_1 + after) / P_c - 1)
+        left = left.subs(P_1, after + rest) if order == "late" else left
+        for case in holds if regime == "stick" else [{B: mu * C + s}]:
+            whole = sp.expand(sp.cancel(left.subs(case, simultaneous=True)))
+            found |= {x.is_nonpositive for x in sp.Add.make_args(whole)}
+    return {True: "never positive", False: "positive somewhere"}[found == {True}]
 
 
 EQUATIONS = (
@@ -405,21 +340,6 @@ EQUATIONS = (
         r"\Delta E",
         derive=energy_of_impulse,
         check=_kinetic_energy,
-        note=("the mean contact velocity times the impulse; equal to the change of kinetic energy"),
-    ),
-    Equation(
-        "laws: energy of a stopped slip",
-        "energy change under Newton's law, per unit mass: slip-stick, slip reversal",
-        r"(\Delta E_{stick}, \Delta E_{back})",
-        derive=lambda: (energy_change("stick"), energy_change("back")),
-        shown=(
-            -(A * u_0**2 + 2 * B * u_0 * v_0 + (1 - epsilon**2) * C * v_0**2)
-            / (2 * (A * C - B**2)),
-            (1 + epsilon) * (_all_loss - 2 * _back) * v_0**2 / (2 * _back**2)
-            - mu * _mixed * u_0 * v_0 / (_back**2 * _stop)
-            - 2 * mu * A * B * (A - mu**2 * C) * u_0**2 / (_back**2 * _stop**2),
-        ),
-        check=_kinetic_energies,
     ),
     Equation(
         "laws: Poisson",
@@ -448,15 +368,6 @@ EQUATIONS = (
         where=lambda: {"v_f": RESTITUTION({})},
         shown=epsilon**2 * v_0**2,
         check=_one_line,
-        note="so the condition of continuous slide (14) holds for all three",
-    ),
-    Equation(
-        "laws: impact without collision",
-        (r"$v_f$ as $v_0 \to 0-$ in the Painlevé region, $a = -a_1$: Newton, Poisson, Stronge"),
-        "(v_{f, Newton}, v_{f, Poisson}, v_{f, Stronge})",
-        derive=limits,
-        check=_thrown_up,
-        note=("the rod is thrown up by friction alone; the impulse stays finite under every law"),
     ),
     Equation(
         "laws: work of friction",
@@ -480,11 +391,7 @@ EQUATIONS = (
             r"(\Delta E_{stick, early}, \Delta E_{back, early}, \Delta E_{stick, late}, "
             r"\Delta E_{back, late})"
         ),
-        derive=lambda: tuple(
-            energy_by_poisson(regime, order)
-            for order in ("early", "late")
-            for regime in ("stick", "back")
-        ),
+        derive=lambda: tuple(energy_by_poisson(*end) for end in _ENDS),
         shown=(
             -_kept * (A - B**2 / C) / 2 - (mu * C + B) ** 2 * P_1**2 / (2 * C),
             -_kept * (A - mu * B) / 2
@@ -497,7 +404,7 @@ EQUATIONS = (
             - mu * (mu * C + B) * P_1**2 / 2
             - mu * (3 * B - mu * C) * _more**2 / 2,
         ),
-        check=_poisson_from_impulses,
+        check=_balances,
         note=_poisson_told,
     ),
     Equation(
@@ -522,13 +429,16 @@ EQUATIONS = (
     Equation(
         "laws: energy, thin rod",
         lambda: (
-            f"restitution {'above' if _lossless_gains('stick') else 'below'} which Newton's law "
-            "can create energy in slip-stick, thin rod"
+            f"restitution {_gains_told('stick', ('above', 'below'))} which Newton's law can create "
+            "energy in slip-stick, thin rod"
         ),
         r"\epsilon_c",
         derive=thin_threshold,
         shown=4 / sp.sqrt(16 + 9 * sp.sin(2 * phi) ** 2),
         check=lambda form: (_created("stick", (1 - form) / (1 + form)).subs(_THIN_LENGTHS),),
-        note=_thin_told,
+        note=lambda: (
+            rf"{extreme(thin_threshold(), phi, sp.pi / 4, {})} at {degrees(sp.pi / 4)}, "
+            f"{thin_threshold().subs(phi, sp.pi / 4)}"
+        ),
     ),
 )

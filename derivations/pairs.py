@@ -16,7 +16,7 @@ from .laws import A, B, C
 from .lecture import compared
 from .newton import contact_change
 from .proof import Equation
-from .symbols import P_x, P_z, X, Z, c_x, c_z, k, m, mu, omega, u_0, u_f, v_0, v_f
+from .symbols import P_x, P_z, X, Z, c_x, c_z, k, m, omega, u_0, u_f, v_0, v_f
 from .trace import derived, solve
 
 # The letters of a rod, and what stands for them in each body.
@@ -62,14 +62,6 @@ def equivalent_rod() -> sp.Matrix:
     return sp.Matrix([1 / light, *((length / k).subs(_light, light) for length in (x, z))])
 
 
-@derived("P_x", "P_z", "P_x", "P_z")
-def impulses() -> sp.Matrix:
-    """P if the slip stops, under any law: P_x, P_z of slip-stick, then of slip reversal."""
-    stop = u_0 / (mu * C + B)
-    parts = (laws.impulse_at(regime, v_f, stop) for regime in ("stick", "back"))
-    return sp.Matrix([sp.factor(part) for pair in parts for part in pair])
-
-
 # ---- second routes ----------------------------------------------------------------------------
 
 
@@ -113,21 +105,6 @@ def _along_and_across(form: sp.Matrix) -> list[sp.Expr]:
     """An impulse through a rod's centre turns nothing; the trace is what any two across sum to."""
     mass, x, z = form
     return [C * x - B * z - x / mass, A * z - B * x - z / mass, A + C - (2 + x**2 + z**2) / mass]
-
-
-def _by_conservation(form: sp.Matrix) -> list[sp.Expr]:
-    """Phase by phase: where the slip stops, what holds it or turns it, how it ends."""
-    (C_, B_), (_, A_) = ([end.diff(p) for p in (P_x, P_z)] for end in _ends())
-    given = {A: A_, B: -B_, C: C_, u_0: START[0], v_0: START[1]}
-    stopped, stick, back = u_0 / (mu * C + B), form[:2], form[2:]
-    residuals = [
-        _ends(-mu * stopped, stopped)[0],
-        _ends(*stick)[0],
-        _ends(*stick)[1] - v_f,
-        back[0] + mu * stopped - mu * (back[1] - stopped),
-        _ends(*back)[1] - v_f,
-    ]
-    return [residual.subs(given) for residual in residuals]
 
 
 _s = 1 / FIRST[m] + 1 / SECOND[m]
@@ -199,17 +176,6 @@ EQUATIONS = (
             f"there is one for every pair, with $k$ of choice; its $1/m$ is the "
             f"{_eigenvalue_told()} eigenvalue. For $B < 0$ the rod leans the other way, $-Z$"
         ),
-    ),
-    Equation(
-        "pairs: impulse",
-        (
-            "$(P_x, P_z)$ of two bodies if the slip stops: sticking, then slipping back; "
-            "$v_f$ by any law"
-        ),
-        "(P_x, P_z, P_x, P_z)",
-        derive=impulses,
-        check=_by_conservation,
-        note="the impulse of the equivalent rod",
     ),
     Equation(
         "pairs: energy",

@@ -21,8 +21,8 @@ from sympy.parsing.latex.lark import LarkLaTeXParser
 from . import symbols as s
 
 SOURCE = resources.files(__package__).joinpath("paper.toml").read_bytes()
-DIGEST = "667b5f7b997c77bc"  # of paper.toml, when it was compared with our copy of the paper
-_GREEK = ("Gamma", "alpha", "epsilon", "mu", "omega", "phi", "theta")
+DIGEST = "0de1b372748cb071"  # of paper.toml, when it was compared with our copy of the paper
+_GREEK = ("alpha", "epsilon", "mu", "omega", "phi", "theta")
 _WORD = r"\\(?:frac|sqrt|sin|cos|tan|arccos|arctan|int|times|cdot)(?![A-Za-z])"
 _LETTER = "[\ue000-\uf8ff]"
 _APPLIED = re.compile(
@@ -81,14 +81,13 @@ def parts(left: str) -> list[str]:
 
 _AT = re.compile(r"\[(.*)\]_\{(.*) = (.*)\}")
 _SLOPE = re.compile(r"\\partial_(\\?\w+) (.*)")
-_EXPONENT = re.compile(r"d\\ln (.*)/d\\ln\((.*)\)")
 
 
 def value_of(left: str, letters: Mapping[str, Any]) -> sp.Expr:
     r"""Value of a left side by those of its letters, which are added to the paper's.
 
-    Beside what `read` knows: [\phi_c]_{\mu = 3/5}, \mathrm{sgn}(x), \partial_\mu c'_x, the exponent
-    d\ln V_z/d\ln(\Gamma - 1), and [k_n] for the dimension of k_n.
+    Beside what `read` knows: [\phi_c]_{\mu = 3/5}, \mathrm{sgn}(x), \partial_\mu c'_x, and [k_n]
+    for the dimension of k_n.
     """
     known = LETTERS | dict(letters)
     if found := _AT.fullmatch(left):
@@ -96,10 +95,6 @@ def value_of(left: str, letters: Mapping[str, Any]) -> sp.Expr:
         return value_of(inner, letters).subs(read(letter, known), read(there, known))
     if found := _SLOPE.fullmatch(left):
         return value_of(found[2], letters).diff(read(found[1], known))
-    if found := _EXPONENT.fullmatch(left):
-        form, base = (read(part, known) for part in found.groups())
-        (letter,) = base.free_symbols
-        return sp.simplify(base * form.diff(letter) / (form * base.diff(letter)))
     if left.startswith(r"\mathrm{sgn}"):
         return sp.sign(read(left.removeprefix(r"\mathrm{sgn}"), known))
     return read(left[1:-1] if left.startswith("[") else left, known)

@@ -24,7 +24,6 @@ F_x, F_z = sp.symbols("F_x F_z", real=True)
 
 t, theta = sp.symbols("t theta", real=True)
 V_0 = sp.Symbol("V_0", positive=True)
-Gamma = sp.Symbol("Gamma", positive=True)
 
 # By the names they are printed with: "I" and "l" as well as "mu".
 NAMED = {letter.name: letter for letter in list(vars().values()) if isinstance(letter, sp.Symbol)}

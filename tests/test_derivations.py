@@ -173,7 +173,6 @@ def test_every_part_of_a_left_side_is_held(entry):
         ("V: continuity", "-", "+"),
         ("V: continuity", "k^2 +", "k^2 -"),
         ("V: H(theta), normalised", "2", "3"),
-        ("V: V_z at onset", "- 1", "+ 1"),
         ("laws: slide", "v_f", "v_0"),
         ("IV: stick without mu", r"\mu", r"\epsilon"),
         ("B8: text", "-", "+"),
