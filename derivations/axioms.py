@@ -112,7 +112,6 @@ EQUATIONS = (
         verdict="assumed",
         derive=lambda: EULER({}),
         check=_euler_checks,
-        note="(2) is this for the lower tip of a rod",
     ),
     Equation(
         RIGID.tag,
@@ -122,7 +121,6 @@ EQUATIONS = (
         verdict="assumed",
         derive=lambda: RIGID({}),
         check=_rigid_checks,
-        note='"uniform rigid rod": the impact bends nothing',
     ),
     Equation(
         IMPULSIVE.tag,
@@ -156,7 +154,6 @@ EQUATIONS = (
         "v_f",
         verdict="assumed",
         derive=lambda: RESTITUTION({}),
-        note="constant; other laws stand in a section of their own",
     ),
     Equation(
         CLOSURE.tag,
@@ -165,7 +162,6 @@ EQUATIONS = (
         verdict="assumed",
         derive=lambda: CLOSURE({}),
         formulas=("V: closure, spin", "V: closure, c_x", "V: closure, c_z"),
-        note="the paper's closure for what happens between two landings; $V_z$ is left open by it",
     ),
     Equation(
         LANDING_PHASES.tag,

@@ -185,24 +185,19 @@ EQUATIONS = (
         "Euler's law about the centre of mass",
         r"I d\boldsymbol{\omega}",
         derive=lambda: moment * spin_change(P_x, P_z, TO_TIP, moment),
-        note="the moment of $dP$ at the lower tip; only for a contact on the rod's axis (thin rod)",
     ),
     Equation(
         "3",
         "velocity of the contact point",
         r"\mathbf{v}",
         derive=lambda: contact_velocity(TO_TIP),
-        note="the lever runs from the centre of mass down to the tip",
     ),
     Equation(
         "4",
         "acceleration of the contact point, vector form",
         r"m \frac{d\mathbf{v}}{dt}",
         derive=lambda: tip_acceleration().subs(moment, m * length**2 / (4 * alpha)),
-        note=lambda: (
-            rf"with $\alpha = {latex(alpha_of_4())}$, which the text does not define; after (30) "
-            rf"it uses the letter for another ratio"
-        ),
+        note=lambda: rf"with $\alpha = {latex(alpha_of_4())}$",
     ),
     Equation(
         "IV: dropped in (4)",
@@ -214,7 +209,6 @@ EQUATIONS = (
             m * omega**2 * length / 2 * sp.cos(phi) - m * (g + plate_rate),
         ),
         check=_dropped_by_vectors,
-        note="finite, while the force of a short impact is not; the text names the plate alone",
     ),
     Equation(
         "IV: alpha",

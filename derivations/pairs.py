@@ -150,7 +150,6 @@ EQUATIONS = (
             (_s + _sum(X**2)) * P_z - _sum(X * Z) * P_x,
         ),
         check=lambda form: sp.Matrix(_ends()) - sp.Matrix(START) - form,
-        note=("with mobilities $A$, $B$, $C$ as for a rod: $C P_x - B P_z$ and $A P_z - B P_x$"),
     ),
     Equation(
         "pairs: determinant",
@@ -159,7 +158,6 @@ EQUATIONS = (
         derive=determinant,
         shown=_shown_determinant(),
         check=_minors,
-        note="nothing cancels, whatever the masses and sizes",
     ),
     Equation(
         "pairs: equivalent rod",
@@ -173,8 +171,8 @@ EQUATIONS = (
         ),
         check=_along_and_across,
         note=lambda: (
-            f"there is one for every pair, with $k$ of choice; its $1/m$ is the "
-            f"{_eigenvalue_told()} eigenvalue. For $B < 0$ the rod leans the other way, $-Z$"
+            f"its $1/m$ is the {_eigenvalue_told()} eigenvalue; for $B < 0$ it leans the other "
+            "way, $-Z$"
         ),
     ),
     Equation(
@@ -183,6 +181,5 @@ EQUATIONS = (
         r"\Delta E",
         derive=laws.energy_of_impulse,
         check=_kinetic_energies,
-        note="as for a rod, so that the work in Stronge's law is that on both bodies",
     ),
 )

@@ -170,7 +170,8 @@ def _upright_slide(condition: sp.Expr) -> sp.Expr:
 
 
 _MU_C = -c_x / (4 * c_z * (1 + epsilon))
-_TWICE, _OVERLOOKING = sp.Integer(2), sp.pi / 4  # by which two mistakes come out
+_UPRIGHT, _OVERLOOKING = sp.Integer(0), sp.pi / 4  # tilts by which two mistakes come out
+_TWICE = sp.Integer(2)  # by which a third one does
 
 
 def _roots_told() -> str:
@@ -228,8 +229,8 @@ EQUATIONS = (
         derive=lambda: sp.factor(thin_slide_friction().subs(phi, sp.pi / 2)),
         contradicted_by=("14",),
         contradiction=_upright_slide,
-        mistaken=lambda: thin_slide_friction().subs(phi, 0),
-        mistake="the value at tilt 0 is taken for the largest",
+        mistaken=lambda: thin_slide_friction().subs(phi, _UPRIGHT),
+        mistake=f"the value at {degrees(_UPRIGHT)} is taken for the largest",
         note=_slide_told,
     ),
     Equation(
