@@ -5,6 +5,9 @@ slip-stick holds, above it slip reversal with less drift, so that the best tilt 
 slip-stick, the one of slip reversal, or the critical tilt between them (the corner).
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import sympy as sp
 
 from . import second_routes
@@ -69,10 +72,15 @@ def painleve_friction() -> sp.Expr:
     return friction
 
 
+def _over_tilt() -> sp.Expr:
+    """That friction of a thin rod over the tangent."""
+    return sp.factor(over_tangent(painleve_friction()))
+
+
 @derived(r"\tan\phi", r"\mu_P")
 def least_painleve_friction() -> tuple[sp.Expr, sp.Expr]:
     """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
-    friction = over_tangent(painleve_friction())
+    friction = _over_tilt()
     (best,) = solve(friction.diff(T), T)
     return best, friction.subs(T, best)
 
@@ -154,23 +162,12 @@ def _stick_told() -> str:
     return f"{degrees(sp.atan(tangent))} and {number(along, 3)} for {_HERE}"
 
 
-def _stability_told() -> str:
-    """The last margin is a sum of terms that are positive where reversal holds."""
-    margins = [*stability_margins("stick"), *stability_margins("back")]
-    room = sp.Symbol(
-        "room", positive=True
-    )  # XZ - mu (k^2 + Z^2) > 0, so X = mu (k^2 + Z^2)/Z + room
-    holds = mu * (k**2 + Z**2) / Z + room
-    signs = {sign(x) for x in margins[:3]} | {sign(x, {X: holds}) for x in margins[3:]}
-    (word,) = signs
-    return f"all {word} wherever the regime holds"
-
-
-def _stops_told() -> str:
-    left = [slip_left(case) for case in CASES]
-    room = mu * (k**2 + Z**2) / Z + sp.Symbol("room", positive=True)
-    (word,) = {sign(left[0]), sign(left[1], {X: room})}
-    return f"{word} in both"
+def _where_it_holds(of: Callable[[str], Any]) -> str:
+    """The sign that forms of both regimes have; reversal holds where XZ > mu (k^2 + Z^2)."""
+    reversing = {X: mu * (k**2 + Z**2) / Z + sp.Symbol("room", positive=True)}
+    put = {"stick": {}, "back": reversing}
+    (word,) = {sign(sp.Matrix([of(case)]), put[case]) for case in CASES}
+    return f"{word} wherever the regime holds"
 
 
 def _pressed_told() -> str:
@@ -179,14 +176,9 @@ def _pressed_told() -> str:
     return f"from there on $dv/dP_z {word} 0$"
 
 
-def _extreme_friction() -> str:
-    friction = over_tangent(painleve_friction())
-    return extreme(friction, T, least_painleve_friction()[0], PAPER)
-
-
 def _least_told() -> str:
     tangent, friction = least_painleve_friction()
-    over = formula(sp.factor(over_tangent(painleve_friction())))
+    over = formula(_over_tilt())
     return rf"${friction}$ at {degrees(sp.atan(tangent))}; over tilt $\mu_P$ is {over}"
 
 
@@ -241,7 +233,7 @@ EQUATIONS = (
             / (_reverse * _stop),
         ),
         check=_margins,
-        note=_stability_told,
+        note=lambda: f"all {_where_it_holds(stability_margins)}",
     ),
     Equation(
         "V: slip stops",
@@ -253,7 +245,7 @@ EQUATIONS = (
             -(1 + epsilon) * _reverse * _stop * V_z / (_lossy * _forward),
         ),
         check=_slide_from_the_landing,
-        note=_stops_told,
+        note=lambda: _where_it_holds(slip_left),
     ),
     Equation(
         "Painleve: friction",
@@ -270,8 +262,9 @@ EQUATIONS = (
     Equation(
         "Painleve: thin rod",
         lambda: (
-            rf"$\tan\phi$ at which that friction is {_extreme_friction()} for a thin rod, and that "
-            "friction"
+            r"$\tan\phi$ at which that friction is "
+            f"{extreme(_over_tilt(), T, least_painleve_friction()[0], {})} for a thin rod, and "
+            "that friction"
         ),
         r"(\tan\phi, \mu_P)",
         derive=least_painleve_friction,

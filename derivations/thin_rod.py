@@ -182,17 +182,6 @@ def _roots_told() -> str:
     return rf"at $\mu = {number(PAPER[mu])}$ the slip turns back {' and '.join(sides)}"
 
 
-def _slide_told() -> str:
-    flat = thin_slide_friction().subs(phi, sp.pi / 2)
-    return rf"${sp.cancel(flat / _MU_C)} \mu_c$"
-
-
-def _upper_told() -> str:
-    """Where the contact sticks again."""
-    upper = largest_reversal_tilt().subs(PAPER)
-    return rf"{degrees(upper, 2)} at $\mu = {number(PAPER[mu])}$"
-
-
 EQUATIONS = (
     Equation(
         "IV: condition for phi_c",
@@ -231,7 +220,7 @@ EQUATIONS = (
         contradiction=_upright_slide,
         mistaken=lambda: thin_slide_friction().subs(phi, _UPRIGHT),
         mistake=f"the value at {degrees(_UPRIGHT)} is taken for the largest",
-        note=_slide_told,
+        note=lambda: rf"${sp.cancel(thin_slide_friction().subs(phi, sp.pi / 2) / _MU_C)} \mu_c$",
     ),
     Equation(
         "IV: phi_c at mu = 3/5",
@@ -285,7 +274,9 @@ EQUATIONS = (
         contradiction=_upper_tilt_of,
         mistaken=lambda: _end_of_reversal(critical_tangents()[:1]),
         mistake="the second root of the condition is overlooked",
-        note=_upper_told,
+        note=lambda: (
+            rf"{degrees(largest_reversal_tilt().subs(PAPER), 2)} at $\mu = {number(PAPER[mu])}$"
+        ),
     ),
 )
 
