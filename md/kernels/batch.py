@@ -17,7 +17,7 @@ from .vectors import add, along, dot, swing, times, torque
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 4  # that may be there before a pair is looked at
-WIDTH = 4  # contacts that one instruction may hold, at most
+WIDTH = 8  # contacts that one instruction may hold, at most
 
 # Numbers of a contact: given,
 R = 0  # vector from the place on the second axis to the one on the first
