@@ -1,25 +1,23 @@
 """A scene under way: what the kernels take of it, arrays, and the calls that march it on.
 
-What an effect does not need is not allocated. A row and an annulus differ in their kernels, their
-state and what is sampled; the rest is `Engine`.
+What an effect does not need is not allocated.
 """
 
 from dataclasses import dataclass
-from math import ceil, cos, hypot, pi, sin
+from math import ceil, cos, pi, sin
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from .domains import InputError, RunError
-from .kernels import plane
 from .kernels.batch import no_contacts
+from .kernels.closest import nearest
 from .kernels.codes import (
     ANNULUS_LEDGER,
     ANNULUS_SERIES,
     C_X,
     C_Z,
-    COSINE,
     DEEP,
     DIRECTOR,
     DONE,
@@ -27,16 +25,12 @@ from .kernels.codes import (
     FULL_RECORD,
     LEDGER_COLUMNS,
     NOT_FINITE,
-    PAIR_SLOTS,
     PAIR_TOO_DEEP,
     PLACE,
     ROW_COLUMNS,
     ROW_DIRECTION,
-    ROW_PLACE,
     ROW_SERIES,
-    ROW_VELOCITY,
     SAMPLES_A_PERIOD,
-    SINE,
     SLOTS,
     SPACE_COLUMNS,
     TOO_DEEP,
@@ -47,19 +41,16 @@ from .kernels.codes import (
     X,
     Z,
 )
-from .kernels.contact import ContactForces, Motion
-from .kernels.neighbours import apart, meetings, nothing_listed, places
-from .kernels.plate import Clock
-from .kernels.space import march as space
-from .kernels.space.batch import no_contacts as no_contacts_in_space
-from .kernels.space.energy import energy
-from .kernels.space.forces import Scratch, SpaceEffects, State, Wall
-from .kernels.space.pairs import nearest
-from .kernels.space.touches import FLAT
+from .kernels.contact import ContactForces
+from .kernels.energy import energy
+from .kernels.march import Series, Watchers, march
+from .kernels.neighbours import nothing_listed
+from .kernels.state import Clock, Effects, Motion, Scratch, State, Wall
 from .kernels.touches import Record, new_record
+from .kernels.vectors import IN_SPACE
 from .laws import contact_time, deepest_overlap, friction_of, largest_step
 from .placement import placed
-from .rod import Rod, effects_of
+from .rod import Rod
 from .scene import GAP, Annulus, Contact, Scene
 
 _MOST_STEPS = 10**7  # of a period
@@ -161,17 +152,15 @@ class Engine:
     """A scene under way, marched in calls of a kernel; signals are seen between calls."""
 
     scene: Scene
-    effects: Any  # of the kernel
-    state: Any
-    watchers: plane.Watchers
+    effects: Effects
+    state: State
+    watchers: Watchers
     plate: Motion | None  # one period of it; None at rest
     dt: float  # sqrt(d/g)
     per: int  # steps of a period
     step: int = 0
 
     pace = 1  # steps of a call
-    kernels: ClassVar[Any]  # module of `march` and `Series`
-    height = Z, COSINE  # columns of z and of the axis's part along z
 
     @property
     def rods(self) -> np.ndarray:
@@ -198,9 +187,14 @@ class Engine:
         near = ((self.step + s) % self.per for s in (-1, 0))
         return float(sum(self.plate.height[i] for i in near) / 2) if self.plate else 0.0
 
-    def series(self, periods: int) -> Any:
+    def series(self, periods: int) -> Series:
         """Empty series for the samples of so many periods."""
-        raise NotImplementedError
+        place, last, *_ = self._parts(self.rods)
+        columns = ROW_SERIES
+        if len(self.effects.up) == 3:
+            columns, last = ANNULUS_SERIES, np.arctan2(place[:, 1:2], place[:, :1])
+        every = max(self.per // SAMPLES_A_PERIOD, 1)
+        return Series(np.zeros((periods + 1, columns)), last.copy(), self.per, every)
 
     def go(self, steps: int, series: Any = None) -> int:
         """Up to `steps` steps, fewer if the record is full; steps made.
@@ -233,7 +227,7 @@ class Engine:
         if not finite.all():
             return 0, NOT_FINITE, int(np.argmin(finite))
         watchers, clock = self.watchers._replace(series=series), Clock(self.step, self.dt)
-        return self.kernels.march(self.effects, self.state, watchers, clock, steps)
+        return march(self.effects, self.state, watchers, clock, steps)
 
     def _grow(self) -> None:
         """Make the list of pairs twice as long."""
@@ -257,7 +251,8 @@ class Engine:
             return f"rods {i} and {j}: overlap {deep:.3g} d with each other {at}", state
         if why == TOO_FAST:
             where = int(np.argmax(self._speeds(state)))
-        z, cosine = state[where, list(self.height)]
+        place, director, *_ = self._parts(state)
+        z, cosine = place[where, -1], director[where, -1]
         deep = self.plate_height + 0.5 - z + self.half_length * abs(cosine)
         what = {
             NOT_FINITE: "its state is not finite",
@@ -270,19 +265,31 @@ class Engine:
     @property
     def half_length(self) -> float:
         """From the centre of a rod to the centre of a cap, in d."""
-        return _rod(self.scene).half_length
+        return float(self.effects.half_length)
 
     def energy(self) -> float:
-        """Energy half a step ago, in m g d."""
-        raise NotImplementedError
+        """Kinetic, potential and elastic energy half a step ago, in m g d."""
+        plate, listed = self._height_between(), self.state.listed
+        return float(energy(self.effects, self.rods, listed, plate, self.dt))
+
+    def _parts(self, rods: np.ndarray) -> list[np.ndarray]:
+        """Places, directors, velocities and turns."""
+        dimensions = len(self.effects.up)
+        return np.split(rods, [dimensions, 2 * dimensions, 3 * dimensions], axis=1)
 
     def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
         """Rods of an entry of the list of pairs, and their overlap in d."""
-        raise NotImplementedError
+        i, j, image, _ = map(int, self.state.listed.index[self.state.listed.turn[0], where])
+        place, director, *_ = self._parts(rods)
+        apart = place[i] - place[j]
+        apart[0] -= image * (self.effects.period or 0.0)
+        vectors = (tuple(v.tolist()) for v in (apart, director[i], director[j]))
+        return i, j, 1 - nearest(*vectors, self.half_length) ** 0.5
 
     def _speeds(self, rods: np.ndarray) -> np.ndarray:
         """Upper bounds of the speeds of all points of the rods."""
-        raise NotImplementedError
+        *_, velocity, turn = self._parts(rods)
+        return np.linalg.norm(velocity, axis=1) + self.half_length * np.linalg.norm(turn, axis=1)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All that changes as the run goes on, by name."""
@@ -296,126 +303,6 @@ class Engine:
             self._grow()
         for name, value in self.arrays().items():
             value[...] = arrays[name]
-
-
-class RowEngine(Engine):
-    """A row under way."""
-
-    kernels: ClassVar[Any] = plane
-
-    def series(self, periods: int) -> plane.Series:
-        """Empty series for the samples of so many periods."""
-        sides, every = self.rods[:, ROW_DIRECTION].copy(), max(self.per // SAMPLES_A_PERIOD, 1)
-        return plane.Series(np.zeros((periods + 1, ROW_SERIES)), sides, self.per, every)
-
-    def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
-        i, j, image, _ = self.state.listed.index[self.state.listed.turn[0], where]
-        return i, j, max(self.overlaps(rods, i, j, image)[0])
-
-    def _speeds(self, rods: np.ndarray) -> np.ndarray:
-        return np.abs(rods[:, ROW_VELOCITY]) @ (1, 1, self.half_length)
-
-    def overlaps(self, rods: np.ndarray, i: int, j: int, image: int) -> tuple[list[float], ...]:
-        """Overlaps of a pair, in d: of each end contact, and of ends that may meet each other."""
-        dx = rods[i, X] - rods[j, X] - image * (self.effects.period or 0.0)
-        dz, alone = rods[i, Z] - rods[j, Z], self.effects.alone
-        half, a, b = alone.half_length, tuple(rods[i, ROW_DIRECTION]), tuple(rods[j, ROW_DIRECTION])
-        ends = [places(dx, dz, a, b, half, k) for k in range(meetings(alone.upper))]
-        joints = [(s, half if t > 0 else -half) for s, t in ends[:2]] if alone.upper else []
-        deep = ([1 - hypot(*apart(dx, dz, a, b, s, t)) for s, t in of] for of in (ends, joints))
-        return tuple(deep)
-
-    def energy(self) -> float:
-        """Kinetic, potential and elastic energy half a step ago, in m g d."""
-        effects, rods, listed = self.effects.alone, self.rods.copy(), self.state.listed
-        velocity = rods[:, ROW_VELOCITY]
-        angle = np.arctan2(rods[:, SINE], rods[:, COSINE]) - velocity[:, 2] * self.dt / 2
-        rods[:, ROW_PLACE] -= velocity[:, :2] * self.dt / 2
-        rods[:, SINE], rods[:, COSINE] = np.sin(angle), np.cos(angle)
-        moving, turning = (velocity[:, :2] ** 2).sum(), (velocity[:, 2] ** 2).sum()
-        total = moving / 2 + turning / effects.lightness / 2
-        if effects.gravity:
-            total -= effects.gravity[0] * rods[:, X].sum() + effects.gravity[1] * rods[:, Z].sum()
-        if effects.normal:
-            height = self._height_between()
-            for cap in (-1, 1) if effects.upper else (-1,):
-                deep = height + 0.5 - rods[:, Z] - cap * effects.half_length * rods[:, COSINE]
-                total += 0.4 * effects.normal.stiffness * (np.maximum(deep, 0) ** 2.5).sum()
-        if listed:
-            now, stiffness = listed.turn[0], self.effects.between.normal.stiffness
-            for i, j, image, _ in listed.index[now, : listed.start[now, -1]]:
-                ends, joints = (np.maximum(of, 0) for of in self.overlaps(rods, i, j, image))
-                total += 0.4 * stiffness * ((ends**2.5).sum() - (joints**2.5).sum())
-        return float(total)
-
-
-class AnnulusEngine(Engine):
-    """Rods in an annulus under way."""
-
-    kernels: ClassVar[Any] = space
-    height = PLACE + 2, DIRECTOR + 2
-
-    def series(self, periods: int) -> space.Series:
-        """Empty series for the samples of so many periods."""
-        x, y = self.rods[:, PLACE], self.rods[:, PLACE + 1]
-        rows, every = np.zeros((periods + 1, ANNULUS_SERIES)), max(self.per // SAMPLES_A_PERIOD, 1)
-        return space.Series(rows, np.arctan2(y, x), self.per, every)
-
-    def energy(self) -> float:
-        """Kinetic, potential and elastic energy half a step ago, in m g d."""
-        return energy(self.effects, self.rods, self._height_between(), self.dt)
-
-    def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
-        i, j, *_ = self.state.listed.index[self.state.listed.turn[0], where]
-        (x, a), (y, b) = ((rods[k, PLACE:DIRECTOR], rods[k, DIRECTOR:VELOCITY]) for k in (i, j))
-        vectors = (tuple(v.tolist()) for v in (x - y, a, b))
-        return i, j, 1 - nearest(*vectors, self.half_length)
-
-    def _speeds(self, rods: np.ndarray) -> np.ndarray:
-        turn = np.linalg.norm(rods[:, TURN:], axis=1)
-        return np.linalg.norm(rods[:, VELOCITY:TURN], axis=1) + self.half_length * turn
-
-
-def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engine:
-    """`RowEngine` or `AnnulusEngine` of a scene at its start.
-
-    Parameters
-    ----------
-    scene : Scene
-    ledger : whether to account for the energy
-    touches : whether to record the touches of the plate
-
-    Raises
-    ------
-    ValueError
-        If the rods do not fit into the annulus, or the step is not stable.
-    """
-    if scene.annulus is not None:
-        return _annulus(scene, scene.annulus, ledger, touches)
-    dt, per = step_of(scene)
-    n, pair, plate = scene.rods.count, scene.contacts.rods, scene.contacts.plate
-    gravity = (scene.gravity.x, scene.gravity.z) if scene.gravity is not None else None
-    law, friction = (plate.law, plate.friction) if plate else (None, 0.0)
-    motion = plate_motion(scene, per)
-    alone = effects_of(_rod(scene), law, friction, gravity, motion)
-    between, listed, place, found, batch = _forces(pair), None, None, None, None
-    if between is not None:
-        capacity = 8 * n + 56
-        listed = nothing_listed(n, capacity, between.friction is not None)
-        place, found, batch = np.zeros(n), np.zeros((capacity, 3), np.int64), no_contacts()
-    box = scene.box.length if scene.box and pair is not None else None
-    state = plane.State(
-        rods=_row_of_rods(scene, motion.height[0] if motion else 0.0),
-        before=np.zeros((n, 3), order="F"),
-        forces=np.zeros((n, 4)) if alone.friction else None,
-        springs=np.zeros((n, 2)) if alone.friction and alone.friction.spring else None,
-        listed=listed,
-        scratch=plane.Scratch(np.zeros((n, 3), order="F"), np.zeros(n), place, found, batch),
-    )
-    record = new_record(n, 4096) if touches and plate is not None else None
-    watchers = plane.Watchers(np.zeros(LEDGER_COLUMNS) if ledger else None, record, None)
-    effects = plane.RowEffects(alone, between, box)
-    return RowEngine(scene, effects, state, watchers, motion, dt, per)
 
 
 def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
@@ -437,37 +324,14 @@ def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
     return rods
 
 
-def space_effects(scene: Scene, gap: Annulus, per: int) -> SpaceEffects:
-    """All that acts on rods in an annulus."""
-    rod = _rod(scene)
-    squared = rod.gyration_squared
-    plate, wall = _forces(scene.contacts.plate), _forces(scene.contacts.wall)
-    assert wall is not None
-    return SpaceEffects(
-        half_length=rod.half_length,
-        lightness=1 / squared,
-        rolling=squared / rod.axial_gyration_squared - 1 if scene.rods.rolling else None,
-        gravity=scene.gravity.z if scene.gravity else None,
-        plate=plate_motion(scene, per),
-        normal=plate.normal if plate else None,
-        friction=plate.friction if plate else None,
-        inner=Wall(gap.inner, wall.normal, wall.friction),
-        outer=Wall(gap.outer, wall.normal, wall.friction),
-        shaken=gap.shaken or None,
-        between=_forces(scene.contacts.rods),
-    )
-
-
-def _annulus(scene: Scene, gap: Annulus, ledger: bool, touches: bool) -> AnnulusEngine:
-    n = scene.rods.count
-    dt, per = step_of(scene)
-    effects = space_effects(scene, gap, per)
-    tilt = None if scene.start.tilt_deg is None else abs(scene.tilt)
+def _ring_of_rods(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
+    """Rods around an annulus; at rest on average around it."""
+    n, tilted = scene.rods.count, scene.start.tilt_deg is not None
+    tilt = abs(scene.tilt) if tilted else None
     rods = np.zeros((n, SPACE_COLUMNS))
     rods[:, :VELOCITY] = placed(gap, n, scene.rods.length, tilt=tilt, seed=scene.start.seed)
-    if scene.start.tilt_deg is not None and scene.tilt < 0:
+    if tilted and scene.tilt < 0:
         rods[:, [PLACE + 1, DIRECTOR + 1]] *= -1  # its mirror image
-    lowest = effects.plate.height[0] if effects.plate else 0.0
     rods[:, PLACE + 2] += lowest + GAP + scene.start.drop
     random = np.random.default_rng(scene.start.seed)
     rods[:, VELOCITY:TURN] = scene.start.speed * random.uniform(-1, 1, (n, 3))
@@ -476,21 +340,78 @@ def _annulus(scene: Scene, gap: Annulus, ledger: bool, touches: bool) -> Annulus
     around /= np.linalg.norm(around, axis=1, keepdims=True)
     mean = (rods[:, VELOCITY:TURN] * around).sum(axis=1).mean()
     rods[:, VELOCITY:TURN] -= mean * around
-    listed, place, found, capacity = None, None, None, 8 * n + 56
-    if effects.between is not None:
-        kept, springs = ((PAIR_SLOTS, 4), (PAIR_SLOTS, 3)), effects.between.friction is not None
-        listed = nothing_listed(n, capacity, springs, kept)
-        place, found = np.zeros(n), np.zeros((capacity, 3), np.int64)
-    rubs = any(f and f.spring for f in (effects.friction, effects.inner and effects.inner.friction))
-    record = new_record(n, 4096) if touches and effects.normal else None
-    state = State(
-        rods=rods,
-        before=np.zeros((n, 6)),
-        forces=np.zeros((n, SLOTS, 4)),
-        springs=np.zeros((n, SLOTS, 3)) if rubs else None,
-        listed=listed,
-        scratch=Scratch(np.zeros((n, 6)), place, found, no_contacts_in_space()),
-        flat=np.zeros((n, FLAT)) if record else None,
+    return rods
+
+
+def all_effects(scene: Scene, per: int) -> Effects:
+    """All that acts on the rods of a scene."""
+    contacts, rod, gap, gravity = scene.contacts, _rod(scene), scene.annulus, scene.gravity
+    plate, between, wall = map(_forces, (contacts.plate, contacts.rods, contacts.wall))
+    effects = Effects(
+        half_length=rod.half_length,
+        lightness=1 / rod.gyration_squared,
+        normal=plate.normal if plate else None,
+        friction=plate.friction if plate else None,
+        gravity=(gravity.x, gravity.z) if gravity else None,
+        plate=plate_motion(scene, per),
+        upper=True if rod.half_length > 0 else None,
+        between=between,
+        period=scene.box.length if scene.box and between else None,
     )
-    watchers = plane.Watchers(np.zeros(ANNULUS_LEDGER) if ledger else None, record, None)
-    return AnnulusEngine(scene, effects, state, watchers, effects.plate, dt, per)
+    if gap is None:
+        return effects
+    assert wall is not None
+    rolling = rod.gyration_squared / rod.axial_gyration_squared - 1
+    return effects._replace(
+        up=IN_SPACE,
+        gravity=gravity.z if gravity else None,
+        rolling=rolling if scene.rods.rolling else None,
+        inner=Wall(gap.inner, *wall),
+        outer=Wall(gap.outer, *wall),
+        shaken=gap.shaken or None,
+    )
+
+
+def at_start(effects: Effects, rods: np.ndarray) -> State:
+    """State of rods that have touched nothing yet."""
+    n, space, between = len(rods), len(effects.up) == 3, effects.between
+    walls = [wall for wall in (effects.inner, effects.outer) if wall]
+    rubs = [one.friction for one in (effects, *walls) if one.friction]
+    slots, part, columns = (SLOTS, 3, 6) if space else (2, 1, 3)
+    listed, place, found, capacity = None, None, None, 8 * n + 56
+    if between is not None:
+        listed = nothing_listed(n, capacity, between.friction is not None, space)
+        place, found = np.zeros(n), np.zeros((capacity, 3), np.int64)
+    batch = no_contacts() if between or walls else None
+    return State(
+        rods=rods,
+        before=np.zeros((n, columns), order="F"),
+        forces=np.zeros((n, slots, 1 + part)) if rubs or walls else None,
+        springs=np.zeros((n, slots, part)) if any(rub.spring for rub in rubs) else None,
+        listed=listed,
+        scratch=Scratch(np.zeros((n, columns), order="F"), np.zeros(n), place, found, batch),
+    )
+
+
+def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engine:
+    """A scene at its start.
+
+    Parameters
+    ----------
+    scene : Scene
+    ledger : whether to account for the energy
+    touches : whether to record the touches of the plate
+
+    Raises
+    ------
+    ValueError
+        If the rods do not fit into the annulus, or the step is not stable.
+    """
+    dt, per = step_of(scene)
+    effects, gap = all_effects(scene, per), scene.annulus
+    lowest = effects.plate.height[0] if effects.plate else 0.0
+    rods = _ring_of_rods(scene, gap, lowest) if gap else _row_of_rods(scene, lowest)
+    record = new_record(len(rods), 4096) if touches and effects.normal else None
+    columns = ANNULUS_LEDGER if gap else LEDGER_COLUMNS
+    watchers = Watchers(np.zeros(columns) if ledger else None, record, None)
+    return Engine(scene, effects, at_start(effects, rods), watchers, effects.plate, dt, per)

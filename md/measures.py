@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .host import AnnulusEngine, Engine
+from .host import Engine
 from .kernels import codes
 from .kernels import touches as columns
 from .kernels.codes import SLIDING, SLIP_REVERSAL, SLIP_STICK
@@ -263,5 +263,5 @@ class AnnulusTables(Tables):
 
 def tables_of(engine: Engine, periods: int) -> Tables:
     """Empty tables for so many periods of a run."""
-    of_annulus = isinstance(engine, AnnulusEngine)
-    return AnnulusTables(engine, periods) if of_annulus else RowTables(engine, periods)
+    arrangement = AnnulusTables if engine.scene.annulus else RowTables
+    return arrangement(engine, periods)

@@ -3,7 +3,7 @@
 from math import atan2, copysign, cos, hypot, inf, sin
 from typing import Literal, NamedTuple
 
-from .kernels.contact import Effects, Motion
+from .kernels.state import Effects, Motion
 from .laws import Law, friction_of
 
 

@@ -28,8 +28,8 @@ from .kernels.codes import (
     WATCH_STOPPED,
     WATCHED,
 )
-from .kernels.contact import Effects, Motion
 from .kernels.rates import plate_after
+from .kernels.state import Effects, Motion
 from .laws import (
     Law,
     contact_time,

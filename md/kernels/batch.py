@@ -1,4 +1,4 @@
-"""Contacts of two rods of a row, computed side by side.
+"""Contacts of rods with each other, or with a wall, computed side by side.
 
 The contacts of a step are collected first, number by number, and their forces found in a loop
 without a branch or a place that depends on a number: the compiler puts several contacts into
@@ -11,33 +11,49 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .codes import C_X, PAIR_FRICTION, PAIR_NORMAL
-from .contact import Inertia, Meeting, contact, losses, total
-from .vectors import add, along, dot, swing, times, torque
+from .contact import Meeting, contact, losses, total
+from .state import inertia_of, kept_force, kept_part
+from .vectors import add, dot, put, times, torque
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
-MOST = SIZE - 4  # that may be there before a pair is looked at
+MOST = SIZE - 8  # that may be there before a pair or a rod is looked at
 WIDTH = 8  # contacts that one instruction may hold, at most
 
-# Numbers of a contact: given,
-R = 0  # vector from the place on the second axis to the one on the first
-ARM, OTHER_ARM = 2, 4  # from both centres to the contact point
-FIRST, SECOND = 6, 9  # velocities of both rods half a step ago
-GAIN, OTHER_GAIN = 12, 15  # their accelerations at the step before
-SHARE = 18  # of the contact, if ends are joined
-SPRING = 19  # its length, before and after
+# Numbers of a contact, three places for each vector: given,
+GAP = 0  # 1 - overlap along the normal
+ARM, OTHER_ARM = 3, 6  # from both centres to the contact point
+DIRECTOR, OTHER_DIRECTOR = 9, 12  # in space
+HALF, GAIN = 15, 18  # velocity of the first rod against the other half a step before; acceleration
+SHARE = 21  # of the contact, if several are one
+# of the step before, then of this one, as if the contact had all of its share,
+PRESSED, RUB, SPRING = 22, 23, 26  # F_n, F_t, length of the spring
 # and found.
-FORCE, TORQUE, OTHER_TORQUE = 20, 22, 23  # on the first rod; angular accelerations
-LAST = 24  # F_n and F_t, before and after, as if the contact had all of its share
-NORMAL_LOSS, FRICTION_LOSS = 26, 27  # of this step
-NUMBERS = 28
+FORCE, TORQUE, OTHER_TORQUE = 29, 32, 35
+NORMAL_LOSS, FRICTION_LOSS = 38, 39  # of this step
+NUMBERS = 40
+
+ONE, TWO = (1,), (1, 1)  # rods of a contact, told by a length
 
 
 class Batch(NamedTuple):
     """Contacts of a step."""
 
     numbers: np.ndarray  # (NUMBERS SIZE,): SIZE values of each number
-    place: np.ndarray  # (SIZE, 4): rods, entry of the list of pairs, end
+    place: np.ndarray  # (SIZE, 4): rods, row and slot of what is kept of the contact
+
+
+class Given(NamedTuple):
+    """A contact to be computed."""
+
+    first: np.uint64  # rods; of a wall, the first counts
+    second: np.uint64
+    row: np.uint64  # of what is kept
+    slot: int
+    gap: tuple  # d; 1 - overlap along the normal
+    bodies: tuple  # as of `contact.Meeting`
+    half: tuple  # the same
+    gain: tuple
+    share: float  # of the contact, 0 to 1
 
 
 def no_contacts() -> Batch:
@@ -58,53 +74,79 @@ def keep(numbers, what, c, value):
 
 
 @kernel
-def kept_spring(springs, now, k, end):
-    """Length of a spring."""
-    return 0.0 if springs is None else springs[now, k, end]
-
-
-@kernel
-def collect(state, n, pair, now, k, end, near, share):
-    """Put a contact at place n of the batch."""
-    i, j, _, _, a, b = pair
-    s, t, r_x, r_z, _ = near
-    rods, before, (numbers, place) = state.rods, state.before, state.scratch.batch
-    at = np.uint64(n)
-    place[at, 0], place[at, 1], place[at, 2], place[at, 3] = i, j, k, end
-    keep(numbers, R, n, r_x)
-    keep(numbers, R + 1, n, r_z)
-    keep(numbers, ARM, n, s * a[0] - 0.5 * r_x)
-    keep(numbers, ARM + 1, n, s * a[1] - 0.5 * r_z)
-    keep(numbers, OTHER_ARM, n, t * b[0] + 0.5 * r_x)
-    keep(numbers, OTHER_ARM + 1, n, t * b[1] + 0.5 * r_z)
-    for c in range(3):
-        keep(numbers, FIRST + c, n, rods[i, C_X + c])
-        keep(numbers, SECOND + c, n, rods[j, C_X + c])
-        keep(numbers, GAIN + c, n, before[i, c])
-        keep(numbers, OTHER_GAIN + c, n, before[j, c])
-    keep(numbers, LAST, n, state.listed.forces[now, k, 2 * end])
-    keep(numbers, LAST + 1, n, state.listed.forces[now, k, 2 * end + 1])
-    keep(numbers, SHARE, n, share)
-    keep(numbers, SPRING, n, kept_spring(state.listed.springs, now, k, end))
-
-
-@kernel
-def two(numbers, what, c):
+def get_vector(numbers, what, c, up):
     """A vector of contact c."""
-    return get(numbers, what, c), get(numbers, what + 1, c)
+    if len(up) == 2:
+        return get(numbers, what, c), get(numbers, what + 1, c)
+    return get(numbers, what, c), get(numbers, what + 1, c), get(numbers, what + 2, c)
 
 
 @kernel
-def keep_two(numbers, what, c, v):
+def get_axial(numbers, what, c, up):
+    """A torque of contact c, or a part across its normal."""
+    if len(up) == 2:
+        return (get(numbers, what, c),)
+    return get(numbers, what, c), get(numbers, what + 1, c), get(numbers, what + 2, c)
+
+
+@kernel
+def keep_all(numbers, what, c, v):
     """Put a vector of contact c."""
     keep(numbers, what, c, v[0])
-    keep(numbers, what + 1, c, v[1])
+    if len(v) > 1:
+        keep(numbers, what + 1, c, v[1])
+    if len(v) > 2:
+        keep(numbers, what + 2, c, v[2])
 
 
 @kernel
-def moving(numbers, what, c, arm):
-    """Velocity of a point of a rod, or its acceleration but for that towards the centre."""
-    return along(two(numbers, what, c), 1.0, swing((get(numbers, what + 2, c),), arm))
+def keep_body(numbers, what, n, arm, director):
+    """Put a body of contact n; `what`: places of its arm and, in space, of its director."""
+    keep_all(numbers, what[0], n, arm)
+    if len(arm) == 3:
+        keep_all(numbers, what[1], n, director)
+
+
+@kernel
+def keep_bodies(numbers, n, bodies):
+    """Put both bodies, or the one at a wall."""
+    keep_body(numbers, (ARM, DIRECTOR), n, bodies[0][0], bodies[0][1])
+    if len(bodies) == 2:
+        keep_body(numbers, (OTHER_ARM, OTHER_DIRECTOR), n, bodies[1][0], bodies[1][1])
+
+
+@kernel
+def collect(batch, n, given, forces, springs, up):
+    """Put a contact at place n, with what is kept of it; the number of contacts then."""
+    (numbers, place), at, row, slot = batch, np.uint64(n), given.row, given.slot
+    place[at, 0], place[at, 1], place[at, 2], place[at, 3] = given.first, given.second, row, slot
+    keep_all(numbers, GAP, n, given.gap)
+    keep_bodies(numbers, n, given.bodies)
+    keep_all(numbers, HALF, n, given.half)
+    keep_all(numbers, GAIN, n, given.gain)
+    keep(numbers, SHARE, n, given.share)
+    keep(numbers, PRESSED, n, kept_force(forces, row, slot))
+    keep_all(numbers, RUB, n, kept_part(forces, row, slot, 1, up))
+    keep_all(numbers, SPRING, n, kept_part(springs, row, slot, 0, up))
+    return n + 1
+
+
+@kernel
+def bodies_of(rods, numbers, c, up):
+    """Of each of the `rods` of contact c, the arm and the director."""
+    first = get_vector(numbers, ARM, c, up), get_vector(numbers, DIRECTOR, c, up)
+    if len(rods) == 1:
+        return (first,)
+    second = get_vector(numbers, OTHER_ARM, c, up), get_vector(numbers, OTHER_DIRECTOR, c, up)
+    return first, second
+
+
+@kernel
+def keep_torques(numbers, c, bodies, force):
+    """Put the torques on both bodies, by a force on the first."""
+    keep_all(numbers, TORQUE, c, torque(bodies[0][0], force))
+    if len(bodies) == 2:
+        keep_all(numbers, OTHER_TORQUE, c, times(-1.0, torque(bodies[1][0], force)))
 
 
 @kernel
@@ -118,69 +160,66 @@ def accounted(ledger, law, numbers, c, meeting, found, dt):
 
 
 @kernel
-def act_on(between, light, ledger, numbers, c, dt):
+def act_on(law, rods, effects, ledger, numbers, c, dt):
     """What acts in contact c."""
-    r, p, q = two(numbers, R, c), two(numbers, ARM, c), two(numbers, OTHER_ARM, c)
-    distance = sqrt(dot(r, r))
-    half = along(moving(numbers, FIRST, c, p), -1.0, moving(numbers, SECOND, c, q))
-    gain = along(moving(numbers, GAIN, c, p), -1.0, moving(numbers, OTHER_GAIN, c, q))
+    up = effects.up
+    gap, bodies = get_vector(numbers, GAP, c, up), bodies_of(rods, numbers, c, up)
+    distance = sqrt(dot(gap, gap))
+    half, gain = get_vector(numbers, HALF, c, up), get_vector(numbers, GAIN, c, up)
     meeting = Meeting(
-        ((p, p), (q, q)), times(1 / distance, r), 1.0 - distance, half, gain,
-        get(numbers, LAST, c), (get(numbers, LAST + 1, c),), (get(numbers, SPRING, c),),
-        None, None, half,
+        bodies, times(1.0 / distance, gap), max(1.0 - distance, 0.0), half, gain,
+        get(numbers, PRESSED, c), get_axial(numbers, RUB, c, up),
+        get_axial(numbers, SPRING, c, up), None, None, half,
     )  # fmt: skip
-    found = contact(between.normal, between.friction, Inertia(light, None), meeting, dt)
-    accounted(ledger, between.normal, numbers, c, meeting, found, dt)
-    keep(numbers, SPRING, c, found.spring[0])
-    keep_two(numbers, LAST, c, (found.normal, found.rub[0]))
-    f = times(get(numbers, SHARE, c), total(found, meeting.out))
-    keep_two(numbers, FORCE, c, f)
-    keep(numbers, TORQUE, c, light * torque(p, f)[0])
-    keep(numbers, OTHER_TORQUE, c, -light * torque(q, f)[0])
+    found = contact(law.normal, law.friction, inertia_of(effects), meeting, dt)
+    accounted(ledger, law.normal, numbers, c, meeting, found, dt)
+    keep(numbers, PRESSED, c, found.normal)
+    keep_all(numbers, RUB, c, found.rub)
+    keep_all(numbers, SPRING, c, found.spring)
+    force = times(get(numbers, SHARE, c), total(found, meeting.out))
+    keep_all(numbers, FORCE, c, force)
+    keep_torques(numbers, c, bodies, force)
 
 
 @kernel
-def spring_kept(springs, numbers, c, place):
-    """Keep the spring for the next step."""
-    if springs is not None:
-        springs[place] = get(numbers, SPRING, c)
-
-
-@kernel
-def booked(ledger, numbers, count):
-    """Add the losses of this step."""
+def booked(ledger, numbers, columns, count):
+    """Add the losses of this step to two columns."""
     if ledger is not None:
-        normal, friction = ledger[PAIR_NORMAL], ledger[PAIR_FRICTION]
+        normal, friction = 0.0, 0.0
         for c in range(count):
             normal += get(numbers, NORMAL_LOSS, c)
             friction += get(numbers, FRICTION_LOSS, c)
-        ledger[PAIR_NORMAL], ledger[PAIR_FRICTION] = normal, friction
-
-
-@kernel(inline=False)
-def act(between, light, accelerations, batch, kept, ledger, count, dt):
-    """Add the accelerations by the first contacts of the batch.
-
-    `kept`: list in use, springs and forces.
-    """
-    (numbers, places), (now, springs, forces) = batch, kept
-    for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # the last ones are idle
-        act_on(between, light, ledger, numbers, c, dt)
-    for c in range(count):
-        i, j = np.uint64(places[c, 0]), np.uint64(places[c, 1])
-        f_x, f_z = get(numbers, FORCE, c), get(numbers, FORCE + 1, c)
-        add(accelerations, i, 0, (f_x, f_z, get(numbers, TORQUE, c)))
-        add(accelerations, j, 0, (-f_x, -f_z, get(numbers, OTHER_TORQUE, c)))
-        k, end = np.uint64(places[c, 2]), np.uint64(places[c, 3])
-        spring_kept(springs, numbers, c, (now, k, end))
-        forces[now, k, 2 * end] = get(numbers, LAST, c)
-        forces[now, k, 2 * end + 1] = get(numbers, LAST + 1, c)
-    booked(ledger, numbers, count)
+        ledger[columns[0]] += normal
+        ledger[columns[1]] += friction
 
 
 @kernel
-def acted(effects, state, ledger, count, dt):
-    """Add the accelerations by the contacts that are collected."""
-    kept = state.listed.turn[0], state.listed.springs, state.listed.forces
-    scratch, light = state.scratch, effects.alone.lightness
-    act(effects.between, light, scratch.total, scratch.batch, kept, ledger, count, dt)
+def keep_parts(array, row, slot, first, part):
+    """Keep a part across a normal for the next step."""
+    if array is not None:
+        put(array[row], slot, first, part)
+
+
+@kernel(inline=False)
+def acted(law, rods, effects, kept, sums, batch, ledger, columns, count, dt):
+    """Add force and torque of the first contacts of the batch to `sums`.
+
+    `rods`: `ONE` at a wall, or `TWO`; `kept`: forces and springs; `columns`: of the ledger.
+    """
+    (numbers, place), (forces, springs), up = batch, kept, effects.up
+    for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # the last ones are idle
+        act_on(law, rods, effects, ledger, numbers, c, dt)
+    for c in range(count):
+        i, force = np.uint64(place[c, 0]), get_vector(numbers, FORCE, c, up)
+        add(sums, i, 0, force)
+        add(sums, i, len(force), get_axial(numbers, TORQUE, c, up))
+        if len(rods) == 2:
+            j = np.uint64(place[c, 1])
+            add(sums, j, 0, times(-1.0, force))
+            add(sums, j, len(force), get_axial(numbers, OTHER_TORQUE, c, up))
+        row, slot = np.uint64(place[c, 2]), np.uint64(place[c, 3])
+        if forces is not None:
+            forces[row, slot, 0] = get(numbers, PRESSED, c)
+        keep_parts(forces, row, slot, 1, get_axial(numbers, RUB, c, up))
+        keep_parts(springs, row, slot, 0, get_axial(numbers, SPRING, c, up))
+    booked(ledger, numbers, columns, count)

@@ -29,7 +29,6 @@ SPACE_COLUMNS = 12
 PLATE_CAPS, INNER, OUTER = 0, 2, 5  # plate: caps 0-1, inner wall: caps 2-3 and between 4, outer 5-6
 SLOTS = 7
 CROSSING = 4  # of two rods: ends of the first 0-1, of the second 2-3, between their ends 4
-PAIR_SLOTS = 5
 
 # Columns of the energy ledger, m g d; the first is the work of the plate and of shaken walls.
 PLATE_WORK, PLATE_NORMAL, PLATE_FRICTION, PAIR_NORMAL, PAIR_FRICTION = range(5)

@@ -18,10 +18,10 @@ zero as long as |F_t| <= mu F_n (`constraint_friction`).
 """
 
 from math import copysign, inf, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..cache import kernel
-from .vectors import across, along, dot, spread, swing, times, torque
+from .vectors import across, along, dot, nothing, spread, swing, times, torque
 
 PHASE = 1 / 3  # part of a spring's change in a step that its force sees (`spring_friction`)
 
@@ -58,26 +58,6 @@ class ContactForces(NamedTuple):
 
     normal: Normal
     friction: Friction | None
-
-
-class Motion(NamedTuple):
-    """One period of the plate's height and velocity, step by step."""
-
-    height: Any  # d
-    velocity: Any  # sqrt(g d)
-
-
-class Effects(NamedTuple):
-    """All that acts on a rod alone; `None`: absent."""
-
-    half_length: float  # d, from centre to centre of a cap, (l - 1)/2
-    lightness: float  # 1/d^2: 1/k^2, k the gyration radius
-    normal: Normal | None  # of the plate; None: no plate
-    friction: Friction | None
-    gravity: tuple[float, float] | None  # along x and z, g
-    plate: Motion | None  # None: at rest at z = 0
-    upper: bool | None = True  # None: a sphere, which has no second cap
-    flat: bool | None = None  # True: flat ends, half_length to them; None: round ones
 
 
 class Inertia(NamedTuple):
@@ -225,8 +205,7 @@ def moved(inertia, bodies, force):
 def tangential_light(inertia, bodies, out, pull):
     """1/M of a contact for a force across `out`, in space one along `pull`."""
     if len(out) == 2:
-        e = spread((1.0,), out)
-        return dot(moved(inertia, bodies, e), e)
+        return dot(moved(inertia, bodies, spread((1.0,), out)), spread((1.0,), out))
     square = dot(pull, pull)
     if square == 0.0:
         return 1.0 * len(bodies)
@@ -389,7 +368,7 @@ def rubbing(spring, inertia, meeting, slip, limit, dt):
 def friction_force(friction, inertia, meeting, slip, force, dt):
     """The same of any friction under a normal force; none where there is none."""
     if friction is None:
-        return times(0.0, meeting.spring), meeting.spring
+        return nothing(meeting.spring), meeting.spring
     return rubbing(friction.spring, inertia, meeting, slip, friction.coefficient * force, dt)
 
 
@@ -397,8 +376,16 @@ def friction_force(friction, inertia, meeting, slip, force, dt):
 def moved_by(friction, inertia, meeting, rub):
     """Acceleration of the contact by friction."""
     if friction is None:
-        return times(0.0, meeting.out)
-    return moved(inertia, meeting.bodies, spread(rub, meeting.out))
+        return nothing(meeting.out)
+    return moved_across(inertia, meeting.bodies, meeting.out, rub)
+
+
+@kernel
+def moved_across(inertia, bodies, out, rub):
+    """The same of any contact; in the plane from that by a friction of one, known already."""
+    if len(out) == 2:
+        return times(rub[0], moved(inertia, bodies, spread((1.0,), out)))
+    return moved(inertia, bodies, rub)
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 The list holds every pair whose axes come closer than 1 + SKIN; it is built again before any point
 of an axis has moved by half of SKIN. A bound on that, the sum of the largest speeds, saves looking
-at every rod in every step. Rods are sorted along the box, or by azimuth around an annulus. A
+at every rod in every step. Rods are sorted along the box, in space by azimuth around the annulus. A
 periodic box repeats the closest points, not the centres: an entry is a pair with the image of its
 second rod, so that two rods of a short box may stand in the list several times, and a rod beside
 its own image.
@@ -11,122 +11,54 @@ What cannot touch is not looked at: a pair and an end of a touching pair sleep u
 travelled half of their gap.
 """
 
+from math import asin, atan2, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from ..cache import kernel
-from .codes import COSINE, DEEP, SINE, SKIN, X, Z
+from .closest import nearest
+from .codes import DEEP, SKIN
+from .vectors import along, dot, vector
 
-PAIR = 4  # column of `Listed.asleep`, after those of the four ends
-CHORD = 0.4142  # less than sqrt(2) - 1
+PAIR = 5  # column of `Listed.asleep`, after those of the four ends and of what is between
 
 
 class Listed(NamedTuple):
     """The list in use stands at `turn[0]` along the first axis, the one before it at the other.
 
-    Entries are sorted by first rod; those of rod i stand in `start[i]:start[i + 1]`.
+    Entries are sorted by first rod; those of rod i stand in `start[i]:start[i + 1]`. A pair has a
+    contact at each of four ends, and in space one between them.
     """
 
     turn: np.ndarray  # (1,): 0 or 1
     travelled: np.ndarray  # (1,), d: how far any rod may have moved since the list was built
     start: np.ndarray  # (2, rods + 1)
-    # (capacity, 5), d: until rods may have travelled so far, an end or the pair does not touch
+    # (capacity, 6), d: until rods may have travelled so far, a contact or the pair does not touch
     asleep: np.ndarray
     # (2, capacity, 4): first rod, second >= first, image of the second: its x plus so many
     # periods, whether they touch
     index: np.ndarray  # type: ignore[assignment]
-    # (2, capacity, 4): first rod's lower and upper end, second rod's; in space (.., PAIR_SLOTS, 3)
-    springs: np.ndarray | None
-    # (2, capacity, 8), m g: F_n and F_t a step before, end by end; in space (.., PAIR_SLOTS, 4)
-    forces: np.ndarray
-    built: np.ndarray  # (rods, 4): place and direction of the rods when the list was built
+    springs: np.ndarray | None  # (2, capacity, contacts, part), d: part across the normal, 1 or 3
+    forces: np.ndarray  # (2, capacity, contacts, 1 + part), m g: F_n and F_t a step before
+    built: np.ndarray  # (rods, 4), in space 6: centre and director when the list was built
     order: np.ndarray  # (rods,): by place in the box, or by azimuth
 
 
-def nothing_listed(
-    rods: int, capacity: int, springs: bool, kept: tuple[tuple[int, ...], ...] = ((8,), (4,))
-) -> Listed:
-    """A list that is out of date; `kept`: numbers of an entry's forces and springs."""
-    forces, lengths = kept
+def nothing_listed(rods: int, capacity: int, springs: bool, space: bool) -> Listed:
+    """A list that is out of date."""
+    contacts, part, dimensions = (5, 3, 3) if space else (4, 1, 2)
     return Listed(
         np.zeros(1, np.int64),
         np.full(1, np.inf),
         np.zeros((2, rods + 1), np.int64),
-        np.zeros((capacity, 5)),
+        np.zeros((capacity, 6)),
         np.zeros((2, capacity, 4), np.int64),
-        np.zeros((2, capacity, *lengths)) if springs else None,
-        np.zeros((2, capacity, *forces)),
-        np.full((rods, 4), 1e300),  # far away; inf times no length would be nan
+        np.zeros((2, capacity, contacts, part)) if springs else None,
+        np.zeros((2, capacity, contacts, 1 + part)),
+        np.full((rods, 2 * dimensions), 1e300),  # far away; inf times no length would be nan
         np.arange(rods),
     )
-
-
-@kernel
-def span(period):
-    """Length after which the box repeats."""
-    if period is None:
-        return np.inf
-    return period
-
-
-@kernel
-def meetings(upper):
-    """Contacts that two rods may have: one at each of their ends; two spheres have one."""
-    if upper is None:
-        return 1
-    return 4
-
-
-@kernel
-def places(dx, dz, a, b, half, end):
-    """Places s, t along both axes of the contact at one of four ends, 0 and 1 the first rod's.
-
-    `dx`, `dz` lead from the second centre to the first; `a`, `b` are the rods' directions.
-    """
-    across = a[0] * b[0] + a[1] * b[1]
-    side = half if end & 1 else -half
-    if end < 2:
-        return side, min(max(dx * b[0] + dz * b[1] + side * across, -half), half)
-    return min(max(side * across - (dx * a[0] + dz * a[1]), -half), half), side
-
-
-@kernel
-def apart(dx, dz, a, b, s, t):
-    """Vector from a place on the second axis to one on the first."""
-    return dx + s * a[0] - t * b[0], dz + s * a[1] - t * b[1]
-
-
-@kernel
-def gap(dx, dz, a, b, half, end):
-    """Places of the contact at one end, vector between them, its square."""
-    s, t = places(dx, dz, a, b, half, end)
-    r_x, r_z = apart(dx, dz, a, b, s, t)
-    return s, t, r_x, r_z, r_x * r_x + r_z * r_z
-
-
-@kernel
-def clearance(dx, dz, a, b, half):
-    """How far beyond 1 all of the second axis is off the first one's line: a quick bound."""
-    off = abs(dx * a[1] - dz * a[0])
-    return off - half * abs(a[0] * b[1] - a[1] * b[0]) - 1.0
-
-
-@kernel
-def open_at_least(square):
-    """A lower bound of a distance beyond 1, given its square >= 1: a chord of the root."""
-    return CHORD * (min(square, 2.0) - 1.0)
-
-
-@kernel
-def nearest_squared(dx, dz, a, b, half):
-    """Squared distance of two axes that do not cross."""
-    least = np.inf
-    for end in range(4):
-        s, t = places(dx, dz, a, b, half, end)
-        r_x, r_z = apart(dx, dz, a, b, s, t)
-        least = min(least, r_x * r_x + r_z * r_z)
-    return least
 
 
 @kernel(inline=False)
@@ -153,10 +85,54 @@ def image(distance, period):
     return 0 if period is None else int(np.round(distance / period))
 
 
+@kernel
+def place_along(centre, period):
+    """What rods are sorted by: the place in the box, in space the azimuth."""
+    if len(centre) == 2:
+        return wrapped(centre[0], period)
+    return atan2(centre[1], centre[0])
+
+
+@kernel
+def around(up, period):
+    """Distance after which the rods come again."""
+    if len(up) == 3:
+        return 2.0 * pi
+    if period is None:
+        return np.inf
+    return period
+
+
+@kernel
+def window(up, rods, reach):
+    """So far apart in that order are rods whose centres are more than `reach` apart."""
+    if len(up) == 2:
+        return reach
+    least = np.inf
+    for i in range(rods.shape[0]):
+        least = min(least, rods[i, 0] ** 2 + rods[i, 1] ** 2)
+    if 4.0 * least <= reach * reach:
+        return pi
+    return 2.0 * asin(reach / (2.0 * sqrt(least)))
+
+
+@kernel
+def apart_by(centre, other, gap, period):
+    """From the second centre to the first, and how many periods the second's image is away."""
+    apart = along(centre, -1.0, other)
+    if len(centre) == 2:
+        return (-gap, apart[1]), image(gap + apart[0], period)
+    return apart, 0
+
+
 @kernel(inline=False)
-def pair_up(rods, half, period, order, place, found):
+def pair_up(up, rods, half, period, order, place, found):
     """All pairs of axes closer than 1 + SKIN, into `found`; their number, -1 if there are more."""
-    n, count, box = rods.shape[0], 0, span(period)
+    n, count, box, reach = rods.shape[0], 0, around(up, period), 2 * half + 1 + SKIN
+    for i in range(n):
+        place[i] = place_along(vector(rods, i, 0, up), period)
+    sort_along(order, place)
+    most = window(up, rods, reach)
     for p in range(n):
         i = order[p]
         q, ahead = p, 0.0
@@ -166,15 +142,17 @@ def pair_up(rods, half, period, order, place, found):
                 q, ahead = 0, ahead + box
             j = order[q]
             gap = place[j] - place[i] + ahead
-            if not gap <= 2 * half + 1 + SKIN:
+            if not gap <= most:
                 break
-            dz = rods[i, Z] - rods[j, Z]
-            a, b = (rods[i, SINE], rods[i, COSINE]), (rods[j, SINE], rods[j, COSINE])
-            if nearest_squared(-gap, dz, a, b, half) >= (1 + SKIN) ** 2:
+            x, y = vector(rods, i, 0, up), vector(rods, j, 0, up)
+            a, b = vector(rods, i, len(x), up), vector(rods, j, len(x), up)
+            apart, shift = apart_by(x, y, gap, period)
+            if dot(apart, apart) >= reach * reach or nearest(apart, a, b, half) >= (1 + SKIN) ** 2:
+                continue
+            if len(up) == 3 and gap == box / 2 and i > j:  # found from the other one
                 continue
             if count == found.shape[0]:
                 return -1
-            shift = image(gap - rods[j, X] + rods[i, X], period)
             found[count, 0], found[count, 1] = min(i, j), max(i, j)
             found[count, 2] = shift if i <= j else -shift
             count += 1
@@ -186,11 +164,8 @@ def carry(kept, old, before, new, k):
     """Take over what an entry kept; nothing if there was none."""
     if kept is not None:
         for c in range(kept.shape[2]):
-            if kept.ndim == 3:
-                kept[new, k, c] = kept[old, before, c] if before >= 0 else 0.0
-            else:
-                for d in range(kept.shape[3]):
-                    kept[new, k, c, d] = kept[old, before, c, d] if before >= 0 else 0.0
+            for d in range(kept.shape[3]):
+                kept[new, k, c, d] = kept[old, before, c, d] if before >= 0 else 0.0
 
 
 @kernel(inline=False)
@@ -223,45 +198,43 @@ def listed_anew(n, listed, found, count):
 
 
 @kernel(inline=False)
-def build(rods, half, period, listed, place, found):
-    """Renew the list of a row; number of entries, -1 if they are too many.
-
-    `place`, (rods,), and `found`, (capacity, 3), are scratch.
-    """
-    n = rods.shape[0]
-    for i in range(n):
-        place[i] = wrapped(rods[i, X], period)
-    sort_along(listed.order, place)
-    count = pair_up(rods, half, period, listed.order, place, found)
-    if count >= 0:
-        listed_anew(n, listed, found, count)
-        for i in range(n):
-            for c in range(4):
-                listed.built[i, c] = rods[i, c]
-    return count
-
-
-@kernel(inline=False)
 def farthest(rods, built, half):
     """How far any point of an axis has moved since the list was built, or somewhat more."""
-    far = 0.0
+    far, n = 0.0, built.shape[1] // 2
     for i in range(rods.shape[0]):
-        dx, dz = rods[i, X] - built[i, X], rods[i, Z] - built[i, Z]
-        turn = abs(rods[i, SINE] - built[i, SINE]) + abs(rods[i, COSINE] - built[i, COSINE])
-        far = max(far, abs(dx) + abs(dz) + half * turn)
+        moved, turned = 0.0, 0.0
+        for c in range(n):
+            moved += abs(rods[i, c] - built[i, c])
+            turned += abs(rods[i, n + c] - built[i, n + c])
+        far = max(far, moved + half * turned)
     return far
 
 
-@kernel
-def current(rods, half, period, listed, place, found):
-    """Renew the list if it may miss a pair; whether it holds all. All its pairs are awake then."""
-    if listed.travelled[0] < 0.5 * SKIN:
-        return True
+@kernel(inline=False)
+def renewed(up, rods, half, period, listed, place, found):
+    """Renew the list if it may miss a pair; whether it holds all. All its pairs are awake then.
+
+    `place`, (rods,), and `found`, (capacity, 3), are scratch.
+    """
     listed.asleep[:] = 0.0
     listed.travelled[0] = farthest(rods, listed.built, half)
     if listed.travelled[0] < 0.5 * SKIN:
         return True
-    return build(rods, half, period, listed, place, found) >= 0
+    count = pair_up(up, rods, half, period, listed.order, place, found)
+    if count >= 0:
+        listed_anew(rods.shape[0], listed, found, count)
+        for i in range(rods.shape[0]):
+            for c in range(listed.built.shape[1]):
+                listed.built[i, c] = rods[i, c]
+    return count >= 0
+
+
+@kernel
+def current(up, rods, half, period, listed, place, found):
+    """Whether the list holds all pairs, renewed if it must be."""
+    if listed.travelled[0] < 0.5 * SKIN:
+        return True
+    return renewed(up, rods, half, period, listed, place, found)
 
 
 @kernel

@@ -1,164 +1,165 @@
-"""A rod over the plate in the plane, compiled: both caps or corners, and what else acts on it."""
+"""A rod over the plate, compiled: both caps or corners, and what acts on it there."""
 
 from typing import NamedTuple
 
 from ..cache import kernel
-from .contact import Inertia, Meeting, contact, losses
-from .vectors import along
-
-
-class Clock(NamedTuple):
-    """Number of a step, and its size."""
-
-    step: int
-    dt: float  # sqrt(d/g)
+from .contact import Meeting, contact, losses, turning
+from .state import inertia_of, point, turn_by
+from .vectors import (
+    along,
+    cross,
+    dot,
+    height,
+    nothing,
+    raised,
+    spread,
+    swing,
+    times,
+    torque,
+    upward,
+)
 
 
 class Kept(NamedTuple):
     """What a cap keeps of a step for the next one."""
 
-    force: tuple[float, float]  # F_t, F_n; m g
-    spring: tuple[float]  # its length, d
-
-
-FORGOTTEN = Kept((0.0, 0.0), (0.0,))
+    force: float  # F_n, m g
+    rub: tuple  # F_t, m g
+    spring: tuple  # its length, d
 
 
 class Moving(NamedTuple):
-    """A rod over the plate in one step; velocities (c_x, c_z, omega) in sqrt(g d), sqrt(g/d)."""
+    """A rod over the plate in one step."""
 
     z: float  # d
-    direction: tuple[float, float]  # sin, cos of the tilt
-    half: tuple[float, float, float]  # velocities half a step before
-    kept: tuple[Kept, Kept]  # of the lower (-) and the upper (+) cap
-    explicit: bool | None  # True: the dashpots see the velocities `now`; None: those of the step
-    now: tuple[float, float, float]
+    director: tuple
+    velocity: tuple  # sqrt(g d); half a step before
+    turn: tuple  # sqrt(g/d); the same
+    explicit: bool | None  # True: the dashpots see `now`; None: the velocities of the step
+    now: tuple  # velocity and turn
 
 
 class Touch(NamedTuple):
     """What acts at one cap."""
 
     overlap: float  # d
-    arm: tuple[float, float]  # d, from the centre of mass to the contact point
-    force: tuple[float, float]  # F_t, F_n; m g
-    spring: tuple[float]  # its length, d
+    end: tuple  # d; from the centre of mass to the centre of the cap, or to the corner
+    arm: tuple  # d; to the contact point
+    half: tuple  # sqrt(g d); velocity of that against the plate half a step before
+    kept: Kept  # forces and spring of this step
     rate: float  # sqrt(g d), at which the contact opens (+) or closes (-)
-    slip: float  # sqrt(g d), half a step before
     lost: tuple[float, float]  # m g d; by the dashpot of F_n and by friction in this step
 
 
 @kernel
-def end_at(effects, cap, direction):
+def end_at(flat, half, cap, director):
     """Centre of a cap from the centre of mass, and its radius; or a corner of a flat end.
 
     `cap` is -1 or 1: of round ends along the axis, of the corners of the lower flat end across it.
     Of a flat-ended rod that lies rather than stands the other corner is the upper end's.
     """
-    sine, cosine = direction
-    half = effects.half_length
-    if effects.flat is None:
-        return cap * half * sine, cap * half * cosine, 0.5
-    along_axis, across = -half, 0.5 * cap
+    if flat is None:
+        return times(cap * half, director), 0.5
+    sine, cosine = director
+    along_axis, side = -half, 0.5 * cap
     if cap * sine < 0 and abs(sine) > 2 * half * cosine:
-        along_axis, across = half, -across
-    return along_axis * sine + across * cosine, along_axis * cosine - across * sine, 0.0
+        along_axis, side = half, -side
+    return (along_axis * sine + side * cosine, along_axis * cosine - side * sine), 0.0
+
+
+@kernel
+def forgotten(kept):
+    """Nothing."""
+    return Kept(0.0, nothing(kept.rub), nothing(kept.spring))
 
 
 @kernel
 def facing(effects, rod, plate, cap, kept):
     """How the cap or corner `cap` of `end_at` stands to the plate, with its last force."""
-    a_x, rise, radius = end_at(effects, cap, rod.direction)
-    arm = a_x, plate[0] - rod.z
-    v_x, v_z = point(rod.half, arm)
-    overlap = plate[0] + radius - (rod.z + rise)
+    end, radius = end_at(effects.flat, effects.half_length, cap, rod.director)
+    arm = raised(end, plate[0] - rod.z - height(end))
+    half = raised(point(effects, rod.velocity, rod.turn, rod.director, arm), -plate[1])
+    overlap = plate[0] + radius - (rod.z + height(end))
     if overlap <= 0.0:
-        kept = FORGOTTEN
-    return Touch(overlap, arm, kept.force, kept.spring, v_z - plate[1], v_x, (0.0, 0.0))
+        kept = forgotten(kept)
+    return Touch(overlap, end, arm, half, kept, height(half), (0.0, 0.0))
 
 
 @kernel
 def facing_above(upper, effects, rod, plate, kept):
     """The same for the upper cap, which stays open if there is none."""
     if upper is None:
-        arm = 0.0, plate[0] - rod.z
-        slip = point(rod.half, arm)[0]
-        return Touch(-1.0, arm, (0.0, 0.0), (0.0,), 0.0, slip, (0.0, 0.0))
+        centre = nothing(rod.velocity)
+        return Touch(-1.0, centre, centre, rod.velocity, forgotten(kept), 0.0, (0.0, 0.0))
     return facing(effects, rod, plate, 1.0, kept)
 
 
 @kernel
-def point(motion, arm):
-    """Velocity of a point of a rod, or its acceleration but for that towards the centre."""
-    return motion[0] + motion[2] * arm[1], motion[1] - motion[2] * arm[0]
+def force_on(touch):
+    """The plate's force at a cap."""
+    return raised(spread(touch.kept.rub, upward(touch.arm)), touch.kept.force)
 
 
 @kernel
-def by_cap(touch, lightness):
-    """Accelerations (x, z, angular) by the plate's forces at a cap."""
-    (a_x, a_z), (f_x, f_z) = touch.arm, touch.force
-    return f_x, f_z, (a_z * f_x - a_x * f_z) * lightness
+def both(forces, lower, upper):
+    """Force and torque by all, the plate's at both caps included."""
+    f, g = force_on(lower), force_on(upper)
+    turned = along(along(forces[1], 1.0, torque(lower.arm, f)), 1.0, torque(upper.arm, g))
+    return along(along(forces[0], 1.0, f), 1.0, g), turned
 
 
 @kernel
-def pressed(effects, rod, touch, plate, pushes, dt):
+def swept(rolling, rod, arm, end, plate):
+    """Acceleration of a slip by the motion of its arm, rolling that turns with the rod included."""
+    lift = plate[1] - height(rod.velocity)
+    if len(arm) == 2:
+        return swing(rod.turn, (0.0, lift))
+    w, turned = rod.turn, cross(rod.turn, end)
+    sweep = cross(turning(rolling, w, rod.director), (turned[0], turned[1], lift))
+    if rolling is None:
+        return sweep
+    bent = cross(cross(w, rod.director), arm)
+    return along(sweep, rolling * dot(w, rod.director), bent)
+
+
+@kernel
+def pressed(effects, rod, touch, plate, forces, dt):
     """The touch of one cap with its force of the step.
 
-    `pushes`: accelerations of the rod by all, by the cap's last force too.
+    `forces`: force and torque on the rod by all, by the cap's last force too.
     """
-    overlap, arm, (rub, force), spring, closing, slip, _ = touch
+    overlap, end, arm, half, kept, _, _ = touch
     if overlap <= 0.0:
         return touch
-    up, swept = (0.0, 1.0), (rod.half[2] * (plate[1] - rod.half[1]), 0.0)
-    now = along(point(rod.now, arm), -plate[1], up)
+    director, normal = rod.director, upward(arm)
+    gain = point(effects, forces[0], turn_by(effects, forces[1], director), director, arm)
+    now = raised(point(effects, rod.now[0], rod.now[1], director, arm), -plate[1])
+    sweep = swept(effects.rolling, rod, arm, end, plate)
     meeting = Meeting(
-        ((arm, arm),), up, overlap, (slip, closing), point(pushes, arm), force, (rub,), spring,
-        swept, rod.explicit, now,
+        ((arm, director),), normal, overlap, half, gain, kept.force, kept.rub, kept.spring,
+        sweep, rod.explicit, now,
     )  # fmt: skip
-    found = contact(effects.normal, effects.friction, Inertia(effects.lightness, None), meeting, dt)
-    lost = losses(effects.normal, meeting, found, dt)
-    return Touch(overlap, arm, (found.rub[0], found.normal), found.spring, found.rate, slip, lost)
+    found = contact(effects.normal, effects.friction, inertia_of(effects), meeting, dt)
+    lost, kept = (
+        losses(effects.normal, meeting, found, dt),
+        Kept(found.normal, found.rub, found.spring),
+    )
+    return Touch(overlap, end, arm, half, kept, found.rate, lost)
 
 
 @kernel
-def by_caps(others, lower, upper, lightness):
-    """Accelerations (x, z, angular) by all, the plate's forces at both caps included."""
-    return along(along(others, 1.0, by_cap(lower, lightness)), 1.0, by_cap(upper, lightness))
+def plate_forces(effects, rod, kept, plate, others, dt):
+    """Force and torque by all, and what acts at the lower (-) and at the upper (+) cap.
 
-
-@kernel
-def plate_forces(effects, rod, plate, others, dt):
-    """(a_x, a_z, angular), and what acts at the lower (-) and at the upper (+) cap.
-
-    `rod` is a `Moving`, `plate` height and velocity of the plate, `others` the accelerations by all
-    but the plate. The lower cap sees the upper one's last force, the upper one the lower one's of
-    this step. What is kept of a contact is forgotten as it opens.
+    `kept`: of both caps, `plate`: height and velocity of the plate, `others`: force and torque by
+    all but the plate. The lower cap sees the upper one's last force, the upper one the lower one's
+    of this step. What is kept of a contact is forgotten as it opens.
     """
-    light, (first, second) = effects.lightness, rod.kept
-    lower = facing(effects, rod, plate, -1.0, first)
-    upper = facing_above(effects.upper, effects, rod, plate, second)
-    lower = pressed(effects, rod, lower, plate, by_caps(others, lower, upper, light), dt)
-    upper = pressed(effects, rod, upper, plate, by_caps(others, lower, upper, light), dt)
-    return by_caps(others, lower, upper, light), lower, upper
-
-
-@kernel
-def keeps(touch):
-    """What a cap keeps for the next step."""
-    return Kept(touch.force, touch.spring)
-
-
-@kernel
-def gravity(g):
-    """Accelerations by gravity."""
-    if g is None:
-        return 0.0, 0.0, 0.0
-    return g[0], g[1], 0.0
-
-
-@kernel
-def field(effects, velocity):
-    """Accelerations (x, z, angular) of a rod by all but contacts; `velocity`: c_x, c_z, omega."""
-    return gravity(effects.gravity)
+    lower = facing(effects, rod, plate, -1.0, kept[0])
+    upper = facing_above(effects.upper, effects, rod, plate, kept[1])
+    lower = pressed(effects, rod, lower, plate, both(others, lower, upper), dt)
+    upper = pressed(effects, rod, upper, plate, both(others, lower, upper), dt)
+    return both(others, lower, upper), lower, upper
 
 
 @kernel

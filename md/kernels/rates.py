@@ -6,7 +6,7 @@ from typing import NamedTuple
 from ..cache import kernel
 from .codes import STICK
 from .contact import dashpot, tangential_constants
-from .plate import gravity
+from .state import weight
 
 
 class Slip(NamedTuple):
@@ -65,7 +65,7 @@ def rates(effects, vibration, start, mode, t, y, out):
     and the slip. `start`: sin and cos of the tilt and height over the contact point at the touch.
     """
     sine, cosine, height = start
-    g_x, g_z, _ = gravity(effects.gravity)
+    g_x, g_z = weight(effects.gravity, (0.0, 0.0))
     rise, plate = plate_after(vibration, t)
     bend, lag = sin(y[2] / 2), cos(y[2] / 2)
     lean = sine * lag + cosine * bend  # sin(tilt_0 + turn/2)

@@ -20,31 +20,13 @@ start and the end of a contact that is low.
 from math import cos, sin
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ..cache import kernel
-from .codes import (
-    DEEP,
-    DONE,
-    IMPULSE,
-    NOT_FINITE,
-    OPENED,
-    SLIDE,
-    SLIDING,
-    SLIP_REVERSAL,
-    SLIP_STICK,
-    STUCK,
-    TOO_DEEP,
-    TURNED,
-    WATCH_DEEPEST,
-    WATCH_SIDE,
-    WATCH_STOPPED,
-    WATCH_TOUCHED,
-)
-from .plate import FORGOTTEN, Kept, Moving, field, keeps, plate_at, plate_forces
-from .vectors import ZERO, along
+from .codes import DEEP, DONE, NOT_FINITE, OPENED, TOO_DEEP
+from .plate import Kept, Moving, plate_at, plate_forces
+from .state import field
+from .touches import seen, watched
+from .vectors import ZERO, along, turned
 
-NEARLY = 1 - 1e-12  # of a limit that rounding may have missed
 METHODS = ("leapfrog", "verlet", "gear")
 
 # Gear's fifth-order corrector for second-order equations with velocities in the force.
@@ -61,43 +43,43 @@ class State(NamedTuple):
     direction: tuple[float, float]  # sin and cos of the tilt, turned along with it
     velocity: tuple[float, float, float]  # c_x, c_z in sqrt(g d), omega in sqrt(g/d)
     acceleration: tuple[float, float, float]  # at n - 1, in g and g/d
-    kept: tuple[tuple, tuple]  # the fields of `Kept` of the lower (-) and the upper (+) cap
+    kept: tuple[tuple, tuple]  # fields of `Kept` of the lower (-) and the upper (+) cap
     higher: tuple | None  # derivatives i = 3, 4, 5 times dt^i/i!
     explicit: bool | None
 
 
 @kernel
-def turned(direction, angle):
-    """The direction after a small turn (error below angle^7/5000), kept at length one."""
-    sine, cosine = direction
-    length = 1.5 - 0.5 * (sine * sine + cosine * cosine)
-    q = angle * angle
-    c = length * (1 + q * (-1 / 2 + q * (1 / 24 - 1 / 720 * q)))
-    s = length * angle * (1 + q * (-1 / 6 + 1 / 120 * q))
-    return c * sine + s * cosine, c * cosine - s * sine
-
-
-@kernel
 def known(kept):
     """What both caps keep, by name."""
-    (lower, low), (upper, high) = kept
-    return Kept(lower, low), Kept(upper, high)
+    (f, rub, spring), (g, other, second) = kept
+    return Kept(f, rub, spring), Kept(g, other, second)
 
 
 @kernel
 def bare(touch):
     """What a cap keeps of a touch, without names: a state that leaves Numba is of plain tuples."""
-    force, spring = keeps(touch)
-    return force, spring
+    return touch.kept.force, touch.kept.rub, touch.kept.spring
+
+
+@kernel
+def accelerations(effects, state, at, half, now, step, dt):
+    """(a_x, a_z, angular) of a rod, and what acts at its caps.
+
+    `at`: height and direction; `half`, `now`: velocities half a step before and at the step.
+    """
+    velocity, motion = (half[0], half[1]), ((now[0], now[1]), (now[2],))
+    rod = Moving(at[0], at[1], velocity, (half[2],), state.explicit, motion)
+    plate, others = plate_at(effects.plate, step), (field(effects, velocity), (0.0,))
+    (f, torque), lower, upper = plate_forces(effects, rod, known(state.kept), plate, others, dt)
+    return (f[0], f[1], effects.lightness * torque[0]), lower, upper
 
 
 @kernel
 def leap(effects, state, step, dt):
     """Step n: forces, kick, drift; returns the velocity at n as well."""
-    position, direction, half, _, kept, higher, explicit = state
-    plate, others = plate_at(effects.plate, step), field(effects, half)
-    rod = Moving(position[1], direction, half, known(kept), explicit, half)
-    a, lower, upper = plate_forces(effects, rod, plate, others, dt)
+    position, direction, half, _, _, higher, explicit = state
+    at = position[1], direction
+    a, lower, upper = accelerations(effects, state, at, half, half, step, dt)
     velocity = along(half, dt, a)
     kept = bare(lower), bare(upper)
     direction = turned(direction, velocity[2] * dt)
@@ -109,7 +91,7 @@ def leap(effects, state, step, dt):
 @kernel
 def gear(effects, state, higher, step, dt):
     """Predict to step n, evaluate, correct; returns the velocity at n as well."""
-    r0, direction, r1, r2, kept, _, explicit = state
+    r0, direction, r1, r2, _, _, explicit = state
     tilt = r0[2]
     r1, r2 = along(ZERO, dt, r1), along(ZERO, dt * dt / 2, r2)
     r3, r4, r5 = higher
@@ -121,9 +103,7 @@ def gear(effects, state, higher, step, dt):
     r4 = along(r4, 5, r5)
     now = along(ZERO, 1 / dt, r1)
     half = along(along(now, -1 / dt, r2), 0.75 / dt, r3)
-    rod = Moving(r0[1], direction, half, known(kept), True, now)
-    plate, others = plate_at(effects.plate, step), field(effects, half)
-    a, lower, upper = plate_forces(effects, rod, plate, others, dt)
+    a, lower, upper = accelerations(effects, state, (r0[1], direction), half, now, step, dt)
     change = along(along(ZERO, dt * dt / 2, a), -1, r2)
     r0, velocity = along(r0, _C0, change), along(now, _C1 / dt, change)
     r3, r4, r5 = along(r3, _C3, change), along(r4, _C4, change), along(r5, _C5, change)
@@ -142,70 +122,16 @@ def advance(effects, state, higher, step, dt):
 
 
 @kernel
-def at_limit(friction, touch):
-    """Whether friction is fully used; without friction there is nothing to use."""
-    if friction is None:
-        return True
-    return abs(touch.force[0]) >= NEARLY * friction.coefficient * touch.force[1]
-
-
-@kernel
-def stops(friction, touch):
-    """Whether a constraint ends the slip in this step: it needs less than all of the friction."""
-    if friction is None:
-        return False
-    return friction.spring is None and not at_limit(friction, touch)
-
-
-@kernel
-def spent(plastic, touch, dt):
-    """Whether a cap is no longer pressed; a plastic contact is over as it rests, to rounding."""
-    if touch.overlap <= 0:
-        return True
-    if plastic is not None:
-        return touch.rate * dt >= -1e-12 * touch.overlap
-    return touch.force[1] <= 0 and touch.rate > 0
-
-
-@kernel
-def watched(watch, effects, lower, upper, dt):
-    """Add a step to the record of a contact; whether the contact is over."""
-    touch = lower if lower.force[1] >= upper.force[1] else upper
-    if spent(effects.normal.plastic, lower, dt) and spent(effects.normal.plastic, upper, dt):
-        return watch[WATCH_TOUCHED] > 0
-    if touch.force[1] <= 0:
-        return False
-    if watch[WATCH_TOUCHED] == 0:
-        watch[WATCH_TOUCHED], watch[WATCH_SIDE] = 1, np.sign(touch.slip)
-    watch[WATCH_DEEPEST] = max(watch[WATCH_DEEPEST], touch.overlap)
-    if touch.slip * watch[WATCH_SIDE] <= 0:
-        watch[WATCH_STOPPED] = 1
-    phase = SLIDE
-    if watch[WATCH_STOPPED] > 0:
-        phase = TURNED if at_limit(effects.friction, touch) else STUCK
-    watch[phase] += dt
-    watch[IMPULSE + phase] += touch.force[1] * dt
-    if stops(effects.friction, touch):  # the little slip that is left has any sign
-        watch[WATCH_STOPPED] = 1
-    return False
-
-
-@kernel
-def regime_of(stopped, stuck, turned):
-    """Regime of a contact; `stuck`, `turned`: normal impulses of the phases after its slip's stop.
-
-    The phase of the larger impulse names it.
-    """
-    if not stopped:
-        return SLIDING
-    return SLIP_STICK if stuck >= turned else SLIP_REVERSAL
-
-
-@kernel
 def plain(state):
     """The fields of a state; Numba would make a `State` by calling Python, with its handlers."""
     position, direction, velocity, acceleration, kept, higher, explicit = state
     return position, direction, velocity, acceleration, kept, higher, explicit
+
+
+@kernel
+def over(watch, effects, lower, upper, dt):
+    """Whether the contact that is watched is over."""
+    return watched(watch, effects, seen(lower, (1.0, 0.0)), seen(upper, (1.0, 0.0)), dt)
 
 
 @kernel(inline=False)
@@ -223,7 +149,7 @@ def run(effects, state, first, steps, dt, watch):
             return plain(good), n, NOT_FINITE
         if max(lower.overlap, upper.overlap) > DEEP:
             return plain(good), n, TOO_DEEP
-        if watch is not None and watched(watch, effects, lower, upper, dt):
+        if watch is not None and over(watch, effects, lower, upper, dt):
             return plain(good), n, OPENED
     return plain(state), steps, DONE
 
@@ -241,5 +167,5 @@ def started(method: str, position: Any, velocity: Any, g: Any, dt: float) -> Sta
         velocity = along(velocity, -dt / 2, fall)
     direction = sin(position[2]), cos(position[2])
     explicit = None if method == "verlet" else True
-    forgotten = tuple(FORGOTTEN)
+    forgotten = 0.0, (0.0,), (0.0,)
     return State(position, direction, velocity, fall, (forgotten, forgotten), higher, explicit)

@@ -3,27 +3,39 @@
 A touch begins with the first step in which the plate presses the rod and ends with the first in
 which it no longer does. A row of the record holds what the theory of one impact needs, before and
 after, and what it leaves out.
+
+In space a row is of the vertical plane through the rod's axis as the touch begins, until it ends.
+Its x axis is horizontal and points around the annulus, counter-clockwise: its component that way is
+positive. Of an upright rod, which lies in all vertical planes, x is the direction around the
+annulus itself. Slip, spin and velocity have the parts that lie in the plane; friction has its full
+size.
 """
 
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from ..cache import kernel
 from .codes import (
-    C_X,
     IMPULSE,
-    SINE,
+    SLIDE,
+    SLIDING,
+    SLIP_REVERSAL,
+    SLIP_STICK,
     STUCK,
     TURNED,
     WATCH_DEEPEST,
+    WATCH_SIDE,
     WATCH_STOPPED,
     WATCH_TOUCHED,
     WATCHED,
 )
-from .plate import field
-from .single import regime_of, watched
-from .vectors import put, vector
+from .contact import size, turning
+from .state import director_of, place_of, point, turn_of, velocity_of
+from .vectors import height, put, times
+
+NEARLY = 1 - 1e-12  # of a limit that rounding may have missed
 
 # Columns of a row.
 ROD = 0
@@ -42,7 +54,8 @@ PUSHED = 17  # part of the steps in which another rod touched as well
 DEEPEST = 18  # overlap, d
 WIDTH = 19
 _LEFT = 19  # step at which the last touch ended, beyond the columns of a row
-_OPEN = 20
+_PLANE = 20  # x and y of the plane's direction
+_OPEN = 22
 
 
 class Record(NamedTuple):
@@ -50,8 +63,18 @@ class Record(NamedTuple):
 
     rows: np.ndarray  # (capacity, WIDTH)
     count: np.ndarray  # type: ignore[assignment]  # (1,); a tuple has a method of this name
-    open: np.ndarray  # (rods, WIDTH + 1): rows in the making
+    open: np.ndarray  # (rods, _OPEN): rows in the making
     watch: np.ndarray  # (rods, codes.WATCHED)
+
+
+class Seen(NamedTuple):
+    """What is watched of a touch."""
+
+    overlap: float  # d
+    force: float  # F_n, m g
+    rub: float  # size of F_t, m g
+    slip: float  # sqrt(g d), half a step before
+    rate: float  # sqrt(g d), at which the contact opens (+) or closes (-)
 
 
 def new_record(rods: int, capacity: int) -> Record:
@@ -68,6 +91,87 @@ def since_touch(record: Record, step: int) -> np.ndarray:
     return np.where(record.watch[:, WATCH_TOUCHED] > 0, 0, step - left)
 
 
+# One contact
+
+
+@kernel
+def seen(touch, plane):
+    """A touch as it is watched; `plane`: direction of x in space."""
+    slip = along_plane(touch.half, plane)
+    return Seen(touch.overlap, touch.kept.force, size(touch.kept.rub), slip, touch.rate)
+
+
+@kernel
+def along_plane(v, plane):
+    """Component of a vector along x of the plane."""
+    if len(v) == 2:
+        return v[0]
+    return v[0] * plane[0] + v[1] * plane[1]
+
+
+@kernel
+def at_limit(friction, touch):
+    """Whether friction is fully used; without friction there is nothing to use."""
+    if friction is None:
+        return True
+    return touch.rub >= NEARLY * friction.coefficient * touch.force
+
+
+@kernel
+def stops(friction, touch):
+    """Whether a constraint ends the slip in this step: it needs less than all of the friction."""
+    if friction is None:
+        return False
+    return friction.spring is None and not at_limit(friction, touch)
+
+
+@kernel
+def spent(plastic, touch, dt):
+    """Whether a cap is no longer pressed; a plastic contact is over as it rests, to rounding."""
+    if touch.overlap <= 0:
+        return True
+    if plastic is not None:
+        return touch.rate * dt >= -1e-12 * touch.overlap
+    return touch.force <= 0 and touch.rate > 0
+
+
+@kernel
+def watched(watch, effects, lower, upper, dt):
+    """Add a step to the record of a contact; whether the contact is over."""
+    touch = lower if lower.force >= upper.force else upper
+    if spent(effects.normal.plastic, lower, dt) and spent(effects.normal.plastic, upper, dt):
+        return watch[WATCH_TOUCHED] > 0
+    if touch.force <= 0:
+        return False
+    if watch[WATCH_TOUCHED] == 0:
+        watch[WATCH_TOUCHED], watch[WATCH_SIDE] = 1, np.sign(touch.slip)
+    watch[WATCH_DEEPEST] = max(watch[WATCH_DEEPEST], touch.overlap)
+    if touch.slip * watch[WATCH_SIDE] <= 0:
+        watch[WATCH_STOPPED] = 1
+    phase = SLIDE
+    if watch[WATCH_STOPPED] > 0:
+        phase = TURNED if at_limit(effects.friction, touch) else STUCK
+    watch[phase] += dt
+    watch[IMPULSE + phase] += touch.force * dt
+    if stops(effects.friction, touch):  # the little slip that is left has any sign
+        watch[WATCH_STOPPED] = 1
+    return False
+
+
+@kernel
+def regime_of(stopped, stuck, turned):
+    """Regime of a contact; `stuck`, `turned`: normal impulses of the phases after its slip's stop.
+
+    The phase of the larger impulse names it.
+    """
+    if not stopped:
+        return SLIDING
+    return SLIP_STICK if stuck >= turned else SLIP_REVERSAL
+
+
+# The record
+
+
 @kernel
 def full(record):
     """Whether the record might not hold another step."""
@@ -77,19 +181,45 @@ def full(record):
 
 
 @kernel
-def pushed_by_others(others, effects, rods, i):
-    """Whether other rods push rod i: `others` are accelerations by all but the plate."""
-    alone = field(effects, vector(rods, i, C_X))
-    return others[0] != alone[0] or others[1] != alone[1]
+def choose_plane(row, place, director):
+    """Choose the plane of a touch in space."""
+    if len(place) == 3:
+        x, y, a, b = place[0], place[1], director[0], director[1]
+        if a == 0.0 and b == 0.0:
+            a, b = -y, x
+        scale = 1.0 / sqrt(a * a + b * b)
+        if x * b - y * a < 0.0:
+            scale = -scale
+        row[_PLANE], row[_PLANE + 1] = scale * a, scale * b
+
+
+@kernel
+def in_plane(rolling, velocity, turn, director, plane):
+    """(c_x, c_z, omega) in the plane."""
+    if len(velocity) == 2:
+        return velocity[0], velocity[1], turn[0]
+    omega = turning(rolling, turn, director)
+    spin = omega[1] * plane[0] - omega[0] * plane[1]
+    return along_plane(velocity, plane), velocity[2], spin
+
+
+@kernel
+def motion_of(effects, rods, i, plane, cap, plate):
+    """(c_x, c_z, omega) of rod i in the plane, and how fast its end leaves the plate."""
+    up = effects.up
+    director, turn = director_of(up, rods, i), turn_of(up, rods, i)
+    velocity, arm = velocity_of(up, rods, i), times(cap * effects.half_length, director)
+    rate = height(point(effects, velocity, turn, director, arm)) - plate[1]
+    return in_plane(effects.rolling, velocity, turn, director, plane), rate
 
 
 @kernel(inline=False)
-def ended(record, half_length, rods, i, plate, step):
+def ended(record, effects, rods, i, plate, step):
     """Write the row of the touch of rod i."""
     row, watch, n = record.open[i], record.watch[i], record.count[0]
-    put(record.open, i, AFTER, vector(rods, i, C_X))
-    a_x = row[CAP] * half_length * rods[i, SINE]
-    row[LEAVING] = row[AFTER + 1] - row[AFTER + 2] * a_x - plate[1]
+    plane = row[_PLANE], row[_PLANE + 1]
+    motion, row[LEAVING] = motion_of(effects, rods, i, plane, row[CAP], plate)
+    put(record.open, i, AFTER, motion)
     row[DURATION] = step - row[STEP]
     row[PUSHED] /= row[DURATION]
     stuck, turned = watch[IMPULSE + STUCK], watch[IMPULSE + TURNED]
@@ -107,35 +237,43 @@ def ended(record, half_length, rods, i, plate, step):
 def cleared(record, effects, rods, i, plate, step):
     """End the touch of a rod that is clear of the plate."""
     if record is not None and record.watch[i, WATCH_TOUCHED] > 0:
-        ended(record, effects.half_length, rods, i, plate, step)
+        ended(record, effects, rods, i, plate, step)
 
 
 @kernel(inline=False)
-def begun(record, half_length, rods, i, cap, a_z, plate, step):
+def begun(record, effects, rods, i, cap, a_z, plate, step):
     """Start a row as rod i touches the plate."""
     row = record.open[i]
+    plane = row[_PLANE], row[_PLANE + 1]
     row[ROD], row[STEP], row[CAP] = i, step, cap
     row[FLIGHT] = step - row[_LEFT]
-    row[A_X], row[A_Z] = cap * half_length * rods[i, SINE], a_z
-    put(record.open, i, BEFORE, vector(rods, i, C_X))
-    row[PLATE] = plate[1]
-    row[APPROACH] = row[BEFORE + 1] - row[BEFORE + 2] * row[A_X] - plate[1]
-    row[PUSHED] = 0.0
+    side = along_plane(director_of(effects.up, rods, i), plane)
+    row[A_X], row[A_Z] = cap * effects.half_length * side, a_z
+    motion, row[APPROACH] = motion_of(effects, rods, i, plane, cap, plate)
+    put(record.open, i, BEFORE, motion)
+    row[PLATE], row[PUSHED] = plate[1], 0.0
 
 
 @kernel
-def recorded(record, effects, rods, i, others, touch, plate, clock):
-    """Follow the touch of a rod that the plate may press; `touch`: of its lower and upper cap."""
+def recorded(record, effects, rods, i, pushed, lower, upper, plate, clock):
+    """Follow the touch of a rod that the plate may press; `lower`, `upper`: of its caps.
+
+    `pushed`: whether another rod or a wall pushes it.
+    """
     if record is None:
         return
-    lower, upper = touch
-    before = record.watch[i, WATCH_TOUCHED]
-    over = watched(record.watch[i], effects, lower, upper, clock.dt)
-    if over:
-        ended(record, effects.half_length, rods, i, plate, clock.step)
+    row, before = record.open[i], record.watch[i, WATCH_TOUCHED]
+    if before == 0:
+        if lower.overlap <= 0.0 and upper.overlap <= 0.0:
+            return
+        choose_plane(row, place_of(effects.up, rods, i), director_of(effects.up, rods, i))
+    plane, a_z = (row[_PLANE], row[_PLANE + 1]), height(lower.arm)
+    low, high = seen(lower, plane), seen(upper, plane)
+    if watched(record.watch[i], effects, low, high, clock.dt):
+        ended(record, effects, rods, i, plate, clock.step)
     elif record.watch[i, WATCH_TOUCHED] > 0:
         if before == 0:
-            cap = -1.0 if lower.force[1] >= upper.force[1] else 1.0
-            begun(record, effects.half_length, rods, i, cap, lower.arm[1], plate, clock.step)
-        if pushed_by_others(others, effects, rods, i):
-            record.open[i, PUSHED] += 1
+            cap = -1.0 if low.force >= high.force else 1.0
+            begun(record, effects, rods, i, cap, a_z, plate, clock.step)
+        if pushed:
+            row[PUSHED] += 1

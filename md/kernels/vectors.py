@@ -4,10 +4,12 @@ Numba compiles a function for each length of its tuples and drops the branches o
 In the plane a torque and an angular velocity have one component, positive as it turns z towards x.
 """
 
+from math import cos, sin, sqrt
+
 from ..cache import kernel
 
 ZERO = (0.0, 0.0, 0.0)
-UP = (0.0, 0.0, 1.0)
+IN_PLANE, IN_SPACE = (0.0, 1.0), (0.0, 0.0, 1.0)  # unit vectors upwards
 
 
 @kernel
@@ -79,8 +81,79 @@ def spread(tangent, normal):
 
 
 @kernel
-def vector(array, i, first):
-    """Three numbers of row i."""
+def height(v):
+    """Component upwards."""
+    if len(v) == 2:
+        return v[1]
+    return v[2]
+
+
+@kernel
+def raised(v, height):
+    """A vector, so much higher."""
+    if len(v) == 2:
+        return v[0], v[1] + height
+    return v[0], v[1], v[2] + height
+
+
+@kernel
+def upward(v):
+    """The unit vector upwards, of as many numbers as v."""
+    return raised(nothing(v), 1.0)
+
+
+@kernel
+def nothing(v):
+    """Zero, of as many numbers as v."""
+    if len(v) == 1:
+        return (0.0,)
+    if len(v) == 2:
+        return 0.0, 0.0
+    return 0.0, 0.0, 0.0
+
+
+@kernel
+def turned(director, angle):
+    """A direction in the plane after a small turn (error below angle^7/5000), of length one."""
+    sine, cosine = director
+    length = 1.5 - 0.5 * (sine * sine + cosine * cosine)
+    q = angle * angle
+    c = length * (1 + q * (-1 / 2 + q * (1 / 24 - 1 / 720 * q)))
+    s = length * angle * (1 + q * (-1 / 6 + 1 / 120 * q))
+    return c * sine + s * cosine, c * cosine - s * sine
+
+
+@kernel
+def rotated(director, turn, dt):
+    """A director after it has turned for a time dt, kept at length one."""
+    if len(director) == 2:
+        return turned(director, turn[0] * dt)
+    square = dot(turn, turn) * dt * dt
+    one, two = dt, 0.5 * dt * dt
+    if square > 1e-4:
+        angle = sqrt(square)
+        one, two = dt * sin(angle) / angle, dt * dt * (1.0 - cos(angle)) / square
+    else:
+        one *= 1.0 - square * (1 / 6 - square * (1 / 120))
+        two *= 1.0 - square * (1 / 12 - square * (1 / 360))
+    first = cross(turn, director)
+    v = along(along(director, one, first), two, cross(turn, first))
+    return along(v, 0.5 * (1.0 - dot(v, v)), v)
+
+
+@kernel
+def vector(array, i, first, up):
+    """The vector of row i that begins at a column; as many numbers as of `up`."""
+    if len(up) == 2:
+        return array[i, first], array[i, first + 1]
+    return array[i, first], array[i, first + 1], array[i, first + 2]
+
+
+@kernel
+def axial(array, i, first, up):
+    """The same of an angular velocity, a torque or a part across a normal."""
+    if len(up) == 2:
+        return (array[i, first],)
     return array[i, first], array[i, first + 1], array[i, first + 2]
 
 
@@ -88,11 +161,17 @@ def vector(array, i, first):
 def add(array, i, first, v):
     """Add a vector to row i."""
     array[i, first] += v[0]
-    array[i, first + 1] += v[1]
-    array[i, first + 2] += v[2]
+    if len(v) > 1:
+        array[i, first + 1] += v[1]
+    if len(v) > 2:
+        array[i, first + 2] += v[2]
 
 
 @kernel
 def put(array, i, first, v):
     """Put a vector into row i."""
-    array[i, first], array[i, first + 1], array[i, first + 2] = v
+    array[i, first] = v[0]
+    if len(v) > 1:
+        array[i, first + 1] = v[1]
+    if len(v) > 2:
+        array[i, first + 2] = v[2]

@@ -1,0 +1,282 @@
+"""Many rods, compiled: the steps of a row in a plane and of an annulus in space, and their samples.
+
+Verlet's method: velocities are kept half a step before the places. A contact sees them at the step:
+with its own force of that step, and all else as of the step before (`contact`). With velocities
+half a step old, the drift of strongly tilted rods would be off by more than a tenth at 20 steps a
+contact.
+
+An effect is an argument that may be `None`; each has one function that does nothing then, and that
+Numba compiles to nothing. The guide to a new effect is in `md.kernels`.
+"""
+
+from math import acos, atan, atan2, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from ..cache import kernel
+from .codes import (
+    ADVANCE,
+    DEEP,
+    DONE,
+    FELL,
+    FULL_RECORD,
+    LEAN_SUM,
+    MEAN_X,
+    NOT_FINITE,
+    PLATE_CAPS,
+    PLATE_FRICTION,
+    PLATE_NORMAL,
+    PLATE_WORK,
+    SAMPLED,
+    TILT_SUM,
+    TOO_DEEP,
+    TOO_FAST,
+    UPRIGHT,
+    WALL_TOO_DEEP,
+)
+from .contact import free_turn, size
+from .neighbours import too_fast
+from .pairs import between_rods
+from .plate import Kept, Moving, plate_at, plate_before, plate_forces
+from .state import (
+    Clock,
+    dimensions,
+    director_of,
+    field,
+    forget,
+    kept_force,
+    kept_part,
+    place_of,
+    turn_by,
+    turn_of,
+    velocity_of,
+)
+from .touches import Record, cleared, full, recorded
+from .vectors import IN_PLANE, IN_SPACE, along, axial, height, nothing, put, rotated, vector
+from .walls import within
+
+
+class Series(NamedTuple):
+    """What is sampled, a row a period."""
+
+    rows: np.ndarray  # (periods + 1, ROW_SERIES or ANNULUS_SERIES): columns of `codes`
+    last: np.ndarray  # (rods, 2): at the last sample, sin and cos of the tilt, or the azimuth, rad
+    per: int  # steps of a row
+    every: int  # steps between two samples
+
+
+class Watchers(NamedTuple):
+    """What looks on and acts on nothing; `None`: absent."""
+
+    ledger: np.ndarray | None  # (5,), in space 7, m g d: to add to, columns of `codes`
+    record: Record | None
+    series: Series | None
+
+
+# What is sampled
+
+
+@kernel(inline=False)
+def sample_row(series, rods, row, start):
+    """Add to the series of a row."""
+    n, x, tilt, rows, sides = rods.shape[0], 0.0, 0.0, series.rows, series.last
+    for i in range(n):
+        sine, cosine = director_of(IN_PLANE, rods, i)
+        x += rods[i, 0]
+        tilt += atan(sine / cosine) if cosine != 0.0 else np.pi / 2  # a rod has no head
+        if cosine * sides[i, 1] < 0:
+            rows[row, FELL] += 1
+        elif sine * sides[i, 0] < 0:
+            rows[row, UPRIGHT] += 1
+        sides[i, 0], sides[i, 1] = sine, cosine
+    if start:
+        rows[row, MEAN_X] = x / n
+    rows[row, TILT_SUM] += tilt / n
+
+
+@kernel(inline=False)
+def sample_annulus(series, rods, row):
+    """Add to the series of an annulus."""
+    n, advance, tilt, lean, rows = rods.shape[0], 0.0, 0.0, 0.0, series.rows
+    for i in range(n):
+        (x, y, _), a = place_of(IN_SPACE, rods, i), director_of(IN_SPACE, rods, i)
+        azimuth = atan2(y, x)
+        step_on = azimuth - series.last[i, 0]
+        advance += step_on - 2.0 * pi * np.round(step_on / (2.0 * pi))
+        series.last[i, 0] = azimuth
+        side = 1.0 if a[2] >= 0.0 else -1.0  # a rod has no head
+        along_gap = side * (x * a[1] - y * a[0]) / sqrt(x * x + y * y)
+        tilt += acos(min(abs(a[2]), 1.0))
+        lean += atan2(along_gap, abs(a[2]))
+    rows[row, ADVANCE] += advance / n
+    rows[row, TILT_SUM] += tilt / n
+    rows[row, LEAN_SUM] += lean / n
+
+
+@kernel
+def sample(series, up, rods, step):
+    """Add to the series at a sampling step."""
+    if series is None:
+        return
+    row, part = divmod(step, series.per)
+    if part % series.every == 0:
+        if len(up) == 2:
+            sample_row(series, rods, row, part == 0)
+        else:
+            sample_annulus(series, rods, row)
+        series.rows[row, SAMPLED] += 1
+
+
+# The plate
+
+
+@kernel
+def kept_of(up, forces, springs, i, cap):
+    """What a cap of rod i keeps."""
+    slot = PLATE_CAPS + cap
+    rub, spring = kept_part(forces, i, slot, 1, up), kept_part(springs, i, slot, 0, up)
+    return Kept(kept_force(forces, i, slot), rub, spring)
+
+
+@kernel
+def keep_of(forces, springs, i, cap, kept):
+    """Keep it for the next step."""
+    slot = PLATE_CAPS + cap
+    if forces is not None:
+        forces[i, slot, 0] = kept.force
+        put(forces[i], slot, 1, kept.rub)
+    if springs is not None:
+        put(springs[i], slot, 0, kept.spring)
+
+
+@kernel
+def accounted(ledger, touch, plate, dt):
+    """Plate work and losses at one cap."""
+    if ledger is not None:
+        ledger[PLATE_WORK] += touch.kept.force * plate[1] * dt
+        ledger[PLATE_NORMAL] += touch.lost[0]
+        ledger[PLATE_FRICTION] += touch.lost[1]
+
+
+@kernel
+def on_plate(normal, effects, state, watchers, i, plate, clock):
+    """Add what the plate does to rod i; whether it is too deep."""
+    if normal is None:
+        return False
+    up, rods, total = effects.up, state.rods, state.scratch.total
+    forces, springs, director = state.forces, state.springs, director_of(up, rods, i)
+    z = height(place_of(up, rods, i))
+    if z - abs(height(director)) * effects.half_length - 0.5 >= plate[0]:
+        for cap in range(2):
+            forget(forces, i, PLATE_CAPS + cap)
+            forget(springs, i, PLATE_CAPS + cap)
+        cleared(watchers.record, effects, rods, i, plate, clock.step)
+        return False
+    velocity, turn, dims = velocity_of(up, rods, i), turn_of(up, rods, i), dimensions(up)
+    others = vector(total, i, 0, up), axial(total, i, dims, up)
+    kept = kept_of(up, forces, springs, i, 0), kept_of(up, forces, springs, i, 1)
+    rod = Moving(z, director, velocity, turn, None, (velocity, turn))
+    (force, torque), lower, upper = plate_forces(effects, rod, kept, plate, others, clock.dt)
+    put(total, i, 0, force)
+    put(total, i, dims, torque)
+    keep_of(forces, springs, i, 0, lower.kept)
+    keep_of(forces, springs, i, 1, upper.kept)
+    accounted(watchers.ledger, lower, plate, clock.dt)
+    accounted(watchers.ledger, upper, plate, clock.dt)
+    pushed = others[0] != field(effects, velocity)
+    recorded(watchers.record, effects, rods, i, pushed, lower, upper, plate, clock)
+    return not max(lower.overlap, upper.overlap) <= DEEP
+
+
+# The step
+
+
+@kernel
+def kicked(effects, rods, before, i, dt):
+    """Velocity and turn half a step on."""
+    up = effects.up
+    gain, bend = vector(before, i, 0, up), axial(before, i, dimensions(up), up)
+    c, w = along(velocity_of(up, rods, i), dt, gain), along(turn_of(up, rods, i), dt, bend)
+    return c, level(effects.rolling, w, director_of(up, rods, i))
+
+
+@kernel
+def level(rolling, turn, director):
+    """A turn without what rounding has left along the axis of a rod that does not roll."""
+    if len(turn) == 1:
+        return turn
+    return free_turn(rolling, turn, director)
+
+
+@kernel
+def fastest_rod(effects, rods, before, speed, dt):
+    """Upper bound of all speeds after the step, and a rod that has none, or -1."""
+    for i in range(rods.shape[0]):
+        c, w = kicked(effects, rods, before, i, dt)
+        speed[i] = size(c) + effects.half_length * size(w)
+    fastest = 0.0
+    for i in range(rods.shape[0]):
+        if not speed[i] < 1e100:
+            return fastest, i
+        fastest = max(fastest, speed[i])
+    return fastest, -1
+
+
+@kernel
+def move(effects, rods, before, i, dt):
+    """Kick and drift of rod i."""
+    up, dims = effects.up, dimensions(effects.up)
+    c, w = kicked(effects, rods, before, i, dt)
+    put(rods, i, 0, along(place_of(up, rods, i), dt, c))
+    put(rods, i, dims, rotated(director_of(up, rods, i), w, dt))
+    put(rods, i, 2 * dims, c)
+    put(rods, i, 3 * dims, w)
+
+
+@kernel(inline=False)
+def march(effects, state, watchers, clock, steps):
+    """Up to `steps` steps of all rods; steps made, why it ended, where.
+
+    Parameters
+    ----------
+    effects : Effects
+    state : State, which is changed
+    watchers : Watchers, to which is added
+    clock : Clock of the first step
+    steps : int
+    """
+    rods, before, total, ledger = state.rods, state.before, state.scratch.total, watchers.ledger
+    up, dims, dt = effects.up, dimensions(effects.up), clock.dt
+    for n in range(steps):
+        now = Clock(clock.step + n, dt)
+        if full(watchers.record):
+            return n, FULL_RECORD, 0
+        plate = plate_at(effects.plate, now.step)
+        for i in range(rods.shape[0]):
+            put(total, i, 0, field(effects, velocity_of(up, rods, i)))
+            put(total, i, dims, nothing(turn_of(up, rods, i)))
+        why, where = between_rods(effects.between, effects, state, ledger, dt)
+        if why != DONE:
+            return n, why, where
+        climb = plate_before(effects.plate, now.step), plate[1]
+        where = within(effects.inner, effects, state, ledger, 1, climb, dt)
+        where = max(where, within(effects.outer, effects, state, ledger, -1, climb, dt))
+        if where >= 0:
+            return n, WALL_TOO_DEEP, where
+        sample(watchers.series, up, rods, now.step)
+        for i in range(rods.shape[0]):
+            if on_plate(effects.normal, effects, state, watchers, i, plate, now):
+                return n, TOO_DEEP, i
+        for i in range(rods.shape[0]):
+            torque, director = axial(total, i, dims, up), director_of(up, rods, i)
+            put(before, i, 0, vector(total, i, 0, up))
+            put(before, i, dims, turn_by(effects, torque, director))
+        fastest, unfit = fastest_rod(effects, rods, before, state.scratch.speed, dt)
+        if unfit >= 0:
+            return n, NOT_FINITE, unfit
+        for i in range(rods.shape[0]):  # none before all are found fit
+            move(effects, rods, before, i, dt)
+        if too_fast(effects.between, state.listed, fastest * dt):
+            return n + 1, TOO_FAST, 0
+    return steps, DONE, 0

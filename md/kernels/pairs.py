@@ -1,0 +1,408 @@
+"""Forces between rods, compiled.
+
+Two rods touch where an end of one comes close to the axis of the other. Each of the four ends of
+a pair is a contact of its own, with its own spring: two parallel rods that lie against each other
+touch at two places, and as they turn the force passes from one place to the other without a jump,
+which the single closest point of two segments could not do. All forces derive from distances of
+places, so that without dashpots energy is kept.
+
+Two ends that meet are one place, though each has a contact with the other rod's axis. Between an
+end of one rod and an end of the other the energy of a contact at the distance of the two, U(ends),
+is taken off again:
+
+    V = sum over ends U(end to axis) - sum over two ends that are near U(end to end).
+
+Where an end finds the other rod's end nearest, its energy is U(ends) as well and drops out: one
+contact is left of cap on cap, and of an end on a side close to the side's own end. Rods that lie
+side by side touch at two places, in full once they overlap by more than sqrt(2 overlap): there the
+ends no longer reach each other. As they slide off each other, the two places become one without a
+jump. No length is chosen, and V has continuous forces. What is taken off is divided between the two
+contacts, so that dashpot and friction, too, count the place once: by the squares of how far each
+foot lies from the end, which is how U(ends) differs from either energy. At the one place, where the
+shares add up to 1, there is one spring.
+
+Rods that cross in space touch between their ends as well. As they turn parallel, or slide off each
+other's end, that contact becomes one with an end's, and counts by how much nearer it is than each
+of the four, so that no force jumps.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from ..cache import kernel
+from .batch import MOST, TWO, Given, acted
+from .batch import collect as collected
+from .closest import (
+    at_end,
+    between_ends,
+    clearance,
+    gap_vector,
+    near_end,
+    open_at_least,
+)
+from .codes import CROSSING, DEEP, DONE, FULL_LIST, PAIR_FRICTION, PAIR_NORMAL, PAIR_TOO_DEEP
+from .neighbours import PAIR, current
+from .state import director_of, place_of, point, turn_of, velocity_of
+from .vectors import add, along, axial, dot, put, times, torque, vector
+
+BELOW_ONE = 1.0 - 2.0**-53  # next to 1
+NEARER = 0.1  # d; by so much nearer than all ends, a contact between them counts in full
+SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a contact between ends
+TOUCHED = 3  # column of `Listed.index`; bits:
+ENDS, BETWEEN = 1, 2  # what of two rods touches
+
+
+class Pair(NamedTuple):
+    """Two rods."""
+
+    i: np.uint64
+    j: np.uint64
+    entry: np.uint64  # of the list
+    apart: tuple  # d; from the second centre to the first
+    a: tuple  # directors
+    b: tuple
+
+
+class Joint(NamedTuple):
+    """An end of a rod near an end of another."""
+
+    force: float  # in units of the stiffness; of a contact at the distance of the two ends
+    part: float  # of it that is taken off the first contact; the rest, off the second
+    first: float  # share of the contact that remains to the first rod's end
+    second: float  # to the second's
+
+
+@kernel
+def pair_of(effects, rods, index, k):
+    """The pair of an entry of the list."""
+    i, j, up = np.uint64(index[k, 0]), np.uint64(index[k, 1]), effects.up  # never negative
+    apart = along(place_of(up, rods, i), -1.0, place_of(up, rods, j))
+    apart = seen_through(effects.period, apart, index[k, 2])
+    return Pair(i, j, np.uint64(k), apart, director_of(up, rods, i), director_of(up, rods, j))
+
+
+@kernel
+def seen_through(period, apart, image):
+    """From an image of the second rod, so many periods on."""
+    if period is None:
+        return apart
+    return apart[0] - period * image, apart[1]
+
+
+@kernel
+def kept_in(array, now):
+    """What is kept of the pairs of the list in use."""
+    return None if array is None else array[now]
+
+
+@kernel
+def opened(listed, k, slot):
+    """Clear what is kept of a contact that is open."""
+    now = listed.turn[0]
+    for c in range(listed.forces.shape[3]):
+        listed.forces[now, k, slot, c] = 0.0
+    if listed.springs is not None:
+        for c in range(listed.springs.shape[3]):
+            listed.springs[now, k, slot, c] = 0.0
+
+
+@kernel
+def moving(effects, state, i, director, arm):
+    """Velocity of a point of rod i half a step before, and its acceleration in the last step."""
+    up, before = effects.up, state.before
+    velocity, turn = velocity_of(up, state.rods, i), turn_of(up, state.rods, i)
+    gain, bend = vector(before, i, 0, up), axial(before, i, len(director), up)
+    v = point(effects, velocity, turn, director, arm)
+    return v, point(effects, gain, bend, director, arm)
+
+
+@kernel
+def collect(effects, state, n, pair, near, share, slot):
+    """Put a contact of two rods at place n of the batch; the number of contacts then."""
+    i, j, entry, _, a, b = pair
+    s, t, gap, _ = near
+    p, q = along(times(s, a), -0.5, gap), along(times(t, b), 0.5, gap)
+    v, gain = moving(effects, state, i, a, p)
+    u, other = moving(effects, state, j, b, q)
+    half, gain = along(v, -1.0, u), along(gain, -1.0, other)
+    given = Given(i, j, entry, slot, gap, ((p, a), (q, b)), half, gain, share)
+    listed, now = state.listed, state.listed.turn[0]
+    forces, springs = listed.forces[now], kept_in(listed.springs, now)
+    return collected(state.scratch.batch, n, given, forces, springs, effects.up)
+
+
+@kernel
+def act(effects, state, ledger, count, dt):
+    """Add what the contacts that are collected do; none is left."""
+    listed, scratch, now = state.listed, state.scratch, state.listed.turn[0]
+    kept, columns = (listed.forces[now], kept_in(listed.springs, now)), (PAIR_NORMAL, PAIR_FRICTION)
+    acted(
+        effects.between,
+        TWO,
+        effects,
+        kept,
+        scratch.total,
+        scratch.batch,
+        ledger,
+        columns,
+        count,
+        dt,
+    )
+    return 0
+
+
+@kernel
+def repel(total, pair, s, t, gap, force):
+    """Add a force that drives a place on one axis and a place on the other apart."""
+    f = times(force / sqrt(dot(gap, gap)), gap)
+    pull(total, pair.i, times(s, pair.a), f)
+    pull(total, pair.j, times(t, pair.b), times(-1.0, f))
+
+
+@kernel
+def pull(total, i, arm, force):
+    """Add a force at an arm to rod i."""
+    add(total, i, 0, force)
+    add(total, i, len(force), torque(arm, force))
+
+
+# Ends that meet
+
+
+@kernel
+def joint(square, first, second):
+    """What two ends with the squared distance `square` < 1 share.
+
+    `first`, `second`: how far the foot of the first rod's end lies from the other end along the
+    second axis, and the reverse, in d.
+    """
+    square = min(square, BELOW_ONE)  # a rounding may have told that they touch
+    first, second = first * first, second * second
+    total = first + second
+    part = second / total if total > 0.0 else 0.5
+    overlap = 1.0 - sqrt(square)
+    ratio, other = overlap / (1.0 - sqrt(square - first)), overlap / (1.0 - sqrt(square - second))
+    return Joint(
+        overlap * sqrt(overlap),
+        part,
+        1.0 - part * ratio * sqrt(ratio),
+        1.0 - (1.0 - part) * other * sqrt(other),
+    )
+
+
+@kernel
+def one_spring(springs, now, k, end, other, first, second, up):
+    """Keep one spring at the contacts of two ends where one has no foot of its own."""
+    if springs is None or (first > 0.0 and second > 0.0):
+        return
+    own = springs[now, k]
+    length = axial(own, end, 0, up)
+    if first == 0.0:
+        length = axial(own, other, 0, up)
+        if second == 0.0:
+            length = along(times(0.5, length), 0.5, axial(own, end, 0, up))
+    put(own, end, 0, length)
+    put(own, other, 0, length)
+
+
+@kernel
+def joined(effects, state, pair, near, end):
+    """Shares of two ends that meet in their place; adds the forces that keep energy.
+
+    `end`: of the first rod. Third, which end of the second rod.
+    """
+    half, total, listed = effects.half_length, state.scratch.total, state.listed
+    s, foot, gap, _ = near
+    other = 3 if foot > 0.0 else 2
+    back, t = at_end(pair.apart, pair.a, pair.b, half, other)
+    across = gap_vector(pair.apart, pair.a, pair.b, s, t)
+    first, second = abs(t - foot), abs(s - back)
+    met = joint(dot(across, across), first, second)
+    now, up = listed.turn[0], effects.up
+    one_spring(listed.springs, now, pair.entry, end, other, first, second, up)
+    if first > 0.0 and second > 0.0:
+        force = effects.between.normal.stiffness * met.force
+        second_gap = gap_vector(pair.apart, pair.a, pair.b, back, t)
+        repel(total, pair, s, foot, gap, met.part * force)
+        repel(total, pair, back, t, second_gap, (1.0 - met.part) * force)
+        repel(total, pair, s, t, across, -force)
+    return met.first, met.second, other
+
+
+@kernel
+def meets(upper, end, near, half):
+    """Whether an end of the first rod, near its foot on the second, touches the second's end."""
+    if upper is None:
+        return False
+    beyond = half - abs(near.t)
+    return end < 2 and near.square + beyond * beyond < 1.0
+
+
+@kernel(inline=False)
+def joined_ends(effects, state, pair, first, n):
+    """Collect the ends from the `first` on, which meets another one.
+
+    The number of contacts then, and whether one is too deep.
+    """
+    half, a, b = effects.half_length, pair.a, pair.b
+    lower = upper = 1.0  # shares left to the ends of the second rod
+    for end in range(first, 4):
+        near = near_end(pair.apart, a, b, half, end)
+        if near.square >= 1.0:
+            opened(state.listed, pair.entry, end)
+            continue
+        if near.square < (1 - DEEP) ** 2:
+            return n, True
+        share = (1.0, 1.0, lower, upper)[end]
+        if meets(effects.upper, end, near, half):
+            share, left, other = joined(effects, state, pair, near, end)
+            if other == 2:
+                lower += left - 1.0
+            else:
+                upper += left - 1.0
+        n = collect(effects, state, n, pair, near, share, end)
+    return n, False
+
+
+# Rods that cross
+
+
+@kernel
+def rise(x):
+    """From 0 at 0 to 1 at 1 without a kink, and its slope."""
+    if x <= 0.0:
+        return 0.0, 0.0
+    if x >= 1.0:
+        return 1.0, 0.0
+    return x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x)
+
+
+@kernel
+def nearer(end, distance):
+    """How much nearer than an end a contact is: its weight, and the slope."""
+    return rise((sqrt(end.square) - distance) * (1 / NEARER))
+
+
+@kernel
+def shared(law, total, pair, near, half):
+    """Weight of a contact near an end, or of nearly parallel rods; adds what keeps energy.
+
+    The forces are the slopes of the weight: each end is pushed off, the contact pulled in.
+    """
+    apart, a, b, distance = pair.apart, pair.a, pair.b, sqrt(near.square)
+    ends = (
+        near_end(apart, a, b, half, 0),
+        near_end(apart, a, b, half, 1),
+        near_end(apart, a, b, half, 2),
+        near_end(apart, a, b, half, 3),
+    )
+    (w_0, pull_0), (w_1, pull_1) = nearer(ends[0], distance), nearer(ends[1], distance)
+    (w_2, pull_2), (w_3, pull_3) = nearer(ends[2], distance), nearer(ends[3], distance)
+    first, second, overlap = w_0 * w_1, w_2 * w_3, 1.0 - distance
+    energy = 0.4 * law.stiffness * overlap * overlap * sqrt(overlap) * (1 / NEARER)
+    pulls = (
+        energy * pull_0 * w_1 * second,
+        energy * pull_1 * w_0 * second,
+        energy * pull_2 * w_3 * first,
+        energy * pull_3 * w_2 * first,
+    )
+    repel(total, pair, near.s, near.t, near.gap, pulls[0] + pulls[1] + pulls[2] + pulls[3])
+    for end in range(4):
+        repel(total, pair, ends[end].s, ends[end].t, ends[end].gap, -pulls[end])
+    return first * second
+
+
+@kernel
+def crossing(up, effects, state, pair, was, n):
+    """Collect the contact of two rods between their ends, in space.
+
+    The number of contacts then, whether the ends need no look, as they can neither touch nor share
+    that contact, and the squared distance between the ends, inf where rods are not closest there.
+    """
+    if len(up) == 2:
+        return n, False, np.inf
+    half = effects.half_length
+    near, inside, skew = between_ends(pair.apart, pair.a, pair.b, half)
+    if not inside or near.square >= 1.0:
+        if was & BETWEEN:
+            opened(state.listed, pair.entry, CROSSING)
+        return n, inside, near.square if inside else np.inf
+    margin = half - max(abs(near.s), abs(near.t))
+    clear, share = margin * margin * skew >= max(SHARED, 1.0 - near.square), 1.0
+    if not clear:
+        share = shared(effects.between.normal, state.scratch.total, pair, near, half)
+    return collect(effects, state, n, pair, near, share, CROSSING), clear, near.square
+
+
+# All pairs
+
+
+@kernel
+def ends_of(upper):
+    """Ends of two rods; two spheres have one contact."""
+    return 1 if upper is None else 4
+
+
+@kernel(inline=False)
+def pair_forces(effects, state, ledger, dt):
+    """Add the forces of all touching pairs; number of a pair that is too deep, or -1."""
+    rods, listed, half, n = state.rods, state.listed, effects.half_length, 0
+    travelled, now, asleep = listed.travelled[0], listed.turn[0], listed.asleep
+    index = listed.index[now]
+    for k in range(listed.start[now, rods.shape[0]]):
+        if travelled < asleep[k, PAIR]:
+            continue
+        pair, was = pair_of(effects, rods, index, k), index[k, TOUCHED]
+        if was == 0:
+            open_by = clearance(pair.apart, pair.a, pair.b, half)
+            if open_by >= 0.0:
+                asleep[k, PAIR] = travelled + 0.5 * open_by
+                continue
+        if n > MOST:
+            n = act(effects, state, ledger, n, dt)
+        n, clear, square = crossing(effects.up, effects, state, pair, was, n)
+        if square < (1 - DEEP) ** 2:
+            return k
+        touches, until = BETWEEN if square < 1.0 else 0, np.inf
+        if clear and was & ENDS:
+            for end in range(4):
+                opened(listed, k, end)
+        for end in range(0 if clear else ends_of(effects.upper)):
+            if travelled < asleep[k, end]:
+                until = min(until, asleep[k, end])
+                continue
+            near = near_end(pair.apart, pair.a, pair.b, half, end)
+            if near.square >= 1.0:
+                opened(listed, k, end)
+                asleep[k, end] = travelled + 0.5 * open_at_least(near.square)
+                until = min(until, asleep[k, end])
+                continue
+            if near.square < (1 - DEEP) ** 2:
+                return k
+            touches |= ENDS
+            if meets(effects.upper, end, near, half):
+                n, deep = joined_ends(effects, state, pair, end, n)
+                if deep:
+                    return k
+                break
+            n = collect(effects, state, n, pair, near, 1.0, end)
+        index[k, TOUCHED] = touches
+        if touches == 0 and not clear:
+            asleep[k, PAIR] = until
+    act(effects, state, ledger, n, dt)
+    return -1
+
+
+@kernel
+def between_rods(between, effects, state, ledger, dt):
+    """Pair forces from a list kept up to date; why the run cannot go on, and where."""
+    if between is None:
+        return DONE, 0
+    half, listed, scratch = effects.half_length, state.listed, state.scratch
+    place, found = scratch.place, scratch.found
+    if not current(effects.up, state.rods, half, effects.period, listed, place, found):
+        return FULL_LIST, 0
+    deep = pair_forces(effects, state, ledger, dt)
+    return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
