@@ -12,7 +12,7 @@ import numpy as np
 
 from ..cache import kernel
 from .contact import Meeting, contact, losses, total
-from .state import inertia_of, kept_force, kept_part
+from .state import kept_force, kept_part
 from .vectors import add, dot, put, times, torque
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
@@ -160,9 +160,8 @@ def accounted(ledger, law, numbers, c, meeting, found, dt):
 
 
 @kernel
-def act_on(law, rods, effects, ledger, numbers, c, dt):
+def act_on(law, rods, inertia, up, ledger, numbers, c, dt):
     """What acts in contact c."""
-    up = effects.up
     gap, bodies = get_vector(numbers, GAP, c, up), bodies_of(rods, numbers, c, up)
     distance = sqrt(dot(gap, gap))
     half, gain = get_vector(numbers, HALF, c, up), get_vector(numbers, GAIN, c, up)
@@ -171,7 +170,7 @@ def act_on(law, rods, effects, ledger, numbers, c, dt):
         get(numbers, PRESSED, c), get_axial(numbers, RUB, c, up),
         get_axial(numbers, SPRING, c, up), None, None, half,
     )  # fmt: skip
-    found = contact(law.normal, law.friction, inertia_of(effects), meeting, dt)
+    found = contact(law.normal, law.friction, inertia, meeting, dt)
     accounted(ledger, law.normal, numbers, c, meeting, found, dt)
     keep(numbers, PRESSED, c, found.normal)
     keep_all(numbers, RUB, c, found.rub)
@@ -201,14 +200,14 @@ def keep_parts(array, row, slot, first, part):
 
 
 @kernel(inline=False)
-def acted(law, rods, effects, kept, sums, batch, ledger, columns, count, dt):
+def acted(law, rods, inertia, up, kept, sums, batch, ledger, columns, count, dt):
     """Add force and torque of the first contacts of the batch to `sums`.
 
     `rods`: `ONE` at a wall, or `TWO`; `kept`: forces and springs; `columns`: of the ledger.
     """
-    (numbers, place), (forces, springs), up = batch, kept, effects.up
+    (numbers, place), (forces, springs) = batch, kept
     for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # the last ones are idle
-        act_on(law, rods, effects, ledger, numbers, c, dt)
+        act_on(law, rods, inertia, up, ledger, numbers, c, dt)
     for c in range(count):
         i, force = np.uint64(place[c, 0]), get_vector(numbers, FORCE, c, up)
         add(sums, i, 0, force)

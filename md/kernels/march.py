@@ -169,8 +169,7 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
     z = height(place_of(up, rods, i))
     if z - abs(height(director)) * effects.half_length - 0.5 >= plate[0]:
         for cap in range(2):
-            forget(forces, i, PLATE_CAPS + cap)
-            forget(springs, i, PLATE_CAPS + cap)
+            forget(up, forces, springs, i, PLATE_CAPS + cap)
         cleared(watchers.record, effects, rods, i, plate, clock.step)
         return False
     velocity, turn, dims = velocity_of(up, rods, i), turn_of(up, rods, i), dimensions(up)

@@ -44,7 +44,7 @@ from .closest import (
 )
 from .codes import CROSSING, DEEP, DONE, FULL_LIST, PAIR_FRICTION, PAIR_NORMAL, PAIR_TOO_DEEP
 from .neighbours import PAIR, current
-from .state import director_of, place_of, point, turn_of, velocity_of
+from .state import director_of, forget, inertia_of, place_of, point, turn_of, velocity_of
 from .vectors import add, along, axial, dot, put, times, torque, vector
 
 BELOW_ONE = 1.0 - 2.0**-53  # next to 1
@@ -98,14 +98,10 @@ def kept_in(array, now):
 
 
 @kernel
-def opened(listed, k, slot):
+def opened(up, listed, k, slot):
     """Clear what is kept of a contact that is open."""
     now = listed.turn[0]
-    for c in range(listed.forces.shape[3]):
-        listed.forces[now, k, slot, c] = 0.0
-    if listed.springs is not None:
-        for c in range(listed.springs.shape[3]):
-            listed.springs[now, k, slot, c] = 0.0
+    forget(up, listed.forces[now], kept_in(listed.springs, now), k, slot)
 
 
 @kernel
@@ -136,20 +132,10 @@ def collect(effects, state, n, pair, near, share, slot):
 @kernel
 def act(effects, state, ledger, count, dt):
     """Add what the contacts that are collected do; none is left."""
-    listed, scratch, now = state.listed, state.scratch, state.listed.turn[0]
-    kept, columns = (listed.forces[now], kept_in(listed.springs, now)), (PAIR_NORMAL, PAIR_FRICTION)
-    acted(
-        effects.between,
-        TWO,
-        effects,
-        kept,
-        scratch.total,
-        scratch.batch,
-        ledger,
-        columns,
-        count,
-        dt,
-    )
+    listed, total, batch = state.listed, state.scratch.total, state.scratch.batch
+    kept = listed.forces[listed.turn[0]], kept_in(listed.springs, listed.turn[0])
+    law, inertia, columns = effects.between, inertia_of(effects), (PAIR_NORMAL, PAIR_FRICTION)
+    acted(law, TWO, inertia, effects.up, kept, total, batch, ledger, columns, count, dt)
     return 0
 
 
@@ -251,7 +237,7 @@ def joined_ends(effects, state, pair, first, n):
     for end in range(first, 4):
         near = near_end(pair.apart, a, b, half, end)
         if near.square >= 1.0:
-            opened(state.listed, pair.entry, end)
+            opened(effects.up, state.listed, pair.entry, end)
             continue
         if near.square < (1 - DEEP) ** 2:
             return n, True
@@ -327,7 +313,7 @@ def crossing(up, effects, state, pair, was, n):
     near, inside, skew = between_ends(pair.apart, pair.a, pair.b, half)
     if not inside or near.square >= 1.0:
         if was & BETWEEN:
-            opened(state.listed, pair.entry, CROSSING)
+            opened(effects.up, state.listed, pair.entry, CROSSING)
         return n, inside, near.square if inside else np.inf
     margin = half - max(abs(near.s), abs(near.t))
     clear, share = margin * margin * skew >= max(SHARED, 1.0 - near.square), 1.0
@@ -345,7 +331,7 @@ def ends_of(upper):
     return 1 if upper is None else 4
 
 
-@kernel(inline=False)
+@kernel
 def pair_forces(effects, state, ledger, dt):
     """Add the forces of all touching pairs; number of a pair that is too deep, or -1."""
     rods, listed, half, n = state.rods, state.listed, effects.half_length, 0
@@ -368,14 +354,14 @@ def pair_forces(effects, state, ledger, dt):
         touches, until = BETWEEN if square < 1.0 else 0, np.inf
         if clear and was & ENDS:
             for end in range(4):
-                opened(listed, k, end)
+                opened(effects.up, listed, k, end)
         for end in range(0 if clear else ends_of(effects.upper)):
             if travelled < asleep[k, end]:
                 until = min(until, asleep[k, end])
                 continue
             near = near_end(pair.apart, pair.a, pair.b, half, end)
             if near.square >= 1.0:
-                opened(listed, k, end)
+                opened(effects.up, listed, k, end)
                 asleep[k, end] = travelled + 0.5 * open_at_least(near.square)
                 until = min(until, asleep[k, end])
                 continue

@@ -15,7 +15,7 @@ import numpy as np
 from ..cache import kernel
 from .contact import ContactForces, Friction, Inertia, Normal, free_turn, swung
 from .neighbours import Listed
-from .vectors import IN_PLANE, along, axial, nothing, raised, times, vector
+from .vectors import IN_PLANE, along, axial, nothing, put, raised, times, vector
 
 
 class Motion(NamedTuple):
@@ -173,8 +173,10 @@ def nothing_across(up):
 
 
 @kernel
-def forget(array, row, slot):
+def forget(up, forces, springs, row, slot):
     """Clear what is kept of a contact that is open."""
-    if array is not None:
-        for c in range(array.shape[2]):
-            array[row, slot, c] = 0.0
+    if forces is not None:
+        forces[row, slot, 0] = 0.0
+        put(forces[row], slot, 1, nothing_across(up))
+    if springs is not None:
+        put(springs[row], slot, 0, nothing_across(up))

@@ -14,7 +14,7 @@ from .batch import FORCE, MOST, ONE, Given, acted, get
 from .batch import collect as collected
 from .codes import DEEP, INNER, OUTER, PLATE_WORK, WALL_FRICTION, WALL_NORMAL
 from .pairs import NEARER, moving, pull, rise
-from .state import director_of, forget, place_of
+from .state import director_of, forget, inertia_of, place_of
 from .vectors import IN_SPACE, along, raised, times
 
 
@@ -88,13 +88,11 @@ def collect(effects, state, n, i, at, climb, dt):
 @kernel
 def act(wall, effects, state, ledger, climb, count, dt):
     """Add what the first contacts of the batch do; none is left."""
-    scratch, kept, columns = (
-        state.scratch,
-        (state.forces, state.springs),
-        (WALL_NORMAL, WALL_FRICTION),
-    )
-    acted(wall, ONE, effects, kept, scratch.total, scratch.batch, ledger, columns, count, dt)
-    worked(effects.shaken, ledger, scratch.batch.numbers, climb[1] * dt, count)
+    total, batch = state.scratch.total, state.scratch.batch
+    kept, columns = (state.forces, state.springs), (WALL_NORMAL, WALL_FRICTION)
+    inertia = inertia_of(effects)
+    acted(wall, ONE, inertia, IN_SPACE, kept, total, batch, ledger, columns, count, dt)
+    worked(effects.shaken, ledger, batch.numbers, climb[1] * dt, count)
     return 0
 
 
@@ -141,8 +139,7 @@ def wall_forces(wall, effects, state, ledger, side, climb, dt):
         for cap in range(1 if effects.upper is None else 2):
             s = half if cap else -half
             if side * (beyond(seen, s) - touching**2) >= 0:
-                forget(state.forces, i, slot + cap)
-                forget(state.springs, i, slot + cap)
+                forget(IN_SPACE, state.forces, state.springs, i, slot + cap)
                 continue
             rho, out = from_axis(along(place, s, director))
             reach = side * (rho - wall.radius)
@@ -157,8 +154,7 @@ def wall_forces(wall, effects, state, ledger, side, climb, dt):
                     return i
                 n = collect(effects, state, n, i, at, climb, dt)
             else:
-                forget(state.forces, i, slot + 2)
-                forget(state.springs, i, slot + 2)
+                forget(IN_SPACE, state.forces, state.springs, i, slot + 2)
     act(wall, effects, state, ledger, climb, n, dt)
     return -1
 
