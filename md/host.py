@@ -44,7 +44,7 @@ from .kernels.codes import (
 from .kernels.contact import ContactForces
 from .kernels.energy import energy
 from .kernels.march import Series, Watchers, march
-from .kernels.neighbours import nothing_listed
+from .kernels.neighbours import PAIR, nothing_listed
 from .kernels.state import Clock, Effects, Motion, Scratch, State, Wall
 from .kernels.touches import Record, new_record
 from .kernels.vectors import IN_SPACE
@@ -231,14 +231,15 @@ class Engine:
 
     def _grow(self) -> None:
         """Make the list of pairs twice as long."""
+        listed: Any = self.state.listed
         longer = {
             name: np.concatenate([array, np.zeros_like(array)], axis=1)
             for name in ("index", "springs", "forces")
-            if (array := getattr(self.state.listed, name)) is not None
+            if (array := getattr(listed, name)) is not None
         }
         found = np.zeros((longer["index"].shape[1], 3), np.int64)
         self.state = self.state._replace(
-            listed=self.state.listed._replace(asleep=np.zeros((len(found), 5)), **longer),
+            listed=listed._replace(asleep=np.zeros((len(found), PAIR + 1)), **longer),
             scratch=self.state.scratch._replace(found=found),
         )
 
@@ -279,7 +280,8 @@ class Engine:
 
     def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
         """Rods of an entry of the list of pairs, and their overlap in d."""
-        i, j, image, _ = map(int, self.state.listed.index[self.state.listed.turn[0], where])
+        listed: Any = self.state.listed
+        i, j, image, _ = map(int, listed.index[listed.turn[0], where])
         place, director, *_ = self._parts(rods)
         apart = place[i] - place[j]
         apart[0] -= image * (self.effects.period or 0.0)
@@ -376,7 +378,8 @@ def at_start(effects: Effects, rods: np.ndarray) -> State:
     """State of rods that have touched nothing yet."""
     n, space, between = len(rods), len(effects.up) == 3, effects.between
     walls = [wall for wall in (effects.inner, effects.outer) if wall]
-    rubs = [one.friction for one in (effects, *walls) if one.friction]
+    frictions = effects.friction, *(wall.friction for wall in walls)
+    rubs = [friction for friction in frictions if friction]
     slots, part, columns = (SLOTS, 3, 6) if space else (2, 1, 3)
     listed, place, found, capacity = None, None, None, 8 * n + 56
     if between is not None:

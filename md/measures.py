@@ -124,9 +124,8 @@ class Tables:
     def __init__(self, engine: Engine, periods: int):
         self.engine, self.per, self.speed = engine, engine.per, engine.scene.plate_speed or 1.0
         self.series = engine.series(periods)
-        _, *of_rods, _, _ = zip(self.series._fields, self.series, strict=True)
         self.of_period = {"series": self.series.rows}  # arrays with a row a period
-        self.of_rods: dict[str, np.ndarray] = dict(of_rods)  # arrays with a row a rod
+        self.of_rods = {"last": self.series.last}  # arrays with a row a rod
         self.sums = np.zeros((periods + 1, 2, len(SUMS)))  # over touches, over landings
         self.phases = np.zeros((periods + 1, _PARTS), np.uint32)
         self.of_period |= {"sums": self.sums, "phases": self.phases}

@@ -30,6 +30,7 @@ from .kernels.codes import (
 )
 from .kernels.rates import plate_after
 from .kernels.state import Effects, Motion
+from .kernels.touches import regime_of
 from .laws import (
     Law,
     contact_time,
@@ -260,7 +261,7 @@ class _Case(NamedTuple):
             c_z=c_z,
             omega=omega,
             restitution=float(v_f / self.speed),
-            regime=REGIMES[single.regime_of(done.stopped, stuck, turned)],
+            regime=REGIMES[regime_of(done.stopped, stuck, turned)],
             phases=dict(zip(PHASES, map(float, done.durations), strict=True)),
             max_overlap=float(done.deepest),
             contact_time=float(sum(done.durations)),

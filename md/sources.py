@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 RUN, WITH_TOLERANCE = "simulation", "accuracy"  # modules where a run begins
-OF_ANNULUS = ("kernels.space", "placement")  # a row does not use them
+OF_ANNULUS = ("kernels.walls", "placement")  # a row does not use them
 # Imported by a run, without a part in its numbers.
 APART = {"cache", "files", "interrupt", "sources", "trajectory"}
 _LEFT_OUT = {"annotation", "ctx", "kind", "returns", "type_comment", "type_params"}

@@ -3,26 +3,15 @@
 import numpy as np
 
 import md
-from md.kernels.codes import (
-    ANNULUS_LEDGER,
-    DONE,
-    PAIR_SLOTS,
-    PLACE,
-    SLOTS,
-    SPACE_COLUMNS,
-    TURN,
-    VELOCITY,
-)
-from md.kernels.contact import ContactForces, Friction, Motion, Normal
-from md.kernels.neighbours import nothing_listed
-from md.kernels.plane import Watchers
-from md.kernels.plate import Clock
-from md.kernels.space.batch import no_contacts
-from md.kernels.space.energy import energy
-from md.kernels.space.forces import Scratch, SpaceEffects, State, Wall
-from md.kernels.space.march import march
-from md.kernels.space.touches import FLAT
+from md.host import at_start
+from md.kernels.codes import ANNULUS_LEDGER, DONE, PLACE, SPACE_COLUMNS, TURN, VELOCITY
+from md.kernels.contact import ContactForces, Friction, Normal
+from md.kernels.energy import energy
+from md.kernels.march import Watchers, march
+from md.kernels.neighbours import renewed
+from md.kernels.state import Clock, Effects, Motion, Wall
 from md.kernels.touches import new_record
+from md.kernels.vectors import IN_SPACE
 
 HALF, LIGHT = 4.25, 12 / 9.5**2
 LOSSY = md.constant_restitution(0.65, 1e5, tangential_ratio=3)
@@ -38,7 +27,8 @@ FAR = {  # what nothing touches, nor pulls: the kernel of an annulus serves most
 
 def effects(half_length=HALF, lightness=LIGHT, **parts):
     """Nothing but what is named."""
-    return SpaceEffects(half_length, lightness, **parts)
+    upper = True if half_length > 0 else None
+    return Effects(half_length, lightness, upper=upper, up=IN_SPACE, **parts)
 
 
 def within(**parts):
@@ -73,14 +63,7 @@ class Rods:
 
     def __init__(self, scene, rods, dt=1e-4, kernel=march, watched=False):
         n, self.effects, self.dt, self.step, self.kernel = len(rods), scene, dt, 0, kernel
-        rubs = any(part and part.friction for part in (scene.inner, scene.outer))
-        springs = np.zeros((n, SLOTS, 3)) if rubs or scene.friction else None
-        most, kept = 20 * n + 20, ((PAIR_SLOTS, 4), (PAIR_SLOTS, 3))
-        listed = nothing_listed(n, most, True, kept) if scene.between else None
-        place, found = (np.zeros(n), np.zeros((most, 3), int)) if scene.between else (None, None)
-        own = rods, np.zeros((n, 6)), np.zeros((n, SLOTS, 4)), springs, listed
-        flat = np.zeros((n, FLAT)) if watched else None
-        self.state = State(*own, Scratch(np.zeros((n, 6)), place, found, no_contacts()), flat)
+        self.state = at_start(scene, rods)
         record = new_record(n, 4096) if scene.normal else None
         self.watchers = Watchers(np.zeros(ANNULUS_LEDGER), record, None) if watched else NOBODY
 
@@ -102,7 +85,10 @@ class Rods:
     def energy(self):
         """Half a step ago; the plate is at rest."""
         height = self.effects.plate.height[0] if self.effects.plate else 0.0
-        return energy(self.effects, self.rods, height, self.dt)
+        listed, half, (*_, place, found, _) = self.state.listed, HALF, self.state.scratch
+        if listed:
+            assert renewed(IN_SPACE, self.rods, half, None, listed, place, found)
+        return energy(self.effects, self.rods, listed, height, self.dt)
 
     def moments(self):
         """Momentum, and angular momentum about the origin, half a step ago."""

@@ -166,7 +166,7 @@ def test_what_no_effect_needs_is_not_there():
     assert engine.state.springs is None
     assert engine.state.listed.springs is None
     bare = prepare(ring(), ledger=False, touches=False)
-    assert [*bare.watchers, bare.state.flat] == [None] * 4
+    assert [*bare.watchers] == [None] * 3
     alone = prepare(ring("contacts.rods=none", "rods.count=1", "start.tilt_deg=10"))
     assert alone.state.listed is None
     assert alone.effects.between is None

@@ -6,7 +6,7 @@ from md.host import prepare
 from md.kernels import touches
 from md.kernels.codes import C_X
 from md.kernels.neighbours import current
-from md.kernels.plane import pair_forces
+from md.kernels.pairs import pair_forces
 
 from .rows import row
 
@@ -24,8 +24,8 @@ def followed():
     effects, (*_, listed, scratch) = engine.effects, engine.state
     start, every, others, kept = engine.rods[:, C_X].sum(), [], [], []
     for _ in range(PERIODS * engine.per):
-        place = effects.alone.half_length, effects.period, listed, scratch.place, scratch.found
-        assert current(engine.rods, *place)  # the list of pairs
+        place = effects.half_length, effects.period, listed, scratch.place, scratch.found
+        assert current(effects.up, engine.rods, *place)  # the list of pairs
         springs, forces = listed.springs.copy(), listed.forces.copy()
         scratch.total[:] = 0
         pair_forces(effects, engine.state, None, engine.dt)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import md
+from md import host
 from md.host import prepare
-from md.kernels import plane
 from md.kernels.codes import ROW_DIRECTION, ROW_VELOCITY, X, Z
-from md.kernels.contact import Motion
+from md.kernels.state import Motion
 from md.scene import Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step
 
 from . import llvm
@@ -31,12 +31,12 @@ SHAKEN = scene(plate=(RIGID, 0.3)) | {"plate": Plate(1e-3)}
 # `started`).
 EVERY, ALOFT, GROUND = [0, 1, 2, 3], [0, 1, 3], [2, 3]
 EFFECTS = {
-    "plate": (REST, {}, {"effects.alone.normal": r"@sqrt\("}, ALOFT),
+    "plate": (REST, {}, {"effects.normal": r"@sqrt\("}, ALOFT),
     "gravity and what is measured": (
         REST | {"gravity": Gravity(z=0.0), "ledger": True, "touches": True, "series": True},
         REST,
         {
-            "effects.alone.gravity": "",
+            "effects.gravity": "",
             "watchers.ledger": "",
             "watchers.record": "sitofp",
             "watchers.series": "[su]div i64|[su]rem i64",
@@ -46,13 +46,13 @@ EFFECTS = {
     "plate's vibration and friction": (
         SHAKEN,
         REST,
-        {"effects.alone.plate": "[su]rem i64", "effects.alone.friction": "= fdiv"},
+        {"effects.plate": "[su]rem i64", "effects.friction": "= fdiv"},
         ALOFT,
     ),
     "plate's spring and dissipation": (
         SHAKEN | {"contacts": Contacts(Contact(LOSSY, 0.3))},
         SHAKEN,
-        {"state.springs": "copysign", "effects.alone.normal.quarter": ""},
+        {"state.springs": "copysign", "effects.normal.quarter": ""},
         ALOFT,
     ),
     "rod-rod contact": (
@@ -84,8 +84,8 @@ EFFECTS = {
 def march():
     """The kernel, with its text."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plane, "march", llvm.fresh(plane.march))
-        yield plane.march
+        patch.setattr(host, "march", llvm.fresh(host.march))
+        yield host.march
 
 
 def started(ledger=False, touches=False, series=False, **parts):
@@ -94,8 +94,8 @@ def started(ledger=False, touches=False, series=False, **parts):
     engine = prepare(Scene(**rods | parts), ledger=ledger, touches=touches)
     engine.dt, engine.per = 5e-4, 2000
     if engine.plate is not None:  # it vibrates by nothing, so that all have one clock
-        alone = engine.effects.alone._replace(plate=Motion(np.zeros(1), np.zeros(1)))
-        engine.effects = engine.effects._replace(alone=alone)
+        at_rest = Motion(np.zeros(1), np.zeros(1))
+        engine.effects = engine.effects._replace(plate=at_rest)
     engine.rods[:, X] = 10, 10.99, 40, 80
     engine.rods[:, Z] = 20, 20.1, 1.99, 30
     engine.rods[:, ROW_DIRECTION] = 0, 1
@@ -137,6 +137,6 @@ def test_what_is_absent_everywhere_needs_next_to_nothing():
 def test_no_friction_is_the_same_as_a_coefficient_of_zero():
     """And a plate that does not accelerate the same as one at rest: no code for either."""
     free, _ = started(**REST)
-    assert free.effects.alone.friction is free.state.springs is free.effects.alone.plate is None
+    assert free.effects.friction is free.state.springs is free.effects.plate is None
     sphere, _ = started(rods=Rods(4, 1.0))
-    assert sphere.effects.alone.upper is None
+    assert sphere.effects.upper is None

@@ -139,7 +139,7 @@ def test_one_spring_goes_round_the_end():
     forces(engine, round_the_end(places[0]))
     listed = engine.state.listed
     touching = [overlap > 0 for overlap, *_ in ends(engine.rods, HALF, 0, 1)]
-    listed.springs[listed.turn[0], 0] = stretched * np.array(touching)
+    listed.springs[listed.turn[0], 0, :, 0] = stretched * np.array(touching)
     found = np.array([forces(engine, round_the_end(place)) for place in places])
     one = np.hypot(SOFT * DEEP**1.5, LOSSY.spring.root * DEEP**0.5 * stretched)
     assert np.hypot(*found[:, 0, :2].T) == pytest.approx(one, rel=3e-4)

@@ -42,9 +42,7 @@ def test_a_rod_that_lies_and_is_pushed_does_not_creep(law):
     assert abs(engine.rods[0, X] - place) < 1e-10
     assert abs(place - 2.0) < 0.1
     # pushed with more than that it goes
-    engine.effects = engine.effects._replace(
-        alone=engine.effects.alone._replace(gravity=(1.1 * mu, -1.0))
-    )
+    engine.effects = engine.effects._replace(gravity=(1.1 * mu, -1.0))
     engine.go(10 * engine.per)
     assert engine.rods[0, X] - place == pytest.approx(0.1 * mu * 10**2 / 2, rel=0.1)
 

@@ -7,7 +7,10 @@ import pytest
 
 from md.host import prepare
 from md.kernels import neighbours
-from md.kernels.codes import COSINE, PAIR_FRICTION, ROW_DIRECTION, SINE, SKIN, X, Z
+from md.kernels.closest import near_end
+from md.kernels.codes import COSINE, PAIR_FRICTION, ROW_DIRECTION, ROW_PLACE, SINE, SKIN, X, Z
+from md.kernels.neighbours import PAIR
+from md.kernels.vectors import IN_PLANE
 
 from .rows import ELASTIC, EPS, HALF, LIGHT, SOFT, elastic, ends, forces, free, images, row
 
@@ -16,10 +19,10 @@ def build(rods, half, period, listed=None):
     """Entries (first, second, image) of the list of these rods."""
     n = len(rods)
     capacity = 60 * n
-    listed = listed or neighbours.nothing_listed(n, capacity, False)
+    listed = listed or neighbours.nothing_listed(n, capacity, False, False)
+    listed.built[:] = 1e300
     found = np.zeros((capacity, 3), np.int64)
-    count = neighbours.build(rods, half, period, listed, np.zeros(n), found)
-    assert count >= 0
+    assert neighbours.renewed(IN_PLANE, rods, half, period, listed, np.zeros(n), found)
     return listed, entries(listed)
 
 
@@ -162,7 +165,7 @@ def lively():
 def test_no_touching_pair_is_missed_while_rods_move(more, periods, every):
     """All pairs with all images against the list, every so many steps."""
     engine, touching, lists = prepare(row("plate.acceleration=10", *more)), 0, set()
-    period, half = engine.effects.period, engine.effects.alone.half_length
+    period, half = engine.effects.period, engine.effects.half_length
     for _ in range(periods * engine.per // every):
         engine.go(every)
         # the list was brought up to date before the last step, of at most 1e-3 d
@@ -209,8 +212,9 @@ def test_what_sleeps_wakes_in_time(states):
         for engine in (usual, often):
             engine.go(1)
         listed = usual.state.listed
-        slept += np.count_nonzero(listed.asleep[0, [1, 4]] > listed.travelled)
-        wide.append(usual.overlaps(usual.rods, 0, 1, 0)[0][1])
+        slept += np.count_nonzero(listed.asleep[0, [1, PAIR]] > listed.travelled)
+        (x, a), (y, b) = ((rod[ROW_PLACE], tuple(rod[ROW_DIRECTION])) for rod in usual.rods)
+        wide.append(1 - np.sqrt(near_end(tuple(x - y), a, b, HALF, 1).square))
     assert slept > 50
     assert min(wide) < -0.04
     assert max(wide) > 0.001
@@ -222,7 +226,7 @@ def test_a_list_that_is_full_grows():
     usual, small = lively(), lively()
     n = len(small.rods)
     small.state = small.state._replace(
-        listed=neighbours.nothing_listed(n, 1, True),
+        listed=neighbours.nothing_listed(n, 1, True, False),
         scratch=small.state.scratch._replace(found=np.zeros((1, 3), np.int64)),
     )
     usual.go(800)
@@ -254,11 +258,10 @@ def reads(n):
     rods, spacing = np.zeros((n, 7)), 43 / 40
     rods[:, X] = (np.arange(n) + random.uniform(-0.3, 0.3, n)) * spacing
     rods[:, Z], rods[:, SINE], rods[:, COSINE] = 4.5, np.sin(0.37), np.cos(0.37)
-    place = neighbours.wrapped.py_func(rods[:, X], None).view(Counted)
-    order, found = np.arange(n), np.zeros((20 * n, 3), np.int64)
+    place, order = rods[:, X].copy().view(Counted), np.arange(n)
+    found = np.zeros((20 * n, 3), np.int64)
     Counted.reads = 0
-    neighbours.sort_along.py_func(order, place)
-    neighbours.pair_up.py_func(rods, HALF, n * spacing, order, place, found)
+    neighbours.pair_up.py_func(IN_PLANE, rods, HALF, n * spacing, order, place, found)
     return Counted.reads
 
 

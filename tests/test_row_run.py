@@ -207,8 +207,8 @@ def test_landings_are_those_that_every_step_shows():
     """
     scene = md.load("single_rod", ["contacts.plate.stiffness=1e5", "start.tilt_deg=35"])
     engine = prepare(scene)
-    half, dt, per = engine.effects.alone.half_length, engine.dt, engine.per
-    plate = engine.effects.alone.plate
+    half, dt, per = engine.effects.half_length, engine.dt, engine.per
+    plate = engine.effects.plate
     states = [engine.rods[0].copy()]
     for _ in range(8 * per):
         engine.go(1)

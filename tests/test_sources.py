@@ -91,8 +91,8 @@ def test_runs_do_not_depend_on_commands_stores_and_sweeps():
     outside = {"__init__", "__main__", "accuracy", "cache", "files", "store"}
     outside.add("sweep")
     assert outside <= sources.SOURCES.keys() - set(ROW) - ANNULUS
-    assert {"kernels.plane", "kernels.touches", "laws", "measures", "statistics"} <= set(ROW)
-    assert {"kernels.space.march", "kernels.space.pairs", "placement"} <= ANNULUS
+    assert {"kernels.march", "kernels.touches", "laws", "measures", "statistics"} <= set(ROW)
+    assert {"kernels.walls", "placement"} == ANNULUS
     assert "accuracy" in sources.used(sources.WITH_TOLERANCE)
 
 

@@ -11,6 +11,8 @@ from scipy.spatial.transform import Rotation
 import md
 from md import placement
 from md.host import prepare
+from md.kernels import walls as geometry
+from md.kernels.closest import nearest
 from md.kernels.codes import (
     DIRECTOR,
     LEDGER_COLUMNS,
@@ -21,11 +23,11 @@ from md.kernels.codes import (
     TURN,
     VELOCITY,
 )
-from md.kernels.contact import ContactForces, Friction, Motion
-from md.kernels.space import geometry
-from md.kernels.space.forces import Wall
-from md.kernels.space.pairs import nearest, pair_up
+from md.kernels.contact import ContactForces, Friction
+from md.kernels.neighbours import pair_up
+from md.kernels.state import Motion, Wall
 from md.kernels.touches import REGIME
+from md.kernels.vectors import IN_SPACE
 from md.laws import deepest_overlap
 
 from .rows import LIGHT, free
@@ -68,7 +70,7 @@ def test_two_axes_are_as_far_apart_as_brute_force_says(seed):
     apart, a, b = random.uniform(-3, 3, 3), unit(random.normal(size=3)), unit(random.normal(size=3))
     if seed % 5 == 0:
         b = a if seed % 2 else unit(a + 1e-9 * random.normal(size=3))
-    found = nearest(*tuples(apart, a, b), HALF)
+    found = np.sqrt(nearest(*tuples(apart, a, b), HALF))
 
     def distance(places):
         return np.linalg.norm(apart + places[0] * a - places[1] * b)
@@ -103,7 +105,7 @@ def total_force(scene, rods):
     """On the first rod: force and torque."""
     one = Rods(scene, rods.copy(), dt=1e-9)
     one.go(1)
-    return one.state.scratch[0]
+    return one.state.scratch.total
 
 
 def round_an_end(x):
@@ -249,7 +251,7 @@ def lifted(*changes):
         ],
     )
     engine = prepare(flat)
-    alone, rods = engine.effects.alone, np.zeros((6, SPACE_COLUMNS))
+    alone, rods = engine.effects, np.zeros((6, SPACE_COLUMNS))
     rods[:, 1] = -500.0  # between the walls
     acting = within(
         **{"gravity": alone.gravity[1], "plate": alone.plate, "normal": alone.normal},
@@ -429,7 +431,7 @@ def test_neighbours_by_azimuth_are_all_close_pairs(radius, count):
     rods[:, 2] = random.uniform(0, 5, count)
     rods[:, DIRECTOR:VELOCITY] = [unit(v) for v in random.normal(size=(count, 3))]
     found = np.zeros((count**2, 3), np.int64)
-    listed = pair_up(rods, HALF, np.arange(count), np.zeros(count), found)
+    listed = pair_up(IN_SPACE, rods, HALF, None, np.arange(count), np.zeros(count), found)
     close = {
         (i, j)
         for i, j in combinations(range(count), 2)
@@ -439,7 +441,7 @@ def test_neighbours_by_azimuth_are_all_close_pairs(radius, count):
             ),
             HALF,
         )
-        < 1 + SKIN
+        < (1 + SKIN) ** 2
     }
     assert len(close) > 10
     assert sorted(map(tuple, found[:listed, :2])) == sorted(close)

@@ -5,10 +5,10 @@ import pytest
 
 import md
 from md.host import prepare
+from md.kernels import walls as geometry
+from md.kernels.closest import between_ends
 from md.kernels.codes import DEEP, DIRECTOR, DONE, PLACE, PLATE_WORK, TURN, VELOCITY
-from md.kernels.contact import Motion
-from md.kernels.space import geometry
-from md.kernels.space.forces import Wall
+from md.kernels.state import Motion, Wall
 from md.laws import deepest_overlap
 
 from .space import HALF, LOSSY, ROUGH, SMOOTH, Rods, meeting, states, tuples, unit, within
@@ -64,14 +64,13 @@ def test_m7_the_distance_of_nearly_parallel_rods_is_exact():
         a, b = np.array([1.0, 0, 0]), np.array([np.cos(angle), 0, np.sin(angle)])
         s, t = random.uniform(-1, 1, 2)
         apart = np.array([0, 0.97, 0]) - s * a + t * b
-        x, y, skew, inside = geometry.between_ends(*tuples(apart, a, b), HALF)
+        near, inside, skew = between_ends(*tuples(apart, a, b), HALF)
         if angle < 0.9e-6:
             assert not inside
         elif angle > 1.1e-6:
             assert inside
-            gap = np.linalg.norm(geometry.gap_vector(*tuples(apart, a, b), x, y))
-            assert abs(gap - 0.97) <= 4 * np.spacing(HALF)
-            assert abs(x - s) < 4e-15 / skew
+            assert abs(np.linalg.norm(near.gap) - 0.97) <= 4 * np.spacing(HALF)
+            assert abs(near.s - s) < 4e-15 / skew
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -23,7 +23,7 @@ from matplotlib.axes import Axes
 
 from md.host import Engine
 from md.kernels.codes import C_Z, Z
-from md.kernels.plane import Series
+from md.kernels.march import Series
 from md.scene import put
 from md.sweep import Sweep
 

@@ -18,7 +18,7 @@ from tqdm import tqdm
 
 from impact.benchmark import machine
 from md.host import Engine, prepare
-from md.kernels.plane import Series
+from md.kernels.march import Series
 from md.scene import Scene
 
 LONG_ENOUGH = 1e-3  # seconds of one sample

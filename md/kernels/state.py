@@ -40,7 +40,7 @@ class Effects(NamedTuple):
     lightness: float  # 1/d^2: 1/k^2, k the gyration radius
     normal: Normal | None = None  # of the plate; None: no plate
     friction: Friction | None = None
-    gravity: float | tuple[float, float] | None = None  # g; in the plane along x and z
+    gravity: Any = None  # g; in the plane along x and z, in space a number, along z
     plate: Motion | None = None  # None: at rest at z = 0
     upper: bool | None = True  # None: a sphere, which has no second cap
     flat: bool | None = None  # True: flat ends, half_length to them; None: round ones
