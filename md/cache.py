@@ -5,6 +5,7 @@ given a folder named after the bytes of all files with kernels and of what these
 of them compiles all kernels again. The folder is below NUMBA_CACHE_DIR, else in the user's cache.
 """
 
+import fcntl
 import math
 import multiprocessing
 import os
@@ -115,6 +116,19 @@ def _dispatcher(function: Callable, **options: bool) -> Any:
     return made
 
 
+def _one_at_a_time(made: Any, folder: Path) -> Any:
+    """Let one process keep what it compiles at a time: Numba gives two the same file to write."""
+    save = made._cache.save_overload
+
+    def saved(*compiled: Any) -> None:
+        with (folder.parent / "lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            save(*compiled)
+
+    made._cache.save_overload = saved
+    return made
+
+
 def _cached(function: Callable, options: dict[str, Any]) -> Any:
     """Numba's dispatcher that keeps what it compiles in our folder; None where it would not."""
     folder, usual = directory(), numba.config.CACHE_DIR
@@ -126,7 +140,7 @@ def _cached(function: Callable, options: dict[str, Any]) -> Any:
         numba.config.CACHE_DIR = str(part)  # read when a function is decorated, not later
         made = numba.njit(cache=True, **options)(function)
         if Path(made.stats.cache_path).is_relative_to(part):  # else it is beside the sources
-            return made
+            return _one_at_a_time(made, part)
     except (OSError, RuntimeError):  # RuntimeError: no place at all
         pass
     finally:

@@ -91,6 +91,33 @@ def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
     assert kept(copy).items() > files.items()  # the old ones are left, in a folder of their own
 
 
+RACE = """
+import sys, time
+from numba.core.caching import IndexDataCacheFile
+from md.cache import kernel
+load = IndexDataCacheFile._load_index
+def slow(self):
+    found = load(self)
+    time.sleep(0.5)  # in which the other process looks as well
+    return found
+IndexDataCacheFile._load_index = slow
+from md.kernels import vectors
+vectors.times(2.0, eval(sys.argv[1]))
+"""
+
+
+def test_processes_that_compile_at_once_do_not_mix_up_what_they_keep(copy):
+    """Two keep the same function for other arguments; a third finds both."""
+    home = copy.parent
+    environment = {**os.environ, "PYTHONPATH": str(home), "XDG_CACHE_HOME": str(home / "cache")}
+    run = partial(subprocess.Popen, env=environment, cwd=home)
+    vectors = "(3.0,)", "(3.0, 4.0)"
+    for process in [run([sys.executable, "-c", RACE, v]) for v in vectors]:
+        assert process.wait() == 0
+    [index] = [file for file in kept(copy) if "called/" in str(file) and file.suffix == ".nbi"]
+    assert len({*index.parent.glob(f"{index.stem}.*.nbc")}) == 2
+
+
 def test_a_home_that_cannot_be_written_costs_no_more_than_compiling(tmp_path, monkeypatch):
     """Below a file there can be no folder, whoever asks; one line names what takes its place."""
     (tmp_path / "file").touch()

@@ -21,7 +21,7 @@ ROW_COLUMNS = 7
 ROW_PLACE, ROW_DIRECTION, ROW_VELOCITY = slice(X, SINE), slice(SINE, C_X), slice(C_X, ROW_COLUMNS)
 
 # State of a rod in space, first columns of four vectors: centre and director at a step, velocity
-# and the vector about which the director turns (see `space.march`) half a step before.
+# and the vector about which the director turns (see `state`) half a step before.
 PLACE, DIRECTOR, VELOCITY, TURN = 0, 3, 6, 9
 SPACE_COLUMNS = 12
 
