@@ -48,11 +48,10 @@ scene, units, laws                  what is there: `Scene`, also in cm and Hz; t
 domains                             values held to what is allowed; errors
 kernels/codes, rates                stop codes, columns, regimes; rates of an exact contact
 kernels/vectors, contact            compiled: the forces of every contact, in the plane and in space
-kernels/plate, single               compiled: one rod on the plate
-kernels/plane                       compiled: a row, forces between its rods, its steps
-kernels/neighbours, batch, touches  compiled: which rods may touch; contacts; touches of the plate
-kernels/joints                      compiled: two ends that meet, one contact
-kernels/space                       compiled: an annulus; `pairs` has the forces between its rods
+kernels/state, march, energy        compiled: rods of a row or an annulus, their steps, their energy
+kernels/closest, neighbours         compiled: nearest points of rods; which rods may touch
+kernels/batch, pairs, walls         compiled: contacts side by side, of rods, with walls
+kernels/plate, touches, single      compiled: a rod on the plate; its touches; one rod alone
 rod, reference, soft_impact         `impact`: every switch located, or fixed steps
 host, placement                     a scene under way: constants and arrays of the kernels
 measures, records, statistics       what a run measures, with errors; its touches one by one

@@ -207,8 +207,10 @@ def test_rods_that_fall_over_ever_more_often_have_not_settled():
     assert early.accuracy.fell > 100
     assert early.accuracy.chance > 0.01
     assert (early.settled, early.accuracy.state) == (False, "not settled")
-    plain = replace(early, accuracy=None, discarded=150)
-    assert plain.settled is False
+    drift = np.random.default_rng(1).normal(size=400)
+    plain = replace(early, accuracy=None, discarded=0, c_x_series=drift)
+    assert replace(plain, fell_series=np.arange(400.0)).settled is False
+    assert replace(plain, fell_series=np.ones(400)).settled is True
     lines = "\n".join(accuracy_lines(early))
     assert f"rods fell over {early.accuracy.fell} times: a decay" in lines
 

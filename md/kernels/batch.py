@@ -6,12 +6,12 @@ one instruction. Then each is added to its rods, in the order in which it was fo
 """
 
 from math import sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..cache import kernel
-from .contact import Meeting, contact, losses, total
+from .contact import Inertia, Meeting, contact, losses, total
 from .state import kept_force, kept_part
 from .vectors import add, dot, put, times, torque
 
@@ -54,6 +54,16 @@ class Given(NamedTuple):
     half: tuple  # the same
     gain: tuple
     share: float  # of the contact, 0 to 1
+
+
+class Alike(NamedTuple):
+    """What the contacts of a batch have in common."""
+
+    law: Any  # `normal` and `friction`
+    rods: tuple  # `ONE` at a wall, or `TWO`
+    inertia: Inertia
+    up: tuple
+    columns: tuple[int, int]  # of the ledger
 
 
 def no_contacts() -> Batch:
@@ -160,8 +170,9 @@ def accounted(ledger, law, numbers, c, meeting, found, dt):
 
 
 @kernel
-def act_on(law, rods, inertia, up, ledger, numbers, c, dt):
+def act_on(alike, ledger, numbers, c, dt):
     """What acts in contact c."""
+    law, rods, inertia, up, _ = alike
     gap, bodies = get_vector(numbers, GAP, c, up), bodies_of(rods, numbers, c, up)
     distance = sqrt(dot(gap, gap))
     half, gain = get_vector(numbers, HALF, c, up), get_vector(numbers, GAIN, c, up)
@@ -200,19 +211,19 @@ def keep_parts(array, row, slot, first, part):
 
 
 @kernel(inline=False)
-def acted(law, rods, inertia, up, kept, sums, batch, ledger, columns, count, dt):
+def acted(alike, kept, sums, batch, ledger, count, dt):
     """Add force and torque of the first contacts of the batch to `sums`.
 
-    `rods`: `ONE` at a wall, or `TWO`; `kept`: forces and springs; `columns`: of the ledger.
+    `kept`: forces and springs.
     """
-    (numbers, place), (forces, springs) = batch, kept
+    (numbers, place), (forces, springs), up = batch, kept, alike.up
     for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # the last ones are idle
-        act_on(law, rods, inertia, up, ledger, numbers, c, dt)
+        act_on(alike, ledger, numbers, c, dt)
     for c in range(count):
         i, force = np.uint64(place[c, 0]), get_vector(numbers, FORCE, c, up)
         add(sums, i, 0, force)
         add(sums, i, len(force), get_axial(numbers, TORQUE, c, up))
-        if len(rods) == 2:
+        if len(alike.rods) == 2:
             j = np.uint64(place[c, 1])
             add(sums, j, 0, times(-1.0, force))
             add(sums, j, len(force), get_axial(numbers, OTHER_TORQUE, c, up))
@@ -221,4 +232,4 @@ def acted(law, rods, inertia, up, kept, sums, batch, ledger, columns, count, dt)
             forces[row, slot, 0] = get(numbers, PRESSED, c)
         keep_parts(forces, row, slot, 1, get_axial(numbers, RUB, c, up))
         keep_parts(springs, row, slot, 0, get_axial(numbers, SPRING, c, up))
-    booked(ledger, numbers, columns, count)
+    booked(ledger, numbers, alike.columns, count)

@@ -184,7 +184,7 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
     accounted(watchers.ledger, lower, plate, clock.dt)
     accounted(watchers.ledger, upper, plate, clock.dt)
     pushed = others[0] != field(effects, velocity)
-    recorded(watchers.record, effects, rods, i, pushed, lower, upper, plate, clock)
+    recorded(watchers.record, effects, rods, i, pushed, (lower, upper), plate, clock)
     return not max(lower.overlap, upper.overlap) <= DEEP
 
 

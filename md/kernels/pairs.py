@@ -32,7 +32,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .batch import MOST, TWO, Given, acted
+from .batch import MOST, TWO, Alike, Given, acted
 from .batch import collect as collected
 from .closest import (
     at_end,
@@ -134,8 +134,9 @@ def act(effects, state, ledger, count, dt):
     """Add what the contacts that are collected do; none is left."""
     listed, total, batch = state.listed, state.scratch.total, state.scratch.batch
     kept = listed.forces[listed.turn[0]], kept_in(listed.springs, listed.turn[0])
-    law, inertia, columns = effects.between, inertia_of(effects), (PAIR_NORMAL, PAIR_FRICTION)
-    acted(law, TWO, inertia, effects.up, kept, total, batch, ledger, columns, count, dt)
+    columns = PAIR_NORMAL, PAIR_FRICTION
+    alike = Alike(effects.between, TWO, inertia_of(effects), effects.up, columns)
+    acted(alike, kept, total, batch, ledger, count, dt)
     return 0
 
 

@@ -255,14 +255,14 @@ def begun(record, effects, rods, i, cap, a_z, plate, step):
 
 
 @kernel
-def recorded(record, effects, rods, i, pushed, lower, upper, plate, clock):
-    """Follow the touch of a rod that the plate may press; `lower`, `upper`: of its caps.
+def recorded(record, effects, rods, i, pushed, touch, plate, clock):
+    """Follow the touch of a rod that the plate may press; `touch`: of its lower and upper cap.
 
     `pushed`: whether another rod or a wall pushes it.
     """
     if record is None:
         return
-    row, before = record.open[i], record.watch[i, WATCH_TOUCHED]
+    (lower, upper), row, before = touch, record.open[i], record.watch[i, WATCH_TOUCHED]
     if before == 0:
         if lower.overlap <= 0.0 and upper.overlap <= 0.0:
             return

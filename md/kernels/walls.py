@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .batch import FORCE, MOST, ONE, Given, acted, get
+from .batch import FORCE, MOST, ONE, Alike, Given, acted, get
 from .batch import collect as collected
 from .codes import DEEP, INNER, OUTER, PLATE_WORK, WALL_FRICTION, WALL_NORMAL
 from .pairs import NEARER, moving, pull, rise
@@ -90,8 +90,8 @@ def act(wall, effects, state, ledger, climb, count, dt):
     """Add what the first contacts of the batch do; none is left."""
     total, batch = state.scratch.total, state.scratch.batch
     kept, columns = (state.forces, state.springs), (WALL_NORMAL, WALL_FRICTION)
-    inertia = inertia_of(effects)
-    acted(wall, ONE, inertia, IN_SPACE, kept, total, batch, ledger, columns, count, dt)
+    alike = Alike(wall, ONE, inertia_of(effects), IN_SPACE, columns)
+    acted(alike, kept, total, batch, ledger, count, dt)
     worked(effects.shaken, ledger, batch.numbers, climb[1] * dt, count)
     return 0
 
