@@ -50,7 +50,7 @@ from .kernels.touches import Record, new_record
 from .kernels.vectors import IN_SPACE
 from .laws import contact_time, deepest_overlap, friction_of, largest_step
 from .placement import placed
-from .rod import Rod
+from .rod import Rod, effects_of
 from .scene import GAP, Annulus, Contact, Scene
 
 _MOST_STEPS = 10**7  # of a period
@@ -347,19 +347,13 @@ def _ring_of_rods(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
 
 def all_effects(scene: Scene, per: int) -> Effects:
     """All that acts on the rods of a scene."""
-    contacts, rod, gap, gravity = scene.contacts, _rod(scene), scene.annulus, scene.gravity
-    plate, between, wall = map(_forces, (contacts.plate, contacts.rods, contacts.wall))
-    effects = Effects(
-        half_length=rod.half_length,
-        lightness=1 / rod.gyration_squared,
-        normal=plate.normal if plate else None,
-        friction=plate.friction if plate else None,
-        gravity=(gravity.x, gravity.z) if gravity else None,
-        plate=plate_motion(scene, per),
-        upper=True if rod.half_length > 0 else None,
-        between=between,
-        period=scene.box.length if scene.box and between else None,
-    )
+    rod, gap, gravity, plate = _rod(scene), scene.annulus, scene.gravity, scene.contacts.plate
+    between, wall = map(_forces, (scene.contacts.rods, scene.contacts.wall))
+    law, friction = (plate.law, plate.friction) if plate else (None, 0.0)
+    pull = (gravity.x, gravity.z) if gravity else None
+    period = scene.box.length if scene.box and between else None
+    alone = effects_of(rod, law, friction, pull, plate_motion(scene, per))
+    effects = alone._replace(between=between, period=period)
     if gap is None:
         return effects
     assert wall is not None

@@ -41,7 +41,7 @@ touches                        of a landing alone, in place of the five above: h
 =============================  ===================================================================
 
 In an annulus x lies in the vertical plane through the rod's axis as the touch begins, horizontally
-and counter-clockwise around the annulus (`md.kernels.space.touches`); for an upright rod it is the
+and counter-clockwise around the annulus (`md.kernels.touches`); for an upright rod it is the
 direction around the annulus itself. Velocities and spin are their parts in that plane.
 """
 
