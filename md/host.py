@@ -375,6 +375,7 @@ def at_start(effects: Effects, rods: np.ndarray) -> State:
     frictions = effects.friction, *(wall.friction for wall in walls)
     rubs = [friction for friction in frictions if friction]
     slots, part, columns = (SLOTS, 3, 6) if space else (2, 1, 3)
+    order: Any = "C" if space else "F"  # in which either is fast; one rod in a row has both
     listed, place, found, capacity = None, None, None, 8 * n + 56
     if between is not None:
         listed = nothing_listed(n, capacity, between.friction is not None, space)
@@ -382,11 +383,11 @@ def at_start(effects: Effects, rods: np.ndarray) -> State:
     batch = no_contacts() if between or walls else None
     return State(
         rods=rods,
-        before=np.zeros((n, columns), order="F"),
+        before=np.zeros((n, columns), order=order),
         forces=np.zeros((n, slots, 1 + part)) if rubs or walls else None,
         springs=np.zeros((n, slots, part)) if any(rub.spring for rub in rubs) else None,
         listed=listed,
-        scratch=Scratch(np.zeros((n, columns), order="F"), np.zeros(n), place, found, batch),
+        scratch=Scratch(np.zeros((n, columns), order=order), np.zeros(n), place, found, batch),
     )
 
 

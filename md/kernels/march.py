@@ -259,8 +259,8 @@ def march(effects, state, watchers, clock, steps):
         if why != DONE:
             return n, why, where
         climb = plate_before(effects.plate, now.step), plate[1]
-        where = within(effects.inner, effects, state, ledger, 1, climb, dt)
-        where = max(where, within(effects.outer, effects, state, ledger, -1, climb, dt))
+        where = within(effects.inner, effects, state, ledger, 1.0, climb, dt)
+        where = max(where, within(effects.outer, effects, state, ledger, -1.0, climb, dt))
         if where >= 0:
             return n, WALL_TOO_DEEP, where
         sample(watchers.series, up, rods, now.step)

@@ -145,7 +145,7 @@ def wall_forces(wall, effects, state, ledger, side, climb, dt):
             reach = side * (rho - wall.radius)
             if not 0.5 - reach <= DEEP:
                 return i
-            at = At(s, reach, times(1.0 * side, out), 1.0, slot + cap)
+            at = At(s, reach, times(side, out), 1.0, slot + cap)
             n = collect(effects, state, n, i, at, climb, dt)
         if side > 0:
             if passes(seen, half, touching):
