@@ -21,7 +21,7 @@ from scipy.special import chdtrc, ndtri, stdtrit
 
 from . import simulation
 from .domains import InputError, number, whole
-from .host import stable_step
+from .host import STEPS_PER_CONTACT, stable_step
 from .laws import LAWS, contact_time
 from .scene import Scene, Step
 from .simulation import Accuracy, Result
@@ -33,7 +33,6 @@ DOMAINS = {
     "floor": (1e-12, 1e12),
     "max_seconds": (1e-3, 1e9),
 }
-STEPS_PER_CONTACT = 48  # at twice the plate's peak velocity
 # Of the drift, for the bias at so many steps; on 2026-11-23 that was -0.01(11) % on average over 21
 # drawn rows against steps a third as long, and two standard deviations of it below 0.44 %. Annuli
 # take the same; of one, whose starts still trended, it was -3(3) %, which tells nothing.

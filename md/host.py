@@ -53,6 +53,7 @@ from .placement import placed
 from .rod import Rod, effects_of
 from .scene import GAP, Annulus, Contact, Scene
 
+STEPS_PER_CONTACT = 48  # at twice the plate's peak velocity
 _MOST_STEPS = 10**7  # of a period
 CALL_SECONDS = 0.02  # of a call of the kernel: so long may a signal wait
 _MOST_A_CALL = 500_000  # steps times rods; a flight says little about the contact behind it
@@ -113,7 +114,7 @@ def step_of(scene: Scene) -> tuple[float, int]:
         If the step is not stable, or a contact too soft.
     """
     largest, whole = stable_step(scene)
-    dt = scene.step.size or min(whole / 50, largest / 2)
+    dt = scene.step.size or min(whole / STEPS_PER_CONTACT, 0.9 * largest)
     if dt > largest:
         raise InputError(
             f"step.size must be at most {0.995 * largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} "
