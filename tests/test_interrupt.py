@@ -275,28 +275,15 @@ def test_a_handler_of_ones_own_ends_a_run(tmp_path, alarm):
 # Files
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
-def test_a_file_that_is_not_finished_is_not_there(tmp_path, error):
-    """The old one is, and nothing beside it."""
+def test_a_file_that_is_not_finished_is_not_there(tmp_path):
+    """The old one is, and nothing beside it; what a killed process left is replaced."""
     path = tmp_path / "picture.png"
     path.write_text("old")
-
-    def write():
-        with replacing(path) as part:
-            part.write_text("half")
-            raise error
-
-    with pytest.raises(error):
-        write()
-    assert [file.read_text() for file in tmp_path.iterdir()] == ["old"]
-
-
-def test_what_a_killed_process_left_is_replaced(tmp_path):
-    path, kept = tmp_path / "picture.png", []
-    with replacing(path) as part:
+    with pytest.raises(KeyboardInterrupt), replacing(path) as part:
         part.write_text("half")
-        kept.append(part)
-    kept[0].write_text("left by a kill")
+        raise KeyboardInterrupt
+    assert [file.read_text() for file in tmp_path.iterdir()] == ["old"]
+    part.write_text("left by a kill")
     with replacing(path) as part:
         part.write_text("whole")
     assert [file.read_text() for file in tmp_path.iterdir()] == ["whole"]
