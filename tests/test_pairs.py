@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from mpmath import mpf
 
-import derivations
 import impact
 from impact import Body, Regime, collide_pair
 
@@ -96,29 +95,6 @@ def test_a_body_on_an_infinitely_heavy_one_is_a_rod_on_a_plate(law):
     size = np.abs(want.P_x) + np.abs(want.P_z)
     assert (np.hypot(hit.P_x - want.P_x, hit.P_z - want.P_z) <= 1e-9 * size).all()
     np.testing.assert_array_equal(np.broadcast_arrays(*hit.second), np.broadcast_arrays(*moving))
-
-
-@pytest.mark.parametrize("law", LAWS)
-def test_there_is_a_rod_that_does_the_same(law):
-    """The derived m, X/k, Z/k on a plate at rest, which the contact meets as the bodies do."""
-    equivalent = derivations.function("pairs: equivalent rod")
-    first, second, how = pairs(2_000, seed=43, decades=0.5)
-    hit = collide_pair(first, second, **how, law=law)
-    A, B, C = mobilities(first, second)
-    mass, X, Z = equivalent(A=A, B=abs(B), C=C)
-    Z = np.copysign(Z, B)  # for B < 0 the rod leans the other way
-    u, v = (
-        getattr(first, c)
-        - getattr(second, c)
-        + s * (first.omega * getattr(first, x) - second.omega * getattr(second, x))
-        for c, s, x in (("c_x", -1, "Z"), ("c_z", 1, "X"))
-    )
-    rod = impact.ContactGeometry(X, Z, 1.0)
-    want = impact.collide(u, v, geometry=rod, **how, law=law)
-    np.testing.assert_array_equal(hit.regime, want.regime)
-    np.testing.assert_allclose(hit.P_z, mass * want.P_z, rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(hit.P_x, mass * want.P_x, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(hit.energy_change, mass * want.energy_change, rtol=1e-7, atol=1e-9)
 
 
 def turned(body):
