@@ -18,7 +18,7 @@ From a shell: `python -m derivations check`, `report`, `generate`.
 Files, as one reads them
 ------------------------
 symbols, paper                      the paper's letters; its formulas (paper.toml), read
-proof                               an equation, its verdict, its proof
+equality, proof                     whether forms are equal; an equation, its verdict, its proof
 axioms, trace                       what is assumed; what a derivation rests on, noted
 newton                              (1)-(6): the contact point's equations of motion
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact

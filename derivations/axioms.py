@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import sympy as sp
 
 from . import trace
-from .proof import Equation, Form
+from .equality import Form
+from .proof import Equation
 from .symbols import F_z, P_x, P_z, c_x, c_z, epsilon, m, moment, mu, omega, theta, v_0
 
 tau = sp.Symbol("tau", positive=True)  # duration of the impact

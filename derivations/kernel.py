@@ -38,10 +38,11 @@ import sympy as sp
 
 from . import laws, slide, slip_reversal, slip_stick
 from .axioms import RESTITUTION
+from .equality import DIGITS, is_zero
 from .laws import a_1, a_2
 from .lecture import sign
 from .newton import approach, spin_jump
-from .proof import DIGITS, Equation, Proof, Verdict, is_zero
+from .proof import Equation, Proof, Verdict
 from .rewrites import RESPONSES, N, N_back, T, T_back
 from .symbols import (
     P_1,

@@ -14,8 +14,9 @@ import sympy as sp
 from . import paper
 from .bodies import THIN
 from .drift import stationary
+from .equality import DIGITS
 from .lecture import PAPER, degrees, number
-from .proof import DIGITS, Equation
+from .proof import Equation
 from .symbols import V_z, epsilon, phi, theta
 from .trace import derived, solve
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import sympy as sp
 
 from . import paper
-from .proof import components
+from .equality import components
 from .symbols import V_z, X, Z, epsilon, k, mu, phi
 from .typeset import latex, mathml, words
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from .proof import Equation, Form
+from .equality import Form
+from .proof import Equation
 from .registry import ENTRIES
 from .symbols import NAMED
 

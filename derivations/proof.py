@@ -19,36 +19,19 @@ and the entry's that of the step which derives it; another left side is read its
 derived value. The words of a note are computed with its proof.
 """
 
-import random
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from difflib import SequenceMatcher
-from functools import cache
-from math import prod
 from types import FunctionType
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
-import mpmath
 import sympy as sp
-from sympy.polys.rings import PolyRing
 
 from . import paper, trace
 from . import symbols as s
+from .equality import DIGITS, POINTS, Form, components, equal, is_zero, random_point, same
 
-Form: TypeAlias = sp.Expr | sp.MatrixBase | sp.core.relational.Relational
 Verdict = Literal["", "agrees", "rewritten", "erratum", "assumed", "new", "noted"]
-
-DIGITS = 40
-POINTS = 5
-
-# Where random points are drawn; what is not named lies in (-2, 2), or in (1/2, 2) if positive.
-DOMAIN = {
-    s.mu: ("1/20", "7/10"),
-    s.epsilon: ("1/10", "9/10"),
-    s.phi: ("1/10", "7/5"),
-    s.h_0: ("1/10", "9"),
-    s.theta: ("0", "6"),
-}
 
 # A plain impact of the kind the paper treats (u_0 > 0, v_0 < 0), for counter-examples.
 EXAMPLE: Mapping[sp.Symbol, sp.Rational] = {
@@ -204,7 +187,7 @@ class Equation:
             return "what is assumed is not derived"
         if self.verdict not in ("new", "assumed") and self.printed is None:
             return f"the verdict {self.verdict!r} needs a printed form"
-        if self.shown is not None and not _equal(self.shown, self.derive()):
+        if self.shown is not None and not equal(self.shown, self.derive()):
             return "the form shown as derived has another value"
         own = [tag for tag in self.formulas if tag not in paper.TWO_SUMS]
         if self.said is not None or self.tag in paper.SENTENCES:
@@ -224,7 +207,7 @@ class Equation:
             letters = self.where()
             read = [paper.value_of(x, letters) for x in given or [self.left]]
             signs = any(x.has(sp.sign) for x in read)  # of what is no number
-            if signs or not _equal(sp.Matrix(read), self.derive()):
+            if signs or not equal(sp.Matrix(read), self.derive()):
                 return f"the left side has the value {', '.join(map(str, read))}"
         if len(lefts) != len(given):
             given = [self.left] * len(lefts)
@@ -316,108 +299,13 @@ def told(entry: Any, field: str = "note") -> str:
     return words if isinstance(words, str) else _computed(words)
 
 
-def components(form: Form) -> tuple[sp.Expr, ...]:
-    """The scalar expressions of a form; an inequality a > b counts as a - b."""
-    if isinstance(form, sp.MatrixBase):
-        return tuple(form)
-    if isinstance(form, sp.core.relational.Relational):
-        return (form.gts - form.lts,)
-    return (sp.sympify(form),)
-
-
-@cache
-def vanishes(expr: sp.Expr) -> bool:
-    """Whether `expr` is identically zero: rational in the symbols and in tan(phi/2)."""
-    expr = expr.doit()
-    if not equal_at_random_points(expr, sp.S.Zero, points=1):
-        return False  # the quick way out
-    if expr.has(s.phi):
-        half = sp.Symbol("tau", positive=True)
-        sine, cosine = 2 * half / (1 + half**2), (1 - half**2) / (1 + half**2)
-        expr = sp.expand_trig(expr).subs({sp.sin(s.phi): sine, sp.cos(s.phi): cosine})
-    top = sp.numer(sp.together(expr))
-    try:
-        return not PolyRing(sorted(top.free_symbols, key=str), sp.QQ).from_expr(top)
-    except ValueError:  # it has roots, or pi
-        return sp.expand(top) == 0
-
-
-def is_zero(expr: sp.Expr) -> bool:
-    """Whether `expr` vanishes at random points, and identically where it is rational."""
-    trigonometric = {sp.sin(s.phi), sp.cos(s.phi)}
-    rational = (
-        not expr.has(sp.Float)
-        and expr.atoms(sp.Function) <= trigonometric
-        and all(power.exp.is_Integer for power in expr.atoms(sp.Pow))
-    )
-    return vanishes(expr) if rational else equal_at_random_points(expr, sp.S.Zero)
-
-
-def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rational]:
-    """A reproducible random rational point of the domain."""
-    draw = random.Random(seed)
-    point = {}
-    for symbol in sorted(free, key=str):
-        default = ("1/2", "2") if symbol.is_positive else ("-2", "2")
-        low, high = (sp.Rational(end) for end in DOMAIN.get(symbol, default))
-        point[symbol] = low + (high - low) * sp.Rational(draw.randrange(1, 10**6), 10**6)
-    return point
-
-
-@cache
-def _compiled(expr: sp.Expr) -> tuple[list[sp.Symbol], Callable[..., mpmath.mpf]]:
-    letters = sorted(expr.free_symbols, key=str)
-    return letters, sp.lambdify(letters, expr, "mpmath")
-
-
-def _value(expr: sp.Expr, known: dict[sp.Expr, mpmath.mpf]) -> mpmath.mpf:
-    """Value of an expression by those of its letters; `known` gains those of its parts."""
-    if expr not in known:
-        if expr.is_Add or expr.is_Mul or expr.is_Pow:
-            parts = [_value(part, known) for part in expr.args]
-            combine = sum if expr.is_Add else prod
-            known[expr] = mpmath.power(*parts) if expr.is_Pow else combine(parts)
-        else:
-            letters, compiled = _compiled(expr)
-            known[expr] = compiled(*(known[letter] for letter in letters))
-    return known[expr]
-
-
-@cache
-def equal_at_random_points(a: sp.Expr, b: sp.Expr, points: int = POINTS) -> bool:
-    """Whether two expressions agree to 40 digits at random rational points."""
-    letters = a.free_symbols | b.free_symbols
-    with mpmath.workdps(DIGITS + 20):
-        for seed in range(points):
-            point = random_point(letters, seed)
-            known = {letter: mpmath.mpf(x.p) / x.q for letter, x in point.items()}
-            x, y = _value(a, known), _value(b, known)
-            if not abs(x - y) <= mpmath.mpf(10) ** -DIGITS * (1 + abs(y)):  # nan, too
-                return False
-    return True
-
-
-def same(a: Form, b: Form) -> bool:
-    """Whether two forms say the same; inequalities may differ by a positive factor."""
-    pairs = tuple(zip(components(a), components(b), strict=True))
-    if isinstance(a, sp.core.relational.Relational):
-        as_strict = ("=" in a.rel_op) == ("=" in b.rel_op)
-        return as_strict and all(sp.cancel(x / y).is_positive for x, y in pairs)
-    return all(vanishes(x - y) for x, y in pairs)
-
-
-def _equal(a: Form, b: Form) -> bool:
-    pairs = zip(components(a), components(b), strict=True)
-    return all(equal_at_random_points(x.doit(), y.doit()) for x, y in pairs)
-
-
 def _agrees(eq: Equation) -> Proof:
     return Proof(ok=same(eq.printed, eq.derive()), evidence="difference simplifies to zero")
 
 
 def _rewritten(eq: Equation) -> Proof:
     return Proof(
-        ok=_equal(eq.printed, eq.derive()),
+        ok=equal(eq.printed, eq.derive()),
         evidence=f"equal to {DIGITS} digits at {POINTS} random rational points",
     )
 
@@ -438,7 +326,7 @@ def _erratum(eq: Equation) -> Proof:
     evidence = "; ".join(f"printed ${_number(x)}$, derived ${_number(y)}$" for x, y in pairs)
     where = ", ".join(f"${sp.latex(x)} = {_number(point[x])}$" for x in sorted(free, key=str))
     others = [paper.printed(tag) for tag in eq.contradicted_by]
-    contradicted = eq.contradiction is None or _equal(eq.contradiction(*others), derived)
+    contradicted = eq.contradiction is None or equal(eq.contradiction(*others), derived)
     return Proof(
         ok=differs and contradicted and _explained(eq),
         evidence=evidence + (f" at {where}" if where else ""),
@@ -450,12 +338,12 @@ def _explained(eq: Equation) -> bool:
     if eq.repair:
         length = sum(len(paper.EQUATIONS[tag].right) for tag in eq.formulas)
         small = all(2 * repair.size < length for repair in eq.repair)
-        return small and _equal(eq.repaired, eq.derive())
+        return small and equal(eq.repaired, eq.derive())
     return (
         eq.mistaken is not None
         and bool(told(eq, "mistake"))
         and eq.contradiction is not None
-        and _equal(eq.mistaken(), eq.printed)
+        and equal(eq.mistaken(), eq.printed)
     )
 
 

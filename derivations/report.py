@@ -19,10 +19,11 @@ from markupsafe import Markup
 
 from . import closed_forms, codegen, lecture, paper, typeset
 from .drawings import DRAWINGS
+from .equality import Form
 from .exercises import EXERCISES
 from .files import write as write_file
 from .lecture import LETTERS, to_html, to_latex
-from .proof import Equation, Form
+from .proof import Equation
 from .registry import SECTIONS, Code, Entry, Row
 from .steps import Reader
 

@@ -15,8 +15,8 @@ from typing import Any
 import sympy as sp
 
 from . import slide, slip_reversal
+from .equality import is_zero
 from .laws import V_1, A, B, C, a_1, a_2
-from .proof import is_zero
 from .symbols import NAMED, P_1, P_z, X, Z, k, m, mu, u_0, v_0, v_1
 
 Body = dict[sp.Symbol, sp.Expr]

@@ -10,8 +10,9 @@ import sympy as sp
 from . import paper, second_routes
 from .bodies import THIN
 from .drift import relaxation, stationary
+from .equality import DIGITS
 from .lecture import PAPER, degrees, formula, number
-from .proof import DIGITS, Equation
+from .proof import Equation
 from .symbols import X, Z, c_x, c_z, epsilon, h_0, k, mu, omega, phi
 from .trace import derived, solve
 from .typeset import latex

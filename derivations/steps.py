@@ -14,7 +14,8 @@ import sympy as sp
 from sympy.core.random import seed
 
 from . import axioms, trace
-from .proof import Equation, components
+from .equality import components
+from .proof import Equation
 from .symbols import epsilon, mu
 from .trace import Step
 from .typeset import latex, moving, pieces

@@ -7,7 +7,7 @@ import sympy as sp
 from latex2mathml.converter import convert
 from sympy.printing.latex import LatexPrinter
 
-from .proof import Form
+from .equality import Form
 
 # Letters in the order in which they stand in a product; others come last.
 _SPEEDS = "c_x c_z u_0 u_f v_0 v_1 v_f V_z V_0 P_x P_z P_1 P_2 F_x F_z"

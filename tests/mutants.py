@@ -14,7 +14,8 @@ from typing import Literal
 import sympy as sp
 
 from derivations import axioms
-from derivations.proof import Equation, Form, components, equal_at_random_points
+from derivations.equality import Form, components, equal_at_random_points
+from derivations.proof import Equation
 from derivations.registry import ENTRIES
 
 Relational = sp.core.relational.Relational

@@ -10,7 +10,7 @@ from numba import njit
 
 import impact
 from derivations import closed_forms, codegen, files, rewrites
-from derivations.proof import random_point
+from derivations.equality import random_point
 from impact import compiled
 
 from . import sampling

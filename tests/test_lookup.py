@@ -9,7 +9,8 @@ import sympy as sp
 import derivations
 import impact
 from derivations import symbols
-from derivations.proof import Equation, components, random_point
+from derivations.equality import components, random_point
+from derivations.proof import Equation
 from derivations.registry import ENTRIES
 
 EQUATIONS = [entry for entry in ENTRIES if isinstance(entry, Equation)]

@@ -22,7 +22,8 @@ from derivations import (
     steps,
     typeset,
 )
-from derivations.proof import Equation, components, equal_at_random_points, same, told
+from derivations.equality import components, equal_at_random_points, same
+from derivations.proof import Equation, told
 
 from .page import Page, plain, stands_alone
 
