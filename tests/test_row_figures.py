@@ -132,14 +132,14 @@ def test_isolated_landings_of_a_row_follow_the_map(row):
 
 
 def test_pushed_landings_do_not(row):
-    """And no landing's error is below the part that other rods must have given."""
+    """And of 500 landings at most one has an error below half of what other rods must have given."""
     found = measures(row)
     assert 0.6 < found["shared"][0] < 0.95
     assert found["pushed_residual"][0] > 5 * found["isolated_residual"][0]
     assert found["pushed_allowed"][0] > 0.2
     assert found["pushed_kick"][0] > 100 * found["isolated_kick"][0]
     some = row.duration < 0.1  # longer, and gravity weighs more than the impact
-    assert np.all(row.residual[some] > 0.4 * row.kick[some])
+    assert np.mean(row.residual[some] > 0.5 * row.kick[some]) > 0.998
 
 
 def test_means_are_those_of_the_landings(row):
