@@ -132,7 +132,7 @@ def test_isolated_landings_of_a_row_follow_the_map(row):
 
 
 def test_pushed_landings_do_not(row):
-    """And of 500 landings at most one has an error below half of what other rods must have given."""
+    """And of 500 landings at most one has an error below half of what other rods gave."""
     found = measures(row)
     assert 0.6 < found["shared"][0] < 0.95
     assert found["pushed_residual"][0] > 5 * found["isolated_residual"][0]
