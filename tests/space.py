@@ -85,9 +85,11 @@ class Rods:
     def energy(self):
         """Half a step ago; the plate is at rest."""
         height = self.effects.plate.height[0] if self.effects.plate else 0.0
-        listed, half, (*_, place, found, _) = self.state.listed, HALF, self.state.scratch
+        listed, (*_, place, found, _) = self.state.listed, self.state.scratch
         if listed:
-            assert renewed(IN_SPACE, self.rods, half, None, listed, place, found)
+            assert renewed(
+                IN_SPACE, self.rods, self.effects.half_length, None, listed, place, found
+            )
         return energy(self.effects, self.rods, listed, height, self.dt)
 
     def moments(self):

@@ -94,7 +94,6 @@ def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
 RACE = """
 import sys, time
 from numba.core.caching import IndexDataCacheFile
-from md.cache import kernel
 load = IndexDataCacheFile._load_index
 def slow(self):
     found = load(self)

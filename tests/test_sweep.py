@@ -433,10 +433,11 @@ def test_kills_at_random_times_lose_nothing(tmp_path, kills, hows):
     assert gathered(sweep, tmp_path / "a.db") == gathered(sweep, tmp_path / "b.db")
 
 
-def test_sigterm_ends_in_order(tmp_path):
-    """Which is Ctrl-C to every command: one line, and no worker is left."""
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_ends_in_order(tmp_path, how):
+    """And so does SIGTERM: one line, and no worker is left."""
     written(tmp_path, LONG.replace("400", "4000"))
-    code, _, error = killed(tmp_path, signal.SIGTERM, 1.5)
+    code, _, error = killed(tmp_path, how, 1.5)
     assert code == 130
     assert "runs done and stored" in error
     assert "Traceback" not in error

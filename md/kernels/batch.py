@@ -12,8 +12,8 @@ import numpy as np
 
 from ..cache import kernel
 from .contact import Inertia, Meeting, contact, losses, total
-from .state import kept_force, kept_part
-from .vectors import add, dot, put, times, torque
+from .state import Kept, keep, kept_of
+from .vectors import add, dot, times, torque
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 8  # that may be there before a pair or a rod is looked at
@@ -78,7 +78,7 @@ def get(numbers, what, c):
 
 
 @kernel
-def keep(numbers, what, c, value):
+def fill(numbers, what, c, value):
     """Put a number of contact c."""
     numbers[np.uint64(what * SIZE + c)] = value
 
@@ -100,29 +100,44 @@ def get_axial(numbers, what, c, up):
 
 
 @kernel
-def keep_all(numbers, what, c, v):
+def fill_all(numbers, what, c, v):
     """Put a vector of contact c."""
-    keep(numbers, what, c, v[0])
+    fill(numbers, what, c, v[0])
     if len(v) > 1:
-        keep(numbers, what + 1, c, v[1])
+        fill(numbers, what + 1, c, v[1])
     if len(v) > 2:
-        keep(numbers, what + 2, c, v[2])
+        fill(numbers, what + 2, c, v[2])
 
 
 @kernel
-def keep_body(numbers, what, n, arm, director):
+def get_kept(numbers, c, up):
+    """What is kept of contact c, as if it had all of its share."""
+    rub, spring = get_axial(numbers, RUB, c, up), get_axial(numbers, SPRING, c, up)
+    return Kept(get(numbers, PRESSED, c), rub, spring)
+
+
+@kernel
+def fill_kept(numbers, c, kept):
+    """Put it."""
+    fill(numbers, PRESSED, c, kept.force)
+    fill_all(numbers, RUB, c, kept.rub)
+    fill_all(numbers, SPRING, c, kept.spring)
+
+
+@kernel
+def fill_body(numbers, what, n, arm, director):
     """Put a body of contact n; `what`: places of its arm and, in space, of its director."""
-    keep_all(numbers, what[0], n, arm)
+    fill_all(numbers, what[0], n, arm)
     if len(arm) == 3:
-        keep_all(numbers, what[1], n, director)
+        fill_all(numbers, what[1], n, director)
 
 
 @kernel
-def keep_bodies(numbers, n, bodies):
+def fill_bodies(numbers, n, bodies):
     """Put both bodies, or the one at a wall."""
-    keep_body(numbers, (ARM, DIRECTOR), n, bodies[0][0], bodies[0][1])
+    fill_body(numbers, (ARM, DIRECTOR), n, bodies[0][0], bodies[0][1])
     if len(bodies) == 2:
-        keep_body(numbers, (OTHER_ARM, OTHER_DIRECTOR), n, bodies[1][0], bodies[1][1])
+        fill_body(numbers, (OTHER_ARM, OTHER_DIRECTOR), n, bodies[1][0], bodies[1][1])
 
 
 @kernel
@@ -130,14 +145,12 @@ def collect(batch, n, given, forces, springs, up):
     """Put a contact at place n, with what is kept of it; the number of contacts then."""
     (numbers, place), at, row, slot = batch, np.uint64(n), given.row, given.slot
     place[at, 0], place[at, 1], place[at, 2], place[at, 3] = given.first, given.second, row, slot
-    keep_all(numbers, GAP, n, given.gap)
-    keep_bodies(numbers, n, given.bodies)
-    keep_all(numbers, HALF, n, given.half)
-    keep_all(numbers, GAIN, n, given.gain)
-    keep(numbers, SHARE, n, given.share)
-    keep(numbers, PRESSED, n, kept_force(forces, row, slot))
-    keep_all(numbers, RUB, n, kept_part(forces, row, slot, 1, up))
-    keep_all(numbers, SPRING, n, kept_part(springs, row, slot, 0, up))
+    fill_all(numbers, GAP, n, given.gap)
+    fill_bodies(numbers, n, given.bodies)
+    fill_all(numbers, HALF, n, given.half)
+    fill_all(numbers, GAIN, n, given.gain)
+    fill(numbers, SHARE, n, given.share)
+    fill_kept(numbers, n, kept_of(up, forces, springs, row, slot))
     return n + 1
 
 
@@ -152,11 +165,11 @@ def bodies_of(rods, numbers, c, up):
 
 
 @kernel
-def keep_torques(numbers, c, bodies, force):
+def fill_torques(numbers, c, bodies, force):
     """Put the torques on both bodies, by a force on the first."""
-    keep_all(numbers, TORQUE, c, torque(bodies[0][0], force))
+    fill_all(numbers, TORQUE, c, torque(bodies[0][0], force))
     if len(bodies) == 2:
-        keep_all(numbers, OTHER_TORQUE, c, times(-1.0, torque(bodies[1][0], force)))
+        fill_all(numbers, OTHER_TORQUE, c, times(-1.0, torque(bodies[1][0], force)))
 
 
 @kernel
@@ -165,8 +178,8 @@ def accounted(ledger, law, numbers, c, meeting, found, dt):
     if ledger is not None:
         share = get(numbers, SHARE, c)
         normal, friction = losses(law, meeting, found, dt)
-        keep(numbers, NORMAL_LOSS, c, share * normal)
-        keep(numbers, FRICTION_LOSS, c, share * friction)
+        fill(numbers, NORMAL_LOSS, c, share * normal)
+        fill(numbers, FRICTION_LOSS, c, share * friction)
 
 
 @kernel
@@ -174,21 +187,19 @@ def act_on(alike, ledger, numbers, c, dt):
     """What acts in contact c."""
     law, rods, inertia, up, _ = alike
     gap, bodies = get_vector(numbers, GAP, c, up), bodies_of(rods, numbers, c, up)
+    kept = get_kept(numbers, c, up)
     distance = sqrt(dot(gap, gap))
     half, gain = get_vector(numbers, HALF, c, up), get_vector(numbers, GAIN, c, up)
     meeting = Meeting(
         bodies, times(1.0 / distance, gap), max(1.0 - distance, 0.0), half, gain,
-        get(numbers, PRESSED, c), get_axial(numbers, RUB, c, up),
-        get_axial(numbers, SPRING, c, up), None, None, half,
+        kept.force, kept.rub, kept.spring, None, None, half,
     )  # fmt: skip
     found = contact(law.normal, law.friction, inertia, meeting, dt)
     accounted(ledger, law.normal, numbers, c, meeting, found, dt)
-    keep(numbers, PRESSED, c, found.normal)
-    keep_all(numbers, RUB, c, found.rub)
-    keep_all(numbers, SPRING, c, found.spring)
+    fill_kept(numbers, c, Kept(found.normal, found.rub, found.spring))
     force = times(get(numbers, SHARE, c), total(found, meeting.out))
-    keep_all(numbers, FORCE, c, force)
-    keep_torques(numbers, c, bodies, force)
+    fill_all(numbers, FORCE, c, force)
+    fill_torques(numbers, c, bodies, force)
 
 
 @kernel
@@ -201,13 +212,6 @@ def booked(ledger, numbers, columns, count):
             friction += get(numbers, FRICTION_LOSS, c)
         ledger[columns[0]] += normal
         ledger[columns[1]] += friction
-
-
-@kernel
-def keep_parts(array, row, slot, first, part):
-    """Keep a part across a normal for the next step."""
-    if array is not None:
-        put(array[row], slot, first, part)
 
 
 @kernel(inline=False)
@@ -228,8 +232,5 @@ def acted(alike, kept, sums, batch, ledger, count, dt):
             add(sums, j, 0, times(-1.0, force))
             add(sums, j, len(force), get_axial(numbers, OTHER_TORQUE, c, up))
         row, slot = np.uint64(place[c, 2]), np.uint64(place[c, 3])
-        if forces is not None:
-            forces[row, slot, 0] = get(numbers, PRESSED, c)
-        keep_parts(forces, row, slot, 1, get_axial(numbers, RUB, c, up))
-        keep_parts(springs, row, slot, 0, get_axial(numbers, SPRING, c, up))
+        keep(forces, springs, row, slot, get_kept(numbers, c, up))
     booked(ledger, numbers, alike.columns, count)

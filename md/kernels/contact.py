@@ -159,17 +159,16 @@ def normal_force(normal, overlap, half, free, light, implicit, dt):
 
 
 @kernel
-def turned_by(inertia, arm, director, force):
-    """Angular acceleration by a force at an arm: in space, of the vector w (`space.march`)."""
-    t = times(inertia.lightness, torque(arm, force))
-    if len(arm) == 2:
-        return t
-    return free_turn(inertia.rolling, t, director)
+def turn_by(inertia, torque, director):
+    """Rate of a rod's turn by a torque."""
+    return free_turn(inertia.rolling, times(inertia.lightness, torque), director)
 
 
 @kernel
 def free_turn(rolling, w, director):
-    """Without rolling nothing turns a rod about its axis."""
+    """A turn in the plane, or in space: without rolling, nothing turns a rod about its axis."""
+    if len(w) == 1:
+        return w
     if rolling is None:
         return along(w, -dot(w, director), director)
     return w
@@ -196,7 +195,7 @@ def moved(inertia, bodies, force):
     """Acceleration of the first body against the second at the contact, by a force on the first."""
     total = times(1.0 * len(bodies), force)
     for arm, director in bodies:
-        w = turned_by(inertia, arm, director, force)
+        w = turn_by(inertia, torque(arm, force), director)
         total = along(total, 1.0, swung(inertia.rolling, w, director, arm))
     return total
 

@@ -35,20 +35,20 @@ from .codes import (
     UPRIGHT,
     WALL_TOO_DEEP,
 )
-from .contact import free_turn, size
+from .contact import free_turn, size, turn_by
 from .neighbours import too_fast
 from .pairs import between_rods
-from .plate import Kept, Moving, plate_at, plate_before, plate_forces
+from .plate import Moving, plate_at, plate_before, plate_forces
 from .state import (
     Clock,
     dimensions,
     director_of,
     field,
     forget,
-    kept_force,
-    kept_part,
+    inertia_of,
+    keep,
+    kept_of,
     place_of,
-    turn_by,
     turn_of,
     velocity_of,
 )
@@ -61,7 +61,7 @@ class Series(NamedTuple):
     """What is sampled, a row a period."""
 
     rows: np.ndarray  # (periods + 1, ROW_SERIES or ANNULUS_SERIES): columns of `codes`
-    last: np.ndarray  # (rods, 2): at the last sample, sin and cos of the tilt, or the azimuth, rad
+    last: np.ndarray  # (rods, 2): sin and cos of the tilt at the last sample; or (rods, 1), azimuth
     per: int  # steps of a row
     every: int  # steps between two samples
 
@@ -132,25 +132,6 @@ def sample(series, up, rods, step):
 
 
 @kernel
-def kept_of(up, forces, springs, i, cap):
-    """What a cap of rod i keeps."""
-    slot = PLATE_CAPS + cap
-    rub, spring = kept_part(forces, i, slot, 1, up), kept_part(springs, i, slot, 0, up)
-    return Kept(kept_force(forces, i, slot), rub, spring)
-
-
-@kernel
-def keep_of(forces, springs, i, cap, kept):
-    """Keep it for the next step."""
-    slot = PLATE_CAPS + cap
-    if forces is not None:
-        forces[i, slot, 0] = kept.force
-        put(forces[i], slot, 1, kept.rub)
-    if springs is not None:
-        put(springs[i], slot, 0, kept.spring)
-
-
-@kernel
 def accounted(ledger, touch, plate, dt):
     """Plate work and losses at one cap."""
     if ledger is not None:
@@ -174,13 +155,14 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
         return False
     velocity, turn, dims = velocity_of(up, rods, i), turn_of(up, rods, i), dimensions(up)
     others = vector(total, i, 0, up), axial(total, i, dims, up)
-    kept = kept_of(up, forces, springs, i, 0), kept_of(up, forces, springs, i, 1)
+    lower_slot, upper_slot = PLATE_CAPS, PLATE_CAPS + 1
+    kept = kept_of(up, forces, springs, i, lower_slot), kept_of(up, forces, springs, i, upper_slot)
     rod = Moving(z, director, velocity, turn, None, (velocity, turn))
     (force, torque), lower, upper = plate_forces(effects, rod, kept, plate, others, clock.dt)
     put(total, i, 0, force)
     put(total, i, dims, torque)
-    keep_of(forces, springs, i, 0, lower.kept)
-    keep_of(forces, springs, i, 1, upper.kept)
+    keep(forces, springs, i, lower_slot, lower.kept)
+    keep(forces, springs, i, upper_slot, upper.kept)
     accounted(watchers.ledger, lower, plate, clock.dt)
     accounted(watchers.ledger, upper, plate, clock.dt)
     pushed = others[0] != field(effects, velocity)
@@ -197,15 +179,7 @@ def kicked(effects, rods, before, i, dt):
     up = effects.up
     gain, bend = vector(before, i, 0, up), axial(before, i, dimensions(up), up)
     c, w = along(velocity_of(up, rods, i), dt, gain), along(turn_of(up, rods, i), dt, bend)
-    return c, level(effects.rolling, w, director_of(up, rods, i))
-
-
-@kernel
-def level(rolling, turn, director):
-    """A turn without what rounding has left along the axis of a rod that does not roll."""
-    if len(turn) == 1:
-        return turn
-    return free_turn(rolling, turn, director)
+    return c, free_turn(effects.rolling, w, director_of(up, rods, i))
 
 
 @kernel
@@ -246,7 +220,7 @@ def march(effects, state, watchers, clock, steps):
     steps : int
     """
     rods, before, total, ledger = state.rods, state.before, state.scratch.total, watchers.ledger
-    up, dims, dt = effects.up, dimensions(effects.up), clock.dt
+    up, dims, inertia, dt = effects.up, dimensions(effects.up), inertia_of(effects), clock.dt
     for n in range(steps):
         now = Clock(clock.step + n, dt)
         if full(watchers.record):
@@ -270,7 +244,7 @@ def march(effects, state, watchers, clock, steps):
         for i in range(rods.shape[0]):
             torque, director = axial(total, i, dims, up), director_of(up, rods, i)
             put(before, i, 0, vector(total, i, 0, up))
-            put(before, i, dims, turn_by(effects, torque, director))
+            put(before, i, dims, turn_by(inertia, torque, director))
         fastest, unfit = fastest_rod(effects, rods, before, state.scratch.speed, dt)
         if unfit >= 0:
             return n, NOT_FINITE, unfit

@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 from ..cache import kernel
-from .contact import Meeting, contact, losses, turning
-from .state import inertia_of, point, turn_by
+from .contact import Meeting, contact, losses, turn_by, turning
+from .state import Kept, inertia_of, nothing_kept, point
 from .vectors import (
     along,
     cross,
@@ -18,14 +18,6 @@ from .vectors import (
     torque,
     upward,
 )
-
-
-class Kept(NamedTuple):
-    """What a cap keeps of a step for the next one."""
-
-    force: float  # F_n, m g
-    rub: tuple  # F_t, m g
-    spring: tuple  # its length, d
 
 
 class Moving(NamedTuple):
@@ -68,12 +60,6 @@ def end_at(flat, half, cap, director):
 
 
 @kernel
-def forgotten(kept):
-    """Nothing."""
-    return Kept(0.0, nothing(kept.rub), nothing(kept.spring))
-
-
-@kernel
 def facing(effects, rod, plate, cap, kept):
     """How the cap or corner `cap` of `end_at` stands to the plate, with its last force."""
     end, radius = end_at(effects.flat, effects.half_length, cap, rod.director)
@@ -81,7 +67,7 @@ def facing(effects, rod, plate, cap, kept):
     half = raised(point(effects, rod.velocity, rod.turn, rod.director, arm), -plate[1])
     overlap = plate[0] + radius - (rod.z + height(end))
     if overlap <= 0.0:
-        kept = forgotten(kept)
+        kept = nothing_kept(effects.up)
     return Touch(overlap, end, arm, half, kept, height(half), (0.0, 0.0))
 
 
@@ -90,7 +76,7 @@ def facing_above(upper, effects, rod, plate, kept):
     """The same for the upper cap, which stays open if there is none."""
     if upper is None:
         centre = nothing(rod.velocity)
-        return Touch(-1.0, centre, centre, rod.velocity, forgotten(kept), 0.0, (0.0, 0.0))
+        return Touch(-1.0, centre, centre, rod.velocity, nothing_kept(effects.up), 0.0, (0.0, 0.0))
     return facing(effects, rod, plate, 1.0, kept)
 
 
@@ -131,15 +117,15 @@ def pressed(effects, rod, touch, plate, forces, dt):
     overlap, end, arm, half, kept, _, _ = touch
     if overlap <= 0.0:
         return touch
-    director, normal = rod.director, upward(arm)
-    gain = point(effects, forces[0], turn_by(effects, forces[1], director), director, arm)
+    director, normal, inertia = rod.director, upward(arm), inertia_of(effects)
+    gain = point(effects, forces[0], turn_by(inertia, forces[1], director), director, arm)
     now = raised(point(effects, rod.now[0], rod.now[1], director, arm), -plate[1])
     sweep = swept(effects.rolling, rod, arm, end, plate)
     meeting = Meeting(
         ((arm, director),), normal, overlap, half, gain, kept.force, kept.rub, kept.spring,
         sweep, rod.explicit, now,
     )  # fmt: skip
-    found = contact(effects.normal, effects.friction, inertia_of(effects), meeting, dt)
+    found = contact(effects.normal, effects.friction, inertia, meeting, dt)
     lost, kept = (
         losses(effects.normal, meeting, found, dt),
         Kept(found.normal, found.rub, found.spring),

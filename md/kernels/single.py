@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 
 from ..cache import kernel
 from .codes import DEEP, DONE, NOT_FINITE, OPENED, TOO_DEEP
-from .plate import Kept, Moving, plate_at, plate_forces
-from .state import field
+from .plate import Moving, plate_at, plate_forces
+from .state import Kept, field
 from .touches import seen, watched
 from .vectors import ZERO, along, turned
 

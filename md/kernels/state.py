@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .contact import ContactForces, Friction, Inertia, Normal, free_turn, swung
+from .contact import ContactForces, Friction, Inertia, Normal, swung
 from .neighbours import Listed
-from .vectors import IN_PLANE, along, axial, nothing, put, raised, times, vector
+from .vectors import IN_PLANE, along, axial, nothing, put, raised, vector
 
 
 class Motion(NamedTuple):
@@ -51,6 +51,14 @@ class Effects(NamedTuple):
     inner: Wall | None = None
     outer: Wall | None = None
     shaken: bool | None = None  # True: both walls move with the plate; None: they are at rest
+
+
+class Kept(NamedTuple):
+    """What a contact keeps of a step for the next one."""
+
+    force: float  # F_n, m g
+    rub: tuple  # F_t, m g: across the normal
+    spring: tuple  # its length, d
 
 
 class Scratch(NamedTuple):
@@ -121,14 +129,6 @@ def inertia_of(effects):
 
 
 @kernel
-def turn_by(effects, torque, director):
-    """Rate of a rod's turn by a torque."""
-    if len(torque) == 1:
-        return times(effects.lightness, torque)
-    return free_turn(effects.rolling, times(effects.lightness, torque), director)
-
-
-@kernel
 def point(effects, velocity, turn, director, arm):
     """Velocity of a point of a rod; of rates of both, its acceleration but for that by its path."""
     return along(velocity, 1.0, swung(effects.rolling, turn, director, arm))
@@ -151,14 +151,16 @@ def field(effects, velocity):
 
 
 @kernel
-def kept_force(forces, row, slot):
-    """F_n of a contact in the step before; none where none is kept."""
-    return 0.0 if forces is None else forces[row, slot, 0]
+def kept_of(up, forces, springs, row, slot):
+    """What is kept of a contact; arrays that are `None` keep nothing."""
+    force = 0.0 if forces is None else forces[row, slot, 0]
+    rub, spring = kept_part(up, forces, row, slot, 1), kept_part(up, springs, row, slot, 0)
+    return Kept(force, rub, spring)
 
 
 @kernel
-def kept_part(array, row, slot, first, up):
-    """Part across the normal that is kept of a contact."""
+def kept_part(up, array, row, slot, first):
+    """Part across the normal that is kept."""
     if array is None:
         return nothing_across(up)
     return axial(array[row], slot, first, up)
@@ -173,10 +175,22 @@ def nothing_across(up):
 
 
 @kernel
+def nothing_kept(up):
+    """Of a contact that is open."""
+    return Kept(0.0, nothing_across(up), nothing_across(up))
+
+
+@kernel
+def keep(forces, springs, row, slot, kept):
+    """Keep it for the next step, as far as there are arrays."""
+    if forces is not None:
+        forces[row, slot, 0] = kept.force
+        put(forces[row], slot, 1, kept.rub)
+    if springs is not None:
+        put(springs[row], slot, 0, kept.spring)
+
+
+@kernel
 def forget(up, forces, springs, row, slot):
     """Clear what is kept of a contact that is open."""
-    if forces is not None:
-        forces[row, slot, 0] = 0.0
-        put(forces[row], slot, 1, nothing_across(up))
-    if springs is not None:
-        put(springs[row], slot, 0, nothing_across(up))
+    keep(forces, springs, row, slot, nothing_kept(up))
