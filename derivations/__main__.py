@@ -129,10 +129,10 @@ def generate(language: str | None, out: Path | None) -> int:
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     default="out",
-    help="Folder for report.html and latex/*.tex.",
+    help="Folder for report.html.",
 )
 def write_report(out: Path) -> int:
-    """Write the derivation as HTML and LaTeX (20 s).
+    """Write the derivation as a page (20 s).
 
     The exit code is 1 if a proof fails.
     """
@@ -141,14 +141,12 @@ def write_report(out: Path) -> int:
 
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryFile(dir=out):  # refused before all is proved
-        for path in (out / "report.html", *out.glob("latex/*.tex")):
-            plain(path)
+        plain(out / "report.html")
     rows = registry.check(_bar("proving"))
     if stuck := [row for row in rows if not row.computed]:
         print(table(stuck), "No report is written: these cannot be computed.", sep="\n")
         return 1
-    for path in report.write(out, rows, _bar("writing")):
-        print(path)
+    print(report.write(out, rows, _bar("writing")))
     return _code(rows)
 
 

@@ -1,4 +1,4 @@
-"""The report's words: from lecture.toml, as HTML, LaTeX and plain text; those that are computed.
+"""The report's words: from lecture.toml, as HTML and as plain text; those that are computed.
 
 In `the slip $u_0 > 0$ of (14)` the formula is LaTeX, and the number of an equation may become a
 link. Between backquotes stands code. A letter of the table has one meaning; dimensions are
@@ -64,8 +64,6 @@ _QUOTED = re.compile(r'"([^"]*)"')
 _MATH = "<math>(?:(?!</math>).)*</math>"
 _WHOLE = re.compile(rf"\({_MATH}[,.;:)]*|{_MATH}[,.;:)]+")  # a line must not break in it
 _CODE = re.compile(r"`([^`]+)`")
-_ESCAPES = {sign: f"\\{sign}" for sign in "&%#_{}"}
-_ESCAPES |= {"<": "$<$", ">": "$>$", "^": r"\^{}", "é": r"\'e"}
 _PLAIN = ((r"\ge", ">="), (r"\le", "<="), (r"\to", "->"), (r"\cdot", "."), (r"\,", " "))
 
 
@@ -88,18 +86,6 @@ def to_html(text: str, link: Callable[[str], str] = "".format) -> str:
     text = _QUOTED.sub("“\\1”", text)
     text = "".join(mathml(words(part)) if math else plain(part) for math, part in _parts(text))
     return _WHOLE.sub(r'<span class="whole">\g<0></span>', text)
-
-
-def to_latex(text: str) -> str:
-    """LaTeX of a sentence."""
-
-    def plain(part: str) -> str:
-        part = "".join(_ESCAPES.get(letter, letter) for letter in part)
-        return _CODE.sub(r"\\texttt{\1}", part)
-
-    parts = _parts(_QUOTED.sub("“\\1”", text))
-    text = "".join(f"${words(part)}$" if math else plain(part) for math, part in parts)
-    return text.replace("“", "``").replace("”", "''")
 
 
 def to_text(text: str) -> str:

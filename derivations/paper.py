@@ -100,11 +100,6 @@ def value_of(left: str, letters: Mapping[str, Any]) -> sp.Expr:
     return read(left[1:-1] if left.startswith("[") else left, known)
 
 
-def aligned(tex: str, align: str) -> str:
-    """LaTeX with a mark before its first equals sign."""
-    return re.sub(r"(=|\\equiv)", rf"{align}\1", tex, count=1)
-
-
 @cache
 def _parser() -> LarkLaTeXParser:
     return LarkLaTeXParser()

@@ -1,14 +1,13 @@
-"""The derivation as one page to read (HTML with MathML, no script, no network) and as LaTeX.
+"""The derivation as one page to read: HTML with MathML, no script, no network.
 
-`html` is for a lecture: the registry's sections with their text and drawings (`lecture`), each
-equation with its steps, in print only where that differs, and its verdict in the margin; letters,
-exercises, references. `latex` holds the entries alone.
+It is for a lecture: the registry's sections with their text and drawings (`lecture`), each equation
+with its steps, in print only where that differs, and its verdict in the margin; letters, exercises,
+references.
 """
 
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,7 @@ from .drawings import DRAWINGS
 from .equality import Form
 from .exercises import EXERCISES
 from .files import write as write_file
-from .lecture import LETTERS, to_html, to_latex
+from .lecture import LETTERS, to_html
 from .proof import Equation
 from .registry import SECTIONS, Code, Entry, Row
 from .steps import Reader
@@ -67,7 +66,7 @@ def forms(entry: Entry) -> list[tuple[str, Form]]:
     return found
 
 
-def _lines_of(entry: Equation, label: str, form: Form, align: str = "") -> list[list[str]]:
+def _lines_of(entry: Equation, label: str, form: Form) -> list[list[str]]:
     """LaTeX of a form of an entry: the paper's own where it is printed, with the repairs made."""
     own = entry.formulas and entry.said is None and entry.tag not in paper.SENTENCES
     if own and (label == PRINTED or entry.repair):
@@ -75,8 +74,8 @@ def _lines_of(entry: Equation, label: str, form: Form, align: str = "") -> list[
         if label != PRINTED:
             for repair in entry.repair:
                 texts = [repair.of(tex) for tex in texts]
-        return [[paper.aligned(tex, align)] for tex in texts]
-    return equations(entry.left, form, align)
+        return [[tex] for tex in texts]
+    return equations(entry.left, form)
 
 
 def _program(entry: Entry) -> str:
@@ -84,23 +83,23 @@ def _program(entry: Entry) -> str:
     return entry.text if isinstance(entry, Code) else ""
 
 
-def equations(left: str | sp.Symbol, form: Form, align: str = "") -> list[list[str]]:
+def equations(left: str | sp.Symbol, form: Form) -> list[list[str]]:
     """LaTeX of a form with its left-hand side; a column of values as one equation each."""
     if not isinstance(form, sp.MatrixBase):
-        return [equation(left, form, align)]
+        return [equation(left, form)]
     parts = paper.parts(str(left))
     if len(parts) == len(form):
-        return [equation(part, x, align) for part, x in zip(parts, form, strict=True)]
-    return [equation(left, form[0] if len(set(form)) == 1 else form, align)]
+        return [equation(part, x) for part, x in zip(parts, form, strict=True)]
+    return [equation(left, form[0] if len(set(form)) == 1 else form)]
 
 
-def equation(left: str | sp.Symbol, form: Form, align: str = "") -> list[str]:
+def equation(left: str | sp.Symbol, form: Form) -> list[str]:
     """LaTeX of a form with its left-hand side, in pieces between which a line may break."""
     first, *more = typeset.pieces(form)
     if isinstance(form, sp.core.relational.Relational):
-        return [align + first, *more]
+        return [first, *more]
     shown = typeset.words(left) if isinstance(left, str) else typeset.latex(left)
-    return [f"{shown} {align}= {first}", *more]
+    return [f"{shown} = {first}", *more]
 
 
 def _remarks(row: Row) -> list[tuple[str, str]]:
@@ -131,16 +130,7 @@ def _sentence(text: str, links: bool = True) -> Markup:
     return Markup(to_html(text, lambda tag: f"#{anchor(tag)}" if tag in known else ""))
 
 
-def _environment(**options: Any) -> Environment:
-    """Jinja environment over the templates of this package."""
-    loader = PackageLoader(__package__)
-    made = Environment(loader=loader, undefined=StrictUndefined, **options)
-    made.globals |= {"forms": forms, "lines_of": _lines_of, "equations": equations}
-    made.globals |= {"remarks": _remarks, "proof": _proof, "program": _program}
-    return made
-
-
-_html = _environment(autoescape=True)
+_html = Environment(loader=PackageLoader(__package__), undefined=StrictUndefined, autoescape=True)
 _html.filters |= {
     "anchor": anchor,
     "inline": lambda tex: Markup(typeset.mathml(tex)),
@@ -148,7 +138,15 @@ _html.filters |= {
     "named": lambda tag: _sentence(_named(tag), links=False),
     "sentence": _sentence,
 }
-_html.globals["verdicts"] = VERDICTS
+_html.globals |= {
+    "verdicts": VERDICTS,
+    "forms": forms,
+    "lines_of": _lines_of,
+    "equations": equations,
+    "remarks": _remarks,
+    "proof": _proof,
+    "program": _program,
+}
 STYLE = resources.files(__package__).joinpath("templates/page.css").read_text(encoding="utf-8")
 
 
@@ -193,51 +191,8 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
     )
 
 
-# ---- LaTeX ------------------------------------------------------------------------------------
-
-
-def _label(tag: str, first: bool) -> str:
-    """LaTeX tag of a form: the equation's number or name at the first form, else `derived`."""
-    if not first:
-        return r"\tag*{derived}"
-    return (
-        rf"\tag{{{tag}}}"
-        if tag in _TAGS and tag.isalnum()
-        else rf"\tag*{{{to_latex(_named(tag))}}}"
-    )
-
-
-_tex = _environment(
-    block_start_string="<%",
-    block_end_string="%>",
-    variable_start_string="<<",
-    variable_end_string=">>",
-    comment_start_string="<#",
-    comment_end_string="#>",
-)
-_tex.filters |= {"label": _label, "named": lambda tag: to_latex(_named(tag)), "sentence": to_latex}
-
-
-def latex(rows: Sequence[Row]) -> dict[str, str]:
-    """File name to text: one fragment a section, and all.tex, which compiles with them."""
-    by_tag = {row.tag: row for row in rows}
-    render = partial(_tex.get_template("section.tex.jinja").render, functions=(), entries=())
-    files = {}
-    for n, (title, entries) in enumerate(SECTIONS, 1):
-        slug = re.sub(r"[^a-z]+", "-", title.lower()).strip("-")
-        pairs = [(entry, by_tag[entry.tag]) for entry in entries]
-        files[f"{n:02d}-{slug}.tex"] = render(title=title, entries=pairs)
-    functions = [(f, *codegen.body(f.name)) for f in closed_forms.FUNCTIONS]
-    name = f"{len(files) + 1:02d}-functions.tex"
-    files[name] = render(title="Generated functions", functions=functions)
-    whole = _tex.get_template("all.tex.jinja")
-    return files | {"all.tex": whole.render(title=TITLE, about=ABOUT, inputs=files)}
-
-
-def write(out: Path, rows: Sequence[Row], progress: Progress = iter) -> list[Path]:
-    """Write report.html and latex/*.tex into `out`, each beside and renamed."""
-    texts = {out / "report.html": html(rows, progress)}
-    texts |= {out / "latex" / name: text for name, text in latex(rows).items()}
-    for path, text in texts.items():
-        write_file(text, path)
-    return list(texts)
+def write(out: Path, rows: Sequence[Row], progress: Progress = iter) -> Path:
+    """Write report.html into `out`, beside and renamed."""
+    path = out / "report.html"
+    write_file(html(rows, progress), path)
+    return path

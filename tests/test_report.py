@@ -60,14 +60,8 @@ def maths(source):
     return [ElementTree.fromstring(math) for math in found]
 
 
-@pytest.fixture(scope="module")
-def fragments(rows):
-    return report.latex(rows)
-
-
-def test_says_first_what_it_is(source, fragments):
+def test_says_first_what_it_is(source):
     assert f"<h1>{report.TITLE}</h1><p>{lecture.to_html(report.ABOUT)}</p>" in source
-    assert f"\n{lecture.to_latex(report.ABOUT)}\n" in fragments["all.tex"]
 
 
 def test_needs_nothing_from_outside(source, page):
@@ -150,12 +144,9 @@ def test_sentences_in_html(given, expected):
     assert lecture.to_html(given, "#{}".format).startswith(expected)
 
 
-def test_sentences_in_latex_and_for_a_terminal():
-    text = r'the "slip" of `slip_x`, $\mu \ge 0$, $gain = \sqrt{k_a^{3/2}}$, 5 & 6'
-    assert lecture.to_latex(text) == (
-        r"the ``slip'' of \texttt{slip\_x}, $\mu \ge 0$, $\mathit{gain} = \sqrt{k_a^{3/2}}$, 5 \& 6"
-    )
-    assert lecture.to_text(text[24:]) == "mu >= 0, gain = sqrt(k_a^(3/2)), 5 & 6"
+def test_sentences_for_a_terminal():
+    text = r"$\mu \ge 0$, $gain = \sqrt{k_a^{3/2}}$, 5 & 6"
+    assert lecture.to_text(text) == "mu >= 0, gain = sqrt(k_a^(3/2)), 5 & 6"
 
 
 @pytest.mark.parametrize("entry", registry.ENTRIES, ids=lambda entry: entry.tag)
@@ -370,39 +361,9 @@ def test_every_section_with_equations_has_its_text(source):
         assert any(word in text for part in lecture.PARTS.values() for text in part.text)
 
 
-def test_latex_is_balanced(fragments):
-    for name, text in fragments.items():
-        bare = re.sub(r"\\[{}\\]", "", text)
-        depth = 0
-        for brace in re.findall(r"[{}]", bare):
-            depth += 1 if brace == "{" else -1
-            assert depth >= 0, name
-        assert depth == 0, name
-        opened = []
-        for kind, what in re.findall(r"\\(begin|end)\{([^}]+)\}", text):
-            if kind == "begin":
-                opened.append(what)
-            else:
-                assert opened.pop() == what, name
-        assert not opened, name
-        assert len(re.findall(r"(?<!\\)\$", text)) % 2 == 0, name
-        assert text.isascii(), name
-
-
-def test_latex_has_every_tag(fragments):
-    text = "\n".join(fragments.values())
-    for entry in registry.ENTRIES:
-        assert rf"\paragraph{{{lecture.to_latex(report._named(entry.tag))}}}" in text
-        if re.fullmatch(r"B?\d+", entry.tag):
-            assert rf"\tag{{{entry.tag}}}" in text
-    inputs = re.findall(r"\\input\{([^}]+)\}", fragments["all.tex"])
-    assert [*inputs, "all.tex"] == list(fragments)
-
-
-def test_writes_everything_and_leaves_no_temporary_file(tmp_path, rows, source, fragments):
+def test_writes_the_page_and_leaves_no_temporary_file(tmp_path, rows, source):
     seen = []
-    paths = report.write(tmp_path / "new", rows, lambda items: (seen.append(i) or i for i in items))
+    path = report.write(tmp_path / "new", rows, lambda items: (seen.append(i) or i for i in items))
     assert len(seen) == len(registry.ENTRIES) + len(closed_forms.FUNCTIONS)
-    assert (tmp_path / "new" / "report.html").read_text(encoding="utf-8") == source
-    assert {path.name for path in paths[1:]} == set(fragments)
-    assert sorted(p for p in (tmp_path / "new").rglob("*") if p.is_file()) == sorted(paths)
+    assert path.read_text(encoding="utf-8") == source
+    assert [*(tmp_path / "new").iterdir()] == [path]
