@@ -7,9 +7,8 @@ references.
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
 import sympy as sp
@@ -20,11 +19,10 @@ from . import closed_forms, codegen, lecture, paper, typeset
 from .drawings import DRAWINGS
 from .equality import Form
 from .exercises import EXERCISES
-from .files import write as write_file
 from .lecture import LETTERS, to_html
 from .proof import Equation
 from .registry import SECTIONS, Code, Entry, Row
-from .steps import Reader
+from .steps import Line, Reader
 
 Progress = Callable[[Iterable], Iterable]
 
@@ -166,12 +164,19 @@ def counted(verdicts: Iterable[str]) -> str:
     return _html.get_template("verdicts.html").render(counts=Counter(verdicts)).strip()
 
 
-def html(rows: Sequence[Row], progress: Progress = iter) -> str:
+def all_steps() -> dict[str, list[Line]]:
+    """The steps of each equation by its tag, in the order of the page."""
+    equations = [x for _, entries in SECTIONS for x in entries if isinstance(x, Equation)]
+    reader = Reader(equations)
+    return {x.tag: reader.lines(x) for x in equations}
+
+
+def html(
+    rows: Sequence[Row], steps: Mapping[str, Sequence[Line]], progress: Progress = iter
+) -> str:
     """Return the page; `progress` may wrap the iteration over entries and functions."""
     by_tag = {row.tag: row for row in rows}
     failed = sum(row.failed for row in rows)
-    equations = [x for _, entries in SECTIONS for x in entries if isinstance(x, Equation)]
-    reader = Reader(equations)
     return _page(
         "report.html",
         TITLE,
@@ -181,7 +186,7 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
         counts=Counter(row.verdict for row in rows),
         sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
         functions=[(f, *codegen.body(f.name)) for f in closed_forms.FUNCTIONS],
-        steps={x.tag: reader.lines(x) for x in equations},
+        steps=steps,
         parts=lecture.PARTS,
         drawings=DRAWINGS,
         letters=LETTERS,
@@ -189,10 +194,3 @@ def html(rows: Sequence[Row], progress: Progress = iter) -> str:
         references=lecture.REFERENCES,
         progress=progress,
     )
-
-
-def write(out: Path, rows: Sequence[Row], progress: Progress = iter) -> Path:
-    """Write report.html into `out`, beside and renamed."""
-    path = out / "report.html"
-    write_file(html(rows, progress), path)
-    return path
