@@ -23,7 +23,7 @@ axioms, trace                       what is assumed; what a derivation rests on,
 newton                              (1)-(6): the contact point's equations of motion
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact
 bodies, thin_rod, drift             rods; boundaries, (23); stationary translation, (24)-(31)
-optimum, transport                  best tilt, stability; short rods, energy of transport
+optimum                             best tilt, stability, Painleve's paradox
 landing_phases                      landing phases by the flux of impacts, and V_z with them
 laws, pairs                         other restitutions, energy; any two bodies
 statements                          sentences of the text; dimensions of Appendix A
@@ -38,7 +38,7 @@ languages                           the impact map in C and JavaScript (language
 files                               impact/_generated.py, EQUATIONS.md; writing files
 typeset, lecture                    formulas as LaTeX and MathML; text, letters (lecture.toml);
                                     numbers, signs and comparisons of the notes, computed
-exercises, steps, drawings          exercises, answered; the steps for a reader; drawings as SVG
+steps, drawings                     the steps for a reader; drawings as SVG
 early_signals                       signals during imports
 lookup                              `equation`, `function`: one entry by its tag
 report, __main__, command_line      the report, from templates/; the commands

@@ -6,6 +6,7 @@ from . import paper, second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
 from .bodies import THIN, flat_contact, flat_tilt
 from .lecture import PAPER, degrees, formula, negative, number, sign
+from .newton import g, velocity_change
 from .proof import Equation
 from .symbols import (
     V_0,
@@ -18,6 +19,7 @@ from .symbols import (
     epsilon,
     k,
     length,
+    m,
     mu,
     omega,
     phi,
@@ -26,7 +28,6 @@ from .symbols import (
 from .trace import derived, say, solve
 
 CASES = {"stick": slip_stick.impulse, "back": slip_reversal.impulse}
-NAMES = {"stick": "slip-stick", "back": "slip reversal"}
 _EQUATIONS = {"stick": "(18) and (19)", "back": "(21), repaired, and (22)"}
 
 
@@ -78,6 +79,23 @@ def without_friction() -> sp.Expr:
 def relaxation(case: str) -> sp.Expr:
     """What one landing leaves of a deviation in $c_x$: its derivative."""
     return sp.factor(landing(case)[0].diff(c_x))
+
+
+@derived("P_z")
+def landing_impulse(case: str) -> sp.Expr:
+    """Normal impulse of the stationary landing, from the change of the centre's velocity."""
+    _, up = stationary(case)
+    p_z = sp.Symbol("p_z")
+    (impulse,) = solve(c_z + velocity_change(p_z, "dc_z") - up, p_z)
+    return sp.factor(impulse.subs(c_z, -up))
+
+
+@derived("[W/(m g s)]_{%(case)s}")
+def cost_of_transport(case: str) -> sp.Expr:
+    """Work of the plate per distance and weight; a flight lasts 2 c_z'/g."""
+    along, up = stationary(case)
+    distance = along * 2 * up / g
+    return sp.factor(landing_impulse(case) * V_z / (m * g * distance))
 
 
 @derived("c'_x - c_x")
@@ -209,6 +227,11 @@ def _flat_told() -> str:
     return f"{degrees(tilt)} for $l = {_LONG[length]} d$"
 
 
+def _carries_its_weight(form: sp.Matrix) -> list[sp.Expr]:
+    """Per period of flight and landing the plate carries the weight at its velocity."""
+    return [cost * stationary(case)[0] - V_z for case, cost in zip(CASES, form, strict=True)]
+
+
 EQUATIONS = (
     Equation(
         "V: no slide",
@@ -311,5 +334,16 @@ BEYOND = (
         shown=sp.atan(diameter / length),
         check=lambda form: (flat_contact()[1].diff(phi).subs(phi, form),),
         note=_flat_told,
+    ),
+    Equation(
+        "V: cost of transport",
+        "work of the plate per weight and distance travelled: slip-stick, slip reversal",
+        "([W/(m g s)]_{stick}, [W/(m g s)]_{back})",
+        derive=lambda: tuple(cost_of_transport(case) for case in CASES),
+        shown=(
+            _LOSSY / (2 * (1 + epsilon) * X * Z),
+            _LOSSY / ((1 + epsilon) * (X * Z + mu * (k**2 + Z**2))),
+        ),
+        check=_carries_its_weight,
     ),
 )

@@ -112,11 +112,6 @@ def degrees(angle: sp.Expr, digits: int = 1) -> str:
     return f"{float(sp.deg(angle)):.{digits}f}".removesuffix(".0") + " degrees"
 
 
-def percent(part: sp.Expr) -> str:
-    """A ratio, said in percent."""
-    return f"{number(100 * part)} %"
-
-
 def formula(form: sp.Expr) -> str:
     """A form between dollar signs."""
     return f"${latex(form)}$"

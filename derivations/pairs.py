@@ -134,6 +134,13 @@ def _eigenvalue_told() -> str:
     return compared(one.subs(at), (A + C - one).subs(at), ("larger", "smaller"))
 
 
+def _lean_told() -> str:
+    """What -Z makes of the B of the rod alone."""
+    coupled = laws.mobility()[B]
+    turned = sp.cancel(coupled.subs(Z, -Z) / coupled)
+    return compared(turned, sp.S.Zero, ("the same way", "the other way, $-Z$"))
+
+
 def _shown_determinant() -> sp.Expr:
     return _s**2 + _s * _sum(X**2 + Z**2) + _a[0] * _a[1] * _cross**2
 
@@ -171,8 +178,7 @@ EQUATIONS = (
         ),
         check=_along_and_across,
         note=lambda: (
-            f"its $1/m$ is the {_eigenvalue_told()} eigenvalue; for $B < 0$ it leans the other "
-            "way, $-Z$"
+            f"its $1/m$ is the {_eigenvalue_told()} eigenvalue; for $B < 0$ it leans {_lean_told()}"
         ),
     ),
     Equation(

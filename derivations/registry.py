@@ -30,7 +30,6 @@ from . import (
     slip_stick,
     statements,
     thin_rod,
-    transport,
 )
 from .kernel import Code
 from .lecture import to_text
@@ -58,7 +57,6 @@ SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("More of regimes and landings", (*thin_rod.BEYOND, *drift.BEYOND)),
     ("Best tilt, stability, Painlevé's paradox", optimum.EQUATIONS),
     ("Landing phases by the flux of impacts", landing_phases.EQUATIONS),
-    ("Short rods, and energy", transport.EQUATIONS),
     ("Other laws of restitution, and energy", laws.EQUATIONS),
     ("Bodies", bodies.BEYOND),
     ("Two bodies that meet", pairs.EQUATIONS),

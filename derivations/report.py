@@ -18,7 +18,6 @@ from markupsafe import Markup
 from . import closed_forms, codegen, lecture, paper, typeset
 from .drawings import DRAWINGS
 from .equality import Form
-from .exercises import EXERCISES
 from .lecture import LETTERS, to_html
 from .proof import Equation
 from .registry import SECTIONS, Code, Entry, Row
@@ -27,6 +26,7 @@ from .steps import Line, Reader
 Progress = Callable[[Iterable], Iterable]
 
 TITLE, ABOUT = lecture.TEXTS["title"], lecture.TEXTS["about"]
+EXERCISES: Mapping[str, str] = lecture.TEXTS["exercises"]  # by the entry whose note answers it
 VERDICTS = {  # sign, and what the word means
     "agrees": ("✓", "the difference of both forms simplifies to zero"),
     "rewritten": ("≈", "both forms are equal to 40 digits at random points"),
@@ -190,7 +190,7 @@ def html(
         parts=lecture.PARTS,
         drawings=DRAWINGS,
         letters=LETTERS,
-        exercises=EXERCISES,
+        exercises=[(question, by_tag[tag].note) for tag, question in EXERCISES.items()],
         references=lecture.REFERENCES,
         progress=progress,
     )

@@ -85,7 +85,7 @@ def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any
     """Cost of transport of the stationary drift: work of the plate per weight and distance.
 
     It is V_z/|c_x| of `drift`, whatever the rod and the plate's velocity: the fastest rod is the
-    cheapest. Not in the paper; derived in `derivations.transport`.
+    cheapest. Not in the paper; derived in `derivations.drift`.
 
     Parameters
     ----------

@@ -2,15 +2,13 @@
 
 from inspect import signature
 
-import numpy as np
 import pytest
 import sympy as sp
 
 import md
-from derivations import landing_phases, lecture, paper, transport
+from derivations import landing_phases, lecture, paper
 from derivations.symbols import X, Z, epsilon, mu
 from figures.paper import fig11
-from impact import drift, spherocylinder
 
 x = sp.Symbol("x")
 
@@ -29,22 +27,6 @@ def test_words_are_those_of_the_numbers():
     for vague in (lambda: lecture.compared(two, two), lambda: lecture.sign(X - Z)):
         with pytest.raises(ValueError, match=r"cannot be told apart|no one sign"):
             vague()
-
-
-def test_the_best_length_is_that_of_the_largest_drift():
-    """Beside `impact`, where a contact sticks; the gains are over the longest rods."""
-
-    def of(tilt, length):
-        rod = spherocylinder(np.radians(tilt), length)
-        return drift(rod, friction=np.inf, restitution=0.65).c_x
-
-    lengths = 1 + np.geomspace(0.05, 1e6, 20_001)
-    for tilt in (15, 30):
-        along = of(tilt, lengths)
-        best = float(1 + transport._best(tilt))
-        assert lengths[along.argmax()] == pytest.approx(best, rel=1e-3)
-        gain = float(transport._gain(tilt))
-        assert along.max() / along[-1] - 1 == pytest.approx(gain, abs=1e-5)
 
 
 def defaults(function):
