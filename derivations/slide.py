@@ -35,18 +35,24 @@ def impulse() -> tuple[sp.Expr, sp.Expr]:
     return friction(p_z, 1), p_z
 
 
+def by_speeds(form: sp.Expr) -> sp.Expr:
+    """A form that is linear in u_0 and v_0 with one factored coefficient of each."""
+    alone = form.subs({u_0: 0, v_0: 0})
+    return alone + sum(sp.factor(form.diff(speed)) * speed for speed in (u_0, v_0))
+
+
 @derived("P_x(t_1)", "P_z(t_1)", "v_1")
 def stop() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """The impulse at which the slip stops, put into the normal velocity."""
     (p_z,) = solve((slip_velocity(), sp.S.Zero), P_z, "The slip stops at $u = 0$; solved for $P_z$")
-    return friction(p_z, 1), p_z, sp.factor(normal_velocity(p_z))
+    return friction(p_z, 1), p_z, by_speeds(normal_velocity(p_z))
 
 
 @derived("c'_x", "c'_z")
 def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Velocity of the centre of mass after this impulse, by (10) and (11)."""
     dc_x, dc_z = velocity_change(p_x, "dc_x"), velocity_change(p_z, "dc_z")
-    after = c_x + dc_x, c_z + dc_z
+    after = tuple(map(by_speeds, (c_x + dc_x, c_z + dc_z)))
     if not any(c.has(u_0, v_0) for c in after):
         return after
     say("The impulse put into (10) and (11)", "c'_x", "c'_z", after)
@@ -57,7 +63,7 @@ def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 @derived("u_*")
 def slide_excess() -> sp.Expr:
     """What is left of the slip when the contact parts: the impulse (8) put into (7)."""
-    return sp.factor(slip_velocity(impulse()[1]))
+    return by_speeds(slip_velocity(impulse()[1]))
 
 
 _REPAIR = Repair(r"{\mu(k^2 + Z^2) + XZ}", r"{k^2 + X^2 + \mu XZ}")

@@ -6,7 +6,7 @@ from . import paper
 from .axioms import RESTITUTION
 from .newton import approach, contact_change
 from .proof import Equation, Repair
-from .slide import cm_velocity, friction, stop
+from .slide import by_speeds, cm_velocity, friction, stop
 from .slip_stick import P_2, stick_margin
 from .symbols import P_1, P_z, v_1
 from .trace import derived, say, solve
@@ -28,14 +28,15 @@ def impulse() -> tuple[sp.Expr, sp.Expr]:
         P_2,
         r"The contact parts at $v_f = -\epsilon v_0$; solved for $P_2 = P_z(t_f) - P_z(t_1)$",
     )
+    extra = by_speeds(extra)
     say("The impulse after the stop", "P_2", extra)
-    return p_x + friction(extra, -1), p_z + extra
+    return by_speeds(p_x + friction(extra, -1)), by_speeds(p_z + extra)
 
 
 @derived("u_f")
 def final_slip() -> sp.Expr:
     """Slip velocity at separation: the impulse of the reversal, (B8) less (B1), put into (B6)."""
-    return sp.factor(reversed_change(impulse()[1] - stop()[1])[0])
+    return by_speeds(reversed_change(impulse()[1] - stop()[1])[0])
 
 
 _UNTIL_STOP = "B1"  # impulse until the slip stops

@@ -5,7 +5,7 @@ import sympy as sp
 from .axioms import RESTITUTION, STICK, held
 from .newton import contact_change, contact_force
 from .proof import Equation, Repair
-from .slide import cm_velocity, stop
+from .slide import by_speeds, cm_velocity, stop
 from .symbols import (
     P_1,
     F_x,
@@ -52,8 +52,9 @@ def impulse() -> tuple[sp.Expr, sp.Expr]:
         P_2,
         r"The contact parts at $v_f = -\epsilon v_0$; solved for $P_2 = P_z(t_f) - P_z(t_1)$",
     )
+    extra = by_speeds(extra)
     say("The impulse after the stop", "P_2", extra)
-    return p_x + sticking_force().subs(F_z, extra), p_z + extra
+    return by_speeds(p_x + sticking_force().subs(F_z, extra)), by_speeds(p_z + extra)
 
 
 EQUATIONS = (

@@ -49,16 +49,18 @@ def _collected(form: sp.Expr, letter: sp.Symbol) -> sp.Expr:
 
 @cache
 def tidy(expr: sp.Expr) -> sp.Expr:
-    """Return the shortest of a few equal forms: as it is, factored, sorted by its speeds."""
+    """Return the shortest of a few equal forms: as it is, by its speeds or factored, sorted."""
     if not expr.is_rational_function():
         return expr  # to factor roots and sines can take minutes
-    if expr.count_ops() > MOST // 3:
-        return sp.factor(expr)
     seed(0)  # as for a derivation
     speeds = [x for x in sorted(expr.free_symbols, key=str) if moving(x)]
-    forms = [expr, sp.factor(expr)]
-    if not set(speeds) <= set(forms[1].args) and expr.is_polynomial(*speeds):
-        forms.append(sp.collect(sp.expand(expr), speeds, sp.factor))
+    rates = [expr.diff(x) for x in speeds]
+    if any(rate.has(*speeds) for rate in rates):
+        forms = [expr, sp.factor(expr)]
+    else:
+        alone = sp.factor(expr.subs(dict.fromkeys(speeds, 0)))
+        terms = (sp.factor(rate) * x for rate, x in zip(rates, speeds, strict=True))
+        forms = [expr, alone + sum(terms)]
     for letter in (mu, epsilon):
         forms += [_collected(form, letter) for form in forms]
     if expr.has(epsilon) and expr.is_polynomial():

@@ -8,7 +8,7 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "a457c34a117f1cb4"  # sha256 of these functions and the kernel, first 16 digits
+DIGEST = "c0180b9207daefca"  # sha256 of these functions and the kernel, first 16 digits
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
@@ -37,7 +37,7 @@ def slide(gain, u_0, N, T):
     """Impulse over k^2 and slip velocity left after a slide, Eqs. (8), (14).
 
     Per unit mass; gain = -(1 + epsilon) v_0. Needs N > 0 and u_f >= 0. Operations: as derived
-    51, name responses 39, one quotient 3.
+    28, name responses 39, one quotient 3.
     """
     j_1 = gain / N
     u_f = u_0 - T * j_1
@@ -47,7 +47,7 @@ def slide(gain, u_0, N, T):
 def stop(u_0, N, T):
     """Impulse over k^2 when the slip stops, and v_1 - v_0 there, Eqs. (B1), (15).
 
-    Per unit mass. Needs T > 0. Operations: as derived 37, shared quotient 2.
+    Per unit mass. Needs T > 0. Operations: as derived 23, shared quotient 2.
     """
     j_1 = u_0 / T
     rise = N * j_1
@@ -58,7 +58,7 @@ def reverse(rest, N_back, T_back):
     """Impulse over k^2 and slip velocity of the way back, Eqs. (B8), (B10).
 
     Per unit mass, after the stop; rest = v_f - v_1. Needs T_back > 0, and so N_back > 0.
-    Operations: as derived 117, name the rest 3.
+    Operations: as derived 98, name the rest 3.
     """
     j_2 = rest / N_back
     u_f = -T_back * j_2
