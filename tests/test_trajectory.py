@@ -104,13 +104,3 @@ def test_frames_stand_at_the_same_phases_of_all_periods(tmp_path):
     with pytest.raises(md.InputError, match=f"frames must be between 1 and {per}, got {per + 1}"):
         md.run(row(), periods=1, trajectory=tmp_path / "b.xyz", frames=per + 1)
     assert not (tmp_path / "b.xyz").exists()
-
-
-def test_ase_reads_it(written):
-    """Its species are elements: a rod is X, which is none."""
-    io = pytest.importorskip("ase.io")
-    _, (place, *_), path = written
-    first, _ = io.read(path, index=":")
-    np.testing.assert_allclose(first.positions, place, atol=1e-8)
-    assert set(first.get_chemical_symbols()) == {"X"}
-    assert {"id", "orientation", "aspherical_shape", "velo", "omega", "tilt"} <= set(first.arrays)

@@ -1,0 +1,88 @@
+"""Two programs, one row: this one, and a plain program in C that shares nothing with it.
+
+Both integrate the paper's row of forty rods by leapfrog, with steps of 2e-5, a contact of constant
+restitution and stiff tangential springs with hardly a dashpot. Each has its own spring, which goes
+with the root of the overlap here and with the overlap there; two rods touch at two places here, at
+their closest points there; neighbours, starts and order of sums are each program's own. A dashpot
+would part them: while the contact slips, spring and dashpot relax behind a slider here, there the
+spring is set so that both together carry the limit.
+
+Means and standard errors over four starts of 600 periods, over the nominal tilt, from 18 degrees
+on: more upright rows have several states, and which one a start finds differs from start to start
+in either program. (a) Drift. (b) Velocity of the plate as a rod touches it, over its peak. (c)
+Share of the touches during which another rod pushes the one that touches. (d) Touches of a rod in a
+period. What the other program found stands in two_codes.toml, with its flags and the date.
+"""
+
+import tomllib
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+from md.scene import both, put, read_tables
+from md.sweep import Sweep
+
+from ..lib.runs import SEEDS, boxes, means, over_seeds, planned
+from ..lib.style import ORANGE, Data, legend_above, painted, points, style
+
+MEASURED = {  # in the columns of the table, with the names that a run has for them
+    "c_x": "c_x_cm_s",
+    "V_z": "touches.plate_velocity.mean",
+    "pushed": "touches.pushed_by_others.mean",
+    "touches": "touches.per_rod_and_period.mean",
+}
+LABELS = {
+    "c_x": r"$c_x$ (cm/s)",
+    "V_z": r"$V_z/V_0$",
+    "pushed": "share of the touches",
+    "touches": "per rod and period",
+}
+
+
+def other() -> tuple[np.ndarray, np.ndarray]:
+    """Nominal tilts [deg], and what the other program measured: (measured, tilts, starts)."""
+    text = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
+    rows = np.array([line.split() for line in tomllib.loads(text)["runs"].splitlines()], float)
+    tilts = np.unique(rows[:, 0])
+    return tilts, rows[:, 2:].T.reshape(len(MEASURED), len(tilts), -1)
+
+
+def sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """The row of this program at the same tilts."""
+    changes = {"rods.diameter_cm": 0.635, "start.speed": 0.3, **both(tangential_damping=0.04)}
+    base = put(read_tables("quasi2d"), changes)
+    axes = [{"box.length": boxes(other()[0])}, SEEDS]
+    return {"row": planned(axes, 20 if quick else 600, base=base)}
+
+
+def data(quick: bool = False) -> Data:
+    """What both programs found, over the nominal tilt, with standard errors over starts."""
+    tilts, found = other()
+    d = {"nominal_deg": tilts, **means(sweeps(quick)["row"], MEASURED)}
+    for name, values in zip(MEASURED, found, strict=True):
+        d[f"other_{name}"], d[f"other_{name}_error"] = over_seeds(values)
+    return d
+
+
+def _beside(ax: Axes, d: Data, name: str) -> None:
+    x, there = d["nominal_deg"], (d[f"other_{name}"], d[f"other_{name}_error"])
+    points(ax, x, *there, ORANGE, form="s", ms=6, hollow=True, label="program in C")
+    points(ax, x, d[name], d[f"{name}_error"], label="this program")
+    ax.set(ylabel=LABELS[name], xlabel="nominal tilt (deg)", ylim=(0, 1.15 * np.max(there[0])))
+
+
+@style
+def draw(d: Data) -> plt.Figure:
+    panels = {
+        "drift": lambda ax, d: _beside(ax, d, "c_x"),
+        "plate at touches": lambda ax, d: _beside(ax, d, "V_z"),
+        "pushed by others": lambda ax, d: _beside(ax, d, "pushed"),
+        "touches": lambda ax, d: _beside(ax, d, "touches"),
+    }
+    figure = painted(d, panels, rows=2, figsize=(3.4, 3.8))
+    for ax in figure.axes[:2]:
+        ax.set(xlabel="")
+    legend_above(figure, figure.axes[0], ncols=2)
+    return figure
