@@ -18,7 +18,7 @@ EQUATIONS = [entry for entry in ENTRIES if isinstance(entry, Equation)]
 
 @pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
 def test_a_function_has_the_values_of_what_was_derived(entry):
-    """At a random point, by position and by name; letters that one form lacks cancel in the other."""
+    """At a random point, by position and by name; what one form lacks cancels in the other."""
     derived = entry.derive()
     point = random_point(derived.free_symbols | entry.readable().free_symbols, seed=1)
     function = derivations.function(entry.tag)
