@@ -160,7 +160,6 @@ def _by_the_wrong_sign(form: sp.Expr) -> list[sp.Expr]:
 
 
 _LONG = {diameter: 1, length: 8}
-_LOSSY = k**2 * (1 - epsilon) + 2 * X**2
 _STOP, _REVERSE = mu * (k**2 + Z**2) + X * Z, k**2 + X**2 - mu * X * Z
 
 
@@ -307,7 +306,6 @@ BEYOND = (
         "by what the centre leaves faster than the plate in the stationary landing",
         "c'_z - V_z",
         derive=centre_excess,
-        shown=2 * (epsilon * k**2 - X**2) * V_z / _LOSSY,
         check=lambda form: _landed(-form - V_z),
         note=_again_told,
     ),
@@ -331,7 +329,6 @@ BEYOND = (
         lambda: f"tilt {_against_told()} which a flat-ended rod drifts against its tilt",
         r"\phi_{flat}",
         derive=flat_tilt,
-        shown=sp.atan(diameter / length),
         check=lambda form: (flat_contact()[1].diff(phi).subs(phi, form),),
         note=_flat_told,
     ),
@@ -340,10 +337,6 @@ BEYOND = (
         "work of the plate per weight and distance travelled: slip-stick, slip reversal",
         "([W/(m g s)]_{stick}, [W/(m g s)]_{back})",
         derive=lambda: tuple(cost_of_transport(case) for case in CASES),
-        shown=(
-            _LOSSY / (2 * (1 + epsilon) * X * Z),
-            _LOSSY / ((1 + epsilon) * (X * Z + mu * (k**2 + Z**2))),
-        ),
         check=_carries_its_weight,
     ),
 )

@@ -366,7 +366,6 @@ EQUATIONS = (
         "v_f^2",
         derive=lambda: final_velocity("stronge", "late").subs(a_2, a_1) ** 2,
         where=lambda: {"v_f": RESTITUTION({})},
-        shown=epsilon**2 * v_0**2,
         check=_one_line,
     ),
     Equation(

@@ -144,7 +144,7 @@ def _least_pressed_in(form: sp.Matrix) -> list[sp.Expr]:
 
 
 _all = k**2 + X**2 + Z**2
-_forward, _reverse = k**2 + X**2 + mu * X * Z, k**2 + X**2 - mu * X * Z
+_reverse = k**2 + X**2 - mu * X * Z
 _stop = mu * (k**2 + Z**2) + X * Z
 _lossy = (1 - epsilon) * k**2 + 2 * X**2
 _a, _b = 1 - epsilon, 7 - epsilon
@@ -240,10 +240,6 @@ EQUATIONS = (
         "$u_*$ of the stationary landing: slip-stick, slip reversal",
         "(u_{*, stick}, u_{*, back})",
         derive=lambda: tuple(slip_left(case) for case in CASES),
-        shown=(
-            -2 * (1 + epsilon) * mu * k**2 * _all * V_z / (_lossy * _forward),
-            -(1 + epsilon) * _reverse * _stop * V_z / (_lossy * _forward),
-        ),
         check=_slide_from_the_landing,
         note=lambda: _where_it_holds(slip_left),
     ),
@@ -255,7 +251,6 @@ EQUATIONS = (
         ),
         r"\mu_P",
         derive=painleve_friction,
-        shown=(k**2 + X**2) / (X * Z),
         check=_pressed_in,
         note=_pressed_told,
     ),

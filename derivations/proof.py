@@ -30,6 +30,7 @@ import sympy as sp
 from . import paper, trace
 from . import symbols as s
 from .equality import DIGITS, POINTS, Form, components, equal, is_zero, random_point, same
+from .typeset import tidy
 
 Verdict = Literal["", "agrees", "rewritten", "erratum", "assumed", "new", "noted"]
 
@@ -253,15 +254,21 @@ class Equation:
         return tuple(taken)
 
     def readable(self) -> Form:
-        """Return the derived form, in an equal form that was written by hand if there is one.
+        """Return the derived form as it reads best.
 
-        That is `shown`, or the printed form where both agree, or that of an erratum, repaired.
+        That is `shown`, or the printed form where both agree, or that of an erratum, repaired; else
+        the derived one, tidied.
         """
         if self.shown is not None:
             return self.shown
         if self.printed is not None and self.verdict != "erratum":
             return self.printed
-        return self.repaired if self.repair else self.derive()
+        if self.repair:
+            return self.repaired
+        form = self.derive()
+        if isinstance(form, sp.core.relational.Relational):
+            return form
+        return form.applyfunc(tidy) if isinstance(form, sp.MatrixBase) else tidy(form)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

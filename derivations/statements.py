@@ -13,7 +13,7 @@ from .drift import relaxation, stationary
 from .equality import DIGITS
 from .lecture import PAPER, degrees, formula, number
 from .proof import Equation
-from .symbols import X, Z, c_x, c_z, epsilon, h_0, k, mu, omega, phi
+from .symbols import c_x, c_z, epsilon, h_0, mu, omega, phi
 from .trace import derived, solve
 from .typeset import latex
 
@@ -135,7 +135,6 @@ EQUATIONS = (
         r"$\mu \to 0$",
         r"\mu n",
         derive=landings_to_relax,
-        shown=X * Z / (2 * k**2),
         check=_relaxed,
     ),
     Equation(

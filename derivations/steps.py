@@ -7,22 +7,18 @@ side where it is short enough to be read. What one entry has shown, the next one
 
 import inspect
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import sympy as sp
-from sympy.core.random import seed
 
 from . import axioms, trace
 from .equality import components
 from .proof import Equation
-from .symbols import epsilon, mu
 from .trace import Step
-from .typeset import latex, moving, pieces
+from .typeset import latex, pieces, tidy
 
 LONGEST = 1600  # characters of LaTeX; a longer value is told in words alone
 MOST = 220  # operations; a form with more is not tidied, which would take long
-_GAIN = sp.Symbol("gain", positive=True)  # 1 + epsilon
 _CASES = {"stick": "slip-stick", "back": "slip reversal", "slip": "slide"} | {
     law: law.title() for law in ("newton", "poisson", "stronge")
 }
@@ -35,38 +31,6 @@ class Line:
     text: str  # sentence with formulas between dollar signs
     formulas: tuple[tuple[str, ...], ...] = ()  # LaTeX, each in pieces that a line may break after
     tags: tuple[str, ...] = ()  # entries that hold the value
-
-
-def _size(form: sp.Expr) -> int:
-    """Length of a form as text, about as long as it is to read; signs count more."""
-    text = sp.sstr(form, order="none")
-    return len(text) + 3 * text.count("-")
-
-
-def _collected(form: sp.Expr, letter: sp.Symbol) -> sp.Expr:
-    return form.replace(lambda x: x.is_Add, lambda x: x.collect(letter))
-
-
-@cache
-def tidy(expr: sp.Expr) -> sp.Expr:
-    """Return the shortest of a few equal forms: as it is, by its speeds or factored, sorted."""
-    if not expr.is_rational_function():
-        return expr  # to factor roots and sines can take minutes
-    seed(0)  # as for a derivation
-    speeds = [x for x in sorted(expr.free_symbols, key=str) if moving(x)]
-    rates = [expr.diff(x) for x in speeds]
-    if any(rate.has(*speeds) for rate in rates):
-        forms = [expr, sp.factor(expr)]
-    else:
-        alone = sp.factor(expr.subs(dict.fromkeys(speeds, 0)))
-        terms = (sp.factor(rate) * x for rate, x in zip(rates, speeds, strict=True))
-        forms = [expr, alone + sum(terms)]
-    for letter in (mu, epsilon):
-        forms += [_collected(form, letter) for form in forms]
-    if expr.has(epsilon) and expr.is_polynomial():
-        turned = sp.expand(expr.subs(epsilon, _GAIN - 1))
-        forms.append(sp.collect(turned, _GAIN, sp.factor).subs(_GAIN, 1 + epsilon))
-    return min(forms, key=_size)
 
 
 def _short(expr: Any) -> bool:

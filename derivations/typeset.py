@@ -1,13 +1,15 @@
-"""Formulas as LaTeX with terms and factors in the paper's order, and LaTeX as MathML."""
+"""Formulas tidied, as LaTeX with terms and factors in the paper's order; LaTeX as MathML."""
 
 import re
 from functools import cache
 
 import sympy as sp
 from latex2mathml.converter import convert
+from sympy.core.random import seed
 from sympy.printing.latex import LatexPrinter
 
 from .equality import Form
+from .symbols import epsilon, mu
 
 # Letters in the order in which they stand in a product; others come last.
 _SPEEDS = "c_x c_z u_0 u_f v_0 v_1 v_f V_z V_0 P_x P_z P_1 P_2 F_x F_z"
@@ -17,6 +19,7 @@ _LETTERS = (
 )
 _RANK = {name: rank for rank, name in enumerate(_LETTERS.split())}
 _MOVING = set(_SPEEDS.split())  # they stand last in a product, and behind a fraction
+_GAIN = sp.Symbol("gain", positive=True)  # 1 + epsilon
 _LONG = 80  # characters of LaTeX; a longer sum may break between its terms
 
 
@@ -29,6 +32,38 @@ def moving(expr: sp.Expr) -> bool:
     known = _MOVING | {"omega", "omega_x"} if expr.is_Add else _MOVING
     terms = sp.Add.make_args(expr)
     return expr.is_polynomial() and all(known & {x.name for x in t.free_symbols} for t in terms)
+
+
+def _size(form: sp.Expr) -> int:
+    """Length of a form as text, about as long as it is to read; signs count more."""
+    text = sp.sstr(form, order="none")
+    return len(text) + 3 * text.count("-")
+
+
+def _collected(form: sp.Expr, letter: sp.Symbol) -> sp.Expr:
+    return form.replace(lambda x: x.is_Add, lambda x: x.collect(letter))
+
+
+@cache
+def tidy(expr: sp.Expr) -> sp.Expr:
+    """Return the shortest of a few equal forms: as it is, by its speeds or factored, sorted."""
+    if not expr.is_rational_function():
+        return expr  # to factor roots and sines can take minutes
+    seed(0)  # as for a derivation
+    speeds = [x for x in sorted(expr.free_symbols, key=str) if moving(x)]
+    rates = [expr.diff(x) for x in speeds]
+    if any(rate.has(*speeds) for rate in rates):
+        forms = [expr, sp.factor(expr)]
+    else:
+        alone = sp.factor(expr.subs(dict.fromkeys(speeds, 0)))
+        terms = (sp.factor(rate) * x for rate, x in zip(rates, speeds, strict=True))
+        forms = [expr, alone + sum(terms)]
+    for letter in (mu, epsilon):
+        forms += [_collected(form, letter) for form in forms]
+    if expr.has(epsilon) and expr.is_polynomial():
+        turned = sp.expand(expr.subs(epsilon, _GAIN - 1))
+        forms.append(sp.collect(turned, _GAIN, sp.factor).subs(_GAIN, 1 + epsilon))
+    return min(forms, key=_size)
 
 
 def _factor_key(factor: sp.Expr) -> tuple:
