@@ -46,6 +46,7 @@ a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point, per unit mass: du = C P_x - B P_z, dv = A P_z - B P_x.
 A, B, C = sp.symbols("A B C", positive=True)
 P_c = sp.Symbol("P_c", positive=True)  # normal impulse at the end of compression
+W_c, W_r = sp.symbols("W_c W_r")  # work of the normal impulse in compression, in restitution
 kappa = sp.Symbol("kappa", nonnegative=True)  # (1 - epsilon)/(1 + epsilon)
 
 HELD = {"stick": B / C, "back": mu}  # tangential per normal impulse after the slip has stopped
@@ -88,8 +89,8 @@ def compression(order: str) -> sp.Expr:
     return p_c
 
 
-@derived("W_c", "W_r")
-def work(order: str, p_f: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+@derived()
+def work(order: str, p_f: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
     """Work of the normal impulse during compression and restitution, ended at p_f > P_1."""
     p, p_c = sp.Symbol("p"), compression(order)
     slip, after = v_0 + a_1 * p, _velocity(p)
@@ -99,7 +100,7 @@ def work(order: str, p_f: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     else:
         taken = sp.integrate(slip, (p, 0, p_c))
         given = sp.integrate(slip, (p, p_c, P_1)) + sp.integrate(after, (p, P_1, p_f))
-    return sp.expand(taken), sp.expand(given)
+    return {W_c: sp.expand(taken), W_r: sp.expand(given)}
 
 
 @derived("v_{f, %(order)s}")
@@ -111,8 +112,8 @@ def final_velocity(law: str, order: str) -> sp.Expr:
         return sp.factor(_velocity((1 + epsilon) * compression(order)))
     square = sp.Symbol("v_f^2", positive=True)
     p_f = P_1 + (sp.sqrt(square) - V_1) / a_2
-    taken, given = work(order, p_f)
-    (value,) = solve(sp.expand(given + epsilon**2 * taken), square)
+    done = work(order, p_f)
+    (value,) = solve(sp.expand(done[W_r] + epsilon**2 * done[W_c]), square)
     return sp.sqrt(sp.factor(value))
 
 
@@ -182,7 +183,7 @@ def energy_by_poisson(regime: str, order: str) -> sp.Expr:
     """Work of both forces under Poisson's law, per unit mass, by P_1 and P_c."""
     (start,) = solve(compression(order) - P_c, v_0)
     whole = (1 + epsilon) * P_c
-    normal = sum(work(order, whole)).subs(v_0, start)
+    normal = sum(work(order, whole).values()).subs(v_0, start)
     known = {a_1: A + mu * B, a_2: A - B * HELD[regime]}
     return sp.factor(normal.subs(known) + friction_work(regime).subs(P_z, whole))
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from .axioms import EULER, IMPULSIVE, NEWTON, RIGID, P, lever_x, lever_z, tau, turn, xi, zeta
+from .equality import equal
 from .proof import Equation
 from .symbols import (
     F_x,
@@ -91,18 +92,24 @@ def contact_acceleration(f_x: sp.Expr, f_z: sp.Expr, lever: Lever, inertia: sp.E
     return centre + spin_rate * _turned(lever, 1) + omega**2 * _turned(lever, 2)
 
 
-def _say_change(lever: Lever, inertia: sp.Expr) -> None:
-    """The same change, part by part, as it is told."""
+def _say_change(lever: Lever, inertia: sp.Expr, change: sp.Matrix) -> None:
+    """The same change, part by part, as it is told; ValueError if it is another one."""
     x, z = lever
-    centre = velocity_change(P_x, "dc_x"), velocity_change(P_z, "dc_z")
-    spin = spin_change(P_x, P_z, lever, inertia)
-    share = centre[0] + z * spin, centre[1] - x * spin
+    along, up, turned = sp.symbols(r"dc_x dc_z d\omega")
+    values = {
+        along: velocity_change(P_x, "dc_x"),
+        up: velocity_change(P_z, "dc_z"),
+        turned: spin_change(P_x, P_z, lever, inertia),
+    }
+    share = along + z * turned, up - x * turned
+    parts = tuple(form.subs(values) for form in share)
+    if not equal(sp.Matrix(parts), change):
+        raise ValueError("the parts are not the whole")
     say(
         f"The impulse moves the centre and turns the body, and the point at $({latex(x)}, "
         f"{latex(z)})$ from the centre changes its velocity by both",
-        rf"dc_x + \left({latex(z)}\right) d\omega",
-        rf"dc_z - \left({latex(x)}\right) d\omega",
-        share,
+        *map(latex, share),
+        parts,
     )
 
 
@@ -111,8 +118,9 @@ def impulsive_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr)
     r"""That acceleration times $\tau$, for a force $P/\tau$ and $\tau \to 0$."""
     force = IMPULSIVE({P: P_x}, "F_x"), IMPULSIVE({P: P_z}, "F_z")
     change = tau * contact_acceleration(*force, lever, inertia)
-    _say_change(lever, inertia)
-    return change.expand().subs(tau, 0).xreplace({P_x: p_x, P_z: p_z})
+    change = change.expand().subs(tau, 0)
+    _say_change(lever, inertia, change)
+    return change.xreplace({P_x: p_x, P_z: p_z})
 
 
 @derived("du", "dv")

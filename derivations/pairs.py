@@ -101,6 +101,13 @@ def _minors(form: sp.Expr) -> list[sp.Expr]:
     return [form - sum(a * b * (u * w - v * q) ** 2 for (a, u, v), (b, q, w) in pairs)]
 
 
+def _by_mobilities() -> list[sp.Expr]:
+    """What the mobilities make of an impulse, less how the contact velocity answers to it."""
+    a, b, c = (mobility()[letter] for letter in (A, B, C))
+    found = sp.Matrix([c * P_x - b * P_z, a * P_z - b * P_x])
+    return list(found - (sp.Matrix(_ends()) - sp.Matrix(START)))
+
+
 def _along_and_across(form: sp.Matrix) -> list[sp.Expr]:
     """An impulse through a rod's centre turns nothing; the trace is what any two across sum to."""
     mass, x, z = form
@@ -164,7 +171,7 @@ EQUATIONS = (
         "A C - B^2",
         derive=determinant,
         shown=_shown_determinant(),
-        check=_minors,
+        check=lambda form: [*_minors(form), *_by_mobilities()],
     ),
     Equation(
         "pairs: equivalent rod",

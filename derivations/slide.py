@@ -8,6 +8,7 @@ from .paper import LETTERS
 from .proof import Equation, Repair
 from .symbols import F_z, P_x, P_z, c_x, c_z, u_0, v_0
 from .trace import derived, say, solve
+from .typeset import latex
 
 
 def friction(p_z: sp.Expr, direction: int) -> sp.Expr:
@@ -31,7 +32,8 @@ def normal_velocity(p_z: sp.Expr = P_z) -> sp.Expr:
 def impulse() -> tuple[sp.Expr, sp.Expr]:
     """The total impulse of a slide."""
     parting = normal_velocity(), RESTITUTION({})
-    (p_z,) = solve(parting, P_z, r"The contact parts at $v = -\epsilon v_0$; solved for $P_z$")
+    sentence = f"The contact parts at $v = {latex(parting[1])}$; solved for $P_z$"
+    (p_z,) = solve(parting, P_z, sentence)
     return friction(p_z, 1), p_z
 
 
@@ -56,7 +58,8 @@ def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     if not any(c.has(u_0, v_0) for c in after):
         return after
     say("The impulse put into (10) and (11)", "c'_x", "c'_z", after)
-    say("With the contact velocity before the impact", "u_0", "v_0", tuple(approach().values()))
+    letters, before = map(tuple, (approach(), approach().values()))
+    say("With the contact velocity before the impact", *map(latex, letters), before)
     return tuple(c.subs(approach()) for c in after)
 
 

@@ -7,9 +7,10 @@ from .axioms import RESTITUTION
 from .newton import approach, contact_change
 from .proof import Equation, Repair
 from .slide import by_speeds, cm_velocity, friction, stop
-from .slip_stick import P_2, stick_margin
+from .slip_stick import P_2, PARTING, stick_margin
 from .symbols import P_1, P_z, v_1
 from .trace import derived, say, solve
+from .typeset import latex
 
 
 @derived("u_f", "v_f - v_1")
@@ -23,11 +24,7 @@ def impulse() -> tuple[sp.Expr, sp.Expr]:
     r"""The impulse until the stop and the one after it, $P_2$, with $\mu P_2$ along $x$."""
     p_x, p_z, v = stop()
     parting = v + reversed_change(P_2)[1], RESTITUTION({})
-    (extra,) = solve(
-        parting,
-        P_2,
-        r"The contact parts at $v_f = -\epsilon v_0$; solved for $P_2 = P_z(t_f) - P_z(t_1)$",
-    )
+    (extra,) = solve(parting, P_2, PARTING.format(latex(parting[1])))
     extra = by_speeds(extra)
     say("The impulse after the stop", "P_2", extra)
     return by_speeds(p_x + friction(extra, -1)), by_speeds(p_z + extra)

@@ -16,7 +16,9 @@ from .symbols import (
     v_1,
 )
 from .trace import derived, say, solve
+from .typeset import latex
 
+PARTING = "The contact parts at $v_f = {}$; solved for $P_2 = P_z(t_f) - P_z(t_1)$"
 P_2 = sp.Symbol("P_2", positive=True)  # normal impulse after the slip has stopped
 
 
@@ -47,11 +49,7 @@ def impulse() -> tuple[sp.Expr, sp.Expr]:
     """The impulse until the stop and the one after it, $P_2$ times the ratio of (17) along $x$."""
     p_x, p_z, v = stop()
     parting = v + sticking_velocity(P_2), RESTITUTION({})
-    (extra,) = solve(
-        parting,
-        P_2,
-        r"The contact parts at $v_f = -\epsilon v_0$; solved for $P_2 = P_z(t_f) - P_z(t_1)$",
-    )
+    (extra,) = solve(parting, P_2, PARTING.format(latex(parting[1])))
     extra = by_speeds(extra)
     say("The impulse after the stop", "P_2", extra)
     return by_speeds(p_x + sticking_force().subs(F_z, extra)), by_speeds(p_z + extra)

@@ -4,7 +4,7 @@ import sympy as sp
 
 from . import second_routes
 from .bodies import THIN, T, over_tangent
-from .lecture import PAPER, degrees, negative, number
+from .lecture import PAPER, degrees, formula, negative, number
 from .newton import approach
 from .proof import Equation
 from .slide import slide_excess
@@ -47,14 +47,14 @@ def _upright_friction() -> sp.Expr:
 
 def _reversal() -> sp.Expr:
     """XZ - mu (k^2 + Z^2) of a thin rod, from (16), times 12/l^2."""
-    margin = sp.cancel(-stick_margin() * (k**2 + Z**2))
-    say(
-        "(16) times $k^2 + Z^2$ vanishes at its edge; with the lengths of a thin rod, times "
-        "$12/l^2$",
-        "0",
-        margin,
+    first, second = k**2 + Z**2, 12 / length**2
+    margin = sp.cancel(-stick_margin() * first)
+    sentence = (
+        f"(16) times {formula(first)} vanishes at its edge; with the lengths of a thin rod, times "
+        f"{formula(second)}"
     )
-    return sp.expand(sp.cancel(12 * margin.subs(THIN) / length**2))
+    say(sentence, "0", margin)
+    return sp.expand(sp.cancel(second * margin.subs(THIN)))
 
 
 @derived(r"\cos 2\phi_c", r"\cos 2\phi_{upper}")
