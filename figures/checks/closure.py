@@ -289,7 +289,7 @@ def _draw_left(ax: Axes, d: Data) -> None:
     ax.set(xlabel="misfit / row", xlim=(0, None))
     ax.invert_yaxis()
     ax.tick_params(axis="y", left=False, right=False)
-    ax.legend(loc="lower right", fontsize=6)
+    ax.legend(loc="center right", fontsize=6)
 
 
 @style
