@@ -7,13 +7,14 @@ is too small for that, the law is somebody's own, or it is asked for, as many st
 steps twice as long, and the bias follows from the difference.
 """
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product
 from math import hypot, inf, isfinite, nan
-from threading import Lock
-from time import perf_counter, sleep
+from threading import Event
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from .domains import InputError, number, whole
 from .host import STEPS_PER_CONTACT, stable_step
 from .laws import LAWS, contact_time
 from .scene import Scene, Step
-from .simulation import Accuracy, Result
+from .simulation import Accuracy, Result, Run, interruptible
 from .statistics import FEWEST, settled, standard_error, transient
 
 DOMAINS = {
@@ -52,8 +53,6 @@ PER_FREEDOM = 30  # periods that tell as much of a standard error as one indepen
 # Chance below which starts that differ are in different states, of rows and of annuli, where each
 # start has an arrangement of its own.
 UNLIKELY = 1e-3, 5e-2
-FEW = 5  # periods to the first answer, where nothing is known of a start's pace
-PATIENCE = 0.3  # seconds after which a start asks again
 SEED_GAP = 10**6  # between the seeds of starts
 MEASURED_PRICE = 3.0  # of a bias that is measured: longer steps besides, and its statistical error
 
@@ -67,9 +66,6 @@ class History(NamedTuple):
     def part(self, first: int, last: int | None = None) -> "History":
         """Some of the periods."""
         return History(self.drift[first:last], self.fell[first:last])
-
-
-NO_HISTORY = History(np.zeros(0), np.zeros(0))
 
 
 class Interval(NamedTuple):
@@ -180,32 +176,29 @@ def measured(fine: Interval, coarse: Interval) -> Estimate:
 
 @dataclass
 class _Goal:
-    """Goal of several starts: looks at their drifts until the mean is accurate enough."""
+    """Goal of several starts: judges their drifts until the mean is accurate enough."""
 
     tolerance: float
-    confidence: float
-    floor: float
-    max_seconds: float
-    starts: int = STARTS  # with one step
-    doubled: bool = False  # whether as many have steps twice as long
+    confidence: float = CONFIDENCE
+    floor: float = 0.0
+    max_seconds: float = MAX_SECONDS
+    starts: int = STARTS  # with one step; of a bias that is measured, as many have longer ones
     annulus: bool = False
     over: bool = False
-    began: float = nan  # by the clock
     needed: float = nan  # seconds in all
-    lock: Any = field(default_factory=Lock)
+    end: float = inf  # by the clock; it holds once the first look is made
 
-    def __post_init__(self) -> None:
-        self.histories = [NO_HISTORY] * (self.starts * (2 if self.doubled else 1))
-        self.first = self.due = FIRST_LOOK * slower(self.annulus)  # periods at the next look
-        self.look(0)
+    @property
+    def first(self) -> int:
+        """Periods at the first look."""
+        return FIRST_LOOK * slower(self.annulus)
 
-    def look(self, periods: int | None) -> None:
-        """Estimate the drift from so many periods of each start."""
-        parts = [one.part(0, periods) for one in self.histories]
+    def look(self, histories: list[History]) -> None:
+        """Estimate the drift from all starts."""
         find = partial(interval, confidence=self.confidence, annulus=self.annulus)
-        fine = find(parts[: self.starts])
-        self.made = sum(len(one.drift) for one in parts)
-        self.found = measured(fine, find(parts[self.starts :])) if self.doubled else allowed(fine)
+        fine, longer = histories[: self.starts], histories[self.starts :]
+        self.doubled, self.made = bool(longer), sum(len(one.drift) for one in histories)
+        self.found = measured(find(fine), find(longer)) if longer else allowed(find(fine))
 
     @property
     def size(self) -> float:
@@ -217,56 +210,58 @@ class _Goal:
         """Whether the tolerance is kept, by starts that have settled."""
         return self.found.settled and self.found.error <= self.tolerance * self.size
 
-    def ask(self, start: int, drift: np.ndarray, fell: np.ndarray) -> int:
-        """Periods that a start is to make in all, given what it has made so far."""
-        with self.lock:
-            made = len(drift)
-            if self.over:
-                return made
-            self.histories[start] = History(drift, fell)
-            if not isfinite(self.began):
-                self.began = perf_counter()
-            seconds = perf_counter() - self.began
-            least = min(len(one.drift) for one in self.histories)
-            if least >= self.due or (least >= self.first and seconds > self.max_seconds):
-                self.judge(min(least, self.due), seconds)
-            if self.over:
-                return made
-            if not made:
-                return FEW
-            if made < 2 * self.due:
-                pace = made / max(seconds, 1e-3)  # periods a second
-                slowly = made + max(int(pace * PATIENCE), 1)
-                return min(slowly, self.due if made < self.due else 2 * self.due)
-        sleep(PATIENCE)  # another start is late, and may share the core with this one
-        return made + 1
+    def judge(self, histories: list[History], seconds: float) -> int:
+        """Whether it is over, and if not, how many periods each start is to make for the next look.
 
-    def judge(self, made: int, seconds: float) -> None:
-        """Whether it is over, and if not, when to look again.
-
-        Starts are judged by as many periods each, whichever was faster.
+        Starts are judged by as many periods each.
         """
-        self.look(made)
+        made = min(len(one.drift) for one in histories)
+        self.look([one.part(0, made) for one in histories])
         room = (self.tolerance * self.size) ** 2 - self.found.bias_error**2
         wanted = inf if room <= 0 else made * self.found.statistical**2 / room
         self.needed = wanted / made * seconds
         hopeless = self.needed > 2 * self.max_seconds and made >= 2 * self.first
         hopeless = hopeless and (self.found.settled or room <= 0)
         late = seconds > self.max_seconds
-        if self.reached or hopeless or late or made >= MOST_PERIODS_OF_A_START:
-            self.over = True
-            return
+        self.over = self.reached or hopeless or late or made >= MOST_PERIODS_OF_A_START
         if not self.found.settled:
             wanted = UNSETTLED * made
         grown = np.clip(wanted, GROWTH[0] * made, GROWTH[1] * made) + 1
-        self.due = int(min(grown, MOST_PERIODS_OF_A_START))
+        return int(min(grown, MOST_PERIODS_OF_A_START))
 
-    def interrupt(self, first: History) -> None:
-        """End early, by Ctrl-C, with what the starts have."""
-        with self.lock:
-            if not self.over:
-                self.over, self.histories[0] = True, first
-                self.look(None)
+
+def _together(runs: list[Run], periods: int, stop: Callable[[], bool]) -> None:
+    """March all runs until each has made so many periods, one a thread; one that fails ends all."""
+    failed = Event()
+
+    def march(running: Run) -> None:
+        try:
+            running.march(periods, lambda: failed.is_set() or stop())
+        except BaseException:
+            failed.set()
+            raise
+
+    with ThreadPoolExecutor(len(runs)) as pool:
+        for marching in [pool.submit(march, running) for running in runs]:
+            marching.result()
+
+
+def pursued(goal: _Goal, runs: list[Run]) -> Result:
+    """March the starts until the goal is over; the result of the first one."""
+    with ExitStack() as stack:
+        for running in runs:
+            stack.enter_context(running)
+        pressed = stack.enter_context(interruptible())
+        begin, periods = perf_counter(), goal.first
+        while not (goal.over or pressed()):
+            _together(runs, periods, lambda: pressed() or perf_counter() > goal.end)
+            histories = [History(*running.history()) for running in runs]
+            if pressed():
+                goal.look(histories)
+            else:
+                goal.end = begin + goal.max_seconds
+                periods = goal.judge(histories, perf_counter() - begin)
+        return runs[0].result(goal.over)
 
 
 def steps_per_contact(scene: Scene, dt: float) -> float:
@@ -359,45 +354,31 @@ def run(
     fine, doubled = stepped(scene, tolerance, measure_bias=measure_bias)
     floor = FLOOR * scene.plate_speed if floor is None else floor
     in_annulus = scene.annulus is not None
-    goal = _Goal(tolerance, confidence, floor, max_seconds, starts, doubled, in_annulus)
-    result = _started(fine, goal, options)
+    goal = _Goal(tolerance, confidence, floor, max_seconds, starts, in_annulus)
+    result = pursued(goal, starts_of(fine, starts, doubled, options))
     stderr = goal.found.statistical / float(ndtri((1 + confidence) / 2))
     stderr = stderr if isfinite(stderr) else nan
     return replace(result, c_x=goal.found.mean, c_x_stderr=stderr, accuracy=_accuracy(goal, result))
 
 
-def _started(scene: Scene, goal: _Goal, options: dict[str, Any]) -> Result:
-    """Run all starts until the goal is over; the result of the first one."""
-    steps = [scene.step]
-    if goal.doubled:
-        assert scene.step.size is not None
-        steps.append(replace(scene.step, size=2 * scene.step.size))
-    seeds = [scene.start.seed + SEED_GAP * start for start in range(goal.starts)]
+def starts_of(scene: Scene, starts: int, doubled: bool, options: dict[str, Any]) -> list[Run]:
+    """Runs of a scene from other seeds; where `doubled`, as many again with steps twice as long.
+
+    The options, as those of `simulation.run`, are for the first one.
+    """
     scenes = [
-        replace(scene, step=step, start=replace(scene.start, seed=seed))
-        for step, seed in product(steps, seeds)
+        replace(scene, start=replace(scene.start, seed=scene.start.seed + SEED_GAP * i))
+        for i in range(starts)
     ]
-
-    def other(start: int) -> None:
-        asked = partial(goal.ask, start)
-        try:
-            simulation.run(scenes[start], periods=MOST_PERIODS_OF_A_START, ledger=False, goal=asked)
-        except BaseException:
-            goal.over = True  # nobody waits for this one
-            raise
-
-    with ThreadPoolExecutor(max(len(scenes) - 1, 1)) as pool:
-        others = [pool.submit(other, start) for start in range(1, len(scenes))]
-        try:
-            how = {**options, "periods": MOST_PERIODS_OF_A_START, "goal": partial(goal.ask, 0)}
-            result = simulation.run(scene, **how)
-            if not result.finished:
-                goal.interrupt(History(result.c_x_series, result.fell_series))
-        finally:
-            goal.over = True
-        for one in others:
-            one.result()
-    return result
+    if doubled:
+        assert scene.step.size is not None
+        longer = replace(scene.step, size=2 * scene.step.size)
+        scenes += [replace(one, step=longer) for one in scenes]
+    each: list[dict[str, Any]] = [options, *[{"ledger": False}] * (len(scenes) - 1)]
+    return [
+        Run(one, MOST_PERIODS_OF_A_START, **of_one)
+        for one, of_one in zip(scenes, each, strict=True)
+    ]
 
 
 def checked(*, periods: int | None = None, **options: float | None) -> None:
@@ -429,7 +410,7 @@ def _accuracy(goal: _Goal, result: Result) -> Accuracy:
         bias_error=found.bias_error,
         bias_measured=goal.doubled,
         per_contact=steps_per_contact(result.scene, result.dt),
-        starts=len(goal.histories),
+        starts=goal.starts * (1 + goal.doubled),
         made=goal.made,
         chance=found.chance,
         fell=found.fell,

@@ -5,7 +5,7 @@ import signal
 import threading
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from math import isnan, nan
 from pathlib import Path
@@ -25,7 +25,7 @@ from .measures import tables_of
 from .scene import Scene, as_dict
 from .sources import code
 from .statistics import TREND, steady, transient, trend
-from .trajectory import Trajectory, check_continues, is_trajectory
+from .trajectory import Trajectory
 
 MOST_PERIODS = 10**7  # of a run
 LOSSES = tuple(f"{at}_{by}" for at in ("plate", "rods", "walls") for by in ("normal", "friction"))
@@ -178,7 +178,7 @@ def finite(value: Any) -> Any:
 
 
 @contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
+def interruptible() -> Iterator[Callable[[], bool]]:
     """A function that says whether Ctrl-C was pressed; it is not raised in the middle of a step.
 
     So is every signal that is Ctrl-C to Python, as SIGTERM is to the command; a handler of
@@ -220,39 +220,71 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     return about, arrays
 
 
-class _Run:
+class Run:
     """A run under way and the files that it writes; one that takes no more does not end it.
 
-    Where the trajectory ends early, the checkpoint stays behind, so that a resumed run fills it.
+    The arguments are those of `run`. Where the trajectory ends early, the checkpoint stays behind,
+    so that a resumed run fills it.
     """
 
-    def __init__(self, scene: Scene, periods: int, ledger: bool, checkpoint: Path | None):
+    def __init__(
+        self,
+        scene: Scene,
+        periods: int,
+        *,
+        ledger: bool = True,
+        observe: Callable[[np.ndarray], None] | None = None,
+        trajectory: str | Path | None = None,
+        frames: int = 1,
+        checkpoint: str | Path | None = None,
+        progress: bool = False,
+    ):
+        if not isinstance(scene, Scene):
+            raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
+        periods = whole("periods", periods, 1, MOST_PERIODS)
+        frames = whole("frames", frames, 1, step_of(scene)[1])
+        distinct(trajectory=trajectory, checkpoint=checkpoint)
+        saved, self.checkpoint = None, None if checkpoint is None else Path(checkpoint)
+        if self.checkpoint is not None:
+            writable("checkpoint", self.checkpoint)
+            if self.checkpoint.exists():
+                saved = _read(self.checkpoint, scene)
+        self.observe = observe
+        self.lost: dict[str, str] = {}  # why a file is not whole
         self.engine = engine = prepare(scene, ledger=ledger)
         self.tables = tables_of(engine, periods)
-        self.checkpoint = checkpoint
-        self.trajectory: Trajectory | None = None
-        self.lost: dict[str, str] = {}  # why a file is not whole
         begin = perf_counter()
         engine.go(0, self.tables.series)  # compiles
-        self.began: dict[str, Any] = {  # what a checkpoint tells
-            "compile": perf_counter() - begin,
-            "seconds": 0.0,
-            "trajectory": None,
-            "energy": engine.energy() if engine.ledger is not None else 0.0,
-        }
+        self.seconds, self.compile_seconds = 0.0, perf_counter() - begin
+        self.energy = engine.energy() if engine.ledger is not None else 0.0  # at the start
+        if saved is not None:
+            self._restore(*saved, periods)
+        self.trajectory: Trajectory | None = None
+        if trajectory is not None:
+            self.trajectory = Trajectory(trajectory, frames, engine.step / engine.per, periods)
+        hidden = None if progress else True  # None: on a terminal alone
+        self.bar = tqdm(total=periods, unit=" periods", delay=2, disable=hidden)
+        self.bar.update(self.made)
+
+    def __enter__(self) -> "Run":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.bar.close()
+        if self.trajectory is not None:
+            self.trajectory.close()
 
     @property
     def made(self) -> int:
         """Whole periods."""
         return self.engine.step // self.engine.per
 
-    def restore(self, about: dict[str, Any], arrays: dict[str, np.ndarray], periods: int) -> None:
+    def _restore(self, about: dict[str, Any], arrays: dict[str, np.ndarray], periods: int) -> None:
         """Go on from a checkpoint."""
-        step, compiling = about.pop("step"), self.began["compile"]
-        if step > periods * self.engine.per:
+        if about["step"] > periods * self.engine.per:
             raise InputError(
-                f"checkpoint {self.checkpoint} is {step // self.engine.per} periods long already: "
-                "ask for more, or remove it"
+                f"checkpoint {self.checkpoint} is {about['step'] // self.engine.per} periods long "
+                "already: ask for more, or remove it"
             )
         if self.engine.ledger is not None and "ledger" not in arrays:
             raise InputError(
@@ -260,8 +292,8 @@ class _Run:
                 "or remove it to start again"
             )
         self.tables.restore(arrays)
-        self.engine.restore(arrays, step)
-        self.began |= about | {"compile": compiling}
+        self.engine.restore(arrays, about["step"])
+        self.seconds, self.energy = about["seconds"], about["energy"]
 
     @contextmanager
     def _noting_failure(self, name: str, path: Path, quiet: bool = False) -> Iterator[None]:
@@ -271,9 +303,7 @@ class _Run:
         except OSError as error:
             why = f"{name} {path}: {error.strerror or error}"
             if name not in self.lost and not quiet:
-                behind = self.checkpoint is not None and name == "trajectory"
-                stays = ", its checkpoint stays where the frames are whole" if behind else ""
-                warn(f"cannot write {why}; the run goes on{stays}")
+                warn(f"cannot write {why}; the run goes on")
             self.lost[name] = why
 
     def _frame(self, trajectory: Trajectory) -> None:
@@ -284,28 +314,28 @@ class _Run:
                 trajectory.write(engine.scene, engine.rods, time, engine.plate_height)
 
     def save(self, last: bool = False) -> None:
-        """Bring the frames and, with what they are, a checkpoint on the disk."""
-        if self.trajectory is not None and "trajectory" not in self.lost:
+        """Bring the frames, and then a checkpoint, on the disk."""
+        if self.trajectory is not None:
             with self._noting_failure("trajectory", self.trajectory.path, last):
-                self.began["trajectory"] = self.trajectory.state()
+                self.trajectory.flush()
         if self.checkpoint is None:
             return
         if "trajectory" in self.lost:
             self.lost["checkpoint"] = f"checkpoint {self.checkpoint}: behind, as the trajectory is"
             return
-        scene, step = self.engine.scene, self.engine.step
-        about = {**_names(scene), "step": step, **self.began}
+        about: dict[str, Any] = {"step": self.engine.step, "energy": self.energy}
+        about |= {"seconds": self.seconds, **_names(self.engine.scene)}
         arrays: dict[str, Any] = self.tables.arrays(self.made) | self.engine.arrays()
         with self._noting_failure("checkpoint", self.checkpoint, last):
             with replacing(self.checkpoint) as part, part.open("wb") as file:
                 np.savez(file, about=json.dumps(about), **arrays)
             self.lost.pop("checkpoint", None)
 
-    def march(self, goal: int, observe: Callable | None, bar: tqdm, pressed: Callable) -> None:
-        """March to the step `goal`, call by call of the kernel."""
-        engine, saved = self.engine, perf_counter()
-        while engine.step < goal and not pressed():
-            steps = min(engine.pace, goal - engine.step)
+    def march(self, periods: int, stop: Callable[[], bool]) -> None:
+        """March until so many periods are made, or `stop` says so, call by call of the kernel."""
+        engine, saved, self.bar.total = self.engine, perf_counter(), periods
+        while engine.step < periods * engine.per and not stop():
+            steps = min(engine.pace, periods * engine.per - engine.step)
             if (trajectory := self.trajectory) is not None:
                 frames = trajectory.per_period
                 number, since = divmod(engine.step * frames, engine.per)
@@ -314,30 +344,37 @@ class _Run:
                 steps = min(steps, -(-(number + 1) * engine.per // frames) - engine.step)
             begin, before = perf_counter(), self.made
             engine.go(steps, self.tables.series)
-            self.began["seconds"] += perf_counter() - begin
+            self.seconds += perf_counter() - begin
             if engine.record is not None and engine.record.count[0]:
                 rows = engine.record.rows[: engine.record.count[0]]
                 self.tables.add(rows)
-                if observe is not None:
-                    observe(rows.copy())
+                if self.observe is not None:
+                    self.observe(rows.copy())
                 engine.record.count[0] = 0
-            bar.update(self.made - before)
+            self.bar.update(self.made - before)
             if perf_counter() - saved > _SAVED:
                 self.save()
                 saved = perf_counter()
+
+    def history(self) -> tuple[np.ndarray, np.ndarray]:
+        """Drift and falls of each period made."""
+        return self.tables.drift(self.made), self.tables.fell(self.made)
 
     def _energy(self) -> dict[str, float] | None:
         """Account of the energy; None if not asked."""
         if self.engine.ledger is None:
             return None
-        change = self.engine.energy() - self.began["energy"]
+        change = self.engine.energy() - self.energy
         work, *losses = map(float, self.engine.ledger)
         lost = dict(zip(LOSSES, losses, strict=False))
         found = {"plate_work": work, **lost, "change": change}
         return found | {"residual": work - sum(losses) - change}
 
     def result(self, finished: bool) -> Result:
-        """What was measured in the periods made."""
+        """What was measured in the periods made; the files are brought up to it."""
+        self.save(last=True)
+        if lost := self.lost.values():
+            warnings.warn(f"not written: {'; '.join(lost)}", NotWritten, stacklevel=3)
         engine, tables, periods = self.engine, self.tables, self.made
         c_x, tilt, cut = tables.drift(periods), tables.tilt_deg(periods), transient(periods)
         return Result(
@@ -350,8 +387,8 @@ class _Run:
             discarded=cut,
             steps_per_period=engine.per,
             dt=engine.dt,
-            run_seconds=self.began["seconds"],
-            compile_seconds=self.began["compile"],
+            run_seconds=self.seconds,
+            compile_seconds=self.compile_seconds,
             energy=self._energy(),
             **tables.results(cut, periods),
             c_x_series=c_x,
@@ -363,36 +400,22 @@ class _Run:
         )
 
 
-def run(
-    scene: Scene,
-    *,
-    periods: int = 200,
-    ledger: bool = True,
-    observe: Callable[[np.ndarray], None] | None = None,
-    trajectory: str | Path | None = None,
-    frames: int = 1,
-    checkpoint: str | Path | None = None,
-    progress: bool = False,
-    goal: Callable[[np.ndarray, np.ndarray], int] | None = None,
-) -> Result:
+def run(scene: Scene, *, periods: int = 200, **options: Any) -> Result:
     """Run a scene and measure it.
 
     Parameters
     ----------
     scene : Scene
     periods : of the plate, or, if nothing vibrates, units of sqrt(d/g)
-    ledger : whether to account for the energy
+    ledger : whether to account for the energy (default True)
     observe : called now and then with new touches, (n, touches.WIDTH), which `md.records.touches`
         gives names; they are not kept
     trajectory : file for extended XYZ, a new one or one of frames, which are replaced; when a
-        checkpoint is resumed, the file that was written with it, which goes on behind the frames
-        that the checkpoint knows of
-    frames : of the trajectory, per period, evenly, at most one a step
+        checkpoint is resumed, those of the periods after it
+    frames : of the trajectory, per period, evenly, at most one a step (default 1)
     checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
         it and gives bit for bit the numbers of a run that never stopped
-    progress : whether to show a progress bar, on a terminal, after two seconds
-    goal : says how many periods to make in all, given the drift and the falls of each one made so
-        far; asked again when they are made, until that is enough; `periods` is then the most
+    progress : whether to show a progress bar, on a terminal, after two seconds (default False)
 
     Ctrl-C ends the run: the result has `finished` False and covers the whole periods made. A file
     that takes no more, on a full disk, does not: it is told by a warning, and in `unwritten`.
@@ -401,48 +424,10 @@ def run(
     ------
     ValueError
         If an argument is out of its domain, the step is not stable, the checkpoint is of another
-        scene or of other sources, or the trajectory or its frames a period are not the ones it was
-        saved with. No file is changed.
+        scene or of other sources, or a file holds other data. No file is changed.
     RunError
         If a state stops being finite, or a contact is deeper than d/2.
     """
-    if not isinstance(scene, Scene):
-        raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
-    periods = whole("periods", periods, 1, MOST_PERIODS)
-    frames = whole("frames", frames, 1, step_of(scene)[1])
-    distinct(trajectory=trajectory, checkpoint=checkpoint)
-    if trajectory is not None:
-        writable("trajectory", trajectory, is_trajectory, "one of frames")
-    saved, kept = None, None if checkpoint is None else Path(checkpoint)
-    if kept is not None:
-        writable("checkpoint", kept)
-        if kept.exists():
-            saved = _read(kept, scene)
-            check_continues(trajectory, frames, periods, saved[0]["trajectory"], kept)
-    running = _Run(scene, periods, ledger, kept)
-    if saved is not None:
-        running.restore(*saved, periods)
-    per = running.engine.per
-
-    with ExitStack() as stack:
-        pressed = stack.enter_context(_interruptible())
-        if trajectory is not None:
-            running.trajectory = Trajectory(trajectory, frames, running.began["trajectory"])
-            stack.callback(running.trajectory.close)
-        bar = stack.enter_context(
-            tqdm(total=periods, unit=" periods", delay=2, disable=None if progress else True)
-        )
-        bar.update(running.made)
-        going = True
-        while going:
-            before = running.made
-            aim = bar.total = periods
-            if goal is not None:
-                seen = running.tables.drift(before), running.tables.fell(before)
-                aim = bar.total = min(goal(*seen), periods)
-            running.march(aim * per, observe, bar, pressed)
-            going = before < aim <= running.made and goal is not None
-        running.save(last=True)
-    if lost := running.lost.values():
-        warnings.warn(f"not written: {'; '.join(lost)}", NotWritten, stacklevel=2)
-    return running.result(running.engine.step >= aim * per)
+    with Run(scene, periods, **options) as running, interruptible() as pressed:
+        running.march(periods, pressed)
+        return running.result(running.made == periods)

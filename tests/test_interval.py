@@ -119,11 +119,10 @@ def test_a_longer_transient_is_left_out():
 def followed(starts, tolerance, confidence=0.95):
     """The goal of starts with these drifts, as it ends."""
     goal = accuracy._Goal(tolerance, confidence, 0.0, 1e9, len(starts))
-    made = [0] * len(starts)
+    periods = goal.first
     while not goal.over:
-        for i, drift in enumerate(starts):
-            made[i] = max(goal.due, 1)
-            goal.ask(i, drift[: made[i]], np.zeros(made[i]))
+        histories = [History(drift[:periods], np.zeros(periods)) for drift in starts]
+        periods = goal.judge(histories, seconds=1.0)
     return goal
 
 

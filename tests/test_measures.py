@@ -113,21 +113,3 @@ def test_touches_of_one_phase_are_counted_whatever_their_number():
     tables, many = RowTables(md.host.prepare(row()), 1), 2**16 + 1
     tables.add(touches(0, np.full(many, 1), 5)[:, :-1])
     assert max(tables.cycle(0, 1)) == many
-
-
-def test_a_goal_is_asked_until_it_is_reached():
-    """It sees the drift of each period so far; the run is the same as one of that length."""
-    seen = []
-
-    def goal(drift, fell):
-        seen.append(drift)
-        return (3, 5, 5)[len(seen) - 1]
-
-    result = md.run(row(), periods=50, goal=goal)
-    assert [len(drift) for drift in seen] == [0, 3, 5]
-    assert result.periods == 5
-    assert result.finished
-    plain = md.run(row(), periods=5)
-    np.testing.assert_array_equal(result.c_x_series, plain.c_x_series)
-    np.testing.assert_array_equal(seen[1], plain.c_x_series[:3])
-    assert md.run(row(), periods=4, goal=lambda *_: 10**6).periods == 4

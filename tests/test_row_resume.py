@@ -1,6 +1,7 @@
 """M17: Stop and go on: bit for bit the numbers of a run that never stopped."""
 
 import json
+import re
 import signal
 from pathlib import Path
 
@@ -9,7 +10,6 @@ import pytest
 
 import md
 from md import simulation
-from md.trajectory import read_frames
 
 from .command_line import ended
 from .rows import ROW, row
@@ -119,39 +119,14 @@ def own():
     return md.load("my_rods", ["rods.count=4", "box.length_cm=3.2"])
 
 
+def times(path):
+    """Of the frames of a trajectory, in periods."""
+    return [float(time) for time in re.findall(r" Time=(\S+) ", Path(path).read_text())]
+
+
 def contents(folder):
     """Of all files, with the time of the last change."""
     return {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.iterdir()}
-
-
-def cut(path):
-    path.write_bytes(path.read_bytes()[:-100])
-
-
-def spoilt(path):
-    path.write_bytes(path.read_bytes()[:-3] + b"77\n")
-
-
-@pytest.mark.parametrize(
-    ("change", "options", "words"),
-    [
-        (cut, {"trajectory": "a.xyz"}, "'a.xyz' was changed: its first 20 frames"),
-        (spoilt, {"trajectory": "a.xyz"}, "'a.xyz' was changed: its first 20 frames"),
-        (Path.unlink, {"trajectory": "a.xyz"}, "'a.xyz' was changed: its first 20 frames"),
-        (None, {"trajectory": "a.xyz", "frames": 2}, "frames must be 1 as before, got 2"),
-        (None, {}, "trajectory is missing: name '.*a.xyz', which belongs to it"),
-        (None, {"trajectory": "b.xyz"}, "trajectory must be '.*a.xyz', got 'b.xyz'"),
-        (None, {"trajectory": "a.xyz", "checkpoint": "alone.npz"}, "trajectory must be a new file"),
-    ],
-)
-def test_another_trajectory_is_refused_and_nothing_changes(begun, change, options, words):
-    """The message says the way out: the right file or number, or to begin anew."""
-    if change:
-        change(begun / "a.xyz")
-    before = contents(begun)
-    with pytest.raises(ValueError, match=f"{words}.* remove (the )?checkpoint"):
-        md.run(own(), periods=30, **{"checkpoint": "w.npz", **options})
-    assert contents(begun) == before
 
 
 def test_an_account_of_the_energy_cannot_begin_late(tmp_path):
@@ -164,16 +139,6 @@ def test_an_account_of_the_energy_cannot_begin_late(tmp_path):
     with pytest.raises(md.InputError, match=r"ledger must be False, .*; or remove it"):
         md.run(row(*SCENE), periods=2, checkpoint=path)
     assert contents(tmp_path) == before
-
-
-def test_a_moved_folder_goes_on(begun):
-    """Where the file that the checkpoint names is gone, size and tail tell."""
-    moved = begun / "moved"
-    moved.mkdir()
-    for name in ("a.xyz", "w.npz"):
-        (begun / name).rename(moved / name)
-    md.run(own(), periods=22, checkpoint=moved / "w.npz", trajectory=moved / "a.xyz")
-    assert [frame["time"] for frame in read_frames(moved / "a.xyz")] == [*range(22)]
 
 
 def test_an_older_checkpoint_cuts_no_frames(begun):
@@ -193,28 +158,15 @@ def test_what_a_killed_run_left_of_a_frame_is_cut_off(begun, part):
     with (begun / "a.xyz").open("ab") as file:
         file.write(part)
     md.run(own(), periods=21, checkpoint="w.npz", trajectory="a.xyz")
-    assert [frame["time"] for frame in read_frames(begun / "a.xyz")] == [*range(21)]
+    assert times(begun / "a.xyz") == [*range(21)]
 
 
 @pytest.mark.usefixtures("begun")
 def test_a_trajectory_may_begin_with_a_resumed_run():
     md.run(own(), periods=23, checkpoint="alone.npz", trajectory="new.xyz")
-    assert [frame["time"] for frame in read_frames("new.xyz")] == [20, 21, 22]
+    assert times("new.xyz") == [20, 21, 22]
     md.run(own(), periods=24, checkpoint="alone.npz", trajectory="./new.xyz")
-    assert [frame["time"] for frame in read_frames("new.xyz")] == [20, 21, 22, 23]
-
-
-def test_a_file_that_is_not_a_trajectory_has_no_frames(begun):
-    """Another file, or one that ends within its last frame, is named in one line."""
-    whole = (begun / "a.xyz").read_bytes()
-    for content in (
-        *(b"rods\n", b"\0", bytes(range(128, 256)), b"0\nTime=0 plate=0\n", b"-1\n"),
-        *(whole.replace(b"Time=", b""), whole[:-1], whole[:-3], whole[:-200]),
-    ):
-        (begun / "b.xyz").write_bytes(content)
-        with pytest.raises(ValueError, match=r"b.xyz is not a trajectory of md, or cut short: fra"):
-            read_frames(begun / "b.xyz")
-    assert len(read_frames(begun / "a.xyz")) == 20
+    assert times("new.xyz") == [20, 21, 22, 23]
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
