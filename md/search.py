@@ -52,9 +52,8 @@ from scipy.stats import qmc
 from .domains import InputError, RunError, finite, held, listed, positive, tabled, whole
 from .files import plain
 from .scene import changes_of, put, read_tables, scene_beside
-from .simulation import MOST_PERIODS, run
-from .store import named
-from .sweep import Point, Sweep, Tally, execute, point_at
+from .simulation import MOST_PERIODS
+from .sweep import Sweep, Tally, execute, point_at
 
 __all__ = [
     "Estimate",
@@ -230,9 +229,21 @@ class Found:
         if near.sum() < _ENOUGH * (len(search.parameters) + 1):
             return Estimates({}, np.empty((0, 0)), [], math.nan)
         inside = 2 * (self.parts[near] - low) / (high - low) - 1
-        fit = _Fit(inside, self.results[near], search.measured)
-        places = _draws(fit.unlikely, len(low), search.seed)
-        results, variances, misfits = fit(places)
+        surfaces = [_Surface(inside, results) for results in self.results[near].T]
+
+        def predicted(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            """Results at the targets and their variances, (n, targets) each."""
+            results, variances = np.array([s(places) for s in surfaces]).transpose(1, 2, 0)
+            return results, variances
+
+        def unlikely(places: np.ndarray) -> np.ndarray:
+            """The misfit, and more where little is known, which would fit anything."""
+            results, variances = predicted(places)
+            unknown = np.nansum(np.log1p(variances / search.measured[:, 1] ** 2), axis=1)
+            return _misfit(search.measured, results, variances) + unknown
+
+        places = _draws(unlikely, len(low), search.seed)
+        results, variances = predicted(places)
         parts = low + (places + 1) / 2 * (high - low)
         pairs = zip(search.parameters, parts.T, strict=True)
         values = {parameter.name: parameter.value(part) for parameter, part in pairs}
@@ -241,7 +252,7 @@ class Found:
             {name: Estimate(float(x.mean()), float(x.std())) for name, x in values.items()},
             np.atleast_2d(np.corrcoef([*values.values()])),
             [Estimate(*pair) for pair in np.column_stack([results.mean(axis=0), spread]).tolist()],
-            float(misfits.min()),
+            float(_misfit(search.measured, results, variances).min()),
         )
 
 
@@ -259,17 +270,12 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     As `md.sweep.execute`, ValueError if a target is not a number in the results of a run, RunError
     if no point has results at all targets.
     """
-    names, at = sorted({target.result for target in given.targets}), given.places.index
-    box = None
-    parts, runs, tallies = [], [], []
+    parts, runs, tallies, box = [], [], [], None
     for number in range(given.rounds):
         parts.append(given.draw(number, box))
         sweep = given.sweep(parts[-1])
-        if number == 0:
-            _check_results(given, sweep.points[0])
         tallies.append(execute(sweep, store, **how))
-        gathered = dict(zip(names, sweep.gather(store, *names), strict=True))
-        runs.append(np.stack([gathered[t.result][:, at(t.place)] for t in given.targets], axis=1))
+        runs.append(_at_targets(given, sweep, store))
         tally = Tally(*map(sum, zip(*map(astuple, tallies), strict=True)))
         found = Found(given, np.concatenate(parts), np.concatenate(runs), tally)
         if not np.isfinite(found.results).all(axis=1).any():
@@ -278,18 +284,15 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     return found
 
 
-def _check_results(given: Search, point: Point) -> None:
-    """Refuse data of what is no number in the results of a run: by one, before hours of them."""
-    try:
-        shown = run(point.scene, periods=1)
-    except (InputError, RunError):
-        return
-    if not shown.finished:
-        raise KeyboardInterrupt
-    results = shown.as_dict()
-    for name in sorted({target.result for target in given.targets}):
-        if not isinstance(named(results, name), int | float | None):
-            raise InputError(f"data ask for {name}, which is no number in the results of a run")
+def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
+    """Results of a round at the targets, (points, targets, starts)."""
+    columns = []
+    for target in given.targets:
+        (results,) = sweep.gather(store, target.result)
+        if results.shape != sweep.shape or results.dtype != float:
+            raise InputError(f"data ask for {target.result}, which is no number")
+        columns.append(results[:, given.places.index(target.place)])
+    return np.stack(columns, axis=1)
 
 
 # ---- from results to estimates ------------------------------------------------------------------
@@ -351,41 +354,6 @@ def _misfit(measured: np.ndarray, results: np.ndarray, variance: Any) -> np.ndar
     value, error = measured.T
     squares = (results - value) ** 2 / (error**2 + variance)
     return np.sum(squares, axis=-1, where=~np.isnan(value))
-
-
-class _Fit:
-    """Surfaces of all targets, and the misfit that follows from them.
-
-    Parameters
-    ----------
-    places : (n, coordinates), within -1 and 1
-    results : (n, targets)
-    measured : (targets, 2): value and error, or nan
-    """
-
-    def __init__(self, places: np.ndarray, results: np.ndarray, measured: np.ndarray) -> None:
-        self.surfaces = [_Surface(places, column) for column in results.T]
-        self.measured = measured
-
-    def __call__(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Results and their variances, (n, targets) each, and the misfits, (n,).
-
-        Parameters
-        ----------
-        places : (n, coordinates)
-        """
-        results, variances = np.array([s(places) for s in self.surfaces]).transpose(1, 2, 0)
-        return results, variances, _misfit(self.measured, results, variances)
-
-    def unlikely(self, places: np.ndarray) -> np.ndarray:
-        """The misfit, and more where little is known, which would fit anything, (n,).
-
-        Parameters
-        ----------
-        places : (n, coordinates)
-        """
-        _, variances, misfits = self(places)
-        return misfits + np.nansum(np.log1p(variances / self.measured[:, 1] ** 2), axis=1)
 
 
 def _box_around(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
@@ -457,27 +425,27 @@ def _measured(path: Path, result: str) -> list[Target]:
     A row without a result is predicted: its value and its error are nan.
     """
     try:
-        lines = plain(path).read_text(encoding="utf-8-sig").splitlines()
+        text = plain(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as failure:
         reason = getattr(failure, "strerror", None) or failure
         raise InputError(f"data.file: {path} cannot be read ({reason})") from None
-    rows = csv.reader("" if line.startswith("#") else line.strip() for line in lines)
-    heads = [cell.strip() for cell in next(filter(None, rows), [])]
-    asked = []
-    for row in filter(None, rows):
-        where = f"{path}, line {rows.line_num}"
-        if len(row) > len(heads):
-            raise InputError(f"{where} must have at most {len(heads)} cells, got {len(row)}")
-        cells = dict.fromkeys(heads, "") | dict(zip(heads, row, strict=False))
-        numbers = {key: _number(f"{where}, {key}", text.strip()) for key, text in cells.items()}
-        value, error = numbers.pop(result, math.nan), numbers.pop("error", math.nan)
-        error = math.nan if math.isnan(value) else positive(f"{where}, error", error)
-        place = {key: int(x) if x.is_integer() else x for key, x in numbers.items()}
-        asked.append(Target(place, result, value, error))
-    if not asked or not {result, "error"} < set(heads) or len(set(heads)) < len(heads):
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    heads, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines)] or [[]]
+    if not rows or not {result, "error"} < set(heads) or len(set(heads)) < len(heads):
         columns = f"columns {result}, error and keys of the scene, each once"
         raise InputError(f"{path} must have {columns}, and rows; got {', '.join(heads)}")
-    return asked
+    targets = []
+    for count, row in enumerate(rows, 1):
+        where = f"{path}, row {count}"
+        if len(row) != len(heads):
+            raise InputError(f"{where} must have {len(heads)} cells, got {len(row)}")
+        cells = zip(heads, row, strict=True)
+        numbers = {head: _number(f"{where}, {head}", cell) for head, cell in cells}
+        value, error = numbers.pop(result), numbers.pop("error")
+        error = math.nan if math.isnan(value) else positive(f"{where}, error", error)
+        place = {key: int(x) if x.is_integer() else x for key, x in numbers.items()}
+        targets.append(Target(place, result, value, error))
+    return targets
 
 
 def _number(name: str, text: str) -> float:
