@@ -59,7 +59,7 @@ def test_a_disk_with_room_again_takes_the_next_checkpoint(tmp_path, monkeypatch)
     assert md.run(row(*SCENE), periods=2, **how).c_x == result.c_x
 
 
-@pytest.mark.parametrize("what", ["write", "state"])
+@pytest.mark.parametrize("what", ["write", "flush"])
 def test_a_trajectory_cut_off_by_a_full_disk_is_filled_later(tmp_path, monkeypatch, what):
     """The run ends well; its checkpoint stays where the trajectory is whole."""
     how = {"checkpoint": tmp_path / "w.npz", "trajectory": tmp_path / "a.xyz", "frames": 6}
