@@ -2,7 +2,7 @@
 
 >>> import figures
 >>> fig11 = figures.load("fig11")
->>> picture = fig11.draw(fig11.data(quick=True))
+>>> picture = fig11.draw(fig11.data(quick=True, friction=0.2))  # as the paper's without friction
 
 `FIGURES` holds an `Entry` for each name, from figures.toml. From a shell: `python -m figures list`,
 `python -m figures draw fig11 --out DIR`.
@@ -47,11 +47,14 @@ class Entry:
     alone: bool = False  # takes all cores or measures times: nothing is drawn beside it
     panel: str = ""  # what its main panel is called on the page of prices, if it is there
     seconds: int = 5  # of the processor, in full, but for runs that the store holds
+    own: tuple[str, ...] = ()  # what of one's own its `data` takes
 
 
 _ROOMS = tomllib.loads(Path(__file__).with_name("figures.toml").read_text(encoding="utf-8"))
 FIGURES = {
-    name: Entry(room, **known) for room, names in _ROOMS.items() for name, known in names.items()
+    name: Entry(room, **{**known, "own": tuple(known.get("own", ()))})
+    for room, names in _ROOMS.items()
+    for name, known in names.items()
 }
 
 

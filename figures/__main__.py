@@ -70,7 +70,8 @@ def list_figures() -> None:
     """
     width = max(map(len, FIGURES))
     for name, entry in FIGURES.items():
-        print(f"{name:<{width}}  {'quick' if entry.quick else '     '}  {entry.title}")
+        own = f" (--{', --'.join(entry.own)})" if entry.own else ""
+        print(f"{name:<{width}}  {'quick' if entry.quick else '     '}  {entry.title}{own}")
 
 
 @main.command()
@@ -86,6 +87,10 @@ def list_figures() -> None:
 )
 @_path("--data", "Draw what a folder holds as NAME.npz; compute nothing.", metavar="DIR")
 @click.option("--numbers", is_flag=True, help="Print the numbers of each figure as tables.")
+@click.option("--friction", type=float, metavar="MU", help="In place of the paper's.")
+@click.option("--restitution", type=float, metavar="E", help="In place of the paper's.")
+@click.option("--length", type=float, metavar="L", help="In diameters, in place of the paper's.")
+@click.option("--scene", metavar="SCENE", help="A row of your own, in place of the paper's.")
 @_out
 @_store
 def draw(
@@ -97,18 +102,27 @@ def draw(
     numbers: bool,
     out: Path,
     store: Path | None,
+    **given: Any,
 ) -> None:
     """Compute and draw figures; without names: a first look.
 
     NAME is one of python -m figures list. Without names the quick set is drawn, on coarse grids. A
-    figure that fails leaves the others as they are.
+    figure that fails leaves the others as they are. Figures of the theory take values of your own,
+    figures of the row over its tilt a scene: list says which.
 
     \b
     python -m figures draw fig10 fig11 --out pictures
     python -m figures draw --all --quick            # every figure, on coarse grids
     python -m figures draw fig10 --numbers
+    python -m figures draw fig10 fig11 --friction 0.2 --restitution 0.5
+    python -m figures draw fig06 fig08 --scene my_rods --quick
     """
     check(names)
+    own = {key: value for key, value in given.items() if value is not None}
+    for key in own:
+        takes = [name for name, entry in FIGURES.items() if key in entry.own]
+        if not {*names} & {*takes}:
+            raise InputError(f"{key} is for the figures {', '.join(takes)}; name one of them")
     if every and names:
         raise InputError(f"--all draws every figure and takes no names, got {names[0]}")
     if data:
@@ -123,7 +137,7 @@ def draw(
     from .lib.files import storing
 
     with storing(out, store, *files_of(*wanted)):
-        failed = draw_all(wanted, out, quick, jobs, data, numbers)
+        failed = draw_all(wanted, out, quick, jobs, data, numbers, own)
     if failed:
         raise click.ClickException(f"{len(failed)} of {len(wanted)} failed: {', '.join(failed)}")
 
@@ -162,20 +176,35 @@ def movie(scene: str, changes: tuple[str, ...], periods: int, frames: int, out: 
 
 
 @main.command()
+@click.option("--scene", metavar="SCENE", help="Judge the statements on a row for these rods.")
 @_quick
 @_out
 @_store
-def claims(quick: bool, out: Path, store: Path | None) -> None:
+def claims(scene: str | None, quick: bool, out: Path, store: Path | None) -> None:
     """Judge what the paper claims: claims.json, claims.md.
+
+    With --scene, a TOML file or the name of an example: what it says of a row over its tilt, for
+    rods of your own; claims-SCENE.json.
 
     \b
     python -m figures claims --quick                # short runs, for a first look
     python -m figures claims
+    python -m figures claims --scene my_rods
     """
     from .claims import judge
     from .lib.files import storing
     from .pages import gallery
 
+    if scene is not None:
+        from .claims import own_rods
+
+        name = f"claims-{Path(scene).stem}.json"
+        print(own_rods.estimate(scene, quick), flush=True)
+        with storing(out, store, name):
+            found = own_rods.judged(scene, quick)
+        _write_text(out / name, _json_text(found))
+        print(f"{own_rods.brief(found)}\n{out / name}")
+        return
     with storing(out, store, *CLAIMS):
         report = judge.judge(quick, progress=True, out=out)
     texts = _json_text(report), gallery.claims_page(report)

@@ -74,13 +74,14 @@ def sources(name: str) -> str:
     return _digest(*_files("md", "impact"), *sorted(_imports(module, set())))
 
 
-def provenance(name: str, quick: bool) -> dict[str, Any]:
+def provenance(name: str, quick: bool, own: Mapping[str, Any]) -> dict[str, Any]:
     """What made the data of a figure: sources, versions, size.
 
     Parameters
     ----------
     name : one of `FIGURES`
     quick : whether the data are of the small size
+    own : values of one's own in place of the paper's
     """
     import matplotlib as mpl
 
@@ -93,10 +94,13 @@ def provenance(name: str, quick: bool) -> dict[str, Any]:
         "matplotlib": mpl.__version__,
         "python": platform.python_version(),
         "quick": quick,
+        "own": dict(own),
     }
 
 
-def keep(path: Path, name: str, quick: bool, data: Mapping[str, Any]) -> None:
+def keep(
+    path: Path, name: str, quick: bool, data: Mapping[str, Any], own: Mapping[str, Any]
+) -> None:
     """Write the data of a figure for `stored_data`.
 
     Parameters
@@ -104,8 +108,9 @@ def keep(path: Path, name: str, quick: bool, data: Mapping[str, Any]) -> None:
     path : of the file, NAME.npz
     name, quick : figure and size
     data : arrays by name, as the figure's `data` returns them
+    own : values of one's own in place of the paper's
     """
-    np.savez_compressed(path, **data, provenance=json.dumps(provenance(name, quick)))
+    np.savez_compressed(path, **data, provenance=json.dumps(provenance(name, quick, own)))
 
 
 def stored_data(name: str, quick: bool, out: Path) -> dict[str, np.ndarray] | None:
@@ -119,14 +124,15 @@ def stored_data(name: str, quick: bool, out: Path) -> dict[str, np.ndarray] | No
 
     Returns
     -------
-    Arrays by name; None if there is no such file, or it is of another size or of other sources.
+    Arrays by name; None if there is no such file, or it is of another size, of other sources or of
+    values that are not the paper's.
     """
     path = out / f"{name}.npz"
     if not path.is_file():
         return None
     with np.load(path) as stored:
         made = json.loads(str(stored["provenance"])) if "provenance" in stored else {}
-        if (made.get("sources"), made.get("quick")) != (sources(name), quick):
+        if made.get("own") or (made.get("sources"), made.get("quick")) != (sources(name), quick):
             return None
     return _arrays(path)
 

@@ -4,10 +4,11 @@ import io
 import sys
 import traceback
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 from joblib import Parallel, delayed
@@ -25,6 +26,8 @@ from .files import first_look
 from .printing import printed
 
 KINDS = "npz", "png", "pdf"
+Own = Mapping[str, Any]
+NOTHING: Own = MappingProxyType({})
 
 
 class Drawn(NamedTuple):
@@ -42,13 +45,16 @@ def files_of(*names: str) -> list[str]:
     return [f"{name}.{kind}" for name in names for kind in KINDS]
 
 
-def produce(name: str, out: Path, quick: bool, kept: Path | None = None) -> Drawn:
+def produce(
+    name: str, out: Path, quick: bool, kept: Path | None = None, own: Own = NOTHING
+) -> Drawn:
     """Compute and draw one figure: NAME.npz, NAME.png and NAME.pdf in the folder `out`.
 
-    Data that are `kept` in a folder are drawn as they are; NAME.npz is not written.
+    Data that are `kept` in a folder are drawn as they are; NAME.npz is not written. Of `own` values
+    the figure takes those that it knows, in place of the paper's.
     """
-    module = load(name)
-    data = module.data(quick=quick) if kept is None else kept_data(name, kept)
+    module, own = load(name), {key: own[key] for key in FIGURES[name].own if key in own}
+    data = module.data(quick=quick, **own) if kept is None else kept_data(name, kept)
     picture = module.draw(data)
     if quick if kept is None else first_look(kept / f"{name}.npz"):
         picture.text(0.998, 0.004, "quick", ha="right", va="bottom", fontsize=6, color="0.5")
@@ -57,7 +63,7 @@ def produce(name: str, out: Path, quick: bool, kept: Path | None = None) -> Draw
     try:
         if kept is None:
             with replacing(npz) as part:
-                keep(part, name, quick, data)
+                keep(part, name, quick, data, own)
         for path in (png, pdf):
             with replacing(path) as part:
                 picture.savefig(part, dpi=200, metadata=stamp)
@@ -67,28 +73,32 @@ def produce(name: str, out: Path, quick: bool, kept: Path | None = None) -> Draw
     return Drawn(name, files, printed(data))
 
 
-def _tried(name: str, out: Path, quick: bool, kept: Path | None = None) -> Drawn:
+def _tried(
+    name: str, out: Path, quick: bool, kept: Path | None = None, own: Own = NOTHING
+) -> Drawn:
     """The same; what a figure fails with is kept, so that the others go on."""
     try:
-        return produce(name, out, quick, kept)
+        return produce(name, out, quick, kept, own)
     except Exception as error:
         foreseen = isinstance(error, OSError) or hasattr(error, "exit_code")
         return Drawn(name, failure=str(error) if foreseen else traceback.format_exc().rstrip())
 
 
-def _in_a_process(name: str, out: Path, quick: bool, store: Path) -> Drawn:
+def _in_a_process(name: str, out: Path, quick: bool, store: Path, own: Own) -> Drawn:
     """The same in a process of its own, where nothing may write onto the terminal."""
     runs.STORE = store
     with redirect_stderr(io.StringIO()) as said:
-        drawn = _tried(name, out, quick)
+        drawn = _tried(name, out, quick, own=own)
     return drawn._replace(said=said.getvalue())
 
 
 @contextmanager
-def _pool(names: Sequence[str], out: Path, quick: bool, jobs: int) -> Iterator[Iterator[Drawn]]:
+def _pool(
+    names: Sequence[str], out: Path, quick: bool, jobs: int, own: Own
+) -> Iterator[Iterator[Drawn]]:
     """Figures as they are drawn by `jobs` processes, which end with this context."""
     how = {"batch_size": 1, "pre_dispatch": "all", "return_as": "generator_unordered"}
-    tasks = [delayed(_in_a_process)(name, out, quick, runs.STORE) for name in names]
+    tasks = [delayed(_in_a_process)(name, out, quick, runs.STORE, own) for name in names]
     try:
         with deferred():  # half a pool would leave semaphores behind
             results = Parallel(jobs, **how)(tasks)
@@ -111,6 +121,7 @@ def draw_all(
     jobs: int,
     kept: Path | None = None,
     numbers: bool = False,
+    own: Own = NOTHING,
 ) -> list[str]:
     """Draw figures and say so; returns the names of those that failed.
 
@@ -122,6 +133,7 @@ def draw_all(
     jobs : processes
     kept : folder of data to draw as they are, one after the other; None: compute
     numbers : whether to print the numbers of each figure
+    own : values in place of the paper's; each figure takes those that it knows
     """
     beside = [name for name in names if not FIGURES[name].alone and kept is None]
     beside = beside if min(len(beside), jobs) > 1 else []
@@ -139,11 +151,11 @@ def draw_all(
             bar.update()
 
         if beside:
-            with _pool(beside, out, quick, jobs) as results:
+            with _pool(beside, out, quick, jobs, own) as results:
                 for drawn in results:
                     told(drawn)
         for name in names:
             if name not in beside:
                 bar.set_postfix_str(name)
-                told(_tried(name, out, quick, kept))
+                told(_tried(name, out, quick, kept, own))
     return failed

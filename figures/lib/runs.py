@@ -13,15 +13,15 @@ The number of rods sets the tilt.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from impact import ContactGeometry, spherocylinder
-from md.scene import both, from_tables, put, read_tables
+from impact import ContactGeometry, InputError, spherocylinder
+from md.scene import Scene, both, from_tables, put, read_tables
 from md.sweep import Measure, Sweep, execute, expand
 
 from .data import sources_of
@@ -77,6 +77,58 @@ ANNULUS_WORDS = (
 )
 SEEDS = {"start.seed": [1, 2, 3, 4]}
 SHOWN_DEG = (9, 18, 27, 34, 45)  # tilts of Fig. 8; of any scan
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row whose tilt is varied, and what its figures say of it."""
+
+    tables: Mapping[str, Any]  # of the scene
+    setting: Mapping[str, Any]  # friction and restitution, of the theory beside it
+    gamma: float  # peak acceleration of the plate, in g
+    words: str
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene as it is."""
+        return from_tables(self.tables)
+
+    def rod(self, tilt: float | np.ndarray) -> ContactGeometry:
+        """Round tip, and the gyration radius of the scene's rods; tilt in radians."""
+        rods = self.scene.rods
+        tip = spherocylinder(tilt, rods.length)
+        return tip._replace(k=rods.length / np.sqrt(12)) if rods.inertia == "thin" else tip
+
+
+@cache
+def row_of(scene: str | None) -> Row:
+    """The paper's row, or one of one's own, with the theory of its plate.
+
+    Parameters
+    ----------
+    scene : file, or name of an example of `md`; None: the paper's
+
+    Raises
+    ------
+    ValueError
+        If it is not a row on a plate that vibrates, under a law with a restitution.
+    """
+    if scene is None:
+        return Row(ROW, SETTING, GAMMA, TILT_SCAN_WORDS)
+    tables = put(read_tables(scene), {"start.tilt_deg": "none"})
+    found = from_tables(tables)
+    rods, plate, contact = found.rods, found.plate, found.contacts.plate
+    if not (found.box and plate and contact and found.vibrates and contact.law.restitution):
+        kind = "rods in a box on a plate that vibrates, under a law with a restitution"
+        raise InputError(f"scene must be {kind}, got {scene}")
+    setting = {"friction": contact.friction, "restitution": contact.law.restitution}
+    words = (
+        rf"{Path(scene).stem}: {rods.count} rods, $l={rods.length:.3g}\,d$, {rods.inertia} inertia,"
+        rf" $\Gamma={plate.acceleration:.3g}$, {plate.frequency_hz:g} Hz; of the plate:"
+        rf" $\mu={contact.friction:g}$, restitution {contact.law.restitution:g}"
+    )
+    return Row(tables, setting, plate.acceleration, words)
+
 
 STORE = Path("out/rows.db")  # of all runs; what `--store` of the commands sets
 
@@ -174,9 +226,13 @@ def tilts(quick: bool) -> np.ndarray:
     return np.array([*SHOWN_DEG, 60, 75] if quick else sorted({*range(3, 79, 3), *SHOWN_DEG}))
 
 
-def tilt_plan(quick: bool, changes: Mapping[str, Any] | None = None) -> Sweep:
-    """The row at Gamma = 3.3 along the nominal tilts, some keys of the scene changed."""
-    return planned([{"box.length": boxes(tilts(quick))}, SEEDS], periods_of(quick), changes)
+def tilt_plan(
+    quick: bool, changes: Mapping[str, Any] | None = None, scene: str | None = None
+) -> Sweep:
+    """A row along the nominal tilts, the paper's or one's own, some keys of the scene changed."""
+    row = row_of(scene)
+    along = {"box.length": boxes(tilts(quick), row.scene.rods.count)}
+    return planned([along, SEEDS], periods_of(quick), changes, row.tables)
 
 
 def paper_rod(tilt: float | np.ndarray) -> ContactGeometry:
@@ -185,14 +241,15 @@ def paper_rod(tilt: float | np.ndarray) -> ContactGeometry:
 
 
 @cache
-def lone(quick: bool) -> tuple[np.ndarray, list["Bouncing"]]:
+def lone(quick: bool, scene: str | None = None) -> tuple[np.ndarray, list["Bouncing"]]:
     """Tilts [deg], and `bounce` there: one rigid rod at fixed tilt, the theory without closure."""
     from impact.bouncing import bounce  # compiles
 
-    tilt_deg = np.arange(0, 76, 5 if quick else 2.5)
-    how = {**SETTING, "gamma": GAMMA, "transient": 150, "shortest_flight": 0.1}
+    row, tilt_deg = row_of(scene), np.arange(0, 76, 5 if quick else 2.5)
+    how = {**row.setting, "gamma": row.gamma}
+    how |= {"transient": 150, "shortest_flight": 0.1}
     how |= {"rods": 20, "landings": 150} if quick else {"rods": 100, "landings": 600}
-    return tilt_deg, [bounce(paper_rod(np.radians(deg)), **how) for deg in tilt_deg]
+    return tilt_deg, [bounce(row.rod(np.radians(deg)), **how) for deg in tilt_deg]
 
 
 def plate_speed_cm_s(gamma: float | np.ndarray = GAMMA) -> float | np.ndarray:

@@ -14,19 +14,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from impact import drift
-from md.scene import from_tables
+from md import Scene
 from md.sweep import Sweep
 
-from ..lib.runs import (
-    ROW,
-    SETTING,
-    TILT_SCAN_WORDS,
-    means,
-    paper_rod,
-    plate_speed_cm_s,
-    tilt_plan,
-    tilts,
-)
+from ..lib.runs import means, row_of, tilt_plan, tilts
 from ..lib.style import BLACK, BLUE, RED, Data, curve, name_panels, style, tilt_axis
 
 VELOCITIES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
@@ -45,20 +36,24 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     return {"tilt": tilt_plan(quick)}
 
 
-def data(quick: bool = False) -> Data:
+def data(quick: bool = False, scene: str | None = None) -> Data:
     """Means over touches and over landings; cm/s and rad/s, the plate's velocity in V_0."""
-    scene = from_tables(ROW)
-    found = {"nominal_deg": tilts(quick), **means(tilt_plan(quick), VELOCITY_MEANS)}
-    per_second = scene.frequency / scene.plate.frequency_hz  # sqrt(d/g) in s
-    for name in found:
-        if "c_x" in name or "c_z" in name:
-            found[name] = found[name] * scene.cm_per_s
-        if "omega" in name:
-            found[name] = found[name] / per_second
-    fine, speed = np.radians(np.linspace(1, 89, 177)), plate_speed_cm_s()
-    line = drift(paper_rod(fine), **SETTING, plate_velocity=speed / 2)
+    row = row_of(scene)
+    found = {"nominal_deg": tilts(quick), **means(tilt_plan(quick, scene=scene), VELOCITY_MEANS)}
+    found |= _in_cm(found, row.scene)
+    fine, speed = np.radians(np.linspace(1, 89, 177)), row.scene.plate_speed * row.scene.cm_per_s
+    line = drift(row.rod(fine), **row.setting, plate_velocity=speed / 2)
     lines = {"fine_deg": np.degrees(fine), "line_c_x": line.c_x, "line_c_z": line.c_z}
-    return {**found, "speed": np.float64(speed), **lines}
+    return {**found, "speed": np.float64(speed), **lines, "words": np.array(row.words)}
+
+
+def _in_cm(found: Data, scene: Scene) -> Data:
+    """Velocities in cm/s, spins in rad/s."""
+    second = scene.plate.frequency_hz / scene.frequency  # in sqrt(d/g)
+    units = {"c_x": scene.cm_per_s, "c_z": scene.cm_per_s, "omega": second}
+    return {
+        name: found[name] * unit for name in found for part, unit in units.items() if part in name
+    }
 
 
 def _pair(ax: Axes, d: Data, name: str, sign: int = 1, label: str = "") -> None:
@@ -93,5 +88,5 @@ def draw(d: Data) -> plt.Figure:
         ax.axhline(0, color="0.7", lw=0.6)
         ax.legend(fontsize=5.5)
     name_panels(axes.flat, [""] * 4)
-    figure.supxlabel(TILT_SCAN_WORDS)
+    figure.supxlabel(str(d["words"]))
     return figure

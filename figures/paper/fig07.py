@@ -15,12 +15,12 @@ import numpy as np
 from md.scene import from_tables, put
 from md.sweep import Sweep
 
-from ..lib.runs import ROW, TILT_SCAN_WORDS, boxes, lone, means, tilt_plan
+from ..lib.runs import boxes, lone, means, row_of, tilt_plan
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style, tilt_axis
 from ..pages import movie
 
 TIP_TILTS_DEG, SHOWN_PERIODS, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
-RODS_DRAWN = (5, 18, 31)
+RODS_DRAWN = 5 / 40, 18 / 40, 31 / 40  # parts of their number
 CHANGE_DEG = 30.0  # the paper's
 FLIGHT_MEANS = {
     "tilt_deg": "tilt_deg",
@@ -35,21 +35,24 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     return {"tilt": tilt_plan(quick)}
 
 
-def data(quick: bool = False) -> Data:
+def data(quick: bool = False, scene: str | None = None) -> Data:
     """Heights [cm] over time [periods]; flights [periods] over tilt."""
-    heights = []
-    for length in boxes(TIP_TILTS_DEG):
-        scene = from_tables(put(ROW, {"box.length": length, "start.seed": 1}))
-        film = movie.record(scene, TRANSIENT + SHOWN_PERIODS, FRAMES)
+    row, heights = row_of(scene), []
+    count, d_cm = row.scene.rods.count, row.scene.rods.diameter_cm
+    drawn = [int(part * count) for part in RODS_DRAWN]
+    for length in boxes(TIP_TILTS_DEG, count):
+        tilted = from_tables(put(row.tables, {"box.length": length, "start.seed": 1}))
+        film = movie.record(tilted, TRANSIENT + SHOWN_PERIODS, FRAMES)
         late = film.time >= TRANSIENT
-        heights.append(scene.rods.diameter_cm * film.tips[late][:, RODS_DRAWN])
-        time, plate = film.time[late] - TRANSIENT, scene.rods.diameter_cm * film.plate[late]
-    lone_deg, bounces = lone(quick)
+        heights.append(d_cm * film.tips[late][:, drawn])
+        time, plate = film.time[late] - TRANSIENT, d_cm * film.plate[late]
+    lone_deg, bounces = lone(quick, scene)
     return {
         "time": time,
         "plate": plate,
         "tips": np.array(heights),  # (tilts, times, rods)
-        **means(tilt_plan(quick), FLIGHT_MEANS),
+        **means(tilt_plan(quick, scene=scene), FLIGHT_MEANS),
+        "words": np.array(row.words),
         "lone_deg": lone_deg,
         "lone_flight": np.array([each.flight.mean for each in bounces]),
     }
@@ -80,5 +83,5 @@ def draw(d: Data) -> plt.Figure:
     c.legend(loc="upper right")
     tilted = (rf"$\phi={tilt}$°" for tilt in TIP_TILTS_DEG)
     name_panels((a, b, c), (*tilted, "length of flights"))
-    figure.supxlabel(TILT_SCAN_WORDS)
+    figure.supxlabel(str(d["words"]))
     return figure

@@ -14,11 +14,11 @@ from md.sweep import Sweep
 
 from ..lib.runs import (
     SHOWN_DEG,
-    TILT_SCAN_WORDS,
     gathered,
     lone,
     means,
     over_seeds,
+    row_of,
     tilt_plan,
     tilts,
 )
@@ -45,15 +45,16 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     return {"tilt": tilt_plan(quick)}
 
 
-def data(quick: bool = False) -> Data:
+def data(quick: bool = False, scene: str | None = None) -> Data:
     """Densities [per rad] and the part on the way down."""
-    sweep = tilt_plan(quick)
+    sweep = tilt_plan(quick, scene=scene)
     (counts,) = gathered(sweep, "phases")  # (tilts, seeds, 64)
     shown = np.searchsorted(tilts(quick), SHOWN_DEG)
     density, error = over_seeds(np.moveaxis(densities(counts[shown]), 1, -1))
     down, down_error = over_seeds(falling(counts))
-    lone_deg, bounces = lone(quick)
+    lone_deg, bounces = lone(quick, scene)
     return {
+        "words": np.array(row_of(scene).words),
         "shown_deg": np.array(SHOWN_DEG),
         "phase": 2 * np.pi * (np.arange(BINS_DRAWN) + 0.5) / BINS_DRAWN,
         "density": density,
@@ -93,5 +94,5 @@ def draw(d: Data) -> plt.Figure:
     last.legend(loc="upper right", ncols=2, columnspacing=1, fontsize=6)
     titles = [rf"$\phi={tilt:.0f}$°" for tilt in d["shown_deg"]]
     name_panels(axes.flat, [*titles, "share on the way down"])
-    figure.supxlabel(TILT_SCAN_WORDS)
+    figure.supxlabel(str(d["words"]))
     return figure

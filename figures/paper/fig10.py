@@ -12,6 +12,7 @@ import numpy as np
 from impact import classify, critical_tilts, slide_friction, thin_rod
 
 from ..lib.style import (
+    BLUE,
     Data,
     map_regimes,
     name_panels,
@@ -25,12 +26,15 @@ from ..lib.style import (
 APPROACH_RATIOS = (1.0, 2.0, 10.0)  # -c_z/c_x of panels (a), (b), (c)
 
 
-def data(quick: bool = False, restitution: float = 0.8) -> Data:
-    """Regimes, shape (3, n, n) over friction and tilt [rad], and the boundary lines."""
+def data(quick: bool = False, friction: float | None = None, restitution: float = 0.8) -> Data:
+    """Regimes, shape (3, n, n) over friction and tilt [rad], and the boundary lines.
+
+    `friction`: one to mark.
+    """
     n, points = (46, 200) if quick else (361, 1000)
     ratio = np.array(APPROACH_RATIOS)[:, None]
-    tilt, friction = np.linspace(0, np.pi / 2, n), np.linspace(0, 1, n)
-    how = {"geometry": thin_rod(tilt), "friction": friction[:, None], "restitution": restitution}
+    tilt, over = np.linspace(0, np.pi / 2, n), np.linspace(0, 1, n)
+    how = {"geometry": thin_rod(tilt), "friction": over[:, None], "restitution": restitution}
     regime = classify(1.0, -ratio[:, None], **how)
     setting = {"approach_ratio": ratio, "restitution": restitution}
     reversal, line = reversal_boundary(points), np.linspace(0, np.pi / 2, points)
@@ -38,7 +42,8 @@ def data(quick: bool = False, restitution: float = 0.8) -> Data:
         "approach_ratio": ratio.ravel(),
         "restitution": np.float64(restitution),
         "tilt": tilt,
-        "friction": friction,
+        "friction": over,
+        "marked": np.array([] if friction is None else [friction], float),
         "regime": regime,
         "slide_tilt": line,
         "slide_friction": slide_friction(thin_rod(line), **setting),
@@ -62,11 +67,13 @@ def draw(d: Data) -> plt.Figure:
         if np.interp(end_deg, np.degrees(d["slide_tilt"]), d["slide_friction"][i]) <= end_friction:
             ax.plot(end_deg, end_friction, "ko", label=r"$\mu=3/4$, $\phi=\arctan 2$")
         ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90°")
+        for friction in d["marked"]:
+            ax.axhline(friction, color=BLUE, ls=":", label=rf"$\mu={friction:g}$")
         tilt_axis(ax)
         ax.set(ylim=(0, 1))
         name_regimes(ax, tilt_deg, d["friction"], d["regime"][i])
     setting = rf"$\epsilon={d['restitution']:g}$"
     name_panels(axes, [rf"$-c_z/c_x={ratio:g}$, {setting}" for ratio in d["approach_ratio"]])
     axes[0].set(ylabel=r"friction $\mu$")
-    figure.legend(*axes[2].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.legend(*axes[2].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure

@@ -15,7 +15,7 @@ import numpy as np
 
 from impact import drift, spherocylinder
 
-from ..lib.runs import GAMMA, LENGTH, RESTITUTION, SETTING
+from ..lib.runs import FRICTION, GAMMA, LENGTH, RESTITUTION
 from ..lib.style import (
     BLACK,
     BLUE,
@@ -30,7 +30,7 @@ from ..lib.style import (
     tilt_axis,
 )
 
-ALPHA_SETTING = {**SETTING, "shortest_flight": 0.01}
+SHORTEST_FLIGHT = 0.01  # periods
 ALPHA_TILTS_DEG = (9, 20, 40)
 EXPERIMENT = 1.6  # Gamma above which the paper's rods drift forward, Fig. 2(c, d)
 MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest", "again")
@@ -46,15 +46,21 @@ def _sweep(prefix: str, runs: list) -> Data:
     return found
 
 
-def data(quick: bool = False) -> Data:
+def data(
+    quick: bool = False,
+    friction: float = FRICTION,
+    restitution: float = RESTITUTION,
+    length: float = LENGTH,
+) -> Data:
     """Sweeps over tilt [rad] and gamma; velocities in V_0, flights in periods."""
     from impact.bouncing import bounce  # compiles
 
+    setting = {"friction": friction, "restitution": restitution}
     counts = {"rods": 30 if quick else 200, "landings": 200 if quick else 1000}
 
     def run(tilt, gamma):
-        rod = spherocylinder(tilt, LENGTH)
-        return bounce(rod, gamma=gamma, **ALPHA_SETTING, **counts, transient=200)
+        rod, hops = spherocylinder(tilt, length), {"shortest_flight": SHORTEST_FLIGHT}
+        return bounce(rod, gamma=gamma, **setting, **hops, **counts, transient=200)
 
     tilts = np.radians(np.arange(0, 76, 5 if quick else 1))
     onset = np.geomspace(1e-3, 0.1, 4 if quick else 8)
@@ -62,15 +68,17 @@ def data(quick: bool = False) -> Data:
     over_tilt = [run(tilt, GAMMA) for tilt in tilts]
     over_gamma = [[run(np.radians(deg), gamma) for gamma in gammas] for deg in ALPHA_TILTS_DEG]
     fine = np.concatenate([1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi))])
-    upright = {"friction": 0.3, "restitution": 0.0, "landings": 1}
-    inelastic = [bounce(spherocylinder(0.0, LENGTH), gamma=g, **upright).alpha.mean for g in fine]
+    upright = {"friction": friction, "restitution": 0.0, "landings": 1}
+    inelastic = [bounce(spherocylinder(0.0, length), gamma=g, **upright).alpha.mean for g in fine]
     by_tilt = [_sweep("gamma", runs) for runs in over_gamma]
     return {
         "tilt": tilts,
         **_sweep("tilt", over_tilt),
         "tilt_flights": np.array([each.flights.mean for each in over_tilt]),
-        "steady_c_x": drift(spherocylinder(tilts, LENGTH), **SETTING).c_x,
-        "again_tilt": hit_again_tilt(LENGTH, RESTITUTION),
+        "steady_c_x": drift(spherocylinder(tilts, length), **setting).c_x,
+        "again_tilt": hit_again_tilt(length, restitution),
+        **{name: np.float64(value) for name, value in setting.items()},
+        "length": np.float64(length),
         "gammas": gammas,
         "gamma_tilt": np.radians(ALPHA_TILTS_DEG),
         **{name: np.array([each[name] for each in by_tilt]) for name in by_tilt[0]},
@@ -122,7 +130,8 @@ def _over_gamma(axes, d: Data) -> None:
     axes[1].set_ylabel(r"drift / $V_0$")
     axes[1].axhline(0, color="0.5", lw=0.6)
     axes[1].axvline(EXPERIMENT, color=BLACK, lw=0.8, ls=":")
-    axes[1].text(EXPERIMENT - 0.08, 2.35, "exp.", ha="right", va="top", rotation=90)
+    place = {"transform": axes[1].get_xaxis_transform(), "ha": "right", "va": "top"}
+    axes[1].text(EXPERIMENT - 0.08, 0.95, "exp.", rotation=90, **place)
     axes[2].set(ylabel="part of the time at rest", ylim=(-0.02, 1))
     for ax in axes:
         ax.set(xlabel=r"$\Gamma$", xlim=(0.9, 5.1), xticks=range(1, 6))
@@ -134,4 +143,7 @@ def draw(d: Data) -> plt.Figure:
     _over_tilt(axes[0], d)
     _over_gamma(axes[1], d)
     name_panels(axes.flat, [rf"$\Gamma={GAMMA:g}$"] * 3 + [""] * 3)
+    figure.supxlabel(
+        rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$, $l={d['length']:g}\,d$"
+    )
     return figure

@@ -1,0 +1,91 @@
+"""Rods of one's own in the paper's figures and claims."""
+
+import inspect
+import json
+
+import numpy as np
+import pytest
+
+import figures
+from figures.__main__ import main
+from figures.claims import over_tilt, own_rods
+from figures.lib import runs
+from figures.lib.data import kept_data, stored_data
+
+from .command_line import refused
+
+SCENE = """
+rods = { count = 5, length = 5, inertia = "solid" }
+plate = { acceleration = 3, frequency_hz = 60 }
+box = { length = 6 }
+gravity = {}
+contacts.plate = { restitution = 0.5, friction = 0.2, stiffness = 1e5, tangential_ratio = 3 }
+contacts.rods = { restitution = 0.8, friction = 0.2, stiffness = 1e5, tangential_ratio = 3 }
+step = { coarse = true }
+"""
+
+
+def test_each_figure_takes_what_the_list_says():
+    for name, entry in figures.FIGURES.items():
+        if entry.own:
+            takes = inspect.signature(figures.load(name).data).parameters
+            assert {*takes} == {"quick", *entry.own}
+
+
+def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path):
+    """And is not taken for the paper's afterwards; each figure takes what it knows."""
+    own = ["--friction", "0.2", "--restitution", "0.5"]
+    assert main(["draw", "fig10", "fig11", *own, "--quick", "--out", str(tmp_path)]) == 0
+    ten, eleven = (kept_data(name, tmp_path) for name in ("fig10", "fig11"))
+    assert (ten["restitution"], *ten["marked"]) == (0.5, 0.2)
+    assert (eleven["restitution"], eleven["friction"]) == (0.5, 0.2)
+    expected = figures.load("fig11").data(quick=True, friction=0.2, restitution=0.5)
+    np.testing.assert_array_equal(eleven["c_x"], expected["c_x"])
+    assert stored_data("fig11", True, tmp_path) is None
+
+
+@pytest.mark.parametrize("names", [[], ["fig12"]], ids=["none", "another"])
+def test_values_for_no_figure_are_refused(tmp_path, capsys, names):
+    command = ["draw", *names, "--friction", "0.2", "--out", str(tmp_path)]
+    refused(lambda: main(command), "friction is for the figures fig10, fig11", capsys)
+
+
+def test_a_scene_that_is_no_row_is_refused(tmp_path, capsys):
+    command = ["claims", "--scene", "annulus", "--out", str(tmp_path)]
+    refused(lambda: main(command), "scene must be rods in a box", capsys)
+
+
+@pytest.fixture
+def mine(tmp_path, monkeypatch):
+    """A small scene, and a grid of few tilts."""
+    monkeypatch.setattr(runs, "tilts", lambda quick: np.array([9.0, 18.0, 27.0, 34.0, 45.0]))
+    monkeypatch.setattr(own_rods, "tilts", runs.tilts)
+    (tmp_path / "mine.toml").write_text(SCENE)
+    return tmp_path / "mine.toml"
+
+
+def test_the_papers_statements_are_judged_for_ones_own_rods(mine, tmp_path, capsys):
+    """Numbers of their row; the theory has the friction and restitution of their plate."""
+    out = tmp_path / "out"
+    assert main(["claims", "--scene", str(mine), "--quick", "--out", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("20 runs")
+    assert "mine: 5 rods, l=5 d" in said
+    rows = json.loads((out / "claims-mine.json").read_text())["statements"]
+    values = {f"{row['id']}.{row['key']}": row["value"] for row in rows}
+    judged = {name for name in over_tilt.NUMBERS if name in values}
+    assert {"S2.rms", "S3.forward", "S16.distance", "S22.pushed"} <= judged == {*values}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(runs, "STORE", out / "rows.db")
+        sweep = runs.tilt_plan(True, scene=str(mine))
+        table = over_tilt.table(sweep, runs.tilts(True), own=True)
+    for name, value in values.items():
+        assert value == pytest.approx(over_tilt.NUMBERS[name](table), nan_ok=True)
+    assert runs.row_of(str(mine)).setting == {"friction": 0.2, "restitution": 0.5}
+    assert {point.scene.rods.length for point in sweep.points} == {5.0}
+
+
+def test_a_figure_of_the_row_shows_ones_own_rods(mine):
+    d = figures.load("fig08").data(quick=True, scene=str(mine))
+    assert "mine: 5 rods" in str(d["words"])
+    assert "plate/rods" not in str(d["words"])  # the law of the figures
