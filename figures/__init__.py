@@ -23,7 +23,7 @@ A module of a figure has `data(quick)`, which computes arrays by name, and `draw
 To add a figure: write its module in a room, and its line in figures.toml.
 """
 
-from impact import InputError  # first, for its `_early_signals`
+from impact import InputError  # first, for its `early_signals`
 
 # isort: split
 import tomllib

@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 import click
 
 from impact import InputError
-from impact._command_line import Commands
+from impact.command_line import Commands
 
 from . import FIGURES, check
 from .lib.printing import plain, printed

@@ -28,9 +28,9 @@ pairs                               two bodies of any masses that meet: `collide
 boundaries, translation             boundaries of the regimes; the drift, its stability and cost
 compiled                            the map as Numba kernels, the same bits
 flight, bouncing                    exact flights over the plate, and a rod that makes them
-_early_signals                      signals during imports
+early_signals                       signals during imports
 _jit, _interrupt                    Numba's compiler; signals that wait until it is done
-benchmark, __main__, _command_line  time per impact; its command
+benchmark, __main__, command_line   time per impact; its command
 
 To add a function
 -----------------
@@ -41,7 +41,7 @@ To add a function
 4. Give `tests/test_public_api.py` its arguments and what it refuses.
 """
 
-from . import _early_signals  # noqa: F401  (before what takes long)
+from . import early_signals  # noqa: F401  (before what takes long)
 
 # isort: split
 from ._arguments import InputError

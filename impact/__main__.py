@@ -4,7 +4,7 @@ import json
 
 import click
 
-from ._command_line import Commands
+from .command_line import Commands
 
 
 @click.group(cls=Commands, name="python -m impact")

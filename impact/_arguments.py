@@ -124,10 +124,8 @@ def real_arrays(arguments: Mapping[str, Argument]) -> tuple[list[np.ndarray], np
 def number(name: str, value: Any, domain: Domain) -> float:
     """One number in its domain; nan is in none."""
     array = real_array(name, value, domain)
-    if array.ndim:
-        raise InputError(f"{name} must be a single number, got {value!r}")
-    if not domain.holds(array):
-        raise InputError(f"{name} must be {domain.text}, got {value!r}")
+    if array.ndim or not domain.holds(array):
+        raise InputError(f"{name} must be one number, {domain.text}, got {value!r}")
     return float(array)
 
 

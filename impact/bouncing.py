@@ -136,15 +136,12 @@ def _loop(law: str):
         return c_x, max(v, 0.0), hits, regime
 
     @kernel
-    def rod(state, held, transient, out):
-        """Fill `out`, shape (landings, fields of `Landings`), after `transient` more landings.
-
-        Returns the `state` for the next call.
-        """
+    def rod(state, held, out):
+        """Fill `out`, shape (landings, fields of `Landings`); the `state` for the next call."""
         phase, speed, c_x, period = state
         gamma, shortest = held.gamma, held.shortest
         lift, free = lift_off(gamma)
-        for j in range(-transient, out.shape[0]):
+        for j in range(out.shape[0]):
             rest = slid = t = v_0 = 0.0
             d = departure(speed, phase, gamma)
             if 2 * speed > -shortest * d.lift:  # else the hop is shorter, or there is none
@@ -158,23 +155,30 @@ def _loop(law: str):
             period += turns
             before = c_x
             c_x, speed, hits, regime = meet(before, v_0, held)
-            if j >= 0:
-                plate = gamma * np.cos(phase)
-                out[j, 0], out[j, 1] = period, phase
-                out[j, 2], out[j, 3] = before / gamma, (v_0 + plate) / gamma
-                out[j, 4], out[j, 5] = c_x / gamma, (speed + plate) / gamma
-                out[j, 6], out[j, 7] = t / TURN, rest / TURN
-                out[j, 8] = (slid + before * t) / (gamma * TURN)
-                out[j, 9], out[j, 10] = hits, regime
+            plate = gamma * np.cos(phase)
+            out[j] = (
+                period,
+                phase,
+                before / gamma,
+                (v_0 + plate) / gamma,
+                c_x / gamma,
+                (speed + plate) / gamma,
+                t / TURN,
+                rest / TURN,
+                (slid + before * t) / (gamma * TURN),
+                float(hits),
+                float(regime),
+            )
         return phase, speed, c_x, period
 
     def whole(start, held, transient, out):
         """Follow a rod from its start, in calls short enough for signals."""
         state = *start, 0.0
-        for first in range(-transient, len(out), _LANDINGS_A_CALL):
-            last = min(first + _LANDINGS_A_CALL, len(out))
-            ahead = min(max(-first, 0), last - first)
-            state = rod(state, held, ahead, out[max(first, 0) : max(last, 0)])
+        forgotten = np.empty((_LANDINGS_A_CALL, out.shape[1]))
+        for left in range(transient, 0, -_LANDINGS_A_CALL):
+            state = rod(state, held, forgotten[:left])
+        for first in range(0, len(out), _LANDINGS_A_CALL):
+            state = rod(state, held, out[first : first + _LANDINGS_A_CALL])
 
     return whole
 
@@ -208,8 +212,8 @@ def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
 
 def _density(values: np.ndarray, bins: int, high: float) -> np.ndarray:
     """Histogram over [0, high), per unit; what lies above is counted nowhere."""
-    cells = np.floor(values * (bins / high)).astype(np.int64)
-    return np.bincount(cells[cells < bins], minlength=bins) * (bins / (high * values.size))
+    counts, _ = np.histogram(values, bins, (0, high))
+    return counts * (bins / (high * values.size))
 
 
 def _summary(run: Landings, bins: int) -> dict[str, Any]:

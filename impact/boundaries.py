@@ -9,6 +9,12 @@ from ._arguments import FRICTION, POSITIVE, RESTITUTION, evaluated
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
+def _critical(X: Any, Z: Any, k: Any) -> Any:
+    """Critical friction; X may be larger than the other lengths by any factor."""
+    _, exponent = np.frexp(np.maximum(np.abs(Z), k))
+    return np.abs(closed.critical_friction(*(np.ldexp(x, -exponent) for x in (X, Z, k))))
+
+
 def critical_tilts(friction: Any) -> tuple[Any, Any]:
     """Both critical tilts of a thin rod, Eq. (23): between them a stopped contact slips back.
 
@@ -51,13 +57,7 @@ def critical_friction(geometry: ContactGeometry) -> Any:
     ValueError
         If k is a scalar <= 0.
     """
-
-    def block(X: Any, Z: Any, k: Any) -> tuple[Any, ...]:
-        _, exponent = np.frexp(np.maximum(np.abs(Z), k))  # X may be larger by any factor
-        value = closed.critical_friction(*(np.ldexp(length, -exponent) for length in (X, Z, k)))
-        return (np.abs(value),)
-
-    return evaluated(block, lengths_of(geometry))[0]
+    return evaluated(lambda X, Z, k: (_critical(X, Z, k),), lengths_of(geometry))[0]
 
 
 def painleve_friction(geometry: ContactGeometry) -> Any:
@@ -80,13 +80,8 @@ def painleve_friction(geometry: ContactGeometry) -> Any:
     ValueError
         If k is a scalar <= 0.
     """
-
-    def block(X: Any, Z: Any, k: Any) -> tuple[Any, ...]:
-        _, exponent = np.frexp(np.maximum(np.abs(X), k))  # Z may be larger by any factor
-        lengths = (np.ldexp(np.abs(length), -exponent) for length in (X, Z, k))
-        return (closed.painleve_friction(*lengths),)
-
-    return evaluated(block, lengths_of(geometry))[0]
+    # (k^2 + X^2)/|X Z| is one over the critical friction of a body with X and Z exchanged
+    return evaluated(lambda X, Z, k: (1 / _critical(Z, X, k),), lengths_of(geometry))[0]
 
 
 def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitution: Any) -> Any:

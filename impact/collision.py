@@ -57,9 +57,10 @@ def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     results = list(function(*c, turn, plate, X, Z, k, mu, epsilon))
     if len(results) == 1:  # the regime alone
         return tuple(results)
-    powers = {0: speed, 1: speed, 2: speed - length, 4: speed, 5: speed, 6: speed, 7: speed}
-    for index, power in {**powers, 8: 2 * speed}.items():
-        results[index] = np.ldexp(results[index], power)
+    for index in (0, 1, 4, 5, 6, 7):
+        results[index] = np.ldexp(results[index], speed)
+    results[2] = np.ldexp(results[2], speed - length)
+    results[8] = np.ldexp(results[8], 2 * speed)
     for index, before in enumerate((c_x, c_z, omega)):  # scaled, a small number may be lost
         results[index] = np.where(results[3] == Regime.NO_IMPACT, before, results[index])
     return tuple(results)

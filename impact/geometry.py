@@ -131,10 +131,10 @@ def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     """
 
     def contact(sin: Any, cos: Any, length: Any, diameter: Any) -> tuple[Any, ...]:
-        short = diameter > ROUND * length
-        if np.ndim(short) == 0 and short:
+        lacks = diameter - ROUND * length
+        if np.ndim(lacks) == 0 and 0 < lacks < np.inf:
             raise InputError(f"length must be >= diameter ({diameter:g}), got {length:g}")
-        length = np.where(short, np.nan, np.maximum(length, diameter))
+        length = np.where(lacks > 0, np.nan, np.maximum(length, diameter))
         X, Z, gyration = closed.round_rod(length, diameter, diameter / length, sin, cos)
         return X, Z, length * np.sqrt(gyration)
 

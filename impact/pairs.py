@@ -208,9 +208,5 @@ def collide_pair(
     *velocities, regime, P_x, P_z, energy = evaluated(
         lambda *block: _impact(final_velocity, *block), given, kinds
     )
-    names = Body._fields[4:]
-    before_after = (first, velocities[:3]), (second, velocities[3:])
-    one, other = (
-        Body(*body)._replace(**dict(zip(names, part, strict=True))) for body, part in before_after
-    )
+    one, other = Body(*first[:4], *velocities[:3]), Body(*second[:4], *velocities[3:])
     return PairCollision(one, other, regime, P_x, P_z, energy)

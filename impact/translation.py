@@ -203,7 +203,7 @@ def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
     """
 
     def block(mu: Any, epsilon: Any) -> tuple[Any, ...]:
-        a, b = 1 - epsilon, 7 - epsilon
+        mu, a, b = np.where(mu > 0, mu, np.nan), 1 - epsilon, 7 - epsilon
         weak = np.minimum(mu, 0.75)  # beyond it the contact sticks at every tilt
         back, along_back = closed.optimum_back(
             weak, epsilon, np.hypot(weak * (9 - epsilon), np.sqrt(a * b))
@@ -217,12 +217,7 @@ def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
         along_stick = closed.optimum_stick(epsilon, np.sqrt(a), np.sqrt(b))
         along = np.where(reverses, along_back, np.where(stick < critical, along_stick, corner))
         regime = np.where(reverses, Regime.SLIP_REVERSAL, Regime.SLIP_STICK)
-        known = mu > 0
-        return (
-            np.where(known, np.arctan(tangent), np.nan),
-            np.where(known, along, np.nan),
-            np.where(known, regime, Regime.INVALID),
-        )
+        return np.arctan(tangent), along, np.where(mu > 0, regime, Regime.INVALID)
 
     given = {"friction": (friction, FRICTION), "restitution": (restitution, RESTITUTION)}
     return Optimum(*evaluated(block, given, (None, None, Regime)))
@@ -304,6 +299,5 @@ def mean_plate_velocity(
     weight = np.broadcast_to(real_array("density", density(phase)), phase.shape)
     if not np.all(np.isfinite(weight)) or weight.min() < 0 or weight.max() == 0:
         raise InputError("density must be finite, not negative, and not zero everywhere")
-    weight = weight / weight.max()
-    mean = np.sum(weight * np.cos(phase)) / weight.sum()
+    mean = np.average(np.cos(phase), weights=weight / weight.max())
     return evaluated(lambda speed: (speed * mean,), {"plate_speed": (plate_speed, ANY)})[0]

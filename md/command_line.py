@@ -11,6 +11,8 @@ from typing import Any, NoReturn
 
 import click
 
+from .early_signals import handle
+
 
 class Commands(click.Group):
     """Commands of a package; as a function it takes arguments and returns the exit code.
@@ -24,26 +26,30 @@ class Commands(click.Group):
         options |= {"no_args_is_help": False, "context_settings": shown}
         super().__init__(*arguments, **options)
 
-    def list_commands(self, _: click.Context) -> list[str]:
-        """Names of the commands, in the order of their definitions."""
-        return list(self.commands)
-
     def main(self, args: Sequence[str] | None = None, **_: Any) -> int:  # type: ignore[override]
         """Run one command; returns the exit code."""
         context = None
         try:
             if sys.stdout is None:
                 raise OSError("standard output is closed")
-            words = list(sys.argv[1:] if args is None else args)
-            with self.make_context(self.name, words) as context:
+            words = sys.argv[1:] if args is None else args
+            with self.make_context(self.name, list(words)) as context:
                 context.call_on_close(sys.stdout.flush)
                 return self.invoke(context) or 0
         except click.exceptions.Exit as end:  # help was asked for
             return end.exit_code
         except BrokenPipeError:  # the reader has seen enough
             return 0
-        except (Exception, KeyboardInterrupt) as error:
-            said, code = _foreseen(error)
+        except KeyboardInterrupt as error:
+            said, code = f"interrupted: {str(error) or 'what was finished is kept'}", 130
+        except MemoryError as error:
+            said, code = f"not enough memory: {error}", 1
+        except OSError as error:
+            said, code = f"cannot write: {error}", 2
+        except Exception as error:
+            if not hasattr(error, "exit_code"):
+                raise
+            said, code = getattr(error, "format_message", error.__str__)(), error.exit_code
         command = context and context.invoked_subcommand
         print(f"{self.name}{f' {command}' if command else ''}: {said}", file=sys.stderr)
         return code
@@ -52,9 +58,9 @@ class Commands(click.Group):
         """Run the command of this process and end with its exit code; SIGTERM is Ctrl-C."""
         os.environ["MPLBACKEND"] = "agg"  # pictures go to files, whatever a notebook has set
         try:
-            _handle(interrupt)
+            handle(interrupt)
             code = self.main()
-            _handle(signal.SIG_IGN)  # what is left takes a moment
+            handle(signal.SIG_IGN)  # what is left takes a moment
         except KeyboardInterrupt:  # at the first or the last moment
             code = 130
             print(f"{self.name}: interrupted", file=sys.stderr)
@@ -63,26 +69,3 @@ class Commands(click.Group):
         # unless other such code has run since.
         exec("")
         sys.exit(code)
-
-
-def _handle(handler: Any) -> None:
-    """Handler of Ctrl-C and SIGTERM, unless they are ignored from the start, as under nohup."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        if signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, handler)
-
-
-def _foreseen(error: BaseException) -> tuple[str, int]:
-    """One line about an error and the exit code; what is not foreseen is raised again."""
-    match error:
-        case click.ClickException():
-            return error.format_message(), error.exit_code
-        case KeyboardInterrupt():
-            return f"interrupted: {str(error) or 'what was finished is kept'}", 130
-        case MemoryError():
-            return f"not enough memory: {error}", 1
-        case OSError():
-            return f"cannot write: {error}", 2
-    if hasattr(error, "exit_code"):
-        return str(error), error.exit_code
-    raise error

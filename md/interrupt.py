@@ -8,7 +8,6 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from typing import Any
 
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGALRM
 
@@ -16,25 +15,17 @@ SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGALRM
 @contextmanager
 def deferred() -> Iterator[None]:
     """Hold back the `SIGNALS` that Python handles; their handlers run at the end. May be nested."""
-    usual: dict[int, Any] = {}
-    noted: dict[int, bool] = {}
-    over = False
-    if threading.current_thread() is threading.main_thread():  # no other one runs handlers
-        usual = {n: found for n in SIGNALS if callable(found := signal.getsignal(n))}
+    noted = set()
 
-    def note(number: int, frame: Any) -> None:
-        if over:
-            usual[number](number, frame)
-        noted[number] = True
+    def handle(number: int) -> None:
+        if number in noted:
+            signal.raise_signal(number)
 
-    try:
-        for number in usual:
-            signal.signal(number, note)
+    with ExitStack() as stack:  # one handler that raises keeps none of the others from running
+        if threading.current_thread() is threading.main_thread():  # no other one runs handlers
+            for number in SIGNALS:
+                if callable(usual := signal.getsignal(number)):
+                    stack.callback(handle, number)
+                    stack.callback(signal.signal, number, usual)
+                    signal.signal(number, lambda n, _: noted.add(n))
         yield
-    finally:
-        over = True
-        for number, handler in usual.items():
-            signal.signal(number, handler)
-        with ExitStack() as stack:  # one that raises keeps none of the others from running
-            for number in noted:
-                stack.callback(signal.raise_signal, number)

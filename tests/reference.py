@@ -8,7 +8,6 @@ centre of mass lies at ``(X, Z)``, and positive ``omega`` turns +z towards +x.
 """
 
 from collections import namedtuple
-from collections.abc import Mapping
 from functools import partial
 
 from mpmath import frexp, inf, isinf, isnan, ldexp, mpf, mpmathify, sign, sqrt, workdps
@@ -221,42 +220,30 @@ def _ulp_error(got, ref, scale, digits):
     return error / max(ldexp(1, frexp(scale)[1] - digits), ldexp(1, -1074))
 
 
-def error_in_ulp(got, ref, c_x, c_z, omega, *, X, Z, k, plate_velocity=0, digits=53):
-    """Return the errors of `got` in units in the last place of the natural scale of each field.
+def error_in_ulp(got, ref, c_x, c_z, omega, *, X, Z, k, plate_velocity=0, digits=53, **_):
+    """Return the largest error of `got` in units in the last place of what cancels in each field.
 
     Parameters
     ----------
-    got : mapping or object
-        Numbers named like the fields of `Reference`; absent ones are not judged.
+    got : object
+        Numbers named like the fields of `Reference`; its energy change is not judged.
     ref : Reference
         The outcome to compare with.
     c_x, c_z, omega, X, Z, k, plate_velocity : float or mpf
         The inputs of the impact, which set the scales together with the impulses of `ref`.
     digits : int
         Bits of the significand: 53 for float64, 24 for float32.
-
-    Returns
-    -------
-    dict
-        Error by field, and under "maximum" the largest of all but "energy_change", whose scale
-        is the square of the velocity scale.
     """
     with workdps(80):
         c_x, c_z, omega, X, Z, k, V_z = map(mpmathify, (c_x, c_z, omega, X, Z, k, plate_velocity))
         scale = max(map(abs, (c_x, c_z - V_z, omega * X, omega * Z, ref.P_x, ref.P_z)))
         turning = max(abs(omega), (abs(X * ref.P_z) + abs(Z * ref.P_x)) / (k * k))
-        linear = ("c_x", "c_z", "P_x", "P_z", "slip_velocity", "normal_velocity")
-        scales = dict.fromkeys(linear, scale) | {"omega": turning, "energy_change": scale**2}
-        # A result is never better than its own rounding; c_z is in the frame of the laboratory.
-        scales |= {field: max(scales[field], abs(getattr(ref, field))) for field in linear}
-        values = got if isinstance(got, Mapping) else {f: getattr(got, f, None) for f in scales}
-        errors = {
-            field: _ulp_error(values[field], getattr(ref, field), field_scale, digits)
-            for field, field_scale in scales.items()
-            if values.get(field) is not None
-        }
-        judged = [error for field, error in errors.items() if field != "energy_change"]
-        return errors | {"maximum": max(judged, default=mpf(0))}
+        errors = [_ulp_error(got.omega, ref.omega, turning, digits)]
+        for field in ("c_x", "c_z", "P_x", "P_z", "slip_velocity", "normal_velocity"):
+            want = getattr(ref, field)
+            # A result is never better than its own rounding; c_z is in the frame of the laboratory.
+            errors.append(_ulp_error(getattr(got, field), want, max(scale, abs(want)), digits))
+        return max(errors)
 
 
 # Outcome (P_x, P_z, energy change, six velocities) of two bodies, and the size of what is summed.

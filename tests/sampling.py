@@ -1,6 +1,6 @@
 """Random impacts and their comparison with the independent integration."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -22,14 +22,18 @@ class Impacts(NamedTuple):
     restitution: np.ndarray
     plate_velocity: np.ndarray
 
-    def arguments(self, dtype=np.float64) -> dict:
+    def arguments(self) -> dict:
         """As `impact` takes them."""
-        given = {name: column.astype(dtype) for name, column in self._asdict().items()}
+        given = self._asdict()
         return given | {"geometry": impact.ContactGeometry(*map(given.pop, ("X", "Z", "k")))}
 
-    def collide(self, law="newton", dtype=np.float64):
-        """What `impact` says about them."""
-        return impact.collide(**self.arguments(dtype), law=law)
+    def collide(self, law="newton", collide=impact.collide):
+        """What `impact`, or another implementation, says about them."""
+        return collide(**self.arguments(), law=law)
+
+    def mirrored(self) -> Self:
+        """Their mirror images, in the plane across the plate."""
+        return self._replace(c_x=-self.c_x, omega=-self.omega, X=-self.X)
 
     def row(self, index: int) -> dict[str, float]:
         """Arguments of one of them, as the integration takes them."""
@@ -40,17 +44,13 @@ class Impacts(NamedTuple):
         return reference_collide(**self.row(index), law=law)
 
 
-def geometries(rng: np.random.Generator, n: int) -> tuple[np.ndarray, ...]:
+def geometries(rng: np.random.Generator, n: int) -> np.ndarray:
     """X, Z, k of thin, round and flat-ended rods of all tilts, from spheres to l = 30 d."""
     tilt = rng.uniform(-np.pi / 2, np.pi / 2, n)
     length = 1 + 10 ** rng.uniform(-2, 1.5, n)
-    shapes = (
-        impact.thin_rod(tilt, length),
-        impact.spherocylinder(tilt, length),
-        impact.flat_ended_rod(tilt, length),
-    )
-    shape = rng.integers(0, len(shapes), n)
-    return tuple(np.choose(shape, parts) for parts in zip(*shapes, strict=True))
+    shapes = impact.thin_rod, impact.spherocylinder, impact.flat_ended_rod
+    rods = np.array([shape(tilt, length) for shape in shapes])
+    return rods[rng.integers(0, len(shapes), n), :, np.arange(n)].T
 
 
 def everyday(n: int, seed: int) -> Impacts:
@@ -70,19 +70,43 @@ def wide(n: int, seed: int) -> Impacts:
     return Impacts(c_x, c_z, spin / k, X, Z, k, sizes[4], rng.uniform(0, 1, n), plate)
 
 
-def compare(impacts: Impacts, law="newton") -> tuple[np.ndarray, list[int]]:
+def simple(n: int, seed: int) -> Impacts:
+    """Halves and whole numbers: many impacts lie on an edge of a regime, many without slip."""
+    numbers = np.random.default_rng(seed).integers(-4, 5, (9, n)) / 2
+    c_x, c_z, omega, X, Z, k, friction, restitution, plate = numbers
+    bounded = np.abs(k) + 0.5, np.abs(friction), np.abs(restitution) / 2
+    return Impacts(c_x, c_z, omega, X, Z, *bounded, plate)
+
+
+def every(**values) -> Impacts:
+    """All combinations of values; what is not named is that of a thin rod at 30 degrees."""
+    usual = {"c_x": 1.0, "c_z": -1.0, "omega": 0.0, "friction": 0.3, "restitution": 0.5}
+    usual |= {"plate_velocity": 0.0, "tilt": np.radians(30), "length": 1.0}
+    grids = np.meshgrid(*(usual | values).values())
+    columns = dict(zip(usual | values, map(np.ravel, grids), strict=True))
+    rod = impact.thin_rod(columns.pop("tilt"), columns.pop("length"))
+    return Impacts(**(rod._asdict() | columns))
+
+
+def compare(impacts, law="newton", collide=impact.collide, digits=53):
     """Largest error of each impact in ulp, and the indices of wrong regimes.
 
     A regime within 1e-13 of a boundary is not counted as wrong; values are, everywhere.
     """
-    got = impacts.collide(law)
+    got = impacts.collide(law, collide)
     errors, wrong = np.zeros(len(impacts.c_x)), []
     for index in range(len(errors)):
         reference = impacts.reference(index, law)
-        row = impacts.row(index)
-        del row["friction"], row["restitution"]
-        values = {name: getattr(got, name)[index] for name in got._fields if name != "regime"}
-        errors[index] = error_in_ulp(values, reference, **row)["maximum"]
-        if got.regime[index] != reference.regime and min(reference.margins) > 1e-13:
+        one = got._make(part[index] for part in got)
+        errors[index] = error_in_ulp(one, reference, **impacts.row(index), digits=digits)
+        if one.regime != reference.regime and min(reference.margins) > 1e-13:
             wrong.append(index)
     return errors, wrong
+
+
+def assert_mirror_symmetric(impacts: Impacts, law="newton", collide=impact.collide):
+    """Bit for bit."""
+    hit, mirrored = (i.collide(law, collide) for i in (impacts, impacts.mirrored()))
+    odd = {"c_x", "omega", "P_x", "slip_velocity"}
+    for name, here, there in zip(hit._fields, hit, mirrored, strict=True):
+        np.testing.assert_array_equal(here, -there if name in odd else there)

@@ -1,14 +1,13 @@
 """The bouncing rod against exact results, the NumPy map and the closed forms."""
 
-from math import asin, cos, pi, radians, sin, sqrt
+from math import asin, cos, pi, radians, sqrt
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 import impact
 from impact import ContactGeometry, collide, thin_rod
-from impact.bouncing import TURN, bounce, record
+from impact.bouncing import TURN, Landings, bounce, record
 from impact.flight import slide_to_lift
 
 SPHERE = ContactGeometry(0.0, 0.5, sqrt(0.1))
@@ -43,35 +42,6 @@ def test_rests_take_off_at_the_same_phase_for_ever():
     assert run.flight[0, 0] + run.rest[0, 1] == pytest.approx(1, abs=1e-15)
 
 
-# Perfectly inelastic rod: exact results
-
-
-def _inelastic_flight(gamma):
-    """From asin(1/gamma) with the plate's velocity to the first zero of the gap, by bisection."""
-    lift = asin(1 / gamma)
-
-    def height(t):
-        return 1 + gamma * cos(lift) * t - t * t / 2 - gamma * sin(lift + t)
-
-    grid = np.linspace(pi - 2 * lift, 40, 100_000)  # opens up to its start
-    first = np.argmax([height(t) <= 0 for t in grid])
-    return lift, brentq(height, grid[first - 1], grid[first], xtol=1e-15)
-
-
-@pytest.mark.parametrize("gamma", [1.05, 1.5, 1.7048, 2.0, 3.0, ONE_PERIOD])
-@pytest.mark.parametrize("geometry", [SPHERE, thin_rod(0.0)])
-def test_inelastic_rod(gamma, geometry):
-    """At 1.7048 it lands where the plate turns round; at the last gamma after one period."""
-    run = record(geometry, gamma=gamma, **INELASTIC, landings=20, rods=3)
-    lift, flight = _inelastic_flight(gamma)
-    np.testing.assert_allclose(run.flight * TURN, flight, rtol=1e-12)
-    np.testing.assert_allclose(run.phase, (lift + flight) % TURN, rtol=1e-12)
-    np.testing.assert_allclose(run.c_z_after, np.cos(run.phase), atol=1e-15)
-    np.testing.assert_allclose(run.c_z, cos(lift) - flight / gamma, rtol=1e-12)
-    if gamma == ONE_PERIOD:
-        np.testing.assert_allclose(run.flight, 1, rtol=1e-14)
-
-
 def test_onset():
     """V_z/V_0 = -sin(x) with x -> 3 sqrt(2 (gamma - 1)): -x^2/6 alone is 3 (gamma - 1) of it."""
     for excess in (1e-3, 1e-5, 1e-7):
@@ -85,48 +55,61 @@ def test_onset():
 
 
 @pytest.mark.parametrize(
-    ("tilt_deg", "gamma"), [(5, 3.3), (20, 3.3), (25, 2.2), (34, 3.3), (70, 4)]
+    ("tilt_deg", "gamma", "restitution"),
+    [
+        *((5, 3.3, 0.65), (20, 3.3, 0.65), (25, 2.2, 0.65), (34, 3.3, 0.65), (70, 4, 0.65)),
+        *((0, gamma, 0.0) for gamma in (1.05, 1.5, 1.7048, 2.0, 3.0, ONE_PERIOD, 3.5)),
+    ],
 )
-def test_landings_follow_from_one_another(tilt_deg, gamma):
-    """Every landing again from `impact.collide`, every flight from the parabola."""
+def test_landings_follow_from_one_another(tilt_deg, gamma, restitution):
+    """Every landing again from `impact.collide`, every flight from the parabola.
+
+    Without restitution it lands at 1.7048 where the plate turns round, at sqrt(1 + pi^2) after one
+    period, and beyond it goes on at once where the plate drops.
+    """
+    setting = {"friction": 0.3, "restitution": restitution}
     rod = thin_rod(radians(tilt_deg))
-    run = record(rod, gamma=gamma, **PAPER, landings=300, rods=4, transient=0)
+    run = record(rod, gamma=gamma, **setting, landings=300, rods=4, transient=0)
     plate = np.cos(run.phase)
-    c_x, v, hits = run.c_x, run.c_z - plate, np.zeros(run.hits.shape, int)
-    again = np.full(hits.shape, True)
-    first = impact.classify(c_x, v, geometry=rod, **PAPER)
-    while again.any():
-        hit = collide(c_x, v, geometry=rod, **PAPER)
+    c_x, v, hits = run.c_x, run.c_z - plate, 0
+    again = True
+    np.testing.assert_array_equal(run.regime, impact.classify(c_x, v, geometry=rod, **setting))
+    while np.any(again):
+        hit = collide(c_x, v, geometry=rod, **setting)
         c_x, v = np.where(again, hit.c_x, c_x), np.where(again, hit.c_z, v)
-        hits += again
-        again &= v < -1e-12
+        hits = hits + again
+        again = again & (v < -1e-12)
     np.testing.assert_allclose(run.c_x_after, c_x, atol=1e-11)
     np.testing.assert_allclose(run.c_z_after - plate, np.maximum(v, 0), atol=1e-11)
     np.testing.assert_array_equal(run.hits > 1, hits > 1)
-    np.testing.assert_array_equal(run.regime, first)
     assert np.all(run.c_z_after - plate > -1e-15)
     assert run.hits.max() < 1000
 
-    flown = run.rest[:, 1:] == 0
-    t, start = TURN * run.flight[:, 1:], run.phase[:, :-1]
-    rise = np.where(flown, gamma * run.c_z_after[:, :-1], sqrt(gamma**2 - 1))
-    start = np.where(flown, start, asin(1 / gamma))
-    np.testing.assert_allclose(gamma * run.c_z[:, 1:], rise - t, atol=1e-12)
-    fallen = gamma * np.sin(start) + rise * t - t * t / 2
-    np.testing.assert_allclose(gamma * np.sin(run.phase[:, 1:]), fallen, atol=1e-12)
-    for i, j in np.argwhere(run.rest > 0):
-        if j > 0:
-            begin = (gamma * run.c_x_after[i, j - 1], run.phase[i, j - 1])
-            wait, c_x_end, slid = slide_to_lift(*begin, gamma, PAPER["friction"])
-            assert run.rest[i, j] == pytest.approx(wait / TURN, abs=1e-15)
-            assert run.c_x[i, j] == pytest.approx(c_x_end / gamma, abs=1e-15)
-            moved = run.travel[i, j] - run.c_x[i, j] * run.flight[i, j]
-            assert moved == pytest.approx(slid / (gamma * TURN), abs=1e-14)
-    np.testing.assert_array_equal(run.c_x[:, 1:][flown], run.c_x_after[:, :-1][flown])
-    moved = run.travel[:, 1:] - (run.c_x * run.flight)[:, 1:]
-    np.testing.assert_allclose(moved[flown], 0, atol=1e-15)
-    clock = run.period + run.phase / TURN
-    np.testing.assert_allclose(np.diff(clock), run.flight[:, 1:] + run.rest[:, 1:], atol=1e-11)
+    before, after = (Landings(*(x[:, part] for x in run)) for part in (np.s_[:-1], np.s_[1:]))
+    rests = after.rest > 0
+    moves = [
+        slide_to_lift(speed, phase, gamma, 0.3) if rest else (0.0, speed, 0.0)
+        for speed, phase, rest in zip(
+            *map(np.ravel, (gamma * before.c_x_after, before.phase, rests)), strict=True
+        )
+    ]
+    wait, c_x, slid = np.transpose(moves).reshape(3, *rests.shape)
+    np.testing.assert_allclose(after.rest, wait / TURN, atol=1e-15)
+    np.testing.assert_allclose(after.c_x, c_x / gamma, rtol=1e-15, atol=1e-15)
+    slid += c_x * TURN * after.flight
+    np.testing.assert_allclose(after.travel, slid / (gamma * TURN), rtol=1e-15, atol=1e-14)
+    t, lift = TURN * after.flight, asin(1 / gamma)
+    rise = np.where(rests, gamma * cos(lift), gamma * before.c_z_after)
+    fallen = gamma * np.sin(np.where(rests, lift, before.phase)) + rise * t - t * t / 2
+    np.testing.assert_allclose(gamma * after.c_z, rise - t, atol=1e-12)
+    np.testing.assert_allclose(gamma * np.sin(after.phase), fallen, atol=1e-12)
+    np.testing.assert_allclose(
+        np.diff(run.period + run.phase / TURN), after.flight + after.rest, atol=1e-11
+    )
+    if restitution == 0:
+        np.testing.assert_array_equal(rests, gamma * np.sin(before.phase) <= 1)
+    if gamma == ONE_PERIOD:
+        np.testing.assert_allclose(after.flight, 1, rtol=1e-14)
 
 
 @pytest.mark.parametrize(("gamma", "restitution"), [(1.02, 0.65), (1.05, 0.9), (1.2, 0.5)])
@@ -146,14 +129,6 @@ def test_chattering_ends_in_rest(gamma, restitution):
     longest = max(np.diff(np.flatnonzero(row)).max() for row in rested if row.any())
     assert longest <= 2 + np.log(1e-6 * 1e-3) / np.log(restitution)
     assert rested.any()
-
-
-def test_landing_on_the_falling_plate_goes_on_at_once():
-    """Without restitution above sqrt(1 + pi^2): no rest between landings where the plate drops."""
-    run = record(SPHERE, gamma=3.5, **INELASTIC, landings=200, rods=3)
-    drops = 3.5 * np.sin(run.phase[:, :-1]) > 1
-    assert drops.any()
-    np.testing.assert_array_equal(run.rest[:, 1:] == 0, drops)
 
 
 # The interface
@@ -191,7 +166,7 @@ def test_means_are_those_of_the_landings():
     setting = {**PAPER, "gamma": 3.3, "landings": 200, "rods": 30}
     run, raw = bounce(thin_rod(0.45), **setting), record(thin_rod(0.45), **setting)
     plate, impulse = np.cos(raw.phase), raw.c_z_after - raw.c_z
-    time = raw.flight.sum(1) + raw.rest.sum(1)
+    time = (raw.flight + raw.rest).sum(1)
     for name, rods in {
         "alpha": plate.mean(1),
         "alpha_impulse": np.average(plate, axis=1, weights=impulse),
@@ -203,14 +178,14 @@ def test_means_are_those_of_the_landings():
     }.items():
         wanted = rods.mean(), rods.std(ddof=1) / sqrt(30)
         np.testing.assert_allclose(getattr(run, name), wanted, rtol=1e-12)
-    for density, values, bins, high in (
-        (run.phases, raw.phase, 36, TURN),
-        (run.flights, raw.flight + 1 / 32, 64, 4),
+    for name, values, bins, width in (
+        ("phases", raw.phase, 36, TURN / 36),
+        ("flights", raw.flight + 1 / 32, 64, 1 / 16),
+        ("regimes", raw.regime, 4, 1),
     ):
-        counts, _ = np.histogram(values, bins, (0, high))
-        np.testing.assert_allclose(density.mean, counts * bins / (high * values.size))
-    regimes = np.bincount(raw.regime.ravel(), minlength=4) / raw.regime.size
-    np.testing.assert_allclose(run.regimes.mean, regimes)
+        counts, _ = np.histogram(values, np.arange(bins + 1) * width)
+        density = counts / (width * values.size)
+        np.testing.assert_allclose(getattr(run, name).mean, density)
     assert np.isnan(bounce(thin_rod(0.3), **{**setting, "rods": 1}).alpha.error)
 
 

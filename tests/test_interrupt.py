@@ -36,25 +36,18 @@ class RungError(Exception):
     """What the handler raises."""
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def alarm():
-    """A handler that raises; a function that lets it run after a while."""
+    """Handlers that do not end the tests, one that raises; a function to let it run in a while."""
 
     def ring(*_):
         raise RungError
 
-    usual = signal.signal(signal.SIGALRM, ring)
-    yield lambda seconds: signal.setitimer(signal.ITIMER_REAL, seconds)
-    signal.setitimer(signal.ITIMER_REAL, 0)
-    signal.signal(signal.SIGALRM, usual)
-
-
-@pytest.fixture
-def handlers():
-    """Whatever is done to them is undone; none of them ends the tests."""
-    usual = {n: signal.getsignal(n) for n in interrupt.SIGNALS}
+    usual = {number: signal.getsignal(number) for number in interrupt.SIGNALS}
+    signal.signal(signal.SIGALRM, ring)
     signal.signal(signal.SIGTERM, lambda *_: pytest.fail("SIGTERM"))
-    yield
+    yield partial(signal.setitimer, signal.ITIMER_REAL)
+    signal.setitimer(signal.ITIMER_REAL, 0)
     for number, handler in usual.items():
         signal.signal(number, handler)
 
@@ -68,13 +61,11 @@ def test_all_packages_do_the_same():
     for name in ("plain", "replacing"):
         assert inspect.getsource(getattr(files, name)) == inspect.getsource(getattr(md.files, name))
     for name in ("command_line", "early_signals"):
-        copies = (f"{p}/{name}.py" for p in ("derivations", "impact", "md"))
-        texts = {(ROOT / copy.replace("impact/", "impact/_")).read_bytes() for copy in copies}
-        assert len(texts) == 1
+        packages = ("derivations", "impact", "md")
+        assert len({(ROOT / package / f"{name}.py").read_bytes() for package in packages}) == 1
 
 
-@pytest.mark.usefixtures("alarm")
-def test_handlers_run_at_the_end_of_the_outermost(handlers):
+def test_handlers_run_at_the_end_of_the_outermost():
     """All of them, though each raises; then they are in their places again."""
     done = []
 
@@ -103,7 +94,7 @@ def test_handlers_run_at_the_end_of_the_outermost(handlers):
         signal.raise_signal(signal.SIGALRM)
 
 
-def test_what_python_does_not_handle_is_left_alone(handlers):
+def test_what_python_does_not_handle_is_left_alone():
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with interrupt.deferred():
         assert signal.getsignal(signal.SIGINT) == signal.SIG_IGN
@@ -116,7 +107,6 @@ def test_other_threads_have_no_signals():
         assert pool.submit(interrupt.deferred()(lambda: True)).result()
 
 
-@pytest.mark.usefixtures("alarm")
 @pytest.mark.parametrize(
     ("kernel", "called"),
     [(cache.kernel, partial(cache.kernel, inline=False)), (_jit.kernel, _jit.kernel)],
@@ -166,20 +156,16 @@ def test_no_kernel_builds_its_result_by_calling_python():
 HELD = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65}
 
 
-def resting(n):
-    """An upright rod that leaves the plate, or one that never does."""
-    md.impact(0.0, 0.0, -1.0 if n == 1 else -1e-3, friction=0.3, gravity=(0.0, -1.0))
-
-
-def bouncing_long(n):
-    bouncing.bounce(impact.thin_rod(0.3), **HELD, landings=1, rods=1, transient=n)
-
-
-def marching(n):
-    prepare(row(), touches=False).go(n)
-
-
-@pytest.mark.parametrize("last", [resting, bouncing_long, marching])
+@pytest.mark.parametrize(
+    "last",
+    [
+        # an upright rod that leaves the plate, or one that never does
+        lambda n: md.impact(0.0, 0.0, -1.0 if n == 1 else -1e-3, friction=0.3, gravity=(0.0, -1.0)),
+        lambda n: bouncing.bounce(impact.thin_rod(0.3), **HELD, landings=1, transient=n),
+        lambda n: prepare(row(), touches=False).go(n),
+    ],
+    ids=["resting", "bouncing", "marching"],
+)
 def test_what_lasts_for_hours_can_be_stopped(last, alarm):
     last(1)  # compiles
     alarm(0.1)
@@ -239,14 +225,12 @@ def exit_code(monkeypatch, work, *arguments):
     return end.value.code
 
 
-@pytest.mark.usefixtures("handlers")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_commands_end_with_130_and_one_line(number, monkeypatch, capsys):
     assert exit_code(monkeypatch, lambda: signal.raise_signal(number)) == 130
     assert capsys.readouterr().err == "it work: interrupted: what was finished is kept\n"
 
 
-@pytest.mark.usefixtures("handlers")
 def test_standard_output_that_is_closed_costs_one_line(monkeypatch, capsys):
     """Python has none then; nothing is begun that could not be told."""
     monkeypatch.setattr(sys, "stdout", None)
@@ -254,7 +238,6 @@ def test_standard_output_that_is_closed_costs_one_line(monkeypatch, capsys):
     assert capsys.readouterr().err == "it: cannot write: standard output is closed\n"
 
 
-@pytest.mark.usefixtures("handlers")
 def test_a_figure_is_not_made_of_half_a_run(monkeypatch):
     """Which `md.run` would return, marked as not finished."""
 

@@ -1,6 +1,5 @@
 """Labelled arguments (pandas, xarray) are never paired by position against their labels."""
 
-import inspect
 from itertools import combinations
 from types import SimpleNamespace
 
@@ -9,7 +8,7 @@ import pytest
 
 import impact
 
-from .test_public_api import BODIES, call
+from .test_public_api import SENSIBLE, SOLID, call, numbers_of
 
 
 class Index(list):
@@ -25,46 +24,47 @@ def labelled(values, **labels):
     return kind(**labels)
 
 
-def pair(name, *index):
-    """Two elements of an argument, labelled by an index; of a body, or a geometry's tilt."""
-    array = np.full(2, {"c_z": -2.0, "length": 8.0}.get(name, 0.4))
-    array = labelled(array, axes=[Index(index)]) if index else array
-    if name in BODIES:
-        return BODIES[name]._replace(c_x=array)
-    return impact.thin_rod(array) if name == "geometry" else array
+def along(index, value):
+    """Two equal elements, with an index if there is one."""
+    return labelled([value, value], axes=[Index(index)]) if index else np.full(2, value)
 
 
-PAIRED = [
-    (function, *names)
-    for function in (x for x in impact.__all__ if inspect.isfunction(getattr(impact, x)))
-    for names in combinations(inspect.signature(getattr(impact, function)).parameters, 2)
-    if not {*names} & {"law", "density", "points"}
-]
+def paired(function, **indexes):
+    """Result where some numbers are two equal ones, with an index if there is one."""
+    values = numbers_of(function)
+    return call(function, **{name: along(index, values[name]) for name, index in indexes.items()})
 
 
-@pytest.mark.parametrize(("function", "one", "other"), PAIRED)
-def test_labels_that_differ_are_refused_and_equal_ones_are_not(function, one, other):
-    """Whichever two arguments bear them: none are paired by position against their labels."""
-    unlike = r"must have equal labels, got \[7, [89]\] .* \[7, [89]\];"
-    with pytest.raises(ValueError, match=unlike) as error:
-        call(function, **{one: pair(one, 7, 8), other: pair(other, 7, 9)})
-    assert one in str(error.value)
-    assert other in str(error.value)
-    alike = call(function, **{name: pair(name, 7, 8) for name in (one, other)})
-    np.testing.assert_equal(alike, call(function, **{name: pair(name) for name in (one, other)}))
+@pytest.mark.parametrize("function", SENSIBLE)
+def test_labels_that_differ_are_refused_and_equal_ones_are_not(function):
+    """Whichever two numbers bear them: none are paired by position against their labels."""
+    for one, other in combinations(numbers_of(function), 2):
+        unlike = r"must have equal labels, got \['a', '[bc]'\] .* \['a', '[bc]'\];"
+        with pytest.raises(ValueError, match=unlike) as error:
+            paired(function, **{one: "ab", other: "ac"})
+        assert {one, other} <= {*str(error.value).split()}
+        alike = paired(function, **{one: "ab", other: "ab"})
+        np.testing.assert_equal(alike, paired(function, **{one: None, other: None}))
+
+
+@pytest.mark.parametrize("shape", [impact.thin_rod, impact.spherocylinder, impact.flat_ended_rod])
+def test_a_geometry_keeps_the_labels_of_what_it_was_made_of(shape):
+    for size in ("tilt", "length"):
+        rod = shape(**{"tilt": 0.4, "length": 8.0, size: along("ab", SOLID[size])})
+        assert call("drift", geometry=rod, friction=along("ab", 0.3)).c_x.shape == (2,)
+        with pytest.raises(ValueError, match="must have equal labels"):
+            call("drift", geometry=rod, friction=along("ac", 0.3))
 
 
 def test_labels_are_compared_as_axes_are_paired():
     """From the last axis; a dimension without an index, and a plain array, fit to any labels."""
-    along = labelled([1.0, 2.0], dims=["x"], indexes={"x": Index("ab")})
+    row = labelled([1.0, 2.0], dims=["x"], indexes={"x": Index("ab")})
     table = labelled(np.ones((2, 2)), dims=["y", "x"], indexes={"x": Index("ab")})
     bare = labelled([0.3, 0.4], dims=["x"])
-    for fine in (bare, table, np.full((2, 2), 0.3), labelled([0.3, 0.4], axes=[Index("ab")])):
-        assert np.shape(call("collide", c_x=along, friction=fine).c_x)[-1:] == (2,)
+    for fine in (bare, table, np.full((2, 2), 0.3), along("ab", 0.3)):
+        assert np.shape(call("collide", c_x=row, friction=fine).c_x)[-1:] == (2,)
     across = labelled([0.3, 0.4], dims=["y"])
     turned = labelled(np.ones((2, 2)), dims=["x", "y"])
-    for unlike in (across, turned, labelled([0.3, 0.4], axes=[Index("ac")])):
+    for unlike in (across, turned, along("ac", 0.3), along("abc", 0.3)):
         with pytest.raises(ValueError, match=r"c_x and friction must .* got ('x'|\['a', 'b'\])"):
-            call("collide", c_x=along, friction=unlike)
-    with pytest.raises(ValueError, match=r"got \['a', 'b', 'c'\] where the other has \['a', 'b'\]"):
-        call("collide", c_x=labelled([1.0] * 3, axes=[Index("abc")]), friction=along)
+            call("collide", c_x=row, friction=unlike)

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM while a command is being imported: one line, exit code 130.
+"""Ctrl-C and SIGTERM; while a command is being imported: one line, exit code 130.
 
 The first import of each package. The same file stands in `derivations`, `impact` and `md`, of which
 none imports another.
@@ -7,6 +7,14 @@ none imports another.
 import os
 import signal
 import sys
+from collections.abc import Callable
+
+
+def handle(handler: Callable[..., object] | signal.Handlers) -> None:
+    """Handle both signals, unless they are ignored from the start, as under nohup."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, handler)
 
 
 def _end(*_: object) -> None:
@@ -17,6 +25,4 @@ def _end(*_: object) -> None:
 
 
 if sys.argv[:1] == ["-m"]:  # Python imports the package of a command; `Commands` takes over
-    for number in (signal.SIGINT, signal.SIGTERM):
-        if signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, _end)
+    handle(_end)
