@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _kernel as kernel
 from ._arguments import ANY, FRICTION, RESTITUTION, Argument, InputError, evaluated
-from ._impacts import Regime, ordinary
+from ._impacts import Regime, brief, ordinary
 from .geometry import ContactGeometry, lengths_of
 
 LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.stronge}
@@ -36,6 +36,9 @@ class Collision(NamedTuple):
     slip_velocity: Any
     normal_velocity: Any
     energy_change: Any
+
+    def __repr__(self) -> str:
+        return brief(self)
 
 
 def exponent(*values: Any) -> Any:

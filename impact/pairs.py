@@ -17,7 +17,7 @@ from ._arguments import (
     InputError,
     evaluated,
 )
-from ._impacts import Regime
+from ._impacts import Regime, brief
 from ._select import select
 from ._twofold import Twofold, quotient
 from .collision import exponent, law_of
@@ -67,6 +67,9 @@ class PairCollision(NamedTuple):
     P_x: Any
     P_z: Any
     energy_change: Any
+
+    def __repr__(self) -> str:
+        return brief(self)
 
 
 def _arguments(name: str, body: Body) -> dict[str, Argument]:

@@ -16,9 +16,8 @@ Your rods, in cm and Hz (`md/scenes/my_rods.toml`: copy it, change its numbers):
 
 >>> mine = md.load("my_rods", ["plate.acceleration=3"])
 >>> result = md.run(mine, periods=130)
->>> drift, error = (mine.cm_per_s * value for value in (result.c_x, result.c_x_stderr))
->>> print(f"{drift:.2f} +- {error:.2f} cm/s")  # doctest: +ELLIPSIS
-5... +- 0... cm/s
+>>> result  # doctest: +ELLIPSIS
+<Result: 5... +- 0... cm/s at 3... degrees, 130 periods>
 
 A contact law of your own is a `Law` of terms that the kernels know, a `Normal` force and a
 tangential `Spring`. It is numbers alone, so a store knows it and other processes run it:

@@ -19,8 +19,6 @@ from .laws import LAWS, Law
 from .result_text import (
     impact_text,
     result_json,
-    result_text,
-    scene_text,
     search_json,
     search_text,
     store_text,
@@ -229,7 +227,7 @@ def run(
     if as_json:
         print(_dumps(result_json(result)))
     else:
-        print(f"{scene_text(result.scene)}\n{result_text(result)}")
+        print(result)
     if result.unwritten:
         raise OSError("; ".join(result.unwritten))
     if not result.finished:

@@ -8,7 +8,7 @@ from typing import Any
 from .accuracy import UNLIKELY
 from .measures import wedged_periods
 from .scene import Scene, as_dict
-from .simulation import Result, finite
+from .simulation import Result
 from .soft_impact import Impact
 from .statistics import FEWEST, transient
 from .units import TWINS, in_cm
@@ -270,5 +270,4 @@ def result_json(r: Result) -> dict[str, Any]:
     cm, speed = r.scene.rods.diameter_cm, r.scene.cm_per_s
     period = cm / speed / r.scene.frequency
     units = {"length_cm": cm, "velocity_cm_s": speed, "time_s": cm / speed, "period_s": period}
-    error = finite({"c_x_stderr_cm_s": r.c_x_stderr * speed})
-    return {**r.as_dict(), **error, "units": units, "scene_in_cm": in_cm(as_dict(r.scene))}
+    return {**r.as_dict(), "units": units, "scene_in_cm": in_cm(as_dict(r.scene))}

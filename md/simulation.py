@@ -1,7 +1,9 @@
 """Run a scene: period by period, with touches, energy, standard errors, checkpoint and resume."""
 
+import html
 import json
 import signal
+import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
@@ -15,7 +17,7 @@ from zipfile import BadZipFile
 
 import numba
 import numpy as np
-from tqdm import tqdm
+from tqdm.auto import tqdm
 
 from .domains import InputError, whole
 from .files import NotWritten, distinct, replacing, warn, writable
@@ -74,9 +76,11 @@ class Accuracy:
     next_digit_seconds: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """What a run measured; velocities in sqrt(g d) unless the name says cm/s.
+
+    As text, and in a notebook, it is what the command prints.
 
     scene : that ran
     c_x, tilt_deg : means over rods and over the periods behind the transient; in an annulus c_x is
@@ -130,6 +134,28 @@ class Result:
     unwritten: tuple[str, ...]
     accuracy: Accuracy | None = None
 
+    def __repr__(self) -> str:
+        drift = f"{self.c_x_cm_s:.4g} +- {self.c_x_stderr_cm_s:.2g} cm/s"
+        return f"<Result: {drift} at {self.tilt_deg:.3g} degrees, {self.periods} periods>"
+
+    def __str__(self) -> str:
+        from .result_text import result_text, scene_text  # late: it imports this module
+
+        return f"{scene_text(self.scene)}\n{result_text(self)}"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
+
+    @property
+    def c_x_cm_s(self) -> float:
+        """Drift in cm/s."""
+        return self.c_x * self.scene.cm_per_s
+
+    @property
+    def c_x_stderr_cm_s(self) -> float:
+        """Its standard error in cm/s."""
+        return self.c_x_stderr * self.scene.cm_per_s
+
     @property
     def settled(self) -> bool | None:
         """False if the drift or the rate of falls still trends; None if the run is too short."""
@@ -153,7 +179,8 @@ class Result:
         return finite(
             {
                 **plain,
-                "c_x_cm_s": self.c_x * self.scene.cm_per_s,
+                "c_x_cm_s": self.c_x_cm_s,
+                "c_x_stderr_cm_s": self.c_x_stderr_cm_s,
                 "rod_steps": self.rod_steps,
                 "settled": self.settled,
                 "scene": as_dict(self.scene),
@@ -253,8 +280,17 @@ class Run:
         self.lost: dict[str, str] = {}  # why a file is not whole
         self.engine = engine = prepare(scene, ledger=ledger)
         self.tables = tables_of(engine, periods)
+        hidden = None if progress else True  # None: on a terminal and in a notebook
+        self.bar = tqdm(total=periods, unit=" periods", delay=2, disable=hidden)
+        words = "compiling the kernels for such a scene, once: 10 to 30 s"
+        notice = threading.Timer(2.0, self.bar.write, [words], {"file": sys.stderr})
+        if not self.bar.disable:
+            notice.start()
         begin = perf_counter()
-        engine.go(0, self.tables.series)  # compiles
+        try:
+            engine.go(0, self.tables.series)  # compiles
+        finally:
+            notice.cancel()
         self.seconds, self.compile_seconds = 0.0, perf_counter() - begin
         self.energy = engine.energy() if engine.ledger is not None else 0.0  # at the start
         if saved is not None:
@@ -262,8 +298,6 @@ class Run:
         self.trajectory: Trajectory | None = None
         if trajectory is not None:
             self.trajectory = Trajectory(trajectory, frames, engine.step / engine.per, periods)
-        hidden = None if progress else True  # None: on a terminal alone
-        self.bar = tqdm(total=periods, unit=" periods", delay=2, disable=hidden)
         self.bar.update(self.made)
 
     def __enter__(self) -> "Run":
