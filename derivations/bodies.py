@@ -4,7 +4,7 @@ import sympy as sp
 
 from .proof import Equation, Repair
 from .symbols import X, Z, diameter, h_0, k, length, m, phi
-from .trace import derived, solve
+from .trace import derived
 
 Profile = tuple[tuple[sp.Expr, sp.Expr, sp.Expr], ...]  # (radius, from, to) along the axis
 
@@ -179,14 +179,6 @@ BEYOND = (
 
 THIN = {X: thin_contact()[0], Z: thin_contact()[1], k: sp.sqrt(thin_gyration())}
 T = sp.Symbol(r"{\tan\phi}", positive=True)
-
-
-@derived(r"\phi_{flat}")
-def flat_tilt() -> sp.Expr:
-    """Tilt at which a flat-ended rod stands on its edge with X = 0, by T = tan(phi)."""
-    over_cosine = sp.cancel(flat_contact()[0].subs(sp.sin(phi), T * sp.cos(phi)) / sp.cos(phi))
-    (tangent,) = solve(over_cosine, T)
-    return sp.atan(tangent)
 
 
 def over_tangent(form: sp.Expr) -> sp.Expr:

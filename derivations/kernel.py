@@ -40,7 +40,7 @@ from . import laws, slide, slip_reversal, slip_stick
 from .axioms import RESTITUTION
 from .equality import DIGITS, is_zero
 from .laws import a_1, a_2
-from .lecture import sign
+from .lecture import negative, so
 from .newton import approach, spin_jump
 from .proof import Equation, Proof, Verdict
 from .rewrites import RESPONSES, N, N_back, T, T_back
@@ -440,14 +440,13 @@ def ways_on() -> sp.Matrix:
 def _ways_told() -> str:
     """The signs of both, and of their slopes over friction."""
     stops, parts = ways_on()
-    (signs,) = {sign(stops, {X: -X}), sign(parts)}
-    slopes = [sign(form.diff(mu)) for form in (RESPONSES[T], RESPONSES[N_back])]
-    first, second = ({"positive": "rises", "negative": "falls"}[slope] for slope in slopes)
-    return (
-        f"both {signs}, as the first needs $XZ < 0$ and the second $XZ > 0$. $T$ {first} with "
+    rates = negative(-RESPONSES[T].diff(mu)) and negative(RESPONSES[N_back].diff(mu))
+    return so(
+        "both positive, as the first needs $XZ < 0$ and the second $XZ > 0$. $T$ rises with "
         r"friction: where friction outweighs what presses the contact apart ($N \le 0$), the slip "
-        f"stops. $N_{{back}}$ {second} with friction: where the slip turns back "
-        "($T_{back} > 0$), the contact is still pressed apart"
+        r"stops. $N_{back}$ falls with friction: where the slip turns back ($T_{back} > 0$), the "
+        "contact is still pressed apart",
+        negative(-stops, {X: -X}) and negative(-parts) and rates,
     )
 
 

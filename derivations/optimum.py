@@ -6,7 +6,6 @@ slip-stick, the one of slip reversal, or the critical tilt between them (the cor
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import sympy as sp
 
@@ -14,11 +13,12 @@ from . import second_routes
 from .bodies import T, over_tangent
 from .drift import CASES, landing, landing_velocity, stationary
 from .laws import slopes
-from .lecture import PAPER, compared, degrees, extreme, formula, number, sign
+from .lecture import PAPER, degrees, formula, largest, negative, number, so
 from .proof import Equation
 from .slide import slide_excess
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, u_0, v_0
 from .trace import derived, solve
+from .typeset import latex
 
 
 @derived("c_x/V_z")
@@ -150,55 +150,49 @@ _lossy = (1 - epsilon) * k**2 + 2 * X**2
 _a, _b = 1 - epsilon, 7 - epsilon
 _root = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
 
-_HERE = f"the paper's restitution, {number(PAPER[epsilon])}"
+
+def _best_told(case: str) -> str:
+    tangent, along = (part.subs(PAPER) for part in optimum(case))
+    place = ", ".join(rf"${latex(x)} = {number(value)}$" for x, value in PAPER.items())
+    return so(
+        f"{degrees(sp.atan(tangent))} and {number(along, 3)} for the paper's {place}",
+        largest(drift_over_tangent(case).subs(PAPER), T, tangent),
+    )
 
 
-def _extreme(case: str) -> str:
-    return extreme(drift_over_tangent(case), T, optimum(case)[0], PAPER)
-
-
-def _stick_told() -> str:
-    tangent, along = (part.subs(PAPER) for part in optimum("stick"))
-    return f"{degrees(sp.atan(tangent))} and {number(along, 3)} for {_HERE}"
-
-
-def _where_it_holds(of: Callable[[str], Any]) -> str:
-    """The sign that forms of both regimes have; reversal holds where XZ > mu (k^2 + Z^2)."""
+def _where_it_holds(words: str, forms: Callable[[str], sp.Matrix]) -> str:
+    """Words on forms that are negative in both regimes; a slip reverses for XZ > mu (k^2 + Z^2)."""
     reversing = {X: mu * (k**2 + Z**2) / Z + sp.Symbol("room", positive=True)}
-    put = {"stick": {}, "back": reversing}
-    (word,) = {sign(sp.Matrix([of(case)]), put[case]) for case in CASES}
-    return f"{word} wherever the regime holds"
+    truth = negative(forms("stick")) and negative(forms("back"), reversing)
+    return so(f"{words} wherever the regime holds", truth)
 
 
 def _pressed_told() -> str:
-    more = {mu: painleve_friction() * sp.Rational(11, 10)}
-    word = compared(slopes()["back"].subs(more).subs({X: 1, Z: 1, k: 1}), 0, (">", "<"))
-    return f"from there on $dv/dP_z {word} 0$"
+    more = {mu: painleve_friction() + sp.Symbol("more", positive=True)}
+    return so("from there on $dv/dP_z < 0$", negative(slopes()["back"], more))
 
 
 def _least_told() -> str:
-    tangent, friction = least_painleve_friction()
-    over = formula(_over_tilt())
-    return rf"${friction}$ at {degrees(sp.atan(tangent))}; over tilt $\mu_P$ is {over}"
+    (tangent, friction), over = least_painleve_friction(), _over_tilt()
+    return so(
+        rf"${friction}$ at {degrees(sp.atan(tangent))}; over tilt $\mu_P$ is {formula(over)}",
+        largest(-over, T, tangent),
+    )
 
 
 EQUATIONS = (
     Equation(
         "V: optimum, slip-stick",
-        lambda: (
-            rf"$\tan\phi$ of the {_extreme('stick')} drift (26) of a thin rod, and it over $V_z$"
-        ),
+        r"$\tan\phi$ of the largest drift (26) of a thin rod, and it over $V_z$",
         r"(\tan\phi, c_x/V_z)",
         derive=lambda: optimum("stick"),
         shown=(sp.sqrt(_a / _b), 3 * (1 + epsilon) / sp.sqrt(_a * _b)),
         check=lambda form: _is_largest("stick", form),
-        note=_stick_told,
+        note=lambda: _best_told("stick"),
     ),
     Equation(
         "V: optimum, slip reversal",
-        lambda: (
-            rf"$\tan\phi$ of the {_extreme('back')} drift (29) of a thin rod, and it over $V_z$"
-        ),
+        r"$\tan\phi$ of the largest drift (29) of a thin rod, and it over $V_z$",
         r"(\tan\phi, c_x/V_z)",
         derive=lambda: optimum("back"),
         shown=(
@@ -206,6 +200,7 @@ EQUATIONS = (
             (1 + epsilon) * (mu * (29 - 5 * epsilon) + 3 * _root) / (2 * _a * _b),
         ),
         check=lambda form: _is_largest("back", form),
+        note=lambda: _best_told("back"),
     ),
     Equation(
         "V: stability",
@@ -233,7 +228,9 @@ EQUATIONS = (
             / (_reverse * _stop),
         ),
         check=_margins,
-        note=lambda: f"all {_where_it_holds(stability_margins)}",
+        note=lambda: _where_it_holds(
+            "all positive", lambda case: -sp.Matrix(stability_margins(case))
+        ),
     ),
     Equation(
         "V: slip stops",
@@ -241,7 +238,7 @@ EQUATIONS = (
         "(u_{*, stick}, u_{*, back})",
         derive=lambda: tuple(slip_left(case) for case in CASES),
         check=_slide_from_the_landing,
-        note=lambda: _where_it_holds(slip_left),
+        note=lambda: _where_it_holds("negative", slip_left),
     ),
     Equation(
         "Painleve: friction",
@@ -256,11 +253,7 @@ EQUATIONS = (
     ),
     Equation(
         "Painleve: thin rod",
-        lambda: (
-            r"$\tan\phi$ at which that friction is "
-            f"{extreme(_over_tilt(), T, least_painleve_friction()[0], {})} for a thin rod, and "
-            "that friction"
-        ),
+        r"$\tan\phi$ at which that friction is least for a thin rod, and that friction",
         r"(\tan\phi, \mu_P)",
         derive=least_painleve_friction,
         check=_least_pressed_in,

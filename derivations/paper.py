@@ -207,6 +207,10 @@ LETTERS: dict[str, Any] = {
     **{x: sp.Symbol(x, positive=True) for x in ("g", "D", "M_e", "v_n", "v_t", "k_n", "k_t")},
     **{rf"\gamma_{x}": sp.Symbol(f"gamma_{x}", positive=True) for x in "nt"},
 }
+COMPONENTS = {  # of vectors on left sides, by the steps that derive them
+    r"\mathbf{v}": ("u", "v"),
+    r"m \frac{d\mathbf{v}}{dt}": (r"m \dot v_x", r"m \dot v_z"),
+}
 _LETTERS_OF_VECTORS = {
     r"\mathbf{u}": sp.Matrix([sp.sin(s.phi), 0, sp.cos(s.phi)]),
     r"\mathbf{c}": sp.Matrix([s.c_x, 0, s.c_z]),

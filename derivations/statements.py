@@ -9,7 +9,7 @@ import sympy as sp
 
 from . import paper, second_routes
 from .bodies import THIN
-from .drift import relaxation, stationary
+from .drift import landing, stationary
 from .equality import DIGITS
 from .lecture import PAPER, degrees, formula, number
 from .proof import Equation
@@ -57,7 +57,7 @@ def _ratio_told() -> str:
 @derived(r"\mu n")
 def landings_to_relax() -> sp.Expr:
     """mu times the number of landings that leave 1/e of a deviation, as mu goes to 0."""
-    rate = -sp.log(relaxation("back")).diff(mu).subs(mu, 0)
+    rate = -sp.log(landing("back")[0].diff(c_x)).diff(mu).subs(mu, 0)
     return sp.factor(1 / rate)
 
 
