@@ -123,7 +123,6 @@ def _by_parts(mass: sp.Expr = 1 + 3 * h_0 / 2) -> tuple[sp.Expr, sp.Expr]:
     )
 
 
-_cubic = 20 * length**3 - 20 * length**2 * diameter + 25 * length * diameter**2 - 9 * diameter**3
 EQUATIONS = (
     Equation(
         "IV: thin rod",
@@ -159,7 +158,6 @@ BEYOND = (
         "$k^2$ of a solid spherocylinder and of a solid cylinder",
         "(k^2_{round}, k^2_{flat})",
         derive=lambda: (spherocylinder_gyration(), cylinder_gyration()),
-        shown=(_cubic / (80 * (3 * length - diameter)), length**2 / 12 + diameter**2 / 16),
         check=_gyration_checks,
     ),
     Equation(
@@ -167,12 +165,6 @@ BEYOND = (
         "$(X, Z)$ of a spherocylinder and of a flat-ended rod on its edge",
         "(X_{round}, Z_{round}, X_{flat}, Z_{flat})",
         derive=lambda: (*round_contact(), *flat_contact()),
-        shown=(
-            (length - diameter) * sp.sin(phi) / 2,
-            ((length - diameter) * sp.cos(phi) + diameter) / 2,
-            (length * sp.sin(phi) - diameter * sp.cos(phi)) / 2,
-            (length * sp.cos(phi) + diameter * sp.sin(phi)) / 2,
-        ),
         check=_contact_checks,
     ),
 )

@@ -183,7 +183,6 @@ EQUATIONS = (
         ),
         r"H(\theta)",
         derive=density,
-        shown=(1 + sp.cos(theta) / q) / (2 * sp.pi),
         check=_density_checks,
         note=lambda: (
             "the paper's $H$ is that of rods which fall as fast as the plate moves, $q = "
@@ -202,7 +201,6 @@ EQUATIONS = (
         "zero where the shadow ends, $q < 1$",
         r"s(\theta_s)",
         derive=shadow,
-        shown=sp.sin(theta_0) - sp.sin(theta_s) - q * (2 * sp.pi + theta_s - theta_0),
         check=_shadow_of_a_rod,
     ),
     Equation(
@@ -210,13 +208,6 @@ EQUATIONS = (
         "$V_z/V_0$ of first contacts, $q < 1$",
         "V_z/V_0",
         derive=lambda: mean_speed(True),
-        shown=(
-            2 * (theta_0 - theta_s)
-            + sp.sin(2 * theta_0)
-            - sp.sin(2 * theta_s)
-            + 4 * q * (sp.sin(theta_0) - sp.sin(theta_s))
-        )
-        / (8 * sp.pi * q),
         check=_rods_counted,
     ),
     Equation(

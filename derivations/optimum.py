@@ -143,10 +143,6 @@ def _least_pressed_in(form: sp.Matrix) -> list[sp.Expr]:
     return [part.subs({T: form[0], friction: form[1]}) for part in (curve, curve.diff(T))]
 
 
-_all = k**2 + X**2 + Z**2
-_reverse = k**2 + X**2 - mu * X * Z
-_stop = mu * (k**2 + Z**2) + X * Z
-_lossy = (1 - epsilon) * k**2 + 2 * X**2
 _a, _b = 1 - epsilon, 7 - epsilon
 _root = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
 
@@ -214,19 +210,6 @@ EQUATIONS = (
             "det]_{back}, [1 + tr + det]_{back}, [1 - det]_{back})"
         ),
         derive=lambda: tuple(part for case in CASES for part in stability_margins(case)),
-        shown=(
-            _lossy / _all,
-            (1 + epsilon) * (k**2 + 2 * Z**2) / _all,
-            (k**2 + X**2 + (1 - epsilon) * Z**2) / _all,
-            2 * mu * k**2 * _lossy / (_reverse * _stop),
-            2 * (1 + epsilon) * k**2 * Z * (X + mu * Z) / (_reverse * _stop),
-            (
-                2 * X * Z * (X**2 - mu**2 * (k**2 + Z**2))
-                + (1 - epsilon) * k**2 * Z * (X + mu * Z)
-                + (1 + epsilon) * mu * k**4
-            )
-            / (_reverse * _stop),
-        ),
         check=_margins,
         note=lambda: _where_it_holds(
             "all positive", lambda case: -sp.Matrix(stability_margins(case))

@@ -89,7 +89,6 @@ EQUATIONS = (
         r"to the second by $\Delta u = C P_x - B P_z$ and $\Delta v = A P_z - B P_x$",
         "(A, B, C)",
         derive=lambda: tuple(mobility().values()),
-        shown=(_sum(1 / m + _turn * X**2), _sum(_turn * X * Z), _sum(1 / m + _turn * Z**2)),
         check=lambda form: sp.Matrix([[form[2], -form[1]], [-form[1], form[0]]]) - _answers(),
     ),
     Equation(
