@@ -24,7 +24,7 @@ def mass_and_inertia(profile: Profile, density: sp.Expr) -> tuple[sp.Expr, sp.Ex
 
 @derived("m", "I")
 def spherocylinder() -> tuple[sp.Expr, sp.Expr]:
-    """Mass and inertia in units of the virtual sphere: diameter 1, mass 1; length h_0 + 1."""
+    """Mass and inertia in units of the virtual sphere: diameter 1, mass 1; length $h_0 + 1$."""
     half, density = h_0 / 2, 6 / sp.pi
     cap = sp.sqrt(sp.Rational(1, 4) - (_z - half) ** 2)
     mirrored = cap.subs(_z, -_z)
@@ -40,7 +40,7 @@ def spherocylinder() -> tuple[sp.Expr, sp.Expr]:
 
 @derived("k^2_{round}")
 def spherocylinder_gyration() -> sp.Expr:
-    """k^2 of a solid spherocylinder of overall length l and diameter d."""
+    """$k^2$ of a solid spherocylinder of overall length $l$ and diameter $d$."""
     mass, inertia = spherocylinder()
     ratio = sp.cancel(inertia / mass).subs(h_0, (length - diameter) / diameter)
     return sp.factor(diameter**2 * ratio)
@@ -48,7 +48,7 @@ def spherocylinder_gyration() -> sp.Expr:
 
 @derived("k^2_{flat}")
 def cylinder_gyration() -> sp.Expr:
-    """k^2 of a solid flat-ended cylinder of length l and diameter d."""
+    """$k^2$ of a solid flat-ended cylinder of length $l$ and diameter $d$."""
     mass, inertia = mass_and_inertia(
         ((diameter / 2, -length / 2, length / 2),), sp.Symbol("rho", positive=True)
     )
@@ -57,7 +57,7 @@ def cylinder_gyration() -> sp.Expr:
 
 @derived("k^2")
 def thin_gyration() -> sp.Expr:
-    """k^2 of a thin rod: the cylinder's with d = 0."""
+    """$k^2$ of a thin rod: the cylinder's with $d = 0$."""
     return cylinder_gyration().subs(diameter, 0)
 
 
@@ -78,13 +78,13 @@ def thin_contact() -> tuple[sp.Expr, sp.Expr]:
 
 @derived("X_{round}", "Z_{round}")
 def round_contact() -> tuple[sp.Expr, sp.Expr]:
-    """(X, Z) of a spherocylinder: straight below the centre of its lower cap."""
+    """$(X, Z)$ of a spherocylinder: straight below the centre of its lower cap."""
     return _stand(-(length - diameter) / 2 * _axis + diameter / 2 * _down)
 
 
 @derived("X_{flat}", "Z_{flat}")
 def flat_contact() -> tuple[sp.Expr, sp.Expr]:
-    """(X, Z) of a flat-ended rod on the lower edge of its end, for positive tilt."""
+    """$(X, Z)$ of a flat-ended rod on the lower edge of its end, for positive tilt."""
     return _stand(-length / 2 * _axis + diameter / 2 * _across)
 
 

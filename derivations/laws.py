@@ -54,14 +54,14 @@ V_1 = v_0 + a_1 * P_1  # normal velocity when the slip stops
 
 @derived()
 def mobility() -> dict[sp.Symbol, sp.Expr]:
-    """A, B, C in terms of X, Z, k, read off the contact velocity's response, (5) and (6)."""
+    """Mobilities by the lengths, read off the contact velocity's response, (5) and (6)."""
     du, dv = (sp.expand(m * part) for part in contact_change(P_x, P_z))
     return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
 
 
 @derived("a_{%s}")
 def slopes() -> dict[str, sp.Expr]:
-    """Slope m dv/dP_z while slipping forward, sticking and slipping back."""
+    r"""Slope $m\,dv/dP_z$ while slipping forward, sticking and slipping back."""
     p = sp.Symbol("p", positive=True)
     rates = {
         "slip": contact_change(-mu * p, p)[1],
@@ -86,7 +86,7 @@ def compression(order: str) -> sp.Expr:
 
 @derived()
 def work(order: str, p_f: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
-    """Work of the normal impulse during compression and restitution, ended at p_f > P_1."""
+    """Work of the normal impulse during compression and restitution, ended after $P_1$."""
     p, p_c = sp.Symbol("p"), compression(order)
     slip, after = v_0 + a_1 * p, _velocity(p)
     if order == "early":
@@ -100,7 +100,7 @@ def work(order: str, p_f: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
 
 @derived("v_{f, %(order)s}")
 def final_velocity(law: str, order: str) -> sp.Expr:
-    """v_f of an impact in which the slip stops; a function of v_0, a_1, a_2 and P_1."""
+    """At the end of an impact in which the slip stops, by $v_0$, $a_1$, $a_2$ and $P_1$."""
     if law == "newton":
         return RESTITUTION({})
     if law == "poisson":
@@ -114,7 +114,7 @@ def final_velocity(law: str, order: str) -> sp.Expr:
 
 @derived("P_x", "P_z")
 def impulse_at(regime: str, v_f: sp.Expr, p_1: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """Impulse (P_x, P_z) per unit mass, in A, B, C, of an impact that stops at p_1."""
+    """Impulse per unit mass, by $A$, $B$, $C$, of an impact whose slip stops."""
     extra = (v_f - (v_0 + (A + mu * B) * p_1)) / (A - B * HELD[regime])
     return -mu * p_1 + HELD[regime] * extra, p_1 + extra
 
@@ -141,7 +141,7 @@ def energy_change(regime: str) -> sp.Expr:
 
 @derived(r"\kappa_c")
 def energy_threshold(regime: str) -> sp.Expr:
-    """kappa_c: Newton's law can create energy exactly where (1-eps)/(1+eps) < kappa_c.
+    r"""Newton's law can create energy exactly where $\kappa < \kappa_c$.
 
     The energy change is a quadratic form in (u_0, v_0) that is negative at both ends of the
     regime; it reaches positive values where its discriminant is positive.
@@ -163,7 +163,7 @@ def sticking_threshold() -> sp.Expr:
 
 @derived(r"\epsilon_c")
 def thin_threshold() -> sp.Expr:
-    """epsilon_c of a sticking thin rod."""
+    """That of a sticking thin rod."""
     return sticking_threshold().subs(mobility()).subs(THIN)
 
 

@@ -79,44 +79,35 @@ def contact_velocity(lever: Lever) -> sp.Matrix:
 @derived(r"\dot v_x", r"\dot v_z")
 def contact_acceleration(f_x: sp.Expr, f_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
     r"""Acceleration of the contact point: centre, plus $\dot\omega$ and $\omega^2$ times these."""
-    along = velocity_change(f_x, r"\dot c_x")
-    up = velocity_change(f_z - m * g, r"\dot c_z")
-    against = sp.Matrix([along, up - plate_rate])
-    say("Against the plate", r"\dot c_x", r"\dot c_z - \dot V_z", tuple(against))
+    along, up = velocity_change(f_x, r"\dot c_x"), velocity_change(f_z - m * g, r"\dot c_z")
+    say("Against the plate", r"\dot c_z - \dot V_z", up - plate_rate)
     spin_rate = spin_change(f_x, f_z, lever, inertia, r"\dot\omega")
-    return against + spin_rate * _turned(lever, 1) + omega**2 * _turned(lever, 2)
-
-
-def _say_change(lever: Lever, inertia: sp.Expr, change: sp.Matrix) -> None:
-    """The same change, part by part: its left sides are read with the letters of these parts."""
-    x, z = lever
-    along, up, turned = sp.symbols(r"dc_x dc_z d\omega")
-    velocity_change(P_x, "dc_x")
-    velocity_change(P_z, "dc_z")
-    spin_change(P_x, P_z, lever, inertia)
-    say(
-        f"The impulse moves the centre and turns the body, and the point at $({latex(x)}, "
-        f"{latex(z)})$ from the centre changes its velocity by both",
-        *map(latex, (along + z * turned, up - x * turned)),
-        tuple(change),
+    return (
+        sp.Matrix([along, up - plate_rate])
+        + spin_rate * _turned(lever, 1)
+        + omega**2 * _turned(lever, 2)
     )
 
 
-@derived("du", "dv")
-def impulsive_change(p_x: sp.Expr, p_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
-    r"""That acceleration times $\tau$, for a force $P/\tau$ and $\tau \to 0$."""
+@derived()
+def impulsive_change(lever: Lever, inertia: sp.Expr) -> dict[sp.Expr, sp.Expr]:
+    r"""That acceleration times $\tau$, for a force $P/\tau$ and $\tau \to 0$: centre and turn."""
     force = IMPULSIVE({P: P_x}, "F_x"), IMPULSIVE({P: P_z}, "F_z")
     change = tau * contact_acceleration(*force, lever, inertia)
-    change = change.expand().subs(tau, 0)
-    _say_change(lever, inertia, change)
-    return change.xreplace({P_x: p_x, P_z: p_z})
+    change_x, change_z = change.expand().subs(tau, 0)
+    velocity_change(P_x, "dc_x")
+    velocity_change(P_z, "dc_z")
+    spin_change(P_x, P_z, lever, inertia)
+    along, up, turned = sp.symbols(r"dc_x dc_z d\omega")
+    x, z = lever
+    return {along + z * turned: change_x, up - x * turned: change_z}
 
 
 @derived("du", "dv")
 def contact_change(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Change of the contact velocity under an impulse, for a lever $(-X, -Z)$ and $I = m k^2$."""
-    du, dv = impulsive_change(p_x, p_z, TO_CONTACT, m * k**2)
-    return sp.expand(du), sp.expand(dv)
+    parts = impulsive_change(TO_CONTACT, m * k**2).values()
+    return tuple(part.xreplace({P_x: p_x, P_z: p_z}).expand() for part in parts)
 
 
 def _of_forces(change: sp.Matrix) -> sp.Matrix:
@@ -139,11 +130,12 @@ def approach() -> Mapping[sp.Symbol, sp.Expr]:
 
 @derived(r"m \dot v_x", r"m \dot v_z")
 def tip_acceleration() -> sp.Matrix:
-    """Change of the contact velocity per time, times the mass: forces in the place of impulses."""
-    return _of_forces(impulsive_change(P_x, P_z, TO_TIP, moment)).expand()
+    r"""Per time and times the mass, forces in the place of impulses, $I$ by $\alpha$."""
+    change = sp.Matrix(list(impulsive_change(TO_TIP, moment).values()))
+    return _of_forces(change.subs(moment, moment * _ALPHA / alpha)).expand()
 
 
-_ALPHA = m * length**2 / (4 * moment)  # of (4)
+_ALPHA = m * length**2 / (4 * moment)
 
 EQUATIONS = (
     Equation(
@@ -162,7 +154,7 @@ EQUATIONS = (
         "4",
         "acceleration of the contact point, vector form",
         r"m \frac{d\mathbf{v}}{dt}",
-        derive=lambda: tip_acceleration().subs(moment, moment * _ALPHA / alpha),
+        derive=tip_acceleration,
         note=rf"with $\alpha = {latex(_ALPHA)}$",
     ),
     Equation(

@@ -23,13 +23,13 @@ from .typeset import latex
 
 @derived("c_x/V_z")
 def drift_over_tangent(case: str) -> sp.Expr:
-    """c_x/V_z of a thin rod as a function of T = tan(phi)."""
+    r"""Drift of a thin rod as a function of $\tan\phi$."""
     return sp.factor(over_tangent(stationary(case)[0] / V_z))
 
 
 @derived(r"\tan\phi", "c_x/V_z")
 def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
-    """Tangent of the tilt of the largest drift in one regime, and that drift over V_z."""
+    """Tangent of the tilt of the largest drift in one regime, and that drift over $V_z$."""
     drift = drift_over_tangent(case)
     roots = solve(sp.numer(sp.together(drift.diff(T))), T)
     at = {mu: sp.Rational(3, 10), epsilon: sp.Rational(1, 2)}
@@ -44,14 +44,14 @@ def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
     r"-\partial c'_z/\partial c_z",
 )
 def jacobian(case: str) -> sp.Matrix:
-    """Derivatives of (c_x', -c_z') by (c_x, c_z): one landing of the closure's map."""
+    """Derivatives of $(c_x', -c_z')$ by $(c_x, c_z)$: one landing of the closure's map."""
     after_x, after_z = landing(case)
     return sp.Matrix([after_x, -after_z]).jacobian([c_x, c_z]).applyfunc(sp.factor)
 
 
 @derived("[1 - tr + det]_{%(case)s}", "[1 + tr + det]_{%(case)s}", "[1 - det]_{%(case)s}")
 def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """1 - tr + det, 1 + tr + det and 1 - det of the landing map: stable where all are positive."""
+    """By trace and determinant of these: the landing is stable where all are positive."""
     a, b, c, d = jacobian(case)
     trace, determinant = a + d, a * d - b * c
     margins = 1 - trace + determinant, 1 + trace + determinant, 1 - determinant
@@ -60,14 +60,14 @@ def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 
 @derived("u_{*, %(case)s}")
 def slip_left(case: str) -> sp.Expr:
-    """u_* of the stationary landing: the slip stops where it is negative, as the regime assumes."""
+    """Of the stationary landing: the slip stops where it is negative, as the regime assumes."""
     at = {u_0: stationary(case)[0], v_0: landing_velocity(case)}
     return sp.factor(slide_excess().subs(at))
 
 
 @derived(r"\mu_P")
 def painleve_friction() -> sp.Expr:
-    """Friction at which slip towards -x presses the contact into the plate, XZ > 0."""
+    """Friction at which slip towards $-x$ presses the contact into the plate, $XZ > 0$."""
     (friction,) = solve(slopes()["back"], mu)
     return friction
 

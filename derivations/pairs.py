@@ -29,21 +29,21 @@ FIRST, SECOND = (
 
 @derived(r"\Delta u", r"\Delta v")
 def response() -> sp.Matrix:
-    """Change (du, dv) of the relative contact velocity under the impulse P."""
+    """Change of the relative contact velocity under the impulse."""
     first = sp.Matrix(contact_change(P_x, P_z)).subs(FIRST)
     return (first - sp.Matrix(contact_change(-P_x, -P_z)).subs(SECOND)).expand()
 
 
 @derived()
 def mobility() -> dict[sp.Symbol, sp.Expr]:
-    """A, B, C of two bodies, read off du = C P_x - B P_z, dv = A P_z - B P_x."""
+    r"""Read off $\Delta u = C P_x - B P_z$ and $\Delta v = A P_z - B P_x$."""
     du, dv = response()
     return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
 
 
 @derived("A C - B^2")
 def determinant() -> sp.Expr:
-    """A C - B^2 of two bodies."""
+    """Determinant of the response of two bodies."""
     return sp.expand((A * C - B**2).subs(mobility()))
 
 

@@ -58,14 +58,14 @@ def _ratio_told() -> str:
 
 @derived(r"\mu n")
 def landings_to_relax() -> sp.Expr:
-    """mu times the number of landings that leave 1/e of a deviation, as mu goes to 0."""
+    r"""$\mu$ times the number of landings that leave 1/e of a deviation, as $\mu \to 0$."""
     rate = -sp.log(landing("back")[0].diff(c_x)).diff(mu).subs(mu, 0)
     return sp.factor(1 / rate)
 
 
 @derived("1 - e")
 def restitution_lost() -> sp.Expr:
-    """1 - e of Appendix A's normal force at small damping, with the reduced mass as M_e.
+    """Appendix A's normal force at small damping, with the reduced mass as $M_e$.
 
     The damping force's work along the undamped path, over twice the energy.
     """

@@ -154,6 +154,18 @@ EQUATIONS = (
         derive=_reversal,
     ),
     Equation(
+        "23: both roots",
+        r"$\tan\phi$ at the lower and the upper critical tilt",
+        r"(\tan\phi_{lower}, \tan\phi_{upper})",
+        derive=critical_tangents,
+        # sum and product of the roots of mu (4 + T^2) = 3 T
+        check=lambda form: (form[0] * form[1] - 4, mu * (form[0] + form[1]) - 3),
+        note=lambda: (
+            f"the product of the two tangents is {sp.simplify(sp.prod(critical_tangents()))}, "
+            "whatever the friction"
+        ),
+    ),
+    Equation(
         "23",
         "critical tilt between slip-stick and slip reversal",
         r"\phi_c",
@@ -165,6 +177,15 @@ EQUATIONS = (
         r"$\phi_c$ to $O(\mu^3)$",
         r"\phi_c",
         derive=lambda: small_friction(3),
+    ),
+    Equation(
+        "IV: slide boundary",
+        "$u_* = 0$ solved for the friction, any geometry, $r = -v_0/u_0$",
+        r"\mu_{slide}",
+        derive=slide_friction,
+        shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
+        / ((1 + epsilon) * ratio * (k**2 + Z**2) - X * Z),
+        check=_slide_boundary_checks,
     ),
     Equation(
         "IV: mu_c",
@@ -241,29 +262,5 @@ EQUATIONS = (
         note=lambda: (
             rf"{degrees(largest_reversal_tilt().subs(PAPER), 2)} at $\mu = {number(PAPER[mu])}$"
         ),
-    ),
-)
-
-BEYOND = (
-    Equation(
-        "23: both roots",
-        r"$\tan\phi$ at the lower and the upper critical tilt",
-        r"(\tan\phi_{lower}, \tan\phi_{upper})",
-        derive=critical_tangents,
-        # sum and product of the roots of mu (4 + T^2) = 3 T
-        check=lambda form: (form[0] * form[1] - 4, mu * (form[0] + form[1]) - 3),
-        note=lambda: (
-            f"the product of the two tangents is {sp.simplify(sp.prod(critical_tangents()))}, "
-            "whatever the friction"
-        ),
-    ),
-    Equation(
-        "IV: slide boundary",
-        "$u_* = 0$ solved for the friction, any geometry, $r = -v_0/u_0$",
-        r"\mu_{slide}",
-        derive=slide_friction,
-        shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
-        / ((1 + epsilon) * ratio * (k**2 + Z**2) - X * Z),
-        check=_slide_boundary_checks,
     ),
 )

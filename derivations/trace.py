@@ -45,7 +45,7 @@ class Step:
         """What a derived value consists of, each with its left side."""
         if isinstance(self.value, dict):
             named = {
-                x: sp.latex(x) if isinstance(x, sp.Basic) else LEFTS[self.name][0] % x
+                x: latex(x) if isinstance(x, sp.Basic) else LEFTS[self.name][0] % x
                 for x in self.value
             }
             return [(named[x], value) for x, value in self.value.items()]
