@@ -4,7 +4,7 @@ import sympy as sp
 
 from .proof import Equation, Repair
 from .symbols import X, Z, diameter, h_0, k, length, m, phi
-from .trace import derived, solve
+from .trace import derived
 
 Profile = tuple[tuple[sp.Expr, sp.Expr, sp.Expr], ...]  # (radius, from, to) along the axis
 
@@ -24,7 +24,7 @@ def mass_and_inertia(profile: Profile, density: sp.Expr) -> tuple[sp.Expr, sp.Ex
 
 @derived("m", "I")
 def spherocylinder() -> tuple[sp.Expr, sp.Expr]:
-    """Mass and inertia in units of the virtual sphere: diameter 1, mass 1; length h_0 + 1."""
+    """Mass and inertia in units of the virtual sphere: diameter 1, mass 1; length $h_0 + 1$."""
     half, density = h_0 / 2, 6 / sp.pi
     cap = sp.sqrt(sp.Rational(1, 4) - (_z - half) ** 2)
     mirrored = cap.subs(_z, -_z)
@@ -40,7 +40,7 @@ def spherocylinder() -> tuple[sp.Expr, sp.Expr]:
 
 @derived("k^2_{round}")
 def spherocylinder_gyration() -> sp.Expr:
-    """k^2 of a solid spherocylinder of overall length l and diameter d."""
+    """$k^2$ of a solid spherocylinder of overall length $l$ and diameter $d$."""
     mass, inertia = spherocylinder()
     ratio = sp.cancel(inertia / mass).subs(h_0, (length - diameter) / diameter)
     return sp.factor(diameter**2 * ratio)
@@ -48,7 +48,7 @@ def spherocylinder_gyration() -> sp.Expr:
 
 @derived("k^2_{flat}")
 def cylinder_gyration() -> sp.Expr:
-    """k^2 of a solid flat-ended cylinder of length l and diameter d."""
+    """$k^2$ of a solid flat-ended cylinder of length $l$ and diameter $d$."""
     mass, inertia = mass_and_inertia(
         ((diameter / 2, -length / 2, length / 2),), sp.Symbol("rho", positive=True)
     )
@@ -57,7 +57,7 @@ def cylinder_gyration() -> sp.Expr:
 
 @derived("k^2")
 def thin_gyration() -> sp.Expr:
-    """k^2 of a thin rod: the cylinder's with d = 0."""
+    """$k^2$ of a thin rod: the cylinder's with $d = 0$."""
     return cylinder_gyration().subs(diameter, 0)
 
 
@@ -78,13 +78,13 @@ def thin_contact() -> tuple[sp.Expr, sp.Expr]:
 
 @derived("X_{round}", "Z_{round}")
 def round_contact() -> tuple[sp.Expr, sp.Expr]:
-    """(X, Z) of a spherocylinder: straight below the centre of its lower cap."""
+    """$(X, Z)$ of a spherocylinder: straight below the centre of its lower cap."""
     return _stand(-(length - diameter) / 2 * _axis + diameter / 2 * _down)
 
 
 @derived("X_{flat}", "Z_{flat}")
 def flat_contact() -> tuple[sp.Expr, sp.Expr]:
-    """(X, Z) of a flat-ended rod on the lower edge of its end, for positive tilt."""
+    """$(X, Z)$ of a flat-ended rod on the lower edge of its end, for positive tilt."""
     return _stand(-length / 2 * _axis + diameter / 2 * _across)
 
 
@@ -123,7 +123,6 @@ def _by_parts(mass: sp.Expr = 1 + 3 * h_0 / 2) -> tuple[sp.Expr, sp.Expr]:
     )
 
 
-_cubic = 20 * length**3 - 20 * length**2 * diameter + 25 * length * diameter**2 - 9 * diameter**3
 EQUATIONS = (
     Equation(
         "IV: thin rod",
@@ -159,7 +158,6 @@ BEYOND = (
         "$k^2$ of a solid spherocylinder and of a solid cylinder",
         "(k^2_{round}, k^2_{flat})",
         derive=lambda: (spherocylinder_gyration(), cylinder_gyration()),
-        shown=(_cubic / (80 * (3 * length - diameter)), length**2 / 12 + diameter**2 / 16),
         check=_gyration_checks,
     ),
     Equation(
@@ -167,26 +165,12 @@ BEYOND = (
         "$(X, Z)$ of a spherocylinder and of a flat-ended rod on its edge",
         "(X_{round}, Z_{round}, X_{flat}, Z_{flat})",
         derive=lambda: (*round_contact(), *flat_contact()),
-        shown=(
-            (length - diameter) * sp.sin(phi) / 2,
-            ((length - diameter) * sp.cos(phi) + diameter) / 2,
-            (length * sp.sin(phi) - diameter * sp.cos(phi)) / 2,
-            (length * sp.cos(phi) + diameter * sp.sin(phi)) / 2,
-        ),
         check=_contact_checks,
     ),
 )
 
 THIN = {X: thin_contact()[0], Z: thin_contact()[1], k: sp.sqrt(thin_gyration())}
 T = sp.Symbol(r"{\tan\phi}", positive=True)
-
-
-@derived(r"\phi_{flat}")
-def flat_tilt() -> sp.Expr:
-    """Tilt at which a flat-ended rod stands on its edge with X = 0, by T = tan(phi)."""
-    over_cosine = sp.cancel(flat_contact()[0].subs(sp.sin(phi), T * sp.cos(phi)) / sp.cos(phi))
-    (tangent,) = solve(over_cosine, T)
-    return sp.atan(tangent)
 
 
 def over_tangent(form: sp.Expr) -> sp.Expr:

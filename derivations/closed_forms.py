@@ -1,5 +1,6 @@
 """Generated functions, in functions.toml's words: derived outputs and rewriting rules."""
 
+from collections.abc import Callable
 from functools import partial
 
 import sympy as sp
@@ -36,8 +37,6 @@ from .symbols import (
     m,
     mu,
     phi,
-    u_0,
-    u_f,
     v_0,
     v_f,
 )
@@ -72,8 +71,21 @@ def _thin(expr: sp.Expr) -> sp.Expr:
     return sp.simplify(expr.subs({X: _x * k, Z: _z * k}))
 
 
-def _of_tilt(expr: sp.Expr) -> sp.Expr:
-    return expr.subs({sp.sin(phi): _sin, sp.cos(phi): _cos})
+def _rod(
+    contact: tuple[sp.Expr, sp.Expr], simpler: Callable[[sp.Expr], sp.Expr], square: sp.Expr
+) -> dict[str, sp.Expr]:
+    """Place of the centre by sine and cosine, and the squared gyration radius over l^2."""
+    X, Z = (form.subs({sp.sin(phi): _sin, sp.cos(phi): _cos}) for form in contact)
+    return {"X": X, "Z": Z, "gyration": simpler(square.subs(diameter, _s * length) / length**2)}
+
+
+def _of_law(law: str, order: str, output: str, power: int) -> Function:
+    """What a law of restitution gives after a stop."""
+    return Function.read(
+        f"{law}_{order}",
+        lambda: {output: laws.final_velocity(law, order) ** power},
+        meaning=GENERAL,
+    )
 
 
 def _grip_of(case: str) -> sp.Expr:
@@ -155,25 +167,12 @@ FUNCTIONS: tuple[Function, ...] = (
         lambda: {"w": laws.a_2 * stop()[1].subs(_one), "r": laws.a_2 / laws.slopes()["slip"]},
         meaning={**RESPONSES, _N_after: k**2 * laws.a_2, _j_1: stop()[1].subs(_one) / k**2},
     ),
-    Function.read(
-        "poisson_early", lambda: {"v_f": laws.final_velocity("poisson", "early")}, meaning=GENERAL
+    *(
+        _of_law(law, order, output, power)
+        for law, output, power in (("poisson", "v_f", 1), ("stronge", "square", 2))
+        for order in ("early", "late")
     ),
-    Function.read(
-        "poisson_late", lambda: {"v_f": laws.final_velocity("poisson", "late")}, meaning=GENERAL
-    ),
-    Function.read(
-        "stronge_early",
-        lambda: {"square": laws.final_velocity("stronge", "early") ** 2},
-        meaning=GENERAL,
-    ),
-    Function.read(
-        "stronge_late",
-        lambda: {"square": laws.final_velocity("stronge", "late") ** 2},
-        meaning=GENERAL,
-    ),
-    Function.read(
-        "energy_change", lambda: {"energy": P_x * (u_0 + u_f) / 2 + P_z * (v_0 + v_f) / 2}
-    ),
+    Function.read("energy_change", lambda: {"energy": laws.energy_of_impulse()}),
     # ---- rods, regime boundaries, drift ----
     _read("critical_friction", lambda: {"mu": thin_rod.critical_friction()}),
     _read("painleve_friction", lambda: {"mu": optimum.painleve_friction()}),
@@ -222,24 +221,9 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     _read(
         "round_rod",
-        lambda: {
-            "X": _of_tilt(bodies.round_contact()[0]),
-            "Z": _of_tilt(bodies.round_contact()[1]),
-            "gyration": sp.factor(
-                bodies.spherocylinder_gyration().subs(diameter, _s * length) / length**2
-            ),
-        },
+        lambda: _rod(bodies.round_contact(), sp.factor, bodies.spherocylinder_gyration()),
     ),
-    _read(
-        "flat_rod",
-        lambda: {
-            "X": _of_tilt(bodies.flat_contact()[0]),
-            "Z": _of_tilt(bodies.flat_contact()[1]),
-            "gyration": sp.expand(
-                bodies.cylinder_gyration().subs(diameter, _s * length) / length**2
-            ),
-        },
-    ),
+    _read("flat_rod", lambda: _rod(bodies.flat_contact(), sp.expand, bodies.cylinder_gyration())),
     # ---- two bodies that meet ----
     Function.read(
         "pair_mobility",

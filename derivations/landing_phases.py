@@ -32,20 +32,23 @@ def swept(start: sp.Expr, end: sp.Expr, power: int = 0) -> sp.Expr:
 
 @derived(r"s(\theta_s)")
 def shadow() -> sp.Expr:
-    """What is zero at the end of the shadow: the strip swept from theta_s to theta_0 is whole."""
+    r"""Zero at the end of the shadow: the strip swept from $\theta_s$ to $\theta_0$ is whole."""
     return swept(theta_s, theta_0) - 2 * sp.pi * q
 
 
 @derived("V_z/V_0")
 def mean_speed(slow: bool) -> sp.Expr:
-    """Mean of cos(theta) over the rods of a period, V_z/V_0; `slow` where q < 1."""
+    r"""Mean of $\cos\theta$ over the rods of a period.
+
+    `slow` where q < 1.
+    """
     start, end = (theta_s, theta_0) if slow else (-sp.pi, sp.pi)
     return sp.simplify(swept(start, end, 1) / (2 * sp.pi * q))
 
 
 @derived(r"H(\theta)")
 def density() -> sp.Expr:
-    """H(theta) at the phases that are met: one landing a rod."""
+    r"""$H(\theta)$ at the phases that are met: one landing a rod."""
     return sp.factor((q + sp.cos(theta)) / (2 * sp.pi * q))
 
 
@@ -60,7 +63,7 @@ def consistent_alpha() -> tuple[sp.Expr, sp.Expr]:
 
 @derived(r"\sin^2\phi")
 def tilt_of_one_half() -> sp.Expr:
-    """sin^2 of the tilt at which a thin rod lands with V_z = V_0/2 by the closure."""
+    """Of the tilt at which a thin rod lands with $V_z = V_0/2$ by the closure."""
     square = sp.Symbol(r"{\sin^2\phi}", positive=True)
     up = (stationary("stick")[1] / V_z).subs(THIN)
     up = sp.simplify(up).subs(sp.cos(phi) ** 2, 1 - square).subs(sp.sin(phi) ** 2, square)
@@ -183,7 +186,6 @@ EQUATIONS = (
         ),
         r"H(\theta)",
         derive=density,
-        shown=(1 + sp.cos(theta) / q) / (2 * sp.pi),
         check=_density_checks,
         note=lambda: (
             "the paper's $H$ is that of rods which fall as fast as the plate moves, $q = "
@@ -202,7 +204,6 @@ EQUATIONS = (
         "zero where the shadow ends, $q < 1$",
         r"s(\theta_s)",
         derive=shadow,
-        shown=sp.sin(theta_0) - sp.sin(theta_s) - q * (2 * sp.pi + theta_s - theta_0),
         check=_shadow_of_a_rod,
     ),
     Equation(
@@ -210,13 +211,6 @@ EQUATIONS = (
         "$V_z/V_0$ of first contacts, $q < 1$",
         "V_z/V_0",
         derive=lambda: mean_speed(True),
-        shown=(
-            2 * (theta_0 - theta_s)
-            + sp.sin(2 * theta_0)
-            - sp.sin(2 * theta_s)
-            + 4 * q * (sp.sin(theta_0) - sp.sin(theta_s))
-        )
-        / (8 * sp.pi * q),
         check=_rods_counted,
     ),
     Equation(

@@ -10,7 +10,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from importlib import resources
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -117,43 +117,37 @@ def formula(form: sp.Expr) -> str:
     return f"${latex(form)}$"
 
 
-def compared(one: sp.Expr, other: sp.Expr, words: tuple[str, str] = ("above", "below")) -> str:
-    """The first word where one value is larger than the other, the second where it is smaller."""
-    difference = sp.N(one - other, 30)
-    if not difference.is_comparable or difference == 0:
-        raise ValueError(f"{one} and {other} cannot be told apart")
-    return words[0] if difference > 0 else words[1]
+def so(words: str, truth: Any) -> str:
+    """Words that are computed to be true; ValueError where they are not."""
+    if not truth:
+        raise ValueError(f"it is not so: {words}")
+    return words
 
 
-def negative(form: sp.Expr, letter: sp.Symbol, edge: sp.Expr) -> str:
-    """`above` or `below`: on which side of its zero a form of a letter is negative."""
-    (there,) = (edge * x for x in (0.9, 1.1) if form.subs(letter, edge * x) < 0)
-    return compared(there, edge)
+def falls(form: sp.Expr, letter: sp.Symbol, zero: sp.Expr) -> bool:
+    """Whether a form of a letter is positive below its zero and negative above it."""
+    below, above = (form.subs(letter, zero * x) for x in (0.9, 1.1))
+    return below > 0 > above
 
 
-def extreme(form: sp.Expr, letter: sp.Symbol, there: sp.Expr, at: Mapping) -> str:
-    """`largest` or `least`: what a form of a letter is there, beside both its neighbours."""
-    value = form.subs(letter, there).subs(at)
-    beside = [form.subs(letter, there * x).subs(at) - value for x in (0.9, 1.1)]
-    (word,) = {compared(x, sp.S.Zero, ("least", "largest")) for x in beside}
-    return word
+def largest(form: sp.Expr, letter: sp.Symbol, there: sp.Expr, at: Mapping = {}) -> bool:
+    """Whether a form of a letter is larger there than on either side."""
+    here, *beside = (form.subs(letter, there * x).subs(at).evalf() for x in (1, 0.9, 1.1))
+    return here > max(beside)
 
 
-def sign(form: sp.Expr | sp.MatrixBase, put: Mapping = {}) -> str:
-    """`negative` or `positive`: what a form is for any positive lengths, speeds, friction.
+def negative(form: sp.Expr | sp.MatrixBase, put: Mapping = {}) -> bool:
+    """Whether a form is negative for any positive lengths, speeds and friction, 0 < epsilon < 1.
 
-    0 < epsilon < 1; `put` says what letters stand for first. ValueError where it has no one sign.
+    `put` says what letters stand for first.
     """
     inelastic = sp.Symbol("loss", positive=True)  # (1 - epsilon)/epsilon
     letters = {x: sp.Symbol(str(x), positive=True) for x in (X, Z, k, mu, V_z)}
     letters |= {sp.sin(phi): sp.Symbol("sin", positive=True), epsilon: 1 / (1 + inelastic)}
     letters[sp.cos(phi)] = sp.Symbol("cos", positive=True)
-    found = set()
+    found = []
     for part in components(form):
         whole = sp.factor(sp.cancel(sp.together(part.subs(put).subs(letters))))
         sides = (sp.Mul.make_args(side) for side in sp.fraction(whole))
-        value = sp.Mul(*(sp.expand(factor) for factors in sides for factor in factors))
-        found.add("positive" if value.is_positive else "negative" if value.is_negative else "")
-    if len(found) != 1 or "" in found:
-        raise ValueError(f"{form} has no one sign")
-    return found.pop()
+        found.append(sp.Mul(*(sp.expand(factor) for factors in sides for factor in factors)))
+    return all(value.is_negative for value in found)

@@ -6,7 +6,6 @@ slip-stick, the one of slip reversal, or the critical tilt between them (the cor
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import sympy as sp
 
@@ -14,22 +13,23 @@ from . import second_routes
 from .bodies import T, over_tangent
 from .drift import CASES, landing, landing_velocity, stationary
 from .laws import slopes
-from .lecture import PAPER, compared, degrees, extreme, formula, number, sign
+from .lecture import PAPER, degrees, formula, largest, negative, number, so
 from .proof import Equation
 from .slide import slide_excess
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, u_0, v_0
 from .trace import derived, solve
+from .typeset import latex
 
 
 @derived("c_x/V_z")
 def drift_over_tangent(case: str) -> sp.Expr:
-    """c_x/V_z of a thin rod as a function of T = tan(phi)."""
+    r"""Drift of a thin rod as a function of $\tan\phi$."""
     return sp.factor(over_tangent(stationary(case)[0] / V_z))
 
 
 @derived(r"\tan\phi", "c_x/V_z")
 def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
-    """Tangent of the tilt of the largest drift in one regime, and that drift over V_z."""
+    """Tangent of the tilt of the largest drift in one regime, and that drift over $V_z$."""
     drift = drift_over_tangent(case)
     roots = solve(sp.numer(sp.together(drift.diff(T))), T)
     at = {mu: sp.Rational(3, 10), epsilon: sp.Rational(1, 2)}
@@ -44,14 +44,14 @@ def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
     r"-\partial c'_z/\partial c_z",
 )
 def jacobian(case: str) -> sp.Matrix:
-    """Derivatives of (c_x', -c_z') by (c_x, c_z): one landing of the closure's map."""
+    """Derivatives of $(c_x', -c_z')$ by $(c_x, c_z)$: one landing of the closure's map."""
     after_x, after_z = landing(case)
     return sp.Matrix([after_x, -after_z]).jacobian([c_x, c_z]).applyfunc(sp.factor)
 
 
 @derived("[1 - tr + det]_{%(case)s}", "[1 + tr + det]_{%(case)s}", "[1 - det]_{%(case)s}")
 def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """1 - tr + det, 1 + tr + det and 1 - det of the landing map: stable where all are positive."""
+    """By trace and determinant of these: the landing is stable where all are positive."""
     a, b, c, d = jacobian(case)
     trace, determinant = a + d, a * d - b * c
     margins = 1 - trace + determinant, 1 + trace + determinant, 1 - determinant
@@ -60,14 +60,14 @@ def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 
 @derived("u_{*, %(case)s}")
 def slip_left(case: str) -> sp.Expr:
-    """u_* of the stationary landing: the slip stops where it is negative, as the regime assumes."""
+    """Of the stationary landing: the slip stops where it is negative, as the regime assumes."""
     at = {u_0: stationary(case)[0], v_0: landing_velocity(case)}
     return sp.factor(slide_excess().subs(at))
 
 
 @derived(r"\mu_P")
 def painleve_friction() -> sp.Expr:
-    """Friction at which slip towards -x presses the contact into the plate, XZ > 0."""
+    """Friction at which slip towards $-x$ presses the contact into the plate, $XZ > 0$."""
     (friction,) = solve(slopes()["back"], mu)
     return friction
 
@@ -143,62 +143,52 @@ def _least_pressed_in(form: sp.Matrix) -> list[sp.Expr]:
     return [part.subs({T: form[0], friction: form[1]}) for part in (curve, curve.diff(T))]
 
 
-_all = k**2 + X**2 + Z**2
-_reverse = k**2 + X**2 - mu * X * Z
-_stop = mu * (k**2 + Z**2) + X * Z
-_lossy = (1 - epsilon) * k**2 + 2 * X**2
 _a, _b = 1 - epsilon, 7 - epsilon
 _root = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
 
-_HERE = f"the paper's restitution, {number(PAPER[epsilon])}"
+
+def _best_told(case: str) -> str:
+    tangent, along = (part.subs(PAPER) for part in optimum(case))
+    place = ", ".join(rf"${latex(x)} = {number(value)}$" for x, value in PAPER.items())
+    return so(
+        f"{degrees(sp.atan(tangent))} and {number(along, 3)} for the paper's {place}",
+        largest(drift_over_tangent(case).subs(PAPER), T, tangent),
+    )
 
 
-def _extreme(case: str) -> str:
-    return extreme(drift_over_tangent(case), T, optimum(case)[0], PAPER)
-
-
-def _stick_told() -> str:
-    tangent, along = (part.subs(PAPER) for part in optimum("stick"))
-    return f"{degrees(sp.atan(tangent))} and {number(along, 3)} for {_HERE}"
-
-
-def _where_it_holds(of: Callable[[str], Any]) -> str:
-    """The sign that forms of both regimes have; reversal holds where XZ > mu (k^2 + Z^2)."""
+def _where_it_holds(words: str, forms: Callable[[str], sp.Matrix]) -> str:
+    """Words on forms that are negative in both regimes; a slip reverses for XZ > mu (k^2 + Z^2)."""
     reversing = {X: mu * (k**2 + Z**2) / Z + sp.Symbol("room", positive=True)}
-    put = {"stick": {}, "back": reversing}
-    (word,) = {sign(sp.Matrix([of(case)]), put[case]) for case in CASES}
-    return f"{word} wherever the regime holds"
+    truth = negative(forms("stick")) and negative(forms("back"), reversing)
+    return so(f"{words} wherever the regime holds", truth)
 
 
 def _pressed_told() -> str:
-    more = {mu: painleve_friction() * sp.Rational(11, 10)}
-    word = compared(slopes()["back"].subs(more).subs({X: 1, Z: 1, k: 1}), 0, (">", "<"))
-    return f"from there on $dv/dP_z {word} 0$"
+    more = {mu: painleve_friction() + sp.Symbol("more", positive=True)}
+    return so("from there on $dv/dP_z < 0$", negative(slopes()["back"], more))
 
 
 def _least_told() -> str:
-    tangent, friction = least_painleve_friction()
-    over = formula(_over_tilt())
-    return rf"${friction}$ at {degrees(sp.atan(tangent))}; over tilt $\mu_P$ is {over}"
+    (tangent, friction), over = least_painleve_friction(), _over_tilt()
+    return so(
+        rf"${friction}$ at {degrees(sp.atan(tangent))}; over tilt $\mu_P$ is {formula(over)}",
+        largest(-over, T, tangent),
+    )
 
 
 EQUATIONS = (
     Equation(
         "V: optimum, slip-stick",
-        lambda: (
-            rf"$\tan\phi$ of the {_extreme('stick')} drift (26) of a thin rod, and it over $V_z$"
-        ),
+        r"$\tan\phi$ of the largest drift (26) of a thin rod, and it over $V_z$",
         r"(\tan\phi, c_x/V_z)",
         derive=lambda: optimum("stick"),
         shown=(sp.sqrt(_a / _b), 3 * (1 + epsilon) / sp.sqrt(_a * _b)),
         check=lambda form: _is_largest("stick", form),
-        note=_stick_told,
+        note=lambda: _best_told("stick"),
     ),
     Equation(
         "V: optimum, slip reversal",
-        lambda: (
-            rf"$\tan\phi$ of the {_extreme('back')} drift (29) of a thin rod, and it over $V_z$"
-        ),
+        r"$\tan\phi$ of the largest drift (29) of a thin rod, and it over $V_z$",
         r"(\tan\phi, c_x/V_z)",
         derive=lambda: optimum("back"),
         shown=(
@@ -206,6 +196,7 @@ EQUATIONS = (
             (1 + epsilon) * (mu * (29 - 5 * epsilon) + 3 * _root) / (2 * _a * _b),
         ),
         check=lambda form: _is_largest("back", form),
+        note=lambda: _best_told("back"),
     ),
     Equation(
         "V: stability",
@@ -219,21 +210,10 @@ EQUATIONS = (
             "det]_{back}, [1 + tr + det]_{back}, [1 - det]_{back})"
         ),
         derive=lambda: tuple(part for case in CASES for part in stability_margins(case)),
-        shown=(
-            _lossy / _all,
-            (1 + epsilon) * (k**2 + 2 * Z**2) / _all,
-            (k**2 + X**2 + (1 - epsilon) * Z**2) / _all,
-            2 * mu * k**2 * _lossy / (_reverse * _stop),
-            2 * (1 + epsilon) * k**2 * Z * (X + mu * Z) / (_reverse * _stop),
-            (
-                2 * X * Z * (X**2 - mu**2 * (k**2 + Z**2))
-                + (1 - epsilon) * k**2 * Z * (X + mu * Z)
-                + (1 + epsilon) * mu * k**4
-            )
-            / (_reverse * _stop),
-        ),
         check=_margins,
-        note=lambda: f"all {_where_it_holds(stability_margins)}",
+        note=lambda: _where_it_holds(
+            "all positive", lambda case: -sp.Matrix(stability_margins(case))
+        ),
     ),
     Equation(
         "V: slip stops",
@@ -241,7 +221,7 @@ EQUATIONS = (
         "(u_{*, stick}, u_{*, back})",
         derive=lambda: tuple(slip_left(case) for case in CASES),
         check=_slide_from_the_landing,
-        note=lambda: _where_it_holds(slip_left),
+        note=lambda: _where_it_holds("negative", slip_left),
     ),
     Equation(
         "Painleve: friction",
@@ -256,11 +236,7 @@ EQUATIONS = (
     ),
     Equation(
         "Painleve: thin rod",
-        lambda: (
-            r"$\tan\phi$ at which that friction is "
-            f"{extreme(_over_tilt(), T, least_painleve_friction()[0], {})} for a thin rod, and "
-            "that friction"
-        ),
+        r"$\tan\phi$ at which that friction is least for a thin rod, and that friction",
         r"(\tan\phi, \mu_P)",
         derive=least_painleve_friction,
         check=_least_pressed_in,

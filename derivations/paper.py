@@ -1,10 +1,7 @@
 """The paper's formulas and sentences (paper.toml), and LaTeX read as SymPy expressions.
 
-SymPy's parser reads each piece of a formula, in its lark grammar: the inside of a bracket, of a
-fraction, the whole. The grammar needs every product and every argument of a function marked, takes
-some letters for constants and knows no vectors; so letters and pieces that were read are numbered,
-products get their dot, and the products of a vector formula, (1) to (4), are worked out before.
-A slash divides by the number behind it, or 2 pi, or 2 sqrt(3): 3/2 h_0 is three halves of h_0.
+A slash divides by the number or letter behind it, or by 2 pi, or 2 sqrt(3): 3/2 h_0 is three halves
+of h_0. The products of a vector formula, (1) to (4), are those of columns of components.
 """
 
 import hashlib
@@ -16,22 +13,13 @@ from importlib import resources
 from typing import Any, NamedTuple
 
 import sympy as sp
-from sympy.parsing.latex.lark import LarkLaTeXParser
+from sympy.core.parameters import distribute
 
 from . import symbols as s
 
 SOURCE = resources.files(__package__).joinpath("paper.toml").read_bytes()
 DIGEST = "0de1b372748cb071"  # of paper.toml, when it was compared with our copy of the paper
 _GREEK = ("alpha", "epsilon", "mu", "omega", "phi", "theta")
-_WORD = r"\\(?:frac|sqrt|sin|cos|tan|arccos|arctan|int|times|cdot)(?![A-Za-z])"
-_LETTER = "[\ue000-\uf8ff]"
-_APPLIED = re.compile(
-    rf"\\(?:sin|cos|tan|arccos|arctan)(?:\^\d|\^\{{.\}})?(?:{_LETTER}|\{{{_LETTER}\}})"
-)
-_PIECE = r"(?:[^(){}]|\{.\})"
-_INNER = re.compile(rf"\\frac\{{.\}}\{{.\}}|\(({_PIECE}+)\)|\{{({_PIECE}{{2,}})\}}")
-_PRODUCT = re.compile(rf"(?:(?<={_LETTER}|\}})|(?<=\^\d))(?={_LETTER}|\\)")
-_VECTOR = r"d?\\(?:mathbf|boldsymbol)\{\\?\w+\}"
 
 
 class Formula(NamedTuple):
@@ -100,91 +88,84 @@ def value_of(left: str, letters: Mapping[str, Any]) -> sp.Expr:
     return read(left[1:-1] if left.startswith("[") else left, known)
 
 
-@cache
-def _parser() -> LarkLaTeXParser:
-    return LarkLaTeXParser()
+class _Reader:
+    """The parts of a formula, read one after the other."""
 
+    def __init__(self, tex: str, letters: Mapping[str, Any]):
+        names = map(re.escape, sorted(letters, key=len, reverse=True))
+        tex = re.sub(r"\\left|\\right|\\limits|\\,", "", tex)
+        tex = re.sub(r"/(\d+(?:\\sqrt\{\d+\}|\\pi))", r"/(\1)", tex)
+        parts = "|".join([r"d\\theta", *names, r"\\[a-z]+", r"[\d.]+", r"\S"])
+        self.rest = ["", *reversed(re.findall(parts, tex))]  # the next one last
+        self.letters = letters
 
-@cache
-def _shape(tex: str) -> sp.Expr:
-    """What the grammar makes of a piece, which must have one meaning."""
-    found = _parser().doparse(tex)
-    if not isinstance(found, sp.Basic):
-        raise ValueError(f"{tex} has no meaning, or several")
-    return found
+    def comes(self, part: str) -> bool:
+        """Take a part if it comes next."""
+        found = self.rest[-1] == part
+        if found:
+            self.rest.pop()
+        return found
 
+    def sum(self) -> Any:
+        """A sum; a column if its terms are columns."""
+        terms: list[Any] = []
+        while not terms or self.comes("+") or self.rest[-1] == "-":
+            sign = -1 if self.comes("-") else 1
+            terms.append(sign * self.product())
+        return sum(terms[1:], terms[0])
 
-def _term(tex: str) -> sp.Expr:
-    """A product whose letters are single characters, in symbols of these names."""
-    letters = list(dict.fromkeys(re.findall(_LETTER, tex)))
-    if not _APPLIED.fullmatch(tex):
-        tex = _PRODUCT.sub(r" \\cdot ", tex)
-    tex = re.sub(r"(\\int_(?:\w|\{.\})\^(?:\w|\{.\})) \\cdot", r"\1", tex)
-    for number, letter in enumerate(letters):
-        tex = tex.replace(letter, f"a_{{{number}}}")
-    names = {sp.Symbol(f"a_{{{n}}}"): sp.Symbol(letter) for n, letter in enumerate(letters)}
-    return _shape(tex).xreplace(names)
+    def product(self) -> Any:
+        """A product, of columns where its factors are columns."""
+        value = self.power()
+        while self.rest[-1] not in ("", "d\\theta", *"+-)]}<>"):
+            if self.comes("/"):
+                value /= self.power()
+            elif self.comes(r"\times"):
+                value = value.cross(self.power())
+            elif self.comes(r"\cdot") and isinstance(value, sp.MatrixBase):
+                value = value.dot(self.power())
+            else:
+                value *= self.power()
+        return value
 
+    def power(self) -> Any:
+        """A factor with its exponent."""
+        base = self.factor()
+        return base ** self.factor() if self.comes("^") else base
 
-def _sum(tex: str) -> sp.Expr:
-    """A piece without brackets, term by term; a condition as a whole."""
-    if "<" in tex or ">" in tex:
-        return _term(tex)
-    terms = [
-        _term(term) * (-1) ** sign.count("-") for sign, term in re.findall("([+-]?)([^+-]+)", tex)
-    ]
-    return sp.Add(*terms)
+    def factor(self) -> Any:
+        """A letter, a number, a bracket, a fraction, a root, a function or an integral."""
+        part = self.rest.pop()
+        if part in self.letters:
+            return self.letters[part]
+        if part in ("(", "[", "{"):
+            value = self.sum()
+            self.rest.pop()
+            return value
+        if part == r"\frac":
+            return self.factor() / self.factor()
+        if part == r"\int":
+            ends = [self.factor() for sign in "_^" if self.comes(sign)]
+            value = self.sum()
+            self.rest.pop()
+            return sp.Integral(value, (s.theta, *ends))
+        if part.startswith("\\"):
+            function = getattr(sp, part[1:].replace("arc", "a"))
+            exponent = self.factor() if self.comes("^") else 1
+            return function(self.factor()) ** exponent
+        return sp.Rational(part)
 
 
 def read(tex: str, letters: Mapping[str, Any]) -> Any:
     """Expression of a formula; a column of components where its letters stand for columns."""
-    known: dict[str, Any] = {}
-
-    def named(value: Any) -> str:
-        character = chr(0xE000 + len(known))
-        known[character] = value
-        return character
-
-    def product(found: re.Match) -> str:
-        one, other = letters[found[1]], letters[found[3]]
-        return named(one.cross(other) if found[2] == r"\times" else one.dot(other))
-
-    def inner(found: re.Match) -> str:
-        if not (found[1] or found[2]):
-            return named(_term(found[0]))
-        value = named(_sum(found[1] or found[2]))
-        return value if found[1] else f"{{{value}}}"
-
-    def resolved(expr: Any, component: int) -> Any:
-        while private := [x for x in expr.atoms(sp.Symbol) if x.name in known]:
-            values = {x: known[x.name] for x in private}
-            expr = expr.xreplace(
-                {x: v[component] if isinstance(v, sp.MatrixBase) else v for x, v in values.items()}
-            )
-        return expr
-
-    tex = re.sub(r"\\left|\\right|\\limits|\\,", "", tex)
-    tex = re.sub(r"/(\d+(?:\\sqrt\{\d+\}|\\pi))", r"/(\1)", tex)
-    tex = re.sub(rf"({_VECTOR}) *(\\times|\\cdot) *({_VECTOR})", product, tex)
-    names = "|".join(re.escape(name) for name in sorted(letters, key=len, reverse=True))
-    tex = re.sub(
-        rf"(d(?=\\theta))|({names})|({_WORD})",
-        lambda x: named(letters[x[2]]) if x[2] else x[0],
-        tex,
-    )
-    tex = re.sub(r"(?<![_^\d])(?<!sqrt\[)[\d.]+", lambda x: named(sp.Rational(x[0])), tex)
-    tex = re.sub(r"(?<!\\sqrt)\[(.*?)\]", r"(\1)", re.sub(r"\\cdot| ", "", tex))
-    while True:
-        tex = _APPLIED.sub(lambda x: named(_term(x[0])), tex)
-        tex = re.sub(rf"({_LETTER})/({_LETTER})", r"\\frac{\1}{\2}", tex)
-        found = _INNER.search(tex)
-        if not found:
-            break
-        tex = tex.replace(found[0], inner(found))
-    whole = _sum(tex)
-    if any(isinstance(value, sp.MatrixBase) for value in known.values()):
-        return sp.Matrix([resolved(whole, component) for component in range(3)])
-    return resolved(whole, 0)
+    reader = _Reader(tex, letters)
+    with distribute(False):
+        value = reader.sum()
+        for sign, relation in (("<", sp.Lt), (">", sp.Gt)):
+            value = relation(value, reader.sum()) if reader.comes(sign) else value
+    if not reader.comes(""):
+        raise ValueError(f"{tex} has no meaning from {reader.rest[-1]!r} on")
+    return value
 
 
 # The letters as the paper writes them, and what (7) and (B3) write for an impulse.
@@ -206,6 +187,10 @@ LETTERS: dict[str, Any] = {
     "c'_z": sp.Symbol("cprime_z", real=True),
     **{x: sp.Symbol(x, positive=True) for x in ("g", "D", "M_e", "v_n", "v_t", "k_n", "k_t")},
     **{rf"\gamma_{x}": sp.Symbol(f"gamma_{x}", positive=True) for x in "nt"},
+}
+COMPONENTS = {  # of vectors on left sides, by the steps that derive them
+    r"\mathbf{v}": ("u", "v"),
+    r"m \frac{d\mathbf{v}}{dt}": (r"m \dot v_x", r"m \dot v_z"),
 }
 _LETTERS_OF_VECTORS = {
     r"\mathbf{u}": sp.Matrix([sp.sin(s.phi), 0, sp.cos(s.phi)]),

@@ -190,36 +190,32 @@ class Equation:
             return f"the verdict {self.verdict!r} needs a printed form"
         if self.shown is not None and not equal(self.shown, self.derive()):
             return "the form shown as derived has another value"
-        own = [tag for tag in self.formulas if tag not in paper.TWO_SUMS]
-        if self.said is not None or self.tag in paper.SENTENCES:
-            own = []
-        lefts = [paper.EQUATIONS[tag].left for tag in own]
-        stepped = self._lefts_of_steps()
-        if any(lefts) and len(lefts) == len(stepped):
-            for left, step in zip(lefts, stepped, strict=True):
-                if not paper.bare(left).startswith(paper.bare(step)):  # u of a step is u_* in (7)
-                    return f"a step calls {step} what is {left}"
-        if not any(lefts):
-            lefts = stepped
-        if self.said is None and set(self.formulas) & set(paper.TWO_SUMS):
-            lefts = ["0"] * len(self.formulas)
-        given = paper.parts(self.left)
+        given = paper.parts(self.left) or [self.left]
+        named = zip(given, components(self.derive()), strict=False)
+        if misread := trace.misread(self.steps, named):
+            return misread
         if self.where is not None:
             letters = self.where()
-            read = [paper.value_of(x, letters) for x in given or [self.left]]
+            read = [paper.value_of(x, letters) for x in given]
             signs = any(x.has(sp.sign) for x in read)  # of what is no number
             if signs or not equal(sp.Matrix(read), self.derive()):
                 return f"the left side has the value {', '.join(map(str, read))}"
-        if len(lefts) != len(given):
-            given = [self.left] * len(lefts)
+        own = () if self.said is not None or self.tag in paper.SENTENCES else self.formulas
+        lefts = ["0" if tag in paper.TWO_SUMS else paper.EQUATIONS[tag].left for tag in own]
+        parts = [x for left in lefts for x in paper.COMPONENTS.get(left, (left,))]
+        stepped = self._lefts_of_steps()
+        if any(lefts) and len(parts) == len(stepped):
+            for left, step in zip(parts, stepped, strict=True):
+                if not paper.bare(left).startswith(paper.bare(step)):  # u of a step is u_* in (7)
+                    return f"a step calls {step} what is {left}"
+        lefts = lefts if any(lefts) else stepped
+        given = given if len(given) == len(lefts) else [self.left] * len(lefts)
         for left, mine in zip(lefts, given, strict=True):
             if left and paper.bare(left) != paper.bare(mine):
                 return f"the left side is {left}, not {mine}"
-        return (
-            ""
-            if (self.what + told(self)).count("$") % 2 == 0
-            else "a formula of the note does not end"
-        )
+        if (self.what + told(self)).count("$") % 2:
+            return "a formula of the note does not end"
+        return ""
 
     def _lefts_of_steps(self) -> list[str]:
         """Left sides that axioms and steps give to the derived values; "" where they give none."""

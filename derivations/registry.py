@@ -54,7 +54,7 @@ _SENTENCES = tuple(e for _, group in _PATH for e in group if e.tag in paper.SENT
 # section title, entries
 SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     *((title, tuple(e for e in group if e not in _SENTENCES)) for title, group in _PATH),
-    ("More of regimes and landings", (*thin_rod.BEYOND, *drift.BEYOND)),
+    ("More of landings", drift.BEYOND),
     ("Best tilt, stability, Painlevé's paradox", optimum.EQUATIONS),
     ("Landing phases by the flux of impacts", landing_phases.EQUATIONS),
     ("Other laws of restitution, and energy", laws.EQUATIONS),

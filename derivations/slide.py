@@ -52,7 +52,7 @@ def stop() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 
 @derived("c'_x", "c'_z")
 def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """Velocity of the centre of mass after this impulse, by (10) and (11)."""
+    """Velocity of the centre of mass after this impulse."""
     dc_x, dc_z = velocity_change(p_x, "dc_x"), velocity_change(p_z, "dc_z")
     after = tuple(map(by_speeds, (c_x + dc_x, c_z + dc_z)))
     if not any(c.has(u_0, v_0) for c in after):

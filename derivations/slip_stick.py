@@ -38,7 +38,7 @@ def stick_margin() -> sp.Expr:
     return sp.together(STICK({held: sticking_force() / F_z}))
 
 
-@derived("v - v_1")
+@derived("v_f - v_1")
 def sticking_velocity(p_z: sp.Expr) -> sp.Expr:
     """Change of the normal contact velocity while the contact sticks: (6) with the force (17)."""
     return contact_change(sticking_force().subs(F_z, p_z), p_z)[1]

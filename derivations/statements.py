@@ -4,12 +4,14 @@ Dimensions are monomials in mass, length and time; a constant's dimension is sol
 of the printed force law in which it stands.
 """
 
+from collections.abc import Callable, Mapping
+
 import mpmath
 import sympy as sp
 
 from . import paper, second_routes
 from .bodies import THIN
-from .drift import relaxation, stationary
+from .drift import landing, stationary
 from .equality import DIGITS
 from .lecture import PAPER, degrees, formula, number
 from .proof import Equation
@@ -56,14 +58,14 @@ def _ratio_told() -> str:
 
 @derived(r"\mu n")
 def landings_to_relax() -> sp.Expr:
-    """mu times the number of landings that leave 1/e of a deviation, as mu goes to 0."""
-    rate = -sp.log(relaxation("back")).diff(mu).subs(mu, 0)
+    r"""$\mu$ times the number of landings that leave 1/e of a deviation, as $\mu \to 0$."""
+    rate = -sp.log(landing("back")[0].diff(c_x)).diff(mu).subs(mu, 0)
     return sp.factor(1 / rate)
 
 
 @derived("1 - e")
 def restitution_lost() -> sp.Expr:
-    """1 - e of Appendix A's normal force at small damping, with the reduced mass as M_e.
+    """Appendix A's normal force at small damping, with the reduced mass as $M_e$.
 
     The damping force's work along the undamped path, over twice the energy.
     """
@@ -87,14 +89,20 @@ def _relaxed(form: sp.Expr) -> list[sp.Expr]:
 
 
 def _lost_by_quadrature(form: sp.Expr) -> list[sp.Expr]:
-    """The work integral by numbers where the deepest overlap is 1, and its powers by dimensions."""
+    """The work over the path in and out, by numbers, over twice the energy."""
     with mpmath.workdps(DIGITS + 30):
-        integral = mpmath.quad(lambda x: x * mpmath.sqrt(1 - x ** mpmath.mpf("2.5")), [0, 1])
-        number = sp.Float(str(2 * integral), DIGITS + 25)
-    unit = {stiffness: sp.Rational(5, 4), mass: 1, speed: 1, damping: 1}
-    powers = [sp.simplify(letter * form.diff(letter) / form) for letter in unit]
-    wanted = [-sp.Rational(4, 5), sp.Rational(4, 5), sp.Rational(3, 5), sp.S.One]
-    return [form.subs(unit) - number, *(a - b for a, b in zip(powers, wanted, strict=True))]
+        k, gamma, m, v = map(mpmath.mpf, range(2, 6))
+        deepest = (5 * m * v**2 / (4 * k)) ** mpmath.mpf("0.4")
+
+        def power(x: mpmath.mpf) -> mpmath.mpf:
+            left = v**2 - 4 * k * x ** mpmath.mpf("2.5") / (5 * m)
+            return gamma * m * x * mpmath.sqrt(max(left, 0))
+
+        lost = 2 * mpmath.quad(power, [0, deepest]) / (m * v**2)
+        number = sp.Float(str(lost), DIGITS + 25)
+    return [
+        form.subs(dict(zip((stiffness, damping, mass, speed), range(2, 6), strict=True))) - number
+    ]
 
 
 _APPENDIX_A = {  # in d, g and virtual spheres
@@ -158,7 +166,6 @@ EQUATIONS = (
 
 MASS, LENGTH, TIME = sp.symbols("mass length time", positive=True)
 FORCE, SPEED = MASS * LENGTH / TIME**2, LENGTH / TIME
-_NORMAL, _TANGENTIAL = "A: normal force", "A: tangential force"
 _DIMENSIONS = {
     paper.LETTERS[name]: of
     for of, names in (
@@ -173,43 +180,32 @@ _OVERLAP = paper.LETTERS[r"\delta"]
 _LENGTHS = {MASS: sp.Integer(1), LENGTH: sp.Integer(4), TIME: sp.Integer(1)}
 
 
+def _law(name: str) -> str:
+    """Tag of the force law of a constant."""
+    return "A: normal force" if name.endswith("n") else "A: tangential force"
+
+
 def _with(law: sp.Expr, name: str) -> sp.Expr:
     """Dimension of what stands beside a constant in a force law."""
     term = law.coeff(paper.LETTERS[name])
     return term.subs(_DIMENSIONS, simultaneous=True).as_coeff_Mul()[1]
 
 
-def _needed(name: str, tag: str, without: sp.Expr = sp.S.One) -> sp.Expr:
+def _needed(name: str, without: sp.Expr = sp.S.One) -> sp.Expr:
     """Dimension of a constant, so that its term, without a factor, is a force."""
     letter = paper.LETTERS[name]
-    term = letter * _with(paper.printed(tag), name) / without.subs(_DIMENSIONS)
+    term = letter * _with(paper.printed(_law(name)), name) / without.subs(_DIMENSIONS)
     sentence = f"Its term is a force; solved for ${sp.latex(letter)}$"
     (value,) = solve((term, FORCE), letter, sentence)
     return sp.simplify(value)
 
 
-def _left_out(factor: sp.Expr) -> str:
-    return f"a factor {formula(factor)} of the force is left out"
-
-
-def _of_d_g_m(constant: str, tag: str) -> str:
+def _of_d_g_m(constant: str) -> str:
     """The unit that a constant needs, in d, g and m."""
-    powers = _needed(constant, tag).as_powers_dict()
+    powers = _needed(constant).as_powers_dict()
     gravity = -powers[TIME] / 2
-    size = powers[LENGTH] - gravity
-    letters = [paper.LETTERS[name] for name in ("m", "g", "d")]
-    return formula(
-        sp.Mul(*(x**n for x, n in zip(letters, (powers[MASS], gravity, size), strict=True)))
-    )
-
-
-def _ratio(without: sp.Expr = sp.S.One) -> sp.Expr:
-    return sp.simplify(_needed("k_t", _TANGENTIAL, without) / _needed("k_n", _NORMAL))
-
-
-def _damping(without: sp.Expr = sp.S.One) -> tuple[sp.Expr, sp.Expr]:
-    laws = (("n", _NORMAL), ("t", _TANGENTIAL))
-    return tuple(_needed(rf"\gamma_{x}", tag, without) for x, tag in laws)
+    m, g, d = (paper.LETTERS[name] for name in "mgd")
+    return formula(m ** powers[MASS] * g**gravity * d ** (powers[LENGTH] - gravity))
 
 
 def _duration() -> sp.Expr:
@@ -224,53 +220,72 @@ def _unit(tag: str) -> sp.Expr:
     return paper.printed(tag).subs(_DIMENSIONS, simultaneous=True).as_coeff_Mul()[1]
 
 
+def _wrong_unit(
+    tag: str,
+    about: str,
+    left: str,
+    form: Callable[[Callable[[str], sp.Expr]], sp.Expr],
+    said: sp.Expr | Callable[[], sp.Expr],
+    constants: Mapping[str, sp.Expr],
+    note: Callable[[], str],
+) -> Equation:
+    """A printed dimension that a force law contradicts.
+
+    Parameters
+    ----------
+    form : gives what is judged, of a function that gives the dimension of a constant
+    constants : each with the factor of its force that the mistake leaves out
+    """
+    (factor, *_) = constants.values()
+
+    def by_printed_laws(*laws: sp.Expr) -> sp.Expr:
+        law_of = dict(zip(constants, laws, strict=True))
+        return form(lambda name: FORCE / _with(law_of[name], name))
+
+    return Equation(
+        tag,
+        about,
+        left,
+        where=lambda: {name: _needed(name) for name in constants},
+        verdict="erratum",
+        said=said,
+        derive=lambda: form(_needed),
+        mistaken=lambda: form(lambda name: _needed(name, constants[name])),
+        mistake=f"a factor {formula(factor)} of the force is left out",
+        contradicted_by=tuple(map(_law, constants)),
+        contradiction=by_printed_laws,
+        note=note,
+        at=_LENGTHS,
+    )
+
+
 DIMENSIONS = (
-    Equation(
+    _wrong_unit(
         "A: unit of k_n",
         "dimension of $k_n$",
         "[k_n]",
-        where=lambda: {"k_n": _needed("k_n", _NORMAL)},
-        verdict="erratum",
+        form=lambda needed: needed("k_n"),
         said=lambda: _unit("A: unit of k_n"),
-        derive=lambda: _needed("k_n", _NORMAL),
-        mistaken=lambda: _needed("k_n", _NORMAL, sp.sqrt(_OVERLAP)),
-        mistake=_left_out(sp.sqrt(_OVERLAP)),
-        contradicted_by=(_NORMAL,),
-        contradiction=lambda law: FORCE / _with(law, "k_n"),
-        note=lambda: _of_d_g_m("k_n", _NORMAL),
-        at=_LENGTHS,
+        constants={"k_n": sp.sqrt(_OVERLAP)},
+        note=lambda: _of_d_g_m("k_n"),
     ),
-    Equation(
+    _wrong_unit(
         "A: k_t = 95 k_n",
         "dimension of $k_t$ over that of $k_n$",
         "[k_t/k_n]",
-        where=lambda: {"k_t": _needed("k_t", _TANGENTIAL), "k_n": _needed("k_n", _NORMAL)},
-        verdict="erratum",
+        form=lambda needed: needed("k_t") / needed("k_n"),
         said=sp.S.One,
-        derive=_ratio,
-        mistaken=lambda: _ratio(sp.sqrt(_OVERLAP)),
-        mistake=_left_out(sp.sqrt(_OVERLAP)),
-        contradicted_by=(_TANGENTIAL, _NORMAL),
-        contradiction=lambda law, other: _with(other, "k_n") / _with(law, "k_t"),
-        note=lambda: f"$k_t$ needs {_of_d_g_m('k_t', _TANGENTIAL)}",
-        at=_LENGTHS,
+        constants={"k_t": sp.sqrt(_OVERLAP), "k_n": sp.S.One},
+        note=lambda: f"$k_t$ needs {_of_d_g_m('k_t')}",
     ),
-    Equation(
+    _wrong_unit(
         "A: unit of gamma",
         r"dimension of $\gamma_n$ and of $\gamma_t$",
         r"([\gamma_n], [\gamma_t])",
-        where=lambda: dict(zip((r"\gamma_n", r"\gamma_t"), _damping(), strict=True)),
-        verdict="erratum",
+        form=lambda needed: sp.Matrix([needed(r"\gamma_n"), needed(r"\gamma_t")]),
         said=lambda: sp.Matrix([_unit("A: unit of gamma")] * 2),
-        derive=_damping,
-        mistaken=lambda: sp.Matrix(_damping(_OVERLAP)),
-        mistake=_left_out(_OVERLAP),
-        contradicted_by=(_NORMAL, _TANGENTIAL),
-        contradiction=lambda *laws: sp.Matrix(
-            [FORCE / _with(law, rf"\gamma_{x}") for x, law in zip("nt", laws, strict=True)]
-        ),
-        note=lambda: _of_d_g_m(r"\gamma_n", _NORMAL),
-        at=_LENGTHS,
+        constants={r"\gamma_n": _OVERLAP, r"\gamma_t": _OVERLAP},
+        note=lambda: _of_d_g_m(r"\gamma_n"),
     ),
     Equation(
         "A: time step",

@@ -18,6 +18,7 @@ from .trace import Step
 from .typeset import latex, pieces, tidy
 
 LONGEST = 1600  # characters of LaTeX; a longer value is told in words alone
+SHORT = 14  # operations of an argument that a sentence may hold
 MOST = 220  # operations; a form with more is not tidied, which would take long
 _CASES = {"stick": "slip-stick", "back": "slip reversal", "slip": "slide"} | {
     law: law.title() for law in ("newton", "poisson", "stronge")
@@ -80,8 +81,10 @@ def _put_in(step: Step) -> str:
     for name, value in zip(names, step.given, strict=False):
         if isinstance(value, str):
             told.append(_CASES.get(value, value))
-        elif name.startswith("p_") and str(value).lower() != name and value.count_ops() < MOST // 8:
-            put_in.append(f"${name[0].upper()}{name[1:]} = {latex(tidy(value))}$")
+        elif (
+            name.startswith("p_") and str(value).lower() != name and value.count_ops() < MOST // 16
+        ):
+            put_in.append(f"${latex(tidy(value))}$ for ${name[0].upper()}{name[1:]}$")
     words = f" ({', '.join(told)})" if told else ""
     return words + (f", with {' and '.join(put_in)}" if put_in else "")
 

@@ -4,7 +4,7 @@ import sympy as sp
 
 from . import second_routes
 from .bodies import THIN, T, over_tangent
-from .lecture import PAPER, degrees, formula, negative, number
+from .lecture import PAPER, degrees, falls, formula, number, so
 from .newton import approach
 from .proof import Equation
 from .slide import slide_excess
@@ -25,8 +25,8 @@ def critical_friction() -> sp.Expr:
 @derived(r"\mu_{slide}")
 def slide_friction() -> sp.Expr:
     """The friction at which the slip just reaches the end, any geometry, with $r = -v_0/u_0$."""
-    excess = slide_excess().subs({u_0: 1, v_0: -ratio})
-    say("(14) over $u_0$", "u_*/u_0", excess)
+    excess = slide_excess().subs(v_0, -ratio * u_0)
+    say("(14) with this ratio", "u_*", excess)
     (value,) = solve(sp.numer(sp.together(excess)), mu, r"Its numerator, solved for $\mu$")
     return sp.factor(value)
 
@@ -57,30 +57,6 @@ def _reversal() -> sp.Expr:
     return sp.expand(sp.cancel(second * margin.subs(THIN)))
 
 
-@derived(r"\cos 2\phi_c", r"\cos 2\phi_{upper}")
-def critical_cosines() -> tuple[sp.Expr, sp.Expr]:
-    r"""The two roots; the larger one belongs to the lower tilt, $\phi_c$."""
-    double = sp.Symbol(r"{\cos 2\phi}")
-    sine_squared, cosine_squared = (1 - double) / 2, (1 + double) / 2
-    margin = sp.numer(sp.together(stick_margin().subs(THIN)))
-    say(
-        "The lengths of a thin rod put into (16), over common factors, vanish at its edge",
-        "0",
-        margin,
-    )
-    parts = sp.collect(sp.expand(margin), mu, evaluate=False)
-    slope = parts[mu].subs(sp.cos(phi) ** 2, cosine_squared)
-    factor = parts[sp.S.One] / (sp.sin(phi) * sp.cos(phi))
-    squared = mu**2 * slope**2, factor**2 * sine_squared * cosine_squared
-    roots = solve(
-        squared,
-        double,
-        r"The terms with and without $\mu$ on two sides, both squared, with $\cos^2\phi = (1 + "
-        r"\cos 2\phi)/2$; solved for $\cos 2\phi$",
-    )
-    return tuple(sorted(roots, key=lambda r: -r.subs(mu, sp.Rational(1, 2))))
-
-
 @derived(r"\tan\phi_{lower}", r"\tan\phi_{upper}")
 def critical_tangents() -> tuple[sp.Expr, sp.Expr]:
     """The edge of (16) is a quadratic in the tangent: its two roots, no squaring needed."""
@@ -91,8 +67,11 @@ def critical_tangents() -> tuple[sp.Expr, sp.Expr]:
 
 @derived(r"\phi_c")
 def critical_tilt() -> sp.Expr:
-    """Half of the angle."""
-    return sp.acos(critical_cosines()[0]) / 2
+    r"""Half of the angle of this cosine, $(1 - \tan^2\phi)/(1 + \tan^2\phi)$ at the lower root."""
+    lower, _ = critical_tangents()
+    cosine = sp.factor_terms(sp.radsimp(sp.cancel((1 - lower**2) / (1 + lower**2))))
+    say("The cosine of twice the tilt", r"\cos 2\phi", cosine)
+    return sp.acos(cosine) / 2
 
 
 @derived(r"\phi_c")
@@ -110,13 +89,6 @@ def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
     return mu_of.subs(T, best), best
 
 
-def _rationalised(expr: sp.Expr) -> sp.Expr:
-    """Replace sqrt(9 - 16 mu^2) by a fraction in w, with mu = 3 w/(2 (1 + w^2))."""
-    w = sp.Symbol("w", positive=True)
-    root = sp.sqrt(9 - 16 * mu**2)
-    return expr.subs(root, 3 * (1 - w**2) / (1 + w**2)).subs(mu, 3 * w / (2 * (1 + w**2)))
-
-
 @derived(r"\phi_{max}")
 def largest_reversal_tilt() -> sp.Expr:
     """The larger root is the largest tilt at which a thin rod slips back."""
@@ -126,15 +98,6 @@ def largest_reversal_tilt() -> sp.Expr:
 def _end_of_reversal(tangents: tuple[sp.Expr, ...]) -> sp.Expr:
     """Where reversal, begun at the first critical tilt, ends: at the next, or at 90 degrees."""
     return sp.atan(tangents[1]) if len(tangents) > 1 else sp.pi / 2
-
-
-def _root_checks(form: sp.Matrix) -> list[sp.Expr]:
-    """Sum and product of the roots of the condition; each gives the cosine of its tilt."""
-    lower, upper = form
-    checks = [_rationalised(lower * upper) - 4, _rationalised(mu * (lower + upper)) - 3]
-    for tangent, cosine in zip(form, critical_cosines(), strict=True):
-        checks.append(_rationalised(sp.expand(cosine) * (1 + tangent**2) - (1 - tangent**2)))
-    return checks
 
 
 def _last_reversal_checks(form: sp.Expr) -> list[sp.Expr]:
@@ -152,15 +115,13 @@ def _slide_boundary_checks(form: sp.Expr) -> list[sp.Expr]:
 
 def _upper_tilt_of(condition: sp.Expr) -> sp.Expr:
     """Largest tilt of the printed condition, which is a quadratic in the tangent."""
-    over_cosine = sp.expand(condition / sp.cos(phi) ** 2).subs(sp.sin(phi), T * sp.cos(phi))
-    quadratic = sp.expand(over_cosine).subs(sp.cos(phi), 1 / sp.sqrt(1 + T**2))
-    return sp.atan(max(sp.solve(quadratic, T), key=lambda r: r.subs(mu, sp.Rational(1, 2))))
+    roots = sp.solve(over_tangent(condition), T)
+    return sp.atan(max(roots, key=lambda r: r.subs(mu, sp.Rational(1, 2))))
 
 
 def _at_two(condition: sp.Expr) -> sp.Expr:
     """Friction that the printed condition gives where the tangent is 2."""
-    there = condition.subs({sp.sin(phi): 2 * sp.cos(phi)}).subs(sp.cos(phi), 1 / sp.sqrt(5))
-    return sp.solve(there, mu)[0]
+    return sp.solve(over_tangent(condition).subs(T, 2), mu)[0]
 
 
 def _upright_slide(condition: sp.Expr) -> sp.Expr:
@@ -175,11 +136,14 @@ _TWICE = sp.Integer(2)  # by which a third one does
 
 
 def _roots_told() -> str:
-    """Where the margin of (16) is negative, beside both roots."""
+    """Where the margin of (16) is negative, between both roots."""
     margin = over_tangent(stick_margin()).subs(PAPER)
     lower, upper = (root.subs(PAPER) for root in critical_tangents())
-    sides = [f"{negative(margin, T, x)} {degrees(sp.atan(x), 2)}" for x in (lower, upper)]
-    return rf"at $\mu = {number(PAPER[mu])}$ the slip turns back {' and '.join(sides)}"
+    above, below = (degrees(sp.atan(x), 2) for x in (lower, upper))
+    return so(
+        rf"at $\mu = {number(PAPER[mu])}$ the slip turns back above {above} and below {below}",
+        falls(margin, T, lower) and falls(-margin, T, upper),
+    )
 
 
 EQUATIONS = (
@@ -188,6 +152,18 @@ EQUATIONS = (
         "edge of slip reversal for a thin rod",
         "0",
         derive=_reversal,
+    ),
+    Equation(
+        "23: both roots",
+        r"$\tan\phi$ at the lower and the upper critical tilt",
+        r"(\tan\phi_{lower}, \tan\phi_{upper})",
+        derive=critical_tangents,
+        # sum and product of the roots of mu (4 + T^2) = 3 T
+        check=lambda form: (form[0] * form[1] - 4, mu * (form[0] + form[1]) - 3),
+        note=lambda: (
+            f"the product of the two tangents is {sp.simplify(sp.prod(critical_tangents()))}, "
+            "whatever the friction"
+        ),
     ),
     Equation(
         "23",
@@ -201,6 +177,15 @@ EQUATIONS = (
         r"$\phi_c$ to $O(\mu^3)$",
         r"\phi_c",
         derive=lambda: small_friction(3),
+    ),
+    Equation(
+        "IV: slide boundary",
+        "$u_* = 0$ solved for the friction, any geometry, $r = -v_0/u_0$",
+        r"\mu_{slide}",
+        derive=slide_friction,
+        shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
+        / ((1 + epsilon) * ratio * (k**2 + Z**2) - X * Z),
+        check=_slide_boundary_checks,
     ),
     Equation(
         "IV: mu_c",
@@ -277,28 +262,5 @@ EQUATIONS = (
         note=lambda: (
             rf"{degrees(largest_reversal_tilt().subs(PAPER), 2)} at $\mu = {number(PAPER[mu])}$"
         ),
-    ),
-)
-
-BEYOND = (
-    Equation(
-        "23: both roots",
-        r"$\tan\phi$ at the lower and the upper critical tilt",
-        r"(\tan\phi_{lower}, \tan\phi_{upper})",
-        derive=critical_tangents,
-        check=_root_checks,
-        note=lambda: (
-            f"the product of the two tangents is {sp.simplify(sp.prod(critical_tangents()))}, "
-            "whatever the friction"
-        ),
-    ),
-    Equation(
-        "IV: slide boundary",
-        "$u_* = 0$ solved for the friction, any geometry, $r = -v_0/u_0$",
-        r"\mu_{slide}",
-        derive=slide_friction,
-        shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
-        / ((1 + epsilon) * ratio * (k**2 + Z**2) - X * Z),
-        check=_slide_boundary_checks,
     ),
 )

@@ -5,6 +5,7 @@ together with its steps, so that a cached result hands the note on.
 """
 
 import inspect
+import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -13,6 +14,13 @@ from typing import Any
 
 import sympy as sp
 from sympy.core.random import seed
+
+from . import paper
+from .equality import equal
+from .typeset import latex
+
+_SEVERAL = re.compile(r"[-+/]")  # in a left side of several letters
+_UNREAD = re.compile(r"[A-Za-z\\'|]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +45,7 @@ class Step:
         """What a derived value consists of, each with its left side."""
         if isinstance(self.value, dict):
             named = {
-                x: sp.latex(x) if isinstance(x, sp.Basic) else LEFTS[self.name][0] % x
+                x: latex(x) if isinstance(x, sp.Basic) else LEFTS[self.name][0] % x
                 for x in self.value
             }
             return [(named[x], value) for x, value in self.value.items()]
@@ -73,6 +81,30 @@ def noted() -> Iterator[list[Step]]:
         _open.pop()
 
 
+def misread(steps: Iterable[Step], named: Iterable[tuple[str, Any]] = ()) -> str:
+    """What is wrong with a left side such as v_f - v_1; nothing if all is well.
+
+    It is read with the letters that are named before it and those of the values; where one of
+    its letters is not among them, it is not read.
+    """
+    known: dict[str, Any] = {}
+    free: set[sp.Basic] = set()
+    sides = [*named, *(pair for step in steps if step.kind != "solved" for pair in step.values)]
+    for left, value in sides:
+        side = paper.bare(left)
+        free |= getattr(value, "free_symbols", set())
+        if not _SEVERAL.search(side[1:]):
+            known[side] = value
+            continue
+        letters = {paper.bare(latex(x)): x for x in free} | known
+        found = "|".join(map(re.escape, sorted(letters, key=len, reverse=True)))
+        if not _UNREAD.search(re.sub(found, "", side)):
+            meant = paper.read(side, letters)
+            if not equal(meant, value):
+                return f"{left} is {meant}, not {value}"
+    return ""
+
+
 def names(steps: Iterable[Step], kind: str) -> set[str]:
     """Names of the steps of a kind, those on the way to a step included."""
     inner = [names(step.inner, kind) for step in steps]
@@ -90,6 +122,8 @@ def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., An
             with noted() as taken:
                 value = function(*given)
             whole = Step("derived", name, given, value, tuple(taken))
+            if wrong := misread([*taken, *([whole] if name else [])]):
+                raise ValueError(wrong)
             results[given] = value, [whole] if name else taken
         value, steps = results[given]
         note(*steps)

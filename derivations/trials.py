@@ -12,6 +12,7 @@ from itertools import count
 from typing import Any
 
 import mpmath
+import numpy as np
 import sympy as sp
 
 from .symbols import V_z, X, Z, epsilon, k, mu, omega, u_0, v_0
@@ -37,10 +38,9 @@ def _contacts() -> Iterator[dict[str, Any]]:
         at = numbers(seed, "X Z v_0") | numbers(seed, "k mu u_0", 0.02)
         at |= numbers(seed, "epsilon", 0.1, 0.9) | {"v_0": -abs(at["v_0"])}
         kind, aside = seed % 12, 1 + (-1) ** (seed // 12) * _CLOSE
-        if kind in (1, 4, 11):
-            at["X"] = mpmath.sign(at["Z"]) * abs(at["X"])
-        if kind in (2, 3, 6):
-            at["X"] = -mpmath.sign(at["Z"]) * abs(at["X"])
+        if kind in (1, 2, 3, 4, 6, 11):
+            side = 1 if kind in (1, 4, 11) else -1
+            at["X"] = side * mpmath.sign(at["Z"]) * abs(at["X"])
         xz = at["X"] * at["Z"]
         across, along = (at["k"] ** 2 + at[x] ** 2 for x in "XZ")
         if kind in (1, 10) or seed in (11, 35, 47):
@@ -84,16 +84,18 @@ def situations() -> Iterator[Situation]:
 
 Number = Any  # a `Rounded` one, or one of the text itself, which is exact
 
+ROUNDINGS = 1024  # more than an impact has
+
 
 @total_ordering
 class Rounded:
-    """A number, and what each rounding, by its whole size, would add to it."""
+    """A number, and what each rounding of a run, by its whole size, would add to it."""
 
     __slots__ = ("errors", "value")
     _names = count()
 
-    def __init__(self, value: Number, errors: Mapping[int, Number] | None = None) -> None:
-        self.value, self.errors = mpmath.mpf(value), dict(errors or {})
+    def __init__(self, value: Number, errors: np.ndarray | float = 0.0) -> None:
+        self.value, self.errors = mpmath.mpf(value), np.zeros(ROUNDINGS) + errors
 
     @classmethod
     def of(cls, value: Number) -> "Rounded":
@@ -101,35 +103,29 @@ class Rounded:
         return value if isinstance(value, cls) else cls(value)
 
     @property
-    def error(self) -> Number:
+    def error(self) -> float:
         """Most that its roundings would add, if each were as large as the number it rounds."""
-        return sum(map(abs, self.errors.values()))
+        return float(np.abs(self.errors).sum())
 
     def parted(self) -> tuple["Rounded", "Rounded"]:
         """The number rounded once more, and what that took away."""
-        name = next(self._names)
-        low = Rounded(0, {name: -self.value})
-        return Rounded(self.value, {**self.errors, name: self.value}), low
-
-    def _exactly(self, own: Number, other: "Rounded", its: Number, value: Number) -> "Rounded":
-        """The number `value`, to which both numbers' errors come with these weights."""
-        errors = {name: own * size for name, size in self.errors.items()}
-        for name, size in other.errors.items():
-            errors[name] = errors.get(name, 0) + its * size
-        return Rounded(value, errors)
+        rounding = np.zeros(ROUNDINGS)
+        rounding[next(self._names) % ROUNDINGS] = self.value
+        return Rounded(self.value, self.errors + rounding), Rounded(0, -rounding)
 
     def plus(self, other: Number) -> "Rounded":
         """The sum before it is rounded."""
         other = Rounded.of(other)
-        return self._exactly(1, other, 1, self.value + other.value)
+        return Rounded(self.value + other.value, self.errors + other.errors)
 
     def times(self, other: Number) -> "Rounded":
         """The product before it is rounded."""
         other = Rounded.of(other)
-        return self._exactly(other.value, other, self.value, self.value * other.value)
+        errors = float(other.value) * self.errors + float(self.value) * other.errors
+        return Rounded(self.value * other.value, errors)
 
     def __neg__(self) -> "Rounded":
-        return Rounded(-self.value, {name: -size for name, size in self.errors.items()})
+        return Rounded(-self.value, -self.errors)
 
     def __add__(self, other: Number) -> "Rounded":
         return self.plus(other).parted()[0]
@@ -137,17 +133,16 @@ class Rounded:
     def __sub__(self, other: Number) -> "Rounded":
         return self + -Rounded.of(other)
 
-    def __rsub__(self, other: Number) -> "Rounded":
-        return Rounded.of(other) - self
-
     def __mul__(self, other: Number) -> "Rounded":
+        product = self.times(other)
         exact = 1 in (abs(self.value), abs(Rounded.of(other).value))
-        return self.times(other) if exact else self.times(other).parted()[0]
+        return product if exact else product.parted()[0]
 
     def __truediv__(self, other: Number) -> "Rounded":
         other = Rounded.of(other)
         q = self.value / other.value
-        return self._exactly(1 / other.value, other, -q / other.value, q).parted()[0]
+        errors = (self.errors - float(q) * other.errors) / float(other.value)
+        return Rounded(q, errors).parted()[0]
 
     def __rtruediv__(self, other: Number) -> "Rounded":
         return Rounded.of(other) / self
@@ -165,4 +160,4 @@ class Rounded:
         if self.value <= 0:
             return Rounded(0 if self.value == self.error == 0 else mpmath.nan)
         root = mpmath.sqrt(self.value)
-        return self._exactly(1 / (2 * root), self, 0, root).parted()[0]
+        return Rounded(root, self.errors / float(2 * root)).parted()[0]

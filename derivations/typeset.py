@@ -110,27 +110,13 @@ def split(term: sp.Expr) -> tuple[bool, list[sp.Expr], list[sp.Expr]]:
         else:
             above.append(factor if base == factor.as_base_exp()[0] else base**exponent)
     size = abs(number)
-    for root in [x for x in above if x.is_Pow and x.base.is_Integer and x.exp == sp.S.Half]:
-        if size.is_Rational and size.q % root.base == 0:  # 1/sqrt(3), not sqrt(3)/3
-            above.remove(root)
-            below.append(root)
-            size *= root.base
-    above = [size.p if size.is_Rational else size, *sorted(_one_root(above), key=_factor_key)]
-    below = [size.q if size.is_Rational else 1, *sorted(_one_root(below), key=_factor_key)]
+    above = [size.p if size.is_Rational else size, *sorted(above, key=_factor_key)]
+    below = [size.q if size.is_Rational else 1, *sorted(below, key=_factor_key)]
     return (
         bool(number.is_negative),
         [sp.sympify(x) for x in above if x != 1],
         [sp.sympify(x) for x in below if x != 1],
     )
-
-
-def _one_root(factors: list[sp.Expr]) -> list[sp.Expr]:
-    """Several square roots as one."""
-    roots = [x for x in factors if x.is_Pow and x.exp == sp.S.Half]
-    if len(roots) < 2:
-        return factors
-    under = sp.Mul(*(root.base for root in roots), evaluate=False)
-    return [x for x in factors if x not in roots] + [sp.Pow(under, sp.S.Half, evaluate=False)]
 
 
 class _Printer(LatexPrinter):

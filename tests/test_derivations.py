@@ -92,11 +92,11 @@ def test_what_contradicts_a_mistake_is_named(tag):
 
 
 def test_new_result_without_second_route_is_refused():
-    without = replace(BY_TAG["laws: energy"], check=None).prove()
+    without = replace(BY_TAG["pairs: energy"], check=None).prove()
     assert not without.ok
     assert "second route" in without.evidence
     for check in (lambda form: (s.mu,), lambda form: ()):
-        assert not replace(BY_TAG["laws: energy"], check=check).prove().ok
+        assert not replace(BY_TAG["pairs: energy"], check=check).prove().ok
 
 
 ERRATA_OF_FORMS = [tag for tag in sorted(ERRATA) if BY_TAG[tag].repair]

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from derivations import files, kernel, languages, trials
-from derivations.trials import Rounded
 
 CODE = kernel.KERNEL.read_text(encoding="utf-8")
 TREE = ast.parse(CODE)
@@ -166,19 +165,12 @@ def test_no_bound_is_broken():
     assert list(out_of_bounds(CODE)) == []
 
 
-def run(law, at):
-    """One impact on `Rounded` numbers: what it returns, and what all its functions found."""
-    space, _, found = kernel.on_numbers(CODE)
-    given = tuple(Rounded(kernel.value(form, at)) for form in kernel.given())
-    return space["impact"](space[law], given), found
-
-
 def test_the_situations_go_every_way():
     """All regimes, early and late stops, both sides, the Painleve region, no slip."""
     ways = set()
     with mpmath.workdps(60):
         for at in trials.situations():
-            (_, _, _, regime, *_), found = run("poisson", at)
+            (_, _, _, regime, *_), _, found = kernel.on_numbers(CODE, "poisson", at)
             time = "early" if found["after_stop"]["v_1"] < 0 else "late"
             lifted = "lifted" if found["responses"]["N"] < 0 else ""
             ways.add((regime, time if regime > kernel.SLIDE else "", lifted, at[trials.SIDE]))
@@ -195,7 +187,8 @@ def test_claimed_roundings_hold_where_levers_are_long():
         for law, (side, row) in product(kernel.LAWS, enumerate(rows)):
             X, Z, k, mu, epsilon, u_0, v_0 = map(mpmath.mpf, row)
             fixed = X * (1 - 2 * (side % 2)), Z, k, mu, min(epsilon, 1), u_0, -v_0, 0, 0, 1
-            _, found = run(law, dict(zip(trials.LETTERS, fixed, strict=True)))
+            at = dict(zip(trials.LETTERS, fixed, strict=True))
+            *_, found = kernel.on_numbers(CODE, law, at)
             assert list(kernel.wrong_roundings(found)) == [], row
             if side == 0:
                 P_z = found["impact"]["P_z"]
