@@ -1,9 +1,7 @@
 """The figures' numbers and the command that draws them; never pixels."""
 
-import json
 import re
 
-import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -11,7 +9,6 @@ from matplotlib.colors import rgb_to_hsv, to_rgba
 from matplotlib.figure import Figure
 
 import figures
-from figures.__main__ import main
 from figures.lib.printing import printed
 from figures.theory import tip_shape
 from impact import (
@@ -23,7 +20,6 @@ from impact import (
     slide_friction,
     thin_rod,
 )
-from impact._generated import DIGEST
 
 from .quick_figures import data, tiny
 
@@ -49,13 +45,6 @@ def drawn_colours(picture: Figure) -> set[str]:
     for word, (low, high) in HUES.items():
         seen[word] = (360 * hue >= low) & (360 * hue < high) & (strong > 0.15)
     return {word for word, there in seen.items() if there.any()}
-
-
-@pytest.mark.parametrize("name", ["nosuch", "fig1", 11, ["fig11"]])
-def test_a_figure_that_is_not_there_is_named(name):
-    near = r"; near it: fig1\d" if name == "fig1" else ""
-    with pytest.raises(ValueError, match=rf"^there is no figure {re.escape(repr(name))}{near}"):
-        figures.load(name)
 
 
 PAIRS = [(0.05, 0.0), (0.2, 0.3), (0.5, 0.65), (0.8, 0.9), (1.2, 1.0)]  # friction, restitution
@@ -145,27 +134,6 @@ def test_every_figure(name):
     assert all(re.search(rf"\b{key}\b", text) for key in d if not key.endswith("_error"))
     for key, value in d.items():
         np.testing.assert_array_equal(value, before[key])
-
-
-def test_numbers_are_printed_with_their_errors():
-    """Arrays of one length abreast, a column for each place of other axes; large ones in sum."""
-    text = printed(
-        {
-            "law": np.array(["a", "b"]),
-            "x": np.array([[1.25, 2], [3, np.nan]]),
-            "x_error": np.array([[0.125, 0.5], [1, np.nan]]),
-            "n": np.int64(7),
-            "map": np.arange(900.0).reshape(30, 30),
-        }
-    )
-    assert text.splitlines() == [
-        "map: 30 x 30 values, 0 to 899",
-        "law         x[0]       x[1]",
-        "  a  1.25 ± 0.12      3 ± 1",
-        "  b      2 ± 0.5  nan ± nan",
-        "n",
-        "7",
-    ]
 
 
 def test_fig10_colours_meet_its_lines():
@@ -290,53 +258,3 @@ def test_drift_over_length():
     np.testing.assert_allclose([d["round_by_length"][-1], d["flat_by_length"][-1]], thin, rtol=0.03)
     assert np.all(np.abs(d["round_by_length"][d["lengths"] > 3] / thin - 1) < 0.06)
     np.testing.assert_array_equal(d["flat_by_length"] > 0, d["lengths"] > d["flat_length"])
-
-
-def test_command_writes_three_files(tmp_path, capsys):
-    out = tmp_path / "new" / "folder"
-    assert main(["draw", "tip_shape", "--quick", "--out", str(out)]) == 0
-    assert {path.name for path in out.iterdir()} == {
-        f"tip_shape.{k}" for k in ("npz", "png", "pdf")
-    }
-    printed = capsys.readouterr()
-    assert printed.out.count("\n") == 1
-    assert printed.out.endswith("tip_shape.png  tip_shape.pdf  tip_shape.npz\n")
-    assert printed.err == ""  # no progress bar in a pipe
-    assert (out / "tip_shape.png").read_bytes().startswith(b"\x89PNG")
-    assert (out / "tip_shape.pdf").read_bytes().startswith(b"%PDF")
-    with np.load(out / "tip_shape.npz") as stored:
-        made = json.loads(str(stored["provenance"]))
-        assert stored["flat"].shape == stored["tilt"].shape
-    assert made["impact"] == DIGEST
-    assert made["numpy"] == np.__version__
-    assert set(made) == {"impact", "sources", "numpy", "matplotlib", "python", "quick"}
-
-
-def test_list_names_every_figure(capsys):
-    assert main(["list"]) == 0
-    listed = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in listed] == [*figures.FIGURES]
-
-
-def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
-    def interrupted(self, path, **_):
-        path.write_bytes(b"half a picture")
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(mpl.figure.Figure, "savefig", interrupted)
-    assert main(["draw", "tip_shape", "--quick", "--out", str(tmp_path)]) == 130
-    assert [path.name for path in tmp_path.iterdir()] == ["tip_shape.npz"]
-    assert capsys.readouterr().err.count("\n") == 1
-
-
-@pytest.mark.parametrize("jobs", ["1", "2"])
-def test_a_figure_that_fails_leaves_the_others(jobs, tmp_path, monkeypatch, capsys):
-    """What went wrong is said, a mistake of ours with its traceback."""
-    monkeypatch.setitem(figures.FIGURES, "no_such_module", figures.Entry("paper", "", True, False))
-    names = ["fig10", "no_such_module", "tip_shape"]
-    assert main(["draw", *names, "--quick", "--jobs", jobs, "--out", str(tmp_path)]) == 1
-    printed = capsys.readouterr()
-    assert ("Traceback" in printed.err) == (jobs == "1")  # other processes know no such figure
-    assert printed.err.endswith("figures draw: 1 of 3 failed: no_such_module\n")
-    assert {path.stem for path in tmp_path.iterdir()} == {"fig10", "tip_shape"}
-    assert printed.out.count(".png") == 2
