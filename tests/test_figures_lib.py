@@ -24,6 +24,7 @@ from impact._generated import DIGEST
 from md.scene import SCENES
 
 from .command_line import ROOT, refused
+from .quick_figures import tiny
 from .test_help import GROUPS
 
 WORK = (  # what takes the time of the commands
@@ -43,6 +44,10 @@ WRITTEN = {  # by commands, into the folder that takes the place of the braces
     "figures index --out {}": ("index.html",),
     "derivations report --out {}": (),
 }
+
+
+def names_in(folder):
+    return {path.name for path in folder.iterdir()}
 
 
 # Files
@@ -71,7 +76,7 @@ def test_only_files_made_here_are_replaced(command, idle, tmp_path, monkeypatch,
         refuses(".", name)
         assert Path(name).read_text() == of_others
         Path(name).unlink()
-    assert os.listdir() == ["prices.txt"]
+    assert names_in(tmp_path) == {"prices.txt"}
     monkeypatch.setattr(index, "files", lambda out: {"index.html": b""})
     refuses("/proc", "/proc")
 
@@ -90,7 +95,7 @@ def test_a_drawn_figure_is_three_files(tmp_path, capsys):
     assert main(["draw", "fig10", "--quick", "--out", str(out)]) == 0
     heads = {path.suffix: path.read_bytes()[:4] for path in out.glob("fig10.*")}
     assert heads == {".npz": b"PK\x03\x04", ".png": b"\x89PNG", ".pdf": b"%PDF"}
-    assert len(list(out.iterdir())) == 3
+    assert len(names_in(out)) == 3
     assert capsys.readouterr() == (f"{out}/fig10.png  fig10.pdf  fig10.npz\n", "")
     with np.load(out / "fig10.npz") as stored:
         made = json.loads(str(stored["provenance"]))
@@ -106,7 +111,7 @@ def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
 
     monkeypatch.setattr(Figure, "savefig", interrupted)
     assert main(["draw", "fig10", "--quick", "--out", str(tmp_path)]) == 130
-    assert os.listdir(tmp_path) == ["fig10.npz"]
+    assert names_in(tmp_path) == {"fig10.npz"}
     assert capsys.readouterr().err.count("\n") == 1
 
 
@@ -205,7 +210,7 @@ def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path, capsys):
     out = tmp_path / "out"
     np.savez(tmp_path / "fig10.npz", **fig10.data(quick=True))
     assert main(["draw", "fig10", "--data", str(tmp_path), "--out", str(out)]) == 0
-    assert set(os.listdir(out)) == {"fig10.png", "fig10.pdf"}
+    assert names_in(out) == {"fig10.png", "fig10.pdf"}
     assert main(["draw", "fig10", "--data", str(out)]) == 2
     assert "--data must be a folder that holds fig10.npz" in capsys.readouterr().err
 
@@ -218,18 +223,17 @@ def of_start(scene: md.Scene, periods: int) -> dict:
     return {"seeds": [scene.start.seed, periods], "half": scene.start.seed / 2}
 
 
-def test_a_measure_is_stored_by_its_sources(monkeypatch, tmp_path):
-    monkeypatch.setattr(runs, "STORE", tmp_path / "rows.db")
+def test_a_measure_is_stored_by_its_sources(tmp_path):
     axes = [{"start.seed": [1, 2]}]
-    seeds, half = runs.gathered(runs.planned(axes, 3, measure=of_start), "seeds", "half")
+    with tiny() as patch:
+        patch.setattr(runs, "STORE", tmp_path / "rows.db")
+        plan = runs.planned(axes, 3, measure=of_start)
+        seeds, half = runs.gathered(plan, "seeds", "half")
+        patch.setattr(runs, "sources_of", lambda _: "others")
+        others = runs.planned(axes, 3, measure=of_start), runs.planned(axes, 3)
     np.testing.assert_array_equal(seeds, [[1, 3], [2, 3]])
     np.testing.assert_array_equal(half, [0.5, 1])
-    keys = [
-        point.key for m in (of_start, None) for point in runs.planned(axes, 3, measure=m).points
-    ]
-    monkeypatch.setattr(runs, "sources_of", lambda _: "others")
-    keys += [point.key for point in runs.planned(axes, 3, measure=of_start).points]
-    assert len(set(keys)) == len(keys) == 6
+    assert len({point.key for sweep in (plan, *others) for point in sweep.points}) == 6
 
 
 def test_the_larger_error_of_runs_counts():
