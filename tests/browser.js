@@ -1,6 +1,6 @@
 // As much of a browser as the page of sliders asks for: node browser.js PAGE CHANGES
-// For each change of the setting, what the page then shows; then how it plays and steps; last what
-// the arrow keys of the map set, and whether a thin rod has a length.
+// What an address sets; for each change of the setting, what the page then shows; then how it plays
+// and steps; last what the arrow keys of the map set, and whether a thin rod has a length.
 const { readFileSync } = require("fs");
 const { runInThisContext } = require("vm");
 
@@ -15,7 +15,7 @@ let now = 0, frame;
 Object.defineProperty(globalThis, "performance", { value: { now: () => now } });
 Object.assign(globalThis, {
   document: { getElementById: (id) => elements[id] },
-  location: { hash: "#law=toString&tilt_deg=many&speed=3&friction=" },
+  location: { hash: "#law=toString&tilt_deg=many&speed=3&friction=&ratio=4" },
   history: { replaceState: (state, title, address) => (location.hash = address) },
   matchMedia: () => ({ matches: true }),
   requestAnimationFrame: (act) => ((frame = act), 1),
@@ -24,6 +24,8 @@ Object.assign(globalThis, {
 });
 for (const [, script] of text.matchAll(/<script>([^]*?)<\/script>/g)) runInThisContext(script);
 
+const given = ["ratio", "tilt_deg"].map((name) => +elements[`${name}-number`].value);
+console.log(JSON.stringify(given));
 for (const changes of JSON.parse(process.argv[3])) {
   elements.reset.heard.click();
   for (const [name, value] of Object.entries(changes)) {

@@ -17,10 +17,7 @@ from md.sources import digest
 
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": ("derivations", "generated", "kernel", "lookup", "mutants", "report"),
-    "quick figures": (
-        *("figures", "accuracy_figures", "claims", "drift_figures", "md_figures", "price_figures"),
-        *("ring_figures", "row_figures", "rows_figures"),
-    ),
+    "figures": ("figures_checks", "figures_claims", "figures_paper", "figures_theory"),
     "flights": ("bouncing", "documentation", "flight"),
     "space": ("annulus", "space", "space_hard_cases"),
 }

@@ -119,26 +119,22 @@ def counted(scene: md.Scene, periods: int) -> dict[str, Any]:
 
 def _share(c: Census, what: np.ndarray, of: np.ndarray) -> tuple[float, float]:
     """Mean of `what` with the weights `of`, and its standard error over blocks."""
-    top, base = (np.bincount(c.block, weights, c.blocks) for weights in (what * of, 1.0 * of))
+    top, base = (np.bincount(c.block, weights, c.blocks) for weights in (what * of, of))
     return ratio(top, base)
 
 
 def measures(c: Census) -> dict[str, tuple[float, float]]:
-    """Means and standard errors; `_number`: each touch alike, else weighted by its jump."""
-    found, each = {}, np.ones(len(c.jump))
+    """Means over all, isolated and pushed touches, weighted by the jump; standard errors."""
     size = np.where(c.jump > 0, c.jump, np.inf)
-
-    def both(name, what, members):
-        found[name] = _share(c, what, c.jump * members)
-        found[f"{name}_number"] = _share(c, what, members)
-
-    both("shared", ~c.isolated, each)
-    both("disturbed", c.kick > DISTURBED * c.jump, each)
-    for part, members in (("", each), ("isolated_", c.isolated), ("pushed_", ~c.isolated)):
+    found = {
+        "shared": _share(c, ~c.isolated, c.jump),
+        "disturbed": _share(c, c.kick > DISTURBED * c.jump, c.jump),
+    }
+    for part, members in (("", 1.0), ("isolated_", c.isolated), ("pushed_", ~c.isolated)):
+        weight = c.jump * members
         for regime, name in enumerate(("slide", "stick", "reversal"), start=1):
-            both(part + name, c.seen == regime, members)
-        both(f"{part}agree", c.seen == c.mapped, members)
-        both(f"{part}agree_allowed", c.seen == c.mapped_allowed, members)
+            found[part + name] = _share(c, c.seen == regime, weight)
+        found[f"{part}agree"] = _share(c, c.seen == c.mapped, weight)
         for name in ("residual", "allowed", "kick"):
-            found[part + name] = _share(c, getattr(c, name) / size, c.jump * members)
+            found[part + name] = _share(c, getattr(c, name) / size, weight)
     return found

@@ -1,0 +1,440 @@
+"""Figures of accuracy and price, and the page of prices; no test asserts a time."""
+
+import dataclasses
+import json
+from types import SimpleNamespace
+from unittest.mock import Mock
+
+import mpmath
+import numpy as np
+import pytest
+
+import figures
+import md
+from figures.__main__ import main
+from figures.cost import (
+    accuracy_cost_drift,
+    accuracy_cost_impact,
+    accuracy_cost_ladder,
+    accuracy_cost_theory,
+    effect_prices,
+    exact_impacts,
+    price_page,
+    scaling,
+)
+from figures.cost.scene_variants import EFFECTS, FULL, GROUPS, NOTHING, OFF, Variant, variants
+from figures.lib import timing
+from figures.lib.soft_impacts import one_impact
+from impact.__main__ import main as impact_main
+from impact.benchmark import random_impacts, table
+from impact.compiled import KERNELS as LAWS
+from md.accuracy import steps_per_contact
+from md.scene import Scene
+
+from .quick_figures import FEW_EFFECTS, SIZES, check_figure, data, of_room, tiny
+from .reference import reference_collide
+
+PRICED = "effect_prices", "scaling"
+
+
+@pytest.mark.parametrize("name", of_room("cost"))
+def test_every_figure(name):
+    check_figure(name)
+
+
+# Impacts: errors in many digits
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_exact_values_are_those_of_the_integration(law):
+    """The figures' many digits against an integration that shares no formula with them."""
+    impacts = random_impacts(60, seed=2)
+    true = exact_impacts.reference(impacts, law)
+    assert set(true.regime) == {1, 2, 3}
+    for i, row in enumerate(zip(*(column.tolist() for column in impacts), strict=True)):
+        names = ("plate_velocity", "X", "Z", "k", "friction", "restitution")
+        given = dict(zip(names, row[3:], strict=True))
+        with mpmath.workdps(50):
+            regime, values = exact_impacts.exact([mpmath.mpf(x) for x in row], law)
+            expected = reference_collide(*row[:3], **given, law=law, dps=50)
+            assert regime == true.regime[i] == expected.regime
+            for field, value, scale in zip(
+                exact_impacts.FIELDS, values, true.scale[:, i], strict=True
+            ):
+                assert abs(value - getattr(expected, field)) < mpmath.mpf(10) ** -40 * scale
+
+
+def test_error_is_counted_in_units_in_the_last_place():
+    """Results moved by three units of the scale come out as 3, nan as infinitely wrong."""
+    true = exact_impacts.reference(random_impacts(50, seed=8))
+    exact = dict(zip(exact_impacts.FIELDS, true.high, strict=True))
+    for j, field in enumerate(exact_impacts.FIELDS):
+        moved = {field: true.high[j] + 3 * np.spacing(true.scale[j])}
+        rounding = 2 if field == "omega" else 0.51  # omega' may be larger than its scale
+        np.testing.assert_allclose(true.ulp(SimpleNamespace(**exact | moved)), 3, atol=rounding)
+    unknown = SimpleNamespace(c_z=np.full(50, np.nan))
+    assert np.all(np.isinf(true.ulp(unknown, ("c_z",))))
+
+
+def test_the_map_is_right_everywhere_and_printed_formulas_are_not():
+    """These beyond Painleve's friction, where the rod leans against its slip."""
+    d = data("accuracy_map")
+    assert d["ours"].shape == d["literal"].shape == (40, 60)
+    assert d["ours"].max() <= d["ours_all_fields"].max() <= 16
+    tilt = (d["tilt"][1:] + d["tilt"][:-1]) / 2
+    wrong = d["literal"] > 1e8
+    assert 0.1 < wrong.mean() < 0.4
+    assert not np.any(wrong[:, tilt > 0])
+    limit = np.interp(d["tilt"], d["line_tilt"], np.nan_to_num(d["painleve_friction"], nan=1e9))
+    row, column = np.nonzero(wrong)
+    assert np.all(d["friction"][row + 1] > np.fmin(limit[column], limit[column + 1]))
+
+
+def test_errors_are_where_the_digits_of_each_way_end():
+    *ours, printed, many_digits = data("accuracy_cost_theory")["error"][0]
+    assert max(ours) < 16 * 2.0**-52
+    assert printed > 1e-3  # sticking in the Painleve region, taken for a slide
+    assert 10.0 ** (-accuracy_cost_theory.DIGITS - 4) < many_digits < 1e-12
+
+
+def test_benchmark(capsys):
+    """Every time is there and positive, those of compiling apart."""
+    assert impact_main(["benchmark", "--impacts", "300", "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    ways = {f"{way} {law}" for way in ("numpy", "compiled") for law in LAWS}
+    assert set(result["ns_per_impact"]) == ways | {"copy"}
+    assert set(result["compile_seconds"]) == set(LAWS)
+    assert min(*result["ns_per_impact"].values(), *result["compile_seconds"].values()) > 0
+    assert (result["impacts"], result["runs"]) == (300, 9)
+    assert all(name in table(result) for name in ways)
+
+
+# Soft impacts: errors of the integration
+
+
+@pytest.mark.parametrize("integrator", accuracy_cost_impact.METHODS)
+def test_the_timed_impact_is_the_impact(integrator):
+    """The bits of `md.impact`, once or many times over."""
+    tilt, law, dt = 0.7, md.coulomb(), 7e-5
+    hit = one_impact(tilt, law, integrator=integrator, dt=dt)
+    call = accuracy_cost_impact.impact_call(tilt, integrator, dt)
+    for times in (1, 3):
+        assert call(times) == ((hit.c_x, hit.c_z, hit.omega), hit.steps)
+
+
+def test_integration_errors_fall_with_the_step():
+    """To an order of about one; located switches reach what no step does."""
+    d = data("accuracy_cost_impact")
+    worst, middle = d["fixed_error"]
+    assert worst.shape == (3, d["parts"].size) == d["fixed_seconds"].shape
+    assert d["offsets"].size >= 24
+    assert np.isnan(worst).sum() <= 1  # Gear's coarsest step is refused
+    assert np.isfinite(worst[:2]).all()
+    falls = np.diff(np.log10(worst))
+    assert np.all(falls[np.isfinite(falls)] < -0.5)
+    assert np.all((middle <= worst) | np.isnan(worst))
+    for order, (low, high) in zip(d["order"], ((1.0, 1.2), (1.15, 1.3), (0.95, 1.2)), strict=True):
+        assert low < order < high
+    np.testing.assert_allclose(d["fixed_steps"][:, -1] / d["fixed_steps"][:, -2], 4, rtol=1e-2)
+    assert worst[1, list(d["parts"]).index(160)] < 1e-3
+    located, middle = d["adaptive_error"]
+    assert np.all(middle <= located)
+    assert np.all(np.diff(located) < 0)
+    assert max(located[-1], d["floor"]) < 1e-12
+    assert d["evaluations"][-1] <= 3000
+    assert np.nanmin(worst) > 1e3 * located[-1]
+
+
+def test_gear_is_leapfrog_at_the_papers_step():
+    rms, largest = accuracy_cost_impact.gear_from_leapfrog().T
+    assert 1e-8 < largest[1] < 1e-5  # Appendix A
+    assert max(*rms, *largest) < 3e-3
+
+
+# The drift of rows
+
+
+def test_errors_of_parts():
+    """Of independent values: sigma/sqrt(n) and the distance of the truth, squares added."""
+    series = 2 + np.random.default_rng(1).normal(size=200_000)
+    n = np.array([1, 10, 100, 10**5])
+    parts = accuracy_cost_drift.parts(series, n)
+    errors = accuracy_cost_drift.rms_of_parts(parts, 2.0)
+    np.testing.assert_allclose(errors[:3], n[:3] ** -0.5, rtol=4 / np.sqrt(2 * 2000))
+    assert np.isnan(errors[3])  # fewer than eight parts
+    shifted = accuracy_cost_drift.rms_of_parts(parts, 2.5)[:3]
+    np.testing.assert_allclose(shifted, np.hypot(n[:3] ** -0.5, 0.5), rtol=0.03)
+    means = series.reshape(-1, 10).mean(axis=1)
+    assert errors[1] == pytest.approx(np.sqrt(np.mean((means - 2) ** 2)))
+
+
+def test_time_to_reach_an_error():
+    """Bias and noise add; a bias that is lost in its error counts as none."""
+    d = {
+        "bias": np.array([0.02, 0.006, 0.006]),
+        "bias_error": np.array([0.001, 0.001, 0.004]),
+        "noise": np.array([0.2, 0.2, 0.2]),
+        "seconds": np.array([1e-3, 2e-3, 4e-3]),
+    }
+    seconds = accuracy_cost_drift.to_reach(d, 0.01)
+    expected = np.inf, 0.04 / (1e-4 - 3.6e-5) * 2e-3, 0.04 / 1e-4 * 4e-3
+    assert tuple(seconds) == pytest.approx(expected)
+
+
+def test_accuracy_of_the_drift_against_time(monkeypatch):
+    d = data("accuracy_cost_drift")
+    assert (np.diff(d["per_contact"]) > 0).all()
+    assert d["dt"] * d["per_contact"] == pytest.approx(d["dt"][0] * d["per_contact"][0])
+    assert d["made"].tolist() == [300] * 5 + [100]
+    with tiny():
+        run = md.run(accuracy_cost_drift._scene(d["dt"][-1]), periods=120)
+    assert (1 + d["bias"][-1]) * d["truth"] == pytest.approx(run.c_x_series[20:].mean())
+    assert 0.35 < d["truth"] < 0.5  # of ten rods
+    assert np.nanmin(d["rms"]) > 0
+    assert (d["run_per_contact"] > 10).all()
+    assert [run["tolerance"] for run in accuracy_cost_drift.runs(d)] == 4 * [0.4]
+    monkeypatch.setattr(md, "run", None)  # all is in the store
+    with tiny():
+        again = accuracy_cost_drift.data(quick=True)
+    np.testing.assert_array_equal(again["rms"], d["rms"])
+
+
+def test_the_ladder():
+    """Bars: scatter of independent starts."""
+    d, ladder = data("accuracy_cost_ladder"), accuracy_cost_ladder
+    groups = ["theory", "theory", "one rigid rod", "length", "length", "step", "rods"]
+    assert list(d["group"]) == groups
+    assert d["answer"][0] == d["answer"][1]
+    off, *_ = ladder.deviations(d)
+    np.testing.assert_allclose((off + 1) * d["trusted"][0], d["answer"])
+    few = SIZES[ladder]["ROWS"]["rods"]["N=5"]
+    starts = [md.run(ladder.scene(13, few, seed), periods=4).c_x for seed in range(1, 9)]
+    last = d["answer"][-1], d["scatter"][-1], d["error"][-1]
+    scatter = np.std(starts, ddof=1)
+    assert last == pytest.approx((np.mean(starts), scatter, scatter / np.sqrt(8)))
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, accuracy_cost_ladder.PRINTED, accuracy_cost_ladder.CONSTRAINT]
+)
+def test_steps_of_the_ladder_are_parts_of_a_contact(changes):
+    scene = accuracy_cost_ladder.scene(20, changes)
+    assert steps_per_contact(scene, scene.step.size) == pytest.approx(20)
+
+
+# Prices of effects
+
+
+def parts_of(variant: Variant) -> set[tuple]:
+    """Every part of an engine that is there, by its path."""
+    engine, found = variant.engine(), set()
+
+    def look(path, part):
+        if part is None:
+            return
+        found.add(path)
+        for name, inner in getattr(part, "_asdict", dict)().items():
+            look((*path, name), inner)
+
+    for name in ("effects", "state", "watchers"):
+        look((name,), getattr(engine, name))
+    return found | {("series",)} & {(name,) for name in variant.diagnostics}
+
+
+def test_every_part_of_a_scene_has_its_price():
+    """Whatever may be absent in the full scene is switched by some row, alone and within."""
+    named = {key.split(".")[0] for one in variants(EFFECTS.values()) for key in one.changes}
+    parts = {field.name for field in dataclasses.fields(Scene)}
+    assert parts - {"rods", "step", "annulus"} <= named  # space is another kernel
+    for key in ("alone", "within"):
+        switched = set()
+        for effect in EFFECTS.values():
+            there, gone = map(parts_of, getattr(effect, key))
+            assert there > gone
+            switched |= there - gone
+        bare = parts_of(Variant(NOTHING, frozenset()))
+        assert switched >= parts_of(FULL) - bare - {("series",)}
+        assert {("series",), ("watchers", "ledger"), ("watchers", "record")} <= switched
+
+
+@pytest.mark.parametrize("name", OFF)
+def test_an_effect_of_size_zero_is_no_effect(name):
+    for zero, unnamed in OFF[name][:2]:
+        assert zero != unnamed
+        kernels = [effect_prices._kernel(one.engine(), one) for one in (zero, unnamed)]
+        assert kernels[0] == kernels[1]
+        assert parts_of(zero) < parts_of(FULL)
+
+
+def test_variants_share_the_step_and_no_table():
+    """A scene made of another one leaves it as it was."""
+    every = variants(effect for group in GROUPS.values() for effect in group.values())
+    before = repr(every)
+    for variant in every:
+        assert variant.engine().dt == pytest.approx(FULL.engine().dt, rel=1e-3)
+    assert repr(every) == before
+    assert every[0] == FULL
+
+
+def test_prices_belong_to_what_they_say():
+    """What looks on changes no bit, gravity does; an effect of size zero is the same kernel."""
+    d, groups = data("effect_prices"), SIZES[effect_prices]["GROUPS"]
+    names = [name for group in FEW_EFFECTS.values() for name in group]
+    every = variants(effect for group in groups.values() for effect in group.values())
+    assert d["alone"].shape == d["within"].shape == (len(names), 3)
+    assert d["samples"].shape == (6, len(every))
+    same_rods, same_kernel = (
+        {name for name, same in zip(names, d[key], strict=True) if same}
+        for key in ("same_rods", "same_kernel")
+    )
+    assert "series of means" in same_rods - same_kernel
+    assert "off: acceleration of the plate" in same_kernel
+    assert "gravity" not in same_rods
+    (full, *changed), _ = d["drift"]
+    np.testing.assert_array_equal(np.isfinite(changed), [0, 0, 1, 0])
+    with tiny():
+        words = effect_prices._changes(d)
+    assert words[:2] == ["-", "0, same bits"]
+    assert float(words[2].split()[0]) == pytest.approx(changed[2] - full, abs=6e-3)
+    assert words[3] == "same kernel"
+    starts = ({"start.seed": seed, "start.speed": 0.3} for seed in (1, 2))
+    runs = [md.run(Variant(start).scene, periods=4).c_x for start in starts]
+    drifts = np.array(runs) * FULL.scene.cm_per_s
+    half = abs(drifts[0] - drifts[1]) / 2
+    assert tuple(d["drift"][:, 0]) == pytest.approx((drifts.mean(), half))
+
+
+def test_places_are_seen_from_the_plate(monkeypatch):
+    """At rest a plate is under the rods as the moving one was, and as fast; the list stays good."""
+    monkeypatch.setattr(effect_prices, "PLACES", 3)
+    motion = FULL.engine().plate
+    moving, still = effect_prices._settled(1)
+    for (there, step), (seen, same) in zip(moving[:2], still[:2], strict=True):
+        height, velocity = (column[step % len(column)] for column in motion)
+        assert (same, abs(height) > 1e-3, abs(velocity) > 1e-3) == (step, True, True)
+        off = there["rods"] - seen["rods"]
+        np.testing.assert_allclose(off[:, 1], height, atol=1e-12)
+        np.testing.assert_allclose(off[:, 5], velocity, atol=1e-12)
+        assert not off[:, [0, 2, 3, 4, 6]].any()
+        moved = [arrays["rods"][:, :2] - arrays["listed.built"][:, :2] for arrays in (there, seen)]
+        np.testing.assert_allclose(*moved, atol=1e-12)
+        np.testing.assert_array_equal(there["springs"], seen["springs"])
+
+
+def test_scaling_is_of_whole_rows():
+    d = data("scaling")
+    np.testing.assert_array_equal(d["counts"], [4, 8])
+    assert d["workers"][0] == 1
+    assert np.all(np.diff(d["workers"]) > 0)
+    assert (d["row"].shape, d["sweep"].shape) == ((2, 3), (len(d["workers"]), 3))
+    few, many = scaling._row(80), scaling._row(5000)
+    assert few.rods.count / few.box.length == pytest.approx(40 / 43)
+    assert few.tilt == pytest.approx(many.tilt)
+
+
+# Times
+
+
+TIMES = (30.0, 29.6, 30.0, 8.0, 5.0)
+ROUNDS = 300
+ALL = ROUNDS * len(TIMES)
+
+
+class Machine:
+    """A clock of its own: calls with known times, noise, and a speed that changes."""
+
+    def __init__(self, slowed):
+        self.slowed, self.now, self.random = slowed, 0, np.random.default_rng(5)
+
+    def calls(self):
+        return [lambda time=time: self.pass_by(time) for time in TIMES]
+
+    def pass_by(self, time):
+        self.now += 1
+        late = self.random.exponential(20 * time) if self.random.random() < 0.05 else 0
+        return time * self.slowed(self.now) * (1 + 0.03 * self.random.normal()) + late
+
+
+@pytest.mark.parametrize(
+    ("slowed", "scale"),
+    [
+        (lambda now: 1.0, 1.0),
+        (lambda now: 1.0 if now <= ALL // 2 else 1.6, 1.0),  # somebody else begins half way
+        (lambda now: 1 + 0.5 * now / ALL, 1.12),  # times are those of the quieter half
+        (lambda now: 1 + 0.1 * (now % len(TIMES)) / len(TIMES), 1.04),  # as fast as a round
+    ],
+    ids=["steady", "half way", "drift", "in step"],
+)
+def test_differences_are_found_on_a_machine_that_slows_down(slowed, scale):
+    """Each within its own error, which is small; in proportion to what is left of the speed."""
+    samples = timing.in_turn(Machine(slowed).calls(), ROUNDS, seed=3)
+    assert samples.shape == (ROUNDS, len(TIMES))
+    times = timing.steady(samples)
+    left = timing.estimate(times[:, 0]).value / TIMES[0]
+    assert left == pytest.approx(scale, rel=0.03)
+    for first in range(len(TIMES)):
+        for second in range(first):
+            true = (TIMES[first] - TIMES[second]) * left
+            value, error, spread = timing.estimate(times[:, first] - times[:, second])
+            assert abs(value - true) < 4 * error + 2e-3 * abs(true)
+            assert error < min(0.5, spread)
+
+
+def test_a_price_is_of_one_call_of_many(monkeypatch):
+    """Seconds of a sample over its repetitions; a clock that counts repetitions gives one."""
+    clock, asked = [0.0], []
+
+    def call(times):
+        clock[0] += 1e-5 * times
+        asked.append(times)
+
+    def timed(task, number):
+        begin = clock[0]
+        task()
+        return clock[0] - begin
+
+    monkeypatch.setattr(timing, "timeit", timed)
+    np.testing.assert_allclose(timing.medians([call], 3), 1e-5, rtol=1e-9)
+    assert asked == [1, 1, 100, 100, 100]
+
+
+# The page of prices
+
+
+@pytest.fixture
+def small():
+    """Two of the figures, whose data are there; the rest of the command in small sizes."""
+    with tiny() as patch:
+        patch.setattr(price_page, "PRICE_PANELS", dict.fromkeys(PRICED, "time"))
+        for name in PRICED:
+            patch.setattr(figures.load(name), "data", Mock(return_value=data(name)))
+        yield
+
+
+def test_the_command_writes_the_page_and_the_figures(small, tmp_path):
+    """Numbers are those of the figures, and what one impact costs, in time and in digits."""
+    assert main(["prices", "--out", str(tmp_path)]) == 0
+    names = {f"{name}.{kind}" for name in PRICED for kind in ("npz", "png", "pdf")}
+    names |= {f"prices.{kind}" for kind in ("txt", "json", "png")}
+    assert {path.name for path in tmp_path.iterdir()} == names
+    assert (tmp_path / "prices.png").read_bytes().startswith(b"\x89PNG")
+    words = (tmp_path / "prices.txt").read_text(encoding="utf-8")
+    titles = [figures.FIGURES[name].title for name in PRICED]
+    for word in (*titles, "alone[0]", "within[0]", "row[0]", "sweep[0]"):
+        assert word in words
+    made = json.loads((tmp_path / "prices.json").read_text(encoding="utf-8"))
+    alone = data("effect_prices")["alone"][:, :2].tolist()
+    assert [effect["alone"] for effect in made["effects"]] == alone
+    assert made["cores"][0] == {"count": 1, "gain": 1.0}
+    assert made["impact_ns"]["numpy newton"] > made["impact_ns"]["compiled newton"] > 0
+    assert [law["law"] for law in made["impact_ulp"]] == ["newton", "poisson", "stronge"]
+    assert all(0 < ulp < 6 for law in made["impact_ulp"] for ulp in law["largest"])
+    assert "numba" in made["machine"]
+
+
+def test_interrupted_keeps_what_was_finished(small, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(scaling, "data", Mock(side_effect=KeyboardInterrupt))
+    assert main(["prices", "--out", str(tmp_path)]) == 130
+    kept = {path.name for path in tmp_path.iterdir()}
+    assert kept == {f"effect_prices.{kind}" for kind in ("npz", "png", "pdf")}
+    assert capsys.readouterr().err.count("\n") == 1

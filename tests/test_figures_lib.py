@@ -1,0 +1,274 @@
+"""Commands of the figures and their files: what is kept, printed, refused, and never replaced."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from unittest.mock import Mock
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import figures
+import md
+from figures.__main__ import main
+from figures.lib import data as kept
+from figures.lib import drawing, runs
+from figures.lib.printing import printed
+from figures.pages import index
+from figures.paper import fig10
+from impact._generated import DIGEST
+from md.scene import SCENES
+
+from .command_line import ROOT, refused
+from .quick_figures import tiny
+from .test_help import GROUPS
+
+WORK = (  # what takes the time of the commands
+    *("figures.claims.judge.judge", "figures.cost.effect_prices.data", "figures.paper.fig10.data"),
+    *("figures.pages.everything.estimate", "figures.pages.movie.record"),
+    "derivations.registry.check",
+)
+WRITTEN = {  # by commands, into the folder that takes the place of the braces
+    "figures draw fig10 --out {}": ("fig10.npz", "fig10.png", "fig10.pdf"),
+    "figures movie quasi2d --out {}": ("quasi2d.gif",),
+    "figures movie quasi2d --out {}/a.gif": ("a.gif",),
+    "figures claims --out {}": ("claims.md", "claims.json"),
+    "figures paper --out {}": ("fig13.npz", "index.html"),
+    "figures paper --estimate --out {}": ("quasi2d.gif",),
+    "figures prices --out {}": ("prices.png",),
+    "figures explore --html {}/a.html": ("a.html",),
+    "figures index --out {}": ("index.html",),
+    "derivations report --out {}": (),
+}
+
+
+def names_in(folder):
+    return {path.name for path in folder.iterdir()}
+
+
+# Files
+
+
+@pytest.fixture
+def idle(monkeypatch):
+    """A command that begins to work has failed."""
+    for work in WORK:
+        monkeypatch.setattr(work, Mock(side_effect=AssertionError("began to work")))
+
+
+@pytest.mark.parametrize("command", WRITTEN)
+def test_only_files_made_here_are_replaced(command, idle, tmp_path, monkeypatch, capsys):
+    """And no work is begun where nobody can write, be it root."""
+    monkeypatch.chdir(tmp_path)
+    Path("prices.txt").touch()  # something to show
+
+    def refuses(folder, word):
+        package, *words = command.format(folder).split()
+        refused(lambda: GROUPS[package](words), word, capsys)
+
+    for name in WRITTEN[command]:
+        of_others = '{"my": "data"}' if name.endswith(".json") else "<title>My garden</title>"
+        Path(name).write_text(of_others)
+        refuses(".", name)
+        assert Path(name).read_text() == of_others
+        Path(name).unlink()
+    assert names_in(tmp_path) == {"prices.txt"}
+    monkeypatch.setattr(index, "files", lambda out: {"index.html": b""})
+    refuses("/proc", "/proc")
+
+
+def test_a_movie_is_not_written_over_its_scene(idle, tmp_path, capsys):
+    scene = tmp_path / "mine.gif"
+    shutil.copy(SCENES / "quasi2d.toml", scene)
+    for out in (scene, tmp_path):
+        refused(lambda out=out: main(["movie", str(scene), "--out", str(out)]), "mine.gif", capsys)
+    assert scene.read_text() == (SCENES / "quasi2d.toml").read_text()
+    assert list(tmp_path.iterdir()) == [scene]
+
+
+def test_a_drawn_figure_is_three_files(tmp_path, capsys):
+    out = tmp_path / "new" / "folder"
+    assert main(["draw", "fig10", "--quick", "--out", str(out)]) == 0
+    heads = {path.suffix: path.read_bytes()[:4] for path in out.glob("fig10.*")}
+    assert heads == {".npz": b"PK\x03\x04", ".png": b"\x89PNG", ".pdf": b"%PDF"}
+    assert len(names_in(out)) == 3
+    assert capsys.readouterr() == (f"{out}/fig10.png  fig10.pdf  fig10.npz\n", "")
+    with np.load(out / "fig10.npz") as stored:
+        made = json.loads(str(stored["provenance"]))
+        assert stored["regime"].shape == (3, 46, 46)
+    assert (made["impact"], made["numpy"], made["quick"]) == (DIGEST, np.__version__, True)
+    assert set(made) == {"impact", "sources", "numpy", "matplotlib", "python", "quick"}
+
+
+def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
+    def interrupted(self, path, **_):
+        path.write_bytes(b"half a picture")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Figure, "savefig", interrupted)
+    assert main(["draw", "fig10", "--quick", "--out", str(tmp_path)]) == 130
+    assert names_in(tmp_path) == {"fig10.npz"}
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_figure_that_fails_leaves_the_others(tmp_path, monkeypatch, capsys):
+    """In this process and in others; a mistake of ours is told with its traceback."""
+    for name, alone in (("unknown_to_others", False), ("without_module", True)):
+        entry = figures.Entry("paper", "", alone=alone)
+        monkeypatch.setitem(figures.FIGURES, name, entry)
+    names = ["unknown_to_others", "without_module", "fig10"]
+    assert main(["draw", *names, "--quick", "--jobs", "2", "--out", str(tmp_path)]) == 1
+    printed = capsys.readouterr()
+    assert "unknown_to_others failed: there is no figure" in printed.err
+    assert "without_module failed: Traceback" in printed.err
+    assert printed.err.endswith("failed: unknown_to_others, without_module\n")
+    assert printed.out.count(".png") == 1
+    assert {path.stem for path in tmp_path.iterdir()} == {"fig10"}
+
+
+def test_pictures_need_no_window_whatever_the_environment_says(tmp_path):
+    """A command in its processes as well; a notebook keeps the backend that it has chosen."""
+    draw = ["-m", "figures", "draw", "fig10", "fig11", "--quick", "--jobs", "2"]
+    code = "import figures; f = figures.load('fig10'); p = f.draw(f.data(quick=True)); "
+    of_canvas = ["-c", f"{code} print(type(p.canvas).__module__)"]
+    for arguments, backend, end in ((draw, "module://nowhere", ".npz"), (of_canvas, "svg", "_svg")):
+        done = subprocess.run(
+            [sys.executable, *arguments],
+            **{"cwd": tmp_path, "capture_output": True, "text": True, "check": True},
+            env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": backend},
+        )
+        assert done.stdout.strip().endswith(end)
+        assert done.stderr == ""
+
+
+# Data that are kept
+
+
+def test_data_in_a_folder_are_read_if_of_this_size_and_these_sources(tmp_path, monkeypatch):
+    kept.keep(tmp_path / "fig10.npz", "fig10", True, fig10.data(quick=True))
+    monkeypatch.setattr(fig10, "data", lambda quick: {"computed": quick})
+    found = kept.figure_data("fig10", True, tmp_path)
+    assert found["regime"].shape == (3, 46, 46)
+    assert "provenance" not in found
+    assert kept.figure_data("fig10", False, tmp_path) == {"computed": False}
+    for elsewhere in (tmp_path / "other", None):
+        assert kept.figure_data("fig10", True, elsewhere) == {"computed": True}
+    np.savez(tmp_path / "fig11.npz", tilt=np.zeros(2))
+    assert kept.stored_data("fig11", True, tmp_path) is None
+    monkeypatch.setattr(kept, "sources", lambda name: "others")
+    assert kept.figure_data("fig10", True, tmp_path) == {"computed": True}
+
+
+def test_sources_are_those_that_decide(tmp_path, monkeypatch):
+    """An edit of a number counts where it is used; words and other figures do not."""
+    for folder in ("figures", "impact", "md"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
+    monkeypatch.setattr(kept, "_HOUSE", tmp_path)
+
+    def digest():
+        kept._digest.cache_clear()
+        return kept.sources("fig10")
+
+    before = digest()
+    for name, counts in {
+        "figures/paper/fig10.py": True,
+        "figures/lib/style.py": True,
+        "impact/boundaries.py": True,
+        "figures/paper/fig11.py": False,
+    }.items():
+        path = tmp_path / name
+        text = path.read_text()
+        path.write_text('"""Other words."""\n' + text.split('"""', 2)[2] + "# and a remark\n")
+        assert digest() == before, name
+        path.write_text(f"{text}\nANOTHER = 1\n")
+        assert (digest() != before) == counts, name
+        path.write_text(text)
+    kept._digest.cache_clear()
+
+
+def test_quick_pictures_say_so_and_full_ones_do_not(tmp_path, monkeypatch):
+    """Computed, or drawn from data that a folder keeps."""
+    written = []
+
+    def savefig(self, path, **_):
+        path.touch()
+        written.append({text.get_text() for text in self.texts})
+
+    monkeypatch.setattr(Figure, "savefig", savefig)
+    for quick in (True, False):
+        drawing.produce("fig10", tmp_path, quick)
+        drawing.produce("fig10", tmp_path, False, kept=tmp_path)
+        assert ["quick" in words for words in written[-4:]] == 4 * [quick]
+
+
+def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path, capsys):
+    """Of whatever sources; nothing is computed, the data are not written again."""
+    out = tmp_path / "out"
+    np.savez(tmp_path / "fig10.npz", **fig10.data(quick=True))
+    assert main(["draw", "fig10", "--data", str(tmp_path), "--out", str(out)]) == 0
+    assert names_in(out) == {"fig10.png", "fig10.pdf"}
+    assert main(["draw", "fig10", "--data", str(out)]) == 2
+    assert "--data must be a folder that holds fig10.npz" in capsys.readouterr().err
+
+
+# Runs
+
+
+def of_start(scene: md.Scene, periods: int) -> dict:
+    """A measure that needs no run."""
+    return {"seeds": [scene.start.seed, periods], "half": scene.start.seed / 2}
+
+
+def test_a_measure_is_stored_by_its_sources(tmp_path):
+    axes = [{"start.seed": [1, 2]}]
+    with tiny() as patch:
+        patch.setattr(runs, "STORE", tmp_path / "rows.db")
+        plan = runs.planned(axes, 3, measure=of_start)
+        seeds, half = runs.gathered(plan, "seeds", "half")
+        patch.setattr(runs, "sources_of", lambda _: "others")
+        others = runs.planned(axes, 3, measure=of_start), runs.planned(axes, 3)
+    np.testing.assert_array_equal(seeds, [[1, 3], [2, 3]])
+    np.testing.assert_array_equal(half, [0.5, 1])
+    assert len({point.key for sweep in (plan, *others) for point in sweep.points}) == 6
+
+
+def test_the_larger_error_of_runs_counts():
+    """Between the runs where they differ, within them where they agree or some are missing."""
+    mean = np.array([[1.0, 3.0], [2.0, 2.0], [2.0, np.nan]])
+    within = np.array([[0.5, 0.5], [0.5, 0.5], [0.1, np.nan]])
+    _, error = runs.larger_error(mean, within)
+    np.testing.assert_allclose(error, [1.0, 0.5 / np.sqrt(2), 0.1])
+
+
+# What is printed
+
+
+def test_list_names_every_figure(capsys):
+    assert main(["list"]) == 0
+    listed = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in listed] == [*figures.FIGURES]
+
+
+def test_numbers_are_printed_with_their_errors():
+    """Arrays of one length abreast, a column for each place of other axes; large ones in sum."""
+    text = printed(
+        {
+            "law": np.array(["a", "b"]),
+            "x": np.array([[1.25, 2], [3, np.nan]]),
+            "x_error": np.array([[0.125, 0.5], [1, np.nan]]),
+            "n": np.int64(7),
+            "map": np.arange(900.0).reshape(30, 30),
+        }
+    )
+    assert text.splitlines() == [
+        "map: 30 x 30 values, 0 to 899",
+        "law         x[0]       x[1]",
+        "  a  1.25 ± 0.12      3 ± 1",
+        "  b      2 ± 0.5  nan ± nan",
+        "n",
+        "7",
+    ]

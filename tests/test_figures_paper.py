@@ -1,0 +1,330 @@
+"""The paper's figures: theory, soft impacts, rows and annuli in tiny runs, made-up numbers."""
+
+import re
+from itertools import pairwise
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import md
+from figures.lib import arrangement, runs
+from figures.paper import fig02, fig04, fig07, fig08, fig10, fig11, fig12, fig13
+from impact import (
+    ContactGeometry,
+    Regime,
+    classify,
+    collide,
+    critical_friction,
+    drift,
+    landing_density,
+    slide_friction,
+    thin_rod,
+)
+from md.placement import largest_tilt
+from md.scene import from_tables, put
+
+from .quick_figures import MOST_PERIODS, OWN_VALUES, check_figure, data, of_room, tiny
+
+
+@pytest.mark.parametrize("name", of_room("paper"))
+def test_every_figure(name):
+    check_figure(name)
+
+
+# Figs. 10 and 11: the theory
+
+
+def test_fig10_colours_meet_its_lines():
+    """Everywhere but on a line; the dashed one ends on the solid one, the last reversal at 3/4."""
+    d = data("fig10")
+    rod, friction = thin_rod(d["tilt"]), d["friction"][:, None]
+    holds = critical_friction(rod)
+    np.testing.assert_allclose(d["reversal_end"], [np.arctan(2), 0.75], rtol=1e-15)
+    lines = zip(d["approach_ratio"], d["regime"], d["critical_tilt"], strict=True)
+    for ratio, regime, critical_tilt in lines:
+        setting = {"approach_ratio": ratio, "restitution": d["restitution"]}
+        slide = slide_friction(rod, **setting)
+        expected = np.where(friction >= holds, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
+        expected = np.where(friction < slide, Regime.SLIDE, expected)
+        off_line = (np.abs(friction - slide) > 1e-9) & (np.abs(friction - holds) > 1e-9)
+        np.testing.assert_array_equal(regime[off_line], expected[off_line])
+        assert off_line.mean() > 0.9
+        assert set(np.unique(regime)) == {1, 2, 3}
+        drawn = np.isfinite(critical_tilt)
+        assert 0 < drawn.sum() < drawn.size
+        tip, critical = thin_rod(critical_tilt[drawn]), d["critical_friction"][drawn]
+        np.testing.assert_allclose(critical_friction(tip), critical, atol=1e-14)
+        above = critical - slide_friction(tip, **setting)
+        assert np.all(above >= 0)
+        assert above[-1] < 0.02
+    assert np.degrees(critical_tilt[drawn][-1]) > 85  # the second root, in the last panel
+
+
+@pytest.mark.parametrize("restitution", [restitution for _, restitution in OWN_VALUES])
+def test_fig10_names_each_regime_where_it_is(restitution):
+    """And the values it is drawn for."""
+    d = fig10.data(quick=True, restitution=restitution)
+    picture = fig10.draw(d)
+    end, tilts_deg = thin_rod(d["reversal_end"][0]), np.degrees(d["tilt"])
+    for ax, ratio, regime in zip(picture.axes, d["approach_ratio"], d["regime"], strict=True):
+        named = {}
+        for text in ax.texts:
+            tilt_deg, friction = getattr(text, "xy", None) or text.get_position()
+            row, column = abs(d["friction"] - friction).argmin(), abs(tilts_deg - tilt_deg).argmin()
+            named[regime[row, column]] = re.sub(r"\W", "_", text.get_text()).upper()
+        assert named == {number: Regime(number).name for number in np.unique(regime)}
+        assert rf"\epsilon={restitution:g}" in ax.get_title(loc="left")
+        how = {"friction": 0.75, "restitution": restitution}
+        stops = classify(1.0, -ratio, geometry=end, **how) != Regime.SLIDE
+        assert any("3/4" in str(line.get_label()) for line in ax.lines) == stops
+    plt.close(picture)
+
+
+def test_fig11_true_curve():
+    """Ends and corners: (26) outside the two critical tilts, (29) between them."""
+    d = data("fig11")
+    lower, upper = d["critical_tilt"]
+    np.testing.assert_allclose(np.degrees([lower, upper]), [22.6568, 84.0424], atol=1e-4)
+    between = (d["tilt"] > lower) & (d["tilt"] < upper)
+    branch = np.where(between, d["reversal_c_x"], d["stick_c_x"])
+    np.testing.assert_allclose(d["c_x"], branch, rtol=1e-12, atol=1e-15)
+    corners = np.isin(d["tilt"], (lower, upper))  # both branches meet there
+    assert corners.sum() == 2
+    np.testing.assert_allclose(d["reversal_c_x"][corners], d["stick_c_x"][corners], rtol=1e-12)
+    for name, upright, flat in (
+        ("c_z", 1.65 / 0.35, 1.65 / 6.35),
+        ("c_x", 0, 0),
+        ("reversal_c_x", 1.65 * 1.2 / 0.35, 1.65 * 0.3 / 6.35),
+    ):
+        np.testing.assert_allclose(d[name][[0, -1]], [upright, flat], rtol=1e-7, atol=1e-15)
+
+
+@pytest.mark.parametrize(("friction", "restitution"), OWN_VALUES)
+def test_fig11_follows_its_values(friction, restitution):
+    """The drift is within the panel; an arrow leads to where the contact sticks again."""
+    d = fig11.data(quick=True, friction=friction, restitution=restitution)
+    picture = fig11.draw(d)
+    (ax,) = picture.axes
+    top, upper = ax.get_ylim()[1], np.degrees(d["critical_tilt"][1])
+    assert top > d["c_x"].max() or (restitution == 1 and top > fig11.HIGHEST)
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert any("(26)" in text for text in words) == np.isfinite(upper)
+    assert f"{restitution:g}$, $\\mu={friction:g}$" in ax.get_legend().get_title().get_text()
+    assert len(ax.child_axes) == np.isfinite(upper)
+    for inset in ax.child_axes:
+        tilt_deg, c_x = inset.texts[0].xy
+        assert inset.get_xlim()[0] < upper < tilt_deg < 90
+        assert 0 < c_x < inset.get_ylim()[1]
+        assert c_x == pytest.approx(np.interp(tilt_deg, np.degrees(d["tilt"]), d["c_x"]))
+    plt.close(picture)
+
+
+# Fig. 12: soft impacts
+
+
+def thick(tilt):
+    """The paper's rod without the figures' own helper: round tip, inertia l^2/12."""
+    return ContactGeometry(4.25 * np.sin(tilt), 4.25 * np.cos(tilt) + 0.5, 9.5 / np.sqrt(12))
+
+
+def rigid(tilt, restitution, law="newton"):
+    """The impact of Fig. 12, mu = 0.4."""
+    how = {"friction": 0.4, "restitution": restitution, "law": law}
+    return collide(0.5, -1.0, geometry=thick(tilt), **how)
+
+
+def test_fig12_symbols_lie_on_the_theory_at_measured_restitution():
+    d = data("fig12")
+    tilt, regime = d["tilt"], d["regime"][0]
+    theory = rigid(tilt, d["restitution"][0])
+    np.testing.assert_array_equal(regime, theory.regime)
+    assert np.all(np.diff(tilt) > 0)
+    changes = [(int(a), int(b)) for a, b in pairwise(regime) if a != b]
+    assert changes == [(2, 3), (3, 1)]  # stick, reversal, slide
+    np.testing.assert_array_equal(d["regimes_right"][:2], 17)
+    assert d["regimes_right"][2] < 12  # as printed
+    assert np.hypot(d["c_x"][0] - theory.c_x, d["c_z"][0] - theory.c_z).max() < 1.2e-3
+    line = rigid(d["line_tilt"], 0.65)
+    np.testing.assert_array_equal(d["line_regime"], line.regime)
+    for name in ("c_x", "c_z"):
+        measured, drawn = d[f"measured_{name}"][0], d[f"line_{name}"]
+        np.testing.assert_allclose(measured, getattr(theory, name), rtol=1e-12, atol=1e-14)
+        np.testing.assert_allclose(drawn, getattr(line, name), rtol=1e-12, atol=1e-14)
+    for law, e in zip(("newton", "poisson", "stronge"), d["line_restitution"], strict=True):
+        np.testing.assert_allclose(e, rigid(d["line_tilt"], 0.65, law).normal_velocity, rtol=1e-12)
+    assert 0.03 < d["rms_constant"][0] < 0.07  # the constant 0.65 is right to 5 % of |c_z|
+    assert d["rms_measured"][0] < 6e-4 < 1e-2 < d["rms_measured"][1] < 0.1 < d["rms_measured"][2]
+    assert d["step_error"].max() < 1e-4
+
+
+def test_one_constant_is_best_in_the_energetic_law():
+    """Head on 0.65 and never more: the loss by the dashpot is shared out by compression's work."""
+    d = data("fig12")
+    nearest = np.sqrt(np.mean(d["off"] ** 2, axis=1)).argmin()
+    assert nearest == fig12.RESTITUTION_LAWS.index("stronge")
+    assert d["restitution"][0, 0] == pytest.approx(0.65, abs=1e-3)
+    assert 0.53 < d["restitution"][0].min() < 0.56
+
+
+# Figs. 2, 6, 7, 8 and 13: rows
+
+
+@pytest.fixture(scope="module")
+def over_tilt():
+    """The row along the tilts, run once."""
+    with tiny():
+        yield runs.computed(runs.tilt_plan(True))
+
+
+def test_rows_are_shown_in_the_units_of_the_axes(over_tilt):
+    """cm/s and rad/s: the store's means times sqrt(g d) and over sqrt(d/g); theory at V_0/2."""
+    six, thirteen, setting = data("fig06"), data("fig13"), {"friction": 0.3, "restitution": 0.65}
+    names = ("touches.c_x_after.mean", "touches.omega_before.mean")
+    c_x, omega = (runs.over_seeds(v)[0] for v in runs.gathered(over_tilt, *names))
+    np.testing.assert_allclose(six["c_x_after"], c_x * np.sqrt(981 * 0.6))
+    np.testing.assert_allclose(six["omega_before"], omega * np.sqrt(981 / 0.6))
+    speed = 3.3 * 981 / (2 * np.pi * 60)
+    np.testing.assert_allclose(thirteen["speed"], speed)
+    np.testing.assert_allclose(thirteen["speed_b"], speed / 3.3 * thirteen["gamma"])
+    line = drift(thick(np.radians(six["fine_deg"])), **setting, plate_velocity=speed / 2)
+    np.testing.assert_allclose(six["line_c_x"], line.c_x, rtol=1e-12)
+    at_tilts = drift(thick(np.radians(thirteen["tilt_deg"])), **setting).c_x
+    np.testing.assert_array_equal(thirteen["thick_at_tilts"], at_tilts)
+
+
+def test_densities_of_phases_integrate_to_one(over_tilt):
+    """And the paper's density is found again."""
+    (counts,) = runs.gathered(over_tilt, "phases")
+    sums = data("fig08")["density"].sum(axis=1)
+    np.testing.assert_allclose(sums * 2 * np.pi / fig08.BINS_DRAWN, 1)
+    rising = np.concatenate([counts[..., :16], counts[..., 48:]], axis=-1).sum(axis=-1)
+    np.testing.assert_allclose(fig08.falling(counts) + rising / counts.sum(axis=-1), 1)
+    edges = np.linspace(0, 2 * np.pi, 65)
+    counts = 1e6 * np.diff(edges + np.sin(edges)) / (2 * np.pi)
+    middle = 2 * np.pi * (np.arange(fig08.BINS_DRAWN) + 0.5) / fig08.BINS_DRAWN
+    np.testing.assert_allclose(fig08.densities(counts), landing_density(middle), atol=1e-3)
+    assert fig08.falling(counts) == pytest.approx(fig08.EXPECTED, rel=1e-12)
+
+
+def test_tips_stay_above_the_plate_and_meet_it():
+    d = data("fig07")
+    gap = d["tips"] - d["plate"][:, None]
+    assert -0.01 < gap.min() < 0.001  # cm
+    assert gap.max() > 0.02
+    assert d["plate"].max() == pytest.approx(3.3 * 981 / (2 * np.pi * 60) ** 2, rel=1e-3)
+    assert d["time"][0] == 0
+    assert d["time"][-1] == pytest.approx(fig07.SHOWN_PERIODS, abs=0.05)
+
+
+def test_drift_is_told_from_none():
+    mean = np.array([1.0, 1.0, -1.0, -1.0, 0.001, -0.001, 0.0, 0.03, np.nan])
+    error = np.array([0.1, 0.4, 0.1, 0.4, 1e-5, 1e-5, 0.0, 0.009, 0.1])
+    np.testing.assert_array_equal(fig02.classify(mean, error), [1, 0, -1, 0, 0, 0, 0, 1, 0])
+
+
+def test_fits_find_what_was_put_in():
+    gamma = np.array([1.05, 1.1, 1.2, 1.4, 2, 3, 4, 5.0])
+    c_x = np.where(gamma < 1.5, 3 * (gamma - 1) ** 1.5, 2.5 * (gamma - 1.3))
+    f = fig13.fits({"gamma": gamma, "b_c_x": c_x, "b_c_x_error": np.full(8, 1e-3)})
+    assert f["power"] == pytest.approx(1.5, abs=1e-6)
+    assert (f["line_slope"], f["line_from"]) == pytest.approx((2.5, 1.3))
+
+
+# Figs. 4 and 5: the annulus
+
+
+def test_two_maxima_and_a_slowdown_are_found():
+    tilt = np.array([50, 3, 6, 9, 12, 15, 18, 22, 26, 30, 35, 40, 45.0])
+    shape = fig04.shape(tilt, np.array([0.2, 1, 2, 3, 4, 5, 6, 5, 3, 4, 5, 3, 1]))
+    expected = {"early": 18, "late": 35, "dip": 0.4, "bend": 0, "slope": 1 / 3, "end": 0.2 / 6}
+    assert shape == pytest.approx(expected, abs=1e-12)
+    tilt = np.linspace(3, 50, 20)
+    one_maximum = fig04.shape(tilt, 30 - np.abs(tilt - 25))
+    assert one_maximum["dip"] == pytest.approx(0, abs=1e-12)
+    assert one_maximum["bend"] < 1e-12 < one_maximum["slope"]
+
+
+def test_a_rod_in_the_narrow_gap_leans_by_53_degrees():
+    gap = from_tables(put(runs.ANNULUS, fig04.NARROW)).annulus
+    assert np.degrees(largest_tilt(gap, 8.0)) == pytest.approx(53, abs=0.01)
+
+
+@pytest.mark.parametrize("assumed", [False, True])
+def test_the_assumed_law_differs_in_the_contacts_alone(assumed):
+    """Restitution 0.65 of plate, rods and walls, those of the plane row as well."""
+    with tiny():
+        plans = fig04.sweeps(True, assumed)
+    simple = from_tables(runs.SIMPLE_ANNULUS).contacts.plate.law
+    assert simple.restitution == 0.65
+    for name, sweep in plans.items():
+        contacts = sweep.points[0].scene.contacts
+        parts = (contacts.plate, contacts.rods, *([] if name == "plane" else [contacts.wall]))
+        assert ({part.law for part in parts} == {simple}) == assumed
+
+
+def test_rolling_and_friction_are_varied_and_nothing_else():
+    plans = fig04.sweeps(True)
+    still, rolling, plane = (plans[n].points[0].scene for n in ("still", "rolling", "plane"))
+    assert (still.rods.rolling, rolling.rods.rolling) == (False, True)
+    assert still.contacts == rolling.contacts
+    shaken = {n: {p.scene.annulus.shaken for p in plans[n].points} for n in plans if n != "plane"}
+    assert {n for n in shaken if shaken[n] == {False}} == {"rest", "rest_gamma"}
+    wall = [point.scene.contacts for point in plans["wall"].points]
+    assert {c.wall.friction for c in wall} == {0.03, 0.3, 1.0}
+    assert {c.plate.friction for c in wall} == {c.rods.friction for c in wall} == {0.3}
+    for name in ("length", "diameter_cm", "inertia"):
+        assert getattr(plane.rods, name) == getattr(still.rods, name)
+
+
+def test_drift_tilt_and_arrangement_are_those_of_a_run():
+    d, many = data("fig05"), data("fig04")
+    scene = from_tables(put(runs.ANNULUS, {"rods.count": 32}))
+    result = md.run(scene, periods=MOST_PERIODS)
+    followed = arrangement.followed(scene, MOST_PERIODS)
+    assert followed["c_x_cm_s"] == pytest.approx(result.c_x * np.sqrt(981 * 0.635))
+    assert followed["tilt_deg"] == result.tilt_deg
+    assert (many["still_c_x_error"] > 0).all()
+    assert (np.diff(many["still_tilt"]) < 0).all()  # more rods lean less
+    np.testing.assert_array_equal(d["rods_32"], result.rods[:, :6])
+    assert d["time"].tolist() == [2, 4, 6, 8]
+    assert d["series"].shape == (3, 2, len(d["time"]), len(arrangement.MEASURED))
+    np.testing.assert_allclose(d["mean"], d["series"][:, :, 2:, 0].mean(axis=(1, 2)))
+    radius = np.hypot(*d["rods_32"][:, :2].T)
+    gap = runs.ANNULUS_SCENE.annulus
+    assert gap.inner + 0.45 < radius.min() < radius.max() < gap.outer - 0.45
+
+
+def placed(radii, tilts=20.0):
+    """Rods in any order around an annulus, leaning along it."""
+    azimuth = 2 * np.pi * np.arange(len(radii)) / len(radii)
+    lean = np.radians(np.broadcast_to(tilts, len(radii)))
+    rods = np.zeros((len(radii), 6))
+    rods[:, 0], rods[:, 1] = radii * np.cos(azimuth), radii * np.sin(azimuth)
+    rods[:, 3], rods[:, 4] = -np.sin(lean) * np.sin(azimuth), np.sin(lean) * np.cos(azimuth)
+    rods[:, 5] = np.cos(lean)
+    return np.random.default_rng(1).permutation(rods)
+
+
+def test_order_of_a_zigzag():
+    """None at random, as offsets of 40 sum to zero; one where it is perfect, little less if not."""
+    random = np.random.default_rng(3)
+    orders = [arrangement.zigzag(placed(random.uniform(6.2, 6.9, 40))) for _ in range(200)]
+    assert np.mean(orders) == pytest.approx(1 / 40, abs=0.03)
+    assert np.std(orders) == pytest.approx(1 / np.sqrt(40), rel=0.2)
+    radii = np.tile([6.2, 6.9], 20)
+    assert arrangement.zigzag(placed(radii)) == pytest.approx(1)
+    radii[20:] = radii[20:][::-1]  # one defect
+    assert 0.85 < arrangement.zigzag(placed(radii)) < 0.95
+
+
+def test_a_region_of_larger_tilt_is_told_from_scattered_tilts():
+    radii = np.full(40, 6.5)
+    mean, spread, _, contrast, share = arrangement.arrangement(
+        placed(radii, np.repeat([15.0, 35.0], 20))
+    )
+    assert (mean, spread, contrast, share) == pytest.approx((25, 10, 20, 0.5))
+    by_turns = arrangement.arrangement(placed(radii, np.tile([15.0, 35.0], 20)))
+    assert by_turns[3] == pytest.approx(0, abs=1e-9)
+    even = arrangement.arrangement(placed(radii))
+    assert (even[1], even[4]) == pytest.approx((0, 0), abs=1e-6)

@@ -1,0 +1,107 @@
+"""Figures of the theory: alpha, laws of restitution, the stationary landing, shapes of tips."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from figures.theory import tip_shape
+from impact import collide, energy_restitution, thin_rod
+
+from .quick_figures import OWN_VALUES, check_figure, data, of_room
+
+
+@pytest.mark.parametrize("name", of_room("theory"))
+def test_every_figure(name):
+    check_figure(name)
+
+
+def largest_gain(tilt, friction, restitution):
+    """Largest energy change under Newton's law over all u_0, in units of v_0^2, by search."""
+    given = np.broadcast_arrays(tilt, friction, restitution)
+    tilt, friction, restitution = np.stack(given)[..., None]
+    centre, half = np.zeros(tilt.shape), np.radians(80)  # of arctan(u_0/|v_0|)
+    how = {"geometry": thin_rod(tilt), "friction": friction, "restitution": restitution}
+    for points in (161, 41, 41):
+        angle = centre + half * np.linspace(-1, 1, points)
+        gain = collide(np.tan(angle), -1.0, **how).energy_change
+        centre = np.take_along_axis(angle, gain.argmax(-1)[..., None], -1)
+        half *= 2 / (points - 1)
+    return gain.max(-1)
+
+
+@pytest.mark.parametrize("offset", [-1e-4, 1e-4])
+def test_search_finds_the_energy_threshold(offset):
+    """Energy is gained just above the closed form's restitution, and not just below it."""
+    tilt, friction = np.random.default_rng(1).uniform((0.1, 0.1), (1.5, 1), (300, 2)).T
+    restitution = energy_restitution(thin_rod(tilt), friction) + offset
+    inside = restitution <= 1
+    gain = largest_gain(tilt[inside], friction[inside], restitution[inside])
+    assert np.all(gain * offset > 0)
+    assert inside.sum() > 200
+
+
+def test_laws_differ_only_where_the_slip_stops():
+    d = data("restitution_laws")
+    assert d["threshold"].min() >= d["floor_threshold"] == pytest.approx(0.8)
+    np.testing.assert_allclose(d["floor"], [np.pi / 4, 0.6])
+    slides = d["friction"][:, None] < d["slide_friction"] - 1e-9
+    assert np.all(d["difference"][slides] < 1e-12)
+    assert 0.3 < d["difference"].max() < 0.4
+    row = np.abs(d["friction"] - d["line_friction"]).argmin()
+    newton_to_poisson = np.hypot(d["c_x"][0] - d["c_x"][1], d["c_z"][0] - d["c_z"][1])
+    assert newton_to_poisson.max() == pytest.approx(d["difference"][row].max(), rel=0.05)
+
+
+def test_the_stationary_landing_where_its_dots_stand():
+    """1/2 is where a rod falls as fast as the plate moves; the best tilt is the cheapest."""
+    d = data("stationary")
+    for half, fast, slow in zip(d["half"], d["consistent"], d["slower"], strict=True):
+        whole = np.where(np.isnan(slow), fast, slow)
+        assert np.interp(half, d["tilt"], whole) == pytest.approx(0.5, abs=1e-4)
+        assert np.nanmax(fast) < 0.5 < np.nanmin(slow)
+    cheapest = np.nanmin(d["cost"][[0, -1]], axis=1)  # slip reversal, slip-stick
+    np.testing.assert_allclose(cheapest, d["best_cost"][[0, -1]], rtol=1e-3)
+    assert d["painleve"][0].min() == pytest.approx(4 / 3, rel=1e-3)
+
+
+def test_flat_end_turns_at_arctan_d_over_l():
+    """By the closed form, landing by landing, and in the soft impact."""
+    d = data("tip_shape")
+    tilt, flat = d["tilt"], d["flat"]
+    assert np.degrees(d["flat_threshold"]) == pytest.approx(7.125, abs=1e-3)
+    positive = ~np.signbit(tilt)
+    np.testing.assert_array_equal(flat[positive] > 0, tilt[positive] > d["flat_threshold"])
+    before, after = flat[tilt == 0]
+    assert before == -after > 2
+    assert np.sum(np.sign(d["round"]) != np.sign(tilt)) == 0
+    bounced = d["flat_bounced"] > 3 * d["flat_bounced_error"]
+    np.testing.assert_array_equal(bounced, d["bounced_tilt"] > d["flat_threshold"])
+    landed = np.sign(d["soft_tilt"]) * d["soft"]  # upright on both corners: nothing
+    np.testing.assert_array_equal(landed > 0, np.abs(d["soft_tilt"]) > d["flat_threshold"])
+    assert d["soft"][d["soft_tilt"] == 0] == pytest.approx(0, abs=1e-12)
+
+
+def test_drift_over_length():
+    """Nothing for a sphere, a thin rod's for a long rod, saturated at three diameters."""
+    d = data("tip_shape")
+    thin = d["thin_by_length"][0]
+    assert d["round_by_length"][0] == 0
+    np.testing.assert_allclose([d["round_by_length"][-1], d["flat_by_length"][-1]], thin, rtol=0.03)
+    assert np.all(np.abs(d["round_by_length"][d["lengths"] > 3] / thin - 1) < 0.06)
+    np.testing.assert_array_equal(d["flat_by_length"] > 0, d["lengths"] > d["flat_length"])
+
+
+@pytest.mark.parametrize(("friction", "restitution"), OWN_VALUES)
+def test_tip_shape_cuts_no_drift(friction, restitution, monkeypatch):
+    quick = data("tip_shape")
+    monkeypatch.setattr(tip_shape, "_bounced", lambda *_: {})
+    monkeypatch.setattr(tip_shape, "_one_impact", lambda *_: {})
+    d = {**quick, **tip_shape.data(True, friction, restitution)}
+    drifts = np.abs([*d["thin"], *d["round"], *d["flat"], *d["flat_by_length"]])
+    picture = tip_shape.draw(d)
+    for ax in picture.axes[:2]:
+        top = ax.get_ylim()[1]
+        assert top > drifts.max() or (restitution == 1 and top > tip_shape.HIGHEST)
+        assert top < 2 * drifts.max()
+        assert all(abs(text.get_position()[1]) < top for text in ax.texts)
+    plt.close(picture)
