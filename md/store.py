@@ -4,13 +4,11 @@ Every row is a transaction of its own: rows that were written stay when the proc
 two sweeps may write to one file.
 
 The columns of a result are those of `simulation.Result`: "c_x" is its `c_x`, the mean over the
-periods behind the transient of `measures.RowTables.drift`, in an annulus `AnnulusTables.drift`. In
-the file a result has a key more, "check", by which a row that somebody edited is found.
+periods behind the transient of `measures.Tables.drift`.
 """
 
 import contextlib
 import csv
-import hashlib
 import json
 import sqlite3
 import time
@@ -19,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from .domains import InputError, held
-from .files import empty, plain, replacing, warn, writable
+from .files import empty, plain, replacing, writable
 from .units import in_cm
 
 __all__ = ["Store", "StoreError", "named", "table", "write_csv"]
@@ -27,7 +25,8 @@ __all__ = ["Store", "StoreError", "named", "table", "write_csv"]
 _VERSION = 2  # 1: other names of keys and columns
 _APPLICATION = 0x726F6473  # "rods"
 _WAIT = 60.0  # seconds for another writer
-_OF_RUN = "periods", "seed", "code", "error", "seconds", "written"  # columns of all tables
+_LAST = "code", "error", "seconds", "written"  # columns at the end of all tables
+_OF_RUN = "periods", "seed", *_LAST
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS runs (
@@ -42,11 +41,6 @@ CREATE TABLE IF NOT EXISTS runs (
     written TEXT NOT NULL    -- UTC
 )
 """
-
-
-def _check(scene: dict, result: dict) -> str:
-    """Twelve hexadecimal digits that stand for a row."""
-    return hashlib.sha256(json.dumps([scene, result]).encode()).hexdigest()[:12]
 
 
 class StoreError(InputError):
@@ -80,7 +74,6 @@ class Store:
         uri = f"{self.path.absolute().as_uri()}?mode={'rwc' if write else 'ro'}"
         with self._failing("cannot be opened"):
             self.database = sqlite3.connect(uri, uri=True, timeout=_WAIT)
-        self.edited: set[str] = set()  # keys of rows that do not hold what was written
         try:
             if not fresh:
                 self._recognise()
@@ -92,11 +85,9 @@ class Store:
 
     def _recognise(self) -> None:
         """Refuse a file that is not a store of this version."""
-        names = "application_id", "user_version"
         with self._failing("is not a store"):
-            mark, version = (
-                self.database.execute(f"PRAGMA {name}").fetchone()[0] for name in names
-            )
+            (mark,) = self.database.execute("PRAGMA application_id").fetchone()
+            (version,) = self.database.execute("PRAGMA user_version").fetchone()
         if mark != _APPLICATION:
             raise StoreError(f"store {self.path} is a database, but not one of runs")
         if version != _VERSION:
@@ -116,10 +107,10 @@ class Store:
 
     @contextlib.contextmanager
     def _failing(self, what: str) -> Iterator[None]:
-        """Turn an error of SQLite into one that says what could not be done."""
+        """Turn an error of SQLite or of JSON into one that says what could not be done."""
         try:
             yield
-        except sqlite3.Error as error:
+        except (sqlite3.Error, json.JSONDecodeError) as error:
             raise StoreError(f"store {self.path} {what}: {error}") from None
 
     def __enter__(self) -> "Store":
@@ -129,18 +120,19 @@ class Store:
         self.database.close()
 
     def has(self, key: str, failed: bool = True) -> bool:
-        """Whether the store holds a run; a row that cannot be read is named in a warning.
+        """Whether the store holds a run.
 
         Parameters
         ----------
         key : of the run, as `md.sweep.Point.key`
         failed : whether a run that failed counts as well
         """
-        scene, result = self._found(key)
-        return result is not None or (failed and scene is not None)
+        query = "SELECT 1 FROM runs WHERE key = ? AND (? OR result IS NOT NULL)"
+        with self._failing("cannot be read"):
+            return self.database.execute(query, (key, failed)).fetchone() is not None
 
     def put(self, key: str, about: dict[str, Any], result: dict | None, error: str | None) -> None:
-        """Write a run, to the disk when this returns; no result that can be read is replaced.
+        """Write a run, to the disk when this returns; no result is replaced.
 
         Parameters
         ----------
@@ -150,16 +142,12 @@ class Store:
         error : why it failed; None if it did not
         """
         row = about | {"key": key, "scene": json.dumps(about["scene"]), "error": error}
-        if result is not None:
-            result = {**result, "check": _check(about["scene"], result)}
         row["result"] = None if result is None else json.dumps(result)
         row["written"] = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-        names = ", ".join(row)
-        values = ", ".join(f":{name}" for name in row)
+        names, values = ", ".join(row), ", ".join(f":{name}" for name in row)
         with self._failing("cannot be written"), self.database:
             self.database.execute("BEGIN IMMEDIATE")
-            if self.result(key) is None:
-                self.database.execute("DELETE FROM runs WHERE key = ?", (key,))
+            self.database.execute("DELETE FROM runs WHERE key = ? AND result IS NULL", (key,))
             self.database.execute(f"INSERT OR IGNORE INTO runs ({names}) VALUES ({values})", row)
 
     def result(self, key: str) -> dict | None:
@@ -169,37 +157,18 @@ class Store:
         ----------
         key : of the run, as `md.sweep.Point.key`
         """
-        return self._found(key)[1]
-
-    def _found(self, key: str) -> tuple[dict | None, dict | None]:
-        """Scene and result of a run; without a result it failed, without a scene it is missing."""
         with self._failing("cannot be read"):
-            query = "SELECT key, scene, result FROM runs WHERE key = ?"
+            query = "SELECT result FROM runs WHERE key = ? AND result IS NOT NULL"
             row = self.database.execute(query, (key,)).fetchone()
-        return self._parsed(*row) if row else (None, None)
-
-    def _parsed(self, key: str, scene: str, result: str | None) -> tuple[dict | None, dict | None]:
-        """Scene and result of a row; None where somebody has edited it."""
-        with contextlib.suppress(ValueError):
-            said, found = json.loads(scene), json.loads("{}" if result is None else result)
-            if isinstance(said, dict) and isinstance(found, dict):
-                check = found.pop("check", None)  # none: it failed, or is of an earlier version
-                if check is None or check == _check(said, found):
-                    return said, None if result is None else found
-        if key not in self.edited:
-            warn(f"store {self.path}: run {key} was edited; it counts as missing")
-            self.edited.add(key)
-        return None, None
+            return json.loads(row[0]) if row else None
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """All runs that can be read, in the order in which they were written."""
+        """All runs, in the order in which they were written."""
         with self._failing("cannot be read"):
-            query = f"SELECT key, scene, result, {', '.join(_OF_RUN)} FROM runs ORDER BY rowid"
-            for key, *texts in self.database.execute(query):
-                scene, result = self._parsed(key, *texts[:2])
-                if scene is not None:
-                    about = dict(zip(_OF_RUN, texts[2:], strict=True))
-                    yield {"scene": scene, "result": result, **about}
+            query = f"SELECT scene, result, {', '.join(_OF_RUN)} FROM runs ORDER BY rowid"
+            for scene, result, *about in self.database.execute(query):
+                tables = {"scene": json.loads(scene), "result": json.loads(result or "null")}
+                yield tables | dict(zip(_OF_RUN, about, strict=True))
 
 
 def named(result: dict | None, name: str) -> Any:
@@ -213,19 +182,16 @@ def named(result: dict | None, name: str) -> Any:
     Raises
     ------
     ValueError
-        If the results have no such name, or a table of that name; the message names what there is.
+        If the results have no such name; the message names what there is.
     """
     held("names", name, str)
-    found, path = result, ""
-    for part in name.split("."):
-        if found is None:
-            return None
-        if not isinstance(found, dict) or part not in found:
-            raise InputError(f"{name} is not in the results: {', '.join(_flat(result or {}))}")
-        found, path = found[part], f"{path}{part}."
-    if isinstance(found, dict):
-        raise InputError(f"{name} is a table of results: {', '.join(_flat(found, path))}")
-    return found
+    flat = _flat(result or {})
+    absent = (f"{key}." for key, value in flat.items() if value is None)
+    if result is None or name.startswith(tuple(absent)):
+        return None
+    if name not in flat:
+        raise InputError(f"{name} is not in the results: {', '.join(flat)}")
+    return flat[name]
 
 
 def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:
@@ -280,11 +246,7 @@ def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) 
 
     def is_table(there: Path) -> bool:
         with there.open(encoding="utf-8", errors="replace", newline="") as file:
-            header = file.readline(2**20).rstrip("\r\n").split(",")
-        # A table without a foreign column; a store without runs has no names to compare.
-        every = set(_OF_RUN)
-        ours = set(columns) <= every or all("." in name or name in columns for name in header)
-        return header == columns or (ours and every <= set(header))
+            return file.readline(2**20).rstrip().endswith(",".join(_LAST))
 
     writable("csv", path, is_table, "one of runs")
     with replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:

@@ -41,11 +41,11 @@ import warnings
 from _thread import interrupt_main
 from collections import ChainMap
 from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from time import perf_counter, sleep
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -56,7 +56,6 @@ from tqdm import tqdm
 from . import sources
 from .accuracy import MAX_SECONDS, checked, run, stepped
 from .domains import InputError, RunError, finite, held, listed, positive, tabled, whole
-from .files import warn
 from .host import step_of
 from .interrupt import deferred
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
@@ -78,7 +77,7 @@ __all__ = [
 _SWEEPS = Path(__file__).parent / "sweeps"
 _KEYS = "scene", "periods", "tolerance", "max_seconds", "set", "axes"
 _MOST_POINTS = 10**6
-PATIENCE = 60.0  # seconds without a worker of a cluster, after which it is said
+PATIENCE = 60.0  # seconds in which a cluster is to have a worker
 _CRASHES = 3  # deaths of a worker in a row before the sweep gives up
 
 
@@ -167,13 +166,11 @@ class Sweep:
         Raises
         ------
         ValueError
-            If the results have no such name, or differ in shape from run to run.
+            If the results have no such name.
         """
         with Store(store, write=False) as database:
             results = [database.result(point.key) for point in self.points]
-        return tuple(
-            self._array(name, [named(result, name) for result in results]) for name in names
-        )
+        return tuple(self._array([named(result, name) for result in results]) for name in names)
 
     def labelled(self, store: str | Path, *names: str) -> Any:
         """Results with their coordinates, by xarray (`pip install 'rod-impact[md]'`).
@@ -209,18 +206,12 @@ class Sweep:
             variables[name] = (*dims, *inner), array
         return Dataset(variables, coords)
 
-    def _array(self, name: str, values: list) -> np.ndarray:
-        there = [value for value in values if value is not None]
-        inner = np.shape(there[0]) if there else ()
-        texts = bool(there) and all(isinstance(value, str) for value in there)
-        blank = "" if texts else np.full(inner, np.nan)
-        try:
-            flat = np.array([blank if v is None else v for v in values], str if texts else float)
-            return flat.reshape(self.shape + inner)
-        except (TypeError, ValueError):
-            raise InputError(
-                f"{name} must hold numbers of one shape in all runs, got {values!r:.200}"
-            ) from None
+    def _array(self, values: list) -> np.ndarray:
+        first = next((value for value in values if value is not None), math.nan)
+        kind = str if isinstance(first, str) else float
+        blank = "" if kind is str else np.full(np.shape(first), math.nan)
+        flat = np.array([blank if value is None else value for value in values], kind)
+        return flat.reshape(self.shape + flat.shape[1:])
 
 
 def _values(name: str, given: object) -> list:
@@ -231,17 +222,11 @@ def _values(name: str, given: object) -> list:
         for end in ("from", "to"):
             (positive if log else finite)(f"{name}.{end}", given[end])
         count = whole(f"{name}.count", given["count"], 1, _MOST_POINTS)
-        low, high = given["from"], given["to"]
-        values = (np.geomspace if log else np.linspace)(low, high, count).tolist()
-        integers = (
-            not log and isinstance(low, int | np.integer) and all(x == round(x) for x in values)
-        )
-        return [round(x) for x in values] if integers else values
+        spaced = (np.geomspace if log else np.linspace)(given["from"], given["to"], count)
+        return [int(x) if x.is_integer() else x for x in spaced.tolist()]
     values = listed(given)
     if not values:
         raise InputError(f"{name} must be a list of values, not empty, or a range, got {given!r}")
-    if any(isinstance(value, float) and not math.isfinite(value) for value in values):
-        raise InputError(f"{name} must hold finite values, got {given!r}")
     return values
 
 
@@ -268,25 +253,22 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
     Raises
     ------
     ValueError, TypeError
-        If an axis is empty or holds nan, or a point is not a scene that can run; the message names
+        If an axis is empty, or a point is not a scene that can run; the message names
         the point.
     """
-    base = scene_beside("", tables) if base is None else base
+    base = base or scene_beside("", tables)
     tabled("a sweep", tables, (), _KEYS)
     periods = whole("periods", tables.get("periods", 200), 1, MOST_PERIODS)
     chosen = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
     if chosen:
         checked(periods=tables.get("periods"), **chosen)
         periods = 0
-    given = tables.get("axes", [])
-    if not isinstance(given, list | tuple):
-        raise InputError(f"axes must be a list of tables, [[axes]], got {given!r}")
+    given = held("axes", tables.get("axes", []), list)
     axes = tuple(_axis(i, table) for i, table in enumerate(given))
     keys = [key for axis in axes for key in axis]
     if len(set(keys)) < len(keys):
         raise InputError(f"a key may stand on one axis alone, got {keys}")
-    size = math.prod(len(next(iter(axis.values()))) for axis in axes)
-    if size > _MOST_POINTS:
+    if (size := math.prod(Sweep(axes, ()).shape)) > _MOST_POINTS:
         raise InputError(f"a sweep may have {_MOST_POINTS} points, got {size}")
     common, points = changes_of("set", tables.get("set", {})), []
     along = [[dict(zip(a, v, strict=True)) for v in zip(*a.values(), strict=True)] for a in axes]
@@ -380,18 +362,16 @@ def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]
 @contextmanager
 def _pool(tasks: list, workers: int) -> Iterator[Generator[tuple, None, None]]:
     """Results as they arrive; an exception stops the runs under way, without joblib's warnings."""
-    how = {"batch_size": 1, "pre_dispatch": "2*n_jobs", "return_as": "generator_unordered"}
     results: Any = None
     try:
         with deferred():  # half a pool would leave semaphores behind
-            results = Parallel(n_jobs=workers, **how)(tasks)
+            results = Parallel(n_jobs=workers, batch_size=1, return_as="generator_unordered")(tasks)
         yield results
-    except BaseException:
+    finally:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             if results is not None:
                 results.close()
-        raise
 
 
 @dataclass
@@ -423,8 +403,8 @@ def execute(
     sweep : Sweep
     store : path of the store; each result is written as it arrives
     workers : processes on this machine; -1: one for each core
-    scheduler : address of a Dask cluster, which has workers of its own; the sweep waits for some,
-        and says so after a minute
+    scheduler : address of a Dask cluster, which has workers of its own, the first within a
+        minute
     retry : whether to run again what has failed before
     progress : whether to show a progress bar, on a terminal
 
@@ -435,7 +415,7 @@ def execute(
     ValueError, TypeError
         If `workers` is not a number of processes, `scheduler` not a cluster, or both are given.
     RunError
-        If a worker dies three times in a row, or the scheduler of the cluster is gone.
+        If a worker dies three times in a row, or the cluster has no worker or is gone.
     Interrupted
         On Ctrl-C; what was finished is in the store.
     """
@@ -495,12 +475,11 @@ def _backend(scheduler: str | None) -> Iterator[None]:
         raise InputError(
             f"scheduler must be the address of a Dask cluster, got {scheduler!r}: {error}"
         ) from None
-    over = threading.Event()
+    ended = threading.Event()
     with client:
-        threading.Thread(target=_watch, args=(client, scheduler, over), daemon=True).start()
+        threading.Thread(target=_watch, args=(client, ended), daemon=True).start()
         try:
-            while not client.ncores():
-                sleep(0.1)
+            client.wait_for_workers(1, timeout=PATIENCE)
             with parallel_config("dask", client=client):
                 yield
         except (Exception, KeyboardInterrupt) as error:
@@ -511,19 +490,12 @@ def _backend(scheduler: str | None) -> Iterator[None]:
                 raise RunError(f"the scheduler {scheduler} {why}; {kept}") from None
             raise
         finally:
-            over.set()
+            ended.set()
 
 
-def _watch(client: Any, scheduler: str, over: threading.Event) -> None:
-    """Say that a cluster has no workers; interrupt the sweep, which would wait, if it is gone."""
-    seen = perf_counter()
-    while not over.wait(1.0):
-        with suppress(Exception):  # of a connection that is being made again
-            if client.ncores():
-                seen = perf_counter()
+def _watch(client: Any, ended: threading.Event) -> None:
+    """Interrupt the sweep, which would wait, if its scheduler is gone."""
+    while not ended.wait(1.0):
         if client.status == "closed":
             interrupt_main()
             return
-        if perf_counter() - seen > PATIENCE:
-            seen = math.inf
-            warn(f"the cluster {scheduler} has had no worker for {PATIENCE:g} s; the sweep waits")

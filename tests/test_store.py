@@ -39,6 +39,13 @@ def test_two_writers_share_a_store(tmp_path):
         assert [row["result"]["i"] for row in one.rows()] == list(range(10))
 
 
+def test_a_row_that_was_edited_by_hand_costs_one_line(tmp_path, capsys):
+    with Store(tmp_path / "a.db") as store:
+        store.put("k", ABOUT, {"c_x": 0.5}, None)
+    database(tmp_path / "a.db", "UPDATE runs SET result = 'oops'")
+    refused(lambda: main(["results", str(tmp_path / "a.db")]), "a.db cannot be read: Exp", capsys)
+
+
 def database(path, *statements):
     """A database that somebody else made or changed."""
     with contextlib.closing(sqlite3.connect(path)) as other, other:
