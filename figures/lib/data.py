@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from inspect import getfile
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ from md.sources import code_of
 
 from .. import FIGURES, load
 
+Own = Mapping[str, Any]  # values of one's own, in place of the paper's
+NOTHING: Own = MappingProxyType({})
 _HOUSE = Path(__file__).parents[2]
 
 
@@ -74,7 +77,7 @@ def sources(name: str) -> str:
     return _digest(*_files("md", "impact"), *sorted(_imports(module, set())))
 
 
-def provenance(name: str, quick: bool, own: Mapping[str, Any]) -> dict[str, Any]:
+def provenance(name: str, quick: bool, own: Own = NOTHING) -> dict[str, Any]:
     """What made the data of a figure: sources, versions, size.
 
     Parameters
@@ -98,9 +101,7 @@ def provenance(name: str, quick: bool, own: Mapping[str, Any]) -> dict[str, Any]
     }
 
 
-def keep(
-    path: Path, name: str, quick: bool, data: Mapping[str, Any], own: Mapping[str, Any]
-) -> None:
+def keep(path: Path, name: str, quick: bool, data: Mapping[str, Any], own: Own = NOTHING) -> None:
     """Write the data of a figure for `stored_data`.
 
     Parameters

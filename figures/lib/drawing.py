@@ -4,11 +4,10 @@ import io
 import sys
 import traceback
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 from joblib import Parallel, delayed
@@ -21,13 +20,11 @@ from md.interrupt import deferred
 
 from .. import FIGURES, load
 from . import runs
-from .data import keep, kept_data
+from .data import NOTHING, Own, keep, kept_data
 from .files import first_look
 from .printing import printed
 
 KINDS = "npz", "png", "pdf"
-Own = Mapping[str, Any]
-NOTHING: Own = MappingProxyType({})
 
 
 class Drawn(NamedTuple):
