@@ -20,6 +20,7 @@ from typing import Any
 HOLDS, FAILS = "holds", "does not hold"
 CLOSE, MISSING = "too close to call", "not measured"
 VERDICTS = HOLDS, FAILS, CLOSE, MISSING
+ONE_STATE_DEG = 12  # from this tilt on a row has one state (figure `states`)
 
 
 def read() -> list[dict[str, Any]]:

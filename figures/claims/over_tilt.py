@@ -12,10 +12,10 @@ from impact import drift, landing_density, thin_rod
 from md.sweep import Sweep
 
 from ..lib.runs import SETTING, drift_and_tilt, means
+from .limits import ONE_STATE_DEG
 from .uncertainty import Number, crossing, measures, resampled, rms
 
 SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one above the other
-ONE_STATE_DEG = 12  # from here on a row has one state (figure `states`)
 BUMP_DEG, BUMP_WIDTH_DEG, BUMP_REACH_DEG = 30, 4, 15  # place, width and what is looked at around it
 CLEAR = 3.0  # standard errors from which on a drift counts as one
 

@@ -45,6 +45,7 @@ templates = Environment(
 )
 templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limits_shown}
 templates.globals |= {"verdicts": limits.VERDICTS, "fails": limits.FAILS, "pm": plus_minus}
+templates.globals["one_state_deg"] = limits.ONE_STATE_DEG
 templates.globals |= {"checked": CHECKED, "counts": judge.counts, "counted": judge.counted}
 templates.globals |= {name: getattr(judge, name) for name in ("statements", "summary", "regions")}
 
