@@ -1,17 +1,14 @@
 """The registry: every verdict is proved, and a wrong one is caught."""
 
 import json
-import random
 import subprocess
 import sys
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 
 import pytest
 import sympy as sp
-from mpmath import mpf, workdps
 
 from derivations import __main__ as cli
 from derivations import (
@@ -19,21 +16,15 @@ from derivations import (
     codegen,
     equality,
     files,
-    laws,
-    newton,
     paper,
     proof,
     registry,
     rewrites,
     slide,
-    slip_reversal,
-    slip_stick,
     trace,
 )
 from derivations import symbols as s
 from derivations.proof import Equation
-
-from .reference import SLIDE, SLIP_REVERSAL, SLIP_STICK, reference_collide
 
 BY_TAG = {entry.tag: entry for entry in registry.ENTRIES}
 NUMBERED = [str(n) for n in range(1, 32)] + [f"B{n}" for n in range(1, 13)]
@@ -47,27 +38,14 @@ def test_every_verdict_is_proved(entry):
     assert proof_found.ok, proof_found.evidence
 
 
-def test_every_numbered_equation_is_there_once():
-    assert len(BY_TAG) == len(registry.ENTRIES)
-    assert set(NUMBERED) <= set(BY_TAG)
-    assert all(BY_TAG[tag].printed is not None for tag in NUMBERED)
-
-
-def test_nothing_of_the_paper_is_left_over():
-    """Every formula and sentence typed from the paper is judged, or judges another one."""
+def test_everything_of_the_paper_is_judged_once():
+    """Every numbered equation; every formula and sentence typed, or it judges another one."""
     used = {tag for entry in EQUATIONS for tag in (*entry.formulas, *entry.contradicted_by)}
-    own = {entry.tag for entry in EQUATIONS}
-    assert set(paper.EQUATIONS) <= used | own
-    assert set(paper.SENTENCES) <= own
+    assert len(BY_TAG) == len(registry.ENTRIES)
+    assert all(BY_TAG[tag].printed is not None for tag in NUMBERED)
+    assert set(paper.EQUATIONS) <= used | set(BY_TAG)
+    assert set(paper.SENTENCES) <= set(BY_TAG)
     assert {function.name for function in closed_forms.FUNCTIONS} == set(rewrites.WORDS)
-
-
-def test_mistakes_are_reported_with_what_contradicts_them():
-    for entry in registry.mistakes():
-        assert proof.told(entry) or entry.repairs
-        assert entry.contradicted_by
-        assert set(entry.contradicted_by) <= set(paper.EQUATIONS)
-        assert entry.contradiction is not None or entry.repair
 
 
 @pytest.mark.parametrize(
@@ -85,6 +63,7 @@ def test_no_entry_passes_with_another_verdict(tag, verdict):
 def test_what_contradicts_a_mistake_is_named(tag):
     """Another formula of the paper in the place of any of them, and the contradiction is gone."""
     named = BY_TAG[tag].contradicted_by
+    assert named
     for place, one in enumerate(named):
         other = next(x for x in ("7", "17", "25") if x != one)
         changed = (*named[:place], other, *named[place + 1 :])
@@ -109,13 +88,8 @@ def test_a_repair_makes_the_printed_form_right(tag):
     other = replace(entry.repair[0], new=entry.repair[0].new + " + 1")
     assert not replace(entry, repair=(other, *entry.repair[1:])).prove().ok
     printed = paper.EQUATIONS[entry.formulas[0]].right
-    right = printed
-    for repair in entry.repair:
-        right = repair.of(right)
-    whole = proof.Repair(printed, f"0 + {right}")
-    assert replace(entry, repair=(whole,)).repaired == entry.repaired
     far = proof.Repair(printed, sp.latex(entry.derive().doit()).replace("{", "{ "))
-    assert 2 * far.size > len(printed)  # no repair, but another form
+    assert not replace(entry, repair=(far,)).prove().ok  # no repair, but another form
 
 
 @pytest.mark.parametrize("tag", sorted(ERRATA - set(ERRATA_OF_FORMS)))
@@ -135,27 +109,10 @@ def test_the_paper_is_sealed(monkeypatch):
     assert not BY_TAG["7"].prove().ok
 
 
-def test_the_parser_reads_what_the_paper_means():
-    """Independent of any entry: products, slashes, functions, vectors and their components."""
-    letters = paper.LETTERS | {"s": s.X}
-    for tex, want in {
-        r"3/2h_0": sp.Rational(3, 2) * s.h_0,
-        r"l/2\sqrt{3}": s.length / (2 * sp.sqrt(3)),
-        r"l \sin \phi/2": s.length * sp.sin(s.phi) / 2,
-        r"(1 + \cos\theta)/2\pi": (1 + sp.cos(s.theta)) / (2 * sp.pi),
-        r"-c_x[4c_z(1 + \epsilon)]^{-1}": -s.c_x / (4 * s.c_z * (1 + s.epsilon)),
-        r"m\mu k^2": s.m * s.mu * s.k**2,
-        r"\frac{\sqrt{9 - 16\mu^2}}{2}": sp.sqrt(9 - 16 * s.mu**2) / 2,
-        r"6\sin^2\phi V_z": 6 * sp.sin(s.phi) ** 2 * s.V_z,
-        r"2.0 \cdot 10^{-5}": sp.Rational(2, 10**5),
-    }.items():
-        assert sp.simplify(paper.read(tex, letters) - want) == 0, tex
-    assert paper.printed("3") == sp.Matrix(
-        [
-            s.c_x - s.length / 2 * s.omega * sp.cos(s.phi),
-            s.c_z + s.length / 2 * s.omega * sp.sin(s.phi) - s.V_z,
-        ]
-    )
+@pytest.mark.parametrize("tex", [r"m \dot v_x", "(m + 1", "m + )", r"\frac{m}", "m > k > l"])
+def test_what_cannot_be_read_is_refused(tex):
+    with pytest.raises((ValueError, IndexError, TypeError, AttributeError)):
+        paper.read(tex, paper.LETTERS)
 
 
 @pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
@@ -189,6 +146,23 @@ def test_a_left_side_that_is_read_has_the_derived_value(tag, old, new):
     entry = BY_TAG[tag]
     assert entry.prove().ok
     assert not replace(entry, left=entry.left.replace(old, new, 1)).prove().ok
+
+
+@pytest.mark.parametrize(
+    ("step", "tag"),
+    [
+        ("slip_stick.sticking_velocity", "B3: second line"),
+        ("slip_reversal.reversed_change", "B7"),
+        ("drift.slide_loss", "V: no slide"),
+        ("drift.centre_excess", "V: hit again at once"),
+        ("pairs.determinant", "pairs: determinant"),
+    ],
+)
+def test_a_left_side_of_several_letters_has_the_value_of_its_step(step, tag, monkeypatch):
+    lefts = tuple(left.replace(" - ", " + ") for left in trace.LEFTS[step])
+    monkeypatch.setitem(trace.LEFTS, step, lefts)
+    with trace.derived_again("derived", step):
+        assert not BY_TAG[tag].prove().ok
 
 
 def test_what_is_derived_cannot_pass_as_assumed():
@@ -267,79 +241,6 @@ def test_what_is_noted_is_quoted_and_never_counted_as_proved(monkeypatch):
         assert entry.quote in row.what
 
 
-@cache
-def _random_impacts():
-    """150 rational impacts with u_0 > 0, v_0 < 0, as the paper has them."""
-    draw, found = random.Random(7), []
-    while len(found) < 150:
-        point = {
-            symbol: sp.Rational(draw.randrange(-300, 300), 100)
-            for symbol in (s.X, s.Z, s.c_x, s.c_z, s.omega, s.V_z)
-        }
-        point |= {
-            s.k: sp.Rational(draw.randrange(20, 200), 100),
-            s.mu: sp.Rational(draw.randrange(1, 200), 100),
-            s.epsilon: sp.Rational(draw.randrange(0, 101), 100),
-            s.m: sp.Integer(1),
-        }
-        start = {symbol: value.subs(point) for symbol, value in newton.approach().items()}
-        if start[s.u_0] > 0 > start[s.v_0]:
-            found.append({**point, **start})
-    return found
-
-
-def _number(value):
-    """A rational at the working precision."""
-    return mpf(value.p) / value.q
-
-
-def _integrated(point, law="newton"):
-    """The independent integration of one rational impact, at the working precision."""
-    names = {"friction": s.mu, "restitution": s.epsilon, "plate_velocity": s.V_z}
-    names |= {str(letter): letter for letter in (s.c_x, s.c_z, s.omega, s.X, s.Z, s.k)}
-    given = {name: _number(point[letter]) for name, letter in names.items()}
-    return reference_collide(**given, law=law)
-
-
-def test_derived_impulses_agree_with_an_independent_integration():
-    """The symbolic results against phase-by-phase integration at 50 digits, regime by regime."""
-    derived = {SLIDE: slide, SLIP_STICK: slip_stick, SLIP_REVERSAL: slip_reversal}
-    letters = list(_random_impacts()[0])
-    impulses = {code: sp.lambdify(letters, of.impulse(), "mpmath") for code, of in derived.items()}
-    seen = dict.fromkeys(derived, 0)
-    for point in _random_impacts():
-        with workdps(60):
-            reference = _integrated(point)
-            P_x, P_z = impulses[reference.regime](*map(_number, point.values()))
-            assert abs(P_x - reference.P_x) < mpf(10) ** -45
-            assert abs(P_z - reference.P_z) < mpf(10) ** -45
-        seen[reference.regime] += 1
-    assert min(seen.values()) >= 5, seen
-
-
-@pytest.mark.parametrize("law", ["newton", "poisson", "stronge"])
-def test_derived_laws_agree_with_an_independent_integration(law):
-    """v_f of all laws and orders, from the slopes, against the integration."""
-    letters, slopes, (_, p_1, v_1) = list(_random_impacts()[0]), laws.slopes(), slide.stop()
-    ways = {}
-    for regime, after in ((SLIP_STICK, "stick"), (SLIP_REVERSAL, "back")):
-        known = {laws.a_1: slopes["slip"], laws.a_2: slopes[after], s.P_1: p_1}
-        for order in ("early", "late"):
-            form = laws.final_velocity(law, order).subs(known)
-            ways[regime, order] = sp.lambdify(letters, form, "mpmath")
-    seen = set()
-    for point in _random_impacts():
-        with workdps(60):
-            reference = _integrated(point, law)
-            if reference.regime == SLIDE:
-                continue
-            way = reference.regime, "early" if v_1.subs(point) < 0 else "late"
-            seen.add(way)
-            value = ways[way](*map(_number, point.values()))
-            assert abs(value - reference.normal_velocity) < mpf(10) ** -40
-    assert seen == set(ways)
-
-
 def test_rewriting_that_changes_a_value_is_refused():
     wrong = rewrites.Rule("wrong", "", lambda _: {s.v_1: s.v_0 - rewrites.N * s.u_0})
     with pytest.raises(rewrites.RewriteError, match="wrong"):
@@ -353,8 +254,6 @@ def test_the_generated_file_is_what_the_derivations_give():
 def test_the_page_of_equations_is_that_of_the_registry():
     text = files.page()
     assert files.PAGE.read_text(encoding="utf-8") == text
-    assert all(line.endswith("|") for line in text.splitlines() if line.startswith("|"))
-    assert all(f"| ({tag}) |" in text for tag in NUMBERED)
     assert all(f"| {entry.tag} |" in text for entry in registry.mistakes())
 
 
@@ -372,25 +271,16 @@ def test_unplain_arithmetic_is_not_generated():
         codegen.text_of(sp.sqrt(s.X))
 
 
-@pytest.fixture
-def few_entries(monkeypatch):
-    entries = (BY_TAG["8"], BY_TAG["12"])
-    monkeypatch.setattr(registry, "ENTRIES", entries)
-    return entries
-
-
-def test_check_prints_a_table(few_entries, capsys):
-    assert cli.main(["check"]) == 0
-    text = capsys.readouterr().out
-    assert "erratum" in text
-    assert "2 entries: 1 agrees, 1 erratum; 0 not proved" in text
-
-
-def test_check_prints_json_for_machines(few_entries, capsys):
-    assert cli.main(["check", "--json"]) == 0
-    rows = json.loads(capsys.readouterr().out)
-    assert [(row["tag"], row["verdict"]) for row in rows] == [("8", "agrees"), ("12", "erratum")]
-    assert all(row["proved"] and "note" in row for row in rows)
+def test_check_prints_a_table_and_json_for_machines(monkeypatch, capsys):
+    monkeypatch.setattr(registry, "ENTRIES", (BY_TAG["8"], BY_TAG["12"]))
+    assert cli.main(["check"]) == cli.main(["check", "--json"]) == 0
+    table, _, rows = capsys.readouterr().out.partition(
+        "2 entries: 1 agrees, 1 erratum; 0 not proved"
+    )
+    assert "erratum" in table
+    for row, verdict in zip(json.loads(rows), ("agrees", "erratum"), strict=True):
+        assert row["verdict"] == verdict
+        assert row["proved"]
 
 
 def test_a_false_verdict_gives_exit_code_one(monkeypatch, capsys):

@@ -81,17 +81,6 @@ def test_generated_functions_are_their_derivations_and_no_line_may_change():
         line.value = usual
 
 
-def test_generated_text_is_plain_arithmetic():
-    """Names, numbers, + - * / and nothing else: no call, no branch, no power."""
-    allowed = (
-        ast.Module, ast.FunctionDef, ast.arguments, ast.arg, ast.Assign, ast.Return, ast.Tuple,
-        ast.Name, ast.Load, ast.Store, ast.Constant, ast.Expr, ast.BinOp, ast.UnaryOp,
-        ast.Add, ast.Sub, ast.Mult, ast.Div, ast.USub,
-    )  # fmt: skip
-    tree = ast.parse(files.CLOSED_FORMS.read_text(encoding="utf-8"))
-    assert not [node for node in ast.walk(tree) if not isinstance(node, allowed)]
-
-
 LAWS = ("newton", "poisson", "stronge")
 
 
