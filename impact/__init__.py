@@ -35,8 +35,9 @@ benchmark, __main__, command_line   time per impact; its command
 To add a function
 -----------------
 1. Derive its closed form in `derivations` and write `_generated.py` (`help(derivations)`).
-2. Put the function beside its like: a `block` that calls the closed form, and the arguments with
-   their domains; `_arguments.evaluated` does what all functions do with them.
+2. Put the function beside its like: a `block` that calls the closed form, and the arguments by
+   name; `_arguments.evaluated` does what all functions do with them. A name has one domain,
+   in `_arguments.DOMAINS`.
 3. List it here, in the imports and in `__all__`.
 4. Give `tests/test_public_api.py` its arguments and what it refuses.
 """

@@ -5,7 +5,7 @@ infinity where none is allowed, gives nan everywhere and never raises. Arrays ar
 position: labels (pandas, xarray) that say otherwise raise, equal ones are dropped.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from enum import IntEnum
 from functools import cache, reduce
 from itertools import combinations
@@ -42,12 +42,19 @@ class Domain(NamedTuple):
 
 
 LARGEST = np.finfo(np.float64).max  # what is larger is infinite
+RIGHT = float(np.float32(np.pi / 2))  # of single precision, which lies beyond that of double
 ANY = Domain(-LARGEST, LARGEST, "any finite number")
 POSITIVE = Domain(0.0, LARGEST, "> 0", open_low=True)
-FRICTION = Domain(0.0, np.inf, ">= 0")
-RESTITUTION = Domain(0.0, 1.0, "between 0 and 1")
+DOMAINS = {  # by the name of an argument, or of a field; of all others `ANY`
+    "friction": Domain(0.0, np.inf, ">= 0"),
+    "restitution": Domain(0.0, 1.0, "between 0 and 1"),
+    "tilt": Domain(-RIGHT, RIGHT, "between -pi/2 and pi/2"),
+    "mass": Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True),
+    "gamma": Domain(1.0, 1e6, "> 1, which throws a rod up, and at most 1e6", open_low=True),
+    "shortest_flight": Domain(1e-12, 0.1, "between 1e-12 and 0.1 (periods)"),
+    **dict.fromkeys(("k", "length", "diameter", "approach_ratio", "fall_speed"), POSITIVE),
+}
 
-Argument: TypeAlias = tuple[Any, Domain]  # a value as it came, and its domain
 Labels: TypeAlias = Sequence[tuple[Any, Any]]  # dimension and index of each axis, or None
 _PLAIN = {float, int, np.float64, np.ndarray}
 
@@ -88,6 +95,11 @@ def _refuse_unlike(values: Mapping[str, Any]) -> None:
             )
 
 
+def domain_of(name: str) -> Domain:
+    """Permitted values of an argument, or of a field, as `geometry.k`."""
+    return DOMAINS.get(name.rpartition(".")[2], ANY)
+
+
 def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
     """A value as a real array; a scalar outside the domain raises `InputError`.
 
@@ -106,23 +118,26 @@ def real_array(name: str, value: Any, domain: Domain = ANY) -> np.ndarray:
     return array
 
 
-def real_arrays(arguments: Mapping[str, Argument]) -> tuple[list[np.ndarray], np.dtype]:
+def real_arrays(
+    arguments: Mapping[str, Any], domains: Iterable[Domain]
+) -> tuple[list[np.ndarray], np.dtype]:
     """Arguments of a call as real arrays, and the dtype of the results.
 
     It is float32 if the arguments are, but for Python's and float64 numbers, which do not decide;
     else float64. Labelled arguments whose labels differ raise `InputError`.
     """
-    values = [value for value, _ in arguments.values()]
+    values = list(arguments.values())
     if not _PLAIN.issuperset(map(type, values)):
-        _refuse_unlike(dict(zip(arguments, values, strict=True)))
-    arrays = [real_array(name, value, domain) for name, (value, domain) in arguments.items()]
+        _refuse_unlike(arguments)
+    arrays = [real_array(*given) for given in zip(arguments, values, domains, strict=True)]
     kinds = {np.asarray(value).dtype for value in values if not isinstance(value, int | float)}
     single = kinds and np.result_type(*kinds) == np.float32
     return arrays, np.dtype(np.float32 if single else np.float64)
 
 
-def number(name: str, value: Any, domain: Domain) -> float:
-    """One number in its domain; nan is in none."""
+def number(name: str, value: Any) -> float:
+    """One number in the domain of its name; nan is in none."""
+    domain = domain_of(name)
     array = real_array(name, value, domain)
     if array.ndim or not domain.holds(array):
         raise InputError(f"{name} must be one number, {domain.text}, got {value!r}")
@@ -142,20 +157,22 @@ def count(name: str, value: Any, least: int) -> int:
 
 def evaluated(
     function: Callable[..., tuple[Any, ...]],
-    arguments: Mapping[str, Argument],
+    arguments: Mapping[str, Any],
     kinds: Sequence[type[IntEnum] | None] = (None,),
+    **special: Domain,
 ) -> tuple[Any, ...]:
     """Results of a function of broadcast arguments; nan, or -1, where one is out of its domain.
 
     Parameters
     ----------
     function : of blocks of float64, in the order of `arguments`; returns one array for each kind
-    arguments : by name, with their domains
+    arguments : by name
     kinds : of the results: codes as int8, a single one as what it stands for; None is float64, or
         float32 if the arguments are
+    special : domains of arguments, instead of those of their names
     """
-    arrays, dtype = real_arrays(arguments)
-    domains = [domain for _, domain in arguments.values()]
+    domains = [special.get(name, domain_of(name)) for name in arguments]
+    arrays, dtype = real_arrays(arguments, domains)
 
     def block(*values: Any) -> tuple[Any, ...]:
         parts = function(*values)

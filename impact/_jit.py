@@ -19,7 +19,7 @@ if numba.config.DISABLE_JIT:
     raise CompilerError("NUMBA_DISABLE_JIT is set: the compiled part of impact needs the compiler")
 
 
-def kernel(function: Callable | None = None, *, forceinline: bool = False, **options: Any) -> Any:
+def kernel(function: Callable | None = None, *, forceinline: bool = False) -> Any:
     """Compile a function on its first call; a division by zero raises nothing.
 
     What is inlined has no entry for calls from Python: a third of the time to compile would go into
@@ -27,11 +27,11 @@ def kernel(function: Callable | None = None, *, forceinline: bool = False, **opt
     the same.
     """
     if function is None:
-        return partial(kernel, forceinline=forceinline, **options)
+        return partial(kernel, forceinline=forceinline)
     if not forceinline:
-        return _dispatcher(function, **options)
-    made = _dispatcher(function, forceinline=True, no_cpython_wrapper=True, **options)
-    called = cache(partial(_dispatcher, function, **options))
+        return _dispatcher(function)
+    made = _dispatcher(function, forceinline=True, no_cpython_wrapper=True)
+    called = cache(partial(_dispatcher, function))
     made._insert = lambda *_: None  # what has no entry cannot be called, and crashes
     made._compile_for_args = lambda *_, **__: called()
     return made

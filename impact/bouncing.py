@@ -34,7 +34,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._arguments import FRICTION, RESTITUTION, Domain, count, number
+from ._arguments import count, number
 from ._impacts import LARGE_FRICTION
 from ._jit import kernel
 from .collision import law_of
@@ -44,8 +44,6 @@ from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 __all__ = ["Bouncing", "Estimate", "Landings", "bounce", "record"]
 
-_GAMMA = Domain(1.0, 1e6, "> 1, which throws a rod up, and at most 1e6", open_low=True)
-_SHORTEST = Domain(1e-12, 0.1, "between 1e-12 and 0.1 (periods)")
 _AT_ONCE = 1000  # impacts on the spot at most; what approach is left then, the plate absorbs
 _STILL = 2.0**-44  # of the approach: slower, an impact on the spot has come to rest
 _LANDINGS_A_CALL = 1000  # 0.1 s at most: signals are seen between calls
@@ -188,12 +186,12 @@ def _runs(
 ) -> Iterator[Landings]:
     """Landings of one rod after another, once all arguments are in their domains."""
     law_of(law)
-    lengths = (number(name, *length) for name, length in lengths_of(geometry).items())
-    gamma = number("gamma", gamma, _GAMMA)
+    lengths = (number(name, length) for name, length in lengths_of(geometry).items())
+    gamma = number("gamma", gamma)
     X, Z, k = map(float, unit_lengths(*lengths))
-    mu = min(number("friction", friction, FRICTION), LARGE_FRICTION)
-    epsilon = number("restitution", restitution, RESTITUTION)
-    shortest = number("shortest_flight", shortest_flight, _SHORTEST) * TURN
+    mu = min(number("friction", friction), LARGE_FRICTION)
+    epsilon = number("restitution", restitution)
+    shortest = number("shortest_flight", shortest_flight) * TURN
     least = {"landings": 1, "rods": 1, "seed": 0, "transient": 0}
     landings, rods, seed, transient = map(count, least, counts, least.values())
     held = _Held(gamma, X, Z, k, mu, epsilon, shortest)

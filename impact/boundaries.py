@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import FRICTION, POSITIVE, RESTITUTION, evaluated
+from ._arguments import evaluated
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
@@ -38,7 +38,7 @@ def critical_tilts(friction: Any) -> tuple[Any, Any]:
         a, b, c = closed.critical_tangents(mu, root)
         return np.arctan2(a, b), np.arctan2(b, c)
 
-    return evaluated(block, {"friction": (friction, FRICTION)}, (None, None))
+    return evaluated(block, {"friction": friction}, (None, None))
 
 
 def critical_friction(geometry: ContactGeometry) -> Any:
@@ -107,9 +107,8 @@ def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitutio
         above, below = closed.slide_friction(*unit_lengths(X, Z, k), (1 + epsilon) * ratio)
         return (np.where(below > 0, np.maximum(above, 0.0) / below, np.inf),)
 
-    ratio, epsilon = (approach_ratio, POSITIVE), (restitution, RESTITUTION)
-    given = {**lengths_of(geometry), "approach_ratio": ratio, "restitution": epsilon}
-    return evaluated(block, given)[0]
+    given = {"approach_ratio": approach_ratio, "restitution": restitution}
+    return evaluated(block, {**lengths_of(geometry), **given})[0]
 
 
 def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
@@ -145,4 +144,4 @@ def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
         kappa = closed.energy_threshold_back(B, C, mu, root_a, np.sqrt(A - mu * mu * C))
         return (np.where(reverses, (1 - kappa) / (1 + kappa), sticking),)
 
-    return evaluated(block, {**lengths_of(geometry), "friction": (friction, FRICTION)})[0]
+    return evaluated(block, {**lengths_of(geometry), "friction": friction})[0]

@@ -18,7 +18,7 @@ from numba.extending import intrinsic
 
 from . import _generated, _kernel
 from . import collision as plain
-from ._arguments import real_arrays
+from ._arguments import domain_of, real_arrays
 from ._impacts import Impacts, Regime, ordinary
 from ._jit import kernel
 from .geometry import ContactGeometry
@@ -82,9 +82,8 @@ def _compile(module: ModuleType) -> None:
     All are inlined: a real call would return its tuple through memory and keep loops from being
     vectorised (five times slower). Nothing is compiled that no kernel calls.
     """
-    known = {**_known}
     for name, function in vars(module).items():
-        if isfunction(function) and function.__module__ == module.__name__ and name not in known:
+        if isfunction(function) and function.__module__ == module.__name__ and name not in _known:
             renamed = FunctionType(function.__code__, {**function.__globals__, **_known}, name)
             _known[name] = kernel(renamed, forceinline=True)
 
@@ -147,11 +146,6 @@ def _loop(law: str):
     return impacts
 
 
-def _empty(size: int) -> plain.Collision:
-    """Room for the results of impacts."""
-    return plain.Collision(*(np.empty(size, np.int8 if kind else float) for kind in plain.KINDS))
-
-
 def _part_of(group: Any, part: Any) -> Any:
     """Part of every array of a named tuple."""
     return group._make(array[part] for array in group)
@@ -185,12 +179,13 @@ def collide(
     """
     plain.law_of(law)
     given = plain.arguments(c_x, c_z, omega, geometry, friction, restitution, plate_velocity)
-    arrays, dtype = real_arrays(given)
+    arrays, dtype = real_arrays(given, map(domain_of, given))
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     with np.errstate(all="ignore"):
         arrays = [array.astype(float, copy=False) for array in arrays]
     impacts = Impacts(*(np.ravel(x if x.shape == shape else np.full(shape, x)) for x in arrays))
-    results = _empty(impacts.c_x.size)
+    kinds = (np.int8 if kind else float for kind in plain.KINDS)
+    results = plain.Collision(*(np.empty(impacts.c_x.size, kind) for kind in kinds))
     parts = (slice(i, i + _IMPACTS_A_CALL) for i in range(0, impacts.c_x.size, _IMPACTS_A_CALL))
     if sum(_loop(law)(_part_of(impacts, part), _part_of(results, part)) for part in parts):
         left = results.regime == _LEFT

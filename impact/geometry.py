@@ -6,16 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import (
-    ANY,
-    POSITIVE,
-    Argument,
-    Domain,
-    InputError,
-    Labelled,
-    evaluated,
-    labels_of,
-)
+from ._arguments import InputError, Labelled, evaluated, labels_of
 
 
 class ContactGeometry(NamedTuple):
@@ -38,13 +29,13 @@ class ContactGeometry(NamedTuple):
     k: Any
 
 
-def lengths_of(geometry: ContactGeometry) -> dict[str, Argument]:
-    """X, Z and k of a contact geometry, with their domains; anything else raises."""
+def lengths_of(geometry: ContactGeometry) -> dict[str, Any]:
+    """X, Z and k of a contact geometry by name; anything else raises."""
     try:
         X, Z, k = geometry if isinstance(geometry, tuple | list | np.ndarray) else ()
     except ValueError:
         raise InputError(f"geometry must be (X, Z, k), got {geometry!r}") from None
-    return {"geometry.X": (X, ANY), "geometry.Z": (Z, ANY), "geometry.k": (k, POSITIVE)}
+    return {"geometry.X": X, "geometry.Z": Z, "geometry.k": k}
 
 
 def unit_lengths(X: Any, Z: Any, k: Any) -> tuple[Any, Any, Any]:
@@ -53,21 +44,17 @@ def unit_lengths(X: Any, Z: Any, k: Any) -> tuple[Any, Any, Any]:
     return np.ldexp(X, -exponent), np.ldexp(Z, -exponent), np.ldexp(k, -exponent)
 
 
-# Right angles and spheres of single precision, which may lie beyond those of double.
-RIGHT, ROUND = float(np.float32(np.pi / 2)), 1 + 2.0**-23
-TILT = Domain(-RIGHT, RIGHT, "between -pi/2 and pi/2")
+ROUND = 1 + 2.0**-23  # diameter over length of a sphere in single precision, at most
 
 
 def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
     """Contact geometry from `contact(sin, cos, *sizes)`; arguments held to their domains."""
-    given = {"tilt": (tilt, TILT)}
-    given |= {name: (value, POSITIVE) for name, value in sizes.items()}
 
     def block(phi: Any, *lengths: Any) -> tuple[Any, ...]:
         phi = np.clip(phi, -np.pi / 2, np.pi / 2)  # cos >= 0
         return contact(np.sin(phi), np.cos(phi), *lengths)
 
-    parts = evaluated(block, given, (None,) * 3)
+    parts = evaluated(block, {"tilt": tilt, **sizes}, (None,) * 3)
     labels = max(map(labels_of, (tilt, *sizes.values())), key=len)
     if labels:  # what is made with this geometry must agree with them
         parts = tuple(part.view(Labelled) for part in parts)

@@ -7,22 +7,12 @@ import numpy as np
 
 from . import _generated as closed
 from . import _kernel as kernel
-from ._arguments import (
-    ANY,
-    FRICTION,
-    POSITIVE,
-    RESTITUTION,
-    Argument,
-    Domain,
-    InputError,
-    evaluated,
-)
+from ._arguments import InputError, evaluated
 from ._impacts import Regime, brief
 from ._select import select
 from ._twofold import Twofold, quotient
 from .collision import exponent, law_of
 
-MASS = Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True)
 SHORT = 2.0**-100  # gyration radius over the lever; a shorter one gives the same digits
 SMALL, LARGE = 1e-15, 1e15  # lengths, speeds, masses between these need no scale
 
@@ -72,13 +62,11 @@ class PairCollision(NamedTuple):
         return brief(self)
 
 
-def _arguments(name: str, body: Body) -> dict[str, Argument]:
-    """Fields of a body with their domains; anything else raises."""
+def _arguments(name: str, body: Body) -> dict[str, Any]:
+    """Fields of a body by name; anything else raises."""
     if not isinstance(body, tuple | list | np.ndarray) or len(body) != len(Body._fields):
         raise InputError(f"{name} must be ({', '.join(Body._fields)}), got {body!r}")
-    domains = (MASS, POSITIVE, *[ANY] * 5)
-    given = zip(Body._fields, body, domains, strict=True)
-    return {f"{name}.{field}": (value, domain) for field, value, domain in given}
+    return {f"{name}.{field}": value for field, value in zip(Body._fields, body, strict=True)}
 
 
 def _left(value: Any, power: Any) -> Any:
@@ -204,8 +192,8 @@ def collide_pair(
     given = {
         **_arguments("first", first),
         **_arguments("second", second),
-        "friction": (friction, FRICTION),
-        "restitution": (restitution, RESTITUTION),
+        "friction": friction,
+        "restitution": restitution,
     }
     kinds = [None] * 6 + [Regime] + [None] * 3
     *velocities, regime, P_x, P_z, energy = evaluated(

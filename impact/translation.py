@@ -6,16 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import (
-    ANY,
-    FRICTION,
-    POSITIVE,
-    RESTITUTION,
-    InputError,
-    count,
-    evaluated,
-    real_array,
-)
+from ._arguments import POSITIVE, InputError, count, evaluated, real_array
 from ._impacts import Regime
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
@@ -74,11 +65,11 @@ def drift(
 
     given = {
         **lengths_of(geometry),
-        "friction": (friction, FRICTION),
-        "restitution": (restitution, RESTITUTION),
-        "plate_velocity": (plate_velocity, POSITIVE),
+        "friction": friction,
+        "restitution": restitution,
+        "plate_velocity": plate_velocity,
     }
-    return Drift(*evaluated(block, given, (None, None, Regime)))
+    return Drift(*evaluated(block, given, (None, None, Regime), plate_velocity=POSITIVE))
 
 
 def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Any:
@@ -159,7 +150,7 @@ def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) ->
         landings = np.where(apart < turn, -2.0, -1.0) / np.log1p(-np.minimum(gap, 1.0))
         return (np.where(mu > 0, landings, np.inf),)
 
-    given = {"friction": (friction, FRICTION), "restitution": (restitution, RESTITUTION)}
+    given = {"friction": friction, "restitution": restitution}
     return evaluated(block, {**lengths_of(geometry), **given})[0]
 
 
@@ -219,7 +210,7 @@ def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
         regime = np.where(reverses, Regime.SLIP_REVERSAL, Regime.SLIP_STICK)
         return np.arctan(tangent), along, np.where(mu > 0, regime, Regime.INVALID)
 
-    given = {"friction": (friction, FRICTION), "restitution": (restitution, RESTITUTION)}
+    given = {"friction": friction, "restitution": restitution}
     return Optimum(*evaluated(block, given, (None, None, Regime)))
 
 
@@ -266,7 +257,7 @@ def landing_density(phase: Any, *, fall_speed: Any = 1.0) -> Any:
         met = (q >= 1) | (since <= end - start)
         return (np.where(met | ~np.isfinite(theta), (1 + np.cos(theta) / q) / (2 * np.pi), 0.0),)
 
-    return evaluated(block, {"phase": (phase, ANY), "fall_speed": (fall_speed, POSITIVE)})[0]
+    return evaluated(block, {"phase": phase, "fall_speed": fall_speed})[0]
 
 
 def mean_plate_velocity(
@@ -300,4 +291,4 @@ def mean_plate_velocity(
     if not np.all(np.isfinite(weight)) or weight.min() < 0 or weight.max() == 0:
         raise InputError("density must be finite, not negative, and not zero everywhere")
     mean = np.average(np.cos(phase), weights=weight / weight.max())
-    return evaluated(lambda speed: (speed * mean,), {"plate_speed": (plate_speed, ANY)})[0]
+    return evaluated(lambda speed: (speed * mean,), {"plate_speed": plate_speed})[0]

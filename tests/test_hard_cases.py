@@ -145,21 +145,10 @@ def t10_energy(theirs):
 
 def t11_scales(theirs):
     """Lengths and speeds of 1e-300 ... 1e300 give the answer of unit scale."""
-    grid = np.meshgrid([-990, -400, 0, 400, 990], [-990, 0, 990])
-    length, speed = (x[np.abs(np.subtract(*grid)) <= 990] for x in grid)
-    units = {"X": length, "Z": length, "k": length, "c_x": speed, "c_z": speed}
-    units["omega"] = speed - length
-    for law in laws_of(theirs):
-        impacts = every(c_z=-2.0, omega=0.5, restitution=0.6)
-        one = impacts.collide(law, theirs.collide)
-        scaled = {name: np.ldexp(getattr(impacts, name), by) for name, by in units.items()}
-        hit = impacts._replace(**scaled).collide(law, theirs.collide)
-        assert (hit.regime == one.regime).all()
-        for name, by in {"c_x": speed, "c_z": speed, "P_x": speed, "P_z": speed}.items():
-            np.testing.assert_array_equal(getattr(hit, name), np.ldexp(getattr(one, name), by))
     for scale in (1e-300, 1e-155, 1e155, 1e300):
-        assert_accurate(theirs, every(length=scale, c_z=-2.0, restitution=0.6))
-        assert_accurate(theirs, every(c_x=scale, c_z=-2 * scale, restitution=0.6))
+        assert_accurate(theirs, every(length=scale, c_z=-2.0))
+        assert_accurate(theirs, every(length=scale, c_x=scale, c_z=-2 * scale, omega=[0.0, 0.5]))
+        assert_accurate(theirs, every(c_x=scale, c_z=-2 * scale, omega=[0.0, 0.5 * scale]))
 
 
 def t12_odd_numbers(theirs):

@@ -7,18 +7,15 @@ import os
 import shlex
 import subprocess
 import sys
-from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
 
 import figures
-import impact
 import md
 
-from .command_line import refused
+from .command_line import ROOT, refused
 
-ROOT = Path(impact.__file__).parents[1]
 PACKAGES = ("derivations", "figures", "impact", "md")
 GROUPS = {name: importlib.import_module(f"{name}.__main__").main for name in PACKAGES}
 # Beginnings of examples that take a second at most; the others are read, not run.
@@ -140,21 +137,30 @@ def test_help_is_cheap():
     assert not {"matplotlib", "md", "numba", "scipy", "sympy"} & {*done.stdout.split()}
 
 
-@pytest.mark.parametrize("package", PACKAGES)
-def test_help_in_a_pipe_is_plain(package):
-    """Even where colours are asked for; a reader that leaves at once is no error."""
-    command = [sys.executable, "-m", package, "--help"]
-    environment = {**os.environ, "FORCE_COLOR": "1", "PYTHONUNBUFFERED": ""}
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
-    assert "\x1b" not in done.stdout + done.stderr
-    assert "python -m" in done.stdout
+IMPACT = "md impact --tilt-deg=20 --c-x=0.5 --c-z=-1"
+
+
+@pytest.mark.parametrize(
+    ("words", "unbuffered"),
+    [*((f"{package} --help", "") for package in PACKAGES), (IMPACT, ""), (IMPACT, "1")],
+)
+def test_output_in_a_pipe_is_plain(words, unbuffered):
+    """Even where colours are asked for; a reader that has left is no error.
+
+    Whether the pipe breaks as a line is printed or, buffered, as the program ends.
+    """
+    command = [sys.executable, "-m", *words.split()]
+    environment = {**os.environ, "FORCE_COLOR": "1", "PYTHONUNBUFFERED": unbuffered}
     reader, writer = os.pipe()
     os.close(reader)
-    gone = subprocess.run(
-        command, stdout=writer, stderr=subprocess.PIPE, text=True, env=environment, check=False
+    done, gone = (
+        subprocess.run(command, stdout=out, stderr=subprocess.PIPE, text=True, env=environment)
+        for out in (subprocess.PIPE, writer)
     )
     os.close(writer)
-    assert (gone.returncode, gone.stderr) == (0, "")
+    assert done.stdout
+    assert "\x1b" not in done.stdout
+    assert (done.returncode, done.stderr) == (gone.returncode, gone.stderr) == (0, "")
 
 
 def test_progress_bars_are_for_terminals():
