@@ -45,7 +45,7 @@ ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
 RIGID = SimpleNamespace(flight=ESTIMATE, falling=ESTIMATE)
 FEW = {
     **{"count": [24, 32, 40], "rolling": [24, 40], "narrow": [24], "rest": [24, 40]},
-    **{"gamma": [1.6, 2.0, 3.3], "wall": [0.1, 0.3], "plate": [0.1, 0.3]},
+    **{"gamma": [2.0, 3.3], "wall": [0.1, 0.3], "plate": [0.1, 0.3]},
     **{"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2]},
     **dict.fromkeys(("periods", "gamma_periods"), MOST_PERIODS),
 }
