@@ -1,26 +1,55 @@
-"""Cheap soft scenes of many rods for the tests, and forces by brute force."""
+"""Soft scenes of rows and annuli for the tests, rods without a scene, and forces by brute force.
+
+What a test does without is there and does nothing, zero or far away: `go` takes the kernel of a
+run, so that the tests of the plane share one kernel, and those of space another.
+"""
 
 from itertools import product
-from math import cos, pi, sin
+from math import ceil, cos, floor, sin
 
 import numpy as np
 
 import md
-from md.host import Engine, prepare
-from md.kernels.codes import ROW_DIRECTION, ROW_PLACE, ROW_VELOCITY, X
+from md.host import Engine, at_start
+from md.kernels.codes import (
+    ANNULUS_LEDGER,
+    LEDGER_COLUMNS,
+    PLACE,
+    ROW_COLUMNS,
+    ROW_DIRECTION,
+    ROW_PLACE,
+    SPACE_COLUMNS,
+    TURN,
+    VELOCITY,
+    X,
+)
+from md.kernels.contact import ContactForces, Friction, Normal
+from md.kernels.march import Watchers
+from md.kernels.state import Effects, Motion, Wall
+from md.kernels.touches import new_record
+from md.kernels.vectors import IN_SPACE
 from md.rod import Rod
-from md.scene import Box, Contact, Contacts, Rods, Scene, Start, Step
+from md.scene import Scene
 
 EPS = np.finfo(float).eps
 SOFT = 1e5  # k_n of most tests: contacts fifty times as long as the paper's allow long steps
-ELASTIC = md.coulomb(restitution=1.0, stiffness=SOFT)
 HALF = 4.25  # of the paper's rods
 LIGHT = 1 / Rod(9.5).gyration_squared
+LOSSY = md.constant_restitution(0.65, SOFT, tangential_ratio=3)
+ELASTIC = Normal(SOFT, 0.0)  # with a dashpot of zero
+ROUGH = Friction(0.3, LOSSY.spring)
+SMOOTH = ROUGH._replace(coefficient=0.0)
+CONSTRAINT = ("contacts.plate.law=coulomb", "contacts.plate.tangential_ratio=none")
 ROW = (  # rods of the paper's row, few and soft
     *("rods.count=5", "rods.length=5", "box.length=5.5", "step.size=none", "start.speed=0.1"),
     "step.coarse=true",
     *(f"contacts.{part}.stiffness={SOFT}" for part in ("plate", "rods")),
 )
+RING = (  # a few short soft rods in a narrow gap
+    *("rods.count=6", "rods.length=4", "annulus.inner=1", "annulus.outer=2.8", "step.size=none"),
+    *(f"contacts.{part}.stiffness={SOFT}" for part in ("plate", "rods", "wall")),
+)
+ROLLING = ("rods.rolling=true", "annulus.shaken=false", *CONSTRAINT)
 
 
 def row(*assignments: str) -> Scene:
@@ -28,108 +57,162 @@ def row(*assignments: str) -> Scene:
     return md.load("quasi2d", [*ROW, *assignments])
 
 
-def free(law, states, *, length=9.5, dt=1e-4, friction=0.0, period=None) -> Engine:
-    """Rods without plate and gravity, each (x, z, tilt, c_x, c_z, omega), under a contact law."""
-    scene = Scene(
-        rods=Rods(len(states), length),
-        box=Box(period) if period else None,
-        contacts=Contacts(rods=Contact(law, friction)),
-        start=Start(tilt_deg=0.0, speed=0.5),
-        step=Step(dt),
-    )
-    engine = prepare(scene)
-    put(engine, states)
+def ring(*assignments: str) -> Scene:
+    """The same of the annulus."""
+    return md.load("annulus", [*RING, *assignments])
+
+
+# Rods without a scene
+
+AT_REST, FAR_BELOW = (Motion(np.full(1, height), np.zeros(1)) for height in (0.0, -1e3))
+BETWEEN = ContactForces(LOSSY.normal, ROUGH)
+ELASTIC_RODS = ContactForces(ELASTIC, SMOOTH)
+FREE = Effects(HALF, LIGHT, LOSSY.normal, ROUGH, plate=FAR_BELOW, between=BETWEEN)
+PLANE = FREE._replace(gravity=(0.0, 0.0), period=1e6)
+SPACE = FREE._replace(
+    gravity=0.0,
+    up=IN_SPACE,
+    inner=Wall(1.0, LOSSY.normal, ROUGH),
+    outer=Wall(1e3, LOSSY.normal, ROUGH),
+    shaken=True,
+)
+ROLLS = SPACE._replace(friction=Friction(0.3, None), rolling=15.0, shaken=None)
+
+
+def unit(v):
+    """The unit vector along v."""
+    return np.asarray(v, float) / np.linalg.norm(v)
+
+
+def in_plane(*rods) -> np.ndarray:
+    """States of rods, each (x, z, tilt) or (x, z, tilt, c_x, c_z, omega)."""
+    found = np.zeros((len(rods), ROW_COLUMNS), order="F")
+    for rod, (x, z, tilt, *motion) in zip(found, rods, strict=True):
+        rod[:] = x, z, sin(tilt), cos(tilt), *(motion or (0.0, 0.0, 0.0))
+    return found
+
+
+def in_space(*rods, aside=0.0) -> np.ndarray:
+    """States of rods, each (place, director) or (place, director, velocity).
+
+    The director is made a unit vector; all are `aside` of the axis, along -y.
+    """
+    found = np.zeros((len(rods), SPACE_COLUMNS))
+    for rod, (place, director, *velocity) in zip(found, rods, strict=True):
+        rod[:VELOCITY] = *place, *unit(director)
+        rod[VELOCITY:TURN] = velocity[0] if velocity else 0.0
+    found[:, PLACE + 1] -= aside
+    return found
+
+
+def started(effects: Effects, rods, dt=1e-4) -> Engine:
+    """An engine of these rods, which accounts for their energy and records touches."""
+    plane = len(effects.up) == 2
+    rods = np.array(rods, order="F" if plane else "C")
+    columns = LEDGER_COLUMNS if plane else ANNULUS_LEDGER
+    watchers = Watchers(np.zeros(columns), new_record(len(rods), 4096), None)
+    plate, state = effects.plate, at_start(effects, rods)
+    per = plate.height.size if plate else 1
+    return Engine(None, effects, state, watchers, plate, dt, per)
+
+
+def go(engine: Engine, steps: int) -> Engine:
+    """Make all of these steps, with samples that nobody reads, as a run does."""
+    unread = engine.series(0)._replace(per=2**62, every=2**62)
+    assert engine.go(steps, unread) == steps
     return engine
 
 
-def put(engine: Engine, states) -> None:
-    """Place the rods anew; nothing is kept of what they touched."""
-    for rod, (x, z, tilt, *velocity) in zip(engine.rods, states, strict=True):
-        rod[:] = x, z, sin(tilt), cos(tilt), *(velocity or (0.0, 0.0, 0.0))
-    engine.state.before[:] = 0
-    engine.state.listed.travelled[:] = np.inf
-    engine.state.listed.forces[:] = 0
+def forces(engine: Engine, rods) -> np.ndarray:
+    """Force and torque on each of these rods, in place of its own, at rest; springs stay."""
+    state = engine.state
+    engine.rods[:], state.listed.travelled[:] = rods, np.inf
+    for last in (state.before, state.forces, state.listed.forces):
+        last[:] = 0
+    return go(engine, 1).state.scratch.total.copy()
+
+
+def motion(engine: Engine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places, velocities and turns half a step ago as vectors in space."""
+    place, _, velocity, turn = engine._parts(engine.rods)
+    place = place - engine.dt / 2 * velocity
+    if turn.shape[1] == 1:
+        place, velocity = (np.insert(v, 1, 0.0, axis=1) for v in (place, velocity))
+        turn = turn * (0.0, 1.0, 0.0)
+    return place, velocity, turn
+
+
+def momenta(engine: Engine) -> tuple[np.ndarray, np.ndarray]:
+    """Momentum and angular momentum of all rods about the origin, in units of d, m and g."""
+    place, velocity, turn = motion(engine)
+    return velocity.sum(0), (np.cross(place, velocity) + turn / LIGHT).sum(0)
+
+
+def kinetic(engine: Engine) -> float:
+    """Kinetic energy of rods that do not roll, in m g d."""
+    _, velocity, turn = motion(engine)
+    return ((velocity**2).sum() + (turn**2).sum() / LIGHT) / 2
+
+
+# Two rods in the plane, without a look at the engine
 
 
 def tip_on_side(lean, place, gap=1e-12):
     """Rod 0's lower cap `gap` off rod 1, which lies along x, at x = `place`."""
     reach = 1 + gap
-    return [(place + HALF * sin(lean), reach + HALF * cos(lean), lean), (0.0, 0.0, pi / 2)]
+    return [(place + HALF * sin(lean), reach + HALF * cos(lean), lean), (0.0, 0.0, np.pi / 2)]
 
 
-def forces(engine: Engine, states) -> np.ndarray:
-    """Accelerations (x, z, angular) of rods at rest there, from one step of the engine."""
-    put(engine, states)
-    engine.go(1)
-    return engine.rods[:, ROW_VELOCITY] / engine.dt
+def meetings(rods, i=0, j=1, half=HALF, shift=0.0):
+    """Two places where rods may touch, on the axis of i and of j: of each end, of every two ends.
 
-
-def ends(rods: np.ndarray, half: float, i: int, j: int, shift: float = 0.0):
-    """(overlap, normal towards i, point on the axis of i, of j) at each of four ends.
-
-    Written without a look at the engine: the nearest point of a segment is the foot of the
-    perpendicular, held between its ends. Rod j stands `shift` further along x.
+    The nearest place on a segment is the foot of the perpendicular, held between its ends. Rod j
+    stands `shift` further along x.
     """
-    found = []
-    tails = [rods[i, ROW_PLACE], rods[j, ROW_PLACE] + (shift, 0.0)]
-    axes = [rods[i, ROW_DIRECTION], rods[j, ROW_DIRECTION]]
-    for mine in (0, 1):
-        for side in (-half, half):
-            end = tails[mine] + side * axes[mine]
-            other, axis = tails[1 - mine], axes[1 - mine]
-            foot = other + np.clip((end - other) @ axis / (axis @ axis), -half, half) * axis
-            p, q = (end, foot) if mine == 0 else (foot, end)
-            gap = np.hypot(*(p - q))
-            found.append((1 - gap, (p - q) / gap, p, q))
-    return found
+    centres = rods[i, ROW_PLACE], rods[j, ROW_PLACE] + (shift, 0.0)
+    axes = rods[i, ROW_DIRECTION], rods[j, ROW_DIRECTION]
+    tips = [[x + s * a for s in (-half, half)] for x, a in zip(centres, axes, strict=True)]
+
+    def foot(tip, x, a):
+        return x + np.clip((tip - x) @ a / (a @ a), -half, half) * a
+
+    ends = [(tip, foot(tip, centres[1], axes[1])) for tip in tips[0]]
+    ends += [(foot(tip, centres[0], axes[0]), tip) for tip in tips[1]]
+    return ends, [*product(*tips)]
 
 
-def images(rods: np.ndarray, half: float, period: float | None):
+def overlap(places) -> float:
+    """How deep rods are in each other at two places of their axes, in d; negative: apart."""
+    return 1 - np.hypot(*np.subtract(*places))
+
+
+def images(rods, half, period):
     """Every pair (i, j, n) of which rod j, n periods further along x, might touch rod i."""
-    n = len(rods)
-    for i in range(n):
-        for j in range(i, n):
-            apart = rods[i, X] - rods[j, X]
-            reach = 2 * half + 3
-            if period is None:
-                if i != j and abs(apart) < reach:
-                    yield i, j, 0
-                continue
-            for image in range(
-                int(np.ceil((apart - reach) / period)), int((apart + reach) // period) + 1
-            ):
-                if i != j or image > 0:
-                    yield i, j, image
+    reach = 2 * half + 3
+    for i, j in product(range(len(rods)), repeat=2):
+        apart = rods[i, X] - rods[j, X]
+        nearest = range(ceil((apart - reach) / period), floor((apart + reach) / period) + 1)
+        yield from ((i, j, n) for n in nearest if i < j or (i == j and n > 0))
 
 
-def corners(rods: np.ndarray, half: float, i: int, j: int, shift: float = 0.0):
-    """(overlap, normal towards i, end of i, end of j) of every two ends."""
-    tails = rods[i, ROW_PLACE], rods[j, ROW_PLACE] + (shift, 0.0)
-    for mine, theirs in product((-half, half), repeat=2):
-        p, q = tails[0] + mine * rods[i, ROW_DIRECTION], tails[1] + theirs * rods[j, ROW_DIRECTION]
-        yield 1 - np.hypot(*(p - q)), (p - q) / np.hypot(*(p - q)), p, q
-
-
-def elastic(rods: np.ndarray, half: float, light: float, stiffness: float, period=None):
-    """Accelerations and energy of all pairs without dashpots, by brute force.
+def elastic(rods, half=HALF, stiffness=SOFT, period=1e6):
+    """Forces and torques on all rods without dashpots, and their energy, by brute force.
 
     The contacts of all ends with the other axis, less those of all ends with each other.
     """
     total, energy = np.zeros((len(rods), 3)), 0.0
-    for i, j, image in images(rods, half, period):
-        shift = np.array((image * period if image else 0.0, 0.0))
-        contacts = [(1, *found) for found in ends(rods, half, i, j, shift[0])]
-        contacts += [(-1, *found) for found in corners(rods, half, i, j, shift[0])]
-        for count, overlap, normal, p, q in contacts:
-            if overlap <= 0:
-                continue
-            force = count * stiffness * overlap**1.5 * normal
-            energy += count * 0.4 * stiffness * overlap**2.5
-            touch = (p + q) / 2
-            for rod, centre, sign in (
-                (i, rods[i, ROW_PLACE], 1),
-                (j, rods[j, ROW_PLACE] + shift, -1),
-            ):
-                x, z = touch - centre
-                total[rod] += sign * np.array((*force, light * (z * force[0] - x * force[1])))
+    for i, j, n in images(rods, half, period):
+        ends, corners = meetings(rods, i, j, half, n * period)
+        contacts = [(1, places) for places in ends] + [(-1, places) for places in corners]
+        for count, (p, q) in contacts:
+            deep = max(overlap((p, q)), 0.0)
+            push = count * stiffness * deep**1.5 * unit(p - q)
+            energy += count * 0.4 * stiffness * deep**2.5
+            centres = (
+                (i, rods[i, ROW_PLACE], push),
+                (j, rods[j, ROW_PLACE] + (n * period, 0), -push),
+            )
+            for rod, centre, (f_x, f_z) in centres:
+                x, z = (p + q) / 2 - centre
+                total[rod] += f_x, f_z, z * f_x - x * f_z
     return total, energy

@@ -1,4 +1,4 @@
-"""Whether runs to a tolerance are off by no more than they say: long."""
+"""Whether runs to a tolerance are off by no more than they say, over drawn scenes: long."""
 
 from dataclasses import replace
 from functools import cache
@@ -7,15 +7,70 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
+from scipy.stats import qmc
 
 import md
 from md import accuracy
 from md.accuracy import ALLOWANCE, STEPS_PER_CONTACT, steps_per_contact
+from md.scene import from_tables, put, read_tables
 
-from .drawn_scenes import drawn
+from .rows import CONSTRAINT
 
 FINER = 3  # times the steps of the rule
 ACCURATE = 0.0075  # tolerance of the reference, and of the run at the rule's step
+
+
+def of_contacts(**ranges):
+    """Options of the contacts of plate and rods, each by itself."""
+    parts = "plate", "rods"
+    return {f"contacts.{part}.{name}": limits for name, limits in ranges.items() for part in parts}
+
+
+# Values of keys, evenly from one number to another; ratios evenly in log.
+ROW = {
+    "law": (0, 1),  # the last quarter: friction of the plate as a constraint
+    "tilt_deg": (15, 50),
+    "plate.acceleration": (1.8, 5),
+    "rods.length": (5, 10),
+} | of_contacts(
+    friction=(0.1, 0.6),
+    restitution=(0.5, 0.95),
+    tangential_ratio=(0.5, 30),
+    tangential_damping=(0, 1),
+)
+ANNULUS = {"rods.count": (32, 56), "plate.acceleration": (2, 5)} | of_contacts(
+    friction=(0.1, 0.6),
+    restitution=(0.65, 0.9),
+    tangential_ratio=(0.5, 10),
+    tangential_damping=(0, 0.5),
+)
+
+
+def drawn(count, seed, annulus):
+    """Scenes drawn evenly from ranges in which rows keep their tilt, and annuli."""
+    ranges = ANNULUS if annulus else ROW
+    for parts in qmc.Sobol(len(ranges), seed=seed).random(count):
+        to = {"step": "none"}
+        for (key, (low, high)), part in zip(ranges.items(), map(float, parts), strict=True):
+            log = key.endswith("ratio")
+            to[key] = low * (high / low) ** part if log else low + (high - low) * part
+        yield (annulus_of if annulus else row_of)(to)
+
+
+def annulus_of(to):
+    """Walls are like the plate."""
+    to |= {key.replace("plate", "wall"): to[key] for key in to if key.startswith("contacts.plate")}
+    to["rods.count"] = round(to["rods.count"])
+    return from_tables(put(read_tables("annulus"), to))
+
+
+def row_of(to):
+    base = read_tables("quasi2d")
+    to["box.length"] = base["rods"]["count"] / np.cos(np.radians(to.pop("tilt_deg")))
+    if to.pop("law") > 0.75:
+        to |= dict(change.split("=") for change in CONSTRAINT)
+        to["contacts.plate.tangential_damping"] = "none"
+    return from_tables(put(base, to | {"start.speed": 0.3}))
 
 
 class Judged(NamedTuple):

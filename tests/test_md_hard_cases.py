@@ -1,19 +1,21 @@
 """Where a straightforward simulation of a contact breaks, case by case."""
 
-from math import ceil, cos, hypot, pi, radians
+from math import ceil, cos, hypot, inf, nan, pi, radians
 
 import numpy as np
 import pytest
 
 import md
 from md.kernels import single
-from md.kernels.codes import DONE
+from md.kernels.codes import DONE, NOT_FINITE
 from md.kernels.contact import Friction, Inertia, Meeting, Normal, Spring, contact
 from md.kernels.single import State
 from md.laws import contact_time, deepest_overlap, largest_step
+from md.soft_impact import stopped_run
 
 from .track import CONTACT, FLAT, LAWS, ROD, effects, track
 
+GRAVITY = 0.0, -1.0
 SLIDE = radians(30), (-0.5, -1.0, 0.1)
 SLIP_STICK = radians(20), (0.5, -1.0, 0.0)
 REVERSAL = radians(40), (0.5, -1.0, 0.0)
@@ -265,3 +267,77 @@ def test_a_new_spring_grows_since_the_touch(overlap, part):
     )  # fmt: skip
     found = contact(Normal(1e5), friction, Inertia(1.0, None), meeting, dt)
     assert found.spring[0] == pytest.approx(part * slip * dt, rel=1e-12)
+
+
+# M16: a state that is no longer one
+
+
+def test_m16_too_deep_stops_with_the_last_good_state():
+    """A rod at 900 sqrt(g d) comes 0.53 d deep, and is stopped before it is."""
+    start = 0.0, 5.0, 0.0, 0.0, -900.0, 0.0
+    with pytest.raises(md.RunError, match="deeper than d/2 in the plate") as error:
+        track(effects(md.coulomb(1.0), 0.3, GRAVITY), start, 1e-6, 10**6, every=100)
+    _, z, tilt, c_x, c_z, _ = error.value.state
+    assert abs(z - ROD.half_length * cos(tilt)) < 1000 * 1e-6  # the limit, to the way of a step
+    assert -900 < c_z < 0
+    assert c_x == 0
+
+
+@pytest.mark.parametrize("bad", [nan, inf, -inf, 1e300])
+@pytest.mark.parametrize("integrator", single.METHODS)
+def test_m16_not_finite_stops_at_once(integrator, bad):
+    """In the step in which it appears, with the state that it found."""
+    scene = effects(md.coulomb(), 0.0, GRAVITY)
+    state = single.started(integrator, (0, 9, 0), (0, 0, 0), (0, -1), 1e-4)
+    now, steps, why = single.run(scene, state, 0, 10, 1e-4, None)
+    assert (steps, why) == (10, DONE)
+    state = State(*now)
+    sick = state._replace(velocity=(bad, 0.0, 0.0))
+    after, steps, why = single.run(scene, sick, 10, 1000, 1e-4, None)
+    assert (steps, why) == (0, NOT_FINITE)
+    with pytest.raises(md.RunError, match="not finite") as error:
+        stopped_run(why, State(*after), steps, 1e-4)
+    assert error.value.state[:3] == state.position
+
+
+# A contact that lasts
+
+
+@pytest.mark.parametrize("law", ["coulomb", "constant_restitution"])
+def test_a_rod_rests_on_a_vibrating_plate_below_its_gravity(law):
+    """Gamma = 0.5, a hundred periods: never off the plate, as deep as its load asks for.
+
+    F_n = 1 + 0.5 sin up to the rod's own oscillation on the contact, a thousand times faster.
+    """
+    vibration = md.Vibration(0.5 / (2 * pi) ** 2, 1.0, 0.0)
+    dt, every = 1 / 17_000, 77
+    start = 0.0, 0.5, pi / 2, 0.0, 2 * pi * vibration.amplitude, 0.0
+    scene = effects(LAWS[law], 0.3, GRAVITY, vibration, dt)
+    samples = track(scene, start, dt, 1_700_000, every=every)
+    time = every * dt * np.arange(len(samples))
+    late = time > 10
+    plate = vibration.amplitude * np.sin(2 * pi * time[late])
+    overlap = 0.5 + plate - samples[late, 1]
+    load = 2 * LAWS[law].normal.stiffness * np.maximum(overlap, 0) ** 1.5
+    assert overlap.min() > 0
+    assert load == pytest.approx(1 - 0.5 * np.sin(2 * pi * time[late]), abs=0.02)
+    assert np.ptp(samples[late, 0]) < 1e-10
+
+
+def test_a_rod_leaves_a_plate_above_its_gravity():
+    """Gamma = 1.5: there is a flight in every period."""
+    vibration = md.Vibration(1.5 / (2 * pi) ** 2, 1.0, 0.0)
+    scene = effects(md.coulomb(), 0.3, GRAVITY, vibration, 1e-4)
+    samples = track(scene, FLAT, 1e-4, 200_000, every=100)
+    time = 1e-2 * np.arange(len(samples))
+    gap = samples[:, 1] - 0.5 - vibration.amplitude * np.sin(2 * pi * time)
+    for period in range(1, 20):
+        assert gap[(time >= period) & (time < period + 1)].max() > 1e-3
+
+
+def test_a_contact_without_an_end_is_an_error_that_says_so():
+    """An upright rod with weight does not leave; after 1e5 contact times the run gives up."""
+    with pytest.raises(md.RunError, match="has not ended after") as error:
+        md.impact(0.0, 0.0, -1e-3, friction=0.3, gravity=(0.0, -1.0))
+    resting = (1 / 5e6) ** (2 / 3)  # overlap
+    assert error.value.state[1] == pytest.approx(ROD.half_length + 0.5 - resting, rel=1e-9)

@@ -229,12 +229,13 @@ def test_damping_ratio_inverts_restitution():
 @pytest.mark.parametrize("length", [1.0, 1.001, 2.0, 8.0, 9.5, 100.0])
 def test_moment_of_inertia(length):
     """The gyration radius of the solids and of the thin rod, each found here a second time."""
-    flat = impact.flat_ended_rod(0.0, length).k
-    assert sqrt(md.Rod(length, ends="flat").gyration_squared) == pytest.approx(flat, rel=1e-14)
-    solid = impact.spherocylinder(0.0, length).k
-    assert sqrt(md.Rod(length).gyration_squared) == pytest.approx(solid, rel=1e-14)
-    thin = impact.thin_rod(0.0, length).k
-    assert sqrt(md.Rod(length, "thin").gyration_squared) == pytest.approx(thin, rel=1e-15)
+    for rod, body, rounding in (
+        (md.Rod(length, ends="flat"), impact.flat_ended_rod, 1e-14),
+        (md.Rod(length), impact.spherocylinder, 1e-14),
+        (md.Rod(length, "thin"), impact.thin_rod, 1e-15),
+    ):
+        k = body(0.0, length).k
+        assert sqrt(rod.gyration_squared) == pytest.approx(k, rel=rounding)
 
 
 # Both caps, grazing

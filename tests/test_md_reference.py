@@ -6,79 +6,72 @@ which halving them proves.
 """
 
 from itertools import product
-from math import acos, cos, exp, inf, radians, sin, sqrt
+from math import cos, inf, radians, sin, sqrt
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 import md
 
 ROD = md.Rod()
+H, K_SQUARED = ROD.half_length, ROD.gyration_squared
 STEPS = 100  # at least, of equal length in s, to the end of a head-on contact
 
 
 class SoftRod:
     """One rod on a resting plate: y = way up, turn, c_x, c_z, omega, length of the spring."""
 
-    def __init__(self, law, friction, restitution, tilt):
-        self.tilt = tilt
-        self.h, self.k_squared = ROD.half_length, ROD.gyration_squared
-        self.stiffness, self.mu, self.spring = law.normal.stiffness, friction, law.spring
-        self.zeta = brentq(
-            lambda z: exp(-2 * z * acos(z) / sqrt(1 - z * z)) - restitution, 0.01, 0.9, xtol=1e-16
-        )
+    def __init__(self, law, friction, tilt):
+        self.normal, self.spring, self.mu, self.tilt = law.normal, law.spring, friction, tilt
         self.mode = 0  # -1, 1: slides with that sign of the slip (of the slider); 0: sticks
 
     def contact(self, y):
         """Overlap, arm to the contact point, its velocities, and the normal force."""
         way, turn, c_x, c_z, omega, _ = y
-        r_x, r_z = -self.h * sin(self.tilt + turn), -self.h * cos(self.tilt) - 0.5 - way
-        overlap = -2 * self.h * sin(self.tilt + turn / 2) * sin(turn / 2) - way
-        along, opening = c_x + omega * r_z, c_z - omega * r_x
-        if overlap <= 0:  # beyond the end, which is being located
-            return overlap, r_x, r_z, along, opening, self.stiffness * overlap
-        mass = 1 / (1 + r_x**2 / self.k_squared)
-        damper = 2 * self.zeta * sqrt(1.25 * mass * self.stiffness)
-        normal = self.stiffness * overlap**1.5 - damper * overlap**0.25 * opening
-        return overlap, r_x, r_z, along, opening, normal
+        r_x, r_z = -H * sin(self.tilt + turn), -H * cos(self.tilt) - 0.5 - way
+        overlap = -2 * H * sin(self.tilt + turn / 2) * sin(turn / 2) - way
+        opening, force = c_z - omega * r_x, self.normal.stiffness * overlap
+        if overlap > 0:  # beyond the end, which is being located, any force that is negative
+            damper = self.normal.quarter / sqrt(1 + r_x**2 / K_SQUARED)
+            force *= sqrt(overlap)
+            force -= damper * overlap**0.25 * opening
+        return overlap, r_x, r_z, c_x + omega * r_z, opening, force
 
     def friction(self, y):
         """Friction, the rate of the spring, and what crosses zero as the mode ends."""
-        overlap, r_x, r_z, along, _, normal = self.contact(y)
-        _, _, _, c_z, omega, length = y
-        mass = 1 / (1 + r_z**2 / self.k_squared)
-        sliding = -self.mode * self.mu * normal
+        overlap, r_x, r_z, slip, _, normal = self.contact(y)
+        mass = 1 / (1 + r_z**2 / K_SQUARED)
+        sliding, limit = -self.mode * self.mu * normal, self.mu * normal
         if self.spring is None:
             # the slip c_x + omega r_z stays: F + r_z (r_z F - r_x N)/k^2 - omega c_z = 0
-            sticking = (omega * c_z + r_z * r_x * normal / self.k_squared) * mass
+            sticking = (y[4] * y[3] + r_z * r_x * normal / K_SQUARED) * mass
             if self.mode == 0:
-                return sticking, 0.0, self.mu * normal - abs(sticking)
-            return sliding, 0.0, self.mode * along
+                return sticking, 0.0, limit - abs(sticking)
+            return sliding, 0.0, self.mode * slip
         if overlap <= 0:
             return sliding, 0.0, 1.0
         k = self.spring.root * sqrt(overlap)
         g = 2 * self.spring.damping_ratio * sqrt(k * mass)
         if self.mode == 0:
-            force = -k * length - g * along
-            return force, along, self.mu * normal - abs(force)
-        rate = (-sliding - k * length) / g
-        return sliding, rate, self.mode * (along - rate)
+            force = -k * y[5] - g * slip
+            return force, slip, limit - abs(force)
+        rate = (-sliding - k * y[5]) / g
+        return sliding, rate, self.mode * (slip - rate)
 
     def derivative(self, s, y):
         if s == 0:
             return np.zeros(6)
         _, r_x, r_z, _, _, normal = self.contact(y)
         force, rate, _ = self.friction(y)
-        spin = (r_z * force - r_x * normal) / self.k_squared
+        spin = (r_z * force - r_x * normal) / K_SQUARED
         return 4 * s**3 * np.array((y[3], y[4], force, normal, spin, rate))
 
     def follow(self, velocity, steps):
         """Velocities after the contact, and the modes that it went through."""
         s, y = 0.0, np.array([0.0, 0.0, *velocity, 0.0])
         _, _, _, along, opening, _ = self.contact(y)
-        width = (2.943 * (1.25 / self.stiffness / sqrt(-opening)) ** 0.4) ** 0.25 / steps
+        width = (2.943 * (1.25 / self.normal.stiffness / sqrt(-opening)) ** 0.4) ** 0.25 / steps
         how = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-17, "max_step": width}
         self.mode = int(np.sign(along))
         if self.spring is not None:
@@ -121,8 +114,7 @@ each_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 
 def followed(law, tilt_deg, velocity, friction, finer=1):
     """(c_x, c_z, omega) after the contact, and the modes met."""
-    rod = SoftRod(law, friction, 0.65, radians(tilt_deg))
-    return rod.follow(velocity, finer * STEPS)
+    return SoftRod(law, friction, radians(tilt_deg)).follow(velocity, finer * STEPS)
 
 
 def difference(a, b):

@@ -21,6 +21,6 @@ one line where it is called:
    (`single`), a row and an annulus (`march`). An effect that loses energy adds to the ledger as
    `march.accounted` does.
 
-The effect gets its entry in `tests/test_row_effects.py`: the scene with it, the scene without it,
+The effect gets its entry in `tests/test_effects.py`: the scene with it, the scene without it,
 its place in the arguments.
 """

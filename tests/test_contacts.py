@@ -1,0 +1,422 @@
+"""Forces of two rods and of walls: distances, no jumps, an energy, and the rigid limit."""
+
+import re
+from math import cos, pi, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+import md
+from md.kernels import walls
+from md.kernels.batch import SIZE
+from md.kernels.closest import between_ends, near_end, nearest
+from md.kernels.codes import C_X, OMEGA, PAIR_NORMAL, ROW_DIRECTION, ROW_PLACE, ROW_VELOCITY
+from md.kernels.contact import ContactForces
+from md.kernels.state import Wall
+
+from .rows import (
+    ELASTIC,
+    ELASTIC_RODS,
+    EPS,
+    HALF,
+    LIGHT,
+    LOSSY,
+    PLANE,
+    ROUGH,
+    SMOOTH,
+    SOFT,
+    SPACE,
+    elastic,
+    forces,
+    go,
+    in_plane,
+    in_space,
+    meetings,
+    motion,
+    overlap,
+    started,
+    tip_on_side,
+    unit,
+)
+
+DEEP = 0.02  # overlap; ends reach each other up to 0.2 along the axes
+ONE = SOFT * DEEP**1.5  # force of such a contact
+IN_PLANE = PLANE._replace(between=ELASTIC_RODS)
+IN_SPACE = SPACE._replace(between=ELASTIC_RODS, inner=Wall(5.0, ELASTIC, SMOOTH))
+
+
+def pushed(*rods):
+    """Force and torque on each of some rods at rest in the plane, elastic and smooth."""
+    return forces(started(IN_PLANE, in_plane(*rods)), in_plane(*rods))
+
+
+# Distances
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_two_axes_are_as_far_apart_as_least_squares_say(seed):
+    random = np.random.default_rng(seed)
+    apart, a, b = random.uniform(-3, 3, 3), unit(random.normal(size=3)), unit(random.normal(size=3))
+    if seed % 5 == 0:
+        b = a if seed % 2 else unit(a + 1e-9 * random.normal(size=3))
+    best = lsq_linear(np.column_stack([a, -b]), -apart, (-HALF, HALF), tol=1e-14).cost
+    found = sqrt(nearest(tuple(apart), tuple(a), tuple(b), HALF))
+    assert found == pytest.approx(sqrt(2 * best), abs=1e-6)
+    assert found <= sqrt(2 * best) + 1e-12
+
+
+def test_m7_distances_of_nearly_parallel_rods_are_accurate():
+    """Of each end, against extended precision: 4 ulp of the largest number that cancels."""
+    random, worst = np.random.default_rng(5), 0.0
+    for _ in range(400):
+        tilt = random.uniform(-pi, pi)
+        turn = random.choice([0, 1e-16, 1e-12, 1e-8, 1e-4, 1]) * random.uniform(-1, 1)
+        x, z = random.uniform(-9, 9), random.uniform(0.5, 1.5)
+        place = x * sin(tilt) + z * cos(tilt), x * cos(tilt) - z * sin(tilt)
+        rods = in_plane((*place, tilt), (0, 0, tilt + turn))
+        apart, a, b = (tuple(v) for v in (place, *rods[:, ROW_DIRECTION]))
+        for end, (p, q) in enumerate(meetings(rods.astype(np.longdouble))[0]):
+            got = np.hypot(*near_end(apart, a, b, HALF, end).gap)
+            worst = max(worst, abs(got - np.hypot(*(p - q))))
+    assert 0 < worst <= 4 * EPS * 9
+
+
+def test_m7_the_distance_of_rods_that_nearly_cross_is_exact():
+    """To 4 units in the last place of their lengths, down to the angle from which ends alone count.
+
+    Where they are closest is known to a rounding over the squared angle, no better.
+    """
+    random = np.random.default_rng(8)
+    for angle in 10.0 ** np.random.default_rng(1).uniform(-9, 0, 200):
+        a, b = np.array([1.0, 0, 0]), np.array([np.cos(angle), 0, np.sin(angle)])
+        s, t = random.uniform(-1, 1, 2)
+        apart = np.array([0, 0.97, 0]) - s * a + t * b
+        near, inside, skew = between_ends(tuple(apart), tuple(a), tuple(b), HALF)
+        if angle < 0.9e-6:
+            assert not inside
+        elif angle > 1.1e-6:
+            assert inside
+            assert abs(np.linalg.norm(near.gap) - 0.97) <= 4 * np.spacing(HALF)
+            assert abs(near.s - s) < 4e-15 / skew
+
+
+def test_m10_the_inner_wall_is_as_near_as_brute_force_says():
+    random, between = np.random.default_rng(3), 0
+    for _ in range(50):
+        place, a = random.uniform(-8, 8, 3), unit(random.normal(size=3))
+        seen = walls.from_above(tuple(place), tuple(a))
+        rho = np.hypot(*(place + np.linspace(-HALF, HALF, 20001)[:, None] * a).T[:2])
+        at_ends = [sqrt(walls.beyond(seen, s)) for s in (-HALF, HALF)]
+        np.testing.assert_allclose(at_ends, rho[[0, -1]], rtol=1e-12)
+        least = rho.min()  # the grid is 4e-4 wide
+        if least < min(at_ends) - 1e-9:
+            between += 1
+            assert walls.passes(seen, HALF, least + 1e-12)
+            assert not walls.passes(seen, HALF, least - 3e-4)
+            assert walls.beyond(seen, -seen[1] / seen[2]) == pytest.approx(least**2, abs=2e-3)
+        else:
+            assert not walls.passes(seen, HALF, 1e3)
+    assert 10 < between < 40
+
+
+# No jumps
+
+
+def beside(beyond, turn=0.0, deep=DEEP):
+    """A rod along z, and one beside it that overlaps it by `beyond` along the axes."""
+    x, z = 1 - deep + HALF * sin(turn), HALF - beyond + HALF * cos(turn)
+    return [(0.0, 0.0, 0.0), (x, z, turn)]
+
+
+def round_the_end(place):
+    """A rod along z, and one that leans and goes round its upper end at the overlap DEEP.
+
+    First its end is on the first one's side, `place` < 0 from the end; then end on end, over an
+    arc; then the first one's end is on its side.
+    """
+    lean, reach = 2.0, 1 - DEEP
+    arc = reach * (pi - lean)
+    angle = pi / 2 - min(max(place, 0.0), arc) / reach
+    x, z = reach * sin(angle), HALF + reach * cos(angle) + min(place, 0.0)
+    along = HALF - max(place - arc, 0.0)
+    return [(0.0, 0.0, 0.0), (x + along * sin(lean), z + along * cos(lean), lean)]
+
+
+def crossing(first, second):
+    """Rods in space far from walls, each its place and its director."""
+    return in_space(first, second, aside=30.0)
+
+
+def round_an_end(x):
+    """A rod goes round the upper end of an upright one, leaning out of the plane."""
+    end, director = (0.1, 0.98 * sin(5 * x), HALF + 0.98 * cos(5 * x)), unit((0.3, 0, 1))
+    return crossing(((0, 0, 0), (0, 0, 1)), (end + HALF * director, director))
+
+
+UPRIGHT = (0, -0.98, 0), (0, 0, 1)
+PATHS = {  # rods at a place of the path, from where to where
+    "cap past the end": (lambda x: in_plane(*tip_on_side(0.4, x, -DEEP)), 3.5, 5.5),
+    "slide past": (lambda x: in_plane(*beside(x)), -0.2, 0.4),
+    "turn over": (lambda a: in_plane(*beside(0.1, a)), -0.01, 0.01),
+    "turn over at the end": (lambda a: in_plane(*beside(1e-3, a)), -0.01, 0.01),
+    "round the end": (lambda x: in_plane(*round_the_end(x)), -0.3, 1.4),
+    "through parallel": (lambda x: crossing(((0, 0, 0), (x, 0.001, 1)), UPRIGHT), -0.3, 0.3),
+    "off the end": (
+        lambda x: crossing(((0, 0, 0), (0.7, 0, 1)), ((0, -0.98, 5.6 + 2 * x), (-0.7, 0, 1))),
+        *(-0.3, 0.3),
+    ),
+    "end past end": (
+        lambda x: crossing(((0, 0, 0), (0, 0.001, 1)), ((0, -0.98, 8.5 + x), (0, 0, 1))),
+        *(-0.3, 0.3),
+    ),
+    "round an end": (round_an_end, -0.3, 0.3),
+    "past the inner wall": (lambda x: in_space(((5.49, 0, 0), (0.001, x, 1))), -0.3, 0.3),
+}
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_m7_no_force_jumps(path):
+    """Steps of force and torque halve with those of the path: no jump, however small."""
+    rods_at, *limits = PATHS[path]
+    engine = started(IN_PLANE if rods_at(0.0).shape[1] == 7 else IN_SPACE, rods_at(0.0))
+    found = np.array([forces(engine, rods_at(x)) for x in np.linspace(*limits, 4001)])
+    fine, coarse = (np.abs(np.diff(found[::n], axis=0)).max() for n in (1, 2))
+    assert np.abs(found).max() > 50
+    assert np.ptp(found, axis=0).max() > 1
+    assert fine < 0.52 * coarse
+
+
+def lipschitz(deep):
+    """Largest change of force or angular acceleration per displacement of any of four ends.
+
+    Force: 3/2 k sqrt(d) along the normal and k d^(3/2)/r across it; torque: arms of at most
+    HALF + 1/2 and what the arm itself moves.
+    """
+    force = SOFT * deep**1.5
+    steep = 1.5 * SOFT * sqrt(deep) + force / (1 - deep)
+    return 4 * (steep * (HALF + 0.5) + 2 * force) * LIGHT + 4 * steep
+
+
+ANGLES = np.concatenate([-np.logspace(-6, -12, 25), [0.0], np.logspace(-12, -6, 25)])
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.5, 3.0, 8.3, 8.5])
+def test_m7_force_and_torque_are_continuous_across_parallel(shift):
+    """The closest point jumps by a rod's length at 1e-8 rad; the four ends' forces do not.
+
+    A turn by a moves an end by HALF a. Rounding of places of size HALF moves it by HALF EPS.
+    """
+    place = 0.99 * cos(0.3) + shift * sin(0.3), shift * cos(0.3) - 0.99 * sin(0.3)
+    found = np.array([pushed((0, 0, 0.3), (*place, 0.3 + a)) for a in ANGLES]) * (1, 1, LIGHT)
+    assert np.abs(found).max() > 1
+    steps = np.abs(np.diff(found, axis=0)).max(axis=(1, 2))
+    assert np.all(steps <= lipschitz(DEEP) * (HALF * np.diff(ANGLES) + 8 * HALF * EPS))
+
+
+# One place or two
+
+
+ON_SIDE = 0.0, 0.0, pi / 2
+TO_ROUNDING = (  # ends whose squared distance is less than 1 as a sum of squares alone
+    (0.9494358832968327, -0.9836358090748183, 0.1728756875894829),
+    (0, 0, 0.2853928232566878),
+)
+
+
+@pytest.mark.parametrize(
+    ("rods", "count"),
+    [
+        *((beside(4.0), 2), (beside(0.201), 2), (beside(0.0), 1), (TO_ROUNDING, None)),
+        *((round_the_end(place), 1) for place in (0.1, 0.6, 1.1)),  # neither end has a foot
+        *(((ON_SIDE, (HALF - x, HALF + 1 - DEEP, 0.0)), 1) for x in (1e-3, 0.05, 0.15, 0.5)),
+    ],
+)
+def test_rods_touch_at_one_place_or_two(rods, count):
+    """Side by side at two, in full where the ends do not reach each other; else at one."""
+    found = pushed(*rods)
+    if count:
+        assert np.hypot(*found[1, :2]) == pytest.approx(count * ONE, rel=1e-9)
+    np.testing.assert_allclose(found, elastic(in_plane(*rods))[0], rtol=1e-9, atol=1e-9 * ONE)
+
+
+def test_force_is_minus_the_gradient_of_the_energy():
+    """Central differences of a brute-force energy; h = 1e-6 errs by h^2 k and EPS E/h."""
+    random, touching = np.random.default_rng(2), 0
+    for number in range(80):
+        lean, other = random.uniform(-pi, pi), random.choice([1e-9, 1e-3, 1]) * random.normal()
+        off, along = random.uniform(0.95, 1.0), random.uniform(-9, 9)
+        if number % 2:  # ends that meet
+            along = np.copysign(random.uniform(8.2, 8.6), along)
+        place = off * cos(lean) + along * sin(lean), along * cos(lean) - off * sin(lean)
+        rods = np.array([(0.0, 0.0, lean), (*place, lean + other)])
+        if max(map(overlap, meetings(in_plane(*rods))[0])) > 0.3:
+            continue
+        got = pushed(*rods)
+        touching += bool(got.any())
+        for place, h in zip(np.ndindex(2, 3), 1e-6 * np.eye(6).reshape(6, 2, 3), strict=True):
+            up, down = (elastic(in_plane(*moved))[1] for moved in (rods + h, rods - h))
+            size = SOFT * 1e-9 + np.abs(got).max() * 1e-7
+            assert got[place] == pytest.approx((down - up) / 2e-6, abs=size)
+    assert touching > 40
+
+
+def test_one_spring_goes_round_the_end():
+    """As end on side becomes end on end, and that side on end, friction neither ends nor doubles.
+
+    The rods are at rest: the spring keeps its length. In a step of 1e-7 they stay so, to the 2e-4
+    by which a dashpot lessens the force.
+    """
+    places, stretched = np.linspace(-0.3, 1.4, 1701), 1e-3
+    rough = PLANE._replace(between=ContactForces(LOSSY.normal, ROUGH._replace(coefficient=10.0)))
+    engine = started(rough, in_plane(*round_the_end(0.0)), dt=1e-7)
+    forces(engine, in_plane(*round_the_end(places[0])))
+    listed, touching = engine.state.listed, [overlap(at) > 0 for at in meetings(engine.rods)[0]]
+    listed.springs[listed.turn[0], 0, :, 0] = stretched * np.array(touching)
+    found = np.array([forces(engine, in_plane(*round_the_end(x)))[0, :2] for x in places])
+    one = np.hypot(ONE, LOSSY.spring.root * sqrt(DEEP) * stretched)
+    assert np.hypot(*found.T) == pytest.approx(one, rel=3e-4)
+    assert np.ptp(np.hypot(*found.T)) < 3e-4 * one
+
+
+# Restitution
+
+
+def normal(restitution, stiffness=SOFT):
+    """The law's normal force, whose dashpot may be zero."""
+    force = md.coulomb(restitution, stiffness).normal
+    return force._replace(quarter=force.quarter or 0.0)
+
+
+SPHERE, SHORT = {"half_length": 0.0, "upper": None}, {"half_length": 1.0}
+SIDE = in_plane((0, HALF + 1 + 1e-12, 0, 0, -0.5, 0), (0, 0, pi / 2, 0, 0.5, 0))
+FALLS, RISES = ((0, 0, 1), (0, 0, -0.5)), ((0, 0, 1), (0, 0, 0.5))
+
+
+def end_on(length, space):
+    """Rods end to end that meet at a speed of one."""
+    if space:
+        return in_space(((0, 0, length), *FALLS), ((0, 0, 0), *RISES), aside=20.0)
+    return in_plane((0, 0, pi / 2, 0.5, 0, 0), (length, 0, pi / 2, -0.5, 0, 0))
+
+
+@pytest.mark.parametrize(
+    ("effects", "rods", "e", "contacts"),
+    [
+        *((PLANE, SIDE, e, 1) for e in (0.2, 0.65, 0.9)),
+        (PLANE._replace(**SPHERE), end_on(1, space=False), 0.65, 1),
+        (PLANE._replace(**SHORT), end_on(3, space=False), 0.65, 2),
+        (SPACE._replace(**SPHERE), end_on(1, space=True), 0.65, 1),
+        (SPACE._replace(**SHORT), end_on(3, space=True), 0.65, 2),
+    ],
+)
+def test_a_head_on_collision_has_the_restitution_asked_for(effects, rods, e, contacts):
+    """Caps on caps, or on the middle of a side, turn neither rod; ends that meet are one place.
+
+    500 steps a contact, first order where the force ends: 1/500 of the velocity at most. Once the
+    contacts are open, their last forces are forgotten: the next touch begins without.
+    """
+    effects = effects._replace(between=ContactForces(normal(e), SMOOTH))
+    engine = go(started(effects, rods, dt=6e-5), 300)
+    assert np.count_nonzero(engine.state.listed.forces) == contacts
+    go(engine, 2700)
+    assert not engine.state.listed.forces.any()
+    _, velocity, turn = motion(engine)
+    assert np.linalg.norm(velocity[0] - velocity[1]) == pytest.approx(e, abs=2e-3)
+    assert np.abs(turn).max() < 1e-12
+    lost = (1 - e * e) / 4  # half the reduced mass times the velocity squared
+    assert engine.ledger[PAIR_NORMAL] == pytest.approx(lost, abs=2e-3)
+
+
+def rigid(rods, e):
+    """Velocities after a frictionless impact with restitution e at the contact point, closed form.
+
+    J = -(1 + e) v_n / (1/m_1 + 1/m_2 + (r_1 x n)^2/I_1 + (r_2 x n)^2/I_2).
+    """
+    p, q = max(meetings(rods)[0], key=overlap)
+    out, arms = unit(p - q), (p + q) / 2 - rods[:, ROW_PLACE]
+    levers = arms[:, 1] * out[0] - arms[:, 0] * out[1]
+    speeds = rods[:, ROW_VELOCITY][:, :2] @ out + rods[:, OMEGA] * levers
+    impulse = -(1 + e) * (speeds[0] - speeds[1]) / (2 + (levers**2).sum() * LIGHT)
+    given = [(*out, levers[0] * LIGHT), (*-out, -levers[1] * LIGHT)]
+    return rods[:, ROW_VELOCITY] + impulse * np.array(given)
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.65])
+def test_stiff_contacts_collide_as_rigid_rods(restitution):
+    """The rods turn and slide by the overlap during the contact: the error falls as k_n^(-2/5).
+
+    Other powers of the overlap, at most 0.05, bend the line by as much.
+    """
+    errors, stiffnesses = [], (1e4, 1e5, 1e6, 1e7)
+    first, second = tip_on_side(0.7, 2.0)
+    rods = in_plane((*first, 0.3, -1.0, 0.1), (*second, 0.0, 0.2, 0.05))
+    for stiffness in stiffnesses:
+        law = ContactForces(normal(restitution, stiffness), SMOOTH)
+        dt = 3 * (1.25 / stiffness) ** 0.4 / 2400
+        found = go(started(PLANE._replace(between=law), rods, dt), 5600).rods
+        errors.append(np.abs(found[:, ROW_VELOCITY] - rigid(rods, restitution)).max())
+    slope = np.polyfit(np.log(stiffnesses), np.log(errors), 1)[0]
+    assert errors[-1] < 1e-4
+    assert slope == pytest.approx(-0.4, abs=0.02), errors
+
+
+GUIDE = Path(md.__file__).parents[1] / "figures/gallery/GUIDE.md"
+TABLE = re.search(r"\| restitution of the law \|(.*)\n.*\n((?:\|.*\n)+)", GUIDE.read_text())
+OVERLAPPED = {"end on": 0, "side by side": 1, "3/4": 3 / 4, "1/2": 1 / 2, "1/4": 1 / 4}
+
+
+def restitution_of_rods(law, overlapped):
+    """Of two rods that meet along a part of their axes; 0: end on."""
+    shift, speed, lying = (1 - overlapped) * 2 * HALF, 0.35, 0.0 if overlapped else pi / 2
+    apart = (1, shift) if overlapped else (2 * HALF + 1, 0)
+    rods = in_plane((0, 0, lying, speed, 0, 0), (apart[0] + 1e-6, apart[1], lying, -speed, 0, 0))
+    law = ContactForces(normal(law, md.laws.STIFFNESS), SMOOTH)
+    effects = PLANE._replace(between=law, lightness=12 / 9.5**2)
+    rods = go(started(effects, rods, 1e-5), 15_000).rods
+    turned = shift / 2 * rods[:, OMEGA].sum() if overlapped else 0.0
+    return (rods[1, C_X] - rods[0, C_X] - turned) / (2 * speed)
+
+
+@pytest.mark.parametrize("place", TABLE[1].strip(" |").split(" | "))
+def test_the_restitution_of_a_law_is_that_of_one_contact_point(place):
+    """As the guide's table says, to its last digit."""
+    column = TABLE[1].strip(" |").split(" | ").index(place) + 1
+    (overlapped,) = (part for name, part in OVERLAPPED.items() if place.startswith(name))
+    for line in TABLE[2].splitlines():
+        law, *_ = told = [float(cell) for cell in line.strip(" |").split(" | ")]
+        assert restitution_of_rods(law, overlapped) == pytest.approx(told[column], abs=0.0075)
+
+
+# Many contacts
+
+THREE = in_plane((0, 0, 0.1), (0.99, 0.2, 0.1, -1, 0, 0), (1.98, 0.1, 0.12, -2, 0.5, 0))
+THREE_IN_SPACE = in_space(
+    ((0, 0, 0), (0.1, 0, 1), (0, 0, -1)),
+    ((0.99, 0.05, 0.2), (0.1, 0.02, 1)),
+    ((0.4, 0.9, 0.1), (0.12, 0, 1), (0, -1, 0)),
+    aside=20.0,
+)
+ON_WALL = in_space(((0, 1.49, 0.0), (0.6, 0, 1), (0, -1, 0)))
+
+
+@pytest.mark.parametrize(
+    ("scene", "rods", "z", "copies", "rounding"),
+    [
+        (PLANE, THREE, 1, 100, 1e-9),
+        (SPACE, THREE_IN_SPACE, 2, 100, 1e-9),
+        (SPACE, ON_WALL, 2, 2 * SIZE, 0.0),
+    ],
+    ids=["plane", "space", "wall"],
+)
+def test_contacts_beyond_a_batch(scene, rods, z, copies, rounding):
+    """Copies of a few rods, one over the other, move as the few do."""
+    many = np.concatenate([rods] * copies)
+    many[:, z] += 64.0 * np.repeat(np.arange(copies), len(rods))
+    few, many = (go(started(scene, states), 300) for states in (rods, many))
+    assert np.abs(many.ledger).max() > 1
+    np.testing.assert_allclose(many.ledger, copies * few.ledger, rtol=1e-9, atol=1e-9)
+    expected = np.tile(few.rods, (copies, 1))
+    expected[:, z] = many.rods[:, z]
+    np.testing.assert_allclose(many.rods, expected, rtol=0, atol=rounding)

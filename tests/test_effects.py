@@ -1,0 +1,361 @@
+"""An effect that a scene leaves out has no code, no memory and no part in the result."""
+
+import re
+from math import cos
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+import pytest
+
+import md
+from md import host
+from md.host import prepare
+from md.kernels import single
+from md.kernels.codes import WATCHED
+from md.kernels.contact import ContactForces, Friction, Normal
+from md.kernels.march import Watchers
+from md.kernels.state import Wall
+from md.kernels.vectors import IN_PLANE, IN_SPACE
+
+from .rows import AT_REST, LOSSY, ROLLING, ROUGH, SOFT, in_plane, ring, row, started
+from .track import ROD, effects, track
+
+# The text of a compiled kernel: what it takes and what it looks at
+
+WHOLE = r"^define[^\n]*\n.*?^}"  # a function
+
+
+def fresh(kernel):
+    """A kernel compiled here and now: what comes from the disk cache has no text."""
+    return numba.njit(error_model="numpy", _nrt=False)(kernel.py_func)
+
+
+class Text(NamedTuple):
+    """Text of a kernel compiled for some arguments, and that of its own function."""
+
+    arguments: dict[str, Any]
+    whole: str
+    body: str
+
+
+def text_of(kernel, **arguments):
+    """The kernel's text for the first arguments of these types, which have their names there."""
+    wanted = tuple(map(numba.typeof, arguments.values()))
+    [mine] = [s for s in kernel.signatures if s[: len(wanted)] == wanted]
+    whole = kernel.inspect_llvm(mine)
+    path = [*kernel.py_func.__module__.split("."), kernel.py_func.__name__]
+    own = rf"define[^\n]*@_ZN{''.join(f'{len(name)}{name}' for name in path)}"
+    [body] = [f for f in re.findall(WHOLE, whole, re.M | re.S) if re.match(own, f)]
+    return Text(arguments, whole, body)
+
+
+def place(arguments, path):
+    """Numba's name of a field of a nested tuple, as "effects.0.4" for "effects.alone.gravity"."""
+    name, *fields = path.split(".")
+    group = arguments[name]
+    for field in fields:
+        name += f".{group._fields.index(field)}"
+        group = getattr(group, field)
+    return re.escape(name)
+
+
+def passed(text, path):
+    """Numbers and places that an argument hands over, absent ones left out."""
+    head = text.body.split("\n", 1)[0]
+    given = re.findall(rf"((?:ptr|double|i\d+)\b[^%]*)%arg\.{place(text.arguments, path)}\b", head)
+    assert given
+    return [one for one in given if "readnone" not in one]
+
+
+def assert_absent(there, gone, marks):
+    """Effects have no code in a text: nothing reads their arguments, their instructions lack.
+
+    Numba names the kernel's arguments in its text. One that is None remains there as a pointer that
+    nothing reads. `marks`: an instruction that only the effect of an argument needs.
+    """
+    code = "\n".join(line for line in gone.body.splitlines()[1:] if " call " not in line)
+    for path, mark in marks.items():
+        assert passed(there, path)
+        assert not passed(gone, path)
+        assert not re.search(rf"%arg\.{place(gone.arguments, path)}\b", code)
+        if mark:
+            assert re.search(mark, there.whole)
+            assert not re.search(mark, gone.whole)
+
+
+# Many rods
+
+
+@pytest.fixture(scope="module")
+def march():
+    """The kernel, with its text."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(host, "march", fresh(host.march))
+        yield host.march
+
+
+def marched(kernel, watched=False, **acting):
+    """Rods after 100 steps, and the kernel's text: 0 and 1 touch, 2 is in the plate, 3 alone."""
+    turn = 0.1, 0.01, 0.02
+    rods = in_plane(*((x, z, 0, *turn) for x, z in ((10, 20), (10.99, 20.1), (40, 1.99), (80, 30))))
+    if (up := acting.get("up", IN_PLANE)) == IN_SPACE:
+        flat, rods = rods, np.zeros((4, 12))
+        rods[:, [0, 2, 3, 5, 6, 8, 10]], rods[:, 1] = flat, -20.0
+    engine, series = started(host.Effects(1.5, 0.5, up=up)._replace(**acting), rods, 5e-4), None
+    if watched:
+        series = engine.series(1)._replace(per=2000, every=10)
+    else:
+        engine.watchers = Watchers(None, None, None)
+    assert engine.go(100, series) == 100
+    watchers = engine.watchers = engine.watchers._replace(series=series)
+    return engine, text_of(kernel, effects=engine.effects, state=engine.state, watchers=watchers)
+
+
+EVERY, ALOFT, GROUND = [0, 1, 2, 3], [0, 1, 3], [2, 3]
+RIGID, CONSTRAINT = Normal(SOFT), Friction(0.3, None)  # no dashpot, no spring
+SPRING = Friction(0.3, md.constant_restitution(1.0, SOFT, tangential_damping=0.0).spring)
+REST, TOUCHING = {"normal": RIGID}, {"between": ContactForces(RIGID, None)}
+SHAKEN = REST | {"plate": AT_REST, "friction": CONSTRAINT}
+WALLS = {"up": IN_SPACE, **REST, **TOUCHING} | {
+    name: Wall(radius, RIGID, None) for name, radius in (("inner", 5.0), ("outer", 1e3))
+}
+ROUGH_WALLS = WALLS | {
+    "inner": WALLS["inner"]._replace(friction=ROUGH),
+    "between": ContactForces(LOSSY.normal, ROUGH),
+    **{"friction": CONSTRAINT, "gravity": 0.0, "rolling": 15.0, "watched": True},
+}
+# Effects: what is there with them, without them; each as an argument of `march`, with an
+# instruction that only it needs; and rods that none of them touches.
+EFFECTS = {
+    "plate": (REST, {}, {"effects.normal": r"@sqrt\("}, ALOFT),
+    "gravity and what is measured": (
+        REST | {"gravity": (0.0, 0.0), "watched": True},
+        REST,
+        {
+            "effects.gravity": "",
+            "watchers.ledger": "",
+            "watchers.record": "sitofp",
+            "watchers.series": "[su]div i64|[su]rem i64",
+        },
+        EVERY,
+    ),
+    "plate's vibration and friction": (
+        SHAKEN,
+        REST,
+        {"effects.plate": "[su]rem i64", "effects.friction": "= fdiv"},
+        ALOFT,
+    ),
+    "plate's spring and dissipation": (
+        SHAKEN | {"normal": LOSSY.normal, "friction": SPRING},
+        SHAKEN,
+        {"state.springs": "copysign", "effects.normal.quarter": ""},
+        ALOFT,
+    ),
+    "rod-rod contact": (
+        TOUCHING,
+        {},
+        {
+            "effects.between": "pair_forces",
+            "state.listed": "",
+            "state.scratch.place": "",
+            "state.scratch.found": "",
+            "state.scratch.batch": "",
+        },
+        GROUND,
+    ),
+    "rod-rod friction and box": (
+        {"between": ContactForces(RIGID, SPRING), "period": 1e3},
+        TOUCHING,
+        {
+            "effects.between.friction": "copysign",
+            "state.listed.springs": "",
+            "effects.period": r"llvm\.rint",
+        },
+        GROUND,
+    ),
+    "walls and contacts in space": (
+        WALLS,
+        {"up": IN_SPACE},
+        {"effects.inner": "wall_forces", "effects.outer": "", "effects.between": "pair_forces"},
+        [3],
+    ),
+    "friction, rolling and gravity in space": (
+        ROUGH_WALLS,
+        WALLS,
+        {
+            **dict.fromkeys(("effects.inner.friction", "effects.friction", "effects.rolling"), ""),
+            **dict.fromkeys(("effects.gravity", "effects.between.friction", "state.springs"), ""),
+            "watchers.record": "sitofp",
+        },
+        [3],
+    ),
+    "shaken walls": (
+        ROUGH_WALLS | {"shaken": True, "plate": AT_REST},
+        ROUGH_WALLS,
+        {"effects.shaken": "", "effects.plate": ""},
+        EVERY,
+    ),
+}
+
+
+@pytest.mark.parametrize(("there", "gone", "arguments", "untouched"), EFFECTS.values(), ids=EFFECTS)
+def test_absent_effects_cost_nothing(march, there, gone, arguments, untouched):
+    """Not read, their instructions not there; no array; the other rods as they were."""
+    (engine, text), (without, bare) = marched(march, **there), marched(march, **gone)
+    assert_absent(text, bare, arguments)
+    for mark in ("fmul", "call "):
+        assert text.whole.count(mark) > bare.whole.count(mark)
+    for path in arguments:
+        assert attrgetter(path)(engine) is not None
+        assert attrgetter(path)(without) is None
+    np.testing.assert_array_equal(engine.rods[untouched], without.rods[untouched])
+    assert len(engine.arrays()) >= len(without.arrays())
+
+
+def test_a_scene_without_walls_is_the_free_rod(march):
+    """No root but those of speed and turn, side by side and alone, and of the larger turns."""
+    _, (_, whole, body) = marched(march, up=IN_SPACE)
+    assert len(re.findall(r"call[^\n]*sqrt", body)) <= 5
+    assert not re.search("pair_forces|wall_forces", whole)
+
+
+def test_what_is_absent_everywhere_needs_next_to_nothing():
+    """Of a million rods that only fly: places, directions, velocities and accelerations."""
+    engine = prepare(md.Scene(start=md.Start(tilt_deg=10.0)), ledger=False, touches=False)
+    state, watchers = engine.state, engine.watchers
+    absent = state.forces, state.springs, state.listed, *state.scratch[2:], *watchers
+    assert [*absent] == [None] * 9
+    assert list(engine.arrays()) == ["rods", "before"]
+    assert set(engine.effects[2:6] + engine.effects[7:10] + engine.effects[11:]) == {None}
+
+
+def test_no_friction_is_the_same_as_a_coefficient_of_zero():
+    """And a plate that does not accelerate the same as one at rest: no code for either."""
+    still = "contacts.plate.friction=0", "plate.acceleration=0", "rods.length=1"
+    engine = prepare(row(*still, "box=none", "start.tilt_deg=0"))
+    assert engine.effects.friction is engine.state.springs is engine.effects.plate is None
+    assert engine.effects.upper is engine.effects.period is None
+    smooth = [f"contacts.{part}.friction=0" for part in ("plate", "rods", "wall")]
+    state = prepare(ring(*smooth)).state
+    assert state.springs is state.listed.springs is None
+    absent = "annulus.shaken=false", "contacts.rods=none", "rods.count=1", "start.tilt_deg=10"
+    engine = prepare(ring(*absent))
+    assert engine.effects.between is engine.effects.shaken is engine.state.listed is None
+    assert engine.effects.rolling is None
+    assert prepare(ring(*ROLLING)).effects.rolling > 0
+
+
+# One rod
+
+GRAVITY = (0.0, -1.0)
+LOOP = fresh(single.run)
+VIBRATION = md.Vibration(0.05, 1.0, 0.0)
+
+
+def scene_of(law=None, friction=0.0, gravity=None, vibration=None, rod=ROD, dt=1e-3):
+    """By default nothing but Hertz's force."""
+    return effects(law or md.coulomb(1.0), friction, gravity, vibration, dt, rod)
+
+
+def compiled(method="leapfrog", watch=None, **scene):
+    """The loop over steps for one scene, without the wrapper that Python calls."""
+    made = scene_of(**scene)
+    state = single.started(method, (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
+    LOOP(made, state, 0, 0, 1e-3, watch)
+    return text_of(LOOP, effects=made, state=state, first=0, steps=0, dt=1e-3, watch=watch)
+
+
+RUBBING = {"friction": 0.3, "vibration": VIBRATION}
+DAMPED = {"law": md.constant_restitution(1.0)}
+UNDAMPED = {"law": md.constant_restitution(1.0, tangential_damping=0.0)}
+ALONE = {  # the loop with them, without them; arguments, and an instruction that only it needs
+    "dissipation, gravity and record": (
+        {"law": md.coulomb(0.65), "gravity": GRAVITY, "watch": np.zeros(WATCHED)},
+        {},
+        {"effects.normal.quarter": "fdiv", "effects.gravity": "", "watch": ""},
+    ),
+    "friction and vibration": (
+        RUBBING,
+        {},
+        {"effects.friction": "fdiv", "effects.plate": "[su]rem (?:<.*> )?i64"},
+    ),
+    "flat ends": ({"rod": md.Rod(8.0, ends="flat")}, {}, {"effects.flat": ""}),
+    "tangential spring": (
+        RUBBING | UNDAMPED,
+        RUBBING,
+        {"effects.friction.spring": r"llvm\.copysign"},
+    ),
+    "tangential damping": (
+        RUBBING | DAMPED,
+        RUBBING | UNDAMPED,
+        {"effects.friction.spring.damping_ratio": ""},
+    ),
+}
+
+
+@pytest.mark.parametrize(("there", "gone", "marks"), ALONE.values(), ids=ALONE)
+def test_absent_effects_have_no_code_for_one_rod(there, gone, marks):
+    assert_absent(compiled(**there), compiled(**gone), marks)
+
+
+def roots(**scene):
+    """Roots in the loop, a first step peeled off it left out; one of n numbers counts n times."""
+    mark = r"call[^\n]* @(?:llvm\.)?sqrt(?:\.v(\d+)f64)?\((?![^\n]*peel)"
+    found = re.findall(mark, compiled(**scene).body)
+    return sum(int(width or 1) for width in found)
+
+
+def test_gear_alone_carries_derivatives_and_a_sphere_has_one_cap():
+    heads = (compiled(method).body.split("\n", 1)[0] for method in ("leapfrog", "verlet", "gear"))
+    n, verlet, gear = (head.count("double %arg.") for head in heads)
+    assert (verlet, gear) == (n, n + 9)
+    assert 2 * roots(rod=md.Rod(1.0)) == roots() > 0
+
+
+def test_absent_effects_have_no_memory():
+    scene = scene_of()
+    assert scene.plate is scene.friction is scene.gravity is scene.flat is None
+    assert scene.normal[1:] == (None, None, None, None)
+    assert scene_of(rod=md.Rod(1.0)).upper is None
+    plate = scene_of(vibration=VIBRATION).plate
+    assert plate.height.size == plate.velocity.size == 1000
+
+
+def thrown(method="leapfrog", law=None, friction=0.3, **how):
+    """Every step of a rod that is thrown at the plate."""
+    scene = scene_of(law or md.coulomb(), friction, dt=1e-5, **how)
+    start = 0.0, ROD.half_length * cos(0.3) + 0.5 + 1e-3, 0.3, 0.5, -1.0, 0.1
+    return track(scene, start, 1e-5, 5000, method=method)
+
+
+@pytest.mark.parametrize(
+    ("absent", "naught"),
+    [
+        ({"gravity": None}, {"gravity": (0.0, 0.0)}),
+        ({"vibration": None}, {"vibration": md.Vibration(0.0, 20.0, 0.0)}),
+        ({"friction": 0.0}, {"friction": 1e-300}),
+        ({"law": md.coulomb(1.0)}, {"law": md.coulomb(1 - 1e-16)}),
+        (
+            {"law": md.constant_restitution(tangential_damping=0.0)},
+            {"law": md.constant_restitution(tangential_damping=1e-300)},
+        ),
+    ],
+    ids=["gravity", "vibration", "friction", "dissipation", "tangential damping"],
+)
+def test_what_is_absent_does_as_what_is_naught(absent, naught):
+    """All other forces are the same; a product with zero, and no more, is left out."""
+    without, with_naught = thrown(**absent), thrown(**naught)
+    np.testing.assert_allclose(without, with_naught, rtol=0, atol=1e-13)
+    assert without[-1, 4] > 0  # it has met the plate
+
+
+@pytest.mark.parametrize("law", [md.coulomb(), md.appendix_a()])
+@pytest.mark.parametrize("integrator", single.METHODS)
+def test_no_friction_no_tangential_impulse(integrator, law):
+    """Not a bit of c_x changes; Gear's method multiplies and divides it by dt in every step."""
+    samples = thrown(integrator, law, friction=0.0)
+    rounding = 5000 * 2**-53 if integrator == "gear" else 0.0
+    assert np.abs(samples[:, 3] - 0.5).max() <= rounding
+    assert samples[-1, 4] > 0

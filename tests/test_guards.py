@@ -1,0 +1,378 @@
+"""What many rods must not do: pass through things, creep, explode, lose the phase, go on as nan."""
+
+from dataclasses import replace
+from math import cos, pi, sin
+
+import mpmath
+import numpy as np
+import pytest
+
+import md
+from md.host import plate_motion, prepare
+from md.kernels import touches
+from md.kernels.codes import (
+    DEEP,
+    DIRECTOR,
+    OMEGA,
+    PLACE,
+    PLATE_WORK,
+    ROW_DIRECTION,
+    ROW_PLACE,
+    TURN,
+    VELOCITY,
+    X,
+)
+from md.kernels.contact import ContactForces, Friction
+from md.kernels.plate import plate_at
+from md.kernels.state import Motion, Wall
+from md.laws import deepest_overlap
+from md.soft_impact import plate_table
+
+from .rows import (
+    AT_REST,
+    ELASTIC,
+    ELASTIC_RODS,
+    EPS,
+    HALF,
+    LIGHT,
+    LOSSY,
+    PLANE,
+    ROLLS,
+    ROUGH,
+    SMOOTH,
+    SOFT,
+    SPACE,
+    go,
+    in_plane,
+    in_space,
+    kinetic,
+    ring,
+    row,
+    started,
+    unit,
+)
+
+ELASTIC_PLANE = PLANE._replace(between=ELASTIC_RODS)
+
+# M8: rods that cross, deep overlap, tunnelling
+
+
+LYING = 0, 0, pi / 2
+INTO_LYING = {
+    "an end deep in a side": (0.0, 4.7, 0),
+    "fast into a side": (0.0, 5.26, 0, 0, -700.0, 0),
+    "through in a step": (1.3, 5.26, 0, 0, -6e4, 0),
+    "in one place": LYING,
+}
+
+
+@pytest.mark.parametrize("rod", INTO_LYING.values(), ids=INTO_LYING)
+def test_m8_rods_that_pass_into_one_another_are_stopped(rod):
+    """At once, with the rods, the time and the overlap, and as they were when all was legal."""
+    engine = started(ELASTIC_PLANE, in_plane(LYING, rod))
+    why = r"rods 0 and 1: overlap .* at t = |rod 1: moved .* at t = "
+    with pytest.raises(md.RunError, match=why) as caught:
+        go(engine, 200)
+    assert engine.step <= 20
+    assert np.isfinite(caught.value.state).all()
+
+
+def crossed(rods):
+    """Whether the axes of two rods cross."""
+    (x, y), (a, b) = rods[:, ROW_PLACE], rods[:, ROW_DIRECTION]
+    return np.abs(np.linalg.solve(np.column_stack([a, -b]), y - x)).max() < HALF
+
+
+def test_m8_no_rod_passes_through_another_one():
+    """100 throws of any violence, looked at after every step: the run ends before axes cross."""
+    random, stopped = np.random.default_rng(0), 0
+    for _ in range(100):
+        lean, turn, way = random.uniform(-pi, pi, 3)
+        speed = 10 ** random.uniform(1, 5)
+        velocity = speed * sin(way), speed * cos(way), speed / HALF * random.uniform(-1, 1)
+        thrown = -10 * sin(way), -10 * cos(way), turn, *velocity
+        engine = started(ELASTIC_PLANE, in_plane((0, 0, lean), thrown))
+        try:
+            for _ in range(100):
+                assert not crossed(go(engine, 1).rods)
+        except md.RunError:
+            stopped += 1
+    assert stopped > 30
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_m8_crossing_rods_do_not_pass_through_each_other(seed):
+    """However fast: stopped before half a diameter, or turned back.
+
+    An axis that has come to the other side of the other one has gone through it.
+    """
+    random, soft = np.random.default_rng(seed), md.constant_restitution(0.65, 2e3).normal
+    scene = SPACE._replace(between=ContactForces(soft, SMOOTH))
+    across = random.uniform(-1, 1), 0, 1
+    place = random.uniform(-2, 2), 1.2, random.uniform(-2, 2)
+    for speed in (1, 5, 60):
+        first = place, [1, 0.05, 0.1], (0, -speed, 0)
+        flying, deep = started(scene, in_space(first, ((0, 0, 0), across), aside=20.0), 2e-4), False
+        try:
+            for _ in range(int(2 / speed / 2e-4 / 10)):
+                one, other = go(flying, 10).rods[:, PLACE + 1]
+                assert one > other + 1 - DEEP - 0.3
+        except md.RunError:
+            deep = True
+        assert deep == (speed == 60)
+
+
+def test_m8_what_is_too_deep_is_named():
+    engine = prepare(ring())
+    engine.rods[3, :VELOCITY] = engine.rods[1, :VELOCITY] + 1e-3
+    with pytest.raises(md.RunError, match=r"rods 1 and 3: overlap 0\.99\d d with each other"):
+        go(engine, 10)
+    engine = prepare(ring("rods.count=2"))
+    engine.rods[1, PLACE + 2] -= 1
+    before = engine.rods.copy()
+    with pytest.raises(md.RunError, match=r"rod 1: overlap 1 d with the plate") as error:
+        go(engine, 10)
+    np.testing.assert_array_equal(error.value.state, before)
+    engine = prepare(ring())
+    engine.rods[4, VELOCITY:TURN] = 0, 0, 3e3
+    with pytest.raises(md.RunError, match=r"rod 4: moved more than 0.25 d in a step at t = "):
+        go(engine, 10)
+    engine = prepare(ring())
+    engine.rods[0, :2] *= 0.05
+    with pytest.raises(md.RunError, match=r"deep in a wall|with each other"):
+        go(engine, 10)
+
+
+# M10: walls
+
+INNER, OUTER = 5.0, 40.0  # radii of walls
+
+
+def from_axis(rod):
+    """Distances of places along a rod from the axis of the walls."""
+    along = np.linspace(-HALF, HALF, 401)[:, None] * rod[DIRECTOR:VELOCITY]
+    return np.hypot(*(rod[PLACE:DIRECTOR] + along).T[:2])
+
+
+@pytest.mark.parametrize(("speed", "every"), [(0.1, 40), (3.0, 20)])  # a tenth of a contact
+@pytest.mark.parametrize("friction", [SMOOTH, ROUGH], ids=["smooth", "rough"])
+@pytest.mark.parametrize(
+    "director", [(0, 1, 0), (0, 0, 1), (0, 0, -1), (0.2, 0.9, 0.5), (1, 0.3, 0.1), (1, 0, 0)]
+)
+@pytest.mark.parametrize("inner", [True, False], ids=["inner", "outer"])
+def test_m10_no_wall_is_entered_beyond_the_soft_overlap(inner, director, friction, speed, every):
+    """Side or cap, thrown at it squarely or not; the rod comes back, slower than it came."""
+    room, side = 0.52 + abs(HALF * unit(director)[0]), 1 if inner else -1
+    place = INNER + room if inner else OUTER - room - 1
+    wall = Wall(INNER if inner else OUTER, LOSSY.normal, friction)
+    thrown = (place, 0, 0), director, (-side * speed, 0.2 * speed, 0.1 * speed)
+    flying = started(SPACE._replace(**{"inner" if inner else "outer": wall}), in_space(thrown))
+    deepest, energy = -np.inf, kinetic(flying)
+    for _ in range(int(2.5 / speed / 1e-4 / every)):
+        reach = side * (from_axis(go(flying, every).rods[0]) - wall.radius)
+        deepest = max(deepest, 0.5 - reach.min())
+    assert 0 < deepest < 1.05 * deepest_overlap(LOSSY, 1.05 * speed)
+    assert kinetic(flying) < energy
+    assert flying.rods[0, VELOCITY] * side > (0 if inner else -0.3 * speed)
+
+
+def test_m10_a_gap_barely_wider_than_a_rod():
+    """Rods stay in it, upright and along it; a gap narrower than a rod is refused."""
+    narrow = ("annulus.outer=3.0", "annulus.inner=1.99", "rods.count=4", "plate.acceleration=4")
+    result = md.run(ring(*narrow), periods=5)
+    rho = np.hypot(*result.rods[:, :2].T)
+    assert np.abs(rho - 2.495).max() < 0.02
+    assert result.tilt_deg < 10
+    with pytest.raises(ValueError, match=r"annulus.outer must be at least a diameter beyond"):
+        ring("annulus.outer=2.98", "annulus.inner=1.99")
+
+
+@pytest.mark.parametrize(
+    ("x", "director"),
+    [(5.499, (0, 0, 1)), (5.499, (0, 0.6, 0.8)), (7.501, (0, 0, 1))],
+    ids=["caps, inner wall", "beside the inner wall", "caps, outer wall"],
+)
+@pytest.mark.parametrize("shaken", [True, False])
+def test_a_rod_that_rises_with_shaken_walls_feels_no_friction(x, director, shaken):
+    """Exactly, as long as it touches; walls at rest slow it."""
+    inner, outer = (Wall(radius, LOSSY.normal, ROUGH) for radius in (5.0, 8.0))
+    plate = Motion(np.full(1, -1e3), np.full(1, 0.1))
+    scene = (SPACE if shaken else ROLLS)._replace(inner=inner, outer=outer, plate=plate)
+    [rod] = go(started(scene, in_space(((x, 0, 0), director, (0, 0, 0.1)))), 30).rods
+    assert abs(rod[VELOCITY]) > 1e-3
+    assert (rod[VELOCITY + 2] == 0.1) == shaken
+
+
+@pytest.mark.parametrize("rough", ["inner", "outer"])
+def test_a_rod_pressed_between_shaken_walls_moves_with_them(rough):
+    """Without the plate, by friction of one wall, whose work is the rod's kinetic energy."""
+    pressing = {"inner": Wall(5.0, LOSSY.normal, SMOOTH), "outer": Wall(5.99, LOSSY.normal, SMOOTH)}
+    pressing[rough] = pressing[rough]._replace(friction=ROUGH._replace(coefficient=10.0))
+    quarter = 20_000
+    turn = np.arange(4 * quarter) * pi / 2 / quarter
+    plate = Motion(np.full(4 * quarter, -1e3), 0.2 * np.sin(turn))
+    rod = started(SPACE._replace(**pressing, plate=plate), in_space(((5.495, 0, 0), (0, 0, 1))))
+    assert go(rod, quarter).rods[0, VELOCITY + 2] == pytest.approx(0.2, rel=2e-3)
+    assert rod.ledger[PLATE_WORK] == pytest.approx(0.2**2 / 2, rel=4e-3)
+
+
+def test_rods_that_lie_down_and_rods_that_cross_go_on():
+    """One on the plate, one dropped across it in a wide gap: finite, and at rest in the end."""
+    lying, crossing = ((9, 0, 0.51), [0, 1, 0]), ((9, 0, 1.55), [1, 0, 0], (0, 0, -0.5))
+    outer = SPACE.outer._replace(radius=20.0)
+    scene = SPACE._replace(outer=outer, plate=AT_REST, gravity=-1.0)
+    both = go(started(scene, in_space(lying, crossing)), 100_000)
+    assert np.isfinite(both.rods).all()
+    assert kinetic(both) < 1e-3
+    lowest = both.rods[:, PLACE + 2] - HALF * np.abs(both.rods[:, DIRECTOR + 2])
+    assert (lowest > 0.49).all()
+
+
+# M5: creep
+
+
+@pytest.mark.parametrize("spring", [True, False], ids=["spring", "constraint"])
+def test_m5_a_rod_that_lies_and_is_pushed_does_not_creep(spring):
+    """Pushed with 0.9 mu m g for 1000 periods: below 1e-10 d once the spring is stretched."""
+    law, mu, period = md.constant_restitution(0.5, 1e3, tangential_ratio=2.0), 0.3, 135
+    friction = Friction(mu, law.spring if spring else None)
+    scene = PLANE._replace(normal=law.normal, friction=friction, plate=AT_REST)
+    z = 0.5 - (1 / (2 * law.normal.stiffness)) ** (2 / 3)
+    rods = in_plane((0.0, z, pi / 2), (100.0, z, pi / 2))
+    engine = started(scene._replace(gravity=(0.9 * mu, -1.0)), rods, 5e-3)
+    place = go(engine, 100 * period).rods[0, X]  # settles
+    assert abs(go(engine, 1000 * period).rods[0, X] - place) < 1e-10
+    assert abs(place) < 0.1
+    # pushed with more than that it goes
+    engine.effects = engine.effects._replace(gravity=(1.1 * mu, -1.0))
+    far = 0.1 * mu * (10 * period * engine.dt) ** 2 / 2
+    assert go(engine, 10 * period).rods[0, X] - place == pytest.approx(far, rel=0.1)
+
+
+def test_m5_a_lying_rod_that_a_wall_pushes_does_not_creep():
+    """With a third of the friction there is: less than 1e-10 d in 1e3 units of time."""
+    force = 0.1
+    deep, pressed = (force / SOFT) ** (2 / 3), (0.5 / SOFT) ** (2 / 3)
+    x = INNER + 0.5 - deep + HALF
+    rods = in_space(((x, 0, 0.5 - pressed), (1, 0, 0)))
+    scene = ROLLS._replace(inner=Wall(INNER, ELASTIC, SMOOTH), plate=AT_REST, gravity=-1.0)
+    lying = go(started(scene, rods, 1e-3), 3000)  # settles
+    before = lying.rods.copy()
+    assert np.abs(go(lying, 1_000_000).rods - before).max() < 1e-10
+    assert np.abs(lying.rods[:, :2] - rods[:, :2]).max() < 1e-6
+    slips = scene._replace(friction=Friction(0.9 * force, None))
+    assert go(started(slips, rods, 1e-3), 1000).rods[0, 0] > x + 5e-6
+
+
+# M6: the largest stable step
+
+
+def largest(scene):
+    """The largest step that the refusal of a larger one names."""
+    with pytest.raises(ValueError, match=r"step.size must be at most .* got 0.5") as caught:
+        prepare(replace(scene, step=replace(scene.step, size=0.5)))
+    return float(str(caught.value).split("at most ")[1].split()[0])
+
+
+def test_m6_a_step_that_is_not_stable_is_refused_with_the_largest_that_is():
+    """And the one it names is taken; coarse steps are beyond what springs allow."""
+    limit, coarse = (largest(row(f"step.coarse={coarse}")) for coarse in ("false", "true"))
+    assert coarse > 1.5 * limit
+    assert prepare(row(f"step.size={limit}", "step.coarse=false")).dt <= limit
+    with pytest.raises(ValueError, match="at most"):
+        prepare(row(f"step.size={1.02 * limit}", "step.coarse=false"))
+    assert md.run(row(f"step.size={coarse}"), periods=20).finished
+    with pytest.raises(ValueError, match="stiffness 1 is too soft"):
+        prepare(row("contacts.plate.stiffness=1"))
+
+
+def test_m6_the_largest_step_is_stable_for_a_row_pressed_together():
+    """Rods side by side, elastic, touching both neighbours at both ends: the stiffest they get.
+
+    Pressed by as much as the impacts that the step is made for. No energy from nothing: by 5 %
+    in 200 steps at most, which at the border only bounded oscillations of the ledger's energy take.
+    """
+    n, contact = 6, md.scene.Contact(md.coulomb(1.0, SOFT))
+    scene = md.Scene(
+        rods=md.scene.Rods(n, 9.5),
+        contacts=md.Contacts(rods=contact),
+        start=md.Start(tilt_deg=0.0, speed=0.5),
+    )
+    x = np.arange(n) * (1 - (1.25 * 0.5**2 / SOFT) ** 0.4 / 2)
+    rods = in_plane(*((place, 0.0, 0.0) for place in x))
+    rods[:, OMEGA - 2 :] = 0.01 * np.random.default_rng(3).uniform(-1, 1, (n, 3))
+    engine = go(started(ELASTIC_PLANE, rods, 0.999 * largest(scene)), 1)
+    before = engine.energy()
+    assert go(engine, 200).energy() < 1.2 * before
+
+
+@pytest.mark.parametrize("rolling", [False, True])
+def test_m6_the_largest_step_is_stable_for_rods_side_by_side(rolling):
+    """Upright, touching both neighbours at both ends, as deep as impacts go; friction holds."""
+    laws = [f"contacts.{part}.stiffness={SOFT}" for part in ("plate", "rods", "wall")]
+    rolls = "rods.length=9.5", f"rods.rolling={str(rolling).lower()}", "step.coarse=false"
+    asked = md.load("annulus", [*laws, *rolls])
+    deep = deepest_overlap(LOSSY, asked.impact_speed)
+    rods = in_space(*(((i * (1 - deep), 0, 0), (0, 0, 1)) for i in range(5)), aside=20.0)
+    rods[:, VELOCITY:] = np.random.default_rng(2).uniform(-1e-6, 1e-6, (5, 6))
+    rods[:, TURN + 2] *= rolling
+    top = 1 / (LIGHT * md.Rod(9.5).axial_gyration_squared) - 1
+    scene = ROLLS._replace(rolling=top) if rolling else SPACE
+    held = ContactForces(LOSSY.normal, ROUGH._replace(coefficient=1e3))
+    engine = started(scene._replace(between=held), rods, largest(asked))
+    for _ in range(100):
+        go(engine, 1)
+        engine.rods[:, PLACE], engine.rods[:, VELOCITY] = np.arange(5) * (1 - deep), 0  # are held
+    assert np.abs(engine.rods[:, VELOCITY:]).max() < 1e-5
+
+
+# M11: the phase
+
+
+def test_m11_phase_after_a_million_periods():
+    """Steps are counted: the plate is where it was a million periods ago, to the last bit.
+
+    And where it is at any step of its period differs from the sine by 1e-14 of a period at most.
+    """
+    scene, vibration = row("step.size=3e-4"), md.Vibration(0.1, 2.0, 0.3)
+    engine = prepare(scene)
+    assert engine.dt * scene.frequency * engine.per == pytest.approx(1, abs=2 * EPS)
+    swing, table = scene.plate_speed / (2 * pi * scene.frequency), plate_table(vibration, 1 / 1994)
+    for plate, size, amplitude, phase, error in (
+        (plate_motion(scene, engine.per), engine.per, swing, -mpmath.pi / 2, 4 * pi * EPS),
+        (table, 997, 0.1, mpmath.mpf(0.3), 2 * pi * 1e-14),
+    ):
+        assert plate.height.size == size
+        for i in range(0, size, size // 50):
+            assert plate_at(plate, 10**6 * size + i) == (plate.height[i], plate.velocity[i])
+            with mpmath.workdps(40):
+                exact = amplitude * mpmath.sin(2 * mpmath.pi * i / size + phase)
+                assert abs(plate.height[i] - exact) <= amplitude * error
+
+
+def test_m11_a_run_a_million_periods_later_is_the_same():
+    late, early = (prepare(row("step.size=3e-4")) for _ in range(2))
+    late.step = 10**6 * early.per
+    go(late, early.per + 17), go(early, early.per + 17)
+    np.testing.assert_array_equal(early.rods, late.rods)
+    since = late.record.rows[0, touches.STEP] - early.record.rows[0, touches.STEP]
+    assert since == 10**6 * early.per
+
+
+# M16: a state that is no longer one
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e200])
+@pytest.mark.parametrize("scene", [row("start.drop=0.1"), ring()], ids=["row", "annulus"])
+def test_m16_a_state_that_is_not_finite_stops_the_run_at_once(scene, value):
+    """In any number of any rod; what is given back is what there was, all rods of one moment."""
+    engine = go(prepare(scene), 50)
+    before = engine.rods.copy()
+    first = 0 if not np.isfinite(value) else 2 * len(engine.effects.up)  # of the velocities
+    for column in range(first, before.shape[1]):
+        engine.rods[:] = before
+        engine.rods[2, column] = value
+        with pytest.raises(md.RunError, match="rod 2: its state is not finite") as caught:
+            go(engine, 1000)
+        assert engine.step == 50
+        np.testing.assert_array_equal(np.delete(caught.value.state, 2, 0), np.delete(before, 2, 0))

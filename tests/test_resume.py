@@ -1,0 +1,205 @@
+"""M17: stop and go on: bit for bit the numbers of a run that never stopped."""
+
+import json
+import re
+import signal
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+import md
+from md import simulation
+
+from .command_line import ended
+from .rows import ROW, ring, row
+
+PERIODS = 4
+LIVELY = ("step.size=3e-4", "plate.acceleration=5")
+SCENES = {"row": partial(row, *LIVELY), "annulus": partial(ring, "plate.acceleration=5")}
+
+
+class Whole(NamedTuple):
+    """A run in one go."""
+
+    scene_with: Any  # some keys set anew
+    bits: tuple
+    touches: bytes
+
+    def again(self, *changes, periods=PERIODS, **options):
+        """Bits of a run of the same scene, but for changes."""
+        return bits(md.run(self.scene_with(*changes), periods=periods, **options))
+
+
+def bits(result):
+    """All that a run measured but the time it took."""
+    numbers = result.as_dict()
+    for key in ("run_seconds", "compile_seconds"):
+        del numbers[key]
+    arrays = (result.rods, result.c_x_series, result.tilt_series)
+    return json.dumps(numbers, sort_keys=True), *(array.tobytes() for array in arrays)
+
+
+@pytest.fixture(scope="module", params=SCENES.values(), ids=SCENES)
+def whole(request):
+    rows = []
+    result = md.run(request.param(), periods=PERIODS, observe=rows.append)
+    assert result.finished
+    assert len(np.concatenate(rows)) > 3
+    return Whole(request.param, bits(result), np.concatenate(rows).tobytes())
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "rods.npz"
+
+
+def test_the_same_seed_gives_the_same_bits(whole):
+    """And another seed others."""
+    assert whole.again() == whole.bits
+    assert not set(whole.again("start.seed=2")) & set(whole.bits)
+
+
+@pytest.mark.parametrize("seconds", [1e-4, 10.0])
+def test_how_a_run_is_cut_into_calls_does_not_matter(whole, monkeypatch, seconds):
+    """Touches included; the calls' lengths follow the clock, which no two runs share."""
+    monkeypatch.setattr(md.host, "CALL_SECONDS", seconds)
+    rows = []
+    assert whole.again(observe=rows.append) == whole.bits
+    assert np.concatenate(rows).tobytes() == whole.touches
+
+
+def test_a_run_that_was_stopped_goes_on(whole, path, monkeypatch):
+    """Stopped in the middle of a period, again and again; told are the whole periods so far.
+
+    The trajectory is in the end that of a run in one go, frame by frame. Calls have at most 97
+    steps, however slow the machine: a run can be stopped many times.
+    """
+    scene, steps, finished = whole.scene_with(), [], False
+    monkeypatch.setattr(md.host, "CALL_SECONDS", 1e3)
+    monkeypatch.setattr(md.host, "_MOST_A_CALL", 97 * scene.rods.count)
+    once, often = path.with_name("once.xyz"), path.with_name("often.xyz")
+    md.run(scene, periods=PERIODS, trajectory=once, frames=6)
+    while not finished:
+        result = md.run(
+            scene, periods=PERIODS, checkpoint=path, trajectory=often, frames=6,
+            observe=lambda _: signal.raise_signal(signal.SIGINT),
+        )  # fmt: skip
+        assert len(result.c_x_series) == len(result.tilt_series) == result.periods
+        assert whole.bits[2].startswith(result.c_x_series.tobytes())
+        finished = result.finished
+        with np.load(path) as saved:
+            steps.append(json.loads(str(saved["about"]))["step"])
+    assert any(step % result.steps_per_period for step in steps)
+    assert len(set(steps)) > 1
+    assert bits(result) == whole.bits
+    assert often.read_text() == once.read_text()
+
+
+def test_a_longer_run_begins_with_a_shorter_one(whole, path):
+    """Two periods, kept, and then two more."""
+    whole.again(periods=2, checkpoint=path)
+    assert whole.again(checkpoint=path) == whole.bits
+    with pytest.raises(ValueError, match="is 4 periods long already"):
+        whole.again(periods=3, checkpoint=path)
+    for other in ("start.seed=5", "step.size=1e-4"):
+        with pytest.raises(ValueError, match="belongs to another scene, or to another step of it"):
+            whole.again(other, checkpoint=path)
+
+
+def test_a_checkpoint_that_is_not_finished_leaves_the_old_one(whole, path, monkeypatch):
+    """From which the run goes on."""
+    whole.again(periods=1, checkpoint=path)
+    old = path.read_bytes()
+
+    def half(file, **_):
+        file.write(b"PK half a checkpoint")
+        raise MemoryError
+
+    with monkeypatch.context() as patch:
+        patch.setattr(simulation.np, "savez", half)
+        with pytest.raises(MemoryError):
+            whole.again(periods=3, checkpoint=path)
+    assert path.read_bytes() == old
+    assert whole.again(checkpoint=path) == whole.bits
+
+
+def contents(folder):
+    """Of all files, with the time of the last change."""
+    return {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.iterdir()}
+
+
+def test_an_account_of_the_energy_cannot_begin_late(whole, path):
+    """A checkpoint without one, as ledger=False leaves it, is refused, and stays as it is."""
+    whole.again(periods=1, checkpoint=path)
+    with np.load(path) as saved:
+        np.savez(path, **{name: saved[name] for name in saved if name != "ledger"})
+    before = contents(path.parent)
+    with pytest.raises(md.InputError, match=r"ledger must be False, .*; or remove it"):
+        whole.again(periods=2, checkpoint=path)
+    assert contents(path.parent) == before
+
+
+# Trajectories of resumed runs
+
+
+def run(periods, checkpoint="w.npz", **options):
+    md.run(row(*LIVELY), periods=periods, checkpoint=checkpoint, **options)
+
+
+def times(file):
+    """Of its frames, in periods."""
+    return [float(time) for time in re.findall(r" Time=(\S+) ", Path(file).read_text())]
+
+
+@pytest.fixture
+def begun(tmp_path, monkeypatch):
+    """Checkpoints after 20 periods, with a trajectory and without."""
+    monkeypatch.chdir(tmp_path)
+    run(20, trajectory="a.xyz")
+    run(20, "alone.npz")
+    return tmp_path
+
+
+def test_an_older_checkpoint_cuts_no_frames(begun):
+    """Frames behind it are made again, or it is refused."""
+    (begun / "older.npz").write_bytes((begun / "w.npz").read_bytes())
+    run(24, trajectory="a.xyz")
+    before = contents(begun)
+    with pytest.raises(ValueError, match="goes on to period 23, beyond the 22 asked for"):
+        run(22, "older.npz", trajectory="a.xyz")
+    assert contents(begun) == before
+    run(24, "older.npz", trajectory="a.xyz")
+    assert contents(begun)["a.xyz"][0] == before["a.xyz"][0]
+
+
+@pytest.mark.parametrize("part", [b"5\n", b'5\nLattice="1" Time=', b"5\nsomething else\n"])
+def test_what_a_killed_run_left_of_a_frame_is_cut_off(begun, part):
+    with (begun / "a.xyz").open("ab") as file:
+        file.write(part)
+    run(21, trajectory="a.xyz")
+    assert times("a.xyz") == [*range(21)]
+
+
+@pytest.mark.usefixtures("begun")
+def test_a_trajectory_may_begin_with_a_resumed_run():
+    for periods, name in ((23, "new.xyz"), (24, "./new.xyz")):
+        run(periods, "alone.npz", trajectory=name)
+        assert times(name) == [*range(20, periods)]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_at_the_prompt(path, number):
+    """Exit code 130, a result of what was done, and a checkpoint from which the run goes on."""
+    trajectory = path.with_suffix(".xyz")
+    changes = [part for change in (*ROW, *LIVELY) for part in ("--set", change)]
+    files = "--checkpoint", str(path), "--trajectory", str(trajectory)
+    command = ["md", "run", "quasi2d", *changes, *files, "--json", "--periods", "100000"]
+    code, out, err = ended(command, number, path.parent, begun=trajectory)
+    found = json.loads(out)
+    assert (code, err, found["finished"]) == (130, "", False)
+    more = found["periods"] + 2
+    went_on = md.run(row(*LIVELY), periods=more, checkpoint=path, trajectory=trajectory)
+    assert bits(went_on) == bits(md.run(row(*LIVELY), periods=more))

@@ -1,0 +1,255 @@
+"""Touches of the plate: what every step shows, who pushes, their means, and landings."""
+
+import numpy as np
+import pytest
+
+import md
+from md.host import plate_motion, prepare
+from md.kernels import touches as columns
+from md.kernels.codes import C_X, C_Z, COSINE, OMEGA, ROW_VELOCITY, SINE, Z
+from md.kernels.contact import Friction
+from md.kernels.neighbours import current
+from md.kernels.pairs import pair_forces
+from md.measures import HOP, RowTables, merged
+
+from .rows import HALF, PLANE, go, in_plane, ring, row, started
+
+LIVELY = "plate.acceleration=5"
+AFTER = slice(columns.AFTER, columns.AFTER + 3)
+
+
+# Single touches
+
+
+def test_touches_are_those_that_every_step_shows():
+    """One rod, step by step: the plate pushes where the velocity gains on free fall.
+
+    Touch, duration, cap, velocities before and after, approach and departure, from the states.
+    """
+    plate, dt = plate_motion(row(), per := 2246), 3e-4
+    rod = 0, plate.height[0] + 0.5 + HALF * np.cos(0.6) + 1e-6, 0.6
+    scene = PLANE._replace(gravity=(0.0, -1.0), plate=plate, friction=Friction(0.3, None))
+    engine = started(scene, in_plane(rod, (1e3, 1e3, 0)), dt)
+    states = np.array(
+        [engine.rods[0].copy(), *(go(engine, 1).rods[0].copy() for _ in range(8 * per))]
+    )
+    pushed = np.abs(np.diff(states[:, C_Z]) + dt) > 1e-7 * dt
+    edges = np.diff(np.r_[0, pushed])
+    begins, stops = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
+    begins = begins[: len(stops)]
+    rows = engine.record.rows[: engine.record.count[0]]
+    assert len(rows) >= 3
+    first, last = states[begins], states[stops]
+    velocity, cap = plate.velocity[begins % per], np.where(first[:, COSINE] > 0, -1, 1)
+    a_x, a_z = cap * HALF * first[:, SINE], plate.height[begins % per] - first[:, Z]
+    flights = np.r_[np.nan, begins[1:] - stops[:-1]]
+    exactly = begins, cap, stops - begins, flights, velocity, 0 * begins
+    which = [
+        columns.STEP,
+        columns.CAP,
+        columns.DURATION,
+        columns.FLIGHT,
+        columns.PLATE,
+        columns.PUSHED,
+    ]
+    np.testing.assert_array_equal(rows[:, which].T, exactly)
+    for column, at in ((columns.BEFORE, first), (columns.AFTER, last)):
+        np.testing.assert_array_equal(rows[:, column : column + 3], at[:, ROW_VELOCITY])
+    np.testing.assert_allclose(rows[:, [columns.A_X, columns.A_Z]].T, [a_x, a_z])
+    speeds = [
+        at[:, C_Z] - at[:, OMEGA] * cap * HALF * at[:, SINE] - plate.velocity[steps % per]
+        for at, steps in ((first, begins), (last, stops))
+    ]
+    found = rows[:, [columns.APPROACH, columns.LEAVING]].T
+    np.testing.assert_allclose(found, speeds, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("lean", [0, 1e-9, -1e-9, 0.1, -0.1])
+def test_a_touch_is_seen_in_the_plane_of_the_rod(lean):
+    """x leads around the annulus, for an upright rod as for one that leans either way."""
+    engine, up = prepare(ring(LIVELY, "start.speed=0")), np.cos(lean)
+    engine.rods[:, 2] += 20  # all but one are out of the way
+    engine.rods[0] = 1.9, 0, engine.plate_height + 2.1, 0, np.sin(lean), up, 0.1, 0.3, -1, 0, 0, 0
+    while not engine.record.count[0]:
+        go(engine, 100)
+    touch = engine.record.rows[0]
+    assert touch[columns.BEFORE] == pytest.approx(0.3, abs=5e-3)  # its plane turns as it flies
+    assert touch[columns.A_X] == pytest.approx(-1.5 * np.sin(lean), abs=1e-12)
+    assert np.isfinite(touch[: columns.FLIGHT]).all()
+    assert np.abs(touch[columns.BEFORE :]).max() < 20
+
+
+PERIODS = 125
+CLOSE = {"rtol": 0, "atol": 1e-10}
+
+
+def followed():
+    """Touches, and what plate and neighbours give each rod along x, summed over the steps.
+
+    The kernel leaves the accelerations of its last step; those between rods are computed from the
+    same state beforehand. Sums begin with 0, before the first step.
+    """
+    engine = prepare(row("box.length=6.5"))
+    effects, (*_, listed, scratch) = engine.effects, engine.state
+    start, every, others = engine.rods[:, C_X].sum(), [], []
+    for _ in range(PERIODS * engine.per):
+        place = effects.half_length, effects.period, listed, scratch.place, scratch.found
+        assert current(effects.up, engine.rods, *place)  # the list of pairs
+        springs, forces = listed.springs.copy(), listed.forces.copy()
+        scratch.total[:] = 0
+        pair_forces(effects, engine.state, None, engine.dt)
+        others.append(scratch.total[:, 0] * engine.dt)
+        listed.springs[:], listed.forces[:] = springs, forces
+        every.append(go(engine, 1).state.before[:, 0] * engine.dt)
+    given = np.array([np.subtract(every, others), others]).cumsum(axis=1)
+    plate, neighbours = np.insert(given, 0, 0.0, axis=1)
+    np.testing.assert_allclose(neighbours.sum(axis=1), 0, **CLOSE)  # forces between rods cancel
+    np.testing.assert_allclose(plate[-1].sum(), engine.rods[:, C_X].sum() - start, atol=1e-9)
+    return engine.record.rows[: engine.record.count[0]], plate, neighbours
+
+
+def test_touches_tell_who_gave_the_momentum():
+    """Free touches: the plate alone; between touches: neighbours alone; in pushed ones: both."""
+    rows, plate, neighbours = followed()
+    rows = rows[np.lexsort((rows[:, columns.STEP], rows[:, columns.ROD]))]
+    rod, begun, duration = rows[:, [columns.ROD, columns.STEP, columns.DURATION]].astype(int).T
+    ended, free = begun + duration, rows[:, columns.PUSHED] == 0
+    before, after = rows[:, columns.BEFORE], rows[:, columns.AFTER]
+    assert 0.1 < free.mean() < 0.9
+    by_plate, by_others = (given[ended, rod] - given[begun, rod] for given in (plate, neighbours))
+    np.testing.assert_allclose(after - before, by_plate + by_others, **CLOSE)
+    np.testing.assert_allclose(by_others[free], 0, **CLOSE)
+    assert np.abs(by_others[~free]).max() > 0.01
+    last = np.flatnonzero(np.diff(rod) == 0)
+    start, end, rod = ended[last], begun[last + 1], rod[last]
+    by_plate, by_others = (given[end, rod] - given[start, rod] for given in (plate, neighbours))
+    np.testing.assert_allclose(by_plate, 0, **CLOSE)
+    np.testing.assert_allclose(before[last + 1] - after[last], by_others, **CLOSE)
+
+
+# Touches merged into landings
+
+
+def touches(rod, steps, flights):
+    """Rows of a record as `merged` reads them: a touch of 3 steps each."""
+    table, number = np.zeros((len(steps), columns.WIDTH + 1)), np.arange(len(steps))
+    table[:, columns.ROD], table[:, columns.STEP] = rod, steps
+    table[:, columns.FLIGHT], table[:, columns.DURATION] = flights, 3
+    table[:, columns.PLATE], table[:, -1] = number, 1
+    for i in range(3):
+        table[:, columns.BEFORE + i] = 10 * i + number
+        table[:, columns.AFTER + i] = 100 + 10 * i + number
+    return table
+
+
+def in_order(tables):
+    """All touches, as a run tells them."""
+    rows = np.concatenate(tables)
+    return rows[np.argsort(rows[:, columns.STEP], kind="stable")]
+
+
+def test_short_hops_belong_to_the_landing_before():
+    """Flights above 20 steps part landings; the last of each rod may go on."""
+    one = touches(0, [50, 150, 160, 175, 400], [np.nan, 95, 5, 10, 220])
+    rows = in_order([one, touches(1, [60, 70, 300], [80, 5, 150])])
+    over, open_ = merged(rows, 20)
+    landings = {
+        columns.STEP: [50, 60, 150],  # as the next ones begin
+        columns.ROD: [0, 1, 0],
+        -1: [1, 2, 3],
+        columns.BEFORE: [0, 0, 1],  # of the first touch
+        columns.AFTER: [100, 101, 103],  # of the last
+        columns.PLATE: [0, 0, 1],
+    }
+    for column, expected in landings.items():
+        np.testing.assert_array_equal(over[:, column], expected)
+    np.testing.assert_array_equal(open_[:, columns.STEP], [400, 300])
+    assert len(merged(rows, 0)[0]) == 6
+    assert [len(part) for part in merged(rows[:0], 20)] == [0, 0]
+
+
+@pytest.mark.parametrize("cuts", [[], [1], [3, 4], list(range(1, 60))])
+def test_how_the_touches_come_in_does_not_matter(cuts):
+    """Same landings, in the same order, whatever is handed over at once."""
+    random = np.random.default_rng(2)
+    flights = [random.choice([2, 10, 30, 60], 20) for _ in range(3)]
+    rows = in_order([touches(rod, np.cumsum(5 + one), one) for rod, one in enumerate(flights)])
+    whole, rest = merged(rows, 20)
+    parts, open_ = [], rows[:0]
+    for part in np.split(rows, cuts):
+        over, open_ = merged(np.concatenate([open_, part]), 20)
+        parts.append(over)
+    np.testing.assert_array_equal(np.concatenate(parts), whole)
+    np.testing.assert_array_equal(open_, rest)
+    assert whole[:, -1].sum() + rest[:, -1].sum() == 60
+
+
+def test_touches_of_one_phase_are_counted_whatever_their_number():
+    tables, many = RowTables(prepare(row()), 1), 2**16 + 1
+    tables.add(touches(0, np.full(many, 1), 5)[:, :-1])
+    assert max(tables.cycle(0, 1)) == many
+
+
+# Means of a run
+
+
+@pytest.fixture(scope="module", params=[row, ring])
+def made(request):
+    rows = []
+    result = md.run(request.param(LIVELY), periods=30, observe=rows.append)
+    return rows, result
+
+
+def test_landings_of_a_run_are_those_of_its_record(made):
+    """Touches rod by rod, cut where a flight is longer than a hop; the last of each may go on."""
+    rows, hop = np.concatenate(made[0]), HOP * made[1].steps_per_period
+    found = []
+    for rod in np.unique(rows[:, columns.ROD]):
+        mine = rows[rows[:, columns.ROD] == rod]
+        begins = np.flatnonzero(~(mine[:, columns.FLIGHT] <= hop))
+        for landing in np.split(mine, begins)[1:-1]:
+            landing[0, AFTER] = landing[-1, AFTER]
+            found.append((*landing[0], len(landing)))
+    over, _ = merged(np.column_stack([rows, np.ones(len(rows))]), hop)
+    over = over[np.lexsort((over[:, columns.STEP], over[:, columns.ROD]))]
+    assert over[:, -1].max() > 1
+    np.testing.assert_array_equal(over, found)
+
+
+@pytest.mark.parametrize("kind", ["touches", "landings"])
+def test_records_have_the_means_and_phases_of_the_run(made, kind):
+    """Plate velocities are V_0 cos(phase); counts over the cycle are those of the run."""
+    rows, result = made
+    found, speed = getattr(md.records, kind)(rows, result), result.scene.plate_speed
+    assert np.isnan(found["flight"]).any()
+    part = found[(found["time"] >= result.discarded) & np.isfinite(found["flight"])]
+    assert len(part) > 40
+    wanted = {name: value["mean"] for name, value in getattr(result, kind).items()}
+    means = {name: part[name].mean() for name in part.dtype.names if name in wanted}
+    means["flight_periods"] = part["flight"].mean()
+    means["plate_velocity"] = part["plate_velocity"].mean() / speed
+    if kind == "touches":
+        means["restitution"] = -part["v_after"].sum() / part["v_before"].sum()
+        means["contact_periods"] = part["duration"].mean()
+        means["slip_stick"] = (part["regime"] == "slip-stick").mean()
+        means["pushed_by_others"] = (part["pushed_by_others"] > 0).mean()
+        counts, _ = np.histogram(part["phase"], len(result.phases), (0, 2 * np.pi))
+        np.testing.assert_array_equal(counts, result.phases)
+    means["falling"] = (part["plate_velocity"] < 0).mean()
+    assert len(means) > 8
+    assert means == pytest.approx({name: wanted[name] for name in means}, rel=1e-10)
+    step = 2 * np.pi / result.steps_per_period  # in which the plate's velocity is taken once
+    at_phases = speed * np.cos(found["phase"])
+    np.testing.assert_allclose(found["plate_velocity"], at_phases, atol=1.01 * step * speed)
+    assert getattr(md.records, kind)([], result).shape == (0,)
+
+
+def test_a_touch_is_an_impact_at_its_contact_point(made):
+    """v = c_z - omega a_x - V_z, with the arm to the end of a rod of this tilt."""
+    touches = md.records.touches(*made)
+    v = touches["c_z_before"] - touches["omega_before"] * touches["a_x"] - touches["plate_velocity"]
+    np.testing.assert_allclose(v, touches["v_before"], atol=1e-12)
+    half = made[1].scene.rods.length / 2 - 0.5
+    assert (np.hypot(touches["a_x"], touches["a_z"] + 0.5) <= half * 1.01).all()
+    assert set(touches["cap"]) <= {-1, 1}
+    assert touches["max_overlap"].max() < 0.5
