@@ -9,6 +9,7 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 import md
+from figures.claims.measure_annulus import largest_tilt_of_flat
 from md import placement
 from md.host import prepare
 from md.kernels import walls as geometry
@@ -385,14 +386,14 @@ def test_the_largest_step_is_stable_for_rods_side_by_side(rolling):
 
 
 def test_the_largest_tilt_of_one_rod():
-    """Round ends: sin = sqrt((R_o - 1/2)^2 - (R_i + 1/2)^2)/(l/2 - 1/2); a flat end leaves less."""
+    """sin = sqrt((R_o - 1/2)^2 - (R_i + 1/2)^2)/(l/2 - 1/2); a flat end leaves less (E1)."""
     reach = np.sqrt((GAP.outer - 0.5) ** 2 - (GAP.inner + 0.5) ** 2)
     round_ends = placement.largest_tilt(GAP, 8.0)
     assert np.sin(round_ends) == pytest.approx(reach / 3.5)
-    flat = placement.largest_tilt(GAP, 8.0, flat=True)
+    flat = largest_tilt_of_flat(GAP, 8.0)
     assert np.radians(53) < flat < round_ends
     assert placement.largest_tilt(GAP, 3.0) == np.pi / 2
-    assert placement.largest_tilt(GAP, 3.0, flat=True) == np.pi / 2
+    assert largest_tilt_of_flat(GAP, 3.0) == np.pi / 2
 
 
 @pytest.mark.parametrize("count", [1, 2, 23, 44])
