@@ -21,7 +21,7 @@ from .domains import InputError, whole
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import prepare, step_of
 from .interrupt import SIGNALS
-from .measures import tables_of
+from .measures import Tables
 from .scene import Scene, as_dict
 from .sources import code
 from .statistics import TREND, steady, transient, trend
@@ -154,6 +154,7 @@ class Result:
             {
                 **plain,
                 "c_x_cm_s": self.c_x * self.scene.cm_per_s,
+                "c_x_stderr_cm_s": self.c_x_stderr * self.scene.cm_per_s,
                 "rod_steps": self.rod_steps,
                 "settled": self.settled,
                 "scene": as_dict(self.scene),
@@ -252,7 +253,7 @@ class Run:
         self.observe = observe
         self.lost: dict[str, str] = {}  # why a file is not whole
         self.engine = engine = prepare(scene, ledger=ledger)
-        self.tables = tables_of(engine, periods)
+        self.tables = Tables(engine, periods)
         begin = perf_counter()
         engine.go(0, self.tables.series)  # compiles
         self.seconds, self.compile_seconds = 0.0, perf_counter() - begin

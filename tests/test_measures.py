@@ -5,7 +5,7 @@ import pytest
 
 import md
 from md.kernels import touches as columns
-from md.measures import HOP, RowTables, merged
+from md.measures import HOP, Tables, merged
 
 from .rows import row
 
@@ -87,7 +87,7 @@ def test_means_of_a_run_are_those_of_its_record():
     kept = []
     result = md.run(row("plate.acceleration=5"), periods=30, observe=kept.append)
     rows, speed = np.concatenate(kept), result.scene.plate_speed
-    tables = RowTables(md.host.prepare(result.scene), 30)
+    tables = Tables(md.host.prepare(result.scene), 30)
     tables.add(rows)
     found = by_hand(rows, result.steps_per_period, speed)
     found_means = tables.results(0, 30)
@@ -110,6 +110,6 @@ def test_means_of_a_run_are_those_of_its_record():
 
 
 def test_touches_of_one_phase_are_counted_whatever_their_number():
-    tables, many = RowTables(md.host.prepare(row()), 1), 2**16 + 1
+    tables, many = Tables(md.host.prepare(row()), 1), 2**16 + 1
     tables.add(touches(0, np.full(many, 1), 5)[:, :-1])
     assert max(tables.cycle(0, 1)) == many
