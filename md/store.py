@@ -18,7 +18,7 @@ from typing import Any
 
 from .domains import InputError, held
 from .files import empty, plain, replacing, writable
-from .units import cm_per_s, in_cm
+from .units import in_cm
 
 __all__ = ["Store", "StoreError", "named", "table", "write_csv"]
 
@@ -225,9 +225,6 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
     rows = []
     for found in runs:
         scene, result = found.pop("scene"), found.pop("result") or {}
-        if result.get("c_x_stderr") is not None:
-            unit = cm_per_s(scene["rods"]["diameter_cm"])
-            result["c_x_stderr_cm_s"] = result["c_x_stderr"] * unit
         row = _flat(scene) | in_cm(scene) | _flat(result) | found
         rows.append({name: value for name, value in row.items() if not isinstance(value, list)})
     return list(dict.fromkeys([*(name for row in rows for name in row), *_OF_RUN])), rows

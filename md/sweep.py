@@ -214,15 +214,26 @@ class Sweep:
         return flat.reshape(self.shape + flat.shape[1:])
 
 
+def span(name: str, table: Mapping) -> tuple[float, float, bool]:
+    """Ends of a range of numbers, and whether they lie evenly in log.
+
+    Parameters
+    ----------
+    name : of the table, for messages
+    table : with from, to, and log if it is not false
+    """
+    log = held(f"{name}.log", table.get("log", False), bool)
+    limited = positive if log else finite
+    return limited(f"{name}.from", table["from"]), limited(f"{name}.to", table["to"]), log
+
+
 def _values(name: str, given: object) -> list:
     """Values of one key along its axis."""
     if isinstance(given, Mapping):
         tabled(name, given, ("from", "to", "count"), ("log",))
-        log = given.get("log", False)
-        for end in ("from", "to"):
-            (positive if log else finite)(f"{name}.{end}", given[end])
+        low, high, log = span(name, given)
         count = whole(f"{name}.count", given["count"], 1, _MOST_POINTS)
-        spaced = (np.geomspace if log else np.linspace)(given["from"], given["to"], count)
+        spaced = (np.geomspace if log else np.linspace)(low, high, count)
         return [int(x) if x.is_integer() else x for x in spaced.tolist()]
     values = listed(given)
     if not values:
