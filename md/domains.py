@@ -99,6 +99,19 @@ def tabled(name: str, value: Any, needed: tuple[str, ...], also: tuple[str, ...]
     return value
 
 
+def span(name: str, table: Mapping) -> tuple[float, float, bool]:
+    """Ends of a range of numbers, and whether they lie evenly in log.
+
+    Parameters
+    ----------
+    name : of the table, for messages
+    table : with from, to, and log if it is not false
+    """
+    log = held(f"{name}.log", table.get("log", False), bool)
+    limited = positive if log else finite
+    return limited(f"{name}.from", table["from"]), limited(f"{name}.to", table["to"]), log
+
+
 def held(name: str, value: Any, hint: Any) -> Any:
     """`value` held to a type hint: a class, `Literal`, `Annotated[float, low, high]`, or None."""
     kind, *allowed = get_args(hint) or (hint,)

@@ -49,11 +49,11 @@ import numpy as np
 from emcee import EnsembleSampler, State
 from scipy.stats import qmc
 
-from .domains import InputError, RunError, finite, held, listed, positive, tabled, whole
+from .domains import InputError, RunError, finite, held, listed, positive, span, tabled, whole
 from .files import text_of
 from .scene import changes_of, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
-from .sweep import Sweep, Tally, execute, point_at, span
+from .sweep import Sweep, Tally, execute, point_at
 
 __all__ = [
     "Estimate",

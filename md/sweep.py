@@ -55,7 +55,7 @@ from tqdm import tqdm
 
 from . import sources
 from .accuracy import MAX_SECONDS, checked, run, stepped
-from .domains import InputError, RunError, finite, held, listed, positive, tabled, whole
+from .domains import InputError, RunError, held, listed, span, tabled, whole
 from .host import step_of
 from .interrupt import deferred
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
@@ -212,19 +212,6 @@ class Sweep:
         blank = "" if kind is str else np.full(np.shape(first), math.nan)
         flat = np.array([blank if value is None else value for value in values], kind)
         return flat.reshape(self.shape + flat.shape[1:])
-
-
-def span(name: str, table: Mapping) -> tuple[float, float, bool]:
-    """Ends of a range of numbers, and whether they lie evenly in log.
-
-    Parameters
-    ----------
-    name : of the table, for messages
-    table : with from, to, and log if it is not false
-    """
-    log = held(f"{name}.log", table.get("log", False), bool)
-    limited = positive if log else finite
-    return limited(f"{name}.from", table["from"]), limited(f"{name}.to", table["to"]), log
 
 
 def _values(name: str, given: object) -> list:
