@@ -54,6 +54,7 @@ kernels/plate, touches, single      compiled: a rod on the plate; its touches; o
 rod, reference, soft_impact         `impact`: every switch located, or fixed steps
 host, placement                     a scene under way: constants and arrays of the kernels
 measures, records, statistics       what a run measures, with errors; its touches one by one
+result                              what it measured, as numbers and as text
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy                            `run`: step and length from a tolerance
 sweep, store                        many runs and their results; what a store's columns are
@@ -78,9 +79,9 @@ from .domains import InputError, RunError
 from .kernels.contact import Normal, Spring
 from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
 from .reference import Vibration
+from .result import Accuracy, Result
 from .rod import Rod
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
-from .simulation import Accuracy, Result
 from .soft_impact import INTEGRATORS, Impact, impact
 
 __all__ = [

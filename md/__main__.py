@@ -14,11 +14,11 @@ import click
 from . import accuracy, soft_impact
 from .command_line import Commands
 from .domains import InputError
-from .files import NotWritten, distinct
+from .files import NotWritten
 from .laws import LAWS, Law
+from .result import finite, result_json
 from .result_text import (
     impact_text,
-    result_json,
     search_json,
     search_text,
     store_text,
@@ -26,10 +26,8 @@ from .result_text import (
 )
 from .rod import Rod
 from .scene import keys, load
-from .simulation import finite
 from .store import table, write_csv
 
-_ENDS = {"reached": 0, "not reached": 4, "not settled": 4}  # exit codes of --tolerance
 _changes = click.option(
     "--set",
     "changes",
@@ -117,12 +115,10 @@ def impact(as_json: bool, **given: Any) -> None:
     python -m md impact --tilt-deg 20 --friction 0.4 --restitution 0.65 --c-x 0.5 --c-z -1
     python -m md impact --tilt-deg 60 --c-x 0.5 --c-z -1 --law appendix_a --integrator gear --json
     """
-    integrator, dt, tolerance = given["integrator"], given["dt"], given["tolerance"]
-    law = _law(given)
-    if integrator == "dop853" and dt is not None:
-        raise InputError("dt has no meaning under dop853, which chooses its steps: use tolerance")
-    if integrator != "dop853" and tolerance is not None:
-        raise InputError(f"tolerance has no meaning under {integrator}: use dt")
+    law, integrator = _law(given), given["integrator"]
+    useless = "dt" if integrator == "dop853" else "tolerance"
+    if given[useless] is not None:
+        raise InputError(f"{useless} has no meaning under {integrator}")
     hit = soft_impact.impact(
         radians(given["tilt_deg"]),
         given["c_x"],
@@ -208,12 +204,9 @@ def run(
     Exit codes of --tolerance: 0 reached; 4 not reached, or not settled. In JSON: accuracy.state,
     which is "reached", "not reached" or "not settled".
     """  # noqa: E501  (an example)
-    distinct(scene=scene, trajectory=trajectory, checkpoint=checkpoint)
     chosen = _given(given, *given)
     if "frames" in chosen and trajectory is None:
         raise InputError("frames has no meaning without trajectory")
-    if of_tolerance := _given(given, "tolerance", "confidence", "floor", "max_seconds"):
-        accuracy.checked(**of_tolerance)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotWritten)  # said after the result
         result = accuracy.run(
@@ -232,7 +225,7 @@ def run(
         raise OSError("; ".join(result.unwritten))
     if not result.finished:
         return 130
-    return _ENDS[result.accuracy.state] if result.accuracy else 0
+    return 0 if result.accuracy is None or result.accuracy.state == "reached" else 4
 
 
 @main.command()
@@ -251,7 +244,6 @@ def sweep(sweep: str, store: str, as_json: bool, **how: Any) -> None:
     """
     from . import sweep as sweeps  # late: help needs no joblib
 
-    distinct(sweep=sweep, store=store)
     tally = sweeps.execute(sweeps.load_sweep(sweep), store, progress=not as_json, **how)
     print(_dumps(vars(tally)) if as_json else tally_text(tally))
 
@@ -271,30 +263,25 @@ def search(search: str, store: str, as_json: bool, **how: Any) -> None:
     """
     from . import search as searches  # late: help needs no joblib
 
-    distinct(search=search, store=store)
     found = searches.search(searches.load_search(search), store, progress=not as_json, **how)
     print(_dumps(finite(search_json(found))) if as_json else search_text(found))
 
 
 @main.command()
 @click.argument("store")
-@click.option("--cm", is_flag=True, help="Lengths in cm, velocities in cm/s.")
 @click.option("--csv", metavar="OUT", help="Write all columns to a file, in both units.")
-def results(store: str, cm: bool, csv: str | None) -> None:
+def results(store: str, csv: str | None) -> None:
     """Table of a store: a line a run, with the keys that differ.
 
     STORE is the SQLite file of a sweep.
 
     \b
     python -m md results drift.db
-    python -m md results drift.db --cm              # lengths in cm, velocities in cm/s
-    python -m md results drift.db --csv drift.csv   # all columns
+    python -m md results drift.db --csv drift.csv   # all columns, in both units
     """
-    beside = {f"store{end}": f"{store}{end}" for end in ("", "-wal", "-shm", "-journal")}
-    distinct(**beside, csv=csv)
     columns, rows = table(store)
     if csv is None:
-        print(store_text(columns, rows, cm))
+        print(store_text(columns, rows))
     else:
         write_csv(csv, columns, rows)
         print(f"{len(rows)} runs written to {csv}")

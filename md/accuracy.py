@@ -24,9 +24,10 @@ from . import simulation
 from .domains import InputError, number, whole
 from .host import STEPS_PER_CONTACT, stable_step
 from .laws import LAWS, contact_time
+from .result import Accuracy, Result
 from .scene import Scene, Step
-from .simulation import Accuracy, Result, Run, interruptible
-from .statistics import FEWEST, settled, standard_error, transient
+from .simulation import Run, interruptible
+from .statistics import FEWEST, UNLIKELY, settled, standard_error, transient
 
 DOMAINS = {
     "tolerance": (1e-5, 0.5),
@@ -50,9 +51,6 @@ UNSETTLED = 1.5  # growth of starts that have not settled
 CUT = 150, 400  # least and most periods that are left out at the start, of a fifth, if settled
 SLOWER = 2  # an annulus settles so many times slower than a row
 PER_FREEDOM = 30  # periods that tell as much of a standard error as one independent number
-# Chance below which starts that differ are in different states, of rows and of annuli, where each
-# start has an arrangement of its own.
-UNLIKELY = 1e-3, 5e-2
 SEED_GAP = 10**6  # between the seeds of starts
 MEASURED_PRICE = 3.0  # of a bias that is measured: longer steps besides, and its statistical error
 

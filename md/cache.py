@@ -29,33 +29,25 @@ _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
 
 @cache
 def directory() -> Path | None:
-    """Folder of the compiled kernels; a temporary one where the user's takes no files, or None."""
+    """Folder of the compiled kernels, of these sources; None if it takes no files."""
     try:
         chosen = numba.config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME")
         home = Path(chosen or Path.home() / ".cache") / "rod-impact"
-        folder = _usable(home)
+        folder = home / digest_of_kernels()
+        folder.mkdir(parents=True, exist_ok=True)
+        folder.touch()
+        with tempfile.TemporaryFile(dir=folder):
+            pass
         for other in home.iterdir():
             if other != folder and time.time() - other.stat().st_mtime > _KEPT:
                 shutil.rmtree(other, ignore_errors=True)
         return folder
     except (OSError, RuntimeError) as error:  # RuntimeError: a user without a home
-        refused = f"compiled kernels cannot be kept in the user's cache ({error})"
-    try:
-        folder = _usable(Path(tempfile.gettempdir()) / f"rod-impact-{os.getuid()}")
-    except OSError:
-        _warn_once(f"{refused} nor in a temporary folder: they are compiled each time")
+        _warn_once(
+            f"compiled kernels cannot be kept ({error}): they are compiled each time, unless "
+            "NUMBA_CACHE_DIR names a folder for them"
+        )
         return None
-    _warn_once(f"{refused}: they are in {folder}")
-    return folder
-
-
-def _usable(home: Path) -> Path:
-    """The folder of these sources, which takes files."""
-    folder = home / digest_of_kernels()
-    folder.mkdir(parents=True, exist_ok=True)
-    folder.touch()
-    with tempfile.TemporaryFile(dir=folder):
-        return folder
 
 
 @cache

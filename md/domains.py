@@ -99,6 +99,19 @@ def tabled(name: str, value: Any, needed: tuple[str, ...], also: tuple[str, ...]
     return value
 
 
+def span(name: str, table: Mapping) -> tuple[float, float, bool]:
+    """Ends of a range of numbers, and whether they lie evenly in log.
+
+    Parameters
+    ----------
+    name : of the table, for messages
+    table : with from, to, and log if it is not false
+    """
+    log = held(f"{name}.log", table.get("log", False), bool)
+    limited = positive if log else finite
+    return limited(f"{name}.from", table["from"]), limited(f"{name}.to", table["to"]), log
+
+
 def held(name: str, value: Any, hint: Any) -> Any:
     """`value` held to a type hint: a class, `Literal`, `Annotated[float, low, high]`, or None."""
     kind, *allowed = get_args(hint) or (hint,)
@@ -116,6 +129,15 @@ def held(name: str, value: Any, hint: Any) -> Any:
         wanted = "true or false" if kind is bool else f"of the type {kind.__name__}"
         raise InputError(f"{name} must be {wanted}, got {value!r}")
     return value
+
+
+def fields_held(name: str, values: Any, kind: Any) -> Any:
+    """A named tuple, or a part of a scene, from values that are held to the hints of its fields."""
+    fields, given = hints(kind), listed(values)
+    if given is None or len(given) != len(fields):
+        raise InputError(f"{name} must be {len(fields)} numbers, got {values!r}")
+    pairs = zip(fields.items(), given, strict=True)
+    return kind(*(held(f"{name}.{key}", x, hint) for (key, hint), x in pairs))
 
 
 @cache

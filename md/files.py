@@ -11,8 +11,6 @@ from pathlib import Path
 
 from .domains import InputError
 
-__all__ = ["NotWritten", "distinct", "empty", "plain", "replacing", "same", "warn", "writable"]
-
 _KINDS = {"b": "device", "c": "device", "d": "folder", "p": "FIFO", "s": "socket"}
 
 
@@ -69,6 +67,21 @@ def plain(path: str | Path) -> Path:
         if kind in _KINDS:
             raise OSError(f"{path} is a {_KINDS[kind]}, not a plain file")
     return Path(os.path.realpath(path))
+
+
+def text_of(path: str | Path) -> str:
+    """Text of a plain file, with or without a mark of its encoding.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be read.
+    """
+    try:
+        return plain(path).read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"{path}: cannot be read ({why})") from None
 
 
 def writable(

@@ -48,7 +48,7 @@ from .kernels.neighbours import PAIR, nothing_listed
 from .kernels.state import Clock, Effects, Motion, Scratch, State, Wall
 from .kernels.touches import Record, new_record
 from .kernels.vectors import IN_SPACE
-from .laws import contact_time, deepest_overlap, friction_of, largest_step
+from .laws import contact_time, friction_of, largest_step
 from .placement import placed
 from .rod import Rod, effects_of
 from .scene import GAP, Annulus, Contact, Scene
@@ -92,15 +92,10 @@ def stable_step(scene: Scene) -> tuple[float, float]:
     for name, (along, across, caps, late) in near.items():
         if (contact := getattr(scene.contacts, name)) is None:
             continue
-        law, deepest = contact.law, deepest_overlap(contact.law, speed)
-        if not deepest < DEEP / 2:
-            raise InputError(
-                f"contacts.{name}.stiffness {law.normal.stiffness:g} is too soft for impacts at "
-                f"{speed:.3g}: overlap {deepest:.2g} d"
-            )
-        friction = contact.friction > 0 and not coarse
-        limit = largest_step(law, friction, speed, along, across, "verlet", caps, late)
-        found.append((limit, contact_time(law, speed)))
+        friction, key = contact.friction > 0 and not coarse, f"contacts.{name}."
+        load = speed, along, across, "verlet", caps
+        limit = largest_step(contact.law, friction, *load, late=late, key=key)
+        found.append((limit, contact_time(contact.law, speed)))
     limits, times = zip(*found or [(np.inf, 0.05)], strict=True)
     return min(limits), min(times)
 
@@ -183,11 +178,6 @@ class Engine:
         """Height of the plate at this step, in d."""
         return float(self.plate.height[self.step % self.per]) if self.plate else 0.0
 
-    def _height_between(self) -> float:
-        """Height of the plate half a step ago."""
-        near = ((self.step + s) % self.per for s in (-1, 0))
-        return float(sum(self.plate.height[i] for i in near) / 2) if self.plate else 0.0
-
     def series(self, periods: int) -> Series:
         """Empty series for the samples of so many periods."""
         place, last, *_ = self._parts(self.rods)
@@ -207,12 +197,16 @@ class Engine:
         """
         made = 0
         while True:
-            begin = perf_counter()
-            done, why, where = self._march(min(self.pace, steps - made), series)
-            seconds = perf_counter() - begin
+            finite = np.isfinite(self.rods).all(axis=1)
+            if not finite.all():
+                raise RunError(*self._stopped(NOT_FINITE, int(np.argmin(finite))))
+            watchers, clock = self.watchers._replace(series=series), Clock(self.step, self.dt)
+            part, begin = min(self.pace, steps - made), perf_counter()
+            done, why, where = march(self.effects, self.state, watchers, clock, part)
             if done:
+                wanted = done * CALL_SECONDS / max(perf_counter() - begin, 1e-9)
                 most = min(4 * self.pace, _MOST_A_CALL // len(self.rods))
-                self.pace = max(min(int(done * CALL_SECONDS / max(seconds, 1e-9)), most), 1)
+                self.pace = max(min(int(wanted), most), 1)
             self.step += done
             made += done
             if why == FULL_LIST:
@@ -221,14 +215,6 @@ class Engine:
                 raise RunError(*self._stopped(why, where))
             elif why == FULL_RECORD or made == steps:
                 return made
-
-    def _march(self, steps: int, series: Any) -> tuple[int, int, int]:
-        """One call of the kernel: steps made, why it ended, where."""
-        finite = np.isfinite(self.rods).all(axis=1)
-        if not finite.all():
-            return 0, NOT_FINITE, int(np.argmin(finite))
-        watchers, clock = self.watchers._replace(series=series), Clock(self.step, self.dt)
-        return march(self.effects, self.state, watchers, clock, steps)
 
     def _grow(self) -> None:
         """Make the list of pairs twice as long."""
@@ -247,15 +233,20 @@ class Engine:
     def _stopped(self, why: int, where: int) -> tuple[str, np.ndarray]:
         """What ended the run early, in words, and the state."""
         at = f"at t = {self.step / self.per:.6g} periods (step {self.step} of {self.dt:g})"
-        state = self.rods.copy()
+        state, half = self.rods.copy(), self.effects.half_length
+        place, director, velocity, turn = self._parts(state)
         if why == PAIR_TOO_DEEP:
-            i, j, deep = self._deepest_pair(state, where)
+            listed: Any = self.state.listed
+            i, j, image, _ = map(int, listed.index[listed.turn[0], where])
+            apart = place[i] - place[j]
+            apart[0] -= image * (self.effects.period or 0.0)
+            vectors = (tuple(v.tolist()) for v in (apart, director[i], director[j]))
+            deep = 1 - nearest(*vectors, half) ** 0.5
             return f"rods {i} and {j}: overlap {deep:.3g} d with each other {at}", state
-        if why == TOO_FAST:
-            where = int(np.argmax(self._speeds(state)))
-        place, director, *_ = self._parts(state)
-        z, cosine = place[where, -1], director[where, -1]
-        deep = self.plate_height + 0.5 - z + self.half_length * abs(cosine)
+        if why == TOO_FAST:  # by upper bounds of the speeds of all points
+            speeds = np.linalg.norm(velocity, axis=1) + half * np.linalg.norm(turn, axis=1)
+            where = int(np.argmax(speeds))
+        deep = self.plate_height + 0.5 - place[where, -1] + half * abs(director[where, -1])
         what = {
             NOT_FINITE: "its state is not finite",
             TOO_DEEP: f"overlap {deep:.3g} d with the plate",
@@ -264,35 +255,18 @@ class Engine:
         }
         return f"rod {where}: {what[why]} {at}", state
 
-    @property
-    def half_length(self) -> float:
-        """From the centre of a rod to the centre of a cap, in d."""
-        return float(self.effects.half_length)
-
     def energy(self) -> float:
         """Kinetic, potential and elastic energy half a step ago, in m g d."""
-        plate, listed = self._height_between(), self.state.listed
-        return float(energy(self.effects, self.rods, listed, plate, self.dt))
+        between = 0.0  # height of the plate then
+        if self.plate is not None:
+            heights = (self.plate.height[(self.step + s) % self.per] for s in (-1, 0))
+            between = sum(heights) / 2
+        return float(energy(self.effects, self.rods, self.state.listed, float(between), self.dt))
 
     def _parts(self, rods: np.ndarray) -> list[np.ndarray]:
         """Places, directors, velocities and turns."""
         dimensions = len(self.effects.up)
         return np.split(rods, [dimensions, 2 * dimensions, 3 * dimensions], axis=1)
-
-    def _deepest_pair(self, rods: np.ndarray, where: int) -> tuple[int, int, float]:
-        """Rods of an entry of the list of pairs, and their overlap in d."""
-        listed: Any = self.state.listed
-        i, j, image, _ = map(int, listed.index[listed.turn[0], where])
-        place, director, *_ = self._parts(rods)
-        apart = place[i] - place[j]
-        apart[0] -= image * (self.effects.period or 0.0)
-        vectors = (tuple(v.tolist()) for v in (apart, director[i], director[j]))
-        return i, j, 1 - nearest(*vectors, self.half_length) ** 0.5
-
-    def _speeds(self, rods: np.ndarray) -> np.ndarray:
-        """Upper bounds of the speeds of all points of the rods."""
-        *_, velocity, turn = self._parts(rods)
-        return np.linalg.norm(velocity, axis=1) + self.half_length * np.linalg.norm(turn, axis=1)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All that changes as the run goes on, by name."""
@@ -329,18 +303,16 @@ def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
 
 def _ring_of_rods(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
     """Rods around an annulus; at rest on average around it."""
-    n, tilted = scene.rods.count, scene.start.tilt_deg is not None
-    tilt = abs(scene.tilt) if tilted else None
+    n, tilt = scene.rods.count, None if scene.start.tilt_deg is None else abs(scene.tilt)
     rods = np.zeros((n, SPACE_COLUMNS))
     rods[:, :VELOCITY] = placed(gap, n, scene.rods.length, tilt=tilt, seed=scene.start.seed)
-    if tilted and scene.tilt < 0:
+    if scene.tilt < 0:
         rods[:, [PLACE + 1, DIRECTOR + 1]] *= -1  # its mirror image
     rods[:, PLACE + 2] += lowest + GAP + scene.start.drop
     random = np.random.default_rng(scene.start.seed)
     rods[:, VELOCITY:TURN] = scene.start.speed * random.uniform(-1, 1, (n, 3))
-    around = np.zeros((n, 3))  # unit vectors
-    around[:, :2] = np.column_stack([-rods[:, PLACE + 1], rods[:, PLACE]])
-    around /= np.linalg.norm(around, axis=1, keepdims=True)
+    around = np.column_stack([-rods[:, PLACE + 1], rods[:, PLACE], np.zeros(n)])
+    around /= np.linalg.norm(around, axis=1, keepdims=True)  # unit vectors
     mean = (rods[:, VELOCITY:TURN] * around).sum(axis=1).mean()
     rods[:, VELOCITY:TURN] -= mean * around
     return rods

@@ -30,6 +30,7 @@ from typing import Annotated
 from scipy.optimize import brentq
 
 from .domains import InputError, Part, held, not_negative, number, positive
+from .kernels.codes import DEEP
 from .kernels.contact import PHASE, Friction, Normal, Spring
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d
@@ -201,7 +202,9 @@ def largest_step(
     across: float,
     method: str = "leapfrog",
     caps: int = 1,
+    *,
     late: int | None = None,
+    key: str = "",
 ) -> float:
     """Largest stable step for an impact at this speed, in sqrt(d/g).
 
@@ -223,8 +226,17 @@ def largest_step(
     caps : how many are pressed at once; several push and turn the rod together
     late : n, contacts that see each other a step late; None: of caps over a plate only the lower
         one does, as 4/3 contacts would
+    key : of the contact in a scene, and a dot
+
+    Raises
+    ------
+    ValueError
+        If the contact is too soft.
     """
     normal, d, others, part = law.normal, deepest_overlap(law, speed), 1.0, 1.0
+    if not d < DEEP / 2:
+        soft = f"{key}stiffness {normal.stiffness:g} is too soft for an impact at {speed:.3g}"
+        raise InputError(f"{soft}: overlap {d:.2g} d")
     if method == "verlet":
         own = 1 / late if late else 3 / (2 + caps)
         others, part = 1 - own, 1 + PHASE - 2 * PHASE * own

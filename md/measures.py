@@ -46,51 +46,38 @@ def quantities(rows: np.ndarray, per: int, speed: float) -> dict[str, Any]:
     per : steps of a period
     speed : peak velocity of the plate
     """
-    flight, plate = rows[:, columns.FLIGHT] / per, rows[:, columns.PLATE] / speed
+    plate = rows[:, columns.PLATE] / speed
     approach, regime = -rows[:, columns.APPROACH], rows[:, columns.REGIME]
     return {
         "count": np.ones(len(rows)),
-        "plate": plate,
+        "plate_velocity": plate,  # V_z/V_0
         **dict(zip(_BEFORE, rows[:, columns.BEFORE : columns.AFTER].T, strict=True)),
         **dict(zip(_AFTER, rows[:, columns.AFTER : columns.PLATE].T, strict=True)),
-        "approach": approach,
-        "leaving": rows[:, columns.LEAVING],
-        "flight": flight,
-        "duration": rows[:, columns.DURATION] / per,
+        "flight_periods": rows[:, columns.FLIGHT] / per,
+        "falling": plate < 0,  # while the plate falls
+        "touches": rows[:, _MERGED],
+        "contact_periods": rows[:, columns.DURATION] / per,
         "slide": regime == SLIDING,
         "slip_stick": regime == SLIP_STICK,
         "slip_reversal": regime == SLIP_REVERSAL,
         "pushed_by_others": rows[:, columns.PUSHED] > 0,
+        "approach": approach,
+        "leaving": rows[:, columns.LEAVING],
         "pushing": approach * plate,
-        "flight_squared": flight**2,
-        "falling": plate < 0,
-        "touches": rows[:, _MERGED],
     }
-
-
-def _over_count(*names: str) -> dict[str, tuple[str, str]]:
-    """Means of quantities that have their names."""
-    return {name: (name, "count") for name in names}
 
 
 _BEFORE = [f"{name}_before" for name in ("c_x", "c_z", "omega")]
 _AFTER = [f"{name}_after" for name in ("c_x", "c_z", "omega")]
 SUMS = tuple(quantities(np.zeros((0, _MERGED + 1)), 1, 1.0))
-_BOTH = {  # quotients of sums; plate_velocity over the plate's peak velocity, V_z/V_0
-    "plate_velocity": ("plate", "count"),
-    **_over_count(*(name for pair in zip(_BEFORE, _AFTER, strict=True) for name in pair)),
-    "flight_periods": ("flight", "count"),
-    "flight_seen_periods": ("flight_squared", "flight"),  # mean of the flights met at a random time
-    **_over_count("falling"),  # while the plate falls
-}
-MEANS = {  # over touches
-    **_BOTH,
+_BOTH = "plate_velocity", *_BEFORE, *_AFTER, "flight_periods", "falling"
+_OF_TOUCHES = "contact_periods", "slide", "slip_stick", "slip_reversal", "pushed_by_others"
+# Quotients of sums: over the touches, or the landings, unless it says otherwise.
+MEANS = {name: (name, "count") for name in (*_BOTH, *_OF_TOUCHES)} | {
     "plate_velocity_by_speed": ("pushing", "approach"),  # each touch counts as its v_0
     "restitution": ("leaving", "approach"),  # of all touches together
-    "contact_periods": ("duration", "count"),
-    **_over_count("slide", "slip_stick", "slip_reversal", "pushed_by_others"),
 }
-OF_LANDINGS = {**_BOTH, **_over_count("touches")}
+OF_LANDINGS = {name: (name, "count") for name in (*_BOTH, "touches")}
 
 
 def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
@@ -119,41 +106,56 @@ def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Tables:
-    """Samples of each period, and what is added up over its touches."""
+    """Samples of each period, and what is added up over its touches.
+
+    In an annulus all errors are unknown: rods keep their arrangement, another one at each start.
+
+    Parameters
+    ----------
+    engine : of the run
+    periods : to be made
+    """
 
     def __init__(self, engine: Engine, periods: int):
         self.engine, self.per, self.speed = engine, engine.per, engine.scene.plate_speed or 1.0
+        self.annulus = engine.scene.annulus
         self.series = engine.series(periods)
-        self.of_period = {"series": self.series.rows}  # arrays with a row a period
-        self.of_rods = {"last": self.series.last}  # arrays with a row a rod
         self.sums = np.zeros((periods + 1, 2, len(SUMS)))  # over touches, over landings
         self.phases = np.zeros((periods + 1, _PARTS), np.uint32)
-        self.of_period |= {"sums": self.sums, "phases": self.phases}
+        self.of_period = {"series": self.series.rows, "sums": self.sums, "phases": self.phases}
         self.under_way = np.zeros((0, _MERGED + 1))  # landings that may not be over
 
     def arrays(self, periods: int) -> dict[str, np.ndarray]:
         """All that a checkpoint needs, by name."""
         of_period = {name: rows[: periods + 1] for name, rows in self.of_period.items()}
-        return of_period | self.of_rods | {"under_way": self.under_way}
+        return of_period | {"last": self.series.last, "under_way": self.under_way}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Restore from the arrays of a checkpoint, which are taken out."""
         self.under_way = arrays.pop("under_way")
-        for name, array in (self.of_period | self.of_rods).items():
+        for name, array in (self.of_period | {"last": self.series.last}).items():
             part = arrays.pop(name)
             array[: len(part)] = part
 
     def drift(self, periods: int) -> np.ndarray:
-        """Mean drift of each period made."""
-        raise NotImplementedError
+        """Mean drift of each period made; in an annulus around it, at its middle radius."""
+        engine, length = self.engine, self.engine.dt * self.per
+        if self.annulus is not None:
+            return self.series.rows[:periods, codes.ADVANCE] * self.annulus.middle / length
+        places = self.series.rows[: periods + 1, codes.MEAN_X].copy()
+        if engine.step == periods * self.per:  # the next period's first sample is not yet made
+            places[-1] = engine.rods[:, codes.X].mean()
+        return np.diff(places) / length
 
     def fell(self, periods: int) -> np.ndarray:
         """Rods that fell over in each period made; it is not counted in an annulus."""
-        return np.zeros(periods)
+        if self.annulus is not None:
+            return np.zeros(periods)
+        return self.series.rows[:periods, codes.FELL].copy()
 
     def error(self, series: np.ndarray) -> float:
         """Standard error of the mean of one value a period."""
-        return standard_error(series)
+        return nan if self.annulus else standard_error(series)
 
     def tilt_deg(self, periods: int) -> np.ndarray:
         """Mean tilt of each period made."""
@@ -162,7 +164,8 @@ class Tables:
 
     def quotient(self, over: np.ndarray, under: np.ndarray) -> dict[str, float]:
         """Quotient of two sums, given period by period, and its standard error."""
-        return dict(zip(("mean", "stderr"), ratio(over, under), strict=True))
+        mean, stderr = ratio(over, under)
+        return {"mean": mean, "stderr": nan if self.annulus else stderr}
 
     def results(self, first: int, periods: int) -> dict[str, Any]:
         """What a `Result` tells of the periods behind the transient but for drift and tilt."""
@@ -173,6 +176,13 @@ class Tables:
             if periods > 0:
                 found["touches"] = self._means(0, MEANS, first, periods)
                 found["landings"] = self._means(1, OF_LANDINGS, first, periods)
+        if self.annulus is None:
+            fell, upright = self.series.rows[:, [codes.FELL, codes.UPRIGHT]].sum(axis=0)
+            found["turned"] = {"fell": int(fell), "passed_upright": int(upright)}
+        elif periods > 0:
+            part = self.series.rows[first:periods]
+            lean = self.quotient(np.degrees(part[:, codes.LEAN_SUM]), part[:, codes.SAMPLED])
+            found["annulus"] = {"lean_deg": lean, "wedged": {"mean": self._wedged(), "stderr": nan}}
         return found
 
     def add(self, rows: np.ndarray) -> None:
@@ -202,55 +212,6 @@ class Tables:
         counts = self.phases[first:last].sum(axis=0, dtype=np.int64)
         return np.roll(counts, -(_PARTS // 4)).tolist()
 
-
-class RowTables(Tables):
-    """Samples of each period of a row and sums over its touches and landings."""
-
-    def drift(self, periods: int) -> np.ndarray:
-        """Mean drift of each period made."""
-        engine, places = self.engine, self.series.rows[: periods + 1, codes.MEAN_X].copy()
-        if engine.step == periods * self.per:  # the next period's first sample is not yet made
-            places[-1] = engine.rods[:, codes.X].mean()
-        return np.diff(places) / (engine.dt * self.per)
-
-    def fell(self, periods: int) -> np.ndarray:
-        """Rods that fell over in each period made."""
-        return self.series.rows[:periods, codes.FELL].copy()
-
-    def results(self, first: int, periods: int) -> dict[str, Any]:
-        """What a `Result` tells of the periods behind the transient but for drift and tilt."""
-        fell, upright = self.series.rows[:, [codes.FELL, codes.UPRIGHT]].sum(axis=0)
-        turned = {"fell": int(fell), "passed_upright": int(upright)}
-        return super().results(first, periods) | {"turned": turned}
-
-
-class AnnulusTables(Tables):
-    """Samples of each period of an annulus and sums over its touches and landings."""
-
-    def drift(self, periods: int) -> np.ndarray:
-        """Mean velocity around the annulus, at its middle radius, of each period made."""
-        gap, period = self.engine.scene.annulus, self.engine.dt * self.per
-        assert gap is not None
-        return self.series.rows[:periods, codes.ADVANCE] * gap.middle / period
-
-    def error(self, series: np.ndarray) -> float:
-        """Unknown from one run: the rods keep their arrangement, another one at each start."""
-        return nan
-
-    def quotient(self, over: np.ndarray, under: np.ndarray) -> dict[str, float]:
-        """Quotient of two sums; its error is unknown, as that of a mean."""
-        return super().quotient(over, under) | {"stderr": nan}
-
-    def results(self, first: int, periods: int) -> dict[str, Any]:
-        """What a `Result` tells of the periods behind the transient but for drift and tilt."""
-        found = super().results(first, periods)
-        if periods:
-            part = self.series.rows[first:periods]
-            lean = np.degrees(part[:, codes.LEAN_SUM])
-            found["annulus"] = {"lean_deg": self.quotient(lean, part[:, codes.SAMPLED])}
-            found["annulus"]["wedged"] = {"mean": self._wedged(), "stderr": nan}
-        return found
-
     def _wedged(self) -> float:
         """Share of rods that have long not touched the plate at the end; nan without a record."""
         engine = self.engine
@@ -258,9 +219,3 @@ class AnnulusTables(Tables):
             return nan
         since = columns.since_touch(engine.record, engine.step)
         return float((since > wedged_periods(engine.scene) * self.per).mean())
-
-
-def tables_of(engine: Engine, periods: int) -> Tables:
-    """Empty tables for so many periods of a run."""
-    arrangement = AnnulusTables if engine.scene.annulus else RowTables
-    return arrangement(engine, periods)

@@ -1,10 +1,10 @@
 """Where rods can be in the gap of an annulus: the largest tilt of one, and a start for many."""
 
-from math import asin, cos, hypot, pi, sin, sqrt
+from math import asin, cos, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, minimize, minimize_scalar
+from scipy.optimize import brentq, minimize
 from scipy.spatial import cKDTree
 
 from .domains import InputError
@@ -15,7 +15,7 @@ _ROOM = 1e-5  # d; so much farther than touching rods are pushed apart
 _STEPS = 2_000  # of a relaxation
 
 
-def largest_tilt(gap: Annulus, length: float, *, flat: bool = False) -> float:
+def largest_tilt(gap: Annulus, length: float) -> float:
     """Largest tilt of a single rod along the gap, in radians; pi/2 if it can lie down.
 
     The rod touches the inner wall at its middle and the outer wall at its ends.
@@ -23,38 +23,16 @@ def largest_tilt(gap: Annulus, length: float, *, flat: bool = False) -> float:
     Parameters
     ----------
     gap : Annulus
-    length : overall, in diameters
-    flat : whether one end is flat, and the other round, as those of the experiment; else both are
-        round
+    length : overall, in diameters; both ends are round
 
-    Source: contact of a spherocylinder, or of the rim of a flat end, with the outer cylinder.
+    Source: contact of a spherocylinder with the outer cylinder.
     """
     if not length >= 1:
         raise InputError(f"length must be at least 1, got {length!r}")
-    if flat:
-        return _largest_flat(gap, length)
     # Ends' centres as far from the axis as the outer wall allows; middle on the inner wall.
     reach = sqrt((gap.outer - 0.5) ** 2 - (gap.inner + 0.5) ** 2)
     half = (length - 1) / 2
     return pi / 2 if half <= reach else asin(reach / half)
-
-
-def _largest_flat(gap: Annulus, length: float) -> float:
-    """One end a disc across the axis, the other a cap; its middle on the inner wall."""
-    off, turn = gap.inner + 0.5, np.linspace(0, 2 * pi, 721)
-
-    def room(tilt: float) -> float:
-        """What the outer wall leaves at the worse end, for the best place along the annulus."""
-        rim_x, rim_y = 0.5 * np.cos(turn) * cos(tilt), off + 0.5 * np.sin(turn)
-
-        def tightness(shift: float) -> float:
-            disc = np.hypot(shift + length / 2 * sin(tilt) + rim_x, rim_y).max()
-            cap = 0.5 + hypot(shift - (length / 2 - 0.5) * sin(tilt), off)
-            return max(disc, cap)
-
-        return gap.outer - minimize_scalar(tightness, (-0.1, 0.1), options={"xtol": 1e-12}).fun
-
-    return pi / 2 if room(pi / 2) >= 0 else float(brentq(room, 0.0, pi / 2, xtol=1e-10))
 
 
 def placed(

@@ -52,7 +52,7 @@ import numpy as np
 from .kernels import touches as columns
 from .kernels.codes import REGIMES
 from .measures import HOP, merged, phase_at
-from .simulation import Result
+from .result import Result
 
 __all__ = ["landings", "touches"]
 

@@ -8,7 +8,8 @@ forces are those of the moment itself.
 
 from collections.abc import Sequence
 from math import cos, sin
-from typing import NamedTuple
+from time import perf_counter
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -27,9 +28,9 @@ LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to 
 class Vibration(NamedTuple):
     """Plate at amplitude sin(2 pi frequency t + phase)."""
 
-    amplitude: float  # d
-    frequency: float  # sqrt(g/d)
-    phase: float  # rad
+    amplitude: Annotated[float, 0.0, 1e6]  # d
+    frequency: Annotated[float, 0.0, 1e12]  # sqrt(g/d)
+    phase: Annotated[float, -1e6, 1e6]  # rad
 
 
 class Contact(NamedTuple):
@@ -43,11 +44,7 @@ class Contact(NamedTuple):
     deepest: float  # overlap, d
     evaluations: int  # of the forces
     end: float  # time since the touch
-
-
-def compiled(effects: Effects, vibration: Vibration | None) -> None:
-    """Compile the equations of these effects, so that `follow` need not."""
-    rates(effects, vibration, (0.0, 1.0, 1.0), FREE, 0.0, np.zeros(8), np.empty(8))
+    seconds: float  # run time, without compilation
 
 
 class _Contact:
@@ -193,6 +190,8 @@ def follow(
     speed = abs(velocity[1] - velocity[2] * a_x - plate_after(vibration, 0.0)[1])
     contact = _Contact(effects, vibration, tilt, speed, tolerance)
     s, y = 0.0, np.array([0.0, 0.0, 0.0, *velocity, 0.0, 0.0])
+    contact.signals(s, y)  # compiles
+    start = perf_counter()
     contact.choose(contact.early, contact.stepped(s, y, contact.early))
     contact.side = np.sign(contact.signals(s, y)[2])
     stopped, which, deepest = contact.side == 0, 1, 0.0
@@ -225,5 +224,5 @@ def follow(
             contact.choose(s, y)
         stopped = stopped or which == 2 or (which == 1 and contact.rigid)
     position = np.array([y[0], contact.setting[2][2] + y[1], tilt + y[2]])
-    calls = contact.evaluations
-    return Contact(position, y[3:6], durations, impulses, stopped, deepest, calls, s**4)
+    calls, seconds = contact.evaluations, perf_counter() - start
+    return Contact(position, y[3:6], durations, impulses, stopped, deepest, calls, s**4, seconds)

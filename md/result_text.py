@@ -1,183 +1,30 @@
-"""Results as text: one impact, a run of a scene, a sweep, the table of a store."""
+"""Results as text: one impact, a sweep, a search, the table of a store."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import count
-from math import isfinite, isnan, sqrt
+from math import isnan, sqrt
 from typing import Any
 
-from .accuracy import UNLIKELY
-from .measures import wedged_periods
-from .scene import Scene, as_dict
-from .simulation import Result
 from .soft_impact import Impact
-from .statistics import FEWEST, transient
-from .units import TWINS, in_cm
+from .units import TWINS
 
-NOTHING = 1e-6  # of the plate's peak velocity: a slower drift is none
-SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
 _OF_RESULT = "accuracy.", "annulus.", "energy.", "landings.", "touches.", "turned.", "versions."
-
-
-def labelled(label: str, *parts: str) -> str:
-    """A line: what it is about, and then what there is to say."""
-    return f"{label:12} {''.join(parts)}"
 
 
 def impact_text(hit: Impact, law: str) -> str:
     """One impact, in reduced units; `law` in words."""
-    parts = "  ".join(f"{name} {time:.4g}" for name, time in hit.phases.items() if time)
-    by = "evaluations" if isnan(hit.dt) else f"steps of {hit.dt:.3g}"
-    return "\n".join(
-        [
-            labelled("regime", hit.regime),
-            labelled("c_x  c_z", f"{hit.c_x:.6g}  {hit.c_z:.6g}   sqrt(g d)"),
-            labelled("omega", f"{hit.omega:.6g}   sqrt(g/d)"),
-            labelled("restitution", f"{hit.restitution:.6g}   measured, -v_f/v_0"),
-            labelled("phases", f"{parts}   of {hit.contact_time:.4g} sqrt(d/g)"),
-            labelled("max overlap", f"{hit.max_overlap:.4g} d"),
-            labelled("cost", f"{hit.steps} {by}, {hit.seconds * 1e6:.3g} microseconds"),
-            labelled("law", law),
-        ]
-    )
-
-
-def scene_text(scene: Scene) -> str:
-    """What was there, in cm and Hz."""
-    cm = {key: f"{value:.4g}" for key, value in in_cm(as_dict(scene)).items()}
-    size = f"{scene.rods.count} of {cm['rods.length_cm']} by {scene.rods.diameter_cm:.4g} cm"
-    where = ""
-    if scene.box is not None:
-        where = f", in a box of {cm['box.length_cm']} cm that repeats"
-    if scene.annulus is not None:
-        radii = f"{cm['annulus.inner_cm']} and {cm['annulus.outer_cm']}"
-        where = f", between cylinders with radii of {radii} cm"
-    lines = [labelled("rods", size, where)]
-    if scene.plate is not None and scene.vibrates:
-        gamma = f"{scene.plate.frequency_hz:g} Hz, Gamma = {scene.plate.acceleration:.4g}, "
-        speed = f"V_0 = {cm['plate.velocity_cm_s']} cm/s"
-        lines += [labelled("plate", gamma, f"amplitude {cm['plate.amplitude_cm']} cm, {speed}")]
-    return "\n".join(lines)
-
-
-def result_text(result: Result) -> str:
-    """What a run measured, and what it cost."""
-    lines = [*_drift(result), *_touches(result)]
-    if energy := result.energy:
-        kept = ("plate_work", "change", "residual")
-        lost = sum(value for name, value in energy.items() if name not in kept)
-        balance = f"gained {energy['change']:.3g}, residual {energy['residual']:.1e} m g d"
-        plate = f"plate {energy['plate_work']:.4g}, lost {lost:.4g}, "
-        lines += [labelled("energy", plate, balance)]
-    return "\n".join([*lines, *_cost(result), *accuracy_lines(result)])
-
-
-def _with_error(value: float, error: float) -> str:
-    return f"{value:.4g}" if isnan(error) else f"{value:.4g} +- {error:.2g}"
-
-
-def _drift(r: Result) -> list[str]:
-    unit = r.scene.cm_per_s
-    cm = _with_error(r.c_x * unit, r.c_x_stderr * unit)
-    drift = f"c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d) = {cm} cm/s"
-    lines = [labelled("drift", drift)]
-    if isnan(r.c_x_stderr):
-        enough = next(n for n in count(FEWEST) if n - transient(n) >= FEWEST)
-        why = f"from {enough} periods on one run can tell it"
-        if r.scene.annulus is not None:
-            why = "rods keep their arrangement: only other starts tell it (start.seed)"
-        lines += [labelled("", f"error unknown: {why}")]
-    turned = (f", {name.replace('_', ' ')} {k} times" for name, k in r.turned.items() if k)
-    tilt = f"{_with_error(r.tilt_deg, r.tilt_stderr_deg)} degrees"
-    return [*lines, labelled("tilt", tilt, *turned)]
-
-
-def _touches(r: Result) -> list[str]:
-    if not r.touches or r.touches["per_rod_and_period"]["mean"] <= 0:
-        return []
-    mean = {name: pair["mean"] for name, pair in r.touches.items()}
-    often = f"{mean['per_rod_and_period']:.3g} per rod and period"
-    speed = f"V_z/V_0 = {mean['plate_velocity']:.3g}"
-    often += f": slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip reversal "
-    often += f"{mean['slip_reversal']:.0%}; pushed by others {mean['pushed_by_others']:.0%}"
-    speed += f", restitution {mean['restitution']:.3g}, flight {mean['flight_periods']:.3g}"
-    speed += f" and contact {mean['contact_periods']:.2g} periods"
-    return [labelled("touches", often), labelled("at touch", speed)]
-
-
-def _cost(r: Result) -> list[str]:
-    seconds = r.periods / r.scene.frequency * r.scene.rods.diameter_cm / r.scene.cm_per_s
-    span = f"{r.periods} = {seconds:.4g} s, of which the first {r.discarded} are not in the means"
-    if r.accuracy is not None:
-        span += " but c_x"
-    ended = "" if r.finished else "; interrupted"
-    lines = [labelled("periods" if r.scene.vibrates else "sqrt(d/g)", span, ended)]
-    if r.scene.vibrates and r.accuracy is None:
-        if r.settled is False:
-            few = "not settled: drift or falls trend behind the transient; ask for more periods"
-            lines += [labelled("warning", few)]
-        elif r.scene.annulus is not None and r.periods < SETTLING:
-            few = f"an annulus needs {SETTLING} periods or more to settle"
-            lines += [labelled("warning", few)]
-    if r.annulus and (share := r.annulus["wedged"]["mean"]) > 0:
-        since = f"the plate for {wedged_periods(r.scene):.0f} periods"
-        lines += [labelled("warning", f"wedged: {share:.0%} of the rods have not touched {since}")]
-    n, each = r.scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
-    steps = f"{r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g) "
-    rods = f"({n} rod{'s' * (n > 1)}, {r.steps_per_period} steps each) "
-    time = f"in {r.run_seconds:.3g} s, {each:.3g} ns each; compiled in {r.compile_seconds:.2g} s"
-    return [*lines, labelled("cost", steps, rods, time)]
-
-
-def accuracy_lines(result: Result) -> list[str]:
-    """Lines on step and error of a run with a tolerance, and on the price of the next digit."""
-    a, unit = result.accuracy, result.scene.cm_per_s
-    if a is None:
-        return []
-    verdict = a.state if a.state == "reached" else a.state.upper()
-    if not isfinite(a.error):
-        return [labelled("accuracy", f"{verdict}: ended too early to tell the error")]
-    if abs(result.c_x) + a.error < NOTHING * result.scene.plate_speed:
-        still = f"nothing drifts; c_x is below {NOTHING:g} of the plate's velocity"
-        return [labelled("accuracy", f"{verdict}: {still}")]
-    size = max(abs(result.c_x), a.floor)
-    of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
-    bias = f"its bias is within {a.bias_error / size:.1g}"
-    if a.bias_measured:
-        taken = f"{a.bias / size:+.2g} +- {a.bias_error / size:.1g}"
-        bias = f"its bias {taken}, measured by steps twice as long, is taken off"
+    phases = "  ".join(f"{name} {time:.4g}" for name, time in hit.phases.items() if time)
+    steps = "evaluations" if isnan(hit.dt) else f"steps of {hit.dt:.3g}"
     lines = [
-        labelled(
-            "accuracy",
-            f"{verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within ",
-            f"{a.error:.2g} sqrt(g d) = {a.error * unit:.2g} cm/s, {a.error / size:.2g} of it, ",
-            f"at {a.confidence:.4g} confidence",
-        ),
-        labelled(
-            "step",
-            f"dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact; {bias}; ",
-            f"the statistical error is {a.statistical / size:.2g}",
-        ),
-        labelled(
-            "starts", f"{a.starts}, {a.made} periods in all, for c_x; all else is of the first"
-        ),
+        f"regime       {hit.regime}",
+        f"c_x  c_z     {hit.c_x:.6g}  {hit.c_z:.6g}   sqrt(g d)",
+        f"omega        {hit.omega:.6g}   sqrt(g/d)",
+        f"restitution  {hit.restitution:.6g}   measured, -v_f/v_0",
+        f"phases       {phases}   of {hit.contact_time:.4g} sqrt(d/g)",
+        f"max overlap  {hit.max_overlap:.4g} d",
+        f"cost         {hit.steps} {steps}, {hit.seconds * 1e6:.3g} microseconds",
+        f"law          {law}",
     ]
-    if a.chance < UNLIKELY[result.scene.annulus is not None]:
-        several = "they differ: the scene has several states; their scatter counts; "
-        lines.append(labelled("", several, "more --workers tell it better"))
-    if a.fell:
-        unseen = "a decay of the drift that is slower than the run cannot be seen"
-        lines.append(labelled("warning", f"rods fell over {a.fell} times: {unseen}"))
-    if a.state == "not settled":
-        why = "drift or falls still trend; the error is the change that is seen"
-        lines.append(labelled("", why))
-    if a.state == "not reached" and not isnan(a.needed_seconds):
-        never = "the bias alone is known no better"
-        takes = f"this would take about {a.needed_seconds:.3g} s of run time"
-        lines.append(labelled("", takes if isfinite(a.needed_seconds) else never))
-    if a.error / size > a.tolerance / 10 and isfinite(a.next_digit_seconds):
-        dearer = f"{a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
-        lines.append(labelled("next digit", dearer))
-    return lines
+    return "\n".join(lines)
 
 
 def tally_text(tally: Any) -> str:
@@ -193,9 +40,8 @@ def tally_text(tally: Any) -> str:
 def search_json(found: Any) -> dict[str, Any]:
     """Points of a search with their misfits, best first; estimates; what is told of each target."""
     search, told = found.search, found.estimates
-    order = sorted(range(len(found.parts)), key=lambda i: found.misfits[i])
-    parts, misfits = found.parts.tolist(), found.misfits.tolist()
-    points = [{**search.values(parts[i]), "misfit": misfits[i]} for i in order]
+    runs = zip(found.parts.tolist(), found.misfits.tolist(), strict=True)
+    points = [{**search.values(parts), "misfit": misfit} for parts, misfit in runs]
     targets = []
     for i, target in enumerate(search.targets):
         table = {**target.place, **target._asdict(), "best": float(found.results[found.best, i])}
@@ -204,7 +50,10 @@ def search_json(found: Any) -> dict[str, Any]:
             table |= {"predicted": told.results[i].value, "uncertainty": told.results[i].error}
         targets.append(table)
     estimates = {name: estimate._asdict() for name, estimate in told.parameters.items()}
-    return {"points": points, "estimates": estimates, "correlation": told.correlation.tolist()} | {
+    return {
+        "points": sorted(points, key=lambda point: point["misfit"]),
+        "estimates": estimates,
+        "correlation": told.correlation.tolist(),
         "least_misfit": told.misfit,
         "targets": targets,
         "tally": vars(found.tally),
@@ -234,12 +83,10 @@ def _estimate(parameter: Any, estimate: dict[str, float]) -> dict[str, Any]:
     return {"parameter": parameter.name, **estimate, "note": note}
 
 
-def _table(
-    rows: Sequence[Mapping], names: Sequence[str] | None = None, digits: int = 4
-) -> list[str]:
-    """Lines of a table with the columns `names`; None: those of the first row."""
-    names = [*rows[0]] if names is None else names
-    cells = [[*names], *([_cell(row.get(name), digits) for name in names] for row in rows)]
+def _table(rows: Sequence[Mapping]) -> list[str]:
+    """Lines of a table with the columns of the first row."""
+    names = [*rows[0]] if rows else []
+    cells = [names, *([_cell(row.get(name)) for name in names] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     return [
         "  ".join(text.rjust(width) for text, width in zip(line, widths, strict=True))
@@ -247,27 +94,17 @@ def _table(
     ]
 
 
-def store_text(columns: Iterable[str], rows: Sequence[dict[str, Any]], cm: bool) -> str:
-    """A line a run: the keys that differ between them, and the drift, in cm or in rod diameters."""
-    drift, other = ["c_x", "c_x_stderr"], set(TWINS)
-    if cm:
-        drift, other = [f"{name}_cm_s" for name in drift], {twin.key for twin in TWINS.values()}
-    of_scene = (c for c in columns if "." in c and not c.startswith(_OF_RESULT) and c not in other)
+def store_text(columns: Iterable[str], rows: Sequence[dict[str, Any]]) -> str:
+    """A line a run: the keys that differ between them, in the scene's own units, and the drift."""
+    of_scene = (c for c in columns if "." in c and not c.startswith(_OF_RESULT) and c not in TWINS)
     differing = [c for c in of_scene if len({row.get(c) for row in rows}) > 1]
-    brief = [*differing, *drift, "tilt_deg", "periods", "seconds", "accuracy.state", "error"]
+    brief = [*differing, "c_x", "c_x_stderr", "c_x_cm_s", "tilt_deg", "periods", "seconds"]
+    brief += ["accuracy.state", "error"]
     brief = [c for c in brief if any(row.get(c) is not None for row in rows)]
-    return "\n".join(_table(rows, brief, 5))
+    return "\n".join(_table([{c: row.get(c) for c in brief} for row in rows]))
 
 
-def _cell(value: object, digits: int) -> str:
+def _cell(value: object) -> str:
     if value is None or value != value:  # nan: a datum that is asked for
         return ""
-    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
-
-
-def result_json(r: Result) -> dict[str, Any]:
-    """A run for JSON: in its own units, and what it takes to read it in cm and s."""
-    cm, speed = r.scene.rods.diameter_cm, r.scene.cm_per_s
-    period = cm / speed / r.scene.frequency
-    units = {"length_cm": cm, "velocity_cm_s": speed, "time_s": cm / speed, "period_s": period}
-    return {**r.as_dict(), "units": units, "scene_in_cm": in_cm(as_dict(r.scene))}
+    return f"{value:.5g}" if isinstance(value, float) else str(value)

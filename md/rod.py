@@ -1,10 +1,13 @@
 """A rod, and what a kernel takes of it."""
 
 from math import atan2, copysign, cos, hypot, inf, sin
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 from .kernels.state import Effects, Motion
 from .laws import Law, friction_of
+
+Length = Annotated[float, 1.0, 1000.0]  # d
+Inertia = Literal["solid", "thin"]
 
 
 class Rod(NamedTuple):
@@ -17,8 +20,8 @@ class Rod(NamedTuple):
         assumption: a sharp edge has no Hertz radius
     """
 
-    length: float = 9.5
-    inertia: str = "solid"
+    length: Length = 9.5
+    inertia: Inertia = "solid"
     ends: Literal["round", "flat"] = "round"
 
     @property

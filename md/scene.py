@@ -8,18 +8,19 @@ a table may hold (`md.units`). `md/scenes/` holds examples. A key's domain stand
 import hashlib
 import inspect
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
 from operator import attrgetter
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, get_args
 
 from .domains import InputError, Part, hints
-from .files import plain
+from .files import text_of
 from .laws import LAWS, Law
-from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, reduced, rivals, twins
+from .rod import Inertia, Length
+from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, reduced, rivals
 
 SCENES = Path(__file__).parent / "scenes"
 GAP = 1e-6  # d, between rods and over the plate at the start: if they touched, rounding would push
@@ -37,8 +38,8 @@ class Rods(Part):
     """
 
     count: Annotated[int, 1, 10**6] = 1  # of rods
-    length: Annotated[float, 1.0, 1000.0] = 9.5  # overall, caps included
-    inertia: Literal["solid", "thin"] = "solid"  # of the uniform body, or the paper's length^2/12
+    length: Length = 9.5  # overall, caps included
+    inertia: Inertia = "solid"  # of the uniform body, or the paper's length^2/12
     diameter_cm: Diameter = 0.6  # the unit of length
     rolling: bool = False  # about their own axes, in the annulus
 
@@ -165,10 +166,9 @@ class Scene(Part):
         for one, other in _NEEDS.items():
             if attrgetter(one)(self) and not attrgetter(other)(self):
                 raise InputError(f"{other} is missing: the scene names {one}, and needs both")
-        for name in ("plate", "rods", "wall"):
+        for name in ("rods", "wall"):
             contact = getattr(self.contacts, name)
-            constraint = contact and contact.friction > 0 and contact.law.spring is None
-            if constraint and name != "plate":
+            if contact and contact.friction > 0 and contact.law.spring is None:
                 raise InputError(
                     f"contacts.{name}.law must have a tangential spring, got {contact.law.name!r}: "
                     "friction as a constraint is for the plate"
@@ -255,24 +255,18 @@ def _contact(name: str, table: Mapping) -> Contact:
     """A contact from its table: law, friction, and the options of the law."""
     options = dict(table)
     law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
-    if not isinstance(law, str) or law not in LAWS:
+    if law not in [*LAWS]:
         raise InputError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
-    takes = {known: inspect.signature(make).parameters for known, make in LAWS.items()}
-    for key in (key for key in options if key not in takes[law]):
-        if any(key in known for known in takes.values()):
-            raise InputError(
-                f"{name}.{key} is not for the law {law}: take it out (--set {name}.{key}=none)"
-            )
-        raise _unknown(f"{name}.{key}", ("law", "friction", *takes[law]))
+    takes = inspect.signature(LAWS[law]).parameters
+    for key in options.keys() - takes.keys():
+        raise InputError(
+            f"{name}.{key} is not for the law {law}, which takes {', '.join(takes)}: "
+            f"take it out (--set {name}.{key}=none)"
+        )
     try:
         return Contact(LAWS[law](**options), friction)
     except InputError as error:
         raise InputError(f"{name}.{str(error).removeprefix('contact.')}") from None
-
-
-def _unknown(key: str, known: Iterable[str]) -> InputError:
-    """Error that names an unknown key and the known ones."""
-    return InputError(f"{key} is not a key of a scene; known there: {', '.join(known)}")
 
 
 def _part(hint: Any) -> Any:
@@ -290,9 +284,10 @@ def _build(kind: Any, name: str, table: object) -> Any:
     for key, value in table.items():
         path = f"{name}.{key}".lstrip(".")
         if key not in known:
-            also = (twin.partition(".")[2] for twin in TWINS if twin.startswith(f"{name}."))
-            raise _unknown(path, (*known, *also))
-        inner = _part(known[key]) if key != "law" else None
+            twins = (twin.partition(".")[2] for twin in TWINS if twin.startswith(f"{name}."))
+            there = ", ".join([*known, *twins])
+            raise InputError(f"{path} is not a key of a scene; known there: {there}")
+        inner = _part(known[key])
         parts[key] = _build(inner, path, value) if inner else value
     for part in fields(kind):
         if part.default is part.default_factory is MISSING and part.name not in parts:
@@ -308,7 +303,7 @@ def keys() -> list[tuple[str, str]]:
             default = "required" if part.default is MISSING else part.default
             key = f"{name}.{part.name}"
             found.append((key, "-" if default is None else str(default)))
-            found += [(twin, f"instead of {key}") for twin in twins(key)]
+            found += [(twin, f"instead of {key}") for twin in rivals(key)]
     found.append(("contacts.plate.law (.rods, .wall)", "constant_restitution"))
     found.append(("contacts.plate.friction (.rods, .wall)", "0.0"))
     for law, make in LAWS.items():
@@ -365,11 +360,6 @@ def both(**options: Any) -> dict[str, Any]:
     return {f"contacts.{part}.{key}": v for part in ("plate", "rods") for key, v in options.items()}
 
 
-def _examples(folder: Path) -> list[str]:
-    """Names of the examples in a folder."""
-    return sorted(path.stem for path in folder.glob("*.toml"))
-
-
 def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     """Tables of a TOML file, or of the example of that name.
 
@@ -379,17 +369,15 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
         If there is no such file, or it is not TOML.
     """
     path = Path(source)
-    if not path.exists() and (examples / f"{source}.toml").exists():
+    if not path.exists():
         path = examples / f"{source}.toml"
+    if not path.exists():
+        names = ", ".join(sorted(path.stem for path in examples.glob("*.toml")))
+        raise InputError(f"{source}: no such scene; examples: {names}")
     try:
-        return tomllib.loads(plain(path).read_text(encoding="utf-8-sig"))
+        return tomllib.loads(text_of(path))
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source}: {error}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        names = ", ".join(_examples(examples))
-        reason = getattr(error, "strerror", None) or error
-        what = "cannot be read" if path.exists() else "no such scene"
-        raise InputError(f"{source}: {what} ({reason}); examples: {names}") from None
 
 
 def scene_beside(path: str | Path, tables: Mapping) -> dict:
@@ -409,11 +397,6 @@ def from_tables(tables: Mapping) -> Scene:
     ValueError, TypeError
         If they do not make a scene.
     """
-    if not tables:
-        raise InputError(
-            "the scene is empty: name what there is, such as rods, plate, box, gravity, contacts, "
-            f"and start.tilt_deg or box.length; examples: {', '.join(_examples(SCENES))}"
-        )
     tables, said = reduced(tables)
     try:
         return _build(Scene, "", tables)

@@ -38,7 +38,7 @@ much shorter than those of the data bring their transient in.
 
 import csv
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement, product
@@ -49,8 +49,8 @@ import numpy as np
 from emcee import EnsembleSampler, State
 from scipy.stats import qmc
 
-from .domains import InputError, RunError, finite, held, listed, positive, tabled, whole
-from .files import plain
+from .domains import InputError, RunError, finite, held, listed, positive, span, tabled, whole
+from .files import text_of
 from .scene import changes_of, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
 from .sweep import Sweep, Tally, execute, point_at
@@ -67,13 +67,14 @@ __all__ = [
     "search",
 ]
 
-_KEYS = "scene", "periods", "seeds", "points", "rounds", "seed", "set", "parameters", "data"
+_KEYS = "scene", "periods", "seeds", "points", "rounds", "set", "parameters", "data"
 _SEARCHES = Path(__file__).parent / "searches"
 _DEGREES = 3, 2, 1  # of the polynomials that are tried
 _ENOUGH = 1.5  # points a coefficient that a polynomial needs
 _SAMPLES, _WALKERS = 2**12, 2**8  # places, and how many of the best are where walkers begin
 _WARM_UPS, _WARM_UP, _STEPS = 6, 25, 150  # steps before draws, and of draws
 _THIN = 10  # steps from draw to draw
+_SEED = 1  # of all random numbers
 _AS_GOOD = 10.0  # more misfit than the best point has: it may be chance
 
 
@@ -118,31 +119,23 @@ class Search:
     targets: tuple[Target, ...]  # what is asked for
     points: int  # a round
     rounds: int = 1  # each later one closer around the best
-    seed: int = 1  # of the Sobol sequence
-
-    @cached_property
-    def places(self) -> list[Mapping[str, Any]]:
-        """Different places of the targets."""
-        found: list[Mapping[str, Any]] = []
-        found += (t.place for t in self.targets if t.place not in found)
-        return found
 
     @property
     def measured(self) -> np.ndarray:
         """Value and error of each target, (targets, 2)."""
         return np.array([(target.value, target.error) for target in self.targets])
 
-    def values(self, parts: Sequence[float]) -> dict[str, float]:
+    def values(self, parts: Iterable) -> dict[str, Any]:
         """Values of the parameters.
 
         Parameters
         ----------
-        parts : (parameters,), of their ranges
+        parts : (parameters,) or (parameters, n), of their ranges
         """
         return {p.name: p.value(x) for p, x in zip(self.parameters, parts, strict=True)}
 
     def sweep(self, parts: np.ndarray) -> Sweep:
-        """Points times places times starts.
+        """Points times targets times starts; what several targets share is run once.
 
         Parameters
         ----------
@@ -157,22 +150,22 @@ class Search:
         for row in parts.tolist():
             values = self.values(row)
             changes = {key: values[p.name] for p in self.parameters for key in p.keys}
-            for place, seed in product(self.places, self.seeds):
-                changed = {**changes, **place, "start.seed": seed}
-                runs.append(point_at(self.base, changed, {**values, **place}, self.periods))
-        axes = {"point": [*range(len(parts))]}, {"place": [*range(len(self.places))]}
-        return Sweep((*axes, {"start.seed": [*self.seeds]}), tuple(runs))
+            for target, seed in product(self.targets, self.seeds):
+                changed = {**changes, **target.place, "start.seed": seed}
+                runs.append(point_at(self.base, changed, {**values, **target.place}, self.periods))
+        along = {"point": range(len(parts)), "target": self.targets, "start.seed": self.seeds}
+        return Sweep(tuple({name: [*each]} for name, each in along.items()), tuple(runs))
 
-    def draw(self, number: int = 0, box: np.ndarray | None = None) -> np.ndarray:
+    def draw(self, number: int, box: Iterable) -> np.ndarray:
         """Parts of the ranges of a round's points, (points, parameters).
 
         Parameters
         ----------
         number : of the round
-        box : (2, parameters), lowest and highest parts; None: the whole ranges
+        box : lowest and highest parts
         """
-        low, high = (0.0, 1.0) if box is None else box
-        sobol = qmc.Sobol(len(self.parameters), seed=self.seed + number)
+        low, high = box
+        sobol = qmc.Sobol(len(self.parameters), seed=_SEED + number)
         return low + sobol.random(self.points) * (high - low)
 
 
@@ -210,8 +203,8 @@ class Found:
     def misfits(self) -> np.ndarray:
         """Of each point; inf where a run failed."""
         starts = self.runs.shape[-1]
-        known = self.runs[np.isfinite(self.runs).all(axis=(1, 2))]
-        variance = known.var(axis=-1, ddof=1).mean(axis=0) / starts if starts > 1 else 0.0
+        scatter = self.runs.var(axis=-1, ddof=1) if starts > 1 else np.zeros((1, 1))
+        variance = np.nanmean(scatter, axis=0) / starts
         found = _misfit(self.search.measured, self.results, variance)
         return np.where(np.isnan(found), np.inf, found)
 
@@ -242,16 +235,15 @@ class Found:
             unknown = np.nansum(np.log1p(variances / search.measured[:, 1] ** 2), axis=1)
             return _misfit(search.measured, results, variances) + unknown
 
-        places = _draws(unlikely, len(low), search.seed)
+        places = _draws(unlikely, len(low))
         results, variances = predicted(places)
         parts = low + (places + 1) / 2 * (high - low)
-        pairs = zip(search.parameters, parts.T, strict=True)
-        values = {parameter.name: parameter.value(part) for parameter, part in pairs}
+        values = search.values(parts.T)
         spread = np.sqrt(results.var(axis=0) + variances.mean(axis=0))
         return Estimates(
             {name: Estimate(float(x.mean()), float(x.std())) for name, x in values.items()},
             np.atleast_2d(np.corrcoef([*values.values()])),
-            [Estimate(*pair) for pair in np.column_stack([results.mean(axis=0), spread]).tolist()],
+            [*map(Estimate, results.mean(axis=0).tolist(), spread.tolist())],
             float(_misfit(search.measured, results, variances).min()),
         )
 
@@ -270,7 +262,8 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     As `md.sweep.execute`, ValueError if a target is not a number in the results of a run, RunError
     if no point has results at all targets.
     """
-    parts, runs, tallies, box = [], [], [], None
+    parts, runs, tallies = [], [], []
+    box: Any = 0.0, 1.0
     for number in range(given.rounds):
         parts.append(given.draw(number, box))
         sweep = given.sweep(parts[-1])
@@ -286,13 +279,11 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
 
 def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
     """Results of a round at the targets, (points, targets, starts)."""
-    columns = []
-    for target in given.targets:
-        (results,) = sweep.gather(store, target.result)
+    found = sweep.gather(store, *(target.result for target in given.targets))
+    for target, results in zip(given.targets, found, strict=True):
         if results.shape != sweep.shape or results.dtype != float:
             raise InputError(f"data ask for {target.result}, which is no number")
-        columns.append(results[:, given.places.index(target.place)])
-    return np.stack(columns, axis=1)
+    return np.stack([results[:, i] for i, results in enumerate(found)], axis=1)
 
 
 # ---- from results to estimates ------------------------------------------------------------------
@@ -370,7 +361,7 @@ def _box_around(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
     return np.clip([np.minimum(low - gap, below), np.maximum(high + gap, above)], 0, 1 - 1e-12)
 
 
-def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int, seed: int) -> np.ndarray:
+def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int) -> np.ndarray:
     """Places within -1 and 1 drawn with weights exp(-misfit/2), (n, coordinates).
 
     By emcee's stretch move, which needs no smaller moves along a ridge (Goodman and Weare, Commun.
@@ -381,16 +372,15 @@ def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int, seed: i
     ----------
     misfit : of places, (n, coordinates) to (n,)
     coordinates : their number
-    seed : of the random numbers
     """
 
     def log_weight(places: np.ndarray) -> np.ndarray:
         return np.where((np.abs(places) <= 1).all(axis=1), -misfit(places) / 2, -np.inf)
 
-    samples = 2 * qmc.Sobol(coordinates, seed=seed).random(_SAMPLES) - 1
+    samples = 2 * qmc.Sobol(coordinates, seed=_SEED).random(_SAMPLES) - 1
     best = samples[np.argsort(misfit(samples))[:_WALKERS]]
-    random, begin = np.random.default_rng(seed), np.random.RandomState(seed).get_state()
-    walkers = State(best, random_state=begin)
+    random = np.random.default_rng(_SEED)
+    walkers = State(best, random_state=np.random.RandomState(_SEED).get_state())
     sampler = EnsembleSampler(_WALKERS, coordinates, log_weight, vectorize=True)
     for _ in range(_WARM_UPS):
         walkers = sampler.run_mcmc(walkers, _WARM_UP, store=False, skip_initial_state_check=True)
@@ -408,12 +398,9 @@ def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int, seed: i
 def _parameter(name: str, table: Any) -> Parameter:
     """A parameter from its table."""
     tabled(name, table, ("keys", "from", "to"), ("name", "log"))
-    log = held(f"{name}.log", table.get("log", False), bool)
-    keys = listed(table["keys"])
-    if not keys or not all(isinstance(key, str) for key in keys):
+    keys, (low, high, log) = listed(table["keys"]) or [], span(name, table)
+    if {*map(type, keys)} != {str}:
         raise InputError(f"{name}.keys must be a list of keys of the scene, got {table['keys']!r}")
-    limited = positive if log else finite
-    low, high = limited(f"{name}.from", table["from"]), limited(f"{name}.to", table["to"])
     if not low < high:
         raise InputError(f"{name}.from must be less than to, got {low:g} and {high:g}")
     return Parameter(str(table.get("name", keys[0])), tuple(keys), low, high, log)
@@ -424,12 +411,7 @@ def _measured(path: Path, result: str) -> list[Target]:
 
     A row without a result is predicted: its value and its error are nan.
     """
-    try:
-        text = plain(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as failure:
-        reason = getattr(failure, "strerror", None) or failure
-        raise InputError(f"data.file: {path} cannot be read ({reason})") from None
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    lines = (line for line in text_of(path).splitlines() if line.strip() and line[0] != "#")
     heads, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines)] or [[]]
     if not rows or not {result, "error"} < set(heads) or len(set(heads)) < len(heads):
         columns = f"columns {result}, error and keys of the scene, each once"
@@ -437,36 +419,20 @@ def _measured(path: Path, result: str) -> list[Target]:
     targets = []
     for count, row in enumerate(rows, 1):
         where = f"{path}, row {count}"
-        if len(row) != len(heads):
-            raise InputError(f"{where} must have {len(heads)} cells, got {len(row)}")
-        cells = zip(heads, row, strict=True)
-        numbers = {head: _number(f"{where}, {head}", cell) for head, cell in cells}
-        value, error = numbers.pop(result), numbers.pop("error")
-        error = math.nan if math.isnan(value) else positive(f"{where}, error", error)
-        place = {key: int(x) if x.is_integer() else x for key, x in numbers.items()}
+        try:
+            cells = dict(zip(heads, (float(cell or "nan") for cell in row), strict=True))
+        except ValueError:
+            wanted = f"{len(heads)} numbers or empty cells"
+            raise InputError(f"{where}, must have {wanted}, got {', '.join(row)}") from None
+        value, error = cells.pop(result), cells.pop("error")
+        if math.isnan(value):
+            error = math.nan
+        else:
+            finite(f"{where}, {result}", value)
+            positive(f"{where}, error", error)
+        place = {key: int(x) if x.is_integer() else x for key, x in cells.items()}
         targets.append(Target(place, result, value, error))
     return targets
-
-
-def _number(name: str, text: str) -> float:
-    """A cell; nan if it is empty."""
-    try:
-        value = float(text or "nan")
-    except ValueError:
-        raise InputError(f"{name} must be a number or empty, got {text!r}") from None
-    return value if math.isnan(value) else finite(name, value)
-
-
-def _check_apart(parameters: tuple[Parameter, ...], targets: list[Target]) -> None:
-    """Refuse a key that is set twice."""
-    given = ["start.seed", *(key for target in targets for key in target.place)]
-    setters = dict.fromkeys(given, "data or seeds")
-    for parameter in parameters:
-        for key in parameter.keys:
-            if key in setters:
-                both = f"{setters[key]} and by {parameter.name}"
-                raise InputError(f"{key} is set by {both} at once")
-            setters[key] = parameter.name
 
 
 def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
@@ -484,23 +450,26 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
         If something is missing or out of its domain; the message names it.
     """
     tabled("a search", tables, (), _KEYS)
-    asked: list[Target] = []
+    targets: list[Target] = []
     data = tables.get("data", [])
     for table in data if isinstance(data, list) else [data]:
         tabled("data", table, ("file", "result"))
-        asked += _measured(folder / str(table["file"]), str(table["result"]))
-    if all(math.isnan(target.error) for target in asked):
+        targets += _measured(folder / str(table["file"]), str(table["result"]))
+    if all(math.isnan(target.error) for target in targets):
         raise InputError("a search needs data: there are none")
-    if any("start.seed" in target.place for target in asked):
-        raise InputError("start.seed must not stand in data: seeds names the starts")
     ranges = held("parameters", tables.get("parameters", []), list)
     parameters = tuple(_parameter(f"parameters[{i}]", table) for i, table in enumerate(ranges))
     names = [parameter.name for parameter in parameters]
     if not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be there, with different names, got {names}")
-    _check_apart(parameters, asked)
-    seeds = listed(tables.get("seeds", [1, 2]))
-    if not seeds or len(set(map(str, seeds))) < len(seeds):
+    keys = ["start.seed", *{key for target in targets for key in target.place}]
+    keys += (key for parameter in parameters for key in parameter.keys)
+    for key in keys:
+        if keys.count(key) > 1:
+            raise InputError(f"{key} is set twice at once, by parameters, data or seeds")
+    given = listed(tables.get("seeds", [1, 2])) or []
+    seeds = tuple(whole("seeds", seed, 0, 2**32) for seed in given)
+    if not seeds or len(set(seeds)) < len(seeds):
         raise InputError(f"seeds must be a list of different starts, got {tables['seeds']!r}")
     points = whole("points", tables.get("points", 32), 4, 2**16)
     if points & (points - 1):
@@ -508,12 +477,11 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     return Search(
         base=put(base, changes_of("set", tables.get("set", {}))),
         periods=whole("periods", tables.get("periods", 200), 1, MOST_PERIODS),
-        seeds=tuple(whole("seeds", seed, 0, 2**32) for seed in seeds),
+        seeds=seeds,
         parameters=parameters,
-        targets=tuple(asked),
+        targets=tuple(targets),
         points=points,
         rounds=whole("rounds", tables.get("rounds", 1), 1, 100),
-        seed=whole("seed", tables.get("seed", 1), 0, 2**32),
     )
 
 

@@ -1,6 +1,5 @@
 """Run a scene: period by period, with touches, energy, standard errors, checkpoint and resume."""
 
-import html
 import json
 import signal
 import sys
@@ -8,14 +7,12 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
-from math import isnan, nan
+from math import nan
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 from zipfile import BadZipFile
 
-import numba
 import numpy as np
 from tqdm.auto import tqdm
 
@@ -23,185 +20,16 @@ from .domains import InputError, whole
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import prepare, step_of
 from .interrupt import SIGNALS
-from .measures import tables_of
-from .scene import Scene, as_dict
+from .measures import Tables
+from .result import Result
+from .scene import Scene
 from .sources import code
-from .statistics import TREND, steady, transient, trend
+from .statistics import transient
 from .trajectory import Trajectory
 
 MOST_PERIODS = 10**7  # of a run
 LOSSES = tuple(f"{at}_{by}" for at in ("plate", "rods", "walls") for by in ("normal", "friction"))
 _SAVED = 60.0  # seconds from one checkpoint to the next
-
-
-@dataclass(frozen=True)
-class Accuracy:
-    """Error of a drift, and what it cost; velocities in sqrt(g d), absolute.
-
-    tolerance : asked for, of |c_x| or of the floor, whichever is larger
-    confidence : of the interval
-    floor : drifts below it are judged as if they were this fast
-    error : half of the interval that holds the true drift with this confidence
-    statistical : what of it is statistical; it and `bias_error` add in squares
-    bias : of the step, which is taken off the drift
-    bias_error : half of its interval
-    bias_measured : whether by starts with steps twice as long; else it is a flat allowance
-    per_contact : steps a contact
-    starts, made : that were run, and their periods in all
-    chance : that starts differ as they do if they are in one state
-    fell : rods that fell over behind the transients, of all starts
-    state : "not settled" if the drift of a start still trends, or the rate at which its rods fall
-        over; else "reached" if error <= tolerance max(|c_x|, floor), else "not reached"
-    seconds : of the run, without compiling
-    needed_seconds, next_digit_seconds : estimated for this tolerance, nan where the pace is not
-        known, and for a tenth of it
-    """
-
-    tolerance: float
-    confidence: float
-    floor: float
-    error: float
-    statistical: float
-    bias: float
-    bias_error: float
-    bias_measured: bool
-    per_contact: float
-    starts: int
-    made: int
-    chance: float
-    fell: int
-    state: str
-    seconds: float
-    needed_seconds: float
-    next_digit_seconds: float
-
-
-@dataclass(frozen=True, repr=False)
-class Result:
-    """What a run measured; velocities in sqrt(g d) unless the name says cm/s.
-
-    As text, and in a notebook, it is what the command prints.
-
-    scene : that ran
-    c_x, tilt_deg : means over rods and over the periods behind the transient; in an annulus c_x is
-        the velocity around it at its middle radius
-    c_x_stderr, tilt_stderr_deg : their standard errors, as `statistics.standard_error`; nan where
-        one run cannot tell: below 124 periods, and in an annulus, where starts differ
-    periods : that were made
-    discarded : periods of the transient, a fifth of the run
-    steps_per_period, dt : the step, in sqrt(d/g)
-    run_seconds, compile_seconds : of the clock
-    energy : work of the plate and of shaken walls, losses by kind, change and what is left over, in
-        m g d; None if not asked
-    touches : mean and standard error over all touches of the plate of each quantity of
-        `measures.MEANS`, and touches per rod and period; None without a plate
-    landings : those of `measures.OF_LANDINGS`, touches less than `measures.HOP` periods apart
-        merged into one landing; None without a plate
-    annulus : mean lean along the annulus, `lean_deg`, and the share of the rods that are wedged
-        between the walls at the end, `wedged`; None in a row
-    turned : times that a rod fell past the horizontal, and passed the vertical
-    phases : touches behind the transient in each of 64 equal parts of the plate's cycle, which
-        begins where it rises through its mean height; empty without a plate
-    c_x_series, tilt_series, fell_series : period by period, transient included; rods that fell over
-    rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
-    finished : False if the run was interrupted
-    unwritten : files asked for that are not whole, and why; empty if all is written
-    accuracy : of c_x; None without a tolerance
-    """
-
-    scene: Scene
-    c_x: float
-    c_x_stderr: float
-    tilt_deg: float
-    tilt_stderr_deg: float
-    periods: int
-    discarded: int
-    steps_per_period: int
-    dt: float
-    run_seconds: float
-    compile_seconds: float
-    energy: dict[str, float] | None
-    touches: dict[str, Any] | None
-    landings: dict[str, Any] | None
-    annulus: dict[str, Any] | None
-    turned: dict[str, int]
-    phases: list[int]
-    c_x_series: np.ndarray
-    tilt_series: np.ndarray
-    fell_series: np.ndarray
-    rods: np.ndarray
-    finished: bool
-    unwritten: tuple[str, ...]
-    accuracy: Accuracy | None = None
-
-    def __repr__(self) -> str:
-        drift = f"{self.c_x_cm_s:.4g} +- {self.c_x_stderr_cm_s:.2g} cm/s"
-        return f"<Result: {drift} at {self.tilt_deg:.3g} degrees, {self.periods} periods>"
-
-    def __str__(self) -> str:
-        from .result_text import result_text, scene_text  # late: it imports this module
-
-        return f"{scene_text(self.scene)}\n{result_text(self)}"
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(str(self))}</pre>"
-
-    @property
-    def c_x_cm_s(self) -> float:
-        """Drift in cm/s."""
-        return self.c_x * self.scene.cm_per_s
-
-    @property
-    def c_x_stderr_cm_s(self) -> float:
-        """Its standard error in cm/s."""
-        return self.c_x_stderr * self.scene.cm_per_s
-
-    @property
-    def settled(self) -> bool | None:
-        """False if the drift or the rate of falls still trends; None if the run is too short."""
-        if self.accuracy is not None:
-            return self.accuracy.state != "not settled"
-        drift, fell = (x[self.discarded :] for x in (self.c_x_series, self.fell_series))
-        found = trend(drift)
-        return None if isnan(found) else found <= TREND and steady(fell)
-
-    @property
-    def rod_steps(self) -> int:
-        """Steps times rods."""
-        return self.periods * self.steps_per_period * self.scene.rods.count
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""
-        contact = self.scene.contacts.plate or self.scene.contacts.rods
-        skip = ("scene", "phases", "c_x_series", "tilt_series", "fell_series", "rods", "accuracy")
-        plain = {key: value for key, value in vars(self).items() if key not in skip}
-        versions = {"md": code(self.scene), "numpy": np.__version__, "numba": numba.__version__}
-        return finite(
-            {
-                **plain,
-                "c_x_cm_s": self.c_x_cm_s,
-                "c_x_stderr_cm_s": self.c_x_stderr_cm_s,
-                "rod_steps": self.rod_steps,
-                "settled": self.settled,
-                "scene": as_dict(self.scene),
-                "scene_digest": self.scene.digest(),
-                "law": contact.law.name if contact else None,
-                "seed": self.scene.start.seed,
-                "versions": versions,
-                **({"accuracy": asdict(self.accuracy)} if self.accuracy else {}),
-            }
-        )
-
-
-def finite(value: Any) -> Any:
-    """JSON has neither nan nor inf."""
-    if isinstance(value, dict):
-        return {key: finite(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(inner) for inner in value]
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
 
 
 @contextmanager
@@ -279,7 +107,7 @@ class Run:
         self.observe = observe
         self.lost: dict[str, str] = {}  # why a file is not whole
         self.engine = engine = prepare(scene, ledger=ledger)
-        self.tables = tables_of(engine, periods)
+        self.tables = Tables(engine, periods)
         hidden = None if progress else True  # None: on a terminal and in a notebook
         self.bar = tqdm(total=periods, unit=" periods", delay=2, disable=hidden)
         words = "compiling the kernels for such a scene, once: 10 to 30 s"

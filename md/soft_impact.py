@@ -4,18 +4,16 @@ Reduced units: lengths in rod diameters d, masses in the rod's, accelerations in
 are in sqrt(g d) and times in sqrt(d/g).
 """
 
-from collections.abc import Sequence
 from math import nan, pi, sin
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from . import reference
-from .domains import InputError, RunError, held, hints, not_negative, number, positive
+from .domains import InputError, RunError, fields_held, held, number, positive
 from .kernels import single
 from .kernels.codes import (
-    DEEP,
     DONE,
     IMPULSE,
     NOT_FINITE,
@@ -39,8 +37,8 @@ from .laws import (
     largest_step,
 )
 from .reference import Contact, Vibration
-from .rod import LowerEnd, Rod, effects_of, height_of_second, lower_end
-from .scene import Rods
+from .rod import Rod, effects_of, height_of_second, lower_end
+from .scene import Gravity
 
 INTEGRATORS = (*single.METHODS, "dop853")
 _FINE = 100  # default steps per head-on contact time
@@ -67,59 +65,14 @@ class Impact(NamedTuple):
     seconds: float  # run time, without compilation
 
 
-def _checked_rod(rod: Rod) -> Rod:
-    if not isinstance(rod, Rod):
-        raise InputError(f"rod must be a md.Rod, got {rod!r}")
-    allowed = hints(Rod) | hints(Rods)
-    return Rod(*(held(name, value, allowed[name]) for name, value in rod._asdict().items()))
-
-
-def _checked_law(law: Law | None) -> Law:
-    if law is not None and not isinstance(law, Law):
-        raise InputError(f"law must be made by a function of md.LAWS, as md.coulomb(), got {law!r}")
-    return law or coulomb()
-
-
-def _numbers(name: str, values: Any, count: int) -> tuple:
-    """A sequence of so many values."""
-    some = isinstance(values, Sequence | np.ndarray) and getattr(values, "ndim", 1) == 1
-    if not some or len(values) != count:
-        raise InputError(f"{name} must be {count} numbers, got {values!r}")
-    return tuple(values)
-
-
-def _checked_gravity(gravity: Any) -> tuple[float, float] | None:
-    if gravity is None:
-        return None
-    gravity = _numbers("gravity", gravity, 2)
-    g_x, g_z = (number("gravity", g, -1e6, 1e6, "two numbers up to 1e6") for g in gravity)
-    return g_x, g_z
-
-
-def _checked_vibration(vibration: Any) -> Vibration | None:
-    if vibration is None:
-        return None
-    amplitude, frequency, phase = _numbers("vibration", vibration, 3)
-    return Vibration(
-        not_negative("amplitude", amplitude),
-        positive("frequency", frequency),
-        number("phase", phase, -1e6, 1e6, "a number up to 1e6"),
-    )
-
-
 def _step(
     law: Law, effects: Effects, speed: float, tilt: float, dt: float | None, method: str
 ) -> float:
     """The step asked for, or a good one; one that is not stable is refused."""
     if speed < _SLOWEST:
         raise InputError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
-    deepest = deepest_overlap(law, speed)
-    if not deepest < DEEP / 2:
-        raise InputError(
-            f"the plate is too soft for an impact at {speed:g}: overlap {deepest:.2g} d"
-        )
     across, along = np.square(lower_end(effects, tilt).arm(tilt)) * effects.lightness
-    caps = 2 if height_of_second(effects, tilt) < 2 * deepest else 1
+    caps = 2 if height_of_second(effects, tilt) < 2 * deepest_overlap(law, speed) else 1
     rubs = effects.friction is not None
     largest = largest_step(law, rubs, speed, along, across, method, caps)
     whole = contact_time(law, speed)
@@ -191,7 +144,7 @@ def impact(
     dt : step, sqrt(d/g); default a hundredth of the contact time or a quarter of the stable step
     offset : part of a step that is left at the first step until the touch, 0 to 1
     vibration : of the plate, whose phase is that of the touch; None: at rest
-    gravity : (g_x, g_z) in g; None: absent
+    gravity : (g_x, g_z) in g, up to 1000; None: absent
     tolerance : of "dop853", relative, per step, 1e-14 to 1e-3
 
     Raises
@@ -202,16 +155,19 @@ def impact(
     RunError
         If the contact does not end, or the state stops being finite.
     """
-    rod, law = _checked_rod(rod), _checked_law(law)
+    rod = fields_held("rod", held("rod", rod, Rod), Rod)
+    law = coulomb() if law is None else held("law", law, Law)
     tilt = number("tilt", tilt, -pi / 2, pi / 2, "between -pi/2 and pi/2")
     given = {"c_x": c_x, "c_z": c_z, "omega": omega}
-    velocity = tuple(number(k, v, -1e6, 1e6, "a number up to 1e6") for k, v in given.items())
-    vibration, gravity = _checked_vibration(vibration), _checked_gravity(gravity)
+    velocity = tuple(number(name, value, -1e6, 1e6) for name, value in given.items())
+    if vibration is not None:
+        vibration = fields_held("vibration", vibration, Vibration)
+    pull = None if gravity is None else fields_held("gravity", gravity, Gravity)
     if integrator not in INTEGRATORS:
         raise InputError(f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}")
-    offset = number("offset", offset, 0.0, 1.0, "between 0 and 1")
+    offset = number("offset", offset, 0.0, 1.0)
     plate = plate_after(vibration, 0.0)[1]
-    effects = effects_of(rod, law, friction, gravity, None)
+    effects = effects_of(rod, law, friction, (pull.x, pull.z) if pull else None, None)
     end = lower_end(effects, tilt)
     speed = -(velocity[1] - velocity[2] * end.arm(tilt)[0] - plate)
     if not speed > 0:
@@ -225,7 +181,7 @@ def impact(
         least = 1 / (_MOST_STEPS * step)
         if vibration.frequency < least:
             raise InputError(
-                f"frequency of the vibration must be at least {least:.3g} sqrt(g/d), which is "
+                f"vibration.frequency must be at least {least:.3g} sqrt(g/d), which is "
                 f"{_MOST_STEPS:g} steps a period; got {vibration.frequency!r}"
             )
         step = 1 / (vibration.frequency * _steps_per_period(vibration, step))
@@ -233,54 +189,56 @@ def impact(
         early = vibration._replace(phase=vibration.phase - before)
     effects = effects._replace(plate=plate_table(early, step))
     longest = _LONGEST * contact_time(law, speed)
-    case = _Case(effects, end, vibration, tilt, velocity, speed, longest)
     if integrator == "dop853":
-        return _to_the_digits(case, tolerance)
-    return _by_steps(case, integrator, step, offset)
+        tolerance = number("tolerance", tolerance, 1e-14, 1e-3)
+        done = reference.follow(effects, vibration, tilt, velocity, tolerance, longest)
+        step = nan
+    else:
+        height = -end.arm(tilt)[1]
+        if vibration is not None:
+            height += vibration.amplitude * sin(vibration.phase)
+        position = np.array([0.0, height, tilt])
+        done = _by_steps(effects, position, np.array(velocity), integrator, step, offset, longest)
+    c_x, c_z, omega = map(float, done.velocity)
+    v_f = c_z - omega * end.arm(done.position[2])[0] - plate_after(vibration, done.end)[1]
+    stuck, turned = done.impulses[STUCK], done.impulses[TURNED]
+    return Impact(
+        c_x=c_x,
+        c_z=c_z,
+        omega=omega,
+        restitution=float(v_f / speed),
+        regime=REGIMES[regime_of(done.stopped, stuck, turned)],
+        phases=dict(zip(PHASES, map(float, done.durations), strict=True)),
+        max_overlap=float(done.deepest),
+        contact_time=float(sum(done.durations)),
+        dt=step,
+        steps=done.evaluations,
+        seconds=done.seconds,
+    )
 
 
-class _Case(NamedTuple):
-    """An impact to compute."""
+def _by_steps(
+    effects: Effects,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    method: str,
+    dt: float,
+    offset: float,
+    longest: float,
+) -> Contact:
+    """One contact with a fixed step, whose first begins `offset` steps before the touch.
 
-    effects: Effects
-    end: LowerEnd
-    vibration: Vibration | None
-    tilt: float  # rad
-    velocity: tuple[float, ...]  # c_x, c_z, omega
-    speed: float  # of the approach, sqrt(g d)
-    longest: float  # time after which a contact that goes on is an error, sqrt(d/g)
-
-    def impact(self, done: Contact, dt: float, seconds: float) -> Impact:
-        """What the contact did to the rod."""
-        c_x, c_z, omega = map(float, done.velocity)
-        a_x, _ = self.end.arm(done.position[2])
-        v_f = c_z - omega * a_x - plate_after(self.vibration, done.end)[1]
-        stuck, turned = done.impulses[STUCK], done.impulses[TURNED]
-        return Impact(
-            c_x=c_x,
-            c_z=c_z,
-            omega=omega,
-            restitution=float(v_f / self.speed),
-            regime=REGIMES[regime_of(done.stopped, stuck, turned)],
-            phases=dict(zip(PHASES, map(float, done.durations), strict=True)),
-            max_overlap=float(done.deepest),
-            contact_time=float(sum(done.durations)),
-            dt=dt,
-            steps=done.evaluations,
-            seconds=seconds,
-        )
-
-
-def _by_steps(case: _Case, method: str, dt: float, offset: float) -> Impact:
-    """One impact with a fixed step, whose first begins `offset` steps before the touch."""
-    effects, height = case.effects, -case.end.arm(case.tilt)[1]
-    if case.vibration is not None:
-        height += case.vibration.amplitude * sin(case.vibration.phase)
-    position, velocity = np.array([0.0, height, case.tilt]), np.array(case.velocity)
+    Parameters
+    ----------
+    effects : what acts on the rod, the plate included
+    position, velocity : at the touch
+    method, dt, offset : as of `impact`
+    longest : time after which a contact that goes on is an error
+    """
     fall, early = np.array([*(effects.gravity or (0, 0)), 0.0]), offset * dt
     position = position - early * velocity + early**2 / 2 * fall
     state = single.started(method, position, velocity - early * fall, effects.gravity, dt)
-    watch, most = np.zeros(WATCHED), int(min(case.longest / dt, 1e9))
+    watch, most = np.zeros(WATCHED), int(min(longest / dt, 1e9))
     single.run(effects, state, 0, 0, dt, watch)  # compiles
     begin = perf_counter()
     steps, why = 0, DONE
@@ -288,26 +246,20 @@ def _by_steps(case: _Case, method: str, dt: float, offset: float) -> Impact:
         part = min(most - steps, _STEPS_A_CALL)
         now, made, why = single.run(effects, state, steps, part, dt, watch)
         state, steps = single.State(*now), steps + made
-    seconds = perf_counter() - begin
     stopped_run(why, state, steps, dt)
     if why == DONE:
         raise RunError(
             f"the contact has not ended after {steps * dt:g} sqrt(d/g)",
             (*state.position, *state.velocity),
         )
-    durations, impulses = watch[:IMPULSE], watch[IMPULSE : 2 * IMPULSE]
-    stopped, deepest, end = watch[WATCH_STOPPED] > 0, watch[WATCH_DEEPEST], (steps - offset) * dt
-    done = Contact(
-        state.position, state.velocity, durations, impulses, stopped, deepest, steps, end
+    return Contact(
+        state.position,
+        state.velocity,
+        durations=watch[:IMPULSE],
+        impulses=watch[IMPULSE : 2 * IMPULSE],
+        stopped=watch[WATCH_STOPPED] > 0,
+        deepest=watch[WATCH_DEEPEST],
+        evaluations=steps,
+        end=(steps - offset) * dt,
+        seconds=perf_counter() - begin,
     )
-    return case.impact(done, dt, seconds)
-
-
-def _to_the_digits(case: _Case, tolerance: float) -> Impact:
-    """One impact with every switch located."""
-    tolerance = number("tolerance", tolerance, 1e-14, 1e-3, "between 1e-14 and 1e-3")
-    effects, vibration = case.effects, case.vibration
-    reference.compiled(effects, vibration)
-    begin = perf_counter()
-    done = reference.follow(effects, vibration, case.tilt, case.velocity, tolerance, case.longest)
-    return case.impact(done, nan, perf_counter() - begin)

@@ -6,6 +6,9 @@ import numpy as np
 
 FEWEST = 100  # values for a standard error
 TREND = 0.743  # of `trend`; of long stationary series, one in a hundred is above
+# Chance below which starts that differ are in different states, of rows and of annuli, where each
+# start has an arrangement of its own.
+UNLIKELY = 1e-3, 5e-2
 _BLOCKS = 8  # of counts whose order tells a trend
 _ORDERED = 19  # of 28 pairs, ordered less reversed ones; of steady counts, one in 70 is above
 _ROUNDING = 1e-12  # smaller standard errors are rounding

@@ -3,7 +3,7 @@
 Every row is a transaction of its own: rows that were written stay when the process is killed, and
 two sweeps may write to one file.
 
-The columns of a result are those of `simulation.Result`: "c_x" is its `c_x`, the mean over the
+The columns of a result are those of `result.Result`: "c_x" is its `c_x`, the mean over the
 periods behind the transient of `measures.Tables.drift`.
 """
 

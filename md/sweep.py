@@ -55,7 +55,7 @@ from tqdm import tqdm
 
 from . import sources
 from .accuracy import MAX_SECONDS, checked, run, stepped
-from .domains import InputError, RunError, finite, held, listed, positive, tabled, whole
+from .domains import InputError, RunError, held, listed, span, tabled, whole
 from .host import step_of
 from .interrupt import deferred
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
@@ -218,11 +218,9 @@ def _values(name: str, given: object) -> list:
     """Values of one key along its axis."""
     if isinstance(given, Mapping):
         tabled(name, given, ("from", "to", "count"), ("log",))
-        log = given.get("log", False)
-        for end in ("from", "to"):
-            (positive if log else finite)(f"{name}.{end}", given[end])
+        low, high, log = span(name, given)
         count = whole(f"{name}.count", given["count"], 1, _MOST_POINTS)
-        spaced = (np.geomspace if log else np.linspace)(given["from"], given["to"], count)
+        spaced = (np.geomspace if log else np.linspace)(low, high, count)
         return [int(x) if x.is_integer() else x for x in spaced.tolist()]
     values = listed(given)
     if not values:

@@ -49,27 +49,20 @@ def _peak(frequency: float) -> float:
     return GRAVITY_CM / (2 * pi * frequency)
 
 
+_LENGTHS = "rods.length", "box.length", "annulus.inner", "annulus.outer", "start.drop"
 TWINS = {
-    "rods.length_cm": Twin("rods.length", "rods.diameter_cm", _length),
     "plate.amplitude_cm": Twin("plate.acceleration", "plate.frequency_hz", _amplitude),
     "plate.velocity_cm_s": Twin("plate.acceleration", "plate.frequency_hz", _peak),
-    "box.length_cm": Twin("box.length", "rods.diameter_cm", _length),
-    "annulus.inner_cm": Twin("annulus.inner", "rods.diameter_cm", _length),
-    "annulus.outer_cm": Twin("annulus.outer", "rods.diameter_cm", _length),
     "start.speed_cm_s": Twin("start.speed", "rods.diameter_cm", cm_per_s),
-    "start.drop_cm": Twin("start.drop", "rods.diameter_cm", _length),
+    **{f"{key}_cm": Twin(key, "rods.diameter_cm", _length) for key in _LENGTHS},
 }
-
-
-def twins(key: str) -> list[str]:
-    """Keys in cm or cm/s that stand for a key."""
-    return [name for name, twin in TWINS.items() if twin.key == key]
 
 
 def rivals(key: str) -> list[str]:
     """Keys that say the same as a key, and cannot stand beside it."""
     own = TWINS[key].key if key in TWINS else key
-    return [name for name in (own, *twins(own)) if name != key]
+    same = own, *(name for name, twin in TWINS.items() if twin.key == own)
+    return [name for name in same if name != key]
 
 
 def _value(tables: Mapping, key: str) -> Any:
@@ -100,10 +93,7 @@ def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
         for other in rivals(name):
             if _value(tables, other) is not None:
                 raise InputError(f"{name} and {other} say the same: give one of them, not both")
-        by, measuring = _value(tables, scale), tables.get(scale.partition(".")[0], {})
-        if not isinstance(measuring, Mapping):
-            continue  # refused later: not a table
-        if by is None:
+        if (by := _value(tables, scale)) is None:
             raise InputError(f"{scale} is missing: {name} needs it")
         one = unit(held(scale, by, SCALES[scale]))
         part, _, last = name.partition(".")

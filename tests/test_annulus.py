@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 import md
+from figures.claims.measure_annulus import largest_tilt_of_flat
 from md.__main__ import main
 from md.host import prepare
 from md.kernels.closest import nearest
 from md.kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from md.placement import largest_tilt, overlap, placed
-from md.result_text import result_text
+from md.result import result_text
 from md.scene import GAP
 from md.sources import imported
 
@@ -27,10 +28,10 @@ EXPERIMENT = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # in rod diameters
 def test_the_largest_tilt_of_one_rod():
     """Round ends: sin = sqrt((R_o - 1/2)^2 - (R_i + 1/2)^2)/(l/2 - 1/2); a flat end leaves less."""
     reach = np.sqrt((EXPERIMENT.outer - 0.5) ** 2 - (EXPERIMENT.inner + 0.5) ** 2)
-    round_ends, flat = (largest_tilt(EXPERIMENT, 8.0, flat=flat) for flat in (False, True))
+    round_ends, flat = largest_tilt(EXPERIMENT, 8.0), largest_tilt_of_flat(EXPERIMENT, 8.0)
     assert np.sin(round_ends) == pytest.approx(reach / 3.5)
     assert np.radians(53) < flat < round_ends
-    assert {largest_tilt(EXPERIMENT, 3.0, flat=flat) for flat in (False, True)} == {np.pi / 2}
+    assert largest_tilt(EXPERIMENT, 3.0) == largest_tilt_of_flat(EXPERIMENT, 3.0) == np.pi / 2
 
 
 @pytest.mark.parametrize("count", [1, 2, 23, 40, 44, 56])
@@ -115,7 +116,7 @@ def test_a_cap_that_friction_holds_does_not_slip_as_its_rod_rolls():
     engine = prepare(ring(*ROLLING, *still))
     for motion in engine.plate:
         motion[:] = 0
-    half, rolling, rod = engine.half_length, engine.effects.rolling, engine.rods[0]
+    half, rolling, rod = engine.effects.half_length, engine.effects.rolling, engine.rods[0]
     up, a = np.array([0, 0, 1]), np.array([0, 0.3, 1]) / np.hypot(0.3, 1)
     w = up - a * (up @ a) + a * 3 / (1 + rolling)
     engine.rods[:, 2] += 20  # all but one are out of the way

@@ -103,7 +103,6 @@ def test_numbers_of_numpy_are_numbers(values):
     assert [point.key for point in found.points] == [point.key for point in wanted.points]
     first = values[0]
     assert repr(md.Rods(count=first, inertia=np.str_("thin"))) == repr(md.Rods(2, inertia="thin"))
-    assert expand({"periods": first}, BASE).points == expand({"periods": 2}, BASE).points
     span = {"from": first, "to": values[1], "count": first}
     assert axes({"start.seed": span}).axes == ({"start.seed": [2, 3]},)
 
@@ -112,11 +111,6 @@ def test_numbers_of_numpy_are_numbers(values):
 def test_what_is_no_whole_number_is_refused(value):
     with pytest.raises(ValueError, match=r"^rods.count must be a whole number, got"):
         md.Rods(count=value)
-
-
-def test_the_example_sweep_can_run():
-    sweep = load_sweep("drift")
-    assert len(sweep.points) == np.prod(sweep.shape) > 1
 
 
 def test_a_sweep_from_python_names_its_scene():
@@ -232,7 +226,7 @@ def test_what_is_no_law_is_refused(monkeypatch, make, message):
     monkeypatch.setitem(md.LAWS, "mine", make)
     with pytest.raises(ValueError, match=message):
         expand({}, BASE | {"contacts": {"plate": {"law": "mine"}}})
-    with pytest.raises(ValueError, match="law must be made by a function of"):
+    with pytest.raises(ValueError, match="law must be of the type Law"):
         md.impact(0.3, 0.5, -1.0, friction=0.4, law=make)
 
 
@@ -377,16 +371,11 @@ def test_ctrl_c_ends_in_order(tmp_path, how):
     assert not psutil.wait_procs(mine, timeout=10)[1]
 
 
-def test_the_command_and_its_table(tmp_path, capsys):
-    store = str(tmp_path / "a.db")
-    command = ["sweep", str(written(tmp_path)), "--store", store, "--workers", "1"]
-    assert main([*command, "--json"]) == 0
+def test_the_command_counts_its_runs(tmp_path, capsys):
+    files = str(written(tmp_path)), "--store", str(tmp_path / "a.db")
+    assert main(["sweep", *files, "--workers", "1", "--json"]) == 0
     tally = json.loads(capsys.readouterr().out)
     assert (tally["points"], tally["computed"]) == (6, 6)
-    assert main(["results", store]) == 0
-    head, *lines = capsys.readouterr().out.splitlines()
-    assert head.split()[:3] == ["plate.acceleration", "start.seed", "c_x"]
-    assert len(lines) == 6
 
 
 def test_a_key_says_what_is_computed(monkeypatch):

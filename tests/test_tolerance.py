@@ -12,7 +12,7 @@ import md
 from md import accuracy
 from md.__main__ import main
 from md.accuracy import ALLOWANCE, STEPS_PER_CONTACT, stepped, steps_per_contact
-from md.result_text import accuracy_lines, result_text
+from md.result import accuracy_lines, result_text
 from md.scene import _parsed, put, read_tables
 from md.store import Store, table
 from md.sweep import execute, expand

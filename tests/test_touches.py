@@ -10,7 +10,7 @@ from md.kernels.codes import C_X, C_Z, COSINE, OMEGA, ROW_VELOCITY, SINE, Z
 from md.kernels.contact import Friction
 from md.kernels.neighbours import current
 from md.kernels.pairs import pair_forces
-from md.measures import HOP, RowTables, merged
+from md.measures import HOP, Tables, merged
 
 from .rows import HALF, PLANE, go, in_plane, ring, row, started
 
@@ -185,7 +185,7 @@ def test_how_the_touches_come_in_does_not_matter(cuts):
 
 
 def test_touches_of_one_phase_are_counted_whatever_their_number():
-    tables, many = RowTables(prepare(row()), 1), 2**16 + 1
+    tables, many = Tables(prepare(row()), 1), 2**16 + 1
     tables.add(touches(0, np.full(many, 1), 5)[:, :-1])
     assert max(tables.cycle(0, 1)) == many
 

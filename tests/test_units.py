@@ -67,12 +67,10 @@ def test_what_comes_later_takes_the_place():
     assert from_tables(tables) == md.load("my_rods")
     assert tables["rods"]["length_cm"] == 5.08
     assert "length" not in tables["rods"]
-    mine = md.load("my_rods", ["plate.acceleration=2"])
-    assert mine.plate == md.Plate(2.0, 60.0)
-    found = md.load("my_rods", ["plate.velocity_cm_s=8"])
+    assert md.load("my_rods", ["plate.acceleration=2"]).plate == md.Plate(2.0, 60.0)
+    found = md.load("my_rods", ["plate.velocity_cm_s=8", "rods.diameter_cm=0.5"])
     assert found.plate.acceleration == pytest.approx(8 * 120 * pi / 981)
-    assert md.load("quasi2d", ["box.length_cm=30"]).box.length == 30 / 0.6
-    assert md.load("my_rods", ["rods.diameter_cm=0.5"]).rods.length == 5.08 / 0.5
+    assert found.rods.length == 5.08 / 0.5
 
 
 def test_every_key_is_in_the_help(capsys):
@@ -86,26 +84,23 @@ def test_every_key_is_in_the_help(capsys):
 # Runs
 
 
-@pytest.fixture(scope="module")
-def swept(tmp_path_factory):
-    """A sweep over amplitudes, and its store."""
-    axes = [{"plate.amplitude_cm": {"from": 0.02, "to": 0.03, "count": 2}}, {"start.seed": [1, 2]}]
+def test_a_sweep_along_an_amplitude(tmp_path, capsys):
+    """Its values are in cm, its points those of the accelerations; results come in either unit."""
+    store, axes = tmp_path / "a.db", [{"plate.amplitude_cm": [0.02, 0.03]}, {"start.seed": [1, 2]}]
     sweep = expand({"periods": 124, "axes": axes}, TABLES)
-    store = tmp_path_factory.mktemp("swept") / "a.db"
-    assert execute(sweep, store, workers=1).computed == 4
-    return sweep, store
-
-
-def test_a_sweep_along_an_amplitude(swept):
-    """Its values are those in cm, its points those of the accelerations."""
-    sweep, store = swept
-    np.testing.assert_array_equal(sweep.values("plate.amplitude_cm"), [0.02, 0.03])
+    execute(sweep, store, workers=1)
     gamma = [point.scene.plate.acceleration for point in sweep.points[::2]]
-    np.testing.assert_allclose(gamma, np.array([0.02, 0.03]) * (100 * pi) ** 2 / 981)
-    axes = [{"plate.acceleration": gamma}, {"start.seed": [1, 2]}]
-    same = expand({"periods": 124, "axes": axes}, TABLES)
-    assert [p.key for p in same.points] == [p.key for p in sweep.points]
+    np.testing.assert_allclose(gamma, sweep.values("plate.amplitude_cm") * (100 * pi) ** 2 / 981)
+    same = expand({"periods": 124, "axes": [{"plate.acceleration": gamma}, axes[1]]}, TABLES)
     assert np.isfinite(same.gather(store, "c_x")[0]).all()
+    assert main(["results", str(store)]) == 0
+    head, *lines = (line.split() for line in capsys.readouterr().out.splitlines())
+    assert head[:5] == ["plate.acceleration", "start.seed", "c_x", "c_x_stderr", "c_x_cm_s"]
+    assert len(lines) == 4
+    for row in table(store)[1]:
+        assert (row["rods.length"], row["rods.length_cm"]) == (8.0, 4.0)
+        assert row["c_x_cm_s"] == pytest.approx(row["c_x"] * sqrt(981 * 0.5))
+        assert row["c_x_stderr_cm_s"] == pytest.approx(row["c_x_stderr"] * sqrt(981 * 0.5))
 
 
 def test_a_sweep_that_says_it_twice_is_refused():
@@ -116,27 +111,8 @@ def test_a_sweep_that_says_it_twice_is_refused():
         expand({"axes": [{"rods.length_cm": [4, 0.1]}]}, TABLES)
 
 
-def test_results_in_cm(swept, capsys):
-    """The table in either unit; all columns in both."""
-    _, store = swept
-    assert main(["results", str(store)]) == 0
-    head = capsys.readouterr().out.splitlines()[0].split()
-    assert head[:4] == ["plate.acceleration", "start.seed", "c_x", "c_x_stderr"]
-    assert main(["results", str(store), "--cm"]) == 0
-    head, *lines = (line.split() for line in capsys.readouterr().out.splitlines())
-    assert head[:2] == ["start.seed", "plate.amplitude_cm"]
-    assert head[2:5] == ["plate.velocity_cm_s", "c_x_cm_s", "c_x_stderr_cm_s"]
-    assert [line[1] for line in lines] == ["0.02", "0.02", "0.03", "0.03"]
-    columns, rows = table(store)
-    assert {"rods.length", "rods.length_cm", "c_x", "c_x_cm_s", "c_x_stderr_cm_s"} <= set(columns)
-    for row in rows:
-        assert row["rods.length_cm"] == 4.0
-        assert row["c_x_cm_s"] == pytest.approx(row["c_x"] * sqrt(981 * 0.5))
-        assert row["c_x_stderr_cm_s"] == pytest.approx(row["c_x_stderr"] * sqrt(981 * 0.5))
-
-
 def test_what_a_run_prints_in_cm(tmp_path, capsys):
-    """Rods, plate, drift and time; in JSON what one unit is."""
+    """Rods, plate, drift and time; in JSON what one unit is, and what was run."""
     soft = (f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods"))
     given = [x for change in ("rods.count=3", "box.length_cm=2", *soft) for x in ("--set", change)]
     command = ["run", "my_rods", *given, "--periods", "124"]
@@ -150,10 +126,13 @@ def test_what_a_run_prints_in_cm(tmp_path, capsys):
     units, cm = found["units"], found["scene_in_cm"]
     assert f"= {found['c_x_cm_s']:.4g} +- {found['c_x_stderr_cm_s']:.2g} cm/s" in printed[2]
     assert found["c_x_cm_s"] == pytest.approx(found["c_x"] * units["velocity_cm_s"])
-    assert units["length_cm"] == 0.635
+    assert found["rod_steps"] == 3 * 124 * found["steps_per_period"]
+    assert (found["law"], found["seed"]) == ("constant_restitution", 1)
+    assert {*found["versions"]} == {"md", "numpy", "numba"}
+    assert {*found["energy"]} >= {"plate_work", "plate_friction", "change", "residual"}
     assert units["time_s"] == pytest.approx(sqrt(0.635 / 981))
     assert units["period_s"] == pytest.approx(1 / 60)
-    assert (cm["plate.amplitude_cm"], cm["box.length_cm"]) == pytest.approx((0.025, 2.0))
+    assert (cm["plate.amplitude_cm"], units["length_cm"]) == pytest.approx((0.025, 0.635))
     head = (tmp_path / "a.xyz").read_text().splitlines()[1]
     assert " diameter_cm=0.635 " in head
     assert f" cm_per_s={units['velocity_cm_s']!r} " in head

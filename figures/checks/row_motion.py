@@ -82,7 +82,7 @@ def watched(
     box : length of the box in each period; None: that of the scene
     """
     engine = prepare(scene, ledger=False, touches=False)
-    half, drift, rows = engine.half_length, [], []
+    half, drift, rows = engine.effects.half_length, [], []
     for period in range(periods):
         if box is not None:
             stretched(engine, box(period))

@@ -3,9 +3,13 @@
 A function that `measures` a claim returns numbers by the keys that claims.toml gives them.
 """
 
+from math import cos, hypot, pi, sin
+
 import numpy as np
+from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import norm
 
+from md import Annulus
 from md.placement import largest_tilt
 from md.sweep import Sweep
 
@@ -165,13 +169,35 @@ def rolling(data: Evidence) -> Numbers:
     }
 
 
+def largest_tilt_of_flat(gap: Annulus, length: float) -> float:
+    """Largest tilt, rad, of a rod with one flat end, as those of the experiment, in the gap.
+
+    One end is a disc across the axis, the other a cap; the middle touches the inner wall. Source:
+    contact of the rim of the disc, or of the cap, with the outer cylinder.
+    """
+    off, turn = gap.inner + 0.5, np.linspace(0, 2 * pi, 721)
+
+    def room(tilt: float) -> float:
+        """What the outer wall leaves at the worse end, for the best place along the annulus."""
+        rim_x, rim_y = 0.5 * np.cos(turn) * cos(tilt), off + 0.5 * np.sin(turn)
+
+        def tightness(shift: float) -> float:
+            disc = np.hypot(shift + length / 2 * sin(tilt) + rim_x, rim_y).max()
+            cap = 0.5 + hypot(shift - (length / 2 - 0.5) * sin(tilt), off)
+            return max(disc, cap)
+
+        return gap.outer - minimize_scalar(tightness, (-0.1, 0.1), options={"xtol": 1e-12}).fun
+
+    return pi / 2 if room(pi / 2) >= 0 else float(brentq(room, 0.0, pi / 2, xtol=1e-10))
+
+
 @measures("E1")
 def geometry(data: Evidence) -> Numbers:
     scene, d = runs.ANNULUS_SCENE, data.figure("fig04")
     gap, length = scene.annulus, scene.rods.length
     return {
-        "flat": Number(np.degrees(largest_tilt(gap, length, flat=True))),
-        "round": Number(np.degrees(largest_tilt(gap, length, flat=False))),
+        "flat": Number(np.degrees(largest_tilt_of_flat(gap, length))),
+        "round": Number(np.degrees(largest_tilt(gap, length))),
         "steepest": entry(d, "still_tilt", d["count"].argmin()),
         "most": entry(d, "still_tilt", d["count"].argmax()),
     }

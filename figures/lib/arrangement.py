@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from md.host import prepare
-from md.measures import tables_of
+from md.measures import Tables
 from md.scene import Scene
 from md.statistics import transient
 
@@ -56,7 +56,7 @@ def followed(scene: Scene, periods: int) -> dict[str, Any]:
     Drift and tilt are those of `md.run`.
     """
     engine, seen = prepare(scene, ledger=False, touches=False), []
-    tables, cut = tables_of(engine, periods), transient(periods)
+    tables, cut = Tables(engine, periods), transient(periods)
     for period in range(EVERY, periods + EVERY, EVERY):
         engine.go(min(period, periods) * engine.per - engine.step, tables.series)
         seen.append(arrangement(engine.rods))

@@ -1,0 +1,316 @@
+"""What a run measured: numbers, and the text that the command prints of them."""
+
+import html
+from dataclasses import asdict, dataclass
+from math import isfinite, isnan
+from typing import Any
+
+import numba
+import numpy as np
+
+from .measures import wedged_periods
+from .scene import Scene, as_dict
+from .sources import code
+from .statistics import FEWEST, TREND, UNLIKELY, steady, trend
+from .units import in_cm
+
+NOTHING = 1e-6  # of the plate's peak velocity: a slower drift is none
+SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Error of a drift, and what it cost; velocities in sqrt(g d), absolute.
+
+    tolerance : asked for, of |c_x| or of the floor, whichever is larger
+    confidence : of the interval
+    floor : drifts below it are judged as if they were this fast
+    error : half of the interval that holds the true drift with this confidence
+    statistical : what of it is statistical; it and `bias_error` add in squares
+    bias : of the step, which is taken off the drift
+    bias_error : half of its interval
+    bias_measured : whether by starts with steps twice as long; else it is a flat allowance
+    per_contact : steps a contact
+    starts, made : that were run, and their periods in all
+    chance : that starts differ as they do if they are in one state
+    fell : rods that fell over behind the transients, of all starts
+    state : "not settled" if the drift of a start still trends, or the rate at which its rods fall
+        over; else "reached" if error <= tolerance max(|c_x|, floor), else "not reached"
+    seconds : of the run, without compiling
+    needed_seconds, next_digit_seconds : estimated for this tolerance, nan where the pace is not
+        known, and for a tenth of it
+    """
+
+    tolerance: float
+    confidence: float
+    floor: float
+    error: float
+    statistical: float
+    bias: float
+    bias_error: float
+    bias_measured: bool
+    per_contact: float
+    starts: int
+    made: int
+    chance: float
+    fell: int
+    state: str
+    seconds: float
+    needed_seconds: float
+    next_digit_seconds: float
+
+
+@dataclass(frozen=True, repr=False)
+class Result:
+    """What a run measured; velocities in sqrt(g d) unless the name says cm/s.
+
+    As text, and in a notebook, it is what the command prints.
+
+    scene : that ran
+    c_x, tilt_deg : means over rods and over the periods behind the transient; in an annulus c_x is
+        the velocity around it at its middle radius
+    c_x_stderr, tilt_stderr_deg : their standard errors, as `statistics.standard_error`; nan where
+        one run cannot tell: below 124 periods, and in an annulus, where starts differ
+    periods : that were made
+    discarded : periods of the transient, a fifth of the run
+    steps_per_period, dt : the step, in sqrt(d/g)
+    run_seconds, compile_seconds : of the clock
+    energy : work of the plate and of shaken walls, losses by kind, change and what is left over, in
+        m g d; None if not asked
+    touches : mean and standard error over all touches of the plate of each quantity of
+        `measures.MEANS`, and touches per rod and period; None without a plate
+    landings : those of `measures.OF_LANDINGS`, touches less than `measures.HOP` periods apart
+        merged into one landing; None without a plate
+    annulus : mean lean along the annulus, `lean_deg`, and the share of the rods that are wedged
+        between the walls at the end, `wedged`; None in a row
+    turned : times that a rod fell past the horizontal, and passed the vertical
+    phases : touches behind the transient in each of 64 equal parts of the plate's cycle, which
+        begins where it rises through its mean height; empty without a plate
+    c_x_series, tilt_series, fell_series : period by period, transient included; rods that fell over
+    rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
+    finished : False if the run was interrupted
+    unwritten : files asked for that are not whole, and why; empty if all is written
+    accuracy : of c_x; None without a tolerance
+    """
+
+    scene: Scene
+    c_x: float
+    c_x_stderr: float
+    tilt_deg: float
+    tilt_stderr_deg: float
+    periods: int
+    discarded: int
+    steps_per_period: int
+    dt: float
+    run_seconds: float
+    compile_seconds: float
+    energy: dict[str, float] | None
+    touches: dict[str, Any] | None
+    landings: dict[str, Any] | None
+    annulus: dict[str, Any] | None
+    turned: dict[str, int]
+    phases: list[int]
+    c_x_series: np.ndarray
+    tilt_series: np.ndarray
+    fell_series: np.ndarray
+    rods: np.ndarray
+    finished: bool
+    unwritten: tuple[str, ...]
+    accuracy: Accuracy | None = None
+
+    def __repr__(self) -> str:
+        drift = f"{self.c_x_cm_s:.4g} +- {self.c_x_stderr_cm_s:.2g} cm/s"
+        return f"<Result: {drift} at {self.tilt_deg:.3g} degrees, {self.periods} periods>"
+
+    def __str__(self) -> str:
+        return f"{scene_text(self.scene)}\n{result_text(self)}"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
+
+    @property
+    def c_x_cm_s(self) -> float:
+        """Drift in cm/s."""
+        return self.c_x * self.scene.cm_per_s
+
+    @property
+    def c_x_stderr_cm_s(self) -> float:
+        """Its standard error in cm/s."""
+        return self.c_x_stderr * self.scene.cm_per_s
+
+    @property
+    def settled(self) -> bool | None:
+        """False if the drift or the rate of falls still trends; None if the run is too short."""
+        if self.accuracy is not None:
+            return self.accuracy.state != "not settled"
+        drift, fell = (x[self.discarded :] for x in (self.c_x_series, self.fell_series))
+        found = trend(drift)
+        return None if isnan(found) else found <= TREND and steady(fell)
+
+    @property
+    def rod_steps(self) -> int:
+        """Steps times rods."""
+        return self.periods * self.steps_per_period * self.scene.rods.count
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""
+        contact = self.scene.contacts.plate or self.scene.contacts.rods
+        skip = ("scene", "phases", "c_x_series", "tilt_series", "fell_series", "rods", "accuracy")
+        plain = {key: value for key, value in vars(self).items() if key not in skip}
+        versions = {"md": code(self.scene), "numpy": np.__version__, "numba": numba.__version__}
+        return finite(
+            {
+                **plain,
+                "c_x_cm_s": self.c_x_cm_s,
+                "c_x_stderr_cm_s": self.c_x_stderr_cm_s,
+                "rod_steps": self.rod_steps,
+                "settled": self.settled,
+                "scene": as_dict(self.scene),
+                "scene_digest": self.scene.digest(),
+                "law": contact.law.name if contact else None,
+                "seed": self.scene.start.seed,
+                "versions": versions,
+                **({"accuracy": asdict(self.accuracy)} if self.accuracy else {}),
+            }
+        )
+
+
+def finite(value: Any) -> Any:
+    """JSON has neither nan nor inf."""
+    if isinstance(value, dict):
+        return {key: finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(inner) for inner in value]
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+def scene_text(scene: Scene) -> str:
+    """What was there, in cm and Hz."""
+    cm = {key: f"{value:.4g}" for key, value in in_cm(as_dict(scene)).items()}
+    size, where = f"{cm['rods.length_cm']} by {scene.rods.diameter_cm:.4g} cm", ""
+    if scene.box is not None:
+        where = f", in a box of {cm['box.length_cm']} cm that repeats"
+    if scene.annulus is not None:
+        radii = f"{cm['annulus.inner_cm']} and {cm['annulus.outer_cm']}"
+        where = f", between cylinders with radii of {radii} cm"
+    text = f"rods         {scene.rods.count} of {size}{where}"
+    if scene.plate is not None and scene.vibrates:
+        gamma = f"{scene.plate.frequency_hz:g} Hz, Gamma = {scene.plate.acceleration:.4g}"
+        speed = f"V_0 = {cm['plate.velocity_cm_s']} cm/s"
+        text += f"\nplate        {gamma}, amplitude {cm['plate.amplitude_cm']} cm, {speed}"
+    return text
+
+
+def result_text(result: Result) -> str:
+    """What a run measured, and what it cost."""
+    lines = [*_drift(result), *_touches(result)]
+    if energy := result.energy:
+        work, change, residual = (energy[name] for name in ("plate_work", "change", "residual"))
+        balance = f"gained {change:.3g}, residual {residual:.1e} m g d"
+        lost = work - change - residual
+        lines.append(f"energy       plate {work:.4g}, lost {lost:.4g}, {balance}")
+    return "\n".join([*lines, *_cost(result), *accuracy_lines(result)])
+
+
+def _with_error(value: float, error: float) -> str:
+    return f"{value:.4g}" if isnan(error) else f"{value:.4g} +- {error:.2g}"
+
+
+def _drift(r: Result) -> list[str]:
+    unit = r.scene.cm_per_s
+    cm = _with_error(r.c_x * unit, r.c_x_stderr * unit)
+    lines = [f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d) = {cm} cm/s"]
+    if isnan(r.c_x_stderr):
+        why = "rods keep their arrangement: only other starts tell it (start.seed)"
+        if r.scene.annulus is None:
+            why = f"from {FEWEST * 5 // 4 - 1} periods on one run can tell it"
+        lines.append(f"             error unknown: {why}")
+    turned = (f", {name.replace('_', ' ')} {k} times" for name, k in r.turned.items() if k)
+    tilt = _with_error(r.tilt_deg, r.tilt_stderr_deg)
+    return [*lines, f"tilt         {tilt} degrees{''.join(turned)}"]
+
+
+def _touches(r: Result) -> list[str]:
+    if not r.touches or r.touches["per_rod_and_period"]["mean"] <= 0:
+        return []
+    mean = {name: pair["mean"] for name, pair in r.touches.items()}
+    return [
+        f"touches      {mean['per_rod_and_period']:.3g} per rod and period: "
+        f"slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip reversal "
+        f"{mean['slip_reversal']:.0%}; pushed by others {mean['pushed_by_others']:.0%}",
+        f"at touch     V_z/V_0 = {mean['plate_velocity']:.3g}, restitution "
+        f"{mean['restitution']:.3g}, flight {mean['flight_periods']:.3g} and contact "
+        f"{mean['contact_periods']:.2g} periods",
+    ]
+
+
+def _cost(r: Result) -> list[str]:
+    unit = "periods" if r.scene.vibrates else "sqrt(d/g)"
+    seconds = r.periods / r.scene.frequency * r.scene.rods.diameter_cm / r.scene.cm_per_s
+    transient = f"of which the first {r.discarded} are not in the means"
+    but = " but c_x" if r.accuracy else ""
+    ended = "" if r.finished else "; interrupted"
+    lines = [f"{unit:12} {r.periods} = {seconds:.4g} s, {transient}{but}{ended}"]
+    if r.scene.vibrates and r.accuracy is None:
+        if r.settled is False:
+            few = "not settled: drift or falls trend behind the transient; ask for more periods"
+            lines.append(f"warning      {few}")
+        elif r.scene.annulus is not None and r.periods < SETTLING:
+            lines.append(f"warning      an annulus needs {SETTLING} periods or more to settle")
+    if r.annulus and (share := r.annulus["wedged"]["mean"]) > 0:
+        since = f"the plate for {wedged_periods(r.scene):.0f} periods"
+        lines.append(f"warning      wedged: {share:.0%} of the rods have not touched {since}")
+    n, each = r.scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
+    steps = f"{r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g)"
+    rods = f"{n} rod{'s' * (n > 1)}, {r.steps_per_period} steps each"
+    time = f"{r.run_seconds:.3g} s, {each:.3g} ns each; compiled in {r.compile_seconds:.2g} s"
+    return [*lines, f"cost         {steps} ({rods}) in {time}"]
+
+
+def accuracy_lines(result: Result) -> list[str]:
+    """Lines on step and error of a run with a tolerance, and on the price of the next digit."""
+    a, unit = result.accuracy, result.scene.cm_per_s
+    if a is None:
+        return []
+    verdict = f"accuracy     {a.state if a.state == 'reached' else a.state.upper()}"
+    if not isfinite(a.error):
+        return [f"{verdict}: ended too early to tell the error"]
+    if abs(result.c_x) + a.error < NOTHING * result.scene.plate_speed:
+        return [f"{verdict}: nothing drifts; c_x is below {NOTHING:g} of the plate's velocity"]
+    size = max(abs(result.c_x), a.floor)
+    of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
+    bias = f"its bias is within {a.bias_error / size:.1g}"
+    if a.bias_measured:
+        taken = f"{a.bias / size:+.2g} +- {a.bias_error / size:.1g}"
+        bias = f"its bias {taken}, measured by steps twice as long, is taken off"
+    lines = [
+        f"{verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within {a.error:.2g} sqrt(g d) = "
+        f"{a.error * unit:.2g} cm/s, {a.error / size:.2g} of it, at {a.confidence:.4g} confidence",
+        f"step         dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact; {bias}; "
+        f"the statistical error is {a.statistical / size:.2g}",
+        f"starts       {a.starts}, {a.made} periods in all, for c_x; all else is of the first",
+    ]
+    if a.chance < UNLIKELY[result.scene.annulus is not None]:
+        several = "they differ: the scene has several states; their scatter counts"
+        lines.append(f"             {several}; more --workers tell it better")
+    if a.fell:
+        unseen = "a decay of the drift that is slower than the run cannot be seen"
+        lines.append(f"warning      rods fell over {a.fell} times: {unseen}")
+    if a.state == "not settled":
+        lines.append("             drift or falls still trend; the error is the change seen")
+    if a.state == "not reached" and isfinite(a.needed_seconds):
+        lines.append(f"             this would take about {a.needed_seconds:.3g} s of run time")
+    if a.error / size > a.tolerance / 10 and isfinite(a.next_digit_seconds):
+        dearer = f"{a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
+        lines.append(f"next digit   {dearer}")
+    return lines
+
+
+def result_json(r: Result) -> dict[str, Any]:
+    """A run for JSON: in its own units, and what it takes to read it in cm and s."""
+    cm, speed = r.scene.rods.diameter_cm, r.scene.cm_per_s
+    period = cm / speed / r.scene.frequency
+    units = {"length_cm": cm, "velocity_cm_s": speed, "time_s": cm / speed, "period_s": period}
+    return {**r.as_dict(), "units": units, "scene_in_cm": in_cm(as_dict(r.scene))}
