@@ -37,7 +37,7 @@ codegen                             expressions as functions
 languages                           the impact map in C and JavaScript (languages.toml)
 files                               impact/_generated.py, EQUATIONS.md; writing files
 typeset, lecture                    formulas as LaTeX and MathML; text, letters (lecture.toml);
-                                    numbers, signs and comparisons of the notes, computed
+                                    numbers of the notes, and words only where they are true
 steps, drawings                     the steps for a reader; drawings as SVG
 early_signals                       signals during imports
 lookup                              `equation`, `function`: one entry by its tag
@@ -53,8 +53,9 @@ To add an equation
    is a form that reads better than the derived one. Its verdict is "agrees" if there is none, or
    "erratum" with the `repair` that makes the printed form right and the formulas that contradict
    it; a result that the paper does not have is "new" and needs a second route, `check` (module
-   `proof`). Numbers, signs and comparisons in a note are computed (module `lecture`). Formulas in
-   sentences stand between dollar signs.
+   `proof`). Numbers in a note are computed; words that hang on a computation are said by
+   `lecture.so`, which refuses them where it is not so. Formulas in sentences stand between dollar
+   signs; a left side such as v_f - v_1 is read and has its step's value (module `trace`).
 3. If it should be a function: a `Function` in `closed_forms.py` derives its outputs;
    functions.toml has its words, and the assignments that make it compute well (module `rewrites`).
 4. An algorithm goes into impact/_kernel.py, and what it returns, as derived, into `kernel.py`.
