@@ -183,8 +183,6 @@ def reference_collide(
         would end under perpetual slip (where the laws agree), `margins.stick` the friction with
         that needed to stick.  The label may also flip where the initial slip changes sign.
     """
-    if law not in ("newton", "poisson", "stronge"):
-        raise ValueError(f"unknown law {law!r}")
     c_x, c_z, omega, V_z, e = map(mpmathify, (c_x, c_z, omega, plate_velocity, restitution))
     X, Z, k, mu = map(mpmathify, (X, Z, k, friction))
     # Twice the digits make products of inputs, hence an initial slip of exactly zero, exact.  The

@@ -31,8 +31,14 @@ def run(capsys, *flags, **changed):
 
 
 ALL_OPTIONS = {
-    **{"omega": "0.1", "length": "8", "inertia": "thin", "ends": "flat", "stiffness": "1e7"},
-    **{"dt": "1e-5", "law": "constant_restitution", "tangential_ratio": "100"},
+    "omega": "0.1",
+    "length": "8",
+    "inertia": "thin",
+    "ends": "flat",
+    "law": "constant_restitution",
+    "stiffness": "1e7",
+    "tangential_ratio": "100",
+    "dt": "1e-5",
 }
 
 
