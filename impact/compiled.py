@@ -146,6 +146,11 @@ def _loop(law: str):
     return impacts
 
 
+def _empty(size: int) -> plain.Collision:
+    """Room for the results of impacts."""
+    return plain.Collision(*(np.empty(size, np.int8 if kind else float) for kind in plain.KINDS))
+
+
 def _part_of(group: Any, part: Any) -> Any:
     """Part of every array of a named tuple."""
     return group._make(array[part] for array in group)
@@ -184,8 +189,7 @@ def collide(
     with np.errstate(all="ignore"):
         arrays = [array.astype(float, copy=False) for array in arrays]
     impacts = Impacts(*(np.ravel(x if x.shape == shape else np.full(shape, x)) for x in arrays))
-    kinds = (np.int8 if kind else float for kind in plain.KINDS)
-    results = plain.Collision(*(np.empty(impacts.c_x.size, kind) for kind in kinds))
+    results = _empty(impacts.c_x.size)
     parts = (slice(i, i + _IMPACTS_A_CALL) for i in range(0, impacts.c_x.size, _IMPACTS_A_CALL))
     if sum(_loop(law)(_part_of(impacts, part), _part_of(results, part)) for part in parts):
         left = results.regime == _LEFT

@@ -183,8 +183,6 @@ def reference_collide(
         would end under perpetual slip (where the laws agree), `margins.stick` the friction with
         that needed to stick.  The label may also flip where the initial slip changes sign.
     """
-    if law not in ("newton", "poisson", "stronge"):
-        raise ValueError(f"unknown law {law!r}")
     c_x, c_z, omega, V_z, e = map(mpmathify, (c_x, c_z, omega, plate_velocity, restitution))
     X, Z, k, mu = map(mpmathify, (X, Z, k, friction))
     # Twice the digits make products of inputs, hence an initial slip of exactly zero, exact.  The
@@ -257,22 +255,20 @@ def reference_pair(first, second, *, friction, restitution, law="newton", dps=60
     and that of the second if its terms, the changes of v in all and in the first phase, add up.
     """
     with workdps(3 * dps + 20):
-        masses = [mpmathify(body[0]) for body in (first, second)]
-        states = []
-        for _, k, *rest in (first, second):
-            X, Z, c_x, c_z, omega = map(mpmathify, rest)
-            states.append(State(c_x, c_z, omega, X, Z, mpmathify(k)))
+        light, states = [], []  # what an impulse gives to the body: its sign over the mass
+        for sign, body in ((1, first), (-1, second)):
+            mass, k, X, Z, c_x, c_z, omega = map(mpmathify, body)
+            light.append(sign / mass)
+            states.append(State(c_x, c_z, omega, X, Z, k))
         e, mu = mpmathify(restitution), mpmathify(friction)
         mu = mpf(10) ** _HUGE_FRICTION_EXPONENT if isinf(mu) else mu
 
-        def struck(P_x, P_z):
-            signed = zip(states, masses, (1, -1), strict=True)
-            return [apply_impulse(s, sign * P_x / M, sign * P_z / M) for s, M, sign in signed]
+        def struck(strike, P_x, P_z):
+            return [strike(s, a * P_x, a * P_z) for s, a in zip(states, light, strict=True)]
 
         def respond(P_x, P_z):
-            signed = zip(states, masses, (1, -1), strict=True)
-            ends = [response(s, sign * P_x / M, sign * P_z / M) for s, M, sign in signed]
-            return ends[0][0] - ends[1][0], ends[0][1] - ends[1][1]
+            (u_1, v_1), (u_2, v_2) = struck(response, P_x, P_z)
+            return u_1 - u_2, v_1 - v_2
 
         (u_1, v_1), (u_2, v_2) = map(contact_velocity, states)
         u, v = u_1 - u_2, v_1 - v_2
@@ -288,20 +284,18 @@ def reference_pair(first, second, *, friction, restitution, law="newton", dps=60
                 scale_z = last.begin + terms
                 scale_x = mu * last.begin + abs(last.ratio) * terms
             scale_z += scale_x / 10**100  # infinite friction is a huge one, for P_z of a slide
-        after = struck(P_x, P_z)
-        velocities, moved = [], []
-        for before, state, M in zip(states, after, masses, strict=True):
-            velocities += state[:3]
-            turned = (abs(state.X) * scale_z + abs(state.Z) * scale_x) / (M * state.k**2)
-            moved += [abs(before.c_x) + scale_x / M, abs(before.c_z) + scale_z / M]
-            moved.append(abs(before.omega) + turned)
-        energy = mpf(0)
-        for M, sign, old, new in zip(masses, (1, -1), states, after, strict=True):
-            if isinf(M):  # the work of the impulse on what keeps its velocity
+        energy, velocities, moved = mpf(0), [], []
+        after = struck(apply_impulse, P_x, P_z)
+        for sign, a, old, new in zip((1, -1), light, states, after, strict=True):
+            velocities += new[:3]
+            turned = (abs(old.X) * scale_z + abs(old.Z) * scale_x) / old.k**2
+            moved += [abs(old.c_x) + scale_x * abs(a), abs(old.c_z) + scale_z * abs(a)]
+            moved.append(abs(old.omega) + turned * abs(a))
+            if a:
+                energy += (kinetic_energy(new) - kinetic_energy(old)) / abs(a)
+            else:  # the work of the impulse on what keeps its velocity
                 along, across = contact_velocity(old)
                 energy += sign * (P_x * along + P_z * across)
-            else:
-                energy += M * (kinetic_energy(new) - kinetic_energy(old))
         u_f, v_f = (a + b for a, b in zip((u, v), respond(P_x, P_z), strict=True))
         size = scale_x * (abs(u) + abs(u_f)) + scale_z * (abs(v) + abs(v_f))
         outcome = P_x, P_z, energy, *velocities

@@ -114,21 +114,15 @@ def test_landings_follow_from_one_another(tilt_deg, gamma, restitution):
 
 @pytest.mark.parametrize(("gamma", "restitution"), [(1.02, 0.65), (1.05, 0.9), (1.2, 0.5)])
 def test_chattering_ends_in_rest(gamma, restitution):
-    """Hops shrink to rest in finitely many landings; take-off at asin(1/gamma), every period.
+    """Hops shrink to rest in finitely many landings, every period.
 
     Where it all happens while the plate presses, each hop is at most e times its predecessor's
     velocity; gaps between rests are then bounded by log(shortest/longest)/log(e) landings.
     """
     setting = {"friction": 0.3, "restitution": restitution}
     run = record(SPHERE, gamma=gamma, **setting, landings=2000, rods=5, transient=2000)
-    rested = run.rest > 0
-    after = np.roll(rested, -1, axis=1)[:, :-1]  # the landing before a rest
-    lift = asin(1 / gamma)
-    left = (run.phase[:, :-1] + TURN * run.rest[:, 1:])[after]
-    np.testing.assert_allclose(np.minimum(left % TURN, left), lift, rtol=1e-13)
-    longest = max(np.diff(np.flatnonzero(row)).max() for row in rested if row.any())
-    assert longest <= 2 + np.log(1e-6 * 1e-3) / np.log(restitution)
-    assert rested.any()
+    gaps = np.concatenate([np.diff(np.flatnonzero(rests)) for rests in run.rest > 0])
+    assert gaps.max() <= 2 + np.log(1e-6 * 1e-3) / np.log(restitution)
 
 
 # The interface
@@ -151,13 +145,14 @@ def test_any_rod_goes_on(law):
 
 
 def test_rods_do_not_depend_on_their_number():
-    setting = {**PAPER, "gamma": 2.7, "landings": 50, "seed": 11}
-    few, many = (record(thin_rod(0.2), rods=rods, **setting) for rods in (2, 7))
-    other = record(thin_rod(0.2), rods=2, **{**setting, "seed": 12})
-    later = record(thin_rod(0.2), rods=2, transient=130, **{**setting, "landings": 20})
-    for all_of_few, all_of_many, end in zip(few, many, later, strict=True):
-        np.testing.assert_array_equal(all_of_few, all_of_many[:2])
-        np.testing.assert_array_equal(all_of_few[:, 30:], end)
+    """Nor landings on where the first that counts is."""
+    setting = {**PAPER, "gamma": 2.7, "geometry": thin_rod(0.2)}
+    few, many, other, later = (
+        record(**setting, rods=rods, seed=seed, landings=150 - transient, transient=transient)
+        for rods, seed, transient in ((2, 11, 100), (7, 11, 100), (2, 12, 100), (2, 11, 130))
+    )
+    np.testing.assert_array_equal(few, np.array(many)[:, :2])
+    np.testing.assert_array_equal(np.array(few)[..., 30:], later)
     assert not np.any(few.phase == other.phase)
     assert np.unique(many.c_x[:, 0]).size == 7
 

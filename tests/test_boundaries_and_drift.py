@@ -117,32 +117,23 @@ def test_extreme_numbers_have_the_answer_of_large_ones():
     assert impact.painleve_friction((1e-200, 1.0, 1e-200)) == pytest.approx(2e-200, rel=1e-14)
 
 
+_RNG = np.random.default_rng(6)
+OPTIMA = [
+    *((friction, 0.65) for friction in (1e-3, 0.05, 0.09, 0.12, 0.16, 0.2, 0.75, 0.8, np.inf)),
+    *zip(10 ** _RNG.uniform(-2, 0.3, 60), _RNG.uniform(0, 0.99, 60), strict=True),
+]
+
+
 def test_optimal_tilt_to_the_last_digits():
     """Against a search at 50 digits on the formulas of the paper, (26) and (29)."""
-    rng = np.random.default_rng(6)
-    frictions = [
-        1e-3,
-        0.05,
-        0.09,
-        0.12,
-        0.16,
-        0.2,
-        0.75,
-        0.8,
-        np.inf,
-        *10 ** rng.uniform(-2, 0.3, 60),
-    ]
-    regimes = set()
-    for friction, restitution in zip(
-        frictions, [0.65] * 9 + [*rng.uniform(0, 0.99, 60)], strict=True
-    ):
+    for friction, restitution in OPTIMA:
         with mpmath.workdps(50):
             e, mu = mpf(restitution), mpf(friction)
 
             def drift(t, e=e, mu=mu):
                 top = min(
                     6 * t, mu * (4 + t * t) + 3 * t
-                )  # stick, or the way back where it is less
+                )  # held, or slipping back where it is less
                 return (1 + e) * top / (1 - e + (7 - e) * t * t)
 
             low, high = mpf(0), mpf(1)
@@ -154,16 +145,14 @@ def test_optimal_tilt_to_the_last_digits():
             assert ulps(found.c_x, drift(low)) <= 8
             assert abs(found.tilt - float(mpmath.atan(low))) < 1e-15
             back = 3 * low > mu * (4 + low * low) * (1 + mpf(10) ** -20)
-            assert found.regime == (Regime.SLIP_REVERSAL if back else Regime.SLIP_STICK)
-            regimes.add(found.regime)
-    assert len(regimes) == 2
+            assert (found.regime == Regime.SLIP_REVERSAL) == back
 
 
 def test_optimal_tilt_at_the_ends():
     lossless = impact.optimal_tilt(friction=0.3, restitution=1.0)
     assert (lossless.tilt, lossless.c_x) == (0, np.inf)
     undetermined = impact.optimal_tilt(friction=0.0, restitution=0.5)
-    assert np.isnan(undetermined.c_x)
+    assert np.isnan(undetermined[:2]).all()
     assert undetermined.regime == Regime.INVALID
 
 

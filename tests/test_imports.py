@@ -1,4 +1,4 @@
-"""What packages may import; no module imports itself by way of others; few arguments."""
+"""What packages may import; no module imports itself by way of others."""
 
 import ast
 from graphlib import TopologicalSorter
@@ -13,7 +13,6 @@ BORDERS = {  # that `impact` does not load Numba by itself, `test_help` shows
     "derivations": {"impact", "md", "figures", "matplotlib", "numba"},
     "md": {"impact", "derivations", "sympy", "matplotlib", "figures"},
 }
-MOST = 8  # positional parameters of a function
 
 
 def modules(root: Path, package: str) -> dict[str, Path]:
@@ -54,16 +53,3 @@ def test_import_borders(package):
         roots = {one.partition(".")[0] for one in imported(name, path, known)}
         drawings = {"matplotlib"} if name == "derivations.drawings" else set()
         assert not (BORDERS[package] - drawings) & roots, name
-
-
-@pytest.mark.parametrize("room", ["md", "impact"])
-def test_no_function_takes_more_than_eight_positional_parameters(room):
-    """More is grouped in named tuples, whose fields name their units; nested kernels count too."""
-    found = {
-        f"{name}:{node.lineno} {node.name}": len(node.args.posonlyargs + node.args.args)
-        for name, path in modules(ROOT, room).items()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.FunctionDef)
-    }
-    assert len(found) > 80
-    assert {key: n for key, n in found.items() if n > MOST} == {}

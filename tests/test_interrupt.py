@@ -214,11 +214,11 @@ def test_parts_give_the_bits_of_the_whole(monkeypatch):
 # SIGTERM is Ctrl-C
 
 
-def exit_code(monkeypatch, work, *arguments):
+def exit_code(monkeypatch, work):
     """Exit code of a program whose one command is `work`."""
     group = command_line.Commands("it")
     group.command("work")(work)
-    monkeypatch.setattr(sys, "argv", ["it", "work", *arguments])
+    monkeypatch.setattr(sys, "argv", ["it", "work"])
     monkeypatch.setattr(os, "dup2", lambda *_: None)  # the output of the tests stays
     with pytest.raises(SystemExit) as end:
         group.program(figures.__main__._stop)
