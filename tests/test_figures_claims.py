@@ -278,9 +278,9 @@ def test_kinds_of_rods_fill_their_ranges_and_run():
         assert np.histogram(part, 4, (-1e-9, 1 + 1e-9))[0] == pytest.approx(64, abs=8), name
     for i in (0, 77, 255):
         scene = sweep.points[7 * i + 3].scene
-        plate, rods = scene.contacts.plate, scene.contacts.rods
-        found = plate.law.restitution, rods.friction, plate.friction, scene.rods.count
-        names = "restitution, plate", "friction, rods", "friction, plate", "number of rods"
+        contacts = scene.contacts
+        found = contacts.plate.law.restitution, contacts.rods.friction, scene.rods.count
+        names = "restitution, plate", "friction, rods", "number of rods"
         assert found == tuple(drawn[name][i] for name in names)
         assert np.degrees(scene.tilt) == pytest.approx(28, abs=2e-3)
         assert step_of(scene)[0] > 0

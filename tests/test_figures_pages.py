@@ -560,8 +560,6 @@ def test_film_is_the_run(film):
     np.testing.assert_array_equal(film.x[at], engine.rods[:, 0])
     np.testing.assert_array_equal(film.z[at], engine.rods[:, 1])
     np.testing.assert_allclose(np.tan(film.tilt[at]), engine.rods[:, 2] / engine.rods[:, 3])
-    assert film.time[0] == 0
-    assert np.all(film.x[0] == (np.arange(5) + 0.5) * 1.4)
     assert film.pictures == 90
     assert np.all(film.tips.min(axis=1) > film.plate - 0.02)
     amplitude = film.scene.plate_speed / (2 * np.pi * film.scene.frequency)
@@ -591,8 +589,7 @@ def test_picture_shows_each_rod_where_it_is(film):
     assert sorted(number[(centres >= 0) & (centres < 7)]) == [0, 1, 2, 3, 4]
     assert len(trail) > 1
     assert all(np.all(np.abs(np.diff(part[:, 0])) < 1) for part in trail)
-    assert "t =  40.0" in words
-    assert f"tilt {np.degrees(film.tilt[80 * film.every].mean()):.1f}°" in words
+    assert f"t =  40.0    tilt {np.degrees(film.tilt[80 * film.every].mean()):.1f}°" in words
 
 
 def test_command_writes_a_gif_that_loops(tmp_path, capsys):
