@@ -382,14 +382,8 @@ def test_a_run_has_the_state_of_its_second_half():
     assert (states.states(missing) == MISSING).all()
 
 
-def test_a_life_is_the_time_in_a_state_for_each_time_it_was_left():
-    """Three starts of one tilt in parts of 10 periods; what is never left lives for ever."""
+def test_a_start_is_still_there_until_it_first_leaves_its_state():
     of_parts = np.array([[[0, 0, 2, 2, 2], [0, 2, 0, 0, 0], [2, 2, 2, 2, 2]]])
-    times, exits = states.life_times(of_parts, window=10)
-    assert exits.tolist() == [[2, 0, 1, 0]]
-    assert times[0, BLOCK] == 10 * 5 / 2  # five parts begin in it, the last ones apart
-    assert times[0, SINGLE] == 10 * 7
-    assert np.isnan(times[0, [ZIGZAG, FALLEN]]).all()
     np.testing.assert_allclose(states.still_there(of_parts)[0], [1, 2 / 3, 1 / 3, 1 / 3, 1 / 3])
 
 
