@@ -209,8 +209,11 @@ def test_claims_of_the_folder_come_first(tmp_path):
     source, page = made(tmp_path)
     for words in (
         "does not hold: 1, too close to call: 1, not measured: 1",
-        *("of short and coarse runs.", "S<1>", "too close to call drift: 1.23 ± 0.10 cm/s"),
-        *("does not hold onset: never", "not measured rate: no data"),
+        "of short and coarse runs.",
+        "S<1>",
+        "too close to call drift: 1.23 ± 0.10 cm/s",
+        "does not hold onset: never",
+        "not measured rate: no data",
     ):
         assert words in page.text["claims"]
     assert "aside" not in page.text["claims"]
@@ -222,7 +225,11 @@ def test_claims_of_the_folder_come_first(tmp_path):
 @pytest.mark.parametrize(
     "text",
     [
-        *("{", "[]", '{"claims": [{}]}', '{"claims": []}', '{"claims": ["a"]}'),
+        "{",
+        "[]",
+        '{"claims": [{}]}',
+        '{"claims": []}',
+        '{"claims": ["a"]}',
         report_of([], says=5),
         report_of([{"name": "n", "holds": [0, 1], "value": "x<y>", "close": 0}]),
     ],
