@@ -44,9 +44,16 @@ OWN_VALUES = [(0.05, 0.0), (0.2, 0.3), (0.5, 0.65), (0.8, 0.9), (1.2, 1.0)]  # f
 ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
 RIGID = SimpleNamespace(flight=ESTIMATE, falling=ESTIMATE)
 FEW = {
-    **{"count": [24, 32, 40], "rolling": [24, 40], "narrow": [24], "rest": [24, 40]},
-    **{"gamma": [2.0, 3.3], "wall": [0.1, 0.3], "plate": [0.1, 0.3]},
-    **{"plane": [15, 45], "seeds": [1, 2], "few_seeds": [1, 2]},
+    "count": [24, 32, 40],
+    "rolling": [24, 40],
+    "narrow": [24],
+    "rest": [24, 40],
+    "gamma": [2.0, 3.3],
+    "wall": [0.1, 0.3],
+    "plate": [0.1, 0.3],
+    "plane": [15, 45],
+    "seeds": [1, 2],
+    "few_seeds": [1, 2],
     **dict.fromkeys(("periods", "gamma_periods"), MOST_PERIODS),
 }
 
@@ -87,33 +94,46 @@ SIZES = {
         },
     },
     accuracy_cost_drift: {
-        **{
-            "CUT": 20,
-            "LONG_PERIODS": {True: 300},
-            "PER_CONTACT": (16, 18, 25, 36, 40),
-            "PAPER_STEP": 1e-4,
-        },
-        **{"DRIFT_TOLERANCES": (0.4,), "_scene": _short_row},
+        "CUT": 20,
+        "LONG_PERIODS": {True: 300},
+        "PER_CONTACT": (16, 18, 25, 36, 40),
+        "PAPER_STEP": 1e-4,
+        "DRIFT_TOLERANCES": (0.4,),
+        "_scene": _short_row,
         "asked": lambda: dict.fromkeys(("row", "other", "mine", "annulus"), load("quasi2d")),
         "seconds_per_period": lambda scenes: np.array([1e-3 / s.step.size for s in scenes]),
     },
     accuracy_cost_ladder: {
-        **{"LADDER_PERIODS": {True: 4}, "TRUSTED_PERIODS": {True: 4}, "LANDINGS": (30,)},
-        **{"STEPS_PER_CONTACT": 13, "TRUSTED_STEPS": 13, "TRUSTED_STARTS": 3},
-        **{"STEPS": (13,), "ROWS": {"rods": {"N=5": {"rods.count": 5, "box.length": 5.375}}}},
+        "LADDER_PERIODS": {True: 4},
+        "TRUSTED_PERIODS": {True: 4},
+        "LANDINGS": (30,),
+        "STEPS_PER_CONTACT": 13,
+        "TRUSTED_STEPS": 13,
+        "TRUSTED_STARTS": 3,
+        "STEPS": (13,),
+        "ROWS": {"rods": {"N=5": {"rods.count": 5, "box.length": 5.375}}},
     },
     effect_prices: {
-        **{"PLACES": 2, "PART": 400, "WARM_STEPS": 1},
-        **{"ROUNDS": {True: 6}, "PRICE_SETTLE": {True: 1, False: 4}},
-        **{"DRIFT_SEEDS": {True: 2}, "DRIFT_PERIODS": {True: 4}},
+        "PLACES": 2,
+        "PART": 400,
+        "WARM_STEPS": 1,
+        "ROUNDS": {True: 6},
+        "PRICE_SETTLE": {True: 1, False: 4},
+        "DRIFT_SEEDS": {True: 2},
+        "DRIFT_PERIODS": {True: 4},
         "GROUPS": {
             group: {name: _in_small(GROUPS[group][name]) for name in few}
             for group, few in FEW_EFFECTS.items()
         },
     },
     scaling: {
-        **{"ROW_SIZES": {True: (4, 8)}, "LEAST": 8, "RUNS_PER_CORE": 1, "SWEEP_PERIODS": 1},
-        **{"SCALING_ROUNDS": {True: 3}, "SCALING_SETTLE": {True: 1}, "REPEATS": {True: 2}},
+        "ROW_SIZES": {True: (4, 8)},
+        "LEAST": 8,
+        "RUNS_PER_CORE": 1,
+        "SWEEP_PERIODS": 1,
+        "SCALING_ROUNDS": {True: 3},
+        "SCALING_SETTLE": {True: 1},
+        "REPEATS": {True: 2},
     },
     price_page: {"IMPACTS": 1000, "CHECKED": 200},
 }

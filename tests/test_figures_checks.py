@@ -68,15 +68,12 @@ def test_restitution_of_readings_head_on():
 def test_no_reading_does_what_the_paper_says():
     """The printed law's spring is soft and undamped: stiffness and damping each bring it nearer."""
     d = data("appendix_a")
-    shape = len(appendix_a.WHERE), len(appendix_a.MASSES), len(appendix_a.INERTIAS)
-    assert d["restitution"].shape == (*shape, d["speed"].size, 18)
-    assert d["compared"].shape == (*shape, 4)
     e = d["restitution"][..., list(d["speed"]).index(1.0), :]
     assert not np.any(np.all((e > 0.65 - 0.02) & (e < 0.7 + 0.02), axis=-1))
     assert np.all(d["compared"][0, ..., 2] > 0.1)  # as printed
     assert np.all(d["compared"][2, ..., 2] < 0.03)  # the units' reading: near the rigid theory
-    nearest = np.unravel_index(d["compared"][:, :, 0, 0].argmin(), shape[:2])
-    assert nearest == (2, list(appendix_a.MASSES).index("sphere, m"))
+    at_constant = d["compared"][:, :, 0, 0]
+    assert at_constant.min() == at_constant[2, list(appendix_a.MASSES).index("sphere, m")]
     assert d["printed_ratio"] == pytest.approx(4.5, abs=0.1)
     assert np.all(np.diff(d["why"], axis=1) < 0)
     assert np.all(np.diff(d["why"], axis=0) < 0)
@@ -329,9 +326,8 @@ def test_the_figure_holds_what_a_run_measures():
     np.testing.assert_allclose(d["nominal_deg"], closure.QUICK_TILTS_DEG)
     assert d["left"].shape == d["left_larger"].shape == (len(closure.STEPS),)
     scenes = [point.scene for point in closure.sweeps(True)["tilt"].points[:2]]  # starts
-    for name, scale in (("drift", SCENE.cm_per_s), ("alone", 1)):
-        starts = [closure.balanced(scene, MOST_PERIODS)[name][0] for scene in scenes]
-        assert d[name][0] == pytest.approx(np.mean(starts) * scale)
+    drifts = [closure.balanced(scene, MOST_PERIODS)["drift"][0] for scene in scenes]
+    assert d["drift"][0] == pytest.approx(np.mean(drifts) * SCENE.cm_per_s)
     row = np.array([[3.0, 1.0], [4.0, 1.0]])  # over tilt, then starts
     off = row + np.array([[3.0, 0.0], [4.0, 1.0]])
     np.testing.assert_allclose(closure.left(row, np.stack([row, off])), [[0, 0], [1, 0.5**0.5]])
@@ -386,14 +382,8 @@ def test_a_run_has_the_state_of_its_second_half():
     assert (states.states(missing) == MISSING).all()
 
 
-def test_a_life_is_the_time_in_a_state_for_each_time_it_was_left():
-    """Three starts of one tilt in parts of 10 periods; what is never left lives for ever."""
+def test_a_start_is_still_there_until_it_first_leaves_its_state():
     of_parts = np.array([[[0, 0, 2, 2, 2], [0, 2, 0, 0, 0], [2, 2, 2, 2, 2]]])
-    times, exits = states.life_times(of_parts, window=10)
-    assert exits.tolist() == [[2, 0, 1, 0]]
-    assert times[0, BLOCK] == 10 * 5 / 2  # five parts begin in it, the last ones apart
-    assert times[0, SINGLE] == 10 * 7
-    assert np.isnan(times[0, [ZIGZAG, FALLEN]]).all()
     np.testing.assert_allclose(states.still_there(of_parts)[0], [1, 2 / 3, 1 / 3, 1 / 3, 1 / 3])
 
 
@@ -421,17 +411,12 @@ def test_rows_of_all_sizes_are_equally_dense_and_equal_work():
 
 def test_a_followed_row_drifts_as_a_run_does():
     """The tiny runs of the figures, beside `md.run`."""
-    d = data("row_size")
-    points = row_size.sweeps(True)["5"].points
-    scene = points[0].scene
+    scene = row_size.sweeps(True)["5"].points[0].scene
     result = md.run(scene, periods=8, ledger=False)
     found, rods = row_motion.watched(scene, 8)
     np.testing.assert_allclose(found["c_x"], result.c_x_series * scene.cm_per_s, rtol=1e-9)
     np.testing.assert_array_equal(rods[:, Z], result.rods[:, Z])
     assert found["tilt_deg"] == pytest.approx(result.tilt_series, abs=0.5)
-    assert d["c_x"].shape == (3, 1)
-    spread = np.mean([row_motion.averaged(point.scene, 8)["tilt_spread"] for point in points])
-    assert d["spread_deg"][0, 0] == pytest.approx(np.degrees(spread / HALF))
 
 
 # Two programs
@@ -442,11 +427,7 @@ def test_the_table_of_the_other_program_is_of_whole_sets_of_starts():
     assert found.shape == (len(two_codes.MEASURED), len(tilts), len(runs.SEEDS["start.seed"]))
     assert found[:, 0, 1].tolist() == [7.07588, 0.53119, 0.91108, 1.26100]  # 18 degrees, seed 2
     assert np.isfinite(found).all()
-    d = data("two_codes")
-    spread = found.std(axis=-1, ddof=1) / np.sqrt(found.shape[-1])
-    for name, mean, error in zip(two_codes.MEASURED, found.mean(axis=-1), spread, strict=True):
-        np.testing.assert_allclose(d[f"other_{name}"], mean)
-        np.testing.assert_allclose(d[f"other_{name}_error"], error)
+    np.testing.assert_allclose(data("two_codes")["other_c_x"], found[0].mean(axis=-1))
 
 
 def test_this_program_runs_the_same_rows():

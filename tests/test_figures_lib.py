@@ -28,8 +28,11 @@ from .quick_figures import tiny
 from .test_help import GROUPS
 
 WORK = (  # what takes the time of the commands
-    *("figures.claims.judge.judge", "figures.cost.effect_prices.data", "figures.paper.fig10.data"),
-    *("figures.pages.everything.estimate", "figures.pages.movie.record"),
+    "figures.claims.judge.judge",
+    "figures.cost.effect_prices.data",
+    "figures.paper.fig10.data",
+    "figures.pages.everything.estimate",
+    "figures.pages.movie.record",
     "derivations.registry.check",
 )
 WRITTEN = {  # by commands, into the folder that takes the place of the braces
@@ -138,7 +141,10 @@ def test_pictures_need_no_window_whatever_the_environment_says(tmp_path):
     for arguments, backend, end in ((draw, "module://nowhere", ".npz"), (of_canvas, "svg", "_svg")):
         done = subprocess.run(
             [sys.executable, *arguments],
-            **{"cwd": tmp_path, "capture_output": True, "text": True, "check": True},
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=True,
             env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": backend},
         )
         assert done.stdout.strip().endswith(end)

@@ -209,8 +209,11 @@ def test_claims_of_the_folder_come_first(tmp_path):
     source, page = made(tmp_path)
     for words in (
         "does not hold: 1, too close to call: 1, not measured: 1",
-        *("of short and coarse runs.", "S<1>", "too close to call drift: 1.23 ± 0.10 cm/s"),
-        *("does not hold onset: never", "not measured rate: no data"),
+        "of short and coarse runs.",
+        "S<1>",
+        "too close to call drift: 1.23 ± 0.10 cm/s",
+        "does not hold onset: never",
+        "not measured rate: no data",
     ):
         assert words in page.text["claims"]
     assert "aside" not in page.text["claims"]
@@ -222,7 +225,11 @@ def test_claims_of_the_folder_come_first(tmp_path):
 @pytest.mark.parametrize(
     "text",
     [
-        *("{", "[]", '{"claims": [{}]}', '{"claims": []}', '{"claims": ["a"]}'),
+        "{",
+        "[]",
+        '{"claims": [{}]}',
+        '{"claims": []}',
+        '{"claims": ["a"]}',
         report_of([], says=5),
         report_of([{"name": "n", "holds": [0, 1], "value": "x<y>", "close": 0}]),
     ],
@@ -560,8 +567,6 @@ def test_film_is_the_run(film):
     np.testing.assert_array_equal(film.x[at], engine.rods[:, 0])
     np.testing.assert_array_equal(film.z[at], engine.rods[:, 1])
     np.testing.assert_allclose(np.tan(film.tilt[at]), engine.rods[:, 2] / engine.rods[:, 3])
-    assert film.time[0] == 0
-    assert np.all(film.x[0] == (np.arange(5) + 0.5) * 1.4)
     assert film.pictures == 90
     assert np.all(film.tips.min(axis=1) > film.plate - 0.02)
     amplitude = film.scene.plate_speed / (2 * np.pi * film.scene.frequency)
@@ -591,8 +596,7 @@ def test_picture_shows_each_rod_where_it_is(film):
     assert sorted(number[(centres >= 0) & (centres < 7)]) == [0, 1, 2, 3, 4]
     assert len(trail) > 1
     assert all(np.all(np.abs(np.diff(part[:, 0])) < 1) for part in trail)
-    assert "t =  40.0" in words
-    assert f"tilt {np.degrees(film.tilt[80 * film.every].mean()):.1f}°" in words
+    assert f"t =  40.0    tilt {np.degrees(film.tilt[80 * film.every].mean()):.1f}°" in words
 
 
 def test_command_writes_a_gif_that_loops(tmp_path, capsys):

@@ -98,6 +98,8 @@ def test_fig11_true_curve():
         ("reversal_c_x", 1.65 * 1.2 / 0.35, 1.65 * 0.3 / 6.35),
     ):
         np.testing.assert_allclose(d[name][[0, -1]], [upright, flat], rtol=1e-7, atol=1e-15)
+    at_45 = np.interp(np.pi / 4, d["tilt"], d["stick_c_x"])  # where (26) does not hold
+    assert at_45 == pytest.approx(1.65 / 4 / (1 / 4 + 0.35 / 12))
 
 
 @pytest.mark.parametrize(("friction", "restitution"), OWN_VALUES)
@@ -146,12 +148,8 @@ def test_fig12_symbols_lie_on_the_theory_at_measured_restitution():
     assert d["regimes_right"][2] < 12  # as printed
     assert np.hypot(d["c_x"][0] - theory.c_x, d["c_z"][0] - theory.c_z).max() < 1.2e-3
     line = rigid(d["line_tilt"], 0.65)
-    np.testing.assert_array_equal(d["line_regime"], line.regime)
-    for name in ("c_x", "c_z"):
-        measured, drawn = d[f"measured_{name}"][0], d[f"line_{name}"]
-        np.testing.assert_allclose(measured, getattr(theory, name), rtol=1e-12, atol=1e-14)
-        np.testing.assert_allclose(drawn, getattr(line, name), rtol=1e-12, atol=1e-14)
-    for law, e in zip(("newton", "poisson", "stronge"), d["line_restitution"], strict=True):
+    np.testing.assert_allclose(d["line_c_x"], line.c_x, rtol=1e-12, atol=1e-14)
+    for law, e in zip(fig12.RESTITUTION_LAWS, d["line_restitution"], strict=True):
         np.testing.assert_allclose(e, rigid(d["line_tilt"], 0.65, law).normal_velocity, rtol=1e-12)
     assert 0.03 < d["rms_constant"][0] < 0.07  # the constant 0.65 is right to 5 % of |c_z|
     assert d["rms_measured"][0] < 6e-4 < 1e-2 < d["rms_measured"][1] < 0.1 < d["rms_measured"][2]
@@ -170,36 +168,27 @@ def test_one_constant_is_best_in_the_energetic_law():
 # Figs. 2, 6, 7, 8 and 13: rows
 
 
-@pytest.fixture(scope="module")
-def over_tilt():
-    """The row along the tilts, run once."""
-    with tiny():
-        yield runs.computed(runs.tilt_plan(True))
-
-
-def test_rows_are_shown_in_the_units_of_the_axes(over_tilt):
+def test_rows_are_shown_in_the_units_of_the_axes():
     """cm/s and rad/s: the store's means times sqrt(g d) and over sqrt(d/g); theory at V_0/2."""
-    six, thirteen, setting = data("fig06"), data("fig13"), {"friction": 0.3, "restitution": 0.65}
+    six, thirteen = data("fig06"), data("fig13")
     names = ("touches.c_x_after.mean", "touches.omega_before.mean")
-    c_x, omega = (runs.over_seeds(v)[0] for v in runs.gathered(over_tilt, *names))
+    with tiny():
+        values = runs.gathered(runs.tilt_plan(True), *names)
+    c_x, omega = (runs.over_seeds(of_starts)[0] for of_starts in values)
     np.testing.assert_allclose(six["c_x_after"], c_x * np.sqrt(981 * 0.6))
     np.testing.assert_allclose(six["omega_before"], omega * np.sqrt(981 / 0.6))
     speed = 3.3 * 981 / (2 * np.pi * 60)
     np.testing.assert_allclose(thirteen["speed"], speed)
     np.testing.assert_allclose(thirteen["speed_b"], speed / 3.3 * thirteen["gamma"])
-    line = drift(thick(np.radians(six["fine_deg"])), **setting, plate_velocity=speed / 2)
+    setting = {"friction": 0.3, "restitution": 0.65, "plate_velocity": speed / 2}
+    line = drift(thick(np.radians(six["fine_deg"])), **setting)
     np.testing.assert_allclose(six["line_c_x"], line.c_x, rtol=1e-12)
-    at_tilts = drift(thick(np.radians(thirteen["tilt_deg"])), **setting).c_x
-    np.testing.assert_array_equal(thirteen["thick_at_tilts"], at_tilts)
 
 
-def test_densities_of_phases_integrate_to_one(over_tilt):
+def test_densities_of_phases_integrate_to_one():
     """And the paper's density is found again."""
-    (counts,) = runs.gathered(over_tilt, "phases")
     sums = data("fig08")["density"].sum(axis=1)
     np.testing.assert_allclose(sums * 2 * np.pi / fig08.BINS_DRAWN, 1)
-    rising = np.concatenate([counts[..., :16], counts[..., 48:]], axis=-1).sum(axis=-1)
-    np.testing.assert_allclose(fig08.falling(counts) + rising / counts.sum(axis=-1), 1)
     edges = np.linspace(0, 2 * np.pi, 65)
     counts = 1e6 * np.diff(edges + np.sin(edges)) / (2 * np.pi)
     middle = 2 * np.pi * (np.arange(fig08.BINS_DRAWN) + 0.5) / fig08.BINS_DRAWN

@@ -58,7 +58,7 @@ def data(quick: bool = False) -> Data:
     half, _ = _errors([row[::3] for row in laws], refine=64)
     (located,), _ = _errors([laws[0][::3]], integrator="dop853")
     springs = [[_spring(k, ratio, damping) for ratio in ratios] for k, damping in SPRING_SERIES]
-    by_ratio, right_by_ratio = _errors(springs)
+    by_ratio, _ = _errors(springs)
     stiff = ratios >= FITTED
     return {
         "k_n": k_n,
@@ -69,7 +69,6 @@ def data(quick: bool = False) -> Data:
         "slope": _slope(k_n, error[0]),
         "ratio": ratios,
         "error_by_ratio": by_ratio,
-        "right_by_ratio": right_by_ratio,
         "slope_by_ratio": np.array([_slope(ratios[stiff], row[stiff]) for row in by_ratio]),
     }
 

@@ -137,26 +137,6 @@ def settled(state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.where(late[..., 0] == MISSING, MISSING, most), changed
 
 
-def life_times(state: np.ndarray, window: float) -> tuple[np.ndarray, np.ndarray]:
-    """Periods spent in each state for each time it was left, and how often it was left.
-
-    A state that was never left has lived for ever: inf, or nan if it was never seen.
-
-    Parameters
-    ----------
-    state : (tilts, starts, parts), from `states`
-    window : periods of a part
-    """
-    times, exits = [], []
-    for each in range(len(STATES)):
-        there = state[..., :-1] == each
-        left = (there & (state[..., 1:] != each)).sum(axis=(1, 2))
-        exits.append(left)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            times.append(window * there.sum(axis=(1, 2)) / left)
-    return np.array(times).T, np.array(exits).T
-
-
 def still_there(state: np.ndarray) -> np.ndarray:
     """Share of the starts that have not yet left the state of their first part, over the parts.
 
@@ -188,7 +168,6 @@ def data(quick: bool = False) -> Data:
     of_run, changed = settled(state)
     half = state.shape[-1] // 2
     long, lived = _followed(runs["lives"])
-    times, exits = life_times(lived, LIVES[quick][2] / lived.shape[-1])
     slow, _ = _followed(runs["driven"])
     drift, error = over_seeds(np.moveaxis(_in_parts(slow["c_x"]), 1, -1))
     return {
@@ -202,9 +181,6 @@ def data(quick: bool = False) -> Data:
         "lives_deg": np.array(LIVES[quick][0], float),
         "middle": np.nanmax(long["middle"].reshape(-1, lived.shape[-1]), axis=0),
         "still_there": still_there(lived),
-        "first": np.array([(lived[..., 0] == each).sum(axis=1) for each in range(len(STATES))]).T,
-        "life_time": times,
-        "exits": exits,
         "driven_deg": _in_parts(slow["tilt_deg"]).mean(axis=1),
         "driven_c_x": drift,
         "driven_c_x_error": error,
