@@ -25,7 +25,6 @@ import sys
 import tempfile
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
-from copy import copy
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -60,9 +59,7 @@ class Place(NamedTuple):
 
 def changed(node, **parts):
     """A copy of a node with some parts replaced."""
-    new = copy(node)
-    vars(new).update(parts)
-    return new
+    return type(node)(**vars(node) | parts)
 
 
 def mutants(node):

@@ -5,14 +5,16 @@ run, so that the tests of the plane share one kernel, and those of space another
 """
 
 from itertools import product
-from math import ceil, cos, floor, sin
+from math import ceil, cos, floor, sin, sqrt
 
 import numpy as np
 
 import md
 from md.host import Engine, at_start
+from md.kernels.closest import nearest
 from md.kernels.codes import (
     ANNULUS_LEDGER,
+    DIRECTOR,
     LEDGER_COLUMNS,
     PLACE,
     ROW_COLUMNS,
@@ -152,6 +154,13 @@ def kinetic(engine: Engine) -> float:
     """Kinetic energy of rods that do not roll, in m g d."""
     _, velocity, turn = motion(engine)
     return ((velocity**2).sum() + (turn**2).sum() / LIGHT) / 2
+
+
+def distance(rods, i, j, half=HALF) -> float:
+    """Of the axes of two rods in space, as the kernels find it."""
+    places, directors = rods[:, PLACE:DIRECTOR], rods[:, DIRECTOR:VELOCITY]
+    vectors = places[i] - places[j], directors[i], directors[j]
+    return sqrt(nearest(*map(tuple, vectors), half))
 
 
 # Two rods in the plane, without a look at the engine

@@ -10,14 +10,13 @@ import md
 from figures.claims.measure_annulus import largest_tilt_of_flat
 from md.__main__ import main
 from md.host import prepare
-from md.kernels.closest import nearest
 from md.kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from md.placement import largest_tilt, overlap, placed
 from md.result import result_text
 from md.scene import GAP
 from md.sources import imported
 
-from .rows import RING, ROLLING, go, ring
+from .rows import RING, ROLLING, distance, go, ring
 
 EXPERIMENT = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # in rod diameters
 
@@ -40,8 +39,8 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     rods, half = placed(EXPERIMENT, count, 8.0), 3.5
     assert overlap(EXPERIMENT, rods, half) <= -GAP
     x, a = rods[:, PLACE:DIRECTOR], rods[:, DIRECTOR:]
-    for i, j in combinations(range(count), 2):
-        assert nearest(tuple(x[i] - x[j]), tuple(a[i]), tuple(a[j]), half) > 1 - 1e-4
+    pairs = combinations(range(count), 2)
+    assert min((distance(rods, *pair, half) for pair in pairs), default=1) > 1 - 1e-4
     along = x[:, None] + np.linspace(-half, half, 201)[:, None] * a[:, None]
     rho = np.hypot(along[..., 0], along[..., 1])
     assert rho.min() > EXPERIMENT.inner + 0.5 - 1e-4

@@ -11,7 +11,7 @@ from scipy.optimize import lsq_linear
 import md
 from md.kernels import walls
 from md.kernels.batch import SIZE
-from md.kernels.closest import between_ends, near_end, nearest
+from md.kernels.closest import between_ends, near_end
 from md.kernels.codes import C_X, OMEGA, PAIR_NORMAL, ROW_DIRECTION, ROW_PLACE, ROW_VELOCITY
 from md.kernels.contact import ContactForces
 from md.kernels.state import Wall
@@ -28,6 +28,7 @@ from .rows import (
     SMOOTH,
     SOFT,
     SPACE,
+    distance,
     elastic,
     forces,
     go,
@@ -62,7 +63,7 @@ def test_two_axes_are_as_far_apart_as_least_squares_say(seed):
     if seed % 5 == 0:
         b = a if seed % 2 else unit(a + 1e-9 * random.normal(size=3))
     best = lsq_linear(np.column_stack([a, -b]), -apart, (-HALF, HALF), tol=1e-14).cost
-    found = sqrt(nearest(tuple(apart), tuple(a), tuple(b), HALF))
+    found = distance(in_space((apart, a), ((0, 0, 0), b)), 0, 1)
     assert found == pytest.approx(sqrt(2 * best), abs=1e-6)
     assert found <= sqrt(2 * best) + 1e-12
 
@@ -111,13 +112,13 @@ def test_m10_the_inner_wall_is_as_near_as_brute_force_says():
         at_ends = [sqrt(walls.beyond(seen, s)) for s in (-HALF, HALF)]
         np.testing.assert_allclose(at_ends, rho[[0, -1]], rtol=1e-12)
         least = rho.min()  # the grid is 4e-4 wide
-        if least < min(at_ends) - 1e-9:
-            between += 1
-            assert walls.passes(seen, HALF, least + 1e-12)
-            assert not walls.passes(seen, HALF, least - 3e-4)
-            assert walls.beyond(seen, -seen[1] / seen[2]) == pytest.approx(least**2, abs=2e-3)
-        else:
-            assert not walls.passes(seen, HALF, 1e3)
+        inside = least < min(at_ends) - 1e-9
+        between += inside
+        assert walls.passes(seen, HALF, least + 1e-12) == inside
+        assert not walls.passes(seen, HALF, least - 3e-4 if inside else 1e3)
+        if inside:
+            nearest_there = walls.beyond(seen, -seen[1] / seen[2])
+            assert nearest_there == pytest.approx(least**2, abs=2e-3)
     assert 10 < between < 40
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from md.host import prepare
 from md.kernels import neighbours
-from md.kernels.closest import near_end, nearest
+from md.kernels.closest import near_end
 from md.kernels.codes import (
     COSINE,
     DIRECTOR,
@@ -32,6 +32,7 @@ from .rows import (
     HALF,
     PLANE,
     SOFT,
+    distance,
     elastic,
     forces,
     go,
@@ -120,12 +121,8 @@ def test_neighbours_by_azimuth_are_all_close_pairs(radius, count):
     rods[:, DIRECTOR:VELOCITY] = [unit(v) for v in random.normal(size=(count, 3))]
     found, place = np.zeros((count**2, 3), np.int64), np.zeros(count)
     listed = neighbours.pair_up(IN_SPACE, rods, HALF, None, np.arange(count), place, found)
-    places, directors = rods[:, :DIRECTOR], rods[:, DIRECTOR:VELOCITY]
-    close = []
-    for i, j in combinations(range(count), 2):
-        vectors = (tuple(v) for v in (places[i] - places[j], directors[i], directors[j]))
-        if nearest(*vectors, HALF) < (1 + SKIN) ** 2:
-            close.append((i, j))
+    every = combinations(range(count), 2)
+    close = [pair for pair in every if distance(rods, *pair) < 1 + SKIN]
     assert len(close) > 10
     assert sorted(map(tuple, found[:listed, :2])) == close
 

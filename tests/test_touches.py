@@ -8,8 +8,6 @@ from md.host import plate_motion, prepare
 from md.kernels import touches as columns
 from md.kernels.codes import C_X, C_Z, COSINE, OMEGA, ROW_VELOCITY, SINE, Z
 from md.kernels.contact import Friction
-from md.kernels.neighbours import current
-from md.kernels.pairs import pair_forces
 from md.measures import HOP, Tables, merged
 
 from .rows import HALF, PLANE, go, in_plane, ring, row, started
@@ -79,52 +77,38 @@ def test_a_touch_is_seen_in_the_plane_of_the_rod(lean):
     assert np.abs(touch[columns.BEFORE :]).max() < 20
 
 
-PERIODS = 125
-CLOSE = {"rtol": 0, "atol": 1e-10}
-
-
-def followed():
-    """Touches, and what plate and neighbours give each rod along x, summed over the steps.
-
-    The kernel leaves the accelerations of its last step; those between rods are computed from the
-    same state beforehand. Sums begin with 0, before the first step.
-    """
-    engine = prepare(row("box.length=6.5"))
-    effects, (*_, listed, scratch) = engine.effects, engine.state
-    start, every, others = engine.rods[:, C_X].sum(), [], []
-    for _ in range(PERIODS * engine.per):
-        place = effects.half_length, effects.period, listed, scratch.place, scratch.found
-        assert current(effects.up, engine.rods, *place)  # the list of pairs
-        springs, forces = listed.springs.copy(), listed.forces.copy()
-        scratch.total[:] = 0
-        pair_forces(effects, engine.state, None, engine.dt)
-        others.append(scratch.total[:, 0] * engine.dt)
-        listed.springs[:], listed.forces[:] = springs, forces
-        every.append(go(engine, 1).state.before[:, 0] * engine.dt)
-    given = np.array([np.subtract(every, others), others]).cumsum(axis=1)
-    plate, neighbours = np.insert(given, 0, 0.0, axis=1)
-    np.testing.assert_allclose(neighbours.sum(axis=1), 0, **CLOSE)  # forces between rods cancel
-    np.testing.assert_allclose(plate[-1].sum(), engine.rods[:, C_X].sum() - start, atol=1e-9)
-    return engine.record.rows[: engine.record.count[0]], plate, neighbours
-
-
 def test_touches_tell_who_gave_the_momentum():
-    """Free touches: the plate alone; between touches: neighbours alone; in pushed ones: both."""
-    rows, plate, neighbours = followed()
+    """Free touches: the plate alone; between touches: neighbours alone; in pushed ones: both.
+
+    The kernel leaves the accelerations of its last step and the forces of the plate in it. Sums of
+    them over the steps begin with 0, before the first one.
+    """
+    engine, every, of_plate = prepare(row("box.length=6.5")), [], []
+    start = engine.rods[:, C_X].sum()
+    for _ in range(125 * engine.per):
+        state = go(engine, 1).state
+        every.append(state.before[:, 0] * engine.dt)
+        of_plate.append(state.forces[:, :, 1].sum(axis=1) * engine.dt)
+    given = np.array([of_plate, np.subtract(every, of_plate)]).cumsum(axis=1)
+    plate, neighbours = given = np.insert(given, 0, 0.0, axis=1)
+    close = {"rtol": 0, "atol": 1e-10}
+    np.testing.assert_allclose(neighbours.sum(axis=1), 0, **close)  # forces between rods cancel
+    np.testing.assert_allclose(plate[-1].sum(), engine.rods[:, C_X].sum() - start, atol=1e-9)
+
+    rows = engine.record.rows[: engine.record.count[0]]
     rows = rows[np.lexsort((rows[:, columns.STEP], rows[:, columns.ROD]))]
     rod, begun, duration = rows[:, [columns.ROD, columns.STEP, columns.DURATION]].astype(int).T
     ended, free = begun + duration, rows[:, columns.PUSHED] == 0
     before, after = rows[:, columns.BEFORE], rows[:, columns.AFTER]
     assert 0.1 < free.mean() < 0.9
-    by_plate, by_others = (given[ended, rod] - given[begun, rod] for given in (plate, neighbours))
-    np.testing.assert_allclose(after - before, by_plate + by_others, **CLOSE)
-    np.testing.assert_allclose(by_others[free], 0, **CLOSE)
+    by_plate, by_others = given[:, ended, rod] - given[:, begun, rod]
+    np.testing.assert_allclose(after - before, by_plate + by_others, **close)
+    np.testing.assert_allclose(by_others[free], 0, **close)
     assert np.abs(by_others[~free]).max() > 0.01
     last = np.flatnonzero(np.diff(rod) == 0)
-    start, end, rod = ended[last], begun[last + 1], rod[last]
-    by_plate, by_others = (given[end, rod] - given[start, rod] for given in (plate, neighbours))
-    np.testing.assert_allclose(by_plate, 0, **CLOSE)
-    np.testing.assert_allclose(before[last + 1] - after[last], by_others, **CLOSE)
+    by_plate, by_others = given[:, begun[last + 1], rod[last]] - given[:, ended[last], rod[last]]
+    np.testing.assert_allclose(by_plate, 0, **close)
+    np.testing.assert_allclose(before[last + 1] - after[last], by_others, **close)
 
 
 # Touches merged into landings
