@@ -239,7 +239,7 @@ def test_a_dask_cluster_gives_the_same_bits(tmp_path, reference, monkeypatch):
 def test_a_scheduler_that_dies_ends_the_sweep_in_one_line(tmp_path, monkeypatch):
     """Whatever it waits for."""
     client = MagicMock(status="closed")
-    client.wait_for_workers = lambda *_, **__: time.sleep(9)
+    client.wait_for_workers = lambda *_, **__: time.sleep(9) or pytest.fail("it waits on")
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(distributed, "Client", lambda *_, **__: client)
     with pytest.raises(RunError, match=r"^the scheduler a:1 is gone; what was finished is kept$"):
