@@ -138,7 +138,7 @@ def _flat(group: Any, prefix: str = "") -> dict[str, np.ndarray]:
     for name, value in group._asdict().items():
         if isinstance(value, tuple) and name != "scratch":
             found |= _flat(value, f"{prefix}{name}.")
-        elif isinstance(value, np.ndarray) and name != "scratch":
+        elif isinstance(value, np.ndarray):
             found[f"{prefix}{name}"] = value
     return found
 

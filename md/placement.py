@@ -1,7 +1,7 @@
 """Where rods can be in the gap of an annulus: the largest tilt of one, and a start for many."""
 
+from collections.abc import Iterator
 from math import asin, cos, pi, sin, sqrt
-from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, minimize
@@ -122,21 +122,17 @@ def _filling(gap: Annulus, count: int, half: float, most: float) -> float:
     return float(brentq(excess, 0.0, 0.999 * most))
 
 
-class _Meeting(NamedTuple):
-    """Overlaps of axes with something, and how they change; a row a meeting."""
-
-    rods: np.ndarray  # numbers of the rods
-    overlap: np.ndarray  # d
-    outward: np.ndarray  # unit vectors, along which the rods come free
-    lever: np.ndarray  # d; from the centres along the axes to the closest points
-
-
 def _meetings(
     gap: Annulus, place: np.ndarray, director: np.ndarray, half: float, pairs: np.ndarray
-) -> list[_Meeting]:
-    """Each rod with each wall, and the first and the second rods of the pairs."""
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+    """Rods that meet a wall or one another: each with each wall, and the rods of the pairs.
+
+    Yields
+    ------
+    Numbers of rods; their overlaps, in d; unit vectors along which they come free; and from their
+    centres along their axes to the closest points, in d.
+    """
     everyone, flat = np.arange(len(place)), np.array([1.0, 1.0, 0.0])
-    found = []
     seen, along = place * flat, director * flat
     nearest = -(seen * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
     for side, lever in (1, np.clip(nearest, -half, half)), (-1, half), (-1, -half):
@@ -144,7 +140,7 @@ def _meetings(
         point = seen + lever[:, None] * along
         radius = np.linalg.norm(point, axis=1)
         deep = gap.inner + 0.5 - radius if side > 0 else radius + 0.5 - gap.outer
-        found.append(_Meeting(everyone, deep, side * point / radius[:, None], lever))
+        yield everyone, deep, side * point / radius[:, None], lever
     i, j = pairs.T
     a, b, apart = director[i], director[j], place[i] - place[j]
     across, p, q = ((x * y).sum(axis=1) for x, y in ((a, b), (apart, a), (apart, b)))
@@ -154,9 +150,8 @@ def _meetings(
     apart = apart + s[:, None] * a - t[:, None] * b
     distance = np.linalg.norm(apart, axis=1)
     outward = apart / np.maximum(distance, 1e-12)[:, None]
-    found.append(_Meeting(i, 1 - distance, outward, s))
-    found.append(_Meeting(j, 1 - distance, -outward, t))
-    return found
+    yield i, 1 - distance, outward, s
+    yield j, 1 - distance, -outward, t
 
 
 def _near(place: np.ndarray, half: float) -> np.ndarray:
@@ -200,4 +195,4 @@ def overlap(gap: Annulus, rods: np.ndarray, half: float) -> float:
     """Largest overlap of rods with each other and with the walls, in d; negative: all are apart."""
     place, director = rods[:, :DIRECTOR], rods[:, DIRECTOR:VELOCITY]
     found = _meetings(gap, place, director, half, _near(place, half))
-    return float(max(one.overlap.max(initial=-np.inf) for one in found))
+    return float(max(deep.max(initial=-np.inf) for _, deep, *_ in found))

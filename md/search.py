@@ -156,18 +156,6 @@ class Search:
         along = {"point": range(len(parts)), "target": self.targets, "start.seed": self.seeds}
         return Sweep(tuple({name: [*each]} for name, each in along.items()), tuple(runs))
 
-    def draw(self, number: int, box: Iterable) -> np.ndarray:
-        """Parts of the ranges of a round's points, (points, parameters).
-
-        Parameters
-        ----------
-        number : of the round
-        box : lowest and highest parts
-        """
-        low, high = box
-        sobol = qmc.Sobol(len(self.parameters), seed=_SEED + number)
-        return low + sobol.random(self.points) * (high - low)
-
 
 class Estimate(NamedTuple):
     """A value with its standard error."""
@@ -262,10 +250,10 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     As `md.sweep.execute`, ValueError if a target is not a number in the results of a run, RunError
     if no point has results at all targets.
     """
-    parts, runs, tallies = [], [], []
-    box: Any = 0.0, 1.0
+    parts, runs, tallies, low, high = [], [], [], 0.0, 1.0
     for number in range(given.rounds):
-        parts.append(given.draw(number, box))
+        drawn = qmc.Sobol(len(given.parameters), seed=_SEED + number).random(given.points)
+        parts.append(low + drawn * (high - low))
         sweep = given.sweep(parts[-1])
         tallies.append(execute(sweep, store, **how))
         runs.append(_at_targets(given, sweep, store))
@@ -273,7 +261,7 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
         found = Found(given, np.concatenate(parts), np.concatenate(runs), tally)
         if not np.isfinite(found.results).all(axis=1).any():
             raise RunError(f"no point has all results at the targets; {tally.failed} runs failed")
-        box = _box_around(found.parts, found.misfits)
+        low, high = _box_around(found.parts, found.misfits)
     return found
 
 
