@@ -77,7 +77,7 @@ from typing import Any
 from .accuracy import run
 from .domains import InputError, RunError
 from .kernels.contact import Normal, Spring
-from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb
+from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb, hertz_stiffness
 from .reference import Vibration
 from .result import Accuracy, Result
 from .rod import Rod
@@ -110,6 +110,7 @@ __all__ = [
     "appendix_a",
     "constant_restitution",
     "coulomb",
+    "hertz_stiffness",
     "impact",
     "load",
     "run",

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import figures
+import md
 from figures.__main__ import main
 from figures.claims import over_tilt, own_rods
 from figures.lib import runs
@@ -89,3 +90,19 @@ def test_a_figure_of_the_row_shows_ones_own_rods(mine):
     d = figures.load("fig08").data(quick=True, scene=str(mine))
     assert "mine: 5 rods" in str(d["words"])
     assert "plate/rods" not in str(d["words"])  # the law of the figures
+
+
+def test_a_material_gives_the_stiffness_of_its_contacts():
+    """A steel ball on steel at 1 m/s: Johnson's (11.24), T = 2.87 (m^2/(R E*^2 v))^(1/5)."""
+    young, poisson, density, d, gravity = 200e9, 0.3, 7800.0, 0.01, 9.81
+    mass, modulus = density * np.pi * d**3 / 6, young / (2 * (1 - poisson**2))
+    time = 2.87 * (mass**2 / (d / 2 * modulus**2)) ** 0.2
+    stiffness = md.hertz_stiffness(young, poisson, density, d, d)
+    law = md.coulomb(1.0, stiffness)
+    speed = 1 / np.sqrt(gravity * d)
+    hit = md.impact(0.0, 0.0, -speed, friction=0.0, rod=md.Rod(1.0), law=law)
+    assert hit.contact_time * np.sqrt(d / gravity) == pytest.approx(time, rel=0.02)
+    rod = md.hertz_stiffness(young, poisson, density, 8 * d, d)
+    assert rod * (7 / 4 + 1 / 6) == pytest.approx(stiffness / 6)  # the weight of a longer one
+    with pytest.raises(md.InputError, match="length must be at least the diameter"):
+        md.hertz_stiffness(young, poisson, density, d / 2, d)
