@@ -204,6 +204,7 @@ EQUATIONS = (
         "zero where the shadow ends, $q < 1$",
         r"s(\theta_s)",
         derive=shadow,
+        shown=sp.sin(theta_0) - sp.sin(theta_s) - q * (2 * sp.pi + theta_s - theta_0),
         check=_shadow_of_a_rod,
     ),
     Equation(
