@@ -84,7 +84,7 @@ def situations() -> Iterator[Situation]:
 
 Number = Any  # a `Rounded` one, or one of the text itself, which is exact
 
-ROUNDINGS = 1024  # more than an impact has
+ROUNDINGS = 256  # twice as many as an impact has
 
 
 @total_ordering
