@@ -125,7 +125,7 @@ class Point:
         return sources.key(self.scene, self.length, self.measure)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Sweep:
     """Points on a grid.
 
@@ -135,6 +135,10 @@ class Sweep:
 
     axes: tuple[dict[str, list], ...]
     points: tuple[Point, ...]
+
+    def __repr__(self) -> str:
+        grid = " x ".join(map(str, self.shape)) or "1"
+        return f"<Sweep: {grid} points over {', '.join(next(iter(a)) for a in self.axes)}>"
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -21,6 +21,12 @@ def test_many_impacts_are_a_line():
     assert "Body(mass=" in repr(pair)
 
 
+def test_a_sweep_is_a_line():
+    axes = [{"plate.acceleration": [2, 3]}, {"start.seed": [1, 2, 3]}]
+    sweep = md.sweep.expand({"scene": "single_rod", "axes": axes})
+    assert repr(sweep) == "<Sweep: 2 x 3 points over plate.acceleration, start.seed>"
+
+
 def test_a_run_is_a_line_and_as_text_what_the_command_prints(capsys):
     result = md.run(row(), periods=2)
     assert repr(result) == f"<Result: {result.c_x_cm_s:.4g} +- nan cm/s at " + (
