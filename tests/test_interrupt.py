@@ -175,14 +175,13 @@ def test_what_lasts_for_hours_can_be_stopped(last, alarm):
 
 def test_a_march_is_made_in_calls_that_grow(monkeypatch):
     """Each up to four times as long, but none beyond its time."""
-    calls, engine = [], prepare(row("start.drop=0.1"))
-    march = engine._march
+    engine, march, calls = prepare(row("start.drop=0.1")), md.host.march, []
 
-    def counted(n, series):
-        calls.append(n)
-        return march(n, series)
+    def counted(*arguments):
+        calls.append(arguments[-1])  # steps
+        return march(*arguments)
 
-    monkeypatch.setattr(engine, "_march", counted)
+    monkeypatch.setattr(md.host, "march", counted)
     monkeypatch.setattr(md.host, "CALL_SECONDS", 1e9)
     for _ in range(6):
         engine.go(engine.pace)
