@@ -108,8 +108,9 @@ class Run:
         self.lost: dict[str, str] = {}  # why a file is not whole
         self.engine = engine = prepare(scene, ledger=ledger)
         self.tables = Tables(engine, periods)
-        hidden = None if progress else True  # None: on a terminal and in a notebook
-        self.bar = tqdm(total=periods, unit=" periods", delay=2, disable=hidden)
+        self.bar = tqdm(  # None: on a terminal and in a notebook
+            total=periods, unit=" periods", delay=2, disable=None if progress else True
+        )
         words = "compiling the kernels for such a scene, once: 10 to 30 s"
         notice = threading.Timer(2.0, self.bar.write, [words], {"file": sys.stderr})
         if not self.bar.disable:
