@@ -128,11 +128,21 @@ def approach() -> Mapping[sp.Symbol, sp.Expr]:
     return {u_0: u, v_0: v}
 
 
+def _of_tip() -> sp.Matrix:
+    """Per time and times the mass, in forces, of the tip of a rod."""
+    return _of_forces(sp.Matrix(list(impulsive_change(TO_TIP, moment).values())))
+
+
 @derived(r"m \dot v_x", r"m \dot v_z")
 def tip_acceleration() -> sp.Matrix:
     r"""Per time and times the mass, forces in the place of impulses, $I$ by $\alpha$."""
-    change = sp.Matrix(list(impulsive_change(TO_TIP, moment).values()))
-    return _of_forces(change.subs(moment, moment * _ALPHA / alpha)).expand()
+    return _of_tip().subs(moment, moment * _ALPHA / alpha).expand()
+
+
+@derived(r"\delta(m \dot v_x)", r"\delta(m \dot v_z)")
+def dropped_terms() -> sp.Matrix:
+    """What the limit leaves out: terms that stay finite."""
+    return (m * contact_acceleration(F_x, F_z, TO_TIP, moment) - _of_tip()).expand()
 
 
 _ALPHA = m * length**2 / (4 * moment)
@@ -156,6 +166,16 @@ EQUATIONS = (
         r"m \frac{d\mathbf{v}}{dt}",
         derive=tip_acceleration,
         note=rf"with $\alpha = {latex(_ALPHA)}$",
+    ),
+    Equation(
+        "IV: dropped in (4)",
+        "what (4) leaves out: the rod's rotation, gravity and the acceleration of the plate",
+        r"(\delta(m \dot v_x), \delta(m \dot v_z))",
+        derive=dropped_terms,
+        # towards the centre, and down
+        check=lambda form: (
+            form + m * (omega**2 * sp.Matrix(TO_TIP) + sp.Matrix([0, g + plate_rate]))
+        ),
     ),
     Equation(
         "IV: spin",
