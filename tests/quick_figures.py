@@ -82,8 +82,8 @@ SIZES = {
     },
     arrangement: {"EVERY": 2, "prepare": lambda scene, **_: prepare(scene)},
     fig05: {"EVERY": 2, "SHOWN_COUNTS": (32, 24)},
-    fig07: {"TRANSIENT": 2, "lone": lambda _: (np.array([0.0]), [RIGID])},
-    fig08: {"lone": lambda _: (np.array([0.0]), [RIGID])},
+    fig07: {"TRANSIENT": 2, "lone": lambda *_: (np.array([0.0]), [RIGID])},
+    fig08: {"lone": lambda *_: (np.array([0.0]), [RIGID])},
     measure_rows: {"FREQUENCY_TILTS_DEG": (21, 40)},
     two_codes: {"SEEDS": {"start.seed": [1, 2]}},
     landing_census: {

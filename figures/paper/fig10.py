@@ -43,7 +43,7 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
         "restitution": np.float64(restitution),
         "tilt": tilt,
         "friction": over,
-        "marked": np.array([] if friction is None else [friction], float),
+        **({} if friction is None else {"marked": np.float64(friction)}),
         "regime": regime,
         "slide_tilt": line,
         "slide_friction": slide_friction(thin_rod(line), **setting),
@@ -67,8 +67,8 @@ def draw(d: Data) -> plt.Figure:
         if np.interp(end_deg, np.degrees(d["slide_tilt"]), d["slide_friction"][i]) <= end_friction:
             ax.plot(end_deg, end_friction, "ko", label=r"$\mu=3/4$, $\phi=\arctan 2$")
         ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90°")
-        for friction in d["marked"]:
-            ax.axhline(friction, color=BLUE, ls=":", label=rf"$\mu={friction:g}$")
+        if "marked" in d:
+            ax.axhline(d["marked"], color=BLUE, ls=":", label=rf"$\mu={d['marked']:g}$")
         tilt_axis(ax)
         ax.set(ylim=(0, 1))
         name_regimes(ax, tilt_deg, d["friction"], d["regime"][i])
