@@ -106,3 +106,9 @@ def test_a_material_gives_the_stiffness_of_its_contacts():
     assert rod * (7 / 4 + 1 / 6) == pytest.approx(stiffness / 6)  # the weight of a longer one
     with pytest.raises(md.InputError, match="length must be at least the diameter"):
         md.hertz_stiffness(young, poisson, density, d / 2, d)
+
+
+def test_a_scene_that_is_edited_is_read_again_and_may_be_plastic(mine):
+    assert runs.row_of(str(mine)).setting["restitution"] == 0.5
+    mine.write_text(SCENE.replace("restitution = 0.5", "restitution = 0"))
+    assert runs.row_of(str(mine)).setting["restitution"] == 0.0

@@ -100,7 +100,6 @@ class Row:
         return tip._replace(k=rods.length / np.sqrt(12)) if rods.inertia == "thin" else tip
 
 
-@cache
 def row_of(scene: str | None) -> Row:
     """The paper's row, or one of one's own, with the theory of its plate.
 
@@ -118,7 +117,7 @@ def row_of(scene: str | None) -> Row:
     tables = put(read_tables(scene), {"start.tilt_deg": "none"})
     found = from_tables(tables)
     rods, plate, contact = found.rods, found.plate, found.contacts.plate
-    if not (found.box and plate and contact and found.vibrates and contact.law.restitution):
+    if not (found.box and plate and contact and found.vibrates) or contact.law.restitution is None:
         kind = "rods in a box on a plate that vibrates, under a law with a restitution"
         raise InputError(f"scene must be {kind}, got {scene}")
     setting = {"friction": contact.friction, "restitution": contact.law.restitution}
@@ -240,9 +239,14 @@ def paper_rod(tilt: float | np.ndarray) -> ContactGeometry:
     return spherocylinder(tilt, LENGTH)._replace(k=LENGTH / np.sqrt(12))
 
 
-@cache
 def lone(quick: bool, scene: str | None = None) -> tuple[np.ndarray, list["Bouncing"]]:
     """Tilts [deg], and `bounce` there: one rigid rod at fixed tilt, the theory without closure."""
+    return _lone(quick, scene, row_of(scene).scene.digest())
+
+
+@cache
+def _lone(quick: bool, scene: str | None, _: str) -> tuple[np.ndarray, list["Bouncing"]]:
+    """The same, kept by the digest of the scene: its file may be edited meanwhile."""
     from impact.bouncing import bounce  # compiles
 
     row, tilt_deg = row_of(scene), np.arange(0, 76, 5 if quick else 2.5)
