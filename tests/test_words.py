@@ -14,6 +14,8 @@ x = sp.Symbol("x")
 
 
 def test_words_are_those_of_the_numbers():
+    assert lecture.number(sp.Rational(2, 3), 4) == "0.6667"
+    assert lecture.degrees(sp.pi / 7, 2) == "25.71 degrees"
     for words, other, form in (
         ("largest", "least", -((x - 1) ** 2)),
         ("below", "above", 1 - x),
