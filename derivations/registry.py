@@ -116,7 +116,7 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
         rows.append(
             Row(
                 tag=entry.tag,
-                what=entry.what,
+                what=entry.what if proof.computed else entry.tag,
                 verdict=entry.verdict,
                 proved=proof.ok and entry.verdict != "noted",
                 note=told(entry) if proof.computed else "",
