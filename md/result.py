@@ -12,7 +12,7 @@ from .measures import wedged_periods
 from .scene import Scene, as_dict
 from .sources import code
 from .statistics import FEWEST, TREND, UNLIKELY, steady, trend
-from .units import in_cm
+from .units import in_cm, labelled
 
 NOTHING = 1e-6  # of the plate's peak velocity: a slower drift is none
 SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
@@ -151,6 +151,14 @@ class Result:
     def rod_steps(self) -> int:
         """Steps times rods."""
         return self.periods * self.steps_per_period * self.scene.rods.count
+
+    def to_xarray(self) -> Any:
+        """Drift, tilt and falls period by period, transient included, as `xarray.Dataset`.
+
+        With units; `.to_dataframe()` makes a table.
+        """
+        names = "c_x", "tilt", "fell"
+        return labelled({name: ("period", getattr(self, f"{name}_series")) for name in names})
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""

@@ -13,7 +13,7 @@ Inertia = Literal["solid", "thin"]
 class Rod(NamedTuple):
     """Rod of diameter 1.
 
-    length : overall, caps included, >= 1
+    length : overall, caps included, d, >= 1
     inertia : "solid", of the uniform body, or "thin", the paper's length^2/12
     ends : "round", or "flat" for one impact alone: in the plane an end is then an edge with two
         corners. A corner pushes by the law of a cap with the stiffness of a cap, which is an
