@@ -2,7 +2,6 @@
 
 import re
 from importlib import metadata
-from textwrap import dedent
 
 from docutils.nodes import SkipNode
 
@@ -10,12 +9,13 @@ from derivations.typeset import mathml
 
 project, release = "Rods on a vibrated plate", metadata.version("rod-impact")
 extensions = ["myst_nb", "sphinx.ext.autodoc"]
-html_theme, html_title, html_copy_source = "furo", project, False
+html_theme, html_title = "furo", project
+html_copy_source = html_show_copyright = False
 html_math_renderer = "mathml"  # needs no script, and no network
 default_role = "py:obj"
 myst_enable_extensions, myst_heading_anchors = ["dollarmath"], 3
 nb_execution_mode, nb_execution_in_temp, nb_execution_raise_on_error = "force", True, True
-nb_execution_timeout = 300
+nb_execution_timeout, nb_output_stderr = 300, "remove"
 autodoc_typehints, autodoc_member_order, autodoc_preserve_defaults = "none", "bysource", True
 
 
@@ -34,7 +34,7 @@ def _sections(app, what, name, thing, options, lines):
     text = re.sub(files, lambda m: f"{m[1]}::\n\n" + re.sub("^", "    ", m[2], flags=re.M), text)
     text = re.sub(r"^(\w.*)\n---+\n", r".. rubric:: \1\n\n", text, flags=re.M)
     item = r"^((?:\w+, )*\w+) : (.+(?:\n +.+)*)"
-    text = re.sub(item, lambda m: f"- **{m[1]}**: {dedent(m[2])}", text, flags=re.M)
+    text = re.sub(item, lambda m: re.sub(r"\n +", "\n  ", f"- **{m[1]}**: {m[2]}"), text, flags=re.M)
     lines[:] = text.split("\n")
 
 
