@@ -103,7 +103,7 @@ def sample_annulus(series, rods, row):
         (x, y, _), a = place_of(IN_SPACE, rods, i), director_of(IN_SPACE, rods, i)
         azimuth = atan2(y, x)
         step_on = azimuth - series.last[i, 0]
-        advance += step_on - 2.0 * pi * np.round(step_on / (2.0 * pi))
+        advance += step_on - 2.0 * pi * np.floor(step_on / (2.0 * pi) + 0.5)
         series.last[i, 0] = azimuth
         side = 1.0 if a[2] >= 0.0 else -1.0  # a rod has no head
         along_gap = side * (x * a[1] - y * a[0]) / sqrt(x * x + y * y)

@@ -82,7 +82,7 @@ def wrapped(x, period):
 @kernel
 def image(distance, period):
     """How many periods a distance between a rod and an image holds beyond that of the rods."""
-    return 0 if period is None else int(np.round(distance / period))
+    return 0 if period is None else int(np.floor(distance / period + 0.5))
 
 
 @kernel
