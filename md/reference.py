@@ -28,9 +28,9 @@ LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to 
 class Vibration(NamedTuple):
     """Plate at amplitude sin(2 pi frequency t + phase).
 
-    amplitude : d
-    frequency : sqrt(g/d)
-    phase : rad
+    amplitude : in d
+    frequency : in sqrt(g/d)
+    phase : in rad, at t = 0
     """
 
     amplitude: Annotated[float, 0.0, 1e6]

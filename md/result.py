@@ -74,7 +74,7 @@ class Result:
     periods : that were made
     discarded : periods of the transient, a fifth of the run
     steps_per_period, dt : the step, in sqrt(d/g)
-    run_seconds, compile_seconds : of the clock
+    run_seconds, compile_seconds : of the clock, s
     energy : work of the plate and of shaken walls, losses by kind, change and what is left over, in
         m g d; None if not asked
     touches : mean and standard error over all touches of the plate of each quantity of

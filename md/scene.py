@@ -69,7 +69,7 @@ class Plate(Part):
 class Box(Part):
     """Box that repeats along x. Rods side by side in it lean by cos(tilt) = count d/length.
 
-    length : d
+    length : after which it repeats, d
     """
 
     length: Annotated[float, 1.0, 1e7]
@@ -96,7 +96,7 @@ class Annulus(Part):
 
     @property
     def middle(self) -> float:
-        """Radius half way."""
+        """Radius half way between the walls, in d."""
         return (self.inner + self.outer) / 2
 
 
@@ -269,7 +269,7 @@ class Scene(Part):
 
     @property
     def impact_speed(self) -> float:
-        """Speed of the impacts to expect: of the plate and of the fall at the start."""
+        """Speed of the impacts to expect, of plate and fall at the start, in sqrt(g d)."""
         pull = hypot(self.gravity.x, self.gravity.z) if self.gravity else 0.0
         fall = sqrt(2 * pull * self.start.drop)
         return max(2 * self.plate_speed + fall + self.start.speed, 0.1)

@@ -54,15 +54,15 @@ class Impact(NamedTuple):
 
     c_x : along the plate, sqrt(g d)
     c_z : across, sqrt(g d)
-    omega : sqrt(g/d)
+    omega : spin, sqrt(g/d)
     restitution : -v_f/v_0 of the contact point that touched first, against the plate
     regime : one of `kernels.codes.REGIMES`
     phases : durations by name in `kernels.codes.PHASES`, sqrt(d/g)
-    max_overlap : in d
+    max_overlap : deepest overlap, d
     contact_time : from touch to the end of the force, sqrt(d/g)
-    dt : step; nan for the adaptive method
+    dt : step, sqrt(d/g); nan for the adaptive method
     steps : force evaluations
-    seconds : run time, without compilation
+    seconds : run time, s, without compilation
     """
 
     c_x: float

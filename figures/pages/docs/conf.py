@@ -33,12 +33,13 @@ def _sections(app, what, name, thing, options, lines):
     files = r"(Files, as one reads them\n-+\n)((?:.+\n)+)"
     text = re.sub(files, lambda m: f"{m[1]}::\n\n" + re.sub("^", "    ", m[2], flags=re.M), text)
     text = re.sub(r"^(\w.*)\n---+\n", r".. rubric:: \1\n\n", text, flags=re.M)
-    item = r"^((?:\w+, )*\w+) : (.+(?:\n +.+)*)"
-    text = re.sub(item, lambda m: re.sub(r"\n +", "\n  ", f"- **{m[1]}**: {m[2]}"), text, flags=re.M)
+    item = re.compile(r"^((?:\w+, )*\w+) : (.+(?:\n +.+)*)", re.M)
+    text = item.sub(lambda m: re.sub(r"\n +", "\n  ", f"- **{m[1]}**: {m[2]}"), text)
     lines[:] = text.split("\n")
 
 
 def setup(app):
-    """Register the formulas and the docstrings' layout."""
+    """Register the formulas and the docstrings' layout; fields stand in the docstrings."""
     app.add_html_math_renderer("mathml", _formula(False), _formula(True))
     app.connect("autodoc-process-docstring", _sections)
+    app.connect("autodoc-skip-member", lambda *of: type(of[3]).__name__ == "_tuplegetter" or None)
