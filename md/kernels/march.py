@@ -37,7 +37,7 @@ from .codes import (
 )
 from .contact import free_turn, size, turn_by
 from .neighbours import too_fast
-from .pairs import between_rods
+from .pairs import pair_forces
 from .plate import Moving, plate_at, plate_before, plate_forces
 from .state import (
     Clock,
@@ -229,7 +229,7 @@ def march(effects, state, watchers, clock, steps):
         for i in range(rods.shape[0]):
             put(total, i, 0, field(effects, velocity_of(up, rods, i)))
             put(total, i, dims, nothing(turn_of(up, rods, i)))
-        why, where = between_rods(effects.between, effects, state, ledger, dt)
+        why, where = pair_forces(effects.between, effects, state, ledger, dt)
         if why != DONE:
             return n, why, where
         climb = plate_before(effects.plate, now.step), plate[1]
