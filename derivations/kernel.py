@@ -333,15 +333,24 @@ def wrong_twofold(code: str) -> Iterator[str]:
 
 @dataclass(frozen=True, kw_only=True)
 class Code:
-    """Functions of the kernel, and what is proved of them."""
+    """Functions of the kernel, and what is proved of them.
 
-    tag: str  # among the registry's entries
-    what: str  # is proved
-    note: str = ""  # more about it
-    shown: tuple[str, ...]  # names of the functions that show it
-    wrong: Callable[[str], Iterator[str]]  # what is wrong with the file's text, in words
-    tried: str  # on what
-    verdict: Verdict = "new"  # of all
+    tag : among the registry's entries
+    what : is proved
+    note : more about it
+    shown : names of the functions that show it
+    wrong : what is wrong with the file's text, in words
+    tried : on what
+    verdict : of all
+    """
+
+    tag: str
+    what: str
+    note: str = ""
+    shown: tuple[str, ...]
+    wrong: Callable[[str], Iterator[str]]
+    tried: str
+    verdict: Verdict = "new"
 
     @property
     def text(self) -> str:

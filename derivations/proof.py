@@ -109,27 +109,46 @@ class Equation:
     """One equation or number-bearing statement, with the verdict that `prove` tests.
 
     A form that is a column of several values may be given as a tuple of them.
+
+    tag : the paper's equation number, or the section and a key word
+    about : what it is about, after the sentence that it judges
+    left : left-hand side, LaTeX
+    derive : from the axioms
+    where : letters of the left side, which is read
+    verdict : on the printed form; "agrees" if none is given, "new" without one
+    shown : the derived form, written to be read
+    formulas : of the paper (paper.toml), if not the one of its tag
+    said : what a sentence says, or stands for a formula
+    put : what letters of the printed form stand for
+    note : what is right, where the paper is not
+    repair : of an erratum: changes that make the printed form right
+    mistaken : or the printed value, computed as `mistake` says
+    mistake : in words
+    contradicted_by : formulas of the paper that give the derived form
+    contradiction : what they give, of their printed forms
+    at : replaces values of EXAMPLE
+    check : second route: zero for a true form
     """
 
-    tag: str  # the paper's equation number, or the section and a key word
-    about: str | Callable[[], str]  # what it is about, after the sentence that it judges
-    left: str  # left-hand side, LaTeX
+    tag: str
+    about: str | Callable[[], str]
+    left: str
     _: KW_ONLY
-    derive: Callable[[], Form]  # from the axioms
-    where: Callable[[], Mapping[str, Any]] | None = None  # letters of the left side, which is read
-    verdict: Verdict = ""  # on the printed form; "agrees" if none is given, "new" without one
-    shown: Form | None = None  # the derived form, written to be read
-    formulas: tuple[str, ...] = ()  # of the paper (paper.toml), if not the one of its tag
-    said: Form | Callable[[], Form] | None = None  # what a sentence says, or stands for a formula
-    put: Callable[[], Mapping] | None = None  # what letters of the printed form stand for
-    note: str | Callable[[], str] = ""  # what is right, where the paper is not
-    repair: tuple[Repair, ...] = ()  # of an erratum: changes that make the printed form right
-    mistaken: Callable[[], Form] | None = None  # or the printed value, computed as `mistake` says
-    mistake: str | Callable[[], str] = ""  # in words
-    contradicted_by: tuple[str, ...] = ()  # formulas of the paper that give the derived form
-    contradiction: Callable[..., Form] | None = None  # what they give, of their printed forms
-    at: Mapping[sp.Symbol, sp.Expr] | None = None  # replaces values of EXAMPLE
-    check: Callable[[Form], Iterable[sp.Expr]] | None = None  # second route: zero for a true form
+    derive: Callable[[], Form]
+    where: Callable[[], Mapping[str, Any]] | None = None
+    verdict: Verdict = ""
+    shown: Form | None = None
+    formulas: tuple[str, ...] = ()
+    said: Form | Callable[[], Form] | None = None
+    put: Callable[[], Mapping] | None = None
+    note: str | Callable[[], str] = ""
+    repair: tuple[Repair, ...] = ()
+    mistaken: Callable[[], Form] | None = None
+    mistake: str | Callable[[], str] = ""
+    contradicted_by: tuple[str, ...] = ()
+    contradiction: Callable[..., Form] | None = None
+    at: Mapping[sp.Symbol, sp.Expr] | None = None
+    check: Callable[[Form], Iterable[sp.Expr]] | None = None
 
     def __post_init__(self) -> None:
         derive = self.derive
@@ -303,12 +322,17 @@ class Noted:
     """A sentence or a citation of the paper, quoted beside what it does not fit.
 
     It is shown and never counted: not among the proofs, not among the mistakes.
+
+    tag : section and key word
+    quote : the paper's words
+    note : what they do not fit
+    verdict : of all
     """
 
-    tag: str  # section and key word
-    quote: str  # the paper's words
-    note: str  # what they do not fit
-    verdict: Verdict = "noted"  # of all
+    tag: str
+    quote: str
+    note: str
+    verdict: Verdict = "noted"
 
     @property
     def what(self) -> str:

@@ -2,7 +2,6 @@
 
 import json
 import signal
-import sys
 import threading
 import time
 import tomllib
@@ -142,17 +141,22 @@ def test_results_come_back_with_their_coordinates(store, reference):
     axis = {"start.tilt_deg": [10, 20, 30], "contacts.plate.law": ["coulomb", "appendix_a", "x"]}
     sweep, _ = reference
     zipped = replace(sweep, axes=(axis, sweep.axes[1]))
-    found = zipped.labelled(store, "c_x", "phases")
+    found = zipped.to_xarray(store, "c_x", "phases")
     c_x, phases = sweep.gather(store, "c_x", "phases")
-    one = found["c_x"].sel({"start.tilt_deg": 20, "start.seed": 2})
-    assert (one == c_x[1, 1], one["contacts.plate.law"]) == (True, "appendix_a")
-    dims = "start.tilt_deg", "start.seed"
-    assert [found[name].dims for name in found] == [dims, (*dims, "phases.0")]
+    one = found["c_x"].sel(start_tilt_deg=20, start_seed=2)
+    assert (one == c_x[1, 1], one["contacts_plate_law"]) == (True, "appendix_a")
+    dims = "start_tilt_deg", "start_seed"
+    shapes = {"c_x": dims, "phases": (*dims, "phases_0"), "c_x_stderr": dims}
+    assert {name: found[name].dims for name in found} == shapes
+    assert {*found.to_dataframe()} == {*found, "contacts_plate_law"}
+    assert found["c_x"].attrs == {"units": "sqrt(g d)", "long_name": "drift"}
+    assert found["c_x_stderr"].attrs["long_name"] == "standard error: drift"
     assert np.array_equal(found["c_x"].data, c_x)
     assert np.array_equal(found["phases"].data, phases)
     for key, values in (axis | sweep.axes[1]).items():
-        assert found[key].dims == (dims[key == "start.seed"],)
-        assert list(found[key].data) == values
+        label = key.replace(".", "_")
+        assert found[label].dims == (dims[key == "start.seed"],)
+        assert list(found[label].data) == values
 
 
 def test_a_result_that_cannot_be_gathered_is_named(store, reference):
@@ -162,9 +166,9 @@ def test_a_result_that_cannot_be_gathered_is_named(store, reference):
         with pytest.raises(ValueError, match=f"^{name} is not in the results: c_x, ") as error:
             sweep.gather(store, name)
     offered = str(error.value).partition(": ")[2].split(", ")
-    found = sweep.labelled(store, *offered)
+    found = sweep.to_xarray(store, *offered)
     assert set(found["law"].data.flat) == {"coulomb"}
-    assert set(found) == set(offered)
+    assert set(found) == {name.replace(".", "_") for name in offered}
 
 
 def test_arguments_in_the_wrong_place_are_named(store, reference):
@@ -174,12 +178,6 @@ def test_arguments_in_the_wrong_place_are_named(store, reference):
             sweep.gather(path, name)
     with pytest.raises(ValueError, match="sweep must be of the type Sweep, got 3"):
         execute(3, store)
-
-
-def test_without_xarray_the_extra_is_named(reference, monkeypatch):
-    monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(ValueError, match=r"labelled needs xarray: pip install 'rod-impact\[md\]'"):
-        reference[0].labelled("a.db", "c_x")
 
 
 def test_two_workers_give_the_same_bits(tmp_path, reference):
