@@ -30,7 +30,7 @@ def test_each_figure_takes_what_the_list_says():
     for name, entry in figures.FIGURES.items():
         if entry.own:
             takes = inspect.signature(figures.load(name).data).parameters
-            assert {*takes} == {"quick", *entry.own}
+            assert {*takes} - {"assumed"} == {"quick", *entry.own}
 
 
 def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path):
@@ -45,10 +45,10 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path):
     assert stored_data("fig11", True, tmp_path) is None
 
 
-@pytest.mark.parametrize("names", [[], ["fig12"]], ids=["none", "another"])
+@pytest.mark.parametrize("names", [[], ["states"]], ids=["none", "another"])
 def test_values_for_no_figure_are_refused(tmp_path, capsys, names):
     command = ["draw", *names, "--friction", "0.2", "--out", str(tmp_path)]
-    refused(lambda: main(command), "friction is for the figures fig10, fig11", capsys)
+    refused(lambda: main(command), "friction is for the figures fig13, fig10", capsys)
 
 
 def test_a_scene_that_is_no_row_is_refused(tmp_path, capsys):

@@ -9,7 +9,7 @@ import numpy as np
 from impact.benchmark import benchmark
 
 from .. import FIGURES, load
-from ..lib.style import RESTITUTION_LAWS, name_panels, style
+from ..lib.style import RESTITUTION_LAWS, name_panels, note, style
 from ..lib.timing import machine_line
 from . import accuracy_cost_drift, accuracy_cost_ladder, effect_prices, exact_impacts
 
@@ -31,7 +31,7 @@ def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
         load(name).panel(ax, found[name])
     name_panels(axes.values(), map(PRICE_PANELS.get, axes))
     load_then = next((float(d["load"]) for d in found.values() if "load" in d), np.nan)
-    figure.supxlabel(machine_line(load_then))
+    note(figure, machine_line(load_then))
     return figure
 
 
