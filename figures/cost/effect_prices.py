@@ -203,7 +203,7 @@ def panel(ax: Axes, d: Data) -> None:
     ax.text(1.02, y[0] - 1.3, words, **beside)
     ax.axvline(0, color="black", lw=0.6)
     names = [f"{name}{' instead' if name in GROUPS['instead'] else ''}" for name in rows()]
-    ax.set(ylim=(y[-1] + 0.7, -0.7), xlim=(1.1 * lowest, 1.25 * longest))
+    ax.set(ylim=(y[-1] + 0.7, -0.7), xlim=(1.1 * lowest, 1.45 * longest))
     ax.set_xlabel("price (ns per step of a rod)")
     ax.set_yticks(y, names)
     ax.tick_params(axis="y", length=0)
@@ -217,7 +217,7 @@ def panel(ax: Axes, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, ax = plt.subplots(figsize=(7.0, 5.6))
+    figure, ax = plt.subplots(figsize=(7.0, 7.0))
     panel(ax, d)
     words = "errors of the median; drift −: no row is left without it"
     note(figure, f"{words}; {machine_line(d['load'])}")

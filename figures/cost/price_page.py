@@ -24,7 +24,7 @@ def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
     narrow = [name for name in found if name not in WIDE]
     layout = [[name, name] for name in found if name in WIDE]
     layout += [[narrow[i], narrow[min(i + 1, len(narrow) - 1)]] for i in range(0, len(narrow), 2)]
-    heights = [4.9 if row[0] in WIDE else 2.9 for row in layout]
+    heights = [6.2 if row[0] in WIDE else 2.9 for row in layout]
     size = 7.0, sum(heights)
     figure, axes = plt.subplot_mosaic(layout, figsize=size, height_ratios=heights)
     for name, ax in axes.items():
