@@ -90,7 +90,7 @@ def list_figures() -> None:
 @click.option("--friction", type=float, metavar="MU", help="In place of the paper's.")
 @click.option("--restitution", type=float, metavar="E", help="In place of the paper's.")
 @click.option("--length", type=float, metavar="L", help="In diameters, in place of the paper's.")
-@click.option("--scene", metavar="SCENE", help="A row of your own, in place of the paper's.")
+@click.option("--scene", metavar="SCENE", help="Rods of your own, in place of the paper's.")
 @_out
 @_store
 def draw(
@@ -108,7 +108,7 @@ def draw(
 
     NAME is one of python -m figures list. Without names the quick set is drawn, on coarse grids. A
     figure that fails leaves the others as they are. Figures of the theory take values of your own,
-    figures of the row over its tilt a scene: list says which.
+    figures of a row or an annulus over its tilt a scene: list says which.
 
     \b
     python -m figures draw fig10 fig11 --out pictures

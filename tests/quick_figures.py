@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex, to_rgba_array
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 import figures
 from figures.checks import landing_census, row_motion, states, two_codes
@@ -32,7 +33,8 @@ from md.sweep import execute, expand
 
 MOST_PERIODS = 8  # of a run of the paper's figures
 TOO_FEW = {"fig04", "landing_census", "states"}  # tiny runs leave some of their numbers open
-COLOURS = {getattr(style, word.upper()).lower(): word for word in ("black", "blue", "green", "red")}
+COLOUR_WORDS = "black", "blue", "green", "orange", "red"
+COLOURS = {getattr(style, word.upper()).lower(): word for word in COLOUR_WORDS}
 OTHER_KERNELS = {"rods.rolling", "annulus.shaken"}  # each takes ten seconds to compile
 FEW_EFFECTS = {
     "effect": ("gravity", "series of means"),
@@ -192,7 +194,8 @@ def _drawn_colours(picture: Figure) -> set[str]:
 def check_figure(name: str) -> None:
     """Fail unless the data are numbers, all of them printed, none changed by the drawing.
 
-    Not all nan; times are positive. Axes have names; colours that the caption names are drawn.
+    Not all nan; times are positive. Axes have names; colours that the caption names are drawn; no
+    type is smaller than 8 pt.
     """
     d, module = data(name), figures.load(name)
     for key, value in d.items():
@@ -206,6 +209,8 @@ def check_figure(name: str) -> None:
     try:
         assert all(ax.get_xlabel() or ax.get_ylabel() for ax in picture.axes)
         picture.canvas.draw()
+        shown = [text for text in picture.findobj(Text) if text.get_text() and text.get_visible()]
+        assert all(text.get_fontsize() >= 8 for text in shown)
         named = re.findall(r"\b(black|blue|green|red|orange|yellow|grey)\b", module.__doc__)
         assert set(named) <= _drawn_colours(picture)
     finally:

@@ -317,7 +317,9 @@ def test_picture_shows_each_rod_where_it_is(film):
     assert sorted(number[(centres >= 0) & (centres < 7)]) == [0, 1, 2, 3, 4]
     assert len(trail) > 1
     assert all(np.all(np.abs(np.diff(part[:, 0])) < 1) for part in trail)
-    assert f"t =  40.0    tilt {np.degrees(film.tilt[80 * film.every].mean()):.1f}°" in words
+    assert (
+        f"t =  40.0 periods    tilt {np.degrees(film.tilt[80 * film.every].mean()):.1f}°" in words
+    )
 
 
 def test_command_writes_a_gif_that_loops(tmp_path, capsys):

@@ -6,6 +6,7 @@ from itertools import pairwise
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 import md
 from figures.lib import arrangement, runs
@@ -66,6 +67,7 @@ def test_fig10_names_each_regime_where_it_is(restitution):
     """And the values it is drawn for."""
     d = fig10.data(quick=True, restitution=restitution)
     picture = fig10.draw(d)
+    picture.canvas.draw()
     end, tilts_deg = thin_rod(d["reversal_end"][0]), np.degrees(d["tilt"])
     for ax, ratio, regime in zip(picture.axes, d["approach_ratio"], d["regime"], strict=True):
         named = {}
@@ -74,10 +76,14 @@ def test_fig10_names_each_regime_where_it_is(restitution):
             row, column = abs(d["friction"] - friction).argmin(), abs(tilts_deg - tilt_deg).argmin()
             named[regime[row, column]] = re.sub(r"\W", "_", text.get_text()).upper()
         assert named == {number: Regime(number).name for number in np.unique(regime)}
-        assert rf"\epsilon={restitution:g}" in ax.get_title(loc="left")
         how = {"friction": 0.75, "restitution": restitution}
         stops = classify(1.0, -ratio, geometry=end, **how) != Regime.SLIDE
         assert any("3/4" in str(line.get_label()) for line in ax.lines) == stops
+        lines = [line.get_path() for line in ax.lines if line.get_linestyle() != "None"]
+        for text in ax.texts:
+            box = Text.get_window_extent(text).transformed(ax.transData.inverted())
+            assert not any(line.intersects_bbox(box, filled=False) for line in lines)
+    assert rf"$\epsilon={restitution:g}$" in picture.get_supxlabel()
     plt.close(picture)
 
 
@@ -110,9 +116,13 @@ def test_fig11_follows_its_values(friction, restitution):
     (ax,) = picture.axes
     top, upper = ax.get_ylim()[1], np.degrees(d["critical_tilt"][1])
     assert top > d["c_x"].max() or (restitution == 1 and top > fig11.HIGHEST)
-    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    words = [text.get_text() for text in picture.legends[0].get_texts()]
     assert any("(26)" in text for text in words) == np.isfinite(upper)
-    assert f"{restitution:g}$, $\\mu={friction:g}$" in ax.get_legend().get_title().get_text()
+    assert any(f"second root: {upper:.2f}" in text.get_text() for text in ax.texts) == (
+        np.isfinite(upper)
+    )
+    for value in (restitution, friction):
+        assert f"={value:g}$" in picture.get_supxlabel()
     assert len(ax.child_axes) == np.isfinite(upper)
     for inset in ax.child_axes:
         tilt_deg, c_x = inset.texts[0].xy

@@ -2,7 +2,9 @@
 
 import inspect
 import json
+from unittest.mock import Mock
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -12,6 +14,9 @@ from figures.__main__ import main
 from figures.claims import over_tilt, own_rods
 from figures.lib import runs
 from figures.lib.data import kept_data, stored_data
+from figures.paper import fig04
+from impact import drift
+from md.scene import SCENES
 
 from .command_line import refused
 
@@ -30,7 +35,7 @@ def test_each_figure_takes_what_the_list_says():
     for name, entry in figures.FIGURES.items():
         if entry.own:
             takes = inspect.signature(figures.load(name).data).parameters
-            assert {*takes} == {"quick", *entry.own}
+            assert {*takes} - {"assumed"} == {"quick", *entry.own}
 
 
 def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path):
@@ -45,10 +50,10 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path):
     assert stored_data("fig11", True, tmp_path) is None
 
 
-@pytest.mark.parametrize("names", [[], ["fig12"]], ids=["none", "another"])
+@pytest.mark.parametrize("names", [[], ["states"]], ids=["none", "another"])
 def test_values_for_no_figure_are_refused(tmp_path, capsys, names):
     command = ["draw", *names, "--friction", "0.2", "--out", str(tmp_path)]
-    refused(lambda: main(command), "friction is for the figures fig10, fig11", capsys)
+    refused(lambda: main(command), "friction is for the figures fig13, fig10", capsys)
 
 
 def test_a_scene_that_is_no_row_is_refused(tmp_path, capsys):
@@ -90,6 +95,39 @@ def test_a_figure_of_the_row_shows_ones_own_rods(mine):
     d = figures.load("fig08").data(quick=True, scene=str(mine))
     assert "mine: 5 rods" in str(d["words"])
     assert "plate/rods" not in str(d["words"])  # the law of the figures
+
+
+def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path, capsys):
+    """Without what is the paper's alone; a row is refused."""
+    wide = tmp_path / "wide.toml"
+    text = (SCENES / "annulus.toml").read_text()
+    for radius, twice in (("5.73228", "12.31866"), ("7.44094", "14.02778")):  # as wide a gap
+        text = text.replace(radius, twice)
+    wide.write_text(text)
+    usual, own = (fig04.sweeps(True, scene=scene) for scene in (None, str(wide)))
+    assert {*usual} - {*own} == {"plane", "narrow"}
+    for name in ("still", "rest", "rolling"):
+        counts = usual[name].values("rods.count")
+        np.testing.assert_array_equal(own[name].values("rods.count"), 2 * counts)
+    assert own["wall"].points[0].scene.rods.count == 88
+    assert own["still"].points[0].scene.annulus.inner == 12.31866
+    assert "wide: 44 rods" in runs.annulus_of(str(wide)).words
+    command = ["draw", "fig05", "--scene", "quasi2d", "--quick", "--out", str(tmp_path)]
+    assert main(command) == 1
+    assert "scene must be rods in an annulus" in capsys.readouterr().err
+
+
+def test_rows_of_the_paper_stand_beside_the_papers_theory_alone(monkeypatch):
+    monkeypatch.setattr(runs, "execute", Mock(side_effect=AssertionError("runs")))
+    d = figures.load("fig13").data(quick=True, friction=0.1, length=5.0)
+    assert not any(name.endswith("c_x") for name in d)
+    assert r"\mu=0.1" in str(d["words"])
+    assert "plate/rods" not in str(d["words"])
+    rod = runs.paper_rod(d["fine"], 5.0)
+    np.testing.assert_array_equal(d["thick"], drift(rod, friction=0.1, restitution=0.65).c_x)
+    picture = figures.load("fig13").draw(d)
+    assert len(picture.axes) == 3
+    plt.close(picture)
 
 
 def test_a_material_gives_the_stiffness_of_its_contacts():

@@ -16,7 +16,7 @@ from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
 
 from ..claims.any_rods import JUDGED, data, judged, kept, sweeps, told
-from ..lib.style import BLUE, Data, name_panels, style
+from ..lib.style import DRIFTS, SKY, Data, name_panels, style
 
 __all__ = ["data", "draw", "sweeps"]
 RATIO_TICKS = 0.25, 0.5, 1, 2, 4  # of drift over the theory's, in colour
@@ -32,13 +32,13 @@ def _over_restitution(ax: Axes, d: Data, colour: np.ndarray, **look: Any) -> Pat
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure = plt.figure(figsize=(7.2, 6.4))
-    top, bottom = figure.subfigures(2, 1, height_ratios=(1, 1.4))
+    figure = plt.figure(figsize=(7.0, 7.6))
+    top, bottom = figure.subfigures(2, 1, height_ratios=(1, 2))
     axes = top.subplots(1, 2)
     ratio = (d["c_x"] / d["theory"])[kept(d)].mean(axis=1)
     low, *_, high = RATIO_TICKS
     shown = _over_restitution(
-        axes[0], d, np.clip(ratio, low, high), norm=LogNorm(low, high), cmap="RdBu_r"
+        axes[0], d, np.clip(ratio, low, high), norm=LogNorm(low, high), cmap=DRIFTS
     )
     bar = top.colorbar(shown, ax=axes[0], label="drift over the theory's")
     bar.set_ticks(RATIO_TICKS, labels=[f"{tick:g}" for tick in RATIO_TICKS])
@@ -50,14 +50,14 @@ def draw(d: Data) -> plt.Figure:
     ax = bottom.subplots()
     found = {n: of for n, of in told(d)["numbers"].items() if of["share"] is not None}
     names = sorted(found, key=lambda name: found[name]["share"])
-    ax.barh(range(len(names)), [found[name]["share"] for name in names], color=BLUE)
+    ax.barh(range(len(names)), [found[name]["share"] for name in names], color=SKY, alpha=0.5)
     for i, name in enumerate(names):
+        words = f"{name.partition('.')[0]} {JUDGED[name]['name']}"
+        ax.text(0.005, i, words, va="center")
         if of := found[name]["follows"]:
-            words = f"{of['property']} ({of['rank']:+.2f})"
-            ax.text(found[name]["share"] + 0.01, i, words, va="center", fontsize=5.5)
-    labels = [f"{name.partition('.')[0]} {JUDGED[name]['name']}" for name in names]
-    ax.set_yticks(range(len(names)), labels, fontsize=5.5)
-    ax.set(xlabel="share of the kinds of rods for which it holds", xlim=(0, 1.35))
-    ax.set_xticks(np.linspace(0, 1, 6))
+            words = f"{of['property']} ({of['rank']:+.2f})".replace("-", "−")
+            ax.text(1.34, i, words, va="center", ha="right")
+    ax.set(xlabel="share of the kinds of rods for which it holds", xlim=(0, 1.35), yticks=[])
+    ax.set(xticks=np.linspace(0, 1, 6), ylim=(-0.8, len(names) - 0.2))
     name_panels((*axes, ax), ("drift", "verdicts", "statements"))
     return figure

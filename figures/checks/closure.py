@@ -52,9 +52,12 @@ from ..lib.style import (
     ORANGE,
     RED,
     Data,
+    Look,
     curve,
+    note,
     painted,
     points,
+    shades,
     style,
     tilt_axis,
 )
@@ -247,14 +250,13 @@ def data(quick: bool = False) -> Data:
     return found
 
 
-LEGEND = {"loc": "upper center", "ncols": 2, "fontsize": 6, "columnspacing": 0.8}
-LEGEND |= {"handlelength": 1.6, "handletextpad": 0.5, "borderaxespad": 0.2}
-LOOKS = ((RED, "s-"), (ORANGE, "^-"), (BLUE, "v-"), (GREEN, "D-"))
+LEGEND: Look = {"loc": "upper center", "ncols": 2}
+FORMS = "s-", "^-", "v-", "D-"
 
 
 def _draw_steps(ax: Axes, d: Data, names: tuple[str, ...]) -> None:
     at = [[*STEPS].index(name) for name in names]
-    for i, name, (colour, form) in zip(at, names, LOOKS, strict=False):
+    for i, name, colour, form in zip(at, names, shades(len(names)), FORMS, strict=False):
         label = STEPS[name] if name == "printed" else f"+ {STEPS[name]}"
         curve(ax, d, "tilt", "step", colour, label, at=i, form=form, ms=2.5)
     curve(ax, d, "tilt", "drift", label="row", ms=3.5, lw=1.2)
@@ -285,22 +287,23 @@ def _draw_left(ax: Axes, d: Data) -> None:
         ax.barh(y + off, d[name], 0.4, **bars)
     look = {"form": "D", "hollow": True, "label": "it alone", "xerr": d["left_single_error"]}
     points(ax, d["left_single"], FIRST + np.arange(len(ASSUMED)), None, RED, **look)
-    ax.set_yticks(y, [names[0], *(f"+ {name}" for name in names[1:])], fontsize=6)
+    ax.set_yticks(y, [names[0], *(f"+ {name}" for name in names[1:])])
+    ax.margins(x=0.5)  # for the legend
     ax.set(xlabel="misfit / row", xlim=(0, None))
     ax.invert_yaxis()
     ax.tick_params(axis="y", left=False, right=False)
-    ax.legend(loc="center right", fontsize=6)
+    ax.legend(loc="lower right")
 
 
 @style
 def draw(d: Data) -> plt.Figure:
     names = tuple(STEPS)
     panels: dict[str, Callable[[Axes, Data], None]] = {
-        "theory, plate, bounce": partial(_draw_steps, names=names[:4]),
-        "mean touch": partial(_draw_steps, names=names[4:]),
+        "replaced one after another: plate, bounce": partial(_draw_steps, names=names[:4]),
+        "and on top of these: the mean touch": partial(_draw_steps, names=names[4:]),
         "assumptions": _draw_assumed,
-        "what is left": _draw_left,
+        "what is left, step on step": _draw_left,
     }
     figure = painted(d, panels, rows=2, figsize=(7.0, 5.0))
-    figure.supxlabel(TILT_SCAN_WORDS)
+    note(figure, f"+: kept in all later steps; {TILT_SCAN_WORDS}")
     return figure

@@ -24,7 +24,20 @@ from md.scene import both, put, read_tables
 from md.sweep import Sweep
 
 from ..lib.runs import FRICTION, GAMMA, gathered, paper_rod, planned
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, points, style, tilt_axis
+from ..lib.style import (
+    ANOTHER,
+    BLACK,
+    PRINTED_LAW,
+    REGIME_COLOURS,
+    REGIME_WORDS,
+    SIMULATED,
+    SKY,
+    Data,
+    name_panels,
+    points,
+    style,
+    tilt_axis,
+)
 from .census import DISTURBED, counted
 
 CONTACTS = {  # a softer tangential spring between rods allows a larger step
@@ -41,6 +54,7 @@ VARIED = {  # key, its values, those of --quick; the law is the first one where 
 CENSUS_PERIODS = {True: 20, False: 400}
 FEWEST_ISOLATED = 30  # isolated touches, below which their mean is not drawn
 CENSUS_ROW = put(read_tables("quasi2d"), {"step.size": "none"})
+CONTACT_NAMES = {"constraint": "constraint", "appendix_a": "Appendix A"}
 KINDS = {"pushed_residual": "s:", "isolated_residual": "o-", "isolated_allowed": "^--"}  # of errors
 KIND_NAMES = "pushed", "isolated", "allowed for"
 STORED = (
@@ -87,7 +101,6 @@ def data(quick: bool = False) -> Data:
 
 
 SHARE = {"ylabel": "share of touches", "ylim": (0, 1.03)}
-PINK = "#CC79A7"
 
 
 def _curve(ax, x, pairs, colour, label=None, form="o-") -> None:
@@ -97,56 +110,56 @@ def _curve(ax, x, pairs, colour, label=None, form="o-") -> None:
 
 def _draw_regimes(ax, d) -> None:
     x = d["constraint_tilt"][:, 0]
-    for name, colour in (("slip-stick", BLACK), ("slip reversal", RED), ("slide", BLUE)):
+    for name, colour in zip(REGIME_WORDS.values(), REGIME_COLOURS, strict=True):
         _curve(ax, x, d[f"constraint_{name.split('-')[-1].split()[-1]}"], colour, name)
     ax.set(**SHARE)
-    ax.legend(loc="center right", fontsize=6)
+    ax.legend(loc="center right")
 
 
 def _draw_company(ax, d) -> None:
     """Curves with their names beside them, from about 28 degrees on."""
     curves = {
-        "pushed": ("constraint", "shared", GREEN),
-        f"kicked > {DISTURBED:.0%}": ("constraint", "disturbed", PINK),
-        "pushed, Appendix A": ("appendix_a", "shared", ORANGE),
+        "pushed": ("constraint", "shared", ANOTHER),
+        f"kicked > {DISTURBED:.0%}": ("constraint", "disturbed", SKY),
+        "pushed, Appendix A": ("appendix_a", "shared", PRINTED_LAW),
     }
     for name, (law, measure, colour) in curves.items():
         x, share = d[f"{law}_tilt"][:, 0], d[f"{law}_{measure}"]
         _curve(ax, x, share, colour)
         near = np.abs(x - 28).argmin()
         at = x[near], share[near, 0]
-        beside = {"textcoords": "offset points", "color": colour, "fontsize": 7}
-        ax.annotate(name, at, (0, -11 if colour == PINK else 6), **beside)
+        beside = {"textcoords": "offset points", "color": colour}
+        ax.annotate(name, at, (0, -11 if colour == SKY else 6), **beside)
     ax.set(**SHARE)
 
 
 def _draw_residual(ax, d) -> None:
-    for law, colour in zip(CONTACTS, (BLACK, ORANGE), strict=True):
+    for law, colour in zip(CONTACTS, (SIMULATED, PRINTED_LAW), strict=True):
         tilt, some = d[f"{law}_tilt"][:, 0], d[f"{law}_isolated_count"] >= FEWEST_ISOLATED
         for kind, form in KINDS.items():
             here = some | (kind == "pushed_residual")
             _curve(ax, tilt[here], d[f"{law}_{kind}"][here], colour, form=form)
-        ax.plot([], [], color=colour, label=law.replace("_a", " A").replace("app", "App"))
+        ax.plot([], [], color=colour, label=CONTACT_NAMES[law])
     for form, name in zip(KINDS.values(), KIND_NAMES, strict=True):
         ax.plot([], [], form, color="0.4", ms=3, lw=0.7, label=name)
-    ax.set(ylabel="error / change", yscale="log", ylim=(1e-6, 1e2))
-    ax.legend(loc="upper center", ncols=2, fontsize=6, columnspacing=1)
+    ax.set(ylabel="error / change", yscale="log", ylim=(1e-6, 1e3))
+    ax.legend(loc="upper center", ncols=2)
 
 
 def _draw_shares(ax, d, sweep: str) -> None:
     """Shares of landings and errors over what a sweep changes."""
     x = d[sweep]
-    _curve(ax, x, d[f"{sweep}_shared"], GREEN, "pushed")
-    _curve(ax, x, d[f"{sweep}_slide"], BLUE, "slide")
+    _curve(ax, x, d[f"{sweep}_shared"], ANOTHER, "pushed")
+    _curve(ax, x, d[f"{sweep}_slide"], REGIME_COLOURS[0], "slide")
     for kind, name in zip(KINDS, KIND_NAMES[:2], strict=False):
         _curve(ax, x, d[f"{sweep}_{kind}"], BLACK, f"error, {name}", form=KINDS[kind])
     ax.set(**SHARE | {"ylabel": "share; error / change"})
-    ax.legend(fontsize=6)
+    ax.legend()
 
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplot_mosaic("aabbcc;dddeee", figsize=(7.0, 4.6))
+    figure, axes = plt.subplot_mosaic("aabbcc;dddeee", figsize=(7.0, 5.2))
     *over_tilt, gamma, lossy = axes.values()
     for ax, panel in zip(over_tilt, (_draw_regimes, _draw_company, _draw_residual), strict=True):
         panel(ax, d)

@@ -16,7 +16,7 @@ from impact import critical_friction, drift, spherocylinder
 from md.sweep import Sweep
 
 from ..lib.runs import BOX, COUNT, GAMMA, LAW_NAME, LENGTH, ROW, means, planned, plate_speed_cm_s
-from ..lib.style import BLACK, BLUE, ORANGE, WARM, Data, curve, name_panels, style
+from ..lib.style import BLACK, ORANGE, RIGID, WARM, Data, curve, name_panels, note, style
 from ..paper.fig02 import AT_TOUCH
 
 OF_LAW = ROW["contacts"]["plate"]["restitution"]
@@ -57,14 +57,14 @@ def data(quick: bool = False) -> Data:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 2.7), width_ratios=(1, 1, 1.15))
+    figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 3.1), width_ratios=(1, 1, 1.15))
     top = max(d["theory"].max(), np.nanmax(d["c_x"]))
     name_panels((a, b, c), ("simulated", "theory", rf"$\epsilon={OF_LAW:g}$"))
     for ax, name in ((a, "c_x"), (b, "theory")):
         rows, columns = np.arange(len(d["restitution"])), np.arange(len(d["friction"]))
         mesh = ax.pcolormesh(columns, rows, d[name].T, cmap=WARM, vmin=0, vmax=top)
         for (i, j), value in np.ndenumerate(d[name]):
-            ax.text(i, j, f"{value:.1f}", ha="center", va="center", fontsize=5)
+            ax.text(i, j, f"{value:.1f}", ha="center", va="center")
         ax.set_xticks(columns, [f"{mu:g}" for mu in d["friction"]], rotation=60)
         ax.set_yticks(rows, [f"{e:g}" for e in d["restitution"]])
         critical = np.interp(np.log(d["critical"]), np.log(d["friction"]), columns)
@@ -77,12 +77,14 @@ def draw(d: Data) -> plt.Figure:
     curve(c, d, "friction", "c_x", label="simulated", at=(..., cut), form="o")
     c.plot(d["fine_friction"], d["fine_theory"], color=ORANGE, label=r"theory, $V_0/2$")
     scaled = d["theory"][:, cut] * 2 * d["V_z"][:, cut]
-    c.plot(d["friction"], scaled, "s-", ms=2.5, lw=0.8, color=BLUE, label=r"theory, measured $V_z$")
+    c.plot(
+        d["friction"], scaled, "s-", ms=2.5, lw=0.8, color=RIGID, label=r"theory, measured $V_z$"
+    )
     c.axvline(d["critical"], 0, 0.67, color=BLACK, lw=0.8)
     c.axhline(0, color="0.6", lw=0.6)
     c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")
     c.set_ylim(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(scaled.max(), top))
     c.legend(loc="upper left")
     row = rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$"
-    figure.supxlabel(f"{row}, 60 Hz; {LAW_NAME}")
+    note(figure, f"{row}, 60 Hz; {LAW_NAME}")
     return figure

@@ -16,8 +16,8 @@ import numpy as np
 
 import md
 
-from ..lib.soft_impacts import SCENE_WORDS, from_theory
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
+from ..lib.soft_impacts import CONTACT_COLOURS, LAW_WORDS, from_theory, scene_words
+from ..lib.style import Data, name_panels, note, style
 
 TANGENTIAL_RATIOS = (3.0, 30.0, 300.0, 3000.0)  # tangential ratios of panel (a)
 SPRING_SERIES = (5e6, 1.0), (1e12, 1.0), (1e12, 0.0)  # k_n, tangential damping of panel (b)
@@ -30,10 +30,10 @@ def _spring(k: float, ratio: float, damping: float = 1.0) -> md.Law:
 
 
 BY_STIFFNESS = {
-    "coulomb": lambda k: md.coulomb(stiffness=k),
-    **{f"constant_restitution, {r:g}": partial(_spring, ratio=r) for r in TANGENTIAL_RATIOS},
-    "appendix_a": md.appendix_a,
-    "appendix_a, dashpots without overlap": partial(md.appendix_a, overlap_factor=False),
+    LAW_WORDS["coulomb"]: lambda k: md.coulomb(stiffness=k),
+    **{f"a spring, ratio {r:g}": partial(_spring, ratio=r) for r in TANGENTIAL_RATIOS},
+    LAW_WORDS["appendix_a"]: md.appendix_a,
+    "its dashpots without overlap": partial(md.appendix_a, overlap_factor=False),
 }
 
 
@@ -75,32 +75,30 @@ def data(quick: bool = False) -> Data:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, (left, other) = plt.subplots(1, 2, figsize=(7.0, 3.6))
-    looks = [(BLACK, "o-"), *((BLUE, f"s{dashes}") for dashes in (":", "-.", "--", "-"))]
-    looks += [(RED, "D-"), (ORANGE, "v-")]
+    figure, (left, other) = plt.subplots(1, 2, figsize=(7.0, 4.0))
+    constraint, spring, printed = CONTACT_COLOURS.values()
+    looks = [(constraint, "o-"), *((spring, f"s{dashes}") for dashes in (":", "-.", "--", "-"))]
+    looks += [(printed, "D-"), (printed, "v:")]
     for name, error, (colour, form) in zip(BY_STIFFNESS, d["error"], looks, strict=True):
-        label = name.replace("constant_restitution, ", "constant_restitution, ratio ")
-        label = label.replace(", dashpots", ",\ndashpots")
-        left.plot(d["k_n"], error, form, color=colour, ms=3, label=label)
-    left.plot(d["k_n"][::3], d["located"], "x", color="0.5", ms=7, label="coulomb, DOP853")
+        left.plot(d["k_n"], error, form, color=colour, ms=3, label=name)
+    left.plot(d["k_n"][::3], d["located"], "x", color="0.5", ms=7, label="every switch located")
     anchor = 0.4 * d["error"][0, 0] * (d["k_n"] / d["k_n"][0]) ** -0.4
     left.plot(d["k_n"], anchor, "-", color="0.6", lw=0.8)
     left.text(1e11, 9e-7, r"$k_n^{-2/5}$", ha="center", color="0.4")
     left.set(xscale="log", yscale="log", ylim=(1e-10, 1))
     left.set(xlabel=r"stiffness $k_n$ ($mg/d^{3/2}$)", ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$")
     series = zip(SPRING_SERIES, d["error_by_ratio"], d["slope_by_ratio"], strict=True)
-    looks = (GREEN, "^--"), (BLUE, "s-"), (RED, "D-.")
-    for ((k, damping), error, (slope, _)), (colour, form) in zip(series, looks, strict=True):
+    for ((k, damping), error, (slope, _)), form in zip(series, ("^--", "s-", "D-."), strict=True):
         power = int(np.log10(k))
         digits = rf"10^{{{power}}}" if k == 10**power else rf"{k / 10**power:g}\times10^{power}"
-        label = rf"$k_n={digits}$, damping ratio {damping:g}, slope {slope:.2f}"
-        other.plot(d["ratio"], error, form, color=colour, ms=3, label=label)
+        label = rf"$k_n={digits}$, damping {damping:g}, slope {slope:.2f}"
+        other.plot(d["ratio"], error, form, color=spring, ms=3, label=label)
     other.plot(d["ratio"], 2.2e-2 * np.sqrt(3 / d["ratio"]), "-", color="0.6", lw=0.8)
     other.text(60, 2.9e-3, r"ratio$^{-1/2}$", ha="right", color="0.4")
     other.set(xscale="log", yscale="log", ylim=(2e-4, 0.3))
     other.set(xlabel=r"tangential stiffness over $k_n\delta^{1/2}$")
-    name_panels((left, other), (f"coulomb: slope {d['slope'][0]:.3f}", "constant_restitution"))
+    name_panels((left, other), (f"constraint: slope {d['slope'][0]:.3f}", "spring"))
     for ax in (left, other):
-        ax.legend(fontsize=5.8, loc="lower left", labelspacing=0.3)
-    figure.supxlabel(f"{SCENE_WORDS}; theory at the measured restitution")
+        ax.legend(loc="lower left")
+    note(figure, f"{scene_words()}; theory at the measured restitution")
     return figure

@@ -16,7 +16,7 @@ from md.sweep import Sweep
 
 from ..lib.runs import (
     GAMMA,
-    LAW_LINES,
+    LAW_NAME,
     LENGTH,
     boxes,
     gathered,
@@ -24,7 +24,7 @@ from ..lib.runs import (
     over_seeds,
     planned,
 )
-from ..lib.style import BLACK, BLUE, RED, Data, legend_above, painted, points, style
+from ..lib.style import Data, legend_above, note, painted, points, shades, style
 from .row_motion import averaged
 
 NEAR = 0.05  # part of the largest row's drift
@@ -34,7 +34,7 @@ PLANS = {  # rods: starts, periods
     True: {5: (2, 120), 10: (2, 60), 20: (2, 30)},
     False: {10: (4, 4800), 20: (4, 2400), 40: (4, 1200), 80: (2, 1200), 160: (2, 600)},
 }
-LOOKS = ((BLACK, "o-"), (RED, "s-"), (BLUE, "^-"))  # of the tilts
+FORMS = "o-", "s-", "^-"  # of the tilts
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
@@ -85,8 +85,9 @@ def over_largest(d: Data) -> tuple[np.ndarray, np.ndarray]:
 
 def _over_count(ax: Axes, d: Data, y: np.ndarray, error: np.ndarray) -> None:
     """A line for each tilt."""
-    for i, (colour, form) in zip(range(len(d["nominal_deg"])), LOOKS, strict=False):
-        label = f"{d['nominal_deg'][i]:g}°"
+    tilts = d["nominal_deg"]
+    for i, (tilt, colour, form) in enumerate(zip(tilts, shades(len(tilts)), FORMS, strict=False)):
+        label = f"{tilt:g}°"
         points(ax, d["count"], y[:, i], error[:, i], colour, form=form, label=label)
     ax.set(xscale="log", xlabel="number of rods")
     ax.set_xticks(d["count"], d["count"], minor=False)
@@ -111,9 +112,9 @@ def draw(d: Data) -> plt.Figure:
         "drift over the largest row's": _draw_drift,
         "rods that lean unlike": _draw_spread,
     }
-    figure = painted(d, panels, rows=2, figsize=(3.4, 4.0), sharex=True)
+    figure = painted(d, panels, rows=2, figsize=(3.4, 4.4), sharex=True)
     for ax in figure.axes[:-1]:
         ax.set(xlabel="")
     legend_above(figure, figure.axes[0], ncols=3)
-    figure.supxlabel(rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, 60 Hz;" f"\n{LAW_LINES}")
+    note(figure, rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, 60 Hz; {LAW_NAME}")
     return figure

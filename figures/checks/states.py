@@ -23,7 +23,7 @@ from md.sweep import Sweep
 from ..lib.runs import (
     COUNT,
     GAMMA,
-    LAW_LINES,
+    LAW_NAME,
     LENGTH,
     boxes,
     gathered,
@@ -34,12 +34,12 @@ from ..lib.style import (
     BLACK,
     BLUE,
     GREEN,
-    LEGEND_BOX,
-    ORANGE,
     RED,
     Data,
+    note,
     painted,
     points,
+    shades,
     style,
 )
 from . import row_motion
@@ -75,7 +75,6 @@ LIVES = {  # tilts [deg], starts, periods
 DRIVEN = {True: (2, 400), False: (4, 3000)}  # starts, periods; faster, rods are thrown over
 PARTS = 24  # of the time from one end to the other, over which (d) takes the mean
 BESIDE = 0.15  # by which symbols of one Gamma stand apart
-COLOURS = BLUE, GREEN, ORANGE, RED  # of tilts
 WAYS = (RED, "o-", "up"), (BLUE, "s-", "down")  # of the tilt
 
 
@@ -202,7 +201,7 @@ def _draw_map(ax: Axes, d: Data) -> None:
             ax.plot(tilt[here], gamma[here], form, color=colour, mfc=face, ms=2.2, mew=0.5)
     ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"acceleration $\Gamma$")
     ax.set_ylim(top=d["gamma"].max() + 1.6)
-    ax.legend(loc="upper right", **LEGEND_BOX)
+    ax.legend(loc="upper right")
 
 
 def _draw_drift(ax: Axes, d: Data) -> None:
@@ -217,8 +216,9 @@ def _draw_drift(ax: Axes, d: Data) -> None:
 
 
 def _draw_lives(ax: Axes, d: Data) -> None:
+    colours = shades(len(d["lives_deg"]))
     for i, tilt in enumerate(d["lives_deg"]):
-        look = {"color": COLOURS[i], "ls": "-" if i % 2 else (0, (5, 2)), "drawstyle": "steps-post"}
+        look = {"color": colours[i], "ls": "-" if i % 2 else (0, (5, 2)), "drawstyle": "steps-post"}
         ax.plot(d["middle"], d["still_there"][i], label=f"{tilt:g}°", zorder=3 - i, **look)
     ax.set(
         xlabel="time (periods of the plate)",
@@ -247,7 +247,5 @@ def draw(d: Data) -> plt.Figure:
         "tilt changed slowly": _draw_driven,
     }
     figure = painted(d, panels, rows=2, figsize=(7.0, 5.0))
-    figure.supxlabel(
-        rf"$N={COUNT}$, $l={LENGTH}\,d$, 60 Hz; (c), (d): $\Gamma={GAMMA}$;" f"\n{LAW_LINES}"
-    )
+    note(figure, rf"$N={COUNT}$, $l={LENGTH}\,d$, 60 Hz; (c), (d): $\Gamma={GAMMA}$; {LAW_NAME}")
     return figure

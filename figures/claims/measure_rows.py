@@ -112,7 +112,7 @@ def soft_impact(data: Evidence) -> Numbers:
     theory = soft.rigid(d["tilt"][some], fig12.EPSILON).regime
     found = {}
     for name, law in (("printed", "appendix_a"), ("coulomb", "coulomb")):
-        i = list(fig12.SOFT).index(law)
+        i = list(soft.LAW_WORDS).index(law)
         found[name] = Number(d["rms_constant"][i], d["step_error"][i], "halved step")
         found[f"{name}_regimes"] = count((d["regime"][i, some] == theory).sum())
     return {**found, "seen": count(len(set(d["regime"][i, some])))}

@@ -24,7 +24,7 @@ from md.statistics import standard_error
 from md.sweep import Point, Sweep
 
 from ..lib.runs import ROW, computed, gathered, measured_by
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, note, painted, shades, style
 from ..lib.timing import seconds_per_period
 
 PAPER_STEP = 2e-5  # sqrt(d/g)
@@ -154,9 +154,6 @@ def to_reach(d: Data, error: float) -> np.ndarray:
     return np.where(room > 0, periods * d["seconds"], np.inf)
 
 
-_COLOURS = (RED, ORANGE, GREEN, BLUE, "#56B4E9", BLACK)
-
-
 def _labels(d: Data) -> list[str]:
     names = [rf"$t_c/{n:.0f}$" for n in d["per_contact"]]
     return [*names[:-1], names[-1] + ", the paper's"]
@@ -164,12 +161,13 @@ def _labels(d: Data) -> list[str]:
 
 def panel(ax: Axes, d: Data) -> None:
     """Error against time, step by step."""
-    for i, (colour, label) in enumerate(zip(_COLOURS, _labels(d), strict=True)):
+    colours = [*shades(len(d["dt"]) - 1), BLACK]
+    for i, (colour, label) in enumerate(zip(colours, _labels(d), strict=True)):
         time = d["lengths"] * d["seconds"][i]
         ax.plot(time, d["rms"][i], "o-", color=colour, ms=2.2, lw=0.8, label=label)
     longest = d["lengths"][np.isfinite(d["rms"][0])][-1]
     right = 2 * (longest * d["seconds"][:-1]).max()
-    for i, colour in enumerate(_COLOURS):
+    for i, colour in enumerate(colours):
         size, error = abs(d["bias"][i]), d["bias_error"][i]
         clear = size > CLEAR_BIAS * error
         look = {"lw": 1.4, "ls": "-"} if clear else {"lw": 0.8, "ls": ":"}
@@ -183,22 +181,23 @@ def panel(ax: Axes, d: Data) -> None:
     ax.axhline(0.01, color="0.75", lw=0.6)
     ax.set(xscale="log", yscale="log", xlabel="time of the run (s)")
     ax.set(ylabel=r"error of $c_x$, relative", ylim=(4e-4, 0.5))
-    ax.legend(fontsize=5.5, loc="lower left", title="step", title_fontsize=6)
+    ax.legend(loc="lower left", title="step")
 
 
 def _draw_runs(ax: Axes, d: Data) -> None:
     wanted = np.geomspace(0.003, 0.3, 60)
+    colours = [*shades(len(d["dt"]) - 1), BLACK]
     for i in (1, 3, 5):
         time = np.array([to_reach(d, r / 1.96)[i] for r in wanted])
-        ax.plot(time, wanted, "--", color=_COLOURS[i], lw=0.7, label=_labels(d)[i])
+        ax.plot(time, wanted, "--", color=colours[i], lw=0.7, label=_labels(d)[i])
     for i, (name, (colour, mark)) in enumerate(zip(d["scene"], _MARKS, strict=True)):
         time, look = d["run_seconds"][i], {"color": colour, "ms": 3}
-        ax.plot(time, d["tolerance"], f"{mark}-", lw=0.9, label=name, **look)
+        ax.plot(time, d["tolerance"], f"{mark}-", lw=0.9, label=name.replace("_", " "), **look)
     had = np.fmax(d["run_error"], 1e-4)
     ax.plot(d["run_seconds"][0], had, "x", color=BLACK, ms=4, label="had, of the row")
     ax.set(xscale="log", yscale="log", xlabel="time of the run (s)", ylim=(1e-4, 0.12))
     ax.set_ylabel(r"error of $c_x$, relative")
-    ax.legend(fontsize=5, loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2)
 
 
 _MARKS = (BLACK, "s"), (BLUE, "^"), (GREEN, "D"), (RED, "v")
@@ -207,8 +206,8 @@ _MARKS = (BLACK, "s"), (BLUE, "^"), (GREEN, "D"), (RED, "v")
 @style
 def draw(d: Data) -> plt.Figure:
     panels = {"drift of the row": panel, "by tolerance, 95 %": _draw_runs}
-    figure = painted(d, panels, figsize=(7.0, 3.0))
+    figure = painted(d, panels, figsize=(7.0, 3.8))
     one = [f"{t:.2g} s at {name}" for t, name in zip(to_reach(d, 0.01), _labels(d), strict=True)]
     words = f"an error of 1 % (one standard error): {', '.join(one)}".replace("inf s", "never")
-    figure.supxlabel(words, fontsize=5.5)
+    note(figure, words)
     return figure

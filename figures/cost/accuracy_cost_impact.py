@@ -28,7 +28,7 @@ from md.rod import effects_of
 
 from ..claims.uncertainty import rms
 from ..lib.soft_impacts import APPROACH_RATIO, IMPACT_FRICTION, ROD, TABLE_TILTS, one_impact
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, Data, name_panels, style
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, Data, name_panels, note, style
 from ..lib.timing import machine_line, medians
 
 LAW = md.coulomb()
@@ -155,7 +155,9 @@ def _draw_errors(ax: Axes, d: Data, x: np.ndarray) -> None:
     for i, (method, (colour, marker)) in enumerate(LOOKS.items()):
         worst, middle = d["fixed_error"][:, i]
         look = {"color": colour, "lw": 0.8, "ms": 3}
-        ax.plot(x[i], worst, marker + "-", label=f"{method}, order {d['order'][i]:.2f}", **look)
+        ax.plot(
+            x[i], worst, marker + "-", label=f"{method.title()}, order {d['order'][i]:.2f}", **look
+        )
         ax.plot(x[i], middle, marker + ":", mfc="white", mew=0.7, **look)
     ax.axhline(d["floor"], color="0.55", lw=0.8, ls="--")
     ax.axhline(np.finfo(float).eps / 2, color="0.55", lw=0.8, ls=":")
@@ -166,17 +168,17 @@ def _draw_errors(ax: Axes, d: Data, x: np.ndarray) -> None:
 def draw(d: Data) -> plt.Figure:
     figure, (steps, time) = plt.subplots(1, 2, figsize=(7.0, 3.2), sharey=True)
     _draw_errors(steps, d, np.broadcast_to(1 / d["parts"], d["fixed_steps"].shape))
-    steps.text(4e-6, 2 * d["floor"], "the reference's own error", fontsize=6.5)
-    steps.text(4e-6, 2e-16, "half an ulp", fontsize=6.5)
+    steps.text(4e-6, 2 * d["floor"], "the reference's own error")
+    steps.text(4e-6, 2e-16, "half an ulp")
     steps.set(xlabel=r"step $\Delta t/t_c$", xlim=(1.5e-6, 0.3))
     steps.set_ylabel(r"$|\Delta\mathbf{c}'|/|c_z|$, integration")
     _draw_errors(time, d, 1e6 * d["fixed_seconds"])
     worst, middle = d["adaptive_error"]
     look = {"color": GREEN, "lw": 0.8, "ms": 3}
-    time.plot(1e6 * d["adaptive_seconds"], worst, "D-", label="dop853, events", **look)
+    time.plot(1e6 * d["adaptive_seconds"], worst, "D-", label="DOP853, switches located", **look)
     time.plot(1e6 * d["adaptive_seconds"], middle, "D:", mfc="white", mew=0.7, **look)
-    time.legend(loc="lower left", fontsize=6.5, bbox_to_anchor=(0, 0.25))
+    time.legend(loc="lower left", bbox_to_anchor=(0, 0.28))
     time.set(xlabel="time per impact (µs)", xlim=(0.1, 1e5))
     name_panels((steps, time), ("over the step", "over the time"))
-    figure.supxlabel(machine_line(d["load"]), fontsize=6)
+    note(figure, machine_line(d["load"]))
     return figure

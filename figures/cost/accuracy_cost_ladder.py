@@ -1,13 +1,13 @@
-"""One question, the drift of the row, and every way to answer it: deviation against time.
+"""One question, the drift of the row, and every way to answer it: deviation and time.
 
 N = 40 thin rods of 9.5 d at 21.5 degrees, Gamma = 3.3, mu = 0.3, restitution 0.65 head on.
-(a) Errors of the computation: rows of rods over several lengths of time (in periods), steps (in
-parts of a contact) and numbers of rods. (b) What another model makes of the same question: the
-closed form (24) with the assumed V_z = V_0/2, in an array and by itself; one rigid rod that bounces
-at fixed tilt, 30 to 100,000 landings; other stiffnesses and contact laws. Height: deviation of the
-mean over independent starts from the trusted answer, long runs of many starts of the same law with
-a fine step. Bars: one standard error, of both, from the scatter between starts; where it exceeds
-the deviation the symbol is open. The time is that of one start.
+Another model: the closed form (24) with the assumed V_z = V_0/2, in an array and by itself; one
+rigid rod that bounces at fixed tilt, 30 to 100,000 landings; other stiffnesses and contact laws.
+The same model: rows of rods over several lengths of time (in periods), steps (in parts of a
+contact) and numbers of rods. Symbols: deviation of the mean over independent starts from the
+trusted answer, long runs of many starts of the same law with a fine step, linear between -1 and 1
+%. Bars: one standard error, of both, from the scatter between starts; where it exceeds the
+deviation the symbol is open. The time at the right is that of one start.
 """
 
 import os
@@ -15,8 +15,7 @@ import os
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.text import Annotation
-from matplotlib.transforms import Bbox
+from matplotlib.ticker import EngFormatter
 
 import md
 from impact import drift
@@ -35,7 +34,7 @@ from ..lib.runs import (
     over_seeds,
     paper_rod,
 )
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, name_panels, style
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, RIGID, THEORY, Data, note, style
 from ..lib.timing import medians, repeated, seconds_per_period
 
 ROW_TILT = np.arccos(COUNT / BOX)
@@ -132,13 +131,13 @@ def data(quick: bool = False) -> Data:
 
 
 LOOKS = {
-    "length": ("#CC79A7", "P"),
+    "length": (PURPLE, "P"),
     "step": (BLUE, "o"),
-    "rods": ("0.45", "v"),
-    "theory": (BLACK, "*"),
-    "one rigid rod": (ORANGE, "D"),
-    "stiffness": (GREEN, "s"),
-    "contact law": (RED, "^"),
+    "rods": (GREEN, "v"),
+    "theory": (THEORY, "*"),
+    "one rigid rod": (RIGID, "D"),
+    "stiffness": (ORANGE, "s"),
+    "contact law": (BLACK, "^"),
 }
 COMPUTATION = ("length", "step", "rods")  # the other groups are of another model
 
@@ -149,62 +148,42 @@ def deviations(d: Data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return d["answer"] / truth - 1, np.hypot(d["error"], spread) / truth, d["scatter"] / truth
 
 
-def panel(ax: Axes, d: Data, *, of_model: bool) -> None:
-    """Deviation against time, a colour a group."""
+def panel(ax: Axes, d: Data) -> None:
+    """A line for each way, sorted by time: deviation with its sign, and the time at the right."""
     off, error, _ = deviations(d)
-    size = np.fmax(np.abs(off), 3e-4)
-    shown = np.isin(d["group"], COMPUTATION) != of_model
+    computed = np.isin(d["group"], COMPUTATION)
+    order = np.lexsort((d["seconds"], computed))
+    y = np.empty(len(order))
+    y[order] = np.arange(len(order)) + 1.3 * computed[order]  # the two kinds apart
     for group, (colour, marker) in LOOKS.items():
-        if (group in COMPUTATION) == of_model:
-            continue
-        here = d["group"] == group
-        bars = np.fmin(error, 0.9 * size)[here], error[here]
-        look = {"color": colour, "ms": 4, "elinewidth": 0.6, "label": group}
-        ax.errorbar(d["seconds"][here], size[here], bars, fmt=marker, **look)
-        unclear, face = here & (np.abs(off) <= error), {"mfc": "white", "zorder": 3}
-        ax.plot(d["seconds"][unclear], size[unclear], marker, color=colour, ms=4, **face)
-    ax.set(xscale="log", yscale="log", ylim=(2e-4, 3), xlabel="time (s)")
-    named = {name: d[name][shown] for name in ("label", "group")}
-    _name_points(ax, d["seconds"][shown], size[shown], named)
-    title = "model" if of_model else "computation"
-    ax.legend(fontsize=6, loc="lower left", title=title, title_fontsize=6)
-
-
-def _name_points(ax: Axes, x: np.ndarray, y: np.ndarray, d: Data) -> None:
-    """Names beside the points, each where it hides least of points and other names."""
-    draws = ax.figure.canvas.get_renderer()
-    points = ax.transData.transform(np.column_stack([x, y]))
-    taken = [Bbox.from_bounds(*(point - 4), 8, 8) for point in points]
-    beside = {"textcoords": "offset points", "va": "center", "fontsize": 5}
-    sides = [(dx, dy) for dy in (0, 6, -6, 13, -13) for dx in (5, -5)] + [(0, 9), (0, -9)]
-    for at, label, group in zip(zip(x, y, strict=True), d["label"], d["group"], strict=True):
-        name = ax.annotate(label, at, (0, 0), color=LOOKS[str(group)][0], **beside)
-        hidden = []
-        for side in sides:
-            _put(name, side)
-            box = name.get_window_extent(draws)
-            hidden.append(sum(box.overlaps(other) for other in taken))
-        _put(name, sides[int(np.argmin(hidden))])
-        taken.append(name.get_window_extent(draws))
-
-
-def _put(name: Annotation, side: tuple[int, int]) -> None:
-    """Move a name to one side of its point."""
-    name.set_position(side)
-    name.set_ha("left" if side[0] > 0 else "right" if side[0] < 0 else "center")
+        for unclear in (False, True):
+            here = (d["group"] == group) & ((np.abs(off) <= error) == unclear)
+            look = {"fmt": marker, "color": colour, "elinewidth": 0.8}
+            face = "white" if unclear else colour
+            ax.errorbar(off[here], y[here], xerr=error[here], mfc=face, **look)
+    seconds, beside = EngFormatter("s", places=1), {"va": "center", "ha": "right"}
+    for at, time in zip(y, d["seconds"], strict=True):
+        ax.text(1.15, at, seconds(time), transform=ax.get_yaxis_transform(), **beside)
+    kinds = {"another model": -1.0, "the same model": y[computed].min() - 1}
+    names = [f"{group}: {label}" for group, label in zip(d["group"], d["label"], strict=True)]
+    bold = [rf"$\bf{{{kind}}}$".replace(" ", r"\ ") for kind in kinds]
+    ax.set_yticks([*kinds.values(), *y], [*bold, *names])
+    ax.tick_params(axis="y", length=0)
+    ax.axvline(0, color="0.6", lw=0.6)
+    ax.set_xscale("symlog", linthresh=0.01, linscale=0.5)
+    ticks = (-1, -0.1, -0.01, 0, 0.01, 0.1, 1)
+    ax.set_xticks(ticks, [f"{100 * tick:+g}".replace("-", "−") if tick else "0" for tick in ticks])
+    ax.set(xlim=(-1, 3), ylim=(y.max() + 0.8, -1.8), xlabel="deviation of the drift (%)")
 
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(1, 2, figsize=(7.0, 3.8), sharey=True)
+    figure, ax = plt.subplots(figsize=(7.0, 5.4))
+    panel(ax, d)
     truth, spread, seconds = d["trusted"]
-    for ax, of_model in zip(axes, (False, True), strict=True):
-        panel(ax, d, of_model=of_model)
-        ax.axvline(seconds, color="0.6", lw=0.8, ls=":")
-    name_panels(axes, ("error of the computation", "another model"))
-    axes[0].set_ylabel(r"deviation of $c_x$ from the trusted answer")
-    figure.supxlabel(
-        rf"trusted: $c_x={truth:.4f}\pm{spread:.4f}\,\sqrt{{gd}}$, {seconds:.0f} s (dotted); "
+    note(
+        figure,
+        rf"trusted: $c_x={truth:.4f}\pm{spread:.4f}\,\sqrt{{gd}}$, {seconds:.0f} s; "
         rf"$L={BOX:g}\,d$, $N={COUNT}$, $\Gamma={GAMMA}$, $\mu={FRICTION}$, "
         rf"$\epsilon={RESTITUTION}$",
     )

@@ -102,12 +102,12 @@ def draw(d: Data) -> plt.Figure:
         ax.plot(time, middle, marker, mfc="white", **look)
     half_ulp = np.finfo(float).eps / 2
     ax.axhline(half_ulp, color="0.55", lw=0.8, ls=":")
-    ax.text(6e3, 1.3 * half_ulp, "half an ulp", fontsize=6.5, ha="center", va="bottom")
+    ax.text(6e3, 1.3 * half_ulp, "half an ulp", ha="center", va="bottom")
     ax.axvline(1e9 * d["memory_seconds"], color="0.55", lw=0.8, ls="--")
-    upright = {"fontsize": 6.5, "rotation": 90, "va": "center"}
+    upright = {"rotation": 90, "va": "center"}
     ax.text(1.35e9 * d["memory_seconds"], 1e-3, "one pass through memory", **upright)
     ax.set(xscale="log", yscale="log", xlim=(2, 1e6), ylim=(lowest, 1e5))
     ax.set(xlabel="time per impact (ns)", ylabel="relative error")
     words = "filled: largest error\nopen: median"
-    figure.legend(loc="outside right center", title=words, title_fontsize=7)
+    figure.legend(loc="outside right center", title=words)
     return figure

@@ -28,7 +28,7 @@ from md.scene import put
 from md.sweep import Sweep
 
 from ..lib.runs import SIMPLE_ROW, means, planned
-from ..lib.style import BLUE, ORANGE, Data, style
+from ..lib.style import BLUE, ORANGE, Data, note, style
 from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
 from .scene_variants import FULL, GROUPS, NOTHING, STEP_SIZE, Effect, Variant, variants
 
@@ -195,30 +195,30 @@ def panel(ax: Axes, d: Data) -> None:
         for at, one, off in zip(y + side, value, error, strict=True):
             start = max(one, 0) + off + 0.01 * longest
             words = plus_minus(one, off).replace("-", "−")
-            ax.text(start, at, words, va="center", fontsize=5.5, color="0.25")
-    beside = {"va": "center", "fontsize": 6, "transform": ax.get_yaxis_transform()}
+            ax.text(start, at, words, va="center", color="0.25")
+    beside = {"va": "center", "transform": ax.get_yaxis_transform()}
     for at, words in zip(y, _changes(d), strict=True):
         ax.text(1.02, at, words.replace("-", "−"), **beside)
     words = f"change of $c_x$ from\n{d['drift'][0, 0]:.2f} ± {d['drift'][1, 0]:.2f} cm/s"
     ax.text(1.02, y[0] - 1.3, words, **beside)
     ax.axvline(0, color="black", lw=0.6)
     names = [f"{name}{' instead' if name in GROUPS['instead'] else ''}" for name in rows()]
-    ax.set(ylim=(y[-1] + 0.7, -0.7), xlim=(1.1 * lowest, 1.25 * longest))
+    ax.set(ylim=(y[-1] + 0.7, -0.7), xlim=(1.1 * lowest, 1.45 * longest))
     ax.set_xlabel("price (ns per step of a rod)")
-    ax.set_yticks(y, names, fontsize=6)
+    ax.set_yticks(y, names)
     ax.tick_params(axis="y", length=0)
     ax.tick_params(axis="x", top=False)
     full = d["full"][0]
     scales = (lambda x: 100 * x / full), (lambda x: x * full / 100)
     share = ax.secondary_xaxis("top", functions=scales)
     share.set_xlabel(f"share (%) of the full scene, {full:.1f} ns per step of a rod")
-    ax.legend(loc="lower right", fontsize=6.5)
+    ax.legend(loc="lower right")
 
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, ax = plt.subplots(figsize=(7.0, 5.6))
+    figure, ax = plt.subplots(figsize=(7.0, 7.0))
     panel(ax, d)
     words = "errors of the median; drift −: no row is left without it"
-    figure.supxlabel(f"{words}\n{machine_line(d['load'])}")
+    note(figure, f"{words}; {machine_line(d['load'])}")
     return figure

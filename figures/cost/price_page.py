@@ -9,7 +9,7 @@ import numpy as np
 from impact.benchmark import benchmark
 
 from .. import FIGURES, load
-from ..lib.style import RESTITUTION_LAWS, name_panels, style
+from ..lib.style import RESTITUTION_LAWS, name_panels, note, style
 from ..lib.timing import machine_line
 from . import accuracy_cost_drift, accuracy_cost_ladder, effect_prices, exact_impacts
 
@@ -24,14 +24,14 @@ def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
     narrow = [name for name in found if name not in WIDE]
     layout = [[name, name] for name in found if name in WIDE]
     layout += [[narrow[i], narrow[min(i + 1, len(narrow) - 1)]] for i in range(0, len(narrow), 2)]
-    heights = [4.9 if row[0] in WIDE else 2.9 for row in layout]
+    heights = [6.2 if row[0] in WIDE else 2.9 for row in layout]
     size = 7.0, sum(heights)
     figure, axes = plt.subplot_mosaic(layout, figsize=size, height_ratios=heights)
     for name, ax in axes.items():
         load(name).panel(ax, found[name])
     name_panels(axes.values(), map(PRICE_PANELS.get, axes))
     load_then = next((float(d["load"]) for d in found.values() if "load" in d), np.nan)
-    figure.supxlabel(machine_line(load_then))
+    note(figure, machine_line(load_then))
     return figure
 
 

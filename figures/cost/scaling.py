@@ -25,7 +25,7 @@ from md.scene import from_tables, put
 from md.sweep import execute, expand
 
 from ..lib.runs import SIMPLE_ROW
-from ..lib.style import BLACK, BLUE, Data, painted, style
+from ..lib.style import BLACK, BLUE, Data, note, painted, style
 from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
 
 _SIZES = (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000)
@@ -134,7 +134,7 @@ def panel(ax: Axes, d: Data) -> None:
     gains = [*zip(d["workers"], rate / rate[0], strict=True)][1:]
     words = [f"{np.median(d['row'][:, 0]):.1f} ns per step of a rod"]
     words += [f"{n} cores: {gain:.2f} times one" for n, gain in gains]
-    ax.text(0.97, 0.04, "\n".join(words), ha="right", fontsize=6.5, transform=ax.transAxes)
+    ax.text(0.97, 0.04, "\n".join(words), ha="right", transform=ax.transAxes)
     ax.legend(loc="upper left")
 
 
@@ -153,5 +153,5 @@ def _draw_cores(ax: Axes, d: Data) -> None:
 def draw(d: Data) -> plt.Figure:
     panels = {"a period": panel, "many runs": _draw_cores}
     figure = painted(d, panels, figsize=(7.0, 2.7))
-    figure.supxlabel(machine_line(d["load"]))
+    note(figure, machine_line(d["load"]))
     return figure

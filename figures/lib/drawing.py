@@ -21,8 +21,9 @@ from md.interrupt import deferred
 from .. import FIGURES, load
 from . import runs
 from .data import NOTHING, Own, keep, kept_data
-from .files import first_look
+from .files import made
 from .printing import printed
+from .style import note, style
 
 KINDS = "npz", "png", "pdf"
 
@@ -53,8 +54,12 @@ def produce(
     module, own = load(name), {key: own[key] for key in FIGURES[name].own if key in own}
     data = module.data(quick=quick, **own) if kept is None else kept_data(name, kept)
     picture = module.draw(data)
-    if quick if kept is None else first_look(kept / f"{name}.npz"):
-        picture.text(0.998, 0.004, "quick", ha="right", va="bottom", fontsize=6, color="0.5")
+    by = {"quick": quick, "own": own} if kept is None else made(kept / f"{name}.npz")
+    marks = ["quick"] if by.get("quick") else []
+    marks += [f"own {key}: {value}" for key, value in by.get("own", {}).items()]
+    if marks:
+        words = picture.get_supxlabel()
+        style(note)(picture, "; ".join([words, *marks] if words else marks))
     stamp = {"Title": f"{FIGURES[name].title} (impact {DIGEST})"}
     npz, png, pdf = (out / file for file in files_of(name))
     try:

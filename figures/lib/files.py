@@ -5,6 +5,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -86,10 +87,10 @@ def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
         runs.STORE = usual
 
 
-def first_look(npz: Path) -> bool:
-    """Whether a figure's numbers are those of `--quick`."""
+def made(npz: Path) -> dict[str, Any]:
+    """What made a figure's numbers: `quick`, values of one's `own`; empty if it cannot be read."""
     try:
         with npz.open("rb") as file:  # np.load(npz) leaves one open that is no archive
-            return bool(json.loads(str(np.load(file)["provenance"]))["quick"])
+            return dict(json.loads(str(np.load(file)["provenance"])))
     except BROKEN:
-        return False
+        return {}

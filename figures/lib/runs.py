@@ -60,7 +60,6 @@ ROW = put(SIMPLE_ROW, LAW)
 LAW_NAME = "plate/rods: " + ", ".join(
     f"{name.replace('_', ' ')} {plate:g}/{rods:g}" for name, (plate, rods) in LAW_OF.items()
 )
-LAW_LINES = LAW_NAME.replace(", ", ",\n")  # for a narrow figure
 TILT_SCAN_WORDS = (
     rf"$l={LENGTH}\,d$, thin inertia, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}"
 )
@@ -70,21 +69,24 @@ SIMPLE_ANNULUS = read_tables("annulus")  # under that law
 ANNULUS = put(SIMPLE_ANNULUS, {**LAW, **_WALLS})  # walls are like the plate
 ANNULUS_SCENE = from_tables(ANNULUS)
 ANNULUS_COUNT = ANNULUS_SCENE.rods.count  # of Fig. 5(b), and of all that is not over this number
-ANNULUS_WORDS = (
+_ANNULUS_WORDS = (
     rf"experiment's annulus, $l={ANNULUS_SCENE.rods.length:g}\,d$, $d=0.635$ cm, solid inertia, "
-    f"60 Hz;\n{LAW_NAME};\nfriction of plate, walls and rods "
+    f"60 Hz; {LAW_NAME}; friction of plate, walls and rods "
     f"{ANNULUS['contacts']['plate']['friction']} (assumed), where it is not varied"
 )
 SEEDS = {"start.seed": [1, 2, 3, 4]}
 SHOWN_DEG = (9, 18, 27, 34, 45)  # tilts of Fig. 8; of any scan
 
 
+PLACES = {"box": "a box", "annulus": "an annulus"}
+
+
 @dataclass(frozen=True)
 class Row:
-    """A row whose tilt is varied, and what its figures say of it."""
+    """A row or an annulus whose tilt is varied, and what its figures say of it."""
 
     tables: Mapping[str, Any]  # of the scene
-    setting: Mapping[str, Any]  # friction and restitution, of the theory beside it
+    setting: Mapping[str, Any]  # friction and restitution of the plate, for the theory beside it
     gamma: float  # peak acceleration of the plate, in g
     words: str
 
@@ -92,6 +94,12 @@ class Row:
     def scene(self) -> Scene:
         """The scene as it is."""
         return from_tables(self.tables)
+
+    def counts(self, papers: Iterable[int]) -> list[int]:
+        """Numbers of rods that stand in this annulus as those do in the paper's."""
+        here, there = (scene.annulus for scene in (self.scene, ANNULUS_SCENE))
+        wider = here.middle / there.middle if here and there else 1.0
+        return [round(wider * count) for count in papers]
 
     def rod(self, tilt: float | np.ndarray) -> ContactGeometry:
         """Round tip, and the gyration radius of the scene's rods; tilt in radians."""
@@ -112,14 +120,25 @@ def row_of(scene: str | None) -> Row:
     ValueError
         If it is not a row on a plate that vibrates, under a law with a restitution.
     """
+    return Row(ROW, SETTING, GAMMA, TILT_SCAN_WORDS) if scene is None else _own(scene, "box")
+
+
+def annulus_of(scene: str | None) -> Row:
+    """The experiment's annulus, or one of one's own; as `row_of`."""
     if scene is None:
-        return Row(ROW, SETTING, GAMMA, TILT_SCAN_WORDS)
+        return Row(ANNULUS, SETTING, ANNULUS["plate"]["acceleration"], _ANNULUS_WORDS)
+    return _own(scene, "annulus")
+
+
+def _own(scene: str, place: str) -> Row:
+    """Rods of one's own in a box or an annulus."""
     tables = put(read_tables(scene), {"start.tilt_deg": "none"})
     found = from_tables(tables)
     rods, plate, contact = found.rods, found.plate, found.contacts.plate
-    if not (found.box and plate and contact and found.vibrates) or contact.law.restitution is None:
-        kind = "rods in a box on a plate that vibrates, under a law with a restitution"
-        raise InputError(f"scene must be {kind}, got {scene}")
+    there = found.box if place == "box" else found.annulus
+    if not (there and plate and contact and found.vibrates) or contact.law.restitution is None:
+        kind = "on a plate that vibrates, under a law with a restitution"
+        raise InputError(f"scene must be rods in {PLACES[place]} {kind}, got {scene}")
     setting = {"friction": contact.friction, "restitution": contact.law.restitution}
     words = (
         rf"{Path(scene).stem}: {rods.count} rods, $l={rods.length:.3g}\,d$, {rods.inertia} inertia,"
@@ -234,9 +253,9 @@ def tilt_plan(
     return planned([along, SEEDS], periods_of(quick), changes, row.tables)
 
 
-def paper_rod(tilt: float | np.ndarray) -> ContactGeometry:
+def paper_rod(tilt: float | np.ndarray, length: float = LENGTH) -> ContactGeometry:
     """Round tip, and the gyration radius of a thin rod; tilt in radians."""
-    return spherocylinder(tilt, LENGTH)._replace(k=LENGTH / np.sqrt(12))
+    return spherocylinder(tilt, length)._replace(k=length / np.sqrt(12))
 
 
 def lone(quick: bool, scene: str | None = None) -> tuple[np.ndarray, list["Bouncing"]]:

@@ -12,10 +12,27 @@ import numpy as np
 import md
 from impact import Collision, ContactGeometry, Regime, collide
 
+from .style import ANOTHER, PRINTED_LAW, SIMULATED
+
 ROD = md.Rod(9.5, "thin")
 IMPACT_FRICTION, APPROACH_RATIO = 0.4, 2.0
 TABLE_TILTS = np.radians(np.arange(5, 86, 5))  # of the tables
-SCENE_WORDS = r"$\mu=0.4$, $-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$, $l=9.5\,d$, thin inertia"
+LAW_WORDS = {
+    "coulomb": "friction as a constraint",
+    "constant_restitution": "friction as a spring",
+    "appendix_a": "Appendix A",
+}
+CONTACT_COLOURS = {
+    "coulomb": SIMULATED,
+    "constant_restitution": ANOTHER,
+    "appendix_a": PRINTED_LAW,
+}
+
+
+def scene_words(friction: float = IMPACT_FRICTION, length: float = ROD.length) -> str:
+    """The scene, for a picture."""
+    speeds = r"$-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$"
+    return rf"$\mu={friction:g}$, {speeds}, $l={length:g}\,d$, thin inertia"
 
 
 class Soft(NamedTuple):
@@ -27,12 +44,10 @@ class Soft(NamedTuple):
     regime: np.ndarray  # of `impact.Regime`
 
 
-def one_impact(
-    tilt: float, law: md.Law, speed: float = 1.0, rod: md.Rod = ROD, **how: Any
-) -> md.Impact:
+def one_impact(tilt: float, law: md.Law, speed: float = 1.0, **how: Any) -> md.Impact:
     """The impact at one tilt [rad] with c_z = -speed [sqrt(g d)]; `how` as in `md.impact`."""
-    scene = {"friction": IMPACT_FRICTION, "rod": rod, "law": law}
-    return md.impact(float(tilt), speed / APPROACH_RATIO, -speed, **scene, **how)
+    how = {"friction": IMPACT_FRICTION, "rod": ROD, **how}
+    return md.impact(float(tilt), speed / APPROACH_RATIO, -speed, law=law, **how)
 
 
 def simulate(
@@ -40,18 +55,18 @@ def simulate(
     law: md.Law,
     *,
     speed: float = 1.0,
-    rod: md.Rod = ROD,
     integrator: str = "verlet",
     refine: int = 32,
+    **scene: Any,
 ) -> Soft:
     """Impacts at each tilt, as `one_impact`.
 
     The step is the default one, at most a hundredth of the contact time, over `refine`; with
-    "dop853" every switch is located instead.
+    "dop853" every switch is located instead. `scene`: rod or friction, if they are others.
     """
 
     def hit(phi: float, **how: float) -> md.Impact:
-        return one_impact(phi, law, speed, rod, integrator=integrator, **how)
+        return one_impact(phi, law, speed, integrator=integrator, **scene, **how)
 
     if integrator == "dop853":
         hits = [hit(phi, tolerance=1e-12) for phi in tilt]
@@ -69,10 +84,14 @@ def arms(tilt: np.ndarray, rod: md.Rod = ROD) -> ContactGeometry:
 
 
 def rigid(
-    tilt: np.ndarray, restitution: np.ndarray | float, rod: md.Rod = ROD, law: str = "newton"
+    tilt: np.ndarray,
+    restitution: np.ndarray | float,
+    rod: md.Rod = ROD,
+    law: str = "newton",
+    friction: float = IMPACT_FRICTION,
 ) -> Collision:
     """The theory's answer to the same impacts; -v_f/v_0 is its `normal_velocity`."""
-    given = {"geometry": arms(tilt, rod), "friction": IMPACT_FRICTION, "law": law}
+    given = {"geometry": arms(tilt, rod), "friction": friction, "law": law}
     given["restitution"] = np.clip(restitution, 0.0, 1.0)  # a measured one may end above 1
     return collide(1 / APPROACH_RATIO, -1.0, **given)
 

@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
-from scipy.ndimage import distance_transform_edt, minimum_filter
-from scipy.ndimage import label as regions
+from scipy.ndimage import distance_transform_edt, maximum_filter, minimum_filter
 
 from impact import Regime, critical_tilts, slide_friction, spherocylinder, thin_rod
 
@@ -21,10 +20,21 @@ Look = dict[str, Any]  # options of Matplotlib
 
 style = plt.style.context(Path(__file__).parents[1] / "style.mplstyle")  # decorates each `draw`
 
-BLACK, ORANGE, GREEN, BLUE, RED = "#000000", "#E69F00", "#009E73", "#0072B2", "#D55E00"
+BLACK, ORANGE, GREEN, BLUE = "#000000", "#E69F00", "#009E73", "#0072B2"
+RED, SKY, PURPLE = "#D55E00", "#56B4E9", "#AA4A84"
 
-# Slide, slip-stick, slip reversal: pale, so that boundary lines and words stand out.
+# What a colour means, in every figure; `shades` are values of a parameter.
+SIMULATED = BLACK  # rows, annuli, soft impacts; also what happens, where others show what would
+THEORY = RED  # the paper's closed forms, as they stand
+RIGID = BLUE  # exact flights and impacts; the theory, told what was measured
+ANOTHER = GREEN  # a second quantity, with its own axis; a second law of contact
+PRINTED_LAW = PURPLE  # Appendix A
+DRIFTS = "RdBu_r"  # forward is red, reverse blue
+FORWARD, REVERSE = "#B2182B", "#2166AC"
+
+# Slide, slip-stick, slip reversal: maps pale, so that boundary lines and words stand out.
 REGIME_MAP = ListedColormap(["#A9D8F5", "#FBF5BE", "#EDA677"])
+REGIME_COLOURS = SKY, "#A08A00", "#B4481E"  # of curves
 REGIME_NORM = BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3)
 _REGIMES: Look = {"cmap": REGIME_MAP, "norm": REGIME_NORM, "rasterized": True, "zorder": 0}
 
@@ -33,11 +43,13 @@ REGIME_WORDS = {
     Regime.SLIP_STICK: "slip-stick",
     Regime.SLIP_REVERSAL: "slip reversal",
 }
-LEGEND_BOX = {"frameon": True, "edgecolor": "none", "framealpha": 0.9, "borderpad": 0.2}
-RESTITUTION_LAWS = ("newton", "poisson", "stronge")
+LAW_COLOURS = {"newton": THEORY, "poisson": ORANGE, "stronge": SKY}  # of restitution
+RESTITUTION_LAWS = tuple(LAW_COLOURS)
 ARROW: Look = {"arrowstyle": "->", "lw": 0.6}
-ASIDE: Look = {"ha": "center", "va": "center", "arrowprops": ARROW}
+CENTRED: Look = {"ha": "center", "va": "center"}
+ASIDE: Look = {**CENTRED, "arrowprops": ARROW}
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
+SHAPE_COLOURS = {"thin": THEORY, "round": RIGID, "flat": PURPLE}
 
 # White to vermilion: light enough for black lines everywhere.
 WARM = LinearSegmentedColormap.from_list("warm", ["#FFFFFF", ORANGE, RED])
@@ -71,40 +83,55 @@ def map_regimes(
     return ax.pcolormesh(tilt_deg, friction, regime, shading="nearest", **_REGIMES)
 
 
-def name_regimes(ax: Axes, tilt_deg: np.ndarray, friction: np.ndarray, regime: np.ndarray) -> None:
-    """Name each regime of a map where it is widest; one that is too narrow gets an arrow.
+def name_regimes(
+    ax: Axes,
+    tilt_deg: np.ndarray,
+    friction: np.ndarray,
+    regime: np.ndarray,
+    line: float = np.inf,
+) -> None:
+    """Name each regime of a map where it is widest, the largest first; no name crosses a line.
+
+    One that is too narrow for its name gets an arrow.
 
     Parameters
     ----------
     tilt_deg, friction : (columns,), (rows,), evenly spaced over the whole panel
     regime : (rows, columns)
+    line : friction of a line across the panel
     """
-    for number, name in REGIME_WORDS.items():
-        parts, count = regions(np.pad(regime == number, 1))
-        if not count:
+    framed = np.pad(regime + 10 * (friction[:, None] > line), 1)
+    free = framed > 0  # of other names
+    for number in sorted(REGIME_WORDS, key=lambda one: -np.sum(regime == one)):
+        there, name = framed % 10 == number, REGIME_WORDS[number]
+        if not there.any():
             continue
-        there = parts == 1 + np.argmax(np.bincount(parts.flat)[1:])  # the largest part
         depth, word = distance_transform_edt(there), ax.text(0, 0, name, ha="center", va="center")
         for words in (name, name.replace(" ", "\n")):
             word.set_text(words)
             room = np.divide(word.get_window_extent().size, ax.get_window_extent().size)
-            fits = minimum_filter(there, np.ceil(1.15 * room[::-1] * there.shape).astype(int))
-            if fits.any():
-                depth = depth * fits
+            size = np.ceil(1.3 * room[::-1] * regime.shape).astype(int)
+            fits = maximum_filter(framed, size) == minimum_filter(framed, size)
+            fits &= minimum_filter(free, size)
+            if (inside := fits & there).any():
                 break
-        row, column = np.unravel_index(np.argmax(depth), depth.shape)
-        place = tilt_deg[column - 1], friction[row - 1]
-        word.set_position(place)
-        if not fits.any():
-            word.remove()
-            aside = place[0] + (18 if place[0] < 45 else -18)
-            ax.annotate(words, place, (aside, np.clip(place[1], 0.07, 0.93)), **ASIDE)
+        widest = np.argmax(depth * (inside | ~inside.any()))
+        at = target = np.array(np.unravel_index(widest, depth.shape))
+        word.remove()
+        if not inside.any():
+            away = (places := np.argwhere(fits)) - target  # so that there is an arrow
+            away = np.where(np.all(np.abs(away) < size, axis=1)[:, None], np.inf, away)
+            at = places[np.argmin(np.hypot(*away.T))]
+        tip, place = ((tilt_deg[column - 1], friction[row - 1]) for row, column in (target, at))
+        ax.annotate(words, tip, place, **(CENTRED if tip == place else ASIDE))
+        begin = np.maximum(at - size // 2, 0)
+        free[tuple(map(slice, begin, begin + size))] = False
 
 
 def shade(ax: Axes, edges_deg: np.ndarray, regime: np.ndarray) -> QuadMesh:
     """Colour the panel by regime over tilt; `regime` holds between the edges."""
     upright = ax.get_xaxis_transform()
-    return ax.pcolormesh(edges_deg, [0, 1], regime[None], transform=upright, **_REGIMES)
+    return ax.pcolormesh(edges_deg, [0, 1], regime[None], transform=upright, alpha=0.5, **_REGIMES)
 
 
 def tilt_axis(ax: Axes, low: float = 0, high: float = 90, step: float = 15) -> None:
@@ -134,6 +161,11 @@ def painted(
         panel(ax, d)
     name_panels(axes.flat, panels)
     return figure
+
+
+def shades(count: int) -> np.ndarray:
+    """Colours of that many values of a parameter, from dark to light as they grow."""
+    return plt.get_cmap("viridis")(np.linspace(0, 0.8, count))
 
 
 def points(ax: Axes, x: Any, y: Any, error: Any, colour: str = BLACK, **look: Any) -> None:
@@ -166,6 +198,11 @@ def curve(
         look["xerr"] = d[f"{x}_error"]
     error = np.abs(scale) * d[f"{y}_error"][at]
     points(ax, d[x], scale * d[y][at], error, colour, label=label, **look)
+
+
+def note(figure: Figure, words: str) -> None:
+    """What holds for all panels, in as many lines below them as it takes."""
+    figure.supxlabel(words, wrap=True)
 
 
 def legend_above(figure: Figure, ax: Axes, **look: Any) -> None:

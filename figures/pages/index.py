@@ -29,7 +29,7 @@ from impact import InputError
 from .. import FIGURES, load
 from ..claims import judge
 from ..cost.price_page import PRICE_PANELS
-from ..lib.files import BROKEN, first_look
+from ..lib.files import BROKEN, made
 from . import explore
 from .gallery import GALLERY, templates
 
@@ -125,7 +125,7 @@ def _figure(folder: Folder, name: str) -> dict[str, Any]:
         return found
     return found | {
         **caption(name),
-        "first_look": item.own and first_look(folder.path / f"{name}.npz"),
+        "first_look": item.own and made(folder.path / f"{name}.npz").get("quick"),
         "links": folder.links(name, pdf="PDF", npz="numbers") if item.own else {},
     }
 

@@ -177,7 +177,8 @@ class Picture:
         self.rods.set_segments(axes)
         self.rods.set_color(np.where(number == self.marked, RED, PALE))
         self.trail.set_segments(self._path(i))
-        words = [f"t = {film.time[i]:5.1f}", f"tilt {np.degrees(film.tilt[i].mean()):.1f}°"]
+        unit = "periods" if film.scene.vibrates else r"$\sqrt{d/g}$"
+        words = [f"t = {film.time[i]:5.1f} {unit}", f"tilt {np.degrees(film.tilt[i].mean()):.1f}°"]
         if i:
             moved = (film.x[i] - film.x[0]).mean()
             seconds = film.time[i] / film.scene.frequency

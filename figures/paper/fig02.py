@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import TwoSlopeNorm
+from matplotlib.ticker import MaxNLocator
 
 from impact import drift, spherocylinder
 from md.sweep import Sweep
@@ -32,15 +33,16 @@ from ..lib.runs import (
 )
 from ..lib.style import (
     BLACK,
-    BLUE,
-    GREEN,
-    ORANGE,
-    RED,
+    DRIFTS,
+    FORWARD,
+    REVERSE,
     Data,
     curve,
     legend_above,
     name_panels,
+    note,
     points,
+    shades,
     style,
 )
 
@@ -50,9 +52,9 @@ _GAMMAS = (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5)
 MAP_GAMMAS = {True: (1.2, 1.5, 1.8, 3.3), False: _GAMMAS}
 NOMINAL_DEG = {True: (9, 20, 45), False: (5, 12, 20, 30, 45, 60)}
 CHOSEN = {True: (0, 1, 2), False: (1, 2, 4)}  # tilts of (b)
-COLOURS = {20: BLUE, 30: BLACK, 45: RED, 60: ORANGE}  # of tilts in (b) and (c); others: green
 MAP_COUNTS = {True: (44, 36), False: (50, 44, 36)}
 MAP_PERIODS = {True: (30, 12), False: (150, 300)}  # of rows, of annuli
+ARROW_DEG = 8.0  # an arrow of V_0
 AT_TOUCH = "touches.plate_velocity_by_speed.mean"
 
 
@@ -117,7 +119,7 @@ def data(quick: bool = False) -> Data:
 def _map(ax: Axes, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray) -> None:
     """Symbols where there is drift forward, none, or reverse."""
     gamma = np.broadcast_to(gamma[:, None], kind.shape)
-    looks = {"forward": (1, RED, "o"), "none": (0, "white", "o"), "reverse": (-1, BLUE, "v")}
+    looks = {"forward": (1, FORWARD, "o"), "none": (0, "white", "o"), "reverse": (-1, REVERSE, "v")}
     for label, (which, face, marker) in looks.items():
         here = kind == which
         ax.plot(gamma[here], tilt[here], marker, mfc=face, mec=BLACK, mew=0.6, ms=4.5, label=label)
@@ -132,23 +134,26 @@ def _near_onset(ax: Axes, d: Data, prefix: str, looks: dict[int, tuple[str, str]
         points(ax, d["gamma"][early], *drifts, colour, label=label)
     ax.set_yscale("symlog", linthresh=FLOOR_CM_S)
     ax.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
-    ax.text(1.22, FLOOR_CM_S / 2, "counts as none", va="center", fontsize=6)
+    ax.text(1.63, FLOOR_CM_S / 2, "counts as none", va="center", ha="right")
     ax.set(xlim=(1, ONSET + 0.05), ylim=(-0.1, 60), yticks=(-0.1, -0.01, 0, 0.01, 0.1, 1, 10))
-    ax.legend(loc="upper left", fontsize=6, ncols=2, columnspacing=1, handlelength=1.2)
+    ax.legend(loc="upper left", ncols=2, handlelength=1.2)
 
 
 def _rows(axes: np.ndarray, d: Data) -> None:
     a, b, c = axes
     top = np.nanmax(np.abs(d["lone_c_x"]))
-    shading = {"cmap": "RdBu_r", "norm": TwoSlopeNorm(0, -top / 4, top), "alpha": 0.55}
+    shading = {"cmap": DRIFTS, "norm": TwoSlopeNorm(0, -top / 4, top), "alpha": 0.55}
     shading |= {"shading": "nearest", "rasterized": True}
     mesh = a.pcolormesh(d["fine_gamma"], d["fine_deg"], d["lone_c_x"].T, **shading)
-    a.figure.colorbar(mesh, ax=a, label="one rigid rod (cm/s)", pad=0.02)
+    bar = a.figure.colorbar(mesh, ax=a, label="one rigid rod (cm/s)", pad=0.02)
+    ends = MaxNLocator(2).tick_values(-top / 4, 0), MaxNLocator(4).tick_values(0, top)
+    bar.set_ticks([tick for tick in np.unique(np.concatenate(ends)) if -top / 4 <= tick <= top])
     alpha = np.nan_to_num(d["lone_alpha"].T, nan=-1.0)
     a.contour(d["fine_gamma"], d["fine_deg"], alpha, [0.0], colors=BLACK, linestyles="--")
     a.plot([], [], "--", color=BLACK, label="$V_z=0$, one rigid rod")
     _map(a, d["gamma"], np.broadcast_to(d["nominal_deg"], d["kind"].shape), d["kind"])
-    looks = [(COLOURS.get(tilt, GREEN), rf"$\phi={tilt:.0f}$°") for tilt in d["nominal_deg"]]
+    tilts = [rf"$\phi={tilt:.0f}$°" for tilt in d["nominal_deg"]]
+    looks = [*zip(shades(len(tilts)), tilts, strict=True)]
     for i, line in zip(d["chosen"], d["closure"], strict=True):
         curve(b, d, "gamma", "c_x", *looks[i], at=(..., i))
         b.plot(d["fine_gamma"], line, color=looks[i][0], lw=0.8, ls="--")
@@ -160,13 +165,15 @@ def _rows(axes: np.ndarray, d: Data) -> None:
 
 def _annuli(axes: np.ndarray, d: Data) -> None:
     a, b, c = axes
-    size = 6 * np.clip(d["ring_V_z"], -1, 1)
+    size = ARROW_DEG * np.clip(d["ring_V_z"], -1, 1)
     gamma = np.broadcast_to(d["gamma"][:, None], size.shape)
-    look = {"angles": "xy", "scale_units": "xy", "scale": 1, "color": "0.45", "width": 0.006}
-    a.quiver(gamma, d["ring_tilt"], 0 * size, size, **look)
+    look = {"angles": "xy", "scale_units": "xy", "scale": 1, "color": "0.3", "width": 0.012}
+    arrows = a.quiver(gamma, d["ring_tilt"], 0 * size, size, **look)
+    key = {"angle": 90, "labelpos": "E", "coordinates": "axes"}
+    a.quiverkey(arrows, 0.6, 1.06, ARROW_DEG / 2, r"$V_z=V_0/2$", **key)
     _map(a, d["gamma"], d["ring_tilt"], d["ring_kind"])
-    colours = (BLUE, BLACK, RED)[-len(d["ring_count"]) :]
-    looks = dict(enumerate(zip(colours, (rf"$N={n}$" for n in d["ring_count"]), strict=True)))
+    names = [rf"$N={n}$" for n in d["ring_count"]]
+    looks = dict(enumerate(zip(shades(len(names))[::-1], names, strict=True)))
     for i, look in looks.items():
         curve(b, d, "gamma", "ring_c_x", *look, at=(..., i))
     _near_onset(c, d, "ring_", looks)
@@ -174,7 +181,7 @@ def _annuli(axes: np.ndarray, d: Data) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(2, 3, figsize=(7.0, 5.4), width_ratios=(1.35, 1, 1))
+    figure, axes = plt.subplots(2, 3, figsize=(7.0, 5.8), width_ratios=(1.35, 1, 1))
     _rows(axes[0], d)
     _annuli(axes[1], d)
     axes[0, 0].plot([], [], ":", color=BLACK, lw=0.8, label="the paper's rods begin to move")
@@ -182,13 +189,14 @@ def draw(d: Data) -> plt.Figure:
     for ax in axes.flat:
         ax.axvline(ONSET, *clear.get(ax, (0, 1)), color=BLACK, lw=0.8, ls=":")
         ax.set_xlabel(r"acceleration $\Gamma$")
-    legend_above(figure, axes[0, 0], ncols=5, columnspacing=1.2)
+    legend_above(figure, axes[0, 0], ncols=3)
     for ax, place in zip(axes[:, 1], ("lower right", "upper left"), strict=True):
-        ax.set(ylabel=r"drift $c_x$ (cm/s)", xlim=(1, None))
-        ax.legend(loc=place, fontsize=6, ncols=1 + (ax is axes[0, 1]), columnspacing=1)
+        ax.set_xlim(1, None)
+        ax.legend(loc=place, ncols=1 + (ax is axes[0, 1]))
     for ax in axes[:, 1:].flat:
+        ax.set_ylabel(r"drift $c_x$ (cm/s)")
         ax.axhline(0, color="0.6", lw=0.6)
     name_panels(axes.flat, ("row", "", "near onset", "annulus", "", "near onset"))
     rods = rf"row: $l={LENGTH}\,d$, $d=0.6$ cm; annulus: the experiment's, $l=8\,d$, $d=0.635$ cm"
-    figure.supxlabel(rf"{rods}; 60 Hz, $\mu={FRICTION}$, solid inertia;" f"\n{LAW_NAME}")
+    note(figure, rf"{rods}; 60 Hz, $\mu={FRICTION}$, solid inertia; {LAW_NAME}")
     return figure

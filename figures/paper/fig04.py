@@ -24,17 +24,29 @@ from ..lib.arrangement import followed
 from ..lib.runs import (
     ANNULUS,
     ANNULUS_COUNT,
-    ANNULUS_SCENE,
-    ANNULUS_WORDS,
     GAMMA,
     ROW,
     SIMPLE_ANNULUS,
     SIMPLE_ROW,
+    annulus_of,
     boxes,
     drift_and_tilt,
     planned,
 )
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, curve, name_panels, style, tilt_axis
+from ..lib.style import (
+    ANOTHER,
+    BLACK,
+    ORANGE,
+    PURPLE,
+    SKY,
+    Data,
+    curve,
+    name_panels,
+    note,
+    shades,
+    style,
+    tilt_axis,
+)
 
 MAXIMA_DEG, ONSET_FIG4, REDUCTION = (18, 35), 1.5, 2.5  # the paper's
 GAMMA_COUNTS = (50, 44, 36)  # numbers of rods of (b)
@@ -72,20 +84,29 @@ def over_count(
     return planned(axes, periods, changes, base, measure=followed)
 
 
-def sweeps(quick: bool = False, assumed: bool = False) -> dict[str, Sweep]:
+def sweeps(
+    quick: bool = False, assumed: bool = False, scene: str | None = None
+) -> dict[str, Sweep]:
     """Over the number of rods, Gamma and the frictions; rows over tilt.
 
     Parameters
     ----------
     quick : the small size
     assumed : under the simple law, with few starts, and without what no claim needs
+    scene : an annulus of one's own; then without rows and without the narrower gap
     """
     size: dict[str, Any] = {name: both[quick] for name, both in SIZES.items()}
-    base, row = (SIMPLE_ANNULUS, SIMPLE_ROW) if assumed else (ANNULUS, ROW)
+    of = annulus_of(scene)
+    for name in ("count", "rolling", "rest"):
+        size[name] = of.counts(size[name])
+    base, row = (SIMPLE_ANNULUS, SIMPLE_ROW) if assumed else (of.tables, ROW)
     few, periods = {"start.seed": size["few_seeds"]}, size["periods"]
     seeds = size["few_seeds" if assumed else "seeds"]
     gamma, gamma_periods = {"plate.acceleration": size["gamma"]}, size["gamma_periods"]
-    many, alike = {"rods.count": ANNULUS_COUNT}, ("length", "inertia", "diameter_cm")
+    many, alike = (
+        {"rods.count": of.counts([ANNULUS_COUNT])[0]},
+        ("length", "inertia", "diameter_cm"),
+    )
 
     def around(*axes: dict[str, list], periods: int = periods, **changes: object) -> Sweep:
         return planned([*axes], periods, changes, base)
@@ -94,25 +115,30 @@ def sweeps(quick: bool = False, assumed: bool = False) -> dict[str, Sweep]:
     found = {
         "still": over_count(size["count"], seeds, periods, base),
         "rolling": around({"rods.count": size["rolling"]}, few, **{"rods.rolling": True}),
-        "gamma": around(gamma, {"rods.count": [*GAMMA_COUNTS]}, few, periods=gamma_periods),
+        "gamma": around(gamma, {"rods.count": of.counts(GAMMA_COUNTS)}, few, periods=gamma_periods),
         "wall": around({WALL_KEY: size["wall"]}, few, **many),
         "plane": planned([{"box.length": boxes(size["plane"])}, few], periods, of_rods, row),
     }
     if assumed:
         return found
-    return found | {
-        "rest": over_count(size["rest"], size["few_seeds"], periods, changes=AT_REST),
+    found |= {
+        "rest": over_count(size["rest"], size["few_seeds"], periods, base, AT_REST),
         "rest_gamma": around(gamma, few, periods=gamma_periods, **many, **AT_REST),
         "plate": around({PLATE_KEY: size["plate"]}, few, **many),
-        "narrow": over_count(size["narrow"], size["few_seeds"], periods, changes=NARROW),
     }
+    if scene is not None:
+        return {name: sweep for name, sweep in found.items() if name != "plane"}
+    narrow = over_count(size["narrow"], size["few_seeds"], periods, changes=NARROW)
+    return found | {"narrow": narrow}
 
 
-def data(quick: bool = False, assumed: bool = False) -> Data:
+def data(quick: bool = False, assumed: bool = False, scene: str | None = None) -> Data:
     """Drifts in cm/s and tilts in degrees with their errors."""
-    runs = sweeps(quick, assumed)
+    runs, of = sweeps(quick, assumed, scene), annulus_of(scene)
     axes = {"gamma": "plate.acceleration", "wall": WALL_KEY, "plate": PLATE_KEY}
-    found = {"count": runs["still"].values("rods.count"), "few": np.array(GAMMA_COUNTS)}
+    found = {"count": runs["still"].values("rods.count"), "few": np.array(of.counts(GAMMA_COUNTS))}
+    found |= {"words": np.array(of.words), "driving": np.float64(of.gamma)}
+    found["many"] = np.array(of.counts([ANNULUS_COUNT])[0])
     found["rolling"] = runs["rolling"].values("rods.count")
     found |= {name: runs[name].values(key) for name, key in axes.items() if name in runs}
     for name, sweep in runs.items():
@@ -122,37 +148,38 @@ def data(quick: bool = False, assumed: bool = False) -> Data:
 
 def _over_tilt(ax: Axes, d: Data) -> None:
     curve(ax, d, "still_tilt", "still_c_x", BLACK, "rods do not roll", both=True)
-    curve(ax, d, "rolling_tilt", "rolling_c_x", RED, "rods roll", both=True, hollow=True)
-    row = {"form": "s--", "scale": 1 / REDUCTION, "both": True}
-    curve(ax, d, "plane_tilt", "plane_c_x", BLUE, f"row / {REDUCTION}", **row)
-    narrow = {"form": "^:", "both": True}
-    curve(ax, d, "narrow_tilt", "narrow_c_x", GREEN, "gap for 53° at most", **narrow)
-    for tilt in MAXIMA_DEG:
-        ax.axvline(tilt, 0, 0.6, color="0.5", lw=0.8, ls=":")  # up to the legend
+    curve(ax, d, "rolling_tilt", "rolling_c_x", ORANGE, "rods roll", both=True, hollow=True)
+    if "plane_c_x" in d:
+        row = {"form": "s--", "scale": 1 / REDUCTION, "both": True}
+        curve(ax, d, "plane_tilt", "plane_c_x", SKY, f"row / {REDUCTION}", **row)
+        narrow = {"form": "^:", "both": True}
+        curve(ax, d, "narrow_tilt", "narrow_c_x", PURPLE, "gap for 53° at most", **narrow)
+        for tilt in MAXIMA_DEG:
+            ax.axvline(tilt, 0, 0.6, color="0.5", lw=0.8, ls=":")  # up to the legend
     tilt_axis(ax, 0, 60)
     ax.set_ylim(None, 1.4 * d["rolling_c_x"].max())
-    ax.legend(fontsize=6.5)
+    ax.legend()
 
 
 def _over_gamma(ax: Axes, d: Data) -> None:
     at = int(np.abs(d["gamma"] - GAMMA).argmin())
-    for i, colour in enumerate((BLUE, BLACK, ORANGE)):
+    for i, colour in enumerate(shades(len(d["few"]))[::-1]):
         label = rf"$N={d['few'][i]}$, {d['gamma_tilt'][at, i]:.0f}° at {d['gamma'][at]:g}"
         curve(ax, d, "gamma", "gamma_c_x", colour, label, at=(..., i))
     resting = {"form": "o--", "hollow": True}
-    curve(ax, d, "gamma", "rest_gamma_c_x", BLACK, f"$N={ANNULUS_COUNT}$, walls at rest", **resting)
+    curve(ax, d, "gamma", "rest_gamma_c_x", BLACK, f"$N={d['many']}$, walls at rest", **resting)
     ax.axvline(ONSET_FIG4, 0, 0.55, color="0.5", lw=0.8, ls=":")  # up to the legend
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
-    ax.legend(fontsize=6.5, loc="upper left")
+    ax.legend(loc="upper left")
 
 
 def _over_friction(ax: Axes, d: Data, name: str) -> None:
     curve(ax, d, name, f"{name}_c_x")
     beside = ax.twinx()
-    curve(beside, d, name, f"{name}_tilt", GREEN, form="^--", hollow=True)
-    beside.set_ylabel(r"tilt $\phi$ (deg)", color=GREEN)
+    curve(beside, d, name, f"{name}_tilt", ANOTHER, form="^--", hollow=True)
+    beside.set_ylabel(r"tilt $\phi$ (deg)", color=ANOTHER)
     beside.set_ylim(0, 1.5 * np.nanmax(d[f"{name}_tilt"]))
-    beside.tick_params(colors=GREEN)
+    beside.tick_params(colors=ANOTHER)
 
 
 @style
@@ -171,10 +198,10 @@ def draw(d: Data) -> plt.Figure:
     for ax in axes.flat:
         ax.axhline(0, color="0.7", lw=0.6)
         ax.set_ylabel(r"drift $c_x$ (cm/s)")
-    driving = rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$"
-    many = rf"$N={ANNULUS_COUNT}$, {driving}"
+    driving = rf"$\Gamma={d['driving']:.3g}$"
+    many = rf"$N={d['many']}$, {driving}"
     name_panels(axes.flat, (driving, "", many, many))
-    figure.supxlabel(ANNULUS_WORDS)
+    note(figure, str(d["words"]))
     return figure
 
 

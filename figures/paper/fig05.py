@@ -17,8 +17,8 @@ from matplotlib.collections import LineCollection
 from md.sweep import Sweep
 
 from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, in_order, tilts_deg
-from ..lib.runs import ANNULUS_SCENE, ANNULUS_WORDS, gathered, over_seeds
-from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style
+from ..lib.runs import annulus_of, gathered, over_seeds
+from ..lib.style import ANOTHER, BLACK, ORANGE, Data, curve, name_panels, note, shades, style
 from . import fig04
 
 SHOWN_COUNTS = (56, 44)  # numbers of rods of (a) and (b)
@@ -30,35 +30,43 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     return {"annulus": fig04.sweeps(quick)["still"]}
 
 
-def data(quick: bool = False, assumed: bool = False) -> Data:
+def data(quick: bool = False, assumed: bool = False, scene: str | None = None) -> Data:
     """Final states of the numbers shown, and measures (number of rods, seed, time, measure).
 
     Under the assumed law no final states.
     """
-    sweep = fig04.sweeps(quick, assumed)["still"]
+    sweep, of = fig04.sweeps(quick, assumed, scene)["still"], annulus_of(scene)
     (series,), counts = gathered(sweep, "series"), sweep.values("rods.count")
     late = series[:, :, series.shape[2] // 2 :].mean(axis=2)  # over time
     found = {"count": counts, "time": EVERY * (1 + np.arange(series.shape[2])), "series": series}
-    for n in () if assumed else SHOWN_COUNTS:
-        plan = fig04.over_count([n], [1], sweep.points[0].periods)
+    gap, rods = of.scene.annulus, of.scene.rods
+    found |= {"words": np.array(rf"$\Gamma={of.gamma:.3g}$; {of.words}")}
+    found |= {"radii": np.array([gap.inner, gap.outer]), "half": np.array((rods.length - 1) / 2)}
+    found["shown"] = np.array(of.counts(SHOWN_COUNTS))
+    for n in () if assumed else found["shown"].tolist():
+        plan = fig04.over_count([n], [1], sweep.points[0].periods, of.tables)
         found[f"rods_{n}"] = gathered(plan, "rods")[0][0, 0]
     for i, name in enumerate(MEASURED):
         found[name], found[f"{name}_error"] = over_seeds(late[..., i])
     return found
 
 
-def _from_above(ax: Axes, rods: np.ndarray, norm: plt.Normalize) -> LineCollection:
-    gap, half = ANNULUS_SCENE.annulus, (ANNULUS_SCENE.rods.length - 1) / 2
-    for radius in (gap.inner, gap.outer):
+def _from_above(ax: Axes, d: Data, rods: np.ndarray, norm: plt.Normalize) -> LineCollection:
+    for radius in d["radii"]:
         ax.add_patch(plt.Circle((0, 0), radius, fill=False, color="0.5", lw=0.7))
-    up = np.sign(rods[:, 5:6]) * half * rods[:, 3:5]
+    up = np.sign(rods[:, 5:6]) * d["half"] * rods[:, 3:5]
     ends = np.stack([rods[:, :2] - up, rods[:, :2] + up], axis=1)
     tilt = tilts_deg(rods)
     look = {"cmap": TILT_COLOURS, "norm": norm}
     lines = ax.add_collection(LineCollection(ends, array=tilt, lw=1.6, **look))
     ax.scatter(*ends[:, 1].T, c=tilt, s=7, lw=0, **look)
-    edge = 1.04 * gap.outer
-    ax.set(xlim=(-edge, edge), ylim=(-edge, edge), aspect="equal", xlabel="$x/d$", ylabel="$y/d$")
+    outer = d["radii"][1]
+    edge, ticks = 1.04 * outer, 5 * np.arange(-(outer // 5), outer // 5 + 1)
+    for side in "xy":
+        ax.set(
+            **{f"{side}lim": (-edge, edge), f"{side}ticks": ticks, f"{side}label": f"${side}/d$"}
+        )
+    ax.set_aspect("equal")
     return lines
 
 
@@ -66,30 +74,31 @@ def _from_above(ax: Axes, rods: np.ndarray, norm: plt.Normalize) -> LineCollecti
 def draw(d: Data) -> plt.Figure:
     figure, ((a, b), (c, e)) = plt.subplots(2, 2, figsize=(7.0, 5.6), height_ratios=(1.6, 1))
     figure.get_layout_engine().set(rect=(0, 0, 1, 0.97))  # titles over panels of fixed aspect
-    states = [d[f"rods_{n}"] for n in SHOWN_COUNTS]
+    counts = d["shown"]
+    states = [d[f"rods_{n}"] for n in counts]
     tilts = [tilts_deg(in_order(rods)) for rods in states]
     norm = plt.Normalize(0, np.ceil(max(tilt.max() for tilt in tilts) / 5) * 5)
-    lines, _ = (_from_above(ax, rods, norm) for ax, rods in zip((a, b), states, strict=True))
+    lines, _ = (_from_above(ax, d, rods, norm) for ax, rods in zip((a, b), states, strict=True))
     figure.colorbar(lines, ax=[a, b], label=r"tilt $\phi$ (deg)", pad=0.02, aspect=30)
     beside, share = c.twinx(), f"share {MORE_DEG:g}° beyond the mean"
     curve(c, d, "mean", "zigzag", BLACK, "order of the zig-zag", both=True)
-    curve(c, d, "mean", "share", RED, share, form="^:", both=True)
-    curve(beside, d, "mean", "contrast", GREEN, "contrast of tilts", form="s--", both=True)
+    curve(c, d, "mean", "share", ORANGE, share, form="^:", both=True)
+    curve(beside, d, "mean", "contrast", ANOTHER, "contrast of tilts", form="s--", both=True)
     c.axhline(0, color="0.7", lw=0.6)
     c.set(xlabel=r"mean tilt $\phi$ (deg)", ylabel="order, share", ylim=(-0.1, 1.7))
     beside.set_ylim(*np.array([-0.1, 1.7]) * 1.2 * d["contrast"].max())
-    beside.set_ylabel("contrast (deg)", color=GREEN)
-    beside.tick_params(colors=GREEN)
+    beside.set_ylabel("contrast (deg)", color=ANOTHER)
+    beside.tick_params(colors=ANOTHER)
     handles = [part for ax in (c, beside) for part in ax.get_legend_handles_labels()[0]]
-    c.legend(handles=handles, fontsize=6.5, loc="upper right")
-    for n, tilt, colour in zip(SHOWN_COUNTS, tilts, (BLUE, BLACK), strict=True):
+    c.legend(handles=handles, loc="upper right")
+    for n, tilt, colour in zip(counts, tilts, shades(2)[::-1], strict=True):
         e.plot(np.arange(n) / n, tilt, "o-", ms=2.5, lw=0.6, color=colour, label=rf"$N={n}$")
         e.axhline(tilt.mean(), color=colour, lw=0.6, ls=":")
     e.set(xlabel="place around the annulus", ylabel=r"tilt $\phi$ (deg)", xlim=(0, 1))
     e.set_ylim(0, 1.3 * max(tilt.max() for tilt in tilts))
-    e.legend(fontsize=6.5, loc="upper right", ncols=2)
-    shown = zip(SHOWN_COUNTS, tilts, strict=True)
+    e.legend(loc="upper right", ncols=2)
+    shown = zip(counts, tilts, strict=True)
     titles = (rf"$N={n}$, mean tilt {tilt.mean():.0f}°" for n, tilt in shown)
     name_panels((a, b, c, e), (*titles, "", ""))
-    figure.supxlabel(rf"$\Gamma={ANNULUS_SCENE.plate.acceleration}$, {ANNULUS_WORDS}")
+    note(figure, str(d["words"]))
     return figure

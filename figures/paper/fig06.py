@@ -18,7 +18,18 @@ from md import Scene
 from md.sweep import Sweep
 
 from ..lib.runs import means, row_of, tilt_plan, tilts
-from ..lib.style import BLACK, BLUE, RED, Data, curve, name_panels, style, tilt_axis
+from ..lib.style import (
+    BLACK,
+    ORANGE,
+    RIGID,
+    THEORY,
+    Data,
+    curve,
+    name_panels,
+    note,
+    style,
+    tilt_axis,
+)
 
 VELOCITIES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
 VELOCITY_MEANS = {  # name here: name in the store
@@ -57,9 +68,9 @@ def _in_cm(found: Data, scene: Scene) -> Data:
 
 
 def _pair(ax: Axes, d: Data, name: str, sign: int = 1, label: str = "") -> None:
-    """Before in black, after in red; touches, and landings where there are any."""
+    """Before in black, after in orange; touches, and landings where there are any."""
     before = "before", BLACK, sign, f"-{label}" if sign < 0 else label
-    for side, colour, turn, symbol in (before, ("after", RED, 1, f"{label}'")):
+    for side, colour, turn, symbol in (before, ("after", ORANGE, 1, f"{label}'")):
         for prefix, form, kind in (("", "o-", "touches"), ("landing_", "s-", "landings")):
             look = {"form": form, "scale": turn, "hollow": bool(prefix), "ms": 2.7}
             key = f"{prefix}{name}_{side}"
@@ -73,20 +84,20 @@ def draw(d: Data) -> plt.Figure:
     _pair(a, d, "omega", 1, r"\omega")
     a.set_ylabel(r"angular velocity (rad/s)")
     _pair(b, d, "c_z", -1, "c_z")
-    b.plot(d["fine_deg"], d["line_c_z"], color=BLUE, label=r"(30), $V_0/2$")
+    b.plot(d["fine_deg"], d["line_c_z"], color=THEORY, label=r"(30), $V_0/2$")
     b.set_ylabel("vertical velocity (cm/s)")
     _pair(c, d, "c_x", 1, "c_x")
-    c.plot(d["fine_deg"], d["line_c_x"], color=BLUE, label=r"(24), (29), $V_0/2$")
+    c.plot(d["fine_deg"], d["line_c_x"], color=THEORY, label=r"(24), (29), $V_0/2$")
     c.set_ylabel("horizontal velocity (cm/s)")
     curve(e, d, "tilt_deg", "plate", BLACK, "touches, each alike")
-    curve(e, d, "tilt_deg", "plate_by_speed", RED, r"touches, as their $v_0$", form="^-")
+    curve(e, d, "tilt_deg", "plate_by_speed", RIGID, r"touches, as their $v_0$", form="^-")
     curve(e, d, "tilt_deg", "landing_plate", BLACK, "landings", form="s-", hollow=True)
-    e.axhline(0.5, color=BLUE, label="(31): 1/2")
+    e.axhline(0.5, color=THEORY, label="(31): 1/2")
     e.set(ylabel=r"plate at landing, $V_z/V_0$", ylim=(min(0, d["plate"].min() - 0.05), 1))
     for ax in axes.flat:
         tilt_axis(ax)
         ax.axhline(0, color="0.7", lw=0.6)
-        ax.legend(fontsize=5.5)
+        ax.legend()
     name_panels(axes.flat, [""] * 4)
-    figure.supxlabel(str(d["words"]))
+    note(figure, str(d["words"]))
     return figure

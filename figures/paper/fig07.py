@@ -16,7 +16,7 @@ from md.scene import from_tables, put
 from md.sweep import Sweep
 
 from ..lib.runs import boxes, lone, means, row_of, tilt_plan
-from ..lib.style import BLACK, BLUE, GREEN, RED, Data, curve, name_panels, style, tilt_axis
+from ..lib.style import BLACK, RIGID, Data, curve, name_panels, note, shades, style, tilt_axis
 from ..pages import movie
 
 TIP_TILTS_DEG, SHOWN_PERIODS, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
@@ -66,22 +66,24 @@ def draw(d: Data) -> plt.Figure:
     for i, ax in enumerate((a, b)):
         ax.fill_between(d["time"], low - 0.05, d["plate"], color="0.8", lw=0)
         ax.plot(d["time"], d["plate"], color="0.45", lw=0.8)
-        for tip, colour, dash in zip(d["tips"][i].T, (BLUE, RED, GREEN), dashes, strict=True):
+        for tip, colour, dash in zip(d["tips"][i].T, shades(3), dashes, strict=True):
             ax.plot(d["time"], tip, color=colour, ls=dash)
         high = 1.1 * d["tips"][i].max()
         ax.set(xlim=(0, SHOWN_PERIODS), ylim=(low - 0.03, high), ylabel="height (cm)")
         ax.set_xlabel("time (periods of the plate)")
-    c.plot(d["lone_deg"], d["lone_flight"], color=BLUE, lw=0.8, label="one rigid rod")
+    c.plot(d["lone_deg"], d["lone_flight"], color=RIGID, lw=0.8, label="one rigid rod")
     curve(c, d, "tilt_deg", "flight", BLACK, "touch to touch")
     left_out = {"form": "s-", "hollow": True}
     curve(c, d, "tilt_deg", "landing_flight", BLACK, "hops < 0.2 periods left out", **left_out)
     c.axhline(1, color="0.5", lw=0.6)
-    c.axvline(CHANGE_DEG, 0, 0.78, color=BLACK, ls=":", lw=0.8)
+    c.axvline(CHANGE_DEG, color=BLACK, ls=":", lw=0.8, label="the paper: one period from here")
     tilt_axis(c, 0, 80, 20)
-    top = 1.3 * max(d["lone_flight"].max(), np.nanmax(d["landing_flight"]))
+    top = 1.5 * max(d["lone_flight"].max(), np.nanmax(d["landing_flight"]))
     c.set(ylabel="mean flight (periods)", ylim=(0, top))
     c.legend(loc="upper right")
-    tilted = (rf"$\phi={tilt}$°" for tilt in TIP_TILTS_DEG)
+    apart = np.ptp(d["tips"], axis=2).max(axis=1) > 0.1 * np.ptp(d["tips"], axis=(1, 2))
+    rods = np.where(apart, "three rods", "three rods, one on another")
+    tilted = (rf"$\phi={tilt}$°, {words}" for tilt, words in zip(TIP_TILTS_DEG, rods, strict=True))
     name_panels((a, b, c), (*tilted, "length of flights"))
-    figure.supxlabel(str(d["words"]))
+    note(figure, str(d["words"]))
     return figure

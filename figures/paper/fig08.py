@@ -22,7 +22,7 @@ from ..lib.runs import (
     tilt_plan,
     tilts,
 )
-from ..lib.style import BLACK, BLUE, RED, Data, curve, name_panels, style, tilt_axis
+from ..lib.style import BLACK, RIGID, THEORY, Data, curve, name_panels, note, style, tilt_axis
 
 BINS_DRAWN = 32  # drawn; the store has 64
 EXPECTED = 0.5 - 1 / np.pi  # part of H = (1 + cos(theta))/2 pi while the plate falls
@@ -69,7 +69,7 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.4))
+    figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.8))
     degrees, top = np.degrees(d["phase"]), 1.12 * (d["density"] + d["density_error"]).max()
     edges, fine = np.linspace(0, 360, BINS_DRAWN + 1), np.linspace(0, 360, 361)
     *panels, last = axes.flat
@@ -77,22 +77,22 @@ def draw(d: Data) -> plt.Figure:
         ax.axvspan(90, 270, color="0.93", lw=0)
         ax.stairs(density, edges, color=BLACK, lw=0.9)
         ax.errorbar(degrees, density, error, fmt="none", ecolor=BLACK, elinewidth=0.6)
-        ax.plot(fine, landing_density(np.radians(fine)), color=RED, label=r"$H(\theta)$")
+        ax.plot(fine, landing_density(np.radians(fine)), color=THEORY, label=r"$H(\theta)$")
         ax.set(xlim=(0, 360), ylim=(0, top), xticks=range(0, 361, 90))
-        ax.set(xlabel=r"phase $\theta$ of the plate (deg)")
+        ax.set(xlabel=r"phase $\theta$ (deg)")
     for ax in axes[:, 0]:
         ax.set_ylabel("density of landings (1/rad)")
     panels[0].text(180, 0.95 * top, "plate falls", ha="center", va="top", color="0.3")
     panels[0].legend(loc="upper center", bbox_to_anchor=(0.5, 0.9))
-    last.axhline(EXPECTED, color=RED, label=r"$H(\theta)$")
+    last.axhline(EXPECTED, color=THEORY, label=r"$H(\theta)$")
     curve(last, d, "tilt_deg", "falling", BLACK, "touches")
     curve(last, d, "tilt_deg", "landing_falling", BLACK, "landings", form="s-", hollow=True)
-    last.plot(d["lone_deg"], d["lone_falling"], color=BLUE, lw=0.8, label="one rigid rod")
+    last.plot(d["lone_deg"], d["lone_falling"], color=RIGID, lw=0.8, label="one rigid rod")
     tilt_axis(last, 0, 80, 20)
     last.set_ylim(-0.02, 1.8 * max(d["lone_falling"].max(), d["landing_falling"].max()))
-    last.set_ylabel("landings while the plate falls")
-    last.legend(loc="upper right", ncols=2, columnspacing=1, fontsize=6)
+    last.set_ylabel("share of the landings")
+    last.legend(loc="upper right", ncols=2)
     titles = [rf"$\phi={tilt:.0f}$°" for tilt in d["shown_deg"]]
     name_panels(axes.flat, [*titles, "share on the way down"])
-    figure.supxlabel(str(d["words"]))
+    note(figure, rf"$\theta=0$: the plate rises fastest; {d['words']}")
     return figure

@@ -12,11 +12,13 @@ import numpy as np
 from impact import classify, critical_tilts, slide_friction, thin_rod
 
 from ..lib.style import (
-    BLUE,
+    RIGID,
     Data,
+    legend_above,
     map_regimes,
     name_panels,
     name_regimes,
+    note,
     reversal_boundary,
     style,
     tilt_axis,
@@ -55,7 +57,7 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.9), sharey=True)
+    figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.2), sharey=True)
     tilt_deg = np.degrees(d["tilt"])
     end_deg, end_friction = np.degrees(d["reversal_end"][0]), d["reversal_end"][1]
     for i, ax in enumerate(axes):
@@ -68,12 +70,15 @@ def draw(d: Data) -> plt.Figure:
             ax.plot(end_deg, end_friction, "ko", label=r"$\mu=3/4$, $\phi=\arctan 2$")
         ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90°")
         if "marked" in d:
-            ax.axhline(d["marked"], color=BLUE, ls=":", label=rf"$\mu={d['marked']:g}$")
+            ax.axhline(d["marked"], color=RIGID, ls=":", label=rf"$\mu={d['marked']:g}$")
         tilt_axis(ax)
         ax.set(ylim=(0, 1))
-        name_regimes(ax, tilt_deg, d["friction"], d["regime"][i])
-    setting = rf"$\epsilon={d['restitution']:g}$"
-    name_panels(axes, [rf"$-c_z/c_x={ratio:g}$, {setting}" for ratio in d["approach_ratio"]])
+    name_panels(axes, [rf"$-c_z/c_x={ratio:g}$" for ratio in d["approach_ratio"]])
     axes[0].set(ylabel=r"friction $\mu$")
-    figure.legend(*axes[2].get_legend_handles_labels(), loc="outside lower center", ncols=5)
+    legend_above(figure, axes[2], ncols=5)
+    restitution = rf"restitution $\epsilon={d['restitution']:g}$"
+    note(figure, rf"thin rod, {restitution}, no spin before the impact ($\omega=0$)")
+    figure.draw_without_rendering()  # panels take their size
+    for ax, regime in zip(axes, d["regime"], strict=True):
+        name_regimes(ax, tilt_deg, d["friction"], regime, d.get("marked", np.inf))
     return figure

@@ -16,7 +16,17 @@ from derivations.drift import stationary
 from derivations.symbols import V_z, epsilon, length, mu, phi
 from impact import Regime, critical_tilts, drift, thin_rod
 
-from ..lib.style import ASIDE, BLACK, BLUE, GREEN, LEGEND_BOX, RED, Data, style, tilt_axis
+from ..lib.style import (
+    ANOTHER,
+    ASIDE,
+    REGIME_COLOURS,
+    SIMULATED,
+    Data,
+    legend_above,
+    note,
+    style,
+    tilt_axis,
+)
 
 HIGHEST = 20.0  # V_z; without losses the drift has no bound
 
@@ -49,12 +59,12 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
 
 def _curves(ax: plt.Axes, d: Data) -> None:
     tilt_deg, reverses = np.degrees(d["tilt"]), d["regime"] == Regime.SLIP_REVERSAL
-    ax.plot(tilt_deg, d["c_z"], "-.", color=GREEN, label=r"$c_z'/V_z$")
-    branches = ("stick", 26, RED, reverses), ("reversal", 29, BLUE, ~reverses)
-    for name, equation, colour, unphysical in branches:
-        label = f"({equation}) where it does not hold" if unphysical.any() else None
-        ax.plot(tilt_deg, d[f"{name}_c_x"], "--", color=colour, lw=1, label=label)
-    ax.plot(tilt_deg, d["c_x"], color=BLACK, label=r"$c_x'/V_z$")
+    ax.plot(tilt_deg, d["c_x"], color=SIMULATED, label=r"drift $c_x'$")
+    ax.plot(tilt_deg, d["c_z"], "-.", color=ANOTHER, label=r"rise $c_z'$")
+    branches = ("stick", "slip-stick (26)", reverses), ("reversal", "slip reversal (29)", ~reverses)
+    for (name, words, unphysical), colour in zip(branches, REGIME_COLOURS[1:], strict=True):
+        label = f"{words} where it does not hold" if unphysical.any() else None
+        ax.plot(tilt_deg, d[f"{name}_c_x"], "--", color=colour, zorder=1.9, label=label)
     for edge in critical_deg(d):
         ax.axvline(edge, color="0.5", lw=0.6, ls=":")
 
@@ -67,39 +77,32 @@ def critical_deg(d: Data) -> np.ndarray:
 def _end(ax: plt.Axes, d: Data, upper: float) -> None:
     """Inset: the contact sticks again beyond the upper critical tilt, half way to the end."""
     tilt_deg = np.degrees(d["tilt"])
-    inset = ax.inset_axes((0.52, 0.32, 0.4, 0.24))
+    inset = ax.inset_axes((0.42, 0.42, 0.45, 0.5))
     _curves(inset, d)
     left, middle = 2 * upper - 90, (upper + 90) / 2
     near = tilt_deg >= left
     top = 1.25 * max(d["stick_c_x"][near].max(), d["reversal_c_x"][near].max())
     inset.set(xlim=(left, 90), ylim=(0, top))
     inset.locator_params(nbins=3)
-    inset.tick_params(labelsize=6)
     place = middle, np.interp(middle, tilt_deg, d["c_x"])
     aside = left + (90 - left) / 3, 0.18 * top
-    inset.annotate("sticks\nagain", place, aside, fontsize=6, **ASIDE)
+    inset.annotate("sticks\nagain", place, aside, **ASIDE)
     ax.indicate_inset_zoom(inset, edgecolor="0.5", lw=0.6)
 
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, ax = plt.subplots(figsize=(3.4, 3.0))
+    figure, ax = plt.subplots(figsize=(5.0, 3.6))
     _curves(ax, d)
     tilt_axis(ax)
     highest = min(max(d["c_x"].max(), d["c_z"].max()), HIGHEST)
-    ax.set(ylabel=r"velocity / $V_z$", ylim=(0, 1.4 * highest))
-    critical = critical_deg(d)
-    if critical.size:
-        ends = ", ".join(f"{edge:.2f}°" for edge in critical)
-        ax.plot([], [], ":", color="0.5", lw=0.6, label=rf"$\phi_c$: {ends}")
-    setting = rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$"
-    handles, labels = ax.get_legend_handles_labels()
-    order = sorted(range(len(labels)), key=lambda i: "c_x" not in labels[i])
-    ax.legend(
-        [handles[i] for i in order],
-        [labels[i] for i in order],
-        **{"loc": "upper right", "bbox_to_anchor": (0.96, 0.99), "title": setting, **LEGEND_BOX},
-    )
-    if critical.size:
-        _end(ax, d, critical[-1])
+    ax.set(ylabel=r"velocity / $V_z$", ylim=(0, 1.35 * highest))
+    for name, edge in zip(("first", "second"), critical_deg(d), strict=False):
+        look = {"rotation": 90, "ha": "right", "va": "top", "transform": ax.get_xaxis_transform()}
+        ax.text(edge, 0.98, f"{name} root: {edge:.2f}°", **look)
+    if critical_deg(d).size:
+        _end(ax, d, critical_deg(d)[-1])
+    legend_above(figure, ax, ncols=2)
+    setting = rf"$\epsilon={d['restitution']:g}$, friction $\mu={d['friction']:g}$"
+    note(figure, f"thin rod, restitution {setting}; roots of Eq. (23)")
     return figure

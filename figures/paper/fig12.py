@@ -17,16 +17,30 @@ from matplotlib.axes import Axes
 import md
 from impact import Collision
 
-from ..lib.soft_impacts import SCENE_WORDS, TABLE_TILTS, Soft, compared, distance, rigid, simulate
+from ..lib.soft_impacts import (
+    CONTACT_COLOURS,
+    IMPACT_FRICTION,
+    LAW_WORDS,
+    ROD,
+    TABLE_TILTS,
+    Soft,
+    compared,
+    distance,
+    rigid,
+    scene_words,
+    simulate,
+)
 from ..lib.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    ORANGE,
-    RED,
+    CENTRED,
+    LAW_COLOURS,
+    REGIME_WORDS,
     RESTITUTION_LAWS,
+    RIGID,
+    SIMULATED,
+    THEORY,
     Data,
     legend_above,
+    note,
     painted,
     shade,
     style,
@@ -34,33 +48,40 @@ from ..lib.style import (
 )
 
 EPSILON = 0.65
-SOFT = {  # all with k_n = 5e6
-    "coulomb": md.coulomb(EPSILON),
-    "constant_restitution": md.constant_restitution(EPSILON),
-    "appendix_a": md.appendix_a(),
-}
-_DASHES = {1: "--", 2: "-", 3: "-."}  # the paper's: slide, slip-stick, slip reversal
-_COLOURS = {"coulomb": BLACK, "constant_restitution": BLUE, "appendix_a": RED}
-_LAWS = ("Newton", ORANGE, "-."), ("Poisson", GREEN, "-."), ("Stronge", GREEN, ":")
 
 
-def data(quick: bool = False) -> Data:
+def data(
+    quick: bool = False,
+    friction: float = IMPACT_FRICTION,
+    restitution: float = EPSILON,
+    length: float = ROD.length,
+) -> Data:
     """Velocities over |c_z| and restitution; MD arrays are of shape (3 laws, tilts)."""
+    scene = {"friction": friction, "rod": ROD._replace(length=length)}
+    laws = md.coulomb(restitution), md.constant_restitution(restitution), md.appendix_a()
     tilt = np.radians(np.linspace(0, 89, 90) if not quick else np.arange(0, 90, 5))
     edges = np.radians(np.linspace(0, 90, 181 if quick else 1801))
     line = (edges[1:] + edges[:-1]) / 2
-    soft = [simulate(tilt, law) for law in SOFT.values()]
-    fine = [simulate(tilt, law, refine=64) for law in SOFT.values()]
-    coarse = [simulate(TABLE_TILTS, law) for law in SOFT.values()]
-    measured = np.array([compared(s, rigid(TABLE_TILTS, s.restitution)) for s in coarse])
-    theory = {law: rigid(line, EPSILON, law=law) for law in RESTITUTION_LAWS}
-    at_measured = [rigid(tilt, s.restitution) for s in soft]
+    soft = [simulate(tilt, law, **scene) for law in laws]
+    fine = [simulate(tilt, law, refine=64, **scene) for law in laws]
+    coarse = [simulate(TABLE_TILTS, law, **scene) for law in laws]
+    measured = np.array([compared(s, rigid(TABLE_TILTS, s.restitution, **scene)) for s in coarse])
+    theory = {law: rigid(line, restitution, law=law, **scene) for law in RESTITUTION_LAWS}
+    at_tilts = [rigid(tilt, restitution, law=law, **scene) for law in RESTITUTION_LAWS]
+    at_measured = [rigid(tilt, s.restitution, **scene) for s in soft]
+    at_constant = rigid(TABLE_TILTS, restitution, **scene)
 
     def off(theory: Collision) -> np.ndarray:
         return np.hypot(soft[0].c_x - theory.c_x, soft[0].c_z - theory.c_z)
 
     return {
-        **{"tilt": tilt, "line_tilt": line, "line_edges": edges, "epsilon": np.float64(EPSILON)},
+        **{
+            "tilt": tilt,
+            "line_tilt": line,
+            "line_edges": edges,
+            "epsilon": np.float64(restitution),
+        },
+        "words": np.array(scene_words(friction, length)),
         **{field: np.array([getattr(s, field) for s in soft]) for field in Soft._fields},
         "measured_c_x": np.array([r.c_x for r in at_measured]),
         "measured_c_z": np.array([r.c_z for r in at_measured]),
@@ -69,10 +90,10 @@ def data(quick: bool = False) -> Data:
         "line_regime": theory["newton"].regime,
         "line_restitution": np.array([theory[law].normal_velocity for law in RESTITUTION_LAWS]),
         # distance of the first law's symbols from each theory at the constant, and at the measured
-        "off": np.array([off(rigid(tilt, EPSILON, law=law)) for law in RESTITUTION_LAWS]),
+        "off": np.array([off(each) for each in at_tilts]),
         "off_measured": off(at_measured[0]),
         "step_error": np.array([distance(a, b) for a, b in zip(soft, fine, strict=True)]),
-        "rms_constant": np.array([distance(s, rigid(TABLE_TILTS, EPSILON)) for s in coarse]),
+        "rms_constant": np.array([distance(s, at_constant) for s in coarse]),
         "rms_measured": measured[:, 0],
         "regimes_right": measured[:, 1].astype(int),
     }
@@ -82,63 +103,59 @@ def _draw_velocities(ax: Axes, d: Data, i: int) -> None:
     deg, line_deg = np.degrees(d["tilt"]), np.degrees(d["line_tilt"])
     shade(ax, np.degrees(d["line_edges"]), d["line_regime"])
     some = slice(None, None, 1 if deg.size < 50 else 3)
-    for part, colour, marker in (("c_x", BLACK, "o"), ("c_z", BLUE, "s")):
-        for regime, dashes in _DASHES.items():
-            here = np.where(d["line_regime"] == regime, d[f"line_{part}"], np.nan)
-            ax.plot(line_deg, here, dashes, color=colour, lw=1)
-        ax.plot(deg, d[f"measured_{part}"][i], "-", color=GREEN, lw=2.6, alpha=0.6, zorder=1.9)
-        ax.plot(deg[some], d[part][i, some], marker, color=colour, mfc="none", ms=3, mew=0.7)
-    ax.set(ylabel=r"velocity / $|c_z|$", ylim=(-1.05, 1.3))
+    for part, marker in (("c_x", "o"), ("c_z", "s")):
+        ax.plot(deg, d[f"measured_{part}"][i], color=RIGID, lw=3, alpha=0.4)
+        ax.plot(line_deg, d[f"line_{part}"], color=THEORY)
+        look = {"color": SIMULATED, "mfc": "none", "ms": 3, "mew": 0.7}
+        ax.plot(deg[some], d[part][i, some], marker, **look, label=f"${part}'$, simulated")
+    ax.set(ylabel=r"velocity / $|c_z|$", ylim=(-1.2, 1.3))
     tilt_axis(ax)
 
 
-def _legend(ax: Axes) -> None:
-    for marker, colour, part in (("o", BLACK, "x"), ("s", BLUE, "z")):
-        ax.plot([], [], marker, color=colour, mfc="none", ms=3, label=rf"$c_{part}'$, MD")
-    for regime, name in ((2, "slip-stick"), (1, "slide"), (3, "slip reversal")):
-        ax.plot([], [], _DASHES[regime], color="0.3", lw=1, label=rf"{name}, $\epsilon=0.65$")
-    ax.plot([], [], "-", color=GREEN, lw=2.6, alpha=0.6, label=r"theory, measured $\epsilon$")
-
-
 def _draw_restitution(ax: Axes, d: Data) -> None:
-    line_deg = np.degrees(d["line_tilt"])
-    for (name, colour), e in zip(_COLOURS.items(), d["restitution"], strict=True):
-        dashes = "-" if name != "constant_restitution" else (0, (4, 1.5))
-        ax.plot(np.degrees(d["tilt"]), e, ls=dashes, color=colour, label=f"MD, {name}")
-    for (label, colour, dashes), e in zip(_LAWS, d["line_restitution"], strict=True):
-        ax.plot(line_deg, e, dashes, color=colour, lw=1, label=f"{label}, {EPSILON}")
-    ax.set(ylabel=r"restitution $-v_f/v_0$", ylim=(0.45, 1.25))
-    ax.legend(ncols=2, loc="upper center", fontsize=6, handlelength=1.8, columnspacing=1)
+    wide = 2.4, 1, 1.2  # the first two nearly coincide
+    for (law, words), e, lw in zip(LAW_WORDS.items(), d["restitution"], wide, strict=True):
+        ax.plot(np.degrees(d["tilt"]), e, color=CONTACT_COLOURS[law], lw=lw, label=words)
+    for (law, colour), e in zip(LAW_COLOURS.items(), d["line_restitution"], strict=True):
+        ax.plot(np.degrees(d["line_tilt"]), e, "--", color=colour, lw=1, label=law.title())
+    ax.set(ylabel=r"restitution $-v_f/v_0$", ylim=(None, 1.45))
+    ax.legend(ncols=2, loc="upper center")
     tilt_axis(ax)
 
 
 def _draw_off(ax: Axes, d: Data) -> None:
     deg = np.degrees(d["tilt"])
-    for (label, colour, dashes), off in zip(_LAWS, d["off"], strict=True):
-        ax.plot(deg, off, dashes, color=colour, label=f"{label}, {EPSILON}")
-    ax.plot(deg, d["off_measured"], "-", color=BLACK, label="Newton, measured")
-    ax.set(yscale="log", ylim=(3e-5, 1), ylabel=r"$|\Delta\mathbf{c}'|/|c_z|$")
-    ax.legend(ncols=2, loc="upper center", fontsize=6)
+    for (law, colour), off in zip(LAW_COLOURS.items(), d["off"], strict=True):
+        ax.plot(deg, off, "--", color=colour, label=rf"{law.title()}, $\epsilon={d['epsilon']:g}$")
+    ax.plot(deg, d["off_measured"], color=RIGID, label=r"Newton, measured $\epsilon$")
+    ax.set(yscale="log", ylim=(3e-5, 3), ylabel=r"$|\Delta\mathbf{c}'|/|c_z|$")
+    ax.legend(ncols=2, loc="upper center")
     tilt_axis(ax)
 
 
 @style
 def draw(d: Data) -> plt.Figure:
     panels = {
-        "MD: coulomb": partial(_draw_velocities, i=0),
-        "MD: appendix_a as printed": partial(_draw_velocities, i=2),
+        "friction as a constraint": partial(_draw_velocities, i=0),
+        "Appendix A as printed": partial(_draw_velocities, i=2),
         "measured restitution": _draw_restitution,
-        "MD (coulomb) from theory": _draw_off,
+        "simulated (a) from theory": _draw_off,
     }
-    figure = painted(d, panels, rows=2, figsize=(7.0, 5.6))
+    figure = painted(d, panels, rows=2, figsize=(7.0, 5.8))
     first, *_ = figure.axes
-    for x, y, word in ((11, -0.93, "slip-stick"), (50, -0.93, "slip reversal"), (85, 1.1, "slide")):
-        first.text(x, y, word, ha="center", fontsize=7)
-    _legend(first)
-    legend_above(figure, first, ncols=6, fontsize=6.5, handlelength=1.8, columnspacing=1.2)
-    figure.supxlabel(
-        rf"{SCENE_WORDS}, $k_n=5\times10^6\,mg/d^{{3/2}}$"
-        "\nhead on 0.65; constant_restitution: tangential ratio 30, damping 1;"
-        r" appendix_a: $k_t=95\,k_n$, $\gamma=400$, $M_e=1/2$"
+    for number, word in REGIME_WORDS.items():
+        here = np.degrees(d["line_tilt"][d["line_regime"] == number])
+        if here.size:
+            words = word.replace(" ", "\n").replace("-", "-\n")
+            first.text(here.mean(), -1.0, words if np.ptp(here) < 15 else word, **CENTRED)
+    epsilon = rf"$\epsilon={d['epsilon']:g}$"
+    first.plot([], [], color=THEORY, label=f"theory, {epsilon}")
+    first.plot([], [], color=RIGID, lw=3, alpha=0.4, label=r"theory, measured $\epsilon$")
+    legend_above(figure, first, ncols=4)
+    note(
+        figure,
+        rf"{d['words']}, $k_n=5\times10^6\,mg/d^{{3/2}}$;"
+        rf" head on {epsilon}; spring: tangential ratio 30, damping 1;"
+        r" Appendix A: $k_t=95\,k_n$, $\gamma=400$, $M_e=1/2$",
     )
     return figure

@@ -24,6 +24,7 @@ from ..lib.runs import (
     LAW_NAME,
     LENGTH,
     RESOLVED,
+    RESTITUTION,
     SECOND,
     SEEDS,
     SETTING,
@@ -36,14 +37,15 @@ from ..lib.runs import (
     tilts,
 )
 from ..lib.style import (
-    BLUE,
-    GREEN,
+    ANOTHER,
     ORANGE,
-    RED,
+    RIGID,
+    THEORY,
     Data,
     curve,
     legend_above,
-    name_panels,
+    note,
+    painted,
     style,
     tilt_axis,
 )
@@ -79,94 +81,120 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     }
 
 
-def data(quick: bool = False) -> Data:
-    """Measured rows and the theory beside them; velocities in cm/s."""
+def data(
+    quick: bool = False,
+    friction: float = FRICTION,
+    restitution: float = RESTITUTION,
+    length: float = LENGTH,
+) -> Data:
+    """Measured rows and the theory beside them; of one's own values the theory alone. cm/s."""
+    setting = {"friction": friction, "restitution": restitution}
+    papers = (setting, length) == (SETTING, LENGTH)
+    of_rods = _simulated(quick) if papers else {}
+    words = rf"$\epsilon={restitution:g}$, $\mu={friction:g}$, (a, b) $l={length:g}\,d$"
     runs = sweeps(quick)
     tilt_deg, gamma = tilts(quick), runs["gamma"].values("plate.acceleration")
-    length, jammed = (runs[name].values("rods.length") for name in ("length", "jammed"))
-    fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, length[-1], 200)
+    lengths = runs["length"].values("rods.length")
+    fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, lengths[-1], 200)
     fixed_tilt = np.arccos(COUNT / BOX_OF_LENGTHS)
     return {
         "tilt_deg": tilt_deg,
         "gamma": gamma,
-        "length": length,
+        "length": lengths,
+        "words": np.array(f"row: {LAW_NAME}; theory: {words}" if papers else f"theory: {words}"),
+        **of_rods,
         "speed": plate_speed_cm_s(),
         "speed_b": plate_speed_cm_s(gamma),
         "speed_c": plate_speed_cm_s(GAMMA_OF_LENGTHS),
-        **_measured(runs["tilt"], "a"),
-        **_measured(runs["gamma"], "b"),
-        **_measured(runs["length"], "c"),
-        "jammed_length": jammed,
-        **_measured(runs["jammed"], "jammed"),
-        **_measured(runs["second"], "second"),
         "fine": fine,
-        "thin": drift(thin_rod(fine), **SETTING).c_x,  # over V_z
-        "thick": drift(paper_rod(fine), **SETTING).c_x,
-        "thick_at_tilts": drift(paper_rod(np.radians(tilt_deg)), **SETTING).c_x,
-        "thick_at_box": drift(paper_rod(np.arccos(COUNT / BOX)), **SETTING).c_x,
-        "thin_at_box": drift(thin_rod(np.arccos(COUNT / BOX)), **SETTING).c_x,
+        "thin": drift(thin_rod(fine), **setting).c_x,  # over V_z
+        "thick": drift(paper_rod(fine, length), **setting).c_x,
+        "thick_at_tilts": drift(paper_rod(np.radians(tilt_deg), length), **setting).c_x,
+        "thick_at_box": drift(paper_rod(np.arccos(COUNT / BOX), length), **setting).c_x,
+        "thin_at_box": drift(thin_rod(np.arccos(COUNT / BOX)), **setting).c_x,
         "fine_length": fine_length,
-        "thick_of_length": drift(spherocylinder(fixed_tilt, fine_length), **SETTING).c_x,
-        "thick_at_lengths": drift(spherocylinder(fixed_tilt, length), **SETTING).c_x,
+        "thick_of_length": drift(spherocylinder(fixed_tilt, fine_length), **setting).c_x,
+        "thick_at_lengths": drift(spherocylinder(fixed_tilt, lengths), **setting).c_x,
     }
+
+
+def _simulated(quick: bool) -> Data:
+    """What the rows do."""
+    runs, found = sweeps(quick), {}
+    names = {"tilt": "a", "gamma": "b", "length": "c", "jammed": "jammed", "second": "second"}
+    for name, prefix in names.items():
+        found |= _measured(runs[name], prefix)
+    return {**found, "jammed_length": runs["jammed"].values("rods.length")}
 
 
 POINTS, THIN = {"form": "o"}, {"marker": "s", "ms": 2.5, "lw": 0.8}
 
 
+def _over_tilt(ax: Axes, d: Data) -> None:
+    fine_deg, half = np.degrees(d["fine"]), d["speed"] / 2
+    ax.plot(fine_deg, half * d["thin"], color=THEORY, label=r"theory, thin, $V_0/2$")
+    ax.plot(fine_deg, half * d["thick"], "--", color=ORANGE, label=r"theory, $l$, $V_0/2$")
+    tilt_axis(ax, 0, 90, 30)
+    ax.set_ylabel(r"drift $c_x$ (cm/s)")
+    if "a_c_x" not in d:
+        return
+    curve(ax, d, "a_tilt", "a_c_x", label="simulated", **POINTS)
+    words = "simulated, another contact law"
+    curve(ax, d, "second_tilt", "second_c_x", ANOTHER, words, hollow=True, form="^")
+    measured = d["thick_at_tilts"] * d["a_V_z"] * d["speed"]
+    ax.plot(d["tilt_deg"], measured, color=RIGID, label=r"theory, $l$, measured $V_z$", **THIN)
+    ax.set_ylim(-0.5, 1.1 * max(measured.max(), 15))
+
+
 def _over_gamma(ax: Axes, d: Data) -> None:
-    curve(ax, d, "gamma", "b_c_x", **POINTS)
-    ax.plot(d["gamma"], d["thin_at_box"] * d["speed_b"] / 2, color=RED)
+    ax.plot(d["gamma"], d["thin_at_box"] * d["speed_b"] / 2, color=THEORY)
     ax.plot(d["gamma"], d["thick_at_box"] * d["speed_b"] / 2, "--", color=ORANGE)
+    ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
+    if "b_c_x" not in d:
+        return
+    curve(ax, d, "gamma", "b_c_x", **POINTS)
     rising = np.where(d["b_V_z"] > 0, d["b_V_z"], np.nan)  # else the closure has no impact
-    ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], color=BLUE, **THIN)
+    ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], color=RIGID, **THIN)
     fit = fits(d)
     x = np.array([fit["line_start"], d["gamma"][-1]])
     line = fit["line_slope"] * (x - fit["line_from"])
     ax.plot(x, line, color="0.5", label="fit from 2 on")
-    ax.legend(loc="upper right", fontsize=6)
-    ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
+    ax.legend(loc="upper right")
     ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
-    inset = ax.inset_axes([0.14, 0.64, 0.25, 0.24])
+    inset = ax.inset_axes([0.14, 0.62, 0.25, 0.22])
     curve(inset, d, "gamma", "b_tilt", ms=2, **POINTS)
     nominal = np.degrees(np.arccos(COUNT / BOX))
     inset.axhline(nominal, color="0.5", lw=0.6)
     inset.set(ylim=(nominal - 3, nominal + 3), xlim=(1, None))
-    inset.set_title(r"tilt (deg)", fontsize=6, pad=2)
-    inset.tick_params(labelsize=5.5)
+    inset.set_title("tilt (deg)", pad=2)
 
 
 def _over_length(ax: Axes, d: Data) -> None:
+    ax.plot(d["fine_length"], d["thick_of_length"] * d["speed_c"] / 2, "--", color=ORANGE)
+    ax.set(xlabel=r"length $l/d$", xlim=(0.5, None))
+    if "c_c_x" not in d:
+        return
     curve(ax, d, "length", "c_c_x", **POINTS)
     curve(ax, d, "jammed_length", "jammed_c_x", label="from rest", hollow=True, **POINTS)
-    ax.plot(d["fine_length"], d["thick_of_length"] * d["speed_c"] / 2, "--", color=ORANGE)
     measured = d["thick_at_lengths"] * d["c_V_z"] * d["speed_c"]
-    ax.plot(d["length"], measured, color=BLUE, **THIN)
-    ax.set(xlabel=r"length $l/d$", ylim=(-0.4, 1.4 * measured.max()), xlim=(0.5, None))
-    ax.legend(loc="upper right", fontsize=6)
+    ax.plot(d["length"], measured, color=RIGID, **THIN)
+    ax.set_ylim(-0.4, 1.4 * measured.max())
+    ax.legend(loc="upper right")
 
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 3.0))
-    fine_deg, half = np.degrees(d["fine"]), d["speed"] / 2
-    curve(a, d, "a_tilt", "a_c_x", label="simulated", **POINTS)
-    curve(a, d, "second_tilt", "second_c_x", GREEN, "the same, another law", hollow=True, form="^")
-    a.plot(fine_deg, half * d["thin"], color=RED, label=r"theory, thin, $V_0/2$")
-    a.plot(fine_deg, half * d["thick"], "--", color=ORANGE, label=r"theory, $l$, $V_0/2$")
-    measured = d["thick_at_tilts"] * d["a_V_z"] * d["speed"]
-    a.plot(d["tilt_deg"], measured, color=BLUE, label=r"theory, $l$, measured $V_z$", **THIN)
-    tilt_axis(a, 0, 90, 30)
-    a.set(ylabel=r"drift $c_x$ (cm/s)", ylim=(-0.5, 1.1 * max(measured.max(), 15)))
-    _over_gamma(b, d)
-    _over_length(c, d)
     third = rf"$L={BOX_OF_LENGTHS}\,d$, $\Gamma={GAMMA_OF_LENGTHS}$"
-    name_panels((a, b, c), (rf"$\Gamma={GAMMA}$", rf"$L={BOX:g}\,d$", third))
-    for ax in (a, b, c):
+    panels = {
+        rf"$\Gamma={GAMMA}$": _over_tilt,
+        rf"$L={BOX:g}\,d$": _over_gamma,
+        third: _over_length,
+    }
+    figure = painted(d, panels, figsize=(7.0, 3.4))
+    for ax in figure.axes:
         ax.axhline(0, color="0.7", lw=0.6)
-    legend_above(figure, a, ncols=3, fontsize=6.5)
-    rods = rf"$N={COUNT}$, (a, b) $l={LENGTH}\,d$, $d=0.6$ cm"
-    figure.supxlabel(rf"{rods}, 60 Hz, $\mu={FRICTION}$; {LAW_NAME}")
+    legend_above(figure, figure.axes[0], ncols=3)
+    note(figure, rf"$N={COUNT}$, $d=0.6$ cm, 60 Hz; {d['words']}")
     return figure
 
 

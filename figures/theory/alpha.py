@@ -18,14 +18,15 @@ from impact import drift, spherocylinder
 from ..lib.runs import FRICTION, GAMMA, LENGTH, RESTITUTION
 from ..lib.style import (
     BLACK,
-    BLUE,
-    GREEN,
-    LEGEND_BOX,
-    RED,
+    RIGID,
+    SKY,
+    THEORY,
     Data,
     curve,
     hit_again_tilt,
     name_panels,
+    note,
+    shades,
     style,
     tilt_axis,
 )
@@ -90,10 +91,10 @@ def data(
 def _over_tilt(axes, d: Data) -> None:
     d = {**d, "deg": np.degrees(d["tilt"])}
     again, ax = np.degrees(d["again_tilt"]), axes[0]
-    curve(ax, d, "deg", "tilt_alpha", BLUE, "every landing alike", ms=2)
-    curve(ax, d, "deg", "tilt_alpha_impulse", RED, "weighted by impulse", ms=2)
-    ax.axhline(0.5, color=BLACK, lw=0.8, ls=":", label="Eq. (31): 1/2")
-    ax.set(ylabel=r"$\alpha=\langle V_z\rangle/V_0$", ylim=(-1, 1.9), yticks=(-1, -0.5, 0, 0.5, 1))
+    curve(ax, d, "deg", "tilt_alpha", SKY, "every landing alike", ms=2)
+    curve(ax, d, "deg", "tilt_alpha_impulse", RIGID, "weighted by impulse", ms=2)
+    ax.axhline(0.5, color=THEORY, ls="--", label="Eq. (31): 1/2")
+    ax.set_ylabel(r"$\alpha=\langle V_z\rangle/V_0$")
     ax.axhline(0, color="0.5", lw=0.6)
 
     ax = axes[1]
@@ -101,24 +102,25 @@ def _over_tilt(axes, d: Data) -> None:
     length = np.arange(len(share)) / 16
     shading = {"cmap": "Greys", "vmin": 0, "vmax": 1, "shading": "nearest", "rasterized": True}
     ax.pcolormesh(d["deg"], length, np.sqrt(share), **shading)
-    curve(ax, d, "deg", "tilt_flight", BLUE, "mean", ms=2)
+    curve(ax, d, "deg", "tilt_flight", RIGID, "mean", ms=2)
     ax.set(ylabel="flight (periods)", ylim=(0, 3.2))
-    ax.text(again + 8, 1.9, rf"$X^2=\epsilon k^2$: {again:.1f}°", va="center")
+    ax.plot([], [], ":", color=BLACK, label=rf"$X^2=\epsilon k^2$, {again:.1f}°")
 
     ax = axes[2]
-    curve(ax, d, "deg", "tilt_drift", BLUE, "computed", ms=2)
-    steady, label = d["steady_c_x"], r"(24), (27), computed $\alpha$"
-    ax.plot(d["deg"], steady * d["tilt_alpha_impulse"], "-", color=RED, label=label)
-    ax.plot(d["deg"], steady / 2, ":", color=BLACK, label=r"(24), (27), $\alpha=1/2$")
-    ax.set(ylabel=r"drift / $V_0$", ylim=(0, 4.6))
-    for ax, top in zip(axes, (0.68, 1, 0.66), strict=True):  # up to the legend
+    curve(ax, d, "deg", "tilt_drift", RIGID, "computed", ms=2)
+    steady, label = d["steady_c_x"], r"(24), computed $\alpha$"
+    ax.plot(d["deg"], steady * d["tilt_alpha_impulse"], color=THEORY, lw=0.8, label=label)
+    ax.plot(d["deg"], steady / 2, "--", color=THEORY, label=r"(24), $\alpha=1/2$")
+    ax.set(ylabel=r"drift / $V_0$", ylim=(0, 1.45 * d["tilt_drift"].max()))
+    for ax in axes:
         tilt_axis(ax, 0, 75)
-        ax.axvline(again, 0, top, color=BLACK, lw=0.8, ls="--")
-        ax.legend(loc="upper right", **LEGEND_BOX)
+        ax.axvline(again, color=BLACK, lw=0.8, ls=":")
+        ax.legend()
+    ax.legend(loc="upper right")
 
 
 def _over_gamma(axes, d: Data) -> None:
-    for i, colour in enumerate((GREEN, BLUE, RED)):
+    for i, colour in enumerate(shades(len(d["gamma_tilt"]))):
         label = rf"$\phi={np.degrees(d['gamma_tilt'][i]):.0f}$°"
         for ax, name in zip(axes, ("alpha_impulse", "drift", "rest"), strict=True):
             curve(ax, d, "gammas", f"gamma_{name}", colour, label, at=i, ms=2)
@@ -126,24 +128,24 @@ def _over_gamma(axes, d: Data) -> None:
     axes[0].plot(d["inelastic_gamma"], d["inelastic_alpha"], ":", **still)
     axes[0].set(ylabel=r"$\alpha$, weighted by impulse", ylim=(-1.1, 1.1))
     axes[0].axhline(0, color="0.5", lw=0.6)
-    axes[0].legend(loc="lower center", bbox_to_anchor=(0.48, 0))
     axes[1].set_ylabel(r"drift / $V_0$")
     axes[1].axhline(0, color="0.5", lw=0.6)
-    axes[1].axvline(EXPERIMENT, color=BLACK, lw=0.8, ls=":")
-    place = {"transform": axes[1].get_xaxis_transform(), "ha": "right", "va": "top"}
-    axes[1].text(EXPERIMENT - 0.08, 0.95, "exp.", rotation=90, **place)
+    axes[1].axvline(EXPERIMENT, color=BLACK, lw=0.8, ls=":", label="experiment")
     axes[2].set(ylabel="part of the time at rest", ylim=(-0.02, 1))
     for ax in axes:
-        ax.set(xlabel=r"$\Gamma$", xlim=(0.9, 5.1), xticks=range(1, 6))
+        ax.set(xlabel=r"acceleration $\Gamma$", xlim=(0.9, 5.1), xticks=range(1, 6))
+    axes[0].legend(handles=axes[0].lines[-2:-1])
+    axes[1].legend(handles=axes[1].lines[-1:])
+    axes[2].legend(title="tilt")
 
 
 @style
 def draw(d: Data) -> plt.Figure:
-    figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.4))
+    figure, axes = plt.subplots(2, 3, figsize=(7.0, 5.0))
     _over_tilt(axes[0], d)
     _over_gamma(axes[1], d)
     name_panels(axes.flat, [rf"$\Gamma={GAMMA:g}$"] * 3 + [""] * 3)
-    figure.supxlabel(
-        rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$, $l={d['length']:g}\,d$"
+    note(
+        figure, rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$, $l={d['length']:g}\,d$"
     )
     return figure

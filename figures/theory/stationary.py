@@ -12,7 +12,7 @@ factor e: in slip-stick (black, whatever the friction) and between the critical 
 friction in slip reversal; corners with a vertical side are where it begins, or ceases, to
 oscillate. (e) Work of the plate per weight and distance: friction makes transport cheaper up to
 where the contact holds; dots: the best tilt, one for 0.3 and 0.5. (f) Friction from which on
-the contact of a slipping rod is pressed into the plate, Painleve's paradox; dot: the least of a
+the contact of a slipping rod is pressed into the plate, Painlevé's paradox; dot: the least of a
 thin rod, 4/3.
 """
 
@@ -35,14 +35,23 @@ from impact import (
 )
 from impact.translation import landing_phases
 
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, RED, Data, painted, style, tilt_axis
+from ..lib.style import (
+    BLACK,
+    BLUE,
+    SHAPE_COLOURS,
+    THEORY,
+    Data,
+    note,
+    painted,
+    shades,
+    style,
+    tilt_axis,
+)
 
 FALLS = np.array([0.5, 1.0, 2.0])  # over the plate's largest velocity
 RESTITUTIONS = np.array([0.5, 0.65, 0.8])
 FRICTIONS = np.array([0.1, 0.3, 0.5])
-RESTITUTION = 0.65
-_LOOKS = ((BLUE, "--"), (BLACK, "-"), (RED, "-."))
-_REVERSED = ((BLUE, "--"), (RED, "-."), (GREEN, ":"))
+FORMS = "--", "-", "-."
 
 
 def alpha_of_fall(fall: np.ndarray) -> np.ndarray:
@@ -54,23 +63,38 @@ def alpha_of_fall(fall: np.ndarray) -> np.ndarray:
     return np.where(fall >= 1, fast, slow)
 
 
-def data(quick: bool = False) -> Data:
-    """Phases in rad over fall speeds; the rest over tilt in rad, of thin rods but for (f)."""
+def data(
+    quick: bool = False,
+    friction: float | None = None,
+    restitution: float | None = None,
+    length: float = 9.5,
+) -> Data:
+    """Phases in rad over fall speeds; the rest over tilt in rad, of thin rods but for (f).
+
+    `friction`, `restitution`: the only ones of (c)-(e); `length`: of the longer round rod of (f).
+    """
     n = 181 if quick else 1081
+    frictions = FRICTIONS if friction is None else np.array([friction])
+    restitutions = RESTITUTIONS if restitution is None else np.array([restitution])
     phase, fall = np.linspace(-np.pi, np.pi, n), np.linspace(0.01, 3, n)
     tilt = np.radians(np.linspace(0, 90, n))
     rod = thin_rod(tilt)
-    bounce = drift(rod, friction=1.0, restitution=RESTITUTIONS[:, None]).c_z
+    bounce = drift(rod, friction=1.0, restitution=restitutions[:, None]).c_z
     consistent, least = function("V: alpha and closure")(bounce)
     slow = np.linspace(0.01, 1, 2001)
     slower = np.interp(bounce, slow / alpha_of_fall(slow), alpha_of_fall(slow))
-    half = np.arcsin(np.sqrt(function("V: tilt of one half")(RESTITUTIONS)))
-    setting = {"friction": np.append(FRICTIONS, np.inf)[:, None], "restitution": RESTITUTION}
+    half = np.arcsin(np.sqrt(function("V: tilt of one half")(restitutions)))
+    usual = 0.65 if restitution is None else restitution
+    setting = {"friction": np.append(frictions, np.inf)[:, None], "restitution": usual}
     shown = drift(rod, **setting).regime == Regime.SLIP_REVERSAL
     shown[-1] = True  # the last friction holds at every tilt
-    best = optimal_tilt(friction=FRICTIONS, restitution=RESTITUTION)
-    shapes = (rod, spherocylinder(tilt, 9.5), spherocylinder(tilt, 3.0), flat_ended_rod(tilt, 8.0))
+    best = optimal_tilt(friction=frictions, restitution=usual)
+    shapes = rod, spherocylinder(tilt, length), spherocylinder(tilt, 3.0), flat_ended_rod(tilt, 8.0)
     return {
+        "frictions": frictions,
+        "restitutions": restitutions,
+        "restitution": np.float64(usual),
+        "length": np.float64(length),
         "phase": phase,
         "density": landing_density(phase, fall_speed=FALLS[:, None]),
         "fall": fall,
@@ -88,7 +112,8 @@ def data(quick: bool = False) -> Data:
 
 
 def _density(ax: Axes, d: Data) -> None:
-    for q, density, (colour, form) in zip(FALLS, d["density"], _LOOKS, strict=True):
+    looks = zip(FALLS, d["density"], shades(len(FALLS)), FORMS, strict=True)
+    for q, density, colour, form in looks:
         ax.plot(np.degrees(d["phase"]), density, form, color=colour, label=f"{q:g}")
     ax.set(xlabel=r"phase $\theta$ (deg)", ylabel=r"density $H$ (1/rad)", ylim=(0, 0.6))
     ax.set(xlim=(-180, 180), xticks=[-180, -90, 0, 90, 180])
@@ -99,7 +124,7 @@ def _alpha(ax: Axes, d: Data) -> None:
     slow = d["fall"] <= 1
     ax.plot(d["fall"][slow], d["alpha"][slow], "--", color=BLUE, label="slower than the plate")
     ax.plot(d["fall"][~slow], d["alpha"][~slow], color=BLACK, label="faster, $1/(2q)$")
-    ax.plot(1, 0.5, "o", color=RED, label="the paper's 1/2")
+    ax.plot(1, 0.5, "o", color=THEORY, label="the paper's 1/2")
     ax.set(xlabel=r"fall speed $q=|c_z|/V_0$", ylabel=r"$\alpha=V_z/V_0$", xlim=(0, 3))
     ax.set(ylim=(0, 1))
     ax.legend()
@@ -107,8 +132,8 @@ def _alpha(ax: Axes, d: Data) -> None:
 
 def _closure(ax: Axes, d: Data) -> None:
     tilt_deg, half = np.degrees(d["tilt"]), np.degrees(d["half"])
-    for row, colour in enumerate((BLUE, BLACK, RED)):
-        label = f"{RESTITUTIONS[row]:g}, 1/2 at {half[row]:.1f}°"
+    for row, colour in enumerate(shades(len(half))):
+        label = f"{d['restitutions'][row]:g}, 1/2 at {half[row]:.1f}°"
         ax.plot(tilt_deg, d["consistent"][row], color=colour, label=label)
         ax.plot(tilt_deg, d["slower"][row], "--", color=colour)
         ax.plot(half[row], 0.5, "o", color=colour)
@@ -121,7 +146,8 @@ def _regimes(ax: Axes, d: Data, name: str, frictions: int) -> None:
     """Slip-stick in black; in colour the smallest frictions where they reverse."""
     tilt_deg = np.degrees(d["tilt"])
     ax.plot(tilt_deg, d[name][-1], color=BLACK, label="slip-stick")
-    for mu, y, (colour, form) in zip(FRICTIONS[:frictions], d[name], _REVERSED, strict=False):
+    looks = zip(d["frictions"][:frictions], shades(len(d["frictions"])), FORMS, strict=False)
+    for y, (mu, colour, form) in zip(d[name], looks, strict=False):
         ax.plot(tilt_deg, y, form, color=colour, label=rf"reversal, $\mu={mu:g}$")
     tilt_axis(ax)
     ax.legend()
@@ -134,15 +160,15 @@ def _landings(ax: Axes, d: Data) -> None:
 
 def _cost(ax: Axes, d: Data) -> None:
     _regimes(ax, d, "cost", 3)
-    ax.scatter(np.degrees(d["best_tilt"]), d["best_cost"], s=16, c=[BLUE, BLACK, BLACK], zorder=3)
+    ax.scatter(np.degrees(d["best_tilt"]), d["best_cost"], s=16, c=BLACK, zorder=3)
     ax.set(ylabel="work / (weight × distance)", yscale="log", ylim=(0.2, 100))
 
 
 def _painleve(ax: Axes, d: Data) -> None:
-    names = ("thin rod", "round, $l=9.5d$", "round, $l=3d$", "flat ends, $l=8d$")
-    looks = ((BLACK, "-"), (BLUE, "--"), (RED, "-."), (ORANGE, "-"))
-    for name, friction, (colour, form) in zip(names, d["painleve"], looks, strict=True):
-        ax.plot(np.degrees(d["tilt"]), friction, form, color=colour, label=name)
+    names = "thin rod", f"round, $l={d['length']:g}d$", "round, $l=3d$", "flat ends, $l=8d$"
+    looks = zip(names, ("thin", "round", "round", "flat"), ("-", "-", "-.", "-"), strict=True)
+    for friction, (name, kind, form) in zip(d["painleve"], looks, strict=True):
+        ax.plot(np.degrees(d["tilt"]), friction, form, color=SHAPE_COLOURS[kind], label=name)
     ax.plot(np.degrees(np.arctan(0.5)), 4 / 3, "o", color=BLACK)
     tilt_axis(ax)
     ax.set(ylabel=r"friction $\mu_P$", ylim=(0, 8))
@@ -159,4 +185,6 @@ def draw(d: Data) -> plt.Figure:
         "cost of transport": _cost,
         "Painlevé's friction": _painleve,
     }
-    return painted(d, panels, rows=2, figsize=(7.0, 5.2))
+    figure = painted(d, panels, rows=2, figsize=(7.0, 5.4))
+    note(figure, rf"(d, e): $\epsilon={d['restitution']:g}$")
+    return figure

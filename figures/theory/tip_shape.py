@@ -23,9 +23,8 @@ from impact import collide, drift, flat_ended_rod, spherocylinder, thin_rod
 from ..lib.style import (
     ARROW,
     BLACK,
-    BLUE,
     GREEN,
-    RED,
+    SHAPE_COLOURS,
     SHAPES,
     Data,
     painted,
@@ -36,8 +35,9 @@ from ..lib.style import (
 
 HIGHEST = 20.0  # V_z; without losses a drift has no bound
 OBSERVED_DEG = 8.0  # experiment: flat-ended rods drift only above this tilt
-IN_RED = {"va": "center", "color": RED, "arrowprops": {**ARROW, "color": RED}}
-_KINDS = (("thin", BLACK, "-."), ("round", BLUE, "-"), ("flat", RED, "-"))
+FLAT = SHAPE_COLOURS["flat"]
+TOLD = {"va": "center", "color": FLAT, "arrowprops": {**ARROW, "color": FLAT}}
+LINES = {"thin": "-.", "round": "-", "flat": "-"}
 
 
 def _bounced(quick: bool, length: float, how: dict[str, float]) -> Data:
@@ -103,7 +103,7 @@ def data(
 def _limit(d: Data) -> float:
     """Largest drift shown in (a) and (b), with room for words."""
     drifts = np.abs(
-        np.concatenate([d[name] for kind, *_ in _KINDS for name in (kind, f"{kind}_by_length")])
+        np.concatenate([d[name] for kind in SHAPES for name in (kind, f"{kind}_by_length")])
     )
     return 1.45 * min(drifts[np.isfinite(drifts)].max(), HIGHEST)
 
@@ -111,21 +111,19 @@ def _limit(d: Data) -> float:
 def _over_tilt(ax: Axes, d: Data) -> None:
     limit, negative = _limit(d), np.signbit(d["tilt"])
     tilt_deg, threshold_deg = np.degrees(d["tilt"]), np.degrees(d["flat_threshold"])
-    for kind, colour, line in _KINDS:
+    for (kind, line), colour in zip(LINES.items(), SHAPE_COLOURS.values(), strict=True):
         for side in (negative, ~negative):
             ax.plot(tilt_deg[side], d[kind][side], line, color=colour)
     edges = d["flat"][tilt_deg == 0]
-    ax.plot([0, 0], edges, ":", color=RED, lw=1)
-    ax.plot([0, 0], edges, "o", color=RED, ms=3, mfc="w")
+    ax.plot([0, 0], edges, ":", color=FLAT, lw=1)
+    ax.plot([0, 0], edges, "o", color=FLAT, ms=3, mfc="w")
     words = "contact jumps\nfrom edge to edge"
-    ax.annotate(
-        words, (0, edges.max()), (-19, 0.8 * limit), va="center", fontsize=7, arrowprops=ARROW
-    )
-    ax.axvspan(-threshold_deg, threshold_deg, color=RED, alpha=0.1, lw=0)
-    ax.text(0, -0.94 * limit, "flat ends\nbackwards", color=RED, ha="center", fontsize=7)
-    ax.plot(threshold_deg, 0, "o", color=RED, ms=4)
+    ax.annotate(words, (0, edges.max()), (-19, 0.8 * limit), va="center", arrowprops=ARROW)
+    ax.axvspan(-threshold_deg, threshold_deg, color=FLAT, alpha=0.1, lw=0)
+    ax.text(threshold_deg - 0.5, -0.94 * limit, "flat ends\nbackwards", color=FLAT, ha="right")
+    ax.plot(threshold_deg, 0, "o", color=FLAT, ms=4)
     words = rf"$\arctan(d/l)$ = {threshold_deg:.3f}°"
-    ax.annotate(words, (threshold_deg, 0), (16, -0.33 * limit), **IN_RED)
+    ax.annotate(words, (threshold_deg, 0), (16, -0.33 * limit), **TOLD)
     ax.axvline(OBSERVED_DEG, color=GREEN, lw=0.8)
     ax.text(OBSERVED_DEG + 1, -0.94 * limit, "experiment: flat\nends drift above 8°", color=GREEN)
     ax.set_ylabel(r"drift $c_x/V_z$")
@@ -134,11 +132,11 @@ def _over_tilt(ax: Axes, d: Data) -> None:
 
 def _over_length(ax: Axes, d: Data) -> None:
     limit = _limit(d)
-    for kind, colour, line in _KINDS:
+    for (kind, line), colour in zip(LINES.items(), SHAPE_COLOURS.values(), strict=True):
         ax.plot(d["lengths"], d[f"{kind}_by_length"], line, color=colour, label=SHAPES[kind])
-    ax.plot(d["flat_length"], 0, "o", color=RED, ms=4)
+    ax.plot(d["flat_length"], 0, "o", color=FLAT, ms=4)
     words = rf"$l=d/\tan\phi={d['flat_length']:.2f}\,d$"
-    ax.annotate(words, (d["flat_length"], 0), (6.2, -0.16 * limit), **IN_RED)
+    ax.annotate(words, (d["flat_length"], 0), (6.2, -0.16 * limit), **TOLD)
     ax.axvline(3, color="0.5", lw=0.6, ls=":")
     ax.text(3.2, 0.86 * limit, "Fig. 13(c):\nsaturates", color="0.3", va="center")
     ax.set(xlabel="length $l/d$", xlim=(0, 20), xticks=(1, 3, 5, 10, 15, 20))
@@ -146,10 +144,10 @@ def _over_length(ax: Axes, d: Data) -> None:
 
 
 def _over_bounces(ax: Axes, d: Data) -> None:
-    for kind, colour, _ in _KINDS[1:]:
+    for kind in ("round", "flat"):
         drift, error = d[f"{kind}_bounced"], d[f"{kind}_bounced_error"]
-        points(ax, np.degrees(d["bounced_tilt"]), drift, error, colour)
-    ax.plot(np.degrees(d["flat_threshold"]), 0, "o", color=RED, ms=4)
+        points(ax, np.degrees(d["bounced_tilt"]), drift, error, SHAPE_COLOURS[kind])
+    ax.plot(np.degrees(d["flat_threshold"]), 0, "o", color=FLAT, ms=4)
     ax.axvline(OBSERVED_DEG, color=GREEN, lw=0.8)
     ax.text(0.97, 0.95, r"mean over $\Gamma$", transform=ax.transAxes, ha="right", va="top")
     ax.set_ylabel(r"drift $c_x/V_0$")
@@ -160,7 +158,7 @@ def _one(ax: Axes, d: Data) -> None:
     tilt_deg, negative = np.degrees(d["rigid_tilt"]), np.signbit(d["rigid_tilt"])
     for side in (negative, ~negative):
         label = "the map" if side[0] else None
-        ax.plot(tilt_deg[side], d["rigid"][side], color=RED, label=label)
+        ax.plot(tilt_deg[side], d["rigid"][side], color=FLAT, label=label)
     ax.plot(np.degrees(d["soft_tilt"]), d["soft"], "o", color=BLACK, ms=2.5, label="soft impact")
     ax.set_ylabel(r"$c_x'/|c_z|$, from $c_x=0$")
     tilt_axis(ax, -15, 15, 5)
