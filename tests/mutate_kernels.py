@@ -39,7 +39,7 @@ NOT_OF_KERNELS = re.compile(
     "figure|claim|readme|guide|report|index|explore|wheel|help|label|document|coverage|lookup|public|"
     "interrupt|cache|store|sweep|files|units|command|refus"
 )
-LEFT_OUT = "*.pyc", "__pycache__", ".git", ".venv", "out", "build", ".*_cache", ".hypothesis"
+LEFT_OUT = "*.pyc", "__pycache__", ".git", ".venv", "out", "build", ".*_cache"
 
 
 class Place(NamedTuple):

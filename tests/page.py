@@ -19,11 +19,11 @@ class Page(HTMLParser):
         self.text: dict[str, str] = {}
         self.feed(source)
         self.close()
-        assert not self.open, f"left open: {self.open}"
+        assert not self.open
 
     def handle_starttag(self, tag, attrs):
         attributes = dict(attrs)
-        assert len(attributes) == len(attrs), attrs
+        assert len(attributes) == len(attrs)
         self.tags.add(tag)
         name = attributes.get("id", "")
         if tag not in VOID:
@@ -64,4 +64,4 @@ def stands_alone(source: str, page: Page, *, scripts: bool = False) -> None:
     assert len(page.ids) == len(set(page.ids))
     assert page.headings[0] == page.headings.count(1) == 1
     pairs = zip(page.headings, page.headings[1:], strict=False)
-    assert all(after <= before + 1 for before, after in pairs), "a level is left out"
+    assert all(after <= before + 1 for before, after in pairs)

@@ -52,4 +52,4 @@ def test_import_borders(package):
     for name, path in known.items():
         roots = {one.partition(".")[0] for one in imported(name, path, known)}
         drawings = {"matplotlib"} if name == "derivations.drawings" else set()
-        assert not (BORDERS[package] - drawings) & roots, name
+        assert not (BORDERS[package] - drawings) & roots

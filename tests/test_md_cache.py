@@ -129,17 +129,6 @@ def test_without_a_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch):
     assert "compiled kernels cannot be kept" in done.stderr
 
 
-def test_a_kernel_is_never_kept_beside_the_sources(tmp_path, monkeypatch):
-    """Where Numba would look for it whatever else has changed: the folder has become a file."""
-    (tmp_path / "file").touch()
-    monkeypatch.setattr(cache, "directory", lambda: tmp_path / "file")
-    cache._warn_once.cache_clear()
-    with pytest.warns(RuntimeWarning, match="kernels cannot be kept in .*file"):
-        double = cache.kernel(lambda x: 2 * x)
-    assert double(2.0) == 4.0
-    assert not any("test_md_cache" in path.name for path in Path(__file__).parent.rglob("*.nb?"))
-
-
 def test_a_disk_that_fills_up_costs_no_more_than_compiling(monkeypatch):
     """Told once, whatever else is compiled."""
 

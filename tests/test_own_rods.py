@@ -13,8 +13,6 @@ from figures.claims import over_tilt, own_rods
 from figures.lib import runs
 from figures.lib.data import kept_data, stored_data
 
-from .command_line import refused
-
 SCENE = """
 rods = { count = 5, length = 5, inertia = "solid" }
 plate = { acceleration = 3, frequency_hz = 60 }
@@ -43,17 +41,6 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path):
     expected = figures.load("fig11").data(quick=True, friction=0.2, restitution=0.5)
     np.testing.assert_array_equal(eleven["c_x"], expected["c_x"])
     assert stored_data("fig11", True, tmp_path) is None
-
-
-@pytest.mark.parametrize("names", [[], ["fig12"]], ids=["none", "another"])
-def test_values_for_no_figure_are_refused(tmp_path, capsys, names):
-    command = ["draw", *names, "--friction", "0.2", "--out", str(tmp_path)]
-    refused(lambda: main(command), "friction is for the figures fig10, fig11", capsys)
-
-
-def test_a_scene_that_is_no_row_is_refused(tmp_path, capsys):
-    command = ["claims", "--scene", "annulus", "--out", str(tmp_path)]
-    refused(lambda: main(command), "scene must be rods in a box", capsys)
 
 
 @pytest.fixture
