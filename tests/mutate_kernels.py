@@ -51,7 +51,7 @@ class Place(NamedTuple):
     new: ast.AST
 
     @property
-    def words(self) -> str:
+    def words(self):
         """File, line and change."""
         change = " -> ".join(ast.unparse(node) for node in (self.old, self.new))
         return f"{self.path}:{self.old.lineno} {self.key}: {change}"

@@ -12,7 +12,7 @@ VOID = {"meta", "wbr", "br", "img", "input"}
 class Page(HTMLParser):
     """Ids, addresses, headings, images and the text below each id; fails on wrong nesting."""
 
-    def __init__(self, source: str):
+    def __init__(self, source):
         super().__init__()
         self.open: list[tuple[str, str]] = []
         self.ids, self.links, self.headings, self.images, self.tags = [], [], [], [], set()
@@ -49,12 +49,12 @@ class Page(HTMLParser):
                 self.text[name] += data
 
 
-def plain(sentence: str) -> str:
+def plain(sentence):
     """A sentence as it can be read on the page."""
     return unescape(re.sub(r"<[^>]+>", "", to_html(sentence)))
 
 
-def stands_alone(source: str, page: Page, *, scripts: bool = False) -> None:
+def stands_alone(source, page, *, scripts=False):
     """Fail unless a page needs nothing from outside, and its ids and headings are in order."""
     assert source.startswith('<!DOCTYPE html>\n<html lang="en">')
     assert '<meta name="viewport"' in source

@@ -1,7 +1,6 @@
 """Figures in tiny sizes: their data, computed once in a process, and their pictures."""
 
 import re
-from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from types import SimpleNamespace
@@ -10,7 +9,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex, to_rgba_array
-from matplotlib.figure import Figure
 
 import figures
 from figures.checks import landing_census, row_motion, states, two_codes
@@ -22,13 +20,13 @@ from figures.cost import (
     price_page,
     scaling,
 )
-from figures.cost.scene_variants import GROUPS, Effect
+from figures.cost.scene_variants import GROUPS
 from figures.lib import arrangement, runs, style
 from figures.lib.printing import printed
 from figures.paper import fig02, fig04, fig05, fig07, fig08
 from md import simulation
-from md.host import Engine, prepare
-from md.scene import Scene, load
+from md.host import prepare
+from md.scene import load
 from md.sweep import execute, expand
 
 MOST_PERIODS = 8  # of a run of the paper's figures
@@ -59,18 +57,18 @@ FEW = {
 }
 
 
-def _in_small(effect: Effect) -> Effect:
+def _in_small(effect):
     """An effect whose price in the full scene is that in a small one, which compiles quickly."""
     return effect if effect.drifts else effect._replace(within=effect.alone)
 
 
-def _short_row(dt: float, seed: int = 1) -> Scene:
+def _short_row(dt, seed=1):
     """The row of ten rods in place of forty."""
     short = ["rods.count=10", "box.length=10.75", "start.speed=0.3", f"start.seed={seed}"]
     return load("quasi2d", [*short, f"step.size={dt}", "step.coarse=true"])
 
 
-def _watched(scene: Scene, **_) -> Engine:
+def _watched(scene, **_):
     """An engine with ledger and record, which change no bit: all runs share its kernel."""
     return prepare(scene)
 
@@ -147,7 +145,7 @@ SIZES = {
 
 
 @contextmanager
-def tiny() -> Iterator[pytest.MonkeyPatch]:
+def tiny():
     """Small sizes and short runs, in this process; a run that fails is an error."""
 
     def short(tables, base):
@@ -170,18 +168,18 @@ def tiny() -> Iterator[pytest.MonkeyPatch]:
 
 
 @cache
-def data(name: str) -> dict[str, np.ndarray]:
+def data(name):
     """Data of a figure in the small size; tests must not change them."""
     with tiny():
         return figures.load(name).data(quick=True)
 
 
-def of_room(room: str) -> list[str]:
+def of_room(room):
     """Names of the figures of a room."""
     return [name for name, entry in figures.FIGURES.items() if entry.room == room]
 
 
-def _drawn_colours(picture: Figure) -> set[str]:
+def _drawn_colours(picture):
     """Words for the colours of lines and surfaces in the panels; frames and words do not count."""
     found = []
     for ax in picture.axes:
@@ -196,7 +194,7 @@ def _drawn_colours(picture: Figure) -> set[str]:
     return {COLOURS.get(to_hex(colour)) for colour in rgba} | ({"grey"} if grey.any() else set())
 
 
-def check_figure(name: str) -> None:
+def check_figure(name):
     """Fail unless the data are numbers, all of them printed, none changed by the drawing.
 
     Not all nan; times are positive. Axes have names; colours that the caption names are drawn.

@@ -82,13 +82,13 @@ class Judged(NamedTuple):
     within: list[bool]  # the same, the reference's own error allowed for
 
 
-def pursued(goal: accuracy._Goal, scene: md.Scene) -> None:
+def pursued(goal, scene):
     """Run two starts of a scene until the goal is over."""
     runs = accuracy.starts_of(scene, accuracy.STARTS, False, {"ledger": False})
     accuracy.pursued(goal, runs)
 
 
-def found(scene: md.Scene, per_contact: float) -> accuracy.Estimate:
+def found(scene, per_contact):
     """Drift at a step, by statistics alone to `ACCURATE`."""
     dt = steps_per_contact(scene, 1.0) / per_contact
     with patch.object(accuracy, "ALLOWANCE", 0.0):
@@ -97,7 +97,7 @@ def found(scene: md.Scene, per_contact: float) -> accuracy.Estimate:
     return goal.found
 
 
-def judged(scene: md.Scene) -> Judged | None:
+def judged(scene):
     """A scene's errors; None where a run has not settled, or starts are in several states."""
     starts = [replace(scene, start=replace(scene.start, seed=seed)) for seed in (1, 2, 3)]
     runs = [md.run(one, tolerance=0.03, max_seconds=60, ledger=False) for one in starts]
@@ -120,7 +120,7 @@ def judged(scene: md.Scene) -> Judged | None:
 
 
 @cache
-def scenes(annulus: bool) -> list[Judged]:
+def scenes(annulus):
     """Drawn scenes that settle in one state."""
     found = []
     for scene in drawn(8 if annulus else 32, 11, annulus):

@@ -155,19 +155,6 @@ def test_errors_of_parts():
     np.testing.assert_allclose(shifted, np.hypot(n[:3] ** -0.5, 0.5), rtol=0.03)
 
 
-def test_time_to_reach_an_error():
-    """Bias and noise add; a bias that is lost in its error counts as none."""
-    d = {
-        "bias": np.array([0.02, 0.006, 0.006]),
-        "bias_error": np.array([0.001, 0.001, 0.004]),
-        "noise": np.array([0.2, 0.2, 0.2]),
-        "seconds": np.array([1e-3, 2e-3, 4e-3]),
-    }
-    seconds = accuracy_cost_drift.to_reach(d, 0.01)
-    expected = np.inf, 0.04 / (1e-4 - 3.6e-5) * 2e-3, 0.04 / 1e-4 * 4e-3
-    assert tuple(seconds) == pytest.approx(expected)
-
-
 def test_accuracy_of_the_drift_against_time(monkeypatch):
     d = data("accuracy_cost_drift")
     with tiny():

@@ -5,7 +5,6 @@ import math
 import os
 import re
 from html import unescape
-from pathlib import Path
 from urllib.parse import unquote, unquote_to_bytes
 
 import numpy as np
@@ -35,16 +34,16 @@ LENT = [name for name in FIGURES if (gallery.GALLERY / f"{name}.png").is_file()]
 STRANGE = ("a <b>&\"' %23?#.gif", "javascript:alert(1).gif", f"{'x' * 200}.gif", "Größe \u202e.gif")
 
 
-def picture(path: Path) -> None:
+def picture(path):
     Image.new("RGB", (30, 20), "white").save(path)
 
 
-def as_read(source: str) -> str:
+def as_read(source):
     """HTML without its marks."""
     return unescape(re.sub(r"<[^>]+>", "", source))
 
 
-def made(out: Path) -> tuple[str, Page]:
+def made(out):
     """The page of `out` and what is read in it; all that it names lies in the folder."""
     assert main(["index", "--out", str(out)]) == 0
     source = (out / "index.html").read_text(encoding="utf-8")
@@ -136,8 +135,7 @@ def test_strange_names_are_shown_and_do_no_harm(half):
         assert name in [unquote(image["src"]) for image in page.images]
         assert name.removesuffix(".gif") in page.text["movie"]
     assert "<b>&" not in source
-    for name in ("broken.gif", "cut.gif", "folder.gif", ".part"):
-        assert name not in source
+    assert not re.search("broken.gif|cut.gif|folder.gif|[.]part", source)
 
 
 def test_derivations_prices_and_movie_in_one_file(half):
@@ -169,7 +167,7 @@ def test_captions_are_words(name, tmp_path):
         assert not re.search(r"[`$\\]|[A-Z]{2,}_", read)
 
 
-def report_of(numbers) -> str:
+def report_of(numbers):
     claim = {"id": "S<1>", "says": "V_z < 0 & more.", "figure": ""}
     claim |= {"numbers": numbers, "trouble": ""}
     return json.dumps(plain({"provenance": {"quick": True}, "claims": [claim]}))

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import figures
-import md
 from figures.__main__ import main
 from figures.lib import data as kept
 from figures.lib import drawing, runs
@@ -154,7 +153,7 @@ def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path, capsys):
 # Runs
 
 
-def of_start(scene: md.Scene, periods: int) -> dict:
+def of_start(scene, periods):
     """A measure that needs no run."""
     return {"seeds": [scene.start.seed, periods], "half": scene.start.seed / 2}
 

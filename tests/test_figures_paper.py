@@ -167,7 +167,7 @@ def test_densities_of_phases_integrate_to_one():
     sums = data("fig08")["density"].sum(axis=1)
     np.testing.assert_allclose(sums * 2 * np.pi / fig08.BINS_DRAWN, 1)
     edges = np.linspace(0, 2 * np.pi, 65)
-    counts = 1e6 * np.diff(edges + np.sin(edges)) / (2 * np.pi)
+    counts = np.diff(edges + np.sin(edges))
     middle = 2 * np.pi * (np.arange(fig08.BINS_DRAWN) + 0.5) / fig08.BINS_DRAWN
     np.testing.assert_allclose(fig08.densities(counts), landing_density(middle), atol=1e-3)
     assert fig08.falling(counts) == pytest.approx(fig08.EXPECTED, rel=1e-12)

@@ -15,13 +15,13 @@ BORDERS = {  # that `impact` does not load Numba by itself, `test_help` shows
 }
 
 
-def modules(root: Path, package: str) -> dict[str, Path]:
+def modules(root, package):
     """Files of a package by the names of their modules."""
     files = sorted((root / package).rglob("*.py"))
     return {".".join(f.relative_to(root).with_suffix("").parts): f for f in files}
 
 
-def imported(name: str, path: Path, known: dict[str, Path]) -> set[str]:
+def imported(name, path, known):
     """Modules and packages of any import statement, those inside of functions included.
 
     A package of ours stands for its `__init__`, which imports what it collects: only its own import

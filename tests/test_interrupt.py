@@ -92,13 +92,6 @@ def test_handlers_run_at_the_end_of_the_outermost():
         signal.raise_signal(signal.SIGALRM)
 
 
-def test_what_python_does_not_handle_is_left_alone():
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    with interrupt.deferred():
-        assert signal.getsignal(signal.SIGINT) == signal.SIG_IGN
-        signal.raise_signal(signal.SIGINT)
-
-
 def test_other_threads_have_no_signals():
     """Where Python would refuse a handler."""
     with ThreadPoolExecutor() as pool:
@@ -286,7 +279,9 @@ BEGUN = {
 }
 
 
-@pytest.mark.parametrize(("package", "number"), zip(BEGUN, 2 * interrupt.SIGNALS[:2], strict=True))
+@pytest.mark.parametrize(
+    ("package", "number"), [*zip(BEGUN, 2 * interrupt.SIGNALS[:2], strict=True)]
+)
 def test_a_signal_during_the_imports_costs_one_line(package, number, tmp_path):
     """From the first module of the package on, whatever is being imported."""
     command = [sys.executable, "-X", "importtime", "-m", package, *BEGUN[package]]

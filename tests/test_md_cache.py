@@ -37,26 +37,26 @@ print(json.dumps([md.__file__, force, *counts]))
 
 
 @pytest.fixture(autouse=True)
-def no_folder_chosen(monkeypatch) -> None:
+def no_folder_chosen(monkeypatch):
     """Whatever the environment says, here and in processes."""
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     monkeypatch.setattr(numba.config, "CACHE_DIR", "")
 
 
 @pytest.fixture
-def copy(tmp_path) -> Path:
+def copy(tmp_path):
     """The package's sources in a place where they can be edited."""
     shutil.copytree(PACKAGE, tmp_path / "md", ignore=shutil.ignore_patterns("__pycache__"))
     return tmp_path / "md"
 
 
-def environment(copy: Path) -> dict[str, str]:
+def environment(copy):
     """Of a process that runs the copy, with a cache of its own."""
     home = copy.parent
     return {**os.environ, "PYTHONPATH": str(home), "XDG_CACHE_HOME": str(home / "cache")}
 
 
-def call(copy: Path) -> tuple[float, int, int]:
+def call(copy):
     """A force from a fresh process, and whether its kernel was loaded or compiled."""
     command, env = [sys.executable, "-c", CALL], environment(copy)
     file, *rest = json.loads(subprocess.check_output(command, env=env, cwd=copy.parent))
@@ -64,7 +64,7 @@ def call(copy: Path) -> tuple[float, int, int]:
     return tuple(rest)
 
 
-def kept(copy: Path) -> dict[Path, int]:
+def kept(copy):
     """Files of the cache and when they were written."""
     files = (copy.parent / "cache" / "rod-impact").rglob("*.nb?")
     return {file: file.stat().st_mtime_ns for file in files}

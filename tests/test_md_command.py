@@ -71,11 +71,6 @@ def test_every_law_and_integrator(capsys, law, integrator):
     assert (found["dt"] is None) == (integrator == "dop853")
 
 
-def test_numbers_that_json_lacks_are_null(capsys):
-    _, out, _ = run(capsys, "--json", friction="inf")
-    assert json.loads(out, parse_constant=pytest.fail)["arguments"]["friction"] is None
-
-
 def test_arguments_of_a_wrong_type_are_named():
     with pytest.raises(TypeError, match="law must be of the type Law, got 'coulomb'"):
         md.impact(0.1, 0.0, -1.0, friction=0.3, law="coulomb")

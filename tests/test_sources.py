@@ -15,7 +15,7 @@ ANNULUS = set(sources.used(sources.RUN)) - set(ROW)
 def edited(monkeypatch):
     """A function that gives the digests of a row and of an annulus after an edit of a module."""
 
-    def digests(module: str, source: str) -> tuple[str, str]:
+    def digests(module, source):
         monkeypatch.setitem(sources.SOURCES, module, source.encode())
         sources.used.cache_clear()
         sources.digest.cache_clear()

@@ -9,7 +9,7 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.scene import as_dict, from_tables, put, read_tables
+from md.scene import as_dict, from_tables, put
 from md.store import table
 from md.sweep import execute, expand
 from md.units import TWINS, in_cm
@@ -63,10 +63,6 @@ def test_what_comes_later_takes_the_place():
     cm = {"rods.diameter_cm": 0.635, "rods.length_cm": 5.08, "box.length_cm": 2.54}
     found = from_tables(put(TABLES, cm))
     assert found == from_tables(put(TABLES, {"rods.diameter_cm": 0.635}))  # 5.08/0.635 is 8
-    tables = read_tables("my_rods")
-    assert from_tables(tables) == md.load("my_rods")
-    assert tables["rods"]["length_cm"] == 5.08
-    assert "length" not in tables["rods"]
     assert md.load("my_rods", ["plate.acceleration=2"]).plate == md.Plate(2.0, 60.0)
     found = md.load("my_rods", ["plate.velocity_cm_s=8", "rods.diameter_cm=0.5"])
     assert found.plate.acceleration == pytest.approx(8 * 120 * pi / 981)

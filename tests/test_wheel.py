@@ -47,12 +47,12 @@ def test_the_version_stands_in_one_place_and_others_agree():
     assert date in ("unreleased", released)
 
 
-def _called(*command: object, **options) -> subprocess.CompletedProcess:
+def _called(*command, **options):
     return subprocess.run(list(map(str, command)), capture_output=True, text=True, **options)
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory) -> Path:
+def wheel(tmp_path_factory):
     """Built from a copy of the checkout, without network."""
     source = tmp_path_factory.mktemp("source")
     for name in ("pyproject.toml", "README.md", "LICENSE", "CITATION.cff"):
@@ -81,7 +81,7 @@ def test_the_wheel_holds_all_sources_and_data_and_nothing_else(wheel):
 
 
 @pytest.fixture(scope="module")
-def installed(wheel, tmp_path_factory) -> Path:
+def installed(wheel, tmp_path_factory):
     """A folder that holds what the wheel does, as an installation of it would."""
     home = tmp_path_factory.mktemp("installed")
     with zipfile.ZipFile(wheel) as archive:
@@ -90,7 +90,7 @@ def installed(wheel, tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def outcomes(installed, tmp_path_factory) -> dict[str, subprocess.CompletedProcess]:
+def outcomes(installed, tmp_path_factory):
     """What every command did, side by side, in an empty folder, with an empty cache."""
     empty, cache = tmp_path_factory.mktemp("empty"), tmp_path_factory.mktemp("cache")
     told = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
@@ -99,7 +99,7 @@ def outcomes(installed, tmp_path_factory) -> dict[str, subprocess.CompletedProce
     told |= {"XDG_CACHE_HOME": str(cache), "NUMBA_CACHE_DIR": ""}
     before = set(installed.rglob("*"))
 
-    def outcome(name: str) -> subprocess.CompletedProcess:
+    def outcome(name):
         return _called(sys.executable, *shlex.split(COMMANDS[name][0]), cwd=empty, env=told)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
