@@ -1,10 +1,7 @@
 """Commands of the figures and their files: what is kept, printed, refused, and never replaced."""
 
 import json
-import os
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -72,14 +69,6 @@ def test_a_figure_that_fails_leaves_the_others(tmp_path, monkeypatch, capsys):
     assert printed.err.endswith("failed: unknown_to_others, without_module\n")
     assert printed.out.count(".png") == 1
     assert {path.stem for path in tmp_path.iterdir()} == {"fig10"}
-
-
-def test_pictures_need_no_window_whatever_the_environment_says(tmp_path):
-    draw = ["-m", "figures", "draw", "fig10", "fig11", "--quick", "--jobs", "2"]
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "module://nowhere"}
-    how = {"cwd": tmp_path, "env": environment, "capture_output": True, "text": True}
-    done = subprocess.run([sys.executable, *draw], **how)
-    assert (done.returncode, done.stderr) == (0, "")
 
 
 # Data that are kept

@@ -31,10 +31,17 @@ def test_each_figure_takes_what_the_list_says():
             assert {*takes} == {"quick", *entry.own}
 
 
-def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path):
-    """And is not taken for the paper's afterwards; each figure takes what it knows."""
+def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
+    """And is not taken for the paper's afterwards; each figure takes what it knows.
+
+    In processes that need no window, whatever the environment says.
+    """
+    monkeypatch.setenv("MPLBACKEND", "module://nowhere")
     own = ["--friction", "0.2", "--restitution", "0.5"]
-    assert main(["draw", "fig10", "fig11", *own, "--quick", "--out", str(tmp_path)]) == 0
+    assert (
+        main(["draw", "fig10", "fig11", *own, "--quick", "--jobs", "2", "--out", str(tmp_path)])
+        == 0
+    )
     ten, eleven = (kept_data(name, tmp_path) for name in ("fig10", "fig11"))
     assert (ten["restitution"], ten["marked"]) == (0.5, 0.2)
     assert (eleven["restitution"], eleven["friction"]) == (0.5, 0.2)
