@@ -52,6 +52,21 @@ def test_mirror_symmetry(impacts, law):
 
 
 @pytest.mark.parametrize("law", LAWS)
+def test_units_of_length_and_time_do_not_matter(impacts, law):
+    """Powers of two change nothing but exponents, out to 1e-135 and 1e135."""
+    length, speed = np.random.default_rng(15).integers(-450, 451, (2, impacts.c_x.size))
+    powers = {"X": length, "Z": length, "k": length, "plate_velocity": speed}
+    powers |= {"c_x": speed, "c_z": speed, "omega": speed - length, "energy_change": 2 * speed}
+    scaled, hit = (
+        {name: np.ldexp(getattr(x, name), by) for name, by in powers.items() if hasattr(x, name)}
+        for x in (impacts, impacts.collide(law))
+    )
+    other = impacts._replace(**scaled).collide(law)
+    for name, wanted in hit.items():
+        np.testing.assert_array_equal(getattr(other, name), wanted)
+
+
+@pytest.mark.parametrize("law", LAWS)
 def test_map_is_continuous_in_friction(impacts, law):
     """Across all regime boundaries; a bounded slope times the step."""
     steps = 1 + np.random.default_rng(16).uniform(-1e-9, 1e-9, impacts.c_x.size)

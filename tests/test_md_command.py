@@ -113,12 +113,6 @@ def test_a_law_of_ones_own():
     assert md.impact(0.1, 0.0, -1.0, friction=0.0, law=md.Law("mine", Normal(5e6), None)).c_z > 0
 
 
-@pytest.mark.parametrize("tilt_deg", ["90", "-90", "0", "-20"])
-def test_the_ends_of_the_tilt(capsys, tilt_deg):
-    """And a negative number with an exponent."""
-    assert run(capsys, tilt_deg=tilt_deg, c_z="-1e-3")[0] == 0
-
-
 def test_a_run_that_ends_early_costs_one_line(capsys, monkeypatch):
     error = md.RunError("the contact has not ended", (0.0,) * 6)
     monkeypatch.setattr("md.soft_impact.impact", Mock(side_effect=error))
