@@ -87,7 +87,7 @@ def test_parameters_are_recovered_and_carried_to_what_is_predicted(found):
 def test_stated_errors_are_those_of_many_data_sets(found):
     """Data that scatter by their errors: estimates scatter by theirs."""
     random, off = np.random.default_rng(4), []
-    for _ in range(40):
+    for _ in range(20):
         moved = tuple(
             target._replace(value=target.value + ERROR * random.standard_normal())
             for target in found.search.targets
