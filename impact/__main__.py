@@ -30,7 +30,7 @@ def main() -> None:
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def benchmark(impacts: int, as_json: bool) -> None:
-    """Time per impact, compiled and not, over a pass through memory.
+    """Time per impact, compiled and not.
 
     \b
     python -m impact benchmark

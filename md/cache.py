@@ -96,6 +96,8 @@ def _dispatcher(function: Callable, **options: bool) -> Any:
     usual = made.compile
 
     def compiled(signature: Any) -> Any:
+        if isinstance(signature, tuple):  # one kernel for all values of a constant
+            signature = tuple(map(numba.types.unliteral, signature))
         with deferred():
             try:
                 return usual(signature)

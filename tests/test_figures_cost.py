@@ -99,8 +99,8 @@ def test_benchmark(capsys):
     assert impact_main(["benchmark", "--impacts", "300", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
     ways = {f"{way} {law}" for way in ("numpy", "compiled") for law in LAWS}
-    assert set(result["ns_per_impact"]) == ways | {"copy"}
-    assert min(*result["ns_per_impact"].values(), *result["compile_seconds"].values()) > 0
+    assert set(result["ns_per_impact"]) == ways
+    assert min(*result["ns_per_impact"].values(), result["compile_seconds"]) > 0
     assert all(name in table(result) for name in ways)
 
 

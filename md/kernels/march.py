@@ -37,7 +37,7 @@ from .codes import (
 )
 from .contact import free_turn, size, turn_by
 from .neighbours import too_fast
-from .pairs import between_rods
+from .pairs import pair_forces
 from .plate import Moving, plate_at, plate_before, plate_forces
 from .state import (
     Clock,
@@ -103,7 +103,7 @@ def sample_annulus(series, rods, row):
         (x, y, _), a = place_of(IN_SPACE, rods, i), director_of(IN_SPACE, rods, i)
         azimuth = atan2(y, x)
         step_on = azimuth - series.last[i, 0]
-        advance += step_on - 2.0 * pi * np.round(step_on / (2.0 * pi))
+        advance += step_on - 2.0 * pi * np.floor(step_on / (2.0 * pi) + 0.5)
         series.last[i, 0] = azimuth
         side = 1.0 if a[2] >= 0.0 else -1.0  # a rod has no head
         along_gap = side * (x * a[1] - y * a[0]) / sqrt(x * x + y * y)
@@ -229,7 +229,7 @@ def march(effects, state, watchers, clock, steps):
         for i in range(rods.shape[0]):
             put(total, i, 0, field(effects, velocity_of(up, rods, i)))
             put(total, i, dims, nothing(turn_of(up, rods, i)))
-        why, where = between_rods(effects.between, effects, state, ledger, dt)
+        why, where = pair_forces(effects.between, effects, state, ledger, dt)
         if why != DONE:
             return n, why, where
         climb = plate_before(effects.plate, now.step), plate[1]

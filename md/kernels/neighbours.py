@@ -82,7 +82,7 @@ def wrapped(x, period):
 @kernel
 def image(distance, period):
     """How many periods a distance between a rod and an image holds beyond that of the rods."""
-    return 0 if period is None else int(np.round(distance / period))
+    return 0 if period is None else int(np.floor(distance / period + 0.5))
 
 
 @kernel
@@ -218,7 +218,7 @@ def renewed(up, rods, half, period, listed, place, found):
     """
     listed.asleep[:] = 0.0
     listed.travelled[0] = farthest(rods, listed.built, half)
-    if listed.travelled[0] < 0.5 * SKIN:
+    if not outdated(listed):
         return True
     count = pair_up(up, rods, half, period, listed.order, place, found)
     if count >= 0:
@@ -230,11 +230,9 @@ def renewed(up, rods, half, period, listed, place, found):
 
 
 @kernel
-def current(up, rods, half, period, listed, place, found):
-    """Whether the list holds all pairs, renewed if it must be."""
-    if listed.travelled[0] < 0.5 * SKIN:
-        return True
-    return renewed(up, rods, half, period, listed, place, found)
+def outdated(listed):
+    """Whether the list may miss a pair, unless rods have moved less than they might have."""
+    return listed.travelled[0] >= 0.5 * SKIN
 
 
 @kernel

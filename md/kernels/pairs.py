@@ -43,7 +43,7 @@ from .closest import (
     open_at_least,
 )
 from .codes import CROSSING, DEEP, DONE, FULL_LIST, PAIR_FRICTION, PAIR_NORMAL, PAIR_TOO_DEEP
-from .neighbours import PAIR, current
+from .neighbours import PAIR, outdated, renewed
 from .state import director_of, forget, inertia_of, place_of, point, turn_of, velocity_of
 from .vectors import add, along, axial, dot, put, times, torque, vector
 
@@ -333,9 +333,15 @@ def ends_of(upper):
 
 
 @kernel
-def pair_forces(effects, state, ledger, dt):
-    """Add the forces of all touching pairs; number of a pair that is too deep, or -1."""
-    rods, listed, half, n = state.rods, state.listed, effects.half_length, 0
+def pair_forces(between, effects, state, ledger, dt):
+    """Add the forces of all touching pairs; why the run cannot go on, and which pair."""
+    if between is None:
+        return DONE, 0
+    rods, listed, half, scratch, n = state.rods, state.listed, effects.half_length, state.scratch, 0
+    if outdated(listed) and not renewed(
+        effects.up, rods, half, effects.period, listed, scratch.place, scratch.found
+    ):
+        return FULL_LIST, 0
     travelled, now, asleep = listed.travelled[0], listed.turn[0], listed.asleep
     index = listed.index[now]
     for k in range(listed.start[now, rods.shape[0]]):
@@ -351,7 +357,7 @@ def pair_forces(effects, state, ledger, dt):
             n = act(effects, state, ledger, n, dt)
         n, clear, square = crossing(effects.up, effects, state, pair, was, n)
         if square < (1 - DEEP) ** 2:
-            return k
+            return PAIR_TOO_DEEP, k
         touches, until = BETWEEN if square < 1.0 else 0, np.inf
         if clear and was & ENDS:
             for end in range(4):
@@ -367,29 +373,16 @@ def pair_forces(effects, state, ledger, dt):
                 until = min(until, asleep[k, end])
                 continue
             if near.square < (1 - DEEP) ** 2:
-                return k
+                return PAIR_TOO_DEEP, k
             touches |= ENDS
             if meets(effects.upper, end, near, half):
                 n, deep = joined_ends(effects, state, pair, end, n)
                 if deep:
-                    return k
+                    return PAIR_TOO_DEEP, k
                 break
             n = collect(effects, state, n, pair, near, 1.0, end)
         index[k, TOUCHED] = touches
         if touches == 0 and not clear:
             asleep[k, PAIR] = until
     act(effects, state, ledger, n, dt)
-    return -1
-
-
-@kernel
-def between_rods(between, effects, state, ledger, dt):
-    """Pair forces from a list kept up to date; why the run cannot go on, and where."""
-    if between is None:
-        return DONE, 0
-    half, listed, scratch = effects.half_length, state.listed, state.scratch
-    place, found = scratch.place, scratch.found
-    if not current(effects.up, state.rods, half, effects.period, listed, place, found):
-        return FULL_LIST, 0
-    deep = pair_forces(effects, state, ledger, dt)
-    return (DONE, 0) if deep < 0 else (PAIR_TOO_DEEP, deep)
+    return DONE, 0
