@@ -2,13 +2,14 @@
 # make paper     set up, then every figure in full, movie and claims; says first how long; goes on
 # make test      set up and run the tests
 # make slow      set up and run the longer studies; a pass is recorded in tests/SLOW.md
+# make docs      set up and build the site: out/docs/index.html
 # make clean     remove what the two built
 
 PYTHON ?= python3
 BIN := .venv/bin
 TOGETHER := -n logical --maxprocesses 8 --dist loadfile
 
-.PHONY: figures paper test slow clean
+.PHONY: figures paper test slow docs clean
 
 figures: .venv/ready
 	$(BIN)/python -m derivations report
@@ -28,12 +29,19 @@ test: .venv/ready
 slow: .venv/ready
 	$(BIN)/python -m pytest $(TOGETHER) -m slow --record tests/SLOW.md
 
+docs: .venv/docs
+	$(BIN)/python -m sphinx -W --keep-going -q -d out/doctrees figures/pages/docs out/docs
+
 # The environment is built once and again whenever the dependencies change.
 .venv/ready: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 		|| { echo "Python 3.11 or newer is needed: make PYTHON=python3.12 ..."; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	touch $@
+
+.venv/docs: .venv/ready
+	$(BIN)/python -m pip install --quiet --editable '.[docs]'
 	touch $@
 
 clean:

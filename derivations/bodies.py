@@ -155,7 +155,7 @@ BEYOND = (
     ),
     Equation(
         "bodies: gyration radius",
-        "$k^2$ of a solid spherocylinder and of a solid cylinder",
+        "$k^2$ of a solid spherocylinder and of a solid flat-ended cylinder",
         "(k^2_{round}, k^2_{flat})",
         derive=lambda: (spherocylinder_gyration(), cylinder_gyration()),
         check=_gyration_checks,

@@ -5,7 +5,7 @@ import sympy as sp
 from . import paper, second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
 from .bodies import THIN
-from .lecture import PAPER, degrees, falls, formula, negative, number, so
+from .lecture import PAPER, degrees, number, so
 from .newton import g, velocity_change
 from .proof import Equation
 from .symbols import (
@@ -27,7 +27,6 @@ from .trace import derived, say, solve
 
 CASES = "stick", "back"
 _IMPULSES = {"slide": slide.impulse, "stick": slip_stick.impulse, "back": slip_reversal.impulse}
-_EQUATIONS = {"stick": "(18) and (19)", "back": "(21), repaired, and (22)"}
 
 
 def spin_at_landing() -> sp.Expr:
@@ -50,8 +49,8 @@ def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
     before_x, before_z = solve(
         [(along, sp.S.Zero), (across, sp.S.Zero)],
         [c_x, c_z],
-        f"The closure, $c_x - c'_x = 0$ and $c_z + c'_z = 0$, with {_EQUATIONS[case]} for "
-        "$\\omega = 0$, cleared of denominators; two linear equations, solved for $c_x$ and $c_z$",
+        r"The closure, $c_x - c'_x = 0$ and $c_z + c'_z = 0$, with this velocity for $\omega = 0$, "
+        "cleared of denominators; two linear equations, solved for $c_x$ and $c_z$",
     )
     return sp.factor(before_x), sp.factor(-before_z)
 
@@ -123,22 +122,10 @@ def _thin(form: sp.Expr, left: str) -> sp.Expr:
     return form.subs(THIN)
 
 
-def _edge() -> sp.Expr:
-    """Friction at the transition, by the condition as it is printed."""
-    (friction,) = sp.solve(paper.printed("V: continuity"), mu)
-    return friction
-
-
 def _slide_told() -> str:
     falls = sp.Symbol("v_0", negative=True)
     loss = slide_loss().subs(c_z, V_z + falls).subs(falls, -1).subs(X, 0)
-    return so("negative for every friction above zero ($v_0 < 0$)", negative(loss))
-
-
-def _range_told() -> str:
-    left = paper.printed("29").subs(phi, sp.pi / 2) / V_z
-    held = sp.limit(paper.printed("26") / V_z, phi, sp.pi / 2)
-    return f"at 90 degrees (29) would leave {formula(left)} $V_z$, and (26) leaves {held}"
+    return so("negative for every friction above zero ($v_0 < 0$)", loss)
 
 
 def _again_told() -> str:
@@ -148,8 +135,10 @@ def _again_told() -> str:
     tilt = sp.asin(
         sp.sqrt(sp.solve(thin.subs(sp.sin(phi) ** 2, X).subs(sp.cos(phi) ** 2, 1 - X), X)[0])
     )
-    words = f"negative above {degrees(tilt)}, for a thin rod and the paper's restitution, "
-    return so(words + number(PAPER[epsilon]), falls(thin, phi, tilt))
+    words = (
+        f"it leaves more slowly above {degrees(tilt)}, for a thin rod and the paper's restitution, "
+    )
+    return so(words + number(PAPER[epsilon]), -thin, phi, tilt)
 
 
 EQUATIONS = (
@@ -182,7 +171,9 @@ EQUATIONS = (
         where=_drifts,
         said=sp.S.Zero,
         derive=lambda: sp.cancel(
-            (stationary("back")[0] - stationary("stick")[0]).subs(mu, _edge())
+            (stationary("back")[0] - stationary("stick")[0]).subs(
+                mu, sp.solve(paper.printed("V: continuity"), mu)[0]
+            )
         ),
     ),
     Equation(
@@ -190,7 +181,6 @@ EQUATIONS = (
         "drift of a thin rod in slip reversal",
         "c'_x",
         derive=lambda: _thin(stationary("back")[0], "c'_x"),
-        note=_range_told,
     ),
     Equation(
         "30",

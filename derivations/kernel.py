@@ -285,12 +285,19 @@ def wrong_impacts(code: str) -> Iterator[str]:
                 yield from _wrong_letters(code, law, at, path)
 
 
+def _splitter(kind: Any) -> Any:
+    """Veltkamp's constant for numbers of a kind: their upper half has no more digits than half."""
+    return kind(2 ** (np.finfo(kind).nmant // 2 + 1) + 1)
+
+
 def wrong_pairs(code: str) -> Iterator[str]:
     """Sums and products of numbers of eleven binary digits that lose something.
 
     Sums of all numbers of one size with every eighth of one no larger, either first; all products.
     """
-    space = loaded(code, {"SPLIT": np.float16(2**6 + 1)})
+    if loaded(code, {})["SPLIT"] != _splitter(np.float64):
+        yield "the constant of numbers of 53 binary digits is another one"
+    space = loaded(code, {"SPLIT": _splitter(np.float16)})
     ones = (1 + np.arange(1024) / 1024).astype(np.float16)
     other = [sign * np.ldexp(ones[-size % 8 :: 8], -size) for size in range(13) for sign in (1, -1)]
     a, b = np.meshgrid(ones, np.concatenate(other).astype(np.float16))
@@ -326,17 +333,24 @@ def wrong_twofold(code: str) -> Iterator[str]:
 
 @dataclass(frozen=True, kw_only=True)
 class Code:
-    """Functions of the kernel, and what is proved of them."""
+    """Functions of the kernel, and what is proved of them.
 
-    tag: str  # among the registry's entries
-    what: str  # is proved
-    note: str = ""  # more about it
-    shown: tuple[str, ...]  # names of the functions that show it
-    wrong: Callable[[str], Iterator[str]]  # what is wrong with the file's text, in words
-    tried: str  # on what
-    verdict: Verdict = "new"  # of all
-    printed: None = None  # no equation of the paper
-    contradicted_by: str = ""  # nothing
+    tag : among the registry's entries
+    what : is proved
+    note : more about it
+    shown : names of the functions that show it
+    wrong : what is wrong with the file's text, in words
+    tried : on what
+    verdict : of all
+    """
+
+    tag: str
+    what: str
+    note: str = ""
+    shown: tuple[str, ...]
+    wrong: Callable[[str], Iterator[str]]
+    tried: str
+    verdict: Verdict = "new"
 
     @property
     def text(self) -> str:
@@ -361,7 +375,7 @@ CODE = (
         note="After Knuth, Dekker and Veltkamp",
         shown=("split", "two_product", "two_sum"),
         wrong=wrong_pairs,
-        tried="tried on numbers of eleven binary digits",
+        tried=f"tried on numbers of {np.finfo(np.float16).nmant + 1} binary digits",
     ),
     Code(
         tag="kernel: twice the digits",
@@ -392,7 +406,7 @@ CODE = (
 EQUATIONS = (
     Equation(
         "kernel: one way on",
-        "what ties the responses to each other, forward and back",
+        "what ties the responses to each other, in forward slip and in slip reversal",
         "((k^2 + Z^2) N - X Z T, (k^2 + Z^2) N_{back} - X Z T_{back})",
         where=lambda: dict(
             zip(("N", "T", "N_{back}", "T_{back}"), RESPONSES.values(), strict=True)

@@ -170,10 +170,11 @@ def _fall_of_the_paper() -> sp.Expr:
 def _closure_told() -> str:
     upright = (stationary("stick")[1] / V_z).subs(THIN).subs(phi, 0).subs(PAPER)
     alpha = consistent_alpha()[0]
-    half = sp.solve(alpha - sp.S.Half, bounce)[0]
+    half = sp.S.Half
     return (
-        f"one half where $b = {half}$; {number(alpha.subs(bounce, upright))} for upright rods and "
-        f"the paper's restitution, {number(PAPER[epsilon])}"
+        f"{half} where $b = {sp.solve(alpha - half, bounce)[0]}$; "
+        f"{number(alpha.subs(bounce, upright))} for upright rods and the paper's restitution, "
+        f"{number(PAPER[epsilon])}"
     )
 
 
@@ -187,10 +188,7 @@ EQUATIONS = (
         r"H(\theta)",
         derive=density,
         check=_density_checks,
-        note=lambda: (
-            "the paper's $H$ is that of rods which fall as fast as the plate moves, $q = "
-            f"{_fall_of_the_paper()}$"
-        ),
+        note=lambda: f"the paper's $H$ is the one of $q = {_fall_of_the_paper()}$",
     ),
     Equation(
         "V: alpha by flux",
@@ -227,7 +225,8 @@ EQUATIONS = (
     ),
     Equation(
         "V: tilt of one half",
-        (r"$\sin^2\phi$ of a thin rod at which $V_z = V_0/2$ is consistent with the closure"),
+        rf"$\sin^2\phi$ of a thin rod at which ${paper.EQUATIONS['31: value'].tex}$ is consistent "
+        "with the closure",
         r"\sin^2\phi",
         derive=tilt_of_one_half,
         check=_half_checks,

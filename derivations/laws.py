@@ -15,7 +15,7 @@ import sympy as sp
 from . import second_routes
 from .axioms import RESTITUTION
 from .bodies import THIN
-from .lecture import degrees, largest, so
+from .lecture import degrees, so
 from .newton import contact_change
 from .proof import Equation
 from .slip_reversal import reversed_change
@@ -28,6 +28,7 @@ from .symbols import (
     Z,
     epsilon,
     k,
+    length,
     m,
     mu,
     phi,
@@ -167,7 +168,7 @@ def thin_threshold() -> sp.Expr:
     return sticking_threshold().subs(mobility()).subs(THIN)
 
 
-@derived(r"\Delta E_{%(regime)s, %(order)s}")
+@derived(r"\Delta E_{%(order)s, %(regime)s}")
 def energy_by_poisson(regime: str, order: str) -> sp.Expr:
     """Energy change under Poisson's law by the impulses, with $P_2 = P_z - P_1$."""
     held, whole = HELD[regime], P_1 + P_2
@@ -242,10 +243,11 @@ _ENDS = [(regime, order) for order in ("early", "late") for regime in HELD]
 
 
 def _threshold_told(regime: str) -> str:
-    lossless = second_routes.energy_created(regime).subs(epsilon, 1)
+    at = {X: 1, Z: 1, k: 1, mu: sp.Rational(1, 5)}
     return so(
         r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below this",
-        lossless.subs({X: 1, Z: 1, k: 1, mu: sp.Rational(1, 5)}) > 0,
+        *(_created(regime, kappa).subs(at), kappa),
+        energy_threshold(regime).subs(mobility()).subs(at),
     )
 
 
@@ -265,7 +267,7 @@ def _poisson_told() -> str:
         for case in holds if regime == "stick" else [{B: mu * C + s}]:
             whole = sp.expand(sp.cancel(change.subs(case, simultaneous=True)))
             terms += sp.Add.make_args(whole)
-    return so("never positive", all(term.is_nonpositive for term in terms))
+    return so("never positive", terms)
 
 
 EQUATIONS = (
@@ -300,8 +302,8 @@ EQUATIONS = (
         "laws: energy, Poisson",
         "energy change under Poisson's law, per unit mass: slip stops early (slip-stick, slip "
         "reversal), late (the same)",
-        r"(\Delta E_{stick, early}, \Delta E_{back, early}, \Delta E_{stick, late}, "
-        r"\Delta E_{back, late})",
+        r"(\Delta E_{early, stick}, \Delta E_{early, back}, \Delta E_{late, stick}, "
+        r"\Delta E_{late, back})",
         derive=lambda: tuple(energy_by_poisson(*end) for end in _ENDS),
         check=_areas,
         note=_poisson_told,
@@ -324,14 +326,18 @@ EQUATIONS = (
     ),
     Equation(
         "laws: energy, thin rod",
-        "restitution above which Newton's law can create energy in slip-stick, thin rod",
+        lambda: so(
+            "restitution above which Newton's law can create energy in slip-stick, thin rod",
+            *(second_routes.energy_created("stick").subs(THIN).subs({length: 1, phi: _LEAST}),),
+            *(epsilon, thin_threshold().subs(phi, _LEAST)),
+        ),
         r"\epsilon_c",
         derive=thin_threshold,
         shown=4 / sp.sqrt(16 + 9 * sp.sin(2 * phi) ** 2),
         check=lambda form: (_created("stick", (1 - form) / (1 + form)).subs(THIN),),
         note=lambda: so(
             f"least at {degrees(_LEAST)}, {thin_threshold().subs(phi, _LEAST)}",
-            largest(-thin_threshold(), phi, _LEAST),
+            *(thin_threshold(), phi, _LEAST),
         ),
     ),
 )

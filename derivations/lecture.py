@@ -100,6 +100,10 @@ def to_text(text: str) -> str:
 # ---- words of the notes that are computed --------------------------------------------------------
 
 PAPER = paper.setting("Fig. 11")
+EXERCISES = {  # by the entry whose note answers it
+    tag: text % {str(x): str(float(y)) for x, y in PAPER.items()}
+    for tag, text in TEXTS["exercises"].items()
+}
 
 
 def number(value: sp.Expr, digits: int = 2) -> str:
@@ -115,13 +119,6 @@ def degrees(angle: sp.Expr, digits: int = 1) -> str:
 def formula(form: sp.Expr) -> str:
     """A form between dollar signs."""
     return f"${latex(form)}$"
-
-
-def so(words: str, truth: Any) -> str:
-    """Words that are computed to be true; ValueError where they are not."""
-    if not truth:
-        raise ValueError(f"it is not so: {words}")
-    return words
 
 
 def falls(form: sp.Expr, letter: sp.Symbol, zero: sp.Expr) -> bool:
@@ -151,3 +148,25 @@ def negative(form: sp.Expr | sp.MatrixBase, put: Mapping = {}) -> bool:
         sides = (sp.Mul.make_args(side) for side in sp.fraction(whole))
         found.append(sp.Mul(*(sp.expand(factor) for factors in sides for factor in factors)))
     return all(value.is_negative for value in found)
+
+
+SENSES: Mapping[str, Callable[..., bool]] = {  # what a word claims; of several the first one
+    "never positive": lambda terms: all(term.is_nonpositive for term in terms),
+    "negative": negative,
+    "positive": lambda form, *put: negative(-form, *put),
+    "largest": largest,
+    "least": lambda form, *there: largest(-form, *there),
+    "above": lambda form, *zero: falls(-form, *zero),
+    "below": falls,
+}
+
+
+def so(words: str, *claimed: Any) -> str:
+    """Words, if what one of `SENSES` in them claims is true; ValueError where it is not.
+
+    "Above" and "below" say on which side of its zero a form of a letter is positive.
+    """
+    test = next(test for word, test in SENSES.items() if word in words)
+    if not test(*claimed):
+        raise ValueError(f"it is not so: {words}")
+    return words

@@ -13,7 +13,7 @@ from . import second_routes
 from .bodies import T, over_tangent
 from .drift import CASES, landing, landing_velocity, stationary
 from .laws import slopes
-from .lecture import PAPER, degrees, formula, largest, negative, number, so
+from .lecture import PAPER, degrees, formula, number, so
 from .proof import Equation
 from .slide import slide_excess
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, u_0, v_0
@@ -150,36 +150,36 @@ _root = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
 def _best_told(case: str) -> str:
     tangent, along = (part.subs(PAPER) for part in optimum(case))
     place = ", ".join(rf"${latex(x)} = {number(value)}$" for x, value in PAPER.items())
-    return so(
-        f"{degrees(sp.atan(tangent))} and {number(along, 3)} for the paper's {place}",
-        largest(drift_over_tangent(case).subs(PAPER), T, tangent),
-    )
+    return f"{degrees(sp.atan(tangent))} and {number(along, 3)} for the paper's {place}"
+
+
+def _best_of(case: str, equation: str) -> str:
+    words = rf"$\tan\phi$ of the largest drift ({equation}) of a thin rod, and it over $V_z$"
+    return so(words, drift_over_tangent(case), T, optimum(case)[0], PAPER)
 
 
 def _where_it_holds(words: str, forms: Callable[[str], sp.Matrix]) -> str:
-    """Words on forms that are negative in both regimes; a slip reverses for XZ > mu (k^2 + Z^2)."""
+    """Words on the sign of forms in both regimes; a slip reverses for XZ > mu (k^2 + Z^2)."""
     reversing = {X: mu * (k**2 + Z**2) / Z + sp.Symbol("room", positive=True)}
-    truth = negative(forms("stick")) and negative(forms("back"), reversing)
-    return so(f"{words} wherever the regime holds", truth)
+    so(words, forms("stick"))
+    return so(f"{words} wherever the regime holds", forms("back"), reversing)
 
 
 def _pressed_told() -> str:
     more = {mu: painleve_friction() + sp.Symbol("more", positive=True)}
-    return so("from there on $dv/dP_z < 0$", negative(slopes()["back"], more))
+    return so("$dv/dP_z$ is negative from there on", slopes()["back"], more)
 
 
 def _least_told() -> str:
-    (tangent, friction), over = least_painleve_friction(), _over_tilt()
-    return so(
-        rf"${friction}$ at {degrees(sp.atan(tangent))}; over tilt $\mu_P$ is {formula(over)}",
-        largest(-over, T, tangent),
-    )
+    tangent, friction = least_painleve_friction()
+    over = formula(_over_tilt())
+    return rf"${friction}$ at {degrees(sp.atan(tangent))}; over tilt $\mu_P$ is {over}"
 
 
 EQUATIONS = (
     Equation(
         "V: optimum, slip-stick",
-        r"$\tan\phi$ of the largest drift (26) of a thin rod, and it over $V_z$",
+        lambda: _best_of("stick", "26"),
         r"(\tan\phi, c_x/V_z)",
         derive=lambda: optimum("stick"),
         shown=(sp.sqrt(_a / _b), 3 * (1 + epsilon) / sp.sqrt(_a * _b)),
@@ -188,7 +188,7 @@ EQUATIONS = (
     ),
     Equation(
         "V: optimum, slip reversal",
-        r"$\tan\phi$ of the largest drift (29) of a thin rod, and it over $V_z$",
+        lambda: _best_of("back", "29"),
         r"(\tan\phi, c_x/V_z)",
         derive=lambda: optimum("back"),
         shown=(
@@ -212,7 +212,7 @@ EQUATIONS = (
         derive=lambda: tuple(part for case in CASES for part in stability_margins(case)),
         check=_margins,
         note=lambda: _where_it_holds(
-            "all positive", lambda case: -sp.Matrix(stability_margins(case))
+            "all positive", lambda case: sp.Matrix(stability_margins(case))
         ),
     ),
     Equation(
@@ -236,7 +236,10 @@ EQUATIONS = (
     ),
     Equation(
         "Painleve: thin rod",
-        r"$\tan\phi$ at which that friction is least for a thin rod, and that friction",
+        lambda: so(
+            r"$\tan\phi$ at which that friction is least for a thin rod, and that friction",
+            *(_over_tilt(), T, least_painleve_friction()[0]),
+        ),
         r"(\tan\phi, \mu_P)",
         derive=least_painleve_friction,
         check=_least_pressed_in,

@@ -12,9 +12,9 @@ import sympy as sp
 
 from . import laws
 from .laws import A, B, C
-from .newton import contact_change
+from .newton import approach, contact_change
 from .proof import Equation
-from .symbols import P_x, P_z, X, Z, c_x, c_z, k, m, omega, u_0, u_f, v_0, v_f
+from .symbols import P_x, P_z, X, Z, c_x, c_z, k, m, omega, u_f, v_f
 from .trace import derived
 
 # The letters of a rod, and what stands for them in each body.
@@ -68,10 +68,10 @@ def _answers() -> sp.Matrix:
 
 
 def _kinetic_energies(form: sp.Expr) -> list[sp.Expr]:
-    """Kinetic energy of both bodies after minus before."""
+    """Kinetic energy of both bodies after minus before; its gradient is the contact velocity."""
     energy, nothing = _kinetic_energy(), {P_x: 0, P_z: 0}
-    u, v = energy.diff(P_x), energy.diff(P_z)
-    contact = {u_0: u.subs(nothing), v_0: v.subs(nothing), u_f: u, v_f: v}
+    before = {x: form.subs(FIRST) - form.subs(SECOND) for x, form in approach().items()}
+    contact = {**before, u_f: energy.diff(P_x), v_f: energy.diff(P_z)}
     return [energy - energy.subs(nothing) - form.subs(contact, simultaneous=True)]
 
 

@@ -71,19 +71,32 @@ ENTRIES: tuple[Entry, ...] = tuple(e for _, group in SECTIONS for e in group)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One line of the table that `check` prints."""
+    """One line of the table that `check` prints.
 
-    tag: str  # the paper's equation number, or the section and a key word
-    what: str  # is stated
-    verdict: Verdict  # on the printed form
-    proved: bool  # whether the verdict stood; never of what is noted
-    note: str  # what is right, where the paper is not
-    evidence: str  # what the proof found
-    computed: bool  # whether nothing stopped its computation
-    contradicted_by: tuple[str, ...]  # printed formulas that give the derived form
-    repair: str  # what makes the printed form right
-    mistake: str  # or by which the printed value comes out
-    rests_on: tuple[str, ...]  # tags of the axioms that the derivation used
+    tag : the paper's equation number, or the section and a key word
+    what : is stated
+    verdict : on the printed form
+    proved : whether the verdict stood; never of what is noted
+    note : what is right, where the paper is not
+    evidence : what the proof found
+    computed : whether nothing stopped its computation
+    contradicted_by : printed formulas that give the derived form
+    repair : what makes the printed form right
+    mistake : or by which the printed value comes out
+    rests_on : tags of the axioms that the derivation used
+    """
+
+    tag: str
+    what: str
+    verdict: Verdict
+    proved: bool
+    note: str
+    evidence: str
+    computed: bool
+    contradicted_by: tuple[str, ...]
+    repair: str
+    mistake: str
+    rests_on: tuple[str, ...]
 
     @property
     def failed(self) -> bool:
@@ -116,7 +129,7 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
         rows.append(
             Row(
                 tag=entry.tag,
-                what=entry.what,
+                what=entry.what if proof.computed else entry.tag,
                 verdict=entry.verdict,
                 proved=proof.ok and entry.verdict != "noted",
                 note=told(entry) if proof.computed else "",

@@ -18,7 +18,7 @@ from markupsafe import Markup
 from . import closed_forms, codegen, lecture, paper, typeset
 from .drawings import DRAWINGS
 from .equality import Form
-from .lecture import LETTERS, to_html
+from .lecture import EXERCISES, LETTERS, to_html
 from .proof import Equation
 from .registry import SECTIONS, Code, Entry, Row
 from .steps import Line, Reader
@@ -26,10 +26,8 @@ from .steps import Line, Reader
 Progress = Callable[[Iterable], Iterable]
 
 TITLE, ABOUT = lecture.TEXTS["title"], lecture.TEXTS["about"]
-EXERCISES: Mapping[str, str] = lecture.TEXTS["exercises"]  # by the entry whose note answers it
 VERDICTS = {  # sign, and what the word means
     "agrees": ("✓", "the difference of both forms simplifies to zero"),
-    "rewritten": ("≈", "both forms are equal to 40 digits at random points"),
     "erratum": ("✗", "a mistake as printed in our copy: a point where both forms differ"),
     "assumed": ("◇", "an axiom or a closure: nothing to derive it from"),
     "new": ("★", "not in the paper; proved by a second route"),

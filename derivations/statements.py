@@ -42,20 +42,6 @@ def stationary_ratio() -> sp.Expr:
     return sp.simplify(up / along)
 
 
-def _ratio_told() -> str:
-    """The ratio, and the tilts below and above which it is larger than one."""
-    ratio = stationary_ratio()
-    low = sp.asin(sp.sin(2 * phi) * ratio) / 2  # ratio sin(2 phi) is a number
-    ends = low, sp.pi / 2 - low
-    if any(sp.simplify(ratio.subs(phi, end)) != 1 for end in ends):
-        raise ValueError("the ratio is not one there")
-    low, high = map(degrees, ends)
-    return (
-        f"it is {formula(ratio)} of a thin rod: {number(ratio.subs(_TILT))} at "
-        f"{degrees(_TILT[phi])}, one at {low} and {high}"
-    )
-
-
 @derived(r"\mu n")
 def landings_to_relax() -> sp.Expr:
     r"""$\mu$ times the number of landings that leave 1/e of a deviation, as $\mu \to 0$."""
@@ -135,7 +121,10 @@ EQUATIONS = (
         contradiction=lambda drift, up: _sign((up / drift).subs(THIN).subs(_TILT) - 1),
         mistaken=lambda: _sign(_FIG_10C - 1),
         mistake=f"the {_FIG_10C} of Fig. 10(c) is taken for typical",
-        note=_ratio_told,
+        note=lambda: (
+            f"it is {formula(stationary_ratio())} of a thin rod: "
+            f"{number(stationary_ratio().subs(_TILT))} at {degrees(_TILT[phi])}"
+        ),
     ),
     Equation(
         "V: landings to relax",

@@ -13,16 +13,13 @@ import sympy as sp
 
 from . import axioms, trace
 from .equality import components
-from .proof import Equation
+from .proof import SAID, Equation
 from .trace import Step
 from .typeset import latex, pieces, tidy
 
 LONGEST = 1600  # characters of LaTeX; a longer value is told in words alone
-SHORT = 14  # operations of an argument that a sentence may hold
 MOST = 220  # operations; a form with more is not tidied, which would take long
-_CASES = {"stick": "slip-stick", "back": "slip reversal", "slip": "slide"} | {
-    law: law.title() for law in ("newton", "poisson", "stronge")
-}
+_CASES = SAID | {law: law.title() for law in ("newton", "poisson", "stronge")}
 
 
 @dataclass(frozen=True, slots=True)

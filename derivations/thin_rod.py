@@ -4,7 +4,7 @@ import sympy as sp
 
 from . import second_routes
 from .bodies import THIN, T, over_tangent
-from .lecture import PAPER, degrees, falls, formula, number, so
+from .lecture import PAPER, degrees, formula, number, so
 from .newton import approach
 from .proof import Equation
 from .slide import slide_excess
@@ -126,24 +126,15 @@ def _at_two(condition: sp.Expr) -> sp.Expr:
 
 def _upright_slide(condition: sp.Expr) -> sp.Expr:
     """Friction at which the printed (14) ends for a thin rod at 90 degrees."""
-    flat = condition.subs(THIN).subs({phi: sp.pi / 2, u_0: c_x, v_0: c_z})
+    flat = condition.subs(THIN).subs({phi: _FLAT, u_0: c_x, v_0: c_z})
     return sp.solve(flat, mu)[0]
 
 
 _MU_C = -c_x / (4 * c_z * (1 + epsilon))
+_FLAT = sp.pi / 2
 _UPRIGHT, _OVERLOOKING = sp.Integer(0), sp.pi / 4  # tilts by which two mistakes come out
+_ORDER = 3
 _TWICE = sp.Integer(2)  # by which a third one does
-
-
-def _roots_told() -> str:
-    """Where the margin of (16) is negative, between both roots."""
-    margin = over_tangent(stick_margin()).subs(PAPER)
-    lower, upper = (root.subs(PAPER) for root in critical_tangents())
-    above, below = (degrees(sp.atan(x), 2) for x in (lower, upper))
-    return so(
-        rf"at $\mu = {number(PAPER[mu])}$ the slip turns back above {above} and below {below}",
-        falls(margin, T, lower) and falls(-margin, T, upper),
-    )
 
 
 EQUATIONS = (
@@ -170,17 +161,17 @@ EQUATIONS = (
         "critical tilt between slip-stick and slip reversal",
         r"\phi_c",
         derive=critical_tilt,
-        note=_roots_told,
+        note=lambda: rf"{degrees(critical_tilt().subs(PAPER), 2)} at $\mu = {number(PAPER[mu])}$",
     ),
     Equation(
         "23: small friction",
-        r"$\phi_c$ to $O(\mu^3)$",
+        rf"$\phi_c$ to $O(\mu^{_ORDER})$",
         r"\phi_c",
-        derive=lambda: small_friction(3),
+        derive=lambda: small_friction(_ORDER),
     ),
     Equation(
         "IV: slide boundary",
-        "$u_* = 0$ solved for the friction, any geometry, $r = -v_0/u_0$",
+        "edge of slide, $u_* = 0$, solved for the friction, any geometry, $r = -v_0/u_0$",
         r"\mu_{slide}",
         derive=slide_friction,
         shown=(k**2 + X**2 - (1 + epsilon) * ratio * X * Z)
@@ -195,17 +186,17 @@ EQUATIONS = (
     ),
     Equation(
         "IV: slide only below mu_c",
-        "friction up to which a thin rod slides at 90 degrees",
+        f"friction up to which a thin rod slides at {degrees(_FLAT)}",
         r"[\mu_{slide}]_{\phi = \pi/2}",
         where=lambda: {r"\mu_{slide}": thin_slide_friction()},
         verdict="erratum",
         said=_MU_C,
-        derive=lambda: sp.factor(thin_slide_friction().subs(phi, sp.pi / 2)),
+        derive=lambda: sp.factor(thin_slide_friction().subs(phi, _FLAT)),
         contradicted_by=("14",),
         contradiction=_upright_slide,
         mistaken=lambda: thin_slide_friction().subs(phi, _UPRIGHT),
         mistake=f"the value at {degrees(_UPRIGHT)} is taken for the largest",
-        note=lambda: rf"${sp.cancel(thin_slide_friction().subs(phi, sp.pi / 2) / _MU_C)} \mu_c$",
+        note=lambda: rf"${sp.cancel(thin_slide_friction().subs(phi, _FLAT) / _MU_C)} \mu_c$",
     ),
     Equation(
         "IV: phi_c at mu = 3/5",
@@ -223,7 +214,10 @@ EQUATIONS = (
     ),
     Equation(
         "IV: no reversal above 3/5",
-        "largest friction of a reversal",
+        lambda: so(
+            "largest friction of a reversal",
+            *(over_tangent(critical_friction()), T, largest_reversal_friction()[1]),
+        ),
         r"\max_\phi \mu",
         verdict="erratum",
         said=sp.Rational(3, 5),

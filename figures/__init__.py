@@ -39,15 +39,24 @@ __all__ = ["FIGURES", "Entry", "check", "load"]
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """What is known of a figure before its module is imported."""
+    """What is known of a figure before its module is imported.
 
-    room: str  # folder of its module
-    title: str  # what it shows, with the paper's number
-    quick: bool = True  # part of the set that is drawn, on coarse grids, when no name is given
-    alone: bool = False  # takes all cores or measures times: nothing is drawn beside it
-    panel: str = ""  # what its main panel is called on the page of prices, if it is there
-    seconds: int = 5  # of the processor, in full, but for runs that the store holds
-    own: tuple[str, ...] = ()  # what of one's own its `data` takes
+    room : folder of its module
+    title : what it shows, with the paper's number
+    quick : part of the set that is drawn, on coarse grids, when no name is given
+    alone : takes all cores or measures times: nothing is drawn beside it
+    panel : what its main panel is called on the page of prices, if it is there
+    seconds : of the processor, in full, but for runs that the store holds
+    own : what of one's own its `data` takes
+    """
+
+    room: str
+    title: str
+    quick: bool = True
+    alone: bool = False
+    panel: str = ""
+    seconds: int = 5
+    own: tuple[str, ...] = ()
 
 
 _ROOMS = tomllib.loads(Path(__file__).with_name("figures.toml").read_text(encoding="utf-8"))

@@ -31,17 +31,28 @@ class Regime(IntEnum):
 
 
 class Impacts(NamedTuple):
-    """Arguments of one impact, or of many as arrays; a unit of length and one of time of choice."""
+    """Arguments of one impact, or of many as arrays; a unit of length and one of time of choice.
 
-    c_x: Any  # length/time
-    c_z: Any  # length/time
-    omega: Any  # rad/time
-    plate_velocity: Any  # length/time
-    X: Any  # length
-    Z: Any  # length
-    k: Any  # length
-    friction: Any  # Coulomb coefficient
-    restitution: Any  # 0 to 1
+    c_x : length/time
+    c_z : length/time
+    omega : rad/time
+    plate_velocity : length/time
+    X : length
+    Z : length
+    k : length
+    friction : Coulomb coefficient
+    restitution : 0 to 1
+    """
+
+    c_x: Any
+    c_z: Any
+    omega: Any
+    plate_velocity: Any
+    X: Any
+    Z: Any
+    k: Any
+    friction: Any
+    restitution: Any
 
     def collide(self, function: Callable, law: str = "newton") -> Any:
         """What a function with the signature of `impact.collide` makes of them.

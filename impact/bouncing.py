@@ -54,44 +54,75 @@ class Landings(NamedTuple):
     """Single landings, arrays of shape (rods, landings); several impacts on the spot are one.
 
     Velocities in V_0 = A Omega and in the frame of the laboratory, times in periods.
+
+    period : whole periods since the start, exact
+    phase : of the plate, theta in [0, 2 pi); its velocity is V_0 cos(theta)
+    c_x : along the plate, before the landing
+    c_z : across, before
+    c_x_after : after it
+    c_z_after : after it
+    flight : from take-off to this landing
+    rest : on the plate before that take-off
+    travel : distance in x since the landing before, in V_0 times a period
+    hits : impacts on the spot
+    regime : of the first of them, codes of `impact.Regime`
     """
 
-    period: np.ndarray  # whole periods since the start, exact
-    phase: np.ndarray  # of the plate, theta in [0, 2 pi); its velocity is V_0 cos(theta)
-    c_x: np.ndarray  # along the plate, before the landing
-    c_z: np.ndarray  # across, before
-    c_x_after: np.ndarray  # after it
-    c_z_after: np.ndarray  # after it
-    flight: np.ndarray  # from take-off to this landing
-    rest: np.ndarray  # on the plate before that take-off
-    travel: np.ndarray  # distance in x since the landing before, in V_0 times a period
-    hits: np.ndarray  # impacts on the spot
-    regime: np.ndarray  # of the first of them, codes of `impact.Regime`
+    period: np.ndarray
+    phase: np.ndarray
+    c_x: np.ndarray
+    c_z: np.ndarray
+    c_x_after: np.ndarray
+    c_z_after: np.ndarray
+    flight: np.ndarray
+    rest: np.ndarray
+    travel: np.ndarray
+    hits: np.ndarray
+    regime: np.ndarray
 
 
 class Estimate(NamedTuple):
-    """Mean over independent rods and its standard error (nan for one rod)."""
+    """Mean over independent rods and its standard error (nan for one rod).
 
-    mean: Any  # in the unit of what is estimated
-    error: Any  # standard error, in the same
+    mean : in the unit of what is estimated
+    error : standard error, in the same
+    """
+
+    mean: Any
+    error: Any
 
 
 class Bouncing(NamedTuple):
-    """Means over the landings of many independent rods; every field an `Estimate`."""
+    """Means over the landings of many independent rods; every field an `Estimate`.
 
-    alpha: Estimate  # mean plate velocity at landing over V_0; every landing counts alike
-    alpha_impulse: Estimate  # the same, landings weighted by their vertical impulse
-    falling: Estimate  # part of the landings that find the plate on its way down
-    drift: Estimate  # distance over time, in V_0
-    c_x: Estimate  # mean after a landing, in V_0
-    c_z: Estimate  # mean after a landing, in V_0
-    ratio: Estimate  # -c_z/c_z': mean before over mean after a landing
-    flight: Estimate  # mean length in periods
-    rest: Estimate  # part of the time that is spent at rest
-    again: Estimate  # part of the landings that are hit again at once
-    regimes: Estimate  # parts of the landings, index `impact.Regime`, shape (4,)
-    phases: Estimate  # density of landing phases per rad, equal bins over [0, 2 pi)
-    flights: Estimate  # density of flight lengths per period, bins around i/16, i < 64
+    alpha : mean plate velocity at landing over V_0; every landing counts alike
+    alpha_impulse : the same, landings weighted by their vertical impulse
+    falling : part of the landings that find the plate on its way down
+    drift : distance over time, in V_0
+    c_x : mean after a landing, in V_0
+    c_z : mean after a landing, in V_0
+    ratio : -c_z/c_z': mean before over mean after a landing
+    flight : mean length in periods
+    rest : part of the time that is spent at rest
+    again : part of the landings that are hit again at once
+    regimes : parts of the landings, index `impact.Regime`, shape (4,)
+    phases : density of landing phases per rad, equal bins over [0, 2 pi)
+    flights : density of flight lengths per period, bins around i/16, i < 64
+    """
+
+    alpha: Estimate
+    alpha_impulse: Estimate
+    falling: Estimate
+    drift: Estimate
+    c_x: Estimate
+    c_z: Estimate
+    ratio: Estimate
+    flight: Estimate
+    rest: Estimate
+    again: Estimate
+    regimes: Estimate
+    phases: Estimate
+    flights: Estimate
 
 
 # Of `Landings`: whole numbers where they are counted.

@@ -12,11 +12,16 @@ from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
 class Drift(NamedTuple):
-    """Velocity of the centre of mass, the same at every landing."""
+    """Velocity of the centre of mass, the same at every landing.
 
-    c_x: Any  # along the plate, in the unit of its velocity
-    c_z: Any  # after a landing, upwards; before it -c_z
-    regime: Any  # `Regime`, or an int8 array of its values
+    c_x : along the plate, in the unit of its velocity
+    c_z : after a landing, upwards; before it -c_z
+    regime : `Regime`, or an int8 array of its values
+    """
+
+    c_x: Any
+    c_z: Any
+    regime: Any
 
 
 def drift(
@@ -155,11 +160,16 @@ def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) ->
 
 
 class Optimum(NamedTuple):
-    """The tilt at which a thin rod drifts fastest."""
+    """The tilt at which a thin rod drifts fastest.
 
-    tilt: Any  # rad
-    c_x: Any  # its drift, over the plate's velocity at landing
-    regime: Any  # `Regime`, or an int8 array of its values
+    tilt : rad
+    c_x : its drift, over the plate's velocity at landing
+    regime : `Regime`, or an int8 array of its values
+    """
+
+    tilt: Any
+    c_x: Any
+    regime: Any
 
 
 def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:

@@ -40,7 +40,14 @@ _STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more 
 
 @dataclass(frozen=True)
 class Law(Part):
-    """Normal contact and tangential element; the coefficient of friction belongs to the scene.
+    """Contact law: the normal force F_n and how friction acts, |F_t| <= mu F_n.
+
+    The coefficient of friction mu belongs to the scene (`Contact`).
+
+    name : key of `LAWS`
+    normal : force across the surfaces, `Normal`
+    spring : force along them, `Spring`; None: friction is a constraint, no slip up to mu F_n
+    restitution : head on, 0 to 1, where it is the same at every speed; else None
 
     Raises
     ------
@@ -51,10 +58,10 @@ class Law(Part):
         If a part is of the wrong type.
     """
 
-    name: str  # key of `LAWS`
-    normal: Normal  # force across
-    spring: Spring | None  # None: friction is a constraint
-    restitution: Annotated[float, 0.0, 1.0] | None = None  # head on, where it is constant
+    name: str
+    normal: Normal
+    spring: Spring | None
+    restitution: Annotated[float, 0.0, 1.0] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -102,7 +109,9 @@ def appendix_a(
     reduced_mass: float = 0.5,
     overlap_factor: bool = True,
 ) -> Law:
-    """Appendix A taken at its word.
+    """Appendix A taken at its word: F_n = k_n delta^(3/2) - gamma_n M_e delta v_n.
+
+    F_t is that of a spring of stiffness k_t delta and a dashpot gamma_t M_e delta.
 
     Parameters
     ----------
@@ -138,6 +147,9 @@ def constant_restitution(
     tangential_damping: float = 1.0,
 ) -> Law:
     """Hertz with a dashpot of constant head-on restitution; tangential spring and dashpot.
+
+    F_n = k_n delta^(3/2) - c sqrt(M k_n) delta^(1/4) v_n, where c follows from the restitution; the
+    stiffness along the plate is tangential_ratio k_n sqrt(delta).
 
     Parameters
     ----------

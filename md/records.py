@@ -12,6 +12,7 @@ A run hands its touches to `observe` as they end; kept in a list they become one
 >>> landings = md.records.landings(rows, result)
 >>> len(landings) < len(touches)
 True
+>>> table = md.records.to_xarray(touches).to_dataframe()  # units are in `attrs` of the arrays
 
 =============================  ===================================================================
 column                         what it is
@@ -46,6 +47,7 @@ direction around the annulus itself. Velocities and spin are their parts in that
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -53,8 +55,9 @@ from .kernels import touches as columns
 from .kernels.codes import REGIMES
 from .measures import HOP, merged, phase_at
 from .result import Result
+from .units import labelled
 
-__all__ = ["landings", "touches"]
+__all__ = ["landings", "to_xarray", "touches"]
 
 _BOTH = {  # columns of `kernels.touches` by their names here
     "rod": columns.ROD,
@@ -115,6 +118,20 @@ def landings(rows: Sequence[np.ndarray], result: Result) -> np.ndarray:
     counted = np.column_stack([all_rows, np.ones(len(all_rows))])
     over, _ = merged(counted, HOP * result.steps_per_period)
     return _structured(over, _LANDING, result)
+
+
+def to_xarray(found: np.ndarray) -> Any:
+    """Touches or landings as `xarray.Dataset` along "touch"; `.to_dataframe()` makes a table.
+
+    Parameters
+    ----------
+    found : as `touches` or `landings` gives them
+
+    Returns
+    -------
+    Dataset of the same columns, with `units` and `long_name` in their `attrs`.
+    """
+    return labelled({name: ("touch", found[name]) for name in found.dtype.names or ()})
 
 
 def _structured(rows: np.ndarray, names: dict[str, int], result: Result) -> np.ndarray:

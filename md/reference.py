@@ -26,11 +26,16 @@ LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to 
 
 
 class Vibration(NamedTuple):
-    """Plate at amplitude sin(2 pi frequency t + phase)."""
+    """Plate at amplitude sin(2 pi frequency t + phase).
 
-    amplitude: Annotated[float, 0.0, 1e6]  # d
-    frequency: Annotated[float, 0.0, 1e12]  # sqrt(g/d)
-    phase: Annotated[float, -1e6, 1e6]  # rad
+    amplitude : in d
+    frequency : in sqrt(g/d)
+    phase : in rad, at t = 0
+    """
+
+    amplitude: Annotated[float, 0.0, 1e6]
+    frequency: Annotated[float, 0.0, 1e12]
+    phase: Annotated[float, -1e6, 1e6]
 
 
 class Contact(NamedTuple):

@@ -12,7 +12,7 @@ from .measures import wedged_periods
 from .scene import Scene, as_dict
 from .sources import code
 from .statistics import FEWEST, TREND, UNLIKELY, steady, trend
-from .units import in_cm
+from .units import in_cm, labelled
 
 NOTHING = 1e-6  # of the plate's peak velocity: a slower drift is none
 SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
@@ -74,7 +74,7 @@ class Result:
     periods : that were made
     discarded : periods of the transient, a fifth of the run
     steps_per_period, dt : the step, in sqrt(d/g)
-    run_seconds, compile_seconds : of the clock
+    run_seconds, compile_seconds : of the clock, s
     energy : work of the plate and of shaken walls, losses by kind, change and what is left over, in
         m g d; None if not asked
     touches : mean and standard error over all touches of the plate of each quantity of
@@ -151,6 +151,14 @@ class Result:
     def rod_steps(self) -> int:
         """Steps times rods."""
         return self.periods * self.steps_per_period * self.scene.rods.count
+
+    def to_xarray(self) -> Any:
+        """Drift, tilt and falls period by period, transient included, as `xarray.Dataset`.
+
+        With units; `.to_dataframe()` makes a table.
+        """
+        names = "c_x", "tilt", "fell"
+        return labelled({name: ("period", getattr(self, f"{name}_series")) for name in names})
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""

@@ -13,7 +13,7 @@ Inertia = Literal["solid", "thin"]
 class Rod(NamedTuple):
     """Rod of diameter 1.
 
-    length : overall, caps included, >= 1
+    length : overall, caps included, d, >= 1
     inertia : "solid", of the uniform body, or "thin", the paper's length^2/12
     ends : "round", or "flat" for one impact alone: in the plane an end is then an edge with two
         corners. A corner pushes by the law of a cap with the stiffness of a cap, which is an
@@ -26,12 +26,12 @@ class Rod(NamedTuple):
 
     @property
     def half_length(self) -> float:
-        """From the centre to the centre of a cap, or to a flat end."""
+        """From the centre to the centre of a cap, or to a flat end, in d."""
         return (self.length - (self.ends == "round")) / 2
 
     @property
     def gyration_squared(self) -> float:
-        """Moment of inertia about the centre over the mass."""
+        """Moment of inertia about the centre over the mass, k^2, in d^2."""
         if self.inertia == "thin":
             return self.length**2 / 12
         if self.ends == "flat":
@@ -43,7 +43,7 @@ class Rod(NamedTuple):
 
     @property
     def axial_gyration_squared(self) -> float:
-        """Moment of inertia of the uniform body about its axis over its mass.
+        """Moment of inertia of the uniform body about its axis over its mass, in d^2.
 
         Cylinder of length h = l - 1 and two half spheres, diameter 1: volumes pi h/4 and pi/6,
         moments of 1/8 and 1/10 of their masses.

@@ -35,40 +35,58 @@ class Rods(Part):
 
     A rod longer than 1 by less than two overlaps touches with both ends at once, and bounces less
     than the restitution asked for: 0.56 for 0.65 at length 1.001.
+
+    count : number of rods
+    length : overall, caps included, d
+    inertia : "solid", of the uniform body, or "thin", the paper's m length^2/12
+    diameter_cm : d in cm, the unit of length
+    rolling : whether they turn about their own axes, in the annulus
     """
 
-    count: Annotated[int, 1, 10**6] = 1  # of rods
-    length: Length = 9.5  # overall, caps included
-    inertia: Inertia = "solid"  # of the uniform body, or the paper's length^2/12
-    diameter_cm: Diameter = 0.6  # the unit of length
-    rolling: bool = False  # about their own axes, in the annulus
+    count: Annotated[int, 1, 10**6] = 1
+    length: Length = 9.5
+    inertia: Inertia = "solid"
+    diameter_cm: Diameter = 0.6
+    rolling: bool = False
 
 
 @dataclass(frozen=True)
 class Plate(Part):
     """Horizontal plate, which vibrates as a sine; without acceleration it is at rest.
 
-    Its velocity is V_0 cos(phase). A run starts at its lowest point: phase = 2 pi f t - pi/2.
+    Its velocity is V_0 cos(phase) with V_0 = acceleration/(2 pi f). A run starts with it at its
+    lowest point: phase = 2 pi f t - pi/2.
+
+    acceleration : peak, in g: the paper's Gamma
+    frequency_hz : f, in Hz
     """
 
-    acceleration: Annotated[float, 0.0, 1000.0] = 0.0  # peak, in g: the paper's Gamma
-    frequency_hz: Frequency = 60.0  # of the plate
+    acceleration: Annotated[float, 0.0, 1000.0] = 0.0
+    frequency_hz: Frequency = 60.0
 
 
 @dataclass(frozen=True)
 class Box(Part):
-    """Box that repeats along x."""
+    """Box that repeats along x. Rods side by side in it lean by cos(tilt) = count d/length.
 
-    length: Annotated[float, 1.0, 1e7]  # in d
+    length : after which it repeats, d
+    """
+
+    length: Annotated[float, 1.0, 1e7]
 
 
 @dataclass(frozen=True)
 class Annulus(Part):
-    """Gap between two vertical cylinders. With it, rods move in space."""
+    """Gap between two vertical cylinders. With it, rods move in space.
 
-    inner: Annotated[float, 1e-3, 1e6]  # radius of its surface, in d
-    outer: Annotated[float, 1e-3, 1e6]  # at least a diameter more
-    shaken: bool = False  # both walls move with the plate; else they are at rest
+    inner : radius of the inner wall, d
+    outer : radius of the outer wall, d, at least 1 more
+    shaken : both walls move with the plate; else they are at rest
+    """
+
+    inner: Annotated[float, 1e-3, 1e6]
+    outer: Annotated[float, 1e-3, 1e6]
+    shaken: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -78,33 +96,46 @@ class Annulus(Part):
 
     @property
     def middle(self) -> float:
-        """Radius half way."""
+        """Radius half way between the walls, in d."""
         return (self.inner + self.outer) / 2
 
 
 @dataclass(frozen=True)
 class Gravity(Part):
-    """Gravity in g; a plate inclined by a has x = sin a, z = -cos a."""
+    """Gravity in g; a plate inclined by a has x = sin a, z = -cos a.
 
-    x: Annotated[float, -1000.0, 1000.0] = 0.0  # along the plate
-    z: Annotated[float, -1000.0, 1000.0] = -1.0  # upwards
+    x : along the plate, g
+    z : upwards, g
+    """
+
+    x: Annotated[float, -1000.0, 1000.0] = 0.0
+    z: Annotated[float, -1000.0, 1000.0] = -1.0
 
 
 @dataclass(frozen=True)
 class Contact(Part):
-    """How a pair of surfaces touches; a coefficient of friction of 0 is no friction at all."""
+    """How a pair of surfaces touches; a coefficient of friction of 0 is no friction at all.
 
-    law: Law  # made by a function of `md.LAWS`
-    friction: Annotated[float, 0.0, inf] = 0.0  # Coulomb coefficient
+    law : made by a function of `md.LAWS`
+    friction : Coulomb coefficient mu, >= 0
+    """
+
+    law: Law
+    friction: Annotated[float, 0.0, inf] = 0.0
 
 
 @dataclass(frozen=True)
 class Contacts(Part):
-    """Materials, one for each pair of surfaces that may touch; an absent pair does not."""
+    """Materials, one for each pair of surfaces that may touch; an absent pair does not.
 
-    plate: Contact | None = None  # of a rod with the plate
-    rods: Contact | None = None  # of two rods
-    wall: Contact | None = None  # of a rod with the cylinders of the annulus
+    plate : contact of a rod with the plate
+    rods : contact of two rods
+    wall : contact of a rod with the cylinders of the annulus
+    """
+
+    plate: Contact | None = None
+    rods: Contact | None = None
+    wall: Contact | None = None
 
 
 @dataclass(frozen=True)
@@ -112,12 +143,17 @@ class Start(Part):
     """Rods in a row, alike in tilt, with small random velocities whose mean along the plate is 0.
 
     They start a millionth of a diameter over the plate and, where the box sets the tilt, apart.
+
+    tilt_deg : degrees; None: acos(count d/length of the box), side by side
+    seed : of the random velocities
+    speed : largest value of each component of them, sqrt(g d)
+    drop : height of the caps over the plate, d
     """
 
-    tilt_deg: _Angle | None = None  # None: acos(count/length of the box), side by side
-    seed: Annotated[int, 0, 2**63 - 1] = 0  # of the velocities
-    speed: Annotated[float, 0.0, 1000.0] = 1e-3  # largest of each component
-    drop: Annotated[float, 0.0, 1000.0] = 0.0  # height of the caps over the plate
+    tilt_deg: _Angle | None = None
+    seed: Annotated[int, 0, 2**63 - 1] = 0
+    speed: Annotated[float, 0.0, 1000.0] = 1e-3
+    drop: Annotated[float, 0.0, 1000.0] = 0.0
 
 
 @dataclass(frozen=True)
@@ -233,7 +269,7 @@ class Scene(Part):
 
     @property
     def impact_speed(self) -> float:
-        """Speed of the impacts to expect: of the plate and of the fall at the start."""
+        """Speed of the impacts to expect, of plate and fall at the start, in sqrt(g d)."""
         pull = hypot(self.gravity.x, self.gravity.z) if self.gravity else 0.0
         fall = sqrt(2 * pull * self.start.drop)
         return max(2 * self.plate_speed + fall + self.start.speed, 0.1)

@@ -79,13 +79,20 @@ _AS_GOOD = 10.0  # more misfit than the best point has: it may be chance
 
 
 class Parameter(NamedTuple):
-    """A range of numbers."""
+    """A range of numbers.
 
-    name: str  # in messages and tables
-    keys: tuple[str, ...]  # of the scene, which all take the value
-    low: float  # end of the range
-    high: float  # the other
-    log: bool = False  # whether values lie evenly in log
+    name : in messages and tables
+    keys : of the scene, which all take the value
+    low : end of the range
+    high : the other
+    log : whether values lie evenly in log
+    """
+
+    name: str
+    keys: tuple[str, ...]
+    low: float
+    high: float
+    log: bool = False
 
     def value(self, part: Any) -> Any:
         """The value at a part of the range, from 0 to 1.
@@ -100,25 +107,40 @@ class Parameter(NamedTuple):
 
 
 class Target(NamedTuple):
-    """What a result was measured to be at one place."""
+    """What a result was measured to be at one place.
 
-    place: Mapping[str, Any]  # changes of the scene
-    result: str  # such as "c_x_cm_s"
-    value: float  # nan: it is only predicted
-    error: float  # standard error
+    place : changes of the scene
+    result : such as "c_x_cm_s"
+    value : nan: it is only predicted
+    error : standard error
+    """
+
+    place: Mapping[str, Any]
+    result: str
+    value: float
+    error: float
 
 
 @dataclass(frozen=True)
 class Search:
-    """A search, read and checked."""
+    """A search, read and checked.
 
-    base: Mapping[str, Any]  # tables of the scene
-    periods: int  # of each run
-    seeds: tuple[int, ...]  # starts
-    parameters: tuple[Parameter, ...]  # that are varied
-    targets: tuple[Target, ...]  # what is asked for
-    points: int  # a round
-    rounds: int = 1  # each later one closer around the best
+    base : tables of the scene
+    periods : of each run
+    seeds : starts
+    parameters : that are varied
+    targets : what is asked for
+    points : a round
+    rounds : each later one closer around the best
+    """
+
+    base: Mapping[str, Any]
+    periods: int
+    seeds: tuple[int, ...]
+    parameters: tuple[Parameter, ...]
+    targets: tuple[Target, ...]
+    points: int
+    rounds: int = 1
 
     @property
     def measured(self) -> np.ndarray:
@@ -158,29 +180,45 @@ class Search:
 
 
 class Estimate(NamedTuple):
-    """A value with its standard error."""
+    """A value with its standard error.
 
-    value: float  # mean
-    error: float  # one standard deviation
+    value : mean
+    error : one standard deviation
+    """
+
+    value: float
+    error: float
 
 
 class Estimates(NamedTuple):
-    """What follows from the misfits of all points near the best one; empty if these are too few."""
+    """What follows from the misfits of all points near the best one; empty if these are too few.
 
-    parameters: dict[str, Estimate]  # by their names
-    correlation: np.ndarray  # of them
-    results: list[Estimate]  # of each target
-    misfit: float  # the least; without a fit, far beyond the number of data
+    parameters : by their names
+    correlation : of them
+    results : of each target
+    misfit : the least; without a fit, far beyond the number of data
+    """
+
+    parameters: dict[str, Estimate]
+    correlation: np.ndarray
+    results: list[Estimate]
+    misfit: float
 
 
 @dataclass(frozen=True)
 class Found:
-    """What a search has found."""
+    """What a search has found.
 
-    search: Search  # that was made
-    parts: np.ndarray  # (n, parameters): of the ranges, all rounds
-    runs: np.ndarray  # (n, targets, starts): results; nan where a run failed
-    tally: Tally  # of all rounds
+    search : that was made
+    parts : (n, parameters): of the ranges, all rounds
+    runs : (n, targets, starts): results; nan where a run failed
+    tally : of all rounds
+    """
+
+    search: Search
+    parts: np.ndarray
+    runs: np.ndarray
+    tally: Tally
 
     @property
     def results(self) -> np.ndarray:

@@ -50,19 +50,32 @@ _LONGEST = 1e5  # contact times after which a contact that goes on is an error
 
 
 class Impact(NamedTuple):
-    """What one impact did; velocities after it, in the frame of the laboratory."""
+    """What one impact did; velocities after it, in the frame of the laboratory.
 
-    c_x: float  # along the plate, sqrt(g d)
-    c_z: float  # across, sqrt(g d)
-    omega: float  # sqrt(g/d)
-    restitution: float  # -v_f/v_0 of the contact point that touched first, against the plate
-    regime: str  # one of `kernels.codes.REGIMES`
-    phases: dict[str, float]  # durations by name in `kernels.codes.PHASES`, sqrt(d/g)
-    max_overlap: float  # in d
-    contact_time: float  # from touch to the end of the force, sqrt(d/g)
-    dt: float  # step; nan for the adaptive method
-    steps: int  # force evaluations
-    seconds: float  # run time, without compilation
+    c_x : along the plate, sqrt(g d)
+    c_z : across, sqrt(g d)
+    omega : spin, sqrt(g/d)
+    restitution : -v_f/v_0 of the contact point that touched first, against the plate
+    regime : one of `kernels.codes.REGIMES`
+    phases : durations by name in `kernels.codes.PHASES`, sqrt(d/g)
+    max_overlap : deepest overlap, d
+    contact_time : from touch to the end of the force, sqrt(d/g)
+    dt : step, sqrt(d/g); nan for the adaptive method
+    steps : force evaluations
+    seconds : run time, s, without compilation
+    """
+
+    c_x: float
+    c_z: float
+    omega: float
+    restitution: float
+    regime: str
+    phases: dict[str, float]
+    max_overlap: float
+    contact_time: float
+    dt: float
+    steps: int
+    seconds: float
 
 
 def _step(

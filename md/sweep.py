@@ -30,7 +30,9 @@ Python, a full grid of two axes and what came of it as labelled arrays:
 >>> (c_x,) = sweep.gather("grid.db", "c_x_cm_s")
 >>> c_x.shape
 (2, 3)
->>> found = sweep.labelled("grid.db", "c_x_cm_s")  # by xarray, the extra [md]
+>>> found = sweep.to_xarray("grid.db", "c_x_cm_s")  # with coordinates, units and errors
+>>> list(found), found.c_x_cm_s.dims
+(['c_x_cm_s', 'c_x_stderr_cm_s'], ('plate_acceleration', 'contacts_plate_friction'))
 """
 
 import itertools
@@ -61,6 +63,7 @@ from .interrupt import deferred
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
 from .store import Store, named
+from .units import error_of, labelled
 
 __all__ = [
     "Interrupted",
@@ -99,13 +102,20 @@ class Measure(NamedTuple):
 
 @dataclass(frozen=True)
 class Point:
-    """One run of a sweep."""
+    """One run of a sweep.
 
-    scene: Scene  # what runs
-    periods: int  # 0 where a tolerance says how long
-    tolerance: float | None = None  # of the drift, as in `md.run`
-    max_seconds: float = MAX_SECONDS  # for it
-    measure: Measure | None = None  # None: the results of `md.run`
+    scene : what runs
+    periods : 0 where a tolerance says how long
+    tolerance : of the drift, as in `md.run`
+    max_seconds : for it
+    measure : None: the results of `md.run`
+    """
+
+    scene: Scene
+    periods: int
+    tolerance: float | None = None
+    max_seconds: float = MAX_SECONDS
+    measure: Measure | None = None
 
     @property
     def code(self) -> str:
@@ -176,39 +186,33 @@ class Sweep:
             results = [database.result(point.key) for point in self.points]
         return tuple(self._array([named(result, name) for result in results]) for name in names)
 
-    def labelled(self, store: str | Path, *names: str) -> Any:
-        """Results with their coordinates, by xarray (`pip install 'rod-impact[md]'`).
+    def to_xarray(self, store: str | Path, *names: str) -> Any:
+        """Results with their coordinates, units and errors; `.to_dataframe()` makes a table.
 
         Parameters
         ----------
         store : path of the store
-        names : of results, as in `gather`
+        names : of results, as in `gather`; their standard errors come along: "c_x_stderr_cm_s" with
+            "c_x_cm_s", "landings.plate_velocity.stderr" with "landings.plate_velocity.mean"
 
         Returns
         -------
         `xarray.Dataset` with a dimension for each axis, which has the name of the axis' first key;
-        its other keys are coordinates along it.
+        its other keys are coordinates along it. In all names dots are underscores:
+        `plate_acceleration`. `attrs` of each array are `units` and `long_name`, which plots show.
 
         Raises
         ------
         ValueError
-            As `gather`, and without xarray.
+            As `gather`.
         """
-        try:
-            from xarray import Dataset  # late: an extra that no run needs
-        except ImportError:
-            raise InputError("labelled needs xarray: pip install 'rod-impact[md]'") from None
         dims = [next(iter(axis)) for axis in self.axes]
-        coords = {
-            key: (dim, np.array(values))
-            for dim, axis in zip(dims, self.axes, strict=True)
-            for key, values in axis.items()
-        }
-        variables = {}
-        for name, array in zip(names, self.gather(store, *names), strict=True):
+        coords = {key: (next(iter(axis)), axis[key]) for axis in self.axes for key in axis}
+        variables, both = {}, dict.fromkeys([*names, *map(error_of, names)])
+        for name, array in zip(both, self.gather(store, *both), strict=True):
             inner = [f"{name}.{i}" for i in range(array.ndim - len(dims))]
             variables[name] = (*dims, *inner), array
-        return Dataset(variables, coords)
+        return labelled(variables, coords)
 
     def _array(self, values: list) -> np.ndarray:
         first = next((value for value in values if value is not None), math.nan)
@@ -378,15 +382,24 @@ def _pool(tasks: list, workers: int) -> Iterator[Generator[tuple, None, None]]:
 
 @dataclass
 class Tally:
-    """Numbers of points and runs of a sweep, and the time that they took."""
+    """Numbers of points and runs of a sweep, and the time that they took.
 
-    points: int  # of the sweep
-    distinct: int  # runs that these points need
-    there: int  # of these runs, in the store before
-    computed: int = 0  # with a result
-    failed: int = 0  # without one
-    seconds: float = 0.0  # of the clock
-    run_seconds: float = 0.0  # of all runs
+    points : of the sweep
+    distinct : runs that these points need
+    there : of these runs, in the store before
+    computed : with a result
+    failed : without one
+    seconds : of the clock
+    run_seconds : of all runs
+    """
+
+    points: int
+    distinct: int
+    there: int
+    computed: int = 0
+    failed: int = 0
+    seconds: float = 0.0
+    run_seconds: float = 0.0
 
 
 def execute(

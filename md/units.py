@@ -1,4 +1,4 @@
-"""Keys of a scene in cm and cm/s: each stands for a key in the scene's own units.
+"""Keys of a scene in cm and cm/s, each for a key in its own units; units of all that is measured.
 
 A length or a speed needs `rods.diameter_cm` beside it; an amplitude or a peak velocity of the plate
 stands for its acceleration, and needs `plate.frequency_hz`. All are converted once, when the tables
@@ -9,11 +9,16 @@ of a scene are read.
 True
 >>> round(md.load("my_rods", ["plate.amplitude_cm=0.05"]).plate.acceleration, 3)  # (2 pi f)^2 A/g
 7.244
+
+Units and long names of results, columns of records and keys stand in units.toml.
 """
 
+import re
+import tomllib
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from math import pi, sqrt
+from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 from .domains import InputError, held, not_negative
@@ -110,3 +115,32 @@ def in_cm(tables: Mapping) -> dict[str, float]:
         for name, (key, scale, unit) in TWINS.items()
         if (value := _value(tables, key)) is not None
     }
+
+
+_TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+_ABOUT = {name: (unit, text) for unit, names in _TABLES.items() for name, text in names.items()}
+
+
+def error_of(name: str) -> str:
+    """Name of the standard error of a result; the same name where there is none."""
+    return re.sub("^(c_x|tilt)(?=(_cm_s|_deg)?$)", r"\1_stderr", name.replace(".mean", ".stderr"))
+
+
+def labelled(*given: Mapping) -> Any:
+    """`xarray.Dataset` with units and long names; dots in names become underscores.
+
+    Parameters
+    ----------
+    given : variables and coordinates, as `xarray.Dataset` takes them
+    """
+    from xarray import Dataset  # late: no run needs it
+
+    found = Dataset(*given)
+    for name, array in found.variables.items():
+        key = name.replace(".stderr", ".mean").replace("_stderr", "")
+        error = "standard error: " * (key != name)
+        while key and key not in _ABOUT:
+            key = key.partition(".")[2]
+        unit, text = _ABOUT.get(key, ("", name))
+        array.attrs = {"units": unit, "long_name": error + text}
+    return found.rename({name: name.replace(".", "_") for name in {*found.variables, *found.dims}})

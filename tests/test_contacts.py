@@ -315,7 +315,7 @@ def test_stiff_contacts_collide_as_rigid_rods(restitution):
     assert slope == pytest.approx(-0.4, abs=0.02)
 
 
-GUIDE = Path(md.__file__).parents[1] / "figures/gallery/GUIDE.md"
+GUIDE = Path(md.__file__).parents[1] / "figures/pages/docs/own_rods.md"
 TABLE = re.search(r"\| restitution of the law \|(.*)\n.*\n((?:\|.*\n)+)", GUIDE.read_text())
 OVERLAPPED = {"end on": 0, "side by side": 1, "3/4": 3 / 4, "1/2": 1 / 2, "1/4": 1 / 4}
 

@@ -48,11 +48,6 @@ def described(doc):
     return {name for line in lines for name in line.split(", ")}
 
 
-def commented(kind):
-    """Fields that a comment explains, in the line that declares them."""
-    return set(re.findall(r"^    (\w+): [^#\n]+  # \S", inspect.getsource(kind), re.M))
-
-
 def members(kind):
     """Public methods and properties of a class."""
     own = {name: x for name, x in vars(kind).items() if not name.startswith("_")}
@@ -70,7 +65,7 @@ def lacks(thing):
             return set()
         for kind in thing.__mro__:
             if kind.__module__.partition(".")[0] in PACKAGES:
-                known |= described(kind.__doc__ or "") | commented(kind)
+                known |= described(kind.__doc__ or "")
         for name, member in members(thing).items():
             found |= {name} if isinstance(member, property) and not member.__doc__ else set()
             found |= lacks(member) if isinstance(member, FunctionType) else set()

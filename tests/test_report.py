@@ -82,7 +82,17 @@ def test_every_entry_is_there_with_its_verdict_and_evidence(page, rows, entry):
     assert all(plain(said) in text for said in (entry.what, told(entry), row.evidence))
     for label in ("As printed in our copy", "As derived"):  # both, or the one form alone
         assert (label in text) == wrong
-    assert all(plain(report._named(tag)) in text for tag in entry.contradicted_by)
+    shown = {"Repair": [row.repair], "Mistake": [row.mistake]} if wrong else {}
+    shown |= {"Rests on": row.rests_on, "Contradicted by": row.contradicted_by}
+    for label, said in shown.items():
+        words = ", ".join(map(report._named, said))
+        assert not words or f"{label}: {plain(words)}" in text
+
+
+@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+def test_what_is_shown_as_printed_is_the_printed_form(entry):
+    printed = [form for label, form in report.forms(entry) if label == report.PRINTED]
+    assert printed == [entry.printed] * (entry.printed is not None)
 
 
 def test_a_failed_proof_is_not_hidden(rows, lines):

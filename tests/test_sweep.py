@@ -129,15 +129,22 @@ def test_results_come_back_with_their_coordinates(store, reference):
     axis = {"start.tilt_deg": [10, 20, 30], "contacts.plate.law": ["coulomb", "appendix_a", "x"]}
     sweep, _ = reference
     zipped = replace(sweep, axes=(axis, sweep.axes[1]))
-    found = zipped.labelled(store, "c_x", "phases")
+    found = zipped.to_xarray(store, "c_x", "phases")
     c_x, phases = sweep.gather(store, "c_x", "phases")
-    one = found["c_x"].sel({"start.tilt_deg": 20, "start.seed": 2})
-    assert (one == c_x[1, 1], one["contacts.plate.law"]) == (True, "appendix_a")
-    dims = "start.tilt_deg", "start.seed"
-    assert [found[name].dims for name in found] == [dims, (*dims, "phases.0")]
+    one = found["c_x"].sel(start_tilt_deg=20, start_seed=2)
+    assert (one == c_x[1, 1], one["contacts_plate_law"]) == (True, "appendix_a")
+    dims = "start_tilt_deg", "start_seed"
+    shapes = {"c_x": dims, "phases": (*dims, "phases_0"), "c_x_stderr": dims}
+    assert {name: found[name].dims for name in found} == shapes
+    assert {*found.to_dataframe()} == {*found, "contacts_plate_law"}
+    assert found["c_x"].attrs == {"units": "sqrt(g d)", "long_name": "drift"}
+    assert found["c_x_stderr"].attrs["long_name"] == "standard error: drift"
+    assert np.array_equal(found["c_x"].data, c_x)
     assert np.array_equal(found["phases"].data, phases)
     for key, values in (axis | sweep.axes[1]).items():
-        assert list(found[key].data) == values
+        label = key.replace(".", "_")
+        assert found[label].dims == (dims[key == "start.seed"],)
+        assert list(found[label].data) == values
 
 
 def test_a_result_that_cannot_be_gathered_is_named(store, reference):
@@ -147,9 +154,9 @@ def test_a_result_that_cannot_be_gathered_is_named(store, reference):
         with pytest.raises(ValueError, match=f"^{name} is not in the results: c_x, ") as error:
             sweep.gather(store, name)
     offered = str(error.value).partition(": ")[2].split(", ")
-    found = sweep.labelled(store, *offered)
+    found = sweep.to_xarray(store, *offered)
     assert set(found["law"].data.flat) == {"coulomb"}
-    assert set(found) == set(offered)
+    assert set(found) == {name.replace(".", "_") for name in offered}
 
 
 def test_two_workers_give_the_same_bits(tmp_path, reference):

@@ -9,10 +9,10 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.scene import as_dict, from_tables, put
-from md.store import table
+from md.scene import as_dict, from_tables, keys, put
+from md.store import _flat, table
 from md.sweep import execute, expand
-from md.units import TWINS, in_cm
+from md.units import TWINS, error_of, in_cm, labelled
 
 TABLES = {
     "rods": {"count": 3, "length": 8.0, "diameter_cm": 0.5},
@@ -116,3 +116,27 @@ def test_what_a_run_prints_in_cm(tmp_path, capsys):
     assert units["time_s"] == pytest.approx(sqrt(0.635 / 981))
     assert (cm["plate.amplitude_cm"], units["length_cm"]) == pytest.approx((0.025, 0.635))
     assert f" cm_per_s={units['velocity_cm_s']!r} " in (tmp_path / "a.xyz").read_text()
+
+
+# Units of what comes out
+
+
+@pytest.mark.parametrize("changes", [["rods.count=9"], ["plate.acceleration=3"]])
+def test_what_is_measured_and_chosen_has_a_unit_and_a_name(changes):
+    """Results, their errors, columns of records, keys that an axis may have."""
+    rows, scene = [], md.load("annulus" if "rods.count=9" in changes else "my_rods", changes)
+    result = md.run(scene, periods=3, observe=rows.append)
+    apart = {"scene", "versions", "scene_digest", "finished", "unwritten", "settled", "annulus"}
+    results = {key for key in _flat(result.as_dict()) if key.partition(".")[0] not in apart}
+    results |= {f"annulus.{name}" for name in _flat(result.annulus or {})}
+    columns = [md.records.touches(rows, result), md.records.landings(rows, result)]
+    names = results.union({"phases"}, *(found.dtype.names for found in columns))
+    names |= {key.rpartition(": ")[2].partition(" (")[0] for key, _ in keys()}
+    found = labelled(dict.fromkeys(names, ((), 0.0)))
+    assert len(found) == len(names) > 80
+    said = {array.attrs["long_name"] for array in found.values()}
+    assert not said & names - {"touches", "regime", "phase"}
+    for error in (name for name in results if "stderr" in name):
+        (value,) = (name for name in results - {error} if error_of(name) == error)
+        one, other = (found[name.replace(".", "_")].attrs for name in (value, error))
+        assert other == {**one, "long_name": f"standard error: {one['long_name']}"}

@@ -14,9 +14,22 @@ x = sp.Symbol("x")
 
 
 def test_words_are_those_of_the_numbers():
-    assert lecture.so("rising", sp.Integer(3) > 2) == "rising"
-    with pytest.raises(ValueError, match="not so: rising"):
-        lecture.so("rising", sp.Integer(3) < 2)
+    assert lecture.number(sp.Rational(2, 3), 4) == "0.6667"
+    assert lecture.degrees(sp.pi / 7, 2) == "25.71 degrees"
+    for words, other, form in (
+        ("largest", "least", -((x - 1) ** 2)),
+        ("below", "above", 1 - x),
+    ):
+        assert lecture.so(words, form, x, sp.S.One) == words
+        with pytest.raises(ValueError, match=f"not so: {other}"):
+            lecture.so(other, form, x, sp.S.One)
+    for words, other, claimed in (
+        ("negative", "positive", -X),
+        ("never positive", "positive", [-mu, sp.S.Zero]),
+    ):
+        assert lecture.so(words, claimed) == words
+        with pytest.raises((ValueError, TypeError)):
+            lecture.so(other, claimed)
     for truth, form in ((True, 2 - x), (False, x - 2)):
         assert lecture.falls(form, x, sp.Integer(2)) == truth
     for truth, form in ((True, -((x - 1) ** 2)), (False, (x - 1) ** 2), (False, x)):

@@ -27,23 +27,46 @@ PHASE = 1 / 3  # part of a spring's change in a step that its force sees (`sprin
 
 
 class Normal(NamedTuple):
-    """F_n = k_n delta^(3/2) - (dashpot) v_n, and never below zero; `None`: no such dashpot."""
+    """Normal force of a contact: Hertz' force and three dashpots, of which `None` is absent.
 
-    stiffness: float  # k_n, m g/d
-    quarter: float | None = None  # dashpot quarter sqrt(M) delta^(1/4), M the contact's mass
-    proportional: float | None = None  # dashpot proportional delta
-    constant: float | None = None  # dashpot constant
-    plastic: bool | None = None  # True: no force while the contact opens
+    F_n = k_n delta^(3/2) - (quarter sqrt(M) delta^(1/4) + proportional delta + constant) v_n, in
+    m g and never below zero. delta is the overlap in d, v_n the velocity at which the contact opens
+    in sqrt(g d), M the mass that the contact shows to a normal force in m: 1/M = 1/m + X^2/I.
+
+    stiffness : k_n, m g/d^(3/2); the paper writes m g/d
+    quarter : of the dashpot that grows as delta^(1/4), sqrt(m g) d^(-3/4); it gives a restitution
+        that no speed changes
+    proportional : of the dashpot that grows as delta, m sqrt(g)/d^(3/2)
+    constant : of the dashpot that does not grow, m sqrt(g/d)
+    plastic : True: no force while the contact opens
+    """
+
+    stiffness: float
+    quarter: float | None = None
+    proportional: float | None = None
+    constant: float | None = None
+    plastic: bool | None = None
 
 
 class Spring(NamedTuple):
-    """Tangential stiffness k and dashpot g of the contact; `None`: no such term."""
+    """Tangential spring and dashpot of a contact, of whose terms `None` is absent.
 
-    proportional: float | None = None  # k = proportional delta
-    root: float | None = None  # k = root sqrt(delta)
-    proportional_dashpot: float | None = None  # g = proportional_dashpot delta
-    constant_dashpot: float | None = None  # g = constant_dashpot
-    damping_ratio: float | None = None  # g = 2 ratio sqrt(k M), M the contact's tangential mass
+    F_t = -k s - g u, in m g and never beyond mu F_n. s is the length of the spring in d, u the slip
+    in sqrt(g d), delta the overlap in d; the stiffness k is in m g/d, the dashpot g in m sqrt(g/d).
+
+    proportional : k = proportional delta, m g/d^2
+    root : k = root sqrt(delta), m g/d^(3/2)
+    proportional_dashpot : g = proportional_dashpot delta, m sqrt(g)/d^(3/2)
+    constant_dashpot : g = constant_dashpot, m sqrt(g/d)
+    damping_ratio : g = 2 damping_ratio sqrt(k M), M the mass that the contact shows to a force
+        along the plate, 1/M = 1/m + Z^2/I
+    """
+
+    proportional: float | None = None
+    root: float | None = None
+    proportional_dashpot: float | None = None
+    constant_dashpot: float | None = None
+    damping_ratio: float | None = None
 
 
 class Friction(NamedTuple):
