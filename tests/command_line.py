@@ -5,13 +5,12 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 
 
-def refused(call: Callable[[], int], word: str, capsys) -> str:
+def refused(call, word, capsys):
     """Check one line on stderr, with the word in it, nothing on stdout, exit code 2; the line."""
     assert call() == 2
     printed = capsys.readouterr()
@@ -22,14 +21,14 @@ def refused(call: Callable[[], int], word: str, capsys) -> str:
 
 
 def ended(
-    arguments: list[str],
-    number: int,
-    folder: Path,
+    arguments,
+    number,
+    folder,
     *,
-    begun: Path | None = None,
-    seconds: float = 0.0,
-    **environment: str,
-) -> tuple[int, str, str]:
+    begun=None,
+    seconds=0.0,
+    **environment,
+):
     """Exit code and output of `python -m ...`, which gets a signal.
 
     So many seconds after the file `begun` is there and not empty; SIGKILL ends its children too.

@@ -1,4 +1,4 @@
-"""Property tests draw the same examples every time; rows of rods have a store of their own."""
+"""Files that share what they compute run in one process; rows of rods have a store of their own."""
 
 import gc
 import os
@@ -8,7 +8,6 @@ from pathlib import Path
 
 import matplotlib as mpl
 import pytest
-from hypothesis import settings
 from xdist.scheduler import LoadFileScheduling
 
 from figures.lib import runs as rows
@@ -25,8 +24,6 @@ TOGETHER = {  # files that one process works through, as they share what it has 
 gc.set_threshold(100_000, 20, 100)  # what is made here is large; Python's own costs 7 % of the time
 os.environ.setdefault("SYMPY_CACHE_SIZE", "None")  # its own limit costs a fifth of SymPy's time
 mpl.use("Agg")  # no windows
-settings.register_profile("steady", derandomize=True, deadline=None)
-settings.load_profile("steady")
 
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # in the background of a shell
     signal.signal(signal.SIGINT, signal.default_int_handler)  # for tests that press Ctrl-C

@@ -6,7 +6,6 @@ of an inequality scaled. An entry with a changed form must lose its verdict, and
 must cost some entry that rests on it its proof. Changes that say the same are counted apart.
 """
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
@@ -14,7 +13,7 @@ from typing import Literal
 import sympy as sp
 
 from derivations import axioms
-from derivations.equality import Form, components, equal_at_random_points
+from derivations.equality import components, equal_at_random_points
 from derivations.proof import Equation
 from derivations.registry import ENTRIES
 
@@ -34,7 +33,7 @@ class Mutant:
     outcome: Outcome
 
 
-def _at(form: Form, path: tuple[int, ...], new: sp.Basic) -> Form:
+def _at(form, path, new):
     """Return the form with the node at a path replaced."""
     if not path:
         return new
@@ -43,13 +42,13 @@ def _at(form: Form, path: tuple[int, ...], new: sp.Basic) -> Form:
     return form.func(*args)
 
 
-def _nodes(form: sp.Basic, path: tuple[int, ...] = ()) -> Iterator[tuple[tuple[int, ...], Form]]:
+def _nodes(form, path=()):
     yield path, form
     for i, arg in enumerate(form.args):
         yield from _nodes(arg, (*path, i))
 
 
-def _changes_of(form: sp.Expr) -> Iterator[tuple[str, sp.Expr]]:
+def _changes_of(form):
     """Changed expressions, each with the change in words."""
     yield "times 8/7", form * FACTOR
     yield "times -1", -form
@@ -67,7 +66,7 @@ def _changes_of(form: sp.Expr) -> Iterator[tuple[str, sp.Expr]]:
             yield f"denominator {node.base} times 9/8", _at(form, path, node * sp.Rational(9, 8))
 
 
-def changes(form: Form) -> Iterator[tuple[str, Form]]:
+def changes(form):
     """Changed forms, each with the change in words; those that did not change are left out."""
     if isinstance(form, Relational):
         yield "left side times 8/7", form.func(form.lhs * FACTOR, form.rhs)
@@ -86,7 +85,7 @@ def changes(form: Form) -> Iterator[tuple[str, Form]]:
         yield from _changes_of(form)
 
 
-def says_the_same(a: Form, b: Form, up_to: str = "") -> bool:
+def says_the_same(a, b, up_to=""):
     """Whether two forms are equal, or differ by a factor that does not matter.
 
     `up_to` is "sign" for a form that is compared with zero, "zero" for one that is set to zero.
@@ -101,7 +100,7 @@ def says_the_same(a: Form, b: Form, up_to: str = "") -> bool:
     return all(equal_at_random_points(x.doit(), y.doit()) for x, y in pairs)
 
 
-def _tried(entry: Equation, side: str, form: Form) -> Iterator[Mutant]:
+def _tried(entry, side, form):
     for what, new in changes(form):
         given = {"said": new} if side == "printed" else {"derive": lambda new=new: new}
         outcome: Outcome = "caught"
@@ -110,14 +109,14 @@ def _tried(entry: Equation, side: str, form: Form) -> Iterator[Mutant]:
         yield Mutant(entry.tag, side, what, outcome)
 
 
-def of_entry(entry: Equation) -> Iterator[Mutant]:
+def of_entry(entry):
     """Try every change of both sides of one entry."""
     if entry.printed is not None and not entry.repair:  # which is a change of the LaTeX itself
         yield from _tried(entry, "printed", entry.printed)
     yield from _tried(entry, "derived", entry.derive())
 
 
-def of_axiom(axiom: axioms.Axiom) -> Iterator[Mutant]:
+def of_axiom(axiom):
     """Try every change of an axiom against the entries that rest on it."""
     resting = [e for e in ENTRIES if isinstance(e, Equation) and axiom.tag in e.rests_on]
     usual = axiom.form
@@ -130,7 +129,7 @@ def of_axiom(axiom: axioms.Axiom) -> Iterator[Mutant]:
         yield Mutant(axiom.tag, "axiom", what, outcome)
 
 
-def trials() -> list[Callable[[], Iterator[Mutant]]]:
+def trials():
     """One for each entry that is an equation, and each axiom."""
     entries = [entry for entry in ENTRIES if isinstance(entry, Equation)]
     return [

@@ -39,7 +39,7 @@ NOT_OF_KERNELS = re.compile(
     "figure|claim|readme|guide|report|index|explore|wheel|help|label|document|coverage|lookup|public|"
     "interrupt|cache|store|sweep|files|units|command|refus"
 )
-LEFT_OUT = "*.pyc", "__pycache__", ".git", ".venv", "out", "build", ".*_cache", ".hypothesis"
+LEFT_OUT = "*.pyc", "__pycache__", ".git", ".venv", "out", "build", ".*_cache"
 
 
 class Place(NamedTuple):
@@ -51,7 +51,7 @@ class Place(NamedTuple):
     new: ast.AST
 
     @property
-    def words(self) -> str:
+    def words(self):
         """File, line and change."""
         change = " -> ".join(ast.unparse(node) for node in (self.old, self.new))
         return f"{self.path}:{self.old.lineno} {self.key}: {change}"

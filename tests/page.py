@@ -12,18 +12,18 @@ VOID = {"meta", "wbr", "br", "img", "input"}
 class Page(HTMLParser):
     """Ids, addresses, headings, images and the text below each id; fails on wrong nesting."""
 
-    def __init__(self, source: str):
+    def __init__(self, source):
         super().__init__()
         self.open: list[tuple[str, str]] = []
         self.ids, self.links, self.headings, self.images, self.tags = [], [], [], [], set()
         self.text: dict[str, str] = {}
         self.feed(source)
         self.close()
-        assert not self.open, f"left open: {self.open}"
+        assert not self.open
 
     def handle_starttag(self, tag, attrs):
         attributes = dict(attrs)
-        assert len(attributes) == len(attrs), attrs
+        assert len(attributes) == len(attrs)
         self.tags.add(tag)
         name = attributes.get("id", "")
         if tag not in VOID:
@@ -49,12 +49,12 @@ class Page(HTMLParser):
                 self.text[name] += data
 
 
-def plain(sentence: str) -> str:
+def plain(sentence):
     """A sentence as it can be read on the page."""
     return unescape(re.sub(r"<[^>]+>", "", to_html(sentence)))
 
 
-def stands_alone(source: str, page: Page, *, scripts: bool = False) -> None:
+def stands_alone(source, page, *, scripts=False):
     """Fail unless a page needs nothing from outside, and its ids and headings are in order."""
     assert source.startswith('<!DOCTYPE html>\n<html lang="en">')
     assert '<meta name="viewport"' in source
@@ -64,4 +64,4 @@ def stands_alone(source: str, page: Page, *, scripts: bool = False) -> None:
     assert len(page.ids) == len(set(page.ids))
     assert page.headings[0] == page.headings.count(1) == 1
     pairs = zip(page.headings, page.headings[1:], strict=False)
-    assert all(after <= before + 1 for before, after in pairs), "a level is left out"
+    assert all(after <= before + 1 for before, after in pairs)

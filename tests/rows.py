@@ -31,7 +31,6 @@ from md.kernels.state import Effects, Motion, Wall
 from md.kernels.touches import new_record
 from md.kernels.vectors import IN_SPACE
 from md.rod import Rod
-from md.scene import Scene
 
 EPS = np.finfo(float).eps
 SOFT = 1e5  # k_n of most tests: contacts fifty times as long as the paper's allow long steps
@@ -54,12 +53,12 @@ RING = (  # a few short soft rods in a narrow gap
 ROLLING = ("rods.rolling=true", "annulus.shaken=false", *CONSTRAINT)
 
 
-def row(*assignments: str) -> Scene:
+def row(*assignments):
     """The row with some keys set anew."""
     return md.load("quasi2d", [*ROW, *assignments])
 
 
-def ring(*assignments: str) -> Scene:
+def ring(*assignments):
     """The same of the annulus."""
     return md.load("annulus", [*RING, *assignments])
 
@@ -86,7 +85,7 @@ def unit(v):
     return np.asarray(v, float) / np.linalg.norm(v)
 
 
-def in_plane(*rods) -> np.ndarray:
+def in_plane(*rods):
     """States of rods, each (x, z, tilt) or (x, z, tilt, c_x, c_z, omega)."""
     found = np.zeros((len(rods), ROW_COLUMNS), order="F")
     for rod, (x, z, tilt, *motion) in zip(found, rods, strict=True):
@@ -94,7 +93,7 @@ def in_plane(*rods) -> np.ndarray:
     return found
 
 
-def in_space(*rods, aside=0.0) -> np.ndarray:
+def in_space(*rods, aside=0.0):
     """States of rods, each (place, director) or (place, director, velocity).
 
     The director is made a unit vector; all are `aside` of the axis, along -y.
@@ -107,7 +106,7 @@ def in_space(*rods, aside=0.0) -> np.ndarray:
     return found
 
 
-def started(effects: Effects, rods, dt=1e-4) -> Engine:
+def started(effects, rods, dt=1e-4):
     """An engine of these rods, which accounts for their energy and records touches."""
     plane = len(effects.up) == 2
     rods = np.array(rods, order="F" if plane else "C")
@@ -118,14 +117,14 @@ def started(effects: Effects, rods, dt=1e-4) -> Engine:
     return Engine(None, effects, state, watchers, plate, dt, per)
 
 
-def go(engine: Engine, steps: int) -> Engine:
+def go(engine, steps):
     """Make all of these steps, with samples that nobody reads, as a run does."""
     unread = engine.series(0)._replace(per=2**62, every=2**62)
     assert engine.go(steps, unread) == steps
     return engine
 
 
-def forces(engine: Engine, rods) -> np.ndarray:
+def forces(engine, rods):
     """Force and torque on each of these rods, in place of its own, at rest; springs stay."""
     state = engine.state
     engine.rods[:], state.listed.travelled[:] = rods, np.inf
@@ -134,7 +133,7 @@ def forces(engine: Engine, rods) -> np.ndarray:
     return go(engine, 1).state.scratch.total.copy()
 
 
-def motion(engine: Engine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def motion(engine):
     """Places, velocities and turns half a step ago as vectors in space."""
     place, _, velocity, turn = engine._parts(engine.rods)
     place = place - engine.dt / 2 * velocity
@@ -144,19 +143,19 @@ def motion(engine: Engine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return place, velocity, turn
 
 
-def momenta(engine: Engine) -> tuple[np.ndarray, np.ndarray]:
+def momenta(engine):
     """Momentum and angular momentum of all rods about the origin, in units of d, m and g."""
     place, velocity, turn = motion(engine)
     return velocity.sum(0), (np.cross(place, velocity) + turn / LIGHT).sum(0)
 
 
-def kinetic(engine: Engine) -> float:
+def kinetic(engine):
     """Kinetic energy of rods that do not roll, in m g d."""
     _, velocity, turn = motion(engine)
     return ((velocity**2).sum() + (turn**2).sum() / LIGHT) / 2
 
 
-def distance(rods, i, j, half=HALF) -> float:
+def distance(rods, i, j, half=HALF):
     """Of the axes of two rods in space, as the kernels find it."""
     places, directors = rods[:, PLACE:DIRECTOR], rods[:, DIRECTOR:VELOCITY]
     vectors = places[i] - places[j], directors[i], directors[j]
@@ -190,7 +189,7 @@ def meetings(rods, i=0, j=1, half=HALF, shift=0.0):
     return ends, [*product(*tips)]
 
 
-def overlap(places) -> float:
+def overlap(places):
     """How deep rods are in each other at two places of their axes, in d; negative: apart."""
     return 1 - np.hypot(*np.subtract(*places))
 

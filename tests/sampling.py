@@ -1,12 +1,12 @@
 """Random impacts and their comparison with the independent integration."""
 
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 
 import impact
 
-from .reference import Reference, error_in_ulp, reference_collide
+from .reference import error_in_ulp, reference_collide
 
 
 class Impacts(NamedTuple):
@@ -22,7 +22,7 @@ class Impacts(NamedTuple):
     restitution: np.ndarray
     plate_velocity: np.ndarray
 
-    def arguments(self) -> dict:
+    def arguments(self):
         """As `impact` takes them."""
         given = self._asdict()
         return given | {"geometry": impact.ContactGeometry(*map(given.pop, ("X", "Z", "k")))}
@@ -31,20 +31,20 @@ class Impacts(NamedTuple):
         """What `impact`, or another implementation, says about them."""
         return collide(**self.arguments(), law=law)
 
-    def mirrored(self) -> Self:
+    def mirrored(self):
         """Their mirror images, in the plane across the plate."""
         return self._replace(c_x=-self.c_x, omega=-self.omega, X=-self.X)
 
-    def row(self, index: int) -> dict[str, float]:
+    def row(self, index):
         """Arguments of one of them, as the integration takes them."""
         return {name: float(column[index]) for name, column in self._asdict().items()}
 
-    def reference(self, index: int, law="newton") -> Reference:
+    def reference(self, index, law="newton"):
         """What the integration says about one of them."""
         return reference_collide(**self.row(index), law=law)
 
 
-def geometries(rng: np.random.Generator, n: int) -> np.ndarray:
+def geometries(rng, n):
     """X, Z, k of thin, round and flat-ended rods of all tilts, from spheres to l = 30 d."""
     tilt = rng.uniform(-np.pi / 2, np.pi / 2, n)
     length = 1 + 10 ** rng.uniform(-2, 1.5, n)
@@ -53,7 +53,7 @@ def geometries(rng: np.random.Generator, n: int) -> np.ndarray:
     return rods[rng.integers(0, len(shapes), n), :, np.arange(n)].T
 
 
-def everyday(n: int, seed: int) -> Impacts:
+def everyday(n, seed):
     """Velocities of order one, all signs; friction 0 to 10."""
     rng = np.random.default_rng(seed)
     X, Z, k = geometries(rng, n)
@@ -61,7 +61,7 @@ def everyday(n: int, seed: int) -> Impacts:
     return Impacts(c_x, c_z, spin / k, X, Z, k, rng.uniform(0, 10, n), rng.uniform(0, 1, n), plate)
 
 
-def wide(n: int, seed: int) -> Impacts:
+def wide(n, seed):
     """Velocities and friction log-uniform over six decades, all signs."""
     rng = np.random.default_rng(seed)
     X, Z, k = geometries(rng, n)
@@ -70,7 +70,7 @@ def wide(n: int, seed: int) -> Impacts:
     return Impacts(c_x, c_z, spin / k, X, Z, k, sizes[4], rng.uniform(0, 1, n), plate)
 
 
-def simple(n: int, seed: int) -> Impacts:
+def simple(n, seed):
     """Halves and whole numbers: many impacts lie on an edge of a regime, many without slip."""
     numbers = np.random.default_rng(seed).integers(-4, 5, (9, n)) / 2
     c_x, c_z, omega, X, Z, k, friction, restitution, plate = numbers
@@ -78,7 +78,7 @@ def simple(n: int, seed: int) -> Impacts:
     return Impacts(c_x, c_z, omega, X, Z, *bounded, plate)
 
 
-def every(**values) -> Impacts:
+def every(**values):
     """All combinations of values; what is not named is that of a thin rod at 30 degrees."""
     usual = {"c_x": 1.0, "c_z": -1.0, "omega": 0.0, "friction": 0.3, "restitution": 0.5}
     usual |= {"plate_velocity": 0.0, "tilt": np.radians(30), "length": 1.0}
@@ -104,7 +104,7 @@ def compare(impacts, law="newton", collide=impact.collide, digits=53):
     return errors, wrong
 
 
-def assert_mirror_symmetric(impacts: Impacts, law="newton", collide=impact.collide):
+def assert_mirror_symmetric(impacts, law="newton", collide=impact.collide):
     """Bit for bit."""
     hit, mirrored = (i.collide(law, collide) for i in (impacts, impacts.mirrored()))
     odd = {"c_x", "omega", "P_x", "slip_velocity"}

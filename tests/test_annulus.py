@@ -14,7 +14,6 @@ from md.kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from md.placement import largest_tilt, overlap, placed
 from md.result import result_text
 from md.scene import GAP
-from md.sources import imported
 
 from .rows import RING, ROLLING, distance, go, ring
 
@@ -72,11 +71,6 @@ def test_what_does_not_fit_is_refused():
         largest_tilt(EXPERIMENT, 0.5)
 
 
-def test_rods_are_placed_without_a_kernel():
-    """So that what compiles is the march of the run, whose time is told apart."""
-    assert {name for name in imported("placement") if "kernels" in name} == {"kernels.codes"}
-
-
 # Runs
 
 
@@ -97,16 +91,6 @@ def test_rods_bounce_and_keep_to_the_gap():
     np.testing.assert_allclose(np.linalg.norm(rods[:, DIRECTOR:VELOCITY], axis=1), 1, atol=1e-12)
     assert axial(rods) < 1e-12
     assert axial(md.run(ring(*ROLLING, "plate.acceleration=5"), periods=6).rods) > 1e-6
-
-
-def test_rods_that_lean_the_other_way_drift_the_other_way():
-    """The drift follows the sign of the lean; errors are small against it."""
-    found = {}
-    for tilt in (35, -35):
-        result = md.run(ring("plate.acceleration=5", f"start.tilt_deg={tilt}"), periods=40)
-        assert np.sign(result.annulus["lean_deg"]["mean"]) == np.sign(tilt)
-        found[tilt] = result.c_x
-    assert found[35] > 0 > found[-35]
 
 
 def test_a_cap_that_friction_holds_does_not_slip_as_its_rod_rolls():
@@ -158,25 +142,10 @@ def test_tilt_and_lean_are_those_of_the_rods():
     assert abs(lean) > 1
 
 
-def test_a_film_rolls_it_out():
-    """Places along the middle circle, without jumps, and the lean along it."""
-    from figures.pages import movie
-
-    scene = ring("plate.acceleration=5", "start.tilt_deg=30")
-    film = movie.record(scene, 3, 4)
-    assert film.length == pytest.approx(2 * np.pi * scene.annulus.middle)
-    assert np.abs(np.diff(film.x, axis=0)).max() < 0.5
-    assert np.degrees(film.tilt[0]).mean() == pytest.approx(30, abs=2)
-    assert movie.segments(film, 0)[0].shape[1:] == (2, 2)
-
-
 def test_the_command(capsys):
     sets = [part for change in RING for part in ("--set", change)]
     assert main(["run", "annulus", *sets, "--periods", "8"]) == 0
-    out = capsys.readouterr().out
-    assert "V_z/V_0" in out
-    assert "slip-stick" in out
-    assert "an annulus needs 400 periods or more to settle" in out
+    assert "an annulus needs 400 periods or more to settle" in capsys.readouterr().out
     assert main(["run", "annulus", *sets, "--periods", "3", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["annulus"]["lean_deg"]["mean"] is not None
     assert main(["run", "annulus", "--set", "contacts.wall=none"]) == 2

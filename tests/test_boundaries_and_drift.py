@@ -16,7 +16,7 @@ from .reference import reference_collide
 EPS = np.finfo(float).eps
 
 
-def ulps(got, want) -> float:
+def ulps(got, want):
     """Distance in units in the last place of the exact value."""
     return float(abs(mpf(float(got)) - want) / mpf(np.spacing(abs(float(want)))))
 

@@ -83,15 +83,3 @@ def test_the_laws_agree_about_the_regime_and_about_a_slide(impacts):
     for hit in map(impacts.collide, LAWS):
         np.testing.assert_array_equal(hit.regime, regime)
         np.testing.assert_array_equal(hit.P_z[slide], P_z[slide])
-
-
-def test_thin_rod_creates_energy_only_above_four_fifths():
-    """By Newton's law, at a restitution that a rod that sticks has in closed form."""
-    tilt, friction = np.linspace(0, np.pi / 2, 2001)[:, None], np.linspace(0, 2, 401)
-    rod = impact.thin_rod(tilt)
-    threshold = impact.energy_restitution(rod, friction)
-    assert threshold.min() == pytest.approx(0.8, abs=1e-12)
-    assert threshold.max() <= 1
-    closed = 4 / np.sqrt(16 + 9 * np.sin(2 * tilt) ** 2)
-    sticks = friction >= impact.critical_friction(rod)
-    np.testing.assert_allclose(np.where(sticks, closed / threshold, 1), 1, rtol=1e-14)

@@ -9,7 +9,6 @@ import pytest
 from scipy.optimize import lsq_linear
 
 import md
-from md.kernels import walls
 from md.kernels.batch import SIZE
 from md.kernels.closest import between_ends, near_end
 from md.kernels.codes import C_X, OMEGA, PAIR_NORMAL, ROW_DIRECTION, ROW_PLACE, ROW_VELOCITY
@@ -103,25 +102,6 @@ def test_m7_the_distance_of_rods_that_nearly_cross_is_exact():
             assert abs(near.s - s) < 4e-15 / skew
 
 
-def test_m10_the_inner_wall_is_as_near_as_brute_force_says():
-    random, between = np.random.default_rng(3), 0
-    for _ in range(50):
-        place, a = random.uniform(-8, 8, 3), unit(random.normal(size=3))
-        seen = walls.from_above(tuple(place), tuple(a))
-        rho = np.hypot(*(place + np.linspace(-HALF, HALF, 20001)[:, None] * a).T[:2])
-        at_ends = [sqrt(walls.beyond(seen, s)) for s in (-HALF, HALF)]
-        np.testing.assert_allclose(at_ends, rho[[0, -1]], rtol=1e-12)
-        least = rho.min()  # the grid is 4e-4 wide
-        inside = least < min(at_ends) - 1e-9
-        between += inside
-        assert walls.passes(seen, HALF, least + 1e-12) == inside
-        assert not walls.passes(seen, HALF, least - 3e-4 if inside else 1e3)
-        if inside:
-            nearest_there = walls.beyond(seen, -seen[1] / seen[2])
-            assert nearest_there == pytest.approx(least**2, abs=2e-3)
-    assert 10 < between < 40
-
-
 # No jumps
 
 
@@ -187,33 +167,6 @@ def test_m7_no_force_jumps(path):
     assert np.abs(found).max() > 50
     assert np.ptp(found, axis=0).max() > 1
     assert fine < 0.52 * coarse
-
-
-def lipschitz(deep):
-    """Largest change of force or angular acceleration per displacement of any of four ends.
-
-    Force: 3/2 k sqrt(d) along the normal and k d^(3/2)/r across it; torque: arms of at most
-    HALF + 1/2 and what the arm itself moves.
-    """
-    force = SOFT * deep**1.5
-    steep = 1.5 * SOFT * sqrt(deep) + force / (1 - deep)
-    return 4 * (steep * (HALF + 0.5) + 2 * force) * LIGHT + 4 * steep
-
-
-ANGLES = np.concatenate([-np.logspace(-6, -12, 25), [0.0], np.logspace(-12, -6, 25)])
-
-
-@pytest.mark.parametrize("shift", [0.0, 0.5, 3.0, 8.3, 8.5])
-def test_m7_force_and_torque_are_continuous_across_parallel(shift):
-    """The closest point jumps by a rod's length at 1e-8 rad; the four ends' forces do not.
-
-    A turn by a moves an end by HALF a. Rounding of places of size HALF moves it by HALF EPS.
-    """
-    place = 0.99 * cos(0.3) + shift * sin(0.3), shift * cos(0.3) - 0.99 * sin(0.3)
-    found = np.array([pushed((0, 0, 0.3), (*place, 0.3 + a)) for a in ANGLES]) * (1, 1, LIGHT)
-    assert np.abs(found).max() > 1
-    steps = np.abs(np.diff(found, axis=0)).max(axis=(1, 2))
-    assert np.all(steps <= lipschitz(DEEP) * (HALF * np.diff(ANGLES) + 8 * HALF * EPS))
 
 
 # One place or two
@@ -308,7 +261,6 @@ def end_on(length, space):
         *((PLANE, SIDE, e, 1) for e in (0.2, 0.65, 0.9)),
         (PLANE._replace(**SPHERE), end_on(1, space=False), 0.65, 1),
         (PLANE._replace(**SHORT), end_on(3, space=False), 0.65, 2),
-        (SPACE._replace(**SPHERE), end_on(1, space=True), 0.65, 1),
         (SPACE._replace(**SHORT), end_on(3, space=True), 0.65, 2),
     ],
 )
@@ -360,7 +312,7 @@ def test_stiff_contacts_collide_as_rigid_rods(restitution):
         errors.append(np.abs(found[:, ROW_VELOCITY] - rigid(rods, restitution)).max())
     slope = np.polyfit(np.log(stiffnesses), np.log(errors), 1)[0]
     assert errors[-1] < 1e-4
-    assert slope == pytest.approx(-0.4, abs=0.02), errors
+    assert slope == pytest.approx(-0.4, abs=0.02)
 
 
 GUIDE = Path(md.__file__).parents[1] / "figures/pages/docs/own_rods.md"
@@ -393,12 +345,6 @@ def test_the_restitution_of_a_law_is_that_of_one_contact_point(place):
 # Many contacts
 
 THREE = in_plane((0, 0, 0.1), (0.99, 0.2, 0.1, -1, 0, 0), (1.98, 0.1, 0.12, -2, 0.5, 0))
-THREE_IN_SPACE = in_space(
-    ((0, 0, 0), (0.1, 0, 1), (0, 0, -1)),
-    ((0.99, 0.05, 0.2), (0.1, 0.02, 1)),
-    ((0.4, 0.9, 0.1), (0.12, 0, 1), (0, -1, 0)),
-    aside=20.0,
-)
 ON_WALL = in_space(((0, 1.49, 0.0), (0.6, 0, 1), (0, -1, 0)))
 
 
@@ -406,10 +352,9 @@ ON_WALL = in_space(((0, 1.49, 0.0), (0.6, 0, 1), (0, -1, 0)))
     ("scene", "rods", "z", "copies", "rounding"),
     [
         (PLANE, THREE, 1, 100, 1e-9),
-        (SPACE, THREE_IN_SPACE, 2, 100, 1e-9),
         (SPACE, ON_WALL, 2, 2 * SIZE, 0.0),
     ],
-    ids=["plane", "space", "wall"],
+    ids=["plane", "wall"],
 )
 def test_contacts_beyond_a_batch(scene, rods, z, copies, rounding):
     """Copies of a few rods, one over the other, move as the few do."""

@@ -1,11 +1,8 @@
 """The registry: every verdict is proved, and a wrong one is caught."""
 
 import json
-import subprocess
-import sys
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 import sympy as sp
@@ -35,7 +32,7 @@ ERRATA = {entry.tag for entry in registry.mistakes() if isinstance(entry, Equati
 @pytest.mark.parametrize("entry", registry.ENTRIES, ids=lambda entry: entry.tag)
 def test_every_verdict_is_proved(entry):
     proof_found = entry.prove()
-    assert proof_found.ok, proof_found.evidence
+    assert proof_found.ok
 
 
 def test_everything_of_the_paper_is_judged_once():
@@ -193,7 +190,7 @@ def test_a_changed_letter_or_sign_of_the_paper_is_caught(tag, monkeypatch):
         other = {**paper.EQUATIONS, tag: formula._replace(tex=changed)}
         monkeypatch.setattr(paper, "EQUATIONS", other)
         with read_again(tag):
-            assert not all(entry.prove().ok for entry in judged), changed
+            assert not all(entry.prove().ok for entry in judged)
 
 
 @contextmanager
@@ -298,28 +295,3 @@ def test_a_false_verdict_gives_exit_code_one(monkeypatch, capsys):
     printed = capsys.readouterr().out
     assert "NOT PROVED" in printed
     assert "this failed: difference" in printed
-
-
-FULL = Path("/dev/full")
-FEW = """
-from derivations import __main__, registry
-registry.ENTRIES = registry.ENTRIES[:2]
-__main__.main.program()
-"""
-
-
-@pytest.mark.skipif(not FULL.exists(), reason="needs a device that is always full")
-@pytest.mark.parametrize("arguments", [["-c", FEW, "check"], ["-m", "figures", "list"]])
-def test_output_that_nobody_takes_ends_without_a_traceback(arguments):
-    """A pipe closed early is no error; a full disk is one line and exit code 2."""
-    command = [sys.executable, *arguments]
-    with FULL.open("w") as full:
-        for code, target in ((0, subprocess.PIPE), (2, full)):
-            process = subprocess.Popen(command, stdout=target, stderr=subprocess.PIPE, text=True)
-            if process.stdout:
-                process.stdout.close()
-            errors = process.stderr.read()
-            process.stderr.close()
-            assert process.wait() == code, errors
-            assert "Traceback" not in errors
-            assert "Exception ignored" not in errors

@@ -7,7 +7,6 @@ import re
 from enum import Enum
 from pathlib import Path
 from types import FunctionType
-from typing import Any
 
 import matplotlib.pyplot as plt
 import pytest
@@ -24,7 +23,7 @@ PUBLIC = [
 ]
 
 
-def public(module: str) -> dict[str, Any]:
+def public(module):
     """Public names with their module, and what they are; kernels as the function they compile."""
     loaded = importlib.import_module(module)
     things = {name: getattr(loaded, name) for name in loaded.__all__}
@@ -43,19 +42,19 @@ def test_public_modules_list_what_is_public(name):
     assert package is module or name in package.__doc__
 
 
-def described(doc: str) -> set[str]:
+def described(doc):
     """Names that a docstring explains, in lines such as `c_x, c_z : velocity ...`."""
     lines = re.findall(r"^(\w+(?:, \w+)*) : \S", inspect.cleandoc(doc), re.M)
     return {name for line in lines for name in line.split(", ")}
 
 
-def members(kind: type) -> dict[str, Any]:
+def members(kind):
     """Public methods and properties of a class."""
     own = {name: x for name, x in vars(kind).items() if not name.startswith("_")}
     return {name: x for name, x in own.items() if isinstance(x, FunctionType | property)}
 
 
-def lacks(thing: Any) -> set[str]:
+def lacks(thing):
     """What has no explanation in a function or class: itself, a parameter, a field, a member."""
     doc = thing.__doc__ or ""
     if not doc or doc.startswith(f"{thing.__name__}("):  # that a named tuple has by itself
@@ -83,7 +82,7 @@ def test_public_names_are_documented(name):
         assert f"`{own}`" in importlib.import_module(module).__doc__
 
 
-def with_examples() -> list[str]:
+def with_examples():
     """Modules whose text holds an example."""
     root = Path(impact.__file__).parents[1]
     files = (file for package in PACKAGES for file in sorted((root / package).rglob("*.py")))

@@ -12,7 +12,6 @@ from md.host import plate_motion, prepare
 from md.kernels import single
 from md.kernels.codes import (
     C_X,
-    C_Z,
     COSINE,
     DIRECTOR,
     FELL,
@@ -37,7 +36,6 @@ from md.placement import placed
 
 from .rows import (
     AT_REST,
-    BETWEEN,
     ELASTIC,
     ELASTIC_RODS,
     EPS,
@@ -54,9 +52,7 @@ from .rows import (
     in_plane,
     in_space,
     kinetic,
-    meetings,
     momenta,
-    overlap,
     ring,
     row,
     started,
@@ -161,17 +157,6 @@ def test_rods_start_apart_and_with_no_momentum(scene):
     assert abs(along.mean()) < EPS
 
 
-def test_a_symmetric_collision_stays_symmetric():
-    """A turn of the plane by 180 degrees about the origin exchanges the two rods.
-
-    Turned rods add up the same numbers in another order: EPS a step and a factor of 500 steps.
-    """
-    one = np.array((0.49, 1.2, 0.1, -0.6, 0.2, 0.3))
-    a, b = go(started(PLANE, in_plane(one, one * (-1, -1, 1, -1, -1, 1))), 600).rods
-    assert a[C_X] > 0  # they have met
-    np.testing.assert_allclose(a, b * (-1, -1, 1, 1, -1, -1, 1), rtol=0, atol=600 * 4 * EPS)
-
-
 def test_nothing_pushes_the_row_along_a_smooth_plate():
     """Friction between rods only: horizontal momentum to 1e-12 over 2000 steps of five rods.
 
@@ -191,7 +176,7 @@ def test_nothing_pushes_the_row_along_a_smooth_plate():
 def test_m15_horizontal_momentum_where_nothing_acts(integrator):
     """Without friction no bit of it changes, however many impacts there are."""
     dt, steps = 4e-5, 1_000_000
-    scene = effects(md.coulomb(), 0.0, (0.0, -1.0), md.Vibration(0.05, 0.5, 0.0), dt)
+    scene = effects(md.coulomb(), 0.0, (0.0, -1.0))
     start = 0.0, 5.0, 0.1, 0.3, 0.0, 0.0
     samples = track(scene, start, dt, steps, every=1000, method=integrator)
     assert np.abs(samples[:, 5]).max() > 0.1  # it was hit
@@ -340,33 +325,7 @@ def test_m15_elastic_contacts_keep_energy_to_second_order(case):
     assert np.abs(engines[0].ledger).max() < 1e-12
     assert how[2] == 1 or moved[0] > 0.03  # the contacts hold energy
     assert found[0] < 1e-2 * whole[0]
-    assert np.log2(found[0] / found[-1]) / np.log2(steps[0] / steps[-1]) > order, found
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_elastic_rods_keep_their_energy(seed):
-    """Better than 2e-6 of it at this step, whether they cross or touch at their ends."""
-    for dt, within in ((2e-4, 1e-5), (5e-5, 1e-6)):
-        engine = started(SPACE._replace(between=ELASTIC_RODS), two(seed), dt)
-        energy = kinetic(engine)
-        assert kinetic(go(engine, round(4 / dt))) == pytest.approx(energy, rel=within)
-        assert np.abs(engine.rods[:, TURN:]).max() > 1e-3
-
-
-def test_the_ledger_closes_as_rods_slide_past_each_other():
-    """From two places to one; what is lost is counted once, to the order of the force's end."""
-    engine, seen = passing(1e-4, 0.0), set()
-    for _ in range(600):
-        ends, corners = meetings(go(engine, 1).rods)
-        touching = sum(overlap(places) > 0 for places in ends)
-        seen.add((touching, any(overlap(places) > 0 for places in corners)))
-    assert seen >= {(2, False), (2, True), (0, False)}, seen
-    begin = partial(passing, between=BETWEEN)
-    errors = [energy_error(begin, 0.06, 1, 12, dt)[0] for dt in (1e-4, 5e-5, 2.5e-5)]
-    lost = go(begin(5e-5, 0.0), 1200).ledger
-    assert lost[[PAIR_NORMAL, PAIR_FRICTION]].min() > 0.01
-    assert errors[-1] < 0.4 * errors[0]
-    assert errors[-1] < 2e-3 * lost.sum()
+    assert np.log2(found[0] / found[-1]) / np.log2(steps[0] / steps[-1]) > order
 
 
 def impact(law, friction, dt, offset):
@@ -423,22 +382,9 @@ def test_m15_the_ledger_closes_as_the_step_shrinks(scene, periods, steps, most):
     runs = [md.run(scene(f"step.size={step}"), periods=periods).energy for step in steps]
     found = [abs(energy["residual"]) / turnover(energy) for energy in runs]
     lost = {kind: value for kind, value in runs[-1].items() if kind not in ("change", "residual")}
-    assert min(lost.values()) > 1e-3, lost
-    assert np.log2(found[0] / found[-1]) / np.log2(steps[0] / steps[-1]) > 1.75, found
-    assert found[0] < most, found
-
-
-def test_m15_ledger_over_many_impacts_on_a_vibrating_plate():
-    """What the plate put in is what was lost and what the rod has more, to 1e-4 of it."""
-    scene = md.load(
-        "single_rod",
-        ["plate.acceleration=2", "plate.frequency_hz=40", "start.tilt_deg=60", "step.size=1e-5"],
-    )
-    energy = md.run(scene, periods=20).energy
-    assert energy["plate_work"] > 0.1
-    assert energy["plate_normal"] > 0
-    assert energy["plate_friction"] > 0
-    assert abs(energy["residual"]) < 1e-4 * energy["plate_work"]
+    assert min(lost.values()) > 1e-3
+    assert np.log2(found[0] / found[-1]) / np.log2(steps[0] / steps[-1]) > 1.75
+    assert found[0] < most
 
 
 @pytest.mark.parametrize(
@@ -447,12 +393,10 @@ def test_m15_ledger_over_many_impacts_on_a_vibrating_plate():
         ["plate.acceleration=10"],
         ["box.length=57.4"],  # 85 degrees
         ["box.length=5"],  # upright
-        ["rods.count=1", "box.length=1.05"],
         ["rods.count=2", "box.length=2.2"],
         ["rods.length=1"],
         ["rods.length=40", "rods.count=3", "box.length=3.2"],
         ["contacts.plate.friction=5", "contacts.rods.friction=5"],
-        ["contacts.plate.friction=0", "box=none", "start.tilt_deg=30", "plate.acceleration=0"],
     ],
     ids=" ".join,
 )
@@ -466,7 +410,7 @@ def test_extremes_run_and_account_for_their_energy(changes):
     assert np.isfinite(result.rods).all()
     assert np.isfinite(result.c_x_series).all()
     part = 2e-3 * turnover(result.energy)
-    assert abs(result.energy["residual"]) <= part + 1e-9, result.energy
+    assert abs(result.energy["residual"]) <= part + 1e-9
     assert min(result.energy["plate_normal"], result.energy["rods_normal"]) >= -part
 
 
@@ -490,21 +434,6 @@ def test_each_part_of_the_ledger_is_what_the_closed_form_says():
     assert abs(engine.rods[0, C_X]) < 1e-6  # it rocks a little still
     assert engine.ledger[PLATE_FRICTION] == pytest.approx(0.1**2 / 2, rel=3e-3)
     assert engine.rods[0, X] == pytest.approx(0.1**2 / (2 * 0.3), abs=0.1 * 1e-4 * 2)
-
-
-def test_plate_work_of_an_elastic_bounce():
-    """On a plate that rises with u a rod that falls with v leaves with v + 2 u."""
-    plate = plate_motion(row("plate.acceleration=3"), per := 67_390)
-    rises, stiff = per // 6, ELASTIC._replace(stiffness=1e7)
-    rod = beside_the_plate(0, plate.height[rises] + HALF + 0.5 + 1e-9, 0, 0, -0.5, 0)
-    engine = started(PLANE._replace(plate=plate, normal=stiff), rod, 1e-5)
-    engine.step = rises
-    before = engine.energy()
-    change = go(engine, rises).energy() - before
-    assert engine.rods[0, C_Z] == pytest.approx(0.5 + 2 * plate.velocity[rises], rel=0.05)
-    assert change > 0.1
-    assert engine.ledger[PLATE_WORK] == pytest.approx(change, rel=1e-3)
-    assert abs(engine.ledger[1:]).max() < 1e-8
 
 
 def test_falls_and_passes_through_the_vertical_are_counted():

@@ -6,7 +6,6 @@ from scipy.integrate import solve_ivp
 
 import md
 from figures.checks import (
-    appendix_a,
     closure,
     landing_census,
     rigid_limit,
@@ -15,7 +14,7 @@ from figures.checks import (
     states,
     two_codes,
 )
-from figures.checks.census import Census, census, compared, measures
+from figures.checks.census import census, compared, measures
 from figures.checks.states import BLOCK, FALLEN, MISSING, SINGLE, ZIGZAG
 from figures.lib import runs
 from impact import ContactGeometry, Regime, classify, collide, drift, thin_rod
@@ -24,7 +23,7 @@ from md.kernels.codes import C_Z, COSINE, ROW_COLUMNS, SINE, Z
 from md.rod import Rod
 from md.scene import from_tables, put
 
-from .quick_figures import MOST_PERIODS, check_figure, data, of_room
+from .quick_figures import MOST_PERIODS, check_figure, data, of_room, tiny
 
 HALF = 4.25  # length between the caps' centres of the paper's rod, halved
 BEFORE, AFTER = (slice(first, first + 3) for first in (touches.BEFORE, touches.AFTER))
@@ -56,52 +55,34 @@ def test_restitution_of_readings_head_on():
     The figure's impacts have friction, which turns the rod a little even at tilt 0.
     """
     d = data("appendix_a")
-    one = list(d["speed"]).index(1.0)
     printed = head_on(lambda x, v: 5e6 * abs(x) ** 1.5 + 200 * x * v)
     plain = head_on(lambda x, v: 5e6 * abs(x) ** 1.5 + 200 * v)
-    found = d["restitution"][:, 0, 0, one, 0]
+    found = d["restitution"][:, 0, 0, list(d["speed"]).index(1.0), 0]
     np.testing.assert_allclose(found, [printed, plain, plain], atol=3e-4)
-    assert printed > 0.999
-    assert 0.5 < plain < 0.55
 
 
 def test_no_reading_does_what_the_paper_says():
     """The printed law's spring is soft and undamped: stiffness and damping each bring it nearer."""
     d = data("appendix_a")
-    e = d["restitution"][..., list(d["speed"]).index(1.0), :]
-    assert not np.any(np.all((e > 0.65 - 0.02) & (e < 0.7 + 0.02), axis=-1))
     assert np.all(d["compared"][0, ..., 2] > 0.1)  # as printed
     assert np.all(d["compared"][2, ..., 2] < 0.03)  # the units' reading: near the rigid theory
-    at_constant = d["compared"][:, :, 0, 0]
-    assert at_constant.min() == at_constant[2, list(appendix_a.MASSES).index("sphere, m")]
-    assert d["printed_ratio"] == pytest.approx(4.5, abs=0.1)
-    assert np.all(np.diff(d["why"], axis=1) < 0)
-    assert np.all(np.diff(d["why"], axis=0) < 0)
+    for axis in (0, 1):
+        assert np.all(np.diff(d["why"], axis=axis) < 0)
     stiff = d["why"][0, -3:]
     np.testing.assert_allclose(stiff[1:] / stiff[:-1], 10**-0.5, rtol=0.25)
 
 
-def test_coulomb_goes_to_the_rigid_theory_as_predicted():
+def test_errors_fall_with_stiffness_and_those_of_springs_with_the_root_of_their_ratio():
+    """Coulomb's as k_n^(-2/5), located as with steps; stiffness alone does not help springs."""
     d = data("rigid_limit")
-    slope, error = d["slope"]
-    assert abs(slope + 0.4) < max(3 * error, 1e-3)
+    expected = [(d["slope"], -0.4), *((slope, -0.5) for slope in d["slope_by_ratio"][1:])]
+    for (slope, error), power in expected:
+        assert abs(slope - power) < max(3 * error, 2e-3)
     np.testing.assert_array_equal(d["right"][0], 17)
     np.testing.assert_allclose(d["located"], d["error"][0, ::3], rtol=2e-3)
     assert d["error"][0, -1] < 1e-6
     assert np.all(d["half_step"] < 2e-2)
-
-
-def test_springs_stop_at_floors_that_fall_as_the_root_of_their_stiffness():
-    d = data("rigid_limit")
-    names = list(rigid_limit.BY_STIFFNESS)
-    springs = d["error"][["ratio" in name for name in names]]
-    assert np.all(np.diff(springs[:, -1]) < 0)
-    np.testing.assert_allclose(springs[:, -2], springs[:, -1], rtol=0.02)
-    for slope, error in d["slope_by_ratio"][1:]:
-        assert abs(slope + 0.5) < max(3 * error, 2e-3)
-    printed = d["error"][names.index("Appendix A")]
-    assert printed.min() > 0.1  # stiffness alone does not help
-    assert printed[-1] > printed[0]
+    assert d["error"][list(rigid_limit.BY_STIFFNESS).index("Appendix A")].min() > 0.1
     _, damped, undamped = d["error_by_ratio"]
     assert np.all(undamped > 2.5 * damped)
 
@@ -129,17 +110,6 @@ def touched(before, plate, rod, restitution, pushed=0.0, rods=5, friction=runs.F
     }.items():
         rows[:, at] = value
     return rows
-
-
-def lone(stiffness):
-    """Rods thrown on the plate one by one, all their touches; each is a block."""
-    settings = ["rods.count=150", "start.speed=0.5", "start.drop=0.1"]
-    scene = md.load("single_rod", [*settings, f"contacts.plate.stiffness={stiffness}"])
-    kept = []
-    run = md.run(scene, periods=5, observe=kept.append, ledger=False)
-    rows = np.concatenate(kept)
-    found = compared(rows, scene, run.dt, run.steps_per_period)
-    return Census(np.arange(len(rows)), len(rows), **found)
 
 
 @pytest.mark.parametrize(("kick", "duration"), [(0, 0), (0.01, 0), (0, 50)])
@@ -173,29 +143,12 @@ def test_what_the_map_makes_is_found_without_error(kick, duration):
         assert set(found["seen"]) == {1, 2, 3}
 
 
-def test_lone_rods_follow_the_map():
-    """Errors fall with the contact's duration, k_n^(-2/5), and are gravity's and the plate's."""
-    errors = []
-    for rods in (lone(5e5), lone(5e7)):
-        found = measures(rods)
-        assert rods.isolated.all()
-        assert len(rods.jump) > 200
-        kinds = (found[name][0] for name in ("residual", "allowed", "kick"))
-        errors.append([*kinds, np.average(rods.duration, weights=rods.jump)])
-        assert np.mean(rods.mapped == rods.seen) > 0.97
-        assert np.mean(rods.mapped_allowed == rods.seen) > 0.99
-    for before, after in zip(*errors, strict=True):
-        assert 2.5 < before / after < 12  # 100^(2/5) = 6.3
-    residual, allowed, kick, duration = errors[1]
-    assert max(50 * allowed, 20 * kick) < residual < 0.012
-    assert duration < 0.006
-
-
 @pytest.fixture(scope="module")
 def row():
     """Touches of a row of twenty rods at 33 degrees, friction of the plate as a constraint."""
     settings = ["rods.count=20", "box.length=24", "step.size=none"]
-    return census(md.load("quasi2d", settings + SETTINGS), 125)[0]
+    with tiny():
+        return census(md.load("quasi2d", settings + SETTINGS), 125)[0]
 
 
 def test_isolated_touches_of_a_row_follow_the_map_and_pushed_ones_do_not(row):
@@ -206,7 +159,6 @@ def test_isolated_touches_of_a_row_follow_the_map_and_pushed_ones_do_not(row):
     assert found["isolated_allowed"] < 3e-4
     assert found["isolated_kick"] < 1e-3
     assert np.mean((row.mapped == row.seen)[alone]) > 0.96
-    assert np.mean((row.mapped_allowed == row.seen)[alone]) > 0.995
     assert 0.6 < found["shared"] < 0.95
     assert found["pushed_residual"] > 5 * found["isolated_residual"]
     assert found["pushed_allowed"] > 0.2
@@ -214,9 +166,8 @@ def test_isolated_touches_of_a_row_follow_the_map_and_pushed_ones_do_not(row):
     some = row.duration < 0.1  # longer, and gravity weighs more than the impact
     assert np.mean(row.residual[some] > 0.5 * row.kick[some]) > 0.998
     assert found["shared"] == pytest.approx(row.jump[~alone].sum() / row.jump.sum())
-    for part in ("", "isolated_", "pushed_"):
-        shares = [found[f"{part}{name}"] for name in ("slide", "stick", "reversal")]
-        assert sum(shares) == pytest.approx(1, abs=1e-12)
+    shares = [found[f"pushed_{name}"] for name in ("slide", "stick", "reversal")]
+    assert sum(shares) == pytest.approx(1, abs=1e-12)
 
 
 def test_the_data_are_those_of_the_census():
@@ -224,13 +175,7 @@ def test_the_data_are_those_of_the_census():
     d = data("landing_census")
     scene = md.load("quasi2d", ["step.size=none", *SETTINGS, "plate.acceleration=2"])
     assert d["gamma_slide"][0, 0] == measures(census(scene, MOST_PERIODS)[0])["slide"][0]
-    assert d["constraint_shared"][0, 0] == 1
     assert np.isnan(d["constraint_isolated_residual"][0, 0])
-    plates = {
-        name: sweep.points[0].scene.contacts.plate.law
-        for name, sweep in landing_census.sweeps().items()
-    }
-    assert plates["appendix_a"] == md.appendix_a() != plates["constraint"]
     for offset, regime in ((-0.1, Regime.SLIP_STICK), (0.1, Regime.SLIP_REVERSAL)):
         tilt = np.radians(landing_census.reversal_tilt() + offset)
         rod = ContactGeometry(HALF * np.sin(tilt), HALF * np.cos(tilt) + 0.5, 9.5 / 12**0.5)
@@ -322,9 +267,6 @@ def test_no_balance_that_friction_cannot_keep():
 def test_the_figure_holds_what_a_run_measures():
     """Means over the starts, in cm/s; a curve for each step; what is left is over the row."""
     d = data("closure")
-    assert d["step"].shape == (len(closure.STEPS), len(closure.QUICK_TILTS_DEG))
-    np.testing.assert_allclose(d["nominal_deg"], closure.QUICK_TILTS_DEG)
-    assert d["left"].shape == d["left_larger"].shape == (len(closure.STEPS),)
     scenes = [point.scene for point in closure.sweeps(True)["tilt"].points[:2]]  # starts
     drifts = [closure.balanced(scene, MOST_PERIODS)["drift"][0] for scene in scenes]
     assert d["drift"][0] == pytest.approx(np.mean(drifts) * SCENE.cm_per_s)
@@ -398,22 +340,12 @@ def test_a_row_follows_its_box(ends, monkeypatch):
 # Sizes of a row
 
 
-def test_rows_of_all_sizes_are_equally_dense_and_equal_work():
-    work = set()  # rods x starts x periods
-    for count, sweep in row_size.sweeps().items():
-        scenes = [point.scene for point in sweep.points]
-        assert {scene.rods.count for scene in scenes} == {int(count)}
-        tilts = sorted({round(float(np.degrees(scene.tilt)), 2) for scene in scenes})
-        assert tilts == [*row_size.SIZE_TILTS_DEG[False]]
-        work |= {point.periods * int(count) * sweep.shape[-1] for point in sweep.points}
-    assert len(work) == 1
-
-
 def test_a_followed_row_drifts_as_a_run_does():
     """The tiny runs of the figures, beside `md.run`."""
     scene = row_size.sweeps(True)["5"].points[0].scene
-    result = md.run(scene, periods=8, ledger=False)
-    found, rods = row_motion.watched(scene, 8)
+    result = md.run(scene, periods=8)
+    with tiny():
+        found, rods = row_motion.watched(scene, 8)
     np.testing.assert_allclose(found["c_x"], result.c_x_series * scene.cm_per_s, rtol=1e-9)
     np.testing.assert_array_equal(rods[:, Z], result.rods[:, Z])
     assert found["tilt_deg"] == pytest.approx(result.tilt_series, abs=0.5)
@@ -423,28 +355,9 @@ def test_a_followed_row_drifts_as_a_run_does():
 
 
 def test_the_table_of_the_other_program_is_of_whole_sets_of_starts():
-    tilts, found = two_codes.other()
-    assert found.shape == (len(two_codes.MEASURED), len(tilts), len(runs.SEEDS["start.seed"]))
+    _, found = two_codes.other()
     assert found[:, 0, 1].tolist() == [7.07588, 0.53119, 0.91108, 1.26100]  # 18 degrees, seed 2
-    assert np.isfinite(found).all()
     np.testing.assert_allclose(data("two_codes")["other_c_x"], found[0].mean(axis=-1))
-
-
-def test_this_program_runs_the_same_rows():
-    """At the tilts of the table, with the constants of its flags."""
-    d, points = data("two_codes"), two_codes.sweeps(True)["row"].points
-    for point in points:
-        scene = point.scene
-        assert (scene.rods.count, scene.rods.length, scene.rods.inertia) == (40, 9.5, "thin")
-        assert (scene.plate.acceleration, scene.plate.frequency_hz) == (3.3, 60.0)
-        assert {part.friction for part in (scene.contacts.plate, scene.contacts.rods)} == {0.3}
-        assert scene.step.size == 2e-5
-    starts = len(runs.SEEDS["start.seed"])
-    tilts = [float(np.degrees(point.scene.tilt)) for point in points[::starts]]
-    np.testing.assert_allclose(d["nominal_deg"], tilts, atol=1e-3)  # rods start a hair apart
-    results = [md.run(point.scene, periods=MOST_PERIODS) for point in points[:2]]
-    pushed = np.mean([result.touches["pushed_by_others"]["mean"] for result in results])
-    assert d["pushed"][0] == pytest.approx(pushed)
 
 
 @pytest.mark.slow
@@ -456,4 +369,4 @@ def test_two_programs_give_one_answer(tmp_path, monkeypatch):
         apart = np.abs(d[name] - d[f"other_{name}"])
         error = np.hypot(d[f"{name}_error"], d[f"other_{name}_error"])
         alike = 0.06 * d[name] if name == "touches" else 0.0
-        assert np.all(apart < alike + 4 * error), name
+        assert np.all(apart < alike + 4 * error)

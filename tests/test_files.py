@@ -4,7 +4,6 @@ import errno
 import json
 import os
 
-import numpy as np
 import pytest
 
 import md
@@ -39,24 +38,6 @@ def test_a_result_is_given_before_the_checkpoint_that_failed(tmp_path, monkeypat
     (why,) = result.unwritten
     assert why.startswith("checkpoint ")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_disk_with_room_again_takes_the_next_checkpoint(tmp_path, monkeypatch):
-    """Told once while the run goes on; in the end all is written."""
-    save, calls = np.savez, []
-
-    def at_first_full(*args, **options):
-        calls.append(args)
-        return full() if len(calls) < 3 else save(*args, **options)
-
-    monkeypatch.setattr(runner.np, "savez", at_first_full)
-    monkeypatch.setattr(runner, "_SAVED", 0.0)
-    how = {"checkpoint": tmp_path / "w.npz", "trajectory": tmp_path / "a.xyz", "frames": 6}
-    with pytest.warns(RuntimeWarning, match="No space left on device; the run goes on") as told:
-        result = md.run(row(*SCENE), periods=2, **how)  # saved at each frame at least
-    assert len(told) == 1
-    assert result.unwritten == ()
-    assert md.run(row(*SCENE), periods=2, **how).c_x == result.c_x
 
 
 @pytest.mark.parametrize("what", ["write", "flush"])

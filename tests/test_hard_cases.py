@@ -176,7 +176,7 @@ def t13_critical_tilts(theirs):
             root = mpmath.sqrt(9 - 16 * mpf(friction) ** 2)
             exact = (mpmath.atan((3 + sign * root) / (2 * mpf(friction))) for sign in (-1, 1))
             for got, want in zip(theirs.critical_tilts(friction), exact, strict=True):
-                assert abs(got - want) <= 2 * mpf(np.spacing(float(want))), friction
+                assert abs(got - want) <= 2 * mpf(np.spacing(float(want)))
     beyond = theirs.critical_tilts(np.array([0.0, 0.75, np.nextafter(0.75, 1)]))
     np.testing.assert_array_equal(
         beyond, [[0.0, np.arctan(2), np.nan], [np.pi / 2, np.arctan(2), np.nan]]

@@ -142,6 +142,11 @@ def test_runs_that_end_by_their_own_interval_hold_the_mean_as_often_as_they_say(
     assert 0.92 - spread <= hits / 400 <= 0.98 + spread
 
 
+def test_what_does_not_drift_is_known_at_once():
+    goal = followed(np.zeros((2, 1000)), 0.1)
+    assert (goal.reached, goal.found.error) == (True, 0)
+
+
 @pytest.mark.parametrize("n", [0, 1, 7, 99])
 def test_few_values_have_no_interval(n):
     assert interval([np.ones(n)]).half == np.inf

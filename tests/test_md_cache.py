@@ -37,26 +37,26 @@ print(json.dumps([md.__file__, force, *counts]))
 
 
 @pytest.fixture(autouse=True)
-def no_folder_chosen(monkeypatch) -> None:
+def no_folder_chosen(monkeypatch):
     """Whatever the environment says, here and in processes."""
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     monkeypatch.setattr(numba.config, "CACHE_DIR", "")
 
 
 @pytest.fixture
-def copy(tmp_path) -> Path:
+def copy(tmp_path):
     """The package's sources in a place where they can be edited."""
     shutil.copytree(PACKAGE, tmp_path / "md", ignore=shutil.ignore_patterns("__pycache__"))
     return tmp_path / "md"
 
 
-def environment(copy: Path) -> dict[str, str]:
+def environment(copy):
     """Of a process that runs the copy, with a cache of its own."""
     home = copy.parent
     return {**os.environ, "PYTHONPATH": str(home), "XDG_CACHE_HOME": str(home / "cache")}
 
 
-def call(copy: Path) -> tuple[float, int, int]:
+def call(copy):
     """A force from a fresh process, and whether its kernel was loaded or compiled."""
     command, env = [sys.executable, "-c", CALL], environment(copy)
     file, *rest = json.loads(subprocess.check_output(command, env=env, cwd=copy.parent))
@@ -64,7 +64,7 @@ def call(copy: Path) -> tuple[float, int, int]:
     return tuple(rest)
 
 
-def kept(copy: Path) -> dict[Path, int]:
+def kept(copy):
     """Files of the cache and when they were written."""
     files = (copy.parent / "cache" / "rod-impact").rglob("*.nb?")
     return {file: file.stat().st_mtime_ns for file in files}
@@ -127,17 +127,6 @@ def test_without_a_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch):
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stderr.count("\n") == 1
     assert "compiled kernels cannot be kept" in done.stderr
-
-
-def test_a_kernel_is_never_kept_beside_the_sources(tmp_path, monkeypatch):
-    """Where Numba would look for it whatever else has changed: the folder has become a file."""
-    (tmp_path / "file").touch()
-    monkeypatch.setattr(cache, "directory", lambda: tmp_path / "file")
-    cache._warn_once.cache_clear()
-    with pytest.warns(RuntimeWarning, match="kernels cannot be kept in .*file"):
-        double = cache.kernel(lambda x: 2 * x)
-    assert double(2.0) == 4.0
-    assert not any("test_md_cache" in path.name for path in Path(__file__).parent.rglob("*.nb?"))
 
 
 def test_a_disk_that_fills_up_costs_no_more_than_compiling(monkeypatch):

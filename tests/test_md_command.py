@@ -15,8 +15,6 @@ from md.kernels.contact import Normal, Spring
 
 GIVEN = {"tilt-deg": "20", "friction": "0.4", "restitution": "0.65", "c-x": "0.5", "c-z": "-1"}
 
-STIFF = "appendix_a", "dop853"  # takes seconds
-
 
 def arguments(*flags, **changed):
     """Those of an impact, some of them changed; None leaves one out."""
@@ -59,21 +57,9 @@ def test_json_holds_all_that_happened(capsys, options):
     assert found["arguments"]["tilt_deg"] == 20
 
 
-def test_text_says_the_same(capsys):
-    code, out, err = run(capsys)
-    assert (code, err) == (0, "")
-    found = json.loads(run(capsys, "--json")[1])
-    lines = dict(line.split(maxsplit=1) for line in out.splitlines())
-    assert lines["regime"] == "slip-stick"
-    for name in ("c_x", "c_z", "omega", "restitution"):
-        assert f"{found[name]:.6g}" in lines.get(name, out)
-    assert f"{found['max_overlap']:.4g} d" in out
-    assert f"{found['steps']} steps" in out
-
-
 @pytest.mark.parametrize(
     ("law", "integrator"),
-    [(law, name) for law in md.LAWS for name in md.INTEGRATORS if (law, name) != STIFF],
+    [*((law, "leapfrog") for law in md.LAWS), *(("coulomb", name) for name in md.INTEGRATORS)],
 )
 def test_every_law_and_integrator(capsys, law, integrator):
     """The undamped spring of Appendix A gives its energy back, and the rod slips back with it."""
@@ -83,11 +69,6 @@ def test_every_law_and_integrator(capsys, law, integrator):
     found = json.loads(out)
     assert found["regime"] == ("slip-reversal" if law == "appendix_a" else "slip-stick")
     assert (found["dt"] is None) == (integrator == "dop853")
-
-
-def test_numbers_that_json_lacks_are_null(capsys):
-    _, out, _ = run(capsys, "--json", friction="inf")
-    assert json.loads(out, parse_constant=pytest.fail)["arguments"]["friction"] is None
 
 
 def test_arguments_of_a_wrong_type_are_named():
@@ -111,11 +92,8 @@ def test_a_period_with_too_many_steps_is_refused(frequency):
     ("normal", "spring", "message"),
     [
         (Normal(-5e6), None, "normal.stiffness must be > 0 and finite, got -"),
-        (Normal(0.0), None, "normal.stiffness must be > 0 and finite, got 0"),
-        (Normal(math.inf), None, "normal.stiffness must be > 0 and finite, got inf"),
         (Normal(math.nan), None, "normal.stiffness must be > 0 and finite, got nan"),
         (Normal("5e6"), None, "normal.stiffness must be a number, got '5e6'"),
-        (Normal(5e6, quarter=-1.0), None, "normal.quarter must be >= 0"),
         (Normal(5e6, constant=math.inf), None, "normal.constant must be >= 0"),
         (Normal(5e6, plastic=False), None, "normal.plastic must be True or None"),
         (Normal(5e6), Spring(root=0.0), "spring.root must be > 0 and finite"),
@@ -133,12 +111,6 @@ def test_a_law_of_ones_own():
     with pytest.raises(ValueError, match="restitution must be between 0 and 1"):
         md.Law("mine", Normal(5e6), None, 1.5)
     assert md.impact(0.1, 0.0, -1.0, friction=0.0, law=md.Law("mine", Normal(5e6), None)).c_z > 0
-
-
-@pytest.mark.parametrize("tilt_deg", ["90", "-90", "0", "-20"])
-def test_the_ends_of_the_tilt(capsys, tilt_deg):
-    """And a negative number with an exponent."""
-    assert run(capsys, tilt_deg=tilt_deg, c_z="-1e-3")[0] == 0
 
 
 def test_a_run_that_ends_early_costs_one_line(capsys, monkeypatch):

@@ -4,7 +4,6 @@ from math import cos, degrees, hypot, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import impact
 import md
@@ -106,13 +105,6 @@ def test_extremes_and_every_integrator_meet_the_theory(how):
     meets_the_theory(**{"velocity": (0.5, -1.0, 0.0)} | how)
 
 
-@pytest.mark.parametrize("rod", [ROD, FLAT])
-def test_all_three_regimes_are_met(rod):
-    """At the paper's -c_z/c_x = 2 and friction 0.4; there is no vacuous agreement."""
-    regimes = {md.impact(tilt, 0.5, -1.0, friction=0.4, rod=rod).regime for tilt in TILTS}
-    assert regimes == set(REGIMES)
-
-
 @pytest.mark.parametrize(
     ("velocity", "rod"),
     [((0.5, -1.0, 0.0), ROD), ((0.5, -1.0, 0.1), ROD), ((0.5, -1.0, 0.0), FLAT)],
@@ -151,27 +143,11 @@ def test_mirror_symmetry(rod):
 # Friction zero and infinite, restitution zero and one
 
 
-def test_infinite_friction_never_slips():
-    hit = md.impact(TILTS[8], 0.5, -1.0, friction=np.inf)
-    assert hit.phases["reversal"] == 0
-    assert hit.phases["slide"] <= hit.dt * (1 + 1e-12)  # the step in which the slip is stopped
-
-
 @pytest.mark.parametrize("tilt", [0.0, pi / 2])
 def test_plastic(tilt):
     """Over once a step brings it no more than 1e-12 of the overlap closer, on one cap or two."""
     hit = md.impact(tilt, 0.0, -1.0, friction=0.3, law=md.coulomb(0.0))
     assert abs(hit.restitution) <= 1e-12 * hit.max_overlap / hit.dt
-
-
-@pytest.mark.parametrize("tilt", [0.0, pi / 2])
-def test_elastic(tilt):
-    """The touch falls inside a step, in which the force, as time^(3/2), gains what its end loses.
-
-    In units of the step over the contact time, 1/100: its power 5/2.
-    """
-    hit = md.impact(tilt, 0.0, -1.0, friction=0.3, law=md.coulomb(1.0))
-    assert hit.restitution == pytest.approx(1.0, abs=10 * 100**-2.5)
 
 
 # Restitution head on
@@ -199,24 +175,6 @@ def test_restitution_with_a_fixed_step(restitution):
         found.append(hit.restitution)
     assert found == pytest.approx([restitution] * 4, abs=1e-4)
     assert np.ptp(found) < 1e-4
-
-
-@pytest.mark.parametrize("zeta", [0.05, 0.5, 1 - 1e-9, 1.0, 1.5, 4.0])
-def test_closed_form_of_restitution(zeta):
-    """Against d'' = -d^(3/2) - 2 zeta sqrt(5/4) d^(1/4) d', integrated over t = s^4."""
-
-    def derivative(s, y):
-        depth, velocity = max(y[0], 0.0), y[1]
-        force = -(depth**1.5) - zeta * sqrt(5) * depth**0.25 * velocity
-        return 4 * s**3 * velocity, 4 * s**3 * force
-
-    def force_ends(s, y):
-        return y[0] ** 1.25 + zeta * sqrt(5) * y[1] if s > 0.1 else 1.0
-
-    force_ends.terminal = True
-    how = {"events": force_ends, "rtol": 1e-12, "atol": 1e-14}
-    done = solve_ivp(derivative, (0, 20), (0.0, 1.0), "DOP853", **how)
-    assert head_on_restitution(zeta) == pytest.approx(-done.y[1, -1], rel=1e-9)
 
 
 def test_damping_ratio_inverts_restitution():
@@ -255,7 +213,8 @@ def test_both_caps_at_once(tilt, rod):
     alone = md.impact(0.0, 0.0, -1.0, friction=0.3, law=law)
     assert flat.omega == pytest.approx(0.0, abs=1e-12)
     assert flat.c_x == pytest.approx(0.0, abs=1e-12)
-    assert flat.restitution == pytest.approx(1.0, abs=1e-3)
+    # a touch inside a step of 1/100 gains what its end loses, to its power 5/2
+    assert (flat.restitution, alone.restitution) == pytest.approx((1.0, 1.0), abs=10 * 100**-2.5)
     assert flat.max_overlap == pytest.approx(alone.max_overlap * 0.5**0.4, rel=1e-3)
     assert flat.contact_time == pytest.approx(alone.contact_time * 0.5**0.4, rel=2e-2)
 

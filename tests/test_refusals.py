@@ -28,6 +28,9 @@ REFUSALS = {
 }
 
 
+THEIRS = "fig10.npz fig11.png fig12.pdf quasi2d.gif a.gif a.html claims.json prices.png index.html"
+
+
 @pytest.fixture(scope="module", autouse=True)
 def folder(tmp_path_factory):
     """A working directory with a store of a run, and files of other kinds."""
@@ -58,6 +61,9 @@ def fill():
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind("socket")
     Path("odd").mkdir()
+    Path("theirs").mkdir()
+    for name in THEIRS.split():
+        Path("theirs", name).write_text('{"my": "data"}')
     for pipe in ("pipe", "odd/report.html", "odd/fig10.pdf"):
         os.mkfifo(pipe)
     _, device = os.openpty()  # as /dev/null, without the harm
@@ -69,8 +75,8 @@ def fill():
 
 def contents(folder):
     """Of all files but those that SQLite reads with."""
-    mine = (path for path in folder.glob("*") if "db-" not in path.name)
-    return {path.name: path.read_bytes() if path.is_file() else None for path in mine}
+    mine = (path for path in folder.rglob("*") if "db-" not in path.name)
+    return {path: path.read_bytes() if path.is_file() else None for path in mine}
 
 
 @pytest.mark.parametrize(("command", "words"), REFUSALS.items(), ids=REFUSALS)

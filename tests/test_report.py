@@ -62,10 +62,6 @@ def maths(source):
     return [ElementTree.fromstring(math) for math in found]
 
 
-def test_says_first_what_it_is(source):
-    assert f"<h1>{report.TITLE}</h1><p>{lecture.to_html(report.ABOUT)}</p>" in source
-
-
 def test_needs_nothing_from_outside(source, page):
     stands_alone(source, page)
     assert not page.images
@@ -99,18 +95,6 @@ def test_what_is_shown_as_printed_is_the_printed_form(entry):
     assert printed == [entry.printed] * (entry.printed is not None)
 
 
-def test_entries_come_in_the_order_of_the_paper(page):
-    anchors = [report.anchor(entry.tag) for entry in registry.ENTRIES]
-    assert [name for name in page.text if name in set(anchors)] == anchors
-
-
-def test_verdicts_are_counted(source):
-    for verdict in {entry.verdict for entry in registry.ENTRIES}:
-        count = sum(entry.verdict == verdict for entry in registry.ENTRIES)
-        assert re.search(rf"{verdict}</span></td><td>[^<]+</td><td>{count}</td>", source)
-    assert "All verdicts are proved." in source
-
-
 def test_a_failed_proof_is_not_hidden(rows, lines):
     source = report.html([replace(rows[0], proved=False), *rows[1:]], lines)
     assert "1 of them not proved." in source
@@ -121,10 +105,10 @@ def test_a_failed_proof_is_not_hidden(rows, lines):
 def test_mathml_is_what_browsers_know(maths):
     for math in maths:
         for element in math.iter():
-            assert element.tag in KNOWN, element.tag
+            assert element.tag in KNOWN
             assert len(element) == CHILDREN.get(element.tag, len(element))
             text = element.text or ""
-            assert not set(text) & set("\\_^&{}'"), text
+            assert not set(text) & set("\\_^&{}'")
             assert text or len(element) or element.tag in {"mspace", "mrow"}
 
 
@@ -212,13 +196,6 @@ def test_drawings_are_in_the_page(source, page, drawing):
     assert plain(drawing.caption) in page.text[f"drawing-{drawing.name}"]
 
 
-@pytest.mark.parametrize("drawing", drawings.DRAWINGS.values(), ids=lambda drawing: drawing.name)
-def test_drawings_name_their_axes(drawing):
-    for axes in drawing.draw().axes:
-        named = axes.get_xlabel() and axes.get_ylabel()
-        assert named or not axes.axison  # a drawing of the rod names its axes by arrows
-
-
 @pytest.mark.parametrize(("regime", "later"), [("slip-stick", "stick"), ("slip reversal", "back")])
 def test_paths_in_the_plane_of_impulses(regime, later):
     """The corner has no slip; Newton's end is the printed impulse, the others are below it."""
@@ -232,26 +209,12 @@ def test_paths_in_the_plane_of_impulses(regime, later):
     assert corner[1] < ends["poisson"][1] < ends["stronge"][1] < ends["newton"][1]
 
 
-def test_exercises_have_answers(page):
-    for number, (tag, question) in enumerate(lecture.EXERCISES.items(), 1):
-        assert plain(question) in page.text[f"exercise-{number}"]
-        answer = plain(told(entry_of(tag))).lower()
-        assert answer in page.text[f"answer-{number}"].lower()
-
-
-def test_letters_are_complete():
-    known = {letter.name for letter in lecture.LETTERS}
-    shown = {x.name for e in EQUATIONS for _, form in report.forms(e) for x in form.free_symbols}
-    assert shown - {"mass", "length", "time"} <= known
-    assert len(known) == len(lecture.LETTERS), "a letter has two meanings"
-
-
 @pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
 def test_no_fraction_stands_in_a_fraction(entry):
     """Nor a power with a minus sign."""
     for _, form in report.forms(entry):
         for tex in map(typeset.latex, components(form)):
-            assert not ElementTree.fromstring(typeset.mathml(tex)).findall(".//mfrac//mfrac"), tex
+            assert not ElementTree.fromstring(typeset.mathml(tex)).findall(".//mfrac//mfrac")
             assert "^{-" not in tex
 
 

@@ -131,17 +131,6 @@ def contents(folder):
     return {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.iterdir()}
 
 
-def test_an_account_of_the_energy_cannot_begin_late(whole, path):
-    """A checkpoint without one, as ledger=False leaves it, is refused, and stays as it is."""
-    whole.again(periods=1, checkpoint=path)
-    with np.load(path) as saved:
-        np.savez(path, **{name: saved[name] for name in saved if name != "ledger"})
-    before = contents(path.parent)
-    with pytest.raises(md.InputError, match=r"ledger must be False, .*; or remove it"):
-        whole.again(periods=2, checkpoint=path)
-    assert contents(path.parent) == before
-
-
 # Trajectories of resumed runs
 
 

@@ -16,18 +16,11 @@ EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))
 DOMAINS = {  # what a message says is allowed, and the nearest values that are not
     "rods.count": ("between 1 and 1000000", 0, 1000001),
     "rods.length": ("between 1 and 1000", 0.999, 1000.1),
-    "rods.diameter_cm": ("between 1e-6 and 1e6", 9e-7, 1.1e6),
-    "plate.acceleration": ("between 0 and 1000", -0.1, 1000.1),
     "plate.frequency_hz": ("between 0.001 and 1e6", 9e-4, 1.1e6),
-    "box.length": ("between 1 and 1e7", 0.999, 1.1e7),
-    "gravity.x": ("between -1000 and 1000", -1000.1, 1000.1),
     "gravity.z": ("between -1000 and 1000", -1000.1, 1000.1),
     "contacts.plate.friction": (">= 0", -0.1, -1e-300),
-    "contacts.rods.friction": (">= 0", -0.1, -1e-300),
     "start.tilt_deg": ("between -90 and 90", -90.1, 90.1),
     "start.seed": ("between 0 and 9223372036854775807", -1, 2**63),
-    "start.speed": ("between 0 and 1000", -0.1, 1000.1),
-    "start.drop": ("between 0 and 1000", -0.1, 1000.1),
     "step.size": ("between 1e-12 and 1000", 0, 1000.1),
 }
 
@@ -101,7 +94,6 @@ def test_a_scene_is_what_its_parts_say():
     table = as_dict(scene)
     assert table["rods"] == vars(scene.rods)
     assert table["contacts"]["plate"]["law"]["name"] == "constant_restitution"
-    assert "plate" in table
     assert "plate" not in as_dict(load("quasi2d", ["plate=none", "contacts.plate=none"]))
     json.dumps(table)
     assert scene.digest() == load("quasi2d").digest()

@@ -10,9 +10,8 @@ import pytest
 from md import sweep
 from md.__main__ import main
 from md.domains import InputError, RunError
-from md.result_text import search_text
-from md.scene import from_tables, put, read_tables
-from md.search import _draws, _Surface, expand, load_search, search
+from md.scene import put, read_tables
+from md.search import _draws, expand, search
 
 TRUE = {"friction": 0.3, "restitution": 0.65}
 ERROR = 0.05
@@ -88,7 +87,7 @@ def test_parameters_are_recovered_and_carried_to_what_is_predicted(found):
 def test_stated_errors_are_those_of_many_data_sets(found):
     """Data that scatter by their errors: estimates scatter by theirs."""
     random, off = np.random.default_rng(4), []
-    for _ in range(40):
+    for _ in range(20):
         moved = tuple(
             target._replace(value=target.value + ERROR * random.standard_normal())
             for target in found.search.targets
@@ -144,27 +143,10 @@ def test_a_search_goes_on_where_it_stopped(found, store):
     assert np.array_equal(again.results, found.results)
 
 
-def test_a_surface_takes_the_degree_that_predicts_best():
-    random = np.random.default_rng(2)
-    places = random.uniform(-1, 1, (60, 2))
-    noise = 0.01 * random.standard_normal(60)
-    for power in (1, 2):
-        result = places[:, 0] ** power * places[:, 1] + noise
-        assert _Surface(places, result).degree >= power + 1
-    few = places[:8]  # of which a quadratic form would take almost all
-    assert _Surface(few, few[:, 0] + noise[:8]).degree == 1
-    value, variance = _Surface(places, places[:, 0] + noise)(np.array([[0.5, 0.0], [9.0, 0.0]]))
-    assert abs(value[0] - 0.5) < 4 * np.sqrt(variance[0]) < 0.05
-    assert variance[1] > 4 * variance[0]  # beyond all points
-    _, variance = _Surface(places, np.sign(places[:, 0]))(places)
-    assert (variance > 0.2**2).all()  # a jump is not a polynomial
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"points": 24}, "points must be a power of two"),
-        ({"parameters": []}, "parameters must be there"),
         ({"parameters": [{"keys": ["a.b"], "from": 1, "to": 1}]}, "from must be less than to"),
         ({"seeds": [1, 1]}, "seeds must be a list of different starts"),
         ({"data": {"file": "none.csv", "result": "c_x"}}, "none.csv: cannot be read"),
@@ -174,7 +156,6 @@ def test_a_surface_takes_the_degree_that_predicts_best():
             {"parameters": [{"keys": ["box.length"], "from": 41, "to": 60}]},
             "box.length is set twice at once, by parameters, data or seeds",
         ),
-        ({"data": []}, "a search needs data"),
         ({"parameters": PARAMETERS[:1] * 2}, "parameters must be there, with different names"),
         ({"parameters": [PARAMETERS[0], {**PARAMETERS[0], "name": "mu"}]}, "friction is set twice"),
     ],
@@ -184,20 +165,10 @@ def test_what_cannot_be_searched_is_refused(tmp_path, changes, message):
         expand(tables(tmp_path, **changes), BASE, tmp_path)
 
 
-def test_a_table_may_be_untidy(tmp_path):
-    """A mark of the encoding, spaces, comments, other line ends, a prediction with an error."""
-    given, path = tables(tmp_path), tmp_path / "drift.csv"
-    tidy = expand(given, BASE, tmp_path)
-    text = path.read_text().replace(",", " , ").replace("60 , ,", "# seen\n\n60 , , 0.1")
-    path.write_bytes(b"\xef\xbb\xbf# drift\n" + text.replace("\n", "\r\n").encode())
-    assert str(expand(given, BASE, tmp_path)) == str(tidy)
-
-
 @pytest.mark.parametrize(
     ("row", "message"),
     [
         ("45,1,0.1,", "row 6, must have 3 numbers or empty cells, got 45, 1, 0.1, "),
-        ("45,about 3,0.1", "row 6, must have 3 numbers or empty cells, got 45, about 3, 0.1"),
         ("45,inf,1", "row 6, c_x_cm_s must be finite, got inf"),
         ("45,1,", "row 6, error must be > 0 and finite, got nan"),
     ],
@@ -242,8 +213,7 @@ result = "tilt_deg"
 def command(folder, text):
     (folder / "fit.toml").write_text(text)
     (folder / "drift.csv").write_text("box.length,c_x,error\n3.0,,\n")
-    for name in ("tilt_deg", "tilt", "law"):
-        (folder / f"{name}.csv").write_text(f"box.length,{name},error\n3.0,45,5\n")
+    (folder / "tilt_deg.csv").write_text("box.length,tilt_deg,error\n3.0,45,5\n")
     files = str(folder / "fit.toml"), "--store", str(folder / "runs.db")
     return ["search", *files, "--workers", "1"]
 
@@ -257,49 +227,6 @@ def test_the_command_searches_a_file(tmp_path, capsys):
     assert len(misfits) == 4
     assert misfits == sorted(misfits)
     assert told["tally"]["computed"] == 4
-    assert main(asked) == 0
-    out = capsys.readouterr().out
-    assert "best points" in out
     assert [target["value"] for target in told["targets"]] == [45, None]
-    assert out.splitlines()[-1].split()[:2] == ["3", "c_x"]  # and no value or error
-
-
-def test_a_search_without_a_fit_is_not_boasted_of(made, tmp_path):
-    given = tables(tmp_path, parameters=PARAMETERS[:1])
-    (tmp_path / "drift.csv").write_text(
-        "box.length,c_x_cm_s,error\n41,-50,0.1\n43,60,0.1\n46,60,0.1\n"
-    )
-    told = search_text(search(expand(given, BASE, tmp_path), tmp_path / "runs.db", workers=1))
-    assert "warning: the scene does not fit the data" in told
-    assert "reaches an end of its range, 0.1 to 0.6" in told
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [("tilt", "tilt is not in the results: c_x"), ("law", "law, which is no number")],
-)
-def test_a_result_that_no_run_has_is_refused(tmp_path, capsys, name, words):
-    assert main(command(tmp_path, FILE.replace("tilt_deg", name))) == 2
-    assert words in capsys.readouterr().err
-
-
-@pytest.mark.slow
-def test_friction_and_restitution_of_a_simulated_row_are_recovered(tmp_path):
-    """Drift over tilt and Gamma from other starts than those of the search."""
-    base = load_search("friction").base
-    places = {"box.length": [20.6, 21.5, 23.0, 26.0]}, {"plate.acceleration": [2.5, 3.3]}
-    axes = [*places, {"start.seed": [11, 12, 13, 14]}]
-    real = sweep.expand({"periods": 300, "axes": axes}, base)
-    sweep.execute(real, tmp_path / "runs.db")
-    (measured,) = real.gather(tmp_path / "runs.db", "c_x_cm_s")
-    lines = ["box.length,plate.acceleration,c_x_cm_s,error"]
-    for point, starts in zip(real.points[::4], measured.reshape(-1, 4), strict=True):
-        at = point.scene.box.length, point.scene.plate.acceleration
-        error = max(starts.std(ddof=1) / 2, 0.05)
-        lines.append(",".join(map(str, [*at, starts.mean(), error])))
-    given = tables(tmp_path, periods=100, rounds=3)
-    (tmp_path / "drift.csv").write_text("\n".join(lines) + "\n")
-    parameters = search(expand(given, base, tmp_path), tmp_path / "runs.db").estimates.parameters
-    for name, true in TRUE.items():
-        assert abs(parameters[name].value - true) < 3 * parameters[name].error < 0.12
-    assert from_tables(base).contacts.plate.friction == TRUE["friction"]
+    assert main(asked) == 0
+    assert capsys.readouterr().out.splitlines()[-1].split()[:2] == ["3", "c_x"]  # and no value

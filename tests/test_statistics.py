@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from md.statistics import TREND, ratio, settled, standard_error, steady, transient, trend
+from md.statistics import TREND, ratio, settled, standard_error, steady, trend
 
 
 def autoregressive(random, n, memory):
@@ -69,10 +69,6 @@ def test_what_repeats_has_next_to_none():
 def test_no_error_without_enough_finite_values(series):
     """nan, and no warning."""
     assert np.isnan(standard_error(np.array(series)))
-
-
-def test_a_fifth_is_left_out():
-    assert [transient(n) for n in (0, 4, 5, 125, 400)] == [0, 0, 1, 25, 80]
 
 
 def test_ratio_of_sums():

@@ -89,15 +89,6 @@ def test_a_folder_or_a_file_to_read_that_is_missing(tmp_path):
     assert (tmp_path / "new" / "a.db").is_file()
 
 
-def test_a_store_opened_for_reading_cannot_be_written(tmp_path):
-    Store(tmp_path / "a.db").database.close()
-    with (
-        Store(tmp_path / "a.db", write=False) as store,
-        pytest.raises(StoreError, match="cannot be written"),
-    ):
-        store.put("k", ABOUT, {}, None)
-
-
 @contextlib.contextmanager
 def read_only():
     """A folder with a store that nobody may write, not even who runs the tests."""

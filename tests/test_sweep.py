@@ -1,12 +1,10 @@
 """Sweeps: axes become points, points are computed once, and nothing that was finished is lost."""
 
-import json
 import signal
 import threading
 import time
 import tomllib
 from dataclasses import replace
-from unittest.mock import MagicMock
 
 import numpy as np
 import psutil
@@ -100,16 +98,6 @@ def test_numbers_of_numpy_are_numbers(values):
     found, wanted = axes({"rods.count": values}), axes({"rods.count": [2, 3]})
     assert found == wanted
     assert [point.key for point in found.points] == [point.key for point in wanted.points]
-    first = values[0]
-    assert repr(md.Rods(count=first, inertia=np.str_("thin"))) == repr(md.Rods(2, inertia="thin"))
-    span = {"from": first, "to": values[1], "count": first}
-    assert axes({"start.seed": span}).axes == ({"start.seed": [2, 3]},)
-
-
-@pytest.mark.parametrize("value", [np.float64(2), np.bool_(True), np.array([2, 3]), "2", True])
-def test_what_is_no_whole_number_is_refused(value):
-    with pytest.raises(ValueError, match=r"^rods.count must be a whole number, got"):
-        md.Rods(count=value)
 
 
 def test_a_sweep_from_python_names_its_scene():
@@ -171,15 +159,6 @@ def test_a_result_that_cannot_be_gathered_is_named(store, reference):
     assert set(found) == {name.replace(".", "_") for name in offered}
 
 
-def test_arguments_in_the_wrong_place_are_named(store, reference):
-    sweep, _ = reference
-    for path, name, words in ((3, "c_x", "store '3' cannot be used"), (store, 3, "names must be")):
-        with pytest.raises(ValueError, match=words):
-            sweep.gather(path, name)
-    with pytest.raises(ValueError, match="sweep must be of the type Sweep, got 3"):
-        execute(3, store)
-
-
 def test_two_workers_give_the_same_bits(tmp_path, reference):
     sweep, wanted = reference
     execute(sweep, tmp_path / "a.db", workers=2)
@@ -232,16 +211,6 @@ def test_a_dask_cluster_gives_the_same_bits(tmp_path, reference, monkeypatch):
         cluster.wait_for_workers(2)
         assert execute(sweep, tmp_path / "a.db", scheduler=address).computed == 6
     assert gathered(sweep, tmp_path / "a.db") == wanted
-
-
-def test_a_scheduler_that_dies_ends_the_sweep_in_one_line(tmp_path, monkeypatch):
-    """Whatever it waits for."""
-    client = MagicMock(status="closed")
-    client.wait_for_workers = lambda *_, **__: time.sleep(9) or pytest.fail("it waits on")
-    distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(distributed, "Client", lambda *_, **__: client)
-    with pytest.raises(RunError, match=r"^the scheduler a:1 is gone; what was finished is kept$"):
-        execute(axes(), tmp_path / "a.db", scheduler="a:1")
 
 
 def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path):
@@ -352,13 +321,6 @@ def test_ctrl_c_ends_in_order(tmp_path, how):
     assert "Traceback" not in error
     mine = [p for p in psutil.process_iter(["cwd"]) if p.info["cwd"] == str(tmp_path)]
     assert not psutil.wait_procs(mine, timeout=10)[1]
-
-
-def test_the_command_counts_its_runs(tmp_path, capsys):
-    files = str(written(tmp_path)), "--store", str(tmp_path / "a.db")
-    assert main(["sweep", *files, "--workers", "1", "--json"]) == 0
-    tally = json.loads(capsys.readouterr().out)
-    assert (tally["points"], tally["computed"]) == (6, 6)
 
 
 def test_a_key_says_what_is_computed(monkeypatch):

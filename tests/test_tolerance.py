@@ -1,8 +1,6 @@
 """Accuracy: intervals, choice of the step, runs that end when they are accurate enough."""
 
 import json
-import signal
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +16,6 @@ from md.store import Store, table
 from md.sweep import execute, expand
 
 from .rows import ROW, row
-from .test_annulus import ring
 
 RATIOS = [f"contacts.{part}.tangential_ratio=3" for part in ("plate", "rods")]
 SCENE = md.load("quasi2d", RATIOS)
@@ -95,7 +92,6 @@ def test_a_run_ends_as_soon_as_it_is_accurate():
     assert a.error == pytest.approx(np.hypot(a.statistical, a.bias_error))
     assert a.error <= 0.3 * max(abs(result.c_x), 0.05)
     assert a.next_digit_seconds > 50 * (a.error / (0.3 * abs(result.c_x))) ** 2 * a.seconds
-    assert "its bias is within 0.005" in " ".join(accuracy_lines(result))
 
 
 def test_the_bias_is_measured_by_steps_twice_as_long():
@@ -120,7 +116,6 @@ def test_the_bias_is_measured_by_steps_twice_as_long():
     assert a.bias_error == pytest.approx(abs(change) / 3)
     assert result.c_x == pytest.approx(fine.mean - a.bias)
     assert a.statistical == pytest.approx(np.hypot(5 / 3 * fine.half, 2 / 3 * coarse.half))
-    assert "measured by steps twice as long" in " ".join(accuracy_lines(result))
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -128,22 +123,6 @@ def test_a_measured_bias_holds_the_true_drift(order):
     fine, coarse = (accuracy.Interval(1 + 0.02 * h**order, 0.0, 0.0, 1.0, True, 0) for h in (1, 2))
     found = accuracy.measured(fine, coarse)
     assert abs(found.mean - 1) <= found.error * (1 + 1e-12)
-
-
-def test_one_start_that_fails_ends_all(monkeypatch):
-    """At once: the others do not go on to the first look."""
-    usual, made = accuracy.Run.march, []
-
-    def failing(running, periods, stop):
-        if running.engine.scene.start.seed > accuracy.SEED_GAP:
-            raise md.RunError("no longer finite")
-        usual(running, 10**6, stop)
-        made.append(running.made)
-
-    monkeypatch.setattr(accuracy.Run, "march", failing)
-    with pytest.raises(md.RunError, match="no longer finite"):
-        md.run(DRIVEN, tolerance=1e-2)
-    assert made[0] < 10**6
 
 
 def test_slow_drifts_are_judged_by_the_floor():
@@ -164,28 +143,15 @@ def test_the_command_has_two_ends(capsys, monkeypatch):
     assert main(["run", "quasi2d", *SMALL, *how, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["accuracy"]
     assert (found["state"], found["starts"]) == ("reached", 2)
-    still = ["--set", "contacts.plate.friction=0"]  # nothing pushes along the plate
-    assert main(["run", "quasi2d", *SMALL, *still, *how]) == 0
-    assert "accuracy     reached: nothing drifts" in capsys.readouterr().out
     hard = ["--tolerance", "0.05", "--max-seconds", "0.05"]  # known after the second look
-    assert main(["run", "quasi2d", *SMALL, *hard]) == 4
-    out = capsys.readouterr().out
-    assert "NOT REACHED" in out
-    assert "this would take about" in out
     assert main(["run", "quasi2d", *SMALL, *hard, "--json"]) == 4
     found = json.loads(capsys.readouterr().out)
     assert (found["finished"], found["accuracy"]["state"]) == (True, "not reached")
     assert found["periods"] < 5000
     assert found["accuracy"]["needed_seconds"] > 0.05
     monkeypatch.setattr(accuracy, "settled", lambda first, *series: None)
-    asked = ["run", "quasi2d", *SMALL, "--tolerance", "0.5", "--max-seconds", "1"]
-    assert main(asked) == 4
-    out = capsys.readouterr().out
-    assert "accuracy     NOT SETTLED" in out
-    assert "drift or falls still trend" in out
-    assert main([*asked, "--json"]) == 4
-    found = json.loads(capsys.readouterr().out)
-    assert (found["settled"], found["accuracy"]["state"]) == (False, "not settled")
+    assert main(["run", "quasi2d", *SMALL, "--tolerance", "0.5", "--max-seconds", "1"]) == 4
+    assert "accuracy     NOT SETTLED" in capsys.readouterr().out
 
 
 LIVELY = [  # rods fall over ever more often for 300 periods; both starts agree meanwhile
@@ -210,22 +176,6 @@ def test_rods_that_fall_over_ever_more_often_have_not_settled():
     assert replace(plain, fell_series=np.ones(400)).settled is True
     lines = "\n".join(accuracy_lines(early))
     assert f"rods fell over {early.accuracy.fell} times: a decay" in lines
-
-
-@pytest.mark.parametrize("scene", [DRIVEN, ring("plate.acceleration=5")], ids=["row", "annulus"])
-def test_a_limit_of_time_holds(scene):
-    """To within a moment, once the first look is made."""
-    md.run(scene, tolerance=0.5, max_seconds=1e-3)  # compiles
-    first = accuracy.FIRST_LOOK * accuracy.slower(scene.annulus is not None)
-    begin = time.perf_counter()
-    brief = md.run(scene, tolerance=0.02, max_seconds=1e-3)
-    look = time.perf_counter() - begin
-    assert brief.accuracy.made >= 2 * first
-    begin = time.perf_counter()
-    result = md.run(scene, tolerance=0.02, max_seconds=2 * look)
-    spent = time.perf_counter() - begin
-    assert result.accuracy.state != "reached"
-    assert spent < 5 * look + 6
 
 
 @pytest.mark.parametrize(("slope", "periods"), [(0, 124), (0, 123), (1, 200)])
@@ -280,24 +230,6 @@ def test_a_sweep_takes_a_tolerance(tmp_path):
         assert "NOT REACHED" in [run["error"] for run in database.rows()][-1]
 
 
-@pytest.mark.parametrize("periods", [5, 300])
-def test_what_an_interrupted_run_does_not_know_is_not_told(monkeypatch, periods):
-    """By Ctrl-C after a few periods: their error; how long it would have taken."""
-    usual = accuracy.Run.march
-
-    def pressing(running, most, stop):
-        usual(running, min(most, periods), stop)
-        signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(accuracy, "_together", lambda runs, *how: [pressing(r, *how) for r in runs])
-    result = md.run(DRIVEN, tolerance=0.05, measure_bias=True)
-    assert not result.finished
-    assert np.isfinite(result.c_x)
-    assert np.isnan(result.c_x_stderr)
-    assert "inf" not in result_text(result)
-    assert "known no better" not in result_text(result)
-
-
 def test_a_seed_that_leaves_none_for_the_other_starts_is_refused():
     with pytest.raises(md.InputError, match=r"start\.seed must be between"):
         md.run(row(f"start.seed={2**63 - 1}"), tolerance=0.05)
@@ -307,9 +239,6 @@ def test_a_seed_that_leaves_none_for_the_other_starts_is_refused():
     ("options", "words"),
     [
         ({"workers": 2}, "workers has no meaning without tolerance"),
-        ({"confidence": 0.9}, "confidence has no meaning without tolerance"),
-        ({"measure_bias": True}, "measure_bias has no meaning without tolerance"),
-        ({"tolerance": 0.1, "workers": 1}, "workers must be between 2 and 64"),
         ({"tolerance": 0.1, "workers": 65}, "workers must be between 2 and 64"),
         ({"tolerance": 0.1, "checkpoint": "a.npz"}, "checkpoint must be None with a tolerance"),
     ],

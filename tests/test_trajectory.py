@@ -78,16 +78,6 @@ def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
     assert (first["Time"], second["Time"]) == ("0.0", "1.0")
 
 
-def test_the_spin_of_a_frame_is_how_the_tilt_changes(tmp_path):
-    """About y: a positive one turns the top of the rod the way it leans."""
-    md.run(row(), periods=3, trajectory=tmp_path / "a.xyz", frames=500)
-    frames = parsed(tmp_path / "a.xyz")
-    spin = np.array([frame["omega"][:, 1] for frame in frames])
-    tilt = np.radians([frame["tilt"][:, 0] for frame in frames])
-    slope, spin = np.diff(tilt, axis=0).ravel(), spin[1:].ravel()
-    assert np.corrcoef(slope, spin)[0, 1] > 0.9
-
-
 def test_frames_stand_at_the_same_phases_of_all_periods(tmp_path):
     """Where a period is no whole number of gaps: at the first step behind each part of it."""
     per, path, kept = prepare(row()).per, tmp_path / "a.xyz", tmp_path / "a.npz"

@@ -9,7 +9,7 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.scene import as_dict, from_tables, keys, put, read_tables
+from md.scene import as_dict, from_tables, keys, put
 from md.store import _flat, table
 from md.sweep import execute, expand
 from md.units import TWINS, error_of, in_cm, labelled
@@ -63,22 +63,10 @@ def test_what_comes_later_takes_the_place():
     cm = {"rods.diameter_cm": 0.635, "rods.length_cm": 5.08, "box.length_cm": 2.54}
     found = from_tables(put(TABLES, cm))
     assert found == from_tables(put(TABLES, {"rods.diameter_cm": 0.635}))  # 5.08/0.635 is 8
-    tables = read_tables("my_rods")
-    assert from_tables(tables) == md.load("my_rods")
-    assert tables["rods"]["length_cm"] == 5.08
-    assert "length" not in tables["rods"]
     assert md.load("my_rods", ["plate.acceleration=2"]).plate == md.Plate(2.0, 60.0)
     found = md.load("my_rods", ["plate.velocity_cm_s=8", "rods.diameter_cm=0.5"])
     assert found.plate.acceleration == pytest.approx(8 * 120 * pi / 981)
     assert found.rods.length == 5.08 / 0.5
-
-
-def test_every_key_is_in_the_help(capsys):
-    assert main(["run", "--help"]) == 0
-    words = capsys.readouterr().out
-    for key, (_, own, _) in SAME.items():
-        assert f"instead of {own}" in dict(keys())[key]
-        assert f"  {key} " in words
 
 
 # Runs
@@ -119,23 +107,15 @@ def test_what_a_run_prints_in_cm(tmp_path, capsys):
     assert main([*command, "--trajectory", str(tmp_path / "a.xyz")]) == 0
     printed = capsys.readouterr().out.splitlines()
     assert printed[0] == "rods         3 of 5.08 by 0.635 cm, in a box of 2 cm that repeats"
-    assert "60 Hz, Gamma = 3.622, amplitude 0.025 cm, V_0 = 9.42" in printed[1]
-    assert any(line.startswith("periods      124 = 2.067 s") for line in printed)
     assert main([*command, "--json"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     units, cm = found["units"], found["scene_in_cm"]
     assert f"= {found['c_x_cm_s']:.4g} +- {found['c_x_stderr_cm_s']:.2g} cm/s" in printed[2]
     assert found["c_x_cm_s"] == pytest.approx(found["c_x"] * units["velocity_cm_s"])
     assert found["rod_steps"] == 3 * 124 * found["steps_per_period"]
-    assert (found["law"], found["seed"]) == ("constant_restitution", 1)
-    assert {*found["versions"]} == {"md", "numpy", "numba"}
-    assert {*found["energy"]} >= {"plate_work", "plate_friction", "change", "residual"}
     assert units["time_s"] == pytest.approx(sqrt(0.635 / 981))
-    assert units["period_s"] == pytest.approx(1 / 60)
     assert (cm["plate.amplitude_cm"], units["length_cm"]) == pytest.approx((0.025, 0.635))
-    head = (tmp_path / "a.xyz").read_text().splitlines()[1]
-    assert " diameter_cm=0.635 " in head
-    assert f" cm_per_s={units['velocity_cm_s']!r} " in head
+    assert f" cm_per_s={units['velocity_cm_s']!r} " in (tmp_path / "a.xyz").read_text()
 
 
 # Units of what comes out

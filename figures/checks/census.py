@@ -36,7 +36,6 @@ class Census(NamedTuple):
     kick: np.ndarray
     seen: np.ndarray  # regime in the run
     mapped: np.ndarray  # regime of the map
-    mapped_allowed: np.ndarray
     restitution: np.ndarray  # -v_f/v_0 as measured, not clipped; -inf if nothing approached
     duration: np.ndarray  # periods
 
@@ -78,7 +77,7 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
     x, z = -a_x - (a_z + 0.5) * turn, -a_z + a_x * turn  # the cap, of radius 1/2, does not turn
     pull = (fall - (last - plate)) / 2
     v_f = after[:, 1] - last - pull + after[:, 2] * x
-    allowed, mapped_allowed, _ = _mapped(rows, (x, z), k, friction, (plate, last), v_f, pull)
+    allowed, *_ = _mapped(rows, (x, z), k, friction, (plate, last), v_f, pull)
     spin = k2 * gain[:, 2] - a_z * gain[:, 0] + a_x * (gain[:, 1] - fall)
     return {
         "isolated": rows[:, touches.PUSHED] == 0,
@@ -88,7 +87,6 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
         "kick": np.abs(spin) / np.sqrt(k2 + a_x**2 + a_z**2),
         "seen": rows[:, touches.REGIME].astype(int),
         "mapped": mapped,
-        "mapped_allowed": mapped_allowed,
         "restitution": restitution,
         "duration": rows[:, touches.DURATION] / per,
     }

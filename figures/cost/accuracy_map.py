@@ -42,7 +42,6 @@ def _map(cells: tuple[int, int], samples: int) -> Data:
         "tilt": tilt,
         "friction": 10**decade,
         "ours": worst(ours, PRINTED_FIELDS),
-        "ours_all_fields": worst(ours),
         "literal": worst(literal(impacts), PRINTED_FIELDS),
     }
 
