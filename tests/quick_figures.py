@@ -9,7 +9,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex, to_rgba_array
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 import figures
