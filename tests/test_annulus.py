@@ -149,3 +149,13 @@ def test_the_command(capsys):
     assert main(["run", "annulus", *sets, "--periods", "3", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["annulus"]["lean_deg"]["mean"] is not None
     assert main(["run", "annulus", "--set", "contacts.wall=none"]) == 2
+
+
+def test_rods_that_lean_the_other_way_drift_the_other_way():
+    """The drift follows the sign of the lean; errors are small against it."""
+    found = {}
+    for tilt in (35, -35):
+        result = md.run(ring("plate.acceleration=5", f"start.tilt_deg={tilt}"), periods=40)
+        assert np.sign(result.annulus["lean_deg"]["mean"]) == np.sign(tilt)
+        found[tilt] = result.c_x
+    assert found[35] > 0 > found[-35]

@@ -347,3 +347,10 @@ def test_a_file_of_another_kind_is_not_replaced(tmp_path, capsys):
         assert main(["generate", "--language", "c", "--out", str(mine)]) == code
         assert mine.read_text(encoding="utf-8") == text
     assert "--out must be a new file or a generated one" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler")
+def test_the_header_is_cpp_as_well(header):
+    (header / "all.cpp").write_text('#include "rod_impact.h"\n')
+    command = ["c++", "-Wall", "-Wextra", "-pedantic", "-Werror", "-fsyntax-only", "all.cpp"]
+    subprocess.run(command, cwd=header, check=True)

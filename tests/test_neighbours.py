@@ -1,6 +1,7 @@
-"""The list of pairs misses none, and keeps what its entries keep."""
+"""The list of pairs misses none, keeps what its entries keep, and takes linear time to build."""
 
 from itertools import combinations
+from math import ceil
 
 import numpy as np
 import pytest
@@ -9,14 +10,18 @@ from md.host import prepare
 from md.kernels import neighbours
 from md.kernels.closest import near_end
 from md.kernels.codes import (
+    COSINE,
     DIRECTOR,
     PAIR_FRICTION,
+    ROW_COLUMNS,
     ROW_DIRECTION,
     ROW_PLACE,
+    SINE,
     SKIN,
     SPACE_COLUMNS,
     VELOCITY,
     X,
+    Z,
 )
 from md.kernels.neighbours import PAIR
 from md.kernels.vectors import IN_PLANE, IN_SPACE
@@ -246,3 +251,35 @@ def test_a_list_that_is_full_grows():
     go(small, 400), go(usual, 800)
     assert small.state.listed.index.shape[1] > 4
     same(small, usual)
+
+
+# Time
+
+
+class Counted(np.ndarray):
+    """Counts how often an element is read."""
+
+    reads = 0
+
+    def __getitem__(self, key):
+        Counted.reads += 1
+        return super().__getitem__(key)
+
+
+def reads(n):
+    """Reads of places that it takes to build the list of n rods in a row, all drawn together."""
+    random, rods, spacing = np.random.default_rng(0), np.zeros((n, ROW_COLUMNS)), 43 / 40
+    rods[:, X] = (np.arange(n) + random.uniform(-0.3, 0.3, n)) * spacing
+    rods[:, Z], rods[:, SINE], rods[:, COSINE] = 4.5, np.sin(0.37), np.cos(0.37)
+    place, found = rods[:, X].copy().view(Counted), np.zeros((20 * n, 3), np.int64)
+    Counted.reads = 0
+    neighbours.pair_up.py_func(IN_PLANE, rods, HALF, n * spacing, np.arange(n), place, found)
+    return Counted.reads
+
+
+def test_a_list_takes_time_linear_in_the_number_of_rods():
+    """Counted, not timed: each rod looks at the rods within its length, however many there are."""
+    few, many = reads(100), reads(400)
+    within = ceil((2 * HALF + 1 + SKIN) / (43 / 40)) + 2
+    assert few <= 100 * (2 * within + 10)
+    assert many == pytest.approx(4 * few, rel=0.02)

@@ -2,6 +2,8 @@
 
 import inspect
 import json
+import subprocess
+import sys
 from unittest.mock import Mock
 
 import matplotlib.pyplot as plt
@@ -17,6 +19,8 @@ from figures.lib.data import kept_data, stored_data
 from figures.paper import fig04
 from impact import drift
 from md.scene import SCENES
+
+from .command_line import ROOT
 
 SCENE = """
 rods = { count = 5, length = 5, inertia = "solid" }
@@ -42,11 +46,9 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
     In processes that need no window, whatever the environment says.
     """
     monkeypatch.setenv("MPLBACKEND", "module://nowhere")
-    own = ["--friction", "0.2", "--restitution", "0.5"]
-    assert (
-        main(["draw", "fig10", "fig11", *own, "--quick", "--jobs", "2", "--out", str(tmp_path)])
-        == 0
-    )
+    own = ["--friction", "0.2", "--restitution", "0.5", "--quick", "--jobs", "2"]
+    command = [sys.executable, "-m", "figures", "draw", "fig10", "fig11", *own, "--out", tmp_path]
+    subprocess.run(command, cwd=ROOT, check=True)
     ten, eleven = (kept_data(name, tmp_path) for name in ("fig10", "fig11"))
     assert (ten["restitution"], ten["marked"]) == (0.5, 0.2)
     assert (eleven["restitution"], eleven["friction"]) == (0.5, 0.2)

@@ -5,6 +5,7 @@ import threading
 import time
 import tomllib
 from dataclasses import replace
+from unittest.mock import MagicMock
 
 import numpy as np
 import psutil
@@ -336,3 +337,13 @@ def test_a_key_says_what_is_computed(monkeypatch):
     assert keys() == before
     monkeypatch.setattr("md.sources.digest", lambda **_: "other sources")
     assert not set(keys()) & set(before)
+
+
+def test_a_scheduler_that_dies_ends_the_sweep_in_one_line(tmp_path, monkeypatch):
+    """Whatever it waits for."""
+    client = MagicMock(status="closed")
+    client.wait_for_workers = lambda *_, **__: time.sleep(9) or pytest.fail("it waits on")
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(distributed, "Client", lambda *_, **__: client)
+    with pytest.raises(RunError, match=r"^the scheduler a:1 is gone; what was finished is kept$"):
+        execute(axes(), tmp_path / "a.db", scheduler="a:1")
