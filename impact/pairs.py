@@ -37,6 +37,19 @@ class Body(NamedTuple):
     c_z: Any
     omega: Any = 0.0
 
+    def turned(self, angle: Any) -> "Body":
+        """The same body in axes turned by an angle, rad, positive from z towards x as a spin is.
+
+        Bodies that are known in one frame and meet across a normal at this angle from its z axis
+        are `turned(angle)` before `collide_pair`, and what comes out `turned(-angle)`.
+        """
+        along, across = np.cos(angle), np.sin(angle)
+        x, z, v_x, v_z = self.X, self.Z, self.c_x, self.c_z
+        place = {"X": along * x - across * z, "Z": across * x + along * z}
+        return self._replace(
+            **place, c_x=along * v_x - across * v_z, c_z=across * v_x + along * v_z
+        )
+
 
 class PairCollision(NamedTuple):
     """State after an impact of two bodies; fields have the broadcast shape of the arguments.

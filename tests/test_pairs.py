@@ -127,3 +127,28 @@ def test_separating_bodies_come_back_unchanged_even_if_none_can_move():
     for first, second in ((away[0], REST), away, (BALL._replace(c_z=1e-300, omega=0.0), REST)):
         hit = collide_pair(first, second, **HOW)
         assert hit == (first, second, Regime.NO_IMPACT, 0, 0, 0)
+
+
+def test_bodies_of_one_frame_meet_across_a_normal_at_any_angle():
+    """Momentum and spin about the contact stay; along the normal bodies part as they were told."""
+    angle = np.linspace(-3, 3, 13)
+    first, second = BALL._replace(X=0.3, Z=0.2, c_x=-3 * np.sin(angle)), REST._replace(c_z=0.4)
+    first = first._replace(c_z=-3 * np.cos(angle))
+    hit = collide_pair(first.turned(angle), second.turned(angle), **HOW)
+    assert (hit.regime > Regime.NO_IMPACT).all()
+    before, after = (first, second), (hit.first.turned(-angle), hit.second.turned(-angle))
+
+    def kept(body):
+        spin = body.k**2 * body.omega + body.Z * body.c_x - body.X * body.c_z
+        parts = np.broadcast_arrays(body.c_x, body.c_z, spin, angle)[:3]
+        return body.mass * np.array(parts)
+
+    def parting(one, other):
+        u, v = ((b.c_x - b.omega * b.Z, b.c_z + b.omega * b.X) for b in (one, other))
+        return np.sin(angle) * (u[0] - v[0]) + np.cos(angle) * (u[1] - v[1])
+
+    momentum = [sum(map(kept, bodies)) for bodies in (before, after)]
+    np.testing.assert_allclose(*momentum, atol=30 * ULP)
+    np.testing.assert_allclose(
+        parting(*after), -HOW["restitution"] * parting(*before), atol=30 * ULP
+    )
