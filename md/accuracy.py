@@ -372,11 +372,10 @@ def starts_of(scene: Scene, starts: int, doubled: bool, options: dict[str, Any])
         assert scene.step.size is not None
         longer = replace(scene.step, size=2 * scene.step.size)
         scenes += [replace(one, step=longer) for one in scenes]
-    each: list[dict[str, Any]] = [options, *[{"ledger": False}] * (len(scenes) - 1)]
-    return [
-        Run(one, MOST_PERIODS_OF_A_START, **of_one)
-        for one, of_one in zip(scenes, each, strict=True)
-    ]
+    alike = {"ledger": options.get("ledger", True)}  # another kernel would have to be compiled
+    first, *others = scenes
+    runs = [Run(first, MOST_PERIODS_OF_A_START, **options)]
+    return runs + [Run(one, MOST_PERIODS_OF_A_START, **alike) for one in others]
 
 
 def checked(*, periods: int | None = None, **options: float | None) -> None:
