@@ -75,7 +75,10 @@ if sys.argv[:1] == ["-m"]:  # a command: without a limit SymPy is a tenth faster
     os.environ.setdefault("SYMPY_CACHE_SIZE", "None")
 
 # isort: split
+from importlib.metadata import version
+
 from . import symbols
 from .lookup import equation, function
 
 __all__ = ["equation", "function", "symbols"]
+__version__ = version("rod-impact")

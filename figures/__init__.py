@@ -31,10 +31,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib import import_module
+from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 
 __all__ = ["FIGURES", "Entry", "check", "load"]
+__version__ = version("rod-impact")
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,10 @@ class Body(NamedTuple):
 
         Bodies that are known in one frame and meet across a normal at this angle from its z axis
         are `turned(angle)` before `collide_pair`, and what comes out `turned(-angle)`.
+
+        Parameters
+        ----------
+        angle : rad; broadcasts with the fields
         """
         along, across = np.cos(angle), np.sin(angle)
         x, z, v_x, v_z = self.X, self.Z, self.c_x, self.c_z

@@ -14,6 +14,7 @@ from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
+from tqdm import tqdm as plain_bar
 from tqdm.auto import tqdm
 
 from .domains import InputError, whole
@@ -27,6 +28,7 @@ from .sources import code
 from .statistics import transient
 from .trajectory import Trajectory
 
+plain_bar.set_lock(threading.RLock())  # a semaphore would be left behind by a worker that is ended
 MOST_PERIODS = 10**7  # of a run
 LOSSES = tuple(f"{at}_{by}" for at in ("plate", "rods", "walls") for by in ("normal", "friction"))
 _SAVED = 60.0  # seconds from one checkpoint to the next

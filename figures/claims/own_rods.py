@@ -21,7 +21,7 @@ from .uncertainty import resampled
 
 
 def estimate(scene: str, quick: bool = False) -> str:
-    """Sentence on what is to be run, and how long it takes at most.
+    """Sentence on what is to be run, and about how long it takes.
 
     Parameters
     ----------
@@ -30,7 +30,8 @@ def estimate(scene: str, quick: bool = False) -> str:
     """
     points, cores = tilt_plan(quick, scene=scene).points, cpu_count()
     seconds = run_seconds([*points]) / cores
-    return f"{len(points)} runs, of which the store may hold some: {in_words(seconds)} at most"
+    time = f"about {in_words(seconds)}, compiling apart"
+    return f"{len(points)} runs, of which the store may hold some: {time}"
 
 
 def judged(scene: str, quick: bool = False) -> dict[str, Any]:
