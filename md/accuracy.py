@@ -52,7 +52,6 @@ CUT = 150, 400  # least and most periods that are left out at the start, of a fi
 SLOWER = 2  # an annulus settles so many times slower than a row
 PER_FREEDOM = 30  # periods that tell as much of a standard error as one independent number
 SEED_GAP = 10**6  # between the seeds of starts
-FALL = 3.0  # peak velocities of the plate at which dropped rods meet it
 MEASURED_PRICE = 3.0  # of a bias that is measured: longer steps besides, and its statistical error
 
 
@@ -277,12 +276,6 @@ def steps_per_contact(scene: Scene, dt: float) -> float:
     return min(contact_time(c.law, 2 * scene.plate_speed) for c in found) / dt
 
 
-def dropped(scene: Scene) -> Scene:
-    """The scene, its rods dropped so that they meet the plate `FALL` times as fast as it is."""
-    height = (FALL * scene.plate_speed) ** 2 / 2
-    return replace(scene, start=replace(scene.start, drop=max(scene.start.drop, height)))
-
-
 def stepped(scene: Scene, tolerance: float, *, measure_bias: bool = False) -> tuple[Scene, bool]:
     """The scene with the step that a tolerance takes, and whether its bias is measured.
 
@@ -294,7 +287,7 @@ def stepped(scene: Scene, tolerance: float, *, measure_bias: bool = False) -> tu
     own = any(c.law.name not in LAWS for c in vars(scene.contacts).values() if c is not None)
     doubled = measure_bias or own or tolerance < 2 * ALLOWANCE
     n = STEPS_PER_CONTACT * max(1.0, ALLOWANCE / tolerance)
-    longest, _ = stable_step(replace(dropped(scene), step=Step(coarse=True)))
+    longest, _ = stable_step(replace(scene, step=Step(coarse=True)))
     dt = min(steps_per_contact(scene, 1.0) / n, longest / (2 if doubled else 1))
     return replace(scene, step=Step(dt, coarse=True)), doubled
 
@@ -326,9 +319,8 @@ def run(
     max_seconds : of the run, without compiling, but for the first 320 periods, in an annulus 640,
         which are made in any case; where it will take more than twice as long, it ends early, with
         `accuracy.state` "not reached", or "not settled" if a trend is left
-    workers : independent starts, 2 (the default) to 64, which run at once, one a thread; every
-        second one drops its rods from higher up. Their drifts are pooled, all else that is
-        measured is of the first start. With a tolerance alone
+    workers : independent starts, 2 (the default) to 64, which run at once, one a thread; their
+        drifts are pooled, all else that is measured is of the first start. With a tolerance alone
     measure_bias : measure the bias of the step, by as many starts again with steps twice as long,
         also where the allowance of 0.5 % would do
     options : as of `simulation.run`: `periods` (200; without tolerance alone), `ledger`, `observe`,
@@ -370,13 +362,11 @@ def run(
 def starts_of(scene: Scene, starts: int, doubled: bool, options: dict[str, Any]) -> list[Run]:
     """Runs of a scene from other seeds; where `doubled`, as many again with steps twice as long.
 
-    Every second one is `dropped`: starts that are alike may all keep to one of several states. The
-    options, as those of `simulation.run`, are for the first one.
+    The options, as those of `simulation.run`, are for the first one.
     """
-    begun = [dropped(scene) if i % 2 else scene for i in range(starts)]
     scenes = [
-        replace(one, start=replace(one.start, seed=one.start.seed + SEED_GAP * i))
-        for i, one in enumerate(begun)
+        replace(scene, start=replace(scene.start, seed=scene.start.seed + SEED_GAP * i))
+        for i in range(starts)
     ]
     if doubled:
         assert scene.step.size is not None

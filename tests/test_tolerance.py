@@ -73,15 +73,14 @@ def test_a_run_that_was_ended_early_is_not_judged():
 
 
 def test_a_run_ends_as_soon_as_it_is_accurate():
-    """Its first start is the plain run of that step and length; rods of the second drop."""
+    """Its first start is the plain run of that step and that many periods."""
     result = md.run(DRIVEN, tolerance=0.3, floor=0.05)
     a = result.accuracy
     assert (a.state, a.starts, a.bias, a.bias_measured) == ("reached", 2, 0.0, False)
     assert result.scene == stepped(DRIVEN, 0.3)[0]
     plain = md.run(result.scene, periods=result.periods)
     np.testing.assert_array_equal(plain.c_x_series, result.c_x_series)
-    begun = {"seed": accuracy.SEED_GAP + 1, "drop": 4.5 * DRIVEN.plate_speed**2}
-    other = replace(result.scene, start=replace(result.scene.start, **begun))
+    other = replace(result.scene, start=replace(result.scene.start, seed=accuracy.SEED_GAP + 1))
     each = a.made // 2
     starts = [
         accuracy.History(one.c_x_series[:each], one.fell_series[:each])
@@ -106,8 +105,8 @@ def test_the_bias_is_measured_by_steps_twice_as_long():
     longer = replace(result.scene, step=md.Step(2 * result.scene.step.size, coarse=True))
     gap, each, means = accuracy.SEED_GAP, a.made // 4, []
     for scene in (result.scene, longer):
-        dropped = {"seed": scene.start.seed + gap, "drop": 4.5 * DRIVEN.plate_speed**2}
-        starts = [scene, replace(scene, start=replace(scene.start, **dropped))]
+        seeds = scene.start.seed, scene.start.seed + gap
+        starts = [replace(scene, start=replace(scene.start, seed=seed)) for seed in seeds]
         runs = [md.run(one, periods=each) for one in starts]
         histories = [accuracy.History(one.c_x_series, one.fell_series) for one in runs]
         means.append(accuracy.interval(histories))
