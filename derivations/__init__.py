@@ -75,10 +75,16 @@ if sys.argv[:1] == ["-m"]:  # a command: without a limit SymPy is a tenth faster
     os.environ.setdefault("SYMPY_CACHE_SIZE", "None")
 
 # isort: split
-from importlib.metadata import version
-
 from . import symbols
 from .lookup import equation, function
 
 __all__ = ["equation", "function", "symbols"]
-__version__ = version("rod-impact")
+
+
+def __getattr__(name: str) -> str:
+    """Version, found only when asked for; a checkout that is not installed has none."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("rod-impact")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

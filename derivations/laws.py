@@ -246,7 +246,8 @@ def _threshold_told(regime: str) -> str:
     at = {X: 1, Z: 1, k: 1, mu: sp.Rational(1, 5)}
     return so(
         r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below this",
-        *(_created(regime, kappa).subs(at), kappa),
+        _created(regime, kappa).subs(at),
+        kappa,
         energy_threshold(regime).subs(mobility()).subs(at),
     )
 
@@ -328,8 +329,9 @@ EQUATIONS = (
         "laws: energy, thin rod",
         lambda: so(
             "restitution above which Newton's law can create energy in slip-stick, thin rod",
-            *(second_routes.energy_created("stick").subs(THIN).subs({length: 1, phi: _LEAST}),),
-            *(epsilon, thin_threshold().subs(phi, _LEAST)),
+            second_routes.energy_created("stick").subs(THIN).subs({length: 1, phi: _LEAST}),
+            epsilon,
+            thin_threshold().subs(phi, _LEAST),
         ),
         r"\epsilon_c",
         derive=thin_threshold,
@@ -337,7 +339,9 @@ EQUATIONS = (
         check=lambda form: (_created("stick", (1 - form) / (1 + form)).subs(THIN),),
         note=lambda: so(
             f"least at {degrees(_LEAST)}, {thin_threshold().subs(phi, _LEAST)}",
-            *(thin_threshold(), phi, _LEAST),
+            thin_threshold(),
+            phi,
+            _LEAST,
         ),
     ),
 )

@@ -238,7 +238,9 @@ EQUATIONS = (
         "Painleve: thin rod",
         lambda: so(
             r"$\tan\phi$ at which that friction is least for a thin rod, and that friction",
-            *(_over_tilt(), T, least_painleve_friction()[0]),
+            _over_tilt(),
+            T,
+            least_painleve_friction()[0],
         ),
         r"(\tan\phi, \mu_P)",
         derive=least_painleve_friction,

@@ -216,7 +216,9 @@ EQUATIONS = (
         "IV: no reversal above 3/5",
         lambda: so(
             "largest friction of a reversal",
-            *(over_tangent(critical_friction()), T, largest_reversal_friction()[1]),
+            over_tangent(critical_friction()),
+            T,
+            largest_reversal_friction()[1],
         ),
         r"\max_\phi \mu",
         verdict="erratum",

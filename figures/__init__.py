@@ -31,12 +31,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib import import_module
-from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 
 __all__ = ["FIGURES", "Entry", "check", "load"]
-__version__ = version("rod-impact")
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,3 +102,12 @@ def load(name: str) -> ModuleType:
     """
     check([name])
     return import_module(f".{FIGURES[name].room}.{name}", __name__)
+
+
+def __getattr__(name: str) -> str:
+    """Version, found only when asked for; a checkout that is not installed has none."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("rod-impact")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

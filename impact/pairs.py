@@ -48,10 +48,11 @@ class Body(NamedTuple):
         angle : rad; broadcasts with the fields
         """
         along, across = np.cos(angle), np.sin(angle)
-        x, z, v_x, v_z = self.X, self.Z, self.c_x, self.c_z
-        place = {"X": along * x - across * z, "Z": across * x + along * z}
         return self._replace(
-            **place, c_x=along * v_x - across * v_z, c_z=across * v_x + along * v_z
+            X=along * self.X - across * self.Z,
+            Z=across * self.X + along * self.Z,
+            c_x=along * self.c_x - across * self.c_z,
+            c_z=across * self.c_x + along * self.c_z,
         )
 
 

@@ -362,7 +362,7 @@ def run(
 def starts_of(scene: Scene, starts: int, doubled: bool, options: dict[str, Any]) -> list[Run]:
     """Runs of a scene from other seeds; where `doubled`, as many again with steps twice as long.
 
-    The options, as those of `simulation.run`, are for the first one.
+    The options, as those of `simulation.run`, are for the first one; `ledger` is for all.
     """
     scenes = [
         replace(scene, start=replace(scene.start, seed=scene.start.seed + SEED_GAP * i))
