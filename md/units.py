@@ -17,6 +17,7 @@ import re
 import tomllib
 from collections.abc import Callable, Mapping
 from copy import deepcopy
+from functools import cache
 from math import pi, sqrt
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -117,8 +118,11 @@ def in_cm(tables: Mapping) -> dict[str, float]:
     }
 
 
-_TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-_ABOUT = {name: (unit, text) for unit, names in _TABLES.items() for name, text in names.items()}
+@cache
+def _measured() -> dict[str, tuple[str, str]]:
+    """Unit and long name of all that is measured, by its name."""
+    tables = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+    return {name: (unit, text) for unit, names in tables.items() for name, text in names.items()}
 
 
 def error_of(name: str) -> str:
@@ -135,12 +139,12 @@ def labelled(*given: Mapping) -> Any:
     """
     from xarray import Dataset  # late: no run needs it
 
-    found = Dataset(*given)
+    found, about = Dataset(*given), _measured()
     for name, array in found.variables.items():
         key = name.replace(".stderr", ".mean").replace("_stderr", "")
         error = "standard error: " * (key != name)
-        while key and key not in _ABOUT:
+        while key and key not in about:
             key = key.partition(".")[2]
-        unit, text = _ABOUT.get(key, ("", name))
+        unit, text = about.get(key, ("", name))
         array.attrs = {"units": unit, "long_name": error + text}
     return found.rename({name: name.replace(".", "_") for name in {*found.variables, *found.dims}})
