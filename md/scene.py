@@ -11,6 +11,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from difflib import get_close_matches
 from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
 from operator import attrgetter
 from pathlib import Path
@@ -293,8 +294,13 @@ def _contact(name: str, table: Mapping) -> Contact:
     law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
     if law not in [*LAWS]:
         raise InputError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
-    takes = inspect.signature(LAWS[law]).parameters
-    for key in options.keys() - takes.keys():
+    options_of = {one: inspect.signature(make).parameters for one, make in LAWS.items()}
+    takes = options_of[law]
+    for key in [one for one in options if one not in takes]:
+        of_another = any(key in others for others in options_of.values())
+        near = get_close_matches(key, ["law", "friction", *takes], 1)
+        if near and not of_another:
+            raise InputError(f"{name}.{key} is not a key: do you mean {name}.{near[0]}?")
         raise InputError(
             f"{name}.{key} is not for the law {law}, which takes {', '.join(takes)}: "
             f"take it out (--set {name}.{key}=none)"
