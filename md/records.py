@@ -121,7 +121,7 @@ def landings(rows: Sequence[np.ndarray], result: Result) -> np.ndarray:
 
 
 def to_xarray(found: np.ndarray) -> Any:
-    """Touches or landings as `xarray.Dataset` along "touch"; `.to_dataframe()` makes a table.
+    """Touches or landings as `xarray.Dataset`; `.to_dataframe()` makes a table.
 
     Parameters
     ----------
@@ -129,9 +129,12 @@ def to_xarray(found: np.ndarray) -> Any:
 
     Returns
     -------
-    Dataset of the same columns, with `units` and `long_name` in their `attrs`.
+    Dataset of the same columns along "touch" or "landing", with `long_name` and, but for pure
+    numbers, `units` in their `attrs`.
     """
-    return labelled({name: ("touch", found[name]) for name in found.dtype.names or ()})
+    names = found.dtype.names or ()
+    along = "landing" if "touches" in names else "touch"
+    return labelled({name: (along, found[name]) for name in names})
 
 
 def _structured(rows: np.ndarray, names: dict[str, int], result: Result) -> np.ndarray:

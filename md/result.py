@@ -257,10 +257,11 @@ def _touches(r: Result) -> list[str]:
 def _cost(r: Result) -> list[str]:
     unit = "periods" if r.scene.vibrates else "sqrt(d/g)"
     seconds = r.periods / r.scene.frequency * r.scene.rods.diameter_cm / r.scene.cm_per_s
-    transient = f"of which the first {r.discarded} are not in the means"
-    but = " but c_x" if r.accuracy else ""
+    left_out = f"the first {r.discarded} are left out of the means"
+    if r.accuracy:
+        left_out += " (for c_x: what each start took to settle)"
     ended = "" if r.finished else "; interrupted"
-    lines = [f"{unit:12} {r.periods} = {seconds:.4g} s, {transient}{but}{ended}"]
+    lines = [f"{unit:12} {r.periods} = {seconds:.4g} s; {left_out}{ended}"]
     if r.scene.vibrates and r.accuracy is None:
         if r.settled is False:
             few = "not settled: drift or falls trend behind the transient; ask for more periods"

@@ -146,5 +146,5 @@ def labelled(*given: Mapping) -> Any:
         while key and key not in about:
             key = key.partition(".")[2]
         unit, text = about.get(key, ("", name))
-        array.attrs = {"units": unit, "long_name": error + text}
+        array.attrs = {"long_name": error + text} | ({"units": unit} if unit else {})
     return found.rename({name: name.replace(".", "_") for name in {*found.variables, *found.dims}})
