@@ -8,13 +8,15 @@ position: labels (pandas, xarray) that say otherwise raise, equal ones are dropp
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from enum import IntEnum
 from functools import cache, reduce
+from html import escape
 from itertools import combinations
 from operator import index
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
 LARGE = 2**22 - 2**10  # numbers: just below 32 MiB, the most that glibc learns from
+T = TypeVar("T")
 BLOCK = 8192  # elements in flight; a block's temporaries stay in the second-level cache
 
 
@@ -25,6 +27,32 @@ class InputError(ValueError, TypeError):
     """
 
     exit_code = 2  # of a command that it ends
+
+
+def _texts(result: Any) -> list[tuple[str, str]]:
+    """Fields of a named tuple as text: six digits of a number, of long arrays the ends."""
+    with np.printoptions(threshold=6, edgeitems=2, precision=6):
+        return [
+            (name, f"{value:.6g}" if isinstance(value, float | np.floating) else f"{value!r}")
+            for name, value in result._asdict().items()
+        ]
+
+
+def _brief(result: Any) -> str:
+    fields = ", ".join(f"{name}={text}" for name, text in _texts(result))
+    return f"{type(result).__name__}({fields})"
+
+
+def _table(result: Any) -> str:
+    rows = (f"<tr><td>{name}</td><td>{escape(text)}</td></tr>" for name, text in _texts(result))
+    return f"<table>{''.join(rows)}</table>"
+
+
+def shown(kind: type[T]) -> type[T]:
+    """Decorate a named tuple: a line as its text, a table in a notebook."""
+    kind.__repr__ = _brief  # type: ignore[method-assign]
+    kind._repr_html_ = _table  # type: ignore[attr-defined]
+    return kind
 
 
 class Domain(NamedTuple):

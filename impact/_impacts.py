@@ -13,13 +13,6 @@ from .geometry import ContactGeometry
 SMALL, LARGE, LARGE_FRICTION = 1e-70, 1e70, 1e60
 
 
-def brief(result: Any) -> str:
-    """Fields of a named tuple in a line, of long arrays the ends."""
-    with np.printoptions(threshold=6, edgeitems=2, precision=6):
-        fields = ", ".join(f"{name}={value!r}" for name, value in result._asdict().items())
-    return f"{type(result).__name__}({fields})"
-
-
 class Regime(IntEnum):
     """What the contact point does during an impact."""
 

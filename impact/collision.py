@@ -7,13 +7,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _kernel as kernel
-from ._arguments import InputError, evaluated
-from ._impacts import Regime, brief, ordinary
+from ._arguments import InputError, evaluated, shown
+from ._impacts import Regime, ordinary
 from .geometry import ContactGeometry, lengths_of
 
 LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.stronge}
 
 
+@shown
 class Collision(NamedTuple):
     """State after an impact; every field has the broadcast shape of the arguments.
 
@@ -36,9 +37,6 @@ class Collision(NamedTuple):
     slip_velocity: Any
     normal_velocity: Any
     energy_change: Any
-
-    def __repr__(self) -> str:
-        return brief(self)
 
 
 def exponent(*values: Any) -> Any:

@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import InputError, Labelled, evaluated, labels_of
+from ._arguments import InputError, Labelled, evaluated, labels_of, shown
 
 
+@shown
 class ContactGeometry(NamedTuple):
     """Contact geometry: three lengths in one unit, numbers or arrays that broadcast.
 

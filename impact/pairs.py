@@ -7,8 +7,8 @@ import numpy as np
 
 from . import _generated as closed
 from . import _kernel as kernel
-from ._arguments import InputError, evaluated
-from ._impacts import Regime, brief
+from ._arguments import InputError, evaluated, shown
+from ._impacts import Regime
 from ._select import select
 from ._twofold import Twofold, quotient
 from .collision import exponent, law_of
@@ -17,6 +17,7 @@ SHORT = 2.0**-100  # gyration radius over the lever; a shorter one gives the sam
 SMALL, LARGE = 1e-15, 1e15  # lengths, speeds, masses between these need no scale
 
 
+@shown
 class Body(NamedTuple):
     """A rigid body that meets another one, moving in a plane; numbers or arrays that broadcast.
 
@@ -56,6 +57,7 @@ class Body(NamedTuple):
         )
 
 
+@shown
 class PairCollision(NamedTuple):
     """State after an impact of two bodies; fields have the broadcast shape of the arguments.
 
@@ -75,9 +77,6 @@ class PairCollision(NamedTuple):
     P_x: Any
     P_z: Any
     energy_change: Any
-
-    def __repr__(self) -> str:
-        return brief(self)
 
 
 def _arguments(name: str, body: Body) -> dict[str, Any]:

@@ -6,11 +6,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import POSITIVE, InputError, count, evaluated, real_array
+from ._arguments import (
+    POSITIVE,
+    InputError,
+    count,
+    evaluated,
+    real_array,
+    shown,
+)
 from ._impacts import Regime
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
+@shown
 class Drift(NamedTuple):
     """Velocity of the centre of mass, the same at every landing.
 
@@ -159,6 +167,7 @@ def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) ->
     return evaluated(block, {**lengths_of(geometry), **given})[0]
 
 
+@shown
 class Optimum(NamedTuple):
     """The tilt at which a thin rod drifts fastest.
 

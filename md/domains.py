@@ -4,6 +4,7 @@ A message names key, value and what is allowed. The two errors are those that a 
 any other is a mistake of this package.
 """
 
+import html
 import re
 from collections.abc import Mapping
 from functools import cache
@@ -144,6 +145,11 @@ def fields_held(name: str, values: Any, kind: Any) -> Any:
 def hints(kind: Any) -> dict[str, Any]:
     """Type hints of a class, by the names of its fields."""
     return get_type_hints(kind, include_extras=True)
+
+
+def in_notebook(thing: object) -> str:
+    """What a notebook shows of a thing: its text; stands in a class as `_repr_html_`."""
+    return f"<pre>{html.escape(str(thing))}</pre>"
 
 
 class Part:

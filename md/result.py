@@ -1,6 +1,5 @@
 """What a run measured: numbers, and the text that the command prints of them."""
 
-import html
 from dataclasses import asdict, dataclass
 from math import isfinite, isnan
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 import numba
 import numpy as np
 
+from .domains import in_notebook
 from .measures import wedged_periods
 from .scene import Scene, as_dict
 from .sources import code
@@ -119,14 +119,13 @@ class Result:
     accuracy: Accuracy | None = None
 
     def __repr__(self) -> str:
-        drift = f"{self.c_x_cm_s:.4g} +- {self.c_x_stderr_cm_s:.2g} cm/s"
-        return f"<Result: {drift} at {self.tilt_deg:.3g} degrees, {self.periods} periods>"
+        drift = _with_error(self.c_x_cm_s, self.c_x_stderr_cm_s)
+        return f"<Result: {drift} cm/s at {self.tilt_deg:.3g} degrees, {self.periods} periods>"
 
     def __str__(self) -> str:
-        return f"{scene_text(self.scene)}\n{result_text(self)}"
+        return f"{self.scene}\n{result_text(self)}"
 
-    def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(str(self))}</pre>"
+    _repr_html_ = in_notebook
 
     @property
     def c_x_cm_s(self) -> float:
@@ -192,23 +191,6 @@ def finite(value: Any) -> Any:
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value
-
-
-def scene_text(scene: Scene) -> str:
-    """What was there, in cm and Hz."""
-    cm = {key: f"{value:.4g}" for key, value in in_cm(as_dict(scene)).items()}
-    size, where = f"{cm['rods.length_cm']} by {scene.rods.diameter_cm:.4g} cm", ""
-    if scene.box is not None:
-        where = f", in a box of {cm['box.length_cm']} cm that repeats"
-    if scene.annulus is not None:
-        radii = f"{cm['annulus.inner_cm']} and {cm['annulus.outer_cm']}"
-        where = f", between cylinders with radii of {radii} cm"
-    text = f"rods         {scene.rods.count} of {size}{where}"
-    if scene.plate is not None and scene.vibrates:
-        gamma = f"{scene.plate.frequency_hz:g} Hz, Gamma = {scene.plate.acceleration:.4g}"
-        speed = f"V_0 = {cm['plate.velocity_cm_s']} cm/s"
-        text += f"\nplate        {gamma}, amplitude {cm['plate.amplitude_cm']} cm, {speed}"
-    return text
 
 
 def result_text(result: Result) -> str:

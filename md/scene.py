@@ -17,11 +17,11 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, get_args
 
-from .domains import InputError, Part, hints
+from .domains import InputError, Part, hints, in_notebook
 from .files import text_of
 from .laws import LAWS, Law
 from .rod import Inertia, Length
-from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, reduced, rivals
+from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, in_cm, reduced, rivals
 
 SCENES = Path(__file__).parent / "scenes"
 GAP = 1e-6  # d, between rods and over the plate at the start: if they touched, rounding would push
@@ -275,9 +275,32 @@ class Scene(Part):
         fall = sqrt(2 * pull * self.start.drop)
         return max(2 * self.plate_speed + fall + self.start.speed, 0.1)
 
+    def __repr__(self) -> str:
+        parts = (" ".join(line.split()) for line in str(self).splitlines())
+        return f"<Scene: {'; '.join(parts)}>"
+
+    def __str__(self) -> str:
+        """What there is, in cm and Hz."""
+        cm = {key: f"{value:.4g}" for key, value in in_cm(as_dict(self)).items()}
+        size, where = f"{cm['rods.length_cm']} by {self.rods.diameter_cm:.4g} cm", ""
+        if self.box is not None:
+            where = f", in a box of {cm['box.length_cm']} cm that repeats"
+        if self.annulus is not None:
+            radii = f"{cm['annulus.inner_cm']} and {cm['annulus.outer_cm']}"
+            where = f", between cylinders with radii of {radii} cm"
+        text = f"rods         {self.rods.count} of {size}{where}"
+        if self.plate is not None and self.vibrates:
+            gamma = f"{self.plate.frequency_hz:g} Hz, Gamma = {self.plate.acceleration:.4g}"
+            speed = f"V_0 = {cm['plate.velocity_cm_s']} cm/s"
+            text += f"\nplate        {gamma}, amplitude {cm['plate.amplitude_cm']} cm, {speed}"
+        return text
+
+    _repr_html_ = in_notebook
+
     def digest(self) -> str:
         """Twelve hexadecimal digits that stand for the scene."""
-        return hashlib.sha256(repr(self).encode()).hexdigest()[:12]
+        parts = ", ".join(f"{name}={part!r}" for name, part in vars(self).items())
+        return hashlib.sha256(f"Scene({parts})".encode()).hexdigest()[:12]
 
 
 def as_dict(part: Any) -> Any:

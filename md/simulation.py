@@ -14,8 +14,8 @@ from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
+from tqdm import TqdmWarning
 from tqdm import tqdm as plain_bar
-from tqdm.auto import tqdm
 
 from .domains import InputError, whole
 from .files import NotWritten, distinct, replacing, warn, writable
@@ -28,6 +28,11 @@ from .sources import code
 from .statistics import transient
 from .trajectory import Trajectory
 
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore", TqdmWarning)  # a notebook without ipywidgets shows no bar
+    from tqdm.auto import tqdm
+
+progress_bar = tqdm
 plain_bar.set_lock(threading.RLock())  # a semaphore would be left behind by a worker that is ended
 MOST_PERIODS = 10**7  # of a run
 LOSSES = tuple(f"{at}_{by}" for at in ("plate", "rods", "walls") for by in ("normal", "friction"))
@@ -110,7 +115,7 @@ class Run:
         self.lost: dict[str, str] = {}  # why a file is not whole
         self.engine = engine = prepare(scene, ledger=ledger)
         self.tables = Tables(engine, periods)
-        self.bar = tqdm(  # None: on a terminal and in a notebook
+        self.bar = progress_bar(  # None: on a terminal and in a notebook
             total=periods, unit=" periods", delay=2, disable=None if progress else True
         )
         words = "compiling the kernels for such a scene, once: 10 to 30 s"

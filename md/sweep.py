@@ -53,15 +53,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
-from tqdm import tqdm
 
 from . import sources
 from .accuracy import MAX_SECONDS, checked, run, stepped
-from .domains import InputError, RunError, held, listed, span, tabled, whole
+from .domains import InputError, RunError, held, in_notebook, listed, span, tabled, whole
 from .host import step_of
 from .interrupt import deferred
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
-from .simulation import MOST_PERIODS
+from .simulation import MOST_PERIODS, progress_bar
 from .store import Store, named
 from .units import error_of, labelled
 
@@ -149,6 +148,12 @@ class Sweep:
     def __repr__(self) -> str:
         grid = " x ".join(map(str, self.shape)) or "1"
         return f"<Sweep: {grid} points over {', '.join(next(iter(a)) for a in self.axes)}>"
+
+    def __str__(self) -> str:
+        lines = [f"{key} = {values}" for axis in self.axes for key, values in axis.items()]
+        return "\n".join([f"{len(self.points)} points", *lines])
+
+    _repr_html_ = in_notebook
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -445,7 +450,7 @@ def execute(
     with _backend(scheduler), Store(store) as database:  # refused before there is a store
         wanted = [p for key, p in points.items() if not database.has(key, failed=not retry)]
         tally = Tally(len(sweep.points), len(points), len(points) - len(wanted))
-        bar = tqdm(total=len(wanted), unit=" runs", disable=None if progress else True)
+        bar = progress_bar(total=len(wanted), unit=" runs", disable=None if progress else True)
         processes = min(cpu_count() if workers == -1 else workers, max(len(wanted), 1))
         results = _survived(wanted, -1 if scheduler else processes)
         try:

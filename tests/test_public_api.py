@@ -262,3 +262,17 @@ def test_memory_in_flight_is_bounded():
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak <= 40 * 8 * n
+
+
+def test_results_are_told_in_a_line_and_shown_as_a_table():
+    """Without the types of NumPy; a long array by its ends."""
+    drift = call("drift")
+    assert repr(drift).startswith(f"Drift(c_x={drift.c_x:.6g}, c_z={drift.c_z:.6g}, regime=<Regime")
+    several = call("collide", c_x=np.linspace(0, 1, 200))
+    for result in (call("collide"), call("collide_pair"), ROD, several):
+        assert "np." not in repr(result)
+        assert len(repr(result).splitlines()) == 1
+        assert len(repr(result)) < 900
+    rows = call("collide")._repr_html_().split("<tr>")[1:]
+    assert [row.partition("</td>")[0] for row in rows] == [f"<td>{x}" for x in several._fields]
+    assert "&lt;Regime.SLIP_REVERSAL" in rows[3]

@@ -6,6 +6,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pytest
 
+import figures
+import md
+
 from .command_line import ROOT
 from .test_documentation import PUBLIC
 
@@ -52,3 +55,26 @@ def test_cheap_notebooks_run(name, tmp_path, monkeypatch):
         assert plt.get_fignums()
     finally:
         plt.close("all")
+
+
+def test_a_notebook_shows_a_picture_once(monkeypatch):
+    """As the value of the cell: an open figure would be shown again at its end."""
+    fig11 = figures.load("fig11")
+    d = fig11.data(quick=True)
+    assert plt.fignum_exists(fig11.draw(d).number)
+    plt.close("all")
+    monkeypatch.setattr(plt, "get_backend", lambda: "inline")
+    assert fig11.draw(d).axes
+    assert not plt.get_fignums()
+
+
+def test_a_notebook_shows_a_scene_and_a_sweep_as_the_command_prints_them():
+    """In one line as the value of a name, in several as a text."""
+    scene = md.load("annulus")
+    assert repr(scene).startswith("<Scene: rods 44 of 5.08 by 0.635 cm, between cylinders")
+    sweep = md.sweep.expand({"scene": "single_rod", "axes": [{"start.seed": [1, 2]}]})
+    assert str(sweep) == "2 points\nstart.seed = [1, 2]"
+    for thing in (scene, sweep):
+        assert "\n" not in repr(thing)
+        assert len(str(thing).splitlines()) == 2
+        assert thing._repr_html_() == f"<pre>{thing}</pre>"

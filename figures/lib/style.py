@@ -1,6 +1,7 @@
 """Look of the figures: style, colours, panels, curves with errors, the boundary of reversal."""
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import wraps
 from pathlib import Path
 from string import ascii_lowercase
 from typing import Any
@@ -18,7 +19,23 @@ from impact import Regime, critical_tilts, slide_friction, spherocylinder, thin_
 Data = dict[str, np.ndarray]  # of a figure: arrays by name
 Look = dict[str, Any]  # options of Matplotlib
 
-style = plt.style.context(Path(__file__).parents[1] / "style.mplstyle")  # decorates each `draw`
+_LOOK = plt.style.context(Path(__file__).parents[1] / "style.mplstyle")
+
+
+def style(draw: Callable[..., Figure]) -> Callable[..., Figure]:
+    """Decorate a `draw`: it has our look, and a notebook shows what it returns, once."""
+
+    drawn = _LOOK(draw)
+
+    @wraps(draw)
+    def styled(*given: Any, **named: Any) -> Figure:
+        figure = drawn(*given, **named)
+        if "inline" in plt.get_backend():
+            plt.close(figure)
+        return figure
+
+    return styled
+
 
 BLACK, ORANGE, GREEN, BLUE = "#000000", "#E69F00", "#009E73", "#0072B2"
 RED, SKY, PURPLE = "#D55E00", "#56B4E9", "#AA4A84"

@@ -2,8 +2,11 @@
 
 import re
 from importlib import metadata
+from pathlib import Path
 
+import nbformat
 from docutils.nodes import SkipNode
+from myst_nb.core.read import read_myst_markdown_notebook
 
 from derivations.typeset import mathml
 
@@ -38,8 +41,26 @@ def _sections(app, what, name, thing, options, lines):
     lines[:] = text.split("\n")
 
 
+def _write_notebooks(app):
+    """Each notebook as a file to download, beside its page."""
+    folder = Path(app.outdir, "notebooks")
+    folder.mkdir(parents=True, exist_ok=True)
+    for page in Path(app.srcdir, "notebooks").glob("*.md"):
+        notebook = read_myst_markdown_notebook(page.read_text(encoding="utf-8"))
+        nbformat.write(notebook, folder / f"{page.stem}.ipynb")
+
+
+def _link_notebook(app, name, source):
+    folder, _, stem = name.rpartition("/")
+    if folder == "notebooks":
+        link = f'<a href="{stem}.ipynb" download>Download this page as a Jupyter notebook</a>'
+        source[0] = re.sub("^# .+\n", rf"\g<0>\n{link}\n", source[0], count=1, flags=re.M)
+
+
 def setup(app):
     """Register the formulas and the docstrings' layout; fields stand in the docstrings."""
+    app.connect("builder-inited", _write_notebooks)
+    app.connect("source-read", _link_notebook)
     app.add_html_math_renderer("mathml", _formula(False), _formula(True))
     app.connect("autodoc-process-docstring", _sections)
     app.connect("autodoc-skip-member", lambda *of: type(of[3]).__name__ == "_tuplegetter" or None)
