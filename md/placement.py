@@ -1,11 +1,12 @@
 """Where rods can be in the gap of an annulus: the largest tilt of one, and a start for many."""
 
 from collections.abc import Iterator
-from math import asin, cos, pi, sin, sqrt
+from math import acos, asin, cos, pi, sin, sqrt
 
 import numpy as np
 from scipy.optimize import brentq, minimize
 from scipy.spatial import cKDTree
+from tqdm import tqdm
 
 from .domains import InputError
 from .kernels.codes import DIRECTOR, SPACE_COLUMNS, VELOCITY
@@ -62,11 +63,12 @@ def placed(
     """
     radii = f"{gap.inner:g} and {gap.outer:g}"
     refused = f"rods.count {count} do not fit into the annulus of radii {radii}"
-    if count > 4 * (gap.outer**2 - gap.inner**2):
-        raise InputError(f"{refused}: upright ones fill its area")
+    if count > (fit := _most_upright(gap)):
+        raise InputError(f"{refused}: at most {fit} do, upright")
     half, most = (length - 1) / 2, largest_tilt(gap, length)
     lean = min(_filling(gap, count, half, most) if tilt is None else tilt, 0.98 * most)
-    for part in (1.0, 0.97, 0.93, 0.85, 0.7, 0.4, 0.0):  # what does not fit is tried steeper
+    parts = (1.0, 0.97, 0.93, 0.85, 0.7, 0.4, 0.0)  # what does not fit is tried steeper
+    for part in tqdm(parts, "placing rods", unit="try", leave=False, disable=None):
         rods = _zigzag(gap, count, half, part * lean, np.random.default_rng(seed))
         _push_apart(gap, rods, half)
         left = overlap(gap, rods, half)
@@ -75,6 +77,19 @@ def placed(
     raise InputError(
         f"{refused}: pushed apart as far as they go, overlaps of {max(left, 0.0):.2g} d are left"
     )
+
+
+def _most_upright(gap: Annulus) -> int:
+    """Largest number of rods, or more: their lower caps lie at one height, and none in another.
+
+    In a gap below two diameters each cap has a turn around the axis to itself, the least where its
+    neighbour stands at the other wall, or both at the outer one; in a wider gap an area.
+    """
+    low, high = gap.inner + 0.5, gap.outer - 0.5
+    if high - low >= 1:
+        return int(4 * (gap.outer**2 - gap.inner**2))
+    across = (low**2 + high**2 - 1) / (2 * low * high)  # cosine of the turn
+    return int(2 * pi / acos(max(across, 1 - 0.5 / high**2)))
 
 
 def _zigzag(

@@ -65,8 +65,11 @@ def test_an_odd_ring_starts_tilted_as_an_even_one():
 
 
 def test_what_does_not_fit_is_refused():
-    with pytest.raises(ValueError, match=r"rods.count 60 do not fit into the annulus"):
-        prepare(ring("rods.count=60"))
+    with pytest.raises(ValueError, match=r"rods.count 59 do not fit .*: at most 58 do, upright"):
+        placed(EXPERIMENT, 59, 8.0)
+    assert len(placed(EXPERIMENT, 58, 8.0)) == 58
+    with pytest.raises(ValueError, match=r"rods.count 225 do not fit .*: at most 224 do"):
+        placed(md.Annulus(5.0, 9.0), 225, 8.0)
     with pytest.raises(ValueError, match="length must be at least 1"):
         largest_tilt(EXPERIMENT, 0.5)
 
