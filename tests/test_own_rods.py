@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+import derivations
 import figures
 import md
 from figures.__main__ import main
@@ -146,3 +147,30 @@ def test_a_scene_that_is_edited_is_read_again_and_may_be_plastic(mine):
     assert runs.row_of(str(mine)).setting["restitution"] == 0.5
     mine.write_text(SCENE.replace("restitution = 0.5", "restitution = 0"))
     assert runs.row_of(str(mine)).setting["restitution"] == 0.0
+
+
+def test_an_equation_of_a_thin_rod_says_so():
+    """To who gives it a geometry of one's own; a general one is asked for nothing of the kind."""
+    thin = "it is for a thin rod alone, .24., .25., .27., .28. for any X, Z, k"
+    with pytest.raises(TypeError, match=thin):
+        derivations.function("29")(X=0.25, Z=0.5, k=0.3, mu=0.3, epsilon=0.65, V_z=1.0)
+    for tag, given in (("29", {"mu": 0.3}), ("27", {"X": 0.25})):
+        with pytest.raises(TypeError) as error:
+            derivations.function(tag)(**given)
+        assert "thin rod" not in str(error.value)
+
+
+def test_labelled_arrays_have_units_where_there_are_any():
+    """So that a plot has no empty brackets; landings lie along an axis of their own."""
+    rows = []
+    result = md.run(md.load("single_rod"), periods=20, observe=rows.append)
+    touches = md.records.to_xarray(md.records.touches(rows, result))
+    landings = md.records.to_xarray(md.records.landings(rows, result))
+    assert (*touches.dims, *landings.dims) == ("touch", "landing")
+    assert "units" not in landings.touches.attrs
+    assert touches.c_x_before.attrs["units"] == "sqrt(g d)"
+
+
+def test_it_is_said_which_periods_are_left_out_of_the_means():
+    result = md.run(md.load("single_rod"), periods=20)
+    assert "periods      20 = 0.3333 s; the first 4 are left out of the means\n" in str(result)

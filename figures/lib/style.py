@@ -24,7 +24,6 @@ _LOOK = plt.style.context(Path(__file__).parents[1] / "style.mplstyle")
 
 def style(draw: Callable[..., Figure]) -> Callable[..., Figure]:
     """Decorate a `draw`: it has our look, and a notebook shows what it returns, once."""
-
     drawn = _LOOK(draw)
 
     @wraps(draw)
