@@ -28,6 +28,7 @@ landing_phases                      landing phases by the flux of impacts, and V
 laws, pairs                         other restitutions, energy; any two bodies
 statements                          sentences of the text; dimensions of Appendix A
 second_routes                       whole impacts from conservation laws, for the proofs
+texts                               what sentences say of equations and letters, compared
 registry                            all entries: the paper's way first, then what is new
 rewrites                            rules that make a form compute well, each one proved
 closed_forms                        what generated functions compute (functions.toml: how)
@@ -55,7 +56,8 @@ To add an equation
    it; a result that the paper does not have is "new" and needs a second route, `check` (module
    `proof`). Numbers in a note are computed; words that hang on a computation are said by
    `lecture.so`, which refuses them where it is not so. Formulas in sentences stand between dollar
-   signs; a left side such as v_f - v_1 is read and has its step's value (module `trace`).
+   signs; a left side such as v_f - v_1 is read and has its step's value (module `trace`). Its
+   letters stand in lecture.toml, with their dimensions; "(5)" is what was taken (module `texts`).
 3. If it should be a function: a `Function` in `closed_forms.py` derives its outputs;
    functions.toml has its words, and the assignments that make it compute well (module `rewrites`).
 4. An algorithm goes into impact/_kernel.py, and what it returns, as derived, into `kernel.py`.

@@ -22,7 +22,7 @@ def mass_and_inertia(profile: Profile, density: sp.Expr) -> tuple[sp.Expr, sp.Ex
     return sp.expand(mass), sp.expand(inertia)
 
 
-@derived("m", "I")
+@derived("m/m_s", "I/(m_s d^2)")
 def spherocylinder() -> tuple[sp.Expr, sp.Expr]:
     """Mass and inertia in units of the virtual sphere: diameter 1, mass 1; length $h_0 + 1$."""
     half, density = h_0 / 2, 6 / sp.pi
@@ -137,13 +137,13 @@ BEYOND = (
     Equation(
         "[12]: mass",
         "mass of a spherocylinder, in virtual spheres",
-        "m",
+        "m/m_s",
         derive=lambda: spherocylinder()[0],
     ),
     Equation(
         "[12]: inertia",
         "moment of inertia of a spherocylinder",
-        "I",
+        "I/(m_s d^2)",
         verdict="erratum",
         derive=lambda: spherocylinder()[1],
         contradicted_by=("[12]: mass",),

@@ -20,6 +20,7 @@ from .rewrites import (
     K_z,
     N,
     T,
+    responses,
 )
 from .slide import stop
 from .slip_stick import sticking_force
@@ -124,9 +125,7 @@ def _of_levers(form: sp.Expr) -> sp.Expr:
 FUNCTIONS: tuple[Function, ...] = (
     # ---- the impact map ----
     Function.read("approach", approach),
-    Function.read(
-        "slip_response", lambda: {"N": RESPONSES[N], "T": RESPONSES[T]}, COLLECT_FRICTION
-    ),
+    Function.read("slip_response", lambda: {x: responses()[x] for x in (N, T)}, COLLECT_FRICTION),
     Function.read(
         "slide",
         lambda: {
@@ -160,11 +159,16 @@ FUNCTIONS: tuple[Function, ...] = (
     ),
     Function.read("stick", _sticking, meaning=SQUARES),
     Function.read(
-        "stick_response", lambda: {"N_stick": k**2 * laws.slopes()["stick"]}, meaning=SQUARES
+        "stick_response",
+        lambda: {"N_stick": k**2 * laws.slopes()["stick"].subs(_one)},
+        meaning=SQUARES,
     ),
     Function.read(
         "slopes",
-        lambda: {"w": laws.a_2 * stop()[1].subs(_one), "r": laws.a_2 / laws.slopes()["slip"]},
+        lambda: {
+            "w": laws.a_2 * stop()[1].subs(_one),
+            "r": laws.a_2 / laws.slopes()["slip"].subs(_one),
+        },
         meaning={**RESPONSES, _N_after: k**2 * laws.a_2, _j_1: stop()[1].subs(_one) / k**2},
     ),
     *(

@@ -21,6 +21,7 @@ from .bodies import THIN
 from .lecture import TEXTS
 from .newton import contact_change
 from .symbols import NAMED, P_1, F_z, P_x, P_z, epsilon, k, length, m, mu, phi, u_0, v_0
+from .trace import LEFTS
 
 BLUE, ORANGE, GREEN, PINK, GREY = "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#5b6570"
 STYLE = {
@@ -143,13 +144,13 @@ def impulses(regime: str) -> Figure:
     top = (2 if regime == "slide" else 1.25) * max(end[1] for end in ends.values())
     reach = np.array([0, top])
     du, dv = contact_change(P_x, P_z)
-    for line, color, style, word in (
-        (u_0 + du, PINK, "--", "$u = 0$: no slip"),
-        (v_0 + dv, GREY, "-.", "$v = 0$: deepest"),
+    for step, line, color, style, word in (
+        ("slide.slip_velocity", u_0 + du, PINK, "--", "no slip"),
+        ("slide.normal_velocity", v_0 + dv, GREY, "-.", "deepest"),
     ):
         (across,) = sp.solve(line, P_x)
         at = [_number(across, phi=tilt, u_0=slip, v_0=-1, P_z=p) for p in reach]
-        axes.plot(at, reach, style, color=color, lw=1.4, label=word)
+        axes.plot(at, reach, style, color=color, lw=1.4, label=f"${LEFTS[step][0]} = 0$: {word}")
     axes.plot(-FRICTION * reach, reach, ":", color=BLUE, lw=1.2)
     axes.plot(FRICTION * reach, reach, ":", color=BLUE, lw=1.2, label=r"$|P_x| = \mu P_z$")
     last = max(ends.values(), key=lambda end: end[1])
@@ -185,12 +186,9 @@ def regimes() -> Figure:
     axes.contour(tilt, friction, held, levels=[0], colors=ORANGE, linewidths=2)
     largest, tangent = (float(x) for x in thin_rod.largest_reversal_friction())
     axes.plot(np.degrees(np.arctan(tangent)), largest, "o", color=ORANGE)
-    for place, word in {
-        (20, 0.6): "slip-stick",
-        (52, 0.42): "slip reversal",
-        (82, 0.2): "slide",
-    }.items():
-        axes.text(*place, word, ha="center")
+    for place in ((20, 0.6), (52, 0.42), (82, 0.2)):
+        nearest = np.hypot((tilt - place[0]) / 90, friction - place[1]).argmin()
+        axes.text(*place, list(IMPACTS)[regime.flat[nearest]], ha="center")
     axes.set(xlabel=r"tilt $\phi$ (degrees)", ylabel=r"friction $\mu$", xlim=(0, 90), ylim=(0, 1.1))
     return figure
 

@@ -194,7 +194,7 @@ def history(at: Situation) -> int:
     """
     if at[v_0] >= 0:
         return 0
-    a, b, c = (value(laws.mobility()[letter], at) for letter in (A, B, C))
+    a, b, c = (value(laws.mobility()[letter].subs(m, 1), at) for letter in (A, B, C))
     friction, u, gain = at[mu], at[u_0], -(1 + at[epsilon]) * at[v_0]
     end = gain / (a + friction * b)
     stop = u / (b + friction * c) if u else u
@@ -213,8 +213,8 @@ def _final_velocity(law: str, regime: int, order: str) -> sp.Expr:
         return RESTITUTION({})
     slopes = laws.slopes()
     after = slopes["stick" if regime == STICK else "back"]
-    known = {a_1: slopes["slip"], a_2: after, P_1: slide.stop()[1].subs(m, 1)}
-    return laws.final_velocity(law, order).subs(known, simultaneous=True)
+    known = {a_1: slopes["slip"], a_2: after, P_1: slide.stop()[1]}
+    return laws.final_velocity(law, order).subs(known, simultaneous=True).subs(m, 1)
 
 
 @remembered
@@ -412,7 +412,9 @@ EQUATIONS = (
             zip(("N", "T", "N_{back}", "T_{back}"), RESPONSES.values(), strict=True)
         ),
         derive=lambda: (k**2 * SQUARES[K],) * 2,
-        check=lambda form: form / k**4 - sp.ones(2, 1) * (A * C - B**2).subs(laws.mobility()),
+        check=lambda form: (
+            form / k**4 - sp.ones(2, 1) * (m**2 * (A * C - B**2)).subs(laws.mobility())
+        ),
         note="where friction outweighs what presses the contact apart, $N \\le 0$, $XZ < 0$ and so "
         "$T > 0$: the slip stops. Where the slip turns back, $T_{back} > 0$, $XZ > 0$ and so "
         "$N_{back} > 0$: the contact is still pressed apart",

@@ -30,7 +30,7 @@ def swept(start: sp.Expr, end: sp.Expr, power: int = 0) -> sp.Expr:
     return sp.integrate((q + sp.cos(theta)) * sp.cos(theta) ** power, (theta, start, end))
 
 
-@derived(r"s(\theta_s)")
+@derived(r"h(\theta_s)")
 def shadow() -> sp.Expr:
     r"""Zero at the end of the shadow: the strip swept from $\theta_s$ to $\theta_0$ is whole."""
     return swept(theta_s, theta_0) - 2 * sp.pi * q
@@ -199,8 +199,8 @@ EQUATIONS = (
     ),
     Equation(
         "V: shadow",
-        "zero where the shadow ends, $q < 1$",
-        r"s(\theta_s)",
+        "height of the strip that is swept beyond one rod: zero where the shadow ends, $q < 1$",
+        r"h(\theta_s)",
         derive=shadow,
         shown=sp.sin(theta_0) - sp.sin(theta_s) - q * (2 * sp.pi + theta_s - theta_0),
         check=_shadow_of_a_rod,

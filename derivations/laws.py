@@ -15,7 +15,7 @@ import sympy as sp
 from . import second_routes
 from .axioms import RESTITUTION
 from .bodies import THIN
-from .lecture import degrees, so
+from .lecture import degrees, meaning, so
 from .newton import contact_change
 from .proof import Equation
 from .slip_reversal import reversed_change
@@ -40,7 +40,7 @@ from .symbols import (
 from .trace import derived, remembered, say, solve
 
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
-# Inverse inertia of the contact point, per unit mass: du = C P_x - B P_z, dv = A P_z - B P_x.
+# Inverse inertia of the contact point: du = C P_x - B P_z, dv = A P_z - B P_x.
 A, B, C = sp.symbols("A B C", positive=True)
 W_c, W_r = sp.symbols("W_c W_r")  # work of the normal impulse in compression, in restitution
 kappa = sp.Symbol("kappa", nonnegative=True)  # (1 - epsilon)/(1 + epsilon)
@@ -56,20 +56,20 @@ V_1 = v_0 + a_1 * P_1  # normal velocity when the slip stops
 @derived()
 def mobility() -> dict[sp.Symbol, sp.Expr]:
     """Mobilities by the lengths, read off the contact velocity's response, (5) and (6)."""
-    du, dv = (sp.expand(m * part) for part in contact_change(P_x, P_z))
+    du, dv = map(sp.expand, contact_change(P_x, P_z))
     return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
 
 
 @derived("a_{%s}")
 def slopes() -> dict[str, sp.Expr]:
-    r"""Slope $m\,dv/dP_z$ while slipping forward, sticking and slipping back."""
+    """Slope $dv/dP_z$ while slipping forward, sticking and slipping back."""
     p = sp.Symbol("p", positive=True)
     rates = {
         "slip": contact_change(-mu * p, p)[1],
         "stick": sticking_velocity(p),
         "back": reversed_change(p)[1],
     }
-    return {name: sp.factor(m * rate / p) for name, rate in rates.items()}
+    return {name: sp.factor(rate / p) for name, rate in rates.items()}
 
 
 def _velocity(p: sp.Expr) -> sp.Expr:
@@ -115,7 +115,7 @@ def final_velocity(law: str, order: str) -> sp.Expr:
 
 @derived("P_x", "P_z")
 def impulse_at(regime: str, v_f: sp.Expr, p_1: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """Impulse per unit mass, by $A$, $B$, $C$, of an impact whose slip stops."""
+    """Impulse, by $A$, $B$, $C$, of an impact whose slip stops."""
     extra = (v_f - (v_0 + (A + mu * B) * p_1)) / (A - B * HELD[regime])
     return -mu * p_1 + HELD[regime] * extra, p_1 + extra
 
@@ -127,7 +127,7 @@ def energy_of_impulse() -> sp.Expr:
 
 
 def _energy(p_x: sp.Expr, p_z: sp.Expr) -> sp.Expr:
-    """Energy change under an impulse per unit mass, by the mobilities."""
+    """Energy change under an impulse, by the mobilities."""
     ends = u_0 + C * p_x - B * p_z, v_0 + A * p_z - B * p_x
     say("The contact velocity after it", "u_0 + C P_x - B P_z", "v_0 + A P_z - B P_x", ends)
     put = dict(zip((P_x, P_z, u_f, v_f), (p_x, p_z, *ends), strict=True))
@@ -136,7 +136,7 @@ def _energy(p_x: sp.Expr, p_z: sp.Expr) -> sp.Expr:
 
 @remembered
 def energy_change(regime: str) -> sp.Expr:
-    """Kinetic energy after minus before under Newton's law, per unit mass, in A, B, C."""
+    """Kinetic energy after minus before under Newton's law, in A, B, C."""
     return sp.factor(_energy(*impulse_at(regime, RESTITUTION({}), u_0 / (mu * C + B))))
 
 
@@ -148,7 +148,7 @@ def energy_threshold(regime: str) -> sp.Expr:
     regime; it reaches positive values where its discriminant is positive.
     """
     quadratic = sp.Poly(sp.numer(energy_change(regime)).subs(v_0, -1), u_0)
-    gain = quadratic.discriminant().subs(epsilon, (1 - kappa) / (1 + kappa))
+    gain = quadratic.discriminant().subs(epsilon, sp.solve(meaning(kappa) - kappa, epsilon)[0])
     roots = solve(sp.numer(sp.together(gain)), kappa, _DOUBLE)
     point = {A: 3, B: sp.Rational(3, 2), C: 2, mu: sp.Rational(1, 5)}
     inside = [r for r in roots if 0 < r.subs(point).evalf() < 1]
@@ -190,18 +190,20 @@ def _triangles(form: sp.Matrix) -> list[sp.Expr]:
     Early: a trapezium up to the corner and a triangle after it are taken.
     """
     early, late = form
-    taken_early = -(v_0 + V_1) / 2 * P_1 + V_1**2 / (2 * a_2)
-    left_late = epsilon**2 * v_0**2 / (2 * a_1) - V_1**2 / (2 * a_1)  # to be given after P_1
+    corner = v_0 + a_1 * P_1
+    taken_early = -(v_0 + corner) / 2 * P_1 + corner**2 / (2 * a_2)
+    left_late = epsilon**2 * v_0**2 / (2 * a_1) - corner**2 / (2 * a_1)  # to be given after P_1
     return [
         early - epsilon * sp.sqrt(2 * a_2 * taken_early),
-        late - sp.sqrt(V_1**2 + 2 * a_2 * left_late),
+        late - sp.sqrt(corner**2 + 2 * a_2 * left_late),
     ]
 
 
 def _impulses_in_proportion(form: sp.Matrix) -> list[sp.Expr]:
     """Poisson: the whole impulse is 1 + epsilon times that up to v = 0."""
-    compressed = P_1 - V_1 / a_2, -v_0 / a_1
-    whole = [P_1 + (v - V_1) / a_2 for v in form]
+    corner = v_0 + a_1 * P_1
+    compressed = P_1 - corner / a_2, -v_0 / a_1
+    whole = [P_1 + (v - corner) / a_2 for v in form]
     return [p - (1 + epsilon) * p_c for p, p_c in zip(whole, compressed, strict=True)]
 
 
@@ -209,8 +211,8 @@ def _areas(form: sp.Matrix) -> list[sp.Expr]:
     """Work of both forces: areas under the broken lines of v and of u, times -+mu, over P_z."""
     checks = []
     for change, (regime, order) in zip(form, _ENDS, strict=True):
-        held, compressed = HELD[regime], (P_1 + P_2) * (1 + kappa) / 2
-        rise, rise_later = A + mu * B, A - B * held
+        compressed = (P_1 + P_2) * (1 + kappa) / 2
+        rise, rise_later = A + mu * B, A - (mu * B if regime == "back" else B**2 / C)
         start = -rise * compressed
         if order == "early":
             start = -rise * P_1 - rise_later * (compressed - P_1)
@@ -221,15 +223,6 @@ def _areas(form: sp.Matrix) -> list[sp.Expr]:
             friction -= mu * (B - mu * C) * P_2**2 / 2
         checks.append(normal + friction - change)
     return checks
-
-
-def _one_line(form: sp.Expr) -> list[sp.Expr]:
-    """With a_2 = a_1 there is no corner, and all laws and orders give the same."""
-    return [
-        (final_velocity(law, order) ** 2).subs(a_2, a_1) - form
-        for law in ("newton", "poisson", "stronge")
-        for order in ("early", "late")
-    ]
 
 
 def _created(regime: str, ratio: sp.Expr) -> sp.Expr:
@@ -243,7 +236,7 @@ _ENDS = [(regime, order) for order in ("early", "late") for regime in HELD]
 
 
 def _threshold_told(regime: str) -> str:
-    at = {X: 1, Z: 1, k: 1, mu: sp.Rational(1, 5)}
+    at = {X: 1, Z: 1, k: 1, m: 1, mu: sp.Rational(1, 5)}
     return so(
         r"Newton's law can create energy where $(1 - \epsilon)/(1 + \epsilon)$ is below this",
         _created(regime, kappa).subs(at),
@@ -295,13 +288,18 @@ EQUATIONS = (
         "laws: slide",
         "without a corner the three laws say the same",
         "v_f^2",
-        derive=lambda: final_velocity("stronge", "late").subs(a_2, a_1) ** 2,
+        derive=lambda: tuple(
+            final_velocity(law, order).subs(a_2, a_1) ** 2
+            for law in ("newton", "poisson", "stronge")
+            for order in ("early", "late")
+        ),
         where=lambda: {"v_f": RESTITUTION({})},
-        check=_one_line,
+        # the same share of the work on one line of v over P_z
+        check=lambda form: [square / 2 - epsilon**2 * v_0**2 / 2 for square in form],
     ),
     Equation(
         "laws: energy, Poisson",
-        "energy change under Poisson's law, per unit mass: slip stops early (slip-stick, slip "
+        "energy change under Poisson's law: slip stops early (slip-stick, slip "
         "reversal), late (the same)",
         r"(\Delta E_{early, stick}, \Delta E_{early, back}, \Delta E_{late, stick}, "
         r"\Delta E_{late, back})",
@@ -336,7 +334,7 @@ EQUATIONS = (
         r"\epsilon_c",
         derive=thin_threshold,
         shown=4 / sp.sqrt(16 + 9 * sp.sin(2 * phi) ** 2),
-        check=lambda form: (_created("stick", (1 - form) / (1 + form)).subs(THIN),),
+        check=lambda form: (second_routes.energy_created("stick").subs(epsilon, form).subs(THIN),),
         note=lambda: so(
             f"least at {degrees(_LEAST)}, {thin_threshold().subs(phi, _LEAST)}",
             thin_threshold(),

@@ -19,6 +19,8 @@ from .equality import components
 from .symbols import V_z, X, Z, epsilon, k, mu, phi
 from .typeset import latex, mathml, words
 
+PRINTED = {"Vdot_z": r"\dot V_z", "cprime_x": "c_x'", "cprime_z": "c_z'"}
+
 
 class Part(NamedTuple):
     """What stands before the entries of a section: paragraphs, then drawings by their names."""
@@ -37,12 +39,13 @@ class Letter(NamedTuple):
     @property
     def tex(self) -> str:
         """LaTeX of the letter."""
-        return {"Vdot_z": r"\dot V_z", "cprime_x": "c_x'", "cprime_z": "c_z'"}.get(
-            self.name, latex(sp.Symbol(self.name))
-        )
+        return PRINTED.get(self.name, latex(sp.Symbol(self.name)))
 
 
-TEXTS = tomllib.loads(resources.files(__package__).joinpath("lecture.toml").read_text("utf-8"))
+_CITED = re.compile(r"\((B?\d{1,2})(?:: ([^)]*))?\)")
+_SOURCE = resources.files(__package__).joinpath("lecture.toml").read_text("utf-8")
+TEXTS = tomllib.loads(_CITED.sub(r"(\1)", _SOURCE))
+CITED = [(number, " ".join(name.split())) for number, name in _CITED.findall(_SOURCE)]
 
 
 def _paragraphs(text: str) -> tuple[str, ...]:
@@ -60,6 +63,7 @@ LETTERS = tuple(
         key=lambda letter: (re.sub(r"\\dot |[\\{}]", "", letter.tex).lower(), letter.tex),
     )
 )
+_MEANINGS = {letter.name: letter.meaning for letter in LETTERS}
 _QUOTED = re.compile(r'"([^"]*)"')
 _MATH = "<math>(?:(?!</math>).)*</math>"
 _WHOLE = re.compile(rf"\({_MATH}[,.;:)]*|{_MATH}[,.;:)]+")  # a line must not break in it
@@ -104,6 +108,11 @@ EXERCISES = {  # by the entry whose note answers it
     tag: text % {str(x): str(float(y)) for x, y in PAPER.items()}
     for tag, text in TEXTS["exercises"].items()
 }
+
+
+def meaning(letter: sp.Symbol) -> sp.Expr:
+    """What a letter stands for, by the formula of its meaning."""
+    return paper.read(_MEANINGS[letter.name].split("$")[1], paper.LETTERS)
 
 
 def number(value: sp.Expr, digits: int = 2) -> str:

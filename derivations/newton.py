@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from .axioms import EULER, IMPULSIVE, NEWTON, RIGID, P, lever_x, lever_z, tau, turn, xi, zeta
+from .lecture import meaning
 from .proof import Equation
 from .symbols import (
     F_x,
@@ -38,6 +39,7 @@ Lever = tuple[sp.Expr, sp.Expr]  # (x, z) from the centre of mass to the contact
 TO_CONTACT: Lever = (-X, -Z)
 TO_TIP: Lever = (-length / 2 * sp.sin(phi), -length / 2 * sp.cos(phi))
 g = sp.Symbol("g", positive=True)  # gravity
+_FORCES = {P_x: F_x, P_z: F_z}
 plate_rate = sp.Symbol("Vdot_z", real=True)  # acceleration of the plate
 
 
@@ -110,15 +112,12 @@ def contact_change(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     return tuple(part.xreplace({P_x: p_x, P_z: p_z}).expand() for part in parts)
 
 
-def _of_forces(change: sp.Matrix) -> sp.Matrix:
-    """The change per time and times the mass: forces in the place of impulses."""
-    return (m * change).xreplace({P_x: F_x, P_z: F_z})
-
-
-@derived(r"m \dot v_x", r"m \dot v_z")
-def contact_force() -> sp.Matrix:
-    """Change of the contact velocity per time, times the mass: forces in the place of impulses."""
-    return _of_forces(sp.Matrix(contact_change(P_x, P_z)))
+def contact_force(place: int) -> sp.Expr:
+    """Mass times the acceleration of the contact point, along or across the plate."""
+    force = (m * contact_change(P_x, P_z)[place]).xreplace(_FORCES)
+    left = rf"m \dot v_{'xz'[place]}"
+    say("Per time and times the mass, forces in the place of impulses", left, force)
+    return force
 
 
 @derived()
@@ -128,24 +127,21 @@ def approach() -> Mapping[sp.Symbol, sp.Expr]:
     return {u_0: u, v_0: v}
 
 
-def _of_tip() -> sp.Matrix:
-    """Per time and times the mass, in forces, of the tip of a rod."""
-    return _of_forces(sp.Matrix(list(impulsive_change(TO_TIP, moment).values())))
-
-
 @derived(r"m \dot v_x", r"m \dot v_z")
 def tip_acceleration() -> sp.Matrix:
     r"""Per time and times the mass, forces in the place of impulses, $I$ by $\alpha$."""
-    return _of_tip().subs(moment, moment * _ALPHA / alpha).expand()
+    change = m * sp.Matrix(list(impulsive_change(TO_TIP, moment).values()))
+    return change.xreplace(_FORCES).subs(moment, moment * _ALPHA / alpha).expand()
 
 
 @derived(r"\delta(m \dot v_x)", r"\delta(m \dot v_z)")
 def dropped_terms() -> sp.Matrix:
     """What the limit leaves out: terms that stay finite."""
-    return (m * contact_acceleration(F_x, F_z, TO_TIP, moment) - _of_tip()).expand()
+    kept = tip_acceleration().subs(alpha, _ALPHA)
+    return (m * contact_acceleration(F_x, F_z, TO_TIP, moment) - kept).expand()
 
 
-_ALPHA = m * length**2 / (4 * moment)
+_ALPHA = meaning(alpha)
 
 EQUATIONS = (
     Equation(
@@ -172,9 +168,11 @@ EQUATIONS = (
         "what (4) leaves out: the rod's rotation, gravity and the acceleration of the plate",
         r"(\delta(m \dot v_x), \delta(m \dot v_z))",
         derive=dropped_terms,
-        # towards the centre, and down
+        # towards the centre, half a length away, and down
         check=lambda form: (
-            form + m * (omega**2 * sp.Matrix(TO_TIP) + sp.Matrix([0, g + plate_rate]))
+            form
+            - m * omega**2 * length / 2 * sp.Matrix([sp.sin(phi), sp.cos(phi)])
+            + m * sp.Matrix([0, g + plate_rate])
         ),
     ),
     Equation(
@@ -189,12 +187,12 @@ EQUATIONS = (
         "5",
         "acceleration of the contact point along the plate",
         r"m \dot{v}_x",
-        derive=lambda: contact_force()[0],
+        derive=lambda: contact_force(0),
     ),
     Equation(
         "6",
         "acceleration of the contact point across the plate",
         r"m \dot{v}_z",
-        derive=lambda: contact_force()[1],
+        derive=lambda: contact_force(1),
     ),
 )

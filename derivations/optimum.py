@@ -125,8 +125,8 @@ def _slide_from_the_landing(form: sp.Matrix) -> list[sp.Expr]:
     left = v_x - spin * Z
     checks = []
     for case, value in zip(CASES, form, strict=True):
-        along, up = stationary(case)
-        checks.append(left.subs({c_x: along, c_z: -up}, simultaneous=True) - value)
+        start = dict(zip((c_x, c_z), second_routes.landing(case), strict=True))
+        checks.append(left.subs(start, simultaneous=True) - value)
     return checks
 
 

@@ -29,6 +29,7 @@ from . import (
     slip_reversal,
     slip_stick,
     statements,
+    texts,
     thin_rod,
 )
 from .kernel import Code
@@ -51,6 +52,15 @@ _PATH: tuple[tuple[str, tuple[Equation, ...]], ...] = (
 )
 _SENTENCES = tuple(e for _, group in _PATH for e in group if e.tag in paper.SENTENCES)
 
+_TEXTS = Code(
+    tag="texts",
+    what="Numbers of equations, words and dimensions of letters, and units in sentences are those "
+    "of what was computed",
+    shown=(),
+    wrong=lambda _: texts.wrong([x for x in ENTRIES if isinstance(x, Equation)]),
+    tried="sentences of steps, entries and functions, prose, the table of letters and left sides",
+)
+
 # section title, entries
 SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     *((title, tuple(e for e in group if e not in _SENTENCES)) for title, group in _PATH),
@@ -61,6 +71,7 @@ SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("Bodies", bodies.BEYOND),
     ("Two bodies that meet", pairs.EQUATIONS),
     ("One impact as assignments", (*kernel.EQUATIONS, *kernel.CODE)),
+    ("What the page says", (_TEXTS,)),
     ("Sentences of the text", (*_SENTENCES, *statements.EQUATIONS)),
     ("Appendix A: dimensions", statements.DIMENSIONS),
     ("Noted", tuple(Noted(tag=x["tag"], quote=x["quote"], note=x["note"]) for x in paper.NOTED)),

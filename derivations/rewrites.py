@@ -14,10 +14,12 @@ from typing import Any
 
 import sympy as sp
 
-from . import slide, slip_reversal
+from . import slide
 from .equality import is_zero
 from .laws import V_1, A, B, C, a_1, a_2
-from .symbols import NAMED, P_1, P_z, X, Z, k, m, mu, u_0, v_0, v_1
+from .newton import contact_change
+from .symbols import NAMED, P_1, P_z, X, Z, k, m, mu, v_1
+from .trace import remembered
 
 Body = dict[sp.Symbol, sp.Expr]
 
@@ -32,19 +34,17 @@ _OWN = N, T, N_back, T_back, K, K_z, w, r, A, B, C
 _LETTERS = NAMED | {letter.name: letter for letter in _OWN}
 
 
-def _responses() -> dict[sp.Symbol, sp.Expr]:
-    """N, T, N_back, T_back in X, Z, k, mu: read off the slip velocities (5), (6)."""
-    scale = m * k**2 / P_z
-    back_x, back_z = slip_reversal.reversed_change(P_z)
-    return {
-        N: sp.expand(scale * (slide.normal_velocity() - v_0)),
-        T: sp.expand(-scale * (slide.slip_velocity() - u_0)),
-        N_back: sp.expand(scale * back_z),
-        T_back: sp.expand(-scale * back_x),
-    }
+@remembered
+def responses() -> dict[sp.Symbol, sp.Expr]:
+    """N, T, N_back, T_back in X, Z, k, mu: read off the change of the contact velocity."""
+    found: dict[sp.Symbol, sp.Expr] = {}
+    for along, up, direction in ((T, N, 1), (T_back, N_back, -1)):
+        u, v = contact_change(slide.friction(P_z, direction), P_z)
+        found |= {up: sp.expand(m * k**2 * v / P_z), along: sp.expand(-m * k**2 * u / P_z)}
+    return found
 
 
-RESPONSES = _responses()
+RESPONSES = responses()
 SQUARES: Mapping[sp.Symbol, sp.Expr] = {K: k**2 + X**2 + Z**2, K_z: k**2 + Z**2}
 # v_1 where slopes are general, and where they are those of the contact
 GENERAL: Mapping[sp.Symbol, sp.Expr] = {w: a_2 * P_1, r: a_2 / a_1, v_1: V_1}

@@ -25,7 +25,7 @@ P_2 = sp.Symbol("P_2", positive=True)  # normal impulse after the slip has stopp
 @derived("F_x")
 def sticking_force() -> sp.Expr:
     """The friction force that keeps the contact point at rest: (5) without acceleration."""
-    held_still = contact_force()[0], sp.S.Zero
+    held_still = contact_force(0), sp.S.Zero
     (force,) = solve(
         held_still, F_x, r"The contact point rests, $\dot v_x = 0$ in (5); solved for $F_x$"
     )
@@ -40,7 +40,7 @@ def stick_margin() -> sp.Expr:
 
 @derived("v_f - v_1")
 def sticking_velocity(p_z: sp.Expr) -> sp.Expr:
-    """Change of the normal contact velocity while the contact sticks: (6) with the force (17)."""
+    """Change of the normal contact velocity while the contact sticks: the force (17) in (6)."""
     return contact_change(sticking_force().subs(F_z, p_z), p_z)[1]
 
 

@@ -19,7 +19,7 @@ from .symbols import c_x, c_z, epsilon, h_0, mu, omega, phi
 from .trace import derived, solve
 from .typeset import latex
 
-stiffness, damping, speed, mass = sp.symbols("k_n gamma_n v m_r", positive=True)
+stiffness, damping, speed, mass = sp.symbols("k_n gamma_n v_n m_r", positive=True)
 
 _TILT = {phi: sp.pi / 6}
 _FIG_10C = paper.setting("Fig. 10(c)")[-c_z / c_x]
@@ -103,7 +103,7 @@ def _damping_told() -> str:
     lost = restitution_lost().subs(_APPENDIX_A)
     found = ", ".join(f"{number(lost.subs(mass, x))} for $m_r = {number(x, 4)}$" for x in _MASSES)
     return (
-        f"Appendix A's constants give {found} virtual spheres, at $v = {_APPENDIX_A[speed]} "
+        f"Appendix A's constants give {found} virtual spheres, at $v_n = {_APPENDIX_A[speed]} "
         f"(d g)^{{1/2}}$; the paper's restitution is one less {number(1 - PAPER[epsilon])}"
     )
 

@@ -108,6 +108,8 @@ class Reader:
 
     def _lines(self, step: Step, entry: Equation) -> list[Line]:
         """The lines of one step, those on the way to it first if nothing has shown them."""
+        if step.kind == "part":
+            return []
         if step.kind == "axiom":
             used = step.value != axioms.BY_TAG[step.name].form
             return [Line("By", _equations(step.values) if used else (), (step.name,))]

@@ -4,7 +4,7 @@ import sympy as sp
 
 from . import second_routes
 from .bodies import THIN, T, over_tangent
-from .lecture import PAPER, degrees, formula, number, so
+from .lecture import PAPER, degrees, formula, meaning, number, so
 from .newton import approach
 from .proof import Equation
 from .slide import slide_excess
@@ -34,7 +34,7 @@ def slide_friction() -> sp.Expr:
 @derived(r"\mu_{slide}")
 def thin_slide_friction() -> sp.Expr:
     """That of a thin rod without spin on a plate at rest, $r = -c_z/c_x$."""
-    rate = {ratio: (-v_0 / u_0).subs(approach()).subs({omega: 0, V_z: 0})}
+    rate = {ratio: meaning(ratio).subs(approach()).subs({omega: 0, V_z: 0})}
     return sp.factor(slide_friction().subs(rate).subs(THIN))
 
 
@@ -102,8 +102,8 @@ def _end_of_reversal(tangents: tuple[sp.Expr, ...]) -> sp.Expr:
 
 def _last_reversal_checks(form: sp.Expr) -> list[sp.Expr]:
     """There both critical tilts are one: a double root of mu (4 + T^2) = 3 T."""
-    tangent = largest_reversal_friction()[1]
-    return [form * (4 + tangent**2) - 3 * tangent, 2 * form * tangent - 3]
+    tangent = 3 / (2 * form)  # half the sum of the roots
+    return [form * (4 + tangent**2) - 3 * tangent]
 
 
 def _slide_boundary_checks(form: sp.Expr) -> list[sp.Expr]:

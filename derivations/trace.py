@@ -27,9 +27,9 @@ _UNREAD = re.compile(r"[A-Za-z\\'|]")
 class Step:
     """One step of a derivation: an axiom put to use, a value derived, an equation solved."""
 
-    kind: str  # "axiom", "derived", "solved" or "said"
+    kind: str  # "axiom", "derived", "part" (of a derived one), "solved" or "said"
     name: str  # tag of the axiom, name of the step; of the others its sentence
-    given: tuple[Any, ...] = ()  # arguments; of "solved" the unknowns; else the left sides
+    given: tuple[Any, ...] = ()  # arguments and place; of "solved" the unknowns; else left sides
     value: Any = None  # what it gave; of "solved" both sides
     inner: tuple["Step", ...] = ()  # the steps on the way to it
 
@@ -43,6 +43,8 @@ class Step:
     @property
     def values(self) -> list[tuple[str, sp.Expr]]:
         """What a derived value consists of, each with its left side."""
+        if self.kind in ("solved", "part"):
+            return []
         if isinstance(self.value, dict):
             named = {
                 x: latex(x) if isinstance(x, sp.Basic) else LEFTS[self.name][0] % x
@@ -89,7 +91,7 @@ def misread(steps: Iterable[Step], named: Iterable[tuple[str, Any]] = ()) -> str
     """
     known: dict[str, Any] = {}
     free: set[sp.Basic] = set()
-    sides = [*named, *(pair for step in steps if step.kind != "solved" for pair in step.values)]
+    sides = [*named, *(pair for step in steps for pair in step.values)]
     for left, value in sides:
         side = paper.bare(left)
         free |= getattr(value, "free_symbols", set())
@@ -111,6 +113,17 @@ def names(steps: Iterable[Step], kind: str) -> set[str]:
     return {step.name for step in steps if step.kind == kind}.union(*inner)
 
 
+class Parts(tuple):
+    """The values of a step, which notes those that are taken one by one."""
+
+    step: Step
+
+    def __getitem__(self, place: Any) -> Any:
+        """Return the value at a place."""
+        note(Step("part", self.step.name, (*self.step.given, place)))
+        return super().__getitem__(place)
+
+
 def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., Any]:
     """Cache results by positional arguments, each with its steps; a `name` makes it a step."""
     results: dict[tuple, tuple[Any, list[Step]]] = {}
@@ -122,6 +135,9 @@ def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., An
             with noted() as taken:
                 value = function(*given)
             whole = Step("derived", name, given, value, tuple(taken))
+            if name and isinstance(value, tuple):
+                value = Parts(value)
+                value.step = whole
             if wrong := misread([*taken, *([whole] if name else [])]):
                 raise ValueError(wrong)
             results[given] = value, [whole] if name else taken

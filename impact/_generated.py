@@ -8,13 +8,13 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "c0180b9207daefca"  # sha256 of these functions and the kernel, first 16 digits
+DIGEST = "82a1242601e2eaf2"  # sha256 of these functions and the kernel, first 16 digits
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
     """Contact-point velocity (u_0, v_0) before the impact, Eq. (3).
 
-    c, V_z in m/s, omega in 1/s, X, Z in m. Operations: as derived 5, plate first 5.
+    c_x, c_z, V_z in m/s, omega in 1/s, X, Z in m. Operations: as derived 5, plate first 5.
     """
     u_0 = c_x - Z * omega
     fall = c_z - V_z
@@ -66,7 +66,7 @@ def reverse(rest, N_back, T_back):
 
 
 def slip(X, Z, k, mu):
-    """Impulse and spin of j = 1 while slipping, Eqs. (1), (2).
+    """Impulse and spin of j = 1 while slipping, Eq. (2).
 
     (-push, lift, turn) forward, (push, lift, back) backward, per unit mass; j is the normal
     impulse over k^2. Operations: as derived 19, no quotient 6.
@@ -79,7 +79,7 @@ def slip(X, Z, k, mu):
 
 
 def stick(X, Z, K_z):
-    """Impulse and spin of j = 1 while sticking, Eqs. (17), (B3).
+    """Impulse and spin of j = 1 while sticking, Eqs. (17), (2).
 
     (push, lift, turn) per unit mass; j = (v_f - v_1)/(k^2 + X^2 + Z^2). K_z = k^2 + Z^2.
     Operations: as derived 13, no quotient 1.
@@ -101,7 +101,7 @@ def stick_response(k, K, K_z):
 def slopes(j_1, N, N_after):
     """w = a_2 P_1 and r = a_2/a_1, with N_after = k^2 a_2 of the phase after the stop.
 
-    w in m/s; j_1 = P_1/k^2. r only where N > 0. Operations: as derived 20, name responses 2.
+    w in m/s; j_1 as in `stop`. r only where N > 0. Operations: as derived 20, name responses 2.
     """
     w = N_after * j_1
     r = N_after / N
@@ -201,7 +201,7 @@ def drift_grips(x, z, mu):
 
 
 def drift(x, z, epsilon, grip):
-    """Stationary (c_x, c_z')/V_z, Eqs. (24)-(30), with the grip of `drift_grips`.
+    """Stationary (c_x, c_z')/V_z, Eqs. (27), (28), with the grip of `drift_grips`.
 
     Lengths in units of k; signs of XZ and V_z are put on afterwards. Operations: as derived 26,
     divide by x 13.

@@ -11,13 +11,18 @@ from derivations import __main__ as cli
 from derivations import (
     closed_forms,
     codegen,
+    drift,
     equality,
     files,
+    laws,
+    lecture,
+    pairs,
     paper,
     proof,
     registry,
     rewrites,
     slide,
+    texts,
     trace,
 )
 from derivations import symbols as s
@@ -168,6 +173,110 @@ def test_a_left_side_of_several_letters_has_the_value_of_its_step(step, tag, mon
     monkeypatch.setitem(trace.LEFTS, step, lefts)
     with trace.derived_again("derived", step):
         assert not BY_TAG[tag].prove().ok
+
+
+@pytest.mark.parametrize(
+    ("step", "old", "new"),
+    [
+        ("slide.slip_velocity", "(5)", "(6)"),
+        ("slide.slide_excess", "(8)", "(9)"),
+        ("slide.slide_excess", "(8) put into (7)", "(7) put into (8)"),
+        ("slip_stick.stick_margin", "(17)", "(16)"),
+        ("slip_reversal.final_slip", "(B6)", "(B7)"),
+        ("newton.approach", "(3)", "(4)"),
+    ],
+)
+def test_a_step_cites_what_it_takes(step, old, new, monkeypatch):
+    sentence = trace.STEPS[step].__doc__
+    assert sentence.replace(old, new) != sentence
+    monkeypatch.setattr(trace.STEPS[step], "__doc__", sentence.replace(old, new))
+    assert not BY_TAG["texts"].prove().ok
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("c_x", "along the plate", "upwards"),
+        ("u_0", "slip", "normal"),
+        ("P_x", "tangential", "normal"),
+        ("k_1", "first", "second"),
+        ("v_1", "when the slip stops", "at separation"),
+        ("alpha", "l^2", "l"),
+        ("gamma_n", "1/(L T)", "1/T"),
+        ("P_x", "M L/T", "L/T"),
+    ],
+)
+def test_a_letter_keeps_its_axis_and_its_dimension(name, old, new, monkeypatch):
+    (line,) = (x for x in lecture.LETTERS if x.name == name)
+    changed = lecture.Letter(*(text.replace(old, new) for text in line))
+    lines = [changed if x is line else x for x in lecture.LETTERS]
+    dimensions = {x.name: paper.read(x.dimension, texts._UNITS) for x in lines}
+    assert changed != line
+    monkeypatch.setattr(lecture, "LETTERS", lines)
+    monkeypatch.setattr(texts, "_DIMENSIONS", dimensions)
+    texts.dimension.cache_clear()
+    assert not BY_TAG["texts"].prove().ok
+    texts.dimension.cache_clear()
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("slide", "(8)", "(9)"),
+        ("stick_response", "k^2 + Z^2", "k^2 + X^2"),
+        ("slip_response", "m}^2", "m}^3"),
+        ("slopes", "m/s", "m"),
+    ],
+)
+def test_words_of_a_function_are_those_of_its_forms(name, old, new, monkeypatch):
+    changed = []
+    for function in closed_forms.FUNCTIONS:
+        if function.name == name:
+            words = (x.replace(old, new) for x in (function.summary, function.detail))
+            function = replace(function, **dict(zip(("summary", "detail"), words, strict=True)))
+        changed.append(function)
+    assert changed != list(closed_forms.FUNCTIONS)
+    monkeypatch.setattr(texts, "FUNCTIONS", changed)
+    assert not BY_TAG["texts"].prove().ok
+
+
+def test_prose_has_a_number_with_its_name(monkeypatch):
+    for other in (("6", BY_TAG["5"].what), ("5", "")):
+        monkeypatch.setattr(lecture, "CITED", [other])
+        assert not BY_TAG["texts"].prove().ok
+
+
+@pytest.mark.parametrize(
+    ("tag", "step", "old", "new"),
+    [
+        ("Painleve: friction", "optimum.painleve_friction", r"\mu", r"\epsilon"),
+        ("V: tilt of one half", "landing_phases.tilt_of_one_half", "sin", "cos"),
+        ("pairs: energy", "laws.energy_of_impulse", "E", "P"),
+        ("V: cost of transport", "drift.cost_of_transport", "g s", "s"),
+        ("A: restitution", "statements.restitution_lost", "1 - ", ""),
+    ],
+)
+def test_a_left_side_cannot_be_renamed_in_step_and_entry_alike(tag, step, old, new, monkeypatch):
+    lefts = tuple(left.replace(old, new) for left in trace.LEFTS[step])
+    monkeypatch.setitem(trace.LEFTS, step, lefts)
+    entry = replace(BY_TAG[tag], left=BY_TAG[tag].left.replace(old, new))
+    entries = (entry if x.tag == tag else x for x in registry.ENTRIES)
+    monkeypatch.setattr(registry, "ENTRIES", tuple(entries))
+    with trace.derived_again("derived", step):
+        assert entry.prove().ok
+        assert not BY_TAG["texts"].prove().ok
+
+
+@pytest.mark.parametrize(
+    ("tag", "check"),
+    [
+        ("V: no slide", lambda form: (drift.landing("slide")[0] - s.c_x - form,)),
+        ("laws: Poisson", lambda form: [laws.compression("early") * x for x in (0, 0)]),
+        ("pairs: determinant", lambda form: (pairs.determinant() - form,)),
+    ],
+)
+def test_a_second_route_shares_no_step_with_the_first(tag, check):
+    assert "both routes take" in replace(BY_TAG[tag], check=check).prove().evidence
 
 
 def test_what_is_derived_cannot_pass_as_assumed():

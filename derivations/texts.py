@@ -1,0 +1,244 @@
+"""What texts say of equations, letters and functions, compared with what was computed.
+
+A number in the sentence of a step, an entry or a function is that of an equation whose value is
+taken there, and several come in the order in which they are taken. Prose has each number with
+what its equation is about. A letter has one dimension, in which all values are homogeneous and
+equal to their left sides; the words of its axis; and the formula that stands for it.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from functools import cache
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+from . import lecture, paper, trace
+from .closed_forms import FUNCTIONS
+from .equality import equal
+from .proof import Equation, told
+from .trace import Step
+
+_NUMBER = re.compile(r"\((B?\d+)\)")
+_NUMBERED = re.compile(r"(B?\d+)(: (?!text).*)?")
+_UNITS = {unit: sp.Symbol(unit, positive=True) for unit in "MLT"}
+_DIMENSIONS = {x.name: paper.read(x.dimension, _UNITS) for x in lecture.LETTERS}
+_LETTERS = {
+    re.sub(r"\\mathit|[{}']", "", x.tex): sp.Symbol(x.name) for x in reversed(lecture.LETTERS)
+}
+_PLAIN = (  # what does not change the dimension of a left side
+    (r"\\(Delta|delta|partial|max_\\phi) ?|\(t_[1f]\)|\((\d+|\\theta(_s)?)\)|[]['|]", ""),
+    (r"_\{(?:([\w*]), )?[a-z, ]{3,}\}", r"_\1"),
+    (r"_\{([\w*]+)\}|\{(\\\w+)\}", r"_\1\2"),
+    (r"(?<![\\\w])d(\^2)?(?=[cuvxzP]|\\omega|\\vartheta)", ""),
+    (r"\\dot ?(\\?[A-Za-z]+(_\w)?)", r"\1/t"),
+    ("_(?!\\w|[*])", ""),
+    (" - ", " + "),
+)
+# Words of a meaning, and what its letter then has.
+_SENSES = {
+    "along the plate|tangential impulse|slip velocity|friction force|: friction": "_x|^[uXxC]",
+    "upwards|normal (impulse|velocity)|normal force of|height of the centre": "_z|^[vzZAp]|P_[12c]",
+    "first": "_1$",
+    "second": "_2$",
+    "slip stops": "_1",
+    "stopped": "_2",
+    "separation": "_[f*]",
+    "before the impact": "^c_|_0",
+    "after the impact": "prime",
+}
+_TELLING = re.compile(r"spin|work|tilt|(?!after|where|which|point)[a-z]{5}")
+_UNIT = re.compile(r"((?:\$[^$]+\$(?:, | and )?)+) in (m/s|1/s|m|\$[^$]+\$)(?![\w/])")
+
+
+# ---- numbers of equations ------------------------------------------------------------------------
+
+
+Take: TypeAlias = tuple[Step, Any]  # a step taken, and the place of its value, None of the whole
+
+
+def _takes(steps: Sequence[Step]) -> Iterator[Take]:
+    """Steps whose values are taken, whole or one by one."""
+    for step in steps:
+        if step.kind in ("axiom", "derived"):
+            parts = [x.given for x in steps if x.kind == "part" and x.name == step.name]
+            places = [place for *given, place in parts if tuple(given) == step.given]
+            yield from ((step, place) for place in places or [None])
+
+
+def _holders(entries: Sequence[Equation]) -> list[tuple[str, Take]]:
+    """What each numbered equation is the value of: the last that its derivation takes."""
+    found = []
+    for entry in entries:
+        number, takes = _NUMBERED.fullmatch(entry.tag), list(_takes(entry.steps))
+        if number and takes:
+            found.append((number[1], takes[-1]))
+    return found
+
+
+def _case(step: Step) -> tuple[str, ...]:
+    return step.name, *(x for x in step.given if isinstance(x, str))
+
+
+def _numbers(
+    steps: Sequence[Step], held: Sequence[tuple[str, Take]], own: bool = False
+) -> list[str]:
+    """Numbers of the equations that steps take, in their order; `own` of other values of a step."""
+    found = []
+    for step, place in _takes(steps):
+        same = [(n, take) for n, take in held if _case(take[0]) == _case(step)]
+        exact = [(n, take) for n, take in same if take[0].given == step.given]
+        first = [*{take[1]: (n, take) for n, take in reversed(same)}.values()][::-1]
+        other = [(n, take) for n, take in first if take[0].given != step.given]
+        cited = other if own else exact or first
+        found += [n for n, take in cited if None in (place, take[1]) or take[1] == place]
+        if not same:
+            found += _numbers(step.inner, held)
+    return found
+
+
+def _misnumbered(sentence: str, taken: Sequence[str]) -> Iterator[str]:
+    rest = iter(taken)
+    cited = _NUMBER.findall(re.sub('"[^"]*"', "", sentence))
+    if not all(number in rest for number in cited):
+        yield f"{sentence}: {', '.join(cited)}, where {', '.join(taken) or 'none'} is taken"
+
+
+def _steps(steps: Sequence[Step], known: set) -> Iterator[tuple[Step, Sequence[Step]]]:
+    """Each step of a derivation once, with those that its sentence may cite."""
+    for step in steps:
+        yield step, step.inner if step.kind == "derived" else steps
+        if step.kind == "derived" and (step.name, step.given) not in known:
+            known.add((step.name, step.given))
+            for inner, around in _steps(step.inner, known):
+                yield inner, (*around, step) if around is step.inner else around
+
+
+def wrong_numbers(entries: Sequence[Equation]) -> Iterator[str]:
+    """Numbers of equations that are not taken where they are cited."""
+    abouts = {x.tag: x.what for x in entries}
+    for number, name in lecture.CITED:
+        if abouts.get(number) != name:
+            yield f"({number}) is not {name or 'said'}"
+    held = _holders(entries)
+    known: set[Any] = set()
+    for entry in entries:
+        yield from _misnumbered(entry.what + told(entry), _numbers(entry.steps, held))
+        for step, around in _steps(entry.steps, known):
+            own = [step] if step.kind == "derived" else around[-1:]
+            taken = _numbers(around, held) + _numbers(own, held, own=True)
+            yield from _misnumbered(step.what, taken)
+    for function in (x for x in FUNCTIONS if _NUMBER.search(x.summary)):
+        with trace.noted() as steps:
+            function.derived()
+        yield from _misnumbered(function.summary + function.detail, _numbers(steps, held))
+
+
+# ---- letters -------------------------------------------------------------------------------------
+
+
+@cache
+def dimension(form: sp.Expr) -> sp.Expr:
+    """Dimension of a form; ValueError if it is not homogeneous."""
+    if form.is_number:
+        return sp.S.One
+    if form.is_Symbol:
+        known = _DIMENSIONS.get(form.name)
+        return dimension(left_side(form.name)) if known is None else known
+    if form.has(sp.Integral):
+        return dimension(form.doit())
+    parts = [dimension(x) for x in form.args]
+    if form.is_Mul:
+        return sp.Mul(*parts)
+    if form.is_Pow and form.exp.is_number:
+        return parts[0] ** form.exp
+    if len(set(parts)) > 1 or not (form.is_Add or parts[0] == 1):
+        raise ValueError(f"{form} is not homogeneous")
+    return parts[0]
+
+
+def left_side(left: str) -> sp.Expr:
+    """A left side, read in letters of the table."""
+    for old, new in _PLAIN:
+        left = re.sub(old, new, left)
+    left = re.sub(r"(\\?[A-Za-z]+)_[\w*]", lambda x: x[x[0] not in _LETTERS], left)
+    return paper.read(left, _LETTERS)
+
+
+def _named(letter: lecture.Letter, sentence: str) -> bool:
+    """Whether a sentence has the letter, its formula or a telling word of its meaning."""
+    formulas = paper.bare("".join(sentence.split("$")[1::2]))
+    if any(paper.bare(x) in formulas for x in (letter.tex, *letter.meaning.split("$")[1::2])):
+        return True
+    words = (set(_TELLING.findall(text.lower())) for text in (sentence, letter.meaning))
+    return bool(set.intersection(*words))
+
+
+def _mismeant(letter: lecture.Letter) -> Iterator[str]:
+    """What the line of a letter gets wrong."""
+    for words, name in _SENSES.items():
+        if re.search(words, letter.meaning) and not re.search(name, letter.name):
+            yield f"{letter.name} is no {letter.meaning}"
+    for formula in letter.meaning.split("$")[1::2]:
+        sides = [dimension(left_side(x)) for x in formula.split("=")]
+        if sides[0] != (_DIMENSIONS[letter.name] if len(sides) == 1 else sides[1]):
+            yield f"{letter.name} has not the dimension of {formula}"
+
+
+def wrong_letters(entries: Sequence[Equation]) -> Iterator[str]:
+    """Meanings, dimensions and left sides that do not fit together."""
+    known: set[Any] = set()
+    for letter in lecture.LETTERS:
+        yield from _mismeant(letter)
+    by_name = {x.name: x for x in lecture.LETTERS}
+    for entry in entries:
+        if entry.tag.startswith("A: ") and entry.verdict != "new":
+            continue  # its values are dimensions themselves
+        for step, _ in _steps(entry.steps, known):
+            for left, value in step.values:
+                if left != "0" and dimension(left_side(left)) != dimension(value):
+                    yield f"{left} has not the dimension of {value}"
+        if entry.verdict == "new" and entry.where is None:
+            for left in paper.parts(entry.left) or [entry.left]:
+                letters = left_side(left).free_symbols
+                if not any(_named(by_name[x.name], entry.what) for x in letters):
+                    yield f"{entry.tag}: no letter of {left} in its sentence"
+            begins = "".join(re.findall(r"^\$([^$]+)", entry.what))
+            plain = re.sub("_(?!\\w|[*])", "", re.sub(*_PLAIN[1], entry.left))
+            if not paper.bare(plain).lstrip("(").startswith(paper.bare(begins).strip("()")):
+                yield f"{entry.tag}: the left side is not {begins}"
+
+
+# ---- generated functions -------------------------------------------------------------------------
+
+
+def _plain(tex: str) -> str:
+    return re.sub(r"[${}]|\\mathrm", "", tex).strip()
+
+
+def wrong_functions() -> Iterator[str]:
+    """Units and formulas in the words of generated functions that are not those of their forms."""
+    for function in FUNCTIONS:
+        words = function.summary + function.detail
+        for names, unit in _UNIT.findall(words):
+            meant = paper.read(_plain(unit), {"m": _UNITS["L"], "s": _UNITS["T"]})
+            for name in map(_plain, names.split("$")[1::2]):
+                form = {str(x): form for x, form in function.outputs.items()}.get(name)
+                found = dimension(left_side(name) if form is None else form)
+                if found.subs(_UNITS["M"], 1) != meant:  # impulses are per unit mass
+                    yield f"{function.name}: {name} is not in {unit}"
+        letters = sp.Tuple(*function.arguments, *function.meaning.items()).free_symbols
+        known = {str(x): x for x in letters}
+        for formula in words.split("$")[1::2]:
+            left, _, right = formula.partition(" = ")
+            if right and function.meaning and _plain(left) in known:
+                sides = (paper.read(x, paper.LETTERS | known) for x in (_plain(left), right))
+                if not equal(*(x.subs(function.meaning) for x in sides)):
+                    yield f"{function.name}: not so, {formula}"
+
+
+def wrong(entries: Sequence[Equation]) -> Iterator[str]:
+    """What is wrong in a text."""
+    yield from wrong_numbers(entries)
+    yield from wrong_letters(entries)
+    yield from wrong_functions()
