@@ -19,12 +19,17 @@ from typing import Any
 
 import numba
 from numba.core.caching import NullCache
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.typed_passes import NativeLowering
 
 from .files import warn
 from .interrupt import deferred
 from .sources import digest_of_kernels
 
 _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
+_OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True, "nogil": True}
 
 
 @cache
@@ -57,6 +62,45 @@ def _warn_once(message: str) -> None:
         warn(message)
 
 
+class _Part(JITCodeLibrary):
+    """Code that only goes into that of its callers, where it is optimised and made native."""
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalized = True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _PartLowering(NativeLowering):
+    """Numba's step from types to LLVM's language, of a function without an address."""
+
+    _name = "part_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        """Leave the code where callers find it."""
+        state.library = _Part(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.flags.no_compile = True
+        super().run_pass(state)
+        found_by = object()
+        state.targetctx.insert_user_function(found_by, state.cr.fndesc, [state.library])
+        state.cr = state.cr._replace(cfunc=found_by)
+        return True
+
+
+class _PartCompiler(CompilerBase):
+    """Numba's, with `_PartLowering`."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        """The usual steps but one."""
+        passes = PassManager("part")
+        for step, purpose in DefaultPassBuilder.define_nopython_pipeline(self.state).passes:
+            passes.add_pass(_PartLowering if step is NativeLowering else step, purpose)
+        passes.finalize()
+        return [passes]
+
+
 def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable:
     """Compile on first call and keep the result; IEEE arithmetic, no exception on a division.
 
@@ -64,22 +108,24 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
     counts references to arrays (`_nrt`): in inlined functions that took three quarters of the time
     of a step. In return a kernel cannot allocate, and Numba refuses one that would.
 
-    What is inlined has no entry for calls from Python: a third of the time to compile would go into
-    these. Where Python calls such a function, a twin with an entry is compiled; Numba's public
+    What is inlined has no code of its own and is not kept: half of the time to compile would go
+    into these. Where Python calls such a function, a twin with an entry is compiled; Numba's public
     options cannot say so, and two private methods of its dispatcher are replaced.
     """
     if function is None:
         return partial(kernel, inline=inline)
-    found = _dispatcher(function, forceinline=inline, no_cpython_wrapper=inline)
     if numba.config.DISABLE_JIT:
         if "sqrt" in function.__globals__:
             function.__globals__["sqrt"] = _root
-        return found
-    if inline:
-        called = cache(partial(_dispatcher, function))
-        found._insert = lambda *_: None  # what has no entry cannot be called, and crashes
-        found._compile_for_args = lambda *_, **__: called()
-    return found
+        return function
+    if not inline:
+        return _kept(function)
+    options = {"forceinline": True, "no_cpython_wrapper": True, "pipeline_class": _PartCompiler}
+    part = _compiling(numba.njit(**options, **_OPTIONS)(function))
+    called = cache(partial(_kept, function))
+    part._insert = lambda *_: None  # what has no entry cannot be called, and crashes
+    part._compile_for_args = lambda *_, **__: called()
+    return part
 
 
 def _root(x: float) -> float:
@@ -87,12 +133,13 @@ def _root(x: float) -> float:
     return math.sqrt(x) if x >= 0.0 else math.nan
 
 
-def _dispatcher(function: Callable, **options: bool) -> Any:
-    """Numba's, with a cache in our folder; what cannot be read or kept is compiled each time."""
-    how = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True, "nogil": True}
-    made = _cached(function, how | options) or numba.njit(**how, **options)(function)
-    if numba.config.DISABLE_JIT:
-        return made
+def _kept(function: Callable) -> Any:
+    """Numba's dispatcher; what it compiles is kept in our folder, where that can be."""
+    return _compiling(_cached(function) or numba.njit(**_OPTIONS)(function))
+
+
+def _compiling(made: Any) -> Any:
+    """Let a dispatcher compile without an interruption, and go on where nothing can be kept."""
     usual = made.compile
 
     def compiled(signature: Any) -> Any:
@@ -123,18 +170,16 @@ def _one_at_a_time(made: Any, folder: Path) -> Any:
     return made
 
 
-def _cached(function: Callable, options: dict[str, Any]) -> Any:
+def _cached(function: Callable) -> Any:
     """Numba's dispatcher that keeps what it compiles in our folder; None where it would not."""
     folder, usual = directory(), numba.config.CACHE_DIR
-    if folder is None or numba.config.DISABLE_JIT:
+    if folder is None:
         return None
-    # Numba tells kept functions apart by their names, not by their options.
-    part = folder / ("inlined" if options.get("forceinline") else "called")
     try:
-        numba.config.CACHE_DIR = str(part)  # read when a function is decorated, not later
-        made = numba.njit(cache=True, **options)(function)
-        if Path(made.stats.cache_path).is_relative_to(part):  # else it is beside the sources
-            return _one_at_a_time(made, part)
+        numba.config.CACHE_DIR = str(folder)  # read when a function is decorated, not later
+        made = numba.njit(cache=True, **_OPTIONS)(function)
+        if Path(made.stats.cache_path).is_relative_to(folder):  # else it is beside the sources
+            return _one_at_a_time(made, folder)
     except (OSError, RuntimeError):  # RuntimeError: no place at all
         pass
     finally:
