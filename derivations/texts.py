@@ -125,9 +125,10 @@ def wrong_numbers(entries: Sequence[Equation]) -> Iterator[str]:
     for entry in entries:
         yield from _misnumbered(entry.what + told(entry), _numbers(entry.steps, held))
         for step, around in _steps(entry.steps, known):
-            own = [step] if step.kind == "derived" else around[-1:]
-            taken = _numbers(around, held) + _numbers(own, held, own=True)
-            yield from _misnumbered(step.what, taken)
+            if _NUMBER.search(step.what):
+                own = [step] if step.kind == "derived" else around[-1:]
+                taken = _numbers(around, held) + _numbers(own, held, own=True)
+                yield from _misnumbered(step.what, taken)
     for function in (x for x in FUNCTIONS if _NUMBER.search(x.summary)):
         with trace.noted() as steps:
             function.derived()
@@ -157,6 +158,7 @@ def dimension(form: sp.Expr) -> sp.Expr:
     return parts[0]
 
 
+@cache
 def left_side(left: str) -> sp.Expr:
     """A left side, read in letters of the table."""
     for old, new in _PLAIN:
