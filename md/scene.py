@@ -297,10 +297,14 @@ class Scene(Part):
 
     _repr_html_ = in_notebook
 
+    @property
+    def contents(self) -> str:
+        """All that it holds, to the last digit: what tells it from other scenes."""
+        return f"Scene({', '.join(f'{name}={part!r}' for name, part in vars(self).items())})"
+
     def digest(self) -> str:
         """Twelve hexadecimal digits that stand for the scene."""
-        parts = ", ".join(f"{name}={part!r}" for name, part in vars(self).items())
-        return hashlib.sha256(f"Scene({parts})".encode()).hexdigest()[:12]
+        return hashlib.sha256(self.contents.encode()).hexdigest()[:12]
 
 
 def as_dict(part: Any) -> Any:

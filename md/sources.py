@@ -135,7 +135,7 @@ def key(scene: Any, length: dict[str, Any], measure: Any = None) -> str:
     length : arguments of `md.run` that say how long it is
     measure : `sweep.Measure`; None: the results of `md.run`
     """
-    said = f"{scene!r} {length} {code(scene, tolerance='tolerance' in length)} "
+    said = f"{scene.contents} {length} {code(scene, tolerance='tolerance' in length)} "
     if measure is not None:
         said += f"{measure.function.__qualname__} {measure.code}"
     return hashlib.sha256(said.encode()).hexdigest()[:24]
