@@ -68,7 +68,7 @@ def placed(
     half, most = (length - 1) / 2, largest_tilt(gap, length)
     lean = min(_filling(gap, count, half, most) if tilt is None else tilt, 0.98 * most)
     parts = (1.0, 0.97, 0.93, 0.85, 0.7, 0.4, 0.0)  # what does not fit is tried steeper
-    for part in tqdm(parts, "placing rods", unit="try", leave=False, disable=None):
+    for part in tqdm(parts, "placing rods", unit="try", leave=False, delay=2, disable=None):
         rods = _zigzag(gap, count, half, part * lean, np.random.default_rng(seed))
         _push_apart(gap, rods, half)
         left = overlap(gap, rods, half)
