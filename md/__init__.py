@@ -43,26 +43,25 @@ rigid impacts in `impact`, which it is there to test.
 
 Files, as one reads them
 ------------------------
-scene, units, laws                  what is there: `Scene`, also in cm and Hz; the contact laws
+scene, units, laws                  what is there: `Scene`, also in cm and Hz; contact laws, rods
 domains                             values held to what is allowed; errors
-kernels/codes, rates                stop codes, columns, regimes; rates of an exact contact
+kernels/codes                       stop codes, columns, regimes
 kernels/vectors, contact            compiled: the forces of every contact, in the plane and in space
-kernels/state, march, energy        compiled: rods of a row or an annulus, their steps, their energy
-kernels/closest, neighbours         compiled: nearest points of rods; which rods may touch
+kernels/state, march                compiled: rods of a row or an annulus, their steps, their energy
+kernels/neighbours                  compiled: closest points of rods; which rods may touch
 kernels/batch, pairs, walls         compiled: contacts side by side, of rods, with walls
 kernels/plate, touches, single      compiled: a rod on the plate; its touches; one rod alone
-rod, reference, soft_impact         `impact`: every switch located, or fixed steps
+reference, soft_impact              `impact`: every switch located, or fixed steps
 host, placement                     a scene under way: constants and arrays of the kernels
-measures, records, statistics       what a run measures, with errors; its touches one by one
+measures, records                   what a run measures, with errors; its touches one by one
 result                              what it measured, as numbers and as text
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy                            `run`: step and length from a tolerance
 sweep, store                        many runs and their results; what a store's columns are
 search                              parameters from measured results, by many runs
-sources                             what decides whether something that was kept is stale
 early_signals, interrupt            signals during imports, and during compiled code
-cache                               compiled kernels kept
-result_text, command_line, __main__  results as text; the commands
+cache                               compiled kernels kept; what decides whether a run is stale
+command_line, __main__              the commands
 
 To add a contact law: `md.laws`. To add an effect: `md.kernels`.
 """
@@ -77,10 +76,9 @@ from typing import Any
 from .accuracy import run
 from .domains import InputError, RunError
 from .kernels.contact import Normal, Spring
-from .laws import LAWS, Law, appendix_a, constant_restitution, coulomb, hertz_stiffness
+from .laws import LAWS, Law, Rod, appendix_a, constant_restitution, coulomb, hertz_stiffness
 from .reference import Vibration
 from .result import Accuracy, Result
-from .rod import Rod
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 from .soft_impact import INTEGRATORS, Impact, impact
 

@@ -24,10 +24,10 @@ from . import simulation
 from .domains import InputError, number, whole
 from .host import STEPS_PER_CONTACT, stable_step
 from .laws import LAWS, contact_time
+from .measures import FEWEST, UNLIKELY, settled, standard_error, transient
 from .result import Accuracy, Result
 from .scene import Scene, Step
 from .simulation import Run, interruptible
-from .statistics import FEWEST, UNLIKELY, settled, standard_error, transient
 
 DOMAINS = {
     "tolerance": (1e-5, 0.5),
@@ -87,9 +87,9 @@ def interval(
 ) -> Interval:
     """Pool the drifts of independent starts behind their transients.
 
-    The standard error is that of `statistics.standard_error`, of an autoregressive model, whose
+    The standard error is that of `measures.standard_error`, of an autoregressive model, whose
     variance is as uncertain as that of n/(2 order) independent numbers. A start whose drift or
-    whose rate of falls trends (`statistics.settled`) counts from its middle. There, and wherever
+    whose rate of falls trends (`measures.settled`) counts from its middle. There, and wherever
     rods fall over, by which a drift may decay slowly, the change between the halves is an error as
     well. Where starts differ by more than the errors explain, the scatter between them is the
     error.

@@ -12,7 +12,6 @@ import numpy as np
 
 from .domains import InputError, RunError
 from .kernels.batch import no_contacts
-from .kernels.closest import nearest
 from .kernels.codes import (
     ANNULUS_LEDGER,
     ANNULUS_SERIES,
@@ -42,15 +41,13 @@ from .kernels.codes import (
     Z,
 )
 from .kernels.contact import ContactForces
-from .kernels.energy import energy
-from .kernels.march import Series, Watchers, march
-from .kernels.neighbours import PAIR, nothing_listed
+from .kernels.march import Series, Watchers, energy, march
+from .kernels.neighbours import PAIR, nearest, nothing_listed
 from .kernels.state import Clock, Effects, Motion, Scratch, State, Wall
 from .kernels.touches import Record, new_record
 from .kernels.vectors import IN_SPACE
-from .laws import contact_time, friction_of, largest_step
+from .laws import Rod, contact_time, effects_of, friction_of, largest_step
 from .placement import placed
-from .rod import Rod, effects_of
 from .scene import GAP, Annulus, Contact, Scene
 
 STEPS_PER_CONTACT = 48  # at twice the plate's peak velocity

@@ -17,9 +17,9 @@ from scipy.optimize import brentq
 
 from .domains import InputError, RunError
 from .kernels.codes import BACK, FORWARD, FREE, SLIDE, STICK, STUCK, TURNED
-from .kernels.rates import plate_after, rates
+from .kernels.single import plate_after, rates
 from .kernels.state import Effects
-from .rod import height_of_second, lower_end
+from .laws import height_of_second, lower_end
 
 _SWITCHES = 10_000  # of one contact; a soft spring that rattles at the force's end makes hundreds
 LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed

@@ -7,11 +7,10 @@ from typing import Any
 import numba
 import numpy as np
 
+from .cache import code
 from .domains import in_notebook
-from .measures import wedged_periods
+from .measures import FEWEST, TREND, UNLIKELY, steady, trend, wedged_periods
 from .scene import Scene, as_dict
-from .sources import code
-from .statistics import FEWEST, TREND, UNLIKELY, steady, trend
 from .units import in_cm, labelled
 
 NOTHING = 1e-6  # of the plate's peak velocity: a slower drift is none
@@ -69,7 +68,7 @@ class Result:
     scene : that ran
     c_x, tilt_deg : means over rods and over the periods behind the transient; in an annulus c_x is
         the velocity around it at its middle radius
-    c_x_stderr, tilt_stderr_deg : their standard errors, as `statistics.standard_error`; nan where
+    c_x_stderr, tilt_stderr_deg : their standard errors, as `measures.standard_error`; nan where
         one run cannot tell: below 124 periods, and in an annulus, where starts differ
     periods : that were made
     discarded : periods of the transient, a fifth of the run

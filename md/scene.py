@@ -19,8 +19,7 @@ from typing import Annotated, Any, get_args
 
 from .domains import InputError, Part, hints, in_notebook
 from .files import text_of
-from .laws import LAWS, Law
-from .rod import Inertia, Length
+from .laws import LAWS, Inertia, Law, Length
 from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, in_cm, reduced, rivals
 
 SCENES = Path(__file__).parent / "scenes"

@@ -17,15 +17,14 @@ import numpy as np
 from tqdm import TqdmWarning
 from tqdm import tqdm as plain_bar
 
+from .cache import code
 from .domains import InputError, whole
 from .files import NotWritten, distinct, replacing, warn, writable
 from .host import prepare, step_of
 from .interrupt import SIGNALS
-from .measures import Tables
+from .measures import Tables, transient
 from .result import Result
 from .scene import Scene
-from .sources import code
-from .statistics import transient
 from .trajectory import Trajectory
 
 with warnings.catch_warnings():

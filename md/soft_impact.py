@@ -26,18 +26,21 @@ from .kernels.codes import (
     WATCH_STOPPED,
     WATCHED,
 )
-from .kernels.rates import plate_after
+from .kernels.single import plate_after
 from .kernels.state import Effects, Motion
 from .kernels.touches import regime_of
 from .laws import (
     Law,
+    Rod,
     contact_time,
     coulomb,
     deepest_overlap,
+    effects_of,
+    height_of_second,
     largest_step,
+    lower_end,
 )
 from .reference import Contact, Vibration
-from .rod import Rod, effects_of, height_of_second, lower_end
 from .scene import Gravity
 
 INTEGRATORS = (*single.METHODS, "dop853")

@@ -1,4 +1,4 @@
-"""Results of runs in one SQLite file: a row a run, found again by its key (`md.sources.key`).
+"""Results of runs in one SQLite file: a row a run, found again by its key (`md.cache.key`).
 
 Every row is a transaction of its own: rows that were written stay when the process is killed, and
 two sweeps may write to one file.
@@ -30,7 +30,7 @@ _OF_RUN = "periods", "seed", *_LAST
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS runs (
-    key TEXT PRIMARY KEY,    -- as md.sources.key
+    key TEXT PRIMARY KEY,    -- as md.cache.key
     scene TEXT NOT NULL,     -- JSON
     periods INTEGER NOT NULL,
     seed INTEGER NOT NULL,

@@ -54,7 +54,7 @@ import numpy as np
 from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from . import sources
+from . import cache
 from .accuracy import MAX_SECONDS, checked, run, stepped
 from .domains import InputError, RunError, held, in_notebook, listed, span, tabled, whole
 from .host import step_of
@@ -119,7 +119,7 @@ class Point:
     @property
     def code(self) -> str:
         """Digest of the sources that decide what the run gives."""
-        return sources.code(self.scene, tolerance=self.tolerance is not None)
+        return cache.code(self.scene, tolerance=self.tolerance is not None)
 
     @property
     def length(self) -> dict[str, Any]:
@@ -130,8 +130,8 @@ class Point:
 
     @cached_property  # which goes along to the worker
     def key(self) -> str:
-        """Key of the run in a store: `md.sources.key`, which says when it is stale."""
-        return sources.key(self.scene, self.length, self.measure)
+        """Key of the run in a store: `md.cache.key`, which says when it is stale."""
+        return cache.key(self.scene, self.length, self.measure)
 
 
 @dataclass(frozen=True, repr=False)

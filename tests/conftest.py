@@ -12,7 +12,7 @@ from xdist.scheduler import LoadFileScheduling
 
 from figures.lib import runs as rows
 from impact._generated import DIGEST
-from md.sources import digest
+from md.cache import digest
 
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": ("derivations", "generated", "kernel", "lookup", "mutants", "report"),

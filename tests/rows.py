@@ -11,7 +11,6 @@ import numpy as np
 
 import md
 from md.host import Engine, at_start
-from md.kernels.closest import nearest
 from md.kernels.codes import (
     ANNULUS_LEDGER,
     DIRECTOR,
@@ -27,10 +26,11 @@ from md.kernels.codes import (
 )
 from md.kernels.contact import ContactForces, Friction, Normal
 from md.kernels.march import Watchers
+from md.kernels.neighbours import nearest
 from md.kernels.state import Effects, Motion, Wall
 from md.kernels.touches import new_record
 from md.kernels.vectors import IN_SPACE
-from md.rod import Rod
+from md.laws import Rod
 
 EPS = np.finfo(float).eps
 SOFT = 1e5  # k_n of most tests: contacts fifty times as long as the paper's allow long steps

@@ -10,9 +10,9 @@ from scipy.optimize import lsq_linear
 
 import md
 from md.kernels.batch import SIZE
-from md.kernels.closest import between_ends, near_end
 from md.kernels.codes import C_X, OMEGA, PAIR_NORMAL, ROW_DIRECTION, ROW_PLACE, ROW_VELOCITY
 from md.kernels.contact import ContactForces
+from md.kernels.neighbours import between_ends, near_end
 from md.kernels.state import Wall
 
 from .rows import (

@@ -5,7 +5,7 @@ import pytest
 from joblib import Parallel, delayed
 
 import md
-from md.statistics import standard_error, transient
+from md.measures import standard_error, transient
 
 STARTS, LENGTHS = 50, (60, 128, 400, 1000)
 COARSE = ["step.size=2.4e-4", "step.coarse=true"]

@@ -20,7 +20,7 @@ from figures.lib import runs
 from impact import ContactGeometry, Regime, classify, collide, drift, thin_rod
 from md.kernels import touches
 from md.kernels.codes import C_Z, COSINE, ROW_COLUMNS, SINE, Z
-from md.rod import Rod
+from md.laws import Rod
 from md.scene import from_tables, put
 
 from .quick_figures import MOST_PERIODS, check_figure, data, of_room, tiny

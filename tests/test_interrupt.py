@@ -24,7 +24,7 @@ from md import cache, command_line, interrupt
 from md.files import replacing
 from md.host import prepare
 from md.kernels import single
-from md.rod import effects_of
+from md.laws import effects_of
 
 from .command_line import ROOT, ended
 from .rows import row

@@ -7,7 +7,7 @@ from scipy.stats import t as student
 
 from md import accuracy
 from md.accuracy import History
-from md.statistics import standard_error
+from md.measures import standard_error
 
 from .test_statistics import autoregressive
 

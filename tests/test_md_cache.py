@@ -15,7 +15,7 @@ from numba.core.caching import IndexDataCacheFile
 
 import md
 from impact import _jit
-from md import cache, sources
+from md import cache
 
 PACKAGE = Path(md.__file__).parent
 
@@ -28,7 +28,7 @@ CALL = """
 import json, md
 from md.kernels.contact import Spring
 from md.kernels.codes import STICK
-from md.kernels.rates import Slip, held
+from md.kernels.single import Slip, held
 force = held(Spring(root=1.0), STICK, 1.0, 0.3, 0.1, Slip(0.0, 0.0, 1.0))[0]
 stats = held._compile_for_args().stats  # of the twin that Python calls
 counts = [sum(found.values()) for found in (stats.cache_hits, stats.cache_misses)]
@@ -73,12 +73,12 @@ def kept(copy):
 def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
     """An edit of a callee in another file, which Numba's own cache does not see, is not missed.
 
-    `rates.held` asks `contact` for the stiffness of the spring, which is doubled there.
+    `single.held` asks `contact` for the stiffness of the spring, which is doubled there.
     """
     assert call(copy) == (-0.1, 0, 1)
     files = kept(copy)
     assert {file.suffix for file in files} == {".nbc", ".nbi"}
-    assert any("rates.held" in file.name for file in files)
+    assert any("single.held" in file.name for file in files)
 
     assert call(copy) == (-0.1, 1, 0)
     assert kept(copy) == files
@@ -151,7 +151,7 @@ def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch):
         (folder / "kernels").mkdir(parents=True)
     os.utime(old, (0, 0))
     folder = cache.directory.__wrapped__()
-    assert folder.name == sources.digest_of_kernels()
+    assert folder.name == cache.digest_of_kernels()
     assert {*folder.parent.iterdir()} == {recent, folder}
 
 
@@ -175,9 +175,9 @@ def test_an_inlined_kernel_is_compiled_without_an_entry_until_python_calls_it(
 
 def test_arithmetic_is_that_of_ieee():
     """No kernel is compiled with `fastmath`, which would reorder sums and drop nan and -0."""
-    from md.kernels import contact, rates, single
+    from md.kernels import contact, single
 
-    modules = vars(contact), vars(single), vars(rates)
+    modules = vars(contact), vars(single)
     kernels = [x for names in modules for x in names.values() if hasattr(x, "targetoptions")]
     assert len(kernels) > 20
     for kernel in kernels:

@@ -8,7 +8,6 @@ import pytest
 
 from md.host import prepare
 from md.kernels import neighbours
-from md.kernels.closest import near_end
 from md.kernels.codes import (
     COSINE,
     DIRECTOR,
@@ -23,7 +22,7 @@ from md.kernels.codes import (
     X,
     Z,
 )
-from md.kernels.neighbours import PAIR
+from md.kernels.neighbours import PAIR, near_end
 from md.kernels.vectors import IN_PLANE, IN_SPACE
 
 from .rows import (

@@ -5,10 +5,10 @@ import sys
 
 import pytest
 
-from md import sources
+from md import cache
 
-ROW = sources.used(sources.RUN, annulus=False)
-ANNULUS = set(sources.used(sources.RUN)) - set(ROW)
+ROW = cache.used(cache.RUN, annulus=False)
+ANNULUS = set(cache.used(cache.RUN)) - set(ROW)
 
 
 @pytest.fixture
@@ -16,15 +16,15 @@ def edited(monkeypatch):
     """A function that gives the digests of a row and of an annulus after an edit of a module."""
 
     def digests(module, source):
-        monkeypatch.setitem(sources.SOURCES, module, source.encode())
-        sources.used.cache_clear()
-        sources.digest.cache_clear()
-        return sources.digest(), sources.digest(annulus=True)
+        monkeypatch.setitem(cache.SOURCES, module, source.encode())
+        cache.used.cache_clear()
+        cache.digest.cache_clear()
+        return cache.digest(), cache.digest(annulus=True)
 
     yield digests
     monkeypatch.undo()
-    sources.used.cache_clear()
-    sources.digest.cache_clear()
+    cache.used.cache_clear()
+    cache.digest.cache_clear()
 
 
 SOURCE = """
@@ -76,10 +76,10 @@ def test_only_formulas_and_constants_make_what_is_stored_stale(edited, old, new,
     assert [a == b for a, b in zip(before, after, strict=True)] == [same, same]
 
 
-@pytest.mark.parametrize("module", sorted(sources.SOURCES))
+@pytest.mark.parametrize("module", sorted(cache.SOURCES))
 def test_each_module_counts_for_the_runs_that_use_it(edited, module):
-    row, annulus = sources.digest(), sources.digest(annulus=True)
-    after = edited(module, sources.SOURCES[module].decode() + "\nMORE = 1\n")
+    row, annulus = cache.digest(), cache.digest(annulus=True)
+    after = edited(module, cache.SOURCES[module].decode() + "\nMORE = 1\n")
     assert (after[0] != row) == (module in ROW)
     assert (after[1] != annulus) == (module in ROW or module in ANNULUS)
 
@@ -87,10 +87,10 @@ def test_each_module_counts_for_the_runs_that_use_it(edited, module):
 def test_runs_do_not_depend_on_commands_stores_and_sweeps():
     outside = {"__init__", "__main__", "accuracy", "cache", "files", "store"}
     outside.add("sweep")
-    assert outside <= sources.SOURCES.keys() - set(ROW) - ANNULUS
-    assert {"kernels.march", "kernels.touches", "laws", "measures", "statistics"} <= set(ROW)
+    assert outside <= cache.SOURCES.keys() - set(ROW) - ANNULUS
+    assert {"kernels.march", "kernels.touches", "laws", "measures"} <= set(ROW)
     assert {"kernels.walls", "placement"} == ANNULUS
-    assert "accuracy" in sources.used(sources.WITH_TOLERANCE)
+    assert "accuracy" in cache.used(cache.WITH_TOLERANCE)
 
 
 def test_a_row_runs_without_what_only_an_annulus_uses():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from md.statistics import TREND, ratio, settled, standard_error, steady, trend
+from md.measures import TREND, ratio, settled, standard_error, steady, trend
 
 
 def autoregressive(random, n, memory):

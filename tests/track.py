@@ -6,8 +6,7 @@ import numpy as np
 
 import md
 from md.kernels import single
-from md.laws import contact_time
-from md.rod import effects_of
+from md.laws import contact_time, effects_of
 from md.soft_impact import plate_table, stopped_run
 
 ROD = md.Rod()

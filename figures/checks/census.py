@@ -18,8 +18,8 @@ import numpy as np
 import md
 from impact import ContactGeometry, collide
 from md.kernels import touches
-from md.rod import Rod
-from md.statistics import ratio
+from md.laws import Rod
+from md.measures import ratio
 
 DISTURBED = 0.1  # kick over jump from which other rods had a say
 

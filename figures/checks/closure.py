@@ -25,8 +25,8 @@ from scipy.optimize import brentq
 import md
 from impact import ContactGeometry, collide, thin_rod
 from md.kernels import touches
+from md.measures import ratio
 from md.scene import from_tables
-from md.statistics import ratio
 from md.sweep import Sweep
 
 from ..claims.over_tilt import SMALL_DEG

@@ -15,8 +15,8 @@ import numpy as np
 
 from md.host import Engine, prepare
 from md.kernels.codes import C_Z, COSINE, SINE, X, Z
+from md.measures import standard_error, transient
 from md.scene import Scene
-from md.statistics import standard_error, transient
 
 LOOKS = 4  # at the row in a period
 WINDOW = 10  # periods that `followed` takes together

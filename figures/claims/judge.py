@@ -16,7 +16,7 @@ import numpy as np
 
 import md
 from impact._generated import DIGEST
-from md.sources import digest
+from md.cache import digest
 
 from .limits import CLOSE, FAILS, HOLDS, MISSING, VERDICTS, deviation, holds, read
 from .uncertainty import MEASURES, Number, resampled

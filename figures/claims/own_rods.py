@@ -10,7 +10,7 @@ from typing import Any
 
 from joblib import cpu_count
 
-from md.sources import digest
+from md.cache import digest
 
 from ..lib.runs import row_of, tilt_plan, tilts
 from ..pages.everything import in_words, run_seconds

@@ -19,8 +19,8 @@ from matplotlib.axes import Axes
 
 import md
 from md.accuracy import steps_per_contact
+from md.measures import standard_error
 from md.scene import from_tables
-from md.statistics import standard_error
 from md.sweep import Point, Sweep
 
 from ..lib.runs import ROW, computed, gathered, measured_by

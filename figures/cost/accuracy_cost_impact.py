@@ -23,8 +23,7 @@ from md.cache import kernel
 from md.kernels import single as integrators
 from md.kernels.codes import WATCHED
 from md.kernels.single import run
-from md.laws import contact_time
-from md.rod import effects_of
+from md.laws import contact_time, effects_of
 
 from ..claims.uncertainty import rms
 from ..lib.soft_impacts import APPROACH_RATIO, IMPACT_FRICTION, ROD, TABLE_TILTS, one_impact

@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 
 from md.host import prepare
-from md.measures import Tables
+from md.measures import Tables, transient
 from md.scene import Scene
-from md.statistics import transient
 
 MORE_DEG = 3.0  # beyond the mean tilt: rods that `share` counts
 EVERY = 5  # periods from one look to the next

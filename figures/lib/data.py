@@ -1,6 +1,6 @@
 """Data of figures, kept: what NAME.npz in a folder holds is read if it is of the present sources.
 
-Sources are the syntax trees (`md.sources.code_of`) of `md`, of `impact` and of what the figure's
+Sources are the syntax trees (`md.cache.code_of`) of `md`, of `impact` and of what the figure's
 module imports from here, and the tables (TOML, JSON) of `md`: an edit of words keeps the data, an
 edit of a number or a formula does not.
 """
@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from md.sources import code_of
+from md.cache import code_of
 
 from .. import FIGURES, load
 

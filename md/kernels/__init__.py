@@ -1,14 +1,13 @@
 """Compiled kernels of the molecular dynamics: a row in a plane and an annulus in space alike.
 
 From below: `vectors`, tuples of two numbers in the plane and of three in space; `contact`, the
-forces of every contact, of rod on plate, rod on rod and rod on wall; `state`, what acts on rods and
-their arrays; `plate`, a rod over the plate; `closest`, the nearest points of two rods, and
-`neighbours`, which rods may touch; `batch`, contacts side by side, of rods in `pairs` and of rods
-with walls in `walls`; `march`, the steps of many rods, and `touches`, their record; `energy`, what
-elastic forces derive from; `single`, the integrators of one rod; `rates`, the equations of
-`md.reference`; `codes`, stop codes, columns and phases. A kernel takes named tuples whose fields
-name their units; a field that is `None` is an absent effect: Numba sees the type and leaves its
-code out.
+forces of every contact, of rod on plate, rod on rod and rod on wall; `neighbours`, the closest
+points of two rods and which rods may touch; `state`, what acts on rods and their arrays; `plate`, a
+rod over the plate; `batch`, contacts side by side, of rods in `pairs` and of rods with walls in
+`walls`; `march`, the steps of many rods and their energy, and `touches`, their record; `single`,
+the integrators of one rod and the equations of `md.reference`; `codes`, stop codes, columns and
+phases. A kernel takes named tuples whose fields name their units; a field that is `None` is an
+absent effect: Numba sees the type and leaves its code out.
 
 A new effect that acts on a rod, say the drag of air, takes one function, one key of the scene and
 one line where it is called:

@@ -34,16 +34,18 @@ import numpy as np
 from ..cache import kernel
 from .batch import MOST, TWO, Alike, Given, acted
 from .batch import collect as collected
-from .closest import (
+from .codes import CROSSING, DEEP, DONE, FULL_LIST, PAIR_FRICTION, PAIR_NORMAL, PAIR_TOO_DEEP
+from .neighbours import (
+    PAIR,
     at_end,
     between_ends,
     clearance,
     gap_vector,
     near_end,
     open_at_least,
+    outdated,
+    renewed,
 )
-from .codes import CROSSING, DEEP, DONE, FULL_LIST, PAIR_FRICTION, PAIR_NORMAL, PAIR_TOO_DEEP
-from .neighbours import PAIR, outdated, renewed
 from .state import director_of, forget, inertia_of, place_of, point, turn_of, velocity_of
 from .vectors import add, along, axial, dot, put, times, torque, vector
 
