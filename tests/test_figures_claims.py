@@ -256,8 +256,14 @@ def test_where_a_statement_holds_is_told(surveyed):
         "rank": pytest.approx(1),
         "middle": pytest.approx(np.percentile(plate[plate <= 0.5], [25, 75])),
     }
-    assert told["numbers"]["S2.largest"] == {"share": 0, "follows": None}
+    largest = told["numbers"]["S2.largest"]
+    assert (largest["share"], largest["follows"]) == (0, None)
+    assert rms["quartiles"] == pytest.approx(np.percentile(3 * plate, [25, 50, 75]))
+    assert told["ranges"]["restitution, plate"] == [0.3, 0.97]
     assert told["over_theory"] == [[0.5] * 3, [2.0] * 3]
+    assert told["within_two"] == [1, 1]
+    slower = {**surveyed, "c_x": 0.98 * surveyed["c_x"]}
+    assert any_rods.told(slower)["within_two"] == [0, 1]
     few = {**surveyed, "tilt_off": np.where(np.arange(64) < 60, 5.0, 1.0)}
     assert any_rods.told(few)["numbers"]["S2.rms"]["follows"] is None
     unknown = {**surveyed, "value": np.full_like(surveyed["value"], np.nan)}
@@ -306,9 +312,10 @@ def test_a_claim_without_data_leaves_the_others(monkeypatch, surveyed):
         assert {row["verdict"] for row in judge.statements(claim)} == expected
     assert "Not measured: LinAlgError: no such run." in gallery.claims_page(report)
     judged = sum(len(judge.statements(claim)) for claim in CLAIMS)
-    assert judge.brief(report).splitlines()[-2:] == [
-        f"of {judged - 17} predicted statements holds: {judged - 20}, not measured: 3",
-        "of 17 fitted statements holds: 17",
+    assert judge.brief(report).splitlines()[-3:] == [
+        f"of {judged - 32} statements predicted holds: {judged - 35}, not measured: 3",
+        "of 15 statements fitted holds: 15",
+        "of 17 statements under laws of their own, or none holds: 17",
     ]
     troubles["S9"] = KeyError("a mistake of ours")
     with pytest.raises(KeyError):
@@ -357,7 +364,7 @@ def test_the_committed_report_is_of_these_claims():
     """Words and limits are those of claims.toml; `figures pages` makes its page."""
     report = judge.load(gallery.GALLERY / "claims.json")
     assert not report["quick"]
-    parts = "key", "name", "unit", "holds", "fitted"
+    parts = "key", "name", "unit", "holds", "fitted", "own_law"
     for found, claim in zip(report["claims"], CLAIMS, strict=True):
         for row in judge.statements(found):
             number = Number(row["value"], row["error"], row["notion"])

@@ -118,28 +118,38 @@ def judged(d: Data) -> dict[str, np.ndarray]:
 def told(d: Data) -> dict[str, Any]:
     """What the page of the claims says: sets, and where each statement holds.
 
-    `share`: of the sets that keep the tilt, those under which it holds. `follows`: the property
-    with the largest rank correlation with the number, that correlation, and between which values of
-    the property lies the middle half of the sets under which the statement holds; none if the
-    correlation is weak, or sets are few. `over_theory`: drift over the theory's, quartiles over
-    sets and tilts up to 30 degrees and beyond.
+    `ranges` of the properties. `share`: of the sets that keep the tilt, those under which it holds;
+    `quartiles` of the number over these sets. `follows`: the property with the largest rank
+    correlation with the number, that correlation, and between which values of the property lies the
+    middle half of the sets under which the statement holds; none if the correlation is weak, or
+    sets are few. Of sets and tilts up to 30 degrees, and of those beyond: `over_theory`, quartiles
+    of the drift over the theory's, and `within_two`, the share within a factor of two.
     """
     some = kept(d)
     ratio, lean = d["c_x"][some] / d["theory"][some], d["nominal"] > 30
-    sides = [np.percentile(ratio[:, of], [25, 50, 75]).tolist() for of in (~lean, lean)]
+    sides = [ratio[:, of] for of in (~lean, lean)]
     numbers = dict(zip(d["number"].tolist(), d["value"][some].T, strict=True))
     return {
         "sets": len(some),
         "kept": int(some.sum()),
+        "ranges": {name: [p.low, p.high] for name, p in PROPERTIES.items()},
         "numbers": {
             name: {
                 "share": float(np.nanmean(true)) if np.isfinite(true).any() else None,
+                "quartiles": _quartiles(numbers[name]),
                 "follows": _follows(d, some, numbers[name], true == 1),
             }
             for name, true in judged(d).items()
         },
-        "over_theory": sides,
+        "over_theory": [_quartiles(side) for side in sides],
+        "within_two": [float(np.mean((side >= 0.5) & (side <= 2))) for side in sides],
     }
+
+
+def _quartiles(values: np.ndarray) -> list[float]:
+    """Quartiles of what is known; nothing of nothing."""
+    known = values[np.isfinite(values)]
+    return np.percentile(known, [25, 50, 75]).tolist() if known.size else []
 
 
 def _follows(
@@ -154,5 +164,4 @@ def _follows(
     if abs(rank[most]) < FOLLOWS:
         return None
     where = d[most][some][true]
-    middle = np.percentile(where, [25, 75]).tolist() if where.size else []
-    return {"property": most, "rank": float(rank[most]), "middle": middle}
+    return {"property": most, "rank": float(rank[most]), "middle": _quartiles(where)[::2]}

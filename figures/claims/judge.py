@@ -8,7 +8,6 @@ measured leaves the others as they are.
 import json
 import math
 import platform
-from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from .limits import CLOSE, FAILS, HOLDS, MISSING, VERDICTS, deviation, holds, re
 from .uncertainty import MEASURES, Number, resampled
 
 MARKS = {HOLDS: "+", FAILS: "-", CLOSE: "~", MISSING: "?"}
+APART = "under laws of their own, or none"  # statements that the law of the figures has no part in
 NEARLY = 0.95  # share of the kinds of rods that is nearly all
 CHOOSES = "S2"  # the claim by which rows that keep their tilt are chosen
 DIGITS = 3  # of a number, at most
@@ -196,22 +196,24 @@ def statements(claim: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def counted(report: dict[str, Any]) -> dict[str, dict[str, int]]:
-    """Statements with each verdict, those fitted apart from those predicted.
+    """Statements with each verdict, by kind.
 
-    Fitted are those that had a part in the choice of the figures' contact law.
+    Those that had a part in the choice of the figures' contact law are fitted, those of laws of
+    their own or of none are apart, all others are predicted by that law.
     """
-    rows = [row for claim in report["claims"] for row in statements(claim)]
-    found = {}
-    for kind, fitted in (("predicted", False), ("fitted", True)):
-        of = Counter(row["verdict"] for row in rows if row.get("fitted", False) == fitted)
-        found[kind] = {verdict: of[verdict] for verdict in VERDICTS}
+    found = {kind: dict.fromkeys(VERDICTS, 0) for kind in ("predicted", "fitted", APART)}
+    for claim in report["claims"]:
+        for row in statements(claim):
+            apart = claim.get("own_law") or row.get("own_law")
+            kind = APART if apart else "fitted" if row.get("fitted") else "predicted"
+            found[kind][row["verdict"]] += 1
     return found
 
 
 def counts(report: dict[str, Any]) -> str:
-    """Number of statements with each verdict, predicted and fitted apart."""
+    """Number of statements with each verdict, kind by kind."""
     return "; ".join(
-        f"of {sum(of.values())} {kind} statements "
+        f"of {sum(of.values())} statements {kind} "
         + ", ".join(f"{verdict}: {number}" for verdict, number in of.items() if number)
         for kind, of in counted(report).items()
     )

@@ -184,14 +184,14 @@ def near_onset(data: Evidence) -> Numbers:
         x, y = gamma[near] - 1, (gamma * d["b_V_z"])[near]  # V_0 grows with Gamma
         return rms(y - (x @ y) / (x @ x) * x) / rms(y)
 
-    reverse, kind, sign = reverse_drift(grid), grid["kind"], np.sign(grid["V_z"])
+    reverse, sign, back = reverse_drift(grid), np.sign(grid["V_z"]), grid["kind"] < 0
     found = {
         "zero": onset(gamma, d["b_V_z"] > 0),
         "bend": resampled(d, off),
         "lowest": resampled(d, lambda d: d["b_V_z"][near].min()),
         "agree": reverse["follows"],
         "backwards": reverse["back"],
-        "backwards_negative": count(((kind < 0) & (sign < 0)).sum()),
+        "explained": count(np.mean(sign[back] < 0) if back.any() else np.nan),
         "negative": count((sign < 0).sum()),
     }
     falling = np.where(lone["gamma_alpha_impulse"] < 0, 1, np.nan)

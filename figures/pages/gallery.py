@@ -47,7 +47,9 @@ templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limit
 templates.globals |= {"verdicts": limits.VERDICTS, "fails": limits.FAILS, "pm": plus_minus}
 templates.globals["one_state_deg"] = limits.ONE_STATE_DEG
 templates.globals |= {"checked": CHECKED, "counts": judge.counts, "counted": judge.counted}
-templates.globals |= {name: getattr(judge, name) for name in ("statements", "summary", "regions")}
+templates.globals |= {
+    name: getattr(judge, name) for name in ("statements", "summary", "regions", "numbers")
+}
 
 
 def claims_page(report: dict[str, Any]) -> str:
