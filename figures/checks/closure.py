@@ -9,8 +9,9 @@ c_x in a touch, which the row undoes between touches; the spin before a touch; t
 of v_f over that of -v_0 where no other rod pushes, or of all touches where hardly any is unpushed.
 (c) What is assumed (broken lines) and what is measured. (d) What is left of the misfit: rms
 distance from the row over tilt over the row's rms, with standard errors; open: with this assumption
-alone replaced, the rod as simulated. Where a step adds to the misfit, two errors of the theory
-cancelled.
+alone replaced, the rod as simulated; triangles: means over landings (`md.measures`) in place of
+those over touches, the restitution as assumed. Where a step adds to the misfit, two errors of the
+theory cancelled.
 """
 
 from collections.abc import Callable
@@ -25,7 +26,7 @@ from scipy.optimize import brentq
 import md
 from impact import ContactGeometry, collide, thin_rod
 from md.kernels import touches
-from md.measures import ratio
+from md.measures import HOP, merged, ratio
 from md.scene import from_tables
 from md.sweep import Sweep
 
@@ -78,6 +79,7 @@ STEPS = {  # in order; each keeps what the ones before replaced
 }
 SIDES = [f"{name}_{side}" for side in ("before", "after") for name in ("c_x", "c_z", "omega")]
 MEANS = ("drift", "tilt", "V_z", "restitution", "alone", *SIDES)
+LANDED = "landing_"  # before the names of means over landings
 
 
 def mean_drift(
@@ -161,10 +163,13 @@ def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
     result = md.run(scene, periods=periods, observe=kept.append, ledger=False)
     if not result.finished:
         raise KeyboardInterrupt
-    rows = np.concatenate(kept)
-    rows = rows[rows[:, touches.STEP] >= result.discarded * result.steps_per_period]
+    rows, per = np.concatenate(kept), result.steps_per_period
+    rows = rows[rows[:, touches.STEP] >= result.discarded * per]
+    landings, _ = merged(np.column_stack([rows, np.ones(len(rows))]), HOP * per)
+    landed = measures(landings, per)
     return {
-        **measures(rows, result.steps_per_period),
+        **measures(rows, per),
+        **{f"{LANDED}{name}": landed[name] for name in ("V_z", *SIDES)},
         "drift": (result.c_x, result.c_x_stderr),
         "tilt": (result.tilt_deg, result.tilt_stderr_deg),
     }
@@ -205,16 +210,32 @@ def left(row: np.ndarray, drift: np.ndarray) -> np.ndarray:
     return np.sqrt(np.mean((drift - row) ** 2, axis=-2) / np.mean(row**2, axis=-2))
 
 
-def closures_of(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Measured values of `ASSUMED`, from the `MEANS` with their errors in the last axis."""
-    mean = {name: of[name][..., 0] for name in MEANS}
+def closures_of(of: dict[str, np.ndarray], kind: str = "") -> dict[str, np.ndarray]:
+    """Measured values of `ASSUMED`, from means with their errors in the last axis.
+
+    Parameters
+    ----------
+    of : the means by name
+    kind : `LANDED`: over landings, whose restitution is the one that is assumed; else over touches
+    """
+    mean = {name: of[f"{kind}{name}"][..., 0] for name in ("V_z", *SIDES)}
+    assumed = np.full_like(mean["V_z"], RESTITUTION)
     return {
         "V_z": mean["V_z"],
         "turned": -mean["c_z_before"] / mean["c_z_after"],
         "gain": mean["c_x_after"] - mean["c_x_before"],
         "spin": mean["omega_before"],
-        "restitution": np.clip(mean["restitution"], 0, 1),
+        "restitution": assumed if kind else np.clip(of["restitution"][..., 0], 0, 1),
     }
+
+
+def drifts(tilt: np.ndarray, speed: float, measured: dict[str, np.ndarray]) -> np.ndarray:
+    """`replaced` of every run, along a first axis."""
+    found = np.empty((len(STEPS) + len(ASSUMED), *tilt.shape))
+    for at in np.ndindex(tilt.shape):
+        known = {name: float(array[at]) for name, array in measured.items()}
+        found[(..., *at)] = replaced(float(tilt[at]), {**known, "speed": speed})
+    return found
 
 
 def data(quick: bool = False) -> Data:
@@ -223,15 +244,13 @@ def data(quick: bool = False) -> Data:
     Velocities of `ASSUMED` are in units of the plate's peak velocity, the spin times half a rod.
     """
     sweep, scene = sweeps(quick)["tilt"], from_tables(ROW)
-    of = dict(zip(MEANS, gathered(sweep, *MEANS), strict=True))
+    names = (*MEANS, *(f"{LANDED}{name}" for name in ("V_z", *SIDES)))
+    of = dict(zip(names, gathered(sweep, *names), strict=True))
     of["drift"] = of["drift"] * scene.cm_per_s
     row, tilt = of["drift"][..., 0], of["tilt"][..., 0]
     measured, speed = closures_of(of), scene.plate_speed
-    drifts = np.empty((len(STEPS) + len(ASSUMED), *tilt.shape))
-    for at in np.ndindex(tilt.shape):
-        known = {name: float(array[at]) for name, array in measured.items()}
-        drifts[(..., *at)] = replaced(float(tilt[at]), {**known, "speed": speed})
-    steps, single = np.split(scene.cm_per_s * drifts, [len(STEPS)])
+    steps, single = np.split(scene.cm_per_s * drifts(tilt, speed, measured), [len(STEPS)])
+    landed = scene.cm_per_s * drifts(tilt, speed, closures_of(of, LANDED))[: len(STEPS)]
 
     nominal = np.degrees(np.arccos(scene.rods.count / sweep.values("box.length")))
     found: Data = {"nominal_deg": nominal}
@@ -245,6 +264,7 @@ def data(quick: bool = False) -> Data:
         "left": left(row, steps),
         "left_single": left(row, single),
         "left_larger": left(row[larger], steps[:, larger]),
+        "left_landing": left(row, landed),
     }.items():
         found[name], found[f"{name}_error"] = over_seeds(values)
     return found
@@ -287,6 +307,8 @@ def _draw_left(ax: Axes, d: Data) -> None:
         ax.barh(y + off, d[name], 0.4, **bars)
     look = {"form": "D", "hollow": True, "label": "it alone", "xerr": d["left_single_error"]}
     points(ax, d["left_single"], FIRST + np.arange(len(ASSUMED)), None, RED, **look)
+    look = {"form": "^", "label": "landings", "xerr": d["left_landing_error"][FIRST:-1]}
+    points(ax, d["left_landing"][FIRST:-1], y[FIRST:-1], None, ORANGE, **look)
     ax.set_yticks(y, [names[0], *(f"+ {name}" for name in names[1:])])
     ax.margins(x=0.5)  # for the legend
     ax.set(xlabel="misfit / row", xlim=(0, None))

@@ -59,7 +59,7 @@ class Evidence:
     @cached_property
     def census(self) -> dict[str, np.ndarray]:
         """Measures of the touches of one row, each with its standard error."""
-        names = "slide", "residual", "isolated_residual"
+        names = "slide", "residual", "isolated_residual", "disturbed"
         found = runs.gathered(landing_census.one_row(self.quick), *names)
         return dict(zip(names, found, strict=True))
 

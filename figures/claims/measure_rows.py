@@ -38,6 +38,7 @@ from .uncertainty import (
 
 Numbers = dict[str, Number]
 LEFT = "printed", "V_z", "turned", "restitution"  # of `closure.STEPS`
+LEFT_OF_LANDINGS = "V_z", "turned", "spin"  # of these as well
 
 
 def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
@@ -125,6 +126,10 @@ def theory(data: Evidence) -> Numbers:
     steps, usual = list(closure.STEPS), int(np.argmin(np.abs(size["count"] - rows.COUNT)))
     return {
         **{f"left_{name}": entry(of, "left", steps.index(name)) for name in LEFT},
+        **{
+            f"landing_{name}": entry(of, "left_landing", steps.index(name))
+            for name in LEFT_OF_LANDINGS
+        },
         "size": resampled(size, lambda d: (d["c_x"][usual] / d["c_x"][-1]).mean()),
         "peak_tilt": peak(d, "a_tilt", "a_c_x"),
         "peak_theory": Number(np.degrees(d["fine"])[line.argmax()]),
@@ -172,6 +177,7 @@ def isolated(data: Evidence) -> Numbers:
     return {
         "map": standard(*data.census["residual"]),
         "map_isolated": standard(*data.census["isolated_residual"]),
+        "disturbed": standard(*data.census["disturbed"]),
     }
 
 

@@ -154,6 +154,9 @@ NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.to
     "S14.less": lambda d: _small(d, "falling") - _large(d, "falling"),
     "S16.distance": _off_theory,
     "S16.peak": lambda d: d["c_x"].max() / d["theory_c_x"].max(),
+    "S16.peak_single": lambda d: (
+        d["c_x"][d["nominal"] >= ONE_STATE_DEG].max() / d["theory_c_x"].max()
+    ),
     "S16.bump": bump,
     "S21.largest": lambda d: d["slide"].max(),
     "S21.mean": lambda d: d["slide"][d["nominal"] > 12].mean(),
