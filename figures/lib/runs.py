@@ -22,7 +22,8 @@ import numpy as np
 
 from impact import ContactGeometry, InputError, spherocylinder
 from md.scene import Scene, both, from_tables, put, read_tables
-from md.sweep import Measure, Sweep, execute, expand
+from md.store import Store
+from md.sweep import Measure, Point, Sweep, execute, expand
 
 from .data import sources_of
 
@@ -187,6 +188,13 @@ def measured_by(sweep: Sweep, measure: Callable[[Any, int], dict[str, Any]]) -> 
     """The same points, for which a function of scene and periods measures what is stored."""
     how = Measure(measure, sources_of(measure))
     return replace(sweep, points=tuple(replace(point, measure=how) for point in sweep.points))
+
+
+def lacking(points: Iterable[Point]) -> list[Point]:
+    """Those that the store does not hold, none twice."""
+    with Store(store()) as database:
+        distinct = {point.key: point for point in points}
+        return [point for key, point in distinct.items() if not database.has(key)]
 
 
 def computed(sweep: Sweep, workers: int = -1) -> Sweep:
