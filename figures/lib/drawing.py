@@ -56,7 +56,7 @@ def produce(
     picture = module.draw(data)
     by = {"quick": quick, "own": own} if kept is None else made(kept / f"{name}.npz")
     marks = ["quick"] if by.get("quick") else []
-    marks += [f"own {key}: {value}" for key, value in by.get("own", {}).items()]
+    marks += ["values not the paper's"] if by.get("own") else []
     if marks:
         words = picture.get_supxlabel()
         style(note)(picture, "; ".join([words, *marks] if words else marks))
