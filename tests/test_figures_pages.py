@@ -240,6 +240,18 @@ def test_links_lead_somewhere(page):
         ]
 
 
+def test_the_citation_is_that_of_the_file():
+    """BibTeX in the guide has the values of CITATION.cff, and no other."""
+    cff = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    names = "title|name|family-names|given-names|journal|volume|start|version|date-released|year"
+    values = re.findall(rf'^ *(?:- )?({names}): "?(.+?)"?$', cff, re.M)
+    expected = {value[:4] if name == "date-released" else value for name, value in values}
+    (entries,) = re.findall(r"```bibtex\n(.*?)```", GUIDE, re.DOTALL)
+    found = re.findall(r"= \{+(.+?)\}+,", entries)
+    authors = [part for name in found[0].split(" and ") for part in name.split(", ")]
+    assert {*authors, *found[1:]} == expected
+
+
 def test_hard_cases_are_where_it_says():
     """The files hold tests of the names that the table gives them."""
     found = set()
