@@ -61,6 +61,7 @@ from ..lib.style import (
     style,
     tilt_axis,
 )
+from .census import observed
 
 ENOUGH = 30  # touches in which nobody pushes, for the mean restitution over them
 CLOSURE_TILTS_DEG = (9, 12, 15, 18, 21, 24, 27, 30, 34, 40, 45, 50, 60)
@@ -157,12 +158,7 @@ def measures(rows: np.ndarray, per: int) -> dict[str, tuple[float, float]]:
 
 def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
     """`measures` of a run, its drift and its tilt, for `runs.planned`."""
-    kept: list[np.ndarray] = []
-    result = md.run(scene, periods=periods, observe=kept.append, ledger=False)
-    if not result.finished:
-        raise KeyboardInterrupt
-    rows = np.concatenate(kept)
-    rows = rows[rows[:, touches.STEP] >= result.discarded * result.steps_per_period]
+    rows, result = observed(scene, periods)
     return {
         **measures(rows, result.steps_per_period),
         "drift": (result.c_x, result.c_x_stderr),

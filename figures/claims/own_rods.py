@@ -21,8 +21,8 @@ from md.sweep import Point, Sweep, execute
 from ..lib.runs import lacking, row_of, tilt_plan, tilts
 from ..pages.everything import in_words
 from . import over_tilt
-from .judge import MARKS, limits_shown, shown, verdict
-from .limits import VERDICTS, deviation, read
+from .judge import MARKS, judged_number, limits_shown, shown
+from .limits import VERDICTS
 from .uncertainty import resampled
 
 EACH, TRIED_PERIODS = 8, 20  # of the runs, one in `EACH` is tried
@@ -68,17 +68,10 @@ def judged(scene: str, quick: bool = False) -> dict[str, Any]:
     """
     row, nominal = row_of(scene), tilts(quick)
     table = over_tilt.table(tilt_plan(quick, scene=scene), nominal, own=True)
-    rows = []
-    for claim in read():
-        for limits in claim["numbers"]:
-            name = f"{claim['id']}.{limits['key']}"
-            if "holds" not in limits or name not in over_tilt.NUMBERS:
-                continue
-            number = resampled(table, over_tilt.NUMBERS[name])
-            found = {"value": float(number.value), "error": float(number.error)}
-            found["deviation"] = deviation(number.value, limits)
-            found |= {"id": claim["id"], "says": claim["says"], "verdict": verdict(number, limits)}
-            rows.append({**limits, **found})
+    rows = [
+        judged_number(resampled(table, over_tilt.NUMBERS[name]), limits)
+        for name, limits in over_tilt.JUDGED.items()
+    ]
     made = {"scene": scene, "quick": quick, "md": digest()}
     return {"provenance": made, "rods": row.words, "statements": rows}
 

@@ -261,6 +261,11 @@ def tilt_plan(
     return planned([along, SEEDS], periods_of(quick), changes, row.tables)
 
 
+def tilt_sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """The paper's row over tilt, as `sweeps` of a figure."""
+    return {"tilt": tilt_plan(quick)}
+
+
 def paper_rod(tilt: float | np.ndarray, length: float = LENGTH) -> ContactGeometry:
     """Round tip, and the gyration radius of a thin rod; tilt in radians."""
     return spherocylinder(tilt, length)._replace(k=length / np.sqrt(12))
