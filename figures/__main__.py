@@ -199,8 +199,9 @@ def claims(scene: str | None, quick: bool, out: Path, store: Path | None) -> Non
         from .claims import own_rods
 
         name = f"claims-{Path(scene).stem}.json"
-        print(own_rods.estimate(scene, quick), flush=True)
         with storing(out, store, name):
+            for words in own_rods.estimate(scene, quick):
+                print(words, flush=True)
             found = own_rods.judged(scene, quick)
         _write_text(out / name, _json_text(found))
         print(f"{own_rods.brief(found)}\n{out / name}")

@@ -14,9 +14,14 @@ from operator import index
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 LARGE = 2**22 - 2**10  # numbers: just below 32 MiB, the most that glibc learns from
 T = TypeVar("T")
+Number = TypeVar("Number", covariant=True)  # of a field: float or `Numbers`
+Code = TypeVar("Code", covariant=True)  # `Regime` or `Codes`
+Numbers: TypeAlias = NDArray[np.float64]
+Codes: TypeAlias = NDArray[np.int8]
 BLOCK = 8192  # elements in flight; a block's temporaries stay in the second-level cache
 
 
@@ -53,6 +58,11 @@ def shown(kind: type[T]) -> type[T]:
     kind.__repr__ = _brief  # type: ignore[method-assign]
     kind._repr_html_ = _table  # type: ignore[attr-defined]
     return kind
+
+
+def typed_as(other: T) -> Callable[[Any], T]:
+    """Decorate a function that takes and gives what another one does."""
+    return lambda function: function
 
 
 class Domain(NamedTuple):

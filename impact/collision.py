@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 from functools import partial, reduce
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, overload
 
 import numpy as np
 
 from . import _kernel as kernel
-from ._arguments import InputError, evaluated, shown
+from ._arguments import Code, Codes, InputError, Number, Numbers, evaluated, shown
 from ._impacts import Regime, ordinary
 from .geometry import ContactGeometry, lengths_of
 
@@ -15,7 +15,7 @@ LAWS = {"newton": kernel.newton, "poisson": kernel.poisson, "stronge": kernel.st
 
 
 @shown
-class Collision(NamedTuple):
+class Collision(NamedTuple, Generic[Number, Code]):
     """State after an impact; every field has the broadcast shape of the arguments.
 
     Attributes
@@ -28,15 +28,15 @@ class Collision(NamedTuple):
     energy_change : kinetic energy after minus before in the frame of the plate, per unit mass
     """
 
-    c_x: Any
-    c_z: Any
-    omega: Any
-    regime: Any
-    P_x: Any
-    P_z: Any
-    slip_velocity: Any
-    normal_velocity: Any
-    energy_change: Any
+    c_x: Number
+    c_z: Number
+    omega: Number
+    regime: Code
+    P_x: Number
+    P_z: Number
+    slip_velocity: Number
+    normal_velocity: Number
+    energy_change: Number
 
 
 def exponent(*values: Any) -> Any:
@@ -118,6 +118,30 @@ def impacts(law: str) -> Callable[..., tuple[Any, ...]]:
 KINDS = [Regime if field == "regime" else None for field in Collision._fields]
 
 
+@overload
+def collide(
+    c_x: float,
+    c_z: float,
+    omega: float = ...,
+    *,
+    geometry: ContactGeometry[float],
+    friction: float,
+    restitution: float,
+    plate_velocity: float = ...,
+    law: str = ...,
+) -> Collision[float, Regime]: ...
+@overload
+def collide(
+    c_x: Any,
+    c_z: Any,
+    omega: Any = ...,
+    *,
+    geometry: ContactGeometry,
+    friction: Any,
+    restitution: Any,
+    plate_velocity: Any = ...,
+    law: str = ...,
+) -> Collision[Numbers, Codes]: ...
 def collide(
     c_x: Any,
     c_z: Any,

@@ -18,7 +18,7 @@ from numba.extending import intrinsic
 
 from . import _generated, _kernel
 from . import collision as plain
-from ._arguments import domain_of, real_arrays
+from ._arguments import domain_of, real_arrays, typed_as
 from ._impacts import Impacts, Regime, ordinary
 from ._jit import kernel
 from .geometry import ContactGeometry
@@ -156,6 +156,7 @@ def _part_of(group: Any, part: Any) -> Any:
     return group._make(array[part] for array in group)
 
 
+@typed_as(plain.collide)
 def collide(
     c_x: Any,
     c_z: Any,

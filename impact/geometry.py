@@ -1,16 +1,25 @@
 """Position of the centre of mass over the contact point, for three kinds of rod."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, overload
 
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import InputError, Labelled, evaluated, labels_of, shown
+from ._arguments import (
+    InputError,
+    Labelled,
+    Number,
+    Numbers,
+    evaluated,
+    labels_of,
+    shown,
+    typed_as,
+)
 
 
 @shown
-class ContactGeometry(NamedTuple):
+class ContactGeometry(NamedTuple, Generic[Number]):
     """Contact geometry: three lengths in one unit, numbers or arrays that broadcast.
 
     Attributes
@@ -25,9 +34,9 @@ class ContactGeometry(NamedTuple):
     labels, which remember them: a call that pairs them with other labels is refused.
     """
 
-    X: Any
-    Z: Any
-    k: Any
+    X: Number
+    Z: Number
+    k: Number
 
 
 def lengths_of(geometry: ContactGeometry) -> dict[str, Any]:
@@ -64,6 +73,10 @@ def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeome
     return ContactGeometry(*parts)
 
 
+@overload
+def thin_rod(tilt: float, length: float = ...) -> ContactGeometry[float]: ...
+@overload
+def thin_rod(tilt: Any, length: Any = ...) -> ContactGeometry[Numbers]: ...
 def thin_rod(tilt: Any, length: Any = 1.0) -> ContactGeometry:
     """Thin rod on its lower end: X = l sin(phi)/2, Z = l cos(phi)/2, k = l/sqrt(12).
 
@@ -93,6 +106,10 @@ def thin_rod(tilt: Any, length: Any = 1.0) -> ContactGeometry:
     return _rod(contact, tilt, length=length)
 
 
+@overload
+def spherocylinder(tilt: float, length: float, diameter: float = ...) -> ContactGeometry[float]: ...
+@overload
+def spherocylinder(tilt: Any, length: Any, diameter: Any = ...) -> ContactGeometry[Numbers]: ...
 def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeometry:
     """Solid spherocylinder on its round tip, straight below the centre of its lower cap.
 
@@ -129,6 +146,7 @@ def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     return _rod(contact, tilt, length=length, diameter=diameter)
 
 
+@typed_as(spherocylinder)
 def flat_ended_rod(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeometry:
     """Solid flat-ended cylinder that lands on the lower edge of its end.
 

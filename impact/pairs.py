@@ -1,13 +1,13 @@
 """The frictional impact of any two bodies that meet at a point; a rod on a plate is one of them."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, overload
 
 import numpy as np
 
 from . import _generated as closed
 from . import _kernel as kernel
-from ._arguments import InputError, evaluated, shown
+from ._arguments import Code, Codes, InputError, Number, Numbers, evaluated, shown
 from ._impacts import Regime
 from ._select import select
 from ._twofold import Twofold, quotient
@@ -18,7 +18,7 @@ SMALL, LARGE = 1e-15, 1e15  # lengths, speeds, masses between these need no scal
 
 
 @shown
-class Body(NamedTuple):
+class Body(NamedTuple, Generic[Number]):
     """A rigid body that meets another one, moving in a plane; numbers or arrays that broadcast.
 
     Attributes
@@ -30,15 +30,15 @@ class Body(NamedTuple):
     omega : angular velocity, positive turns +z towards +x; rad per unit of time
     """
 
-    mass: Any
-    k: Any
-    X: Any
-    Z: Any
-    c_x: Any
-    c_z: Any
-    omega: Any = 0.0
+    mass: Number
+    k: Number
+    X: Number
+    Z: Number
+    c_x: Number
+    c_z: Number
+    omega: Number = 0.0  # type: ignore[assignment]
 
-    def turned(self, angle: Any) -> "Body":
+    def turned(self, angle: Any) -> "Body[Number]":
         """The same body in axes turned by an angle, rad, positive from z towards x as a spin is.
 
         Bodies that are known in one frame and meet across a normal at this angle from its z axis
@@ -46,7 +46,7 @@ class Body(NamedTuple):
 
         Parameters
         ----------
-        angle : rad; broadcasts with the fields
+        angle : rad; broadcasts with the fields (for a type checker they stay numbers or arrays)
         """
         along, across = np.cos(angle), np.sin(angle)
         return self._replace(
@@ -58,7 +58,7 @@ class Body(NamedTuple):
 
 
 @shown
-class PairCollision(NamedTuple):
+class PairCollision(NamedTuple, Generic[Number, Code]):
     """State after an impact of two bodies; fields have the broadcast shape of the arguments.
 
     Attributes
@@ -71,12 +71,12 @@ class PairCollision(NamedTuple):
         the work on a body of infinite mass)
     """
 
-    first: Body
-    second: Body
-    regime: Any
-    P_x: Any
-    P_z: Any
-    energy_change: Any
+    first: Body[Number]
+    second: Body[Number]
+    regime: Code
+    P_x: Number
+    P_z: Number
+    energy_change: Number
 
 
 def _arguments(name: str, body: Body) -> dict[str, Any]:
@@ -157,6 +157,14 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     return *after, code, *impulses, scaled(mass * energy, power + 2 * speed)
 
 
+@overload
+def collide_pair(
+    first: Body[float], second: Body[float], *, friction: float, restitution: float, law: str = ...
+) -> PairCollision[float, Regime]: ...
+@overload
+def collide_pair(
+    first: Body, second: Body, *, friction: Any, restitution: Any, law: str = ...
+) -> PairCollision[Numbers, Codes]: ...
 def collide_pair(
     first: Body, second: Body, *, friction: Any, restitution: Any, law: str = "newton"
 ) -> PairCollision:

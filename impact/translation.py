@@ -1,14 +1,18 @@
 """Stationary translation of bouncing rods, Section V, Eqs. (24)-(31)."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, overload
 
 import numpy as np
 
 from . import _generated as closed
 from ._arguments import (
     POSITIVE,
+    Code,
+    Codes,
     InputError,
+    Number,
+    Numbers,
     count,
     evaluated,
     real_array,
@@ -19,7 +23,7 @@ from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
 @shown
-class Drift(NamedTuple):
+class Drift(NamedTuple, Generic[Number, Code]):
     """Velocity of the centre of mass, the same at every landing.
 
     c_x : along the plate, in the unit of its velocity
@@ -27,11 +31,23 @@ class Drift(NamedTuple):
     regime : `Regime`, or an int8 array of its values
     """
 
-    c_x: Any
-    c_z: Any
-    regime: Any
+    c_x: Number
+    c_z: Number
+    regime: Code
 
 
+@overload
+def drift(
+    geometry: ContactGeometry[float],
+    *,
+    friction: float,
+    restitution: float,
+    plate_velocity: float = ...,
+) -> Drift[float, Regime]: ...
+@overload
+def drift(
+    geometry: ContactGeometry, *, friction: Any, restitution: Any, plate_velocity: Any = ...
+) -> Drift[Numbers, Codes]: ...
 def drift(
     geometry: ContactGeometry, *, friction: Any, restitution: Any, plate_velocity: Any = 1.0
 ) -> Drift:
@@ -168,7 +184,7 @@ def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) ->
 
 
 @shown
-class Optimum(NamedTuple):
+class Optimum(NamedTuple, Generic[Number, Code]):
     """The tilt at which a thin rod drifts fastest.
 
     tilt : rad
@@ -176,11 +192,15 @@ class Optimum(NamedTuple):
     regime : `Regime`, or an int8 array of its values
     """
 
-    tilt: Any
-    c_x: Any
-    regime: Any
+    tilt: Number
+    c_x: Number
+    regime: Code
 
 
+@overload
+def optimal_tilt(*, friction: float, restitution: float) -> Optimum[float, Regime]: ...
+@overload
+def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum[Numbers, Codes]: ...
 def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
     """Tilt of a thin rod's largest stationary drift, and that drift, in closed form.
 

@@ -3,7 +3,10 @@
 import doctest
 import importlib
 import inspect
+import os
 import re
+import subprocess
+import sys
 from enum import Enum
 from pathlib import Path
 from types import FunctionType
@@ -80,6 +83,43 @@ def test_public_names_are_documented(name):
         assert lacks(NAMES[name]) == set()
     else:
         assert f"`{own}`" in importlib.import_module(module).__doc__
+
+
+TYPED = """
+from math import radians
+from typing import Any, assert_type
+
+import numpy as np
+from numpy.typing import NDArray
+
+import impact
+
+rod = impact.thin_rod(radians(20))
+rods = impact.flat_ended_rod(np.linspace(0, 1, 3), 8)
+ball = impact.Body(1.0, 0.6, 0.0, 1.0, 0.0, -1.0)
+one = impact.collide(0.1, -0.2, geometry=rod, friction=1, restitution=0.65)
+many = impact.collide(0.1, -0.2, geometry=rods, friction=0.3, restitution=0.65)
+assert_type(one.c_x, float)
+assert_type(one.regime, impact.Regime)
+assert_type(many.c_x, NDArray[np.float64])
+assert_type(many.regime, NDArray[np.int8])
+assert_type(impact.drift(rod, friction=0.3, restitution=0.65).c_x, float)
+assert_type(impact.drift(rod, friction=[0.3], restitution=0.65).c_x, NDArray[np.float64])
+assert_type(impact.optimal_tilt(friction=0.3, restitution=0.65).tilt, float)
+pair = impact.collide_pair(ball, ball.turned(3.0), friction=0.3, restitution=0.65)
+assert_type(pair.first.omega, float)
+impact.collide(0.1, -0.2, geometry=rods, frictio=0.3, restitution=0.65)  # type: ignore
+"""
+
+
+def test_a_script_under_strict_mypy_has_numbers_and_arrays(tmp_path):
+    """No Any where a field of a result is read; a misspelt name is still told."""
+    (tmp_path / "script.py").write_text(TYPED)
+    exec(compile(TYPED.rpartition("\nimpact.")[0], "script", "exec"), {})
+    command = [sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "script.py"]
+    path = {"MYPYPATH": str(Path(impact.__file__).parents[1])}
+    told = subprocess.run(command, cwd=tmp_path, env=os.environ | path, capture_output=True)
+    assert told.returncode == 0, told.stdout.decode()
 
 
 def with_examples():

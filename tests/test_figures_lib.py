@@ -129,7 +129,7 @@ def test_quick_pictures_say_so_and_full_ones_do_not(tmp_path, monkeypatch):
         assert ["quick" in words for words in written[-4:]] == 4 * [quick]
     drawing.produce("fig10", tmp_path, True, own={"friction": 0.2, "length": 3.0})
     drawing.produce("fig10", tmp_path, False, kept=tmp_path)
-    assert all(words.endswith("quick; own friction: 0.2") for words in written[-4:])
+    assert all(words.endswith("$); quick; values not the paper's") for words in written[-4:])
 
 
 def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path, capsys):

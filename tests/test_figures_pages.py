@@ -171,7 +171,7 @@ def test_the_readme_is_short_and_measures_nothing_itself():
     text = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
     found = re.findall(r"\d[\d.]*(?:e-?\d+)? ?(?:%|ns|ms|s|microseconds|cm/s)(?![\w/])|±.*", text)
     assert set(found) <= {"5 %"}  # of an example
-    assert (len(EXAMPLES), len(SCRIPTS)) == (len(re.findall("```python", TEXT)), 3) == (3, 3)
+    assert (len(EXAMPLES), len(SCRIPTS)) == (len(re.findall("```python", TEXT)), 8) == (3, 8)
     assert len(COMMANDS) > 2
 
 
@@ -238,6 +238,18 @@ def test_links_lead_somewhere(page):
         assert not label or label in [
             re.sub(r"[^\w -]", "", h.lower()).replace(" ", "-") for h in heads
         ]
+
+
+def test_the_citation_is_that_of_the_file():
+    """BibTeX in the guide has the values of CITATION.cff, and no other."""
+    cff = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    names = "title|name|family-names|given-names|journal|volume|start|version|date-released|year"
+    values = re.findall(rf'^ *(?:- )?({names}): "?(.+?)"?$', cff, re.M)
+    expected = {value[:4] if name == "date-released" else value for name, value in values}
+    (entries,) = re.findall(r"```bibtex\n(.*?)```", GUIDE, re.DOTALL)
+    found = re.findall(r"= \{+(.+?)\}+,", entries)
+    authors = [part for name in found[0].split(" and ") for part in name.split(", ")]
+    assert {*authors, *found[1:]} == expected
 
 
 def test_hard_cases_are_where_it_says():

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import re
 import subprocess
 import sys
 from unittest.mock import Mock
@@ -71,15 +72,18 @@ def test_the_papers_statements_are_judged_for_ones_own_rods(mine, tmp_path, caps
     """Numbers of their row; the theory has the friction and restitution of their plate."""
     out = tmp_path / "out"
     assert main(["claims", "--scene", str(mine), "--quick", "--out", str(out)]) == 0
-    said = capsys.readouterr().out
-    assert said.startswith("20 runs")
-    assert "mine: 5 rods, l=5 d" in said
+    begin, left, rods, says, *lines = capsys.readouterr().out.splitlines()
+    assert (begin, left[:21]) == ("20 runs, none of them stored", "those left take about")
+    assert "mine: 5 rods, l=5 d" in rods
+    assert says.startswith("S2  In the plane row the tilt follows from the length of the box")
+    assert re.match(r"    [+~-] [a-z ]+: tilt less acos.+, rms: .+ deg, asked ≤ 1\.5", lines[0])
     rows = json.loads((out / "claims-mine.json").read_text())["statements"]
     values = {f"{row['id']}.{row['key']}": row["value"] for row in rows}
     judged = {name for name in over_tilt.NUMBERS if name in values}
     assert {"S2.rms", "S3.forward", "S16.distance", "S22.pushed"} <= judged == {*values}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(runs, "STORE", out / "rows.db")
+        assert [*own_rods.estimate(str(mine), True)] == ["20 runs, all of them stored"]
         sweep = runs.tilt_plan(True, scene=str(mine))
         table = over_tilt.table(sweep, runs.tilts(True), own=True)
     for name, value in values.items():

@@ -92,15 +92,21 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
     }
 
 
-def census(scene: md.Scene, periods: int) -> tuple[Census, md.Result]:
-    """Touches of a run behind its transient, a block a period."""
-    kept = []
+def observed(scene: md.Scene, periods: int) -> tuple[np.ndarray, md.Result]:
+    """Rows of the touches of a run behind its transient, and the run."""
+    kept: list[np.ndarray] = []
     result = md.run(scene, periods=periods, observe=kept.append, ledger=False)
     if not result.finished:
         raise KeyboardInterrupt
-    rows, per = np.concatenate(kept), result.steps_per_period
-    first = result.discarded
-    rows = rows[rows[:, touches.STEP] >= first * per]
+    rows = np.concatenate(kept)
+    first = result.discarded * result.steps_per_period
+    return rows[rows[:, touches.STEP] >= first], result
+
+
+def census(scene: md.Scene, periods: int) -> tuple[Census, md.Result]:
+    """Touches of a run behind its transient, a block a period."""
+    rows, result = observed(scene, periods)
+    per, first = result.steps_per_period, result.discarded
     block = (rows[:, touches.STEP] // per - first).astype(int)
     return Census(block, periods - first, **compared(rows, scene, result.dt, per)), result
 

@@ -62,6 +62,7 @@ from ..lib.style import (
     style,
     tilt_axis,
 )
+from .census import observed
 
 ENOUGH = 30  # touches in which nobody pushes, for the mean restitution over them
 CLOSURE_TILTS_DEG = (9, 12, 15, 18, 21, 24, 27, 30, 34, 40, 45, 50, 60)
@@ -159,12 +160,8 @@ def measures(rows: np.ndarray, per: int) -> dict[str, tuple[float, float]]:
 
 def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
     """`measures` of a run, its drift and its tilt, for `runs.planned`."""
-    kept: list[np.ndarray] = []
-    result = md.run(scene, periods=periods, observe=kept.append, ledger=False)
-    if not result.finished:
-        raise KeyboardInterrupt
-    rows, per = np.concatenate(kept), result.steps_per_period
-    rows = rows[rows[:, touches.STEP] >= result.discarded * per]
+    rows, result = observed(scene, periods)
+    per = result.steps_per_period
     landings, _ = merged(np.column_stack([rows, np.ones(len(rows))]), HOP * per)
     landed = measures(landings, per)
     return {

@@ -117,20 +117,16 @@ def _draw_regimes(ax, d) -> None:
 
 
 def _draw_company(ax, d) -> None:
-    """Curves with their names beside them, from about 28 degrees on."""
+    """Shares of touches with other rods in play."""
     curves = {
         "pushed": ("constraint", "shared", ANOTHER),
         f"kicked > {DISTURBED:.0%}": ("constraint", "disturbed", SKY),
         "pushed, Appendix A": ("appendix_a", "shared", PRINTED_LAW),
     }
     for name, (law, measure, colour) in curves.items():
-        x, share = d[f"{law}_tilt"][:, 0], d[f"{law}_{measure}"]
-        _curve(ax, x, share, colour)
-        near = np.abs(x - 28).argmin()
-        at = x[near], share[near, 0]
-        beside = {"textcoords": "offset points", "color": colour}
-        ax.annotate(name, at, (0, -11 if colour == SKY else 6), **beside)
-    ax.set(**SHARE)
+        _curve(ax, d[f"{law}_tilt"][:, 0], d[f"{law}_{measure}"], colour, name)
+    ax.set(**SHARE | {"ylim": (0, 1.6)})
+    ax.legend(loc="upper right")
 
 
 def _draw_residual(ax, d) -> None:
@@ -142,8 +138,8 @@ def _draw_residual(ax, d) -> None:
         ax.plot([], [], color=colour, label=CONTACT_NAMES[law])
     for form, name in zip(KINDS.values(), KIND_NAMES, strict=True):
         ax.plot([], [], form, color="0.4", ms=3, lw=0.7, label=name)
-    ax.set(ylabel="error / change", yscale="log", ylim=(1e-6, 1e3))
-    ax.legend(loc="upper center", ncols=2)
+    ax.set(ylabel="error / change", yscale="log", ylim=(1e-6, 1e7))
+    ax.legend(loc="upper right")
 
 
 def _draw_shares(ax, d, sweep: str) -> None:
@@ -164,7 +160,7 @@ def draw(d: Data) -> plt.Figure:
     for ax, panel in zip(over_tilt, (_draw_regimes, _draw_company, _draw_residual), strict=True):
         panel(ax, d)
         tilt_axis(ax, 0, 65)
-    for ax, top in zip(over_tilt, (1, 1, 0.7), strict=True):  # up to the legend
+    for ax, top in zip(over_tilt, (1, 0.64, 0.5), strict=True):  # up to the legend
         ax.axvline(d["reversal_tilt_deg"], 0, top, color="0.4", lw=0.8, ls=":")
     _draw_shares(gamma, d, "gamma")
     gamma.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6))

@@ -11,6 +11,7 @@ each other with 0.3 throughout.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.patheffects import withStroke
 
 from impact import critical_friction, drift, spherocylinder
 from md.sweep import Sweep
@@ -20,6 +21,7 @@ from ..lib.style import BLACK, ORANGE, RIGID, WARM, Data, curve, name_panels, no
 from ..paper.fig02 import AT_TOUCH
 
 OF_LAW = ROW["contacts"]["plate"]["restitution"]
+HALO = withStroke(linewidth=2, foreground="w")
 FRICTION_MEANS = {"c_x": "c_x_cm_s", "tilt_deg": "tilt_deg", "V_z": AT_TOUCH}
 
 
@@ -64,7 +66,7 @@ def draw(d: Data) -> plt.Figure:
         rows, columns = np.arange(len(d["restitution"])), np.arange(len(d["friction"]))
         mesh = ax.pcolormesh(columns, rows, d[name].T, cmap=WARM, vmin=0, vmax=top)
         for (i, j), value in np.ndenumerate(d[name]):
-            ax.text(i, j, f"{value:.1f}", ha="center", va="center")
+            ax.text(i, j, f"{value:.1f}", ha="center", va="center", path_effects=[HALO])
         ax.set_xticks(columns, [f"{mu:g}" for mu in d["friction"]], rotation=60)
         ax.set_yticks(rows, [f"{e:g}" for e in d["restitution"]])
         critical = np.interp(np.log(d["critical"]), np.log(d["friction"]), columns)

@@ -81,7 +81,7 @@ def draw(d: Data) -> plt.Figure:
         "pushed by others": lambda ax, d: _beside(ax, d, "pushed"),
         "touches": lambda ax, d: _beside(ax, d, "touches"),
     }
-    figure = painted(d, panels, rows=2, figsize=(3.4, 3.8))
+    figure = painted(d, panels, rows=2, figsize=(4.2, 3.8))
     for ax in figure.axes[:2]:
         ax.set(xlabel="")
     legend_above(figure, figure.axes[0], ncols=2)

@@ -19,7 +19,7 @@ from md.sweep import Sweep, point_at
 from ..lib.runs import PARTS, RESOLVED, SIMPLE_ROW, boxes, computed
 from ..lib.style import Data
 from . import over_tilt
-from .limits import holds, read
+from .limits import holds
 
 TILTS_DEG = {False: (9, 15, 22, 28, 34, 45, 60), True: (9, 28, 45)}
 SETS, PERIODS = {False: 256, True: 4}, {False: 150, True: 40}
@@ -45,12 +45,8 @@ _RANGES = (
     Parameter("number of rods", ("rods.count",), 20, 60),
 )
 PROPERTIES = {one.name: one for one in _RANGES}
-JUDGED = {  # statements on a row over tilt, which every set of properties has
-    name: row
-    for claim in read()
-    for row in claim["numbers"]
-    if "holds" in row and (name := f"{claim['id']}.{row['key']}") in over_tilt.NUMBERS
-    if name not in over_tilt.OF_MANY_TILTS
+JUDGED = {  # statements that every set of properties has
+    name: row for name, row in over_tilt.JUDGED.items() if name not in over_tilt.OF_MANY_TILTS
 }
 
 

@@ -48,8 +48,11 @@ class Evidence:
     def figure(self, name: str) -> dict[str, np.ndarray]:
         """Data of a figure."""
         if name not in self._figures:
-            self._figures[name] = Whole(figure_data(name, self.quick, self.out))
+            self._figures[name] = Whole(self._data(name))
         return self._figures[name]
+
+    def _data(self, name: str) -> dict[str, np.ndarray]:
+        return figure_data(name, self.quick, self.out)
 
     @cached_property
     def over_tilt(self) -> dict[str, np.ndarray]:
@@ -67,8 +70,6 @@ class Evidence:
 class Assumed(Evidence):
     """The same of the annulus under the simple law, from few starts."""
 
-    def figure(self, name: str) -> dict[str, np.ndarray]:
+    def _data(self, name: str) -> dict[str, np.ndarray]:
         """Data of one of the `ASSUMED` figures."""
-        if name not in self._figures:
-            self._figures[name] = Whole(ASSUMED[name](self.quick, assumed=True))
-        return self._figures[name]
+        return ASSUMED[name](self.quick, assumed=True)

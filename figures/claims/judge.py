@@ -66,6 +66,16 @@ def verdict(number: Number, limits: dict[str, Any]) -> str:
     return CLOSE if close(number, limits) else HOLDS if true else FAILS
 
 
+def judged_number(number: Number, limits: dict[str, Any]) -> dict[str, Any]:
+    """A number with its limits and, if it has any, the verdict."""
+    value, error = float(number.value), float(number.error)
+    row = {**limits, "value": value, "error": error, "notion": number.notion}
+    if "holds" in limits:
+        row["verdict"] = verdict(number, limits)
+        row["deviation"] = deviation(value, limits)
+    return row
+
+
 def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
     """The claim with its numbers and the verdicts on its statements."""
     trouble, measured = "", {}
@@ -75,13 +85,7 @@ def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
         trouble = f"{type(failure).__name__}: {' '.join(str(failure).split())}"
     rows = []
     for limits in claim["numbers"]:
-        number = Number(*measured.get(limits["key"], (math.nan,)))
-        value, error = float(number.value), float(number.error)
-        row = {**limits, "value": value, "error": error, "notion": number.notion}
-        if "holds" in limits:
-            row["verdict"] = verdict(number, limits)
-            row["deviation"] = deviation(value, limits)
-        rows.append(row)
+        rows.append(judged_number(Number(*measured.get(limits["key"], (math.nan,))), limits))
     return {**claim, "numbers": rows, "trouble": trouble}
 
 

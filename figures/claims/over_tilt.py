@@ -12,7 +12,7 @@ from impact import drift, landing_density, thin_rod
 from md.sweep import Sweep
 
 from ..lib.runs import SETTING, drift_and_tilt, means
-from .limits import ONE_STATE_DEG
+from .limits import ONE_STATE_DEG, read
 from .uncertainty import Number, crossing, measures, resampled, rms
 
 SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one above the other
@@ -51,18 +51,13 @@ def table(sweep: Sweep, nominal: np.ndarray, own: bool = False) -> dict[str, np.
     """
     scene = sweep.points[0].scene
     size = {"half_length": np.array(scene.rods.length / 2), "speed": np.array(scene.plate_speed)}
-    setting = _setting(sweep) if own else SETTING
+    setting, plate = SETTING, scene.contacts.plate
+    if own and plate:
+        setting = {"friction": plate.friction, "restitution": plate.law.restitution}
     tilt = np.linspace(0.5, 89.5, 357)
     c_x = drift(thin_rod(np.radians(tilt)), **setting).c_x * scene.plate_speed * scene.cm_per_s / 2
     line = {"theory_tilt": tilt, "theory_c_x": c_x}
     return {"nominal": nominal, **size, **line, **means(sweep, STORED), **drift_and_tilt(sweep)}
-
-
-def _setting(sweep: Sweep) -> dict[str, Any]:
-    """Friction and restitution of the plate of a sweep's rows, for the theory."""
-    plate = sweep.points[0].scene.contacts.plate
-    assert plate is not None
-    return {"friction": plate.friction, "restitution": plate.law.restitution}
 
 
 def theory(d: Table, tilt_deg: np.ndarray) -> np.ndarray:
@@ -163,5 +158,11 @@ NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.to
     "S22.contact": lambda d: d["contact"].mean(),
     "S22.pushed": lambda d: d["pushed"].mean(),
     "S22.touches": lambda d: d["touches"].mean(),
+}
+JUDGED = {  # their statements, with what the paper says
+    name: {"id": claim["id"], "says": claim["says"], **row}
+    for claim in read()
+    for row in claim["numbers"]
+    if "holds" in row and (name := f"{claim['id']}.{row['key']}") in NUMBERS
 }
 OF_MANY_TILTS = {"S16.bump"}  # numbers that need tilts close together

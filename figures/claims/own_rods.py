@@ -6,32 +6,57 @@ or frictions have no part here.
 """
 
 from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from joblib import cpu_count
 
 from md.cache import digest
+from md.store import Store
+from md.sweep import Point, Sweep, execute
 
-from ..lib.runs import row_of, tilt_plan, tilts
-from ..pages.everything import in_words, run_seconds
+from ..lib.runs import lacking, row_of, tilt_plan, tilts
+from ..pages.everything import in_words
 from . import over_tilt
-from .judge import MARKS, limits_shown, shown, verdict
-from .limits import VERDICTS, deviation, read
+from .judge import MARKS, judged_number, limits_shown, shown
+from .limits import VERDICTS
 from .uncertainty import resampled
 
+EACH, TRIED_PERIODS = 8, 20  # of the runs, one in `EACH` is tried
 
-def estimate(scene: str, quick: bool = False) -> str:
-    """Sentence on what is to be run, and about how long it takes.
+
+def estimate(scene: str, quick: bool = False) -> Iterator[str]:
+    """Sentences on what the store holds and, if it lacks something, on how long the rest takes.
+
+    Some of the runs are timed, much shortened: upright rows take five times as long as flat ones.
 
     Parameters
     ----------
     scene : file, or name of an example of `md`
     quick : fewer tilts, shorter runs
     """
-    points, cores = tilt_plan(quick, scene=scene).points, cpu_count()
-    seconds = run_seconds([*points]) / cores
-    time = f"about {in_words(seconds)}, compiling apart"
-    return f"{len(points)} runs, of which the store may hold some: {time}"
+    points = tilt_plan(quick, scene=scene).points
+    left = lacking(points)
+    there = len(points) - len(left) or "none"
+    yield f"{len(points)} runs, {there if left else 'all'} of them stored"
+    if left:
+        seconds = _seconds(left) / cpu_count()
+        yield f"those left take about {in_words(seconds)}, by short ones"
+
+
+def _seconds(points: list[Point]) -> float:
+    """Processor seconds of runs by those of short ones, in as many processes; compiles."""
+    tried = tuple(replace(point, periods=TRIED_PERIODS) for point in points[::EACH])
+    with TemporaryDirectory() as folder:
+        store = Path(folder, "tried.db")
+        execute(Sweep((), tried), store, progress=True)
+        with Store(store) as database:
+            found = [database.result(point.key) or {} for point in tried]
+    spent = sum(result.get("run_seconds", 0.0) for result in found)
+    return spent / len(tried) * sum(point.periods for point in points) / TRIED_PERIODS
 
 
 def judged(scene: str, quick: bool = False) -> dict[str, Any]:
@@ -43,26 +68,24 @@ def judged(scene: str, quick: bool = False) -> dict[str, Any]:
     """
     row, nominal = row_of(scene), tilts(quick)
     table = over_tilt.table(tilt_plan(quick, scene=scene), nominal, own=True)
-    rows = []
-    for claim in read():
-        for limits in claim["numbers"]:
-            name = f"{claim['id']}.{limits['key']}"
-            if "holds" not in limits or name not in over_tilt.NUMBERS:
-                continue
-            number = resampled(table, over_tilt.NUMBERS[name])
-            found = {"value": float(number.value), "error": float(number.error)}
-            found["deviation"] = deviation(number.value, limits)
-            rows.append({"id": claim["id"], **limits, **found, "verdict": verdict(number, limits)})
+    rows = [
+        judged_number(resampled(table, over_tilt.NUMBERS[name]), limits)
+        for name, limits in over_tilt.JUDGED.items()
+    ]
     made = {"scene": scene, "quick": quick, "md": digest()}
     return {"provenance": made, "rods": row.words, "statements": rows}
 
 
 def brief(report: dict[str, Any]) -> str:
-    """A line a statement, and how many have each verdict."""
-    lines = [report["rods"].replace("$", "").replace("\\,", " ").replace("\\", "")]
+    """What the paper says, below it a line a statement; how many have each verdict."""
+    rods = report["rods"].replace("$", "").replace("\\,", " ").replace("\\", "")
+    said, lines = "", [f"{rods}. The paper says:"]
     for row in report["statements"]:
-        asked = f"asked {limits_shown(row['holds'])}"
-        lines.append(f"{MARKS[row['verdict']]} {row['id']:4}{row['name']}: {shown(row)}, {asked}")
+        if row["says"] != said:
+            said = row["says"]
+            lines.append(f"{row['id']:4}{said}")
+        asked = f"{row['name']}: {shown(row)}, asked {limits_shown(row['holds'])}"
+        lines.append(f"    {MARKS[row['verdict']]} {row['verdict']}: {asked}")
     verdicts = Counter(row["verdict"] for row in report["statements"])
     counted = (f"{MARKS[name]} {name}: {verdicts[name]}" for name in VERDICTS if verdicts[name])
     return "\n".join([*lines, ", ".join(counted)])

@@ -21,6 +21,7 @@ import numpy as np
 from md.cache import code_of
 
 from .. import FIGURES, load
+from .files import made
 
 Own = Mapping[str, Any]  # values of one's own, in place of the paper's
 NOTHING: Own = MappingProxyType({})
@@ -125,26 +126,18 @@ def stored_data(name: str, quick: bool, out: Path) -> dict[str, np.ndarray] | No
 
     Returns
     -------
-    Arrays by name; None if there is no such file, or it is of another size, of other sources or of
-    values that are not the paper's.
+    Arrays by name; None if no such file can be read, or it is of another size, of other sources or
+    of values that are not the paper's.
     """
-    path = out / f"{name}.npz"
-    if not path.is_file():
+    by = made(out / f"{name}.npz")
+    if by.get("own") or (by.get("sources"), by.get("quick")) != (sources(name), quick):
         return None
-    with np.load(path) as stored:
-        made = json.loads(str(stored["provenance"])) if "provenance" in stored else {}
-        if made.get("own") or (made.get("sources"), made.get("quick")) != (sources(name), quick):
-            return None
-    return _arrays(path)
+    return kept_data(name, out)
 
 
 def kept_data(name: str, folder: Path) -> dict[str, np.ndarray]:
     """Data of a figure that lie in a folder as NAME.npz, of whatever sources and size."""
-    return _arrays(folder / f"{name}.npz")
-
-
-def _arrays(path: Path) -> dict[str, np.ndarray]:
-    with np.load(path) as stored:
+    with np.load(folder / f"{name}.npz") as stored:
         return {key: stored[key] for key in stored if key != "provenance"}
 
 

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 from joblib import Parallel, delayed
@@ -56,7 +56,7 @@ def produce(
     picture = module.draw(data)
     by = {"quick": quick, "own": own} if kept is None else made(kept / f"{name}.npz")
     marks = ["quick"] if by.get("quick") else []
-    marks += [f"own {key}: {value}" for key, value in by.get("own", {}).items()]
+    marks += ["values not the paper's"] if by.get("own") else []
     if marks:
         words = picture.get_supxlabel()
         style(note)(picture, "; ".join([words, *marks] if words else marks))
@@ -75,12 +75,10 @@ def produce(
     return Drawn(name, files, printed(data))
 
 
-def _tried(
-    name: str, out: Path, quick: bool, kept: Path | None = None, own: Own = NOTHING
-) -> Drawn:
+def _tried(name: str, *given: Any) -> Drawn:
     """The same; what a figure fails with is kept, so that the others go on."""
     try:
-        return produce(name, out, quick, kept, own)
+        return produce(name, *given)
     except Exception as error:
         foreseen = isinstance(error, OSError) or hasattr(error, "exit_code")
         return Drawn(name, failure=str(error) if foreseen else traceback.format_exc().rstrip())
@@ -90,7 +88,7 @@ def _in_a_process(name: str, out: Path, quick: bool, store: Path, own: Own) -> D
     """The same in a process of its own, where nothing may write onto the terminal."""
     runs.STORE = store
     with redirect_stderr(io.StringIO()) as said:
-        drawn = _tried(name, out, quick, own=own)
+        drawn = _tried(name, out, quick, None, own)
     return drawn._replace(said=said.getvalue())
 
 

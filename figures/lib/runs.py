@@ -22,7 +22,8 @@ import numpy as np
 
 from impact import ContactGeometry, InputError, spherocylinder
 from md.scene import Scene, both, from_tables, put, read_tables
-from md.sweep import Measure, Sweep, execute, expand
+from md.store import Store
+from md.sweep import Measure, Point, Sweep, execute, expand
 
 from .data import sources_of
 
@@ -189,6 +190,13 @@ def measured_by(sweep: Sweep, measure: Callable[[Any, int], dict[str, Any]]) -> 
     return replace(sweep, points=tuple(replace(point, measure=how) for point in sweep.points))
 
 
+def lacking(points: Iterable[Point]) -> list[Point]:
+    """Those that the store does not hold, none twice."""
+    with Store(store()) as database:
+        distinct = {point.key: point for point in points}
+        return [point for key, point in distinct.items() if not database.has(key)]
+
+
 def computed(sweep: Sweep, workers: int = -1) -> Sweep:
     """The same sweep, run as far as the store does not hold it."""
     execute(sweep, store(), workers=workers, progress=True)
@@ -251,6 +259,11 @@ def tilt_plan(
     row = row_of(scene)
     along = {"box.length": boxes(tilts(quick), row.scene.rods.count)}
     return planned([along, SEEDS], periods_of(quick), changes, row.tables)
+
+
+def tilt_sweeps(quick: bool = False) -> dict[str, Sweep]:
+    """The paper's row over tilt, as `sweeps` of a figure."""
+    return {"tilt": tilt_plan(quick)}
 
 
 def paper_rod(tilt: float | np.ndarray, length: float = LENGTH) -> ContactGeometry:

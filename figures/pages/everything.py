@@ -5,13 +5,12 @@ from pathlib import Path
 from joblib import cpu_count
 
 from md.host import step_of
-from md.store import Store
 from md.sweep import Point
 
 from .. import FIGURES, load
 from ..claims import measure_annulus, measure_rows
 from ..lib.data import stored_data
-from ..lib.runs import store
+from ..lib.runs import lacking
 
 OF_CLAIMS = (measure_rows, measure_annulus)  # runs that no figure shows
 CLAIMS_SECONDS = 30  # processor seconds of movie and claims, runs of the store apart
@@ -32,9 +31,7 @@ def missing() -> list[Point]:
     """Runs of the figures and claims that the store does not hold, none twice."""
     modules = [*map(load, FIGURES), *OF_CLAIMS]
     sweeps = [sweep for m in modules if hasattr(m, "sweeps") for sweep in m.sweeps().values()]
-    with Store(store()) as database:
-        points = {point.key: point for sweep in sweeps for point in sweep.points}
-        return [point for key, point in points.items() if not database.has(key)]
+    return lacking(point for sweep in sweeps for point in sweep.points)
 
 
 def run_seconds(points: list[Point]) -> float:

@@ -40,7 +40,7 @@ def data(quick: bool = False, assumed: bool = False, scene: str | None = None) -
     late = series[:, :, series.shape[2] // 2 :].mean(axis=2)  # over time
     found = {"count": counts, "time": EVERY * (1 + np.arange(series.shape[2])), "series": series}
     gap, rods = of.scene.annulus, of.scene.rods
-    found |= {"words": np.array(rf"$\Gamma={of.gamma:.3g}$; {of.words}")}
+    found |= {"words": np.array(of.words if scene else rf"$\Gamma={of.gamma:.3g}$; {of.words}")}
     found |= {"radii": np.array([gap.inner, gap.outer]), "half": np.array((rods.length - 1) / 2)}
     found["shown"] = np.array(of.counts(SHOWN_COUNTS))
     for n in () if assumed else found["shown"].tolist():

@@ -15,9 +15,8 @@ from matplotlib.axes import Axes
 
 from impact import drift
 from md import Scene
-from md.sweep import Sweep
 
-from ..lib.runs import means, row_of, tilt_plan, tilts
+from ..lib.runs import means, row_of, tilt_plan, tilt_sweeps, tilts
 from ..lib.style import (
     BLACK,
     ORANGE,
@@ -41,10 +40,7 @@ VELOCITY_MEANS = {  # name here: name in the store
     "tilt_deg": "tilt_deg",
 }
 
-
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """The row over tilt."""
-    return {"tilt": tilt_plan(quick)}
+sweeps = tilt_sweeps
 
 
 def data(quick: bool = False, scene: str | None = None) -> Data:

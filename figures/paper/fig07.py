@@ -13,9 +13,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from md.scene import from_tables, put
-from md.sweep import Sweep
 
-from ..lib.runs import boxes, lone, means, row_of, tilt_plan
+from ..lib.runs import boxes, lone, means, row_of, tilt_plan, tilt_sweeps
 from ..lib.style import BLACK, RIGID, Data, curve, name_panels, note, shades, style, tilt_axis
 from ..pages import movie
 
@@ -29,10 +28,7 @@ FLIGHT_MEANS = {
     "touches": "landings.touches.mean",
 }
 
-
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """The row over tilt."""
-    return {"tilt": tilt_plan(quick)}
+sweeps = tilt_sweeps
 
 
 def data(quick: bool = False, scene: str | None = None) -> Data:

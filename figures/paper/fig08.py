@@ -10,7 +10,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import landing_density
-from md.sweep import Sweep
 
 from ..lib.runs import (
     SHOWN_DEG,
@@ -20,6 +19,7 @@ from ..lib.runs import (
     over_seeds,
     row_of,
     tilt_plan,
+    tilt_sweeps,
     tilts,
 )
 from ..lib.style import BLACK, RIGID, THEORY, Data, curve, name_panels, note, style, tilt_axis
@@ -40,9 +40,7 @@ def falling(counts: np.ndarray) -> np.ndarray:
     return counts[..., quarter : 3 * quarter].sum(axis=-1) / counts.sum(axis=-1)
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """The row over tilt."""
-    return {"tilt": tilt_plan(quick)}
+sweeps = tilt_sweeps
 
 
 def data(quick: bool = False, scene: str | None = None) -> Data:

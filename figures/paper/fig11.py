@@ -65,8 +65,10 @@ def _curves(ax: plt.Axes, d: Data) -> None:
     for (name, words, unphysical), colour in zip(branches, REGIME_COLOURS[1:], strict=True):
         label = f"{words} where it does not hold" if unphysical.any() else None
         ax.plot(tilt_deg, d[f"{name}_c_x"], "--", color=colour, zorder=1.9, label=label)
-    for edge in critical_deg(d):
-        ax.axvline(edge, color="0.5", lw=0.6, ls=":")
+    edges = critical_deg(d)
+    label = f"roots of (23): {', '.join(f'{edge:.2f}°' for edge in edges)}"
+    for edge in edges:
+        ax.axvline(edge, color="0.5", lw=0.6, ls=":", label=label if edge == edges[0] else None)
 
 
 def critical_deg(d: Data) -> np.ndarray:
@@ -97,12 +99,9 @@ def draw(d: Data) -> plt.Figure:
     tilt_axis(ax)
     highest = min(max(d["c_x"].max(), d["c_z"].max()), HIGHEST)
     ax.set(ylabel=r"velocity / $V_z$", ylim=(0, 1.35 * highest))
-    for name, edge in zip(("first", "second"), critical_deg(d), strict=False):
-        look = {"rotation": 90, "ha": "right", "va": "top", "transform": ax.get_xaxis_transform()}
-        ax.text(edge, 0.98, f"{name} root: {edge:.2f}°", **look)
     if critical_deg(d).size:
         _end(ax, d, critical_deg(d)[-1])
     legend_above(figure, ax, ncols=2)
     setting = rf"$\epsilon={d['restitution']:g}$, friction $\mu={d['friction']:g}$"
-    note(figure, f"thin rod, restitution {setting}; roots of Eq. (23)")
+    note(figure, f"thin rod, restitution {setting}")
     return figure

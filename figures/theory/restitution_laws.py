@@ -89,6 +89,7 @@ def _draw_outcomes(ax: Axes, d: Data) -> None:
     for part in "xz":
         ax.text(88, d[f"c_{part}"][0, -1] + 0.06, rf"$c_{part}'$", ha="right", va="bottom")
     ax.set_ylabel(r"velocity / $|c_z|$")
+    ax.margins(y=0.12)  # for the letters
     ax.legend()
     tilt_axis(ax)
 
@@ -100,7 +101,8 @@ def _draw_difference(ax: Axes, d: Data) -> None:
     ax.plot(tilt_deg, d["slide_friction"], "k-", label=r"$u_*=0$, Eq. (14)")
     held = np.degrees(d["stopping_tilt"]), d["critical_friction"]
     ax.plot(*held, "k--", label="(a, c): both roots of Eq. (23)")
-    for word, x, y in (("slide", 76, 0.75), ("stick", 13, 0.75), ("reversal", 36, 0.2)):
+    free = 0.1 if abs(d["line_friction"] - 0.2) < 0.06 else 0.2  # of the dotted line
+    for word, x, y in (("slide", 76, 0.75), ("stick", 13, 0.75), ("reversal", 36, free)):
         ax.text(x, y, word, ha="center", va="center")
     ax.axhline(d["line_friction"], color="0.4", ls=":", label="friction of (b)")
     ax.set(ylabel=r"friction $\mu$", ylim=(0, 1))

@@ -120,7 +120,8 @@ def _over_tilt(ax: Axes, d: Data) -> None:
     words = "contact jumps\nfrom edge to edge"
     ax.annotate(words, (0, edges.max()), (-19, 0.8 * limit), va="center", arrowprops=ARROW)
     ax.axvspan(-threshold_deg, threshold_deg, color=FLAT, alpha=0.1, lw=0)
-    ax.text(threshold_deg - 0.5, -0.94 * limit, "flat ends\nbackwards", color=FLAT, ha="right")
+    aside = min(threshold_deg, OBSERVED_DEG) - 0.5
+    ax.text(aside, -0.94 * limit, "flat ends\nbackwards", color=FLAT, ha="right")
     ax.plot(threshold_deg, 0, "o", color=FLAT, ms=4)
     words = rf"$\arctan(d/l)$ = {threshold_deg:.3f}°"
     ax.annotate(words, (threshold_deg, 0), (16, -0.33 * limit), **TOLD)
