@@ -32,7 +32,7 @@ def test_the_largest_tilt_of_one_rod():
     assert largest_tilt(EXPERIMENT, 3.0) == largest_tilt_of_flat(EXPERIMENT, 3.0) == np.pi / 2
 
 
-@pytest.mark.parametrize("count", [1, 2, 23, 40, 44, 56])
+@pytest.mark.parametrize("count", [1, 2, 23, 40, 44, 58])
 def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     """By `GAP` at least; they stand on the plate, lean one way along it, by what a rod can."""
     rods, half = placed(EXPERIMENT, count, 8.0), 3.5
@@ -62,16 +62,6 @@ def test_an_odd_ring_starts_tilted_as_an_even_one():
     """It is no zig-zag all around: one rod stands between the walls, with more room beside it."""
     tilts = [np.arccos(placed(EXPERIMENT, count, 8.0)[:, 5]).mean() for count in (51, 52)]
     assert tilts[0] > tilts[1] > 0.2
-
-
-def test_what_does_not_fit_is_refused():
-    with pytest.raises(ValueError, match=r"rods.count 59 do not fit .*: at most 58 do, upright"):
-        placed(EXPERIMENT, 59, 8.0)
-    assert len(placed(EXPERIMENT, 58, 8.0)) == 58
-    with pytest.raises(ValueError, match=r"rods.count 225 do not fit .*: at most 224 do"):
-        placed(md.Annulus(5.0, 9.0), 225, 8.0)
-    with pytest.raises(ValueError, match="length must be at least 1"):
-        largest_tilt(EXPERIMENT, 0.5)
 
 
 # Runs

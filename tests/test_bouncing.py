@@ -192,31 +192,6 @@ def test_scale_of_lengths_cancels(law):
         np.testing.assert_array_equal(run.c_x_after, runs[0].c_x_after)
 
 
-NO_GEOMETRY = ContactGeometry(0.1, 0.4, 0.0), ContactGeometry(np.nan, 0.4, 0.3), 3.0
-BAD = {
-    "gamma": (1.0, 0.0, np.nan, np.inf, np.array([2.0, 3.0]), "high"),
-    "friction": (-0.1,),
-    "restitution": (1.1, np.nan),
-    "landings": (0, 2.5),
-    "rods": (0,),
-    "seed": (-1,),
-    "transient": (-1,),
-    "shortest_flight": (0.0, 1e-13),
-    "law": ("hooke", ["newton"]),
-    "bins": (0,),
-    "geometry": (*NO_GEOMETRY, thin_rod(np.array([0.1, 0.2]))),
-}
-
-
-@pytest.mark.parametrize(
-    ("name", "value"), [(name, value) for name, values in BAD.items() for value in values]
-)
-def test_bad_input(name, value):
-    setting = {"geometry": thin_rod(0.3), "gamma": 2.0, **PAPER, "landings": 5}
-    with pytest.raises(impact.InputError, match=rf"{name}(\.\w)? must be "):
-        bounce(**{**setting, name: value})
-
-
 def test_friction_has_its_limits():
     """Infinite friction is the limit of large friction; without any, c_x is kept for ever."""
     setting = {"gamma": 2.5, "restitution": 0.6, "landings": 30}

@@ -173,14 +173,12 @@ def test_m10_no_wall_is_entered_beyond_the_soft_overlap(inner, director, frictio
 
 
 def test_m10_a_gap_barely_wider_than_a_rod():
-    """Rods stay in it, upright and along it; a gap narrower than a rod is refused."""
+    """Rods stay in it, upright and along it."""
     narrow = ("annulus.outer=3.0", "annulus.inner=1.99", "rods.count=4", "plate.acceleration=4")
     result = md.run(ring(*narrow), periods=5)
     rho = np.hypot(*result.rods[:, :2].T)
     assert np.abs(rho - 2.495).max() < 0.02
     assert result.tilt_deg < 10
-    with pytest.raises(ValueError, match=r"annulus.outer must be at least a diameter beyond"):
-        ring("annulus.outer=2.98", "annulus.inner=1.99")
 
 
 @pytest.mark.parametrize("rough", ["inner", "outer"])
@@ -250,8 +248,6 @@ def test_m6_a_step_that_is_not_stable_is_refused_with_the_largest_that_is():
     with pytest.raises(ValueError, match="at most"):
         prepare(row(f"step.size={1.02 * limit}", "step.coarse=false"))
     assert md.run(row(f"step.size={coarse}"), periods=20).finished
-    with pytest.raises(ValueError, match="stiffness 1 is too soft"):
-        prepare(row("contacts.plate.stiffness=1"))
 
 
 def test_m6_the_largest_step_is_stable_for_a_row_pressed_together():

@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from derivations import files, kernel, languages, trials
+from derivations import files, kernel, trials
 
 CODE = kernel.KERNEL.read_text(encoding="utf-8")
 TREE = ast.parse(CODE)
@@ -225,12 +225,3 @@ def test_code_that_stops_is_no_proof(monkeypatch, tmp_path):
     proof = kernel.CODE[2].prove()
     assert not proof.ok
     assert "NameError" in proof.evidence
-
-
-@pytest.mark.parametrize(
-    "text", ["b ** 2", "b if b else 1", "[b]", "b and b", "b.real", "b[0]", "lambda: b"]
-)
-def test_what_another_language_may_not_have_is_refused(text):
-    about = {"arguments": "b", "text": f"a = {text}", "returned": "a"}
-    with pytest.raises(ValueError, match="not in the language"):
-        languages.function("c", "f", about, {})

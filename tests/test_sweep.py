@@ -106,8 +106,6 @@ def test_a_sweep_from_python_names_its_scene():
     assert expand({"scene": "quasi2d", "axes": [axis]}) == expand(
         {"axes": [axis]}, read_tables("quasi2d")
     )
-    with pytest.raises(ValueError, match="scene must be the name of a file"):
-        expand({"axes": [axis]})
 
 
 # Runs
@@ -264,13 +262,6 @@ def test_a_worker_that_always_dies_is_an_error(tmp_path, monkeypatch):
     monkeypatch.setattr("md.sweep.Parallel", lambda **how: dead)
     with pytest.raises(RunError, match="died 3 times"):
         execute(axes(), tmp_path / "a.db")
-
-
-def test_a_scheduler_that_is_none_is_named(tmp_path):
-    """Before there is a store."""
-    with pytest.raises(ValueError, match=r"scheduler must be the address .*, got 'nope'"):
-        execute(axes(), tmp_path / "a.db", scheduler="nope")
-    assert not (tmp_path / "a.db").exists()
 
 
 # The command

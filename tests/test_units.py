@@ -91,14 +91,6 @@ def test_a_sweep_along_an_amplitude(tmp_path, capsys):
         assert row["c_x_stderr_cm_s"] == pytest.approx(row["c_x_stderr"] * sqrt(981 * 0.5))
 
 
-def test_a_sweep_that_says_it_twice_is_refused():
-    tables = {"set": {"plate.acceleration": 2}, "axes": [{"plate.amplitude_cm": [0.01, 0.02]}]}
-    with pytest.raises(ValueError, match=r"say the same.*\(at plate.amplitude_cm = 0.01\)"):
-        expand(tables, TABLES)
-    with pytest.raises(ValueError, match=r"rods.length must be .*length_cm = 0.1, .*\(at rods"):
-        expand({"axes": [{"rods.length_cm": [4, 0.1]}]}, TABLES)
-
-
 def test_what_a_run_prints_in_cm(tmp_path, capsys):
     """Rods, plate, drift and time; in JSON what one unit is, and what was run."""
     soft = (f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods"))
