@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import md
 from figures.claims.measure_annulus import largest_tilt_of_flat
@@ -44,7 +45,7 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     rho = np.hypot(along[..., 0], along[..., 1])
     assert rho.min() > EXPERIMENT.inner + 0.5 - 1e-4
     assert rho.max() < EXPERIMENT.outer - 0.5 + 1e-4
-    np.testing.assert_allclose(x[:, 2] - half * a[:, 2], 0.5, atol=1e-12)
+    assert_allclose(x[:, 2] - half * a[:, 2], 0.5, atol=1e-12)
     assert np.arccos(a[:, 2]).max() < largest_tilt(EXPERIMENT, 8.0)
     lean = x[:, 0] * a[:, 1] - x[:, 1] * a[:, 0]
     assert abs(np.sign(lean).sum()) == count
@@ -81,7 +82,7 @@ def test_rods_bounce_and_keep_to_the_gap():
     rho = np.hypot(*np.concatenate(ends).T)
     assert rho.min() > scene.annulus.inner + 0.5 - 0.05
     assert rho.max() < scene.annulus.outer - 0.5 + 0.05
-    np.testing.assert_allclose(np.linalg.norm(rods[:, DIRECTOR:VELOCITY], axis=1), 1, atol=1e-12)
+    assert_allclose(np.linalg.norm(rods[:, DIRECTOR:VELOCITY], axis=1), 1, atol=1e-12)
     assert axial(rods) < 1e-12
     assert axial(md.run(ring(*ROLLING, "plate.acceleration=5"), periods=6).rods) > 1e-6
 

@@ -14,6 +14,7 @@ import numpy as np
 import psutil
 import pytest
 from numba.extending import overload
+from numpy.random import default_rng
 
 import figures.__main__
 import impact
@@ -314,7 +315,7 @@ LONG = {
 @pytest.mark.parametrize("name", LONG)
 def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
     """While it compiles, half of the times, or runs; nothing is left beside the results."""
-    random = np.random.default_rng(number)
+    random = default_rng(number)
     for cold in (True, False) * 5:
         folder = tmp_path / str(random.integers(10**9))
         folder.mkdir()

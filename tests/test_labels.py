@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_equal
 
 import impact
 
@@ -44,7 +45,7 @@ def test_labels_that_differ_are_refused_and_equal_ones_are_not(function):
             paired(function, **{one: "ab", other: "ac"})
         assert {one, other} <= {*str(error.value).split()}
         alike = paired(function, **{one: "ab", other: "ab"})
-        np.testing.assert_equal(alike, paired(function, **{one: None, other: None}))
+        assert_equal(alike, paired(function, **{one: None, other: None}))
 
 
 @pytest.mark.parametrize("shape", [impact.thin_rod, impact.spherocylinder, impact.flat_ended_rod])

@@ -5,6 +5,7 @@ import inspect
 import numpy as np
 import pytest
 import sympy as sp
+from numpy.testing import assert_allclose
 
 import derivations
 import impact
@@ -63,7 +64,7 @@ def test_own_rods():
     rod = impact.ContactGeometry(X=np.sin(phi), Z=np.cos(phi) + 0.05 * phi, k=0.6)
     friction = np.array([[0.1], [0.2]])
     drift = derivations.function("27")(**rod._asdict(), mu=friction, epsilon=0.65, V_z=1)
-    np.testing.assert_allclose(drift, impact.drift(rod, friction=friction, restitution=0.65).c_x)
+    assert_allclose(drift, impact.drift(rod, friction=friction, restitution=0.65).c_x)
 
 
 def test_whole_numbers_and_single_precision():

@@ -9,6 +9,7 @@ from unittest.mock import Mock
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 import figures
 import md
@@ -53,7 +54,7 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
     assert (ten["restitution"], ten["marked"]) == (0.5, 0.2)
     assert (eleven["restitution"], eleven["friction"]) == (0.5, 0.2)
     expected = figures.load("fig11").data(quick=True, friction=0.2, restitution=0.5)
-    np.testing.assert_array_equal(eleven["c_x"], expected["c_x"])
+    assert_array_equal(eleven["c_x"], expected["c_x"])
     assert stored_data("fig11", True, tmp_path) is None
 
 
@@ -104,7 +105,7 @@ def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path, c
     assert {*usual} - {*own} == {"plane", "narrow"}
     for name in ("still", "rest", "rolling"):
         counts = usual[name].values("rods.count")
-        np.testing.assert_array_equal(own[name].values("rods.count"), 2 * counts)
+        assert_array_equal(own[name].values("rods.count"), 2 * counts)
     assert own["wall"].points[0].scene.rods.count == 88
     assert own["still"].points[0].scene.annulus.inner == 12.31866
     assert "wide: 44 rods" in runs.annulus_of(str(wide)).words
@@ -120,7 +121,7 @@ def test_rows_of_the_paper_stand_beside_the_papers_theory_alone(monkeypatch):
     assert r"\mu=0.1" in str(d["words"])
     assert "plate/rods" not in str(d["words"])
     rod = runs.paper_rod(d["fine"], 5.0)
-    np.testing.assert_array_equal(d["thick"], drift(rod, friction=0.1, restitution=0.65).c_x)
+    assert_array_equal(d["thick"], drift(rod, friction=0.1, restitution=0.65).c_x)
     picture = figures.load("fig13").draw(d)
     assert len(picture.axes) == 3
     plt.close(picture)

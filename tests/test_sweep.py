@@ -11,6 +11,7 @@ import numpy as np
 import psutil
 import pytest
 from joblib.externals.loky import get_reusable_executor
+from numpy.random import default_rng
 
 import md
 from md.__main__ import main
@@ -293,7 +294,7 @@ LONG = SWEEP.replace("20", "400").replace("[1, 2]", "{ from = 1, to = N, count =
 )
 def test_kills_at_random_times_lose_nothing(tmp_path, starts, kills):
     sweep = load_sweep(written(tmp_path, LONG.replace("N", starts)))
-    before, random = 0, np.random.default_rng(7)
+    before, random = 0, default_rng(7)
     for how in kills:
         _, rows, _ = killed(tmp_path, how, random.uniform(0.2, 4.0 if len(kills) > 1 else 1.2))
         assert rows >= before

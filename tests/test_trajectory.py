@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import md
 from md.host import prepare
@@ -62,14 +63,14 @@ def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
     assert (first["species"] == "rod").all()
     assert (first["Z"] == 0).all()
     assert first["id"][:, 0].tolist() == list(range(len(place)))
-    np.testing.assert_allclose(first["pos"], place, atol=1e-8)
+    assert_allclose(first["pos"], place, atol=1e-8)
     x, y, z, w = first["orientation"].T
     turned = np.transpose([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
-    np.testing.assert_allclose(turned, director, atol=1e-6)
+    assert_allclose(turned, director, atol=1e-6)
     assert (first["aspherical_shape"] == [0.5, 0.5, scene.rods.length - 1]).all()
-    np.testing.assert_allclose(first["velo"], velocity, atol=1e-8)
-    np.testing.assert_allclose(first["omega"], omega, atol=1e-8)
-    np.testing.assert_allclose(first["tilt"][:, 0], np.degrees(np.arccos(turned[:, 2])), atol=1e-5)
+    assert_allclose(first["velo"], velocity, atol=1e-8)
+    assert_allclose(first["omega"], omega, atol=1e-8)
+    assert_allclose(first["tilt"][:, 0], np.degrees(np.arccos(turned[:, 2])), atol=1e-5)
     low = np.array(first["Origin"].split(), float)
     high = low + np.array(first["Lattice"].split(), float)[::4]
     assert (low <= place).all()

@@ -6,6 +6,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import md
 from md.__main__ import main
@@ -78,7 +79,7 @@ def test_a_sweep_along_an_amplitude(tmp_path, capsys):
     sweep = expand({"periods": 124, "axes": axes}, TABLES)
     execute(sweep, store, workers=1)
     gamma = [point.scene.plate.acceleration for point in sweep.points[::2]]
-    np.testing.assert_allclose(gamma, sweep.values("plate.amplitude_cm") * (100 * pi) ** 2 / 981)
+    assert_allclose(gamma, sweep.values("plate.amplitude_cm") * (100 * pi) ** 2 / 981)
     same = expand({"periods": 124, "axes": [{"plate.acceleration": gamma}, axes[1]]}, TABLES)
     assert np.isfinite(same.gather(store, "c_x")[0]).all()
     assert main(["results", str(store)]) == 0
