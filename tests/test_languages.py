@@ -336,6 +336,15 @@ def test_the_script_refuses_an_unknown_law():
         engine.eval("rodImpact.collide('hooke', {})")
 
 
+def test_the_types_name_every_function_and_field():
+    text = languages.source("typescript")
+    assert re.findall(r"^export function (\w+)\(", text, re.M) == [*FUNCTIONS]
+    bodies = dict(re.findall(r"interface (\w+) {(.*?)\n}", text, re.S))
+    for record, fields in RECORDS.items():
+        body = bodies[record.title().replace("_", "")]
+        assert re.findall(r"^    (\w+): ", body, re.M) == [*fields]
+
+
 def test_the_command_prints_a_text(capsys):
     for language in languages.LANGUAGES:
         assert main(["generate", "--language", language]) == 0
