@@ -194,11 +194,11 @@ def test_rods_touch_at_one_place_or_two(rods, count):
     found = pushed(*rods)
     if count:
         assert np.hypot(*found[1, :2]) == pytest.approx(count * ONE, rel=1e-9)
-    assert_allclose(found, elastic(in_plane(*rods))[0], rtol=1e-9, atol=1e-9 * ONE)
+    assert_allclose(found, elastic(in_plane(*rods)), rtol=1e-9, atol=1e-9 * ONE)
 
 
-def test_force_is_minus_the_gradient_of_the_energy():
-    """Central differences of a brute-force energy; h = 1e-6 errs by h^2 k and EPS E/h."""
+def test_forces_of_any_two_rods_are_those_of_brute_force():
+    """At all angles, nearly parallel ones too, and where ends meet."""
     random, touching = default_rng(2), 0
     for number in range(80):
         lean, other = random.uniform(-pi, pi), random.choice([1e-9, 1e-3, 1]) * random.normal()
@@ -206,15 +206,12 @@ def test_force_is_minus_the_gradient_of_the_energy():
         if number % 2:  # ends that meet
             along = np.copysign(random.uniform(8.2, 8.6), along)
         place = off * cos(lean) + along * sin(lean), along * cos(lean) - off * sin(lean)
-        rods = np.array([(0.0, 0.0, lean), (*place, lean + other)])
+        rods = (0.0, 0.0, lean), (*place, lean + other)
         if max(map(overlap, meetings(in_plane(*rods))[0])) > 0.3:
             continue
         got = pushed(*rods)
         touching += bool(got.any())
-        for place, h in zip(np.ndindex(2, 3), 1e-6 * np.eye(6).reshape(6, 2, 3), strict=True):
-            up, down = (elastic(in_plane(*moved))[1] for moved in (rods + h, rods - h))
-            size = SOFT * 1e-9 + np.abs(got).max() * 1e-7
-            assert got[place] == pytest.approx((down - up) / 2e-6, abs=size)
+        assert_allclose(got, elastic(in_plane(*rods)), rtol=1e-9, atol=1e-9 * ONE)
     assert touching > 40
 
 

@@ -1,5 +1,8 @@
 """Quoted errors against the scatter between starts: twelve scenes, fifty starts each."""
 
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 from joblib import Parallel, delayed
@@ -8,40 +11,12 @@ import md
 from md.statistics import standard_error, transient
 
 STARTS, LENGTHS = 50, (60, 128, 400, 1000)
-COARSE = ["step.size=2.4e-4", "step.coarse=true"]
-SOFT = [*COARSE, "contacts.plate.tangential_ratio=3", "contacts.rods.tangential_ratio=3"]
-PRINTED = [
-    f"contacts.{at}.{key}"
-    for at in ("plate", "rods")
-    for key in ("law=appendix_a", "restitution=none")
-]
+SCENES = tomllib.loads(Path(__file__).with_name("coverage.toml").read_text())
 
 
-def _row(count, length, *changes):
-    return "quasi2d", [f"rods.count={count}", f"box.length={length}", *changes]
-
-
-MINE = [*COARSE, "plate.amplitude_cm=0.03"]
-SCENES = {
-    "40 rods": ("my_rods", MINE),
-    "4 rods": ("my_rods", [*MINE, "rods.count=4", "box.length_cm=3.2"]),
-    "the paper's row": _row(40, 43, *SOFT),
-    "10 rods": _row(10, 10.75, *SOFT),
-    "1 rod": _row(1, 1.3, *SOFT),
-    "Gamma 2": _row(20, 20.5, "plate.acceleration=2", *SOFT),
-    "Gamma 1.3": _row(20, 21.5, "plate.acceleration=1.3", *SOFT),
-    "48 degrees": _row(20, 30, *SOFT),
-    "restitution 0.95 between rods": _row(20, 23, "contacts.rods.restitution=0.95", *SOFT),
-    "Appendix A": _row(10, 10.75, *PRINTED, *COARSE),
-    "friction as a constraint": _row(
-        10, 12, "contacts.plate.law=coulomb", "contacts.rods.tangential_ratio=3", *COARSE
-    ),
-    "annulus": ("annulus", ["rods.count=30", "annulus.shaken=false", *COARSE]),
-}
-
-
-def _drift(base, changes, seed, periods=LENGTHS[-1]):
-    scene = md.load(base, [*changes, f"start.seed={seed}"])
+def _drift(name, seed, periods=LENGTHS[-1]):
+    one = SCENES[name]
+    scene = md.load(one["source"], [*one["assignments"], f"start.seed={seed}"])
     return md.run(scene, periods=periods, ledger=False).c_x_series
 
 
@@ -59,7 +34,7 @@ def test_errors_are_as_large_as_the_scatter_between_starts(name, capsys):
 
     Below, none is quoted.
     """
-    drifts = Parallel(n_jobs=-1)(delayed(_drift)(*SCENES[name], i) for i in range(1, STARTS + 1))
+    drifts = Parallel(n_jobs=-1)(delayed(_drift)(name, i) for i in range(1, STARTS + 1))
     found = [_ratio(np.array(drifts), periods) for periods in LENGTHS]
     with capsys.disabled():
         print(f"\n{name:30}", *(f"{ratio:5.2f}" for ratio, _ in found))
@@ -72,7 +47,7 @@ def test_errors_are_as_large_as_the_scatter_between_starts(name, capsys):
 def test_an_annulus_does_not_forget_its_start():
     """Twelve runs, walls at rest, scatter by far more than each of them lets one think."""
     periods, run = 2000, delayed(_drift)
-    drifts = Parallel(n_jobs=-1)(run(*SCENES["annulus"], i, periods) for i in range(1, 13))
+    drifts = Parallel(n_jobs=-1)(run("annulus", i, periods) for i in range(1, 13))
     ratio, _ = _ratio(np.array(drifts), periods)
     assert ratio > 2
 
@@ -87,7 +62,7 @@ def test_one_run_in_an_annulus_quotes_no_error():
 
 
 def test_a_row_quotes_an_error_from_124_periods_on():
-    scene = md.load(*SCENES["1 rod"])
+    scene = md.load(**SCENES["1 rod"])
     short, long = (md.run(scene, periods=n) for n in (123, 124))
     assert np.isnan(short.c_x_stderr)
     assert long.c_x_stderr == standard_error(long.c_x_series[24:])

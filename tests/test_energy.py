@@ -159,21 +159,6 @@ def test_rods_start_apart_and_with_no_momentum(scene):
     assert abs(along.mean()) < EPS
 
 
-def test_nothing_pushes_the_row_along_a_smooth_plate():
-    """Friction between rods only: horizontal momentum to 1e-12 over 2000 steps of five rods.
-
-    EPS a rod and step on velocities of order one, 2000 * 5 * EPS = 2e-12 at most, in m sqrt(g d).
-    """
-    engine = prepare(row("plate.acceleration=6", "start.speed=0.3"))
-    smooth = engine.effects.friction._replace(coefficient=0.0)
-    engine.effects = engine.effects._replace(friction=smooth)
-    before = engine.rods[:, C_X].sum()
-    go(engine, 2000)
-    assert engine.ledger[PLATE_WORK] != 0
-    assert abs(engine.ledger[PAIR_FRICTION]) > 1e-4
-    assert engine.rods[:, C_X].sum() == pytest.approx(before, abs=1e-12)
-
-
 @pytest.mark.parametrize("integrator", single.METHODS)
 def test_m15_horizontal_momentum_where_nothing_acts(integrator):
     """Without friction no bit of it changes, however many impacts there are."""

@@ -343,22 +343,6 @@ def test_m16_a_state_that_is_not_finite_stops_the_run_at_once(scene, value):
         assert_array_equal(np.delete(caught.value.state, 2, 0), np.delete(before, 2, 0))
 
 
-@pytest.mark.parametrize(
-    ("x", "director"),
-    [(5.499, (0, 0, 1)), (5.499, (0, 0.6, 0.8)), (7.501, (0, 0, 1))],
-    ids=["caps, inner wall", "beside the inner wall", "caps, outer wall"],
-)
-@pytest.mark.parametrize("shaken", [True, False])
-def test_a_rod_that_rises_with_shaken_walls_feels_no_friction(x, director, shaken):
-    """Exactly, as long as it touches; walls at rest slow it."""
-    inner, outer = (Wall(radius, LOSSY.normal, ROUGH) for radius in (5.0, 8.0))
-    plate = Motion(np.full(1, -1e3), np.full(1, 0.1))
-    scene = (SPACE if shaken else ROLLS)._replace(inner=inner, outer=outer, plate=plate)
-    [rod] = go(started(scene, in_space(((x, 0, 0), director, (0, 0, 0.1)))), 30).rods
-    assert abs(rod[VELOCITY]) > 1e-3
-    assert (rod[VELOCITY + 2] == 0.1) == shaken
-
-
 def test_rods_that_lie_down_and_rods_that_cross_go_on():
     """One on the plate, one dropped across it in a wide gap: finite, and at rest in the end."""
     lying, crossing = ((9, 0, 0.51), [0, 1, 0]), ((9, 0, 1.55), [1, 0, 0], (0, 0, -0.5))

@@ -230,9 +230,6 @@ def test_blocks_do_not_show():
     for one, other, part in zip(usual, whole, turned, strict=True):
         assert_array_equal(np.delete(one, np.s_[::10], 0), np.delete(other, np.s_[::10], 0))
         assert_array_equal(other[::-1, ::2], part)
-    for i, j in rng.integers(0, 100, (50, 2)):
-        scalar = call("collide", c_x=c_x[i, j], c_z=c_z[i, j])
-        assert scalar == tuple(part[i, j] for part in whole)
 
 
 def test_memory_in_flight_is_bounded():
