@@ -16,7 +16,7 @@ from md.sources import digest
 
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": ("derivations", "generated", "kernel", "lookup", "mutants", "report"),
-    "figures": ("figures_checks", "figures_claims", "figures_paper", "figures_theory"),
+    "figures": ("figures_checks", "figures_claims", "figures_paper", "figures_theory", "own_rods"),
     "flights": ("bouncing", "documentation", "flight"),
     "rods": ("annulus", "contacts", "energy", "guards", "neighbours", "resume", "runs", "touches"),
 }

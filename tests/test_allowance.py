@@ -1,7 +1,9 @@
 """Whether runs to a tolerance are off by no more than they say, over drawn scenes: long."""
 
+import tomllib
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import NamedTuple
 from unittest.mock import patch
 
@@ -20,35 +22,12 @@ FINER = 3  # times the steps of the rule
 ACCURATE = 0.0075  # tolerance of the reference, and of the run at the rule's step
 
 
-def of_contacts(**ranges):
-    """Options of the contacts of plate and rods, each by itself."""
-    parts = "plate", "rods"
-    return {f"contacts.{part}.{name}": limits for name, limits in ranges.items() for part in parts}
-
-
-# Values of keys, evenly from one number to another; ratios evenly in log.
-ROW = {
-    "law": (0, 1),  # the last quarter: friction of the plate as a constraint
-    "tilt_deg": (15, 50),
-    "plate.acceleration": (1.8, 5),
-    "rods.length": (5, 10),
-} | of_contacts(
-    friction=(0.1, 0.6),
-    restitution=(0.5, 0.95),
-    tangential_ratio=(0.5, 30),
-    tangential_damping=(0, 1),
-)
-ANNULUS = {"rods.count": (32, 56), "plate.acceleration": (2, 5)} | of_contacts(
-    friction=(0.1, 0.6),
-    restitution=(0.65, 0.9),
-    tangential_ratio=(0.5, 10),
-    tangential_damping=(0, 0.5),
-)
+RANGES = tomllib.loads(Path(__file__).with_name("allowance.toml").read_text())
 
 
 def drawn(count, seed, annulus):
     """Scenes drawn evenly from ranges in which rows keep their tilt, and annuli."""
-    ranges = ANNULUS if annulus else ROW
+    ranges = RANGES["annulus" if annulus else "row"]
     for parts in qmc.Sobol(len(ranges), seed=seed).random(count):
         to = {"step": "none"}
         for (key, (low, high)), part in zip(ranges.items(), map(float, parts), strict=True):

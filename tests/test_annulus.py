@@ -134,7 +134,6 @@ def test_the_command(capsys):
     assert "an annulus needs 400 periods or more to settle" in capsys.readouterr().out
     assert main(["run", "annulus", *sets, "--periods", "3", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["annulus"]["lean_deg"]["mean"] is not None
-    assert main(["run", "annulus", "--set", "contacts.wall=none"]) == 2
 
 
 def test_rods_that_lean_the_other_way_drift_the_other_way():

@@ -32,6 +32,7 @@ from .test_store import ABOUT
 TABLES = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text(encoding="utf-8"))
 SWEEPS = TABLES.pop("md sweep bad.toml --store b.db")
 CALLS = TABLES.pop("in Python")
+FILES = TABLES.pop("files")
 REFUSALS = {
     f"{begin} {rest}".strip(): words
     for begin, rows in TABLES.items()
@@ -57,18 +58,13 @@ def fill():
     """Make the files."""
     with Store("a.db") as store:
         store.put("k", ABOUT, {"c_x": 0.5}, None)
-    Path("FILE").write_text("no store")
-    Path("notes.csv").write_text("day,hours\n1,8\n")
-    Path("other.json").write_text('{"order": 1}')
-    Path("other.xyz").write_text('1\nLattice="1 0 0 0 1 0 0 0 1" Properties=pos:R:3\n0 0 0\n')
-    Path("mine.toml").write_text('scene = "my_rods"\n')
-    Path("empty.toml").touch()
+    for name, text in FILES.items():
+        Path(name).write_text(text)
     write_csv("more.csv", *table("a.db"))  # and a column of one's own
     Path("more.csv").write_text(Path("more.csv").read_text().replace("\n", ",mine\n"))
     np.save("array.npy", np.zeros(3))
     np.savez("arrays.npz", about="{}")
     np.savez("old.npz", about=json.dumps({"code": "other", "scene": "other"}))
-    Path("cut.npz").write_bytes(b"PK\x03\x04 cut short")
     Path("link").symlink_to("a.db")
     Path("hard").hardlink_to("a.db")
     with socket.socket(socket.AF_UNIX) as listener:
@@ -82,8 +78,6 @@ def fill():
     _, device = os.openpty()  # as /dev/null, without the harm
     for name in ("tty", "tty.html"):
         Path(name).symlink_to(os.ttyname(device))
-    Path("broken.toml").write_text("[rods\ncount = 3\n")
-    Path("twice.toml").write_text("[rods]\ncount = 3\ncount = 4\n")
 
 
 def contents(folder):

@@ -8,14 +8,6 @@ from numpy.testing import assert_allclose
 
 import md
 from md.host import prepare
-from md.kernels.codes import (
-    DIRECTOR,
-    ROW_DIRECTION,
-    ROW_PLACE,
-    ROW_VELOCITY,
-    TURN,
-    VELOCITY,
-)
 
 from .rows import row
 from .test_annulus import ring
@@ -46,14 +38,11 @@ def written(request, tmp_path):
     """A scene, the state of its rods after a period, and the file of its run."""
     scene, path = SCENES[request.param], tmp_path / "a.xyz"
     md.run(scene, periods=2, trajectory=path)
-    rods = md.run(scene, periods=1).rods
-    if scene.annulus:
-        return scene, np.split(rods, (DIRECTOR, VELOCITY, TURN), axis=1), path
-    place, direction, velocity = (rods[:, x] for x in (ROW_PLACE, ROW_DIRECTION, ROW_VELOCITY))
-    (x, z), (sine, cosine), (c_x, c_z, omega) = place.T, direction.T, velocity.T
-    zero = np.zeros_like(x)
-    vectors = (x, zero, z), (sine, zero, cosine), (c_x, zero, c_z), (zero, omega, zero)
-    return scene, [np.transpose(vector) for vector in vectors], path
+    parts = prepare(scene)._parts(md.run(scene, periods=1).rods)
+    if not scene.annulus:
+        *vectors, turn = parts
+        parts = *(np.insert(v, 1, 0.0, axis=1) for v in vectors), turn * (0.0, 1.0, 0.0)
+    return scene, parts, path
 
 
 def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
