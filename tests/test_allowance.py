@@ -101,16 +101,13 @@ def judged(scene):
 @cache
 def scenes(annulus):
     """Drawn scenes that settle in one state."""
-    found = []
-    for scene in drawn(8 if annulus else 32, 11, annulus):
-        found.append(judged(scene))
-        print(found[-1] or "not settled, or not known well enough", flush=True)
+    found = map(judged, drawn(8 if annulus else 32, 11, annulus))
     return [one for one in found if one is not None]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("annulus", [False, True], ids=["rows", "annuli"])
-def test_the_bias_of_the_step_is_within_its_allowance(annulus, capsys):
+def test_the_bias_of_the_step_is_within_its_allowance(annulus):
     """Over scenes: what their errors leave of the mean square bias, to two standard errors.
 
     The allowance is half of an interval that holds 95 %, two standard deviations.
@@ -119,15 +116,12 @@ def test_the_bias_of_the_step_is_within_its_allowance(annulus, capsys):
     assert len(every) >= (5 if annulus else 20)
     square = np.array([one.bias**2 - one.bias_error**2 for one in every])
     mean, spread = square.mean(), square.std(ddof=1) / np.sqrt(len(square))
-    with capsys.disabled():
-        most = np.sqrt(max(mean + 2 * spread, 0))
-        print(f"\n{len(every)} scenes, two standard deviations of the bias below {2 * most:.2%}")
     assert mean - 2 * spread <= (ALLOWANCE / 2) ** 2
     assert abs(np.mean([one.bias for one in every])) <= ALLOWANCE
 
 
 @pytest.mark.slow
-def test_runs_are_off_by_as_much_as_they_say(capsys):
+def test_runs_are_off_by_as_much_as_they_say():
     """To 3 %, three runs of each scene: within the stated error in 17 of 20 or more.
 
     Stated errors are neither padded nor boastful: the root mean square of true over stated ones,
@@ -136,7 +130,5 @@ def test_runs_are_off_by_as_much_as_they_say(capsys):
     every = scenes(False)
     within, off = (np.concatenate(x) for x in zip(*((s.within, s.off) for s in every), strict=True))
     rms = np.sqrt(np.mean(off**2))
-    with capsys.disabled():
-        print(f"\n{within.mean():.1%} of {len(off)} within, rms {rms:.2f}", flush=True)
     assert within.mean() >= 17 / 20
     assert 0.3 <= rms <= 0.7

@@ -31,15 +31,13 @@ def _ratio(drifts, periods):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in SCENES if name != "annulus"])
-def test_errors_are_as_large_as_the_scatter_between_starts(name, capsys):
+def test_errors_are_as_large_as_the_scatter_between_starts(name):
     """Within 0.8 to 1.25 from 128 periods on, to one error of the ratio, 1/sqrt(2 50) of it.
 
     Below, none is quoted.
     """
     drifts = Parallel(n_jobs=-1)(delayed(_drift)(name, i) for i in range(1, STARTS + 1))
     found = [_ratio(np.array(drifts), periods) for periods in LENGTHS]
-    with capsys.disabled():
-        print(f"\n{name:30}", *(f"{ratio:5.2f}" for ratio, _ in found))
     assert [quoted for _, quoted in found] == [0, 1, 1, 1]
     for ratio, _ in found[1:]:
         assert 0.8 / 1.1 < ratio < 1.25 * 1.1

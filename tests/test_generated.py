@@ -111,6 +111,12 @@ def test_scalar_kernel_gives_the_same_bits(law):
         assert got == tuple(part[n] for part in want)
 
 
+@pytest.mark.parametrize(("size", "c_z"), [(1e-70, -1.0), (1.0, -1e-40), (1e70, -1e-10)])
+def test_scalar_kernel_takes_infinite_friction(size, c_z):
+    given = compiled.Impacts(3.0, c_z, 0.0, 0.0, size, size, size, np.inf, 0.5)
+    assert compiled.collide_newton(given)[4] == pytest.approx(1.5 * c_z, rel=1e-15, abs=0)
+
+
 def test_kernel_keeps_its_bits_in_a_loop_that_may_reorder_its_own_sums():
     """The loop's flags are not the kernel's, though it is inlined."""
     kernel = compiled.collide_newton

@@ -30,7 +30,6 @@ KNOWN = {"math", "mrow", "mi", "mn", "mo", "mspace", "msqrt", "mtable", "mtr", "
 EQUATIONS = [e for e in registry.ENTRIES if isinstance(e, Equation)]
 each_entry = pytest.mark.parametrize("entry", registry.ENTRIES, ids=lambda entry: entry.tag)
 each_equation = pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
-each_function = pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda f: f.name)
 
 
 def entry_of(tag):
@@ -170,7 +169,7 @@ def test_what_can_be_read_is_what_is_meant(entry):
             assert equal_at_random_points(read.doit(), part.doit())
 
 
-@each_function
+@pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
 def test_what_can_be_read_of_a_function_is_what_is_generated(function):
     body, _ = codegen.body(function.name)
     for expr in body.values():
@@ -178,7 +177,7 @@ def test_what_can_be_read_of_a_function_is_what_is_generated(function):
         assert equal_at_random_points(read, expr)
 
 
-@each_function
+@pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
 def test_functions_show_rules_reasons_and_operations(page, function):
     _, steps = function.body()
     text = page.text[f"function-{function.name.replace('_', '-')}"]
@@ -212,7 +211,7 @@ def test_paths_in_the_plane_of_impulses(regime, later):
     assert corner[1] < ends["poisson"][1] < ends["stronge"][1] < ends["newton"][1]
 
 
-@each_equation
+@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
 def test_no_fraction_stands_in_a_fraction(entry):
     """Nor a power with a minus sign."""
     for _, form in report.forms(entry):
