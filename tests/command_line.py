@@ -35,8 +35,11 @@ def ended(
     """
     process = subprocess.Popen(
         [sys.executable, "-m", *arguments],
-        **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True},
-        **{"cwd": folder, "start_new_session": True},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+        start_new_session=True,
         env=os.environ | {"PYTHONPATH": str(ROOT)} | environment,
     )
     while begun and process.poll() is None and not (begun.exists() and begun.stat().st_size):

@@ -16,9 +16,9 @@ from md.cache import digest
 
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": ("derivations", "generated", "kernel", "lookup", "mutants", "report"),
-    "figures": ("figures_checks", "figures_claims", "figures_paper", "figures_theory"),
+    "figures": ("figures_checks", "figures_claims", "figures_paper", "figures_theory", "own_rods"),
     "flights": ("bouncing", "documentation", "flight"),
-    "rods": ("annulus", "contacts", "energy", "guards", "neighbours", "resume", "touches"),
+    "rods": ("annulus", "contacts", "energy", "guards", "neighbours", "resume", "runs", "touches"),
 }
 
 gc.set_threshold(100_000, 20, 100)  # what is made here is large; Python's own costs 7 % of the time

@@ -1,20 +1,17 @@
-"""Mutate compiled kernels at seeded places and count how many mutants the tests kill.
+"""Mutate compiled kernels at seeded places: the tests must kill every mutant.
 
-    python tests/mutate_kernels.py TREE [--count 30] [--seed 1] [--jobs 1] [--only KEY]
-                                   [--tests FILE ...] [--timeout SECONDS] [--list]
+    python -m pytest tests/mutate_kernels.py [-k KEY]
 
 A place is known by package, function and its number in that function, never by its file, and drawn
 by a hash of these and the seed: a tree in which kernels have moved keeps its mutants, and one in
-which a few kernels have changed keeps the others. Each mutant is a copy of TREE with one change, on
-which the tests of its package run until the first failure: the test files that import the package,
-but not those that `NOT_OF_KERNELS` names; those that name the function or its module come first. A
-mutant survives if all of them pass; a timeout kills it. Before that they must pass on the unchanged
-code, with an idle line in each file of kernels, so that no test objects to any edit at all.
-
-Exit status: 0 after all mutants, 2 for bad input or if tests fail on the unchanged code.
+which a few kernels have changed keeps the others. MUTANTS and SEED of the environment draw others
+than the first 30. Each mutant is a copy of the tree with one change, on which the tests of its
+package run until the first failure: the test files that import the package, but not those that
+`NOT_OF_KERNELS` names; those that name the function or its module come first. A timeout kills it.
+Before that they must pass on the unchanged code, with an idle line in each file of kernels, so that
+no test objects to any edit at all.
 """
 
-import argparse
 import ast
 import hashlib
 import os
@@ -22,13 +19,14 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
-from time import perf_counter
 from typing import NamedTuple
+
+import pytest
+
+from .command_line import ROOT
 
 PACKAGES = "md", "impact"
 PAIRS = (ast.Add, ast.Sub), (ast.Mult, ast.Div), (ast.Lt, ast.LtE), (ast.Gt, ast.GtE)
@@ -40,6 +38,9 @@ NOT_OF_KERNELS = re.compile(
     "interrupt|cache|store|sweep|files|units|command|refus"
 )
 LEFT_OUT = "*.pyc", "__pycache__", ".git", ".venv", "out", "build", ".*_cache"
+SEED = os.environ.get("SEED", "1")
+MUTANTS = int(os.environ.get("MUTANTS", "30"))
+MOST_SECONDS = 1800  # of the tests of a mutant
 
 
 class Place(NamedTuple):
@@ -50,9 +51,7 @@ class Place(NamedTuple):
     old: ast.expr
     new: ast.AST
 
-    @property
-    def words(self):
-        """File, line and change."""
+    def __str__(self):
         change = " -> ".join(ast.unparse(node) for node in (self.old, self.new))
         return f"{self.path}:{self.old.lineno} {self.key}: {change}"
 
@@ -110,7 +109,7 @@ def places(tree):
                 yield Place(f"{name}#{number}", here, old, new)
 
 
-def test_files(tree, place):
+def files_of(tree, place):
     """Test files that test the kernel's package, the likeliest to notice the change first."""
     package, function = re.match(r"(\w+)\.(\w+)", place.key).groups()
     found = []
@@ -137,82 +136,49 @@ def mutate(tree, place):
     path.write_bytes(b"".join(lines))
 
 
-def tested(tree, files, timeout, edit):
-    """Exit status of the tests on an edited copy, None after a timeout, and their output."""
-    with tempfile.TemporaryDirectory() as temporary:
-        clone = Path(temporary) / "tree"
-        shutil.copytree(tree, clone, ignore=shutil.ignore_patterns(*LEFT_OUT))
-        edit(clone)
-        python = tree / ".venv" / "bin" / "python"
-        command = [str(python if python.exists() else sys.executable), "-m", "pytest", "-x", "-q"]
-        environment = os.environ | {"PYTHONPATH": str(clone), "XDG_CACHE_HOME": temporary}
-        command += ["-p", "no:cacheprovider", *files]
-        with (Path(temporary) / "output").open("w+") as output:
-            both = {"stdout": output, "stderr": subprocess.STDOUT}
-            try:
-                done = subprocess.run(command, cwd=clone, env=environment, timeout=timeout, **both)
-                status = done.returncode
-            except subprocess.TimeoutExpired:
-                status = None
-            output.seek(0)
-            return status, output.read()
+def tested(folder, files, edit):
+    """Exit status of the tests on an edited copy, None after a timeout."""
+    clone = folder / "tree"
+    shutil.copytree(ROOT, clone, ignore=shutil.ignore_patterns(*LEFT_OUT))
+    edit(clone)
+    environment = os.environ | {"PYTHONPATH": str(clone), "XDG_CACHE_HOME": str(folder)}
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *files]
+    try:
+        return subprocess.run(command, cwd=clone, env=environment, timeout=MOST_SECONDS).returncode
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        shutil.rmtree(clone)
 
 
-def idle(paths, tree):
-    """Append a line without effect to files."""
-    for path in paths:
+def idle(tree):
+    """Append a line without effect to files of kernels."""
+    for path in {place.path for place in PLACES}:
         with (tree / path).open("a") as file:
             file.write("_ = None\n")
 
 
-def verdict(tree, options, place):
-    """Print what became of a mutant; whether it survived."""
-    files = options.tests or test_files(tree, place)
-    begin = perf_counter()
-    status, output = tested(tree, files, options.timeout, partial(mutate, place=place))
-    failed = re.search(r"^(?:FAILED|ERROR) (\S+)", output, re.M)
-    by = "timeout" if status is None else failed.group(1) if failed else f"exit status {status}"
-    word = "survived" if status == 0 else "killed"
-    print(f"{word:8} {perf_counter() - begin:4.0f} s  {place.words}", end="", flush=True)
-    print(f"  [{by}]" if status != 0 else "", flush=True)
-    return status == 0
+def drawn(place):
+    """Where a place stands among all."""
+    return hashlib.sha256(f"{SEED} {place.key}".encode()).digest()
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("tree", type=Path)
-    parser.add_argument("--count", type=int, default=30, help="mutants")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--jobs", type=int, default=1, help="mutants at a time")
-    parser.add_argument("--timeout", type=float, default=1800, help="seconds for a mutant")
-    parser.add_argument("--only", default="", help="regular expression that keys match: md.march")
-    parser.add_argument("--tests", nargs="+", metavar="FILE", help="in place of the chosen ones")
-    parser.add_argument("--list", action="store_true", help="print the mutants, run nothing")
-    options = parser.parse_args()
-    tree = options.tree.resolve()
-    found = [p for p in places(tree) if re.match(options.only, p.key)]
-    if not found or options.count < 1 or options.jobs < 1:
-        parser.error(f"{tree}: {len(found)} places, --count and --jobs must be at least 1")
-    found.sort(key=lambda p: hashlib.sha256(f"{options.seed} {p.key}".encode()).digest())
-    chosen = found[: options.count]
-    print(f"{len(chosen)} of {len(found)} places, seed {options.seed}", flush=True)
-    if options.list:
-        print(*(place.words for place in chosen), sep="\n")
-        return
-    for package in sorted({place.key.partition(".")[0] for place in chosen}):
-        one = next(place for place in chosen if place.key.startswith(package))
-        files = options.tests or test_files(tree, one)
-        begin, edit = perf_counter(), partial(idle, {p.path for p in found})
-        status, output = tested(tree, files, options.timeout, edit)
-        if status != 0:
-            parser.error(f"tests fail on the unchanged {package} ({status}):\n{output[-2000:]}")
-        print(
-            f"unchanged {package}: {len(files)} test files pass in {perf_counter() - begin:.0f} s"
-        )
-    with ThreadPoolExecutor(options.jobs) as pool:
-        survived = sum(pool.map(partial(verdict, tree, options), chosen))
-    print(f"{len(chosen) - survived} killed, {survived} survived")
+PLACES = sorted(places(ROOT), key=drawn)
 
 
-if __name__ == "__main__":
-    main()
+@pytest.fixture(scope="module")
+def unchanged(tmp_path_factory):
+    """Fail for a package whose tests do not pass without a mutant."""
+
+    @cache
+    def check(package):
+        files = files_of(ROOT, next(p for p in PLACES if p.key.startswith(package)))
+        assert tested(tmp_path_factory.mktemp("unchanged"), files, idle) == 0
+
+    return check
+
+
+@pytest.mark.parametrize("place", PLACES[:MUTANTS], ids=str)
+def test_a_mutant_is_killed(place, tmp_path, unchanged):
+    unchanged(place.key.partition(".")[0])
+    assert tested(tmp_path, files_of(ROOT, place), partial(mutate, place=place)) != 0

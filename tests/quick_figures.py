@@ -1,8 +1,11 @@
 """Figures in tiny sizes: their data, computed once in a process, and their pictures."""
 
 import re
+import tomllib
 from contextlib import contextmanager
 from functools import cache
+from importlib import import_module
+from pathlib import Path
 from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
@@ -12,19 +15,15 @@ from matplotlib.colors import to_hex, to_rgba_array
 from matplotlib.text import Text
 
 import figures
-from figures.checks import landing_census, row_motion, states, two_codes
-from figures.claims import any_rods, measure_rows
+from figures.checks import landing_census, row_motion
 from figures.cost import (
     accuracy_cost_drift,
-    accuracy_cost_ladder,
     effect_prices,
-    price_page,
-    scaling,
 )
 from figures.cost.scene_variants import GROUPS
-from figures.lib import arrangement, runs, style
+from figures.lib import arrangement, runs, style, timing
 from figures.lib.printing import printed
-from figures.paper import fig02, fig04, fig05, fig07, fig08
+from figures.paper import fig04, fig07, fig08
 from md import simulation
 from md.host import prepare
 from md.scene import load
@@ -35,28 +34,11 @@ TOO_FEW = {"fig04", "landing_census", "states"}  # tiny runs leave some of their
 COLOUR_WORDS = "black", "blue", "green", "orange", "red"
 COLOURS = {getattr(style, word.upper()).lower(): word for word in COLOUR_WORDS}
 OTHER_KERNELS = {"rods.rolling", "annulus.shaken"}  # each takes ten seconds to compile
-FEW_EFFECTS = {
-    "effect": ("gravity", "series of means"),
-    "instead": ("inertia: solid",),
-    "off": ("off: acceleration of the plate",),
-}
-FEW_TOUCHES = {"gamma": 2.0, "lossy": 0.5}
 OWN_VALUES = [(0.05, 0.0), (0.2, 0.3), (0.5, 0.65), (0.8, 0.9), (1.2, 1.0)]  # friction, restitution
 ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
 RIGID = SimpleNamespace(flight=ESTIMATE, falling=ESTIMATE)
-FEW = {
-    "count": [24, 32, 40],
-    "rolling": [24, 40],
-    "narrow": [24],
-    "rest": [24, 40],
-    "gamma": [2.0, 3.3],
-    "wall": [0.1, 0.3],
-    "plate": [0.1, 0.3],
-    "plane": [15, 45],
-    "seeds": [1, 2],
-    "few_seeds": [1, 2],
-    **dict.fromkeys(("periods", "gamma_periods"), MOST_PERIODS),
-}
+TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text())
+FEW_EFFECTS = TABLES["effects"]
 
 
 def _in_small(effect):
@@ -71,78 +53,54 @@ def _short_row(dt, seed=1):
 
 
 def _watched(scene, **_):
-    """An engine with ledger and record, which change no bit: all runs share its kernel."""
-    return prepare(scene)
+    """An engine with ledger, record and series, which change no bit: all runs share its kernel."""
+    engine = prepare(scene)
+    go, unread = engine.go, engine.series(0)._replace(per=2**62, every=2**62)
+    engine.go = lambda steps, series=None: go(steps, series or unread)
+    return engine
 
 
-SIZES = {
-    any_rods: {"SETS": {True: 2}, "PERIODS": {True: MOST_PERIODS}},
-    row_motion: {"ENDS_DEG": (20.0, 20.8), "WINDOW": 2, "prepare": _watched},
+MADE = {
     simulation: {"prepare": _watched},
-    states: {"MAP": {True: ((9,), (runs.GAMMA,), 12)}, "LIVES": {True: ((9,), 2, 20)}},
-    runs: {"SEEDS": {"start.seed": [1, 2]}},
-    fig02: {"MAP_COUNTS": {True: (34, 24)}, "MAP_GAMMAS": {True: (1.2, 3.3)}},
-    fig04: {
-        "SIZES": {name: (few, few) for name, few in FEW.items()},
-        "GAMMA_COUNTS": (40, 32, 24),
-        "ANNULUS_COUNT": 32,
-    },
-    arrangement: {"EVERY": 2, "prepare": _watched},
-    fig05: {"EVERY": 2, "SHOWN_COUNTS": (32, 24)},
-    fig07: {"TRANSIENT": 2, "lone": lambda *_: (np.array([0.0]), [RIGID])},
+    timing: {"prepare": _watched},
+    row_motion: {"prepare": _watched},
+    arrangement: {"prepare": _watched},
+    fig04: {"SIZES": {name: (few, few) for name, few in TABLES["few"].items()}},
+    fig07: {"lone": lambda *_: (np.array([0.0]), [RIGID])},
     fig08: {"lone": lambda *_: (np.array([0.0]), [RIGID])},
-    measure_rows: {"FREQUENCY_TILTS_DEG": (21, 40)},
-    two_codes: {"SEEDS": {"start.seed": [1, 2]}},
     landing_census: {
         "CONTACTS": dict.fromkeys(landing_census.CONTACTS, landing_census.CONTACTS["constraint"]),
         "VARIED": {
-            name: (key, (), (FEW_TOUCHES.get(name, 40.15),))
+            name: (key, (), (TABLES["touches"][name],))
             for name, (key, *_) in landing_census.VARIED.items()
         },
     },
     accuracy_cost_drift: {
-        "CUT": 20,
-        "LONG_PERIODS": {True: 300},
-        "PER_CONTACT": (16, 18, 25, 36, 40),
-        "PAPER_STEP": 1e-4,
-        "DRIFT_TOLERANCES": (0.4,),
         "_scene": _short_row,
         "asked": lambda: dict.fromkeys(("row", "other", "mine", "annulus"), load("quasi2d")),
         "seconds_per_period": lambda scenes: np.array([1e-3 / s.step.size for s in scenes]),
     },
-    accuracy_cost_ladder: {
-        "LADDER_PERIODS": {True: 4},
-        "TRUSTED_PERIODS": {True: 4},
-        "LANDINGS": (30,),
-        "STEPS_PER_CONTACT": 13,
-        "TRUSTED_STEPS": 13,
-        "TRUSTED_STARTS": 3,
-        "STEPS": (13,),
-        "ROWS": {"rods": {"N=5": {"rods.count": 5, "box.length": 5.375}}},
-    },
     effect_prices: {
-        "PLACES": 2,
-        "PART": 400,
-        "WARM_STEPS": 1,
-        "ROUNDS": {True: 6},
-        "PRICE_SETTLE": {True: 1, False: 4},
-        "DRIFT_SEEDS": {True: 2},
-        "DRIFT_PERIODS": {True: 4},
         "GROUPS": {
             group: {name: _in_small(GROUPS[group][name]) for name in few}
             for group, few in FEW_EFFECTS.items()
-        },
+        }
     },
-    scaling: {
-        "ROW_SIZES": {True: (4, 8)},
-        "LEAST": 8,
-        "RUNS_PER_CORE": 1,
-        "SWEEP_PERIODS": 1,
-        "SCALING_ROUNDS": {True: 3},
-        "SCALING_SETTLE": {True: 1},
-        "REPEATS": {True: 2},
-    },
-    price_page: {"IMPACTS": 1000, "CHECKED": 200},
+}
+
+
+def _plain(value):
+    """A value of the table: tuples for lists; by whether it is quick for `quick` and `full`."""
+    if isinstance(value, dict):
+        quick = {"quick": True, "full": False}
+        return {quick.get(key, key): _plain(inner) for key, inner in value.items()}
+    return tuple(map(_plain, value)) if isinstance(value, list) else value
+
+
+SIZES = {
+    module: _plain(sizes) | MADE.get(module, {})
+    for name, sizes in TABLES["modules"].items()
+    for module in [import_module(name)]
 }
 
 

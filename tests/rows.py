@@ -204,18 +204,17 @@ def images(rods, half, period):
 
 
 def elastic(rods, half=HALF, stiffness=SOFT, period=1e6):
-    """Forces and torques on all rods without dashpots, and their energy, by brute force.
+    """Forces and torques on all rods without dashpots, by brute force.
 
     The contacts of all ends with the other axis, less those of all ends with each other.
     """
-    total, energy = np.zeros((len(rods), 3)), 0.0
+    total = np.zeros((len(rods), 3))
     for i, j, n in images(rods, half, period):
         ends, corners = meetings(rods, i, j, half, n * period)
         contacts = [(1, places) for places in ends] + [(-1, places) for places in corners]
         for count, (p, q) in contacts:
             deep = max(overlap((p, q)), 0.0)
             push = count * stiffness * deep**1.5 * unit(p - q)
-            energy += count * 0.4 * stiffness * deep**2.5
             centres = (
                 (i, rods[i, ROW_PLACE], push),
                 (j, rods[j, ROW_PLACE] + (n * period, 0), -push),
@@ -223,4 +222,4 @@ def elastic(rods, half=HALF, stiffness=SOFT, period=1e6):
             for rod, centre, (f_x, f_z) in centres:
                 x, z = (p + q) / 2 - centre
                 total[rod] += f_x, f_z, z * f_x - x * f_z
-    return total, energy
+    return total

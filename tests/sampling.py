@@ -3,6 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import impact
 
@@ -55,7 +57,7 @@ def geometries(rng, n):
 
 def everyday(n, seed):
     """Velocities of order one, all signs; friction 0 to 10."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     X, Z, k = geometries(rng, n)
     c_x, c_z, spin, plate = rng.uniform(-2, 2, (4, n))
     return Impacts(c_x, c_z, spin / k, X, Z, k, rng.uniform(0, 10, n), rng.uniform(0, 1, n), plate)
@@ -63,7 +65,7 @@ def everyday(n, seed):
 
 def wide(n, seed):
     """Velocities and friction log-uniform over six decades, all signs."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     X, Z, k = geometries(rng, n)
     sizes = 10 ** rng.uniform(-3, 3, (5, n))
     c_x, c_z, spin, plate = sizes[:4] * rng.choice([-1, 1], (4, n))
@@ -72,7 +74,7 @@ def wide(n, seed):
 
 def simple(n, seed):
     """Halves and whole numbers: many impacts lie on an edge of a regime, many without slip."""
-    numbers = np.random.default_rng(seed).integers(-4, 5, (9, n)) / 2
+    numbers = default_rng(seed).integers(-4, 5, (9, n)) / 2
     c_x, c_z, omega, X, Z, k, friction, restitution, plate = numbers
     bounded = np.abs(k) + 0.5, np.abs(friction), np.abs(restitution) / 2
     return Impacts(c_x, c_z, omega, X, Z, *bounded, plate)
@@ -109,4 +111,4 @@ def assert_mirror_symmetric(impacts, law="newton", collide=impact.collide):
     hit, mirrored = (i.collide(law, collide) for i in (impacts, impacts.mirrored()))
     odd = {"c_x", "omega", "P_x", "slip_velocity"}
     for name, here, there in zip(hit._fields, hit, mirrored, strict=True):
-        np.testing.assert_array_equal(here, -there if name in odd else there)
+        assert_array_equal(here, -there if name in odd else there)

@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import md
 from figures.claims.measure_annulus import largest_tilt_of_flat
@@ -32,7 +33,7 @@ def test_the_largest_tilt_of_one_rod():
     assert largest_tilt(EXPERIMENT, 3.0) == largest_tilt_of_flat(EXPERIMENT, 3.0) == np.pi / 2
 
 
-@pytest.mark.parametrize("count", [1, 2, 23, 40, 44, 56])
+@pytest.mark.parametrize("count", [1, 2, 23, 40, 44, 58])
 def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     """By `GAP` at least; they stand on the plate, lean one way along it, by what a rod can."""
     rods, half = placed(EXPERIMENT, count, 8.0), 3.5
@@ -44,34 +45,16 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     rho = np.hypot(along[..., 0], along[..., 1])
     assert rho.min() > EXPERIMENT.inner + 0.5 - 1e-4
     assert rho.max() < EXPERIMENT.outer - 0.5 + 1e-4
-    np.testing.assert_allclose(x[:, 2] - half * a[:, 2], 0.5, atol=1e-12)
+    assert_allclose(x[:, 2] - half * a[:, 2], 0.5, atol=1e-12)
     assert np.arccos(a[:, 2]).max() < largest_tilt(EXPERIMENT, 8.0)
     lean = x[:, 0] * a[:, 1] - x[:, 1] * a[:, 0]
     assert abs(np.sign(lean).sum()) == count
-
-
-@pytest.mark.parametrize("tilt", [30, -30])
-def test_rods_that_lean_either_way_start_clear_of_each_other(tilt):
-    scene = md.load("annulus", [f"start.tilt_deg={tilt}"])
-    rods = prepare(scene).rods
-    assert overlap(scene.annulus, rods, 3.5) <= -GAP
-    assert (np.sign(rods[:, 0] * rods[:, 4] - rods[:, 1] * rods[:, 3]) == np.sign(tilt)).all()
 
 
 def test_an_odd_ring_starts_tilted_as_an_even_one():
     """It is no zig-zag all around: one rod stands between the walls, with more room beside it."""
     tilts = [np.arccos(placed(EXPERIMENT, count, 8.0)[:, 5]).mean() for count in (51, 52)]
     assert tilts[0] > tilts[1] > 0.2
-
-
-def test_what_does_not_fit_is_refused():
-    with pytest.raises(ValueError, match=r"rods.count 59 do not fit .*: at most 58 do, upright"):
-        placed(EXPERIMENT, 59, 8.0)
-    assert len(placed(EXPERIMENT, 58, 8.0)) == 58
-    with pytest.raises(ValueError, match=r"rods.count 225 do not fit .*: at most 224 do"):
-        placed(md.Annulus(5.0, 9.0), 225, 8.0)
-    with pytest.raises(ValueError, match="length must be at least 1"):
-        largest_tilt(EXPERIMENT, 0.5)
 
 
 # Runs
@@ -91,7 +74,7 @@ def test_rods_bounce_and_keep_to_the_gap():
     rho = np.hypot(*np.concatenate(ends).T)
     assert rho.min() > scene.annulus.inner + 0.5 - 0.05
     assert rho.max() < scene.annulus.outer - 0.5 + 0.05
-    np.testing.assert_allclose(np.linalg.norm(rods[:, DIRECTOR:VELOCITY], axis=1), 1, atol=1e-12)
+    assert_allclose(np.linalg.norm(rods[:, DIRECTOR:VELOCITY], axis=1), 1, atol=1e-12)
     assert axial(rods) < 1e-12
     assert axial(md.run(ring(*ROLLING, "plate.acceleration=5"), periods=6).rods) > 1e-6
 
@@ -151,7 +134,6 @@ def test_the_command(capsys):
     assert "an annulus needs 400 periods or more to settle" in capsys.readouterr().out
     assert main(["run", "annulus", *sets, "--periods", "3", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["annulus"]["lean_deg"]["mean"] is not None
-    assert main(["run", "annulus", "--set", "contacts.wall=none"]) == 2
 
 
 def test_rods_that_lean_the_other_way_drift_the_other_way():

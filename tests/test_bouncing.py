@@ -4,6 +4,8 @@ from math import asin, cos, pi, radians, sqrt
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import impact
 from impact import ContactGeometry, collide, thin_rod
@@ -31,14 +33,14 @@ def test_phase_after_a_million_periods():
     assert bounces.any()
     exact = np.arccos(pi * (1 - restitution) / ((1 + restitution) * gamma))
     assert np.abs(late.phase[bounces] - exact).max() < 1e-14 * TURN
-    np.testing.assert_array_equal((late.period - early.period)[bounces], 1_000_000)
+    assert_array_equal((late.period - early.period)[bounces], 1_000_000)
 
 
 def test_rests_take_off_at_the_same_phase_for_ever():
     """Gamma 1.5, no restitution: one landing a period, bit for bit the same after 10^6."""
     run = record(SPHERE, gamma=1.5, **INELASTIC, landings=1_000_000, transient=10)
     assert np.all(run.phase == run.phase[0, 0])
-    np.testing.assert_array_equal(np.diff(run.period[0]), 1)
+    assert_array_equal(np.diff(run.period[0]), 1)
     assert run.flight[0, 0] + run.rest[0, 1] == pytest.approx(1, abs=1e-15)
 
 
@@ -73,15 +75,15 @@ def test_landings_follow_from_one_another(tilt_deg, gamma, restitution):
     plate = np.cos(run.phase)
     c_x, v, hits = run.c_x, run.c_z - plate, 0
     again = True
-    np.testing.assert_array_equal(run.regime, impact.classify(c_x, v, geometry=rod, **setting))
+    assert_array_equal(run.regime, impact.classify(c_x, v, geometry=rod, **setting))
     while np.any(again):
         hit = collide(c_x, v, geometry=rod, **setting)
         c_x, v = np.where(again, hit.c_x, c_x), np.where(again, hit.c_z, v)
         hits = hits + again
         again = again & (v < -1e-12)
-    np.testing.assert_allclose(run.c_x_after, c_x, atol=1e-11)
-    np.testing.assert_allclose(run.c_z_after - plate, np.maximum(v, 0), atol=1e-11)
-    np.testing.assert_array_equal(run.hits > 1, hits > 1)
+    assert_allclose(run.c_x_after, c_x, atol=1e-11)
+    assert_allclose(run.c_z_after - plate, np.maximum(v, 0), atol=1e-11)
+    assert_array_equal(run.hits > 1, hits > 1)
     assert np.all(run.c_z_after - plate > -1e-15)
     assert run.hits.max() < 1000
 
@@ -94,22 +96,20 @@ def test_landings_follow_from_one_another(tilt_deg, gamma, restitution):
         )
     ]
     wait, c_x, slid = np.transpose(moves).reshape(3, *rests.shape)
-    np.testing.assert_allclose(after.rest, wait / TURN, atol=1e-15)
-    np.testing.assert_allclose(after.c_x, c_x / gamma, rtol=1e-15, atol=1e-15)
+    assert_allclose(after.rest, wait / TURN, atol=1e-15)
+    assert_allclose(after.c_x, c_x / gamma, rtol=1e-15, atol=1e-15)
     slid += c_x * TURN * after.flight
-    np.testing.assert_allclose(after.travel, slid / (gamma * TURN), rtol=1e-15, atol=1e-14)
+    assert_allclose(after.travel, slid / (gamma * TURN), rtol=1e-15, atol=1e-14)
     t, lift = TURN * after.flight, asin(1 / gamma)
     rise = np.where(rests, gamma * cos(lift), gamma * before.c_z_after)
     fallen = gamma * np.sin(np.where(rests, lift, before.phase)) + rise * t - t * t / 2
-    np.testing.assert_allclose(gamma * after.c_z, rise - t, atol=1e-12)
-    np.testing.assert_allclose(gamma * np.sin(after.phase), fallen, atol=1e-12)
-    np.testing.assert_allclose(
-        np.diff(run.period + run.phase / TURN), after.flight + after.rest, atol=1e-11
-    )
+    assert_allclose(gamma * after.c_z, rise - t, atol=1e-12)
+    assert_allclose(gamma * np.sin(after.phase), fallen, atol=1e-12)
+    assert_allclose(np.diff(run.period + run.phase / TURN), after.flight + after.rest, atol=1e-11)
     if restitution == 0:
-        np.testing.assert_array_equal(rests, gamma * np.sin(before.phase) <= 1)
+        assert_array_equal(rests, gamma * np.sin(before.phase) <= 1)
     if gamma == ONE_PERIOD:
-        np.testing.assert_allclose(after.flight, 1, rtol=1e-14)
+        assert_allclose(after.flight, 1, rtol=1e-14)
 
 
 @pytest.mark.parametrize(("gamma", "restitution"), [(1.02, 0.65), (1.05, 0.9), (1.2, 0.5)])
@@ -131,7 +131,7 @@ def test_chattering_ends_in_rest(gamma, restitution):
 @pytest.mark.parametrize("law", ["newton", "poisson", "stronge"])
 def test_any_rod_goes_on(law):
     """Odd geometries, jammed contacts, no losses: it ends, every number finite, nothing below."""
-    random = np.random.default_rng(8)
+    random = default_rng(8)
     for _ in range(300):
         X, Z, k = *random.normal(size=2), 10 ** random.uniform(-1.5, 0.5)
         gamma = 1 + 10 ** random.uniform(-12, 2)
@@ -151,8 +151,8 @@ def test_rods_do_not_depend_on_their_number():
         record(**setting, rods=rods, seed=seed, landings=150 - transient, transient=transient)
         for rods, seed, transient in ((2, 11, 0), (7, 11, 0), (2, 12, 0), (2, 11, 30))
     )
-    np.testing.assert_array_equal(few, np.array(many)[:, :2])
-    np.testing.assert_array_equal(np.array(few)[..., 30:], later)
+    assert_array_equal(few, np.array(many)[:, :2])
+    assert_array_equal(np.array(few)[..., 30:], later)
     assert not np.any(few.phase == other.phase)
     assert np.unique(many.c_x[:, 0]).size == 7
 
@@ -172,7 +172,7 @@ def test_means_are_those_of_the_landings():
         "again": (raw.hits > 1).mean(1),
     }.items():
         wanted = rods.mean(), rods.std(ddof=1) / sqrt(30)
-        np.testing.assert_allclose(getattr(run, name), wanted, rtol=1e-12)
+        assert_allclose(getattr(run, name), wanted, rtol=1e-12)
     for name, values, bins, width in (
         ("phases", raw.phase, 36, TURN / 36),
         ("flights", raw.flight + 1 / 32, 64, 1 / 16),
@@ -180,7 +180,7 @@ def test_means_are_those_of_the_landings():
     ):
         counts, _ = np.histogram(values, np.arange(bins + 1) * width)
         density = counts / (width * values.size)
-        np.testing.assert_allclose(getattr(run, name).mean, density)
+        assert_allclose(getattr(run, name).mean, density)
     assert np.isnan(bounce(thin_rod(0.3), **{**setting, "rods": 1}).alpha.error)
 
 
@@ -189,38 +189,13 @@ def test_scale_of_lengths_cancels(law):
     setting = {**PAPER, "gamma": 2.5, "landings": 20, "law": law}
     runs = [record(thin_rod(0.4, length), **setting) for length in (1.0, 2.0**300, 2.0**-900)]
     for run in runs[1:]:
-        np.testing.assert_array_equal(run.c_x_after, runs[0].c_x_after)
-
-
-NO_GEOMETRY = ContactGeometry(0.1, 0.4, 0.0), ContactGeometry(np.nan, 0.4, 0.3), 3.0
-BAD = {
-    "gamma": (1.0, 0.0, np.nan, np.inf, np.array([2.0, 3.0]), "high"),
-    "friction": (-0.1,),
-    "restitution": (1.1, np.nan),
-    "landings": (0, 2.5),
-    "rods": (0,),
-    "seed": (-1,),
-    "transient": (-1,),
-    "shortest_flight": (0.0, 1e-13),
-    "law": ("hooke", ["newton"]),
-    "bins": (0,),
-    "geometry": (*NO_GEOMETRY, thin_rod(np.array([0.1, 0.2]))),
-}
-
-
-@pytest.mark.parametrize(
-    ("name", "value"), [(name, value) for name, values in BAD.items() for value in values]
-)
-def test_bad_input(name, value):
-    setting = {"geometry": thin_rod(0.3), "gamma": 2.0, **PAPER, "landings": 5}
-    with pytest.raises(impact.InputError, match=rf"{name}(\.\w)? must be "):
-        bounce(**{**setting, name: value})
+        assert_array_equal(run.c_x_after, runs[0].c_x_after)
 
 
 def test_friction_has_its_limits():
     """Infinite friction is the limit of large friction; without any, c_x is kept for ever."""
     setting = {"gamma": 2.5, "restitution": 0.6, "landings": 30}
     runs = [record(thin_rod(0.4), friction=mu, **setting) for mu in (np.inf, 1e30)]
-    np.testing.assert_allclose(runs[0].c_x_after, runs[1].c_x_after, rtol=1e-12)
+    assert_allclose(runs[0].c_x_after, runs[1].c_x_after, rtol=1e-12)
     free = record(thin_rod(0.4), friction=0.0, **setting)
     assert np.ptp(np.concatenate([free.c_x, free.c_x_after])) == 0

@@ -4,6 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 from mpmath import mpf
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import impact
 from figures.theory import stationary
@@ -24,7 +26,7 @@ def ulps(got, want):
 @pytest.fixture
 def rods():
     """Of all shapes and tilts, upright and lying ones among them."""
-    lengths = sampling.geometries(np.random.default_rng(3), 5000)
+    lengths = sampling.geometries(default_rng(3), 5000)
     lengths[0, :50] = lengths[1, 50:100] = 0.0
     return ContactGeometry(*lengths)
 
@@ -32,9 +34,7 @@ def rods():
 @pytest.fixture
 def how():
     """Friction and restitution of as many impacts."""
-    friction, restitution = np.random.default_rng(4).uniform(
-        [[0.01], [0]], [[2], [0.99]], (2, 5000)
-    )
+    friction, restitution = default_rng(4).uniform([[0.01], [0]], [[2], [0.99]], (2, 5000))
     return {"friction": friction, "restitution": restitution}
 
 
@@ -59,7 +59,7 @@ def test_painleve_friction_is_where_an_impact_needs_no_approach(rods):
 
 
 def test_slide_friction_is_where_the_slide_ends(rods, how):
-    ratio = 10 ** np.random.default_rng(5).uniform(-2, 2, 5000)
+    ratio = 10 ** default_rng(5).uniform(-2, 2, 5000)
     setting = {"geometry": rods, "restitution": how["restitution"]}
     edge = impact.slide_friction(**setting, approach_ratio=ratio)
 
@@ -82,11 +82,11 @@ def test_drift_repeats_itself(rods, how):
     scale = np.abs(found.c_x) + found.c_z + 0.7
     assert (np.abs(np.subtract(hit[:2], found[:2])) <= 64 * EPS * scale).all()
     sticks = how["friction"] >= impact.critical_friction(rods)
-    np.testing.assert_array_equal(found.regime == Regime.SLIP_STICK, sticks)
+    assert_array_equal(found.regime == Regime.SLIP_STICK, sticks)
     assert not (hit.regime == Regime.SLIDE).any()
     way = np.abs(2 * found.c_x * found.c_z)  # times the acceleration of gravity
     cost = impact.transport_cost(rods, **how)
-    np.testing.assert_allclose(0.7 * hit.P_z / cost, way, rtol=128 * EPS)
+    assert_allclose(0.7 * hit.P_z / cost, way, rtol=128 * EPS)
 
 
 def test_drift_without_friction_is_undetermined():
@@ -111,13 +111,13 @@ def test_extreme_numbers_have_the_answer_of_large_ones():
         impact.landing_density(0.0, fall_speed=far * [1e100, 1e153, 1e108]),
     ]
     for values in alike:
-        np.testing.assert_allclose(values, np.full_like(values, values[0]), rtol=1e-14, atol=1e-59)
+        assert_allclose(values, np.full_like(values, values[0]), rtol=1e-14, atol=1e-59)
     steep = impact.critical_friction(np.array([(1e300, 1), (1, 1e-200), (1, 1e-200)]))
     assert steep == pytest.approx([5e299, 5e199], rel=1e-14)
     assert impact.painleve_friction((1e-200, 1.0, 1e-200)) == pytest.approx(2e-200, rel=1e-14)
 
 
-_RNG = np.random.default_rng(6)
+_RNG = default_rng(6)
 OPTIMA = [
     *((friction, 0.65) for friction in (1e-3, 0.05, 0.09, 0.12, 0.16, 0.2, 0.75, 0.8, np.inf)),
     *zip(10 ** _RNG.uniform(-2, 0.3, 60), _RNG.uniform(0, 0.99, 60), strict=True),
@@ -175,7 +175,7 @@ def test_relaxation_by_whole_impacts(rods, how):
     lengths, columns = np.array(rods)[:, 100:280], np.array([*how.values()])[:, 100:280]
     columns[0, 60:120] *= 1e-9
     columns[1, 120:] = 1 - 1e-12 * columns[1, 120:]
-    lengths[:, 120:] = impact.thin_rod(10 ** np.random.default_rng(8).uniform(-9, -6, 60))
+    lengths[:, 120:] = impact.thin_rod(10 ** default_rng(8).uniform(-9, -6, 60))
     got = impact.relaxation(lengths, friction=columns[0], restitution=columns[1])
     assert got[60:].min() > 1e6
     with mpmath.workdps(60):
@@ -190,10 +190,10 @@ def test_relaxation_and_cost_at_the_ends():
     )
     rod, how = impact.thin_rod(tilt), {"friction": friction, "restitution": restitution}
     kept = [1 / np.log(4 / 3), np.inf, np.inf, np.inf]
-    np.testing.assert_allclose(impact.relaxation(rod, **how), kept, rtol=4 * EPS)
-    np.testing.assert_array_equal(impact.transport_cost(rod, **how), [np.inf, 0, np.nan, np.nan])
+    assert_allclose(impact.relaxation(rod, **how), kept, rtol=4 * EPS)
+    assert_array_equal(impact.transport_cost(rod, **how), [np.inf, 0, np.nan, np.nan])
     assert impact.transport_cost((0.5, 0.0, 0.3), friction=0.3, restitution=0.65) == np.inf
-    e, k = np.random.default_rng(10).uniform(0.1, 1, (2, 1000))  # a lying rod forgets at once
+    e, k = default_rng(10).uniform(0.1, 1, (2, 1000))  # a lying rod forgets at once
     at_once = impact.relaxation((np.sqrt(e) * k, 0.0, k), friction=0.3, restitution=e)
     assert ((at_once >= 0) & (at_once < 0.04)).all()
 
@@ -206,7 +206,7 @@ def test_flat_end_drifts_backwards_below_its_threshold():
         for way in (1, -1)
     )
     assert np.sign(right).tolist() == [-1, -1, -1, 1, 1]
-    np.testing.assert_array_equal(left, -right)
+    assert_array_equal(left, -right)
     assert impact.flat_ended_rod(np.array([0.0, -0.0]), 8.0).X.tolist() == [-0.5, 0.5]
 
 
@@ -227,7 +227,7 @@ def test_landing_density(fall):
     density = impact.landing_density(phase, fall_speed=fall)
     assert np.trapezoid(density, phase) == pytest.approx(1, abs=1e-4)
     lit = density > 0
-    np.testing.assert_allclose(density[lit] * 2 * np.pi * fall, (fall + np.cos(phase))[lit])
+    assert_allclose(density[lit] * 2 * np.pi * fall, (fall + np.cos(phase))[lit])
     mean = impact.mean_plate_velocity(
         lambda x: impact.landing_density(x, fall_speed=fall), points=1_000_000
     )
@@ -243,4 +243,4 @@ def test_mean_plate_velocity():
     assert upstroke == pytest.approx(2 / np.pi, abs=1e-6)
     slow = np.array([1e-6, 1e-8])
     limit = 4 / 3 * np.sqrt(np.pi * slow)
-    np.testing.assert_allclose(stationary.alpha_of_fall(slow), limit, rtol=1e-2)
+    assert_allclose(stationary.alpha_of_fall(slow), limit, rtol=1e-2)

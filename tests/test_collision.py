@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import impact
 from impact import Regime
@@ -47,14 +49,9 @@ def test_impulse_and_energy(impacts, law):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_mirror_symmetry(impacts, law):
-    sampling.assert_mirror_symmetric(impacts, law)
-
-
-@pytest.mark.parametrize("law", LAWS)
 def test_units_of_length_and_time_do_not_matter(impacts, law):
     """Powers of two change nothing but exponents, out to 1e-135 and 1e135."""
-    length, speed = np.random.default_rng(15).integers(-450, 451, (2, impacts.c_x.size))
+    length, speed = default_rng(15).integers(-450, 451, (2, impacts.c_x.size))
     powers = {"X": length, "Z": length, "k": length, "plate_velocity": speed}
     powers |= {"c_x": speed, "c_z": speed, "omega": speed - length, "energy_change": 2 * speed}
     scaled, hit = (
@@ -63,17 +60,7 @@ def test_units_of_length_and_time_do_not_matter(impacts, law):
     )
     other = impacts._replace(**scaled).collide(law)
     for name, wanted in hit.items():
-        np.testing.assert_array_equal(getattr(other, name), wanted)
-
-
-@pytest.mark.parametrize("law", LAWS)
-def test_map_is_continuous_in_friction(impacts, law):
-    """Across all regime boundaries; a bounded slope times the step."""
-    steps = 1 + np.random.default_rng(16).uniform(-1e-9, 1e-9, impacts.c_x.size)
-    here = impacts.collide(law)
-    there = impacts._replace(friction=steps * impacts.friction).collide(law)
-    size = np.sqrt(squared(impacts, here))
-    assert (np.abs(np.subtract(here[:2], there[:2])) <= 1e-7 * size).all()
+        assert_array_equal(getattr(other, name), wanted)
 
 
 def test_the_laws_agree_about_the_regime_and_about_a_slide(impacts):
@@ -81,5 +68,5 @@ def test_the_laws_agree_about_the_regime_and_about_a_slide(impacts):
     slide, P_z = regime == Regime.SLIDE, impacts.collide().P_z
     assert regime.dtype == np.int8
     for hit in map(impacts.collide, LAWS):
-        np.testing.assert_array_equal(hit.regime, regime)
-        np.testing.assert_array_equal(hit.P_z[slide], P_z[slide])
+        assert_array_equal(hit.regime, regime)
+        assert_array_equal(hit.P_z[slide], P_z[slide])

@@ -1,5 +1,8 @@
 """Quoted errors against the scatter between starts: twelve scenes, fifty starts each."""
 
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 from joblib import Parallel, delayed
@@ -7,41 +10,15 @@ from joblib import Parallel, delayed
 import md
 from md.measures import standard_error, transient
 
+from .rows import ring
+
 STARTS, LENGTHS = 50, (60, 128, 400, 1000)
-COARSE = ["step.size=2.4e-4", "step.coarse=true"]
-SOFT = [*COARSE, "contacts.plate.tangential_ratio=3", "contacts.rods.tangential_ratio=3"]
-PRINTED = [
-    f"contacts.{at}.{key}"
-    for at in ("plate", "rods")
-    for key in ("law=appendix_a", "restitution=none")
-]
+SCENES = tomllib.loads(Path(__file__).with_name("coverage.toml").read_text())
 
 
-def _row(count, length, *changes):
-    return "quasi2d", [f"rods.count={count}", f"box.length={length}", *changes]
-
-
-MINE = [*COARSE, "plate.amplitude_cm=0.03"]
-SCENES = {
-    "40 rods": ("my_rods", MINE),
-    "4 rods": ("my_rods", [*MINE, "rods.count=4", "box.length_cm=3.2"]),
-    "the paper's row": _row(40, 43, *SOFT),
-    "10 rods": _row(10, 10.75, *SOFT),
-    "1 rod": _row(1, 1.3, *SOFT),
-    "Gamma 2": _row(20, 20.5, "plate.acceleration=2", *SOFT),
-    "Gamma 1.3": _row(20, 21.5, "plate.acceleration=1.3", *SOFT),
-    "48 degrees": _row(20, 30, *SOFT),
-    "restitution 0.95 between rods": _row(20, 23, "contacts.rods.restitution=0.95", *SOFT),
-    "Appendix A": _row(10, 10.75, *PRINTED, *COARSE),
-    "friction as a constraint": _row(
-        10, 12, "contacts.plate.law=coulomb", "contacts.rods.tangential_ratio=3", *COARSE
-    ),
-    "annulus": ("annulus", ["rods.count=30", "annulus.shaken=false", *COARSE]),
-}
-
-
-def _drift(base, changes, seed, periods=LENGTHS[-1]):
-    scene = md.load(base, [*changes, f"start.seed={seed}"])
+def _drift(name, seed, periods=LENGTHS[-1]):
+    one = SCENES[name]
+    scene = md.load(one["source"], [*one["assignments"], f"start.seed={seed}"])
     return md.run(scene, periods=periods, ledger=False).c_x_series
 
 
@@ -54,15 +31,13 @@ def _ratio(drifts, periods):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in SCENES if name != "annulus"])
-def test_errors_are_as_large_as_the_scatter_between_starts(name, capsys):
+def test_errors_are_as_large_as_the_scatter_between_starts(name):
     """Within 0.8 to 1.25 from 128 periods on, to one error of the ratio, 1/sqrt(2 50) of it.
 
     Below, none is quoted.
     """
-    drifts = Parallel(n_jobs=-1)(delayed(_drift)(*SCENES[name], i) for i in range(1, STARTS + 1))
+    drifts = Parallel(n_jobs=-1)(delayed(_drift)(name, i) for i in range(1, STARTS + 1))
     found = [_ratio(np.array(drifts), periods) for periods in LENGTHS]
-    with capsys.disabled():
-        print(f"\n{name:30}", *(f"{ratio:5.2f}" for ratio, _ in found))
     assert [quoted for _, quoted in found] == [0, 1, 1, 1]
     for ratio, _ in found[1:]:
         assert 0.8 / 1.1 < ratio < 1.25 * 1.1
@@ -72,22 +47,20 @@ def test_errors_are_as_large_as_the_scatter_between_starts(name, capsys):
 def test_an_annulus_does_not_forget_its_start():
     """Twelve runs, walls at rest, scatter by far more than each of them lets one think."""
     periods, run = 2000, delayed(_drift)
-    drifts = Parallel(n_jobs=-1)(run(*SCENES["annulus"], i, periods) for i in range(1, 13))
+    drifts = Parallel(n_jobs=-1)(run("annulus", i, periods) for i in range(1, 13))
     ratio, _ = _ratio(np.array(drifts), periods)
     assert ratio > 2
 
 
 def test_one_run_in_an_annulus_quotes_no_error():
-    small = ["rods.count=2", "rods.length=4", "annulus.inner=1", "annulus.outer=2.8", "step=none"]
-    soft = [f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods", "wall")]
-    result = md.run(md.load("annulus", [*small, *soft]), periods=130)
+    result = md.run(ring("rods.count=2", "step.coarse=true"), periods=130)
     assert np.isfinite(result.c_x)
     assert np.isnan([result.c_x_stderr, result.tilt_stderr_deg]).all()
     assert all(np.isnan(value["stderr"]) for value in result.touches.values())
 
 
 def test_a_row_quotes_an_error_from_124_periods_on():
-    scene = md.load(*SCENES["1 rod"])
+    scene = md.load(**SCENES["10 rods"])  # a row of one has a kernel of its own
     short, long = (md.run(scene, periods=n) for n in (123, 124))
     assert np.isnan(short.c_x_stderr)
     assert long.c_x_stderr == standard_error(long.c_x_series[24:])

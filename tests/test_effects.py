@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 import md
 from md import host
@@ -209,7 +210,7 @@ def test_absent_effects_cost_nothing(march, there, gone, arguments, untouched):
     for path in arguments:
         assert attrgetter(path)(engine) is not None
         assert attrgetter(path)(without) is None
-    np.testing.assert_array_equal(engine.rods[untouched], without.rods[untouched])
+    assert_array_equal(engine.rods[untouched], without.rods[untouched])
     assert len(engine.arrays()) >= len(without.arrays())
 
 

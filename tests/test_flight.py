@@ -6,6 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from numba import njit
+from numpy.random import default_rng
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -51,7 +52,7 @@ def _certify(speed, phase, gamma):
 
 def _flights(number, seed):
     """Random departures, log-uniform in velocity and in gamma - 1."""
-    random = np.random.default_rng(seed)
+    random = default_rng(seed)
     gamma = 1 + 10 ** random.uniform(-3, 1.5, number)
     speed = gamma * 10 ** random.uniform(-4, 1, number)
     return speed, random.uniform(0, TURN, number), gamma

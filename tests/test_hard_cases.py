@@ -9,6 +9,8 @@ import mpmath
 import numpy as np
 import pytest
 from mpmath import mpf
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import impact
 from impact import ContactGeometry, Regime
@@ -67,7 +69,7 @@ def t2_separating_pair(theirs):
     c_z, omega = np.array([(0.0, 0.5, 1e300, 5e-324, 1.7e308), (0.0, -1.0, 0.0, 0.0, 1e-300)])
     hit = theirs.collide(c_x, c_z, omega, **AT)
     assert (hit.regime == Regime.NO_IMPACT).all()
-    np.testing.assert_array_equal(hit[:3], [c_x, c_z, omega])
+    assert_array_equal(hit[:3], [c_x, c_z, omega])
     assert not np.any([hit.P_x, hit.P_z, hit.energy_change])
 
 
@@ -166,7 +168,7 @@ def t12_odd_numbers(theirs):
 
 def t13_critical_tilts(theirs):
     """Eq. (23) cancels: nine digits are lost at mu = 1e-4, all of them at 1e-9. To 2 ulp."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     small, close, any_of_them = rng.uniform(
         [[-300], [-16], [0]], [[np.log10(0.75)], [-1], [0.75]], (3, 1000)
     )
@@ -178,14 +180,12 @@ def t13_critical_tilts(theirs):
             for got, want in zip(theirs.critical_tilts(friction), exact, strict=True):
                 assert abs(got - want) <= 2 * mpf(np.spacing(float(want)))
     beyond = theirs.critical_tilts(np.array([0.0, 0.75, np.nextafter(0.75, 1)]))
-    np.testing.assert_array_equal(
-        beyond, [[0.0, np.arctan(2), np.nan], [np.pi / 2, np.arctan(2), np.nan]]
-    )
+    assert_array_equal(beyond, [[0.0, np.arctan(2), np.nan], [np.pi / 2, np.arctan(2), np.nan]])
 
 
 def t14_long_levers(theirs):
     """X, Z up to 100 k: the error grows no faster than the condition number AC/(AC - B^2)."""
-    rng = np.random.default_rng(32)
+    rng = default_rng(32)
     X, Z = 10 ** rng.uniform(-1, 2, (2, 400)) * rng.choice([-1, 1], (2, 400))
     A, B, C = 1 + X * X, X * Z, 1 + Z * Z
     levers = {"X": X, "Z": Z, "k": np.ones(400), "omega": np.zeros(400)}
@@ -218,7 +218,7 @@ def t17_friction_that_hardly_stops_the_slip(theirs):
 
 def t18_rounding_at_the_edge_of_a_slide(theirs):
     """Just beyond u_* = 0 the impulse stays positive, just inside the slip keeps its sense."""
-    rng = np.random.default_rng(33)
+    rng = default_rng(33)
     n = 20_000
     X, Z, k = rng.uniform(0.1, 2, (3, n))
     restitution, friction = rng.uniform(0, 1, n), 10 ** rng.uniform(-2, 18, n)
@@ -244,7 +244,7 @@ def t20_a_mass_in_a_point(theirs):
     """k against the lever and the speed down to the smallest number: a regime, and no nan."""
     slide = every(X=0.0, Z=1.0, k=1e-155, friction=0.0).collide(collide=theirs.collide)
     assert (slide.regime, slide.c_z, slide.P_z) == (Regime.SLIDE, 0.5, 1.5)
-    rng = np.random.default_rng(34)
+    rng = default_rng(34)
     odd = np.array([0.0, 1.0, -1.0, 1e-5, -1e-60, 1e60, 1e-155, -1e-300])
     c_x, c_z, omega, X, Z = rng.choice(odd, (5, 20_000))
     k = rng.choice([5e-324, 1e-300, 1e-155, 1e-80, 1e-60, 1.0], 20_000)

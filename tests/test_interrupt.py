@@ -14,6 +14,7 @@ import numpy as np
 import psutil
 import pytest
 from numba.extending import overload
+from numpy.random import default_rng
 
 import figures.__main__
 import impact
@@ -27,7 +28,7 @@ from md.kernels import single
 from md.laws import effects_of
 
 from .command_line import ROOT, ended
-from .rows import row
+from .rows import go, row
 
 
 class RungError(Exception):
@@ -144,6 +145,7 @@ def test_no_kernel_builds_its_result_by_calling_python():
         parts += part if isinstance(part, tuple) else ()
 
 
+ALOFT = "gravity.z=0", "start.drop=9", "start.speed=0"  # no touch of which a record is full
 HELD = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65}
 
 
@@ -153,7 +155,7 @@ HELD = {"gamma": 3.3, "friction": 0.3, "restitution": 0.65}
         # an upright rod that leaves the plate, or one that never does
         lambda n: md.impact(0.0, 0.0, -1.0 if n == 1 else -1e-3, friction=0.3, gravity=(0.0, -1.0)),
         lambda n: bouncing.bounce(impact.thin_rod(0.3), **HELD, landings=1, transient=n),
-        lambda n: prepare(row(), touches=False).go(n),
+        lambda n: go(prepare(row(*ALOFT)), n),
     ],
     ids=["resting", "bouncing", "marching"],
 )
@@ -259,7 +261,9 @@ def test_without_the_compiler(command, code, tmp_path):
     """What Python can do it does, slowly; what it cannot is said without a traceback."""
     done = subprocess.run(
         [sys.executable, "-m", *command.split()],
-        **{"capture_output": True, "text": True, "check": False, "cwd": tmp_path},
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
         env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT)},
     )
     assert done.returncode == code
@@ -288,8 +292,11 @@ def test_a_signal_during_the_imports_costs_one_line(package, number, tmp_path):
     for seconds in (0.0, 0.2):
         with subprocess.Popen(
             command,
-            **{"stderr": subprocess.PIPE, "stdout": subprocess.DEVNULL, "text": True},
-            **{"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": str(ROOT)}},
+            stderr=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            text=True,
+            cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
         ) as process:
             while "early_signals" not in process.stderr.readline():
                 assert process.poll() is None
@@ -314,7 +321,7 @@ LONG = {
 @pytest.mark.parametrize("name", LONG)
 def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
     """While it compiles, half of the times, or runs; nothing is left beside the results."""
-    random = np.random.default_rng(number)
+    random = default_rng(number)
     for cold in (True, False) * 5:
         folder = tmp_path / str(random.integers(10**9))
         folder.mkdir()

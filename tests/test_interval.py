@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 from scipy.special import ndtri
 from scipy.stats import t as student
 
@@ -19,7 +20,7 @@ def interval(series, *how, fell=0, **more):
 
 
 def test_the_interval_of_one_start_is_students():
-    series = autoregressive(np.random.default_rng(1), 1000, 0.5)
+    series = autoregressive(default_rng(1), 1000, 0.5)
     found = interval([series], 0.9)
     rest = series[200:]
     assert (found.mean, found.settled) == (pytest.approx(rest.mean()), True)
@@ -30,7 +31,7 @@ def test_the_interval_of_one_start_is_students():
 
 
 def test_a_long_run_leaves_out_no_more_than_its_transient():
-    series = np.concatenate([np.full(400, 9.0), np.random.default_rng(1).normal(size=4600)])
+    series = np.concatenate([np.full(400, 9.0), default_rng(1).normal(size=4600)])
     found = interval([series])
     assert found.mean == series[400:].mean()
     assert abs(found.mean) < found.half
@@ -38,7 +39,7 @@ def test_a_long_run_leaves_out_no_more_than_its_transient():
 
 def test_starts_in_one_state_are_pooled():
     """Weights as their lengths; the error is that of one series as long as all."""
-    random = np.random.default_rng(2)
+    random = default_rng(2)
     series = [autoregressive(random, n, 0.3) for n in (1000, 500)]
     found = interval(series)
     rest = series[0][200:], series[1][150:]
@@ -54,7 +55,7 @@ def test_starts_in_one_state_are_pooled():
 @pytest.mark.parametrize(("annulus", "apart"), [(False, 1.0), (True, 0.019)])
 def test_starts_in_several_states_are_told_and_their_scatter_counts(annulus, apart):
     """In an annulus sooner: by a chance of 1 %, which a row takes for one state."""
-    random = np.random.default_rng(3)
+    random = default_rng(3)
     series = [apart * level + 0.1 * random.normal(size=900) for level in (0, 0, 1)]
     found = interval(series, annulus=annulus)
     means = [one[300 if annulus else 180 :].mean() for one in series]
@@ -65,7 +66,7 @@ def test_starts_in_several_states_are_told_and_their_scatter_counts(annulus, apa
 
 def test_a_run_that_has_not_settled_is_told():
     """It is never reached; the change between the halves of its second half is an error."""
-    trending = np.linspace(1, 2, 800) + 0.1 * np.random.default_rng(4).normal(size=800)
+    trending = np.linspace(1, 2, 800) + 0.1 * default_rng(4).normal(size=800)
     found, rest = interval([trending]), trending[400:]
     assert not found.settled
     change = (rest[200:].mean() - rest[:200].mean()) / 2
@@ -76,8 +77,8 @@ def test_a_run_that_has_not_settled_is_told():
     assert not goal.reached
 
 
-NOISE = 1 + 0.1 * np.random.default_rng(8).normal(size=(2, 1000))
-SOMETIMES = np.random.default_rng(9).poisson(0.2, 1000)
+NOISE = 1 + 0.1 * default_rng(8).normal(size=(2, 1000))
+SOMETIMES = default_rng(9).poisson(0.2, 1000)
 LATE, EARLY = (
     np.where(part, SOMETIMES, 0) for part in (np.arange(1000) > 700, np.arange(1000) < 150)
 )
@@ -109,7 +110,7 @@ def test_where_rods_fall_the_change_between_the_halves_is_an_error():
 
 def test_a_longer_transient_is_left_out():
     """Of 1000 periods, whose first 250 drift three times as fast."""
-    series = 1 + 0.1 * np.random.default_rng(6).normal(size=1000)
+    series = 1 + 0.1 * default_rng(6).normal(size=1000)
     series[:250] += 2
     found = interval([series])
     assert found.settled
@@ -130,7 +131,7 @@ def followed(starts, tolerance, confidence=0.95):
 @pytest.mark.parametrize("length", [300, 1500])
 def test_runs_that_end_by_their_own_interval_hold_the_mean_as_often_as_they_say(memory, length):
     """Of 400; within 92 and 98 in a hundred, and two standard deviations of so many more."""
-    random, hits, unsettled = np.random.default_rng(5), 0, 0
+    random, hits, unsettled = default_rng(5), 0, 0
     tolerance = ndtri(0.975) / (1 - memory) / np.sqrt(length)
     for _ in range(400):
         starts = [1 + autoregressive(random, 10 * length, memory) for _ in range(2)]

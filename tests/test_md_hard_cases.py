@@ -1,6 +1,6 @@
 """Where a straightforward simulation of a contact breaks, case by case."""
 
-from math import ceil, cos, hypot, inf, nan, pi, radians
+from math import ceil, cos, hypot, inf, nan, pi
 
 import numpy as np
 import pytest
@@ -13,12 +13,9 @@ from md.kernels.single import State
 from md.laws import contact_time, deepest_overlap, largest_step
 from md.soft_impact import stopped_run
 
-from .track import CONTACT, FLAT, LAWS, ROD, effects, track
+from .track import CONTACT, FLAT, LAWS, REVERSAL, ROD, SLIDE, SLIP_STICK, effects, track
 
 GRAVITY = 0.0, -1.0
-SLIDE = radians(30), (-0.5, -1.0, 0.1)
-SLIP_STICK = radians(20), (0.5, -1.0, 0.0)
-REVERSAL = radians(40), (0.5, -1.0, 0.0)
 OFFSETS = (np.arange(24) + 0.5) / 24
 
 

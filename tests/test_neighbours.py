@@ -5,6 +5,8 @@ from math import ceil
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from md.host import prepare
 from md.kernels import neighbours
@@ -57,7 +59,7 @@ def entries(listed):
     """Of a list in use."""
     start = listed.start[listed.turn[0]]
     found = listed.index[listed.turn[0], : start[-1]]
-    np.testing.assert_array_equal(found[:, 0], np.repeat(np.arange(len(start) - 1), np.diff(start)))
+    assert_array_equal(found[:, 0], np.repeat(np.arange(len(start) - 1), np.diff(start)))
     unique = {tuple(map(int, entry[:3])) for entry in found}
     assert len(unique) == len(found)
     return unique
@@ -100,7 +102,7 @@ def test_the_list_holds_exactly_the_close_pairs(n, length, period):
 
     Equality within the rounding of places up to 2 `period`: none lies that near the skin's edge.
     """
-    random, half, most = np.random.default_rng(n), (length - 1) / 2, 0
+    random, half, most = default_rng(n), (length - 1) / 2, 0
     listed = neighbours.nothing_listed(n, 60 * n, False, False)
     for _ in range(30):
         rods = crowd(random, n, length, period or 3 * length)
@@ -113,7 +115,7 @@ def test_the_list_holds_exactly_the_close_pairs(n, length, period):
 @pytest.mark.parametrize(("radius", "count"), [(30.0, 60), (3.0, 12)])
 def test_neighbours_by_azimuth_are_all_close_pairs(radius, count):
     """Against brute force; in the second case a rod spans more than half of the circle."""
-    random, rods = np.random.default_rng(4), np.zeros((count, SPACE_COLUMNS))
+    random, rods = default_rng(4), np.zeros((count, SPACE_COLUMNS))
     azimuth = random.uniform(-np.pi, np.pi, count)
     rods[:, 0], rods[:, 1] = radius * np.cos(azimuth), radius * np.sin(azimuth)
     rods[:, 2] = random.uniform(0, 5, count)
@@ -137,22 +139,22 @@ def test_forces_are_those_of_all_pairs(n, period):
 
     In the box of 2.01 a rod touches its own images, which turn it upright.
     """
-    random = np.random.default_rng(1)
+    random = default_rng(1)
     x = (np.arange(n) + random.uniform(-0.05, 0.05, n)) * period / n
     x += random.integers(-3, 4, n) * period
     tilt = np.arccos(n / period) + 0.005 * random.uniform(-1, 1, n) + 0.01 / n
     rods = zip(x, 5 + random.uniform(-0.1, 0.1, n), tilt, strict=True)
     rods = in_plane(*rods, (0.3, 50, 0.0))
-    got, want = pushed(period, rods), elastic(rods, period=period)[0]
+    got, want = pushed(period, rods), elastic(rods, period=period)
     assert np.abs(want).max() > (400 if n == 1 else 1000)
     # rounding places of up to 4 periods changes an overlap by 4 EPS period
     steep = 1.5 * SOFT * 0.5 * 10
-    np.testing.assert_allclose(got, want, rtol=1e-12, atol=steep * 16 * EPS * period)
+    assert_allclose(got, want, rtol=1e-12, atol=steep * 16 * EPS * period)
 
 
 def test_m9_a_period_added_to_any_rod_changes_no_force():
     """Beyond what rounding its place does, 4 ulp of the place times the steepest slope."""
-    random, n, period = np.random.default_rng(3), 6, 6.3
+    random, n, period = default_rng(3), 6, 6.3
     x = np.arange(n) * period / n + 0.01 * random.normal(size=n)
     rods = in_plane(*((place, 5.0, np.arccos(n / period)) for place in x))
     usual = pushed(period, rods)
@@ -191,9 +193,9 @@ def test_no_touching_pair_is_missed_while_rods_move():
 
 def same(engine, other):
     """Whether rods, springs and energies are the same to the bit."""
-    np.testing.assert_array_equal(engine.rods, other.rods)
-    np.testing.assert_array_equal(engine.state.springs, other.state.springs)
-    np.testing.assert_array_equal(engine.ledger, other.ledger)
+    assert_array_equal(engine.rods, other.rods)
+    assert_array_equal(engine.state.springs, other.state.springs)
+    assert_array_equal(engine.ledger, other.ledger)
 
 
 def test_springs_and_losses_survive_a_rebuild():
@@ -267,7 +269,7 @@ class Counted(np.ndarray):
 
 def reads(n):
     """Reads of places that it takes to build the list of n rods in a row, all drawn together."""
-    random, rods, spacing = np.random.default_rng(0), np.zeros((n, ROW_COLUMNS)), 43 / 40
+    random, rods, spacing = default_rng(0), np.zeros((n, ROW_COLUMNS)), 43 / 40
     rods[:, X] = (np.arange(n) + random.uniform(-0.3, 0.3, n)) * spacing
     rods[:, Z], rods[:, SINE], rods[:, COSINE] = 4.5, np.sin(0.37), np.cos(0.37)
     place, found = rods[:, X].copy().view(Counted), np.zeros((20 * n, 3), np.int64)

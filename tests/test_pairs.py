@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from mpmath import mpf
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import impact
 from impact import Body, Regime, collide_pair
@@ -15,7 +17,7 @@ ULP = np.finfo(float).eps
 
 def pairs(n, seed, decades=3.0, alike=0.0):
     """Bodies of masses, sizes and speeds over twice the decades; some share lever and speed."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     bodies, frictions = rng.uniform(-decades, decades, (2, 7, n)), rng.uniform(-decades, decades, n)
     mass, k, X, Z, c_x, c_z, omega = 10 ** bodies.swapaxes(0, 1)
     near = rng.uniform(size=n) < alike  # speeds and levers that cancel all but a little
@@ -60,10 +62,10 @@ def test_a_body_on_an_infinitely_heavy_one_is_a_rod_on_a_plate(law):
     hit = collide_pair(body, moving, **how, law=law)
     rod = impact.ContactGeometry(body.X, body.Z, body.k)
     want = impact.collide(*body[4:], geometry=rod, plate_velocity=moving.c_z, **how, law=law)
-    np.testing.assert_array_equal(hit.regime, want.regime)
+    assert_array_equal(hit.regime, want.regime)
     size = np.abs(want.P_x) + np.abs(want.P_z)
     assert (np.hypot(hit.P_x - want.P_x, hit.P_z - want.P_z) <= 1e-9 * size).all()
-    np.testing.assert_array_equal(np.broadcast_arrays(*hit.second), np.broadcast_arrays(*moving))
+    assert_array_equal(np.broadcast_arrays(*hit.second), np.broadcast_arrays(*moving))
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -78,9 +80,9 @@ def test_which_body_is_the_first_does_not_matter(law):
         collide_pair(*(Body(*body) for body in pair), **how, law=law)
         for pair in (bodies, turn * bodies[::-1], mirror * bodies)
     )
-    np.testing.assert_array_equal(hit[2:], other[2:])
-    np.testing.assert_array_equal(hit[:2], turn * other[1::-1])
-    np.testing.assert_array_equal(hit[2:], mirrored._replace(P_x=-mirrored.P_x)[2:])
+    assert_array_equal(hit[2:], other[2:])
+    assert_array_equal(hit[:2], turn * other[1::-1])
+    assert_array_equal(hit[2:], mirrored._replace(P_x=-mirrored.P_x)[2:])
 
 
 def scaled(body, mass, length, speed):
@@ -95,10 +97,10 @@ def test_units_do_not_matter():
     one = collide_pair(first, second, **how)
     ours, theirs = (300, -800, -300), (300, 300, -300)
     other = collide_pair(scaled(first, *ours), scaled(second, *theirs), **how)
-    np.testing.assert_array_equal(scaled(one.first, *ours)[4:], other.first[4:])
-    np.testing.assert_array_equal(scaled(one.second, *theirs)[4:], other.second[4:])
-    np.testing.assert_array_equal(one.P_z, other.P_z)
-    np.testing.assert_array_equal(np.ldexp(one.energy_change, -300), other.energy_change)
+    assert_array_equal(scaled(one.first, *ours)[4:], other.first[4:])
+    assert_array_equal(scaled(one.second, *theirs)[4:], other.second[4:])
+    assert_array_equal(one.P_z, other.P_z)
+    assert_array_equal(np.ldexp(one.energy_change, -300), other.energy_change)
 
 
 BALL = Body(mass=2.0, k=0.6, X=0.1, Z=1.0, c_x=1.0, c_z=-1.0, omega=0.5)
@@ -109,7 +111,7 @@ HOW = {"friction": 0.3, "restitution": 0.5}
 def test_a_mass_in_a_point_on_a_lever_gives_way_like_one_that_is_nearly_so():
     lever = BALL._replace(k=np.array([1e-20, 1e-40, 1e-300]), Z=0.0)
     first = np.array(collide_pair(lever, REST, **HOW).first[4:])
-    np.testing.assert_allclose(first[:, 1:], first[:, :1] * [1, 1], rtol=1e-15)
+    assert_allclose(first[:, 1:], first[:, :1] * [1, 1], rtol=1e-15)
 
 
 def test_bodies_of_infinite_mass_must_not_close():
@@ -148,7 +150,5 @@ def test_bodies_of_one_frame_meet_across_a_normal_at_any_angle():
         return np.sin(angle) * (u[0] - v[0]) + np.cos(angle) * (u[1] - v[1])
 
     momentum = [sum(map(kept, bodies)) for bodies in (before, after)]
-    np.testing.assert_allclose(*momentum, atol=30 * ULP)
-    np.testing.assert_allclose(
-        parting(*after), -HOW["restitution"] * parting(*before), atol=30 * ULP
-    )
+    assert_allclose(*momentum, atol=30 * ULP)
+    assert_allclose(parting(*after), -HOW["restitution"] * parting(*before), atol=30 * ULP)

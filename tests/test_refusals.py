@@ -1,32 +1,46 @@
-"""What commands refuse, in one line and before any work: no file is changed."""
+"""What commands and calls refuse, in one line and before any work: no file is changed."""
+
+# ruff: noqa: F401 (calls of the table have these names)
 
 import json
 import os
 import socket
 import tomllib
 from contextlib import chdir
+from functools import partial
+from math import inf, nan
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import derivations
+import impact
 import md
+from derivations import languages
+from impact import bouncing, compiled
 from md.__main__ import main
+from md.kernels.contact import Normal, Spring
+from md.placement import largest_tilt, placed
 from md.store import Store, table, write_csv
+from md.sweep import execute, expand
 
 from .command_line import refused
-from .rows import row
 from .test_help import ALL, GROUPS
 from .test_store import ABOUT
 
 TABLES = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text(encoding="utf-8"))
 SWEEPS = TABLES.pop("md sweep bad.toml --store b.db")
+CALLS = TABLES.pop("in Python")
+FILES = TABLES.pop("files")
 REFUSALS = {
     f"{begin} {rest}".strip(): words
     for begin, rows in TABLES.items()
     for rest, words in rows.items()
 }
 
+ROD = impact.thin_rod(0.3)
+bounce = partial(bouncing.bounce, friction=0.3, restitution=0.65, landings=5)
 
 THEIRS = "fig10.npz fig11.png fig12.pdf quasi2d.gif a.gif a.html claims.json prices.png index.html"
 
@@ -44,18 +58,13 @@ def fill():
     """Make the files."""
     with Store("a.db") as store:
         store.put("k", ABOUT, {"c_x": 0.5}, None)
-    Path("FILE").write_text("no store")
-    Path("notes.csv").write_text("day,hours\n1,8\n")
-    Path("other.json").write_text('{"order": 1}')
-    Path("other.xyz").write_text('1\nLattice="1 0 0 0 1 0 0 0 1" Properties=pos:R:3\n0 0 0\n')
-    Path("mine.toml").write_text('scene = "my_rods"\n')
-    Path("empty.toml").touch()
+    for name, text in FILES.items():
+        Path(name).write_text(text)
     write_csv("more.csv", *table("a.db"))  # and a column of one's own
     Path("more.csv").write_text(Path("more.csv").read_text().replace("\n", ",mine\n"))
     np.save("array.npy", np.zeros(3))
     np.savez("arrays.npz", about="{}")
     np.savez("old.npz", about=json.dumps({"code": "other", "scene": "other"}))
-    Path("cut.npz").write_bytes(b"PK\x03\x04 cut short")
     Path("link").symlink_to("a.db")
     Path("hard").hardlink_to("a.db")
     with socket.socket(socket.AF_UNIX) as listener:
@@ -69,8 +78,6 @@ def fill():
     _, device = os.openpty()  # as /dev/null, without the harm
     for name in ("tty", "tty.html"):
         Path(name).symlink_to(os.ttyname(device))
-    Path("broken.toml").write_text("[rods\ncount = 3\n")
-    Path("twice.toml").write_text("[rods]\ncount = 3\ncount = 4\n")
 
 
 def contents(folder):
@@ -98,14 +105,13 @@ def test_a_sweep_that_is_none_is_refused_in_one_line(capsys, sweep, words):
     assert not Path("b.db").exists()
 
 
-def test_functions_are_guarded_as_commands_are(folder):
+@pytest.mark.parametrize(("call", "words"), CALLS.items(), ids=CALLS)
+def test_nonsense_is_refused_in_python(folder, call, words):
+    """As it is by commands, and no file is changed either."""
     before = contents(folder)
-    with pytest.raises(ValueError, match="csv must be a new file or one of runs"):
-        write_csv("a.db", *table("a.db"))
-    with pytest.raises(ValueError, match="trajectory must be a new file or one of frames"):
-        md.run(row(), periods=1, trajectory="a.db")
-    with pytest.raises(ValueError, match="checkpoint must be another file than trajectory"):
-        md.run(row(), periods=1, trajectory="t", checkpoint=folder / "t")
+    with pytest.raises((AttributeError, TypeError, ValueError)) as caught:
+        eval(call)
+    assert words in f"{caught.typename}: {caught.value}\n"
     assert contents(folder) == before
 
 

@@ -28,6 +28,8 @@ from .page import Page, plain, stands_alone
 CHILDREN = {"mfrac": 2, "msub": 2, "msup": 2, "mroot": 2, "msubsup": 3, "mover": 2, "munderover": 3}
 KNOWN = {"math", "mrow", "mi", "mn", "mo", "mspace", "msqrt", "mtable", "mtr", "mtd", *CHILDREN}
 EQUATIONS = [e for e in registry.ENTRIES if isinstance(e, Equation)]
+each_entry = pytest.mark.parametrize("entry", registry.ENTRIES, ids=lambda entry: entry.tag)
+each_equation = pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
 
 
 def entry_of(tag):
@@ -73,7 +75,7 @@ def test_every_link_has_its_place(page):
     assert len(page.links) > 2 * len(registry.ENTRIES)
 
 
-@pytest.mark.parametrize("entry", registry.ENTRIES, ids=lambda entry: entry.tag)
+@each_entry
 def test_every_entry_is_there_with_its_verdict_and_evidence(page, rows, entry):
     text, wrong = page.text[report.anchor(entry.tag)], entry.verdict == "erratum"
     (row,) = (row for row in rows if row.tag == entry.tag)
@@ -89,7 +91,7 @@ def test_every_entry_is_there_with_its_verdict_and_evidence(page, rows, entry):
         assert not words or f"{label}: {plain(words)}" in text
 
 
-@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+@each_equation
 def test_what_is_shown_as_printed_is_the_printed_form(entry):
     printed = [form for label, form in report.forms(entry) if label == report.PRINTED]
     assert printed == [entry.printed] * (entry.printed is not None)
@@ -131,7 +133,7 @@ def test_sentences_for_a_terminal():
     assert lecture.to_text(text) == "mu >= 0, gain = sqrt(k_a^(3/2)), 5 & 6"
 
 
-@pytest.mark.parametrize("entry", registry.ENTRIES, ids=lambda entry: entry.tag)
+@each_entry
 def test_formulas_in_sentences_are_marked(entry, lines):
     """Between dollar signs; outside of them there is neither an index nor LaTeX."""
     for text in (entry.what, told(entry), *(line.text for line in lines.get(entry.tag, ()))):
@@ -139,7 +141,7 @@ def test_formulas_in_sentences_are_marked(entry, lines):
         assert not re.search(r"\w_\w|\^|\\|\b(mu|phi|epsilon|omega)\b", words)
 
 
-@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+@each_equation
 def test_what_reads_best_has_the_derived_value(entry):
     conditional = isinstance(entry.derive(), sp.core.relational.Relational)
     assert (same if conditional else equal)(entry.readable(), entry.derive())
@@ -158,7 +160,7 @@ def read_back(form):
     return [paper.read(one, letters | {r"\pi": sp.pi}) for one in tex]
 
 
-@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+@each_equation
 def test_what_can_be_read_is_what_is_meant(entry):
     if entry.derive().has(sp.beta):
         pytest.skip("the grammar of SymPy's parser has no beta function")

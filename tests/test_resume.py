@@ -126,6 +126,14 @@ def test_a_checkpoint_that_is_not_finished_leaves_the_old_one(whole, path, monke
     assert whole.again(checkpoint=path) == whole.bits
 
 
+def test_a_run_without_an_account_of_the_energy_goes_on_without_one(path):
+    scene, bare = md.load("single_rod"), {"ledger": False, "checkpoint": path}
+    md.run(scene, periods=1, **bare)
+    with pytest.raises(md.InputError, match=r"ledger must be False, .*; or remove it"):
+        md.run(scene, periods=2, checkpoint=path)
+    assert bits(md.run(scene, periods=2, **bare)) == bits(md.run(scene, periods=2, ledger=False))
+
+
 def contents(folder):
     """Of all files, with the time of the last change."""
     return {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.iterdir()}

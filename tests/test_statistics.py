@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 from scipy.signal import lfilter
 
 from md.measures import TREND, ratio, settled, standard_error, steady, trend
@@ -29,7 +30,7 @@ def test_scatter_of_means_over_their_errors(memory, n):
     One to the scatter of both, 4/sqrt(2 400) each, and what a fitted memory lacks: a coefficient a
     comes out low by (1 + 3a)/n (Kendall), which takes (1 + 3a)/(1 - a)/n of 1/(1 - a).
     """
-    random = np.random.default_rng(n)
+    random = default_rng(n)
     series = [autoregressive(random, n, memory) for _ in range(400)]
     scatter = np.sqrt(np.mean([one.mean() ** 2 for one in series]))
     error = np.sqrt(np.mean([standard_error(one) ** 2 for one in series]))
@@ -41,14 +42,14 @@ def test_scatter_of_means_over_their_errors(memory, n):
 
 def test_a_second_memory_is_seen():
     """A slow part below a fast one: x'' = 0.3 x' + 0.55 x + noise, spectrum 1/(1 - 0.85)^2 at 0."""
-    noise = np.random.default_rng(2).normal(size=40_100)
+    noise = default_rng(2).normal(size=40_100)
     series = lfilter([1.0], [1.0, -0.3, -0.55], noise)[100:]
     assert standard_error(series) == pytest.approx(1 / 0.15 / 200, rel=0.1)
 
 
 def test_standard_error_does_not_depend_on_units():
     """Shifted by a thousand, scaled by a power of two: to rounding."""
-    x = autoregressive(np.random.default_rng(1), 1000, 0.8)
+    x = autoregressive(default_rng(1), 1000, 0.8)
     assert standard_error(1024 * x) == 1024 * standard_error(x)
     assert standard_error(x + 1000) == pytest.approx(standard_error(x), rel=1e-9)
 
@@ -73,7 +74,7 @@ def test_no_error_without_enough_finite_values(series):
 
 def test_ratio_of_sums():
     """A quantity summed over a varying number of events: the delta method, 1/sqrt(n) for noise."""
-    random = np.random.default_rng(0)
+    random = default_rng(0)
     counts = random.poisson(20, 1024).astype(float)
     sums = np.array([random.normal(3, 2, int(n)).sum() for n in counts])
     mean, error = ratio(sums, counts)
@@ -89,7 +90,7 @@ def test_ratio_of_sums():
 @pytest.mark.parametrize(("memory", "alarms"), [(0.0, 0.02), (0.5, 0.02), (0.9, 0.06)])
 def test_stationary_series_have_no_trend(memory, alarms, n):
     """Of 400: as many false alarms as `trend` says, and two standard deviations of so many."""
-    random = np.random.default_rng(n)
+    random = default_rng(n)
     series = [autoregressive(random, n, memory) for _ in range(400)]
     found = np.mean([trend(one) > TREND for one in series])
     assert found <= alarms + 2 * np.sqrt(alarms / 400)
@@ -100,7 +101,7 @@ def test_stationary_series_have_no_trend(memory, alarms, n):
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_a_transient_is_left_out(memory):
     """An exponential one with a decay time of a fifth: what is left of it is below the error."""
-    random, n, left = np.random.default_rng(7), 3000, []
+    random, n, left = default_rng(7), 3000, []
     error = exact_error(n // 2, memory)
     transients = 60 * error * np.exp(-np.arange(n) / (n / 10))
     for _ in range(100):
@@ -114,7 +115,7 @@ def test_a_transient_is_left_out(memory):
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_a_slow_trend_never_settles(memory):
     """A straight line, over the series 60 times its standard error."""
-    random, n = np.random.default_rng(8), 2000
+    random, n = default_rng(8), 2000
     line = 60 * exact_error(n, memory) * np.linspace(0, 1, n)
     series = (autoregressive(random, n, memory) + line for _ in range(100))
     assert np.mean([settled(n // 5, one) is None for one in series]) > 0.95
@@ -137,12 +138,12 @@ def test_too_few_values_have_no_trend():
 )
 def test_a_rate_that_grows_or_dies_is_not_steady(rates, expected):
     """Also from nothing, where its error is as large as itself and `trend` sees none."""
-    random = np.random.default_rng(1)
+    random = default_rng(1)
     counts = np.concatenate([random.poisson(rate / 40, 40) for rate in rates])
     assert steady(counts) == expected
 
 
 def test_steady_events_are_hardly_ever_taken_for_others():
     """Of 1000 series: one in 70 by the order of blocks, one in 100 by the trend."""
-    counts = np.random.default_rng(2).poisson(0.5, (1000, 320))
+    counts = default_rng(2).poisson(0.5, (1000, 320))
     assert np.mean([steady(one) for one in counts]) > 0.95

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import md
 from md.host import plate_motion, prepare
@@ -50,16 +52,16 @@ def test_touches_are_those_that_every_step_shows():
         columns.PLATE,
         columns.PUSHED,
     ]
-    np.testing.assert_array_equal(rows[:, which].T, exactly)
+    assert_array_equal(rows[:, which].T, exactly)
     for column, at in ((columns.BEFORE, first), (columns.AFTER, last)):
-        np.testing.assert_array_equal(rows[:, column : column + 3], at[:, ROW_VELOCITY])
-    np.testing.assert_allclose(rows[:, [columns.A_X, columns.A_Z]].T, [a_x, a_z])
+        assert_array_equal(rows[:, column : column + 3], at[:, ROW_VELOCITY])
+    assert_allclose(rows[:, [columns.A_X, columns.A_Z]].T, [a_x, a_z])
     speeds = [
         at[:, C_Z] - at[:, OMEGA] * cap * HALF * at[:, SINE] - plate.velocity[steps % per]
         for at, steps in ((first, begins), (last, stops))
     ]
     found = rows[:, [columns.APPROACH, columns.LEAVING]].T
-    np.testing.assert_allclose(found, speeds, rtol=0, atol=1e-13)
+    assert_allclose(found, speeds, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("lean", [0, 1e-9, -1e-9, 0.1, -0.1])
@@ -92,8 +94,8 @@ def test_touches_tell_who_gave_the_momentum():
     given = np.array([of_plate, np.subtract(every, of_plate)]).cumsum(axis=1)
     plate, neighbours = given = np.insert(given, 0, 0.0, axis=1)
     close = {"rtol": 0, "atol": 1e-10}
-    np.testing.assert_allclose(neighbours.sum(axis=1), 0, **close)  # forces between rods cancel
-    np.testing.assert_allclose(plate[-1].sum(), engine.rods[:, C_X].sum() - start, atol=1e-9)
+    assert_allclose(neighbours.sum(axis=1), 0, **close)  # forces between rods cancel
+    assert_allclose(plate[-1].sum(), engine.rods[:, C_X].sum() - start, atol=1e-9)
 
     rows = engine.record.rows[: engine.record.count[0]]
     rows = rows[np.lexsort((rows[:, columns.STEP], rows[:, columns.ROD]))]
@@ -102,13 +104,13 @@ def test_touches_tell_who_gave_the_momentum():
     before, after = rows[:, columns.BEFORE], rows[:, columns.AFTER]
     assert 0.1 < free.mean() < 0.9
     by_plate, by_others = given[:, ended, rod] - given[:, begun, rod]
-    np.testing.assert_allclose(after - before, by_plate + by_others, **close)
-    np.testing.assert_allclose(by_others[free], 0, **close)
+    assert_allclose(after - before, by_plate + by_others, **close)
+    assert_allclose(by_others[free], 0, **close)
     assert np.abs(by_others[~free]).max() > 0.01
     last = np.flatnonzero(np.diff(rod) == 0)
     by_plate, by_others = given[:, begun[last + 1], rod[last]] - given[:, ended[last], rod[last]]
-    np.testing.assert_allclose(by_plate, 0, **close)
-    np.testing.assert_allclose(before[last + 1] - after[last], by_others, **close)
+    assert_allclose(by_plate, 0, **close)
+    assert_allclose(before[last + 1] - after[last], by_others, **close)
 
 
 # Touches merged into landings
@@ -146,8 +148,8 @@ def test_short_hops_belong_to_the_landing_before():
         columns.PLATE: [0, 0, 1],
     }
     for column, expected in landings.items():
-        np.testing.assert_array_equal(over[:, column], expected)
-    np.testing.assert_array_equal(open_[:, columns.STEP], [400, 300])
+        assert_array_equal(over[:, column], expected)
+    assert_array_equal(open_[:, columns.STEP], [400, 300])
     assert len(merged(rows, 0)[0]) == 6
     assert [len(part) for part in merged(rows[:0], 20)] == [0, 0]
 
@@ -155,7 +157,7 @@ def test_short_hops_belong_to_the_landing_before():
 @pytest.mark.parametrize("cuts", [[], [1], [3, 4], list(range(1, 60))])
 def test_how_the_touches_come_in_does_not_matter(cuts):
     """Same landings, in the same order, whatever is handed over at once."""
-    random = np.random.default_rng(2)
+    random = default_rng(2)
     flights = [random.choice([2, 10, 30, 60], 20) for _ in range(3)]
     rows = in_order([touches(rod, np.cumsum(5 + one), one) for rod, one in enumerate(flights)])
     whole, rest = merged(rows, 20)
@@ -163,8 +165,8 @@ def test_how_the_touches_come_in_does_not_matter(cuts):
     for part in np.split(rows, cuts):
         over, open_ = merged(np.concatenate([open_, part]), 20)
         parts.append(over)
-    np.testing.assert_array_equal(np.concatenate(parts), whole)
-    np.testing.assert_array_equal(open_, rest)
+    assert_array_equal(np.concatenate(parts), whole)
+    assert_array_equal(open_, rest)
     assert whole[:, -1].sum() + rest[:, -1].sum() == 60
 
 
@@ -202,11 +204,11 @@ def test_records_have_the_means_and_phases_of_the_run(made, kind):
         means["slip_stick"] = (part["regime"] == "slip-stick").mean()
         means["pushed_by_others"] = (part["pushed_by_others"] > 0).mean()
         counts, _ = np.histogram(part["phase"], len(result.phases), (0, 2 * np.pi))
-        np.testing.assert_array_equal(counts, result.phases)
+        assert_array_equal(counts, result.phases)
     means["falling"] = (part["plate_velocity"] < 0).mean()
     assert len(means) > 8
     assert means == pytest.approx({name: wanted[name] for name in means}, rel=1e-10)
     step = 2 * np.pi / result.steps_per_period  # in which the plate's velocity is taken once
     at_phases = speed * np.cos(found["phase"])
-    np.testing.assert_allclose(found["plate_velocity"], at_phases, atol=1.01 * step * speed)
+    assert_allclose(found["plate_velocity"], at_phases, atol=1.01 * step * speed)
     assert getattr(md.records, kind)([], result).shape == (0,)

@@ -4,17 +4,10 @@ import re
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import md
 from md.host import prepare
-from md.kernels.codes import (
-    DIRECTOR,
-    ROW_DIRECTION,
-    ROW_PLACE,
-    ROW_VELOCITY,
-    TURN,
-    VELOCITY,
-)
 
 from .rows import row
 from .test_annulus import ring
@@ -42,40 +35,37 @@ def parsed(path):
 
 @pytest.fixture(params=SCENES)
 def written(request, tmp_path):
-    """A scene, the state of its rods at the start, and the file of its run."""
+    """A scene, the state of its rods after a period, and the file of its run."""
     scene, path = SCENES[request.param], tmp_path / "a.xyz"
     md.run(scene, periods=2, trajectory=path)
-    rods = prepare(scene).rods
-    if scene.annulus:
-        return scene, np.split(rods, (DIRECTOR, VELOCITY, TURN), axis=1), path
-    place, direction, velocity = (rods[:, x] for x in (ROW_PLACE, ROW_DIRECTION, ROW_VELOCITY))
-    (x, z), (sine, cosine), (c_x, c_z, omega) = place.T, direction.T, velocity.T
-    zero = np.zeros_like(x)
-    vectors = (x, zero, z), (sine, zero, cosine), (c_x, zero, c_z), (zero, omega, zero)
-    return scene, [np.transpose(vector) for vector in vectors], path
+    parts = prepare(scene)._parts(md.run(scene, periods=1).rods)
+    if not scene.annulus:
+        *vectors, turn = parts
+        parts = *(np.insert(v, 1, 0.0, axis=1) for v in vectors), turn * (0.0, 1.0, 0.0)
+    return scene, parts, path
 
 
 def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
     """The quaternion turns the z axis into the rod's; shape: radius twice, length between caps."""
     scene, (place, director, velocity, omega), path = written
-    first, second = parsed(path)
-    assert (first["species"] == "rod").all()
-    assert (first["Z"] == 0).all()
-    assert first["id"][:, 0].tolist() == list(range(len(place)))
-    np.testing.assert_allclose(first["pos"], place, atol=1e-8)
-    x, y, z, w = first["orientation"].T
+    first, frame = parsed(path)
+    assert (frame["species"] == "rod").all()
+    assert (frame["Z"] == 0).all()
+    assert frame["id"][:, 0].tolist() == list(range(len(place)))
+    assert_allclose(frame["pos"], place, atol=1e-8)
+    x, y, z, w = frame["orientation"].T
     turned = np.transpose([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
-    np.testing.assert_allclose(turned, director, atol=1e-6)
-    assert (first["aspherical_shape"] == [0.5, 0.5, scene.rods.length - 1]).all()
-    np.testing.assert_allclose(first["velo"], velocity, atol=1e-8)
-    np.testing.assert_allclose(first["omega"], omega, atol=1e-8)
-    np.testing.assert_allclose(first["tilt"][:, 0], np.degrees(np.arccos(turned[:, 2])), atol=1e-5)
-    low = np.array(first["Origin"].split(), float)
-    high = low + np.array(first["Lattice"].split(), float)[::4]
+    assert_allclose(turned, director, atol=1e-6)
+    assert (frame["aspherical_shape"] == [0.5, 0.5, scene.rods.length - 1]).all()
+    assert_allclose(frame["velo"], velocity, atol=1e-8)
+    assert_allclose(frame["omega"], omega, atol=1e-8)
+    assert_allclose(frame["tilt"][:, 0], np.degrees(np.arccos(turned[:, 2])), atol=1e-5)
+    low = np.array(frame["Origin"].split(), float)
+    high = low + np.array(frame["Lattice"].split(), float)[::4]
     assert (low <= place).all()
     assert (place <= high).all()
-    assert first["pbc"] == ("F F F" if scene.annulus else "T F F")
-    assert (first["Time"], second["Time"]) == ("0.0", "1.0")
+    assert frame["pbc"] == ("F F F" if scene.annulus else "T F F")
+    assert (first["Time"], frame["Time"]) == ("0.0", "1.0")
 
 
 def test_frames_stand_at_the_same_phases_of_all_periods(tmp_path):

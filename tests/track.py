@@ -1,6 +1,6 @@
 """One rod over the plate: laws, effects, and long runs by the kernel behind `md.impact`."""
 
-from math import pi
+from math import pi, radians
 
 import numpy as np
 
@@ -16,6 +16,9 @@ LAWS = {
     "constant_restitution": md.constant_restitution(),
     "appendix_a": md.appendix_a(),
 }
+SLIDE = radians(30), (-0.5, -1.0, 0.1)  # tilt, velocities before
+SLIP_STICK = radians(20), (0.5, -1.0, 0.0)
+REVERSAL = radians(40), (0.5, -1.0, 0.0)
 CONTACT = contact_time(md.coulomb(), 1.0)
 FLAT = 0.0, 0.5, pi / 2, 0.0, 0.0, 0.0  # just touching, at rest
 

@@ -1,0 +1,54 @@
+"""Runs as they are seen from outside: several starts at once, a limit of time, progress."""
+
+import signal
+import sys
+
+import numpy as np
+import pytest
+
+import md
+from md import accuracy
+from md.simulation import Run
+
+from .rows import row
+
+DRIVEN = row("plate.acceleration=5")
+
+
+def test_one_start_that_fails_ends_all(monkeypatch):
+    """At once: the others do not go on to the first look."""
+    usual, made = Run.march, []
+
+    def failing(running, _, stop):
+        if running.engine.scene.start.seed > accuracy.SEED_GAP:
+            raise md.RunError("no longer finite")
+        usual(running, 50_000, stop)
+        made.append(running.made)
+
+    monkeypatch.setattr(Run, "march", failing)
+    with pytest.raises(md.RunError, match="no longer finite"):
+        md.run(DRIVEN, tolerance=0.01)
+    assert made[0] < 50_000
+
+
+def test_what_an_interrupted_run_does_not_know_is_not_told():
+    """After a few periods, of which no error is known: nor how long it would have taken."""
+    result = md.run(DRIVEN, tolerance=0.05, observe=lambda _: signal.raise_signal(signal.SIGINT))
+    assert (result.finished, result.accuracy.state) == (False, "not settled")
+    assert np.isnan(result.c_x_stderr)
+    assert "inf" not in str(result)
+
+
+def test_a_limit_of_time_holds(monkeypatch):
+    """To within a moment, behind the first look, however far it is to the next one."""
+    monkeypatch.setattr(accuracy, "GROWTH", (300, 300))
+    result = md.run(DRIVEN, tolerance=0.02, max_seconds=1)
+    assert result.accuracy.made > 2 * accuracy.FIRST_LOOK
+    assert result.run_seconds < 4
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_is_shown_on_a_terminal_alone(terminal, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
+    with Run(DRIVEN, 1, progress=True) as running:
+        assert running.bar.disable != terminal
