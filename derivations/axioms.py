@@ -1,11 +1,9 @@
 """The assumptions: all else in this package is computed from the forms below.
 
 An axiom is called with values for its letters, and notes that it was used (module `trace`).
-`assuming` changes an axiom for a trial.
 """
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import sympy as sp
@@ -34,7 +32,6 @@ class Axiom:
     tag: str
     left: tuple[str, ...]  # left sides of the form's parts, LaTeX
     form: Form
-    compared: str = ""  # with zero: "sign" if its sign counts alone, "zero" if it vanishes
 
     def __call__(self, values: Mapping[sp.Symbol, sp.Expr], *lefts: str) -> Form:
         """Return the form with `values` for its letters."""
@@ -52,28 +49,15 @@ RIGID = Axiom(
 )
 IMPULSIVE = Axiom("IV: impulsive limit", ("F",), P / tau)
 SLIP = Axiom("IV: Coulomb, slip", ("F_x",), -mu * sigma * F_z)
-STICK = Axiom("IV: Coulomb, stick", (r"\mu - |F_x|/F_z",), mu - held, "sign")
+STICK = Axiom("IV: Coulomb, stick", (r"\mu - |F_x|/F_z",), mu - held)
 RESTITUTION = Axiom("IV: restitution", ("v_f",), -epsilon * v_0)
-CLOSURE = Axiom(
-    "V: closure", ("0", "0", "0"), sp.Matrix([omega, c_x - after_x, c_z + after_z]), "zero"
-)
+CLOSURE = Axiom("V: closure", ("0", "0", "0"), sp.Matrix([omega, c_x - after_x, c_z + after_z]))
 LANDING_PHASES = Axiom("V: H(theta)", (r"H(\theta)",), (1 + sp.cos(theta)) / (2 * sp.pi))
 
 AXIOMS = (NEWTON, EULER, RIGID, IMPULSIVE, SLIP, STICK, RESTITUTION, CLOSURE, LANDING_PHASES)
 
 
 BY_TAG = {axiom.tag: axiom for axiom in AXIOMS}
-
-
-@contextmanager
-def assuming(axiom: Axiom, form: Form) -> Iterator[None]:
-    """Put another form in an axiom's place, for a trial; what rests on it is derived again."""
-    with trace.derived_again("axiom", axiom.tag):
-        usual, axiom.form = axiom.form, form
-        try:
-            yield
-        finally:
-            axiom.form = usual
 
 
 def _euler_checks(form: sp.Expr) -> list[sp.Expr]:
@@ -135,7 +119,6 @@ EQUATIONS = (
     Equation(
         SLIP.tag,
         "friction of a contact that slips forward, and of one that slips back",
-        "F_x",
         verdict="assumed",
         derive=lambda: (SLIP({sigma: 1}), SLIP({sigma: -1})),
         formulas=("IV: friction", "IV: friction, back"),
@@ -152,14 +135,12 @@ EQUATIONS = (
     Equation(
         RESTITUTION.tag,
         "kinematic restitution",
-        "v_f",
         verdict="assumed",
         derive=lambda: RESTITUTION({}),
     ),
     Equation(
         CLOSURE.tag,
         "stationary translation: what is zero in the mean landing",
-        "(0, 0, 0)",
         verdict="assumed",
         derive=lambda: CLOSURE({}),
         formulas=("V: closure, spin", "V: closure, c_x", "V: closure, c_z"),
@@ -167,7 +148,6 @@ EQUATIONS = (
     Equation(
         LANDING_PHASES.tag,
         "density of landing phases",
-        r"H(\theta)",
         verdict="assumed",
         derive=lambda: LANDING_PHASES({}),
         note="a fit to simulations",

@@ -9,7 +9,6 @@ import sympy as sp
 
 from derivations import (
     closed_forms,
-    codegen,
     drawings,
     lecture,
     paper,
@@ -169,7 +168,7 @@ def test_what_can_be_read_is_what_is_meant(entry):
 
 @pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
 def test_what_can_be_read_of_a_function_is_what_is_generated(function):
-    body, _ = codegen.body(function.name)
+    body, _ = function.body
     for expr in body.values():
         (read,) = read_back(sp.sympify(expr))
         assert equal_at_random_points(read, expr)
@@ -177,10 +176,10 @@ def test_what_can_be_read_of_a_function_is_what_is_generated(function):
 
 @pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
 def test_functions_show_rules_reasons_and_operations(page, function):
-    _, steps = function.body()
+    _, steps = function.body
     text = page.text[f"function-{function.name.replace('_', '-')}"]
     assert text.startswith(function.name)
-    assert plain(function.summary) in text
+    assert plain(function.words["summary"]) in text
     for step in steps:
         assert plain(step.rule) in text
         assert str(step.operations) in text
