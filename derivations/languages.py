@@ -56,8 +56,6 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from . import files
 from .kernel import CODE, KERNEL, LAWS, functions, loaded
 
@@ -338,17 +336,10 @@ def source(language: str) -> str:
     """
     if language not in LANGUAGES:
         raise ValueError(f"language must be one of {', '.join(LANGUAGES)}, got {language!r}")
-    environment = Environment(
-        loader=PackageLoader(__package__),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters["folded"] = _folded
+    files.TEMPLATES.filters["folded"] = _folded
     words = "c" if language == "c" else "javascript"
     own = _TEXTS["own"][words]
-    return environment.get_template(LANGUAGES[language]).render(
+    return files.TEMPLATES.get_template(LANGUAGES[language]).render(
         functions=[function(words, name, about, own) for name, about in FUNCTIONS.items()],
         product_error=function(words, "product_error", _TEXTS["product_error"], {}),
         module=language == "module",
