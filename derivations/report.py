@@ -91,24 +91,22 @@ def equation(left: str, form: Form) -> list[str]:
     return [f"{typeset.words(left)} = {first}", *more]
 
 
-def _remarks(row: Row) -> list[tuple[str, str]]:
-    """Labelled sentences below an entry."""
-    found = {
+def _remarks(row: Row) -> dict[str, str]:
+    """Labelled sentences below an entry; an empty one is left out."""
+    return {
         "Repair": row.repair,
         "Mistake": row.mistake,
         "Contradicted by": ", ".join(map(_named, row.contradicted_by)),
         "Note": row.note,
     }
-    return [(label, text) for label, text in found.items() if text]
 
 
-def _proof(row: Row) -> list[tuple[str, str]]:
-    """Labelled sentences beside an entry."""
-    found = {
+def _proof(row: Row) -> dict[str, str]:
+    """Labelled sentences beside an entry; an empty one is left out."""
+    return {
         "Counter-example" if row.verdict == "erratum" else "Proof": row.evidence,
         "Rests on": ", ".join(map(_named, row.rests_on)),
     }
-    return [(label, text) for label, text in found.items() if text]
 
 
 # ---- HTML -------------------------------------------------------------------------------------
