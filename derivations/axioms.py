@@ -5,6 +5,7 @@ An axiom is called with values for its letters, and notes that it was used (modu
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import sympy as sp
 
@@ -19,7 +20,7 @@ sigma = sp.Symbol("sigma", real=True)  # direction of the slip, 1 or -1
 lever_x, lever_z = sp.symbols("x z", real=True)  # from the centre of mass to the contact point
 xi, zeta, turn = sp.symbols("xi zeta vartheta", real=True)  # a point of the body; its turn
 held = sp.Symbol("f", nonnegative=True)  # |F_x|/F_z
-P, F = sp.symbols("P F", real=True)
+P = sp.Symbol("P", real=True)
 
 
 @dataclass(slots=True)
@@ -81,74 +82,66 @@ def _rigid_checks(form: sp.Matrix) -> list[sp.Expr]:
     ]
 
 
+_assumed = partial(Equation, verdict="assumed")
 EQUATIONS = (
-    Equation(
+    _assumed(
         NEWTON.tag,
         "Newton's law for the centre of mass, along $x$ and along $z$",
         r"m d\mathbf{c}",
-        verdict="assumed",
         derive=lambda: (m * NEWTON({P: P_x}), m * NEWTON({P: P_z})),
     ),
-    Equation(
+    _assumed(
         EULER.tag,
         "Euler's law: the moment of the impulse about the centre of mass turns the body; $x$, $z$ "
         "from the centre to the contact point",
         r"d\omega",
-        verdict="assumed",
         derive=lambda: EULER({}),
         check=_euler_checks,
     ),
-    Equation(
+    _assumed(
         RIGID.tag,
         r"place of the point $(\xi, \zeta)$ of a rigid body that has turned by $\vartheta$, from "
         r"the centre of mass",
         "(x, z)",
-        verdict="assumed",
         derive=lambda: RIGID({}),
         check=_rigid_checks,
     ),
-    Equation(
+    _assumed(
         IMPULSIVE.tag,
         r"the impact is short and its force large: $\tau \to 0$ with the impulse kept",
         "F",
-        verdict="assumed",
         derive=lambda: IMPULSIVE({}),
         check=lambda form: (tau * form - P,),
         note="place and tilt of the rod, gravity and the plate's velocity do not change meanwhile",
     ),
-    Equation(
+    _assumed(
         SLIP.tag,
         "friction of a contact that slips forward, and of one that slips back",
-        verdict="assumed",
         derive=lambda: (SLIP({sigma: 1}), SLIP({sigma: -1})),
         formulas=("IV: friction", "IV: friction, back"),
         note="static and dynamic friction are equal",
     ),
-    Equation(
+    _assumed(
         STICK.tag,
         "friction holds a contact at rest as long as this is positive",
         r"\mu - |F_x|/F_z",
-        verdict="assumed",
         derive=lambda: STICK({}),
         check=lambda form: (form.subs(held, mu), form.diff(held) + 1),
     ),
-    Equation(
+    _assumed(
         RESTITUTION.tag,
         "kinematic restitution",
-        verdict="assumed",
         derive=lambda: RESTITUTION({}),
     ),
-    Equation(
+    _assumed(
         CLOSURE.tag,
         "stationary translation: what is zero in the mean landing",
-        verdict="assumed",
         derive=lambda: CLOSURE({}),
         formulas=("V: closure, spin", "V: closure, c_x", "V: closure, c_z"),
     ),
-    Equation(
+    _assumed(
         LANDING_PHASES.tag,
         "density of landing phases",
-        verdict="assumed",
         derive=lambda: LANDING_PHASES({}),
         note="a fit to simulations",
     ),

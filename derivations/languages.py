@@ -296,7 +296,7 @@ def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Fu
         values.append(numbers if record in RECORDS else ast.Name(given))
     returned = inlined.run(tree, values)
     lines = [
-        Line(of, variable.id, isinstance(value, ast.Compare) or _is_and(value), words.text(value))
+        Line(of, variable.id, _is_flag(value), words.text(value))
         for of, variable, value in inlined.needed(returned)
     ]
     return Function(name, about, arguments, lines[::-1], _nested(words.text, returned))
@@ -310,8 +310,8 @@ def numbers_of(name: str, record: str) -> Iterator[str]:
         yield from numbers_of(f"{name}.{field}", _RECORD_OF.get(field, ""))
 
 
-def _is_and(value: ast.expr) -> bool:
-    return isinstance(value, ast.BinOp) and isinstance(value.op, ast.BitAnd)
+def _is_flag(value: ast.expr) -> bool:
+    return isinstance(getattr(value, "op", value), ast.Compare | ast.BitAnd)
 
 
 def _folded(text: str) -> str:

@@ -23,6 +23,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from difflib import SequenceMatcher
+from functools import partial
 from types import FunctionType
 from typing import Any, Literal
 
@@ -370,8 +371,8 @@ def told(entry: Any, field: str = "note") -> str:
     return words if isinstance(words, str) else _computed(words)
 
 
-def _agrees(eq: Equation) -> Proof:
-    return Proof(ok=same(eq.printed, eq.derive()), evidence="difference simplifies to zero")
+def _agrees(eq: Equation, evidence: str = "difference simplifies to zero") -> Proof:
+    return Proof(ok=eq.printed is None or same(eq.printed, eq.derive()), evidence=evidence)
 
 
 def _erratum(eq: Equation) -> Proof:
@@ -408,11 +409,6 @@ def _explained(eq: Equation) -> bool:
     )
 
 
-def _assumed(eq: Equation) -> Proof:
-    agrees = eq.printed is None or same(eq.printed, eq.derive())
-    return Proof(ok=agrees, evidence="taken as a starting point")
-
-
 def _number(value: sp.Expr) -> str:
     """LaTeX of an exact value if it is short, else of twelve digits."""
     value = value if len(sp.sstr(value)) <= 16 else sp.N(value, 12)
@@ -422,5 +418,5 @@ def _number(value: sp.Expr) -> str:
 _PROOFS = {
     "agrees": _agrees,
     "erratum": _erratum,
-    "assumed": _assumed,
+    "assumed": partial(_agrees, evidence="taken as a starting point"),
 }
