@@ -415,7 +415,7 @@ def _number(value: sp.Expr) -> str:
     return sp.sstr(value) if value.is_Rational else sp.latex(value, fold_short_frac=True)
 
 
-_PROOFS = {
+_PROOFS: dict[str, Callable[[Equation], Proof]] = {
     "agrees": _agrees,
     "erratum": _erratum,
     "assumed": partial(_agrees, evidence="taken as a starting point"),
