@@ -1,12 +1,11 @@
 """The assumptions: all else in this package is computed from the forms below.
 
 An axiom is called with values for its letters, and notes that it was used (module `trace`).
-`assuming` changes an axiom for a trial.
 """
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import sympy as sp
 
@@ -21,7 +20,7 @@ sigma = sp.Symbol("sigma", real=True)  # direction of the slip, 1 or -1
 lever_x, lever_z = sp.symbols("x z", real=True)  # from the centre of mass to the contact point
 xi, zeta, turn = sp.symbols("xi zeta vartheta", real=True)  # a point of the body; its turn
 held = sp.Symbol("f", nonnegative=True)  # |F_x|/F_z
-P, F = sp.symbols("P F", real=True)
+P = sp.Symbol("P", real=True)
 
 
 @dataclass(slots=True)
@@ -34,7 +33,6 @@ class Axiom:
     tag: str
     left: tuple[str, ...]  # left sides of the form's parts, LaTeX
     form: Form
-    compared: str = ""  # with zero: "sign" if its sign counts alone, "zero" if it vanishes
 
     def __call__(self, values: Mapping[sp.Symbol, sp.Expr], *lefts: str) -> Form:
         """Return the form with `values` for its letters."""
@@ -52,28 +50,15 @@ RIGID = Axiom(
 )
 IMPULSIVE = Axiom("IV: impulsive limit", ("F",), P / tau)
 SLIP = Axiom("IV: Coulomb, slip", ("F_x",), -mu * sigma * F_z)
-STICK = Axiom("IV: Coulomb, stick", (r"\mu - |F_x|/F_z",), mu - held, "sign")
+STICK = Axiom("IV: Coulomb, stick", (r"\mu - |F_x|/F_z",), mu - held)
 RESTITUTION = Axiom("IV: restitution", ("v_f",), -epsilon * v_0)
-CLOSURE = Axiom(
-    "V: closure", ("0", "0", "0"), sp.Matrix([omega, c_x - after_x, c_z + after_z]), "zero"
-)
+CLOSURE = Axiom("V: closure", ("0", "0", "0"), sp.Matrix([omega, c_x - after_x, c_z + after_z]))
 LANDING_PHASES = Axiom("V: H(theta)", (r"H(\theta)",), (1 + sp.cos(theta)) / (2 * sp.pi))
 
 AXIOMS = (NEWTON, EULER, RIGID, IMPULSIVE, SLIP, STICK, RESTITUTION, CLOSURE, LANDING_PHASES)
 
 
 BY_TAG = {axiom.tag: axiom for axiom in AXIOMS}
-
-
-@contextmanager
-def assuming(axiom: Axiom, form: Form) -> Iterator[None]:
-    """Put another form in an axiom's place, for a trial; what rests on it is derived again."""
-    with trace.derived_again("axiom", axiom.tag):
-        usual, axiom.form = axiom.form, form
-        try:
-            yield
-        finally:
-            axiom.form = usual
 
 
 def _euler_checks(form: sp.Expr) -> list[sp.Expr]:
@@ -97,78 +82,66 @@ def _rigid_checks(form: sp.Matrix) -> list[sp.Expr]:
     ]
 
 
+_assumed = partial(Equation, verdict="assumed")
 EQUATIONS = (
-    Equation(
+    _assumed(
         NEWTON.tag,
         "Newton's law for the centre of mass, along $x$ and along $z$",
         r"m d\mathbf{c}",
-        verdict="assumed",
         derive=lambda: (m * NEWTON({P: P_x}), m * NEWTON({P: P_z})),
     ),
-    Equation(
+    _assumed(
         EULER.tag,
         "Euler's law: the moment of the impulse about the centre of mass turns the body; $x$, $z$ "
         "from the centre to the contact point",
         r"d\omega",
-        verdict="assumed",
         derive=lambda: EULER({}),
         check=_euler_checks,
     ),
-    Equation(
+    _assumed(
         RIGID.tag,
         r"place of the point $(\xi, \zeta)$ of a rigid body that has turned by $\vartheta$, from "
         r"the centre of mass",
         "(x, z)",
-        verdict="assumed",
         derive=lambda: RIGID({}),
         check=_rigid_checks,
     ),
-    Equation(
+    _assumed(
         IMPULSIVE.tag,
         r"the impact is short and its force large: $\tau \to 0$ with the impulse kept",
         "F",
-        verdict="assumed",
         derive=lambda: IMPULSIVE({}),
         check=lambda form: (tau * form - P,),
         note="place and tilt of the rod, gravity and the plate's velocity do not change meanwhile",
     ),
-    Equation(
+    _assumed(
         SLIP.tag,
         "friction of a contact that slips forward, and of one that slips back",
-        "F_x",
-        verdict="assumed",
         derive=lambda: (SLIP({sigma: 1}), SLIP({sigma: -1})),
         formulas=("IV: friction", "IV: friction, back"),
         note="static and dynamic friction are equal",
     ),
-    Equation(
+    _assumed(
         STICK.tag,
         "friction holds a contact at rest as long as this is positive",
         r"\mu - |F_x|/F_z",
-        verdict="assumed",
         derive=lambda: STICK({}),
         check=lambda form: (form.subs(held, mu), form.diff(held) + 1),
     ),
-    Equation(
+    _assumed(
         RESTITUTION.tag,
         "kinematic restitution",
-        "v_f",
-        verdict="assumed",
         derive=lambda: RESTITUTION({}),
     ),
-    Equation(
+    _assumed(
         CLOSURE.tag,
         "stationary translation: what is zero in the mean landing",
-        "(0, 0, 0)",
-        verdict="assumed",
         derive=lambda: CLOSURE({}),
         formulas=("V: closure, spin", "V: closure, c_x", "V: closure, c_z"),
     ),
-    Equation(
+    _assumed(
         LANDING_PHASES.tag,
         "density of landing phases",
-        r"H(\theta)",
-        verdict="assumed",
         derive=lambda: LANDING_PHASES({}),
         note="a fit to simulations",
     ),

@@ -144,7 +144,6 @@ BEYOND = (
         "[12]: inertia",
         "moment of inertia of a spherocylinder",
         "I/(m_s d^2)",
-        verdict="erratum",
         derive=lambda: spherocylinder()[1],
         contradicted_by=("[12]: mass",),
         contradiction=lambda mass: _by_parts(mass)[1],

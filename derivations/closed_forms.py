@@ -12,12 +12,14 @@ from .rewrites import (
     COLLECT_FRICTION,
     CONTACT,
     GENERAL,
+    LETTERS,
     NAME_RESPONSES,
     RESPONSES,
     SINGLE_FRACTION,
     SQUARES,
     Function,
     K_z,
+    Letters,
     N,
     T,
     responses,
@@ -64,7 +66,7 @@ _POSITIVE = sp.symbols(
 _x, _z, _s, _g, _grip, _sin, _cos, _root, _tangent, _held, _root_a, _root_b, _root_c, _root_d = (
     _POSITIVE
 )
-_read = partial(Function.read, letters=_POSITIVE)
+_of_rods = partial(Function, letters=Letters(LETTERS | {x.name: x for x in _POSITIVE}))
 
 
 def _thin(expr: sp.Expr) -> sp.Expr:
@@ -82,7 +84,7 @@ def _rod(
 
 def _of_law(law: str, order: str, output: str, power: int) -> Function:
     """What a law of restitution gives after a stop."""
-    return Function.read(
+    return Function(
         f"{law}_{order}",
         lambda: {output: laws.final_velocity(law, order) ** power},
         meaning=GENERAL,
@@ -124,23 +126,23 @@ def _of_levers(form: sp.Expr) -> sp.Expr:
 
 FUNCTIONS: tuple[Function, ...] = (
     # ---- the impact map ----
-    Function.read("approach", approach),
-    Function.read("slip_response", lambda: {x: responses()[x] for x in (N, T)}, COLLECT_FRICTION),
-    Function.read(
+    Function("approach", approach),
+    Function("slip_response", lambda: {x: responses()[x] for x in (N, T)}, (COLLECT_FRICTION,)),
+    Function(
         "slide",
         lambda: {
             "j_1": slide.impulse()[1].subs(_one) / k**2,
             "u_f": slide.slide_excess().subs(_one),
         },
-        NAME_RESPONSES,
+        (NAME_RESPONSES,),
         meaning={**CONTACT, _gain: -(1 + epsilon) * v_0},
     ),
-    Function.read(
+    Function(
         "stop",
         lambda: {"j_1": stop()[1].subs(_one) / k**2, "rise": stop()[2] - v_0},
         meaning=RESPONSES,
     ),
-    Function.read(
+    Function(
         "reverse",
         lambda: {
             "j_2": (_until_v_f(slip_reversal.impulse()[1]) - stop()[1]).subs(_one) / k**2,
@@ -148,7 +150,7 @@ FUNCTIONS: tuple[Function, ...] = (
         },
         meaning={**CONTACT, _rest: v_f - stop()[2]},
     ),
-    Function.read(
+    Function(
         "slip",
         lambda: {
             "push": mu * k**2,
@@ -157,13 +159,13 @@ FUNCTIONS: tuple[Function, ...] = (
             "back": spin_jump(mu * k**2, k**2).subs(_one),
         },
     ),
-    Function.read("stick", _sticking, meaning=SQUARES),
-    Function.read(
+    Function("stick", _sticking, meaning=SQUARES),
+    Function(
         "stick_response",
         lambda: {"N_stick": k**2 * laws.slopes()["stick"].subs(_one)},
         meaning=SQUARES,
     ),
-    Function.read(
+    Function(
         "slopes",
         lambda: {
             "w": laws.a_2 * stop()[1].subs(_one),
@@ -176,40 +178,40 @@ FUNCTIONS: tuple[Function, ...] = (
         for law, output, power in (("poisson", "v_f", 1), ("stronge", "square", 2))
         for order in ("early", "late")
     ),
-    Function.read("energy_change", lambda: {"energy": laws.energy_of_impulse()}),
+    Function("energy_change", lambda: {"energy": laws.energy_of_impulse()}),
     # ---- rods, regime boundaries, drift ----
-    _read("critical_friction", lambda: {"mu": thin_rod.critical_friction()}),
-    _read("painleve_friction", lambda: {"mu": optimum.painleve_friction()}),
-    _read("critical_tangents", _critical_tangents, meaning={mu: sp.sqrt(9 - _root**2) / 4}),
-    _read(
+    _of_rods("critical_friction", lambda: {"mu": thin_rod.critical_friction()}),
+    _of_rods("painleve_friction", lambda: {"mu": optimum.painleve_friction()}),
+    _of_rods("critical_tangents", _critical_tangents, meaning={mu: sp.sqrt(9 - _root**2) / 4}),
+    _of_rods(
         "slide_friction",
         lambda: {"quotient": thin_rod.slide_friction().subs(thin_rod.ratio, _g / (1 + epsilon))},
-        SINGLE_FRACTION,
+        (SINGLE_FRACTION,),
     ),
-    _read("drift_grips", lambda: {"stick": _grip_of("stick"), "back": _grip_of("back")}),
-    _read(
+    _of_rods("drift_grips", lambda: {"stick": _grip_of("stick"), "back": _grip_of("back")}),
+    _of_rods(
         "drift",
         lambda: {
             "along": _thin(drift.stationary("back")[0] / V_z).subs(mu, _grip * _x / (1 + _z**2)),
             "up": _thin(drift.stationary("back")[1] / V_z),
         },
     ),
-    _read(
+    _of_rods(
         "optimum_stick",
         lambda: {"along": optimum.optimum("stick")[1]},
         meaning={_root_a: sp.sqrt(1 - epsilon), _root_b: sp.sqrt(7 - epsilon)},
     ),
-    _read(
+    _of_rods(
         "optimum_back",
         lambda: {"tangent": optimum.optimum("back")[0], "along": optimum.optimum("back")[1]},
         meaning={_root: sp.sqrt(mu**2 * (9 - epsilon) ** 2 + (1 - epsilon) * (7 - epsilon))},
     ),
-    _read(
+    _of_rods(
         "thin_drift_stick",
         lambda: {"along": optimum.drift_over_tangent("stick").subs(bodies.T, _tangent)},
     ),
-    _read("landing_response", _response),
-    _read(
+    _of_rods("landing_response", _response),
+    _of_rods(
         "energy_restitution_stick",
         lambda: {"restitution": laws.sticking_threshold()},
         meaning={
@@ -218,25 +220,27 @@ FUNCTIONS: tuple[Function, ...] = (
             laws.B: sp.sqrt(_root_a**2 * _root_c**2 - _root_d**2),
         },
     ),
-    _read(
+    _of_rods(
         "energy_threshold_back",
         lambda: {"kappa": laws.energy_threshold("back")},
         meaning={laws.A: _root_a**2, laws.C: (_root_a**2 - _root_b**2) / mu**2},
     ),
-    _read(
+    _of_rods(
         "round_rod",
         lambda: _rod(bodies.round_contact(), sp.factor, bodies.spherocylinder_gyration()),
     ),
-    _read("flat_rod", lambda: _rod(bodies.flat_contact(), sp.expand, bodies.cylinder_gyration())),
+    _of_rods(
+        "flat_rod", lambda: _rod(bodies.flat_contact(), sp.expand, bodies.cylinder_gyration())
+    ),
     # ---- two bodies that meet ----
-    Function.read(
+    Function(
         "pair_mobility",
         lambda: {
             letter: _of_levers(form)
             for letter, form in {**pairs.mobility(), "D": pairs.determinant()}.items()
         },
     ),
-    Function.read(
+    Function(
         "pair_change",
         lambda: {
             "dc_x": _of_levers(velocity_change(P_x)),

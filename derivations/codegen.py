@@ -5,13 +5,11 @@ Numba.
 """
 
 import textwrap
-from functools import cache
 
 import sympy as sp
 
-from .closed_forms import FUNCTIONS
 from .lecture import to_text
-from .rewrites import Body, Function, Step
+from .rewrites import Function
 
 
 def text_of(expr: sp.Expr) -> str:
@@ -55,36 +53,26 @@ def _factors(expr: sp.Expr) -> list[str]:
     return [_factor(factor) for factor in ordered]
 
 
-def _lines(function: Function, body: Body, steps: tuple[Step, ...]) -> list[str]:
+def text(function: Function) -> str:
+    """Text of a generated function."""
+    body, steps = function.body
+    words = {key: to_text(said) for key, said in function.words.items()}
     history = ", ".join(f"{step.rule} {step.operations}" for step in steps)
-    doc = textwrap.wrap(to_text(f"{function.detail} Operations: {history}."), 92)
-    outputs = [name for name in body if name in function.outputs]
-    returned = tuple(function.returned or (str(name) for name in outputs))
-    text = [
+    doc = textwrap.wrap(to_text(f"{words['detail']} Operations: {history}."), 92)
+    outputs = " ".join(str(name) for name in body if name in function.outputs)
+    returned = words.get("returned", outputs).split()
+    lines = [
         f"def {function.name}({', '.join(map(str, function.arguments))}):",
-        f'    """{to_text(function.summary)}',
+        f'    """{words["summary"]}',
         "",
         *(f"    {line}" for line in doc),
         '    """',
     ]
-    last = returned[0] if len(returned) == 1 else None
     for symbol, expr in body.items():
-        if str(symbol) in function.unused:
+        if str(symbol) in words.get("unused", "").split():
             continue
-        keyword = "return" if str(symbol) == last else f"{symbol} ="
-        text.append(f"    {keyword} {text_of(expr)}")
-    if last is None:
-        text.append(f"    return {', '.join(returned)}")
-    return text
-
-
-def text(function: Function) -> str:
-    """Text of a generated function."""
-    return "\n".join(_lines(function, *body(function.name)))
-
-
-@cache
-def body(name: str) -> tuple[Body, tuple[Step, ...]]:
-    """Assignments of a generated function, and what each rule left of them."""
-    (function,) = (function for function in FUNCTIONS if function.name == name)
-    return function.body()
+        keyword = "return" if [str(symbol)] == returned else f"{symbol} ="
+        lines.append(f"    {keyword} {text_of(expr)}")
+    if len(returned) > 1:
+        lines.append(f"    return {', '.join(returned)}")
+    return "\n".join(lines)

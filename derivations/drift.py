@@ -150,20 +150,16 @@ EQUATIONS = (
         check=lambda form: (second_routes.impact("slide")[0].subs(omega, 0) - c_x - form,),
         note=_slide_told,
     ),
-    Equation("24", "drift in slip-stick", "c'_x", derive=lambda: stationary("stick")[0]),
-    Equation(
-        "25", "vertical velocity in slip-stick", "c'_z", derive=lambda: stationary("stick")[1]
-    ),
+    Equation("24", "drift in slip-stick", derive=lambda: stationary("stick")[0]),
+    Equation("25", "vertical velocity in slip-stick", derive=lambda: stationary("stick")[1]),
     Equation(
         "26",
         "drift of a thin rod in slip-stick",
         "c'_x",
         derive=lambda: _thin(stationary("stick")[0], "c'_x"),
     ),
-    Equation("27", "drift in slip reversal", "c'_x", derive=lambda: stationary("back")[0]),
-    Equation(
-        "28", "vertical velocity in slip reversal", "c'_z", derive=lambda: stationary("back")[1]
-    ),
+    Equation("27", "drift in slip reversal", derive=lambda: stationary("back")[0]),
+    Equation("28", "vertical velocity in slip reversal", derive=lambda: stationary("back")[1]),
     Equation(
         "V: continuity",
         r"(27) less (24) at the edge between them",
@@ -197,8 +193,8 @@ EQUATIONS = (
         said=sp.S.One,
         derive=lambda: sp.integrate(LANDING_PHASES({}), (theta, 0, 2 * sp.pi)),
     ),
-    Equation("31", "mean plate velocity at landing", "V_z", derive=plate_velocity),
-    Equation("31: value", "the same, integrated", "V_z", derive=plate_velocity),
+    Equation("31", "mean plate velocity at landing", derive=plate_velocity),
+    Equation("31: value", "the same, integrated", derive=plate_velocity),
 )
 
 BEYOND = (

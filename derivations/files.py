@@ -7,17 +7,27 @@ import hashlib
 import os
 import re
 import stat
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from . import closed_forms, codegen
 from .kernel import CLOSED_FORMS as CLOSED_FORMS
 from .kernel import KERNEL
 from .proof import told
-from .registry import ENTRIES, mistakes
+from .registry import ENTRIES
 
 PAGE = Path(__file__).with_name("EQUATIONS.md")
+TEMPLATES = Environment(
+    loader=PackageLoader(__package__),
+    undefined=StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
+)
 _KINDS = {"b": "device", "c": "device", "d": "folder", "p": "FIFO", "s": "socket"}
 
 _HEAD = '''"""Closed forms of frictional impacts: of a rod on a plate, of any two bodies.
@@ -42,45 +52,11 @@ def source(progress: Callable[[Iterable], Iterable] = iter) -> str:
     return _HEAD.format(digest=digest) + "\n\n" + forms
 
 
-def _table(title: str, columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
-    """A table in Markdown below its title; a cell is one line."""
-    lines = [columns, tuple("---" for _ in columns), *rows]
-    cells = ([" ".join(cell.replace("|", "\\|").split()) for cell in row] for row in lines)
-    return f"\n## {title}\n\n" + "\n".join(f"| {' | '.join(row)} |" for row in cells) + "\n"
-
-
 def page() -> str:
     """Text of EQUATIONS.md: the mistakes, the new results, what is noted, numbered equations."""
-    told_of = {
-        verdict: [(x.tag, x.what, told(x)) for x in ENTRIES if x.verdict == verdict]
-        for verdict in ("new", "noted")
-    }
-    wrong = [(x.tag, x.what, told(x) or x.repairs) for x in mistakes()]
-    numbered = [x for x in ENTRIES if x.tag.removeprefix("B").isdigit()]
-    return (
-        "# Equations\n\n<!-- written by `python -m derivations generate`; do not edit -->\n\n"
-        f"{len(ENTRIES)} entries in all: {len(wrong)} are mistakes of equations, numbers and "
-        f"signs as printed in our copy, {len(told_of['new'])} are not in the paper, "
-        f"{len(told_of['noted'])} are words and citations, quoted and not proved. `python -m "
-        "derivations check` proves the others; `python -m derivations report` writes all "
-        "formulas.\n"
-        + _table(
-            "Mistakes as printed in our copy",
-            ("where", "as printed", "what is right"),
-            wrong,
-        )
-        + _table("New results", ("where", "what", "note"), told_of["new"])
-        + _table(
-            "Noted: words and citations",
-            ("where", "quoted", "what it does not fit"),
-            told_of["noted"],
-        )
-        + _table(
-            "Numbered equations",
-            ("equation", "what", "verdict"),
-            ((f"({x.tag})", x.what, x.verdict) for x in numbered),
-        )
-    )
+    counts = Counter(entry.verdict for entry in ENTRIES)
+    template = TEMPLATES.get_template("EQUATIONS.md.jinja")
+    return template.render(entries=ENTRIES, told=told, counts=counts)
 
 
 def digest() -> str:

@@ -218,21 +218,25 @@ def _final_velocity(law: str, regime: int, order: str) -> sp.Expr:
 
 
 @remembered
+def impulse(law: str, regime: int, order: str) -> list[sp.Expr]:
+    """Impulse of an impact, and the contact velocity after it, as derived; per unit mass."""
+    part = {SLIDE: slide, STICK: slip_stick, BACK: slip_reversal}[regime]
+    left = {SLIDE: slide.slide_excess, BACK: slip_reversal.final_slip}
+    u_left, v_left = left.get(regime, lambda: sp.S.Zero)(), _final_velocity(law, regime, order)
+    forms = (x.subs(m, 1).subs(epsilon, -v_left / v_0) for x in (*part.impulse(), u_left))
+    return [*forms, v_left]
+
+
 def _returned(law: str, regime: int, order: str) -> list[sp.Expr]:
     """What an impact returns, as derived."""
-    P_ahead, up, u_left, v_left = sp.S.Zero, sp.S.Zero, u_0, v_0
-    if regime:
-        part = {SLIDE: slide, STICK: slip_stick, BACK: slip_reversal}[regime]
-        left = {SLIDE: slide.slide_excess, BACK: slip_reversal.final_slip}
-        forms = *part.impulse(), left.get(regime, lambda: sp.S.Zero)()
-        v_left = _final_velocity(law, regime, order)
-        P_ahead, up, u_left = (x.subs(m, 1).subs(epsilon, -v_left / v_0) for x in forms)
-    moved = {P_x: P_ahead, P_z: up, u_f: u_left, v_f: v_left}
+    unchanged = sp.S.Zero, sp.S.Zero, u_0, v_0
+    after = impulse(law, regime, order) if regime else unchanged
+    moved = dict(zip((P_x, P_z, u_f, v_f), after, strict=True))
+    along, up, u_left, v_left = after
+    before, turn = given(), spin_jump(along, up).subs(m, 1)
+    moving = before[0] + SIDE * along, before[1] + up, omega + SIDE * turn
     energy = laws.energy_of_impulse().subs(moved, simultaneous=True)
-    along, turn = SIDE * P_ahead, SIDE * spin_jump(P_ahead, up).subs(m, 1)
-    before = given()
-    moving = before[0] + along, before[1] + up, omega + turn
-    return [*moving, sp.Integer(regime), along, up, SIDE * u_left, v_left, energy]
+    return [*moving, sp.Integer(regime), SIDE * along, up, SIDE * u_left, v_left, energy]
 
 
 # ---- proofs -------------------------------------------------------------------------------------

@@ -92,15 +92,20 @@ def _first_contact(fall: mpmath.mpf, line: mpmath.mpf, before: mpmath.mpf) -> mp
     raise ValueError("this rod meets no plate")
 
 
+def _touched(fall: mpmath.mpf, digits: int) -> tuple[mpmath.mpf, dict[sp.Symbol, sp.Float]]:
+    """The line of the rod that the plate just touches as it turns away, and the phases it ends."""
+    end = mpmath.acos(-fall)
+    line = fall * end + mpmath.sin(end)
+    start = _first_contact(fall, line, end) - 2 * mpmath.pi
+    phases = {theta_0: end, theta_s: start, q: fall}
+    return line, {letter: sp.Float(str(value), digits) for letter, value in phases.items()}
+
+
 def _shadow_of_a_rod(form: sp.Expr) -> list[sp.Expr]:
     """The rod that the plate just touches as it turns away is met next by theta_s of one later."""
     with mpmath.workdps(DIGITS + 30):
-        fall = mpmath.mpf(3) / 5
-        end = mpmath.acos(-fall)
-        line = fall * end + mpmath.sin(end)
-        start = _first_contact(fall, line, end) - 2 * mpmath.pi
-        phases = {theta_0: sp.Float(str(end), 60), theta_s: sp.Float(str(start), 60)}
-    return [form.subs({**phases, q: sp.Rational(3, 5)})]
+        _, phases = _touched(mpmath.mpf(3) / 5, 60)
+    return [form.subs(phases)]
 
 
 def _rods_counted(form: sp.Expr) -> list[sp.Expr]:
@@ -110,17 +115,14 @@ def _rods_counted(form: sp.Expr) -> list[sp.Expr]:
     """
     with mpmath.workdps(20):
         fall = mpmath.mpf(1) / 5
-        end = mpmath.acos(-fall)
-        line = fall * end + mpmath.sin(end)
-        start = _first_contact(fall, line, end) - 2 * mpmath.pi
+        line, phases = _touched(fall, 20)
 
         def met(height: mpmath.mpf) -> mpmath.mpf:
             return mpmath.cos(_first_contact(fall, height, (height - 1) / fall - mpmath.pi))
 
         strip = 2 * mpmath.pi * fall
         counted = mpmath.quad(met, [line, line + strip]) / strip
-        phases = {theta_0: sp.Float(str(end), 20), theta_s: sp.Float(str(start), 20)}
-        residual = form.subs({**phases, q: sp.Rational(1, 5)}) - sp.Float(str(counted), 20)
+        residual = form.subs(phases) - sp.Float(str(counted), 20)
     return [sp.S.Zero if abs(residual) < sp.Float("1e-10") else residual]
 
 

@@ -56,8 +56,6 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from . import files
 from .kernel import CODE, KERNEL, LAWS, functions, loaded
 
@@ -298,7 +296,7 @@ def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Fu
         values.append(numbers if record in RECORDS else ast.Name(given))
     returned = inlined.run(tree, values)
     lines = [
-        Line(of, variable.id, isinstance(value, ast.Compare) or _is_and(value), words.text(value))
+        Line(of, variable.id, _is_flag(value), words.text(value))
         for of, variable, value in inlined.needed(returned)
     ]
     return Function(name, about, arguments, lines[::-1], _nested(words.text, returned))
@@ -312,8 +310,8 @@ def numbers_of(name: str, record: str) -> Iterator[str]:
         yield from numbers_of(f"{name}.{field}", _RECORD_OF.get(field, ""))
 
 
-def _is_and(value: ast.expr) -> bool:
-    return isinstance(value, ast.BinOp) and isinstance(value.op, ast.BitAnd)
+def _is_flag(value: ast.expr) -> bool:
+    return isinstance(getattr(value, "op", value), ast.Compare | ast.BitAnd)
 
 
 def _folded(text: str) -> str:
@@ -338,17 +336,10 @@ def source(language: str) -> str:
     """
     if language not in LANGUAGES:
         raise ValueError(f"language must be one of {', '.join(LANGUAGES)}, got {language!r}")
-    environment = Environment(
-        loader=PackageLoader(__package__),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters["folded"] = _folded
+    files.TEMPLATES.filters["folded"] = _folded
     words = "c" if language == "c" else "javascript"
     own = _TEXTS["own"][words]
-    return environment.get_template(LANGUAGES[language]).render(
+    return files.TEMPLATES.get_template(LANGUAGES[language]).render(
         functions=[function(words, name, about, own) for name, about in FUNCTIONS.items()],
         product_error=function(words, "product_error", _TEXTS["product_error"], {}),
         module=language == "module",

@@ -153,13 +153,11 @@ EQUATIONS = (
     Equation(
         "3",
         "velocity of the contact point",
-        r"\mathbf{v}",
         derive=lambda: contact_velocity(TO_TIP),
     ),
     Equation(
         "4",
         "acceleration of the contact point, vector form",
-        r"m \frac{d\mathbf{v}}{dt}",
         derive=tip_acceleration,
         note=rf"with $\alpha = {latex(_ALPHA)}$",
     ),
@@ -186,13 +184,11 @@ EQUATIONS = (
     Equation(
         "5",
         "acceleration of the contact point along the plate",
-        r"m \dot{v}_x",
         derive=lambda: contact_force(0),
     ),
     Equation(
         "6",
         "acceleration of the contact point across the plate",
-        r"m \dot{v}_z",
         derive=lambda: contact_force(1),
     ),
 )

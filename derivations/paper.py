@@ -211,6 +211,11 @@ def setting(figure: str) -> dict[sp.Expr, sp.Rational]:
 TWO_SUMS = ("IV: condition for phi_c", *(tag for tag in EQUATIONS if tag.startswith("V: c")))
 
 
+def left_of(tag: str) -> str:
+    """Left side of the value of `printed`."""
+    return "0" if tag in TWO_SUMS else EQUATIONS[tag].left
+
+
 @cache
 def printed(tag: str) -> Any:
     """Right side of a formula of the paper; the components of a vector in the plane.

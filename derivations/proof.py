@@ -13,16 +13,17 @@ new        not in the paper; proved by a second route (expressions that must van
            without a printed form where none is given
 noted      words or a citation of the paper, quoted; nothing is proved of it
 
-A printed form is the paper's LaTeX (module `paper`), read; its left side must be that of the entry,
-and the entry's that of the step which derives it; another left side is read itself, and has the
-derived value. The words of a note are computed with its proof, those of a sentence compared with
-the left side and with the steps.
+A printed form is the paper's LaTeX (module `paper`), read; its left side must be that of the step
+which derives it. Where it is not printed, or no step has it, the entry has one that must be that
+of the other; another one is read itself, and has the derived value. The words of a note are
+computed with its proof, those of a sentence compared with the left side and with the steps.
 """
 
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from difflib import SequenceMatcher
+from functools import partial
 from types import FunctionType
 from typing import Any, Literal
 
@@ -103,7 +104,7 @@ def _column(form: Form | tuple[sp.Expr, ...] | None) -> Form | None:
     return sp.Matrix(form) if isinstance(form, tuple) else form
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)
 class Equation:
     """One equation or number-bearing statement, with the verdict that `prove` tests.
 
@@ -111,10 +112,11 @@ class Equation:
 
     tag : the paper's equation number, or the section and a key word
     about : what it is about, after the sentence that it judges
-    left : left-hand side, LaTeX
+    left : left-hand side, LaTeX, if it is not both the paper's and that of a step
     derive : from the axioms
     where : letters of the left side, which is read
-    verdict : on the printed form; "agrees" if none is given, "new" without one
+    verdict : on the printed form; if none is given, "erratum" where other formulas contradict it,
+        else "agrees", "new" without one
     shown : the derived form, written to be read
     formulas : of the paper (paper.toml), if not the one of its tag
     said : what a sentence says, or stands for a formula
@@ -131,7 +133,7 @@ class Equation:
 
     tag: str
     about: str | Callable[[], str]
-    left: str
+    left: str = ""
     _: KW_ONLY
     derive: Callable[[], Form]
     where: Callable[[], Mapping[str, Any]] | None = None
@@ -151,15 +153,28 @@ class Equation:
 
     def __post_init__(self) -> None:
         derive = self.derive
-        object.__setattr__(self, "derive", trace.remembered(lambda: _column(derive())))
+        self.derive = trace.remembered(lambda: _column(derive()))
         if not isinstance(self.said, FunctionType):
-            object.__setattr__(self, "said", _column(self.said))
-        object.__setattr__(self, "shown", _column(self.shown))
-        own = (self.tag,) if self.tag in paper.EQUATIONS else ()
-        object.__setattr__(self, "formulas", self.formulas or own)
+            self.said = _column(self.said)
+        self.shown = _column(self.shown)
+        if not self.formulas and self.tag in paper.EQUATIONS:
+            self.formulas = (self.tag,)
         if not self.verdict:
             printed = self.said is not None or self.formulas
-            object.__setattr__(self, "verdict", "agrees" if printed else "new")
+            right: Verdict = "agrees" if printed else "new"
+            self.verdict = "erratum" if self.contradicted_by else right
+
+    @property
+    def own(self) -> tuple[str, ...]:
+        """Formulas that print its value; none where a sentence says it."""
+        return () if self.said is not None or self.tag in paper.SENTENCES else self.formulas
+
+    @property
+    def lefts(self) -> list[str]:
+        """Left sides of the values, or of several that have one: given, or else the paper's."""
+        if self.left:
+            return paper.parts(self.left) or [self.left] * len(components(self.derive()))
+        return [paper.left_of(tag) for tag in self.own]
 
     @property
     def what(self) -> str:
@@ -220,29 +235,28 @@ class Equation:
             return f"{self.verdict}: it needs a printed form, or a second route (check)"
         if self.shown is not None and not equal(self.shown, self.derive()):
             return "the form shown as derived has another value"
-        given = paper.parts(self.left) or [self.left] * len(components(self.derive()))
-        named = zip(given, components(self.derive()), strict=False)
+        lefts = self.lefts
+        named = zip(lefts, components(self.derive()), strict=False)
         if misread := trace.misread(self.steps, named):
             return misread
+        stepped = self._lefts_of_steps()
         if self.where is not None:
             letters = self.where()
-            read = [paper.value_of(x, letters) for x in given]
+            read = [paper.value_of(x, letters) for x in lefts]
             signs = any(x.has(sp.sign) for x in read)  # of what is no number
             if signs or not equal(sp.Matrix(read), self.derive()):
                 return f"the left side has the value {', '.join(map(str, read))}"
-        own = () if self.said is not None or self.tag in paper.SENTENCES else self.formulas
-        lefts = ["0" if tag in paper.TWO_SUMS else paper.EQUATIONS[tag].left for tag in own]
-        parts = [x for left in lefts for x in paper.COMPONENTS.get(left, (left,))]
-        stepped = self._lefts_of_steps()
-        if any(lefts) and len(parts) == len(stepped):
+        elif self.left:
+            printed = [paper.left_of(tag) for tag in self.own]
+            for mine, left in zip(lefts, printed if any(printed) else stepped, strict=False):
+                if left and paper.bare(left) != paper.bare(mine):
+                    return f"the left side is {left}, not {mine}"
+        else:
+            parts = [x for left in lefts for x in paper.COMPONENTS.get(left, (left,))]
             for left, step in zip(parts, stepped, strict=True):
-                if not paper.bare(left).startswith(paper.bare(step)):  # u of a step is u_* in (7)
+                known = step and paper.bare(left).startswith(paper.bare(step))  # u is u_* in (7)
+                if left and not known:
                     return f"a step calls {step} what is {left}"
-        lefts = lefts if any(lefts) else stepped
-        given = given if len(given) == len(lefts) else [self.left] * len(lefts)
-        for left, mine in zip(lefts, given, strict=True):
-            if left and paper.bare(left) != paper.bare(mine):
-                return f"the left side is {left}, not {mine}"
         if (self.what + told(self)).count("$") % 2:
             return "a formula of the note does not end"
         return self._missaid()
@@ -250,13 +264,14 @@ class Equation:
     def _missaid(self) -> str:
         """What is wrong with a word of the sentence; nothing if all is well."""
         what = self.what
-        words = [SAID[x] for x in dict.fromkeys(re.findall("[a-z]+", self.left)) if x in SAID]
+        left = ", ".join(self.lefts)
+        words = [SAID[x] for x in dict.fromkeys(re.findall("[a-z]+", left)) if x in SAID]
         places = [what.find(word) for word in words]
         if -1 in places or places != sorted(places):
             return f"the sentence has not {', '.join(words)}, in this order"
         for said, letters in _AXES.items():
-            if re.search(said, what) and not re.search(letters, self.left):
-                return f"the sentence has {said}, the left side is {self.left}"
+            if re.search(said, what) and not re.search(letters, left):
+                return f"the sentence has {said}, the left side is {left}"
         taken = {x for x in trace.names(self.steps, "derived") if x.endswith(".impulse")}
         for word in ("slide", "slip-stick", "slip reversal"):
             if taken and word in what and re.sub("[- ]", "_", word) + ".impulse" not in taken:
@@ -356,8 +371,8 @@ def told(entry: Any, field: str = "note") -> str:
     return words if isinstance(words, str) else _computed(words)
 
 
-def _agrees(eq: Equation) -> Proof:
-    return Proof(ok=same(eq.printed, eq.derive()), evidence="difference simplifies to zero")
+def _agrees(eq: Equation, evidence: str = "difference simplifies to zero") -> Proof:
+    return Proof(ok=eq.printed is None or same(eq.printed, eq.derive()), evidence=evidence)
 
 
 def _erratum(eq: Equation) -> Proof:
@@ -394,19 +409,14 @@ def _explained(eq: Equation) -> bool:
     )
 
 
-def _assumed(eq: Equation) -> Proof:
-    agrees = eq.printed is None or same(eq.printed, eq.derive())
-    return Proof(ok=agrees, evidence="taken as a starting point")
-
-
 def _number(value: sp.Expr) -> str:
     """LaTeX of an exact value if it is short, else of twelve digits."""
     value = value if len(sp.sstr(value)) <= 16 else sp.N(value, 12)
     return sp.sstr(value) if value.is_Rational else sp.latex(value, fold_short_frac=True)
 
 
-_PROOFS = {
+_PROOFS: dict[str, Callable[[Equation], Proof]] = {
     "agrees": _agrees,
     "erratum": _erratum,
-    "assumed": _assumed,
+    "assumed": partial(_agrees, evidence="taken as a starting point"),
 }

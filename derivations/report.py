@@ -15,9 +15,9 @@ import sympy as sp
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from . import closed_forms, codegen, lecture, paper, typeset
+from . import closed_forms, lecture, paper, typeset
 from .drawings import DRAWINGS
-from .equality import Form
+from .equality import Form, components
 from .lecture import EXERCISES, LETTERS, to_html
 from .proof import Equation
 from .registry import SECTIONS, Code, Entry, Row
@@ -64,14 +64,12 @@ def forms(entry: Entry) -> list[tuple[str, Form]]:
 
 def _lines_of(entry: Equation, label: str, form: Form) -> list[list[str]]:
     """LaTeX of a form of an entry: the paper's own where it is printed, with the repairs made."""
-    own = entry.formulas and entry.said is None and entry.tag not in paper.SENTENCES
-    if own and (label == PRINTED or entry.repair):
-        texts = [paper.EQUATIONS[tag].tex for tag in dict.fromkeys(entry.formulas)]
-        if label != PRINTED:
-            for repair in entry.repair:
-                texts = [repair.of(tex) for tex in texts]
-        return [[tex] for tex in texts]
-    return equations(entry.left, form)
+    if not entry.own or (label != PRINTED and not entry.repair):
+        return equations(entry.lefts, form)
+    texts = [paper.EQUATIONS[tag].tex for tag in dict.fromkeys(entry.own)]
+    for repair in entry.repair if label != PRINTED else ():
+        texts = [repair.of(tex) for tex in texts]
+    return [[tex] for tex in texts]
 
 
 def _program(entry: Entry) -> str:
@@ -79,43 +77,36 @@ def _program(entry: Entry) -> str:
     return entry.text if isinstance(entry, Code) else ""
 
 
-def equations(left: str | sp.Symbol, form: Form) -> list[list[str]]:
-    """LaTeX of a form with its left-hand side; a column of values as one equation each."""
-    if not isinstance(form, sp.MatrixBase):
-        return [equation(left, form)]
-    parts = paper.parts(str(left))
-    if len(parts) == len(form):
-        return [equation(part, x) for part, x in zip(parts, form, strict=True)]
-    return [equation(left, form[0] if len(set(form)) == 1 else form)]
+def equations(lefts: Sequence[str], form: Form) -> list[list[str]]:
+    """LaTeX of a form with its left sides; a column of values as one equation each."""
+    values = components(form) if isinstance(form, sp.MatrixBase) else [form]
+    return [equation(*pair) for pair in dict.fromkeys(zip(lefts, values, strict=True))]
 
 
-def equation(left: str | sp.Symbol, form: Form) -> list[str]:
-    """LaTeX of a form with its left-hand side, in pieces between which a line may break."""
+def equation(left: str, form: Form) -> list[str]:
+    """LaTeX of a form with its left side, in pieces between which a line may break."""
     first, *more = typeset.pieces(form)
     if isinstance(form, sp.core.relational.Relational):
         return [first, *more]
-    shown = typeset.words(left) if isinstance(left, str) else typeset.latex(left)
-    return [f"{shown} = {first}", *more]
+    return [f"{typeset.words(left)} = {first}", *more]
 
 
-def _remarks(row: Row) -> list[tuple[str, str]]:
-    """Labelled sentences below an entry."""
-    found = {
+def _remarks(row: Row) -> dict[str, str]:
+    """Labelled sentences below an entry; an empty one is left out."""
+    return {
         "Repair": row.repair,
         "Mistake": row.mistake,
         "Contradicted by": ", ".join(map(_named, row.contradicted_by)),
         "Note": row.note,
     }
-    return [(label, text) for label, text in found.items() if text]
 
 
-def _proof(row: Row) -> list[tuple[str, str]]:
-    """Labelled sentences beside an entry."""
-    found = {
+def _proof(row: Row) -> dict[str, str]:
+    """Labelled sentences beside an entry; an empty one is left out."""
+    return {
         "Counter-example" if row.verdict == "erratum" else "Proof": row.evidence,
         "Rests on": ", ".join(map(_named, row.rests_on)),
     }
-    return [(label, text) for label, text in found.items() if text]
 
 
 # ---- HTML -------------------------------------------------------------------------------------
@@ -129,6 +120,7 @@ def _sentence(text: str, links: bool = True) -> Markup:
 _html = Environment(loader=PackageLoader(__package__), undefined=StrictUndefined, autoescape=True)
 _html.filters |= {
     "anchor": anchor,
+    "tex": typeset.latex,
     "inline": lambda tex: Markup(typeset.mathml(tex)),
     "math": lambda tex: Markup(typeset.mathml(tex, display=True)),
     "named": lambda tag: _sentence(_named(tag), links=False),
@@ -138,7 +130,7 @@ _html.globals |= {
     "verdicts": VERDICTS,
     "forms": forms,
     "lines_of": _lines_of,
-    "equations": equations,
+    "equation": equation,
     "remarks": _remarks,
     "proof": _proof,
     "program": _program,
@@ -183,7 +175,7 @@ def html(
         outcome=f"{failed} of them not proved." if failed else "All verdicts are proved.",
         counts=Counter(row.verdict for row in rows),
         sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
-        functions=[(f, *codegen.body(f.name)) for f in closed_forms.FUNCTIONS],
+        functions=closed_forms.FUNCTIONS,
         steps=steps,
         parts=lecture.PARTS,
         drawings=DRAWINGS,

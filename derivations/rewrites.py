@@ -6,7 +6,7 @@ count; a rule that changed a value raises `RewriteError`.
 """
 
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import resources
@@ -31,7 +31,16 @@ N, T, N_back, T_back = sp.symbols("N T N_back T_back", real=True)
 K, K_z = sp.symbols("K K_z", positive=True)  # k^2 + X^2 + Z^2 and k^2 + Z^2
 w, r = sp.symbols("w r", real=True)  # a_2 P_1 and a_2/a_1
 _OWN = N, T, N_back, T_back, K, K_z, w, r, A, B, C
-_LETTERS = NAMED | {letter.name: letter for letter in _OWN}
+
+
+class Letters(dict[str, sp.Symbol]):
+    """Letters by their names; one that is not known stands for any number."""
+
+    def __missing__(self, name: str) -> sp.Symbol:
+        return sp.Symbol(name, real=True)
+
+
+LETTERS = Letters(NAMED | {letter.name: letter for letter in _OWN})
 
 
 @remembered
@@ -123,69 +132,50 @@ def _shortened(body: Body) -> Body:
 NAME_RESPONSES = Rule("name responses", "computed once, compensated in one place", _shortened)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Function:
-    """One generated function."""
+    """One generated function, in the words of functions.toml.
+
+    name : of the function
+    derived : gives the outputs by their names
+    first : rules that come before the one of functions.toml
+    meaning : what abbreviations among its letters stand for
+    letters : by their names
+    """
 
     name: str
-    summary: str  # what and which equation
-    detail: str  # units, domain
-    arguments: tuple[sp.Symbol, ...]
-    derived: Callable[[], Body]  # the outputs
-    rules: tuple[Rule, ...]
+    derived: Callable[[], Mapping[Any, sp.Expr]]
+    first: tuple[Rule, ...] = ()
     meaning: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
-    returned: tuple[str, ...] = ()  # if not the outputs
-    unused: tuple[str, ...] = ()  # assignments that only the proof needs
+    letters: Letters = field(default_factory=lambda: LETTERS)
 
-    @classmethod
-    def read(
-        cls,
-        name: str,
-        derived: Callable[[], Mapping[Any, sp.Expr]],
-        *rules: Rule,
-        meaning: Mapping[sp.Symbol, sp.Expr] | None = None,
-        letters: Iterable[sp.Symbol] = (),
-    ) -> "Function":
-        """A function of functions.toml, with what its outputs are.
+    @property
+    def words(self) -> Mapping[str, str]:
+        """Its sentences, arguments and assignments."""
+        return WORDS[self.name]
 
-        Parameters
-        ----------
-        name : of the function
-        derived : gives the outputs by their names
-        rules : that come before the one of functions.toml
-        meaning : what abbreviations among its letters stand for
-        letters : of its own; others that are not known stand for any number
-        """
-        words = dict(WORDS[name])
-        known = _LETTERS | {letter.name: letter for letter in letters}
-
-        def letter(name: Any) -> sp.Symbol:
-            return known.setdefault(str(name), sp.Symbol(str(name), real=True))
-
-        arguments = tuple(map(letter, words["arguments"].split()))
-        if "rule" in words:
-            body = {}
-            for line in words["text"].strip().splitlines():
-                assigned, _, form = line.partition(" = ")
-                body[letter(assigned)] = sp.sympify(eval(form, {}, known))
-            rules += (Rule(words["rule"], words["why"], lambda _: body),)
-        return cls(
-            name=name,
-            summary=words["summary"],
-            detail=words["detail"],
-            arguments=arguments,
-            derived=lambda: {letter(output): form for output, form in derived().items()},
-            rules=rules,
-            meaning=meaning or {},
-            returned=tuple(words.get("returned", "").split()),
-            unused=tuple(words.get("unused", "").split()),
-        )
+    @property
+    def arguments(self) -> list[sp.Symbol]:
+        """Letters of its arguments."""
+        return [self.letters[name] for name in self.words["arguments"].split()]
 
     @cached_property
     def outputs(self) -> Body:
         """What it gives, as derived."""
-        return self.derived()
+        return {self.letters[str(name)]: form for name, form in self.derived().items()}
 
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """All of its rules."""
+        if "rule" not in self.words:
+            return self.first
+        body = {}
+        for line in self.words["text"].strip().splitlines():
+            name, _, form = line.partition(" = ")
+            body[self.letters[name]] = sp.sympify(eval(form, {}, self.letters))
+        return *self.first, Rule(self.words["rule"], self.words["why"], lambda _: body)
+
+    @cached_property
     def body(self) -> tuple[Body, tuple[Step, ...]]:
         """Rewritten assignments and the history of operation counts."""
         return rewrite(self.outputs, self.rules, self.meaning)

@@ -48,7 +48,6 @@ EQUATIONS = (
     Equation(
         "B6",
         "slip velocity at separation after reversal",
-        "u_f",
         derive=lambda: reversed_change(P_z - P_1)[0],
     ),
     Equation(
@@ -60,30 +59,25 @@ EQUATIONS = (
     Equation(
         "B8",
         "normal impulse of slip reversal",
-        "P_z(t_f)",
         derive=lambda: impulse()[1],
     ),
-    Equation("B9", "tangential impulse of slip reversal", "P_x(t_f)", derive=lambda: impulse()[0]),
-    Equation("B10", "slip velocity at separation after reversal", "u_f", derive=final_slip),
+    Equation("B9", "tangential impulse of slip reversal", derive=lambda: impulse()[0]),
+    Equation("B10", "slip velocity at separation after reversal", derive=final_slip),
     Equation(
         "B11",
         "horizontal velocity of the centre of mass after slip reversal",
-        "c'_x",
         put=approach,
         derive=lambda: cm_velocity(*impulse())[0],
     ),
     Equation(
         "B12",
         "vertical velocity of the centre of mass after slip reversal",
-        "c'_z",
         put=approach,
         derive=lambda: cm_velocity(*impulse())[1],
     ),
     Equation(
         "21",
         "horizontal velocity of the centre of mass after slip reversal",
-        "c'_x",
-        verdict="erratum",
         derive=lambda: cm_velocity(*impulse())[0],
         repair=(Repair(r"+ (c_x - \omega Z)", r"- (c_x - \omega Z)"),),
         contradicted_by=("B11",),
@@ -92,14 +86,12 @@ EQUATIONS = (
     Equation(
         "22",
         "vertical velocity of the centre of mass after slip reversal",
-        "c'_z",
         derive=lambda: cm_velocity(*impulse())[1],
     ),
     Equation(
         "B8: text",
         r"the impulse $P_z(t_f) - P_z(t_1)$",
         "P_z(t_f) - P_z(t_1)",
-        verdict="erratum",
         formulas=("B8",),
         where=lambda: {"P_z(t_f)": impulse()[1], "P_z(t_1)": stop()[1]},
         derive=lambda: impulse()[1] - stop()[1],

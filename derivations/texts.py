@@ -129,10 +129,12 @@ def wrong_numbers(entries: Sequence[Equation]) -> Iterator[str]:
                 own = [step] if step.kind == "derived" else around[-1:]
                 taken = _numbers(around, held) + _numbers(own, held, own=True)
                 yield from _misnumbered(step.what, taken)
-    for function in (x for x in FUNCTIONS if _NUMBER.search(x.summary)):
-        with trace.noted() as steps:
-            function.derived()
-        yield from _misnumbered(function.summary + function.detail, _numbers(steps, held))
+    for function in FUNCTIONS:
+        words = function.words["summary"] + function.words["detail"]
+        if _NUMBER.search(words):
+            with trace.noted() as steps:
+                function.derived()
+            yield from _misnumbered(words, _numbers(steps, held))
 
 
 # ---- letters -------------------------------------------------------------------------------------
@@ -201,13 +203,13 @@ def wrong_letters(entries: Sequence[Equation]) -> Iterator[str]:
                 if left != "0" and dimension(left_side(left)) != dimension(value):
                     yield f"{left} has not the dimension of {value}"
         if entry.verdict == "new" and entry.where is None:
-            for left in paper.parts(entry.left) or [entry.left]:
+            for left in entry.lefts:
                 letters = left_side(left).free_symbols
                 if not any(_named(by_name[x.name], entry.what) for x in letters):
                     yield f"{entry.tag}: no letter of {left} in its sentence"
             begins = "".join(re.findall(r"^\$([^$]+)", entry.what))
-            plain = re.sub("_(?!\\w|[*])", "", re.sub(*_PLAIN[1], entry.left))
-            if not paper.bare(plain).lstrip("(").startswith(paper.bare(begins).strip("()")):
+            plain = re.sub("_(?!\\w|[*])", "", re.sub(*_PLAIN[1], ", ".join(entry.lefts)))
+            if not paper.bare(plain).startswith(paper.bare(begins).strip("()")):
                 yield f"{entry.tag}: the left side is not {begins}"
 
 
@@ -221,7 +223,7 @@ def _plain(tex: str) -> str:
 def wrong_functions() -> Iterator[str]:
     """Units and formulas in the words of generated functions that are not those of their forms."""
     for function in FUNCTIONS:
-        words = function.summary + function.detail
+        words = function.words["summary"] + function.words["detail"]
         for names, unit in _UNIT.findall(words):
             meant = paper.read(_plain(unit), {"m": _UNITS["L"], "s": _UNITS["T"]})
             for name in map(_plain, names.split("$")[1::2]):

@@ -159,14 +159,12 @@ EQUATIONS = (
     Equation(
         "23",
         "critical tilt between slip-stick and slip reversal",
-        r"\phi_c",
         derive=critical_tilt,
         note=lambda: rf"{degrees(critical_tilt().subs(PAPER), 2)} at $\mu = {number(PAPER[mu])}$",
     ),
     Equation(
         "23: small friction",
         rf"$\phi_c$ to $O(\mu^{_ORDER})$",
-        r"\phi_c",
         derive=lambda: small_friction(_ORDER),
     ),
     Equation(
@@ -181,7 +179,6 @@ EQUATIONS = (
     Equation(
         "IV: mu_c",
         "largest friction of continuous slide at small tilt",
-        r"\mu_c",
         derive=_upright_friction,
     ),
     Equation(
@@ -189,7 +186,6 @@ EQUATIONS = (
         f"friction up to which a thin rod slides at {degrees(_FLAT)}",
         r"[\mu_{slide}]_{\phi = \pi/2}",
         where=lambda: {r"\mu_{slide}": thin_slide_friction()},
-        verdict="erratum",
         said=_MU_C,
         derive=lambda: sp.factor(thin_slide_friction().subs(phi, _FLAT)),
         contradicted_by=("14",),
@@ -203,7 +199,6 @@ EQUATIONS = (
         "what (23) gives there",
         r"[\phi_c]_{\mu = 3/5}",
         where=lambda: {r"\phi_c": critical_tilt()},
-        verdict="erratum",
         said=sp.pi / 2,
         derive=lambda: critical_tilt().subs(mu, sp.Rational(3, 5)),
         contradicted_by=("23",),
@@ -221,7 +216,6 @@ EQUATIONS = (
             largest_reversal_friction()[1],
         ),
         r"\max_\phi \mu",
-        verdict="erratum",
         said=sp.Rational(3, 5),
         derive=lambda: largest_reversal_friction()[0],
         check=_last_reversal_checks,
@@ -247,7 +241,6 @@ EQUATIONS = (
         "IV: reversal at larger angles",
         "largest tilt of a reversal",
         r"\phi_{max}",
-        verdict="erratum",
         said=sp.pi / 2,
         derive=largest_reversal_tilt,
         at={mu: PAPER[mu]},

@@ -62,8 +62,7 @@ _open: list[list[Step]] = []  # steps of the derivations now being computed, the
 
 STEPS: dict[str, Callable[..., Any]] = {}  # every derivation step, by module and name
 LEFTS: dict[str, tuple[str, ...]] = {}  # left sides of what each gives, LaTeX with %(argument)s
-_caches: list[dict] = []
-_bent: dict[str, Callable[[Any], Any]] = {}  # steps whose result is changed, for a trial
+CACHES: list[dict] = []  # of all derivations: arguments, and the result with its steps
 
 
 def note(*steps: Step) -> None:
@@ -145,7 +144,7 @@ def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., An
         note(*steps)
         return value
 
-    _caches.append(results)
+    CACHES.append(results)
     return cached
 
 
@@ -160,8 +159,7 @@ def derived(*lefts: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
 
         @wraps(function)
         def step(*given: Any) -> Any:
-            value = function(*given)
-            return _bent[name](value) if name in _bent else value
+            return STEPS[name](*given)
 
         STEPS[name], LEFTS[name] = function, lefts
         return remembered(step, name)
@@ -197,40 +195,3 @@ def solve(forms: Any, unknowns: Any, meant: str = "") -> Any:
         (found,) = sp.linsolve(differences, *letters)
         return found
     return sp.solve(differences[0], unknowns)
-
-
-def forget(kind: str = "", name: str = "") -> list[tuple[dict, dict]]:
-    """Empty the caches of all derivations, or of those that take the step of a name.
-
-    Returns each cache, with what it held of these.
-    """
-    lost = []
-    for results in _caches:
-        taken = {x: held for x, held in results.items() if not kind or name in names(held[1], kind)}
-        for given in taken:
-            del results[given]
-        lost.append((results, taken))
-    return lost
-
-
-@contextmanager
-def derived_again(kind: str, name: str) -> Iterator[None]:
-    """Derive anew, inside, what takes the step of a name; afterwards it is what it was."""
-    known = forget(kind, name)
-    try:
-        yield
-    finally:
-        forget(kind, name)
-        for results, taken in known:
-            results.update(taken)
-
-
-@contextmanager
-def bent(name: str, change: Callable[[Any], Any]) -> Iterator[None]:
-    """Change what one step of `STEPS` gives, for a trial; what takes it is derived again."""
-    with derived_again("derived", name):
-        _bent[name] = change
-        try:
-            yield
-        finally:
-            del _bent[name]

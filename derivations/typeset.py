@@ -173,7 +173,11 @@ def pieces_of(terms: list[tuple[bool, str]]) -> list[str]:
 
 def words(tex: str) -> str:
     """Set names of three or more small letters as words, not as products of letters."""
-    return re.sub(r"(\\[A-Za-z]+)|([A-Z]?[a-z]{3,})", lambda m: m[1] or rf"\mathit{{{m[2]}}}", tex)
+    return re.sub(
+        r"(\\mathit\{\w+\}|\\[A-Za-z]+)|([A-Z]?[a-z]{3,})",
+        lambda m: m[1] or rf"\mathit{{{m[2]}}}",
+        tex,
+    )
 
 
 _printer = _Printer(

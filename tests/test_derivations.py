@@ -28,6 +28,8 @@ from derivations import (
 from derivations import symbols as s
 from derivations.proof import Equation
 
+from .mutants import derived_again
+
 BY_TAG = {entry.tag: entry for entry in registry.ENTRIES}
 NUMBERED = [str(n) for n in range(1, 32)] + [f"B{n}" for n in range(1, 13)]
 EQUATIONS = [entry for entry in registry.ENTRIES if isinstance(entry, Equation)]
@@ -128,8 +130,8 @@ def test_what_cannot_be_read_is_refused(tex):
 @pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
 def test_every_part_of_a_left_side_is_held(entry):
     """By the paper's, by that of the step, or as it is read itself; a condition has none."""
-    given = paper.parts(entry.left) or [entry.left]
-    for place in range(len(given) if entry.left else 0):
+    given = paper.parts(entry.left) or entry.lefts[:1]
+    for place in range(len(given) if given[0] else 0):
         changed = [*given[:place], "Q_{17}", *given[place + 1 :]]
         left = f"({', '.join(changed)})" if len(given) > 1 else changed[0]
         assert not replace(entry, left=left).prove().ok
@@ -171,7 +173,7 @@ def test_a_left_side_that_is_read_has_the_derived_value(tag, old, new):
 def test_a_left_side_of_several_letters_has_the_value_of_its_step(step, tag, monkeypatch):
     lefts = tuple(left.replace(" - ", " + ") for left in trace.LEFTS[step])
     monkeypatch.setitem(trace.LEFTS, step, lefts)
-    with trace.derived_again("derived", step):
+    with derived_again("derived", step):
         assert not BY_TAG[tag].prove().ok
 
 
@@ -229,14 +231,10 @@ def test_a_letter_keeps_its_axis_and_its_dimension(name, old, new, monkeypatch):
     ],
 )
 def test_words_of_a_function_are_those_of_its_forms(name, old, new, monkeypatch):
-    changed = []
-    for function in closed_forms.FUNCTIONS:
-        if function.name == name:
-            words = (x.replace(old, new) for x in (function.summary, function.detail))
-            function = replace(function, **dict(zip(("summary", "detail"), words, strict=True)))
-        changed.append(function)
-    assert changed != list(closed_forms.FUNCTIONS)
-    monkeypatch.setattr(texts, "FUNCTIONS", changed)
+    words = rewrites.WORDS[name]
+    changed = {key: text.replace(old, new) for key, text in words.items()}
+    assert changed["summary"] + changed["detail"] != words["summary"] + words["detail"]
+    monkeypatch.setitem(rewrites.WORDS, name, changed)
     assert not BY_TAG["texts"].prove().ok
 
 
@@ -262,7 +260,7 @@ def test_a_left_side_cannot_be_renamed_in_step_and_entry_alike(tag, step, old, n
     entry = replace(BY_TAG[tag], left=BY_TAG[tag].left.replace(old, new))
     entries = (entry if x.tag == tag else x for x in registry.ENTRIES)
     monkeypatch.setattr(registry, "ENTRIES", tuple(entries))
-    with trace.derived_again("derived", step):
+    with derived_again("derived", step):
         assert entry.prove().ok
         assert not BY_TAG["texts"].prove().ok
 
@@ -308,7 +306,7 @@ def read_again(tag):
     paper.printed.cache_clear()
     try:
         if tag == "V: continuity":
-            with trace.derived_again("derived", "drift.stationary"):
+            with derived_again("derived", "drift.stationary"):
                 yield
         else:
             yield

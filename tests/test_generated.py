@@ -11,7 +11,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import impact
-from derivations import closed_forms, codegen, files, rewrites
+from derivations import closed_forms, files, rewrites
 from derivations.equality import random_point
 from impact import compiled
 
@@ -21,12 +21,13 @@ from .test_public_api import ODD
 
 def _meant(function):
     """What each name in a generated function stands for, as derived; outputs among them."""
-    body, _ = codegen.body(function.name)
+    body, _ = function.body
     values = rewrites.written_out(body, function.meaning)
     meant = {str(symbol): value for symbol, value in values.items()}
     meant |= {str(x): sp.sympify(x).subs(function.meaning) for x in function.arguments}
     meant |= {str(x): derived.subs(function.meaning) for x, derived in function.outputs.items()}
-    names = function.returned or [str(symbol) for symbol in body if symbol in function.outputs]
+    outputs = " ".join(str(symbol) for symbol in body if symbol in function.outputs)
+    names = function.words.get("returned", outputs).split()
     return [meant[name] for name in names]
 
 

@@ -52,7 +52,7 @@ def negated(value):
 def test_a_sign_turned_in_a_step_ends_as_a_row(step):
     taken = {entry.tag: trace.names(entry.steps, "derived") for entry in EQUATIONS}
     first = sorted(EQUATIONS, key=lambda entry: step not in taken[entry.tag])
-    with trace.bent(step, negated):
+    with mutants.bent(step, negated):
         assert not all(entry.prove().ok for entry in first)
     assert trace.STEPS[step].__doc__
 
@@ -70,7 +70,7 @@ def test_a_derivation_that_cannot_be_computed_is_a_row_and_exit_code_one(
     monkeypatch.chdir(tmp_path)
     (entry,) = (entry for entry in EQUATIONS if entry.tag == "24")
     monkeypatch.setattr(registry, "ENTRIES", (entry,))
-    with trace.bent("drift.stationary", lambda value: value / 0):
+    with mutants.bent("drift.stationary", lambda value: value / 0):
         assert cli.main([command]) == 1
     printed = capsys.readouterr().out
     assert "NOT PROVED" in printed
@@ -90,7 +90,7 @@ def test_what_an_equation_rests_on_is_computed():
     used = set().union(*rests.values())
     assert used == {axiom.tag for axiom in axioms.AXIOMS}
     (slide,) = (entry for entry in EQUATIONS if entry.tag == "8")
-    with trace.derived_again("axiom", "1"):
+    with mutants.derived_again("axiom", "1"):
         assert set(slide.rests_on) == rests["8"]
 
 

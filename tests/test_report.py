@@ -4,12 +4,14 @@ import re
 from dataclasses import replace
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 import sympy as sp
+from matplotlib.colors import to_hex
+from matplotlib.text import Annotation
 
 from derivations import (
     closed_forms,
-    codegen,
     drawings,
     lecture,
     paper,
@@ -171,7 +173,7 @@ def test_what_can_be_read_is_what_is_meant(entry):
 
 @pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
 def test_what_can_be_read_of_a_function_is_what_is_generated(function):
-    body, _ = codegen.body(function.name)
+    body, _ = function.body
     for expr in body.values():
         (read,) = read_back(sp.sympify(expr))
         assert equal_at_random_points(read, expr)
@@ -179,10 +181,10 @@ def test_what_can_be_read_of_a_function_is_what_is_generated(function):
 
 @pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
 def test_functions_show_rules_reasons_and_operations(page, function):
-    _, steps = function.body()
+    _, steps = function.body
     text = page.text[f"function-{function.name.replace('_', '-')}"]
     assert text.startswith(function.name)
-    assert plain(function.summary) in text
+    assert plain(function.words["summary"]) in text
     for step in steps:
         assert plain(step.rule) in text
         assert str(step.operations) in text
@@ -202,13 +204,40 @@ def test_drawings_are_in_the_page(source, page, drawing):
 def test_paths_in_the_plane_of_impulses(regime, later):
     """The corner has no slip; Newton's end is the printed impulse, the others are below it."""
     module = {"stick": slip_stick, "back": slip_reversal}[later]
-    tilt, slip = drawings.IMPACTS[regime]
     corner, ends = drawings.path(regime)
-    at = {"phi": tilt, "u_0": slip, "v_0": -1}
-    expected = [drawings._number(part, **at) for part in module.impulse()]
+    at = drawings._at(regime)
+    expected = [drawings._number(part, at) for part in module.impulse()]
     assert ends["newton"] == pytest.approx(expected)
-    assert drawings._number(slide.slip_velocity(sp.Float(corner[1])), **at) == pytest.approx(0)
+    assert drawings._number(slide.slip_velocity(sp.Float(corner[1])), at) == pytest.approx(0)
     assert corner[1] < ends["poisson"][1] < ends["stronge"][1] < ends["newton"][1]
+
+
+def test_letters_stand_beside_what_they_mean():
+    """Each once; an arrow of x or z lies along that axis, as do the axes of a plane."""
+    axes, *_ = drawings.geometry().axes
+    words = [text.get_text() for text in axes.texts if text.get_text().count("$") == 2]
+    arrows = [text for text in axes.texts if isinstance(text, Annotation)]
+    letters = r"\phi l X Z F_{z} F_{x} z x V_{z} c_{x} c_{z} \omega"
+    assert words == [f"${letter}$" for letter in letters.split()]
+    for word, arrow in zip(words[4:-1], arrows[:-1], strict=True):
+        along = np.subtract(arrow.xy, arrow.xyann)
+        assert list(along != 0) == ["x" in word, "z" in word]
+    plane, *_ = drawings.impulses("slip-stick").axes
+    corner = {line.get_label(): np.transpose(line.get_data()) for line in plane.lines}["path"][1]
+    named = zip((plane.get_xlabel(), plane.get_ylabel()), "xz", corner, strict=True)
+    for (label, axis, value), form in zip(named, slide.stop(), strict=False):
+        assert label.startswith(f"$P_{axis} ")
+        assert drawings._number(form, drawings._at("slip-stick")) == pytest.approx(value)
+
+
+def test_colours_of_a_caption_are_those_of_the_lines():
+    axes, *_ = drawings.regimes().axes
+    drawn = [line for line in axes.collections if not line.get_fill()]
+    assert len(drawn) == len(drawings.EDGES)
+    caption = drawings.DRAWINGS["regimes"].caption
+    for line, tag in zip(drawn, ("14", "16"), strict=True):
+        (color,) = (x for x, y in drawings.COLORS.items() if to_hex(line.get_edgecolor()[0]) == y)
+        assert f"{color}: {entry_of(tag).what} ({tag})" in caption
 
 
 @pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
