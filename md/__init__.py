@@ -71,7 +71,7 @@ from . import early_signals  # noqa: F401  (before what takes long)
 # isort: split
 from importlib import import_module
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .accuracy import run
 from .domains import InputError, RunError
@@ -81,6 +81,9 @@ from .reference import Vibration
 from .result import Accuracy, Result
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 from .soft_impact import INTEGRATORS, Impact, impact
+
+if TYPE_CHECKING:
+    from . import records, search, store, sweep
 
 __all__ = [
     "INTEGRATORS",
@@ -111,7 +114,11 @@ __all__ = [
     "hertz_stiffness",
     "impact",
     "load",
+    "records",
     "run",
+    "search",
+    "store",
+    "sweep",
 ]
 
 

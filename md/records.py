@@ -47,7 +47,7 @@ direction around the annulus itself. Velocities and spin are their parts in that
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -56,6 +56,9 @@ from .kernels.codes import REGIMES
 from .measures import HOP, merged, phase_at
 from .result import Result
 from .units import labelled
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 __all__ = ["landings", "to_xarray", "touches"]
 
@@ -120,7 +123,7 @@ def landings(rows: Sequence[np.ndarray], result: Result) -> np.ndarray:
     return _structured(over, _LANDING, result)
 
 
-def to_xarray(found: np.ndarray) -> Any:
+def to_xarray(found: np.ndarray) -> "Dataset":
     """Touches or landings as `xarray.Dataset`; `.to_dataframe()` makes a table.
 
     Parameters

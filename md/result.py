@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, dataclass
 from math import isfinite, isnan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
@@ -12,6 +12,9 @@ from .domains import in_notebook
 from .measures import FEWEST, TREND, UNLIKELY, steady, trend, wedged_periods
 from .scene import Scene, as_dict
 from .units import in_cm, labelled
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 NOTHING = 1e-6  # of the plate's peak velocity: a slower drift is none
 SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
@@ -104,9 +107,9 @@ class Result:
     run_seconds: float
     compile_seconds: float
     energy: dict[str, float] | None
-    touches: dict[str, Any] | None
-    landings: dict[str, Any] | None
-    annulus: dict[str, Any] | None
+    touches: dict[str, dict[str, float]] | None
+    landings: dict[str, dict[str, float]] | None
+    annulus: dict[str, dict[str, float]] | None
     turned: dict[str, int]
     phases: list[int]
     c_x_series: np.ndarray
@@ -150,7 +153,7 @@ class Result:
         """Steps times rods."""
         return self.periods * self.steps_per_period * self.scene.rods.count
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> "Dataset":
         """Drift, tilt and falls period by period, transient included, as `xarray.Dataset`.
 
         With units; `.to_dataframe()` makes a table.

@@ -48,7 +48,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from joblib import Parallel, cpu_count, delayed, parallel_config
@@ -63,6 +63,9 @@ from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, sc
 from .simulation import MOST_PERIODS, progress_bar
 from .store import Store, named
 from .units import error_of, labelled
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 __all__ = [
     "Interrupted",
@@ -191,7 +194,7 @@ class Sweep:
             results = [database.result(point.key) for point in self.points]
         return tuple(self._array([named(result, name) for result in results]) for name in names)
 
-    def to_xarray(self, store: str | Path, *names: str) -> Any:
+    def to_xarray(self, store: str | Path, *names: str) -> "Dataset":
         """Results with their coordinates, units and errors; `.to_dataframe()` makes a table.
 
         Parameters

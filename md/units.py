@@ -20,9 +20,12 @@ from copy import deepcopy
 from functools import cache
 from math import pi, sqrt
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from .domains import InputError, held, not_negative
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 GRAVITY_CM = 981.0  # cm/s^2
 Diameter = Annotated[float, 1e-6, 1e6]
@@ -130,7 +133,7 @@ def error_of(name: str) -> str:
     return re.sub("^(c_x|tilt)(?=(_cm_s|_deg)?$)", r"\1_stderr", name.replace(".mean", ".stderr"))
 
 
-def labelled(*given: Mapping) -> Any:
+def labelled(*given: Mapping) -> "Dataset":
     """`xarray.Dataset` with units and long names; dots in names become underscores.
 
     Parameters

@@ -91,8 +91,10 @@ from typing import Any, assert_type
 
 import numpy as np
 from numpy.typing import NDArray
+from xarray import Dataset
 
 import impact
+import md
 
 rod = impact.thin_rod(radians(20))
 rods = impact.flat_ended_rod(np.linspace(0, 1, 3), 8)
@@ -108,6 +110,16 @@ assert_type(impact.drift(rod, friction=[0.3], restitution=0.65).c_x, NDArray[np.
 assert_type(impact.optimal_tilt(friction=0.3, restitution=0.65).tilt, float)
 pair = impact.collide_pair(ball, ball.turned(3.0), friction=0.3, restitution=0.65)
 assert_type(pair.first.omega, float)
+
+
+def told(result: md.Result, sweep: md.sweep.Sweep) -> None:
+    assert_type(md.run(result.scene).touches, dict[str, dict[str, float]] | None)
+    assert_type(result.c_x_cm_s, float)
+    assert_type(result.to_xarray(), Dataset)
+    assert_type(sweep.to_xarray("a.db", "c_x"), Dataset)
+    assert_type(md.records.to_xarray(md.records.touches([], result)), Dataset)
+
+
 impact.collide(0.1, -0.2, geometry=rods, frictio=0.3, restitution=0.65)  # type: ignore
 """
 
