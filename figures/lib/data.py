@@ -15,14 +15,15 @@ from inspect import getfile
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
 from md.cache import code_of
 
 from .. import FIGURES, load
-from .files import made
 
+BROKEN = (OSError, EOFError, SyntaxError, ValueError, LookupError, BadZipFile)  # of NumPy, Pillow
 Own = Mapping[str, Any]  # values of one's own, in place of the paper's
 NOTHING: Own = MappingProxyType({})
 _HOUSE = Path(__file__).parents[2]
@@ -113,6 +114,15 @@ def keep(path: Path, name: str, quick: bool, data: Mapping[str, Any], own: Own =
     own : values of one's own in place of the paper's
     """
     np.savez_compressed(path, **data, provenance=json.dumps(provenance(name, quick, own)))
+
+
+def made(npz: Path) -> dict[str, Any]:
+    """What made a figure's numbers: `quick`, values of one's `own`; empty if it cannot be read."""
+    try:
+        with npz.open("rb") as file:  # np.load(npz) leaves one open that is no archive
+            return dict(json.loads(str(np.load(file)["provenance"])))
+    except BROKEN:
+        return {}
 
 
 def stored_data(name: str, quick: bool, out: Path) -> dict[str, np.ndarray] | None:

@@ -20,8 +20,7 @@ from md.interrupt import deferred
 
 from .. import FIGURES, load
 from . import runs
-from .data import NOTHING, Own, keep, kept_data
-from .files import made
+from .data import NOTHING, Own, keep, kept_data, made
 from .printing import printed
 from .style import note, style
 

@@ -1,14 +1,9 @@
 """Files of the commands: what could not be written in the end is refused before the work."""
 
-import json
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
-from zipfile import BadZipFile
-
-import numpy as np
 
 from impact import InputError
 
@@ -22,7 +17,6 @@ SIGNATURES = {  # what a file of each kind has near its beginning
     ".html": [b"<title>Rods on a vibrated plate"],
 }
 HEAD_BYTES = 300  # bytes
-BROKEN = (OSError, EOFError, SyntaxError, ValueError, LookupError, BadZipFile)  # of NumPy, Pillow
 
 
 def ready(out: Path, *names: str, store: Path | None = None, option: str = "out") -> list[Path]:
@@ -85,12 +79,3 @@ def storing(out: Path, store: Path | None, *names: str) -> Iterator[Path]:
         yield out
     finally:
         runs.STORE = usual
-
-
-def made(npz: Path) -> dict[str, Any]:
-    """What made a figure's numbers: `quick`, values of one's `own`; empty if it cannot be read."""
-    try:
-        with npz.open("rb") as file:  # np.load(npz) leaves one open that is no archive
-            return dict(json.loads(str(np.load(file)["provenance"])))
-    except BROKEN:
-        return {}

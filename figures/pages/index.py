@@ -29,7 +29,7 @@ from impact import InputError
 from .. import FIGURES, load
 from ..claims import judge
 from ..cost.price_page import PRICE_PANELS
-from ..lib.files import BROKEN, made
+from ..lib.data import BROKEN, made
 from . import explore
 from .gallery import GALLERY, templates
 
