@@ -126,7 +126,7 @@ def geometry() -> Figure:
     axes.add_patch(Arc((0, 0), 1.1, 1.1, theta1=90 - float(sp.deg(turn)), theta2=90))
     words: dict[str, Any] = {
         latex(tilt): 0.66 * np.array([sp.sin(turn / 2), sp.cos(turn / 2)]),
-        latex(length): 2 * centre,
+        latex(length): 2.03 * centre,
     }
     for letter, side in place.items():
         axes.plot(*np.array([centre - side, centre]).T, ":", color=GREY, lw=1)
@@ -135,9 +135,9 @@ def geometry() -> Figure:
     arrows: tuple[Any, ...] = (
         (F_z, (0, 0), push, BLUE),
         (F_x, (0, 0), _number(slide.friction(push, 1), {mu: 0.7}), BLUE),
-        (lever_z, (-0.75, 0.1), 0.4, "black"),
-        (lever_x, (-0.75, 0.1), 0.4, "black"),
-        (V_z, (-0.6, -0.45), 0.37, ORANGE),
+        (lever_z, (-0.85, 0.3), 0.4, "black"),
+        (lever_x, (-0.85, 0.3), 0.4, "black"),
+        (V_z, (-0.6, -0.5), 0.3, ORANGE),
         (c_x, centre, 0.4, GREEN),
         (c_z, centre, 0.2, GREEN),
         (omega, centre + above, _top_velocity(above[1]) - above / 2, PINK),

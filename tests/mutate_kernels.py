@@ -136,7 +136,7 @@ def mutate(tree, place):
     path.write_bytes(b"".join(lines))
 
 
-def tested(folder, files, edit):
+def exit_status(folder, files, edit):
     """Exit status of the tests on an edited copy, None after a timeout."""
     clone = folder / "tree"
     shutil.copytree(ROOT, clone, ignore=shutil.ignore_patterns(*LEFT_OUT))
@@ -173,7 +173,7 @@ def unchanged(tmp_path_factory):
     @cache
     def check(package):
         files = files_of(ROOT, next(p for p in PLACES if p.key.startswith(package)))
-        assert tested(tmp_path_factory.mktemp("unchanged"), files, idle) == 0
+        assert exit_status(tmp_path_factory.mktemp("unchanged"), files, idle) == 0
 
     return check
 
@@ -181,4 +181,4 @@ def unchanged(tmp_path_factory):
 @pytest.mark.parametrize("place", PLACES[:MUTANTS], ids=str)
 def test_a_mutant_is_killed(place, tmp_path, unchanged):
     unchanged(place.key.partition(".")[0])
-    assert tested(tmp_path, files_of(ROOT, place), partial(mutate, place=place)) != 0
+    assert exit_status(tmp_path, files_of(ROOT, place), partial(mutate, place=place)) != 0
