@@ -83,7 +83,10 @@ from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene,
 from .soft_impact import INTEGRATORS, Impact, impact
 
 if TYPE_CHECKING:
-    from . import records, search, store, sweep
+    from . import records as records
+    from . import search as search
+    from . import store as store
+    from . import sweep as sweep
 
 __all__ = [
     "INTEGRATORS",
@@ -114,11 +117,7 @@ __all__ = [
     "hertz_stiffness",
     "impact",
     "load",
-    "records",
     "run",
-    "search",
-    "store",
-    "sweep",
 ]
 
 
