@@ -79,8 +79,9 @@ STEPS = {  # in order; each keeps what the ones before replaced
     "restitution": r"$\epsilon$",
 }
 SIDES = [f"{name}_{side}" for side in ("before", "after") for name in ("c_x", "c_z", "omega")]
-MEANS = ("drift", "tilt", "V_z", "restitution", "alone", *SIDES)
-LANDED = "landing_"  # before the names of means over landings
+VELOCITIES = ("V_z", *SIDES)  # means over touches, and over landings
+MEANS = ("drift", "tilt", "restitution", "alone", *VELOCITIES)
+LANDED = "landing_"  # before these names
 
 
 def mean_drift(
@@ -166,7 +167,7 @@ def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
     landed = measures(landings, per)
     return {
         **measures(rows, per),
-        **{f"{LANDED}{name}": landed[name] for name in ("V_z", *SIDES)},
+        **{f"{LANDED}{name}": landed[name] for name in VELOCITIES},
         "drift": (result.c_x, result.c_x_stderr),
         "tilt": (result.tilt_deg, result.tilt_stderr_deg),
     }
@@ -215,7 +216,7 @@ def closures_of(of: dict[str, np.ndarray], kind: str = "") -> dict[str, np.ndarr
     of : the means by name
     kind : `LANDED`: over landings, whose restitution is the one that is assumed; else over touches
     """
-    mean = {name: of[f"{kind}{name}"][..., 0] for name in ("V_z", *SIDES)}
+    mean = {name: of[f"{kind}{name}"][..., 0] for name in VELOCITIES}
     assumed = np.full_like(mean["V_z"], RESTITUTION)
     return {
         "V_z": mean["V_z"],
@@ -241,7 +242,7 @@ def data(quick: bool = False) -> Data:
     Velocities of `ASSUMED` are in units of the plate's peak velocity, the spin times half a rod.
     """
     sweep, scene = sweeps(quick)["tilt"], from_tables(ROW)
-    names = (*MEANS, *(f"{LANDED}{name}" for name in ("V_z", *SIDES)))
+    names = (*MEANS, *(f"{LANDED}{name}" for name in VELOCITIES))
     of = dict(zip(names, gathered(sweep, *names), strict=True))
     of["drift"] = of["drift"] * scene.cm_per_s
     row, tilt = of["drift"][..., 0], of["tilt"][..., 0]

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 from joblib import Parallel, delayed
@@ -74,10 +74,12 @@ def produce(
     return Drawn(name, files, printed(data))
 
 
-def _tried(name: str, *given: Any) -> Drawn:
+def _tried(
+    name: str, out: Path, quick: bool, kept: Path | None = None, own: Own = NOTHING
+) -> Drawn:
     """The same; what a figure fails with is kept, so that the others go on."""
     try:
-        return produce(name, *given)
+        return produce(name, out, quick, kept, own)
     except Exception as error:
         foreseen = isinstance(error, OSError) or hasattr(error, "exit_code")
         return Drawn(name, failure=str(error) if foreseen else traceback.format_exc().rstrip())
@@ -87,7 +89,7 @@ def _in_a_process(name: str, out: Path, quick: bool, store: Path, own: Own) -> D
     """The same in a process of its own, where nothing may write onto the terminal."""
     runs.STORE = store
     with redirect_stderr(io.StringIO()) as said:
-        drawn = _tried(name, out, quick, None, own)
+        drawn = _tried(name, out, quick, own=own)
     return drawn._replace(said=said.getvalue())
 
 
