@@ -1,11 +1,11 @@
 """Boundaries between the regimes, over tilt and friction."""
 
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import evaluated
+from ._arguments import Numbers, evaluated
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
@@ -15,6 +15,10 @@ def _critical(X: Any, Z: Any, k: Any) -> Any:
     return np.abs(closed.critical_friction(*(np.ldexp(x, -exponent) for x in (X, Z, k))))
 
 
+@overload
+def critical_tilts(friction: float) -> tuple[float, float]: ...
+@overload
+def critical_tilts(friction: Any) -> tuple[Numbers, Numbers]: ...
 def critical_tilts(friction: Any) -> tuple[Any, Any]:
     """Both critical tilts of a thin rod, Eq. (23): between them a stopped contact slips back.
 
@@ -41,6 +45,10 @@ def critical_tilts(friction: Any) -> tuple[Any, Any]:
     return evaluated(block, {"friction": friction}, (None, None))
 
 
+@overload
+def critical_friction(geometry: ContactGeometry[float]) -> float: ...
+@overload
+def critical_friction(geometry: ContactGeometry) -> Numbers: ...
 def critical_friction(geometry: ContactGeometry) -> Any:
     """Friction below which a stopped contact slips back, |X Z|/(k^2 + Z^2); Eqs. (16), (20).
 
@@ -60,6 +68,10 @@ def critical_friction(geometry: ContactGeometry) -> Any:
     return evaluated(lambda X, Z, k: (_critical(X, Z, k),), lengths_of(geometry))[0]
 
 
+@overload
+def painleve_friction(geometry: ContactGeometry[float]) -> float: ...
+@overload
+def painleve_friction(geometry: ContactGeometry) -> Numbers: ...
 def painleve_friction(geometry: ContactGeometry) -> Any:
     """Friction from which on a slipping contact is pressed into the plate: Painleve's paradox.
 
@@ -84,6 +96,14 @@ def painleve_friction(geometry: ContactGeometry) -> Any:
     return evaluated(lambda X, Z, k: (1 / _critical(Z, X, k),), lengths_of(geometry))[0]
 
 
+@overload
+def slide_friction(
+    geometry: ContactGeometry[float], *, approach_ratio: float, restitution: float
+) -> float: ...
+@overload
+def slide_friction(
+    geometry: ContactGeometry, *, approach_ratio: Any, restitution: Any
+) -> Numbers: ...
 def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitution: Any) -> Any:
     """Largest friction at which the contact slides until it separates: u_* = 0 in Eq. (14).
 
@@ -111,6 +131,10 @@ def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitutio
     return evaluated(block, {**lengths_of(geometry), **given})[0]
 
 
+@overload
+def energy_restitution(geometry: ContactGeometry[float], friction: float) -> float: ...
+@overload
+def energy_restitution(geometry: ContactGeometry, friction: Any) -> Numbers: ...
 def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
     """Restitution above which Newton's kinematic law can create energy.
 

@@ -203,6 +203,28 @@ def collide(
     return Collision(*evaluated(impacts(law), given, KINDS))
 
 
+@overload
+def classify(
+    c_x: float,
+    c_z: float,
+    omega: float = ...,
+    *,
+    geometry: ContactGeometry[float],
+    friction: float,
+    restitution: float,
+    plate_velocity: float = ...,
+) -> Regime: ...
+@overload
+def classify(
+    c_x: Any,
+    c_z: Any,
+    omega: Any = ...,
+    *,
+    geometry: ContactGeometry,
+    friction: Any,
+    restitution: Any,
+    plate_velocity: Any = ...,
+) -> Codes: ...
 def classify(
     c_x: Any,
     c_z: Any,

@@ -101,6 +101,12 @@ def drift(
     return Drift(*evaluated(block, given, (None, None, Regime), plate_velocity=POSITIVE))
 
 
+@overload
+def transport_cost(
+    geometry: ContactGeometry[float], *, friction: float, restitution: float
+) -> float: ...
+@overload
+def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Numbers: ...
 def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Any:
     """Cost of transport of the stationary drift: work of the plate per weight and distance.
 
@@ -132,6 +138,12 @@ def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any
         return 1 / np.abs(drift(geometry, friction=friction, restitution=restitution).c_x)
 
 
+@overload
+def relaxation(
+    geometry: ContactGeometry[float], *, friction: float, restitution: float
+) -> float: ...
+@overload
+def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Numbers: ...
 def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Any:
     """Number of landings in which a small deviation from the stationary drift falls by e.
 
@@ -265,6 +277,10 @@ def landing_phases(q: Any) -> tuple[Any, Any]:
     return np.pi / 2 - high, np.pi / 2 + away
 
 
+@overload
+def landing_density(phase: float, *, fall_speed: float = ...) -> float: ...
+@overload
+def landing_density(phase: Any, *, fall_speed: Any = ...) -> Numbers: ...
 def landing_density(phase: Any, *, fall_speed: Any = 1.0) -> Any:
     """Density of landing phases in proportion to the velocity of approach, (31), Fig. 8.
 
@@ -299,8 +315,16 @@ def landing_density(phase: Any, *, fall_speed: Any = 1.0) -> Any:
     return evaluated(block, {"phase": phase, "fall_speed": fall_speed})[0]
 
 
+@overload
 def mean_plate_velocity(
-    density: Callable[[np.ndarray], Any] = landing_density,
+    density: Callable[[Numbers], Any] = ..., plate_speed: float = ..., *, points: int = ...
+) -> float: ...
+@overload
+def mean_plate_velocity(
+    density: Callable[[Numbers], Any] = ..., plate_speed: Any = ..., *, points: int = ...
+) -> Numbers: ...
+def mean_plate_velocity(
+    density: Callable[[Numbers], Any] = landing_density,
     plate_speed: Any = 1.0,
     *,
     points: int = 4096,

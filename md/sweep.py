@@ -57,6 +57,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from . import cache
 from .accuracy import MAX_SECONDS, checked, run, stepped
 from .domains import InputError, RunError, held, in_notebook, listed, span, tabled, whole
+from .files import warn
 from .host import step_of
 from .interrupt import deferred
 from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
@@ -208,6 +209,7 @@ class Sweep:
         `xarray.Dataset` with a dimension for each axis, which has the name of the axis' first key;
         its other keys are coordinates along it. In all names dots are underscores:
         `plate_acceleration`. `attrs` of each array are `units` and `long_name`, which plots show.
+        It warns of runs that are missing or have failed: their values are nan.
 
         Raises
         ------
@@ -220,6 +222,10 @@ class Sweep:
         for name, array in zip(both, self.gather(store, *both), strict=True):
             inner = [f"{name}.{i}" for i in range(array.ndim - len(dims))]
             variables[name] = (*dims, *inner), array
+        with Store(store, write=False) as database:
+            missing = sum(not database.has(point.key, failed=False) for point in self.points)
+        if missing:
+            warn(f"{missing} of {len(self.points)} runs are missing in {store}, or have failed")
         return labelled(variables, coords)
 
     def _array(self, values: list) -> np.ndarray:

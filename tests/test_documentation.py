@@ -110,6 +110,32 @@ assert_type(impact.drift(rod, friction=[0.3], restitution=0.65).c_x, NDArray[np.
 assert_type(impact.optimal_tilt(friction=0.3, restitution=0.65).tilt, float)
 pair = impact.collide_pair(ball, ball.turned(3.0), friction=0.3, restitution=0.65)
 assert_type(pair.first.omega, float)
+assert_type(impact.classify(0.1, -0.2, geometry=rod, friction=1, restitution=1), impact.Regime)
+assert_type(impact.classify(0.1, -0.2, geometry=rods, friction=1, restitution=1), NDArray[np.int8])
+assert_type(impact.critical_tilts(1), tuple[float, float])
+assert_type(impact.mean_plate_velocity(), float)
+numbers = [
+    impact.critical_friction(rod),
+    impact.painleve_friction(rod),
+    impact.slide_friction(rod, approach_ratio=2, restitution=0.65),
+    impact.energy_restitution(rod, 0.3),
+    impact.transport_cost(rod, friction=0.3, restitution=0.65),
+    impact.relaxation(rod, friction=0.3, restitution=0.65),
+    impact.landing_density(0.1),
+]
+assert_type(numbers, list[float])
+arrays = [
+    *impact.critical_tilts([0.1]),
+    impact.critical_friction(rods),
+    impact.painleve_friction(rods),
+    impact.slide_friction(rod, approach_ratio=[2], restitution=0.65),
+    impact.energy_restitution(rods, 0.3),
+    impact.transport_cost(rod, friction=[0.3], restitution=0.65),
+    impact.relaxation(rods, friction=0.3, restitution=0.65),
+    impact.landing_density(0.1, fall_speed=[1]),
+    impact.mean_plate_velocity(plate_speed=[1]),
+]
+assert_type(arrays, list[NDArray[np.float64]])
 
 
 def told(result: md.Result, sweep: md.sweep.Sweep) -> None:

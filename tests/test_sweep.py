@@ -228,6 +228,8 @@ def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path):
         (error,) = (row["error"] for row in store.rows() if row["error"])
     assert "overlap" in error
     assert list(np.isnan(sweep.gather(tmp_path / "a.db", "c_x")[0])) == [True, False]
+    with pytest.warns(RuntimeWarning, match="^1 of 2 runs are missing in .*a.db, or have failed$"):
+        sweep.to_xarray(tmp_path / "a.db", "c_x")
 
 
 def test_a_dead_worker_costs_nothing_but_time(tmp_path, reference):
