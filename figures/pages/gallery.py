@@ -54,9 +54,13 @@ templates.globals |= {
 
 def claims_page(report: dict[str, Any]) -> str:
     """The verdicts as a page: a table, then a section for each claim."""
-    from ..lib.runs import ASSUMED_NAME, LAW_NAME  # late: it compiles
+    from ..claims import any_rods  # late: it compiles
+    from ..lib import runs
 
-    words = {"report": report, "law": LAW_NAME, "assumed": ASSUMED_NAME}
+    quick = report["provenance"]["quick"]
+    words = {"report": report, "law": runs.LAW_NAME, "assumed": runs.ASSUMED_NAME}
+    words |= {"starts": len(runs.SEEDS["start.seed"]), "periods": runs.periods_of(quick)}
+    words |= {"kinds_deg": any_rods.TILTS_DEG[quick], "kinds_periods": any_rods.PERIODS[quick]}
     return templates.get_template("claims.md.jinja").render(words)
 
 
