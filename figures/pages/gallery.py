@@ -18,6 +18,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from impact import InputError
 
+from .. import load
 from ..claims import judge, limits
 from ..cost.effect_prices import plus_minus
 from ..cost.price_page import CHECKED
@@ -35,6 +36,17 @@ def _time(seconds: float) -> str:
     return f"{value:.{1 if value < 10 else 0}f} {unit}"
 
 
+def _runs_of(figure: str, quick: bool) -> list[str]:
+    """Starts and periods of each sweep of a figure, in words."""
+    module = load(figure)
+    sweeps = module.sweeps(quick) if hasattr(module, "sweeps") else {}
+    found = []
+    for name, sweep in sweeps.items():
+        starts = {point.scene.start.seed for point in sweep.points}
+        found.append(f"{name} {len(starts)} x {sweep.points[0].periods}")
+    return found
+
+
 templates = Environment(
     loader=PackageLoader("figures.pages"),
     autoescape=lambda name: bool(name and name.endswith(".html")),
@@ -45,7 +57,7 @@ templates = Environment(
 )
 templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limits_shown}
 templates.globals |= {"verdicts": limits.VERDICTS, "fails": limits.FAILS, "pm": plus_minus}
-templates.globals["one_state_deg"] = limits.ONE_STATE_DEG
+templates.globals |= {"one_state_deg": limits.ONE_STATE_DEG, "runs_of": _runs_of}
 templates.globals |= {"checked": CHECKED, "counts": judge.counts, "counted": judge.counted}
 templates.globals |= {
     name: getattr(judge, name) for name in ("statements", "summary", "regions", "numbers")
@@ -58,7 +70,7 @@ def claims_page(report: dict[str, Any]) -> str:
     from ..lib import runs
 
     quick = report["provenance"]["quick"]
-    words = {"report": report, "law": runs.LAW_NAME, "assumed": runs.ASSUMED_NAME}
+    words: dict[str, Any] = {"report": report, "law": runs.LAW_NAME, "assumed": runs.ASSUMED_NAME}
     words |= {"starts": len(runs.SEEDS["start.seed"]), "periods": runs.periods_of(quick)}
     words |= {"kinds_deg": any_rods.TILTS_DEG[quick], "kinds_periods": any_rods.PERIODS[quick]}
     return templates.get_template("claims.md.jinja").render(words)
