@@ -37,7 +37,9 @@ COMMANDS = {
 
 
 def test_the_version_stands_in_one_place_and_others_agree():
-    """In `pyproject.toml`; the citation and the newest heading of the change log repeat it."""
+    """In `pyproject.toml`; citations and the newest heading of the change log repeat it."""
+    site = (ROOT / "figures/pages/docs/installation.md").read_text(encoding="utf-8")
+    assert f"version = {{{VERSION}}}" in site
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert re.findall(r"^version: (.+)$", citation, re.M) == [VERSION]
     (released,) = re.findall(r"^date-released: (\d{4}-\d\d-\d\d)$", citation, re.M)
