@@ -7,9 +7,9 @@ by a hash of these and the seed: a tree in which kernels have moved keeps its mu
 which a few kernels have changed keeps the others. MUTANTS and SEED of the environment draw others
 than the first 30. Each mutant is a copy of the tree with one change, on which the tests of its
 package run until the first failure: the test files that import the package, but not those that
-`NOT_OF_KERNELS` names; those that name the function or its module come first. A timeout kills it.
-Before that they must pass on the unchanged code, with an idle line in each file of kernels, so that
-no test objects to any edit at all.
+`NOT_OF_KERNELS` names; those that name the function or its module come first. Before that they
+must pass on the unchanged code, with an idle line in each file of kernels, so that no test objects
+to any edit at all. A mutant on which they take three times as long is killed, too.
 """
 
 import ast
@@ -22,6 +22,7 @@ import sys
 from collections import Counter
 from functools import cache, partial
 from pathlib import Path
+from time import perf_counter
 from typing import NamedTuple
 
 import pytest
@@ -40,7 +41,6 @@ NOT_OF_KERNELS = re.compile(
 LEFT_OUT = "*.pyc", "__pycache__", ".git", ".venv", "out", "build", ".*_cache"
 SEED = os.environ.get("SEED", "1")
 MUTANTS = int(os.environ.get("MUTANTS", "30"))
-MOST_SECONDS = 1800  # of the tests of a mutant
 
 
 class Place(NamedTuple):
@@ -136,15 +136,15 @@ def mutate(tree, place):
     path.write_bytes(b"".join(lines))
 
 
-def exit_status(folder, files, edit):
-    """Exit status of the tests on an edited copy, None after a timeout."""
+def exit_status(folder, files, edit, seconds=None):
+    """Exit status of the tests on an edited copy, None if they take longer than some seconds."""
     clone = folder / "tree"
     shutil.copytree(ROOT, clone, ignore=shutil.ignore_patterns(*LEFT_OUT))
     edit(clone)
     environment = os.environ | {"PYTHONPATH": str(clone), "XDG_CACHE_HOME": str(folder)}
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *files]
     try:
-        return subprocess.run(command, cwd=clone, env=environment, timeout=MOST_SECONDS).returncode
+        return subprocess.run(command, cwd=clone, env=environment, timeout=seconds).returncode
     except subprocess.TimeoutExpired:
         return None
     finally:
@@ -168,17 +168,20 @@ PLACES = sorted(places(ROOT), key=drawn)
 
 @pytest.fixture(scope="module")
 def unchanged(tmp_path_factory):
-    """Fail for a package whose tests do not pass without a mutant."""
+    """Seconds that the tests of a package take without a mutant; they must pass."""
 
     @cache
     def check(package):
         files = files_of(ROOT, next(p for p in PLACES if p.key.startswith(package)))
+        begin = perf_counter()
         assert exit_status(tmp_path_factory.mktemp("unchanged"), files, idle) == 0
+        return perf_counter() - begin
 
     return check
 
 
 @pytest.mark.parametrize("place", PLACES[:MUTANTS], ids=str)
 def test_a_mutant_is_killed(place, tmp_path, unchanged):
-    unchanged(place.key.partition(".")[0])
-    assert exit_status(tmp_path, files_of(ROOT, place), partial(mutate, place=place)) != 0
+    seconds = 3 * unchanged(place.key.partition(".")[0])
+    edit = partial(mutate, place=place)
+    assert exit_status(tmp_path, files_of(ROOT, place), edit, seconds) != 0
