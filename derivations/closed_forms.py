@@ -124,6 +124,10 @@ def _of_levers(form: sp.Expr) -> sp.Expr:
     return sp.expand(form)
 
 
+_TURNED = FIRST[X] * SECOND[Z] - SECOND[X] * FIRST[Z]
+_PAIR = {str(letter): _of_levers(form) for letter, form in pairs.mobility().items()}
+_PAIR["cross"] = _of_levers(_TURNED / (FIRST[k] * SECOND[k]))
+
 FUNCTIONS: tuple[Function, ...] = (
     # ---- the impact map ----
     Function("approach", approach),
@@ -233,12 +237,11 @@ FUNCTIONS: tuple[Function, ...] = (
         "flat_rod", lambda: _rod(bodies.flat_contact(), sp.expand, bodies.cylinder_gyration())
     ),
     # ---- two bodies that meet ----
+    Function("pair_mobility", lambda: _PAIR),
     Function(
-        "pair_mobility",
-        lambda: {
-            letter: _of_levers(form)
-            for letter, form in {**pairs.mobility(), "D": pairs.determinant()}.items()
-        },
+        "pair_determinant",
+        lambda: {"D": _of_levers(pairs.determinant())},
+        meaning={LETTERS[name]: form for name, form in _PAIR.items()},
     ),
     Function(
         "pair_change",

@@ -384,7 +384,10 @@ CODE = (
     Code(
         tag="kernel: twice the digits",
         what="Sum, product and quotient in twice the digits: no rounding is left of first order",
-        shown=("total", "carried", "twofold_sum", "twofold_product", "twofold_quotient"),
+        shown=(
+            *("total", "carried", "twofold_sum"),
+            *("twofold_of_product", "twofold_product", "twofold_quotient"),
+        ),
         wrong=wrong_twofold,
         tried="every rounding followed to first order",
     ),

@@ -86,17 +86,24 @@ def twofold_sum(a, a_low, b, b_low):
     return total(a, b, a_low + b_low)
 
 
+def twofold_of_product(p, error, a, a_low, b, b_low):
+    """Product of two numbers in twice the digits, from that of the rounded ones."""
+    low = error + (a * b_low + a_low * b)
+    return p, low
+
+
 def twofold_product(a, a_low, b, b_low):
     """Product of two numbers in twice the digits."""
     p, error = two_product(split(a), split(b))
-    return carried(p, error + (a * b_low + a_low * b))
+    return twofold_of_product(p, error, a, a_low, b, b_low)
 
 
 def twofold_quotient(a, b):
     """Quotient of two rounded numbers in twice the digits."""
     q = a / b
     p, error = two_product(split(q), split(b))
-    return carried(q, ((a - p) - error) / b)
+    low = ((a - p) - error) / b
+    return q, low
 
 
 def lacking(q, a_low, b, b_low):

@@ -1,31 +1,46 @@
 """Numbers in twice the digits, for sums that may cancel."""
 
-from ._kernel import twofold_product, twofold_quotient, twofold_sum
+from functools import cached_property
+from typing import Any
+
+from ._kernel import split, two_product, two_sum, twofold_of_product, twofold_quotient, twofold_sum
 
 
 class Twofold:
-    """A number as the sum of a rounded one and what that lacks.
+    """A number as the sum of a rounded one and what that lacks, nothing if it is exact.
 
-    The functions of `_generated` run on it as on any number.
+    The functions of `_generated` run on it as on any number. Of exact numbers is left out what
+    would change no digit; each is split once.
     """
 
-    def __init__(self, high, low=None):
-        self.high, self.low = high, 0.0 * high if low is None else low
+    def __init__(self, high: Any, low: Any = None) -> None:
+        self.high, self.exact = high, low is None
+        self.low: Any = 0.0 if low is None else low
+
+    @cached_property
+    def parts(self):
+        """The rounded number with its halves."""
+        return split(self.high)
 
     def __getitem__(self, index):
-        return Twofold(self.high[index], self.low[index])
+        return Twofold(self.high[index], None if self.exact else self.low[index])
 
     def __neg__(self):
-        return Twofold(-self.high, -self.low)
+        return Twofold(-self.high, None if self.exact else -self.low)
 
     def __add__(self, other):
+        if self.exact and other.exact:
+            return Twofold(*two_sum(self.high, other.high))
         return Twofold(*twofold_sum(self.high, self.low, other.high, other.low))
 
     def __sub__(self, other):
         return self + -other
 
     def __mul__(self, other):
-        return Twofold(*twofold_product(self.high, self.low, other.high, other.low))
+        p, error = two_product(self.parts, other.parts)
+        if self.exact and other.exact:
+            return Twofold(p, error)
+        return Twofold(*twofold_of_product(p, error, self.high, self.low, other.high, other.low))
 
 
 def quotient(a, b):

@@ -129,13 +129,16 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     along, up = Twofold(-Z) * turn, Twofold(X) * turn
     u, v = ((c[0] - c[1]) + (arm[0] - arm[1]) for c, arm in ((c_x, along), (c_z, up)))
     levers = Twofold(light), quotient(X, k), quotient(Z, k)
-    A, B, C, D = closed.pair_mobility(*(part[i] for i in range(2) for part in levers))
+    A, B, C, cross = closed.pair_mobility(*(part[i] for i in range(2) for part in levers))
+    D = closed.pair_determinant(light[0], light[1], A.high, C.high, cross.high)
     side = np.copysign(1.0, select(u.high == 0, B.high, u.high))
     mu = np.minimum(mu, kernel.HUGE_FRICTION)
     B = Twofold(side * B.high, side * B.low)
     held, freed = Twofold(mu) * B, Twofold(mu) * C
-    (N, T), (N_back, T_back) = ((A + held, B + freed), (A - held, B - freed))
-    contact = *(part.high for part in (N, T, N_back, T_back, D, C)), N.low, T.low
+    N, T = A + held, B + freed
+    N_back = (A.high - held.high) + (A.low - held.low)
+    T_back = (B.high - freed.high) + (B.low - freed.low)
+    contact = N.high, T.high, N_back, T_back, D, C.high, N.low, T.low
     velocities = np.abs(u.high), v.high, side * u.low, v.low
 
     j_1, j_2, u_f, v_f, *branch = kernel.phases(final_velocity, velocities, contact, 1.0, epsilon)
