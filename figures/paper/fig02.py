@@ -170,7 +170,7 @@ def _annuli(axes: np.ndarray, d: Data) -> None:
     look = {"angles": "xy", "scale_units": "xy", "scale": 1, "color": "0.3", "width": 0.012}
     arrows = a.quiver(gamma, d["ring_tilt"], 0 * size, size, **look)
     key = {"angle": 90, "labelpos": "E", "coordinates": "axes"}
-    a.quiverkey(arrows, 0.6, 1.06, ARROW_DEG / 2, r"$V_z=V_0/2$", **key)
+    a.quiverkey(arrows, 0.6, 1.09, ARROW_DEG / 2, r"$V_z=V_0/2$", **key)
     _map(a, d["gamma"], d["ring_tilt"], d["ring_kind"])
     names = [rf"$N={n}$" for n in d["ring_count"]]
     looks = dict(enumerate(zip(shades(len(names))[::-1], names, strict=True)))
