@@ -49,9 +49,14 @@ class Page(HTMLParser):
                 self.text[name] += data
 
 
+def as_read(source):
+    """HTML without its marks."""
+    return unescape(re.sub(r"<[^>]+>", "", source))
+
+
 def plain(sentence):
     """A sentence as it can be read on the page."""
-    return unescape(re.sub(r"<[^>]+>", "", to_html(sentence)))
+    return as_read(to_html(sentence))
 
 
 def stands_alone(source, page, *, scripts=False):

@@ -3,12 +3,18 @@
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import impact
+from impact import compiled
 
 from .reference import error_in_ulp, reference_collide
+
+LAWS = "newton", "poisson", "stronge"
+EPS = np.finfo(float).eps
+each_law = pytest.mark.parametrize("law", LAWS)
 
 
 class Impacts(NamedTuple):
@@ -23,6 +29,10 @@ class Impacts(NamedTuple):
     friction: np.ndarray
     restitution: np.ndarray
     plate_velocity: np.ndarray
+
+    def given(self):
+        """As compiled kernels take them."""
+        return compiled.Impacts(**self._asdict())
 
     def arguments(self):
         """As `impact` takes them."""

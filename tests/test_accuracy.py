@@ -12,7 +12,6 @@ import pytest
 
 from . import sampling
 
-LAWS = ("newton", "poisson", "stronge")
 BOUND = 4
 WORST = Path(__file__).parent / "worst_cases.csv"
 
@@ -25,7 +24,7 @@ def _report(errors, impacts, law):
 
 MILLION = [  # minutes each
     pytest.param(sample, 170_000, 43, law, marks=pytest.mark.slow)
-    for law in LAWS
+    for law in sampling.LAWS
     for sample in (sampling.everyday, sampling.wide)
 ]
 

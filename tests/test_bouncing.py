@@ -12,6 +12,8 @@ from impact import ContactGeometry, collide, thin_rod
 from impact.bouncing import TURN, Landings, bounce, record
 from impact.flight import slide_to_lift
 
+from .sampling import each_law
+
 SPHERE = ContactGeometry(0.0, 0.5, sqrt(0.1))
 INELASTIC = {"friction": 0.3, "restitution": 0.0}
 PAPER = {"friction": 0.3, "restitution": 0.65}
@@ -128,7 +130,7 @@ def test_chattering_ends_in_rest(gamma, restitution):
 # The interface
 
 
-@pytest.mark.parametrize("law", ["newton", "poisson", "stronge"])
+@each_law
 def test_any_rod_goes_on(law):
     """Odd geometries, jammed contacts, no losses: it ends, every number finite, nothing below."""
     random = default_rng(8)
@@ -184,7 +186,7 @@ def test_means_are_those_of_the_landings():
     assert np.isnan(bounce(thin_rod(0.3), **{**setting, "rods": 1}).alpha.error)
 
 
-@pytest.mark.parametrize("law", ["newton", "poisson", "stronge"])
+@each_law
 def test_scale_of_lengths_cancels(law):
     setting = {**PAPER, "gamma": 2.5, "landings": 20, "law": law}
     runs = [record(thin_rod(0.4, length), **setting) for length in (1.0, 2.0**300, 2.0**-900)]

@@ -14,8 +14,7 @@ from impact import _generated as closed
 
 from . import sampling
 from .reference import reference_collide
-
-EPS = np.finfo(float).eps
+from .sampling import EPS
 
 
 def ulps(got, want):

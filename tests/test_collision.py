@@ -9,9 +9,7 @@ import impact
 from impact import Regime
 
 from . import sampling
-
-LAWS = ("newton", "poisson", "stronge")
-EPS = np.finfo(float).eps
+from .sampling import EPS, LAWS, each_law
 
 
 @pytest.fixture(params=[sampling.wide, sampling.simple], ids=["wide", "simple"])
@@ -26,7 +24,7 @@ def squared(impacts, hit):
     return np.sum(np.square([*speeds, hit.P_x, hit.P_z]), axis=0)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 def test_impulse_and_energy(impacts, law):
     """In every regime and in the Painleve region: a push within the friction cone, no energy made.
 
@@ -48,7 +46,7 @@ def test_impulse_and_energy(impacts, law):
     assert (np.abs((after - before) / 2 - hit.energy_change) <= rounding).all()
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 def test_units_of_length_and_time_do_not_matter(impacts, law):
     """Powers of two change nothing but exponents, out to 1e-135 and 1e135."""
     length, speed = default_rng(15).integers(-450, 451, (2, impacts.c_x.size))

@@ -12,6 +12,8 @@ from scipy.optimize import brentq
 
 from impact.flight import TURN, advance, departure, landing, slide_to_lift
 
+from .sampling import EPS
+
 # Flights (M13)
 
 
@@ -62,14 +64,19 @@ def _flights(number, seed):
 def test_no_landing_is_missed(number):
     worst, missed = _certify(*_flights(number, number))
     assert missed == 0
-    assert worst < 16 * np.finfo(float).eps  # a few roundings of the plain formula's terms
+    assert worst < 16 * EPS  # a few roundings of the plain formula's terms
 
 
-def _exact_gap(t, speed, phase, gamma):
-    """The gap from the phase and gamma as given, at the working precision of mpmath."""
-    t, speed, phase, gamma = map(mpmath.mpf, (t, speed, phase, gamma))
-    climb = gamma * mpmath.cos(phase)
-    return (speed + climb) * t - t * t / 2 + gamma * (mpmath.sin(phase) - mpmath.sin(phase + t))
+@mpmath.workdps(60)
+def _exact_landing(speed, phase, gamma, guess):
+    """When the gap of these numbers, taken exactly, is zero; not at the take-off."""
+    speed, phase, gamma = map(mpmath.mpf, (speed, phase, gamma))
+    rise = speed + gamma * mpmath.cos(phase)
+
+    def gap(t):
+        return rise * t - t * t / 2 + gamma * (mpmath.sin(phase) - mpmath.sin(phase + t))
+
+    return mpmath.findroot(lambda t: gap(t) / t, guess)
 
 
 @pytest.mark.parametrize("speed", [1e-2, 1e-5, 1e-8, 1e-12])
@@ -78,11 +85,9 @@ def test_small_hop_is_not_the_take_off(speed, phase):
     """The hop 2 r/|h''(0)| to its last digits, where the plain gap is nothing but rounding."""
     gamma = 2.5
     t, v = landing(departure(speed, phase, gamma), phase, gamma)
-    guess = -2 * speed / (gamma * sin(phase) - 1)
-    with mpmath.workdps(60):
-        exact = mpmath.findroot(lambda x: _exact_gap(x, speed, phase, gamma) / x, guess)
+    exact = _exact_landing(speed, phase, gamma, -2 * speed / (gamma * sin(phase) - 1))
     # h''(0) = gamma sin(theta) - 1 and its slope are the data; two roundings of size (1 + gamma)
-    assert abs(t - exact) < 4 * np.finfo(float).eps * (1 + gamma) * exact
+    assert abs(t - exact) < 4 * EPS * (1 + gamma) * exact
     assert v == pytest.approx(-speed, rel=6 * speed + 1e-14)
 
 
@@ -91,10 +96,9 @@ def test_long_flight(speed):
     """Periods above the plate's highest place are skipped, and the landing is still the first."""
     gamma, phase = 3.0, 1.0
     t, v = landing(departure(speed, phase, gamma), phase, gamma)
-    with mpmath.workdps(60):
-        exact = mpmath.findroot(lambda x: _exact_gap(x, speed, phase, gamma), t)
+    exact = _exact_landing(speed, phase, gamma, t)
     # Rounding of t^2/2 and of t times the speed, over the slope of about that speed.
-    assert abs(t - exact) < 4 * np.finfo(float).eps * t
+    assert abs(t - exact) < 4 * EPS * t
     assert v < -0.9 * speed
     if speed == 1e2:
         assert _certify(*map(np.atleast_1d, (speed, phase, gamma)))[1] == 0
@@ -107,7 +111,7 @@ def test_grazing():
     velocities there differ by the square root of the gap of some roundings.
     """
     gamma, touch = 3.0, 7.5  # where the rod is as fast as the plate, which falls away from it
-    height, climb, eps = gamma * sin(touch), gamma * cos(touch), np.finfo(float).eps
+    height, climb = gamma * sin(touch), gamma * cos(touch)
 
     def gap_before(phase):
         t = phase - touch
@@ -116,10 +120,10 @@ def test_grazing():
     phase = brentq(gap_before, 4.9, 5.1, xtol=1e-15)
     speed = climb - (phase - touch) - gamma * cos(phase)
     early, late = (
-        landing(departure(speed * (1 + way * 16 * eps), phase, gamma), phase, gamma)
+        landing(departure(speed * (1 + way * 16 * EPS), phase, gamma), phase, gamma)
         for way in (-1, 1)
     )
-    limit = 10 * sqrt(eps * gamma * early[0] * 2 * (1 + gamma))
+    limit = 10 * sqrt(EPS * gamma * early[0] * 2 * (1 + gamma))
     assert early == pytest.approx((touch - phase, 0), abs=limit)
     assert early[1] <= 0
     rest_of_it, _ = landing(departure(0.0, touch, gamma), touch, gamma)

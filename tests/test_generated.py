@@ -16,6 +16,7 @@ from derivations.equality import random_point
 from impact import compiled
 
 from . import sampling
+from .sampling import each_law
 from .test_public_api import ODD
 
 
@@ -85,31 +86,24 @@ def test_generated_functions_are_their_derivations_and_no_line_may_change():
         line.value = usual
 
 
-LAWS = ("newton", "poisson", "stronge")
-
-
 def _same_bits(a, b):
     for left, right in zip(a, b, strict=True):
-        left, right = np.asarray(left), np.asarray(right)
-        assert left.dtype == right.dtype
-        assert_array_equal(left, right)
+        assert_array_equal(left, right, strict=True)  # also of one type
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 def test_compiled_map_gives_the_same_bits(law):
     i = sampling.wide(100_000, seed=21)
     _same_bits(compiled.collide(**i.arguments(), law=law), i.collide(law))
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 def test_scalar_kernel_gives_the_same_bits(law):
     i = sampling.everyday(200, seed=22)
     want = i.collide(law)
     kernel = getattr(compiled, f"collide_{law}")
     for n in range(200):
-        row = [float(getattr(i, name)[n]) for name in compiled.Impacts._fields]
-        got = kernel(compiled.Impacts(*row))
-        assert got == tuple(part[n] for part in want)
+        assert kernel(compiled.Impacts(**i.row(n))) == tuple(part[n] for part in want)
 
 
 @pytest.mark.parametrize(("size", "c_z"), [(1e-70, -1.0), (1.0, -1e-40), (1e70, -1e-10)])
@@ -132,7 +126,7 @@ def test_kernel_keeps_its_bits_in_a_loop_that_may_reorder_its_own_sums():
 
     i = sampling.wide(10_000, seed=23)
     P_z = np.empty(10_000)
-    run(compiled.Impacts(*(getattr(i, name) for name in compiled.Impacts._fields)), P_z)
+    run(i.given(), P_z)
     assert_array_equal(P_z, i.collide().P_z)
 
 

@@ -10,7 +10,7 @@ from numpy.testing import assert_equal
 
 import impact
 
-from .test_public_api import SENSIBLE, SOLID, call, numbers_of
+from .test_public_api import SOLID, call, each_function, numbers_of
 
 
 def along(index, value):
@@ -24,7 +24,7 @@ def paired(function, **indexes):
     return call(function, **{name: along(index, values[name]) for name, index in indexes.items()})
 
 
-@pytest.mark.parametrize("function", SENSIBLE)
+@each_function
 def test_labels_that_differ_are_refused_and_equal_ones_are_not(function):
     """Whichever two numbers bear them: none are paired by position against their labels."""
     for one, other in combinations(numbers_of(function), 2):

@@ -4,20 +4,18 @@ import inspect
 
 import numpy as np
 import pytest
-import sympy as sp
 from numpy.testing import assert_allclose
+from sympy.core.relational import Relational
 
 import derivations
 import impact
 from derivations import symbols
 from derivations.equality import components, random_point
-from derivations.proof import Equation
-from derivations.registry import ENTRIES
 
-EQUATIONS = [entry for entry in ENTRIES if isinstance(entry, Equation)]
+from .test_derivations import each_equation
 
 
-@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+@each_equation
 def test_a_function_has_the_values_of_what_was_derived(entry):
     """At a random point, by position and by name; what one form lacks cancels in the other."""
     derived = entry.derive()
@@ -29,7 +27,7 @@ def test_a_function_has_the_values_of_what_was_derived(entry):
     with np.errstate(invalid="ignore"):
         value = function(**named)
         assert str(function(*(named[name] for name in names))) == str(value)
-    if isinstance(derived, sp.core.relational.Relational):
+    if isinstance(derived, Relational):
         assert bool(value) == bool(derived.subs(point))
         return
     found = value if isinstance(value, tuple) else (value,)
@@ -38,7 +36,7 @@ def test_a_function_has_the_values_of_what_was_derived(entry):
         assert part == pytest.approx(np.nan if wanted.imag else wanted.real, 1e-10, nan_ok=True)
 
 
-@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+@each_equation
 def test_letters_are_those_of_symbols_and_can_be_put_in(entry):
     forms = [derivations.equation(entry.tag)]
     if entry.printed is None:

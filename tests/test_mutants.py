@@ -9,11 +9,11 @@ import sympy as sp
 
 from derivations import __main__ as cli
 from derivations import axioms, registry, symbols, trace
-from derivations.proof import Equation
+from derivations.lookup import entry_of
 
 from . import mutants
+from .test_derivations import EQUATIONS
 
-EQUATIONS = [entry for entry in registry.ENTRIES if isinstance(entry, Equation)]
 SOURCES = sorted(Path(registry.__file__).parent.glob("*.py"))
 SAMPLE = random.Random(b"".join(path.read_bytes() for path in SOURCES))  # another with every edit
 FEW_STEPS = SAMPLE.sample(sorted(trace.STEPS), 4)
@@ -68,12 +68,12 @@ def test_a_derivation_that_cannot_be_computed_is_a_row_and_exit_code_one(
     monkeypatch, capsys, tmp_path, command
 ):
     monkeypatch.chdir(tmp_path)
-    (entry,) = (entry for entry in EQUATIONS if entry.tag == "24")
-    monkeypatch.setattr(registry, "ENTRIES", (entry,))
+    monkeypatch.setattr(registry, "ENTRIES", (entry_of("24"),))
     with mutants.bent("drift.stationary", lambda value: value / 0):
         assert cli.main([command]) == 1
     printed = capsys.readouterr().out
     assert "NOT PROVED" in printed
+    assert "this failed: " in printed
     assert "1 entries: 1 agrees; 1 not proved" in printed
     assert not list(tmp_path.rglob("*.html"))
 
@@ -89,9 +89,8 @@ def test_what_an_equation_rests_on_is_computed():
     assert rests["[12]: mass"] == set()
     used = set().union(*rests.values())
     assert used == {axiom.tag for axiom in axioms.AXIOMS}
-    (slide,) = (entry for entry in EQUATIONS if entry.tag == "8")
     with mutants.derived_again("axiom", "1"):
-        assert set(slide.rests_on) == rests["8"]
+        assert set(entry_of("8").rests_on) == rests["8"]
 
 
 def test_what_says_the_same_is_told_apart():

@@ -10,9 +10,7 @@ import impact
 from impact import Body, Regime, collide_pair
 
 from .reference import reference_pair
-
-LAWS = ("newton", "poisson", "stronge")
-ULP = np.finfo(float).eps
+from .sampling import EPS, each_law
 
 
 def pairs(n, seed, decades=3.0, alike=0.0):
@@ -36,7 +34,7 @@ def pairs(n, seed, decades=3.0, alike=0.0):
     return first, second, {"friction": friction, "restitution": rng.uniform(0, 1, n)}
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 @pytest.mark.parametrize("alike", [0.0, 0.99])
 def test_impulses_are_those_of_a_walk_in_impulse_space(law, alike):
     """Masses, sizes and speeds over six decades; and where speeds, levers or responses cancel."""
@@ -49,11 +47,11 @@ def test_impulses_are_those_of_a_walk_in_impulse_space(law, alike):
         numbers = {name: float(column[i]) for name, column in how.items()}
         want = reference_pair(*bodies, **numbers, law=law)
         for got, exact, scale in zip(found[:, i], want.outcome, want.scales, strict=True):
-            assert abs(mpf(float(got)) - exact) <= 16 * ULP * scale
+            assert abs(mpf(float(got)) - exact) <= 16 * EPS * scale
         assert hit.regime[i] == want.regime or min(want.margins) < 1e-13
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 def test_a_body_on_an_infinitely_heavy_one_is_a_rod_on_a_plate(law):
     """The plate's own shape and place do not matter; its velocity does."""
     body, plate, how = pairs(20_000, seed=42, decades=2.0)
@@ -68,7 +66,7 @@ def test_a_body_on_an_infinitely_heavy_one_is_a_rod_on_a_plate(law):
     assert_array_equal(np.broadcast_arrays(*hit.second), np.broadcast_arrays(*moving))
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 def test_which_body_is_the_first_does_not_matter(law):
     """Bit for bit: exchanged and turned by half a turn; and mirrored."""
     *bodies, how = pairs(20_000, seed=44, alike=0.5)
@@ -150,5 +148,5 @@ def test_bodies_of_one_frame_meet_across_a_normal_at_any_angle():
         return np.sin(angle) * (u[0] - v[0]) + np.cos(angle) * (u[1] - v[1])
 
     momentum = [sum(map(kept, bodies)) for bodies in (before, after)]
-    assert_allclose(*momentum, atol=30 * ULP)
-    assert_allclose(parting(*after), -HOW["restitution"] * parting(*before), atol=30 * ULP)
+    assert_allclose(*momentum, atol=30 * EPS)
+    assert_allclose(parting(*after), -HOW["restitution"] * parting(*before), atol=30 * EPS)

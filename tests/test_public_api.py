@@ -40,6 +40,7 @@ SENSIBLE = {
     "landing_density": {"phase": 1.0, "fall_speed": 1.0},
 }
 NO_NUMBERS = {"law", "density", "points"}
+each_function = pytest.mark.parametrize("function", SENSIBLE)
 
 
 def numbers_of(function):
@@ -75,6 +76,7 @@ def is_invalid(part):
 
 
 NUMBERS = [(function, name) for function in SENSIBLE for name in numbers_of(function)]
+each_number = pytest.mark.parametrize(("function", "name"), NUMBERS)
 BAD = {
     "friction": [-0.1],
     "restitution": [-0.1, 1.5],
@@ -100,7 +102,7 @@ def test_every_argument_of_every_function_is_walked_through():
     assert arguments == {name: given.keys() for name, given in SENSIBLE.items()}
 
 
-@pytest.mark.parametrize(("function", "name"), NUMBERS)
+@each_number
 def test_what_is_out_of_its_domain(function, name):
     """A scalar is named, but nan and inf give nan; so do elements, and those beside keep theirs."""
     kind = name.rpartition(".")[2]
@@ -118,7 +120,7 @@ def test_what_is_out_of_its_domain(function, name):
         assert part[-1] == scalar
 
 
-@pytest.mark.parametrize(("function", "name"), NUMBERS)
+@each_number
 def test_what_is_no_number_is_named(function, name):
     for value in ("fast", None, 1j, [[1], [2, 3]], object()):
         with pytest.raises(impact.InputError, match=f"{name} must be a real number"):
@@ -157,7 +159,7 @@ def test_no_warning_ever(function, law):
         call(function, **given, **law)
 
 
-@pytest.mark.parametrize("function", SENSIBLE)
+@each_function
 def test_shapes_broadcast_and_scalars_stay_scalars(function):
     scalar = computed(function)
     assert {type(part) for part in scalar} <= {np.float64, Regime}
@@ -171,7 +173,7 @@ def test_shapes_broadcast_and_scalars_stay_scalars(function):
             assert_array_equal(part, np.full(wanted, one))
 
 
-@pytest.mark.parametrize("function", SENSIBLE)
+@each_function
 def test_dtypes(function):
     """Single precision where all arguments have it, but for Python's and float64 numbers."""
     first, *_ = numbers_of(function)

@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 from matplotlib.colors import to_hex
 from matplotlib.text import Annotation
+from sympy.core.relational import Relational
 
 from derivations import (
     closed_forms,
@@ -23,20 +24,17 @@ from derivations import (
     typeset,
 )
 from derivations.equality import components, equal, equal_at_random_points, same
-from derivations.proof import Equation, told
+from derivations.lookup import entry_of
+from derivations.proof import told
 
 from .page import Page, plain, stands_alone
+from .test_derivations import EQUATIONS, each_entry, each_equation
 
 CHILDREN = {"mfrac": 2, "msub": 2, "msup": 2, "mroot": 2, "msubsup": 3, "mover": 2, "munderover": 3}
 KNOWN = {"math", "mrow", "mi", "mn", "mo", "mspace", "msqrt", "mtable", "mtr", "mtd", *CHILDREN}
-EQUATIONS = [e for e in registry.ENTRIES if isinstance(e, Equation)]
-each_entry = pytest.mark.parametrize("entry", registry.ENTRIES, ids=lambda entry: entry.tag)
-each_equation = pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
-
-
-def entry_of(tag):
-    (entry,) = (entry for entry in EQUATIONS if entry.tag == tag)
-    return entry
+each_function = pytest.mark.parametrize(
+    "function", closed_forms.FUNCTIONS, ids=lambda function: function.name
+)
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +143,7 @@ def test_formulas_in_sentences_are_marked(entry, lines):
 
 @each_equation
 def test_what_reads_best_has_the_derived_value(entry):
-    conditional = isinstance(entry.derive(), sp.core.relational.Relational)
+    conditional = isinstance(entry.derive(), Relational)
     assert (same if conditional else equal)(entry.readable(), entry.derive())
 
 
@@ -171,7 +169,7 @@ def test_what_can_be_read_is_what_is_meant(entry):
             assert equal_at_random_points(read.doit(), part.doit())
 
 
-@pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
+@each_function
 def test_what_can_be_read_of_a_function_is_what_is_generated(function):
     body, _ = function.body
     for expr in body.values():
@@ -179,7 +177,7 @@ def test_what_can_be_read_of_a_function_is_what_is_generated(function):
         assert equal_at_random_points(read, expr)
 
 
-@pytest.mark.parametrize("function", closed_forms.FUNCTIONS, ids=lambda function: function.name)
+@each_function
 def test_functions_show_rules_reasons_and_operations(page, function):
     _, steps = function.body
     text = page.text[f"function-{function.name.replace('_', '-')}"]
@@ -240,7 +238,7 @@ def test_colours_of_a_caption_are_those_of_the_lines():
         assert f"{color}: {entry_of(tag).what} ({tag})" in caption
 
 
-@pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+@each_equation
 def test_no_fraction_stands_in_a_fraction(entry):
     """Nor a power with a minus sign."""
     for _, form in report.forms(entry):
@@ -263,14 +261,15 @@ def test_steps_lead_to_the_entry(page, lines):
     assert not lines["IV: restitution"]
 
 
-@pytest.mark.parametrize("tag", [entry.tag for entry in EQUATIONS])
-def test_every_step_has_a_sentence_and_an_equation(tag, lines):
+@each_equation
+def test_every_step_has_a_sentence_and_an_equation(entry, lines):
     """A step cites an entry, or shows an equation with a left side; the last may be the result."""
-    assert lines[tag] or not tag.isdigit() or tag == "1"
-    for line in lines[tag]:
+    steps = lines[entry.tag]
+    assert steps or not entry.tag.isdigit() or entry.tag == "1"
+    for line in steps:
         assert line.text
         assert line.tags or all("=" in "".join(tex) for tex in line.formulas)
-        assert line.formulas or line.tags or line == lines[tag][-1]
+        assert line.formulas or line.tags or line == steps[-1]
 
 
 def test_every_section_with_equations_has_its_text(source):

@@ -13,29 +13,33 @@ from figures.paper import fig11
 x = sp.Symbol("x")
 
 
-def test_words_are_those_of_the_numbers():
+def test_numbers_are_told_as_long_as_they_are_asked_for():
     assert lecture.number(sp.Rational(2, 3), 4) == "0.6667"
     assert lecture.degrees(sp.pi / 7, 2) == "25.71 degrees"
-    for words, other, form in (
-        ("largest", "least", -((x - 1) ** 2)),
-        ("below", "above", 1 - x),
-    ):
-        assert lecture.so(words, form, x, sp.S.One) == words
-        with pytest.raises(ValueError, match=f"not so: {other}"):
-            lecture.so(other, form, x, sp.S.One)
-    for words, other, claimed in (
-        ("negative", "positive", -X),
-        ("never positive", "positive", [-mu, sp.S.Zero]),
-    ):
-        assert lecture.so(words, claimed) == words
-        with pytest.raises((ValueError, TypeError)):
-            lecture.so(other, claimed)
-    for truth, form in ((True, 2 - x), (False, x - 2)):
-        assert lecture.falls(form, x, sp.Integer(2)) == truth
-    for truth, form in ((True, -((x - 1) ** 2)), (False, (x - 1) ** 2), (False, x)):
-        assert lecture.largest(form, x, sp.S.One) == truth
-    for truth, form in ((True, -X), (False, X * Z + mu), (False, X - Z)):
-        assert lecture.negative(form) == truth
+
+
+@pytest.mark.parametrize(
+    ("words", "other", "claimed"),
+    [
+        ("largest", "least", (-((x - 1) ** 2), x, sp.S.One)),
+        ("below", "above", (1 - x, x, sp.S.One)),
+        ("negative", "positive", (-X,)),
+        ("never positive", "positive", ([-mu, sp.S.Zero],)),
+    ],
+)
+def test_words_are_those_of_the_numbers(words, other, claimed):
+    assert lecture.so(words, *claimed) == words
+    with pytest.raises((ValueError, TypeError)):
+        lecture.so(other, *claimed)
+
+
+def test_what_is_asked_of_forms():
+    assert lecture.falls(2 - x, x, sp.Integer(2))
+    assert not lecture.falls(x - 2, x, sp.Integer(2))
+    assert lecture.largest(-((x - 1) ** 2), x, sp.S.One)
+    assert not any(lecture.largest(form, x, sp.S.One) for form in ((x - 1) ** 2, x))
+    assert lecture.negative(-X)
+    assert not any(map(lecture.negative, (X * Z + mu, X - Z)))
 
 
 def defaults(function):
