@@ -7,7 +7,35 @@ import sys
 import time
 from pathlib import Path
 
+import psutil
+import pytest
+
 ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "figures/pages/docs"
+PACKAGES = "derivations", "figures", "impact", "md"
+each_signal = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+
+
+def called(*words, **options):
+    """Run a command; return its exit code and output, as text."""
+    return subprocess.run(words, capture_output=True, text=True, **options)
+
+
+def python(*words, cwd=ROOT, **environment):
+    """Run a command of this interpreter, which finds these packages; see `called`."""
+    env = os.environ | {"PYTHONPATH": str(ROOT)} | environment
+    return called(sys.executable, *words, cwd=cwd, env=env)
+
+
+def left(folder):
+    """Processes that still work in a folder, after a while."""
+    mine = [p for p in psutil.process_iter(["cwd"]) if p.info["cwd"] == str(folder)]
+    return psutil.wait_procs(mine, timeout=10)[1]
+
+
+def names_in(folder):
+    """Names of what a folder holds."""
+    return {path.name for path in folder.iterdir()}
 
 
 def refused(call, word, capsys):

@@ -5,18 +5,16 @@ import importlib
 import inspect
 import os
 import re
-import subprocess
 import sys
 from enum import Enum
-from pathlib import Path
 from types import FunctionType
 
 import matplotlib.pyplot as plt
 import pytest
 
-import impact
+from .command_line import PACKAGES, ROOT, called
+from .test_imports import modules
 
-PACKAGES = ("derivations", "figures", "impact", "md")
 # The public modules; of each, what `__all__` holds is public, and nothing else is.
 PUBLIC = [
     "derivations",
@@ -154,19 +152,16 @@ def test_a_script_under_strict_mypy_has_numbers_and_arrays(tmp_path):
     """No Any where a field of a result is read; a misspelt name is still told."""
     (tmp_path / "script.py").write_text(TYPED)
     exec(compile(TYPED.rpartition("\nimpact.")[0], "script", "exec"), {})
-    command = [sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "script.py"]
-    path = {"MYPYPATH": str(Path(impact.__file__).parents[1])}
-    told = subprocess.run(command, cwd=tmp_path, env=os.environ | path, capture_output=True)
-    assert told.returncode == 0, told.stdout.decode()
+    words = sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "script.py"
+    told = called(*words, cwd=tmp_path, env=os.environ | {"MYPYPATH": str(ROOT)})
+    assert told.returncode == 0, told.stdout
 
 
 def with_examples():
     """Modules whose text holds an example."""
-    root = Path(impact.__file__).parents[1]
-    files = (file for package in PACKAGES for file in sorted((root / package).rglob("*.py")))
-    found = (file for file in files if ">>> " in file.read_text(encoding="utf-8"))
-    names = (".".join(file.relative_to(root).with_suffix("").parts) for file in found)
-    return [name.removesuffix(".__init__") for name in names]
+    files = (item for package in PACKAGES for item in modules(ROOT, package).items())
+    found = (name for name, file in files if ">>> " in file.read_text(encoding="utf-8"))
+    return [name.removesuffix(".__init__") for name in found]
 
 
 @pytest.mark.parametrize("name", with_examples())
@@ -182,7 +177,7 @@ def test_examples_run(name, tmp_path, monkeypatch):
 @pytest.mark.parametrize("package", PACKAGES)
 def test_the_layout_names_every_file(package):
     """In the left column of the package's docstring; a folder stands for the modules in it."""
-    folder = Path(impact.__file__).parents[1] / package
+    folder = ROOT / package
     layout = re.split(
         r"^Files, as one reads them\n-+\n", importlib.import_module(package).__doc__, flags=re.M
     )[1]

@@ -5,7 +5,6 @@ import math
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -13,6 +12,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
 
 import impact
@@ -22,7 +22,7 @@ from figures.pages import gallery, movie
 from figures.pages.explore import CHOICES, RANGES, ROWS, WORDS, Setting
 from md.host import prepare
 
-from .command_line import ROOT
+from .command_line import DOCS, ROOT, called
 from .page import Page, stands_alone
 from .test_help import ALL, GROUPS
 
@@ -97,8 +97,8 @@ def check(changes, shown):
 
 @pytest.mark.skipif(not NODE, reason="no node to run the script")
 def test_a_slider_shows_what_impact_says(path):
-    words = [NODE, str(Path(__file__).with_name("browser.js")), str(path), json.dumps(CHANGES)]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+    script = Path(__file__).with_name("browser.js")
+    done = called(NODE, script, path, json.dumps(CHANGES), timeout=60)
     assert (done.returncode, done.stderr) == (0, "")
     address, *lines, played, keys = map(json.loads, done.stdout.splitlines())
     assert address == [4, START["tilt_deg"]]  # of nonsense nothing is taken
@@ -147,7 +147,6 @@ def test_the_options_are_the_start(tmp_path):
 # README and guide
 
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
-DOCS = ROOT / "figures/pages/docs"
 GUIDE = "\n".join(page.read_text(encoding="utf-8") for page in sorted(DOCS.glob("*.md")))
 EXAMPLES = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", TEXT, re.DOTALL)
 SCRIPTS = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)
@@ -222,7 +221,7 @@ def test_commands_and_targets_that_are_named_exist():
     assert len(named) > 8
     assert named <= {tuple(name.split()) for name in ALL}
     for target in re.findall(r"(?:^    |`)make (\w+)", TEXT + GUIDE, re.M):
-        assert subprocess.run(["make", "-n", target], cwd=ROOT, capture_output=True).returncode == 0
+        assert called("make", "-n", target, cwd=ROOT).returncode == 0
 
 
 LINKED = [ROOT / "README.md", *sorted(gallery.GALLERY.glob("*.md")), *sorted(DOCS.rglob("*.md"))]
@@ -282,9 +281,9 @@ def test_film_is_the_run(film):
     engine = prepare(film.scene, ledger=False, touches=False)
     engine.go(29 * engine.per)
     at = np.flatnonzero(film.time == 29)[0]
-    np.testing.assert_array_equal(film.x[at], engine.rods[:, 0])
-    np.testing.assert_array_equal(film.z[at], engine.rods[:, 1])
-    np.testing.assert_allclose(np.tan(film.tilt[at]), engine.rods[:, 2] / engine.rods[:, 3])
+    assert_array_equal(film.x[at], engine.rods[:, 0])
+    assert_array_equal(film.z[at], engine.rods[:, 1])
+    assert_allclose(np.tan(film.tilt[at]), engine.rods[:, 2] / engine.rods[:, 3])
     assert film.pictures == 90
     assert np.all(film.tips.min(axis=1) > film.plate - 0.02)
 
@@ -300,11 +299,11 @@ def test_picture_shows_each_rod_where_it_is(film):
         trail = picture.trail.get_segments()
     finally:
         plt.close(picture.figure)
-    np.testing.assert_allclose(drawn, axes)
-    np.testing.assert_allclose(np.linalg.norm(axes[:, 1] - axes[:, 0], axis=1), 8.5)
+    assert_allclose(drawn, axes)
+    assert_allclose(np.linalg.norm(axes[:, 1] - axes[:, 0], axis=1), 8.5)
     centres = axes.mean(axis=1)[:, 0]
     off = (centres - film.x[80 * film.every][number]) / 7
-    np.testing.assert_allclose(off, np.round(off), atol=1e-9)
+    assert_allclose(off, np.round(off), atol=1e-9)
     assert sorted(number[(centres >= 0) & (centres < 7)]) == [0, 1, 2, 3, 4]
     assert len(trail) > 1
     assert all(np.all(np.abs(np.diff(part[:, 0])) < 1) for part in trail)

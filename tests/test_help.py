@@ -14,9 +14,8 @@ import pytest
 import figures
 import md
 
-from .command_line import refused
+from .command_line import PACKAGES, python, refused
 
-PACKAGES = ("derivations", "figures", "impact", "md")
 GROUPS = {name: importlib.import_module(f"{name}.__main__").main for name in PACKAGES}
 # Beginnings of examples that take a second at most; the others are read, not run.
 CHEAP = ("md impact", "figures list", "md run my_rods --periods")
@@ -127,7 +126,8 @@ def test_a_mistake_of_ours_keeps_its_traceback(failing, error):
 def test_help_is_cheap():
     """No command of these packages needs Numba, SciPy or Matplotlib to explain itself."""
     code = "import sys, impact.__main__, figures.__main__; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = python("-c", code)
+    assert done.returncode == 0
     assert not {"matplotlib", "md", "numba", "scipy", "sympy"} & {*done.stdout.split()}
 
 

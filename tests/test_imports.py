@@ -2,12 +2,11 @@
 
 import ast
 from graphlib import TopologicalSorter
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
-PACKAGES = "md", "impact", "figures", "derivations"
+from .command_line import PACKAGES, ROOT
+
 BORDERS = {  # that `impact` does not load Numba by itself, `test_help` shows
     "impact": {"sympy", "derivations", "md", "scipy", "matplotlib", "figures"},
     "derivations": {"impact", "md", "figures", "matplotlib", "numba"},

@@ -11,7 +11,6 @@ from contextlib import suppress
 from functools import partial
 
 import numpy as np
-import psutil
 import pytest
 from numba.extending import overload
 from numpy.random import default_rng
@@ -27,7 +26,7 @@ from md.host import prepare
 from md.kernels import single
 from md.laws import effects_of
 
-from .command_line import ROOT, ended
+from .command_line import ROOT, each_signal, ended, left, python
 from .rows import go, row
 
 
@@ -198,7 +197,7 @@ def exit_code(monkeypatch, work):
     return end.value.code
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@each_signal
 def test_commands_end_with_130_and_one_line(number, monkeypatch, capsys):
     assert exit_code(monkeypatch, lambda: signal.raise_signal(number)) == 130
     assert capsys.readouterr().err == "it work: interrupted: what was finished is kept\n"
@@ -259,13 +258,7 @@ def test_a_file_that_is_not_finished_is_not_there(tmp_path):
 )
 def test_without_the_compiler(command, code, tmp_path):
     """What Python can do it does, slowly; what it cannot is said without a traceback."""
-    done = subprocess.run(
-        [sys.executable, "-m", *command.split()],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT)},
-    )
+    done = python("-m", *command.split(), cwd=tmp_path, NUMBA_DISABLE_JIT="1")
     assert done.returncode == code
     assert bool(done.stdout) == (code == 0)
     assert ("NUMBA_DISABLE_JIT is set" in done.stderr) == (code > 0)
@@ -317,7 +310,7 @@ LONG = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@each_signal
 @pytest.mark.parametrize("name", LONG)
 def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
     """While it compiles, half of the times, or runs; nothing is left beside the results."""
@@ -331,5 +324,4 @@ def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
         assert code == 130
         assert error.count("\n") in ((0, 1) if name == "run" else (1,))  # or a result
         assert not [file for file in folder.iterdir() if ".part" in file.name]
-        mine = [p for p in psutil.process_iter(["cwd"]) if p.info["cwd"] == str(folder)]
-        assert not psutil.wait_procs(mine, timeout=10)[1]
+        assert not left(folder)

@@ -5,7 +5,6 @@ import inspect
 import json
 import re
 import shutil
-import subprocess
 import textwrap
 
 import numpy as np
@@ -19,6 +18,8 @@ from derivations.__main__ import main
 from derivations.languages import FUNCTIONS, LAWS, RECORDS
 
 from . import sampling, test_pairs
+from .command_line import called
+from .sampling import each_law
 
 CC = shutil.which("cc")
 STRICT = "-std=c99 -pedantic -Wall -Wextra -Wconversion -Wshadow -Wdouble-promotion -Werror -O2"
@@ -86,8 +87,7 @@ def built(folder, name, text, flags):
     """Path of what is compiled from a text."""
     (folder / f"{name}.c").write_text(text)
     command = [CC, *flags.split(), "-o", folder / name, folder / f"{name}.c", "-lm"]
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
-    assert done.returncode == 0
+    assert called(*command).returncode == 0
     return str(folder / name)
 
 
@@ -146,25 +146,19 @@ def impacts(n, seed):
     return i
 
 
-def columns(i):
-    """Numbers of impacts in the order of the record `given`."""
-    names = ["c_x", "c_z", "omega", "plate_velocity", "X", "Z", "k", "friction", "restitution"]
-    return [getattr(i, name) for name in names]
-
-
 def same(found, wanted):
     """Every number to the last bit, but for what infinite friction leaves of zero."""
     for i, (got, want) in enumerate(zip(found, wanted, strict=True)):
         assert_allclose(got, want, rtol=0, atol=1e-140, err_msg=f"number {i}")
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 def test_an_impact_has_the_same_bits(run, law):
     call, n = run
     i = impacts(n, seed=71)
     want = i.collide(law)
     assert np.bincount(want.regime, minlength=4).min() > n / 100
-    same(call("collide", law, columns(i)), want)
+    same(call("collide", law, i.given()), want)
 
 
 def same_pairs(call, law, first, second, how):
@@ -175,7 +169,7 @@ def same_pairs(call, law, first, second, how):
     return want.regime
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 def test_an_impact_of_two_bodies_has_the_same_bits(run, law):
     """Also where speeds, levers or responses cancel, against a wall, and of two walls."""
     call, n = run
@@ -190,7 +184,7 @@ def test_the_path_turns_where_forward_slip_ends(run):
     """Straight on in a slide; at no slip else, and as far as all laws go together."""
     call, n = run
     i = impacts(n, seed=73)
-    u, v, P_x, P_z = call("path", LAWS[0], columns(i))
+    u, v, P_x, P_z = call("path", LAWS[0], i.given())
     hit, finite = i.collide(), np.isfinite(i.friction)
     slides, stops = (finite & (hit.regime == code) for code in (1, 2))
     assert_array_equal(P_z[slides], hit.P_z[slides])
@@ -237,7 +231,7 @@ def test_the_example_of_the_header_prints_what_python_finds(header):
     text = (header / "rod_impact.h").read_text()
     example = re.search(r"( {4}#include <stdio.h>\n.*?\n {4}}\n)", text, re.DOTALL)[1]
     program = built(header, "example", textwrap.dedent(example), STRICT)
-    printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+    printed = called(program, check=True).stdout
     rod = impact.spherocylinder(0.35, 8.0)
     after = impact.collide(1.0, -2.0, geometry=rod, friction=0.3, restitution=0.65)
     ball, rest = (1.0, 0.63, 0.0, 1.0, 0.0, -1.0, 2.0), (1.0, 0.63, 0.0, -1.0, 0.0, 0.0, 0.0)
@@ -251,7 +245,7 @@ def test_the_example_of_the_header_prints_what_python_finds(header):
     )
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 def test_what_is_out_of_its_domain_is_invalid_as_in_python(run, law):
     """Or has the same bits, where one number in ten is odd."""
     call, _ = run
@@ -264,7 +258,7 @@ def test_what_is_out_of_its_domain_is_invalid_as_in_python(run, law):
     i = sampling.Impacts(*map(spoiled, sampling.everyday(4_000, seed=76)))
     want = i.collide(law)
     assert 0.3 < np.mean(want.regime == impact.Regime.INVALID) < 0.7
-    same(call("collide", law, columns(i)), want)
+    same(call("collide", law, i.given()), want)
     *bodies, how = test_pairs.pairs(4_000, seed=77)
     bodies = (body._make(map(spoiled, body)) for body in bodies)
     how = {name: spoiled(column) for name, column in how.items()}
@@ -286,8 +280,7 @@ CALL = '#include "rod_impact.h"\nint main(void) { return rod_impact_is_exact(); 
 )
 def test_flags_that_break_sums_are_refused(header, flag):
     (header / "call.c").write_text(CALL)
-    command = [CC, *flag.split(), "-c", "-o", "/dev/null", "call.c"]
-    done = subprocess.run(command, cwd=header, capture_output=True, text=True)
+    done = called(CC, *flag.split(), "-c", "-o", "/dev/null", "call.c", cwd=header)
     assert done.returncode != 0
     assert "#error" in done.stderr
 
@@ -307,8 +300,7 @@ def test_a_run_tells_whether_sums_are_exact(header, flags, exact):
     if "-U" in flags:  # a compiler that does not tell
         names = re.findall(r"defined\((__[A-Z_]+__)\)", (header / "rod_impact.h").read_text())
         text = "".join(f"#undef {name}\n" for name in names if "GNUC" not in name) + CALL
-    done = subprocess.run([built(header, "exact", text, flags)])
-    assert done.returncode == exact
+    assert called(built(header, "exact", text, flags)).returncode == exact
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="there is no Node")
@@ -322,7 +314,7 @@ def test_the_module_exports_what_the_script_holds(tmp_path):
         "console.log(hit.c_x === rodImpact.collide('newton', before).c_x, hit.regime, "
         "Regime.SLIP_STICK, Object.keys(rodImpact).join());\n"
     )
-    done = subprocess.run(["node", "use.mjs"], cwd=tmp_path, capture_output=True, text=True)
+    done = called("node", "use.mjs", cwd=tmp_path)
     hit = impact.collide(1.0, -2.0, geometry=impact.thin_rod(0.4), friction=0.3, restitution=0.65)
     names = ",".join(["Regime", *FUNCTIONS])
     assert done.stdout == f"true {hit.regime:d} 2 {names}\n"
@@ -351,17 +343,15 @@ def test_the_command_prints_a_text(capsys):
         assert capsys.readouterr().out == languages.source(language)
 
 
-def test_a_file_of_another_kind_is_not_replaced(tmp_path, capsys):
-    mine = tmp_path / "mine.h"
-    for text, code in (("my own", 2), (languages.source("c"), 0)):
-        mine.write_text(text, encoding="utf-8")
-        assert main(["generate", "--language", "c", "--out", str(mine)]) == code
-        assert mine.read_text(encoding="utf-8") == text
-    assert "--out must be a new file or a generated one" in capsys.readouterr().err
+def test_a_generated_file_is_replaced(tmp_path):
+    path = tmp_path / "mine.h"
+    for _ in range(2):
+        assert main(["generate", "--language", "c", "--out", str(path)]) == 0
+    assert path.read_text(encoding="utf-8") == languages.source("c")
 
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler")
 def test_the_header_is_cpp_as_well(header):
     (header / "all.cpp").write_text('#include "rod_impact.h"\n')
-    command = ["c++", "-Wall", "-Wextra", "-pedantic", "-Werror", "-fsyntax-only", "all.cpp"]
-    subprocess.run(command, cwd=header, check=True)
+    flags = "-Wall -Wextra -pedantic -Werror -fsyntax-only"
+    called("c++", *flags.split(), "all.cpp", cwd=header, check=True)

@@ -27,7 +27,7 @@ from md.sweep import execute, expand
 
 from .command_line import refused
 from .test_help import ALL, GROUPS
-from .test_store import ABOUT
+from .test_store import filled
 
 TABLES = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text(encoding="utf-8"))
 SWEEPS = TABLES.pop("md sweep bad.toml --store b.db")
@@ -56,8 +56,7 @@ def folder(tmp_path_factory):
 
 def fill():
     """Make the files."""
-    with Store("a.db") as store:
-        store.put("k", ABOUT, {"c_x": 0.5}, None)
+    filled("a.db")
     for name, text in FILES.items():
         Path(name).write_text(text)
     write_csv("more.csv", *table("a.db"))  # and a column of one's own

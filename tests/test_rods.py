@@ -1,20 +1,16 @@
 """One name for all commands; what is not installed costs one line."""
 
 import os
-import subprocess
 import sys
-from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
 
 from figures.rods import COMMANDS, main
 
+from .command_line import python
+
 SCRIPT = "from figures.rods import main; main()"
-
-
-def ran(*words, **options):
-    return subprocess.run([sys.executable, *words], capture_output=True, text=True, **options)
 
 
 def test_each_command_has_the_same_name_under_rods(monkeypatch):
@@ -26,8 +22,9 @@ def test_each_command_has_the_same_name_under_rods(monkeypatch):
         with pytest.raises(SystemExit):
             main()
         run.assert_called_with(sys.executable, [sys.executable, "-m", name, "--version"])
-    assert ran("-c", SCRIPT, name, "--version").stdout == ran("-m", name, "--version").stdout != ""
-    unknown = ran("-c", SCRIPT, "rod")
+    told, wanted = (python(*words, name, "--version").stdout for words in (("-c", SCRIPT), ("-m",)))
+    assert told == wanted != ""
+    unknown = python("-c", SCRIPT, "rod")
     assert (unknown.returncode, unknown.stderr) == (1, "rods: no command 'rod'\n")
     assert all(name in unknown.stdout for name in COMMANDS)
 
@@ -36,12 +33,11 @@ def test_each_command_has_the_same_name_under_rods(monkeypatch):
     ("package", "module"),
     [("md", "numba"), ("derivations", "sympy"), ("figures", "click"), ("impact", "click")],
 )
-def test_what_is_not_installed_costs_one_line(tmp_path, monkeypatch, package, module):
+def test_what_is_not_installed_costs_one_line(tmp_path, package, module):
     """It names the extra that holds it."""
     missing = f"raise ModuleNotFoundError('No module named {module}', name={module!r})\n"
     (tmp_path / f"{module}.py").write_text(missing)
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    done = ran("-m", package, "--version", cwd=Path(__file__).parents[1])
+    done = python("-m", package, "--version", PYTHONPATH=str(tmp_path))
     assert done.returncode == 2
     assert done.stderr == (
         f"python -m {package}: {module} is missing: pip install 'rod-impact[{package}]'\n"

@@ -9,10 +9,9 @@ import pytest
 import figures
 import md
 
-from .command_line import ROOT
+from .command_line import DOCS
 from .test_documentation import PUBLIC
 
-DOCS = ROOT / "figures/pages/docs"
 NOTEBOOKS = {page.stem: page for page in (DOCS / "notebooks").glob("*.md")}
 
 

@@ -1,11 +1,10 @@
 """The digest that decides whether a stored run is stale: formulas and constants, not words."""
 
-import subprocess
-import sys
-
 import pytest
 
 from md import cache
+
+from .command_line import python
 
 ROW = cache.used(cache.RUN, annulus=False)
 ANNULUS = set(cache.used(cache.RUN)) - set(ROW)
@@ -106,5 +105,4 @@ for name in {sorted(ANNULUS)}:
 scene = md.load("quasi2d", ["rods.count=2", "box.length=3", "step.coarse=true", "step.size=5e-4"])
 assert md.run(scene, periods=2).finished
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert done.returncode == 0
+    assert python("-c", program).returncode == 0

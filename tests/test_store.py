@@ -12,9 +12,15 @@ import pytest
 from md.__main__ import main
 from md.store import Store, StoreError, table, write_csv
 
-from .command_line import refused
+from .command_line import names_in, refused
 
 ABOUT = {"scene": {"rods": {"count": 2}}, "periods": 3, "seed": 1, "code": "abc", "seconds": 0.1}
+
+
+def filled(path):
+    """Make a store of one run."""
+    with Store(path) as store:
+        store.put("k", ABOUT, {"c_x": 0.5}, None)
 
 
 def test_a_result_is_written_once_and_a_failure_gives_way(tmp_path):
@@ -40,8 +46,7 @@ def test_two_writers_share_a_store(tmp_path):
 
 
 def test_a_row_that_was_edited_by_hand_costs_one_line(tmp_path, capsys):
-    with Store(tmp_path / "a.db") as store:
-        store.put("k", ABOUT, {"c_x": 0.5}, None)
+    filled(tmp_path / "a.db")
     database(tmp_path / "a.db", "UPDATE runs SET result = 'oops'")
     refused(lambda: main(["results", str(tmp_path / "a.db")]), "a.db cannot be read: Exp", capsys)
 
@@ -88,8 +93,7 @@ def read_only():
     """A folder with a store that nobody may write, not even who runs the tests."""
     user, folder = os.geteuid(), Path(tempfile.mkdtemp())
     try:
-        with Store(folder / "a.db") as store:
-            store.put("k", ABOUT, {"c_x": 0.5}, None)
+        filled(folder / "a.db")
         (folder / "a.db").chmod(0o444)
         folder.chmod(0o555)
         if user == 0:  # whom no permissions hold back
@@ -113,7 +117,7 @@ def test_a_store_in_a_read_only_folder_is_read(capsys):
         assert "0.5" in capsys.readouterr().out
         command = ["sweep", "drift", "--store", str(folder / "a.db")]
         refused(lambda: main(command), "a.db cannot be written", capsys)
-        assert [path.name for path in folder.iterdir()] == ["a.db"]
+        assert names_in(folder) == {"a.db"}
 
 
 def test_a_full_disk_loses_nothing_that_was_written(tmp_path):

@@ -4,17 +4,14 @@ import os
 import re
 import shlex
 import shutil
-import subprocess
-import sys
 import tomllib
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
-PACKAGES = ("derivations", "figures", "impact", "md")
+from .command_line import PACKAGES, ROOT, names_in, python
+
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
 WHERE = f"""
 import os, {", ".join(PACKAGES)}
@@ -49,10 +46,6 @@ def test_the_version_stands_in_one_place_and_others_agree():
     assert date in ("unreleased", released)
 
 
-def _called(*command, **options):
-    return subprocess.run(list(map(str, command)), capture_output=True, text=True, **options)
-
-
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
     """Built from a copy of the checkout, without network."""
@@ -62,7 +55,7 @@ def wheel(tmp_path_factory):
     for package in PACKAGES:
         shutil.copytree(ROOT / package, source / package)
     build = "from setuptools.build_meta import build_wheel; build_wheel('dist')"
-    built = _called(sys.executable, "-c", build, cwd=source)
+    built = python("-c", build, cwd=source)
     assert built.returncode == 0
     (path,) = (source / "dist").iterdir()
     return path
@@ -96,20 +89,19 @@ def installed(wheel, tmp_path_factory):
 def outcomes(installed, tmp_path_factory):
     """What every command did, side by side, in an empty folder, with an empty cache."""
     empty, cache = tmp_path_factory.mktemp("empty"), tmp_path_factory.mktemp("cache")
-    told = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     # Before the checkout, which this environment may hold too; the wheel's folder stays as it is.
-    told |= {"PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "1"}
-    told |= {"XDG_CACHE_HOME": str(cache), "NUMBA_CACHE_DIR": ""}
+    own = {"PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "1"}
+    own |= {"XDG_CACHE_HOME": str(cache), "NUMBA_CACHE_DIR": ""}
     before = set(installed.rglob("*"))
 
     def outcome(name):
-        return _called(sys.executable, *shlex.split(COMMANDS[name][0]), cwd=empty, env=told)
+        return python(*shlex.split(COMMANDS[name][0]), cwd=empty, **own)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         found = dict(zip(COMMANDS, pool.map(outcome, COMMANDS), strict=True))
     assert set(installed.rglob("*")) == before  # kernels are cached elsewhere
     assert list(cache.rglob("*.nbc"))
-    assert {path.name for path in empty.iterdir()} == {"out"}
+    assert names_in(empty) == {"out"}
     return found
 
 
