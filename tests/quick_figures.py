@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex, to_rgba_array
 from matplotlib.text import Text
+from numpy.testing import assert_array_equal
 
 import figures
 from figures.checks import landing_census, row_motion
@@ -29,6 +30,8 @@ from md.host import prepare
 from md.scene import load
 from md.sweep import execute, expand
 
+from .rows import unread
+
 MOST_PERIODS = 8  # of a run of the paper's figures
 TOO_FEW = {"fig04", "landing_census", "states"}  # tiny runs leave some of their numbers open
 COLOUR_WORDS = "black", "blue", "green", "orange", "red"
@@ -37,6 +40,7 @@ OTHER_KERNELS = {"rods.rolling", "annulus.shaken"}  # each takes ten seconds to 
 OWN_VALUES = [(0.05, 0.0), (0.2, 0.3), (0.5, 0.65), (0.8, 0.9), (1.2, 1.0)]  # friction, restitution
 ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
 RIGID = SimpleNamespace(flight=ESTIMATE, falling=ESTIMATE)
+LONE = {"lone": lambda *_: (np.array([0.0]), [RIGID])}  # of one rod that bounces, in no time
 TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text())
 FEW_EFFECTS = TABLES["effects"]
 
@@ -55,8 +59,8 @@ def _short_row(dt, seed=1):
 def _watched(scene, **_):
     """An engine with ledger, record and series, which change no bit: all runs share its kernel."""
     engine = prepare(scene)
-    go, unread = engine.go, engine.series(0)._replace(per=2**62, every=2**62)
-    engine.go = lambda steps, series=None: go(steps, series or unread)
+    go, samples = engine.go, unread(engine)
+    engine.go = lambda steps, series=None: go(steps, series or samples)
     return engine
 
 
@@ -66,8 +70,8 @@ MADE = {
     row_motion: {"prepare": _watched},
     arrangement: {"prepare": _watched},
     fig04: {"SIZES": {name: (few, few) for name, few in TABLES["few"].items()}},
-    fig07: {"lone": lambda *_: (np.array([0.0]), [RIGID])},
-    fig08: {"lone": lambda *_: (np.array([0.0]), [RIGID])},
+    fig07: LONE,
+    fig08: LONE,
     landing_census: {
         "CONTACTS": dict.fromkeys(landing_census.CONTACTS, landing_census.CONTACTS["constraint"]),
         "VARIED": {
@@ -134,9 +138,10 @@ def data(name):
         return figures.load(name).data(quick=True)
 
 
-def of_room(room):
-    """Names of the figures of a room."""
-    return [name for name, entry in figures.FIGURES.items() if entry.room == room]
+def each_of(room):
+    """A test for each figure of a room, by its name."""
+    names = [name for name, entry in figures.FIGURES.items() if entry.room == room]
+    return pytest.mark.parametrize("name", names)
 
 
 def _drawn_colours(picture):
@@ -181,4 +186,4 @@ def check_figure(name):
     text = printed(d)
     assert all(re.search(rf"\b{key}\b", text) for key in d if not key.endswith("_error"))
     for key, value in d.items():
-        np.testing.assert_array_equal(value, before[key])
+        assert_array_equal(value, before[key])

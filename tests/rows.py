@@ -4,6 +4,7 @@ What a test does without is there and does nothing, zero or far away: `go` takes
 run, so that the tests of the plane share one kernel, and those of space another.
 """
 
+from dataclasses import replace
 from itertools import product
 from math import ceil, cos, floor, sin, sqrt
 
@@ -32,9 +33,9 @@ from md.kernels.touches import new_record
 from md.kernels.vectors import IN_SPACE
 from md.laws import Rod
 
-EPS = np.finfo(float).eps
 SOFT = 1e5  # k_n of most tests: contacts fifty times as long as the paper's allow long steps
 HALF = 4.25  # of the paper's rods
+EXPERIMENT = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # in rod diameters
 LIGHT = 1 / Rod(9.5).gyration_squared
 LOSSY = md.constant_restitution(0.65, SOFT, tangential_ratio=3)
 ELASTIC = Normal(SOFT, 0.0)  # with a dashpot of zero
@@ -51,6 +52,16 @@ RING = (  # a few short soft rods in a narrow gap
     *(f"contacts.{part}.stiffness={SOFT}" for part in ("plate", "rods", "wall")),
 )
 ROLLING = ("rods.rolling=true", "annulus.shaken=false", *CONSTRAINT)
+
+
+def sets(*assignments):
+    """Keys set anew, as options of a command."""
+    return [part for one in assignments for part in ("--set", one)]
+
+
+def seeded(scene, seed):
+    """A scene with another start."""
+    return replace(scene, start=replace(scene.start, seed=seed))
 
 
 def row(*assignments):
@@ -78,6 +89,7 @@ SPACE = FREE._replace(
     shaken=True,
 )
 ROLLS = SPACE._replace(friction=Friction(0.3, None), rolling=15.0, shaken=None)
+ELASTIC_PLANE = PLANE._replace(between=ELASTIC_RODS)
 
 
 def unit(v):
@@ -117,11 +129,20 @@ def started(effects, rods, dt=1e-4):
     return Engine(None, effects, state, watchers, plate, dt, per)
 
 
+def unread(engine):
+    """A series of samples that nobody reads, so that the kernel is that of a run."""
+    return engine.series(0)._replace(per=2**62, every=2**62)
+
+
 def go(engine, steps):
-    """Make all of these steps, with samples that nobody reads, as a run does."""
-    unread = engine.series(0)._replace(per=2**62, every=2**62)
-    assert engine.go(steps, unread) == steps
+    """Make all of these steps, with samples, as a run does."""
+    assert engine.go(steps, unread(engine)) == steps
     return engine
+
+
+def recorded(engine):
+    """Touches in the record of an engine."""
+    return engine.record.rows[: engine.record.count[0]]
 
 
 def forces(engine, rods):
@@ -133,14 +154,23 @@ def forces(engine, rods):
     return go(engine, 1).state.scratch.total.copy()
 
 
+def vectors(engine, rods):
+    """Places, directors, velocities and turns of rods as vectors in space."""
+    *parts, turn = engine._parts(rods)
+    if turn.shape[1] == 1:
+        parts, turn = [np.insert(v, 1, 0.0, axis=1) for v in parts], turn * (0.0, 1.0, 0.0)
+    return *parts, turn
+
+
+def pushed(rods, period=PLANE.period):
+    """Force and torque on each of some elastic rods at rest in the plane."""
+    return forces(started(ELASTIC_PLANE._replace(period=period), rods, 1e-6), rods)
+
+
 def motion(engine):
     """Places, velocities and turns half a step ago as vectors in space."""
-    place, _, velocity, turn = engine._parts(engine.rods)
-    place = place - engine.dt / 2 * velocity
-    if turn.shape[1] == 1:
-        place, velocity = (np.insert(v, 1, 0.0, axis=1) for v in (place, velocity))
-        turn = turn * (0.0, 1.0, 0.0)
-    return place, velocity, turn
+    place, _, velocity, turn = vectors(engine, engine.rods)
+    return place - engine.dt / 2 * velocity, velocity, turn
 
 
 def momenta(engine):

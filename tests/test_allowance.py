@@ -16,7 +16,7 @@ from md import accuracy
 from md.accuracy import ALLOWANCE, STEPS_PER_CONTACT, steps_per_contact
 from md.scene import from_tables, put, read_tables
 
-from .rows import CONSTRAINT
+from .rows import CONSTRAINT, seeded
 
 FINER = 3  # times the steps of the rule
 ACCURATE = 0.0075  # tolerance of the reference, and of the run at the rule's step
@@ -57,44 +57,35 @@ class Judged(NamedTuple):
 
     bias: float  # relative; of the rule's step
     bias_error: float  # standard error
-    off: list[float]  # errors of runs to 3 % over those that they state
-    within: list[bool]  # the same, the reference's own error allowed for
-
-
-def pursued(goal, scene):
-    """Run two starts of a scene until the goal is over."""
-    runs = accuracy.starts_of(scene, accuracy.STARTS, False, {"ledger": False})
-    accuracy.pursued(goal, runs)
+    off: np.ndarray  # errors of runs to 3 % over those that they state
+    within: np.ndarray  # whether they are no larger, the reference's own error allowed for
 
 
 def found(scene, per_contact):
-    """Drift at a step, by statistics alone to `ACCURATE`."""
-    dt = steps_per_contact(scene, 1.0) / per_contact
+    """Drift of two starts at a step, by statistics alone to `ACCURATE`."""
+    step = md.Step(steps_per_contact(scene, 1.0) / per_contact, coarse=True)
+    runs = accuracy.starts_of(replace(scene, step=step), accuracy.STARTS, False, {"ledger": False})
     with patch.object(accuracy, "ALLOWANCE", 0.0):
         goal = accuracy._Goal(ACCURATE, 0.95, 0.0, 150.0, annulus=scene.annulus is not None)
-        pursued(goal, replace(scene, step=md.Step(dt, coarse=True)))
+        accuracy.pursued(goal, runs)
     return goal.found
 
 
 def judged(scene):
     """A scene's errors; None where a run has not settled, or starts are in several states."""
-    starts = [replace(scene, start=replace(scene.start, seed=seed)) for seed in (1, 2, 3)]
-    runs = [md.run(one, tolerance=0.03, max_seconds=60, ledger=False) for one in starts]
+    how = {"tolerance": 0.03, "max_seconds": 60, "ledger": False}
+    runs = [md.run(seeded(scene, seed), **how) for seed in (1, 2, 3)]
     if any(run.accuracy.state == "not settled" for run in runs):
         return None
     rule, truth = (found(scene, times * STEPS_PER_CONTACT) for times in (1, FINER))
     if max(rule.statistical, truth.statistical) > 2 * ACCURATE * abs(truth.mean):
         return None
-    errors = [run.c_x - truth.mean for run in runs]
-    stated = [run.accuracy.error for run in runs]
+    errors, stated = np.transpose([(run.c_x - truth.mean, run.accuracy.error) for run in runs])
     return Judged(
         bias=rule.mean / truth.mean - 1,
         bias_error=np.hypot(rule.statistical, truth.statistical) / abs(truth.mean) / 1.96,
-        off=[error / size for error, size in zip(errors, stated, strict=True)],
-        within=[
-            abs(error) <= np.hypot(size, truth.statistical)
-            for error, size in zip(errors, stated, strict=True)
-        ],
+        off=errors / stated,
+        within=np.abs(errors) <= np.hypot(stated, truth.statistical),
     )
 
 

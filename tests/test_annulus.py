@@ -16,10 +16,7 @@ from md.placement import largest_tilt, overlap, placed
 from md.result import result_text
 from md.scene import GAP
 
-from .rows import RING, ROLLING, distance, go, ring
-
-EXPERIMENT = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # in rod diameters
-
+from .rows import EXPERIMENT, RING, ROLLING, distance, go, ring, sets
 
 # Placement
 
@@ -129,10 +126,10 @@ def test_tilt_and_lean_are_those_of_the_rods():
 
 
 def test_the_command(capsys):
-    sets = [part for change in RING for part in ("--set", change)]
-    assert main(["run", "annulus", *sets, "--periods", "8"]) == 0
+    command = ["run", "annulus", *sets(*RING)]
+    assert main([*command, "--periods", "8"]) == 0
     assert "an annulus needs 400 periods or more to settle" in capsys.readouterr().out
-    assert main(["run", "annulus", *sets, "--periods", "3", "--json"]) == 0
+    assert main([*command, "--periods", "3", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["annulus"]["lean_deg"]["mean"] is not None
 
 

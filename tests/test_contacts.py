@@ -2,7 +2,6 @@
 
 import re
 from math import cos, pi, sin, sqrt
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,10 +16,11 @@ from md.kernels.contact import ContactForces
 from md.kernels.neighbours import between_ends, near_end
 from md.kernels.state import Wall
 
+from .command_line import DOCS
 from .rows import (
     ELASTIC,
+    ELASTIC_PLANE,
     ELASTIC_RODS,
-    EPS,
     HALF,
     LIGHT,
     LOSSY,
@@ -38,20 +38,16 @@ from .rows import (
     meetings,
     motion,
     overlap,
+    pushed,
     started,
     tip_on_side,
     unit,
 )
+from .sampling import EPS
 
 DEEP = 0.02  # overlap; ends reach each other up to 0.2 along the axes
 ONE = SOFT * DEEP**1.5  # force of such a contact
-IN_PLANE = PLANE._replace(between=ELASTIC_RODS)
 IN_SPACE = SPACE._replace(between=ELASTIC_RODS, inner=Wall(5.0, ELASTIC, SMOOTH))
-
-
-def pushed(*rods):
-    """Force and torque on each of some rods at rest in the plane, elastic and smooth."""
-    return forces(started(IN_PLANE, in_plane(*rods)), in_plane(*rods))
 
 
 # Distances
@@ -163,7 +159,7 @@ PATHS = {  # rods at a place of the path, from where to where
 def test_m7_no_force_jumps(path):
     """Steps of force and torque halve with those of the path: no jump, however small."""
     rods_at, *limits = PATHS[path]
-    engine = started(IN_PLANE if rods_at(0.0).shape[1] == 7 else IN_SPACE, rods_at(0.0))
+    engine = started(ELASTIC_PLANE if rods_at(0.0).shape[1] == 7 else IN_SPACE, rods_at(0.0))
     found = np.array([forces(engine, rods_at(x)) for x in np.linspace(*limits, 4001)])
     fine, coarse = (np.abs(np.diff(found[::n], axis=0)).max() for n in (1, 2))
     assert np.abs(found).max() > 50
@@ -191,10 +187,11 @@ TO_ROUNDING = (  # ends whose squared distance is less than 1 as a sum of square
 )
 def test_rods_touch_at_one_place_or_two(rods, count):
     """Side by side at two, in full where the ends do not reach each other; else at one."""
-    found = pushed(*rods)
+    rods = in_plane(*rods)
+    found = pushed(rods)
     if count:
         assert np.hypot(*found[1, :2]) == pytest.approx(count * ONE, rel=1e-9)
-    assert_allclose(found, elastic(in_plane(*rods)), rtol=1e-9, atol=1e-9 * ONE)
+    assert_allclose(found, elastic(rods), rtol=1e-9, atol=1e-9 * ONE)
 
 
 def test_forces_of_any_two_rods_are_those_of_brute_force():
@@ -206,12 +203,12 @@ def test_forces_of_any_two_rods_are_those_of_brute_force():
         if number % 2:  # ends that meet
             along = np.copysign(random.uniform(8.2, 8.6), along)
         place = off * cos(lean) + along * sin(lean), along * cos(lean) - off * sin(lean)
-        rods = (0.0, 0.0, lean), (*place, lean + other)
-        if max(map(overlap, meetings(in_plane(*rods))[0])) > 0.3:
+        rods = in_plane((0.0, 0.0, lean), (*place, lean + other))
+        if max(map(overlap, meetings(rods)[0])) > 0.3:
             continue
-        got = pushed(*rods)
+        got = pushed(rods)
         touching += bool(got.any())
-        assert_allclose(got, elastic(in_plane(*rods)), rtol=1e-9, atol=1e-9 * ONE)
+        assert_allclose(got, elastic(rods), rtol=1e-9, atol=1e-9 * ONE)
     assert touching > 40
 
 
@@ -314,9 +311,14 @@ def test_stiff_contacts_collide_as_rigid_rods(restitution):
     assert slope == pytest.approx(-0.4, abs=0.02)
 
 
-GUIDE = Path(md.__file__).parents[1] / "figures/pages/docs/own_rods.md"
-TABLE = re.search(r"\| restitution of the law \|(.*)\n.*\n((?:\|.*\n)+)", GUIDE.read_text())
+GUIDE = (DOCS / "own_rods.md").read_text()
+TABLE = re.search(r"\| restitution of the law \|(.*)\n.*\n((?:\|.*\n)+)", GUIDE)
 OVERLAPPED = {"end on": 0, "side by side": 1, "3/4": 3 / 4, "1/2": 1 / 2, "1/4": 1 / 4}
+
+
+def cells(line):
+    """Cells of a line of a table."""
+    return line.strip(" |").split(" | ")
 
 
 def restitution_of_rods(law, overlapped):
@@ -331,13 +333,13 @@ def restitution_of_rods(law, overlapped):
     return (rods[1, C_X] - rods[0, C_X] - turned) / (2 * speed)
 
 
-@pytest.mark.parametrize("place", TABLE[1].strip(" |").split(" | "))
+@pytest.mark.parametrize("place", cells(TABLE[1]))
 def test_the_restitution_of_a_law_is_that_of_one_contact_point(place):
     """As the guide's table says, to its last digit."""
-    column = TABLE[1].strip(" |").split(" | ").index(place) + 1
+    column = cells(TABLE[1]).index(place) + 1
     (overlapped,) = (part for name, part in OVERLAPPED.items() if place.startswith(name))
     for line in TABLE[2].splitlines():
-        law, *_ = told = [float(cell) for cell in line.strip(" |").split(" | ")]
+        law, *_ = told = [*map(float, cells(line))]
         assert restitution_of_rods(law, overlapped) == pytest.approx(told[column], abs=0.0075)
 
 

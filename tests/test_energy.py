@@ -39,8 +39,9 @@ from md.placement import placed
 from .rows import (
     AT_REST,
     ELASTIC,
+    ELASTIC_PLANE,
     ELASTIC_RODS,
-    EPS,
+    EXPERIMENT,
     HALF,
     LOSSY,
     PLANE,
@@ -55,15 +56,16 @@ from .rows import (
     in_space,
     kinetic,
     momenta,
+    recorded,
     ring,
     row,
     started,
     tip_on_side,
     unit,
 )
+from .sampling import EPS
 from .track import CONTACT, LAWS, effects, track
 
-GAP = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # the experiment's, in rod diameters
 FALLING = PLANE._replace(gravity=(0.0, -1.0), plate=AT_REST)
 HELD = Friction(0.3, None)
 
@@ -91,14 +93,16 @@ def beside_the_plate(*rod):
 def crowd():
     """Rods in the gap, thrown about."""
     rods = np.zeros((44, TURN + 3))
-    rods[:, :VELOCITY] = placed(GAP, len(rods), 2 * HALF + 1, tilt=0.3)
+    rods[:, :VELOCITY] = placed(EXPERIMENT, len(rods), 2 * HALF + 1, tilt=0.3)
     rods[:, VELOCITY:TURN] = default_rng(1).uniform(-0.5, 0.5, (len(rods), 3))
     return rods
 
 
 def between_walls(normal, friction):
     """Rods and the walls of the gap, of one law; the plate is far below."""
-    inner, outer = (Wall(radius, normal, friction) for radius in (GAP.inner, GAP.outer))
+    inner, outer = (
+        Wall(radius, normal, friction) for radius in (EXPERIMENT.inner, EXPERIMENT.outer)
+    )
     return SPACE._replace(inner=inner, outer=outer, between=ContactForces(normal, friction))
 
 
@@ -228,7 +232,7 @@ def test_rods_in_a_plane_do_in_space_as_in_the_plane(space, friction):
     assert_allclose(engine.rods[:, IN_COMMON], plane.rods, rtol=0, atol=1e-8)
     assert np.abs(engine.rods[:, [1, 4, 7, 9, 11]] - (-500, 0, 0, 0, 0)).max() < 1e-12
     assert_allclose(engine.ledger, [*plane.ledger, 0, 0], rtol=0, atol=1e-4)
-    of_row, in_space = (e.record.rows[: e.record.count[0]] for e in (plane, engine))
+    of_row, in_space = map(recorded, (plane, engine))
     assert len(of_row) > 12
     assert set(of_row[:, REGIME]) == set(REGIMES)
     assert_allclose(in_space, of_row, rtol=1e-7, atol=1e-8)
@@ -237,18 +241,18 @@ def test_rods_in_a_plane_do_in_space_as_in_the_plane(space, friction):
 # The order of the energy
 
 
-def passing(dt, offset, between=ELASTIC_RODS):
+def passing(dt, offset):
     """Two rods that are pressed together while they slide past each other's end."""
     x, z = 1.001 + HALF * np.sin(1e-3), HALF - 0.12 - 10 * offset * dt + HALF * cos(1e-3)
     rods = in_plane((0.0, 0.0, 0.0), (x, z, 1e-3, -2.0, 10.0, 0.0))
-    return started(PLANE._replace(between=between), rods, dt)
+    return started(ELASTIC_PLANE, rods, dt)
 
 
 def meeting(dt, offset):
     """The end of a rod meets the side of another one."""
     first, second = tip_on_side(0.7, 2.0, (1 + offset) * dt)
     rods = in_plane((*first, 0.0, -1.0, 0.0), second)
-    return started(PLANE._replace(between=ELASTIC_RODS), rods, dt)
+    return started(ELASTIC_PLANE, rods, dt)
 
 
 def in_space_at(scene, rods, dt, _):
@@ -273,7 +277,7 @@ def lively():
 OVER_PLATE = {"plate": AT_REST, "normal": ELASTIC, "friction": SMOOTH, "gravity": -1.0}
 WALLED = between_walls(ELASTIC, SMOOTH)._replace(**OVER_PLATE)
 MET = SPACE._replace(between=ELASTIC_RODS)
-ALONG = in_space(((GAP.inner + 0.49, 0, 10), (0.001, 0.05, 1), (-0.3, 0.5, 0)))
+ALONG = in_space(((EXPERIMENT.inner + 0.49, 0, 10), (0.001, 0.05, 1), (-0.3, 0.5, 0)))
 IN_SPACE = {
     "crowd": (WALLED, lively()),
     "along the wall": (WALLED, ALONG),
@@ -304,15 +308,20 @@ def energy_error(begin, time, samples, places, dt):
     return max(off), max(energies), np.ptp(moving), engine
 
 
+def order(errors, steps):
+    """Power of the step with which an error falls, from the first to the last."""
+    return np.log2(errors[0] / errors[-1]) / np.log2(steps[0] / steps[-1])
+
+
 @pytest.mark.parametrize("case", ORDERS.values(), ids=ORDERS)
 def test_m15_elastic_contacts_keep_energy_to_second_order(case):
     """Whichever part of a step the touch falls in; in the middle of contacts too, with samples."""
-    *how, steps, order = case
+    *how, steps, least = case
     found, whole, moved, engines = zip(*(energy_error(*how, dt) for dt in steps), strict=True)
     assert np.abs(engines[0].ledger).max() < 1e-12
     assert how[2] == 1 or moved[0] > 0.03  # the contacts hold energy
     assert found[0] < 1e-2 * whole[0]
-    assert np.log2(found[0] / found[-1]) / np.log2(steps[0] / steps[-1]) > order
+    assert order(found, steps) > least
 
 
 def impact(law, friction, dt, offset):
@@ -370,7 +379,7 @@ def test_m15_the_ledger_closes_as_the_step_shrinks(scene, periods, steps, most):
     found = [abs(energy["residual"]) / turnover(energy) for energy in runs]
     lost = {kind: value for kind, value in runs[-1].items() if kind not in ("change", "residual")}
     assert min(lost.values()) > 1e-3
-    assert np.log2(found[0] / found[-1]) / np.log2(steps[0] / steps[-1]) > 1.75
+    assert order(found, steps) > 1.75
     assert found[0] < most
 
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import solve_ivp
 
 import md
@@ -23,13 +25,13 @@ from md.kernels.codes import C_Z, COSINE, ROW_COLUMNS, SINE, Z
 from md.laws import Rod
 from md.scene import from_tables, put
 
-from .quick_figures import MOST_PERIODS, check_figure, data, of_room, tiny
+from .quick_figures import MOST_PERIODS, check_figure, data, each_of, tiny
+from .rows import HALF
 
-HALF = 4.25  # length between the caps' centres of the paper's rod, halved
 BEFORE, AFTER = (slice(first, first + 3) for first in (touches.BEFORE, touches.AFTER))
 
 
-@pytest.mark.parametrize("name", of_room("checks"))
+@each_of("checks")
 def test_every_figure(name):
     check_figure(name)
 
@@ -58,7 +60,7 @@ def test_restitution_of_readings_head_on():
     printed = head_on(lambda x, v: 5e6 * abs(x) ** 1.5 + 200 * x * v)
     plain = head_on(lambda x, v: 5e6 * abs(x) ** 1.5 + 200 * v)
     found = d["restitution"][:, 0, 0, list(d["speed"]).index(1.0), 0]
-    np.testing.assert_allclose(found, [printed, plain, plain], atol=3e-4)
+    assert_allclose(found, [printed, plain, plain], atol=3e-4)
 
 
 def test_no_reading_does_what_the_paper_says():
@@ -69,7 +71,7 @@ def test_no_reading_does_what_the_paper_says():
     for axis in (0, 1):
         assert np.all(np.diff(d["why"], axis=axis) < 0)
     stiff = d["why"][0, -3:]
-    np.testing.assert_allclose(stiff[1:] / stiff[:-1], 10**-0.5, rtol=0.25)
+    assert_allclose(stiff[1:] / stiff[:-1], 10**-0.5, rtol=0.25)
 
 
 def test_errors_fall_with_stiffness_and_those_of_springs_with_the_root_of_their_ratio():
@@ -78,8 +80,8 @@ def test_errors_fall_with_stiffness_and_those_of_springs_with_the_root_of_their_
     expected = [(d["slope"], -0.4), *((slope, -0.5) for slope in d["slope_by_ratio"][1:])]
     for (slope, error), power in expected:
         assert abs(slope - power) < max(3 * error, 2e-3)
-    np.testing.assert_array_equal(d["right"][0], 17)
-    np.testing.assert_allclose(d["located"], d["error"][0, ::3], rtol=2e-3)
+    assert_array_equal(d["right"][0], 17)
+    assert_allclose(d["located"], d["error"][0, ::3], rtol=2e-3)
     assert d["error"][0, -1] < 1e-6
     assert np.all(d["half_step"] < 2e-2)
     assert d["error"][list(rigid_limit.BY_STIFFNESS).index("Appendix A")].min() > 0.1
@@ -134,12 +136,12 @@ def test_what_the_map_makes_is_found_without_error(kick, duration):
     rows[:, touches.DURATION] = duration
     rows[:, touches.AFTER + 1] -= duration * 1e-4
     found = compared(rows, scene, 1e-4, 1000)
-    np.testing.assert_allclose(found["kick"], kick, rtol=1e-12, atol=1e-14)
+    assert_allclose(found["kick"], kick, rtol=1e-12, atol=1e-14)
     assert np.all(found["residual"] >= kick * (1 - 1e-12))
     if not (kick or duration):
-        np.testing.assert_allclose([found["residual"], found["allowed"]], 0, atol=1e-14)
-        np.testing.assert_allclose(found["restitution"], restitution, atol=1e-14)
-        np.testing.assert_array_equal(found["mapped"], found["seen"])
+        assert_allclose([found["residual"], found["allowed"]], 0, atol=1e-14)
+        assert_allclose(found["restitution"], restitution, atol=1e-14)
+        assert_array_equal(found["mapped"], found["seen"])
         assert set(found["seen"]) == {1, 2, 3}
 
 
@@ -192,7 +194,7 @@ TILTS_DEG = (8.0, 15.0, 30.0, 50.0)  # slip-stick, slip reversal
 
 def scattered(tilt_deg, n=400):
     """States before touches, near the theory's, all of which approach the plate."""
-    rod, random = runs.paper_rod(np.radians(tilt_deg)), np.random.default_rng(1)
+    rod, random = runs.paper_rod(np.radians(tilt_deg)), default_rng(1)
     mean = drift(rod, **runs.SETTING, plate_velocity=SPEED / 2)
     middle = (1.2 * mean.c_x, -0.8 * mean.c_z, 0.01)
     before = random.normal(middle, (0.02, 0.05, 0.005), (n, 3))
@@ -213,7 +215,7 @@ def test_touches_of_the_closure_itself_give_its_drift_at_every_step(tilt_deg):
     theory = drift(rod, **runs.SETTING, plate_velocity=SPEED / 2)
     before = np.tile([theory.c_x, -theory.c_z, 0.0], (2 * closure.ENOUGH, 1))
     printed, *others = steps(touched(before, SPEED / 2, rod, runs.RESTITUTION), tilt_deg)
-    np.testing.assert_allclose(others, theory.c_x, rtol=1e-9)
+    assert_allclose(others, theory.c_x, rtol=1e-9)
     thin = drift(thin_rod(tilt), **runs.SETTING, plate_velocity=SPEED / 2)
     assert printed == pytest.approx(thin.c_x, rel=1e-9)
 
@@ -230,7 +232,7 @@ def test_an_assumption_moves_its_own_curve_and_no_earlier_one(name):
     assert np.all(together[: closure.FIRST + at] == 0)
     moved = together[closure.FIRST + at :]
     assert np.all(np.abs(moved) > 1e-3 * SPEED)
-    np.testing.assert_allclose(moved, moved[0], rtol=1e-9)
+    assert_allclose(moved, moved[0], rtol=1e-9)
     assert np.flatnonzero(single).tolist() == [at]
 
 
@@ -274,7 +276,7 @@ def test_the_figure_holds_what_a_run_measures():
     assert d["drift"][0] == pytest.approx(np.mean(drifts) * SCENE.cm_per_s)
     row = np.array([[3.0, 1.0], [4.0, 1.0]])  # over tilt, then starts
     off = row + np.array([[3.0, 0.0], [4.0, 1.0]])
-    np.testing.assert_allclose(closure.left(row, np.stack([row, off])), [[0, 0], [1, 0.5**0.5]])
+    assert_allclose(closure.left(row, np.stack([row, off])), [[0, 0], [1, 0.5**0.5]])
 
 
 # States of a row
@@ -284,7 +286,7 @@ RODS, LOOKS = 40, 400
 
 def motion(kind, amplitude=0.05):
     """States (looks, rods, columns) of a row that bounces in one of the ways."""
-    random, state = np.random.default_rng(4), np.zeros((LOOKS, RODS, ROW_COLUMNS))
+    random, state = default_rng(4), np.zeros((LOOKS, RODS, ROW_COLUMNS))
     phase = 2 * np.pi * np.arange(LOOKS)[:, None] / 37
     turns = (-1.0) ** np.arange(RODS)
     shift = random.uniform(0, 2 * np.pi, RODS) if kind == "independent" else 0.0
@@ -328,7 +330,7 @@ def test_a_run_has_the_state_of_its_second_half():
 
 def test_a_start_is_still_there_until_it_first_leaves_its_state():
     of_parts = np.array([[[0, 0, 2, 2, 2], [0, 2, 0, 0, 0], [2, 2, 2, 2, 2]]])
-    np.testing.assert_allclose(states.still_there(of_parts)[0], [1, 2 / 3, 1 / 3, 1 / 3, 1 / 3])
+    assert_allclose(states.still_there(of_parts)[0], [1, 2 / 3, 1 / 3, 1 / 3, 1 / 3])
 
 
 @pytest.mark.parametrize("ends", [(20.0, 26.0), (26.0, 20.0)], ids=["up", "down"])
@@ -336,7 +338,7 @@ def test_a_row_follows_its_box(ends, monkeypatch):
     monkeypatch.setattr(row_motion, "ENDS_DEG", ends)
     scene = from_tables(put(runs.ROW, {"box.length": runs.boxes(ends)[0]}))
     tilt = row_motion.driven(scene, 60)["tilt_deg"]
-    np.testing.assert_allclose(tilt, np.linspace(*ends, 13)[1::2], atol=1)
+    assert_allclose(tilt, np.linspace(*ends, 13)[1::2], atol=1)
 
 
 # Sizes of a row
@@ -348,8 +350,8 @@ def test_a_followed_row_drifts_as_a_run_does():
     result = md.run(scene, periods=8)
     with tiny():
         found, rods = row_motion.watched(scene, 8)
-    np.testing.assert_allclose(found["c_x"], result.c_x_series * scene.cm_per_s, rtol=1e-9)
-    np.testing.assert_array_equal(rods[:, Z], result.rods[:, Z])
+    assert_allclose(found["c_x"], result.c_x_series * scene.cm_per_s, rtol=1e-9)
+    assert_array_equal(rods[:, Z], result.rods[:, Z])
     assert found["tilt_deg"] == pytest.approx(result.tilt_series, abs=0.5)
 
 
@@ -359,7 +361,7 @@ def test_a_followed_row_drifts_as_a_run_does():
 def test_the_table_of_the_other_program_is_of_whole_sets_of_starts():
     _, found = two_codes.other()
     assert found[:, 0, 1].tolist() == [7.07588, 0.53119, 0.91108, 1.26100]  # 18 degrees, seed 2
-    np.testing.assert_allclose(data("two_codes")["other_c_x"], found[0].mean(axis=-1))
+    assert_allclose(data("two_codes")["other_c_x"], found[0].mean(axis=-1))
 
 
 @pytest.mark.slow

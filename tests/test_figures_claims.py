@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 import md
 from figures import FIGURES
@@ -17,7 +18,9 @@ from figures.lib import arrangement, runs
 from figures.lib.data import keep
 from figures.pages import gallery
 from md.host import step_of
+from md.placement import largest_tilt
 
+from .command_line import names_in
 from .quick_figures import data, tiny
 
 CLAIMS = limits.read()
@@ -35,14 +38,15 @@ FIGURES_OF_CLAIMS = (
     "closure",
     "row_size",
 )
+TURNS_DEG = np.degrees(np.arctan(1 / 8))  # tilt at which a rod with a flat end drifts nowhere
 KNOWN = {  # numbers that do not depend on how long the runs are
     ("E2", "slower"): 1,
-    ("E3", "threshold"): pytest.approx(np.degrees(np.arctan(1 / 8)), abs=0.01),
+    ("E3", "threshold"): pytest.approx(TURNS_DEG, abs=0.01),
     ("S15", "coulomb_regimes"): 17,
     ("S23", "lone_drift"): 2,
     ("S26", "limit"): pytest.approx(0.5, abs=1e-6),
     ("S26", "rate"): pytest.approx(1, abs=0.02),
-    ("E3", "bounced_threshold"): pytest.approx(np.degrees(np.arctan(1 / 8)), abs=1),
+    ("E3", "bounced_threshold"): pytest.approx(TURNS_DEG, abs=1),
 }
 
 
@@ -177,7 +181,7 @@ def test_a_bump_is_what_a_bell_adds_to_a_parabola():
 def test_a_slow_start_tells_what_it_comes_to(time):
     """Stationary value and time from a run three times as long; from a shorter one, the slope."""
     series = -3 * np.expm1(-(np.arange(3000) + 0.5) / time)
-    noise = 0.1 * np.random.default_rng(1).normal(size=3000)
+    noise = 0.1 * default_rng(1).normal(size=3000)
     value, found = measure_rows.relaxation(series + noise)
     if time < 1000:
         assert (value, found) == (pytest.approx(3, rel=0.02), pytest.approx(time, rel=0.03))
@@ -192,10 +196,10 @@ def values_of(measure, d):
 
 
 def test_the_geometry_is_that_of_the_gap():
-    found = values_of(measure_annulus.geometry, data("fig04"))
-    gap, half = runs.ANNULUS_SCENE.annulus, (runs.ANNULUS_SCENE.rods.length - 1) / 2
-    reach = np.sqrt((gap.outer - 0.5) ** 2 - (gap.inner + 0.5) ** 2)
-    assert found["round"] == pytest.approx(np.degrees(np.arcsin(reach / half)))
+    """Whose largest tilts `test_annulus` has."""
+    found, scene = values_of(measure_annulus.geometry, data("fig04")), runs.ANNULUS_SCENE
+    largest = largest_tilt(scene.annulus, scene.rods.length)
+    assert found["round"] == np.degrees(largest)
     assert 45 < found["flat"] < found["round"]
 
 
@@ -228,7 +232,7 @@ def test_numbers_of_the_annulus_find_what_was_put_in():
 def surveyed():
     """Made-up numbers of 64 kinds of rods: the first follows the plate's restitution."""
     kinds, names = 64, [*any_rods.JUDGED]
-    random = np.random.default_rng(3)
+    random = default_rng(3)
     found = {name: random.random(kinds) for name in any_rods.PROPERTIES}
     value = np.full((kinds, len(names)), np.inf)
     value[:, names.index("S2.rms")] = 3 * found["restitution, plate"]
@@ -344,8 +348,8 @@ def test_the_command_judges_claims(tmp_path, monkeypatch):
     with tiny():
         command = ["claims", "--quick", "--out", str(tmp_path), "--store", str(runs.STORE)]
         assert main(command) == 0
-    made = {path.name for path in tmp_path.iterdir()}
-    assert made == {*(f"{name}.npz" for name in stored), "claims.json", "claims.md"}
+    made = {*(f"{name}.npz" for name in stored), "claims.json", "claims.md"}
+    assert names_in(tmp_path) == made
     report = json.loads((tmp_path / "claims.json").read_text(encoding="utf-8"))
     found = {claim["id"]: claim for claim in report["claims"]}
     for claim in CLAIMS:

@@ -7,6 +7,8 @@ from unittest.mock import Mock
 import mpmath
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import figures
 import md
@@ -26,16 +28,17 @@ from figures.lib import timing
 from figures.lib.soft_impacts import one_impact
 from impact.__main__ import main as impact_main
 from impact.benchmark import random_impacts, table
-from impact.compiled import KERNELS as LAWS
 from md.accuracy import steps_per_contact
 
-from .quick_figures import FEW_EFFECTS, SIZES, check_figure, data, of_room, tiny
+from .command_line import names_in
+from .quick_figures import FEW_EFFECTS, SIZES, check_figure, data, each_of, tiny
 from .reference import reference_collide
+from .sampling import LAWS, each_law
 
 PRICED = "effect_prices", "scaling"
 
 
-@pytest.mark.parametrize("name", of_room("cost"))
+@each_of("cost")
 def test_every_figure(name):
     check_figure(name)
 
@@ -43,7 +46,7 @@ def test_every_figure(name):
 # Impacts: errors in many digits
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_law
 def test_exact_values_are_those_of_the_integration(law):
     """The figures' many digits against an integration that shares no formula with them."""
     impacts = random_impacts(60, seed=2)
@@ -69,7 +72,7 @@ def test_error_is_counted_in_units_in_the_last_place():
     for j, field in enumerate(exact_impacts.FIELDS):
         moved = {field: true.high[j] + 3 * np.spacing(true.scale[j])}
         rounding = 2 if field == "omega" else 0.51  # omega' may be larger than its scale
-        np.testing.assert_allclose(true.ulp(SimpleNamespace(**exact | moved)), 3, atol=rounding)
+        assert_allclose(true.ulp(SimpleNamespace(**exact | moved)), 3, atol=rounding)
     unknown = SimpleNamespace(c_z=np.full(50, np.nan))
     assert np.all(np.isinf(true.ulp(unknown, ("c_z",))))
 
@@ -145,14 +148,14 @@ def test_gear_is_leapfrog_at_the_papers_step():
 
 def test_errors_of_parts():
     """Of independent values: sigma/sqrt(n) and the distance of the truth, squares added."""
-    series = 2 + np.random.default_rng(1).normal(size=200_000)
+    series = 2 + default_rng(1).normal(size=200_000)
     n = np.array([1, 10, 100, 10**5])
     parts = accuracy_cost_drift.parts(series, n)
     errors = accuracy_cost_drift.rms_of_parts(parts, 2.0)
-    np.testing.assert_allclose(errors[:3], n[:3] ** -0.5, rtol=4 / np.sqrt(2 * 2000))
+    assert_allclose(errors[:3], n[:3] ** -0.5, rtol=4 / np.sqrt(2 * 2000))
     assert np.isnan(errors[3])  # fewer than eight parts
     shifted = accuracy_cost_drift.rms_of_parts(parts, 2.5)[:3]
-    np.testing.assert_allclose(shifted, np.hypot(n[:3] ** -0.5, 0.5), rtol=0.03)
+    assert_allclose(shifted, np.hypot(n[:3] ** -0.5, 0.5), rtol=0.03)
 
 
 def test_accuracy_of_the_drift_against_time(monkeypatch):
@@ -164,14 +167,14 @@ def test_accuracy_of_the_drift_against_time(monkeypatch):
     monkeypatch.setattr(md, "run", None)  # all is in the store
     with tiny():
         again = accuracy_cost_drift.data(quick=True)
-    np.testing.assert_array_equal(again["rms"], d["rms"])
+    assert_array_equal(again["rms"], d["rms"])
 
 
 def test_the_ladder():
     """Bars: scatter of independent starts."""
     d, ladder = data("accuracy_cost_ladder"), accuracy_cost_ladder
     off, *_ = ladder.deviations(d)
-    np.testing.assert_allclose((off + 1) * d["trusted"][0], d["answer"])
+    assert_allclose((off + 1) * d["trusted"][0], d["answer"])
     few = SIZES[ladder]["ROWS"]["rods"]["N=5"]
     starts = [md.run(ladder.scene(13, few, seed), periods=4).c_x for seed in range(1, 9)]
     last = d["answer"][-1], d["scatter"][-1], d["error"][-1]
@@ -202,7 +205,7 @@ def test_prices_belong_to_what_they_say():
     assert "off: acceleration of the plate" in same_kernel
     assert "gravity" not in same_rods
     (full, *changed), _ = d["drift"]
-    np.testing.assert_array_equal(np.isfinite(changed), [0, 0, 1, 0])
+    assert_array_equal(np.isfinite(changed), [0, 0, 1, 0])
     with tiny():
         words = effect_prices._changes(d)
     assert words[:2] == ["-", "0, same bits"]
@@ -233,7 +236,7 @@ class Machine:
     """A clock of its own: calls with known times, noise, and a speed that changes."""
 
     def __init__(self, slowed):
-        self.slowed, self.now, self.random = slowed, 0, np.random.default_rng(5)
+        self.slowed, self.now, self.random = slowed, 0, default_rng(5)
 
     def calls(self):
         return [lambda time=time: self.pass_by(time) for time in TIMES]
@@ -283,7 +286,7 @@ def test_a_price_is_of_one_call_of_many(monkeypatch):
         return clock[0] - begin
 
     monkeypatch.setattr(timing, "timeit", timed)
-    np.testing.assert_allclose(timing.medians([call], 3), 1e-5, rtol=1e-9)
+    assert_allclose(timing.medians([call], 3), 1e-5, rtol=1e-9)
     assert asked == [1, 1, 100, 100, 100]
 
 
@@ -305,7 +308,7 @@ def test_the_command_writes_the_page_and_the_figures(small, tmp_path):
     assert main(["prices", "--out", str(tmp_path)]) == 0
     names = {f"{name}.{kind}" for name in PRICED for kind in ("npz", "png", "pdf")}
     names |= {f"prices.{kind}" for kind in ("txt", "json", "png")}
-    assert {path.name for path in tmp_path.iterdir()} == names
+    assert names_in(tmp_path) == names
     words = (tmp_path / "prices.txt").read_text(encoding="utf-8")
     titles = [figures.FIGURES[name].title for name in PRICED]
     for word in (*titles, "alone[0]", "within[0]", "row[0]", "sweep[0]"):

@@ -7,6 +7,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.text import Text
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import md
 from figures.lib import arrangement, runs
@@ -24,10 +26,10 @@ from impact import (
 )
 from md.scene import from_tables, put
 
-from .quick_figures import MOST_PERIODS, OWN_VALUES, check_figure, data, of_room, tiny
+from .quick_figures import MOST_PERIODS, OWN_VALUES, check_figure, data, each_of, tiny
 
 
-@pytest.mark.parametrize("name", of_room("paper"))
+@each_of("paper")
 def test_every_figure(name):
     check_figure(name)
 
@@ -40,7 +42,7 @@ def test_fig10_colours_meet_its_lines():
     d = data("fig10")
     rod, friction = thin_rod(d["tilt"]), d["friction"][:, None]
     holds = critical_friction(rod)
-    np.testing.assert_allclose(d["reversal_end"], [np.arctan(2), 0.75], rtol=1e-15)
+    assert_allclose(d["reversal_end"], [np.arctan(2), 0.75], rtol=1e-15)
     lines = zip(d["approach_ratio"], d["regime"], d["critical_tilt"], strict=True)
     for ratio, regime, critical_tilt in lines:
         setting = {"approach_ratio": ratio, "restitution": d["restitution"]}
@@ -48,12 +50,12 @@ def test_fig10_colours_meet_its_lines():
         expected = np.where(friction >= holds, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
         expected = np.where(friction < slide, Regime.SLIDE, expected)
         off_line = (np.abs(friction - slide) > 1e-9) & (np.abs(friction - holds) > 1e-9)
-        np.testing.assert_array_equal(regime[off_line], expected[off_line])
+        assert_array_equal(regime[off_line], expected[off_line])
         assert off_line.mean() > 0.9
         assert set(np.unique(regime)) == {1, 2, 3}
         drawn = np.isfinite(critical_tilt)
         tip, critical = thin_rod(critical_tilt[drawn]), d["critical_friction"][drawn]
-        np.testing.assert_allclose(critical_friction(tip), critical, atol=1e-14)
+        assert_allclose(critical_friction(tip), critical, atol=1e-14)
         assert np.all(critical >= slide_friction(tip, **setting))
     assert np.degrees(critical_tilt[drawn][-1]) > 85  # the second root, in the last panel
 
@@ -87,14 +89,14 @@ def test_fig11_true_curve():
     """Ends and corners: (26) outside the two critical tilts, (29) between them."""
     d = data("fig11")
     lower, upper = d["critical_tilt"]
-    np.testing.assert_allclose(np.degrees([lower, upper]), [22.6568, 84.0424], atol=1e-4)
+    assert_allclose(np.degrees([lower, upper]), [22.6568, 84.0424], atol=1e-4)
     between = (d["tilt"] > lower) & (d["tilt"] < upper)
     branch = np.where(between, d["reversal_c_x"], d["stick_c_x"])
-    np.testing.assert_allclose(d["c_x"], branch, rtol=1e-12, atol=1e-15)
+    assert_allclose(d["c_x"], branch, rtol=1e-12, atol=1e-15)
     corners = np.isin(d["tilt"], (lower, upper))  # both branches meet there
     assert corners.sum() == 2
-    np.testing.assert_allclose(d["reversal_c_x"][corners], d["stick_c_x"][corners], rtol=1e-12)
-    np.testing.assert_allclose(d["c_z"][[0, -1]], [1.65 / 0.35, 1.65 / 6.35], rtol=1e-7)
+    assert_allclose(d["reversal_c_x"][corners], d["stick_c_x"][corners], rtol=1e-12)
+    assert_allclose(d["c_z"][[0, -1]], [1.65 / 0.35, 1.65 / 6.35], rtol=1e-7)
     at_45 = np.interp(np.pi / 4, d["tilt"], d["stick_c_x"])  # where (26) does not hold
     assert at_45 == pytest.approx(1.65 / 4 / (1 / 4 + 0.35 / 12))
 
@@ -137,17 +139,17 @@ def test_fig12_symbols_lie_on_the_theory_at_measured_restitution():
     d = data("fig12")
     tilt, regime = d["tilt"], d["regime"][0]
     theory = rigid(tilt, d["restitution"][0])
-    np.testing.assert_array_equal(regime, theory.regime)
+    assert_array_equal(regime, theory.regime)
     assert np.all(np.diff(tilt) > 0)
     changes = [(int(a), int(b)) for a, b in pairwise(regime) if a != b]
     assert changes == [(2, 3), (3, 1)]  # stick, reversal, slide
-    np.testing.assert_array_equal(d["regimes_right"][:2], 17)
+    assert_array_equal(d["regimes_right"][:2], 17)
     assert d["regimes_right"][2] < 12  # as printed
     assert np.hypot(d["c_x"][0] - theory.c_x, d["c_z"][0] - theory.c_z).max() < 1.2e-3
     line = rigid(d["line_tilt"], 0.65)
-    np.testing.assert_allclose(d["line_c_x"], line.c_x, rtol=1e-12, atol=1e-14)
+    assert_allclose(d["line_c_x"], line.c_x, rtol=1e-12, atol=1e-14)
     for law, e in zip(fig12.RESTITUTION_LAWS, d["line_restitution"], strict=True):
-        np.testing.assert_allclose(e, rigid(d["line_tilt"], 0.65, law).normal_velocity, rtol=1e-12)
+        assert_allclose(e, rigid(d["line_tilt"], 0.65, law).normal_velocity, rtol=1e-12)
     assert d["rms_measured"][0] < 6e-4 < 1e-2 < d["rms_measured"][1] < 0.1 < d["rms_measured"][2]
     assert d["step_error"].max() < 1e-4
 
@@ -162,22 +164,22 @@ def test_rows_are_shown_in_the_units_of_the_axes():
     with tiny():
         values = runs.gathered(runs.tilt_plan(True), *names)
     c_x, omega = (runs.over_seeds(of_starts)[0] for of_starts in values)
-    np.testing.assert_allclose(six["c_x_after"], c_x * np.sqrt(981 * 0.6))
-    np.testing.assert_allclose(six["omega_before"], omega * np.sqrt(981 / 0.6))
+    assert_allclose(six["c_x_after"], c_x * np.sqrt(981 * 0.6))
+    assert_allclose(six["omega_before"], omega * np.sqrt(981 / 0.6))
     speed = 3.3 * 981 / (2 * np.pi * 60)
     setting = {"friction": 0.3, "restitution": 0.65, "plate_velocity": speed / 2}
     line = drift(thick(np.radians(six["fine_deg"])), **setting)
-    np.testing.assert_allclose(six["line_c_x"], line.c_x, rtol=1e-12)
+    assert_allclose(six["line_c_x"], line.c_x, rtol=1e-12)
 
 
 def test_densities_of_phases_integrate_to_one():
     """And the paper's density is found again."""
     sums = data("fig08")["density"].sum(axis=1)
-    np.testing.assert_allclose(sums * 2 * np.pi / fig08.BINS_DRAWN, 1)
+    assert_allclose(sums * 2 * np.pi / fig08.BINS_DRAWN, 1)
     edges = np.linspace(0, 2 * np.pi, 65)
     counts = np.diff(edges + np.sin(edges))
     middle = 2 * np.pi * (np.arange(fig08.BINS_DRAWN) + 0.5) / fig08.BINS_DRAWN
-    np.testing.assert_allclose(fig08.densities(counts), landing_density(middle), atol=1e-3)
+    assert_allclose(fig08.densities(counts), landing_density(middle), atol=1e-3)
     assert fig08.falling(counts) == pytest.approx(fig08.EXPECTED, rel=1e-12)
 
 
@@ -192,7 +194,7 @@ def test_tips_stay_above_the_plate_and_meet_it():
 def test_drift_is_told_from_none():
     mean = np.array([1.0, 1.0, -1.0, -1.0, 0.001, -0.001, 0.0, 0.03, np.nan])
     error = np.array([0.1, 0.4, 0.1, 0.4, 1e-5, 1e-5, 0.0, 0.009, 0.1])
-    np.testing.assert_array_equal(fig02.classify(mean, error), [1, 0, -1, 0, 0, 0, 0, 1, 0])
+    assert_array_equal(fig02.classify(mean, error), [1, 0, -1, 0, 0, 0, 0, 1, 0])
 
 
 def test_fits_find_what_was_put_in():
@@ -234,9 +236,9 @@ def test_drift_tilt_and_arrangement_are_those_of_a_run():
         followed = arrangement.followed(scene, MOST_PERIODS)
     assert followed["c_x_cm_s"] == pytest.approx(result.c_x * np.sqrt(981 * 0.635))
     assert followed["tilt_deg"] == result.tilt_deg
-    np.testing.assert_array_equal(d["rods_32"], result.rods[:, :6])
+    assert_array_equal(d["rods_32"], result.rods[:, :6])
     assert d["time"].tolist() == [2, 4, 6, 8]
-    np.testing.assert_allclose(d["mean"], d["series"][:, :, 2:, 0].mean(axis=(1, 2)))
+    assert_allclose(d["mean"], d["series"][:, :, 2:, 0].mean(axis=(1, 2)))
 
 
 def placed(radii, tilts=20.0):
@@ -247,12 +249,12 @@ def placed(radii, tilts=20.0):
     rods[:, 0], rods[:, 1] = radii * np.cos(azimuth), radii * np.sin(azimuth)
     rods[:, 3], rods[:, 4] = -np.sin(lean) * np.sin(azimuth), np.sin(lean) * np.cos(azimuth)
     rods[:, 5] = np.cos(lean)
-    return np.random.default_rng(1).permutation(rods)
+    return default_rng(1).permutation(rods)
 
 
 def test_order_of_a_zigzag():
     """None at random, as offsets of 40 sum to zero; one where it is perfect, little less if not."""
-    random = np.random.default_rng(3)
+    random = default_rng(3)
     orders = [arrangement.zigzag(placed(random.uniform(6.2, 6.9, 40))) for _ in range(200)]
     assert np.mean(orders) == pytest.approx(1 / 40, abs=0.03)
     assert np.std(orders) == pytest.approx(1 / np.sqrt(40), rel=0.2)

@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from impact import collide, energy_restitution, thin_rod
 
-from .quick_figures import check_figure, data, of_room
+from .quick_figures import check_figure, data, each_of
 
 
-@pytest.mark.parametrize("name", of_room("theory"))
+@each_of("theory")
 def test_every_figure(name):
     check_figure(name)
 
@@ -30,7 +32,7 @@ def largest_gain(tilt, friction, restitution):
 @pytest.mark.parametrize("offset", [-1e-4, 1e-4])
 def test_search_finds_the_energy_threshold(offset):
     """Energy is gained just above the closed form's restitution, and not just below it."""
-    tilt, friction = np.random.default_rng(1).uniform((0.1, 0.1), (1.5, 1), (300, 2)).T
+    tilt, friction = default_rng(1).uniform((0.1, 0.1), (1.5, 1), (300, 2)).T
     restitution = energy_restitution(thin_rod(tilt), friction) + offset
     inside = restitution <= 1
     gain = largest_gain(tilt[inside], friction[inside], restitution[inside])
@@ -41,7 +43,7 @@ def test_search_finds_the_energy_threshold(offset):
 def test_laws_differ_only_where_the_slip_stops():
     d = data("restitution_laws")
     assert d["threshold"].min() >= d["floor_threshold"] == pytest.approx(0.8)
-    np.testing.assert_allclose(d["floor"], [np.pi / 4, 0.6])
+    assert_allclose(d["floor"], [np.pi / 4, 0.6])
     slides = d["friction"][:, None] < d["slide_friction"] - 1e-9
     assert np.all(d["difference"][slides] < 1e-12)
     assert 0.3 < d["difference"].max() < 0.4
@@ -58,7 +60,7 @@ def test_the_stationary_landing_where_its_dots_stand():
         assert np.interp(half, d["tilt"], whole) == pytest.approx(0.5, abs=1e-4)
         assert np.nanmax(fast) < 0.5 < np.nanmin(slow)
     cheapest = np.nanmin(d["cost"][[0, -1]], axis=1)  # slip reversal, slip-stick
-    np.testing.assert_allclose(cheapest, d["best_cost"][[0, -1]], rtol=1e-3)
+    assert_allclose(cheapest, d["best_cost"][[0, -1]], rtol=1e-3)
     assert d["painleve"][0].min() == pytest.approx(4 / 3, rel=1e-3)
 
 
@@ -68,12 +70,12 @@ def test_flat_end_turns_at_arctan_d_over_l():
     tilt, flat = d["tilt"], d["flat"]
     assert np.degrees(d["flat_threshold"]) == pytest.approx(7.125, abs=1e-3)
     positive = ~np.signbit(tilt)
-    np.testing.assert_array_equal(flat[positive] > 0, tilt[positive] > d["flat_threshold"])
+    assert_array_equal(flat[positive] > 0, tilt[positive] > d["flat_threshold"])
     before, after = flat[tilt == 0]
     assert before == -after > 2
     assert np.sum(np.sign(d["round"]) != np.sign(tilt)) == 0
     bounced = d["flat_bounced"] > 3 * d["flat_bounced_error"]
-    np.testing.assert_array_equal(bounced, d["bounced_tilt"] > d["flat_threshold"])
+    assert_array_equal(bounced, d["bounced_tilt"] > d["flat_threshold"])
     landed = np.sign(d["soft_tilt"]) * d["soft"]  # upright on both corners: nothing
-    np.testing.assert_array_equal(landed > 0, np.abs(d["soft_tilt"]) > d["flat_threshold"])
+    assert_array_equal(landed > 0, np.abs(d["soft_tilt"]) > d["flat_threshold"])
     assert d["soft"][d["soft_tilt"] == 0] == pytest.approx(0, abs=1e-12)

@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+from unittest.mock import Mock
 
 import pytest
 
@@ -11,20 +12,16 @@ from md import files, trajectory
 from md import simulation as runner
 from md.__main__ import main
 
-from .rows import row
+from .rows import ROW, row, sets
 
 SCENE = ["step.size=3e-4", "plate.acceleration=5"]
-
-
-def full(*_args, **_options):
-    """A disk that takes no more."""
-    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+FULL = Mock(side_effect=OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))  # a disk
 
 
 def test_a_result_is_given_before_the_checkpoint_that_failed(tmp_path, monkeypatch, capsys):
     """By the command, then one line and an exit code; by the function, with a warning."""
-    monkeypatch.setattr(runner.np, "savez", full)
-    command = ["run", "single_rod", "--periods", "2", "--json", "--checkpoint"]
+    monkeypatch.setattr(runner.np, "savez", FULL)
+    command = ["run", "quasi2d", *sets(*ROW, *SCENE), "--periods", "2", "--json", "--checkpoint"]
     assert main([*command, str(tmp_path / "w.npz")]) == 2
     printed = capsys.readouterr()
     assert json.loads(printed.out)["periods"] == 2
@@ -46,7 +43,7 @@ def test_a_trajectory_cut_off_by_a_full_disk_is_filled_later(tmp_path, monkeypat
     how = {"checkpoint": tmp_path / "w.npz", "trajectory": tmp_path / "a.xyz", "frames": 6}
     md.run(row(*SCENE), periods=2, **how)
     with monkeypatch.context() as patch:
-        patch.setattr(trajectory.Trajectory, what, full)
+        patch.setattr(trajectory.Trajectory, what, FULL)
         with pytest.warns(RuntimeWarning, match="No space left") as told:
             result = md.run(row(*SCENE), periods=3, **how)
     assert result.finished

@@ -33,8 +33,7 @@ from md.soft_impact import plate_table
 from .rows import (
     AT_REST,
     ELASTIC,
-    ELASTIC_RODS,
-    EPS,
+    ELASTIC_PLANE,
     HALF,
     LIGHT,
     LOSSY,
@@ -53,8 +52,7 @@ from .rows import (
     started,
     unit,
 )
-
-ELASTIC_PLANE = PLANE._replace(between=ELASTIC_RODS)
+from .sampling import EPS
 
 # M8: rods that cross, deep overlap, tunnelling
 

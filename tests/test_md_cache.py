@@ -1,11 +1,9 @@
 """Compiled kernels are kept from one process to the next, and never outlive their sources."""
 
-import errno
 import json
 import os
 import shutil
-import subprocess
-import sys
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -16,6 +14,9 @@ from numba.core.caching import IndexDataCacheFile
 import md
 from impact import _jit
 from md import cache
+
+from .command_line import python
+from .test_files import FULL
 
 PACKAGE = Path(md.__file__).parent
 
@@ -53,13 +54,13 @@ def copy(tmp_path):
 def environment(copy):
     """Of a process that runs the copy, with a cache of its own."""
     home = copy.parent
-    return {**os.environ, "PYTHONPATH": str(home), "XDG_CACHE_HOME": str(home / "cache")}
+    return {"PYTHONPATH": str(home), "XDG_CACHE_HOME": str(home / "cache")}
 
 
 def call(copy):
     """A force from a fresh process, and whether its kernel was loaded or compiled."""
-    command, env = [sys.executable, "-c", CALL], environment(copy)
-    file, *rest = json.loads(subprocess.check_output(command, env=env, cwd=copy.parent))
+    done = python("-c", CALL, cwd=copy.parent, **environment(copy))
+    file, *rest = json.loads(done.stdout)
     assert Path(file).parent == copy
     return tuple(rest)
 
@@ -107,10 +108,10 @@ vectors.times(2.0, eval(sys.argv[1]))
 
 def test_processes_that_compile_at_once_do_not_mix_up_what_they_keep(copy):
     """Two keep the same function for other arguments; a third finds both."""
-    run = partial(subprocess.Popen, env=environment(copy), cwd=copy.parent)
-    vectors = "(3.0,)", "(3.0, 4.0)"
-    for process in [run([sys.executable, "-c", RACE, v]) for v in vectors]:
-        assert process.wait() == 0
+    run = partial(python, "-c", RACE, cwd=copy.parent, **environment(copy))
+    with ThreadPoolExecutor() as pool:
+        for done in pool.map(run, ("(3.0,)", "(3.0, 4.0)")):
+            assert done.returncode == 0
     [index] = [file for file in kept(copy) if file.suffix == ".nbi"]
     assert len({*index.parent.glob(f"{index.stem}.*.nbc")}) == 2
 
@@ -123,19 +124,14 @@ def test_without_a_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch):
         assert cache.directory.__wrapped__() is None
     monkeypatch.setattr(cache, "directory", lambda: None)
     assert cache.kernel(lambda x: 2 * x)(2.0) == 4.0
-    command = [sys.executable, "-m", "md", "--help"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert done.stderr.count("\n") == 1
+    done = python("-m", "md", "--help")
+    assert (done.returncode, done.stderr.count("\n")) == (0, 1)
     assert "compiled kernels cannot be kept" in done.stderr
 
 
 def test_a_disk_that_fills_up_costs_no_more_than_compiling(monkeypatch):
     """Told once, whatever else is compiled."""
-
-    def full(*_):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(IndexDataCacheFile, "_save_index", full)
+    monkeypatch.setattr(IndexDataCacheFile, "_save_index", FULL)
     double = cache.kernel(lambda x: 2 * x)
     cache._warn_once.cache_clear()
     with pytest.warns(RuntimeWarning, match="kernels cannot be kept in .*: No space left") as told:

@@ -28,23 +28,22 @@ from md.kernels.neighbours import PAIR, near_end
 from md.kernels.vectors import IN_PLANE, IN_SPACE
 
 from .rows import (
-    ELASTIC_RODS,
-    EPS,
+    ELASTIC_PLANE,
     HALF,
-    PLANE,
     SOFT,
     distance,
     elastic,
-    forces,
     go,
     images,
     in_plane,
     meetings,
     overlap,
+    pushed,
     row,
     started,
     unit,
 )
+from .sampling import EPS
 
 
 def build(rods, half, period, listed):
@@ -128,11 +127,6 @@ def test_neighbours_by_azimuth_are_all_close_pairs(radius, count):
     assert sorted(map(tuple, found[:listed, :2])) == close
 
 
-def pushed(period, rods):
-    """Force and torque on each of some elastic rods at rest in a periodic box."""
-    return forces(started(PLANE._replace(between=ELASTIC_RODS, period=period), rods, 1e-6), rods)
-
-
 @pytest.mark.parametrize(("n", "period"), [(1, 2.01), (10, 11.5), (20, 26.0)])
 def test_forces_are_those_of_all_pairs(n, period):
     """Every image of every pair once, by brute force; sums of some ten forces round by EPS each.
@@ -145,7 +139,7 @@ def test_forces_are_those_of_all_pairs(n, period):
     tilt = np.arccos(n / period) + 0.005 * random.uniform(-1, 1, n) + 0.01 / n
     rods = zip(x, 5 + random.uniform(-0.1, 0.1, n), tilt, strict=True)
     rods = in_plane(*rods, (0.3, 50, 0.0))
-    got, want = pushed(period, rods), elastic(rods, period=period)
+    got, want = pushed(rods, period), elastic(rods, period=period)
     assert np.abs(want).max() > (400 if n == 1 else 1000)
     # rounding places of up to 4 periods changes an overlap by 4 EPS period
     steep = 1.5 * SOFT * 0.5 * 10
@@ -157,14 +151,14 @@ def test_m9_a_period_added_to_any_rod_changes_no_force():
     random, n, period = default_rng(3), 6, 6.3
     x = np.arange(n) * period / n + 0.01 * random.normal(size=n)
     rods = in_plane(*((place, 5.0, np.arccos(n / period)) for place in x))
-    usual = pushed(period, rods)
+    usual = pushed(rods, period)
     assert np.abs(usual).max() > 100
     for _ in range(20):
         moved = rods.copy("K")
         moved[:, X] += (far := random.integers(-5, 6, n) * period)
         ulp = np.spacing(np.abs(far).max() + period)
         steep = 1.5 * SOFT * 0.5 * 8 * 5  # eight ends of overlap below 1/4, arms of 5
-        assert np.abs(pushed(period, moved) - usual).max() <= 4 * ulp * steep
+        assert np.abs(pushed(moved, period) - usual).max() <= 4 * ulp * steep
 
 
 # While rods move
@@ -222,8 +216,7 @@ CLOSING = {  # as fast as rods of a largest speed of 1 may, from a gap of 0.05 d
 @pytest.mark.parametrize("rods", CLOSING.values(), ids=CLOSING)
 def test_what_sleeps_wakes_in_time(rods):
     """To the bits of a run in which nothing sleeps."""
-    elastic_rods = PLANE._replace(between=ELASTIC_RODS)
-    usual, often = (started(elastic_rods, in_plane(*rods)) for _ in range(2))
+    usual, often = (started(ELASTIC_PLANE, in_plane(*rods)) for _ in range(2))
     slept, wide = 0, []
     for _ in range(400):
         often.state.listed.asleep[:] = 0.0

@@ -3,8 +3,6 @@
 import inspect
 import json
 import re
-import subprocess
-import sys
 from unittest.mock import Mock
 
 import matplotlib.pyplot as plt
@@ -22,7 +20,7 @@ from figures.paper import fig04
 from impact import drift
 from md.scene import SCENES
 
-from .command_line import ROOT
+from .command_line import python
 
 SCENE = """
 rods = { count = 5, length = 5, inertia = "solid" }
@@ -49,8 +47,8 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
     """
     monkeypatch.setenv("MPLBACKEND", "module://nowhere")
     own = ["--friction", "0.2", "--restitution", "0.5", "--quick", "--jobs", "2"]
-    command = [sys.executable, "-m", "figures", "draw", "fig10", "fig11", *own, "--out", tmp_path]
-    subprocess.run(command, cwd=ROOT, check=True)
+    words = "-m", "figures", "draw", "fig10", "fig11", *own, "--out", tmp_path
+    assert python(*words).returncode == 0
     ten, eleven = (kept_data(name, tmp_path) for name in ("fig10", "fig11"))
     assert (ten["restitution"], ten["marked"]) == (0.5, 0.2)
     assert (eleven["restitution"], eleven["friction"]) == (0.5, 0.2)
@@ -149,19 +147,3 @@ def test_a_scene_that_is_edited_is_read_again_and_may_be_plastic(mine):
     assert runs.row_of(str(mine)).setting["restitution"] == 0.5
     mine.write_text(SCENE.replace("restitution = 0.5", "restitution = 0"))
     assert runs.row_of(str(mine)).setting["restitution"] == 0.0
-
-
-def test_labelled_arrays_have_units_where_there_are_any():
-    """So that a plot has no empty brackets; landings lie along an axis of their own."""
-    rows = []
-    result = md.run(md.load("single_rod"), periods=20, observe=rows.append)
-    touches = md.records.to_xarray(md.records.touches(rows, result))
-    landings = md.records.to_xarray(md.records.landings(rows, result))
-    assert (*touches.dims, *landings.dims) == ("touch", "landing")
-    assert "units" not in landings.touches.attrs
-    assert touches.c_x_before.attrs["units"] == "sqrt(g d)"
-
-
-def test_it_is_said_which_periods_are_left_out_of_the_means():
-    result = md.run(md.load("single_rod"), periods=20)
-    assert "periods      20 = 0.3333 s; the first 4 are left out of the means\n" in str(result)

@@ -13,8 +13,8 @@ import pytest
 import md
 from md import simulation
 
-from .command_line import ended
-from .rows import ROW, ring, row
+from .command_line import each_signal, ended
+from .rows import ROW, ring, row, sets
 
 PERIODS = 4
 LIVELY = ("step.size=3e-4", "plate.acceleration=5")
@@ -187,13 +187,12 @@ def test_a_trajectory_may_begin_with_a_resumed_run():
         assert times(name) == [*range(20, periods)]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@each_signal
 def test_ctrl_c_at_the_prompt(path, number):
     """Exit code 130, a result of what was done, and a checkpoint from which the run goes on."""
     trajectory = path.with_suffix(".xyz")
-    changes = [part for change in (*ROW, *LIVELY) for part in ("--set", change)]
-    files = "--checkpoint", str(path), "--trajectory", str(trajectory)
-    command = ["md", "run", "quasi2d", *changes, *files, "--json", "--periods", "100000"]
+    options = "--checkpoint", str(path), "--trajectory", str(trajectory), "--periods", "100000"
+    command = ["md", "run", "quasi2d", *sets(*ROW, *LIVELY), *options, "--json"]
     code, out, err = ended(command, number, path.parent, begun=trajectory)
     found = json.loads(out)
     assert (code, err, found["finished"]) == (130, "", False)

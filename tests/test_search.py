@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from md import sweep
 from md.__main__ import main
@@ -36,7 +37,7 @@ def drift(friction, restitution, box):
 def made_run(point):
     """What a run would store: the drift, with a scatter of its own for each start."""
     contact, box = point.scene.contacts.plate, point.scene.box.length
-    scatter = np.random.default_rng([point.scene.start.seed, int(1e6 * contact.friction)])
+    scatter = default_rng([point.scene.start.seed, int(1e6 * contact.friction)])
     value = drift(contact.friction, contact.law.restitution, box)
     return {"c_x_cm_s": value + 0.03 * scatter.standard_normal(), "periods": point.periods}
 
@@ -86,7 +87,7 @@ def test_parameters_are_recovered_and_carried_to_what_is_predicted(found):
 
 def test_stated_errors_are_those_of_many_data_sets(found):
     """Data that scatter by their errors: estimates scatter by theirs."""
-    random, off = np.random.default_rng(4), []
+    random, off = default_rng(4), []
     for _ in range(20):
         moved = tuple(
             target._replace(value=target.value + ERROR * random.standard_normal())

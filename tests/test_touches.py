@@ -12,10 +12,9 @@ from md.kernels.codes import C_X, C_Z, COSINE, OMEGA, ROW_VELOCITY, SINE, Z
 from md.kernels.contact import Friction
 from md.measures import Tables, merged
 
-from .rows import HALF, PLANE, go, in_plane, ring, row, started
+from .rows import HALF, PLANE, go, in_plane, recorded, ring, row, started
 
 LIVELY = "plate.acceleration=5"
-AFTER = slice(columns.AFTER, columns.AFTER + 3)
 
 
 # Single touches
@@ -37,7 +36,7 @@ def test_touches_are_those_that_every_step_shows():
     edges = np.diff(np.r_[0, pushed])
     begins, stops = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
     begins = begins[: len(stops)]
-    rows = engine.record.rows[: engine.record.count[0]]
+    rows = recorded(engine)
     assert len(rows) >= 3
     first, last = states[begins], states[stops]
     velocity, cap = plate.velocity[begins % per], np.where(first[:, COSINE] > 0, -1, 1)
@@ -97,7 +96,7 @@ def test_touches_tell_who_gave_the_momentum():
     assert_allclose(neighbours.sum(axis=1), 0, **close)  # forces between rods cancel
     assert_allclose(plate[-1].sum(), engine.rods[:, C_X].sum() - start, atol=1e-9)
 
-    rows = engine.record.rows[: engine.record.count[0]]
+    rows = recorded(engine)
     rows = rows[np.lexsort((rows[:, columns.STEP], rows[:, columns.ROD]))]
     rod, begun, duration = rows[:, [columns.ROD, columns.STEP, columns.DURATION]].astype(int).T
     ended, free = begun + duration, rows[:, columns.PUSHED] == 0

@@ -5,14 +5,12 @@ import re
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
 
 import md
 from md.host import prepare
 
-from .rows import row
-from .test_annulus import ring
-
-SCENES = {"row": row(), "annulus": ring()}
+from .rows import ring, row, vectors
 
 
 def parsed(path):
@@ -33,16 +31,12 @@ def parsed(path):
     return frames
 
 
-@pytest.fixture(params=SCENES)
+@pytest.fixture(params=[row, ring])
 def written(request, tmp_path):
     """A scene, the state of its rods after a period, and the file of its run."""
-    scene, path = SCENES[request.param], tmp_path / "a.xyz"
+    scene, path = request.param(), tmp_path / "a.xyz"
     md.run(scene, periods=2, trajectory=path)
-    parts = prepare(scene)._parts(md.run(scene, periods=1).rods)
-    if not scene.annulus:
-        *vectors, turn = parts
-        parts = *(np.insert(v, 1, 0.0, axis=1) for v in vectors), turn * (0.0, 1.0, 0.0)
-    return scene, parts, path
+    return scene, vectors(prepare(scene), md.run(scene, periods=1).rods), path
 
 
 def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
@@ -53,8 +47,7 @@ def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
     assert (frame["Z"] == 0).all()
     assert frame["id"][:, 0].tolist() == list(range(len(place)))
     assert_allclose(frame["pos"], place, atol=1e-8)
-    x, y, z, w = frame["orientation"].T
-    turned = np.transpose([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+    turned = Rotation.from_quat(frame["orientation"]).apply([0, 0, 1])
     assert_allclose(turned, director, atol=1e-6)
     assert (frame["aspherical_shape"] == [0.5, 0.5, scene.rods.length - 1]).all()
     assert_allclose(frame["velo"], velocity, atol=1e-8)

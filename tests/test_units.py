@@ -15,6 +15,8 @@ from md.store import _flat, table
 from md.sweep import execute, expand
 from md.units import TWINS, error_of, in_cm, labelled
 
+from .rows import sets
+
 TABLES = {
     "rods": {"count": 3, "length": 8.0, "diameter_cm": 0.5},
     "plate": {"acceleration": 3.0, "frequency_hz": 50},
@@ -22,7 +24,7 @@ TABLES = {
     "gravity": {},
     "contacts": {
         "plate": {"stiffness": 1e4, "tangential_ratio": 3, "friction": 0.3},
-        "rods": {"stiffness": 1e4, "tangential_ratio": 3},
+        "rods": {"stiffness": 1e4, "tangential_ratio": 3, "friction": 0.3},
     },
 }
 RING = {"box": "none", "annulus.inner": 4.0, "annulus.outer": 6.0, "contacts.wall.friction": 0.3}
@@ -95,11 +97,12 @@ def test_a_sweep_along_an_amplitude(tmp_path, capsys):
 def test_what_a_run_prints_in_cm(tmp_path, capsys):
     """Rods, plate, drift and time; in JSON what one unit is, and what was run."""
     soft = (f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods"))
-    given = [x for change in ("rods.count=3", "box.length_cm=2", *soft) for x in ("--set", change)]
+    given = sets("rods.count=3", "box.length_cm=2", *soft)
     command = ["run", "my_rods", *given, "--periods", "124"]
     assert main([*command, "--trajectory", str(tmp_path / "a.xyz")]) == 0
     printed = capsys.readouterr().out.splitlines()
     assert printed[0] == "rods         3 of 5.08 by 0.635 cm, in a box of 2 cm that repeats"
+    assert "periods      124 = 2.067 s; the first 24 are left out of the means" in printed
     assert main([*command, "--json"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     units, cm = found["units"], found["scene_in_cm"]
@@ -116,13 +119,21 @@ def test_what_a_run_prints_in_cm(tmp_path, capsys):
 
 @pytest.mark.parametrize("changes", [["rods.count=9"], ["plate.acceleration=3"]])
 def test_what_is_measured_and_chosen_has_a_unit_and_a_name(changes):
-    """Results, their errors, columns of records, keys that an axis may have."""
+    """Results, their errors, columns of records, keys that an axis may have.
+
+    As arrays with labels, touches and landings lie along axes of their own; what is counted has no
+    unit, so that a plot has no empty brackets.
+    """
     rows, scene = [], md.load("annulus" if "rods.count=9" in changes else "my_rods", changes)
     result = md.run(scene, periods=3, observe=rows.append)
     apart = {"scene", "versions", "scene_digest", "finished", "unwritten", "settled", "annulus"}
     results = {key for key in _flat(result.as_dict()) if key.partition(".")[0] not in apart}
     results |= {f"annulus.{name}" for name in _flat(result.annulus or {})}
     columns = [md.records.touches(rows, result), md.records.landings(rows, result)]
+    touches, landings = map(md.records.to_xarray, columns)
+    assert (*touches.dims, *landings.dims) == ("touch", "landing")
+    assert "units" not in landings.touches.attrs
+    assert touches.c_x_before.attrs["units"] == "sqrt(g d)"
     names = results.union({"phases"}, *(found.dtype.names for found in columns))
     names |= {key.rpartition(": ")[2].partition(" (")[0] for key, _ in keys()}
     found = labelled(dict.fromkeys(names, ((), 0.0)))
