@@ -49,6 +49,12 @@ def rows_store(tmp_path_factory):
         yield
 
 
+@pytest.fixture
+def path(tmp_path):
+    """File of a store that is not there yet."""
+    return tmp_path / "a.db"
+
+
 def pytest_addoption(parser):
     parser.addoption("--record", metavar="FILE", help="write date, sources, counts of a pass")
 

@@ -23,8 +23,8 @@ def filled(path):
         store.put("k", ABOUT, {"c_x": 0.5}, None)
 
 
-def test_a_result_is_written_once_and_a_failure_gives_way(tmp_path):
-    with Store(tmp_path / "a.db") as store:
+def test_a_result_is_written_once_and_a_failure_gives_way(path):
+    with Store(path) as store:
         store.put("k", ABOUT, None, "it broke")
         assert store.has("k")
         assert not store.has("k", failed=False)
@@ -34,21 +34,21 @@ def test_a_result_is_written_once_and_a_failure_gives_way(tmp_path):
         assert store.result("k") == {"c_x": 0.1 + 2**-54}  # to the bit
         (row,) = store.rows()
         assert row["error"] is None
-    assert table(tmp_path / "a.db")[1][0]["rods.count"] == 2
+    assert table(path)[1][0]["rods.count"] == 2
 
 
-def test_two_writers_share_a_store(tmp_path):
-    with Store(tmp_path / "a.db") as one, Store(tmp_path / "a.db") as other:
+def test_two_writers_share_a_store(path):
+    with Store(path) as one, Store(path) as other:
         for i in range(10):
             (one if i % 2 else other).put(f"k{i}", ABOUT, {"i": i}, None)
             (other if i % 2 else one).put(f"k{i}", ABOUT, {"i": -1}, None)
         assert [row["result"]["i"] for row in one.rows()] == list(range(10))
 
 
-def test_a_row_that_was_edited_by_hand_costs_one_line(tmp_path, capsys):
-    filled(tmp_path / "a.db")
-    database(tmp_path / "a.db", "UPDATE runs SET result = 'oops'")
-    refused(lambda: main(["results", str(tmp_path / "a.db")]), "a.db cannot be read: Exp", capsys)
+def test_a_row_that_was_edited_by_hand_costs_one_line(path, capsys):
+    filled(path)
+    database(path, "UPDATE runs SET result = 'oops'")
+    refused(lambda: main(["results", str(path)]), "a.db cannot be read: Exp", capsys)
 
 
 def database(path, *statements):
@@ -67,8 +67,7 @@ def database(path, *statements):
         (lambda path: versioned(path, 99), r"another version of md \(99, not 2\), .*a new file"),
     ],
 )
-def test_a_file_that_is_not_a_store_of_this_version_is_left_alone(tmp_path, make, message):
-    path = tmp_path / "a.db"
+def test_a_file_that_is_not_a_store_of_this_version_is_left_alone(path, make, message):
     make(path)
     before = path.read_bytes()
     for write in (True, False):
@@ -120,26 +119,26 @@ def test_a_store_in_a_read_only_folder_is_read(capsys):
         assert names_in(folder) == {"a.db"}
 
 
-def test_a_full_disk_loses_nothing_that_was_written(tmp_path):
+def test_a_full_disk_loses_nothing_that_was_written(path):
     """SQLite's own limit of pages stands in for the disk's end."""
-    with Store(tmp_path / "a.db") as store:
+    with Store(path) as store:
         store.put("first", ABOUT, {"c_x": 1.0}, None)
         (pages,) = store.database.execute("PRAGMA page_count").fetchone()
         store.database.execute(f"PRAGMA max_page_count={pages}")
         with pytest.raises(StoreError, match="full"):
             store.put("long", ABOUT, {"text": "x" * 500_000}, None)
         assert store.result("first") == {"c_x": 1.0}
-    with Store(tmp_path / "a.db") as store:  # there is room again
+    with Store(path) as store:  # there is room again
         store.put("last", ABOUT, {"c_x": 2.0}, None)
         assert [row["result"]["c_x"] for row in store.rows()] == [1.0, 2.0]
         assert store.database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
 
 
-def test_a_table_has_all_columns(tmp_path):
-    with Store(tmp_path / "a.db") as store:
+def test_a_table_has_all_columns(tmp_path, path):
+    with Store(path) as store:
         store.put("k", ABOUT, {"c_x": 0.5, "touches": {"slide": {"mean": 0.1}}}, None)
         store.put("l", ABOUT, None, "it broke, badly")
-    write_csv(tmp_path / "a.csv", *table(tmp_path / "a.db"))
+    write_csv(tmp_path / "a.csv", *table(path))
     lines = (tmp_path / "a.csv").read_text().splitlines()
     assert lines[0].split(",")[:3] == ["rods.count", "c_x", "touches.slide.mean"]
     assert lines[1].startswith("2,0.5,0.1,")

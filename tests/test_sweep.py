@@ -68,10 +68,10 @@ def reference(tmp_path_factory):
 
 
 @pytest.fixture
-def store(tmp_path, reference):
+def store(path, reference):
     """A store of one's own with the runs of `reference`."""
-    execute(reference[0], tmp_path / "a.db", workers=1)
-    return tmp_path / "a.db"
+    execute(reference[0], path, workers=1)
+    return path
 
 
 # Axes
@@ -112,14 +112,14 @@ def test_a_sweep_from_python_names_its_scene():
 # Runs
 
 
-def test_what_is_there_is_not_computed_again(tmp_path):
+def test_what_is_there_is_not_computed_again(path):
     """Not a thousand identical points, and not those of an earlier sweep; longer runs are."""
     for periods, there in ((5, 0), (5, 1), (6, 0)):
         sweep = expand({"periods": periods, "axes": [{"start.tilt_deg": [10] * 1000}]}, BASE)
-        tally = execute(sweep, tmp_path / "a.db", workers=1)
+        tally = execute(sweep, path, workers=1)
         assert (tally.points, tally.distinct, tally.there) == (1000, 1, there)
         assert tally.computed == 1 - there
-    (c_x,) = sweep.gather(tmp_path / "a.db", "c_x")
+    (c_x,) = sweep.gather(path, "c_x")
     assert c_x.shape == (1000,)
     assert np.all(c_x == c_x[0])
 
@@ -159,10 +159,10 @@ def test_a_result_that_cannot_be_gathered_is_named(store, reference):
     assert set(found) == {name.replace(".", "_") for name in offered}
 
 
-def test_two_workers_give_the_same_bits(tmp_path, reference):
+def test_two_workers_give_the_same_bits(path, reference):
     sweep, wanted = reference
-    execute(sweep, tmp_path / "a.db", workers=2)
-    assert gathered(sweep, tmp_path / "a.db") == wanted
+    execute(sweep, path, workers=2)
+    assert gathered(sweep, path) == wanted
 
 
 def viscous(stiffness=5e6, dashpot=300.0):
@@ -170,22 +170,21 @@ def viscous(stiffness=5e6, dashpot=300.0):
     return md.Law("viscous", md.Normal(stiffness, quarter=dashpot), None)
 
 
-def test_a_law_of_ones_own_runs_in_processes_that_do_not_know_it(tmp_path, monkeypatch):
+def test_a_law_of_ones_own_runs_in_processes_that_do_not_know_it(path, monkeypatch):
     """A store knows it by its numbers: a function changed under the same name runs again."""
-    store = tmp_path / "a.db"
     tables = {"periods": 5, "axes": [{"contacts.plate.dashpot": [100.0, 300.0]}]}
     base = BASE | {"contacts": {"plate": {"law": "mine", "friction": 0.3}}}
     monkeypatch.setitem(md.LAWS, "mine", viscous)
     own = expand(tables, base)
-    assert execute(own, store, workers=2).computed == 2
+    assert execute(own, path, workers=2).computed == 2
     plate = md.Contact(viscous(dashpot=300.0), 0.3)
     scene = replace(own.points[1].scene, contacts=md.Contacts(plate=plate))
     assert own.points[1].key == Point(scene, 5).key
-    assert own.gather(store, "c_x")[0][1] == md.run(scene, periods=5).c_x
+    assert own.gather(path, "c_x")[0][1] == md.run(scene, periods=5).c_x
     monkeypatch.setitem(md.LAWS, "mine", lambda dashpot: viscous(2e6, dashpot))
-    assert execute(expand(tables, base), store, workers=1).there == 0
+    assert execute(expand(tables, base), path, workers=1).there == 0
     monkeypatch.delitem(md.LAWS, "mine")
-    assert main(["results", str(store)]) == 0
+    assert main(["results", str(path)]) == 0
 
 
 def test_what_is_no_law_is_refused(monkeypatch):
@@ -195,7 +194,7 @@ def test_what_is_no_law_is_refused(monkeypatch):
         expand({}, BASE | {"contacts": {"plate": {"law": "mine"}}})
 
 
-def test_a_dask_cluster_gives_the_same_bits(tmp_path, reference, monkeypatch):
+def test_a_dask_cluster_gives_the_same_bits(path, reference, monkeypatch):
     """Once it has workers."""
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr("md.sweep.PATIENCE", 0.5)
@@ -205,14 +204,14 @@ def test_a_dask_cluster_gives_the_same_bits(tmp_path, reference, monkeypatch):
     ) as cluster:
         address = cluster.scheduler_address
         with pytest.raises(RunError, match=r"^the scheduler \S+ failed .Only 0/1 workers arrived"):
-            execute(sweep, tmp_path / "a.db", scheduler=address)
+            execute(sweep, path, scheduler=address)
         cluster.scale(2)
         cluster.wait_for_workers(2)
-        assert execute(sweep, tmp_path / "a.db", scheduler=address).computed == 6
-    assert gathered(sweep, tmp_path / "a.db") == wanted
+        assert execute(sweep, path, scheduler=address).computed == 6
+    assert gathered(sweep, path) == wanted
 
 
-def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path):
+def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path, path):
     """A plate that is stiff enough for the impacts to expect, and too soft for thirty times g.
 
     And more rods than an annulus takes, which the run alone sees.
@@ -222,17 +221,17 @@ def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path):
     soft = {"plate": {"law": "coulomb", "friction": 0.3, "stiffness": 20.0}}
     sweep = expand({"periods": 10, "axes": [{"gravity.z": [-30, -1]}]}, BASE | {"contacts": soft})
     for retry, done in ((False, (1, 1)), (False, (0, 0)), (True, (0, 1))):
-        tally = execute(sweep, tmp_path / "a.db", workers=1, retry=retry)
+        tally = execute(sweep, path, workers=1, retry=retry)
         assert (tally.computed, tally.failed) == done
-    with Store(tmp_path / "a.db", write=False) as store:
+    with Store(path, write=False) as store:
         (error,) = (row["error"] for row in store.rows() if row["error"])
     assert "overlap" in error
-    assert list(np.isnan(sweep.gather(tmp_path / "a.db", "c_x")[0])) == [True, False]
+    assert list(np.isnan(sweep.gather(path, "c_x")[0])) == [True, False]
     with pytest.warns(RuntimeWarning, match="^1 of 2 runs are missing in .*a.db, or have failed$"):
-        sweep.to_xarray(tmp_path / "a.db", "c_x")
+        sweep.to_xarray(path, "c_x")
 
 
-def test_a_dead_worker_costs_nothing_but_time(tmp_path, reference):
+def test_a_dead_worker_costs_nothing_but_time(path, reference):
     sweep, wanted = reference
     get_reusable_executor().shutdown(wait=True)
 
@@ -249,12 +248,12 @@ def test_a_dead_worker_costs_nothing_but_time(tmp_path, reference):
 
     killer = threading.Thread(target=kill, daemon=True)
     killer.start()
-    execute(sweep, tmp_path / "a.db", workers=2)
+    execute(sweep, path, workers=2)
     killer.join()
-    assert gathered(sweep, tmp_path / "a.db") == wanted
+    assert gathered(sweep, path) == wanted
 
 
-def test_a_worker_that_always_dies_is_an_error(tmp_path, monkeypatch):
+def test_a_worker_that_always_dies_is_an_error(path, monkeypatch):
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 
     def dead(tasks):
@@ -263,7 +262,7 @@ def test_a_worker_that_always_dies_is_an_error(tmp_path, monkeypatch):
 
     monkeypatch.setattr("md.sweep.Parallel", lambda **how: dead)
     with pytest.raises(RunError, match="died 3 times"):
-        execute(axes(), tmp_path / "a.db")
+        execute(axes(), path)
 
 
 # The command
@@ -290,16 +289,16 @@ LONG = SWEEP.replace("20", "400").replace("[1, 2]", "{ from = 1, to = N, count =
         ),
     ],
 )
-def test_kills_at_random_times_lose_nothing(tmp_path, starts, kills):
+def test_kills_at_random_times_lose_nothing(tmp_path, path, starts, kills):
     sweep = load_sweep(written(tmp_path, LONG.replace("N", starts)))
     before, random = 0, default_rng(7)
     for how in kills:
         _, rows, _ = killed(tmp_path, how, random.uniform(0.2, 4.0 if len(kills) > 1 else 1.2))
         assert rows >= before
         before = rows
-    assert execute(sweep, tmp_path / "a.db", workers=2).there == before
+    assert execute(sweep, path, workers=2).there == before
     execute(sweep, tmp_path / "b.db", workers=2)
-    assert gathered(sweep, tmp_path / "a.db") == gathered(sweep, tmp_path / "b.db")
+    assert gathered(sweep, path) == gathered(sweep, tmp_path / "b.db")
 
 
 @each_signal
@@ -328,11 +327,11 @@ def test_a_key_says_what_is_computed(monkeypatch):
     assert not set(keys()) & set(before)
 
 
-def test_a_scheduler_that_dies_ends_the_sweep_in_one_line(tmp_path, monkeypatch):
+def test_a_scheduler_that_dies_ends_the_sweep_in_one_line(path, monkeypatch):
     """Whatever it waits for."""
     client = MagicMock(status="closed")
     client.wait_for_workers = lambda *_, **__: time.sleep(9) or pytest.fail("it waits on")
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(distributed, "Client", lambda *_, **__: client)
     with pytest.raises(RunError, match=r"^the scheduler a:1 is gone; what was finished is kept$"):
-        execute(axes(), tmp_path / "a.db", scheduler="a:1")
+        execute(axes(), path, scheduler="a:1")

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from .command_line import PACKAGES, ROOT, names_in, python
+from .command_line import DOCS, PACKAGES, ROOT, names_in, python
 
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
 WHERE = f"""
@@ -35,7 +35,7 @@ COMMANDS = {
 
 def test_the_version_stands_in_one_place_and_others_agree():
     """In `pyproject.toml`; citations and the newest heading of the change log repeat it."""
-    site = (ROOT / "figures/pages/docs/installation.md").read_text(encoding="utf-8")
+    site = (DOCS / "installation.md").read_text(encoding="utf-8")
     assert f"version = {{{VERSION}}}" in site
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert re.findall(r"^version: (.+)$", citation, re.M) == [VERSION]
