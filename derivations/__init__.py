@@ -34,7 +34,7 @@ rewrites                            rules that make a form compute well, each on
 closed_forms                        what generated functions compute (functions.toml: how)
 kernel, trials                      one impact, impact/_kernel.py: run on letters and on numbers
                                     that know their roundings, and proved
-codegen                             expressions as functions
+codegen                             assignments as the text of functions
 languages                           the impact map in C and JavaScript (languages.toml)
 files                               impact/_generated.py, EQUATIONS.md; writing files
 typeset, lecture                    formulas as LaTeX and MathML; text, letters (lecture.toml);
@@ -59,7 +59,8 @@ To add an equation
    signs; a left side such as v_f - v_1 is read and has its step's value (module `trace`). Its
    letters stand in lecture.toml, with their dimensions; "(5)" is what was taken (module `texts`).
 3. If it should be a function: a `Function` in `closed_forms.py` derives its outputs;
-   functions.toml has its words, and the assignments that make it compute well (module `rewrites`).
+   functions.toml has its words, and the assignments that compute it well, as they are generated
+   (module `rewrites` proves them).
 4. An algorithm goes into impact/_kernel.py, and what it returns, as derived, into `kernel.py`.
 
 `check` proves it, tests/test_mutants.py tries to fool the proof, `generate` writes

@@ -9,7 +9,6 @@ from . import bodies, drift, laws, optimum, pairs, slide, slip_reversal, thin_ro
 from .newton import approach, spin_jump, velocity_change
 from .pairs import FIRST, SECOND
 from .rewrites import (
-    COLLECT_FRICTION,
     CONTACT,
     GENERAL,
     LETTERS,
@@ -131,7 +130,7 @@ _PAIR["cross"] = _of_levers(_TURNED / (FIRST[k] * SECOND[k]))
 FUNCTIONS: tuple[Function, ...] = (
     # ---- the impact map ----
     Function("approach", approach),
-    Function("slip_response", lambda: {x: responses()[x] for x in (N, T)}, (COLLECT_FRICTION,)),
+    Function("slip_response", lambda: {x: responses()[x] for x in (N, T)}),
     Function(
         "slide",
         lambda: {

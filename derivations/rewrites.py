@@ -1,8 +1,9 @@
 """Named rules that turn derived expressions into ones that compute well.
 
-A rule maps the body of a function (ordered assignments) to an equal one. `rewrite` proves the
-equality after every rule, with all abbreviations written out again, and records the operation
-count; a rule that changed a value raises `RewriteError`.
+A rule maps the body of a function (ordered assignments) to an equal one; the last one gives those
+of functions.toml, which are generated. `rewrite` proves the equality after every rule, with all
+abbreviations written out again, and counts the operations; a rule that changed a value raises
+`RewriteError`.
 """
 
 import tomllib
@@ -18,7 +19,7 @@ from . import slide
 from .equality import is_zero
 from .laws import V_1, A, B, C, a_1, a_2
 from .newton import contact_change
-from .symbols import NAMED, P_1, P_z, X, Z, k, m, mu, v_1
+from .symbols import NAMED, P_1, P_z, X, Z, k, m, v_1
 from .trace import remembered
 
 Body = dict[sp.Symbol, sp.Expr]
@@ -44,9 +45,9 @@ LETTERS = Letters(NAMED | {letter.name: letter for letter in _OWN})
 
 
 @remembered
-def responses() -> dict[sp.Symbol, sp.Expr]:
+def responses() -> Body:
     """N, T, N_back, T_back in X, Z, k, mu: read off the change of the contact velocity."""
-    found: dict[sp.Symbol, sp.Expr] = {}
+    found: Body = {}
     for along, up, direction in ((T, N, 1), (T_back, N_back, -1)):
         u, v = contact_change(slide.friction(P_z, direction), P_z)
         found |= {up: sp.expand(m * k**2 * v / P_z), along: sp.expand(-m * k**2 * u / P_z)}
@@ -54,10 +55,10 @@ def responses() -> dict[sp.Symbol, sp.Expr]:
 
 
 RESPONSES = responses()
-SQUARES: Mapping[sp.Symbol, sp.Expr] = {K: k**2 + X**2 + Z**2, K_z: k**2 + Z**2}
+SQUARES = {K: k**2 + X**2 + Z**2, K_z: k**2 + Z**2}
 # v_1 where slopes are general, and where they are those of the contact
-GENERAL: Mapping[sp.Symbol, sp.Expr] = {w: a_2 * P_1, r: a_2 / a_1, v_1: V_1}
-CONTACT: Mapping[sp.Symbol, sp.Expr] = {**RESPONSES, v_1: slide.stop()[2]}
+GENERAL = {w: a_2 * P_1, r: a_2 / a_1, v_1: V_1}
+CONTACT = {**RESPONSES, v_1: slide.stop()[2]}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,19 +70,11 @@ class Rule:
     apply: Callable[[Body], Body]
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
-    """What a rule did: operations left in the body."""
-
-    rule: str
-    operations: int
-
-
 class RewriteError(ArithmeticError):
     """A rewriting rule changed the value of an expression."""
 
 
-def written_out(body: Body, meaning: Mapping[sp.Symbol, sp.Expr]) -> Body:
+def written_out(body: Body, meaning: Body) -> Body:
     """The assignments with earlier ones and all abbreviations substituted."""
     known: Body = {}
     for symbol, expr in body.items():
@@ -91,41 +84,36 @@ def written_out(body: Body, meaning: Mapping[sp.Symbol, sp.Expr]) -> Body:
 
 def operations(body: Body) -> int:
     """Arithmetic operations of a body."""
-    return int(sum(sp.count_ops(expr) for expr in body.values()))
+    return sp.count_ops([*body.values()])
 
 
-def rewrite(
-    derived: Body, rules: tuple[Rule, ...], meaning: Mapping[sp.Symbol, sp.Expr]
-) -> tuple[Body, tuple[Step, ...]]:
-    """Apply the rules in order; after each, every output must still equal its derived form."""
+def rewrite(derived: Body, rules: tuple[Rule, ...], meaning: Body) -> tuple[Body, dict[str, int]]:
+    """Apply the rules in order; after each, every output must still equal its derived form.
+
+    Returns the body, and how many operations each rule left.
+    """
     body = dict(derived)
-    steps = [Step("as derived", operations(body))]
+    counts = {"as derived": operations(body)}
     for rule in rules:
         body = rule.apply(body)
         values = written_out(body, meaning)
         for symbol, expr in derived.items():
             if not is_zero(values[symbol] - expr.subs(meaning)):
                 raise RewriteError(f"rule {rule.name!r} changed {symbol}: {expr} to {body[symbol]}")
-        steps.append(Step(rule.name, operations(body)))
-    return body, tuple(steps)
+        counts[rule.name] = operations(body)
+    return body, counts
 
 
 SINGLE_FRACTION = Rule(
     "single fraction",
     "one division; quantities that do not matter drop out",  # as mu in sticking
-    lambda body: {symbol: sp.cancel(sp.together(expr)) for symbol, expr in body.items()},
-)
-COLLECT_FRICTION = Rule(
-    "collect friction",
-    r"one product less, and $\mu$ multiplies a sum of squares",
-    lambda body: {symbol: sp.collect(expr, mu) for symbol, expr in body.items()},
+    lambda body: {symbol: sp.cancel(expr) for symbol, expr in body.items()},
 )
 
 
 def _shortened(body: Body) -> Body:
     """Assignments with N, T, N_back, T_back where these stand as sums of lengths."""
     short = {meaning: symbol for symbol, meaning in RESPONSES.items()}
-    short |= {-meaning: -symbol for symbol, meaning in RESPONSES.items()}
     return {symbol: sp.factor(expr).subs(short) for symbol, expr in body.items()}
 
 
@@ -146,7 +134,7 @@ class Function:
     name: str
     derived: Callable[[], Mapping[Any, sp.Expr]]
     first: tuple[Rule, ...] = ()
-    meaning: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
+    meaning: Body = field(default_factory=dict)
     letters: Letters = field(default_factory=lambda: LETTERS)
 
     @property
@@ -165,17 +153,23 @@ class Function:
         return {self.letters[str(name)]: form for name, form in self.derived().items()}
 
     @property
+    def lines(self) -> dict[str, str]:
+        """Its assignments, as they are generated: plain arithmetic by the names of its values."""
+        return dict(line.split(" = ") for line in self.words["text"].strip().splitlines())
+
+    @property
     def rules(self) -> tuple[Rule, ...]:
         """All of its rules."""
-        if "rule" not in self.words:
-            return self.first
         body = {}
-        for line in self.words["text"].strip().splitlines():
-            name, _, form = line.partition(" = ")
-            body[self.letters[name]] = sp.sympify(eval(form, {}, self.letters))
+        for name, form in self.lines.items():
+            if "**" in form:
+                raise ValueError(f"not plain arithmetic: {form}")
+            value = eval(form, {}, self.letters)
+            exact = sp.nsimplify(value, rational=True, rational_conversion="exact")
+            body[self.letters[name]] = exact  # 0.5 is one half, but 0.1 no tenth
         return *self.first, Rule(self.words["rule"], self.words["why"], lambda _: body)
 
     @cached_property
-    def body(self) -> tuple[Body, tuple[Step, ...]]:
+    def body(self) -> tuple[Body, dict[str, int]]:
         """Rewritten assignments and the history of operation counts."""
         return rewrite(self.outputs, self.rules, self.meaning)

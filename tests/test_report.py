@@ -179,13 +179,13 @@ def test_what_can_be_read_of_a_function_is_what_is_generated(function):
 
 @each_function
 def test_functions_show_rules_reasons_and_operations(page, function):
-    _, steps = function.body
+    _, counts = function.body
     text = page.text[f"function-{function.name.replace('_', '-')}"]
     assert text.startswith(function.name)
     assert plain(function.words["summary"]) in text
-    for step in steps:
-        assert plain(step.rule) in text
-        assert str(step.operations) in text
+    for rule, operations in counts.items():
+        assert plain(rule) in text
+        assert str(operations) in text
     for rule in function.rules:
         assert plain(rule.why) in text
 
