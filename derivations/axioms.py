@@ -5,12 +5,12 @@ An axiom is called with values for its letters, and notes that it was used (modu
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from typing import Any
 
 import sympy as sp
 
 from . import trace
-from .equality import Form
+from .equality import Form, Residuals
 from .proof import Equation
 from .symbols import F_z, P_x, P_z, c_x, c_z, epsilon, m, moment, mu, omega, theta, v_0
 
@@ -61,7 +61,7 @@ AXIOMS = (NEWTON, EULER, RIGID, IMPULSIVE, SLIP, STICK, RESTITUTION, CLOSURE, LA
 BY_TAG = {axiom.tag: axiom for axiom in AXIOMS}
 
 
-def _euler_checks(form: sp.Expr) -> list[sp.Expr]:
+def _euler_checks(form: sp.Expr) -> Residuals:
     """From point masses: two equal ones on a light rod, struck at one, which then moves alone."""
     a, b = sp.symbols("a b", real=True)  # half the vector from one to the other
     struck = {lever_x: a, lever_z: b, moment: m * (a**2 + b**2)}  # total mass m
@@ -73,7 +73,7 @@ def _euler_checks(form: sp.Expr) -> list[sp.Expr]:
     return [*other, along, scale]
 
 
-def _rigid_checks(form: sp.Matrix) -> list[sp.Expr]:
+def _rigid_checks(form: sp.Matrix) -> Residuals:
     """Distances stay, the body starts in its place, and a positive turn takes +z towards +x."""
     return [
         form.dot(form) - xi**2 - zeta**2,
@@ -82,67 +82,62 @@ def _rigid_checks(form: sp.Matrix) -> list[sp.Expr]:
     ]
 
 
-_assumed = partial(Equation, verdict="assumed")
+def _assumed(axiom: Axiom, about: str, left: str = "", derive: Any = None, **more: Any) -> Equation:
+    """The entry of an axiom: of its form, unless `derive` gives another one."""
+    derive = derive or (lambda: axiom({}))
+    return Equation(axiom.tag, about, left, derive=derive, verdict="assumed", **more)
+
+
 EQUATIONS = (
     _assumed(
-        NEWTON.tag,
+        NEWTON,
         "Newton's law for the centre of mass, along $x$ and along $z$",
         r"m d\mathbf{c}",
         derive=lambda: (m * NEWTON({P: P_x}), m * NEWTON({P: P_z})),
     ),
     _assumed(
-        EULER.tag,
+        EULER,
         "Euler's law: the moment of the impulse about the centre of mass turns the body; $x$, $z$ "
         "from the centre to the contact point",
         r"d\omega",
-        derive=lambda: EULER({}),
         check=_euler_checks,
     ),
     _assumed(
-        RIGID.tag,
+        RIGID,
         r"place of the point $(\xi, \zeta)$ of a rigid body that has turned by $\vartheta$, from "
         r"the centre of mass",
         "(x, z)",
-        derive=lambda: RIGID({}),
         check=_rigid_checks,
     ),
     _assumed(
-        IMPULSIVE.tag,
+        IMPULSIVE,
         r"the impact is short and its force large: $\tau \to 0$ with the impulse kept",
         "F",
-        derive=lambda: IMPULSIVE({}),
         check=lambda form: (tau * form - P,),
         note="place and tilt of the rod, gravity and the plate's velocity do not change meanwhile",
     ),
     _assumed(
-        SLIP.tag,
+        SLIP,
         "friction of a contact that slips forward, and of one that slips back",
         derive=lambda: (SLIP({sigma: 1}), SLIP({sigma: -1})),
         formulas=("IV: friction", "IV: friction, back"),
         note="static and dynamic friction are equal",
     ),
     _assumed(
-        STICK.tag,
+        STICK,
         "friction holds a contact at rest as long as this is positive",
         r"\mu - |F_x|/F_z",
-        derive=lambda: STICK({}),
         check=lambda form: (form.subs(held, mu), form.diff(held) + 1),
     ),
+    _assumed(RESTITUTION, "kinematic restitution"),
     _assumed(
-        RESTITUTION.tag,
-        "kinematic restitution",
-        derive=lambda: RESTITUTION({}),
-    ),
-    _assumed(
-        CLOSURE.tag,
+        CLOSURE,
         "stationary translation: what is zero in the mean landing",
-        derive=lambda: CLOSURE({}),
         formulas=("V: closure, spin", "V: closure, c_x", "V: closure, c_z"),
     ),
     _assumed(
-        LANDING_PHASES.tag,
+        LANDING_PHASES,
         "density of landing phases",
-        derive=lambda: LANDING_PHASES({}),
         note="a fit to simulations",
     ),
 )

@@ -2,6 +2,7 @@
 
 import sympy as sp
 
+from .equality import Pair, Residuals
 from .proof import Equation, Repair
 from .symbols import X, Z, diameter, h_0, k, length, m, phi
 from .trace import derived
@@ -11,7 +12,7 @@ Profile = tuple[tuple[sp.Expr, sp.Expr, sp.Expr], ...]  # (radius, from, to) alo
 _z = sp.Symbol("z", real=True)
 
 
-def mass_and_inertia(profile: Profile, density: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+def mass_and_inertia(profile: Profile, density: sp.Expr) -> Pair:
     """Mass and transverse moment of inertia of a body of revolution, sliced into discs."""
     mass = inertia = sp.S.Zero
     for radius, low, high in profile:
@@ -23,7 +24,7 @@ def mass_and_inertia(profile: Profile, density: sp.Expr) -> tuple[sp.Expr, sp.Ex
 
 
 @derived("m/m_s", "I/(m_s d^2)")
-def spherocylinder() -> tuple[sp.Expr, sp.Expr]:
+def spherocylinder() -> Pair:
     """Mass and inertia in units of the virtual sphere: diameter 1, mass 1; length $h_0 + 1$."""
     half, density = h_0 / 2, 6 / sp.pi
     cap = sp.sqrt(sp.Rational(1, 4) - (_z - half) ** 2)
@@ -61,7 +62,7 @@ def thin_gyration() -> sp.Expr:
     return cylinder_gyration().subs(diameter, 0)
 
 
-def _stand(lowest: sp.Matrix) -> tuple[sp.Expr, sp.Expr]:
+def _stand(lowest: sp.Matrix) -> Pair:
     """(X, Z) of the centre of mass over the body's lowest point (x, z from the centre)."""
     return -lowest[0], -lowest[1]
 
@@ -71,24 +72,24 @@ _across = sp.Matrix([sp.cos(phi), -sp.sin(phi)])  # the side that a positive til
 _down = sp.Matrix([0, -1])
 
 
-def thin_contact() -> tuple[sp.Expr, sp.Expr]:
+def thin_contact() -> Pair:
     """(X, Z) of a thin rod that stands on its lower end."""
     return _stand(-length / 2 * _axis)
 
 
 @derived("X_{round}", "Z_{round}")
-def round_contact() -> tuple[sp.Expr, sp.Expr]:
+def round_contact() -> Pair:
     """$(X, Z)$ of a spherocylinder: straight below the centre of its lower cap."""
     return _stand(-(length - diameter) / 2 * _axis + diameter / 2 * _down)
 
 
 @derived("X_{flat}", "Z_{flat}")
-def flat_contact() -> tuple[sp.Expr, sp.Expr]:
+def flat_contact() -> Pair:
     """$(X, Z)$ of a flat-ended rod on the lower edge of its end, for positive tilt."""
     return _stand(-length / 2 * _axis + diameter / 2 * _across)
 
 
-def _contact_checks(form: sp.Matrix) -> list[sp.Expr]:
+def _contact_checks(form: sp.Matrix) -> Residuals:
     """What fixes a contact: virtual work, the end's radius of curvature, height at two tilts."""
     x_round, z_round, x_flat, z_flat = form
     checks = []
@@ -102,7 +103,7 @@ def _contact_checks(form: sp.Matrix) -> list[sp.Expr]:
     return checks
 
 
-def _gyration_checks(form: sp.Matrix) -> list[sp.Expr]:
+def _gyration_checks(form: sp.Matrix) -> Residuals:
     """Half-balls and a cylinder, shifted (Steiner); x^2 + z^2 over a cylinder's volume."""
     mass, inertia = (part.subs(h_0, length / diameter - 1) for part in _by_parts())
     r, turn = sp.symbols("r theta", positive=True)
@@ -112,7 +113,7 @@ def _gyration_checks(form: sp.Matrix) -> list[sp.Expr]:
     return [form[0] - diameter**2 * inertia / mass, form[1] - square]
 
 
-def _by_parts(mass: sp.Expr = 1 + 3 * h_0 / 2) -> tuple[sp.Expr, sp.Expr]:
+def _by_parts(mass: sp.Expr = 1 + 3 * h_0 / 2) -> Pair:
     """Mass and inertia of the spherocylinder again: cylinder and two half-balls, shifted."""
     balls = mass.subs(h_0, 0)
     cylinder, cap = mass - balls, balls / 2

@@ -6,6 +6,7 @@ from functools import partial
 import sympy as sp
 
 from . import bodies, drift, laws, optimum, pairs, slide, slip_reversal, thin_rod
+from .equality import Pair
 from .newton import approach, spin_jump, velocity_change
 from .pairs import FIRST, SECOND
 from .rewrites import (
@@ -74,7 +75,7 @@ def _thin(expr: sp.Expr) -> sp.Expr:
 
 
 def _rod(
-    contact: tuple[sp.Expr, sp.Expr], simpler: Callable[[sp.Expr], sp.Expr], square: sp.Expr
+    contact: Pair, simpler: Callable[[sp.Expr], sp.Expr], square: sp.Expr
 ) -> dict[str, sp.Expr]:
     """Place of the centre by sine and cosine, and the squared gyration radius over l^2."""
     X, Z = (form.subs({sp.sin(phi): _sin, sp.cos(phi): _cos}) for form in contact)

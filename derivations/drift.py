@@ -5,6 +5,7 @@ import sympy as sp
 from . import paper, second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
 from .bodies import THIN
+from .equality import Pair, Residuals
 from .lecture import PAPER, degrees, number, so
 from .newton import g, velocity_change
 from .proof import Equation
@@ -31,23 +32,23 @@ _IMPULSES = {"slide": slide.impulse, "stick": slip_stick.impulse, "back": slip_r
 
 def spin_at_landing() -> sp.Expr:
     """Omega before the mean landing, by the closure."""
-    (spin,) = solve((CLOSURE({})[0], sp.S.Zero), omega, "The closure has no spin")
+    (spin,) = solve(CLOSURE({})[0], omega, "The closure has no spin")
     return spin
 
 
 @derived("c'_x", "c'_z")
-def landing(case: str) -> tuple[sp.Expr, sp.Expr]:
+def landing(case: str) -> Pair:
     r"""The velocity after a landing without spin: $\omega = 0$ put in."""
     return tuple(c.subs(omega, spin_at_landing()) for c in slide.cm_velocity(*_IMPULSES[case]()))
 
 
 @derived("c'_x", "c'_z")
-def stationary(case: str) -> tuple[sp.Expr, sp.Expr]:
+def stationary(case: str) -> Pair:
     """The landing that repeats itself, with $c'_z = -c_z$."""
     after = dict(zip((after_x, after_z), landing(case), strict=True))
     _, along, across = CLOSURE({}).subs(after)
     before_x, before_z = solve(
-        [(along, sp.S.Zero), (across, sp.S.Zero)],
+        [along, across],
         [c_x, c_z],
         r"The closure, $c_x - c'_x = 0$ and $c_z + c'_z = 0$, with this velocity for $\omega = 0$, "
         "cleared of denominators; two linear equations, solved for $c_x$ and $c_z$",
@@ -98,12 +99,12 @@ def plate_velocity() -> sp.Expr:
 # ---- second routes ----------------------------------------------------------------------------
 
 
-def _landed(value: sp.Expr) -> list[sp.Expr]:
+def _landed(value: sp.Expr) -> Residuals:
     """What c_z before the landing, from whole impacts, differs by from a value."""
     return [second_routes.landing(case)[1] - value for case in CASES]
 
 
-def _balance_of_impulses(form: sp.Expr) -> list[sp.Expr]:
+def _balance_of_impulses(form: sp.Expr) -> Residuals:
     """Stationary: friction forward and backward cancel, under the same total normal impulse p.
 
     In slip reversal without much friction the slip then stops at p/2. Sticking takes the same

@@ -12,7 +12,9 @@ from sympy.polys.rings import PolyRing
 
 from . import symbols as s
 
-Form: TypeAlias = sp.Expr | sp.MatrixBase | sp.core.relational.Relational
+Form: TypeAlias = sp.Expr | sp.MatrixBase | sp.Rel
+Pair: TypeAlias = tuple[sp.Expr, sp.Expr]
+Residuals: TypeAlias = Iterable[sp.Expr]  # what vanishes where a form is right
 
 DIGITS = 40
 POINTS = 5
@@ -31,7 +33,7 @@ def components(form: Form) -> tuple[sp.Expr, ...]:
     """The scalar expressions of a form; an inequality a > b counts as a - b."""
     if isinstance(form, sp.MatrixBase):
         return tuple(form)
-    if isinstance(form, sp.core.relational.Relational):
+    if isinstance(form, sp.Rel):
         return (form.gts - form.lts,)
     return (sp.sympify(form),)
 
@@ -111,7 +113,7 @@ def equal_at_random_points(a: sp.Expr, b: sp.Expr, points: int = POINTS) -> bool
 def same(a: Form, b: Form) -> bool:
     """Whether two forms say the same; inequalities may differ by a positive factor."""
     pairs = tuple(zip(components(a), components(b), strict=True))
-    if isinstance(a, sp.core.relational.Relational):
+    if isinstance(a, sp.Rel):
         as_strict = ("=" in a.rel_op) == ("=" in b.rel_op)
         return as_strict and all(sp.cancel(x / y).is_positive for x, y in pairs)
     return all(vanishes(x - y) for x, y in pairs)

@@ -14,7 +14,7 @@ import sympy as sp
 from . import paper
 from .bodies import THIN
 from .drift import stationary
-from .equality import DIGITS
+from .equality import DIGITS, Pair, Residuals
 from .lecture import PAPER, degrees, number
 from .proof import Equation
 from .symbols import V_z, epsilon, phi, theta
@@ -53,7 +53,7 @@ def density() -> sp.Expr:
 
 
 @derived("V_z/V_0", "b_{min}")
-def consistent_alpha() -> tuple[sp.Expr, sp.Expr]:
+def consistent_alpha() -> Pair:
     r"""The fall that the closure asks for, $q = b V_z/V_0$, and the least $b$ with $q \ge 1$."""
     fitting = sp.Symbol("{V_z/V_0}", positive=True)
     (alpha,) = solve(mean_speed(False).subs(q, bounce * fitting) - fitting, fitting)
@@ -101,14 +101,14 @@ def _touched(fall: mpmath.mpf, digits: int) -> tuple[mpmath.mpf, dict[sp.Symbol,
     return line, {letter: sp.Float(str(value), digits) for letter, value in phases.items()}
 
 
-def _shadow_of_a_rod(form: sp.Expr) -> list[sp.Expr]:
+def _shadow_of_a_rod(form: sp.Expr) -> Residuals:
     """The rod that the plate just touches as it turns away is met next by theta_s of one later."""
     with mpmath.workdps(DIGITS + 30):
         _, phases = _touched(mpmath.mpf(3) / 5, 60)
     return [form.subs(phases)]
 
 
-def _rods_counted(form: sp.Expr) -> list[sp.Expr]:
+def _rods_counted(form: sp.Expr) -> Residuals:
     """Rods one by one, those between two that are just touched: the plate's velocity at each.
 
     Each is searched for from a height that no plate reaches; to ten digits.
@@ -126,7 +126,7 @@ def _rods_counted(form: sp.Expr) -> list[sp.Expr]:
     return [sp.S.Zero if abs(residual) < sp.Float("1e-10") else residual]
 
 
-def _fast_quadrature(form: sp.Expr) -> list[sp.Expr]:
+def _fast_quadrature(form: sp.Expr) -> Residuals:
     """The mean over all phases of a rod that falls faster than the plate, by numbers."""
     with mpmath.workdps(DIGITS + 30):
         speed = mpmath.mpf("1.7")
@@ -138,7 +138,7 @@ def _fast_quadrature(form: sp.Expr) -> list[sp.Expr]:
     return [form.subs(q, sp.Rational(17, 10)) - number]
 
 
-def _consistent_checks(form: sp.Matrix) -> list[sp.Expr]:
+def _consistent_checks(form: sp.Matrix) -> Residuals:
     """The fall that goes with alpha gives that alpha; at the edge it is as fast as the plate."""
     alpha, least = form
     fall = bounce * alpha
@@ -146,13 +146,13 @@ def _consistent_checks(form: sp.Matrix) -> list[sp.Expr]:
     return [mean - alpha, fall.subs(bounce, least) - 1]
 
 
-def _half_checks(form: sp.Expr) -> list[sp.Expr]:
+def _half_checks(form: sp.Expr) -> Residuals:
     """There the rod leaves and lands as fast as the plate moves: c_z' = V_0 = 2 V_z, by (30)."""
     up = (1 + epsilon) / (1 - epsilon + 6 * form)
     return [up - 2]
 
 
-def _density_checks(form: sp.Expr) -> list[sp.Expr]:
+def _density_checks(form: sp.Expr) -> Residuals:
     """One in all, a first harmonic alone, even, and top to bottom as the velocities there."""
     return [
         sp.integrate(form, (theta, 0, 2 * sp.pi)) - 1,

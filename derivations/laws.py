@@ -15,6 +15,7 @@ import sympy as sp
 from . import second_routes
 from .axioms import RESTITUTION
 from .bodies import THIN
+from .equality import Pair, Residuals
 from .lecture import degrees, meaning, so
 from .newton import contact_change
 from .proof import Equation
@@ -114,7 +115,7 @@ def final_velocity(law: str, order: str) -> sp.Expr:
 
 
 @derived("P_x", "P_z")
-def impulse_at(regime: str, v_f: sp.Expr, p_1: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+def impulse_at(regime: str, v_f: sp.Expr, p_1: sp.Expr) -> Pair:
     """Impulse, by $A$, $B$, $C$, of an impact whose slip stops."""
     extra = (v_f - (v_0 + (A + mu * B) * p_1)) / (A - B * HELD[regime])
     return -mu * p_1 + HELD[regime] * extra, p_1 + extra
@@ -184,7 +185,7 @@ def energy_by_poisson(regime: str, order: str) -> sp.Expr:
 # ---- second routes ----------------------------------------------------------------------------
 
 
-def _triangles(form: sp.Matrix) -> list[sp.Expr]:
+def _triangles(form: sp.Matrix) -> Residuals:
     """Work as areas under the broken line of v over P_z: given back, epsilon^2 of what was taken.
 
     Early: a trapezium up to the corner and a triangle after it are taken.
@@ -199,7 +200,7 @@ def _triangles(form: sp.Matrix) -> list[sp.Expr]:
     ]
 
 
-def _impulses_in_proportion(form: sp.Matrix) -> list[sp.Expr]:
+def _impulses_in_proportion(form: sp.Matrix) -> Residuals:
     """Poisson: the whole impulse is 1 + epsilon times that up to v = 0."""
     corner = v_0 + a_1 * P_1
     compressed = P_1 - corner / a_2, -v_0 / a_1
@@ -207,7 +208,7 @@ def _impulses_in_proportion(form: sp.Matrix) -> list[sp.Expr]:
     return [p - (1 + epsilon) * p_c for p, p_c in zip(whole, compressed, strict=True)]
 
 
-def _areas(form: sp.Matrix) -> list[sp.Expr]:
+def _areas(form: sp.Matrix) -> Residuals:
     """Work of both forces: areas under the broken lines of v and of u, times -+mu, over P_z."""
     checks = []
     for change, (regime, order) in zip(form, _ENDS, strict=True):

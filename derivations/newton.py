@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from .axioms import EULER, IMPULSIVE, NEWTON, RIGID, P, lever_x, lever_z, tau, turn, xi, zeta
+from .equality import Pair
 from .lecture import meaning
 from .proof import Equation
 from .symbols import (
@@ -34,7 +35,7 @@ from .symbols import (
 from .trace import derived, say
 from .typeset import latex
 
-Lever = tuple[sp.Expr, sp.Expr]  # (x, z) from the centre of mass to the contact point
+Lever = Pair  # (x, z) from the centre of mass to the contact point
 
 TO_CONTACT: Lever = (-X, -Z)
 TO_TIP: Lever = (-length / 2 * sp.sin(phi), -length / 2 * sp.cos(phi))
@@ -106,7 +107,7 @@ def impulsive_change(lever: Lever, inertia: sp.Expr) -> dict[sp.Expr, sp.Expr]:
 
 
 @derived("du", "dv")
-def contact_change(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+def contact_change(p_x: sp.Expr, p_z: sp.Expr) -> Pair:
     """Change of the contact velocity under an impulse, for a lever $(-X, -Z)$ and $I = m k^2$."""
     parts = impulsive_change(TO_CONTACT, m * k**2).values()
     return tuple(part.xreplace({P_x: p_x, P_z: p_z}).expand() for part in parts)

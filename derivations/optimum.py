@@ -12,6 +12,7 @@ import sympy as sp
 from . import second_routes
 from .bodies import T, over_tangent
 from .drift import CASES, landing, landing_velocity, stationary
+from .equality import Pair, Residuals
 from .laws import slopes
 from .lecture import PAPER, degrees, formula, number, so
 from .proof import Equation
@@ -28,7 +29,7 @@ def drift_over_tangent(case: str) -> sp.Expr:
 
 
 @derived(r"\tan\phi", "c_x/V_z")
-def optimum(case: str) -> tuple[sp.Expr, sp.Expr]:
+def optimum(case: str) -> Pair:
     """Tangent of the tilt of the largest drift in one regime, and that drift over $V_z$."""
     drift = drift_over_tangent(case)
     roots = solve(sp.numer(sp.together(drift.diff(T))), T)
@@ -78,7 +79,7 @@ def _over_tilt() -> sp.Expr:
 
 
 @derived(r"\tan\phi", r"\mu_P")
-def least_painleve_friction() -> tuple[sp.Expr, sp.Expr]:
+def least_painleve_friction() -> Pair:
     """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
     friction = _over_tilt()
     (best,) = solve(friction.diff(T), T)
@@ -91,7 +92,7 @@ def _closure(case: str, along: sp.Expr) -> sp.Expr:
     return sp.numer(sp.cancel(second_routes.landing(case)[0].subs(lengths) - along))
 
 
-def _is_largest(case: str, form: sp.Matrix) -> list[sp.Expr]:
+def _is_largest(case: str, form: sp.Matrix) -> Residuals:
     """The closure's residual and its slope vanish together: no tilt gives more."""
     level = sp.Symbol("c")
     curve = _closure(case, level)
@@ -107,7 +108,7 @@ def _response(case: str) -> sp.Matrix:
     return sp.Matrix.hstack(*columns)
 
 
-def _margins(form: sp.Matrix) -> list[sp.Expr]:
+def _margins(form: sp.Matrix) -> Residuals:
     """The characteristic polynomial at 1 and -1, and one minus its end."""
     x = sp.Symbol("x")
     checks = []
@@ -119,7 +120,7 @@ def _margins(form: sp.Matrix) -> list[sp.Expr]:
     return checks
 
 
-def _slide_from_the_landing(form: sp.Matrix) -> list[sp.Expr]:
+def _slide_from_the_landing(form: sp.Matrix) -> Residuals:
     """What a slide would leave of the slip, from a whole impact that starts at the landing."""
     v_x, _, spin = (part.subs(omega, 0) for part in second_routes.impact("slide"))
     left = v_x - spin * Z
@@ -130,13 +131,13 @@ def _slide_from_the_landing(form: sp.Matrix) -> list[sp.Expr]:
     return checks
 
 
-def _pressed_in(form: sp.Expr) -> list[sp.Expr]:
+def _pressed_in(form: sp.Expr) -> Residuals:
     """From rest, an impulse (mu, 1) leaves the contact's normal velocity at zero."""
     turn = (X - Z * form) / k**2  # the spin about the contact point stays zero
     return [1 + X * turn]
 
 
-def _least_pressed_in(form: sp.Matrix) -> list[sp.Expr]:
+def _least_pressed_in(form: sp.Matrix) -> Residuals:
     """The same for a thin rod, as a quadratic in T: a double root."""
     friction = sp.Symbol("nu")
     curve = (1 + T**2) / 3 + T * (T - friction)

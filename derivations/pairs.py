@@ -11,6 +11,7 @@ from functools import cache
 import sympy as sp
 
 from . import laws
+from .equality import Residuals
 from .laws import A, B, C
 from .newton import approach, contact_change
 from .proof import Equation
@@ -67,7 +68,7 @@ def _answers() -> sp.Matrix:
     return sp.hessian(_kinetic_energy(), (P_x, P_z))
 
 
-def _kinetic_energies(form: sp.Expr) -> list[sp.Expr]:
+def _kinetic_energies(form: sp.Expr) -> Residuals:
     """Kinetic energy of both bodies after minus before; its gradient is the contact velocity."""
     energy, nothing = _kinetic_energy(), {P_x: 0, P_z: 0}
     before = {x: form.subs(FIRST) - form.subs(SECOND) for x, form in approach().items()}

@@ -20,7 +20,7 @@ computed with its proof, those of a sentence compared with the left side and wit
 """
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from difflib import SequenceMatcher
 from functools import partial
@@ -31,7 +31,7 @@ import sympy as sp
 
 from . import paper, trace
 from . import symbols as s
-from .equality import Form, components, equal, is_zero, random_point, same
+from .equality import Form, Residuals, components, equal, is_zero, random_point, same
 from .typeset import tidy
 
 Verdict = Literal["", "agrees", "erratum", "assumed", "new", "noted"]
@@ -149,7 +149,7 @@ class Equation:
     contradicted_by: tuple[str, ...] = ()
     contradiction: Callable[..., Form] | None = None
     at: Mapping[sp.Symbol, sp.Expr] | None = None
-    check: Callable[[Form], Iterable[sp.Expr]] | None = None
+    check: Callable[[Form], Residuals] | None = None
 
     def __post_init__(self) -> None:
         derive = self.derive
@@ -290,7 +290,7 @@ class Equation:
             lefts += (free or same or [""])[:1]
         return lefts
 
-    def _second_route(self, check: Callable[[Form], Iterable[sp.Expr]]) -> Proof:
+    def _second_route(self, check: Callable[[Form], Residuals]) -> Proof:
         form = self.derive()
         with trace.noted() as taken:
             residuals = [sp.sympify(r) for r in check(form)]
@@ -328,7 +328,7 @@ class Equation:
         if self.repair:
             return self.repaired
         form = self.derive()
-        if isinstance(form, sp.core.relational.Relational):
+        if isinstance(form, sp.Rel):
             return form
         return form.applyfunc(tidy) if isinstance(form, sp.MatrixBase) else tidy(form)
 
@@ -386,7 +386,7 @@ def _erratum(eq: Equation) -> Proof:
         if x != y
     ]
     # Of an inequality only the sign counts.
-    value = sp.sign if isinstance(derived, sp.core.relational.Relational) else sp.sympify
+    value = sp.sign if isinstance(derived, sp.Rel) else sp.sympify
     differs = any(sp.Abs(sp.N(value(x) - value(y), 30)) > sp.Float("1e-20") for x, y in pairs)
     evidence = "; ".join(f"printed ${_number(x)}$, derived ${_number(y)}$" for x, y in pairs)
     where = ", ".join(f"${sp.latex(x)} = {_number(point[x])}$" for x in sorted(free, key=str))

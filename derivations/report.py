@@ -86,7 +86,7 @@ def equations(lefts: Sequence[str], form: Form) -> list[list[str]]:
 def equation(left: str, form: Form) -> list[str]:
     """LaTeX of a form with its left side, in pieces between which a line may break."""
     first, *more = typeset.pieces(form)
-    if isinstance(form, sp.core.relational.Relational):
+    if isinstance(form, sp.Rel):
         return [first, *more]
     return [f"{typeset.words(left)} = {first}", *more]
 

@@ -8,6 +8,7 @@ from functools import cache
 
 import sympy as sp
 
+from .equality import Pair
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega
 
 State = tuple[sp.Expr, sp.Expr, sp.Expr]  # velocity of the centre of mass, and spin
@@ -70,7 +71,7 @@ def energy_created(regime: str) -> sp.Expr:
 
 
 @cache
-def landing(regime: str) -> tuple[sp.Expr, sp.Expr]:
+def landing(regime: str) -> Pair:
     """(c_x, c_z) before a landing without spin that keeps c_x and turns c_z round."""
     v_x, v_z, _ = (part.subs(omega, 0) for part in impact(regime))
     (found,) = sp.linsolve([v_x - c_x, v_z + c_z], c_x, c_z)

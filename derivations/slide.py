@@ -3,6 +3,7 @@
 import sympy as sp
 
 from .axioms import RESTITUTION, SLIP, sigma
+from .equality import Pair
 from .newton import approach, contact_change, velocity_change
 from .paper import LETTERS
 from .proof import Equation, Repair
@@ -29,7 +30,7 @@ def normal_velocity(p_z: sp.Expr = P_z) -> sp.Expr:
 
 
 @derived("P_x(t_f)", "P_z(t_f)")
-def impulse() -> tuple[sp.Expr, sp.Expr]:
+def impulse() -> Pair:
     """The total impulse of a slide."""
     parting = normal_velocity(), RESTITUTION({})
     sentence = f"The contact parts at $v = {latex(parting[1])}$; solved for $P_z$"
@@ -46,12 +47,12 @@ def by_speeds(form: sp.Expr) -> sp.Expr:
 @derived("P_x(t_1)", "P_z(t_1)", "v_1")
 def stop() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """The impulse at which the slip stops, put into the normal velocity."""
-    (p_z,) = solve((slip_velocity(), sp.S.Zero), P_z, "The slip stops at $u = 0$; solved for $P_z$")
+    (p_z,) = solve(slip_velocity(), P_z, "The slip stops at $u = 0$; solved for $P_z$")
     return friction(p_z, 1), p_z, by_speeds(normal_velocity(p_z))
 
 
 @derived("c'_x", "c'_z")
-def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> Pair:
     """Velocity of the centre of mass after this impulse."""
     dc_x, dc_z = velocity_change(p_x, "dc_x"), velocity_change(p_z, "dc_z")
     after = tuple(map(by_speeds, (c_x + dc_x, c_z + dc_z)))

@@ -3,31 +3,25 @@
 import sympy as sp
 
 from . import paper
-from .axioms import RESTITUTION
+from .equality import Pair
 from .newton import approach, contact_change
 from .proof import Equation, Repair
 from .slide import by_speeds, cm_velocity, friction, stop
-from .slip_stick import P_2, PARTING, stick_margin
+from .slip_stick import stick_margin, until_parting
 from .symbols import P_1, P_z, v_1
-from .trace import derived, say, solve
-from .typeset import latex
+from .trace import derived
 
 
 @derived("u_f", "v_f - v_1")
-def reversed_change(p_z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+def reversed_change(p_z: sp.Expr) -> Pair:
     r"""Change of the contact velocity in backward slip: (5), (6) with $F_x = \mu F_z$."""
     return contact_change(friction(p_z, -1), p_z)
 
 
 @derived("P_x(t_f)", "P_z(t_f)")
-def impulse() -> tuple[sp.Expr, sp.Expr]:
+def impulse() -> Pair:
     r"""The impulse until the stop and the one after it, $P_2$, with $\mu P_2$ along $x$."""
-    p_x, p_z, v = stop()
-    parting = v + reversed_change(P_2)[1], RESTITUTION({})
-    (extra,) = solve(parting, P_2, PARTING.format(latex(parting[1])))
-    extra = by_speeds(extra)
-    say("The impulse after the stop", "P_2", extra)
-    return by_speeds(p_x + friction(extra, -1)), by_speeds(p_z + extra)
+    return until_parting(lambda p_z: reversed_change(p_z)[1], lambda p_z: friction(p_z, -1))
 
 
 @derived("u_f")
@@ -42,7 +36,6 @@ EQUATIONS = (
     Equation(
         "20",
         "condition of slip reversal",
-        "",
         derive=lambda: sp.Lt(stick_margin(), 0),
     ),
     Equation(

@@ -1,8 +1,11 @@
 """Slip-stick: the slip stops and friction holds the contact, Eqs. (16)-(19), (B1)-(B5)."""
 
+from collections.abc import Callable
+
 import sympy as sp
 
 from .axioms import RESTITUTION, STICK, held
+from .equality import Pair
 from .newton import contact_change, contact_force
 from .proof import Equation, Repair
 from .slide import by_speeds, cm_velocity, stop
@@ -18,17 +21,14 @@ from .symbols import (
 from .trace import derived, say, solve
 from .typeset import latex
 
-PARTING = "The contact parts at $v_f = {}$; solved for $P_2 = P_z(t_f) - P_z(t_1)$"
 P_2 = sp.Symbol("P_2", positive=True)  # normal impulse after the slip has stopped
 
 
 @derived("F_x")
 def sticking_force() -> sp.Expr:
     """The friction force that keeps the contact point at rest: (5) without acceleration."""
-    held_still = contact_force(0), sp.S.Zero
-    (force,) = solve(
-        held_still, F_x, r"The contact point rests, $\dot v_x = 0$ in (5); solved for $F_x$"
-    )
+    sentence = r"The contact point rests, $\dot v_x = 0$ in (5); solved for $F_x$"
+    (force,) = solve(contact_force(0), F_x, sentence)
     return force
 
 
@@ -44,22 +44,33 @@ def sticking_velocity(p_z: sp.Expr) -> sp.Expr:
     return contact_change(sticking_force().subs(F_z, p_z), p_z)[1]
 
 
-@derived("P_x(t_f)", "P_z(t_f)")
-def impulse() -> tuple[sp.Expr, sp.Expr]:
-    """The impulse until the stop and the one after it, $P_2$ times the ratio of (17) along $x$."""
+def until_parting(rise: Callable[[sp.Expr], sp.Expr], push: Callable[[sp.Expr], sp.Expr]) -> Pair:
+    """The impulse of an impact whose slip stops.
+
+    Parameters
+    ----------
+    rise : change of the normal velocity under a normal impulse after the stop
+    push : the tangential impulse that goes with it
+    """
     p_x, p_z, v = stop()
-    parting = v + sticking_velocity(P_2), RESTITUTION({})
-    (extra,) = solve(parting, P_2, PARTING.format(latex(parting[1])))
+    parting = v + rise(P_2), RESTITUTION({})
+    sentence = f"The contact parts at $v_f = {latex(parting[1])}$"
+    (extra,) = solve(parting, P_2, f"{sentence}; solved for $P_2 = P_z(t_f) - P_z(t_1)$")
     extra = by_speeds(extra)
     say("The impulse after the stop", "P_2", extra)
-    return by_speeds(p_x + sticking_force().subs(F_z, extra)), by_speeds(p_z + extra)
+    return by_speeds(p_x + push(extra)), by_speeds(p_z + extra)
+
+
+@derived("P_x(t_f)", "P_z(t_f)")
+def impulse() -> Pair:
+    """The impulse until the stop and the one after it, $P_2$ times the ratio of (17) along $x$."""
+    return until_parting(sticking_velocity, lambda p_z: sticking_force().subs(F_z, p_z))
 
 
 EQUATIONS = (
     Equation(
         "16",
         "condition of sticking",
-        "",
         derive=lambda: sp.Gt(stick_margin(), 0),
     ),
     Equation("17", "friction force while sticking", derive=sticking_force),

@@ -12,7 +12,7 @@ import sympy as sp
 from . import paper, second_routes
 from .bodies import THIN
 from .drift import landing, stationary
-from .equality import DIGITS
+from .equality import DIGITS, Residuals
 from .lecture import PAPER, degrees, formula, number
 from .proof import Equation
 from .symbols import c_x, c_z, epsilon, h_0, mu, omega, phi
@@ -67,14 +67,14 @@ def restitution_lost() -> sp.Expr:
     return sp.powsimp(sp.simplify(work / (mass * speed**2)))
 
 
-def _relaxed(form: sp.Expr) -> list[sp.Expr]:
+def _relaxed(form: sp.Expr) -> Residuals:
     """Two landings whose c_x differ by one: how fast friction brings them together."""
     after = second_routes.impact("back")[0].subs(omega, 0)
     left = sp.cancel(after.subs(c_x, 1) - after.subs(c_x, 0))
     return [form * left.diff(mu).subs(mu, 0) + 1]
 
 
-def _lost_by_quadrature(form: sp.Expr) -> list[sp.Expr]:
+def _lost_by_quadrature(form: sp.Expr) -> Residuals:
     """The work over the path in and out, by numbers, over twice the energy."""
     with mpmath.workdps(DIGITS + 30):
         k, gamma, m, v = map(mpmath.mpf, range(2, 6))

@@ -4,6 +4,7 @@ import sympy as sp
 
 from . import second_routes
 from .bodies import THIN, T, over_tangent
+from .equality import Pair, Residuals
 from .lecture import PAPER, degrees, formula, meaning, number, so
 from .newton import approach
 from .proof import Equation
@@ -18,7 +19,7 @@ ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 
 @derived(r"\mu")
 def critical_friction() -> sp.Expr:
     """The friction at which sticking just holds, any geometry, $XZ > 0$."""
-    (value,) = solve((stick_margin(), sp.S.Zero), mu, r"The edge of (16), solved for $\mu$")
+    (value,) = solve(stick_margin(), mu, r"The edge of (16), solved for $\mu$")
     return value
 
 
@@ -58,10 +59,10 @@ def _reversal() -> sp.Expr:
 
 
 @derived(r"\tan\phi_{lower}", r"\tan\phi_{upper}")
-def critical_tangents() -> tuple[sp.Expr, sp.Expr]:
+def critical_tangents() -> Pair:
     """The edge of (16) is a quadratic in the tangent: its two roots, no squaring needed."""
     edge = sp.numer(sp.together(over_tangent(stick_margin())))
-    roots = solve((edge, sp.S.Zero), T, r"Solved for $\tan\phi$")
+    roots = solve(edge, T, r"Solved for $\tan\phi$")
     return tuple(sorted(roots, key=lambda r: r.subs(mu, sp.Rational(1, 2))))
 
 
@@ -81,11 +82,11 @@ def small_friction(order: int) -> sp.Expr:
 
 
 @derived(r"\max_\phi \mu", r"\tan\phi")
-def largest_reversal_friction() -> tuple[sp.Expr, sp.Expr]:
+def largest_reversal_friction() -> Pair:
     """The largest friction at which a thin rod slips back, and the tangent of its tilt."""
     mu_of = over_tangent(critical_friction())
     say("The edge of (16) over the tangent", r"\mu", mu_of)
-    (best,) = solve((mu_of.diff(T), sp.S.Zero), T, "Its derivative vanishes where it is largest")
+    (best,) = solve(mu_of.diff(T), T, "Its derivative vanishes where it is largest")
     return mu_of.subs(T, best), best
 
 
@@ -100,13 +101,13 @@ def _end_of_reversal(tangents: tuple[sp.Expr, ...]) -> sp.Expr:
     return sp.atan(tangents[1]) if len(tangents) > 1 else sp.pi / 2
 
 
-def _last_reversal_checks(form: sp.Expr) -> list[sp.Expr]:
+def _last_reversal_checks(form: sp.Expr) -> Residuals:
     """There both critical tilts are one: a double root of mu (4 + T^2) = 3 T."""
     tangent = 3 / (2 * form)  # half the sum of the roots
     return [form * (4 + tangent**2) - 3 * tangent]
 
 
-def _slide_boundary_checks(form: sp.Expr) -> list[sp.Expr]:
+def _slide_boundary_checks(form: sp.Expr) -> Residuals:
     """At that friction nothing is left of the slip."""
     rest = {omega: 0, V_z: 0, c_x: 1, c_z: -ratio, mu: form}
     v_x, _, spin = (part.subs(rest) for part in second_routes.impact("slide"))

@@ -46,11 +46,10 @@ class Step:
         if self.kind in ("solved", "part"):
             return []
         if isinstance(self.value, dict):
-            named = {
-                x: latex(x) if isinstance(x, sp.Basic) else LEFTS[self.name][0] % x
-                for x in self.value
-            }
-            return [(named[x], value) for x, value in self.value.items()]
+            return [
+                (latex(x) if isinstance(x, sp.Basic) else LEFTS[self.name][0] % x, value)
+                for x, value in self.value.items()
+            ]
         listed = self.value if isinstance(self.value, tuple | sp.MatrixBase) else (self.value,)
         names = inspect.signature(STEPS[self.name]).parameters if self.kind == "derived" else ()
         put = dict(zip(names, self.given, strict=False))
@@ -184,11 +183,8 @@ def solve(forms: Any, unknowns: Any, meant: str = "") -> Any:
     """
     several = isinstance(unknowns, list)
     letters = tuple(unknowns) if several else (unknowns,)
-    pairs = (
-        [form if isinstance(form, tuple) else (form, sp.S.Zero) for form in forms]
-        if several
-        else [forms if isinstance(forms, tuple) else (forms, sp.S.Zero)]
-    )
+    equations = forms if several else [forms]
+    pairs = [form if isinstance(form, tuple) else (form, sp.S.Zero) for form in equations]
     note(Step("solved", meant, letters, tuple(pairs)))
     differences = [left - right for left, right in pairs]
     if several:
