@@ -43,9 +43,11 @@ def table(rows: list[registry.Row]) -> str:
         if row.failed:
             remarks.append(f"this failed: {row.evidence}")
         elif row.verdict == "erratum":
-            remarks.append(row.repair and f"repair: {row.repair}")
-            remarks.append(row.mistake and f"mistake: {row.mistake}")
-            remarks.append(f"{row.evidence}; contradicted by {', '.join(row.contradicted_by)}")
+            remarks += [
+                row.repair and f"repair: {row.repair}",
+                row.mistake and f"mistake: {row.mistake}",
+                f"{row.evidence}; contradicted by {', '.join(row.contradicted_by)}",
+            ]
         for remark in map(to_text, filter(None, remarks)):
             lines += textwrap.wrap(remark, width, initial_indent=indent, subsequent_indent=indent)
     counts = Counter(row.verdict for row in rows)

@@ -64,7 +64,7 @@ def thin_gyration() -> sp.Expr:
 
 def _stand(lowest: sp.Matrix) -> Pair:
     """(X, Z) of the centre of mass over the body's lowest point (x, z from the centre)."""
-    return -lowest[0], -lowest[1]
+    return tuple(-lowest)
 
 
 _axis = sp.Matrix([sp.sin(phi), sp.cos(phi)])

@@ -44,7 +44,7 @@ from .symbols import (
     v_f,
 )
 
-_one = {m: sp.Integer(1)}  # impulses per unit mass
+_one = {m: 1}  # impulses per unit mass
 _gain, _rest, _j_1, _N_after = sp.symbols("gain rest j_1 N_after", real=True)
 
 

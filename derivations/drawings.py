@@ -78,8 +78,7 @@ class Drawing:
     def svg(self) -> str:
         """The drawing as an element of a page, its ids begun with its name."""
         with mpl.rc_context(STYLE), StringIO() as file:
-            nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-            self.draw().savefig(file, format="svg", bbox_inches="tight", metadata=nothing)
+            self.draw().savefig(file, format="svg", bbox_inches="tight")
             text = file.getvalue()
         text = re.sub(
             r"<!--.*?-->|<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.S
@@ -105,7 +104,7 @@ def _along(letter: sp.Symbol) -> np.ndarray:
 def _top_velocity(height: float) -> np.ndarray:
     """Velocity of a point above the centre of mass by a spin of one."""
     still = {c_x: 0, c_z: 0, V_z: 0, omega: 1}
-    return np.array(contact_velocity((sp.S.Zero, height)).subs(still), dtype=float).ravel()
+    return np.array(contact_velocity((0, height)).subs(still), dtype=float).ravel()
 
 
 def geometry() -> Figure:
@@ -203,10 +202,13 @@ def impulses(regime: str) -> Figure:
     for law, marker in MARKERS.items():
         label = f"end: {law.title()}"
         axes.plot(*ends[law], marker, ms=8, mfc="none", mec=ORANGE, mew=1.8, label=label)
-    for axis, left in zip("xy", LEFTS["slide.impulse"], strict=True):  # as the places of `path`
-        axes.set(**{f"{axis}label": f"${left.partition('(')[0]} / (m |v_0|)$"})
+    x, y = (left.partition("(")[0] for left in LEFTS["slide.impulse"])  # as the places of `path`
     axes.set(
-        title=f"{regime}, {IMPACTS[regime][0]}°", xlim=(-0.36 * top, 0.36 * top), ylim=(0, top)
+        title=f"{regime}, {IMPACTS[regime][0]}°",
+        xlabel=f"${x} / (m |v_0|)$",
+        ylabel=f"${y} / (m |v_0|)$",
+        xlim=(-0.36 * top, 0.36 * top),
+        ylim=(0, top),
     )
     figure.legend(loc="outside lower center", ncols=2, fontsize=9)
     return figure

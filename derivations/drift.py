@@ -56,6 +56,12 @@ def stationary(case: str) -> Pair:
     return sp.factor(before_x), sp.factor(-before_z)
 
 
+@derived("c'_x", "c'_z")
+def thin_stationary(case: str) -> Pair:
+    """The stationary landing of a thin rod: its lengths put in."""
+    return tuple(part.subs(THIN) for part in stationary(case))
+
+
 @derived("v_0")
 def landing_velocity(case: str) -> sp.Expr:
     """The contact velocity before the stationary landing, $c_z - V_z$ without spin."""
@@ -117,12 +123,6 @@ def _balance_of_impulses(form: sp.Expr) -> Residuals:
     return [form - back / stick]
 
 
-def _thin(form: sp.Expr, left: str) -> sp.Expr:
-    """A velocity of a thin rod: its lengths put in."""
-    say("Of any rod; into this the lengths of a thin rod are put", left, form)
-    return form.subs(THIN)
-
-
 def _slide_told() -> str:
     falls = sp.Symbol("v_0", negative=True)
     loss = slide_loss().subs(c_z, V_z + falls).subs(falls, -1).subs(X, 0)
@@ -148,7 +148,7 @@ EQUATIONS = (
         "change of $c_x$ in a slide",
         "c'_x - c_x",
         derive=slide_loss,
-        check=lambda form: (second_routes.impact("slide")[0].subs(omega, 0) - c_x - form,),
+        check=lambda form: (second_routes.landed("slide")[0] - c_x - form,),
         note=_slide_told,
     ),
     Equation("24", "drift in slip-stick", derive=lambda: stationary("stick")[0]),
@@ -156,8 +156,7 @@ EQUATIONS = (
     Equation(
         "26",
         "drift of a thin rod in slip-stick",
-        "c'_x",
-        derive=lambda: _thin(stationary("stick")[0], "c'_x"),
+        derive=lambda: thin_stationary("stick")[0],
     ),
     Equation("27", "drift in slip reversal", derive=lambda: stationary("back")[0]),
     Equation("28", "vertical velocity in slip reversal", derive=lambda: stationary("back")[1]),
@@ -176,15 +175,13 @@ EQUATIONS = (
     Equation(
         "29",
         "drift of a thin rod in slip reversal",
-        "c'_x",
-        derive=lambda: _thin(stationary("back")[0], "c'_x"),
+        derive=lambda: thin_stationary("back")[0],
     ),
     Equation(
         "30",
         "vertical velocity of a thin rod, slip-stick and slip reversal",
-        "c'_z",
         formulas=("30", "30"),
-        derive=lambda: tuple(_thin(stationary(case)[1], "c'_z") for case in CASES),
+        derive=lambda: tuple(thin_stationary(case)[1] for case in CASES),
     ),
     Equation(
         "V: H(theta), normalised",

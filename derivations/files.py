@@ -8,7 +8,7 @@ import os
 import re
 import stat
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from . import closed_forms, codegen
 from .kernel import CLOSED_FORMS as CLOSED_FORMS
 from .kernel import KERNEL
 from .proof import told
-from .registry import ENTRIES
+from .registry import ENTRIES, Progress
 
 PAGE = Path(__file__).with_name("EQUATIONS.md")
 TEMPLATES = Environment(
@@ -44,7 +44,7 @@ DIGEST = "{digest}"  # sha256 of these functions and the kernel, first 16 digits
 '''
 
 
-def source(progress: Callable[[Iterable], Iterable] = iter) -> str:
+def source(progress: Progress = iter) -> str:
     """Text of the closed forms."""
     forms = "\n\n\n".join(map(codegen.text, progress(closed_forms.FUNCTIONS))) + "\n"
     whole = forms + KERNEL.read_text(encoding="utf-8")

@@ -12,8 +12,7 @@ import mpmath
 import sympy as sp
 
 from . import paper
-from .bodies import THIN
-from .drift import stationary
+from .drift import thin_stationary
 from .equality import DIGITS, Pair, Residuals
 from .lecture import PAPER, degrees, number
 from .proof import Equation
@@ -65,9 +64,9 @@ def consistent_alpha() -> Pair:
 def tilt_of_one_half() -> sp.Expr:
     """Of the tilt at which a thin rod lands with $V_z = V_0/2$ by the closure."""
     square = sp.Symbol(r"{\sin^2\phi}", positive=True)
-    up = (stationary("stick")[1] / V_z).subs(THIN)
-    up = sp.simplify(up).subs(sp.cos(phi) ** 2, 1 - square).subs(sp.sin(phi) ** 2, square)
-    (value,) = solve(sp.simplify(up) - consistent_alpha()[1], square)
+    up = sp.simplify(thin_stationary("stick")[1] / V_z)
+    by_square = up.subs(sp.cos(phi) ** 2, 1 - square).subs(sp.sin(phi) ** 2, square)
+    (value,) = solve(sp.simplify(by_square) - consistent_alpha()[1], square)
     return sp.factor(value)
 
 
@@ -123,7 +122,7 @@ def _rods_counted(form: sp.Expr) -> Residuals:
         strip = 2 * mpmath.pi * fall
         counted = mpmath.quad(met, [line, line + strip]) / strip
         residual = form.subs(phases) - sp.Float(str(counted), 20)
-    return [sp.S.Zero if abs(residual) < sp.Float("1e-10") else residual]
+    return [0 if abs(residual) < 1e-10 else residual]
 
 
 def _fast_quadrature(form: sp.Expr) -> Residuals:
@@ -170,7 +169,7 @@ def _fall_of_the_paper() -> sp.Expr:
 
 
 def _closure_told() -> str:
-    upright = (stationary("stick")[1] / V_z).subs(THIN).subs(phi, 0).subs(PAPER)
+    upright = (thin_stationary("stick")[1] / V_z).subs(phi, 0).subs(PAPER)
     alpha = consistent_alpha()[0]
     half = sp.S.Half
     return (

@@ -10,6 +10,8 @@ back). "Early": the slip stops before compression ends (v_1 < 0); "late": after 
 straight line, and there the three laws say the same.
 """
 
+from collections.abc import Callable
+
 import sympy as sp
 
 from . import second_routes
@@ -54,11 +56,15 @@ _DOUBLE = (
 V_1 = v_0 + a_1 * P_1  # normal velocity when the slip stops
 
 
+def read_off(du: sp.Expr, dv: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
+    """Mobilities of a contact whose velocity changes by this under (P_x, P_z)."""
+    return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
+
+
 @derived()
 def mobility() -> dict[sp.Symbol, sp.Expr]:
     """Mobilities by the lengths, read off the contact velocity's response, (5) and (6)."""
-    du, dv = map(sp.expand, contact_change(P_x, P_z))
-    return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
+    return read_off(*map(sp.expand, contact_change(P_x, P_z)))
 
 
 @derived("a_{%s}")
@@ -265,25 +271,43 @@ def _poisson_told() -> str:
     return so("never positive", terms)
 
 
+def _under(name: str, shown: Pair, check: Callable[[sp.Matrix], Residuals]) -> Equation:
+    """The entry of the final velocity under a law."""
+    return Equation(
+        f"laws: {name}",
+        f"$v_f$ under {name}'s restitution: slip stops early, late",
+        "(v_{f, early}, v_{f, late})",
+        derive=lambda: tuple(final_velocity(name.lower(), o) for o in ("early", "late")),
+        shown=shown,
+        check=check,
+    )
+
+
+def _creates(name: str, regime: str, shown: sp.Expr) -> Equation:
+    """The entry of the threshold of Newton's law in a regime."""
+    return Equation(
+        f"laws: energy, {name}",
+        lambda: _threshold_told(regime),
+        r"\kappa_c",
+        derive=lambda: energy_threshold(regime),
+        shown=shown,
+        check=lambda form: (_created(regime, form),),
+    )
+
+
 EQUATIONS = (
-    Equation(
-        "laws: Poisson",
-        "$v_f$ under Poisson's restitution: slip stops early, late",
-        "(v_{f, early}, v_{f, late})",
-        derive=lambda: tuple(final_velocity("poisson", o) for o in ("early", "late")),
-        shown=(epsilon * (a_2 * P_1 - V_1), V_1 - a_2 / a_1 * (V_1 + epsilon * v_0)),
-        check=_impulses_in_proportion,
+    _under(
+        "Poisson",
+        (epsilon * (a_2 * P_1 - V_1), V_1 - a_2 / a_1 * (V_1 + epsilon * v_0)),
+        _impulses_in_proportion,
     ),
-    Equation(
-        "laws: Stronge",
-        "$v_f$ under Stronge's restitution: slip stops early, late",
-        "(v_{f, early}, v_{f, late})",
-        derive=lambda: tuple(final_velocity("stronge", o) for o in ("early", "late")),
-        shown=(
+    _under(
+        "Stronge",
+        (
             epsilon * sp.sqrt(V_1**2 - a_2 * P_1 * (v_0 + V_1)),
             sp.sqrt(V_1**2 + a_2 / a_1 * (epsilon**2 * v_0**2 - V_1**2)),
         ),
-        check=_triangles,
+        _triangles,
     ),
     Equation(
         "laws: slide",
@@ -310,22 +334,8 @@ EQUATIONS = (
         check=_areas,
         note=_poisson_told,
     ),
-    Equation(
-        "laws: energy, slip-stick",
-        lambda: _threshold_told("stick"),
-        r"\kappa_c",
-        derive=lambda: energy_threshold("stick"),
-        shown=(sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2,
-        check=lambda form: (_created("stick", form),),
-    ),
-    Equation(
-        "laws: energy, slip reversal",
-        lambda: _threshold_told("back"),
-        r"\kappa_c",
-        derive=lambda: energy_threshold("back"),
-        shown=(sp.sqrt(A) - sp.sqrt(A - mu**2 * C)) ** 2 / (mu * B),
-        check=lambda form: (_created("back", form),),
-    ),
+    _creates("slip-stick", "stick", (sp.sqrt(A * C) - sp.sqrt(A * C - B**2)) ** 2 / B**2),
+    _creates("slip reversal", "back", (sp.sqrt(A) - sp.sqrt(A - mu**2 * C)) ** 2 / (mu * B)),
     Equation(
         "laws: energy, thin rod",
         lambda: so(

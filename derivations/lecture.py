@@ -148,15 +148,9 @@ def negative(form: sp.Expr | sp.MatrixBase, put: Mapping = {}) -> bool:
     `put` says what letters stand for first.
     """
     inelastic = sp.Symbol("loss", positive=True)  # (1 - epsilon)/epsilon
-    letters = {x: sp.Symbol(str(x), positive=True) for x in (X, Z, k, mu, V_z)}
-    letters |= {sp.sin(phi): sp.Symbol("sin", positive=True), epsilon: 1 / (1 + inelastic)}
-    letters[sp.cos(phi)] = sp.Symbol("cos", positive=True)
-    found = []
-    for part in components(form):
-        whole = sp.factor(sp.cancel(sp.together(part.subs(put).subs(letters))))
-        sides = (sp.Mul.make_args(side) for side in sp.fraction(whole))
-        found.append(sp.Mul(*(sp.expand(factor) for factors in sides for factor in factors)))
-    return all(value.is_negative for value in found)
+    sizes = X, Z, k, mu, V_z, sp.sin(phi), sp.cos(phi)
+    letters = {x: sp.Symbol(str(x), positive=True) for x in sizes} | {epsilon: 1 / (1 + inelastic)}
+    return all(sp.factor(x.subs(put).subs(letters)).is_negative for x in components(form))
 
 
 SENSES: Mapping[str, Callable[..., bool]] = {  # what a word claims; of several the first one

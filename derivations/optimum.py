@@ -11,13 +11,13 @@ import sympy as sp
 
 from . import second_routes
 from .bodies import T, over_tangent
-from .drift import CASES, landing, landing_velocity, stationary
+from .drift import CASES, landing, landing_velocity, stationary, thin_stationary
 from .equality import Pair, Residuals
 from .laws import slopes
 from .lecture import PAPER, degrees, formula, number, so
 from .proof import Equation
 from .slide import slide_excess
-from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, omega, u_0, v_0
+from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, u_0, v_0
 from .trace import derived, solve
 from .typeset import latex
 
@@ -25,7 +25,7 @@ from .typeset import latex
 @derived("c_x/V_z")
 def drift_over_tangent(case: str) -> sp.Expr:
     r"""Drift of a thin rod as a function of $\tan\phi$."""
-    return sp.factor(over_tangent(stationary(case)[0] / V_z))
+    return sp.factor(over_tangent(thin_stationary(case)[0] / V_z))
 
 
 @derived(r"\tan\phi", "c_x/V_z")
@@ -101,8 +101,8 @@ def _is_largest(case: str, form: sp.Matrix) -> Residuals:
 
 def _response(case: str) -> sp.Matrix:
     """Landings a unit apart in c_x and in c_z, from whole impacts."""
-    after = [part.subs(omega, 0) for part in second_routes.impact(case)[:2]]
-    after = sp.Matrix([after[0], -after[1]])
+    v_x, v_z, _ = second_routes.landed(case)
+    after = sp.Matrix([v_x, -v_z])
     at = {c_x: 0, c_z: 0}
     columns = [after.subs({**at, x: 1}) - after.subs(at) for x in (c_x, c_z)]
     return sp.Matrix.hstack(*columns)
@@ -122,7 +122,7 @@ def _margins(form: sp.Matrix) -> Residuals:
 
 def _slide_from_the_landing(form: sp.Matrix) -> Residuals:
     """What a slide would leave of the slip, from a whole impact that starts at the landing."""
-    v_x, _, spin = (part.subs(omega, 0) for part in second_routes.impact("slide"))
+    v_x, _, spin = second_routes.landed("slide")
     left = v_x - spin * Z
     checks = []
     for case, value in zip(CASES, form, strict=True):
@@ -154,9 +154,18 @@ def _best_told(case: str) -> str:
     return f"{degrees(sp.atan(tangent))} and {number(along, 3)} for the paper's {place}"
 
 
-def _best_of(case: str, equation: str) -> str:
+def _best(regime: str, case: str, equation: str, shown: Pair) -> Equation:
+    """The entry of the best tilt in a regime, whose drift is that of an equation."""
     words = rf"$\tan\phi$ of the largest drift ({equation}) of a thin rod, and it over $V_z$"
-    return so(words, drift_over_tangent(case), T, optimum(case)[0], PAPER)
+    return Equation(
+        f"V: optimum, {regime}",
+        lambda: so(words, drift_over_tangent(case), T, optimum(case)[0], PAPER),
+        r"(\tan\phi, c_x/V_z)",
+        derive=lambda: optimum(case),
+        shown=shown,
+        check=lambda form: _is_largest(case, form),
+        note=lambda: _best_told(case),
+    )
 
 
 def _where_it_holds(words: str, forms: Callable[[str], sp.Matrix]) -> str:
@@ -178,26 +187,15 @@ def _least_told() -> str:
 
 
 EQUATIONS = (
-    Equation(
-        "V: optimum, slip-stick",
-        lambda: _best_of("stick", "26"),
-        r"(\tan\phi, c_x/V_z)",
-        derive=lambda: optimum("stick"),
-        shown=(sp.sqrt(_a / _b), 3 * (1 + epsilon) / sp.sqrt(_a * _b)),
-        check=lambda form: _is_largest("stick", form),
-        note=lambda: _best_told("stick"),
-    ),
-    Equation(
-        "V: optimum, slip reversal",
-        lambda: _best_of("back", "29"),
-        r"(\tan\phi, c_x/V_z)",
-        derive=lambda: optimum("back"),
-        shown=(
+    _best("slip-stick", "stick", "26", (sp.sqrt(_a / _b), 3 * (1 + epsilon) / sp.sqrt(_a * _b))),
+    _best(
+        "slip reversal",
+        "back",
+        "29",
+        (
             _a / (mu * (9 - epsilon) + _root),
             (1 + epsilon) * (mu * (29 - 5 * epsilon) + 3 * _root) / (2 * _a * _b),
         ),
-        check=lambda form: _is_largest("back", form),
-        note=lambda: _best_told("back"),
     ),
     Equation(
         "V: stability",

@@ -38,8 +38,7 @@ def response() -> sp.Matrix:
 @derived()
 def mobility() -> dict[sp.Symbol, sp.Expr]:
     r"""Read off $\Delta u = C P_x - B P_z$ and $\Delta v = A P_z - B P_x$."""
-    du, dv = response()
-    return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
+    return laws.read_off(*response())
 
 
 @derived("A C - B^2")

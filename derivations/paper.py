@@ -28,27 +28,25 @@ class Formula(NamedTuple):
     tex: str
 
     @property
+    def sides(self) -> list[str]:
+        """What is equal, of which (7) and (14) end with a condition, too."""
+        return re.split(r" (?:=|\\equiv) ", self.tex.removesuffix(" > 0"))
+
+    @property
     def left(self) -> str:
         """Left side of an equation; nothing of a bare formula or a condition."""
-        left, sign, _ = self.tex.replace(r"\equiv", "=").partition("=")
-        return left.strip() if sign else ""
+        return self.sides[0] if len(self.sides) > 1 else ""
 
     @property
     def right(self) -> str:
-        """The rest of it, without the sign of a condition such as (7)."""
-        right = self.tex.replace(r"\equiv", "=").rpartition("=")[2]
-        return right.removesuffix(self.condition).strip()
-
-    @property
-    def condition(self) -> str:
-        """What an equation that is a condition, too, ends with."""
-        return "> 0" if self.left and self.tex.endswith("> 0") else ""
+        """Right side of an equation, or the whole formula."""
+        return self.sides[-1]
 
 
 _TEXTS = tomllib.loads(SOURCE.decode("utf-8"))
 EQUATIONS = {tag: Formula(tex) for tag, tex in _TEXTS["equations"].items()}
 SENTENCES: dict[str, str] = _TEXTS["sentences"]
-NOTED: list[dict[str, str]] = _TEXTS["noted"]
+NOTED = _TEXTS["noted"]
 
 
 def sealed() -> bool:

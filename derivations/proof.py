@@ -23,9 +23,8 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from difflib import SequenceMatcher
-from functools import partial
 from types import FunctionType
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import sympy as sp
 
@@ -35,6 +34,7 @@ from .equality import Form, Residuals, components, equal, is_zero, random_point,
 from .typeset import tidy
 
 Verdict = Literal["", "agrees", "erratum", "assumed", "new", "noted"]
+Words: TypeAlias = str | Callable[[], str]  # those that are computed are computed once, when asked
 
 # Words of a left side, and those of the sentence, which come in the same order.
 SAID = {
@@ -132,7 +132,7 @@ class Equation:
     """
 
     tag: str
-    about: str | Callable[[], str]
+    about: Words
     left: str = ""
     _: KW_ONLY
     derive: Callable[[], Form]
@@ -141,11 +141,11 @@ class Equation:
     shown: Form | None = None
     formulas: tuple[str, ...] = ()
     said: Form | Callable[[], Form] | None = None
-    put: Callable[[], Mapping] | None = None
-    note: str | Callable[[], str] = ""
+    put: Callable[[], Mapping] = dict
+    note: Words = ""
     repair: tuple[Repair, ...] = ()
     mistaken: Callable[[], Form] | None = None
-    mistake: str | Callable[[], str] = ""
+    mistake: str = ""
     contradicted_by: tuple[str, ...] = ()
     contradiction: Callable[..., Form] | None = None
     at: Mapping[sp.Symbol, sp.Expr] | None = None
@@ -154,15 +154,12 @@ class Equation:
     def __post_init__(self) -> None:
         derive = self.derive
         self.derive = trace.remembered(lambda: _column(derive()))
-        if not isinstance(self.said, FunctionType):
-            self.said = _column(self.said)
         self.shown = _column(self.shown)
         if not self.formulas and self.tag in paper.EQUATIONS:
             self.formulas = (self.tag,)
         if not self.verdict:
             printed = self.said is not None or self.formulas
-            right: Verdict = "agrees" if printed else "new"
-            self.verdict = "erratum" if self.contradicted_by else right
+            self.verdict = "erratum" if self.contradicted_by else "agrees" if printed else "new"
 
     @property
     def own(self) -> tuple[str, ...]:
@@ -180,19 +177,19 @@ class Equation:
     def what(self) -> str:
         """What it is about, the paper's own sentence first."""
         quoted = paper.SENTENCES.get(self.tag)
-        about = self.about if isinstance(self.about, str) else _computed(self.about)
+        about = _said(self.about)
         return f'"{quoted}": {about}' if quoted else about
 
     @property
     def printed(self) -> Form | None:
         """The form in our copy of the paper; nothing of what is not in it."""
         if self.said is not None or not self.formulas:
-            return self.said() if isinstance(self.said, FunctionType) else self.said
+            return _column(self.said() if isinstance(self.said, FunctionType) else self.said)
         return self._meant([paper.printed(tag) for tag in self.formulas])
 
     def _meant(self, forms: list[Form]) -> Form:
         """Printed forms with what their letters stand for; several as a column."""
-        put = {} if self.put is None else self.put()
+        put = self.put()
         forms = [form.subs(put, simultaneous=True) if put else form for form in forms]
         return forms[0] if len(forms) == 1 else sp.Matrix(forms)
 
@@ -217,10 +214,11 @@ class Equation:
         try:
             if failed := self._failed():
                 return Proof(ok=False, evidence=failed)
-            second = None if self.check is None else self._second_route(self.check)
-            if second is not None and (self.verdict == "new" or not second.ok):
-                return second  # of a new result it is the whole proof
-            return _PROOFS[self.verdict](self)
+            if self.check is not None:
+                second = self._second_route(self.check)
+                if self.verdict == "new" or not second.ok:
+                    return second  # of a new result it is the whole proof
+            return _erratum(self) if self.verdict == "erratum" else _agrees(self)
         except Exception as error:  # whatever stops a computation, the verdict has no proof
             return Proof(ok=False, evidence=f"{type(error).__name__}: {error}", computed=False)
 
@@ -230,8 +228,8 @@ class Equation:
             return "paper.toml is not what was compared with our copy of the paper"
         if self.verdict == "assumed" and any(step.name != self.tag for step in self.steps):
             return "what is assumed is not derived"
-        proved_alone = self.check is not None and self.verdict in ("new", "assumed")
-        if self.printed is None and not proved_alone:
+        alone = self.verdict == "new" or self.printed is None
+        if alone and (self.check is None or self.verdict not in ("new", "assumed")):
             return f"{self.verdict}: it needs a printed form, or a second route (check)"
         if self.shown is not None and not equal(self.shown, self.derive()):
             return "the form shown as derived has another value"
@@ -361,24 +359,25 @@ class Noted:
 
 
 @trace.remembered
-def _computed(words: Callable[[], str]) -> str:
-    return words()
+def _said(words: Words) -> str:
+    return words if isinstance(words, str) else words()
 
 
-def told(entry: Any, field: str = "note") -> str:
-    """The note of an entry, or its `mistake`; what is computed in it is computed now."""
-    words = getattr(entry, field)
-    return words if isinstance(words, str) else _computed(words)
+def told(entry: Any) -> str:
+    """The note of an entry."""
+    return _said(entry.note)
 
 
-def _agrees(eq: Equation, evidence: str = "difference simplifies to zero") -> Proof:
+def _agrees(eq: Equation) -> Proof:
+    assumed = eq.verdict == "assumed"
+    evidence = "taken as a starting point" if assumed else "difference simplifies to zero"
     return Proof(ok=eq.printed is None or same(eq.printed, eq.derive()), evidence=evidence)
 
 
 def _erratum(eq: Equation) -> Proof:
     derived = eq.derive()
     forms = (*components(eq.printed), *components(derived))
-    free = set().union(*(form.free_symbols for form in forms))
+    free = sp.Tuple(*forms).free_symbols
     point = {**random_point(free, seed=0), **EXAMPLE, **(eq.at or {})}
     pairs = [
         (x.subs(point), y.subs(point))
@@ -387,7 +386,7 @@ def _erratum(eq: Equation) -> Proof:
     ]
     # Of an inequality only the sign counts.
     value = sp.sign if isinstance(derived, sp.Rel) else sp.sympify
-    differs = any(sp.Abs(sp.N(value(x) - value(y), 30)) > sp.Float("1e-20") for x, y in pairs)
+    differs = any(abs(sp.N(value(x) - value(y), 30)) > 1e-20 for x, y in pairs)
     evidence = "; ".join(f"printed ${_number(x)}$, derived ${_number(y)}$" for x, y in pairs)
     where = ", ".join(f"${sp.latex(x)} = {_number(point[x])}$" for x in sorted(free, key=str))
     others = [paper.printed(tag) for tag in eq.contradicted_by]
@@ -404,19 +403,10 @@ def _explained(eq: Equation) -> bool:
         length = sum(len(paper.EQUATIONS[tag].right) for tag in eq.formulas)
         small = all(2 * repair.size < length for repair in eq.repair)
         return small and equal(eq.repaired, eq.derive())
-    return (
-        eq.mistaken is not None and bool(told(eq, "mistake")) and equal(eq.mistaken(), eq.printed)
-    )
+    return eq.mistaken is not None and bool(eq.mistake) and equal(eq.mistaken(), eq.printed)
 
 
 def _number(value: sp.Expr) -> str:
     """LaTeX of an exact value if it is short, else of twelve digits."""
     value = value if len(sp.sstr(value)) <= 16 else sp.N(value, 12)
     return sp.sstr(value) if value.is_Rational else sp.latex(value, fold_short_frac=True)
-
-
-_PROOFS: dict[str, Callable[[Equation], Proof]] = {
-    "agrees": _agrees,
-    "erratum": _erratum,
-    "assumed": partial(_agrees, evidence="taken as a starting point"),
-}

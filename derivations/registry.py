@@ -39,9 +39,10 @@ from .proof import Equation, Noted, Verdict, told
 __all__ = ["ENTRIES", "SECTIONS", "Code", "Equation", "Noted", "Row", "check", "mistakes"]
 
 Entry: TypeAlias = Equation | Noted | Code
+Progress: TypeAlias = Callable[[Iterable], Iterable]
 
 # The way from the assumptions to (31); the sentences on it stand in a section of their own.
-_PATH: tuple[tuple[str, tuple[Equation, ...]], ...] = (
+_PATH = (
     ("Assumptions", axioms.EQUATIONS),
     ("Newton's laws and the contact point", newton.EQUATIONS),
     ("Slide", slide.EQUATIONS),
@@ -74,7 +75,7 @@ SECTIONS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ("What the page says", (_TEXTS,)),
     ("Sentences of the text", (*_SENTENCES, *statements.EQUATIONS)),
     ("Appendix A: dimensions", statements.DIMENSIONS),
-    ("Noted", tuple(Noted(tag=x["tag"], quote=x["quote"], note=x["note"]) for x in paper.NOTED)),
+    ("Noted", tuple(Noted(**x) for x in paper.NOTED)),
 )
 
 ENTRIES: tuple[Entry, ...] = tuple(e for _, group in SECTIONS for e in group)
@@ -122,7 +123,7 @@ class Row:
         }
 
 
-def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
+def check(progress: Progress = iter) -> list[Row]:
     """Prove every entry.
 
     Parameters
@@ -148,7 +149,7 @@ def check(progress: Callable[[Iterable], Iterable] = iter) -> list[Row]:
                 computed=proof.computed,
                 contradicted_by=entry.contradicted_by if equation else (),
                 repair=entry.repairs if equation else "",
-                mistake=told(entry, "mistake") if equation and proof.computed else "",
+                mistake=entry.mistake if equation else "",
                 rests_on=entry.rests_on if equation and proof.ok else (),
             )
         )

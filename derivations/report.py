@@ -7,7 +7,7 @@ references.
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
 from typing import Any
 
@@ -20,10 +20,8 @@ from .drawings import DRAWINGS
 from .equality import Form, components
 from .lecture import EXERCISES, LETTERS, to_html
 from .proof import Equation
-from .registry import SECTIONS, Code, Entry, Row
+from .registry import SECTIONS, Entry, Progress, Row
 from .steps import Line, Reader
-
-Progress = Callable[[Iterable], Iterable]
 
 TITLE, ABOUT = lecture.TEXTS["title"], lecture.TEXTS["about"]
 VERDICTS = {  # sign, and what the word means
@@ -72,11 +70,6 @@ def _lines_of(entry: Equation, label: str, form: Form) -> list[list[str]]:
     return [[tex] for tex in texts]
 
 
-def _program(entry: Entry) -> str:
-    """Text of the code that an entry proves; of other entries nothing."""
-    return entry.text if isinstance(entry, Code) else ""
-
-
 def equations(lefts: Sequence[str], form: Form) -> list[list[str]]:
     """LaTeX of a form with its left sides; a column of values as one equation each."""
     values = components(form) if isinstance(form, sp.MatrixBase) else [form]
@@ -89,24 +82,6 @@ def equation(left: str, form: Form) -> list[str]:
     if isinstance(form, sp.Rel):
         return [first, *more]
     return [f"{typeset.words(left)} = {first}", *more]
-
-
-def _remarks(row: Row) -> dict[str, str]:
-    """Labelled sentences below an entry; an empty one is left out."""
-    return {
-        "Repair": row.repair,
-        "Mistake": row.mistake,
-        "Contradicted by": ", ".join(map(_named, row.contradicted_by)),
-        "Note": row.note,
-    }
-
-
-def _proof(row: Row) -> dict[str, str]:
-    """Labelled sentences beside an entry; an empty one is left out."""
-    return {
-        "Counter-example" if row.verdict == "erratum" else "Proof": row.evidence,
-        "Rests on": ", ".join(map(_named, row.rests_on)),
-    }
 
 
 # ---- HTML -------------------------------------------------------------------------------------
@@ -123,7 +98,7 @@ _html.filters |= {
     "tex": typeset.latex,
     "inline": lambda tex: Markup(typeset.mathml(tex)),
     "math": lambda tex: Markup(typeset.mathml(tex, display=True)),
-    "named": lambda tag: _sentence(_named(tag), links=False),
+    "named": _named,
     "sentence": _sentence,
 }
 _html.globals |= {
@@ -131,9 +106,6 @@ _html.globals |= {
     "forms": forms,
     "lines_of": _lines_of,
     "equation": equation,
-    "remarks": _remarks,
-    "proof": _proof,
-    "program": _program,
 }
 STYLE = resources.files(__package__).joinpath("templates/page.css").read_text(encoding="utf-8")
 

@@ -54,25 +54,27 @@ def impact(regime: str) -> State:
     return tuple(sp.factor(part) for part in solution[:3])
 
 
-@cache
-def energy_change(regime: str) -> sp.Expr:
-    """Kinetic energy after minus before, per unit mass; no spin before, the plate at rest."""
-    rest = {omega: 0, V_z: 0}
-    v_x, v_z, spin = (part.subs(rest) for part in impact(regime))
-    return (v_x**2 + v_z**2 + k**2 * spin**2 - c_x**2 - c_z**2) / 2
+def landed(regime: str) -> State:
+    """The same after a landing without spin."""
+    v_x, v_z, spin = (part.subs(omega, 0) for part in impact(regime))
+    return v_x, v_z, spin
 
 
 @cache
 def energy_created(regime: str) -> sp.Expr:
-    """Discriminant of the energy change in c_x: zero where an impact can just create energy."""
-    change = sp.numer(sp.together(energy_change(regime).subs(c_z, -1)))
-    square, line, rest = sp.Poly(change, c_x).all_coeffs()
-    return line**2 - 4 * square * rest
+    """Discriminant of the energy change in c_x: zero where an impact can just create energy.
+
+    No spin before, the plate at rest.
+    """
+    v_x, v_z, spin = landed(regime)
+    change = v_x**2 + v_z**2 + k**2 * spin**2 - c_x**2 - c_z**2  # twice, per unit mass
+    quadratic = sp.Poly(sp.numer(sp.together(change.subs({V_z: 0, c_z: -1}))), c_x)
+    return quadratic.discriminant()
 
 
 @cache
 def landing(regime: str) -> Pair:
     """(c_x, c_z) before a landing without spin that keeps c_x and turns c_z round."""
-    v_x, v_z, _ = (part.subs(omega, 0) for part in impact(regime))
+    v_x, v_z, _ = landed(regime)
     (found,) = sp.linsolve([v_x - c_x, v_z + c_z], c_x, c_z)
     return tuple(found)

@@ -14,7 +14,7 @@ from .typeset import latex
 
 def friction(p_z: sp.Expr, direction: int) -> sp.Expr:
     """Tangential impulse of friction under the normal impulse p_z, in a slip of one direction."""
-    return SLIP({F_z: p_z, sigma: sp.Integer(direction)}, "P_x")
+    return SLIP({F_z: p_z, sigma: direction}, "P_x")
 
 
 @derived("u")

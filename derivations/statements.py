@@ -11,11 +11,11 @@ import sympy as sp
 
 from . import paper, second_routes
 from .bodies import THIN
-from .drift import landing, stationary
+from .drift import landing, thin_stationary
 from .equality import DIGITS, Residuals
 from .lecture import PAPER, degrees, formula, number
 from .proof import Equation
-from .symbols import c_x, c_z, epsilon, h_0, mu, omega, phi
+from .symbols import c_x, c_z, epsilon, h_0, mu, phi
 from .trace import derived, solve
 from .typeset import latex
 
@@ -31,14 +31,9 @@ def _sign(value: sp.Expr) -> sp.Expr:
     return sp.sign(sp.nsimplify(sp.N(value, DIGITS)))
 
 
-def _stationary_thin() -> list[sp.Expr]:
-    """c_x and -c_z before the stationary landing of a thin rod in slip-stick."""
-    return [part.subs(THIN) for part in stationary("stick")]
-
-
 def stationary_ratio() -> sp.Expr:
     """-c_z/c_x before the stationary landing of a thin rod in slip-stick."""
-    along, up = _stationary_thin()
+    along, up = thin_stationary("stick")
     return sp.simplify(up / along)
 
 
@@ -69,7 +64,7 @@ def restitution_lost() -> sp.Expr:
 
 def _relaxed(form: sp.Expr) -> Residuals:
     """Two landings whose c_x differ by one: how fast friction brings them together."""
-    after = second_routes.impact("back")[0].subs(omega, 0)
+    after = second_routes.landed("back")[0]
     left = sp.cancel(after.subs(c_x, 1) - after.subs(c_x, 0))
     return [form * left.diff(mu).subs(mu, 0) + 1]
 
@@ -113,7 +108,7 @@ EQUATIONS = (
         "IV: large ratio",
         f"sign of $-c_z/c_x - 1$ at {degrees(_TILT[phi])}, in stationary translation",
         rf"[\mathrm{{sgn}}(-c_z/c_x - 1)]_{{\phi = {latex(_TILT[phi])}}}",
-        where=lambda: dict(zip(("c_x", "-c_z"), _stationary_thin(), strict=True)),
+        where=lambda: dict(zip(("c_x", "-c_z"), thin_stationary("stick"), strict=True)),
         said=sp.S.One,
         derive=lambda: _sign(stationary_ratio().subs(_TILT) - 1),
         contradicted_by=("24", "25"),

@@ -7,6 +7,7 @@ side where it is short enough to be read. What one entry has shown, the next one
 
 import inspect
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import sympy as sp
@@ -43,22 +44,26 @@ def _equations(values: list[tuple[str, Any]]) -> tuple[tuple[str, ...], ...]:
     for left, value in values:
         first, *more = pieces(tidy(value))
         found.append((f"{left} = {first}", *more))
-    return tuple(found) if sum(len(x) for form in found for x in form) <= LONGEST else ()
+    return _readable(found)
+
+
+def _readable(formulas: list[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
+    """Formulas in pieces; nothing if they are too long together."""
+    return tuple(formulas) if sum(map(len, chain(*formulas))) <= LONGEST else ()
 
 
 def _solved(step: Step) -> Line:
     """An equation that was solved: both sides, or its numerator where it is to vanish."""
-    letters = ", ".join(f"${latex(x)}$" for x in step.given)
+    sentence = step.what or "Solved for " + ", ".join(f"${latex(x)}$" for x in step.given)
     formulas = []
     for left, right in step.value:
         if right == 0 and left.is_rational_function() and left.count_ops() <= 3 * MOST:
             left = _numerator(left, step.given)
         if not _short(left):
-            return Line(step.what or f"Solved for {letters}")
+            return Line(sentence)
         sides = [pieces(tidy(side)) if side != 0 else ["0"] for side in (left, right)]
         formulas.append((*sides[0][:-1], f"{sides[0][-1]} = {sides[1][0]}", *sides[1][1:]))
-    length = sum(len(x) for form in formulas for x in form)
-    return Line(step.what or f"Solved for {letters}", tuple(formulas) if length <= LONGEST else ())
+    return Line(sentence, _readable(formulas))
 
 
 def _numerator(form: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> sp.Expr:

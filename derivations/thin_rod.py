@@ -58,12 +58,17 @@ def _reversal() -> sp.Expr:
     return sp.expand(sp.cancel(second * margin.subs(THIN)))
 
 
+def _at_one_half(root: sp.Expr) -> sp.Expr:
+    """By which roots are sorted: where both are real."""
+    return root.subs(mu, sp.Rational(1, 2))
+
+
 @derived(r"\tan\phi_{lower}", r"\tan\phi_{upper}")
 def critical_tangents() -> Pair:
     """The edge of (16) is a quadratic in the tangent: its two roots, no squaring needed."""
     edge = sp.numer(sp.together(over_tangent(stick_margin())))
     roots = solve(edge, T, r"Solved for $\tan\phi$")
-    return tuple(sorted(roots, key=lambda r: r.subs(mu, sp.Rational(1, 2))))
+    return tuple(sorted(roots, key=_at_one_half))
 
 
 @derived(r"\phi_c")
@@ -117,7 +122,7 @@ def _slide_boundary_checks(form: sp.Expr) -> Residuals:
 def _upper_tilt_of(condition: sp.Expr) -> sp.Expr:
     """Largest tilt of the printed condition, which is a quadratic in the tangent."""
     roots = sp.solve(over_tangent(condition), T)
-    return sp.atan(max(roots, key=lambda r: r.subs(mu, sp.Rational(1, 2))))
+    return sp.atan(max(roots, key=_at_one_half))
 
 
 def _at_two(condition: sp.Expr) -> sp.Expr:
@@ -136,6 +141,7 @@ _FLAT = sp.pi / 2
 _UPRIGHT, _OVERLOOKING = sp.Integer(0), sp.pi / 4  # tilts by which two mistakes come out
 _ORDER = 3
 _TWICE = sp.Integer(2)  # by which a third one does
+_THERE = {mu: sp.Rational(3, 5)}  # where (23) is said to end
 
 
 EQUATIONS = (
@@ -201,12 +207,12 @@ EQUATIONS = (
         r"[\phi_c]_{\mu = 3/5}",
         where=lambda: {r"\phi_c": critical_tilt()},
         said=sp.pi / 2,
-        derive=lambda: critical_tilt().subs(mu, sp.Rational(3, 5)),
+        derive=lambda: critical_tilt().subs(_THERE),
         contradicted_by=("23",),
-        contradiction=lambda tilt: tilt.subs(mu, sp.Rational(3, 5)),
-        mistaken=lambda: _TWICE * critical_tilt().subs(mu, sp.Rational(3, 5)),
+        contradiction=lambda tilt: tilt.subs(_THERE),
+        mistaken=lambda: _TWICE * critical_tilt().subs(_THERE),
         mistake=rf"${_TWICE} \phi_c$ is taken for $\phi_c$",
-        note=lambda: rf"$\phi_c$ is {degrees(critical_tilt().subs(mu, sp.Rational(3, 5)))} there",
+        note=lambda: rf"$\phi_c$ is {degrees(critical_tilt().subs(_THERE))} there",
     ),
     Equation(
         "IV: no reversal above 3/5",
