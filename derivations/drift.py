@@ -59,7 +59,7 @@ def stationary(case: str) -> Pair:
 @derived("c'_x", "c'_z")
 def thin_stationary(case: str) -> Pair:
     """The stationary landing of a thin rod: its lengths put in."""
-    return tuple(part.subs(THIN) for part in stationary(case))
+    return tuple(sp.factor(part.subs(THIN)) for part in stationary(case))
 
 
 @derived("v_0")
