@@ -164,7 +164,7 @@ class Equation:
     @property
     def own(self) -> tuple[str, ...]:
         """Formulas that print its value; none where a sentence says it."""
-        return () if self.said is not None or self.tag in paper.SENTENCES else self.formulas
+        return () if self.tag in paper.SENTENCES else self.formulas
 
     @property
     def lefts(self) -> list[str]:

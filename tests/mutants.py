@@ -147,10 +147,18 @@ def says_the_same(a, b, up_to=""):
 
 
 def _tried(entry, side, form):
+    """Every change; the form itself keeps its verdict, so that the change alone is judged."""
+    lefts = entry.lefts
+    left = entry.left or (lefts[0] if len(lefts) == 1 else f"({', '.join(lefts)})")
+
+    def proved(new):
+        given = {"said": new} if side == "printed" else {"derive": lambda: new, "left": left}
+        return replace(entry, **given).prove().ok
+
+    assert proved(form)
     for what, new in changes(form):
-        given = {"said": new} if side == "printed" else {"derive": lambda new=new: new}
         outcome: Outcome = "caught"
-        if replace(entry, **given).prove().ok:
+        if proved(new):
             outcome = "equivalent" if says_the_same(new, form) else "survived"
         yield Mutant(entry.tag, side, what, outcome)
 
