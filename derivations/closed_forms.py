@@ -45,7 +45,7 @@ from .symbols import (
 )
 
 _one = {m: 1}  # impulses per unit mass
-_gain, _rest, _j_1, _N_after = sp.symbols("gain rest j_1 N_after", real=True)
+_gain, _rest, _j_1, _N_after, _cross = sp.symbols("gain rest j_1 N_after cross", real=True)
 
 
 def _until_v_f(part: sp.Expr) -> sp.Expr:
@@ -124,9 +124,8 @@ def _of_levers(form: sp.Expr) -> sp.Expr:
     return sp.expand(form)
 
 
-_TURNED = FIRST[X] * SECOND[Z] - SECOND[X] * FIRST[Z]
-_PAIR = {str(letter): _of_levers(form) for letter, form in pairs.mobility().items()}
-_PAIR["cross"] = _of_levers(_TURNED / (FIRST[k] * SECOND[k]))
+_turned = (FIRST[X] * SECOND[Z] - SECOND[X] * FIRST[Z]) / (FIRST[k] * SECOND[k])
+_PAIR = {x: _of_levers(form) for x, form in (pairs.mobility() | {_cross: _turned}).items()}
 
 FUNCTIONS: tuple[Function, ...] = (
     # ---- the impact map ----
@@ -241,7 +240,7 @@ FUNCTIONS: tuple[Function, ...] = (
     Function(
         "pair_determinant",
         lambda: {"D": _of_levers(pairs.determinant())},
-        meaning={LETTERS[name]: form for name, form in _PAIR.items()},
+        meaning=_PAIR,
     ),
     Function(
         "pair_change",
