@@ -13,7 +13,6 @@ from .rewrites import (
     CONTACT,
     GENERAL,
     LETTERS,
-    NAME_RESPONSES,
     RESPONSES,
     SINGLE_FRACTION,
     SQUARES,
@@ -137,7 +136,6 @@ FUNCTIONS: tuple[Function, ...] = (
             "j_1": slide.impulse()[1].subs(_one) / k**2,
             "u_f": slide.slide_excess().subs(_one),
         },
-        (NAME_RESPONSES,),
         meaning={**CONTACT, _gain: -(1 + epsilon) * v_0},
     ),
     Function(

@@ -111,15 +111,6 @@ SINGLE_FRACTION = Rule(
 )
 
 
-def _shortened(body: Body) -> Body:
-    """Assignments with N, T, N_back, T_back where these stand as sums of lengths."""
-    short = {meaning: symbol for symbol, meaning in RESPONSES.items()}
-    return {symbol: sp.factor(expr).subs(short) for symbol, expr in body.items()}
-
-
-NAME_RESPONSES = Rule("name responses", "computed once, compensated in one place", _shortened)
-
-
 @dataclass(frozen=True)
 class Function:
     """One generated function, in the words of functions.toml.
