@@ -14,7 +14,7 @@ from ..lib.runs import lacking
 
 OF_CLAIMS = (measure_rows, measure_annulus)  # runs that no figure shows
 CLAIMS_SECONDS = 30  # processor seconds of movie and claims, runs of the store apart
-STEP_SECONDS = {True: 20e-9, False: 60e-9}  # of a step of a rod, in the plane and in an annulus
+STEP_SECONDS = {True: 50e-9, False: 330e-9}  # a step of a rod in full runs: row, annulus
 
 
 def left(out: Path) -> list[str]:
