@@ -30,11 +30,11 @@ A Omega, times periods of the plate, phases rad with theta = 0 where the plate r
 
 from collections.abc import Iterator
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple
 
 import numpy as np
 
-from ._arguments import count, number
+from ._arguments import Number, Numbers, count, number
 from ._impacts import LARGE_FRICTION
 from ._jit import kernel
 from .collision import law_of
@@ -81,15 +81,15 @@ class Landings(NamedTuple):
     regime: np.ndarray
 
 
-class Estimate(NamedTuple):
+class Estimate(NamedTuple, Generic[Number]):
     """Mean over independent rods and its standard error (nan for one rod).
 
     mean : in the unit of what is estimated
     error : standard error, in the same
     """
 
-    mean: Any
-    error: Any
+    mean: Number
+    error: Number
 
 
 class Bouncing(NamedTuple):
@@ -110,19 +110,19 @@ class Bouncing(NamedTuple):
     flights : density of flight lengths per period, bins around i/16, i < 64
     """
 
-    alpha: Estimate
-    alpha_impulse: Estimate
-    falling: Estimate
-    drift: Estimate
-    c_x: Estimate
-    c_z: Estimate
-    ratio: Estimate
-    flight: Estimate
-    rest: Estimate
-    again: Estimate
-    regimes: Estimate
-    phases: Estimate
-    flights: Estimate
+    alpha: Estimate[float]
+    alpha_impulse: Estimate[float]
+    falling: Estimate[float]
+    drift: Estimate[float]
+    c_x: Estimate[float]
+    c_z: Estimate[float]
+    ratio: Estimate[float]
+    flight: Estimate[float]
+    rest: Estimate[float]
+    again: Estimate[float]
+    regimes: Estimate[Numbers]
+    phases: Estimate[Numbers]
+    flights: Estimate[Numbers]
 
 
 # Of `Landings`: whole numbers where they are counted.

@@ -93,6 +93,7 @@ from xarray import Dataset
 
 import impact
 import md
+from impact.bouncing import Bouncing
 
 rod = impact.thin_rod(radians(20))
 rods = impact.flat_ended_rod(np.linspace(0, 1, 3), 8)
@@ -136,7 +137,9 @@ arrays = [
 assert_type(arrays, list[NDArray[np.float64]])
 
 
-def told(result: md.Result, sweep: md.sweep.Sweep) -> None:
+def told(result: md.Result, sweep: md.sweep.Sweep, bounced: Bouncing) -> None:
+    assert_type(bounced.drift.mean, float)
+    assert_type(bounced.phases.error, NDArray[np.float64])
     assert_type(md.run(result.scene).touches, dict[str, dict[str, float]] | None)
     assert_type(result.c_x_cm_s, float)
     assert_type(result.to_xarray(), Dataset)
