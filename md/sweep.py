@@ -191,9 +191,8 @@ class Sweep:
         ValueError
             If the results have no such name.
         """
-        with Store(store, write=False) as database:
-            results = [database.result(point.key) for point in self.points]
-        return tuple(self._array([named(result, name) for result in results]) for name in names)
+        results = self._results(store)
+        return tuple(self._array(results, name) for name in names)
 
     def to_xarray(self, store: str | Path, *names: str) -> "Dataset":
         """Results with their coordinates, units and errors; `.to_dataframe()` makes a table.
@@ -218,17 +217,23 @@ class Sweep:
         """
         dims = [next(iter(axis)) for axis in self.axes]
         coords = {key: (next(iter(axis)), axis[key]) for axis in self.axes for key in axis}
-        variables, both = {}, dict.fromkeys([*names, *map(error_of, names)])
-        for name, array in zip(both, self.gather(store, *both), strict=True):
+        results, variables = self._results(store), {}
+        if missing := results.count(None):
+            warn(f"{missing} of {len(results)} runs are missing in {store}, or have failed")
+        for name in dict.fromkeys([*names, *map(error_of, names)]):
+            array = self._array(results, name)
             inner = [f"{name}.{i}" for i in range(array.ndim - len(dims))]
             variables[name] = (*dims, *inner), array
-        with Store(store, write=False) as database:
-            missing = sum(not database.has(point.key, failed=False) for point in self.points)
-        if missing:
-            warn(f"{missing} of {len(self.points)} runs are missing in {store}, or have failed")
         return labelled(variables, coords)
 
-    def _array(self, values: list) -> np.ndarray:
+    def _results(self, store: str | Path) -> list[dict[str, Any] | None]:
+        """Results of the points; None where a run is missing or has failed."""
+        with Store(store, write=False) as database:
+            return [database.result(point.key) for point in self.points]
+
+    def _array(self, results: list[dict[str, Any] | None], name: str) -> np.ndarray:
+        """One of the results along the axes."""
+        values = [named(result, name) for result in results]
         first = next((value for value in values if value is not None), math.nan)
         kind = str if isinstance(first, str) else float
         blank = "" if kind is str else np.full(np.shape(first), math.nan)

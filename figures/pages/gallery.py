@@ -10,6 +10,7 @@ of the README stands between `<!-- name: begin -->` and `<!-- name: end -->`.
 
 import json
 import re
+from functools import cache
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -36,6 +37,7 @@ def _time(seconds: float) -> str:
     return f"{value:.{1 if value < 10 else 0}f} {unit}"
 
 
+@cache
 def _runs_of(figure: str, quick: bool) -> list[str]:
     """Starts and periods of each sweep of a figure, in words."""
     module = load(figure)

@@ -89,7 +89,8 @@ def draw(d: Data) -> plt.Figure:
     curve(e, d, "tilt_deg", "plate_by_speed", RIGID, r"touches, as their $v_0$", form="^-")
     curve(e, d, "tilt_deg", "landing_plate", BLACK, "landings", form="s-", hollow=True)
     e.axhline(0.5, color=THEORY, label="(31): 1/2")
-    e.set(ylabel=r"plate at landing, $V_z/V_0$", ylim=(min(0, d["plate"].min() - 0.05) - 0.2, 1))
+    bottom = min(0, d["plate"].min() - 0.05) - 0.2  # with room for the legend
+    e.set(ylabel=r"plate at landing, $V_z/V_0$", ylim=(bottom, 1))
     for ax in axes.flat:
         tilt_axis(ax)
         ax.axhline(0, color="0.7", lw=0.6)
