@@ -390,6 +390,7 @@ CODE = (
             "twofold_sum",
             "twofold_of_product",
             "twofold_product",
+            "lack_of_quotient",
             "twofold_quotient",
         ),
         wrong=wrong_twofold,

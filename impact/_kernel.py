@@ -82,8 +82,10 @@ def total(a, b, rest):
 
 
 def twofold_sum(a, a_low, b, b_low):
-    """Sum of two numbers in twice the digits."""
-    return total(a, b, a_low + b_low)
+    """Sum of two numbers in twice the digits; `carried` where the first part is used alone."""
+    s, error = two_sum(a, b)
+    low = error + (a_low + b_low)
+    return s, low
 
 
 def twofold_of_product(p, error, a, a_low, b, b_low):
@@ -98,11 +100,16 @@ def twofold_product(a, a_low, b, b_low):
     return twofold_of_product(p, error, a, a_low, b, b_low)
 
 
+def lack_of_quotient(a, b, ratio, divisor):
+    """What a rounded quotient of two numbers lacks, by it and the divisor as they are split."""
+    p, error = two_product(ratio, divisor)
+    return ((a - p) - error) / b
+
+
 def twofold_quotient(a, b):
     """Quotient of two rounded numbers in twice the digits."""
     q = a / b
-    p, error = two_product(split(q), split(b))
-    low = ((a - p) - error) / b
+    low = lack_of_quotient(a, b, split(q), split(b))
     return q, low
 
 

@@ -3,14 +3,23 @@
 from functools import cached_property
 from typing import Any
 
-from ._kernel import split, two_product, two_sum, twofold_of_product, twofold_quotient, twofold_sum
+from ._kernel import (
+    carried,
+    lack_of_quotient,
+    split,
+    two_product,
+    two_sum,
+    twofold_of_product,
+    twofold_sum,
+)
 
 
 class Twofold:
     """A number as the sum of a rounded one and what that lacks, nothing if it is exact.
 
     The functions of `_generated` run on it as on any number. Of exact numbers is left out what
-    would change no digit; each is split once.
+    would change no digit; each is split once. The first part of a sum is rounded to its last
+    digits only when it is `carried`.
     """
 
     def __init__(self, high: Any, low: Any = None) -> None:
@@ -23,7 +32,10 @@ class Twofold:
         return split(self.high)
 
     def __getitem__(self, index):
-        return Twofold(self.high[index], None if self.exact else self.low[index])
+        found = Twofold(self.high[index], None if self.exact else self.low[index])
+        if "parts" in vars(self):
+            found.parts = tuple(part[index] for part in self.parts)
+        return found
 
     def __neg__(self):
         return Twofold(-self.high, None if self.exact else -self.low)
@@ -37,12 +49,20 @@ class Twofold:
         return self + -other
 
     def __mul__(self, other):
+        if other.exact and not self.exact:
+            return other * self
         p, error = two_product(self.parts, other.parts)
-        if self.exact and other.exact:
-            return Twofold(p, error)
+        if self.exact:
+            return Twofold(p, error if other.exact else error + self.high * other.low)
         return Twofold(*twofold_of_product(p, error, self.high, self.low, other.high, other.low))
+
+    def carried(self):
+        """The same number, its first part rounded from the whole."""
+        return Twofold(*carried(self.high, self.low))
 
 
 def quotient(a, b):
     """a/b of two rounded numbers."""
-    return Twofold(*twofold_quotient(a, b))
+    found = Twofold(a / b)
+    found.low, found.exact = lack_of_quotient(a, b, found.parts, split(b)), False
+    return found

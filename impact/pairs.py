@@ -14,7 +14,7 @@ from ._twofold import Twofold, quotient
 from .collision import exponent, law_of
 
 SHORT = 2.0**-100  # gyration radius over the lever; a shorter one gives the same digits
-SMALL, LARGE = 1e-15, 1e15  # lengths, speeds, masses between these need no scale
+SMALL, LARGE = 1e-10, 1e10  # numbers between these need no scale
 
 
 @shown
@@ -91,13 +91,11 @@ def _left(value: Any, power: Any) -> Any:
     return value
 
 
-def _usual(both: Body) -> bool:
-    """Whether all is far from over- and underflow."""
-    size = np.abs(both.X) + np.abs(both.Z) + both.k
-    speed = np.abs(both.c_x) + np.abs(both.c_z) + np.abs(both.omega) * size
-    moves = np.isinf(both.mass) | (both.mass < LARGE)
-    sized = (both.mass > SMALL) & moves & (both.k > SMALL) & (size < LARGE) & (speed < LARGE)
-    return bool(np.all(sized & (speed.max(0) > SMALL)))
+def _usual(numbers: np.ndarray) -> bool:
+    """Whether all fields of both bodies are far from over- and underflow."""
+    mass, k, *_, c_z, _ = numbers
+    least = min(mass.min(), k.min(), np.abs(c_z).max(0).min())
+    return bool(least > SMALL and numbers.max() < LARGE and numbers.min() > -LARGE)
 
 
 def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
@@ -106,36 +104,47 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     Unusual lengths of each body, speeds and masses are scaled by powers of two. The contact
     velocity and the mobilities are summed in twice the digits; the kernel is left one impact.
     """
-    *given, mu, epsilon = np.broadcast_arrays(*block)
-    both = Body(*np.stack(given).reshape(2, 7, *mu.shape).swapaxes(0, 1))
+    *given, mu, epsilon = block
+    numbers = np.empty((7, 2, *np.broadcast(*block).shape))  # fields of both bodies
+    for index, values in enumerate(given):
+        numbers[index % 7, index // 7] = values
+    both = Body(*numbers)
+    mass, fixed = both.mass, np.isinf(both.mass)
+    some_fixed = fixed.any()
+    if some_fixed:  # one in place of an infinite mass; its inverse is set below
+        mass[fixed] = 1.0
     scaled: Callable[[Any, Any], Any] = np.ldexp
-    fixed, mass, power, size, speed = np.isinf(both.mass), both.mass, np.zeros(2, int), 0, 0
-    if _usual(both):
+    power, size, speed = np.zeros(2, int), 0, 0
+    if _usual(numbers):
         scaled = _left
     else:
         size = exponent(both.X, both.Z, both.k)
         speed = np.maximum(exponent(both.c_x, both.c_z), exponent(both.omega) + size).max(0)
         mass, power = np.frexp(mass)
         power = np.where(fixed, power[::-1], power)
-    mass = select(fixed, 1.0, mass)
-    light = select(fixed, 0.0, scaled(mass, power - power.max(0))[::-1])  # 1/mass, up to 1
+    light = scaled(mass, power - power.max(0))[::-1]  # 1/mass, up to 1
+    if some_fixed:
+        light = select(fixed, 0.0, light)
     mass, power = mass.prod(0), power.min(0)  # in units of mass 2^power
 
-    X, Z, k = (scaled(length, -size) for length in (both.X, both.Z, both.k))
-    k = np.maximum(k, SHORT)
+    k = np.maximum(scaled(both.k, -size), SHORT)
+    levers = scaled(numbers[2:4], -size)
     c_x, c_z = (Twofold(scaled(speeds, -speed)) for speeds in (both.c_x, both.c_z))
     # centres and spins apart, as bodies that move alike must not lose what is left
     turn = Twofold(scaled(both.omega, size - speed))
-    along, up = Twofold(-Z) * turn, Twofold(X) * turn
-    u, v = ((c[0] - c[1]) + (arm[0] - arm[1]) for c, arm in ((c_x, along), (c_z, up)))
-    levers = Twofold(light), quotient(X, k), quotient(Z, k)
-    A, B, C, cross = closed.pair_mobility(*(part[i] for i in range(2) for part in levers))
+    lift, turned = (Twofold(lever) * turn for lever in levers)
+    u = ((c_x[0] - c_x[1]) + (turned[1] - turned[0])).carried()
+    v = ((c_z[0] - c_z[1]) + (lift[0] - lift[1])).carried()
+    ratios = quotient(levers, k)
+    parts = Twofold(light), ratios[0], ratios[1]
+    seen = closed.pair_mobility(*(part[i] for i in range(2) for part in parts))
+    A, B, C, cross = (part.carried() for part in seen)
     D = closed.pair_determinant(light[0], light[1], A.high, C.high, cross.high)
-    side = np.copysign(1.0, select(u.high == 0, B.high, u.high))
+    side = np.copysign(1.0, np.where(u.high == 0, B.high, u.high))
     mu = np.minimum(mu, kernel.HUGE_FRICTION)
     B = Twofold(side * B.high, side * B.low)
     held, freed = Twofold(mu) * B, Twofold(mu) * C
-    N, T = A + held, B + freed
+    N, T = (A + held).carried(), (B + freed).carried()
     N_back = (A.high - held.high) + (A.low - held.low)
     T_back = (B.high - freed.high) + (B.low - freed.low)
     contact = N.high, T.high, N_back, T_back, D, C.high, N.low, T.low
@@ -147,15 +156,17 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     P_z = kernel.added(hits, sticks, j_1, j_2, 1.0, 1.0, C.high)
     energy = closed.energy_change(P_x, P_z, *velocities[:2], u_f, v_f)
     P_x = side * P_x
-    s, x, z = (part.high for part in levers)
+    s, x, z = (part.high for part in parts)
     *change, turned = closed.pair_change(s, x, z, np.stack([P_x, -P_x]), np.stack([P_z, -P_z]))
     c_x, c_z = (old + scaled(d, speed) for old, d in zip(both[4:6], change, strict=True))
     omega = both.omega + scaled(turned / k, speed - size)
     after = (part[i] for i in range(2) for part in (c_x, c_z, omega))
-    stuck = hits & fixed.all(0)  # and all else is nan, as nothing can give way
-    if np.ndim(stuck) == 0 and stuck:
-        raise InputError("first.mass and second.mass must not both be inf where they close")
-    code = np.where(stuck, Regime.INVALID, kernel.regime_of(*branch))
+    code = kernel.regime_of(*branch)
+    if some_fixed:
+        stuck = hits & fixed.all(0)  # and all else is nan, as nothing can give way
+        if np.ndim(stuck) == 0 and stuck:
+            raise InputError("first.mass and second.mass must not both be inf where they close")
+        code = np.where(stuck, Regime.INVALID, code)
     impulses = (scaled(mass * part, power + speed) for part in (P_x, P_z))
     return *after, code, *impulses, scaled(mass * energy, power + 2 * speed)
 
