@@ -78,6 +78,12 @@ def main(context: click.Context) -> int | None:
     return None if context.invoked_subcommand else context.invoke(check)
 
 
+def _leave_signals() -> None:
+    """Ctrl-C is for the process that waits for this one, and ends it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
 @main.command(epilog=_examples("check", "check --json"))
 @click.option("--json", "as_json", is_flag=True, help="A list of objects instead of a table.")
 def check(as_json: bool = False) -> int:
@@ -85,7 +91,8 @@ def check(as_json: bool = False) -> int:
 
     The exit code is 1 if a proof fails.
     """
-    rows = registry.check(_bar("proving"))
+    with Pool(2, _leave_signals) as side_by_side:
+        rows = registry.check(_bar("proving"), side_by_side.imap)
     print(json.dumps([row.as_dict() for row in rows], indent=1) if as_json else table(rows))
     return _code(rows)
 
@@ -126,12 +133,6 @@ def generate(language: str | None, out: Path | None) -> int:
     for path, text in texts.items():
         print(f"{path.name}: {'written' if files.write(text, path) else 'unchanged'}")
     return 0
-
-
-def _leave_signals() -> None:
-    """Ctrl-C is for the process that waits for this one, and ends it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 @main.command("report", epilog=_examples("report", "report --out pages"))
