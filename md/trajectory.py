@@ -26,6 +26,12 @@ _COLUMNS = "species:S:1:pos:R:3:Z:I:1:id:I:1:orientation:R:4:aspherical_shape:R:
 _COLUMNS += ":omega:R:3:tilt:R:1"
 
 
+def checked(path: str | Path) -> Path:
+    """The path of a new file or one of frames; anything else is refused, and not changed."""
+    writable("trajectory", path, _is_trajectory, "one of frames")
+    return plain(path)
+
+
 class Trajectory:
     """File of frames of a run under way.
 
@@ -46,8 +52,7 @@ class Trajectory:
     """
 
     def __init__(self, path: str | Path, per_period: int, begin: float, end: int):
-        writable("trajectory", path, _is_trajectory, "one of frames")
-        self.path, self.per_period = plain(path), per_period
+        self.path, self.per_period = checked(path), per_period
         goes_on = begin > 0 and self.path.exists()
         kept, last = _frames_before(begin, self.path) if goes_on else (0, 0.0)
         if last > end:

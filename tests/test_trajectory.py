@@ -8,6 +8,8 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 import md
+from md import simulation
+from md.__main__ import main
 from md.host import prepare
 
 from .rows import ring, row, vectors
@@ -72,3 +74,10 @@ def test_frames_stand_at_the_same_phases_of_all_periods(tmp_path):
     with pytest.raises(md.InputError, match=f"frames must be between 1 and {per}, got {per + 1}"):
         md.run(row(), periods=1, trajectory=tmp_path / "b.xyz", frames=per + 1)
     assert not (tmp_path / "b.xyz").exists()
+
+
+def test_a_file_of_another_kind_is_refused_before_anything_is_compiled(tmp_path, monkeypatch):
+    monkeypatch.setattr(simulation, "prepare", pytest.fail)
+    (path := tmp_path / "mine.toml").write_text("[rods]")
+    assert main(["run", "my_rods", "--trajectory", str(path)]) == 2
+    assert path.read_text() == "[rods]"
