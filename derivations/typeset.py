@@ -59,11 +59,11 @@ def tidy(expr: sp.Expr) -> sp.Expr:
         terms = (sp.factor(rate) * x for rate, x in zip(rates, speeds, strict=True))
         forms = [expr, alone + sum(terms)]
     for letter in (mu, epsilon):
-        forms += [_collected(form, letter) for form in forms]
+        forms += [_collected(form, letter) for form in forms if form.has(letter)]
     if expr.has(epsilon) and expr.is_polynomial():
         turned = sp.expand(expr.subs(epsilon, _GAIN - 1))
         forms.append(sp.collect(turned, _GAIN, sp.factor).subs(_GAIN, 1 + epsilon))
-    return min(forms, key=_size)
+    return min(dict.fromkeys(forms), key=_size)
 
 
 def _factor_key(factor: sp.Expr) -> tuple:
