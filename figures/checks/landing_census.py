@@ -112,8 +112,8 @@ def _draw_regimes(ax, d) -> None:
     x = d["constraint_tilt"][:, 0]
     for name, colour in zip(REGIME_WORDS.values(), REGIME_COLOURS, strict=True):
         _curve(ax, x, d[f"constraint_{name.split('-')[-1].split()[-1]}"], colour, name)
-    ax.set(**SHARE)
-    ax.legend(loc="center right")
+    ax.set(**SHARE | {"ylim": (0, 1.6)})
+    ax.legend(loc="upper right")
 
 
 def _draw_company(ax, d) -> None:
@@ -160,7 +160,7 @@ def draw(d: Data) -> plt.Figure:
     for ax, panel in zip(over_tilt, (_draw_regimes, _draw_company, _draw_residual), strict=True):
         panel(ax, d)
         tilt_axis(ax, 0, 65)
-    for ax, top in zip(over_tilt, (1, 0.64, 0.5), strict=True):  # up to the legend
+    for ax, top in zip(over_tilt, (0.64, 0.64, 0.5), strict=True):  # up to the legend
         ax.axvline(d["reversal_tilt_deg"], 0, top, color="0.4", lw=0.8, ls=":")
     _draw_shares(gamma, d, "gamma")
     gamma.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6))

@@ -17,7 +17,7 @@ from impact import critical_friction, drift, spherocylinder
 from md.sweep import Sweep
 
 from ..lib.runs import BOX, COUNT, GAMMA, LAW_NAME, LENGTH, ROW, means, planned, plate_speed_cm_s
-from ..lib.style import BLACK, ORANGE, RIGID, WARM, Data, curve, name_panels, note, style
+from ..lib.style import BLACK, CENTRED, ORANGE, RIGID, WARM, Data, curve, name_panels, note, style
 from ..paper.fig02 import AT_TOUCH
 
 OF_LAW = ROW["contacts"]["plate"]["restitution"]
@@ -66,7 +66,7 @@ def draw(d: Data) -> plt.Figure:
         rows, columns = np.arange(len(d["restitution"])), np.arange(len(d["friction"]))
         mesh = ax.pcolormesh(columns, rows, d[name].T, cmap=WARM, vmin=0, vmax=top)
         for (i, j), value in np.ndenumerate(d[name]):
-            ax.text(i, j, f"{value:.1f}", ha="center", va="center", path_effects=[HALO])
+            ax.text(i, j, f"{value:.1f}", **CENTRED, rotation=90, path_effects=[HALO])
         ax.set_xticks(columns, [f"{mu:g}" for mu in d["friction"]], rotation=60)
         ax.set_yticks(rows, [f"{e:g}" for e in d["restitution"]])
         critical = np.interp(np.log(d["critical"]), np.log(d["friction"]), columns)

@@ -161,7 +161,7 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     ax.plot(x, line, color="0.5", label="fit from 2 on")
     ax.legend(loc="upper right")
     ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
-    inset = ax.inset_axes([0.14, 0.62, 0.25, 0.22])
+    inset = ax.inset_axes([0.2, 0.62, 0.25, 0.22])
     curve(inset, d, "gamma", "b_tilt", ms=2, **POINTS)
     nominal = np.degrees(np.arccos(COUNT / BOX))
     inset.axhline(nominal, color="0.5", lw=0.6)
