@@ -19,7 +19,7 @@ from .kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from .measures import phase_at
 from .scene import Scene
 
-__all__ = ["Trajectory"]
+__all__ = ["Trajectory", "checked"]
 
 # Names that OVITO knows, but for tilt; Z = 0, no element, lets ASE read a species that is none.
 _COLUMNS = "species:S:1:pos:R:3:Z:I:1:id:I:1:orientation:R:4:aspherical_shape:R:3:velo:R:3"
@@ -27,7 +27,17 @@ _COLUMNS += ":omega:R:3:tilt:R:1"
 
 
 def checked(path: str | Path) -> Path:
-    """The path of a new file or one of frames; anything else is refused, and not changed."""
+    """The path of a new file, or of one of frames.
+
+    Parameters
+    ----------
+    path : of the file, which is not changed
+
+    Raises
+    ------
+    ValueError
+        If the file holds anything else, or cannot be written.
+    """
     writable("trajectory", path, _is_trajectory, "one of frames")
     return plain(path)
 
