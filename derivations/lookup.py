@@ -13,8 +13,7 @@ from .proof import Equation
 from .registry import ENTRIES
 from .symbols import NAMED
 
-_ENTRIES = {entry.tag: entry for entry in ENTRIES}
-_BY_LETTERS = {tag.lower(): entry for tag, entry in _ENTRIES.items()}
+_BY_LETTERS = {entry.tag.lower(): entry for entry in ENTRIES}
 
 
 def entry_of(tag: str | int) -> Equation:
@@ -22,7 +21,8 @@ def entry_of(tag: str | int) -> Equation:
     written = str(tag).strip().lower()
     entry = _BY_LETTERS.get(written) or _BY_LETTERS.get(written.removeprefix("(").removesuffix(")"))
     if entry is None:
-        near = ", ".join(map(repr, get_close_matches(str(tag), _ENTRIES, cutoff=0.4)))
+        tags = [entry.tag for entry in ENTRIES]
+        near = ", ".join(map(repr, get_close_matches(str(tag), tags, cutoff=0.4)))
         raise ValueError(
             f"tag must be one of the registry's, got {tag!r}{near and f'; near it: {near}'}; "
             "`python -m derivations check` lists all"

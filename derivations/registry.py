@@ -143,7 +143,7 @@ def _proved(number: int) -> Row:
     )
 
 
-def check(progress: Progress = iter, over: Callable[..., Iterable] = map) -> list[Row]:
+def check(progress: Progress = iter, over: Any = map) -> list[Row]:
     """Prove every entry.
 
     Parameters
@@ -156,13 +156,11 @@ def check(progress: Progress = iter, over: Callable[..., Iterable] = map) -> lis
     -------
     A row for each of `ENTRIES`, in their order.
     """
-    # what takes the values of all others first, as it takes longest
-    numbers = sorted(range(len(ENTRIES)), key=lambda number: ENTRIES[number] is not _TEXTS)
-    rows = dict(zip(progress(numbers), over(_proved, numbers), strict=True))
-    return [rows[number] for number in range(len(ENTRIES))]
+    backwards = range(len(ENTRIES))[::-1]  # what takes longest stands near the end
+    rows = [row for _, row in zip(progress(backwards), over(_proved, backwards), strict=True)]
+    return rows[::-1]
 
 
 def mistakes() -> tuple[Equation, ...]:
     """The equations, numbers and signs that are printed wrong; nothing that is only noted."""
-    equations = (entry for entry in ENTRIES if isinstance(entry, Equation))
-    return tuple(entry for entry in equations if entry.verdict == "erratum")
+    return tuple(e for e in ENTRIES if isinstance(e, Equation) and e.verdict == "erratum")

@@ -63,7 +63,7 @@ def tidy(expr: sp.Expr) -> sp.Expr:
     if expr.has(epsilon) and expr.is_polynomial():
         turned = sp.expand(expr.subs(epsilon, _GAIN - 1))
         forms.append(sp.collect(turned, _GAIN, sp.factor).subs(_GAIN, 1 + epsilon))
-    return min(dict.fromkeys(forms), key=_size)
+    return min(forms, key=_size)
 
 
 def _factor_key(factor: sp.Expr) -> tuple:
