@@ -129,11 +129,13 @@ def _fast_quadrature(form: sp.Expr) -> Residuals:
     """The mean over all phases of a rod that falls faster than the plate, by numbers."""
     with mpmath.workdps(DIGITS + 30):
         speed = mpmath.mpf("1.7")
-        mean = [
-            mpmath.quad(lambda x, n=n: (speed + mpmath.cos(x)) * mpmath.cos(x) ** n, [0, mpmath.pi])
-            for n in (0, 1)
-        ]
-        number = sp.Float(str(mean[1] / mean[0]), DIGITS + 25)
+
+        def moment(n: int) -> mpmath.mpf:
+            return mpmath.quad(
+                lambda x: (speed + mpmath.cos(x)) * mpmath.cos(x) ** n, [0, mpmath.pi]
+            )
+
+        number = sp.Float(str(moment(1) / moment(0)), DIGITS + 25)
     return [form.subs(q, sp.Rational(17, 10)) - number]
 
 
@@ -147,8 +149,7 @@ def _consistent_checks(form: sp.Matrix) -> Residuals:
 
 def _half_checks(form: sp.Expr) -> Residuals:
     """There the rod leaves and lands as fast as the plate moves: c_z' = V_0 = 2 V_z, by (30)."""
-    up = (1 + epsilon) / (1 - epsilon + 6 * form)
-    return [up - 2]
+    return [(1 + epsilon) / (1 - epsilon + 6 * form) - 2]
 
 
 def _density_checks(form: sp.Expr) -> Residuals:

@@ -54,7 +54,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from importlib import resources
-from typing import Any
+from typing import Any, NamedTuple
 
 from . import files
 from .kernel import CODE, KERNEL, LAWS, functions, loaded
@@ -131,13 +131,21 @@ def _called(own: Mapping[str, Mapping[str, str]]) -> dict[str, ast.FunctionDef]:
     return found
 
 
+class _Assigned(NamedTuple):
+    """An assignment, with the routine that it comes from."""
+
+    routine: str
+    name: ast.Name
+    value: ast.expr
+
+
 class _Inlined:
     """A function in which every call of another one is replaced by what that does."""
 
     def __init__(self, called: Mapping[str, ast.FunctionDef], taken: Iterable[str]):
         self.called = called
         self.taken = set(taken)  # names
-        self.lines: list[tuple[str, ast.Name, ast.expr]] = []  # routine, name, value
+        self.lines: list[_Assigned] = []
         self.routine = ""
         self.known: dict[str, Value] = {}  # what calls returned
         self.steps: set[ast.Name] = set()  # names given in steps
@@ -204,7 +212,7 @@ class _Inlined:
                 names[name] = value
             case ast.Name(name), _:
                 names[name] = ast.Name(self.fresh(name))
-                self.lines.append((self.routine, names[name], value))
+                self.lines.append(_Assigned(self.routine, names[name], value))
                 self.steps |= {names[name]} if step else set()
 
     def fresh(self, name: str) -> str:
@@ -216,7 +224,7 @@ class _Inlined:
         self.taken.add(found)
         return found
 
-    def needed(self, returned: Value) -> Iterator[tuple[str, ast.Name, ast.expr]]:
+    def needed(self, returned: Value) -> Iterator[_Assigned]:
         """Lines on which what is returned depends, the last first."""
         read: set[str] = set()
 
@@ -225,8 +233,8 @@ class _Inlined:
 
         _nested(reads, returned)
         for line in reversed(self.lines):
-            if line[1].id in read:
-                reads(line[2])
+            if line.name.id in read:
+                reads(line.value)
                 yield line
 
 

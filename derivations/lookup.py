@@ -132,8 +132,9 @@ def function(tag: str | int) -> Callable[..., Any]:
     letters = sorted(form.free_symbols, key=order.index)
     vector = isinstance(form, sp.MatrixBase)
     evaluate = sp.lambdify(letters, tuple(form) if vector else form, "numpy")
-    keyword = Parameter.POSITIONAL_OR_KEYWORD
-    signature = Signature([Parameter(letter.name, keyword) for letter in letters])
+    signature = Signature(
+        [Parameter(letter.name, Parameter.POSITIONAL_OR_KEYWORD) for letter in letters]
+    )
 
     def evaluated(*values: Any, **named: Any) -> Any:
         try:

@@ -36,8 +36,6 @@ from .kernel import Code
 from .lecture import to_text
 from .proof import Equation, Noted, Verdict, told
 
-__all__ = ["ENTRIES", "SECTIONS", "Code", "Equation", "Noted", "Row", "check", "mistakes"]
-
 Entry: TypeAlias = Equation | Noted | Code
 Progress: TypeAlias = Callable[[Iterable], Iterable]
 
@@ -115,7 +113,7 @@ class Row:
         """Whether the verdict should have been proved, and was not."""
         return not self.proved and self.verdict != "noted"
 
-    def as_dict(self) -> dict[str, str | bool | tuple[str, ...]]:
+    def as_dict(self) -> dict[str, Any]:
         """Return the fields for JSON, the sentences as plain text."""
         return {
             name: to_text(value) if isinstance(value, str) else value

@@ -121,8 +121,7 @@ def _slide_boundary_checks(form: sp.Expr) -> Residuals:
 
 def _upper_tilt_of(condition: sp.Expr) -> sp.Expr:
     """Largest tilt of the printed condition, which is a quadratic in the tangent."""
-    roots = sp.solve(over_tangent(condition), T)
-    return sp.atan(max(roots, key=_at_one_half))
+    return sp.atan(max(sp.solve(over_tangent(condition), T), key=_at_one_half))
 
 
 def _at_two(condition: sp.Expr) -> sp.Expr:
@@ -132,8 +131,7 @@ def _at_two(condition: sp.Expr) -> sp.Expr:
 
 def _upright_slide(condition: sp.Expr) -> sp.Expr:
     """Friction at which the printed (14) ends for a thin rod at 90 degrees."""
-    flat = condition.subs(THIN).subs({phi: _FLAT, u_0: c_x, v_0: c_z})
-    return sp.solve(flat, mu)[0]
+    return sp.solve(condition.subs(THIN).subs({phi: _FLAT, u_0: c_x, v_0: c_z}), mu)[0]
 
 
 _MU_C = -c_x / (4 * c_z * (1 + epsilon))

@@ -181,7 +181,7 @@ def panel(ax: Axes, d: Data) -> None:
     ax.axhline(0.01, color="0.75", lw=0.6)
     ax.set(xscale="log", yscale="log", xlabel="time of the run (s)")
     ax.set(ylabel=r"error of $c_x$, relative", ylim=(4e-4, 0.5))
-    ax.legend(loc="lower left", title="step")
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2, title="step")
 
 
 def _draw_runs(ax: Axes, d: Data) -> None:
@@ -194,7 +194,7 @@ def _draw_runs(ax: Axes, d: Data) -> None:
         time, look = d["run_seconds"][i], {"color": colour, "ms": 3}
         ax.plot(time, d["tolerance"], f"{mark}-", lw=0.9, label=name.replace("_", " "), **look)
     had = np.fmax(d["run_error"], 1e-4)
-    ax.plot(d["run_seconds"][0], had, "x", color=BLACK, ms=4, label="had, of the row")
+    ax.plot(d["run_seconds"][0], had, "x", color=BLACK, ms=4, label="error the row had")
     ax.set(xscale="log", yscale="log", xlabel="time of the run (s)", ylim=(1e-4, 0.12))
     ax.set_ylabel(r"error of $c_x$, relative")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2)
