@@ -163,8 +163,9 @@ def _density_checks(form: sp.Expr) -> Residuals:
 
 
 def _fall_of_the_paper() -> sp.Expr:
-    (fall,) = sp.solve((density() - paper.printed("V: H(theta)")).subs(theta, 0), q)
-    if sp.simplify(density().subs(q, fall) - paper.printed("V: H(theta)")) != 0:
+    difference = density() - paper.printed("V: H(theta)")
+    (fall,) = sp.solve(difference.subs(theta, 0), q)
+    if sp.simplify(difference.subs(q, fall)) != 0:
         raise ValueError("it is of no fall speed")
     return fall
 

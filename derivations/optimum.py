@@ -104,8 +104,7 @@ def _response(case: str) -> sp.Matrix:
     v_x, v_z, _ = second_routes.landed(case)
     after = sp.Matrix([v_x, -v_z])
     at = {c_x: 0, c_z: 0}
-    columns = [after.subs({**at, x: 1}) - after.subs(at) for x in (c_x, c_z)]
-    return sp.Matrix.hstack(*columns)
+    return sp.Matrix.hstack(*(after.subs({**at, x: 1}) - after.subs(at) for x in (c_x, c_z)))
 
 
 def _margins(form: sp.Matrix) -> Residuals:
@@ -133,8 +132,7 @@ def _slide_from_the_landing(form: sp.Matrix) -> Residuals:
 
 def _pressed_in(form: sp.Expr) -> Residuals:
     """From rest, an impulse (mu, 1) leaves the contact's normal velocity at zero."""
-    turn = (X - Z * form) / k**2  # the spin about the contact point stays zero
-    return [1 + X * turn]
+    return [1 + X * (X - Z * form) / k**2]  # the spin about the contact point stays zero
 
 
 def _least_pressed_in(form: sp.Matrix) -> Residuals:

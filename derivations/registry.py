@@ -36,6 +36,8 @@ from .kernel import Code
 from .lecture import to_text
 from .proof import Equation, Noted, Verdict, told
 
+__all__ = ["ENTRIES", "SECTIONS", "Code", "Equation", "Noted", "Row", "check", "mistakes"]
+
 Entry: TypeAlias = Equation | Noted | Code
 Progress: TypeAlias = Callable[[Iterable], Iterable]
 
