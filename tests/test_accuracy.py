@@ -32,10 +32,10 @@ MILLION = [  # minutes each
 @pytest.mark.parametrize(
     ("sample", "count", "seed", "law"),
     [
-        (sampling.everyday, 10_000, 41, "newton"),
-        (sampling.wide, 10_000, 42, "newton"),
-        (sampling.wide, 5_000, 42, "poisson"),
-        (sampling.wide, 5_000, 42, "stronge"),
+        (sampling.everyday, 3_000, 41, "newton"),
+        (sampling.wide, 3_000, 42, "newton"),
+        (sampling.wide, 2_000, 42, "poisson"),
+        (sampling.wide, 2_000, 42, "stronge"),
         *MILLION,
     ],
 )

@@ -125,6 +125,7 @@ ROUGH_WALLS = WALLS | {
     "inner": WALLS["inner"]._replace(friction=ROUGH),
     "between": ContactForces(LOSSY.normal, ROUGH),
     **{"friction": CONSTRAINT, "gravity": 0.0, "rolling": 15.0, "watched": True},
+    **{"shaken": True, "plate": AT_REST},
 }
 # Effects: what is there with them, without them; each as an argument of `march`, with an
 # instruction that only it needs; and rods that none of them touches.
@@ -181,21 +182,16 @@ EFFECTS = {
         {"effects.inner": "wall_forces", "effects.outer": "", "effects.between": "joined_ends"},
         [3],
     ),
-    "friction, rolling and gravity in space": (
+    "friction, rolling, gravity and shaking in space": (
         ROUGH_WALLS,
         WALLS,
         {
             **dict.fromkeys(("effects.inner.friction", "effects.friction", "effects.rolling"), ""),
             **dict.fromkeys(("effects.gravity", "effects.between.friction", "state.springs"), ""),
+            **dict.fromkeys(("effects.shaken", "effects.plate"), ""),
             "watchers.record": "sitofp",
         },
         [3],
-    ),
-    "shaken walls": (
-        ROUGH_WALLS | {"shaken": True, "plate": AT_REST},
-        ROUGH_WALLS,
-        {"effects.shaken": "", "effects.plate": ""},
-        EVERY,
     ),
 }
 

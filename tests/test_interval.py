@@ -128,7 +128,7 @@ def followed(starts, tolerance, confidence=0.95):
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.5, 0.7])
-@pytest.mark.parametrize("length", [300, 1500])
+@pytest.mark.parametrize("length", [300, pytest.param(1500, marks=pytest.mark.slow)])
 def test_runs_that_end_by_their_own_interval_hold_the_mean_as_often_as_they_say(memory, length):
     """Of 400; within 92 and 98 in a hundred, and two standard deviations of so many more."""
     random, hits, unsettled = default_rng(5), 0, 0
