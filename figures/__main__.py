@@ -251,7 +251,9 @@ def paper(estimate: bool, out: Path, store: Path | None) -> int:
 @_out
 @_store
 def prices(out: Path, store: Path | None) -> None:
-    """Measure all prices on this machine: ten minutes at most.
+    """Measure all prices on this machine, quickly: ten minutes.
+
+    What the folder holds of them in full, by the present sources, is taken as it is.
 
     \b
     python -m figures prices
@@ -270,8 +272,10 @@ def prices(out: Path, store: Path | None) -> None:
     with storing(out, store, *files_of(*names), *PRICES):
         for name in bar:
             bar.set_postfix_str(name)
-            bar.write(produce(name, out, quick=True).files)
-            found[name] = stored_data(name, True, out)
+            found[name] = stored_data(name, False, out)
+            if found[name] is None:
+                bar.write(produce(name, out, quick=True).files)
+                found[name] = stored_data(name, True, out)
     words = "\n\n".join(f"{FIGURES[name].title}\n{printed(d)}" for name, d in found.items())
     picture = price_page.draw(found)
     text, numbers, png = (out / name for name in PRICES)

@@ -25,6 +25,7 @@ from figures.cost import (
 )
 from figures.cost.scene_variants import FULL, Variant
 from figures.lib import timing
+from figures.lib.data import keep, made
 from figures.lib.soft_impacts import one_impact
 from impact.__main__ import main as impact_main
 from impact.benchmark import random_impacts, table
@@ -303,6 +304,17 @@ def small():
         yield
 
 
+def test_what_was_measured_in_full_is_not_measured_quickly_again(small, tmp_path):
+    first, second = PRICED
+    full = data(first) | {"load": np.float64(7.0)}
+    keep(tmp_path / f"{first}.npz", first, False, full)
+    kept = (tmp_path / f"{first}.npz").read_bytes()
+    assert main(["prices", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / f"{first}.npz").read_bytes() == kept
+    assert made(tmp_path / f"{second}.npz")["quick"]
+    assert "load 7.0" in (tmp_path / "prices.json").read_text(encoding="utf-8")
+
+
 def test_the_command_writes_the_page_and_the_figures(small, tmp_path):
     """Numbers are those of the figures, and what one impact costs, in time and in digits."""
     assert main(["prices", "--out", str(tmp_path)]) == 0
@@ -313,9 +325,9 @@ def test_the_command_writes_the_page_and_the_figures(small, tmp_path):
     titles = [figures.FIGURES[name].title for name in PRICED]
     for word in (*titles, "alone[0]", "within[0]", "row[0]", "sweep[0]"):
         assert word in words
-    made = json.loads((tmp_path / "prices.json").read_text(encoding="utf-8"))
+    numbers = json.loads((tmp_path / "prices.json").read_text(encoding="utf-8"))
     alone = data("effect_prices")["alone"][:, :2].tolist()
-    assert [effect["alone"] for effect in made["effects"]] == alone
-    assert made["cores"][0] == {"count": 1, "gain": 1.0}
-    assert min(made["impact_ns"].values()) > 0
-    assert all(0 < ulp < 6 for law in made["impact_ulp"] for ulp in law["largest"])
+    assert [effect["alone"] for effect in numbers["effects"]] == alone
+    assert numbers["cores"][0] == {"count": 1, "gain": 1.0}
+    assert min(numbers["impact_ns"].values()) > 0
+    assert all(0 < ulp < 6 for law in numbers["impact_ulp"] for ulp in law["largest"])
