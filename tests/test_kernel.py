@@ -145,6 +145,11 @@ ALIKE = {
     ("stronge", "late = stronge_late(v_0, epsilon, v_late, r)"): "their product alone",
     ("poisson", "soon = v_1 <= 0"): "at v_1 = 0 early and late give the same",
     ("stronge", "soon = v_1 <= 0"): "at v_1 = 0 early and late give the same",
+    (
+        "twofold_product",
+        "return twofold_of_product(p, error, a, b, a_low, b_low)",
+    ): "a_low b is b a_low",
+    ("twofold_quotient", "low = lack_of_quotient(a, b, split(b), split(q))"): "q b is b q",
     ("branches", "slides = (u_slide >= 0) & (u_0 > 0) & (N >= 0)"): "at N = 0 T > 0: u_slide < 0",
 }
 

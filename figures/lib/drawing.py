@@ -1,6 +1,7 @@
 """Figures computed and drawn into files, by several processes."""
 
 import io
+import os
 import sys
 import traceback
 import warnings
@@ -100,6 +101,8 @@ def _pool(
     """Figures as they are drawn by `jobs` processes, which end with this context."""
     how = {"batch_size": 1, "pre_dispatch": "all", "return_as": "generator_unordered"}
     tasks = [delayed(_in_a_process)(name, out, quick, runs.STORE, own) for name in names]
+    # what joblib's process that cleans up would say after a signal, below our one line
+    os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     try:
         with deferred():  # half a pool would leave semaphores behind
             results = Parallel(jobs, **how)(tasks)
