@@ -306,13 +306,13 @@ def small():
 
 def test_what_was_measured_in_full_is_not_measured_quickly_again(small, tmp_path):
     first, second = PRICED
-    full = data(first) | {"load": np.float64(7.0)}
+    full = data(first) | {"load": np.float64(1e4)}
     keep(tmp_path / f"{first}.npz", first, False, full)
     kept = (tmp_path / f"{first}.npz").read_bytes()
     assert main(["prices", "--out", str(tmp_path)]) == 0
     assert (tmp_path / f"{first}.npz").read_bytes() == kept
     assert made(tmp_path / f"{second}.npz")["quick"]
-    assert "load 7.0" in (tmp_path / "prices.json").read_text(encoding="utf-8")
+    assert "load 10000.0" in (tmp_path / "prices.json").read_text(encoding="utf-8")
 
 
 def test_the_command_writes_the_page_and_the_figures(small, tmp_path):
