@@ -132,7 +132,7 @@ def _slide_from_the_landing(form: sp.Matrix) -> Residuals:
 
 def _pressed_in(form: sp.Expr) -> Residuals:
     """From rest, an impulse (mu, 1) leaves the contact's normal velocity at zero."""
-    return [1 + X * (X - Z * form) / k**2]  # the spin about the contact point stays zero
+    return [1 + X * (X - Z * form) / k**2]  # what it gives the centre, and X times the spin
 
 
 def _least_pressed_in(form: sp.Matrix) -> Residuals:

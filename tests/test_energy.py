@@ -329,19 +329,24 @@ def test_m15_elastic_contacts_keep_energy_to_second_order(case):
     assert order(found, steps) > least
 
 
+LOSSLESS = {"normal": ELASTIC, "friction": SMOOTH}
+
+
 def after_a_period(scene, per, lossy):
     """Places of rods after a period of `per` steps, from velocities half a step before it."""
     scene = replace(scene, step=md.Step((1 + 1e-9) / scene.frequency / per, coarse=True))
     engine = prepare(scene)
     if not lossy:
-        names = [name for name in ("inner", "outer") if getattr(engine.effects, name)]
-        walls = {name: getattr(engine.effects, name)._replace(**LOSSLESS) for name in names}
+        walls = {
+            name: wall._replace(**LOSSLESS)
+            for name in ("inner", "outer")
+            if (wall := getattr(engine.effects, name))
+        }
         engine.effects = engine.effects._replace(**LOSSLESS, between=ELASTIC_RODS, **walls)
     engine.rods[:, VELOCITY + 2 if scene.annulus else C_Z] += engine.dt / 2
     return vectors(go(engine, per), engine.rods)[0]
 
 
-LOSSLESS = {"normal": ELASTIC, "friction": SMOOTH}
 PERIODS = {  # the scene, whether contacts lose energy, the least order
     "row, elastic": (row(), False, 1.9),
     "row": (row(), True, 1.5),
@@ -356,8 +361,8 @@ PERIODS = {  # the scene, whether contacts lose energy, the least order
 def test_m15_places_after_a_period_converge(case):
     """Root mean square over eight starts, against far shorter steps; the longest are a run's.
 
-    A dashpot, whose force begins as the overlap to 1/4, and a
-    slide that ends within a step have a lower order, and less of an error.
+    A dashpot, whose force begins as the overlap to 1/4, and a slide that ends within a step have a
+    lower order.
     """
     scene, lossy, least = case
     pers, errors = np.array([1000, 2000, 4000, 32_000]), []

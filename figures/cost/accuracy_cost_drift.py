@@ -35,6 +35,7 @@ LONG_PERIODS = {True: 2500, False: 20000}  # quick or not; a third of it at the 
 CLEAR_BIAS = 3  # its own errors: a smaller bias is taken for none
 DRIFT_TOLERANCES = (0.05, 0.03, 0.01)
 ASKED_SEED = 5
+BELOW = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.18), "ncols": 2}  # of a legend
 PART_LENGTHS = np.unique(np.geomspace(4, 2500, 14).astype(int))  # of the parts, periods
 
 
@@ -181,7 +182,7 @@ def panel(ax: Axes, d: Data) -> None:
     ax.axhline(0.01, color="0.75", lw=0.6)
     ax.set(xscale="log", yscale="log", xlabel="time of the run (s)")
     ax.set(ylabel=r"error of $c_x$, relative", ylim=(4e-4, 0.5))
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2, title="step")
+    ax.legend(**BELOW, title="step")
 
 
 def _draw_runs(ax: Axes, d: Data) -> None:
@@ -197,7 +198,7 @@ def _draw_runs(ax: Axes, d: Data) -> None:
     ax.plot(d["run_seconds"][0], had, "x", color=BLACK, ms=4, label="error the row had")
     ax.set(xscale="log", yscale="log", xlabel="time of the run (s)", ylim=(1e-4, 0.12))
     ax.set_ylabel(r"error of $c_x$, relative")
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2)
+    ax.legend(**BELOW)
 
 
 _MARKS = (BLACK, "s"), (BLUE, "^"), (GREEN, "D"), (RED, "v")
