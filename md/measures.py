@@ -242,7 +242,8 @@ def standard_error(series: np.ndarray) -> float:
     The spectral density at frequency zero of an autoregressive model over the number of values
     (Heidelberger and Welch, 1981). The model is fitted by Yule and Walker's equations up to the
     order 10 log10(n), and the order with the smallest Akaike criterion is taken. A change of state
-    that is rarer than once in the series goes unseen: only independent starts show it.
+    that is rarer than once in the series goes unseen: only independent starts show it. What a
+    series makes up for later, in small parts over many values, is taken for scatter.
     """
     series = np.asarray(series, float)
     n = len(series)

@@ -1,4 +1,4 @@
-"""Quoted errors against the scatter between starts: twelve scenes, fifty starts each."""
+"""Quoted errors against the scatter between starts: twelve scenes, ten to fifty starts each."""
 
 import tomllib
 from pathlib import Path
@@ -16,40 +16,69 @@ STARTS, LENGTHS = 50, (60, 128, 400, 1000)
 SCENES = tomllib.loads(Path(__file__).with_name("coverage.toml").read_text())
 
 
-def _drift(name, seed, periods=LENGTHS[-1]):
+def _series(name, seed, periods):
+    """Drift and tilt of each period."""
     one = SCENES[name]
     scene = md.load(one["source"], [*one["assignments"], f"start.seed={seed}"])
-    return md.run(scene, periods=periods, ledger=False).c_x_series
+    result = md.run(scene, periods=periods, ledger=False)
+    return result.c_x_series, result.tilt_series
+
+
+def _starts(name, count, periods):
+    """Drift and tilt, (count, periods) each."""
+    jobs = (delayed(_series)(name, seed, periods) for seed in range(1, count + 1))
+    return np.array(Parallel(n_jobs=-1)(jobs)).swapaxes(0, 1)
+
+
+def _rms_error(drifts):
+    return np.sqrt(np.mean([standard_error(one) ** 2 for one in drifts]))
 
 
 def _ratio(drifts, periods):
-    """Rms scatter between starts of the mean drift over the rms of their errors; part quoted."""
+    """Rms scatter between starts of the mean drift over the rms of their errors."""
     kept = drifts[:, transient(periods) : periods]
-    error = np.array([standard_error(one) for one in kept])
-    return kept.mean(axis=1).std(ddof=1) / np.sqrt(np.mean(error**2)), np.isfinite(error).mean()
+    return kept.mean(axis=1).std(ddof=1) / _rms_error(kept)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in SCENES if name != "annulus"])
+@pytest.mark.parametrize("name", [name for name in SCENES if name not in ("annulus", "Gamma 2")])
 def test_errors_are_as_large_as_the_scatter_between_starts(name):
     """Within 0.8 to 1.25 from 128 periods on, to one error of the ratio, 1/sqrt(2 50) of it.
 
     Below, none is quoted.
     """
-    drifts = Parallel(n_jobs=-1)(delayed(_drift)(name, i) for i in range(1, STARTS + 1))
-    found = [_ratio(np.array(drifts), periods) for periods in LENGTHS]
-    assert [quoted for _, quoted in found] == [0, 1, 1, 1]
-    for ratio, _ in found[1:]:
+    drifts, _ = _starts(name, STARTS, LENGTHS[-1])
+    shortest, *others = (_ratio(drifts, periods) for periods in LENGTHS)
+    assert np.isnan(shortest)
+    for ratio in others:
         assert 0.8 / 1.1 < ratio < 1.25 * 1.1
+
+
+@pytest.mark.slow
+def test_a_drift_that_goes_with_the_change_of_tilt_has_a_rather_large_error():
+    """At Gamma 2 rods drift faster while their tilt grows, which comes back within 20 periods.
+
+    That part of the drift is in the error, but in no mean over many periods. Parts of long runs
+    tell it, to two errors of the ratio: fifty starts do not.
+    """
+    late = _starts("Gamma 2", 10, 5000)[..., 1000:]
+    for periods in LENGTHS[1:]:
+        length = periods - transient(periods)
+        drift, tilt = late[..., : 4000 // length * length].reshape(2, -1, length)
+        change = np.gradient(tilt, axis=1)
+        slope = [np.polyfit(x, y, 1)[:1] for x, y in zip(change, drift, strict=True)]
+        scatter, margin = drift.mean(axis=1).std(ddof=1), np.sqrt(2 / len(drift))
+        error, rest = _rms_error(drift), _rms_error(drift - slope * change)
+        assert error > 1.15 * rest
+        for told in (error, rest):
+            assert 0.8 * (1 - margin) < scatter / told < 1.25 * (1 + margin)
 
 
 @pytest.mark.slow
 def test_an_annulus_does_not_forget_its_start():
     """Twelve runs, walls at rest, scatter by far more than each of them lets one think."""
-    periods, run = 2000, delayed(_drift)
-    drifts = Parallel(n_jobs=-1)(run("annulus", i, periods) for i in range(1, 13))
-    ratio, _ = _ratio(np.array(drifts), periods)
-    assert ratio > 2
+    drifts, _ = _starts("annulus", 12, 2000)
+    assert _ratio(drifts, 2000) > 2
 
 
 def test_one_run_in_an_annulus_quotes_no_error():
