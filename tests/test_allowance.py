@@ -1,4 +1,7 @@
-"""Whether runs to a tolerance are off by no more than they say, over drawn scenes: long."""
+"""Whether runs to a tolerance are off by no more than they say, over drawn scenes.
+
+A scene takes minutes, all of them two to three hours of two cores: `python -m pytest -m hours`.
+"""
 
 import tomllib
 from dataclasses import replace
@@ -96,7 +99,7 @@ def scenes(annulus):
     return [one for one in found if one is not None]
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 @pytest.mark.parametrize("annulus", [False, True], ids=["rows", "annuli"])
 def test_the_bias_of_the_step_is_within_its_allowance(annulus):
     """Over scenes: what their errors leave of the mean square bias, to two standard errors.
@@ -111,7 +114,7 @@ def test_the_bias_of_the_step_is_within_its_allowance(annulus):
     assert abs(np.mean([one.bias for one in every])) <= ALLOWANCE
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 def test_runs_are_off_by_as_much_as_they_say():
     """To 3 %, three runs of each scene: within the stated error in 17 of 20 or more.
 
