@@ -60,8 +60,9 @@ def pytest_addoption(parser):
 
 
 def pytest_terminal_summary(terminalreporter, exitstatus, config):
-    """Record a run of which all tests have passed."""
-    if config.getoption("record") is None or exitstatus != 0:
+    """Record a run of which all tests have passed; one of several processes knows its own alone."""
+    path = config.getoption("record")
+    if path is None or exitstatus != 0 or hasattr(config, "workerinput"):
         return
     passed, skipped = (len(terminalreporter.stats.get(kind, ())) for kind in ("passed", "skipped"))
     lines = [
@@ -69,4 +70,4 @@ def pytest_terminal_summary(terminalreporter, exitstatus, config):
         f"{time.strftime('%Y-%m-%d', time.gmtime())}: {passed} passed, {skipped} skipped;"
         f" sources md {digest(annulus=True, tolerance=True)}, impact {DIGEST}.",
     ]
-    Path(config.getoption("record")).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
