@@ -150,7 +150,8 @@ def test_a_measure_is_stored_by_its_sources(tmp_path):
 def test_the_first_run_of_a_sweep_is_made_beside_other_figures(tmp_path):
     with tiny() as patch:
         patch.setattr(runs, "STORE", tmp_path / "rows.db")
-        assert drawing._first_runs(["fig10"], True) == []
+        # one without runs, and one whose runs are timed
+        assert drawing._first_runs(["fig10", "accuracy_cost_drift"], True) == []
         assert not runs.STORE.exists()
         plan = figures.load("fig06").sweeps(True)["tilt"]
         (point,) = drawing._first_runs(["fig10", "fig06"], True)

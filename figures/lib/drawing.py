@@ -98,10 +98,11 @@ def _in_a_process(name: str, out: Path, quick: bool, store: Path, own: Own) -> D
 def _first_runs(names: Sequence[str], quick: bool) -> list[Point]:
     """The first run of each sweep of these figures that the store lacks.
 
-    Made beside other figures, it compiles once what all processes of the sweep need.
+    Made beside other figures, it compiles once what all processes of the sweep need. Figures of
+    the cost room are left out: some of their runs are timed.
     """
     points: list[Point] = []
-    for name in names:
+    for name in (name for name in names if FIGURES[name].room != "cost"):
         with suppress(Exception):  # which the figure itself will tell
             module = load(name)
             if hasattr(module, "sweeps"):
