@@ -122,8 +122,8 @@ def _pool(
 ) -> Iterator[Iterator[Drawn | None]]:
     """Figures as they are drawn by `jobs` processes, which end with this context; None: a run."""
     how = {"batch_size": 1, "pre_dispatch": "all", "return_as": "generator_unordered"}
-    tasks = [delayed(_made)(point, runs.STORE) for point in first]
-    tasks += [delayed(_in_a_process)(name, out, quick, runs.STORE, own) for name in names]
+    tasks = [delayed(_in_a_process)(name, out, quick, runs.STORE, own) for name in names]
+    tasks[jobs:jobs] = [delayed(_made)(point, runs.STORE) for point in first]  # pictures come first
     # what joblib's process that cleans up would say after a signal, below our one line
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     try:
