@@ -1,6 +1,6 @@
 """Whether runs to a tolerance are off by no more than they say, over drawn scenes.
 
-A scene takes minutes, all of them two to three hours of two cores: `python -m pytest -m hours`.
+A scene takes minutes of two cores, all of them hours: `python -m pytest -m hours`.
 """
 
 import tomllib

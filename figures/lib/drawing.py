@@ -18,7 +18,7 @@ from tqdm import tqdm
 from impact._generated import DIGEST
 from md.files import replacing
 from md.interrupt import deferred
-from md.sweep import Point, Sweep, execute
+from md.sweep import Point, Sweep
 
 from .. import FIGURES, load
 from . import runs
@@ -112,8 +112,9 @@ def _first_runs(names: Sequence[str], quick: bool) -> list[Point]:
 
 def _made(point: Point, store: Path) -> None:
     """Make one run in a process of its own."""
+    runs.STORE = store
     with redirect_stderr(io.StringIO()):
-        execute(Sweep((), (point,)), store, workers=1)
+        runs.computed(Sweep((), (point,)), workers=1)
 
 
 @contextmanager
