@@ -147,19 +147,6 @@ def test_a_measure_is_stored_by_its_sources(tmp_path):
     assert len({point.key for sweep in (plan, *others) for point in sweep.points}) == 6
 
 
-def test_the_first_run_of_a_sweep_is_made_beside_other_figures(tmp_path):
-    with tiny() as patch:
-        patch.setattr(runs, "STORE", tmp_path / "rows.db")
-        # one without runs, and one whose runs are timed
-        assert drawing._first_runs(["fig10", "accuracy_cost_drift"], True) == []
-        assert not runs.STORE.exists()
-        plan = figures.load("fig06").sweeps(True)["tilt"]
-        (point,) = drawing._first_runs(["fig10", "fig06"], True)
-        drawing._made(point, runs.STORE)
-        assert plan.points[1:] == tuple(runs.lacking(plan.points))
-        assert drawing._first_runs(["fig06"], True) == []
-
-
 def test_the_larger_error_of_runs_counts():
     """Between the runs where they differ, within them where they agree or some are missing."""
     mean = np.array([[1.0, 3.0], [2.0, 2.0], [2.0, np.nan]])

@@ -6,7 +6,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, redirect_stderr, suppress
+from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,7 +18,6 @@ from tqdm import tqdm
 from impact._generated import DIGEST
 from md.files import replacing
 from md.interrupt import deferred
-from md.sweep import Point, Sweep
 
 from .. import FIGURES, load
 from . import runs
@@ -95,36 +94,13 @@ def _in_a_process(name: str, out: Path, quick: bool, store: Path, own: Own) -> D
     return drawn._replace(said=said.getvalue())
 
 
-def _first_runs(names: Sequence[str], quick: bool) -> list[Point]:
-    """The first run of each sweep of these figures that the store lacks.
-
-    Made beside other figures, it compiles once what all processes of the sweep need. Figures of
-    the cost room are left out: some of their runs are timed.
-    """
-    points: list[Point] = []
-    for name in (name for name in names if FIGURES[name].room != "cost"):
-        with suppress(Exception):  # which the figure itself will tell
-            module = load(name)
-            if hasattr(module, "sweeps"):
-                points += [sweep.points[0] for sweep in module.sweeps(quick).values()]
-    return runs.lacking(points) if points else []
-
-
-def _made(point: Point, store: Path) -> None:
-    """Make one run in a process of its own."""
-    runs.STORE = store
-    with redirect_stderr(io.StringIO()):
-        runs.computed(Sweep((), (point,)), workers=1)
-
-
 @contextmanager
 def _pool(
-    names: Sequence[str], first: Sequence[Point], out: Path, quick: bool, jobs: int, own: Own
-) -> Iterator[Iterator[Drawn | None]]:
-    """Figures as they are drawn by `jobs` processes, which end with this context; None: a run."""
+    names: Sequence[str], out: Path, quick: bool, jobs: int, own: Own
+) -> Iterator[Iterator[Drawn]]:
+    """Figures as they are drawn by `jobs` processes, which end with this context."""
     how = {"batch_size": 1, "pre_dispatch": "all", "return_as": "generator_unordered"}
     tasks = [delayed(_in_a_process)(name, out, quick, runs.STORE, own) for name in names]
-    tasks[jobs:jobs] = [delayed(_made)(point, runs.STORE) for point in first]  # pictures come first
     # what joblib's process that cleans up would say after a signal, below our one line
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     try:
@@ -179,9 +155,8 @@ def draw_all(
             bar.update()
 
         if beside:
-            first = [] if own else _first_runs([n for n in names if n not in beside], quick)
-            with _pool(beside, first, out, quick, jobs, own) as results:
-                for drawn in filter(None, results):
+            with _pool(beside, out, quick, jobs, own) as results:
+                for drawn in results:
                     told(drawn)
         for name in names:
             if name not in beside:
