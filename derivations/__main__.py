@@ -9,15 +9,17 @@ import signal
 import tempfile
 import textwrap
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing import Pool
 from pathlib import Path
+from typing import Any
 
 import click
 from tqdm import tqdm
 
-from . import registry
+from . import kernel, registry
 from .command_line import Commands
 from .lecture import to_text
 
@@ -84,6 +86,29 @@ def _leave_signals() -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
+@contextmanager
+def _begun() -> Iterator[Callable[..., Any]]:
+    """Derive all, while another process proves the code, which takes long and derives little.
+
+    What is given maps a function over entries by `over`, but for those of the code.
+    """
+    with Pool(1, _leave_signals) as early:
+        code = {
+            number: early.apply_async(registry.proved, (number,))
+            for number, entry in enumerate(registry.ENTRIES)
+            if entry in kernel.CODE
+        }
+        for entry in _bar("deriving")(registry.ENTRIES):
+            with suppress(Exception):  # its proof tells what stops it, if it has a derivation
+                entry.derive()
+
+        def share(over: Any, prove: Any, numbers: Any) -> Iterator[registry.Row]:
+            rest = iter(over(prove, [n for n in numbers if n not in code]))
+            return (code[n].get() if n in code else next(rest) for n in numbers)
+
+        yield share
+
+
 @main.command(epilog=_examples("check", "check --json"))
 @click.option("--json", "as_json", is_flag=True, help="A list of objects instead of a table.")
 def check(as_json: bool = False) -> int:
@@ -91,8 +116,8 @@ def check(as_json: bool = False) -> int:
 
     The exit code is 1 if a proof fails.
     """
-    with Pool(2, _leave_signals) as side_by_side:
-        rows = registry.check(_bar("proving"), side_by_side.imap)
+    with _begun() as share, Pool(2, _leave_signals) as late:
+        rows = registry.check(_bar("proving"), partial(share, late.imap))
     print(json.dumps([row.as_dict() for row in rows], indent=1) if as_json else table(rows))
     return _code(rows)
 
@@ -151,13 +176,13 @@ def write_report(out: Path) -> int:
 
     page = files.plain(out / "report.html")
     out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryFile(dir=out), Pool(1, _leave_signals) as beside:  # refused at once
-        steps = beside.apply_async(report.all_steps)
-        rows = registry.check(_bar("proving"))
+    with tempfile.TemporaryFile(dir=out), _begun() as share, Pool(1, _leave_signals) as late:
+        parts = late.apply_async(report.parts)
+        rows = registry.check(_bar("proving"), partial(share, map))
         if stuck := [row for row in rows if not row.computed]:
             print(table(stuck), "No report is written: these cannot be computed.", sep="\n")
             return 1
-        files.write(report.html(rows, steps.get(), _bar("writing")), page)
+        files.write(report.html(rows, parts.get(), _bar("writing")), page)
     print(out / "report.html")
     return _code(rows)
 

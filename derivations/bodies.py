@@ -17,8 +17,8 @@ def mass_and_inertia(profile: Profile, density: sp.Expr) -> Pair:
     mass = inertia = sp.S.Zero
     for radius, low, high in profile:
         area = sp.pi * radius**2
-        mass += sp.integrate(sp.expand(density * area), (_z, low, high))
-        disc = sp.expand(density * area * (_z**2 + radius**2 / 4))
+        mass += sp.integrate(density * area, (_z, low, high))
+        disc = density * area * (_z**2 + radius**2 / 4)
         inertia += sp.integrate(disc, (_z, low, high))
     return sp.expand(mass), sp.expand(inertia)
 
@@ -43,7 +43,7 @@ def spherocylinder() -> Pair:
 def spherocylinder_gyration() -> sp.Expr:
     """$k^2$ of a solid spherocylinder of overall length $l$ and diameter $d$."""
     mass, inertia = spherocylinder()
-    ratio = sp.cancel(inertia / mass).subs(h_0, (length - diameter) / diameter)
+    ratio = (inertia / mass).subs(h_0, (length - diameter) / diameter)
     return sp.factor(diameter**2 * ratio)
 
 
@@ -53,7 +53,7 @@ def cylinder_gyration() -> sp.Expr:
     mass, inertia = mass_and_inertia(
         ((diameter / 2, -length / 2, length / 2),), sp.Symbol("rho", positive=True)
     )
-    return sp.expand(sp.cancel(inertia / mass))
+    return sp.expand(inertia / mass)
 
 
 @derived("k^2")
@@ -119,9 +119,7 @@ def _by_parts(mass: sp.Expr = 1 + 3 * h_0 / 2) -> Pair:
     cylinder, cap = mass - balls, balls / 2
     own = cap * sp.Rational(2, 5) / 4 - cap * sp.Rational(3, 16) ** 2  # about its own centre
     shifted = own + cap * (h_0 / 2 + sp.Rational(3, 16)) ** 2
-    return cylinder + 2 * cap, sp.expand(
-        cylinder * (sp.Rational(1, 16) + h_0**2 / 12) + 2 * shifted
-    )
+    return cylinder + 2 * cap, cylinder * (sp.Rational(1, 16) + h_0**2 / 12) + 2 * shifted
 
 
 EQUATIONS = (
@@ -176,4 +174,4 @@ T = sp.Symbol(r"{\tan\phi}", positive=True)
 def over_tangent(form: sp.Expr) -> sp.Expr:
     """A form of a thin rod as a function of T = tan(phi)."""
     form = sp.expand_trig(form.subs(THIN)).subs(sp.sin(phi), T * sp.cos(phi))
-    return sp.simplify(form.subs(sp.cos(phi), 1 / sp.sqrt(1 + T**2)))
+    return sp.factor(form.subs(sp.cos(phi), 1 / sp.sqrt(1 + T**2)))

@@ -6,7 +6,7 @@ Text is set as paths, so that a drawing needs no font; `DRAWINGS` holds them all
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from io import StringIO
 from typing import Any
 
@@ -52,7 +52,6 @@ STYLE = {
     "svg.fonttype": "path",
     "svg.hashsalt": "derivations",
     "font.size": 11,
-    "mathtext.fontset": "dejavusans",
     "axes.spines.top": False,
     "axes.spines.right": False,
     "legend.frameon": False,
@@ -74,7 +73,6 @@ class Drawing:
     caption: str  # sentence with formulas between dollar signs
     draw: Callable[[], Figure]
 
-    @cached_property
     def svg(self) -> str:
         """The drawing as an element of a page, its ids begun with its name."""
         with mpl.rc_context(STYLE), StringIO() as file:

@@ -78,7 +78,8 @@ def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rat
 
 
 @cache
-def _compiled(expr: sp.Expr) -> tuple[list[sp.Symbol], Callable[..., mpmath.mpf]]:
+def compiled(expr: sp.Expr) -> tuple[list[sp.Symbol], Callable[..., mpmath.mpf]]:
+    """Letters of an expression, and its function of them."""
     letters = sorted(expr.free_symbols, key=str)
     return letters, sp.lambdify(letters, expr, "mpmath")
 
@@ -91,8 +92,8 @@ def _value(expr: sp.Expr, known: dict[sp.Expr, mpmath.mpf]) -> mpmath.mpf:
             combine = sum if expr.is_Add else prod
             known[expr] = mpmath.power(*parts) if expr.is_Pow else combine(parts)
         else:
-            letters, compiled = _compiled(expr)
-            known[expr] = compiled(*(known[letter] for letter in letters))
+            letters, function = compiled(expr)
+            known[expr] = function(*(known[letter] for letter in letters))
     return known[expr]
 
 

@@ -40,7 +40,7 @@ import sympy as sp
 
 from . import laws, slide, slip_reversal, slip_stick
 from .axioms import RESTITUTION
-from .equality import DIGITS, equal_at_random_points
+from .equality import DIGITS, compiled, equal_at_random_points
 from .laws import A, B, C, a_1, a_2
 from .newton import approach, spin_jump
 from .proof import Equation, Proof, Verdict
@@ -167,14 +167,10 @@ def on_numbers(code: str, law: str, at: Situation) -> tuple[Any, list[bool], dic
 # ---- what an impact is --------------------------------------------------------------------------
 
 
-@cache
-def _function(form: sp.Expr, letters: tuple[sp.Symbol, ...]) -> Callable[..., Any]:
-    return sp.lambdify(letters, form, "mpmath")
-
-
 def value(form: sp.Expr, at: Situation) -> Any:
     """A form as a number."""
-    return _function(form, tuple(at))(*at.values())
+    letters, function = compiled(form)
+    return function(*(at[letter] for letter in letters))
 
 
 @remembered

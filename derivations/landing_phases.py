@@ -10,6 +10,7 @@ until it is back among rods that it has not met, at 2 pi + theta_s.
 
 import mpmath
 import sympy as sp
+from sympy.simplify.fu import TR7
 
 from . import paper
 from .drift import thin_stationary
@@ -26,7 +27,8 @@ bounce = sp.Symbol("b", positive=True)  # c_z'/V_z by the closure
 
 def swept(start: sp.Expr, end: sp.Expr, power: int = 0) -> sp.Expr:
     """Height of the strip that is swept between two phases, weighted with cos(theta)^power."""
-    return sp.integrate((q + sp.cos(theta)) * sp.cos(theta) ** power, (theta, start, end))
+    strip = sp.expand((q + sp.cos(theta)) * sp.cos(theta) ** power)
+    return sp.integrate(TR7(strip), (theta, start, end))  # no square of a cosine
 
 
 @derived(r"h(\theta_s)")
@@ -42,13 +44,13 @@ def mean_speed(slow: bool) -> sp.Expr:
     `slow` where q < 1.
     """
     start, end = (theta_s, theta_0) if slow else (-sp.pi, sp.pi)
-    return sp.simplify(swept(start, end, 1) / (2 * sp.pi * q))
+    return sp.factor(swept(start, end, 1) / (2 * sp.pi * q))
 
 
 @derived(r"H(\theta)")
 def density() -> sp.Expr:
     r"""$H(\theta)$ at the phases that are met: one landing a rod."""
-    return sp.factor((q + sp.cos(theta)) / (2 * sp.pi * q))
+    return (q + sp.cos(theta)) / (2 * sp.pi * q)
 
 
 @derived("V_z/V_0", "b_{min}")
@@ -64,10 +66,9 @@ def consistent_alpha() -> Pair:
 def tilt_of_one_half() -> sp.Expr:
     """Of the tilt at which a thin rod lands with $V_z = V_0/2$ by the closure."""
     square = sp.Symbol(r"{\sin^2\phi}", positive=True)
-    up = sp.simplify(thin_stationary("stick")[1] / V_z)
-    by_square = up.subs(sp.cos(phi) ** 2, 1 - square).subs(sp.sin(phi) ** 2, square)
-    (value,) = solve(sp.simplify(by_square) - consistent_alpha()[1], square)
-    return sp.factor(value)
+    up = (thin_stationary("stick")[1] / V_z).subs(sp.sin(phi) ** 2, square)
+    (value,) = solve(up - consistent_alpha()[1], square)
+    return value
 
 
 def _first_contact(fall: mpmath.mpf, line: mpmath.mpf, before: mpmath.mpf) -> mpmath.mpf:

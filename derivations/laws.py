@@ -117,7 +117,7 @@ def final_velocity(law: str, order: str) -> sp.Expr:
     p_f = P_1 + (sp.sqrt(square) - V_1) / a_2
     done = work(order, p_f)
     (value,) = solve(sp.expand(done[W_r] + epsilon**2 * done[W_c]), square)
-    return sp.sqrt(sp.factor(value))
+    return sp.sqrt(value)
 
 
 @derived("P_x", "P_z")
@@ -156,17 +156,17 @@ def energy_threshold(regime: str) -> sp.Expr:
     """
     quadratic = sp.Poly(sp.numer(energy_change(regime)).subs(v_0, -1), u_0)
     gain = quadratic.discriminant().subs(epsilon, sp.solve(meaning(kappa) - kappa, epsilon)[0])
-    roots = solve(sp.numer(sp.together(gain)), kappa, _DOUBLE)
+    roots = solve(sp.numer(sp.factor(gain)), kappa, _DOUBLE)
     point = {A: 3, B: sp.Rational(3, 2), C: 2, mu: sp.Rational(1, 5)}
-    inside = [r for r in roots if 0 < r.subs(point).evalf() < 1]
-    return sp.simplify(inside[0])
+    (inside,) = (root for root in roots if 0 < root.subs(point).evalf() < 1)
+    return inside
 
 
 @derived(r"\epsilon_c")
 def sticking_threshold() -> sp.Expr:
     r"""That of slip-stick, solved for $\epsilon$."""
     ratio = energy_threshold("stick")
-    return sp.factor(sp.radsimp(sp.cancel((1 - ratio) / (1 + ratio))))
+    return sp.factor(sp.radsimp((1 - ratio) / (1 + ratio)))
 
 
 @derived(r"\epsilon_c")
@@ -266,7 +266,7 @@ def _poisson_told() -> str:
         change = energy_by_poisson(regime, order).subs({kappa: 0, P_2: after})
         change = change.subs(P_1, after + rest) if order == "late" else change
         for case in holds if regime == "stick" else [{B: mu * C + s}]:
-            whole = sp.expand(sp.cancel(change.subs(case, simultaneous=True)))
+            whole = sp.expand(change.subs(case, simultaneous=True))
             terms += sp.Add.make_args(whole)
     return so("never positive", terms)
 

@@ -25,7 +25,7 @@ from .typeset import latex
 @derived("c_x/V_z")
 def drift_over_tangent(case: str) -> sp.Expr:
     r"""Drift of a thin rod as a function of $\tan\phi$."""
-    return sp.factor(over_tangent(thin_stationary(case)[0] / V_z))
+    return over_tangent(thin_stationary(case)[0] / V_z)
 
 
 @derived(r"\tan\phi", "c_x/V_z")
@@ -73,29 +73,21 @@ def painleve_friction() -> sp.Expr:
     return friction
 
 
-def _over_tilt() -> sp.Expr:
-    """That friction of a thin rod over the tangent."""
-    return sp.factor(over_tangent(painleve_friction()))
-
-
 @derived(r"\tan\phi", r"\mu_P")
 def least_painleve_friction() -> Pair:
     """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
-    friction = _over_tilt()
+    friction = over_tangent(painleve_friction())
     (best,) = solve(friction.diff(T), T)
     return best, friction.subs(T, best)
 
 
-def _closure(case: str, along: sp.Expr) -> sp.Expr:
-    """What a drift differs by from that of whole impacts, in T; plate velocity and Z are one."""
-    lengths = {X: T, Z: 1, k: sp.sqrt((1 + T**2) / 3), V_z: 1}
-    return sp.numer(sp.cancel(second_routes.landing(case)[0].subs(lengths) - along))
-
-
 def _is_largest(case: str, form: sp.Matrix) -> Residuals:
-    """The closure's residual and its slope vanish together: no tilt gives more."""
-    level = sp.Symbol("c")
-    curve = _closure(case, level)
+    """What a drift differs by from that of whole impacts, and its slope, vanish together in T.
+
+    No tilt gives more. Plate velocity and Z are one.
+    """
+    level, lengths = sp.Symbol("c"), {X: T, Z: 1, k: sp.sqrt((1 + T**2) / 3), V_z: 1}
+    curve = sp.numer(second_routes.landing(case)[0].subs(lengths) - level)
     return [part.subs({T: form[0], level: form[1]}) for part in (curve, curve.diff(T))]
 
 
@@ -115,7 +107,7 @@ def _margins(form: sp.Matrix) -> Residuals:
         a, b, c, d = _response(case)
         polynomial = (x - a) * (x - d) - b * c
         wanted = polynomial.subs(x, 1), polynomial.subs(x, -1), 1 - polynomial.subs(x, 0)
-        checks += [a - b for a, b in zip(wanted, form[start : start + 3], strict=True)]
+        checks += sp.Matrix(wanted) - sp.Matrix(form[start : start + 3])
     return checks
 
 
@@ -180,7 +172,7 @@ def _pressed_told() -> str:
 
 def _least_told() -> str:
     tangent, friction = least_painleve_friction()
-    over = formula(_over_tilt())
+    over = formula(over_tangent(painleve_friction()))
     return rf"${friction}$ at {degrees(sp.atan(tangent))}; over tilt $\mu_P$ is {over}"
 
 
@@ -235,7 +227,7 @@ EQUATIONS = (
         "Painleve: thin rod",
         lambda: so(
             r"$\tan\phi$ at which that friction is least for a thin rod, and that friction",
-            _over_tilt(),
+            over_tangent(painleve_friction()),
             T,
             least_painleve_friction()[0],
         ),

@@ -123,8 +123,8 @@ class Row:
         }
 
 
-def _proved(number: int) -> Row:
-    """The row of an entry, after its proof."""
+def proved(number: int) -> Row:
+    """The row of an entry, by its place in `ENTRIES`, after its proof."""
     entry: Any = ENTRIES[number]
     proof = entry.prove()
     equation = isinstance(entry, Equation)
@@ -157,7 +157,7 @@ def check(progress: Progress = iter, over: Any = map) -> list[Row]:
     A row for each of `ENTRIES`, in their order.
     """
     backwards = range(len(ENTRIES))[::-1]  # what takes longest stands near the end
-    rows = [row for _, row in zip(progress(backwards), over(_proved, backwards), strict=True)]
+    rows = [row for _, row in zip(progress(backwards), over(proved, backwards), strict=True)]
     return rows[::-1]
 
 

@@ -21,7 +21,7 @@ from .equality import Form, components
 from .lecture import EXERCISES, LETTERS, to_html
 from .proof import Equation
 from .registry import SECTIONS, Entry, Progress, Row
-from .steps import Line, Reader
+from .steps import Reader
 
 TITLE, ABOUT = lecture.TEXTS["title"], lecture.TEXTS["about"]
 VERDICTS = {  # sign, and what the word means
@@ -126,17 +126,21 @@ def counted(verdicts: Iterable[str]) -> str:
     return _html.get_template("verdicts.html").render(counts=Counter(verdicts)).strip()
 
 
-def all_steps() -> dict[str, list[Line]]:
-    """The steps of each equation by its tag, in the order of the page."""
+def parts() -> dict[str, Any]:
+    """What the page has beside proofs: steps by the tags of equations, drawings by their names."""
     equations = [x for _, entries in SECTIONS for x in entries if isinstance(x, Equation)]
     reader = Reader(equations)
-    return {x.tag: reader.lines(x) for x in equations}
+    return {
+        "steps": {x.tag: reader.lines(x) for x in equations},
+        "svg": {name: drawing.svg() for name, drawing in DRAWINGS.items()},
+    }
 
 
-def html(
-    rows: Sequence[Row], steps: Mapping[str, Sequence[Line]], progress: Progress = iter
-) -> str:
-    """Return the page; `progress` may wrap the iteration over entries and functions."""
+def html(rows: Sequence[Row], made: Mapping[str, Any], progress: Progress = iter) -> str:
+    """Return the page, of its rows and parts.
+
+    `progress` may wrap the iteration over entries and functions.
+    """
     by_tag = {row.tag: row for row in rows}
     failed = sum(row.failed for row in rows)
     return _page(
@@ -148,11 +152,11 @@ def html(
         counts=Counter(row.verdict for row in rows),
         sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
         functions=closed_forms.FUNCTIONS,
-        steps=steps,
         parts=lecture.PARTS,
         drawings=DRAWINGS,
         letters=LETTERS,
         exercises=[(question, by_tag[tag].note) for tag, question in EXERCISES.items()],
         references=lecture.REFERENCES,
         progress=progress,
+        **made,
     )

@@ -51,7 +51,7 @@ def impact(regime: str) -> State:
         "back": [slip(stopped), q_2 - mu * p_2],
     }[regime]
     (solution,) = sp.linsolve(equations, *after, *stopped, p_1, p_2, q_2)
-    return tuple(sp.factor(part) for part in solution[:3])
+    return solution[:3]
 
 
 def landed(regime: str) -> State:
@@ -68,7 +68,7 @@ def energy_created(regime: str) -> sp.Expr:
     """
     v_x, v_z, spin = landed(regime)
     change = v_x**2 + v_z**2 + k**2 * spin**2 - c_x**2 - c_z**2  # twice, per unit mass
-    quadratic = sp.Poly(sp.numer(sp.together(change.subs({V_z: 0, c_z: -1}))), c_x)
+    quadratic = sp.Poly(sp.numer(change.subs({V_z: 0, c_z: -1})), c_x)
     return quadratic.discriminant()
 
 

@@ -41,7 +41,7 @@ def stationary_ratio() -> sp.Expr:
 def landings_to_relax() -> sp.Expr:
     r"""$\mu$ times the number of landings that leave 1/e of a deviation, as $\mu \to 0$."""
     rate = -sp.log(landing("back")[0].diff(c_x)).diff(mu).subs(mu, 0)
-    return sp.factor(1 / rate)
+    return 1 / rate
 
 
 @derived("1 - e")
@@ -59,13 +59,13 @@ def restitution_lost() -> sp.Expr:
     # x sqrt(1 - x^(5/2)) from 0 to 1, x the overlap over the deepest, is a beta function
     shape = sp.Rational(2, 5) * sp.beta(sp.Rational(4, 5), sp.Rational(3, 2))
     work = 2 * damping * mass * speed * deepest**2 * shape
-    return sp.powsimp(sp.simplify(work / (mass * speed**2)))
+    return sp.simplify(work / (mass * speed**2))
 
 
 def _relaxed(form: sp.Expr) -> Residuals:
     """Two landings whose c_x differ by one: how fast friction brings them together."""
     after = second_routes.landed("back")[0]
-    left = sp.cancel(after.subs(c_x, 1) - after.subs(c_x, 0))
+    left = after.subs(c_x, 1) - after.subs(c_x, 0)
     return [form * left.diff(mu).subs(mu, 0) + 1]
 
 
@@ -180,7 +180,7 @@ def _needed(name: str, without: sp.Expr = sp.S.One) -> sp.Expr:
     term = letter * _with(paper.printed(_law(name)), name) / without.subs(_DIMENSIONS)
     sentence = f"Its term is a force; solved for ${sp.latex(letter)}$"
     (value,) = solve((term, FORCE), letter, sentence)
-    return sp.simplify(value)
+    return value
 
 
 def _of_d_g_m(constant: str) -> str:

@@ -133,6 +133,6 @@ class Reader:
             return [Line(sentence, (), (cited,))]
         inner = step.inner if fresh else [x for x in step.inner if x.kind in ("said", "solved")]
         before = [line for x in inner for line in self._lines(x, entry)]
-        last = Line(sentence, _equations(step.values), () if fresh else (cited,))
-        is_result = entry.tag in own and len(step.values) == 1
-        return [*before, Line(sentence) if is_result else last]
+        if entry.tag in own and len(step.values) == 1:  # the result, shown as such
+            return [*before, Line(sentence)]
+        return [*before, Line(sentence, _equations(step.values), () if fresh else (cited,))]

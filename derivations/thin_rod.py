@@ -28,8 +28,8 @@ def slide_friction() -> sp.Expr:
     """The friction at which the slip just reaches the end, any geometry, with $r = -v_0/u_0$."""
     excess = slide_excess().subs(v_0, -ratio * u_0)
     say("(14) with this ratio", "u_*", excess)
-    (value,) = solve(sp.numer(sp.together(excess)), mu, r"Its numerator, solved for $\mu$")
-    return sp.factor(value)
+    (value,) = solve(excess, mu, r"Its numerator, solved for $\mu$")
+    return value
 
 
 @derived(r"\mu_{slide}")
@@ -55,7 +55,7 @@ def _reversal() -> sp.Expr:
         f"{formula(second)}"
     )
     say(sentence, "0", margin)
-    return sp.expand(sp.cancel(second * margin.subs(THIN)))
+    return second * margin.subs(THIN)
 
 
 def _at_one_half(root: sp.Expr) -> sp.Expr:
@@ -66,8 +66,7 @@ def _at_one_half(root: sp.Expr) -> sp.Expr:
 @derived(r"\tan\phi_{lower}", r"\tan\phi_{upper}")
 def critical_tangents() -> Pair:
     """The edge of (16) is a quadratic in the tangent: its two roots, no squaring needed."""
-    edge = sp.numer(sp.together(over_tangent(stick_margin())))
-    roots = solve(edge, T, r"Solved for $\tan\phi$")
+    roots = solve(over_tangent(stick_margin()), T, r"Solved for $\tan\phi$")
     return tuple(sorted(roots, key=_at_one_half))
 
 
@@ -83,7 +82,8 @@ def critical_tilt() -> sp.Expr:
 @derived(r"\phi_c")
 def small_friction(order: int) -> sp.Expr:
     """The tilt of the smaller tangent, expanded in the friction."""
-    return sp.series(sp.atan(critical_tangents()[0]), mu, 0, order).removeO()
+    tangent = sp.series(critical_tangents()[0], mu, 0, order).removeO()
+    return sp.series(sp.atan(tangent), mu, 0, order).removeO()
 
 
 @derived(r"\max_\phi \mu", r"\tan\phi")

@@ -190,4 +190,6 @@ def solve(forms: Any, unknowns: Any, meant: str = "") -> Any:
     if several:
         (found,) = sp.linsolve(differences, *letters)
         return found
-    return sp.solve(differences[0], unknowns)
+    # SymPy's own simplification of a root takes longer than the root
+    roots = sp.solve(differences[0], unknowns, simplify=False)
+    return [sp.factor(x) if x.is_rational_function() else sp.simplify(x) for x in roots]

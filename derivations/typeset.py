@@ -40,6 +40,10 @@ def _size(form: sp.Expr) -> int:
     return len(text) + 3 * text.count("-")
 
 
+_factor = cache(sp.factor)
+
+
+@cache
 def _collected(form: sp.Expr, letter: sp.Symbol) -> sp.Expr:
     return form.replace(lambda x: x.is_Add, lambda x: x.collect(letter))
 
@@ -53,10 +57,10 @@ def tidy(expr: sp.Expr) -> sp.Expr:
     speeds = [x for x in sorted(expr.free_symbols, key=str) if moving(x)]
     rates = [expr.diff(x) for x in speeds]
     if any(rate.has(*speeds) for rate in rates):
-        forms = [expr, sp.factor(expr)]
+        forms = [expr, _factor(expr)]
     else:
-        alone = sp.factor(expr.subs(dict.fromkeys(speeds, 0)))
-        terms = (sp.factor(rate) * x for rate, x in zip(rates, speeds, strict=True))
+        alone = _factor(expr.subs(dict.fromkeys(speeds, 0)))
+        terms = (_factor(rate) * x for rate, x in zip(rates, speeds, strict=True))
         forms = [expr, alone + sum(terms)]
     for letter in (mu, epsilon):
         forms += [_collected(form, letter) for form in forms if form.has(letter)]

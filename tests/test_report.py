@@ -43,13 +43,18 @@ def rows():
 
 
 @pytest.fixture(scope="module")
-def lines():
-    return report.all_steps()
+def parts():
+    return report.parts()
 
 
 @pytest.fixture(scope="module")
-def source(rows, lines):
-    return report.html(rows, lines)
+def lines(parts):
+    return parts["steps"]
+
+
+@pytest.fixture(scope="module")
+def source(rows, parts):
+    return report.html(rows, parts)
 
 
 @pytest.fixture(scope="module")
@@ -97,8 +102,8 @@ def test_what_is_shown_as_printed_is_the_printed_form(entry):
     assert printed == [entry.printed] * (entry.printed is not None)
 
 
-def test_a_failed_proof_is_not_hidden(rows, lines):
-    source = report.html([replace(rows[0], proved=False), *rows[1:]], lines)
+def test_a_failed_proof_is_not_hidden(rows, parts):
+    source = report.html([replace(rows[0], proved=False), *rows[1:]], parts)
     assert "1 of them not proved." in source
     assert "<strong>not proved</strong>" in source
     assert "All verdicts" not in source
@@ -191,10 +196,10 @@ def test_functions_show_rules_reasons_and_operations(page, function):
 
 
 @pytest.mark.parametrize("drawing", drawings.DRAWINGS.values(), ids=lambda drawing: drawing.name)
-def test_drawings_are_in_the_page(source, page, drawing):
-    svg = ElementTree.fromstring(drawing.svg)
-    assert svg.get("aria-label") == drawing.title
-    assert drawing.svg in source
+def test_drawings_are_in_the_page(source, page, parts, drawing):
+    svg = parts["svg"][drawing.name]
+    assert ElementTree.fromstring(svg).get("aria-label") == drawing.title
+    assert svg in source
     assert plain(drawing.caption) in page.text[f"drawing-{drawing.name}"]
 
 
