@@ -36,7 +36,7 @@ from .kernel import Code
 from .lecture import to_text
 from .proof import Equation, Noted, Verdict, told
 
-__all__ = ["ENTRIES", "SECTIONS", "Code", "Equation", "Noted", "Row", "check", "mistakes"]
+__all__ = ["ENTRIES", "SECTIONS", "Code", "Equation", "Noted", "Row", "check", "mistakes", "proved"]
 
 Entry: TypeAlias = Equation | Noted | Code
 Progress: TypeAlias = Callable[[Iterable], Iterable]
@@ -124,7 +124,12 @@ class Row:
 
 
 def proved(number: int) -> Row:
-    """The row of an entry, by its place in `ENTRIES`, after its proof."""
+    """Prove one entry.
+
+    Parameters
+    ----------
+    number : its place in `ENTRIES`
+    """
     entry: Any = ENTRIES[number]
     proof = entry.prove()
     equation = isinstance(entry, Equation)
