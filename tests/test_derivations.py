@@ -384,12 +384,20 @@ def test_unplain_arithmetic_is_not_generated(square, monkeypatch):
 
 
 def test_check_prints_a_table_and_json_for_machines(monkeypatch, capsys):
-    monkeypatch.setattr(registry, "ENTRIES", (BY_TAG["8"], BY_TAG["12"]))
+    monkeypatch.setattr(registry, "ENTRIES", (BY_TAG["8"], cli.kernel.CODE[1], BY_TAG["12"]))
     assert cli.main(["check"]) == cli.main(["check", "--json"]) == 0
     table, _, rows = capsys.readouterr().out.partition(
-        "2 entries: 1 agrees, 1 erratum; 0 not proved"
+        "3 entries: 1 agrees, 1 new, 1 erratum; 0 not proved"
     )
     assert "erratum" in table
-    for row, verdict in zip(json.loads(rows), ("agrees", "erratum"), strict=True):
+    for row, verdict in zip(json.loads(rows), ("agrees", "new", "erratum"), strict=True):
         assert row["verdict"] == verdict
         assert row["proved"]
+
+
+def test_what_cannot_be_computed_leaves_no_report(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(BY_TAG["8"], "derive", lambda: 1 / 0)
+    monkeypatch.setattr(registry, "ENTRIES", (BY_TAG["8"],))
+    assert cli.main(["report", "--out", str(tmp_path)]) == 1
+    assert "ZeroDivisionError" in capsys.readouterr().out
+    assert not [*tmp_path.iterdir()]
