@@ -52,6 +52,7 @@ STYLE = {
     "svg.fonttype": "path",
     "svg.hashsalt": "derivations",
     "font.size": 11,
+    "mathtext.fontset": "dejavusans",
     "axes.spines.top": False,
     "axes.spines.right": False,
     "legend.frameon": False,

@@ -87,7 +87,7 @@ def _is_largest(case: str, form: sp.Matrix) -> Residuals:
     No tilt gives more. Plate velocity and Z are one.
     """
     level, lengths = sp.Symbol("c"), {X: T, Z: 1, k: sp.sqrt((1 + T**2) / 3), V_z: 1}
-    curve = sp.numer(second_routes.landing(case)[0].subs(lengths) - level)
+    curve = second_routes.landing(case)[0].subs(lengths) - level
     return [part.subs({T: form[0], level: form[1]}) for part in (curve, curve.diff(T))]
 
 

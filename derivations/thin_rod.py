@@ -55,7 +55,7 @@ def _reversal() -> sp.Expr:
         f"{formula(second)}"
     )
     say(sentence, "0", margin)
-    return second * margin.subs(THIN)
+    return sp.expand(second * margin.subs(THIN))
 
 
 def _at_one_half(root: sp.Expr) -> sp.Expr:
