@@ -1,6 +1,7 @@
 """Whether runs to a tolerance are off by no more than they say, over drawn scenes.
 
-A scene takes minutes of two cores, all of them hours: `python -m pytest -m hours`.
+A scene's bias takes minutes of two cores, all of them hours: `python -m pytest -m hours`. What runs
+say of themselves takes less: `python -m pytest -m hours -k as_much`.
 """
 
 import tomllib
