@@ -177,12 +177,12 @@ def write_report(out: Path) -> int:
     page = files.plain(out / "report.html")
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryFile(dir=out), _begun() as share, Pool(1, _leave_signals) as late:
-        parts = late.apply_async(report.parts)
+        prepared = late.apply_async(report.prepared)
         rows = registry.check(_bar("proving"), partial(share, map))
         if stuck := [row for row in rows if not row.computed]:
             print(table(stuck), "No report is written: these cannot be computed.", sep="\n")
             return 1
-        files.write(report.html(rows, parts.get(), _bar("writing")), page)
+        files.write(report.html(rows, prepared.get(), _bar("writing")), page)
     print(out / "report.html")
     return _code(rows)
 

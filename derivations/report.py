@@ -126,7 +126,7 @@ def counted(verdicts: Iterable[str]) -> str:
     return _html.get_template("verdicts.html").render(counts=Counter(verdicts)).strip()
 
 
-def parts() -> dict[str, Any]:
+def prepared() -> dict[str, Any]:
     """What the page has beside proofs: steps by the tags of equations, drawings by their names."""
     equations = [x for _, entries in SECTIONS for x in entries if isinstance(x, Equation)]
     reader = Reader(equations)
@@ -136,8 +136,8 @@ def parts() -> dict[str, Any]:
     }
 
 
-def html(rows: Sequence[Row], made: Mapping[str, Any], progress: Progress = iter) -> str:
-    """Return the page, of its rows and parts.
+def html(rows: Sequence[Row], prepared: Mapping[str, Any], progress: Progress = iter) -> str:
+    """Return the page of proofs and what is `prepared` beside them.
 
     `progress` may wrap the iteration over entries and functions.
     """
@@ -158,5 +158,5 @@ def html(rows: Sequence[Row], made: Mapping[str, Any], progress: Progress = iter
         exercises=[(question, by_tag[tag].note) for tag, question in EXERCISES.items()],
         references=lecture.REFERENCES,
         progress=progress,
-        **made,
+        **prepared,
     )

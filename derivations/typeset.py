@@ -40,7 +40,7 @@ def _size(form: sp.Expr) -> int:
     return len(text) + 3 * text.count("-")
 
 
-_factor = cache(sp.factor)
+_factor = cache(sp.factor)  # forms share their rates
 
 
 @cache

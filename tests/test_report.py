@@ -43,18 +43,18 @@ def rows():
 
 
 @pytest.fixture(scope="module")
-def parts():
-    return report.parts()
+def prepared():
+    return report.prepared()
 
 
 @pytest.fixture(scope="module")
-def lines(parts):
-    return parts["steps"]
+def lines(prepared):
+    return prepared["steps"]
 
 
 @pytest.fixture(scope="module")
-def source(rows, parts):
-    return report.html(rows, parts)
+def source(rows, prepared):
+    return report.html(rows, prepared)
 
 
 @pytest.fixture(scope="module")
@@ -102,8 +102,8 @@ def test_what_is_shown_as_printed_is_the_printed_form(entry):
     assert printed == [entry.printed] * (entry.printed is not None)
 
 
-def test_a_failed_proof_is_not_hidden(rows, parts):
-    source = report.html([replace(rows[0], proved=False), *rows[1:]], parts)
+def test_a_failed_proof_is_not_hidden(rows, prepared):
+    source = report.html([replace(rows[0], proved=False), *rows[1:]], prepared)
     assert "1 of them not proved." in source
     assert "<strong>not proved</strong>" in source
     assert "All verdicts" not in source
@@ -196,8 +196,8 @@ def test_functions_show_rules_reasons_and_operations(page, function):
 
 
 @pytest.mark.parametrize("drawing", drawings.DRAWINGS.values(), ids=lambda drawing: drawing.name)
-def test_drawings_are_in_the_page(source, page, parts, drawing):
-    svg = parts["svg"][drawing.name]
+def test_drawings_are_in_the_page(source, page, prepared, drawing):
+    svg = prepared["svg"][drawing.name]
     assert ElementTree.fromstring(svg).get("aria-label") == drawing.title
     assert svg in source
     assert plain(drawing.caption) in page.text[f"drawing-{drawing.name}"]
