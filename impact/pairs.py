@@ -95,7 +95,7 @@ def _usual(numbers: np.ndarray) -> bool:
     """Whether all fields of both bodies are far from over- and underflow."""
     mass, k, *_, c_z, _ = numbers
     least = min(mass.min(), k.min(), np.abs(c_z).max(0).min())
-    return bool(least > SMALL and numbers.max() < LARGE and numbers.min() > -LARGE)
+    return bool(least > SMALL and np.vdot(numbers, numbers) < LARGE**2)
 
 
 def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
@@ -137,13 +137,14 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     v = ((c_z[0] - c_z[1]) + (lift[0] - lift[1])).carried()
     ratios = quotient(levers, k)
     parts = Twofold(light), ratios[0], ratios[1]
-    seen = closed.pair_mobility(*(part[i] for i in range(2) for part in parts))
-    A, B, C, cross = (part.carried() for part in seen)
-    D = closed.pair_determinant(light[0], light[1], A.high, C.high, cross.high)
+    *seen, cross = closed.pair_mobility(*(part[i] for i in range(2) for part in parts))
+    A, B, C = (part.carried() for part in seen)
+    D = closed.pair_determinant(light[0], light[1], A.high, C.high, cross.high + cross.low)
     side = np.copysign(1.0, np.where(u.high == 0, B.high, u.high))
     mu = np.minimum(mu, kernel.HUGE_FRICTION)
     B = Twofold(side * B.high, side * B.low)
-    held, freed = Twofold(mu) * B, Twofold(mu) * C
+    factor = Twofold(mu)
+    held, freed = factor * B, factor * C
     N, T = (A + held).carried(), (B + freed).carried()
     N_back = (A.high - held.high) + (A.low - held.low)
     T_back = (B.high - freed.high) + (B.low - freed.low)
@@ -157,7 +158,8 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     energy = closed.energy_change(P_x, P_z, *velocities[:2], u_f, v_f)
     P_x = side * P_x
     s, x, z = (part.high for part in parts)
-    *change, turned = closed.pair_change(s, x, z, np.stack([P_x, -P_x]), np.stack([P_z, -P_z]))
+    s[1] *= -1  # the opposite impulse acts on the second body
+    *change, turned = closed.pair_change(s, x, z, P_x, P_z)
     c_x, c_z = (old + scaled(d, speed) for old, d in zip(both[4:6], change, strict=True))
     omega = both.omega + scaled(turned / k, speed - size)
     after = (part[i] for i in range(2) for part in (c_x, c_z, omega))
