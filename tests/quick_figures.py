@@ -22,7 +22,7 @@ from figures.cost import (
     effect_prices,
 )
 from figures.cost.scene_variants import GROUPS
-from figures.lib import arrangement, runs, style, timing
+from figures.lib import runs, style, timing
 from figures.lib.printing import printed
 from figures.paper import fig04, fig07, fig08
 from md import simulation
@@ -68,7 +68,6 @@ MADE = {
     simulation: {"prepare": _watched},
     timing: {"prepare": _watched},
     row_motion: {"prepare": _watched},
-    arrangement: {"prepare": _watched},
     fig04: {"SIZES": {name: (few, few) for name, few in TABLES["few"].items()}},
     fig07: LONE,
     fig08: LONE,

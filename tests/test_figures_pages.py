@@ -20,7 +20,6 @@ import md
 from figures.__main__ import main
 from figures.pages import gallery, movie
 from figures.pages.explore import CHOICES, RANGES, ROWS, WORDS, Setting
-from md.host import prepare
 
 from .command_line import DOCS, ROOT, called
 from .page import Page, stands_alone
@@ -278,12 +277,10 @@ def film():
 
 def test_film_is_the_run(film):
     """The same rods as a run without a film leaves, and none below the plate."""
-    engine = prepare(film.scene, ledger=False, touches=False)
-    engine.go(29 * engine.per)
-    at = np.flatnonzero(film.time == 29)[0]
-    assert_array_equal(film.x[at], engine.rods[:, 0])
-    assert_array_equal(film.z[at], engine.rods[:, 1])
-    assert_allclose(np.tan(film.tilt[at]), engine.rods[:, 2] / engine.rods[:, 3])
+    rods, at = md.run(film.scene, periods=29).rods, np.flatnonzero(film.time == 29)[0]
+    assert_array_equal(film.x[at], rods[:, 0])
+    assert_array_equal(film.z[at], rods[:, 1])
+    assert_allclose(np.tan(film.tilt[at]), rods[:, 2] / rods[:, 3])
     assert film.pictures == 90
     assert np.all(film.tips.min(axis=1) > film.plate - 0.02)
 

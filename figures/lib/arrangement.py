@@ -4,9 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from md.host import prepare
-from md.measures import Tables, transient
 from md.scene import Scene
+from md.simulation import Run
 
 MORE_DEG = 3.0  # beyond the mean tilt: rods that `share` counts
 EVERY = 5  # periods from one look to the next
@@ -54,17 +53,12 @@ def followed(scene: Scene, periods: int) -> dict[str, Any]:
 
     Drift and tilt are those of `md.run`.
     """
-    engine, seen = prepare(scene, ledger=False, touches=False), []
-    tables, cut = Tables(engine, periods), transient(periods)
-    for period in range(EVERY, periods + EVERY, EVERY):
-        engine.go(min(period, periods) * engine.per - engine.step, tables.series)
-        seen.append(arrangement(engine.rods))
-    c_x, tilt_deg = tables.drift(periods)[cut:], tables.tilt_deg(periods)[cut:]
-    return {
-        "c_x_cm_s": float(c_x.mean()) * scene.cm_per_s,
-        "c_x_stderr": tables.error(c_x),
-        "tilt_deg": float(tilt_deg.mean()),
-        "tilt_stderr_deg": tables.error(tilt_deg),
-        "series": seen,
-        "rods": engine.rods[:, :6].tolist(),
-    }
+    seen = []
+    with Run(scene, periods) as running:
+        for period in range(EVERY, periods + EVERY, EVERY):
+            running.march(min(period, periods), lambda: False)
+            seen.append(arrangement(running.engine.rods))
+        found = running.result(finished=True)
+    names = "c_x_cm_s", "c_x_stderr", "tilt_deg", "tilt_stderr_deg"
+    of_run = {name: getattr(found, name) for name in names}
+    return of_run | {"series": seen, "rods": found.rods[:, :6].tolist()}

@@ -83,11 +83,14 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
     if periods * frames > LARGEST:
         raise InputError(f"periods times frames must be at most {LARGEST}, got {periods * frames}")
     every = -(-TRACE // frames)
-    engine, states, plate = prepare(scene, ledger=False, touches=False), [], []
+    engine, states, plate = prepare(scene), [], []  # as a run has it: one kernel for both
+    series = engine.series(periods)
     steps = np.arange(periods * frames * every) * engine.per // (frames * every)
     for step in tqdm(steps.tolist(), unit=" shots", delay=2, disable=None if progress else True):
         while engine.step < step:
-            engine.go(step - engine.step)
+            engine.go(step - engine.step, series)
+            if engine.record is not None:
+                engine.record.count[0] = 0
         states.append(_rolled_out(scene, engine.rods) if scene.annulus else _in_plane(engine.rods))
         plate.append(engine.plate.height[step % engine.per] if scene.vibrates else 0.0)
     x, z, tilt = np.moveaxis(states, 1, 0)

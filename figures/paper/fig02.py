@@ -26,6 +26,7 @@ from ..lib.runs import (
     LENGTH,
     SETTING,
     boxes,
+    computed,
     drift_and_tilt,
     means,
     planned,
@@ -95,6 +96,8 @@ def data(quick: bool = False) -> Data:
     fine_gamma = np.linspace(1.02, 4, 12 if quick else 40)
     fine_deg = np.linspace(2, 65, 10 if quick else 22)
     plan, nominal, chosen = sweeps(quick), np.array(NOMINAL_DEG[quick]), CHOSEN[quick]
+    # a row and an annulus first: their kernels are compiled side by side
+    computed(Sweep((), (plan["annulus"].points[0], *plan["grid"].points)))
     found = {}
     for name, prefix in (("grid", ""), ("annulus", "ring_")):
         found |= drift_and_tilt(plan[name], prefix) | means(plan[name], {f"{prefix}V_z": AT_TOUCH})
