@@ -130,7 +130,7 @@ def check(as_json: bool = False) -> int:
 )
 @click.option("--out", type=_FILE, help="File for it, instead of standard output.")
 def generate(language: str | None, out: Path | None) -> int:
-    """Write the generated functions and tables (5 s).
+    """Write the generated functions and tables (10 s).
 
     They are impact/_generated.py and derivations/EQUATIONS.md of a source checkout. With --language
     neither is written.

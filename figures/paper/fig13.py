@@ -68,8 +68,8 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else [*GAMMAS]
     length = [1.25, 1.5, 2, 3, 9.5] if quick else [*ROD_LENGTHS]
     jammed = [2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5]
-    periods, two = periods_of(quick), {"start.seed": [1, 2]}
-    seeds = two if quick else SEEDS
+    periods, seeds = periods_of(quick), SEEDS[quick]
+    two = SEEDS[True]
     row = {"box.length": BOX_OF_LENGTHS, "plate.acceleration": GAMMA_OF_LENGTHS}
     row |= {"rods.inertia": "solid"}
     return {
