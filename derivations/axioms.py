@@ -104,8 +104,8 @@ EQUATIONS = (
     ),
     _assumed(
         RIGID,
-        r"place of the point $(\xi, \zeta)$ of a rigid body that has turned by $\vartheta$, from "
-        r"the centre of mass",
+        r"place, from the centre of mass, of the point $(\xi, \zeta)$ of a rigid body that has "
+        r"turned by $\vartheta$",
         "(x, z)",
         check=_rigid_checks,
     ),
@@ -125,14 +125,14 @@ EQUATIONS = (
     ),
     _assumed(
         STICK,
-        "friction holds a contact at rest as long as this is positive",
+        "friction holds a contact at rest as long as this is not negative; $f = |F_x|/F_z$",
         r"\mu - |F_x|/F_z",
         check=lambda form: (form.subs(held, mu), form.diff(held) + 1),
     ),
     _assumed(RESTITUTION, "kinematic restitution"),
     _assumed(
         CLOSURE,
-        "stationary translation: what is zero in the mean landing",
+        "stationary translation: what holds in the mean landing",
         formulas=("V: closure, spin", "V: closure, c_x", "V: closure, c_z"),
     ),
     _assumed(

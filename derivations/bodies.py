@@ -58,7 +58,7 @@ def cylinder_gyration() -> sp.Expr:
 
 @derived("k^2")
 def thin_gyration() -> sp.Expr:
-    """$k^2$ of a thin rod: the cylinder's with $d = 0$."""
+    """$k^2$ of a thin rod, the mean squared distance from its middle: the cylinder's, $d = 0$."""
     return cylinder_gyration().subs(diameter, 0)
 
 

@@ -59,7 +59,7 @@ def spin_change(
 
 @derived(r"\omega' - \omega")
 def spin_jump(p_x: sp.Expr, p_z: sp.Expr) -> sp.Expr:
-    """The impulse at the contact point changes the spin."""
+    """The impulse at the contact point changes the spin; lever $(-X, -Z)$ and $I = m k^2$."""
     return spin_change(p_x, p_z, TO_CONTACT, m * k**2)
 
 
@@ -69,7 +69,7 @@ def _turned(lever: Lever, order: int) -> sp.Matrix:
     rate = place.diff(turn, order).subs(turn, 0)
     power = "" if order == 1 else f"^{order}"
     lefts = (rf"d{power}{x}/d\vartheta{power}" for x in "xz")
-    say(r"Its derivative by the turn, at $\vartheta = 0$", *lefts, tuple(rate))
+    say(r"Derivative of this place by the turn, at $\vartheta = 0$", *lefts, tuple(rate))
     return rate
 
 
@@ -81,7 +81,7 @@ def contact_velocity(lever: Lever) -> sp.Matrix:
 
 @derived(r"\dot v_x", r"\dot v_z")
 def contact_acceleration(f_x: sp.Expr, f_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
-    r"""Acceleration of the contact point: centre, plus $\dot\omega$ and $\omega^2$ times these."""
+    r"""Acceleration there: the centre's, with weight, plus $\dot\omega$, $\omega^2$ times these."""
     along, up = velocity_change(f_x, r"\dot c_x"), velocity_change(f_z - m * g, r"\dot c_z")
     say("Against the plate", r"\dot c_z - \dot V_z", up - plate_rate)
     spin_rate = spin_change(f_x, f_z, lever, inertia, r"\dot\omega")
@@ -94,7 +94,7 @@ def contact_acceleration(f_x: sp.Expr, f_z: sp.Expr, lever: Lever, inertia: sp.E
 
 @derived()
 def impulsive_change(lever: Lever, inertia: sp.Expr) -> dict[sp.Expr, sp.Expr]:
-    r"""That acceleration times $\tau$, for a force $P/\tau$ and $\tau \to 0$: centre and turn."""
+    r"""That acceleration times $\tau$, for $P/\tau$, $\tau \to 0$; on the left centre and turn."""
     force = IMPULSIVE({P: P_x}, "F_x"), IMPULSIVE({P: P_z}, "F_z")
     change = tau * contact_acceleration(*force, lever, inertia)
     change_x, change_z = change.expand().subs(tau, 0)
@@ -164,7 +164,7 @@ EQUATIONS = (
     ),
     Equation(
         "IV: dropped in (4)",
-        "what (4) leaves out: the rod's rotation, gravity and the acceleration of the plate",
+        "what (4) leaves out: centripetal acceleration, gravity and the acceleration of the plate",
         r"(\delta(m \dot v_x), \delta(m \dot v_z))",
         derive=dropped_terms,
         # towards the centre, half a length away, and down

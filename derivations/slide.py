@@ -60,7 +60,7 @@ def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> Pair:
         return after
     say("The impulse put into (10) and (11)", "c'_x", "c'_z", after)
     letters, before = map(tuple, (approach(), approach().values()))
-    say("With the contact velocity before the impact", *map(latex, letters), before)
+    say("Before the impact, by (3) with the lever $(-X, -Z)$", *map(latex, letters), before)
     return tuple(c.subs(approach()) for c in after)
 
 

@@ -68,12 +68,8 @@ def impulse() -> Pair:
 
 
 EQUATIONS = (
-    Equation(
-        "16",
-        "condition of sticking",
-        derive=lambda: sp.Gt(stick_margin(), 0),
-    ),
     Equation("17", "friction force while sticking", derive=sticking_force),
+    Equation("16", "condition of sticking", derive=lambda: sp.Gt(stick_margin(), 0)),
     Equation("B1", "normal impulse until the slip stops", derive=lambda: stop()[1]),
     Equation("B2", "tangential impulse until the slip stops", derive=lambda: stop()[0]),
     Equation(

@@ -39,7 +39,7 @@ def stationary_ratio() -> sp.Expr:
 
 @derived(r"\mu n")
 def landings_to_relax() -> sp.Expr:
-    r"""$\mu$ times the number of landings that leave 1/e of a deviation, as $\mu \to 0$."""
+    r"""$\mu$ times the number of landings that leave exp(-1) of a deviation, as $\mu \to 0$."""
     rate = -sp.log(landing("back")[0].diff(c_x)).diff(mu).subs(mu, 0)
     return 1 / rate
 
@@ -122,7 +122,7 @@ EQUATIONS = (
     ),
     Equation(
         "V: landings to relax",
-        r"$\mu$ times the number of landings after which 1/e of a deviation is left, as "
+        r"$\mu$ times the number of landings after which exp(-1) of a deviation is left, as "
         r"$\mu \to 0$",
         r"\mu n",
         derive=landings_to_relax,
@@ -130,7 +130,8 @@ EQUATIONS = (
     ),
     Equation(
         "A: restitution",
-        "$1 - e$ of Appendix A's normal force at small damping, $M_e$ the reduced mass $m_r$",
+        "$1 - e$ of Appendix A's normal force at small damping, $M_e$ the reduced mass $m_r$, "
+        "$B(4/5, 3/2)$ Euler's beta function",
         "1 - e",
         derive=restitution_lost,
         shown=sp.Mul(

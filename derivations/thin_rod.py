@@ -51,7 +51,7 @@ def _reversal() -> sp.Expr:
     first, second = k**2 + Z**2, 12 / length**2
     margin = sp.cancel(-stick_margin() * first)
     sentence = (
-        f"(16) times {formula(first)} vanishes at its edge; with the lengths of a thin rod, times "
+        f"The edge of (16), times {formula(first)}; with the lengths of a thin rod, times "
         f"{formula(second)}"
     )
     say(sentence, "0", margin)
@@ -75,7 +75,7 @@ def critical_tilt() -> sp.Expr:
     r"""Half of the angle of this cosine, $(1 - \tan^2\phi)/(1 + \tan^2\phi)$ at the lower root."""
     lower, _ = critical_tangents()
     cosine = sp.factor_terms(sp.radsimp(sp.cancel((1 - lower**2) / (1 + lower**2))))
-    say("The cosine of twice the tilt", r"\cos 2\phi", cosine)
+    say("The cosine of twice the tilt, freed of the root below the line", r"\cos 2\phi", cosine)
     return sp.acos(cosine) / 2
 
 
@@ -169,7 +169,7 @@ EQUATIONS = (
     ),
     Equation(
         "23: small friction",
-        rf"$\phi_c$ to $O(\mu^{_ORDER})$",
+        rf"$\phi_c$ up to terms of $O(\mu^{_ORDER})$",
         derive=lambda: small_friction(_ORDER),
     ),
     Equation(
