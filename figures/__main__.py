@@ -119,7 +119,11 @@ def draw(
     """
     check(names)
     own = {key: value for key, value in given.items() if value is not None}
-    for key in own:
+    for key, value in own.items():
+        if value != value:
+            raise InputError(f"{key} must be a number, got nan")
+        if data:
+            raise InputError(f"{key} has no meaning with --data, which computes nothing")
         takes = [name for name, entry in FIGURES.items() if key in entry.own]
         if not {*names} & {*takes}:
             raise InputError(f"{key} is for the figures {', '.join(takes)}; name one of them")
@@ -139,7 +143,8 @@ def draw(
     with storing(out, store, *files_of(*wanted)):
         failed = draw_all(wanted, out, quick, jobs, data, numbers, own)
     if failed:
-        raise click.ClickException(f"{len(failed)} of {len(wanted)} failed: {', '.join(failed)}")
+        kind = InputError if min(failed.values()) == InputError.exit_code else click.ClickException
+        raise kind(f"{len(failed)} of {len(wanted)} failed: {', '.join(failed)}")
 
 
 @main.command()

@@ -47,14 +47,22 @@ class Body(NamedTuple, Generic[Number]):
         Parameters
         ----------
         angle : rad; broadcasts with the fields (for a type checker they stay numbers or arrays)
+
+        Raises
+        ------
+        TypeError
+            If an argument is not a real number.
         """
-        along, across = np.cos(angle), np.sin(angle)
-        return self._replace(
-            X=along * self.X - across * self.Z,
-            Z=across * self.X + along * self.Z,
-            c_x=along * self.c_x - across * self.c_z,
-            c_z=across * self.c_x + along * self.c_z,
-        )
+
+        def block(angle: Any, *vectors: Any) -> tuple[Any, ...]:
+            along, across = np.cos(angle), np.sin(angle)
+            X, Z, c_x, c_z = vectors
+            place = along * X - across * Z, across * X + along * Z
+            return *place, along * c_x - across * c_z, across * c_x + along * c_z
+
+        fields = {name: getattr(self, name) for name in ("X", "Z", "c_x", "c_z")}
+        parts = evaluated(block, {"angle": angle, **fields}, [None] * len(fields))
+        return self._replace(**dict(zip(fields, parts, strict=True)))
 
 
 @shown

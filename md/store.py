@@ -70,7 +70,7 @@ class Store:
         except (OSError, TypeError) as error:
             raise StoreError(f"store {str(path)!r} cannot be used: {error}") from None
         if fresh and not write:
-            raise StoreError(f"store {path}: no such file")
+            raise StoreError(f"store {path}: no such file, or an empty one")
         uri = f"{self.path.absolute().as_uri()}?mode={'rwc' if write else 'ro'}"
         with self._failing("cannot be opened"):
             self.database = sqlite3.connect(uri, uri=True, timeout=_WAIT)

@@ -57,23 +57,29 @@ class Trajectory:
     Raises
     ------
     ValueError
-        If the file holds anything else, frames of a longer run that would be lost, or cannot be
-        written. It is not changed.
+        If the file holds anything else, frames of a longer run that would be lost, or others than
+        the run had so far, if it would hold none, or if it cannot be written. It is not changed.
     """
 
     def __init__(self, path: str | Path, per_period: int, begin: float, end: int):
         self.path, self.per_period = checked(path), per_period
         goes_on = begin > 0 and self.path.exists()
-        kept, last = _frames_before(begin, self.path) if goes_on else (0, 0.0)
-        if last > end:
-            raise InputError(
-                f"trajectory {str(path)!r} goes on to period {last:.6g}, beyond the {end} asked "
-                "for: name a new file, or remove the checkpoint to start again"
-            )
+        self.kept, times, self.scene = _frames_before(begin, self.path) if goes_on else (0, [], "")
+        before = [time for time in times if time < begin]
+        wanted = (begin - before[0]) * per_period if before else 0.0
+        wrong = ""
+        if times and times[-1] > end:
+            wrong = f"goes on to period {times[-1]:.6g}, beyond the {end} asked for"
+        elif before and not -0.5 < len(before) - wanted < 2:  # a frame is up to a step late
+            wrong = f"has {len(before)} frames before period {begin:.6g}, not {wanted:.0f}"
+        elif not before and begin >= end:
+            wrong = f"would hold no frame, as {begin:.6g} periods are made already"
+        if wrong:
+            remedy = f"{'name a new file' if before else 'ask for more'}, or remove the checkpoint"
+            raise InputError(f"trajectory {str(path)!r} {wrong}: {remedy} to start again")
         self.path.parent.mkdir(parents=True, exist_ok=True)
         self.path.touch()
         self.file = self.path.open("r+", encoding="utf-8")
-        self.file.truncate(self.file.seek(kept))
 
     def write(self, scene: Scene, rods: np.ndarray, time: float, height: float) -> None:
         """Append a frame.
@@ -96,11 +102,17 @@ class Trajectory:
             wide = deep = -2 * left
         cell = f"{wide!r} 0 0 0 {deep!r} 0 0 0 {scene.rods.length + 10!r}"
         corner = f"{left!r} {-deep / 2!r} 0"
-        self.file.write(
-            f'{len(rods)}\nLattice="{cell}" Origin="{corner}" Properties={_COLUMNS} '
+        head = (
+            f'Lattice="{cell}" Origin="{corner}" Properties={_COLUMNS} '
             f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} phase={phase_at(time):.9g} '
             f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
         )
+        if self.scene not in ("", _of_scene(head)):
+            raise InputError(f"trajectory {str(self.path)!r} is of another scene: name a new file")
+        if self.kept is not None:  # the first frame
+            self.file.truncate(self.file.seek(self.kept))
+            self.kept = None
+        self.file.write(f"{len(rods)}\n{head}")
         for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
             numbers = [*turn, 0.5, 0.5, scene.rods.length - 1, *velocity, *omega, tilt]
             self.file.write(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
@@ -119,17 +131,23 @@ def _text(numbers: Iterable[float]) -> str:
     return " ".join(f"{number:.9g}" for number in numbers)
 
 
-def _frames_before(begin: float, path: Path) -> tuple[int, float]:
-    """Bytes of the frames before a time, and the time of the last frame of all, in periods."""
-    kept, place, time = 0, 0, 0.0
+def _of_scene(head: str) -> str:
+    """What of the head of a frame is the same in all frames of a scene."""
+    return re.sub(r" (Time|phase|plate)=\S+", "", head)
+
+
+def _frames_before(begin: float, path: Path) -> tuple[int | None, list[float], str]:
+    """Bytes of the frames before a time; of all frames the times, in periods, and the scene."""
+    kept, place, times, scene = 0, 0, [], ""
     with path.open("rb") as lines:
         for line in lines:
             place += len(line)
             if head := re.search(rb" Time=([\d.e+-]+) ", line):
-                time = float(head[1])
-            elif line.startswith(b"rod ") and time < begin:
+                times.append(float(head[1]))
+                scene = _of_scene(line.decode())
+            elif line.startswith(b"rod ") and times[-1] < begin:
                 kept = place
-    return kept, time
+    return kept, times, scene
 
 
 def _is_trajectory(path: Path) -> bool:

@@ -57,6 +57,11 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
     assert stored_data("fig11", True, tmp_path) is None
 
 
+@pytest.mark.parametrize(("friction", "code"), [(0, 0), (np.inf, 0), (-1, 2)])
+def test_friction_at_its_ends_is_drawn_and_beyond_them_refused(tmp_path, friction, code):
+    assert main(["draw", "fig11", f"--friction={friction}", "--out", str(tmp_path)]) == code
+
+
 @pytest.fixture
 def mine(tmp_path, monkeypatch):
     """A small scene, and a grid of few tilts."""

@@ -35,6 +35,7 @@ class Drawn(NamedTuple):
     files: str = ""  # their names, in a line
     numbers: str = ""  # of the figure, as tables
     failure: str = ""  # why there are no files
+    code: int = 1  # to end with, then
     said: str = ""  # on standard error, while it was computed
 
 
@@ -83,7 +84,8 @@ def _tried(
         return produce(name, out, quick, kept, own)
     except Exception as error:
         foreseen = isinstance(error, OSError) or hasattr(error, "exit_code")
-        return Drawn(name, failure=str(error) if foreseen else traceback.format_exc().rstrip())
+        why = str(error) if foreseen else traceback.format_exc().rstrip()
+        return Drawn(name, failure=why, code=getattr(error, "exit_code", 1))
 
 
 def _in_a_process(name: str, out: Path, quick: bool, store: Path, own: Own) -> Drawn:
@@ -126,8 +128,8 @@ def draw_all(
     kept: Path | None = None,
     numbers: bool = False,
     own: Own = NOTHING,
-) -> list[str]:
-    """Draw figures and say so; returns the names of those that failed.
+) -> dict[str, int]:
+    """Draw figures and say so; returns the names of those that failed, and their exit codes.
 
     Parameters
     ----------
@@ -141,7 +143,7 @@ def draw_all(
     """
     beside = [name for name in names if not FIGURES[name].alone and kept is None]
     beside = beside if min(len(beside), jobs) > 1 else []
-    failed = []
+    failed = {}
     with tqdm(total=len(names), desc="drawing", unit="figure", disable=None, leave=False) as bar:
 
         def told(drawn: Drawn) -> None:
@@ -151,7 +153,7 @@ def draw_all(
                 bar.write(drawn.said.rstrip(), file=sys.stderr)
             if drawn.failure:
                 bar.write(f"{drawn.name} failed: {drawn.failure}", file=sys.stderr)
-                failed.append(drawn.name)
+                failed[drawn.name] = drawn.code
             bar.update()
 
         if beside:

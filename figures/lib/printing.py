@@ -35,8 +35,8 @@ def printed(d: Mapping[str, Any]) -> str:
             continue
         values, errors = np.atleast_1d(array), d.get(f"{name}_error")
         if values.size > MOST or values.shape[-1] > LONGEST:
-            known = values[np.isfinite(values)] if values.dtype.kind in "fi" else values
-            ends = f", {known.min():.4g} to {known.max():.4g}" if known.dtype.kind in "fi" else ""
+            known = values[np.isfinite(values)] if values.dtype.kind in "fi" else values[:0]
+            ends = f", {known.min():.4g} to {known.max():.4g}" if known.size else ""
             lines.append(f"{name}: {' x '.join(map(str, values.shape))} values{ends}")
             continue
         for at in np.ndindex(values.shape[:-1]):

@@ -163,13 +163,14 @@ class Picture:
     def _lower(self, share: float) -> None:
         """Draw the lower panel: plate and tip over the last periods."""
         film = self.film
-        ax = self.trace = self.figure.add_axes((0.09, 0.4 * share, 0.89, 0.56 * share))
+        ax = self.trace = self.figure.add_axes((0.11, 0.4 * share, 0.87, 0.56 * share))
         tip = film.tips[:, self.marked]
         ax.plot(film.time, film.plate, color="0.5", lw=1.5)
         ax.plot(film.time, tip, color=RED, lw=1.2)
         high = max(film.plate.max(), min(tip.max(), film.plate.max() + 2))
         ax.set(ylim=(film.plate.min() - 0.06, high + 0.06), ylabel="height / d")
-        ax.set_xlabel("periods of the plate" if film.scene.vibrates else "time", labelpad=1)
+        time = "periods of the plate" if film.scene.vibrates else r"time / $\sqrt{d/g}$"
+        ax.set_xlabel(time, labelpad=1)
         self.now = ax.axvline(0, color="k", lw=0.8)
 
     def show(self, picture: int) -> None:

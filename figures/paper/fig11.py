@@ -97,9 +97,9 @@ def draw(d: Data) -> plt.Figure:
     figure, ax = plt.subplots(figsize=(5.0, 3.6))
     _curves(ax, d)
     tilt_axis(ax)
-    highest = min(max(d["c_x"].max(), d["c_z"].max()), HIGHEST)
+    highest = min(np.nanmax([d["c_x"], d["c_z"]]), HIGHEST)
     ax.set(ylabel=r"velocity / $V_z$", ylim=(0, 1.35 * highest))
-    if critical_deg(d).size:
+    if d["friction"] > 0 and critical_deg(d).size:
         _end(ax, d, critical_deg(d)[-1])
     legend_above(figure, ax, ncols=2)
     setting = rf"$\epsilon={d['restitution']:g}$, friction $\mu={d['friction']:g}$"

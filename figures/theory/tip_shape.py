@@ -105,7 +105,7 @@ def _limit(d: Data) -> float:
     drifts = np.abs(
         np.concatenate([d[name] for kind in SHAPES for name in (kind, f"{kind}_by_length")])
     )
-    return 1.45 * min(drifts[np.isfinite(drifts)].max(), HIGHEST)
+    return 1.45 * min(drifts[np.isfinite(drifts)].max(initial=0.1), HIGHEST)
 
 
 def _over_tilt(ax: Axes, d: Data) -> None:
