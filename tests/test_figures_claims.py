@@ -317,7 +317,7 @@ def test_a_claim_without_data_leaves_the_others(monkeypatch, surveyed):
     page = gallery.claims_page(report)
     assert "Not measured: LinAlgError: no such run." in page
     (fig06, *_) = (line for line in page.splitlines() if "draw fig06" in line)
-    assert fig06.endswith("its runs, starts x periods: tilt 2 x 60.")  # of quick ones
+    assert fig06.endswith("its runs, starts x periods: tilt 4 x 60.")  # of quick ones
     judged = sum(len(judge.statements(claim)) for claim in CLAIMS)
     assert judge.brief(report).splitlines()[-3:] == [
         f"of {judged - 32} statements predicted holds: {judged - 35}, not measured: 3",

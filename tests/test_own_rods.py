@@ -117,7 +117,7 @@ def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path, c
     assert own["still"].points[0].scene.annulus.inner == 12.31866
     assert "wide: 44 rods" in runs.annulus_of(str(wide)).words
     command = ["draw", "fig05", "--scene", "quasi2d", "--quick", "--out", str(tmp_path)]
-    assert main(command) == 1
+    assert main(command) == 2
     assert "scene must be rods in an annulus" in capsys.readouterr().err
 
 

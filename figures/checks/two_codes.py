@@ -53,7 +53,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """The row of this program at the same tilts."""
     changes = {"rods.diameter_cm": 0.635, "start.speed": 0.3, **both(tangential_damping=0.04)}
     base = put(read_tables("quasi2d"), changes)
-    axes = [{"box.length": boxes(other()[0])}, SEEDS[quick]]
+    axes = [{"box.length": boxes(other()[0])}, SEEDS]
     return {"row": planned(axes, 20 if quick else 600, base=base)}
 
 

@@ -73,7 +73,7 @@ def claims_page(report: dict[str, Any]) -> str:
 
     quick = report["provenance"]["quick"]
     words: dict[str, Any] = {"report": report, "law": runs.LAW_NAME, "assumed": runs.ASSUMED_NAME}
-    words |= {"starts": len(runs.SEEDS[quick]["start.seed"]), "periods": runs.periods_of(quick)}
+    words |= {"starts": len(runs.SEEDS["start.seed"]), "periods": runs.periods_of(quick)}
     words |= {"kinds_deg": any_rods.TILTS_DEG[quick], "kinds_periods": any_rods.PERIODS[quick]}
     return templates.get_template("claims.md.jinja").render(words)
 
