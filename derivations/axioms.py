@@ -125,7 +125,7 @@ EQUATIONS = (
     ),
     _assumed(
         STICK,
-        "friction holds a contact at rest as long as this is not negative; $f = |F_x|/F_z$",
+        "margin of the friction that holds a contact at rest, $f = |F_x|/F_z$",
         r"\mu - |F_x|/F_z",
         check=lambda form: (form.subs(held, mu), form.diff(held) + 1),
     ),

@@ -23,6 +23,7 @@ from .equality import components
 from .lecture import TEXTS
 from .lookup import entry_of
 from .newton import contact_change, contact_velocity
+from .slip_stick import stick_margin
 from .symbols import (
     F_x,
     F_z,
@@ -158,6 +159,7 @@ def geometry() -> Figure:
 
 # regime: tilt in degrees and u_0, under v_0 = -1; whether friction then holds it or it slips back
 IMPACTS = {"slide": (30, 2.2), "slip-stick": (12, 1.1), "slip reversal": (45, 0.8)}
+ENDED = {"u": "no slip", "v": "deepest"}  # where a contact velocity vanishes
 
 
 def _at(regime: str) -> At:
@@ -166,8 +168,15 @@ def _at(regime: str) -> At:
 
 
 def path(regime: str) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Corner of a path in the plane of impulses, and its end under each law, for v_0 = -1."""
-    at, code = _at(regime), kernel.SLIDE + list(IMPACTS).index(regime)
+    """Corner of a path in the plane of impulses, and its end under each law, for v_0 = -1.
+
+    ValueError if the impact is of another regime.
+    """
+    at = _at(regime)
+    conditions = slide.slide_excess(), stick_margin(), 1
+    code = kernel.SLIDE + next(i for i, x in enumerate(conditions) if _number(x, at) > 0)
+    if list(IMPACTS)[code - kernel.SLIDE] != regime:
+        raise ValueError(f"{regime} is of the code {code}")
     *stop, v_1 = (_number(part, at) for part in slide.stop())
     order = "early" if v_1 < 0 else "late"
     ends = {
@@ -186,13 +195,14 @@ def impulses(regime: str) -> Figure:
     top = (2 if regime == "slide" else 1.25) * last[1]
     reach = np.array([0, top])
     du, dv = contact_change(P_x, P_z)
-    for step, line, color, style, word in (
-        ("slide.slip_velocity", u_0 + du, PINK, "--", "no slip"),
-        ("slide.normal_velocity", v_0 + dv, GREY, "-.", "deepest"),
+    for step, line, color, style in (
+        ("slide.slip_velocity", u_0 + du, PINK, "--"),
+        ("slide.normal_velocity", v_0 + dv, GREY, "-."),
     ):
+        left = LEFTS[step][0]
         (across,) = sp.solve(line, P_x)
         at = [_number(across, _at(regime) | {P_z: p}) for p in reach]
-        axes.plot(at, reach, style, color=color, lw=1.4, label=f"${LEFTS[step][0]} = 0$: {word}")
+        axes.plot(at, reach, style, color=color, lw=1.4, label=f"${left} = 0$: {ENDED[left]}")
     for direction in (1, -1):
         edge = slide.friction(P_z, direction)
         slope = _number(edge / P_z, {})
@@ -245,7 +255,17 @@ _DRAWN: dict[str, Callable[[], Figure]] = {
     **{f"path-{x.replace(' ', '-')}": partial(impulses, x) for x in IMPACTS},
     "regimes": regimes,
 }
-_WORDS = {
+
+
+def _pushed(direction: int, *words: str) -> str:
+    """The first word if friction in a slip of this direction points to -x, else the second."""
+    return words[_number(slide.friction(sp.S.One, direction), {}) > 0]
+
+
+WORDS = {
+    "edge": _pushed(1, "left", "right"),
+    "back": _pushed(-1, "left", "right"),
+    "push": _pushed(-1, "backward", "forward"),
     "friction": FRICTION,
     "restitution": RESTITUTION,
     "approach": -MAP[v_0] / MAP[u_0],
@@ -254,6 +274,6 @@ _WORDS = {
     "edges": "; ".join(f"{color}: {entry_of(tag).what} ({tag})" for tag, color in EDGES.items()),
 }
 DRAWINGS = {
-    name: Drawing(name, words["title"], words["caption"] % _WORDS, _DRAWN[name])
+    name: Drawing(name, words["title"], words["caption"] % WORDS, _DRAWN[name])
     for name, words in TEXTS["drawings"].items()
 }

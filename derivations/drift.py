@@ -25,6 +25,7 @@ from .symbols import (
     theta,
 )
 from .trace import derived, say, solve
+from .typeset import latex
 
 CASES = "stick", "back"
 _IMPULSES = {"slide": slide.impulse, "stick": slip_stick.impulse, "back": slip_reversal.impulse}
@@ -44,14 +45,15 @@ def landing(case: str) -> Pair:
 
 @derived("c'_x", "c'_z")
 def stationary(case: str) -> Pair:
-    """The landing that repeats itself, with $c'_z = -c_z$."""
+    """The landing that repeats itself."""
     after = dict(zip((after_x, after_z), landing(case), strict=True))
     _, along, across = CLOSURE({}).subs(after)
+    _, *closure = map(latex, CLOSURE({}))
     before_x, before_z = solve(
         [along, across],
         [c_x, c_z],
-        r"The closure, $c_x - c'_x = 0$ and $c_z + c'_z = 0$, with this velocity for $\omega = 0$, "
-        "cleared of denominators; two linear equations, solved for $c_x$ and $c_z$",
+        f"The closure, ${' = '.join(closure)} = 0$, with this velocity, cleared of denominators; "
+        "two linear equations, solved for $c_x$ and $c_z$",
     )
     return sp.factor(before_x), sp.factor(-before_z)
 
@@ -81,11 +83,13 @@ def _drifts() -> dict[str, sp.Expr]:
 
 @derived("W/(m g s)")
 def cost_of_transport() -> sp.Expr:
-    """Work of the plate, $P_z V_z$, per weight and distance: a flight lasts $2 c'_z/g$."""
+    """Work of the plate, $P_z V_z$, per weight and distance of the flight that follows."""
     p_z = sp.Symbol("p_z")
     (up,) = solve(CLOSURE({})[2], after_z)
     (impulse,) = solve(c_z + velocity_change(p_z, "dc_z") - up, p_z)
-    return impulse * V_z / (m * g * c_x * 2 * up / g)
+    flight = 2 * up / g
+    say("The flight lasts", "t", flight)
+    return impulse * V_z / (m * g * c_x * flight)
 
 
 @derived("c'_x - c_x")
@@ -96,7 +100,7 @@ def slide_loss() -> sp.Expr:
 
 @derived("V_z")
 def plate_velocity() -> sp.Expr:
-    r"""The mean of the plate's velocity $V_0 \cos\theta$ over the density of landing phases."""
+    """The mean of the plate's velocity over the density of landing phases."""
     mean = sp.Integral(V_0 * sp.cos(theta) * LANDING_PHASES({}), (theta, 0, 2 * sp.pi))
     say("The integral", "V_z", mean)
     return mean.doit()

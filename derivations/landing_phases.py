@@ -55,7 +55,7 @@ def density() -> sp.Expr:
 
 @derived("V_z/V_0", "b_{min}")
 def consistent_alpha() -> Pair:
-    r"""The fall that the closure asks for, $q = b V_z/V_0$, and the least $b$ with $q \ge 1$."""
+    """The fall that the closure asks for, and the $b$ with which it is as fast as the plate."""
     fitting = sp.Symbol("{V_z/V_0}", positive=True)
     (alpha,) = solve(mean_speed(False).subs(q, bounce * fitting) - fitting, fitting)
     (least,) = solve(bounce * alpha - 1, bounce)

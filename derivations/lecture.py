@@ -28,6 +28,10 @@ class Part(NamedTuple):
     text: tuple[str, ...]
     drawings: tuple[str, ...] = ()
 
+    def said(self, words: Mapping[str, Any]) -> "Part":
+        """The same with words that are computed."""
+        return self._replace(text=tuple(paragraph % words for paragraph in self.text))
+
 
 class Letter(NamedTuple):
     """One line of the table."""

@@ -75,7 +75,7 @@ def _turned(lever: Lever, order: int) -> sp.Matrix:
 
 @derived("u", "v")
 def contact_velocity(lever: Lever) -> sp.Matrix:
-    r"""The centre's velocity, plus $\omega$ times that, less the plate's $(0, V_z)$."""
+    r"""The centre's velocity, plus $\omega$ times that, less the plate's."""
     return sp.Matrix([c_x, c_z - V_z]) + omega * _turned(lever, 1)
 
 

@@ -61,7 +61,7 @@ def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 
 @derived("u_{*, %(case)s}")
 def slip_left(case: str) -> sp.Expr:
-    """Of the stationary landing: the slip stops where it is negative, as the regime assumes."""
+    """Of the stationary landing: the slip that a slide would leave, if its slip never stopped."""
     at = {u_0: stationary(case)[0], v_0: landing_velocity(case)}
     return sp.factor(slide_excess().subs(at))
 

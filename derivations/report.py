@@ -16,7 +16,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from . import closed_forms, lecture, paper, typeset
-from .drawings import DRAWINGS
+from .drawings import DRAWINGS, WORDS
 from .equality import Form, components
 from .lecture import EXERCISES, LETTERS, to_html
 from .proof import Equation
@@ -152,7 +152,7 @@ def html(rows: Sequence[Row], prepared: Mapping[str, Any], progress: Progress = 
         counts=Counter(row.verdict for row in rows),
         sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
         functions=closed_forms.FUNCTIONS,
-        parts=lecture.PARTS,
+        parts={title: part.said(WORDS) for title, part in lecture.PARTS.items()},
         drawings=DRAWINGS,
         letters=LETTERS,
         exercises=[(question, by_tag[tag].note) for tag, question in EXERCISES.items()],

@@ -14,7 +14,7 @@ from .trace import derived
 
 @derived("u_f", "v_f - v_1")
 def reversed_change(p_z: sp.Expr) -> Pair:
-    r"""Change of the contact velocity in backward slip from $u = 0$: (5), (6), $F_x = \mu F_z$."""
+    """Change of the contact velocity in backward slip from $u = 0$: (5), (6), its friction."""
     return contact_change(friction(p_z, -1), p_z)
 
 

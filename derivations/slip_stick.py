@@ -27,14 +27,14 @@ P_2 = sp.Symbol("P_2", positive=True)  # normal impulse after the slip has stopp
 @derived("F_x")
 def sticking_force() -> sp.Expr:
     """The friction force that keeps the contact point at rest: (5) without acceleration."""
-    sentence = r"The contact point rests, $\dot v_x = 0$ in (5); solved for $F_x$"
+    sentence = "The contact point rests, so that (5) is zero; solved for $F_x$"
     (force,) = solve(contact_force(0), F_x, sentence)
     return force
 
 
 @derived(r"\mu - |F_x|/F_z")
 def stick_margin() -> sp.Expr:
-    """For $XZ > 0$ friction holds the contact where this is positive, by the force (17)."""
+    """The margin of sticking for $XZ > 0$, by the force (17)."""
     return sp.together(STICK({held: sticking_force() / F_z}))
 
 

@@ -15,7 +15,7 @@ from .drift import landing, thin_stationary
 from .equality import DIGITS, Residuals
 from .lecture import PAPER, degrees, formula, number
 from .proof import Equation
-from .symbols import c_x, c_z, epsilon, h_0, mu, phi
+from .symbols import c_x, c_z, epsilon, h_0, length, mu, phi
 from .trace import derived, solve
 from .typeset import latex
 
@@ -91,7 +91,8 @@ _APPENDIX_A = {  # in d, g and virtual spheres
     damping: paper.printed("A: unit of gamma").as_coeff_Mul()[0],
     speed: 1,
 }
-_MASSES = sp.Rational(1, 2), sp.S.One, paper.printed("[12]: mass").subs(h_0, sp.Rational(17, 2))
+_LENGTH = paper.setting("Fig. 6")[length]  # in d, caps included
+_MASSES = sp.Rational(1, 2), sp.S.One, paper.printed("[12]: mass").subs(h_0, _LENGTH - 1)
 
 
 def _damping_told() -> str:

@@ -72,7 +72,7 @@ def critical_tangents() -> Pair:
 
 @derived(r"\phi_c")
 def critical_tilt() -> sp.Expr:
-    r"""Half of the angle of this cosine, $(1 - \tan^2\phi)/(1 + \tan^2\phi)$ at the lower root."""
+    """Half of the angle of this cosine, which follows from the tangent at the lower root."""
     lower, _ = critical_tangents()
     cosine = sp.factor_terms(sp.radsimp(sp.cancel((1 - lower**2) / (1 + lower**2))))
     say("The cosine of twice the tilt, freed of the root below the line", r"\cos 2\phi", cosine)
@@ -81,7 +81,7 @@ def critical_tilt() -> sp.Expr:
 
 @derived(r"\phi_c")
 def small_friction(order: int) -> sp.Expr:
-    """The tilt of the smaller tangent, expanded in the friction."""
+    """The tilt of this tangent, expanded in the friction."""
     tangent = sp.series(critical_tangents()[0], mu, 0, order).removeO()
     return sp.series(sp.atan(tangent), mu, 0, order).removeO()
 

@@ -26,6 +26,7 @@ from derivations import (
 from derivations.equality import components, equal, equal_at_random_points, same
 from derivations.lookup import entry_of
 from derivations.proof import told
+from impact import classify, thin_rod
 
 from .page import Page, plain, stands_alone
 from .test_derivations import EQUATIONS, each_entry, each_equation
@@ -215,6 +216,13 @@ def test_paths_in_the_plane_of_impulses(regime, later):
     assert corner[1] < ends["poisson"][1] < ends["stronge"][1] < ends["newton"][1]
 
 
+@pytest.mark.parametrize(("regime", "wrong"), [("slide", (30, 0.6)), ("slip reversal", (8, 0.8))])
+def test_an_impact_of_another_regime_has_no_path(monkeypatch, regime, wrong):
+    monkeypatch.setitem(drawings.IMPACTS, regime, wrong)
+    with pytest.raises(ValueError, match=regime):
+        drawings.path(regime)
+
+
 def test_letters_stand_beside_what_they_mean():
     """Each once; an arrow of x or z lies along that axis, as do the axes of a plane."""
     axes, *_ = drawings.geometry().axes
@@ -225,6 +233,9 @@ def test_letters_stand_beside_what_they_mean():
     for word, arrow in zip(words[4:-1], arrows[:-1], strict=True):
         along = np.subtract(arrow.xy, arrow.xyann)
         assert list(along != 0) == ["x" in word, "z" in word]
+        assert (along.sum() < 0) == (word == "$F_{x}$")  # friction of forward slip
+    assert arrows[-1].xy[0] > arrows[-1].xyann[0]  # the top turns towards +x
+    assert (axes.patches[0].theta1, axes.patches[0].theta2) == pytest.approx((60, 90))
     plane, *_ = drawings.impulses("slip-stick").axes
     corner = {line.get_label(): np.transpose(line.get_data()) for line in plane.lines}["path"][1]
     named = zip((plane.get_xlabel(), plane.get_ylabel()), "xz", corner, strict=True)
@@ -241,6 +252,11 @@ def test_colours_of_a_caption_are_those_of_the_lines():
     for line, tag in zip(drawn, ("14", "16"), strict=True):
         (color,) = (x for x, y in drawings.COLORS.items() if to_hex(line.get_edgecolor()[0]) == y)
         assert f"{color}: {entry_of(tag).what} ({tag})" in caption
+    for text in axes.texts:
+        tilt, friction = text.get_position()
+        rod = thin_rod(np.radians(tilt))
+        regime = classify(1.0, -2.0, geometry=rod, friction=friction, restitution=0.65)
+        assert text.get_text().replace("-", " ").upper() == regime.name.replace("_", " ")
 
 
 @each_equation
@@ -282,10 +298,12 @@ def test_every_section_with_equations_has_its_text(source):
     assert set(lecture.PARTS) <= set(titles)
     for part in lecture.PARTS.values():
         for text in part.text:
-            assert str(report._sentence(text)) in source
+            assert str(report._sentence(text % drawings.WORDS)) in source
     drawn = [name for part in lecture.PARTS.values() for name in part.drawings]
     assert drawn == list(drawings.DRAWINGS)
     whole = " ".join(text for part in lecture.PARTS.values() for text in part.text)
     for reference in lecture.REFERENCES:
         name = re.match(r"(?:[A-Z]\. )+(\w+)", reference)[1]
         assert name in whole or name in report.ABOUT
+    for name, year in re.findall(r"(\w+) \(?(\d{4})\)", whole):
+        assert any(name in x and f"({year})" in x for x in lecture.REFERENCES)
