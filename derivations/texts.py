@@ -44,6 +44,7 @@ _SENSES = {
     "slip stops": "_1",
     "stopped": "_2",
     "separation": "_[f*]",
+    "compression": "_c$",
     "before the impact": "^c_|_0",
     "after the impact": "prime",
 }

@@ -12,6 +12,7 @@ import pytest
 from numpy.random import default_rng
 
 from derivations import files, kernel, trials
+from impact import Regime
 
 CODE = kernel.KERNEL.read_text(encoding="utf-8")
 TREE = ast.parse(CODE)
@@ -231,3 +232,10 @@ def test_code_that_stops_is_no_proof(monkeypatch, tmp_path):
     proof = kernel.CODE[2].prove()
     assert not proof.ok
     assert "NameError" in proof.evidence
+
+
+def test_codes_are_told_as_they_are():
+    (told,) = (ast.get_docstring(x) for x in TREE.body if getattr(x, "name", "") == "regime_of")
+    for regime in Regime:
+        name = regime.name.lower().replace("_", " ")
+        assert regime < 0 or f"{regime.value} {name}" in told.replace("-", " ")
