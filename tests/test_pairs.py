@@ -136,6 +136,9 @@ def test_bodies_of_one_frame_meet_across_a_normal_at_any_angle():
     first = first._replace(c_z=-3 * np.cos(angle))
     hit = collide_pair(first.turned(angle), second.turned(angle), **HOW)
     assert (hit.regime > Regime.NO_IMPACT).all()
+    single, listed = (REST._replace(X=X) for X in (np.ones(2, np.float32), [0.0, 3.0]))
+    assert single.turned(0.0).X.dtype == np.float32
+    assert listed.turned(0.0).X.tolist() == [0.0, 3.0]
     before, after = (first, second), (hit.first.turned(-angle), hit.second.turned(-angle))
 
     def kept(body):
