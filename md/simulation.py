@@ -280,7 +280,8 @@ def run(scene: Scene, *, periods: int = 200, **options: Any) -> Result:
     observe : called now and then with new touches, (n, touches.WIDTH), which `md.records.touches`
         gives names; they are not kept
     trajectory : file for extended XYZ, a new one or one of frames, which are replaced; when a
-        checkpoint is resumed, those of the periods after it
+        checkpoint is resumed, those of the periods after it, behind the frames that the run had so
+        far, or in a new file
     frames : of the trajectory, per period, evenly, at most one a step (default 1)
     checkpoint : file to save in every minute and at the end; if it is there, the run goes on from
         it and gives bit for bit the numbers of a run that never stopped
@@ -293,7 +294,8 @@ def run(scene: Scene, *, periods: int = 200, **options: Any) -> Result:
     ------
     ValueError
         If an argument is out of its domain, the step is not stable, the checkpoint is of another
-        scene or of other sources, or a file holds other data. No file is changed.
+        scene or of other sources, or a file holds other data, or other frames than the run had so
+        far. No file is changed.
     RunError
         If a state stops being finite, or a contact is deeper than d/2.
     """
