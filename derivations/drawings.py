@@ -262,12 +262,10 @@ def _pushed(direction: int, *words: str) -> str:
     return words[_number(slide.friction(sp.S.One, direction), {}) > 0]
 
 
-_SIDES = ["between", "outside of"]
-if _number(stick_margin(), {phi: sp.atan(2)}) > 0:  # between the critical tilts
-    _SIDES.reverse()
+_HOLDS = _number(stick_margin(), {phi: sp.atan(2)}) > 0  # between the critical tilts
 WORDS = {
-    "slips": _SIDES[0],
-    "sticks": _SIDES[1],
+    "slips": ("between", "outside of")[_HOLDS],
+    "sticks": ("outside of", "between")[_HOLDS],
     "edge": _pushed(1, "left", "right"),
     "back": _pushed(-1, "left", "right"),
     "push": _pushed(-1, "backward", "forward"),

@@ -149,7 +149,7 @@ def energy_change(regime: str) -> sp.Expr:
 
 @derived(r"\kappa_c")
 def energy_threshold(regime: str) -> sp.Expr:
-    """Where Newton's law begins to be able to create energy.
+    """Where Newton's law begins to create energy.
 
     The energy change is a quadratic form in (u_0, v_0) that is negative at both ends of the
     regime; it reaches positive values where its discriminant is positive.

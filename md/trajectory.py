@@ -103,7 +103,7 @@ class Trajectory:
         cell = f"{wide!r} 0 0 0 {deep!r} 0 0 0 {scene.rods.length + 10!r}"
         corner = f"{left!r} {-deep / 2!r} 0"
         head = (
-            f'Lattice="{cell}" Origin="{corner}" Properties={_COLUMNS} '
+            f'{len(rods)}\nLattice="{cell}" Origin="{corner}" Properties={_COLUMNS} '
             f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} phase={phase_at(time):.9g} '
             f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
         )
@@ -112,7 +112,7 @@ class Trajectory:
         if self.kept is not None:  # the first frame
             self.file.truncate(self.file.seek(self.kept))
             self.kept = None
-        self.file.write(f"{len(rods)}\n{head}")
+        self.file.write(head)
         for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
             numbers = [*turn, 0.5, 0.5, scene.rods.length - 1, *velocity, *omega, tilt]
             self.file.write(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
@@ -132,21 +132,23 @@ def _text(numbers: Iterable[float]) -> str:
 
 
 def _of_scene(head: str) -> str:
-    """What of the head of a frame is the same in all frames of a scene."""
+    """What of number and head of a frame is the same in all frames of a scene."""
     return re.sub(r" (Time|phase|plate)=\S+", "", head)
 
 
 def _frames_before(begin: float, path: Path) -> tuple[int | None, list[float], str]:
     """Bytes of the frames before a time; of all frames the times, in periods, and the scene."""
-    kept, place, times, scene = 0, 0, [], ""
+    kept, place = 0, 0
+    times, scene, count = [], "", b""
     with path.open("rb") as lines:
         for line in lines:
             place += len(line)
             if head := re.search(rb" Time=([\d.e+-]+) ", line):
                 times.append(float(head[1]))
-                scene = _of_scene(line.decode())
+                scene = _of_scene((count + line).decode())
             elif line.startswith(b"rod ") and times[-1] < begin:
                 kept = place
+            count = line  # if a head follows
     return kept, times, scene
 
 

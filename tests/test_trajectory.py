@@ -92,7 +92,7 @@ def test_frames_go_on_or_the_run_does_not(tmp_path):
     for frames, file, wrong in ((2, path, "has 4"), (3, path, "has 4"), (1, new, "hold no frame")):
         with pytest.raises(md.InputError, match=wrong):
             md.run(row(), periods=3, trajectory=file, frames=frames, checkpoint=kept)
-    md.run(row("rods.diameter_cm=1"), periods=3, trajectory=new)
+    md.run(row("rods.count=3"), periods=3, trajectory=new)
     with pytest.raises(md.InputError, match="of another scene"):
         md.run(row(), periods=4, trajectory=new, checkpoint=kept)
     assert len(parsed(new)) == 3
