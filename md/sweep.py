@@ -259,6 +259,8 @@ def _axis(number: int, table: object) -> dict[str, list]:
     """Keys and values of one axis."""
     if not isinstance(table, Mapping) or not table:
         raise InputError(f"axes[{number}] must be a table with at least one key, got {table!r}")
+    if any(isinstance(x, Mapping) and "from" not in x and "to" not in x for x in table.values()):
+        raise InputError(f'axes[{number}] must hold "key" = values, keys in quotes, got {table!r}')
     axis = {key: _values(f"axes[{number}].{key}", given) for key, given in table.items()}
     lengths = {key: len(values) for key, values in axis.items()}
     if len(set(lengths.values())) > 1:
