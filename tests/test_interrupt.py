@@ -252,7 +252,7 @@ def test_a_file_that_is_not_finished_is_not_there(tmp_path):
     ("command", "code"),
     [
         ("impact benchmark", 2),
-        ("figures draw alpha", 1),  # as any figure that fails
+        ("figures draw alpha", 2),
         ("md run my_rods --periods 1 --set rods.count=2 --set box.length=2.2", 0),
     ],
 )
