@@ -174,9 +174,10 @@ def path(regime: str) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """
     at = _at(regime)
     conditions = slide.slide_excess(), stick_margin(), 1
-    code = kernel.SLIDE + next(i for i, x in enumerate(conditions) if _number(x, at) > 0)
-    if list(IMPACTS)[code - kernel.SLIDE] != regime:
-        raise ValueError(f"{regime} is of the code {code}")
+    found = next(x for x, form in zip(IMPACTS, conditions, strict=True) if _number(form, at) > 0)
+    if found != regime:
+        raise ValueError(f"the impact of {regime} is one of {found}")
+    code = kernel.SLIDE + list(IMPACTS).index(regime)
     *stop, v_1 = (_number(part, at) for part in slide.stop())
     order = "early" if v_1 < 0 else "late"
     ends = {

@@ -47,13 +47,13 @@ def landing(case: str) -> Pair:
 def stationary(case: str) -> Pair:
     """The landing that repeats itself."""
     after = dict(zip((after_x, after_z), landing(case), strict=True))
-    _, along, across = CLOSURE({}).subs(after)
-    _, *closure = map(latex, CLOSURE({}))
+    closure = CLOSURE({})
+    _, along, across = closure.subs(after)
     before_x, before_z = solve(
         [along, across],
         [c_x, c_z],
-        f"The closure, ${' = '.join(closure)} = 0$, with this velocity, cleared of denominators; "
-        "two linear equations, solved for $c_x$ and $c_z$",
+        f"The closure, ${' = '.join(map(latex, closure[1:]))} = 0$, with this velocity, "
+        "cleared of denominators; two linear equations, solved for $c_x$ and $c_z$",
     )
     return sp.factor(before_x), sp.factor(-before_z)
 

@@ -228,10 +228,14 @@ def test_the_assumed_law_differs_in_the_contacts_alone(assumed):
         assert ({part.law for part in parts} == {simple}) == assumed
 
 
-def test_arrangements_are_those_of_a_run():
+def test_drift_tilt_and_arrangement_are_those_of_a_run():
     d = data("fig05")
     scene = from_tables(put(runs.ANNULUS, {"rods.count": 32}))
     result = md.run(scene, periods=MOST_PERIODS)
+    with tiny():
+        followed = arrangement.followed(scene, MOST_PERIODS)
+    assert followed["c_x_cm_s"] == pytest.approx(result.c_x * np.sqrt(981 * 0.635))
+    assert followed["tilt_deg"] == result.tilt_deg
     assert_array_equal(d["rods_32"], result.rods[:, :6])
     assert d["time"].tolist() == [2, 4, 6, 8]
     assert_allclose(d["mean"], d["series"][:, :, 2:, 0].mean(axis=(1, 2)))
