@@ -3,6 +3,7 @@
 import sympy as sp
 
 from .equality import Pair, Residuals
+from .lecture import meaning
 from .proof import Equation, Repair
 from .symbols import X, Z, diameter, h_0, k, length, m, phi
 from .trace import derived
@@ -43,7 +44,7 @@ def spherocylinder() -> Pair:
 def spherocylinder_gyration() -> sp.Expr:
     """$k^2$ of a solid spherocylinder of overall length $l$ and diameter $d$."""
     mass, inertia = spherocylinder()
-    ratio = (inertia / mass).subs(h_0, (length - diameter) / diameter)
+    ratio = (inertia / mass).subs(h_0, meaning(h_0))
     return sp.factor(diameter**2 * ratio)
 
 

@@ -20,7 +20,7 @@ from . import kernel, slide, thin_rod
 from .axioms import lever_x, lever_z
 from .bodies import THIN
 from .equality import components
-from .lecture import TEXTS
+from .lecture import TEXTS, identity
 from .lookup import entry_of
 from .newton import contact_change, contact_velocity
 from .slip_stick import stick_margin
@@ -264,12 +264,16 @@ def _pushed(direction: int, *words: str) -> str:
 
 
 _HOLDS = _number(stick_margin(), {phi: sp.atan(2)}) > 0  # between the critical tilts
+_N, _T = r"(k^2 + X^2 + \mu XZ)", r"(XZ + \mu (k^2 + Z^2))"
 WORDS = {
     "slips": ("between", "outside of")[_HOLDS],
     "sticks": ("outside of", "between")[_HOLDS],
     "edge": _pushed(1, "left", "right"),
     "back": _pushed(-1, "left", "right"),
+    "against": _pushed(1, "against", "along"),
     "push": _pushed(-1, "backward", "forward"),
+    "sum_z": identity(f"k^2 (k^2 + X^2 + Z^2) = (k^2 + Z^2) {_N} - XZ {_T}"),
+    "sum_x": identity(rf"\mu k^2 (k^2 + X^2 + Z^2) = (k^2 + X^2) {_T} - XZ {_N}"),
     "friction": FRICTION,
     "restitution": RESTITUTION,
     "approach": -MAP[v_0] / MAP[u_0],

@@ -13,9 +13,10 @@ import sympy as sp
 from sympy.simplify.fu import TR7
 
 from . import paper
+from .axioms import after_z
 from .drift import thin_stationary
 from .equality import DIGITS, Pair, Residuals
-from .lecture import PAPER, degrees, number
+from .lecture import PAPER, degrees, meaning, number
 from .proof import Equation
 from .symbols import V_z, epsilon, phi, theta
 from .trace import derived, solve
@@ -105,7 +106,7 @@ def _shadow_of_a_rod(form: sp.Expr) -> Residuals:
     """The rod that the plate just touches as it turns away is met next by theta_s of one later."""
     with mpmath.workdps(DIGITS + 30):
         _, phases = _touched(mpmath.mpf(3) / 5, 60)
-    return [form.subs(phases)]
+    return [form.subs(phases), meaning(theta_0, q).subs(phases) - phases[theta_0]]
 
 
 def _rods_counted(form: sp.Expr) -> Residuals:
@@ -172,7 +173,7 @@ def _fall_of_the_paper() -> sp.Expr:
 
 
 def _closure_told() -> str:
-    upright = (thin_stationary("stick")[1] / V_z).subs(phi, 0).subs(PAPER)
+    upright = meaning(bounce).subs(after_z, thin_stationary("stick")[1]).subs(phi, 0).subs(PAPER)
     alpha = consistent_alpha()[0]
     half = sp.S.Half
     return (
@@ -220,7 +221,7 @@ EQUATIONS = (
         "V: alpha and closure",
         (
             "$V_z/V_0$ if the rod falls as fast as the closure has it rise, $q = b V_z/V_0$ "
-            "with $b = c_z'/V_z$; and the smallest $b$ for which that holds"
+            "with $b = c'_z/V_z$; and the smallest $b$ for which that holds"
         ),
         "(V_z/V_0, b_{min})",
         derive=consistent_alpha,

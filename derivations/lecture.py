@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from . import paper
-from .equality import components
+from .equality import components, equal
 from .symbols import V_z, X, Z, epsilon, k, mu, phi
 from .typeset import latex, mathml, words
 
@@ -114,9 +114,10 @@ EXERCISES = {  # by the entry whose note answers it
 }
 
 
-def meaning(letter: sp.Symbol) -> sp.Expr:
-    """What a letter stands for, by the formula of its meaning."""
-    return paper.read(_MEANINGS[letter.name].split("$")[1], paper.LETTERS)
+def meaning(letter: sp.Symbol, *others: sp.Symbol) -> sp.Expr:
+    """What a letter stands for, by the formula of its meaning, which may have other letters."""
+    known = paper.LETTERS | {latex(x): x for x in others}
+    return paper.read(_MEANINGS[letter.name].split("$")[1], known)
 
 
 def number(value: sp.Expr, digits: int = 2) -> str:
@@ -132,6 +133,13 @@ def degrees(angle: sp.Expr, digits: int = 1) -> str:
 def formula(form: sp.Expr) -> str:
     """A form between dollar signs."""
     return f"${latex(form)}$"
+
+
+def identity(equation: str) -> str:
+    """An equation in the paper's letters between dollar signs; ValueError if it does not hold."""
+    if not equal(*(paper.read(side, paper.LETTERS) for side in equation.split(" = "))):
+        raise ValueError(f"it is not so: {equation}")
+    return f"${equation}$"
 
 
 def falls(form: sp.Expr, letter: sp.Symbol, zero: sp.Expr) -> bool:

@@ -16,7 +16,7 @@ noted      words or a citation of the paper, quoted; nothing is proved of it
 A printed form is the paper's LaTeX (module `paper`), read; its left side must be that of the step
 which derives it. Where it is not printed, or no step has it, the entry has one that must be that
 of the other; another one is read itself, and has the derived value. The words of a note are
-computed with its proof, those of a sentence compared with the left side and with the steps.
+computed with its proof.
 """
 
 import re
@@ -35,26 +35,6 @@ from .typeset import tidy
 
 Verdict = Literal["", "agrees", "erratum", "assumed", "new", "noted"]
 Words: TypeAlias = str | Callable[[], str]  # those that are computed are computed once, when asked
-
-# Words of a left side, and those of the sentence, which come in the same order.
-SAID = {
-    "stick": "slip-stick",
-    "back": "slip reversal",
-    "slide": "slide",
-    "early": "early",
-    "late": "late",
-    "lower": "lower",
-    "upper": "upper",
-    "min": "smallest",
-    "max": "largest",
-    "round": "spherocylinder",
-    "flat": "flat",
-}
-# Words of a sentence, and letters of which the left side has one.
-_AXES = {
-    "horizontal|tangential|drift|along the plate": "_x",
-    "vertical|normal (impulse|contact)|across the plate": "_z|v_[1f]",
-}
 
 # A plain impact of the kind the paper treats (u_0 > 0, v_0 < 0), for counter-examples.
 _EXAMPLE = """
@@ -255,25 +235,6 @@ class Equation:
                 known = step and paper.bare(left).startswith(paper.bare(step))  # u is u_* in (7)
                 if left and not known:
                     return f"a step calls {step} what is {left}"
-        if (self.what + told(self)).count("$") % 2:
-            return "a formula of the note does not end"
-        return self._missaid()
-
-    def _missaid(self) -> str:
-        """What is wrong with a word of the sentence; nothing if all is well."""
-        what = self.what
-        left = ", ".join(self.lefts)
-        words = [SAID[x] for x in dict.fromkeys(re.findall("[a-z]+", left)) if x in SAID]
-        places = [what.find(word) for word in words]
-        if -1 in places or places != sorted(places):
-            return f"the sentence has not {', '.join(words)}, in this order"
-        for said, letters in _AXES.items():
-            if re.search(said, what) and not re.search(letters, left):
-                return f"the sentence has {said}, the left side is {left}"
-        taken = {x for x in trace.names(self.steps, "derived") if x.endswith(".impulse")}
-        for word in ("slide", "slip-stick", "slip reversal"):
-            if taken and word in what and re.sub("[- ]", "_", word) + ".impulse" not in taken:
-                return f"the sentence has {word}, of which no step is taken"
         return ""
 
     def _lefts_of_steps(self) -> list[str]:

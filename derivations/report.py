@@ -24,13 +24,7 @@ from .registry import SECTIONS, Entry, Progress, Row
 from .steps import Reader
 
 TITLE, ABOUT = lecture.TEXTS["title"], lecture.TEXTS["about"]
-VERDICTS = {  # sign, and what the word means
-    "agrees": ("✓", "the difference of both forms simplifies to zero"),
-    "erratum": ("✗", "a mistake as printed in our copy: a point where both forms differ"),
-    "assumed": ("◇", "an axiom or a closure: nothing to derive it from"),
-    "new": ("★", "not in the paper; proved by a second route"),
-    "noted": ("✎", "words or a citation of the paper, quoted; nothing is proved of it"),
-}
+VERDICTS = lecture.TEXTS["verdicts"]  # sign, and what the word means
 PRINTED = "As printed in our copy"
 _NUMBERED = re.compile(r"(B?\d+)(?:: (.*))?")
 _TAGS = {entry.tag for _, entries in SECTIONS for entry in entries}
@@ -154,7 +148,7 @@ def html(rows: Sequence[Row], prepared: Mapping[str, Any], progress: Progress = 
         functions=closed_forms.FUNCTIONS,
         parts={title: part.said(WORDS) for title, part in lecture.PARTS.items()},
         drawings=DRAWINGS,
-        letters=LETTERS,
+        letters=[x._replace(meaning=x.meaning % WORDS) for x in LETTERS],
         exercises=[(question, by_tag[tag].note) for tag, question in EXERCISES.items()],
         references=lecture.REFERENCES,
         progress=progress,

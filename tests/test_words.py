@@ -1,14 +1,19 @@
 """Words of notes follow their numbers; routes that prove by numbers tell a wrong form."""
 
+import shutil
+from dataclasses import replace
 from inspect import signature
+from pathlib import Path
 
 import pytest
 import sympy as sp
 
 import md
-from derivations import landing_phases, lecture, paper
+from derivations import landing_phases, lecture, paper, texts, trace
 from derivations.symbols import X, Z, epsilon, mu
 from figures.paper import fig11
+
+from .test_derivations import BY_TAG, EQUATIONS
 
 x = sp.Symbol("x")
 
@@ -64,3 +69,54 @@ def test_rods_counted_one_by_one_tell_a_wrong_mean():
     form = landing_phases.mean_speed(True)
     assert landing_phases._rods_counted(form) == [0]
     assert landing_phases._rods_counted(form * (1 + sp.Float("1e-8", 30))) != [0]
+
+
+@pytest.mark.parametrize(
+    ("tag", "field"),
+    [("23", "about"), ("23", "note"), ("4", "note"), ("IV: large ratio", "mistake")],
+)
+def test_words_of_an_entry_are_sealed(tag, field):
+    words = getattr(BY_TAG[tag], field)
+    other = (lambda: words() + "!") if callable(words) else words + "!"
+    changed = replace(BY_TAG[tag], **{field: other})
+    entries = [changed if entry.tag == tag else entry for entry in EQUATIONS]
+    assert texts.digest(EQUATIONS) == texts.READ != texts.digest(entries)
+
+
+def test_words_of_steps_and_functions_are_sealed(monkeypatch):
+    for changed in (
+        (trace.STEPS["bodies.round_contact"], "__doc__", "Above the centre of its lower cap."),
+        (texts, "FUNCTIONS", texts.FUNCTIONS[1:]),
+    ):
+        with monkeypatch.context() as patch:
+            patch.setattr(*changed)
+            assert texts.digest(EQUATIONS) != texts.READ
+    monkeypatch.setitem(trace.LEFTS, "optimum.painleve_friction", (r"\epsilon_P",))
+    assert texts.digest(EQUATIONS) != texts.READ
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("lecture.toml", "acts twice on its", "acts once on its"),
+        ("languages.toml", "above which it sticks again", "below which it sticks again"),
+        ("templates/report.html", "what\nholds after", "what\nholds before"),
+    ],
+)
+def test_words_of_files_are_sealed(name, old, new, tmp_path, monkeypatch):
+    copy = tmp_path / "copy"
+    shutil.copytree(Path(texts.__file__).parent, copy)
+    text = (copy / name).read_text()
+    assert text.count(old) == 1
+    (copy / name).write_text(text.replace(old, new))
+    monkeypatch.setattr(texts.resources, "files", lambda _: copy)
+    assert texts.digest(EQUATIONS) != texts.READ
+
+
+def test_remarks_of_the_code_are_sealed(tmp_path, monkeypatch):
+    text = texts.KERNEL.read_text()
+    changed = text.replace("XZ >= 0", "XZ <= 0")
+    assert changed != text
+    (tmp_path / "code.py").write_text(changed)
+    monkeypatch.setattr(texts, "KERNEL", tmp_path / "code.py")
+    assert texts.digest(EQUATIONS) != texts.READ
