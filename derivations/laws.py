@@ -154,8 +154,8 @@ def energy_threshold(regime: str) -> sp.Expr:
     The energy change is a quadratic form in (u_0, v_0) that is negative at both ends of the
     regime; it reaches positive values where its discriminant is positive.
     """
-    quadratic = sp.Poly(sp.numer(energy_change(regime)).subs(v_0, -1), u_0)
-    gain = quadratic.discriminant().subs(epsilon, sp.solve(meaning(kappa) - kappa, epsilon)[0])
+    a, b, c = sp.Poly(sp.numer(energy_change(regime)).subs(v_0, -1), u_0).all_coeffs()
+    gain = (b**2 - 4 * a * c).subs(epsilon, sp.solve(meaning(kappa) - kappa, epsilon)[0])
     roots = solve(sp.numer(sp.factor(gain)), kappa, _DOUBLE)
     point = {A: 3, B: sp.Rational(3, 2), C: 2, mu: sp.Rational(1, 5)}
     (inside,) = (root for root in roots if 0 < root.subs(point).evalf() < 1)
