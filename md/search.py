@@ -488,11 +488,12 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     names = [parameter.name for parameter in parameters]
     if not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be there, with different names, got {names}")
-    keys = ["start.seed", *{key for target in targets for key in target.place}]
+    common = changes_of("set", tables.get("set", {}))
+    keys = ["start.seed", *common, *{key for target in targets for key in target.place}]
     keys += (key for parameter in parameters for key in parameter.keys)
     for key in keys:
         if keys.count(key) > 1:
-            raise InputError(f"{key} is set twice at once, by parameters, data or seeds")
+            raise InputError(f"{key} is set twice at once, by set, parameters, data or seeds")
     given = listed(tables.get("seeds", [1, 2])) or []
     seeds = tuple(whole("seeds", seed, 0, 2**32) for seed in given)
     if not seeds or len(set(seeds)) < len(seeds):
@@ -501,7 +502,7 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     if points & (points - 1):
         raise InputError(f"points must be a power of two, for a Sobol sequence, got {points}")
     return Search(
-        base=put(base, changes_of("set", tables.get("set", {}))),
+        base=put(base, common),
         periods=whole("periods", tables.get("periods", 200), 1, MOST_PERIODS),
         seeds=seeds,
         parameters=parameters,

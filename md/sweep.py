@@ -292,12 +292,12 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
         periods = 0
     given = held("axes", tables.get("axes", []), list)
     axes = tuple(_axis(i, table) for i, table in enumerate(given))
-    keys = [key for axis in axes for key in axis]
+    common, points = changes_of("set", tables.get("set", {})), []
+    keys = [*common, *(key for axis in axes for key in axis)]
     if len(set(keys)) < len(keys):
-        raise InputError(f"a key may stand on one axis alone, got {keys}")
+        raise InputError(f"a key may stand on one axis alone, or under set, got {keys}")
     if (size := math.prod(Sweep(axes, ()).shape)) > _MOST_POINTS:
         raise InputError(f"a sweep may have {_MOST_POINTS} points, got {size}")
-    common, points = changes_of("set", tables.get("set", {})), []
     along = [[dict(zip(a, v, strict=True)) for v in zip(*a.values(), strict=True)] for a in axes]
     for place in itertools.product(*along):
         changes = changes_of("axes", {key: value for part in place for key, value in part.items()})

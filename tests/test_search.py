@@ -154,9 +154,10 @@ def test_a_search_goes_on_where_it_stopped(found, store):
         ({"data": {"file": "none.csv", "result": "c_x"}}, "none.csv: cannot be read"),
         ({"data": {"file": "drift.csv", "result": "c_z"}}, "must have columns c_z, error"),
         ({"set": {"rods": {"count": 20}}}, "set must hold .* in quotes"),
+        ({"set": {"start.seed": 3}}, "start.seed is set twice at once"),
         (
             {"parameters": [{"keys": ["box.length"], "from": 41, "to": 60}]},
-            "box.length is set twice at once, by parameters, data or seeds",
+            "box.length is set twice at once, by set, parameters, data or seeds",
         ),
         ({"parameters": PARAMETERS[:1] * 2}, "parameters must be there, with different names"),
         ({"parameters": [PARAMETERS[0], {**PARAMETERS[0], "name": "mu"}]}, "friction is set twice"),
