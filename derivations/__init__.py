@@ -28,7 +28,8 @@ landing_phases                      landing phases by the flux of impacts, and V
 laws, pairs                         other restitutions, energy; any two bodies
 statements                          sentences of the text; dimensions of Appendix A
 second_routes                       whole impacts from conservation laws, for the proofs
-texts                               what sentences say of equations and letters, compared
+texts                               what sentences say of equations and letters, compared; the
+                                    seal of the words that were read
 registry                            all entries: the paper's way first, then what is new
 rewrites                            rules that make a form compute well, each one proved
 closed_forms                        what generated functions compute (functions.toml: how)
@@ -58,6 +59,8 @@ To add an equation
    `lecture.so`, which refuses them where it is not so. Formulas in sentences stand between dollar
    signs; a left side such as v_f - v_1 is read and has its step's value (module `trace`). Its
    letters stand in lecture.toml, with their dimensions; "(5)" is what was taken (module `texts`).
+   Who changes words reads them beside their forms, on the page, and renews their seal, which
+   `check` asks for: `texts.READ`.
 3. If it should be a function: a `Function` in `closed_forms.py` derives its outputs;
    functions.toml has its words, and the assignments that compute it well, as they are generated
    (module `rewrites` proves them).
