@@ -114,7 +114,8 @@ EQUATIONS = (
         r"the impact is short and its force large: $\tau \to 0$ with the impulse kept",
         "F",
         check=lambda form: (tau * form - P,),
-        note="place and tilt of the rod, gravity and the plate's velocity do not change meanwhile",
+        note="place and tilt of the rod and the plate's velocity do not change meanwhile, and "
+        "gravity gives no impulse",
     ),
     _assumed(
         SLIP,
@@ -138,6 +139,6 @@ EQUATIONS = (
     _assumed(
         LANDING_PHASES,
         "density of landing phases",
-        note="a fit to simulations",
+        note="the paper's approximation to its simulations",
     ),
 )

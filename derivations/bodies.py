@@ -80,7 +80,7 @@ def thin_contact() -> Pair:
 
 @derived("X_{round}", "Z_{round}")
 def round_contact() -> Pair:
-    """$(X, Z)$ of a spherocylinder: straight below the centre of its lower cap."""
+    """$(X, Z)$ of a spherocylinder, which touches straight below the centre of its lower cap."""
     return _stand(-(length - diameter) / 2 * _axis + diameter / 2 * _down)
 
 

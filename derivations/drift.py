@@ -94,7 +94,7 @@ def cost_of_transport() -> sp.Expr:
 
 @derived("c'_x - c_x")
 def slide_loss() -> sp.Expr:
-    """What a slide without spin takes of $c_x$."""
+    """Change of $c_x$ in a slide without spin."""
     return sp.factor(landing("slide")[0] - c_x)
 
 

@@ -404,9 +404,9 @@ CODE = (
         ),
         wrong=wrong_impacts,
         tried=f"run in {len(list(situations()))} situations under {len(LAWS)} laws, on numbers of "
-        f"{DIGITS} digits, with every rounding followed to first order, and on letters along every "
-        "path that these took. Roundings left, each as large as its sum or the one that is named: "
-        + "; ".join(claim for claims in ACCURATE.values() for claim in claims),
+        f"{DIGITS + 20} digits, with every rounding followed to first order, and on letters along "
+        "every path that these took. Roundings left, each as large as its sum or the one that is "
+        "named: " + "; ".join(claim for claims in ACCURATE.values() for claim in claims),
     ),
 )
 

@@ -204,7 +204,7 @@ EQUATIONS = (
     ),
     Equation(
         "V: shadow",
-        "height of the strip that is swept beyond one rod: zero where the shadow ends, $q < 1$",
+        "height of the strip swept, less that of a period's rods: zero where the shadow ends, $q < 1$",
         r"h(\theta_s)",
         derive=shadow,
         shown=sp.sin(theta_0) - sp.sin(theta_s) - q * (2 * sp.pi + theta_s - theta_0),
@@ -221,7 +221,7 @@ EQUATIONS = (
         "V: alpha and closure",
         (
             "$V_z/V_0$ if the rod falls as fast as the closure has it rise, $q = b V_z/V_0$ "
-            "with $b = c'_z/V_z$; and the smallest $b$ for which that holds"
+            "with $b = c'_z/V_z$; and the smallest $b$ for which it holds, with $q \\ge 1$"
         ),
         "(V_z/V_0, b_{min})",
         derive=consistent_alpha,

@@ -275,7 +275,7 @@ def _under(name: str, shown: Pair, check: Callable[[sp.Matrix], Residuals]) -> E
     """The entry of the final velocity under a law."""
     return Equation(
         f"laws: {name}",
-        f"$v_f$ under {name}'s restitution: slip stops early, late",
+        f"$v_f$ under {name}'s restitution: slip stops before the end of compression (early), late",
         "(v_{f, early}, v_{f, late})",
         derive=lambda: tuple(final_velocity(name.lower(), o) for o in ("early", "late")),
         shown=shown,
@@ -311,7 +311,7 @@ EQUATIONS = (
     ),
     Equation(
         "laws: slide",
-        "without a corner the three laws say the same",
+        "where the slip does not stop the three laws say the same",
         "v_f^2",
         derive=lambda: tuple(
             final_velocity(law, order).subs(a_2, a_1) ** 2

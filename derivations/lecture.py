@@ -46,7 +46,7 @@ class Letter(NamedTuple):
         return PRINTED.get(self.name, latex(sp.Symbol(self.name)))
 
 
-_CITED = re.compile(r"\((B?\d{1,2})(?:: ([^)]*))?\)")
+_CITED = re.compile(r"\((B?\d{1,2})(?::\s([^)]*))?\)")
 _SOURCE = resources.files(__package__).joinpath("lecture.toml").read_text("utf-8")
 TEXTS = tomllib.loads(_CITED.sub(r"(\1)", _SOURCE))
 CITED = [(number, " ".join(name.split())) for number, name in _CITED.findall(_SOURCE)]

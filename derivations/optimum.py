@@ -167,13 +167,13 @@ def _where_it_holds(words: str, forms: Callable[[str], sp.Matrix]) -> str:
 
 def _pressed_told() -> str:
     more = {mu: painleve_friction() + sp.Symbol("more", positive=True)}
-    return so("$dv/dP_z$ is negative from there on", slopes()["back"], more)
+    return so("$dv/dP_z$ is negative above it", slopes()["back"], more)
 
 
 def _least_told() -> str:
     tangent, friction = least_painleve_friction()
     over = formula(over_tangent(painleve_friction()))
-    return rf"${friction}$ at {degrees(sp.atan(tangent))}; over tilt $\mu_P$ is {over}"
+    return rf"${friction}$ at {degrees(sp.atan(tangent))}; at a tilt it is {over}"
 
 
 EQUATIONS = (

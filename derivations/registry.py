@@ -55,8 +55,8 @@ _SENTENCES = tuple(e for _, group in _PATH for e in group if e.tag in paper.SENT
 
 _TEXTS = Code(
     tag="texts",
-    what="Numbers of equations, words and dimensions of letters, and units in sentences are those "
-    "of what was computed",
+    what="Numbers of equations, dimensions of letters, and units in sentences are those of what "
+    "was computed; all other words are those that were read beside their forms",
     shown=(),
     wrong=lambda _: texts.wrong([x for x in ENTRIES if isinstance(x, Equation)]),
     tried="sentences of steps, entries and functions, prose, the table of letters and left sides",

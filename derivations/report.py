@@ -25,7 +25,7 @@ from .steps import Reader
 
 TITLE, ABOUT = lecture.TEXTS["title"], lecture.TEXTS["about"]
 VERDICTS = lecture.TEXTS["verdicts"]  # sign, and what the word means
-PRINTED = "As printed in our copy"
+PRINTED, TOLD = "As printed in our copy", "As our copy says"
 _NUMBERED = re.compile(r"(B?\d+)(?:: (.*))?")
 _TAGS = {entry.tag for _, entries in SECTIONS for entry in entries}
 
@@ -47,7 +47,8 @@ def forms(entry: Entry) -> list[tuple[str, Form]]:
     """Labelled forms of an entry, the printed one first."""
     if not isinstance(entry, Equation):
         return []
-    found = [] if entry.printed is None else [(PRINTED, entry.printed)]
+    printed = PRINTED if entry.own else TOLD
+    found = [] if entry.printed is None else [(printed, entry.printed)]
     if entry.printed is None or entry.verdict == "erratum":
         how = "Assumed" if entry.verdict == "assumed" else "As derived"
         found.append((how, entry.readable()))
@@ -142,7 +143,7 @@ def html(rows: Sequence[Row], prepared: Mapping[str, Any], progress: Progress = 
         TITLE,
         ABOUT,
         rows=rows,
-        outcome=f"{failed} of them not proved." if failed else "All verdicts are proved.",
+        outcome=f"{failed} of them not proved." if failed else "No verdict failed.",
         counts=Counter(row.verdict for row in rows),
         sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
         functions=closed_forms.FUNCTIONS,

@@ -92,22 +92,26 @@ _APPENDIX_A = {  # in d, g and virtual spheres
     speed: 1,
 }
 _LENGTH = paper.setting("Fig. 6")[length]  # in d, caps included
-_MASSES = sp.Rational(1, 2), sp.S.One, paper.printed("[12]: mass").subs(h_0, _LENGTH - 1)
+_MASSES = {  # reduced, by what touches
+    "two virtual spheres": sp.Rational(1, 2),
+    "one and the plate": sp.S.One,
+    "a rod and the plate": paper.printed("[12]: mass").subs(h_0, _LENGTH - 1),
+}
 
 
 def _damping_told() -> str:
     lost = restitution_lost().subs(_APPENDIX_A)
-    found = ", ".join(f"{number(lost.subs(mass, x))} for $m_r = {number(x, 4)}$" for x in _MASSES)
+    found = ", ".join(f"{number(lost.subs(mass, x))} for {name}" for name, x in _MASSES.items())
     return (
-        f"Appendix A's constants give {found} virtual spheres, at $v_n = {_APPENDIX_A[speed]} "
-        f"(d g)^{{1/2}}$; the paper's restitution is one less {number(1 - PAPER[epsilon])}"
+        f"Appendix A's constants give {found}, at $v_n = {_APPENDIX_A[speed]} (d g)^{{1/2}}$; the "
+        f"paper's restitution of {number(PAPER[epsilon])} asks for {number(1 - PAPER[epsilon])}"
     )
 
 
 EQUATIONS = (
     Equation(
         "IV: large ratio",
-        f"sign of $-c_z/c_x - 1$ at {degrees(_TILT[phi])}, in stationary translation",
+        f"sign of $-c_z/c_x - 1$ at {degrees(_TILT[phi])}, stationary in slip-stick",
         rf"[\mathrm{{sgn}}(-c_z/c_x - 1)]_{{\phi = {latex(_TILT[phi])}}}",
         where=lambda: dict(zip(("c_x", "-c_z"), thin_stationary("stick"), strict=True)),
         said=sp.S.One,
@@ -115,16 +119,16 @@ EQUATIONS = (
         contradicted_by=("24", "25"),
         contradiction=lambda drift, up: _sign((up / drift).subs(THIN).subs(_TILT) - 1),
         mistaken=lambda: _sign(_FIG_10C - 1),
-        mistake=f"the {_FIG_10C} of Fig. 10(c) is taken for typical",
+        mistake=f"perhaps the {_FIG_10C} of Fig. 10(c) is taken for typical",
         note=lambda: (
-            f"it is {formula(stationary_ratio())} of a thin rod: "
+            f"it is {formula(stationary_ratio())} of a thin rod in slip-stick: "
             f"{number(stationary_ratio().subs(_TILT))} at {degrees(_TILT[phi])}"
         ),
     ),
     Equation(
         "V: landings to relax",
-        r"$\mu$ times the number of landings after which exp(-1) of a deviation is left, as "
-        r"$\mu \to 0$",
+        r"$\mu$ times the number of landings after which exp(-1) of a deviation of $c_x$ is left, "
+        r"as $\mu \to 0$",
         r"\mu n",
         derive=landings_to_relax,
         check=_relaxed,

@@ -90,7 +90,7 @@ def small_friction(order: int) -> sp.Expr:
 def largest_reversal_friction() -> Pair:
     """The largest friction at which a thin rod slips back, and the tangent of its tilt."""
     mu_of = over_tangent(critical_friction())
-    say("The edge of (16) over the tangent", r"\mu", mu_of)
+    say("The edge of (16) as a function of the tangent", r"\mu", mu_of)
     (best,) = solve(mu_of.diff(T), T, "Its derivative vanishes where it is largest")
     return mu_of.subs(T, best), best
 
@@ -183,7 +183,7 @@ EQUATIONS = (
     ),
     Equation(
         "IV: mu_c",
-        "largest friction of continuous slide at small tilt",
+        "largest friction of continuous slide at tilt zero",
         derive=_upright_friction,
     ),
     Equation(
@@ -228,7 +228,7 @@ EQUATIONS = (
         contradiction=_at_two,
         mistaken=lambda: critical_friction().subs(THIN).subs(phi, _OVERLOOKING),
         mistake=rf"the friction whose $\phi_c$ is {degrees(_OVERLOOKING)} is taken for the largest "
-        "of all tilts",
+        "over all tilts",
         note=lambda: (
             rf"$\mu = {largest_reversal_friction()[0]}$, at "
             rf"{degrees(sp.atan(largest_reversal_friction()[1]))}"

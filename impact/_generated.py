@@ -8,7 +8,7 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "362a32be48e03ed6"  # sha256 of these functions and the kernel, first 16 digits
+DIGEST = "cc3c5057ee9701d8"  # sha256 of these functions and the kernel, first 16 digits
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
@@ -25,8 +25,8 @@ def approach(c_x, c_z, omega, V_z, X, Z):
 def slip_response(X, Z, k, mu):
     """(N, T): k^2 times dv/dP_z and -du/dP_z in forward slip, Eqs. (5), (6).
 
-    Lengths in m; N, T in m^2. Backward slip: the same with -mu. Operations: as derived 13,
-    collect friction 12.
+    Per unit mass; lengths in m; N, T in m^2. Backward slip: the same with -mu. Operations: as
+    derived 13, collect friction 12.
     """
     N = X * X + k * k + X * Z * mu
     T = X * Z + mu * (Z * Z + k * k)
@@ -152,7 +152,7 @@ def energy_change(P_x, P_z, u_0, v_0, u_f, v_f):
 def critical_friction(X, Z, k):
     """Friction below which a stopped contact slips back, Eqs. (16), (20).
 
-    For XZ >= 0; the sign of XZ is the side to which it slips. Operations: as derived 5,
+    For XZ >= 0; it slips to the side opposite to the sign of XZ. Operations: as derived 5,
     positive denominator 5.
     """
     return X * Z / (Z * Z + k * k)
@@ -180,8 +180,8 @@ def critical_tangents(mu, root):
 def slide_friction(X, Z, k, g):
     """Numerator and denominator of the friction at which u_* = 0, Eq. (14).
 
-    g = (1 + epsilon)(-c_z/c_x), omega = 0, c_x > 0. Operations: as derived 39, single fraction
-    14, two signs 13.
+    g = (1 + epsilon)(-c_z/c_x), omega = 0, c_x > 0, plate at rest. Operations: as derived 39,
+    single fraction 14, two signs 13.
     """
     above = X * X + k * k - X * Z * g
     below = g * (Z * Z + k * k) - X * Z
@@ -238,8 +238,7 @@ def optimum_back(mu, epsilon, root):
 def thin_drift_stick(epsilon, tangent):
     """Drift (26) of a thin rod over V_z, of tanphi.
 
-    Infinite at tilt 0 where nothing is lost. Operations: as derived 12, sum of positive terms
-    9.
+    0/0 at tilt 0 where nothing is lost. Operations: as derived 12, sum of positive terms 9.
     """
     gained = 1 + epsilon
     lost = 1 - epsilon
@@ -249,9 +248,9 @@ def thin_drift_stick(epsilon, tangent):
 def landing_response(X, Z, k, epsilon, held):
     """Response of a stationary landing to a deviation.
 
-    1 - tr + det, 1 + tr + det, 1 - det; the difference of the diagonal entries; -4 times that
-    of the others. held: friction over the critical one, at most 1. Operations: as derived 373,
-    sums of positive terms 70.
+    1 - tr + det, 1 + tr + det, 1 - det; the difference of the diagonal entries; -4 times the
+    product of the others. held: friction over the critical one, at most 1. Operations: as
+    derived 373, sums of positive terms 70.
     """
     lost = 1 - epsilon
     less = k * k + Z * Z * (1 - held)

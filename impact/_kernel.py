@@ -7,7 +7,8 @@ a function stands before those that call it.
 
 No branch is there to mispredict: both ways on from a stop are computed, and the right one selected.
 N, T and their like are k^2 times the response of the contact velocity to a normal impulse, j is a
-normal impulse over k^2, and a name that ends in `_low` is what the rounded number before it lacks.
+normal impulse over k^2, while sticking over k^2 + Z^2, and a name that ends in `_low` is what the
+rounded number before it lacks; all is per unit mass.
 """
 
 from numpy import copysign, sqrt
@@ -262,7 +263,7 @@ def stronge(velocities, contact, k, epsilon, sliding, stopped):
 
 
 def phases(law, velocities, contact, k, epsilon):
-    """Impulses over k^2 of forward slip and of what follows; contact velocities after."""
+    """Impulses, as j, of forward slip and of what follows; contact velocities after."""
     u_0, v_0, u_low, v_low = velocities
     N, T, N_back, T_back, K, K_z, N_low, T_low = contact
     v_slide, gain_slide, slide_low, j_slide, u_slide, hits, slides, sticks = branches(
