@@ -25,7 +25,7 @@ from .kernel import KERNEL
 from .proof import Equation, told
 from .trace import Step
 
-READ = "44b540bd835c68de"  # digest of all words, when they were last read
+READ = "ae1809edb15d772e"  # digest of all words, when they were last read
 _FILES = "lecture.toml", "languages.toml", "templates/report.html"
 _REMARK = re.compile(r'"""(?s:.*?)"""|#.*')
 _NUMBER = re.compile(r"\((B?\d+)\)")
