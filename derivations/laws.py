@@ -79,6 +79,11 @@ def slopes() -> dict[str, sp.Expr]:
     return {name: sp.factor(rate / p) for name, rate in rates.items()}
 
 
+def _restitution() -> sp.Expr:
+    """That of a given kappa."""
+    return sp.solve(meaning(kappa) - kappa, epsilon)[0]
+
+
 def _velocity(p: sp.Expr) -> sp.Expr:
     """Normal velocity after the slip has stopped."""
     return V_1 + a_2 * (p - P_1)
@@ -155,7 +160,7 @@ def energy_threshold(regime: str) -> sp.Expr:
     regime; it reaches positive values where its discriminant is positive.
     """
     a, b, c = sp.Poly(sp.numer(energy_change(regime)).subs(v_0, -1), u_0).all_coeffs()
-    gain = (b**2 - 4 * a * c).subs(epsilon, sp.solve(meaning(kappa) - kappa, epsilon)[0])
+    gain = (b**2 - 4 * a * c).subs(epsilon, _restitution())
     roots = solve(sp.numer(sp.factor(gain)), kappa, _DOUBLE)
     point = {A: 3, B: sp.Rational(3, 2), C: 2, mu: sp.Rational(1, 5)}
     (inside,) = (root for root in roots if 0 < root.subs(point).evalf() < 1)
@@ -180,7 +185,7 @@ def energy_by_poisson(regime: str, order: str) -> sp.Expr:
     """Energy change under Poisson's law by the impulses, with $P_2 = P_z - P_1$."""
     held, whole = HELD[regime], P_1 + P_2
     known = {a_1: A + mu * B, a_2: A - B * held}
-    compressed = whole * (1 + kappa) / 2  # P_z/(1 + epsilon)
+    compressed = sp.factor(whole / (1 + _restitution()))
     (v_start,) = solve(compression(order) - compressed, v_0)
     change = _energy(-mu * P_1 + held * P_2, whole)
     change = change.subs({u_0: (mu * C + B) * P_1, v_0: v_start}).subs(known)

@@ -10,7 +10,7 @@ import sympy as sp
 
 from .axioms import EULER, IMPULSIVE, NEWTON, RIGID, P, lever_x, lever_z, tau, turn, xi, zeta
 from .equality import Pair
-from .lecture import meaning
+from .lecture import meaning, so
 from .proof import Equation
 from .symbols import (
     F_x,
@@ -167,6 +167,10 @@ EQUATIONS = (
         "what (4) leaves out: centripetal acceleration, gravity and the acceleration of the plate",
         r"(\delta(m \dot v_x), \delta(m \dot v_z))",
         derive=dropped_terms,
+        note=lambda: so(
+            "across a plate at rest it is negative for a rod without spin",
+            dropped_terms()[1].subs({omega: 0, plate_rate: 0}),
+        ),
         # towards the centre, half a length away, and down
         check=lambda form: (
             form

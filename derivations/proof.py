@@ -204,6 +204,8 @@ class Equation:
 
     def _failed(self) -> str:
         """What is wrong with the entry itself; nothing if all is well."""
+        if (self.what + told(self)).count("$") % 2:  # words that are not so end here, too
+            return "a formula of the note does not end"
         if not paper.sealed():
             return "paper.toml is not what was compared with our copy of the paper"
         if self.verdict == "assumed" and any(step.name != self.tag for step in self.steps):

@@ -26,6 +26,8 @@ _FIG_10C = paper.setting("Fig. 10(c)")[-c_z / c_x]
 
 
 def _sign(value: sp.Expr) -> sp.Expr:
+    if value.free_symbols:
+        raise ValueError(f"{value} is no number")
     return sp.sign(sp.nsimplify(sp.N(value, DIGITS)))
 
 

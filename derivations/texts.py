@@ -5,15 +5,16 @@ taken there, and several come in the order in which they are taken. Prose has ea
 what its equation is about. A letter has one dimension, in which all values are homogeneous and
 equal to their left sides; and the formula that stands for it.
 
-Words that no computation judges were read beside their forms, and are sealed: who changes one reads
-it again there.
+Whatever is typed and not computed was read beside its forms, and is sealed: who changes a word, a
+label or a formula in a sentence reads the page again there.
 """
 
+import ast
 import hashlib
 import re
 from collections.abc import Iterator, Sequence
 from functools import cache
-from importlib import resources
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import sympy as sp
@@ -25,8 +26,7 @@ from .kernel import KERNEL
 from .proof import Equation, told
 from .trace import Step
 
-READ = "ae1809edb15d772e"  # digest of all words, when they were last read
-_FILES = "lecture.toml", "languages.toml", "templates/report.html"
+READ = "5ed94847bb2d07f5"  # digest of all words, when they were last read
 _REMARK = re.compile(r'"""(?s:.*?)"""|#.*')
 _NUMBER = re.compile(r"\((B?\d+)\)")
 _NUMBERED = re.compile(r"(B?\d+)(: (?!text).*)?")
@@ -213,24 +213,17 @@ def wrong_functions() -> Iterator[str]:
 # ---- the seal ------------------------------------------------------------------------------------
 
 
-def digest(entries: Sequence[Equation]) -> str:
-    """Of all words and left sides; without formulas where they are computed, as SymPy varies."""
-    folder = resources.files(__package__)
-    typed = [folder.joinpath(name).read_text("utf-8") for name in _FILES]
-    typed += _REMARK.findall(KERNEL.read_text("utf-8"))
-    for name in sorted(trace.STEPS):
-        typed += [trace.STEPS[name].__doc__ or "", *trace.LEFTS[name]]
-    for function in FUNCTIONS:
-        typed += [function.words["summary"], function.words["detail"]]
-        typed += [rule.why for rule in function.rules]
-    known: set[Any] = set()
-    for entry in entries:
-        own = entry.tag, entry.left, entry.about, entry.note, entry.mistake
-        typed += [text for text in own if isinstance(text, str)]
-        said = [entry.what, told(entry), *(step.what for step, _ in _steps(entry.steps, known))]
-        typed += ["".join(text.split("$")[::2]) for text in said]
-    words = " ".join(typed).split()  # Python versions differ in the margins of docstrings
-    return hashlib.sha256(" ".join(words).encode()).hexdigest()[:16]
+def digest() -> str:
+    """Of all that is typed here in words or as LaTeX, remarks of the kernel included."""
+    folder, typed = Path(__file__).parent, _REMARK.findall(KERNEL.read_text("utf-8"))
+    for path in sorted(folder.rglob("*")):
+        if path.suffix in (".toml", ".html", ".css", ".jinja"):
+            typed.append(path.read_text("utf-8"))
+        elif path.suffix == ".py":
+            literals = (getattr(x, "value", "") for x in ast.walk(ast.parse(path.read_bytes())))
+            typed += [x for x in literals if isinstance(x, str) and x != READ]
+    words = "".join(typed).split()  # margins of docstrings differ
+    return hashlib.sha256("".join(words).encode()).hexdigest()[:16]
 
 
 def wrong(entries: Sequence[Equation]) -> Iterator[str]:
@@ -238,5 +231,5 @@ def wrong(entries: Sequence[Equation]) -> Iterator[str]:
     yield from wrong_numbers(entries)
     yield from wrong_letters(entries)
     yield from wrong_functions()
-    if (found := digest(entries)) != READ:
+    if (found := digest()) != READ:
         yield f"The words are not those that were read beside their forms, but {found}"

@@ -7,6 +7,7 @@ from mpmath import mpf
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
+import derivations
 import impact
 from figures.theory import stationary
 from impact import ContactGeometry, Regime
@@ -86,6 +87,9 @@ def test_drift_repeats_itself(rods, how):
     way = np.abs(2 * found.c_x * found.c_z)  # times the acceleration of gravity
     cost = impact.transport_cost(rods, **how)
     assert_allclose(0.7 * hit.P_z / cost, way, rtol=128 * EPS)
+    derived = derivations.function("V: cost of transport")
+    with np.errstate(divide="ignore"):
+        assert_allclose(derived(c_x=np.abs(found.c_x), V_z=0.7), cost, rtol=16 * EPS)
 
 
 def test_drift_without_friction_is_undetermined():

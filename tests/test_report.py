@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import sympy as sp
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.text import Annotation
 from sympy.core.relational import Relational
 
@@ -21,12 +21,14 @@ from derivations import (
     slide,
     slip_reversal,
     slip_stick,
+    steps,
+    texts,
     typeset,
 )
 from derivations.equality import components, equal, equal_at_random_points, same
 from derivations.lookup import entry_of
 from derivations.proof import told
-from impact import classify, thin_rod
+from impact import classify, collide, thin_rod
 
 from .page import Page, plain, stands_alone
 from .test_derivations import EQUATIONS, each_entry, each_equation
@@ -92,7 +94,8 @@ def test_every_entry_is_there_with_its_verdict_and_evidence(page, rows, entry):
     for label in (report.PRINTED if own else report.TOLD, "As derived"):  # both, or one form alone
         assert (label in text) == wrong
     shown = {"Repair": [row.repair], "Mistake": [row.mistake]} if wrong else {}
-    shown |= {"Rests on": row.rests_on, "Contradicted by": row.contradicted_by}
+    for name in ("rests_on", "contradicted_by"):
+        shown[name.replace("_", " ").capitalize()] = getattr(entry, name, ())
     for label, said in shown.items():
         words = ", ".join(map(report._named, said))
         assert not words or f"{label}: {plain(words)}" in text
@@ -177,6 +180,43 @@ def test_what_can_be_read_is_what_is_meant(entry):
             assert equal_at_random_points(read.doit(), part.doit())
 
 
+def read_line(tex, letters):
+    """Both sides of an equation of the page."""
+    return [paper.read(side, letters) for side in "".join(tex).split(" = ")]
+
+
+def test_a_solved_equation_is_shown_as_it_is():
+    """Or its numerator; up to a factor without the unknown: the same at any two values of it."""
+    taken = texts._steps([step for entry in EQUATIONS for step in entry.steps], set())
+    shown = 0
+    for step in dict.fromkeys(step for step, _ in taken if step.kind == "solved"):
+        (unknown, *_), value = step.given, sp.Rational(7, 3)
+        for tex, (left, right) in zip(steps._solved(step).formulas, step.value, strict=False):
+            true = left - right
+            letters = {typeset.latex(x): x for x in true.free_symbols}
+            if any("phi}" in name for name in letters):  # tan(phi) as an unknown
+                continue
+            one, other = read_line(tex, letters)
+            found, shown = one - other, shown + 1
+            assert found.has(unknown)
+            forms = true, sp.numer(sp.together(true))
+            pairs = [
+                (found * form.subs(unknown, value), found.subs(unknown, value) * form)
+                for form in forms
+            ]
+            assert any(equal_at_random_points(*pair) for pair in pairs)
+    assert shown > 20
+
+
+@pytest.mark.parametrize("entry", [x for x in EQUATIONS if x.repair and x.own], ids=lambda x: x.tag)
+def test_what_is_shown_as_derived_has_all_repairs(entry):
+    lines = report._lines_of(entry, "As derived", entry.readable())
+    put = entry.put()
+    forms = [read_line(tex, paper.LETTERS)[-1].subs(put, simultaneous=True) for tex in lines]
+    assert all(map(equal, forms, components(entry.derive())))
+    assert report.equation("u", entry.readable())[0].startswith("u = ")
+
+
 @each_function
 def test_what_can_be_read_of_a_function_is_what_is_generated(function):
     body, _ = function.body
@@ -218,6 +258,32 @@ def test_paths_in_the_plane_of_impulses(regime, later):
     assert corner[1] < ends["poisson"][1] < ends["stronge"][1] < ends["newton"][1]
 
 
+@pytest.mark.parametrize("regime", drawings.IMPACTS)
+def test_a_path_ends_where_the_impact_does_under_each_law(regime):
+    """As it is drawn, between edges with their labels, below the tilt that it has."""
+    tilt, slip = drawings.IMPACTS[regime]
+    plane, *_ = drawings.impulses(regime).axes
+    lines = {line.get_label(): np.transpose(line.get_data()) for line in plane.lines}
+    assert f"{tilt}°" in plane.get_title()
+    assert [plane.get_xlabel()[:4], plane.get_ylabel()[:4]] == ["$P_x", "$P_z"]
+    known = {"friction": drawings.FRICTION, "restitution": drawings.RESTITUTION}
+    for law in drawings.MARKERS:
+        hit = collide(slip, -1.0, geometry=thin_rod(np.radians(tilt)), law=law, **known)
+        (end,) = lines[f"end: {law.title()}"]
+        assert tuple(end) == pytest.approx((hit.P_x, hit.P_z))
+    for sign, slope in (("-", -1), ("", 1)):
+        (edge,) = (xy for label, xy in lines.items() if label.startswith(f"$P_x = {sign}\\mu"))
+        assert edge[1, 0] / edge[1, 1] == pytest.approx(slope * drawings.FRICTION)
+
+
+def test_words_of_the_drawings_and_their_prose():
+    expected = {"slips": "between", "sticks": "outside of", "against": "against", "ahead": "+x"}
+    expected |= {"edge": "left", "back": "right", "push": "forward", "approach": 2, "landing": 0.65}
+    assert expected.items() <= drawings.WORDS.items()
+    for name, largest in (("blue", 2), ("orange", 0)):
+        assert np.argmax(to_rgb(drawings.COLORS[name])) == largest
+
+
 @pytest.mark.parametrize(("regime", "wrong"), [("slide", (30, 0.6)), ("slip reversal", (8, 0.8))])
 def test_an_impact_of_another_regime_has_no_path(monkeypatch, regime, wrong):
     monkeypatch.setitem(drawings.IMPACTS, regime, wrong)
@@ -229,6 +295,7 @@ def test_letters_stand_beside_what_they_mean():
     """Each once; an arrow of x or z lies along that axis, as do the axes of a plane."""
     axes, *_ = drawings.geometry().axes
     words = [text.get_text() for text in axes.texts if text.get_text().count("$") == 2]
+    assert np.hypot(*axes.lines[0].get_xydata()[1]) == pytest.approx(2)  # the rod, l = 2
     arrows = [text for text in axes.texts if isinstance(text, Annotation)]
     letters = r"\phi l X Z F_{z} F_{x} z x V_{z} c_{x} c_{z} \omega"
     assert words == [f"${letter}$" for letter in letters.split()]
@@ -250,6 +317,8 @@ def test_colours_of_a_caption_are_those_of_the_lines():
     axes, *_ = drawings.regimes().axes
     drawn = [line for line in axes.collections if not line.get_fill()]
     assert len(drawn) == len(drawings.EDGES)
+    assert axes.lines[0].get_xydata()[0] == pytest.approx((np.degrees(np.arctan(2)), 0.75))
+    assert "degrees" in axes.get_xlabel()
     caption = drawings.DRAWINGS["regimes"].caption
     for line, tag in zip(drawn, ("14", "16"), strict=True):
         (color,) = (x for x, y in drawings.COLORS.items() if to_hex(line.get_edgecolor()[0]) == y)
