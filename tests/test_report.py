@@ -370,6 +370,7 @@ def test_every_section_with_equations_has_its_text(source):
     for part in lecture.PARTS.values():
         for text in part.text:
             assert str(report._sentence(text % drawings.WORDS)) in source
+    assert not re.search(r"\(B?\d+:", source)  # what an equation is about is left out
     drawn = [name for part in lecture.PARTS.values() for name in part.drawings]
     assert drawn == list(drawings.DRAWINGS)
     whole = " ".join(text for part in lecture.PARTS.values() for text in part.text)
