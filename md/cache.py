@@ -28,10 +28,6 @@ from typing import Any
 
 import numba
 from numba.core.caching import NullCache
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.compiler_machinery import PassManager, register_pass
-from numba.core.typed_passes import NativeLowering
 
 from .files import warn
 from .interrupt import deferred
@@ -206,45 +202,6 @@ def _warn_once(message: str) -> None:
         warn(message)
 
 
-class _Part(JITCodeLibrary):
-    """Code that only goes into that of its callers, where it is optimised and made native."""
-
-    def _optimize_final_module(self) -> None:
-        pass
-
-    def _finalize_final_module(self) -> None:
-        self._finalized = True
-
-
-@register_pass(mutates_CFG=True, analysis_only=False)
-class _PartLowering(NativeLowering):
-    """Numba's step from types to LLVM's language, of a function without an address."""
-
-    _name = "part_lowering"
-
-    def run_pass(self, state: Any) -> bool:
-        """Leave the code where callers find it."""
-        state.library = _Part(state.targetctx.codegen(), state.func_id.func_qualname)
-        state.flags.no_compile = True
-        super().run_pass(state)
-        found_by = object()
-        state.targetctx.insert_user_function(found_by, state.cr.fndesc, [state.library])
-        state.cr = state.cr._replace(cfunc=found_by)
-        return True
-
-
-class _PartCompiler(CompilerBase):
-    """Numba's, with `_PartLowering`."""
-
-    def define_pipelines(self) -> list[PassManager]:
-        """The usual steps but one."""
-        passes = PassManager("part")
-        for step, purpose in DefaultPassBuilder.define_nopython_pipeline(self.state).passes:
-            passes.add_pass(_PartLowering if step is NativeLowering else step, purpose)
-        passes.finalize()
-        return [passes]
-
-
 def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable:
     """Compile on first call and keep the result; IEEE arithmetic, no exception on a division.
 
@@ -252,10 +209,9 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
     counts references to arrays (`_nrt`): in inlined functions that took three quarters of the time
     of a step. In return a kernel cannot allocate, and Numba refuses one that would.
 
-    What is inlined has neither an entry for calls from Python, into which a third of the time to
-    compile would go, nor native code of its own, which takes a fifth of the rest; it is not kept.
-    Where Python calls such a function, a twin with an entry is compiled; Numba's public options
-    cannot say so, and two private methods of its dispatcher are replaced.
+    What is inlined has no entry for calls from Python, into which a third of the time to compile
+    would go; it is not kept. Where Python calls such a function, a twin with an entry is compiled;
+    Numba's public options cannot say so, and two private methods of its dispatcher are replaced.
     """
     if function is None:
         return partial(kernel, inline=inline)
@@ -265,8 +221,8 @@ def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable
         return function
     if not inline:
         return _kept(function)
-    options = {"forceinline": True, "no_cpython_wrapper": True, "pipeline_class": _PartCompiler}
-    part = _compiling(numba.njit(**options, **_OPTIONS)(function))
+    options = {"forceinline": True, "no_cpython_wrapper": True, **_OPTIONS}
+    part = _compiling(numba.njit(**options)(function))
     called = cache(partial(_kept, function))
     part._insert = lambda *_: None  # what has no entry cannot be called, and crashes
     part._compile_for_args = lambda *_, **__: called()
