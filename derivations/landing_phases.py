@@ -204,7 +204,8 @@ EQUATIONS = (
     ),
     Equation(
         "V: shadow",
-        "height of strip swept, less that of a period's rods: zero at the shadow's end, $q < 1$",
+        "height of the strip swept, less that of a period's rods: zero at the shadow's end, "
+        "$q < 1$",
         r"h(\theta_s)",
         derive=shadow,
         shown=sp.sin(theta_0) - sp.sin(theta_s) - q * (2 * sp.pi + theta_s - theta_0),
