@@ -24,7 +24,6 @@ from .command_line import Commands
 from .lecture import to_text
 
 NAME = "python -m derivations"
-_FILE = click.Path(dir_okay=False, path_type=Path)
 
 
 def _bar(what: str) -> Callable[..., tqdm]:
@@ -124,7 +123,11 @@ def check(as_json: bool = False) -> int:
     type=click.Choice(["c", "javascript", "module", "typescript"]),
     help="Print the impact map as a C99 header, a script or a module, or the types of these two.",
 )
-@click.option("--out", type=_FILE, help="File for it, instead of standard output.")
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="File for it, instead of standard output.",
+)
 def generate(language: str | None, out: Path | None) -> int:
     """Write the generated functions and tables (10 s).
 

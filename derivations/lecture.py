@@ -68,10 +68,8 @@ LETTERS = tuple(
     )
 )
 _MEANINGS = {letter.name: letter.meaning for letter in LETTERS}
-_QUOTED = re.compile(r'"([^"]*)"')
 _MATH = "<math>(?:(?!</math>).)*</math>"
 _WHOLE = re.compile(rf"\({_MATH}[,.;:)]*|{_MATH}[,.;:)]+")  # a line must not break in it
-_CODE = re.compile(r"`([^`]+)`")
 _PLAIN = ((r"\ge", ">="), (r"\le", "<="), (r"\to", "->"), (r"\cdot", "."), (r"\,", " "))
 
 
@@ -89,9 +87,9 @@ def to_html(text: str, link: Callable[[str], str] = "".format) -> str:
 
     def plain(part: str) -> str:
         part = html.escape(part, quote=False).replace("'", "’")
-        return re.sub(r"\((B?\d+)\)", linked, _CODE.sub(r"<code>\1</code>", part))
+        return re.sub(r"\((B?\d+)\)", linked, re.sub("`([^`]+)`", r"<code>\1</code>", part))
 
-    text = _QUOTED.sub("“\\1”", text)
+    text = re.sub('"([^"]*)"', r"“\1”", text)
     text = "".join(mathml(words(part)) if math else plain(part) for math, part in _parts(text))
     return _WHOLE.sub(r'<span class="whole">\g<0></span>', text)
 

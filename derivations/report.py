@@ -47,8 +47,7 @@ def forms(entry: Entry) -> list[tuple[str, Form]]:
     """Labelled forms of an entry, the printed one first."""
     if not isinstance(entry, Equation):
         return []
-    printed = PRINTED if entry.own else TOLD
-    found = [] if entry.printed is None else [(printed, entry.printed)]
+    found = [(PRINTED if entry.own else TOLD, entry.printed)] if entry.printed is not None else []
     if entry.printed is None or entry.verdict == "erratum":
         how = "Assumed" if entry.verdict == "assumed" else "As derived"
         found.append((how, entry.readable()))

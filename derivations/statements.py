@@ -91,11 +91,12 @@ _APPENDIX_A = {  # in d, g and virtual spheres
     damping: paper.printed("A: unit of gamma").as_coeff_Mul()[0],
     speed: 1,
 }
-_LENGTH = paper.setting("Fig. 6")[length]  # in d, caps included
-_MASSES = {  # reduced, by what touches
+_MASSES = {  # reduced, by what touches; lengths in d, caps included
     "two virtual spheres": sp.Rational(1, 2),
     "one and the plate": sp.S.One,
-    "a rod and the plate": paper.printed("[12]: mass").subs(h_0, _LENGTH - 1),
+    "a rod and the plate": paper.printed("[12]: mass").subs(
+        h_0, paper.setting("Fig. 6")[length] - 1
+    ),
 }
 
 
