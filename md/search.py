@@ -489,10 +489,10 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     if not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be there, with different names, got {names}")
     common = changes_of("set", tables.get("set", {}))
-    keys = ["start.seed", *common, *{key for target in targets for key in target.place}]
-    keys += (key for parameter in parameters for key in parameter.keys)
+    keys = ["start.seed", *(key for parameter in parameters for key in parameter.keys)]
+    others = {*common, *(key for target in targets for key in target.place)}
     for key in keys:
-        if keys.count(key) > 1:
+        if keys.count(key) > 1 or key in others:
             raise InputError(f"{key} is set twice at once, by set, parameters, data or seeds")
     given = listed(tables.get("seeds", [1, 2])) or []
     seeds = tuple(whole("seeds", seed, 0, 2**32) for seed in given)
