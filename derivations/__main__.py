@@ -57,6 +57,10 @@ def table(rows: list[registry.Row]) -> str:
     return "\n".join([*lines, "", f"{len(rows)} entries: {total}; {failed} not proved"])
 
 
+def _code(rows: list[registry.Row]) -> int:
+    return int(any(row.failed for row in rows))
+
+
 def _examples(*lines: str) -> str:
     """Epilogue of a help text: commands as they are typed."""
     return "\n".join(["\b", *(f"{NAME} {line}".rstrip() for line in lines)])
@@ -114,7 +118,7 @@ def check(as_json: bool = False) -> int:
     with _begun() as share, Pool(2, _leave_signals) as late:
         rows = registry.check(_bar("proving"), partial(share, late.imap))
     print(json.dumps([row.as_dict() for row in rows], indent=1) if as_json else table(rows))
-    return int(any(row.failed for row in rows))
+    return _code(rows)
 
 
 @main.command(epilog=_examples("generate", "generate --language c --out rod_impact.h"))
@@ -183,7 +187,7 @@ def write_report(out: Path) -> int:
             return 1
         files.write(report.html(rows, prepared.get(), _bar("writing")), page)
     print(out / "report.html")
-    return int(any(row.failed for row in rows))
+    return _code(rows)
 
 
 if __name__ == "__main__":

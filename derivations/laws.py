@@ -79,6 +79,7 @@ def slopes() -> dict[str, sp.Expr]:
     return {name: sp.factor(rate / p) for name, rate in rates.items()}
 
 
+@remembered
 def _restitution() -> sp.Expr:
     """That of a given kappa."""
     return sp.solve(meaning(kappa) - kappa, epsilon)[0]

@@ -168,7 +168,7 @@ EQUATIONS = (
         r"(\delta(m \dot v_x), \delta(m \dot v_z))",
         derive=dropped_terms,
         note=lambda: so(
-            "across a plate at rest it is negative for a rod without spin",
+            "with the plate at rest and no spin, the part across the plate is negative",
             dropped_terms()[1].subs({omega: 0, plate_rate: 0}),
         ),
         # towards the centre, half a length away, and down

@@ -20,6 +20,7 @@ _LETTERS = (
 _RANK = {name: rank for rank, name in enumerate(_LETTERS.split())}
 _MOVING = set(_SPEEDS.split())  # they stand last in a product, and behind a fraction
 _GAIN = sp.Symbol("gain", positive=True)  # 1 + epsilon
+_LONG = 80  # characters of LaTeX; a longer sum may break between its terms
 
 
 def _ranks(expr: sp.Expr) -> list[tuple[int, str]]:
@@ -203,7 +204,7 @@ def pieces(form: Form) -> list[str]:
     whole = latex(form)
     return (
         pieces_of(_printer.terms(form))
-        if isinstance(form, sp.Add) and len(whole) > 80  # characters of LaTeX
+        if isinstance(form, sp.Add) and len(whole) > _LONG
         else [whole]
     )
 
