@@ -140,10 +140,7 @@ def function(tag: str | int) -> Callable[..., Any]:
         try:
             given = signature.bind(*values, **named).arguments
         except TypeError as error:
-            thin = "thin rod" in entry_of(tag).what and named.keys() & {"X", "Z", "k"}
-            general = "; it is for a thin rod alone, (24), (25), (27), (28) for any X, Z, k"
-            text = f"equation {tag} takes {signature}: {error}{general if thin else ''}"
-            raise TypeError(text) from None
+            raise TypeError(f"equation {tag} takes {signature}: {error}") from None
         numbers = [_real(name, value) for name, value in given.items()]
         found, shape = evaluate(*numbers), np.broadcast_shapes(*map(np.shape, numbers))
         return tuple(_spread(one, shape) for one in found) if vector else _spread(found, shape)
