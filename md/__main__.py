@@ -20,7 +20,6 @@ from .result import finite, result_json
 from .scene import keys, load
 from .soft_impact import Impact
 from .store import table, write_csv
-from .trajectory import checked
 from .units import TWINS
 
 _OF_RESULT = "accuracy.", "annulus.", "energy.", "landings.", "touches.", "turned.", "versions."
@@ -303,10 +302,6 @@ def run(
     which is "reached", "not reached" or "not settled".
     """  # noqa: E501  (an example)
     chosen = _given(given, *given)
-    if "frames" in chosen and trajectory is None:
-        raise InputError("frames has no meaning without trajectory")
-    if trajectory is not None:
-        checked(trajectory)  # before anything is compiled
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotWritten)  # said after the result
         result = accuracy.run(

@@ -122,7 +122,8 @@ class Result:
 
     def __repr__(self) -> str:
         drift = _with_error(self.c_x_cm_s, self.c_x_stderr_cm_s)
-        return f"<Result: {drift} cm/s at {self.tilt_deg:.3g} degrees, {self.periods} periods>"
+        length = f"{self.periods} {_unit(self)}"
+        return f"<Result: {drift} cm/s at {self.tilt_deg:.3g} degrees, {length}>"
 
     def __str__(self) -> str:
         return f"{self.scene}\n{result_text(self)}"
@@ -210,6 +211,11 @@ def _with_error(value: float, error: float) -> str:
     return f"{value:.4g}" if isnan(error) else f"{value:.4g} +- {error:.2g}"
 
 
+def _unit(r: Result) -> str:
+    """Unit of the time that a run is measured in."""
+    return "periods" if r.scene.vibrates else "sqrt(d/g)"
+
+
 def _drift(r: Result) -> list[str]:
     unit = r.scene.cm_per_s
     cm = _with_error(r.c_x * unit, r.c_x_stderr * unit)
@@ -217,7 +223,7 @@ def _drift(r: Result) -> list[str]:
     if isnan(r.c_x_stderr):
         why = "rods keep their arrangement: only other starts tell it (start.seed)"
         if r.scene.annulus is None:
-            why = f"from {FEWEST * 5 // 4 - 1} periods on one run can tell it"
+            why = f"from {FEWEST * 5 // 4 - 1} {_unit(r)} on one run can tell it"
         lines.append(f"             error unknown: {why}")
     turned = (f", {name.replace('_', ' ')} {k} times" for name, k in r.turned.items() if k)
     tilt = _with_error(r.tilt_deg, r.tilt_stderr_deg)
@@ -229,23 +235,22 @@ def _touches(r: Result) -> list[str]:
         return []
     mean = {name: pair["mean"] for name, pair in r.touches.items()}
     return [
-        f"touches      {mean['per_rod_and_period']:.3g} per rod and period: "
+        f"touches      {mean['per_rod_and_period']:.3g} per rod and {_unit(r).removesuffix('s')}: "
         f"slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip reversal "
         f"{mean['slip_reversal']:.0%}; pushed by others {mean['pushed_by_others']:.0%}",
         f"at touch     V_z/V_0 = {mean['plate_velocity']:.3g}, restitution "
         f"{mean['restitution']:.3g}, flight {mean['flight_periods']:.3g} and contact "
-        f"{mean['contact_periods']:.2g} periods",
+        f"{mean['contact_periods']:.2g} {_unit(r)}",
     ]
 
 
 def _cost(r: Result) -> list[str]:
-    unit = "periods" if r.scene.vibrates else "sqrt(d/g)"
     seconds = r.periods / r.scene.frequency * r.scene.rods.diameter_cm / r.scene.cm_per_s
     left_out = f"the first {r.discarded} are left out of the means"
     if r.accuracy:
         left_out += " (for c_x: what each start took to settle)"
     ended = "" if r.finished else "; interrupted"
-    lines = [f"{unit:12} {r.periods} = {seconds:.4g} s; {left_out}{ended}"]
+    lines = [f"{_unit(r):12} {r.periods} = {seconds:.4g} s; {left_out}{ended}"]
     if r.scene.vibrates and r.accuracy is None:
         if r.settled is False:
             few = "not settled: drift or falls trend behind the transient; ask for more periods"
@@ -253,7 +258,7 @@ def _cost(r: Result) -> list[str]:
         elif r.scene.annulus is not None and r.periods < SETTLING:
             lines.append(f"warning      an annulus needs {SETTLING} periods or more to settle")
     if r.annulus and (share := r.annulus["wedged"]["mean"]) > 0:
-        since = f"the plate for {wedged_periods(r.scene):.0f} periods"
+        since = f"the plate for {wedged_periods(r.scene):.0f} {_unit(r)}"
         lines.append(f"warning      wedged: {share:.0%} of the rods have not touched {since}")
     n, each = r.scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
     steps = f"{r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g)"
@@ -267,7 +272,8 @@ def accuracy_lines(result: Result) -> list[str]:
     a, unit = result.accuracy, result.scene.cm_per_s
     if a is None:
         return []
-    verdict = f"accuracy     {a.state if a.state == 'reached' else a.state.upper()}"
+    found = a.state if result.finished else "interrupted"
+    verdict = f"accuracy     {found if found == 'reached' else found.upper()}"
     if not isfinite(a.error):
         return [f"{verdict}: ended too early to tell the error"]
     if abs(result.c_x) + a.error < NOTHING * result.scene.plate_speed:

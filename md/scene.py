@@ -9,6 +9,7 @@ import hashlib
 import inspect
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from difflib import get_close_matches
@@ -318,7 +319,7 @@ def _contact(name: str, table: Mapping) -> Contact:
     """A contact from its table: law, friction, and the options of the law."""
     options = dict(table)
     law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
-    if law not in [*LAWS]:
+    if not isinstance(law, str) or law not in LAWS:
         raise InputError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
     options_of = {one: inspect.signature(make).parameters for one, make in LAWS.items()}
     takes = options_of[law]
@@ -381,7 +382,7 @@ def keys() -> list[tuple[str, str]]:
 
 
 def _parsed(assignment: str) -> tuple[str, Any]:
-    """Key and value of KEY=VALUE, the value as in TOML or a bare word."""
+    """Key and value of KEY=VALUE: the value as TOML or Python writes it, or a bare word."""
     if not isinstance(assignment, str):
         raise InputError(f"assignments must be texts KEY=VALUE, got {assignment!r}")
     key, equals, text = assignment.partition("=")
@@ -390,7 +391,12 @@ def _parsed(assignment: str) -> tuple[str, Any]:
     try:
         return key.strip(), tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
-        return key.strip(), text.strip()
+        word = text.strip()
+        if word in ("True", "False"):
+            return key.strip(), word == "True"
+        with suppress(ValueError):  # .03, which TOML writes as 0.03
+            return key.strip(), float(word)
+        return key.strip(), word
 
 
 def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:

@@ -25,7 +25,7 @@ from .interrupt import SIGNALS
 from .measures import Tables, transient
 from .result import Result
 from .scene import Scene
-from .trajectory import Trajectory
+from .trajectory import Trajectory, checked
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", TqdmWarning)  # a notebook without ipywidgets shows no bar
@@ -96,14 +96,18 @@ class Run:
         ledger: bool = True,
         observe: Callable[[np.ndarray], None] | None = None,
         trajectory: str | Path | None = None,
-        frames: int = 1,
+        frames: int | None = None,
         checkpoint: str | Path | None = None,
         progress: bool = False,
     ):
         if not isinstance(scene, Scene):
             raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
         periods = whole("periods", periods, 1, MOST_PERIODS)
-        frames = whole("frames", frames, 1, step_of(scene)[1])
+        if trajectory is not None:
+            checked(trajectory)
+        elif frames is not None:
+            raise InputError("frames has no meaning without trajectory")
+        frames = whole("frames", 1 if frames is None else frames, 1, step_of(scene)[1])
         distinct(trajectory=trajectory, checkpoint=checkpoint)
         saved, self.checkpoint = None, None if checkpoint is None else Path(checkpoint)
         if self.checkpoint is not None:
@@ -132,7 +136,8 @@ class Run:
             self._restore(*saved, periods)
         self.trajectory: Trajectory | None = None
         if trajectory is not None:
-            self.trajectory = Trajectory(trajectory, frames, engine.step / engine.per, periods)
+            begin = engine.step / engine.per
+            self.trajectory = Trajectory(trajectory, scene, frames, begin, periods)
         self.bar.update(self.made)
 
     def __enter__(self) -> "Run":
@@ -180,7 +185,7 @@ class Run:
         engine, time = self.engine, self.engine.step / self.engine.per
         if "trajectory" not in self.lost:
             with self._noting_failure("trajectory", trajectory.path):
-                trajectory.write(engine.scene, engine.rods, time, engine.plate_height)
+                trajectory.write(engine.rods, time, engine.plate_height)
 
     def save(self, last: bool = False) -> None:
         """Bring the frames, and then a checkpoint, on the disk."""

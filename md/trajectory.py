@@ -50,6 +50,7 @@ class Trajectory:
     Parameters
     ----------
     path : of the file: a new one, or one of frames
+    scene : of the run
     per_period : frames of a period
     begin : periods made before
     end : periods to be made in all
@@ -57,18 +58,23 @@ class Trajectory:
     Raises
     ------
     ValueError
-        If the file holds anything else, frames of a longer run that would be lost, or others than
-        the run had so far, if it would hold none, or if it cannot be written. It is not changed.
+        If the file holds anything else, frames of a longer run that would be lost, of another scene
+        or others than the run had so far, if it would hold none, or if it cannot be written. It is
+        not changed.
     """
 
-    def __init__(self, path: str | Path, per_period: int, begin: float, end: int):
-        self.path, self.per_period = checked(path), per_period
-        goes_on = begin > 0 and self.path.exists()
-        self.kept, times, self.scene = _frames_before(begin, self.path) if goes_on else (0, [], "")
+    def __init__(self, path: str | Path, scene: Scene, per_period: int, begin: float, end: int):
+        self.path, self.scene, self.per_period = checked(path), scene, per_period
+        self.kept: int | None = 0  # bytes, until the first frame follows them
+        there, times = "", list[float]()
+        if begin > 0 and self.path.exists():
+            self.kept, times, there = _frames_before(begin, self.path)
         before = [time for time in times if time < begin]
         wanted = (begin - before[0]) * per_period if before else 0.0
         wrong = ""
-        if times and times[-1] > end:
+        if there not in ("", _of_scene(_head(scene, 0.0, 0.0))):
+            wrong = "is of another scene"
+        elif times and times[-1] > end:
             wrong = f"goes on to period {times[-1]:.6g}, beyond the {end} asked for"
         elif before and not -0.5 < len(before) - wanted < 2:  # a frame is up to a step late
             wrong = f"has {len(before)} frames before period {begin:.6g}, not {wanted:.0f}"
@@ -81,12 +87,11 @@ class Trajectory:
         self.path.touch()
         self.file = self.path.open("r+", encoding="utf-8")
 
-    def write(self, scene: Scene, rods: np.ndarray, time: float, height: float) -> None:
+    def write(self, rods: np.ndarray, time: float, height: float) -> None:
         """Append a frame.
 
         Parameters
         ----------
-        scene : of the run
         rods : (N, 7), columns as in `kernels.codes`, or (N, 12) in an annulus
         time : periods since the start, at which the plate is at its lowest point
         height : of the plate, in d
@@ -96,25 +101,12 @@ class Trajectory:
         orientation as a quaternion x, y, z, w that turns the z axis into the rod's; radius, radius
         and length of the cylinder between the caps; velocity; angular velocity; tilt in degrees.
         """
-        wide, deep, left = scene.box.length if scene.box else 1e3, 1.0, 0.0
-        if scene.annulus is not None:
-            left = -scene.annulus.outer
-            wide = deep = -2 * left
-        cell = f"{wide!r} 0 0 0 {deep!r} 0 0 0 {scene.rods.length + 10!r}"
-        corner = f"{left!r} {-deep / 2!r} 0"
-        head = (
-            f'{len(rods)}\nLattice="{cell}" Origin="{corner}" Properties={_COLUMNS} '
-            f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} phase={phase_at(time):.9g} '
-            f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
-        )
-        if self.scene not in ("", _of_scene(head)):
-            raise InputError(f"trajectory {str(self.path)!r} is of another scene: name a new file")
-        if self.kept is not None:  # the first frame
+        if self.kept is not None:
             self.file.truncate(self.file.seek(self.kept))
             self.kept = None
-        self.file.write(head)
+        self.file.write(_head(self.scene, time, height))
         for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
-            numbers = [*turn, 0.5, 0.5, scene.rods.length - 1, *velocity, *omega, tilt]
+            numbers = [*turn, 0.5, 0.5, self.scene.rods.length - 1, *velocity, *omega, tilt]
             self.file.write(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
 
     def flush(self) -> None:
@@ -129,6 +121,21 @@ class Trajectory:
 
 def _text(numbers: Iterable[float]) -> str:
     return " ".join(f"{number:.9g}" for number in numbers)
+
+
+def _head(scene: Scene, time: float, height: float) -> str:
+    """Number of rods and head of a frame."""
+    wide, deep, left = scene.box.length if scene.box else 1e3, 1.0, 0.0
+    if scene.annulus is not None:
+        left = -scene.annulus.outer
+        wide = deep = -2 * left
+    cell = f"{wide!r} 0 0 0 {deep!r} 0 0 0 {scene.rods.length + 10!r}"
+    corner = f"{left!r} {-deep / 2!r} 0"
+    return (
+        f'{scene.rods.count}\nLattice="{cell}" Origin="{corner}" Properties={_COLUMNS} '
+        f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} phase={phase_at(time):.9g} '
+        f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
+    )
 
 
 def _of_scene(head: str) -> str:

@@ -24,6 +24,11 @@ def test_an_assignment_may_stand_alone():
     assert load("quasi2d", "rods.count=10").rods.count == 10
 
 
+def test_an_assignment_takes_what_python_writes():
+    scene = load("annulus", ["plate.acceleration=.5", "rods.rolling=True"])
+    assert (scene.plate.acceleration, scene.rods.rolling) == (0.5, True)
+
+
 # What is a scene
 
 

@@ -69,8 +69,8 @@ def test_a_run_that_was_ended_early_is_not_judged():
     result = md.run(DRIVEN, periods=46)
     found = accuracy._accuracy(goal, result)
     assert found.state == "not settled"
-    words = accuracy_lines(replace(result, accuracy=found))
-    assert words == ["accuracy     NOT SETTLED: ended too early to tell the error"]
+    words = accuracy_lines(replace(result, accuracy=found, finished=False))
+    assert words == ["accuracy     INTERRUPTED: ended too early to tell the error"]
 
 
 def interval(*runs, periods=None, **how):
